@@ -1,0 +1,29 @@
+"""Checks that the frozen objects of this package make of their own values."""
+
+from __future__ import annotations
+
+from math import isfinite
+
+from fabrics.errors import InputError
+
+
+def _check(owner, names, holds, allowed):
+    for name in names:
+        value = getattr(owner, name)
+        if not (isinstance(value, (int, float)) and isfinite(value) and holds(value)):
+            raise InputError(key=name, value=value, allowed=allowed)
+
+
+def positive(owner, *names):
+    """Raise InputError unless every named value is a finite number above zero."""
+    _check(owner, names, lambda value: value > 0, "a positive number")
+
+
+def not_negative(owner, *names):
+    """Raise InputError unless every named value is a finite number, zero or above."""
+    _check(owner, names, lambda value: value >= 0, "zero or a positive number")
+
+
+def fraction(owner, *names):
+    """Raise InputError unless every named value is in [0, 1)."""
+    _check(owner, names, lambda value: 0 <= value < 1, "a fraction from 0 to below 1 (0.02 or 2 %)")

@@ -1,0 +1,214 @@
+"""Transverse compression of a yarn at a crossover: thickness lost, d_c, against contact force, F.
+
+    printed       d_c = a - b / F^(1/3)                            (source thesis eqs. 2-7, 4-12)
+    regularised   d_c = a - b / (F + F0)^(1/3),  F0 = (b / a)^3    (erratum E-05)
+
+The printed form falls to minus infinity as the force goes to zero, so that yarns at rest would push each other
+apart. The regularised form has the same limit a and the same b, is zero at zero force, and is van Wyk's law
+(eq. 2-1). a = b = 0 is a yarn that cannot be compressed.
+"""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from fabrics.checks import not_negative
+from fabrics.errors import InputError
+from fabrics.files import write_whole
+from fabrics.units import si
+
+FORMS = ("regularised", "printed")
+_FORMAT = "weavecell compression law 1"
+
+
+@dataclass(frozen=True)
+class CompressionLaw:
+    """Compression of one yarn under the contact force of a crossover.
+
+    Parameters
+    ----------
+    a : [m] greatest compression
+    b : [m N^(1/3)]
+    form : "regularised" or "printed"
+    provenance : where a and b come from
+    residual_rms : [m] of the fit, None where there was none
+    F_range : (lowest, highest) [N] force of the fitted samples
+    a_interval, b_interval : (low, high) 95 % confidence intervals
+
+    Raises
+    ------
+    InputError : a or b negative, one of them zero without the other, or an unknown form
+    """
+
+    a: float
+    b: float
+    form: str = "regularised"
+    provenance: str = ""
+    residual_rms: float | None = None
+    F_range: tuple[float, float] | None = None
+    a_interval: tuple[float, float] | None = None
+    b_interval: tuple[float, float] | None = None
+
+    def __post_init__(self):
+        not_negative(self, "a", "b")
+        if (self.a == 0) != (self.b == 0):
+            raise InputError(key="b", value=self.b, allowed="zero exactly where a is zero (an incompressible yarn)")
+        if self.form not in FORMS:
+            raise InputError(key="form", value=self.form, allowed=" or ".join(FORMS))
+
+    @classmethod
+    def incompressible(cls) -> CompressionLaw:
+        """The limit of a yarn that keeps its thickness."""
+        return cls(0.0, 0.0, provenance="incompressible limit")
+
+    @property
+    def F0(self) -> float:
+        """[N] (b / a)^3, the force at which the printed form starts."""
+        return (self.b / self.a) ** 3 if self.a > 0 else 0.0
+
+    @property
+    def _shift(self):
+        return self.F0 if self.form == "regularised" else 0.0
+
+    def d(self, F):
+        """Compression [m] at the contact force `F` [N]; no force, no compression (regularised form)."""
+        F = np.asarray(F, float)
+        if self.a == 0:
+            return np.zeros_like(F)
+        if self.form == "regularised":
+            return np.where(F > 0, self.a - self.b / np.cbrt(np.maximum(F, 0) + self.F0), 0.0)
+        with np.errstate(divide="ignore"):
+            return self.a - self.b / np.cbrt(np.maximum(F, 0))
+
+    def F(self, d):
+        """Contact force [N] at the compression `d` [m]; infinite from d = a on."""
+        d = np.asarray(d, float)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            force = np.where(d < self.a, (self.b / (self.a - d)) ** 3 - self._shift, np.inf)
+        return np.where(d > 0, force, 0.0) if self.form == "regularised" else force
+
+    def dd_dF(self, F):
+        """Compliance [m/N] at the contact force `F` [N] (eq. 4-28)."""
+        F = np.asarray(F, float)
+        if self.a == 0:
+            return np.zeros_like(F)
+        with np.errstate(divide="ignore"):
+            return self.b / 3 * (np.maximum(F, 0) + self._shift) ** (-4 / 3)
+
+    def energy(self, d):
+        """Work [J] of the contact force from zero compression to `d` [m], 0 <= d < a (regularised form)."""
+        d = np.asarray(d, float)
+        return self.b**3 / 2 * ((self.a - d) ** -2 - self.a**-2) - self._shift * d
+
+    @classmethod
+    def fit(cls, F, d, *, provenance="", confidence=0.95) -> CompressionLaw:
+        """Fit the regularised form to samples by least squares in d.
+
+        Parameters
+        ----------
+        F : (n,) [N] contact forces; samples without contact (F <= 0) are left out
+        d : (n,) [m] compression of one yarn
+        confidence : of the intervals of a and b, from the linearised covariance
+
+        Raises
+        ------
+        InputError : fewer than three samples in contact, or no fit found
+        """
+        from scipy.optimize import curve_fit
+        from scipy.stats import t as student
+
+        F, d = np.asarray(F, float), np.asarray(d, float)
+        keep = F > 0
+        F, d = F[keep], d[keep]
+        if F.size < 3:
+            raise InputError("a compression law needs at least three samples in contact", value=int(F.size))
+        length, force = float(np.max(np.abs(d))), float(np.max(F))
+
+        # a = exp(p), F0 = exp(q): both stay positive, and b = a F0^(1/3) follows
+        def law(F, p, q):
+            return np.exp(p) * (1 - (1 + F * np.exp(-q)) ** (-1 / 3))
+
+        try:
+            (p, q), covariance = curve_fit(law, F / force, d / length, p0=(0.3, np.log(0.03)), maxfev=10000)
+        except RuntimeError as problem:
+            raise InputError(f"no compression law fits the samples: {problem}") from problem
+        a, F0 = length * np.exp(p), force * np.exp(q)
+        b = a * np.cbrt(F0)
+        spread = student.ppf(0.5 + confidence / 2, F.size - 2) if F.size > 2 else np.inf
+        da = spread * np.sqrt(covariance[0, 0])
+        db = spread * np.sqrt(covariance[0, 0] + 2 / 3 * covariance[0, 1] + covariance[1, 1] / 9)
+        fitted = cls(float(a), float(b), provenance=provenance)
+        return replace(
+            fitted,
+            residual_rms=float(np.sqrt(np.mean((fitted.d(F) - d) ** 2))),
+            F_range=(float(F.min()), float(F.max())),
+            a_interval=(float(a * np.exp(-da)), float(a * np.exp(da))),
+            b_interval=(float(b * np.exp(-db)), float(b * np.exp(db))),
+        )
+
+    def to_json(self, path):
+        """Write the law, its fit and its provenance."""
+        content = {
+            "format": _FORMAT,
+            "form": self.form,
+            "a": f"{self.a!r} m",
+            "b": f"{self.b!r} m * N**(1/3)",
+            "provenance": self.provenance,
+            "fit": {
+                "residual_rms_m": self.residual_rms,
+                "F_range_N": self.F_range,
+                "a_interval_m": self.a_interval,
+                "b_interval_m_N^(1/3)": self.b_interval,
+            },
+        }
+        with write_whole(path) as file:
+            json.dump(content, file, indent=2)
+            file.write("\n")
+
+    @classmethod
+    def from_json(cls, path) -> CompressionLaw:
+        """Read what `to_json` wrote.
+
+        Raises
+        ------
+        InputError : no such file, not JSON, another format, or a bad value
+        """
+        content = _read_json(path)
+        try:
+            fit = content.get("fit") or {}
+            return cls(
+                si(content.get("a"), "m", file=path, key="a"),
+                si(content.get("b"), "m * N**(1/3)", file=path, key="b"),
+                content.get("form", "regularised"),
+                content.get("provenance", ""),
+                fit.get("residual_rms_m"),
+                *(
+                    tuple(fit[key]) if fit.get(key) else None
+                    for key in ("F_range_N", "a_interval_m", "b_interval_m_N^(1/3)")
+                ),
+            )
+        except InputError as problem:
+            if problem.file is None:
+                raise InputError(file=path, key=problem.key, value=problem.value, allowed=problem.allowed) from None
+            raise
+
+
+def _read_json(path):
+    try:
+        content = json.loads(Path(path).read_text(encoding="utf-8"))
+    except OSError as problem:
+        raise InputError("cannot be read", file=path, allowed=f"a compression law ({problem.strerror})") from problem
+    except ValueError as problem:
+        raise InputError("is not JSON", file=path, allowed=f"a compression law ({problem})") from problem
+    if not isinstance(content, dict) or content.get("format") != _FORMAT:
+        raise InputError(
+            file=path,
+            key="format",
+            value=content.get("format") if isinstance(content, dict) else None,
+            allowed=repr(_FORMAT),
+        )
+    return content

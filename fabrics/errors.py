@@ -1,0 +1,61 @@
+"""The errors a user can meet, each with the exit code that the command line returns for it.
+
+InputError (2): a scene, fabric, mesh or restart file is wrong; nothing has been written.
+UnstableError (3): a run has become unphysical and stopped itself; what it had computed is kept.
+"""
+
+from __future__ import annotations
+
+
+class WeavecellError(Exception):
+    """Base of all errors that are reported to the user as one line, without a traceback."""
+
+    exit_code = 1
+
+
+class InputError(WeavecellError):
+    """Bad input, told in one line: the file, the key, its value and what is allowed.
+
+    Parameters
+    ----------
+    message : a complete sentence, used where the problem is not one key of one file
+    file, key, value : where the bad value stands, and what it is
+    allowed : what would have been accepted
+    """
+
+    exit_code = 2
+
+    def __init__(self, message=None, *, file=None, key=None, value=None, allowed=None):
+        self.file, self.key, self.value, self.allowed = file, key, value, allowed
+        parts = []
+        if file is not None:
+            parts.append(f"{file}:")
+        if key is not None:
+            parts.append(f"{key} = {value!r}:" if value is not None else f"{key}:")
+        if message is not None:
+            parts.append(message)
+        if allowed is not None:
+            parts.append(f"must be {allowed}")
+        super().__init__(" ".join(" ".join(parts).split()))
+
+
+class UnstableError(WeavecellError):
+    """A run that has become unphysical, with where and when.
+
+    Parameters
+    ----------
+    message : what was found (energy drift, NaN, inverted element, failed Newton)
+    where : the element, node or load case, in words
+    when : the time, step or load, in words
+    """
+
+    exit_code = 3
+
+    def __init__(self, message, *, where=None, when=None):
+        self.where, self.when = where, when
+        text = message
+        if where is not None:
+            text += f", at {where}"
+        if when is not None:
+            text += f", {when}"
+        super().__init__(text)

@@ -1,0 +1,65 @@
+"""A fabric: its weave with everything known about it, each number with its source."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+
+from fabrics.compression import CompressionLaw
+from fabrics.errors import InputError
+from fabrics.solid import SolidLaw
+from fabrics.trellis import TrellisShear
+from fabrics.weave import Weave
+
+SECTIONS = ("sine", "ellipse")
+
+
+@dataclass(frozen=True)
+class Fabric:
+    """One fabric of the catalogue, or of a user's file.
+
+    Parameters
+    ----------
+    name : str
+    weave : Weave
+    laws : (CompressionLaw, CompressionLaw) or None, published compression laws of warp and weft
+    shear : TrellisShear or None
+    solids : (SolidLaw, SolidLaw) or None, of warp and weft in the 3D crossover
+    section : "sine" or "ellipse", the yarn section of the 3D crossover
+    areal_density_measured : [kg/m2] or None
+    interlayer_gap : [m] play between plies of a pack, or None
+    effective_linear_density : (warp, weft) [kg/m] that the source's runs really used (erratum E-07), or None
+    micrograph : {"warp": {...}, "weft": {...}} [SI] values read from section pictures
+    sources : {dotted key: {"value", "source", "status"}} as written in the data file
+    """
+
+    name: str
+    weave: Weave
+    laws: tuple[CompressionLaw, CompressionLaw] | None = None
+    shear: TrellisShear | None = None
+    solids: tuple[SolidLaw, SolidLaw] | None = None
+    section: str = "sine"
+    areal_density_measured: float | None = None
+    interlayer_gap: float | None = None
+    effective_linear_density: tuple[float, float] | None = None
+    micrograph: Mapping = field(default_factory=dict)
+    sources: Mapping = field(default_factory=dict)
+
+    def __post_init__(self):
+        if self.section not in SECTIONS:
+            raise InputError(key="section", value=self.section, allowed=" or ".join(SECTIONS))
+
+    def effective(self) -> Fabric:
+        """This fabric with the linear densities that the source's shell runs used (erratum E-07).
+
+        Raises
+        ------
+        InputError : the fabric's file gives none
+        """
+        if self.effective_linear_density is None:
+            raise InputError(f"fabric {self.name} has no effective linear density")
+        warp, weft = (
+            replace(yarn, linear_density=density)
+            for yarn, density in zip(self.weave.yarns, self.effective_linear_density)
+        )
+        return replace(self, weave=replace(self.weave, warp=warp, weft=weft))

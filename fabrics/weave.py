@@ -1,0 +1,147 @@
+"""The plain weave: two crimped yarn families on a rectangular cell, one crossover a cell.
+
+The centreline of yarn i is z = h_i cos(pi x / 2 w_i) (source thesis eq. 4-1) over the cell 2 w_i, which is the
+spacing of the family that crosses (eq. 4-2). Its length S (eq. 4-3) has the closed form
+
+    S = (4 w / pi) E(m = -k^2),   k = pi h / 2 w,
+
+with E the complete elliptic integral of the second kind. Index 1 is warp, 2 is weft.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.special import ellipe, ellipk
+
+from fabrics.checks import positive
+from fabrics.errors import InputError
+from fabrics.yarn import Yarn
+
+
+def arc_length(w, h):
+    """Length of a yarn of height `h` over the whole cell 2 w (eq. 4-3).
+
+    Parameters
+    ----------
+    w, h : array_like [m] half length of the cell and height of the centreline
+
+    Returns
+    -------
+    S : array or float [m]
+    """
+    k = np.pi * np.asarray(h, float) / (2 * np.asarray(w, float))
+    return 4 * np.asarray(w, float) / np.pi * ellipe(-(k**2))
+
+
+def height_from_length(w, S):
+    """Height of the centreline of a yarn of length `S` over the cell 2 w: the inverse of `arc_length` (eq. 4-5).
+
+    Newton's method on k = pi h / 2 w. The length is convex and rising in k, so every step after the first comes
+    from above and the iteration cannot fail.
+
+    Raises
+    ------
+    InputError : the yarn is shorter than its cell
+    """
+    crimp = float(S) / (2 * float(w)) - 1
+    if crimp < 0:
+        raise InputError(key="yarn length", value=float(S), allowed=f"at least the cell length {2 * w:g} m")
+    if crimp == 0:
+        return 0.0
+    k = 2 * np.sqrt(crimp)
+    for _ in range(100):
+        length, slope = 2 / np.pi * ellipe(-(k**2)), 2 / np.pi * (ellipk(-(k**2)) - ellipe(-(k**2)))
+        step = (length - 1 - crimp) * k / -slope
+        k -= step
+        if abs(step) <= 1e-15 * k:
+            break
+    return float(2 * w * k / np.pi)
+
+
+@dataclass(frozen=True)
+class Weave:
+    """A plain weave of two yarn families.
+
+    Parameters
+    ----------
+    warp, weft : Yarn
+    warp_count, weft_count : [1/m] yarns per width of cloth
+
+    Raises
+    ------
+    InputError : a count is not positive
+    """
+
+    warp: Yarn
+    weft: Yarn
+    warp_count: float
+    weft_count: float
+
+    def __post_init__(self):
+        positive(self, "warp_count", "weft_count")
+
+    @property
+    def yarns(self) -> tuple[Yarn, Yarn]:
+        return self.warp, self.weft
+
+    @property
+    def w1(self) -> float:
+        """[m] half the cell along the warp, 1 / (2 weft count) (eq. 4-2)."""
+        return 0.5 / self.weft_count
+
+    @property
+    def w2(self) -> float:
+        """[m] half the cell along the weft, 1 / (2 warp count)."""
+        return 0.5 / self.warp_count
+
+    @property
+    def w(self) -> tuple[float, float]:
+        return self.w1, self.w2
+
+    @property
+    def S0(self) -> tuple[float, float]:
+        """[m] lengths of the two yarns in one cell (eq. 4-4)."""
+        return tuple(2 * w * (1 + yarn.crimp) for w, yarn in zip(self.w, self.yarns))
+
+    @property
+    def S01(self) -> float:
+        return self.S0[0]
+
+    @property
+    def S02(self) -> float:
+        return self.S0[1]
+
+    @property
+    def h0(self) -> tuple[float, float]:
+        """[m] initial heights of the centrelines (eq. 4-5)."""
+        return tuple(height_from_length(w, S) for w, S in zip(self.w, self.S0))
+
+    @property
+    def h01(self) -> float:
+        return self.h0[0]
+
+    @property
+    def h02(self) -> float:
+        return self.h0[1]
+
+    @property
+    def thickness(self) -> float:
+        """[m] of the shell: twice the sum of the heights (section 6.6)."""
+        return 2 * sum(self.h0)
+
+    @property
+    def cell_area(self) -> float:
+        """[m2]"""
+        return 4 * self.w1 * self.w2
+
+    @property
+    def cell_mass(self) -> float:
+        """[kg] of the two yarns in one cell, crimp included."""
+        return sum(S * yarn.linear_density for S, yarn in zip(self.S0, self.yarns))
+
+    @property
+    def areal_density(self) -> float:
+        """[kg/m2]"""
+        return self.cell_mass / self.cell_area
