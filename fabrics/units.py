@@ -1,4 +1,4 @@
-"""Units given as text: "92.5 m/s", "1420 denier", "20 / inch". SI everywhere inside, converted here and nowhere else."""
+"""Units given as text ("92.5 m/s", "1420 denier", "20 / inch"), converted to SI here and nowhere else."""
 
 from __future__ import annotations
 

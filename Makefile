@@ -1,0 +1,27 @@
+# Two commands: `make demo` and `make test`. Each sets up what is missing first (tools/setup.sh).
+VENV ?= .venv
+RESULTS ?= results
+# one BLAS thread a process: the work is shared out over processes instead
+RUN = OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(VENV)/bin/python -m
+
+.PHONY: demo test validate lint figures setup clean
+
+demo: setup  ## S-720 from its data sheet to impact, with a report in results/demo
+	$(RUN) weavecell demo --out $(RESULTS)/demo
+
+test: setup lint  ## everything but the long validation runs
+	$(RUN) pytest -m "not slow"
+
+validate: setup  ## the long validation runs
+	$(RUN) pytest -m slow
+
+lint: setup
+	$(VENV)/bin/ruff check .
+	$(VENV)/bin/ruff format --check .
+	$(VENV)/bin/mypy
+
+setup:
+	@VENV=$(VENV) tools/setup.sh
+
+clean:
+	rm -rf $(RESULTS) .pytest_cache .ruff_cache .mypy_cache

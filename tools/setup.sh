@@ -1,0 +1,54 @@
+#!/usr/bin/env bash
+# Brings a bare Debian 12 or 13 machine to the point where weavecell runs, and does nothing where nothing is missing.
+#
+# 1. System packages by apt: the solvers (dolfinx, PETSc), gmsh, meshio and an HDF5 that shares their MPI.
+# 2. A virtual environment that sees them, with the rest from PyPI and numpy pinned to the system's version:
+#    petsc4py and dolfinx are compiled against it, and an unpinned install would silently replace it.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+python=${PYTHON:-/usr/bin/python3}
+venv=${VENV:-.venv}
+packages=(
+  python3 python3-venv python3-dev gcc g++ libc6-dev      # dolfinx compiles its forms at the first use
+  python3-dolfinx python3-petsc4py python3-gmsh python3-meshio python3-h5py-mpi
+  python3-numpy python3-scipy
+  libopenblas0-pthread                        # Debian's reference BLAS makes the factorisation 3 to 5 times slower
+  libgl1 libegl1 libxrender1 libx11-6         # off-screen pictures
+  git make ca-certificates
+)
+
+as_root() { if [ "$(id -u)" = 0 ]; then "$@"; else sudo "$@"; fi; }
+
+missing=()
+if command -v dpkg-query >/dev/null; then
+  installed=$(dpkg-query -W -f '${db:Status-Status} ${Package}\n' "${packages[@]}" 2>/dev/null | sed -n 's/^installed //p')
+  for package in "${packages[@]}"; do
+    grep -qx "$package" <<<"$installed" || missing+=("$package")
+  done
+else
+  echo "setup: this is not Debian; see environment.yml and CONTRIBUTING.md" >&2
+  exit 1
+fi
+if [ ${#missing[@]} -gt 0 ]; then
+  echo "setup: installing ${missing[*]}"
+  as_root apt-get update -qq
+  as_root env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends "${missing[@]}" >/dev/null
+fi
+
+stamp=$venv/.ready
+wanted=$(cat pyproject.toml tools/setup.sh | sha256sum | cut -d' ' -f1)" $("$python" -V) $(dpkg-query -W -f '${Version}' python3-numpy)"
+if [ ! -f "$stamp" ] || [ "$(cat "$stamp")" != "$wanted" ]; then
+  echo "setup: preparing $venv"
+  [ -x "$venv/bin/python" ] || "$python" -m venv --system-site-packages "$venv"
+  pin=$(mktemp)
+  trap 'rm -f "$pin"' EXIT
+  "$python" -c 'import numpy; print("numpy==" + numpy.__version__)' >"$pin"
+  "$venv/bin/python" -m pip install --quiet --disable-pip-version-check --constraint "$pin" --editable ".[app,dev]"
+  "$venv/bin/python" - <<'CHECK'
+import sys, numpy
+if sys.prefix in numpy.__file__:
+    sys.exit("setup: numpy was replaced inside the environment; remove it and run again")
+CHECK
+  echo "$wanted" >"$stamp"
+fi
