@@ -32,10 +32,10 @@ class InputError(WeavecellError):
             parts.append(f"{file}:")
         if key is not None:
             parts.append(f"{key} = {value!r}:" if value is not None else f"{key}:")
-        if message is not None:
-            parts.append(message)
+        told = [message] if message is not None else []
         if allowed is not None:
-            parts.append(f"must be {allowed}")
+            told.append(f"must be {allowed}")
+        parts.append("; ".join(told))
         super().__init__(" ".join(" ".join(parts).split()))
 
 

@@ -200,9 +200,6 @@ class _Reader:
                 raise
             key = {"E": "modulus"}.get(problem.key, problem.key)
             key = key.replace("_count", ".count") if key else key
-            raise InputError(
-                file=self.path,
-                key=f"{where}.{key}" if where else key,
-                value=problem.value,
-                allowed=problem.allowed,
-            ) from None
+            key = f"{where}.{key}" if where else key
+            value = self.sources.get(key, {}).get("value", problem.value)  # as the user wrote it
+            raise InputError(file=self.path, key=key, value=value, allowed=problem.allowed) from None

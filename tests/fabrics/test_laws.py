@@ -1,0 +1,151 @@
+"""Compression, trellis and solid laws: limits, inverses, derivatives, energies, and the errata that they follow."""
+
+import numpy as np
+import pytest
+from scipy.integrate import quad
+
+from fabrics import catalogue
+from fabrics.compression import CompressionLaw
+from fabrics.errors import InputError
+from fabrics.solid import SolidLaw
+from fabrics.trellis import TrellisShear
+
+S720 = CompressionLaw(4.5e-5, 5.8e-5)
+FORCES = np.array([1e-6, 0.01, 0.5, 2.0, 30.0, 400.0, 1e5])
+
+
+def test_regularised_law_is_zero_at_rest_and_has_the_printed_limit():
+    assert S720.d(0.0) == 0
+    assert S720.d(-3.0) == 0
+    assert S720.d(1e18) == pytest.approx(S720.a, rel=1e-5)
+    printed = CompressionLaw(S720.a, S720.b, "printed")
+    assert S720.d(1e6) == pytest.approx(printed.d(1e6), rel=1e-6)
+    assert S720.F0 == pytest.approx(2.141, abs=5e-4)  # erratum E-05
+    assert printed.d(S720.F0) == pytest.approx(0, abs=1e-18)
+
+
+@pytest.mark.parametrize("form", ["regularised", "printed"])
+def test_law_inverse_and_derivative(form):
+    law = CompressionLaw(S720.a, S720.b, form)
+    assert law.F(law.d(FORCES)) == pytest.approx(FORCES, rel=1e-6)
+    forces = FORCES[1:]  # the first is below the step that the difference needs
+    step = 1e-4 * forces
+    slope = (law.d(forces + step) - law.d(forces - step)) / (2 * step)
+    assert law.dd_dF(forces) == pytest.approx(slope, rel=1e-6)
+
+
+def test_initial_compliance_is_finite():
+    """Erratum E-05: b / (3 F0^(4/3))."""
+    assert S720.dd_dF(0.0) == pytest.approx(S720.b / (3 * S720.F0 ** (4 / 3)))
+
+
+def test_energy_is_the_work_of_the_force():
+    for d in (1e-6, 2e-5, 4.4e-5):
+        assert S720.energy(d) == pytest.approx(quad(S720.F, 0, d, epsrel=1e-12)[0], rel=1e-9)
+
+
+def test_incompressible_limit():
+    law = CompressionLaw.incompressible()
+    assert np.all(law.d(FORCES) == 0)
+    assert np.all(law.dd_dF(FORCES) == 0)
+    assert law.F(1e-9) == np.inf
+
+
+@pytest.mark.parametrize(
+    ("kwargs", "key"),
+    [({"a": -1e-5}, "a"), ({"b": float("nan")}, "b"), ({"a": 0.0}, "b"), ({"form": "cubic"}, "form")],
+)
+def test_bad_laws_are_refused(kwargs, key):
+    with pytest.raises(InputError) as problem:
+        CompressionLaw(**({"a": 4e-5, "b": 6e-5} | kwargs))
+    assert problem.value.key == key
+
+
+def test_fit_recovers_the_law_behind_its_samples():
+    F = np.geomspace(0.05, 200, 60)
+    law = CompressionLaw.fit(F, S720.d(F))
+    assert (law.a, law.b) == pytest.approx((S720.a, S720.b), rel=1e-6)
+    assert law.residual_rms < 1e-12
+    assert law.F_range == pytest.approx((0.05, 200))
+
+
+def test_intervals_of_the_fit_cover_the_truth():
+    rng = np.random.default_rng(720)
+    F = np.geomspace(0.5, 150, 40)
+    hits = 0
+    for _ in range(200):
+        law = CompressionLaw.fit(F, S720.d(F) + rng.normal(0, 0.3e-6, F.size))
+        hits += law.a_interval[0] < S720.a < law.a_interval[1] and law.b_interval[0] < S720.b < law.b_interval[1]
+    assert 174 <= hits <= 200  # both at once: between 90 % (independent) and 95 % (fully correlated), 3 sigma below
+
+
+def test_fit_needs_samples_in_contact():
+    with pytest.raises(InputError, match="three samples"):
+        CompressionLaw.fit([0, 0, 0, 1, 2], [0, 0, 0, 1e-6, 2e-6])
+
+
+def test_law_file_keeps_every_bit(tmp_path):
+    F = np.geomspace(0.5, 150, 40)
+    law = CompressionLaw.fit(F, S720.d(F) + 1e-7 * np.sin(9 * F), provenance="a test")
+    law.to_json(tmp_path / "law.json")
+    assert CompressionLaw.from_json(tmp_path / "law.json") == law
+
+
+@pytest.mark.parametrize(
+    ("text", "line"),
+    [
+        ("", "law.json: is not JSON"),
+        ("{}", "law.json: format: must be 'weavecell compression law 1'"),
+        (
+            '{"format": "weavecell compression law 1", "a": "4 s", "b": "1 m * N**(1/3)"}',
+            "law.json: a = '4 s': must be a text with a unit that converts to m",
+        ),
+        (
+            '{"format": "weavecell compression law 1", "a": "-4 um", "b": "1 m * N**(1/3)"}',
+            "law.json: a = -4e-06: must be zero or a positive number",
+        ),
+    ],
+)
+def test_bad_law_files_have_one_clear_line(tmp_path, text, line):
+    path = tmp_path / "law.json"
+    path.write_text(text)
+    with pytest.raises(InputError) as problem:
+        CompressionLaw.from_json(path)
+    assert line in str(problem.value)
+    assert "\n" not in str(problem.value)
+
+
+def test_trellis_stress_is_the_integral_of_the_tangent():
+    """Erratum E-11, and its value for S-728 at 0.4."""
+    shear = catalogue.load("S-728").shear
+
+    def tangent(g):
+        return np.interp(abs(g), [shear.gamma1, shear.gamma2], [shear.G1, shear.G2])
+
+    for gamma in (0.05, 0.12, 0.4, 0.7, 0.9):
+        breaks = [b for b in (shear.gamma1, shear.gamma2) if b < gamma]
+        expected = quad(tangent, 0, gamma, points=breaks or None)[0]
+        assert shear.stress(gamma) == pytest.approx(expected, rel=1e-9)
+        assert shear.stress(-gamma) == -shear.stress(gamma)
+    assert shear.stress(0.4) == pytest.approx(5.88175e8, rel=1e-5)
+
+
+def test_trellis_angles_are_ordered():
+    with pytest.raises(InputError, match="above gamma1"):
+        TrellisShear(1e7, 1e10, 0.5, 0.4)
+
+
+def test_solid_law_is_continuous_and_capped():
+    """Eqs. 3-10 .. 3-14 with the values of erratum section 7 and the cap of E-20."""
+    warp, weft = catalogue.load("S-720").solids
+    assert (warp.a_E, warp.b_E) == pytest.approx((1.2245e7, 1.00612), rel=1e-4)
+    assert (weft.a_E, weft.b_E) == pytest.approx((1.5510e7, 1.00776), rel=1e-4)
+    assert warp.G == pytest.approx(1e6)
+    for law in (warp, weft):
+        ends = law.transverse_modulus(np.array([0.1, law.Vf0, law.V_c, 1.5]))
+        assert ends == pytest.approx([law.K_r * law.E_c] * 2 + [law.E_c] * 2, rel=1e-12)
+
+
+def test_solid_law_checks_itself():
+    with pytest.raises(InputError, match="below V_c"):
+        SolidLaw(1e6, 2e9, 0.02, 0.001, 1.0, 1.0)
