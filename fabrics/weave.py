@@ -103,7 +103,7 @@ class Weave:
     @property
     def S0(self) -> tuple[float, float]:
         """[m] lengths of the two yarns in one cell (eq. 4-4)."""
-        return tuple(2 * w * (1 + yarn.crimp) for w, yarn in zip(self.w, self.yarns))
+        return 2 * self.w1 * (1 + self.warp.crimp), 2 * self.w2 * (1 + self.weft.crimp)
 
     @property
     def S01(self) -> float:
@@ -116,7 +116,7 @@ class Weave:
     @property
     def h0(self) -> tuple[float, float]:
         """[m] initial heights of the centrelines (eq. 4-5)."""
-        return tuple(height_from_length(w, S) for w, S in zip(self.w, self.S0))
+        return height_from_length(self.w1, self.S01), height_from_length(self.w2, self.S02)
 
     @property
     def h01(self) -> float:
