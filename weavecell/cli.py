@@ -1,0 +1,192 @@
+"""The `weavecell` command. Nothing heavy is imported before a command needs it, so that help comes at once.
+
+Exit codes: 0 done; 2 bad input (one line on stderr, nothing written); 3 a run became unstable (what it had computed is
+kept); 130 interrupted.
+"""
+
+from __future__ import annotations
+
+import sys
+from enum import StrEnum
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from fabrics.errors import InputError, WeavecellError
+
+app = typer.Typer(
+    name="weavecell",
+    no_args_is_help=True,
+    add_completion=False,
+    rich_markup_mode="rich",
+    pretty_exceptions_enable=False,
+    context_settings={"help_option_names": ["-h", "--help"]},
+    help="Woven ballistic fabric, from data sheet to impact.",
+    epilog="Example: [bold]weavecell demo[/bold], then open results/demo/report.html",
+)
+fabrics_app = typer.Typer(no_args_is_help=True, help="The fabrics of the catalogue.", rich_markup_mode="rich")
+app.add_typer(fabrics_app, name="fabrics", epilog="Example: [bold]weavecell fabrics list[/bold]")
+
+FabricArgument = Annotated[
+    str, typer.Argument(metavar="FABRIC", help="A name of the catalogue, or the path of a fabric file.")
+]
+OutOption = Annotated[Path, typer.Option("--out", "-o", help="Folder for the results.", metavar="FOLDER")]
+RESULTS = Path("results")
+
+
+class Size(StrEnum):
+    """Mesh sizes of a crossover."""
+
+    coarse = "coarse"
+    medium = "medium"
+    fine = "fine"
+
+
+class Domain(StrEnum):
+    """How much of a crossover is meshed."""
+
+    quarter = "quarter"
+    whole = "whole"
+
+
+class Section(StrEnum):
+    """Yarn sections."""
+
+    sine = "sine"
+    ellipse = "ellipse"
+
+
+def _version(wanted: bool):
+    if wanted:
+        import weavecell
+
+        typer.echo(f"weavecell {weavecell.__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def _root(
+    version: Annotated[
+        bool | None, typer.Option("--version", callback=_version, is_eager=True, help="Print the version.")
+    ] = None,
+):
+    pass
+
+
+@app.command(epilog="Example: [bold]weavecell demo --out results[/bold]")
+def demo(
+    out: OutOption = RESULTS,
+    size: Annotated[Size, typer.Option(help="Mesh of the 3D crossover.")] = Size.coarse,
+):
+    """S-720 from data sheet to report: mesh, calibration, and four impacts, with a summary and one HTML page."""
+    from weavecell import demo as chain
+
+    chain.run(out / "demo", size=size.value)
+
+
+@app.command(epilog="Example: [bold]weavecell mesh S-720 --size medium --domain whole[/bold]")
+def mesh(
+    fabric: FabricArgument,
+    size: Annotated[Size, typer.Option(help="How fine.")] = Size.medium,
+    domain: Annotated[Domain, typer.Option(help="A quarter by symmetry, or the whole crossover.")] = Domain.quarter,
+    section: Annotated[Section | None, typer.Option(help="Yarn section; the fabric's own if not given.")] = None,
+    gap: Annotated[str, typer.Option(help="Gap between parallel yarns.", metavar="LENGTH")] = "0 mm",
+    out: OutOption = RESULTS,
+):
+    """Mesh one crossover in hexahedra: .msh, .vtu and a picture."""
+    from fabrics.units import si
+    from weavecell import crossover
+
+    crossover.mesh(
+        fabric,
+        out,
+        size=size.value,
+        domain=domain.value,
+        section=section.value if section else None,
+        gap=si(gap, "m", key="--gap"),
+    )
+
+
+@app.command(epilog="Example: [bold]weavecell calibrate S-720 --size coarse[/bold]")
+def calibrate(
+    fabric: FabricArgument,
+    size: Annotated[Size, typer.Option(help="Mesh of the 3D crossover.")] = Size.medium,
+    out: OutOption = RESULTS,
+):
+    """Solve the 3D crossover and fit its compression law: law.json, histories and a report."""
+    from weavecell import crossover
+
+    crossover.calibrate(fabric, out, size=size.value)
+
+
+@app.command(epilog="Example: [bold]weavecell impact examples/S-720-stops.toml[/bold]")
+def impact(
+    scene: Annotated[Path, typer.Argument(metavar="SCENE", help="A scene file (*.toml).")],
+    out: OutOption = RESULTS,
+    resume: Annotated[bool, typer.Option("--resume", help="Go on from the checkpoint of an interrupted run.")] = False,
+):
+    """Fire the projectile of a scene at its panel: histories, ParaView series, pictures and a report."""
+    from weavecell import run
+
+    run.impact(scene, out / scene.stem, resume=resume)
+
+
+@app.command(epilog="Example: [bold]weavecell view results/S-720-stops --screenshot panel.png[/bold]")
+def view(
+    path: Annotated[
+        Path, typer.Argument(metavar="PATH", help="A folder of results, or a .vtu, .pvd or .msh file.", exists=False)
+    ],
+    screenshot: Annotated[
+        Path | None, typer.Option(help="Write a picture instead of opening a window.", metavar="FILE.png")
+    ] = None,
+):
+    """Look at a mesh or a result in a window, or write a picture of it."""
+    from weavecell import viewer
+
+    viewer.view(path, screenshot)
+
+
+@fabrics_app.command("list", epilog="Example: [bold]weavecell fabrics list[/bold]")
+def fabrics_list(
+    out: Annotated[Path | None, typer.Option("--out", "-o", help="Also write it as CSV.", metavar="FILE.csv")] = None,
+):
+    """The catalogue, one line a fabric."""
+    from weavecell import listing
+
+    listing.show_all(out)
+
+
+@fabrics_app.command("show", epilog="Example: [bold]weavecell fabrics show S-720 --out .[/bold]")
+def fabrics_show(
+    fabric: FabricArgument,
+    out: Annotated[
+        Path | None,
+        typer.Option("--out", "-o", help="Also copy its data file here, to start your own from.", metavar="FOLDER"),
+    ] = None,
+):
+    """One fabric: what follows from its data, and where each number comes from."""
+    from weavecell import listing
+
+    listing.show(fabric, out)
+
+
+def main(arguments=None):
+    """Run the command line; never returns."""
+    # click's own class, wherever this typer keeps its click
+    usage_error = next(base for base in typer.BadParameter.__mro__ if base.__name__ == "ClickException")
+    try:
+        code = app(args=arguments, standalone_mode=False)
+    except WeavecellError as problem:
+        _fail(str(problem), problem.exit_code)
+    except usage_error as problem:
+        _fail(" ".join(problem.format_message().split()), InputError.exit_code)
+    except (typer.Abort, KeyboardInterrupt):
+        _fail("interrupted", 130)
+    sys.exit(code if isinstance(code, int) else 0)
+
+
+def _fail(line, code):
+    if line:  # a command without its sub-command has printed its help and has nothing to add
+        print(f"error: {line}", file=sys.stderr)
+    sys.exit(code)

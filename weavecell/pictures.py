@@ -1,0 +1,151 @@
+"""Plots of the report, from plain arrays in SI units to matplotlib figures. Units are converted here, on the axes."""
+
+from __future__ import annotations
+
+import io
+
+import numpy as np
+
+from weavecell.style import (
+    COLOURS, DASHES, FAINT, FITTED, GREEN, INK, ORANGE, PUBLISHED, PURPLE, RED, SKY, WARP, WEFT, plots,
+)  # fmt: skip
+
+MS, US, MM, UM, KN = 1e3, 1e6, 1e3, 1e6, 1e-3
+
+# energies from the largest and best known down to the losses: name in the results, name in the plot, colour
+ENERGIES = (
+    ("kinetic_projectile", "projectile, kinetic", "#c9d2db"),
+    ("kinetic_fabric", "fabric, kinetic", SKY),
+    ("stored", "fabric, membrane", "#0072B2"),
+    ("shear", "fabric, shear", GREEN),
+    ("failed", "lost at failure", RED),
+    ("contact", "contact", ORANGE),
+    ("viscous", "viscous", PURPLE),
+    ("hourglass", "hourglass", "#7a4a6a"),
+)
+
+
+def svg(draw, *arguments, **settings):
+    """Draw with `draw(pyplot, ...)` in the project's style; returns the SVG as bytes."""
+    with plots() as pyplot:
+        figure = draw(pyplot, *arguments, **settings)
+        content = io.BytesIO()
+        figure.savefig(content, format="svg", metadata={"Date": None})
+    return content.getvalue()
+
+
+def fit(pyplot, samples, laws, platen=None):
+    """Contact force against compression of one yarn: samples of the 3D crossover and the laws.
+
+    Parameters
+    ----------
+    samples : {path name: (F, d_c)} [N, m]
+    laws : {label: CompressionLaw}, the fitted one first
+    platen : (F, d_c) of the compression between plates, or None
+    """
+    figure, axes = pyplot.subplots(figsize=(10.4, 4.6))
+    for (name, (F, d)), colour in zip(samples.items(), COLOURS):
+        axes.plot(F, UM * np.asarray(d), "o", ms=5, color=colour, alpha=0.75, mew=0, label=f"3D crossover, {name}")
+    if platen is not None:
+        F, d = platen
+        axes.plot(F, UM * np.asarray(d), "s", ms=4.5, mfc="none", mec=FAINT, label="3D crossover, between plates")
+    top = max(float(np.max(F)) for F, _ in samples.values())
+    force = np.linspace(0.0, 1.05 * top, 600)
+    for (label, law), colour, dash in zip(laws.items(), (INK, PUBLISHED), DASHES):
+        axes.plot(force, UM * law.d(force), dash, color=colour, label=label, zorder=3)
+    axes.set(xlabel="contact force F [N]", ylabel="compression of one yarn d$_c$ [µm]", xlim=(0, 1.05 * top))
+    axes.set_ylim(bottom=min(0.0, axes.get_ylim()[0]))
+    axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
+    return figure
+
+
+def cell(pyplot, cases):
+    """Yarn tension against strain of the cell, one panel a load case.
+
+    Parameters
+    ----------
+    cases : {title: {"strain": (n,), "curves": {label: (T1, T2)}, "points": (strain, T1, T2) or None}} [-, N]
+    """
+    figure, row = pyplot.subplots(1, len(cases), figsize=(10.4, 4.2), sharey=True, squeeze=False)
+    for axes, (title, case) in zip(row[0], cases.items()):
+        for (label, tensions), dash in zip(case["curves"].items(), DASHES):
+            for family, colour, tension in zip(("warp", "weft"), (WARP, WEFT), tensions):
+                axes.plot(100 * case["strain"], tension, dash, color=colour, label=f"{family}, {label}")
+        if case.get("points") is not None:
+            strain, *tensions = case["points"]
+            for family, colour, tension in zip(("warp", "weft"), (WARP, WEFT), tensions):
+                axes.plot(100 * strain, tension, "o", ms=5, mfc="white", mec=colour, mew=1.4, label=f"{family}, 3D crossover")
+        axes.set(title=title, xlabel="strain of the cell [%]")
+        axes.set_xlim(left=0)
+        axes.set_ylim(bottom=0)
+    row[0][0].set_ylabel("yarn tension [N]")
+    row[0][0].legend(loc="upper left")
+    return figure
+
+
+def velocity(pyplot, runs):
+    """Velocity of the projectile against time.
+
+    Parameters
+    ----------
+    runs : {label: (t, v)} [s, m/s]; runs of one strike velocity share a colour, laws differ in dash
+    """
+    figure, axes = pyplot.subplots(figsize=(10.4, 4.2))
+    strikes = list(dict.fromkeys(round(float(v[0]), 6) for _, v in runs.values()))
+    seen = dict.fromkeys(strikes, 0)
+    for label, (t, v) in runs.items():
+        strike = round(float(v[0]), 6)
+        axes.plot(US * t, v, DASHES[seen[strike] % 4], color=COLOURS[strikes.index(strike) % 6], label=label)
+        seen[strike] += 1
+    axes.axhline(0.0, color=FAINT, lw=1)
+    axes.set(xlabel="time after strike [µs]", ylabel="velocity of the projectile [m/s]")
+    axes.set_xlim(left=0)
+    axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
+    return figure
+
+
+def energies(pyplot, t, parts, strike_energy, balance, title=""):
+    """Where the strike energy is at every instant, stacked, and below it what the balance misses.
+
+    Parameters
+    ----------
+    t : (n,) [s]
+    parts : {name: (n,)} [J], names of ENERGIES; absent ones are left out
+    strike_energy : [J]
+    balance : (n,) [J], energy that the audit cannot place
+    """
+    figure, (top, low) = pyplot.subplots(2, 1, figsize=(5.6, 5.6), sharex=True, height_ratios=(3.4, 1))
+    known = [(parts[name], label, colour) for name, label, colour in ENERGIES if name in parts]
+    top.stackplot(
+        US * t, [np.maximum(values, 0.0) for values, _, _ in known],
+        labels=[label for _, label, _ in known], colors=[colour for _, _, colour in known], lw=0.4, ec="white",
+    )  # fmt: skip
+    top.axhline(strike_energy, color=INK, lw=1, ls=":")
+    top.set(ylabel="energy [J]", title=title, ylim=(0, 1.04 * strike_energy))
+    top.legend(loc="upper center", bbox_to_anchor=(0.5, -0.02), ncols=2, fontsize=10)
+    low.axhspan(-1, 1, color="#e8f5f0", lw=0)
+    low.plot(US * t, 100 * balance / strike_energy, color=INK, lw=1.6)
+    reach = max(1.25, 1.15 * float(np.max(np.abs(100 * balance / strike_energy))))
+    low.set(xlabel="time after strike [µs]", ylabel="balance\n[% of strike]", ylim=(-reach, reach))
+    low.set_xlim(0, US * float(t[-1]))
+    return figure
+
+
+def reactions(pyplot, runs):
+    """Force of the clamped edges on the panel, warp ends and weft ends, one panel a run.
+
+    Parameters
+    ----------
+    runs : {title: (t, warp, weft)} [s, N, N]
+    """
+    figure, row = pyplot.subplots(
+        1, len(runs), figsize=(10.4, 3.6), sharey=True, sharex=True, squeeze=False
+    )
+    for axes, (title, (t, warp, weft)) in zip(row[0], runs.items()):
+        axes.plot(US * t, KN * warp, color=WARP, label="warp ends")
+        axes.plot(US * t, KN * weft, color=WEFT, ls="--", label="weft ends")
+        axes.set(title=title, xlabel="time after strike [µs]")
+        axes.set_xlim(left=0)
+    row[0][0].set_ylabel("reaction of the clamped\nedges [kN]")
+    row[0][0].legend(loc="upper left")
+    return figure

@@ -1,0 +1,98 @@
+"""Where a result comes from: versions, commit, machine, threads, date and the scene's text."""
+
+from __future__ import annotations
+
+import os
+import platform
+import subprocess
+import sys
+from datetime import UTC, datetime
+from importlib import metadata
+from pathlib import Path
+
+import weavecell
+
+PACKAGES = (
+    "numpy", "scipy", "numba", "fenics-dolfinx", "petsc4py", "gmsh", "meshio", "h5py",
+    "pyvista", "vtk", "matplotlib", "pydantic", "typer",
+)  # fmt: skip
+
+
+def stamp(scene_text=""):
+    """What a reader needs to repeat a run, as a flat dict of texts."""
+    return {
+        "weavecell": weavecell.__version__,
+        "commit": commit(),
+        "date": datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),
+        "python": platform.python_version(),
+        "packages": ", ".join(f"{name} {version}" for name, version in versions().items()),
+        "system": f"{_distribution()}, {platform.machine()}",
+        "processor": f"{_processor()}, {os.cpu_count()} cores",
+        "threads": threads(),
+        "scene": scene_text,
+    }
+
+
+def versions():
+    """Versions of the installed packages that results can depend on.
+
+    Debian names some distributions otherwise than their makers do, so the version of the module that is loaded, where
+    it states one, goes before that of the distribution.
+    """
+
+    found = {}
+    for name in PACKAGES:
+        module = sys.modules.get({"fenics-dolfinx": "dolfinx"}.get(name, name))
+        version = getattr(module, "__version__", None)
+        if version is None:
+            try:
+                version = metadata.version(name)
+            except metadata.PackageNotFoundError:
+                continue
+        found[{"fenics-dolfinx": "dolfinx"}.get(name, name)] = str(version)
+    return found
+
+
+def commit():
+    """The git commit this package was run from, "+ changes" if the tree had been edited; "not a checkout" otherwise."""
+    home = Path(weavecell.__file__).resolve().parent
+    if not (home.parent / ".git").exists():
+        return "not a checkout"
+    try:
+        head = _git(home, "rev-parse", "--short=12", "HEAD")
+        changed = _git(home, "status", "--porcelain", "--untracked-files=no")
+    except (OSError, subprocess.CalledProcessError, subprocess.TimeoutExpired):
+        return "not a checkout"
+    return head + (" + changes" if changed else "")
+
+
+def threads():
+    """How many threads the numerical libraries may use."""
+    text = f"OMP_NUM_THREADS {os.environ.get('OMP_NUM_THREADS', 'unset')}"
+
+    if "numba" in sys.modules:
+        text += f", numba {sys.modules['numba'].get_num_threads()}"
+    return text
+
+
+def _git(folder, *words):
+    return subprocess.run(
+        ["git", "-C", str(folder), *words], check=True, capture_output=True, text=True, timeout=5
+    ).stdout.strip()
+
+
+def _distribution():
+    try:
+        return platform.freedesktop_os_release().get("PRETTY_NAME", platform.system())
+    except OSError:
+        return f"{platform.system()} {platform.release()}"
+
+
+def _processor():
+    try:
+        for line in Path("/proc/cpuinfo").read_text().splitlines():
+            if line.startswith("model name"):
+                return line.split(":", 1)[1].strip()
+    except OSError:
+        pass
+    return platform.processor() or "unknown processor"

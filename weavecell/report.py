@@ -1,0 +1,90 @@
+"""One self-contained HTML page from cards, sections, figures and tables: no file beside it, nothing fetched.
+
+This file knows how a report is built and nothing of mechanics; `chapters.py` turns results into its parts.
+"""
+
+from __future__ import annotations
+
+import base64
+from dataclasses import dataclass
+from importlib import resources
+
+from fabrics.files import write_whole
+
+_MIME = {"svg": "image/svg+xml", "png": "image/png"}
+
+
+@dataclass(frozen=True)
+class Card:
+    """One thing the reader must know in the first ten seconds."""
+
+    label: str
+    headline: str
+    lines: tuple[str, ...] = ()
+    tone: str = "plain"  # "stopped", "perforated", "unstable" colour the card; "plain" does not
+
+
+@dataclass(frozen=True)
+class Figure:
+    """A picture held in the page."""
+
+    content: bytes
+    kind: str  # "svg" or "png"
+    caption: str
+    alt: str
+    wide: bool = True
+
+    @property
+    def uri(self):
+        return f"data:{_MIME[self.kind]};base64,{base64.b64encode(self.content).decode('ascii')}"
+
+
+@dataclass(frozen=True)
+class Table:
+    """Rows of texts under a heading; columns named in `numeric` are set flush right."""
+
+    columns: tuple[str, ...]
+    rows: tuple[tuple[str, ...], ...]
+    caption: str = ""
+    numeric: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Section:
+    """A chapter of the page: a lead sentence, then figures and tables."""
+
+    key: str
+    title: str
+    lead: str = ""
+    figures: tuple[Figure, ...] = ()
+    tables: tuple[Table, ...] = ()
+    details: tuple[tuple[str, str], ...] = ()  # (title, verbatim text), folded
+
+
+@dataclass(frozen=True)
+class Report:
+    """The whole page."""
+
+    title: str
+    subtitle: str
+    cards: tuple[Card, ...]
+    sections: tuple[Section, ...]
+    footer: str = ""
+
+
+def render(report):
+    """The page as text."""
+    import jinja2
+
+    loader = jinja2.FunctionLoader(lambda name: (resources.files("weavecell") / "templates" / name).read_text("utf-8"))
+    environment = jinja2.Environment(
+        loader=loader, autoescape=True, trim_blocks=True, lstrip_blocks=True, undefined=jinja2.StrictUndefined
+    )
+    return environment.get_template("report.html.j2").render(report=report)
+
+
+def write(report, path):
+    """Write the page, whole or not at all."""
+    page = render(report)
+    with write_whole(path) as file:
+        file.write(page)
