@@ -1,0 +1,49 @@
+"""Scaled Jacobian of hexahedra: at each corner the triple product of the three unit edges that leave it.
+
+1 in a brick, 0 where two edges fall together, negative where the element is turned inside out; of an element the
+worst of its corners counts (P. M. Knupp, Int. J. Numer. Meth. Engng 48, 2000).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+# For each corner of a VTK hexahedron its three neighbours, in right-handed order.
+NEIGHBOURS = np.array(
+    [(1, 3, 4), (2, 0, 5), (3, 1, 6), (0, 2, 7), (7, 5, 0), (4, 6, 1), (5, 7, 2), (6, 4, 3)],
+)
+
+
+def scaled_jacobian(points, hexes):
+    """Worst corner of each element.
+
+    Parameters
+    ----------
+    points : (n, 3) [m]
+    hexes : (m, 8) int, VTK order
+
+    Returns
+    -------
+    quality : (m,) [-] from -1 to 1; 0 where an edge has no length
+    """
+    corners = np.asarray(points, float)[np.asarray(hexes)]
+    edges = corners[:, NEIGHBOURS] - corners[:, :, None]
+    length = np.linalg.norm(edges, axis=-1, keepdims=True)
+    unit = np.divide(edges, length, out=np.zeros_like(edges), where=length > 0)
+    return np.linalg.det(unit).min(axis=1)
+
+
+def volumes(points, hexes):
+    """Volume [m3] of each trilinear element, exact: two-point Gauss rule of the Jacobian in each direction."""
+    corners = np.asarray(points, float)[np.asarray(hexes)]
+    signs = np.array(
+        [(-1, -1, -1), (1, -1, -1), (1, 1, -1), (-1, 1, -1), (-1, -1, 1), (1, -1, 1), (1, 1, 1), (-1, 1, 1)]
+    )
+    total = np.zeros(len(corners))
+    for gauss in signs / np.sqrt(3):
+        factors = 1 + signs * gauss
+        slopes = np.stack(
+            [signs[:, a] * factors[:, (a + 1) % 3] * factors[:, (a + 2) % 3] / 8 for a in range(3)], axis=-1
+        )
+        total += np.linalg.det(np.einsum("mnx,na->mxa", corners, slopes))
+    return total
