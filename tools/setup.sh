@@ -11,7 +11,7 @@ python=${PYTHON:-/usr/bin/python3}
 venv=${VENV:-.venv}
 packages=(
   python3 python3-venv python3-dev gcc g++ libc6-dev      # dolfinx compiles its forms at the first use
-  python3-dolfinx python3-petsc4py python3-gmsh python3-meshio python3-h5py-mpi
+  python3-dolfinx python3-petsc4py python3-gmsh python3-meshio python3-h5py python3-h5py-mpi
   python3-numpy python3-scipy
   libopenblas0-pthread                        # Debian's reference BLAS makes the factorisation 3 to 5 times slower
   libgl1 libegl1 libxrender1 libx11-6         # off-screen pictures

@@ -7,7 +7,7 @@ import io
 import numpy as np
 
 from weavecell.style import (
-    COLOURS, DASHES, FAINT, FITTED, GREEN, INK, ORANGE, PUBLISHED, PURPLE, RED, SKY, WARP, WEFT, plots,
+    COLOURS, DASHES, FAINT, GREEN, INK, MAP, ORANGE, PUBLISHED, PURPLE, RED, SKY, WARP, WEFT, plots,
 )  # fmt: skip
 
 MS, US, MM, UM, KN = 1e3, 1e6, 1e3, 1e6, 1e-3
@@ -25,13 +25,35 @@ ENERGIES = (
 )
 
 
-def svg(draw, *arguments, **settings):
-    """Draw with `draw(pyplot, ...)` in the project's style; returns the SVG as bytes."""
+def render(draw, *arguments, kind="svg"):
+    """Draw with `draw(pyplot, ...)` in the project's style; returns the picture as bytes, "svg" or "png"."""
     with plots() as pyplot:
-        figure = draw(pyplot, *arguments, **settings)
+        figure = draw(pyplot, *arguments)
         content = io.BytesIO()
-        figure.savefig(content, format="svg", metadata={"Date": None})
+        figure.savefig(content, format=kind, metadata={"Date": None} if kind == "svg" else None)
     return content.getvalue()
+
+
+def panels(pyplot, images):
+    """Deformed panels side by side under one scale of tension.
+
+    Parameters
+    ----------
+    images : {title: (rows, columns, 3)} of `pictures3d.panel`
+    """
+    across = min(2, len(images))
+    down = -(-len(images) // across)
+    figure, grid = pyplot.subplots(down, across, figsize=(10.4, 0.9 + 3.1 * down * 2 / across), squeeze=False)
+    for axes in grid.flat:
+        axes.axis("off")
+    for axes, (title, image) in zip(grid.flat, images.items()):
+        axes.imshow(image, interpolation="lanczos")
+        axes.set_title(title)
+    scale = pyplot.cm.ScalarMappable(pyplot.Normalize(0, 1), MAP)
+    bar = figure.colorbar(scale, ax=grid, location="bottom", shrink=0.5, aspect=38, pad=0.02)
+    bar.set_label("yarn tension / strength (the higher of warp and weft); vermilion: one yarn of the cell has failed")
+    bar.outline.set_visible(False)
+    return figure
 
 
 def fit(pyplot, samples, laws, platen=None):

@@ -16,6 +16,8 @@ SKY = "#56B4E9"
 WARP, WEFT = BLUE, RED
 FITTED, PUBLISHED = BLUE, ORANGE
 COLOURS = (BLUE, ORANGE, GREEN, RED, PURPLE, SKY)
+STEEL = "#7c8794"
+MAP = "YlGnBu"  # of tensions in 3D pictures: light where nothing happens
 DASHES = ("-", "--", "-.", ":")
 
 _SETTINGS = {
