@@ -1,1 +1,1 @@
-"""The yarn crossover of a plain weave in hexahedra: sections, closing of the overlap, mesh, quality, files, pictures."""
+"""The yarn crossover of a plain weave in hexahedra: sections that close, mesh, quality, files and pictures."""

@@ -15,7 +15,10 @@ these that suffices:
               crossing yarn, as in source thesis section A.2, and Vf0 = A_s / A_yarn rises, at most to the closest
               packing of round fibres.
 
-A gap that is positive everywhere is closed by the same shift, which is then negative.
+After 2 or 3 no shift is left. A gap that is positive everywhere is closed by a shift too, which is then negative.
+
+These are the smooth surfaces. The flat facets of a mesh between nodes on them still overlap by their sag, of order two
+in the mesh size.
 """
 
 from __future__ import annotations
@@ -32,19 +35,20 @@ from meshing.section import Section
 SHIFT_LIMIT = 0.02  # of h_1 + h_2: keeps the end levels of the yarns, which symmetry wants equal, equal in all but name
 CLOSEST_PACKING = pi / (2 * sqrt(3))
 NARROWEST = 0.4  # of the width asked: the search for the best width ends here
-SAMPLES = 4001
+SAMPLES = 4000
 
 
 def clearance(section, w, h):
-    """Least distance [m] of a section from the arch h cos(pi s / 2 w) of the yarn that crosses it.
+    """Least of h cos(pi s / 2 w) - q(s) over the section: its room [m] under the arch of the yarn that crosses it.
+
+    Sampled at intervals of width / 8000: right to 1e-11 m in a yarn 1 mm wide.
 
     Parameters
     ----------
-    section : Section of one yarn
+    section : Section of one yarn, at most 2 w wide
     w, h : [m] half cell length and height of the other yarn
     """
-    s = np.append(section.stations(SAMPLES), w)
-    s = s[s <= min(section.half_width, w)]
+    s = section.stations(SAMPLES)
     return float(np.min(h * np.cos(pi * s / (2 * w)) - section.half_thickness(s)))
 
 
@@ -82,7 +86,7 @@ class Closing:
             area = " / ".join(f"{s.area / a.area:.3f}" for s, a in zip(self.sections, self.asked))
             Vf0 = " / ".join(f"{value:.3f}" for value in self.Vf0)
             text += f"; widths times {width}, areas times {area} (Vf0 {Vf0})"
-        return f"{text}; closed by a shift of {self.shift * 1e6:+.2f} um"
+        return f"{text}; closed by a shift of {round(self.shift * 1e6, 2) + 0.0:+.2f} um"
 
 
 def close(kind, widths, fractions, weave, bluntness, *, prescribed=False, overlap="solve"):

@@ -21,18 +21,14 @@ from functools import cached_property
 
 import numpy as np
 
-from fabrics.errors import InputError
-from meshing import grid
+from meshing import grid, inputs
 from meshing.box import transfinite_box
 from meshing.closing import Closing, close
+from meshing.inputs import YARNS
 from meshing.quality import scaled_jacobian
 
-SIZES = {"coarse": (8, 6, 2), "medium": (16, 12, 4), "fine": (24, 18, 6)}
-DOMAINS = ("quarter", "whole")
-YARNS = ("warp", "weft")
 
-
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Crossover:
     """The mesh of a crossover. Index 0 is warp, 1 is weft.
 
@@ -146,14 +142,14 @@ def build(
     ------
     InputError : a value is not allowed, or the sections overlap and this is refused or cannot be solved
     """
-    _one_of("domain", domain, DOMAINS)
-    _one_of("overlap", overlap, ("solve", "refuse"))
-    nx, ny, nz = _size(size)
+    inputs.one_of("domain", domain, ("quarter", "whole"))
+    inputs.one_of("overlap", overlap, ("solve", "refuse"))
+    nx, ny, nz = inputs.size(size)
     weave = fabric.weave
     closing = close(
         fabric.section if section is None else section,
-        _widths(weave, gap, width),
-        _fractions(fabric),
+        inputs.widths(weave, gap, width),
+        inputs.fractions(fabric),
         weave,
         bluntness,
         prescribed=width is not None,
@@ -221,48 +217,3 @@ def _faces(grids, whole):
                 (sides["i0"], sides["j0"]) if index == 0 else (sides["j0"], sides["i0"])
             )
     return named
-
-
-def _one_of(key, value, allowed):
-    if value not in allowed:
-        raise InputError(key=key, value=value, allowed=" or ".join(allowed))
-
-
-def _size(size):
-    """(nx, ny, nz) of a named size or of three whole numbers."""
-    if isinstance(size, str):
-        _one_of("size", size, tuple(SIZES))
-        return SIZES[size]
-    wanted = "three whole numbers, at least 2 along, 2 across and 1 through"
-    try:
-        numbers = tuple(int(n) for n in size)
-        good = len(numbers) == 3 and all(a == b for a, b in zip(numbers, size))
-    except (TypeError, ValueError):
-        raise InputError(key="size", value=size, allowed=wanted) from None
-    if not good or numbers[0] < 2 or numbers[1] < 2 or numbers[2] < 1:
-        raise InputError(key="size", value=size, allowed=wanted)
-    return numbers
-
-
-def _widths(weave, gap, width):
-    """(warp, weft) [m] widths of the lenses; the spacing of one family is the cell length of the other."""
-    spacing = [2 * w for w in weave.w][::-1]
-    if width is None:
-        if not 0 <= gap < 0.5 * min(spacing):
-            raise InputError(key="gap", value=gap, allowed=f"from 0 to below half a spacing, {min(spacing) / 2:.4g} m")
-        return [s - gap for s in spacing]
-    if gap:
-        raise InputError("give a gap or the widths, not both")
-    for name, value, limit in zip(YARNS, width, spacing):
-        if not 0 < value <= limit * (1 + 1e-12):
-            raise InputError(
-                key=f"{name} width", value=value, allowed=f"above 0 and at most the spacing, {limit:.4g} m"
-            )
-    return list(width)
-
-
-def _fractions(fabric):
-    """(warp, weft) initial fibre volume fractions, without which the yarns have no area."""
-    if fabric.solids is None:
-        raise InputError(f"fabric {fabric.name} has no [solid] tables: a 3D crossover needs Vf0 of warp and weft")
-    return [solid.Vf0 for solid in fabric.solids]

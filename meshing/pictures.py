@@ -1,0 +1,90 @@
+"""A picture of a meshed crossover, drawn off screen: the two yarns in two colours, mesh lines, size and quality."""
+
+from __future__ import annotations
+
+import numpy as np
+import pyvista
+from vtkmodules.vtkCommonCore import vtkLogger
+
+from fabrics.files import replace_whole
+from meshing.inputs import YARNS
+
+# Tints of the blue and vermilion that colour-blind readers can tell apart (Okabe and Ito, 2008).
+COLOURS = {"warp": "#3d93c8", "weft": "#e27a3a"}
+INK = "#1d2733"
+WINDOW = (1600, 1000)
+FOOT, MARGIN = 0.15, 0.05  # of the window's height: kept for the caption, and free around the crossover
+# Direction from the crossing to the camera. A quarter is seen from its cut faces, which show both sections.
+VIEWS = {"quarter": (-1.0, -0.75, 0.62), "whole": (-0.75, -1.0, 0.8)}
+
+
+def picture(crossover, path):
+    """Draw the crossover as a PNG.
+
+    Parameters
+    ----------
+    crossover : Crossover
+    path : of the .png file, written whole or not at all
+    """
+    plotter = _plotter()
+    for index, name in enumerate(YARNS):
+        plotter.add_mesh(
+            _solid(crossover, index),
+            color=COLOURS[name],
+            show_edges=True,
+            edge_color=INK,
+            line_width=1.4,
+            ambient=0.42,
+            diffuse=0.72,
+        )
+    _aim(plotter, crossover)
+    _caption(plotter, crossover)
+    try:
+        with replace_whole(path) as beside:
+            plotter.screenshot(str(beside))
+    finally:
+        plotter.close()
+
+
+def _plotter():
+    vtkLogger.SetStderrVerbosity(vtkLogger.VERBOSITY_ERROR)  # else a warning for each kind of screen that is missing
+    plotter = pyvista.Plotter(off_screen=True, window_size=list(WINDOW))
+    plotter.set_background("white")
+    plotter.enable_anti_aliasing("ssaa")
+    return plotter
+
+
+def _solid(crossover, index):
+    """The hexahedra of one yarn, in millimetres."""
+    hexes = crossover.hexes[crossover.yarn == index]
+    return pyvista.UnstructuredGrid({pyvista.CellType.HEXAHEDRON: hexes}, crossover.points * 1e3)
+
+
+def _aim(plotter, crossover):
+    """Parallel projection along the domain's view; the crossover fills the window above the caption."""
+    points = crossover.points * 1e3
+    toward = np.array(VIEWS[crossover.domain]) / np.linalg.norm(VIEWS[crossover.domain])
+    right = np.cross((0, 0, 1), toward)
+    right /= np.linalg.norm(right)
+    up = np.cross(toward, right)
+    (left, bottom), (far, top) = (f(points @ np.stack([right, up], axis=1), axis=0) for f in (np.min, np.max))
+    scale = max((top - bottom) / (1 - FOOT - 2 * MARGIN), (far - left) * WINDOW[1] / WINDOW[0] / (1 - 2 * MARGIN)) / 2
+    middle = (left + far) / 2 * right + ((bottom + top) / 2 - FOOT * scale) * up
+    plotter.enable_parallel_projection()
+    plotter.camera_position = [tuple(middle + 10 * scale * toward), tuple(middle), (0, 0, 1)]
+    plotter.camera.parallel_scale = scale
+    plotter.reset_camera_clipping_range()
+
+
+def _caption(plotter, crossover):
+    nx, ny, nz = (n - 1 for n in crossover.grids[0].shape)
+    cell = " x ".join(f"{2e3 * w:.3f}" for w in crossover.w)
+    text = (
+        f"{crossover.fabric}: {crossover.domain} crossover, section {crossover.sections[0].kind}, cell {cell} mm\n"
+        f"{len(crossover.hexes)} hexahedra ({nx} x {ny} x {nz} in each yarn), "
+        f"worst scaled Jacobian {crossover.min_scaled_jacobian:.3f}"
+    )
+    plotter.add_text(text, position=(40, 30), font_size=16, color=INK)
+    for row, (name, axis) in enumerate(zip(YARNS, "xy")):
+        label = f"{name}, along {axis}"
+        plotter.add_text(label, position=(40, WINDOW[1] - 60 - 45 * row), font_size=16, color=COLOURS[name])
