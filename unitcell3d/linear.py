@@ -1,0 +1,65 @@
+"""The tangent's linear systems: one PETSc matrix on our own CSR arrays, one KSP with MUMPS, kept for a whole run.
+
+MUMPS orders with METIS, the fastest of its orderings here. petsc4py 3.18 keeps a factorisation alive through each
+wrapper that `getPC` returns, so the solver is configured through the options database and never asked for its PC.
+"""
+
+from __future__ import annotations
+
+from itertools import count
+
+import numpy as np
+from petsc4py import PETSc
+
+_serial = count()
+
+
+class DirectSolver:
+    """Solves A x = b for matrices of one pattern; refactors at each `factor`.
+
+    Parameters
+    ----------
+    starts, columns, entries : CSR arrays, int32 and float; `entries` may be overwritten between calls of `factor`
+    """
+
+    def __init__(self, starts, columns, entries):
+        size = len(starts) - 1
+        self._matrix = PETSc.Mat().createAIJWithArrays((size, size), (starts, columns, entries), comm=PETSc.COMM_SELF)
+        self._arrays = starts, columns, entries
+        prefix = f"unitcell3d_{next(_serial)}_"
+        options = {
+            "ksp_type": "preonly",
+            "pc_type": "lu",
+            "pc_factor_mat_solver_type": "mumps",
+            "mat_mumps_icntl_7": 5,  # ordering by METIS
+            "mat_mumps_icntl_14": 80,  # room for pivots, percent: the tangent is unsymmetric and may be indefinite
+        }
+        database = PETSc.Options()
+        for key, value in options.items():
+            database[prefix + key] = value
+        self._ksp = PETSc.KSP().create(PETSc.COMM_SELF)
+        self._ksp.setOptionsPrefix(prefix)
+        self._ksp.setOperators(self._matrix)
+        self._ksp.setFromOptions()
+        for key in options:
+            database.delValue(prefix + key)
+        self._x, self._b = self._matrix.createVecs()
+
+    def factor(self):
+        """Take up the present values of `entries`."""
+        self._matrix.setValuesCSR(*self._arrays)
+        self._matrix.assemble()
+
+    def solve(self, b):
+        """(size,) solution, or None where the factorisation failed."""
+        self._b.setArray(b)
+        self._ksp.solve(self._b, self._x)
+        if self._ksp.getConvergedReason() <= 0:
+            return None
+        x = self._x.getArray().copy()
+        return x if np.all(np.isfinite(x)) else None
+
+    def close(self):
+        """Give the factorisation back."""
+        for thing in (self._ksp, self._matrix, self._x, self._b):
+            thing.destroy()

@@ -1,0 +1,326 @@
+"""The quasi-static crossover: solid yarns, fibre bars and contact as residual and tangent of one set of unknowns.
+
+    r(q, load) = C^T [ solid(u) + bars(u) + contact(u) + plates(u) ] = 0,   u = C q + drive d
+
+(source thesis chapter 3; `yarn_law`, `bars_kernels`, `contact_kernels`, `constraints` hold the equations). A quarter
+crossover is half of each yarn's width and length: its axial end forces count twice, its vertical forces four times.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from fabrics.errors import InputError
+from unitcell3d import bars_kernels, constraints, contact_kernels, yarn_law
+from unitcell3d.compat import Assembler, HexSpace
+from unitcell3d.pattern import Pattern
+
+# a weft brick's local axes run along i, k, j; the law wants the fibre, across, through in both yarns
+ACROSS_BEFORE_THROUGH = ([0, 1, 2, 3, 4, 5, 6, 7], [4, 5, 1, 0, 7, 6, 2, 3])
+
+
+@dataclass(frozen=True)
+class Numerics:
+    """Numbers that belong to the method, not to the fabric.
+
+    Parameters
+    ----------
+    penalty : [Pa/m] contact stiffness, both passes together; tenfold changes the weft tension of S-720 by 1 %
+    toe : [m] penetration over which the contact stiffness sets in
+    slack_width : [-] fibre strain over which a fibre becomes taut
+    slack_stiffness : [-] fraction of its stiffness left to a slack fibre, which keeps slack yarns from collapsing
+    """
+
+    penalty: float = 1e14
+    toe: float = 0.5e-6
+    slack_width: float = 1e-4
+    slack_stiffness: float = 1e-2
+
+    def __post_init__(self):
+        for key in ("penalty", "toe", "slack_width", "slack_stiffness"):
+            if not getattr(self, key) > 0:
+                raise InputError(key=key, value=getattr(self, key), allowed="positive")
+
+    def softened(self, factor):
+        """With a softer contact: `factor` of the penalty, the toe deeper by its inverse root."""
+        return replace(self, penalty=self.penalty * factor, toe=self.toe / factor**0.5)
+
+
+@dataclass(frozen=True)
+class Load:
+    """End displacements d1, d2 [m] per end, and half the distance of two plates [m] (infinite: none)."""
+
+    d: tuple = (0.0, 0.0)
+    plates: float = np.inf
+
+    def towards(self, other, share):
+        """The load at `share` of the way to another."""
+        d = tuple(a + share * (b - a) for a, b in zip(self.d, other.d))
+        plates = self.plates + share * (other.plates - self.plates) if np.isfinite(self.plates) else self.plates
+        return Load(d, plates)
+
+
+@dataclass(frozen=True)
+class _Side:
+    """One contact surface: grid of nodes, tributary areas, and what `contact_kernels` needs to know of it as master."""
+
+    grid: np.ndarray
+    areas: np.ndarray
+    axes: np.ndarray
+    mirror: np.ndarray
+    side: float
+
+
+class CrossoverModel:
+    """A meshed crossover with its laws; holds scratch arrays, and no history: forces depend on the unknowns alone.
+
+    Parameters
+    ----------
+    crossover : meshing.crossover.Crossover
+    fabric : Fabric, with solid laws
+    numerics : Numerics
+
+    Raises
+    ------
+    InputError : the fabric has no solid laws, or is not the one that was meshed
+    """
+
+    def __init__(self, crossover, fabric, numerics=None):
+        if fabric.solids is None:
+            raise InputError(f"fabric {fabric.name} has no [solid] tables, which a 3D crossover needs")
+        if crossover.fabric != fabric.name:
+            raise InputError(key="fabric", value=fabric.name, allowed=f"the meshed one, {crossover.fabric}")
+        self.crossover, self.fabric = crossover, fabric
+        self.numerics = Numerics() if numerics is None else numerics
+        self.points = np.ascontiguousarray(crossover.points, float)
+        quarter = crossover.domain == "quarter"
+        self.copies = (2.0, 4.0) if quarter else (1.0, 1.0)  # of axial and of vertical forces
+        self.constraints = constraints.build(crossover.grids, len(self.points), quarter=quarter)
+        self._solid(crossover, fabric)
+        self._fibres(crossover, fabric)
+        self._surfaces(crossover, quarter)
+        self._lay_out(np.empty((0, 17), np.int64))
+
+    @property
+    def size(self):
+        """Number of unknowns."""
+        return self.constraints.size
+
+    def _solid(self, crossover, fabric):
+        hexes = np.concatenate(
+            [crossover.hexes[crossover.yarn == yarn][:, ACROSS_BEFORE_THROUGH[yarn]] for yarn in (0, 1)]
+        )
+        self.hexes = hexes
+        # the mesher may have had to densify a yarn to make room for the other (Crossover.Vf0)
+        laws = [replace(law, Vf0=Vf0) for law, Vf0 in zip(fabric.solids, crossover.Vf0)]
+        parameters = np.array([(law.E_a, law.a_E, law.b_E, law.Vf0, law.V_c, law.G) for law in laws])
+        self._space = HexSpace.build(self.points, hexes)
+        cells = parameters[np.repeat([0, 1], np.bincount(crossover.yarn))]
+        self._solids = Assembler(self._space, *yarn_law.forms(self._space, cells))
+
+    def _fibres(self, crossover, fabric):
+        self.bars = np.concatenate(crossover.bars).astype(np.int64)
+        self.bar_yarn = np.repeat([0, 1], [len(pairs) for pairs in crossover.bars])
+        area = np.concatenate(crossover.bar_area)
+        modulus = np.array([yarn.E for yarn in fabric.weave.yarns])[self.bar_yarn]
+        edge = self.points[self.bars[:, 1]] - self.points[self.bars[:, 0]]
+        self.bar_length = np.linalg.norm(edge, axis=1)
+        self.bar_stiffness = modulus * area
+        self._bar_share = area * self.bar_length
+
+    def _surfaces(self, crossover, quarter):
+        # warp lies on top: its lower face (k = 0) meets the upper face of the weft
+        faces = [crossover.grids[0][:, :, 0], crossover.grids[1][:, :, -1]]
+        self._sides = []
+        for yarn, grid in enumerate(faces):
+            grid = np.ascontiguousarray(grid, np.int64)
+            along, across = self.points[grid[1, 0]] - self.points[grid[0, 0]], self.points[grid[0, 1]] - self.points[grid[0, 0]]
+            upwards = np.sign(np.cross(along, across)[2])
+            axes = np.array([constraints.AXIAL[yarn], constraints.WIDTH[yarn]])
+            self._sides.append(
+                _Side(grid, self._areas(grid), axes, np.array([quarter, quarter]), upwards * (-1.0 if yarn == 0 else 1.0))
+            )
+        self._guesses = [self._initial_guess(slave) for slave in (0, 1)]
+        self.gaps = [np.full(side.grid.size, np.inf) for side in self._sides]
+        self._stencils = [np.full((side.grid.size, 17), -1) for side in self._sides]
+        outer = [crossover.grids[0][:, :, -1], crossover.grids[1][:, :, 0]]
+        self._plates = [(grid.ravel().astype(np.int64), self._areas(grid).ravel()) for grid in outer]
+
+    def _areas(self, grid):
+        """Tributary areas [m2] of the nodes of a face: a quarter of each quadrilateral to each corner."""
+        x = self.points[grid]
+        quads = 0.5 * np.linalg.norm(np.cross(x[1:, 1:] - x[:-1, :-1], x[:-1, 1:] - x[1:, :-1]), axis=-1)
+        areas = np.zeros(grid.shape)
+        for i in (0, 1):
+            for j in (0, 1):
+                areas[i : i + quads.shape[0], j : j + quads.shape[1]] += quads / 4
+        return areas
+
+    def _initial_guess(self, slave):
+        """Parameters of the slave's nodes on the undeformed master, whose grid is straight in plan."""
+        slaves, master = self.points[self._sides[slave].grid.ravel()], self._sides[1 - slave]
+        i = self.points[master.grid[:, 0], master.axes[0]]
+        j = self.points[master.grid[0, :], master.axes[1]]
+        return np.stack(
+            [np.interp(slaves[:, axis], line, np.arange(len(line))) for axis, line in zip(master.axes, (i, j))], axis=1
+        )
+
+    def _lay_out(self, contact):
+        """Lay out the tangent for the solids and the contact stencils met so far."""
+        self._contact = contact
+        stencils = [self.hexes] if len(contact) == 0 else [self.hexes, contact]
+        self.pattern = Pattern(len(self.points), stencils, self.constraints)
+        self._solid_places = self.pattern.scalar_places(self._solids.rows, self._solids.columns)
+        self._bar_places = self.pattern.places(self.bars)
+        self._plate_places = [self.pattern.places(nodes[:, None])[:, 0, 0] for nodes, _ in self._plates]
+
+    def positions(self, q, load):
+        """(n, 3) [m] deformed positions."""
+        return self.points + self.constraints.displacement(q, load.d)
+
+    def forces(self, q, load):
+        """Internal forces (n, 3) [N] and the vertical forces of contact and plates.
+
+        Returns
+        -------
+        forces : (n, 3) [N]; not finite where an element is inverted
+        contact : [N] of the meshed part: upwards on the warp
+        plates : (2,) [N] on the upper and the lower plate
+        """
+        x = self.positions(q, load)
+        self._space.set_displacement(x - self.points)
+        forces = self._solids.residual()
+        n = self.numerics
+        bars_kernels.bar_forces(
+            x, self.bars, self.bar_length, self.bar_stiffness, n.slack_stiffness, n.slack_width, forces
+        )
+        none = np.empty((0, 17, 17), np.int64)
+        contact = self._touch(x, forces, (none, none))
+        plates = self._press(x, load, forces, [np.empty(0, np.int64)] * 2)
+        return forces, contact, plates
+
+    def system(self, q, load):
+        """Assemble the tangent into `pattern`; returns True where its pattern had to grow."""
+        grown = self._grow_pattern()
+        x, n, pattern = self.positions(q, load), self.numerics, self.pattern
+        self._space.set_displacement(x - self.points)
+        pattern.values[:] = 0
+        pattern.values.reshape(-1)[self._solid_places] += self._solids.tangent()
+        bars_kernels.bar_tangent(
+            x,
+            self.bars,
+            self.bar_length,
+            self.bar_stiffness,
+            n.slack_stiffness,
+            n.slack_width,
+            self._bar_places,
+            pattern.values,
+        )
+        discarded = np.zeros_like(x)
+        places = [pattern.places(np.maximum(stencils, 0)) for stencils in self._stencils]
+        self._touch(x, discarded, places)
+        self._press(x, load, discarded, self._plate_places)
+        pattern.reduce()
+        return grown
+
+    def _grow_pattern(self):
+        """Make room for the stencils of the last call of `forces`; True where there was none."""
+        met = np.concatenate(self._stencils)
+        met = met[met[:, 0] >= 0]
+        if len(met) == 0 or self.pattern.holds(met):
+            return False
+        self._lay_out(np.unique(np.concatenate([self._contact, met]), axis=0))
+        return True
+
+    def _touch(self, x, forces, places):
+        """Both contact passes, half of the penalty each; returns the vertical force on the warp."""
+        total = 0.0
+        for slave in (0, 1):
+            nodes, master = self._sides[slave], self._sides[1 - slave]
+            resultant = np.zeros(3)
+            contact_kernels.contact_pass(
+                x,
+                nodes.grid.ravel(),
+                nodes.areas.ravel(),
+                master.grid,
+                master.axes,
+                master.mirror,
+                master.side,
+                0.5 * self.numerics.penalty,
+                self.numerics.toe,
+                self._guesses[slave],
+                self.gaps[slave],
+                self._stencils[slave],
+                forces,
+                places[slave],
+                self.pattern.values,
+                resultant,
+            )
+            total += resultant[2] if slave == 0 else -resultant[2]
+        return total
+
+    def _press(self, x, load, forces, places):
+        """Both plates: the upper on the warp, the lower on the weft; returns the forces on them."""
+        pressed = np.zeros(2)
+        if np.isfinite(load.plates):
+            for yarn, side in ((0, 1.0), (1, -1.0)):
+                nodes, areas = self._plates[yarn]
+                pressed[yarn] = contact_kernels.plate_pass(
+                    x,
+                    nodes,
+                    areas,
+                    side * load.plates,
+                    side,
+                    self.numerics.penalty,
+                    self.numerics.toe,
+                    forces,
+                    places[yarn],
+                    self.pattern.values,
+                )
+        return pressed
+
+    def tensions(self, forces):
+        """(2,) [N] tensions of the whole warp and weft yarn, from the reactions at their ends."""
+        return np.array([self.copies[0] * self.constraints.end_force(forces, yarn) for yarn in (0, 1)])
+
+    def heights(self, x):
+        """(2,) [m] heights h1, h2 of the centrelines: middle of the yarn's axis above (warp), below (weft) its end."""
+        heights = []
+        for yarn, grid in enumerate(self.crossover.grids):
+            i = 0 if self.crossover.domain == "quarter" else grid.shape[0] // 2
+            j = 0 if self.crossover.domain == "quarter" else grid.shape[1] // 2
+            low, high = (grid.shape[2] - 1) // 2, grid.shape[2] // 2
+            rise = 0.5 * sum(x[grid[i, j, k], 2] - x[grid[-1, j, k], 2] for k in (low, high))
+            heights.append(rise if yarn == 0 else -rise)
+        return np.array(heights)
+
+    def fibre_strains(self, x):
+        """Strain of every bar (b,), and its mean over the fibres of warp and weft (2,)."""
+        strain = np.empty(len(self.bars))
+        bars_kernels.bar_strains(x, self.bars, self.bar_length, strain)
+        mean = [
+            np.average(strain[self.bar_yarn == yarn], weights=self._bar_share[self.bar_yarn == yarn]) for yarn in (0, 1)
+        ]
+        return strain, np.array(mean)
+
+    def plates_at_rest(self):
+        """[m] half the distance of two plates that just touch the higher yarn."""
+        return max(self.points[self._plates[0][0], 2].max(), -self.points[self._plates[1][0], 2].min())
+
+    def worst_element(self, x):
+        """Number of the hexahedron with the least corner volume ratio to the undeformed, and that ratio."""
+        ratio = _corner_volumes(x[self.hexes]) / _corner_volumes(self.points[self.hexes])
+        cell = int(np.argmin(ratio.min(axis=1)))
+        return cell, float(ratio[cell].min())
+
+
+def _corner_volumes(corners):
+    """(m, 8) [m3] triple products of the edges at the corners of hexahedra (m, 8, 3) in VTK order."""
+    neighbours = ((1, 3, 4), (2, 0, 5), (3, 1, 6), (0, 2, 7), (7, 5, 0), (4, 6, 1), (5, 7, 2), (6, 4, 3))
+    volumes = []
+    for corner, (a, b, c) in enumerate(neighbours):
+        ea, eb, ec = (corners[:, k] - corners[:, corner] for k in (a, b, c))
+        volumes.append(np.einsum("mi,mi->m", np.cross(ea, eb), ec))
+    return np.stack(volumes, axis=1)

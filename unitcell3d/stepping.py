@@ -1,0 +1,157 @@
+"""Adaptive load stepping of a crossover model along a straight load path, with hooks.
+
+The first step is 2 % of the path, the largest 10 %; a step that needs few iterations lets the next one grow, a failed
+one is halved. Each step starts from the secant through the last two states. Where even the least step fails, the
+contact is softened, the state carried over, and the contact brought back in stages at the same load; only a state of
+the full contact stiffness enters the history. A hook is called as hook(share of the path, row) after each step.
+"""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass
+
+import numpy as np
+
+from fabrics.errors import UnstableError
+from unitcell3d.history import History
+from unitcell3d.newton import Newton
+
+
+@dataclass(frozen=True)
+class Steps:
+    """Shares of the path: the first step, the largest and the least; iterations below which a step may grow."""
+
+    first: float = 0.02
+    largest: float = 0.10
+    least: float = 1e-3
+    few: int = 7
+
+
+SOFTENINGS = (0.01, 0.05, 0.2, 0.5, 1.0)
+
+
+def march(model, start, end, *, case="", stop=None, steps=None, hooks=()):
+    """Load a model from rest along `start` .. `end`.
+
+    Parameters
+    ----------
+    model : model.CrossoverModel
+    start, end : model.Load
+    stop : function of a row giving a number that reaches 1 where the path is to end; that state is solved for
+    steps : Steps
+    hooks : called after each step
+
+    Returns
+    -------
+    History, whose `failed` says why the path ended early if it did
+    """
+    steps = Steps() if steps is None else steps
+    solver = Newton(model)
+    try:
+        return _march(model, solver, start, end, case, stop, steps, hooks)
+    finally:
+        solver.close()
+
+
+def _march(model, solver, start, end, case, stop, steps, hooks):
+    begun = time.perf_counter()
+    failed = ""
+    states, rows = [], []
+    try:
+        rest = solver.solve(np.zeros(model.size), start)
+    except UnstableError as problem:
+        raise UnstableError("the crossover is not in equilibrium at rest", where=problem.where) from problem
+    states.append((0.0, rest.q))
+    rows.append(_row(model, rest, start, 0.0, time.perf_counter() - begun))
+    step = steps.first
+    while states[-1][0] < 1:
+        share = min(states[-1][0] + step, 1.0)
+        if 1 - share < 0.1 * step:
+            share = 1.0
+        begun = time.perf_counter()
+        try:
+            found = _advance(model, solver, states, start, end, share, step <= steps.least)
+        except UnstableError as problem:
+            if step <= steps.least:
+                failed = str(problem)
+                break
+            step = max(0.5 * step, steps.least)
+            continue
+        row = _row(model, found, start.towards(end, share), share, time.perf_counter() - begun)
+        if stop is not None and stop(row) > 1 + STOP_TOLERANCE:
+            # the end is inside this step: take the step again, up to where the secant says it lies
+            before, after = stop(rows[-1]), stop(row)
+            step = max((share - states[-1][0]) * (1 - before) / (after - before), 1e-6)
+            continue
+        rows.append(row)
+        states = [states[-1], (share, found.q)]
+        for hook in hooks:
+            hook(share, row)
+        if stop is not None and stop(row) >= 1 - STOP_TOLERANCE:
+            break
+        if found.iterations <= steps.few:
+            step = min(1.5 * step, steps.largest)
+    share, q = states[-1]
+    # the gaps belong to the last state, not to the last trial
+    model.forces(q, start.towards(end, share))
+    u = model.constraints.displacement(q, start.towards(end, share).d)
+    columns = {key: np.array([row[key] for row in rows]) for key in rows[0]}
+    return History(
+        **columns,
+        u=u,
+        gaps=tuple(gaps.copy() for gaps in model.gaps),
+        fabric=model.fabric.name,
+        case=case,
+        failed=failed,
+    )
+
+
+STOP_TOLERANCE = 2e-3  # of the quantity that ends a path
+
+
+def _advance(model, solver, states, start, end, share, last_resort):
+    load = start.towards(end, share)
+    guess = states[-1][1]
+    if len(states) > 1:
+        (s0, q0), (s1, q1) = states
+        try:
+            return solver.solve(q1 + (share - s1) / (s1 - s0) * (q1 - q0), load)
+        except UnstableError:
+            pass
+    if not last_resort:
+        return solver.solve(guess, load)
+    full = model.numerics
+    try:
+        for factor in SOFTENINGS:
+            model.numerics = full.softened(factor)
+            found = solver.solve(guess, load)
+            guess = found.q
+        return found
+    finally:
+        model.numerics = full
+
+
+def _row(model, state, load, share, seconds):
+    x = model.positions(state.q, load)
+    heights = model.heights(x)
+    strains, mean = model.fibre_strains(x)
+    T1, T2 = model.tensions(state.forces)
+    rest = model.heights(model.points)
+    return {
+        "path": share,
+        "d1": load.d[0],
+        "d2": load.d[1],
+        "plates": load.plates,
+        "T1": T1,
+        "T2": T2,
+        "F_c": model.copies[1] * state.contact,
+        "F_plate": model.copies[1] * state.plates,
+        "h1": heights[0],
+        "h2": heights[1],
+        "d_c": 0.5 * (rest.sum() - heights.sum()),
+        "fibre_strain_max": np.array([strains[model.bar_yarn == yarn].max() for yarn in (0, 1)]),
+        "fibre_strain_mean": mean,
+        "iterations": state.iterations,
+        "seconds": seconds,
+    }
