@@ -1,0 +1,201 @@
+"""The crossover as an object, and its table: tensions of the two yarns over a uniform grid of their stretches.
+
+Range of the table. Below Lambda_lo the free height of a yarn alone fills the cell, h_free >= h01 + h02 - g: contact
+is lost whatever the other yarn does, its tension is zero and the other's does not depend on it, so that looking up
+at Lambda_lo is exact. Above Lambda_hi the yarn has failed, since even alone it is past its strength; a yarn that is
+not allowed to fail is extended linearly from the last cell.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from scipy.optimize import brentq
+
+from fabrics.compression import CompressionLaw
+from fabrics.errors import InputError, UnstableError
+from fabrics.fabric import Fabric
+from fabrics.weave import arc_length
+from shellfabric import cell_kernels as kernels
+
+FORMS = {"equilibrium": kernels.EQUILIBRIUM, "variational": kernels.VARIATIONAL}
+MODELS = ("compressible", "incompressible", "decoupled")
+COLUMNS = ("T1", "T2", "N1", "N2", "F", "h1", "h2", "W")
+
+
+@dataclass(frozen=True)
+class CellModel:
+    """One crossover of a fabric (source thesis section 4.3.1).
+
+    Parameters
+    ----------
+    fabric : Fabric
+    laws : (CompressionLaw, CompressionLaw) of warp and weft; None takes the fabric's published ones
+    gap : [m] play g between the yarns, closed before they touch (erratum E-16)
+    model : "compressible", "incompressible" (d_c = 0) or "decoupled" (the yarns never touch)
+    form : "equilibrium" (the source's F = 2 T sin alpha; forces T) or "variational" (forces are the gradient of W)
+
+    Raises
+    ------
+    InputError : unknown model or form, negative gap, or a compressible cell without laws
+    """
+
+    fabric: Fabric
+    laws: tuple[CompressionLaw, CompressionLaw] | None = None
+    gap: float = 0.0
+    model: str = "compressible"
+    form: str = "equilibrium"
+
+    def __post_init__(self):
+        if self.model not in MODELS:
+            raise InputError(key="model", value=self.model, allowed=" or ".join(MODELS))
+        if self.form not in FORMS:
+            raise InputError(key="form", value=self.form, allowed=" or ".join(FORMS))
+        if not 0 <= self.gap < sum(self.fabric.weave.h0):
+            raise InputError(key="gap", value=self.gap, allowed="at least 0 and below h01 + h02")
+        if self.laws is None and self.fabric.laws is None and self.model == "compressible":
+            raise InputError(f"fabric {self.fabric.name} has no compression law", allowed="given one")
+
+    @property
+    def used_laws(self) -> tuple[CompressionLaw, CompressionLaw]:
+        """The laws that the cell is solved with."""
+        if self.model != "compressible":
+            return CompressionLaw.incompressible(), CompressionLaw.incompressible()
+        return self.laws or self.fabric.laws
+
+    @property
+    def yarn_tuples(self):
+        """The two yarns as `cell_kernels` takes them."""
+        weave = self.fabric.weave
+        rows = zip(weave.w, weave.S0, weave.yarns, weave.h0, self.used_laws)
+        return tuple(
+            (w, S0, yarn.EA, h0, law.a, law.b, law.F0 if law.form == "regularised" else 0.0)
+            for w, S0, yarn, h0, law in rows
+        )
+
+    def solve(self, stretch1, stretch2) -> dict:
+        """The cell at given stretches.
+
+        Parameters
+        ----------
+        stretch1, stretch2 : array_like [-] current over initial cell length, along warp and weft
+
+        Returns
+        -------
+        dict of arrays: T1, T2 [N] tensions, N1, N2 [N] forces conjugate to the cell lengths, F [N] contact force,
+        h1, h2 [m] heights, W [J] stored energy
+
+        Raises
+        ------
+        UnstableError : the closing force was not found
+        """
+        stretch1, stretch2 = np.broadcast_arrays(np.asarray(stretch1, float), np.asarray(stretch2, float))
+        out = np.empty((8, stretch1.size))
+        if not kernels.solve_many(stretch1.ravel(), stretch2.ravel(), *self._arguments(), out):
+            raise UnstableError("the crossover did not close", where=f"fabric {self.fabric.name}")
+        return {name: column.reshape(stretch1.shape) for name, column in zip(COLUMNS, out)}
+
+    def range(self):
+        """((lowest, highest), (lowest, highest)) stretches of the table, of warp and weft."""
+        weave = self.fabric.weave
+        full = sum(weave.h0) - self.gap
+        bounds = []
+        for w, S0, yarn in zip(weave.w, weave.S0, weave.yarns):
+            lowest = brentq(lambda x, w=w, S0=S0: arc_length(x * w, full) - S0, 1e-3, S0 / (2 * w)) if full > 0 else 1.0
+            # 2 % beyond the stretch at which the yarn alone is at its strength, so that the failure test is inside
+            bounds.append((lowest, S0 / (2 * w) * (1 + 1.02 * yarn.failure_strain)))
+        return tuple(bounds)
+
+    def table(self, n=201) -> CellTable:
+        """Fill a table of n x n stretches."""
+        return CellTable.fill(self, n)
+
+    def _arguments(self):
+        warp, weft = self.yarn_tuples
+        return warp, weft, self.gap, FORMS[self.form], self.model != "decoupled"
+
+
+@dataclass(frozen=True)
+class CellTable:
+    """Forces of a crossover on a uniform grid of stretches.
+
+    Parameters
+    ----------
+    model : CellModel
+    stretch1, stretch2 : (n1,), (n2,) [-] uniform
+    values : dict of (n1, n2) arrays, as `CellModel.solve` gives
+    tension : (n1-1, n2-1, 8) [N] bilinear coefficients of T1 and T2 in each cell of the grid
+    potential : (n1-1, n2-1, 16) [J] bicubic coefficients of W (variational form), else (1, 1, 16) zeros
+    """
+
+    model: CellModel
+    stretch1: np.ndarray
+    stretch2: np.ndarray
+    values: dict
+    tension: np.ndarray = field(repr=False)
+    potential: np.ndarray = field(repr=False)
+
+    @classmethod
+    def fill(cls, model: CellModel, n=201) -> CellTable:
+        """Solve the cell on n x n stretches over its range.
+
+        Raises
+        ------
+        InputError : n below 8
+        UnstableError : a cell that did not close
+        """
+        if n < 8:
+            raise InputError(key="table_size", value=n, allowed="at least 8")
+        x, y = (np.linspace(lowest, highest, n) for lowest, highest in model.range())
+        out = np.empty((8, n, n))
+        if not kernels.fill(x, y, *model._arguments(), out):
+            raise UnstableError("the crossover did not close", where=f"the table of fabric {model.fabric.name}")
+        values = dict(zip(COLUMNS, out))
+        tension = np.concatenate([_bilinear(values["T1"]), _bilinear(values["T2"])], axis=2)
+        potential = np.zeros((1, 1, 16))
+        if model.form == "variational":
+            w1, w2 = model.fabric.weave.w
+            fx, fy = values["N1"] * 2 * w1 * (x[1] - x[0]), values["N2"] * 2 * w2 * (y[1] - y[0])
+            # the mixed slope from both sides; it is the same function where W is smooth
+            fxy = 0.5 * (np.gradient(fx, axis=1) + np.gradient(fy, axis=0))
+            potential = _bicubic(values["W"], fx, fy, fxy)
+        return cls(model, x, y, values, tension, potential)
+
+    @property
+    def steps(self):
+        """[-] grid spacings along the two stretches."""
+        return self.stretch1[1] - self.stretch1[0], self.stretch2[1] - self.stretch2[0]
+
+    def stiffness(self):
+        """[N] largest eigenvalue of the tangent dN_i/dLambda_j over the table, each row by its own cell length.
+
+        Symmetrised and scaled to a square cell: it bounds the stiffness that any motion of the panel can meet.
+        """
+        d1, d2 = self.steps
+        N1, N2 = self.values["N1"], self.values["N2"]
+        k11, k22 = np.diff(N1, axis=0)[:, :-1] / d1, np.diff(N2, axis=1)[:-1, :] / d2
+        k12 = 0.5 * (np.diff(N1, axis=1)[:-1, :] / d2 + np.diff(N2, axis=0)[:, :-1] / d1)
+        return float(np.max(0.5 * (k11 + k22) + np.hypot(0.5 * (k11 - k22), k12)))
+
+
+def _bilinear(f):
+    """(n1-1, n2-1, 4): c with f = c0 + c1 s + c2 t + c3 s t in the local coordinates 0 <= s, t <= 1 of each cell."""
+    f00, f10, f01, f11 = f[:-1, :-1], f[1:, :-1], f[:-1, 1:], f[1:, 1:]
+    return np.stack([f00, f10 - f00, f01 - f00, f11 - f10 - f01 + f00], axis=2)
+
+
+def _bicubic(f, fx, fy, fxy):
+    """(n1-1, n2-1, 16): c with f = sum c[4 p + q] s^p t^q, from nodal values and slopes per cell of the grid.
+
+    Neighbouring cells share values and slopes, so that f is continuous with its first derivatives.
+    """
+    M = np.array([[1, 0, 0, 0], [0, 0, 1, 0], [-3, 3, -2, -1], [2, -2, 1, 1]], float)
+    n1, n2 = f.shape[0] - 1, f.shape[1] - 1
+    G = np.empty((n1, n2, 4, 4))
+    for p in range(2):
+        for q in range(2):
+            part = slice(p, n1 + p), slice(q, n2 + q)
+            G[:, :, p, q], G[:, :, p + 2, q] = f[part], fx[part]
+            G[:, :, p, q + 2], G[:, :, p + 2, q + 2] = fy[part], fxy[part]
+    return np.ascontiguousarray((M @ G @ M.T).reshape(n1, n2, 16))
