@@ -31,7 +31,12 @@ app.add_typer(fabrics_app, name="fabrics", epilog="Example: [bold]weavecell fabr
 FabricArgument = Annotated[
     str, typer.Argument(metavar="FABRIC", help="A name of the catalogue, or the path of a fabric file.")
 ]
-OutOption = Annotated[Path, typer.Option("--out", "-o", help="Folder for the results.", metavar="FOLDER")]
+OutOption = Annotated[
+    Path | None,
+    typer.Option(
+        "--out", "-o", help="Folder for what is written; by default one of its own in results/.", metavar="FOLDER"
+    ),
+]
 RESULTS = Path("results")
 
 
@@ -74,15 +79,15 @@ def _root(
     pass
 
 
-@app.command(epilog="Example: [bold]weavecell demo --out results[/bold]")
+@app.command(epilog="Example: [bold]weavecell demo --out results/demo[/bold]")
 def demo(
-    out: OutOption = RESULTS,
+    out: OutOption = None,
     size: Annotated[Size, typer.Option(help="Mesh of the 3D crossover.")] = Size.coarse,
 ):
     """S-720 from data sheet to report: mesh, calibration, and four impacts, with a summary and one HTML page."""
     from weavecell import demo as chain
 
-    chain.run(out / "demo", size=size.value)
+    chain.run(out or RESULTS / "demo", size=size.value)
 
 
 @app.command(epilog="Example: [bold]weavecell mesh S-720 --size medium --domain whole[/bold]")
@@ -92,7 +97,7 @@ def mesh(
     domain: Annotated[Domain, typer.Option(help="A quarter by symmetry, or the whole crossover.")] = Domain.quarter,
     section: Annotated[Section | None, typer.Option(help="Yarn section; the fabric's own if not given.")] = None,
     gap: Annotated[str, typer.Option(help="Gap between parallel yarns.", metavar="LENGTH")] = "0 mm",
-    out: OutOption = RESULTS,
+    out: OutOption = None,
 ):
     """Mesh one crossover in hexahedra: .msh, .vtu and a picture."""
     from fabrics.units import si
@@ -100,7 +105,7 @@ def mesh(
 
     crossover.mesh(
         fabric,
-        out,
+        out or RESULTS / f"mesh-{Path(fabric).stem}",
         size=size.value,
         domain=domain.value,
         section=section.value if section else None,
@@ -112,24 +117,24 @@ def mesh(
 def calibrate(
     fabric: FabricArgument,
     size: Annotated[Size, typer.Option(help="Mesh of the 3D crossover.")] = Size.medium,
-    out: OutOption = RESULTS,
+    out: OutOption = None,
 ):
     """Solve the 3D crossover and fit its compression law: law.json, histories and a report."""
     from weavecell import crossover
 
-    crossover.calibrate(fabric, out, size=size.value)
+    crossover.calibrate(fabric, out or RESULTS / f"calibrate-{Path(fabric).stem}", size=size.value)
 
 
 @app.command(epilog="Example: [bold]weavecell impact examples/S-720-stops.toml[/bold]")
 def impact(
     scene: Annotated[Path, typer.Argument(metavar="SCENE", help="A scene file (*.toml).")],
-    out: OutOption = RESULTS,
+    out: OutOption = None,
     resume: Annotated[bool, typer.Option("--resume", help="Go on from the checkpoint of an interrupted run.")] = False,
 ):
     """Fire the projectile of a scene at its panel: histories, ParaView series, pictures and a report."""
     from weavecell import run
 
-    run.impact(scene, out / scene.stem, resume=resume)
+    run.impact(scene, out or RESULTS / scene.stem, resume=resume)
 
 
 @app.command(epilog="Example: [bold]weavecell view results/S-720-stops --screenshot panel.png[/bold]")

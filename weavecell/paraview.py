@@ -56,5 +56,6 @@ def read_series(path):
 
     path = Path(path)
     return [
-        (path.parent / entry.get("file"), float(entry.get("timestep"))) for entry in ElementTree.parse(path).iter("DataSet")
+        (path.parent / entry.get("file"), float(entry.get("timestep")))
+        for entry in ElementTree.parse(path).iter("DataSet")
     ]

@@ -7,7 +7,20 @@ import io
 import numpy as np
 
 from weavecell.style import (
-    COLOURS, DASHES, FAINT, GREEN, INK, MAP, ORANGE, PUBLISHED, PURPLE, RED, SKY, WARP, WEFT, plots,
+    COLOURS,
+    DASHES,
+    FAINT,
+    GREEN,
+    INK,
+    ORANGE,
+    PUBLISHED,
+    PURPLE,
+    RED,
+    SKY,
+    WARP,
+    WEFT,
+    plots,
+    tension_map,
 )  # fmt: skip
 
 MS, US, MM, UM, KN = 1e3, 1e6, 1e3, 1e6, 1e-3
@@ -35,23 +48,25 @@ def render(draw, *arguments, kind="svg"):
 
 
 def panels(pyplot, images):
-    """Deformed panels side by side under one scale of tension.
+    """Deformed panels, each with a close-up of its impact point, under one scale of tension.
 
     Parameters
     ----------
-    images : {title: (rows, columns, 3)} of `pictures3d.panel`
+    images : {title: (whole, close-up)}, each (rows, columns, 3) of `pictures3d.panel`
     """
-    across = min(2, len(images))
-    down = -(-len(images) // across)
-    figure, grid = pyplot.subplots(down, across, figsize=(10.4, 0.9 + 3.1 * down * 2 / across), squeeze=False)
-    for axes in grid.flat:
-        axes.axis("off")
-    for axes, (title, image) in zip(grid.flat, images.items()):
-        axes.imshow(image, interpolation="lanczos")
-        axes.set_title(title)
-    scale = pyplot.cm.ScalarMappable(pyplot.Normalize(0, 1), MAP)
+    count = len(images)
+    figure, grid = pyplot.subplots(
+        count, 2, figsize=(10.4, 0.9 + 2.75 * count), squeeze=False, width_ratios=(1.45, 1), layout="constrained"
+    )
+    for (whole, close), (title, pair) in zip(grid, images.items()):
+        for axes, image in zip((whole, close), pair):
+            axes.imshow(image, interpolation="lanczos")
+            axes.axis("off")
+        whole.set_title(title)
+        close.set_title("impact point", fontweight="normal", color=FAINT)
+    scale = pyplot.cm.ScalarMappable(pyplot.Normalize(0, 1), tension_map())
     bar = figure.colorbar(scale, ax=grid, location="bottom", shrink=0.5, aspect=38, pad=0.02)
-    bar.set_label("yarn tension / strength (the higher of warp and weft); vermilion: one yarn of the cell has failed")
+    bar.set_label("yarn tension / strength, the higher of warp and weft (orange: one yarn of the cell has failed)")
     bar.outline.set_visible(False)
     return figure
 
@@ -96,7 +111,9 @@ def cell(pyplot, cases):
         if case.get("points") is not None:
             strain, *tensions = case["points"]
             for family, colour, tension in zip(("warp", "weft"), (WARP, WEFT), tensions):
-                axes.plot(100 * strain, tension, "o", ms=5, mfc="white", mec=colour, mew=1.4, label=f"{family}, 3D crossover")
+                axes.plot(
+                    100 * strain, tension, "o", ms=5, mfc="white", mec=colour, mew=1.4, label=f"{family}, 3D crossover"
+                )
         axes.set(title=title, xlabel="strain of the cell [%]")
         axes.set_xlim(left=0)
         axes.set_ylim(bottom=0)
@@ -160,14 +177,17 @@ def reactions(pyplot, runs):
     ----------
     runs : {title: (t, warp, weft)} [s, N, N]
     """
-    figure, row = pyplot.subplots(
-        1, len(runs), figsize=(10.4, 3.6), sharey=True, sharex=True, squeeze=False
+    across = min(2, len(runs))
+    down = -(-len(runs) // across)
+    figure, grid = pyplot.subplots(
+        down, across, figsize=(10.4, 0.7 + 2.6 * down), sharey=True, sharex=True, squeeze=False
     )
-    for axes, (title, (t, warp, weft)) in zip(row[0], runs.items()):
+    for axes, (title, (t, warp, weft)) in zip(grid.flat, runs.items()):
         axes.plot(US * t, KN * warp, color=WARP, label="warp ends")
         axes.plot(US * t, KN * weft, color=WEFT, ls="--", label="weft ends")
-        axes.set(title=title, xlabel="time after strike [µs]")
+        axes.set_title(title)
         axes.set_xlim(left=0)
-    row[0][0].set_ylabel("reaction of the clamped\nedges [kN]")
-    row[0][0].legend(loc="upper left")
+    figure.supxlabel("time after strike [µs]", fontsize=12)
+    figure.supylabel("reaction of the clamped edges [kN]", fontsize=12)
+    grid[0, 0].legend(loc="upper left")
     return figure

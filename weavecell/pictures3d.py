@@ -5,25 +5,27 @@ from __future__ import annotations
 import numpy as np
 
 from weavecell.paraview import panel_grid
-from weavecell.style import MAP, RED, STEEL
+from weavecell.style import RED, STEEL, tension_map
 
 
-def off_screen(size=(1500, 820)):
-    """A plotter without a window, white, with even light."""
+def new_plotter(off_screen=True, size=(1500, 820)):
+    """A plotter in this project's look: white, with even light."""
     import pyvista
     from vtkmodules.vtkCommonCore import vtkLogger
 
     vtkLogger.SetStderrVerbosity(vtkLogger.VERBOSITY_ERROR)  # it warns once for each kind of screen it does not find
-    plotter = pyvista.Plotter(off_screen=True, window_size=size)
+    plotter = pyvista.Plotter(off_screen=off_screen, window_size=size, lighting="three lights")
     plotter.set_background("white")
     plotter.enable_anti_aliasing("ssaa")
     return plotter
 
 
-def shot(plotter):
+def plotter_image(plotter, crop=True):
     """The plotter's picture as an array (rows, columns, 3), cropped to what is drawn."""
     image = plotter.screenshot(return_img=True)
     plotter.close()
+    if not crop:
+        return image
     drawn = np.any(image < 250, axis=2)
     rows, columns = np.flatnonzero(drawn.any(axis=1)), np.flatnonzero(drawn.any(axis=0))
     if rows.size == 0:
@@ -31,7 +33,7 @@ def shot(plotter):
     return image[rows[0] : rows[-1] + 1, columns[0] : columns[-1] + 1]
 
 
-def panel(nodes, quads, share, failed, projectile, quarter):
+def panel(nodes, quads, share, failed, projectile, quarter, reach=None):
     """A deformed panel seen from behind: tension in colour, broken yarns in vermilion, cells without a yarn left out.
 
     Parameters
@@ -42,6 +44,7 @@ def panel(nodes, quads, share, failed, projectile, quarter):
     failed : (m,) how many of the two yarns have failed, 0 to 2
     projectile : (radius, height, z of the face) [m]
     quarter : whether the panel is the quarter x >= 0, y >= 0 of what is drawn
+    reach : [m] half the width of a close-up of the impact point; the whole panel if not given
 
     Returns
     -------
@@ -49,7 +52,7 @@ def panel(nodes, quads, share, failed, projectile, quarter):
     """
     import pyvista
 
-    plotter = off_screen()
+    plotter = new_plotter()
     grid = panel_grid(np.asarray(nodes) * (1e3, 1e3, -1e3), quads)
     grid.cell_data["tension"], grid.cell_data["failed"] = np.asarray(share, float), np.asarray(failed)
     parts = [grid]
@@ -60,7 +63,13 @@ def panel(nodes, quads, share, failed, projectile, quarter):
         whole, torn = (part.extract_cells(np.flatnonzero(part.cell_data["failed"] == count)) for count in (0, 1))
         if whole.n_cells:
             plotter.add_mesh(
-                whole, scalars="tension", cmap=MAP, clim=(0, 1), show_scalar_bar=False, ambient=0.45, diffuse=0.6
+                whole,
+                scalars="tension",
+                cmap=tension_map(),
+                clim=(0, 1),
+                show_scalar_bar=False,
+                ambient=0.45,
+                diffuse=0.6,
             )
         if torn.n_cells:
             plotter.add_mesh(torn, color=RED, ambient=0.6)
@@ -71,6 +80,7 @@ def panel(nodes, quads, share, failed, projectile, quarter):
     plotter.add_mesh(body, color=STEEL, ambient=0.3, specular=0.3)
     plotter.enable_parallel_projection()
     span = 1e3 * float(np.ptp(np.asarray(nodes)[:, 0])) * (2 if quarter else 1)
-    plotter.camera_position = [(0.55 * span, -1.4 * span, 0.95 * span), (0, 0, 0), (0, 0, 1)]
-    plotter.camera.parallel_scale = 0.48 * span
-    return shot(plotter)
+    top = 1e3 * -float(np.asarray(nodes)[:, 2].min()) if reach else 0.0
+    plotter.camera_position = [(0.55 * span, -1.4 * span, top + 0.95 * span), (0, 0, top), (0, 0, 1)]
+    plotter.camera.parallel_scale = 0.6e3 * reach if reach else 0.48 * span
+    return plotter_image(plotter, crop=reach is None)

@@ -59,6 +59,7 @@ class Section:
     figures: tuple[Figure, ...] = ()
     tables: tuple[Table, ...] = ()
     details: tuple[tuple[str, str], ...] = ()  # (title, verbatim text), folded
+    beside: bool = False  # the tables stand beside the figures
 
 
 @dataclass(frozen=True)
@@ -67,7 +68,7 @@ class Report:
 
     title: str
     subtitle: str
-    cards: tuple[Card, ...]
+    cards: tuple[tuple[Card, ...], ...]  # in rows
     sections: tuple[Section, ...]
     footer: str = ""
 

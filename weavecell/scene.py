@@ -129,7 +129,7 @@ def load(path):
 
     Returns
     -------
-    scene : Scene, in SI units, every path in it absolute
+    scene : Scene, in SI units, its paths taken from the folder of the file
     text : the file as written, for the record
 
     Raises
@@ -186,9 +186,9 @@ def _anchored(scene, folder):
     """The scene with its relative paths taken from the folder of the scene file."""
     changes = {}
     if scene.fabric.file is not None:
-        changes["file"] = str((folder / scene.fabric.file).resolve())
+        changes["file"] = str(folder / scene.fabric.file)
     if isinstance(scene.fabric.law, str) and scene.fabric.law != "published":
-        changes["law"] = str((folder / scene.fabric.law).resolve())
+        changes["law"] = str(folder / scene.fabric.law)
     return scene.model_copy(update={"fabric": scene.fabric.model_copy(update=changes)})
 
 

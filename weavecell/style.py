@@ -13,11 +13,13 @@ RED = "#D55E00"
 PURPLE = "#CC79A7"
 SKY = "#56B4E9"
 
-WARP, WEFT = BLUE, RED
+WARP, WEFT = RED, BLUE  # as in the pictures of the mesh
 FITTED, PUBLISHED = BLUE, ORANGE
 COLOURS = (BLUE, ORANGE, GREEN, RED, PURPLE, SKY)
 STEEL = "#7c8794"
-MAP = "YlGnBu"  # of tensions in 3D pictures: light where nothing happens
+
+# of tensions in 3D pictures: light grey where nothing happens, even steps of lightness down to a dark blue
+TENSIONS = ("#eceff2", "#b5d5e6", "#6bb0d0", "#2b83ba", "#1a4f92", "#0b1a4a")
 DASHES = ("-", "--", "-.", ":")
 
 _SETTINGS = {
@@ -51,6 +53,13 @@ _SETTINGS = {
     "svg.fonttype": "path",
     "svg.hashsalt": "weavecell",
 }
+
+
+def tension_map():
+    """The colour map of tensions."""
+    from matplotlib.colors import LinearSegmentedColormap
+
+    return LinearSegmentedColormap.from_list("tension", TENSIONS)
 
 
 @contextmanager

@@ -1,0 +1,138 @@
+"""Broken scene and fabric files: each its one line, exit code 2, and not a file written."""
+
+from pathlib import Path
+
+import pytest
+
+from weavecell import cli
+
+BROKEN = Path(__file__).parent / "broken"
+FABRICS = "S-720, S-726, S-727, S-728, S-731, S-745, glass-balanced, glass-unbalanced"
+FABRIC_KEYS = "name, section, interlayer_gap, areal_density_measured, warp, weft, compression, shear, solid, micrograph"
+LAW = '"published", the path of a law written by `weavecell calibrate` (*.json), or a table { a = ..., b = ... }'
+
+# scene -> what follows the name of the file
+SCENES = {
+    "boolean": """projectile.mass = True: must be a mass above 0, such as "3 g\"""",
+    "edge-too-round": "projectile.edge_radius = '3 mm': must be below half of projectile.diameter",
+    "late-snapshots": "run.snapshot_interval = '1 ms': must be at most run.end_time",
+    "law-half-given": "fabric.law.b: is missing; must be a value of at least 0 in mm N^(1/3), "
+    'such as "0.058 mm N^(1/3)"',
+    "law-half-zero": "fabric.law.b = 0.0: must be zero exactly where a is zero (an incompressible yarn)",
+    "law-not-a-law": f"fabric.law = 'printed': must be {LAW}",
+    "missing-key": 'projectile.edge_radius: is missing; must be a length above 0, such as "0.3 mm"',
+    "missing-table": "panel: is missing; must be a table [panel]",
+    "negative-mass": """projectile.mass = '-3 g': must be a mass above 0, such as "3 g\"""",
+    "no-elements": "run.elements_per_crossover = 0: must be a whole number from 1 to 8",
+    "no-unit": """panel.opening = 203: must be a length above 0, such as "203 mm\"""",
+    "not-a-table": "fabric = 'S-720': must be a table [fabric]",
+    "not-toml": "not valid TOML (Expected newline or end of document after a statement (at line 5, column 10))",
+    "projectile-too-wide": "projectile.diameter = '120 mm': must be below half of panel.opening",
+    "three-errors": 'panel.oppening: unknown key, did you mean "opening"? '
+    "allowed here: opening, boundary, symmetry (+3 more)",
+    "two-fabrics": "fabric: give exactly one of fabric.name and fabric.file",
+    "unknown-fabric": f"fabric.name = 'S-702': must be one of {FABRICS}",
+    "unknown-key": 'projectile.mas: unknown key, did you mean "mass"? '
+    "allowed here: mass, diameter, edge_radius, strike_velocity (+1 more)",
+    "unknown-model": """fabric.cell_model = 'rigid': must be one of "compressible", "incompressible", "decoupled\"""",
+    "unknown-output": """run.outputs = 'movie': must be a list of "paraview", "pictures", "report\"""",
+    "wrong-dimension": "projectile.strike_velocity = '92.5 kg': must be a speed above 0 and at most 1000 m/s, "
+    'such as "92.5 m/s"',
+    "zero-time": """run.end_time = '0 us': must be a time above 0 and at most 10 ms, such as "250 us\"""",
+}
+
+# scene -> (the other file that is to blame, what follows its name)
+OTHERS = {
+    "fabric-file-broken": ("fabric-crimp-as-length.toml", "warp.crimp = '2 mm': must be a number"),
+    "fabric-file-missing": ("fabric-nowhere.toml", "cannot be read (No such file or directory)"),
+    "no-law-file": ("nowhere.json", "cannot be read; must be a compression law (No such file or directory)"),
+}
+
+# fabric -> what follows the name of the file
+FABRIC_FILES = {
+    "fabric-crimp-as-length": "warp.crimp = '2 mm': must be a number",
+    "fabric-no-weft": "[weft]: is missing; must be a table with the yarn's data",
+    "fabric-unknown-key": f"colour: is not a known key; must be one of {FABRIC_KEYS}",
+    "fabric-negative-modulus": "warp.modulus = '-96 GPa': must be a positive number",
+    "fabric-round-section": "section = 'round': must be sine or ellipse",
+}
+
+
+def check_refused(result, line, folder):
+    code, out, err = result
+    assert err == f"error: {line}\n"
+    assert code == 2
+    assert out == ""
+    assert list(folder.iterdir()) == []
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_broken_scene(command, tmp_path, name):
+    file = BROKEN / f"{name}.toml"
+    check_refused(command("impact", file), f"{file}: {SCENES[name]}", tmp_path)
+
+
+@pytest.mark.parametrize("name", OTHERS)
+def test_scene_that_names_a_broken_file(command, tmp_path, name):
+    blamed, line = OTHERS[name]
+    check_refused(command("impact", BROKEN / f"{name}.toml"), f"{BROKEN / blamed}: {line}", tmp_path)
+
+
+@pytest.mark.parametrize("name", FABRIC_FILES)
+@pytest.mark.parametrize("verb", ["mesh", "calibrate"])
+def test_broken_fabric(command, tmp_path, verb, name):
+    file = BROKEN / f"{name}.toml"
+    check_refused(command(verb, file), f"{file}: {FABRIC_FILES[name]}", tmp_path)
+
+
+@pytest.mark.parametrize("verb", ["mesh", "calibrate"])
+def test_fabric_without_3d_data(command, tmp_path, verb):
+    code, _out, err = command(verb, BROKEN / "fabric-no-3d-data.toml")
+    assert code == 2
+    assert err == "error: fabric mine has no [solid] tables: a 3D crossover needs Vf0 of warp and weft\n"
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_every_broken_file_is_tested():
+    names = {path.stem for path in BROKEN.glob("*.toml")}
+    assert names == set(SCENES) | set(OTHERS) | set(FABRIC_FILES) | {"fabric-no-3d-data"}
+
+
+def test_missing_scene(command, tmp_path):
+    check_refused(
+        command("impact", "nowhere.toml"),
+        "nowhere.toml: the scene file cannot be read (No such file or directory)",
+        tmp_path,
+    )
+
+
+def test_scene_that_is_not_text(command, tmp_path):
+    (tmp_path / "scene.toml").write_bytes(b"\xff\xfe\x00")
+    code, _, err = command("impact", "scene.toml")
+    assert (code, err) == (2, "error: scene.toml: the scene file is not UTF-8 text\n")
+
+
+def test_wrong_option_is_one_line(command, tmp_path):
+    code, _, err = command("mesh", "S-720", "--size", "huge")
+    assert code == 2
+    assert len(err.splitlines()) == 1
+    assert "--size" in err
+    assert "coarse" in err
+
+
+def test_gap_without_unit(command, tmp_path):
+    code, _, err = command("mesh", "S-720", "--gap", "3 parsec/s")
+    assert code == 2
+    assert err.startswith("error: --gap = '3 parsec/s': must be")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_interrupt_is_not_a_traceback(monkeypatch, capsys):
+    def interrupted(*_, **__):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("weavecell.listing.show_all", interrupted)
+    with pytest.raises(SystemExit) as leaving:
+        cli.main(["fabrics", "list"])
+    assert leaving.value.code == 130
+    assert capsys.readouterr().err == "error: interrupted\n"

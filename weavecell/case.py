@@ -1,0 +1,83 @@
+"""From a checked scene to the objects of the solver: fabric, compression laws, set-up of the impact."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from fabrics import catalogue
+from fabrics.compression import CompressionLaw
+from fabrics.errors import InputError
+from fabrics.fabric import Fabric
+from weavecell.scene import InlineLaw
+
+
+@dataclass(frozen=True)
+class Case:
+    """What a scene asks for.
+
+    Parameters
+    ----------
+    name : short name of the run
+    fabric : Fabric, with the linear densities that the scene chose
+    laws : (warp, weft) CompressionLaw
+    law_name : where the laws come from, in words
+    scene : Scene
+    """
+
+    name: str
+    fabric: Fabric
+    laws: tuple[CompressionLaw, CompressionLaw]
+    law_name: str
+    scene: object
+
+
+def build(scene, file, name):
+    """Look up everything that a scene names.
+
+    Raises
+    ------
+    InputError : a fabric or law that cannot be found or does not fit, named with the scene's file and key
+    """
+    fabric = _fabric(scene.fabric, file)
+    laws, law_name = _laws(scene.fabric, fabric, file)
+    return Case(name, fabric, laws, law_name, scene)
+
+
+def _fabric(table, file):
+    if table.file is not None:
+        fabric = catalogue.read(table.file)
+    elif table.name in catalogue.names():
+        fabric = catalogue.load(table.name)
+    else:
+        raise InputError(
+            file=file, key="fabric.name", value=table.name, allowed=f"one of {', '.join(catalogue.names())}"
+        )
+    if table.linear_density == "nominal" or fabric.effective_linear_density is None:
+        return fabric
+    return fabric.effective()
+
+
+def _laws(table, fabric, file):
+    if isinstance(table.law, InlineLaw):
+        try:
+            law = CompressionLaw(table.law.a, table.law.b, table.law.form, provenance=f"scene {file}")
+        except InputError as problem:
+            raise InputError(
+                file=file, key=f"fabric.law.{problem.key}", value=problem.value, allowed=problem.allowed
+            ) from None
+        return (law, law), "given in the scene"
+    if table.law != "published":
+        law = CompressionLaw.from_json(table.law)
+        return (law, law), "fitted to the 3D crossover"
+    if fabric.laws is None:
+        raise InputError(
+            f"fabric {fabric.name} has no published law; calibrate one or give a and b",
+            file=file,
+            key="fabric.law",
+            value=table.law,
+        )
+    return fabric.laws, "published (Table 5-1)" if "Table 5-1" in _source(fabric) else "published"
+
+
+def _source(fabric):
+    return " ".join(entry["source"] for key, entry in fabric.sources.items() if key.startswith("compression"))

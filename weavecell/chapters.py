@@ -1,0 +1,246 @@
+"""The chapters of a report, each from results to a Section: what to say, which picture, which table."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from weavecell import pictures, pictures3d
+from weavecell.listing import derived
+from weavecell.report import Card, Figure, Section, Table
+
+CLOSE_UP = 0.014  # [m] half the width of the close-up: five radii of the RCC projectile
+STRAINS = np.linspace(0.0, 0.032, 97)  # [-] of the cell, to past the yarns' failure strain
+
+
+def fabric_card(fabric):
+    """Which fabric."""
+    weave = fabric.weave
+    return Card(
+        "Fabric",
+        fabric.name,
+        (
+            f"{1e3 * weave.areal_density:.1f} g/m², {1e3 * weave.thickness:.3f} mm thick",
+            f"crimp {100 * weave.warp.crimp:.2f} / {100 * weave.weft.crimp:.2f} %, warp / weft",
+            f"yarn strength {weave.warp.strength:.0f} / {weave.weft.strength:.0f} N",
+        ),
+    )
+
+
+def law_card(law, published=None, source=""):
+    """Which compression law, beside the published one."""
+    lines = [f"a = {1e3 * law.a:.4f} mm, b = {1e3 * law.b:.4f} mm N^(1/3)"]
+    if published is not None:
+        lines.append(f"published: {1e3 * published.a:.4f} mm, {1e3 * published.b:.4f} mm N^(1/3)")
+    if law.residual_rms is not None:
+        lines.append(f"residual of the fit {1e6 * law.residual_rms:.2f} µm rms")
+    return Card("Compression law", source or "given", tuple(lines))
+
+
+def impact_card(record):
+    """What one impact came to."""
+    headline = {"stopped": "stopped", "perforated": "perforated", "in flight": "still moving", "unstable": "unstable"}
+    tone = record.outcome if record.outcome in ("stopped", "perforated", "unstable") else "plain"
+    return Card(
+        record.title,
+        headline[record.outcome],
+        (
+            f"residual velocity {residual(record)}",
+            f"balance {100 * record.worst_balance:.2f} % of strike",
+            f"numerical {100 * record.numerical_share:.1f} % of absorbed",
+        ),
+        tone,
+    )
+
+
+def residual(record):
+    """Residual velocity as text; a stopped projectile has none, though it may have begun to rebound."""
+    if record.outcome == "stopped":
+        return "0 m/s"
+    return f"{record.residual_velocity:.1f} m/s"
+
+
+def mesh(facts, picture):
+    """The meshed crossover."""
+    return Section(
+        "mesh",
+        "The crossover in hexahedra",
+        "One crossing of warp (orange) and weft (blue). Mesh lines along the yarns are fibre lines and carry the bars.",
+        (Figure(picture, "png", "The mesh that is solved.", "Mesh of the yarn crossover"),),
+        (Table(("quantity", "value"), tuple(facts.items())),),
+        beside=True,
+    )
+
+
+def fit(samples, laws, platen=None, lead=""):
+    """The calibration: samples of the 3D crossover, the law fitted to them, the published law."""
+    rows = tuple(
+        (
+            label,
+            f"{1e3 * law.a:.4f}{_interval(law.a_interval)}",
+            f"{1e3 * law.b:.4f}{_interval(law.b_interval)}",
+            "-" if law.residual_rms is None else f"{1e6 * law.residual_rms:.2f}",
+            "-" if law.F_range is None else f"{law.F_range[0]:.2f} to {law.F_range[1]:.1f}",
+        )
+        for label, law in laws.items()
+    )
+    columns = ("law", "a [mm]", "b [mm N^(1/3)]", "residual rms [µm]", "fitted range of F [N]")
+    content = pictures.render(pictures.fit, samples, laws, platen)
+    return Section(
+        "fit",
+        "Transverse compression: the fit",
+        lead or "Each point is a converged state of the 3D crossover, to which d_c = a - b / (F + F0)^(1/3) is fitted.",
+        (Figure(content, "svg", "Compression of one yarn against the contact force.", "Compression against force"),),
+        (Table(columns, rows, numeric=columns[1:]),),
+    )
+
+
+def _interval(interval):
+    if interval is None:
+        return ""
+    return f" ({1e3 * interval[0]:.4f} to {1e3 * interval[1]:.4f})"
+
+
+def cell(fabric, laws, model="compressible", points=None):
+    """The cell's biaxial response with each law, and the 3D crossover's where it is known.
+
+    Parameters
+    ----------
+    laws : {label: (warp, weft) laws}
+    points : {case title: (strain, T1, T2)} or None
+    """
+    from shellfabric.cell import CellModel
+
+    paths = {"both yarns stretched alike": (STRAINS, STRAINS), "warp stretched, weft held": (STRAINS, 0 * STRAINS)}
+    cases = {}
+    for title, (warp, weft) in paths.items():
+        curves = {}
+        for label, pair in laws.items():
+            state = CellModel(fabric, pair, model=model).solve(1 + warp, 1 + weft)
+            curves[label] = (state["T1"], state["T2"])
+        cases[title] = {"strain": STRAINS, "curves": curves, "points": (points or {}).get(title)}
+    content = pictures.render(pictures.cell, cases)
+    return Section(
+        "cell",
+        "Biaxial response of the cell",
+        "Tension of one yarn against the strain of the cell: the shell's cell (lines) and the 3D crossover (circles).",
+        (
+            Figure(
+                content, "svg", "Crimp exchange: a yarn carries load before it is straight, on the other.", "Tensions"
+            ),
+        ),
+    )
+
+
+def impact(records):
+    """The impacts: velocity, shape, energies and reactions."""
+    velocities = {record.title: (record.t, record.v) for record in records}
+    shapes = {record.title: _shapes(record) for record in records}
+    reactions = {record.title: (record.t, record.reactions["warp"], record.reactions["weft"]) for record in records}
+    figures = [
+        Figure(
+            pictures.render(pictures.velocity, velocities), "svg",
+            "Velocity of the projectile from strike to the end of the run.", "Velocity against time",
+        ),
+        Figure(
+            pictures.render(pictures.panels, shapes, kind="png"), "png",
+            "The panel at the end of the run, seen from behind, to scale.", "Deformed panels",
+        ),
+    ]  # fmt: skip
+    figures += [
+        Figure(
+            pictures.render(pictures.energies, record.t, record.energies, record.strike_energy,
+                            record.energies["balance"], record.title),
+            "svg",
+            "Where the strike energy is; below, what the balance misses (green band: 1 %).",
+            f"Energies, {record.title}",
+            wide=False,
+        )
+        for record in records
+    ]  # fmt: skip
+    figures.append(
+        Figure(
+            pictures.render(pictures.reactions, reactions), "svg",
+            "Force of the clamped edges on the ends of the warp and weft yarns, all four edges in pairs.", "Reactions",
+        )
+    )  # fmt: skip
+    return Section(
+        "impact",
+        "Impact" if len(records) == 1 else "Impacts",
+        "",
+        tuple(figures),
+        (impact_table(records),),
+    )
+
+
+def _shapes(record):
+    share = np.max(np.where(record.broken, 0.0, record.tension) / record.strength, axis=1)
+    failed = record.broken.sum(axis=1)
+    projectile = (record.radius, 6 * record.radius, float(record.z[-1]))
+    return tuple(
+        pictures3d.panel(record.nodes, record.quads, share, failed, projectile, record.quarter, reach)
+        for reach in (None, CLOSE_UP)
+    )
+
+
+def impact_table(records):
+    """One row a run."""
+    columns = (
+        "run", "outcome", "residual [m/s]", "absorbed [J]", "failed yarn segments",
+        "balance [% of strike]", "hourglass + viscous [% of absorbed]", "marching [s]", "ns per element and step",
+    )  # fmt: skip
+    rows = tuple(
+        (
+            record.title,
+            record.outcome,
+            residual(record).split()[0],
+            f"{record.absorbed:.2f}",
+            f"{int(record.failed[-1])}",
+            f"{100 * record.worst_balance:.3f}",
+            f"{100 * record.numerical_share:.2f}",
+            f"{record.wall_time:.2f}",
+            f"{record.ns_per_element_step:.1f}",
+        )
+        for record in records
+    )
+    return Table(columns, rows, numeric=columns[2:])
+
+
+def comparison(rows):
+    """What was asked of the run beside what it gave: rows of (what, asked, measured, met)."""
+    return Section(
+        "summary",
+        "Asked and measured",
+        "",
+        tables=(Table(("what", "asked", "measured", "met"), tuple(rows)),),
+    )
+
+
+def sources(fabric):
+    """Where each number comes from."""
+    rows = tuple(
+        (key, entry["value"], entry["status"], entry["source"]) for key, entry in sorted(fabric.sources.items())
+    )
+    return Section(
+        "sources",
+        "Where each number comes from",
+        "Every input of the fabric as it stands in its data file. The thesis is the source work; E-nn are its errata.",
+        tables=(
+            Table(("key", "value", "status", "source"), rows, caption="Data of the fabric"),
+            Table(("quantity", "value"), tuple(derived(fabric)), caption="What follows from them"),
+        ),
+    )
+
+
+def making(stamp, timings):
+    """How the page was made: versions, machine, times, scene."""
+    rows = tuple((key, value) for key, value in stamp.items() if key != "scene")
+    times = tuple((name, f"{seconds:.1f}") for name, seconds in timings.items())
+    return Section(
+        "making",
+        "How this was computed",
+        tables=(
+            Table(("stage", "wall time [s]"), times, numeric=("wall time [s]",)),
+            Table(("what", "version or value"), rows),
+        ),
+        details=(("Scene", stamp["scene"]),) if stamp["scene"] else (),
+    )
