@@ -1,0 +1,126 @@
+"""The closing of the yarns: the overlap measured, removed and reported."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from fabrics import catalogue
+from fabrics.errors import InputError
+from meshing.closing import CLOSEST_PACKING, SHIFT_LIMIT, Closing, close
+
+WOVEN = ("S-720", "S-726", "S-727", "S-728", "S-731", "S-745")
+ALL = [(name, kind) for name in WOVEN for kind in ("sine", "ellipse")]
+
+
+def closed(name, kind="sine", bluntness=0.075, **choices) -> Closing:
+    fabric = catalogue.load(name)
+    spacing = [2 * w for w in fabric.weave.w][::-1]
+    return close(
+        kind, choices.pop("widths", spacing), [s.Vf0 for s in fabric.solids], fabric.weave, bluntness, **choices
+    )
+
+
+def gap_field(sections, shift, weave, n=700):
+    """Lower face of the warp minus upper face of the weft on a dense grid, from the centrelines themselves."""
+    (w1, w2), (h1, h2), (warp, weft) = weave.w, weave.h0, sections
+    x, y = np.linspace(0, weft.half_width, n)[:, None], np.linspace(0, warp.half_width, n)[None]
+    lower = h1 * np.cos(np.pi * x / (2 * w1)) + shift / 2 - warp.half_thickness(y)
+    upper = -h2 * np.cos(np.pi * y / (2 * w2)) - shift / 2 + weft.half_thickness(x)
+    return lower - upper
+
+
+@pytest.mark.parametrize(("name", "kind"), ALL)
+def test_the_yarns_touch_and_nowhere_overlap(name, kind):
+    closing = closed(name, kind)
+    gap = gap_field(closing.sections, closing.shift, catalogue.load(name).weave)
+    assert gap.min() > -1e-11
+    assert gap.min() < 5e-9  # they touch, up to the spacing of the samples
+
+
+@pytest.mark.parametrize(("name", "kind"), ALL)
+def test_the_overlap_reported_is_that_of_the_sections_asked_for(name, kind):
+    closing = closed(name, kind)
+    gap = gap_field(closing.asked, 0.0, catalogue.load(name).weave)
+    assert closing.overlap == pytest.approx(-gap.min(), abs=5e-9)
+
+
+@pytest.mark.parametrize(("name", "kind"), ALL)
+def test_areas_follow_the_fibre_fractions(name, kind):
+    """A_yarn (1 + crimp) = A_s (1 + crimp) / Vf0, with the fractions of the mesh; nothing denser than round fibres."""
+    fabric, closing = catalogue.load(name), closed(name, kind)
+    for section, Vf0, solid, yarn in zip(closing.sections, closing.Vf0, fabric.solids, fabric.weave.yarns):
+        assert section.area == pytest.approx(yarn.A_s * (1 + yarn.crimp) / Vf0, rel=1e-9)
+        assert solid.Vf0 <= Vf0 <= CLOSEST_PACKING
+
+
+def test_a_small_overlap_is_shifted_and_changes_no_section():
+    closing = closed("S-720")
+    weave = catalogue.load("S-720").weave
+    assert not closing.changed
+    assert 0 < closing.shift == closing.overlap <= SHIFT_LIMIT * sum(weave.h0)
+    assert closing.shift == pytest.approx(2.7e-6, abs=0.1e-6)
+    assert closing.report == "overlap of the sections 2.68 um; closed by a shift of +2.68 um"
+
+
+def test_a_gap_is_closed_too():
+    closing = closed("S-728")
+    assert closing.overlap < 0
+    assert closing.shift == closing.overlap
+    assert closing.report == "gap of the sections 2.37 um; closed by a shift of -2.37 um"
+
+
+def test_sections_are_narrowed_no_more_than_needed():
+    """S-728, ellipse: width alone suffices, so the areas stay; at a width half-way to the asked one they overlap."""
+    closing, weave = closed("S-728", "ellipse"), catalogue.load("S-728").weave
+    assert closing.Vf0 == tuple(solid.Vf0 for solid in catalogue.load("S-728").solids)
+    assert all(s.width < a.width for s, a in zip(closing.sections, closing.asked))
+    assert abs(closing.shift) < 1e-11
+    wider = tuple(
+        type(s).of_area(s.kind, (s.width + a.width) / 2, s.area, s.bluntness)
+        for s, a in zip(closing.sections, closing.asked)
+    )
+    assert gap_field(wider, 0.0, weave).min() < -1e-6
+
+
+def test_a_strongly_unbalanced_weave_is_densified_and_says_so():
+    closing = closed("S-731")
+    assert closing.changed
+    assert closing.Vf0[0] == pytest.approx(CLOSEST_PACKING)
+    assert closing.report == (
+        "overlap of the sections 73.00 um; widths times 1.000 / 0.795, areas times 0.772 / 0.688 "
+        "(Vf0 0.907 / 0.901); closed by a shift of +0.00 um"
+    )
+
+
+def test_a_large_overlap_can_be_refused():
+    with pytest.raises(InputError) as caught:
+        closed("S-720", "ellipse", overlap="refuse")
+    assert str(caught.value) == (
+        "the ellipse sections of warp and weft overlap by 40.5 um, more than the 4.3 um that a shift may remove: "
+        "narrow them, or let the overlap be solved"
+    )
+
+
+def test_prescribed_widths_are_kept():
+    weave = catalogue.load("S-727").weave
+    widths = [2 * weave.w2, 0.88 * 2 * weave.w1]
+    closing = closed("S-727", widths=widths, prescribed=True)
+    assert [section.width for section in closing.sections] == pytest.approx(widths, rel=1e-14)
+    assert closing.Vf0[0] > 0.7
+
+
+def test_what_cannot_be_solved_is_an_input_error():
+    with pytest.raises(InputError) as caught:
+        closed("S-731", prescribed=True)
+    assert str(caught.value) == (
+        "the sine sections of warp and weft overlap by 44.0 um even at the closest packing of the fibres "
+        "(Vf0 = 0.907): try other widths or another section"
+    )
+
+
+def test_yarns_without_crimp_cannot_cross():
+    weave = catalogue.load("S-720").weave
+    flat = replace(weave, warp=replace(weave.warp, crimp=0.0), weft=replace(weave.weft, crimp=0.0))
+    with pytest.raises(InputError, match=r"overlap by .* even at the closest packing"):
+        close("sine", [1.27e-3, 1.27e-3], [0.7, 0.62], flat, 0.1)

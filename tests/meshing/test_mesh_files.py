@@ -1,0 +1,95 @@
+"""Mesh files read back by other programs; nothing is left of a failed one."""
+
+import meshio
+import numpy as np
+import pytest
+
+from fabrics import catalogue
+from fabrics.errors import InputError
+from meshing import export
+from meshing.crossover import build
+from meshing.quality import volumes
+from meshing.session import gmsh_session
+
+
+@pytest.fixture(scope="module", params=["quarter", "whole"])
+def crossover(request):
+    return build(catalogue.load("S-720"), size=(5, 4, 2), domain=request.param)
+
+
+def cells(mesh, name):
+    """Connectivity of a physical group as meshio read it."""
+    tag, dim = mesh.field_data[name]
+    blocks = zip(mesh.cells, mesh.cell_data["gmsh:physical"])
+    return np.concatenate([b.data[t == tag] for b, t in blocks if np.any(t == tag)]), dim
+
+
+def test_msh_read_by_meshio(crossover, tmp_path):
+    path = tmp_path / "a.msh"
+    export.write(crossover, path)
+    mesh = meshio.read(path)
+    assert np.allclose(mesh.points, crossover.points, rtol=1e-15, atol=0)  # gmsh writes 16 digits
+    for index, yarn in enumerate(("warp", "weft")):
+        hexes, dim = cells(mesh, yarn)
+        assert dim == 3
+        assert np.array_equal(hexes, crossover.hexes[crossover.yarn == index])
+        bars, dim = cells(mesh, f"{yarn}_fibre")
+        assert dim == 1
+        assert np.array_equal(bars, crossover.bars[index])
+    for name, expected in crossover.faces.items():
+        quads, dim = cells(mesh, name)
+        assert dim == 2
+        assert np.array_equal(quads, expected)
+
+
+def test_msh_read_by_gmsh(crossover, tmp_path):
+    path = tmp_path / "a.msh"
+    export.write(crossover, path)
+    with gmsh_session("read") as gmsh:
+        gmsh.open(str(path))
+        groups = {gmsh.model.getPhysicalName(*group): group[0] for group in gmsh.model.getPhysicalGroups()}
+        _, coordinates, _ = gmsh.model.mesh.getNodes()
+        places, weights = gmsh.model.mesh.getIntegrationPoints(5, "Gauss4")
+        _, determinants, _ = gmsh.model.mesh.getJacobians(5, places)
+    assert groups == {"warp": 3, "weft": 3, "warp_fibre": 1, "weft_fibre": 1} | dict.fromkeys(crossover.faces, 2)
+    assert len(coordinates) == crossover.points.size
+    determinants = np.reshape(determinants, (-1, len(weights)))
+    assert np.min(determinants) > 0
+    ours = volumes(crossover.points, crossover.hexes)
+    assert sorted(determinants @ weights) == pytest.approx(sorted(ours), rel=1e-10)
+
+
+def test_vtu_read_by_meshio(crossover, tmp_path):
+    path = tmp_path / "folder" / "a.vtu"
+    export.write(crossover, path)
+    mesh = meshio.read(path)
+    assert np.array_equal(mesh.points, crossover.points)
+    assert np.array_equal(mesh.cells_dict["hexahedron"], crossover.hexes)
+    assert np.array_equal(mesh.cell_data["yarn"][0], crossover.yarn)
+    assert np.array_equal(mesh.cell_data["fibre"][0], crossover.fibre)
+    assert np.array_equal(mesh.cell_data["scaled_jacobian"][0], crossover.scaled_jacobian)
+    for name, quads in crossover.faces.items():
+        assert np.array_equal(np.flatnonzero(mesh.point_data[name]), np.unique(quads))
+
+
+def test_another_suffix_is_refused(crossover, tmp_path):
+    with pytest.raises(InputError) as caught:
+        export.write(crossover, tmp_path / "a.stl")
+    assert str(caught.value) == f"mesh file = '{tmp_path / 'a.stl'}': must be named *.msh or *.vtu"
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("suffix", [".msh", ".vtu"])
+def test_a_failed_file_leaves_the_old_one(crossover, tmp_path, monkeypatch, suffix):
+    path = tmp_path / f"a{suffix}"
+    path.write_text("old")
+
+    def fails(crossover, beside):
+        beside.write_text("half a mesh")
+        raise OSError("disk full")
+
+    monkeypatch.setitem(export.WRITERS, suffix, fails)
+    with pytest.raises(OSError, match="disk full"):
+        export.write(crossover, path)
+    assert path.read_text() == "old"
+    assert list(tmp_path.iterdir()) == [path]

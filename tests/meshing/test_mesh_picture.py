@@ -1,0 +1,32 @@
+"""The picture of a crossover: there, of its size, with both yarns and ink in it."""
+
+import numpy as np
+import pytest
+
+from fabrics import catalogue
+from meshing.crossover import build
+
+pyvista = pytest.importorskip("pyvista")
+
+
+def in_shades_of(image, colour):
+    """Share of the pixels (n, 3) that are the colour, or the colour in less light."""
+    target = np.array([int(colour[i : i + 2], 16) for i in (1, 3, 5)], float)
+    light = np.clip(image @ target / (target @ target), 0.4, 1.1)
+    return np.mean(np.linalg.norm(image - light[:, None] * target, axis=1) < 20)
+
+
+@pytest.mark.parametrize("domain", ["quarter", "whole"])
+def test_picture_shows_both_yarns_inside_its_frame(domain, tmp_path):
+    from meshing.pictures import COLOURS, WINDOW, picture
+
+    path = tmp_path / "crossover.png"
+    picture(build(catalogue.load("S-731"), size=(5, 4, 2), domain=domain), path)
+    image = np.asarray(pyvista.read(path).active_scalars, float)[:, :3]
+    assert len(image) == WINDOW[0] * WINDOW[1]
+    for colour in COLOURS.values():
+        assert in_shades_of(image, colour) > 0.05
+    frame = image.reshape(WINDOW[1], WINDOW[0], 3)
+    for edge in (frame[:5], frame[-5:], frame[:, :5], frame[:, -5:]):
+        assert np.all(edge > 250)
+    assert list(tmp_path.iterdir()) == [path]
