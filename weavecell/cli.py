@@ -38,6 +38,7 @@ OutOption = Annotated[
     ),
 ]
 RESULTS = Path("results")
+INTERRUPTED = 130
 
 
 class Size(StrEnum):
@@ -187,7 +188,9 @@ def main(arguments=None):
     except usage_error as problem:
         _fail(" ".join(problem.format_message().split()), InputError.exit_code)
     except (typer.Abort, KeyboardInterrupt):
-        _fail("interrupted", 130)
+        code = INTERRUPTED
+    if code == INTERRUPTED:
+        _fail("interrupted", INTERRUPTED)
     sys.exit(code if isinstance(code, int) else 0)
 
 
