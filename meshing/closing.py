@@ -85,8 +85,8 @@ class Closing:
             width = " / ".join(f"{s.width / a.width:.3f}" for s, a in zip(self.sections, self.asked))
             area = " / ".join(f"{s.area / a.area:.3f}" for s, a in zip(self.sections, self.asked))
             Vf0 = " / ".join(f"{value:.3f}" for value in self.Vf0)
-            text += f"; widths times {width}, areas times {area} (Vf0 {Vf0})"
-        return f"{text}; closed by a shift of {round(self.shift * 1e6, 2) + 0.0:+.2f} um"
+            return f"{text}, solved: widths times {width}, areas times {area} (Vf0 {Vf0})"
+        return f"{text}, closed by a shift of {self.shift * 1e6:+.2f} um"
 
 
 def close(kind, widths, fractions, weave, bluntness, *, prescribed=False, overlap="solve"):
