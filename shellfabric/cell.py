@@ -168,12 +168,11 @@ class CellTable:
         return self.stretch1[1] - self.stretch1[0], self.stretch2[1] - self.stretch2[0]
 
     def stiffness(self):
-        """[N] largest eigenvalue of the tangent dN_i/dLambda_j over the table, each row by its own cell length.
-
-        Symmetrised and scaled to a square cell: it bounds the stiffness that any motion of the panel can meet.
-        """
+        """[N/m] largest eigenvalue of the membrane tangent dN_i/dLambda_j (per width of cloth) over the table."""
+        weave = self.model.fabric.weave
+        m1, m2 = weave.warp_count, weave.weft_count
         d1, d2 = self.steps
-        N1, N2 = self.values["N1"], self.values["N2"]
+        N1, N2 = self.values["N1"] * m1, self.values["N2"] * m2
         k11, k22 = np.diff(N1, axis=0)[:, :-1] / d1, np.diff(N2, axis=1)[:-1, :] / d2
         k12 = 0.5 * (np.diff(N1, axis=1)[:-1, :] / d2 + np.diff(N2, axis=0)[:, :-1] / d1)
         return float(np.max(0.5 * (k11 + k22) + np.hypot(0.5 * (k11 - k22), k12)))

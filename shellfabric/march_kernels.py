@@ -1,0 +1,239 @@
+"""One time step of the panel and its projectile, and many of them: central differences.
+
+Velocities stand at half steps, everything else at whole ones:
+
+    v(n+1/2) = v(n-1/2) + dt f(n) / m,    u(n+1) = u(n) + dt v(n+1/2),    f(n+1) from u(n+1), v(n+1/2)
+
+Only rows that motion has reached are worked on. A row joins when the last row before it has moved, which is exact: an
+element whose nodes are all at rest has no force on them. Velocities below 1e-60 m/s are set to zero, without which the
+front of the wave would be preceded by denormal numbers.
+"""
+
+import numpy as np
+from numba import njit
+
+from shellfabric import contact_kernels, membrane_kernels
+from shellfabric.membrane_kernels import ERODED, ONE, SOFT_LIMIT
+
+RUNNING, STOPPED, PERFORATED, NOT_FINITE = 0, 1, 2, 3
+VISCOUS, HOURGLASS, LOST = 0, 1, 2
+STEP, IDLE, FAILURES = 0, 1, 2
+_STILL = 1e-60
+
+
+@njit(cache=True, fastmath={"contract", "nsz"}, error_model="numpy")
+def move(k0, n, dt, kick, g0, g1, v, u):
+    """One component of velocity and displacement of the nodes k0 .. k0 + n; kick = dt / m."""
+    for j in range(n):
+        k = k0 + j
+        speed = v[k] + kick[k] * (g0[k] + g1[k])
+        speed = speed if abs(speed) > _STILL else 0.0
+        v[k] = speed
+        u[k] += dt * speed
+
+
+@njit(cache=True, error_model="numpy")
+def symmetry(state, const, first, last):
+    """Take out the force across a plane of symmetry, on the node rows first .. last."""
+    if const.mirror_x and first == 0:
+        for k in range(const.s):
+            state.g0[0, k] = state.g1[0, k] = 0.0
+    if const.mirror_y:
+        for i in range(first, last + 1):
+            k = np.uint64(i * const.s)
+            state.g0[1, k] = state.g1[1, k] = 0.0
+
+
+@njit(cache=True, error_model="numpy")
+def moved(state, const, i):
+    """Whether some node of row i has left its place."""
+    for k in range(np.uint64(i * const.s), np.uint64((i + 1) * const.s)):
+        if state.u[0, k] != 0.0 or state.u[1, k] != 0.0 or state.u[2, k] != 0.0:
+            return True
+    return False
+
+
+@njit(cache=True, error_model="numpy")
+def widen(state, const):
+    """Let the window of active element rows, state.rows, follow the motion."""
+    if state.rows[0] > 0 and moved(state, const, state.rows[0]):
+        state.rows[0] -= 1
+    if state.rows[1] < const.ni and moved(state, const, state.rows[1]):
+        state.rows[1] += 1
+
+
+@njit(cache=True, error_model="numpy")
+def refresh_held(state, const):
+    """Count, for the nodes near the projectile, the elements that still hold each."""
+    for i in range(const.near[0], const.near[1]):
+        for j in range(const.near[2], const.near[3]):
+            count = 0
+            for p in range(max(i - 1, 0), min(i + 1, const.ni)):
+                for q in range(max(j - 1, 0), min(j + 1, const.nj)):
+                    if not state.flag[p * const.s + q] & ERODED:
+                        count += 1
+            state.held[i * const.s + j] = count
+
+
+@njit(cache=True, error_model="numpy")
+def elements(state, const, block, first, last, work):
+    """Forces of the element rows first .. last, which lie in one block, from the present displacements."""
+    s = np.uint64(const.s)
+    k0, n = np.uint64(first * const.s), np.uint64((last - first) * const.s)
+    A, B, H, Q, R, G = work[0:3], work[3:6], work[6:9], work[9], work[10], work[11]
+    l1, l2, ia, ib, sine = work[12], work[13], work[14], work[15], work[16]
+    T1, T2, force1, force2, slope = work[17], work[18], work[19], work[20], work[21]
+    on_a, cross_a, cross_b, on_b = work[22], work[23], work[24], work[25]
+    for c in range(3):
+        unit_a, unit_b = 1.0 if c == 0 else 0.0, 1.0 if c == 1 else 0.0
+        membrane_kernels.kinematics(state.u[c], k0, n, s, const.ra, const.rb, unit_a, unit_b, A[c], B[c], H[c])
+    membrane_kernels.rest(n, s, A, B, H)
+    membrane_kernels.stretches(n, A[0], A[1], A[2], B[0], B[1], B[2], l1, l2, ia, ib, sine)
+    peak1, peak2 = membrane_kernels.tensions(
+        n, l1, l2, const.tension, const.x0t, const.rx, const.top1, const.y0t, const.ry, const.top2, T1, T2
+    )
+    N1, N2 = T1, T2
+    if const.variational:
+        N1, N2 = work[26], work[27]
+        membrane_kernels.potential_forces(
+            n, l1, l2, const.potential, const.x0t, const.rx, const.top1, const.y0t, const.ry, const.top2,
+            const.per1, const.per2, N1, N2,
+        )  # fmt: skip
+    for j in range(s - ONE, n, s):
+        T1[j] = T2[j] = N1[j] = N2[j] = 0.0
+    state.peak[0], state.peak[1] = max(state.peak[0], peak1), max(state.peak[1], peak2)
+    sums = state.sums[block]
+    if state.dirty[block] or peak1 > const.strength1 or peak2 > const.strength2:
+        lost, viscous, count = membrane_kernels.settle_failures(k0, n, l1, l2, sine, T1, T2, N1, N2, H, state, const)
+        sums[LOST] += lost
+        sums[VISCOUS] += viscous
+        if count > 0:
+            state.dirty[block] = True
+            state.fresh[block] += count
+    sums[VISCOUS] += membrane_kernels.yarn_work(
+        k0, n, const.c1, const.cv1, l1, N1, state.L1, state.P1, state.D1, state.W, force1
+    )
+    sums[VISCOUS] += membrane_kernels.yarn_work(
+        k0, n, const.c2, const.cv2, l2, N2, state.L2, state.P2, state.D2, state.W, force2
+    )
+    largest = membrane_kernels.shear_slope_soft(n, sine, const.V, const.G1, slope)
+    soft = min(const.soft, SOFT_LIMIT)
+    if largest > soft:
+        membrane_kernels.shear_slope(
+            n, sine, const.V, const.G1, const.G2, const.gamma1, const.gamma2, soft, slope
+        )
+    membrane_kernels.projections(
+        n, force1, force2, slope, sine, ia, ib, const.ra, const.rb, on_a, cross_a, cross_b, on_b
+    )
+    for c in range(3):
+        sums[HOURGLASS] += membrane_kernels.nodal_parts(
+            k0, n, A[c], B[c], H[c], on_a, cross_a, cross_b, on_b, const.kh, const.ch, state.H[c], state.dH[c], Q, R, G
+        )
+        membrane_kernels.gather(k0, n, s, Q, R, G, state.g0[c], state.g1[c])
+
+
+@njit(cache=True, error_model="numpy")
+def all_elements(state, const, work):
+    """Forces of all active element rows, block by block; the blocks are fixed, whatever the window."""
+    first, last = state.rows[0], state.rows[1]
+    for block in range(first // const.block, (last + const.block - 1) // const.block):
+        low, high = max(first, block * const.block), min(last, (block + 1) * const.block)
+        elements(state, const, block, low, high, work)
+
+
+@njit(cache=True, error_model="numpy")
+def step(state, const, work):
+    """One step; returns why it should be the last, or RUNNING."""
+    contact_kernels.push(state, const)
+    first, last = state.rows[0], state.rows[1]
+    symmetry(state, const, first, last)
+    k0, n = np.uint64(first * const.s), np.uint64((last + 1 - first) * const.s)
+    for c in range(3):
+        move(k0, n, const.dt, state.kick, state.g0[c], state.g1[c], state.v[c], state.u[c])
+        state.position[c] += const.dt * state.speed[c]
+    widen(state, const)
+    all_elements(state, const, work)
+    failures = state.fresh.sum()
+    if failures > state.counter[FAILURES]:
+        state.counter[FAILURES] = failures
+        refresh_held(state, const)
+    work_in, spring, _ = contact_kernels.contact(state, const)
+    state.contact_energy[0] += work_in
+    state.contact_energy[1] = spring
+    state.counter[STEP] += 1
+    if not abs(state.speed[2]) < 1e9:
+        return NOT_FINITE
+    if state.speed[2] <= 0.0:
+        return STOPPED
+    # perforated: yarns have failed, nothing pushes, and nothing that is held is left in front, for a while
+    idle = failures > 0 and state.reaction[2] == 0.0 and contact_kernels.in_the_way(state, const) == 0
+    state.counter[IDLE] = state.counter[IDLE] + 1 if idle else 0
+    return PERFORATED if state.counter[IDLE] >= const.idle_steps else RUNNING
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def advance(state, const, steps, history):
+    """March at most `steps` steps. history (steps, 3): the projectile's z, v_z and the force on it after each.
+
+    Returns (steps made, RUNNING or the reason to end).
+    """
+    work = np.empty((28, (const.block * const.s + 7) // 8 * 8))
+    for m in range(steps):
+        reason = step(state, const, work)
+        history[m, 0] = state.position[2]
+        history[m, 1] = state.speed[2]
+        history[m, 2] = state.reaction[2]
+        if reason != RUNNING:
+            return m + 1, reason
+    return steps, RUNNING
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def first_forces(state, const):
+    """Forces of the cloth as it is, before the first step."""
+    work = np.empty((28, (const.block * const.s + 7) // 8 * 8))
+    for block in range((const.ni + const.block - 1) // const.block):
+        elements(state, const, block, block * const.block, min(const.ni, (block + 1) * const.block), work)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def energies(state, const, out):
+    """The energy audit at the present whole step, into out (4): kinetic of the cloth, stored, shear, hourglass springs.
+
+    Kinetic energy is m v(n-1/2) v(n+1/2) / 2, the form that central differences conserve in a linear system.
+    """
+    out[:] = 0.0
+    for i in range(const.ni + 1):
+        for j in range(const.nj + 1):
+            k = i * const.s + j
+            for c in range(3):
+                if state.inverse_mass[k] == 0.0 or (c == 0 and i == 0 and const.mirror_x):
+                    continue
+                if c == 1 and j == 0 and const.mirror_y:
+                    continue
+                v = state.v[c, k]
+                f = state.g0[c, k] + state.g1[c, k] + state.contact[c, k]
+                out[0] += 0.5 * state.mass[k] * v * (v + const.dt * state.inverse_mass[k] * f)
+    for i in range(const.ni):
+        for j in range(const.nj):
+            k = np.uint64(i * const.s + j)
+            out[1] += state.W[k]
+            if state.flag[k] == 0:
+                out[2] += membrane_kernels.shear_energy(
+                    sine_of(state.u, k, const), const.V, const.G1, const.G2, const.gamma1, const.gamma2
+                )
+            for c in range(3):
+                out[3] += 0.5 * const.kh * state.H[c, k] ** 2
+
+
+@njit(cache=True, error_model="numpy")
+def sine_of(u, k, const):
+    """sin(gamma) of the element in slot k, as `membrane_kernels.stretches` has it."""
+    s = np.uint64(const.s)
+    aa, bb, ab = 0.0, 0.0, 0.0
+    for c in range(3):
+        u00, u01, u10, u11 = u[c, k], u[c, k + ONE], u[c, k + s], u[c, k + s + ONE]
+        a = const.ra * (u10 - u00 + u11 - u01) + (1.0 if c == 0 else 0.0)
+        b = const.rb * (u01 - u00 + u11 - u10) + (1.0 if c == 1 else 0.0)
+        aa, bb, ab = aa + a * a, bb + b * b, ab + a * b
+    return ab / np.sqrt(aa * bb)

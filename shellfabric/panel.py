@@ -1,0 +1,263 @@
+"""A fabric panel with its projectile: grid, masses, supports, time step, and the arrays that the kernels work on.
+
+Time step. For one-point quadrilaterals the highest frequency of the cloth is bounded by w^2 = 4 D / (m d^2), with d the
+shorter side, m the areal density, and D the greater of lambda and lambda / 2 + G2 t, lambda the largest eigenvalue of
+the table's membrane tangent. Along a straight yarn this is d / c with the wave speed c = sqrt(E / rho) / sqrt(1 + mass
+of the crossing yarn over its own): the factor sqrt 2 of woven yarn (erratum E-38). Viscous forces act on the velocity
+of half a step ago, which limits the step to (2 / w) (sqrt(1 + xi^2) - xi) at damping ratio xi.
+"""
+
+from __future__ import annotations
+
+from collections import namedtuple
+from dataclasses import dataclass, field
+from math import inf, pi, sin
+
+import numpy as np
+
+from fabrics.errors import InputError
+from shellfabric import march_kernels
+from shellfabric.cell import CellTable
+from shellfabric.projectile import Projectile
+
+SYMMETRIES = {"quarter": (True, True), "half": (True, False), "whole": (False, False)}
+EDGES = ("clamped", "free")
+
+Constants = namedtuple(
+    "Constants",
+    "ni nj s block mirror_x mirror_y x0 y0 dx dy ra rb dt "
+    "tension potential x0t rx top1 y0t ry top2 per1 per2 variational "
+    "c1 c2 cv1 cv2 kh ch V G1 G2 gamma1 gamma2 soft w1 S01 EA1 w2 S02 EA2 strength1 strength2 widest cells "
+    "near penalty damping R rho projectile_mass free idle_steps",
+)
+State = namedtuple(
+    "State",
+    "u v g0 g1 mass inverse_mass kick L1 L2 P1 P2 D1 D2 W H dH flag held pressed contact position speed reaction "
+    "contact_energy rows counter sums peak dirty fresh",
+)
+
+
+@dataclass(frozen=True)
+class Numerics:
+    """Numerical knobs. None of them is fitted to an outcome; each is as small, or as near to one, as stability asks.
+
+    Parameters
+    ----------
+    safety : of the time step against its bound; 0.9 leaves room for shear stiffening in distorted elements
+    stretch_viscosity : damping ratio of the highest mode along a yarn; 0.1 takes the ringing behind a front out within
+        a few elements and costs a tenth of the time step
+    hourglass_stiffness : of the hourglass mode against the greatest stiffness of the element; at 0 a panel tears itself
+        into a zig-zag, above some hundredths the spring would begin to stiffen the cloth
+    hourglass_viscosity : damping ratio, by the same measure as that of the stretch
+    penalty : of the contact, in units of nodal mass / dt^2: a period of 63 steps, and a hundredth of the bound
+    contact_damping : ratio to critical of one node on its contact spring
+    widest : stretch of the gap left by a failed yarn at which its element erodes: two neighbours' worth
+    clear_time : [s] without a push and with nothing ahead, after which the panel counts as perforated
+    block : elements worked on together; their scratch should stay in the second level of cache
+    """
+
+    safety: float = 0.9
+    stretch_viscosity: float = 0.1
+    hourglass_stiffness: float = 0.02
+    hourglass_viscosity: float = 0.1
+    penalty: float = 0.01
+    contact_damping: float = 0.5
+    widest: float = 3.0
+    clear_time: float = 2e-6
+    block: int = 1000
+
+    def __post_init__(self):
+        for key in ("safety", "penalty", "widest", "clear_time", "block"):
+            if not getattr(self, key) > 0:
+                raise InputError(key=key, value=getattr(self, key), allowed="above 0")
+        for key in ("stretch_viscosity", "hourglass_stiffness", "hourglass_viscosity", "contact_damping"):
+            if not getattr(self, key) >= 0:
+                raise InputError(key=key, value=getattr(self, key), allowed="at least 0")
+        if self.safety > 1:
+            raise InputError(key="safety", value=self.safety, allowed="at most 1")
+
+
+@dataclass(frozen=True)
+class Panel:
+    """A rectangle of whole crossovers about the impact point, and the projectile before it.
+
+    Parameters
+    ----------
+    table : CellTable of the fabric
+    opening : (along warp, along weft) [m]; as many whole crossovers as fit from the centre to an edge are meshed, as in
+        the source (erratum E-34: 79 of 79.9 for S-720)
+    projectile : Projectile
+    symmetry : "quarter", "half" (x >= 0) or "whole"
+    elements_per_crossover : along each side
+    edge : "clamped" or "free"
+    numerics : Numerics
+    trellis : whether the fabric's shear law acts; a fabric without one has none
+    failure : whether yarns fail
+
+    Raises
+    ------
+    InputError : unknown symmetry or edge, or an opening smaller than the projectile needs
+    """
+
+    table: CellTable
+    opening: tuple[float, float] = (0.203, 0.203)
+    projectile: Projectile = field(default_factory=Projectile)
+    symmetry: str = "quarter"
+    elements_per_crossover: int = 1
+    edge: str = "clamped"
+    numerics: Numerics = field(default_factory=Numerics)
+    trellis: bool = True
+    failure: bool = True
+
+    def __post_init__(self):
+        if self.symmetry not in SYMMETRIES:
+            raise InputError(key="symmetry", value=self.symmetry, allowed=" or ".join(SYMMETRIES))
+        if self.edge not in EDGES:
+            raise InputError(key="edge", value=self.edge, allowed=" or ".join(EDGES))
+        if self.elements_per_crossover < 1:
+            raise InputError(key="elements_per_crossover", value=self.elements_per_crossover, allowed="1, 2, 3, ...")
+        for length, w in zip(self.opening, self.weave.w):
+            if not length / 2 >= max(2 * self.projectile.radius, 4 * w):
+                raise InputError(key="opening", value=length, allowed="wider than two projectiles and four crossovers")
+
+    @property
+    def fabric(self):
+        return self.table.model.fabric
+
+    @property
+    def weave(self):
+        return self.fabric.weave
+
+    @property
+    def spacing(self):
+        """(dx, dy) [m] sides of an element."""
+        return tuple(2 * w / self.elements_per_crossover for w in self.weave.w)
+
+    @property
+    def counts(self):
+        """(ni, nj) elements along warp and weft."""
+        half = [int(length / 2 / (2 * w) + 1e-9) * self.elements_per_crossover for length, w in zip(self.opening, self.weave.w)]
+        return tuple(n if mirrored else 2 * n for n, mirrored in zip(half, SYMMETRIES[self.symmetry]))
+
+    @property
+    def elements(self):
+        """Number of elements."""
+        return self.counts[0] * self.counts[1]
+
+    @property
+    def share(self):
+        """Part of the whole panel, and of the projectile, that is modelled."""
+        return 0.5 ** sum(SYMMETRIES[self.symmetry])
+
+    @property
+    def membrane_stiffness(self):
+        """[N/m] the D of the time step's bound."""
+        stiffness = self.table.stiffness()
+        shear = self.fabric.shear
+        if self.trellis and shear is not None:
+            stiffness = max(stiffness, 0.5 * stiffness + shear.G2 * self.weave.thickness)
+        return stiffness
+
+    @property
+    def critical_step(self):
+        """[s] 2 / w of the undamped cloth."""
+        return min(self.spacing) * (self.weave.areal_density / self.membrane_stiffness) ** 0.5
+
+    @property
+    def time_step(self):
+        """[s] the step that is taken."""
+        xi = max(self.numerics.stretch_viscosity, self.numerics.hourglass_viscosity)
+        return self.numerics.safety * self.critical_step * ((1 + xi**2) ** 0.5 - xi)
+
+    def coordinates(self):
+        """(X, Y) [m] of the nodes at rest, each (ni+1, nj+1); the impact point is the origin."""
+        (ni, nj), (dx, dy), c = self.counts, self.spacing, self.constants()
+        return np.meshgrid(c.x0 + dx * np.arange(ni + 1), c.y0 + dy * np.arange(nj + 1), indexing="ij")
+
+    def constants(self) -> Constants:
+        """What the kernels need to know, as plain numbers and arrays."""
+        (ni, nj), (dx, dy), (mirror_x, mirror_y) = self.counts, self.spacing, SYMMETRIES[self.symmetry]
+        weave, table, knobs, dt = self.weave, self.table, self.numerics, self.time_step
+        (w1, w2), (S01, S02), (warp, weft) = weave.w, weave.S0, weave.yarns
+        rx, ry = (1 / step for step in table.steps)
+        shear = self.fabric.shear if self.trellis else None
+        G1, G2, gamma1, gamma2 = (shear.G1, shear.G2, shear.gamma1, shear.gamma2) if shear else (0.0, 0.0, 0.5, 1.0)
+        lag = self.critical_step / dt
+        element = self.membrane_stiffness * max(dx / dy, dy / dx)
+        x0, y0 = (0.0 if mirror_x else -0.5 * ni * dx), (0.0 if mirror_y else -0.5 * nj * dy)
+        return Constants(
+            ni=ni, nj=nj, s=nj + 1, block=max(1, round(knobs.block / (nj + 1))), mirror_x=mirror_x, mirror_y=mirror_y,
+            x0=x0, y0=y0, dx=dx, dy=dy, ra=0.5 / dx, rb=0.5 / dy, dt=dt,
+            tension=table.tension.reshape(-1, 8), potential=table.potential.reshape(-1, 16),
+            x0t=table.stretch1[0], rx=rx, top1=table.stretch1.size - 2,
+            y0t=table.stretch2[0], ry=ry, top2=table.stretch2.size - 2,
+            per1=rx / (2 * w1), per2=ry / (2 * w2), variational=table.model.form == "variational",
+            c1=dx * dy * weave.warp_count, c2=dx * dy * weave.weft_count,
+            cv1=knobs.stretch_viscosity * lag * warp.EA, cv2=knobs.stretch_viscosity * lag * weft.EA,
+            kh=knobs.hourglass_stiffness * element / 4, ch=knobs.hourglass_viscosity * lag * element / 4,
+            V=dx * dy * weave.thickness, G1=G1, G2=G2, gamma1=gamma1, gamma2=gamma2, soft=sin(min(gamma1, pi / 2)),
+            w1=w1, S01=S01, EA1=warp.EA, w2=w2, S02=S02, EA2=weft.EA,
+            strength1=warp.strength if self.failure else inf, strength2=weft.strength if self.failure else inf,
+            widest=knobs.widest, cells=dx * dy / weave.cell_area,
+            near=self._near(x0, y0), penalty=knobs.penalty / dt**2,
+            damping=2 * knobs.contact_damping * knobs.penalty**0.5 / dt,
+            R=self.projectile.radius, rho=self.projectile.edge_radius, projectile_mass=self.projectile.mass * self.share,
+            free=(0.0 if mirror_x else 1.0, 0.0 if mirror_y else 1.0, 1.0),
+            idle_steps=max(1, round(knobs.clear_time / dt)),
+        )  # fmt: skip
+
+    def state(self, strike_velocity) -> State:
+        """The panel at rest, flat at z = 0, touched by the projectile that moves along +z at `strike_velocity` [m/s]."""
+        const = self.constants()
+        ni, nj, s = const.ni, const.nj, const.s
+        slots = (ni + 1) * s + 16
+        mass = self._masses(const, slots)
+        inverse = np.divide(1.0, mass, out=np.zeros(slots), where=(mass > 0) & self._loose(const, slots))
+        blocks = -(-ni // const.block)
+        many, three = (lambda: np.zeros(slots)), (lambda: np.zeros((3, slots)))
+        rest = self.table.model.solve(1.0, 1.0)
+        i0, i1 = const.near[:2]
+        state = State(
+            u=three(), v=three(), g0=three(), g1=three(), mass=mass, inverse_mass=inverse, kick=const.dt * inverse,
+            L1=np.ones(slots), L2=np.ones(slots), P1=many(), P2=many(), D1=many(), D2=many(),
+            W=np.full(slots, const.cells * float(rest["W"])), H=three(), dH=three(),
+            flag=np.zeros(slots, np.uint8), held=np.zeros(slots, np.uint8), pressed=many(), contact=three(),
+            position=np.zeros(3), speed=np.array([0.0, 0.0, float(strike_velocity)]), reaction=np.zeros(3),
+            contact_energy=np.zeros(2), rows=np.array([max(i0 - 1, 0), min(i1, ni)]), counter=np.zeros(3, np.int64),
+            sums=np.zeros((blocks, 3)), peak=np.zeros(2), dirty=np.zeros(blocks, np.bool_),
+            fresh=np.zeros(blocks, np.int64),
+        )  # fmt: skip
+        march_kernels.first_forces(state, const)
+        march_kernels.refresh_held(state, const)
+        return state
+
+    def _masses(self, const, slots):
+        corner = 0.25 * self.weave.areal_density * const.dx * const.dy
+        mass = np.zeros((const.ni + 1, const.s))
+        for i in (slice(None, -1), slice(1, None)):
+            for j in (slice(None, -1), slice(1, None)):
+                mass[i, j] += corner
+        return np.concatenate([mass.ravel(), np.zeros(slots - mass.size)])
+
+    def _loose(self, const, slots):
+        """Which nodes no clamp holds."""
+        loose = np.ones((const.ni + 1, const.s), bool)
+        if self.edge == "clamped":
+            loose[-1, :] = loose[:, -1] = False
+            if not const.mirror_x:
+                loose[0, :] = False
+            if not const.mirror_y:
+                loose[:, 0] = False
+        return np.concatenate([loose.ravel(), np.zeros(slots - loose.size, bool)])
+
+    def _near(self, x0, y0):
+        """Node rows and columns (i0, i1, j0, j1) that can come under the projectile.
+
+        A straightened, stretched yarn draws cloth in by at most its crimp and strain times its length.
+        """
+        bounds = []
+        for start, step, count, yarn in zip((x0, y0), self.spacing, self.counts, self.weave.yarns):
+            half = count * step if start == 0 else -start
+            reach = self.projectile.radius + (yarn.crimp + yarn.failure_strain) * half + 2 * step
+            bounds += [max(0, int((-reach - start) / step)), min(count + 1, int((reach - start) / step) + 2)]
+        return tuple(bounds)
