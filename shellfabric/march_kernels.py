@@ -13,7 +13,7 @@ import numpy as np
 from numba import njit
 
 from shellfabric import contact_kernels, membrane_kernels
-from shellfabric.membrane_kernels import ERODED, ONE, SOFT_LIMIT
+from shellfabric.membrane_kernels import ONE, SOFT_LIMIT
 
 RUNNING, STOPPED, PERFORATED, NOT_FINITE = 0, 1, 2, 3
 VISCOUS, HOURGLASS, LOST = 0, 1, 2
@@ -60,19 +60,6 @@ def widen(state, const):
         state.rows[0] -= 1
     if state.rows[1] < const.ni and moved(state, const, state.rows[1]):
         state.rows[1] += 1
-
-
-@njit(cache=True, error_model="numpy")
-def refresh_held(state, const):
-    """Count, for the nodes near the projectile, the elements that still hold each."""
-    for i in range(const.near[0], const.near[1]):
-        for j in range(const.near[2], const.near[3]):
-            count = 0
-            for p in range(max(i - 1, 0), min(i + 1, const.ni)):
-                for q in range(max(j - 1, 0), min(j + 1, const.nj)):
-                    if not state.flag[p * const.s + q] & ERODED:
-                        count += 1
-            state.held[i * const.s + j] = count
 
 
 @njit(cache=True, error_model="numpy")
@@ -142,8 +129,8 @@ def all_elements(state, const, work):
 
 
 @njit(cache=True, error_model="numpy")
-def step(state, const, work):
-    """One step; returns why it should be the last, or RUNNING."""
+def step(state, const, work, x, v):
+    """One step (x, v: (4, 3) scratch); returns why it should be the last, or RUNNING."""
     contact_kernels.push(state, const)
     first, last = state.rows[0], state.rows[1]
     symmetry(state, const, first, last)
@@ -154,11 +141,9 @@ def step(state, const, work):
     widen(state, const)
     all_elements(state, const, work)
     failures = state.fresh.sum()
-    if failures > state.counter[FAILURES]:
-        state.counter[FAILURES] = failures
-        refresh_held(state, const)
-    work_in, spring, _ = contact_kernels.contact(state, const)
-    state.contact_energy[0] += work_in
+    state.counter[FAILURES] = failures
+    taken, spring = contact_kernels.contact(state, const, x, v)
+    state.contact_energy[0] += taken
     state.contact_energy[1] = spring
     state.counter[STEP] += 1
     if not abs(state.speed[2]) < 1e9:
@@ -166,7 +151,7 @@ def step(state, const, work):
     if state.speed[2] <= 0.0:
         return STOPPED
     # perforated: yarns have failed, nothing pushes, and nothing that is held is left in front, for a while
-    idle = failures > 0 and state.reaction[2] == 0.0 and contact_kernels.in_the_way(state, const) == 0
+    idle = failures > 0 and state.reaction[2] == 0.0 and not contact_kernels.in_the_way(state, const, x, v)
     state.counter[IDLE] = state.counter[IDLE] + 1 if idle else 0
     return PERFORATED if state.counter[IDLE] >= const.idle_steps else RUNNING
 
@@ -178,8 +163,9 @@ def advance(state, const, steps, history):
     Returns (steps made, RUNNING or the reason to end).
     """
     work = np.empty((28, (const.block * const.s + 7) // 8 * 8))
+    x, v = np.empty((4, 3)), np.empty((4, 3))
     for m in range(steps):
-        reason = step(state, const, work)
+        reason = step(state, const, work, x, v)
         history[m, 0] = state.position[2]
         history[m, 1] = state.speed[2]
         history[m, 2] = state.reaction[2]

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections import namedtuple
 from dataclasses import dataclass, field
-from math import inf, pi, sin
+from math import ceil, inf, pi, sin
 
 import numpy as np
 
@@ -28,11 +28,11 @@ Constants = namedtuple(
     "ni nj s block mirror_x mirror_y x0 y0 dx dy ra rb dt "
     "tension potential x0t rx top1 y0t ry top2 per1 per2 variational "
     "c1 c2 cv1 cv2 kh ch V G1 G2 gamma1 gamma2 soft w1 S01 EA1 w2 S02 EA2 strength1 strength2 widest cells "
-    "near penalty damping R rho projectile_mass free idle_steps",
+    "near points point_stiffness point_damping R rho projectile_mass free idle_steps",
 )
 State = namedtuple(
     "State",
-    "u v g0 g1 mass inverse_mass kick L1 L2 P1 P2 D1 D2 W H dH flag held pressed contact position speed reaction "
+    "u v g0 g1 mass inverse_mass kick L1 L2 P1 P2 D1 D2 W H dH flag pressed touching contact position speed reaction "
     "contact_energy rows counter sums peak dirty fresh",
 )
 
@@ -49,8 +49,9 @@ class Numerics:
     hourglass_stiffness : of the hourglass mode against the greatest stiffness of the element; at 0 a panel tears itself
         into a zig-zag, above some hundredths the spring would begin to stiffen the cloth
     hourglass_viscosity : damping ratio, by the same measure as that of the stretch
-    penalty : of the contact, in units of nodal mass / dt^2: a period of 63 steps, and a hundredth of the bound
-    contact_damping : ratio to critical of one node on its contact spring
+    penalty : stiffness of the contact where it covers an element, in units of nodal mass / dt^2
+    contact_damping : ratio to critical of that mass on that spring
+    contact_points : along each side of an element; 0 takes as many as make their distance the edge radius
     widest : stretch of the gap left by a failed yarn at which its element erodes: two neighbours' worth
     clear_time : [s] without a push and with nothing ahead, after which the panel counts as perforated
     block : elements worked on together; their scratch should stay in the second level of cache
@@ -60,8 +61,9 @@ class Numerics:
     stretch_viscosity: float = 0.1
     hourglass_stiffness: float = 0.02
     hourglass_viscosity: float = 0.1
-    penalty: float = 0.01
+    penalty: float = 0.3
     contact_damping: float = 0.5
+    contact_points: int = 0
     widest: float = 3.0
     clear_time: float = 2e-6
     block: int = 1000
@@ -70,7 +72,7 @@ class Numerics:
         for key in ("safety", "penalty", "widest", "clear_time", "block"):
             if not getattr(self, key) > 0:
                 raise InputError(key=key, value=getattr(self, key), allowed="above 0")
-        for key in ("stretch_viscosity", "hourglass_stiffness", "hourglass_viscosity", "contact_damping"):
+        for key in ("stretch_viscosity", "hourglass_stiffness", "hourglass_viscosity", "contact_damping", "contact_points"):
             if not getattr(self, key) >= 0:
                 raise InputError(key=key, value=getattr(self, key), allowed="at least 0")
         if self.safety > 1:
@@ -184,6 +186,8 @@ class Panel:
         G1, G2, gamma1, gamma2 = (shear.G1, shear.G2, shear.gamma1, shear.gamma2) if shear else (0.0, 0.0, 0.5, 1.0)
         lag = self.critical_step / dt
         element = self.membrane_stiffness * max(dx / dy, dy / dx)
+        points = knobs.contact_points or max(2, ceil(max(dx, dy) / self.projectile.edge_radius))
+        mass = weave.areal_density * dx * dy / points**2
         x0, y0 = (0.0 if mirror_x else -0.5 * ni * dx), (0.0 if mirror_y else -0.5 * nj * dy)
         return Constants(
             ni=ni, nj=nj, s=nj + 1, block=max(1, round(knobs.block / (nj + 1))), mirror_x=mirror_x, mirror_y=mirror_y,
@@ -199,8 +203,8 @@ class Panel:
             w1=w1, S01=S01, EA1=warp.EA, w2=w2, S02=S02, EA2=weft.EA,
             strength1=warp.strength if self.failure else inf, strength2=weft.strength if self.failure else inf,
             widest=knobs.widest, cells=dx * dy / weave.cell_area,
-            near=self._near(x0, y0), penalty=knobs.penalty / dt**2,
-            damping=2 * knobs.contact_damping * knobs.penalty**0.5 / dt,
+            near=self._near(x0, y0), points=points, point_stiffness=knobs.penalty * mass / dt**2,
+            point_damping=2 * knobs.contact_damping * knobs.penalty**0.5 * mass / dt,
             R=self.projectile.radius, rho=self.projectile.edge_radius, projectile_mass=self.projectile.mass * self.share,
             free=(0.0 if mirror_x else 1.0, 0.0 if mirror_y else 1.0, 1.0),
             idle_steps=max(1, round(knobs.clear_time / dt)),
@@ -216,19 +220,20 @@ class Panel:
         blocks = -(-ni // const.block)
         many, three = (lambda: np.zeros(slots)), (lambda: np.zeros((3, slots)))
         rest = self.table.model.solve(1.0, 1.0)
-        i0, i1 = const.near[:2]
+        i0, i1, j0, j1 = const.near
+        near = (i1 - i0) * (j1 - j0)
         state = State(
             u=three(), v=three(), g0=three(), g1=three(), mass=mass, inverse_mass=inverse, kick=const.dt * inverse,
             L1=np.ones(slots), L2=np.ones(slots), P1=many(), P2=many(), D1=many(), D2=many(),
             W=np.full(slots, const.cells * float(rest["W"])), H=three(), dH=three(),
-            flag=np.zeros(slots, np.uint8), held=np.zeros(slots, np.uint8), pressed=many(), contact=three(),
+            flag=np.zeros(slots, np.uint8), pressed=np.zeros((near, const.points**2)),
+            touching=np.zeros(near, np.bool_), contact=three(),
             position=np.zeros(3), speed=np.array([0.0, 0.0, float(strike_velocity)]), reaction=np.zeros(3),
             contact_energy=np.zeros(2), rows=np.array([max(i0 - 1, 0), min(i1, ni)]), counter=np.zeros(3, np.int64),
             sums=np.zeros((blocks, 3)), peak=np.zeros(2), dirty=np.zeros(blocks, np.bool_),
             fresh=np.zeros(blocks, np.int64),
         )  # fmt: skip
         march_kernels.first_forces(state, const)
-        march_kernels.refresh_held(state, const)
         return state
 
     def _masses(self, const, slots):
@@ -251,7 +256,7 @@ class Panel:
         return np.concatenate([loose.ravel(), np.zeros(slots - loose.size, bool)])
 
     def _near(self, x0, y0):
-        """Node rows and columns (i0, i1, j0, j1) that can come under the projectile.
+        """Element rows and columns (i0, i1, j0, j1) that can come under the projectile.
 
         A straightened, stretched yarn draws cloth in by at most its crimp and strain times its length.
         """
@@ -259,5 +264,5 @@ class Panel:
         for start, step, count, yarn in zip((x0, y0), self.spacing, self.counts, self.weave.yarns):
             half = count * step if start == 0 else -start
             reach = self.projectile.radius + (yarn.crimp + yarn.failure_strain) * half + 2 * step
-            bounds += [max(0, int((-reach - start) / step)), min(count + 1, int((reach - start) / step) + 2)]
+            bounds += [max(0, int((-reach - start) / step)), min(count, int((reach - start) / step) + 1)]
         return tuple(bounds)
