@@ -176,8 +176,9 @@ def _shapes(record):
     share = np.max(np.where(record.broken, 0.0, record.tension) / record.strength, axis=1)
     failed = record.broken.sum(axis=1)
     projectile = (record.radius, 6 * record.radius, float(record.z[-1]))
+    mirrors = (record.mirror_x, record.mirror_y)
     return tuple(
-        pictures3d.panel(record.nodes, record.quads, share, failed, projectile, record.quarter, reach)
+        pictures3d.panel(record.nodes, record.quads, share, failed, projectile, mirrors, reach)
         for reach in (None, CLOSE_UP)
     )
 

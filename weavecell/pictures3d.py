@@ -33,17 +33,17 @@ def plotter_image(plotter, crop=True):
     return image[rows[0] : rows[-1] + 1, columns[0] : columns[-1] + 1]
 
 
-def panel(nodes, quads, share, failed, projectile, quarter, reach=None):
+def panel(nodes, quads, share, failed, projectile, mirrors, reach=None):
     """A deformed panel seen from behind: tension in colour, broken yarns in vermilion, cells without a yarn left out.
 
     Parameters
     ----------
-    nodes : (n, 3) [m], the projectile flies towards falling z
+    nodes : (n, 3) [m], the projectile flies along +z
     quads : (m, 4)
     share : (m,) the higher of the two yarn tensions over its strength [-]
     failed : (m,) how many of the two yarns have failed, 0 to 2
     projectile : (radius, height, z of the face) [m]
-    quarter : whether the panel is the quarter x >= 0, y >= 0 of what is drawn
+    mirrors : (x, y) whether the panel is to be mirrored in the planes x = 0 and y = 0
     reach : [m] half the width of a close-up of the impact point; the whole panel if not given
 
     Returns
@@ -53,12 +53,11 @@ def panel(nodes, quads, share, failed, projectile, quarter, reach=None):
     import pyvista
 
     plotter = new_plotter()
-    grid = panel_grid(np.asarray(nodes) * (1e3, 1e3, -1e3), quads)
+    grid = panel_grid(1e3 * np.asarray(nodes), quads)
     grid.cell_data["tension"], grid.cell_data["failed"] = np.asarray(share, float), np.asarray(failed)
     parts = [grid]
-    if quarter:
-        mirrored = grid.reflect((1, 0, 0))
-        parts += [mirrored, grid.reflect((0, 1, 0)), mirrored.reflect((0, 1, 0))]
+    for mirrored, normal in zip(mirrors, ((1, 0, 0), (0, 1, 0))):
+        parts += [part.reflect(normal) for part in parts] if mirrored else []
     for part in parts:
         whole, torn = (part.extract_cells(np.flatnonzero(part.cell_data["failed"] == count)) for count in (0, 1))
         if whole.n_cells:
@@ -75,12 +74,12 @@ def panel(nodes, quads, share, failed, projectile, quarter, reach=None):
             plotter.add_mesh(torn, color=RED, ambient=0.6)
     radius, height, face = (1e3 * value for value in projectile)
     body = pyvista.Cylinder(
-        center=(0, 0, -face - height / 2), direction=(0, 0, 1), radius=radius, height=height, resolution=60
+        center=(0, 0, face - height / 2), direction=(0, 0, 1), radius=radius, height=height, resolution=60
     )
     plotter.add_mesh(body, color=STEEL, ambient=0.3, specular=0.3)
     plotter.enable_parallel_projection()
-    span = 1e3 * float(np.ptp(np.asarray(nodes)[:, 0])) * (2 if quarter else 1)
-    top = 1e3 * -float(np.asarray(nodes)[:, 2].min()) if reach else 0.0
+    span = 1e3 * float(np.ptp(np.asarray(nodes)[:, 0])) * (2 if mirrors[0] else 1)
+    top = 1e3 * float(np.asarray(nodes)[:, 2].max()) if reach else 0.0
     plotter.camera_position = [(0.55 * span, -1.4 * span, top + 0.95 * span), (0, 0, top), (0, 0, 1)]
     plotter.camera.parallel_scale = 0.6e3 * reach if reach else 0.48 * span
     return plotter_image(plotter, crop=reach is None)

@@ -16,7 +16,7 @@ from fabrics.files import replace_whole
 _FORMAT = "weavecell impact 1"
 _SCALARS = (
     "title", "fabric", "law_name", "strike_velocity", "outcome", "residual_velocity", "mass", "message",
-    "quarter", "radius", "wall_time", "ns_per_element_step", "elements", "steps",
+    "mirror_x", "mirror_y", "radius", "wall_time", "ns_per_element_step", "elements", "steps",
 )  # fmt: skip
 _HISTORIES = {"t": "s", "v": "m/s", "z": "m", "failed": "1"}
 _PANEL = {"nodes": "m", "quads": "1", "tension": "N", "strength": "N", "broken": "1"}
@@ -33,7 +33,8 @@ class ImpactRecord:
     outcome : "stopped", "perforated", "in flight" or "unstable"
     mass, radius : [kg, m] of the projectile
     message : what went wrong, where something did
-    quarter : whether the panel below is a quarter of the real one; energies and forces are those of the whole
+    mirror_x, mirror_y : whether the panel below continues mirrored beyond x = 0, y = 0; energies and forces are those
+        of the whole panel
     t, v, z : (n,) [s, m/s, m] time, velocity and position of the projectile
     failed : (n,) number of failed yarn segments
     energies : {name: (n,)} [J]
@@ -53,7 +54,8 @@ class ImpactRecord:
     residual_velocity: float
     mass: float
     message: str
-    quarter: bool
+    mirror_x: bool
+    mirror_y: bool
     radius: float
     wall_time: float
     ns_per_element_step: float

@@ -97,7 +97,7 @@ class PanelTable(_Table):
 
     opening: _quantity("m", "a length above 0", "203 mm", above=0.0)
     boundary: _one_of("clamped", "free") = "clamped"
-    symmetry: _one_of("quarter", "whole") = "quarter"
+    symmetry: _one_of("quarter", "half", "whole") = "quarter"
 
 
 class RunTable(_Table):
@@ -114,6 +114,21 @@ class RunTable(_Table):
     ] = ("paraview", "pictures", "report")
 
 
+def _number(what, **limits):
+    return Annotated[float | None, Field(description=what, **limits)]
+
+
+class NumericsTable(_Table):
+    """Numerical knobs of the shell; what is not given takes the value that `shellfabric.panel.Numerics` explains."""
+
+    safety: _number("a number above 0 and at most 1", gt=0.0, le=1.0) = None
+    stretch_viscosity: _number("a number from 0 to 1", ge=0.0, le=1.0) = None
+    hourglass_stiffness: _number("a number from 0 to 1", ge=0.0, le=1.0) = None
+    hourglass_viscosity: _number("a number from 0 to 1", ge=0.0, le=1.0) = None
+    penalty: _number("a number above 0", gt=0.0) = None
+    contact_damping: _number("a number of at least 0", ge=0.0) = None
+
+
 class Scene(_Table):
     """One impact on one panel."""
 
@@ -122,6 +137,7 @@ class Scene(_Table):
     projectile: Annotated[ProjectileTable, Field(description="a table [projectile]")]
     panel: Annotated[PanelTable, Field(description="a table [panel]")]
     run: Annotated[RunTable, Field(description="a table [run]")]
+    numerics: Annotated[NumericsTable, Field(description="a table [numerics]")] = NumericsTable()
 
 
 def load(path):

@@ -29,8 +29,8 @@ def small_record(**changes):
     quads = np.array([[0, 3, 4, 1], [3, 6, 7, 4], [1, 4, 5, 2], [4, 7, 8, 5]])
     record = ImpactRecord(
         title="100 m/s, fitted law", fabric="S-720", law_name="fitted", strike_velocity=100.0, outcome="perforated",
-        residual_velocity=50.0, mass=3e-3, message="", quarter=True, radius=2.75e-3, wall_time=1.5,
-        ns_per_element_step=20.0, elements=4, steps=29, t=t, v=v, z=-100 * t, failed=np.arange(30), energies=energies,
+        residual_velocity=50.0, mass=3e-3, message="", mirror_x=True, mirror_y=True, radius=2.75e-3, wall_time=1.5,
+        ns_per_element_step=20.0, elements=4, steps=29, t=t, v=v, z=100 * t, failed=np.arange(30), energies=energies,
         reactions={"warp": 10 * t, "weft": 20 * t}, nodes=nodes, quads=quads, tension=np.full((4, 2), 100.0),
         strength=np.array([315.0, 315.0]), broken=np.array([[1, 1], [1, 0], [0, 0], [0, 0]], bool),
     )  # fmt: skip
