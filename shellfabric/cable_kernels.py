@@ -1,17 +1,19 @@
 """The pin-jointed cable model: masses at the crossovers, joined by bars that only pull (source thesis section 4.4.2).
 
-Bars lie along warp and weft between neighbouring crossovers. A bar of natural length S0 over the distance L of its nodes
+Bars lie along warp and weft between neighbouring crossovers. A bar of natural length S0 whose nodes are L apart has
 
-    e = max(L - S0, 0),   T = k e,   k = EA / S0      (crimp is slack, S0 > L0; erratum E-18: strain beyond crimp)
+    e = max(L - S0, 0),   T = k e,   k = EA / S0      (crimp is slack, S0 > L at rest; erratum E-18: strain beyond crimp)
 
-pulls with T and, while taut, with a viscous force on its rate; never less than nothing in all. It fails where e passes
-its limit, at once and for good. Time goes by central differences, forces standing at whole steps:
+and pulls with T and, while taut, with a viscous force on its rate; never less than nothing in all. It fails where e
+passes its limit, at once and for good. Time goes by central differences, forces standing at whole steps:
 
-    v(n+1/2) = v(n-1/2) + dt f(n) / m,    u(n+1) = u(n) + dt v(n+1/2),    f(n+1) from u(n+1), L(n+1) - L(n)
+    v(n+1/2) = v(n-1/2) + dt f(n) / m,    u(n+1) = u(n) + dt v(n+1/2),    f(n+1) from u(n+1) and L(n+1) - L(n)
+
+Contact is the shell's: a penalty on `contact_kernels.distance` at points inside the bars, shared by their two nodes.
 
 Layout, as in `membrane_kernels`: arrays are flat, by component, node (i, j) in slot k = i s + j, s = nj + 1; the bar
-along the warp from (i, j) to (i+1, j) and the bar along the weft from (i, j) to (i, j+1) share the slot k. Where there
-is no such bar, or no longer one, its stiffness is zero. Each loop below has few arrays, so that it vectorises.
+along the warp from (i, j) to (i+1, j) and the bar along the weft from (i, j) to (i, j+1) have the slot k too. Where
+there is no such bar, or no longer one, its stiffness is zero. Each loop has few arrays, so that it vectorises.
 """
 
 import math
@@ -19,13 +21,18 @@ import math
 import numpy as np
 from numba import njit
 
-from shellfabric import contact_kernels
+from shellfabric.contact_kernels import distance
 from shellfabric.march_kernels import widen
 
-ONE = np.uint64(1)
+WARP, WEFT = 0, 1
 RUNNING, STOPPED, PERFORATED, NOT_FINITE = 0, 1, 2, 3
 STEP, IDLE, FAILURES = 0, 1, 2
-COLUMNS = 8  # of a history: z, v_z, force on the projectile, reaction of all edges along z, and of the two middle yarns
+VISCOUS, CONTACT, SPRING, LOST = 0, 1, 2, 3
+# columns of a history: the projectile's z, v_z and the force on it, the clamps' force on the cloth along z, the forces of
+# the middle warp and weft yarns on their clamps, and the force along z that drives the node const.driven
+Z, V_Z, PUSH, EDGES, MIDDLE, DRIVE, COLUMNS = 0, 1, 2, 3, 4, 6, 7
+WORK = 14  # rows of scratch
+ONE = np.uint64(1)
 FAST = {"reassoc", "contract", "nsz", "arcp"}
 _STILL = 1e-60
 _SHORTEST = 1e-12
@@ -33,7 +40,7 @@ _SHORTEST = 1e-12
 
 @njit(cache=True, fastmath=FAST, error_model="numpy")
 def differences(u, k0, n, offset, along, D):
-    """One component of the bar vectors: D = along + u(other end) - u(this end)."""
+    """One component of the vectors from node to node: D = along + u(other end) - u(this end)."""
     for j in range(n):
         k = k0 + j
         D[j] = along + (u[k + offset] - u[k])
@@ -41,45 +48,269 @@ def differences(u, k0, n, offset, along, D):
 
 @njit(cache=True, fastmath=FAST, error_model="numpy")
 def lengths(n, dx, dy, dz, L):
-    """Lengths of the bars."""
+    """Distances of the nodes of each bar."""
     for j in range(n):
         L[j] = math.sqrt(dx[j] * dx[j] + dy[j] * dy[j] + dz[j] * dz[j])
 
 
 @njit(cache=True, fastmath=FAST, error_model="numpy")
-def pulls(k0, n, S0, limit, cv, stiff, L, L_old, viscous_old, a):
-    """a = pull / length of the bars; returns the work of the viscous forces since the last call, and how many are past the limit."""
-    work, beyond = 0.0, 0
+def pulls(k0, n, S0, cv, stiff, L, L_old, drag_old, rate, e, a):
+    """The pull over the length of each bar, into a; its elongation and its rate per step. Returns the viscous work of the step.
+
+    cv : [-] viscous force per step's change of length, over the stiffness
+    """
+    work = 0.0
     for j in range(n):
         k = k0 + j
-        length = L[j]
-        e = max(length - S0, 0.0)
-        rate = length - L_old[k]
-        T = stiff[k] * e
-        drag = cv * stiff[k] * rate if e > 0.0 else 0.0
+        length, stiffness = L[j], stiff[k]
+        d = length - L_old[k]
+        elongation = max(length - S0, 0.0)
+        T = stiffness * elongation
+        drag = cv * stiffness * d if T > 0.0 else 0.0
         drag = max(drag, -T)
-        work += (drag + viscous_old[k]) * rate
-        beyond += 1 if T > stiff[k] * limit else 0
-        viscous_old[k] = drag
+        work += (drag + drag_old[k]) * d
+        drag_old[k] = drag
         L_old[k] = length
+        rate[j] = d
+        e[j] = elongation if stiffness > 0.0 else 0.0
         a[j] = (T + drag) / max(length, _SHORTEST)
-    return 0.5 * work, beyond
+    return 0.5 * work
+
+
+@njit(cache=True, fastmath=FAST | {"nnan"}, error_model="numpy")
+def highest(n, e):
+    """The greatest of e; that no number is lost is looked after by the marching."""
+    most = 0.0
+    for j in range(n):
+        most = max(most, e[j])
+    return most
 
 
 @njit(cache=True, error_model="numpy")
-def fail(k0, n, S0, limit, stiff, L, rate_of, viscous, a):
+def fail(k0, n, limit, stiff, drag, rate, e, a):
     """Take out the bars past their limit. Returns (energy that went with them, viscous work not done, failures).
 
-    A step exchanges the mean of its two end forces times the change of length; the last force of a failing bar is zero.
+    A step exchanges the mean of a bar's two forces times its change of length, and the last force of a failed bar is
+    nothing: what is lost is the energy of the step before with half its force times the last change.
     """
     lost, undone, count = 0.0, 0.0, 0
     for j in range(n):
-        k = k0 + j
-        e = L[j] - S0
-        if stiff[k] > 0.0 and e > limit:
-            rate = rate_of[j]
-            lost += 0.5 * stiff[k] * max(e - rate, 0.0) * e
-            undone += 0.5 * viscous[k] * rate
-            stiff[k] = viscous[k] = a[j] = 0.0
+        if e[j] > limit:
+            k = k0 + j
+            lost += 0.5 * stiff[k] * max(e[j] - rate[j], 0.0) * e[j]
+            undone += 0.5 * drag[k] * rate[j]
+            stiff[k] = drag[k] = a[j] = 0.0
             count += 1
     return lost, undone, count
+
+
+@njit(cache=True, fastmath={"contract", "nsz"}, error_model="numpy")
+def gather(k0, n, s, a1, D1, a2, D2, g):
+    """One component of the forces on the nodes; scratch arrays begin one row before slot k0."""
+    for j in range(n):
+        here, back = j + s, j + s - ONE
+        g[k0 + j] = (a1[here] * D1[here] - a1[j] * D1[j]) + (a2[here] * D2[here] - a2[back] * D2[back])
+
+
+@njit(cache=True, fastmath={"contract", "nsz"}, error_model="numpy")
+def move(k0, n, dt, kick, g, v, u):
+    """One component of velocity and displacement; kick = dt / m, or 0 where the component is held."""
+    for j in range(n):
+        k = k0 + j
+        speed = v[k] + kick[k] * g[k]
+        speed = speed if abs(speed) > _STILL else 0.0
+        v[k] = speed
+        u[k] += dt * speed
+
+
+@njit(cache=True, error_model="numpy")
+def bars(state, const, family, k0, n, work):
+    """Pulls of one family of bars in the slots k0 .. k0 + n; work (7, ...): three components, a, L, rate, e."""
+    lead = const.s
+    D, a, L, rate, e = work[0:3, lead:], work[3, lead:], work[4], work[5], work[6]
+    offset = np.uint64(const.s) if family == WARP else ONE
+    for c in range(3):
+        differences(state.u[c], k0, n, offset, const.spacing[c] if c == family else 0.0, D[c])
+    lengths(n, D[0], D[1], D[2], L)
+    stiff, drag = state.stiff[family], state.drag[family]
+    viscous = pulls(k0, n, const.S0[family], const.cv, stiff, L, state.L[family], drag, rate, e, a)
+    most = highest(n, e)
+    state.peak[family] = max(state.peak[family], most)
+    if most > const.limit[family]:
+        lost, undone, count = fail(k0, n, const.limit[family], stiff, drag, rate, e, a)
+        state.sums[LOST] += lost
+        state.counter[FAILURES] += count
+        viscous -= undone
+    state.sums[VISCOUS] += viscous
+
+
+@njit(cache=True, error_model="numpy")
+def forces(state, const, work):
+    """Forces of all bars on the nodes of the active rows, block of rows by block."""
+    first, last = state.rows[0], state.rows[1] + 1
+    s = np.uint64(const.s)
+    work[0:14, 0 : const.s] = 0.0
+    for low in range(first, last, const.block):
+        high = min(low + const.block, last)
+        k0, n = np.uint64(low * const.s), np.uint64((high - low) * const.s)
+        bars(state, const, WARP, k0, n, work[0:7])
+        bars(state, const, WEFT, k0, n, work[7:14])
+        for c in range(3):
+            gather(k0, n, s, work[3], work[c], work[10], work[7 + c], state.g[c])
+        for row in (0, 1, 2, 3, 7, 8, 9, 10):
+            work[row, 0 : const.s] = work[row, n : n + s]
+
+
+@njit(cache=True, error_model="numpy")
+def node(state, const, k, x, v):
+    """Place of node k relative to the projectile, and its velocity relative to it, into x and v."""
+    i, j = k // np.uint64(const.s), k % np.uint64(const.s)
+    x[0] = const.origin[0] + i * const.spacing[0] + state.u[0, k] - state.position[0]
+    x[1] = const.origin[1] + j * const.spacing[1] + state.u[1, k] - state.position[1]
+    x[2] = state.u[2, k] - state.position[2]
+    for c in range(3):
+        v[c] = state.v[c, k] - state.speed[c]
+
+
+@njit(cache=True, error_model="numpy")
+def contact(state, const, x, v):
+    """Add the contact forces to state.g; state.reaction is the force on the projectile. x, v : (2, 3) scratch.
+
+    Looks at the bars that begin in the block of node rows and columns const.near. Adds up the work that the contact has
+    taken in (spring and damper, by the trapezoid rule), and sums the energy in its springs.
+    """
+    i0, i1, j0, j1 = const.near
+    state.reaction[:] = 0.0
+    state.sums[SPRING] = 0.0
+    for family in range(2):
+        offset = np.uint64(const.s) if family == WARP else ONE
+        for i in range(i0, i1 + 1):
+            for j in range(j0, j1 + 1):
+                k = np.uint64(i * const.s + j)
+                pressed = state.pressed[family, i - i0, j - j0]
+                if state.stiff[family, k] == 0.0:
+                    pressed[:] = 0.0
+                    continue
+                node(state, const, k, x[0], v[0])
+                node(state, const, k + offset, x[1], v[1])
+                ahead = x[0, 2] > 0.0 and x[1, 2] > 0.0
+                if not ahead or pressed.any():
+                    press(state, const, family, k, k + offset, x, v, pressed)
+
+
+@njit(cache=True, error_model="numpy")
+def press(state, const, family, k, m, x, v, pressed):
+    """Contact of the points of the bar from node k to node m, which are at x with the velocities v."""
+    weight = state.stiff[family, k] * const.S0[family] / const.EA[family]
+    stiffness, damping = weight * const.point_stiffness[family], weight * const.point_damping[family]
+    for a in range(pressed.size):
+        t = (a + 0.5) / pressed.size
+        s = 1.0 - t
+        p_x, p_y, p_z = s * x[0, 0] + t * x[1, 0], s * x[0, 1] + t * x[1, 1], s * x[0, 2] + t * x[1, 2]
+        r = math.sqrt(p_x * p_x + p_y * p_y)
+        depth, n_r, n_z = distance(r, p_z, const.R, const.rho)
+        if depth >= 0.0 and pressed[a] == 0.0:
+            continue
+        n = (n_r * p_x / r if r > 0.0 else 0.0, n_r * p_y / r if r > 0.0 else 0.0, n_z)
+        closing, f = 0.0, 0.0
+        for c in range(3):
+            closing -= n[c] * (s * v[0, c] + t * v[1, c])
+        if depth < 0.0:
+            f = max(0.0, damping * closing - stiffness * depth)
+            state.sums[SPRING] += 0.5 * stiffness * depth * depth
+        state.sums[CONTACT] += 0.5 * (f + pressed[a]) * closing * const.dt
+        pressed[a] = f
+        for c in range(3):
+            state.g[c, k] += s * f * n[c]
+            state.g[c, m] += t * f * n[c]
+            state.reaction[c] -= f * n[c]
+
+
+@njit(cache=True, error_model="numpy")
+def in_the_way(state, const, x, v):
+    """Whether the middle of a bar that holds is still ahead of the edge, within the projectile's radius."""
+    i0, i1, j0, j1 = const.near
+    for family in range(2):
+        offset = np.uint64(const.s) if family == WARP else ONE
+        for i in range(i0, i1 + 1):
+            for j in range(j0, j1 + 1):
+                k = np.uint64(i * const.s + j)
+                if state.stiff[family, k] == 0.0:
+                    continue
+                node(state, const, k, x[0], v[0])
+                node(state, const, k + offset, x[1], v[1])
+                p_x, p_y, p_z = 0.5 * (x[0, 0] + x[1, 0]), 0.5 * (x[0, 1] + x[1, 1]), 0.5 * (x[0, 2] + x[1, 2])
+                if p_z > -const.rho and p_x * p_x + p_y * p_y < const.R * const.R:
+                    return True
+    return False
+
+
+@njit(cache=True, error_model="numpy")
+def step(state, const, work, x, v):
+    """One step (work, x, v: scratch); returns why it should be the last, or RUNNING."""
+    first, last = state.rows[0], state.rows[1] + 1
+    k0, n = np.uint64(first * const.s), np.uint64((last - first) * const.s)
+    for c in range(3):
+        move(k0, n, const.dt, state.kick[c], state.g[c], state.v[c], state.u[c])
+        state.speed[c] += const.dt * const.free[c] * state.reaction[c] / const.projectile_mass
+        state.position[c] += const.dt * state.speed[c]
+    widen(state, const)
+    forces(state, const, work)
+    contact(state, const, x, v)
+    state.counter[STEP] += 1
+    if not (abs(state.speed[2]) < 1e9 and abs(state.sums[VISCOUS]) < 1e30):
+        return NOT_FINITE
+    if state.speed[2] <= 0.0:
+        return STOPPED
+    # perforated: yarns have failed, nothing pushes, and nothing that holds is left in front, for a while
+    idle = state.counter[FAILURES] > 0 and state.reaction[2] == 0.0 and not in_the_way(state, const, x, v)
+    state.counter[IDLE] = state.counter[IDLE] + 1 if idle else 0
+    return PERFORATED if state.counter[IDLE] >= const.idle_steps else RUNNING
+
+
+@njit(cache=True, error_model="numpy")
+def observe(state, const, row):
+    """One row of the history (see COLUMNS)."""
+    row[Z], row[V_Z], row[PUSH] = state.position[2], state.speed[2], state.reaction[2]
+    edges = 0.0
+    for k in const.clamped:
+        edges -= state.g[2, k]
+    row[EDGES] = edges
+    for family in range(2):
+        k = const.middle[family]
+        g = math.sqrt(state.g[0, k] ** 2 + state.g[1, k] ** 2 + state.g[2, k] ** 2)
+        row[MIDDLE + family] = g / const.middle_share[family]
+    row[DRIVE] = -state.g[2, const.driven]
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def advance(state, const, steps, history):
+    """March at most `steps` steps, a row of history (steps, COLUMNS) each. Returns (steps made, why it ended or RUNNING)."""
+    work = np.zeros((WORK, (const.block + 1) * const.s))
+    x, v = np.empty((2, 3)), np.empty((2, 3))
+    for m in range(steps):
+        reason = step(state, const, work, x, v)
+        observe(state, const, history[m])
+        if reason != RUNNING:
+            return m + 1, reason
+    return steps, RUNNING
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def energies(state, const):
+    """Kinetic energies of cloth and projectile, and the energy stored in the bars, at the present whole step.
+
+    The kinetic ones are m v(n-1/2) v(n+1/2) / 2, the form that central differences conserve in a linear system.
+    """
+    cloth, stored, projectile = 0.0, 0.0, 0.0
+    for k in range(state.mass.size):
+        for c in range(3):
+            v = state.v[c, k]
+            cloth += 0.5 * state.mass[k] * v * (v + state.kick[c, k] * state.g[c, k])
+        for family in range(2):
+            e = max(state.L[family, k] - const.S0[family], 0.0)
+            stored += 0.5 * state.stiff[family, k] * e * e
+    for c in range(3):
+        v = state.speed[c]
+        projectile += 0.5 * v * (const.projectile_mass * v + const.dt * const.free[c] * state.reaction[c])
+    return cloth, projectile, stored

@@ -63,6 +63,15 @@ def widen(state, const):
 
 
 @njit(cache=True, error_model="numpy")
+def largest_of(n, values):
+    """The largest of the first n values, at least 0."""
+    largest = 0.0
+    for j in range(n):
+        largest = max(largest, values[j])
+    return largest
+
+
+@njit(cache=True, error_model="numpy")
 def elements(state, const, block, first, last, work):
     """Forces of the element rows first .. last, which lie in one block, from the present displacements."""
     s = np.uint64(const.s)
@@ -88,7 +97,6 @@ def elements(state, const, block, first, last, work):
         )  # fmt: skip
     for j in range(s - ONE, n, s):
         T1[j] = T2[j] = N1[j] = N2[j] = 0.0
-    state.peak[0], state.peak[1] = max(state.peak[0], peak1), max(state.peak[1], peak2)
     sums = state.sums[block]
     if state.dirty[block] or peak1 > const.strength1 or peak2 > const.strength2:
         lost, viscous, count = membrane_kernels.settle_failures(k0, n, l1, l2, sine, T1, T2, N1, N2, H, state, const)
@@ -97,6 +105,8 @@ def elements(state, const, block, first, last, work):
         if count > 0:
             state.dirty[block] = True
             state.fresh[block] += count
+        peak1, peak2 = largest_of(n, T1), largest_of(n, T2)
+    state.peak[0], state.peak[1] = max(state.peak[0], peak1), max(state.peak[1], peak2)
     sums[VISCOUS] += membrane_kernels.yarn_work(
         k0, n, const.c1, const.cv1, l1, N1, state.L1, state.P1, state.D1, state.W, force1
     )
@@ -106,9 +116,7 @@ def elements(state, const, block, first, last, work):
     largest = membrane_kernels.shear_slope_soft(n, sine, const.V, const.G1, slope)
     soft = min(const.soft, SOFT_LIMIT)
     if largest > soft:
-        membrane_kernels.shear_slope(
-            n, sine, const.V, const.G1, const.G2, const.gamma1, const.gamma2, soft, slope
-        )
+        membrane_kernels.shear_slope(n, sine, const.V, const.G1, const.G2, const.gamma1, const.gamma2, soft, slope)
     membrane_kernels.projections(
         n, force1, force2, slope, sine, ia, ib, const.ra, const.rb, on_a, cross_a, cross_b, on_b
     )

@@ -72,7 +72,13 @@ class Numerics:
         for key in ("safety", "penalty", "widest", "clear_time", "block"):
             if not getattr(self, key) > 0:
                 raise InputError(key=key, value=getattr(self, key), allowed="above 0")
-        for key in ("stretch_viscosity", "hourglass_stiffness", "hourglass_viscosity", "contact_damping", "contact_points"):
+        for key in (
+            "stretch_viscosity",
+            "hourglass_stiffness",
+            "hourglass_viscosity",
+            "contact_damping",
+            "contact_points",
+        ):
             if not getattr(self, key) >= 0:
                 raise InputError(key=key, value=getattr(self, key), allowed="at least 0")
         if self.safety > 1:
@@ -138,7 +144,10 @@ class Panel:
     @property
     def counts(self):
         """(ni, nj) elements along warp and weft."""
-        half = [int(length / 2 / (2 * w) + 1e-9) * self.elements_per_crossover for length, w in zip(self.opening, self.weave.w)]
+        half = [
+            int(length / 2 / (2 * w) + 1e-9) * self.elements_per_crossover
+            for length, w in zip(self.opening, self.weave.w)
+        ]
         return tuple(n if mirrored else 2 * n for n, mirrored in zip(half, SYMMETRIES[self.symmetry]))
 
     @property

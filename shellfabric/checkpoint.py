@@ -1,0 +1,86 @@
+"""Checkpoints of a march as HDF5, written whole or not at all; a resumed run goes on bit for bit."""
+
+from __future__ import annotations
+
+import hashlib
+from dataclasses import fields
+
+import numpy as np
+
+from fabrics.errors import InputError
+from fabrics.files import replace_whole
+from shellfabric.hooks import Every
+from shellfabric.measures import Snapshot
+
+_FORMAT = "weavecell checkpoint 1"
+
+
+class Checkpoints(Every):
+    """Write a checkpoint every interval [s] of the run's time, over the last one."""
+
+    def __init__(self, path, interval):
+        super().__init__(interval)
+        self.path = path
+
+    def __call__(self, march):
+        if self.due(march):
+            write(march, self.path)
+
+
+def identity(march):
+    """Digest of everything that determines a run: panel, table, knobs and strike velocity."""
+    digest = hashlib.sha256(repr((march.strike_velocity, march.chunk)).encode())
+    for name, value in zip(march.const._fields, march.const):
+        digest.update(name.encode())
+        digest.update(np.ascontiguousarray(value).tobytes())
+    digest.update(march.state.mass.tobytes())
+    digest.update(march.state.inverse_mass.tobytes())
+    return digest.hexdigest()
+
+
+def write(march, path):
+    """Write the state and the records of a march."""
+    import h5py
+
+    with replace_whole(path) as beside, h5py.File(beside, "w") as file:
+        file.attrs["format"], file.attrs["identity"] = _FORMAT, identity(march)
+        file.attrs["reason"], file.attrs["wall_time"], file.attrs["zero"] = march.reason, march.wall_time, march._zero
+        for name, value in zip(march.state._fields, march.state):
+            file[f"state/{name}"] = value
+        file["samples"] = np.array(march.samples)
+        file["fine"] = np.concatenate(march.fine) if march.fine else np.empty((0, 3))
+        file["chunks"] = np.array([part.shape[0] for part in march.fine], np.int64)
+        for number, shot in enumerate(march.snapshots):
+            for entry in fields(Snapshot):
+                file[f"snapshots/{number:05d}/{entry.name}"] = getattr(shot, entry.name)
+
+
+def read(march, path):
+    """Bring a fresh march to the state of a checkpoint.
+
+    Raises
+    ------
+    InputError : the file is missing, broken, or of another run
+    """
+    import h5py
+
+    try:
+        with h5py.File(path, "r") as file:
+            if file.attrs.get("format") != _FORMAT:
+                raise InputError(file=path, key="format", value=file.attrs.get("format"), allowed=repr(_FORMAT))
+            if file.attrs["identity"] != identity(march):
+                raise InputError("is the checkpoint of another run", file=path)
+            for name, value in zip(march.state._fields, march.state):
+                value[...] = file[f"state/{name}"][()]
+            march.reason, march.wall_time = int(file.attrs["reason"]), float(file.attrs["wall_time"])
+            march._zero = float(file.attrs["zero"])
+            march.samples[:] = list(file["samples"][()])
+            march.fine[:] = (
+                np.split(file["fine"][()], np.cumsum(file["chunks"][()])[:-1]) if len(file["chunks"]) else []
+            )
+            march.snapshots[:] = [
+                Snapshot(*(group[entry.name][()] for entry in fields(Snapshot)))
+                for _, group in sorted(file.get("snapshots", {}).items())
+            ]
+    except (OSError, KeyError) as problem:
+        raise InputError(f"is not a readable checkpoint ({problem})", file=path) from None

@@ -1,0 +1,47 @@
+"""Onlookers of a march: snapshots, progress, and the clock that decides when they act. Checkpoints have their own file."""
+
+from __future__ import annotations
+
+from shellfabric.measures import snapshot
+
+
+class Every:
+    """True once per interval of the run's time, and at its end.
+
+    Parameters
+    ----------
+    interval : [s]
+    """
+
+    def __init__(self, interval):
+        self.interval = interval
+
+    def due(self, march):
+        """Whether the chunk just made has crossed a multiple of the interval. It depends on the march alone, so that a
+        resumed run acts at the same instants."""
+        dt = march.const.dt
+        before = max(0, march.steps - march.fine[-1].shape[0]) if march.fine else 0
+        return march.ended or int(march.time / self.interval) > int(before * dt / self.interval)
+
+
+class Snapshots(Every):
+    """Keep a snapshot every interval, in march.snapshots."""
+
+    def __call__(self, march):
+        if self.due(march):
+            march.snapshots.append(snapshot(march.panel, march.state, march.time))
+
+
+class Progress:
+    """Report progress.
+
+    Parameters
+    ----------
+    report : called as report(share of the end time, projectile velocity [m/s])
+    """
+
+    def __init__(self, report):
+        self.report = report
+
+    def __call__(self, march):
+        self.report(1.0 if march.ended else march.time / march.end_time, float(march.state.speed[2]))

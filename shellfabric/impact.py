@@ -1,0 +1,195 @@
+"""One impact on one ply: set-up, run, result."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from fabrics.compression import CompressionLaw
+from fabrics.errors import InputError, UnstableError
+from fabrics.fabric import Fabric
+from shellfabric import checkpoint, hooks as onlookers, measures
+from shellfabric.cell import CellModel
+from shellfabric.march import ENERGIES, March
+from shellfabric.panel import SYMMETRIES, Numerics, Panel
+from shellfabric.projectile import Projectile
+
+
+@dataclass(frozen=True)
+class ImpactSetup:
+    """A projectile that strikes the middle of a panel at right angles.
+
+    Parameters
+    ----------
+    fabric : Fabric; its linear densities are used as they are (see Fabric.effective)
+    strike_velocity : [m/s]
+    laws : (CompressionLaw, CompressionLaw) of warp and weft; None takes the fabric's published ones
+    projectile : Projectile
+    opening : [m] side of the square opening, or (along warp, along weft)
+    edge : "clamped" or "free"
+    symmetry : "quarter", "half" or "whole"
+    end_time : [s] at the latest; a run ends when the projectile stops or has passed
+    elements_per_crossover : along each side
+    cell_model, form, gap : see CellModel
+    table_size : stretches along each side of the cell's table; 201 puts its tensions within 0.2 % of the yarn's
+        strength of the cell's
+    audit_interval, snapshot_interval : [s]; no snapshots where None
+    numerics : Numerics
+    """
+
+    fabric: Fabric
+    strike_velocity: float
+    laws: tuple[CompressionLaw, CompressionLaw] | None = None
+    projectile: Projectile = field(default_factory=Projectile)
+    opening: float | tuple[float, float] = 0.203
+    edge: str = "clamped"
+    symmetry: str = "quarter"
+    end_time: float = 800e-6
+    elements_per_crossover: int = 1
+    cell_model: str = "compressible"
+    form: str = "equilibrium"
+    gap: float = 0.0
+    table_size: int = 201
+    audit_interval: float = 2e-6
+    snapshot_interval: float | None = None
+    numerics: Numerics = field(default_factory=Numerics)
+
+    def panel(self) -> Panel:
+        """The panel that this set-up describes; fills the cell's table.
+
+        Raises
+        ------
+        InputError : as CellModel, CellTable and Panel
+        """
+        model = CellModel(self.fabric, self.laws, self.gap, self.cell_model, self.form)
+        opening = self.opening if np.ndim(self.opening) else (self.opening, self.opening)
+        return Panel(
+            model.table(self.table_size),
+            tuple(opening),
+            self.projectile,
+            self.symmetry,
+            self.elements_per_crossover,
+            self.edge,
+            self.numerics,
+        )
+
+
+@dataclass(frozen=True)
+class ImpactResult:
+    """What an impact came to. Energies, forces and counts are those of the whole panel, whatever the symmetry.
+
+    Parameters
+    ----------
+    setup, panel : what was run
+    outcome : "stopped", "perforated", "in flight" (end time reached) or "unstable"
+    residual_velocity : [m/s] of the projectile at the end
+    t, v, z : (n,) [s, m/s, m] instants of the audit; velocity and nose position of the projectile
+    energies : {name: (n,)} [J] with the names of march.ENERGIES; balance is the sum less the energy at the start
+    reactions : {"warp", "weft": (n,)} [N] tension at the clamped end of the yarn nearest the impact point
+    failed : (n,) number of failed yarn segments
+    peak_tension : (warp, weft) [N] over the run
+    fine : (steps, 4) time [s], nose position [m], velocity [m/s] at half steps, force on the projectile [N]
+    nodes, quads : (k, 3) [m], (m, 4) the panel (or its modelled part) at the end
+    tension : (m, 2) [N] of warp and weft at the end
+    broken : (m, 3) bool at the end: warp failed, weft failed, element eroded
+    snapshots : tuple of measures.Snapshot
+    steps, wall_time, ns_per_element_step : cost of marching, [s] and [ns]
+    """
+
+    setup: ImpactSetup
+    panel: Panel
+    outcome: str
+    residual_velocity: float
+    t: np.ndarray
+    v: np.ndarray
+    z: np.ndarray
+    energies: dict
+    reactions: dict
+    failed: np.ndarray
+    peak_tension: tuple[float, float]
+    fine: np.ndarray
+    nodes: np.ndarray
+    quads: np.ndarray
+    tension: np.ndarray
+    broken: np.ndarray
+    snapshots: tuple
+    steps: int
+    wall_time: float
+    ns_per_element_step: float
+
+    @property
+    def strike_energy(self):
+        """[J]"""
+        return self.setup.projectile.energy(self.setup.strike_velocity)
+
+    @property
+    def worst_balance(self):
+        """[-] largest error of the energy balance over the strike energy."""
+        return float(np.max(np.abs(self.energies["balance"]))) / self.strike_energy
+
+    @property
+    def mirrored(self):
+        """(x, y) whether the modelled part continues mirrored beyond x = 0 and y = 0."""
+        return SYMMETRIES[self.setup.symmetry]
+
+
+def run(setup: ImpactSetup, *, hooks=(), resume=None) -> ImpactResult:
+    """Run an impact.
+
+    Parameters
+    ----------
+    setup : ImpactSetup
+    hooks : called as hook(march) after every audit
+    resume : path of a checkpoint of the same set-up to go on from; the result is that of the uninterrupted run, bit
+        for bit
+
+    Raises
+    ------
+    InputError : a set-up or checkpoint that cannot be used
+    UnstableError : the run became unphysical; its attribute `result` holds what was computed
+    """
+    march = March(setup.panel(), setup.strike_velocity, setup.end_time, interval=setup.audit_interval)
+    own = ()
+    if setup.snapshot_interval is not None:
+        if not setup.snapshot_interval > 0:
+            raise InputError(key="snapshot_interval", value=setup.snapshot_interval, allowed="above 0")
+        own = (onlookers.Snapshots(setup.snapshot_interval),)
+    if resume is not None:
+        checkpoint.read(march, resume)
+    try:
+        march.run((*own, *hooks))
+    except UnstableError as problem:
+        problem.result = result_of(setup, march)
+        raise
+    return result_of(setup, march)
+
+
+def result_of(setup: ImpactSetup, march: March) -> ImpactResult:
+    """Gather what a march has recorded."""
+    last = measures.snapshot(march.panel, march.state, march.time)
+    fine = np.concatenate(march.fine) if march.fine else np.empty((0, 3))
+    clock = march.const.dt * np.arange(1, len(fine) + 1)
+    cells = march.panel.elements
+    return ImpactResult(
+        setup=setup,
+        panel=march.panel,
+        outcome=march.outcome,
+        residual_velocity=float(march.sample("v")[-1]),
+        t=march.sample("t"),
+        v=march.sample("v"),
+        z=march.sample("z"),
+        energies={name: march.sample(name) for name in ENERGIES},
+        reactions={"warp": march.sample("reaction_warp"), "weft": march.sample("reaction_weft")},
+        failed=march.sample("failed_yarns"),
+        peak_tension=(float(march.state.peak[0]), float(march.state.peak[1])),
+        fine=np.column_stack([clock, fine[:, :2], fine[:, 2] / march.panel.share]),
+        nodes=last.nodes.reshape(-1, 3),
+        quads=measures.quads(march.panel),
+        tension=last.tension.reshape(-1, 2),
+        broken=last.broken.reshape(-1, 3),
+        snapshots=tuple(march.snapshots),
+        steps=march.steps,
+        wall_time=march.wall_time,
+        ns_per_element_step=1e9 * march.wall_time / max(1, march.steps * cells),
+    )

@@ -1,0 +1,180 @@
+"""Marching a panel and its projectile through time: chunks of steps, an audit after each, and hooks.
+
+The march knows no physics: the kernels make the steps, `audit` samples them, hooks look on. A hook is called as
+hook(march) after every chunk and reads what it likes; `shellfabric.hooks` has some.
+
+Energy audit. Each entry is computed on its own, not from the others: the balance, their sum less the energy at the
+start, is what they disagree by.
+"""
+
+from __future__ import annotations
+
+import time
+
+import numpy as np
+
+from fabrics.errors import InputError, UnstableError
+from shellfabric import march_kernels as kernels
+from shellfabric.panel import Panel
+
+OUTCOMES = {kernels.RUNNING: "in flight", kernels.STOPPED: "stopped", kernels.PERFORATED: "perforated"}
+ENERGIES = (
+    "kinetic_fabric",
+    "kinetic_projectile",
+    "stored",
+    "shear",
+    "viscous",
+    "hourglass",
+    "contact",
+    "failed",
+    "external",
+    "balance",
+)
+SAMPLES = ("t", "v", "z", "failed_yarns", "reaction_warp", "reaction_weft", *ENERGIES)
+
+
+class March:
+    """One run: the panel's state, and what has been recorded of it.
+
+    Parameters
+    ----------
+    panel : Panel
+    strike_velocity : [m/s]
+    end_time : [s]
+    interval : [s] between audits; rounded to whole steps
+    drift_limit : share of the strike energy that the balance may reach before the run is called unstable
+
+    Attributes
+    ----------
+    state, const : what the kernels work on
+    samples : list of rows, one an audit, in the order of SAMPLES; energies and forces are of the whole panel
+    fine : list of (steps, 3) projectile z [m], velocity [m/s] and force [N] (of the modelled part) after each step
+    snapshots : list of measures.Snapshot, where a hook takes them
+    outcome : "in flight", "stopped" or "perforated"
+    wall_time : [s] spent in the kernels that march
+
+    Raises
+    ------
+    InputError : a strike velocity, end time or interval that is not positive
+    """
+
+    def __init__(self, panel: Panel, strike_velocity, end_time, *, interval=2e-6, drift_limit=0.05):
+        for key, value in (("strike_velocity", strike_velocity), ("end_time", end_time), ("interval", interval)):
+            if not 0 < value < np.inf:
+                raise InputError(key=key, value=value, allowed="above 0")
+        self.panel, self.strike_velocity, self.end_time = panel, float(strike_velocity), float(end_time)
+        self.const, self.state = panel.constants(), panel.state(strike_velocity)
+        self.chunk = max(1, round(interval / self.const.dt))
+        self.last_step = int(np.ceil(end_time / self.const.dt))
+        self.drift_limit = drift_limit
+        self.samples, self.fine, self.snapshots = [], [], []
+        self.reason, self.wall_time = kernels.RUNNING, 0.0
+        self._zero = 0.0
+        self._audit()
+
+    @property
+    def steps(self):
+        """Steps made."""
+        return int(self.state.counter[kernels.STEP])
+
+    @property
+    def time(self):
+        """[s]"""
+        return self.steps * self.const.dt
+
+    @property
+    def ended(self):
+        """Whether the run is over."""
+        return self.reason != kernels.RUNNING or self.steps >= self.last_step
+
+    @property
+    def outcome(self):
+        return OUTCOMES.get(self.reason, "unstable")
+
+    @property
+    def strike_energy(self):
+        """[J]"""
+        return self.panel.projectile.energy(self.strike_velocity)
+
+    def sample(self, name):
+        """(n,) one column of the samples."""
+        return np.array([row[SAMPLES.index(name)] for row in self.samples])
+
+    def run(self, hooks=()):
+        """March to the end, or to where the run goes wrong.
+
+        Raises
+        ------
+        UnstableError : a number that is not finite, a balance beyond its limit, or a node that crosses a quarter of
+            an element in one step; samples and state stay as they are
+        """
+        kernels.advance(self.state, self.const, 0, np.empty((0, 3)))  # compiled before the clock starts
+        while not self.ended:
+            steps = min(self.chunk, self.last_step - self.steps)
+            fine = np.empty((steps, 3))
+            start = time.perf_counter()
+            made, self.reason = kernels.advance(self.state, self.const, steps, fine)
+            self.wall_time += time.perf_counter() - start
+            self.fine.append(fine[:made])
+            self._audit()
+            self._guard()
+            for hook in hooks:
+                hook(self)
+        return self
+
+    def _audit(self):
+        state, const, share = self.state, self.const, self.panel.share
+        out = np.empty(4)
+        kernels.energies(state, const, out)
+        kick = const.dt * state.reaction[:] * const.free / const.projectile_mass
+        sums = state.sums.sum(axis=0)
+        energies = [
+            out[0],
+            0.5 * const.projectile_mass * float(state.speed @ (state.speed + kick)),
+            out[1],
+            out[2],
+            sums[kernels.VISCOUS],
+            out[3] + sums[kernels.HOURGLASS],
+            state.contact_energy[0],
+            sums[kernels.LOST],
+            0.0,  # no edge is moved: clamps and planes of symmetry do no work
+        ]
+        total = sum(energies)
+        if not self.samples:
+            self._zero = total
+        energies = np.array([*energies, total - self._zero]) / share
+        failed_yarns = (np.count_nonzero(state.flag & 1) + np.count_nonzero(state.flag & 2)) / share
+        speed = state.speed[2] + 0.5 * kick[2]
+        self.samples.append(
+            np.array([self.time, speed, state.position[2], failed_yarns, *self._reactions(), *energies])
+        )
+
+    def _reactions(self):
+        """[N] tension at the edge of the warp and of the weft yarn nearest the impact point."""
+        c, g0, g1 = self.const, self.state.g0, self.state.g1
+        i, j = (0 if c.mirror_x else c.ni // 2), (0 if c.mirror_y else c.nj // 2)
+        warp_node, weft_node = c.ni * c.s + j, i * c.s + c.nj
+        warp = -(g0[0, warp_node] + g1[0, warp_node]) * self.panel.weave.w2 * 2 / (c.dy * (0.5 if c.mirror_y else 1))
+        weft = -(g0[1, weft_node] + g1[1, weft_node]) * self.panel.weave.w1 * 2 / (c.dx * (0.5 if c.mirror_x else 1))
+        return warp, weft
+
+    def _guard(self):
+        """Stop a run that has become unphysical, and say where."""
+        row, v, dt = self.samples[-1], self.state.v, self.const.dt
+        when = f"after {self.time * 1e6:.3g} us (step {self.steps})"
+        speed = np.sqrt((v**2).sum(axis=0))
+        if not (np.isfinite(row).all() and np.isfinite(speed).all()):
+            self.reason = kernels.NOT_FINITE
+            raise UnstableError("a number is not finite", where=self._place(np.argmin(np.isfinite(speed))), when=when)
+        k = int(np.argmax(speed))
+        if speed[k] * dt > 0.25 * min(self.const.dx, self.const.dy):
+            self.reason = kernels.NOT_FINITE
+            raise UnstableError(f"a node moves at {speed[k]:.3g} m/s", where=self._place(k), when=when)
+        drift = abs(row[SAMPLES.index("balance")]) / self.strike_energy
+        if drift > self.drift_limit:
+            self.reason = kernels.NOT_FINITE
+            told = f"the energy balance is off by {100 * drift:.2g} % of the strike energy"
+            raise UnstableError(told, where=self._place(k), when=when)
+
+    def _place(self, k):
+        return f"node ({int(k) // self.const.s}, {int(k) % self.const.s})"

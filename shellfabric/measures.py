@@ -1,0 +1,78 @@
+"""What is read off a panel: its shape, its tensions, its failed yarns, the pyramid of its back face."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from shellfabric import membrane_kernels
+
+
+@dataclass(frozen=True)
+class Snapshot:
+    """The panel at one instant.
+
+    Parameters
+    ----------
+    t : [s]
+    z : [m] position of the projectile's nose
+    nodes : (ni+1, nj+1, 3) [m]
+    tension : (ni, nj, 2) [N] of warp and weft
+    broken : (ni, nj, 3) bool: warp failed, weft failed, element eroded
+    """
+
+    t: float
+    z: float
+    nodes: np.ndarray
+    tension: np.ndarray
+    broken: np.ndarray
+
+
+def snapshot(panel, state, t) -> Snapshot:
+    """Take a snapshot of a panel's state at the time `t` [s]."""
+    ni, nj = panel.counts
+    grid = (ni + 1, nj + 1)
+    X, Y = panel.coordinates()
+    nodes = np.moveaxis(state.u[:, : grid[0] * grid[1]].reshape(3, *grid), 0, 2).copy()
+    nodes[..., 0] += X
+    nodes[..., 1] += Y
+    flag = state.flag[: ni * (nj + 1)].reshape(ni, nj + 1)[:, :nj]
+    broken = np.stack([(flag & bit) != 0 for bit in (1, 2, 4)], axis=2)
+    return Snapshot(t, float(state.position[2]), nodes, yarn_tensions(panel, state, broken), broken)
+
+
+def yarn_tensions(panel, state, broken):
+    """(ni, nj, 2) [N] tension of each yarn in each element, alone where the other has failed."""
+    (ni, nj), c = panel.counts, panel.constants()
+    l1, l2 = (L[: ni * (nj + 1)].reshape(ni, nj + 1)[:, :nj].ravel().copy() for L in (state.L1, state.L2))
+    T1, T2 = np.empty_like(l1), np.empty_like(l2)
+    membrane_kernels.tensions(np.uint64(l1.size), l1, l2, c.tension, c.x0t, c.rx, c.top1, c.y0t, c.ry, c.top2, T1, T2)
+    tension = np.stack([T1, T2], axis=1).reshape(ni, nj, 2)
+    single = broken.any(axis=2)
+    for m, (l, w, S0, EA) in enumerate(((l1, c.w1, c.S01, c.EA1), (l2, c.w2, c.S02, c.EA2))):
+        alone = EA * np.maximum(2 * w * l.reshape(ni, nj) - S0, 0) / S0
+        tension[..., m] = np.where(single, alone, tension[..., m])
+    tension[broken[..., :2] | broken[..., 2:]] = 0.0
+    return tension
+
+
+def deflection_profile(panel, shot):
+    """Deflection along the warp and along the weft through the impact point: ((x, z), (y, z)) [m]."""
+    c = panel.constants()
+    i, j = (0 if c.mirror_x else c.ni // 2), (0 if c.mirror_y else c.nj // 2)
+    return (shot.nodes[:, j, 0], shot.nodes[:, j, 2]), (shot.nodes[i, :, 1], shot.nodes[i, :, 2])
+
+
+def pyramid(panel, shot, share=0.05):
+    """Half-diagonals [m] of the deflected pyramid along warp and weft: as far as z exceeds `share` of the highest."""
+    profiles = deflection_profile(panel, shot)
+    highest = max(float(z.max()) for _, z in profiles)
+    return tuple(float(np.abs(x[z > share * highest]).max(initial=0.0)) if highest > 0 else 0.0 for x, z in profiles)
+
+
+def quads(panel):
+    """(m, 4) node numbers of the elements, in the order of a snapshot's nodes as (n, 3)."""
+    ni, nj = panel.counts
+    first = (np.arange(ni)[:, None] * (nj + 1) + np.arange(nj)[None, :]).ravel()
+    return np.stack([first, first + nj + 1, first + nj + 2, first + 1], axis=1)
