@@ -14,7 +14,7 @@ COLOURS = {"k = 0.5": "#0072B2", "k = 1": "#009E73", "k = 2": "#D55E00", "free w
 
 def picture(fabric, curves, path):
     """Draw the curves of one weave; a cross marks the failure of the yarn."""
-    figure, axes = plt.subplots(1, 2, figsize=(10, 4.2), sharey=True, layout="constrained")
+    figure, axes = plt.subplots(1, 2, figsize=(10, 4.2), layout="constrained")
     for index, (axis, direction) in enumerate(zip(axes, ("warp", "weft"))):
         for curve in curves:
             if curve.label == f"free {direction}":
@@ -28,7 +28,8 @@ def picture(fabric, curves, path):
         axis.grid(alpha=0.3)
         axis.set_xlim(left=0)
         axis.set_ylim(bottom=0)
-    axes[0].set_ylabel("tension per yarn, N")
+    for axis in axes:
+        axis.set_ylabel("tension per yarn, N")
     axes[0].legend(frameon=False, title="warp strain / weft strain")
     figure.suptitle(f"{fabric.name}: biaxial response of the crossover (x: the yarn fails)")
     with replace_whole(path) as beside:
