@@ -21,7 +21,8 @@ def picture(fabric, curves, path):
                 continue
             x, y = 100 * curve.strain[:, index], curve.tension[:, index]
             style = {"color": COLOURS[curve.label], "linestyle": "--" if "free" in curve.label else "-"}
-            axis.plot(x, y, label=curve.label, linewidth=2, **style)
+            label = "cross yarns free" if "free" in curve.label else curve.label
+            axis.plot(x, y, label=label, linewidth=2, **style)
             if curve.failed == direction:
                 axis.plot(x[-1], y[-1], "x", color=style["color"], markersize=9, markeredgewidth=2)
         axis.set(xlabel=f"{direction} strain, %", title=direction)
