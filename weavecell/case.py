@@ -43,6 +43,39 @@ def build(scene, file, name):
     return Case(name, fabric, laws, law_name, scene)
 
 
+def setup(case, file):
+    """The impact's set-up for `shellfabric`.
+
+    Raises
+    ------
+    InputError : values that fit each on its own but not together, named with the scene's file
+    """
+    from shellfabric.impact import ImpactSetup
+    from shellfabric.panel import Numerics
+    from shellfabric.projectile import Projectile
+
+    shot, panel, run = case.scene.projectile, case.scene.panel, case.scene.run
+    knobs = {key: value for key, value in case.scene.numerics if value is not None}
+    try:
+        return ImpactSetup(
+            fabric=case.fabric,
+            strike_velocity=shot.strike_velocity,
+            laws=case.laws,
+            projectile=Projectile(shot.mass, shot.diameter / 2, shot.edge_radius),
+            opening=panel.opening,
+            edge=panel.boundary,
+            symmetry=panel.symmetry,
+            end_time=run.end_time,
+            elements_per_crossover=run.elements_per_crossover,
+            cell_model=case.scene.fabric.cell_model,
+            gap=case.scene.fabric.gap,
+            snapshot_interval=run.snapshot_interval,
+            numerics=Numerics(**knobs),
+        )
+    except InputError as problem:
+        raise InputError(file=file, key=problem.key, value=problem.value, allowed=problem.allowed) from None
+
+
 def _fabric(table, file):
     if table.file is not None:
         fabric = catalogue.read(table.file)

@@ -6,6 +6,7 @@ import numpy as np
 
 from weavecell import pictures, pictures3d
 from weavecell.listing import derived
+from weavecell.paraview import failed_yarns
 from weavecell.report import Card, Figure, Section, Table
 
 CLOSE_UP = 0.014  # [m] half the width of the close-up: five radii of the RCC projectile
@@ -28,7 +29,8 @@ def fabric_card(fabric):
 
 def law_card(law, published=None, source=""):
     """Which compression law, beside the published one."""
-    lines = [f"a = {1e3 * law.a:.4f} mm, b = {1e3 * law.b:.4f} mm N^(1/3)"]
+    shift = " + F0" if law.form == "regularised" else ""
+    lines = [f"a = {1e3 * law.a:.4f} mm, b = {1e3 * law.b:.4f} mm N^(1/3)", f"d_c = a - b / (F{shift})^(1/3)"]
     if published is not None:
         lines.append(f"published: {1e3 * published.a:.4f} mm, {1e3 * published.b:.4f} mm N^(1/3)")
     if law.residual_rms is not None:
@@ -44,19 +46,25 @@ def impact_card(record):
         record.title,
         headline[record.outcome],
         (
-            f"residual velocity {residual(record)}",
-            f"balance {100 * record.worst_balance:.2f} % of strike",
-            f"numerical {100 * record.numerical_share:.1f} % of absorbed",
+            residual(record),
+            f"energy balance {percent(record.worst_balance)}",
+            f"hourglass + viscous {percent(record.numerical_share)}",
         ),
         tone,
     )
 
 
+def percent(share):
+    """A share as text, to two digits."""
+    return f"{100 * share:.2g} %"
+
+
 def residual(record):
-    """Residual velocity as text; a stopped projectile has none, though it may have begun to rebound."""
+    """Velocity at the end, as text; a stopped projectile has none, though it may have begun to rebound."""
     if record.outcome == "stopped":
-        return "0 m/s"
-    return f"{record.residual_velocity:.1f} m/s"
+        return "residual velocity 0 m/s"
+    name = "residual velocity" if record.outcome == "perforated" else "velocity at the end"
+    return f"{name} {record.residual_velocity:.1f} m/s"
 
 
 def mesh(facts, picture):
@@ -65,7 +73,7 @@ def mesh(facts, picture):
         "mesh",
         "The crossover in hexahedra",
         "One crossing of warp (orange) and weft (blue). Mesh lines along the yarns are fibre lines and carry the bars.",
-        (Figure(picture, "png", "The mesh that is solved.", "Mesh of the yarn crossover"),),
+        (Figure(picture, "png", "The mesh that is solved.", "mesh"),),
         (Table(("quantity", "value"), tuple(facts.items())),),
         beside=True,
     )
@@ -89,7 +97,7 @@ def fit(samples, laws, platen=None, lead=""):
         "fit",
         "Transverse compression: the fit",
         lead or "Each point is a converged state of the 3D crossover, to which d_c = a - b / (F + F0)^(1/3) is fitted.",
-        (Figure(content, "svg", "Compression of one yarn against the contact force.", "Compression against force"),),
+        (Figure(content, "svg", "Compression of one yarn against the contact force.", "fit"),),
         (Table(columns, rows, numeric=columns[1:]),),
     )
 
@@ -122,10 +130,14 @@ def cell(fabric, laws, model="compressible", points=None):
     return Section(
         "cell",
         "Biaxial response of the cell",
-        "Tension of one yarn against the strain of the cell: the shell's cell (lines) and the 3D crossover (circles).",
+        "Tension of one yarn against the strain of the cell: lines are the shell's cell"
+        + ("." if points is None else ", circles the 3D crossover."),
         (
             Figure(
-                content, "svg", "Crimp exchange: a yarn carries load before it is straight, on the other.", "Tensions"
+                content,
+                "svg",
+                "Crimp exchange: each yarn bears on the other and carries load before it is straight.",
+                "cell",
             ),
         ),
     )
@@ -139,48 +151,50 @@ def impact(records):
     figures = [
         Figure(
             pictures.render(pictures.velocity, velocities), "svg",
-            "Velocity of the projectile from strike to the end of the run.", "Velocity against time",
+            "Velocity of the projectile from strike to the end of the run.", "velocity",
         ),
         Figure(
             pictures.render(pictures.panels, shapes, kind="png"), "png",
-            "The panel at the end of the run, seen from behind, to scale.", "Deformed panels",
+            "Seen from behind, to scale. Left: the panel when half of the energy lost had been lost. "
+            "Right: the impact point at the end of the run.",
+            "panel",
         ),
     ]  # fmt: skip
-    figures += [
-        Figure(
-            pictures.render(pictures.energies, record.t, record.energies, record.strike_energy,
-                            record.energies["balance"], record.title),
-            "svg",
-            "Where the strike energy is; below, what the balance misses (green band: 1 %).",
-            f"Energies, {record.title}",
-            wide=False,
+    for number, record in enumerate(records, 1):
+        picture = pictures.render(
+            pictures.energies, record.t, record.energies, record.strike_energy, record.energies["balance"], record.title
         )
-        for record in records
-    ]  # fmt: skip
+        name = f"energies-{number}" if len(records) > 1 else "energies"
+        caption = "Where the strike energy is; below, what the balance misses (green band: 1 %)."
+        figures.append(Figure(picture, "svg", caption, name, wide=False))
     figures.append(
         Figure(
             pictures.render(pictures.reactions, reactions), "svg",
-            "Force of the clamped edges on the ends of the warp and weft yarns, all four edges in pairs.", "Reactions",
+            "Tension at the clamped ends of the warp and the weft yarn through the impact point.", "reactions",
+            wide=len(records) > 1,
         )
     )  # fmt: skip
     return Section(
         "impact",
         "Impact" if len(records) == 1 else "Impacts",
-        "",
+        " ".join(
+            f"{record.title} became unstable and was stopped: {record.message}." for record in records if record.message
+        ),
         tuple(figures),
         (impact_table(records),),
     )
 
 
 def _shapes(record):
-    share = np.max(np.where(record.broken, 0.0, record.tension) / record.strength, axis=1)
-    failed = record.broken.sum(axis=1)
-    projectile = (record.radius, 6 * record.radius, float(record.z[-1]))
-    mirrors = (record.mirror_x, record.mirror_y)
-    return tuple(
-        pictures3d.panel(record.nodes, record.quads, share, failed, projectile, mirrors, reach)
-        for reach in (None, CLOSE_UP)
-    )
+    """The whole panel half-way through the event, and the impact point at the end."""
+    drawn = []
+    for shape, reach in ((record.middle, None), (record.last, CLOSE_UP)):
+        share = np.max(shape.tension / record.strength, axis=1)
+        nose = pictures3d.Nose(record.radius, record.edge_radius, shape.z)
+        mirrors = (record.mirror_x, record.mirror_y)
+        image = pictures3d.panel(shape.nodes, record.quads, share, failed_yarns(shape.broken), nose, mirrors, reach)
+        drawn.append((f"at {1e6 * shape.t:.0f} µs", image))
+    return drawn
 
 
 def impact_table(records):
@@ -193,7 +207,7 @@ def impact_table(records):
         (
             record.title,
             record.outcome,
-            residual(record).split()[0],
+            residual(record).split()[-2],
             f"{record.absorbed:.2f}",
             f"{int(record.failed[-1])}",
             f"{100 * record.worst_balance:.3f}",

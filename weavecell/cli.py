@@ -187,6 +187,10 @@ def main(arguments=None):
         _fail(str(problem), problem.exit_code)
     except usage_error as problem:
         _fail(" ".join(problem.format_message().split()), InputError.exit_code)
+    except ModuleNotFoundError as problem:
+        _fail(f"this command needs the Python package {problem.name}, which is not installed", 1)
+    except OSError as problem:  # a full disk, a folder that may not be written to
+        _fail(f"{problem.filename}: {problem.strerror}" if problem.filename else str(problem), 1)
     except (typer.Abort, KeyboardInterrupt):
         code = INTERRUPTED
     if code == INTERRUPTED:

@@ -9,23 +9,35 @@ import numpy as np
 from fabrics.files import replace_whole, write_whole
 
 
-def write_panel(path, nodes, quads, cell_data, point_data=None):
-    """Write one snapshot.
+def write_panel(out, shapes, quads):
+    """Write a panel's shapes as panel.pvd and panel/*.vtu in the folder `out`.
 
     Parameters
     ----------
-    path : .vtu
-    nodes : (n, 3) [m]
+    shapes : sequence of `record.Shape`
     quads : (m, 4) node numbers, in order round the cell
-    cell_data, point_data : {name: (m,) or (n,) or (n, 3)}, units in the names
     """
-    grid = panel_grid(nodes, quads)
-    for name, values in cell_data.items():
-        grid.cell_data[name] = np.asarray(values)
-    for name, values in (point_data or {}).items():
-        grid.point_data[name] = np.asarray(values)
-    with replace_whole(path) as beside:
-        grid.save(beside)
+    times = {}
+    for number, shape in enumerate(shapes):
+        grid = panel_grid(shape.nodes, quads)
+        grid.cell_data["tension_warp_N"], grid.cell_data["tension_weft_N"] = shape.tension[:, 0], shape.tension[:, 1]
+        grid.cell_data["failed_yarns"] = failed_yarns(shape.broken)
+        grid.field_data["projectile_z_m"] = [shape.z]
+        name = f"panel/panel-{number:04d}.vtu"
+        with replace_whole(out / name) as beside:
+            grid.save(beside)
+        times[name] = shape.t
+    write_series(out / "panel.pvd", times)
+
+
+def failed_yarns(broken):
+    """(m,) how many yarns of each element have failed, 0 to 2; an eroded element has lost both.
+
+    Parameters
+    ----------
+    broken : (m, 3) bool: warp failed, weft failed, element eroded
+    """
+    return np.where(broken[:, 2], 2, broken[:, :2].sum(axis=1)).astype(np.int8)
 
 
 def panel_grid(nodes, quads):

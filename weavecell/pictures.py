@@ -23,7 +23,7 @@ from weavecell.style import (
     tension_map,
 )  # fmt: skip
 
-MS, US, MM, UM, KN = 1e3, 1e6, 1e3, 1e6, 1e-3
+US, UM = 1e6, 1e6
 
 # energies from the largest and best known down to the losses: name in the results, name in the plot, colour
 ENERGIES = (
@@ -52,18 +52,19 @@ def panels(pyplot, images):
 
     Parameters
     ----------
-    images : {title: (whole, close-up)}, each (rows, columns, 3) of `pictures3d.panel`
+    images : {title: ((when, whole), (when, close-up))}, images (rows, columns, 3) of `pictures3d.panel`
     """
     count = len(images)
     figure, grid = pyplot.subplots(
-        count, 2, figsize=(10.4, 0.9 + 2.75 * count), squeeze=False, width_ratios=(1.45, 1), layout="constrained"
+        count, 2, figsize=(10.4, 0.9 + 3.0 * count), squeeze=False, width_ratios=(1.45, 1), layout="constrained"
     )
-    for (whole, close), (title, pair) in zip(grid, images.items()):
-        for axes, image in zip((whole, close), pair):
+    for row, (title, pair) in zip(grid, images.items()):
+        for axes, (when, image) in zip(row, pair):
             axes.imshow(image, interpolation="lanczos")
             axes.axis("off")
-        whole.set_title(title)
-        close.set_title("impact point", fontweight="normal", color=FAINT)
+            axes.set_title(when, loc="right", fontweight="normal", color=FAINT)
+        row[0].set_title(title if count > 1 else "panel")
+        row[1].set_title("impact point")
     scale = pyplot.cm.ScalarMappable(pyplot.Normalize(0, 1), tension_map())
     bar = figure.colorbar(scale, ax=grid, location="bottom", shrink=0.5, aspect=38, pad=0.02)
     bar.set_label("yarn tension / strength, the higher of warp and weft (orange: one yarn of the cell has failed)")
@@ -139,7 +140,8 @@ def velocity(pyplot, runs):
     axes.axhline(0.0, color=FAINT, lw=1)
     axes.set(xlabel="time after strike [µs]", ylabel="velocity of the projectile [m/s]")
     axes.set_xlim(left=0)
-    axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
+    if len(runs) > 1:
+        axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
     return figure
 
 
@@ -171,7 +173,7 @@ def energies(pyplot, t, parts, strike_energy, balance, title=""):
 
 
 def reactions(pyplot, runs):
-    """Force of the clamped edges on the panel, warp ends and weft ends, one panel a run.
+    """Tension at the clamped ends of the two yarns through the impact point, one panel a run.
 
     Parameters
     ----------
@@ -179,15 +181,14 @@ def reactions(pyplot, runs):
     """
     across = min(2, len(runs))
     down = -(-len(runs) // across)
-    figure, grid = pyplot.subplots(
-        down, across, figsize=(10.4, 0.7 + 2.6 * down), sharey=True, sharex=True, squeeze=False
-    )
+    size = (5.6, 5.6) if len(runs) == 1 else (10.4, 0.7 + 2.6 * down)
+    figure, grid = pyplot.subplots(down, across, figsize=size, sharey=True, sharex=True, squeeze=False)
     for axes, (title, (t, warp, weft)) in zip(grid.flat, runs.items()):
-        axes.plot(US * t, KN * warp, color=WARP, label="warp ends")
-        axes.plot(US * t, KN * weft, color=WEFT, ls="--", label="weft ends")
+        axes.plot(US * t, warp, color=WARP, label="warp yarn")
+        axes.plot(US * t, weft, color=WEFT, ls="--", label="weft yarn")
         axes.set_title(title)
         axes.set_xlim(left=0)
     figure.supxlabel("time after strike [µs]", fontsize=12)
-    figure.supylabel("reaction of the clamped edges [kN]", fontsize=12)
+    figure.supylabel("tension at the clamped edge [N]", fontsize=12)
     grid[0, 0].legend(loc="upper left")
     return figure

@@ -2,10 +2,39 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from weavecell.paraview import panel_grid
 from weavecell.style import RED, STEEL, tension_map
+
+
+@dataclass(frozen=True)
+class Nose:
+    """The projectile as it is drawn: a flat-nosed cylinder with a rounded edge, six radii long.
+
+    Parameters
+    ----------
+    radius, edge_radius : [m]
+    z : [m] position of the flat
+    """
+
+    radius: float
+    edge_radius: float
+    z: float
+
+    def surface(self):
+        """The outline turned about the z axis, in millimetres."""
+        import pyvista
+
+        bend = np.linspace(0, np.pi / 2, 9)
+        r = self.radius - self.edge_radius * (1 - np.sin(bend))
+        z = self.z - self.edge_radius * (1 - np.cos(bend))
+        r, z = np.array([0, *r, self.radius, 0]), np.array([self.z, *z, *([self.z - 6 * self.radius] * 2)])
+        angle = np.linspace(0, 2 * np.pi, 73)
+        x, y = np.outer(r, np.cos(angle)), np.outer(r, np.sin(angle))
+        return pyvista.StructuredGrid(1e3 * x, 1e3 * y, 1e3 * np.broadcast_to(z[:, None], x.shape).copy())
 
 
 def new_plotter(off_screen=True, size=(1500, 820)):
@@ -33,7 +62,7 @@ def plotter_image(plotter, crop=True):
     return image[rows[0] : rows[-1] + 1, columns[0] : columns[-1] + 1]
 
 
-def panel(nodes, quads, share, failed, projectile, mirrors, reach=None):
+def panel(nodes, quads, share, failed, nose, mirrors, reach=None):
     """A deformed panel seen from behind: tension in colour, broken yarns in vermilion, cells without a yarn left out.
 
     Parameters
@@ -42,7 +71,7 @@ def panel(nodes, quads, share, failed, projectile, mirrors, reach=None):
     quads : (m, 4)
     share : (m,) the higher of the two yarn tensions over its strength [-]
     failed : (m,) how many of the two yarns have failed, 0 to 2
-    projectile : (radius, height, z of the face) [m]
+    nose : Nose
     mirrors : (x, y) whether the panel is to be mirrored in the planes x = 0 and y = 0
     reach : [m] half the width of a close-up of the impact point; the whole panel if not given
 
@@ -50,8 +79,6 @@ def panel(nodes, quads, share, failed, projectile, mirrors, reach=None):
     -------
     image : (rows, columns, 3)
     """
-    import pyvista
-
     plotter = new_plotter()
     grid = panel_grid(1e3 * np.asarray(nodes), quads)
     grid.cell_data["tension"], grid.cell_data["failed"] = np.asarray(share, float), np.asarray(failed)
@@ -72,11 +99,7 @@ def panel(nodes, quads, share, failed, projectile, mirrors, reach=None):
             )
         if torn.n_cells:
             plotter.add_mesh(torn, color=RED, ambient=0.6)
-    radius, height, face = (1e3 * value for value in projectile)
-    body = pyvista.Cylinder(
-        center=(0, 0, face - height / 2), direction=(0, 0, 1), radius=radius, height=height, resolution=60
-    )
-    plotter.add_mesh(body, color=STEEL, ambient=0.3, specular=0.3)
+    plotter.add_mesh(nose.surface(), color=STEEL, ambient=0.3, specular=0.3)
     plotter.enable_parallel_projection()
     span = 1e3 * float(np.ptp(np.asarray(nodes)[:, 0])) * (2 if mirrors[0] else 1)
     top = 1e3 * float(np.asarray(nodes)[:, 2].max()) if reach else 0.0

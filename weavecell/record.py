@@ -1,7 +1,7 @@
 """What an impact leaves: scalars, histories, and the panel at the end, in one HDF5 file (histories.h5).
 
 Layout: attributes of the root for scalars and texts; /histories, /energies, /reactions with one value an instant;
-/panel with the last shape and state. Every dataset has the attribute "unit".
+/panel with the shape and state at two instants. Every dataset has the attribute "unit".
 """
 
 from __future__ import annotations
@@ -16,10 +16,38 @@ from fabrics.files import replace_whole
 _FORMAT = "weavecell impact 1"
 _SCALARS = (
     "title", "fabric", "law_name", "strike_velocity", "outcome", "residual_velocity", "mass", "message",
-    "mirror_x", "mirror_y", "radius", "wall_time", "ns_per_element_step", "elements", "steps",
+    "mirror_x", "mirror_y", "radius", "edge_radius", "wall_time", "ns_per_element_step", "elements", "steps",
 )  # fmt: skip
 _HISTORIES = {"t": "s", "v": "m/s", "z": "m", "failed": "1"}
-_PANEL = {"nodes": "m", "quads": "1", "tension": "N", "strength": "N", "broken": "1"}
+_PANEL = {"quads": "1", "strength": "N"}
+_SHAPE = {"t": "s", "z": "m", "nodes": "m", "tension": "N", "broken": "1"}
+
+
+@dataclass(frozen=True)
+class Shape:
+    """The panel at one instant.
+
+    Parameters
+    ----------
+    t, z : [s, m] time and position of the projectile's nose
+    nodes : (k, 3) [m]
+    tension : (m, 2) [N] of warp and weft
+    broken : (m, 3) bool: warp failed, weft failed, element eroded
+    """
+
+    t: float
+    z: float
+    nodes: np.ndarray
+    tension: np.ndarray
+    broken: np.ndarray
+
+    @classmethod
+    def of(cls, shot):
+        """The shape of a `shellfabric.measures.Snapshot`."""
+        return cls(
+            float(shot.t), float(shot.z), shot.nodes.reshape(-1, 3), shot.tension.reshape(-1, 2),
+            shot.broken.reshape(-1, 3),
+        )  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -31,18 +59,18 @@ class ImpactRecord:
     title, fabric, law_name : for the reader
     strike_velocity, residual_velocity : [m/s]; the residual velocity is that of the last instant
     outcome : "stopped", "perforated", "in flight" or "unstable"
-    mass, radius : [kg, m] of the projectile
+    mass, radius, edge_radius : [kg, m, m] of the projectile
     message : what went wrong, where something did
     mirror_x, mirror_y : whether the panel below continues mirrored beyond x = 0, y = 0; energies and forces are those
         of the whole panel
     t, v, z : (n,) [s, m/s, m] time, velocity and position of the projectile
     failed : (n,) number of failed yarn segments
     energies : {name: (n,)} [J]
-    reactions : {"warp", "weft": (n,)} [N] of the clamped ends
-    nodes, quads : (k, 3) [m], (m, 4) the panel at the end
-    tension : (m, 2) [N] of warp and weft
-    strength : (2,) [N]
-    broken : (m, 2) bool, whether the yarn has failed
+    reactions : {"warp", "weft": (n,)} [N] tension at the clamped end of the yarn nearest the impact point
+    quads : (m, 4) node numbers
+    strength : (2,) [N] of warp and weft
+    middle, last : Shape when the projectile had lost half of the energy that it lost (the snapshot nearest to it), and
+        at the end
     wall_time, ns_per_element_step, elements, steps : cost of the run
     """
 
@@ -57,6 +85,7 @@ class ImpactRecord:
     mirror_x: bool
     mirror_y: bool
     radius: float
+    edge_radius: float
     wall_time: float
     ns_per_element_step: float
     elements: int
@@ -67,11 +96,10 @@ class ImpactRecord:
     failed: np.ndarray
     energies: dict
     reactions: dict
-    nodes: np.ndarray
     quads: np.ndarray
-    tension: np.ndarray
     strength: np.ndarray
-    broken: np.ndarray
+    middle: Shape
+    last: Shape
 
     @property
     def strike_energy(self):
@@ -93,6 +121,37 @@ class ImpactRecord:
         """[-] hourglass and viscous energy at the end, over the energy absorbed."""
         return float(self.energies["hourglass"][-1] + self.energies["viscous"][-1]) / self.absorbed
 
+    @classmethod
+    def of(cls, result, title, law_name, message=""):
+        """The record of a `shellfabric.impact.ImpactResult`."""
+        setup = result.setup
+        mirror_x, mirror_y = result.mirrored
+        last = Shape(float(result.t[-1]), float(result.z[-1]), result.nodes, result.tension, result.broken)
+        return cls(
+            title=title, fabric=setup.fabric.name, law_name=law_name, strike_velocity=setup.strike_velocity,
+            outcome=result.outcome, residual_velocity=result.residual_velocity, mass=setup.projectile.mass,
+            message=message, mirror_x=mirror_x, mirror_y=mirror_y, radius=setup.projectile.radius,
+            edge_radius=setup.projectile.edge_radius,
+            wall_time=result.wall_time, ns_per_element_step=result.ns_per_element_step,
+            elements=result.panel.elements, steps=result.steps, t=result.t, v=result.v, z=result.z,
+            failed=result.failed, energies=dict(result.energies), reactions=dict(result.reactions),
+            quads=result.quads, strength=np.array([yarn.strength for yarn in setup.fabric.weave.yarns]),
+            middle=_middle(result, last), last=last,
+        )  # fmt: skip
+
+    def summary(self):
+        """The scalars of the record, and what follows from them, as a flat dict."""
+        scalars = {name: getattr(self, name) for name in _SCALARS}
+        return scalars | {
+            "end_time": float(self.t[-1]),
+            "failed_yarn_segments": int(self.failed[-1]),
+            "strike_energy": self.strike_energy,
+            "absorbed": self.absorbed,
+            "worst_balance": self.worst_balance,
+            "numerical_share": self.numerical_share,
+            "energies_at_end": {name: float(values[-1]) for name, values in self.energies.items()},
+        }
+
     def write(self, path):
         """Write the record, whole or not at all."""
         import h5py
@@ -104,6 +163,9 @@ class ImpactRecord:
             for group, units in (("histories", _HISTORIES), ("panel", _PANEL)):
                 for name, unit in units.items():
                     _put(file, f"{group}/{name}", getattr(self, name), unit)
+            for shape in ("middle", "last"):
+                for name, unit in _SHAPE.items():
+                    _put(file, f"panel/{shape}/{name}", getattr(getattr(self, shape), name), unit)
             for name, values in self.energies.items():
                 _put(file, f"energies/{name}", values, "J")
             for name, values in self.reactions.items():
@@ -121,12 +183,22 @@ class ImpactRecord:
                 values = {name: _plain(file.attrs[name]) for name in _SCALARS}
                 values |= {name: file[f"histories/{name}"][()] for name in _HISTORIES}
                 values |= {name: file[f"panel/{name}"][()] for name in _PANEL}
+                for shape in ("middle", "last"):
+                    values[shape] = Shape(**{name: _plain(file[f"panel/{shape}/{name}"][()]) for name in _SHAPE})
                 for group in ("energies", "reactions"):
                     values[group] = {name: data[()] for name, data in file[group].items()}
         except OSError as problem:
             raise InputError(f"is not a readable HDF5 file ({problem})", file=path) from None
         assert set(values) == {entry.name for entry in fields(cls)}
         return cls(**values)
+
+
+def _middle(result, last):
+    """The shape nearest to the instant at which half of the energy lost had been lost."""
+    lost = result.v[0] ** 2 - result.v**2
+    instant = result.t[int(np.argmax(lost >= 0.5 * lost[-1]))]
+    shots = [shot for shot in result.snapshots if shot.t <= last.t]
+    return Shape.of(min(shots, key=lambda shot: abs(shot.t - instant))) if shots else last
 
 
 def _put(file, name, values, unit):

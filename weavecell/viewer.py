@@ -54,7 +54,7 @@ def _add(plotter, file):
 
     grid = pyvista.read(file)
     grid.points *= 1e3
-    bar = {"color": INK, "vertical": False, "title_font_size": 24, "label_font_size": 22}
+    bar = {"color": INK, "vertical": False, "title_font_size": 24, "label_font_size": 22, "fmt": "%.0f"}
     if "tension_warp_N" in grid.cell_data:
         grid.cell_data["yarn tension, the higher of warp and weft [N]"] = pyvista.pyvista_ndarray(
             grid.cell_data["tension_warp_N"]
@@ -64,6 +64,7 @@ def _add(plotter, file):
             part, scalars="yarn tension, the higher of warp and weft [N]", cmap=tension_map(), scalar_bar_args=bar
         )
         plotter.camera_position = "iso"
+        plotter.camera.zoom(0.85)
     else:
         plotter.add_mesh(
             grid, scalars="yarn" if "yarn" in grid.cell_data else None, cmap=[RED, BLUE], show_edges=True,

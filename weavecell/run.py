@@ -1,0 +1,141 @@
+"""One impact from its scene to its folder of results.
+
+The folder of `weavecell impact`
+    scene.toml      the scene as it was given
+    histories.h5    scalars, histories and the panel at the end (`record.ImpactRecord`)
+    summary.json    outcome, energies, provenance
+    panel.pvd       the ParaView series of panel/panel-*.vtu
+    pictures/       velocity, energies and reactions (.svg), panel.png
+    report.html     all of it on one page
+    checkpoint.h5   only while the run goes on, or after it was interrupted: `--resume` goes on from it
+
+Everything but the checkpoint is written when the run has ended, also if it ended by becoming unstable.
+"""
+
+from __future__ import annotations
+
+import shutil
+
+import weavecell
+from fabrics.errors import InputError, UnstableError, WeavecellError
+from fabrics.files import write_whole
+from weavecell import case, chapters, json_file, paraview, progress, provenance, report, scene
+from weavecell.record import ImpactRecord, Shape
+
+
+class Interrupted(WeavecellError):
+    """The user stopped a run that can be gone on with."""
+
+    exit_code = 130
+
+
+def impact(path, out, *, resume=False):
+    """Run the scene at `path` and write its results to the folder `out`.
+
+    Raises
+    ------
+    InputError : the scene or what it names is wrong, or there is nothing to resume; nothing has been written
+    UnstableError : the run became unstable; what it had computed has been written
+    Interrupted : by the user; the last checkpoint has been kept
+    """
+    asked, text = scene.load(path)
+    this = case.build(asked, path, path.stem)
+    setup = case.setup(this, path)
+    checkpoint = out / "checkpoint.h5"
+    if resume and not checkpoint.exists():
+        raise InputError("there is no checkpoint to resume from", file=checkpoint)
+    title = asked.title or f"{this.fabric.name}, {asked.projectile.strike_velocity:g} m/s"
+    failure = None
+    try:
+        result = fire(setup, title, checkpoint=checkpoint, every=asked.run.checkpoint_interval, resume=resume)
+    except KeyboardInterrupt:
+        hint = "; --resume goes on from its last checkpoint" if checkpoint.exists() else ""
+        raise Interrupted(f"interrupted{hint}") from None
+    except UnstableError as problem:
+        failure, result = problem, problem.result
+    record = ImpactRecord.of(result, title, this.law_name, str(failure or ""))
+    with progress.bar("Writing results") as advance:
+        write(out, this, record, result.snapshots, text, advance)
+    checkpoint.unlink(missing_ok=True)
+    _tell(record, out)
+    if failure is not None:
+        raise failure
+
+
+def fire(setup, title, *, checkpoint=None, every=None, resume=False):
+    """Run an impact under a progress bar, with checkpoints if a path for them is given."""
+    from shellfabric import impact as solver
+    from shellfabric.checkpoint import Checkpoints
+    from shellfabric.hooks import Progress
+
+    with progress.bar(title) as advance:
+        hooks = [Progress(lambda share, speed: advance(share, f"{speed:.1f} m/s"))]
+        if checkpoint is not None:
+            checkpoint.parent.mkdir(parents=True, exist_ok=True)
+            hooks.append(Checkpoints(checkpoint, every))
+        return solver.run(setup, hooks=hooks, resume=checkpoint if resume else None)
+
+
+def write(out, this, record, snapshots, text, advance):
+    """Write everything but the checkpoint."""
+    outputs = this.scene.run.outputs
+    stamp = provenance.stamp(text)
+    with write_whole(out / "scene.toml") as file:
+        file.write(text)
+    record.write(out / "histories.h5")
+    json_file.write(out / "summary.json", record.summary() | {"provenance": stamp})
+    advance(0.1)
+    shutil.rmtree(out / "panel", ignore_errors=True)  # of an earlier run, whose series may have been longer
+    if "paraview" in outputs:
+        shapes = [Shape.of(shot) for shot in snapshots if shot.t < record.last.t]
+        paraview.write_panel(out, [*shapes, record.last], record.quads)
+    advance(0.4)
+    if not {"pictures", "report"} & set(outputs):
+        return
+    chapter = chapters.impact([record])
+    if "pictures" in outputs:
+        write_pictures(out / "pictures", chapter)
+    advance(0.9)
+    if "report" in outputs:
+        report.write(page(this, record, chapter, stamp), out / "report.html")
+
+
+def write_pictures(folder, chapter):
+    """Write the figures of a chapter as files of their own."""
+    for figure in chapter.figures:
+        with write_whole(folder / f"{figure.name}.{figure.kind}", "wb") as file:
+            file.write(figure.content)
+
+
+def page(this, record, chapter, stamp):
+    """The report of one impact."""
+    law = this.laws[0]
+    model = this.scene.fabric.cell_model
+    shot, panel = this.scene.projectile, this.scene.panel
+    cards = (
+        chapters.fabric_card(this.fabric),
+        chapters.law_card(law, source=this.law_name if model == "compressible" else model),
+        chapters.impact_card(record),
+    )
+    return report.Report(
+        record.title,
+        f"One ply of {record.fabric}, {1e3 * panel.opening:g} mm square and {panel.boundary}, struck at "
+        f"{shot.strike_velocity:g} m/s by a cylinder of {1e3 * shot.mass:g} g and {1e3 * shot.diameter:g} mm.",
+        (cards,),
+        (
+            chapter,
+            chapters.cell(this.fabric, {this.law_name: this.laws}, model),
+            chapters.sources(this.fabric),
+            chapters.making(stamp, {"marching": record.wall_time}),
+        ),
+        f"weavecell {weavecell.__version__}, {stamp['date']}",
+    )
+
+
+def _tell(record, out):
+    print(f"{record.title}: {record.outcome}, {chapters.residual(record)}")
+    print(
+        f"energy balance within {100 * record.worst_balance:.3f} % of the strike energy, {record.strike_energy:.2f} J"
+    )
+    print(f"hourglass and viscous energy {100 * record.numerical_share:.1f} % of the {record.absorbed:.2f} J absorbed")
+    print(f"written to {out}", flush=True)
