@@ -46,7 +46,7 @@ def write(march, path):
         file.attrs["format"], file.attrs["identity"] = _FORMAT, identity(march)
         file.attrs["reason"], file.attrs["wall_time"], file.attrs["zero"] = march.reason, march.wall_time, march._zero
         for name, value in zip(march.state._fields, march.state):
-            file[f"state/{name}"] = value
+            file[f"state/{name}"] = np.array(value)
         file["samples"] = np.array(march.samples)
         file["fine"] = np.concatenate(march.fine) if march.fine else np.empty((0, 3))
         file["chunks"] = np.array([part.shape[0] for part in march.fine], np.int64)
@@ -71,7 +71,9 @@ def read(march, path):
             if file.attrs["identity"] != identity(march):
                 raise InputError("is the checkpoint of another run", file=path)
             for name, value in zip(march.state._fields, march.state):
-                value[...] = file[f"state/{name}"][()]
+                stored = file[f"state/{name}"][()]
+                for array, part in zip(value, stored) if isinstance(value, tuple) else [(value, stored)]:
+                    array[...] = part
             march.reason, march.wall_time = int(file.attrs["reason"]), float(file.attrs["wall_time"])
             march._zero = float(file.attrs["zero"])
             march.samples[:] = list(file["samples"][()])

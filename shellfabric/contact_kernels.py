@@ -39,11 +39,11 @@ def distance(r, z, R, rho):
 def corner(state, const, i, j, x, v):
     """Place of node (i, j) relative to the projectile, and its velocity relative to it."""
     k = np.uint64(i * const.s + j)
-    x[0] = const.x0 + i * const.dx + state.u[0, k] - state.position[0]
-    x[1] = const.y0 + j * const.dy + state.u[1, k] - state.position[1]
-    x[2] = state.u[2, k] - state.position[2]
+    x[0] = const.x0 + i * const.dx + state.u[0][k] - state.position[0]
+    x[1] = const.y0 + j * const.dy + state.u[1][k] - state.position[1]
+    x[2] = state.u[2][k] - state.position[2]
     for c in range(3):
-        v[c] = state.v[c, k] - state.speed[c]
+        v[c] = state.v[c][k] - state.speed[c]
 
 
 @njit(cache=True, error_model="numpy")
@@ -72,7 +72,7 @@ def contact(state, const, x, v):
         state.reaction[c] = 0.0
         for i in range(i0, i1 + 1):
             for k in range(i * const.s + j0, i * const.s + j1 + 1):
-                state.contact[c, np.uint64(k)] = 0.0
+                state.contact[c][np.uint64(k)] = 0.0
     work, spring = 0.0, 0.0
     for i in range(i0, i1):
         for j in range(j0, j1):
@@ -90,10 +90,10 @@ def contact(state, const, x, v):
     # nodes on a plane of symmetry keep to it
     if const.mirror_x and i0 == 0:
         for j in range(j0, j1 + 1):
-            state.contact[0, j] = 0.0
+            state.contact[0][j] = 0.0
     if const.mirror_y and j0 == 0:
         for i in range(i0, i1 + 1):
-            state.contact[1, i * const.s] = 0.0
+            state.contact[1][i * const.s] = 0.0
     return work, spring
 
 
@@ -111,9 +111,12 @@ def press(state, const, i, j, e, x, v):
             p_x = n0 * x[0, 0] + n1 * x[1, 0] + n2 * x[2, 0] + n3 * x[3, 0]
             p_y = n0 * x[0, 1] + n1 * x[1, 1] + n2 * x[2, 1] + n3 * x[3, 1]
             p_z = n0 * x[0, 2] + n1 * x[1, 2] + n2 * x[2, 2] + n3 * x[3, 2]
-            r = math.sqrt(p_x * p_x + p_y * p_y)
-            depth, n_r, n_z = distance(r, p_z, const.R, const.rho)
             before = state.pressed[e, a * p + b]
+            r2 = p_x * p_x + p_y * p_y
+            if before == 0.0 and (p_z >= 0.0 or r2 >= const.R * const.R):
+                continue
+            r = math.sqrt(r2)
+            depth, n_r, n_z = distance(r, p_z, const.R, const.rho)
             if depth >= 0.0 and before == 0.0:
                 continue
             n_x, n_y = (n_r * p_x / r, n_r * p_y / r) if r > 0.0 else (0.0, 0.0)
@@ -130,10 +133,10 @@ def press(state, const, i, j, e, x, v):
             for c in range(3):
                 push = f * (n_x if c == 0 else n_y if c == 1 else n_z)
                 k = np.uint64(i * const.s + j)
-                state.contact[c, k] += n0 * push
-                state.contact[c, k + np.uint64(const.s)] += n1 * push
-                state.contact[c, k + np.uint64(1)] += n2 * push
-                state.contact[c, k + np.uint64(const.s) + np.uint64(1)] += n3 * push
+                state.contact[c][k] += n0 * push
+                state.contact[c][k + np.uint64(const.s)] += n1 * push
+                state.contact[c][k + np.uint64(1)] += n2 * push
+                state.contact[c][k + np.uint64(const.s) + np.uint64(1)] += n3 * push
                 force[c] -= push
     return work, spring
 
@@ -146,7 +149,7 @@ def push(state, const):
         for i in range(i0, i1 + 1):
             for m in range(i * const.s + j0, i * const.s + j1 + 1):
                 k = np.uint64(m)
-                state.v[c, k] += state.kick[k] * state.contact[c, k]
+                state.v[c][k] += state.kick[k] * state.contact[c][k]
         state.speed[c] += const.dt * const.free[c] * state.reaction[c] / const.projectile_mass
 
 

@@ -63,7 +63,7 @@ class March:
             if not 0 < value < np.inf:
                 raise InputError(key=key, value=value, allowed="above 0")
         self.panel, self.strike_velocity, self.end_time = panel, float(strike_velocity), float(end_time)
-        self.const, self.state = panel.constants(), panel.state(strike_velocity)
+        self.const, self.state, self._work = panel.constants(), panel.state(strike_velocity), panel.work()
         self.chunk = max(1, round(interval / self.const.dt))
         self.last_step = int(np.ceil(end_time / self.const.dt))
         self.drift_limit = drift_limit
@@ -108,12 +108,12 @@ class March:
         UnstableError : a number that is not finite, a balance beyond its limit, or a node that crosses a quarter of
             an element in one step; samples and state stay as they are
         """
-        kernels.advance(self.state, self.const, 0, np.empty((0, 3)))  # compiled before the clock starts
+        kernels.advance(self.state, self.const, self._work, 0, np.empty((0, 3)))  # compiled before the clock starts
         while not self.ended:
             steps = min(self.chunk, self.last_step - self.steps)
             fine = np.empty((steps, 3))
             start = time.perf_counter()
-            made, self.reason = kernels.advance(self.state, self.const, steps, fine)
+            made, self.reason = kernels.advance(self.state, self.const, self._work, steps, fine)
             self.wall_time += time.perf_counter() - start
             self.fine.append(fine[:made])
             self._audit()
@@ -154,13 +154,13 @@ class March:
         c, g0, g1 = self.const, self.state.g0, self.state.g1
         i, j = (0 if c.mirror_x else c.ni // 2), (0 if c.mirror_y else c.nj // 2)
         warp_node, weft_node = c.ni * c.s + j, i * c.s + c.nj
-        warp = -(g0[0, warp_node] + g1[0, warp_node]) * self.panel.weave.w2 * 2 / (c.dy * (0.5 if c.mirror_y else 1))
-        weft = -(g0[1, weft_node] + g1[1, weft_node]) * self.panel.weave.w1 * 2 / (c.dx * (0.5 if c.mirror_x else 1))
+        warp = -(g0[0][warp_node] + g1[0][warp_node]) * self.panel.weave.w2 * 2 / (c.dy * (0.5 if c.mirror_y else 1))
+        weft = -(g0[1][weft_node] + g1[1][weft_node]) * self.panel.weave.w1 * 2 / (c.dx * (0.5 if c.mirror_x else 1))
         return warp, weft
 
     def _guard(self):
         """Stop a run that has become unphysical, and say where."""
-        row, v, dt = self.samples[-1], self.state.v, self.const.dt
+        row, v, dt = self.samples[-1], np.array(self.state.v), self.const.dt
         when = f"after {self.time * 1e6:.3g} us (step {self.steps})"
         speed = np.sqrt((v**2).sum(axis=0))
         if not (np.isfinite(row).all() and np.isfinite(speed).all()):

@@ -37,18 +37,18 @@ def symmetry(state, const, first, last):
     """Take out the force across a plane of symmetry, on the node rows first .. last."""
     if const.mirror_x and first == 0:
         for k in range(const.s):
-            state.g0[0, k] = state.g1[0, k] = 0.0
+            state.g0[0][k] = state.g1[0][k] = 0.0
     if const.mirror_y:
         for i in range(first, last + 1):
             k = np.uint64(i * const.s)
-            state.g0[1, k] = state.g1[1, k] = 0.0
+            state.g0[1][k] = state.g1[1][k] = 0.0
 
 
 @njit(cache=True, error_model="numpy")
 def moved(state, const, i):
     """Whether some node of row i has left its place."""
     for k in range(np.uint64(i * const.s), np.uint64((i + 1) * const.s)):
-        if state.u[0, k] != 0.0 or state.u[1, k] != 0.0 or state.u[2, k] != 0.0:
+        if state.u[0][k] != 0.0 or state.u[1][k] != 0.0 or state.u[2][k] != 0.0:
             return True
     return False
 
@@ -76,13 +76,11 @@ def elements(state, const, block, first, last, work):
     """Forces of the element rows first .. last, which lie in one block, from the present displacements."""
     s = np.uint64(const.s)
     k0, n = np.uint64(first * const.s), np.uint64((last - first) * const.s)
-    A, B, H, Q, R, G = work[0:3], work[3:6], work[6:9], work[9], work[10], work[11]
-    l1, l2, ia, ib, sine = work[12], work[13], work[14], work[15], work[16]
-    T1, T2, force1, force2, slope = work[17], work[18], work[19], work[20], work[21]
-    on_a, cross_a, cross_b, on_b = work[22], work[23], work[24], work[25]
-    for c in range(3):
-        unit_a, unit_b = 1.0 if c == 0 else 0.0, 1.0 if c == 1 else 0.0
-        membrane_kernels.kinematics(state.u[c], k0, n, s, const.ra, const.rb, unit_a, unit_b, A[c], B[c], H[c])
+    u, A, B, H = state.u, work.A, work.B, work.H
+    l1, l2, ia, ib, sine, T1, T2 = work.l1, work.l2, work.ia, work.ib, work.sine, work.T1, work.T2
+    membrane_kernels.kinematics(u[0], k0, n, s, const.ra, const.rb, 1.0, 0.0, A[0], B[0], H[0])
+    membrane_kernels.kinematics(u[1], k0, n, s, const.ra, const.rb, 0.0, 1.0, A[1], B[1], H[1])
+    membrane_kernels.kinematics(u[2], k0, n, s, const.ra, const.rb, 0.0, 0.0, A[2], B[2], H[2])
     membrane_kernels.rest(n, s, A, B, H)
     membrane_kernels.stretches(n, A[0], A[1], A[2], B[0], B[1], B[2], l1, l2, ia, ib, sine)
     peak1, peak2 = membrane_kernels.tensions(
@@ -90,41 +88,51 @@ def elements(state, const, block, first, last, work):
     )
     N1, N2 = T1, T2
     if const.variational:
-        N1, N2 = work[26], work[27]
+        N1, N2 = work.N1, work.N2
         membrane_kernels.potential_forces(
             n, l1, l2, const.potential, const.x0t, const.rx, const.top1, const.y0t, const.ry, const.top2,
             const.per1, const.per2, N1, N2,
         )  # fmt: skip
     for j in range(s - ONE, n, s):
         T1[j] = T2[j] = N1[j] = N2[j] = 0.0
-    sums = state.sums[block]
+    sums = state.sums
     if state.dirty[block] or peak1 > const.strength1 or peak2 > const.strength2:
         lost, viscous, count = membrane_kernels.settle_failures(k0, n, l1, l2, sine, T1, T2, N1, N2, H, state, const)
-        sums[LOST] += lost
-        sums[VISCOUS] += viscous
+        sums[block, LOST] += lost
+        sums[block, VISCOUS] += viscous
         if count > 0:
             state.dirty[block] = True
             state.fresh[block] += count
         peak1, peak2 = largest_of(n, T1), largest_of(n, T2)
     state.peak[0], state.peak[1] = max(state.peak[0], peak1), max(state.peak[1], peak2)
-    sums[VISCOUS] += membrane_kernels.yarn_work(
-        k0, n, const.c1, const.cv1, l1, N1, state.L1, state.P1, state.D1, state.W, force1
+    sums[block, VISCOUS] += membrane_kernels.yarn_work(
+        k0, n, const.c1, const.cv1, l1, N1, state.L1, state.P1, state.D1, state.W, work.force1
     )
-    sums[VISCOUS] += membrane_kernels.yarn_work(
-        k0, n, const.c2, const.cv2, l2, N2, state.L2, state.P2, state.D2, state.W, force2
+    sums[block, VISCOUS] += membrane_kernels.yarn_work(
+        k0, n, const.c2, const.cv2, l2, N2, state.L2, state.P2, state.D2, state.W, work.force2
     )
-    largest = membrane_kernels.shear_slope_soft(n, sine, const.V, const.G1, slope)
+    largest = membrane_kernels.shear_slope_soft(n, sine, const.V, const.G1, work.slope)
     soft = min(const.soft, SOFT_LIMIT)
-    if largest > soft:
-        membrane_kernels.shear_slope(n, sine, const.V, const.G1, const.G2, const.gamma1, const.gamma2, soft, slope)
-    membrane_kernels.projections(
-        n, force1, force2, slope, sine, ia, ib, const.ra, const.rb, on_a, cross_a, cross_b, on_b
-    )
-    for c in range(3):
-        sums[HOURGLASS] += membrane_kernels.nodal_parts(
-            k0, n, A[c], B[c], H[c], on_a, cross_a, cross_b, on_b, const.kh, const.ch, state.H[c], state.dH[c], Q, R, G
+    if largest > soft * soft:
+        membrane_kernels.shear_slope(
+            n, sine, const.V, const.G1, const.G2, const.gamma1, const.gamma2, soft, work.slope
         )
-        membrane_kernels.gather(k0, n, s, Q, R, G, state.g0[c], state.g1[c])
+    membrane_kernels.projections(
+        n, work.force1, work.force2, work.slope, sine, ia, ib, const.ra, const.rb,
+        work.on_a, work.cross_a, work.cross_b, work.on_b,
+    )  # fmt: skip
+    sums[block, HOURGLASS] += membrane_kernels.nodal_forces(
+        k0, n, s, A[0], B[0], H[0], work.on_a, work.cross_a, work.cross_b, work.on_b,
+        const.kh, const.ch, state.H[0], state.dH[0], state.g0[0], state.g1[0],
+    )  # fmt: skip
+    sums[block, HOURGLASS] += membrane_kernels.nodal_forces(
+        k0, n, s, A[1], B[1], H[1], work.on_a, work.cross_a, work.cross_b, work.on_b,
+        const.kh, const.ch, state.H[1], state.dH[1], state.g0[1], state.g1[1],
+    )  # fmt: skip
+    sums[block, HOURGLASS] += membrane_kernels.nodal_forces(
+        k0, n, s, A[2], B[2], H[2], work.on_a, work.cross_a, work.cross_b, work.on_b,
+        const.kh, const.ch, state.H[2], state.dH[2], state.g0[2], state.g1[2],
+    )  # fmt: skip
 
 
 @njit(cache=True, error_model="numpy")
@@ -143,8 +151,10 @@ def step(state, const, work, x, v):
     first, last = state.rows[0], state.rows[1]
     symmetry(state, const, first, last)
     k0, n = np.uint64(first * const.s), np.uint64((last + 1 - first) * const.s)
+    move(k0, n, const.dt, state.kick, state.g0[0], state.g1[0], state.v[0], state.u[0])
+    move(k0, n, const.dt, state.kick, state.g0[1], state.g1[1], state.v[1], state.u[1])
+    move(k0, n, const.dt, state.kick, state.g0[2], state.g1[2], state.v[2], state.u[2])
     for c in range(3):
-        move(k0, n, const.dt, state.kick, state.g0[c], state.g1[c], state.v[c], state.u[c])
         state.position[c] += const.dt * state.speed[c]
     widen(state, const)
     all_elements(state, const, work)
@@ -165,12 +175,11 @@ def step(state, const, work, x, v):
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def advance(state, const, steps, history):
+def advance(state, const, work, steps, history):
     """March at most `steps` steps. history (steps, 3): the projectile's z, v_z and the force on it after each.
 
     Returns (steps made, RUNNING or the reason to end).
     """
-    work = np.empty((28, (const.block * const.s + 7) // 8 * 8))
     x, v = np.empty((4, 3)), np.empty((4, 3))
     for m in range(steps):
         reason = step(state, const, work, x, v)
@@ -183,9 +192,8 @@ def advance(state, const, steps, history):
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def first_forces(state, const):
+def first_forces(state, const, work):
     """Forces of the cloth as it is, before the first step."""
-    work = np.empty((28, (const.block * const.s + 7) // 8 * 8))
     for block in range((const.ni + const.block - 1) // const.block):
         elements(state, const, block, block * const.block, min(const.ni, (block + 1) * const.block), work)
 
@@ -205,8 +213,8 @@ def energies(state, const, out):
                     continue
                 if c == 1 and j == 0 and const.mirror_y:
                     continue
-                v = state.v[c, k]
-                f = state.g0[c, k] + state.g1[c, k] + state.contact[c, k]
+                v = state.v[c][k]
+                f = state.g0[c][k] + state.g1[c][k] + state.contact[c][k]
                 out[0] += 0.5 * state.mass[k] * v * (v + const.dt * state.inverse_mass[k] * f)
     for i in range(const.ni):
         for j in range(const.nj):
@@ -217,7 +225,7 @@ def energies(state, const, out):
                     sine_of(state.u, k, const), const.V, const.G1, const.G2, const.gamma1, const.gamma2
                 )
             for c in range(3):
-                out[3] += 0.5 * const.kh * state.H[c, k] ** 2
+                out[3] += 0.5 * const.kh * state.H[c][k] ** 2
 
 
 @njit(cache=True, error_model="numpy")
@@ -226,7 +234,7 @@ def sine_of(u, k, const):
     s = np.uint64(const.s)
     aa, bb, ab = 0.0, 0.0, 0.0
     for c in range(3):
-        u00, u01, u10, u11 = u[c, k], u[c, k + ONE], u[c, k + s], u[c, k + s + ONE]
+        u00, u01, u10, u11 = u[c][k], u[c][k + ONE], u[c][k + s], u[c][k + s + ONE]
         a = const.ra * (u10 - u00 + u11 - u01) + (1.0 if c == 0 else 0.0)
         b = const.rb * (u01 - u00 + u11 - u10) + (1.0 if c == 1 else 0.0)
         aa, bb, ab = aa + a * a, bb + b * b, ab + a * b

@@ -34,7 +34,7 @@ def snapshot(panel, state, t) -> Snapshot:
     ni, nj = panel.counts
     grid = (ni + 1, nj + 1)
     X, Y = panel.coordinates()
-    nodes = np.moveaxis(state.u[:, : grid[0] * grid[1]].reshape(3, *grid), 0, 2).copy()
+    nodes = np.moveaxis(np.array(state.u)[:, : grid[0] * grid[1]].reshape(3, *grid), 0, 2).copy()
     nodes[..., 0] += X
     nodes[..., 1] += Y
     flag = state.flag[: ni * (nj + 1)].reshape(ni, nj + 1)[:, :nj]

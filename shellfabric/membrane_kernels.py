@@ -52,11 +52,8 @@ def rest(n, s, A, B, H):
     """Put the idle slot at the end of each row to rest, where `kinematics` has joined two rows."""
     for j in range(s - ONE, n, s):
         for c in range(3):
-            A[c, j] = 0.0
-            B[c, j] = 0.0
-            H[c, j] = 0.0
-        A[0, j] = 1.0
-        B[1, j] = 1.0
+            A[c][j] = B[c][j] = H[c][j] = 0.0
+        A[0][j] = B[1][j] = 1.0
 
 
 @njit(cache=True, fastmath=FAST, error_model="numpy")
@@ -82,7 +79,7 @@ def tensions(n, l1, l2, table, x0, rx, top1, y0, ry, top2, T1, T2):
     for j in range(n):
         p = max((l1[j] - x0) * rx, 0.0)
         q = max((l2[j] - y0) * ry, 0.0)
-        i1, i2 = min(int(p), top1), min(int(q), top2)
+        i1, i2 = max(min(int(p), top1), 0), max(min(int(q), top2), 0)
         p -= i1
         q -= i2
         m = np.uint64(i1 * (top2 + 1) + i2)
@@ -102,7 +99,7 @@ def potential_forces(n, l1, l2, table, x0, rx, top1, y0, ry, top2, per1, per2, N
     for j in range(n):
         p = max((l1[j] - x0) * rx, 0.0)
         q = max((l2[j] - y0) * ry, 0.0)
-        i1, i2 = min(int(p), top1), min(int(q), top2)
+        i1, i2 = max(min(int(p), top1), 0), max(min(int(q), top2), 0)
         p = min(p - i1, 1.0)
         q = min(q - i2, 1.0)
         m = np.uint64(i1 * (top2 + 1) + i2)
@@ -136,9 +133,9 @@ def yarn_work(k0, n, c, cv, l, N, L, P, D, W, force):
     return 0.5 * c * cv * viscous
 
 
-@njit(cache=True, fastmath=FAST, error_model="numpy")
+@njit(cache=True, fastmath=FAST | {"nnan"}, error_model="numpy")
 def shear_slope_soft(n, sine, V, G1, slope):
-    """V dU/d(sin gamma) = V G1 gamma / cos(gamma) by its series, for |sin gamma| <= SOFT_LIMIT (to 1e-10); returns max |sine|."""
+    """V dU/d(sin gamma) = V G1 gamma / cos(gamma) by its series, for |sin gamma| <= SOFT_LIMIT (to 1e-10); returns max sin^2."""
     largest = 0.0
     for j in range(n):
         x = sine[j]
@@ -148,7 +145,7 @@ def shear_slope_soft(n, sine, V, G1, slope):
         series = SOFT[4] + y * (SOFT[5] + y * (SOFT[6] + y * (SOFT[7] + y * series)))
         series = SOFT[0] + y * (SOFT[1] + y * (SOFT[2] + y * (SOFT[3] + y * series)))
         slope[j] = V * G1 * x * series
-        largest = max(largest, abs(x))
+        largest = max(largest, y)
     return largest
 
 
@@ -193,35 +190,27 @@ def projections(n, force1, force2, slope, sine, ia, ib, ra, rb, on_a, cross_a, c
 
 
 @njit(cache=True, fastmath=FAST, error_model="numpy")
-def nodal_parts(k0, n, A, B, H, on_a, cross_a, cross_b, on_b, kh, ch, H_old, dH_old, Q, R, G):
-    """One component of the three parts of the nodal forces, Q = fa + fb, R = fa - fb, G hourglass. Returns viscous work."""
-    viscous = 0.0
+def nodal_forces(k0, n, s, A, B, H, on_a, cross_a, cross_b, on_b, kh, ch, H_old, dH_old, g0, g1):
+    """One component of the nodal forces: g0 on the node row of the elements, g1 on the next. Returns hourglass work.
+
+    With Q = fa + fb, R = fa - fb and the hourglass force G, the corners feel f00 = Q - G, f01 = R + G, f10 = G - R and
+    f11 = -Q - G; neighbours in a row are added here, by what the last element has left. Uniform tension cancels exactly.
+    """
+    viscous, left0, left1 = 0.0, 0.0, 0.0
     for j in range(n):
         k = k0 + j
         fa = on_a[j] * A[j] + cross_a[j] * B[j]
         fb = cross_b[j] * A[j] + on_b[j] * B[j]
         dH = H[j] - H_old[k]
         viscous += dH * (dH + dH_old[k])
-        Q[j] = fa + fb
-        R[j] = fa - fb
-        G[j] = kh * H[j] + ch * dH
+        G = kh * H[j] + ch * dH
         H_old[k] = H[j]
         dH_old[k] = dH
+        Q, R = fa + fb, fa - fb
+        g0[k] = (Q - G) + left0
+        g1[k + s] = (G - R) - left1
+        left0, left1 = R + G, Q + G
     return 0.5 * ch * viscous
-
-
-@njit(cache=True, fastmath={"contract", "nsz"}, error_model="numpy")
-def gather(k0, n, s, Q, R, G, g0, g1):
-    """Add the corner forces of neighbours in a row: g0 on the node row of the elements, g1 on the next one.
-
-    Corners: f00 = Q - G, f01 = R + G, f10 = G - R, f11 = -Q - G. Uniform tension cancels exactly, digit by digit.
-    """
-    g0[k0] = Q[0] - G[0]
-    g1[k0 + s] = G[0] - R[0]
-    for j in range(ONE, n):
-        k = k0 + j
-        g0[k] = (Q[j] - G[j]) + (R[j - ONE] + G[j - ONE])
-        g1[k + s] = (G[j] - R[j]) - (Q[j - ONE] + G[j - ONE])
 
 
 @njit(cache=True, error_model="numpy")
@@ -267,7 +256,7 @@ def settle_failures(k0, n, l1, l2, sine, T1, T2, N1, N2, H, state, const):
             state.D1[k] = state.D2[k] = 0.0
             if eroded:
                 for c in range(3):
-                    lost += 0.5 * const.kh * state.H[c, k] ** 2
+                    lost += 0.5 * const.kh * state.H[c][k] ** 2
             state.flag[k] = now
             count += 1
         if gone1:
@@ -277,6 +266,6 @@ def settle_failures(k0, n, l1, l2, sine, T1, T2, N1, N2, H, state, const):
         if eroded:
             state.L1[k], state.L2[k] = l1[j], l2[j]
             for c in range(3):
-                H[c, j] = state.H[c, k] = state.dH[c, k] = 0.0
+                H[c][j] = state.H[c][k] = state.dH[c][k] = 0.0
         T1[j], T2[j], N1[j], N2[j], sine[j] = t1, t2, t1, t2, 0.0
     return lost, viscous, count
