@@ -108,30 +108,38 @@ def _interval(interval):
     return f" ({1e3 * interval[0]:.4f} to {1e3 * interval[1]:.4f})"
 
 
-def cell(fabric, laws, model="compressible", points=None):
+def cell(fabric, laws, model="compressible", paths=None):
     """The cell's biaxial response with each law, and the 3D crossover's where it is known.
 
     Parameters
     ----------
     laws : {label: (warp, weft) laws}
-    points : {case title: (strain, T1, T2)} or None
+    paths : {title: (strain1, strain2, T1, T2)} [-, N] of straight paths of the 3D crossover; two plain paths without
     """
     from shellfabric.cell import CellModel
 
-    paths = {"both yarns stretched alike": (STRAINS, STRAINS), "warp stretched, weft held": (STRAINS, 0 * STRAINS)}
+    points = paths is not None
+    paths = paths or {
+        "both yarns stretched alike": (STRAINS, STRAINS),
+        "warp stretched, weft held": (STRAINS, 0 * STRAINS),
+    }
     cases = {}
-    for title, (warp, weft) in paths.items():
+    for title, (warp, weft, *tensions) in paths.items():
+        share = np.linspace(0, 1, 97)
+        ends = float(warp[-1]), float(weft[-1])
+        main = int(ends[1] > ends[0])  # the strain on the axis is the larger one
         curves = {}
         for label, pair in laws.items():
-            state = CellModel(fabric, pair, model=model).solve(1 + warp, 1 + weft)
+            state = CellModel(fabric, pair, model=model).solve(1 + share * ends[0], 1 + share * ends[1])
             curves[label] = (state["T1"], state["T2"])
-        cases[title] = {"strain": STRAINS, "curves": curves, "points": (points or {}).get(title)}
+        measured = ((warp, weft)[main], *tensions) if points else None
+        cases[title] = {"strain": share * ends[main], "curves": curves, "points": measured}
     content = pictures.render(pictures.cell, cases)
     return Section(
         "cell",
         "Biaxial response of the cell",
         "Tension of one yarn against the strain of the cell: lines are the shell's cell"
-        + ("." if points is None else ", circles the 3D crossover."),
+        + (", circles the 3D crossover." if points else "."),
         (
             Figure(
                 content,

@@ -86,9 +86,9 @@ def demo(
     size: Annotated[Size, typer.Option(help="Mesh of the 3D crossover.")] = Size.coarse,
 ):
     """S-720 from data sheet to report: mesh, calibration, and four impacts, with a summary and one HTML page."""
-    from weavecell import demo as chain
+    from weavecell.demo import demonstrate
 
-    chain.run(out or RESULTS / "demo", size=size.value)
+    demonstrate(out or RESULTS / "demo", size=size.value)
 
 
 @app.command(epilog="Example: [bold]weavecell mesh S-720 --size medium --domain whole[/bold]")
@@ -104,7 +104,7 @@ def mesh(
     from fabrics.units import si
     from weavecell import crossover
 
-    crossover.mesh(
+    crossover.mesh_command(
         fabric,
         out or RESULTS / f"mesh-{Path(fabric).stem}",
         size=size.value,
@@ -123,7 +123,7 @@ def calibrate(
     """Solve the 3D crossover and fit its compression law: law.json, histories and a report."""
     from weavecell import crossover
 
-    crossover.calibrate(fabric, out or RESULTS / f"calibrate-{Path(fabric).stem}", size=size.value)
+    crossover.calibrate_command(fabric, out or RESULTS / f"calibrate-{Path(fabric).stem}", size=size.value)
 
 
 @app.command(epilog="Example: [bold]weavecell impact examples/S-720-stops.toml[/bold]")

@@ -45,35 +45,45 @@ def impact(path, out, *, resume=False):
     if resume and not checkpoint.exists():
         raise InputError("there is no checkpoint to resume from", file=checkpoint)
     title = asked.title or f"{this.fabric.name}, {asked.projectile.strike_velocity:g} m/s"
-    failure = None
     try:
-        result = fire(setup, title, checkpoint=checkpoint, every=asked.run.checkpoint_interval, resume=resume)
+        record, snapshots, failure = fire(
+            this, setup, title, checkpoint=checkpoint, every=asked.run.checkpoint_interval, resume=resume
+        )
     except KeyboardInterrupt:
         hint = "; --resume goes on from its last checkpoint" if checkpoint.exists() else ""
         raise Interrupted(f"interrupted{hint}") from None
-    except UnstableError as problem:
-        failure, result = problem, problem.result
-    record = ImpactRecord.of(result, title, this.law_name, str(failure or ""))
     with progress.bar("Writing results") as advance:
-        write(out, this, record, result.snapshots, text, advance)
+        write(out, this, record, snapshots, text, advance)
     checkpoint.unlink(missing_ok=True)
     _tell(record, out)
     if failure is not None:
         raise failure
 
 
-def fire(setup, title, *, checkpoint=None, every=None, resume=False):
-    """Run an impact under a progress bar, with checkpoints if a path for them is given."""
+def fire(this, setup, title, *, checkpoint=None, every=None, resume=False):
+    """Run an impact under a progress bar, with checkpoints if a path for them is given.
+
+    Returns
+    -------
+    record : ImpactRecord
+    snapshots : tuple of shellfabric.measures.Snapshot
+    failure : the UnstableError that ended the run, or None
+    """
     from shellfabric import impact as solver
     from shellfabric.checkpoint import Checkpoints
     from shellfabric.hooks import Progress
 
+    failure = None
     with progress.bar(title) as advance:
         hooks = [Progress(lambda share, speed: advance(share, f"{speed:.1f} m/s"))]
         if checkpoint is not None:
             checkpoint.parent.mkdir(parents=True, exist_ok=True)
             hooks.append(Checkpoints(checkpoint, every))
-        return solver.run(setup, hooks=hooks, resume=checkpoint if resume else None)
+        try:
+            result = solver.run(setup, hooks=hooks, resume=checkpoint if resume else None)
+        except UnstableError as problem:
+            failure, result = problem, problem.result
+    return ImpactRecord.of(result, title, this.law_name, str(failure or "")), result.snapshots, failure
 
 
 def write(out, this, record, snapshots, text, advance):

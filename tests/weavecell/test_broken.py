@@ -89,7 +89,8 @@ def test_broken_fabric(command, tmp_path, verb, name):
 def test_fabric_without_3d_data(command, tmp_path, verb):
     code, _out, err = command(verb, BROKEN / "fabric-no-3d-data.toml")
     assert code == 2
-    assert err == "error: fabric mine has no [solid] tables: a 3D crossover needs Vf0 of warp and weft\n"
+    told = "the fabric has no [solid] tables, without which its crossover has no 3D model"
+    assert err == f"error: FABRIC = '{BROKEN}/fabric-no-3d-data.toml': {told}\n"
     assert list(tmp_path.iterdir()) == []
 
 

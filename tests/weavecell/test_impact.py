@@ -1,4 +1,4 @@
-"""`weavecell impact`: its folder, resuming to the bit, instability with the computed part kept, nothing half-written."""
+"""`weavecell impact`: its folder, resuming to the bit, instability with what was computed, nothing half-written."""
 
 import json
 

@@ -1,11 +1,13 @@
 """Scenes: units as text become SI, defaults, relative paths, and what the examples say."""
 
+import dataclasses
+import tomllib
 from pathlib import Path
 
 import pytest
 
 from fabrics.compression import CompressionLaw
-from weavecell import case, scene
+from weavecell import case, scene, toml_text
 
 EXAMPLES = sorted((Path(__file__).parents[2] / "examples").glob("*.toml"))
 TABLE = {
@@ -74,3 +76,30 @@ def test_examples_are_good_scenes(path):
     got, text = scene.load(path)
     case.build(got, path, path.stem)
     assert "weavecell impact examples/" + path.name in text
+
+
+def test_scene_as_text_reads_back():
+    table = {"title": 'a "quoted" µ', **TABLE}
+    table["run"] = TABLE["run"] | {"outputs": ["report"], "elements_per_crossover": 2}
+    assert tomllib.loads(toml_text.dumps(table)) == table
+
+
+def test_numerical_knobs_are_those_of_the_shell():
+    from shellfabric.panel import Numerics
+
+    known = {entry.name for entry in dataclasses.fields(Numerics)}
+    assert set(scene.NumericsTable.model_fields) <= known
+    knobs = {"penalty": 0.02, "safety": 0.5}
+    asked = scene.check(TABLE | {"numerics": knobs}, "s")
+    numerics = case.setup(case.build(asked, "s", "s"), "s").numerics
+    assert (numerics.penalty, numerics.safety) == (0.02, 0.5)
+    assert numerics.hourglass_stiffness == Numerics().hourglass_stiffness
+
+
+def test_setup_is_what_the_scene_says():
+    asked = scene.check(with_change("panel", "symmetry", "whole"), "s")
+    setup = case.setup(case.build(asked, "s", "s"), "s")
+    assert setup.symmetry == "whole"
+    assert setup.projectile.radius == pytest.approx(2.75e-3)
+    assert setup.opening == pytest.approx(0.203)
+    assert setup.snapshot_interval == pytest.approx(1e-5)

@@ -1,0 +1,149 @@
+"""The demonstration: one fabric from data sheet through its 3D crossover to impacts with two laws, and one report.
+
+What is run and what is asked of it stands in scenes/demo.toml.
+
+The folder of `weavecell demo`
+    mesh/           as of `weavecell mesh`
+    calibration/    as of `weavecell calibrate`; law.json is the fitted law
+    <impact>-<law>/ as of `weavecell impact`, without pictures: repeat one with `weavecell impact <folder>/scene.toml`
+    summary.json    what was asked and measured
+    report.html     all of it on one page
+"""
+
+from __future__ import annotations
+
+import time
+from contextlib import contextmanager
+from importlib import resources
+from pathlib import Path
+
+import weavecell
+from fabrics import catalogue
+from fabrics.units import si
+from weavecell import case, chapters, crossover, json_file, progress, provenance, report, run, scene, toml_text
+
+
+def demonstrate(out, *, size):
+    """Run the demonstration with a crossover of mesh `size`, write everything to `out`, print the summary."""
+    began = time.perf_counter()
+    file = resources.files("weavecell") / "scenes" / "demo.toml"
+    text, plan = scene.read_toml(file, what="demonstration")
+    fabric = catalogue.load(plan["calibration"]["fabric"])
+    clock = Clock()
+    with clock.stage("mesh"):
+        mesh = crossover.mesh(fabric, out / "mesh", size=size, domain="whole")
+    with clock.stage("calibration"):
+        calibration = crossover.calibrate(fabric, out / "calibration", size=size)
+    with clock.stage("impacts"):
+        shots = [_shoot(plan, asked, law, out) for asked in plan["impact"] for law in LAWS]
+    with clock.stage("report"), progress.bar("Report") as advance:
+        records = [record for _, record in shots]
+        sections = _sections(fabric, mesh, calibration, records, out, advance)
+        clock.times["all of it"] = time.perf_counter() - began
+        rows = _asked(plan, shots, clock.times["all of it"])
+        stamp = provenance.stamp(text)
+        page = _page(fabric, plan, calibration, records, [chapters.comparison(rows), *sections], stamp, clock)
+        report.write(page, out / "report.html")
+        columns = ("what", "asked", "measured", "met")
+        summary = {"rows": [dict(zip(columns, row)) for row in rows], "wall_times": clock.times, "provenance": stamp}
+        json_file.write(out / "summary.json", summary)
+    _tell(plan, rows, calibration, clock.times, out)
+
+
+# name of the law in folders, in words, and how a scene of the demonstration gives it
+LAWS = {"fitted": ("fitted law", "../calibration/law.json"), "table": ("Table 5-1's law", "published")}
+
+
+class Clock:
+    """Wall times of named stages [s]."""
+
+    def __init__(self):
+        self.times = {}
+
+    @contextmanager
+    def stage(self, name):
+        """Time a block."""
+        began = time.perf_counter()
+        yield
+        self.times[name] = time.perf_counter() - began
+
+
+def _shoot(plan, asked, law, out):
+    """Run one impact and write its folder; returns (asked, record)."""
+    words, value = LAWS[law]
+    folder = out / f"{asked['name']}-{law}"
+    title = f"{asked['strike_velocity']}, {words}"
+    table = {"title": title} | {name: dict(inner) for name, inner in plan["scene"].items()}
+    table["fabric"]["law"] = value
+    table["projectile"]["strike_velocity"] = asked["strike_velocity"]
+    table["run"]["outputs"] = ["paraview"]
+    text = toml_text.dumps(table)
+    file = folder / "scene.toml"
+    this = case.build(scene.check(table, file), file, folder.name)
+    record, snapshots, _ = run.fire(this, case.setup(this, file), title)
+    run.write(folder, this, record, snapshots, text, lambda *_: None)
+    return asked, record
+
+
+def _sections(fabric, mesh, calibration, records, out, advance):
+    laws = {"fitted": calibration.law, "Table 5-1": fabric.laws[0]}
+    sections = [
+        chapters.mesh(crossover.facts(mesh), (out / "mesh" / "crossover.png").read_bytes()),
+        chapters.fit(*crossover.samples(calibration), laws),
+    ]
+    advance(0.3)
+    used = fabric.effective() if fabric.effective_linear_density else fabric
+    pairs = {label: (law, law) for label, law in laws.items()}
+    sections.append(chapters.cell(used, pairs, paths=crossover.paths(calibration, fabric)))
+    advance(0.4)
+    return [*sections, chapters.impact(records)]
+
+
+def _asked(plan, shots, seconds):
+    """Rows (what, asked, measured, met)."""
+    rows = []
+    for asked, record in shots:
+        met = record.outcome == asked["asked"]
+        rows.append((f"{record.title} ({asked['source']})", asked["asked"], record.outcome, "yes" if met else "no"))
+    limits = plan["asked"]
+    for what, key, measure in (
+        ("worst error of the energy balance, of the strike energy", "balance", "worst_balance"),
+        ("hourglass + viscous energy, of the energy absorbed", "numerical", "numerical_share"),
+    ):
+        worst = max((getattr(record, measure) for _, record in shots))
+        share = si(limits[key], "")
+        rows.append((what, f"at most {limits[key]}", chapters.percent(worst), "yes" if worst <= share else "no"))
+    allowed = si(limits["wall_time"], "s")
+    rows.append(
+        ("wall time, all of it", f"under {allowed:g} s", f"{seconds:.0f} s", "yes" if seconds < allowed else "no")
+    )
+    return rows
+
+
+def _page(fabric, plan, calibration, records, sections, stamp, clock):
+    law_card = chapters.law_card(calibration.law, fabric.laws[0], "fitted to the 3D crossover")
+    return report.Report(
+        plan["title"],
+        plan["subtitle"],
+        ((chapters.fabric_card(fabric), law_card), tuple(chapters.impact_card(record) for record in records)),
+        (*sections, chapters.sources(fabric), chapters.making(stamp, clock.times)),
+        f"weavecell {weavecell.__version__}, {stamp['date']}",
+    )
+
+
+def _tell(plan, rows, calibration, times, out: Path):
+    from rich import box
+    from rich.console import Console
+    from rich.table import Table
+
+    table = Table(title=plan["title"], title_justify="left", title_style="bold", box=box.SIMPLE_HEAD, pad_edge=False)
+    for name in ("what", "asked", "measured", "met"):
+        table.add_column(name, overflow="fold")
+    for row in rows:
+        table.add_row(*row, style="red" if row[-1] == "no" else "")
+    console = Console()
+    console.print(table)
+    law = calibration.law
+    console.print(f"fitted law: a = {1e3 * law.a:.4f} mm, b = {1e3 * law.b:.4f} mm N^(1/3)")
+    console.print("wall times: " + ", ".join(f"{name} {seconds:.1f} s" for name, seconds in times.items()))
+    console.print(f"report: {out / 'report.html'}", soft_wrap=True)
