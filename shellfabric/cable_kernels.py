@@ -2,7 +2,7 @@
 
 Bars lie along warp and weft between neighbouring crossovers. A bar of natural length S0 whose nodes are L apart has
 
-    e = max(L - S0, 0),   T = k e,   k = EA / S0      (crimp is slack, S0 > L at rest; erratum E-18: strain beyond crimp)
+    e = max(L - S0, 0),   T = k e,   k = EA / S0     (crimp is slack, S0 > L at rest; erratum E-18: strain beyond crimp)
 
 and pulls with T and, while taut, with a viscous force on its rate; never less than nothing in all. It fails where e
 passes its limit, at once and for good. Time goes by central differences, forces standing at whole steps:
@@ -28,10 +28,10 @@ WARP, WEFT = 0, 1
 RUNNING, STOPPED, PERFORATED, NOT_FINITE = 0, 1, 2, 3
 STEP, IDLE, FAILURES = 0, 1, 2
 VISCOUS, CONTACT, SPRING, LOST = 0, 1, 2, 3
-# columns of a history: the projectile's z, v_z and the force on it, the clamps' force on the cloth along z, the forces of
-# the middle warp and weft yarns on their clamps, and the force along z that drives the node const.driven
+# columns of a history: the projectile's z, v_z and the force on it; the clamps' force on the cloth along z; the pulls
+# of the middle warp and weft on their clamps, along the yarns at rest; the force along z that drives const.driven
 Z, V_Z, PUSH, EDGES, MIDDLE, DRIVE, COLUMNS = 0, 1, 2, 3, 4, 6, 7
-WORK = 14  # rows of scratch
+WORK = 11  # rows of scratch
 ONE = np.uint64(1)
 FAST = {"reassoc", "contract", "nsz", "arcp"}
 _STILL = 1e-60
@@ -55,7 +55,7 @@ def lengths(n, dx, dy, dz, L):
 
 @njit(cache=True, fastmath=FAST, error_model="numpy")
 def pulls(k0, n, S0, cv, stiff, L, L_old, drag_old, rate, e, a):
-    """The pull over the length of each bar, into a; its elongation and its rate per step. Returns the viscous work of the step.
+    """The pull over the length of each bar, into a; its elongation; its rate per step. Returns the viscous work.
 
     cv : [-] viscous force per step's change of length, over the stiffness
     """
@@ -124,14 +124,16 @@ def move(k0, n, dt, kick, g, v, u):
 
 
 @njit(cache=True, error_model="numpy")
-def bars(state, const, family, k0, n, work):
-    """Pulls of one family of bars in the slots k0 .. k0 + n; work (7, ...): three components, a, L, rate, e."""
+def bars(state, const, family, k0, n, work, row):
+    """Pulls of one family of bars in the slots k0 .. k0 + n, into four rows of work: the three components, and a."""
     lead = const.s
-    D, a, L, rate, e = work[0:3, lead:], work[3, lead:], work[4], work[5], work[6]
+    dx, dy, dz, a = work[row, lead:], work[row + 1, lead:], work[row + 2, lead:], work[row + 3, lead:]
+    L, rate, e = work[8], work[9], work[10]
     offset = np.uint64(const.s) if family == WARP else ONE
-    for c in range(3):
-        differences(state.u[c], k0, n, offset, const.spacing[c] if c == family else 0.0, D[c])
-    lengths(n, D[0], D[1], D[2], L)
+    differences(state.u[0], k0, n, offset, const.spacing[0] if family == WARP else 0.0, dx)
+    differences(state.u[1], k0, n, offset, const.spacing[1] if family == WEFT else 0.0, dy)
+    differences(state.u[2], k0, n, offset, 0.0, dz)
+    lengths(n, dx, dy, dz, L)
     stiff, drag = state.stiff[family], state.drag[family]
     viscous = pulls(k0, n, const.S0[family], const.cv, stiff, L, state.L[family], drag, rate, e, a)
     most = highest(n, e)
@@ -149,27 +151,40 @@ def forces(state, const, work):
     """Forces of all bars on the nodes of the active rows, block of rows by block."""
     first, last = state.rows[0], state.rows[1] + 1
     s = np.uint64(const.s)
-    work[0:14, 0 : const.s] = 0.0
+    work[0:8, 0 : const.s] = 0.0
     for low in range(first, last, const.block):
         high = min(low + const.block, last)
         k0, n = np.uint64(low * const.s), np.uint64((high - low) * const.s)
-        bars(state, const, WARP, k0, n, work[0:7])
-        bars(state, const, WEFT, k0, n, work[7:14])
+        bars(state, const, WARP, k0, n, work, 0)
+        bars(state, const, WEFT, k0, n, work, 4)
         for c in range(3):
-            gather(k0, n, s, work[3], work[c], work[10], work[7 + c], state.g[c])
-        for row in (0, 1, 2, 3, 7, 8, 9, 10):
-            work[row, 0 : const.s] = work[row, n : n + s]
+            gather(k0, n, s, work[3], work[c], work[7], work[4 + c], state.g[c])
+        for row in range(8):
+            for j in range(s):
+                work[row, j] = work[row, n + j]
 
 
 @njit(cache=True, error_model="numpy")
-def node(state, const, k, x, v):
-    """Place of node k relative to the projectile, and its velocity relative to it, into x and v."""
-    i, j = k // np.uint64(const.s), k % np.uint64(const.s)
-    x[0] = const.origin[0] + i * const.spacing[0] + state.u[0, k] - state.position[0]
-    x[1] = const.origin[1] + j * const.spacing[1] + state.u[1, k] - state.position[1]
-    x[2] = state.u[2, k] - state.position[2]
-    for c in range(3):
-        v[c] = state.v[c, k] - state.speed[c]
+def ends(state, const, family, i, j, x, v):
+    """Places of the two nodes of a bar relative to the projectile, and their velocities relative to it: x, v (2, 3)."""
+    for m in range(2):
+        p, q = (i + m, j) if family == WARP else (i, j + m)
+        k = np.uint64(p * const.s + q)
+        x[m, 0] = const.origin[0] + p * const.spacing[0] + state.u[0, k] - state.position[0]
+        x[m, 1] = const.origin[1] + q * const.spacing[1] + state.u[1, k] - state.position[1]
+        x[m, 2] = state.u[2, k] - state.position[2]
+        for c in range(3):
+            v[m, c] = state.v[c, k] - state.speed[c]
+
+
+@njit(cache=True, error_model="numpy")
+def apart(x, R):
+    """Whether the bar lies ahead of the nose or beside the cylinder."""
+    if x[0, 2] > 0.0 and x[1, 2] > 0.0:
+        return True
+    near_x = max(min(x[0, 0], x[1, 0]), -max(x[0, 0], x[1, 0]), 0.0)
+    near_y = max(min(x[0, 1], x[1, 1]), -max(x[0, 1], x[1, 1]), 0.0)
+    return near_x * near_x + near_y * near_y > R * R
 
 
 @njit(cache=True, error_model="numpy")
@@ -183,47 +198,63 @@ def contact(state, const, x, v):
     state.reaction[:] = 0.0
     state.sums[SPRING] = 0.0
     for family in range(2):
-        offset = np.uint64(const.s) if family == WARP else ONE
         for i in range(i0, i1 + 1):
             for j in range(j0, j1 + 1):
-                k = np.uint64(i * const.s + j)
-                pressed = state.pressed[family, i - i0, j - j0]
-                if state.stiff[family, k] == 0.0:
-                    pressed[:] = 0.0
-                    continue
-                node(state, const, k, x[0], v[0])
-                node(state, const, k + offset, x[1], v[1])
-                ahead = x[0, 2] > 0.0 and x[1, 2] > 0.0
-                if not ahead or pressed.any():
-                    press(state, const, family, k, k + offset, x, v, pressed)
+                touching = state.touching[family, i - i0, j - j0]  # a bar that has failed since lets go here
+                if touching or state.stiff[family, i * const.s + j] > 0.0:
+                    ends(state, const, family, i, j, x, v)
+                    if touching or not apart(x, const.R):
+                        press(state, const, family, i, j, x, v)
 
 
 @njit(cache=True, error_model="numpy")
-def press(state, const, family, k, m, x, v, pressed):
-    """Contact of the points of the bar from node k to node m, which are at x with the velocities v."""
+def press(state, const, family, i, j, x, v):
+    """Contact of the points of the bar that begins at node (i, j), whose ends are at x with the velocities v."""
+    k = np.uint64(i * const.s + j)
     weight = state.stiff[family, k] * const.S0[family] / const.EA[family]
     stiffness, damping = weight * const.point_stiffness[family], weight * const.point_damping[family]
-    for a in range(pressed.size):
-        t = (a + 0.5) / pressed.size
+    row, column = i - const.near[0], j - const.near[2]
+    points, touching, work, spring = state.pressed.shape[3], False, 0.0, 0.0
+    near_x = near_y = near_z = far_x = far_y = far_z = 0.0
+    for a in range(points):
+        t = (a + 0.5) / points
         s = 1.0 - t
         p_x, p_y, p_z = s * x[0, 0] + t * x[1, 0], s * x[0, 1] + t * x[1, 1], s * x[0, 2] + t * x[1, 2]
         r = math.sqrt(p_x * p_x + p_y * p_y)
         depth, n_r, n_z = distance(r, p_z, const.R, const.rho)
-        if depth >= 0.0 and pressed[a] == 0.0:
+        before = state.pressed[family, row, column, a]
+        if depth >= 0.0 and before == 0.0:
             continue
-        n = (n_r * p_x / r if r > 0.0 else 0.0, n_r * p_y / r if r > 0.0 else 0.0, n_z)
-        closing, f = 0.0, 0.0
-        for c in range(3):
-            closing -= n[c] * (s * v[0, c] + t * v[1, c])
+        n_x, n_y = (n_r * p_x / r, n_r * p_y / r) if r > 0.0 else (0.0, 0.0)
+        closing = -n_x * (s * v[0, 0] + t * v[1, 0]) - n_y * (s * v[0, 1] + t * v[1, 1])
+        closing -= n_z * (s * v[0, 2] + t * v[1, 2])
+        f = 0.0
         if depth < 0.0:
             f = max(0.0, damping * closing - stiffness * depth)
-            state.sums[SPRING] += 0.5 * stiffness * depth * depth
-        state.sums[CONTACT] += 0.5 * (f + pressed[a]) * closing * const.dt
-        pressed[a] = f
-        for c in range(3):
-            state.g[c, k] += s * f * n[c]
-            state.g[c, m] += t * f * n[c]
-            state.reaction[c] -= f * n[c]
+            spring += 0.5 * stiffness * depth * depth
+            touching = True
+        work += 0.5 * (f + before) * closing * const.dt
+        state.pressed[family, row, column, a] = f
+        touching |= f > 0.0
+        near_x, near_y, near_z = near_x + s * f * n_x, near_y + s * f * n_y, near_z + s * f * n_z
+        far_x, far_y, far_z = far_x + t * f * n_x, far_y + t * f * n_y, far_z + t * f * n_z
+    state.touching[family, row, column] = touching
+    state.sums[CONTACT] += work
+    state.sums[SPRING] += spring
+    m = k + (np.uint64(const.s) if family == WARP else ONE)
+    share(state, k, near_x, near_y, near_z)
+    share(state, m, far_x, far_y, far_z)
+
+
+@njit(cache=True, error_model="numpy")
+def share(state, k, f_x, f_y, f_z):
+    """Give a force to node k, and its opposite to the projectile."""
+    state.g[0, k] += f_x
+    state.g[1, k] += f_y
+    state.g[2, k] += f_z
+    state.reaction[0] -= f_x
+    state.reaction[1] -= f_y
+    state.reaction[2] -= f_z
 
 
 @njit(cache=True, error_model="numpy")
@@ -231,14 +262,11 @@ def in_the_way(state, const, x, v):
     """Whether the middle of a bar that holds is still ahead of the edge, within the projectile's radius."""
     i0, i1, j0, j1 = const.near
     for family in range(2):
-        offset = np.uint64(const.s) if family == WARP else ONE
         for i in range(i0, i1 + 1):
             for j in range(j0, j1 + 1):
-                k = np.uint64(i * const.s + j)
-                if state.stiff[family, k] == 0.0:
+                if state.stiff[family, i * const.s + j] == 0.0:
                     continue
-                node(state, const, k, x[0], v[0])
-                node(state, const, k + offset, x[1], v[1])
+                ends(state, const, family, i, j, x, v)
                 p_x, p_y, p_z = 0.5 * (x[0, 0] + x[1, 0]), 0.5 * (x[0, 1] + x[1, 1]), 0.5 * (x[0, 2] + x[1, 2])
                 if p_z > -const.rho and p_x * p_x + p_y * p_y < const.R * const.R:
                     return True
@@ -277,15 +305,13 @@ def observe(state, const, row):
         edges -= state.g[2, k]
     row[EDGES] = edges
     for family in range(2):
-        k = const.middle[family]
-        g = math.sqrt(state.g[0, k] ** 2 + state.g[1, k] ** 2 + state.g[2, k] ** 2)
-        row[MIDDLE + family] = g / const.middle_share[family]
+        row[MIDDLE + family] = -state.g[family, const.middle[family]] / const.middle_share[family]
     row[DRIVE] = -state.g[2, const.driven]
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def advance(state, const, steps, history):
-    """March at most `steps` steps, a row of history (steps, COLUMNS) each. Returns (steps made, why it ended or RUNNING)."""
+    """March at most `steps` steps, a row of history (steps, COLUMNS) each; (steps made, why it ended or RUNNING)."""
     work = np.zeros((WORK, (const.block + 1) * const.s))
     x, v = np.empty((2, 3)), np.empty((2, 3))
     for m in range(steps):
