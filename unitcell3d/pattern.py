@@ -20,6 +20,7 @@ class Pattern:
     ----------
     values : (k, 3, 3) [N/m] blocks, assembled into by the kernels
     starts, columns, entries : the CSR matrix of the unknowns; `entries` is filled by `reduce`
+    diagonal : (unknowns,) places of the diagonal in `entries`
     """
 
     def __init__(self, n, stencils, constraints):
@@ -42,6 +43,7 @@ class Pattern:
         numbering = sparse.csr_matrix((np.arange(matrix.nnz), matrix.indices, matrix.indptr), shape=matrix.shape)
         self.starts, self.columns = matrix.indptr.astype(np.int32), matrix.indices.astype(np.int32)
         self.entries = np.zeros(matrix.nnz)
+        self.diagonal = np.flatnonzero(np.repeat(np.arange(size), np.diff(matrix.indptr)) == matrix.indices)
         self._target = np.asarray(numbering[row, column]).ravel().astype(np.int64)
         self._source, self._sign = kept, sign[kept]
 

@@ -25,7 +25,7 @@ class Steps:
     first: float = 0.02
     largest: float = 0.10
     least: float = 1e-3
-    few: int = 7
+    few: int = 8
 
 
 SOFTENINGS = (0.01, 0.05, 0.2, 0.5, 1.0)
