@@ -15,7 +15,8 @@ these that suffices:
               crossing yarn, as in source thesis section A.2, and Vf0 = A_s / A_yarn rises, at most to the closest
               packing of round fibres.
 
-After 2 or 3 no shift is left. A gap that is positive everywhere is closed by a shift too, which is then negative.
+After 2 or 3 no shift is left. A gap that is positive everywhere is closed by a shift too, which is then negative. Where
+the yarns cannot be shifted (a woven patch) the first step is left out, and a gap stays open.
 
 These are the smooth surfaces. The flat facets of a mesh between nodes on them still overlap by their sag, of order two
 in the mesh size.
@@ -60,7 +61,7 @@ class Closing:
     ----------
     sections : (Section, Section) of warp and weft
     overlap : [m] of the sections as asked for; negative where they had a gap everywhere
-    shift : [m] of warp against weft in z, positive apart; warp and weft move by half of it each
+    shift : [m] of warp against weft in z, positive apart; warp and weft move by half of it each; 0 if not allowed
     Vf0 : (warp, weft) [-] fibre volume fractions of the mesh
     asked : (Section, Section) before anything was narrowed or densified
     """
@@ -86,10 +87,10 @@ class Closing:
             area = " / ".join(f"{s.area / a.area:.3f}" for s, a in zip(self.sections, self.asked))
             Vf0 = " / ".join(f"{value:.3f}" for value in self.Vf0)
             return f"{text}, solved: widths times {width}, areas times {area} (Vf0 {Vf0})"
-        return f"{text}, closed by a shift of {self.shift * 1e6:+.2f} um"
+        return f"{text}, closed by a shift of {self.shift * 1e6:+.2f} um" if self.shift else f"{text}, left open"
 
 
-def close(kind, widths, fractions, weave, bluntness, *, prescribed=False, overlap="solve"):
+def close(kind, widths, fractions, weave, bluntness, *, prescribed=False, overlap="solve", shift=True):
     """Find sections of the two yarns that touch without overlapping.
 
     Parameters
@@ -101,6 +102,7 @@ def close(kind, widths, fractions, weave, bluntness, *, prescribed=False, overla
     bluntness : [-] of both sections
     prescribed : the widths may not be narrowed
     overlap : "solve", or "refuse" to change any section (a shift within its limit is still made)
+    shift : the yarns may be moved apart
 
     Raises
     ------
@@ -109,19 +111,20 @@ def close(kind, widths, fractions, weave, bluntness, *, prescribed=False, overla
     crossing = [(w, h) for w, h in zip(weave.w, weave.h0)][::-1]  # of each yarn, the arch over it
     asked = _sections(kind, widths, _areas(weave, fractions), bluntness)
     first = _overlap(asked, crossing)
-    free = sum(weave.h0) * SHIFT_LIMIT
+    free = sum(weave.h0) * SHIFT_LIMIT if shift else 0.0
     sections, Vf0 = asked, tuple(map(float, fractions))
     if first > free:
         if overlap == "refuse":
+            limit = f", more than the {free * 1e6:.1f} um that a shift may remove" if shift else ""
             raise InputError(
-                f"the {kind} sections of warp and weft overlap by {first * 1e6:.1f} um, more than the "
-                f"{free * 1e6:.1f} um that a shift may remove: narrow them, or let the overlap be solved"
+                f"the {kind} sections of warp and weft overlap by {first * 1e6:.1f} um{limit}: narrow them, or let the "
+                "overlap be solved"
             )
         sections = None if prescribed else _narrow(asked, crossing)
         if sections is None:
             sections, factor = _densify(asked, crossing, fractions, prescribed)
             Vf0 = _denser(fractions, factor)
-    return Closing(sections, first, _overlap(sections, crossing), Vf0, asked)
+    return Closing(sections, first, _overlap(sections, crossing) if shift else 0.0, Vf0, asked)
 
 
 def _areas(weave, fractions):

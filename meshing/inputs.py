@@ -1,13 +1,15 @@
-"""What a user may ask of a crossover mesh: each choice checked, and turned into numbers."""
+"""What a user may ask of a mesh: each choice checked, and turned into numbers."""
 
 from __future__ import annotations
 
-from math import isfinite
+from dataclasses import replace
+from math import ceil, isfinite
 from numbers import Real
 
 from fabrics.errors import InputError
 
 YARNS = ("warp", "weft")
+AUTO_LAYERS, AUTO_ASPECT = 2, 1.5
 SIZES = {"coarse": (8, 6, 2), "medium": (16, 12, 4), "fine": (24, 18, 6)}
 
 
@@ -17,25 +19,89 @@ def one_of(key, value, allowed):
         raise InputError(key=key, value=value, allowed=" or ".join(allowed))
 
 
-def size(value):
-    """(nx, ny, nz), hexahedra along, across and through a quarter yarn, of a named size or of three whole numbers.
+def size(value, w, sections):
+    """(nx, ny, nz), hexahedra along, across and through a quarter yarn.
+
+    Parameters
+    ----------
+    value : "coarse", "medium", "fine"; three whole numbers; an edge length [m]; or "auto": two layers, and edges along
+        and across of 1.5 times the height of an element in the middle of the thinner section
+    w : (warp, weft) [m] half cell lengths
+    sections : (Section, Section)
 
     Raises
     ------
-    InputError : another name, or numbers below 2, 2 and 1
+    InputError : another name, numbers below 2, 2 and 1, or a length that is not above 0 and at most half a cell
     """
     if isinstance(value, str):
-        one_of("size", value, tuple(SIZES))
-        return SIZES[value]
+        one_of("size", value, (*SIZES, "auto"))
+        if value != "auto":
+            return SIZES[value]
+        height = min(section.thickness for section in sections) / AUTO_LAYERS
+        return (*_parts(AUTO_ASPECT * height, w, sections), AUTO_LAYERS)
+    if _number(value) and 0 < value <= min(w):
+        return (*_parts(value, w, sections), max(1, _ceil(max(section.thickness for section in sections) / value)))
     try:
         numbers = tuple(int(n) for n in value)
         good = numbers == tuple(value) and len(numbers) == 3 and all(n >= low for n, low in zip(numbers, (2, 2, 1)))
     except (TypeError, ValueError, OverflowError):
         good = False
     if not good:
-        wanted = "coarse, medium, fine or three whole numbers, at least 2 along, 2 across and 1 through"
+        wanted = (
+            f"coarse, medium, fine, auto, an edge length up to {min(w):.4g} m, or three whole numbers, "
+            "at least 2 along, 2 across and 1 through"
+        )
         raise InputError(key="size", value=value, allowed=wanted)
     return numbers
+
+
+def _parts(length, w, sections):
+    """Elements along and across whose edges are at most `length` in both yarns, at least 2."""
+    return [max(2, _ceil(max(lengths) / length)) for lengths in (w, [section.half_width for section in sections])]
+
+
+def _ceil(ratio):
+    return ceil(ratio - 1e-9)  # a length that divides the cell is not spoilt by rounding
+
+
+def counts(value):
+    """(n, m) whole numbers of warp and weft yarns, at least 1 each."""
+    try:
+        numbers = tuple(int(n) for n in value)
+        good = numbers == tuple(value) and len(numbers) == 2 and min(numbers) >= 1
+    except (TypeError, ValueError, OverflowError):
+        good = False
+    if not good:
+        raise InputError(key="count", value=value, allowed="two whole numbers from 1, of warp and of weft yarns")
+    return numbers
+
+
+def crimped(fabric, crimp):
+    """The fabric with its crimp measured by hand, or read from micrographs (source thesis Tables 2-1 and A-2).
+
+    The source's own crossover of S-720 uses both: by hand in Figure 3-7, from micrographs in Table A-3 (erratum E-27).
+
+    Raises
+    ------
+    InputError : another word, or the fabric has no micrographs
+    """
+    one_of("crimp", crimp, ("hand", "micrograph"))
+    if crimp == "hand":
+        return fabric
+    if any(name not in fabric.micrograph for name in YARNS):
+        raise InputError(
+            f"fabric {fabric.name} has no micrographs of warp and weft: its crimp is that measured by hand"
+        )
+    warp, weft = (
+        replace(yarn, crimp=fabric.micrograph[name]["crimp"]) for name, yarn in zip(YARNS, fabric.weave.yarns)
+    )
+    return replace(fabric, weave=replace(fabric.weave, warp=warp, weft=weft))
+
+
+def thickness(key, value):
+    """Raise InputError unless `value` is None or a positive length."""
+    if value is not None and not (_number(value) and value > 0):
+        raise InputError(key=key, value=value, allowed="a positive thickness in m, or none")
 
 
 def widths(weave, gap, width):

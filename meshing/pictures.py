@@ -26,9 +26,9 @@ def picture(crossover, path):
     crossover : Crossover
     path : of the .png file, written whole or not at all
     """
-    plotter = _plotter()
+    scene = plotter(WINDOW)
     for index, name in enumerate(YARNS):
-        plotter.add_mesh(
+        scene.add_mesh(
             _solid(crossover, index),
             color=COLOURS[name],
             show_edges=True,
@@ -37,21 +37,22 @@ def picture(crossover, path):
             ambient=0.42,
             diffuse=0.72,
         )
-    _aim(plotter, crossover)
-    _caption(plotter, crossover)
+    _aim(scene, crossover)
+    _caption(scene, crossover)
     try:
         with replace_whole(path) as beside:
-            plotter.screenshot(str(beside))
+            scene.screenshot(str(beside))
     finally:
-        plotter.close()
+        scene.close()
 
 
-def _plotter():
+def plotter(window, lights="light kit"):
+    """An off-screen scene on white."""
     vtkLogger.SetStderrVerbosity(vtkLogger.VERBOSITY_ERROR)  # else a warning for each kind of screen that is missing
-    plotter = pyvista.Plotter(off_screen=True, window_size=list(WINDOW))
-    plotter.set_background("white")
-    plotter.enable_anti_aliasing("ssaa")
-    return plotter
+    scene = pyvista.Plotter(off_screen=True, window_size=list(window), lighting=lights)
+    scene.set_background("white")
+    scene.enable_anti_aliasing("ssaa")
+    return scene
 
 
 def _solid(crossover, index):
@@ -60,7 +61,7 @@ def _solid(crossover, index):
     return pyvista.UnstructuredGrid({pyvista.CellType.HEXAHEDRON: hexes}, crossover.points * 1e3)
 
 
-def _aim(plotter, crossover):
+def _aim(scene, crossover):
     """Parallel projection along the domain's view; the crossover fills the window above the caption."""
     points = crossover.points * 1e3
     toward = np.array(VIEWS[crossover.domain]) / np.linalg.norm(VIEWS[crossover.domain])
@@ -70,13 +71,13 @@ def _aim(plotter, crossover):
     (left, bottom), (far, top) = (f(points @ np.stack([right, up], axis=1), axis=0) for f in (np.min, np.max))
     scale = max((top - bottom) / (1 - FOOT - 2 * MARGIN), (far - left) * WINDOW[1] / WINDOW[0] / (1 - 2 * MARGIN)) / 2
     middle = (left + far) / 2 * right + ((bottom + top) / 2 - FOOT * scale) * up
-    plotter.enable_parallel_projection()
-    plotter.camera_position = [tuple(middle + 10 * scale * toward), tuple(middle), (0, 0, 1)]
-    plotter.camera.parallel_scale = scale
-    plotter.reset_camera_clipping_range()
+    scene.enable_parallel_projection()
+    scene.camera_position = [tuple(middle + 10 * scale * toward), tuple(middle), (0, 0, 1)]
+    scene.camera.parallel_scale = scale
+    scene.reset_camera_clipping_range()
 
 
-def _caption(plotter, crossover):
+def _caption(scene, crossover):
     nx, ny, nz = (n - 1 for n in crossover.grids[0].shape)
     cell = " x ".join(f"{2e3 * w:.3f}" for w in crossover.w)
     text = (
@@ -84,7 +85,7 @@ def _caption(plotter, crossover):
         f"{len(crossover.hexes)} hexahedra ({nx} x {ny} x {nz} in each yarn), "
         f"worst scaled Jacobian {crossover.min_scaled_jacobian:.3f}"
     )
-    plotter.add_text(text, position=(40, 30), font_size=16, color=INK)
+    scene.add_text(text, position=(40, 30), font_size=16, color=INK)
     for row, (name, axis) in enumerate(zip(YARNS, "xy")):
         label = f"{name}, along {axis}"
-        plotter.add_text(label, position=(40, WINDOW[1] - 60 - 45 * row), font_size=16, color=COLOURS[name])
+        scene.add_text(label, position=(40, WINDOW[1] - 60 - 45 * row), font_size=16, color=COLOURS[name])

@@ -10,7 +10,10 @@ from meshing.crossover import build
 
 HALF = "from 0 to below half a spacing, 0.000635 m"
 WIDE = "above 0 and at most the spacing, 0.00127 m"
-SIZES = "coarse, medium, fine or three whole numbers, at least 2 along, 2 across and 1 through"
+SIZES = (
+    "coarse, medium, fine, auto, an edge length up to 0.000635 m, or three whole numbers, at least 2 along, 2 across "
+    "and 1 through"
+)
 
 
 @pytest.mark.parametrize(
@@ -18,7 +21,7 @@ SIZES = "coarse, medium, fine or three whole numbers, at least 2 along, 2 across
     [
         ({"domain": "half"}, "domain = 'half': must be quarter or whole"),
         ({"overlap": "ignore"}, "overlap = 'ignore': must be solve or refuse"),
-        ({"size": "huge"}, "size = 'huge': must be coarse or medium or fine"),
+        ({"size": "huge"}, "size = 'huge': must be coarse or medium or fine or auto"),
         ({"size": (8, 6)}, f"size = (8, 6): must be {SIZES}"),
         ({"size": (8, 1, 2)}, f"size = (8, 1, 2): must be {SIZES}"),
         ({"size": (8, 6.5, 2)}, f"size = (8, 6.5, 2): must be {SIZES}"),

@@ -30,3 +30,22 @@ def test_picture_shows_both_yarns_inside_its_frame(domain, tmp_path):
     for edge in (frame[:5], frame[-5:], frame[:, :5], frame[:, -5:]):
         assert np.all(edge > 250)
     assert list(tmp_path.iterdir()) == [path]
+
+
+def test_picture_of_a_patch_fills_its_frame_with_both_yarns(tmp_path):
+    from meshing import patch, pictures_patch
+    from meshing.pictures import COLOURS
+
+    path = tmp_path / "patch.png"
+    pictures_patch.picture(patch.build(catalogue.load("S-720"), (2, 3), size=(4, 3, 1)), path)
+    width, height = pictures_patch.WINDOW
+    image = np.asarray(pyvista.read(path).active_scalars, float)[:, :3]
+    assert (width, height) == (1600, 900)
+    assert len(image) == width * height
+    for colour in COLOURS.values():
+        assert in_shades_of(image, colour) > 0.05
+    ink = np.any(image.reshape(height, width, 3) < 240, axis=2)
+    across, down = np.flatnonzero(ink.any(axis=0)), np.flatnonzero(ink.any(axis=1))
+    assert max(np.ptp(across) / width, np.ptp(down) / height) == pytest.approx(pictures_patch.FILL, abs=0.02)
+    assert not ink[[0, -1]].any()
+    assert not ink[:, [0, -1]].any()

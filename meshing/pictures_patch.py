@@ -1,0 +1,87 @@
+"""A picture of a woven patch, drawn off screen: smooth yarns in two colours, lit from above one corner."""
+
+from __future__ import annotations
+
+import numpy as np
+import pyvista
+
+from fabrics.files import replace_whole
+from meshing.inputs import YARNS
+from meshing.pictures import COLOURS, INK, plotter
+
+WINDOW = (1600, 900)
+TOWARD = np.array([-0.8, -1.0, 0.72])  # from the patch to the camera
+FILL = 0.94  # of the window
+SHARP = 40.0  # degrees: an edge sharper than this is drawn sharp
+EDGES_UP_TO = 20_000  # hexahedra: beyond, mesh lines only darken the picture
+
+
+def picture(patch, path):
+    """Draw the patch as a PNG, 1600 x 900.
+
+    Parameters
+    ----------
+    patch : Patch
+    path : of the .png file, written whole or not at all
+    """
+    scene = plotter(WINDOW, lights="none")
+    for family, name in enumerate(YARNS):
+        skin = _skin(patch, family)
+        scene.add_mesh(
+            skin,
+            color=COLOURS[name],
+            smooth_shading=True,
+            split_sharp_edges=True,
+            feature_angle=SHARP,
+            show_edges=len(patch.hexes) <= EDGES_UP_TO,
+            edge_color=INK,
+            edge_opacity=0.28,
+            line_width=1.2,
+            ambient=0.12,
+            diffuse=0.95,
+            specular=0.3,
+            specular_power=18,
+        )
+    _light(scene)
+    _aim(scene, patch)
+    try:
+        with replace_whole(path) as beside:
+            scene.screenshot(str(beside))
+    finally:
+        scene.close()
+
+
+def _skin(patch, family):
+    """Outer faces of all yarns of a family, in millimetres; yarns share no nodes, so each is a body of its own."""
+    yarns = [name for name, of in zip(patch.names, patch.families) if of == family]
+    quads = np.concatenate([q for name, q in patch.faces.items() if name.rsplit("_", 1)[0] in yarns])
+    cells = np.insert(quads, 0, 4, axis=1)
+    return pyvista.PolyData(patch.points * 1e3, faces=cells.ravel()).clean()
+
+
+def _light(scene):
+    """A warm, low key light from the left: every arch has a bright and a dark flank. A cool fill from the right."""
+    for position, colour, strength in (
+        ((-4.0, 0.6, 2.2), "#fff1dd", 1.05),
+        ((2.5, -4.0, 1.4), "#dce8ff", 0.62),
+        ((0.0, 0.0, 5.0), "#ffffff", 0.16),
+    ):
+        scene.add_light(pyvista.Light(position=position, focal_point=(0, 0, 0), color=colour, intensity=strength))
+
+
+def _aim(scene, patch):
+    """Parallel projection; the patch fills the window."""
+    points = patch.points * 1e3
+    toward = TOWARD / np.linalg.norm(TOWARD)
+    right = np.cross((0, 0, 1), toward)
+    right /= np.linalg.norm(right)
+    up = np.cross(toward, right)
+    seen = points @ np.stack([right, up], axis=1)
+    (left, bottom), (far, top) = seen.min(axis=0), seen.max(axis=0)
+    scale = max(top - bottom, (far - left) * WINDOW[1] / WINDOW[0]) / (2 * FILL)
+    middle = (left + far) / 2 * right + (bottom + top) / 2 * up
+    scene.enable_parallel_projection()
+    scene.camera_position = [tuple(middle + 10 * scale * toward), tuple(middle), (0, 0, 1)]
+    scene.camera.parallel_scale = scale
+    scene.reset_camera_clipping_range()
+    scene.enable_ssao(radius=0.35, bias=0.01, kernel_size=32, blur=True)
