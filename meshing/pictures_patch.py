@@ -84,4 +84,5 @@ def _aim(scene, patch):
     scene.camera_position = [tuple(middle + 10 * scale * toward), tuple(middle), (0, 0, 1)]
     scene.camera.parallel_scale = scale
     scene.reset_camera_clipping_range()
-    scene.enable_ssao(radius=0.35, bias=0.01, kernel_size=32, blur=True)
+    # The bias grows with the depth of the scene: below its steps the shadows turn into bands.
+    scene.enable_ssao(radius=0.35, bias=0.006 * scale, kernel_size=32, blur=True)
