@@ -284,9 +284,7 @@ def contact_pass(
                             + B[1, m, a] * slide[1, n, b]
                         )
                         leave = dw1 * w2 * slide[0, n, b] + w1 * dw2 * slide[1, n, b]
-                        values[place, a, b] += (
-                            stiff * N[m, a] * N[n, b] - force * curve - p * area * N[m, a] * leave
-                        )
+                        values[place, a, b] += stiff * N[m, a] * N[n, b] - force * curve - p * area * N[m, a] * leave
     return energy
 
 

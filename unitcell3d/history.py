@@ -98,9 +98,7 @@ class History:
         try:
             with h5py.File(path, "r") as file:
                 if file.attrs.get("format") != _FORMAT:
-                    raise InputError(
-                        file=path, key="format", value=file.attrs.get("format"), allowed=repr(_FORMAT)
-                    )
+                    raise InputError(file=path, key="format", value=file.attrs.get("format"), allowed=repr(_FORMAT))
                 content = {}
                 for item in fields(cls):
                     if item.name == "gaps":

@@ -137,11 +137,16 @@ class CrossoverModel:
         self._sides = []
         for yarn, grid in enumerate(faces):
             grid = np.ascontiguousarray(grid, np.int64)
-            along, across = self.points[grid[1, 0]] - self.points[grid[0, 0]], self.points[grid[0, 1]] - self.points[grid[0, 0]]
+            along, across = (
+                self.points[grid[1, 0]] - self.points[grid[0, 0]],
+                self.points[grid[0, 1]] - self.points[grid[0, 0]],
+            )
             upwards = np.sign(np.cross(along, across)[2])
             axes = np.array([constraints.AXIAL[yarn], constraints.WIDTH[yarn]])
             self._sides.append(
-                _Side(grid, self._areas(grid), axes, np.array([quarter, quarter]), upwards * (-1.0 if yarn == 0 else 1.0))
+                _Side(
+                    grid, self._areas(grid), axes, np.array([quarter, quarter]), upwards * (-1.0 if yarn == 0 else 1.0)
+                )
             )
         self._guesses = [self._initial_guess(slave) for slave in (0, 1)]
         self.gaps = [np.full(side.grid.size, np.inf) for side in self._sides]

@@ -32,7 +32,8 @@ class Pattern:
         row = constraints.unknown[3 * rows[:, None] + component // 3].ravel()
         column = constraints.unknown[3 * columns[:, None] + component % 3].ravel()
         sign = (
-            constraints.sign[3 * rows[:, None] + component // 3] * constraints.sign[3 * columns[:, None] + component % 3]
+            constraints.sign[3 * rows[:, None] + component // 3]
+            * constraints.sign[3 * columns[:, None] + component % 3]
         ).ravel()
         kept = np.flatnonzero((row >= 0) & (column >= 0))
         row, column = row[kept], column[kept]

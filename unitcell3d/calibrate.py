@@ -1,0 +1,259 @@
+"""From a fabric's data to its compression law, by way of the 3D crossover.
+
+Biaxial paths to fibre failure give pairs (F_c, d_c) of the contact force of the crossover and the compression of one
+yarn, d_c = (h01 + h02 - h1 - h2) / 2 (source thesis eq. 4-13 with one law for both yarns, errata E-05, E-40). The
+regularised form
+
+    d_c = a - b / (F_c + F0)^(1/3),  F0 = (b/a)^3
+
+is fitted to all of them together, each path sampled at equal shares of its displacement so that the stepping has no
+say in it. The fit of the printed form would hang on a force cut-off. Plates give another curve than stretching does, for
+they flatten slack yarns; it is computed beside, and not fed to the shell.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import time
+from concurrent.futures import ProcessPoolExecutor
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from multiprocessing import get_context
+from pathlib import Path
+from queue import Empty
+
+import numpy as np
+
+from fabrics.compression import CompressionLaw
+from fabrics.errors import InputError, UnstableError
+from fabrics.files import write_whole
+from meshing import crossover as mesher
+from unitcell3d import cases
+
+PATHS = {"warp only": (1.0, 0.0), "weft only": (0.0, 1.0), "equibiaxial": (1.0, 1.0)}
+PLATES = "plates"
+SAMPLES = 25  # of each path in the fit, about as many as it has steps
+
+
+@dataclass(frozen=True)
+class Calibration:
+    """What a calibration found.
+
+    Parameters
+    ----------
+    fabric : name
+    law : CompressionLaw fitted to all biaxial paths
+    path_laws : {path: CompressionLaw} fitted to each path alone; None where no law fits it
+    histories : {path: History}, and "plates"
+    residuals : {path: rms distance [m] of its samples from the joint law}
+    failures : {path: [cases.Failure]}
+    published : CompressionLaw of the fabric's file, or None
+    seconds : {path: wall time [s]}, and "all" of the whole calibration
+    sizes : (biaxial, plates) mesh sizes
+    """
+
+    fabric: str
+    law: CompressionLaw
+    path_laws: dict
+    histories: dict
+    residuals: dict
+    failures: dict
+    published: CompressionLaw | None
+    seconds: dict
+    sizes: tuple
+
+    @property
+    def plates(self):
+        """History between plates."""
+        return self.histories[PLATES]
+
+    @property
+    def comparison(self):
+        """Fitted over published a and b, and the rms distance [m] of the laws over the fitted forces; {} if none."""
+        if self.published is None or self.published.a == 0:
+            return {}
+        F = np.linspace(*self.law.F_range, 200)
+        published = replace(self.published, form="regularised")
+        return {
+            "a_ratio": self.law.a / published.a,
+            "b_ratio": self.law.b / published.b,
+            "rms_m": float(np.sqrt(np.mean((self.law.d(F) - published.d(F)) ** 2))),
+        }
+
+    def summary(self):
+        """All numbers of the calibration, as plain types."""
+        laws = {
+            name: law and {"a_m": law.a, "b": law.b, "rms_m": law.residual_rms} for name, law in self.path_laws.items()
+        }
+        return {
+            "format": "weavecell calibration 1",
+            "fabric": self.fabric,
+            "mesh": {"biaxial": self.sizes[0], "plates": self.sizes[1]},
+            "law": {
+                "a_m": self.law.a,
+                "b_m_N^(1/3)": self.law.b,
+                "rms_m": self.law.residual_rms,
+                "F_range_N": self.law.F_range,
+                "a_interval_m": self.law.a_interval,
+                "b_interval_m_N^(1/3)": self.law.b_interval,
+            },
+            "published": self.published and {"a_m": self.published.a, "b_m_N^(1/3)": self.published.b},
+            "comparison": self.comparison,
+            "fit_of_each_path": laws,
+            "rms_of_each_path_from_the_law_m": self.residuals,
+            "failure": {name: [vars(item) for item in found] for name, found in self.failures.items()},
+            "ended_early": {name: history.failed for name, history in self.histories.items() if history.failed},
+            "seconds": self.seconds,
+        }
+
+    def write(self, directory):
+        """Write law.json, calibration.json and a history of each path (.h5) into a directory."""
+        directory = Path(directory)
+        directory.mkdir(parents=True, exist_ok=True)
+        for name, history in self.histories.items():
+            history.write(directory / f"{name.replace(' ', '-')}.h5")
+        with write_whole(directory / "calibration.json") as file:
+            json.dump(self.summary(), file, indent=2)
+            file.write("\n")
+        self.law.to_json(directory / "law.json")
+
+
+def calibrate(fabric, *, size="medium", plates_size="coarse", paths=None, out=None, progress=None, processes=1):
+    """Calibrate the compression law of a fabric.
+
+    Parameters
+    ----------
+    fabric : Fabric, with solid laws
+    size, plates_size : mesh sizes of the biaxial paths and of the plate compression (`meshing.crossover.build`)
+    paths : {name: (d1, d2) ratio}, by default warp only, weft only and equibiaxial
+    out : directory to write to (`Calibration.write`), or None
+    progress : called as progress(path name, share of that path) after each step
+    processes : paths computed beside each other
+
+    Raises
+    ------
+    InputError : the fabric cannot be meshed, or a size or path is not allowed
+    UnstableError : no path got far enough for a fit
+    """
+    paths = dict(PATHS if paths is None else paths)
+    if not paths or PLATES in paths:
+        raise InputError(key="paths", value=sorted(paths), allowed=f"at least one, none of them called {PLATES!r}")
+    if processes < 1:
+        raise InputError(key="processes", value=processes, allowed="at least 1")
+    begun = time.perf_counter()
+    # the longest first: plates take the most steps
+    jobs = [(PLATES, fabric, plates_size, None)] + [(name, fabric, size, ratio) for name, ratio in paths.items()]
+    for job_size in dict.fromkeys((size, plates_size)):
+        mesher.build(fabric, size=job_size)  # bad input ends here, in this process
+    report = progress if progress is not None else _silent
+    done = _beside(jobs, report, processes) if processes > 1 else {job[0]: _run(*job, report) for job in jobs}
+    histories = {name: history for name, (history, _) in done.items()}
+    seconds = {name: elapsed for name, (_, elapsed) in done.items()}
+    found = _evaluate(fabric, {name: histories[name] for name in (*paths, PLATES)}, (str(size), str(plates_size)))
+    seconds["all"] = time.perf_counter() - begun
+    found = replace(found, seconds=seconds)
+    if out is not None:
+        found.write(out)
+    return found
+
+
+def samples(history):
+    """(F_c [N], d_c [m]) of one path at equal shares of its displacement, from first contact on."""
+    shares = np.linspace(0, history.path[-1], SAMPLES + 1)[1:]
+    F, d = (np.interp(shares, history.path, column) for column in (history.F_c, history.d_c))
+    return F[F > 0], d[F > 0]
+
+
+def _evaluate(fabric, histories, sizes):
+    pairs = {name: samples(history) for name, history in histories.items() if name != PLATES}
+    F, d = (np.concatenate([pair[i] for pair in pairs.values()]) for i in (0, 1))
+    if F.size < 3:
+        reasons = "; ".join(history.failed for history in histories.values() if history.failed)
+        raise UnstableError(f"no path of {fabric.name} reached contact: {reasons or 'the yarns never touch'}")
+    provenance = f"3D crossover of {fabric.name}, {sizes[0]} mesh, paths {', '.join(pairs)}"
+    law = CompressionLaw.fit(F, d, provenance=provenance)
+    return Calibration(
+        fabric=fabric.name,
+        law=law,
+        path_laws={name: _own_law(name, pair) for name, pair in pairs.items()},
+        histories=histories,
+        residuals={name: float(np.sqrt(np.mean((law.d(pair[0]) - pair[1]) ** 2))) for name, pair in pairs.items()},
+        failures={name: cases.failure(histories[name], fabric) for name in pairs},
+        published=fabric.laws[0] if fabric.laws else None,
+        seconds={},
+        sizes=sizes,
+    )
+
+
+def _own_law(name, pair):
+    try:
+        return CompressionLaw.fit(*pair, provenance=name)
+    except InputError:
+        return None
+
+
+def _silent(name, share):
+    pass
+
+
+def _run(name, fabric, size, ratio, report):
+    """One job: (History, wall time [s])."""
+    begun = time.perf_counter()
+    mesh = mesher.build(fabric, size=size)
+    hooks = (lambda share, row: report(name, share),)
+    if ratio is None:
+        history = cases.plate_compression(mesh, fabric, hooks=hooks)
+    else:
+        history = cases.biaxial(mesh, fabric, ratio, hooks=hooks)
+    report(name, 1.0)
+    return replace(history, case=name), time.perf_counter() - begun
+
+
+def _beside(jobs, report, processes):
+    """Run the jobs in processes of their own; their progress comes back through a queue."""
+    # MPI and PETSc do not survive a fork: start afresh
+    context = get_context("spawn")
+    queue = context.Queue()
+    with (
+        _one_thread_each(),
+        ProcessPoolExecutor(processes, mp_context=context, initializer=_take_queue, initargs=(queue,)) as pool,
+    ):
+        futures = {job[0]: pool.submit(_run_beside, *job) for job in jobs}
+        while True:
+            finished = all(future.done() for future in futures.values())
+            try:
+                while True:
+                    report(*queue.get(timeout=0.2))
+            except Empty:
+                pass
+            if finished:
+                return {name: future.result() for name, future in futures.items()}
+
+
+@contextmanager
+def _one_thread_each():
+    """Start processes with one BLAS thread: they share the cores among themselves."""
+    names = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS")
+    before = {name: os.environ.get(name) for name in names}
+    os.environ.update(dict.fromkeys(names, "1"))
+    try:
+        yield
+    finally:
+        for name, value in before.items():
+            if value is None:
+                del os.environ[name]
+            else:
+                os.environ[name] = value
+
+
+_queue = None  # of a worker process, set once when it starts
+
+
+def _take_queue(queue):
+    global _queue
+    _queue = queue
+
+
+def _run_beside(name, fabric, size, ratio):
+    return _run(name, fabric, size, ratio, lambda *progress: _queue.put(progress))
