@@ -1,4 +1,4 @@
-"""Onlookers of a march: snapshots, progress, and the clock that decides when they act. Checkpoints have their own file."""
+"""Onlookers of a march: snapshots, progress, and the clock that decides when they act. See also `checkpoint`."""
 
 from __future__ import annotations
 

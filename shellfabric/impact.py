@@ -9,7 +9,8 @@ import numpy as np
 from fabrics.compression import CompressionLaw
 from fabrics.errors import InputError, UnstableError
 from fabrics.fabric import Fabric
-from shellfabric import checkpoint, hooks as onlookers, measures
+from shellfabric import checkpoint, measures
+from shellfabric import hooks as onlookers
 from shellfabric.cell import CellModel
 from shellfabric.march import ENERGIES, March
 from shellfabric.panel import SYMMETRIES, Numerics, Panel

@@ -13,7 +13,7 @@ import numpy as np
 from numba import njit
 
 from shellfabric import contact_kernels, membrane_kernels
-from shellfabric.membrane_kernels import ONE, SOFT_LIMIT
+from shellfabric.membrane_kernels import ERODED, ONE
 
 RUNNING, STOPPED, PERFORATED, NOT_FINITE = 0, 1, 2, 3
 VISCOUS, HOURGLASS, LOST = 0, 1, 2
@@ -34,12 +34,12 @@ def move(k0, n, dt, kick, g0, g1, v, u):
 
 @njit(cache=True, error_model="numpy")
 def symmetry(state, const, first, last):
-    """Take out the force across a plane of symmetry, on the node rows first .. last."""
+    """Take out the force across a plane of symmetry, on the node rows first .. last - 1."""
     if const.mirror_x and first == 0:
         for k in range(const.s):
             state.g0[0][k] = state.g1[0][k] = 0.0
     if const.mirror_y:
-        for i in range(first, last + 1):
+        for i in range(first, last):
             k = np.uint64(i * const.s)
             state.g0[1][k] = state.g1[1][k] = 0.0
 
@@ -55,10 +55,15 @@ def moved(state, const, i):
 
 @njit(cache=True, error_model="numpy")
 def widen(state, const):
-    """Let the window of active element rows, state.rows, follow the motion."""
-    if state.rows[0] > 0 and moved(state, const, state.rows[0]):
+    """Let the window of active element rows, state.rows, go ahead of the motion.
+
+    A node row moves in this step only if an element row beside it has moved nodes already. So the outermost active row
+    is let grow when its inner nodes have moved, which is a step before they can move its outer ones.
+    """
+    first, last = state.rows[0], state.rows[1]
+    if first > 0 and (moved(state, const, first) or moved(state, const, first + 1)):
         state.rows[0] -= 1
-    if state.rows[1] < const.ni and moved(state, const, state.rows[1]):
+    if last < const.ni and (moved(state, const, last) or moved(state, const, last - 1)):
         state.rows[1] += 1
 
 
@@ -76,12 +81,12 @@ def elements(state, const, block, first, last, work):
     """Forces of the element rows first .. last, which lie in one block, from the present displacements."""
     s = np.uint64(const.s)
     k0, n = np.uint64(first * const.s), np.uint64((last - first) * const.s)
-    u, A, B, H = state.u, work.A, work.B, work.H
+    u, v, A, B, H, dH = state.u, state.v, work.A, work.B, work.H, work.dH
     l1, l2, ia, ib, sine, T1, T2 = work.l1, work.l2, work.ia, work.ib, work.sine, work.T1, work.T2
-    membrane_kernels.kinematics(u[0], k0, n, s, const.ra, const.rb, 1.0, 0.0, A[0], B[0], H[0])
-    membrane_kernels.kinematics(u[1], k0, n, s, const.ra, const.rb, 0.0, 1.0, A[1], B[1], H[1])
-    membrane_kernels.kinematics(u[2], k0, n, s, const.ra, const.rb, 0.0, 0.0, A[2], B[2], H[2])
-    membrane_kernels.rest(n, s, A, B, H)
+    membrane_kernels.kinematics(u[0], v[0], k0, n, s, const.ra, const.rb, const.dt, 1.0, 0.0, A[0], B[0], H[0], dH[0])
+    membrane_kernels.kinematics(u[1], v[1], k0, n, s, const.ra, const.rb, const.dt, 0.0, 1.0, A[1], B[1], H[1], dH[1])
+    membrane_kernels.kinematics(u[2], v[2], k0, n, s, const.ra, const.rb, const.dt, 0.0, 0.0, A[2], B[2], H[2], dH[2])
+    membrane_kernels.rest(n, s, A, B, H, dH)
     membrane_kernels.stretches(n, A[0], A[1], A[2], B[0], B[1], B[2], l1, l2, ia, ib, sine)
     peak1, peak2 = membrane_kernels.tensions(
         n, l1, l2, const.tension, const.x0t, const.rx, const.top1, const.y0t, const.ry, const.top2, T1, T2
@@ -97,7 +102,9 @@ def elements(state, const, block, first, last, work):
         T1[j] = T2[j] = N1[j] = N2[j] = 0.0
     sums = state.sums
     if state.dirty[block] or peak1 > const.strength1 or peak2 > const.strength2:
-        lost, viscous, count = membrane_kernels.settle_failures(k0, n, l1, l2, sine, T1, T2, N1, N2, H, state, const)
+        lost, viscous, count = membrane_kernels.settle_failures(
+            k0, n, l1, l2, sine, T1, T2, N1, N2, H, dH, state, const
+        )
         sums[block, LOST] += lost
         sums[block, VISCOUS] += viscous
         if count > 0:
@@ -111,36 +118,49 @@ def elements(state, const, block, first, last, work):
     sums[block, VISCOUS] += membrane_kernels.yarn_work(
         k0, n, const.c2, const.cv2, l2, N2, state.L2, state.P2, state.D2, state.W, work.force2
     )
-    largest = membrane_kernels.shear_slope_soft(n, sine, const.V, const.G1, work.slope)
-    soft = min(const.soft, SOFT_LIMIT)
-    if largest > soft * soft:
-        membrane_kernels.shear_slope(
-            n, sine, const.V, const.G1, const.G2, const.gamma1, const.gamma2, soft, work.slope
-        )
+    membrane_kernels.shear_slope(n, sine, const.V, const.G1, const.G2, const.gamma1, const.gamma2, work.slope)
     membrane_kernels.projections(
         n, work.force1, work.force2, work.slope, sine, ia, ib, const.ra, const.rb,
         work.on_a, work.cross_a, work.cross_b, work.on_b,
     )  # fmt: skip
-    sums[block, HOURGLASS] += membrane_kernels.nodal_forces(
-        k0, n, s, A[0], B[0], H[0], work.on_a, work.cross_a, work.cross_b, work.on_b,
-        const.kh, const.ch, state.H[0], state.dH[0], state.g0[0], state.g1[0],
+    sums[block, HOURGLASS] += membrane_kernels.nodal_parts(
+        k0, n, A[0], B[0], H[0], dH[0], work.on_a, work.cross_a, work.cross_b, work.on_b,
+        const.kh, const.ch, state.dH[0], work.Q, work.R, work.G,
     )  # fmt: skip
-    sums[block, HOURGLASS] += membrane_kernels.nodal_forces(
-        k0, n, s, A[1], B[1], H[1], work.on_a, work.cross_a, work.cross_b, work.on_b,
-        const.kh, const.ch, state.H[1], state.dH[1], state.g0[1], state.g1[1],
+    membrane_kernels.gather(k0, n, s, work.Q, work.R, work.G, state.g0[0], state.g1[0])
+    sums[block, HOURGLASS] += membrane_kernels.nodal_parts(
+        k0, n, A[1], B[1], H[1], dH[1], work.on_a, work.cross_a, work.cross_b, work.on_b,
+        const.kh, const.ch, state.dH[1], work.Q, work.R, work.G,
     )  # fmt: skip
-    sums[block, HOURGLASS] += membrane_kernels.nodal_forces(
-        k0, n, s, A[2], B[2], H[2], work.on_a, work.cross_a, work.cross_b, work.on_b,
-        const.kh, const.ch, state.H[2], state.dH[2], state.g0[2], state.g1[2],
+    membrane_kernels.gather(k0, n, s, work.Q, work.R, work.G, state.g0[1], state.g1[1])
+    sums[block, HOURGLASS] += membrane_kernels.nodal_parts(
+        k0, n, A[2], B[2], H[2], dH[2], work.on_a, work.cross_a, work.cross_b, work.on_b,
+        const.kh, const.ch, state.dH[2], work.Q, work.R, work.G,
     )  # fmt: skip
+    membrane_kernels.gather(k0, n, s, work.Q, work.R, work.G, state.g0[2], state.g1[2])
 
 
 @njit(cache=True, error_model="numpy")
-def all_elements(state, const, work):
-    """Forces of all active element rows, block by block; the blocks are fixed, whatever the window."""
+def move_rows(state, const, first, last):
+    """Move the node rows first .. last - 1 by one step."""
+    symmetry(state, const, first, last)
+    k0, n = np.uint64(first * const.s), np.uint64((last - first) * const.s)
+    move(k0, n, const.dt, state.kick, state.g0[0], state.g1[0], state.v[0], state.u[0])
+    move(k0, n, const.dt, state.kick, state.g0[1], state.g1[1], state.v[1], state.u[1])
+    move(k0, n, const.dt, state.kick, state.g0[2], state.g1[2], state.v[2], state.u[2])
+
+
+@njit(cache=True, error_model="numpy")
+def sweep(state, const, work):
+    """Move the active nodes, and find the forces of the active elements, block by block while they are in cache.
+
+    The blocks are fixed, whatever the window. Those rows of a block that its elements need are moved first.
+    """
     first, last = state.rows[0], state.rows[1]
+    move_rows(state, const, first, first + 1)
     for block in range(first // const.block, (last + const.block - 1) // const.block):
         low, high = max(first, block * const.block), min(last, (block + 1) * const.block)
+        move_rows(state, const, low + 1, high + 1)
         elements(state, const, block, low, high, work)
 
 
@@ -148,16 +168,10 @@ def all_elements(state, const, work):
 def step(state, const, work, x, v):
     """One step (x, v: (4, 3) scratch); returns why it should be the last, or RUNNING."""
     contact_kernels.push(state, const)
-    first, last = state.rows[0], state.rows[1]
-    symmetry(state, const, first, last)
-    k0, n = np.uint64(first * const.s), np.uint64((last + 1 - first) * const.s)
-    move(k0, n, const.dt, state.kick, state.g0[0], state.g1[0], state.v[0], state.u[0])
-    move(k0, n, const.dt, state.kick, state.g0[1], state.g1[1], state.v[1], state.u[1])
-    move(k0, n, const.dt, state.kick, state.g0[2], state.g1[2], state.v[2], state.u[2])
     for c in range(3):
         state.position[c] += const.dt * state.speed[c]
     widen(state, const)
-    all_elements(state, const, work)
+    sweep(state, const, work)
     failures = state.fresh.sum()
     state.counter[FAILURES] = failures
     taken, spring = contact_kernels.contact(state, const, x, v)
@@ -205,6 +219,7 @@ def energies(state, const, out):
     Kinetic energy is m v(n-1/2) v(n+1/2) / 2, the form that central differences conserve in a linear system.
     """
     out[:] = 0.0
+    s = np.uint64(const.s)
     for i in range(const.ni + 1):
         for j in range(const.nj + 1):
             k = i * const.s + j
@@ -224,8 +239,12 @@ def energies(state, const, out):
                 out[2] += membrane_kernels.shear_energy(
                     sine_of(state.u, k, const), const.V, const.G1, const.G2, const.gamma1, const.gamma2
                 )
+            if state.flag[k] & ERODED:
+                continue
             for c in range(3):
-                out[3] += 0.5 * const.kh * state.H[c][k] ** 2
+                u = state.u[c]
+                h = (u[k + s + ONE] - u[k + ONE]) - (u[k + s] - u[k])
+                out[3] += 0.5 * const.kh * h * h
 
 
 @njit(cache=True, error_model="numpy")

@@ -3,7 +3,7 @@
 Displacements, not positions, are stored, so that cloth at rest is exactly at rest. At the centre of an element
 
     a = e_x + du/dX along the warp,   b = e_y + du/dY along the weft      are the yarn vectors themselves,
-    Lambda1 = |a|,  Lambda2 = |b|,  sin(gamma) = a.b / |a||b|             (replaces eqs. 4-36 to 4-45; errata E-12, E-13)
+    Lambda1 = |a|,  Lambda2 = |b|,  sin(gamma) = a.b / |a||b|            (for eqs. 4-36 to 4-45; errata E-12, E-13)
 
 and the forces on its four nodes are the derivatives of its energy
 
@@ -13,11 +13,11 @@ W of the n crossovers in the element, U = integral of the trellis stress over ga
 erratum E-11), h = u00 - u10 - u01 + u11 the hourglass vector. Added to it are viscous forces on the rates of the two
 stretches and of h.
 
-How it is made fast. Arrays are flat, by component, a row of s = nj + 1 slots for each i; element (i, j) and node (i, j)
-share the slot k = i s + j, and the last slot of an element row is idle. Elements gather: an element row adds to the node
-row below it (g0) and above it (g1), and a node adds the two, so that nothing is written twice and the result does not
-depend on threads. Every loop below runs over a block of rows, has few inputs, and vectorises; the table has a loop of
-its own. Indices are unsigned because a signed one is checked for wrap-around, which stops vectorisation.
+How it is made fast. Arrays are flat, by component, a row of s = nj + 1 slots for each i; element (i, j) and node
+(i, j) share the slot k = i s + j, and the last slot of an element row is idle. An element row adds to the node row
+below it (g0) and above it (g1), and a node adds the two: nothing is written twice, and the result does not depend on
+the order of the blocks. Every loop below runs over a block of rows, has few inputs, and vectorises; the table has a
+loop of its own. Indices are unsigned because a signed one is checked for wrap-around, which stops vectorisation.
 """
 
 import math
@@ -29,15 +29,16 @@ from shellfabric.cell_kernels import yarn_alone
 
 ONE = np.uint64(1)
 WARP_FAILED, WEFT_FAILED, ERODED = 1, 2, 4
-# gamma / cos(gamma) in powers of sin(gamma): the coefficients 2n!! / (2n + 1)!!
-SOFT = tuple(math.prod(2 * m / (2 * m + 1) for m in range(1, n + 1)) for n in range(12))
-SOFT_LIMIT = 0.36
+# P(z) of asin(x) = x + x z P(z), z = x^2 <= 1/4: interpolated at Chebyshev points, to 1e-13
+_Z = 0.125 * (1 - np.cos(np.pi * (np.arange(12) + 0.5) / 12))
+_P = (np.arcsin(np.sqrt(_Z)) / np.sqrt(_Z) - 1) / _Z
+ARCSINE = tuple(np.polynomial.Polynomial.fit(_Z, _P, 11).convert().coef)
 FAST = {"reassoc", "contract", "nsz", "arcp"}
 
 
 @njit(cache=True, fastmath=FAST, error_model="numpy")
-def kinematics(u, k0, n, s, ra, rb, unit_a, unit_b, A, B, H):
-    """One component of a, b and h for the slots k0 .. k0 + n; ra = 1 / 2 dX, rb = 1 / 2 dY."""
+def kinematics(u, v, k0, n, s, ra, rb, dt, unit_a, unit_b, A, B, H, dH):
+    """One component of a, b, h and of the last change of h, in the slots k0 .. k0 + n; ra = 1 / 2 dX, rb = 1 / 2 dY."""
     for j in range(n):
         k = k0 + j
         u00, u01, u10, u11 = u[k], u[k + ONE], u[k + s], u[k + s + ONE]
@@ -45,14 +46,17 @@ def kinematics(u, k0, n, s, ra, rb, unit_a, unit_b, A, B, H):
         A[j] = unit_a + ra * (near + far)
         B[j] = unit_b + rb * ((u01 - u00) + (u11 - u10))
         H[j] = far - near
+    for j in range(n):
+        k = k0 + j
+        dH[j] = dt * ((v[k + s + ONE] - v[k + ONE]) - (v[k + s] - v[k]))
 
 
 @njit(cache=True, error_model="numpy")
-def rest(n, s, A, B, H):
+def rest(n, s, A, B, H, dH):
     """Put the idle slot at the end of each row to rest, where `kinematics` has joined two rows."""
     for j in range(s - ONE, n, s):
         for c in range(3):
-            A[c][j] = B[c][j] = H[c][j] = 0.0
+            A[c][j] = B[c][j] = H[c][j] = dH[c][j] = 0.0
         A[0][j] = B[1][j] = 1.0
 
 
@@ -115,10 +119,10 @@ def potential_forces(n, l1, l2, table, x0, rx, top1, y0, ry, top2, per1, per2, N
 
 @njit(cache=True, fastmath=FAST, error_model="numpy")
 def yarn_work(k0, n, c, cv, l, N, L, P, D, W, force):
-    """Advance one yarn family: work of its force into W, viscous force, and the total dE/dLambda. Returns viscous work.
+    """Advance one yarn family: work of its force into W, viscous force, the total dE/dLambda. Returns viscous work.
 
-    The work of a step is the trapezoid of the force over the change of stretch. Summed over the steps it equals, term by
-    term, what central differences exchange with the kinetic energy, so that the energy balance tests the element.
+    The work of a step is the trapezoid of the force over the change of stretch. Summed over the steps it equals, term
+    by term, what central differences exchange with the kinetic energy, so that the energy balance tests the element.
     """
     viscous = 0.0
     for j in range(n):
@@ -133,25 +137,9 @@ def yarn_work(k0, n, c, cv, l, N, L, P, D, W, force):
     return 0.5 * c * cv * viscous
 
 
-@njit(cache=True, fastmath=FAST | {"nnan"}, error_model="numpy")
-def shear_slope_soft(n, sine, V, G1, slope):
-    """V dU/d(sin gamma) = V G1 gamma / cos(gamma) by its series, for |sin gamma| <= SOFT_LIMIT (to 1e-10); returns max sin^2."""
-    largest = 0.0
-    for j in range(n):
-        x = sine[j]
-        y = x * x
-        series = SOFT[11]
-        series = SOFT[8] + y * (SOFT[9] + y * (SOFT[10] + y * series))
-        series = SOFT[4] + y * (SOFT[5] + y * (SOFT[6] + y * (SOFT[7] + y * series)))
-        series = SOFT[0] + y * (SOFT[1] + y * (SOFT[2] + y * (SOFT[3] + y * series)))
-        slope[j] = V * G1 * x * series
-        largest = max(largest, y)
-    return largest
-
-
 @njit(cache=True, error_model="numpy")
 def trellis(gamma, G1, G2, gamma1, gamma2):
-    """Trellis stress and its integral at the shear angle gamma: three zones, odd (eq. 4-35 integrated, erratum E-11)."""
+    """Trellis stress, odd in the shear angle gamma, and its integral: three zones (eq. 4-35, erratum E-11)."""
     g = abs(gamma)
     rise = (G2 - G1) / (gamma2 - gamma1)
     middle = min(max(g - gamma1, 0.0), gamma2 - gamma1)
@@ -168,13 +156,27 @@ def shear_energy(sine, V, G1, G2, gamma1, gamma2):
     return V * trellis(math.asin(min(max(sine, -0.999), 0.999)), G1, G2, gamma1, gamma2)[1]
 
 
-@njit(cache=True, error_model="numpy")
-def shear_slope(n, sine, V, G1, G2, gamma1, gamma2, soft, slope):
-    """The same for the elements beyond the soft zone, by the whole law. Yarns closer than 2.6 degrees count as that."""
+@njit(cache=True, fastmath=FAST, error_model="numpy")
+def shear_slope(n, sine, V, G1, G2, gamma1, gamma2, slope):
+    """V dU/d(sin gamma) = V tau / cos(gamma). Yarns closer to each other than 2.6 degrees count as that.
+
+    `trellis` written without branches. The angle is x + x z P(z), z = x^2, up to sine 1/2 and pi/2 less twice the
+    angle of sine sqrt((1 - x) / 2) above it.
+    """
+    half_rise, jump, span = 0.5 * (G2 - G1) / (gamma2 - gamma1), G2 - G1, gamma2 - gamma1
     for j in range(n):
-        if abs(sine[j]) > soft:
-            x = min(max(sine[j], -0.999), 0.999)
-            slope[j] = V * trellis(math.asin(x), G1, G2, gamma1, gamma2)[0] / math.sqrt(1.0 - x * x)
+        x = min(abs(sine[j]), 0.999)
+        high = x > 0.5
+        z = 0.5 * (1.0 - x) if high else x * x
+        root = math.sqrt(z) if high else x
+        P = ARCSINE[8] + z * (ARCSINE[9] + z * (ARCSINE[10] + z * ARCSINE[11]))
+        P = ARCSINE[4] + z * (ARCSINE[5] + z * (ARCSINE[6] + z * (ARCSINE[7] + z * P)))
+        P = ARCSINE[0] + z * (ARCSINE[1] + z * (ARCSINE[2] + z * (ARCSINE[3] + z * P)))
+        angle = root + root * z * P
+        angle = 0.5 * math.pi - 2.0 * angle if high else angle
+        middle = min(max(angle - gamma1, 0.0), span)
+        stress = G1 * angle + half_rise * middle * middle + jump * max(angle - gamma2, 0.0)
+        slope[j] = V * math.copysign(stress, sine[j]) / math.sqrt(1.0 - x * x)
 
 
 @njit(cache=True, fastmath=FAST, error_model="numpy")
@@ -190,36 +192,43 @@ def projections(n, force1, force2, slope, sine, ia, ib, ra, rb, on_a, cross_a, c
 
 
 @njit(cache=True, fastmath=FAST, error_model="numpy")
-def nodal_forces(k0, n, s, A, B, H, on_a, cross_a, cross_b, on_b, kh, ch, H_old, dH_old, g0, g1):
-    """One component of the nodal forces: g0 on the node row of the elements, g1 on the next. Returns hourglass work.
-
-    With Q = fa + fb, R = fa - fb and the hourglass force G, the corners feel f00 = Q - G, f01 = R + G, f10 = G - R and
-    f11 = -Q - G; neighbours in a row are added here, by what the last element has left. Uniform tension cancels exactly.
-    """
-    viscous, left0, left1 = 0.0, 0.0, 0.0
+def nodal_parts(k0, n, A, B, H, dH, on_a, cross_a, cross_b, on_b, kh, ch, dH_old, Q, R, G):
+    """One component of the parts of the nodal forces: Q = fa + fb, R = fa - fb, G hourglass. Returns hourglass work."""
+    work = 0.0
     for j in range(n):
         k = k0 + j
         fa = on_a[j] * A[j] + cross_a[j] * B[j]
         fb = cross_b[j] * A[j] + on_b[j] * B[j]
-        dH = H[j] - H_old[k]
-        viscous += dH * (dH + dH_old[k])
-        G = kh * H[j] + ch * dH
-        H_old[k] = H[j]
-        dH_old[k] = dH
-        Q, R = fa + fb, fa - fb
-        g0[k] = (Q - G) + left0
-        g1[k + s] = (G - R) - left1
-        left0, left1 = R + G, Q + G
-    return 0.5 * ch * viscous
+        Q[j] = fa + fb
+        R[j] = fa - fb
+        G[j] = kh * H[j] + ch * dH[j]
+        work += dH[j] * (dH[j] + dH_old[k])
+        dH_old[k] = dH[j]
+    return 0.5 * ch * work
+
+
+@njit(cache=True, fastmath={"contract", "nsz"}, error_model="numpy")
+def gather(k0, n, s, Q, R, G, g0, g1):
+    """Add the corner forces of neighbours in a row: g0 on the node row of the elements, g1 on the next one.
+
+    Corners: f00 = Q - G, f01 = R + G, f10 = G - R, f11 = -Q - G. Uniform tension cancels exactly, digit by digit.
+    """
+    g0[k0] = Q[0] - G[0]
+    g1[k0 + s] = G[0] - R[0]
+    for j in range(ONE, n):
+        k = k0 + j
+        g0[k] = (Q[j] - G[j]) + (R[j - ONE] + G[j - ONE])
+        g1[k + s] = (G[j] - R[j]) - (Q[j - ONE] + G[j - ONE])
 
 
 @njit(cache=True, error_model="numpy")
-def settle_failures(k0, n, l1, l2, sine, T1, T2, N1, N2, H, state, const):
+def settle_failures(k0, n, l1, l2, sine, T1, T2, N1, N2, H, dH, state, const):
     """Failed yarns of a block: take their forces out, book the energy that goes with them, erode empty elements.
 
-    A yarn fails where its tension passes its strength and is gone for good; the other is then alone (erratum E-14). With
-    a yarn the trellis goes too. An element erodes when both are gone, or when the gap that a failed yarn left has opened
-    beyond const.widest: its survivor is far from any neighbour. Mass stays. Returns (energy lost, viscous work, failures).
+    A yarn fails where its tension passes its strength and is gone for good; the other is then alone (erratum E-14).
+    With a yarn the trellis goes too. An element erodes when both are gone, or when the gap that a failed yarn left has
+    opened beyond const.widest: its survivor is far from any neighbour. Mass stays. Returns (energy lost, viscous work,
+    failures).
     """
     lost, viscous, count = 0.0, 0.0, 0
     for j in range(n):
@@ -256,7 +265,7 @@ def settle_failures(k0, n, l1, l2, sine, T1, T2, N1, N2, H, state, const):
             state.D1[k] = state.D2[k] = 0.0
             if eroded:
                 for c in range(3):
-                    lost += 0.5 * const.kh * state.H[c][k] ** 2
+                    lost += 0.5 * const.kh * H[c][j] ** 2
             state.flag[k] = now
             count += 1
         if gone1:
@@ -266,6 +275,7 @@ def settle_failures(k0, n, l1, l2, sine, T1, T2, N1, N2, H, state, const):
         if eroded:
             state.L1[k], state.L2[k] = l1[j], l2[j]
             for c in range(3):
-                H[c][j] = state.H[c][k] = state.dH[c][k] = 0.0
+                H[c][j] = dH[c][j] = 0.0
+                state.dH[c][k] = 0.0
         T1[j], T2[j], N1[j], N2[j], sine[j] = t1, t2, t1, t2, 0.0
     return lost, viscous, count
