@@ -85,7 +85,12 @@ def _fabric(table, file):
         raise InputError(
             file=file, key="fabric.name", value=table.name, allowed=f"one of {', '.join(catalogue.names())}"
         )
-    if table.linear_density == "nominal" or fabric.effective_linear_density is None:
+    return with_density(fabric, table.linear_density)
+
+
+def with_density(fabric, choice):
+    """The fabric with its "nominal" linear densities, or the "effective" ones where it has such (erratum E-07)."""
+    if choice == "nominal" or fabric.effective_linear_density is None:
         return fabric
     return fabric.effective()
 

@@ -16,12 +16,14 @@ STRAINS = np.linspace(0.0, 0.032, 97)  # [-] of the cell, to past the yarns' fai
 def fabric_card(fabric):
     """Which fabric."""
     weave = fabric.weave
+    denier = " / ".join(f"{9e6 * yarn.linear_density:.0f}" for yarn in weave.yarns)
     return Card(
         "Fabric",
         fabric.name,
         (
+            f"{denier} denier, warp / weft",
             f"{1e3 * weave.areal_density:.1f} g/m², {1e3 * weave.thickness:.3f} mm thick",
-            f"crimp {100 * weave.warp.crimp:.2f} / {100 * weave.weft.crimp:.2f} %, warp / weft",
+            f"crimp {100 * weave.warp.crimp:.2f} / {100 * weave.weft.crimp:.2f} %",
             f"yarn strength {weave.warp.strength:.0f} / {weave.weft.strength:.0f} N",
         ),
     )
@@ -72,7 +74,7 @@ def mesh(facts, picture):
     return Section(
         "mesh",
         "The crossover in hexahedra",
-        "One crossing of warp (orange) and weft (blue). Mesh lines along the yarns are fibre lines and carry the bars.",
+        "One crossing of warp (blue) and weft (orange). Mesh lines along the yarns are fibre lines and carry the bars.",
         (Figure(picture, "png", "The mesh that is solved.", "mesh"),),
         (Table(("quantity", "value"), tuple(facts.items())),),
         beside=True,
@@ -87,7 +89,7 @@ def fit(samples, laws, platen=None, lead=""):
             f"{1e3 * law.a:.4f}{_interval(law.a_interval)}",
             f"{1e3 * law.b:.4f}{_interval(law.b_interval)}",
             "-" if law.residual_rms is None else f"{1e6 * law.residual_rms:.2f}",
-            "-" if law.F_range is None else f"{law.F_range[0]:.2f} to {law.F_range[1]:.1f}",
+            "-" if law.F_range is None else f"{law.F_range[0]:.2g} to {law.F_range[1]:.3g}",
         )
         for label, law in laws.items()
     )
@@ -230,11 +232,10 @@ def impact_table(records):
 
 def comparison(rows):
     """What was asked of the run beside what it gave: rows of (what, asked, measured, met)."""
+    missed = [what for what, _, _, met in rows if met == "no"]
+    lead = f"Not met: {'; '.join(missed)}." if missed else "All of it is met."
     return Section(
-        "summary",
-        "Asked and measured",
-        "",
-        tables=(Table(("what", "asked", "measured", "met"), tuple(rows)),),
+        "summary", "Asked and measured", lead, tables=(Table(("what", "asked", "measured", "met"), tuple(rows)),)
     )
 
 

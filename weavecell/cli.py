@@ -6,6 +6,7 @@ kept); 130 interrupted.
 
 from __future__ import annotations
 
+import os
 import sys
 from enum import StrEnum
 from pathlib import Path
@@ -37,7 +38,9 @@ OutOption = Annotated[
         "--out", "-o", help="Folder for what is written; by default one of its own in results/.", metavar="FOLDER"
     ),
 ]
+ProcessesOption = Annotated[int, typer.Option(min=1, help="Loading paths that are computed beside each other.")]
 RESULTS = Path("results")
+CORES = os.cpu_count() or 1
 INTERRUPTED = 130
 
 
@@ -84,11 +87,12 @@ def _root(
 def demo(
     out: OutOption = None,
     size: Annotated[Size, typer.Option(help="Mesh of the 3D crossover.")] = Size.coarse,
+    processes: ProcessesOption = CORES,
 ):
     """S-720 from data sheet to report: mesh, calibration, and four impacts, with a summary and one HTML page."""
     from weavecell.demo import demonstrate
 
-    demonstrate(out or RESULTS / "demo", size=size.value)
+    demonstrate(out or RESULTS / "demo", size=size.value, processes=processes)
 
 
 @app.command(epilog="Example: [bold]weavecell mesh S-720 --size medium --domain whole[/bold]")
@@ -118,12 +122,14 @@ def mesh(
 def calibrate(
     fabric: FabricArgument,
     size: Annotated[Size, typer.Option(help="Mesh of the 3D crossover.")] = Size.medium,
+    processes: ProcessesOption = CORES,
     out: OutOption = None,
 ):
     """Solve the 3D crossover and fit its compression law: law.json, histories and a report."""
     from weavecell import crossover
 
-    crossover.calibrate_command(fabric, out or RESULTS / f"calibrate-{Path(fabric).stem}", size=size.value)
+    folder = out or RESULTS / f"calibrate-{Path(fabric).stem}"
+    crossover.calibrate_command(fabric, folder, size=size.value, processes=processes)
 
 
 @app.command(epilog="Example: [bold]weavecell impact examples/S-720-stops.toml[/bold]")

@@ -23,7 +23,7 @@ from fabrics.units import si
 from weavecell import case, chapters, crossover, json_file, progress, provenance, report, run, scene, toml_text
 
 
-def demonstrate(out, *, size):
+def demonstrate(out, *, size, processes):
     """Run the demonstration with a crossover of mesh `size`, write everything to `out`, print the summary."""
     began = time.perf_counter()
     file = resources.files("weavecell") / "scenes" / "demo.toml"
@@ -33,20 +33,20 @@ def demonstrate(out, *, size):
     with clock.stage("mesh"):
         mesh = crossover.mesh(fabric, out / "mesh", size=size, domain="whole")
     with clock.stage("calibration"):
-        calibration = crossover.calibrate(fabric, out / "calibration", size=size)
+        calibration = crossover.calibrate(fabric, out / "calibration", size=size, processes=processes)
     with clock.stage("impacts"):
         shots = [_shoot(plan, asked, law, out) for asked in plan["impact"] for law in LAWS]
-    with clock.stage("report"), progress.bar("Report") as advance:
-        records = [record for _, record in shots]
+    records = [record for _, record in shots]
+    with clock.stage("pictures"), progress.bar("Pictures and report") as advance:
         sections = _sections(fabric, mesh, calibration, records, out, advance)
-        clock.times["all of it"] = time.perf_counter() - began
-        rows = _asked(plan, shots, clock.times["all of it"])
-        stamp = provenance.stamp(text)
-        page = _page(fabric, plan, calibration, records, [chapters.comparison(rows), *sections], stamp, clock)
-        report.write(page, out / "report.html")
-        columns = ("what", "asked", "measured", "met")
-        summary = {"rows": [dict(zip(columns, row)) for row in rows], "wall_times": clock.times, "provenance": stamp}
-        json_file.write(out / "summary.json", summary)
+    clock.times["all of it"] = time.perf_counter() - began
+    rows = _asked(plan, shots, clock.times["all of it"])
+    stamp = provenance.stamp(text)
+    page = _page(fabric, plan, calibration, records, [chapters.comparison(rows), *sections], stamp, clock)
+    report.write(page, out / "report.html")
+    columns = ("what", "asked", "measured", "met")
+    summary = {"rows": [dict(zip(columns, row)) for row in rows], "wall_times": clock.times, "provenance": stamp}
+    json_file.write(out / "summary.json", summary)
     _tell(plan, rows, calibration, clock.times, out)
 
 
@@ -89,12 +89,11 @@ def _sections(fabric, mesh, calibration, records, out, advance):
     laws = {"fitted": calibration.law, "Table 5-1": fabric.laws[0]}
     sections = [
         chapters.mesh(crossover.facts(mesh), (out / "mesh" / "crossover.png").read_bytes()),
-        chapters.fit(*crossover.samples(calibration), laws),
+        crossover.fit_chapter(calibration, laws),
     ]
     advance(0.3)
-    used = fabric.effective() if fabric.effective_linear_density else fabric
     pairs = {label: (law, law) for label, law in laws.items()}
-    sections.append(chapters.cell(used, pairs, paths=crossover.paths(calibration, fabric)))
+    sections.append(chapters.cell(fabric, pairs, paths=crossover.paths(calibration, fabric)))
     advance(0.4)
     return [*sections, chapters.impact(records)]
 
@@ -121,11 +120,12 @@ def _asked(plan, shots, seconds):
 
 
 def _page(fabric, plan, calibration, records, sections, stamp, clock):
+    used = case.with_density(fabric, plan["scene"]["fabric"]["linear_density"])
     law_card = chapters.law_card(calibration.law, fabric.laws[0], "fitted to the 3D crossover")
     return report.Report(
         plan["title"],
         plan["subtitle"],
-        ((chapters.fabric_card(fabric), law_card), tuple(chapters.impact_card(record) for record in records)),
+        ((chapters.fabric_card(used), law_card), tuple(chapters.impact_card(record) for record in records)),
         (*sections, chapters.sources(fabric), chapters.making(stamp, clock.times)),
         f"weavecell {weavecell.__version__}, {stamp['date']}",
     )

@@ -128,14 +128,15 @@ def velocity(pyplot, runs):
 
     Parameters
     ----------
-    runs : {label: (t, v)} [s, m/s]; runs of one strike velocity share a colour, laws differ in dash
+    runs : {label: (t, v)} [s, m/s]; of runs of one strike velocity, the first is drawn broad, the next dashed over it
     """
     figure, axes = pyplot.subplots(figsize=(10.4, 4.2))
     strikes = list(dict.fromkeys(round(float(v[0]), 6) for _, v in runs.values()))
     seen = dict.fromkeys(strikes, 0)
     for label, (t, v) in runs.items():
         strike = round(float(v[0]), 6)
-        axes.plot(US * t, v, DASHES[seen[strike] % 4], color=COLOURS[strikes.index(strike) % 6], label=label)
+        broad = {"lw": 5.5, "alpha": 0.4} if seen[strike] == 0 and len(runs) > len(strikes) else {}
+        axes.plot(US * t, v, DASHES[seen[strike] % 4], color=COLOURS[strikes.index(strike) % 6], label=label, **broad)
         seen[strike] += 1
     axes.axhline(0.0, color=FAINT, lw=1)
     axes.set(xlabel="time after strike [µs]", ylabel="velocity of the projectile [m/s]")

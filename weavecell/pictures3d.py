@@ -14,6 +14,9 @@ from weavecell.style import RED, STEEL, tension_map
 class Nose:
     """The projectile as it is drawn: a flat-nosed cylinder with a rounded edge, six radii long.
 
+    It is drawn set back by its edge radius: the flat elements of the cloth cut across the rounded edge that their nodes
+    lie on, and the edge would stick out between them.
+
     Parameters
     ----------
     radius, edge_radius : [m]
@@ -30,8 +33,9 @@ class Nose:
 
         bend = np.linspace(0, np.pi / 2, 9)
         r = self.radius - self.edge_radius * (1 - np.sin(bend))
-        z = self.z - self.edge_radius * (1 - np.cos(bend))
-        r, z = np.array([0, *r, self.radius, 0]), np.array([self.z, *z, *([self.z - 6 * self.radius] * 2)])
+        flat, back = self.z - self.edge_radius, self.z - 6 * self.radius
+        z = flat - self.edge_radius * (1 - np.cos(bend))
+        r, z = np.array([0, *r, self.radius, 0]), np.array([flat, *z, back, back])
         angle = np.linspace(0, 2 * np.pi, 73)
         x, y = np.outer(r, np.cos(angle)), np.outer(r, np.sin(angle))
         return pyvista.StructuredGrid(1e3 * x, 1e3 * y, 1e3 * np.broadcast_to(z[:, None], x.shape).copy())

@@ -7,6 +7,7 @@ line: the file, the key, the value as written, and that description.
 from __future__ import annotations
 
 import difflib
+import os
 import tomllib
 from pathlib import Path
 from typing import Annotated, Literal
@@ -202,9 +203,9 @@ def _anchored(scene, folder):
     """The scene with its relative paths taken from the folder of the scene file."""
     changes = {}
     if scene.fabric.file is not None:
-        changes["file"] = str(folder / scene.fabric.file)
+        changes["file"] = os.path.normpath(folder / scene.fabric.file)
     if isinstance(scene.fabric.law, str) and scene.fabric.law != "published":
-        changes["law"] = str(folder / scene.fabric.law)
+        changes["law"] = os.path.normpath(folder / scene.fabric.law)
     return scene.model_copy(update={"fabric": scene.fabric.model_copy(update=changes)})
 
 

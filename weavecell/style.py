@@ -13,7 +13,7 @@ RED = "#D55E00"
 PURPLE = "#CC79A7"
 SKY = "#56B4E9"
 
-WARP, WEFT = RED, BLUE  # as in the pictures of the mesh
+WARP, WEFT = BLUE, RED  # as in the pictures of the mesh
 FITTED, PUBLISHED = BLUE, ORANGE
 COLOURS = (BLUE, ORANGE, GREEN, RED, PURPLE, SKY)
 STEEL = "#7c8794"

@@ -8,7 +8,7 @@ from fabrics.errors import InputError
 from fabrics.files import replace_whole
 from weavecell.paraview import read_series
 from weavecell.pictures3d import new_plotter
-from weavecell.style import BLUE, INK, RED, tension_map
+from weavecell.style import INK, WARP, WEFT, tension_map
 
 _ALLOWED = "a folder that holds panel.pvd or crossover.vtu, or a .pvd or .vtu file"
 
@@ -67,7 +67,7 @@ def _add(plotter, file):
         plotter.camera.zoom(0.85)
     else:
         plotter.add_mesh(
-            grid, scalars="yarn" if "yarn" in grid.cell_data else None, cmap=[RED, BLUE], show_edges=True,
+            grid, scalars="yarn" if "yarn" in grid.cell_data else None, cmap=[WARP, WEFT], show_edges=True,
             edge_color=INK, show_scalar_bar=False,
         )  # fmt: skip
     plotter.add_axes(color=INK)
