@@ -9,8 +9,6 @@ passes its limit, at once and for good. Time goes by central differences, forces
 
     v(n+1/2) = v(n-1/2) + dt f(n) / m,    u(n+1) = u(n) + dt v(n+1/2),    f(n+1) from u(n+1) and L(n+1) - L(n)
 
-Contact is the shell's: a penalty on `contact_kernels.distance` at points inside the bars, shared by their two nodes.
-
 Layout, as in `membrane_kernels`: arrays are flat, by component, node (i, j) in slot k = i s + j, s = nj + 1; the bar
 along the warp from (i, j) to (i+1, j) and the bar along the weft from (i, j) to (i, j+1) have the slot k too. Where
 there is no such bar, or no longer one, its stiffness is zero. Each loop has few arrays, so that it vectorises.
@@ -21,13 +19,12 @@ import math
 import numpy as np
 from numba import njit
 
-from shellfabric.contact_kernels import distance
+from shellfabric.cable_contact_kernels import WARP, WEFT, contact, in_the_way
 from shellfabric.march_kernels import widen
 
-WARP, WEFT = 0, 1
 RUNNING, STOPPED, PERFORATED, NOT_FINITE = 0, 1, 2, 3
 STEP, IDLE, FAILURES = 0, 1, 2
-VISCOUS, CONTACT, SPRING, LOST = 0, 1, 2, 3
+VISCOUS, LOST = 0, 3  # of state.sums, with CONTACT and SPRING
 # columns of a history: the projectile's z, v_z and the force on it; the clamps' force on the cloth along z; the pulls
 # of the middle warp and weft on their clamps, along the yarns at rest; the force along z that drives const.driven
 Z, V_Z, PUSH, EDGES, MIDDLE, DRIVE, COLUMNS = 0, 1, 2, 3, 4, 6, 7
@@ -162,115 +159,6 @@ def forces(state, const, work):
         for row in range(8):
             for j in range(s):
                 work[row, j] = work[row, n + j]
-
-
-@njit(cache=True, error_model="numpy")
-def ends(state, const, family, i, j, x, v):
-    """Places of the two nodes of a bar relative to the projectile, and their velocities relative to it: x, v (2, 3)."""
-    for m in range(2):
-        p, q = (i + m, j) if family == WARP else (i, j + m)
-        k = np.uint64(p * const.s + q)
-        x[m, 0] = const.origin[0] + p * const.spacing[0] + state.u[0, k] - state.position[0]
-        x[m, 1] = const.origin[1] + q * const.spacing[1] + state.u[1, k] - state.position[1]
-        x[m, 2] = state.u[2, k] - state.position[2]
-        for c in range(3):
-            v[m, c] = state.v[c, k] - state.speed[c]
-
-
-@njit(cache=True, error_model="numpy")
-def apart(x, R):
-    """Whether the bar lies ahead of the nose or beside the cylinder."""
-    if x[0, 2] > 0.0 and x[1, 2] > 0.0:
-        return True
-    near_x = max(min(x[0, 0], x[1, 0]), -max(x[0, 0], x[1, 0]), 0.0)
-    near_y = max(min(x[0, 1], x[1, 1]), -max(x[0, 1], x[1, 1]), 0.0)
-    return near_x * near_x + near_y * near_y > R * R
-
-
-@njit(cache=True, error_model="numpy")
-def contact(state, const, x, v):
-    """Add the contact forces to state.g; state.reaction is the force on the projectile. x, v : (2, 3) scratch.
-
-    Looks at the bars that begin in the block of node rows and columns const.near. Adds up the work that the contact has
-    taken in (spring and damper, by the trapezoid rule), and sums the energy in its springs.
-    """
-    i0, i1, j0, j1 = const.near
-    state.reaction[:] = 0.0
-    state.sums[SPRING] = 0.0
-    for family in range(2):
-        for i in range(i0, i1 + 1):
-            for j in range(j0, j1 + 1):
-                touching = state.touching[family, i - i0, j - j0]  # a bar that has failed since lets go here
-                if touching or state.stiff[family, i * const.s + j] > 0.0:
-                    ends(state, const, family, i, j, x, v)
-                    if touching or not apart(x, const.R):
-                        press(state, const, family, i, j, x, v)
-
-
-@njit(cache=True, error_model="numpy")
-def press(state, const, family, i, j, x, v):
-    """Contact of the points of the bar that begins at node (i, j), whose ends are at x with the velocities v."""
-    k = np.uint64(i * const.s + j)
-    weight = state.stiff[family, k] * const.S0[family] / const.EA[family]
-    stiffness, damping = weight * const.point_stiffness[family], weight * const.point_damping[family]
-    row, column = i - const.near[0], j - const.near[2]
-    points, touching, work, spring = state.pressed.shape[3], False, 0.0, 0.0
-    near_x = near_y = near_z = far_x = far_y = far_z = 0.0
-    for a in range(points):
-        t = (a + 0.5) / points
-        s = 1.0 - t
-        p_x, p_y, p_z = s * x[0, 0] + t * x[1, 0], s * x[0, 1] + t * x[1, 1], s * x[0, 2] + t * x[1, 2]
-        r = math.sqrt(p_x * p_x + p_y * p_y)
-        depth, n_r, n_z = distance(r, p_z, const.R, const.rho)
-        before = state.pressed[family, row, column, a]
-        if depth >= 0.0 and before == 0.0:
-            continue
-        n_x, n_y = (n_r * p_x / r, n_r * p_y / r) if r > 0.0 else (0.0, 0.0)
-        closing = -n_x * (s * v[0, 0] + t * v[1, 0]) - n_y * (s * v[0, 1] + t * v[1, 1])
-        closing -= n_z * (s * v[0, 2] + t * v[1, 2])
-        f = 0.0
-        if depth < 0.0:
-            f = max(0.0, damping * closing - stiffness * depth)
-            spring += 0.5 * stiffness * depth * depth
-            touching = True
-        work += 0.5 * (f + before) * closing * const.dt
-        state.pressed[family, row, column, a] = f
-        touching |= f > 0.0
-        near_x, near_y, near_z = near_x + s * f * n_x, near_y + s * f * n_y, near_z + s * f * n_z
-        far_x, far_y, far_z = far_x + t * f * n_x, far_y + t * f * n_y, far_z + t * f * n_z
-    state.touching[family, row, column] = touching
-    state.sums[CONTACT] += work
-    state.sums[SPRING] += spring
-    m = k + (np.uint64(const.s) if family == WARP else ONE)
-    share(state, k, near_x, near_y, near_z)
-    share(state, m, far_x, far_y, far_z)
-
-
-@njit(cache=True, error_model="numpy")
-def share(state, k, f_x, f_y, f_z):
-    """Give a force to node k, and its opposite to the projectile."""
-    state.g[0, k] += f_x
-    state.g[1, k] += f_y
-    state.g[2, k] += f_z
-    state.reaction[0] -= f_x
-    state.reaction[1] -= f_y
-    state.reaction[2] -= f_z
-
-
-@njit(cache=True, error_model="numpy")
-def in_the_way(state, const, x, v):
-    """Whether the middle of a bar that holds is still ahead of the edge, within the projectile's radius."""
-    i0, i1, j0, j1 = const.near
-    for family in range(2):
-        for i in range(i0, i1 + 1):
-            for j in range(j0, j1 + 1):
-                if state.stiff[family, i * const.s + j] == 0.0:
-                    continue
-                ends(state, const, family, i, j, x, v)
-                p_x, p_y, p_z = 0.5 * (x[0, 0] + x[1, 0]), 0.5 * (x[0, 1] + x[1, 1]), 0.5 * (x[0, 2] + x[1, 2])
-                if p_z > -const.rho and p_x * p_x + p_y * p_y < const.R * const.R:
-                    return True
-    return False
 
 
 @njit(cache=True, error_model="numpy")

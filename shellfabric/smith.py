@@ -33,7 +33,7 @@ from scipy.optimize import brentq
 from fabrics.errors import InputError
 from fabrics.yarn import Yarn
 from shellfabric import cable_kernels as kernels
-from shellfabric.cable import CableNumerics, Constants, at_rest, audit
+from shellfabric.cable import CableNumerics, Constants, at_rest
 
 
 @dataclass(frozen=True)
@@ -151,7 +151,8 @@ def _read(yarn, const, state, history, V):
     front = middle[k] + spacing * (strain[k] - 0.5 * plateau) / (strain[k] - strain[k + 1])
     drive = history[:, kernels.DRIVE]
     force = 2 * float(drive[len(drive) // 2 :].mean())
-    cloth, _, stored, viscous = audit(state, const)[3:7]
+    cloth, _, stored = kernels.energies(state, const)
+    viscous = float(state.sums[kernels.VISCOUS])
     external = -V * const.dt * (drive.sum() - 0.5 * drive[-1])
     energies = {"kinetic_fabric": cloth, "stored": stored, "viscous": viscous, "external": external}
     energies["balance"] = sum(energies.values()) - 0.5 * state.mass[0] * V * V
