@@ -12,7 +12,7 @@ ONLY_IN = {
     "meshio": ("meshing/",),
     "dolfinx": ("unitcell3d/",),
     "petsc4py": ("unitcell3d/",),
-    "numba": ("shellfabric/", "unitcell3d/"),
+    "numba": ("shellfabric/", "unitcell3d/", "fabrics/kernel_cache.py"),
 }
 PICTURES = {"pyvista", "matplotlib", "vtk"}
 FILES = sorted(path for package in FLOORS for path in (ROOT / package).rglob("*.py"))
