@@ -7,8 +7,8 @@ regularised form
     d_c = a - b / (F_c + F0)^(1/3),  F0 = (b/a)^3
 
 is fitted to all of them together, each path sampled at equal shares of its displacement so that the stepping has no
-say in it. The fit of the printed form would hang on a force cut-off. Plates give another curve than stretching does, for
-they flatten slack yarns; it is computed beside, and not fed to the shell.
+say in it. A fit of the printed form would hang on a force cut-off. Plates give another curve than stretching does: they
+flatten slack yarns. That curve is computed beside, and not fed to the shell.
 """
 
 from __future__ import annotations

@@ -97,7 +97,7 @@ def plate_compression(crossover, fabric, *, pressure=PLATEN_PRESSURE, numerics=N
 
 @dataclass(frozen=True)
 class Failure:
-    """State of a biaxial path where a criterion is first met: the yarn (0 warp, 1 weft), d1, d2 [m], T1, T2, F_c [N]."""
+    """Where a biaxial path first meets a criterion: yarn (0 warp, 1 weft), d1, d2 [m], T1, T2 and F_c [N]."""
 
     criterion: str
     yarn: int
@@ -107,7 +107,7 @@ class Failure:
 
 
 def failure(history, fabric):
-    """Failure by the worst bar and by the mean of the bars, in this order; those that the path did not reach are left out."""
+    """Failure by the worst bar and by the mean of the bars, without those that the path did not reach."""
     found = []
     for criterion, strains in (("worst bar", history.fibre_strain_max), ("mean of bars", history.fibre_strain_mean)):
         limits = np.array([yarn.failure_strain for yarn in fabric.weave.yarns])

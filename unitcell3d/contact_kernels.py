@@ -16,9 +16,9 @@ The contact force is -p(g) A w(xi) dg with the tributary area A and the pressure
     p = 0 (g >= 0),  k g^2 / 2t (0 < -g < t),  k (-g - t/2) (-g > t).
 
 w is 1 on the master grid and falls to 0 within half a cell beyond a free edge (C1): the slave points that slide off are
-those of the yarn's end, whose tributary area reaches half a cell back over the master. The equations are those of the closest-point
-projection with a large-sliding tangent (e.g. Wriggers, Computational Contact Mechanics, chapter 4); each side of a
-crossover is slave once, with half the penalty.
+those of the yarn's end, whose tributary area reaches half a cell back over the master. The equations are those of the
+closest-point projection with a large-sliding tangent (e.g. Wriggers, Computational Contact Mechanics, chapter 4); each
+side of a crossover is slave once, with half the penalty.
 """
 
 from __future__ import annotations
