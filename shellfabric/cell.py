@@ -52,8 +52,8 @@ class CellModel:
             raise InputError(key="model", value=self.model, allowed=" or ".join(MODELS))
         if self.form not in FORMS:
             raise InputError(key="form", value=self.form, allowed=" or ".join(FORMS))
-        if not 0 <= self.gap < sum(self.fabric.weave.h0):
-            raise InputError(key="gap", value=self.gap, allowed="at least 0 and below h01 + h02")
+        if not 0 <= self.gap <= sum(self.fabric.weave.h0):
+            raise InputError(key="gap", value=self.gap, allowed="at least 0 and at most h01 + h02")
         if self.laws is None and self.fabric.laws is None and self.model == "compressible":
             raise InputError(f"fabric {self.fabric.name} has no compression law", allowed="given one")
 

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections import namedtuple
 from dataclasses import dataclass, field
-from math import ceil, inf
+from math import inf
 
 import numpy as np
 
@@ -49,18 +49,17 @@ class Numerics:
     ----------
     safety : of the time step against its bound; 0.9 leaves room for shear stiffening in distorted elements
     stretch_viscosity : damping ratio of the highest mode along a straight yarn; 0.1 takes the ringing behind a front
-        out within a few elements and costs a tenth of the time step. In a yarn that stiffens as its crimp goes, fronts are
-        shocks, which dissipate whatever the viscosity; this is what lets them do it along the yarn. Made proportional
-        to the tangent instead, the loss stays the same (S-731 at 116 m/s: 16 against 17 % of the strike energy) but
-        three quarters of it moves to the hourglass modes, whose share it triples
+        out within a few elements and costs a tenth of the time step. In a yarn that stiffens as its crimp goes, fronts
+        are shocks, which dissipate whatever the viscosity; this lets them do it along the yarn. Made proportional to
+        the tangent instead, the loss stays (S-731 at 116 m/s: 16 against 17 % of the strike energy), but three quarters
+        of it move to the hourglass modes, whose share triples
     hourglass_stiffness : of the hourglass mode against the greatest stiffness of the element; at 0 a panel tears itself
         into a zig-zag, above some hundredths the spring would begin to stiffen the cloth
     hourglass_viscosity : damping ratio, by the same measure as that of the stretch
-    penalty : stiffness of the contact where it covers an element, in units of nodal mass / dt^2; the bound is 4. At 0.3
-        cloth under tension sinks into the edge by less than a third of its rounding; peak tensions move by 4 % from 0.1
-        to 0.3 and by 1.5 % from there to 0.6 (S-720, 92.5 m/s)
+    penalty : stiffness of the contact where it covers an element, in units of nodal mass / dt^2; the bound is 4. Peak
+        tensions move by 4 % from 0.1 to 0.3, and by 1.5 % from there to 0.6 (S-720, 92.5 m/s)
     contact_damping : ratio to critical of that mass on that spring
-    contact_points : along each side of an element; 0 takes as many as make their distance the edge radius
+    contact_points : along each side of an element, at least 2 (see `contact_kernels`); 4 are within 1 % of 8
     widest : stretch of the gap left by a failed yarn at which its element erodes: two neighbours' worth
     clear_time : [s] without a push and with nothing ahead, after which the panel counts as perforated
     block : elements worked on together: more share the cost of a block, fewer keep its scratch in cache
@@ -72,13 +71,13 @@ class Numerics:
     hourglass_viscosity: float = 0.1
     penalty: float = 0.3
     contact_damping: float = 0.5
-    contact_points: int = 0
+    contact_points: int = 4
     widest: float = 3.0
     clear_time: float = 2e-6
     block: int = 2000
 
     def __post_init__(self):
-        for key in ("safety", "penalty", "widest", "clear_time", "block"):
+        for key in ("safety", "penalty", "contact_points", "widest", "clear_time", "block"):
             if not getattr(self, key) > 0:
                 raise InputError(key=key, value=getattr(self, key), allowed="above 0")
         for key in (
@@ -204,7 +203,7 @@ class Panel:
         G1, G2, gamma1, gamma2 = (shear.G1, shear.G2, shear.gamma1, shear.gamma2) if shear else (0.0, 0.0, 0.5, 1.0)
         lag = self.critical_step / dt
         element = self.membrane_stiffness * max(dx / dy, dy / dx)
-        points = knobs.contact_points or max(2, ceil(max(dx, dy) / self.projectile.edge_radius))
+        points = knobs.contact_points
         mass = weave.areal_density * dx * dy / points**2
         x0, y0 = (0.0 if mirror_x else -0.5 * ni * dx), (0.0 if mirror_y else -0.5 * nj * dy)
         return Constants(

@@ -1,0 +1,45 @@
+"""Fabrics, tables and small panels that several tests share."""
+
+from dataclasses import replace
+
+import pytest
+
+from fabrics import catalogue
+from shellfabric.cell import CellModel
+from shellfabric.panel import Panel
+
+
+@pytest.fixture(scope="session")
+def fabric():
+    return catalogue.load("S-720").effective()
+
+
+@pytest.fixture(scope="session")
+def tables(fabric):
+    """The S-720 table in both forms."""
+    return {form: CellModel(fabric, form=form).table(121) for form in ("equilibrium", "variational")}
+
+
+@pytest.fixture
+def small(tables):
+    """Make a small panel, 24 x 24 crossovers as a whole."""
+
+    def make(**changes):
+        table = changes.pop("table", tables["equilibrium"])
+        return Panel(table, (0.0306, 0.0306), **changes)
+
+    return make
+
+
+@pytest.fixture(scope="session")
+def straight(fabric):
+    """Make the fabric with straight yarns, the weft's mass being a share of the warp's."""
+
+    def make(weft_mass):
+        weave = fabric.weave
+        warp = replace(weave.warp, crimp=0.0)
+        density = warp.linear_density * weft_mass
+        weft = replace(warp, linear_density=density, fibre_density=warp.fibre_density)
+        return replace(fabric, weave=replace(weave, warp=warp, weft=weft), shear=None)
+
+    return make

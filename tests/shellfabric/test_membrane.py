@@ -1,0 +1,173 @@
+"""The element: forces against the energy they derive from, patch test, invariance, trellis, waves."""
+
+import numpy as np
+import pytest
+from conftest_tools import bring, node_forces
+
+from fabrics.trellis import TrellisShear
+from shellfabric import march_kernels, membrane_kernels
+from shellfabric.cell import CellModel
+from shellfabric.panel import Numerics, Panel
+
+
+def plain_energy(panel, x):
+    """Energy of the cloth with nodes x (ni+1, nj+1, 3), written from the definitions alone."""
+    (dx, dy), weave, shear, model = panel.spacing, panel.weave, panel.fabric.shear, panel.table.model
+    x00, x10, x01, x11 = x[:-1, :-1], x[1:, :-1], x[:-1, 1:], x[1:, 1:]
+    a, b = (x10 - x00 + x11 - x01) / (2 * dx), (x01 - x00 + x11 - x10) / (2 * dy)
+    l1, l2 = np.linalg.norm(a, axis=-1), np.linalg.norm(b, axis=-1)
+    gamma = np.arcsin(np.sum(a * b, axis=-1) / (l1 * l2))
+    cells = dx * dy / weave.cell_area * model.solve(l1, l2)["W"]
+    points, weights = np.polynomial.legendre.leggauss(40)
+    trellis = sum(
+        0.5 * np.abs(gamma) * w * shear.stress(0.5 * np.abs(gamma) * (1 + p)) for p, w in zip(points, weights)
+    )
+    h = x00 - x10 - x01 + x11
+    return float(cells.sum() + dx * dy * weave.thickness * trellis.sum() + 0.5 * panel.constants().kh * np.sum(h * h))
+
+
+@pytest.fixture
+def crumpled(small, tables):
+    """A stretched, sheared, crumpled panel without viscosity, with its node positions."""
+    panel = small(
+        table=tables["variational"].model.table(401),
+        failure=False,
+        edge="free",
+        symmetry="whole",
+        numerics=Numerics(stretch_viscosity=0.0, hourglass_viscosity=0.0),
+    )
+    X, Y = panel.coordinates()
+    rng = np.random.default_rng(3)
+    x = np.stack([1.015 * X + 0.1 * Y, 1.012 * Y, 0.0005 * np.sin(200 * X)], axis=-1)
+    return panel, x + rng.normal(scale=5e-6, size=x.shape)
+
+
+def test_nodal_forces_against_the_energy(crumpled):
+    """Each force is minus the derivative of the energy, to the table's error."""
+    panel, x = crumpled
+    state = panel.state(1.0)
+    f = node_forces(panel, bring(panel, state, x))
+    for node in [(3, 4), (0, 0), (10, 24), (24, 24), (7, 12)]:
+        for c in range(3):
+            step, energies = 1e-8, []
+            for sign in (1, -1):
+                moved = x.copy()
+                moved[(*node, c)] += sign * step
+                energies.append(plain_energy(panel, moved))
+            expected = -(energies[0] - energies[1]) / (2 * step)
+            assert f[(*node, c)] == pytest.approx(expected, abs=0.02 * np.abs(f).max()), (node, c)
+
+
+def test_forces_balance(crumpled):
+    """The cloth's own forces add up to nothing, and have no moment."""
+    panel, x = crumpled
+    f = node_forces(panel, bring(panel, panel.state(1.0), x))
+    scale = np.abs(f).sum()
+    assert np.abs(f.sum(axis=(0, 1))).max() < 1e-14 * scale
+    assert np.abs(np.cross(x, f).sum(axis=(0, 1))).max() < 1e-14 * scale * np.abs(x).max()
+
+
+def test_patch(small):
+    """Under any uniform strain all stretches are the same and no inner node feels a force."""
+    panel = small(edge="free", symmetry="whole", failure=False)
+    X, Y = panel.coordinates()
+    F = np.array([[1.02, 0.15], [0.03, 1.015], [0.2, -0.1]])
+    state = bring(panel, panel.state(1.0), np.stack([X, Y], axis=-1) @ F.T)
+    ni, nj = panel.counts
+    for L, column in ((state.L1, F[:, 0]), (state.L2, F[:, 1])):
+        np.testing.assert_allclose(L[: ni * (nj + 1)].reshape(ni, nj + 1)[:, :nj], np.linalg.norm(column), rtol=1e-13)
+    f = node_forces(panel, state)
+    assert np.abs(f[1:-1, 1:-1]).max() < 1e-11 * np.abs(f).max()
+    assert np.abs(f).max() > 1.0
+
+
+def test_uniform_tension_cancels_exactly(small):
+    """Cloth that is stretched evenly stays still to the last digit: no noise grows from rounding."""
+    panel = small(edge="free", symmetry="whole", failure=False)
+    state = panel.state(1.0)
+    for c in range(3):
+        state.g0[c][:] = state.g1[c][:] = 0.0
+    # displacements whose differences are exact in binary
+    s, k = panel.constants().s, np.arange(state.u[0].size)
+    state.u[0][:] = (k // s) * 2.0**-16
+    state.u[1][:] = (k % s) * 2.0**-16
+    march_kernels.first_forces(state, panel.constants(), panel.work())
+    f = node_forces(panel, state)
+    assert np.abs(f).max() > 0.1
+    assert np.abs(f[1:-1, 1:-1]).max() == 0.0
+
+
+@pytest.mark.parametrize("angle", [0.3, 2.5])
+def test_invariance(crumpled, angle):
+    """Turned and shifted cloth has turned forces and the same stretches."""
+    panel, x = crumpled
+    axis = np.array([0.36, 0.48, 0.8])
+    K = np.array([[0, -axis[2], axis[1]], [axis[2], 0, -axis[0]], [-axis[1], axis[0], 0]])
+    Q = np.eye(3) + np.sin(angle) * K + (1 - np.cos(angle)) * K @ K
+    f = node_forces(panel, bring(panel, panel.state(1.0), x))
+    turned = node_forces(panel, bring(panel, panel.state(1.0), x @ Q.T + [0.1, -0.2, 0.3]))
+    np.testing.assert_allclose(turned, f @ Q.T, atol=1e-8 * np.abs(f).max())
+
+
+def test_trellis_against_the_law(fabric):
+    """The kernels' shear, with and without branches, against fabrics.trellis; odd in the angle."""
+    law = fabric.shear
+    gamma = np.linspace(-1.4, 1.4, 281)
+    slope = np.empty_like(gamma)
+    membrane_kernels.shear_slope(
+        np.uint64(gamma.size), np.sin(gamma), 2.0, law.G1, law.G2, law.gamma1, law.gamma2, slope
+    )
+    np.testing.assert_allclose(slope * np.cos(gamma) / 2, law.stress(gamma), rtol=1e-11, atol=1e-6)
+    energies = [membrane_kernels.trellis(g, law.G1, law.G2, law.gamma1, law.gamma2) for g in gamma]
+    np.testing.assert_allclose([stress for stress, _ in energies], law.stress(gamma), rtol=1e-12, atol=1e-9)
+    stress = np.gradient([energy for _, energy in energies], gamma)
+    np.testing.assert_allclose(stress[1:-1], law.stress(gamma)[1:-1], atol=2e-3 * law.stress(1.4))
+    assert TrellisShear(law.G1, law.G2, law.gamma1, law.gamma2).stress(-0.3) == -law.stress(0.3)
+
+
+@pytest.mark.parametrize(("weft_mass", "share"), [(1e-6, 1.0), (1.0, 0.5**0.5)], ids=["straight yarn", "woven yarn"])
+def test_longitudinal_wave_speed(straight, weft_mass, share):
+    """A straight yarn carries sqrt(E / rho); with a crossing yarn of its own mass to move, that over sqrt 2 (E-38)."""
+    fabric = straight(weft_mass)
+    model = CellModel(fabric, model="decoupled")
+    panel = Panel(model.table(201), (0.6, 0.0203), edge="free", failure=False)
+    state, const, work = panel.state(1.0), panel.constants(), panel.work()
+    state.position[2] = -1.0  # the projectile is far away
+    state.rows[:] = 0, const.ni
+    ni, s = const.ni, const.s
+    # all cloth runs away from the plane of symmetry, which holds its end: a front of tension sets out from there
+    state.v[0][: (ni + 1) * s] = 10.0
+    state.v[0][:s] = 0.0
+    stations, arrivals = (ni // 5, 4 * ni // 5), {}
+    full = fabric.weave.warp.EA * 10.0 / (share * fabric.weave.warp.wave_speed)
+    while len(arrivals) < 2:
+        march_kernels.advance(state, const, work, 1, np.empty((1, 3)))
+        assert state.counter[0] < 5 * ni
+        for i in stations:
+            if i not in arrivals and state.P1[i * s] > 0.5 * full:
+                arrivals[i] = state.counter[0] * const.dt
+    speed = (stations[1] - stations[0]) * const.dx / (arrivals[stations[1]] - arrivals[stations[0]])
+    assert speed == pytest.approx(share * (fabric.weave.warp.E / fabric.weave.warp.fibre_density) ** 0.5, rel=0.01)
+
+
+@pytest.mark.parametrize(("factor", "holds"), [(0.99, True), (1.02, False)])
+def test_time_step_bound(straight, factor, holds):
+    """Straight yarns are as stiff as the bound supposes: above it a taut panel blows up, below it does not."""
+    table = CellModel(straight(1.0), model="decoupled").table(51)
+    knobs = Numerics(safety=1.0, stretch_viscosity=0.0, hourglass_viscosity=0.0)
+    panel = Panel(table, (0.0306, 0.0306), edge="free", failure=False, symmetry="whole", numerics=knobs)
+    const, state, work = panel.constants(), panel.state(1.0), panel.work()
+    const = const._replace(dt=factor * const.dt)
+    state.position[2] = -1.0
+    rng, ni = np.random.default_rng(0), panel.counts[0]
+    X, Y = panel.coordinates()
+    inside = np.zeros(X.shape, bool)
+    inside[1:-1, 1:-1] = True
+    state.kick[: X.size] = const.dt * (state.inverse_mass[: X.size] * inside.ravel())
+    for c, taut in enumerate((0.02 * X, 0.02 * Y, 0 * X)):
+        state.u[c][: X.size] = taut.ravel()
+        state.v[c][: X.size] = rng.normal(scale=1e-3, size=X.size) * inside.ravel()
+    state.rows[:] = 0, ni
+    march_kernels.first_forces(state, const, work)
+    march_kernels.advance(state, const, work, 400, np.empty((400, 3)))
+    assert (max(np.abs(v).max() for v in state.v) < 0.02) == holds
