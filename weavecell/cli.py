@@ -86,7 +86,7 @@ def _root(
 @app.command(epilog="Example: [bold]weavecell demo --out results/demo[/bold]")
 def demo(
     out: OutOption = None,
-    size: Annotated[Size, typer.Option(help="Mesh of the 3D crossover.")] = Size.coarse,
+    size: Annotated[Size, typer.Option(help="Mesh of the 3D crossover.")] = Size.medium,
     processes: ProcessesOption = CORES,
 ):
     """S-720 from data sheet to report: mesh, calibration, and four impacts, with a summary and one HTML page."""
