@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 from scipy import sparse
+
+from unitcell3d.pattern_kernels import gather
 
 
 class Pattern:
@@ -71,12 +72,5 @@ class Pattern:
 
     def reduce(self):
         """Add the blocks up into the matrix of the unknowns: returns `entries`."""
-        _gather(self.values.reshape(-1), self._source, self._sign, self._target, self.entries)
+        gather(self.values.reshape(-1), self._source, self._sign, self._target, self.entries)
         return self.entries
-
-
-@njit(cache=True)
-def _gather(values, source, sign, target, entries):
-    entries[:] = 0.0
-    for m in range(source.size):
-        entries[target[m]] += sign[m] * values[source[m]]

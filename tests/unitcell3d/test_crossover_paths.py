@@ -120,7 +120,7 @@ def test_plates_press_ever_harder(coarse, s720):
 
 
 def test_a_path_that_fails_keeps_its_history(tiny, s720, tmp_path):
-    """A weft pushed together by half its length cannot be in equilibrium; what came before stays, with where and when."""
+    """A weft pushed to half its length finds no equilibrium; what came before stays, with where and when."""
     model = CrossoverModel(tiny, s720)
     h = march(model, Load(), Load((0.0, -0.3e-3)), steps=Steps(least=0.02))
     assert 1 < len(h.path)
