@@ -73,7 +73,18 @@ def setup(case, file):
             numerics=Numerics(**knobs),
         )
     except InputError as problem:
-        raise InputError(file=file, key=problem.key, value=problem.value, allowed=problem.allowed) from None
+        raise in_file(problem, file) from None
+
+
+def in_file(problem, file):
+    """An InputError of an object that does not know its file, with the scene's file and key in it."""
+    if problem.file is not None:
+        return problem
+    tables = {"opening": "panel", "edge_radius": "projectile", "gap": "fabric", "model": "fabric"}
+    key = f"{tables[problem.key]}.{problem.key}" if problem.key in tables else problem.key
+    if key is None:
+        return InputError(str(problem), file=file)
+    return InputError(file=file, key=key, value=problem.value, allowed=problem.allowed)
 
 
 def _fabric(table, file):

@@ -138,7 +138,11 @@ def impact(
     out: OutOption = None,
     resume: Annotated[bool, typer.Option("--resume", help="Go on from the checkpoint of an interrupted run.")] = False,
 ):
-    """Fire the projectile of a scene at its panel: histories, ParaView series, pictures and a report."""
+    """Fire the projectile of a scene at its panel: histories, ParaView series, pictures and a report.
+
+    The folder then holds report.html, summary.json, histories.h5, panel.pvd with panel/*.vtu, pictures/ and scene.toml;
+    while the run goes on, checkpoint.h5.
+    """
     from weavecell import run
 
     run.impact(scene, out or RESULTS / scene.stem, resume=resume)

@@ -30,6 +30,6 @@ def bar(title):
             progress.update(task, completed=min(max(fraction, 0.0), 1.0), note=text)
 
         yield advance
-        progress.update(task, completed=1.0)
+        progress.update(task, completed=1.0, note="")
     if not console.is_terminal:
         print(f"{title}: {time.perf_counter() - started:.1f} s", file=sys.stderr, flush=True)

@@ -49,6 +49,8 @@ def impact(path, out, *, resume=False):
         record, snapshots, failure = fire(
             this, setup, title, checkpoint=checkpoint, every=asked.run.checkpoint_interval, resume=resume
         )
+    except InputError as problem:
+        raise case.in_file(problem, path) from None
     except KeyboardInterrupt:
         hint = "; --resume goes on from its last checkpoint" if checkpoint.exists() else ""
         raise Interrupted(f"interrupted{hint}") from None
@@ -77,7 +79,6 @@ def fire(this, setup, title, *, checkpoint=None, every=None, resume=False):
     with progress.bar(title) as advance:
         hooks = [Progress(lambda share, speed: advance(share, f"{speed:.1f} m/s"))]
         if checkpoint is not None:
-            checkpoint.parent.mkdir(parents=True, exist_ok=True)
             hooks.append(Checkpoints(checkpoint, every))
         try:
             result = solver.run(setup, hooks=hooks, resume=checkpoint if resume else None)

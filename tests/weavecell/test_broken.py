@@ -15,6 +15,7 @@ LAW = '"published", the path of a law written by `weavecell calibrate` (*.json),
 SCENES = {
     "boolean": """projectile.mass = True: must be a mass above 0, such as "3 g\"""",
     "edge-too-round": "projectile.edge_radius = '3 mm': must be below half of projectile.diameter",
+    "gap-too-wide": "fabric.gap = 0.001: must be at least 0 and at most h01 + h02",
     "late-snapshots": "run.snapshot_interval = '1 ms': must be at most run.end_time",
     "law-half-given": "fabric.law.b: is missing; must be a value of at least 0 in mm N^(1/3), "
     'such as "0.058 mm N^(1/3)"',
@@ -27,6 +28,7 @@ SCENES = {
     "no-unit": """panel.opening = 203: must be a length above 0, such as "203 mm\"""",
     "not-a-table": "fabric = 'S-720': must be a table [fabric]",
     "not-toml": "not valid TOML (Expected newline or end of document after a statement (at line 5, column 10))",
+    "panel-too-small": "panel.opening = 0.004: must be wider than two projectiles and four crossovers",
     "projectile-too-wide": "projectile.diameter = '120 mm': must be below half of panel.opening",
     "three-errors": 'panel.oppening: unknown key, did you mean "opening"? '
     "allowed here: opening, boundary, symmetry (+3 more)",

@@ -1,6 +1,7 @@
 """`weavecell impact`: its folder, resuming to the bit, instability with what was computed, nothing half-written."""
 
 import json
+from pathlib import Path
 
 import h5py
 import numpy as np
@@ -30,6 +31,7 @@ snapshot_interval = "20 us"
 checkpoint_interval = "10 us"
 outputs = OUTPUTS
 """
+EXAMPLES = sorted((Path(__file__).parents[2] / "examples").glob("*.toml"))
 EVERYTHING = ["histories.h5", "panel", "panel.pvd", "pictures", "report.html", "scene.toml", "summary.json"]
 
 
@@ -175,3 +177,11 @@ def test_failure_while_writing_leaves_whole_files_only(command, scene, tmp_path,
     assert "checkpoint.h5" in kept
     assert not [name for name in kept if name.startswith(".") or name == "report.html"]
     ImpactRecord.read(tmp_path / "results" / "histories.h5")
+
+
+@pytest.mark.parametrize("example", EXAMPLES, ids=lambda path: path.stem)
+def test_examples_run(command, tmp_path, example):
+    assert command("impact", example, "--out", "results")[0] == 0
+    record = ImpactRecord.read(tmp_path / "results" / "histories.h5")
+    assert record.outcome in ("stopped", "perforated")
+    assert record.worst_balance < 0.01

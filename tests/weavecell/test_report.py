@@ -7,6 +7,7 @@ from html.parser import HTMLParser
 import numpy as np
 import pytest
 
+import weavecell
 from fabrics import catalogue
 from fabrics.compression import CompressionLaw
 from fabrics.errors import InputError
@@ -151,3 +152,14 @@ def test_pictures_repeat_to_the_byte():
     record = small_record()
     runs = {"a": (record.t, record.v)}
     assert pictures.render(pictures.velocity, runs) == pictures.render(pictures.velocity, runs)
+
+
+def test_stamp_tells_versions_and_no_paths(monkeypatch):
+    monkeypatch.setenv("OMP_NUM_THREADS", "1")
+    stamp = provenance.stamp("a scene")
+    assert stamp["weavecell"] == weavecell.__version__
+    assert f"numpy {np.__version__}" in stamp["packages"]
+    assert "matplotlib" in stamp["packages"]
+    assert stamp["threads"].startswith("OMP_NUM_THREADS 1")
+    assert stamp["scene"] == "a scene"
+    assert not [value for key, value in stamp.items() if value.startswith("/") or " /" in value]
