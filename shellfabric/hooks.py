@@ -17,11 +17,13 @@ class Every:
         self.interval = interval
 
     def due(self, march):
-        """Whether the chunk just made has crossed a multiple of the interval. It depends on the march alone, so that a
-        resumed run acts at the same instants."""
-        dt = march.const.dt
-        before = max(0, march.steps - march.fine[-1].shape[0]) if march.fine else 0
-        return march.ended or int(march.time / self.interval) > int(before * dt / self.interval)
+        """Whether this audit is the one nearest a multiple of the interval.
+
+        It depends on the march alone, so that a resumed run acts at the same instants.
+        """
+        dt, last = march.const.dt, march.fine[-1].shape[0]
+        numbers = [int((steps + march.chunk / 2) * dt / self.interval) for steps in (march.steps - last, march.steps)]
+        return march.ended or numbers[1] > numbers[0]
 
 
 class Snapshots(Every):

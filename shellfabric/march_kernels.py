@@ -4,9 +4,12 @@ Velocities stand at half steps, everything else at whole ones:
 
     v(n+1/2) = v(n-1/2) + dt f(n) / m,    u(n+1) = u(n) + dt v(n+1/2),    f(n+1) from u(n+1), v(n+1/2)
 
-Only rows that motion has reached are worked on. A row joins when the last row before it has moved, which is exact: an
-element whose nodes are all at rest has no force on them. Velocities below 1e-60 m/s are set to zero, without which the
+Only rows that motion can have reached are worked on, which is exact: an element whose nodes are all at rest has no
+force on them. Velocities below 1e-60 m/s are set to zero, without which the
 front of the wave would be preceded by denormal numbers.
+
+The kernels that hand the state on allocate nothing and are compiled without numba's reference counts (_nrt=False): a
+pair of them for each array of the state would cost as much as a hundred elements in every block.
 """
 
 import numpy as np
@@ -32,7 +35,7 @@ def move(k0, n, dt, kick, g0, g1, v, u):
         u[k] += dt * speed
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", _nrt=False)
 def symmetry(state, const, first, last):
     """Take out the force across a plane of symmetry, on the node rows first .. last - 1."""
     if const.mirror_x and first == 0:
@@ -44,7 +47,7 @@ def symmetry(state, const, first, last):
             state.g0[1][k] = state.g1[1][k] = 0.0
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", _nrt=False)
 def moved(state, const, i):
     """Whether some node of row i has left its place."""
     for k in range(np.uint64(i * const.s), np.uint64((i + 1) * const.s)):
@@ -53,7 +56,7 @@ def moved(state, const, i):
     return False
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", _nrt=False)
 def widen(state, const):
     """Let the window of active element rows, state.rows, go ahead of the motion.
 
@@ -76,7 +79,7 @@ def largest_of(n, values):
     return largest
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", _nrt=False)
 def elements(state, const, block, first, last, work):
     """Forces of the element rows first .. last, which lie in one block, from the present displacements."""
     s = np.uint64(const.s)
@@ -140,7 +143,7 @@ def elements(state, const, block, first, last, work):
     membrane_kernels.gather(k0, n, s, work.Q, work.R, work.G, state.g0[2], state.g1[2])
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", _nrt=False)
 def move_rows(state, const, first, last):
     """Move the node rows first .. last - 1 by one step."""
     symmetry(state, const, first, last)
@@ -150,7 +153,7 @@ def move_rows(state, const, first, last):
     move(k0, n, const.dt, state.kick, state.g0[2], state.g1[2], state.v[2], state.u[2])
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", _nrt=False)
 def sweep(state, const, work):
     """Move the active nodes, and find the forces of the active elements, block by block while they are in cache.
 
@@ -164,9 +167,9 @@ def sweep(state, const, work):
         elements(state, const, block, low, high, work)
 
 
-@njit(cache=True, error_model="numpy")
-def step(state, const, work, x, v):
-    """One step (x, v: (4, 3) scratch); returns why it should be the last, or RUNNING."""
+@njit(cache=True, error_model="numpy", _nrt=False)
+def step(state, const, work):
+    """One step; returns why it should be the last, or RUNNING."""
     contact_kernels.push(state, const)
     for c in range(3):
         state.position[c] += const.dt * state.speed[c]
@@ -174,7 +177,7 @@ def step(state, const, work, x, v):
     sweep(state, const, work)
     failures = state.fresh.sum()
     state.counter[FAILURES] = failures
-    taken, spring = contact_kernels.contact(state, const, x, v)
+    taken, spring = contact_kernels.contact(state, const, work.x, work.v)
     state.contact_energy[0] += taken
     state.contact_energy[1] = spring
     state.counter[STEP] += 1
@@ -183,20 +186,19 @@ def step(state, const, work, x, v):
     if state.speed[2] <= 0.0:
         return STOPPED
     # perforated: yarns have failed, nothing pushes, and nothing that is held is left in front, for a while
-    idle = failures > 0 and state.reaction[2] == 0.0 and not contact_kernels.in_the_way(state, const, x, v)
+    idle = failures > 0 and state.reaction[2] == 0.0 and not contact_kernels.in_the_way(state, const, work.x, work.v)
     state.counter[IDLE] = state.counter[IDLE] + 1 if idle else 0
     return PERFORATED if state.counter[IDLE] >= const.idle_steps else RUNNING
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
 def advance(state, const, work, steps, history):
     """March at most `steps` steps. history (steps, 3): the projectile's z, v_z and the force on it after each.
 
     Returns (steps made, RUNNING or the reason to end).
     """
-    x, v = np.empty((4, 3)), np.empty((4, 3))
     for m in range(steps):
-        reason = step(state, const, work, x, v)
+        reason = step(state, const, work)
         history[m, 0] = state.position[2]
         history[m, 1] = state.speed[2]
         history[m, 2] = state.reaction[2]
@@ -205,7 +207,7 @@ def advance(state, const, work, steps, history):
     return steps, RUNNING
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
 def first_forces(state, const, work):
     """Forces of the cloth as it is, before the first step."""
     for block in range((const.ni + const.block - 1) // const.block):
