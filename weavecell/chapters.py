@@ -75,7 +75,7 @@ def mesh(facts, picture):
         "mesh",
         "The crossover in hexahedra",
         "One crossing of warp (blue) and weft (orange). Mesh lines along the yarns are fibre lines and carry the bars.",
-        (Figure(picture, "png", "The mesh that is solved.", "mesh"),),
+        (Figure(picture, "png", "The whole crossover; by symmetry a quarter of it is solved.", "mesh"),),
         (Table(("quantity", "value"), tuple(facts.items())),),
         beside=True,
     )
