@@ -23,7 +23,8 @@ class Every:
         """
         dt, last = march.const.dt, march.fine[-1].shape[0]
         numbers = [int((steps + march.chunk / 2) * dt / self.interval) for steps in (march.steps - last, march.steps)]
-        return march.ended or numbers[1] > numbers[0]
+        before_end = numbers[1] * self.interval < (1 - 1e-9) * march.end_time
+        return march.ended or (numbers[1] > numbers[0] and before_end)
 
 
 class Snapshots(Every):

@@ -20,7 +20,7 @@ _SHOWN = {
 }
 _COLOURS = ("#7c8794", "#0072B2", "#009E73", "#56B4E9", "#E69F00", "#CC79A7", "#1d2733", "#D55E00")
 _BAR = {
-    "vertical": True, "position_x": 0.9, "position_y": 0.25, "height": 0.5, "width": 0.05,
+    "vertical": True, "position_x": 0.91, "position_y": 0.25, "height": 0.5, "width": 0.05,
     "color": "black", "title_font_size": 24, "label_font_size": 22, "fmt": "%.0f", "n_labels": 4,
 }  # fmt: skip
 _WARP, _WEFT = "#0072B2", "#D55E00"
@@ -120,8 +120,8 @@ def deformed(result, path):
     )
     plotter.add_mesh(body, color="#7c8794")
     size = 1e3 * max(np.ptp(result.nodes[:, 0]) * (2 if mirror_x else 1), np.ptp(result.nodes[:, 1]))
-    plotter.camera_position = [(0.9 * size, -1.35 * size, 0.75 * size), (0.03 * size, 0, 0), (0, 0, 1)]
-    plotter.camera.zoom(1.15)
+    plotter.camera_position = [(0.9 * size, -1.35 * size, 0.75 * size), (0.05 * size, 0, -0.03 * size), (0, 0, 1)]
+    plotter.camera.zoom(0.95)
     with replace_whole(path) as beside:
         plotter.screenshot(str(beside))
     plotter.close()
