@@ -21,6 +21,10 @@ from unitcell3d.pattern import Pattern
 ACROSS_BEFORE_THROUGH = ([0, 1, 2, 3, 4, 5, 6, 7], [4, 5, 1, 0, 7, 6, 2, 3])
 
 
+# cells by which a contact point may slide before the tangent is laid out anew: a few blocks more for far fewer layouts
+SLIP_MARGIN = 0.3
+
+
 @dataclass(frozen=True)
 class Numerics:
     """Numbers that belong to the method, not to the fabric.
@@ -102,7 +106,7 @@ class CrossoverModel:
         self._solid(crossover, fabric)
         self._fibres(crossover, fabric)
         self._surfaces(crossover, quarter)
-        self._lay_out(np.empty((0, 17), np.int64))
+        self._lay_out(self._expected_stencils())
 
     @property
     def size(self):
@@ -173,11 +177,23 @@ class CrossoverModel:
             [np.interp(slaves[:, axis], line, np.arange(len(line))) for axis, line in zip(master.axes, (i, j))], axis=1
         )
 
+    def _expected_stencils(self):
+        """Contact stencils of all nodes of both faces near their closest points: what may be met next."""
+        weights, work, nodes = np.empty((6, 16, 3)), np.empty((4, 3, 4)), np.empty(16, np.int64)
+        found = set()
+        for slave in (0, 1):
+            master = self._sides[1 - slave]
+            for node, xi in zip(self._sides[slave].grid.ravel(), self._guesses[slave]):
+                for shift in SLIP_MARGIN * np.array([(a, b) for a in (-1, 1) for b in (-1, 1)]):
+                    near = np.clip(xi + shift, 0, np.array(master.grid.shape) - 1)
+                    contact_kernels.surface_stencil(near, master.grid, master.axes, master.mirror, nodes, weights, work)
+                    found.add((node, *nodes))
+        return np.array(sorted(found))
+
     def _lay_out(self, contact):
-        """Lay out the tangent for the solids and the contact stencils met so far."""
+        """Lay out the tangent for the solids and the contact stencils expected or met so far."""
         self._contact = contact
-        stencils = [self.hexes] if len(contact) == 0 else [self.hexes, contact]
-        self.pattern = Pattern(len(self.points), stencils, self.constraints)
+        self.pattern = Pattern(len(self.points), [self.hexes, contact], self.constraints)
         self._solid_places = self.pattern.scalar_places(self._solids.rows, self._solids.columns)
         self._bar_places = self.pattern.places(self.bars)
         self._plate_places = [self.pattern.places(nodes[:, None])[:, 0, 0] for nodes, _ in self._plates]
@@ -237,7 +253,7 @@ class CrossoverModel:
         met = met[met[:, 0] >= 0]
         if len(met) == 0 or self.pattern.holds(met):
             return False
-        self._lay_out(np.unique(np.concatenate([self._contact, met]), axis=0))
+        self._lay_out(np.unique(np.concatenate([self._contact, met, self._expected_stencils()]), axis=0))
         return True
 
     def _touch(self, x, forces, places):

@@ -135,16 +135,20 @@ def test_a_taut_straight_yarn_has_the_stiffness_of_its_fibres(s720):
             assert tension[yarn] == pytest.approx(thread.EA * strain, rel=1e-3)
 
 
-def test_pattern_grows_when_contact_moves(s720, tiny):
+def test_pattern_grows_only_where_contact_moves_far(s720, tiny):
     model = CrossoverModel(tiny, s720)
-    x = np.zeros(model.size)
+    grid, fixed = tiny.grids[0], model.constraints
+    q = np.zeros(model.size)
+    lower = fixed.unknown[3 * grid.ravel() + 2]
+    q[np.unique(lower[lower >= 0])] -= 5e-6
+    model.forces(q, Load())
     rows = len(model.pattern.values)
-    lower = model.constraints.unknown[3 * tiny.grids[0].ravel() + 2]
-    x[np.unique(lower[lower >= 0])] -= 5e-6
-    model.forces(x, Load())
-    assert model.system(x, Load())
+    assert not model.system(q, Load())
+    q[fixed.unknown[3 * grid[1:-1].ravel()]] += 0.1e-3  # more than half a cell along the warp
+    model.forces(q, Load())
+    assert model.system(q, Load())
     assert len(model.pattern.values) > rows
-    assert not model.system(x, Load())
+    assert not model.system(q, Load())
 
 
 def test_bad_input_is_one_line(s720, tiny):
