@@ -1,1 +1,6 @@
 """Explicit dynamics of a fabric panel under impact: numba kernels on a structured grid of crossovers."""
+
+from fabrics.kernel_cache import kernel_cache
+
+with kernel_cache(__file__):  # kernels call each other across files: one cache, emptied when any of them changes
+    from shellfabric import cable_kernels, march_kernels  # noqa: F401
