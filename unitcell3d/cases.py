@@ -82,7 +82,7 @@ def plate_compression(crossover, fabric, *, pressure=PLATEN_PRESSURE, numerics=N
     if not pressure > 0:
         raise InputError(key="pressure", value=pressure, allowed="positive")
     model = CrossoverModel(crossover, fabric, numerics)
-    rest = model.plates_at_rest()
+    rest = model.plates.at_rest
     force = pressure * fabric.weave.cell_area
     return march(
         model,

@@ -13,16 +13,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from fabrics.errors import InputError
-from unitcell3d import bars_kernels, constraints, contact_kernels, yarn_law
+from unitcell3d import bars_kernels, constraints, yarn_law
 from unitcell3d.compat import Assembler, HexSpace
+from unitcell3d.contact import FacingSurfaces, Plates
 from unitcell3d.pattern import Pattern
 
 # a weft brick's local axes run along i, k, j; the law wants the fibre, across, through in both yarns
 ACROSS_BEFORE_THROUGH = ([0, 1, 2, 3, 4, 5, 6, 7], [4, 5, 1, 0, 7, 6, 2, 3])
-
-
-# cells by which a contact point may slide before the tangent is laid out anew: a few blocks more for far fewer layouts
-SLIP_MARGIN = 0.3
 
 
 @dataclass(frozen=True)
@@ -67,17 +64,6 @@ class Load:
         return Load(d, plates)
 
 
-@dataclass(frozen=True)
-class _Side:
-    """One contact surface: grid of nodes, tributary areas, and what `contact_kernels` needs to know of it as master."""
-
-    grid: np.ndarray
-    areas: np.ndarray
-    axes: np.ndarray
-    mirror: np.ndarray
-    side: float
-
-
 class CrossoverModel:
     """A meshed crossover with its laws; holds scratch arrays, and no history: forces depend on the unknowns alone.
 
@@ -105,8 +91,9 @@ class CrossoverModel:
         self.constraints = constraints.build(crossover.grids, len(self.points), quarter=quarter)
         self._solid(crossover, fabric)
         self._fibres(crossover, fabric)
-        self._surfaces(crossover, quarter)
-        self._lay_out(self._expected_stencils())
+        self.surfaces = FacingSurfaces(self.points, crossover.grids, quarter)
+        self.plates = Plates(self.points, crossover.grids)
+        self._lay_out(self.surfaces.expected())
 
     @property
     def size(self):
@@ -135,68 +122,13 @@ class CrossoverModel:
         self.bar_stiffness = modulus * area
         self._bar_share = area * self.bar_length
 
-    def _surfaces(self, crossover, quarter):
-        # warp lies on top: its lower face (k = 0) meets the upper face of the weft
-        faces = [crossover.grids[0][:, :, 0], crossover.grids[1][:, :, -1]]
-        self._sides = []
-        for yarn, grid in enumerate(faces):
-            grid = np.ascontiguousarray(grid, np.int64)
-            along, across = (
-                self.points[grid[1, 0]] - self.points[grid[0, 0]],
-                self.points[grid[0, 1]] - self.points[grid[0, 0]],
-            )
-            upwards = np.sign(np.cross(along, across)[2])
-            axes = np.array([constraints.AXIAL[yarn], constraints.WIDTH[yarn]])
-            self._sides.append(
-                _Side(
-                    grid, self._areas(grid), axes, np.array([quarter, quarter]), upwards * (-1.0 if yarn == 0 else 1.0)
-                )
-            )
-        self._guesses = [self._initial_guess(slave) for slave in (0, 1)]
-        self.gaps = [np.full(side.grid.size, np.inf) for side in self._sides]
-        self._stencils = [np.full((side.grid.size, 17), -1) for side in self._sides]
-        outer = [crossover.grids[0][:, :, -1], crossover.grids[1][:, :, 0]]
-        self._plates = [(grid.ravel().astype(np.int64), self._areas(grid).ravel()) for grid in outer]
-
-    def _areas(self, grid):
-        """Tributary areas [m2] of the nodes of a face: a quarter of each quadrilateral to each corner."""
-        x = self.points[grid]
-        quads = 0.5 * np.linalg.norm(np.cross(x[1:, 1:] - x[:-1, :-1], x[:-1, 1:] - x[1:, :-1]), axis=-1)
-        areas = np.zeros(grid.shape)
-        for i in (0, 1):
-            for j in (0, 1):
-                areas[i : i + quads.shape[0], j : j + quads.shape[1]] += quads / 4
-        return areas
-
-    def _initial_guess(self, slave):
-        """Parameters of the slave's nodes on the undeformed master, whose grid is straight in plan."""
-        slaves, master = self.points[self._sides[slave].grid.ravel()], self._sides[1 - slave]
-        i = self.points[master.grid[:, 0], master.axes[0]]
-        j = self.points[master.grid[0, :], master.axes[1]]
-        return np.stack(
-            [np.interp(slaves[:, axis], line, np.arange(len(line))) for axis, line in zip(master.axes, (i, j))], axis=1
-        )
-
-    def _expected_stencils(self):
-        """Contact stencils of all nodes of both faces near their closest points: what may be met next."""
-        weights, work, nodes = np.empty((6, 16, 3)), np.empty((4, 3, 4)), np.empty(16, np.int64)
-        found = set()
-        for slave in (0, 1):
-            master = self._sides[1 - slave]
-            for node, xi in zip(self._sides[slave].grid.ravel(), self._guesses[slave]):
-                for shift in SLIP_MARGIN * np.array([(a, b) for a in (-1, 1) for b in (-1, 1)]):
-                    near = np.clip(xi + shift, 0, np.array(master.grid.shape) - 1)
-                    contact_kernels.surface_stencil(near, master.grid, master.axes, master.mirror, nodes, weights, work)
-                    found.add((node, *nodes))
-        return np.array(sorted(found))
-
     def _lay_out(self, contact):
         """Lay out the tangent for the solids and the contact stencils expected or met so far."""
         self._contact = contact
         self.pattern = Pattern(len(self.points), [self.hexes, contact], self.constraints)
         self._solid_places = self.pattern.scalar_places(self._solids.rows, self._solids.columns)
         self._bar_places = self.pattern.places(self.bars)
-        self._plate_places = [self.pattern.places(nodes[:, None])[:, 0, 0] for nodes, _ in self._plates]
+        self._plate_places = [self.pattern.places(nodes[:, None])[:, 0, 0] for nodes, _ in self.plates.faces]
 
     def positions(self, q, load):
         """(n, 3) [m] deformed positions."""
@@ -218,10 +150,9 @@ class CrossoverModel:
         bars_kernels.bar_forces(
             x, self.bars, self.bar_length, self.bar_stiffness, n.slack_stiffness, n.slack_width, forces
         )
-        none = np.empty((0, 17, 17), np.int64)
-        contact = self._touch(x, forces, (none, none))
-        plates = self._press(x, load, forces, [np.empty(0, np.int64)] * 2)
-        return forces, contact, plates
+        values = self.pattern.values
+        contact = self.surfaces.touch(x, n, forces, None, values)
+        return forces, contact, self.plates.press(x, load.plates, n, forces, None, values)
 
     def system(self, q, load):
         """Assemble the tangent into `pattern`; returns True where its pattern had to grow."""
@@ -241,67 +172,19 @@ class CrossoverModel:
             pattern.values,
         )
         discarded = np.zeros_like(x)
-        places = [pattern.places(np.maximum(stencils, 0)) for stencils in self._stencils]
-        self._touch(x, discarded, places)
-        self._press(x, load, discarded, self._plate_places)
+        places = [pattern.places(np.maximum(stencils, 0)) for stencils in self.surfaces.stencils]
+        self.surfaces.touch(x, n, discarded, places, pattern.values)
+        self.plates.press(x, load.plates, n, discarded, self._plate_places, pattern.values)
         pattern.reduce()
         return grown
 
     def _grow_pattern(self):
         """Make room for the stencils of the last call of `forces`; True where there was none."""
-        met = np.concatenate(self._stencils)
-        met = met[met[:, 0] >= 0]
+        met = self.surfaces.met()
         if len(met) == 0 or self.pattern.holds(met):
             return False
-        self._lay_out(np.unique(np.concatenate([self._contact, met, self._expected_stencils()]), axis=0))
+        self._lay_out(np.unique(np.concatenate([self._contact, met, self.surfaces.expected()]), axis=0))
         return True
-
-    def _touch(self, x, forces, places):
-        """Both contact passes, half of the penalty each; returns the vertical force on the warp."""
-        total = 0.0
-        for slave in (0, 1):
-            nodes, master = self._sides[slave], self._sides[1 - slave]
-            resultant = np.zeros(3)
-            contact_kernels.contact_pass(
-                x,
-                nodes.grid.ravel(),
-                nodes.areas.ravel(),
-                master.grid,
-                master.axes,
-                master.mirror,
-                master.side,
-                0.5 * self.numerics.penalty,
-                self.numerics.toe,
-                self._guesses[slave],
-                self.gaps[slave],
-                self._stencils[slave],
-                forces,
-                places[slave],
-                self.pattern.values,
-                resultant,
-            )
-            total += resultant[2] if slave == 0 else -resultant[2]
-        return total
-
-    def _press(self, x, load, forces, places):
-        """Both plates: the upper on the warp, the lower on the weft; returns the forces on them."""
-        pressed = np.zeros(2)
-        if np.isfinite(load.plates):
-            for yarn, side in ((0, 1.0), (1, -1.0)):
-                nodes, areas = self._plates[yarn]
-                pressed[yarn] = contact_kernels.plate_pass(
-                    x,
-                    nodes,
-                    areas,
-                    side * load.plates,
-                    side,
-                    self.numerics.penalty,
-                    self.numerics.toe,
-                    forces,
-                    places[yarn],
-                    self.pattern.values,
-                )
-        return pressed
 
     def tensions(self, forces):
         """(2,) [N] tensions of the whole warp and weft yarn, from the reactions at their ends."""
@@ -326,10 +209,6 @@ class CrossoverModel:
             np.average(strain[self.bar_yarn == yarn], weights=self._bar_share[self.bar_yarn == yarn]) for yarn in (0, 1)
         ]
         return strain, np.array(mean)
-
-    def plates_at_rest(self):
-        """[m] half the distance of two plates that just touch the higher yarn."""
-        return max(self.points[self._plates[0][0], 2].max(), -self.points[self._plates[1][0], 2].min())
 
     def worst_element(self, x):
         """Number of the hexahedron with the least corner volume ratio to the undeformed, and that ratio."""

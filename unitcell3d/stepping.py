@@ -100,7 +100,7 @@ def _march(model, solver, start, end, case, stop, steps, hooks):
     return History(
         **columns,
         u=u,
-        gaps=tuple(gaps.copy() for gaps in model.gaps),
+        gaps=tuple(gaps.copy() for gaps in model.surfaces.gaps),
         fabric=model.fabric.name,
         case=case,
         failed=failed,

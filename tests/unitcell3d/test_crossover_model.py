@@ -21,7 +21,7 @@ def model(tiny, s720):
 @pytest.fixture(scope="module")
 def pressed(model):
     """Unknowns and a load with contact, taut and slack fibres, and both plates at work."""
-    load = Load((4e-6, 6e-6), 0.97 * model.plates_at_rest())
+    load = Load((4e-6, 6e-6), 0.97 * model.plates.at_rest)
     rng = np.random.default_rng(7)
     q = 2e-7 * rng.standard_normal(model.size)
     lower = np.concatenate([model.constraints.unknown[3 * model.crossover.grids[0].ravel() + 2]])
@@ -88,8 +88,7 @@ def test_contact_forces_of_the_two_passes_balance(s720):
     x = model.points.copy()
     x[whole.grids[0].ravel(), 2] -= 6e-6
     forces = np.zeros_like(x)
-    none = np.empty((0, 17, 17), np.int64)
-    contact = model._touch(x, forces, (none, none))
+    contact = model.surfaces.touch(x, model.numerics, forces, None, model.pattern.values)
     assert contact > 1e-2
     assert np.abs(forces.sum(axis=0)).max() < 1e-12 * contact
     assert np.abs(np.cross(x, forces).sum(axis=0)).max() < 1e-12 * contact * np.abs(x).max()
