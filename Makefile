@@ -15,6 +15,9 @@ test: setup lint  ## everything but the long validation runs
 validate: setup  ## the long validation runs
 	$(RUN) pytest -m slow
 
+figures: demo  ## the figures of README and docs
+	$(RUN:-m=) tools/figures.py $(RESULTS)/demo
+
 lint: setup
 	$(VENV)/bin/ruff check .
 	$(VENV)/bin/ruff format --check .

@@ -6,6 +6,7 @@ The folder of `weavecell demo`
     mesh/           as of `weavecell mesh`
     calibration/    as of `weavecell calibrate`; law.json is the fitted law
     <impact>-<law>/ as of `weavecell impact`, without pictures: repeat one with `weavecell impact <folder>/scene.toml`
+    pictures/       of the report
     summary.json    what was asked and measured
     report.html     all of it on one page
 """
@@ -44,6 +45,7 @@ def demonstrate(out, *, size, processes):
     stamp = provenance.stamp(text)
     page = _page(fabric, plan, calibration, records, [chapters.comparison(rows), *sections], stamp, clock)
     report.write(page, out / "report.html")
+    report.write_pictures(sections, out / "pictures")
     columns = ("what", "asked", "measured", "met")
     summary = {"rows": [dict(zip(columns, row)) for row in rows], "wall_times": clock.times, "provenance": stamp}
     json_file.write(out / "summary.json", summary)

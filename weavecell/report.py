@@ -89,3 +89,11 @@ def write(report, path):
     page = render(report)
     with write_whole(path) as file:
         file.write(page)
+
+
+def write_pictures(sections, folder):
+    """Write the pictures of the sections as files of their own, named after what they show."""
+    for section in sections:
+        for figure in section.figures:
+            with write_whole(folder / f"{figure.name}.{figure.kind}", "wb") as file:
+                file.write(figure.content)

@@ -105,17 +105,10 @@ def write(out, this, record, snapshots, text, advance):
         return
     chapter = chapters.impact([record])
     if "pictures" in outputs:
-        write_pictures(out / "pictures", chapter)
+        report.write_pictures([chapter], out / "pictures")
     advance(0.9)
     if "report" in outputs:
         report.write(page(this, record, chapter, stamp), out / "report.html")
-
-
-def write_pictures(folder, chapter):
-    """Write the figures of a chapter as files of their own."""
-    for figure in chapter.figures:
-        with write_whole(folder / f"{figure.name}.{figure.kind}", "wb") as file:
-            file.write(figure.content)
 
 
 def page(this, record, chapter, stamp):
