@@ -14,6 +14,11 @@ def bar(title):
     from rich.progress import BarColumn, Progress, SpinnerColumn, TaskProgressColumn, TextColumn, TimeElapsedColumn
 
     console = Console(file=sys.stderr)
+    if not console.is_terminal:
+        started = time.perf_counter()
+        yield lambda fraction, text="": None
+        print(f"{title}: {time.perf_counter() - started:.1f} s", file=sys.stderr, flush=True)
+        return
     columns = (
         SpinnerColumn(finished_text="[green]\u2713[/]"),
         TextColumn("{task.description}", justify="left"),
@@ -22,8 +27,7 @@ def bar(title):
         TimeElapsedColumn(),
         TextColumn("[dim]{task.fields[note]}[/]"),
     )
-    started = time.perf_counter()
-    with Progress(*columns, console=console, disable=not console.is_terminal) as progress:
+    with Progress(*columns, console=console) as progress:
         task = progress.add_task(f"{title:<34}", total=1.0, note="")
 
         def advance(fraction, text=""):
@@ -31,5 +35,3 @@ def bar(title):
 
         yield advance
         progress.update(task, completed=1.0, note="")
-    if not console.is_terminal:
-        print(f"{title}: {time.perf_counter() - started:.1f} s", file=sys.stderr, flush=True)

@@ -19,7 +19,7 @@ def outcome(name, strike_velocity):
     return run(ImpactSetup(catalogue.load(name).effective(), strike_velocity))
 
 
-@pytest.mark.parametrize(("strike_velocity", "expected"), zip(OUTCOMES["S-720"], ("stopped", "perforated")))
+@pytest.mark.parametrize(("strike_velocity", "expected"), list(zip(OUTCOMES["S-720"], ("stopped", "perforated"))))
 def test_s720(strike_velocity, expected):
     result = outcome("S-720", strike_velocity)
     assert result.outcome == expected
