@@ -11,7 +11,7 @@ from fabrics.solid import SolidLaw
 from fabrics.trellis import TrellisShear
 from fabrics.weave import Weave
 
-SECTIONS = ("sine", "ellipse")
+SECTIONS = ("sine", "ellipse", "conforming")
 
 
 @dataclass(frozen=True)
@@ -25,7 +25,7 @@ class Fabric:
     laws : (CompressionLaw, CompressionLaw) or None, published compression laws of warp and weft
     shear : TrellisShear or None
     solids : (SolidLaw, SolidLaw) or None, of warp and weft in the 3D crossover
-    section : "sine" or "ellipse", the yarn section of the 3D crossover
+    section : "sine", "ellipse" or "conforming", the yarn section of the 3D crossover
     areal_density_measured : [kg/m2] or None
     interlayer_gap : [m] play between plies of a pack, or None
     effective_linear_density : (warp, weft) [kg/m] that the source's runs really used (erratum E-07), or None
@@ -47,7 +47,9 @@ class Fabric:
 
     def __post_init__(self):
         if self.section not in SECTIONS:
-            raise InputError(key="section", value=self.section, allowed=" or ".join(SECTIONS))
+            raise InputError(
+                key="section", value=self.section, allowed=", ".join(SECTIONS[:-1]) + f" or {SECTIONS[-1]}"
+            )
 
     def effective(self) -> Fabric:
         """This fabric with the linear densities that the source's shell runs used (erratum E-07).

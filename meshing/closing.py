@@ -16,7 +16,9 @@ these that suffices:
               packing of round fibres.
 
 After 2 or 3 no shift is left. A gap that is positive everywhere is closed by a shift too, which is then negative. Where
-the yarns cannot be shifted (a woven patch) the first step is left out, and a gap stays open.
+the yarns cannot be shifted (a woven patch) the first step is left out, and a gap stays open. "conforming" sections
+(`meshing.conforming`) have no gap and no overlap anywhere; their areas are what the crimp leaves room for, more or less
+than asked for.
 
 These are the smooth surfaces. The flat facets of a mesh between nodes on them still overlap by their sag, of order two
 in the mesh size.
@@ -31,6 +33,8 @@ import numpy as np
 from scipy.optimize import brentq, minimize_scalar
 
 from fabrics.errors import InputError
+from meshing.conforming import KIND as CONFORMING
+from meshing.conforming import conform
 from meshing.section import Section
 
 SHIFT_LIMIT = 0.02  # of h_1 + h_2: keeps the end levels of the yarns, which symmetry wants equal, equal in all but name
@@ -80,6 +84,9 @@ class Closing:
     @property
     def report(self) -> str:
         """One line for the user."""
+        if self.sections[0].kind == CONFORMING:
+            Vf0 = " / ".join(f"{value:.3f}" for value in self.Vf0)
+            return f"conforming sections that touch everywhere (Vf0 {Vf0})"
         what = "overlap" if self.overlap >= 0 else "gap"
         text = f"{what} of the sections {abs(self.overlap) * 1e6:.2f} um"
         if self.changed:
@@ -95,7 +102,7 @@ def close(kind, widths, fractions, weave, bluntness, *, prescribed=False, overla
 
     Parameters
     ----------
-    kind : "sine" or "ellipse"
+    kind : "sine", "ellipse" or "conforming"
     widths : (warp, weft) [m] asked for
     fractions : (warp, weft) [-] fibre volume fractions asked for
     weave : Weave
@@ -108,6 +115,8 @@ def close(kind, widths, fractions, weave, bluntness, *, prescribed=False, overla
     ------
     InputError : the overlap is larger than a shift may remove and is refused, or cannot be removed
     """
+    if kind == CONFORMING:
+        return _conforming(widths, fractions, weave, bluntness)
     crossing = [(w, h) for w, h in zip(weave.w, weave.h0)][::-1]  # of each yarn, the arch over it
     asked = _sections(kind, widths, _areas(weave, fractions), bluntness)
     first = _overlap(asked, crossing)
@@ -125,6 +134,18 @@ def close(kind, widths, fractions, weave, bluntness, *, prescribed=False, overla
             sections, factor = _densify(asked, crossing, fractions, prescribed)
             Vf0 = _denser(fractions, factor)
     return Closing(sections, first, _overlap(sections, crossing) if shift else 0.0, Vf0, asked)
+
+
+def _conforming(widths, fractions, weave, bluntness):
+    areas = _areas(weave, fractions)
+    sections = conform(widths, areas, weave, bluntness)
+    Vf0 = tuple(float(old * area / section.area) for old, area, section in zip(fractions, areas, sections))
+    if max(Vf0) > CLOSEST_PACKING:
+        raise InputError(
+            f"conforming sections leave room for fibre fractions of {Vf0[0]:.3f} and {Vf0[1]:.3f}, denser than the "
+            f"closest packing ({CLOSEST_PACKING:.3f}): the crimp is too low for these yarns"
+        )
+    return Closing(sections, 0.0, 0.0, Vf0, sections)
 
 
 def _areas(weave, fractions):

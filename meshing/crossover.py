@@ -58,9 +58,9 @@ def build(
     domain : "quarter" or "whole"
     size : "coarse", "medium", "fine", "auto", or (nx, ny, nz), hexahedra along, across and through a quarter of each
         yarn, or an edge length [m] (`meshing.inputs.size`)
-    section : "sine", "ellipse" or None for the fabric's
+    section : "sine", "ellipse", "conforming" (`meshing.conforming`), or None for the fabric's
     gap : [m] between parallel yarns; the widths are the spacings less the gap
-    width : (warp, weft) [m] instead of a gap; these widths are kept whatever the overlap
+    width : (warp, weft) [m] instead of a gap; these widths are kept whatever the overlap (conforming: not exceeded)
     bluntness : [-] thickness of the cut tips over that of the middle
     overlap : "solve" or "refuse" an overlap too large for a shift (`meshing.closing`)
     crimp : "hand" measured, or "micrograph" (source thesis Tables 2-1 and A-2)

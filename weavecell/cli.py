@@ -64,6 +64,7 @@ class Section(StrEnum):
 
     sine = "sine"
     ellipse = "ellipse"
+    conforming = "conforming"
 
 
 def _version(wanted: bool):

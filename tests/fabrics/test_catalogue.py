@@ -66,7 +66,7 @@ BROKEN = {
     "not TOML": ("[shear]", "[shear", "is not TOML"),
     "zero modulus": ('"96 GPa"', '"0 GPa"', "warp.modulus = '0 GPa': must be a positive number"),
     "packed from the start": ('"0.70"', '"1.20"', "solid.warp.Vf0 = '1.20': must be below V_c = 1"),
-    "unknown section": ('"sine"', '"square"', "section = 'square': must be sine or ellipse"),
+    "unknown section": ('"sine"', '"square"', "section = 'square': must be sine, ellipse or conforming"),
     "infinite": ('"96 GPa"', '"inf GPa"', "warp.modulus = 'inf GPa': must be a text with a unit"),
 }
 

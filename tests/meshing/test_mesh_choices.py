@@ -74,7 +74,7 @@ def test_overlap_refused(build):
 def test_no_gap_and_yarns_too_wide_for_their_crossing(build):
     weave = catalogue.load("S-731").weave
     with pytest.raises(InputError) as caught:
-        build(catalogue.load("S-731"), width=(2 * weave.w2, 2 * weave.w1))
+        build(catalogue.load("S-731"), section="sine", width=(2 * weave.w2, 2 * weave.w1))
     assert str(caught.value) == (
         "the sine sections of warp and weft overlap by 44.0 um even at the closest packing of the fibres "
         "(Vf0 = 0.907): try other widths or another section"

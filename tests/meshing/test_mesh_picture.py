@@ -21,7 +21,7 @@ def test_picture_shows_both_yarns_inside_its_frame(domain, tmp_path):
     from meshing.pictures import COLOURS, WINDOW, picture
 
     path = tmp_path / "crossover.png"
-    picture(build(catalogue.load("S-731"), size=(5, 4, 2), domain=domain), path)
+    picture(build(catalogue.load("S-731"), size=(5, 4, 2), domain=domain, section="sine"), path)
     image = np.asarray(pyvista.read(path).active_scalars, float)[:, :3]
     assert len(image) == WINDOW[0] * WINDOW[1]
     for colour in COLOURS.values():

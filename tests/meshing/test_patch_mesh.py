@@ -66,10 +66,18 @@ def test_a_yarn_is_one_body_from_end_to_end():
 
 
 def test_no_yarn_touches_another_of_its_family():
-    patch = woven("S-745", (3, 3))
+    patch = woven("S-745", (3, 3), section="sine")
     for family, axis in (("warp", 1), ("weft", 0)):
         reach = [patch.points[patch.grids[patch.names.index(f"{family}_{i}")]][..., axis] for i in (1, 2, 3)]
         assert reach[0].max() < reach[1].min() < reach[1].max() < reach[2].min()
+
+
+def test_conforming_yarns_of_a_family_stand_side_by_side():
+    """Their blunt edges meet where no gap is asked for, and leave it where one is."""
+    for gap in (0.0, 2e-5):
+        patch = woven("S-745", (3, 3), gap=gap)
+        reach = [patch.points[patch.grids[patch.names.index(f"warp_{i}")]][..., 1] for i in (1, 2, 3)]
+        assert reach[1].min() - reach[0].max() == pytest.approx(gap, abs=1e-12)
 
 
 @pytest.mark.parametrize("kind", ["sine", "ellipse"])

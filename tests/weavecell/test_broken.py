@@ -56,7 +56,7 @@ FABRIC_FILES = {
     "fabric-no-weft": "[weft]: is missing; must be a table with the yarn's data",
     "fabric-unknown-key": f"colour: is not a known key; must be one of {FABRIC_KEYS}",
     "fabric-negative-modulus": "warp.modulus = '-96 GPa': must be a positive number",
-    "fabric-round-section": "section = 'round': must be sine or ellipse",
+    "fabric-round-section": "section = 'round': must be sine, ellipse or conforming",
 }
 
 
