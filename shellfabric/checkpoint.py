@@ -45,6 +45,7 @@ def write(march, path):
     with replace_whole(path) as beside, h5py.File(beside, "w") as file:
         file.attrs["format"], file.attrs["identity"] = _FORMAT, identity(march)
         file.attrs["reason"], file.attrs["wall_time"], file.attrs["zero"] = march.reason, march.wall_time, march._zero
+        file.attrs["passed"] = march.passed
         for name, value in zip(march.state._fields, march.state):
             file[f"state/{name}"] = np.array(value)
         file["samples"] = np.array(march.samples)
@@ -75,7 +76,7 @@ def read(march, path):
                 for array, part in zip(value, stored) if isinstance(value, tuple) else [(value, stored)]:
                     array[...] = part
             march.reason, march.wall_time = int(file.attrs["reason"]), float(file.attrs["wall_time"])
-            march._zero = float(file.attrs["zero"])
+            march._zero, march.passed = float(file.attrs["zero"]), int(file.attrs["passed"])
             march.samples[:] = list(file["samples"][()])
             march.fine[:] = (
                 np.split(file["fine"][()], np.cumsum(file["chunks"][()])[:-1]) if len(file["chunks"]) else []

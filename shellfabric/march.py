@@ -16,6 +16,7 @@ import numpy as np
 from fabrics.errors import InputError, UnstableError
 from shellfabric import march_kernels as kernels
 from shellfabric.panel import Panel
+from shellfabric.plug import passed
 
 OUTCOMES = {kernels.RUNNING: "in flight", kernels.STOPPED: "stopped", kernels.PERFORATED: "perforated"}
 ENERGIES = (
@@ -51,6 +52,7 @@ class March:
     fine : list of (steps, 3) projectile z [m], velocity [m/s] and force [N] (of the modelled part) after each step
     snapshots : list of measures.Snapshot, where a hook takes them
     outcome : "in flight", "stopped" or "perforated"
+    passed : audits in a row that found no held cloth ahead of the nose (see `plug`); the second ends the run
     wall_time : [s] spent in the kernels that march
 
     Raises
@@ -69,6 +71,7 @@ class March:
         self.drift_limit = drift_limit
         self.samples, self.fine, self.snapshots = [], [], []
         self.reason, self.wall_time = kernels.RUNNING, 0.0
+        self.passed = 0
         self._zero = 0.0
         self._audit()
 
@@ -118,6 +121,7 @@ class March:
             self.fine.append(fine[:made])
             self._audit()
             self._guard()
+            self._look_for_plug()
             for hook in hooks:
                 hook(self)
         return self
@@ -175,6 +179,14 @@ class March:
             self.reason = kernels.NOT_FINITE
             told = f"the energy balance is off by {100 * drift:.2g} % of the strike energy"
             raise UnstableError(told, where=self._place(k), when=when)
+
+    def _look_for_plug(self):
+        """End a run in which cut-out cloth is all that is left before the projectile."""
+        if self.reason != kernels.RUNNING or self.state.counter[kernels.FAILURES] == 0:
+            return
+        self.passed = self.passed + 1 if passed(self.state, self.const, self._work) else 0
+        if self.passed == 2:
+            self.reason = kernels.PERFORATED
 
     def _place(self, k):
         return f"node ({int(k) // self.const.s}, {int(k) % self.const.s})"

@@ -56,6 +56,11 @@ class TransverseImpact:
     force: float
 
 
+def striking_velocity(c, strain):
+    """[m/s] velocity across a yarn of the wave speed `c` [m/s] that leaves the strain behind its waves (section 3)."""
+    return c * sqrt(2 * strain * sqrt(strain * (1 + strain)) - strain * strain)
+
+
 def smith(yarn: Yarn, velocity) -> TransverseImpact:
     """Smith's closed form for a straight yarn of linear behaviour, struck at `velocity` [m/s].
 
@@ -67,10 +72,7 @@ def smith(yarn: Yarn, velocity) -> TransverseImpact:
     if not 0 < velocity < c:
         raise InputError(key="velocity", value=velocity, allowed=f"above 0 and below the wave speed {c:.0f} m/s")
 
-    def excess(e):
-        return 2 * e * sqrt(e * (1 + e)) - e * e - (velocity / c) ** 2
-
-    strain = brentq(excess, 0.0, 1.0, xtol=1e-16, rtol=1e-14)
+    strain = brentq(lambda e: striking_velocity(c, e) ** 2 - velocity**2, 0.0, 1.0, xtol=1e-16, rtol=1e-14)
     along = c * sqrt(strain * (1 + strain))
     tension = yarn.EA * strain
     return TransverseImpact(strain, tension, c, along - c * strain, 2 * tension * velocity / along)
