@@ -149,6 +149,39 @@ def impact(
     run.impact(scene, out or RESULTS / scene.stem, resume=resume)
 
 
+@app.command("critical-velocity", epilog="Example: [bold]weavecell critical-velocity S-720 --tolerance '1 m/s'[/bold]")
+def critical_velocity(
+    target: Annotated[
+        str, typer.Argument(metavar="SCENE|FABRIC", help="A scene, a fabric of the catalogue, or a fabric file.")
+    ],
+    tolerance: Annotated[
+        str, typer.Option(help="At most between a stop and a perforation.", metavar="VELOCITY")
+    ] = "1 m/s",
+    curve: Annotated[int, typer.Option(min=0, max=100, help="Shots above the limit, for residual velocities.")] = 8,
+    workers: Annotated[int, typer.Option(min=1, help="Shots that are fired beside each other.")] = CORES,
+    out: OutOption = None,
+):
+    """Bisect for the velocity between stop and perforation, and fit residual velocities (Lambert-Jonas).
+
+    A scene's own strike velocity and end time do not matter; a fabric is shot at as in the source's tests.
+
+    The folder then holds critical-velocity.json, shots.csv, residual-velocity.svg and scene.toml.
+    """
+    from fabrics.units import si
+    from weavecell import critical_velocity as command
+
+    width = si(tolerance, "m/s", key="--tolerance")
+    if not width > 0:
+        raise InputError(key="--tolerance", value=tolerance, allowed="above 0")
+    command.critical_velocity(
+        target,
+        out or RESULTS / f"critical-velocity-{Path(target).stem}",
+        tolerance=width,
+        curve=curve,
+        workers=workers,
+    )
+
+
 @app.command(epilog="Example: [bold]weavecell view results/S-720-stops --screenshot panel.png[/bold]")
 def view(
     path: Annotated[

@@ -7,6 +7,7 @@ import io
 import numpy as np
 
 from weavecell.style import (
+    BLUE,
     COLOURS,
     DASHES,
     FAINT,
@@ -144,6 +145,42 @@ def velocity(pyplot, runs):
     if len(runs) > 1:
         axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
     return figure
+
+
+def residual_velocity(pyplot, title, limit, fit, shots):
+    """Residual against strike velocity: shots, the bracket of the critical velocity, and the fitted curve.
+
+    Parameters
+    ----------
+    limit : shellfabric.limit.Limit
+    fit : shellfabric.lambert_jonas.LambertJonas, or None
+    shots : sequence of shellfabric.limit.Shot
+    """
+    figure, axes = pyplot.subplots(figsize=(10.4, 5.2))
+    strike = np.array([shot.strike_velocity for shot in shots])
+    residual = np.array([shot.residual_velocity for shot in shots])
+    through = np.array([shot.perforated for shot in shots])
+    low, high = 0.94 * min(strike.min(), limit.low), 1.02 * strike.max()
+    axes.plot([low, high], [low, high], color=FAINT, lw=1, ls=":", label="no loss of velocity")
+    if fit is not None:
+        velocities = fit.limit + (high - fit.limit) * np.linspace(0, 1, 400) ** 3  # it rises steeply at the limit
+        a, p = (_with_interval(getattr(fit, name), fit.intervals[name]) for name in ("a", "p"))
+        curve = fit.residual_velocity(velocities)
+        axes.plot(velocities, curve, color=BLUE, label=f"Lambert-Jonas\na = {a}\np = {p}")
+    axes.plot(strike[through], residual[through], "o", ms=7, color=RED, mec="white", label="perforated", zorder=3)
+    axes.plot(
+        strike[~through], residual[~through], "o", ms=7, mfc="white", mec=GREEN, mew=1.8, label="stopped", zorder=3
+    )
+    name = f"critical velocity\n{limit.velocity:.1f} ± {limit.half_width:.1f} m/s"
+    axes.axvspan(limit.low, limit.high, color=ORANGE, alpha=0.8, lw=1, label=name)
+    axes.set(title=title, xlabel="strike velocity [m/s]", ylabel="residual velocity [m/s]", xlim=(low, high))
+    axes.set_ylim(-0.02 * high, high)
+    axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), labelspacing=0.9)
+    return figure
+
+
+def _with_interval(value, interval):
+    return f"{value:.2f} ({interval[0]:.2f} to {interval[1]:.2f})" if interval else f"{value:.2f} (its bound)"
 
 
 def energies(pyplot, t, parts, strike_energy, balance, title=""):

@@ -9,7 +9,18 @@ import pytest
 import weavecell
 from fabrics import catalogue
 
-COMMANDS = ("", "demo", "mesh", "calibrate", "impact", "view", "fabrics", "fabrics list", "fabrics show")
+COMMANDS = (
+    "",
+    "demo",
+    "mesh",
+    "calibrate",
+    "impact",
+    "critical-velocity",
+    "view",
+    "fabrics",
+    "fabrics list",
+    "fabrics show",
+)
 
 
 @pytest.mark.parametrize("words", COMMANDS)

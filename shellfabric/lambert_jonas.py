@@ -1,0 +1,133 @@
+"""Residual velocity against strike velocity: the Lambert-Jonas curve, fitted with confidence intervals.
+
+    V_r = a (V_s^p - V_bl^p)^(1/p)   above the ballistic limit V_bl,   0 below it
+
+J. P. Lambert, G. H. Jonas, Towards Standardization in Terminal Ballistics Testing: Velocity Representation, BRL
+Report 1852 (1976). With p = 2 it is a balance of energy and a^2 the share of the projectile in the mass that flies on;
+the larger p, the more abruptly V_r rises at the limit. a is at most 1: no projectile leaves faster than it came.
+Computed here as a V_s (1 - (V_bl / V_s)^p)^(1/p).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import least_squares
+from scipy.stats import t as student
+
+from fabrics.errors import InputError
+
+NAMES = ("a", "p", "limit")
+_LOWEST, _HIGHEST = {"a": 1e-3, "p": 0.5}, {"a": 1.0, "p": 50.0}
+
+
+@dataclass(frozen=True)
+class LambertJonas:
+    """A fitted curve.
+
+    Parameters
+    ----------
+    a, p : [-]
+    limit : [m/s] V_bl
+    intervals : {name: (low, high)} of the parameters that were fitted, at the level of `confidence`, from the curve's
+        slopes at the fit; None for one that came to rest on a bound of what is sought
+    confidence : [-]
+    residual_rms : [m/s] of the fit
+    points : number of shots that it was fitted to
+    """
+
+    a: float
+    p: float
+    limit: float
+    intervals: dict
+    confidence: float
+    residual_rms: float
+    points: int
+
+    def residual_velocity(self, strike_velocity):
+        """[m/s] of the curve at strike velocities [m/s] of any shape."""
+        return curve(np.asarray(strike_velocity, float), self.a, self.p, self.limit)
+
+
+def curve(strike_velocity, a, p, limit):
+    """[m/s] residual velocity, (n,) or a number."""
+    ratio = np.minimum(limit / strike_velocity, 1.0)
+    return a * strike_velocity * (-np.expm1(p * np.log(ratio))) ** (1 / p)
+
+
+def fit(strike_velocity, residual_velocity, *, limit=None, confidence=0.95) -> LambertJonas:
+    """Least squares of the curve to shots.
+
+    Parameters
+    ----------
+    strike_velocity, residual_velocity : (n,) [m/s]; 0 where the projectile was stopped
+    limit : [m/s] to hold V_bl at, where it is known; fitted if None
+    confidence : [-] of the intervals
+
+    Raises
+    ------
+    InputError : shots that are not numbers, no more perforations than parameters, a limit above the slowest
+        perforation, or a confidence that is no share
+    """
+    vs, vr = np.asarray(strike_velocity, float), np.asarray(residual_velocity, float)
+    free = NAMES if limit is None else NAMES[:2]
+    slowest = _check(vs, vr, limit, confidence, len(free))
+    low = np.array([*_LOWEST.values(), 0.1 * slowest][: len(free)])
+    high = np.array([*_HIGHEST.values(), slowest][: len(free)])
+    scale = np.array([1.0, 1.0, slowest][: len(free)])
+
+    def full(x):
+        return (*x, limit) if limit is not None else x
+
+    # the sum of squares can have a valley for each sharpness of the rise: begin in several, keep the deepest
+    starts = [[0.95, p, 0.99 * slowest][: len(free)] for p in (1.2, 2.0, 4.0, 10.0)]
+    found = min(
+        (
+            least_squares(
+                lambda x: curve(vs, *full(x)) - vr, start, bounds=(low, high), x_scale=scale,
+                xtol=1e-15, ftol=1e-15, gtol=1e-15,
+            )
+            for start in starts
+        ),
+        key=lambda solution: solution.cost,
+    )  # fmt: skip
+    a, p, at = (float(value) for value in full(found.x))
+    intervals = _intervals(found, dict(zip(free, zip(low, high))), len(vs), confidence)
+    return LambertJonas(a, p, at, intervals, confidence, float(np.sqrt(np.mean(found.fun**2))), len(vs))
+
+
+def _check(vs, vr, limit, confidence, parameters):
+    """Refuse what cannot be fitted; returns the strike velocity [m/s] of the slowest perforation."""
+    if vs.ndim != 1 or vs.shape != vr.shape:
+        raise InputError("strike and residual velocities must be two rows of the same length")
+    if not (np.isfinite(vs).all() and np.isfinite(vr).all() and (vs > 0).all() and (vr >= 0).all()):
+        raise InputError("strike velocities must be above 0 and residual velocities at least 0")
+    through = np.count_nonzero(vr > 0)
+    if through <= parameters:
+        told = f"{through} perforations do not determine {parameters} parameters of the Lambert-Jonas curve"
+        raise InputError(told, allowed=f"at least {parameters + 1}")
+    slowest = float(vs[vr > 0].min())
+    if limit is not None and not 0 < limit < slowest:
+        raise InputError(
+            key="limit", value=limit, allowed=f"above 0 and below the slowest perforation, {slowest:g} m/s"
+        )
+    if not 0 < confidence < 1:
+        raise InputError(key="confidence", value=confidence, allowed="above 0 and below 1")
+    return slowest
+
+
+def _intervals(found, bounds, points, confidence):
+    """Linearised intervals; a parameter on its bound has none, and the others are found with it held."""
+    inner = [k for k, (low, high) in enumerate(bounds.values()) if low < found.x[k] < high and not found.active_mask[k]]
+    intervals = dict.fromkeys(bounds)
+    J, freedom = found.jac[:, inner], points - len(inner)
+    if not inner or np.linalg.matrix_rank(J) < len(inner):
+        return intervals
+    spread = np.sqrt(np.diag(np.linalg.inv(J.T @ J)) * 2 * found.cost / freedom)
+    half = student.ppf(0.5 * (1 + confidence), freedom) * spread
+    for k, name in enumerate(bounds):
+        if k in inner:
+            middle, reach = float(found.x[k]), float(half[inner.index(k)])
+            intervals[name] = (middle - reach, middle + reach)
+    return intervals
