@@ -97,7 +97,7 @@ class CableNet:
 
     Raises
     ------
-    InputError : unknown symmetry, or an opening smaller than the projectile needs
+    InputError : unknown symmetry, an opening smaller than the projectile needs, or a shot that is not axial and flat
     """
 
     fabric: Fabric
@@ -110,6 +110,9 @@ class CableNet:
     def __post_init__(self):
         if self.symmetry not in SYMMETRIES:
             raise InputError(key="symmetry", value=self.symmetry, allowed=" or ".join(SYMMETRIES))
+        shot = self.projectile
+        if shot.shape != "flat" or shot.length is not None or shot.tilted or shot.roaming or shot.friction:
+            raise InputError("the cable net takes a flat projectile without an end at normal incidence, frictionless")
         for length, w in zip(self.opening, self.fabric.weave.w):
             if not length / 2 >= max(2 * self.projectile.radius, 4 * w):
                 raise InputError(key="opening", value=length, allowed="wider than two projectiles and four crossovers")

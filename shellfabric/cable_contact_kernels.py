@@ -1,4 +1,4 @@
-"""Contact of the bars of a cable net with the rigid projectile: penalty on `contact_kernels.distance`.
+"""Contact of the bars of a cable net with the rigid projectile: penalty on `shapes_kernels.flat`.
 
 Every bar carries points x = (1 - t) x_near + t x_far. One with distance < 0 feels f n,
 f = max(0, -k distance - c n.(v - v_p)); the two nodes share f n by 1 - t and t, and the projectile gets -f n, so that
@@ -11,7 +11,7 @@ import math
 import numpy as np
 from numba import njit
 
-from shellfabric.contact_kernels import distance
+from shellfabric.shapes_kernels import flat
 
 WARP, WEFT = 0, 1
 CONTACT, SPRING = 1, 2  # of state.sums
@@ -75,7 +75,7 @@ def press(state, const, family, i, j, x, v):
         s = 1.0 - t
         p_x, p_y, p_z = s * x[0, 0] + t * x[1, 0], s * x[0, 1] + t * x[1, 1], s * x[0, 2] + t * x[1, 2]
         r = math.sqrt(p_x * p_x + p_y * p_y)
-        depth, n_r, n_z = distance(r, p_z, const.R, const.rho)
+        depth, n_r, n_z = flat(r, p_z, const.R, const.rho)
         before = state.pressed[family, row, column, a]
         if depth >= 0.0 and before == 0.0:
             continue

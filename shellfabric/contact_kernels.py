@@ -1,12 +1,11 @@
 """Contact of the cloth with a rigid projectile: penalty on a signed distance, over points inside the elements.
 
-The projectile is a cylinder of radius R about the z axis, its flat nose at z = 0 facing +z, its edge rounded with the
-radius rho. In the plane (r, z), with q = (r - R + rho, z + rho),
-
-    distance = |max(q, 0)| + min(max(q_r, q_z), 0) - rho,      normal n = its gradient.
+The distance is that of `shapes_kernels`, in the frame of the projectile: its nose at the origin, its axis along z. A
+projectile whose axis is tilted has a frame of its own, into which places are turned, and normals back out of it.
 
 Every element carries p x p points x = sum N_i x_i. One with distance < 0 feels f n, f = max(0, -k distance - c n.(v -
-v_p)); its nodes share f n by their N_i, and the projectile gets -f n, so that momentum is kept.
+v_p)), and the friction of `friction_kernels`; its nodes share the force by their N_i, and the projectile gets its
+opposite, so that momentum is kept.
 
 Points inside the elements are what keeps contact quiet. A lone node that carries a yarn round the edge slides off it
 down the side of the cylinder, which stretches the yarn under the nose to twice the tension outside, though frictionless
@@ -16,35 +15,28 @@ peak tension has converged (S-720, 92.5 m/s: 135 N; with one point 200 N; at nod
 serves as well as 0.3 mm.
 """
 
-import math
-
 import numpy as np
 from numba import njit
 
+from shellfabric import friction_kernels, shapes_kernels
 from shellfabric.membrane_kernels import ERODED
 
-
-@njit(cache=True, error_model="numpy")
-def distance(r, z, R, rho):
-    """Signed distance to the rounded cylinder and its gradient (n_r, n_z)."""
-    q_r, q_z = r - R + rho, z + rho
-    if q_r > 0.0 and q_z > 0.0:
-        length = math.sqrt(q_r * q_r + q_z * q_z)
-        return length - rho, q_r / length, q_z / length
-    if q_r > q_z:
-        return q_r - rho, 1.0, 0.0
-    return q_z - rho, 0.0, 1.0
+CONTACT, SPRING, FRICTION, FRICTION_SPRING = 0, 1, 2, 3  # of state.contact_energy
 
 
 @njit(cache=True, error_model="numpy")
 def corner(state, const, i, j, x, v):
-    """Place of node (i, j) relative to the projectile, and its velocity relative to it."""
+    """Place of node (i, j) in the frame of the projectile, and its velocity relative to it, in that of the panel."""
     k = np.uint64(i * const.s + j)
     x[0] = const.x0 + i * const.dx + state.u[0][k] - state.position[0]
     x[1] = const.y0 + j * const.dy + state.u[1][k] - state.position[1]
     x[2] = state.u[2][k] - state.position[2]
     for c in range(3):
         v[c] = state.v[c][k] - state.speed[c]
+    if const.tilted:
+        frame, x0, x1, x2 = const.frame, x[0], x[1], x[2]
+        for c in range(3):
+            x[c] = frame[c, 0] * x0 + frame[c, 1] * x1 + frame[c, 2] * x2
 
 
 @njit(cache=True, error_model="numpy")
@@ -61,25 +53,59 @@ def apart(x, R):
 
 
 @njit(cache=True, error_model="numpy")
+def window(state):
+    """First and last row, and column, of the elements that contact looks at."""
+    return state.window[0], state.window[1], state.window[2], state.window[3]
+
+
+@njit(cache=True, error_model="numpy")
+def follow(state, const):
+    """Let the window of elements that contact looks at, state.window, go with a projectile that moves sideways.
+
+    The body lies between its nose and the place where its axis is at const.depth below the panel; about that the window
+    leaves const.reach, by which cloth may be drawn in besides the body's own width, and what the edges have slipped.
+    """
+    slip = 0.0
+    for m in range(const.rim_node.size):
+        slip = max(slip, abs(state.u[const.rim_axis[m]][const.rim_node[m]]))
+    back = min((state.position[2] + const.depth) / const.frame[2, 2], const.length)
+    for c, start, step in ((0, const.x0, const.dx), (1, const.y0, const.dy)):
+        nose, foot = state.position[c], state.position[c] - back * const.frame[2, c]
+        low, high = min(nose, foot) - start, max(nose, foot) - start
+        low, high = low - const.reach[c] - slip, high + const.reach[c] + slip
+        count = const.near[2 * c + 1]
+        state.window[2 * c] = min(max(int(low / step), 0), count)
+        state.window[2 * c + 1] = min(max(int(high / step) + 1, state.window[2 * c]), count)
+    state.rows[0] = min(state.rows[0], max(state.window[0] - 1, 0))
+    state.rows[1] = max(state.rows[1], min(state.window[1] + 1, const.ni))
+
+
+@njit(cache=True, error_model="numpy")
 def contact(state, const, x, v):
     """Contact forces at the present positions, into state.contact; the force on the projectile into state.reaction.
 
-    x, v : (4, 3) scratch. The elements of the block of rows and columns const.near are looked at, unless eroded: what
-    no element holds is out of contact. Returns the work that the contact has taken in since the last call (spring and
-    damper, by the trapezoid rule) and the energy in its springs.
+    x, v : (4, 3) scratch. The elements of the block of rows and columns state.window, which lies in const.near, are
+    looked at, unless eroded: what no element holds is out of contact. Returns the work that the contact has taken in
+    since the last call (spring and damper, by the trapezoid rule) and the energy in its springs.
     """
-    i0, i1, j0, j1 = const.near
+    i0, i1, j0, j1 = window(state)
     for c in range(3):
         state.reaction[c] = 0.0
         for i in range(i0, i1 + 1):
             for k in range(i * const.s + j0, i * const.s + j1 + 1):
                 state.contact[c][np.uint64(k)] = 0.0
+    if const.roaming:
+        follow(state, const)
+        i0, i1, j0, j1 = window(state)
+    state.contact_energy[FRICTION_SPRING] = 0.0
     work, spring = 0.0, 0.0
     for i in range(i0, i1):
         for j in range(j0, j1):
-            e = (i - i0) * (j1 - j0) + j - j0
+            e = (i - const.near[0]) * (const.near[3] - const.near[2]) + j - const.near[2]
             if state.flag[i * const.s + j] & ERODED:
                 state.pressed[e] = 0.0
+                if const.friction > 0.0:
+                    state.stuck[e] = 0.0
                 continue
             for m in range(4):
                 corner(state, const, i + (m & 1), j + (m >> 1), x[m], v[m])
@@ -113,17 +139,19 @@ def press(state, const, i, j, e, x, v):
             p_y = n0 * x[0, 1] + n1 * x[1, 1] + n2 * x[2, 1] + n3 * x[3, 1]
             p_z = n0 * x[0, 2] + n1 * x[1, 2] + n2 * x[2, 2] + n3 * x[3, 2]
             before = state.pressed[e, a * p + b]
-            r2 = p_x * p_x + p_y * p_y
-            if before == 0.0 and (p_z >= 0.0 or r2 >= const.R * const.R):
+            if before == 0.0 and (p_z >= 0.0 or p_x * p_x + p_y * p_y >= const.R * const.R):
                 continue
-            r = math.sqrt(r2)
-            depth, n_r, n_z = distance(r, p_z, const.R, const.rho)
+            depth, n_x, n_y, n_z = shapes_kernels.distance(
+                const.shape, p_x, p_y, p_z, const.R, const.rho, const.length, const.form
+            )
             if depth >= 0.0 and before == 0.0:
                 continue
-            n_x, n_y = (n_r * p_x / r, n_r * p_y / r) if r > 0.0 else (0.0, 0.0)
-            closing = -n_x * (n0 * v[0, 0] + n1 * v[1, 0] + n2 * v[2, 0] + n3 * v[3, 0])
-            closing -= n_y * (n0 * v[0, 1] + n1 * v[1, 1] + n2 * v[2, 1] + n3 * v[3, 1])
-            closing -= n_z * (n0 * v[0, 2] + n1 * v[1, 2] + n2 * v[2, 2] + n3 * v[3, 2])
+            if const.tilted:
+                n_x, n_y, n_z = turned_back(const.frame, n_x, n_y, n_z)
+            v_x = n0 * v[0, 0] + n1 * v[1, 0] + n2 * v[2, 0] + n3 * v[3, 0]
+            v_y = n0 * v[0, 1] + n1 * v[1, 1] + n2 * v[2, 1] + n3 * v[3, 1]
+            v_z = n0 * v[0, 2] + n1 * v[1, 2] + n2 * v[2, 2] + n3 * v[3, 2]
+            closing = -n_x * v_x - n_y * v_y - n_z * v_z
             f = 0.0
             if depth < 0.0:
                 f = max(0.0, const.point_damping * closing - const.point_stiffness * depth)
@@ -131,8 +159,17 @@ def press(state, const, i, j, e, x, v):
                 state.touching[e] = True
             work += 0.5 * (f + before) * closing * const.dt
             state.pressed[e, a * p + b] = f
+            f_x, f_y, f_z = f * n_x, f * n_y, f * n_z
+            if const.friction > 0.0:
+                t_x, t_y, t_z, taken, held = friction_kernels.rub(
+                    state.stuck[e, a * p + b], const.friction * f, const.point_stiffness, const.point_damping, const.dt,
+                    n_x, n_y, n_z, v_x, v_y, v_z,
+                )  # fmt: skip
+                state.contact_energy[FRICTION] += taken
+                state.contact_energy[FRICTION_SPRING] += held
+                f_x, f_y, f_z = f_x + t_x, f_y + t_y, f_z + t_z
             for c in range(3):
-                push = f * (n_x if c == 0 else n_y if c == 1 else n_z)
+                push = f_x if c == 0 else f_y if c == 1 else f_z
                 k = np.uint64(i * const.s + j)
                 state.contact[c][k] += n0 * push
                 state.contact[c][k + np.uint64(const.s)] += n1 * push
@@ -143,9 +180,19 @@ def press(state, const, i, j, e, x, v):
 
 
 @njit(cache=True, error_model="numpy")
+def turned_back(frame, x, y, z):
+    """A vector in the frame of the projectile, in that of the panel."""
+    return (
+        frame[0, 0] * x + frame[1, 0] * y + frame[2, 0] * z,
+        frame[0, 1] * x + frame[1, 1] * y + frame[2, 1] * z,
+        frame[0, 2] * x + frame[1, 2] * y + frame[2, 2] * z,
+    )
+
+
+@njit(cache=True, error_model="numpy")
 def push(state, const):
     """Give nodes and projectile the impulses of the contact forces, equal and opposite."""
-    i0, i1, j0, j1 = const.near
+    i0, i1, j0, j1 = window(state)
     for c in range(3):
         for i in range(i0, i1 + 1):
             for m in range(i * const.s + j0, i * const.s + j1 + 1):
@@ -156,8 +203,8 @@ def push(state, const):
 
 @njit(cache=True, error_model="numpy")
 def in_the_way(state, const, x, v):
-    """Whether a part of the cloth that holds together is still ahead of the edge, within the projectile's radius."""
-    i0, i1, j0, j1 = const.near
+    """Whether a part of the cloth that holds together is ahead of the shoulder, within the projectile's radius."""
+    i0, i1, j0, j1 = window(state)
     for i in range(i0, i1):
         for j in range(j0, j1):
             if state.flag[i * const.s + j] & ERODED:
@@ -167,6 +214,6 @@ def in_the_way(state, const, x, v):
             p_x = 0.25 * (x[0, 0] + x[1, 0] + x[2, 0] + x[3, 0])
             p_y = 0.25 * (x[0, 1] + x[1, 1] + x[2, 1] + x[3, 1])
             p_z = 0.25 * (x[0, 2] + x[1, 2] + x[2, 2] + x[3, 2])
-            if p_z > -const.rho and p_x * p_x + p_y * p_y < const.R * const.R:
+            if p_z > -const.shoulder and p_x * p_x + p_y * p_y < const.R * const.R:
                 return True
     return False

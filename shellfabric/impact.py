@@ -12,6 +12,7 @@ from fabrics.fabric import Fabric
 from shellfabric import checkpoint, measures
 from shellfabric import hooks as onlookers
 from shellfabric.cell import CellModel
+from shellfabric.edges import Grip, PullIn
 from shellfabric.march import ENERGIES, March
 from shellfabric.panel import SYMMETRIES, Numerics, Panel
 from shellfabric.projectile import Projectile
@@ -19,16 +20,17 @@ from shellfabric.projectile import Projectile
 
 @dataclass(frozen=True)
 class ImpactSetup:
-    """A projectile that strikes the middle of a panel at right angles.
+    """A projectile that strikes the middle of a panel.
 
     Parameters
     ----------
     fabric : Fabric; its linear densities are used as they are (see Fabric.effective)
-    strike_velocity : [m/s]
+    strike_velocity : [m/s] along the projectile's line of flight
     laws : (CompressionLaw, CompressionLaw) of warp and weft; None takes the fabric's published ones
     projectile : Projectile
-    opening : [m] side of the square opening, or (along warp, along weft)
-    edge : "clamped" or "free"
+    opening : [m] side of the square opening, or both sides: along warp and weft, but for an oblique weave
+    edge : "clamped", "free" or a slipping side, for all sides or each on its own (see `edges`)
+    weave_angle : [rad] of the warp against the first side of the opening
     symmetry : "quarter", "half" or "whole"
     end_time : [s] at the latest; a run ends when the projectile stops or has passed
     elements_per_crossover : along each side
@@ -44,7 +46,8 @@ class ImpactSetup:
     laws: tuple[CompressionLaw, CompressionLaw] | None = None
     projectile: Projectile = field(default_factory=Projectile)
     opening: float | tuple[float, float] = 0.203
-    edge: str = "clamped"
+    edge: str | PullIn | Grip | tuple = "clamped"
+    weave_angle: float = 0.0
     symmetry: str = "quarter"
     end_time: float = 800e-6
     elements_per_crossover: int = 1
@@ -73,6 +76,7 @@ class ImpactSetup:
             self.elements_per_crossover,
             self.edge,
             self.numerics,
+            weave_angle=self.weave_angle,
         )
 
 
@@ -83,14 +87,16 @@ class ImpactResult:
     Parameters
     ----------
     setup, panel : what was run
-    outcome : "stopped", "perforated", "in flight" (end time reached) or "unstable"
-    residual_velocity : [m/s] of the projectile at the end
-    t, v, z : (n,) [s, m/s, m] instants of the audit; velocity and nose position of the projectile
+    outcome : "stopped", "perforated", "in flight" (end time reached) or "unstable"; a projectile has stopped when it no
+        longer moves along the panel's normal, though it may slide on
+    residual_velocity : [m/s] of the projectile at the end, along the normal
+    velocity : (3,) [m/s] of the projectile at the end, along warp, weft and normal
+    t, v, z : (n,) [s, m/s, m] instants of the audit; the projectile's velocity along the normal and its foremost point
     energies : {name: (n,)} [J] with the names of march.ENERGIES; balance is the sum less the energy at the start
     reactions : {"warp", "weft": (n,)} [N] tension at the clamped end of the yarn nearest the impact point
     failed : (n,) number of failed yarn segments
     peak_tension : (warp, weft) [N] over the run
-    fine : (steps, 4) time [s], nose position [m], velocity [m/s] at half steps, force on the projectile [N]
+    fine : (steps, 4) time [s], foremost point [m], velocity [m/s] at half steps, force on the projectile [N]
     nodes, quads : (k, 3) [m], (m, 4) the panel (or its modelled part) at the end
     tension : (m, 2) [N] of warp and weft at the end
     broken : (m, 3) bool at the end: warp failed, weft failed, element eroded
@@ -102,6 +108,7 @@ class ImpactResult:
     panel: Panel
     outcome: str
     residual_velocity: float
+    velocity: np.ndarray
     t: np.ndarray
     v: np.ndarray
     z: np.ndarray
@@ -177,6 +184,7 @@ def result_of(setup: ImpactSetup, march: March) -> ImpactResult:
         panel=march.panel,
         outcome=march.outcome,
         residual_velocity=float(march.sample("v")[-1]),
+        velocity=march.state.speed.copy(),
         t=march.sample("t"),
         v=march.sample("v"),
         z=march.sample("z"),

@@ -14,6 +14,7 @@ import time
 import numpy as np
 
 from fabrics.errors import InputError, UnstableError
+from shellfabric import contact_kernels, edges, edges_kernels
 from shellfabric import march_kernels as kernels
 from shellfabric.panel import Panel
 from shellfabric.plug import passed
@@ -27,7 +28,9 @@ ENERGIES = (
     "viscous",
     "hourglass",
     "contact",
+    "friction",
     "failed",
+    "grip",
     "external",
     "balance",
 )
@@ -66,6 +69,7 @@ class March:
                 raise InputError(key=key, value=value, allowed="above 0")
         self.panel, self.strike_velocity, self.end_time = panel, float(strike_velocity), float(end_time)
         self.const, self.state, self._work = panel.constants(), panel.state(strike_velocity), panel.work()
+        self._ends = edges.ends(panel)
         self.chunk = max(1, round(interval / self.const.dt))
         self.last_step = int(np.ceil(end_time / self.const.dt))
         self.drift_limit = drift_limit
@@ -133,15 +137,17 @@ class March:
         kick = const.dt * state.reaction[:] * const.free / const.projectile_mass
         sums = state.sums.sum(axis=0)
         energies = [
-            out[0],
+            out[0] + state.rim_sums[edges_kernels.KINETIC],
             0.5 * const.projectile_mass * float(state.speed @ (state.speed + kick)),
             out[1],
             out[2],
             sums[kernels.VISCOUS],
             out[3] + sums[kernels.HOURGLASS],
-            state.contact_energy[0],
+            state.contact_energy[contact_kernels.CONTACT],
+            state.contact_energy[contact_kernels.FRICTION],
             sums[kernels.LOST],
-            0.0,  # no edge is moved: clamps and planes of symmetry do no work
+            state.rim_sums[edges_kernels.GRIPPED],
+            state.rim_sums[edges_kernels.EXTERNAL],
         ]
         total = sum(energies)
         if not self.samples:
@@ -150,14 +156,13 @@ class March:
         failed_yarns = (np.count_nonzero(state.flag & 1) + np.count_nonzero(state.flag & 2)) / share
         speed = state.speed[2] + 0.5 * kick[2]
         self.samples.append(
-            np.array([self.time, speed, state.position[2], failed_yarns, *self._reactions(), *energies])
+            np.array([self.time, speed, state.position[2] + const.top, failed_yarns, *self._reactions(), *energies])
         )
 
     def _reactions(self):
         """[N] tension at the edge of the warp and of the weft yarn nearest the impact point."""
         c, g0, g1 = self.const, self.state.g0, self.state.g1
-        i, j = (0 if c.mirror_x else c.ni // 2), (0 if c.mirror_y else c.nj // 2)
-        warp_node, weft_node = c.ni * c.s + j, i * c.s + c.nj
+        warp_node, weft_node = (i * c.s + j for i, j in self._ends)
         warp = -(g0[0][warp_node] + g1[0][warp_node]) * self.panel.weave.w2 * 2 / (c.dy * (0.5 if c.mirror_y else 1))
         weft = -(g0[1][weft_node] + g1[1][weft_node]) * self.panel.weave.w1 * 2 / (c.dx * (0.5 if c.mirror_x else 1))
         return warp, weft

@@ -15,7 +15,7 @@ pair of them for each array of the state would cost as much as a hundred element
 import numpy as np
 from numba import njit
 
-from shellfabric import contact_kernels, membrane_kernels
+from shellfabric import contact_kernels, edges_kernels, membrane_kernels
 from shellfabric.membrane_kernels import ERODED, ONE
 
 RUNNING, STOPPED, PERFORATED, NOT_FINITE = 0, 1, 2, 3
@@ -181,6 +181,7 @@ def step(state, const, work):
     state.contact_energy[0] += taken
     state.contact_energy[1] = spring
     state.counter[STEP] += 1
+    edges_kernels.hold(state, const, state.counter[STEP] * const.dt)
     if not abs(state.speed[2]) < 1e9:
         return NOT_FINITE
     if state.speed[2] <= 0.0:
@@ -193,13 +194,13 @@ def step(state, const, work):
 
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
 def advance(state, const, work, steps, history):
-    """March at most `steps` steps. history (steps, 3): the projectile's z, v_z and the force on it after each.
+    """March at most `steps` steps. history (steps, 3): the projectile's foremost z, v_z and the force on it after each.
 
     Returns (steps made, RUNNING or the reason to end).
     """
     for m in range(steps):
         reason = step(state, const, work)
-        history[m, 0] = state.position[2]
+        history[m, 0] = state.position[2] + const.top
         history[m, 1] = state.speed[2]
         history[m, 2] = state.reaction[2]
         if reason != RUNNING:

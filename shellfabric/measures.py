@@ -16,7 +16,7 @@ class Snapshot:
     Parameters
     ----------
     t : [s]
-    z : [m] position of the projectile's nose
+    z : [m] foremost point of the projectile
     nodes : (ni+1, nj+1, 3) [m]
     tension : (ni, nj, 2) [N] of warp and weft
     broken : (ni, nj, 3) bool: warp failed, weft failed, element eroded
@@ -39,7 +39,8 @@ def snapshot(panel, state, t) -> Snapshot:
     nodes[..., 1] += Y
     flag = state.flag[: ni * (nj + 1)].reshape(ni, nj + 1)[:, :nj]
     broken = np.stack([(flag & bit) != 0 for bit in (1, 2, 4)], axis=2)
-    return Snapshot(t, float(state.position[2]), nodes, yarn_tensions(panel, state, broken), broken)
+    z = float(state.position[2] + panel.projectile.top)
+    return Snapshot(t, z, nodes, yarn_tensions(panel, state, broken), broken)
 
 
 def yarn_tensions(panel, state, broken):

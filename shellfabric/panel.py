@@ -16,24 +16,24 @@ from math import inf
 import numpy as np
 
 from fabrics.errors import InputError
-from shellfabric import march_kernels
+from shellfabric import contact_kernels, edges, edges_kernels, march_kernels
 from shellfabric.cell import CellTable
 from shellfabric.projectile import Projectile
 
 SYMMETRIES = {"quarter": (True, True), "half": (True, False), "whole": (False, False)}
-EDGES = ("clamped", "free")
 
 Constants = namedtuple(
     "Constants",
     "ni nj s block mirror_x mirror_y x0 y0 dx dy ra rb dt "
     "tension potential x0t rx top1 y0t ry top2 per1 per2 variational "
     "c1 c2 cv1 cv2 kh ch V G1 G2 gamma1 gamma2 w1 S01 EA1 w2 S02 EA2 strength1 strength2 widest cells "
-    "near points point_stiffness point_damping R rho projectile_mass free idle_steps",
+    "near points point_stiffness point_damping R rho projectile_mass free idle_steps "
+    "shape form length frame tilted roaming depth reach top shoulder friction rim_node rim_axis rim",
 )
 State = namedtuple(
     "State",
     "u v g0 g1 mass inverse_mass kick L1 L2 P1 P2 D1 D2 W dH flag pressed touching contact position speed reaction "
-    "contact_energy rows counter sums peak dirty fresh",
+    "contact_energy rows counter sums peak dirty fresh window stuck rim_force rim_sums",
 )
 Work = namedtuple(
     "Work",
@@ -103,19 +103,21 @@ class Panel:
     Parameters
     ----------
     table : CellTable of the fabric
-    opening : (along warp, along weft) [m]; as many whole crossovers as fit from the centre to an edge are meshed, as in
-        the source (erratum E-34: 79 of 79.9 for S-720)
+    opening : (along warp, along weft) [m], but for an oblique weave; as many whole crossovers as fit from the centre to
+        an edge are meshed, as in the source (erratum E-34: 79 of 79.9 for S-720)
     projectile : Projectile
     symmetry : "quarter", "half" (x >= 0) or "whole"
     elements_per_crossover : along each side
-    edge : "clamped" or "free"
+    edge : "clamped", "free" or a slipping side, for all sides or each on its own (see `edges`)
     numerics : Numerics
     trellis : whether the fabric's shear law acts; a fabric without one has none
     failure : whether yarns fail
+    weave_angle : [rad] of the warp against the first side of the opening, towards the second (see `edges`)
 
     Raises
     ------
-    InputError : unknown symmetry or edge, or an opening smaller than the projectile needs
+    InputError : unknown symmetry or edge, an opening smaller than the projectile needs, or a symmetry that shot, edges
+        or weave do not have
     """
 
     table: CellTable
@@ -123,16 +125,19 @@ class Panel:
     projectile: Projectile = field(default_factory=Projectile)
     symmetry: str = "quarter"
     elements_per_crossover: int = 1
-    edge: str = "clamped"
+    edge: str | edges.PullIn | edges.Grip | tuple = "clamped"
     numerics: Numerics = field(default_factory=Numerics)
     trellis: bool = True
     failure: bool = True
+    weave_angle: float = 0.0
 
     def __post_init__(self):
         if self.symmetry not in SYMMETRIES:
             raise InputError(key="symmetry", value=self.symmetry, allowed=" or ".join(SYMMETRIES))
-        if self.edge not in EDGES:
-            raise InputError(key="edge", value=self.edge, allowed=" or ".join(EDGES))
+        edges.check(self)
+        for axis, mirrored in enumerate(self.mirrors):
+            if mirrored and not self.projectile.mirrored(axis):
+                raise InputError(key="symmetry", value=self.symmetry, allowed="one that the oblique shot has, or whole")
         if self.elements_per_crossover < 1:
             raise InputError(key="elements_per_crossover", value=self.elements_per_crossover, allowed="1, 2, 3, ...")
         for length, w in zip(self.opening, self.weave.w):
@@ -148,6 +153,11 @@ class Panel:
         return self.fabric.weave
 
     @property
+    def mirrors(self):
+        """(x, y) whether x = 0 and y = 0 are planes of symmetry that bound the modelled part."""
+        return SYMMETRIES[self.symmetry]
+
+    @property
     def spacing(self):
         """(dx, dy) [m] sides of an element."""
         return tuple(2 * w / self.elements_per_crossover for w in self.weave.w)
@@ -157,9 +167,9 @@ class Panel:
         """(ni, nj) elements along warp and weft."""
         half = [
             int(length / 2 / (2 * w) + 1e-9) * self.elements_per_crossover
-            for length, w in zip(self.opening, self.weave.w)
+            for length, w in zip(edges.extent(self), self.weave.w)
         ]
-        return tuple(n if mirrored else 2 * n for n, mirrored in zip(half, SYMMETRIES[self.symmetry]))
+        return tuple(n if mirrored else 2 * n for n, mirrored in zip(half, self.mirrors))
 
     @property
     def elements(self):
@@ -169,7 +179,7 @@ class Panel:
     @property
     def share(self):
         """Part of the whole panel, and of the projectile, that is modelled."""
-        return 0.5 ** sum(SYMMETRIES[self.symmetry])
+        return 0.5 ** sum(self.mirrors)
 
     @property
     def membrane_stiffness(self):
@@ -193,12 +203,17 @@ class Panel:
 
     def coordinates(self):
         """(X, Y) [m] of the nodes at rest, each (ni+1, nj+1); the impact point is the origin."""
-        (ni, nj), (dx, dy), c = self.counts, self.spacing, self.constants()
-        return np.meshgrid(c.x0 + dx * np.arange(ni + 1), c.y0 + dy * np.arange(nj + 1), indexing="ij")
+        (ni, nj), (dx, dy), (x0, y0) = self.counts, self.spacing, self.origin
+        return np.meshgrid(x0 + dx * np.arange(ni + 1), y0 + dy * np.arange(nj + 1), indexing="ij")
+
+    @property
+    def origin(self):
+        """(x0, y0) [m] of the first node at rest."""
+        return tuple(0.0 if m else -0.5 * n * d for m, n, d in zip(self.mirrors, self.counts, self.spacing))
 
     def constants(self) -> Constants:
         """What the kernels need to know, as plain numbers and arrays."""
-        (ni, nj), (dx, dy), (mirror_x, mirror_y) = self.counts, self.spacing, SYMMETRIES[self.symmetry]
+        (ni, nj), (dx, dy), (mirror_x, mirror_y) = self.counts, self.spacing, self.mirrors
         weave, table, knobs, dt = self.weave, self.table, self.numerics, self.time_step
         (w1, w2), (S01, S02), (warp, weft) = weave.w, weave.S0, weave.yarns
         rx, ry = (1 / step for step in table.steps)
@@ -208,7 +223,9 @@ class Panel:
         element = self.membrane_stiffness * max(dx / dy, dy / dx)
         points = knobs.contact_points
         mass = weave.areal_density * dx * dy / points**2
-        x0, y0 = (0.0 if mirror_x else -0.5 * ni * dx), (0.0 if mirror_y else -0.5 * nj * dy)
+        (x0, y0), shot = self.origin, self.projectile
+        rim_node, rim_axis, rim = edges.rim(self, self._masses())
+        roaming = shot.roaming or rim_node.size > 0  # over the cloth: it slides, or the cloth is drawn under it
         return Constants(
             ni=ni, nj=nj, s=nj + 1, block=max(1, round(knobs.block / (nj + 1))), mirror_x=mirror_x, mirror_y=mirror_y,
             x0=x0, y0=y0, dx=dx, dy=dy, ra=0.5 / dx, rb=0.5 / dy, dt=dt,
@@ -223,21 +240,25 @@ class Panel:
             w1=w1, S01=S01, EA1=warp.EA, w2=w2, S02=S02, EA2=weft.EA,
             strength1=warp.strength if self.failure else inf, strength2=weft.strength if self.failure else inf,
             widest=knobs.widest, cells=dx * dy / weave.cell_area,
-            near=self._near(x0, y0), points=points, point_stiffness=knobs.penalty * mass / dt**2,
+            near=self._near(roaming), points=points, point_stiffness=knobs.penalty * mass / dt**2,
             point_damping=2 * knobs.contact_damping * knobs.penalty**0.5 * mass / dt,
-            R=self.projectile.radius, rho=self.projectile.edge_radius,
-            projectile_mass=self.projectile.mass * self.share,
+            R=shot.radius, rho=shot.edge_radius, projectile_mass=shot.mass * self.share,
             free=(0.0 if mirror_x else 1.0, 0.0 if mirror_y else 1.0, 1.0),
             idle_steps=max(1, round(knobs.clear_time / dt)),
+            shape=shot.number, form=shot.form, length=inf if shot.length is None else shot.length, frame=shot.frame,
+            tilted=shot.tilted, roaming=roaming, depth=2 * shot.radius, reach=self._reach(), top=shot.top,
+            shoulder=shot.shoulder, friction=shot.friction, rim_node=rim_node, rim_axis=rim_axis, rim=rim,
         )  # fmt: skip
 
     def state(self, strike_velocity) -> State:
-        """The panel at rest, flat at z = 0, touched by the projectile moving along +z at `strike_velocity` [m/s]."""
+        """The panel at rest, flat at z = 0, touched by the projectile that flies at it at `strike_velocity` [m/s]."""
         const = self.constants()
         ni, s = const.ni, const.s
         slots = (ni + 1) * s + 16
-        mass = self._masses(const, slots)
-        inverse = np.divide(1.0, mass, out=np.zeros(slots), where=(mass > 0) & self._loose(const, slots))
+        mass, inverse = np.zeros(slots), np.zeros(slots)
+        mass[: (ni + 1) * s] = self._masses().ravel()
+        loose = np.flatnonzero(edges.loose(self))
+        inverse[loose] = 1.0 / mass[loose]
         blocks = -(-ni // const.block)
         many, three = (lambda: np.zeros(slots)), (lambda: tuple(np.zeros(slots) for _ in range(3)))
         # the last changes of stretch enter the audit of viscous work alone: 7 digits are enough
@@ -251,12 +272,20 @@ class Panel:
             W=np.full(slots, const.cells * float(rest["W"])), dH=(small(), small(), small()),
             flag=np.zeros(slots, np.uint8), pressed=np.zeros((near, const.points**2)),
             touching=np.zeros(near, np.bool_), contact=three(),
-            position=np.zeros(3), speed=np.array([0.0, 0.0, float(strike_velocity)]), reaction=np.zeros(3),
-            contact_energy=np.zeros(2), rows=np.array([max(i0 - 1, 0), min(i1 + 1, ni)]), counter=np.zeros(3, np.int64),
+            position=self.projectile.start(), speed=strike_velocity * self.projectile.flight, reaction=np.zeros(3),
+            contact_energy=np.zeros(4), rows=np.array([max(i0 - 1, 0), min(i1 + 1, ni)]), counter=np.zeros(3, np.int64),
             sums=np.zeros((blocks, 3)), peak=np.zeros(2), dirty=np.zeros(blocks, np.bool_),
-            fresh=np.zeros(blocks, np.int64),
+            fresh=np.zeros(blocks, np.int64), window=np.array(const.near),
+            stuck=np.zeros((near, const.points**2, 6) if const.friction > 0 else (0, 0, 6)),
+            rim_force=np.zeros(const.rim_node.size), rim_sums=np.zeros(3),
         )  # fmt: skip
+        if const.roaming:
+            contact_kernels.follow(state, const)
+            state.rows[:] = max(state.window[0] - 1, 0), min(state.window[1] + 1, ni)
+        if np.any(const.rim[:, 0]):
+            state.rows[:] = 0, ni  # led edges move before any wave comes to them
         march_kernels.first_forces(state, const, self.work())
+        edges_kernels.hold(state, const, 0.0)
         return state
 
     def work(self) -> Work:
@@ -267,33 +296,32 @@ class Panel:
         rows = {name: np.zeros(shapes.get(name, size)) for name in Work._fields}
         return Work(**{name: tuple(part) if name in ("A", "B", "H", "dH") else part for name, part in rows.items()})
 
-    def _masses(self, const, slots):
-        corner = 0.25 * self.weave.areal_density * const.dx * const.dy
-        mass = np.zeros((const.ni + 1, const.s))
+    def _masses(self):
+        (ni, nj), (dx, dy) = self.counts, self.spacing
+        corner = 0.25 * self.weave.areal_density * dx * dy
+        mass = np.zeros((ni + 1, nj + 1))
         for i in (slice(None, -1), slice(1, None)):
             for j in (slice(None, -1), slice(1, None)):
                 mass[i, j] += corner
-        return np.concatenate([mass.ravel(), np.zeros(slots - mass.size)])
+        return mass
 
-    def _loose(self, const, slots):
-        """Which nodes no clamp holds."""
-        loose = np.ones((const.ni + 1, const.s), bool)
-        if self.edge == "clamped":
-            loose[-1, :] = loose[:, -1] = False
-            if not const.mirror_x:
-                loose[0, :] = False
-            if not const.mirror_y:
-                loose[:, 0] = False
-        return np.concatenate([loose.ravel(), np.zeros(slots - loose.size, bool)])
+    def _reach(self):
+        """(along warp, along weft) [m] from the projectile's middle that cloth can come from to be under it.
 
-    def _near(self, x0, y0):
-        """Element rows and columns (i0, i1, j0, j1) that can come under the projectile.
-
-        A straightened, stretched yarn draws cloth in by at most its crimp and strain times its length.
+        A straightened, stretched yarn draws cloth in by at most its crimp and strain times its length; a leaning
+        projectile is wider in the panel's plane.
         """
+        wide = self.projectile.radius / self.projectile.frame[2, 2]
+        return tuple(
+            wide + (yarn.crimp + yarn.failure_strain) * max(count * step + start, -start) + 2 * step
+            for start, step, count, yarn in zip(self.origin, self.spacing, self.counts, self.weave.yarns)
+        )
+
+    def _near(self, roaming):
+        """Element rows and columns (i0, i1, j0, j1) that can come under the projectile: all of them if it roams."""
+        if roaming:
+            return 0, self.counts[0], 0, self.counts[1]
         bounds = []
-        for start, step, count, yarn in zip((x0, y0), self.spacing, self.counts, self.weave.yarns):
-            half = count * step if start == 0 else -start
-            reach = self.projectile.radius + (yarn.crimp + yarn.failure_strain) * half + 2 * step
+        for start, step, count, reach in zip(self.origin, self.spacing, self.counts, self._reach()):
             bounds += [max(0, int((-reach - start) / step)), min(count, int((reach - start) / step) + 1)]
         return tuple(bounds)

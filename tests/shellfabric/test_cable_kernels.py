@@ -9,7 +9,7 @@ from fabrics import catalogue
 from shellfabric import cable_contact_kernels as contact_kernels
 from shellfabric import cable_kernels as kernels
 from shellfabric.cable import CableNet, CableNumerics
-from shellfabric.contact_kernels import distance
+from shellfabric.shapes_kernels import flat
 
 FABRIC = catalogue.load("S-726")
 
@@ -92,7 +92,7 @@ class Twin:
             x = (1 - t) * self.x[bar["a"]] + t * self.x[bar["b"]] - [0, 0, self.z]
             v = (1 - t) * self.v[bar["a"]] + t * self.v[bar["b"]] - [0, 0, self.speed]
             r = np.hypot(x[0], x[1])
-            depth, n_r, n_z = distance(r, x[2], self.c.R, self.c.rho)
+            depth, n_r, n_z = flat(r, x[2], self.c.R, self.c.rho)
             n = np.array([n_r * x[0] / r, n_r * x[1] / r, n_z]) if r > 0 else np.array([0, 0, n_z])
             f = 0.0
             if depth < 0 and bar["k"] > 0:
