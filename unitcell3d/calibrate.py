@@ -7,8 +7,11 @@ regularised form
     d_c = a - b / (F_c + F0)^(1/3),  F0 = (b/a)^3
 
 is fitted to all of them together, each path sampled at equal shares of its displacement so that the stepping has no
-say in it. A fit of the printed form would hang on a force cut-off. Plates give another curve than stretching does: they
-flatten slack yarns. That curve is computed beside, and not fed to the shell.
+say in it. A fit of the printed form would hang on a force cut-off. Two more fits say what one law leaves out: one of
+each yarn to its own compression at the crossing, and one whose a and F0 depend on the tension ratio
+(`fabrics.ratio_law`). The compression d_c also holds what closes between the yarns where their sections do not conform;
+each yarn's own does not. Plates give another curve than stretching does: they flatten slack yarns. That curve is
+computed beside, and not fed to the shell.
 """
 
 from __future__ import annotations
@@ -28,11 +31,13 @@ import numpy as np
 from fabrics.compression import CompressionLaw
 from fabrics.errors import InputError, UnstableError
 from fabrics.files import write_whole
+from fabrics.ratio_law import RatioLaw, imbalance
 from meshing import crossover as mesher
 from unitcell3d import cases
 
 PATHS = {"warp only": (1.0, 0.0), "weft only": (0.0, 1.0), "equibiaxial": (1.0, 1.0)}
 PLATES = "plates"
+YARNS = ("warp", "weft")
 SAMPLES = 25  # of each path in the fit, about as many as it has steps
 
 
@@ -47,6 +52,9 @@ class Calibration:
     path_laws : {path: CompressionLaw} fitted to each path alone; None where no law fits it
     histories : {path: History}, and "plates"
     residuals : {path: rms distance [m] of its samples from the joint law}
+    yarn_laws : (warp, weft) CompressionLaw fitted to each yarn's own compression on all paths; None where none fits
+    ratio_law : RatioLaw fitted to all paths, or None
+    ratio_residuals : {path: rms distance [m] of its samples from the ratio law}
     failures : {path: [cases.Failure]}
     published : CompressionLaw of the fabric's file, or None
     seconds : {path: wall time [s]}, and "all" of the whole calibration
@@ -58,6 +66,9 @@ class Calibration:
     path_laws: dict
     histories: dict
     residuals: dict
+    yarn_laws: tuple
+    ratio_law: RatioLaw | None
+    ratio_residuals: dict
     failures: dict
     published: CompressionLaw | None
     seconds: dict
@@ -83,9 +94,7 @@ class Calibration:
 
     def summary(self):
         """All numbers of the calibration, as plain types."""
-        laws = {
-            name: law and {"a_m": law.a, "b": law.b, "rms_m": law.residual_rms} for name, law in self.path_laws.items()
-        }
+        laws = {name: law and _numbers(law) for name, law in self.path_laws.items()}
         return {
             "format": "weavecell calibration 1",
             "fabric": self.fabric,
@@ -102,6 +111,14 @@ class Calibration:
             "comparison": self.comparison,
             "fit_of_each_path": laws,
             "rms_of_each_path_from_the_law_m": self.residuals,
+            "fit_of_each_yarn": {name: law and _numbers(law) for name, law in zip(YARNS, self.yarn_laws)},
+            "fit_by_tension_ratio": self.ratio_law
+            and {
+                "p": self.ratio_law.p,
+                "q": self.ratio_law.q,
+                "rms_m": self.ratio_law.residual_rms,
+                "rms_of_each_path_m": self.ratio_residuals,
+            },
             "failure": {name: [vars(item) for item in found] for name, found in self.failures.items()},
             "ended_early": {name: history.failed for name, history in self.histories.items() if history.failed},
             "seconds": self.seconds,
@@ -158,11 +175,12 @@ def calibrate(fabric, *, size="medium", plates_size="coarse", paths=None, out=No
     return found
 
 
-def samples(history):
-    """(F_c [N], d_c [m]) of one path at equal shares of its displacement, from first contact on."""
+def samples(history, *columns):
+    """F_c [N] and columns (d_c [m] if none are given) at equal shares of a path's displacement, from contact on."""
     shares = np.linspace(0, history.path[-1], SAMPLES + 1)[1:]
-    F, d = (np.interp(shares, history.path, column) for column in (history.F_c, history.d_c))
-    return F[F > 0], d[F > 0]
+    columns = columns or (history.d_c,)
+    F, *rest = (np.interp(shares, history.path, column) for column in (history.F_c, *columns))
+    return F[F > 0], *(column[F > 0] for column in rest)
 
 
 def _evaluate(fabric, histories, sizes):
@@ -173,17 +191,40 @@ def _evaluate(fabric, histories, sizes):
         raise UnstableError(f"no path of {fabric.name} reached contact: {reasons or 'the yarns never touch'}")
     provenance = f"3D crossover of {fabric.name}, {sizes[0]} mesh, paths {', '.join(pairs)}"
     law = CompressionLaw.fit(F, d, provenance=provenance)
+    yarn_laws, ratio_law, ratio_residuals = _finer(histories)
     return Calibration(
         fabric=fabric.name,
         law=law,
         path_laws={name: _own_law(name, pair) for name, pair in pairs.items()},
         histories=histories,
         residuals={name: float(np.sqrt(np.mean((law.d(pair[0]) - pair[1]) ** 2))) for name, pair in pairs.items()},
+        yarn_laws=yarn_laws,
+        ratio_law=ratio_law,
+        ratio_residuals=ratio_residuals,
         failures={name: cases.failure(histories[name], fabric) for name in pairs},
         published=fabric.laws[0] if fabric.laws else None,
         seconds={},
         sizes=sizes,
     )
+
+
+def _finer(histories):
+    """Laws of each yarn's own compression, and the law that sees the tension ratio with its residual by path."""
+    found = {name: h for name, h in histories.items() if name != PLATES}
+    rows = {
+        name: samples(h, h.d_c, imbalance(h.T1, h.T2), h.d_yarns[:, 0], h.d_yarns[:, 1]) for name, h in found.items()
+    }
+    F, d, m, *yarns = (np.concatenate(columns) for columns in zip(*rows.values()))
+    yarn_laws = tuple(_own_law(name, (F, own)) for name, own in zip(YARNS, yarns))
+    try:
+        law = RatioLaw.fit(F, m, d)
+    except InputError:
+        return yarn_laws, None, {}
+    return yarn_laws, law, {name: float(np.sqrt(np.mean((law.d(r[0], r[2]) - r[1]) ** 2))) for name, r in rows.items()}
+
+
+def _numbers(law):
+    return {"a_m": law.a, "b_m_N^(1/3)": law.b, "rms_m": law.residual_rms}
 
 
 def _own_law(name, pair):

@@ -27,6 +27,7 @@ class History:
     F_plate : (n, 2) [N] force on the upper and the lower plate
     h1, h2 : (n,) [m] heights of the centrelines
     d_c : (n,) [m] compression of one yarn, half of the loss of h1 + h2
+    d_yarns : (n, 2) [m] of each yarn by itself: what its axis has approached its contact face at the crossing
     fibre_strain_max, fibre_strain_mean : (n, 2) [-] worst bar and mean of the bars of warp and weft
     iterations : (n,) Newton iterations
     seconds : (n,) [s] wall time of each step
@@ -47,6 +48,7 @@ class History:
     h1: np.ndarray
     h2: np.ndarray
     d_c: np.ndarray
+    d_yarns: np.ndarray
     fibre_strain_max: np.ndarray
     fibre_strain_mean: np.ndarray
     iterations: np.ndarray

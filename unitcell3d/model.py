@@ -192,14 +192,23 @@ class CrossoverModel:
 
     def heights(self, x):
         """(2,) [m] heights h1, h2 of the centrelines: middle of the yarn's axis above (warp), below (weft) its end."""
-        heights = []
-        for yarn, grid in enumerate(self.crossover.grids):
-            i = 0 if self.crossover.domain == "quarter" else grid.shape[0] // 2
-            j = 0 if self.crossover.domain == "quarter" else grid.shape[1] // 2
-            low, high = (grid.shape[2] - 1) // 2, grid.shape[2] // 2
-            rise = 0.5 * sum(x[grid[i, j, k], 2] - x[grid[-1, j, k], 2] for k in (low, high))
-            heights.append(rise if yarn == 0 else -rise)
-        return np.array(heights)
+        ends = [self._axis(x, grid[-1, self._crossing(grid)[1]]) for grid in self.crossover.grids]
+        middles = [self._axis(x, grid[self._crossing(grid)]) for grid in self.crossover.grids]
+        return np.array([middles[0] - ends[0], ends[1] - middles[1]])
+
+    def half_thicknesses(self, x):
+        """(2,) [m] distances of the axis of warp and weft from the face that meets the other, at the crossing."""
+        warp, weft = (grid[self._crossing(grid)] for grid in self.crossover.grids)
+        return np.array([self._axis(x, warp) - x[warp[0], 2], x[weft[-1], 2] - self._axis(x, weft)])
+
+    def _crossing(self, grid):
+        """Place (i, j) of the crossing in the grid of a yarn."""
+        return (0, 0) if self.crossover.domain == "quarter" else (grid.shape[0] // 2, grid.shape[1] // 2)
+
+    @staticmethod
+    def _axis(x, column):
+        """Height [m] of the middle of a column of nodes through the thickness."""
+        return 0.5 * (x[column[(len(column) - 1) // 2], 2] + x[column[len(column) // 2], 2])
 
     def fibre_strains(self, x):
         """Strain of every bar (b,), and its mean over the fibres of warp and weft (2,)."""

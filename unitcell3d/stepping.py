@@ -25,13 +25,13 @@ class Steps:
     first: float = 0.02
     largest: float = 0.10
     least: float = 1e-3
-    few: int = 8
+    few: int = 12
 
 
 SOFTENINGS = (0.01, 0.05, 0.2, 0.5, 1.0)
 
 
-def march(model, start, end, *, case="", stop=None, steps=None, hooks=()):
+def march(model, start, end, *, case="", stop=None, steps=None, hooks=(), comm=None):
     """Load a model from rest along `start` .. `end`.
 
     Parameters
@@ -41,13 +41,14 @@ def march(model, start, end, *, case="", stop=None, steps=None, hooks=()):
     stop : function of a row giving a number that reaches 1 where the path is to end; that state is solved for
     steps : Steps
     hooks : called after each step
+    comm : MPI communicator of processes that make this same call and share its factorisations, or None
 
     Returns
     -------
     History, whose `failed` says why the path ended early if it did
     """
     steps = Steps() if steps is None else steps
-    solver = Newton(model)
+    solver = Newton(model, comm)
     try:
         return _march(model, solver, start, end, case, stop, steps, hooks)
     finally:
@@ -111,17 +112,22 @@ STOP_TOLERANCE = 2e-3  # of the quantity that ends a path
 
 
 def _advance(model, solver, states, start, end, share, last_resort):
+    """Equilibrium at `share` of the path from the guess that leaves the least residual there."""
     load = start.towards(end, share)
-    guess = states[-1][1]
+    s1, held = states[-1]
+    guesses = [held, solver.linear_guess(held, start.towards(end, s1), load)]
     if len(states) > 1:
-        (s0, q0), (s1, q1) = states
-        try:
-            return solver.solve(q1 + (share - s1) / (s1 - s0) * (q1 - q0), load)
-        except UnstableError:
-            pass
-    if not last_resort:
-        return solver.solve(guess, load)
-    full = model.numerics
+        s0, q0 = states[0]
+        guesses.append(held + (share - s1) / (s1 - s0) * (held - q0))
+    best = solver.best([guess for guess in guesses if guess is not None], load)
+    try:
+        return solver.solve(best, load)
+    except UnstableError:
+        if best is not held and not last_resort:
+            return solver.solve(held, load)
+        if not last_resort:
+            raise
+    full, guess = model.numerics, held
     try:
         for factor in SOFTENINGS:
             model.numerics = full.softened(factor)
@@ -150,6 +156,7 @@ def _row(model, state, load, share, seconds):
         "h1": heights[0],
         "h2": heights[1],
         "d_c": 0.5 * (rest.sum() - heights.sum()),
+        "d_yarns": model.half_thicknesses(model.points) - model.half_thicknesses(x),
         "fibre_strain_max": np.array([strains[model.bar_yarn == yarn].max() for yarn in (0, 1)]),
         "fibre_strain_mean": mean,
         "iterations": state.iterations,
