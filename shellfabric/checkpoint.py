@@ -28,8 +28,8 @@ class Checkpoints(Every):
 
 
 def identity(march):
-    """Digest of everything that determines a run: panel, table, knobs and strike velocity."""
-    digest = hashlib.sha256(repr((march.strike_velocity, march.chunk)).encode())
+    """Digest of everything that determines a run and its records: panel, table, knobs, strike velocity, measures."""
+    digest = hashlib.sha256(repr((march.strike_velocity, march.chunk, march.measure)).encode())
     for name, value in zip(march.const._fields, march.const):
         digest.update(name.encode())
         digest.update(np.ascontiguousarray(value).tobytes())
@@ -50,6 +50,7 @@ def write(march, path):
             file[f"state/{name}"] = np.array(value)
         file["samples"] = np.array(march.samples)
         file["fine"] = np.concatenate(march.fine) if march.fine else np.empty((0, 3))
+        file["histories"] = np.array(march.histories)
         file["chunks"] = np.array([part.shape[0] for part in march.fine], np.int64)
         for number, shot in enumerate(march.snapshots):
             for entry in fields(Snapshot):
@@ -78,6 +79,7 @@ def read(march, path):
             march.reason, march.wall_time = int(file.attrs["reason"]), float(file.attrs["wall_time"])
             march._zero, march.passed = float(file.attrs["zero"]), int(file.attrs["passed"])
             march.samples[:] = list(file["samples"][()])
+            march.histories[:] = list(file["histories"][()])
             march.fine[:] = (
                 np.split(file["fine"][()], np.cumsum(file["chunks"][()])[:-1]) if len(file["chunks"]) else []
             )

@@ -9,7 +9,7 @@ import numpy as np
 from fabrics.compression import CompressionLaw
 from fabrics.errors import InputError, UnstableError
 from fabrics.fabric import Fabric
-from shellfabric import checkpoint, measures
+from shellfabric import checkpoint, histories, measures
 from shellfabric import hooks as onlookers
 from shellfabric.cell import CellModel
 from shellfabric.edges import Grip, PullIn
@@ -38,6 +38,7 @@ class ImpactSetup:
     table_size : stretches along each side of the cell's table; 201 puts its tensions within 0.2 % of the yarn's
         strength of the cell's
     audit_interval, snapshot_interval : [s]; no snapshots where None
+    measure : histories.Measure, what to record along yarns and at the edges; None for nothing
     numerics : Numerics
     """
 
@@ -57,6 +58,7 @@ class ImpactSetup:
     table_size: int = 201
     audit_interval: float = 2e-6
     snapshot_interval: float | None = None
+    measure: histories.Measure | None = None
     numerics: Numerics = field(default_factory=Numerics)
 
     def panel(self) -> Panel:
@@ -101,6 +103,7 @@ class ImpactResult:
     tension : (m, 2) [N] of warp and weft at the end
     broken : (m, 3) bool at the end: warp failed, weft failed, element eroded
     snapshots : tuple of measures.Snapshot
+    histories : histories.Histories, or None where nothing was to be recorded
     steps, wall_time, ns_per_element_step : cost of marching, [s] and [ns]
     """
 
@@ -122,6 +125,7 @@ class ImpactResult:
     tension: np.ndarray
     broken: np.ndarray
     snapshots: tuple
+    histories: histories.Histories | None
     steps: int
     wall_time: float
     ns_per_element_step: float
@@ -157,12 +161,14 @@ def run(setup: ImpactSetup, *, hooks=(), resume=None) -> ImpactResult:
     InputError : a set-up or checkpoint that cannot be used
     UnstableError : the run became unphysical; its attribute `result` holds what was computed
     """
-    march = March(setup.panel(), setup.strike_velocity, setup.end_time, interval=setup.audit_interval)
-    own = ()
+    interval = min(setup.audit_interval, setup.measure.interval) if setup.measure else setup.audit_interval
+    march = March(setup.panel(), setup.strike_velocity, setup.end_time, interval=interval)
+    march.measure = setup.measure
+    own = (histories.Recorder(march.panel, setup.measure),) if setup.measure else ()
     if setup.snapshot_interval is not None:
         if not setup.snapshot_interval > 0:
             raise InputError(key="snapshot_interval", value=setup.snapshot_interval, allowed="above 0")
-        own = (onlookers.Snapshots(setup.snapshot_interval),)
+        own += (onlookers.Snapshots(setup.snapshot_interval),)
     if resume is not None:
         checkpoint.read(march, resume)
     try:
@@ -198,6 +204,7 @@ def result_of(setup: ImpactSetup, march: March) -> ImpactResult:
         tension=last.tension.reshape(-1, 2),
         broken=last.broken.reshape(-1, 3),
         snapshots=tuple(march.snapshots),
+        histories=histories.unpack(march.histories, march.panel, setup.measure) if march.histories else None,
         steps=march.steps,
         wall_time=march.wall_time,
         ns_per_element_step=1e9 * march.wall_time / max(1, march.steps * cells),

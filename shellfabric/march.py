@@ -54,6 +54,7 @@ class March:
     samples : list of rows, one an audit, in the order of SAMPLES; energies and forces are of the whole panel
     fine : list of (steps, 3) projectile z [m], velocity [m/s] and force [N] (of the modelled part) after each step
     snapshots : list of measures.Snapshot, where a hook takes them
+    measure, histories : what a histories.Recorder records, where there is one, and its rows
     outcome : "in flight", "stopped" or "perforated"
     passed : audits in a row that found no held cloth ahead of the nose (see `plug`); the second ends the run
     wall_time : [s] spent in the kernels that march
@@ -74,6 +75,7 @@ class March:
         self.last_step = int(np.ceil(end_time / self.const.dt))
         self.drift_limit = drift_limit
         self.samples, self.fine, self.snapshots = [], [], []
+        self.measure, self.histories = None, []
         self.reason, self.wall_time = kernels.RUNNING, 0.0
         self.passed = 0
         self._zero = 0.0

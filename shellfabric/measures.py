@@ -37,15 +37,21 @@ def snapshot(panel, state, t) -> Snapshot:
     nodes = np.moveaxis(np.array(state.u)[:, : grid[0] * grid[1]].reshape(3, *grid), 0, 2).copy()
     nodes[..., 0] += X
     nodes[..., 1] += Y
-    flag = state.flag[: ni * (nj + 1)].reshape(ni, nj + 1)[:, :nj]
-    broken = np.stack([(flag & bit) != 0 for bit in (1, 2, 4)], axis=2)
+    c = panel.constants()
+    broken = failures(c, state)
     z = float(state.position[2] + panel.projectile.top)
-    return Snapshot(t, z, nodes, yarn_tensions(panel, state, broken), broken)
+    return Snapshot(t, z, nodes, yarn_tensions(c, state, broken), broken)
 
 
-def yarn_tensions(panel, state, broken):
+def failures(c, state):
+    """(ni, nj, 3) bool: warp failed, weft failed, element eroded; `c` are the panel's constants."""
+    flag = state.flag[: c.ni * c.s].reshape(c.ni, c.s)[:, : c.nj]
+    return np.stack([(flag & bit) != 0 for bit in (1, 2, 4)], axis=2)
+
+
+def yarn_tensions(c, state, broken):
     """(ni, nj, 2) [N] tension of each yarn in each element, alone where the other has failed."""
-    (ni, nj), c = panel.counts, panel.constants()
+    ni, nj = c.ni, c.nj
     l1, l2 = (L[: ni * (nj + 1)].reshape(ni, nj + 1)[:, :nj].ravel().copy() for L in (state.L1, state.L2))
     T1, T2 = np.empty_like(l1), np.empty_like(l2)
     membrane_kernels.tensions(np.uint64(l1.size), l1, l2, c.tension, c.x0t, c.rx, c.top1, c.y0t, c.ry, c.top2, T1, T2)
