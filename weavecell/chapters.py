@@ -200,9 +200,9 @@ def _shapes(record):
     drawn = []
     for shape, reach in ((record.middle, None), (record.last, CLOSE_UP)):
         share = np.max(shape.tension / record.strength, axis=1)
-        nose = pictures3d.Nose(record.radius, record.edge_radius, shape.z)
+        body = shape.nose + record.projectile
         mirrors = (record.mirror_x, record.mirror_y)
-        image = pictures3d.panel(shape.nodes, record.quads, share, failed_yarns(shape.broken), nose, mirrors, reach)
+        image = pictures3d.panel(shape.nodes, record.quads, share, failed_yarns(shape.broken), body, mirrors, reach)
         drawn.append((f"at {1e6 * shape.t:.0f} µs", image))
     return drawn
 

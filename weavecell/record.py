@@ -16,11 +16,11 @@ from fabrics.files import replace_whole
 _FORMAT = "weavecell impact 1"
 _SCALARS = (
     "title", "fabric", "law_name", "strike_velocity", "outcome", "residual_velocity", "mass", "message",
-    "mirror_x", "mirror_y", "radius", "edge_radius", "wall_time", "ns_per_element_step", "elements", "steps",
+    "mirror_x", "mirror_y", "wall_time", "ns_per_element_step", "elements", "steps",
 )  # fmt: skip
 _HISTORIES = {"t": "s", "v": "m/s", "z": "m", "failed": "1"}
-_PANEL = {"quads": "1", "strength": "N"}
-_SHAPE = {"t": "s", "z": "m", "nodes": "m", "tension": "N", "broken": "1"}
+_PANEL = {"quads": "1", "strength": "N", "projectile": "m"}
+_SHAPE = {"t": "s", "z": "m", "nose": "m", "nodes": "m", "tension": "N", "broken": "1"}
 
 
 @dataclass(frozen=True)
@@ -29,7 +29,8 @@ class Shape:
 
     Parameters
     ----------
-    t, z : [s, m] time and position of the projectile's nose
+    t, z : [s, m] time, and the foremost point of the projectile
+    nose : (3,) [m] place of its nose
     nodes : (k, 3) [m]
     tension : (m, 2) [N] of warp and weft
     broken : (m, 3) bool: warp failed, weft failed, element eroded
@@ -37,6 +38,7 @@ class Shape:
 
     t: float
     z: float
+    nose: np.ndarray
     nodes: np.ndarray
     tension: np.ndarray
     broken: np.ndarray
@@ -45,7 +47,7 @@ class Shape:
     def of(cls, shot):
         """The shape of a `shellfabric.measures.Snapshot`."""
         return cls(
-            float(shot.t), float(shot.z), shot.nodes.reshape(-1, 3), shot.tension.reshape(-1, 2),
+            float(shot.t), float(shot.z), shot.nose, shot.nodes.reshape(-1, 3), shot.tension.reshape(-1, 2),
             shot.broken.reshape(-1, 3),
         )  # fmt: skip
 
@@ -57,18 +59,19 @@ class ImpactRecord:
     Parameters
     ----------
     title, fabric, law_name : for the reader
-    strike_velocity, residual_velocity : [m/s]; the residual velocity is that of the last instant
+    strike_velocity, residual_velocity : [m/s]; the residual velocity is that of the last instant, along the normal
     outcome : "stopped", "perforated", "in flight" or "unstable"
-    mass, radius, edge_radius : [kg, m, m] of the projectile
+    mass : [kg] of the projectile
     message : what went wrong, where something did
     mirror_x, mirror_y : whether the panel below continues mirrored beyond x = 0, y = 0; energies and forces are those
         of the whole panel
-    t, v, z : (n,) [s, m/s, m] time, velocity and position of the projectile
+    t, v, z : (n,) [s, m/s, m] time, velocity of the projectile along the normal, and its foremost point
     failed : (n,) number of failed yarn segments
     energies : {name: (n,)} [J]
     reactions : {"warp", "weft": (n,)} [N] tension at the clamped end of the yarn nearest the impact point
     quads : (m, 4) node numbers
     strength : (2,) [N] of warp and weft
+    projectile : (a, b, 3) [m] surface of the projectile about its nose, as it is drawn
     middle, last : Shape when the projectile had lost half of the energy that it lost (the snapshot nearest to it), and
         at the end
     wall_time, ns_per_element_step, elements, steps : cost of the run
@@ -84,8 +87,6 @@ class ImpactRecord:
     message: str
     mirror_x: bool
     mirror_y: bool
-    radius: float
-    edge_radius: float
     wall_time: float
     ns_per_element_step: float
     elements: int
@@ -98,6 +99,7 @@ class ImpactRecord:
     reactions: dict
     quads: np.ndarray
     strength: np.ndarray
+    projectile: np.ndarray
     middle: Shape
     last: Shape
 
@@ -114,7 +116,7 @@ class ImpactRecord:
     @property
     def absorbed(self):
         """[J] energy that the projectile has lost."""
-        return self.strike_energy - 0.5 * self.mass * float(self.v[-1]) ** 2
+        return self.strike_energy - float(self.energies["kinetic_projectile"][-1])
 
     @property
     def numerical_share(self):
@@ -126,12 +128,12 @@ class ImpactRecord:
         """The record of a `shellfabric.impact.ImpactResult`."""
         setup = result.setup
         mirror_x, mirror_y = result.mirrored
-        last = Shape(float(result.t[-1]), float(result.z[-1]), result.nodes, result.tension, result.broken)
+        last = Shape(float(result.t[-1]), float(result.z[-1]), result.nose, result.nodes, result.tension, result.broken)
         return cls(
             title=title, fabric=setup.fabric.name, law_name=law_name, strike_velocity=setup.strike_velocity,
             outcome=result.outcome, residual_velocity=result.residual_velocity, mass=setup.projectile.mass,
-            message=message, mirror_x=mirror_x, mirror_y=mirror_y, radius=setup.projectile.radius,
-            edge_radius=setup.projectile.edge_radius,
+            message=message, mirror_x=mirror_x, mirror_y=mirror_y,
+            projectile=_drawn(setup.projectile),
             wall_time=result.wall_time, ns_per_element_step=result.ns_per_element_step,
             elements=result.panel.elements, steps=result.steps, t=result.t, v=result.v, z=result.z,
             failed=result.failed, energies=dict(result.energies), reactions=dict(result.reactions),
@@ -193,9 +195,19 @@ class ImpactRecord:
         return cls(**values)
 
 
+def _drawn(shot):
+    """The projectile as it is drawn: one with an edge set back by its rounding.
+
+    The flat elements of the cloth cut across the rounded edge that their nodes lie on, and the edge would stick out
+    between them.
+    """
+    return shot.surface(0.0 if shot.shape in ("sphere", "hemisphere") else shot.edge_radius)
+
+
 def _middle(result, last):
     """The shape nearest to the instant at which half of the energy lost had been lost."""
-    lost = result.v[0] ** 2 - result.v**2
+    kinetic = result.energies["kinetic_projectile"]
+    lost = kinetic[0] - kinetic
     instant = result.t[int(np.argmax(lost >= 0.5 * lost[-1]))]
     shots = [shot for shot in result.snapshots if shot.t <= last.t]
     return Shape.of(min(shots, key=lambda shot: abs(shot.t - instant))) if shots else last

@@ -123,8 +123,8 @@ def page(this, record, chapter, stamp):
     )
     return report.Report(
         record.title,
-        f"One ply of {record.fabric}, {1e3 * panel.opening:g} mm square and {panel.boundary}, struck at "
-        f"{shot.strike_velocity:g} m/s by a cylinder of {1e3 * shot.mass:g} g and {1e3 * shot.diameter:g} mm.",
+        f"One ply of {record.fabric}, {case.panel_in_words(panel)}, struck at {shot.strike_velocity:g} m/s by "
+        f"{case.shot_in_words(shot)}.",
         (cards,),
         (
             chapter,
