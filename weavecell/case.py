@@ -51,10 +51,12 @@ def setup(case, file):
     ------
     InputError : values that fit each on its own but not together, named with the scene's file
     """
+    from shellfabric.histories import Measure
     from shellfabric.impact import ImpactSetup
     from shellfabric.panel import Numerics
 
     shot, panel, run = case.scene.projectile, case.scene.panel, case.scene.run
+    measure = case.scene.measure
     knobs = {key: value for key, value in case.scene.numerics if value is not None}
     try:
         return ImpactSetup(
@@ -71,6 +73,7 @@ def setup(case, file):
             cell_model=case.scene.fabric.cell_model,
             gap=case.scene.fabric.gap,
             snapshot_interval=run.snapshot_interval,
+            measure=Measure(measure.interval, measure.warp, measure.weft) if measure else None,
             numerics=Numerics(**knobs),
         )
     except InputError as problem:
@@ -110,6 +113,7 @@ def in_file(problem, file):
         return problem
     tables = {"gap": "fabric", "model": "fabric"} | dict.fromkeys(("opening", "symmetry", "weave_angle"), "panel")
     tables |= dict.fromkeys(ProjectileTable.model_fields, "projectile")
+    tables |= dict.fromkeys(("warp", "weft"), "measure")
     key = f"{tables[problem.key]}.{problem.key}" if problem.key in tables else problem.key
     key = "panel.boundary" if key == "edge" else key
     if key is None:

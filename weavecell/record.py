@@ -1,7 +1,9 @@
 """What an impact leaves: scalars, histories, and the panel at the end, in one HDF5 file (histories.h5).
 
 Layout: attributes of the root for scalars and texts; /histories, /energies, /reactions with one value an instant;
-/panel with the shape and state at two instants. Every dataset has the attribute "unit".
+/panel with the shape and state at two instants; /measured, where a scene asks for it, with histories along yarns
+(samples by elements or nodes), the forces on the edges (pull, lift) and the fronts. Every dataset has the attribute
+"unit".
 """
 
 from __future__ import annotations
@@ -20,6 +22,9 @@ _SCALARS = (
 )  # fmt: skip
 _HISTORIES = {"t": "s", "v": "m/s", "z": "m", "failed": "1"}
 _PANEL = {"quads": "1", "strength": "N", "projectile": "m"}
+_YARN = ("family", "offset", "EA", "strength", "crimp")
+_YARN_HISTORIES = {"X": "m", "tension": "N", "place": "m", "deflection": "m"}
+_PACKED = {"compression": "gzip", "compression_opts": 1, "shuffle": True}
 _SHAPE = {"t": "s", "z": "m", "nose": "m", "nodes": "m", "tension": "N", "broken": "1"}
 
 
@@ -75,6 +80,7 @@ class ImpactRecord:
     middle, last : Shape when the projectile had lost half of the energy that it lost (the snapshot nearest to it), and
         at the end
     wall_time, ns_per_element_step, elements, steps : cost of the run
+    measured : shellfabric.histories.Histories, or None where nothing was to be recorded
     """
 
     title: str
@@ -102,6 +108,7 @@ class ImpactRecord:
     projectile: np.ndarray
     middle: Shape
     last: Shape
+    measured: object = None
 
     @property
     def strike_energy(self):
@@ -138,7 +145,7 @@ class ImpactRecord:
             elements=result.panel.elements, steps=result.steps, t=result.t, v=result.v, z=result.z,
             failed=result.failed, energies=dict(result.energies), reactions=dict(result.reactions),
             quads=result.quads, strength=np.array([yarn.strength for yarn in setup.fabric.weave.yarns]),
-            middle=_middle(result, last), last=last,
+            middle=_middle(result, last), last=last, measured=result.histories,
         )  # fmt: skip
 
     def summary(self):
@@ -172,6 +179,8 @@ class ImpactRecord:
                 _put(file, f"energies/{name}", values, "J")
             for name, values in self.reactions.items():
                 _put(file, f"reactions/{name}", values, "N")
+            if self.measured is not None:
+                _write_measured(file.create_group("measured"), self.measured)
 
     @classmethod
     def read(cls, path):
@@ -189,6 +198,7 @@ class ImpactRecord:
                     values[shape] = Shape(**{name: _plain(file[f"panel/{shape}/{name}"][()]) for name in _SHAPE})
                 for group in ("energies", "reactions"):
                     values[group] = {name: data[()] for name, data in file[group].items()}
+                values["measured"] = _read_measured(file["measured"]) if "measured" in file else None
         except OSError as problem:
             raise InputError(f"is not a readable HDF5 file ({problem})", file=path) from None
         assert set(values) == {entry.name for entry in fields(cls)}
@@ -213,8 +223,41 @@ def _middle(result, last):
     return Shape.of(min(shots, key=lambda shot: abs(shot.t - instant))) if shots else last
 
 
-def _put(file, name, values, unit):
-    file.create_dataset(name, data=np.asarray(values)).attrs["unit"] = unit
+def _write_measured(group, measured):
+    """Histories, and the fronts read off them, which are for the reader alone."""
+    from shellfabric.fronts import fronts
+
+    _put(group, "t", measured.t, "s")
+    for number, yarn in enumerate(measured.yarns):
+        inner = group.create_group(f"yarns/{number:03d}-{yarn.family}")
+        for name in _YARN:
+            inner.attrs[name] = getattr(yarn, name)
+        for name, unit in _YARN_HISTORIES.items():
+            _put(inner, name, getattr(yarn, name), unit, **_PACKED)
+        _put(inner, "strain", yarn.strain, "1", **_PACKED)
+    for name, forces in measured.edges.items():
+        _put(group, f"edges/{name}", forces, "N")
+    for front in fronts(measured):
+        inner = group.create_group(f"fronts/{front.family}-{front.kind}")
+        inner.attrs["speed"], inner.attrs["interval"], inner.attrs["start"] = front.speed, front.interval, front.start
+        _put(inner, "time", front.time, "s")
+        _put(inner, "place", front.place, "m")
+
+
+def _read_measured(group):
+    from shellfabric.histories import EDGES, Histories, YarnHistory
+
+    yarns = tuple(
+        YarnHistory(
+            **{name: _plain(inner.attrs[name]) for name in _YARN}, **{name: inner[name][()] for name in _YARN_HISTORIES}
+        )
+        for _, inner in sorted(group.get("yarns", {}).items())
+    )
+    return Histories(group["t"][()], yarns, {name: group[f"edges/{name}"][()] for name in EDGES})
+
+
+def _put(file, name, values, unit, **packing):
+    file.create_dataset(name, data=np.asarray(values), **packing).attrs["unit"] = unit
 
 
 def _plain(value):

@@ -103,16 +103,18 @@ def write(out, this, record, snapshots, text, advance):
     advance(0.4)
     if not {"pictures", "report"} & set(outputs):
         return
-    chapter = chapters.impact([record])
+    told = [chapters.impact([record])]
+    if record.measured is not None:
+        told.append(chapters.measures(record, this.scene.measure.places))
     if "pictures" in outputs:
-        report.write_pictures([chapter], out / "pictures")
+        report.write_pictures(told, out / "pictures")
     advance(0.9)
     if "report" in outputs:
-        report.write(page(this, record, chapter, stamp), out / "report.html")
+        report.write(page(this, record, told, stamp), out / "report.html")
 
 
-def page(this, record, chapter, stamp):
-    """The report of one impact."""
+def page(this, record, told, stamp):
+    """The report of one impact; `told` are its chapters."""
     law = this.laws[0]
     model = this.scene.fabric.cell_model
     shot, panel = this.scene.projectile, this.scene.panel
@@ -127,7 +129,7 @@ def page(this, record, chapter, stamp):
         f"{case.shot_in_words(shot)}.",
         (cards,),
         (
-            chapter,
+            *told,
             chapters.cell(this.fabric, {this.law_name: this.laws}, model),
             chapters.sources(this.fabric),
             chapters.making(stamp, {"marching": record.wall_time}),

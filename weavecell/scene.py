@@ -11,7 +11,7 @@ import math
 import os
 import tomllib
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Literal, get_args
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Discriminator, Field, Tag, ValidationError
 
@@ -37,6 +37,20 @@ def _quantity(unit, what, example, *, above=None, at_least=None, at_most=None):
         return number
 
     return Annotated[float, BeforeValidator(convert), Field(description=f'{what}, such as "{example}"')]
+
+
+def _quantities(unit, what, example):
+    """A tuple of floats in SI `unit`, written as a list of texts."""
+
+    def convert(texts):
+        if not isinstance(texts, list):
+            raise ValueError("not a list")
+        try:
+            return tuple(si(text, unit) for text in texts)
+        except InputError as problem:
+            raise ValueError(str(problem)) from None
+
+    return Annotated[tuple[float, ...], BeforeValidator(convert), Field(description=f"{what}, such as {example}")]
 
 
 def _whole(low, high):
@@ -187,6 +201,15 @@ class RunTable(_Table):
     ] = ("paraview", "pictures", "report")
 
 
+class MeasureTable(_Table):
+    """What is recorded along yarns and at the edges, and reported."""
+
+    interval: _quantity("s", "a time above 0", "1 us", above=0.0) = 1e-6
+    warp: _quantities("m", "a list of distances of warp yarns from the impact point", '["0 mm", "10 mm"]') = (0.0,)
+    weft: _quantities("m", "a list of distances of weft yarns from the impact point", '["0 mm", "10 mm"]') = (0.0,)
+    places: _quantities("m", "a list of places along the yarns", '["5 mm", "50 mm"]') = (5e-3, 20e-3, 50e-3, 80e-3)
+
+
 def _number(what, **limits):
     return Annotated[float | None, Field(description=what, **limits)]
 
@@ -210,6 +233,7 @@ class Scene(_Table):
     projectile: Annotated[ProjectileTable, Field(description="a table [projectile]")]
     panel: Annotated[PanelTable, Field(description="a table [panel]")]
     run: Annotated[RunTable, Field(description="a table [run]")]
+    measure: Annotated[MeasureTable | None, Field(description="a table [measure]")] = None
     numerics: Annotated[NumericsTable, Field(description="a table [numerics]")] = NumericsTable()
 
 
@@ -345,6 +369,7 @@ def _locate(model, location):
 
 def _inner(field):
     """The table that a field holds, if it holds one."""
-    if isinstance(field.annotation, type) and issubclass(field.annotation, _Table):
-        return field.annotation
+    for kind in (field.annotation, *get_args(field.annotation)):
+        if isinstance(kind, type) and issubclass(kind, _Table):
+            return kind
     return {_LAW: InlineLaw, _SIDE: SlipTable, _BOUNDARY: BoundaryTable}.get(field.description)

@@ -33,6 +33,12 @@ SCENES = {
     'such as "0.058 mm N^(1/3)"',
     "law-half-zero": "fabric.law.b = 0.0: must be zero exactly where a is zero (an incompressible yarn)",
     "law-not-a-law": f"fabric.law = 'printed': must be {LAW}",
+    "measure-no-unit": "measure.places = ['5 mm', 20]: must be a list of places along the yarns, such as "
+    '["5 mm", "50 mm"]',
+    "measure-not-a-list": "measure.warp = '0 mm': must be a list of distances of warp yarns from the impact point, "
+    'such as ["0 mm", "10 mm"]',
+    "measure-off-the-panel": "measure.weft = 0.25: must be at most 100.3 mm from the impact point",
+    "measure-unknown-key": 'measure.wrap: unknown key, did you mean "warp"? allowed here: interval, warp, weft, places',
     "missing-key": 'projectile.edge_radius: is missing; must be a length above 0, such as "0.3 mm"',
     "missing-table": "panel: is missing; must be a table [panel]",
     "negative-mass": """projectile.mass = '-3 g': must be a mass above 0, such as "3 g\"""",

@@ -148,3 +148,13 @@ def test_sides_and_weave_of_the_panel():
     setup, asked = setup_of({"panel": {"weave_angle": "45 deg", "symmetry": "whole"}})
     assert setup.weave_angle == pytest.approx(math.pi / 4)
     assert case.panel_in_words(asked.panel) == "203 mm square, its weave turned by 45° and clamped"
+
+
+def test_nothing_is_measured_unless_asked():
+    assert case.setup(case.build(scene.check(TABLE, "s"), "s", "s"), "s").measure is None
+    asked = scene.check(TABLE | {"measure": {"interval": "0.5 us", "warp": ["0 mm", "1 cm"]}}, "s")
+    measure = case.setup(case.build(asked, "s", "s"), "s").measure
+    assert measure.interval == pytest.approx(5e-7)
+    assert measure.warp == pytest.approx((0.0, 0.01))
+    assert measure.weft == (0.0,)
+    assert asked.measure.places == (5e-3, 20e-3, 50e-3, 80e-3)
