@@ -224,7 +224,7 @@ class Panel:
         points = knobs.contact_points
         mass = weave.areal_density * dx * dy / points**2
         (x0, y0), shot = self.origin, self.projectile
-        rim_node, rim_axis, rim = edges.rim(self, self._masses())
+        rim_node, rim_axis, rim = edges.rim(self)
         roaming = shot.roaming or rim_node.size > 0  # over the cloth: it slides, or the cloth is drawn under it
         return Constants(
             ni=ni, nj=nj, s=nj + 1, block=max(1, round(knobs.block / (nj + 1))), mirror_x=mirror_x, mirror_y=mirror_y,
@@ -256,7 +256,7 @@ class Panel:
         ni, s = const.ni, const.s
         slots = (ni + 1) * s + 16
         mass, inverse = np.zeros(slots), np.zeros(slots)
-        mass[: (ni + 1) * s] = self._masses().ravel()
+        mass[: (ni + 1) * s] = self.masses().ravel()
         loose = np.flatnonzero(edges.loose(self))
         inverse[loose] = 1.0 / mass[loose]
         blocks = -(-ni // const.block)
@@ -270,7 +270,7 @@ class Panel:
             u=three(), v=three(), g0=three(), g1=three(), mass=mass, inverse_mass=inverse, kick=const.dt * inverse,
             L1=np.ones(slots), L2=np.ones(slots), P1=many(), P2=many(), D1=small(), D2=small(),
             W=np.full(slots, const.cells * float(rest["W"])), dH=(small(), small(), small()),
-            flag=np.zeros(slots, np.uint8), pressed=np.zeros((near, const.points**2)),
+            flag=np.zeros(slots, np.uint8), pressed=np.zeros((near, const.points**2, 4)),
             touching=np.zeros(near, np.bool_), contact=three(),
             position=self.projectile.start(), speed=strike_velocity * self.projectile.flight, reaction=np.zeros(3),
             contact_energy=np.zeros(4), rows=np.array([max(i0 - 1, 0), min(i1 + 1, ni)]), counter=np.zeros(3, np.int64),
@@ -296,7 +296,8 @@ class Panel:
         rows = {name: np.zeros(shapes.get(name, size)) for name in Work._fields}
         return Work(**{name: tuple(part) if name in ("A", "B", "H", "dH") else part for name, part in rows.items()})
 
-    def _masses(self):
+    def masses(self):
+        """(ni+1, nj+1) [kg] of the nodes."""
         (ni, nj), (dx, dy) = self.counts, self.spacing
         corner = 0.25 * self.weave.areal_density * dx * dy
         mass = np.zeros((ni + 1, nj + 1))

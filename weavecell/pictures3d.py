@@ -77,6 +77,8 @@ def panel(nodes, quads, share, failed, projectile, mirrors, reach=None):
     plotter.enable_parallel_projection()
     span = 1e3 * float(np.ptp(np.asarray(nodes)[:, 0])) * (2 if mirrors[0] else 1)
     top = 1e3 * float(np.asarray(nodes)[:, 2].max()) if reach else 0.0
-    plotter.camera_position = [(0.55 * span, -1.4 * span, top + 0.95 * span), (0, 0, top), (0, 0, 1)]
+    front = projectile[projectile[..., 2] > projectile[..., 2].max() - 1e-4]  # where a close-up looks
+    x, y = 1e3 * front.mean(axis=0)[:2] if reach else (0.0, 0.0)
+    plotter.camera_position = [(x + 0.55 * span, y - 1.4 * span, top + 0.95 * span), (x, y, top), (0, 0, 1)]
     plotter.camera.parallel_scale = 0.6e3 * reach if reach else 0.48 * span
     return plotter_image(plotter, crop=reach is None)

@@ -206,12 +206,11 @@ class ImpactRecord:
 
 
 def _drawn(shot):
-    """The projectile as it is drawn: one with an edge set back by its rounding.
+    """The projectile as it is drawn, set back by its edge radius.
 
-    The flat elements of the cloth cut across the rounded edge that their nodes lie on, and the edge would stick out
-    between them.
+    The flat elements of the cloth cut across the rounding that they lie on, and it would stick out between them.
     """
-    return shot.surface(0.0 if shot.shape in ("sphere", "hemisphere") else shot.edge_radius)
+    return shot.surface(shot.edge_radius)
 
 
 def _middle(result, last):
