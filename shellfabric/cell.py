@@ -159,6 +159,8 @@ class CellTable:
             fx, fy = values["N1"] * 2 * w1 * (x[1] - x[0]), values["N2"] * 2 * w2 * (y[1] - y[0])
             # the mixed slope from both sides; it is the same function where W is smooth
             fxy = 0.5 * (np.gradient(fx, axis=1) + np.gradient(fy, axis=0))
+            # where a yarn goes slack its force is zero along the whole edge, and stays zero below it
+            fxy[0, :] = fxy[:, 0] = 0.0
             potential = _bicubic(values["W"], fx, fy, fxy)
         return cls(model, x, y, values, tension, potential)
 
