@@ -22,6 +22,7 @@ plates), each taken on the meshed part: without tension the plate force is the m
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -207,7 +208,7 @@ def _next_shift(shift, ratio):
 
 def _corrected(step, taken):
     """Broyden's step from the step of the factorised tangent and those `taken` since; None where it is singular."""
-    for before, after in zip(taken, taken[1:]):
+    for before, after in pairwise(taken):
         step = step + after * (before @ step) / (before @ before)
     if taken:
         last = taken[-1]
