@@ -104,8 +104,8 @@ class Newton:
 
     def best(self, guesses, load):
         """The guess : (size,) that leaves the least residual at `load`."""
-        norms = [self._evaluate(q, load).norm for q in guesses]
-        return guesses[int(np.nanargmin(norms))]
+        norms = np.array([self._evaluate(q, load).norm for q in guesses])
+        return guesses[int(np.argmin(np.where(np.isfinite(norms), norms, np.inf)))]
 
     def linear_guess(self, q, before, load):
         """Unknowns at `load` from those `q` in equilibrium at `before`, by the last factorisation; None without one.

@@ -111,7 +111,7 @@ def sample(
     size : of the mesh
     partial : file (.h5) in which finished lines are kept, or None
     resume : go on from `partial` if it is there
-    executor : any concurrent.futures.Executor for the lines; None: `processes` of its own, 1 of them this one
+    executor : any concurrent.futures.Executor for the lines; None: `processes` of its own
     progress : called as progress(share, text) after each line
     provenance : text kept with the surface
 
@@ -243,10 +243,6 @@ class _Run:
 
     def _outcomes(self, cases):
         """(case, function that returns its line or raises) as they come."""
-        if self._workers is None:
-            for case in cases:
-                yield case, lambda case=case: solve_line(self._fabric, self._size, case)
-            return
         futures = {self._workers.submit(solve_line, self._fabric, self._size, case): case for case in cases}
         try:
             for future in as_completed(futures):
@@ -258,9 +254,10 @@ class _Run:
 
 @contextmanager
 def _workers(executor, processes):
-    if executor is not None or processes == 1:
+    if executor is not None:
         yield executor
         return
+    # of their own even where there is one alone: another number of BLAS threads is another last bit
     with one_thread_each(), ProcessPoolExecutor(processes, mp_context=CONTEXT) as pool:
         yield pool
 
