@@ -11,8 +11,6 @@ A failed segment is gone for good, its mass stays. Its crossing yarns lose the c
 for alpha and kappa. What it stored is booked as lost, with the half step in which its old force has acted.
 """
 
-import math
-
 import numpy as np
 from numba import njit
 
@@ -239,7 +237,7 @@ def half_step_work(const, state, first, last):
 
 @njit(cache=True, error_model="numpy")
 def potential(const, l1, l2):
-    """W [J] of one crossover from the bicubic table; beyond its upper edge linear, below it its edge, which is exact."""
+    """W [J] of one crossover from the bicubic table; above it linear, below it its edge, which is exact."""
     p, q = max((l1 - const.x0t) * const.rx, 0.0), max((l2 - const.y0t) * const.ry, 0.0)
     i1, i2 = max(min(int(p), const.top1), 0), max(min(int(q), const.top2), 0)
     p, q = p - i1, q - i2
@@ -259,12 +257,12 @@ def potential(const, l1, l2):
 @njit(cache=True, error_model="numpy")
 def shear_sine(const, state, k):
     """sin(gamma) of the quadrilateral in slot k, as `membrane_kernels.shear` has it."""
-    s = np.uint64(const.s)
-    aa, bb, ab = 0.0, 0.0, 0.0
+    s, L1, L2 = np.uint64(const.s), state.L[WARP], state.L[WEFT]
+    dot = 0.0
     for c in range(3):
         u = state.u[c]
         u00, u01, u10, u11 = u[k], u[k + ONE], u[k + s], u[k + s + ONE]
-        a = 0.5 * const.rx0 * (u10 - u00 + u11 - u01) + (1.0 if c == 0 else 0.0)
-        b = 0.5 * const.ry0 * (u01 - u00 + u11 - u10) + (1.0 if c == 1 else 0.0)
-        aa, bb, ab = aa + a * a, bb + b * b, ab + a * b
-    return ab / math.sqrt(aa * bb)
+        a = const.rx0 * (u10 - u00 + u11 - u01) + (2.0 if c == 0 else 0.0)
+        b = const.ry0 * (u01 - u00 + u11 - u10) + (2.0 if c == 1 else 0.0)
+        dot += a * b
+    return dot / ((L1[k] + L1[k + ONE]) * (L2[k] + L2[k + s]))

@@ -4,8 +4,8 @@ The march knows no physics: the kernels make the steps, `audit` samples them, ho
 hook(march) after every chunk and reads what it likes; `shellfabric.hooks` has some.
 
 Energy audit. Each entry is computed on its own, not from the others: the balance, their sum less the energy at the
-start, is what they disagree by. What the yarns store follows from their stretches. In the equilibrium form, whose forces
-are no gradient, the work done on them is more or less than that: the difference is the entry "cell".
+start, is what they disagree by. What the yarns store follows from their stretches. In the equilibrium form, whose
+forces are no gradient, the work done on them is more or less than that: the difference is the entry "cell".
 """
 
 from __future__ import annotations

@@ -112,17 +112,18 @@ def elements(state, const, block, first, last, work):
         record(k0, m0, n, T1, state.T[0])
         record(k0, m0, n2, T2, state.T[1])
     advance_yarns(state, const, block, k0, m0, n, n2, N1, N2, work)
-    membrane_kernels.pulls(m0, n, const.rx0, work.force1, work.i1, work.on1)
-    membrane_kernels.pulls(m0, n2, const.ry0, work.force2, work.i2, work.on2)
     trellis(state, const, first, last, thin, work)
+    rx, ry, X, Y = const.rx0, const.ry0, work.X, work.Y
+    membrane_kernels.pulls(m0, n, ONE, rx, work.force1, work.turn1, work.i1, work.on1)
+    membrane_kernels.pulls(m0, n2, s, ry, work.force2, work.turn2, work.i2, work.on2)
     for x in range(3):
-        membrane_kernels.corner(m0, n, s, work.A[x], work.B[x], work.sum_a, work.sum_b, work.Q)
-        membrane_kernels.corner(m0, n, s, work.A[x], work.B[x], work.gap_a, work.gap_b, work.R)
-        g0, g1 = state.g0[x], state.g1[x]
-        membrane_kernels.gather(k0, m0, n, work.on1, work.A[x], work.on2, work.B[x], work.Q, work.R, g0)
-        membrane_kernels.gather_next(k0 + s, m0, n, work.on1, work.A[x], work.Q, work.R, g1)
+        A, B, g0, g1 = work.A[x], work.B[x], state.g0[x], state.g1[x]
+        membrane_kernels.times(m0, n, s, work.cross, B, X)
+        membrane_kernels.times(m0, n, ONE, work.cross, A, Y)
+        membrane_kernels.gather(k0, m0, n, rx, ry, work.on1, A, work.on2, B, X, Y, g0)
+        membrane_kernels.gather_next(k0 + s, m0, n, rx, ry, work.on1, A, X, Y, g1)
         if last == const.ni:
-            membrane_kernels.gather_last(k0 + n, m0 + n, s, work.on2, work.B[x], g0)
+            membrane_kernels.gather_last(k0 + n, m0 + n, s, work.on2, B, g0)
 
 
 @njit(cache=True, error_model="numpy", _nrt=False)
@@ -189,7 +190,7 @@ def record(k0, m0, n, x, kept):
 @njit(cache=True, error_model="numpy", _nrt=False)
 def advance_yarns(state, const, block, k0, m0, n, n2, N1, N2, work):
     """Forces of the block's edges along themselves, with the viscous ones, and what they work."""
-    L, N, D, y, T = state.L, state.N, state.D, state.y, state.T
+    L, N, D, y = state.L, state.N, state.D, state.y
     if state.thin[block] == AGAIN:
         membrane_kernels.yarn_again(k0, m0, n, const.cv1, N1, y[0], N[0], D[0], work.force1)
         membrane_kernels.yarn_again(k0, m0, n2, const.cv2, N2, y[1], N[1], D[1], work.force2)
@@ -204,26 +205,25 @@ def advance_yarns(state, const, block, k0, m0, n, n2, N1, N2, work):
 
 @njit(cache=True, error_model="numpy", _nrt=False)
 def trellis(state, const, first, last, thin, work):
-    """Coefficients of the trellis's forces on the corners of the block's quadrilaterals."""
-    s, m0, n = np.uint64(const.s), np.uint64(2 * const.s), np.uint64((last - first) * const.s)
-    A, B = work.A, work.B
-    ia, ib, rx, ry = work.ia, work.ib, const.rx0, const.ry0
-    membrane_kernels.doubled(m0, n, ONE, A[0], A[1], A[2], ia)
-    membrane_kernels.doubled(m0, n, s, B[0], B[1], B[2], ib)
-    membrane_kernels.shear(m0, n, s, A[0], A[1], A[2], B[0], B[1], B[2], ia, ib, work.sine)
+    """The trellis of the block's quadrilaterals and of the row before them, which shares their first weft edges."""
+    s, low, A, B, l1, l2 = np.uint64(const.s), max(first - 1, 0), work.A, work.B, work.l1, work.l2
+    m0, n = np.uint64((low - first + 2) * const.s), np.uint64((last - low) * const.s)
+    membrane_kernels.shear(m0, n, s, A[0], A[1], A[2], B[0], B[1], B[2], l1, l2, work.sine)
     for j in range(m0 + s - ONE, m0 + n, s):
         work.sine[j] = 0.0
     membrane_kernels.shear_slope(m0, n, work.sine, const.V, const.G1, const.G2, const.gamma1, const.gamma2, work.slope)
     if thin:
-        failure_kernels.thin_trellis(const, state, first, last, (first - 2) * const.s, work.slope)
-    membrane_kernels.along(m0, n, work.slope, work.sine, ia, work.on_a)
-    membrane_kernels.along(m0, n, work.slope, work.sine, ib, work.on_b)
-    membrane_kernels.across(m0, n, work.slope, ia, ib, work.cross)
-    # with fa = rx (on_a a + cross b) and fb = ry (cross a + on_b b): fa + fb, and fa - fb
-    membrane_kernels.blend(m0, n, rx, work.on_a, ry, work.cross, work.sum_a)
-    membrane_kernels.blend(m0, n, rx, work.cross, ry, work.on_b, work.sum_b)
-    membrane_kernels.blend(m0, n, rx, work.on_a, -ry, work.cross, work.gap_a)
-    membrane_kernels.blend(m0, n, rx, work.cross, -ry, work.on_b, work.gap_b)
+        failure_kernels.thin_trellis(const, state, low, last, (first - 2) * const.s, work.slope)
+    membrane_kernels.turn(m0, n, ONE, work.slope, work.sine, l1, work.turn1)
+    membrane_kernels.turn(m0, n, s, work.slope, work.sine, l2, work.turn2)
+    membrane_kernels.cross(m0, n, s, work.slope, l1, l2, work.cross)
+    # beyond the panel there is none
+    if first == 0:
+        for j in range(s, s + s):
+            work.turn1[j] = work.turn2[j] = work.X[j] = work.Y[j] = 0.0
+    if last == const.ni:
+        for j in range(m0 + n, m0 + n + s):
+            work.turn2[j] = 0.0
 
 
 @njit(cache=True, error_model="numpy", _nrt=False)
@@ -342,12 +342,11 @@ def first_forces(state, const, work):
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def energies(state, const, out):
-    """The energy audit at the present whole step, into out (3): kinetic energy of the cloth, of the yarns, of the trellis.
+    """The energy audit at the present whole step, into out (3): kinetic, of the yarns, of the trellis.
 
     Kinetic energy is m v(n-1/2) v(n+1/2) / 2, the form that central differences conserve in a linear system.
     """
     out[:] = 0.0
-    s = np.uint64(const.s)
     for i in range(const.ni + 1):
         for j in range(const.nj + 1):
             k = i * const.s + j

@@ -14,7 +14,7 @@ cell of `cell_kernels`
 
 n being the crossovers that a segment stands for: half of a segment's on lines that bound the panel. The variational
 forces are the exact gradient of E. The trellis (eq. 4-35 as a total, odd function, erratum E-11) has one point in each
-quadrilateral: a, b are the means of its two warp and two weft edges and sin(gamma) = a.b / |a||b|.
+quadrilateral: a, b being the means of its two warp and two weft edges, sin(gamma) = a.b / <Lambda1><Lambda2> of these.
 
 Where yarns have failed. Segment e keeps the part alpha_e of its yarns; kappa_e = mean of alpha over the four crossing
 segments is the part of it that is still crossed. Means are weighted by alpha, and the rest is alone (erratum E-14):
@@ -99,7 +99,7 @@ def across_weft(m0, n, s, x, mean):
 
 @njit(cache=True, fastmath=FAST, error_model="numpy")
 def place(m0, n, l, x0, r, top, cell, part):
-    """Where n stretches lie in the table: the cell along one side, 0 .. top, and the place in it; never below the table."""
+    """Where n stretches lie in the table: the cell along one side, 0 .. top, and the place in it, at least 0."""
     for j in range(m0, m0 + n):
         p = max((l[j] - x0) * r, 0.0)
         whole = math.floor(min(p, top))
@@ -205,21 +205,13 @@ def shear_energy(sine, V, G1, G2, gamma1, gamma2):
 
 
 @njit(cache=True, fastmath=FAST, error_model="numpy")
-def doubled(m0, n, step, x, y, z, inverse):
-    """Inverse length of the sum of two neighbouring edges, for n quadrilaterals."""
-    for j in range(m0, m0 + n):
-        a, b, c = x[j] + x[j + step], y[j] + y[j + step], z[j] + z[j + step]
-        inverse[j] = 1.0 / math.sqrt(a * a + b * b + c * c)
-
-
-@njit(cache=True, fastmath=FAST, error_model="numpy")
-def shear(m0, n, s, ax, ay, az, bx, by, bz, ia, ib, sine):
-    """Sine of the shear angle of n quadrilaterals from their edges and the inverse lengths of `doubled`."""
+def shear(m0, n, s, ax, ay, az, bx, by, bz, l1, l2, sine):
+    """Sine of the shear angle of n quadrilaterals."""
     for j in range(m0, m0 + n):
         x = (ax[j] + ax[j + ONE]) * (bx[j] + bx[j + s])
         y = (ay[j] + ay[j + ONE]) * (by[j] + by[j + s])
         z = (az[j] + az[j + ONE]) * (bz[j] + bz[j + s])
-        sine[j] = (x + y + z) * ia[j] * ib[j]
+        sine[j] = (x + y + z) / ((l1[j] + l1[j + ONE]) * (l2[j] + l2[j + s]))
 
 
 @njit(cache=True, fastmath=FAST, error_model="numpy")
@@ -246,57 +238,51 @@ def shear_slope(m0, n, sine, V, G1, G2, gamma1, gamma2, slope):
 
 
 @njit(cache=True, fastmath=FAST, error_model="numpy")
-def along(m0, n, slope, sine, inverse, on):
-    """Part of dE/da along a itself, for n quadrilaterals with the doubled mean edge a (or b)."""
+def turn(m0, n, step, slope, sine, l, turned):
+    """-dE/dLambda that n quadrilaterals give to each of their two edges of one family, `step` slots apart."""
     for j in range(m0, m0 + n):
-        on[j] = -slope[j] * sine[j] * inverse[j] * inverse[j]
+        turned[j] = slope[j] * sine[j] / (l[j] + l[j + step])
 
 
 @njit(cache=True, fastmath=FAST, error_model="numpy")
-def across(m0, n, slope, ia, ib, cross):
-    """Part of dE/da along b, which is that of dE/db along a."""
+def cross(m0, n, s, slope, l1, l2, crossed):
+    """dE/d(a.b) of n quadrilaterals, over four, a and b being doubled."""
     for j in range(m0, m0 + n):
-        cross[j] = slope[j] * ia[j] * ib[j]
+        crossed[j] = slope[j] / ((l1[j] + l1[j + ONE]) * (l2[j] + l2[j + s]))
 
 
 @njit(cache=True, fastmath=FAST, error_model="numpy")
-def blend(m0, n, r, x, q, y, out):
-    """out = r x + q y."""
+def times(m0, n, step, crossed, A, X):
+    """One component of the doubled mean of two edges, `step` slots apart, times dE/d(a.b), for n quadrilaterals."""
     for j in range(m0, m0 + n):
-        out[j] = r * x[j] + q * y[j]
+        X[j] = crossed[j] * (A[j] + A[j + step])
 
 
 @njit(cache=True, fastmath=FAST, error_model="numpy")
-def pulls(m0, n, r, force, inverse, on):
-    """Pulls of n edges along themselves over their stretch; r = 1 / dX or 1 / dY."""
+def pulls(m0, n, back, r, force, turned, inverse, on):
+    """Pulls of n edges along themselves over their stretch, less what the trellis on both sides takes; r = 1 / dX."""
     for j in range(m0, m0 + n):
-        on[j] = r * force[j] * inverse[j]
-
-
-@njit(cache=True, fastmath=FAST, error_model="numpy")
-def corner(m0, n, s, A, B, on_a, on_b, Q):
-    """One component of a force on one corner of n quadrilaterals: on_a a + on_b b."""
-    for j in range(m0, m0 + n):
-        Q[j] = on_a[j] * (A[j] + A[j + ONE]) + on_b[j] * (B[j] + B[j + s])
+        on[j] = r * inverse[j] * (force[j] - (turned[j] + turned[j - back]))
 
 
 @njit(cache=True, fastmath={"nsz"}, error_model="numpy")
-def gather(k0, m0, n, on1, A, on2, B, Q, R, g0):
+def gather(k0, m0, n, rx, ry, on1, A, on2, B, X, Y, g0):
     """One component of what n slots' edges and quadrilaterals give to the nodes of their own row.
 
-    Corners: f00 = Q, f01 = R, f10 = -R, f11 = -Q. Without contraction uniform tension cancels digit by digit.
+    Without contraction uniform tension cancels digit by digit.
     """
     for j in range(n):
         m = m0 + j
-        g0[k0 + j] = (on1[m] * A[m] + (on2[m] * B[m] - on2[m - ONE] * B[m - ONE])) + (Q[m] + R[m - ONE])
+        trellis = rx * (X[m] + X[m - ONE]) + ry * (Y[m] - Y[m - ONE])
+        g0[k0 + j] = (on1[m] * A[m] + (on2[m] * B[m] - on2[m - ONE] * B[m - ONE])) + trellis
 
 
 @njit(cache=True, fastmath={"nsz"}, error_model="numpy")
-def gather_next(k0, m0, n, on1, A, Q, R, g1):
+def gather_next(k0, m0, n, rx, ry, on1, A, X, Y, g1):
     """One component of what they give to the nodes of the next row, which begin at slot k0."""
     for j in range(n):
         m = m0 + j
-        g1[k0 + j] = -on1[m] * A[m] - (R[m] + Q[m - ONE])
+        g1[k0 + j] = ry * (Y[m] - Y[m - ONE]) - (on1[m] * A[m] + rx * (X[m] + X[m - ONE]))
 
 
 @njit(cache=True, fastmath={"nsz"}, error_model="numpy")

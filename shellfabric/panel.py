@@ -1,11 +1,12 @@
 """A fabric panel with its projectile: grid, masses, supports, time step, and the arrays that the kernels work on.
 
 Time step. The highest frequency of the cloth is bounded by w^2 = 4 D / (m d^2), with d the shorter side, m the areal
-density, and D = max over 0 <= a <= 1 of lambda a + 2 G2 t a (1 - a): the mode whose phase turns by 2 arcsin(sqrt a) from
-node to node along both yarns, lambda being the largest eigenvalue of the table's membrane tangent and G2 t that of the
-trellis, which has one point in each element and so is blind to a = 1. Along a straight yarn this is d / c with the wave speed c = sqrt(E / rho) / sqrt(1 + mass
-of the crossing yarn over its own): the factor sqrt 2 of woven yarn (erratum E-38). Viscous forces act on the velocity
-of half a step ago, which limits the step to (2 / w) (sqrt(1 + xi^2) - xi) at damping ratio xi.
+density, and D the largest over 0 <= a <= 1 of lambda a + 2 G2 t a (1 - a): that of the mode whose phase turns by
+2 arcsin(sqrt a) from node to node along both yarns. lambda is the largest eigenvalue of the table's membrane tangent,
+G2 t that of the trellis, which has one point in each element and so is blind to a = 1. Along a straight yarn this is
+d / c with the wave speed c = sqrt(E / rho) / sqrt(1 + mass of the crossing yarn over its own): the factor sqrt 2 of
+woven yarn (erratum E-38). Viscous forces act on the velocity of half a step ago, which limits the step to
+(2 / w) (sqrt(1 + xi^2) - xi) at damping ratio xi.
 """
 
 from __future__ import annotations
@@ -33,13 +34,14 @@ Constants = namedtuple(
 )
 State = namedtuple(
     "State",
-    "u v g0 g1 mass inverse_mass kick L N T D y intact failed filtered flag thin most pressed touching contact position speed reaction "
+    "u v g0 g1 mass inverse_mass kick L N T D y intact failed filtered flag thin most "
+    "pressed touching contact position speed reaction "
     "contact_energy rows counter sums peak window stuck rim_force rim_sums",
 )
 Work = namedtuple(
     "Work",
     "A B l1 l2 i1 i2 m1 m2 p1 p2 p3 p4 q1 q2 q3 q4 T1 T2 N1 N2 own1 own2 given1 given2 force1 force2 on1 on2 "
-    "ia ib sine slope on_a on_b cross sum_a sum_b gap_a gap_b Q R x v",
+    "sine slope turn1 turn2 cross X Y x v",
 )
 
 
@@ -47,21 +49,21 @@ Work = namedtuple(
 class Numerics:
     """Numerical knobs, set by stability and convergence; none is fitted to an outcome.
 
-    The figures below are of S-720 at 92.5 m/s after 250 us, peak tension 135 N in the warp and 160 N in the weft.
+    The figures below are of S-720, at 92.5 m/s after 250 us: peak tension 136 N in the warp and 155 N in the weft.
 
     Parameters
     ----------
-    safety : of the time step against its bound; 0.9 leaves room for shear stiffening in distorted elements. At 0.5 the
-        peak tension moves by 2 %
+    safety : of the time step against its bound; 0.9 leaves room for shear stiffening in distorted elements
     stretch_viscosity : damping ratio of the highest mode along a straight yarn, which costs as much of the time step.
-        From 0 to 0.2 the peak falls by 3 %. In a yarn that stiffens as its crimp goes, fronts are shocks, which
-        dissipate whatever the viscosity; this lets them do it along the yarn. Made proportional to the tangent instead,
-        the loss stays (S-731 at 116 m/s: 16 against 17 % of the strike energy), but three quarters of it move to the
-        hourglass modes, whose share triples
-    penalty : stiffness of the contact where it covers an element, in units of nodal mass / dt^2; the bound is 4. The
-        peak moves by 4 % from 0.1 to 0.3, and by 1.5 % from there to 0.6
-    contact_damping : ratio to critical of that mass on that spring; 0.25 and 0.5 give the same peak
-    contact_points : along each side of an element, at least 2 (see `contact_kernels`); 4 are within 1 % of 8
+        Without it crimped yarns that snap taut ring, and the peak is 190 and 380 N; from 0.05 to 0.2 it moves by 1 %.
+        In a yarn that stiffens as its crimp goes, fronts are shocks, which dissipate whatever the viscosity: from 0.1
+        to 0.02 the loss of S-731 at 110 m/s falls from 13.3 to 11.2 % of the strike energy, and with half the element
+        from 13.3 to 12.9
+    penalty : stiffness of the contact where it covers an element, in units of nodal mass / dt^2. From 0.3 to 1 the peak
+        moves by 1 %, and the critical velocity, which feels how deep the rim of the nose presses itself in, by 3 to
+        6 %, from 0.6 to 1 by 1 to 2 %; at 1 and above yarns bounce off the nose. The bound is 1.5 at the damping below
+    contact_damping : ratio to critical of that mass on that spring; from 0.25 to 0.7 the peak stays
+    contact_points : along each side of a crossover, and at least 2 along that of an element (see `contact_kernels`)
     failure_time : [s] over which a yarn's tension is low-passed before it is held against its strength; 0: not at all
     widest : stretch of the gap left by failed yarns at which its element loses contact: two neighbours' worth
     clear_time : [s] without a push and with nothing ahead, after which the panel counts as perforated
@@ -70,9 +72,9 @@ class Numerics:
 
     safety: float = 0.9
     stretch_viscosity: float = 0.1
-    penalty: float = 0.3
+    penalty: float = 0.6
     contact_damping: float = 0.5
-    contact_points: int = 4
+    contact_points: int = 8
     failure_time: float = 0.0
     widest: float = 3.0
     clear_time: float = 2e-6
@@ -216,7 +218,7 @@ class Panel:
         shear = self.fabric.shear if self.trellis else None
         G1, G2, gamma1, gamma2 = (shear.G1, shear.G2, shear.gamma1, shear.gamma2) if shear else (0.0, 0.0, 0.5, 1.0)
         lag = self.critical_step / dt
-        points = knobs.contact_points
+        points = max(2, -(-knobs.contact_points // self.elements_per_crossover))
         mass = weave.areal_density * dx * dy / points**2
         (x0, y0), shot = self.origin, self.projectile
         rim_node, rim_axis, rim = edges.rim(self, self._masses())
@@ -262,8 +264,8 @@ class Panel:
         near = (i1 - i0) * (j1 - j0)
         state = State(
             u=three(), v=three(), g0=three(), g1=three(), mass=mass, inverse_mass=inverse, kick=const.dt * inverse,
-            L=(np.ones(slots), np.ones(slots)), N=forces, T=two() if const.variational else forces, D=small(), y=lengths,
-            intact=tuple((y > 0).astype(float) for y in lengths),
+            L=(np.ones(slots), np.ones(slots)), N=forces, T=two() if const.variational else forces, D=small(),
+            y=lengths, intact=tuple((y > 0).astype(float) for y in lengths),
             failed=(np.zeros(slots, np.uint8), np.zeros(slots, np.uint8)),
             filtered=two() if const.lag > 0 else (np.zeros(0), np.zeros(0)),
             thin=np.zeros(blocks, np.uint8), most=np.zeros((blocks, 2)),

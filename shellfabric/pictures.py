@@ -14,7 +14,6 @@ _SHOWN = {
     "stored": "yarns, stored",
     "shear": "trellis shear",
     "viscous": "viscous",
-    "hourglass": "hourglass",
     "contact": "contact",
     "failed": "lost with failed yarns",
 }

@@ -18,7 +18,7 @@ from shellfabric.membrane_kernels import ERODED
 
 def held(state, const):
     """(ni, nj) bool: elements that have not eroded and whose nodes unbroken yarn joins to an edge of the panel."""
-    ni, nj, s = const.ni, const.nj, const.s
+    ni, s = const.ni, const.s
     node = np.arange((ni + 1) * s).reshape(ni + 1, s)
     warp, weft = ((intact[: node.size] > 0).reshape(ni + 1, s) for intact in state.intact)
     near = np.concatenate([node[:-1][warp[:-1]], node[:, :-1][weft[:, :-1]]])

@@ -35,7 +35,6 @@ ENERGIES = (
     ("failed", "lost at failure", RED),
     ("contact", "contact", ORANGE),
     ("viscous", "viscous", PURPLE),
-    ("hourglass", "hourglass", "#7a4a6a"),
 )
 
 
