@@ -18,8 +18,9 @@ import statistics
 import time
 from pathlib import Path
 
-from fabrics import catalogue
 from shell import machine
+
+from fabrics import catalogue
 from shellfabric import limit
 from shellfabric.impact import ImpactSetup
 

@@ -160,6 +160,8 @@ class CellTable:
             fx, fy = np.gradient(values["W"], edge_order=2)
         # the mixed slope from both sides; it is the same function where W is smooth
         fxy = 0.5 * (np.gradient(fx, axis=1) + np.gradient(fy, axis=0))
+        # where a yarn goes slack its force is zero along the whole edge, and stays zero below it
+        fxy[0, :] = fxy[:, 0] = fx[0, :] = fy[:, 0] = 0.0
         potential = _bicubic(values["W"], fx, fy, fxy)
         return cls(model, x, y, values, _bilinear(values["T1"]), _bilinear(values["T2"]), potential)
 

@@ -174,7 +174,8 @@ def press(state, const, i, j, e, x, v):
             p_x = n0 * x[0, 0] + n1 * x[1, 0] + n2 * x[2, 0] + n3 * x[3, 0]
             p_y = n0 * x[0, 1] + n1 * x[1, 1] + n2 * x[2, 1] + n3 * x[3, 1]
             p_z = n0 * x[0, 2] + n1 * x[1, 2] + n2 * x[2, 2] + n3 * x[3, 2]
-            before = state.pressed[e, a * p + b]
+            last = state.pressed[e, a * p + b]  # force of the last step: its size, and its three components
+            before = last[0]
             if before == 0.0 and (p_z >= 0.0 or p_x * p_x + p_y * p_y >= const.R * const.R):
                 continue
             depth, n_x, n_y, n_z = shapes_kernels.distance(
@@ -183,6 +184,11 @@ def press(state, const, i, j, e, x, v):
             if depth >= 0.0 and before == 0.0:
                 continue
             part = 1.0 if whole else cover(state, const, k, s, t)
+            if part == 0.0:
+                last[:] = 0.0
+                if const.friction > 0.0:
+                    state.stuck[e, a * p + b] = 0.0
+                continue
             stiffness, damping = part * const.point_stiffness, part * const.point_damping
             if const.tilted:
                 n_x, n_y, n_z = turned_back(const.frame, n_x, n_y, n_z)
@@ -195,9 +201,9 @@ def press(state, const, i, j, e, x, v):
                 f = max(0.0, damping * closing - stiffness * depth)
                 spring += 0.5 * stiffness * depth * depth
                 state.touching[e] = True
-            work += 0.5 * (f + before) * closing * const.dt
-            state.pressed[e, a * p + b] = f
             f_x, f_y, f_z = f * n_x, f * n_y, f * n_z
+            work -= 0.5 * const.dt * ((f_x + last[1]) * v_x + (f_y + last[2]) * v_y + (f_z + last[3]) * v_z)
+            last[0], last[1], last[2], last[3] = f, f_x, f_y, f_z
             if const.friction > 0.0:
                 t_x, t_y, t_z, taken, held = friction_kernels.rub(
                     state.stuck[e, a * p + b], const.friction * f, stiffness, damping, const.dt,

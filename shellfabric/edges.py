@@ -90,6 +90,11 @@ def sides(edge):
     return pairs
 
 
+def slips(edge):
+    """Whether a side of it is not simply clamped or free."""
+    return any(not isinstance(side, str) for pair in sides(edge) for side in pair)
+
+
 def check(panel):
     """InputError where the edges do not go with the panel's symmetry or with its oblique weave."""
     given = sides(panel.edge)
@@ -141,17 +146,17 @@ def ends(panel):
     return (found[0], start[1]), (start[0], found[1])
 
 
-def rim(panel, mass):
+def rim(panel):
     """What `edges_kernels` needs of the sides that slip.
-
-    mass : (ni+1, nj+1) [kg] of the nodes
 
     Returns
     -------
     nodes, axes : (n,) int, flat node number and the direction in which it moves
     values : (n, 5) pull-in along that axis [m], start and end of it [s], grip [N], mass [kg]
     """
-    given, (ni, nj) = sides(panel.edge), panel.counts
+    if not slips(panel.edge):
+        return np.zeros(0, np.int64), np.zeros(0, np.int64), np.zeros((0, 5))
+    given, (ni, nj), mass = sides(panel.edge), panel.counts, panel.masses()
     numbers = np.arange((ni + 1) * (nj + 1)).reshape(ni + 1, nj + 1)
     nodes, axes, values = [], [], []
     for axis, pair in enumerate(given):
@@ -176,6 +181,4 @@ def rim(panel, mass):
             nodes.append(np.moveaxis(numbers, axis, 0)[end][keep])
             axes.append(np.full(keep.sum(), axis))
             values.append(row[keep])
-    if not nodes:
-        return np.zeros(0, np.int64), np.zeros(0, np.int64), np.zeros((0, 5))
     return np.concatenate(nodes), np.concatenate(axes), np.concatenate(values)

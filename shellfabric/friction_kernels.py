@@ -25,6 +25,7 @@ def rub(stuck, limit, k, c, dt, n_x, n_y, n_z, v_x, v_y, v_z):
     Returns the force on the cloth (t_x, t_y, t_z), the energy taken in over the step (trapezoid rule), and what of it
     the spring holds.
     """
+    taken = -0.5 * dt * (stuck[3] * v_x + stuck[4] * v_y + stuck[5] * v_z)
     across = v_x * n_x + v_y * n_y + v_z * n_z
     v_x, v_y, v_z = v_x - across * n_x, v_y - across * n_y, v_z - across * n_z
     g_x, g_y, g_z = stuck[0] + dt * v_x, stuck[1] + dt * v_y, stuck[2] + dt * v_z
@@ -35,7 +36,7 @@ def rub(stuck, limit, k, c, dt, n_x, n_y, n_z, v_x, v_y, v_z):
     if size > limit:
         t_x, t_y, t_z = limit * t_x / size, limit * t_y / size, limit * t_z / size
         g_x, g_y, g_z = -t_x / k, -t_y / k, -t_z / k
-    taken = -0.5 * dt * ((t_x + stuck[3]) * v_x + (t_y + stuck[4]) * v_y + (t_z + stuck[5]) * v_z)
+    taken -= 0.5 * dt * (t_x * v_x + t_y * v_y + t_z * v_z)
     stuck[0], stuck[1], stuck[2] = g_x, g_y, g_z
     stuck[3], stuck[4], stuck[5] = t_x, t_y, t_z
     return t_x, t_y, t_z, taken, 0.5 * k * (g_x * g_x + g_y * g_y + g_z * g_z)

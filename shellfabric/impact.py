@@ -99,6 +99,7 @@ class ImpactResult:
     failed : (n,) number of failed yarn segments
     peak_tension : (warp, weft) [N] over the run
     fine : (steps, 4) time [s], foremost point [m], velocity [m/s] at half steps, force on the projectile [N]
+    nose : (3,) [m] place of the projectile's nose at the end
     nodes, quads : (k, 3) [m], (m, 4) the panel (or its modelled part) at the end
     tension : (m, 2) [N] of warp and weft at the end
     broken : (m, 3) bool at the end: warp failed, weft failed, element eroded
@@ -120,6 +121,7 @@ class ImpactResult:
     failed: np.ndarray
     peak_tension: tuple[float, float]
     fine: np.ndarray
+    nose: np.ndarray
     nodes: np.ndarray
     quads: np.ndarray
     tension: np.ndarray
@@ -199,6 +201,7 @@ def result_of(setup: ImpactSetup, march: March) -> ImpactResult:
         failed=march.sample("failed_yarns"),
         peak_tension=(float(march.state.peak[0]), float(march.state.peak[1])),
         fine=np.column_stack([clock, fine[:, :2], fine[:, 2] / march.panel.share]),
+        nose=last.nose,
         nodes=last.nodes.reshape(-1, 3),
         quads=measures.quads(march.panel),
         tension=last.tension.reshape(-1, 2),

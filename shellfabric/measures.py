@@ -15,6 +15,7 @@ class Snapshot:
     ----------
     t : [s]
     z : [m] foremost point of the projectile
+    nose : (3,) [m] place of its nose
     nodes : (ni+1, nj+1, 3) [m]
     tension : (ni, nj, 2) [N] of warp and weft
     broken : (ni, nj, 3) bool: a warp or a weft at its side failed, element eroded
@@ -22,6 +23,7 @@ class Snapshot:
 
     t: float
     z: float
+    nose: np.ndarray
     nodes: np.ndarray
     tension: np.ndarray
     broken: np.ndarray
@@ -38,7 +40,7 @@ def snapshot(panel, state, t) -> Snapshot:
     c = panel.constants()
     broken = failures(c, state)
     z = float(state.position[2] + panel.projectile.top)
-    return Snapshot(t, z, nodes, yarn_tensions(c, state), broken)
+    return Snapshot(t, z, state.position.copy(), nodes, yarn_tensions(c, state), broken)
 
 
 def failures(c, state):

@@ -221,7 +221,7 @@ class Panel:
         points = max(2, -(-knobs.contact_points // self.elements_per_crossover))
         mass = weave.areal_density * dx * dy / points**2
         (x0, y0), shot = self.origin, self.projectile
-        rim_node, rim_axis, rim = edges.rim(self, self._masses())
+        rim_node, rim_axis, rim = edges.rim(self)
         roaming = shot.roaming or rim_node.size > 0  # over the cloth: it slides, or the cloth is drawn under it
         return Constants(
             ni=ni, nj=nj, s=nj + 1, block=max(1, round(knobs.block / (nj + 1))), mirror_x=mirror_x, mirror_y=mirror_y,
@@ -252,7 +252,7 @@ class Panel:
         ni, s = const.ni, const.s
         slots = (ni + 1) * s + 16
         mass, inverse = np.zeros(slots), np.zeros(slots)
-        mass[: (ni + 1) * s] = self._masses().ravel()
+        mass[: (ni + 1) * s] = self.masses().ravel()
         loose = np.flatnonzero(edges.loose(self))
         inverse[loose] = 1.0 / mass[loose]
         blocks = -(-ni // const.block)
@@ -269,7 +269,7 @@ class Panel:
             failed=(np.zeros(slots, np.uint8), np.zeros(slots, np.uint8)),
             filtered=two() if const.lag > 0 else (np.zeros(0), np.zeros(0)),
             thin=np.zeros(blocks, np.uint8), most=np.zeros((blocks, 2)),
-            flag=np.zeros(slots, np.uint8), pressed=np.zeros((near, const.points**2)),
+            flag=np.zeros(slots, np.uint8), pressed=np.zeros((near, const.points**2, 4)),
             touching=np.zeros(near, np.bool_), contact=three(),
             position=self.projectile.start(), speed=strike_velocity * self.projectile.flight, reaction=np.zeros(3),
             contact_energy=np.zeros(4), rows=np.array([max(i0 - 1, 0), min(i1 + 1, ni)]), counter=np.zeros(3, np.int64),
@@ -294,7 +294,8 @@ class Panel:
         rows = {name: np.zeros(shapes.get(name, size)) for name in Work._fields}
         return Work(**{name: tuple(part) if name in ("A", "B") else part for name, part in rows.items()})
 
-    def _masses(self):
+    def masses(self):
+        """(ni+1, nj+1) [kg] of the nodes."""
         (ni, nj), (dx, dy) = self.counts, self.spacing
         corner = 0.25 * self.weave.areal_density * dx * dy
         mass = np.zeros((ni + 1, nj + 1))

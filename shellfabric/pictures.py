@@ -15,9 +15,15 @@ _SHOWN = {
     "shear": "trellis shear",
     "viscous": "viscous",
     "contact": "contact",
+    "friction": "friction",
+    "grip": "slip in the clamps",
+    "external": "work on edges led in",
     "failed": "lost with failed yarns",
 }
-_COLOURS = ("#7c8794", "#0072B2", "#009E73", "#56B4E9", "#E69F00", "#CC79A7", "#1d2733", "#D55E00")
+_COLOURS = (
+    "#7c8794", "#0072B2", "#009E73", "#56B4E9", "#E69F00", "#CC79A7", "#1d2733", "#b5651d", "#8c8c3f", "#4d6b3c",
+    "#D55E00",
+)  # fmt: skip
 _BAR = {
     "vertical": True, "position_x": 0.91, "position_y": 0.25, "height": 0.5, "width": 0.05,
     "color": "black", "title_font_size": 24, "label_font_size": 22, "fmt": "%.0f", "n_labels": 4,
@@ -37,8 +43,9 @@ def histories(result, path):
     velocity.plot(t, result.v, color=_WARP, lw=2)
     velocity.set(title=f"Projectile: {result.outcome}", xlabel="time, µs", ylabel="velocity, m/s")
     velocity.axhline(0, color="#9aa3ad", lw=0.8)
-    parts = [result.energies[name] for name in _SHOWN]
-    energy.stackplot(t, parts, labels=_SHOWN.values(), colors=_COLOURS, lw=0)
+    shown = [(*pair, colour) for pair, colour in zip(_SHOWN.items(), _COLOURS) if np.any(result.energies[pair[0]])]
+    names, labels, colours = zip(*shown)
+    energy.stackplot(t, [result.energies[name] for name in names], labels=labels, colors=colours, lw=0)
     energy.set(
         title=f"Energy; the balance holds to {100 * result.worst_balance:.2g} % of the strike energy",
         xlabel="time, µs",
@@ -112,12 +119,9 @@ def deformed(result, path):
                 scalar_bar_args=_BAR,
             )
     # set back by half its edge radius: flat elements cut across the rounding
-    length, shot = 15 * result.setup.projectile.radius, result.setup.projectile
-    middle = result.z[-1] - shot.edge_radius / 2 - length / 2
-    body = pyvista.Cylinder(
-        center=(0, 0, 1e3 * middle), direction=(0, 0, 1), radius=1e3 * shot.radius, height=1e3 * length, resolution=60
-    )
-    plotter.add_mesh(body, color="#7c8794")
+    shot = result.setup.projectile
+    body = 1e3 * np.moveaxis(result.nose + shot.surface(shot.edge_radius / 2), -1, 0)
+    plotter.add_mesh(pyvista.StructuredGrid(*body), color="#7c8794", smooth_shading=True)
     size = 1e3 * max(np.ptp(result.nodes[:, 0]) * (2 if mirror_x else 1), np.ptp(result.nodes[:, 1]))
     plotter.camera_position = [(0.9 * size, -1.35 * size, 0.75 * size), (0.05 * size, 0, -0.03 * size), (0, 0, 1)]
     plotter.camera.zoom(0.95)

@@ -115,7 +115,7 @@ class Projectile:
         for key in ("mass", "radius", "edge_radius"):
             if not 0 < getattr(self, key) < inf:
                 raise InputError(key=key, value=getattr(self, key), allowed="above 0")
-        if self.edge_radius > self.radius:
+        if self.shape != "sphere" and self.edge_radius > self.radius:
             raise InputError(key="edge_radius", value=self.edge_radius, allowed=f"at most the radius {self.radius:g}")
 
     def _check_form(self):
@@ -217,6 +217,25 @@ class Projectile:
             return np.zeros(3)
         flight, nose = self.flight, self.radius * self.frame[2]
         return nose - flight * (nose[2] + self.top) / flight[2]
+
+    def surface(self, set_back=0.0):
+        """(n, m, 3) [m] the body's surface about its nose, m points a ring, for pictures; six radii of an endless one.
+
+        set_back : [m] along the axis
+        """
+        end = 2 * self.radius if self.shape == "sphere" else min(self.length or inf, 6 * self.radius)
+        length = inf if self.shape == "sphere" else end
+        rise, depths = np.linspace(0, 0.5 * pi, 61), np.linspace(self.radius, end - self.radius, 12)
+        # rings of rays: from the point one radius deep forwards, across the axis, and from as far before the end back
+        origin = np.concatenate([np.full(61, -self.radius), -depths, np.full(61, self.radius - end)])
+        slope = np.concatenate([rise[::-1], np.zeros(12), -rise])
+        around = np.linspace(0, 2 * pi, 73)
+        away = np.cos(slope)[:, None] * np.array([np.cos(around), np.sin(around)])[:, None, :]
+        rays = np.stack([*away, np.broadcast_to(np.sin(slope)[:, None], away[0].shape)], axis=-1).reshape(-1, 3)
+        points = np.zeros_like(rays)
+        points[:, 2] = np.repeat(origin, around.size)
+        shapes_kernels.trace(self.number, self.radius, self.edge_radius, length, self.form, points, rays)
+        return ((points - [0, 0, set_back]) @ self.frame).reshape(slope.size, around.size, 3)
 
     def mirrored(self, axis):
         """Whether the shot is its own mirror image in the plane x = 0 (axis 0) or y = 0 (axis 1)."""

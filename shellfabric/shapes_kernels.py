@@ -180,3 +180,16 @@ def distance(shape, x, y, z, R, rho, length, form):
             n_x, n_y = (e_r * x / r, e_r * y / r) if r > 0.0 else (0.0, 0.0)
             return end, n_x, n_y, -e_z
     return depth, n_x, n_y, n_z
+
+
+@njit(cache=True, error_model="numpy")
+def trace(shape, R, rho, length, form, points, directions):
+    """Move points (n, 3) inside a projectile along unit directions (n, 3) to its surface, by its distance each time."""
+    for m in range(points.shape[0]):
+        for _ in range(200):
+            x, y, z = points[m, 0], points[m, 1], points[m, 2]
+            depth = distance(shape, x, y, z, R, rho, length, form)[0]
+            for c in range(3):
+                points[m, c] -= depth * directions[m, c]
+            if depth > -1e-6 * R:
+                break

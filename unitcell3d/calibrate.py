@@ -17,12 +17,9 @@ computed beside, and not fed to the shell.
 from __future__ import annotations
 
 import json
-import os
 import time
 from concurrent.futures import ProcessPoolExecutor
-from contextlib import contextmanager
 from dataclasses import dataclass, replace
-from multiprocessing import get_context
 from pathlib import Path
 from queue import Empty
 
@@ -34,6 +31,7 @@ from fabrics.files import write_whole
 from fabrics.ratio_law import RatioLaw, imbalance
 from meshing import crossover as mesher
 from unitcell3d import cases
+from unitcell3d.workers import CONTEXT, one_thread_each
 
 PATHS = {"warp only": (1.0, 0.0), "weft only": (0.0, 1.0), "equibiaxial": (1.0, 1.0)}
 PLATES = "plates"
@@ -253,12 +251,10 @@ def _run(name, fabric, size, ratio, report):
 
 def _beside(jobs, report, processes):
     """Run the jobs in processes of their own; their progress comes back through a queue."""
-    # MPI and PETSc do not survive a fork: start afresh
-    context = get_context("spawn")
-    queue = context.Queue()
+    queue = CONTEXT.Queue()
     with (
-        _one_thread_each(),
-        ProcessPoolExecutor(processes, mp_context=context, initializer=_take_queue, initargs=(queue,)) as pool,
+        one_thread_each(),
+        ProcessPoolExecutor(processes, mp_context=CONTEXT, initializer=_take_queue, initargs=(queue,)) as pool,
     ):
         futures = {job[0]: pool.submit(_run_beside, *job) for job in jobs}
         while True:
@@ -270,22 +266,6 @@ def _beside(jobs, report, processes):
                 pass
             if finished:
                 return {name: future.result() for name, future in futures.items()}
-
-
-@contextmanager
-def _one_thread_each():
-    """Start processes with one BLAS thread: they share the cores among themselves."""
-    names = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS")
-    before = {name: os.environ.get(name) for name in names}
-    os.environ.update(dict.fromkeys(names, "1"))
-    try:
-        yield
-    finally:
-        for name, value in before.items():
-            if value is None:
-                del os.environ[name]
-            else:
-                os.environ[name] = value
 
 
 _queue = None  # of a worker process, set once when it starts

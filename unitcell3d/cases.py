@@ -68,26 +68,30 @@ def _worst_yarn(limits):
     return lambda row: float(np.max(row["fibre_strain_mean"] / limits))
 
 
-def plate_compression(crossover, fabric, *, pressure=PLATEN_PRESSURE, numerics=None, steps=None, hooks=()):
+def plate_compression(
+    crossover, fabric, *, pressure=PLATEN_PRESSURE, closest=CLOSEST_PLATES, numerics=None, steps=None, hooks=()
+):
     """Press a crossover between two rigid plates, the yarns' ends held in the plane at their spacing.
 
     The plates stand at equal distances above and below the middle plane, as the two-fold axis of the weave asks, so
     that the higher yarn is touched first. The path ends at the mean `pressure` [Pa] on the area of the cell, the
-    source's greatest by default, or with the plates at half their first distance.
+    source's greatest by default, or with the plates at the share `closest` of their first distance.
 
     Raises
     ------
-    InputError : the pressure is not positive
+    InputError : the pressure is not positive, or the share is not between 0 and 1
     """
     if not pressure > 0:
         raise InputError(key="pressure", value=pressure, allowed="positive")
+    if not 0 < closest < 1:
+        raise InputError(key="closest", value=closest, allowed="between 0 and 1")
     model = CrossoverModel(crossover, fabric, numerics)
     rest = model.plates.at_rest
     force = pressure * fabric.weave.cell_area
     return march(
         model,
         Load(plates=rest),
-        Load(plates=CLOSEST_PLATES * rest),
+        Load(plates=closest * rest),
         case="plates",
         stop=lambda row: float(np.mean(row["F_plate"])) / force,
         steps=steps,

@@ -1,4 +1,4 @@
-"""Equilibrium at one load: Newton's method in pseudo-time.
+"""Equilibrium at one load: Newton's method in pseudo-time, with Broyden's updates between factorisations.
 
     (K + mu I) dq = -r,   mu <- mu |r_new| / |r_old|
 
@@ -8,6 +8,13 @@ stalls, because the residual is that of the stiff contact. The shift mu (backwar
 Keyes 1998) holds the soft modes while the stiff ones settle and dies out with the residual, so the last iterations are
 quadratic; no node moves by more than `LARGEST_STEP` in one iteration.
 
+A factorisation costs as much as thirty of its back substitutions. Once the residual is below `NEAR` of the forces, the
+last factorisation, of an earlier load even, is used on and corrected by the steps taken since (Broyden's update in the
+form that stores steps alone: Kelley, Iterative Methods for Linear and Nonlinear Equations, 1995, section 7.3), until a
+step takes off less than 1 - `SLOW` of the residual. The state that is found is the same: only the way to it is cheaper.
+There, too, a Newton step that multiplies the residual by more than `GROWTH` is shortened: a fibre at its slack kink,
+which a step of nanometres crosses, otherwise sends Newton's method round in a cycle.
+
 Converged when |r| <= 1e-8 of the largest of the forces that hold the crossover together (end tensions, contact,
 plates), each taken on the meshed part: without tension the plate force is the measure.
 """
@@ -15,6 +22,7 @@ plates), each taken on the meshed part: without tension the plate force is the m
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -23,15 +31,23 @@ from unitcell3d.linear import DirectSolver
 
 TOLERANCE = 1e-8
 LEAST_FORCE = 1e-2  # N: scale of the convergence test where nothing is loaded yet
-MAX_ITERATIONS = 40
+MAX_ITERATIONS = 40  # factorisations
 LARGEST_STEP = 5e-6  # m
 SHIFT = 300.0  # N/m at the first iteration; 30 to 1000 take the same number of iterations within a tenth
 LEAST_SHIFT = 1e-3  # N/m: none below
+NEAR = 1e-2  # of the forces; 1e-3 to 1e-2 take the same time within a tenth
+SLOW = 0.8  # thirty steps at this rate do what one good Newton step does
+GROWTH = 2.0
+SHORTER = (0.5, 0.25, 0.125, 0.0625)
+MOST_UPDATES = 20
 
 
 @dataclass(frozen=True)
 class Equilibrium:
-    """A converged state: unknowns `q`, nodal forces, contact force and plate forces [N] of the meshed part."""
+    """A converged state: unknowns `q`, nodal forces, contact force and plate forces [N] of the meshed part.
+
+    iterations : tangents that were factorised
+    """
 
     q: np.ndarray
     forces: np.ndarray
@@ -41,11 +57,20 @@ class Equilibrium:
 
 
 class Newton:
-    """Solves one model's equilibrium; keeps its linear solver from one load to the next."""
+    """Solves one model's equilibrium; keeps its linear solver and last factorisation from one load to the next.
 
-    def __init__(self, model):
+    Parameters
+    ----------
+    model : model.CrossoverModel
+    comm : MPI communicator whose processes share each factorisation, all of them making the same calls; None: alone
+    """
+
+    def __init__(self, model, comm=None):
         self.model = model
+        self._comm = comm
         self._solver = None
+        self._taken = []  # steps since the last factorisation
+        self._latest = None  # the state that the model's contact search belongs to
 
     def solve(self, q, load):
         """Equilibrium at `load` from the guess `q` : (size,).
@@ -54,28 +79,52 @@ class Newton:
         ------
         UnstableError : no convergence, a singular tangent, or an element that inverts
         """
-        state, shift = self._evaluate(q, load), SHIFT
+        state, shift, iterations = self._evaluate(q, load), SHIFT, 0
         if not np.isfinite(state.norm):
             self._refuse("the first guess", q, load)
-        for iteration in range(MAX_ITERATIONS):
+        self._taken = []
+        while True:
+            before = state.norm
+            if state.norm < NEAR * state.scale and self._solver is not None:
+                state = self._reuse(state, load)
             if state.norm <= TOLERANCE * state.scale:
-                return Equilibrium(state.q, state.forces, state.contact, state.plates, iteration)
-            step = self._step(state, load, shift)
+                return Equilibrium(state.q, state.forces, state.contact, state.plates, iterations)
+            if iterations == MAX_ITERATIONS:
+                self._refuse(f"no convergence in {MAX_ITERATIONS} iterations", state.q, load)
+            self._factor(state, load, shift)
+            iterations += 1
+            step = self._solver.solve(-state.residual)
             if step is None:
                 self._refuse("a singular tangent", state.q, load)
             found = self._move(state, step, load)
             if found is None:
                 self._refuse("forces that are not finite", state.q + step, load)
-            shift = min(shift * np.clip(found.norm / state.norm, 0.05, 2.0), 30 * SHIFT)
-            shift = shift if shift > LEAST_SHIFT else 0.0
+            shift = _next_shift(shift, found.norm / before)
             state = found
-        self._refuse(f"no convergence in {MAX_ITERATIONS} iterations", state.q, load)
+
+    def best(self, guesses, load):
+        """The guess : (size,) that leaves the least residual at `load`."""
+        norms = np.array([self._evaluate(q, load).norm for q in guesses])
+        return guesses[int(np.argmin(np.where(np.isfinite(norms), norms, np.inf)))]
+
+    def linear_guess(self, q, before, load):
+        """Unknowns at `load` from those `q` in equilibrium at `before`, by the last factorisation; None without one.
+
+        The load's part of the tangent is a difference over a thousandth of the load's step.
+        """
+        if self._solver is None:
+            return None
+        part = 1e-3
+        rest, moved = (self._evaluate(q, at).residual for at in (before, before.towards(load, part)))
+        step = self._solver.solve((rest - moved) / part)
+        return None if step is None else q + step
 
     def close(self):
         """Give the factorisation back."""
         if self._solver is not None:
             self._solver.close()
             self._solver = None
+        self._taken = []
 
     def _evaluate(self, q, load):
         model = self.model
@@ -83,17 +132,37 @@ class Newton:
         residual = model.constraints.reduce(forces)
         norm = np.linalg.norm(residual)
         ends = [abs(model.constraints.end_force(forces, yarn)) for yarn in (0, 1)]
-        return _State(q, forces, residual, contact, plates, norm, max(*ends, abs(contact), *plates, LEAST_FORCE))
+        scale = max(*ends, abs(contact), *plates, LEAST_FORCE)
+        self._latest = _State(q, forces, residual, contact, plates, norm, scale)
+        return self._latest
 
-    def _step(self, state, load, shift):
+    def _factor(self, state, load, shift):
         model = self.model
+        if state is not self._latest:  # the tangent is laid out for the contact met last
+            self._evaluate(state.q, load)
         if model.system(state.q, load) or self._solver is None:
             self.close()
             pattern = model.pattern
-            self._solver = DirectSolver(pattern.starts, pattern.columns, pattern.entries)
+            self._solver = DirectSolver(pattern.starts, pattern.columns, pattern.entries, self._comm)
         model.pattern.entries[model.pattern.diagonal] += shift
         self._solver.factor()
-        return self._solver.solve(-state.residual)
+        self._taken = []
+
+    def _reuse(self, state, load):
+        """The best state that steps with the last factorisation and Broyden's updates reach from `state`."""
+        while len(self._taken) < MOST_UPDATES and state.norm > TOLERANCE * state.scale:
+            step = self._solver.solve(-state.residual)
+            step = None if step is None else _corrected(step, self._taken)
+            if step is None or np.abs(step).max() > LARGEST_STEP:
+                break
+            found = self._evaluate(state.q + step, load)
+            if not found.norm < state.norm:
+                break
+            self._taken.append(step)
+            ratio, state = found.norm / state.norm, found
+            if ratio > SLOW:
+                break
+        return state
 
     def _move(self, state, step, load):
         """The state after the step, shortened to the largest allowed, and further while an element inverts."""
@@ -101,9 +170,22 @@ class Newton:
         for _ in range(5):
             found = self._evaluate(state.q + share * step, load)
             if np.isfinite(found.norm):
-                return found
+                break
             share *= 0.3
-        return None
+        else:
+            return None
+        if state.norm < NEAR * state.scale and found.norm > GROWTH * state.norm:
+            found = min((found, *self._shorter(state, share * step, load)), key=lambda trial: trial.norm)
+        elif share == 1 and found.norm < state.norm:
+            self._taken = [step]
+        return found
+
+    def _shorter(self, state, step, load):
+        for share in SHORTER:
+            found = self._evaluate(state.q + share * step, load)
+            yield found
+            if found.norm < state.norm:
+                return
 
     def _refuse(self, what, q, load):
         x = self.model.positions(q, load)
@@ -118,7 +200,26 @@ class Newton:
         )
 
 
-@dataclass(frozen=True)
+def _next_shift(shift, ratio):
+    """The shift after the residual has changed by `ratio`."""
+    shift = min(shift * np.clip(ratio, 0.05, 2.0), 30 * SHIFT)
+    return shift if shift > LEAST_SHIFT else 0.0
+
+
+def _corrected(step, taken):
+    """Broyden's step from the step of the factorised tangent and those `taken` since; None where it is singular."""
+    for before, after in pairwise(taken):
+        step = step + after * (before @ step) / (before @ before)
+    if taken:
+        last = taken[-1]
+        share = 1 - (last @ step) / (last @ last)
+        if abs(share) < 0.1:
+            return None
+        step = step / share
+    return step
+
+
+@dataclass(frozen=True, eq=False)
 class _State:
     q: np.ndarray
     forces: np.ndarray

@@ -111,6 +111,37 @@ def _march(model, solver, start, end, case, stop, steps, hooks):
 STOP_TOLERANCE = 2e-3  # of the quantity that ends a path
 
 
+def visit(model, solver, q, start, end, shares):
+    """Equilibria at given shares of a straight load path, from a state on it; yields (share, Equilibrium).
+
+    Parameters
+    ----------
+    solver : newton.Newton
+    q : (size,) unknowns in equilibrium at `start`
+    shares : rising, from 0 on
+
+    Raises
+    ------
+    UnstableError : no equilibrium even in the least step, with contact softened
+    """
+    states, least = [(0.0, q)], Steps().least
+    for share in shares:
+        step = share - states[-1][0]
+        while True:
+            goal = min(states[-1][0] + step, share)
+            try:
+                found = _advance(model, solver, states, start, end, goal, step <= least)
+            except UnstableError:
+                if step <= least:
+                    raise
+                step = max(0.5 * step, least)
+                continue
+            states = [states[-1], (goal, found.q)] if goal > states[-1][0] else [(goal, found.q)]
+            if goal == share:
+                break
+        yield share, found
+
+
 def _advance(model, solver, states, start, end, share, last_resort):
     """Equilibrium at `share` of the path from the guess that leaves the least residual there."""
     load = start.towards(end, share)

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import degrees
 
 from fabrics import catalogue
 from fabrics.compression import CompressionLaw
 from fabrics.errors import InputError
 from fabrics.fabric import Fabric
-from weavecell.scene import InlineLaw
+from weavecell.scene import InlineLaw, ProjectileTable
 
 
 @dataclass(frozen=True)
@@ -50,38 +51,71 @@ def setup(case, file):
     ------
     InputError : values that fit each on its own but not together, named with the scene's file
     """
+    from shellfabric.histories import Measure
     from shellfabric.impact import ImpactSetup
     from shellfabric.panel import Numerics
-    from shellfabric.projectile import Projectile
 
     shot, panel, run = case.scene.projectile, case.scene.panel, case.scene.run
+    measure = case.scene.measure
     knobs = {key: value for key, value in case.scene.numerics if value is not None}
     try:
         return ImpactSetup(
             fabric=case.fabric,
             strike_velocity=shot.strike_velocity,
             laws=case.laws,
-            projectile=Projectile(shot.mass, shot.diameter / 2, shot.edge_radius),
+            projectile=_projectile(shot),
             opening=panel.opening,
-            edge=panel.boundary,
+            edge=_edge(panel.boundary),
             symmetry=panel.symmetry,
+            weave_angle=panel.weave_angle,
             end_time=run.end_time,
             elements_per_crossover=run.elements_per_crossover,
             cell_model=case.scene.fabric.cell_model,
             gap=case.scene.fabric.gap,
             snapshot_interval=run.snapshot_interval,
+            measure=Measure(measure.interval, measure.warp, measure.weft) if measure else None,
             numerics=Numerics(**knobs),
         )
     except InputError as problem:
         raise in_file(problem, file) from None
 
 
+def _projectile(table):
+    from shellfabric.projectile import Projectile
+
+    given = {key: value for key, value in table if value is not None and key not in ("diameter", "strike_velocity")}
+    return Projectile(radius=table.diameter / 2, **given)
+
+
+def _edge(boundary):
+    """The panel's edge as the solver has it, from a text or a table of sides."""
+    if isinstance(boundary, str):
+        return boundary
+    return tuple(
+        tuple(_side(end) for end in side) if isinstance(side, tuple) else _side(side)
+        for side in (boundary.warp, boundary.weft)
+    )
+
+
+def _side(side):
+    from shellfabric.edges import Grip, PullIn
+
+    if isinstance(side, str):
+        return side
+    if side.grip is not None:
+        return Grip(side.grip)
+    return PullIn(side.pull_in, side.start, side.end, **({} if side.zone is None else {"zone": side.zone}))
+
+
 def in_file(problem, file):
     """An InputError of an object that does not know its file, with the scene's file and key in it."""
     if problem.file is not None:
         return problem
-    tables = {"opening": "panel", "edge_radius": "projectile", "gap": "fabric", "model": "fabric"}
+    tables = {"gap": "fabric", "model": "fabric"} | dict.fromkeys(("opening", "symmetry", "weave_angle"), "panel")
+    tables |= dict.fromkeys(ProjectileTable.model_fields, "projectile")
+    tables |= dict.fromkeys(("warp", "weft"), "measure")
     key = f"{tables[problem.key]}.{problem.key}" if problem.key in tables else problem.key
+    key = "panel.boundary" if key == "edge" else key
     if key is None:
         return InputError(str(problem), file=file)
     return InputError(file=file, key=key, value=problem.value, allowed=problem.allowed)
@@ -130,3 +164,39 @@ def _laws(table, fabric, file):
 
 def _source(fabric):
     return " ".join(entry["source"] for key, entry in fabric.sources.items() if key.startswith("compression"))
+
+
+_BODIES = {
+    "flat": "a cylinder", "hemisphere": "a round-nosed cylinder", "cone": "a conical projectile", "sphere": "a sphere",
+    "chisel": "a chisel-nosed fragment simulator",
+}  # fmt: skip
+
+
+def shot_in_words(shot):
+    """The projectile and how it comes, for the reader."""
+    told = f"{_BODIES[shot.shape]} of {1e3 * shot.mass:g} g and {1e3 * shot.diameter:g} mm"
+    if shot.obliquity:
+        told += f", {degrees(shot.obliquity):.3g}° off the normal"
+    if shot.friction:
+        told += f", with friction {shot.friction:g}"
+    return told
+
+
+def panel_in_words(panel):
+    """The panel and how it is held, for the reader."""
+    pair = isinstance(panel.opening, tuple)
+    told = " by ".join(f"{1e3 * side:g} mm" for side in panel.opening) if pair else f"{1e3 * panel.opening:g} mm square"
+    if panel.weave_angle:
+        told += f", its weave turned by {degrees(panel.weave_angle):.3g}°"
+    if isinstance(panel.boundary, str):
+        return f"{told} and {panel.boundary}"
+    sides = {name: getattr(panel.boundary, name) for name in ("warp", "weft")}
+    return f"{told}, " + " and ".join(f"{name} ends {_side_in_words(side)}" for name, side in sides.items())
+
+
+def _side_in_words(side):
+    if isinstance(side, tuple):
+        return " / ".join(_side_in_words(end) for end in side)
+    if isinstance(side, str):
+        return side
+    return f"gripped by {side.grip:g} N" if side.grip is not None else f"slipping by {1e3 * side.pull_in:g} mm"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from weavecell import pictures, pictures3d
+from weavecell import pictures, pictures3d, pictures_measures
 from weavecell.listing import derived
 from weavecell.paraview import failed_yarns
 from weavecell.report import Card, Figure, Section, Table
@@ -200,9 +200,9 @@ def _shapes(record):
     drawn = []
     for shape, reach in ((record.middle, None), (record.last, CLOSE_UP)):
         share = np.max(shape.tension / record.strength, axis=1)
-        nose = pictures3d.Nose(record.radius, record.edge_radius, shape.z)
+        body = shape.nose + record.projectile
         mirrors = (record.mirror_x, record.mirror_y)
-        image = pictures3d.panel(shape.nodes, record.quads, share, failed_yarns(shape.broken), nose, mirrors, reach)
+        image = pictures3d.panel(shape.nodes, record.quads, share, failed_yarns(shape.broken), body, mirrors, reach)
         drawn.append((f"at {1e6 * shape.t:.0f} µs", image))
     return drawn
 
@@ -228,6 +228,42 @@ def impact_table(records):
         for record in records
     )
     return Table(columns, rows, numeric=columns[2:])
+
+
+def measures(record, places):
+    """What was recorded along yarns and at the edges; places [m] along the yarns whose histories are drawn."""
+    from shellfabric.fronts import fronts
+
+    recorded = record.measured
+    t, waves = recorded.t, fronts(recorded)
+    through = [yarn for yarn in (recorded.through("warp"), recorded.through("weft")) if yarn is not None]
+    drawn = []
+    if recorded.yarns:
+        within = [place for place in places if any(place <= yarn.X[-1] for yarn in recorded.yarns)]
+        drawn = [
+            ("tensions", "Tension and fibre strain of the yarns that were followed.", (recorded.yarns, within)),
+            ("fronts", "Tension over place and time, with the longitudinal front (dark: tension arrives) and the "
+             "transverse one (red: the foot of the pyramid); the lines are fitted.", (through, waves)),
+            ("profiles", "Deflection along the yarns nearest the impact point.", (through,)),
+        ]  # fmt: skip
+    drawn.append(("edges", "Force of the cloth on the edges of the whole panel.", (recorded.edges,)))
+    figures = tuple(
+        Figure(pictures.render(getattr(pictures_measures, name), t, *arguments), "svg", caption, name)
+        for name, caption, arguments in drawn
+    )
+    columns = ("front", "yarn", "speed in the cloth [m/s]", "95 % interval [m/s]", "speed along the yarn [m/s]")
+    return Section(
+        "measures", "Along the yarns and at the edges", "", figures,
+        (Table(columns, tuple(_front_row(wave, recorded) for wave in waves), numeric=columns[2:]),) if waves else (),
+    )  # fmt: skip
+
+
+def _front_row(wave, recorded):
+    if not np.isfinite(wave.speed):
+        return wave.kind, wave.family, "-", "-", "-"
+    along = f"{wave.speed * (1 + recorded.through(wave.family).crimp):.0f}" if wave.kind == "longitudinal" else "-"
+    low, high = wave.interval
+    return wave.kind, wave.family, f"{wave.speed:.0f}", f"{low:.0f} to {high:.0f}", along
 
 
 def comparison(rows):

@@ -133,6 +133,38 @@ def calibrate(
     crossover.calibrate_command(fabric, folder, size=size.value, processes=processes)
 
 
+@app.command(epilog="Example: [bold]weavecell surface S-720 --size coarse --points 11[/bold]")
+def surface(
+    fabric: FabricArgument,
+    size: Annotated[Size, typer.Option(help="Mesh of the 3D crossover.")] = Size.medium,
+    d1: Annotated[
+        str, typer.Option("--d1", help="End displacements of the warp, per end.", metavar="'LOW .. HIGH'")
+    ] = "0 mm .. 0.03 mm",
+    d2: Annotated[str, typer.Option("--d2", help="The same of the weft.", metavar="'LOW .. HIGH'")] = "0 mm .. 0.03 mm",
+    points: Annotated[int, typer.Option(help="Lines in each direction, to begin with.")] = 21,
+    tolerance: Annotated[
+        float | None,
+        typer.Option(
+            help="Add lines until none is missed by more, of the largest force, when left out.", metavar="SHARE"
+        ),
+    ] = None,
+    processes: ProcessesOption = CORES,
+    out: OutOption = None,
+    resume: Annotated[bool, typer.Option("--resume", help="Go on from the lines of an interrupted run.")] = False,
+):
+    """Sample the response surface of the 3D crossover: tensions, contact force and heights over (d1, d2).
+
+    The folder then holds surface.h5, surface.json, pictures/ and report.html; while the run goes on, partial.h5.
+    """
+    from weavecell import surface as module
+
+    folder = out or RESULTS / f"surface-{Path(fabric).stem}"
+    module.surface_command(
+        fabric, folder, d1=d1, d2=d2, points=points, tolerance=tolerance, size=size.value, processes=processes,
+        resume=resume,
+    )  # fmt: skip
+
+
 @app.command(epilog="Example: [bold]weavecell impact examples/S-720-stops.toml[/bold]")
 def impact(
     scene: Annotated[Path, typer.Argument(metavar="SCENE", help="A scene file (*.toml).")],

@@ -25,7 +25,7 @@ from weavecell.report import Table
 
 def mesh_command(name, out, **choices):
     """Mesh one crossover, write it and print what it is; `choices` are those of `meshing.crossover.build`."""
-    built = mesh(_with_3d_data(name), out, **choices)
+    built = mesh(with_3d_data(name), out, **choices)
     for key, value in facts(built).items():
         print(f"{key:<24}{value}")
     print(f"written to {out}")
@@ -33,7 +33,7 @@ def mesh_command(name, out, **choices):
 
 def calibrate_command(name, out, *, size, processes):
     """Calibrate one fabric, write what came of it and print the law."""
-    fabric = _with_3d_data(name)
+    fabric = with_3d_data(name)
     built = mesh(fabric, out, size=size, domain="whole")
     done = calibrate(fabric, out, size=size, processes=processes)
     laws = {"fitted": done.law}
@@ -67,7 +67,8 @@ def _span(pair):
     return f"{pair[0]:.2g} to {pair[1]:.3g}"
 
 
-def _with_3d_data(name):
+def with_3d_data(name):
+    """The fabric of this name, which must have what a 3D crossover needs."""
     fabric = catalogue.load(name)
     if fabric.solids is None:
         raise InputError(

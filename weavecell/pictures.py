@@ -34,6 +34,9 @@ ENERGIES = (
     ("shear", "fabric, shear", GREEN),
     ("failed", "lost at failure", RED),
     ("contact", "contact", ORANGE),
+    ("friction", "friction", "#b5651d"),
+    ("grip", "slip in the clamps", "#8c8c3f"),
+    ("external", "work on edges led in", "#4d6b3c"),
     ("viscous", "viscous", PURPLE),
 )
 
@@ -188,12 +191,12 @@ def energies(pyplot, t, parts, strike_energy, balance, title=""):
     Parameters
     ----------
     t : (n,) [s]
-    parts : {name: (n,)} [J], names of ENERGIES; absent ones are left out
+    parts : {name: (n,)} [J], names of ENERGIES; those that are absent or zero throughout are left out
     strike_energy : [J]
     balance : (n,) [J], energy that the audit cannot place
     """
     figure, (top, low) = pyplot.subplots(2, 1, figsize=(5.6, 5.6), sharex=True, height_ratios=(3.4, 1))
-    known = [(parts[name], label, colour) for name, label, colour in ENERGIES if name in parts]
+    known = [(parts[name], label, colour) for name, label, colour in ENERGIES if np.any(parts.get(name, 0.0))]
     top.stackplot(
         US * t, [np.maximum(values, 0.0) for values, _, _ in known],
         labels=[label for _, label, _ in known], colors=[colour for _, _, colour in known], lw=0.4, ec="white",

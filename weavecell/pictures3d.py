@@ -2,43 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from weavecell.paraview import panel_grid
 from weavecell.style import RED, STEEL, tension_map
-
-
-@dataclass(frozen=True)
-class Nose:
-    """The projectile as it is drawn: a flat-nosed cylinder with a rounded edge, six radii long.
-
-    It is drawn set back by its edge radius: the flat elements of the cloth cut across the rounded edge that their nodes
-    lie on, and the edge would stick out between them.
-
-    Parameters
-    ----------
-    radius, edge_radius : [m]
-    z : [m] position of the flat
-    """
-
-    radius: float
-    edge_radius: float
-    z: float
-
-    def surface(self):
-        """The outline turned about the z axis, in millimetres."""
-        import pyvista
-
-        bend = np.linspace(0, np.pi / 2, 9)
-        r = self.radius - self.edge_radius * (1 - np.sin(bend))
-        flat, back = self.z - self.edge_radius, self.z - 6 * self.radius
-        z = flat - self.edge_radius * (1 - np.cos(bend))
-        r, z = np.array([0, *r, self.radius, 0]), np.array([flat, *z, back, back])
-        angle = np.linspace(0, 2 * np.pi, 73)
-        x, y = np.outer(r, np.cos(angle)), np.outer(r, np.sin(angle))
-        return pyvista.StructuredGrid(1e3 * x, 1e3 * y, 1e3 * np.broadcast_to(z[:, None], x.shape).copy())
 
 
 def new_plotter(off_screen=True, size=(1500, 820)):
@@ -66,16 +33,16 @@ def plotter_image(plotter, crop=True):
     return image[rows[0] : rows[-1] + 1, columns[0] : columns[-1] + 1]
 
 
-def panel(nodes, quads, share, failed, nose, mirrors, reach=None):
+def panel(nodes, quads, share, failed, projectile, mirrors, reach=None):
     """A deformed panel seen from behind: tension in colour, broken yarns in vermilion, cells without a yarn left out.
 
     Parameters
     ----------
-    nodes : (n, 3) [m], the projectile flies along +z
+    nodes : (n, 3) [m]
     quads : (m, 4)
     share : (m,) the higher of the two yarn tensions over its strength [-]
     failed : (m,) how many of the two yarns have failed, 0 to 2
-    nose : Nose
+    projectile : (a, b, 3) [m] surface of the projectile
     mirrors : (x, y) whether the panel is to be mirrored in the planes x = 0 and y = 0
     reach : [m] half the width of a close-up of the impact point; the whole panel if not given
 
@@ -83,6 +50,8 @@ def panel(nodes, quads, share, failed, nose, mirrors, reach=None):
     -------
     image : (rows, columns, 3)
     """
+    import pyvista
+
     plotter = new_plotter()
     grid = panel_grid(1e3 * np.asarray(nodes), quads)
     grid.cell_data["tension"], grid.cell_data["failed"] = np.asarray(share, float), np.asarray(failed)
@@ -103,10 +72,13 @@ def panel(nodes, quads, share, failed, nose, mirrors, reach=None):
             )
         if torn.n_cells:
             plotter.add_mesh(torn, color=RED, ambient=0.6)
-    plotter.add_mesh(nose.surface(), color=STEEL, ambient=0.3, specular=0.3)
+    body = pyvista.StructuredGrid(*np.moveaxis(1e3 * projectile, -1, 0))
+    plotter.add_mesh(body, color=STEEL, ambient=0.3, specular=0.3)
     plotter.enable_parallel_projection()
     span = 1e3 * float(np.ptp(np.asarray(nodes)[:, 0])) * (2 if mirrors[0] else 1)
     top = 1e3 * float(np.asarray(nodes)[:, 2].max()) if reach else 0.0
-    plotter.camera_position = [(0.55 * span, -1.4 * span, top + 0.95 * span), (0, 0, top), (0, 0, 1)]
+    front = projectile[projectile[..., 2] > projectile[..., 2].max() - 1e-4]  # where a close-up looks
+    x, y = 1e3 * front.mean(axis=0)[:2] if reach else (0.0, 0.0)
+    plotter.camera_position = [(x + 0.55 * span, y - 1.4 * span, top + 0.95 * span), (x, y, top), (0, 0, 1)]
     plotter.camera.parallel_scale = 0.6e3 * reach if reach else 0.48 * span
     return plotter_image(plotter, crop=reach is None)

@@ -1,7 +1,9 @@
 """What an impact leaves: scalars, histories, and the panel at the end, in one HDF5 file (histories.h5).
 
 Layout: attributes of the root for scalars and texts; /histories, /energies, /reactions with one value an instant;
-/panel with the shape and state at two instants. Every dataset has the attribute "unit".
+/panel with the shape and state at two instants; /measured, where a scene asks for it, with histories along yarns
+(samples by elements or nodes), the forces on the edges (pull, lift) and the fronts. Every dataset has the attribute
+"unit".
 """
 
 from __future__ import annotations
@@ -16,11 +18,14 @@ from fabrics.files import replace_whole
 _FORMAT = "weavecell impact 1"
 _SCALARS = (
     "title", "fabric", "law_name", "strike_velocity", "outcome", "residual_velocity", "mass", "message",
-    "mirror_x", "mirror_y", "radius", "edge_radius", "wall_time", "ns_per_element_step", "elements", "steps",
+    "mirror_x", "mirror_y", "wall_time", "ns_per_element_step", "elements", "steps",
 )  # fmt: skip
 _HISTORIES = {"t": "s", "v": "m/s", "z": "m", "failed": "1"}
-_PANEL = {"quads": "1", "strength": "N"}
-_SHAPE = {"t": "s", "z": "m", "nodes": "m", "tension": "N", "broken": "1"}
+_PANEL = {"quads": "1", "strength": "N", "projectile": "m"}
+_YARN = ("family", "offset", "EA", "strength", "crimp")
+_YARN_HISTORIES = {"X": "m", "tension": "N", "place": "m", "deflection": "m"}
+_PACKED = {"compression": "gzip", "compression_opts": 1, "shuffle": True}
+_SHAPE = {"t": "s", "z": "m", "nose": "m", "nodes": "m", "tension": "N", "broken": "1"}
 
 
 @dataclass(frozen=True)
@@ -29,7 +34,8 @@ class Shape:
 
     Parameters
     ----------
-    t, z : [s, m] time and position of the projectile's nose
+    t, z : [s, m] time, and the foremost point of the projectile
+    nose : (3,) [m] place of its nose
     nodes : (k, 3) [m]
     tension : (m, 2) [N] of warp and weft
     broken : (m, 3) bool: warp failed, weft failed, element eroded
@@ -37,6 +43,7 @@ class Shape:
 
     t: float
     z: float
+    nose: np.ndarray
     nodes: np.ndarray
     tension: np.ndarray
     broken: np.ndarray
@@ -45,7 +52,7 @@ class Shape:
     def of(cls, shot):
         """The shape of a `shellfabric.measures.Snapshot`."""
         return cls(
-            float(shot.t), float(shot.z), shot.nodes.reshape(-1, 3), shot.tension.reshape(-1, 2),
+            float(shot.t), float(shot.z), shot.nose, shot.nodes.reshape(-1, 3), shot.tension.reshape(-1, 2),
             shot.broken.reshape(-1, 3),
         )  # fmt: skip
 
@@ -57,21 +64,23 @@ class ImpactRecord:
     Parameters
     ----------
     title, fabric, law_name : for the reader
-    strike_velocity, residual_velocity : [m/s]; the residual velocity is that of the last instant
+    strike_velocity, residual_velocity : [m/s]; the residual velocity is that of the last instant, along the normal
     outcome : "stopped", "perforated", "in flight" or "unstable"
-    mass, radius, edge_radius : [kg, m, m] of the projectile
+    mass : [kg] of the projectile
     message : what went wrong, where something did
     mirror_x, mirror_y : whether the panel below continues mirrored beyond x = 0, y = 0; energies and forces are those
         of the whole panel
-    t, v, z : (n,) [s, m/s, m] time, velocity and position of the projectile
+    t, v, z : (n,) [s, m/s, m] time, velocity of the projectile along the normal, and its foremost point
     failed : (n,) number of failed yarn segments
     energies : {name: (n,)} [J]
     reactions : {"warp", "weft": (n,)} [N] tension at the clamped end of the yarn nearest the impact point
     quads : (m, 4) node numbers
     strength : (2,) [N] of warp and weft
+    projectile : (a, b, 3) [m] surface of the projectile about its nose, as it is drawn
     middle, last : Shape when the projectile had lost half of the energy that it lost (the snapshot nearest to it), and
         at the end
     wall_time, ns_per_element_step, elements, steps : cost of the run
+    measured : shellfabric.histories.Histories, or None where nothing was to be recorded
     """
 
     title: str
@@ -84,8 +93,6 @@ class ImpactRecord:
     message: str
     mirror_x: bool
     mirror_y: bool
-    radius: float
-    edge_radius: float
     wall_time: float
     ns_per_element_step: float
     elements: int
@@ -98,8 +105,10 @@ class ImpactRecord:
     reactions: dict
     quads: np.ndarray
     strength: np.ndarray
+    projectile: np.ndarray
     middle: Shape
     last: Shape
+    measured: object = None
 
     @property
     def strike_energy(self):
@@ -114,7 +123,7 @@ class ImpactRecord:
     @property
     def absorbed(self):
         """[J] energy that the projectile has lost."""
-        return self.strike_energy - 0.5 * self.mass * float(self.v[-1]) ** 2
+        return self.strike_energy - float(self.energies["kinetic_projectile"][-1])
 
     @property
     def numerical_share(self):
@@ -126,17 +135,17 @@ class ImpactRecord:
         """The record of a `shellfabric.impact.ImpactResult`."""
         setup = result.setup
         mirror_x, mirror_y = result.mirrored
-        last = Shape(float(result.t[-1]), float(result.z[-1]), result.nodes, result.tension, result.broken)
+        last = Shape(float(result.t[-1]), float(result.z[-1]), result.nose, result.nodes, result.tension, result.broken)
         return cls(
             title=title, fabric=setup.fabric.name, law_name=law_name, strike_velocity=setup.strike_velocity,
             outcome=result.outcome, residual_velocity=result.residual_velocity, mass=setup.projectile.mass,
-            message=message, mirror_x=mirror_x, mirror_y=mirror_y, radius=setup.projectile.radius,
-            edge_radius=setup.projectile.edge_radius,
+            message=message, mirror_x=mirror_x, mirror_y=mirror_y,
+            projectile=_drawn(setup.projectile),
             wall_time=result.wall_time, ns_per_element_step=result.ns_per_element_step,
             elements=result.panel.elements, steps=result.steps, t=result.t, v=result.v, z=result.z,
             failed=result.failed, energies=dict(result.energies), reactions=dict(result.reactions),
             quads=result.quads, strength=np.array([yarn.strength for yarn in setup.fabric.weave.yarns]),
-            middle=_middle(result, last), last=last,
+            middle=_middle(result, last), last=last, measured=result.histories,
         )  # fmt: skip
 
     def summary(self):
@@ -170,6 +179,8 @@ class ImpactRecord:
                 _put(file, f"energies/{name}", values, "J")
             for name, values in self.reactions.items():
                 _put(file, f"reactions/{name}", values, "N")
+            if self.measured is not None:
+                _write_measured(file.create_group("measured"), self.measured)
 
     @classmethod
     def read(cls, path):
@@ -187,22 +198,65 @@ class ImpactRecord:
                     values[shape] = Shape(**{name: _plain(file[f"panel/{shape}/{name}"][()]) for name in _SHAPE})
                 for group in ("energies", "reactions"):
                     values[group] = {name: data[()] for name, data in file[group].items()}
+                values["measured"] = _read_measured(file["measured"]) if "measured" in file else None
         except OSError as problem:
             raise InputError(f"is not a readable HDF5 file ({problem})", file=path) from None
         assert set(values) == {entry.name for entry in fields(cls)}
         return cls(**values)
 
 
+def _drawn(shot):
+    """The projectile as it is drawn, set back by its edge radius.
+
+    The flat elements of the cloth cut across the rounding that they lie on, and it would stick out between them.
+    """
+    return shot.surface(shot.edge_radius)
+
+
 def _middle(result, last):
     """The shape nearest to the instant at which half of the energy lost had been lost."""
-    lost = result.v[0] ** 2 - result.v**2
+    kinetic = result.energies["kinetic_projectile"]
+    lost = kinetic[0] - kinetic
     instant = result.t[int(np.argmax(lost >= 0.5 * lost[-1]))]
     shots = [shot for shot in result.snapshots if shot.t <= last.t]
     return Shape.of(min(shots, key=lambda shot: abs(shot.t - instant))) if shots else last
 
 
-def _put(file, name, values, unit):
-    file.create_dataset(name, data=np.asarray(values)).attrs["unit"] = unit
+def _write_measured(group, measured):
+    """Histories, and the fronts read off them, which are for the reader alone."""
+    from shellfabric.fronts import fronts
+
+    _put(group, "t", measured.t, "s")
+    for number, yarn in enumerate(measured.yarns):
+        inner = group.create_group(f"yarns/{number:03d}-{yarn.family}")
+        for name in _YARN:
+            inner.attrs[name] = getattr(yarn, name)
+        for name, unit in _YARN_HISTORIES.items():
+            _put(inner, name, getattr(yarn, name), unit, **_PACKED)
+        _put(inner, "strain", yarn.strain, "1", **_PACKED)
+    for name, forces in measured.edges.items():
+        _put(group, f"edges/{name}", forces, "N")
+    for front in fronts(measured):
+        inner = group.create_group(f"fronts/{front.family}-{front.kind}")
+        inner.attrs["speed"], inner.attrs["interval"], inner.attrs["start"] = front.speed, front.interval, front.start
+        _put(inner, "time", front.time, "s")
+        _put(inner, "place", front.place, "m")
+
+
+def _read_measured(group):
+    from shellfabric.histories import EDGES, Histories, YarnHistory
+
+    yarns = tuple(
+        YarnHistory(
+            **{name: _plain(inner.attrs[name]) for name in _YARN}, **{name: inner[name][()] for name in _YARN_HISTORIES}
+        )
+        for _, inner in sorted(group.get("yarns", {}).items())
+    )
+    return Histories(group["t"][()], yarns, {name: group[f"edges/{name}"][()] for name in EDGES})
+
+
+def _put(file, name, values, unit, **packing):
+    file.create_dataset(name, data=np.asarray(values), **packing).attrs["unit"] = unit
 
 
 def _plain(value):

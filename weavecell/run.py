@@ -103,16 +103,18 @@ def write(out, this, record, snapshots, text, advance):
     advance(0.4)
     if not {"pictures", "report"} & set(outputs):
         return
-    chapter = chapters.impact([record])
+    told = [chapters.impact([record])]
+    if record.measured is not None:
+        told.append(chapters.measures(record, this.scene.measure.places))
     if "pictures" in outputs:
-        report.write_pictures([chapter], out / "pictures")
+        report.write_pictures(told, out / "pictures")
     advance(0.9)
     if "report" in outputs:
-        report.write(page(this, record, chapter, stamp), out / "report.html")
+        report.write(page(this, record, told, stamp), out / "report.html")
 
 
-def page(this, record, chapter, stamp):
-    """The report of one impact."""
+def page(this, record, told, stamp):
+    """The report of one impact; `told` are its chapters."""
     law = this.laws[0]
     model = this.scene.fabric.cell_model
     shot, panel = this.scene.projectile, this.scene.panel
@@ -123,11 +125,11 @@ def page(this, record, chapter, stamp):
     )
     return report.Report(
         record.title,
-        f"One ply of {record.fabric}, {1e3 * panel.opening:g} mm square and {panel.boundary}, struck at "
-        f"{shot.strike_velocity:g} m/s by a cylinder of {1e3 * shot.mass:g} g and {1e3 * shot.diameter:g} mm.",
+        f"One ply of {record.fabric}, {case.panel_in_words(panel)}, struck at {shot.strike_velocity:g} m/s by "
+        f"{case.shot_in_words(shot)}.",
         (cards,),
         (
-            chapter,
+            *told,
             chapters.cell(this.fabric, {this.law_name: this.laws}, model),
             chapters.sources(this.fabric),
             chapters.making(stamp, {"marching": record.wall_time}),

@@ -7,10 +7,11 @@ line: the file, the key, the value as written, and that description.
 from __future__ import annotations
 
 import difflib
+import math
 import os
 import tomllib
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Literal, get_args
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Discriminator, Field, Tag, ValidationError
 
@@ -36,6 +37,20 @@ def _quantity(unit, what, example, *, above=None, at_least=None, at_most=None):
         return number
 
     return Annotated[float, BeforeValidator(convert), Field(description=f'{what}, such as "{example}"')]
+
+
+def _quantities(unit, what, example):
+    """A tuple of floats in SI `unit`, written as a list of texts."""
+
+    def convert(texts):
+        if not isinstance(texts, list):
+            raise ValueError("not a list")
+        try:
+            return tuple(si(text, unit) for text in texts)
+        except InputError as problem:
+            raise ValueError(str(problem)) from None
+
+    return Annotated[tuple[float, ...], BeforeValidator(convert), Field(description=f"{what}, such as {example}")]
 
 
 def _whole(low, high):
@@ -84,21 +99,92 @@ class FabricTable(_Table):
     gap: _quantity("m", "a length of at least 0", "0 mm", at_least=0.0) = 0.0
 
 
+def _angle(low, high, example):
+    what = f"an angle from {low} to {high} deg"
+    return _quantity("rad", what, example, at_least=math.radians(low), at_most=math.radians(high))
+
+
 class ProjectileTable(_Table):
-    """A rigid flat-nosed cylinder with a rounded edge."""
+    """A rigid projectile of one of five shapes, flying at the panel's centre."""
 
     mass: _quantity("kg", "a mass above 0", "3 g", above=0.0)
     diameter: _quantity("m", "a length above 0", "5.5 mm", above=0.0)
-    edge_radius: _quantity("m", "a length above 0", "0.3 mm", above=0.0)
+    edge_radius: _quantity("m", "a length above 0", "0.3 mm", above=0.0) = None
     strike_velocity: _quantity("m/s", "a speed above 0 and at most 1000 m/s", "92.5 m/s", above=0.0, at_most=1000.0)
+    shape: _one_of("flat", "hemisphere", "cone", "sphere", "chisel") = "flat"
+    length: _quantity("m", "a length above 0", "8 mm", above=0.0) = None
+    half_angle: _angle(5, 85, "45 deg") = None
+    tip_radius: _quantity("m", "a length above 0", "0.5 mm", above=0.0) = None
+    flat_width: _quantity("m", "a length above 0", "2.5 mm", above=0.0) = None
+    flat_angle: _angle(5, 85, "35 deg") = None
+    obliquity: _angle(0, 75, "30 deg") = 0.0
+    azimuth: _angle(-360, 360, "90 deg") = 0.0
+    yaw: _angle(-75, 75, "5 deg") = 0.0
+    roll: _angle(-360, 360, "45 deg") = 0.0
+    friction: Annotated[float, Field(ge=0.0, le=2.0, description="a number from 0 to 2")] = 0.0
+
+
+class SlipTable(_Table):
+    """A side that slips: gripped up to a force per yarn, or led in by a pull-in (thesis section 6.4.3)."""
+
+    grip: _quantity("N", "a force above 0", "20 N", above=0.0) = None
+    pull_in: _quantity("m", "a length above 0", "5 mm", above=0.0) = None
+    start: _quantity("s", "a time of at least 0", "200 us", at_least=0.0) = None
+    end: _quantity("s", "a time above 0", "650 us", above=0.0) = None
+    zone: _quantity("m", "a length above 0", "60 mm", above=0.0) = None
+
+
+_SIDE = (
+    '"clamped", "free", { grip = ... }, { pull_in = ..., start = ..., end = ... }, or a list of two such for its ends'
+)
+_BOUNDARY = '"clamped", "free" or a table { warp = ..., weft = ... } of sides'
+
+
+def _kind(value):
+    return "inline" if isinstance(value, (dict, _Table)) else "pair" if isinstance(value, (list, tuple)) else "text"
+
+
+_Text = Annotated[Literal["clamped", "free"], Tag("text")]
+_One = Annotated[_Text | Annotated[SlipTable, Tag("inline")], Discriminator(_kind)]
+_Pair = Annotated[tuple[_One, _One], BeforeValidator(lambda value: tuple(value)), Tag("pair")]
+Side = Annotated[_Text | Annotated[SlipTable, Tag("inline")] | _Pair, Discriminator(_kind)]
+
+
+class BoundaryTable(_Table):
+    """The sides at which warp and weft yarns end."""
+
+    warp: Annotated[Side, Field(description=_SIDE)] = "clamped"
+    weft: Annotated[Side, Field(description=_SIDE)] = "clamped"
+
+
+Boundary = Annotated[_Text | Annotated[BoundaryTable, Tag("inline")], Discriminator(_kind)]
+
+
+def _opening(value):
+    sides = [si(text, "m") for text in (value if isinstance(value, list) and len(value) == 2 else [value])]
+    if min(sides) <= 0:
+        raise ValueError("out of range")
+    return sides[0] if len(sides) == 1 else tuple(sides)
+
+
+def _opening_or_value_error(value):
+    try:
+        return _opening(value)
+    except InputError as problem:
+        raise ValueError(str(problem)) from None
 
 
 class PanelTable(_Table):
-    """A square panel in a square opening."""
+    """A panel in a rectangular opening."""
 
-    opening: _quantity("m", "a length above 0", "203 mm", above=0.0)
-    boundary: _one_of("clamped", "free") = "clamped"
+    opening: Annotated[
+        float | tuple[float, float],
+        BeforeValidator(_opening_or_value_error),
+        Field(description='a length above 0, such as "203 mm", or a list of two, along warp and weft'),
+    ]
+    boundary: Annotated[Boundary, Field(description=_BOUNDARY)] = "clamped"
     symmetry: _one_of("quarter", "half", "whole") = "quarter"
+    weave_angle: _angle(-89, 89, "45 deg") = 0.0
 
 
 class RunTable(_Table):
@@ -113,6 +199,15 @@ class RunTable(_Table):
         BeforeValidator(lambda value: tuple(value) if isinstance(value, list) else value),
         Field(description='a list of "paraview", "pictures", "report"'),
     ] = ("paraview", "pictures", "report")
+
+
+class MeasureTable(_Table):
+    """What is recorded along yarns and at the edges, and reported."""
+
+    interval: _quantity("s", "a time above 0", "1 us", above=0.0) = 1e-6
+    warp: _quantities("m", "a list of distances of warp yarns from the impact point", '["0 mm", "10 mm"]') = (0.0,)
+    weft: _quantities("m", "a list of distances of weft yarns from the impact point", '["0 mm", "10 mm"]') = (0.0,)
+    places: _quantities("m", "a list of places along the yarns", '["5 mm", "50 mm"]') = (5e-3, 20e-3, 50e-3, 80e-3)
 
 
 def _number(what, **limits):
@@ -136,6 +231,7 @@ class Scene(_Table):
     projectile: Annotated[ProjectileTable, Field(description="a table [projectile]")]
     panel: Annotated[PanelTable, Field(description="a table [panel]")]
     run: Annotated[RunTable, Field(description="a table [run]")]
+    measure: Annotated[MeasureTable | None, Field(description="a table [measure]")] = None
     numerics: Annotated[NumericsTable, Field(description="a table [numerics]")] = NumericsTable()
 
 
@@ -186,15 +282,40 @@ def _check_relations(scene, table, file):
     fabric, shot, panel, run = scene.fabric, scene.projectile, scene.panel, scene.run
     if (fabric.name is None) == (fabric.file is None):
         raise InputError("give exactly one of fabric.name and fabric.file", file=file, key="fabric")
+    if shot.edge_radius is None and shot.shape != "sphere":
+        allowed = ProjectileTable.model_fields["edge_radius"].description
+        raise InputError("is missing", file=file, key="projectile.edge_radius", allowed=allowed)
+    if shot.edge_radius is not None and shot.shape == "sphere":
+        value = table["projectile"]["edge_radius"]
+        raise InputError(file=file, key="projectile.edge_radius", value=value, allowed="left out for a sphere")
+    smallest = min(panel.opening) if isinstance(panel.opening, tuple) else panel.opening
     limits = {
-        ("projectile", "edge_radius"): (shot.edge_radius < shot.diameter / 2, "below half of projectile.diameter"),
-        ("projectile", "diameter"): (shot.diameter < panel.opening / 2, "below half of panel.opening"),
+        ("projectile", "edge_radius"): (
+            shot.edge_radius is None or shot.edge_radius < shot.diameter / 2,
+            "below half of projectile.diameter",
+        ),
+        ("projectile", "diameter"): (shot.diameter < smallest / 2, "below half of panel.opening"),
         ("run", "snapshot_interval"): (run.snapshot_interval <= run.end_time, "at most run.end_time"),
         ("run", "checkpoint_interval"): (run.checkpoint_interval <= run.end_time, "at most run.end_time"),
     }
     for (name, key), (holds, allowed) in limits.items():
         if not holds and key in table[name]:
             raise InputError(file=file, key=f"{name}.{key}", value=table[name][key], allowed=allowed)
+    if isinstance(panel.boundary, BoundaryTable):
+        for name in ("warp", "weft"):
+            _check_sides(getattr(panel.boundary, name), f"panel.boundary.{name}", table, file)
+
+
+def _check_sides(side, key, table, file):
+    """A side that slips is either gripped or led in."""
+    for one in side if isinstance(side, tuple) else (side,):
+        if not isinstance(one, SlipTable):
+            continue
+        given = {name for name, value in one if value is not None}
+        if given != {"grip"} and given - {"zone"} != {"pull_in", "start", "end"}:
+            raise InputError("give either grip alone, or pull_in with start and end (and zone)", file=file, key=key)
+        if one.grip is None and one.end <= one.start:
+            raise InputError("must end after its start", file=file, key=key)
 
 
 def _anchored(scene, folder):
@@ -232,7 +353,7 @@ def _locate(model, location):
     names, field, table = [], None, model
     for step in location:
         inner = _inner(field) if field is not None else model
-        if isinstance(step, int) or step in ("text", "inline"):  # list index, tag of a union
+        if isinstance(step, int) or step in ("text", "inline", "pair"):  # list index, tag of a union
             continue
         if inner is None:
             break
@@ -246,6 +367,7 @@ def _locate(model, location):
 
 def _inner(field):
     """The table that a field holds, if it holds one."""
-    if isinstance(field.annotation, type) and issubclass(field.annotation, _Table):
-        return field.annotation
-    return InlineLaw if field.description == _LAW else None
+    for kind in (field.annotation, *get_args(field.annotation)):
+        if isinstance(kind, type) and issubclass(kind, _Table):
+            return kind
+    return {_LAW: InlineLaw, _SIDE: SlipTable, _BOUNDARY: BoundaryTable}.get(field.description)

@@ -111,7 +111,7 @@ def test_each_side_on_its_own(small):
     assert not loose[0].any()
     assert not loose[:, 0].any()
     assert loose[1:, 1:].all()
-    nodes, axes, values = edges.rim(panel, panel._masses())
+    nodes, axes, values = edges.rim(panel)
     assert set(axes) == {1}
     np.testing.assert_array_equal(nodes, np.arange(1, 25) * 25)  # the corner at the clamp is held, the free one gripped
     np.testing.assert_allclose(values[:, 3], [5.0] * 23 + [2.5])

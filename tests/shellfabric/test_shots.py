@@ -57,8 +57,9 @@ def test_every_shot_keeps_momentum(small, shape, attitude, friction):
     "attitude", [{}, {"obliquity": 0.6, "azimuth": 0.3, "friction": 0.3}, {"obliquity": 0.5, "yaw": -0.2}]
 )
 def test_energy_of_every_shot_balances(small, shape, attitude):
-    march = March(small(symmetry="whole", projectile=shot(shape, **attitude)), 110.0, 50e-6).run()
-    assert np.abs(march.sample("balance")).max() < 2e-3 * march.strike_energy
+    """Also where points slide: over a step the last force does work in its own direction, not in the present one."""
+    march = March(small(symmetry="whole", projectile=shot(shape, **attitude), failure=False), 110.0, 50e-6).run()
+    assert np.abs(march.sample("balance")).max() < 1e-4 * march.strike_energy
     assert march.sample("kinetic_projectile")[-1] < 0.97 * march.strike_energy
     assert np.all(np.diff(march.sample("z")) > 0)
     assert march.sample("z")[0] == pytest.approx(0.0, abs=1e-9)  # the foremost point touches the panel

@@ -10,10 +10,22 @@ BROKEN = Path(__file__).parent / "broken"
 FABRICS = "S-720, S-726, S-727, S-728, S-731, S-745, glass-balanced, glass-unbalanced"
 FABRIC_KEYS = "name, section, interlayer_gap, areal_density_measured, warp, weft, compression, shear, solid, micrograph"
 LAW = '"published", the path of a law written by `weavecell calibrate` (*.json), or a table { a = ..., b = ... }'
+SIDE = (
+    '"clamped", "free", { grip = ... }, { pull_in = ..., start = ..., end = ... }, or a list of two such for its ends'
+)
 
 # scene -> what follows the name of the file
 SCENES = {
+    "angle-without-unit": 'projectile.obliquity = 30: must be an angle from 0 to 75 deg, such as "30 deg"',
     "boolean": """projectile.mass = True: must be a mass above 0, such as "3 g\"""",
+    "boundary-both-slips": "panel.boundary.weft: give either grip alone, or pull_in with start and end (and zone)",
+    "boundary-ends-early": "panel.boundary.weft: must end after its start",
+    "boundary-glued": f"panel.boundary.weft = 'glued': must be {SIDE}",
+    "boundary-half-glued": f"panel.boundary.warp = 'glued': must be {SIDE}",
+    "boundary-unknown-key": 'panel.boundary.weft.gripp: unknown key, did you mean "grip"? '
+    "allowed here: grip, pull_in, start, end, zone",
+    "boundary-wrong-unit": """panel.boundary.weft.grip = '20 mm': must be a force above 0, such as "20 N\"""",
+    "cone-without-angle": "projectile.half_angle: must be above 0 for a cone",
     "edge-too-round": "projectile.edge_radius = '3 mm': must be below half of projectile.diameter",
     "gap-too-wide": "fabric.gap = 0.001: must be at least 0 and at most h01 + h02",
     "late-snapshots": "run.snapshot_interval = '1 ms': must be at most run.end_time",
@@ -21,21 +33,33 @@ SCENES = {
     'such as "0.058 mm N^(1/3)"',
     "law-half-zero": "fabric.law.b = 0.0: must be zero exactly where a is zero (an incompressible yarn)",
     "law-not-a-law": f"fabric.law = 'printed': must be {LAW}",
+    "measure-no-unit": "measure.places = ['5 mm', 20]: must be a list of places along the yarns, such as "
+    '["5 mm", "50 mm"]',
+    "measure-not-a-list": "measure.warp = '0 mm': must be a list of distances of warp yarns from the impact point, "
+    'such as ["0 mm", "10 mm"]',
+    "measure-off-the-panel": "measure.weft = 0.25: must be at most 100.3 mm from the impact point",
+    "measure-unknown-key": 'measure.wrap: unknown key, did you mean "warp"? allowed here: interval, warp, weft, places',
     "missing-key": 'projectile.edge_radius: is missing; must be a length above 0, such as "0.3 mm"',
     "missing-table": "panel: is missing; must be a table [panel]",
     "negative-mass": """projectile.mass = '-3 g': must be a mass above 0, such as "3 g\"""",
     "no-elements": "run.elements_per_crossover = 0: must be a whole number from 1 to 8",
-    "no-unit": """panel.opening = 203: must be a length above 0, such as "203 mm\"""",
+    "no-unit": 'panel.opening = 203: must be a length above 0, such as "203 mm", or a list of two, along warp and weft',
     "not-a-table": "fabric = 'S-720': must be a table [fabric]",
     "not-toml": "not valid TOML (Expected newline or end of document after a statement (at line 5, column 10))",
+    "oblique-quarter": "panel.symmetry = 'quarter': must be one that the oblique shot has, or whole",
+    "oblique-weave-quarter": "panel.symmetry = 'quarter': must be whole where the weave is oblique",
     "panel-too-small": "panel.opening = 0.004: must be wider than two projectiles and four crossovers",
     "projectile-too-wide": "projectile.diameter = '120 mm': must be below half of panel.opening",
+    "sphere-with-edge": "projectile.edge_radius = '0.3 mm': must be left out for a sphere",
     "three-errors": 'panel.oppening: unknown key, did you mean "opening"? '
-    "allowed here: opening, boundary, symmetry (+3 more)",
+    "allowed here: opening, boundary, symmetry, weave_angle (+3 more)",
+    "three-sides": "panel.opening = ['203 mm', '100 mm', '50 mm']: must be a length above 0, "
+    'such as "203 mm", or a list of two, along warp and weft',
     "two-fabrics": "fabric: give exactly one of fabric.name and fabric.file",
     "unknown-fabric": f"fabric.name = 'S-702': must be one of {FABRICS}",
     "unknown-key": 'projectile.mas: unknown key, did you mean "mass"? '
-    "allowed here: mass, diameter, edge_radius, strike_velocity (+1 more)",
+    "allowed here: mass, diameter, edge_radius, strike_velocity, shape, length, half_angle, tip_radius, flat_width, "
+    "flat_angle, obliquity, azimuth, yaw, roll, friction (+1 more)",
     "unknown-model": """fabric.cell_model = 'rigid': must be one of "compressible", "incompressible", "decoupled\"""",
     "unknown-output": """run.outputs = 'movie': must be a list of "paraview", "pictures", "report\"""",
     "wrong-dimension": "projectile.strike_velocity = '92.5 kg': must be a speed above 0 and at most 1000 m/s, "

@@ -14,6 +14,7 @@ COMMANDS = (
     "demo",
     "mesh",
     "calibrate",
+    "surface",
     "impact",
     "critical-velocity",
     "view",

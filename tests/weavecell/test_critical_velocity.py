@@ -123,7 +123,9 @@ def test_bad_input_is_one_line(command, tmp_path, words, line):
 def test_bad_scene_and_bad_fabric_name_their_file(command, written):
     path = written(boundary='boundary = "glued"')
     code, _, err = command("critical-velocity", path)
-    assert (code, err) == (2, f"""error: {path}: panel.boundary = 'glued': must be one of "clamped", "free"\n""")
+    assert code == 2
+    assert err.startswith(f"error: {path}: panel.boundary = 'glued': must be ")
+    assert len(err.splitlines()) == 1
     path.write_text('name = "x"\ncolour = "red"\n')
     code, _, err = command("critical-velocity", path)
     assert code == 2

@@ -11,6 +11,7 @@ import weavecell
 from fabrics import catalogue
 from fabrics.compression import CompressionLaw
 from fabrics.errors import InputError
+from shellfabric.projectile import Projectile
 from weavecell import chapters, pictures, provenance, report
 from weavecell.record import ImpactRecord, Shape
 
@@ -29,10 +30,10 @@ def small_record(**changes):
     nodes = np.stack([*(axis.ravel() for axis in np.meshgrid(x, x, indexing="ij")), np.zeros(9)], axis=1)
     quads = np.array([[0, 3, 4, 1], [3, 6, 7, 4], [1, 4, 5, 2], [4, 7, 8, 5]])
     broken = np.array([[1, 1, 1], [1, 0, 0], [0, 0, 0], [0, 0, 0]], bool)
-    shape = Shape(1e-4, 0.0075, nodes, np.full((4, 2), 100.0), broken)
+    shape = Shape(1e-4, 0.0075, np.array([0.0, 0.0, 0.0075]), nodes, np.full((4, 2), 100.0), broken)
     record = ImpactRecord(
         title="100 m/s, fitted law", fabric="S-720", law_name="fitted", strike_velocity=100.0, outcome="perforated",
-        residual_velocity=50.0, mass=3e-3, message="", mirror_x=True, mirror_y=True, radius=2.75e-3, edge_radius=3e-4,
+        residual_velocity=50.0, mass=3e-3, message="", mirror_x=True, mirror_y=True, projectile=Projectile().surface(),
         wall_time=1.5, ns_per_element_step=20.0, elements=4, steps=29, t=t, v=v, z=100 * t,
         failed=np.arange(30), energies=energies,
         reactions={"warp": 10 * t, "weft": 20 * t}, quads=quads, strength=np.array([315.0, 315.0]),

@@ -1,6 +1,7 @@
 """Scenes: units as text become SI, defaults, relative paths, and what the examples say."""
 
 import dataclasses
+import math
 import tomllib
 from pathlib import Path
 
@@ -103,3 +104,57 @@ def test_setup_is_what_the_scene_says():
     assert setup.projectile.radius == pytest.approx(2.75e-3)
     assert setup.opening == pytest.approx(0.203)
     assert setup.snapshot_interval == pytest.approx(1e-5)
+
+
+def setup_of(changes):
+    table = {name: TABLE[name] | changes.get(name, {}) for name in TABLE}
+    asked = scene.check(table, "s")
+    return case.setup(case.build(asked, "s", "s"), "s"), asked
+
+
+def test_shape_and_attitude_of_the_shot():
+    chisel = {"shape": "chisel", "flat_width": "2.5 mm", "flat_angle": "35 deg", "length": "6.3 mm", "friction": 0.2}
+    attitude = {"obliquity": "30 deg", "azimuth": "90 deg", "yaw": "-5 deg", "roll": "10 deg"}
+    setup, asked = setup_of({"projectile": chisel | attitude, "panel": {"symmetry": "whole"}})
+    shot = setup.projectile
+    assert (shot.shape, shot.friction) == ("chisel", 0.2)
+    assert (shot.radius, shot.flat_width, shot.length) == pytest.approx((2.75e-3, 2.5e-3, 6.3e-3))
+    assert (shot.flat_angle, shot.obliquity, shot.azimuth, shot.yaw, shot.roll) == pytest.approx(
+        tuple(math.radians(angle) for angle in (35, 30, 90, -5, 10))
+    )
+    told = case.shot_in_words(asked.projectile)
+    assert told == "a chisel-nosed fragment simulator of 3 g and 5.5 mm, 30° off the normal, with friction 0.2"
+
+
+def test_a_sphere_has_no_edge():
+    ball = {key: value for key, value in TABLE["projectile"].items() if key != "edge_radius"} | {"shape": "sphere"}
+    asked = scene.check(TABLE | {"projectile": ball}, "s")
+    assert case.setup(case.build(asked, "s", "s"), "s").projectile.shape == "sphere"
+
+
+def test_sides_and_weave_of_the_panel():
+    from shellfabric.edges import Grip, PullIn
+
+    pull = {"pull_in": "5 mm", "start": "200 us", "end": "650 us"}
+    boundary = {"warp": ["clamped", {"grip": "20 N"}], "weft": pull}
+    setup, asked = setup_of({"panel": {"opening": ["203 mm", "100 mm"], "boundary": boundary, "symmetry": "whole"}})
+    assert setup.opening == pytest.approx((0.203, 0.1))
+    (low, high), weft = setup.edge
+    assert (low, high) == ("clamped", Grip(20.0))
+    assert isinstance(weft, PullIn)
+    assert dataclasses.astuple(weft) == pytest.approx((5e-3, 200e-6, 650e-6, 60e-3))  # zone of the source
+    told = case.panel_in_words(asked.panel)
+    assert told == "203 mm by 100 mm, warp ends clamped / gripped by 20 N and weft ends slipping by 5 mm"
+    setup, asked = setup_of({"panel": {"weave_angle": "45 deg", "symmetry": "whole"}})
+    assert setup.weave_angle == pytest.approx(math.pi / 4)
+    assert case.panel_in_words(asked.panel) == "203 mm square, its weave turned by 45° and clamped"
+
+
+def test_nothing_is_measured_unless_asked():
+    assert case.setup(case.build(scene.check(TABLE, "s"), "s", "s"), "s").measure is None
+    asked = scene.check(TABLE | {"measure": {"interval": "0.5 us", "warp": ["0 mm", "1 cm"]}}, "s")
+    measure = case.setup(case.build(asked, "s", "s"), "s").measure
+    assert measure.interval == pytest.approx(5e-7)
+    assert measure.warp == pytest.approx((0.0, 0.01))
+    assert measure.weft == (0.0,)
+    assert asked.measure.places == (5e-3, 20e-3, 50e-3, 80e-3)

@@ -1,0 +1,151 @@
+"""Compression of one ply between flat platens: pressure against what the platens have closed since a first pressure.
+
+Built in, the law of the source (thesis eqs. 2-5, 2-6; errata E-02 .. E-04), in thickness t for volume:
+
+    P = K'' / (t - t_min)^3,  K'' = c1 A_d^3 + c2    ->    closure = K''^(1/3) (P_start^(-1/3) - P^(-1/3))
+
+t_min is in a lost figure; a closure does not need it. c2 is negative: K'' changes sign at A_d = 148.3 g/m2.
+
+A user's curve is a CSV file of two columns. The first line that is not a comment (#) names them with their units, in
+either order, separated by a comma:
+
+    pressure [MPa], thickness [mm]          or          pressure [kPa], closure [um]
+
+Pressures rise; thicknesses fall, closures rise. Only the loading belongs in the file. At least five rows.
+"""
+
+from __future__ import annotations
+
+import csv
+import re
+import tomllib
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from fabrics.errors import InputError
+from fabrics.units import si
+
+_LAW = Path(__file__).parent / "pressure_law.toml"
+_UNITS = {"c1": "Pa * m^3 / (kg/m^2)^3", "c2": "Pa * m^3", "start": "N", "peak": "N", "platen": "m"}
+FEWEST = 5
+SAMPLES = 24
+
+
+@dataclass(frozen=True, eq=False)
+class PlateCurve:
+    """A measured curve.
+
+    Parameters
+    ----------
+    pressure : (n,) [Pa] rising, positive
+    closure : (n,) [m] rising, what the platens have closed since pressure[0]
+    source : where it comes from
+
+    Raises
+    ------
+    InputError : too few points, a value that is not finite, or a curve that does not rise
+    """
+
+    pressure: np.ndarray
+    closure: np.ndarray
+    source: str = ""
+
+    def __post_init__(self):
+        if len(self.pressure) < FEWEST or len(self.pressure) != len(self.closure):
+            raise InputError(key="rows", value=len(self.pressure), allowed=f"at least {FEWEST}")
+        for key in ("pressure", "closure"):
+            column = getattr(self, key)
+            if not np.all(np.isfinite(column)) or not np.all(np.diff(column) > 0):
+                row = int(np.argmin(np.diff(column) > 0)) + 2 if np.all(np.isfinite(column)) else None
+                raise InputError(key=key, value=f"row {row}" if row else "not finite", allowed="finite and rising")
+        if not self.pressure[0] > 0:
+            raise InputError(key="pressure", value=float(self.pressure[0]), allowed="positive")
+
+    def at(self, pressure):
+        """Closure [m] at pressures [Pa] inside the curve."""
+        return np.interp(np.log(pressure), np.log(self.pressure), self.closure)
+
+    @classmethod
+    def pressure_law(cls, areal_density) -> PlateCurve:
+        """The source's law for one ply of a Kevlar 129 plain weave.
+
+        Parameters
+        ----------
+        areal_density : [kg/m2] measured
+
+        Raises
+        ------
+        InputError : the areal density is below that where K'' vanishes
+        """
+        content = tomllib.loads(_LAW.read_text(encoding="utf-8"))
+        law = {key: si(content[key]["value"], unit, file=_LAW, key=key) for key, unit in _UNITS.items()}
+        K = law["c1"] * areal_density**3 + law["c2"]
+        if not K > 0:
+            least = (-law["c2"] / law["c1"]) ** (1 / 3)
+            raise InputError(
+                key="areal_density_measured",
+                value=areal_density,
+                allowed=f"above {least:.4f} kg/m2, where K'' vanishes",
+            )
+        pressure = np.geomspace(law["start"], law["peak"], SAMPLES) / law["platen"] ** 2
+        closure = np.cbrt(K) * (pressure[0] ** (-1 / 3) - pressure ** (-1 / 3))
+        return cls(pressure, closure, f"pressure law of thesis eq. 2-6 at {1e3 * areal_density:.1f} g/m2")
+
+    @classmethod
+    def read(cls, path) -> PlateCurve:
+        """Read a user's CSV file.
+
+        Raises
+        ------
+        InputError : one line naming the file, the row, the value and what is allowed
+        """
+        path = Path(path)
+        try:
+            lines = [
+                (number, line)
+                for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), 1)
+                if line.strip() and not line.lstrip().startswith("#")
+            ]
+        except (OSError, UnicodeDecodeError) as problem:
+            why = getattr(problem, "strerror", None) or "not text"
+            raise InputError("cannot be read", file=path, allowed=f"a plate curve ({why})") from problem
+        if not lines:
+            raise InputError("is empty", file=path, allowed="a plate curve: pressure and thickness or closure")
+        names, scales = zip(*(_column(cell, path) for cell in next(csv.reader([lines[0][1]]))))
+        if sorted(names) not in (["closure", "pressure"], ["pressure", "thickness"]):
+            raise InputError(
+                file=path, key="columns", value=", ".join(names), allowed="pressure, and thickness or closure"
+            )
+        rows = [_row(number, line, path) for number, line in lines[1:]]
+        column = {name: scale * np.array(values) for name, scale, values in zip(names, scales, zip(*rows))}
+        if not rows:
+            column = dict.fromkeys(names, np.array([]))
+        closure = column["closure"] if "closure" in column else -column["thickness"]
+        try:
+            return cls(column["pressure"], closure - closure[:1].sum(), path.name)
+        except InputError as problem:
+            raise InputError(file=path, key=problem.key, value=problem.value, allowed=problem.allowed) from None
+
+
+def _column(cell, path):
+    """(name, SI value of its unit) of a heading such as "pressure [MPa]"."""
+    found = re.fullmatch(r"\s*(\w+)\s*\[([^\]]+)\]\s*", cell)
+    units = {"pressure": "Pa", "thickness": "m", "closure": "m"}
+    if found is None or found[1] not in units:
+        raise InputError(
+            file=path,
+            key="heading",
+            value=cell.strip(),
+            allowed="pressure, thickness or closure with its unit, such as pressure [MPa]",
+        )
+    return found[1], si(f"1 {found[2]}", units[found[1]], file=path, key=found[1])
+
+
+def _row(number, line, path):
+    try:
+        first, second = next(csv.reader([line]))
+        return float(first), float(second)
+    except ValueError:
+        raise InputError(file=path, key=f"line {number}", value=line.strip(), allowed="two numbers") from None

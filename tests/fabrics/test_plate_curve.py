@@ -1,0 +1,69 @@
+"""The measured plate curve: the built-in law, a user's file, and broken ones."""
+
+import numpy as np
+import pytest
+
+from fabrics import catalogue
+from fabrics.errors import InputError
+from fabrics.plate_curve import PlateCurve
+
+GOOD = "# one ply\nthickness [mm], pressure [kPa]\n0.40, 30\n0.35, 100\n0.31, 400\n0.29, 1500\n0.28, 6000\n"
+
+
+def test_pressure_law_is_eq_2_5_with_the_constants_of_erratum_e_03():
+    """K'' of S-720 is 1.920e-7 Pa m3; the platen goes from 10 N to 7 kN."""
+    curve = PlateCurve.pressure_law(catalogue.load("S-720").areal_density_measured)
+    assert curve.pressure[[0, -1]] == pytest.approx([10 / 0.019**2, 7000 / 0.019**2], rel=1e-12)
+    above = (1.920e-7 / curve.pressure) ** (1 / 3)  # t - t_min
+    assert curve.closure == pytest.approx(above[0] - above, rel=1e-3, abs=1e-9)
+    # thickness above the least at 10 N, erratum E-04
+    assert above[0] == pytest.approx(191e-6, rel=3e-3)
+
+
+def test_pressure_law_is_never_extrapolated_to_light_cloth():
+    with pytest.raises(InputError, match=r"above 0.1483 kg/m2, where K'' vanishes"):
+        PlateCurve.pressure_law(0.14)
+
+
+def test_users_file(tmp_path):
+    path = tmp_path / "curve.csv"
+    path.write_text(GOOD)
+    curve = PlateCurve.read(path)
+    assert curve.pressure == pytest.approx(np.array([30, 100, 400, 1500, 6000]) * 1e3)
+    assert curve.closure == pytest.approx(np.array([0, 0.05, 0.09, 0.11, 0.12]) * 1e-3, abs=1e-12)
+    assert curve.source == "curve.csv"
+    assert curve.at(100e3) == pytest.approx(0.05e-3)
+
+
+BROKEN = {
+    "no unit": ("pressure [kPa]", "pressure", "heading = 'pressure': must be pressure, thickness or closure with its"),
+    "wrong unit": ("[kPa]", "[mm]", "pressure = '1 mm': must be a text with a unit that converts to Pa"),
+    "two thicknesses": ("pressure [kPa]", "closure [um]", "columns = 'thickness, closure': must be pressure, and"),
+    "not a number": ("0.31, 400", "0.31, x", "line 5 = '0.31, x': must be two numbers"),
+    "one number": ("0.31, 400", "0.31", "line 5 = '0.31': must be two numbers"),
+    "unloading": ("0.28, 6000", "0.28, 600", "pressure = 'row 5': must be finite and rising"),
+    "negative": ("0.40, 30", "0.40, -30", "pressure = -30000.0: must be positive"),
+    "not finite": ("0.40, 30", "nan, 30", "closure = 'not finite': must be finite and rising"),
+    "too short": ("0.28, 6000\n", "", "rows = 4: must be at least 5"),
+    "empty": (GOOD, "# nothing\n", "is empty"),
+    "headings only": (GOOD[GOOD.index("0.40") :], "", "rows = 0: must be at least 5"),
+}
+
+
+@pytest.mark.parametrize("case", BROKEN)
+def test_broken_files_have_one_clear_line(tmp_path, case):
+    old, new, line = BROKEN[case]
+    assert old in GOOD
+    path = tmp_path / "curve.csv"
+    path.write_text(GOOD.replace(old, new))
+    with pytest.raises(InputError) as problem:
+        PlateCurve.read(path)
+    text = str(problem.value)
+    assert line in text
+    assert str(path) in text
+    assert "\n" not in text
+
+
+def test_missing_file(tmp_path):
+    with pytest.raises(InputError, match="cannot be read; must be a plate curve"):
+        PlateCurve.read(tmp_path / "none.csv")

@@ -1,0 +1,130 @@
+"""Two blocks of a linear isotropic material, one on the other, under the contact of the crossover: for closed forms.
+
+The upper block stands for the warp (axis 0 along x), the lower for the weft (axis 0 along y), as in a crossover. All
+planes x = 0, y = 0 are symmetry planes where `quarter`; the top of the upper block is pushed down, the bottom held.
+"""
+
+import numpy as np
+import ufl
+from scipy import sparse
+from scipy.sparse.linalg import splu
+
+from unitcell3d.compat import Assembler, HexSpace
+from unitcell3d.contact import FacingSurfaces
+from unitcell3d.model import Numerics
+
+SOFTENINGS = (1e-3, 1e-2, 0.1, 1.0)
+
+
+def block(family, along, across, through, face):
+    """Nodes (i, j, k, 3) of one block; `face(x, y)` is the height of its contact face, `through` the depths from it."""
+    s, p, depth = np.meshgrid(along, across, through, indexing="ij")
+    x, y = (s, p) if family == 0 else (p, s)
+    if family == 0:
+        return np.stack([x, y, face(x, y) + depth], axis=-1)
+    return np.stack([x, y, face(x, y) - depth[..., ::-1]], axis=-1)
+
+
+def graded(end, n, ratio):
+    """n + 1 places from 0 to `end`, the last step `ratio` times the first."""
+    steps = np.geomspace(1, ratio, n)
+    return np.concatenate([[0], np.cumsum(steps)]) * end / steps.sum()
+
+
+class Blocks:
+    """The pair, solved for a given descent of the top."""
+
+    def __init__(self, upper, lower, E, nu, *, quarter=True, slide=True, numerics=None):
+        self.points = np.concatenate([upper.reshape(-1, 3), lower.reshape(-1, 3)])
+        first = np.arange(upper[..., 0].size).reshape(upper.shape[:3])
+        second = np.arange(lower[..., 0].size).reshape(lower.shape[:3]) + first.size
+        self.grids = first, second
+        hexes = np.concatenate([bricks(first, True), bricks(second, False)])
+        self.space = HexSpace.build(self.points, hexes)
+        lame, mu = E * nu / (1 + nu) / (1 - 2 * nu), E / 2 / (1 + nu)
+        u = self.space.displacement
+        v, du = ufl.TestFunction(self.space.displacements), ufl.TrialFunction(self.space.displacements)
+
+        def stress(w):
+            e = ufl.sym(ufl.grad(w))
+            return lame * ufl.tr(e) * ufl.Identity(3) + 2 * mu * e
+
+        self.solid = Assembler(
+            self.space,
+            ufl.inner(stress(u), ufl.sym(ufl.grad(v))) * ufl.dx,
+            ufl.inner(stress(du), ufl.sym(ufl.grad(v))) * ufl.dx,
+        )
+        n = 3 * len(self.points)
+        self.K = sparse.csr_matrix((self.solid.tangent(), (self.solid.rows, self.solid.columns)), shape=(n, n))
+        self.numerics = Numerics(penalty=1e14, toe=1e-12) if numerics is None else numerics
+        self.surfaces = FacingSurfaces(self.points, self.grids, quarter)
+        fixed = np.zeros((len(self.points), 3), bool)
+        self.top = first[:, :, -1].ravel()
+        for nodes in (self.top, second[:, :, 0].ravel()):
+            fixed[nodes, 2] = True
+            if not slide:
+                fixed[nodes] = True
+        for component in (0, 1):
+            fixed[np.isclose(self.points[:, component], 0), component] = True
+        self.free = np.flatnonzero(~fixed.ravel())
+        self.force = np.zeros((len(self.points), 3))
+
+    def press(self, descent, steps=1, hold=()):
+        """Displacement (n, 3) when the top has gone down; `hold` lists further (nodes, component) kept at zero."""
+        free = np.setdiff1d(self.free, [3 * node + c for nodes, c in hold for node in np.ravel(nodes)])
+        u = np.zeros_like(self.points)
+        full = self.numerics
+        for share in np.linspace(0, 1, steps + 1)[1:]:
+            u[self.top, 2] = -share * descent
+            # the contact stiffens in stages: at once, the first iteration presses the faces through each other
+            for factor in SOFTENINGS:
+                self.numerics = full.softened(factor)
+                self._settle(u, free)
+        return u
+
+    def _settle(self, u, free):
+        for _ in range(40):
+            self.contact, blocks = self._touch(self.points + u, tangent=True)
+            residual = (self.K @ u.ravel() + self.contact.ravel())[free]
+            if np.linalg.norm(residual) < 1e-9 * max(np.linalg.norm(self.contact), 1e-9):
+                return
+            matrix = (self.K + blocks)[free][:, free].tocsc()
+            u.ravel()[free] -= splu(matrix).solve(residual)
+        raise AssertionError("no equilibrium")
+
+    def _touch(self, x, tangent=False):
+        """Contact forces (n, 3) and, by finite pieces, their tangent as a sparse matrix."""
+        forces, none = np.zeros_like(x), np.zeros((1, 3, 3))
+        self.lift = self.surfaces.touch(x, self.numerics, forces, None, none)
+        stencils = [np.maximum(s, 0) for s in self.surfaces.stencils]
+        sizes = [s.size * s.shape[1] for s in stencils]
+        places = [
+            np.arange(size).reshape(*s.shape, s.shape[1]) + start
+            for s, size, start in zip(stencils, sizes, (0, sizes[0]))
+        ]
+        values = np.zeros((sum(sizes), 3, 3))
+        self.surfaces.touch(x, self.numerics, np.zeros_like(x), places, values)
+        rows = np.concatenate([np.repeat(s, s.shape[1], axis=1).ravel() for s in stencils])
+        columns = np.concatenate([np.tile(s, (1, s.shape[1])).ravel() for s in stencils])
+        component = np.arange(3)
+        i = (3 * rows[:, None, None] + component[:, None] + 0 * component).ravel()
+        j = (3 * columns[:, None, None] + component + 0 * component[:, None]).ravel()
+        n = x.size
+        return forces, sparse.csr_matrix((values.ravel(), (i, j)), shape=(n, n))
+
+    def pressures(self, yarn):
+        """Positions (s, 2) and contact pressure (s,) [Pa] at the nodes of one face: both passes, over their areas."""
+        from unitcell3d.contact import tributary_areas
+
+        grid = self.grids[0][:, :, 0] if yarn == 0 else self.grids[1][:, :, -1]
+        areas = tributary_areas(self.points, grid).ravel()
+        nodes = grid.ravel()
+        return self.points[nodes, :2], np.abs(self.contact[nodes, 2]) / areas
+
+
+def bricks(grid, right):
+    """(m, 8) hexahedra of a structured grid, in VTK order, positive volumes."""
+    a = [grid[i : grid.shape[0] - 1 + i, j : grid.shape[1] - 1 + j, k : grid.shape[2] - 1 + k].ravel()
+         for k in (0, 1) for i, j in ((0, 0), (1, 0), (1, 1), (0, 1))]  # fmt: skip
+    hexes = np.stack(a, axis=1)
+    return hexes if right else hexes[:, [0, 3, 2, 1, 4, 7, 6, 5]]

@@ -1,0 +1,59 @@
+"""python -m validation.bias_extension [--out results/bias_extension] [--steps 20]: zones as CSV and PNG."""
+
+import argparse
+import csv
+import sys
+from pathlib import Path
+
+import numpy as np
+
+from fabrics.errors import WeavecellError
+from fabrics.files import write_whole
+from validation.bias_extension.cases import CLOTHS, asymmetry, run
+from validation.bias_extension.pictures import picture
+
+COLUMNS = ["cloth", "elongation mm", "load N", "angle A deg", "angle B deg", "angle C deg", "not stretching C deg",
+           "B less mean of A and C deg", "shear concentration", "residual", "iterations"]  # fmt: skip
+
+
+def rows(case):
+    """One row a load step."""
+    for k, (state, moved, load) in enumerate(zip(case.result.states, case.result.moved, case.result.force(1, 1))):
+        A, B, C = case.means(k)
+        values = (1e3 * moved, abs(load), A, B, C, case.inextensible(k), B - 0.5 * (A + C), case.concentration(k))
+        yield [case.name, *(f"{value:.5g}" for value in values), f"{state.residual:.2g}", state.iterations]
+
+
+def main():
+    parser = argparse.ArgumentParser(prog="python -m validation.bias_extension", description=__doc__)
+    parser.add_argument("--out", type=Path, default=Path("results/bias_extension"))
+    parser.add_argument("--steps", type=int, default=20)
+    options = parser.parse_args()
+    cases = [run(name, steps=options.steps) for name in CLOTHS]
+    with write_whole(options.out / "zones.csv") as file:
+        table = csv.writer(file)
+        table.writerow(COLUMNS)
+        for case in cases:
+            table.writerows(rows(case))
+    picture(cases, options.out / "coupons.png")
+    for case in cases:
+        if case.problem is not None:
+            print(f"{CLOTHS[case.name]}: {case.problem}")
+            continue
+        for moved in (0.005, 0.010):
+            k = int(np.argmin(np.abs(case.result.moved - moved)))
+            A, B, C = case.means(k)
+            print(
+                f"{CLOTHS[case.name]:27} {1e3 * case.result.moved[k]:5.2f} mm: A {A:.1f}, B {B:.1f}, C {C:.1f} deg; "
+                f"not stretching C {case.inextensible(k):.1f}; B less mean {B - 0.5 * (A + C):+.2f}; "
+                f"concentration {case.concentration(k):.2f}"
+            )
+        print(f"{'':27} asymmetry {asymmetry(case.result):.1e} of the width")
+
+
+if __name__ == "__main__":
+    try:
+        main()
+    except WeavecellError as problem:
+        print(f"error: {problem}", file=sys.stderr)
+        sys.exit(problem.exit_code)
