@@ -11,7 +11,7 @@ below 1/2. G follows E_c (eq. 3-16).
 
 What the curve says about each parameter comes from the Jacobian J = d closure / d x at the solution: covariance
 s^2 (J^T J)^-1, s the rms misfit, but no better than `RESOLUTION`. A parameter is called determined if its 95 % interval
-excludes its half and its double.
+excludes its half and its double. The product K_r E_c is judged too: a curve that never packs the yarn tells it alone.
 """
 
 from __future__ import annotations
@@ -20,6 +20,7 @@ import json
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.interpolate import PchipInterpolator
 from scipy.optimize import least_squares
 from scipy.stats import t as student
 
@@ -28,13 +29,16 @@ from fabrics.files import write_whole
 from meshing import crossover as mesher
 from unitcell3d import cases
 from unitcell3d.history import History
+from unitcell3d.stepping import Steps
 
 NAMES = ("E_c", "V_c", "K_r")
+LOOSE = "K_r E_c"  # the modulus of the loose yarn (eq. 3-10), which a curve may tell where it tells neither factor
 POINTS = 16  # of the curve, at equal ratios of pressure
 RESOLUTION = 1e-6  # m: what the coarse mesh and an extensometer can tell
 DIFFERENCE = 0.02  # of ln: step of the Jacobian, well above what the stepping leaves
+STEPS = Steps(largest=0.03)  # short: a history is interpolated to the curve's pressures, and its error must not hop
 CLOSEST = 0.3  # of the plates' distance at rest: soft trial yarns close further than real ones
-LARGEST = 8  # rounds of the least squares
+LARGEST = 12  # rounds of the least squares
 BOUNDS = np.log(([1e6, 1e-3, 1e-4], [1e12, 10.0, 0.5]))
 
 
@@ -48,7 +52,7 @@ class SolidFit:
     curve : PlateCurve fitted to
     pressure, measured, computed : (n,) [Pa], [m], [m] closures of the curve and of the fitted crossover
     before : (n,) [m] closures with the solids of the file
-    values : {"E_c", "V_c", "K_r": value}
+    values : {"E_c", "V_c", "K_r", "K_r E_c": value}
     intervals : {name: (low, high)} 95 %
     determined : {name: bool}
     correlation : (3, 3) [-] of ln E_c, ln (V_c - Vf0), ln K_r
@@ -115,8 +119,9 @@ def closures(history, cell_area, pressure, measured):
     closed = 2 * (history.plates[0] - history.plates)
     touched = np.maximum(np.argmax(pressed > 0), 1)
     known, closed = np.log(pressed[touched:]), closed[touched:]
-    slope = (closed[-1] - closed[-2]) / (known[-1] - known[-2])
-    at = np.interp(np.log(pressure), known, closed) + slope * np.maximum(np.log(pressure) - known[-1], 0)
+    curve = PchipInterpolator(known, closed)
+    wanted = np.log(pressure)
+    at = curve(np.clip(wanted, known[0], known[-1])) + curve(known[-1], 1) * np.maximum(wanted - known[-1], 0)
     return at - np.mean(at - measured)
 
 
@@ -148,9 +153,8 @@ def fit_solid(fabric, curve, *, size="coarse", progress=None):
     def run(x):
         key = tuple(np.round(x, 12))
         if key not in known:
-            history = cases.plate_compression(
-                mesh, with_solids(fabric, x, densest), pressure=pressure[-1], closest=CLOSEST
-            )
+            trial = with_solids(fabric, x, densest)
+            history = cases.plate_compression(mesh, trial, pressure=pressure[-1], closest=CLOSEST, steps=STEPS)
             known[key] = closures(history, area, pressure, measured), history
             if progress is not None:
                 progress(len(known), float(np.sqrt(np.mean((known[key][0] - measured) ** 2))))
@@ -177,8 +181,8 @@ def fit_solid(fabric, curve, *, size="coarse", progress=None):
         start,
         jac=lambda x: jacobian(x) / RESOLUTION,
         bounds=BOUNDS,
-        ftol=1e-3,
-        xtol=1e-2,
+        ftol=1e-4,
+        xtol=1e-4,
         max_nfev=LARGEST,
     )
     computed, history = known[tuple(np.round(found.x, 12))]
@@ -211,9 +215,11 @@ def identify(jacobian, noise, n):
 def _judge(fabric, curve, pressure, measured, computed, before, found, densest, runs, history):
     misfit = np.sqrt(np.sum((computed - measured) ** 2) / (len(measured) - 4))
     half, correlation, singular, directions = identify(found.jac * RESOLUTION, max(misfit, RESOLUTION), len(measured))
-    half = np.minimum(half, 50)  # e^50 is as good as unknown
+    loose = np.sqrt(max(half[0] ** 2 + half[2] ** 2 + 2 * correlation[0, 2] * half[0] * half[2], 0.0))
+    half, loose = np.minimum(half, 50), min(float(loose), 50.0)  # e^50 is as good as unknown
     low, high = np.exp(found.x - half), np.exp(found.x + half)
     value = np.exp(found.x)
+    modulus = float(value[0] * value[2])
     shift = np.array([0.0, densest, 0.0])  # V_c itself
     fitted = with_solids(fabric, found.x, densest)
     sources = dict(fabric.sources)
@@ -231,9 +237,10 @@ def _judge(fabric, curve, pressure, measured, computed, before, found, densest, 
         measured=measured,
         computed=computed,
         before=before,
-        values=dict(zip(NAMES, map(float, value + shift))),
-        intervals={n: (float(a), float(b)) for n, a, b in zip(NAMES, low + shift, high + shift)},
-        determined={name: bool(width < np.log(2)) for name, width in zip(NAMES, half)},
+        values=dict(zip(NAMES, map(float, value + shift))) | {LOOSE: modulus},
+        intervals={n: (float(a), float(b)) for n, a, b in zip(NAMES, low + shift, high + shift)}
+        | {LOOSE: (modulus * float(np.exp(-loose)), modulus * float(np.exp(loose)))},
+        determined={name: bool(width < np.log(2)) for name, width in zip(NAMES, half)} | {LOOSE: loose < np.log(2)},
         correlation=correlation,
         singular_values=singular,
         directions=directions,

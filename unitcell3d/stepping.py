@@ -59,10 +59,7 @@ def _march(model, solver, start, end, case, stop, steps, hooks):
     begun = time.perf_counter()
     failed = ""
     states, rows = [], []
-    try:
-        rest = solver.solve(np.zeros(model.size), start)
-    except UnstableError as problem:
-        raise UnstableError("the crossover is not in equilibrium at rest", where=problem.where) from problem
+    rest = at_rest(model, solver, start)
     states.append((0.0, rest.q))
     rows.append(_row(model, rest, start, 0.0, time.perf_counter() - begun))
     step = steps.first
@@ -158,7 +155,30 @@ def _advance(model, solver, states, start, end, share, last_resort):
             return solver.solve(held, load)
         if not last_resort:
             raise
-    full, guess = model.numerics, held
+    return _softly(model, solver, held, load)
+
+
+def at_rest(model, solver, load):
+    """Equilibrium of the undeformed crossover, whose sections may overlap by what the mesh leaves of their curves.
+
+    Raises
+    ------
+    UnstableError : none is found
+    """
+    start = np.zeros(model.size)
+    try:
+        return solver.solve(start, load)
+    except UnstableError:
+        pass
+    try:
+        return _softly(model, solver, start, load)
+    except UnstableError as problem:
+        raise UnstableError("the crossover is not in equilibrium at rest", where=problem.where) from problem
+
+
+def _softly(model, solver, guess, load):
+    """Equilibrium by way of softer contacts."""
+    full = model.numerics
     try:
         for factor in SOFTENINGS:
             model.numerics = full.softened(factor)

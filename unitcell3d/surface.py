@@ -27,7 +27,7 @@ from unitcell3d.interpolant import FEWEST, QUANTITIES, errors
 from unitcell3d.model import CrossoverModel, Load
 from unitcell3d.newton import Newton
 from unitcell3d.partial import Line, Partial
-from unitcell3d.stepping import visit
+from unitcell3d.stepping import at_rest, visit
 from unitcell3d.workers import CONTEXT, one_thread_each
 
 POINTS = (21, 21)
@@ -300,7 +300,8 @@ def _begin(model, solver, case):
     """Unknowns at the first place of a line, and the tangents factorised on the way to it."""
     corner = Load(case.at(case.along[0]))
     if case.q is None:
-        start, found = Load(), solver.solve(np.zeros(model.size), Load())
+        start = Load()
+        found = at_rest(model, solver, start)
         q, spent = found.q, found.iterations
         steps = np.linspace(FROM_REST, 1, round(1 / FROM_REST))
     else:

@@ -124,13 +124,26 @@ def calibrate(
     fabric: FabricArgument,
     size: Annotated[Size, typer.Option(help="Mesh of the 3D crossover.")] = Size.medium,
     processes: ProcessesOption = CORES,
+    plates: Annotated[
+        Path | None,
+        typer.Option(help="First fit E_c, V_c and K_r to this curve: pressure and thickness.", metavar="CURVE.csv"),
+    ] = None,
+    fit_solid: Annotated[
+        bool, typer.Option("--fit-solid", help="The same, to the built-in pressure law of Kevlar plain weaves.")
+    ] = False,
     out: OutOption = None,
 ):
-    """Solve the 3D crossover and fit its compression law: law.json, histories and a report."""
+    """Solve the 3D crossover and fit its compression law: law.json, histories and a report.
+
+    The curve of --plates is a CSV file headed, for example, "pressure [MPa], thickness [mm]": one ply between flat
+    plates, loading only, at least five rows.
+    """
     from weavecell import crossover
 
     folder = out or RESULTS / f"calibrate-{Path(fabric).stem}"
-    crossover.calibrate_command(fabric, folder, size=size.value, processes=processes)
+    crossover.calibrate_command(
+        fabric, folder, size=size.value, processes=processes, plates=plates, fit_solid=fit_solid
+    )
 
 
 @app.command(epilog="Example: [bold]weavecell surface S-720 --size coarse --points 11[/bold]")

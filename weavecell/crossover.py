@@ -5,6 +5,7 @@ Folder of `weavecell mesh`
     mesh.json       size, quality, overlap, provenance
 
 Folder of `weavecell calibrate`
+    solid.json          with --plates or --fit-solid: E_c, V_c, K_r and what the plate curve determines
     law.json            the fitted law, for `law = ".../law.json"` in a scene
     calibration.json    all numbers of the calibration, and provenance.json where they come from
     <path>.h5           histories of the loading paths and of the compression between plates
@@ -19,7 +20,7 @@ from dataclasses import replace
 import weavecell
 from fabrics import catalogue
 from fabrics.errors import InputError
-from weavecell import chapters, json_file, progress, provenance, report
+from weavecell import chapters, json_file, progress, provenance, report, solid_fit
 from weavecell.report import Table
 
 
@@ -31,9 +32,13 @@ def mesh_command(name, out, **choices):
     print(f"written to {out}")
 
 
-def calibrate_command(name, out, *, size, processes):
-    """Calibrate one fabric, write what came of it and print the law."""
+def calibrate_command(name, out, *, size, processes, plates=None, fit_solid=False):
+    """Calibrate one fabric, its solid first if asked, write what came of it and print the law."""
     fabric = with_3d_data(name)
+    solid = None
+    if plates is not None or fit_solid:
+        solid = solid_fit.fit(fabric, solid_fit.curve_for(fabric, plates), out)
+        fabric = solid.fabric
     built = mesh(fabric, out, size=size, domain="whole")
     done = calibrate(fabric, out, size=size, processes=processes)
     laws = {"fitted": done.law}
@@ -43,6 +48,7 @@ def calibrate_command(name, out, *, size, processes):
     json_file.write(out / "provenance.json", stamp)
     sections = (
         fit_chapter(done, laws),
+        *([] if solid is None else [solid_fit.chapter(solid)]),
         chapters.cell(fabric, {label: (law, law) for label, law in laws.items()}, paths=paths(done, fabric)),
         chapters.mesh(facts(built), (out / "crossover.png").read_bytes()),
         chapters.sources(fabric),

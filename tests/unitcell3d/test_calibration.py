@@ -5,6 +5,7 @@ import json
 import numpy as np
 import pytest
 
+from fabrics import catalogue
 from fabrics.compression import CompressionLaw
 from fabrics.errors import InputError
 from unitcell3d.calibrate import PATHS, calibrate
@@ -35,6 +36,33 @@ def test_each_path_has_its_own_law_near_the_joint_one(calibration):
     for name, law in found.path_laws.items():
         assert law.a == pytest.approx(found.law.a, rel=0.15), name
         assert found.residuals[name] < 2e-6
+
+
+def test_finer_laws_are_fitted_beside(calibration):
+    """The yarns' own compressions and what closes between their lenses (about 10 um) make up 2 d_c."""
+    found = calibration[0]
+    for name in PATHS:
+        history = found.histories[name]
+        between = 2 * history.d_c - history.d_yarns.sum(axis=1)
+        assert -1e-6 < between.min() <= between.max() < 12e-6, name
+    warp, weft = found.yarn_laws
+    assert warp.a < weft.a  # the looser yarn (Vf0 0.62) gives more
+    assert found.ratio_law.residual_rms <= found.law.residual_rms * 1.001
+    assert set(found.ratio_residuals) == set(PATHS)
+    assert max(found.ratio_residuals.values()) < 1.5e-6
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", [name for name in catalogue.names() if name != "S-720"])
+def test_every_fabric_calibrates_unattended(name):
+    """All paths to fibre failure; one law leaves at most 1.6 um, one that sees the tension ratio at most 1 um."""
+    found = calibrate(catalogue.load(name), size=(8, 6, 2), plates_size="coarse")
+    assert not any(history.failed for history in found.histories.values())
+    for name in PATHS:  # conforming sections leave nothing to close but the penetration
+        history = found.histories[name]
+        assert (2 * history.d_c - history.d_yarns.sum(axis=1)).max() < 5e-6, name
+    assert found.law.residual_rms < 1.6e-6
+    assert found.ratio_law.residual_rms < 1e-6
 
 
 def test_plates_give_another_curve(calibration):

@@ -163,3 +163,16 @@ def test_interrupt_is_not_a_traceback(monkeypatch, capsys):
         cli.main(["fabrics", "list"])
     assert leaving.value.code == 130
     assert capsys.readouterr().err == "error: interrupted\n"
+
+
+def test_plate_curves_that_cannot_be_fitted_to(command, tmp_path):
+    check_refused(
+        command("calibrate", "S-720", "--plates", "nowhere.csv"),
+        "nowhere.csv: cannot be read; must be a plate curve (No such file or directory)",
+        tmp_path,
+    )
+    check_refused(
+        command("calibrate", "glass-balanced", "--fit-solid"),
+        "fabric glass-balanced has no areal_density_measured, which the pressure law needs: give --plates curve.csv",
+        tmp_path,
+    )

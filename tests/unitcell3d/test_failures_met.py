@@ -1,0 +1,121 @@
+"""What failed in the prototype of the crossover, each beside what was chosen instead."""
+
+import numpy as np
+import pytest
+import ufl
+
+from unitcell3d import cases, yarn_law
+from unitcell3d.compat import Assembler, HexSpace
+from unitcell3d.contact_kernels import contact_pass
+from unitcell3d.model import ACROSS_BEFORE_THROUGH
+
+# --- facet cycling: a point pressed into a valley of two facets -----------------------------------------------------
+
+NI, NJ = 5, 3
+GRID = np.arange(NI * NJ).reshape(NI, NJ)
+VALLEY = np.stack(np.broadcast_arrays(np.arange(NI)[:, None] - 2.0, np.arange(NJ) - 1.0, 0.0), -1).reshape(-1, 3)
+VALLEY[:, 2] = 0.5 * np.abs(VALLEY[:, 0])
+PENALTY, TOE, WEIGHT, SPRING = 1e3, 1e-3, 1.0, 1e-3
+
+
+def smooth_contact(point):
+    """Force on the point and its tangent from the C1 surface through the valley's nodes."""
+    x = np.vstack([VALLEY, point])
+    n, slave = len(x), np.array([len(VALLEY)])
+    stencils, forces = np.full((1, 17), -1), np.zeros((n, 3))
+    values = np.zeros((n * n, 3, 3))
+    free = np.array([False, False])
+    for places in (np.empty((0, 17, 17), np.int64), None):
+        if places is None:
+            if stencils[0, 0] < 0:
+                return np.zeros(3), np.zeros((3, 3))
+            places, forces = stencils[:, :, None] * n + stencils[:, None, :], np.zeros((n, 3))
+        start, axes = point[None, :2] + [2.0, 1.0], np.array([0, 1])
+        contact_pass(
+            x,
+            slave,
+            np.ones(1),
+            GRID,
+            axes,
+            free,
+            1.0,
+            PENALTY,
+            TOE,
+            start,
+            np.empty(1),
+            stencils,
+            forces,
+            places,
+            values,
+            np.zeros(3),
+        )
+    return -forces[-1], -values.reshape(n, n, 3, 3)[-1, -1]
+
+
+def facet_contact(point):
+    """The same from the flat facet under the point: its normal jumps at the bottom."""
+    side = 1.0 if point[0] >= 0 else -1.0
+    normal = np.array([-0.5 * side, 0, 1]) / np.hypot(0.5, 1)
+    gap = normal @ point
+    depth = -gap
+    if depth <= 0:
+        return np.zeros(3), np.zeros((3, 3))
+    force, stiff = (PENALTY * depth**2 / 2 / TOE, PENALTY * depth / TOE) if depth < TOE else (
+        PENALTY * (depth - TOE / 2), PENALTY)  # fmt: skip
+    return force * normal, -stiff * np.outer(normal, normal)
+
+
+def iterations(contact, limit=60):
+    """Newton iterations until the point rests in the valley under its weight; `limit` where it never does."""
+    point = np.array([0.013, 0.02, 0.0])
+    hold = SPRING * np.eye(3)
+    for count in range(limit):
+        force, tangent = contact(point)
+        residual = force - [0, 0, WEIGHT] - hold @ point
+        if np.linalg.norm(residual) < 1e-10:
+            return count
+        point = point - np.linalg.solve(tangent - hold, residual)
+    return limit
+
+
+def test_a_point_in_a_valley_cycles_between_facets_but_not_on_the_smooth_surface():
+    assert iterations(facet_contact) == 60
+    assert iterations(smooth_contact) < 15
+
+
+# --- zero-energy modes of one-point integration ---------------------------------------------------------------------
+
+
+def soft_modes(mesh, fabric, degree):
+    """Modes of the resting weft's solid, without bars, below 1e-9 of the stiffest; six are rigid motions."""
+    hexes = mesh.hexes[mesh.yarn == 1][:, ACROSS_BEFORE_THROUGH[1]]
+    nodes, local = np.unique(hexes, return_inverse=True)
+    space = HexSpace.build(mesh.points[nodes], local.reshape(hexes.shape))
+    law = fabric.solids[1]
+    cell = space.cell_constants(np.tile((law.E_a, law.a_E, law.b_E, law.Vf0, law.V_c, law.G), (len(hexes), 1)))
+    u = space.displacement
+    v, du = ufl.TestFunction(space.displacements), ufl.TrialFunction(space.displacements)
+    points = ufl.Measure("dx", domain=space.mesh, metadata={"quadrature_degree": degree})
+    stress = yarn_law.first_piola(ufl.grad(u), yarn_law.fibre_frame(space.mesh), [cell[i] for i in range(6)])
+    residual = ufl.inner(stress, ufl.grad(v)) * points
+    solid = Assembler(space, residual, ufl.derivative(residual, u, du))
+    K = np.zeros((3 * len(nodes),) * 2)
+    np.add.at(K, (solid.rows, solid.columns), solid.tangent())
+    size = np.abs(np.linalg.eigvals(K))
+    return int(np.sum(size < 1e-9 * size.max()))
+
+
+def test_one_point_integration_leaves_zero_energy_modes_and_full_integration_none(tiny, s720):
+    assert soft_modes(tiny, s720, 3) == 6
+    assert soft_modes(tiny, s720, 1) > 30
+
+
+# --- push-through of a sharp tip ------------------------------------------------------------------------------------
+
+
+@pytest.mark.slow
+def test_no_sharp_tip_goes_through(coarse, s720):
+    """The prototype's tips went 9 um through in one pass; here the deepest point is at 0.9 um, the penalty's own."""
+    history = cases.biaxial(coarse, s720, (0, 1), reach=0.022e-3)
+    assert history.F_c[-1] > 20
+    assert max(-gaps.min() for gaps in history.gaps) < 1.5e-6
