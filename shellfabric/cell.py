@@ -125,15 +125,16 @@ class CellTable:
     model : CellModel
     stretch1, stretch2 : (n1,), (n2,) [-] uniform
     values : dict of (n1, n2) arrays, as `CellModel.solve` gives
-    tension : (n1-1, n2-1, 8) [N] bilinear coefficients of T1 and T2 in each cell of the grid
-    potential : (n1-1, n2-1, 16) [J] bicubic coefficients of W (variational form), else (1, 1, 16) zeros
+    tension1, tension2 : (n1-1, n2-1, 4) [N] bilinear coefficients of T1 and T2 in each cell of the grid
+    potential : (n1-1, n2-1, 16) [J] bicubic coefficients of W; its slopes are N (variational form), or differences
     """
 
     model: CellModel
     stretch1: np.ndarray
     stretch2: np.ndarray
     values: dict
-    tension: np.ndarray = field(repr=False)
+    tension1: np.ndarray = field(repr=False)
+    tension2: np.ndarray = field(repr=False)
     potential: np.ndarray = field(repr=False)
 
     @classmethod
@@ -152,17 +153,17 @@ class CellTable:
         if not kernels.fill(x, y, *model._arguments(), out):
             raise UnstableError("the crossover did not close", where=f"the table of fabric {model.fabric.name}")
         values = dict(zip(COLUMNS, out))
-        tension = np.concatenate([_bilinear(values["T1"]), _bilinear(values["T2"])], axis=2)
-        potential = np.zeros((1, 1, 16))
+        w1, w2 = model.fabric.weave.w
         if model.form == "variational":
-            w1, w2 = model.fabric.weave.w
             fx, fy = values["N1"] * 2 * w1 * (x[1] - x[0]), values["N2"] * 2 * w2 * (y[1] - y[0])
-            # the mixed slope from both sides; it is the same function where W is smooth
-            fxy = 0.5 * (np.gradient(fx, axis=1) + np.gradient(fy, axis=0))
-            # where a yarn goes slack its force is zero along the whole edge, and stays zero below it
-            fxy[0, :] = fxy[:, 0] = 0.0
-            potential = _bicubic(values["W"], fx, fy, fxy)
-        return cls(model, x, y, values, tension, potential)
+        else:
+            fx, fy = np.gradient(values["W"], edge_order=2)
+        # the mixed slope from both sides; it is the same function where W is smooth
+        fxy = 0.5 * (np.gradient(fx, axis=1) + np.gradient(fy, axis=0))
+        # where a yarn goes slack its force is zero along the whole edge, and stays zero below it
+        fxy[0, :] = fxy[:, 0] = fx[0, :] = fy[:, 0] = 0.0
+        potential = _bicubic(values["W"], fx, fy, fxy)
+        return cls(model, x, y, values, _bilinear(values["T1"]), _bilinear(values["T2"]), potential)
 
     @property
     def steps(self):

@@ -5,14 +5,15 @@ projectile whose axis is tilted has a frame of its own, into which places are tu
 
 Every element carries p x p points x = sum N_i x_i. One with distance < 0 feels f n, f = max(0, -k distance - c n.(v -
 v_p)), and the friction of `friction_kernels`; its nodes share the force by their N_i, and the projectile gets its
-opposite, so that momentum is kept.
+opposite, so that momentum is kept. Where yarns have failed, k and c are those of what is left of
+the two next to a point.
 
 Points inside the elements are what keeps contact quiet. A lone node that carries a yarn round the edge slides off it
 down the side of the cylinder, which stretches the yarn under the nose to twice the tension outside, though frictionless
 contact cannot change it; with a sharp edge it is snapped up by its whole depth besides. A point inside an element meets
-the edge where the chord is tangent to it, so that the push is normal to the yarn. With two points a side or more the
-peak tension has converged (S-720, 92.5 m/s: 135 N; with one point 200 N; at nodes 290 N), and an edge radius of 3 um
-serves as well as 0.3 mm.
+the edge where the chord is tangent to it, so that the push is normal to the yarn. With eight points a crossover the
+peak tension has converged (S-720, 92.5 m/s: 136 and 155 N; four points 134 and 152, sixteen 136 and 154), and an edge
+radius of 3 um serves nearly as well as 0.3 mm (130 and 151 N).
 """
 
 import numpy as np
@@ -85,7 +86,7 @@ def contact(state, const, x, v):
     """Contact forces at the present positions, into state.contact; the force on the projectile into state.reaction.
 
     x, v : (4, 3) scratch. The elements of the block of rows and columns state.window, which lies in const.near, are
-    looked at, unless eroded: what no element holds is out of contact. Returns the work that the contact has taken in
+    looked at, unless eroded: what no yarn holds is out of contact. Returns the work that the contact has taken in
     since the last call (spring and damper, by the trapezoid rule) and the energy in its springs.
     """
     i0, i1, j0, j1 = window(state)
@@ -102,13 +103,14 @@ def contact(state, const, x, v):
     for i in range(i0, i1):
         for j in range(j0, j1):
             e = (i - const.near[0]) * (const.near[3] - const.near[2]) + j - const.near[2]
-            if state.flag[i * const.s + j] & ERODED:
+            for m in range(4):
+                corner(state, const, i + (m & 1), j + (m >> 1), x[m], v[m])
+            if state.flag[i * const.s + j] and erode(state, const, i, j, x):
+                state.touching[e] = False
                 state.pressed[e] = 0.0
                 if const.friction > 0.0:
                     state.stuck[e] = 0.0
                 continue
-            for m in range(4):
-                corner(state, const, i + (m & 1), j + (m >> 1), x[m], v[m])
             if apart(x, const.R) and not state.touching[e]:
                 continue
             element_work, element_spring = press(state, const, i, j, e, x, v)
@@ -125,11 +127,45 @@ def contact(state, const, x, v):
 
 
 @njit(cache=True, error_model="numpy")
+def erode(state, const, i, j, x):
+    """Whether the element has no cloth left to push on: its yarns are gone, or those of one family are and the gap that
+    they left is wider than const.widest, so that the others are far from it. Once so, it stays so."""
+    k = np.uint64(i * const.s + j)
+    if state.flag[k] & ERODED:
+        return True
+    warp = state.intact[0][k] + state.intact[0][k + np.uint64(1)]
+    weft = state.intact[1][k] + state.intact[1][k + np.uint64(const.s)]
+    a, b = 0.0, 0.0
+    for c in range(3):
+        a += (x[1, c] - x[0, c] + x[3, c] - x[2, c]) ** 2
+        b += (x[2, c] - x[0, c] + x[3, c] - x[1, c]) ** 2
+    open1, open2 = a > (2.0 * const.widest * const.dx) ** 2, b > (2.0 * const.widest * const.dy) ** 2
+    if (warp == 0.0 and (weft == 0.0 or open1)) or (weft == 0.0 and open2):
+        state.flag[k] |= ERODED
+        return True
+    return False
+
+
+@njit(cache=True, error_model="numpy")
+def cover(state, const, k, s, t):
+    """Part of the cloth that is left at the point (s, t) of element k: the mean of the warp and the weft next to it."""
+    warp, weft, row = state.intact[0], state.intact[1], np.uint64(const.s)
+    near = warp[k] if t < 0.5 else warp[k + np.uint64(1)]
+    other = weft[k] if s < 0.5 else weft[k + row]
+    if t == 0.5:
+        near = 0.5 * (warp[k] + warp[k + np.uint64(1)])
+    if s == 0.5:
+        other = 0.5 * (weft[k] + weft[k + row])
+    return 0.5 * (near + other)
+
+
+@njit(cache=True, error_model="numpy")
 def press(state, const, i, j, e, x, v):
     """Contact of the points of one element: its work and spring energy; forces are added to its corners."""
     p, work, spring = const.points, 0.0, 0.0
     state.touching[e] = False
-    force = state.reaction
+    force, k = state.reaction, np.uint64(i * const.s + j)
+    whole = state.flag[k] == 0
     for a in range(p):
         s = (a + 0.5) / p
         for b in range(p):
@@ -147,6 +183,13 @@ def press(state, const, i, j, e, x, v):
             )
             if depth >= 0.0 and before == 0.0:
                 continue
+            part = 1.0 if whole else cover(state, const, k, s, t)
+            if part == 0.0:
+                last[:] = 0.0
+                if const.friction > 0.0:
+                    state.stuck[e, a * p + b] = 0.0
+                continue
+            stiffness, damping = part * const.point_stiffness, part * const.point_damping
             if const.tilted:
                 n_x, n_y, n_z = turned_back(const.frame, n_x, n_y, n_z)
             v_x = n0 * v[0, 0] + n1 * v[1, 0] + n2 * v[2, 0] + n3 * v[3, 0]
@@ -155,15 +198,15 @@ def press(state, const, i, j, e, x, v):
             closing = -n_x * v_x - n_y * v_y - n_z * v_z
             f = 0.0
             if depth < 0.0:
-                f = max(0.0, const.point_damping * closing - const.point_stiffness * depth)
-                spring += 0.5 * const.point_stiffness * depth * depth
+                f = max(0.0, damping * closing - stiffness * depth)
+                spring += 0.5 * stiffness * depth * depth
                 state.touching[e] = True
             f_x, f_y, f_z = f * n_x, f * n_y, f * n_z
             work -= 0.5 * const.dt * ((f_x + last[1]) * v_x + (f_y + last[2]) * v_y + (f_z + last[3]) * v_z)
             last[0], last[1], last[2], last[3] = f, f_x, f_y, f_z
             if const.friction > 0.0:
                 t_x, t_y, t_z, taken, held = friction_kernels.rub(
-                    state.stuck[e, a * p + b], const.friction * f, const.point_stiffness, const.point_damping, const.dt,
+                    state.stuck[e, a * p + b], const.friction * f, stiffness, damping, const.dt,
                     n_x, n_y, n_z, v_x, v_y, v_z,
                 )  # fmt: skip
                 state.contact_energy[FRICTION] += taken
@@ -171,7 +214,6 @@ def press(state, const, i, j, e, x, v):
                 f_x, f_y, f_z = f_x + t_x, f_y + t_y, f_z + t_z
             for c in range(3):
                 push = f_x if c == 0 else f_y if c == 1 else f_z
-                k = np.uint64(i * const.s + j)
                 state.contact[c][k] += n0 * push
                 state.contact[c][k + np.uint64(const.s)] += n1 * push
                 state.contact[c][k + np.uint64(1)] += n2 * push

@@ -18,7 +18,7 @@ import numpy as np
 from fabrics.errors import InputError
 from shellfabric.edges import loose
 from shellfabric.hooks import Every
-from shellfabric.measures import failures, yarn_tensions
+from shellfabric.measures import yarn_tensions
 
 FAMILIES = ("warp", "weft")
 EDGES = ("warp_high", "warp_low", "weft_high", "weft_low")  # at highest and lowest x, at highest and lowest y
@@ -149,7 +149,7 @@ def rows(panel, measure):
 def _record(march, chosen, sides):
     """One row of numbers: time, then tension, places and deflections of each yarn, then the edges' forces."""
     c, state = march.const, march.state
-    tension = yarn_tensions(c, state, failures(c, state))
+    tension = yarn_tensions(c, state)
     u = [component[: (c.ni + 1) * c.s].reshape(c.ni + 1, c.s) for component in state.u]
     parts = [np.array([march.time])]
     for family, element, node in chosen:

@@ -4,7 +4,8 @@ The march knows no physics: the kernels make the steps, `audit` samples them, ho
 hook(march) after every chunk and reads what it likes; `shellfabric.hooks` has some.
 
 Energy audit. Each entry is computed on its own, not from the others: the balance, their sum less the energy at the
-start, is what they disagree by.
+start, is what they disagree by. What the yarns store follows from their stretches. In the equilibrium form, whose
+forces are no gradient, the work done on them is more or less than that: the difference is the entry "cell".
 """
 
 from __future__ import annotations
@@ -24,9 +25,9 @@ ENERGIES = (
     "kinetic_fabric",
     "kinetic_projectile",
     "stored",
+    "cell",
     "shear",
     "viscous",
-    "hourglass",
     "contact",
     "friction",
     "failed",
@@ -78,7 +79,7 @@ class March:
         self.measure, self.histories = None, []
         self.reason, self.wall_time = kernels.RUNNING, 0.0
         self.passed = 0
-        self._zero = 0.0
+        self._zero = self._rest = 0.0
         self._audit()
 
     @property
@@ -134,20 +135,24 @@ class March:
 
     def _audit(self):
         state, const, share = self.state, self.const, self.panel.share
-        out = np.empty(4)
+        out = np.empty(3)
         kernels.energies(state, const, out)
         kick = const.dt * state.reaction[:] * const.free / const.projectile_mass
         sums = state.sums.sum(axis=0)
+        if not self.samples:
+            self._rest = out[kernels.STORED]
+        # what the forces have worked that is neither stored nor lost: nothing where they are a gradient
+        cell = sums[kernels.WORK] - (out[kernels.STORED] - self._rest) - sums[kernels.LOST]
         energies = [
-            out[0] + state.rim_sums[edges_kernels.KINETIC],
+            out[kernels.KINETIC] + state.rim_sums[edges_kernels.KINETIC],
             0.5 * const.projectile_mass * float(state.speed @ (state.speed + kick)),
-            out[1],
-            out[2],
+            out[kernels.STORED],
+            0.0 if self.const.variational else cell,
+            out[kernels.SHEAR],
             sums[kernels.VISCOUS],
-            out[3] + sums[kernels.HOURGLASS],
             state.contact_energy[contact_kernels.CONTACT],
             state.contact_energy[contact_kernels.FRICTION],
-            sums[kernels.LOST],
+            sums[kernels.LOST] + sums[kernels.TORN],
             state.rim_sums[edges_kernels.GRIPPED],
             state.rim_sums[edges_kernels.EXTERNAL],
         ]
@@ -155,11 +160,20 @@ class March:
         if not self.samples:
             self._zero = total
         energies = np.array([*energies, total - self._zero]) / share
-        failed_yarns = (np.count_nonzero(state.flag & 1) + np.count_nonzero(state.flag & 2)) / share
         speed = state.speed[2] + 0.5 * kick[2]
         self.samples.append(
-            np.array([self.time, speed, state.position[2] + const.top, failed_yarns, *self._reactions(), *energies])
+            np.array(
+                [self.time, speed, state.position[2] + const.top, self._failed() / share, *self._reactions(), *energies]
+            )
         )
+
+    def _failed(self):
+        """Failed yarn segments of the modelled part; those on a plane of symmetry belong to it by half."""
+        total = 0.0
+        for axis, (failed, mirrored) in enumerate(zip(self.state.failed, self.panel.mirrors[::-1])):
+            lines = np.moveaxis(failed[: (self.const.ni + 1) * self.const.s].reshape(-1, self.const.s), 1 - axis, 0)
+            total += np.count_nonzero(lines) - 0.5 * mirrored * np.count_nonzero(lines[0])
+        return total
 
     def _reactions(self):
         """[N] tension at the edge of the warp and of the weft yarn nearest the impact point."""

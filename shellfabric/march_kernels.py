@@ -15,11 +15,13 @@ pair of them for each array of the state would cost as much as a hundred element
 import numpy as np
 from numba import njit
 
-from shellfabric import contact_kernels, edges_kernels, membrane_kernels
-from shellfabric.membrane_kernels import ERODED, ONE
+from shellfabric import contact_kernels, edges_kernels, failure_kernels, membrane_kernels
+from shellfabric.membrane_kernels import ONE
 
 RUNNING, STOPPED, PERFORATED, NOT_FINITE = 0, 1, 2, 3
-VISCOUS, HOURGLASS, LOST = 0, 1, 2
+WORK, VISCOUS, LOST, TORN = 0, 1, 2, 3  # of state.sums; what is lost with failed yarns, and with their trellis
+KINETIC, STORED, SHEAR = 0, 1, 2  # of `energies`
+WHOLE, THINNED, AGAIN = 0, 1, 2  # of state.thin: a block without failures, with some, with some of this step
 STEP, IDLE, FAILURES = 0, 1, 2
 _STILL = 1e-60
 
@@ -60,87 +62,206 @@ def moved(state, const, i):
 def widen(state, const):
     """Let the window of active element rows, state.rows, go ahead of the motion.
 
-    A node row moves in this step only if an element row beside it has moved nodes already. So the outermost active row
-    is let grow when its inner nodes have moved, which is a step before they can move its outer ones.
+    The forces of a node reach two rows further than the nodes that have moved: over the segments that cross, and in the
+    variational form over those that cross these. So in a step motion goes ahead by two rows at most, and its forces by
+    two more, and there is a window in time if its outer four rows are kept at rest.
     """
-    first, last = state.rows[0], state.rows[1]
-    if first > 0 and (moved(state, const, first) or moved(state, const, first + 1)):
-        state.rows[0] -= 1
-    if last < const.ni and (moved(state, const, last) or moved(state, const, last - 1)):
-        state.rows[1] += 1
-
-
-@njit(cache=True, error_model="numpy")
-def largest_of(n, values):
-    """The largest of the first n values, at least 0."""
-    largest = 0.0
-    for j in range(n):
-        largest = max(largest, values[j])
-    return largest
+    for _ in range(2):
+        first, last = state.rows[0], state.rows[1]
+        stirred = False
+        for i in range(first, min(first + 4, const.ni + 1)):
+            stirred = stirred or moved(state, const, i)
+        if first > 0 and stirred:
+            state.rows[0] -= 1
+        stirred = False
+        for i in range(max(last - 3, 0), last + 1):
+            stirred = stirred or moved(state, const, i)
+        if last < const.ni and stirred:
+            state.rows[1] += 1
 
 
 @njit(cache=True, error_model="numpy", _nrt=False)
 def elements(state, const, block, first, last, work):
-    """Forces of the element rows first .. last, which lie in one block, from the present displacements."""
-    s = np.uint64(const.s)
-    k0, n = np.uint64(first * const.s), np.uint64((last - first) * const.s)
-    u, v, A, B, H, dH = state.u, state.v, work.A, work.B, work.H, work.dH
-    l1, l2, ia, ib, sine, T1, T2 = work.l1, work.l2, work.ia, work.ib, work.sine, work.T1, work.T2
-    membrane_kernels.kinematics(u[0], v[0], k0, n, s, const.ra, const.rb, const.dt, 1.0, 0.0, A[0], B[0], H[0], dH[0])
-    membrane_kernels.kinematics(u[1], v[1], k0, n, s, const.ra, const.rb, const.dt, 0.0, 1.0, A[1], B[1], H[1], dH[1])
-    membrane_kernels.kinematics(u[2], v[2], k0, n, s, const.ra, const.rb, const.dt, 0.0, 0.0, A[2], B[2], H[2], dH[2])
-    membrane_kernels.rest(n, s, A, B, H, dH)
-    membrane_kernels.stretches(n, A[0], A[1], A[2], B[0], B[1], B[2], l1, l2, ia, ib, sine)
-    peak1, peak2 = membrane_kernels.tensions(
-        n, l1, l2, const.tension, const.x0t, const.rx, const.top1, const.y0t, const.ry, const.top2, T1, T2
-    )
-    N1, N2 = T1, T2
+    """Forces of the element rows first .. last - 1, which lie in one block, from the present displacements."""
+    s, thin = np.uint64(const.s), state.thin[block] != WHOLE
+    n, m0 = np.uint64((last - first) * const.s), np.uint64(2 * const.s)
+    k0 = np.uint64(first * const.s)
+    n2 = n + s if last == const.ni else n  # weft edges: those on the far side of the panel have no row of their own
+    stretch(state, const, first, last, work)
+    shift = (first - 2) * const.s
+    if thin:
+        low = max(first - 1, 0)
+        failure_kernels.thin_means(const, state, 0, low, last, shift, work.l2, work.m2)
+        failure_kernels.thin_means(const, state, 1, first, last + 1, shift, work.l1, work.m1)
+    low, T1, T2, N1, N2, most = max(first - 1, 0), work.T1, work.T2, work.T1, work.T2, state.most[block]
+    m1, near, far = np.uint64((low - first + 2) * const.s), np.uint64((last - low) * const.s), n + s
+    c, w = const, work
+    membrane_kernels.place(m1, near, w.l1, c.x0t, c.rx, c.top1, w.p1, w.q1)
+    membrane_kernels.place(m1, near, w.m2, c.y0t, c.ry, c.top2, w.p2, w.q2)
+    membrane_kernels.place(m0, far, w.m1, c.x0t, c.rx, c.top1, w.p3, w.q3)
+    membrane_kernels.place(m0, far, w.l2, c.y0t, c.ry, c.top2, w.p4, w.q4)
+    most[0] = membrane_kernels.tensions(m0, n, w.p1, w.q1, w.p2, w.q2, c.tension1, c.across, T1)
+    most[1] = membrane_kernels.tensions(m0, n2, w.p3, w.q3, w.p4, w.q4, c.tension2, c.across, T2)
+    if thin:
+        failure_kernels.thin_forces(const, state, 0, first, last, shift, work.l1, T1)
+        failure_kernels.thin_forces(const, state, 1, first, last + 1, shift, work.l2, T2)
+        most[0], most[1] = membrane_kernels.largest(m0, n, T1), membrane_kernels.largest(m0, n2, T2)
     if const.variational:
         N1, N2 = work.N1, work.N2
-        membrane_kernels.potential_forces(
-            n, l1, l2, const.potential, const.x0t, const.rx, const.top1, const.y0t, const.ry, const.top2,
-            const.per1, const.per2, N1, N2,
-        )  # fmt: skip
-    for j in range(s - ONE, n, s):
-        T1[j] = T2[j] = N1[j] = N2[j] = 0.0
-    sums = state.sums
-    if state.dirty[block] or peak1 > const.strength1 or peak2 > const.strength2:
-        lost, viscous, count = membrane_kernels.settle_failures(
-            k0, n, l1, l2, sine, T1, T2, N1, N2, H, dH, state, const
-        )
-        sums[block, LOST] += lost
-        sums[block, VISCOUS] += viscous
-        if count > 0:
-            state.dirty[block] = True
-            state.fresh[block] += count
-        peak1, peak2 = largest_of(n, T1), largest_of(n, T2)
-    state.peak[0], state.peak[1] = max(state.peak[0], peak1), max(state.peak[1], peak2)
-    sums[block, VISCOUS] += membrane_kernels.yarn_work(
-        k0, n, const.c1, const.cv1, l1, N1, state.L1, state.P1, state.D1, state.W, work.force1
+        gradient(state, const, first, last, thin, work)
+        record(k0, m0, n, T1, state.T[0])
+        record(k0, m0, n2, T2, state.T[1])
+    advance_yarns(state, const, block, k0, m0, n, n2, N1, N2, work)
+    trellis(state, const, first, last, thin, work)
+    rx, ry, X, Y = const.rx0, const.ry0, work.X, work.Y
+    membrane_kernels.pulls(m0, n, ONE, rx, work.force1, work.turn1, work.i1, work.on1)
+    membrane_kernels.pulls(m0, n2, s, ry, work.force2, work.turn2, work.i2, work.on2)
+    for x in range(3):
+        A, B, g0, g1 = work.A[x], work.B[x], state.g0[x], state.g1[x]
+        membrane_kernels.times(m0, n, s, work.cross, B, X)
+        membrane_kernels.times(m0, n, ONE, work.cross, A, Y)
+        membrane_kernels.gather(k0, m0, n, rx, ry, work.on1, A, work.on2, B, X, Y, g0)
+        membrane_kernels.gather_next(k0 + s, m0, n, rx, ry, work.on1, A, X, Y, g1)
+        if last == const.ni:
+            membrane_kernels.gather_last(k0 + n, m0 + n, s, work.on2, B, g0)
+
+
+@njit(cache=True, error_model="numpy", _nrt=False)
+def stretch(state, const, first, last, work):
+    """Edge vectors, stretches, and means of the crossing stretches, of a block's rows and one beyond at each end."""
+    s = np.uint64(const.s)
+    low, high = max(first - 1, 0), min(last + 1, const.ni)
+    k0, m0 = np.uint64(low * const.s), np.uint64((low - first + 2) * const.s)
+    n1, n2 = np.uint64((high - low) * const.s), np.uint64((min(last, const.ni) - low + 1) * const.s)
+    A, B, u = work.A, work.B, state.u
+    membrane_kernels.edges(u[0], k0, m0, n1, s, const.rx0, 1.0, A[0])
+    membrane_kernels.edges(u[1], k0, m0, n1, s, const.rx0, 0.0, A[1])
+    membrane_kernels.edges(u[2], k0, m0, n1, s, const.rx0, 0.0, A[2])
+    membrane_kernels.edges(u[0], k0, m0, n2, ONE, const.ry0, 0.0, B[0])
+    membrane_kernels.edges(u[1], k0, m0, n2, ONE, const.ry0, 1.0, B[1])
+    membrane_kernels.edges(u[2], k0, m0, n2, ONE, const.ry0, 0.0, B[2])
+    membrane_kernels.rest(m0, n2, s, B)
+    membrane_kernels.stretches(m0, n1, A[0], A[1], A[2], work.l1, work.i1)
+    membrane_kernels.stretches(m0, n2, B[0], B[1], B[2], work.l2, work.i2)
+    if first == 0:
+        membrane_kernels.copy(s, np.uint64(2) * s, s, work.l1)
+    if last == const.ni:
+        end = np.uint64((last - first + 2) * const.s)
+        membrane_kernels.copy(s, end - s, end, work.l1)
+    membrane_kernels.across_warp(m0, np.uint64((last - low) * const.s), s, work.l2, work.m2)
+    membrane_kernels.across_weft(np.uint64(2) * s, np.uint64((last - first + 1) * const.s), s, work.l1, work.m1)
+
+
+@njit(cache=True, error_model="numpy", _nrt=False)
+def gradient(state, const, first, last, thin, work):
+    """Forces of the variational form, into work.N1 and work.N2 (see `membrane_kernels`)."""
+    s, c, w, low = np.uint64(const.s), const, work, max(first - 1, 0)
+    m0, m1 = np.uint64(2 * const.s), np.uint64((low - first + 2) * const.s)
+    n, n1, n2 = (last - first) * const.s, np.uint64((last - low) * const.s), np.uint64((last - first + 1) * const.s)
+    membrane_kernels.potential_forces(
+        m1, n1, w.p1, w.q1, w.p2, w.q2, c.potential, c.across, c.per1, c.per2, w.own1, w.given1
     )
-    sums[block, VISCOUS] += membrane_kernels.yarn_work(
-        k0, n, const.c2, const.cv2, l2, N2, state.L2, state.P2, state.D2, state.W, work.force2
+    membrane_kernels.potential_forces(
+        m0, n2, w.p3, w.q3, w.p4, w.q4, c.potential, c.across, c.per1, c.per2, w.given2, w.own2
     )
-    membrane_kernels.shear_slope(n, sine, const.V, const.G1, const.G2, const.gamma1, const.gamma2, work.slope)
-    membrane_kernels.projections(
-        n, work.force1, work.force2, work.slope, sine, ia, ib, const.ra, const.rb,
-        work.on_a, work.cross_a, work.cross_b, work.on_b,
-    )  # fmt: skip
-    sums[block, HOURGLASS] += membrane_kernels.nodal_parts(
-        k0, n, A[0], B[0], H[0], dH[0], work.on_a, work.cross_a, work.cross_b, work.on_b,
-        const.kh, const.ch, state.dH[0], work.Q, work.R, work.G,
-    )  # fmt: skip
-    membrane_kernels.gather(k0, n, s, work.Q, work.R, work.G, state.g0[0], state.g1[0])
-    sums[block, HOURGLASS] += membrane_kernels.nodal_parts(
-        k0, n, A[1], B[1], H[1], dH[1], work.on_a, work.cross_a, work.cross_b, work.on_b,
-        const.kh, const.ch, state.dH[1], work.Q, work.R, work.G,
-    )  # fmt: skip
-    membrane_kernels.gather(k0, n, s, work.Q, work.R, work.G, state.g0[1], state.g1[1])
-    sums[block, HOURGLASS] += membrane_kernels.nodal_parts(
-        k0, n, A[2], B[2], H[2], dH[2], work.on_a, work.cross_a, work.cross_b, work.on_b,
-        const.kh, const.ch, state.dH[2], work.Q, work.R, work.G,
-    )  # fmt: skip
-    membrane_kernels.gather(k0, n, s, work.Q, work.R, work.G, state.g0[2], state.g1[2])
+    if first == 0:
+        membrane_kernels.copy(s, m0, s, work.given1)
+    if last == const.ni:
+        end = np.uint64((last - first + 2) * const.s)
+        membrane_kernels.copy(s, end - s, end, work.given1)
+    n, shift = np.uint64(n), (first - 2) * const.s
+    if thin:
+        failure_kernels.thin_gradient(const, state, 0, first, last, shift, work.l1, work.own1, work.given2, work.N1)
+        failure_kernels.thin_gradient(const, state, 1, first, last + 1, shift, work.l2, work.own2, work.given1, work.N2)
+        return
+    membrane_kernels.across_warp(m0, n, s, work.given2, work.on1)
+    membrane_kernels.halves(m0, n, work.own1, work.on1, work.N1)
+    membrane_kernels.across_weft(m0, n2, s, work.given1, work.on2)
+    membrane_kernels.halves(m0, n2, work.own2, work.on2, work.N2)
+
+
+@njit(cache=True, error_model="numpy")
+def record(k0, m0, n, x, kept):
+    """Keep scratch in the panel's slots."""
+    for j in range(n):
+        kept[k0 + j] = x[m0 + j]
+
+
+@njit(cache=True, error_model="numpy", _nrt=False)
+def advance_yarns(state, const, block, k0, m0, n, n2, N1, N2, work):
+    """Forces of the block's edges along themselves, with the viscous ones, and what they work."""
+    L, N, D, y = state.L, state.N, state.D, state.y
+    if state.thin[block] == AGAIN:
+        membrane_kernels.yarn_again(k0, m0, n, const.cv1, N1, y[0], N[0], D[0], work.force1)
+        membrane_kernels.yarn_again(k0, m0, n2, const.cv2, N2, y[1], N[1], D[1], work.force2)
+        return
+    done1, viscous1 = membrane_kernels.yarn_work(k0, m0, n, const.cv1, work.l1, N1, y[0], L[0], N[0], D[0], work.force1)
+    done2, viscous2 = membrane_kernels.yarn_work(
+        k0, m0, n2, const.cv2, work.l2, N2, y[1], L[1], N[1], D[1], work.force2
+    )
+    state.sums[block, WORK] += done1 + done2
+    state.sums[block, VISCOUS] += viscous1 + viscous2
+
+
+@njit(cache=True, error_model="numpy", _nrt=False)
+def trellis(state, const, first, last, thin, work):
+    """The trellis of the block's quadrilaterals and of the row before them, which shares their first weft edges."""
+    s, low, A, B, l1, l2 = np.uint64(const.s), max(first - 1, 0), work.A, work.B, work.l1, work.l2
+    m0, n = np.uint64((low - first + 2) * const.s), np.uint64((last - low) * const.s)
+    membrane_kernels.shear(m0, n, s, A[0], A[1], A[2], B[0], B[1], B[2], l1, l2, work.sine)
+    for j in range(m0 + s - ONE, m0 + n, s):
+        work.sine[j] = 0.0
+    membrane_kernels.shear_slope(m0, n, work.sine, const.V, const.G1, const.G2, const.gamma1, const.gamma2, work.slope)
+    if thin:
+        failure_kernels.thin_trellis(const, state, low, last, (first - 2) * const.s, work.slope)
+    membrane_kernels.turn(m0, n, ONE, work.slope, work.sine, l1, work.turn1)
+    membrane_kernels.turn(m0, n, s, work.slope, work.sine, l2, work.turn2)
+    membrane_kernels.cross(m0, n, s, work.slope, l1, l2, work.cross)
+    # beyond the panel there is none
+    if first == 0:
+        for j in range(s, s + s):
+            work.turn1[j] = work.turn2[j] = work.X[j] = work.Y[j] = 0.0
+    if last == const.ni:
+        for j in range(m0 + n, m0 + n + s):
+            work.turn2[j] = 0.0
+
+
+@njit(cache=True, error_model="numpy", _nrt=False)
+def fail(state, const, work):
+    """Let yarns fail, and find the forces about them again."""
+    first, last = state.rows[0], state.rows[1]
+    most1, most2 = 0.0, 0.0
+    for block in range(first // const.block, (last + const.block - 1) // const.block):
+        most1, most2 = max(most1, state.most[block, 0]), max(most2, state.most[block, 1])
+    # the mean over a yarn is no higher than the highest of its edges
+    if (
+        const.lag == 0.0
+        and most1 <= min(state.peak[0], const.strength1)
+        and most2 <= min(state.peak[1], const.strength2)
+    ):
+        return
+    # looking for failures cuts yarns: what was before is asked for first where there may be one
+    near = const.lag > 0.0 or most1 > const.strength1 or most2 > const.strength2
+    stored, sheared, worked, damped = 0.0, 0.0, 0.0, 0.0
+    if near:
+        stored, sheared = failure_kernels.stored_energy(const, state, first, last)
+        worked, damped = failure_kernels.half_step_work(const, state, first, last)
+    count = failure_kernels.look_for_failures(const, state, 0, first, last)
+    count += failure_kernels.look_for_failures(const, state, 1, first, last)
+    if count == 0:
+        return
+    state.counter[FAILURES] += count
+    for block in range(first // const.block, (last + const.block - 1) // const.block):
+        if state.thin[block] == AGAIN:
+            low, high = max(first, block * const.block), min(last, (block + 1) * const.block)
+            elements(state, const, block, low, high, work)
+            state.thin[block] = THINNED
+    now_stored, now_sheared = failure_kernels.stored_energy(const, state, first, last)
+    now_worked, now_damped = failure_kernels.half_step_work(const, state, first, last)
+    state.sums[0, WORK] += now_worked - worked
+    state.sums[0, VISCOUS] += now_damped - damped
+    state.sums[0, LOST] += stored - now_stored + now_worked - worked
+    state.sums[0, TORN] += sheared - now_sheared
 
 
 @njit(cache=True, error_model="numpy", _nrt=False)
@@ -157,13 +278,17 @@ def move_rows(state, const, first, last):
 def sweep(state, const, work):
     """Move the active nodes, and find the forces of the active elements, block by block while they are in cache.
 
-    The blocks are fixed, whatever the window. Those rows of a block that its elements need are moved first.
+    The blocks are fixed, whatever the window. The node rows that the elements of a block need are moved first: its
+    own, and one beyond.
     """
     first, last = state.rows[0], state.rows[1]
-    move_rows(state, const, first, first + 1)
+    done = min(first + 2, last + 1)
+    move_rows(state, const, first, done)
     for block in range(first // const.block, (last + const.block - 1) // const.block):
         low, high = max(first, block * const.block), min(last, (block + 1) * const.block)
-        move_rows(state, const, low + 1, high + 1)
+        ahead = min(high + 2, last + 1)
+        move_rows(state, const, done, ahead)
+        done = ahead
         elements(state, const, block, low, high, work)
 
 
@@ -175,8 +300,8 @@ def step(state, const, work):
         state.position[c] += const.dt * state.speed[c]
     widen(state, const)
     sweep(state, const, work)
-    failures = state.fresh.sum()
-    state.counter[FAILURES] = failures
+    fail(state, const, work)
+    failures = state.counter[FAILURES]
     taken, spring = contact_kernels.contact(state, const, work.x, work.v)
     state.contact_energy[0] += taken
     state.contact_energy[1] = spring
@@ -217,12 +342,11 @@ def first_forces(state, const, work):
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def energies(state, const, out):
-    """The energy audit at the present whole step, into out (4): kinetic of the cloth, stored, shear, hourglass springs.
+    """The energy audit at the present whole step, into out (3): kinetic, of the yarns, of the trellis.
 
     Kinetic energy is m v(n-1/2) v(n+1/2) / 2, the form that central differences conserve in a linear system.
     """
     out[:] = 0.0
-    s = np.uint64(const.s)
     for i in range(const.ni + 1):
         for j in range(const.nj + 1):
             k = i * const.s + j
@@ -233,31 +357,5 @@ def energies(state, const, out):
                     continue
                 v = state.v[c][k]
                 f = state.g0[c][k] + state.g1[c][k] + state.contact[c][k]
-                out[0] += 0.5 * state.mass[k] * v * (v + const.dt * state.inverse_mass[k] * f)
-    for i in range(const.ni):
-        for j in range(const.nj):
-            k = np.uint64(i * const.s + j)
-            out[1] += state.W[k]
-            if state.flag[k] == 0:
-                out[2] += membrane_kernels.shear_energy(
-                    sine_of(state.u, k, const), const.V, const.G1, const.G2, const.gamma1, const.gamma2
-                )
-            if state.flag[k] & ERODED:
-                continue
-            for c in range(3):
-                u = state.u[c]
-                h = (u[k + s + ONE] - u[k + ONE]) - (u[k + s] - u[k])
-                out[3] += 0.5 * const.kh * h * h
-
-
-@njit(cache=True, error_model="numpy")
-def sine_of(u, k, const):
-    """sin(gamma) of the element in slot k, as `membrane_kernels.stretches` has it."""
-    s = np.uint64(const.s)
-    aa, bb, ab = 0.0, 0.0, 0.0
-    for c in range(3):
-        u00, u01, u10, u11 = u[c][k], u[c][k + ONE], u[c][k + s], u[c][k + s + ONE]
-        a = const.ra * (u10 - u00 + u11 - u01) + (1.0 if c == 0 else 0.0)
-        b = const.rb * (u01 - u00 + u11 - u10) + (1.0 if c == 1 else 0.0)
-        aa, bb, ab = aa + a * a, bb + b * b, ab + a * b
-    return ab / np.sqrt(aa * bb)
+                out[KINETIC] += 0.5 * state.mass[k] * v * (v + const.dt * state.inverse_mass[k] * f)
+    out[STORED], out[SHEAR] = failure_kernels.stored_energy(const, state, 0, const.ni)

@@ -6,8 +6,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from shellfabric import membrane_kernels
-
 
 @dataclass(frozen=True)
 class Snapshot:
@@ -20,7 +18,7 @@ class Snapshot:
     nose : (3,) [m] place of its nose
     nodes : (ni+1, nj+1, 3) [m]
     tension : (ni, nj, 2) [N] of warp and weft
-    broken : (ni, nj, 3) bool: warp failed, weft failed, element eroded
+    broken : (ni, nj, 3) bool: a warp or a weft at its side failed, element eroded
     """
 
     t: float
@@ -42,28 +40,19 @@ def snapshot(panel, state, t) -> Snapshot:
     c = panel.constants()
     broken = failures(c, state)
     z = float(state.position[2] + panel.projectile.top)
-    return Snapshot(t, z, state.position.copy(), nodes, yarn_tensions(c, state, broken), broken)
+    return Snapshot(t, z, state.position.copy(), nodes, yarn_tensions(c, state), broken)
 
 
 def failures(c, state):
-    """(ni, nj, 3) bool: warp failed, weft failed, element eroded; `c` are the panel's constants."""
+    """(ni, nj, 3) bool: a warp or a weft at its side failed, element eroded; `c` are the panel's constants."""
     flag = state.flag[: c.ni * c.s].reshape(c.ni, c.s)[:, : c.nj]
     return np.stack([(flag & bit) != 0 for bit in (1, 2, 4)], axis=2)
 
 
-def yarn_tensions(c, state, broken):
-    """(ni, nj, 2) [N] tension of each yarn in each element, alone where the other has failed."""
-    ni, nj = c.ni, c.nj
-    l1, l2 = (L[: ni * (nj + 1)].reshape(ni, nj + 1)[:, :nj].ravel().copy() for L in (state.L1, state.L2))
-    T1, T2 = np.empty_like(l1), np.empty_like(l2)
-    membrane_kernels.tensions(np.uint64(l1.size), l1, l2, c.tension, c.x0t, c.rx, c.top1, c.y0t, c.ry, c.top2, T1, T2)
-    tension = np.stack([T1, T2], axis=1).reshape(ni, nj, 2)
-    single = broken.any(axis=2)
-    for m, (l, w, S0, EA) in enumerate(((l1, c.w1, c.S01, c.EA1), (l2, c.w2, c.S02, c.EA2))):
-        alone = EA * np.maximum(2 * w * l.reshape(ni, nj) - S0, 0) / S0
-        tension[..., m] = np.where(single, alone, tension[..., m])
-    tension[broken[..., :2] | broken[..., 2:]] = 0.0
-    return tension
+def yarn_tensions(c, state):
+    """(ni, nj, 2) [N] tension of warp and weft in each element: the mean over its two edges of what is left of them."""
+    warp, weft = ((part * T)[: (c.ni + 1) * c.s].reshape(c.ni + 1, c.s) for part, T in zip(state.intact, state.T))
+    return np.stack([0.5 * (warp[:-1, :-1] + warp[:-1, 1:]), 0.5 * (weft[:-1, :-1] + weft[1:, :-1])], axis=2)
 
 
 def deflection_profile(panel, shot):

@@ -1,31 +1,40 @@
-"""The fabric element: one quadrilateral, warp along i and weft along j, total Lagrangian, one point (see `panel`).
+"""The fabric: yarn segments along the grid lines, crossovers at the nodes, trellis in between; total Lagrangian.
 
-Displacements, not positions, are stored, so that cloth at rest is exactly at rest. At the centre of an element
+Displacements, not positions, are stored, so that cloth at rest is exactly at rest. Lines j = const are warp, lines
+i = const weft. The edge from a node to the next one along its line is a segment of yarn with the stretch
 
-    a = e_x + du/dX along the warp,   b = e_y + du/dY along the weft      are the yarn vectors themselves,
-    Lambda1 = |a|,  Lambda2 = |b|,  sin(gamma) = a.b / |a||b|            (for eqs. 4-36 to 4-45; errata E-12, E-13)
+    Lambda1 = |dX + u(i+1, j) - u(i, j)| / |dX|   (warp),      Lambda2 likewise from u(i, j+1) - u(i, j)   (weft)
 
-and the forces on its four nodes are the derivatives of its energy
+so that neighbouring yarns are told apart, and no in-plane motion of the nodes is without force. The crossovers of a
+segment see its own stretch and the mean <> of the four segments of the other family that meet its two ends. With the
+cell of `cell_kernels`
 
-    E = n W(Lambda1, Lambda2) + V U(sin gamma) + k_h |h|^2 / 2
+    equilibrium form   T1 = T1(Lambda1, <Lambda2>),   T2 = T2(<Lambda1>, Lambda2)           forces along the segments
+    variational form   E = 1/2 sum_warp n W(Lambda1, <Lambda2>) + 1/2 sum_weft n W(<Lambda1>, Lambda2)
 
-W of the n crossovers in the element, U = integral of the trellis stress over gamma (eq. 4-35 as a total, odd function,
-erratum E-11), h = u00 - u10 - u01 + u11 the hourglass vector. Added to it are viscous forces on the rates of the two
-stretches and of h.
+n being the crossovers that a segment stands for: half of a segment's on lines that bound the panel. The variational
+forces are the exact gradient of E. The trellis (eq. 4-35 as a total, odd function, erratum E-11) has one point in each
+quadrilateral: a, b being the means of its two warp and two weft edges, sin(gamma) = a.b / <Lambda1><Lambda2> of these.
 
-How it is made fast. Arrays are flat, by component, a row of s = nj + 1 slots for each i; element (i, j) and node
-(i, j) share the slot k = i s + j, and the last slot of an element row is idle. An element row adds to the node row
-below it (g0) and above it (g1), and a node adds the two: nothing is written twice, and the result does not depend on
-the order of the blocks. Every loop below runs over a block of rows, has few inputs, and vectorises; the table has a
-loop of its own. Indices are unsigned because a signed one is checked for wrap-around, which stops vectorisation.
+Where yarns have failed. Segment e keeps the part alpha_e of its yarns; kappa_e = mean of alpha over the four crossing
+segments is the part of it that is still crossed. Means are weighted by alpha, and the rest is alone (erratum E-14):
+
+    N_e = kappa_e N(Lambda_e, <Lambda>_e) + (1 - kappa_e) T_alone(Lambda_e),     force alpha_e N_e
+
+How it is made fast. Arrays are flat, by component, a row of s = nj + 1 slots for each i; node (i, j), the warp edge to
+(i+1, j), the weft edge to (i, j+1) and the quadrilateral beside both share the slot k = i s + j. Weft edges and
+quadrilaterals leave the last slot of a row idle. An element row - the warp edges and quadrilaterals between two node
+rows, and the weft edges of the lower one - adds to the node row below it (g0) and above it (g1), and a node adds the
+two: nothing is written twice, and the result does not depend on the order of the blocks. Every loop below runs over a
+block of rows, has few inputs, and vectorises; look-ups have loops of their own. Indices are unsigned because a signed
+one is checked for wrap-around, which stops vectorisation. Scratch begins two rows before the block's first: one is
+idle, one repeats the last row of the block before, and another follows the block's last.
 """
 
 import math
 
 import numpy as np
 from numba import njit
-
-from shellfabric.cell_kernels import yarn_alone
 
 ONE = np.uint64(1)
 WARP_FAILED, WEFT_FAILED, ERODED = 1, 2, 4
@@ -37,76 +46,89 @@ FAST = {"reassoc", "contract", "nsz", "arcp"}
 
 
 @njit(cache=True, fastmath=FAST, error_model="numpy")
-def kinematics(u, v, k0, n, s, ra, rb, dt, unit_a, unit_b, A, B, H, dH):
-    """One component of a, b, h and of the last change of h, in the slots k0 .. k0 + n; ra = 1 / 2 dX, rb = 1 / 2 dY."""
+def edges(u, k0, m0, n, step, r, unit, A):
+    """One component of n edges from the slots k0 on, relative to the length at rest, into scratch from m0 on."""
     for j in range(n):
         k = k0 + j
-        u00, u01, u10, u11 = u[k], u[k + ONE], u[k + s], u[k + s + ONE]
-        near, far = u10 - u00, u11 - u01
-        A[j] = unit_a + ra * (near + far)
-        B[j] = unit_b + rb * ((u01 - u00) + (u11 - u10))
-        H[j] = far - near
-    for j in range(n):
-        k = k0 + j
-        dH[j] = dt * ((v[k + s + ONE] - v[k + ONE]) - (v[k + s] - v[k]))
+        A[m0 + j] = unit + r * (u[k + step] - u[k])
 
 
 @njit(cache=True, error_model="numpy")
-def rest(n, s, A, B, H, dH):
-    """Put the idle slot at the end of each row to rest, where `kinematics` has joined two rows."""
-    for j in range(s - ONE, n, s):
-        for c in range(3):
-            A[c][j] = B[c][j] = H[c][j] = dH[c][j] = 0.0
-        A[0][j] = B[1][j] = 1.0
+def rest(m0, n, s, B):
+    """Put the idle slot at the end of each row of weft edges to rest, where `edges` has joined two rows."""
+    for j in range(m0 + s - ONE, m0 + n, s):
+        B[0][j] = B[2][j] = 0.0
+        B[1][j] = 1.0
 
 
 @njit(cache=True, fastmath=FAST, error_model="numpy")
-def stretches(n, ax, ay, az, bx, by, bz, l1, l2, ia, ib, sine):
-    """Stretches of the two yarns, their inverses, and the sine of the shear angle."""
+def stretches(m0, n, x, y, z, L, inverse):
+    """Stretches of n edges and their inverses."""
+    for j in range(m0, m0 + n):
+        length = math.sqrt(x[j] * x[j] + y[j] * y[j] + z[j] * z[j])
+        L[j] = length
+        inverse[j] = 1.0 / length
+
+
+@njit(cache=True, error_model="numpy")
+def copy(n, source, target, x):
+    """Repeat a row: n slots of x from `source` to `target`."""
     for j in range(n):
-        aa = ax[j] * ax[j] + ay[j] * ay[j] + az[j] * az[j]
-        bb = bx[j] * bx[j] + by[j] * by[j] + bz[j] * bz[j]
-        ab = ax[j] * bx[j] + ay[j] * by[j] + az[j] * bz[j]
-        la, lb = math.sqrt(aa), math.sqrt(bb)
-        inverse_a, inverse_b = 1.0 / la, 1.0 / lb
-        l1[j] = la
-        l2[j] = lb
-        ia[j] = inverse_a
-        ib[j] = inverse_b
-        sine[j] = ab * inverse_a * inverse_b
+        x[target + j] = x[source + j]
 
 
 @njit(cache=True, fastmath=FAST, error_model="numpy")
-def tensions(n, l1, l2, table, x0, rx, top1, y0, ry, top2, T1, T2):
-    """Bilinear look-up of both tensions; below the table its edge (exact there), above it linear. Returns the peaks."""
-    peak1, peak2 = 0.0, 0.0
-    for j in range(n):
-        p = max((l1[j] - x0) * rx, 0.0)
-        q = max((l2[j] - y0) * ry, 0.0)
-        i1, i2 = max(min(int(p), top1), 0), max(min(int(q), top2), 0)
-        p -= i1
-        q -= i2
-        m = np.uint64(i1 * (top2 + 1) + i2)
-        pq = p * q
-        t1 = table[m, 0] + table[m, 1] * p + table[m, 2] * q + table[m, 3] * pq
-        t2 = table[m, 4] + table[m, 5] * p + table[m, 6] * q + table[m, 7] * pq
-        T1[j] = t1
-        T2[j] = t2
-        peak1 = max(peak1, t1)
-        peak2 = max(peak2, t2)
-    return peak1, peak2
+def across_warp(m0, n, s, x, mean):
+    """For n warp edges the mean of x over the weft edges that cross them: four, or two at the ends of a row."""
+    for j in range(m0, m0 + n):
+        mean[j] = 0.25 * ((x[j - ONE] + x[j]) + (x[j + s - ONE] + x[j + s]))
+    for j in range(m0, m0 + n, s):
+        mean[j] = 0.5 * (x[j] + x[j + s])
+    for j in range(m0 + s - ONE, m0 + n, s):
+        mean[j] = 0.5 * (x[j - ONE] + x[j + s - ONE])
 
 
 @njit(cache=True, fastmath=FAST, error_model="numpy")
-def potential_forces(n, l1, l2, table, x0, rx, top1, y0, ry, top2, per1, per2, N1, N2):
+def across_weft(m0, n, s, x, mean):
+    """For n weft edges the mean of x over the warp edges that cross them; rows beyond the panel repeat its last."""
+    for j in range(m0, m0 + n):
+        mean[j] = 0.25 * ((x[j - s] + x[j - s + ONE]) + (x[j] + x[j + ONE]))
+    for j in range(m0 + s - ONE, m0 + n, s):
+        mean[j] = 1.0
+
+
+@njit(cache=True, fastmath=FAST, error_model="numpy")
+def place(m0, n, l, x0, r, top, cell, part):
+    """Where n stretches lie in the table: the cell along one side, 0 .. top, and the place in it, at least 0."""
+    for j in range(m0, m0 + n):
+        p = max((l[j] - x0) * r, 0.0)
+        whole = math.floor(min(p, top))
+        cell[j] = whole
+        part[j] = p - whole
+
+
+@njit(cache=True, fastmath=FAST, error_model="numpy")
+def tensions(m0, n, cell1, part1, cell2, part2, table, across, T):
+    """Bilinear look-up of one tension in a table of `across` cells along its second side. Returns the largest.
+
+    Below the table its edge, which is exact there; above it linear.
+    """
+    most = 0.0
+    for j in range(m0, m0 + n):
+        p, q = part1[j], part2[j]
+        m = np.uint32(cell1[j] * across + cell2[j])
+        tension = table[m, 0] + table[m, 1] * p + q * (table[m, 2] + table[m, 3] * p)
+        T[j] = tension
+        most = max(most, tension)
+    return most
+
+
+@njit(cache=True, fastmath=FAST, error_model="numpy")
+def potential_forces(m0, n, cell1, part1, cell2, part2, table, across, per1, per2, N1, N2):
     """Gradient of the bicubic potential, N = per dW/d(local coordinate); constant beyond the table's upper edge."""
-    for j in range(n):
-        p = max((l1[j] - x0) * rx, 0.0)
-        q = max((l2[j] - y0) * ry, 0.0)
-        i1, i2 = max(min(int(p), top1), 0), max(min(int(q), top2), 0)
-        p = min(p - i1, 1.0)
-        q = min(q - i2, 1.0)
-        m = np.uint64(i1 * (top2 + 1) + i2)
+    for j in range(m0, m0 + n):
+        p, q = min(part1[j], 1.0), min(part2[j], 1.0)
+        m = np.uint32(cell1[j] * across + cell2[j])
         d1 = table[m, 4] + q * (table[m, 5] + q * (table[m, 6] + q * table[m, 7]))
         d1 += 2.0 * p * (table[m, 8] + q * (table[m, 9] + q * (table[m, 10] + q * table[m, 11])))
         d1 += 3.0 * p * p * (table[m, 12] + q * (table[m, 13] + q * (table[m, 14] + q * table[m, 15])))
@@ -118,23 +140,49 @@ def potential_forces(n, l1, l2, table, x0, rx, top1, y0, ry, top2, per1, per2, N
 
 
 @njit(cache=True, fastmath=FAST, error_model="numpy")
-def yarn_work(k0, n, c, cv, l, N, L, P, D, W, force):
-    """Advance one yarn family: work of its force into W, viscous force, the total dE/dLambda. Returns viscous work.
+def halves(m0, n, own, shared, N):
+    """N = (own + shared) / 2 of n edges."""
+    for j in range(m0, m0 + n):
+        N[j] = 0.5 * (own[j] + shared[j])
 
-    The work of a step is the trapezoid of the force over the change of stretch. Summed over the steps it equals, term
-    by term, what central differences exchange with the kinetic energy, so that the energy balance tests the element.
+
+@njit(cache=True, error_model="numpy")
+def largest(m0, n, values):
+    """The largest of n values, at least 0."""
+    most = 0.0
+    for j in range(m0, m0 + n):
+        most = max(most, values[j])
+    return most
+
+
+@njit(cache=True, fastmath=FAST, error_model="numpy")
+def yarn_work(k0, m0, n, cv, l, N, y, L, P, D, force):
+    """Advance n edges of one family; force = y (N + cv dL), dE/dLambda with y [m] the length of yarn of an edge.
+
+    Returns the work of N and of the viscous force. The work of a step is the trapezoid of the force over the change of
+    stretch. Summed over the steps it equals, term by term, what central differences exchange with the kinetic energy.
     """
-    viscous = 0.0
+    work, viscous = 0.0, 0.0
     for j in range(n):
-        k = k0 + j
-        d = l[j] - L[k]
-        W[k] += 0.5 * c * (N[j] + P[k]) * d
-        viscous += d * (d + D[k])
-        force[j] = c * (N[j] + cv * d)
-        L[k] = l[j]
-        P[k] = N[j]
+        k, m = k0 + j, m0 + j
+        d = l[m] - L[k]
+        part = y[k] * d
+        work += part * (N[m] + P[k])
+        viscous += part * (d + D[k])
+        force[m] = y[k] * (N[m] + cv * d)
+        L[k] = l[m]
+        P[k] = N[m]
         D[k] = d
-    return 0.5 * c * cv * viscous
+    return 0.5 * work, 0.5 * cv * viscous
+
+
+@njit(cache=True, fastmath=FAST, error_model="numpy")
+def yarn_again(k0, m0, n, cv, N, y, P, D, force):
+    """The forces of `yarn_work` once more, after yarns have failed in this step."""
+    for j in range(n):
+        k, m = k0 + j, m0 + j
+        force[m] = y[k] * (N[m] + cv * D[k])
+        P[k] = N[m]
 
 
 @njit(cache=True, error_model="numpy")
@@ -152,19 +200,29 @@ def trellis(gamma, G1, G2, gamma1, gamma2):
 
 @njit(cache=True, error_model="numpy")
 def shear_energy(sine, V, G1, G2, gamma1, gamma2):
-    """Energy V U of the trellis in one element."""
+    """Energy V U of the trellis in one quadrilateral."""
     return V * trellis(math.asin(min(max(sine, -0.999), 0.999)), G1, G2, gamma1, gamma2)[1]
 
 
 @njit(cache=True, fastmath=FAST, error_model="numpy")
-def shear_slope(n, sine, V, G1, G2, gamma1, gamma2, slope):
+def shear(m0, n, s, ax, ay, az, bx, by, bz, l1, l2, sine):
+    """Sine of the shear angle of n quadrilaterals."""
+    for j in range(m0, m0 + n):
+        x = (ax[j] + ax[j + ONE]) * (bx[j] + bx[j + s])
+        y = (ay[j] + ay[j + ONE]) * (by[j] + by[j + s])
+        z = (az[j] + az[j + ONE]) * (bz[j] + bz[j + s])
+        sine[j] = (x + y + z) / ((l1[j] + l1[j + ONE]) * (l2[j] + l2[j + s]))
+
+
+@njit(cache=True, fastmath=FAST, error_model="numpy")
+def shear_slope(m0, n, sine, V, G1, G2, gamma1, gamma2, slope):
     """V dU/d(sin gamma) = V tau / cos(gamma). Yarns closer to each other than 2.6 degrees count as that.
 
     `trellis` written without branches. The angle is x + x z P(z), z = x^2, up to sine 1/2 and pi/2 less twice the
     angle of sine sqrt((1 - x) / 2) above it.
     """
     half_rise, jump, span = 0.5 * (G2 - G1) / (gamma2 - gamma1), G2 - G1, gamma2 - gamma1
-    for j in range(n):
+    for j in range(m0, m0 + n):
         x = min(abs(sine[j]), 0.999)
         high = x > 0.5
         z = 0.5 * (1.0 - x) if high else x * x
@@ -180,102 +238,56 @@ def shear_slope(n, sine, V, G1, G2, gamma1, gamma2, slope):
 
 
 @njit(cache=True, fastmath=FAST, error_model="numpy")
-def projections(n, force1, force2, slope, sine, ia, ib, ra, rb, on_a, cross_a, cross_b, on_b):
-    """Coefficients of dE/da = on_a a + cross_a b and dE/db = cross_b a + on_b b, times ra and rb."""
-    for j in range(n):
-        turn = slope[j] * sine[j]
-        cross = slope[j] * ia[j] * ib[j]
-        on_a[j] = ra * ia[j] * (force1[j] - turn * ia[j])
-        on_b[j] = rb * ib[j] * (force2[j] - turn * ib[j])
-        cross_a[j] = ra * cross
-        cross_b[j] = rb * cross
+def turn(m0, n, step, slope, sine, l, turned):
+    """-dE/dLambda that n quadrilaterals give to each of their two edges of one family, `step` slots apart."""
+    for j in range(m0, m0 + n):
+        turned[j] = slope[j] * sine[j] / (l[j] + l[j + step])
 
 
 @njit(cache=True, fastmath=FAST, error_model="numpy")
-def nodal_parts(k0, n, A, B, H, dH, on_a, cross_a, cross_b, on_b, kh, ch, dH_old, Q, R, G):
-    """One component of the parts of the nodal forces: Q = fa + fb, R = fa - fb, G hourglass. Returns hourglass work."""
-    work = 0.0
-    for j in range(n):
-        k = k0 + j
-        fa = on_a[j] * A[j] + cross_a[j] * B[j]
-        fb = cross_b[j] * A[j] + on_b[j] * B[j]
-        Q[j] = fa + fb
-        R[j] = fa - fb
-        G[j] = kh * H[j] + ch * dH[j]
-        work += dH[j] * (dH[j] + dH_old[k])
-        dH_old[k] = dH[j]
-    return 0.5 * ch * work
+def cross(m0, n, s, slope, l1, l2, crossed):
+    """dE/d(a.b) of n quadrilaterals, over four, a and b being doubled."""
+    for j in range(m0, m0 + n):
+        crossed[j] = slope[j] / ((l1[j] + l1[j + ONE]) * (l2[j] + l2[j + s]))
 
 
-@njit(cache=True, fastmath={"contract", "nsz"}, error_model="numpy")
-def gather(k0, n, s, Q, R, G, g0, g1):
-    """Add the corner forces of neighbours in a row: g0 on the node row of the elements, g1 on the next one.
+@njit(cache=True, fastmath=FAST, error_model="numpy")
+def times(m0, n, step, crossed, A, X):
+    """One component of the doubled mean of two edges, `step` slots apart, times dE/d(a.b), for n quadrilaterals."""
+    for j in range(m0, m0 + n):
+        X[j] = crossed[j] * (A[j] + A[j + step])
 
-    Corners: f00 = Q - G, f01 = R + G, f10 = G - R, f11 = -Q - G. Uniform tension cancels exactly, digit by digit.
+
+@njit(cache=True, fastmath=FAST, error_model="numpy")
+def pulls(m0, n, back, r, force, turned, inverse, on):
+    """Pulls of n edges along themselves over their stretch, less what the trellis on both sides takes; r = 1 / dX."""
+    for j in range(m0, m0 + n):
+        on[j] = r * inverse[j] * (force[j] - (turned[j] + turned[j - back]))
+
+
+@njit(cache=True, fastmath={"nsz"}, error_model="numpy")
+def gather(k0, m0, n, rx, ry, on1, A, on2, B, X, Y, g0):
+    """One component of what n slots' edges and quadrilaterals give to the nodes of their own row.
+
+    Without contraction uniform tension cancels digit by digit.
     """
-    g0[k0] = Q[0] - G[0]
-    g1[k0 + s] = G[0] - R[0]
-    for j in range(ONE, n):
-        k = k0 + j
-        g0[k] = (Q[j] - G[j]) + (R[j - ONE] + G[j - ONE])
-        g1[k + s] = (G[j] - R[j]) - (Q[j - ONE] + G[j - ONE])
-
-
-@njit(cache=True, error_model="numpy")
-def settle_failures(k0, n, l1, l2, sine, T1, T2, N1, N2, H, dH, state, const):
-    """Failed yarns of a block: take their forces out, book the energy that goes with them, erode empty elements.
-
-    A yarn fails where its tension passes its strength and is gone for good; the other is then alone (erratum E-14).
-    With a yarn the trellis goes too. An element erodes when both are gone, or when the gap that a failed yarn left has
-    opened beyond const.widest: its survivor is far from any neighbour. Mass stays. Returns (energy lost, viscous work,
-    failures).
-    """
-    lost, viscous, count = 0.0, 0.0, 0
     for j in range(n):
-        k = k0 + j
-        flag = state.flag[k]
-        if flag == 0 and T1[j] <= const.strength1 and T2[j] <= const.strength2:
-            continue
-        gone1, gone2, eroded = flag & WARP_FAILED, flag & WEFT_FAILED, flag & ERODED
-        t1, u1 = yarn_alone(l1[j], const.w1, const.S01, const.EA1)
-        t2, u2 = yarn_alone(l2[j], const.w2, const.S02, const.EA2)
-        if not eroded:
-            if (T1[j] if flag == 0 else t1) > const.strength1:
-                gone1 = WARP_FAILED
-            if (T2[j] if flag == 0 else t2) > const.strength2:
-                gone2 = WEFT_FAILED
-            if (gone1 and gone2) or (gone1 and l1[j] > const.widest) or (gone2 and l2[j] > const.widest):
-                eroded = ERODED
-        if gone1 or eroded:
-            t1, u1 = 0.0, 0.0
-        if gone2 or eroded:
-            t2, u2 = 0.0, 0.0
-        now = gone1 | gone2 | eroded
-        if now != flag:
-            d1, d2 = l1[j] - state.L1[k], l2[j] - state.L2[k]
-            W = state.W[k] + 0.5 * const.c1 * (t1 + state.P1[k]) * d1 + 0.5 * const.c2 * (t2 + state.P2[k]) * d2
-            viscous += 0.5 * const.c1 * const.cv1 * state.D1[k] * d1 + 0.5 * const.c2 * const.cv2 * state.D2[k] * d2
-            after = const.cells * (u1 + u2)
-            lost += W - after
-            state.W[k] = after
-            if flag == 0:
-                lost += shear_energy(sine[j], const.V, const.G1, const.G2, const.gamma1, const.gamma2)
-            state.L1[k], state.L2[k] = l1[j], l2[j]
-            state.P1[k], state.P2[k] = t1, t2
-            state.D1[k] = state.D2[k] = 0.0
-            if eroded:
-                for c in range(3):
-                    lost += 0.5 * const.kh * H[c][j] ** 2
-            state.flag[k] = now
-            count += 1
-        if gone1:
-            state.L1[k] = l1[j]
-        if gone2:
-            state.L2[k] = l2[j]
-        if eroded:
-            state.L1[k], state.L2[k] = l1[j], l2[j]
-            for c in range(3):
-                H[c][j] = dH[c][j] = 0.0
-                state.dH[c][k] = 0.0
-        T1[j], T2[j], N1[j], N2[j], sine[j] = t1, t2, t1, t2, 0.0
-    return lost, viscous, count
+        m = m0 + j
+        trellis = rx * (X[m] + X[m - ONE]) + ry * (Y[m] - Y[m - ONE])
+        g0[k0 + j] = (on1[m] * A[m] + (on2[m] * B[m] - on2[m - ONE] * B[m - ONE])) + trellis
+
+
+@njit(cache=True, fastmath={"nsz"}, error_model="numpy")
+def gather_next(k0, m0, n, rx, ry, on1, A, X, Y, g1):
+    """One component of what they give to the nodes of the next row, which begin at slot k0."""
+    for j in range(n):
+        m = m0 + j
+        g1[k0 + j] = ry * (Y[m] - Y[m - ONE]) - (on1[m] * A[m] + rx * (X[m] + X[m - ONE]))
+
+
+@njit(cache=True, fastmath={"nsz"}, error_model="numpy")
+def gather_last(k0, m0, n, on2, B, g0):
+    """One component of what the weft edges on the panel's last row give to their nodes."""
+    for j in range(n):
+        m = m0 + j
+        g0[k0 + j] = on2[m] * B[m] - on2[m - ONE] * B[m - ONE]

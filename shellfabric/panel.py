@@ -1,10 +1,12 @@
 """A fabric panel with its projectile: grid, masses, supports, time step, and the arrays that the kernels work on.
 
-Time step. For one-point quadrilaterals the highest frequency of the cloth is bounded by w^2 = 4 D / (m d^2), with d the
-shorter side, m the areal density, and D the greater of lambda and lambda / 2 + G2 t, lambda the largest eigenvalue of
-the table's membrane tangent. Along a straight yarn this is d / c with the wave speed c = sqrt(E / rho) / sqrt(1 + mass
-of the crossing yarn over its own): the factor sqrt 2 of woven yarn (erratum E-38). Viscous forces act on the velocity
-of half a step ago, which limits the step to (2 / w) (sqrt(1 + xi^2) - xi) at damping ratio xi.
+Time step. The highest frequency of the cloth is bounded by w^2 = 4 D / (m d^2), with d the shorter side, m the areal
+density, and D the largest over 0 <= a <= 1 of lambda a + 2 G2 t a (1 - a): that of the mode whose phase turns by
+2 arcsin(sqrt a) from node to node along both yarns. lambda is the largest eigenvalue of the table's membrane tangent,
+G2 t that of the trellis, which has one point in each element and so is blind to a = 1. Along a straight yarn this is
+d / c with the wave speed c = sqrt(E / rho) / sqrt(1 + mass of the crossing yarn over its own): the factor sqrt 2 of
+woven yarn (erratum E-38). Viscous forces act on the velocity of half a step ago, which limits the step to
+(2 / w) (sqrt(1 + xi^2) - xi) at damping ratio xi.
 """
 
 from __future__ import annotations
@@ -24,20 +26,22 @@ SYMMETRIES = {"quarter": (True, True), "half": (True, False), "whole": (False, F
 
 Constants = namedtuple(
     "Constants",
-    "ni nj s block mirror_x mirror_y x0 y0 dx dy ra rb dt "
-    "tension potential x0t rx top1 y0t ry top2 per1 per2 variational "
-    "c1 c2 cv1 cv2 kh ch V G1 G2 gamma1 gamma2 w1 S01 EA1 w2 S02 EA2 strength1 strength2 widest cells "
+    "ni nj s block per mirror_x mirror_y x0 y0 dx dy rx0 ry0 dt "
+    "tension1 tension2 potential x0t rx top1 y0t ry top2 across per1 per2 variational "
+    "cv1 cv2 V G1 G2 gamma1 gamma2 w1 S01 EA1 w2 S02 EA2 strength1 strength2 lag widest "
     "near points point_stiffness point_damping R rho projectile_mass free idle_steps "
     "shape form length frame tilted roaming depth reach top shoulder friction rim_node rim_axis rim",
 )
 State = namedtuple(
     "State",
-    "u v g0 g1 mass inverse_mass kick L1 L2 P1 P2 D1 D2 W dH flag pressed touching contact position speed reaction "
-    "contact_energy rows counter sums peak dirty fresh window stuck rim_force rim_sums",
+    "u v g0 g1 mass inverse_mass kick L N T D y intact failed filtered flag thin most "
+    "pressed touching contact position speed reaction "
+    "contact_energy rows counter sums peak window stuck rim_force rim_sums",
 )
 Work = namedtuple(
     "Work",
-    "A B H dH l1 l2 ia ib sine T1 T2 N1 N2 force1 force2 slope on_a cross_a cross_b on_b Q R G x v",
+    "A B l1 l2 i1 i2 m1 m2 p1 p2 p3 p4 q1 q2 q3 q4 T1 T2 N1 N2 own1 own2 given1 given2 force1 force2 on1 on2 "
+    "sine slope turn1 turn2 cross X Y x v",
 )
 
 
@@ -45,36 +49,33 @@ Work = namedtuple(
 class Numerics:
     """Numerical knobs, set by stability and convergence; none is fitted to an outcome.
 
-    The figures below are of S-720 at 92.5 m/s after 250 us, peak tension 135 N in the warp and 160 N in the weft.
+    The figures below are of S-720, at 92.5 m/s after 250 us: peak tension 136 N in the warp and 155 N in the weft.
 
     Parameters
     ----------
-    safety : of the time step against its bound; 0.9 leaves room for shear stiffening in distorted elements. At 0.5 the
-        peak tension moves by 2 %
+    safety : of the time step against its bound; 0.9 leaves room for shear stiffening in distorted elements
     stretch_viscosity : damping ratio of the highest mode along a straight yarn, which costs as much of the time step.
-        From 0 to 0.2 the peak falls by 3 %. In a yarn that stiffens as its crimp goes, fronts are shocks, which
-        dissipate whatever the viscosity; this lets them do it along the yarn. Made proportional to the tangent instead,
-        the loss stays (S-731 at 116 m/s: 16 against 17 % of the strike energy), but three quarters of it move to the
-        hourglass modes, whose share triples
-    hourglass_stiffness : of the hourglass mode against the greatest stiffness of the element. From 0 to 0.05 the
-        zig-zag about the impact falls from 0.29 to 0.11 mm, and the peak by 6 %
-    hourglass_viscosity : damping ratio, by the same measure as that of the stretch; from 0 to 0.2 the peak stays
-    penalty : stiffness of the contact where it covers an element, in units of nodal mass / dt^2; the bound is 4. The
-        peak moves by 4 % from 0.1 to 0.3, and by 1.5 % from there to 0.6
-    contact_damping : ratio to critical of that mass on that spring; 0.25 and 0.5 give the same peak
-    contact_points : along each side of an element, at least 2 (see `contact_kernels`); 4 are within 1 % of 8
-    widest : stretch of the gap left by a failed yarn at which its element erodes: two neighbours' worth
+        Without it crimped yarns that snap taut ring, and the peak is 190 and 380 N; from 0.05 to 0.2 it moves by 1 %.
+        In a yarn that stiffens as its crimp goes, fronts are shocks, which dissipate whatever the viscosity: from 0.1
+        to 0.02 the loss of S-731 at 110 m/s falls from 13.3 to 11.2 % of the strike energy, and with half the element
+        from 13.3 to 12.9
+    penalty : stiffness of the contact where it covers an element, in units of nodal mass / dt^2. From 0.3 to 1 the peak
+        moves by 1 %, and the critical velocity, which feels how deep the rim of the nose presses itself in, by 3 to
+        6 %, from 0.6 to 1 by 1 to 2 %; at 1 and above yarns bounce off the nose. The bound is 1.5 at the damping below
+    contact_damping : ratio to critical of that mass on that spring; from 0.25 to 0.7 the peak stays
+    contact_points : along each side of a crossover, and at least 2 along that of an element (see `contact_kernels`)
+    failure_time : [s] over which a yarn's tension is low-passed before it is held against its strength; 0: not at all
+    widest : stretch of the gap left by failed yarns at which its element loses contact: two neighbours' worth
     clear_time : [s] without a push and with nothing ahead, after which the panel counts as perforated
     block : elements worked on together: more share the cost of a block, fewer keep its scratch in cache
     """
 
     safety: float = 0.9
     stretch_viscosity: float = 0.1
-    hourglass_stiffness: float = 0.02
-    hourglass_viscosity: float = 0.1
-    penalty: float = 0.3
+    penalty: float = 0.6
     contact_damping: float = 0.5
-    contact_points: int = 4
+    contact_points: int = 8
+    failure_time: float = 0.0
     widest: float = 3.0
     clear_time: float = 2e-6
     block: int = 2000
@@ -85,10 +86,9 @@ class Numerics:
                 raise InputError(key=key, value=getattr(self, key), allowed="above 0")
         for key in (
             "stretch_viscosity",
-            "hourglass_stiffness",
-            "hourglass_viscosity",
             "contact_damping",
             "contact_points",
+            "failure_time",
         ):
             if not getattr(self, key) >= 0:
                 raise InputError(key=key, value=getattr(self, key), allowed="at least 0")
@@ -184,11 +184,9 @@ class Panel:
     @property
     def membrane_stiffness(self):
         """[N/m] the D of the time step's bound."""
-        stiffness = self.table.stiffness()
-        shear = self.fabric.shear
-        if self.trellis and shear is not None:
-            stiffness = max(stiffness, 0.5 * stiffness + shear.G2 * self.weave.thickness)
-        return stiffness
+        stiffness, shear = self.table.stiffness(), self.fabric.shear
+        locked = 2 * shear.G2 * self.weave.thickness if self.trellis and shear is not None else 0.0
+        return stiffness if locked <= stiffness else (stiffness + locked) ** 2 / (4 * locked)
 
     @property
     def critical_step(self):
@@ -198,7 +196,7 @@ class Panel:
     @property
     def time_step(self):
         """[s] the step that is taken."""
-        xi = max(self.numerics.stretch_viscosity, self.numerics.hourglass_viscosity)
+        xi = self.numerics.stretch_viscosity
         return self.numerics.safety * self.critical_step * ((1 + xi**2) ** 0.5 - xi)
 
     def coordinates(self):
@@ -220,26 +218,24 @@ class Panel:
         shear = self.fabric.shear if self.trellis else None
         G1, G2, gamma1, gamma2 = (shear.G1, shear.G2, shear.gamma1, shear.gamma2) if shear else (0.0, 0.0, 0.5, 1.0)
         lag = self.critical_step / dt
-        element = self.membrane_stiffness * max(dx / dy, dy / dx)
-        points = knobs.contact_points
+        points = max(2, -(-knobs.contact_points // self.elements_per_crossover))
         mass = weave.areal_density * dx * dy / points**2
         (x0, y0), shot = self.origin, self.projectile
         rim_node, rim_axis, rim = edges.rim(self)
         roaming = shot.roaming or rim_node.size > 0  # over the cloth: it slides, or the cloth is drawn under it
         return Constants(
             ni=ni, nj=nj, s=nj + 1, block=max(1, round(knobs.block / (nj + 1))), mirror_x=mirror_x, mirror_y=mirror_y,
-            x0=x0, y0=y0, dx=dx, dy=dy, ra=0.5 / dx, rb=0.5 / dy, dt=dt,
-            tension=table.tension.reshape(-1, 8), potential=table.potential.reshape(-1, 16),
+            x0=x0, y0=y0, dx=dx, dy=dy, rx0=1 / dx, ry0=1 / dy, dt=dt, per=self.elements_per_crossover,
+            tension1=table.tension1.reshape(-1, 4), tension2=table.tension2.reshape(-1, 4),
+            potential=table.potential.reshape(-1, 16),
             x0t=table.stretch1[0], rx=rx, top1=table.stretch1.size - 2,
-            y0t=table.stretch2[0], ry=ry, top2=table.stretch2.size - 2,
+            y0t=table.stretch2[0], ry=ry, top2=table.stretch2.size - 2, across=float(table.stretch2.size - 1),
             per1=rx / (2 * w1), per2=ry / (2 * w2), variational=table.model.form == "variational",
-            c1=dx * dy * weave.warp_count, c2=dx * dy * weave.weft_count,
             cv1=knobs.stretch_viscosity * lag * warp.EA, cv2=knobs.stretch_viscosity * lag * weft.EA,
-            kh=knobs.hourglass_stiffness * element / 4, ch=knobs.hourglass_viscosity * lag * element / 4,
             V=dx * dy * weave.thickness, G1=G1, G2=G2, gamma1=gamma1, gamma2=gamma2,
             w1=w1, S01=S01, EA1=warp.EA, w2=w2, S02=S02, EA2=weft.EA,
             strength1=warp.strength if self.failure else inf, strength2=weft.strength if self.failure else inf,
-            widest=knobs.widest, cells=dx * dy / weave.cell_area,
+            lag=-np.expm1(-dt / knobs.failure_time) if knobs.failure_time > 0 else 0.0, widest=knobs.widest,
             near=self._near(roaming), points=points, point_stiffness=knobs.penalty * mass / dt**2,
             point_damping=2 * knobs.contact_damping * knobs.penalty**0.5 * mass / dt,
             R=shot.radius, rho=shot.edge_radius, projectile_mass=shot.mass * self.share,
@@ -260,22 +256,24 @@ class Panel:
         loose = np.flatnonzero(edges.loose(self))
         inverse[loose] = 1.0 / mass[loose]
         blocks = -(-ni // const.block)
-        many, three = (lambda: np.zeros(slots)), (lambda: tuple(np.zeros(slots) for _ in range(3)))
+        three, two = (lambda: tuple(np.zeros(slots) for _ in range(3))), (lambda: (np.zeros(slots), np.zeros(slots)))
         # the last changes of stretch enter the audit of viscous work alone: 7 digits are enough
-        small = lambda: np.zeros(slots, np.float32)  # noqa: E731
-        rest = self.table.model.solve(1.0, 1.0)
+        small = lambda: (np.zeros(slots, np.float32), np.zeros(slots, np.float32))  # noqa: E731
+        forces, lengths = two(), self._yarn_lengths(const, slots)
         i0, i1, j0, j1 = const.near
         near = (i1 - i0) * (j1 - j0)
         state = State(
             u=three(), v=three(), g0=three(), g1=three(), mass=mass, inverse_mass=inverse, kick=const.dt * inverse,
-            L1=np.ones(slots), L2=np.ones(slots), P1=many(), P2=many(), D1=small(), D2=small(),
-            W=np.full(slots, const.cells * float(rest["W"])), dH=(small(), small(), small()),
+            L=(np.ones(slots), np.ones(slots)), N=forces, T=two() if const.variational else forces, D=small(),
+            y=lengths, intact=tuple((y > 0).astype(float) for y in lengths),
+            failed=(np.zeros(slots, np.uint8), np.zeros(slots, np.uint8)),
+            filtered=two() if const.lag > 0 else (np.zeros(0), np.zeros(0)),
+            thin=np.zeros(blocks, np.uint8), most=np.zeros((blocks, 2)),
             flag=np.zeros(slots, np.uint8), pressed=np.zeros((near, const.points**2, 4)),
             touching=np.zeros(near, np.bool_), contact=three(),
             position=self.projectile.start(), speed=strike_velocity * self.projectile.flight, reaction=np.zeros(3),
             contact_energy=np.zeros(4), rows=np.array([max(i0 - 1, 0), min(i1 + 1, ni)]), counter=np.zeros(3, np.int64),
-            sums=np.zeros((blocks, 3)), peak=np.zeros(2), dirty=np.zeros(blocks, np.bool_),
-            fresh=np.zeros(blocks, np.int64), window=np.array(const.near),
+            sums=np.zeros((blocks, 4)), peak=np.zeros(2), window=np.array(const.near),
             stuck=np.zeros((near, const.points**2, 6) if const.friction > 0 else (0, 0, 6)),
             rim_force=np.zeros(const.rim_node.size), rim_sums=np.zeros(3),
         )  # fmt: skip
@@ -291,10 +289,10 @@ class Panel:
     def work(self) -> Work:
         """Scratch for one block of elements."""
         const = self.constants()
-        size = const.block * const.s
-        shapes = dict.fromkeys(("A", "B", "H", "dH"), (3, size)) | dict.fromkeys(("x", "v"), (4, 3))
+        size = (const.block + 4) * const.s
+        shapes = dict.fromkeys(("A", "B"), (3, size)) | dict.fromkeys(("x", "v"), (4, 3))
         rows = {name: np.zeros(shapes.get(name, size)) for name in Work._fields}
-        return Work(**{name: tuple(part) if name in ("A", "B", "H", "dH") else part for name, part in rows.items()})
+        return Work(**{name: tuple(part) if name in ("A", "B") else part for name, part in rows.items()})
 
     def masses(self):
         """(ni+1, nj+1) [kg] of the nodes."""
@@ -305,6 +303,17 @@ class Panel:
             for j in (slice(None, -1), slice(1, None)):
                 mass[i, j] += corner
         return mass
+
+    def _yarn_lengths(self, const, slots):
+        """(warp, weft) [m] length of yarn of each edge at its slot: an edge's own times its yarns, half on the rim."""
+        found, area = [], const.dx * const.dy
+        for count, axis in ((self.weave.warp_count, 0), (self.weave.weft_count, 1)):
+            y = np.zeros((const.ni + 1, const.s))
+            lines = np.moveaxis(y, axis, 0)[:-1]
+            lines[:] = area * count
+            lines[:, [0, -1]] *= 0.5
+            found.append(np.concatenate([y.ravel(), np.zeros(slots - y.size)]))
+        return tuple(found)
 
     def _reach(self):
         """(along warp, along weft) [m] from the projectile's middle that cloth can come from to be under it.

@@ -14,7 +14,6 @@ _SHOWN = {
     "stored": "yarns, stored",
     "shear": "trellis shear",
     "viscous": "viscous",
-    "hourglass": "hourglass",
     "contact": "contact",
     "friction": "friction",
     "grip": "slip in the clamps",

@@ -50,7 +50,7 @@ def impact_card(record):
         (
             residual(record),
             f"energy balance {percent(record.worst_balance)}",
-            f"hourglass + viscous {percent(record.numerical_share)}",
+            f"viscous {percent(record.numerical_share)}",
         ),
         tone,
     )
@@ -211,7 +211,7 @@ def impact_table(records):
     """One row a run."""
     columns = (
         "run", "outcome", "residual [m/s]", "absorbed [J]", "failed yarn segments",
-        "balance [% of strike]", "hourglass + viscous [% of absorbed]", "marching [s]", "ns per element and step",
+        "balance [% of strike]", "viscous [% of absorbed]", "marching [s]", "ns per element and step",
     )  # fmt: skip
     rows = tuple(
         (

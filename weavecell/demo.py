@@ -109,7 +109,7 @@ def _asked(plan, shots, seconds):
     limits = plan["asked"]
     for what, key, measure in (
         ("worst error of the energy balance, of the strike energy", "balance", "worst_balance"),
-        ("hourglass + viscous energy, of the energy absorbed", "numerical", "numerical_share"),
+        ("viscous energy, of the energy absorbed", "numerical", "numerical_share"),
     ):
         worst = max((getattr(record, measure) for _, record in shots))
         share = si(limits[key], "")

@@ -38,7 +38,6 @@ ENERGIES = (
     ("grip", "slip in the clamps", "#8c8c3f"),
     ("external", "work on edges led in", "#4d6b3c"),
     ("viscous", "viscous", PURPLE),
-    ("hourglass", "hourglass", "#7a4a6a"),
 )
 
 

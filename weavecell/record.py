@@ -127,8 +127,8 @@ class ImpactRecord:
 
     @property
     def numerical_share(self):
-        """[-] hourglass and viscous energy at the end, over the energy absorbed."""
-        return float(self.energies["hourglass"][-1] + self.energies["viscous"][-1]) / self.absorbed
+        """[-] viscous energy at the end, over the energy absorbed."""
+        return float(self.energies["viscous"][-1]) / self.absorbed
 
     @classmethod
     def of(cls, result, title, law_name, message=""):

@@ -143,5 +143,5 @@ def _tell(record, out):
     print(
         f"energy balance within {100 * record.worst_balance:.3f} % of the strike energy, {record.strike_energy:.2f} J"
     )
-    print(f"hourglass and viscous energy {100 * record.numerical_share:.1f} % of the {record.absorbed:.2f} J absorbed")
+    print(f"viscous energy {100 * record.numerical_share:.1f} % of the {record.absorbed:.2f} J absorbed")
     print(f"written to {out}", flush=True)

@@ -219,8 +219,6 @@ class NumericsTable(_Table):
 
     safety: _number("a number above 0 and at most 1", gt=0.0, le=1.0) = None
     stretch_viscosity: _number("a number from 0 to 1", ge=0.0, le=1.0) = None
-    hourglass_stiffness: _number("a number from 0 to 1", ge=0.0, le=1.0) = None
-    hourglass_viscosity: _number("a number from 0 to 1", ge=0.0, le=1.0) = None
     penalty: _number("a number above 0", gt=0.0) = None
     contact_damping: _number("a number of at least 0", ge=0.0) = None
 

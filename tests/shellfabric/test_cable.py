@@ -141,13 +141,13 @@ def beside_shell(crimps):
 
 
 @pytest.mark.parametrize(
-    ("crimps", "bounds"), [((1e-6, 1e-6), (1.5, 0.03)), ((0.0218, 0.0139), (2.0, 0.12))], ids=["flat", "crimped"]
+    ("crimps", "bounds"), [((0.0, 0.0), (0.5, 0.005)), ((0.0218, 0.0139), (0.5, 0.005))], ids=["flat", "crimped"]
 )
 def test_decoupled_shell_is_the_cable_model(crimps, bounds):
-    """Thesis Figures 4-21 to 4-23: the projectile's velocity, and the middle warp's pull on its clamp (1e-6: no crimp).
+    """Thesis Figures 4-21 to 4-23: the projectile's velocity, and the middle warp's pull on its clamp.
 
-    Measured: velocities differ by at most 1.04 m/s flat and 1.54 m/s crimped (0.52 and 0.91 m/s with two shell elements
-    a crossover), the impulse on the clamp by 1.4 and 6.7 %. Noise: shell 3.8 and 3.6 N, net 4.9 and 4.6 N.
+    Measured: velocities differ by at most 0.23 m/s flat and crimped, the impulse on the clamp by 0.1 %. Noise: shell
+    4.8 and 4.0 N, net 4.9 and 4.6 N.
     """
     shell, cable = beside_shell(crimps)
     t = np.linspace(0, 240e-6, 1201)
@@ -155,9 +155,9 @@ def test_decoupled_shell_is_the_cable_model(crimps, bounds):
     assert np.abs(velocity).max() < bounds[0]
     pulls = np.interp(t, shell.t, shell.reactions["warp"]), np.interp(t, cable.fine[:, 0], cable.reactions["warp"])
     assert np.sum(pulls[1]) == pytest.approx(np.sum(pulls[0]), rel=bounds[1])
-    # the cable model is the noisier one (Figure 4-22): what is left beside the mean over 5 us
+    # what is left beside the mean over 5 us
     noise = [np.std(pull - np.convolve(pull, np.full(25, 0.04), "same")) for pull in pulls]
-    assert noise[0] < noise[1]
+    assert noise[0] < 1.25 * noise[1]
 
 
 def test_coupled_yarns_are_stiffer():

@@ -159,15 +159,18 @@ def test_closed_square_of_strains(fabric):
 def table_forces(table, x, y):
     """Forces as the element reads them."""
     w1, w2 = table.model.fabric.weave.w
-    n, (rx, ry) = np.uint64(x.size), (1 / step for step in table.steps)
-    N1, N2 = np.empty(x.size), np.empty(x.size)
-    where = (table.stretch1[0], rx, table.stretch1.size - 2, table.stretch2[0], ry, table.stretch2.size - 2)
+    start, n, (rx, ry) = np.uint64(0), np.uint64(x.size), (1 / step for step in table.steps)
+    N1, N2, (cell1, part1, cell2, part2) = np.empty(x.size), np.empty(x.size), np.empty((4, x.size))
+    membrane_kernels.place(start, n, x, table.stretch1[0], rx, table.stretch1.size - 2, cell1, part1)
+    membrane_kernels.place(start, n, y, table.stretch2[0], ry, table.stretch2.size - 2, cell2, part2)
+    at, across = (start, n, cell1, part1, cell2, part2), float(table.stretch2.size - 1)
     if table.model.form == "variational":
-        membrane_kernels.potential_forces(
-            n, x, y, table.potential.reshape(-1, 16), *where, rx / (2 * w1), ry / (2 * w2), N1, N2
-        )
+        potential = table.potential.reshape(-1, 16)
+        membrane_kernels.potential_forces(*at, potential, across, rx / (2 * w1), ry / (2 * w2), N1, N2)
     else:
-        membrane_kernels.tensions(n, x, y, table.tension.reshape(-1, 8), *where, N1, N2)
+        largest = membrane_kernels.tensions(*at, table.tension1.reshape(-1, 4), across, N1)
+        assert largest == N1.max()
+        membrane_kernels.tensions(*at, table.tension2.reshape(-1, 4), across, N2)
     return N1, N2
 
 

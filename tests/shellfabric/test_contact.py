@@ -56,7 +56,7 @@ def test_momentum_is_kept(small):
     """Without supports cloth and projectile keep their momentum to rounding, with yarns failing."""
     panel = small(edge="free", symmetry="whole")
     state, _ = march(panel, 400.0, 300)
-    assert state.fresh.sum() > 0
+    assert state.counter[march_kernels.FAILURES] > 0
     expected = panel.projectile.mass * 400.0
     np.testing.assert_allclose(momentum(panel, state), [0.0, 0.0, expected], atol=1e-13 * expected)
     assert state.speed[2] < 399.0
@@ -80,15 +80,15 @@ def peak(table, points, rho):
     return state.peak
 
 
-def test_peak_tension_needs_points_inside_the_elements(tables):
-    """One point an element catches yarns on the edge: peak tensions 45 % too high. From two on they have converged, and
-    hardly depend on the rounding of the edge, without which contact at nodes fails at a third of the limit."""
+def test_peak_tension_has_converged(tables):
+    """In the number of points, and it hardly depends on the rounding of the edge, without which contact at nodes fails
+    at a third of the limit. Measured: 4 points -1.4 %, 8 points 0.4 %, edge of 3 um -4 %."""
     table = tables["equilibrium"]
-    converged = peak(table, 8, RHO)
-    assert np.all(peak(table, 1, RHO) > 1.3 * converged)
-    np.testing.assert_allclose(peak(table, 2, RHO), converged, rtol=0.08)
+    converged = peak(table, 16, RHO)
     np.testing.assert_allclose(peak(table, 4, RHO), converged, rtol=0.03)
-    np.testing.assert_allclose(peak(table, 4, 0.01 * RHO), converged, rtol=0.08)
+    np.testing.assert_allclose(peak(table, 8, RHO), converged, rtol=0.01)
+    np.testing.assert_allclose(peak(table, 16, 0.01 * RHO), converged, rtol=0.08)
+    assert peak(table, 1, RHO).tolist() == peak(table, 2, RHO).tolist()  # at least two an element
 
 
 def test_contact_energy_is_found_again(small):
@@ -106,8 +106,10 @@ def test_eroded_cloth_is_out_of_contact(small):
     """Elements that are gone push nothing: the projectile flies on through them."""
     panel = small()
     state, const = panel.state(100.0), panel.constants()
-    state.flag[:] = 7
-    state.dirty[:] = True
+    for intact, y in zip(state.intact, state.y):
+        intact[:] = y[:] = 0.0
+    state.flag[:] = 3
+    state.thin[:] = march_kernels.THINNED
     march_kernels.advance(state, const, panel.work(), 50, np.empty((50, 3)))
     assert state.speed[2] == 100.0
 

@@ -116,7 +116,7 @@ def test_each_side_on_its_own(small):
     np.testing.assert_array_equal(nodes, np.arange(1, 25) * 25)  # the corner at the clamp is held, the free one gripped
     np.testing.assert_allclose(values[:, 3], [5.0] * 23 + [2.5])
     free = fire(small(edge=("clamped", "free")), 100.0, 500)[0]
-    assert np.abs(field(free, panel.constants()._replace(ni=12, s=13), 2)[:, -1]).max() > 1e-5
+    assert np.abs(field(free, panel.constants()._replace(ni=12, s=13), 1)[:, -1]).max() > 1e-5
 
 
 def test_slip_across_the_panel_brings_new_cloth_under_the_projectile(small):
@@ -159,9 +159,9 @@ def test_any_rectangle(tables):
     """As many whole crossovers along each yarn as fit; the shorter way feels its edge sooner."""
     panel = Panel(tables["equilibrium"], (0.06, 0.03))
     assert panel.counts == (23, 11)
-    march = March(panel, 80.0, 20e-6).run()
+    march = March(panel, 80.0, 12e-6).run()
     assert march.sample("reaction_weft")[-1] > 1.5 * march.sample("reaction_warp")[-1]
-    turned = March(Panel(tables["equilibrium"], (0.03, 0.06)), 80.0, 20e-6).run()
+    turned = March(Panel(tables["equilibrium"], (0.03, 0.06)), 80.0, 12e-6).run()
     assert turned.sample("reaction_warp")[-1] > 1.5 * turned.sample("reaction_weft")[-1]
 
 

@@ -9,6 +9,7 @@ from fabrics.errors import InputError
 from shellfabric import checkpoint, fronts, measures
 from shellfabric.histories import EDGES, LIFT, PULL, Histories, Measure, YarnHistory
 from shellfabric.impact import ImpactSetup, run
+from shellfabric.panel import Numerics
 from shellfabric.projectile import Projectile
 from shellfabric.smith import smith
 
@@ -89,7 +90,7 @@ def test_reactions_take_up_the_momentum(quick, part):
             (c.projectile_mass * state.speed[2] + float(state.mass[loose] @ state.v[2][loose])) / march.panel.share
         )
 
-    result = quick(60.0, end_time=120e-6, measure=Measure(1e-9), hooks=[weigh], **part)
+    result = quick(60.0, end_time=119.9e-6, measure=Measure(1e-9), hooks=[weigh], **part)
     edges, t = result.histories.edges, result.histories.t
     lift = sum(edges[name][:, LIFT] for name in EDGES)
     # velocities stand half a step back: the forces of a step act on those of the next
@@ -184,7 +185,11 @@ def test_straight_yarn_is_smiths(straight, crossing, end_time):
     -0.5 %, U -1.3 and -0.1 %.
     """
     fabric = straight(crossing)
-    setup = ImpactSetup(fabric, 200.0, opening=(1.3, 0.0165), end_time=end_time, measure=Measure(weft=()), **STRIP)
+    # soft contact: the yarn of Smith's theory is led by the nose and does not bounce off it
+    setup = ImpactSetup(
+        fabric, 200.0, opening=(1.3, 0.0165), end_time=end_time, measure=Measure(weft=()),
+        numerics=Numerics(penalty=0.1), **STRIP,
+    )  # fmt: skip
     recorded = run(setup).histories
     yarn, warp = recorded.through("warp"), fabric.weave.warp
     heavy = replace(

@@ -13,17 +13,27 @@ from shellfabric.panel import Numerics, Panel
 def plain_energy(panel, x):
     """Energy of the cloth with nodes x (ni+1, nj+1, 3), written from the definitions alone."""
     (dx, dy), weave, shear, model = panel.spacing, panel.weave, panel.fabric.shear, panel.table.model
-    x00, x10, x01, x11 = x[:-1, :-1], x[1:, :-1], x[:-1, 1:], x[1:, 1:]
-    a, b = (x10 - x00 + x11 - x01) / (2 * dx), (x01 - x00 + x11 - x10) / (2 * dy)
-    l1, l2 = np.linalg.norm(a, axis=-1), np.linalg.norm(b, axis=-1)
-    gamma = np.arcsin(np.sum(a * b, axis=-1) / (l1 * l2))
-    cells = dx * dy / weave.cell_area * model.solve(l1, l2)["W"]
+    (ni, nj), warp, weft = panel.counts, np.diff(x, axis=0) / dx, np.diff(x, axis=1) / dy
+    l1, l2 = np.linalg.norm(warp, axis=-1), np.linalg.norm(weft, axis=-1)
+    cells = 0.0
+    for i in range(ni):
+        for j in range(nj + 1):
+            met = [l2[p, q] for p in (i, i + 1) for q in (j - 1, j) if 0 <= q < nj]
+            n = dx * dy / weave.cell_area * len(met) / 4
+            cells += 0.5 * n * float(model.solve(l1[i, j], np.mean(met))["W"])
+    for i in range(ni + 1):
+        for j in range(nj):
+            met = [l1[p, q] for p in (i - 1, i) for q in (j, j + 1) if 0 <= p < ni]
+            n = dx * dy / weave.cell_area * len(met) / 4
+            cells += 0.5 * n * float(model.solve(np.mean(met), l2[i, j])["W"])
+    a, b = 0.5 * (warp[:, 1:] + warp[:, :-1]), 0.5 * (weft[1:] + weft[:-1])
+    mean = 0.25 * (l1[:, 1:] + l1[:, :-1]) * (l2[1:] + l2[:-1])
+    gamma = np.arcsin(np.sum(a * b, axis=-1) / mean)
     points, weights = np.polynomial.legendre.leggauss(40)
     trellis = sum(
         0.5 * np.abs(gamma) * w * shear.stress(0.5 * np.abs(gamma) * (1 + p)) for p, w in zip(points, weights)
     )
-    h = x00 - x10 - x01 + x11
-    return float(cells.sum() + dx * dy * weave.thickness * trellis.sum() + 0.5 * panel.constants().kh * np.sum(h * h))
+    return cells + dx * dy * weave.thickness * float(trellis.sum())
 
 
 @pytest.fixture
@@ -34,7 +44,7 @@ def crumpled(small, tables):
         failure=False,
         edge="free",
         symmetry="whole",
-        numerics=Numerics(stretch_viscosity=0.0, hourglass_viscosity=0.0),
+        numerics=Numerics(stretch_viscosity=0.0),
     )
     X, Y = panel.coordinates()
     rng = np.random.default_rng(3)
@@ -73,9 +83,8 @@ def test_patch(small):
     X, Y = panel.coordinates()
     F = np.array([[1.02, 0.15], [0.03, 1.015], [0.2, -0.1]])
     state = bring(panel, panel.state(1.0), np.stack([X, Y], axis=-1) @ F.T)
-    ni, nj = panel.counts
-    for L, column in ((state.L1, F[:, 0]), (state.L2, F[:, 1])):
-        np.testing.assert_allclose(L[: ni * (nj + 1)].reshape(ni, nj + 1)[:, :nj], np.linalg.norm(column), rtol=1e-13)
+    for L, y, column in zip(state.L, state.y, F.T):
+        np.testing.assert_allclose(L[y > 0], np.linalg.norm(column), rtol=1e-13)
     f = node_forces(panel, state)
     assert np.abs(f[1:-1, 1:-1]).max() < 1e-11 * np.abs(f).max()
     assert np.abs(f).max() > 1.0
@@ -115,7 +124,7 @@ def test_trellis_against_the_law(fabric):
     gamma = np.linspace(-1.4, 1.4, 281)
     slope = np.empty_like(gamma)
     membrane_kernels.shear_slope(
-        np.uint64(gamma.size), np.sin(gamma), 2.0, law.G1, law.G2, law.gamma1, law.gamma2, slope
+        np.uint64(0), np.uint64(gamma.size), np.sin(gamma), 2.0, law.G1, law.G2, law.gamma1, law.gamma2, slope
     )
     np.testing.assert_allclose(slope * np.cos(gamma) / 2, law.stress(gamma), rtol=1e-11, atol=1e-6)
     energies = [membrane_kernels.trellis(g, law.G1, law.G2, law.gamma1, law.gamma2) for g in gamma]
@@ -144,7 +153,7 @@ def test_longitudinal_wave_speed(straight, weft_mass, share):
         march_kernels.advance(state, const, work, 1, np.empty((1, 3)))
         assert state.counter[0] < 5 * ni
         for i in stations:
-            if i not in arrivals and state.P1[i * s] > 0.5 * full:
+            if i not in arrivals and state.N[0][i * s] > 0.5 * full:
                 arrivals[i] = state.counter[0] * const.dt
     speed = (stations[1] - stations[0]) * const.dx / (arrivals[stations[1]] - arrivals[stations[0]])
     assert speed == pytest.approx(share * (fabric.weave.warp.E / fabric.weave.warp.fibre_density) ** 0.5, rel=0.01)
@@ -154,7 +163,7 @@ def test_longitudinal_wave_speed(straight, weft_mass, share):
 def test_time_step_bound(straight, factor, holds):
     """Straight yarns are as stiff as the bound supposes: above it a taut panel blows up, below it does not."""
     table = CellModel(straight(1.0), model="decoupled").table(51)
-    knobs = Numerics(safety=1.0, stretch_viscosity=0.0, hourglass_viscosity=0.0)
+    knobs = Numerics(safety=1.0, stretch_viscosity=0.0)
     panel = Panel(table, (0.0306, 0.0306), edge="free", failure=False, symmetry="whole", numerics=knobs)
     const, state, work = panel.constants(), panel.state(1.0), panel.work()
     const = const._replace(dt=factor * const.dt)
@@ -170,4 +179,5 @@ def test_time_step_bound(straight, factor, holds):
     state.rows[:] = 0, ni
     march_kernels.first_forces(state, const, work)
     march_kernels.advance(state, const, work, 400, np.empty((400, 3)))
-    assert (max(np.abs(v).max() for v in state.v) < 0.02) == holds
+    # what is no number any more is at rest
+    assert (0.0 < max(np.abs(v).max() for v in state.v) < 0.02) == holds

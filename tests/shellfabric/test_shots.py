@@ -58,7 +58,9 @@ def test_every_shot_keeps_momentum(small, shape, attitude, friction):
 )
 def test_energy_of_every_shot_balances(small, shape, attitude):
     """Also where points slide: over a step the last force does work in its own direction, not in the present one."""
-    march = March(small(symmetry="whole", projectile=shot(shape, **attitude), failure=False), 110.0, 50e-6).run()
+    knobs = Numerics(safety=0.5)  # the error of the time integration, four times less, is not what is asked after
+    panel = small(symmetry="whole", projectile=shot(shape, **attitude), failure=False, numerics=knobs)
+    march = March(panel, 110.0, 50e-6).run()
     assert np.abs(march.sample("balance")).max() < 1e-4 * march.strike_energy
     assert march.sample("kinetic_projectile")[-1] < 0.97 * march.strike_energy
     assert np.all(np.diff(march.sample("z")) > 0)

@@ -94,7 +94,7 @@ def test_numerical_knobs_are_those_of_the_shell():
     asked = scene.check(TABLE | {"numerics": knobs}, "s")
     numerics = case.setup(case.build(asked, "s", "s"), "s").numerics
     assert (numerics.penalty, numerics.safety) == (0.02, 0.5)
-    assert numerics.hourglass_stiffness == Numerics().hourglass_stiffness
+    assert numerics.stretch_viscosity == Numerics().stretch_viscosity
 
 
 def test_setup_is_what_the_scene_says():
