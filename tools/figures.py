@@ -32,12 +32,12 @@ def main(demo):
         shrink(path)
 
 
-def shrink(path, width=1280):
-    """Make a picture small enough to be kept with the code: 256 colours, and no wider than a page."""
+def shrink(path, width=1000):
+    """Make a picture small enough to be kept with the code: no wider than a page."""
     with Image.open(path) as image, replace_whole(path) as beside:
         small = image.convert("RGB")
         small.thumbnail((width, 4 * width))
-        small.quantize(256).save(beside, optimize=True)
+        small.save(beside, optimize=True)
 
 
 if __name__ == "__main__":
