@@ -164,3 +164,15 @@ def test_stamp_tells_versions_and_no_paths(monkeypatch):
     assert stamp["threads"].startswith("OMP_NUM_THREADS 1")
     assert stamp["scene"] == "a scene"
     assert not [value for key, value in stamp.items() if value.startswith("/") or " /" in value]
+
+
+def test_parts_of_the_energy_picture_add_up():
+    """The equilibrium form's forces do other work than the yarns store; the picture shows the work."""
+    energies = {
+        "kinetic_projectile": np.array([10.0, 4.0]),
+        "stored": np.array([0.0, 6.5]),
+        "cell": np.array([0.0, -0.5]),
+    }
+    drawn = chapters._by_work(energies)
+    assert drawn["kinetic_projectile"] + drawn["stored"] == pytest.approx([10.0, 10.0])
+    assert energies["stored"][1] == 6.5
