@@ -57,6 +57,14 @@ class Domain(StrEnum):
 
     quarter = "quarter"
     whole = "whole"
+    four = "four"
+
+
+class Overlap(StrEnum):
+    """What to do with sections that overlap."""
+
+    solve = "solve"
+    refuse = "refuse"
 
 
 class Section(StrEnum):
@@ -96,26 +104,68 @@ def demo(
     demonstrate(out or RESULTS / "demo", size=size.value, processes=processes)
 
 
-@app.command(epilog="Example: [bold]weavecell mesh S-720 --size medium --domain whole[/bold]")
+@app.command(epilog="Example: [bold]weavecell mesh S-720 --patch 3x4 --size coarse --format vtu,k[/bold]")
 def mesh(
     fabric: FabricArgument,
-    size: Annotated[Size, typer.Option(help="How fine.")] = Size.medium,
-    domain: Annotated[Domain, typer.Option(help="A quarter by symmetry, or the whole crossover.")] = Domain.quarter,
+    size: Annotated[
+        str,
+        typer.Option(
+            help="How fine: a name, hexahedra along, across and through a quarter yarn, or an edge length.",
+            metavar="auto|coarse|medium|fine|NX,NY,NZ|LENGTH",
+        ),
+    ] = "medium",
+    domain: Annotated[
+        Domain | None,
+        typer.Option(help="A quarter by symmetry (unless told otherwise), one whole, or the four that repeat."),
+    ] = None,
+    patch: Annotated[
+        str | None, typer.Option(help="A woven patch of N warp and M weft yarns instead.", metavar="NxM")
+    ] = None,
     section: Annotated[Section | None, typer.Option(help="Yarn section; the fabric's own if not given.")] = None,
     gap: Annotated[str, typer.Option(help="Gap between parallel yarns.", metavar="LENGTH")] = "0 mm",
+    width: Annotated[
+        str | None,
+        typer.Option(help="Width of the yarns instead, of both or warp and weft.", metavar="LENGTH[,LENGTH]"),
+    ] = None,
+    crimp: Annotated[
+        str,
+        typer.Option(
+            help="Measured by hand, from micrographs, or of both yarns or warp and weft.",
+            metavar="hand|micrograph|CRIMP[,CRIMP]",
+        ),
+    ] = "hand",
+    bluntness: Annotated[float, typer.Option(help="Height of the cut tips over that of the middle.")] = 0.075,
+    overlap: Annotated[
+        Overlap, typer.Option(help="What to do where the two sections overlap by more than a shift removes.")
+    ] = Overlap.solve,
+    end_shells: Annotated[
+        str | None, typer.Option(help="Close the yarn ends with shells of this thickness.", metavar="LENGTH")
+    ] = None,
+    format: Annotated[
+        str, typer.Option(help="Files to write, separated by commas.", metavar="msh|vtu|k|inp|rad,...")
+    ] = "msh,vtu",
     out: OutOption = None,
 ):
-    """Mesh one crossover in hexahedra: .msh, .vtu and a picture."""
-    from fabrics.units import si
-    from weavecell import crossover
+    """Mesh a crossover or a woven patch in hexahedra, with a picture of it and one of its quality.
 
-    crossover.mesh_command(
+    A gmsh mesh (msh), ParaView (vtu), LS-DYNA (k), Abaqus (inp), OpenRadioss (rad).
+    """
+    from weavecell import mesh as module
+
+    module.mesh_command(
         fabric,
         out or RESULTS / f"mesh-{Path(fabric).stem}",
-        size=size.value,
-        domain=domain.value,
-        section=section.value if section else None,
-        gap=si(gap, "m", key="--gap"),
+        domain=domain and domain.value,
+        patch=patch,
+        formats=format,
+        size=size,
+        crimp=crimp,
+        width=width,
+        end_shells=end_shells,
+        gap=gap,
+        section=section and section.value,
+        bluntness=bluntness,
+        overlap=overlap.value,
     )
 
 
