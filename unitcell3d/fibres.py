@@ -75,11 +75,14 @@ class Fibres:
         return float((strain[whole] / self._limit[whole]).max(initial=0.0)) if self._fails else 0.0
 
     def fail(self, x):
-        """Raise the damage to that of the positions `x`; returns whether any rose."""
+        """Raise the damage to that of the positions `x`, first of the most overstrained; returns whether any rose."""
         if not self._fails:
             return False
-        beyond = np.clip((self.strains(x) / self._limit - 1) / FADE, 0, 1)
-        risen = beyond > self.damage + 1e-9
+        beyond = np.clip((self.strains(x) / self._limit - 1) / FADE, 0, None)
+        risen = np.minimum(beyond, 1) > self.damage + 1e-9
+        if risen.any():
+            risen &= beyond >= 0.5 * beyond[risen].max()
+        beyond = np.minimum(beyond, 1)
         self.damage[risen] = beyond[risen]
         return bool(risen.any())
 
