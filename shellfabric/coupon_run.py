@@ -29,6 +29,7 @@ class Result:
     states : of `relax.pull`, one a load step
     moved : (steps,) what was prescribed: elongation [m], shear angle [rad] or strain [-]
     outcome : "complete", "yarn at its strength" or "unstable"
+    floor : [N] norm of the reaction below which the coupon counts as unloaded
     """
 
     coupon: Coupon
@@ -36,6 +37,7 @@ class Result:
     states: tuple[relax.State, ...]
     moved: np.ndarray
     outcome: str
+    floor: float
 
     def force(self, grip, axis):
         """(steps,) [N] of a grip on the coupon, along axis 0 or 1."""
@@ -69,7 +71,7 @@ def run(coupon, grips, path, size, steps, hooks, *, tolerance=1e-4, most_iterati
     floor = FLOOR * strength * sqrt(held.sum())
 
     def pack(states, outcome):
-        return Result(coupon, grips, states, size * np.array([state.load for state in states]), outcome)
+        return Result(coupon, grips, states, size * np.array([state.load for state in states]), outcome, floor)
 
     try:
         states, ended = relax.pull(

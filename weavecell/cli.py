@@ -60,6 +60,13 @@ class Domain(StrEnum):
     four = "four"
 
 
+class Level(StrEnum):
+    """How fine a study's finest case is."""
+
+    quick = "quick"
+    full = "full"
+
+
 class Overlap(StrEnum):
     """What to do with sections that overlap."""
 
@@ -244,6 +251,22 @@ def impact(
     run.impact(scene, out or RESULTS / scene.stem, resume=resume)
 
 
+@app.command(epilog="Example: [bold]weavecell coupon examples/coupons/S-728-bias.toml[/bold]")
+def coupon(
+    scene: Annotated[Path, typer.Argument(metavar="SCENE", help="The scene file of a coupon (*.toml).")],
+    out: OutOption = None,
+    resume: Annotated[bool, typer.Option("--resume", help="Go on from the last step of an interrupted run.")] = False,
+):
+    """Test a piece of cloth quasi-statically: bias extension, picture frame, uniaxial or biaxial tension.
+
+    The folder then holds report.html, summary.json, histories.h5, pictures/ and scene.toml; while the run goes on,
+    checkpoint.h5.
+    """
+    from weavecell import coupon as module
+
+    module.coupon(scene, out or RESULTS / scene.stem, resume=resume)
+
+
 @app.command("critical-velocity", epilog="Example: [bold]weavecell critical-velocity S-720 --tolerance '1 m/s'[/bold]")
 def critical_velocity(
     target: Annotated[
@@ -274,6 +297,55 @@ def critical_velocity(
         tolerance=width,
         curve=curve,
         workers=workers,
+    )
+
+
+@app.command(epilog="Example: [bold]weavecell validate --topic impact1 --topic cell[/bold]")
+def validate(
+    topic: Annotated[
+        list[str] | None, typer.Option(help="Only the claims of this topic; may be given again.", metavar="TOPIC")
+    ] = None,
+    slow: Annotated[bool, typer.Option("--slow", help="Also the checks that take minutes each.")] = False,
+    jobs: Annotated[int, typer.Option(min=1, help="Processes that work beside each other.")] = CORES,
+    resume: Annotated[bool, typer.Option("--resume", help="Go on from what an interrupted run has left.")] = False,
+    out: OutOption = None,
+):
+    """Put the claims of the source thesis to the test: each with our number, its verdict and, if missed, the cause.
+
+    A missed claim is a result, not an error. The folder then holds ledger.html, ledger.csv and ledger.json.
+
+    Topics: geom, compr, yarn, cell, shear, wave, impact1, impactN, gap, biaxial, bias, sens, slip, pencil, cost,
+    failmode, future.
+    """
+    from weavecell import validate as module
+
+    return module.validate(out or RESULTS / "validate", topics=topic or (), slow=slow, jobs=jobs, resume=resume)
+
+
+@app.command(epilog="Example: [bold]weavecell chart --scene crossover --level quick[/bold]")
+def chart(
+    scene: Annotated[str, typer.Option(help="Standard scene; an unknown one lists them.", metavar="NAME")],
+    level: Annotated[Level, typer.Option(help="How fine the finest reference is.")] = Level.full,
+    only: Annotated[
+        str, typer.Option(help="Choices to vary, separated by commas; all of them if not given.", metavar="CHOICE,...")
+    ] = "",
+    processes: Annotated[int, typer.Option(min=1, help="Cases that are computed beside each other.")] = CORES,
+    out: OutOption = None,
+    resume: Annotated[bool, typer.Option("--resume", help="Go on from the cases of an interrupted run.")] = False,
+):
+    """Run a standard scene by every method there is: errors, orders of convergence, and time against error.
+
+    The folder then holds tables (CSV), pictures and a page (Markdown); while the run goes on, cases/.
+    """
+    from weavecell import chart as module
+
+    module.chart_command(
+        scene,
+        out or RESULTS / f"chart-{scene}",
+        level=level.value,
+        only=[part.strip() for part in only.split(",") if part.strip()],
+        processes=processes,
+        resume=resume,
     )
 
 

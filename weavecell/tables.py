@@ -142,7 +142,7 @@ def exactly_one(table, names, key, file):
     """Check that one of the entries `names` of a table is given and no other."""
     if sum(getattr(table, name) is not None for name in names) != 1:
         paths = [f"{key}.{name}" if key else name for name in names]
-        raise InputError(f"give exactly one of {', '.join(paths[:-1])} and {paths[-1]}", file=file, key=key)
+        raise InputError(f"give exactly one of {', '.join(paths[:-1])} and {paths[-1]}", file=file, key=key or None)
 
 
 def anchored(scene, folder):
