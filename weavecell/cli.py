@@ -251,6 +251,32 @@ def impact(
     run.impact(scene, out or RESULTS / scene.stem, resume=resume)
 
 
+@app.command(epilog="Example: [bold]weavecell biaxial S-720 --ratio 1:1 --ratio 2:1 --crossover coarse[/bold]")
+def biaxial(
+    fabric: FabricArgument,
+    ratio: Annotated[
+        list[str] | None,
+        typer.Option(help="Warp strain to weft strain; may be given again. 0 holds a yarn.", metavar="WARP:WEFT"),
+    ] = None,
+    crossover: Annotated[
+        Size | None, typer.Option(help="Solve the 3D crossover too, with this mesh, and compare.")
+    ] = None,
+    out: OutOption = None,
+):
+    """Stretch a crossover at fixed ratios of strains to the strength of a yarn: 1:1, 1:0 and 0:1 if none is given.
+
+    The folder then holds biaxial.csv, biaxial.json, pictures/ and report.html. A whole specimen: `weavecell coupon`.
+    """
+    from weavecell import biaxial as module
+
+    module.biaxial_command(
+        fabric,
+        out or RESULTS / f"biaxial-{Path(fabric).stem}",
+        ratios=ratio or ("1:1", "1:0", "0:1"),
+        size=crossover and crossover.value,
+    )
+
+
 @app.command(epilog="Example: [bold]weavecell coupon examples/coupons/S-728-bias.toml[/bold]")
 def coupon(
     scene: Annotated[Path, typer.Argument(metavar="SCENE", help="The scene file of a coupon (*.toml).")],
