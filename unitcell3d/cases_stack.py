@@ -109,7 +109,7 @@ def stack_compression(
             "pressure": force / area,
             "F_c": pairs[:plies],
             "F_between": pairs[plies:],
-            "deepest": -min(0.0, *(gaps.min() for gaps in model.surfaces.gaps)),
+            "deepest": model.surfaces.deepest,
         }
 
     found = follow.follow(
