@@ -55,9 +55,9 @@ def solve(evaluate, start, bounds, *, trials=1):
     jacobian, exact, damping = _differences(evaluate, x, residual, high), True, LAMBDA
     for _ in range(ROUNDS):
         dampings = [damping * SPREAD**i for i in range(trials)]
-        steps = [np.clip(x + _step(jacobian, residual, each), low, high) - x for each in dampings]
-        promised = 1 - min(np.sum((residual + jacobian @ step) ** 2) for step in steps) / np.sum(residual**2)
-        if promised < WORTH:
+        steps = [_step(jacobian, residual, each, low - x, high - x) for each in dampings]
+        left = min(np.sum((residual + jacobian @ step) ** 2) for step in steps)
+        if left >= (1 - WORTH) * np.sum(residual**2):
             if exact:
                 return Found(x, residual, jacobian, True)
             jacobian, exact, damping = _differences(evaluate, x, residual, high), True, LAMBDA
@@ -86,9 +86,23 @@ def _differences(evaluate, x, residual, high):
     return np.stack([(each - residual) / step for each, step in zip(ahead, steps)], axis=1)
 
 
-def _step(jacobian, residual, damping):
-    """Marquardt's step, shortened to `LONGEST`."""
-    normal = jacobian.T @ jacobian
-    scale = np.maximum(np.diag(normal), 1e-6 * np.diag(normal).max())
-    step = np.linalg.solve(normal + damping * np.diag(scale), -jacobian.T @ residual)
-    return step * min(1.0, LONGEST / np.abs(step).max())
+def _step(jacobian, residual, damping, least, most):
+    """Marquardt's step, shortened to `LONGEST`, each part of it between `least` and `most`.
+
+    A part that would leave its bound is set to it, and the others are found anew.
+    """
+    step, free = np.zeros(len(least)), np.ones(len(least), bool)
+    least, most = np.maximum(least, -LONGEST), np.minimum(most, LONGEST)
+    while free.any():
+        part = jacobian[:, free]
+        normal = part.T @ part
+        scale = np.maximum(np.diag(normal), 1e-6 * np.diag(normal).max()) + 1e-300
+        wanted = np.linalg.solve(normal + damping * np.diag(scale), -part.T @ (residual + jacobian @ (step * ~free)))
+        longest = np.abs(wanted).max()
+        step[free] = wanted * min(1.0, LONGEST / longest) if longest > 0 else 0.0
+        outside = free & ((step < least) | (step > most))
+        if not outside.any():
+            break
+        step = np.where(outside, np.clip(step, least, most), step)
+        free &= ~outside
+    return step

@@ -21,8 +21,12 @@ LEAST = 1e-6  # of a value: nothing below is shown
 
 
 def draw_all(study, folder):
-    """Write the pictures into a folder; returns their names."""
-    drawn = {"convergence": convergence, "effects": effects, "pareto": pareto}
+    """Write the pictures that there is something for into a folder; returns their names."""
+    drawn = {"pareto": pareto}
+    if any(study.limits.get(choice) for choice in CONVERGING):
+        drawn["convergence"] = convergence
+    if any(axis.kind == MODEL for axis in study.axes):
+        drawn["effects"] = effects
     for title, draw in drawn.items():
         figure = draw(study)
         with replace_whole(folder / f"crossover-{title}.png") as beside:
