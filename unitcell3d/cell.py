@@ -38,6 +38,7 @@ class CellLoad:
     """End displacements d1, d2 [m] per end of a crossing, and the shear angle gamma [rad] between the yarns.
 
     w : (2,) [m] half lengths of the cell
+    plates : [m] half the distance of two plates, infinite without
     """
 
     w: tuple
@@ -48,7 +49,8 @@ class CellLoad:
     def towards(self, other, share):
         """The load at `share` of the way to another."""
         d = tuple(a + share * (b - a) for a, b in zip(self.d, other.d))
-        return CellLoad(self.w, d, self.gamma + share * (other.gamma - self.gamma), self.plates)
+        plates = self.plates + share * (other.plates - self.plates) if np.isfinite(self.plates) else self.plates
+        return CellLoad(self.w, d, self.gamma + share * (other.gamma - self.gamma), plates)
 
     @property
     def F(self):
@@ -127,15 +129,15 @@ class CellModel(YarnsModel):
     mesh : meshing.crossover.Crossover, a whole one, or meshing.patch.Patch of 2 x 2
     fabric : Fabric
     numerics, failure : as of a `model.YarnsModel`
-    margin : columns of elements beyond a crossing's own, in which its yarns and their parallel neighbours may meet; a
-        quarter of the cell by default
+    margin : columns of elements beyond a crossing's own in which its two yarns may meet too; beyond, the faces of
+        their sharp tips are met from behind, and slack yarns snap
 
     Raises
     ------
     InputError : another mesh
     """
 
-    def __init__(self, mesh, fabric, numerics=None, *, margin=None, **choices):
+    def __init__(self, mesh, fabric, numerics=None, *, margin=0, **choices):
         check(mesh, fabric)
         four = hasattr(mesh, "count")
         if (four and mesh.count != (2, 2)) or (not four and mesh.domain != "whole"):
@@ -145,7 +147,7 @@ class CellModel(YarnsModel):
         self.crossings, self.w = self.period**2, mesh.w
         images = Images(mesh, self.period, self.parity)
         cells = (mesh.grids[0].shape[0] - 1) // self.period
-        self.pairs = contacts(mesh, images, cells, max(1, cells // 4) if margin is None else margin)
+        self.pairs = contacts(mesh, images, cells, margin)
         self._images = images
         super().__init__(
             mesh, fabric, numerics, self._tied(mesh, images), self.pairs, None, points=images.points, **choices
