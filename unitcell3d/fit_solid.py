@@ -129,9 +129,9 @@ def closures(history, cell_area, pressure, measured):
     misfit does not jump where a compression ends early.
     """
     pressed = history.F_plate.mean(axis=1) / cell_area
-    closed = 2 * (history.plates[0] - history.plates)
-    touched = np.maximum(np.argmax(pressed > 0), 1)
-    known, closed = np.log(pressed[touched:]), closed[touched:]
+    # where a slack tip snaps, the force falls for a step: only what is pressed harder than ever before counts
+    rising = np.flatnonzero(pressed > np.concatenate([[0.0], np.maximum.accumulate(pressed)[:-1]]))
+    known, closed = np.log(pressed[rising]), 2 * (history.plates[0] - history.plates[rising])
     curve = PchipInterpolator(known, closed)
     wanted = np.log(pressure)
     at = curve(np.clip(wanted, known[0], known[-1])) + curve(known[-1], 1) * np.maximum(wanted - known[-1], 0)

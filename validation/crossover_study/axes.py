@@ -12,6 +12,7 @@ from validation.crossover_study.cases import EQUAL, TRIBUTARY, Case
 ROOT = (4, 3, 1)  # elements along, across and through a quarter yarn that the meshes are multiples of
 BASE = Case(size=(8, 6, 2))  # coarse
 REFINEMENTS = {"full": (1, 2, 3, 4, 6), "quick": (1, 2, 3)}
+TOGETHER = {"full": ((3, 3), (4, 10)), "quick": ((3, 3),)}  # multiple of ROOT, factor on the penalty
 METHOD, MODEL = "method", "model"
 
 
@@ -40,6 +41,7 @@ def axes(level="full"):
     base = BASE
     return [
         _meshes(base, REFINEMENTS[level]),
+        _together(base, TOGETHER[level]),
         _direction("elements along", 0, base),
         _direction("elements across", 1, base),
         _direction("elements through", 2, base),
@@ -72,6 +74,14 @@ def _meshes(base, refinements):
     cases = {_label(_times(r)): replace(base, size=_times(r)) for r in refinements}
     x = {_label(_times(r)): 1 / r for r in refinements}
     return Axis("mesh", METHOD, cases, x, f"element size, of {_label(ROOT)}")
+
+
+def _together(base, pairs):
+    cases = {_label(base.size): base}
+    for n, factor in pairs:
+        label = f"{_label(_times(n))}, penalty x {factor}"
+        cases[label] = replace(base, size=_times(n), numerics=(("penalty", factor),))
+    return Axis("mesh and penalty", METHOD, cases)
 
 
 def _direction(name, axis, base):

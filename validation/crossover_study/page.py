@@ -9,6 +9,7 @@ from validation.crossover_study.study import MEASURED, measured, name
 
 LEADS = {
     "mesh": "All three directions refined together; the section, the bars and the contact surfaces get finer with it.",
+    "mesh and penalty": "Both refined: how far a reference that adds up one choice at a time can be trusted.",
     "elements along": "One direction alone, to see which of them the errors of the base come from.",
     "penalty": "The contact stiffness of both passes together.",
     "toe": "The penetration over which the contact stiffness sets in.",
