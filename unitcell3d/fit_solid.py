@@ -59,6 +59,7 @@ class SolidFit:
     Parameters
     ----------
     fabric : Fabric with the fitted solids
+    started : Fabric with those of the file
     curve : PlateCurve fitted to
     pressure, measured, computed : (n,) [Pa], [m], [m] closures of the curve and of the fitted crossover
     before : (n,) [m] closures with the solids of the file
@@ -74,6 +75,7 @@ class SolidFit:
     """
 
     fabric: object
+    started: object
     curve: object
     pressure: np.ndarray
     measured: np.ndarray
@@ -101,6 +103,7 @@ class SolidFit:
             "fabric": self.fabric.name,
             "curve": self.curve.source,
             "values": self.values,
+            "values_before": {name: getattr(self.started.solids[0], name) for name in NAMES},
             "intervals_95": self.intervals,
             "determined": self.determined,
             "correlation_of_ln_E_c_ln_V_c-Vf0_ln_K_r": self.correlation.tolist(),
@@ -312,6 +315,7 @@ def _judge(fabric, curve, pressure, measured, computed, before, found, densest, 
             }
     return SolidFit(
         fabric=replace(fitted, sources=sources),
+        started=fabric,
         curve=curve,
         pressure=pressure,
         measured=measured,

@@ -122,7 +122,7 @@ def fit_chapter(done, laws):
             name,
             *_parameters(done.path_laws.get(name)),
             "-" if name not in done.residuals else f"{1e6 * done.residuals[name]:.2f}",
-            history.failed or ("at the test's pressure" if name == "plates" else "at fibre failure"),
+            ended(name, history),
             f"{done.seconds[name]:.1f}",
         )
         for name, history in done.histories.items()
@@ -141,7 +141,38 @@ def fit_chapter(done, laws):
         for item in found
     )
     failure = Table(columns, rows, "Where the fibre strain first reaches the failure strain", numeric=columns[3:])
-    return replace(chapter, tables=(*chapter.tables, alone, failure))
+    return replace(chapter, tables=(*chapter.tables, _laws(done), alone, failure))
+
+
+def ended(name, history):
+    """Why a path ended."""
+    if history.failed:
+        return history.failed
+    if name != "plates":
+        return "at fibre failure"
+    return "at the test's pressure" if history.path[-1] < 1 else "with the plates at half their distance"
+
+
+def _laws(done):
+    """The joint law with its intervals and the spread between paths, and what it leaves out."""
+    columns = ("law", "a [mm]", "b [mm N^(1/3)]", "rms [µm]")
+    law, ratio = done.law, done.ratio_law
+    rows = [("joint", *_parameters(law), _um(law.residual_rms))]
+    rows.append(("joint, 95 % intervals", _mm(law.a_interval), _mm(law.b_interval), ""))
+    if done.spread:
+        rows.append(("spread of the paths alone", _mm(done.spread["a"]), _mm(done.spread["b"]), ""))
+    for name, own in zip(("warp", "weft"), done.yarn_laws):
+        if own is not None:
+            rows.append((f"{name}, its own compression", *_parameters(own), _um(own.residual_rms)))
+    if ratio is not None:
+        ends = [ratio.at(m) for m in ratio.m_range]
+        spans = ("{:.4f} .. {:.4f}".format(*(1e3 * getattr(end, key) for end in ends)) for key in ("a", "b"))
+        rows.append(("that sees the tension ratio, all weft .. all warp", *spans, _um(ratio.residual_rms)))
+    return Table(columns, tuple(rows), f"Laws; chosen: {done.chosen}", numeric=columns[1:])
+
+
+def _um(value):
+    return f"{1e6 * value:.2f}"
 
 
 def _parameters(law):

@@ -46,7 +46,7 @@ def fit(fabric, curve, out, *, processes=1, resume=False):
     for name, value in found.values.items():
         low, high = found.intervals[name]
         known = "" if found.determined[name] else ", not determined by the curve"
-        print(f"{name:<12}{value:.4g} ({low:.3g} .. {high:.3g}, 95 %{known}); from {_before(fabric, name):.4g}")
+        print(f"{name:<12}{value:.4g} ({low:.3g} .. {high:.3g}, 95 %{known}); from {_before(found.started, name):.4g}")
     rms = found.summary()["rms_before_m"]
     print(f"{'misfit':<12}{1e6 * found.rms:.1f} um rms, before {1e6 * rms:.1f}, to {curve.source}")
     return found
@@ -58,12 +58,13 @@ def chapter(found):
         (
             name,
             f"{value:.4g}",
+            f"{_before(found.started, name):.4g}",
             "{:.3g} to {:.3g}".format(*found.intervals[name]),
             "yes" if found.determined[name] else "no",
         )
         for name, value in found.values.items()
     )
-    columns = ("parameter", "fitted [SI]", "95 % interval", "determined by the curve")
+    columns = ("parameter", "fitted [SI]", "the fabric's file", "95 % interval", "determined by the curve")
     loose = [name for name, known in found.determined.items() if not known]
     lead = (
         f"E_c, V_c and K_r of both yarns, fitted to {found.curve.source}; misfit {1e6 * found.rms:.1f} µm rms, before "
@@ -76,7 +77,7 @@ def chapter(found):
         "The solid yarn from a plate test",
         lead,
         (Figure(content, "svg", "What the plates close against their pressure; zero is free.", "solid"),),
-        (Table(columns, rows, numeric=columns[1:3]),),
+        (Table(columns, rows, numeric=columns[1:4]),),
     )
 
 
