@@ -80,8 +80,13 @@ def validate(claims, out, *, left_out=(), jobs=1, resume=False, executor=None, r
 def wanted(claims, out):
     """Runs that the checks of the claims read and that the folder does not hold; the longest first."""
     runs = {run for claim in claims for run in CHECKS[claim.check].needs(**(claim.arguments or {})).values()}
-    missing = [run for run in runs if not store.kept(Path(out) / RUNS_FOLDER, digest(run))]
+    missing = [run for run in runs if not _holds(run, out)]
     return sorted(missing, key=lambda run: (-cost(run), run))
+
+
+def _holds(run, out):
+    """Whether the folder has a run that came to an end; one that broke, or lacked a package, is tried again."""
+    return store.kept(Path(out) / RUNS_FOLDER, digest(run)) and load(run, out).get("kind", "unstable") == "unstable"
 
 
 def check(claim: Claim, out) -> Record:
