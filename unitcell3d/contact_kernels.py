@@ -199,7 +199,8 @@ def normal_terms(surface, normal, gap, weights, spread, p, slope, area, w1, w2, 
 
 @njit(cache=True)
 def friction_terms(
-    surface, normal, weights, spread, p, slope, area, w1, w2, dw1, dw2, g1, g2, friction, slip, length, v, tau, left, right
+    surface, normal, weights, spread, p, slope, area, w1, w2, dw1, dw2,
+    g1, g2, friction, slip, length, v, tau, left, right,
 ):  # fmt: skip
     """Rows for the tangent of the friction, after those of `normal_terms`; returns how many are filled."""
     share = area * w1 * w2

@@ -48,7 +48,7 @@ class SurfacePairs:
 
     def outgrown(self):
         """As of `contact.FacingSurfaces`."""
-        return any([pair.outgrown() for pair in self.pairs])
+        return any(pair.outgrown() for pair in self.pairs)
 
     def touch(self, x, numerics, forces, values=None):
         """As of `contact.FacingSurfaces`; returns the sum of the sizes [N] of the pairs' forces."""

@@ -5,10 +5,10 @@ Along each direction the surface is the mean of the Catmull-Rom and the uniform 
 
     12 w = 1 - 6 t + 9 t^2 - 4 t^3,  10 - 21 t^2 + 12 t^3,  1 + 6 t + 15 t^2 - 12 t^3,  - 3 t^2 + 4 t^3.
 
-These integrate over the cell to 0, 1/2, 1/2, 0, as linear shape functions do: of all C1 cubics on four nodes this is the
-one on which a uniform pressure loads the nodes as it loads the bilinear faces of bricks, at the edges of a grid too, so
-that a contact patch test can be passed. (The Catmull-Rom spline, which goes through the nodes, takes a twelfth of a cell's load
-from each edge.) The surface lies off the nodes by h^2 curvature / 12, as far as the mean of the flat facets does.
+These integrate over the cell to 0, 1/2, 1/2, 0, as linear shape functions do: of all C1 cubics on four nodes this is
+the one on which a uniform pressure loads the nodes as it loads the bilinear faces of bricks, at the edges of a grid
+too, so that a contact patch test can be passed. (The Catmull-Rom spline, which goes through the nodes, takes a twelfth
+of a cell's load from each edge.) The surface lies off the nodes by h^2 curvature / 12, as the mean of the facets does.
 
 Beyond the edge of the grid stands a phantom row: the mirror image on a symmetry plane, the straight continuation
 elsewhere; it folds back into weights of the real nodes.

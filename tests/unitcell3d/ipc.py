@@ -18,7 +18,7 @@ UNIT = 1e-4  # m
 class NoContact:
     """Takes the place of the model's own contact."""
 
-    gaps = []
+    gaps = ()
 
     def expected(self):
         return []
