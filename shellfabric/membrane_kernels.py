@@ -125,16 +125,22 @@ def tensions(m0, n, cell1, part1, cell2, part2, table, across, T):
 
 @njit(cache=True, fastmath=FAST, error_model="numpy")
 def potential_forces(m0, n, cell1, part1, cell2, part2, table, across, per1, per2, N1, N2):
-    """Gradient of the bicubic potential, N = per dW/d(local coordinate); constant beyond the table's upper edge."""
+    """Gradient of the bicubic potential, N = per dW/d(local coordinate).
+
+    Above the table cubes go on as parabolas, so that tensions go on straight: (1 + e)^3 - e^3 with e what is above.
+    """
     for j in range(m0, m0 + n):
-        p, q = min(part1[j], 1.0), min(part2[j], 1.0)
+        p, q = part1[j], part2[j]
+        e, f = max(p - 1.0, 0.0), max(q - 1.0, 0.0)
+        cube1, cube2 = p * p * p - e * e * e, q * q * q - f * f * f
+        turn1, turn2 = 3.0 * (p * p - e * e), 3.0 * (q * q - f * f)
         m = np.uint32(cell1[j] * across + cell2[j])
-        d1 = table[m, 4] + q * (table[m, 5] + q * (table[m, 6] + q * table[m, 7]))
-        d1 += 2.0 * p * (table[m, 8] + q * (table[m, 9] + q * (table[m, 10] + q * table[m, 11])))
-        d1 += 3.0 * p * p * (table[m, 12] + q * (table[m, 13] + q * (table[m, 14] + q * table[m, 15])))
-        d2 = table[m, 1] + p * (table[m, 5] + p * (table[m, 9] + p * table[m, 13]))
-        d2 += 2.0 * q * (table[m, 2] + p * (table[m, 6] + p * (table[m, 10] + p * table[m, 14])))
-        d2 += 3.0 * q * q * (table[m, 3] + p * (table[m, 7] + p * (table[m, 11] + p * table[m, 15])))
+        d1 = table[m, 4] + q * (table[m, 5] + q * table[m, 6]) + cube2 * table[m, 7]
+        d1 += 2.0 * p * (table[m, 8] + q * (table[m, 9] + q * table[m, 10]) + cube2 * table[m, 11])
+        d1 += turn1 * (table[m, 12] + q * (table[m, 13] + q * table[m, 14]) + cube2 * table[m, 15])
+        d2 = table[m, 1] + p * (table[m, 5] + p * table[m, 9]) + cube1 * table[m, 13]
+        d2 += 2.0 * q * (table[m, 2] + p * (table[m, 6] + p * table[m, 10]) + cube1 * table[m, 14])
+        d2 += turn2 * (table[m, 3] + p * (table[m, 7] + p * table[m, 11]) + cube1 * table[m, 15])
         N1[j] = per1 * d1
         N2[j] = per2 * d2
 
