@@ -77,7 +77,7 @@ def _stack(fabric, choices):
     if choices["plies"] < 1:
         raise InputError(key="--plies", value=choices["plies"], allowed="a whole number from 1 on")
     return lambda built, hooks: cases_stack.stack_compression(
-        built, fabric, choices["plies"], shift=shift, pressure=pressure, hooks=hooks
+        built, fabric, choices["plies"], shift=shift, pressure=pressure, numerics=_numerics(choices), hooks=hooks
     )
 
 
@@ -87,7 +87,9 @@ def _biaxial(fabric, choices):
     d = _two(choices["stretch"], "m", "--stretch")
     if not any(d):
         raise InputError(key="--stretch", value=choices["stretch"], allowed="a length that is not 0")
-    return lambda built, hooks: cases_cell.biaxial(built, fabric, d, failure=choices["failure"], hooks=hooks)
+    return lambda built, hooks: cases_cell.biaxial(
+        built, fabric, d, failure=choices["failure"], numerics=_numerics(choices), hooks=hooks
+    )
 
 
 def _path(fabric, choices):
@@ -96,7 +98,9 @@ def _path(fabric, choices):
     if choices["path"] is None:
         raise InputError(key="--path", allowed="given: a CSV file of corners d1, d2")
     corners = cases_path.read(choices["path"])
-    return lambda built, hooks: cases_path.along(built, fabric, corners, failure=choices["failure"], hooks=hooks)
+    return lambda built, hooks: cases_path.along(
+        built, fabric, corners, failure=choices["failure"], numerics=_numerics(choices), hooks=hooks
+    )
 
 
 def _shear(fabric, choices):
@@ -108,8 +112,14 @@ def _shear(fabric, choices):
             key="--gamma", value=choices["gamma"], allowed=f"above 0 and at most {cases_cell.STEEPEST} rad"
         )
     return lambda built, hooks: cases_cell.shear(
-        built, fabric, gamma, stretch=stretch, failure=choices["failure"], hooks=hooks
+        built, fabric, gamma, stretch=stretch, failure=choices["failure"], numerics=_numerics(choices), hooks=hooks
     )
+
+
+def _numerics(choices):
+    from unitcell3d.model import Numerics
+
+    return Numerics(friction=choices["friction"])
 
 
 CASES = {"yarn": _yarn, "plates": _plates, "stack": _stack, "biaxial": _biaxial, "path": _path, "shear": _shear}
@@ -184,6 +194,10 @@ def _shear_summary(fabric, record):
     found["rms of the fit [MPa]"] = fit.rms / 1e6
     found["gamma2 lies inside the curve"] = fit.locked
     if fabric.shear is not None:
+        slope = np.gradient(tau, gamma)
+        for part, modulus in (("G1", fabric.shear.G1), ("G2", fabric.shear.G2)):
+            stiffer = np.flatnonzero(slope >= modulus)
+            found[f"tangent modulus passes the data's {part} at [rad]"] = gamma[stiffer[0]] if stiffer.size else None
         found |= {"fabric's data (Table 4-1): " + key: value for key, value in _law(fabric.shear).items()}
     return found
 

@@ -64,6 +64,7 @@ def crossover(
     section: Annotated[Sections | None, typer.Option(help="Yarn section; the fabric's own if not given.")] = None,
     gap: Annotated[str, typer.Option(help="Gap between parallel yarns.", metavar="LENGTH")] = "0 mm",
     failure: Annotated[bool, typer.Option("--failure", help="Fibres fail at their failure strain.")] = False,
+    friction: Annotated[float, typer.Option(help="Coulomb's coefficient between yarns.", min=0)] = 0.0,
     yarn: Annotated[Family, typer.Option(help="yarn: which.")] = Family.warp,
     bars: Annotated[
         int | None, typer.Option(help="yarn: fibre lines that carry bars; all if not given.", metavar="N")
@@ -112,6 +113,7 @@ def crossover(
         section=section and section.value,
         gap=gap,
         failure=failure,
+        friction=friction,
         family=("warp", "weft").index(yarn.value),
         bars=bars,
         one_point=one_point,

@@ -98,9 +98,10 @@ def shear(pyplot, fabric, record, found):
         label = f"fabric's data: γ$_1$ {fabric.shear.gamma1:g}, γ$_2$ {fabric.shear.gamma2:g}"
         upper.plot(fine, MPA * fabric.shear.stress(fine), color=ORANGE, ls="--", lw=1.8, label=label)
     upper.set_ylim(0, 1.15 * MPA * tau.max())
+    upper.set_xlim(0, 1.02 * gamma[-1])
     upper.set_ylabel("shear stress [MPa]")
     upper.set_title(f"{fabric.name}, shear of the weave")
-    upper.legend(loc="upper left")
+    upper.legend(loc="upper left", facecolor="w", framealpha=1, frameon=True, edgecolor="w")
     lower.plot(gamma, record["F_c"][turned], color=GREEN, label="at a crossing")
     for family, (name, colour) in enumerate((("warps", WARP), ("wefts", WEFT))):
         lower.plot(gamma, record["F_side"][turned, family], color=colour, ls="--", label=f"between parallel {name}")
@@ -147,17 +148,26 @@ def deformed(mesh, record, path):
                         diffuse=0.7,
                     )
                     everything.append(nodes.reshape(-1, 3))
-        middle = np.concatenate(everything)
-        low, high = middle.min(axis=0), middle.max(axis=0)
-        centre = (low + high) / 2
-        scene.enable_parallel_projection()
-        scene.camera_position = [centre + np.array([-5.0, -7.0, 6.0]), centre, (0, 0, 1)]
-        scene.camera.parallel_scale = 0.36 * np.linalg.norm(high - low)
-        scene.reset_camera_clipping_range()
+        _aim(scene, np.concatenate(everything))
         with replace_whole(path) as beside:
             scene.screenshot(str(beside))
     finally:
         scene.close()
+
+
+def _aim(scene, points):
+    """A parallel view from above and before that the points (n, 3) fill."""
+    away = np.array([-5.0, -7.0, 6.0]) / np.linalg.norm([5.0, 7.0, 6.0])
+    right = np.cross((0, 0, 1), away)
+    right /= np.linalg.norm(right)
+    up = np.cross(away, right)
+    spans = [(points @ axis).min() + np.array([0, np.ptp(points @ axis)]) for axis in (right, up, away)]
+    centre = sum(span.mean() * axis for span, axis in zip(spans, (right, up, away)))
+    scene.enable_parallel_projection()
+    scene.camera_position = [centre + 10 * away, centre, (0, 0, 1)]
+    width, height = (np.ptp(span) for span in spans[:2])
+    scene.camera.parallel_scale = 0.53 * max(height, width * WINDOW[1] / WINDOW[0])
+    scene.reset_camera_clipping_range()
 
 
 def _bodies(mesh, record, yarns):
