@@ -79,7 +79,7 @@ class Fibres:
         if not self._fails:
             return False
         beyond = np.clip((self.strains(x) / self._limit - 1) / FADE, 0, None)
-        risen = np.minimum(beyond, 1) > self.damage + 1e-9
+        risen = np.minimum(beyond, 1) > self.damage + 1e-6
         if risen.any():
             risen &= beyond >= 0.5 * beyond[risen].max()
         beyond = np.minimum(beyond, 1)
