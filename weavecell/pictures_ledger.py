@@ -167,7 +167,7 @@ def cones(pyplot, runs):
         row, (("soft", "trellis that never locks"), ("hard", "trellis locked from the start"))
     ):
         run = runs[name]
-        taken = next((s for s in run["snapshots"] if coupling._base(s)[1] > 50e-3), run["snapshots"][-1])
+        taken = next((s for s in run["snapshots"] if coupling.base_ratio(s)[1] > 50e-3), run["snapshots"][-1])
         x, y, z = 1e3 * taken["x"], 1e3 * taken["y"], 1e3 * taken["z"].T
         full = np.block([[z[:0:-1, :0:-1], z[:0:-1]], [z[:, :0:-1], z]])
         X, Y = np.concatenate([-x[:0:-1], x]), np.concatenate([-y[:0:-1], y])
@@ -234,7 +234,7 @@ PICTURES = {
         (crossover, lambda: solids.paths("S-726"),
          "S-726, weft held: tensions of the 3D crossover and of the cell.", False),
     ),
-    "shear": ((cones, lambda: coupling._sheared(**_SHEARED),
+    "shear": ((cones, lambda: coupling.sheared(**_SHEARED),
                "S-728 struck at 100 m/s; in red the base of the cone, at 5 % of the height.", True),),
     "bias": ((angles, lambda: {name: Run.of("bias", cloth=name) for name in ("locking", "straight")},
               "Angles between warp and weft in the three zones of the bias coupon.", True),),
@@ -248,6 +248,6 @@ PICTURES = {
     ),
     "sens": ((sensitivities, lambda: sensitivity.all_three("S-728"),
               "S-728 struck at 100 m/s, with 20 % less and more of one parameter.", True),),
-    "slip": ((pulled_in, lambda: sensitivity._pulled(**_PULLED),
+    "slip": ((pulled_in, lambda: sensitivity.pulled(**_PULLED),
               "S-728 struck at 100 m/s, the weft edges drawn in over the first 200 µs.", False),),
 }  # fmt: skip

@@ -8,7 +8,7 @@ from fabrics import catalogue
 from validation.ledger.cache import Run
 from validation.ledger.checks import check, series
 from validation.ledger.checks.geometry import KEVLAR, ranked
-from validation.ledger.checks.impact import _shot, shot, told
+from validation.ledger.checks.impact import bare_shot, shot, told
 from validation.ledger.checks.waves import six
 
 MODELS = ("incompressible", "compressible", "decoupled")
@@ -16,7 +16,7 @@ MODELS = ("incompressible", "compressible", "decoupled")
 
 def _no_crimp(fabric):
     return {
-        "shell": _shot(fabric, straight=True, cell_model="decoupled"),
+        "shell": bare_shot(fabric, straight=True, cell_model="decoupled"),
         "cables": Run.of("net", fabric=fabric, velocity=100.0, straight=True),
     }
 
@@ -159,7 +159,7 @@ def largest_shear(**runs):
     }
 
 
-def _sheared(fabric, G_soft, G_hard, gamma):
+def sheared(fabric, G_soft, G_hard, gamma):
     return {
         "trellis": shot(fabric),
         "soft": shot(fabric, shear={"G1": G_soft, "G2": G_soft * 1.000001}),
@@ -168,7 +168,7 @@ def _sheared(fabric, G_soft, G_hard, gamma):
     }
 
 
-@check(_sheared)
+@check(sheared)
 def shear_laws(trellis, soft, hard, tight, fabric, **_):
     t = np.linspace(0, 400e-6, 401)
     v = {
@@ -189,13 +189,13 @@ def shear_laws(trellis, soft, hard, tight, fabric, **_):
     }
 
 
-@check(_sheared)
+@check(sheared)
 def cone_base(trellis, soft, hard, tight, fabric, **_):
     """Radius of the cone's base at 45 degrees over that along the yarns, when it has spread to half the panel."""
     found = {}
     for name, run in (("low", soft), ("high", hard)):
         for taken in run["snapshots"]:
-            ratio, axis = _base(taken)
+            ratio, axis = base_ratio(taken)
             if axis > 50e-3:
                 break
         found[name] = ratio
@@ -204,7 +204,7 @@ def cone_base(trellis, soft, hard, tight, fabric, **_):
     return found
 
 
-def _base(taken, share=0.05):
+def base_ratio(taken, share=0.05):
     from scipy.interpolate import RegularGridInterpolator
 
     z = RegularGridInterpolator((taken["x"], taken["y"]), taken["z"], bounds_error=False, fill_value=0.0)

@@ -7,15 +7,15 @@ import numpy as np
 from validation.ledger.cache import Run
 from validation.ledger.checks import check, series
 from validation.ledger.checks.geometry import KEVLAR, ranked
-from validation.ledger.checks.waves import _over_displacement, six
-from validation.ledger.checks.waves import shot as _shot
+from validation.ledger.checks.waves import shot as bare_shot
+from validation.ledger.checks.waves import six
 
 PERFORATED, STOPPED = "perforates", "stops"
 
 
 def shot(fabric, velocity=100.0, **changes):
     """Run of a shot; those at 100 m/s are shared by most checks."""
-    return _shot(fabric, velocity, snapshots=25e-6, **changes)
+    return bare_shot(fabric, velocity, snapshots=25e-6, **changes)
 
 
 def told(run):
@@ -24,8 +24,8 @@ def told(run):
 
 
 def _captions(fabric, velocity, margin=0.0):
-    runs = {"run": _shot(fabric, velocity)}
-    return runs | ({"faster": _shot(fabric, velocity + margin)} if margin else {})
+    runs = {"run": bare_shot(fabric, velocity)}
+    return runs | ({"faster": bare_shot(fabric, velocity + margin)} if margin else {})
 
 
 @check(_captions)
@@ -85,7 +85,7 @@ def kinetic_share(**runs):
     for name in KEVLAR:
         run = runs[name.replace("-", "")]
         share, some = series.ratio(run)
-        means[name] = _over_displacement(run, share, some)
+        means[name] = series.over_displacement(run, share, some)
         second = some & (run["z"] > 0.5 * run["z"][-1])
         later[name] = share[second]
     high = min(means[name] for name in ("S-745", "S-731"))
@@ -100,7 +100,7 @@ def kinetic_share(**runs):
     }
 
 
-@check(lambda fabric, velocity: {"run": _shot(fabric, velocity)})
+@check(lambda fabric, velocity: {"run": bare_shot(fabric, velocity)})
 def first_to_fail(run, fabric, velocity):
     warp, weft = run["first_failure"]
     order = ["weft", "warp"] if np.nan_to_num(weft, nan=np.inf) < np.nan_to_num(warp, nan=np.inf) else ["warp", "weft"]
@@ -158,7 +158,9 @@ def both_families(**runs):
     }
 
 
-@check(lambda fabric, velocities: {f"v{v:g}".replace(".", "_"): _shot(fabric, v, interval=0.2e-6) for v in velocities})
+@check(
+    lambda fabric, velocities: {f"v{v:g}".replace(".", "_"): bare_shot(fabric, v, interval=0.2e-6) for v in velocities}
+)
 def failure_by_speed(fabric, velocities, **runs):
     times = [np.nanmin(runs[f"v{v:g}".replace(".", "_")]["first_failure"]) for v in velocities]
     drops = np.diff(times)
@@ -171,8 +173,8 @@ def failure_by_speed(fabric, velocities, **runs):
 
 @check(
     lambda fabric: {
-        "quarter": _shot(fabric, end_time=150e-6),
-        "whole": _shot(fabric, end_time=150e-6, symmetry="whole"),
+        "quarter": bare_shot(fabric, end_time=150e-6),
+        "whole": bare_shot(fabric, end_time=150e-6, symmetry="whole"),
     }
 )
 def quarter(quarter, whole, fabric):
@@ -183,12 +185,12 @@ def quarter(quarter, whole, fabric):
     }
 
 
-@check(lambda fabric, velocity: {"run": _shot(fabric, velocity)})
+@check(lambda fabric, velocity: {"run": bare_shot(fabric, velocity)})
 def erosion(run, fabric, velocity):
     return {"eroded elements": run["eroded"] > 0, "note": f"{run['eroded']} elements of the quarter"}
 
 
-@check(lambda fabric, velocity: {"run": _shot(fabric, velocity)})
+@check(lambda fabric, velocity: {"run": bare_shot(fabric, velocity)})
 def failed_yarns(run, fabric, velocity):
     """After a perforation: what a yarn that failed still carries, and the balance of energy with all masses left."""
     T = run["yarns"]["weft"]["tension"]
