@@ -59,7 +59,7 @@ def stack(pyplot, fabric, record, found):
     axes.set_ylim(bottom=1e-3)
     axes.set_xlabel("closure of the plates per ply [µm]")
     axes.set_ylabel("mean pressure [MPa]")
-    plural = "one ply" if plies == 1 else f"{plies} plies, {record.facts['stacking']}"
+    plural = "one ply" if plies == 1 else f"{plies} plies ({record.facts['stacking']})"
     axes.set_title(f"{fabric.name}, {plural} between plates")
     axes.legend()
     return figure
