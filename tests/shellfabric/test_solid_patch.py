@@ -10,9 +10,10 @@ from fabrics.errors import InputError, UnstableError
 from meshing import crossover, patch
 from shellfabric import crossing_kernels, fibre_kernels, patch_kernels, solid_checkpoint, solid_kernels
 from shellfabric.brick import CORNERS, PATTERNS, Bricks
+from shellfabric.patch_numerics import PatchNumerics
 from shellfabric.projectile import Projectile
 from shellfabric.solid_march import ENERGIES, SAMPLES, SolidMarch
-from shellfabric.solid_patch import PatchNumerics, SolidPatch, _corners
+from shellfabric.solid_patch import SolidPatch, _corners
 
 FABRIC = catalogue.load("S-720")
 SIZE = (2, 2, 1)

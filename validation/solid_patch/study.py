@@ -16,8 +16,9 @@ from fabrics.errors import InputError
 from fabrics.files import replace_whole
 from meshing import patch
 from shellfabric import impact
+from shellfabric.patch_numerics import PatchNumerics
 from shellfabric.solid_march import SAMPLES, SolidMarch
-from shellfabric.solid_patch import PatchNumerics, SolidPatch
+from shellfabric.solid_patch import SolidPatch
 
 FORMAT = "weavecell solid patch 1"
 SOURCE_SECONDS, SOURCE_PROCESSORS = 157_424, 3  # Table 4-3
