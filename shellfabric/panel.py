@@ -27,7 +27,7 @@ SYMMETRIES = {"quarter": (True, True), "half": (True, False), "whole": (False, F
 Constants = namedtuple(
     "Constants",
     "ni nj s block per mirror_x mirror_y x0 y0 dx dy rx0 ry0 dt "
-    "tension1 tension2 potential x0t rx top1 y0t ry top2 across per1 per2 variational "
+    "tension1 tension2 potential x0t rx top1 y0t ry top2 grid per1 per2 variational "
     "cv1 cv2 V G1 G2 gamma1 gamma2 w1 S01 EA1 w2 S02 EA2 strength1 strength2 lag widest "
     "near points point_stiffness point_damping R rho projectile_mass free idle_steps "
     "shape form length frame tilted roaming depth reach top shoulder friction rim_node rim_axis rim",
@@ -40,8 +40,7 @@ State = namedtuple(
 )
 Work = namedtuple(
     "Work",
-    "A B l1 l2 i1 i2 m1 m2 p1 p2 p3 p4 q1 q2 q3 q4 T1 T2 N1 N2 own1 own2 given1 given2 force1 force2 on1 on2 "
-    "sine slope turn1 turn2 cross X Y x v",
+    "A B l1 l2 i1 i2 m1 m2 T1 T2 N1 N2 own1 own2 given1 given2 on1 on2 turn1 turn2 cross x v",
 )
 
 
@@ -229,7 +228,11 @@ class Panel:
             tension1=table.tension1.reshape(-1, 4), tension2=table.tension2.reshape(-1, 4),
             potential=table.potential.reshape(-1, 16),
             x0t=table.stretch1[0], rx=rx, top1=table.stretch1.size - 2,
-            y0t=table.stretch2[0], ry=ry, top2=table.stretch2.size - 2, across=float(table.stretch2.size - 1),
+            y0t=table.stretch2[0], ry=ry, top2=table.stretch2.size - 2,
+            grid=(
+                table.stretch1[0], rx, table.stretch1.size - 2.0, table.stretch2[0], ry, table.stretch2.size - 2.0,
+                table.stretch2.size - 1.0,
+            ),
             per1=rx / (2 * w1), per2=ry / (2 * w2), variational=table.model.form == "variational",
             cv1=knobs.stretch_viscosity * lag * warp.EA, cv2=knobs.stretch_viscosity * lag * weft.EA,
             V=dx * dy * weave.thickness, G1=G1, G2=G2, gamma1=gamma1, gamma2=gamma2,
@@ -250,7 +253,7 @@ class Panel:
         """The panel at rest, flat at z = 0, touched by the projectile that flies at it at `strike_velocity` [m/s]."""
         const = self.constants()
         ni, s = const.ni, const.s
-        slots = (ni + 1) * s + 16
+        slots = (ni + 2) * s + 16
         mass, inverse = np.zeros(slots), np.zeros(slots)
         mass[: (ni + 1) * s] = self.masses().ravel()
         loose = np.flatnonzero(edges.loose(self))
@@ -289,7 +292,7 @@ class Panel:
     def work(self) -> Work:
         """Scratch for one block of elements."""
         const = self.constants()
-        size = (const.block + 4) * const.s
+        size = (const.block + 4) * const.s + 16
         shapes = dict.fromkeys(("A", "B"), (3, size)) | dict.fromkeys(("x", "v"), (4, 3))
         rows = {name: np.zeros(shapes.get(name, size)) for name in Work._fields}
         return Work(**{name: tuple(part) if name in ("A", "B") else part for name, part in rows.items()})
