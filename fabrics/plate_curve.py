@@ -68,18 +68,24 @@ class PlateCurve:
         return np.interp(np.log(pressure), np.log(self.pressure), self.closure)
 
     @classmethod
-    def pressure_law(cls, areal_density) -> PlateCurve:
-        """The source's law for one ply of a Kevlar 129 plain weave.
+    def pressure_law(cls, areal_density, plies=1) -> PlateCurve:
+        """The source's law for a Kevlar 129 plain weave: one ply, or a pack of 4, 8 or 16 (Table 2-2, erratum E-02).
 
         Parameters
         ----------
-        areal_density : [kg/m2] measured
+        areal_density : [kg/m2] of one ply, measured
+        plies : number; the closure is that of the whole pack
 
         Raises
         ------
-        InputError : the areal density is below that where K'' vanishes
+        InputError : the areal density is below that where K'' vanishes, or a pack that was not tested
         """
         content = tomllib.loads(_LAW.read_text(encoding="utf-8"))
+        packs = content.pop("plies")
+        if plies != 1:
+            if str(plies) not in packs:
+                raise InputError(key="plies", value=plies, allowed="1, 4, 8 or 16, of which packs were tested")
+            content |= packs[str(plies)]
         law = {key: si(content[key]["value"], unit, file=_LAW, key=key) for key, unit in _UNITS.items()}
         K = law["c1"] * areal_density**3 + law["c2"]
         if not K > 0:
@@ -91,7 +97,8 @@ class PlateCurve:
             )
         pressure = np.geomspace(law["start"], law["peak"], SAMPLES) / law["platen"] ** 2
         closure = np.cbrt(K) * (pressure[0] ** (-1 / 3) - pressure ** (-1 / 3))
-        return cls(pressure, closure, f"pressure law of thesis eq. 2-6 at {1e3 * areal_density:.1f} g/m2")
+        pack = "" if plies == 1 else f", {plies} plies (Table 2-2)"
+        return cls(pressure, closure, f"pressure law of thesis eq. 2-6 at {1e3 * areal_density:.1f} g/m2{pack}")
 
     @classmethod
     def read(cls, path) -> PlateCurve:

@@ -63,7 +63,7 @@ def build(
     width : (warp, weft) [m] instead of a gap; these widths are kept whatever the overlap (conforming: not exceeded)
     bluntness : [-] thickness of the cut tips over that of the middle
     overlap : "solve" or "refuse" an overlap too large for a shift (`meshing.closing`)
-    crimp : "hand" measured, or "micrograph" (source thesis Tables 2-1 and A-2)
+    crimp : "hand" measured, "micrograph" (source thesis Tables 2-1 and A-2), or (warp, weft) [-]
     end_shells : [m] thickness of shells on the yarn ends (source thesis Figure A-8), or None
 
     Raises

@@ -77,14 +77,20 @@ def counts(value):
 
 
 def crimped(fabric, crimp):
-    """The fabric with its crimp measured by hand, or read from micrographs (source thesis Tables 2-1 and A-2).
+    """The fabric with its crimp measured by hand, read from micrographs (source thesis Tables 2-1 and A-2), or given.
 
     The source's own crossover of S-720 uses both: by hand in Figure 3-7, from micrographs in Table A-3 (erratum E-27).
 
+    Parameters
+    ----------
+    crimp : "hand", "micrograph", or (warp, weft) [-]
+
     Raises
     ------
-    InputError : another word, or the fabric has no micrographs
+    InputError : another word, the fabric has no micrographs, or a crimp that is no fraction from 0 to below 1
     """
+    if not isinstance(crimp, str):
+        return _with_crimps(fabric, _two("crimp", crimp, "two fractions, of warp and weft"))
     one_of("crimp", crimp, ("hand", "micrograph"))
     if crimp == "hand":
         return fabric
@@ -92,10 +98,21 @@ def crimped(fabric, crimp):
         raise InputError(
             f"fabric {fabric.name} has no micrographs of warp and weft: its crimp is that measured by hand"
         )
-    warp, weft = (
-        replace(yarn, crimp=fabric.micrograph[name]["crimp"]) for name, yarn in zip(YARNS, fabric.weave.yarns)
-    )
+    return _with_crimps(fabric, [fabric.micrograph[name]["crimp"] for name in YARNS])
+
+
+def _with_crimps(fabric, crimps):
+    warp, weft = (replace(yarn, crimp=crimp) for yarn, crimp in zip(fabric.weave.yarns, crimps))
     return replace(fabric, weave=replace(fabric.weave, warp=warp, weft=weft))
+
+
+def _two(key, value, allowed):
+    """The two numbers of a pair."""
+    try:
+        warp, weft = map(float, value)
+    except (TypeError, ValueError):
+        raise InputError(key=key, value=value, allowed=allowed) from None
+    return warp, weft
 
 
 def thickness(key, value):
@@ -125,14 +142,11 @@ def widths(weave, gap, width):
         return [s - gap for s in spacing]
     if gap:
         raise InputError(key="gap", value=gap, allowed="0 where the widths are given")
-    try:
-        warp, weft = width
-    except (TypeError, ValueError):
-        raise InputError(key="width", value=width, allowed="two lengths, of warp and weft") from None
+    warp, weft = _two("width", width, "two lengths, of warp and weft")
     for name, value, high in zip(YARNS, (warp, weft), spacing):
         if not (_number(value) and 0 < value <= high * (1 + 1e-12)):
             raise InputError(key=f"{name} width", value=value, allowed=f"above 0 and at most the spacing, {high:.4g} m")
-    return [float(warp), float(weft)]
+    return [warp, weft]
 
 
 def fractions(fabric):

@@ -23,6 +23,7 @@ from meshing import grid
 from meshing.box import transfinite_box
 from meshing.closing import Closing
 from meshing.inputs import YARNS
+from meshing.overlap import least_gap
 from meshing.quality import scaled_jacobian
 from meshing.rest import RestMaterial
 
@@ -149,6 +150,11 @@ class YarnMesh:
     @property
     def min_scaled_jacobian(self) -> float:
         return float(self.scaled_jacobian.min())
+
+    @cached_property
+    def least_gap(self) -> float:
+        """[m] between the meshed surfaces of crossing yarns; negative where their facets overlap."""
+        return least_gap(self)
 
 
 def place(family, s, centre, y, heights, across=0.0):

@@ -37,7 +37,7 @@ def picture(crossover, path):
             ambient=0.42,
             diffuse=0.72,
         )
-    _aim(scene, crossover)
+    aim(scene, crossover.points * 1e3, VIEWS[crossover.domain], WINDOW)
     _caption(scene, crossover)
     try:
         with replace_whole(path) as beside:
@@ -61,16 +61,15 @@ def _solid(crossover, index):
     return pyvista.UnstructuredGrid({pyvista.CellType.HEXAHEDRON: hexes}, crossover.points * 1e3)
 
 
-def _aim(scene, crossover):
-    """Parallel projection along the domain's view; the crossover fills the window above the caption."""
-    points = crossover.points * 1e3
-    toward = np.array(VIEWS[crossover.domain]) / np.linalg.norm(VIEWS[crossover.domain])
+def aim(scene, points, view, window, foot=FOOT):
+    """Parallel projection along a view; the points [mm] fill the window above a foot kept free."""
+    toward = np.array(view) / np.linalg.norm(view)
     right = np.cross((0, 0, 1), toward)
     right /= np.linalg.norm(right)
     up = np.cross(toward, right)
     (left, bottom), (far, top) = (f(points @ np.stack([right, up], axis=1), axis=0) for f in (np.min, np.max))
-    scale = max((top - bottom) / (1 - FOOT - 2 * MARGIN), (far - left) * WINDOW[1] / WINDOW[0] / (1 - 2 * MARGIN)) / 2
-    middle = (left + far) / 2 * right + ((bottom + top) / 2 - FOOT * scale) * up
+    scale = max((top - bottom) / (1 - foot - 2 * MARGIN), (far - left) * window[1] / window[0] / (1 - 2 * MARGIN)) / 2
+    middle = (left + far) / 2 * right + ((bottom + top) / 2 - foot * scale) * up
     scene.enable_parallel_projection()
     scene.camera_position = [tuple(middle + 10 * scale * toward), tuple(middle), (0, 0, 1)]
     scene.camera.parallel_scale = scale

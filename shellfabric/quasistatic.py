@@ -1,58 +1,28 @@
 """Quasi-static tests on coupons: bias extension, picture frame, uniaxial and biaxial tension.
 
-Each test cuts a coupon (`coupon`), holds some of its nodes, moves them step by step and relaxes the rest (`relax`).
-A run names what has gone wrong with it: yarns that have passed one another, shear that has run into bands (source
-thesis section 4.4.3, Figure 4-27), no equilibrium.
+Each test cuts a coupon (`coupon`), holds some of its nodes, moves them step by step and relaxes the rest
+(`coupon_run`). A run names what has gone wrong with it: yarns that have passed one another, shear that has run into
+bands (source thesis section 4.4.3, Figure 4-27), no equilibrium. Keywords `relaxing` go to `coupon_run.run`.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from math import asin, pi, sqrt
 
 import numpy as np
 
 from fabrics.errors import InputError, UnstableError
-from shellfabric import relax
 from shellfabric.cell import CellTable
 from shellfabric.coupon import Coupon, cut
+from shellfabric.coupon_run import Result, at_strength, no_fold, run
 
 ZONES = ("A", "B", "C")
 BANDS = 3.0  # `concentration` above which shear is in bands; a coupon that shears as one stays below 1.5
-FLOOR = 1e-4  # of a yarn's strength, for each held node: the reaction below which a coupon counts as unloaded
-
-
-@dataclass(frozen=True)
-class Result:
-    """A test that has been run.
-
-    Parameters
-    ----------
-    coupon : Coupon
-    grips : (n,) int, number of the grip that holds a node, from 1; 0 is free
-    states : of `relax.pull`, one a load step
-    moved : (steps,) what was prescribed: elongation [m], shear angle [rad] or strain [-]
-    outcome : "complete" or "yarn at its strength"
-    """
-
-    coupon: Coupon
-    grips: np.ndarray
-    states: tuple[relax.State, ...]
-    moved: np.ndarray
-    outcome: str
-
-    def force(self, grip, axis):
-        """(steps,) [N] of a grip on the coupon, along axis 0 or 1."""
-        return np.array([state.reaction[self.grips == grip, axis].sum() for state in self.states])
-
-    def shear(self, step=-1):
-        """(q,) [rad] shear angles after a step."""
-        return self.coupon.shear_angles(self.states[step].x)
 
 
 def bias_extension(
     table: CellTable, *, length=0.1435, width=0.074, elongation=0.010, steps=20, elements_per_crossover=1,
-    trellis=True, tolerance=1e-4, most_iterations=50_000, progress=None,
+    trellis=True, **relaxing,
 ) -> Result:  # fmt: skip
     """Pull a coupon whose yarns run at 45 degrees to the load; yarns do not fail (source thesis section 4.4.3).
 
@@ -66,29 +36,15 @@ def bias_extension(
     elongation : [m] of the coupon as a whole
     steps : load steps
     elements_per_crossover, trellis : see `coupon.cut`
-    tolerance, most_iterations, progress : see `relax.pull`
 
     Raises
     ------
     InputError : a coupon that is not longer than wide
     UnstableError : shear in bands, yarns that passed one another, no equilibrium; its attribute `result` holds the run
     """
-    if not length > width > 0:
-        raise InputError(key="length", value=length, allowed=f"above the width, {width:g} m")
-    length, width, offset = _fit_diagonals(table, length, width, elements_per_crossover)
-    slack, row = 1e-6 * width, 1.01 * sum(table.model.fabric.weave.w) * sqrt(2) / elements_per_crossover
-    coupon = cut(
-        table,
-        lambda x, y: (np.abs(y) < length / 2 + row / 2 + slack) & (np.abs(x) < width / 2 + slack),
-        length,
-        angle=pi / 4,
-        offset=offset,
-        elements_per_crossover=elements_per_crossover,
-        trellis=trellis,
-    )
-    y = coupon.points[:, 1]
-    grips = np.where(y > length / 2 - slack, 1, np.where(y < -length / 2 + slack, 2, 0))
-    centre = zones(coupon, length, width) == ZONES.index("C")
+    coupon, grips, (length, width) = bias_coupon(table, length, width, elements_per_crossover, trellis)
+    inextensible_shear(length, width, elongation)  # refuses what aligned yarns would not allow
+    y, centre = coupon.points[:, 1], zones(coupon, length, width) == ZONES.index("C")
 
     def no_bands(state):
         gamma = np.abs(coupon.shear_angles(state.x))
@@ -105,9 +61,26 @@ def bias_extension(
     def path(load):
         return coupon.points + 0.5 * load * elongation * np.stack([0 * y, np.sign(y)], axis=1)
 
-    return _run(
-        coupon, grips, path, elongation, steps, (no_bands, _no_fold(coupon)), tolerance, most_iterations, progress
+    return run(coupon, grips, path, elongation, steps, (no_bands, no_fold(coupon)), **relaxing)
+
+
+def bias_coupon(table, length, width, elements_per_crossover=1, trellis=True):
+    """(Coupon, (n,) its grips, (length, width) [m] as meshed) of a bias test; arguments as of `bias_extension`."""
+    if not length > width > 0:
+        raise InputError(key="length", value=length, allowed=f"above the width, {width:g} m")
+    length, width, offset = _fit_diagonals(table, length, width, elements_per_crossover)
+    slack, row = 1e-6 * width, 1.01 * sum(table.model.fabric.weave.w) * sqrt(2) / elements_per_crossover
+    coupon = cut(
+        table,
+        lambda x, y: (np.abs(y) < length / 2 + row / 2 + slack) & (np.abs(x) < width / 2 + slack),
+        length,
+        angle=pi / 4,
+        offset=offset,
+        elements_per_crossover=elements_per_crossover,
+        trellis=trellis,
     )
+    y = coupon.points[:, 1]
+    return coupon, np.where(y > length / 2 - slack, 1, np.where(y < -length / 2 + slack, 2, 0)), (length, width)
 
 
 def zones(coupon: Coupon, length, width):
@@ -143,16 +116,16 @@ def inextensible_shear(length, width, elongation):
     return asin(sine)
 
 
-def picture_frame(
-    table: CellTable, *, cells=8, shear=0.6, steps=12, tolerance=1e-4, most_iterations=50_000, progress=None
-) -> Result:
+def picture_frame(table: CellTable, *, cells=8, shear=0.6, steps=12, elements_per_crossover=1, **relaxing) -> Result:
     """Shear a square in a hinged frame that keeps the yarns' lengths, to the angle `shear` [rad] (Figure 4-24)."""
     if not 0 < shear < pi / 2:
         raise InputError(key="shear", value=shear, allowed="above 0 and below pi/2")
     half = [cells * w for w in table.model.fabric.weave.w]
     slack = 1e-6 * min(half)
-    coupon = cut(table, lambda x, y: (np.abs(x) < half[0] + slack) & (np.abs(y) < half[1] + slack), max(half),
-                 offset=(0.5 * (cells % 2),) * 2)  # fmt: skip
+    coupon = cut(
+        table, lambda x, y: (np.abs(x) < half[0] + slack) & (np.abs(y) < half[1] + slack), max(half),
+        elements_per_crossover=elements_per_crossover, offset=_about((cells, cells), elements_per_crossover),
+    )  # fmt: skip
     x, y = coupon.points.T
     grips = ((np.abs(x) > half[0] - slack) | (np.abs(y) > half[1] - slack)).astype(int)
 
@@ -160,7 +133,7 @@ def picture_frame(
         c, s = np.cos(0.5 * load * shear), np.sin(0.5 * load * shear)
         return np.stack([c * x + s * y, s * x + c * y], axis=1)
 
-    return _run(coupon, grips, path, shear, steps, (_no_fold(coupon),), tolerance, most_iterations, progress)
+    return run(coupon, grips, path, shear, steps, (no_fold(coupon),), **relaxing)
 
 
 def frame_stress(result: Result):
@@ -176,7 +149,7 @@ def frame_stress(result: Result):
 
 def uniaxial(
     table: CellTable, *, direction="warp", length=0.10, width=0.03, strain=0.03, steps=15, failure=True,
-    tolerance=1e-4, most_iterations=50_000, progress=None,
+    elements_per_crossover=1, **relaxing,
 ) -> Result:  # fmt: skip
     """Pull a strip along x, the direction of its warp or weft yarns, between clamps, with free sides.
 
@@ -189,22 +162,24 @@ def uniaxial(
     many = [max(2, round(size / (2 * w))) for size, w in zip((length, width), pitch)]
     half = [n * w for n, w in zip(many, pitch)]
     slack = 1e-6 * min(half)
-    offset = tuple(0.5 * (n % 2) for n in (many if direction == "warp" else many[::-1]))
-    coupon = cut(table, lambda x, y: (np.abs(x) < half[0] + slack) & (np.abs(y) < half[1] + slack), max(half),
-                 angle=turn[direction], offset=offset)  # fmt: skip
+    coupon = cut(
+        table, lambda x, y: (np.abs(x) < half[0] + slack) & (np.abs(y) < half[1] + slack), max(half),
+        angle=turn[direction], elements_per_crossover=elements_per_crossover,
+        offset=_about(many if direction == "warp" else many[::-1], elements_per_crossover),
+    )  # fmt: skip
     x, y = coupon.points.T
     grips = np.where(x > half[0] - slack, 1, np.where(x < -half[0] + slack, 2, 0))
 
     def path(load):
         return np.stack([x * (1 + load * strain), y], axis=1)
 
-    hooks = (_no_fold(coupon), _at_strength(coupon)) if failure else (_no_fold(coupon),)
-    return _run(coupon, grips, path, strain, steps, hooks, tolerance, most_iterations, progress)
+    hooks = (no_fold(coupon), at_strength(coupon)) if failure else (no_fold(coupon),)
+    return run(coupon, grips, path, strain, steps, hooks, **relaxing)
 
 
 def biaxial(
     table: CellTable, *, strain=(0.01, 0.01), centre=12, arm=8, drawn=True, steps=12, failure=True,
-    tolerance=1e-4, most_iterations=50_000, progress=None,
+    elements_per_crossover=1, **relaxing,
 ) -> Result:  # fmt: skip
     """Pull a cross-shaped specimen by its four arms, the warp along x (source thesis section 5.3, Figure 5-58).
 
@@ -227,7 +202,10 @@ def biaxial(
     def woven(x, y):
         return np.abs(y) < half[1], np.abs(x) < half[0]
 
-    coupon = cut(table, outline, max(full), woven=woven if drawn else None, offset=(0.5 * (centre % 2),) * 2)
+    coupon = cut(
+        table, outline, max(full), woven=woven if drawn else None, elements_per_crossover=elements_per_crossover,
+        offset=_about((centre, centre), elements_per_crossover),
+    )  # fmt: skip
     x, y = coupon.points.T
     grips = np.select(
         [x > full[0] - slack, x < -full[0] + slack, y > full[1] - slack, y < -full[1] + slack], [1, 2, 3, 4]
@@ -236,8 +214,8 @@ def biaxial(
     def path(load):
         return coupon.points * (1 + load * np.asarray(strain) * np.stack([grips < 3, grips > 2], axis=1))
 
-    hooks = (_no_fold(coupon), _at_strength(coupon)) if failure else (_no_fold(coupon),)
-    return _run(coupon, grips, path, max(strain), steps, hooks, tolerance, most_iterations, progress)
+    hooks = (no_fold(coupon), at_strength(coupon)) if failure else (no_fold(coupon),)
+    return run(coupon, grips, path, max(strain), steps, hooks, **relaxing)
 
 
 def middle_strain(result: Result, half):
@@ -247,25 +225,6 @@ def middle_strain(result: Result, half):
     for state in result.states:
         found.append([L[part].mean() - 1 for L, part in zip(coupon.stretches(state.x), inside)])
     return np.array(found)
-
-
-def _run(coupon, grips, path, size, steps, hooks, tolerance, most_iterations, progress):
-    """Pull a coupon and pack the result; an instability keeps it too."""
-    loads = np.arange(1, steps + 1) / steps
-    held = grips > 0
-    strength = max(yarn.strength for yarn in coupon.weave.yarns)
-    floor = FLOOR * strength * sqrt(held.sum())
-
-    def pack(states, outcome):
-        return Result(coupon, grips, states, size * np.array([state.load for state in states]), outcome)
-
-    try:
-        states, ended = relax.pull(coupon, coupon.points, held, path, loads, tolerance=tolerance, floor=floor,
-                            most_iterations=most_iterations, hooks=hooks, progress=progress)  # fmt: skip
-    except UnstableError as problem:
-        problem.result = pack(problem.states, "unstable")
-        raise
-    return pack(states, "yarn at its strength" if ended else "complete")
 
 
 def _fit_diagonals(table, length, width, m):
@@ -278,23 +237,6 @@ def _fit_diagonals(table, length, width, m):
     return 2 * rows * step, 2 * columns * step, ((rows + columns) % 2 / 2,) * 2
 
 
-def _no_fold(coupon):
-    def hook(state):
-        gamma = coupon.shear_angles(state.x)
-        worst = int(np.argmax(np.abs(gamma)))
-        if abs(gamma[worst]) >= pi / 2:
-            raise UnstableError(
-                "an element has folded: its yarns have passed one another",
-                where=f"element {worst}",
-                when=f"at {state.load:.3g} of the load",
-            )
-
-    return hook
-
-
-def _at_strength(coupon):
-    def hook(state):
-        tensions, yarns = coupon.tensions(state.x), coupon.weave.yarns
-        return any(T.max() >= yarn.strength for T, yarn in zip(tensions, yarns))
-
-    return hook
+def _about(crossovers, elements_per_crossover):
+    """Offset that centres a coupon of so many crossovers on the origin."""
+    return tuple(0.5 * (many * elements_per_crossover % 2) for many in crossovers)

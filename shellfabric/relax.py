@@ -109,6 +109,7 @@ def pull(
     most_iterations=50_000,
     hooks=(),
     progress=None,
+    done=(),
 ) -> tuple[tuple[State, ...], bool]:
     """Move the supports of a body step by step and relax it at each.
 
@@ -124,7 +125,8 @@ def pull(
     loads : rising shares of the path
     tolerance, floor, most_iterations : as in `settle`
     hooks : called as hook(state) after every step; one may end the run by an UnstableError, or by returning True
-    progress : called as progress(state) likewise, its answer is not read
+    progress : called as progress(state) after every step that the run goes on from
+    done : states of the first loads, from an interrupted run: the others come out as they would have, bit for bit
 
     Returns
     -------
@@ -136,7 +138,16 @@ def pull(
         was refused last
     """
     states, last, before, ended = [], (0.0, np.array(x, float)), None, False
-    for load in loads:
+
+    def go_on(state):
+        nonlocal last, before
+        loaded = state.history[-1, 1] > floor
+        before, last = (last if loaded else None), (state.load, state.x)
+        states.append(state)
+
+    for state in done:
+        go_on(state)
+    for load in loads[len(states) :]:
         target = path(load)
         if before is None:
             start = last[1] + body.spread(np.where(held[:, None], target - last[1], 0.0), held)
@@ -146,9 +157,6 @@ def pull(
         state = settle(
             body.forces, start, held, tolerance=tolerance, floor=floor, most_iterations=most_iterations, load=load
         )
-        states.append(state)
-        if progress is not None:
-            progress(state)
         try:
             if not np.isfinite(state.residual):
                 raise UnstableError("the forces are no longer finite", when=f"at {load:.3g} of the load")
@@ -162,12 +170,13 @@ def pull(
                     when=f"at {load:.3g} of the load",
                 )
         except UnstableError as problem:
-            problem.states = tuple(states)
+            problem.states = (*states, state)
             raise
+        go_on(state)
         if ended:
             break
-        loaded = state.history[-1, 1] > floor
-        before, last = (last if loaded else None), (load, state.x)
+        if progress is not None:
+            progress(state)
     return tuple(states), ended
 
 

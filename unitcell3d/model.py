@@ -1,9 +1,10 @@
-"""The quasi-static crossover: solid yarns, fibre bars and contact as residual and tangent of one set of unknowns.
+"""Quasi-static yarns: solids, fibre bars and contact as residual and tangent of one set of unknowns.
 
     r(q, load) = C^T [ solid(u) + bars(u) + contact(u) + plates(u) ] = 0,   u = C q + drive d
 
-(source thesis chapter 3; `yarn_law`, `bars_kernels`, `contact_kernels`, `constraints` hold the equations). A quarter
-crossover is half of each yarn's width and length: its axial end forces count twice, its vertical forces four times.
+(source thesis chapter 3; `yarn_law`, `bars_kernels`, `contact_kernels`, `constraints` hold the equations). Any set of
+yarns is a `YarnsModel`; the crossover is one of them. A quarter crossover is half of each yarn's width and length: its
+axial end forces count twice, its vertical forces four times.
 """
 
 from __future__ import annotations
@@ -13,9 +14,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from fabrics.errors import InputError
-from unitcell3d import bars_kernels, constraints, yarn_law
+from unitcell3d import constraints, yarn_law
 from unitcell3d.compat import Assembler, HexSpace
 from unitcell3d.contact import FacingSurfaces, Plates
+from unitcell3d.fibres import Fibres
 from unitcell3d.pattern import Pattern
 
 # a weft brick's local axes run along i, k, j; the law wants the fibre, across, through in both yarns
@@ -57,6 +59,11 @@ class Load:
     d: tuple = (0.0, 0.0)
     plates: float = np.inf
 
+    @property
+    def drive(self):
+        """(2,) what the prescribed displacements are proportional to."""
+        return self.d
+
     def towards(self, other, share):
         """The load at `share` of the way to another."""
         d = tuple(a + share * (b - a) for a, b in zip(self.d, other.d))
@@ -64,35 +71,38 @@ class Load:
         return Load(d, plates)
 
 
-class CrossoverModel:
-    """A meshed crossover with its laws; holds scratch arrays, and no history: forces depend on the unknowns alone.
+class YarnsModel:
+    """Meshed yarns with their laws; holds scratch arrays, and no history but the damage of fibres that may fail.
 
     Parameters
     ----------
-    crossover : meshing.crossover.Crossover
+    mesh : meshing.mesh.YarnMesh
     fabric : Fabric, with solid laws
     numerics : Numerics
+    held : constraints.Constraints
+    surfaces : contact.FacingSurfaces, or pairs.SurfacePairs
+    plates : contact.Plates, or None
+    points : (n, 3) [m] nodes, the mesh's first; more where contact has images of yarns
+    copies : of axial and of vertical forces, that the domain stands for
+    integration : yarn_law.FULL or yarn_law.ONE_POINT
+    failure : fibres fail
 
     Raises
     ------
     InputError : the fabric has no solid laws, or is not the one that was meshed
     """
 
-    def __init__(self, crossover, fabric, numerics=None):
-        if fabric.solids is None:
-            raise InputError(f"fabric {fabric.name} has no [solid] tables, which a 3D crossover needs")
-        if crossover.fabric != fabric.name:
-            raise InputError(key="fabric", value=fabric.name, allowed=f"the meshed one, {crossover.fabric}")
-        self.crossover, self.fabric = crossover, fabric
+    def __init__(
+        self, mesh, fabric, numerics, held, surfaces, plates, *,
+        points=None, copies=(1.0, 1.0), integration=yarn_law.FULL, failure=False,
+    ):  # fmt: skip
+        check(mesh, fabric)
+        self.crossover, self.fabric = mesh, fabric
         self.numerics = Numerics() if numerics is None else numerics
-        self.points = np.ascontiguousarray(crossover.points, float)
-        quarter = crossover.domain == "quarter"
-        self.copies = (2.0, 4.0) if quarter else (1.0, 1.0)  # of axial and of vertical forces
-        self.constraints = constraints.build(crossover.grids, len(self.points), quarter=quarter)
-        self._solid(crossover, fabric)
-        self._fibres(crossover, fabric)
-        self.surfaces = FacingSurfaces(self.points, crossover.grids, quarter)
-        self.plates = Plates(self.points, crossover.grids)
+        self.points = np.ascontiguousarray(mesh.points if points is None else points, float)
+        self.copies, self.constraints, self.surfaces, self.plates = copies, held, surfaces, plates
+        self.fibres = Fibres(mesh, fabric, failure)
+        self._solid(mesh, fabric, integration)
         self._lay_out(self.surfaces.expected())
 
     @property
@@ -100,39 +110,35 @@ class CrossoverModel:
         """Number of unknowns."""
         return self.constraints.size
 
-    def _solid(self, crossover, fabric):
-        hexes = np.concatenate(
-            [crossover.hexes[crossover.yarn == yarn][:, ACROSS_BEFORE_THROUGH[yarn]] for yarn in (0, 1)]
-        )
-        self.hexes = hexes
-        # the mesher may have had to densify a yarn to make room for the other (Crossover.Vf0)
-        laws = [replace(law, Vf0=Vf0) for law, Vf0 in zip(fabric.solids, crossover.Vf0)]
-        parameters = np.array([(law.E_a, law.a_E, law.b_E, law.Vf0, law.V_c, law.G) for law in laws])
-        self._space = HexSpace.build(self.points, hexes)
-        cells = parameters[np.repeat([0, 1], np.bincount(crossover.yarn))]
-        self._solids = Assembler(self._space, *yarn_law.forms(self._space, cells))
+    @property
+    def bar_yarn(self):
+        """(b,) number of the yarn of each bar."""
+        return self.fibres.yarn
 
-    def _fibres(self, crossover, fabric):
-        self.bars = np.concatenate(crossover.bars).astype(np.int64)
-        self.bar_yarn = np.repeat([0, 1], [len(pairs) for pairs in crossover.bars])
-        area = np.concatenate(crossover.bar_area)
-        modulus = np.array([yarn.E for yarn in fabric.weave.yarns])[self.bar_yarn]
-        edge = self.points[self.bars[:, 1]] - self.points[self.bars[:, 0]]
-        self.bar_length = np.linalg.norm(edge, axis=1)
-        self.bar_stiffness = modulus * area
-        self._bar_share = area * self.bar_length
+    def _solid(self, mesh, fabric, integration):
+        family = np.asarray(mesh.families)[mesh.yarn]
+        self.hexes = np.where(
+            family[:, None] == 0, mesh.hexes[:, ACROSS_BEFORE_THROUGH[0]], mesh.hexes[:, ACROSS_BEFORE_THROUGH[1]]
+        )
+        # the mesher may have had to densify a yarn to make room for the other (YarnMesh.Vf0)
+        laws = [replace(law, Vf0=Vf0) for law, Vf0 in zip(fabric.solids, mesh.Vf0)]
+        parameters = np.array([(law.E_a, law.a_E, law.b_E, law.Vf0, law.V_c, law.G) for law in laws])
+        self._real = len(mesh.points)
+        self._space = HexSpace.build(mesh.points, self.hexes)
+        self._solids = Assembler(self._space, *yarn_law.forms(self._space, parameters[family], integration))
 
     def _lay_out(self, contact):
         """Lay out the tangent for the solids and the contact stencils expected or met so far."""
         self._contact = contact
         self.pattern = Pattern(len(self.points), [self.hexes, contact], self.constraints)
         self._solid_places = self.pattern.scalar_places(self._solids.rows, self._solids.columns)
-        self._bar_places = self.pattern.places(self.bars)
-        self._plate_places = [self.pattern.places(nodes[:, None])[:, 0, 0] for nodes, _ in self.plates.faces]
+        self._bar_places = self.pattern.places(self.fibres.pairs)
+        faces = () if self.plates is None else self.plates.faces
+        self._plate_places = [self.pattern.places(nodes[:, None])[:, 0, 0] for nodes, _ in faces]
 
     def positions(self, q, load):
         """(n, 3) [m] deformed positions."""
-        return self.points + self.constraints.displacement(q, load.d)
+        return self.points + self.constraints.displacement(q, load.drive)
 
     def forces(self, q, load):
         """Internal forces (n, 3) [N] and the vertical forces of contact and plates.
@@ -144,39 +150,35 @@ class CrossoverModel:
         plates : (2,) [N] on the upper and the lower plate
         """
         x = self.positions(q, load)
-        self._space.set_displacement(x - self.points)
-        forces = self._solids.residual()
-        n = self.numerics
-        bars_kernels.bar_forces(
-            x, self.bars, self.bar_length, self.bar_stiffness, n.slack_stiffness, n.slack_width, forces
-        )
-        values = self.pattern.values
-        contact = self.surfaces.touch(x, n, forces, None, values)
-        return forces, contact, self.plates.press(x, load.plates, n, forces, None, values)
+        self._deform(x)
+        forces = np.zeros_like(x)
+        forces[: self._real] = self._solids.residual()
+        self.fibres.forces(x, self.numerics, forces)
+        contact = self.surfaces.touch(x, self.numerics, forces, None, self.pattern.values)
+        return forces, contact, self._press(x, load, forces)
 
     def system(self, q, load):
         """Assemble the tangent into `pattern`; returns True where its pattern had to grow."""
         grown = self._grow_pattern()
         x, n, pattern = self.positions(q, load), self.numerics, self.pattern
-        self._space.set_displacement(x - self.points)
+        self._deform(x)
         pattern.values[:] = 0
         pattern.values.reshape(-1)[self._solid_places] += self._solids.tangent()
-        bars_kernels.bar_tangent(
-            x,
-            self.bars,
-            self.bar_length,
-            self.bar_stiffness,
-            n.slack_stiffness,
-            n.slack_width,
-            self._bar_places,
-            pattern.values,
-        )
+        self.fibres.tangent(x, n, self._bar_places, pattern.values)
         discarded = np.zeros_like(x)
         places = [pattern.places(np.maximum(stencils, 0)) for stencils in self.surfaces.stencils]
         self.surfaces.touch(x, n, discarded, places, pattern.values)
-        self.plates.press(x, load.plates, n, discarded, self._plate_places, pattern.values)
+        self._press(x, load, discarded, self._plate_places)
         pattern.reduce()
         return grown
+
+    def _deform(self, x):
+        self._space.set_displacement((x - self.points)[: self._real])
+
+    def _press(self, x, load, forces, places=None):
+        if self.plates is None:
+            return np.zeros(2)
+        return self.plates.press(x, load.plates, self.numerics, forces, places, self.pattern.values)
 
     def _grow_pattern(self):
         """Make room for the stencils of the last call of `forces`; True where there was none."""
@@ -190,40 +192,73 @@ class CrossoverModel:
         """(2,) [N] tensions of the whole warp and weft yarn, from the reactions at their ends."""
         return np.array([self.copies[0] * self.constraints.end_force(forces, yarn) for yarn in (0, 1)])
 
-    def heights(self, x):
-        """(2,) [m] heights h1, h2 of the centrelines: middle of the yarn's axis above (warp), below (weft) its end."""
-        ends = [self._axis(x, grid[-1, self._crossing(grid)[1]]) for grid in self.crossover.grids]
-        middles = [self._axis(x, grid[self._crossing(grid)]) for grid in self.crossover.grids]
-        return np.array([middles[0] - ends[0], ends[1] - middles[1]])
-
-    def half_thicknesses(self, x):
-        """(2,) [m] distances of the axis of warp and weft from the face that meets the other, at the crossing."""
-        warp, weft = (grid[self._crossing(grid)] for grid in self.crossover.grids)
-        return np.array([self._axis(x, warp) - x[warp[0], 2], x[weft[-1], 2] - self._axis(x, weft)])
-
-    def _crossing(self, grid):
-        """Place (i, j) of the crossing in the grid of a yarn."""
-        return (0, 0) if self.crossover.domain == "quarter" else (grid.shape[0] // 2, grid.shape[1] // 2)
-
-    @staticmethod
-    def _axis(x, column):
-        """Height [m] of the middle of a column of nodes through the thickness."""
-        return 0.5 * (x[column[(len(column) - 1) // 2], 2] + x[column[len(column) // 2], 2])
-
     def fibre_strains(self, x):
-        """Strain of every bar (b,), and its mean over the fibres of warp and weft (2,)."""
-        strain = np.empty(len(self.bars))
-        bars_kernels.bar_strains(x, self.bars, self.bar_length, strain)
-        mean = [
-            np.average(strain[self.bar_yarn == yarn], weights=self._bar_share[self.bar_yarn == yarn]) for yarn in (0, 1)
-        ]
-        return strain, np.array(mean)
+        """Strain of every bar (b,), and its mean over the fibres of each yarn."""
+        strain = self.fibres.strains(x)
+        return strain, self.fibres.means(strain)
 
     def worst_element(self, x):
         """Number of the hexahedron with the least corner volume ratio to the undeformed, and that ratio."""
         ratio = _corner_volumes(x[self.hexes]) / _corner_volumes(self.points[self.hexes])
         cell = int(np.argmin(ratio.min(axis=1)))
         return cell, float(ratio[cell].min())
+
+
+class CrossoverModel(YarnsModel):
+    """A meshed crossover of one warp and one weft.
+
+    Parameters
+    ----------
+    crossover : meshing.crossover.Crossover
+    fabric, numerics, integration, failure : as of a `YarnsModel`
+
+    Raises
+    ------
+    InputError : the fabric has no solid laws, or is not the one that was meshed
+    """
+
+    def __init__(self, crossover, fabric, numerics=None, **choices):
+        check(crossover, fabric)
+        quarter = crossover.domain == "quarter"
+        points = np.ascontiguousarray(crossover.points, float)
+        super().__init__(
+            crossover,
+            fabric,
+            numerics,
+            constraints.build(crossover.grids, len(points), quarter=quarter),
+            FacingSurfaces(points, crossover.grids, quarter),
+            Plates(points, crossover.grids),
+            copies=(2.0, 4.0) if quarter else (1.0, 1.0),
+            **choices,
+        )
+
+    def heights(self, x):
+        """(2,) [m] heights h1, h2 of the centrelines: middle of the yarn's axis above (warp), below (weft) its end."""
+        ends = [axis_height(x, grid[-1, self._crossing(grid)[1]]) for grid in self.crossover.grids]
+        middles = [axis_height(x, grid[self._crossing(grid)]) for grid in self.crossover.grids]
+        return np.array([middles[0] - ends[0], ends[1] - middles[1]])
+
+    def half_thicknesses(self, x):
+        """(2,) [m] distances of the axis of warp and weft from the face that meets the other, at the crossing."""
+        warp, weft = (grid[self._crossing(grid)] for grid in self.crossover.grids)
+        return np.array([axis_height(x, warp) - x[warp[0], 2], x[weft[-1], 2] - axis_height(x, weft)])
+
+    def _crossing(self, grid):
+        """Place (i, j) of the crossing in the grid of a yarn."""
+        return (0, 0) if self.crossover.domain == "quarter" else (grid.shape[0] // 2, grid.shape[1] // 2)
+
+
+def check(mesh, fabric):
+    """Refuse a fabric without solid laws, or a mesh of another fabric."""
+    if fabric.solids is None:
+        raise InputError(f"fabric {fabric.name} has no [solid] tables, which a 3D crossover needs")
+    if mesh.fabric != fabric.name:
+        raise InputError(key="fabric", value=fabric.name, allowed=f"the meshed one, {mesh.fabric}")
+
+
+def axis_height(x, column):
+    """Height [m] of the middle of a column of nodes through the thickness."""
+    return 0.5 * (x[column[(len(column) - 1) // 2], 2] + x[column[len(column) // 2], 2])
 
 
 def _corner_volumes(corners):

@@ -28,6 +28,9 @@ import ufl
 LOOSE_WIDTH = 5e-3
 PACKED_WIDTH = 2e-3
 
+# degrees of Gauss rules: 2 x 2 x 2 points and one point in a brick
+FULL, ONE_POINT = 3, 1
+
 
 def smooth_max(x, corner, width):
     """max(x, corner), a parabola within `width` of the corner; works on UFL expressions."""
@@ -91,18 +94,19 @@ def first_piola(grad_u, frame, parameters):
     return stress
 
 
-def forms(space, parameters):
-    """Residual and tangent of the solid, integrated at 2 x 2 x 2 points (fewer leave zero-energy modes).
+def forms(space, parameters, integration=FULL):
+    """Residual and tangent of the solid.
 
     Parameters
     ----------
     space : compat.HexSpace
     parameters : (m, 6) E_a, a_E [Pa], b_E, Vf0, V_c [-], G [Pa] of each cell
+    integration : FULL or ONE_POINT, which leaves zero-energy modes and is there to show them
     """
     u = space.displacement
     v, du = ufl.TestFunction(space.displacements), ufl.TrialFunction(space.displacements)
     cell = space.cell_constants(parameters)
-    points = ufl.Measure("dx", domain=space.mesh, metadata={"quadrature_degree": 3})
+    points = ufl.Measure("dx", domain=space.mesh, metadata={"quadrature_degree": integration})
     stress = first_piola(ufl.grad(u), fibre_frame(space.mesh), [cell[i] for i in range(6)])
     residual = ufl.inner(stress, ufl.grad(v)) * points
     return residual, ufl.derivative(residual, u, du)

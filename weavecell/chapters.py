@@ -116,11 +116,11 @@ def cell(fabric, laws, model="compressible", paths=None):
     Parameters
     ----------
     laws : {label: (warp, weft) laws}
-    paths : {title: (strain1, strain2, T1, T2)} [-, N] of straight paths of the 3D crossover; two plain paths without
+    paths : {title: (strain1, strain2, T1, T2)} [-, N] of straight paths of the 3D crossover, or strains alone where it
+        has not been solved; two plain paths without
     """
     from shellfabric.cell import CellModel
 
-    points = paths is not None
     paths = paths or {
         "both yarns stretched alike": (STRAINS, STRAINS),
         "warp stretched, weft held": (STRAINS, 0 * STRAINS),
@@ -133,15 +133,15 @@ def cell(fabric, laws, model="compressible", paths=None):
         curves = {}
         for label, pair in laws.items():
             state = CellModel(fabric, pair, model=model).solve(1 + share * ends[0], 1 + share * ends[1])
-            curves[label] = (state["T1"], state["T2"])
-        measured = ((warp, weft)[main], *tensions) if points else None
+            curves[label] = (state["N1"], state["N2"])
+        measured = ((warp, weft)[main], *tensions) if tensions else None
         cases[title] = {"strain": share * ends[main], "curves": curves, "points": measured}
     content = pictures.render(pictures.cell, cases)
     return Section(
         "cell",
         "Biaxial response of the cell",
         "Tension of one yarn against the strain of the cell: lines are the shell's cell"
-        + (", circles the 3D crossover." if points else "."),
+        + (", circles the 3D crossover." if any(case["points"] for case in cases.values()) else "."),
         (
             Figure(
                 content,

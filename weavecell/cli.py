@@ -57,6 +57,21 @@ class Domain(StrEnum):
 
     quarter = "quarter"
     whole = "whole"
+    four = "four"
+
+
+class Level(StrEnum):
+    """How fine a study's finest case is."""
+
+    quick = "quick"
+    full = "full"
+
+
+class Overlap(StrEnum):
+    """What to do with sections that overlap."""
+
+    solve = "solve"
+    refuse = "refuse"
 
 
 class Section(StrEnum):
@@ -96,26 +111,68 @@ def demo(
     demonstrate(out or RESULTS / "demo", size=size.value, processes=processes)
 
 
-@app.command(epilog="Example: [bold]weavecell mesh S-720 --size medium --domain whole[/bold]")
+@app.command(epilog="Example: [bold]weavecell mesh S-720 --patch 3x4 --size coarse --format vtu,k[/bold]")
 def mesh(
     fabric: FabricArgument,
-    size: Annotated[Size, typer.Option(help="How fine.")] = Size.medium,
-    domain: Annotated[Domain, typer.Option(help="A quarter by symmetry, or the whole crossover.")] = Domain.quarter,
+    size: Annotated[
+        str,
+        typer.Option(
+            help="How fine: a name, hexahedra along, across and through a quarter yarn, or an edge length.",
+            metavar="auto|coarse|medium|fine|NX,NY,NZ|LENGTH",
+        ),
+    ] = "medium",
+    domain: Annotated[
+        Domain | None,
+        typer.Option(help="A quarter by symmetry (unless told otherwise), one whole, or the four that repeat."),
+    ] = None,
+    patch: Annotated[
+        str | None, typer.Option(help="A woven patch of N warp and M weft yarns instead.", metavar="NxM")
+    ] = None,
     section: Annotated[Section | None, typer.Option(help="Yarn section; the fabric's own if not given.")] = None,
     gap: Annotated[str, typer.Option(help="Gap between parallel yarns.", metavar="LENGTH")] = "0 mm",
+    width: Annotated[
+        str | None,
+        typer.Option(help="Width of the yarns instead, of both or warp and weft.", metavar="LENGTH[,LENGTH]"),
+    ] = None,
+    crimp: Annotated[
+        str,
+        typer.Option(
+            help="Measured by hand, from micrographs, or of both yarns or warp and weft.",
+            metavar="hand|micrograph|CRIMP[,CRIMP]",
+        ),
+    ] = "hand",
+    bluntness: Annotated[float, typer.Option(help="Height of the cut tips over that of the middle.")] = 0.075,
+    overlap: Annotated[
+        Overlap, typer.Option(help="What to do where the two sections overlap by more than a shift removes.")
+    ] = Overlap.solve,
+    end_shells: Annotated[
+        str | None, typer.Option(help="Close the yarn ends with shells of this thickness.", metavar="LENGTH")
+    ] = None,
+    format: Annotated[
+        str, typer.Option(help="Files to write, separated by commas.", metavar="msh|vtu|k|inp|rad,...")
+    ] = "msh,vtu",
     out: OutOption = None,
 ):
-    """Mesh one crossover in hexahedra: .msh, .vtu and a picture."""
-    from fabrics.units import si
-    from weavecell import crossover
+    """Mesh a crossover or a woven patch in hexahedra, with a picture of it and one of its quality.
 
-    crossover.mesh_command(
+    A gmsh mesh (msh), ParaView (vtu), LS-DYNA (k), Abaqus (inp), OpenRadioss (rad).
+    """
+    from weavecell import mesh as module
+
+    module.mesh_command(
         fabric,
         out or RESULTS / f"mesh-{Path(fabric).stem}",
-        size=size.value,
-        domain=domain.value,
-        section=section.value if section else None,
-        gap=si(gap, "m", key="--gap"),
+        domain=domain and domain.value,
+        patch=patch,
+        formats=format,
+        size=size,
+        crimp=crimp,
+        width=width,
+        end_shells=end_shells,
+        gap=gap,
+        section=section and section.value,
+        bluntness=bluntness,
+        overlap=overlap.value,
     )
 
 
@@ -194,6 +251,48 @@ def impact(
     run.impact(scene, out or RESULTS / scene.stem, resume=resume)
 
 
+@app.command(epilog="Example: [bold]weavecell biaxial S-720 --ratio 1:1 --ratio 2:1 --crossover coarse[/bold]")
+def biaxial(
+    fabric: FabricArgument,
+    ratio: Annotated[
+        list[str] | None,
+        typer.Option(help="Warp strain to weft strain; may be given again. 0 holds a yarn.", metavar="WARP:WEFT"),
+    ] = None,
+    crossover: Annotated[
+        Size | None, typer.Option(help="Solve the 3D crossover too, with this mesh, and compare.")
+    ] = None,
+    out: OutOption = None,
+):
+    """Stretch a crossover at fixed ratios of strains to the strength of a yarn: 1:1, 1:0 and 0:1 if none is given.
+
+    The folder then holds biaxial.csv, biaxial.json, pictures/ and report.html. A whole specimen: `weavecell coupon`.
+    """
+    from weavecell import biaxial as module
+
+    module.biaxial_command(
+        fabric,
+        out or RESULTS / f"biaxial-{Path(fabric).stem}",
+        ratios=ratio or ("1:1", "1:0", "0:1"),
+        size=crossover and crossover.value,
+    )
+
+
+@app.command(epilog="Example: [bold]weavecell coupon examples/coupons/S-728-bias.toml[/bold]")
+def coupon(
+    scene: Annotated[Path, typer.Argument(metavar="SCENE", help="The scene file of a coupon (*.toml).")],
+    out: OutOption = None,
+    resume: Annotated[bool, typer.Option("--resume", help="Go on from the last step of an interrupted run.")] = False,
+):
+    """Test a piece of cloth quasi-statically: bias extension, picture frame, uniaxial or biaxial tension.
+
+    The folder then holds report.html, summary.json, histories.h5, pictures/ and scene.toml; while the run goes on,
+    checkpoint.h5.
+    """
+    from weavecell import coupon as module
+
+    module.coupon(scene, out or RESULTS / scene.stem, resume=resume)
+
+
 @app.command("critical-velocity", epilog="Example: [bold]weavecell critical-velocity S-720 --tolerance '1 m/s'[/bold]")
 def critical_velocity(
     target: Annotated[
@@ -224,6 +323,55 @@ def critical_velocity(
         tolerance=width,
         curve=curve,
         workers=workers,
+    )
+
+
+@app.command(epilog="Example: [bold]weavecell validate --topic impact1 --topic cell[/bold]")
+def validate(
+    topic: Annotated[
+        list[str] | None, typer.Option(help="Only the claims of this topic; may be given again.", metavar="TOPIC")
+    ] = None,
+    slow: Annotated[bool, typer.Option("--slow", help="Also the checks that take minutes each.")] = False,
+    jobs: Annotated[int, typer.Option(min=1, help="Processes that work beside each other.")] = CORES,
+    resume: Annotated[bool, typer.Option("--resume", help="Go on from what an interrupted run has left.")] = False,
+    out: OutOption = None,
+):
+    """Put the claims of the source thesis to the test: each with our number, its verdict and, if missed, the cause.
+
+    A missed claim is a result, not an error. The folder then holds ledger.html, ledger.csv and ledger.json.
+
+    Topics: geom, compr, yarn, cell, shear, wave, impact1, impactN, gap, biaxial, bias, sens, slip, pencil, cost,
+    failmode, future.
+    """
+    from weavecell import validate as module
+
+    return module.validate(out or RESULTS / "validate", topics=topic or (), slow=slow, jobs=jobs, resume=resume)
+
+
+@app.command(epilog="Example: [bold]weavecell chart --scene crossover --level quick[/bold]")
+def chart(
+    scene: Annotated[str, typer.Option(help="Standard scene; an unknown one lists them.", metavar="NAME")],
+    level: Annotated[Level, typer.Option(help="How fine the finest reference is.")] = Level.full,
+    only: Annotated[
+        str, typer.Option(help="Choices to vary, separated by commas; all of them if not given.", metavar="CHOICE,...")
+    ] = "",
+    processes: Annotated[int, typer.Option(min=1, help="Cases that are computed beside each other.")] = CORES,
+    out: OutOption = None,
+    resume: Annotated[bool, typer.Option("--resume", help="Go on from the cases of an interrupted run.")] = False,
+):
+    """Run a standard scene by every method there is: errors, orders of convergence, and time against error.
+
+    The folder then holds tables (CSV), pictures and a page (Markdown); while the run goes on, cases/.
+    """
+    from weavecell import chart as module
+
+    module.chart_command(
+        scene,
+        out or RESULTS / f"chart-{scene}",
+        level=level.value,
+        only=[part.strip() for part in only.split(",") if part.strip()],
+        processes=processes,
+        resume=resume,
     )
 
 

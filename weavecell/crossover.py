@@ -1,15 +1,11 @@
-"""The 3D crossover from the command line: its mesh, and its calibration.
-
-Folder of `weavecell mesh`
-    crossover.msh, crossover.vtu, crossover.png
-    mesh.json       size, quality, overlap, provenance
+"""The calibration of the 3D crossover from the command line.
 
 Folder of `weavecell calibrate`
     solid.json          with --plates or --fit-solid: E_c, V_c, K_r and what the plate curve determines
     law.json            the fitted law, for `law = ".../law.json"` in a scene
     calibration.json    all numbers of the calibration, and provenance.json where they come from
     <path>.h5           histories of the loading paths and of the compression between plates
-    crossover.*         the mesh, as above
+    crossover.*         the mesh, as `weavecell.mesh` writes it, with quality.png and mesh.json
     report.html
 """
 
@@ -18,18 +14,9 @@ from __future__ import annotations
 from dataclasses import replace
 
 import weavecell
-from fabrics import catalogue
-from fabrics.errors import InputError
-from weavecell import chapters, json_file, progress, provenance, report, solid_fit
+from weavecell import chapters, json_file, mesh, progress, provenance, report, solid_fit
+from weavecell.mesh import with_3d_data
 from weavecell.report import Table
-
-
-def mesh_command(name, out, **choices):
-    """Mesh one crossover, write it and print what it is; `choices` are those of `meshing.crossover.build`."""
-    built = mesh(with_3d_data(name), out, **choices)
-    for key, value in facts(built).items():
-        print(f"{key:<24}{value}")
-    print(f"written to {out}")
 
 
 def calibrate_command(name, out, *, size, processes, plates=None, fit_solid=False):
@@ -39,7 +26,8 @@ def calibrate_command(name, out, *, size, processes, plates=None, fit_solid=Fals
     if plates is not None or fit_solid:
         solid = solid_fit.fit(fabric, solid_fit.curve_for(fabric, plates), out)
         fabric = solid.fabric
-    built = mesh(fabric, out, size=size, domain="whole")
+    built = mesh.build(fabric, size=size, domain="whole")
+    mesh.write(built, out)
     done = calibrate(fabric, out, size=size, processes=processes)
     laws = {"fitted": done.law}
     if done.published is not None:
@@ -50,7 +38,7 @@ def calibrate_command(name, out, *, size, processes, plates=None, fit_solid=Fals
         fit_chapter(done, laws),
         *([] if solid is None else [solid_fit.chapter(solid)]),
         chapters.cell(fabric, {label: (law, law) for label, law in laws.items()}, paths=paths(done, fabric)),
-        chapters.mesh(facts(built), (out / "crossover.png").read_bytes()),
+        chapters.mesh(mesh.facts(built), (out / "crossover.png").read_bytes()),
         chapters.sources(fabric),
         chapters.making(stamp, done.seconds),
     )
@@ -73,31 +61,6 @@ def _span(pair):
     return f"{pair[0]:.2g} to {pair[1]:.3g}"
 
 
-def with_3d_data(name):
-    """The fabric of this name, which must have what a 3D crossover needs."""
-    fabric = catalogue.load(name)
-    if fabric.solids is None:
-        raise InputError(
-            "the fabric has no [solid] tables, without which its crossover has no 3D model", key="FABRIC", value=name
-        )
-    return fabric
-
-
-def mesh(fabric, out, **choices):
-    """Mesh one crossover and write it to the folder `out`; returns the `meshing.crossover.Crossover`."""
-    from meshing import crossover, export, pictures
-
-    with progress.bar(f"Mesh of {fabric.name}") as advance:
-        built = crossover.build(fabric, **choices)
-        advance(0.4, "writing")
-        for suffix in ("msh", "vtu"):
-            export.write(built, out / f"crossover.{suffix}")
-        advance(0.6, "drawing")
-        pictures.picture(built, out / "crossover.png")
-        json_file.write(out / "mesh.json", facts(built) | {"provenance": provenance.stamp()})
-    return built
-
-
 def calibrate(fabric, out, *, size, processes):
     """Solve the crossover, fit its law and write both to the folder `out`; returns the Calibration."""
     from unitcell3d import calibrate as solver
@@ -111,19 +74,6 @@ def calibrate(fabric, out, *, size, processes):
             advance(sum(shares.values()) / (len(solver.PATHS) + 1), told)
 
         return solver.calibrate(fabric, size=size, out=out, progress=report_path, processes=processes)
-
-
-def facts(built):
-    """What a user asks about a mesh first, as texts."""
-    return {
-        "fabric": built.fabric,
-        "domain": built.domain,
-        "hexahedra": f"{len(built.hexes)}",
-        "nodes": f"{len(built.points)}",
-        "fibre bars": " / ".join(str(len(bars)) for bars in built.bars) + " (warp / weft)",
-        "worst scaled Jacobian": f"{built.min_scaled_jacobian:.3f}",
-        "sections": built.closing.report,
-    }
 
 
 def fit_chapter(done, laws):

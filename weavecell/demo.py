@@ -21,7 +21,7 @@ from pathlib import Path
 import weavecell
 from fabrics import catalogue
 from fabrics.units import si
-from weavecell import case, chapters, crossover, json_file, progress, provenance, report, run, scene, toml_text
+from weavecell import case, chapters, crossover, json_file, mesh, progress, provenance, report, run, scene, toml_text
 
 
 def demonstrate(out, *, size, processes):
@@ -32,14 +32,15 @@ def demonstrate(out, *, size, processes):
     fabric = catalogue.load(plan["calibration"]["fabric"])
     clock = Clock()
     with clock.stage("mesh"):
-        mesh = crossover.mesh(fabric, out / "mesh", size=size, domain="whole")
+        meshed = mesh.build(fabric, size=size, domain="whole")
+        mesh.write(meshed, out / "mesh")
     with clock.stage("calibration"):
         calibration = crossover.calibrate(fabric, out / "calibration", size=size, processes=processes)
     with clock.stage("impacts"):
         shots = [_shoot(plan, asked, law, out) for asked in plan["impact"] for law in LAWS]
     records = [record for _, record in shots]
     with clock.stage("pictures"), progress.bar("Pictures and report") as advance:
-        sections = _sections(fabric, mesh, calibration, records, out, advance)
+        sections = _sections(fabric, meshed, calibration, records, out, advance)
     clock.times["all of it"] = time.perf_counter() - began
     rows = _asked(plan, shots, clock.times["all of it"])
     stamp = provenance.stamp(text)
@@ -87,10 +88,10 @@ def _shoot(plan, asked, law, out):
     return asked, record
 
 
-def _sections(fabric, mesh, calibration, records, out, advance):
+def _sections(fabric, meshed, calibration, records, out, advance):
     laws = {"fitted": calibration.law, "Table 5-1": fabric.laws[0]}
     sections = [
-        chapters.mesh(crossover.facts(mesh), (out / "mesh" / "crossover.png").read_bytes()),
+        chapters.mesh(mesh.facts(meshed), (out / "mesh" / "crossover.png").read_bytes()),
         crossover.fit_chapter(calibration, laws),
     ]
     advance(0.3)

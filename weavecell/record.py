@@ -171,14 +171,14 @@ class ImpactRecord:
                 file.attrs[name] = getattr(self, name)
             for group, units in (("histories", _HISTORIES), ("panel", _PANEL)):
                 for name, unit in units.items():
-                    _put(file, f"{group}/{name}", getattr(self, name), unit)
+                    put(file, f"{group}/{name}", getattr(self, name), unit)
             for shape in ("middle", "last"):
                 for name, unit in _SHAPE.items():
-                    _put(file, f"panel/{shape}/{name}", getattr(getattr(self, shape), name), unit)
+                    put(file, f"panel/{shape}/{name}", getattr(getattr(self, shape), name), unit)
             for name, values in self.energies.items():
-                _put(file, f"energies/{name}", values, "J")
+                put(file, f"energies/{name}", values, "J")
             for name, values in self.reactions.items():
-                _put(file, f"reactions/{name}", values, "N")
+                put(file, f"reactions/{name}", values, "N")
             if self.measured is not None:
                 _write_measured(file.create_group("measured"), self.measured)
 
@@ -226,21 +226,21 @@ def _write_measured(group, measured):
     """Histories, and the fronts read off them, which are for the reader alone."""
     from shellfabric.fronts import fronts
 
-    _put(group, "t", measured.t, "s")
+    put(group, "t", measured.t, "s")
     for number, yarn in enumerate(measured.yarns):
         inner = group.create_group(f"yarns/{number:03d}-{yarn.family}")
         for name in _YARN:
             inner.attrs[name] = getattr(yarn, name)
         for name, unit in _YARN_HISTORIES.items():
-            _put(inner, name, getattr(yarn, name), unit, **_PACKED)
-        _put(inner, "strain", yarn.strain, "1", **_PACKED)
+            put(inner, name, getattr(yarn, name), unit, **_PACKED)
+        put(inner, "strain", yarn.strain, "1", **_PACKED)
     for name, forces in measured.edges.items():
-        _put(group, f"edges/{name}", forces, "N")
+        put(group, f"edges/{name}", forces, "N")
     for front in fronts(measured):
         inner = group.create_group(f"fronts/{front.family}-{front.kind}")
         inner.attrs["speed"], inner.attrs["interval"], inner.attrs["start"] = front.speed, front.interval, front.start
-        _put(inner, "time", front.time, "s")
-        _put(inner, "place", front.place, "m")
+        put(inner, "time", front.time, "s")
+        put(inner, "place", front.place, "m")
 
 
 def _read_measured(group):
@@ -255,7 +255,8 @@ def _read_measured(group):
     return Histories(group["t"][()], yarns, {name: group[f"edges/{name}"][()] for name in EDGES})
 
 
-def _put(file, name, values, unit, **packing):
+def put(file, name, values, unit, **packing):
+    """Write an array to an open HDF5 file, with its unit."""
     file.create_dataset(name, data=np.asarray(values), **packing).attrs["unit"] = unit
 
 

@@ -20,6 +20,16 @@ def test_pressure_law_is_eq_2_5_with_the_constants_of_erratum_e_03():
     assert above[0] == pytest.approx(191e-6, rel=3e-3)
 
 
+def test_packs_close_somewhat_less_than_as_many_plies():
+    """Erratum E-04: b_N / (N b_1) is 0.83 to 0.88 for 4 plies of the six fabrics, 0.77 to 0.90 for 16."""
+    areal_density = catalogue.load("S-720").areal_density_measured
+    one, four, sixteen = (PlateCurve.pressure_law(areal_density, plies).closure[-1] for plies in (1, 4, 16))
+    assert 0.83 < four / (4 * one) < 0.88
+    assert 0.77 < sixteen / (16 * one) < 0.90
+    with pytest.raises(InputError, match="plies = 3: must be 1, 4, 8 or 16"):
+        PlateCurve.pressure_law(areal_density, 3)
+
+
 def test_pressure_law_is_never_extrapolated_to_light_cloth():
     with pytest.raises(InputError, match=r"above 0.1483 kg/m2, where K'' vanishes"):
         PlateCurve.pressure_law(0.14)

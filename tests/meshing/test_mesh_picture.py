@@ -49,3 +49,19 @@ def test_picture_of_a_patch_fills_its_frame_with_both_yarns(tmp_path):
     assert max(np.ptp(across) / width, np.ptp(down) / height) == pytest.approx(pictures_patch.FILL, abs=0.02)
     assert not ink[[0, -1]].any()
     assert not ink[:, [0, -1]].any()
+
+
+def test_picture_of_the_quality_shows_the_yarns_and_their_shares(tmp_path):
+    from meshing import patch, pictures_quality
+    from meshing.pictures import COLOURS
+
+    path = tmp_path / "quality.png"
+    pictures_quality.picture(patch.build(catalogue.load("S-731"), (2, 2), size=(4, 3, 1)), path)
+    image = pyvista.read(path)
+    width, height, _ = image.dimensions
+    pixels = np.asarray(image.active_scalars, float)[:, :3].reshape(height, width, 3)
+    for colour in COLOURS.values():  # bars
+        assert in_shades_of(pixels[:, width * 2 // 3 :].reshape(-1, 3), colour) > 0.02
+    scene = pixels[height // 4 :, : width // 2].reshape(-1, 3)
+    assert np.mean(np.any(scene < 240, axis=1)) > 0.2
+    assert list(tmp_path.iterdir()) == [path]

@@ -11,6 +11,7 @@ from fabrics.trellis import TrellisShear
 from fabrics.weave import arc_length
 from shellfabric import quasistatic, relax
 from shellfabric.cell import CellModel
+from shellfabric.coupon_run import no_fold
 
 
 class Chain:
@@ -158,7 +159,7 @@ def test_yarns_that_pass_one_another_are_named():
     """A grip that is turned over folds the elements beside it."""
     table = straight()
     run = quasistatic.picture_frame(table, cells=3, shear=0.3, steps=1)
-    coupon, hook = run.coupon, quasistatic._no_fold(run.coupon)
+    coupon, hook = run.coupon, no_fold(run.coupon)
     state = run.states[-1]
     assert hook(state) is None
     turned = coupon.points @ np.array([[1, 0], [-1.2, -0.3]])

@@ -15,6 +15,8 @@ COMMANDS = (
     "mesh",
     "calibrate",
     "surface",
+    "biaxial",
+    "coupon",
     "impact",
     "critical-velocity",
     "view",

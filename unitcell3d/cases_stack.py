@@ -1,0 +1,142 @@
+"""Plies of one crossover on each other between two rigid plates (source thesis sections 2.2.1 and 3.4.3.2).
+
+"aligned" plies stand crossing on crossing, the warp of each ply under the weft of the next: the pack then has the
+symmetries of one ply (two mirror planes, and the two-fold axis at the middle of the pack, which turns ply p into ply
+N + 1 - p), so that a quarter of a crossover is enough. The plates stand at equal distances above and below the middle.
+
+Between plies the lower face of each weft meets the upper face of the warp under it, with the contact of a crossover.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from fabrics.errors import InputError
+from fabrics.plate_curve import PlateCurve
+from unitcell3d import constraints, follow, yarns
+from unitcell3d.cases import CLOSEST_PLATES, PLATEN_PRESSURE
+from unitcell3d.model import Load, YarnsModel, check
+from unitcell3d.pairs import OuterPlates, SurfacePairs, facing
+from unitcell3d.records import Record
+
+MEANINGS = {
+    "path": "[-] share of the path",
+    "distance": "[m] of the plates",
+    "closure": "[m] by which they have approached since they touched",
+    "closure_ply": "[m] of it in each ply",
+    "force": "[N] on a plate, per crossover",
+    "pressure": "[Pa] on the area of the cell",
+    "F_c": "(n, plies) [N] contact force of each ply's crossing, the lowest first",
+    "F_between": "(n, plies - 1) [N] contact force between plies",
+    "deepest": "[m] largest penetration",
+    "iterations": "[-] tangents factorised",
+    "seconds": "[s] wall time",
+}
+
+
+class StackModel(YarnsModel):
+    """Aligned plies of a quarter crossover between plates.
+
+    Parameters
+    ----------
+    crossover : meshing.crossover.Crossover, a quarter
+    fabric : Fabric
+    plies : number
+    numerics : model.Numerics
+
+    Raises
+    ------
+    InputError : no ply, or another domain
+    """
+
+    def __init__(self, crossover, fabric, plies, numerics=None):
+        check(crossover, fabric)
+        if not (isinstance(plies, int | np.integer) and plies >= 1):
+            raise InputError(key="plies", value=plies, allowed="a whole number from 1 on")
+        if crossover.domain != "quarter":
+            raise InputError(key="domain", value=crossover.domain, allowed="quarter: aligned plies are symmetric")
+        pitch = np.ptp(crossover.points[:, 2])
+        mesh = yarns.stacked(crossover, [(0.0, 0.0, (ply - (plies - 1) / 2) * pitch) for ply in range(plies)])
+        points = np.ascontiguousarray(mesh.points)
+        warps, wefts = mesh.grids[0::2], mesh.grids[1::2]
+        crossings = [facing(points, warp, weft, True) for warp, weft in zip(warps, wefts)]
+        between = [facing(points, weft, warp, True, families=(1, 0)) for warp, weft in zip(warps, wefts[1:])]
+        opposite = [2 * (plies - 1 - ply) + family for ply in range(plies) for family in (0, 1)]
+        held = constraints.build(mesh.grids, len(points), quarter=True, families=mesh.families, opposite=opposite)
+        plates = OuterPlates(points, [warps[-1]], [wefts[0]])
+        self.plies = plies
+        super().__init__(mesh, fabric, numerics, held, SurfacePairs(crossings + between), plates, copies=(2.0, 4.0))
+
+
+def stack_compression(
+    crossover, fabric, plies=2, *, pressure=PLATEN_PRESSURE, closest=CLOSEST_PLATES, numerics=None, rows=40,
+    hooks=(), comm=None,
+):  # fmt: skip
+    """Press aligned plies between two rigid plates, the yarns' ends held in the plane at their spacing.
+
+    Parameters
+    ----------
+    crossover : meshing.crossover.Crossover, a quarter
+    fabric : Fabric
+    plies : number
+    pressure : [Pa] mean on the area of the cell at the end, the source's greatest by default
+    closest : [-] share of the first distance of the plates at which the path ends at the latest
+    numerics, rows, hooks, comm : see `follow.follow`
+
+    Returns
+    -------
+    Record, with the meanings `MEANINGS`
+
+    Raises
+    ------
+    InputError : a value is not allowed
+    """
+    if not pressure > 0:
+        raise InputError(key="pressure", value=pressure, allowed="positive")
+    if not 0 < closest < 1:
+        raise InputError(key="closest", value=closest, allowed="between 0 and 1")
+    model = StackModel(crossover, fabric, plies, numerics)
+    rest, area = model.plates.at_rest, fabric.weave.cell_area
+
+    def row(state, load):
+        pairs = model.copies[1] * model.surfaces.forces
+        force = model.copies[1] * float(np.mean(state.plates))
+        return {
+            "distance": 2 * load.plates,
+            "closure": 2 * (rest - load.plates),
+            "closure_ply": 2 * (rest - load.plates) / plies,
+            "force": force,
+            "pressure": force / area,
+            "F_c": pairs[:plies],
+            "F_between": pairs[plies:],
+            "deepest": -min(0.0, *(gaps.min() for gaps in model.surfaces.gaps)),
+        }
+
+    found = follow.follow(
+        model,
+        [Load(plates=rest), Load(plates=closest * rest)],
+        row,
+        rows=rows,
+        stop=lambda row: row["pressure"] / pressure,
+        hooks=hooks,
+        comm=comm,
+    )
+    return Record(
+        follow.columns(found.rows), MEANINGS, found.x - model.points, fabric.name, f"{plies} aligned plies",
+        found.failed, {"plies": plies, "stacking": "aligned", "cell_area": area},
+    )  # fmt: skip
+
+
+def law_closure(fabric, record):
+    """The source's pressure law beside a record: what one pack of as many plies closes since its first pressure.
+
+    Returns
+    -------
+    pressure, closure_law, closure : [Pa], [m], [m] of the rows inside the law's pressures, closures from its first on
+    """
+    law = PlateCurve.pressure_law(fabric.areal_density_measured, int(record.facts["plies"]))
+    P, c = record["pressure"], record["closure"]
+    rising = np.concatenate([[True], P[1:] > np.maximum.accumulate(P)[:-1]]) & (P > 0)
+    first = np.interp(np.log(law.pressure[0]), np.log(P[rising]), c[rising])
+    inside = rising & (law.pressure[0] <= P) & (law.pressure[-1] >= P)
+    return P[inside], law.at(P[inside]), c[inside] - first

@@ -1,0 +1,87 @@
+"""Contact between any number of yarns: pairs of surfaces that are handled as the two of a crossover are.
+
+Each pair is a `contact.FacingSurfaces`: the lower face of one yarn and the upper face of another. A yarn whose i runs
+along y counts as the first one, and as the second one whose i runs along x, with its grid transposed.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from unitcell3d.contact import STENCIL, FacingSurfaces, Plates, tributary_areas
+
+
+class SurfacePairs:
+    """Several pairs of facing surfaces in one; none for a yarn alone.
+
+    Parameters
+    ----------
+    pairs : sequence of contact.FacingSurfaces
+
+    Attributes
+    ----------
+    forces : (pairs,) [N] of each pair in the last call of `touch`: upwards on the upper surface
+    """
+
+    def __init__(self, pairs):
+        self.pairs = tuple(pairs)
+        self.forces = np.zeros(len(self.pairs))
+
+    @property
+    def stencils(self):
+        """Those of all surfaces, one after another."""
+        return [stencils for pair in self.pairs for stencils in pair.stencils]
+
+    @property
+    def gaps(self):
+        """[m] of the nodes of all surfaces."""
+        return tuple(gaps for pair in self.pairs for gaps in pair.gaps)
+
+    def met(self):
+        """(m, 17) the stencils that were in contact at the last call of `touch`."""
+        return np.concatenate([pair.met() for pair in self.pairs] + [np.empty((0, STENCIL), np.int64)])
+
+    def expected(self):
+        """(m, 17) stencils of all nodes near their closest points."""
+        found = [pair.expected() for pair in self.pairs]
+        return np.unique(np.concatenate([*found, np.empty((0, STENCIL), np.int64)]), axis=0)
+
+    def touch(self, x, numerics, forces, places, values):
+        """As of `contact.FacingSurfaces`; returns the sum of the sizes [N] of the pairs' forces."""
+        for number, pair in enumerate(self.pairs):
+            own = None if places is None else places[2 * number : 2 * number + 2]
+            self.forces[number] = pair.touch(x, numerics, forces, own, values)
+        return float(np.abs(self.forces).sum())
+
+
+class OuterPlates(Plates):
+    """Two rigid plates on the upper faces of some yarns and the lower faces of others."""
+
+    def __init__(self, points, upper, lower):
+        faces = [[grid[:, :, -1] for grid in upper], [grid[:, :, 0] for grid in lower]]
+        self.faces = [
+            (
+                np.concatenate([face.ravel() for face in side]).astype(np.int64),
+                np.concatenate([tributary_areas(points, face).ravel() for face in side]),
+            )
+            for side in faces
+        ]
+        above, below = (points[nodes, 2] for nodes, _ in self.faces)
+        self.at_rest = float(max(above.max(), -below.min()))
+
+
+def facing(points, upper, lower, quarter=False, families=(0, 1)):
+    """The pair of the lower face of the grid `upper` and the upper face of the grid `lower`.
+
+    Parameters
+    ----------
+    points : (n, 3) [m]
+    upper, lower : node numbers (i along, j across, k through)
+    quarter : whether i = 0 and j = 0 are symmetry planes of both
+    families : of the two yarns, 0 along x, 1 along y
+    """
+    grids = [
+        grid if family == role else grid.transpose(1, 0, 2)
+        for role, (grid, family) in enumerate(zip((upper, lower), families))
+    ]
+    return FacingSurfaces(points, grids, quarter)

@@ -1,0 +1,347 @@
+"""Transverse compression: pressure law (chapter 2), law of the cell, solids (chapter 3), gaps of plies (chapter 5)."""
+
+from __future__ import annotations
+
+import tomllib
+from importlib import resources
+
+import numpy as np
+from scipy.optimize import brentq, curve_fit
+
+from fabrics import catalogue
+from fabrics.compression import CompressionLaw
+from fabrics.errors import InputError
+from fabrics.plate_curve import PlateCurve
+from fabrics.units import si
+from shellfabric.cell import CellModel
+from validation.ledger.cache import Run
+from validation.ledger.checks import check
+from validation.ledger.checks.geometry import KEVLAR, ranked
+
+
+def pressure_law():
+    """{"c1", "c2", "start", "peak", "platen"} in SI, of the built-in one-ply law."""
+    content = tomllib.loads((resources.files("fabrics") / "pressure_law.toml").read_text("utf-8"))
+    units = {"c1": "Pa * m^3 / (kg/m^2)^3", "c2": "Pa * m^3", "start": "N", "peak": "N", "platen": "m"}
+    return {key: si(content[key]["value"], unit) for key, unit in units.items()}
+
+
+def stiffness(name, plies=1):
+    """K'' [Pa m3] of a fabric or of a pack of it, read off its plate curve."""
+    curve = PlateCurve.pressure_law(catalogue.load(name).areal_density_measured, plies)
+    P = curve.pressure
+    return float((curve.closure[-1] / (P[0] ** (-1 / 3) - P[-1] ** (-1 / 3))) ** 3)
+
+
+def packs(fabric, plies):
+    """(n,) K'' [Pa m3] of packs of each number of plies (erratum E-02)."""
+    return np.array([stiffness(fabric, n) for n in plies])
+
+
+def closures(K, start, law=None):
+    """(n,) [m] what a pack closes by between a start load [N] and the peak load of the platen."""
+    law = law or pressure_law()
+    P = np.array([start, law["peak"]]) / law["platen"] ** 2
+    return np.cbrt(K) * (P[0] ** (-1 / 3) - P[1] ** (-1 / 3))
+
+
+def gap(fabric, start, plies=4):
+    """[m] of an interface in a pack (eqs. 5-1 to 5-4)."""
+    K = packs(fabric, (1, plies))
+    one, many = closures(K, start)
+    return (many - one) / (plies - 1)
+
+
+@check()
+def exponent(noise, seed):
+    """Refit of the exponent to a curve of the law with noise on it."""
+    curve = PlateCurve.pressure_law(catalogue.load("S-720").areal_density_measured)
+    P0, scale = curve.pressure[0], curve.closure[-1]
+    measured = curve.closure / scale + noise * np.random.default_rng(seed).standard_normal(curve.closure.size)
+
+    def law(P, k, n):
+        return k * (1 - (P / P0) ** (-1 / n))
+
+    (_, n), _ = curve_fit(law, curve.pressure, measured, p0=(1.0, 2.0))
+    return {"exponent": n}
+
+
+@check()
+def fit_constant(fabric):
+    return {"K": stiffness(fabric)}
+
+
+@check()
+def fit_constant_trend():
+    K = {name: stiffness(name) for name in KEVLAR}
+    cubes = np.array([catalogue.load(name).areal_density_measured ** 3 for name in KEVLAR])
+    values, order = np.array(list(K.values())), ranked(K)
+    return {
+        "correlation with the cube": np.corrcoef(cubes, values)[0, 1],
+        "slope": np.polyfit(cubes, values, 1)[0],
+        "largest": order[0],
+        "smallest": order[-1],
+    }
+
+
+@check()
+def areal_density_floor():
+    low, high = 0.05, 0.3
+    while high - low > 1e-9:
+        middle = 0.5 * (low + high)
+        try:
+            PlateCurve.pressure_law(middle)
+            high = middle
+        except InputError:
+            low = middle
+    return {"floor": high}
+
+
+@check()
+def b_from_pressure_law(fabric):
+    def b(name):
+        return np.cbrt(stiffness(name) * catalogue.load(name).weave.cell_area)
+
+    ratios = [catalogue.load(name).laws[0].b / b(name) for name in KEVLAR]
+    return {"b": b(fabric), "least of table over computed": min(ratios), "greatest of table over computed": max(ratios)}
+
+
+@check()
+def law_asymptote():
+    F, ok, worst = np.geomspace(1e-3, 1e3, 400), True, 0.0
+    for name in catalogue.names():
+        law = catalogue.load(name).laws[0]
+        slope = np.diff(law.d(F)) / np.diff(F)
+        ok = ok and bool(np.all(slope > 0) and np.all(np.diff(slope) < 0))
+        worst = max(worst, abs(float(law.d(1e12 * law.F0)) / law.a - 1))
+    return {"rises ever more slowly": ok, "distance from a": worst}
+
+
+@check()
+def compliance():
+    worst = 0.0
+    for name in KEVLAR:
+        given = catalogue.load(name).laws[0]
+        for law in (given, CompressionLaw(given.a, given.b, form="printed")):
+            for F in (1.0, 10.0, 100.0):
+                h = 1e-2 * F  # central differences of four points: the error falls with h^4
+                d = [float(law.d(F + k * h)) for k in (-2, -1, 1, 2)]
+                slope = (d[0] - 8 * d[1] + 8 * d[2] - d[3]) / (12 * h)
+                worst = max(worst, abs(slope / float(law.dd_dF(F)) - 1))
+    return {"relative difference": worst}
+
+
+@check()
+def van_wyk():
+    law = catalogue.load("S-720").laws[0]
+    room = law.a * np.geomspace(0.02, 0.9, 50)
+    pressure = law.F(law.a - room) + law.F0
+    return {"exponent": -np.polyfit(np.log(room), np.log(pressure), 1)[0]}
+
+
+@check()
+def gutowski(V0, Va):
+    def stress(V):
+        return (np.sqrt(V / V0) - 1) / (np.sqrt(Va / V) - 1) ** 4
+
+    return {
+        "at the initial fraction": stress(V0),
+        "near the greatest, over that midway": stress(Va * (1 - 1e-9)) / stress(0.5 * (V0 + Va)),
+    }
+
+
+@check()
+def packs_softer(fabric, plies):
+    K = packs(fabric, plies)
+    closed = dict(zip(map(str, plies), closures(K, pressure_law()["start"])))
+    return {"order": ranked(closed), "note": ", ".join(f"{n}: {1e6 * d:.0f} um" for n, d in closed.items())}
+
+
+@check()
+def peak_pressure():
+    law = pressure_law()
+    return {"pressure": law["peak"] / law["platen"] ** 2}
+
+
+@check()
+def table_columns(c1, c2):
+    law = pressure_law()
+    # MPa um3, with the areal density in 100 g/m2
+    ours = law["c1"] * 0.1**3 / 1e-12, law["c2"] / 1e-12
+    return {"c1 over that of eq. 2-6": c1 / ours[0], "c2 over that of eq. 2-6": c2 / ours[1]}
+
+
+@check()
+def pack_series(fabric, plies):
+    b = np.cbrt(packs(fabric, plies))
+    return {f"{n} plies": b[k] / (n * b[0]) for k, n in enumerate(plies)}
+
+
+@check()
+def gap_algebra():
+    rng = np.random.default_rng(1)
+    worst = 0.0
+    for N in (2, 4, 8, 16):
+        one, between = rng.uniform(1, 2, 2)
+        pack = one + (N - 1) * between
+        worst = max(worst, abs((pack - one) / (N - 1) - between))
+    return {"difference": worst}
+
+
+@check()
+def gap_size(fabric, start):
+    return {"gap": gap(fabric, start)}
+
+
+@check()
+def gap_start_load(gaps):
+    def misfit(start):
+        return [gap(name, start) / printed - 1 for name, printed in gaps.items()]
+
+    loads = np.geomspace(2, 50, 2000)
+    best = loads[np.argmin([np.sum(np.square(misfit(load))) for load in loads])]
+    own = [brentq(lambda load, n=n, g=g: gap(n, load) - g, 1, 100) for n, g in gaps.items()]
+    return {"start load": best, "note": ", ".join(f"{n} alone {load:.1f} N" for n, load in zip(gaps, own))}
+
+
+@check()
+def gap_trend(fabric):
+    gaps = [gap(fabric, load) for load in (20, 10, 5, 2)]
+    return {"least growth": min(np.diff(gaps))}
+
+
+@check()
+def gap_range():
+    gaps = [g for g in (catalogue.load(name).interlayer_gap for name in KEVLAR) if g is not None]
+    return {"least": min(gaps), "greatest": max(gaps), "fabrics": len(gaps)}
+
+
+@check()
+def fibre_fraction():
+    """exp(e1) / J of the solid's frame (QR of the deformation gradient) against 1 / (R22 R33)."""
+    rng, worst = np.random.default_rng(2), 0.0
+    for _ in range(50):
+        F = np.eye(3) + 0.2 * rng.standard_normal((3, 3))
+        stretch = np.linalg.norm(F[:, 0])
+        R = np.abs(np.diag(np.linalg.qr(F)[1]))
+        worst = max(worst, abs(stretch / abs(np.linalg.det(F)) * R[1] * R[2] - 1))
+    return {"relative difference": worst}
+
+
+@check()
+def solid_modulus(fabric):
+    warp, weft = catalogue.load(fabric).solids
+    return {
+        "at Vf0": warp.transverse_modulus(warp.Vf0),
+        "at V_c": warp.transverse_modulus(warp.V_c),
+        "b_E warp": warp.b_E,
+        "a_E warp": warp.a_E,
+        "b_E weft": weft.b_E,
+        "a_E weft": weft.a_E,
+    }
+
+
+@check()
+def solid_shape(fabric):
+    law = catalogue.load(fabric).solids[0]
+    V = np.linspace(0.5 * law.Vf0, 1.5 * law.V_c, 3001)
+    E = law.transverse_modulus(V)
+    loose, packed = V < law.Vf0, V > law.V_c
+    return {
+        "flat below": bool(np.ptp(E[loose]) == 0),
+        "rises between": bool(np.all(np.diff(E[~loose & ~packed]) > 0)),
+        "flat above": bool(np.ptp(E[packed]) == 0),
+    }
+
+
+@check()
+def solid_shear(fabric):
+    return {"G": catalogue.load(fabric).solids[0].G}
+
+
+@check()
+def one_law_for_both():
+    return {"alike": all(catalogue.load(name).laws[0] == catalogue.load(name).laws[1] for name in catalogue.names())}
+
+
+@check()
+def misprinted_a(fabric, printed_a):
+    found = {}
+    given = catalogue.load(fabric)
+    for name, a in (("used", given.laws[0].a), ("as printed", printed_a)):
+        law = CompressionLaw(a, given.laws[0].b, form="printed")
+        rest = CellModel(given, (law, law), form="equilibrium").solve(1.0, 1.0)
+        found |= {
+            f"force at rest, a {name}": rest["F"],
+            f"weft at rest over its strength, a {name}": rest["T2"] / given.weave.weft.strength,
+        }
+    return {name: float(value) for name, value in found.items()}
+
+
+PATHS = {"warp only": (1.0, 0.0), "weft only": (0.0, 1.0), "equibiaxial": (1.0, 1.0)}
+
+
+def paths(fabric):
+    """Runs of the three calibration paths."""
+    return {name.split()[0]: Run.of("stretched", fabric=fabric, ratio=ratio) for name, ratio in PATHS.items()}
+
+
+def fitted(*histories):
+    """CompressionLaw fitted to paths as `unitcell3d.calibrate` does: each at equal shares of its displacement."""
+    F, d = [], []
+    for path in histories:
+        shares = np.linspace(0, path["path"][-1], 26)[1:]
+        force, depth = (np.interp(shares, path["path"], path[name]) for name in ("F_c", "d_c"))
+        F.append(force[force > 0])
+        d.append(depth[force > 0])
+    return CompressionLaw.fit(np.concatenate(F), np.concatenate(d))
+
+
+@check(paths)
+def calibrated(warp, weft, equibiaxial, fabric):
+    law = fitted(warp, weft, equibiaxial)
+    given = catalogue.load(fabric).laws[0]
+    return {
+        "a": law.a,
+        "b": law.b,
+        "note": f"{law.a / given.a:.2f} and {law.b / given.b:.2f} of the printed; "
+        f"rms of the fit {1e6 * law.residual_rms:.2f} um",
+    }
+
+
+@check(lambda fabric, **_: {"pressed": Run.of("plates", fabric=fabric)})
+def platen_curve(pressed, fabric, least_pressure):
+    """Closure of the 3D crossover from a pressure on, against the law's, as share of the law's at the end."""
+    given = catalogue.load(fabric)
+    pressure = pressed["F_plate"].mean(axis=1) / given.weave.cell_area
+    closure = 2 * (pressed["plates"][0] - pressed["plates"])
+    law = PlateCurve.pressure_law(given.areal_density_measured)
+    reached = min(pressure.max(), law.pressure[-1])
+    P = np.geomspace(least_pressure, reached, 60)
+    ours, theirs = np.interp(P, pressure, closure), np.interp(P, law.pressure, law.closure)
+    ours, theirs = ours - ours[0], theirs - theirs[0]
+    off = np.abs(ours[1:] - theirs[1:]) / theirs[1:]
+    return {
+        "largest difference": off.max(),
+        "note": f"from {1e-6 * least_pressure:g} to {1e-6 * reached:.1f} MPa the "
+        f"crossover closes by {1e6 * ours[-1]:.0f} um, the law by {1e6 * theirs[-1]:.0f} um",
+    }
+
+
+@check(
+    lambda fabric: {
+        "pressed": Run.of("plates", fabric=fabric),
+        "pulled": Run.of("stretched", fabric=fabric, ratio=(1.0, 1.0)),
+    }
+)
+def platen_and_biaxial(pressed, pulled, fabric):
+    top = min(pressed["F_plate"].mean(axis=1).max(), pulled["F_c"].max())
+    F = np.linspace(0.2 * top, 0.9 * top, 20)
+    plates = np.interp(F, pressed["F_plate"].mean(axis=1), pressed["plates"][0] - pressed["plates"])
+    biaxial = np.interp(F, pulled["F_c"], pulled["d_c"])
+    off = np.abs(plates / biaxial - 1)
+    return {
+        "least difference": off.min(),
+        "note": f"at {F[-1]:.0f} N plates have closed {1e6 * plates[-1]:.0f} um a yarn, "
+        f"equibiaxial extension {1e6 * biaxial[-1]:.0f} um",
+    }

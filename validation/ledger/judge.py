@@ -1,0 +1,126 @@
+"""Holds what a check has found against the conditions of its claim, and says by how much it misses."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass, field
+
+import numpy as np
+
+REPRODUCED, MISSED, WRONG = "reproduced", "missed", "source is wrong"
+NOT_TESTABLE, NOT_BUILT, LEFT_OUT, BROKEN = "not testable", "not built", "left out", "broken"
+VERDICTS = {
+    REPRODUCED: "our number is within the tolerance",
+    MISSED: "our number is outside the tolerance",
+    WRONG: "our number shows that the source is in error",
+    NOT_BUILT: "what the check would need is not built yet",
+    NOT_TESTABLE: "nothing to hold a number against, or a number that no model of ours could give",
+    LEFT_OUT: "a slow check that was not asked for",
+    BROKEN: "the check itself did not come to an end",
+}
+
+
+@dataclass(frozen=True)
+class Record:
+    """What became of one claim.
+
+    Parameters
+    ----------
+    id : of the claim
+    verdict : of VERDICTS
+    found : {name: number in SI, text or list} that the check found
+    told : one line: what was found against what was expected
+    miss : by how much, "" where nothing was missed
+    note : remark of the check
+    seconds : of the check, without the runs it shares
+    """
+
+    id: str
+    verdict: str
+    found: dict = field(default_factory=dict)
+    told: str = ""
+    miss: str = ""
+    note: str = ""
+    seconds: float = 0.0
+
+    def as_dict(self):
+        return asdict(self)
+
+
+def judge(claim, found, note="", seconds=0.0) -> Record:
+    """Record of a claim whose check has found {name: value}; numbers are in SI."""
+    found = {name: plain(value) for name, value in found.items()}
+    misses = [told for told in (_miss(condition, found) for condition in claim.conditions) if told]
+    verdict = MISSED if misses else WRONG if claim.against else REPRODUCED
+    told = "; ".join(_told(condition, found) for condition in claim.conditions)
+    return Record(claim.id, verdict, found, told, "; ".join(misses), note, seconds)
+
+
+def unchecked(claim) -> Record:
+    """Record of a claim that has no check."""
+    if claim.unbuilt:
+        return Record(claim.id, NOT_BUILT, note=claim.unbuilt)
+    return Record(claim.id, NOT_TESTABLE, note=claim.untestable)
+
+
+def plain(value):
+    """A value as JSON can hold it."""
+    if isinstance(value, dict):
+        return {name: plain(part) for name, part in value.items()}
+    if isinstance(value, (list, tuple, np.ndarray)):
+        return [plain(part) for part in value]
+    if isinstance(value, (bool, np.bool_)):
+        return bool(value)
+    if isinstance(value, (int, float, np.number)):
+        return float(value)
+    return value
+
+
+def expected(condition):
+    """A condition in words: "0.12 ± 0.005 mm"."""
+    unit = f" {condition.unit}" if condition.unit else ""
+    if condition.test == "is":
+        return _words(condition.target)
+    if condition.test != "value":
+        return f"{'>' if condition.test == 'above' else '<'} {condition.target:g}{unit}"
+    if condition.relative is not None:
+        return f"{condition.target:g}{unit} ± {100 * condition.relative:g} %"
+    return f"{condition.target:g} ± {condition.within:g}{unit}"
+
+
+def _told(condition, found):
+    return f"{condition.name} {_shown(condition, found.get(condition.name))} ({expected(condition)})"
+
+
+def _shown(condition, value):
+    if not isinstance(value, float):
+        return _words(value)
+    return f"{value / condition.factor:.4g}{' ' + condition.unit if condition.unit else ''}"
+
+
+def _words(value):
+    if isinstance(value, (list, tuple)):
+        return ", ".join(map(_words, value))
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    return "none" if value is None else str(value)
+
+
+def _miss(condition, found):
+    """By how much a condition is missed, in words; "" if it holds."""
+    value, name, unit = found.get(condition.name), condition.name, condition.unit
+    if condition.test == "is":
+        return "" if value == condition.target else f"{name} {_words(value)} instead of {_words(condition.target)}"
+    if not isinstance(value, float) or not np.isfinite(value):
+        return f"{name} has no value"
+    value /= condition.factor
+    off = value - condition.target
+    unit = f" {unit}" if unit else ""
+    if condition.test == "value":
+        allowed = condition.within if condition.within is not None else condition.relative * abs(condition.target)
+        if abs(off) <= allowed * (1 + 1e-12):
+            return ""
+        share = f" ({100 * off / condition.target:+.3g} %)" if condition.target else ""
+        return f"{name} off by {off:+.3g}{unit}{share}, {allowed:.3g} allowed"
+    if (off > 0) == (condition.test == "above") and off != 0:
+        return ""
+    return f"{name} {value:.4g}{unit}, {expected(condition)} asked"

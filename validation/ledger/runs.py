@@ -1,0 +1,287 @@
+"""The computations that checks share, each by name, from arguments that JSON can hold to a dict of numbers and arrays.
+
+Fabrics are those of the source's shell runs (`Fabric.effective`, erratum E-07). All other settings are the defaults of
+`shellfabric`: nothing is set to suit a claim.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from fabrics import catalogue
+from fabrics.trellis import TrellisShear
+from shellfabric import limit as limits
+from shellfabric import measures, smith
+from shellfabric.cable import CableNet
+from shellfabric.cable_impact import run as run_cable
+from shellfabric.cell import CellModel
+from shellfabric.edges import PullIn
+from shellfabric.histories import Measure
+from shellfabric.impact import ImpactSetup
+from shellfabric.impact import run as run_impact
+from shellfabric.panel import Panel
+from validation.bias_extension import cases as bias_cases
+
+STRAIGHT = 1e-6  # crimp of a "straight" yarn: the shell's thickness is that of its crimp, and must not be zero
+
+
+def cloth(name, *, modulus=1.0, crimp=1.0, mass=1.0, strain=1.0, crimps=None, straight=False, shear=None):
+    """A fabric of the catalogue, changed.
+
+    Parameters
+    ----------
+    modulus, crimp, strain : factors on fibre modulus, crimps and failure strain
+    mass : factor on the areal density that leaves the stiffness of the yarns alone
+    crimps : (warp, weft) [-] instead
+    straight : yarns without crimp; the trellis keeps its stiffness per width
+    shear : {"G1", "G2", "gamma1", "gamma2": values} that replace those of the fabric
+    """
+    fabric = catalogue.load(name).effective()
+    crimps = (STRAIGHT, STRAIGHT) if straight else crimps or [crimp * yarn.crimp for yarn in fabric.weave.yarns]
+    # E / mass: the solid section grows with the linear density, and E A_s is to stay
+    warp, weft = (
+        replace(
+            yarn,
+            crimp=c,
+            E=yarn.E * modulus / mass,
+            linear_density=yarn.linear_density * mass,
+            failure_strain=yarn.failure_strain * strain,
+        )
+        for yarn, c in zip(fabric.weave.yarns, crimps)
+    )
+    weave, law = replace(fabric.weave, warp=warp, weft=weft), fabric.shear
+    if straight and law is not None:
+        thicker = fabric.weave.thickness / weave.thickness
+        law = TrellisShear(law.G1 * thicker, law.G2 * thicker, law.gamma1, law.gamma2)
+    if shear:
+        law = replace(law, **shear)
+    return replace(fabric, weave=weave, shear=law)
+
+
+class _FirstFailures:
+    """Hook: time [s] after which a warp and a weft segment have failed."""
+
+    def __init__(self):
+        self.times = [np.nan, np.nan]
+
+    def __call__(self, march):
+        for family, failed in enumerate(march.state.failed):
+            if np.isnan(self.times[family]) and failed.any():
+                self.times[family] = march.time
+
+
+def setup(
+    fabric,
+    velocity,
+    *,
+    cell_model="compressible",
+    form=None,
+    pull=None,
+    symmetry="quarter",
+    end_time=800e-6,
+    offsets=(),
+    snapshots=None,
+    interval=1e-6,
+    elements=1,
+    **changes,
+):
+    """ImpactSetup of a shot; the arguments are those of `shot`."""
+    options = {"form": form} if form else {}
+    if pull:
+        slipping = PullIn(pull["length"], pull["start"], pull["end"])
+        options["edge"] = ("clamped", slipping)  # weft, as in section 6.4.3
+    return ImpactSetup(
+        cloth(fabric, **changes),
+        velocity,
+        cell_model=cell_model,
+        symmetry=symmetry,
+        end_time=end_time,
+        elements_per_crossover=elements,
+        snapshot_interval=snapshots,
+        measure=Measure(interval, (0.0,), (0.0, *offsets)),
+        **options,
+    )
+
+
+def shot(**scene):
+    """One impact on one ply.
+
+    Parameters
+    ----------
+    fabric, velocity [m/s] and the changes of `cloth`
+    cell_model, form, symmetry, end_time, elements : as in ImpactSetup; form None is its default
+    pull : {"length" [m], "start", "end" [s]} of the weft edges
+    offsets : [m] of further weft yarns to record at the edge
+    snapshots, interval : [s]
+    """
+    chosen, hook = setup(**scene), _FirstFailures()
+    result = run_impact(chosen, hooks=(hook,))
+    history = result.histories
+    yarns = {
+        yarn.family: {
+            name: np.asarray(getattr(yarn, name)) for name in ("X", "tension", "place", "deflection", "strength")
+        }
+        for yarn in history.yarns
+        if yarn is history.through(yarn.family)
+    }
+    weave, panel = chosen.fabric.weave, result.panel
+    edge = sorted((abs(yarn.offset), yarn.tension[:, -1]) for yarn in history.yarns if yarn.family == "weft")
+    return {
+        "outcome": result.outcome,
+        "residual": result.residual_velocity,
+        "t": result.t,
+        "v": result.v,
+        "z": result.z,
+        "energies": result.energies,
+        "reactions": result.reactions,
+        "failed": result.failed,
+        "peak": np.array(result.peak_tension),
+        "strength": np.array([yarn.strength for yarn in weave.yarns]),
+        "fine": result.fine,
+        "first_failure": np.array(hook.times),
+        "steps": result.steps,
+        "clock": history.t,
+        "yarns": yarns,
+        "edge_offset": np.array([place for place, _ in edge]),
+        "edge_tension": np.array([tension for _, tension in edge]),
+        "half": np.array([yarns[f]["X"][-1] for f in ("warp", "weft")]),
+        "snapshots": [_shape(panel, taken) for taken in result.snapshots],
+        "eroded": int(result.broken[..., 2].sum()),
+        "balance": result.worst_balance,
+    }
+
+
+def _shape(panel, taken):
+    """What is kept of a snapshot."""
+    a = np.diff(taken.nodes, axis=0)
+    b = np.diff(taken.nodes, axis=1)
+    warp, weft = 0.5 * (a[:, :-1] + a[:, 1:]), 0.5 * (b[:-1] + b[1:])
+    sine = np.einsum("ijk,ijk->ij", warp, weft) / (np.linalg.norm(warp, axis=2) * np.linalg.norm(weft, axis=2))
+    return {
+        "t": taken.t,
+        "pyramid": np.array(measures.pyramid(panel, taken)),
+        "gamma": np.abs(np.arcsin(sine)),
+        "x": panel.coordinates()[0][:, 0],
+        "y": panel.coordinates()[1][0],
+        "z": taken.nodes[..., 2].astype(np.float32),
+        "whole": ~taken.broken.any(axis=2),
+    }
+
+
+def limit(*, fabric, tolerance=1.0, guess=None, **scene):
+    """Critical velocity of a panel, within `tolerance` [m/s]."""
+    panel = setup(fabric, 100.0, **scene).panel()
+    found = limits.critical_velocity(panel, tolerance=tolerance, guess=guess)
+    return {
+        "velocity": found.velocity,
+        "low": found.low,
+        "high": found.high,
+        "single": found.single,
+        "shots": np.array([(s.strike_velocity, s.residual_velocity, s.perforated) for s in found.shots]),
+    }
+
+
+def shots(*, fabric, velocities, **scene):
+    """Residual velocities [m/s], failure and end times at several velocities."""
+    panel = setup(fabric, 100.0, **scene).panel()
+    fired = limits.shoot(panel, velocities)
+    return {
+        "strike": np.array(velocities),
+        "residual": np.array([s.residual_velocity for s in fired]),
+        "stopped": np.array([not s.perforated for s in fired]),
+    }
+
+
+def net(*, fabric, velocity, end_time=800e-6, **changes):
+    """One impact on the pin-jointed cable net."""
+    found = run_cable(CableNet.of(ImpactSetup(cloth(fabric, **changes), velocity)), velocity, end_time)
+    return {
+        "outcome": found.outcome,
+        "t": found.t,
+        "v": found.v,
+        "z": found.z,
+        "fine": found.fine,
+        "reactions": found.reactions,
+        "seconds": found.wall_time,
+        "bars": found.net.bars,
+    }
+
+
+def struck_yarn(*, fabric, velocity):
+    """A lone straight yarn struck at constant velocity, with Smith's closed form beside it."""
+    yarn = catalogue.load(fabric).effective().weave.warp
+    run, theory = smith.strike(yarn, velocity), smith.smith(yarn, velocity)
+    return {
+        "c": run.measured.c,
+        "U": run.measured.U,
+        "strain": run.measured.strain,
+        "theory_c": theory.c,
+        "theory_U": theory.U,
+        "theory_strain": theory.strain,
+        "X": run.X,
+        "nodes": run.nodes,
+    }
+
+
+def bias(*, cloth, steps=20):
+    """The bias extension test on one of its cloths."""
+    case = bias_cases.run(cloth, steps=steps)
+    result = case.result
+    means = np.array([case.means(k) for k in range(len(result.states))])
+    return {
+        "problem": case.problem or "",
+        "moved": result.moved,
+        "angles": np.radians(means),
+        "concentration": np.array([case.concentration(k) for k in range(len(result.states))]),
+        "asymmetry": bias_cases.asymmetry(result) if not case.problem else np.nan,
+        "inextensible": np.radians([case.inextensible(k) for k in range(len(result.states))]),
+        "x": result.states[-1].x,
+        "quads": result.coupon.quads,
+        "gamma": result.shear(),
+    }
+
+
+def stability(*, fabric, velocity, factor, time_end=60e-6):
+    """Whether a panel without viscosity stays in balance at `factor` times its critical step."""
+    from fabrics.errors import UnstableError
+    from shellfabric.march import March
+    from shellfabric.panel import Numerics
+
+    class Paced(Panel):
+        @property
+        def time_step(self):
+            return factor * self.critical_step
+
+    table = CellModel(cloth(fabric)).table(201)
+    panel = Paced(table, numerics=Numerics(stretch_viscosity=0.0, contact_damping=0.5))
+    try:
+        March(panel, velocity, time_end).run()
+    except UnstableError as problem:
+        return {"stable": False, "told": str(problem)}
+    return {"stable": True, "told": ""}
+
+
+def pace(*, fabric, velocity, repeats=3):
+    """Seconds that shell and cable net need for the same impact, run in turns; the least of each."""
+    shell, cables = [], []
+    scene, given = ImpactSetup(cloth(fabric), velocity, end_time=250e-6), cloth(fabric)
+    for _ in range(repeats):
+        shell.append(run_impact(scene).wall_time)
+        cables.append(run_cable(CableNet.of(ImpactSetup(given, velocity)), velocity, 250e-6).wall_time)
+    return {"shell": min(shell), "cable": min(cables)}
+
+
+SHELL = ("fabrics", "shellfabric")
+# name: (function, packages that it runs in, rough cost, to begin with the longest)
+RUNS = {
+    "shot": (shot, SHELL, 2),
+    "limit": (limit, SHELL, 8),
+    "shots": (shots, SHELL, 6),
+    "net": (net, SHELL, 2),
+    "struck_yarn": (struck_yarn, SHELL, 1),
+    "bias": (bias, (*SHELL, "validation.bias_extension"), 40),
+    "stability": (stability, SHELL, 1),
+    "pace": (pace, SHELL, 9),
+}
