@@ -2,7 +2,8 @@
 
 numba stamps a cached function with the source of its own file alone, so that after a change in a kernel that is called
 from another file the caller would go on running the old code, silently. Here the folder's name holds a digest of every
-kernel file of the package, and a change in any of them starts an empty folder.
+kernel file of the package and of the vector type that they use (`lanes.py`), and a change in any of them starts an
+empty folder.
 """
 
 from __future__ import annotations
@@ -22,7 +23,7 @@ def kernel_cache(package_file):
     import numba
 
     folder = Path(package_file).parent
-    sources = sorted(folder.glob("*_kernels.py"))
+    sources = sorted([*folder.glob("*_kernels.py"), *folder.glob("lanes.py")])
     digest = hashlib.sha256(b"".join(path.read_bytes() for path in sources)).hexdigest()[:16]
     before = numba.config.CACHE_DIR
     numba.config.CACHE_DIR = str(Path(before or folder / "__pycache__") / f"kernels-{digest}")

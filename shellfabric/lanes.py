@@ -3,7 +3,7 @@
     x = load(array, k)          array[k], ..., array[k + 7]
     store(array, k, 2.0 * x)
     fma(x, y, z)                x y + z, rounded once where the processor can
-    columns(table, cell)        c0, c1, ... with c_m = table[cell, m] of eight cells
+    columns4(table, cell)       c0, ..., c3 with c_m = table[cell, m] of eight cells
 
 +, -, * and / take two of these or one and a float. numba leaves it to the compiler to turn a loop into vector
 instructions, which it gives up on where a loop has many arrays or a look-up in it. With this type a loop is written as
@@ -17,8 +17,7 @@ import operator
 from llvmlite import ir
 from numba import njit, types
 from numba.core import cgutils
-from numba.core.errors import TypingError
-from numba.extending import intrinsic, models, overload, register_model, typeof_impl  # noqa: F401
+from numba.extending import intrinsic, models, overload, register_model
 
 WIDTH = 8
 _DOUBLE, _INT = ir.DoubleType(), ir.IntType(64)
@@ -93,7 +92,10 @@ def _operator(symbol, instruction):
 
 
 for _symbol, _instruction in (
-    (operator.add, "fadd"), (operator.sub, "fsub"), (operator.mul, "fmul"), (operator.truediv, "fdiv"),
+    (operator.add, "fadd"),
+    (operator.sub, "fsub"),
+    (operator.mul, "fmul"),
+    (operator.truediv, "fdiv"),
 ):
     _operator(_symbol, _instruction)
 

@@ -99,9 +99,7 @@ def elements(state, const, block, first, last, work):
         record(k0, m0, n2, work.T2, state.T[1])
     advance_yarns(state, const, block, k0, n, n2, N1, N2, work)
     A, B, on1, on2 = work.A, work.B, work.on1, work.on2
-    membrane_kernels.gather(
-        k0, m0, n, s, const.rx0, const.ry0, A, B, on1, on2, work.cross, state.g0, state.g1
-    )
+    membrane_kernels.gather(k0, m0, n, s, const.rx0, const.ry0, A, B, on1, on2, work.cross, state.g0, state.g1)
     if last == const.ni:
         membrane_kernels.gather_last(k0 + n, m0 + n, s, on2, B, state.g0)
 
