@@ -4,7 +4,7 @@ RESULTS ?= results
 # one BLAS thread a process: the work is shared out over processes instead
 RUN = OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(VENV)/bin/python -m
 
-.PHONY: demo test validate lint figures setup clean
+.PHONY: demo test validate lint figures charts setup clean
 
 demo: setup  ## S-720 from its data sheet to impact, with a report in results/demo
 	$(RUN) weavecell demo --out $(RESULTS)/demo
@@ -17,6 +17,11 @@ validate: setup  ## the long validation runs
 
 figures: demo  ## the figures of README and docs
 	$(RUN:-m=) tools/figures.py $(RESULTS)/demo
+
+charts: setup  ## docs/crossover.md and its figures: minutes of one core
+	$(RUN) weavecell chart --scene crossover --out $(RESULTS)/chart-crossover
+	cp $(RESULTS)/chart-crossover/crossover.md docs/
+	cp $(RESULTS)/chart-crossover/figures/crossover-*.png docs/figures/
 
 lint: setup
 	$(VENV)/bin/ruff check .

@@ -1,1 +1,6 @@
 """The quasi-static crossover of two yarns in three dimensions (dolfinx, PETSc), and the compression law it yields."""
+
+from fabrics.kernel_cache import kernel_cache
+
+with kernel_cache(__file__):  # kernels call each other across files: one cache, emptied when any of them changes
+    from unitcell3d import bars_kernels, contact_kernels, edges_kernels, pattern_kernels  # noqa: F401

@@ -1,155 +1,93 @@
-"""From a fabric's data to its compression law, by way of the 3D crossover.
+"""From a fabric's data to its compression law, by way of the 3D crossover: paths and plates solved, kept, evaluated.
 
-Biaxial paths to fibre failure give pairs (F_c, d_c) of the contact force of the crossover and the compression of one
-yarn, d_c = (h01 + h02 - h1 - h2) / 2 (source thesis eq. 4-13 with one law for both yarns, errata E-05, E-40). The
-regularised form
-
-    d_c = a - b / (F_c + F0)^(1/3),  F0 = (b/a)^3
-
-is fitted to all of them together, each path sampled at equal shares of its displacement so that the stepping has no
-say in it. A fit of the printed form would hang on a force cut-off. Two more fits say what one law leaves out: one of
-each yarn to its own compression at the crossing, and one whose a and F0 depend on the tension ratio
-(`fabrics.ratio_law`). The compression d_c also holds what closes between the yarns where their sections do not conform;
-each yarn's own does not. Plates give another curve than stretching does: they flatten slack yarns. That curve is
-computed beside, and not fed to the shell.
+Every path of every fabric is a case of its own, in a process with one thread, so that it comes out the same to the last
+bit whichever process solves it, and when. A finished case is kept as a file at once; a run that is taken up again
+begins with those that were asked for in just this way.
 """
 
 from __future__ import annotations
 
-import json
+import hashlib
 import time
-from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures import FIRST_COMPLETED, wait
 from dataclasses import dataclass, replace
 from pathlib import Path
 from queue import Empty
 
-import numpy as np
-
-from fabrics.compression import CompressionLaw
 from fabrics.errors import InputError, UnstableError
-from fabrics.files import write_whole
-from fabrics.ratio_law import RatioLaw, imbalance
 from meshing import crossover as mesher
 from unitcell3d import cases
-from unitcell3d.workers import CONTEXT, one_thread_each
+from unitcell3d.calibration import PLATES, evaluate
+from unitcell3d.history import History
+from unitcell3d.model import Numerics
+from unitcell3d.stepping import Steps
+from unitcell3d.workers import CONTEXT, workers
 
 PATHS = {"warp only": (1.0, 0.0), "weft only": (0.0, 1.0), "equibiaxial": (1.0, 1.0)}
-PLATES = "plates"
-YARNS = ("warp", "weft")
-SAMPLES = 25  # of each path in the fit, about as many as it has steps
 
 
 @dataclass(frozen=True)
-class Calibration:
-    """What a calibration found.
+class Job:
+    """One path of one fabric; `ratio` (d1, d2), or None between plates."""
+
+    name: str
+    fabric: object
+    size: object
+    ratio: tuple | None
+
+    @property
+    def asked(self):
+        """What its result hangs on, as a text."""
+        parts = (self.fabric, self.size, self.ratio, Numerics(), Steps())
+        return hashlib.sha256(repr(parts).encode()).hexdigest()
+
+    def file(self, folder):
+        """Its file in the folder of its fabric."""
+        return Path(folder) / f"{self.name.replace(' ', '-')}.h5"
+
+
+def calibrate(fabric, *, out=None, **choices):
+    """Calibrate the compression law of one fabric; returns its `calibration.Calibration`.
 
     Parameters
     ----------
-    fabric : name
-    law : CompressionLaw fitted to all biaxial paths
-    path_laws : {path: CompressionLaw} fitted to each path alone; None where no law fits it
-    histories : {path: History}, and "plates"
-    residuals : {path: rms distance [m] of its samples from the joint law}
-    yarn_laws : (warp, weft) CompressionLaw fitted to each yarn's own compression on all paths; None where none fits
-    ratio_law : RatioLaw fitted to all paths, or None
-    ratio_residuals : {path: rms distance [m] of its samples from the ratio law}
-    failures : {path: [cases.Failure]}
-    published : CompressionLaw of the fabric's file, or None
-    seconds : {path: wall time [s]}, and "all" of the whole calibration
-    sizes : (biaxial, plates) mesh sizes
-    """
-
-    fabric: str
-    law: CompressionLaw
-    path_laws: dict
-    histories: dict
-    residuals: dict
-    yarn_laws: tuple
-    ratio_law: RatioLaw | None
-    ratio_residuals: dict
-    failures: dict
-    published: CompressionLaw | None
-    seconds: dict
-    sizes: tuple
-
-    @property
-    def plates(self):
-        """History between plates."""
-        return self.histories[PLATES]
-
-    @property
-    def comparison(self):
-        """Fitted over published a and b, and the rms distance [m] of the laws over the fitted forces; {} if none."""
-        if self.published is None or self.published.a == 0:
-            return {}
-        F = np.linspace(*self.law.F_range, 200)
-        published = replace(self.published, form="regularised")
-        return {
-            "a_ratio": self.law.a / published.a,
-            "b_ratio": self.law.b / published.b,
-            "rms_m": float(np.sqrt(np.mean((self.law.d(F) - published.d(F)) ** 2))),
-        }
-
-    def summary(self):
-        """All numbers of the calibration, as plain types."""
-        laws = {name: law and _numbers(law) for name, law in self.path_laws.items()}
-        return {
-            "format": "weavecell calibration 1",
-            "fabric": self.fabric,
-            "mesh": {"biaxial": self.sizes[0], "plates": self.sizes[1]},
-            "law": {
-                "a_m": self.law.a,
-                "b_m_N^(1/3)": self.law.b,
-                "rms_m": self.law.residual_rms,
-                "F_range_N": self.law.F_range,
-                "a_interval_m": self.law.a_interval,
-                "b_interval_m_N^(1/3)": self.law.b_interval,
-            },
-            "published": self.published and {"a_m": self.published.a, "b_m_N^(1/3)": self.published.b},
-            "comparison": self.comparison,
-            "fit_of_each_path": laws,
-            "rms_of_each_path_from_the_law_m": self.residuals,
-            "fit_of_each_yarn": {name: law and _numbers(law) for name, law in zip(YARNS, self.yarn_laws)},
-            "fit_by_tension_ratio": self.ratio_law
-            and {
-                "p": self.ratio_law.p,
-                "q": self.ratio_law.q,
-                "rms_m": self.ratio_law.residual_rms,
-                "rms_of_each_path_m": self.ratio_residuals,
-            },
-            "failure": {name: [vars(item) for item in found] for name, found in self.failures.items()},
-            "ended_early": {name: history.failed for name, history in self.histories.items() if history.failed},
-            "seconds": self.seconds,
-        }
-
-    def write(self, directory):
-        """Write law.json, calibration.json and a history of each path (.h5) into a directory."""
-        directory = Path(directory)
-        directory.mkdir(parents=True, exist_ok=True)
-        for name, history in self.histories.items():
-            history.write(directory / f"{name.replace(' ', '-')}.h5")
-        with write_whole(directory / "calibration.json") as file:
-            json.dump(self.summary(), file, indent=2)
-            file.write("\n")
-        self.law.to_json(directory / "law.json")
-
-
-def calibrate(fabric, *, size="medium", plates_size="coarse", paths=None, out=None, progress=None, processes=1):
-    """Calibrate the compression law of a fabric.
-
-    Parameters
-    ----------
-    fabric : Fabric, with solid laws
-    size, plates_size : mesh sizes of the biaxial paths and of the plate compression (`meshing.crossover.build`)
-    paths : {name: (d1, d2) ratio}, by default warp only, weft only and equibiaxial
-    out : directory to write to (`Calibration.write`), or None
-    progress : called as progress(path name, share of that path) after each step
-    processes : paths computed beside each other
+    out : directory for what is found, or None
+    choices : as of `calibrate_all`
 
     Raises
     ------
     InputError : the fabric cannot be meshed, or a size or path is not allowed
     UnstableError : no path got far enough for a fit
+    """
+    found = calibrate_all([fabric], folder=lambda name: out, **choices)[fabric.name]
+    if isinstance(found, Exception):
+        raise found
+    return found
+
+
+def calibrate_all(
+    fabrics, *, size="medium", plates_size="coarse", paths=None, folder=lambda name: None, resume=False, executor=None,
+    processes=1, progress=None,
+):  # fmt: skip
+    """Calibrate several fabrics, their paths beside each other; one that fails does not end the others.
+
+    Parameters
+    ----------
+    fabrics : of Fabric, with solid laws
+    size, plates_size : mesh sizes of the biaxial paths and of the plate compression (`meshing.crossover.build`)
+    paths : {name: (d1, d2) ratio}, by default warp only, weft only and equibiaxial
+    folder : function of a fabric's name giving the directory for its histories and laws, or None
+    resume : take finished paths from their files
+    executor : any concurrent.futures.Executor; None: `processes` of its own, which also tell of each step
+    progress : called as progress(fabric name, path name, share of that path)
+
+    Returns
+    -------
+    {fabric name: Calibration, or the InputError or UnstableError that ended it}
+
+    Raises
+    ------
+    InputError : a choice that is wrong for all of them
     """
     paths = dict(PATHS if paths is None else paths)
     if not paths or PLATES in paths:
@@ -157,115 +95,128 @@ def calibrate(fabric, *, size="medium", plates_size="coarse", paths=None, out=No
     if processes < 1:
         raise InputError(key="processes", value=processes, allowed="at least 1")
     begun = time.perf_counter()
-    # the longest first: plates take the most steps
-    jobs = [(PLATES, fabric, plates_size, None)] + [(name, fabric, size, ratio) for name, ratio in paths.items()]
-    for job_size in dict.fromkeys((size, plates_size)):
-        mesher.build(fabric, size=job_size)  # bad input ends here, in this process
-    report = progress if progress is not None else _silent
-    done = _beside(jobs, report, processes) if processes > 1 else {job[0]: _run(*job, report) for job in jobs}
-    histories = {name: history for name, (history, _) in done.items()}
-    seconds = {name: elapsed for name, (_, elapsed) in done.items()}
-    found = _evaluate(fabric, {name: histories[name] for name in (*paths, PLATES)}, (str(size), str(plates_size)))
-    seconds["all"] = time.perf_counter() - begun
-    found = replace(found, seconds=seconds)
-    if out is not None:
-        found.write(out)
-    return found
+    run = _Run(folder, resume, progress if progress is not None else _silent)
+    for fabric in fabrics:
+        # the longest first: plates take the most steps
+        jobs = [Job(PLATES, fabric, plates_size, None)] + [Job(*item) for item in _of(paths, fabric, size)]
+        run.add(fabric, jobs)
+    run.solve(executor, processes)
+    for fabric in fabrics:
+        run.finish(fabric, [*paths, PLATES], (str(size), str(plates_size)), begun)
+    return {fabric.name: run.outcomes[fabric.name] for fabric in fabrics}
 
 
-def samples(history, *columns):
-    """F_c [N] and columns (d_c [m] if none are given) at equal shares of a path's displacement, from contact on."""
-    shares = np.linspace(0, history.path[-1], SAMPLES + 1)[1:]
-    columns = columns or (history.d_c,)
-    F, *rest = (np.interp(shares, history.path, column) for column in (history.F_c, *columns))
-    return F[F > 0], *(column[F > 0] for column in rest)
+def _of(paths, fabric, size):
+    return [(name, fabric, size, tuple(map(float, ratio))) for name, ratio in paths.items()]
 
 
-def _evaluate(fabric, histories, sizes):
-    pairs = {name: samples(history) for name, history in histories.items() if name != PLATES}
-    F, d = (np.concatenate([pair[i] for pair in pairs.values()]) for i in (0, 1))
-    if F.size < 3:
-        reasons = "; ".join(history.failed for history in histories.values() if history.failed)
-        raise UnstableError(f"no path of {fabric.name} reached contact: {reasons or 'the yarns never touch'}")
-    provenance = f"3D crossover of {fabric.name}, {sizes[0]} mesh, paths {', '.join(pairs)}"
-    law = CompressionLaw.fit(F, d, provenance=provenance)
-    yarn_laws, ratio_law, ratio_residuals = _finer(histories)
-    return Calibration(
-        fabric=fabric.name,
-        law=law,
-        path_laws={name: _own_law(name, pair) for name, pair in pairs.items()},
-        histories=histories,
-        residuals={name: float(np.sqrt(np.mean((law.d(pair[0]) - pair[1]) ** 2))) for name, pair in pairs.items()},
-        yarn_laws=yarn_laws,
-        ratio_law=ratio_law,
-        ratio_residuals=ratio_residuals,
-        failures={name: cases.failure(histories[name], fabric) for name in pairs},
-        published=fabric.laws[0] if fabric.laws else None,
-        seconds={},
-        sizes=sizes,
-    )
-
-
-def _finer(histories):
-    """Laws of each yarn's own compression, and the law that sees the tension ratio with its residual by path."""
-    found = {name: h for name, h in histories.items() if name != PLATES}
-    rows = {
-        name: samples(h, h.d_c, imbalance(h.T1, h.T2), h.d_yarns[:, 0], h.d_yarns[:, 1]) for name, h in found.items()
-    }
-    F, d, m, *yarns = (np.concatenate(columns) for columns in zip(*rows.values()))
-    yarn_laws = tuple(_own_law(name, (F, own)) for name, own in zip(YARNS, yarns))
-    try:
-        law = RatioLaw.fit(F, m, d)
-    except InputError:
-        return yarn_laws, None, {}
-    return yarn_laws, law, {name: float(np.sqrt(np.mean((law.d(r[0], r[2]) - r[1]) ** 2))) for name, r in rows.items()}
-
-
-def _numbers(law):
-    return {"a_m": law.a, "b_m_N^(1/3)": law.b, "rms_m": law.residual_rms}
-
-
-def _own_law(name, pair):
-    try:
-        return CompressionLaw.fit(*pair, provenance=name)
-    except InputError:
-        return None
-
-
-def _silent(name, share):
+def _silent(fabric, path, share):
     pass
 
 
-def _run(name, fabric, size, ratio, report):
+class _Run:
+    """Jobs to do, histories done, and what ended a fabric."""
+
+    def __init__(self, folder, resume, report):
+        self._folder, self._resume, self._report = folder, resume, report
+        self._open, self._done = [], {}
+        self.outcomes = {}
+
+    def add(self, fabric, jobs):
+        """Take in the jobs of a fabric; those that are done come from their files."""
+        try:
+            for size in dict.fromkeys(job.size for job in jobs):
+                mesher.build(fabric, size=size)  # bad input ends here, in this process
+        except InputError as problem:
+            self.outcomes[fabric.name] = problem
+            return
+        for job in jobs:
+            kept = self._kept(job)
+            if kept is None:
+                self._open.append(job)
+            else:
+                self._done[fabric.name, job.name] = kept
+                self._report(fabric.name, job.name, 1.0)
+
+    def _kept(self, job):
+        folder = self._folder(job.fabric.name)
+        if not self._resume or folder is None or not job.file(folder).exists():
+            return None
+        notes = History.notes(job.file(folder))
+        return (History.read(job.file(folder)), notes["seconds"]) if notes.get("asked") == job.asked else None
+
+    def solve(self, executor, processes):
+        """Solve the open jobs, plates first, and keep each as it comes."""
+        if not self._open:
+            return
+        queue = CONTEXT.Queue() if executor is None else None
+        options = {} if queue is None else {"initializer": _take_queue, "initargs": (queue,)}
+        jobs = sorted(self._open, key=lambda job: job.ratio is not None)
+        with workers(executor, min(processes, len(jobs)), **options) as pool:
+            futures = {pool.submit(run_job, job): job for job in jobs}
+            pending = set(futures)
+            try:
+                while pending:
+                    finished, pending = wait(pending, timeout=0.2, return_when=FIRST_COMPLETED)
+                    self._tell(queue)
+                    for future in finished:
+                        self._take(futures[future], future)
+            finally:
+                for future in pending:
+                    future.cancel()
+
+    def _tell(self, queue):
+        try:
+            while queue is not None:
+                self._report(*queue.get_nowait())
+        except Empty:
+            pass
+
+    def _take(self, job, future):
+        try:
+            history, seconds = future.result()
+        except UnstableError as problem:
+            self.outcomes[job.fabric.name] = problem
+            return
+        folder = self._folder(job.fabric.name)
+        if folder is not None:
+            history.write(job.file(folder), asked=job.asked, seconds=seconds)
+        self._done[job.fabric.name, job.name] = history, seconds
+        self._report(job.fabric.name, job.name, 1.0)
+
+    def finish(self, fabric, names, sizes, begun):
+        """Evaluate a fabric's histories and write what they give."""
+        if fabric.name in self.outcomes:
+            return
+        done = {name: self._done[fabric.name, name] for name in names}
+        seconds = {name: elapsed for name, (_, elapsed) in done.items()}
+        try:
+            found = evaluate(
+                fabric, {name: history for name, (history, _) in done.items()}, sizes,
+                seconds | {"all": time.perf_counter() - begun},
+            )  # fmt: skip
+        except UnstableError as problem:
+            self.outcomes[fabric.name] = problem
+            return
+        if self._folder(fabric.name) is not None:
+            found.write(self._folder(fabric.name))
+        self.outcomes[fabric.name] = found
+
+
+def run_job(job):
     """One job: (History, wall time [s])."""
     begun = time.perf_counter()
-    mesh = mesher.build(fabric, size=size)
-    hooks = (lambda share, row: report(name, share),)
-    if ratio is None:
-        history = cases.plate_compression(mesh, fabric, hooks=hooks)
+    mesh = mesher.build(job.fabric, size=job.size)
+
+    def told(share, row):
+        if _queue is not None:
+            _queue.put((job.fabric.name, job.name, share))
+
+    if job.ratio is None:
+        history = cases.plate_compression(mesh, job.fabric, hooks=(told,))
     else:
-        history = cases.biaxial(mesh, fabric, ratio, hooks=hooks)
-    report(name, 1.0)
-    return replace(history, case=name), time.perf_counter() - begun
-
-
-def _beside(jobs, report, processes):
-    """Run the jobs in processes of their own; their progress comes back through a queue."""
-    queue = CONTEXT.Queue()
-    with (
-        one_thread_each(),
-        ProcessPoolExecutor(processes, mp_context=CONTEXT, initializer=_take_queue, initargs=(queue,)) as pool,
-    ):
-        futures = {job[0]: pool.submit(_run_beside, *job) for job in jobs}
-        while True:
-            finished = all(future.done() for future in futures.values())
-            try:
-                while True:
-                    report(*queue.get(timeout=0.2))
-            except Empty:
-                pass
-            if finished:
-                return {name: future.result() for name, future in futures.items()}
+        history = cases.biaxial(mesh, job.fabric, job.ratio, hooks=(told,))
+    return replace(history, case=job.name), time.perf_counter() - begun
 
 
 _queue = None  # of a worker process, set once when it starts
@@ -274,7 +225,3 @@ _queue = None  # of a worker process, set once when it starts
 def _take_queue(queue):
     global _queue
     _queue = queue
-
-
-def _run_beside(name, fabric, size, ratio):
-    return _run(name, fabric, size, ratio, lambda *progress: _queue.put(progress))

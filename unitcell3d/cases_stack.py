@@ -5,6 +5,7 @@ symmetries of one ply (two mirror planes, and the two-fold axis at the middle of
 N + 1 - p), so that a quarter of a crossover is enough. The plates stand at equal distances above and below the middle.
 
 Between plies the lower face of each weft meets the upper face of the warp under it, with the contact of a crossover.
+"shifted" plies have no such symmetry (`plies`).
 """
 
 from __future__ import annotations
@@ -15,8 +16,10 @@ from fabrics.errors import InputError
 from fabrics.plate_curve import PlateCurve
 from unitcell3d import constraints, follow, yarns
 from unitcell3d.cases import CLOSEST_PLATES, PLATEN_PRESSURE
+from unitcell3d.cell import CellLoad
 from unitcell3d.model import Load, YarnsModel, check
 from unitcell3d.pairs import OuterPlates, SurfacePairs, facing
+from unitcell3d.plies import ShiftedModel
 from unitcell3d.records import Record
 
 MEANINGS = {
@@ -46,13 +49,11 @@ class StackModel(YarnsModel):
 
     Raises
     ------
-    InputError : no ply, or another domain
+    InputError : another domain
     """
 
     def __init__(self, crossover, fabric, plies, numerics=None):
         check(crossover, fabric)
-        if not (isinstance(plies, int | np.integer) and plies >= 1):
-            raise InputError(key="plies", value=plies, allowed="a whole number from 1 on")
         if crossover.domain != "quarter":
             raise InputError(key="domain", value=crossover.domain, allowed="quarter: aligned plies are symmetric")
         pitch = np.ptp(crossover.points[:, 2])
@@ -69,16 +70,17 @@ class StackModel(YarnsModel):
 
 
 def stack_compression(
-    crossover, fabric, plies=2, *, pressure=PLATEN_PRESSURE, closest=CLOSEST_PLATES, numerics=None, rows=40,
-    hooks=(), comm=None,
+    mesh, fabric, plies=2, *, shift=(0.0, 0.0), pressure=PLATEN_PRESSURE, closest=CLOSEST_PLATES, numerics=None,
+    rows=40, hooks=(), comm=None,
 ):  # fmt: skip
-    """Press aligned plies between two rigid plates, the yarns' ends held in the plane at their spacing.
+    """Press plies between two rigid plates, the yarns' ends held in the plane at their spacing.
 
     Parameters
     ----------
-    crossover : meshing.crossover.Crossover, a quarter
+    mesh : meshing.crossover.Crossover, a quarter, for aligned plies; meshing.patch.Patch of 2 x 2 for shifted ones
     fabric : Fabric
     plies : number
+    shift : (x, y) [crossings] of each ply against the one under it; (0, 0): aligned
     pressure : [Pa] mean on the area of the cell at the end, the source's greatest by default
     closest : [-] share of the first distance of the plates at which the path ends at the latest
     numerics, rows, hooks, comm : see `follow.follow`
@@ -95,36 +97,41 @@ def stack_compression(
         raise InputError(key="pressure", value=pressure, allowed="positive")
     if not 0 < closest < 1:
         raise InputError(key="closest", value=closest, allowed="between 0 and 1")
-    model = StackModel(crossover, fabric, plies, numerics)
+    if not (isinstance(plies, int | np.integer) and plies >= 1):
+        raise InputError(key="plies", value=plies, allowed="a whole number from 1 on")
+    if any(shift):
+        model = ShiftedModel(mesh, fabric, plies, shift, numerics)
+        loads = [CellLoad(mesh.w, plates=share * model.plates.at_rest) for share in (1.0, closest)]
+        copies, inside = 1 / model.crossings, model.inside
+    else:
+        model = StackModel(mesh, fabric, plies, numerics)
+        loads = [Load(plates=share * model.plates.at_rest) for share in (1.0, closest)]
+        copies, inside = model.copies[1], plies
     rest, area = model.plates.at_rest, fabric.weave.cell_area
 
     def row(state, load):
-        pairs = model.copies[1] * model.surfaces.forces
-        force = model.copies[1] * float(np.mean(state.plates))
+        pairs = copies * model.surfaces.forces
+        force = copies * float(np.mean(state.plates))
         return {
             "distance": 2 * load.plates,
             "closure": 2 * (rest - load.plates),
             "closure_ply": 2 * (rest - load.plates) / plies,
             "force": force,
             "pressure": force / area,
-            "F_c": pairs[:plies],
-            "F_between": pairs[plies:],
-            "deepest": -min(0.0, *(gaps.min() for gaps in model.surfaces.gaps)),
+            "F_c": pairs[:inside].reshape(plies, -1).sum(axis=1),
+            "F_between": pairs[inside:].reshape(plies - 1, -1).sum(axis=1) if plies > 1 else np.zeros(0),
+            "deepest": model.surfaces.deepest,
         }
 
     found = follow.follow(
-        model,
-        [Load(plates=rest), Load(plates=closest * rest)],
-        row,
-        rows=rows,
-        stop=lambda row: row["pressure"] / pressure,
-        hooks=hooks,
-        comm=comm,
+        model, loads, row, rows=rows, stop=lambda row: row["pressure"] / pressure, hooks=hooks, comm=comm
     )
+    u = (found.x - model.points)[: len(model.crossover.points)]
+    stacking = f"shifted by {shift[0]:g}, {shift[1]:g} crossings" if any(shift) else "aligned"
+    facts = {"plies": plies, "stacking": stacking, "shift": list(shift), "cell_area": area}
     return Record(
-        follow.columns(found.rows), MEANINGS, found.x - model.points, fabric.name, f"{plies} aligned plies",
-        found.failed, {"plies": plies, "stacking": "aligned", "cell_area": area},
-    )  # fmt: skip
+        follow.columns(found.rows), MEANINGS, u, fabric.name, f"{plies} plies, {stacking}", found.failed, facts
+    )
 
 
 def law_closure(fabric, record):

@@ -75,10 +75,10 @@ class History:
         share = (value - quantity[i - 1]) / (quantity[i] - quantity[i - 1])
         return float(column[i - 1] + share * (column[i] - column[i - 1]))
 
-    def write(self, path):
-        """Write as HDF5 (.h5)."""
+    def write(self, path, **notes):
+        """Write as HDF5 (.h5), with notes (numbers and texts) that `notes` gives back."""
         with replace_whole(path) as beside, h5py.File(beside, "w") as file:
-            file.attrs["format"] = _FORMAT
+            file.attrs.update({f"note {name}": value for name, value in notes.items()}, format=_FORMAT)
             for item in fields(self):
                 value = getattr(self, item.name)
                 if isinstance(value, str):
@@ -88,6 +88,15 @@ class History:
                         file[f"gaps/{yarn}"] = gaps
                 else:
                     file[item.name] = value
+
+    @staticmethod
+    def notes(path):
+        """The notes of a file; {} where it is none of these."""
+        try:
+            with h5py.File(path, "r") as file:
+                return {name[5:]: value for name, value in file.attrs.items() if name.startswith("note ")}
+        except OSError:
+            return {}
 
     @classmethod
     def read(cls, path) -> History:

@@ -37,6 +37,12 @@ class SurfacePairs:
         """[m] of the nodes of all surfaces."""
         return tuple(gaps for pair in self.pairs for gaps in pair.gaps)
 
+    @property
+    def deepest(self):
+        """[m] largest penetration where there was a force in the last call of `touch`."""
+        depths = [-gaps[nodes[:, 0] >= 0] for gaps, nodes in zip(self.gaps, self.stencils)]
+        return float(np.concatenate([*depths, [0.0]]).max())
+
     def met(self):
         """(m, 17) the stencils that were in contact at the last call of `touch`."""
         return np.concatenate([pair.met() for pair in self.pairs] + [np.empty((0, STENCIL), np.int64)])
@@ -48,9 +54,12 @@ class SurfacePairs:
 
     def touch(self, x, numerics, forces, places, values):
         """As of `contact.FacingSurfaces`; returns the sum of the sizes [N] of the pairs' forces."""
+        first = 0
         for number, pair in enumerate(self.pairs):
-            own = None if places is None else places[2 * number : 2 * number + 2]
+            last = first + len(pair.stencils)
+            own = None if places is None else places[first:last]
             self.forces[number] = pair.touch(x, numerics, forces, own, values)
+            first = last
         return float(np.abs(self.forces).sum())
 
 

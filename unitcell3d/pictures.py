@@ -6,7 +6,7 @@ import matplotlib
 import numpy as np
 
 from fabrics.files import replace_whole
-from unitcell3d.calibrate import PLATES, samples
+from unitcell3d.calibration import PLATES, samples
 
 matplotlib.use("Agg")
 from matplotlib import pyplot

@@ -14,8 +14,7 @@ from __future__ import annotations
 import hashlib
 import json
 import time
-from concurrent.futures import ProcessPoolExecutor, as_completed
-from contextlib import contextmanager
+from concurrent.futures import as_completed
 from dataclasses import dataclass
 
 import numpy as np
@@ -28,7 +27,7 @@ from unitcell3d.model import CrossoverModel, Load
 from unitcell3d.newton import Newton
 from unitcell3d.partial import Line, Partial
 from unitcell3d.stepping import at_rest, visit
-from unitcell3d.workers import CONTEXT, one_thread_each
+from unitcell3d.workers import workers
 
 POINTS = (21, 21)
 REACH = 0.03e-3  # m
@@ -133,8 +132,8 @@ def sample(
     asked = {"fabric": hashlib.sha256(repr(fabric).encode()).hexdigest(), "size": str(size), "tolerance": tolerance}
     asked |= {name: [*map(float, axis[[0, -1]]), axis.size] for name, axis in zip(("d1", "d2"), axes)}
     done = Partial(partial, json.dumps(asked), resume)
-    with _workers(executor, processes) as workers:
-        run = _Run(fabric, size, done, workers, progress if progress is not None else _silent)
+    with workers(executor, processes) as pool:
+        run = _Run(fabric, size, done, pool, progress if progress is not None else _silent)
         new, axes = axes, [axis[:0] for axis in axes]
         for _ in range(1 if tolerance is None else ROUNDS):
             axes = _add_lines(run, axes, new)
@@ -250,16 +249,6 @@ class _Run:
         finally:
             for future in futures:
                 future.cancel()
-
-
-@contextmanager
-def _workers(executor, processes):
-    if executor is not None:
-        yield executor
-        return
-    # of their own even where there is one alone: another number of BLAS threads is another last bit
-    with one_thread_each(), ProcessPoolExecutor(processes, mp_context=CONTEXT) as pool:
-        yield pool
 
 
 def solve_line(fabric, size, case):

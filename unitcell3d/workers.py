@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from concurrent.futures import ProcessPoolExecutor
 from contextlib import contextmanager
 from multiprocessing import get_context
 
@@ -24,3 +25,16 @@ def one_thread_each():
                 del os.environ[name]
             else:
                 os.environ[name] = value
+
+
+@contextmanager
+def workers(executor, processes, **options):
+    """The executor, or `processes` of our own with one thread each, started with `options`.
+
+    Of our own even where there is one alone: another number of BLAS threads is another last bit.
+    """
+    if executor is not None:
+        yield executor
+        return
+    with one_thread_each(), ProcessPoolExecutor(processes, mp_context=CONTEXT, **options) as pool:
+        yield pool

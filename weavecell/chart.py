@@ -29,11 +29,11 @@ def crossover(out, *, level, only, processes, resume):
     stamp = provenance.stamp()
     tables.write_csv(found, out / "crossover.csv")
     tables.write_orders(found, out / "orders.csv")
-    pictures.draw_all(found, out / "figures")
+    drawn = pictures.draw_all(found, out / "figures")
     words = [f"--only '{','.join(only)}'"] if only else []
     command = " ".join(["weavecell chart --scene crossover", f"--level {level}", *words])
     made = f"Version {stamp['weavecell']}, commit {stamp['commit']}, {stamp['date']}, {stamp['processor']}."
-    page.write(found, out / "crossover.md", made, command)
+    page.write(found, out / "crossover.md", made, command, drawn)
     best = [{"method": study.name(found, e), "cpu_s": e.result["cpu"], "error": e.error} for e in found.best]
     content = {"scene": "crossover", "level": level, "fabric": found.fabric, "best": best, "provenance": stamp}
     content["reference"] = {

@@ -178,7 +178,12 @@ def mesh(
 
 @app.command(epilog="Example: [bold]weavecell calibrate S-720 --size coarse[/bold]")
 def calibrate(
-    fabric: FabricArgument,
+    fabric: Annotated[
+        str | None, typer.Argument(metavar="[FABRIC]", help="A name of the catalogue, or the path of a fabric file.")
+    ] = None,
+    all: Annotated[
+        bool, typer.Option("--all", help="Every fabric of the catalogue, side by side in one table.")
+    ] = False,
     size: Annotated[Size, typer.Option(help="Mesh of the 3D crossover.")] = Size.medium,
     processes: ProcessesOption = CORES,
     plates: Annotated[
@@ -189,17 +194,32 @@ def calibrate(
         bool, typer.Option("--fit-solid", help="The same, to the built-in pressure law of Kevlar plain weaves.")
     ] = False,
     out: OutOption = None,
+    resume: Annotated[bool, typer.Option("--resume", help="Go on from the paths of an interrupted run.")] = False,
 ):
     """Solve the 3D crossover and fit its compression law: law.json, histories and a report.
 
     The curve of --plates is a CSV file headed, for example, "pressure [MPa], thickness [mm]": one ply between flat
-    plates, loading only, at least five rows.
+    plates, loading only, at least five rows. A finished path is kept at once, for --resume.
     """
     from weavecell import crossover
 
-    folder = out or RESULTS / f"calibrate-{Path(fabric).stem}"
+    if all == (fabric is not None):
+        raise InputError("give either a fabric or --all")
+    if all:
+        if plates is not None or fit_solid:
+            raise InputError("--plates and --fit-solid go with one fabric")
+        from weavecell import calibrate_all
+
+        calibrate_all.command(out or RESULTS / "calibrate-all", size=size.value, processes=processes, resume=resume)
+        return
     crossover.calibrate_command(
-        fabric, folder, size=size.value, processes=processes, plates=plates, fit_solid=fit_solid
+        fabric,
+        out or RESULTS / f"calibrate-{Path(fabric).stem}",
+        size=size.value,
+        processes=processes,
+        plates=plates,
+        fit_solid=fit_solid,
+        resume=resume,
     )
 
 

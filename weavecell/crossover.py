@@ -19,16 +19,23 @@ from weavecell.mesh import with_3d_data
 from weavecell.report import Table
 
 
-def calibrate_command(name, out, *, size, processes, plates=None, fit_solid=False):
+def calibrate_command(name, out, *, size, processes, plates=None, fit_solid=False, resume=False):
     """Calibrate one fabric, its solid first if asked, write what came of it and print the law."""
     fabric = with_3d_data(name)
     solid = None
     if plates is not None or fit_solid:
-        solid = solid_fit.fit(fabric, solid_fit.curve_for(fabric, plates), out)
+        solid = solid_fit.fit(fabric, solid_fit.curve_for(fabric, plates), out, processes=processes, resume=resume)
         fabric = solid.fabric
     built = mesh.build(fabric, size=size, domain="whole")
     mesh.write(built, out)
-    done = calibrate(fabric, out, size=size, processes=processes)
+    done = calibrate(fabric, out, size=size, processes=processes, resume=resume)
+    tell(fabric, done, out)
+    page(fabric, done, solid, built, out)
+    print(f"written to {out}")
+
+
+def page(fabric, done, solid, built, out):
+    """Write the report of a calibration."""
     laws = {"fitted": done.law}
     if done.published is not None:
         laws["published"] = done.published
@@ -42,7 +49,7 @@ def calibrate_command(name, out, *, size, processes, plates=None, fit_solid=Fals
         chapters.sources(fabric),
         chapters.making(stamp, done.seconds),
     )
-    page = report.Report(
+    content = report.Report(
         f"{fabric.name}: compression law from the 3D crossover",
         "The crossover is stretched along several biaxial paths until its fibres fail; one law is fitted to the "
         "thickness that its yarns lose under their contact force.",
@@ -50,35 +57,62 @@ def calibrate_command(name, out, *, size, processes, plates=None, fit_solid=Fals
         sections,
         f"weavecell {weavecell.__version__}, {stamp['date']}",
     )
-    report.write(page, out / "report.html")
-    for label, law in laws.items():
-        print(f"{label:<10} a = {1e3 * law.a:.4f} mm, b = {1e3 * law.b:.4f} mm N^(1/3)")
-    print(f"residual   {1e6 * done.law.residual_rms:.2f} um rms over F = {_span(done.law.F_range)} N")
-    print(f"written to {out}")
+    report.write(content, out / "report.html")
 
 
-def _span(pair):
-    return f"{pair[0]:.2g} to {pair[1]:.3g}"
+def tell(fabric, done, out):
+    """Print the law of a Calibration: intervals, published values, residual, spread between paths, the law chosen."""
+    law = done.law
+    a, b = (f"{1e3 * value:.4f}" for value in (law.a, law.b))
+    print(f"{'fitted':<12}a = {a} mm ({_mm(law.a_interval)}), b = {b} mm N^(1/3) ({_mm(law.b_interval)}), 95 %")
+    if done.published is not None:
+        print(f"{'published':<12}a = {1e3 * done.published.a:.4f} mm, b = {1e3 * done.published.b:.4f} mm N^(1/3)")
+    print(
+        f"{'residual':<12}{1e6 * law.residual_rms:.2f} um rms over F = {law.F_range[0]:.2g} to {law.F_range[1]:.3g} N"
+    )
+    if done.spread:
+        print(f"{'each path':<12}a = {_mm(done.spread['a'])} mm, b = {_mm(done.spread['b'])} mm N^(1/3)")
+    for name, own in zip(("warp", "weft"), done.yarn_laws):
+        if own is not None:
+            print(f"{name + ' alone':<12}a = {1e3 * own.a:.4f} mm, b = {1e3 * own.b:.4f} mm N^(1/3)")
+    if done.ratio_law is not None:
+        print(
+            f"{'by tension':<12}a law that sees the tension ratio leaves {1e6 * done.ratio_law.residual_rms:.2f} um rms"
+        )
+    print(f"{'chosen':<12}{done.chosen}" + ("" if done.chosen == "one law" else " (the shell takes the one law)"))
+    for name, history in done.histories.items():
+        if history.failed:
+            print(f"{name:<12}ended at {100 * history.path[-1]:.1f} % of its path: {history.failed}")
 
 
-def calibrate(fabric, out, *, size, processes):
+def _mm(pair):
+    return " .. ".join(f"{1e3 * value:.4f}" for value in pair)
+
+
+def calibrate(fabric, out, *, size, processes, resume=False):
     """Solve the crossover, fit its law and write both to the folder `out`; returns the Calibration."""
     from unitcell3d import calibrate as solver
 
-    shares = {}
     with progress.bar(f"Calibration of {fabric.name}") as advance:
+        told = told_by_paths(advance, 1 + len(solver.PATHS))
+        return solver.calibrate(fabric, size=size, out=out, progress=told, processes=processes, resume=resume)
 
-        def report_path(path, share):
-            shares[path] = share
-            told = ", ".join(f"{name} {100 * done:.0f} %" for name, done in shares.items() if done < 1)
-            advance(sum(shares.values()) / (len(solver.PATHS) + 1), told)
 
-        return solver.calibrate(fabric, size=size, out=out, progress=report_path, processes=processes)
+def told_by_paths(advance, count):
+    """Progress of `count` paths, as `unitcell3d.calibrate` tells it, shown on one bar."""
+    shares = {}
+
+    def report_path(fabric, path, share):
+        shares[fabric, path] = share
+        told = ", ".join(f"{name} {100 * done:.0f} %" for (_, name), done in shares.items() if done < 1)
+        advance(sum(shares.values()) / count, told)
+
+    return report_path
 
 
 def fit_chapter(done, laws):
     """The chapter of a Calibration: its samples and laws, each path alone, and fibre failure."""
-    from unitcell3d.calibrate import samples
+    from unitcell3d.calibration import samples
 
     biaxial = {name: samples(history) for name, history in stretched(done).items()}
     chapter = chapters.fit(biaxial, laws, (done.plates.F_c, done.plates.d_c))
@@ -88,7 +122,7 @@ def fit_chapter(done, laws):
             name,
             *_parameters(done.path_laws.get(name)),
             "-" if name not in done.residuals else f"{1e6 * done.residuals[name]:.2f}",
-            history.failed or ("at the test's pressure" if name == "plates" else "at fibre failure"),
+            ended(name, history),
             f"{done.seconds[name]:.1f}",
         )
         for name, history in done.histories.items()
@@ -107,7 +141,38 @@ def fit_chapter(done, laws):
         for item in found
     )
     failure = Table(columns, rows, "Where the fibre strain first reaches the failure strain", numeric=columns[3:])
-    return replace(chapter, tables=(*chapter.tables, alone, failure))
+    return replace(chapter, tables=(*chapter.tables, _laws(done), alone, failure))
+
+
+def ended(name, history):
+    """Why a path ended."""
+    if history.failed:
+        return history.failed
+    if name != "plates":
+        return "at fibre failure"
+    return "at the test's pressure" if history.path[-1] < 1 else "with the plates at half their distance"
+
+
+def _laws(done):
+    """The joint law with its intervals and the spread between paths, and what it leaves out."""
+    columns = ("law", "a [mm]", "b [mm N^(1/3)]", "rms [µm]")
+    law, ratio = done.law, done.ratio_law
+    rows = [("joint", *_parameters(law), _um(law.residual_rms))]
+    rows.append(("joint, 95 % intervals", _mm(law.a_interval), _mm(law.b_interval), ""))
+    if done.spread:
+        rows.append(("spread of the paths alone", _mm(done.spread["a"]), _mm(done.spread["b"]), ""))
+    for name, own in zip(("warp", "weft"), done.yarn_laws):
+        if own is not None:
+            rows.append((f"{name}, its own compression", *_parameters(own), _um(own.residual_rms)))
+    if ratio is not None:
+        ends = [ratio.at(m) for m in ratio.m_range]
+        spans = ("{:.4f} .. {:.4f}".format(*(1e3 * getattr(end, key) for end in ends)) for key in ("a", "b"))
+        rows.append(("that sees the tension ratio, all weft .. all warp", *spans, _um(ratio.residual_rms)))
+    return Table(columns, tuple(rows), f"Laws; chosen: {done.chosen}", numeric=columns[1:])
+
+
+def _um(value):
+    return f"{1e6 * value:.2f}"
 
 
 def _parameters(law):

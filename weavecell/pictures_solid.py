@@ -20,3 +20,28 @@ def plates(pyplot, fit):
     axes.set(xlabel="closed by the plates [µm]", ylabel="pressure [MPa]", yscale="log")
     axes.legend(loc="upper left")
     return figure
+
+
+def laws(pyplot, found):
+    """Fitted over published a and b of several fabrics.
+
+    Parameters
+    ----------
+    found : {fabric: unitcell3d.calibration.Calibration}
+    """
+    compared = {name: each for name, each in found.items() if each.comparison}
+    figure, row = pyplot.subplots(1, 2, figsize=(11.5, 0.9 + 0.55 * max(len(compared), 1)), sharey=True)
+    for axes, key in zip(row, ("a", "b")):
+        for place, each in enumerate(compared.values()):
+            published = getattr(each.published, key)
+            value = getattr(each.law, key) / published
+            low, high = (end / published for end in each.spread.get(key, (value * published,) * 2))
+            axes.plot([low, high], [place, place], color=FITTED, lw=3, alpha=0.35, solid_capstyle="butt")
+            axes.plot([value], [place], "o", ms=8, color=FITTED)
+            axes.text(max(high, value) + 0.02, place, f"{value:.2f}", va="center", fontsize=11, color=INK)
+        axes.axvline(1, color=INK, lw=1.2)
+        axes.set(xlabel=f"{key}, fitted over published", xlim=(0, None))
+        axes.margins(x=0.12)
+    row[0].set_yticks(range(len(compared)), list(compared))
+    row[0].invert_yaxis()
+    return figure

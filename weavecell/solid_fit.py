@@ -10,8 +10,7 @@ from fabrics.plate_curve import PlateCurve
 from weavecell import pictures, pictures_solid, progress
 from weavecell.report import Figure, Section, Table
 
-SIZE = "coarse"  # a fit takes some tens of compressions; the medium mesh moves a closure by less than its misfit
-EXPECTED = 33  # compressions, for the progress bar
+EXPECTED = 25  # compressions, for the progress bar
 
 
 def curve_for(fabric, path):
@@ -30,7 +29,7 @@ def curve_for(fabric, path):
     return PlateCurve.pressure_law(fabric.areal_density_measured)
 
 
-def fit(fabric, curve, out):
+def fit(fabric, curve, out, *, processes=1, resume=False):
     """Fit, write solid.json into the folder `out`, and print what the curve determines; returns the SolidFit."""
     from unitcell3d.fit_solid import fit_solid
 
@@ -38,12 +37,18 @@ def fit(fabric, curve, out):
         found = fit_solid(
             fabric,
             curve,
-            size=SIZE,
+            processes=processes,
+            keep=out / "solid",
+            resume=resume,
             progress=lambda runs, rms: advance(runs / EXPECTED, f"misfit {1e6 * rms:.1f} µm"),
         )
     found.write(out / "solid.json")
-    print(f"solid      {', '.join(_told(found, name) for name in found.values)}")
-    print(f"           misfit {1e6 * found.rms:.1f} um rms to {curve.source}")
+    for name, value in found.values.items():
+        low, high = found.intervals[name]
+        known = "" if found.determined[name] else ", not determined by the curve"
+        print(f"{name:<12}{value:.4g} ({low:.3g} .. {high:.3g}, 95 %{known}); from {_before(found.started, name):.4g}")
+    rms = found.summary()["rms_before_m"]
+    print(f"{'misfit':<12}{1e6 * found.rms:.1f} um rms, before {1e6 * rms:.1f}, to {curve.source}")
     return found
 
 
@@ -53,12 +58,13 @@ def chapter(found):
         (
             name,
             f"{value:.4g}",
+            f"{_before(found.started, name):.4g}",
             "{:.3g} to {:.3g}".format(*found.intervals[name]),
             "yes" if found.determined[name] else "no",
         )
         for name, value in found.values.items()
     )
-    columns = ("parameter", "fitted [SI]", "95 % interval", "determined by the curve")
+    columns = ("parameter", "fitted [SI]", "the fabric's file", "95 % interval", "determined by the curve")
     loose = [name for name, known in found.determined.items() if not known]
     lead = (
         f"E_c, V_c and K_r of both yarns, fitted to {found.curve.source}; misfit {1e6 * found.rms:.1f} µm rms, before "
@@ -71,10 +77,11 @@ def chapter(found):
         "The solid yarn from a plate test",
         lead,
         (Figure(content, "svg", "What the plates close against their pressure; zero is free.", "solid"),),
-        (Table(columns, rows, numeric=columns[1:3]),),
+        (Table(columns, rows, numeric=columns[1:4]),),
     )
 
 
-def _told(found, name):
-    known = "" if found.determined[name] else " (not determined)"
-    return f"{name} = {found.values[name]:.4g}{known}"
+def _before(fabric, name):
+    """The value of the fabric's file, of the warp."""
+    solid = fabric.solids[0]
+    return solid.K_r * solid.E_c if name == "K_r E_c" else getattr(solid, name)

@@ -1,14 +1,17 @@
 """Calibration of S-720 on the coarse mesh, beside the published law."""
 
 import json
+from concurrent.futures import Executor, Future
+from dataclasses import fields, replace
 
 import numpy as np
 import pytest
 
 from fabrics import catalogue
 from fabrics.compression import CompressionLaw
-from fabrics.errors import InputError
-from unitcell3d.calibrate import PATHS, calibrate
+from fabrics.errors import InputError, UnstableError
+from unitcell3d.calibrate import PATHS, calibrate, calibrate_all
+from unitcell3d.calibration import ONE_LAW
 from unitcell3d.history import History
 
 
@@ -16,7 +19,7 @@ from unitcell3d.history import History
 def calibration(s720, tmp_path_factory):
     out = tmp_path_factory.mktemp("calibration")
     seen = {}
-    found = calibrate(s720, size="coarse", out=out, progress=lambda name, share: seen.update({name: share}))
+    found = calibrate(s720, size="coarse", out=out, progress=lambda fabric, name, share: seen.update({name: share}))
     return found, out, seen
 
 
@@ -82,6 +85,82 @@ def test_files_hold_it_all(calibration):
     assert summary["ended_early"] == {}
     history = History.read(out / "warp-only.h5")
     assert np.array_equal(history.F_c, found.histories["warp only"].F_c)
+
+
+class Here(Executor):
+    """Does the work at once, in this process."""
+
+    def __init__(self):
+        self.names = []
+
+    def submit(self, function, job):
+        self.names.append(job.name)
+        future = Future()
+        try:
+            future.set_result(function(job))
+        except UnstableError as problem:
+            future.set_exception(problem)
+        return future
+
+
+SMALL = {"size": (2, 2, 2), "plates_size": (2, 2, 2), "paths": {"warp only": (1, 0), "equibiaxial": (1, 1)}}
+
+
+def numbers(found):
+    """All numbers of the histories but the times, as bytes."""
+    return {
+        (name, item.name): np.concatenate(value).tobytes() if isinstance(value, tuple) else np.asarray(value).tobytes()
+        for name, history in found.histories.items()
+        for item in fields(history)
+        if item.name != "seconds"
+        for value in [getattr(history, item.name)]
+        if not isinstance(value, str)
+    }
+
+
+def test_an_interrupted_calibration_goes_on_to_the_same_bits(s720, tmp_path):
+    whole = calibrate(s720, executor=Here(), out=tmp_path / "whole", **SMALL)
+    done = []
+
+    def interrupt(fabric, path, share):
+        done.append(path)
+        if len(done) == 2:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        calibrate(s720, executor=Here(), out=tmp_path / "broken", progress=interrupt, **SMALL)
+    kept = {path.stem.replace("-", " ") for path in (tmp_path / "broken").iterdir()}
+    assert kept == set(done)
+    rest = Here()
+    found = calibrate(s720, executor=rest, out=tmp_path / "broken", resume=True, **SMALL)
+    assert set(rest.names) == {*SMALL["paths"], "plates"} - kept
+    assert numbers(found) == numbers(whole)
+    assert (tmp_path / "broken" / "law.json").read_bytes() == (tmp_path / "whole" / "law.json").read_bytes()
+    again = Here()
+    assert calibrate(s720, executor=again, out=tmp_path / "broken", resume=True, **SMALL).law == whole.law
+    assert again.names == []
+    finer = Here()  # asked for in another way, nothing of it is taken
+    calibrate(s720, executor=finer, out=tmp_path / "broken", resume=True, **SMALL | {"size": (3, 2, 2)})
+    assert finer.names == [*SMALL["paths"]]
+
+
+def test_one_fabric_that_fails_does_not_end_the_others(s720, tmp_path):
+    wide = replace(catalogue.load("S-731"), section="sine", solids=None)
+    found = calibrate_all([wide, s720], executor=Here(), folder=lambda name: tmp_path / name, **SMALL)
+    assert isinstance(found["S-731"], InputError)
+    assert found["S-720"].law.a > 0
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["S-720"]
+
+
+def test_spread_and_the_law_chosen(calibration):
+    found = calibration[0]
+    laws = found.path_laws.values()
+    assert found.spread["a"] == (min(law.a for law in laws), max(law.a for law in laws))
+    assert found.spread["b"][0] < found.law.b < found.spread["b"][1]
+    for leaves, chosen in ((0.9 * ONE_LAW, "one law"), (1.1 * ONE_LAW, "law of the tension ratio")):
+        other = replace(found, law=replace(found.law, residual_rms=leaves))
+        assert other.chosen == (chosen if other.ratio_law.residual_rms < leaves else "one law")
+    assert replace(found, ratio_law=None, law=replace(found.law, residual_rms=1e-5)).chosen == "one law"
 
 
 @pytest.mark.slow

@@ -41,6 +41,17 @@ def test_closures_are_moved_to_the_measured_ones_and_go_on_beyond_the_end():
     assert closures(Pressed, 1e-6, pressure, measured) == pytest.approx(measured, rel=1e-9)
 
 
+def test_closures_of_a_force_that_falls_for_a_step():
+    class Snapped(Pressed):
+        pressure = np.concatenate([Pressed.pressure[:25], Pressed.pressure[20:21], Pressed.pressure[25:]])
+        F_plate = np.stack([2 * pressure, 0 * pressure], axis=1) * 1e-6
+        plates = np.concatenate([Pressed.plates[:25], [Pressed.plates[24] - 1e-9], Pressed.plates[25:]])
+
+    pressure = np.geomspace(1e4, 1e6, 9)
+    measured = 1e-5 * np.log(pressure)
+    assert closures(Snapped, 1e-6, pressure, measured) == pytest.approx(measured, rel=1e-9)
+
+
 @pytest.mark.slow
 def test_a_twin_is_found_again(s720):
     """A curve computed with other solids: the fit goes below its resolution, 1 um, and finds what it determines."""

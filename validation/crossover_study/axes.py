@@ -12,6 +12,7 @@ from validation.crossover_study.cases import EQUAL, TRIBUTARY, Case
 ROOT = (4, 3, 1)  # elements along, across and through a quarter yarn that the meshes are multiples of
 BASE = Case(size=(8, 6, 2))  # coarse
 REFINEMENTS = {"full": (1, 2, 3, 4, 6), "quick": (1, 2, 3)}
+TOGETHER = {"full": ((3, 3), (4, 3)), "quick": ((3, 3),)}  # multiple of ROOT, factor on the penalty
 METHOD, MODEL = "method", "model"
 
 
@@ -40,6 +41,7 @@ def axes(level="full"):
     base = BASE
     return [
         _meshes(base, REFINEMENTS[level]),
+        _together(base, TOGETHER[level]),
         _direction("elements along", 0, base),
         _direction("elements across", 1, base),
         _direction("elements through", 2, base),
@@ -74,6 +76,14 @@ def _meshes(base, refinements):
     return Axis("mesh", METHOD, cases, x, f"element size, of {_label(ROOT)}")
 
 
+def _together(base, pairs):
+    cases = {_label(base.size): base}
+    for n, factor in pairs:
+        label = f"{_label(_times(n))}, penalty x {factor}"
+        cases[label] = replace(base, size=_times(n), numerics=(("penalty", factor),))
+    return Axis("mesh and penalty", METHOD, cases)
+
+
 def _direction(name, axis, base):
     sizes = [tuple(n * f if i == axis else n for i, n in enumerate(base.size)) for f in (0.5, 1, 2)]
     sizes = [tuple(map(int, size)) for size in sizes]
@@ -83,7 +93,7 @@ def _direction(name, axis, base):
 def _numerics(base):
     """Axes of the fields of model.Numerics; those with a limit are varied by factors that tend to it."""
     asked = {
-        "penalty": ((1 / 30, 1 / 10, 1 / 3, 1, 3, 10, 30), -1, "default penalty over penalty"),
+        "penalty": ((1 / 30, 1 / 10, 1 / 3, 1, 3, 10), -1, "default penalty over penalty"),
         "toe": ((4, 2, 1, 1 / 2, 1 / 4), 1, "toe over the default toe"),
         "slack_stiffness": ((4, 1, 1 / 4), 1, "over the default"),
         "slack_width": ((4, 2, 1, 1 / 2), 1, "over the default"),

@@ -11,7 +11,7 @@ from fabrics.compression import CompressionLaw
 from fabrics.errors import InputError, UnstableError
 from meshing import crossover as mesher
 from unitcell3d import yarn_law
-from unitcell3d.calibrate import samples
+from unitcell3d.calibration import samples
 from unitcell3d.linear import DirectSolver
 from unitcell3d.model import CrossoverModel, Load, Numerics
 from unitcell3d.stepping import Steps, march

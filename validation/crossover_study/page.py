@@ -9,6 +9,7 @@ from validation.crossover_study.study import MEASURED, measured, name
 
 LEADS = {
     "mesh": "All three directions refined together; the section, the bars and the contact surfaces get finer with it.",
+    "mesh and penalty": "Both refined: how far a reference that adds up one choice at a time can be trusted.",
     "elements along": "One direction alone, to see which of them the errors of the base come from.",
     "penalty": "The contact stiffness of both passes together.",
     "toe": "The penetration over which the contact stiffness sets in.",
@@ -28,25 +29,31 @@ LEADS = {
 }
 
 
-def write(study, path, stamp, command):
+def write(study, path, stamp, command, drawn):
     """Write the page; its pictures are in figures/ beside it.
 
     Parameters
     ----------
     stamp : one line that says when, where and by which version
     command : that makes it
+    drawn : names of the pictures there are
     """
+    methods, models = ([axis for axis in study.axes if (axis.kind == METHOD) == of] for of in (True, False))
     parts = [
         f"# The 3D crossover: what its numbers hang on\n\nMade by `{command}`; not to be edited by hand. {stamp}",
         _scene(study),
         _reference(study),
         _summary(study),
-        "## Choices of the method\n\n![convergence](figures/crossover-convergence.png)",
-        *(_axis(study, axis) for axis in study.axes if axis.kind == METHOD),
-        "## Choices of the model\n\nThese ask another question, so they have an effect and no error.\n\n"
-        "![effects](figures/crossover-effects.png)",
-        *(_axis(study, axis) for axis in study.axes if axis.kind != METHOD),
+        "## Choices of the method",
+        *(["![convergence](figures/crossover-convergence.png)"] if "convergence" in drawn else []),
+        *(_axis(study, axis) for axis in methods),
     ]
+    if models:
+        parts += [
+            "## Choices of the model\n\nThese ask another question, so they have an effect and no error.",
+            "![effects](figures/crossover-effects.png)",
+            *(_axis(study, axis) for axis in models),
+        ]
     with write_whole(path) as file:
         file.write("\n\n".join(parts) + "\n")
 

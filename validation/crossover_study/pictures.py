@@ -17,12 +17,16 @@ INK, FAINT = "#1d2733", "#8a94a0"
 COLOURS = ("#0072B2", "#E69F00", "#009E73", "#D55E00", "#CC79A7", "#56B4E9")
 MARKERS = ("o", "s", "^", "D", "v", "P")
 CONVERGING = ("mesh", "penalty", "toe")
-LEAST = 1e-6  # of a value: nothing below is shown
+LEAST = 1e-5  # of a value: nothing below is shown
 
 
 def draw_all(study, folder):
-    """Write the pictures into a folder; returns their names."""
-    drawn = {"convergence": convergence, "effects": effects, "pareto": pareto}
+    """Write the pictures that there is something for into a folder; returns their names."""
+    drawn = {"pareto": pareto}
+    if any(study.limits.get(choice) for choice in CONVERGING):
+        drawn["convergence"] = convergence
+    if any(axis.kind == MODEL for axis in study.axes):
+        drawn["effects"] = effects
     for title, draw in drawn.items():
         figure = draw(study)
         with replace_whole(folder / f"crossover-{title}.png") as beside:
@@ -54,7 +58,12 @@ def convergence(study):
             )  # fmt: skip
         told = f"orders observed {min(orders):.1f} to {max(orders):.1f}" if orders else "no order observed"
         unit = next(axis.unit for axis in study.axes if axis.name == choice)
-        axes.set(title=choice, xlabel=unit, xscale="log", yscale="log")
+        axes.set(xlabel=unit, xscale="log", yscale="log")
+        axes.set_title(choice, loc="left", fontsize=13, fontweight="bold", color=INK)
+        if choice == "mesh":
+            axes.set_xticks([entry.x for entry in entries], [entry.label.replace(" ", "") for entry in entries])
+            axes.set_xticks([], minor=True)
+            axes.tick_params(axis="x", labelsize=8)
         axes.text(0.03, 0.97, told, transform=axes.transAxes, va="top", fontsize=10, color=INK)
         _plain(axes)
     row[0][0].set_ylabel("distance from the limit [%]")
@@ -98,18 +107,24 @@ def effects(study):
 
 def pareto(study):
     """CPU time of the three paths against the largest error in the forces; methods that none beats are named."""
-    figure, axes = plt.subplots(figsize=(10.5, 6.6), layout="constrained")
+    figure, axes = plt.subplots(figsize=(12.5, 6.4), layout="constrained")
     shown = list({entry.case: entry for entry in study.entries if entry.error is not None}.values())
     best = [entry.case for entry in study.best]
     others = [entry for entry in shown if entry.case not in best]
     axes.plot(*_place(others), "o", ms=6, mfc="#d5dbe1", mec=FAINT, ls="", label="beaten in both")
     axes.plot(*_place(study.best), "o-", ms=9, color=COLOURS[0], lw=1.6, label="beaten by none")
-    for number, entry in enumerate(study.best):
+    told = []
+    for number, entry in enumerate(study.best, 1):
         x, y = _place([entry])
         axes.annotate(
-            name(study, entry), (x[0], y[0]),
-            xytext=(10, 8 + 4 * (number % 2)), textcoords="offset points", fontsize=11, color=INK,
+            str(number), (x[0], y[0]), xytext=(-9, -15), textcoords="offset points", ha="center", fontsize=12,
+            fontweight="bold", color=INK,
         )  # fmt: skip
+        told.append(f"{number}  {name(study, entry)}\n    {x[0]:.3g} s, {y[0]:.2g} %")
+    axes.text(
+        1.02, 0.97, "beaten by none\n\n" + "\n".join(told), transform=axes.transAxes, va="top", fontsize=11, color=INK,
+        linespacing=1.5,
+    )  # fmt: skip
     if study.base.case not in best and study.base.error is not None:
         x, y = _place([study.base])
         axes.plot(x, y, "D", ms=9, mfc="white", mec=COLOURS[3], mew=1.8, ls="", label="the base")
@@ -124,7 +139,6 @@ def pareto(study):
         0.01, unsure, f" within {unsure:.2g} %: no better known than the reference", fontsize=10, color=FAINT,
         va="top", transform=axes.get_yaxis_transform(),
     )  # fmt: skip
-    axes.margins(x=0.15)
     axes.legend(frameon=False, loc="upper right", fontsize=11)
     _plain(axes)
     return figure

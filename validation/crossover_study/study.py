@@ -5,8 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 import tomllib
-from concurrent.futures import ProcessPoolExecutor, as_completed
-from contextlib import contextmanager
+from concurrent.futures import as_completed
 from dataclasses import dataclass
 from importlib import resources
 from pathlib import Path
@@ -17,7 +16,7 @@ from fabrics import catalogue
 from fabrics.errors import InputError
 from fabrics.files import write_whole
 from fabrics.units import si
-from unitcell3d.workers import CONTEXT, one_thread_each
+from unitcell3d.workers import workers
 from validation.convergence.richardson import extrapolate
 from validation.crossover_study.axes import BASE, METHOD, axes
 from validation.crossover_study.cases import solve
@@ -117,7 +116,7 @@ def run(out, *, level="full", only=None, resume=False, executor=None, processes=
     cases = sorted({BASE} | {case for axis in chosen for case in axis.cases.values()}, key=lambda c: -np.prod(c.size))
     files = {case: Path(out) / "cases" / f"{_digest(fabric, paths, case)}.json" for case in cases}
     results = {case: _read(file) for case, file in files.items() if resume and file.exists()}
-    with _workers(executor, processes) as pool:
+    with workers(executor, processes) as pool:
         futures = {pool.submit(solve, fabric, paths, case): case for case in cases if case not in results}
         for future in as_completed(futures):
             case = futures[future]
@@ -127,15 +126,6 @@ def run(out, *, level="full", only=None, resume=False, executor=None, processes=
             if progress is not None:
                 progress(len(results) / len(cases), _name(chosen, case))
     return judge(fabric.name, paths, chosen, results)
-
-
-@contextmanager
-def _workers(executor, processes):
-    if executor is not None:
-        yield executor
-        return
-    with one_thread_each(), ProcessPoolExecutor(processes, mp_context=CONTEXT) as pool:
-        yield pool
 
 
 def _digest(fabric, paths, case):
