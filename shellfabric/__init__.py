@@ -2,5 +2,7 @@
 
 from fabrics.kernel_cache import kernel_cache
 
-with kernel_cache(__file__):  # kernels call each other across files: one cache, emptied when any of them changes
+with kernel_cache(
+    __file__, "lanes.py", "team.py"
+):  # kernels call each other across files: one cache, emptied when any of them changes
     from shellfabric import cable_kernels, march_kernels, patch_kernels, relax_kernels  # noqa: F401

@@ -17,6 +17,7 @@ from numba import njit
 
 from shellfabric import contact_kernels, edges_kernels, failure_kernels, membrane_kernels
 from shellfabric.lanes import WIDTH, above, fabs, fma, keep, load, where
+from shellfabric.team import STOP, meet
 
 RUNNING, STOPPED, PERFORATED, NOT_FINITE = 0, 1, 2, 3
 WORK, VISCOUS, LOST, TORN = 0, 1, 2, 3  # of state.sums; what is lost with failed yarns, and with their trellis
@@ -88,15 +89,14 @@ def elements(state, const, block, first, last, work):
     s, thin = const.s, state.thin[block] != WHOLE
     k0, m0, n = first * s, 2 * s, (last - first) * s
     n2 = n + s if last == const.ni else n  # weft edges: those on the far side of the panel have no row of their own
-    stretch(state, const, first, last, work)
+    stretch(state, const, first, last, thin, work)
     trellis(state, const, first, last, thin, work)
-    look_up(state, const, block, first, last, thin, work)
     N1, N2 = work.T1, work.T2
     if const.variational:
         N1, N2 = work.N1, work.N2
-        gradient(state, const, first, last, thin, work)
-        record(k0, m0, n, work.T1, state.T[0])
-        record(k0, m0, n2, work.T2, state.T[1])
+        slack = gradient(state, const, block, first, last, thin, work)
+    if not (const.variational and slack):
+        look_up(state, const, block, first, last, thin, work)
     advance_yarns(state, const, block, k0, n, n2, N1, N2, work)
     A, B, on1, on2 = work.A, work.B, work.on1, work.on2
     membrane_kernels.gather(k0, m0, n, s, const.rx0, const.ry0, A, B, on1, on2, work.cross, state.g0, state.g1)
@@ -105,7 +105,7 @@ def elements(state, const, block, first, last, work):
 
 
 @njit(cache=True, error_model="numpy", _nrt=False, forceinline=True)
-def stretch(state, const, first, last, work):
+def stretch(state, const, first, last, thin, work):
     """Edge vectors, stretches, and means of the crossing stretches, of a block's rows and one beyond at each end."""
     s, w = const.s, work
     low = max(first - 1, 0)
@@ -119,33 +119,66 @@ def stretch(state, const, first, last, work):
         membrane_kernels.copy(s, end - s, end, w.l1)
     membrane_kernels.across_warp(m0, (last - low) * s, s, w.l2, w.m2)
     membrane_kernels.across_weft(2 * s, (last - first + 1) * s, s, w.l1, w.m1)
+    if thin:
+        shift = (first - 2) * s
+        failure_kernels.thin_means(const, state, 0, low, last, shift, w.l2, w.m2)
+        failure_kernels.thin_means(const, state, 1, first, last + 1, shift, w.l1, w.m1)
 
 
 @njit(cache=True, error_model="numpy", _nrt=False, forceinline=True)
 def look_up(state, const, block, first, last, thin, work):
     """Tensions of a block's edges, and the largest of each family."""
     s, c, w, most = const.s, const, work, state.most[block]
-    m0, n = 2 * s, (last - first) * s
+    k0, m0, n = first * s, 2 * s, (last - first) * s
     n2, shift = n + s if last == c.ni else n, (first - 2) * s
-    if thin:
-        failure_kernels.thin_means(const, state, 0, max(first - 1, 0), last, shift, w.l2, w.m2)
-        failure_kernels.thin_means(const, state, 1, first, last + 1, shift, w.l1, w.m1)
     most[0] = membrane_kernels.tensions(m0, n, w.l1, w.m2, c.grid, c.tension1, w.T1)
     most[1] = membrane_kernels.tensions(m0, n2, w.m1, w.l2, c.grid, c.tension2, w.T2)
     if thin:
         failure_kernels.thin_forces(const, state, 0, first, last, shift, w.l1, w.T1)
         failure_kernels.thin_forces(const, state, 1, first, last + 1, shift, w.l2, w.T2)
         most[0], most[1] = membrane_kernels.largest(m0, n, w.T1), membrane_kernels.largest(m0, n2, w.T2)
+    if c.variational:
+        record(k0, m0, n, w.T1, state.T[0])
+        record(k0, m0, n2, w.T2, state.T[1])
+        state.stale[block] = False
+
+
+@njit(cache=True, error_model="numpy", _nrt=False)
+def bounds(const, p1, q1, p2, q2):
+    """What the tensions of both families cannot exceed where no yarn lies further in the table; p, q in its cells."""
+    top1, top2 = const.top1, const.top2
+    if max(p1, p2) > top1 + 1 or max(q1, q2) > top2 + 1:
+        return np.inf, np.inf
+    warp = min(int(p1), top1) * (top2 + 1) + min(int(q1), top2)
+    weft = min(int(p2), top1) * (top2 + 1) + min(int(q2), top2)
+    return const.ceiling1[warp], const.ceiling2[weft]
+
+
+@njit(cache=True, error_model="numpy", _nrt=False)
+def freshen(state, const, first, last, work):
+    """Look up the tensions of those of the blocks first .. last - 1 in which nobody has needed them."""
+    for block in range(first, last):
+        if state.stale[block]:
+            low, high = max(state.rows[0], block * const.block), min(state.rows[1], (block + 1) * const.block)
+            stretch(state, const, low, high, False, work)
+            look_up(state, const, block, low, high, False, work)
 
 
 @njit(cache=True, error_model="numpy", _nrt=False, forceinline=True)
-def gradient(state, const, first, last, thin, work):
-    """Forces of the variational form, into work.N1 and work.N2 (see `membrane_kernels`)."""
+def gradient(state, const, block, first, last, thin, work):
+    """Forces of the variational form, into work.N1 and work.N2 (see `membrane_kernels`).
+
+    Returns whether no tension can be past the peak so far or a strength, so that none need be looked up.
+    """
     s, c, w, low = const.s, const, work, max(first - 1, 0)
     m0, m1 = 2 * s, (low - first + 2) * s
     n, n1, n2 = (last - first) * s, (last - low) * s, (last - first + 1) * s
-    membrane_kernels.potential_forces(m1, n1, w.l1, w.m2, c.grid, c.potential, c.per1, c.per2, w.own1, w.given1)
-    membrane_kernels.potential_forces(m0, n2, w.m1, w.l2, c.grid, c.potential, c.per1, c.per2, w.given2, w.own2)
+    p1, q1 = membrane_kernels.potential_forces(
+        m1, n1, w.l1, w.m2, c.grid, c.potential, c.per1, c.per2, w.own1, w.given1
+    )
+    p2, q2 = membrane_kernels.potential_forces(
+        m0, n2, w.m1, w.l2, c.grid, c.potential, c.per1, c.per2, w.given2, w.own2
+    )
     if first == 0:
         membrane_kernels.copy(s, m0, s, work.given1)
     if last == const.ni:
@@ -155,11 +188,17 @@ def gradient(state, const, first, last, thin, work):
     if thin:
         failure_kernels.thin_gradient(const, state, 0, first, last, shift, work.l1, work.own1, work.given2, work.N1)
         failure_kernels.thin_gradient(const, state, 1, first, last + 1, shift, work.l2, work.own2, work.given1, work.N2)
-        return
-    membrane_kernels.across_warp(m0, n, s, work.given2, work.on1)
-    membrane_kernels.halves(m0, n, work.own1, work.on1, work.N1)
-    membrane_kernels.across_weft(m0, n2, s, work.given1, work.on2)
-    membrane_kernels.halves(m0, n2, work.own2, work.on2, work.N2)
+        return False
+    membrane_kernels.share_warp(m0, n, s, work.own1, work.given2, work.N1)
+    membrane_kernels.share_weft(m0, n2, s, work.own2, work.given1, work.N2)
+    most = state.most[block]
+    most[0], most[1] = bounds(const, p1, q1, p2, q2)
+    state.stale[block] = (
+        const.lag == 0.0
+        and most[0] <= min(state.peak[0], const.strength1)
+        and most[1] <= min(state.peak[1], const.strength2)
+    )
+    return state.stale[block]
 
 
 @njit(cache=True, error_model="numpy", forceinline=True)
@@ -218,8 +257,8 @@ def taut(state, const):
     low, high = last, first
     for block in range(first // const.block, (last + const.block - 1) // const.block):
         if state.most[block, 0] > bound1 or state.most[block, 1] > bound2:
-            low = min(low, max(first, block * const.block - const.per))
-            high = max(high, min(last, (block + 1) * const.block + const.per))
+            low = min(low, max(first, block * const.block - const.per + 1))
+            high = max(high, min(last, (block + 1) * const.block + const.per - 1))
     return low, high
 
 
@@ -229,6 +268,8 @@ def fail(state, const, work):
     first, last = taut(state, const)
     if first >= last:
         return
+    near, end = max(state.rows[0], first - const.per + 1), min(state.rows[1], last + const.per - 1)
+    freshen(state, const, near // const.block, (end + const.block - 1) // const.block, work)
     most1, most2 = 0.0, 0.0
     for block in range(first // const.block, (last + const.block - 1) // const.block):
         most1, most2 = max(most1, state.most[block, 0]), max(most2, state.most[block, 1])
@@ -267,32 +308,50 @@ def move_rows(state, const, first, last):
     move(k0, n, const.dt, state.kick, state.g0, state.g1, state.v, state.u)
 
 
+@njit(cache=True, error_model="numpy", _nrt=False)
+def part(state, const, me, count):
+    """(first, last) of the active blocks that are one thread's among `count`; the last thread has at least one."""
+    start, end = state.rows[0] // const.block, (state.rows[1] + const.block - 1) // const.block
+    return start + (end - start) * me // count, start + (end - start) * (me + 1) // count
+
+
 @njit(cache=True, error_model="numpy", _nrt=False, forceinline=True)
-def sweep(state, const, work):
+def sweep(state, const, work, shared, me, count):
     """Move the active nodes, and find the forces of the active elements, block by block while they are in cache.
 
-    The blocks are fixed, whatever the window. The node rows that the elements of a block need are moved first: its
-    own, and one beyond.
+    The blocks are fixed, whatever the window and the number of threads, and so is what is found in them. The node rows
+    that the elements of a block need are moved first: its own, and one beyond. Those at the ends of a thread's blocks,
+    which its neighbours need too, are moved before all.
     """
-    first, last = state.rows[0], state.rows[1]
-    done = min(first + 2, last + 1)
-    move_rows(state, const, first, done)
-    for block in range(first // const.block, (last + const.block - 1) // const.block):
-        low, high = max(first, block * const.block), min(last, (block + 1) * const.block)
-        ahead = min(high + 2, last + 1)
+    first, last = part(state, const, me, count)
+    low, high = max(state.rows[0], first * const.block), min(state.rows[1], last * const.block)
+    end = high + 1 if me == count - 1 else high  # the node rows are low .. end - 1
+    done = min(low + 2, end)
+    tail = max(end - 2, done)
+    if first < last:
+        move_rows(state, const, low, done)
+        move_rows(state, const, tail, end)
+    meet(shared, count)
+    for block in range(first, last):
+        begin, stop = max(low, block * const.block), min(high, (block + 1) * const.block)
+        ahead = max(done, min(stop + 2, tail))
         move_rows(state, const, done, ahead)
         done = ahead
-        elements(state, const, block, low, high, work)
+        elements(state, const, block, begin, stop, work)
 
 
 @njit(cache=True, error_model="numpy", _nrt=False, forceinline=True)
-def step(state, const, work):
-    """One step; returns why it should be the last, or RUNNING."""
+def begin(state, const):
+    """What comes before the nodes move in a step: the impulses of contact, and the projectile's own motion."""
     contact_kernels.push(state, const)
     for c in range(3):
         state.position[c] += const.dt * state.speed[c]
     widen(state, const)
-    sweep(state, const, work)
+
+
+@njit(cache=True, error_model="numpy", _nrt=False, forceinline=True)
+def conclude(state, const, work):
+    """What comes after the forces of the cloth in a step; returns why it should be the last, or RUNNING."""
     fail(state, const, work)
     failures = state.counter[FAILURES]
     taken, spring = contact_kernels.contact(state, const, work.x, work.v)
@@ -311,19 +370,49 @@ def step(state, const, work):
 
 
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
-def advance(state, const, work, steps, history):
-    """March at most `steps` steps. history (steps, 3): the projectile's foremost z, v_z and the force on it after each.
+def lead(state, const, work, steps, history, shared, count):
+    """March at most `steps` steps, with `count` - 1 threads that `follow`, all with scratch of their own.
 
+    history (steps, 3): the projectile's foremost z, v_z and the force on it after each. shared : see `team.meet`.
     Returns (steps made, RUNNING or the reason to end).
     """
-    for m in range(steps):
-        reason = step(state, const, work)
-        history[m, 0] = state.position[2] + const.top
-        history[m, 1] = state.speed[2]
-        history[m, 2] = state.reaction[2]
-        if reason != RUNNING:
-            return m + 1, reason
-    return steps, RUNNING
+    made, reason = 0, RUNNING
+    while made < steps and reason == RUNNING:
+        begin(state, const)
+        meet(shared, count)
+        sweep(state, const, work, shared, 0, count)
+        meet(shared, count)
+        reason = conclude(state, const, work)
+        history[made, 0] = state.position[2] + const.top
+        history[made, 1] = state.speed[2]
+        history[made, 2] = state.reaction[2]
+        made += 1
+    shared[STOP] = 1
+    meet(shared, count)
+    first, last = part(state, const, 0, count)
+    freshen(state, const, first, last, work)
+    meet(shared, count)
+    return made, reason
+
+
+@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+def follow(state, const, work, shared, me, count):
+    """Do thread number `me`'s part of each step that `lead` makes."""
+    while True:
+        meet(shared, count)
+        if shared[STOP] != 0:
+            break
+        sweep(state, const, work, shared, me, count)
+        meet(shared, count)
+    first, last = part(state, const, me, count)
+    freshen(state, const, first, last, work)
+    meet(shared, count)
+
+
+@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+def advance(state, const, work, steps, history):
+    """`lead` without followers."""
+    return lead(state, const, work, steps, history, work.shared, 1)
 
 
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)

@@ -153,10 +153,16 @@ def tensions(m0, n, l1, l2, grid, table, T):
 
 @njit(cache=True, error_model="numpy")
 def potential_forces(m0, n, l1, l2, grid, table, per1, per2, N1, N2):
-    """Gradient of the bicubic potential, N = per dW/d(local coordinate); constant beyond the table's upper edge."""
+    """Gradient of the bicubic potential, N = per dW/d(local coordinate); constant beyond the table's upper edge.
+
+    Returns the largest p and q, the places in the table in units of its cells.
+    """
     x0, rx, top1, y0, ry, top2, across = grid
-    for j in range(m0, m0 + n, WIDTH):
+    far1, far2, end = splat(0.0), splat(0.0), m0 + n
+    for j in range(m0, end, WIDTH):
         p, q = most((load(l1, j) - x0) * rx, 0.0), most((load(l2, j) - y0) * ry, 0.0)
+        far1 = most(far1, p if end - j >= WIDTH else where(first(end - j), p, 0.0))
+        far2 = most(far2, q if end - j >= WIDTH else where(first(end - j), q, 0.0))
         cell1, cell2 = floor(least(p, top1)), floor(least(q, top2))
         c = columns16(table, cells(fma(cell1, across, cell2)))
         p, q = least(p - cell1, 1.0), least(q - cell2, 1.0)
@@ -168,13 +174,29 @@ def potential_forces(m0, n, l1, l2, grid, table, per1, per2, N1, N2):
         c1 = fma(p, fma(p, fma(p, c[14], c[10]), c[6]), c[2])
         c2 = fma(p, fma(p, fma(p, c[15], c[11]), c[7]), c[3])
         store(N2, j, per2 * fma(q, fma(3.0 * q, c2, 2.0 * c1), c0))
+    return highest(far1), highest(far2)
 
 
 @njit(cache=True, error_model="numpy")
-def halves(m0, n, own, shared, N):
-    """N = (own + shared) / 2 of n edges."""
+def share_warp(m0, n, s, own, given, N):
+    """Forces N of n warp edges: half of each its own, half what the weft edges that cross it give (`across_warp`)."""
     for j in range(m0, m0 + n, WIDTH):
-        store(N, j, 0.5 * (load(own, j) + load(shared, j)))
+        met = (load(given, j - 1) + load(given, j)) + (load(given, j + s - 1) + load(given, j + s))
+        store(N, j, 0.5 * fma(met, 0.25, load(own, j)))
+    for j in range(m0, m0 + n, s):
+        end = j + s - 1
+        N[j] = 0.5 * (own[j] + 0.5 * (given[j] + given[j + s]))
+        N[end] = 0.5 * (own[end] + 0.5 * (given[end - 1] + given[end + s - 1]))
+
+
+@njit(cache=True, error_model="numpy")
+def share_weft(m0, n, s, own, given, N):
+    """Forces N of n weft edges: half of each its own, half what the warp edges that cross it give."""
+    for j in range(m0, m0 + n, WIDTH):
+        met = (load(given, j - s) + load(given, j - s + 1)) + (load(given, j) + load(given, j + 1))
+        store(N, j, 0.5 * fma(met, 0.25, load(own, j)))
+    for j in range(m0 + s - 1, m0 + n, s):  # idle slots
+        N[j] = 0.0
 
 
 @njit(cache=True, error_model="numpy")
