@@ -2,7 +2,6 @@
 
 from fabrics.kernel_cache import kernel_cache
 
-with kernel_cache(
-    __file__, "lanes.py", "team.py"
-):  # kernels call each other across files: one cache, emptied when any of them changes
-    from shellfabric import cable_kernels, march_kernels, patch_kernels, relax_kernels  # noqa: F401
+# kernels call each other across files: one cache, emptied when any of them changes
+with kernel_cache(__file__, "lanes.py", "team.py"):
+    from shellfabric import bar_kernels, cable_kernels, march_kernels, patch_kernels, relax_kernels  # noqa: F401

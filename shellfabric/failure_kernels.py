@@ -16,6 +16,7 @@ from numba import njit
 
 from shellfabric.cell_kernels import yarn_alone
 from shellfabric.membrane_kernels import ONE, WARP_FAILED, WEFT_FAILED, shear_energy
+from shellfabric.relax_kernels import potential
 
 WARP, WEFT = 0, 1
 
@@ -196,6 +197,7 @@ def stored_energy(const, state, first, last):
     From the stretches alone. In the equilibrium form, whose forces are no gradient, it is what the cells store.
     """
     cells, trellis = 0.0, 0.0
+    grid = (const.potential, const.x0t, const.rx, const.top1, const.y0t, const.ry, const.top2)
     for family in range(2):
         w, S0, EA = yarn(const, family)
         other = state.intact[1 - family]
@@ -210,7 +212,7 @@ def stored_energy(const, state, first, last):
                 crossed = present / count
                 if crossed > 0.0:
                     pair = (L, total / present) if family == WARP else (total / present, L)
-                    cells += 0.5 * y / (2.0 * w) * crossed * potential(const, pair[0], pair[1])
+                    cells += 0.5 * y / (2.0 * w) * crossed * potential(*pair, *grid)[0]
                 if crossed < 1.0:
                     cells += y / (2.0 * w) * (1.0 - crossed) * yarn_alone(L, w, S0, EA)[1]
     for i in range(first, last):
@@ -236,25 +238,6 @@ def half_step_work(const, state, first, last):
                 work += 0.5 * state.y[family][k] * state.N[family][k] * d
                 viscous += 0.5 * state.y[family][k] * cv * d * d
     return work, viscous
-
-
-@njit(cache=True, error_model="numpy")
-def potential(const, l1, l2):
-    """W [J] of one crossover from the bicubic table; above it linear, below it its edge, which is exact."""
-    p, q = max((l1 - const.x0t) * const.rx, 0.0), max((l2 - const.y0t) * const.ry, 0.0)
-    i1, i2 = max(min(int(p), const.top1), 0), max(min(int(q), const.top2), 0)
-    p, q = p - i1, q - i2
-    beyond1, beyond2 = max(p - 1.0, 0.0), max(q - 1.0, 0.0)
-    p, q = min(p, 1.0), min(q, 1.0)
-    c = const.potential[i1 * (const.top2 + 1) + i2]
-    W, slope1, slope2 = 0.0, 0.0, 0.0
-    for m in range(3, -1, -1):
-        row = c[4 * m] + q * (c[4 * m + 1] + q * (c[4 * m + 2] + q * c[4 * m + 3]))
-        turn = c[4 * m + 1] + q * (2.0 * c[4 * m + 2] + 3.0 * q * c[4 * m + 3])
-        slope1 = W + p * slope1
-        W = row + p * W
-        slope2 = turn + p * slope2
-    return W + slope1 * beyond1 + slope2 * beyond2
 
 
 @njit(cache=True, error_model="numpy")

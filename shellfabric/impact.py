@@ -53,7 +53,7 @@ class ImpactSetup:
     end_time: float = 800e-6
     elements_per_crossover: int = 1
     cell_model: str = "compressible"
-    form: str = "equilibrium"
+    form: str = "variational"
     gap: float = 0.0
     table_size: int = 201
     audit_interval: float = 2e-6

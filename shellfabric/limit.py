@@ -153,7 +153,7 @@ def first_guess(fabric):
     return _GUESS * min(striking_velocity(yarn.wave_speed, yarn.failure_strain) for yarn in fabric.weave.yarns)
 
 
-def critical_velocity(panel: Panel, *, tolerance=1.0, guess=None, highest=1000.0, workers=1, report=None):
+def critical_velocity(panel: Panel, *, tolerance=1.0, guess=None, step=_STEP, highest=1000.0, workers=1, report=None):
     """Bisect for the critical velocity of a panel.
 
     Parameters
@@ -161,6 +161,7 @@ def critical_velocity(panel: Panel, *, tolerance=1.0, guess=None, highest=1000.0
     panel : Panel; its table of the cell serves all shots
     tolerance : [m/s] at most between a stop and a perforation
     guess : [m/s] where to begin; `first_guess` if None
+    step : first factor from the guess towards the other outcome: the better the guess, the nearer to 1
     highest : [m/s] beyond which no shot is fired; nor is one below the tolerance
     workers : shots that are under way beside each other
     report : called as report(share of the work done, Shot) after each shot
@@ -176,7 +177,9 @@ def critical_velocity(panel: Panel, *, tolerance=1.0, guess=None, highest=1000.0
     """
     guess = guess or first_guess(panel.fabric)
     _check(tolerance=tolerance, highest=highest, workers=workers, guess=guess)
-    bracket = Bracket(min(max(guess, tolerance), highest), tolerance, highest)
+    if not step > 1:
+        raise InputError(key="step", value=step, allowed="above 1")
+    bracket = Bracket(min(max(guess, tolerance), highest), tolerance, highest, factor=step)
     shots = []
     with _Range(panel, workers) as shooting:
         while bracket.width > tolerance:

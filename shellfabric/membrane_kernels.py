@@ -153,8 +153,9 @@ def tensions(m0, n, l1, l2, grid, table, T):
 
 @njit(cache=True, error_model="numpy")
 def potential_forces(m0, n, l1, l2, grid, table, per1, per2, N1, N2):
-    """Gradient of the bicubic potential, N = per dW/d(local coordinate); constant beyond the table's upper edge.
+    """Gradient of the bicubic potential, N = per dW/d(local coordinate).
 
+    Above the table cubes go on as parabolas, so that tensions go on straight: (1 + e)^3 - e^3 with e what is above.
     Returns the largest p and q, the places in the table in units of its cells.
     """
     x0, rx, top1, y0, ry, top2, across = grid
@@ -165,15 +166,21 @@ def potential_forces(m0, n, l1, l2, grid, table, per1, per2, N1, N2):
         far2 = most(far2, q if end - j >= WIDTH else where(first(end - j), q, 0.0))
         cell1, cell2 = floor(least(p, top1)), floor(least(q, top2))
         c = columns16(table, cells(fma(cell1, across, cell2)))
-        p, q = least(p - cell1, 1.0), least(q - cell2, 1.0)
-        c0 = fma(q, fma(q, fma(q, c[7], c[6]), c[5]), c[4])
-        c1 = fma(q, fma(q, fma(q, c[11], c[10]), c[9]), c[8])
-        c2 = fma(q, fma(q, fma(q, c[15], c[14]), c[13]), c[12])
-        store(N1, j, per1 * fma(p, fma(3.0 * p, c2, 2.0 * c1), c0))
-        c0 = fma(p, fma(p, fma(p, c[13], c[9]), c[5]), c[1])
-        c1 = fma(p, fma(p, fma(p, c[14], c[10]), c[6]), c[2])
-        c2 = fma(p, fma(p, fma(p, c[15], c[11]), c[7]), c[3])
-        store(N2, j, per2 * fma(q, fma(3.0 * q, c2, 2.0 * c1), c0))
+        p, q = p - cell1, q - cell2
+        square1, square2 = p * p, q * q
+        cube1, cube2, turn1, turn2 = square1 * p, square2 * q, 3.0 * square1, 3.0 * square2
+        if some(above(most(p, q), 1.0)):
+            e, f = most(p - 1.0, 0.0), most(q - 1.0, 0.0)
+            cube1, cube2 = cube1 - e * e * e, cube2 - f * f * f
+            turn1, turn2 = turn1 - 3.0 * (e * e), turn2 - 3.0 * (f * f)
+        c0 = fma(cube2, c[7], fma(square2, c[6], fma(q, c[5], c[4])))
+        c1 = fma(cube2, c[11], fma(square2, c[10], fma(q, c[9], c[8])))
+        c2 = fma(cube2, c[15], fma(square2, c[14], fma(q, c[13], c[12])))
+        store(N1, j, per1 * fma(turn1, c2, fma(2.0 * p, c1, c0)))
+        c0 = fma(cube1, c[13], fma(square1, c[9], fma(p, c[5], c[1])))
+        c1 = fma(cube1, c[14], fma(square1, c[10], fma(p, c[6], c[2])))
+        c2 = fma(cube1, c[15], fma(square1, c[11], fma(p, c[7], c[3])))
+        store(N2, j, per2 * fma(turn2, c2, fma(2.0 * q, c1, c0)))
     return highest(far1), highest(far2)
 
 

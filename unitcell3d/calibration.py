@@ -87,8 +87,11 @@ class Calibration:
 
     @property
     def spread(self):
-        """{"a", "b": (least, greatest)} [m], [m N^(1/3)] of the laws of the paths alone; {} where none has its own."""
-        laws = [law for law in self.path_laws.values() if law is not None]
+        """{"a", "b": (least, greatest)} [m], [m N^(1/3)] of the paths that determine their own law; {} where none does.
+
+        A path that stays at low forces may tell neither a nor b: their intervals then hold the half or the double.
+        """
+        laws = [law for law in self.path_laws.values() if law is not None and _determined(law)]
         if not laws:
             return {}
         return {key: tuple(pick(getattr(law, key) for law in laws) for pick in (min, max)) for key in ("a", "b")}
@@ -204,6 +207,11 @@ def _finer(histories):
     except InputError:
         return yarn_laws, None, {}
     return yarn_laws, law, {name: float(np.sqrt(np.mean((law.d(r[0], r[2]) - r[1]) ** 2))) for name, r in rows.items()}
+
+
+def _determined(law):
+    pairs = ((law.a, law.a_interval), (law.b, law.b_interval))
+    return all(value / 2 < low and high < 2 * value for value, (low, high) in pairs)
 
 
 def _numbers(law):

@@ -55,10 +55,11 @@ class YarnModel(YarnsModel):
         if family not in (0, 1):
             raise InputError(key="yarn", value=family, allowed="0 (warp) or 1 (weft)")
         mesh = yarns.alone(crossover, family)
-        lines = mesh.grids[0].shape[1] * mesh.grids[0].shape[2]
         if bars is not None:
-            if not (isinstance(bars, int | np.integer) and 0 <= bars <= lines):
-                raise InputError(key="bars", value=bars, allowed=f"a whole number from 0 to the mesh's {lines}")
+            across, through = mesh.grids[0].shape[1:]
+            if bars not in yarns.line_numbers(across, through):
+                odd = f"0 to {across}, or {across} and an even number more" if through % 2 else "even"
+                raise InputError(key="bars", value=bars, allowed=f"{odd}, up to the mesh's {across * through}")
             mesh = yarns.with_bars(mesh, int(bars))
         self.family, self.share, self.w = family, crossover.share, crossover.w[family]
         held = constraints.build(

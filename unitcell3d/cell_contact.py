@@ -11,8 +11,10 @@ import numpy as np
 
 from unitcell3d import edges_kernels
 from unitcell3d.constraints import VERTICAL
-from unitcell3d.contact import STENCIL
+from unitcell3d.contact import NO_VALUES
 from unitcell3d.pairs import SurfacePairs, facing
+
+NO_PLACES = np.empty((0, 0), np.int64)
 
 
 class CellPairs(SurfacePairs):
@@ -44,19 +46,37 @@ class Edges:
         self._area = thicknesses[0] * thicknesses[1] / sine
         self._toward = np.eye(3)[across]
         self.gaps = (np.array([np.inf]),)
-        self.stencils = [np.full((1, STENCIL), -1)]
+        self._nodes = np.full(8, -1)  # that acted on each other at the last call of `touch`
+        self._met = np.empty((0, 8), np.int64)
+        self._pattern = None
 
-    def met(self):
-        """(0 or 1, 17) the nodes that acted on each other at the last call of `touch`."""
-        return self.stencils[0][self.stencils[0][:, 0] >= 0]
+    @property
+    def deepest(self):
+        """[m] penetration at the last call of `touch`."""
+        return max(-float(self.gaps[0][0]), 0.0) if self._nodes[0] >= 0 else 0.0
 
     def expected(self):
-        """None: a contact at one point is cheap to lay out when it is met."""
-        return np.empty((0, STENCIL), np.int64)
+        """What has been met: a contact at one point is cheap to lay out when it is."""
+        if self._nodes[0] >= 0:
+            self._met = np.unique(np.concatenate([self._met, self._nodes[None]]), axis=0)
+        return [self._met]
 
-    def touch(self, x, numerics, forces, places, values):
+    def lay_out(self, pattern):
+        """As of `contact.FacingSurfaces`."""
+        self._pattern = pattern
+
+    def outgrown(self):
+        """As of `contact.FacingSurfaces`."""
+        return self._nodes[0] >= 0 and not self._pattern.holds(self._nodes[None])
+
+    def accept(self, x, numerics):
+        """Edges slide without friction."""
+
+    def touch(self, x, numerics, forces, values=None):
         """As of `contact.FacingSurfaces`; returns the force [N] between the edges."""
-        nodes = np.empty(8, np.int64)
+        places = NO_PLACES
+        if values is not None and self._nodes[0] >= 0:
+            places = self._pattern.places(self._nodes[None])[0]
         self.gaps[0][0], force = edges_kernels.edge_pass(
             x,
             *self._edges,
@@ -64,14 +84,11 @@ class Edges:
             self._area,
             numerics.penalty,
             numerics.toe,
-            nodes,
+            self._nodes,
             forces,
-            np.empty((0, 0), np.int64) if places is None else np.ascontiguousarray(places[0][0, :8, :8]),
-            values,
+            places,
+            NO_VALUES if values is None else values,
         )
-        self.stencils[0][0] = nodes[0]  # repeated where the stencil of a surface is longer
-        if nodes[0] >= 0:
-            self.stencils[0][0, :8] = nodes
         return force
 
 

@@ -7,22 +7,147 @@ from dataclasses import dataclass
 import numpy as np
 
 from unitcell3d import constraints, contact_kernels
+from unitcell3d.contact_kernels import STENCIL
 
 # cells by which a contact point may slide before the tangent is laid out anew: a few blocks more for far fewer layouts
 SLIP_MARGIN = 0.3
-STENCIL = 17  # a slave node and the 16 nodes it acts on
-NO_TANGENT = np.empty((0, STENCIL, STENCIL), np.int64)
+GAUSS = 2  # points along each side of a slave face
+NO_VALUES = np.empty((0, 3, 3))
+UNPLACED = np.empty((0, STENCIL, STENCIL), np.int64)
 
 
 @dataclass(frozen=True)
-class _Side:
-    """One contact surface: grid of nodes, tributary areas, and what `contact_kernels` needs to know of it as master."""
+class Face:
+    """One contact surface: grid of nodes, and what `contact_kernels` needs to know of it as master.
+
+    Parameters
+    ----------
+    grid : (ni, nj) node numbers
+    axes : (2,) component (0 x, 1 y) along i and along j
+    mirror : (2,) whether i = 0 and j = 0 are symmetry planes
+    side : +1 where the normal from i to j points to the other surface, else -1
+    """
 
     grid: np.ndarray
-    areas: np.ndarray
     axes: np.ndarray
     mirror: np.ndarray
     side: float
+
+    @classmethod
+    def build(cls, points, grid, family, quarter, upwards):
+        """The face of a yarn of the `family` (0 warp, 1 weft); `upwards`: it looks up."""
+        grid = np.ascontiguousarray(grid, np.int64)
+        corner = points[grid[0, 0]]
+        normal = np.sign(np.cross(points[grid[1, 0]] - corner, points[grid[0, 1]] - corner)[2])
+        axes = np.array([constraints.AXIAL[family], constraints.WIDTH[family]])
+        return cls(grid, axes, np.array([quarter, quarter]), normal if upwards else -normal)
+
+
+class Pass:
+    """The Gauss points of one face on the C1 surface of another.
+
+    Parameters
+    ----------
+    points : (n, 3) [m] undeformed
+    slave, master : Face
+    """
+
+    def __init__(self, points, slave, master):
+        self._master = master
+        grid = slave.grid
+        self._nodes = grid.ravel()
+        corners = grid[:-1, :-1], grid[1:, :-1], grid[1:, 1:], grid[:-1, 1:]
+        self._quads = np.stack([corner.ravel() for corner in corners], axis=1)
+        self._shapes, areas = gauss(points[self._quads])
+        self._areas = areas.ravel()
+        self._gaps, self._codes = np.full(areas.size, np.inf), np.full(areas.size, -1)
+        self._cells = np.array(master.grid.shape) - 1
+        self._guess = self._first_guess(points)
+        self._anchors = self._guess.copy()
+        self._known = np.empty(0, np.int64)
+        self._row_of = np.full(len(self._quads) * self._cells.prod(), -1)
+        self._places = UNPLACED
+
+    def _first_guess(self, points):
+        """Parameters of the points on the undeformed master, whose grid is straight in plan."""
+        slaves, master = np.einsum("gk,fkc->fgc", self._shapes, points[self._quads]).reshape(-1, 3), self._master
+        lines = points[master.grid[:, 0], master.axes[0]], points[master.grid[0, :], master.axes[1]]
+        return np.stack(
+            [np.interp(slaves[:, axis], line, np.arange(len(line))) for axis, line in zip(master.axes, lines)], axis=1
+        )
+
+    def expected(self):
+        """(m, 20) stencils of what has been met, and of all points near their closest points: what may be met next."""
+        face = np.arange(len(self._areas)) // len(self._shapes)
+        codes = [self._known, self._codes[self._codes >= 0]]
+        for shift in ((-1, -1), (-1, 1), (1, -1), (1, 1)):
+            cell = np.clip(np.floor(self._guess + SLIP_MARGIN * np.array(shift)), 0, self._cells - 1).astype(np.int64)
+            codes.append((face * self._cells[0] + cell[:, 0]) * self._cells[1] + cell[:, 1])
+        self._known = np.unique(np.concatenate(codes))
+        face, cell = np.divmod(self._known, self._cells.prod())
+        ni, nj = self._master.grid.shape
+        i = np.clip((cell // self._cells[1])[:, None] + np.arange(-1, 3), 0, ni - 1)
+        j = np.clip((cell % self._cells[1])[:, None] + np.arange(-1, 3), 0, nj - 1)
+        return np.concatenate(
+            [self._quads[face], self._master.grid[i[:, :, None], j[:, None, :]].reshape(-1, 16)], axis=1
+        )
+
+    def lay_out(self, pattern):
+        """Look up the places of what `expected` returned last in the tangent's `pattern`."""
+        stencils = self.expected()
+        self._row_of[self._known] = np.arange(len(self._known))
+        self._places = pattern.places(stencils)
+
+    def outgrown(self):
+        """Whether the last call of `touch` met what has no places."""
+        return bool(np.any(self._row_of[self._codes[self._codes >= 0]] < 0))
+
+    def touch(self, x, numerics, forces, values=None):
+        """Adds internal forces, and the tangent where `values` is given.
+
+        Parameters
+        ----------
+        x : (n, 3) [m] current positions
+        numerics : Numerics
+        forces : (n, 3) [N] added to
+        values : (k, 3, 3) [N/m] blocks of the pattern laid out, added to, or None
+
+        Returns
+        -------
+        resultant : (3,) [N] on the slave
+        """
+        master, resultant = self._master, np.zeros(3)
+        contact_kernels.contact_pass(
+            x, self._quads, self._shapes, self._areas, master.grid, master.axes, master.mirror, master.side,
+            0.5 * numerics.penalty, numerics.toe, numerics.friction, numerics.slip,
+            self._guess, self._anchors, self._gaps, self._codes, forces, self._row_of,
+            UNPLACED if values is None else self._places, NO_VALUES if values is None else values, resultant,
+        )  # fmt: skip
+        return resultant
+
+    def accept(self, x, numerics):
+        """The state at `x`, that of the last call of `touch`, is where friction goes on from."""
+        master = self._master
+        contact_kernels.draw_anchors(
+            x, master.grid, master.axes, master.mirror, numerics.slip, self._guess, self._codes, self._anchors
+        )
+
+    @property
+    def deepest(self):
+        """[m] largest penetration of a point with a force in the last call of `touch`."""
+        return float(-self._gaps[self._codes >= 0].min(initial=0.0))
+
+    @property
+    def node_gaps(self):
+        """[m] of the slave's nodes: mean of the points on the faces that meet there, infinite without a partner."""
+        share = self._areas.reshape(-1, len(self._shapes), 1) * self._shapes
+        gaps = np.broadcast_to(self._gaps.reshape(share.shape[:2])[:, :, None], share.shape)
+        share = np.where(np.isfinite(gaps), share, 0.0)
+        nodes = np.broadcast_to(self._quads[:, None, :], share.shape)
+        size = self._nodes.max() + 1
+        total = np.bincount(nodes.ravel(), (share * np.where(share > 0, gaps, 0.0)).ravel(), size)[self._nodes]
+        weight = np.bincount(nodes.ravel(), share.ravel(), size)[self._nodes]
+        return np.where(weight > 0, total / np.where(weight > 0, weight, 1.0), np.inf)
 
 
 class FacingSurfaces:
@@ -33,91 +158,45 @@ class FacingSurfaces:
     points : (n, 3) [m] undeformed
     grids : per yarn, node numbers (i along, j across, k through)
     quarter : whether i = 0 and j = 0 are symmetry planes
-
-    Attributes
-    ----------
-    gaps : per yarn, [m] of the nodes of its face at the last call of `touch`, infinite without a partner
-    stencils : per yarn, (s, 17) nodes that its nodes acted on in the last call of `touch`, -1 without contact
     """
 
     def __init__(self, points, grids, quarter):
-        self._sides = []
-        for yarn, face in enumerate((grids[0][:, :, 0], grids[1][:, :, -1])):
-            grid = np.ascontiguousarray(face, np.int64)
-            corner = points[grid[0, 0]]
-            upwards = np.sign(np.cross(points[grid[1, 0]] - corner, points[grid[0, 1]] - corner)[2])
-            axes = np.array([constraints.AXIAL[yarn], constraints.WIDTH[yarn]])
-            side = -upwards if yarn == 0 else upwards  # the warp lies on top
-            self._sides.append(_Side(grid, tributary_areas(points, grid), axes, np.array([quarter, quarter]), side))
-        self._guesses = [self._first_guess(points, slave) for slave in (0, 1)]
-        self.gaps = [np.full(side.grid.size, np.inf) for side in self._sides]
-        self.stencils = [np.full((side.grid.size, STENCIL), -1) for side in self._sides]
+        warp = Face.build(points, grids[0][:, :, 0], 0, quarter, upwards=False)
+        weft = Face.build(points, grids[1][:, :, -1], 1, quarter, upwards=True)
+        self._passes = Pass(points, warp, weft), Pass(points, weft, warp)
 
-    def _first_guess(self, points, slave):
-        """Parameters of the slave's nodes on the undeformed master, whose grid is straight in plan."""
-        slaves, master = points[self._sides[slave].grid.ravel()], self._sides[1 - slave]
-        lines = points[master.grid[:, 0], master.axes[0]], points[master.grid[0, :], master.axes[1]]
-        return np.stack(
-            [np.interp(slaves[:, axis], line, np.arange(len(line))) for axis, line in zip(master.axes, lines)], axis=1
-        )
+    @property
+    def gaps(self):
+        """Per yarn, [m] of the nodes of its face at the last call of `touch`, infinite without a partner."""
+        return [side.node_gaps for side in self._passes]
 
-    def met(self):
-        """(m, 17) the stencils that were in contact at the last call of `touch`."""
-        stencils = np.concatenate(self.stencils)
-        return stencils[stencils[:, 0] >= 0]
+    @property
+    def deepest(self):
+        """[m] largest penetration where there was a force in the last call of `touch`."""
+        return max(side.deepest for side in self._passes)
 
     def expected(self):
-        """(m, 17) stencils of all nodes of both faces near their closest points: what may be met next."""
-        weights, work, nodes = np.empty((6, 16, 3)), np.empty((4, 3, 4)), np.empty(16, np.int64)
-        shifts = SLIP_MARGIN * np.array([(a, b) for a in (-1, 1) for b in (-1, 1)])
-        found = set()
-        for slave in (0, 1):
-            master = self._sides[1 - slave]
-            last = np.array(master.grid.shape) - 1
-            for node, xi in zip(self._sides[slave].grid.ravel(), self._guesses[slave]):
-                for near in np.clip(xi + shifts, 0, last):
-                    contact_kernels.surface_stencil(near, master.grid, master.axes, master.mirror, nodes, weights, work)
-                    found.add((node, *nodes))
-        return np.array(sorted(found))
+        """Arrays (m, s) of the stencils to lay the tangent out for: nodes that all act on each other."""
+        return [side.expected() for side in self._passes]
 
-    def touch(self, x, numerics, forces, places, values):
-        """Both passes: adds internal forces, and the tangent where `places` is given.
+    def lay_out(self, pattern):
+        """Take up a pattern that holds what is `expected`."""
+        for side in self._passes:
+            side.lay_out(pattern)
 
-        Parameters
-        ----------
-        x : (n, 3) [m] current positions
-        numerics : Numerics
-        forces : (n, 3) [N] added to
-        places, values : per yarn `contact_kernels.contact_pass`'s places, or None; blocks added to
+    def outgrown(self):
+        """Whether the last call of `touch` met what the pattern was not laid out for."""
+        return any(side.outgrown() for side in self._passes)
 
-        Returns
-        -------
-        force : [N] upwards on the warp
-        """
-        total = 0.0
-        for slave, sign in ((0, 1.0), (1, -1.0)):
-            nodes, master = self._sides[slave], self._sides[1 - slave]
-            resultant = np.zeros(3)
-            contact_kernels.contact_pass(
-                x,
-                nodes.grid.ravel(),
-                nodes.areas.ravel(),
-                master.grid,
-                master.axes,
-                master.mirror,
-                master.side,
-                0.5 * numerics.penalty,
-                numerics.toe,
-                self._guesses[slave],
-                self.gaps[slave],
-                self.stencils[slave],
-                forces,
-                NO_TANGENT if places is None else places[slave],
-                values,
-                resultant,
-            )
-            total += sign * resultant[2]
-        return total
+    def touch(self, x, numerics, forces, values=None):
+        """Both passes, as `Pass.touch`; returns the force [N] upwards on the warp."""
+        up, down = (side.touch(x, numerics, forces, values) for side in self._passes)
+        return up[2] - down[2]
+
+    def accept(self, x, numerics):
+        """The state of the last call of `touch` is where friction goes on from."""
+        for side in self._passes:
+            side.accept(x, numerics)
 
 
 class Plates:
@@ -148,6 +227,20 @@ class Plates:
                     values,
                 )
         return pressed
+
+
+def gauss(corners):
+    """Shape functions (g, 4) at the Gauss points of quadrilaterals (f, 4, 3) [m], and the areas (f, g) [m2] there."""
+    places, weights = np.polynomial.legendre.leggauss(GAUSS)
+    s, t = (axis.ravel() for axis in np.meshgrid(places, places, indexing="ij"))
+    signs = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)])
+    shapes = np.stack([0.25 * (1 + a * s) * (1 + b * t) for a, b in signs], axis=1)
+    slopes = [
+        np.stack([0.25 * a * (1 + b * t) for a, b in signs], axis=1),
+        np.stack([0.25 * b * (1 + a * s) for a, b in signs], axis=1),
+    ]
+    along, across = (np.einsum("gk,fkc->fgc", slope, corners) for slope in slopes)
+    return shapes, np.linalg.norm(np.cross(along, across), axis=-1) * np.outer(weights, weights).ravel()
 
 
 def tributary_areas(points, grid):

@@ -19,15 +19,60 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from unitcell3d.contact_kernels import dot, pressure, spline_weights
+from unitcell3d.contact_kernels import pressure
+from unitcell3d.surface_kernels import dot
 
 STEPS = 40
 
 
 @njit(cache=True)
-def edge_stencil(s, edge, nodes, weights, spare):
+def spline_weights(xi, cells, weights):
+    """Catmull-Rom weights of the four nodes first .. first + 3 (clipped to the edge) and their two derivatives.
+
+    A phantom node continues the edge straight beyond each end and is folded back into weights of the real ones.
+
+    Parameters
+    ----------
+    xi : parameter, 0 .. cells
+    cells : along the edge
+    weights : (3, 4) filled
+
+    Returns
+    -------
+    first : number of the first node of the stencil, may be -1
+    """
+    cell = min(max(int(np.floor(xi)), 0), cells - 1)
+    t = xi - cell
+    weights[0, 0] = 0.5 * (-t + 2 * t * t - t**3)
+    weights[0, 1] = 0.5 * (2 - 5 * t * t + 3 * t**3)
+    weights[0, 2] = 0.5 * (t + 4 * t * t - 3 * t**3)
+    weights[0, 3] = 0.5 * (-t * t + t**3)
+    weights[1, 0] = 0.5 * (-1 + 4 * t - 3 * t * t)
+    weights[1, 1] = 0.5 * (-10 * t + 9 * t * t)
+    weights[1, 2] = 0.5 * (1 + 8 * t - 9 * t * t)
+    weights[1, 3] = 0.5 * (-2 * t + 3 * t * t)
+    weights[2, 0] = 0.5 * (4 - 6 * t)
+    weights[2, 1] = 0.5 * (-10 + 18 * t)
+    weights[2, 2] = 0.5 * (8 - 18 * t)
+    weights[2, 3] = 0.5 * (-2 + 6 * t)
+    for order in range(3):
+        if cell == 0:
+            phantom = weights[order, 0]
+            weights[order, 0] = 0.0
+            weights[order, 1] += 2 * phantom
+            weights[order, 2] -= phantom
+        if cell == cells - 1:
+            phantom = weights[order, 3]
+            weights[order, 3] = 0.0
+            weights[order, 2] += 2 * phantom
+            weights[order, 1] -= phantom
+    return cell - 1
+
+
+@njit(cache=True)
+def edge_stencil(s, edge, nodes, weights):
     """Fill `nodes` : (4,) and `weights` : (3, 4) of C, C', C'' at s of the curve through the nodes `edge` : (n,)."""
-    first = spline_weights(s, edge.size - 1, False, weights, spare)
+    first = spline_weights(s, edge.size - 1, weights)
     for a in range(4):
         nodes[a] = edge[min(max(first + a, 0), edge.size - 1)]
 
@@ -56,12 +101,12 @@ def nearest_nodes(x, first, second, toward, st):
 
 
 @njit(cache=True)
-def closest(x, first, second, toward, st, nodes, weights, values, spare):
+def closest(x, first, second, toward, st, nodes, weights, values):
     """Closest points `st` : (2,) of two edges by Newton's method from their nearest nodes; False without any."""
     nearest_nodes(x, first, second, toward, st)
     for _ in range(STEPS):
-        edge_stencil(st[0], first, nodes[0], weights[0], spare)
-        edge_stencil(st[1], second, nodes[1], weights[1], spare)
+        edge_stencil(st[0], first, nodes[0], weights[0])
+        edge_stencil(st[1], second, nodes[1], weights[1])
         curve(x, nodes[0], weights[0], values[0])
         curve(x, nodes[1], weights[1], values[1])
         r = values[1, 0] - values[0, 0]
@@ -109,9 +154,9 @@ def edge_pass(x, first, second, toward, area, penalty, toe, stencil, forces, pla
     gap, force : [m] infinite where the edges have no closest points inside, [N]
     """
     nodes, weights, found = np.empty((2, 4), np.int64), np.empty((2, 3, 4)), np.empty((2, 3, 3))
-    spare, st = np.empty((3, 4)), np.empty(2)
+    st = np.empty(2)
     stencil[0] = -1
-    if not closest(x, first, second, toward, st, nodes, weights, found, spare):
+    if not closest(x, first, second, toward, st, nodes, weights, found):
         return np.inf, 0.0
     a, b = found[0, 1], found[1, 1]
     normal = np.cross(a, b)

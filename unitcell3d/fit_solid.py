@@ -69,6 +69,7 @@ class SolidFit:
     correlation : (3, 3) [-] of ln E_c, ln (V_c - Vf0), ln K_r
     singular_values : (3,) [m] of the Jacobian: closure per unit of ln along each principal direction
     directions : (3, 3) [-] those directions, one a row, best determined first
+    met : the fit ended where nothing more was to be had; False: where the noise of a compression hid it
     runs : plate compressions solved, on the coarse and on the fine mesh
     sizes : of the two meshes, as texts
     history : History of the fitted crossover on the fine mesh
@@ -87,6 +88,7 @@ class SolidFit:
     correlation: np.ndarray
     singular_values: np.ndarray
     directions: np.ndarray
+    met: bool
     runs: tuple
     sizes: tuple
     history: History
@@ -112,6 +114,7 @@ class SolidFit:
             "rms_m": self.rms,
             "rms_before_m": float(np.sqrt(np.mean((self.before - self.measured) ** 2))),
             "meshes": dict(zip(("fit", "check"), self.sizes)),
+            "converged": self.met,
             "runs": dict(zip(("fit", "check"), self.runs)),
             "pressure_Pa": self.pressure.tolist(),
             "closure_measured_m": self.measured.tolist(),
@@ -328,6 +331,7 @@ def _judge(fabric, curve, pressure, measured, computed, before, found, densest, 
         correlation=correlation,
         singular_values=singular,
         directions=directions,
+        met=found.met,
         runs=runs,
         sizes=sizes,
         history=history,

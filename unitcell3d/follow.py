@@ -149,6 +149,7 @@ class _Walk:
         raise UnstableError("fibres go on failing at one load", when=str(load))
 
     def _keep(self, state, load, share, begun):
+        self.model.accept(state.q, load)
         row = self._row(state, load)
         row |= {"path": share, "iterations": state.iterations, "seconds": time.perf_counter() - begun}
         self.rows.append(row)

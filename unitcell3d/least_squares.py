@@ -9,7 +9,8 @@ from a Jacobian by differences at the start, kept up by Broyden's update from ev
     J <- J + (r(x + s) - r(x) - J s) s^T / (s^T s)
 
 and taken by differences again where steps no longer help. It ends when a Jacobian by differences promises to take off
-less than `WORTH` of the sum of squares. Several lambdas are tried beside each other, and the best step is taken.
+less than `WORTH` of the sum of squares, or when its steps, long or short, do not: the residuals are then as small as
+the noise of an evaluation lets them be. Several lambdas are tried beside each other, and the best step is taken.
 """
 
 from __future__ import annotations
@@ -27,7 +28,7 @@ ROUNDS = 25
 
 @dataclass(frozen=True)
 class Found:
-    """x : (p,) the solution; residual : (n,) there; jacobian : (n, p) there, by differences; met : it converged."""
+    """x : (p,) the solution; residual : (n,), jacobian : (n, p) by differences, there; met : nothing more promised."""
 
     x: np.ndarray
     residual: np.ndarray
@@ -53,29 +54,31 @@ def solve(evaluate, start, bounds, *, trials=1):
     x = np.clip(np.asarray(start, float), low, high)
     residual = evaluate([x])[0]
     jacobian, exact, damping = _differences(evaluate, x, residual, high), True, LAMBDA
+    retried = False
     for _ in range(ROUNDS):
         dampings = [damping * SPREAD**i for i in range(trials)]
         steps = [_step(jacobian, residual, each, low - x, high - x) for each in dampings]
-        left = min(np.sum((residual + jacobian @ step) ** 2) for step in steps)
-        if left >= (1 - WORTH) * np.sum(residual**2):
-            if exact:
-                return Found(x, residual, jacobian, True)
-            jacobian, exact, damping = _differences(evaluate, x, residual, high), True, LAMBDA
+        now = np.sum(residual**2)
+        promised = 1 - min(np.sum((residual + jacobian @ step) ** 2) for step in steps) / now if now > 0 else 0.0
+        if promised < WORTH and exact:
+            return Found(x, residual, jacobian, True)
+        tried = evaluate([x + step for step in steps]) if promised >= WORTH else []
+        gains = [1 - np.sum(each**2) / now for each in tried]
+        best = int(np.argmax(gains)) if gains else 0
+        gain = gains[best] if gains else 0.0
+        if gain < WORTH and exact and retried:
+            return Found(x, residual, jacobian, False)
+        if gain < WORTH and exact:
+            damping, retried = dampings[-1] * SPREAD**2, True  # a much shorter step, before it is given up
             continue
-        tried = evaluate([x + step for step in steps])
-        best = int(np.argmin([np.sum(each**2) for each in tried]))
-        better = np.sum(tried[best] ** 2) < np.sum(residual**2)
         for step, each in zip(steps, tried):
-            if not np.any(step):  # a bound is in the way
-                continue
-            jacobian = jacobian + np.outer(each - residual - jacobian @ step, step) / (step @ step)
+            if np.any(step):  # else a bound is in the way
+                jacobian = jacobian + np.outer(each - residual - jacobian @ step, step) / (step @ step)
         exact = False
-        if better:
+        if gain > 0:
             x, residual, damping = x + steps[best], tried[best], dampings[best] / SPREAD
-        else:
-            damping = dampings[-1] * SPREAD
-            if damping > 1e3:
-                jacobian, exact, damping = _differences(evaluate, x, residual, high), True, LAMBDA
+        if gain < WORTH:
+            jacobian, exact, damping, retried = _differences(evaluate, x, residual, high), True, LAMBDA, False
     return Found(x, residual, _differences(evaluate, x, residual, high), False)
 
 

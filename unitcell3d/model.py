@@ -37,15 +37,19 @@ class Numerics:
         5e-4 to 1e-2 it changes no tension in the fifth digit, but above 4e-3 slack yarn tips buckle
     """
 
-    penalty: float = 1e14
+    penalty: float = 1e15
     toe: float = 0.5e-6
     slack_width: float = 1e-4
     slack_stiffness: float = 1e-3
+    friction: float = 0.0
+    slip: float = 0.5e-6
 
     def __post_init__(self):
-        for key in ("penalty", "toe", "slack_width", "slack_stiffness"):
+        for key in ("penalty", "toe", "slack_width", "slack_stiffness", "slip"):
             if not getattr(self, key) > 0:
                 raise InputError(key=key, value=getattr(self, key), allowed="positive")
+        if not 0 <= self.friction < np.inf:
+            raise InputError(key="friction", value=self.friction, allowed="0 or positive")
 
     def softened(self, factor):
         """With a softer contact: `factor` of the penalty, the toe deeper by its inverse root."""
@@ -103,7 +107,7 @@ class YarnsModel:
         self.copies, self.constraints, self.surfaces, self.plates = copies, held, surfaces, plates
         self.fibres = Fibres(mesh, fabric, failure)
         self._solid(mesh, fabric, integration)
-        self._lay_out(self.surfaces.expected())
+        self._lay_out()
 
     @property
     def size(self):
@@ -127,10 +131,10 @@ class YarnsModel:
         self._space = HexSpace.build(mesh.points, self.hexes)
         self._solids = Assembler(self._space, *yarn_law.forms(self._space, parameters[family], integration))
 
-    def _lay_out(self, contact):
-        """Lay out the tangent for the solids and the contact stencils expected or met so far."""
-        self._contact = contact
-        self.pattern = Pattern(len(self.points), [self.hexes, contact], self.constraints)
+    def _lay_out(self):
+        """Lay out the tangent for the solids and the contact that is expected or has been met."""
+        self.pattern = Pattern(len(self.points), [self.hexes, *self.surfaces.expected()], self.constraints)
+        self.surfaces.lay_out(self.pattern)
         self._solid_places = self.pattern.scalar_places(self._solids.rows, self._solids.columns)
         self._bar_places = self.pattern.places(self.fibres.pairs)
         faces = () if self.plates is None else self.plates.faces
@@ -154,20 +158,21 @@ class YarnsModel:
         forces = np.zeros_like(x)
         forces[: self._real] = self._solids.residual()
         self.fibres.forces(x, self.numerics, forces)
-        contact = self.surfaces.touch(x, self.numerics, forces, None, self.pattern.values)
+        contact = self.surfaces.touch(x, self.numerics, forces)
         return forces, contact, self._press(x, load, forces)
 
     def system(self, q, load):
         """Assemble the tangent into `pattern`; returns True where its pattern had to grow."""
-        grown = self._grow_pattern()
+        grown = self.surfaces.outgrown()
+        if grown:
+            self._lay_out()
         x, n, pattern = self.positions(q, load), self.numerics, self.pattern
         self._deform(x)
         pattern.values[:] = 0
         pattern.values.reshape(-1)[self._solid_places] += self._solids.tangent()
         self.fibres.tangent(x, n, self._bar_places, pattern.values)
         discarded = np.zeros_like(x)
-        places = [pattern.places(np.maximum(stencils, 0)) for stencils in self.surfaces.stencils]
-        self.surfaces.touch(x, n, discarded, places, pattern.values)
+        self.surfaces.touch(x, n, discarded, pattern.values)
         self._press(x, load, discarded, self._plate_places)
         pattern.reduce()
         return grown
@@ -180,13 +185,11 @@ class YarnsModel:
             return np.zeros(2)
         return self.plates.press(x, load.plates, self.numerics, forces, places, self.pattern.values)
 
-    def _grow_pattern(self):
-        """Make room for the stencils of the last call of `forces`; True where there was none."""
-        met = self.surfaces.met()
-        if len(met) == 0 or self.pattern.holds(met):
-            return False
-        self._lay_out(np.unique(np.concatenate([self._contact, met, self.surfaces.expected()]), axis=0))
-        return True
+    def accept(self, q, load):
+        """Let friction go on from this state, an equilibrium; nothing happens without friction."""
+        if self.numerics.friction > 0:
+            self.forces(q, load)  # the state that the contact search belongs to may be a trial
+            self.surfaces.accept(self.positions(q, load), self.numerics)
 
     def tensions(self, forces):
         """(2,) [N] tensions of the whole warp and weft yarn, from the reactions at their ends."""

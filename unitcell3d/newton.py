@@ -33,7 +33,9 @@ TOLERANCE = 1e-8
 LEAST_FORCE = 1e-2  # N: scale of the convergence test where nothing is loaded yet
 MAX_ITERATIONS = 40  # factorisations
 LARGEST_STEP = 5e-6  # m
+FAR = 0.1  # of the forces: residual from which the shift starts at its full size
 SHIFT = 300.0  # N/m at the first iteration; 30 to 1000 take the same number of iterations within a tenth
+MOST_SHIFT = 1e5  # N/m: as stiff as the contact
 LEAST_SHIFT = 1e-3  # N/m: none below
 NEAR = 1e-2  # of the forces; 1e-3 to 1e-2 take the same time within a tenth
 SLOW = 0.8  # thirty steps at this rate do what one good Newton step does
@@ -79,9 +81,10 @@ class Newton:
         ------
         UnstableError : no convergence, a singular tangent, or an element that inverts
         """
-        state, shift, iterations = self._evaluate(q, load), SHIFT, 0
+        state, iterations = self._evaluate(q, load), 0
         if not np.isfinite(state.norm):
             self._refuse("the first guess", q, load)
+        shift = SHIFT * min(1.0, state.norm / state.scale / FAR)
         self._taken = []
         while True:
             before = state.norm
@@ -99,7 +102,8 @@ class Newton:
             found = self._move(state, step, load)
             if found is None:
                 self._refuse("forces that are not finite", state.q + step, load)
-            shift = _next_shift(shift, found.norm / before)
+            cut = LARGEST_STEP / np.abs(step).max()
+            shift = _next_shift(shift, found.norm / before) if cut >= 1 else min(shift / cut, MOST_SHIFT)
             state = found
 
     def best(self, guesses, load):

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from unitcell3d.contact import STENCIL, FacingSurfaces, Plates, tributary_areas
+from unitcell3d.contact import FacingSurfaces, Plates, tributary_areas
 
 
 class SurfacePairs:
@@ -28,11 +28,6 @@ class SurfacePairs:
         self.forces = np.zeros(len(self.pairs))
 
     @property
-    def stencils(self):
-        """Those of all surfaces, one after another."""
-        return [stencils for pair in self.pairs for stencils in pair.stencils]
-
-    @property
     def gaps(self):
         """[m] of the nodes of all surfaces."""
         return tuple(gaps for pair in self.pairs for gaps in pair.gaps)
@@ -40,27 +35,31 @@ class SurfacePairs:
     @property
     def deepest(self):
         """[m] largest penetration where there was a force in the last call of `touch`."""
-        depths = [-gaps[nodes[:, 0] >= 0] for gaps, nodes in zip(self.gaps, self.stencils)]
-        return float(np.concatenate([*depths, [0.0]]).max())
-
-    def met(self):
-        """(m, 17) the stencils that were in contact at the last call of `touch`."""
-        return np.concatenate([pair.met() for pair in self.pairs] + [np.empty((0, STENCIL), np.int64)])
+        return max((pair.deepest for pair in self.pairs), default=0.0)
 
     def expected(self):
-        """(m, 17) stencils of all nodes near their closest points."""
-        found = [pair.expected() for pair in self.pairs]
-        return np.unique(np.concatenate([*found, np.empty((0, STENCIL), np.int64)]), axis=0)
+        """As of `contact.FacingSurfaces`."""
+        return [stencils for pair in self.pairs for stencils in pair.expected()]
 
-    def touch(self, x, numerics, forces, places, values):
+    def lay_out(self, pattern):
+        """As of `contact.FacingSurfaces`."""
+        for pair in self.pairs:
+            pair.lay_out(pattern)
+
+    def outgrown(self):
+        """As of `contact.FacingSurfaces`."""
+        return any(pair.outgrown() for pair in self.pairs)
+
+    def touch(self, x, numerics, forces, values=None):
         """As of `contact.FacingSurfaces`; returns the sum of the sizes [N] of the pairs' forces."""
-        first = 0
         for number, pair in enumerate(self.pairs):
-            last = first + len(pair.stencils)
-            own = None if places is None else places[first:last]
-            self.forces[number] = pair.touch(x, numerics, forces, own, values)
-            first = last
+            self.forces[number] = pair.touch(x, numerics, forces, values)
         return float(np.abs(self.forces).sum())
+
+    def accept(self, x, numerics):
+        """As of `contact.FacingSurfaces`."""
+        for pair in self.pairs:
+            pair.accept(x, numerics)
 
 
 class OuterPlates(Plates):

@@ -22,7 +22,7 @@ from unitcell3d.newton import Newton
 class Steps:
     """Shares of the path: the first step, the largest and the least; iterations below which a step may grow."""
 
-    first: float = 0.02
+    first: float = 0.10
     largest: float = 0.10
     least: float = 1e-3
     few: int = 12
@@ -60,6 +60,7 @@ def _march(model, solver, start, end, case, stop, steps, hooks):
     failed = ""
     states, rows = [], []
     rest = at_rest(model, solver, start)
+    model.accept(rest.q, start)
     states.append((0.0, rest.q))
     rows.append(_row(model, rest, start, 0.0, time.perf_counter() - begun))
     step = steps.first
@@ -82,6 +83,7 @@ def _march(model, solver, start, end, case, stop, steps, hooks):
             before, after = stop(rows[-1]), stop(row)
             step = max((share - states[-1][0]) * (1 - before) / (after - before), 1e-6)
             continue
+        model.accept(found.q, start.towards(end, share))
         rows.append(row)
         states = [states[-1], (share, found.q)]
         for hook in hooks:
@@ -98,7 +100,7 @@ def _march(model, solver, start, end, case, stop, steps, hooks):
     return History(
         **columns,
         u=u,
-        gaps=tuple(gaps.copy() for gaps in model.surfaces.gaps),
+        gaps=tuple(model.surfaces.gaps),
         fabric=model.fabric.name,
         case=case,
         failed=failed,

@@ -44,16 +44,27 @@ def with_bars(mesh, lines):
     return replace(mesh, bars=(pairs[:, kept].reshape(-1, 2),), bar_area=(share.ravel(),))
 
 
+def line_numbers(across, through):
+    """Numbers of fibre lines that can be spread evenly: over the middle layer, then over pairs of layers about it."""
+    middle = across if through % 2 else 0
+    return [*range(middle + 1), *range(middle + 2, across * through + 1, 2)]
+
+
 def _spread(across, through, lines):
-    """Numbers of `lines` fibre lines of a section: first spread over the middle layer, then over pairs of layers."""
-    layers = sorted(range(through), key=lambda k: abs(2 * k - through + 1))
-    kept = []
-    for first in (0, *range(1, through, 2)) if through % 2 else range(0, through, 2):
-        layer = layers[:1] if through % 2 and first == 0 else layers[first : first + 2]
-        count = min(lines - len(kept), across * len(layer))
-        places = [j * through + k for j in range(across) for k in layer]
-        kept += [places[i] for i in np.unique(np.round(np.linspace(0, len(places) - 1, count)).astype(int))]
-    return np.array(kept, int)
+    """Numbers (j through + k) of `lines` fibre lines of a section, one of `line_numbers`."""
+    middle = min(lines, across) if through % 2 else 0
+    places = [(j, through // 2) for j in _evenly(across, middle)]
+    pairs, half = (lines - middle) // 2, through // 2
+    for layer in range(half - 1, -1, -1):
+        for j in _evenly(across, min(pairs, across)):
+            places += [(j, layer), (j, through - 1 - layer)]
+        pairs -= min(pairs, across)
+    return np.array(sorted(j * through + k for j, k in places), int)
+
+
+def _evenly(n, count):
+    """`count` of n numbers, evenly spread; one: the first, which is the middle of a quarter yarn."""
+    return np.round(np.linspace(0, n - 1, count)).astype(int) if count > 1 else range(count)
 
 
 def stacked(mesh, offsets):

@@ -9,7 +9,8 @@ from fabrics import catalogue
 from fabrics.compression import CompressionLaw
 from fabrics.errors import InputError
 from fabrics.fabric import Fabric
-from weavecell.scene import InlineLaw, ProjectileTable
+from weavecell.scene import ProjectileTable
+from weavecell.tables import InlineLaw
 
 
 @dataclass(frozen=True)
@@ -71,6 +72,7 @@ def setup(case, file):
             end_time=run.end_time,
             elements_per_crossover=run.elements_per_crossover,
             cell_model=case.scene.fabric.cell_model,
+            form=case.scene.fabric.cell_form,
             gap=case.scene.fabric.gap,
             snapshot_interval=run.snapshot_interval,
             measure=Measure(measure.interval, measure.warp, measure.weft) if measure else None,

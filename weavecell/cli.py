@@ -15,6 +15,7 @@ from typing import Annotated
 import typer
 
 from fabrics.errors import InputError, WeavecellError
+from weavecell import cli_cases
 
 app = typer.Typer(
     name="weavecell",
@@ -393,6 +394,9 @@ def chart(
         processes=processes,
         resume=resume,
     )
+
+
+app.command(epilog=cli_cases.EPILOG)(cli_cases.crossover)
 
 
 @app.command(epilog="Example: [bold]weavecell view results/S-720-stops --screenshot panel.png[/bold]")

@@ -1,8 +1,10 @@
-"""Plot of a compression between plates: the measured curve and the crossover's."""
+"""Plots of a compression between plates, measured and computed, and of fitted laws beside the published ones."""
 
 from __future__ import annotations
 
 from weavecell.style import FAINT, FITTED, INK
+
+OCTAVES = (0.125, 0.25, 0.5, 1, 2, 4, 8, 16, 32)
 
 
 def plates(pyplot, fit):
@@ -38,10 +40,13 @@ def laws(pyplot, found):
             low, high = (end / published for end in each.spread.get(key, (value * published,) * 2))
             axes.plot([low, high], [place, place], color=FITTED, lw=3, alpha=0.35, solid_capstyle="butt")
             axes.plot([value], [place], "o", ms=8, color=FITTED)
-            axes.text(max(high, value) + 0.02, place, f"{value:.2f}", va="center", fontsize=11, color=INK)
+            axes.text(1.08 * max(high, value), place, f"{value:.2f}", va="center", fontsize=11, color=INK)
         axes.axvline(1, color=INK, lw=1.2)
-        axes.set(xlabel=f"{key}, fitted over published", xlim=(0, None))
-        axes.margins(x=0.12)
+        axes.set(xlabel=f"{key}, fitted over published", xscale="log")
+        low, high = axes.get_xlim()
+        axes.set_xticks(OCTAVES, [f"{octave:g}" for octave in OCTAVES])
+        axes.set_xticks([], minor=True)
+        axes.set_xlim(low / 1.2, 1.5 * high)
     row[0].set_yticks(range(len(compared)), list(compared))
     row[0].invert_yaxis()
     return figure

@@ -104,7 +104,7 @@ def _cell(fabric, surface):
         return None
     w1, w2 = fabric.weave.w
     state = CellModel(fabric).solve(1 + surface.d1[:, None] / w1, 1 + surface.d2[None, :] / w2)
-    return {"T1": state["T1"], "T2": state["T2"], "F_c": state["F"]}
+    return {"T1": state["N1"], "T2": state["N2"], "F_c": state["F"]}
 
 
 def _differences(surface, cell):

@@ -25,7 +25,7 @@ def small(tables):
     """Make a small panel, 24 x 24 crossovers as a whole."""
 
     def make(**changes):
-        table = changes.pop("table", tables["equilibrium"])
+        table = changes.pop("table", tables["variational"])
         return Panel(table, (0.0306, 0.0306), **changes)
 
     return make

@@ -12,7 +12,7 @@ from fabrics.compression import CompressionLaw
 from fabrics.errors import InputError
 from fabrics.weave import arc_length, height_from_length
 from shellfabric import cell_kernels as kernels
-from shellfabric import membrane_kernels
+from shellfabric import membrane_kernels, relax_kernels
 from shellfabric.cell import CellModel, CellTable
 
 PAIRS = [(1.0, 1.0), (1.01, 1.0), (1.0, 1.01), (1.02, 1.02), (1.03, 0.985), (0.98, 1.03), (1.04, 1.03)]
@@ -57,7 +57,7 @@ def test_arc_and_its_slope(fabric):
 @pytest.mark.parametrize("gap", [0.0, 2e-5])
 def test_kernel_against_plain_twin(fabric, form, gap):
     laws = tuple(replace(law, form=form) for law in fabric.laws)
-    model = CellModel(fabric, laws, gap)
+    model = CellModel(fabric, laws, gap, form="equilibrium")
     for pair in PAIRS:
         solved = model.solve(*pair)
         expected = plain_cell(model, *pair)
@@ -78,7 +78,7 @@ def test_printed_law_at_rest(name, F, T1, T2):
     """Forces that the printed law leaves in cloth at rest (erratum E-05, nominal denier)."""
     fabric = catalogue.load(name)
     laws = tuple(replace(law, form="printed") for law in fabric.laws)
-    rest = CellModel(fabric, laws).solve(1.0, 1.0)
+    rest = CellModel(fabric, laws, form="equilibrium").solve(1.0, 1.0)
     assert float(rest["F"]) == pytest.approx(F, rel=2e-3)
     assert (float(rest["T1"]), float(rest["T2"])) == pytest.approx((T1, T2), rel=4e-3)
 
@@ -215,6 +215,31 @@ def test_tabulated_potential_conserves(tables, fabric):
         - side(ys, xs[0] + eps, False)
     )
     assert abs(loop) < 1e-6 * float(table.model.solve(1.03, 1.03)["W"])
+
+
+@pytest.mark.parametrize("name", ["S-720", "S-728", "S-731"])
+def test_rest_is_the_lowest_energy(name):
+    """A bicubic through the parabola that begins at first contact would dip below zero, and cloth at rest creep."""
+    table = CellModel(catalogue.load(name)).table(61)
+    grid = table.potential.reshape(-1, 16), table.stretch1[0], 1 / table.steps[0], 59, table.stretch2[0]
+    for x, y in np.random.default_rng(5).uniform(-1, 1, (4000, 2)) * table.steps + 1:
+        assert relax_kernels.potential(x, y, *grid, 1 / table.steps[1], 59)[0] >= -1e-18
+
+
+@pytest.mark.parametrize("pair", [(1.06, 1.01), (1.01, 1.06), (1.06, 1.06), (1.2, 0.97)])
+def test_forces_above_the_table_are_a_gradient(tables, pair):
+    """Where yarns may not fail the potential goes on as a parabola, and the forces with it."""
+    table, step = tables["variational"], 1e-7
+    w1, w2 = table.model.fabric.weave.w
+    grid = table.potential.reshape(-1, 16), table.stretch1[0], 1 / table.steps[0], table.stretch1.size - 2
+
+    def W(x, y):
+        return relax_kernels.potential(x, y, *grid, table.stretch2[0], 1 / table.steps[1], table.stretch2.size - 2)[0]
+
+    x, y = pair
+    N1, N2 = table_forces(table, np.array([x]), np.array([y]))
+    assert N1[0] == pytest.approx((W(x + step, y) - W(x - step, y)) / (4 * step * w1), rel=1e-6, abs=1e-5)
+    assert N2[0] == pytest.approx((W(x, y + step) - W(x, y - step)) / (4 * step * w2), rel=1e-6, abs=1e-5)
 
 
 def test_out_of_range(tables, fabric):

@@ -102,12 +102,21 @@ def test_no_limit(pretend):
         limit.critical_velocity(None, guess=100.0)
 
 
-@pytest.mark.parametrize("bad", [{"tolerance": 0.0}, {"guess": -1.0}, {"highest": inf}, {"workers": 0}])
+@pytest.mark.parametrize("bad", [{"tolerance": 0.0}, {"guess": -1.0}, {"highest": inf}, {"workers": 0}, {"step": 1.0}])
 def test_bad_input(pretend, bad):
     begun = pretend(100.0)
     with pytest.raises(InputError, match=next(iter(bad))):
         limit.critical_velocity(None, **{"guess": 100.0, **bad})
     assert begun == []
+
+
+def test_a_good_guess_with_a_small_step_saves_shots(pretend):
+    """From a good guess a small first step leaves little to halve: fewer shots, none of them far off."""
+    begun = pretend(102.3)
+    found = limit.critical_velocity(None, guess=101.0, step=1.02, tolerance=0.5)
+    assert abs(found.velocity - 102.3) <= 0.25
+    assert max(begun) < 1.0201 * 101.0
+    assert len(found.shots) < len(limit.critical_velocity(None, guess=101.0, tolerance=0.5).shots)
 
 
 def test_first_guess_is_a_share_of_smiths(fabric):

@@ -5,13 +5,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from fabrics import catalogue
 from fabrics.errors import InputError, UnstableError
 from shellfabric import checkpoint, failure_kernels, march_kernels, measures
 from shellfabric.cell import CellModel
 from shellfabric.hooks import Progress, Snapshots
 from shellfabric.impact import ImpactSetup, run
-from shellfabric.march import March
+from shellfabric.march import SAMPLES, March
 from shellfabric.panel import Numerics, Panel
+from shellfabric.projectile import Projectile
 
 QUICK = {"opening": 0.0508, "table_size": 101, "end_time": 60e-6}
 
@@ -30,9 +32,9 @@ def quick(fabric):
     "changes",
     [
         {},
-        {"form": "variational"},
+        {"form": "equilibrium"},
         {"cell_model": "incompressible"},
-        {"cell_model": "decoupled"},
+        {"cell_model": "decoupled", "numerics": Numerics(safety=0.5)},  # yarns have kinks: see the test of the snap
         {"elements_per_crossover": 2},
     ],
     ids=lambda changes: next(iter(changes.values()), "default"),
@@ -47,6 +49,44 @@ def test_energy_balance(quick, changes):
         assert result.energies[name][-1] > 0
 
 
+def test_a_snap_costs_energy_with_the_square_of_the_step():
+    """Straight weft snaps taut along S-731: the trapezoid of a step misses the work done there; nothing else is missed.
+
+    All of the balance's error is there; it falls by four with half the step, to below 0.05 % of the strike energy.
+    """
+    errors = []
+    for safety in (0.9, 0.45):
+        setup = ImpactSetup(
+            catalogue.load("S-731").effective(), 116.0, opening=0.1016, end_time=40e-6, numerics=Numerics(safety=safety)
+        )
+        march = March(setup.panel(), setup.strike_velocity, setup.end_time).run()
+        worked = march.state.sums[:, march_kernels.WORK].sum() / march.panel.share
+        balance, stored = march.samples[-1][SAMPLES.index("balance")], march.sample("stored")
+        assert balance == pytest.approx(stored[-1] - stored[0] - worked, rel=0.2)
+        errors.append(abs(balance) / march.strike_energy)
+    assert errors[1] < 5e-4
+    assert errors[1] < 0.3 * errors[0]
+
+
+def test_cloth_at_rest_stays_at_rest():
+    """The stretch 1 is a node of the table, so that yarns at rest pull no more than round-off, at a free edge too."""
+    for name in ("S-720", "S-726", "S-727", "S-728", "S-731", "S-745", "glass-balanced", "glass-unbalanced"):
+        for form in ("variational", "equilibrium"):
+            fabric = catalogue.load(name)
+            table = CellModel(fabric, form=form).table(61)
+            assert np.any(table.stretch1 == 1.0)
+            assert np.any(table.stretch2 == 1.0)
+            opening = tuple(48 * w for w in fabric.weave.w)
+            panel = Panel(table, opening, Projectile(radius=4 * min(fabric.weave.w)), "whole", edge="free")
+            state, const = panel.state(1.0), panel.constants()
+            state.position[2] = -1.0  # the projectile is far away
+            state.rows[:] = 0, const.ni
+            for y, N, T in zip(state.y, state.N, state.T):
+                assert max(np.abs(N[y > 0]).max(), np.abs(T[y > 0]).max()) < 1e-9
+            march_kernels.advance(state, const, panel.work(), 300, np.empty((300, 3)))
+            assert max(np.abs(v).max() for v in state.v) < 1e-9
+
+
 def test_energy_balance_with_failure(quick):
     result = quick(260.0)
     assert result.failed[-1] > 0
@@ -56,7 +96,7 @@ def test_energy_balance_with_failure(quick):
 
 def test_stored_energy_is_the_potential(quick):
     """In the variational form the work summed over the steps is what is stored, which follows from the stretches."""
-    result = quick(100.0, form="variational")
+    result = quick(100.0)
     march = March(result.panel, 100.0, QUICK["end_time"]).run()
     worked = march.state.sums[:, march_kernels.WORK].sum() / result.panel.share
     assert result.energies["stored"][-1] == pytest.approx(worked, rel=2e-3)
@@ -66,8 +106,8 @@ def test_stored_energy_is_the_potential(quick):
 
 def test_equilibrium_form_is_no_gradient(quick):
     """Its forces work less than what the cells store: the audit says by how much."""
-    cell = quick(100.0).energies["cell"][-1]
-    assert -0.2 < cell / quick(100.0).energies["stored"][-1] < -0.01
+    result = quick(100.0, form="equilibrium")
+    assert -0.2 < result.energies["cell"][-1] / result.energies["stored"][-1] < -0.01
 
 
 def test_parts_of_the_panel_agree(quick):

@@ -15,25 +15,29 @@ OUTCOMES = {
 }
 
 
-def outcome(name, strike_velocity):
-    return run(ImpactSetup(catalogue.load(name).effective(), strike_velocity))
+def check(name, balance, **changes):
+    """Both published shots on one fabric: the slower one is stopped, the faster one perforates."""
+    for strike_velocity, expected in zip(OUTCOMES[name], ("stopped", "perforated")):
+        result = run(ImpactSetup(catalogue.load(name).effective(), strike_velocity, **changes))
+        assert result.outcome == expected, strike_velocity
+        assert result.worst_balance < balance
 
 
-@pytest.mark.parametrize(("strike_velocity", "expected"), list(zip(OUTCOMES["S-720"], ("stopped", "perforated"))))
-def test_s720(strike_velocity, expected):
-    result = outcome("S-720", strike_velocity)
-    assert result.outcome == expected
-    assert result.worst_balance < 1e-2
+def test_s720():
+    check("S-720", 5e-3)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", list(OUTCOMES)[1:])
+def test_other_fabrics(name):
+    check(name, 5e-3)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
     "name",
     [
-        "S-726",
-        "S-727",
-        "S-728",
-        "S-731",
+        *list(OUTCOMES)[:-1],
         pytest.param(
             "S-745",
             marks=pytest.mark.xfail(
@@ -42,17 +46,5 @@ def test_s720(strike_velocity, expected):
         ),
     ],
 )
-def test_other_fabrics(name):
-    for strike_velocity, expected in zip(OUTCOMES[name], ("stopped", "perforated")):
-        result = outcome(name, strike_velocity)
-        assert result.outcome == expected, strike_velocity
-        assert result.worst_balance < 1e-2
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("name", OUTCOMES)
-def test_variational_form(name):
-    for strike_velocity, expected in zip(OUTCOMES[name], ("stopped", "perforated")):
-        result = run(ImpactSetup(catalogue.load(name).effective(), strike_velocity, form="variational"))
-        assert result.outcome == expected, strike_velocity
-        assert result.worst_balance < 5e-3
+def test_equilibrium_form(name):
+    check(name, 1e-2, form="equilibrium")

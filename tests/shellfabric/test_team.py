@@ -28,7 +28,7 @@ def _meetings(shared, written, me, count):
 def setup(fabric, threads, **changes):
     """An S-720 panel of 40 x 40 crossovers as a whole, in many blocks, through which the projectile goes."""
     knobs = {"block": 100, "threads": threads} | changes.pop("numerics", {})
-    settings = {"opening": 0.0508, "table_size": 61, "symmetry": "half", "end_time": 40e-6} | changes
+    settings = {"opening": 0.0508, "table_size": 61, "symmetry": "half", "end_time": 20e-6} | changes
     return ImpactSetup(fabric, 260.0, numerics=Numerics(**knobs), **settings)
 
 
@@ -62,7 +62,7 @@ def test_a_run_goes_on_with_another_number_of_threads(fabric, tmp_path):
 
         def interrupt(march):
             checkpoint.write(march, tmp_path / "run.h5")
-            if march.time > 20e-6:
+            if march.time > 10e-6:
                 raise KeyboardInterrupt
 
         run(setup(fabric, 2), hooks=[interrupt])

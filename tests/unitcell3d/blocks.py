@@ -84,7 +84,7 @@ class Blocks:
 
     def _settle(self, u, free):
         for _ in range(40):
-            self.contact, blocks = self._touch(self.points + u, tangent=True)
+            self.contact, blocks = self._touch(self.points + u)
             residual = (self.K @ u.ravel() + self.contact.ravel())[free]
             if np.linalg.norm(residual) < 1e-9 * max(np.linalg.norm(self.contact), 1e-9):
                 return
@@ -92,24 +92,17 @@ class Blocks:
             u.ravel()[free] -= splu(matrix).solve(residual)
         raise AssertionError("no equilibrium")
 
-    def _touch(self, x, tangent=False):
-        """Contact forces (n, 3) and, by finite pieces, their tangent as a sparse matrix."""
-        forces, none = np.zeros_like(x), np.zeros((1, 3, 3))
-        self.lift = self.surfaces.touch(x, self.numerics, forces, None, none)
-        stencils = [np.maximum(s, 0) for s in self.surfaces.stencils]
-        sizes = [s.size * s.shape[1] for s in stencils]
-        places = [
-            np.arange(size).reshape(*s.shape, s.shape[1]) + start
-            for s, size, start in zip(stencils, sizes, (0, sizes[0]))
-        ]
-        values = np.zeros((sum(sizes), 3, 3))
-        self.surfaces.touch(x, self.numerics, np.zeros_like(x), places, values)
-        rows = np.concatenate([np.repeat(s, s.shape[1], axis=1).ravel() for s in stencils])
-        columns = np.concatenate([np.tile(s, (1, s.shape[1])).ravel() for s in stencils])
+    def _touch(self, x):
+        """Contact forces (n, 3) and their tangent as a sparse matrix."""
+        forces, n = np.zeros_like(x), x.size
+        self.lift = self.surfaces.touch(x, self.numerics, forces)
+        places = Places(len(x), self.surfaces.expected())
+        self.surfaces.lay_out(places)
+        values = np.zeros((len(places.keys), 3, 3))
+        self.surfaces.touch(x, self.numerics, np.zeros_like(x), values)
         component = np.arange(3)
-        i = (3 * rows[:, None, None] + component[:, None] + 0 * component).ravel()
-        j = (3 * columns[:, None, None] + component + 0 * component[:, None]).ravel()
-        n = x.size
+        i = (3 * places.rows[:, None, None] + component[:, None] + 0 * component).ravel()
+        j = (3 * places.columns[:, None, None] + component + 0 * component[:, None]).ravel()
         return forces, sparse.csr_matrix((values.ravel(), (i, j)), shape=(n, n))
 
     def pressures(self, yarn):
@@ -120,6 +113,21 @@ class Blocks:
         areas = tributary_areas(self.points, grid).ravel()
         nodes = grid.ravel()
         return self.points[nodes, :2], np.abs(self.contact[nodes, 2]) / areas
+
+
+class Places:
+    """Stands for `pattern.Pattern`: a block for each pair of nodes of the stencils (m, s) among n nodes."""
+
+    def __init__(self, n, stencils):
+        self._n = n
+        self.keys = np.unique(np.concatenate([self._pairs(some).ravel() for some in stencils]))
+        self.rows, self.columns = np.divmod(self.keys, n)
+
+    def _pairs(self, stencils):
+        return stencils[:, :, None] * self._n + stencils[:, None, :]
+
+    def places(self, stencils):
+        return np.searchsorted(self.keys, self._pairs(stencils))
 
 
 def bricks(grid, right):

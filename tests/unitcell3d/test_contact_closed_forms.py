@@ -71,7 +71,7 @@ def flat(n_upper, n_lower, side=1e-3):
         block(1, lower, lower, depth, lambda x, y: 0 * x),
         E,
         NU,
-        numerics=Numerics(penalty=1e15, toe=1e-10),
+        numerics=Numerics(penalty=1e16, toe=1e-11),
     )
 
 
@@ -86,18 +86,14 @@ def misfit(pair, descent=1e-6):
     return np.abs(u[:, 2] - ideal).max() / descent
 
 
-def test_patch_of_matching_meshes_is_uniform():
-    assert misfit(flat(4, 4)) < 2e-3  # of the descent: the penetration of the penalty, E / (penalty L) = 1e-3
+@pytest.mark.parametrize("cells", [(4, 4), (3, 4), (5, 8), (6, 8)])
+def test_contact_patch(cells):
+    """A uniform pressure goes through faces whose meshes need not match: within 0.1 %.
 
-
-def test_patch_of_other_meshes_comes_near_and_nearer():
-    """Known limit: two passes on nodes do not pass the patch test where the meshes do not match.
-
-    Found: 4.4 % of the descent with 3 x 3 on 4 x 4 cells, 2.2 % with 6 x 6 on 8 x 8: first order in the mesh size. The
-    force through the face is right to 1 %.
+    Found: 0.005 % where the meshes match, that is the penetration of the penalty, E / (penalty L) = 1e-4; up to 0.07 %
+    where they do not, the error of two Gauss points along a face of the slave on the master's cubics (with three points
+    0.009 %). Slave nodes with lumped areas on a surface through the nodes left 2 to 4 %.
     """
-    coarse, fine = flat(3, 4), flat(6, 8)
-    found = misfit(coarse), misfit(fine)
-    assert found[0] < 0.05
-    assert found[1] < 0.55 * found[0]
-    assert fine.lift == pytest.approx(E * 1e-6 / 1e-3 * 1e-6, rel=0.01)
+    pair = flat(*cells)
+    assert misfit(pair) < 1e-3
+    assert pair.lift == pytest.approx(E * 1e-6 / 1e-3 * 1e-6, rel=5e-4)

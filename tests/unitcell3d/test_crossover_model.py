@@ -88,7 +88,7 @@ def test_contact_forces_of_the_two_passes_balance(s720):
     x = model.points.copy()
     x[whole.grids[0].ravel(), 2] -= 6e-6
     forces = np.zeros_like(x)
-    contact = model.surfaces.touch(x, model.numerics, forces, None, model.pattern.values)
+    contact = model.surfaces.touch(x, model.numerics, forces)
     assert contact > 1e-2
     assert np.abs(forces.sum(axis=0)).max() < 1e-12 * contact
     assert np.abs(np.cross(x, forces).sum(axis=0)).max() < 1e-12 * contact * np.abs(x).max()

@@ -12,8 +12,8 @@ from fabrics.errors import InputError
 from shellfabric.cell import CellModel
 from validation.buet_gautier.curves import at_ratio, curves, free_edge
 
-BALANCED = CellModel(catalogue.load("glass-balanced"))
-UNBALANCED = CellModel(catalogue.load("glass-unbalanced"))
+BALANCED = CellModel(catalogue.load("glass-balanced"), form="equilibrium")
+UNBALANCED = CellModel(catalogue.load("glass-unbalanced"), form="equilibrium")
 
 
 def load_at(curve, strain, index=0):

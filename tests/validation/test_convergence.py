@@ -84,7 +84,13 @@ def test_study_and_its_command(tmp_path, monkeypatch, capsys):
     fabric = catalogue.load("S-720").effective()
     small = ImpactSetup(fabric, 20.0, opening=0.0254, table_size=101)
     seen = []
-    found = study(fabric, 20.0, setup=small, tolerance=2.0, report=lambda n, shot: seen.append((n, shot)))
+    points = []
+    report = lambda n, shot: seen.append((n, shot))  # noqa: E731
+    found = study(fabric, 20.0, setup=small, tolerance=2.0, keep=points.append, report=report)
+    command.write_points(points[::-1], tmp_path / "points.json")
+    assert command.read_points(tmp_path / "points.json") == points
+    again = study(fabric, 20.0, setup=small, known=points, report=lambda *_: pytest.fail("run again"))
+    assert again == found
     assert [entry.name for entry in found] == ["critical velocity", "peak warp tension", "peak weft tension"]
     for n, value in zip((1, 2, 3), found[0].values):
         shots = [shot for number, shot in seen if number == n]
@@ -99,17 +105,29 @@ def test_study_and_its_command(tmp_path, monkeypatch, capsys):
     with pytest.raises(InputError, match="at least three"):
         study(fabric, 20.0, setup=small, elements=(1, 2))
 
+    page = tmp_path / "docs" / "c.md"
+    page.parent.mkdir()
+    page.write_text(f"before\n{command.MARKS[0]}\nold\n{command.MARKS[1]}\nafter\n")
     monkeypatch.setattr(command, "study", lambda *_, **__: found)
-    monkeypatch.setattr(
-        sys, "argv", ["", "S-720", "--out", str(tmp_path), "--figure", str(tmp_path / "docs" / "c.svg")]
-    )
+    monkeypatch.setattr(sys, "argv", ["", "S-720", "--out", str(tmp_path), "--page", str(page)])
     command.main()
     rows = list(csv.DictReader((tmp_path / "convergence.csv").open(encoding="utf-8")))
     assert [row["quantity"] for row in rows] == [entry.name for entry in found]
     assert float(rows[0]["limit"]) == pytest.approx(found[0].extrapolation.limit, abs=1e-4)
     assert (tmp_path / "convergence.png").read_bytes().startswith(b"\x89PNG")
-    assert b"<svg" in (tmp_path / "docs" / "c.svg").read_bytes()
+    assert (tmp_path / "docs" / "figures" / "convergence.png").read_bytes().startswith(b"\x89PNG")
+    text = page.read_text()
+    assert text.startswith("before\n")
+    assert text.endswith("after\n")
+    assert "old" not in text
+    assert f"| S-720 | critical velocity, m/s | {found[0].values[0]:.1f} |" in text
     assert "critical velocity" in capsys.readouterr().out
+    page.write_text("no marks")
+    with pytest.raises(InputError, match="marks"):
+        command.main()
+    monkeypatch.setattr(sys, "argv", ["", "S-720", "--out", str(tmp_path / "new"), "--resume"])
+    with pytest.raises(InputError, match="no points to resume from"):
+        command.main()
     monkeypatch.setattr(sys, "argv", ["", "S-999"])
     with pytest.raises(InputError, match="S-999"):
         command.main()

@@ -1,4 +1,8 @@
-"""python -m validation.bias_extension [--out results/bias_extension] [--steps 20]: zones as CSV and PNG."""
+"""python -m validation.bias_extension [--out results/bias_extension] [--steps 20] [--elements 1] [--dynamic]
+
+Zones as CSV and PNG, with so many elements a crossover. With --dynamic the test is run as the source ran it as well:
+explicit, with our element and with the source's.
+"""
 
 import argparse
 import csv
@@ -9,6 +13,7 @@ import numpy as np
 
 from fabrics.errors import WeavecellError
 from fabrics.files import write_whole
+from validation.bias_extension import dynamic
 from validation.bias_extension.cases import CLOTHS, asymmetry, run
 from validation.bias_extension.pictures import picture
 
@@ -24,12 +29,30 @@ def rows(case):
         yield [case.name, *(f"{value:.5g}" for value in values), f"{state.residual:.2g}", state.iterations]
 
 
+def pulled():
+    """Rows of the dynamic runs, told as they come."""
+    for element in ("yarns", "one point"):
+        for name in ("locking", "soft", "none"):
+            run = dynamic.pull(name, element=element)
+            for k, moved in enumerate(run.elongation):
+                A, B, C = np.degrees(run.angles[k])
+                row = [f"{value:.5g}" for value in (1e3 * moved, A, B, C, B - 0.5 * (A + C), run.concentration[k])]
+                yield [element, name, *row]
+            print(
+                f"explicit, {element:9} {CLOTHS[name]:27} {1e3 * moved:5.2f} mm: A {A:.1f}, B {B:.1f}, C {C:.1f} deg; "
+                f"concentration {run.concentration[-1]:.2f}",
+                flush=True,
+            )
+
+
 def main():
     parser = argparse.ArgumentParser(prog="python -m validation.bias_extension", description=__doc__)
     parser.add_argument("--out", type=Path, default=Path("results/bias_extension"))
     parser.add_argument("--steps", type=int, default=20)
+    parser.add_argument("--elements", type=int, default=1, help="a crossover, along each side")
+    parser.add_argument("--dynamic", action="store_true", help="explicit as well, with two elements")
     options = parser.parse_args()
-    cases = [run(name, steps=options.steps) for name in CLOTHS]
+    cases = [run(name, steps=options.steps, elements_per_crossover=options.elements) for name in CLOTHS]
     with write_whole(options.out / "zones.csv") as file:
         table = csv.writer(file)
         table.writerow(COLUMNS)
@@ -49,6 +72,11 @@ def main():
                 f"concentration {case.concentration(k):.2f}"
             )
         print(f"{'':27} asymmetry {asymmetry(case.result):.1e} of the width")
+    if options.dynamic:
+        with write_whole(options.out / "dynamic.csv") as file:
+            table = csv.writer(file)
+            table.writerow(["element", "cloth", *COLUMNS[1:2], *COLUMNS[3:6], *COLUMNS[7:9]])
+            table.writerows(pulled())
 
 
 if __name__ == "__main__":

@@ -74,7 +74,7 @@ def run(name, *, steps=20, table_size=201, **changes) -> Case:
     A cloth without trellis is pulled in two steps of 6000 iterations at most: there is no equilibrium to be found.
     """
     fabric, model, trellis = cloth(name)
-    table = CellModel(fabric, model=model, form="variational").table(table_size)
+    table = CellModel(fabric, model=model).table(table_size)
     options = {"trellis": trellis, "steps": steps} | changes
     problem = None
     if name == "none":

@@ -73,6 +73,6 @@ def free_edge(model: CellModel, direction, n=241) -> Curve:
 
 
 def curves(fabric, **model) -> list[Curve]:
-    """The source's tests on one weave: k = 0.5, 1, 2 and the two free edges."""
-    cell = CellModel(fabric, **model)
+    """The source's tests on one weave, with the source's form of the cell: k = 0.5, 1, 2 and the two free edges."""
+    cell = CellModel(fabric, form="equilibrium", **model)
     return [at_ratio(cell, k) for k in RATIOS] + [free_edge(cell, direction) for direction in ("warp", "weft")]

@@ -59,12 +59,12 @@ class Specimen:
 
 def pull_specimen(fabric, label, drawn=True, steps=12) -> Specimen:
     """Pull the specimen until a yarn reaches its strength."""
-    table = CellModel(fabric, form="variational").table(201)
+    table = CellModel(fabric).table(201)
     run = quasistatic.biaxial(table, strain=STRAINS[label], centre=CENTRE, arm=ARM, drawn=drawn, steps=steps)
     strain = quasistatic.middle_strain(run, [MIDDLE * w for w in fabric.weave.w])
     load = np.stack([run.force(1, 0), run.force(3, 1)], axis=1) / CENTRE
     cell = table.model.solve(*(1 + strain).T)
-    source = CellModel(fabric).solve(*(1 + strain).T)
+    source = CellModel(fabric, form="equilibrium").solve(*(1 + strain).T)
     return Specimen(label, drawn, strain, load, np.stack([cell["N1"], cell["N2"]], axis=1),
                     np.stack([source["T1"], source["T2"]], axis=1))  # fmt: skip
 

@@ -1,19 +1,24 @@
-"""python -m validation.convergence [FABRIC ...] [--out results/convergence] [--figure docs/figures/convergence.png]
+"""python -m validation.convergence [FABRIC ...] [--out results/convergence] [--resume] [--page docs/convergence.md]
 
-Writes convergence.csv and convergence.png: critical velocity and peak tensions with 1, 2, 3 elements a crossover, the
-limit that they extrapolate to, and the order observed.
+Writes points.json (what each mesh gave), convergence.csv and convergence.png: critical velocity and peak tensions with
+1, 2, 3 elements a crossover, the limit that they extrapolate to, and the order observed. With --page the table goes
+into that page, between its marks, and the picture beside it into figures/.
 """
 
 import argparse
 import csv
+import json
 import sys
+from dataclasses import asdict
 from pathlib import Path
 
 from fabrics import catalogue
 from fabrics.errors import InputError, WeavecellError
 from fabrics.files import write_whole
 from validation.convergence.pictures import picture
-from validation.convergence.study import TOLERANCE, study, velocities
+from validation.convergence.study import ALLOWED, TOLERANCE, Point, study, velocities
+
+MARKS = "<!-- table of validation.convergence -->", "<!-- end of the table -->"
 
 
 def write_csv(quantities, path):
@@ -46,6 +51,48 @@ def tell(entry):
     print(f"deviations {deviations} %  {found.basis}{why}{missed}", flush=True)
 
 
+def read_points(path):
+    """Points of an earlier run."""
+    try:
+        return [Point(**one) for one in json.loads(path.read_text("utf-8"))]
+    except (OSError, ValueError, TypeError) as problem:
+        raise InputError(f"no points to resume from ({problem})", file=path) from None
+
+
+def write_points(points, path):
+    """Keep points, sorted."""
+    with write_whole(path) as file:
+        json.dump([asdict(one) for one in sorted(points, key=lambda one: (one.fabric, one.elements))], file, indent=1)
+
+
+def table(quantities):
+    """The table of the page, in Markdown."""
+    elements = quantities[0].elements
+    heads = ["fabric", "quantity", *(f"{n} a crossover" for n in elements), "limit", "found by"]
+    heads += [f"at {n}, % off" for n in ALLOWED if n in elements]
+    rows = [heads, ["---"] * len(heads)]
+    for entry in quantities:
+        off = dict(zip(entry.elements, entry.deviations))
+        told = (f"{100 * off[n]:+.1f}" if abs(off[n]) <= ALLOWED[n] else f"**{100 * off[n]:+.1f}**" for n in ALLOWED)
+        found = entry.extrapolation
+        basis = f"order {found.order:.1f}" if found.basis == "Richardson" else f"{found.basis} ({found.remark})"
+        rows.append(
+            [entry.fabric, f"{entry.name}, {entry.unit}", *(f"{value:.1f}" for value in entry.values),
+             f"{found.limit:.1f}", basis, *told]
+        )  # fmt: skip
+    return "\n".join("| " + " | ".join(row) + " |" for row in rows) + "\n"
+
+
+def write_page(quantities, page):
+    """Put the table between the marks of a page."""
+    text = page.read_text("utf-8")
+    if not all(mark in text for mark in MARKS):
+        raise InputError(f"has no marks {' ... '.join(MARKS)}", file=page)
+    before, after = text.split(MARKS[0])[0], text.split(MARKS[1])[1]
+    with write_whole(page) as file:
+        file.write(f"{before}{MARKS[0]}\n\n{table(quantities)}\n{MARKS[1]}{after}")
+
+
 def main():
     speeds = velocities()
     parser = argparse.ArgumentParser(prog="python -m validation.convergence", description=__doc__.splitlines()[2])
@@ -54,23 +101,33 @@ def main():
     parser.add_argument("--tolerance", type=float, default=TOLERANCE, help="of the critical velocity, m/s")
     parser.add_argument("--workers", type=int, default=1)
     parser.add_argument("--out", type=Path, default=Path("results/convergence"))
-    parser.add_argument("--figure", type=Path, help="also write the picture here")
+    parser.add_argument("--resume", action="store_true", help="do not run again what points.json holds")
+    parser.add_argument("--page", type=Path, help="put table and picture into this page")
     options = parser.parse_args()
     unknown = [name for name in options.fabrics if name not in speeds]
     if unknown:
         raise InputError(key="FABRIC", value=unknown[0], allowed=f"one of {', '.join(speeds)}")
-    quantities = []
+    kept = options.out / "points.json"
+    points, quantities = read_points(kept) if options.resume else [], []
+
+    def keep(point):
+        points.append(point)
+        write_points(points, kept)  # after each mesh: the fine ones take minutes
+
     for name in options.fabrics:
         fabric = catalogue.load(name).effective()
         found = study(
-            fabric, speeds[name], elements=options.elements, tolerance=options.tolerance, workers=options.workers
-        )
+            fabric, speeds[name], elements=options.elements, known=points, keep=keep, tolerance=options.tolerance,
+            workers=options.workers,
+        )  # fmt: skip
         quantities += found
         for entry in found:
             tell(entry)
-        write_csv(quantities, options.out / "convergence.csv")  # after each fabric: the fine meshes take minutes
-    for path in filter(None, (options.out / "convergence.png", options.figure)):
-        picture(quantities, path)
+        write_csv(quantities, options.out / "convergence.csv")
+    picture(quantities, options.out / "convergence.png")
+    if options.page is not None:
+        picture(quantities, options.page.parent / "figures" / "convergence.png")
+        write_page(quantities, options.page)
 
 
 if __name__ == "__main__":

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from dataclasses import dataclass, replace
 from importlib import resources
 
@@ -13,6 +14,33 @@ from validation.convergence.richardson import Extrapolation, extrapolate
 
 ALLOWED = {1: 0.05, 2: 0.02}  # asked: share of the limit within which 1 and 2 elements a crossover are to be
 TOLERANCE = 0.25  # [m/s] of the critical velocity's bracket: a tenth of what 2 % of it are
+NEAR = 1.02  # first step from the limit of a coarser mesh
+
+
+@dataclass(frozen=True)
+class Point:
+    """One fabric on one mesh.
+
+    Parameters
+    ----------
+    fabric : name
+    elements : a crossover, along each side
+    critical_velocity, half_width : [m/s] and of its bracket
+    velocity : [m/s] of the shot for the peak tensions, which stops
+    warp, weft : [N] peak tensions of that shot
+    form : of the cell
+    seconds : [s] CPU time of all its shots
+    """
+
+    fabric: str
+    elements: int
+    critical_velocity: float
+    half_width: float
+    velocity: float
+    warp: float
+    weft: float
+    form: str
+    seconds: float
 
 
 @dataclass(frozen=True)
@@ -62,7 +90,57 @@ def velocities():
     return {name: si(value, "m/s", key=name) for name, value in tomllib.loads(text)["velocities"].items()}
 
 
-def study(fabric, velocity, *, elements=(1, 2, 3), setup=None, tolerance=TOLERANCE, workers=1, report=None):
+def point(coarse, velocity, n, *, tolerance=TOLERANCE, guess=None, workers=1, report=None):
+    """Critical velocity of a panel with n elements a crossover, and peak tensions at one velocity, as a Point.
+
+    Parameters
+    ----------
+    coarse : Panel of any mesh
+    velocity : [m/s] of the shot for peak tensions, one that stops
+    tolerance : [m/s] of the critical velocity
+    guess : [m/s] of a coarser mesh
+    report : called as report(elements a crossover, Shot) after each shot
+
+    Raises
+    ------
+    InputError : a shot at `velocity` that perforates
+    UnstableError : as `limit.critical_velocity`
+    """
+    panel, began = replace(coarse, elements_per_crossover=n), time.process_time()
+
+    def told(_, shot):
+        if report is not None:
+            report(n, shot)
+
+    (shot,) = limit.shoot(panel, [velocity], report=told)
+    if shot.perforated:
+        raise InputError(
+            f"fabric {panel.fabric.name} with {n} elements a crossover is perforated", key="velocity", value=velocity,
+            allowed="one that stops on every mesh",
+        )  # fmt: skip
+    known = {} if guess is None else {"guess": guess, "step": NEAR}
+    found = limit.critical_velocity(panel, tolerance=tolerance, workers=workers, report=told, **known)
+    return Point(
+        panel.fabric.name, n, found.velocity, found.half_width, velocity, *shot.peak_tension, panel.table.model.form,
+        time.process_time() - began,
+    )  # fmt: skip
+
+
+def quantities(points):
+    """The three quantities of one fabric from its points; InputError unless they are at least three meshes."""
+    points = sorted(points, key=lambda one: one.elements)
+    elements = [one.elements for one in points]
+    if len(set(elements)) < 3 or len(set(elements)) < len(elements):
+        raise InputError(key="elements", value=elements, allowed="at least three numbers that rise")
+    name, half = points[0].fabric, max(one.half_width for one in points)
+    return (
+        quantity(name, "critical velocity", "m/s", elements, [one.critical_velocity for one in points], half),
+        quantity(name, "peak warp tension", "N", elements, [one.warp for one in points]),
+        quantity(name, "peak weft tension", "N", elements, [one.weft for one in points]),
+    )
+
+
+def study(fabric, velocity, *, elements=(1, 2, 3), setup=None, known=(), keep=None, **options):
     """Critical velocity, and peak tensions of warp and weft at one velocity, on several meshes.
 
     Parameters
@@ -71,8 +149,9 @@ def study(fabric, velocity, *, elements=(1, 2, 3), setup=None, tolerance=TOLERAN
     velocity : [m/s] of the shot for peak tensions, one that stops on every mesh
     elements : a crossover, at least three meshes, from coarse to fine
     setup : ImpactSetup of another panel or projectile
-    tolerance : [m/s] of the critical velocity
-    report : called as report(elements a crossover, Shot) after each shot
+    known : Points of earlier runs, which are not run again
+    keep : called as keep(Point) after each mesh that was run
+    options : of `point`
 
     Returns
     -------
@@ -86,27 +165,13 @@ def study(fabric, velocity, *, elements=(1, 2, 3), setup=None, tolerance=TOLERAN
     if len(elements) < 3 or list(elements) != sorted(set(elements)):
         raise InputError(key="elements", value=list(elements), allowed="at least three numbers that rise")
     coarse = (setup or ImpactSetup(fabric, velocity)).panel()
-    critical, warp, weft, guess, half = [], [], [], None, 0.0
+    found, there = [], {one.elements: one for one in known if one.fabric == fabric.name}
     for n in elements:
-        panel = replace(coarse, elements_per_crossover=n)
-
-        def told(_, shot, n=n):
-            if report is not None:
-                report(n, shot)
-
-        found = limit.critical_velocity(panel, tolerance=tolerance, guess=guess, workers=workers, report=told)
-        (shot,) = limit.shoot(panel, [velocity], report=told)
-        if shot.perforated:
-            raise InputError(
-                f"fabric {fabric.name} with {n} elements a crossover is perforated", key="velocity", value=velocity,
-                allowed="one that stops on every mesh",
-            )  # fmt: skip
-        critical.append(found.velocity)
-        warp.append(shot.peak_tension[0])
-        weft.append(shot.peak_tension[1])
-        guess, half = found.velocity, max(half, found.half_width)
-    return (
-        quantity(fabric.name, "critical velocity", "m/s", elements, critical, half),
-        quantity(fabric.name, "peak warp tension", "N", elements, warp),
-        quantity(fabric.name, "peak weft tension", "N", elements, weft),
-    )
+        if n in there:
+            found.append(there[n])
+            continue
+        guess = found[-1].critical_velocity if found else None
+        found.append(point(coarse, velocity, n, guess=guess, **options))
+        if keep is not None:
+            keep(found[-1])
+    return quantities(found)

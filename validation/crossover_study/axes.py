@@ -57,6 +57,7 @@ def axes(level="full"):
         Axis("section", MODEL, {"sine": base} | {s: replace(base, section=s) for s in ("ellipse", "conforming")}),
         _tips(base),
         Axis("bars", MODEL, {bars: replace(base, bars=bars) for bars in (TRIBUTARY, EQUAL)}),
+        *_friction(base),
         _moduli("shear modulus G", "K_G", base),
         _moduli("axial modulus E_a", "E_a", base),
     ]
@@ -80,7 +81,7 @@ def _together(base, pairs):
     cases = {_label(base.size): base}
     for n, factor in pairs:
         label = f"{_label(_times(n))}, penalty x {factor}"
-        cases[label] = replace(base, size=_times(n), numerics=(("penalty", factor),))
+        cases[label] = replace(base, size=_times(n), numerics=(_scaled("penalty", factor),))
     return Axis("mesh and penalty", METHOD, cases)
 
 
@@ -93,7 +94,7 @@ def _direction(name, axis, base):
 def _numerics(base):
     """Axes of the fields of model.Numerics; those with a limit are varied by factors that tend to it."""
     asked = {
-        "penalty": ((1 / 30, 1 / 10, 1 / 3, 1, 3, 10), -1, "default penalty over penalty"),
+        "penalty": ((1 / 100, 1 / 30, 1 / 10, 1 / 3, 1, 3), -1, "default penalty over penalty"),
         "toe": ((4, 2, 1, 1 / 2, 1 / 4), 1, "toe over the default toe"),
         "slack_stiffness": ((4, 1, 1 / 4), 1, "over the default"),
         "slack_width": ((4, 2, 1, 1 / 2), 1, "over the default"),
@@ -101,8 +102,20 @@ def _numerics(base):
     there = {field.name for field in fields(Numerics)}
     for name, (factors, power, unit) in asked.items():
         if name in there:
-            cases = {_factor(f): base if f == 1 else replace(base, numerics=((name, f),)) for f in factors}
+            cases = {_factor(f): base if f == 1 else replace(base, numerics=(_scaled(name, f),)) for f in factors}
             yield Axis(name.replace("_", " "), METHOD, cases, {_factor(f): f**power for f in factors}, unit)
+
+
+def _scaled(name, factor):
+    """A field of Numerics, and its default times a factor."""
+    return name, getattr(Numerics(), name) * factor
+
+
+def _friction(base):
+    """Coulomb's coefficient, where the contact knows one."""
+    if "friction" in {field.name for field in fields(Numerics)}:
+        cases = {f"{mu:g}": replace(base, numerics=(("friction", mu),)) for mu in (0.1, 0.2, 0.4)}
+        yield Axis("friction", MODEL, {"0": base} | cases)
 
 
 def _factor(f):

@@ -34,7 +34,7 @@ class Case:
     end : end condition (`ends`)
     bars : `TRIBUTARY` or `EQUAL`: how the fibre area is shared out
     one_point : one-point integration of the solids
-    numerics : pairs (field of model.Numerics, factor on its default)
+    numerics : pairs (field of model.Numerics, value)
     steps : pairs (field of stepping.Steps, value)
     solids : pairs (field of SolidLaw, factor), on both yarns
     """
@@ -53,8 +53,7 @@ class Case:
     @property
     def full_numerics(self):
         """The Numerics of the case."""
-        default = Numerics()
-        return replace(default, **{name: getattr(default, name) * factor for name, factor in self.numerics})
+        return replace(Numerics(), **dict(self.numerics))
 
     @property
     def full_steps(self):
@@ -161,10 +160,10 @@ class _OtherEnds(CrossoverModel):
         self._end = end
         super().__init__(mesh, fabric, numerics, **choices)
 
-    def _lay_out(self, contact):
+    def _lay_out(self, *contact):
         # before the tangent is laid out for the first time
         self.constraints = ends.held(self.crossover.grids, len(self.points), self._end)
-        super()._lay_out(contact)
+        super()._lay_out(*contact)
 
 
 def _law(histories):

@@ -24,6 +24,7 @@ LEADS = {
     "section": "All with the same yarn volume, or what the overlap leaves of it.",
     "tip bluntness": "Height of the cut tips over that of the middle.",
     "bars": "How the fibre area is shared out among the bars of a section: by the area that is nearest, or equally.",
+    "friction": "Coulomb's coefficient between the yarns.",
     "shear modulus G": "Of the solid, with E_c kept.",
     "axial modulus E_a": "Of the solid; the fibre bars carry the tension.",
 }

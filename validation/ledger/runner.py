@@ -65,10 +65,10 @@ def validate(claims, out, *, left_out=(), jobs=1, resume=False, executor=None, r
     runs = wanted(waiting, out)
     total, done = sum(cost(run) for run in runs) + len(waiting), 0.0
     with _executor(executor, jobs) as pool:
-        for run, _ in _each(pool, _make, [(run, str(out)) for run in runs]):
+        for run, _ in _each(pool, _make, [(run, str(out), digest(run)) for run in runs]):
             done += cost(run)
             report(done / total, f"{run.name} {_brief(run)}")
-        for claim, record in _each(pool, check, [(claim, str(out)) for claim in waiting]):
+        for claim, record in _each(pool, check, [(claim, str(out), _names(claim)) for claim in waiting]):
             done += 1
             records[claim.id] = _keep(claim, record, out)
             report(done / total, claim.id)
@@ -80,15 +80,29 @@ def validate(claims, out, *, left_out=(), jobs=1, resume=False, executor=None, r
 def wanted(claims, out):
     """Runs that the checks of the claims read and that the folder does not hold; the longest first."""
     runs = {run for claim in claims for run in CHECKS[claim.check].needs(**(claim.arguments or {})).values()}
-    missing = [run for run in runs if not store.kept(Path(out) / RUNS_FOLDER, digest(run))]
+    missing = [run for run in runs if not _holds(run, out)]
     return sorted(missing, key=lambda run: (-cost(run), run))
 
 
-def check(claim: Claim, out) -> Record:
-    """Do the check of one claim, with the runs of the folder."""
+def _holds(run, out):
+    """Whether the folder has a run that came to an end; one that broke, or lacked a package, is tried again."""
+    return store.kept(Path(out) / RUNS_FOLDER, digest(run)) and load(run, out).get("kind", "unstable") == "unstable"
+
+
+def _names(claim):
+    """{run: name of its file} of the runs that the check of a claim reads.
+
+    Names are settled in one process, at the start: were a package edited meanwhile, another's would differ.
+    """
+    return {run: digest(run) for run in CHECKS[claim.check].needs(**(claim.arguments or {})).values()}
+
+
+def check(claim: Claim, out, names=None) -> Record:
+    """Do the check of one claim, with the runs of the folder; `names` of their files, if settled before."""
     entry, arguments, begun = CHECKS[claim.check], claim.arguments or {}, time.perf_counter()
     try:
-        runs = {name: load(run, out) for name, run in entry.needs(**arguments).items()}
+        names = names or _names(claim)
+        runs = {name: store.read(Path(out) / RUNS_FOLDER, names[run]) for name, run in entry.needs(**arguments).items()}
         for run in runs.values():
             if "error" in run:
                 verdict = {"missing": NOT_TESTABLE, "unstable": MISSED}.get(run["kind"], BROKEN)
@@ -132,7 +146,7 @@ def _registry():
     return runs.RUNS | runs3d.RUNS
 
 
-def _make(run, out):
+def _make(run, out, name):
     """Do a run and keep what it leaves; what goes wrong is kept too, for the checks to tell."""
     function, _, _ = _registry()[run.name]
     try:
@@ -143,7 +157,7 @@ def _make(run, out):
         content = {"error": f"{run.name} {_brief(run)}: {problem}", "kind": "unstable"}
     except Exception:
         content = {"error": f"{run.name} {_brief(run)}: {traceback.format_exc(limit=-3)}", "kind": "broken"}
-    store.write(Path(out) / RUNS_FOLDER, digest(run), content)
+    store.write(Path(out) / RUNS_FOLDER, name, content)
 
 
 def _brief(run):

@@ -48,6 +48,23 @@ def stretched(*, fabric, ratio, size="coarse", reach=None):
     }
 
 
+def lone(*, fabric, family, size="coarse", bars=None, one_point=False):
+    """One yarn alone, pulled straight and on; `bars` 0 takes its fibres away, `one_point` integrates the least."""
+    from meshing import crossover as mesher
+    from unitcell3d import cases_yarn, yarn_law
+
+    given = catalogue.load(fabric)
+    found = cases_yarn.pull(
+        mesher.build(given, size=size),
+        given,
+        family,
+        bars=bars,
+        integration=yarn_law.ONE_POINT if one_point else yarn_law.FULL,
+        strain=0.06 if bars == 0 else None,
+    )
+    return {name: found.columns[name] for name in ("strain", "T", "T_taut", "astray")} | {"failed": found.failed}
+
+
 def plates(*, fabric, size="coarse"):
     """The crossover pressed between plates."""
     from meshing import crossover as mesher
@@ -109,6 +126,7 @@ SOLID = ("fabrics", "meshing", "unitcell3d")
 RUNS = {
     "stretched": (stretched, SOLID, 20),
     "plates": (plates, SOLID, 60),
+    "lone": (lone, SOLID, 10),
     "meshes": (meshes, SOLID, 5),
     "brick": (brick, SOLID, 3),
 }

@@ -28,7 +28,7 @@ def inputs(fabric):
 @check()
 def free_shift(fabric):
     """Where the loaded part of the curve with a free edge, drawn on, meets no load."""
-    curve = free_edge(CellModel(catalogue.load(fabric)), "warp")
+    curve = free_edge(CellModel(catalogue.load(fabric), form="equilibrium"), "warp")
     loaded = curve.tension[:, 0] > 0.2 * curve.tension[-1, 0]
     slope, start = np.polyfit(curve.strain[loaded, 0], curve.tension[loaded, 0], 1)
     return {"shift": -start / slope}
@@ -36,7 +36,7 @@ def free_shift(fabric):
 
 @check()
 def symmetry(fabric, k):
-    cell = CellModel(catalogue.load(fabric))
+    cell = CellModel(catalogue.load(fabric), form="equilibrium")
     one, other = at_ratio(cell, k), at_ratio(cell, 1 / k)
     end = min(one.strain[-1, 0], other.strain[-1, 1])
     e = np.linspace(0, end, 100)
@@ -48,7 +48,7 @@ def symmetry(fabric, k):
 @check()
 def order(fabric):
     """Warp tension at each own strain up to the first failure, from the most to the least stretched cross direction."""
-    cell = CellModel(catalogue.load(fabric))
+    cell = CellModel(catalogue.load(fabric), form="equilibrium")
     curves = {f"k = {k:g}": at_ratio(cell, k) for k in (0.5, 1.0, 2.0)} | {"free": free_edge(cell, "warp")}
     e = np.linspace(0, min(curve.strain[-1, 0] for curve in curves.values()), 50)[1:]
     T = {name: np.interp(e, curve.strain[:, 0], curve.tension[:, 0]) for name, curve in curves.items()}

@@ -74,3 +74,35 @@ def profiles(path, fabric, reach):
 def axial_modulus(brick, fabric):
     """E_1 of the solids' code over E_a V_f (eq. 3-2)."""
     return {"over the rule": brick["stress"] / brick["strain"] / (brick["E_a"] * brick["V_f"])}
+
+
+@check(lambda fabric: {name: Run.of("lone", fabric=fabric, family=k) for k, name in enumerate(("warp", "weft"))})
+def lone_yarns(warp, weft, fabric):
+    """Lone yarns in 3D: where the taut line meets no load, and its slope on the strain of the yarn's own length."""
+    found = {}
+    for (name, run), yarn in zip((("warp", warp), ("weft", weft)), catalogue.load(fabric).weave.yarns):
+        taut = run["T"] > 0.2 * run["T"][-1]
+        slope, start = np.polyfit(run["strain"][taut], run["T"][taut], 1)
+        slack = run["strain"] < 0.8 * yarn.crimp
+        found |= {
+            f"knee {name}": -start / slope,
+            f"stiffness {name}": slope * (1 + yarn.crimp),
+            f"slack load {name}, over strength": run["T"][slack].max() / yarn.strength,
+        }
+    return found | {"order": sorted(("warp", "weft"), key=lambda name: found[f"knee {name}"])}
+
+
+@check(
+    lambda fabric: {
+        "loose": Run.of("lone", fabric=fabric, family=0, bars=0, one_point=True),
+        "barred": Run.of("lone", fabric=fabric, family=0),
+    }
+)
+def hourglass(loose, barred, fabric):
+    """Drops of the pull on a lone yarn: one-point solids without bars, and full integration with bars."""
+    drops = [float(np.max(np.maximum.accumulate(run["T"]) - run["T"]) / run["T"].max()) for run in (loose, barred)]
+    return {
+        "drop without bars": drops[0],
+        "drop with bars": drops[1],
+        "note": f"nodes alternate by up to {1e6 * loose['astray'].max():.2f} and {1e6 * barred['astray'].max():.2f} um",
+    }

@@ -1,0 +1,105 @@
+"""Isotropic elastic-plastic materials: the projectile's steel and the backing block (source thesis Tables 4-2, 6-1)."""
+
+from __future__ import annotations
+
+import tomllib
+from dataclasses import dataclass
+from math import inf, sqrt
+from pathlib import Path
+
+from fabrics.checks import positive
+from fabrics.errors import InputError
+from fabrics.units import si
+
+_FILE = Path(__file__).with_name("materials.toml")
+_UNITS = {"density": "kg/m^3", "modulus": "Pa", "poisson": "", "yield_stress": "Pa", "hardening": "Pa"}
+_ROUND = {"diameter": "m", "length": "m", "mass": "kg", "bore": "m"}
+
+
+@dataclass(frozen=True)
+class Isotropic:
+    """Linear elasticity, and J2 plasticity with linear hardening.
+
+    Parameters
+    ----------
+    density : [kg/m3]
+    modulus : [Pa] Young's
+    poisson : [-]
+    yield_stress : [Pa] in tension; infinite for an elastic material
+    hardening : [Pa] plastic modulus, d(yield stress) / d(effective plastic strain)
+    erosion_strain : [-] effective plastic strain at which an element is taken out; infinite for never
+
+    Raises
+    ------
+    InputError : a value is not positive, or Poisson's ratio is not between 0 and 0.5
+    """
+
+    density: float
+    modulus: float
+    poisson: float
+    yield_stress: float = inf
+    hardening: float = 0.0
+    erosion_strain: float = inf
+
+    def __post_init__(self):
+        positive(self, "density", "modulus")
+        if not 0 <= self.poisson < 0.5:
+            raise InputError(key="poisson", value=self.poisson, allowed="from 0 to below 0.5")
+        if not self.hardening >= 0:
+            raise InputError(key="hardening", value=self.hardening, allowed="at least 0")
+        for key in ("yield_stress", "erosion_strain"):
+            if not getattr(self, key) > 0:
+                raise InputError(key=key, value=getattr(self, key), allowed="above 0")
+
+    @property
+    def shear(self) -> float:
+        """[Pa]"""
+        return self.modulus / (2 * (1 + self.poisson))
+
+    @property
+    def bulk(self) -> float:
+        """[Pa]"""
+        return self.modulus / (3 * (1 - 2 * self.poisson))
+
+    @property
+    def bar_speed(self) -> float:
+        """[m/s] of an elastic wave along a slender bar."""
+        return sqrt(self.modulus / self.density)
+
+    @property
+    def wave_speed(self) -> float:
+        """[m/s] of a longitudinal wave in the bulk."""
+        return sqrt((self.bulk + 4 / 3 * self.shear) / self.density)
+
+    @property
+    def shear_speed(self) -> float:
+        """[m/s] of a shear wave."""
+        return sqrt(self.shear / self.density)
+
+
+def _table(name):
+    return tomllib.loads(_FILE.read_text(encoding="utf-8"))[name]
+
+
+def load(name) -> Isotropic:
+    """The material "steel" or "backing" of `materials.toml`."""
+    if name not in ("steel", "backing"):
+        raise InputError(key="material", value=name, allowed="steel or backing")
+    found = _table(name)
+    values = {key: si(_plain(found[key]["value"]), unit, file=_FILE, key=key) for key, unit in _UNITS.items()}
+    erosion = found["erosion_strain"]["value"]
+    return Isotropic(**values, erosion_strain=inf if erosion == "inf" else float(erosion))
+
+
+def _plain(text):
+    """A number where the text is one: ratios carry no unit."""
+    try:
+        return float(text)
+    except ValueError:
+        return text
+
+
+def round_projectile() -> dict:
+    """diameter, length, mass and bore [m, kg] of the source's right circular cylinder."""
+    found = _table("rcc")
+    return {key: si(found[key]["value"], unit, file=_FILE, key=key) for key, unit in _ROUND.items()}
