@@ -12,8 +12,9 @@ demo: setup  ## S-720 from its data sheet to impact, with a report in results/de
 test: setup lint  ## everything but the long validation runs
 	$(RUN) pytest -m "not slow"
 
-validate: setup  ## the long validation runs
+validate: setup  ## the long validation runs, and the ledger of the source's claims
 	$(RUN) pytest -m slow
+	$(RUN) weavecell validate --slow --out $(RESULTS)/validate
 
 figures: demo  ## the figures of README and docs
 	$(RUN:-m=) tools/figures.py $(RESULTS)/demo

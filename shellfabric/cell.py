@@ -125,20 +125,22 @@ class CellTable:
 
     Parameters
     ----------
-    model : CellModel
+    model : CellModel, or surface_cell.SurfaceCell
     stretch1, stretch2 : (n1,), (n2,) [-] uniform
-    values : dict of (n1, n2) arrays, as `CellModel.solve` gives
+    values : dict of (n1, n2) arrays T1, T2, N1, N2, W, and what else `CellModel.solve` gives
     tension1, tension2 : (n1-1, n2-1, 4) [N] bilinear coefficients of T1 and T2 in each cell of the grid
     potential : (n1-1, n2-1, 16) [J] bicubic coefficients of W; its slopes are N (variational form), or differences
+    residual : [-] rms of the part of a sampled surface's forces that no potential has, over the rms force
     """
 
-    model: CellModel
+    model: object
     stretch1: np.ndarray
     stretch2: np.ndarray
     values: dict
     tension1: np.ndarray = field(repr=False)
     tension2: np.ndarray = field(repr=False)
     potential: np.ndarray = field(repr=False)
+    residual: float = 0.0
 
     @classmethod
     def fill(cls, model: CellModel, n=201) -> CellTable:
@@ -151,7 +153,7 @@ class CellTable:
         """
         if n < 8:
             raise InputError(key="table_size", value=n, allowed="at least 8")
-        x, y = (_grid(lowest, highest, n) for lowest, highest in model.range())
+        x, y = (grid(lowest, highest, n) for lowest, highest in model.range())
         out = np.empty((8, n, n))
         if not kernels.fill(x, y, *model._arguments(), out):
             raise UnstableError("the crossover did not close", where=f"the table of fabric {model.fabric.name}")
@@ -161,16 +163,21 @@ class CellTable:
             fx, fy = values["N1"] * 2 * w1 * (x[1] - x[0]), values["N2"] * 2 * w2 * (y[1] - y[0])
         else:
             fx, fy = np.gradient(values["W"], edge_order=2)
+        return cls.of(model, x, y, values, fx, fy)
+
+    @classmethod
+    def of(cls, model, x, y, values, fx, fy, residual=0.0) -> CellTable:
+        """The table with the stretches x, y, the values at them, and the slopes fx, fy of W per cell of the grid."""
+        W, fx, fy = values["W"].copy(), fx.copy(), fy.copy()
         # the mixed slope from both sides; it is the same function where W is smooth
         fxy = 0.5 * (np.gradient(fx, axis=1) + np.gradient(fy, axis=0))
         # where a yarn goes slack its force is zero along the whole edge, and stays zero below it
         fxy[0, :] = fxy[:, 0] = fx[0, :] = fy[:, 0] = 0.0
-        W = values["W"].copy()
         about = tuple(slice(max(i - 1, 0), i + 2) for i in (np.argmin(np.abs(x - 1)), np.argmin(np.abs(y - 1))))
         for part, limited in zip((W, fx, fy, fxy), _positive(*(part[about] for part in (W, fx, fy, fxy)))):
             part[about] = limited
         potential = _bicubic(W, fx, fy, fxy)
-        return cls(model, x, y, values, _bilinear(values["T1"]), _bilinear(values["T2"]), potential)
+        return cls(model, x, y, values, _bilinear(values["T1"]), _bilinear(values["T2"]), potential, residual)
 
     @property
     def steps(self):
@@ -188,7 +195,7 @@ class CellTable:
         return float(np.max(0.5 * (k11 + k22) + np.hypot(0.5 * (k11 - k22), k12)))
 
 
-def _grid(lowest, highest, n):
+def grid(lowest, highest, n):
     """(n,) uniform, one of them 1, from `lowest` or a step below it to at least `highest`; lowest <= 1 < highest."""
     below = int((1 - lowest) / (highest - lowest) * (n - 1))
     step = (1 - lowest) / below if below else (highest - 1) / (n - 2)

@@ -9,6 +9,7 @@ import numpy as np
 from fabrics.compression import CompressionLaw
 from fabrics.errors import InputError, UnstableError
 from fabrics.fabric import Fabric
+from fabrics.surface import ResponseSurface
 from shellfabric import checkpoint, histories, measures
 from shellfabric import hooks as onlookers
 from shellfabric.cell import CellModel
@@ -16,6 +17,7 @@ from shellfabric.edges import Grip, PullIn
 from shellfabric.march import ENERGIES, March
 from shellfabric.panel import SYMMETRIES, Numerics, Panel
 from shellfabric.projectile import Projectile
+from shellfabric.surface_cell import SurfaceCell
 
 
 @dataclass(frozen=True)
@@ -35,6 +37,7 @@ class ImpactSetup:
     end_time : [s] at the latest; a run ends when the projectile stops or has passed
     elements_per_crossover : along each side
     cell_model, form, gap : see CellModel
+    surface : ResponseSurface to make the cell from instead of laws, or None; see surface_cell.SurfaceCell
     table_size : stretches along each side of the cell's table; 201 puts its tensions within 0.2 % of the yarn's
         strength of the cell's
     audit_interval, snapshot_interval : [s]; no snapshots where None
@@ -55,6 +58,7 @@ class ImpactSetup:
     cell_model: str = "compressible"
     form: str = "variational"
     gap: float = 0.0
+    surface: ResponseSurface | None = None
     table_size: int = 201
     audit_interval: float = 2e-6
     snapshot_interval: float | None = None
@@ -66,9 +70,12 @@ class ImpactSetup:
 
         Raises
         ------
-        InputError : as CellModel, CellTable and Panel
+        InputError : as CellModel, SurfaceCell, CellTable and Panel
         """
-        model = CellModel(self.fabric, self.laws, self.gap, self.cell_model, self.form)
+        if self.surface is None:
+            model = CellModel(self.fabric, self.laws, self.gap, self.cell_model, self.form)
+        else:
+            model = SurfaceCell(self.fabric, self.surface, self.form)
         opening = self.opening if np.ndim(self.opening) else (self.opening, self.opening)
         return Panel(
             model.table(self.table_size),

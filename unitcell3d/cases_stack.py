@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from fabrics.errors import InputError
+from fabrics.errors import InputError, UnstableError
 from fabrics.plate_curve import PlateCurve
 from unitcell3d import constraints, follow, yarns
 from unitcell3d.cases import CLOSEST_PLATES, PLATEN_PRESSURE
@@ -35,6 +35,8 @@ MEANINGS = {
     "iterations": "[-] tangents factorised",
     "seconds": "[s] wall time",
 }
+
+LONGEST_STEP = 6e-6  # m between the plates: in steps of 22 um slack plies pass through each other
 
 
 class StackModel(YarnsModel):
@@ -71,7 +73,7 @@ class StackModel(YarnsModel):
 
 def stack_compression(
     mesh, fabric, plies=2, *, shift=(0.0, 0.0), pressure=PLATEN_PRESSURE, closest=CLOSEST_PLATES, numerics=None,
-    rows=40, hooks=(), comm=None,
+    hooks=(), comm=None,
 ):  # fmt: skip
     """Press plies between two rigid plates, the yarns' ends held in the plane at their spacing.
 
@@ -83,11 +85,12 @@ def stack_compression(
     shift : (x, y) [crossings] of each ply against the one under it; (0, 0): aligned
     pressure : [Pa] mean on the area of the cell at the end, the source's greatest by default
     closest : [-] share of the first distance of the plates at which the path ends at the latest
-    numerics, rows, hooks, comm : see `follow.follow`
+    numerics, hooks, comm : see `follow.follow`
 
     Returns
     -------
-    Record, with the meanings `MEANINGS`
+    Record, with the meanings `MEANINGS`; the path also ends, as failed, where plates have closed by a tenth and press
+    nothing
 
     Raises
     ------
@@ -112,6 +115,10 @@ def stack_compression(
     def row(state, load):
         pairs = copies * model.surfaces.forces
         force = copies * float(np.mean(state.plates))
+        if force <= 0 and load.plates < 0.9 * rest:
+            raise UnstableError(
+                "the yarns have passed through each other", when=f"plates {2e3 * load.plates:.4g} mm apart"
+            )
         return {
             "distance": 2 * load.plates,
             "closure": 2 * (rest - load.plates),
@@ -123,6 +130,7 @@ def stack_compression(
             "deepest": model.surfaces.deepest,
         }
 
+    rows = int(np.ceil(2 * (1 - closest) * rest / LONGEST_STEP))
     found = follow.follow(
         model, loads, row, rows=rows, stop=lambda row: row["pressure"] / pressure, hooks=hooks, comm=comm
     )

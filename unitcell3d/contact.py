@@ -203,10 +203,20 @@ class Plates:
     """Two rigid plates, one above the warp and one below the weft, at equal distances from the middle plane."""
 
     def __init__(self, points, grids):
-        outer = (grids[0][:, :, -1], grids[1][:, :, 0])
-        self.faces = [(face.ravel().astype(np.int64), tributary_areas(points, face).ravel()) for face in outer]
-        upper, lower = (points[nodes, 2] for nodes, _ in self.faces)
-        self.at_rest = float(max(upper.max(), -lower.min()))  # [m] half the distance at which they just touch
+        self._face(points, [grids[0][:, :, -1]], [grids[1][:, :, 0]])
+
+    def _face(self, points, upper, lower):
+        """Take up the faces, grids of nodes, that the upper and the lower plate may touch."""
+        self.faces = [
+            (
+                np.concatenate([face.ravel() for face in side]).astype(np.int64),
+                np.concatenate([tributary_areas(points, face).ravel() for face in side]),
+            )
+            for side in (upper, lower)
+        ]
+        self._anchors = [points[nodes, :2].copy() for nodes, _ in self.faces]
+        above, below = (points[nodes, 2] for nodes, _ in self.faces)
+        self.at_rest = float(max(above.max(), -below.min()))  # [m] half the distance at which they just touch
 
     def press(self, x, half_distance, numerics, forces, places, values):
         """Adds internal forces, and the tangent where `places` (per plate, or None) is given; returns (2,) [N]."""
@@ -215,18 +225,16 @@ class Plates:
             for plate, side in ((0, 1.0), (1, -1.0)):
                 nodes, areas = self.faces[plate]
                 pressed[plate] = contact_kernels.plate_pass(
-                    x,
-                    nodes,
-                    areas,
-                    side * half_distance,
-                    side,
-                    numerics.penalty,
-                    numerics.toe,
-                    forces,
-                    np.empty(0, np.int64) if places is None else places[plate],
-                    values,
-                )
+                    x, nodes, areas, side * half_distance, side, numerics.penalty, numerics.toe,
+                    numerics.friction, numerics.slip, self._anchors[plate], forces,
+                    np.empty(0, np.int64) if places is None else places[plate], values,
+                )  # fmt: skip
         return pressed
+
+    def accept(self, x, half_distance, numerics):
+        """The state at `x` is where friction goes on from."""
+        for (nodes, _), anchors, side in zip(self.faces, self._anchors, (1.0, -1.0)):
+            contact_kernels.draw_plate_anchors(x, nodes, side * half_distance, side, numerics.slip, anchors)
 
 
 def gauss(corners):

@@ -276,7 +276,7 @@ def draw_anchors(x, grid, axes, mirror, slip, xi, codes, anchors):
 
 
 @njit(cache=True)
-def plate_pass(x, nodes, areas, height, side, penalty, toe, forces, places, values):
+def plate_pass(x, nodes, areas, height, side, penalty, toe, friction, slip, anchors, forces, places, values):
     """Forces of the nodes of a surface on a rigid plate z = height, and their tangent where `places` is given.
 
     Parameters
@@ -284,17 +284,45 @@ def plate_pass(x, nodes, areas, height, side, penalty, toe, forces, places, valu
     nodes, areas : (s,) node numbers, tributary areas [m2]
     height : [m]
     side : +1 for a plate above the nodes, -1 below
+    friction, slip : coefficient [-] and regularisation slip [m]
+    anchors : (s, 2) [m] where on the plate each node stuck last
     places : (s,) diagonal block of each node; empty for forces alone
 
     Returns
     -------
     force : [N] on the plate, positive in compression
     """
-    total = 0.0
+    total, v = 0.0, np.empty(2)
     for s in range(nodes.size):
         p, slope = pressure(side * (height - x[nodes[s], 2]), penalty, toe)
+        if p == 0.0:
+            continue
         forces[nodes[s], 2] += side * p * areas[s]
         total += p * areas[s]
+        v[:] = x[nodes[s], :2] - anchors[s]
+        length = np.sqrt(v[0] ** 2 + v[1] ** 2)
+        phi = friction / max(length, slip)
+        for c in range(2):
+            forces[nodes[s], c] += areas[s] * p * phi * v[c]
         if places.shape[0] > 0:
-            values[places[s], 2, 2] -= slope * areas[s]
+            place = places[s]
+            values[place, 2, 2] -= slope * areas[s]
+            for c in range(2):
+                values[place, c, c] += areas[s] * p * phi
+                values[place, c, 2] -= areas[s] * phi * v[c] * side * slope
+                for d in range(2):
+                    if length > slip:
+                        values[place, c, d] -= areas[s] * p * phi * v[c] * v[d] / length**2
     return total
+
+
+@njit(cache=True)
+def draw_plate_anchors(x, nodes, height, side, slip, anchors):
+    """Let the anchors follow to within `slip` [m] of nodes in contact, wholly those of the others; see `plate_pass`."""
+    for s in range(nodes.size):
+        v = x[nodes[s], :2] - anchors[s]
+        length = np.sqrt(v[0] ** 2 + v[1] ** 2)
+        if side * (height - x[nodes[s], 2]) >= 0.0:
+            anchors[s] += v
+        elif length > slip:
+            anchors[s] += v * (1.0 - slip / length)

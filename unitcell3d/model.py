@@ -189,7 +189,10 @@ class YarnsModel:
         """Let friction go on from this state, an equilibrium; nothing happens without friction."""
         if self.numerics.friction > 0:
             self.forces(q, load)  # the state that the contact search belongs to may be a trial
-            self.surfaces.accept(self.positions(q, load), self.numerics)
+            x = self.positions(q, load)
+            self.surfaces.accept(x, self.numerics)
+            if self.plates is not None:
+                self.plates.accept(x, load.plates, self.numerics)
 
     def tensions(self, forces):
         """(2,) [N] tensions of the whole warp and weft yarn, from the reactions at their ends."""

@@ -33,7 +33,8 @@ TOLERANCE = 1e-8
 LEAST_FORCE = 1e-2  # N: scale of the convergence test where nothing is loaded yet
 MAX_ITERATIONS = 40  # factorisations
 LARGEST_STEP = 5e-6  # m
-FAR = 0.1  # of the forces: residual from which the shift starts at its full size
+FAR = 0.1  # of the forces: residual from which the shift starts at its full size, and the contact soft
+SOFTER, ROUGH = (0.01, 0.1), 1e-2  # factors of the penalty on the way, and how far they are followed
 SHIFT = 300.0  # N/m at the first iteration; 30 to 1000 take the same number of iterations within a tenth
 MOST_SHIFT = 1e5  # N/m: as stiff as the contact
 LEAST_SHIFT = 1e-3  # N/m: none below
@@ -74,8 +75,8 @@ class Newton:
         self._taken = []  # steps since the last factorisation
         self._latest = None  # the state that the model's contact search belongs to
 
-    def solve(self, q, load):
-        """Equilibrium at `load` from the guess `q` : (size,).
+    def solve(self, q, load, tolerance=TOLERANCE):
+        """Equilibrium at `load` from the guess `q` : (size,), to a residual of `tolerance` times the forces.
 
         Raises
         ------
@@ -89,8 +90,8 @@ class Newton:
         while True:
             before = state.norm
             if state.norm < NEAR * state.scale and self._solver is not None:
-                state = self._reuse(state, load)
-            if state.norm <= TOLERANCE * state.scale:
+                state = self._reuse(state, load, tolerance)
+            if state.norm <= tolerance * state.scale:
                 return Equilibrium(state.q, state.forces, state.contact, state.plates, iterations)
             if iterations == MAX_ITERATIONS:
                 self._refuse(f"no convergence in {MAX_ITERATIONS} iterations", state.q, load)
@@ -105,6 +106,26 @@ class Newton:
             cut = LARGEST_STEP / np.abs(step).max()
             shift = _next_shift(shift, found.norm / before) if cut >= 1 else min(shift / cut, MOST_SHIFT)
             state = found
+
+    def approach(self, q, load):
+        """Equilibrium at `load` from a guess that may be far from it: by way of softer contacts, taken roughly.
+
+        Slack yarns that a guess presses into each other are thrown apart by the full contact and come back to it
+        several times over.
+
+        Raises
+        ------
+        UnstableError : as `solve`
+        """
+        full, state = self.model.numerics, self._evaluate(q, load)
+        if state.norm > FAR * state.scale:
+            try:
+                for factor in SOFTER:
+                    self.model.numerics = full.softened(factor)
+                    q = self.solve(q, load, ROUGH).q
+            finally:
+                self.model.numerics = full
+        return self.solve(q, load)
 
     def best(self, guesses, load):
         """The guess : (size,) that leaves the least residual at `load`."""
@@ -152,9 +173,9 @@ class Newton:
         self._solver.factor()
         self._taken = []
 
-    def _reuse(self, state, load):
+    def _reuse(self, state, load, tolerance):
         """The best state that steps with the last factorisation and Broyden's updates reach from `state`."""
-        while len(self._taken) < MOST_UPDATES and state.norm > TOLERANCE * state.scale:
+        while len(self._taken) < MOST_UPDATES and state.norm > tolerance * state.scale:
             step = self._solver.solve(-state.residual)
             step = None if step is None else _corrected(step, self._taken)
             if step is None or np.abs(step).max() > LARGEST_STEP:

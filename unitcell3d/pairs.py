@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from unitcell3d.contact import FacingSurfaces, Plates, tributary_areas
+from unitcell3d.contact import FacingSurfaces, Plates
 
 
 class SurfacePairs:
@@ -66,16 +66,7 @@ class OuterPlates(Plates):
     """Two rigid plates on the upper faces of some yarns and the lower faces of others."""
 
     def __init__(self, points, upper, lower):
-        faces = [[grid[:, :, -1] for grid in upper], [grid[:, :, 0] for grid in lower]]
-        self.faces = [
-            (
-                np.concatenate([face.ravel() for face in side]).astype(np.int64),
-                np.concatenate([tributary_areas(points, face).ravel() for face in side]),
-            )
-            for side in faces
-        ]
-        above, below = (points[nodes, 2] for nodes, _ in self.faces)
-        self.at_rest = float(max(above.max(), -below.min()))
+        self._face(points, [grid[:, :, -1] for grid in upper], [grid[:, :, 0] for grid in lower])
 
 
 def facing(points, upper, lower, quarter=False, families=(0, 1)):

@@ -151,10 +151,10 @@ def _advance(model, solver, states, start, end, share, last_resort):
         guesses.append(held + (share - s1) / (s1 - s0) * (held - q0))
     best = solver.best([guess for guess in guesses if guess is not None], load)
     try:
-        return solver.solve(best, load)
+        return solver.approach(best, load)
     except UnstableError:
         if best is not held and not last_resort:
-            return solver.solve(held, load)
+            return solver.approach(held, load)
         if not last_resort:
             raise
     return _softly(model, solver, held, load)

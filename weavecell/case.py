@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from dataclasses import dataclass
 from math import degrees
 
@@ -9,6 +10,7 @@ from fabrics import catalogue
 from fabrics.compression import CompressionLaw
 from fabrics.errors import InputError
 from fabrics.fabric import Fabric
+from fabrics.surface import ResponseSurface
 from weavecell.scene import ProjectileTable
 from weavecell.tables import InlineLaw
 
@@ -24,6 +26,7 @@ class Case:
     laws : (warp, weft) CompressionLaw
     law_name : where the laws come from, in words
     scene : Scene
+    surface : ResponseSurface that the cell is made from in place of the laws, or None
     """
 
     name: str
@@ -31,6 +34,7 @@ class Case:
     laws: tuple[CompressionLaw, CompressionLaw]
     law_name: str
     scene: object
+    surface: ResponseSurface | None = None
 
 
 def build(scene, file, name):
@@ -41,8 +45,9 @@ def build(scene, file, name):
     InputError : a fabric or law that cannot be found or does not fit, named with the scene's file and key
     """
     fabric = _fabric(scene.fabric, file)
-    laws, law_name = _laws(scene.fabric, fabric, file)
-    return Case(name, fabric, laws, law_name, scene)
+    surface = _surface(scene.fabric, fabric, file)
+    laws, law_name = _laws(scene.fabric, fabric, file) if surface is None else (fabric.laws, "3D response surface")
+    return Case(name, fabric, laws, law_name, scene, surface)
 
 
 def setup(case, file):
@@ -74,6 +79,7 @@ def setup(case, file):
             cell_model=case.scene.fabric.cell_model,
             form=case.scene.fabric.cell_form,
             gap=case.scene.fabric.gap,
+            surface=case.surface,
             snapshot_interval=run.snapshot_interval,
             measure=Measure(measure.interval, measure.warp, measure.weft) if measure else None,
             numerics=Numerics(**knobs),
@@ -140,6 +146,31 @@ def with_density(fabric, choice):
     if choice == "nominal" or fabric.effective_linear_density is None:
         return fabric
     return fabric.effective()
+
+
+def _surface(table, fabric, file):
+    """The response surface that a scene names, checked against what else it says of the cell."""
+    forms = ("variational", "equilibrium") if table.surface is None else ("variational", "direct")
+    if table.cell_form not in forms:
+        told = "without" if table.surface is None else "with"
+        raise InputError(
+            file=file, key="fabric.cell_form", value=table.cell_form,
+            allowed=f"{' or '.join(forms)} {told} fabric.surface",
+        )  # fmt: skip
+    if table.surface is None:
+        return None
+    for key, default in (("law", "published"), ("cell_model", "compressible"), ("gap", 0.0)):
+        if getattr(table, key) != default:
+            raise InputError("a surface has its own, give one of the two", file=file, key=f"fabric.{key}")
+    if not os.path.exists(table.surface):
+        raise InputError("cannot be read; must be a surface written by `weavecell surface`", file=table.surface)
+    surface = ResponseSurface.read(table.surface)
+    try:
+        from shellfabric.surface_cell import SurfaceCell
+
+        return SurfaceCell(fabric, surface).surface
+    except InputError as problem:
+        raise InputError(file=table.surface, key=problem.key, value=problem.value, allowed=problem.allowed) from None
 
 
 def _laws(table, fabric, file):

@@ -66,6 +66,7 @@ class Level(StrEnum):
 
     quick = "quick"
     full = "full"
+    fine = "fine"
 
 
 class Overlap(StrEnum):

@@ -109,6 +109,8 @@ def _pull(this, title, checkpoint, resume):
     from shellfabric.cell import CellModel
 
     scene, cloth, failure = this.scene, this.scene.fabric, None
+    if this.surface is not None:
+        raise InputError("a coupon's cell is made from laws", key="fabric.surface", allowed="left out")
     table = CellModel(this.fabric, this.laws, cloth.gap, cloth.cell_model, cloth.cell_form).table(TABLE_SIZE)
     options = dict(scene.asked)
     if scene.test == "picture_frame":

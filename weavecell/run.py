@@ -115,14 +115,17 @@ def write(out, this, record, snapshots, text, advance):
 
 def page(this, record, told, stamp):
     """The report of one impact; `told` are its chapters."""
-    law = this.laws[0]
     model = this.scene.fabric.cell_model
     shot, panel = this.scene.projectile, this.scene.panel
-    cards = (
-        chapters.fabric_card(this.fabric),
-        chapters.law_card(law, source=this.law_name if model == "compressible" else model),
-        chapters.impact_card(record),
-    )
+    if this.surface is None:
+        source = this.law_name if model == "compressible" else model
+        laws, cell = (
+            (chapters.law_card(this.laws[0], source=source),),
+            (chapters.cell(this.fabric, {this.law_name: this.laws}, model),),
+        )
+    else:
+        laws, cell = (), ()
+    cards = (chapters.fabric_card(this.fabric), *laws, chapters.impact_card(record))
     return report.Report(
         record.title,
         f"One ply of {record.fabric}, {case.panel_in_words(panel)}, struck at {shot.strike_velocity:g} m/s by "
@@ -130,7 +133,7 @@ def page(this, record, told, stamp):
         (cards,),
         (
             *told,
-            chapters.cell(this.fabric, {this.law_name: this.laws}, model),
+            *cell,
             chapters.sources(this.fabric),
             chapters.making(stamp, {"marching": record.wall_time}),
         ),

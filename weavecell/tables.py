@@ -100,7 +100,8 @@ class FabricTable(Table):
     linear_density: one_of("effective", "nominal") = "effective"
     law: Annotated[Law, Field(description=_LAW)] = "published"
     cell_model: one_of("compressible", "incompressible", "decoupled") = "compressible"
-    cell_form: one_of("variational", "equilibrium") = "variational"
+    cell_form: one_of("variational", "equilibrium", "direct") = "variational"
+    surface: Annotated[str | None, Field(description="the path of a surface written by `weavecell surface`")] = None
     gap: quantity("m", "a length of at least 0", "0 mm", at_least=0.0) = 0.0
 
 
@@ -152,6 +153,8 @@ def anchored(scene, folder):
         changes["file"] = os.path.normpath(folder / scene.fabric.file)
     if isinstance(scene.fabric.law, str) and scene.fabric.law != "published":
         changes["law"] = os.path.normpath(folder / scene.fabric.law)
+    if scene.fabric.surface is not None:
+        changes["surface"] = os.path.normpath(folder / scene.fabric.surface)
     return scene.model_copy(update={"fabric": scene.fabric.model_copy(update=changes)})
 
 

@@ -22,7 +22,8 @@ from weavecell.report import Figure
 
 _SUBTITLE = (
     "Every claim of the source thesis that is a number, an order, a trend, a shape or an outcome, with our number "
-    "beside it. Tolerances were set before anything was computed and have not been moved; nothing is fitted to a claim."
+    "beside it. Tolerances come from the printed digits or were set before the comparison, and none has been widened "
+    "to turn a miss; nothing is fitted to a claim."
 )
 
 
@@ -61,11 +62,16 @@ def validate(out, *, topics, slow, jobs, resume):
 
 def _summary(claims, records, shares, stamp, seconds):
     causes = {claim.id: claim.cause for claim in claims}
-    return {
-        "topics": {
+
+    def table(rows):
+        return {
             share.topic or "all": {**share.counts, "compared": share.compared, "share reproduced": share.reproduced}
-            for share in shares
-        },
+            for share in rows
+        }
+
+    return {
+        "topics": table(shares),
+        "kinds": table(summary.shares(claims, records, by="kind")),
         "missed": [
             {"id": record.id, "by": record.miss, "cause": causes[record.id]}
             for record in records

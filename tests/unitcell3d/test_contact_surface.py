@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize
 
-from unitcell3d.contact_kernels import contact_pass, overlap_weight, plate_pass, pressure
+from unitcell3d.contact_kernels import contact_pass, draw_plate_anchors, overlap_weight, plate_pass, pressure
 from unitcell3d.surface_kernels import evaluate, nodes_of, project, surround, weights_of
 
 NI, NJ = 6, 5
@@ -255,8 +255,37 @@ def test_plate_pushes_back():
     x = np.array([[0, 0, 0.10], [0, 0, 0.0995], [0, 0, 0.08]])
     forces, values = np.zeros((3, 3)), np.zeros((3, 3, 3))
     areas = np.array([1.0, 2.0, 3.0])
-    force = plate_pass(x, np.arange(3), areas, 0.099, 1.0, PENALTY, TOE, forces, np.arange(3), values)
+    force = plate_pass(
+        x, np.arange(3), areas, 0.099, 1.0, PENALTY, TOE, 0.0, SLIP, np.zeros((3, 2)), forces, np.arange(3), values
+    )
     expected = [pressure(0.099 - z, PENALTY, TOE)[0] * a for z, a in zip(x[:, 2], areas)]
     assert force == pytest.approx(sum(expected))
     assert np.allclose(forces[:, 2], expected)
     assert np.allclose(values[:, 2, 2], [-pressure(0.099 - z, PENALTY, TOE)[1] * a for z, a in zip(x[:, 2], areas)])
+
+
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_plate_rubs(side):
+    """Coulomb's friction, its tangent, and anchors that follow what has slid to within the regularisation slip."""
+    x = np.array([[0.003, 0.004, side * 0.10], [0.3, 0.4, side * 0.11], [0.3, 0.4, side * 0.08]])
+    areas, nodes = np.array([1.0, 2.0, 3.0]), np.arange(3)
+
+    def run(x, anchors):
+        forces, values = np.zeros((3, 3)), np.zeros((3, 3, 3))
+        plate_pass(
+            x, nodes, areas, side * 0.099, side, PENALTY, TOE, FRICTION, SLIP, anchors, forces, nodes, values
+        )
+        return forces, values
+
+    anchors = np.zeros((3, 2))
+    forces, values = run(x, anchors)
+    assert np.linalg.norm(forces[0, :2]) == pytest.approx(FRICTION * abs(forces[0, 2]) * 0.005 / SLIP)
+    assert np.linalg.norm(forces[1, :2]) == pytest.approx(FRICTION * abs(forces[1, 2]))
+    assert np.all(forces[2] == 0)
+    direction, step = np.random.default_rng(0).standard_normal((3, 3)), 1e-6
+    difference = (run(x + step * direction, anchors)[0] - run(x - step * direction, anchors)[0]) / (2 * step)
+    assert np.abs(np.einsum("nab,nb->na", values, direction) - difference).max() < 1e-7 * np.abs(difference).max()
+    draw_plate_anchors(x, nodes, side * 0.099, side, SLIP, anchors)
+    assert np.allclose(anchors[0], 0)
+    assert np.linalg.norm(x[1, :2] - anchors[1]) == pytest.approx(SLIP)
+    assert np.allclose(anchors[2], x[2, :2])

@@ -7,7 +7,8 @@ import ufl
 from unitcell3d import cases, yarn_law
 from unitcell3d.compat import Assembler, HexSpace
 from unitcell3d.contact_kernels import contact_pass
-from unitcell3d.model import ACROSS_BEFORE_THROUGH
+from unitcell3d.model import ACROSS_BEFORE_THROUGH, CrossoverModel, Load
+from unitcell3d.stepping import march
 from unitcell3d.surface_kernels import nodes_of
 
 # --- facet cycling: a point pressed into a valley of two facets -----------------------------------------------------
@@ -98,6 +99,19 @@ def soft_modes(mesh, fabric, degree):
 def test_one_point_integration_leaves_zero_energy_modes_and_full_integration_none(tiny, s720):
     assert soft_modes(tiny, s720, 3) == 6
     assert soft_modes(tiny, s720, 1) > 30
+
+
+@pytest.mark.slow
+def test_one_point_integration_ends_the_crossover_early_and_full_integration_does_not(coarse, s720):
+    """Warp alone stretched to 32 um: with one point an element inverts at 6.5 um, bars or not."""
+    found = {}
+    for integration in (yarn_law.ONE_POINT, yarn_law.FULL):
+        model = CrossoverModel(coarse, s720, integration=integration)
+        found[integration] = march(model, Load(), Load((32e-6, 0.0)))
+    assert found[yarn_law.FULL].failed == ""
+    assert found[yarn_law.FULL].T1[-1] == pytest.approx(315, rel=0.03)
+    assert "inverted" in found[yarn_law.ONE_POINT].failed
+    assert found[yarn_law.ONE_POINT].d1[-1] < 16e-6
 
 
 # --- push-through of a sharp tip ------------------------------------------------------------------------------------

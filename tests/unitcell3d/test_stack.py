@@ -14,12 +14,12 @@ PRESSURE = 0.3e6
 
 @pytest.fixture(scope="module")
 def one(tiny, s720):
-    return cases_stack.stack_compression(tiny, s720, 1, pressure=PRESSURE, rows=25)
+    return cases_stack.stack_compression(tiny, s720, 1, pressure=PRESSURE)
 
 
 @pytest.fixture(scope="module")
 def two(tiny, s720):
-    return cases_stack.stack_compression(tiny, s720, 2, pressure=PRESSURE, rows=25)
+    return cases_stack.stack_compression(tiny, s720, 2, pressure=PRESSURE)
 
 
 def test_one_ply_is_the_crossover_between_plates(one, tiny, s720):
@@ -69,7 +69,7 @@ def test_shifted_plies_nest(s720):
 @pytest.mark.slow
 def test_shifted_plies_under_pressure(s720):
     mesh = patch.build(s720, (2, 2), size=(3, 2, 2))
-    record = cases_stack.stack_compression(mesh, s720, 2, shift=(0.5, 0.5), pressure=0.05e6, rows=12)
+    record = cases_stack.stack_compression(mesh, s720, 2, shift=(0.5, 0.5), pressure=0.05e6)
     assert record.failed == ""
     assert np.all(np.diff(record["force"]) > 0)
     assert record["F_between"][-1, 0] >= 0.98 * record["force"][-1]

@@ -1,5 +1,6 @@
 """Broken scene and fabric files: each its one line, exit code 2, and not a file written."""
 
+from os.path import normpath
 from pathlib import Path
 
 import pytest
@@ -27,8 +28,11 @@ SCENES = {
     "boundary-wrong-unit": """panel.boundary.weft.grip = '20 mm': must be a force above 0, such as "20 N\"""",
     "cone-without-angle": "projectile.half_angle: must be above 0 for a cone",
     "edge-too-round": "projectile.edge_radius = '3 mm': must be below half of projectile.diameter",
+    "form-of-a-law": "fabric.cell_form = 'direct': must be variational or equilibrium without fabric.surface",
+    "form-of-a-surface": "fabric.cell_form = 'equilibrium': must be variational or direct with fabric.surface",
     "gap-too-wide": "fabric.gap = 0.001: must be at least 0 and at most h01 + h02",
     "late-snapshots": "run.snapshot_interval = '1 ms': must be at most run.end_time",
+    "law-and-surface": "fabric.cell_model: a surface has its own, give one of the two",
     "law-half-given": "fabric.law.b: is missing; must be a value of at least 0 in mm N^(1/3), "
     'such as "0.058 mm N^(1/3)"',
     "law-half-zero": "fabric.law.b = 0.0: must be zero exactly where a is zero (an incompressible yarn)",
@@ -71,6 +75,8 @@ SCENES = {
 OTHERS = {
     "fabric-file-broken": ("fabric-crimp-as-length.toml", "warp.crimp = '2 mm': must be a number"),
     "fabric-file-missing": ("fabric-nowhere.toml", "cannot be read (No such file or directory)"),
+    "surface-of-another": ("../../shellfabric/data/S-720-coarse-9x9.h5", "surface = 'S-720': must be one of S-728"),
+    "no-surface-file": ("nowhere.h5", "cannot be read; must be a surface written by `weavecell surface`"),
     "no-law-file": ("nowhere.json", "cannot be read; must be a compression law (No such file or directory)"),
 }
 
@@ -101,7 +107,7 @@ def test_broken_scene(command, tmp_path, name):
 @pytest.mark.parametrize("name", OTHERS)
 def test_scene_that_names_a_broken_file(command, tmp_path, name):
     blamed, line = OTHERS[name]
-    check_refused(command("impact", BROKEN / f"{name}.toml"), f"{BROKEN / blamed}: {line}", tmp_path)
+    check_refused(command("impact", BROKEN / f"{name}.toml"), f"{normpath(BROKEN / blamed)}: {line}", tmp_path)
 
 
 @pytest.mark.parametrize("name", FABRIC_FILES)

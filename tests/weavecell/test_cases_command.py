@@ -1,12 +1,14 @@
 """`weavecell crossover`: its folder and numbers for each case, what it keeps of a failed one, and its errors."""
 
 import json
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 pytest.importorskip("dolfinx")
 
+from unitcell3d import cases_path
 from unitcell3d.records import Record
 from weavecell import cases
 
@@ -84,6 +86,25 @@ def test_a_failed_case_keeps_what_it_computed(command, tmp_path):
     content = told(tmp_path / "c")
     assert content["failed"]
     assert len(Record.read(tmp_path / "c" / "case.h5")["T1"]) == content["rows"] > 2
+
+
+def test_example_path_is_good():
+    path = Path(__file__).parents[2] / "examples" / "crossover-path.csv"
+    corners = cases_path.read(path)
+    assert corners.shape == (4, 2)
+    assert np.abs(corners).max() == pytest.approx(20e-6)
+    assert f"weavecell crossover S-720 --case path --path examples/{path.name}" in path.read_text()
+
+
+@pytest.mark.slow
+def test_example_path_runs(command, tmp_path):
+    """There and back again: at rest nothing is left."""
+    path = Path(__file__).parents[2] / "examples" / "crossover-path.csv"
+    code, _, err = command("crossover", "S-720", "--case", "path", "--path", str(path), "--size", "3,2,2", "--out", "c")
+    assert code == 0, err
+    record = Record.read(tmp_path / "c" / "case.h5")
+    assert record["T1"].max() > 100
+    assert abs(record["T1"][-1] - record["T1"][0]) < 1e-3 * record["T1"].max()
 
 
 @pytest.mark.parametrize(

@@ -65,6 +65,18 @@ def test_law_file_is_found_beside_the_scene(tmp_path):
     assert "fitted" in got.law_name
 
 
+def test_cell_from_a_surface():
+    """A surface takes the place of the laws, in either form; the path is the scene's."""
+    data = Path(__file__).parents[1] / "shellfabric" / "data"
+    for form in ("variational", "direct"):
+        table = with_change("fabric", "surface", "S-720-coarse-9x9.h5")
+        table["fabric"]["cell_form"] = form
+        path = data / "scene.toml"
+        panel = case.setup(case.build(scene.check(table, path), path, "s"), path).panel()
+        assert panel.table.model.form == form
+        assert panel.table.model.region[0][1] == pytest.approx(1.0567, abs=1e-4)
+
+
 def test_linear_density_is_a_choice():
     nominal = case.build(scene.check(with_change("fabric", "linear_density", "nominal"), "s"), "s", "s")
     effective = case.build(scene.check(TABLE, "s"), "s", "s")

@@ -43,11 +43,14 @@ class Pull:
     x: np.ndarray
 
 
-def pull(name, *, element="yarns", length=0.1435, width=0.074, elongation=0.010, speed=SPEED, looks=4, table_size=121):
+def pull(
+    name, *, element="yarns", length=0.1435, width=0.074, elongation=0.010, speed=SPEED, looks=4, table_size=121,
+    elements_per_crossover=1,
+):  # fmt: skip
     """Pull one of `cases.CLOTHS` with "yarns" on the grid lines or the source's "one point" element; returns a Pull."""
     fabric, model, trellis = cloth(name)
     table = CellModel(fabric, model=model, form="variational").table(table_size)
-    coupon, grips, (length, width) = quasistatic.bias_coupon(table, length, width, trellis=trellis)
+    coupon, grips, (length, width) = quasistatic.bias_coupon(table, length, width, elements_per_crossover, trellis)
     zone = quasistatic.zones(coupon, length, width)
     weave, held, x = fabric.weave, grips > 0, coupon.points.copy()
     corner = 0.25 * weave.areal_density * np.prod(coupon.spacing)
@@ -75,6 +78,7 @@ def one_point(coupon):
     """forces(x, v) -> (n, 2) [N] of quadrilaterals with one point, from the same table and shear law."""
     table, weave, quads = coupon.table, coupon.weave, coupon.quads
     d = np.array(coupon.spacing)
+    cells = np.prod(d) / weave.cell_area
     volume = np.prod(d) * weave.thickness if coupon.trellis else 0.0
     wave = sqrt(table.stiffness() / weave.areal_density)
     damping = HOURGLASS * 0.25 * weave.areal_density * sqrt(np.prod(d)) * wave
@@ -84,7 +88,7 @@ def one_point(coupon):
     def forces(x, v):
         a, b = np.einsum("cf,qcd->fqd", signs, x[quads])
         stretch = np.linalg.norm([a, b], axis=2)
-        slopes = np.array(table_slopes(table, *stretch)) / stretch
+        slopes = cells * np.array(table_slopes(table, *stretch)) / stretch
         pull_a, pull_b = slopes[0][:, None] * a, slopes[1][:, None] * b
         if volume:
             across = a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]

@@ -11,8 +11,8 @@ from validation.crossover_study.cases import EQUAL, TRIBUTARY, Case
 
 ROOT = (4, 3, 1)  # elements along, across and through a quarter yarn that the meshes are multiples of
 BASE = Case(size=(8, 6, 2))  # coarse
-REFINEMENTS = {"full": (1, 2, 3, 4, 6), "quick": (1, 2, 3)}
-TOGETHER = {"full": ((3, 3), (4, 3)), "quick": ((3, 3),)}  # multiple of ROOT, factor on the penalty
+REFINEMENTS = {"quick": (1, 2, 3), "full": (1, 2, 3, 4), "fine": (1, 2, 3, 4, 6)}
+TOGETHER = ((3, 3),)  # multiples of ROOT, factors on the penalty
 METHOD, MODEL = "method", "model"
 
 
@@ -41,7 +41,7 @@ def axes(level="full"):
     base = BASE
     return [
         _meshes(base, REFINEMENTS[level]),
-        _together(base, TOGETHER[level]),
+        _together(base),
         _direction("elements along", 0, base),
         _direction("elements across", 1, base),
         _direction("elements through", 2, base),
@@ -77,9 +77,9 @@ def _meshes(base, refinements):
     return Axis("mesh", METHOD, cases, x, f"element size, of {_label(ROOT)}")
 
 
-def _together(base, pairs):
+def _together(base):
     cases = {_label(base.size): base}
-    for n, factor in pairs:
+    for n, factor in TOGETHER:
         label = f"{_label(_times(n))}, penalty x {factor}"
         cases[label] = replace(base, size=_times(n), numerics=(_scaled("penalty", factor),))
     return Axis("mesh and penalty", METHOD, cases)

@@ -92,7 +92,7 @@ def run(out, *, level="full", only=None, resume=False, executor=None, processes=
     Parameters
     ----------
     out : folder; a file for each case goes to its cases/
-    level : "full" or "quick": how fine the finest mesh is
+    level : "quick", "full" or "fine": how fine the finest mesh is
     only : names of axes, or None for all
     resume : take the cases that are done from their files
     executor : any concurrent.futures.Executor; None: `processes` of its own

@@ -6,7 +6,7 @@ import csv
 from dataclasses import dataclass
 
 from fabrics.files import write_whole
-from validation.ledger.claims import TOPICS
+from validation.ledger.claims import KINDS, TOPICS
 from validation.ledger.judge import MISSED, REPRODUCED, VERDICTS, expected
 
 COLUMNS = ("id", "topic", "kind", "basis", "origin", "source", "quantity", "verdict", "ours against asked",
@@ -15,11 +15,11 @@ COLUMNS = ("id", "topic", "kind", "basis", "origin", "source", "quantity", "verd
 
 @dataclass(frozen=True)
 class Share:
-    """Verdicts of one topic, or of all.
+    """Verdicts of one topic or kind, or of all.
 
     Parameters
     ----------
-    topic : of TOPICS, or "" for all
+    topic : of TOPICS (or of KINDS), or "" for all
     counts : {verdict: number}
     """
 
@@ -41,15 +41,15 @@ class Share:
         return sum(self.counts.values())
 
 
-def shares(claims, records) -> list[Share]:
-    """Of all claims, then of each topic that has some."""
+def shares(claims, records, by="topic") -> list[Share]:
+    """Of all claims, then of each topic (or kind, `by`) that has some."""
     verdicts = {record.id: record.verdict for record in records}
     chosen = [claim for claim in claims if claim.id in verdicts]
     found = []
-    for topic in ("", *TOPICS):
-        own = [verdicts[claim.id] for claim in chosen if not topic or claim.topic == topic]
+    for name in ("", *(TOPICS if by == "topic" else KINDS)):
+        own = [verdicts[claim.id] for claim in chosen if not name or getattr(claim, by) == name]
         if own:
-            found.append(Share(topic, {verdict: own.count(verdict) for verdict in VERDICTS}))
+            found.append(Share(name, {verdict: own.count(verdict) for verdict in VERDICTS}))
     return found
 
 

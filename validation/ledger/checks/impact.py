@@ -370,12 +370,17 @@ def reaction_profile(run, fabric, window):
     profile = N[:, (t > window[0]) & (t < window[1])].mean(axis=1)
     early = N[:, (t > 0.4 * window[0]) & (t < 0.6 * window[0])].mean(axis=1)
     outer = profile[(offset > 50e-3) & (offset < 85e-3)].mean()
-    below = np.flatnonzero(profile < outer + 0.1 * (profile[0] - outer))
+    width = {}
+    for level in (0.1, 0.25, 0.5):
+        below = np.flatnonzero(profile < outer + level * (profile[0] - outer))
+        width[level] = 2 * float(offset[below[0]]) if below.size else np.nan
     return {
         "centre over plateau": profile[0] / outer,
-        "width of the high zone": 2 * float(offset[below[0]]) if below.size else np.nan,
+        "width of the high zone": width[0.1],
         "builds up": bool(profile[0] > early[0]),
-        "note": f"{profile[0]:.0f} N in the middle, {outer:.0f} N beyond 50 mm",
+        "note": f"{profile[0]:.0f} N in the middle, {outer:.0f} N beyond 50 mm; "
+        + ", ".join(f"{1e3 * w:.0f} mm wide at {100 * level:.0f} %" for level, w in width.items())
+        + " of the excess",
     }
 
 

@@ -1,0 +1,68 @@
+"""Coulomb friction of the contact: a block that is pushed along another, what is dissipated, and the crossover."""
+
+import numpy as np
+import pytest
+from blocks import Blocks, block
+
+from unitcell3d import cases
+from unitcell3d.model import Numerics
+
+E, SIDE = 1e9, 1e-3
+MU, DESCENT = 0.3, 2e-7
+
+
+class Pushed(Blocks):
+    """The upper block is pressed down by its top, which is then driven along x; the lower one stands."""
+
+    def __init__(self, cells, numerics):
+        upper, lower = (np.linspace(0, SIDE, n + 1) for n in cells)
+        # the upper block ends before the lower one, which it may slide over
+        depth = np.linspace(0, SIDE / 2, 3)
+        super().__init__(
+            block(0, 0.1 * SIDE + 0.6 * upper, 0.2 * SIDE + 0.6 * upper, depth, lambda x, y: 0 * x),
+            block(1, lower, lower, depth, lambda x, y: 0 * x),
+            E, 0.0, quarter=False, slide=False, numerics=numerics,
+        )  # fmt: skip
+
+    def drive(self, u, descent, along, steps):
+        """Forces (steps, 3) [N] of the upper block on the lower, when the top is driven on to `along` [m]."""
+        found, start = [], u[self.top, 0].mean()
+        for share in np.linspace(0, 1, steps + 1)[1:]:
+            u[self.top] = [start + share * (along - start), 0, -descent]
+            self._settle(u, self.free)
+            self.surfaces.accept(self.points + u, self.numerics)
+            found.append(self.contact[self.grids[1].ravel()].sum(axis=0))
+        return -np.array(found)
+
+
+def pushed(slip):
+    pair = Pushed((2, 3), Numerics(penalty=1e15, toe=1e-12, friction=MU, slip=slip))
+    u = np.zeros_like(pair.points)
+    pair.drive(u, DESCENT, 0.0, 1)
+    return pair, u
+
+
+def ratios(pair, u, along, steps):
+    force = pair.drive(u, DESCENT, along, steps)
+    return -force[:, 0] / force[:, 2]
+
+
+def test_a_block_sticks_below_the_friction_force_and_slides_at_it():
+    """Driven a little it comes back, but for its edges; driven far it slides at the coefficient times the load."""
+    pair, u = pushed(2e-7)
+    (start,) = ratios(pair, u, 0.0, 1)  # blocks that bulge over each other's edges rub at once
+    out, back = ratios(pair, u, 1e-8, 2), ratios(pair, u, 0.0, 2)
+    assert out[1] - start == pytest.approx(2 * (out[0] - start), rel=0.02)
+    assert abs(back[-1] - start) < 0.2 * (out[-1] - start)
+    slide = ratios(pair, u, 1.2e-6, 8)
+    assert np.all(np.diff(slide) > 0)
+    assert slide[-2:] == pytest.approx(MU, rel=2e-3)
+    assert ratios(pair, u, 1.1e-6, 1) < 0.9 * MU  # what has slid does not come back with it
+
+
+def test_the_regularisation_slip_only_delays_the_sliding():
+    found = [ratios(*pushed(slip), 1.2e-6, 8) for slip in (2e-7, 1e-7, 5e-8)]
+    for force in found:
+        assert force[-1] == pytest.approx(MU, rel=2e-3)
+    coarse, fine = (np.abs(a - b).max() for a, b in zip(found, found[1:]))
+    assert fine < coarse
