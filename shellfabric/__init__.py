@@ -4,4 +4,11 @@ from fabrics.kernel_cache import kernel_cache
 
 # kernels call each other across files: one cache, emptied when any of them changes
 with kernel_cache(__file__, "lanes.py", "team.py"):
-    from shellfabric import bar_kernels, cable_kernels, march_kernels, patch_kernels, relax_kernels  # noqa: F401
+    from shellfabric import (  # noqa: F401
+        bar_kernels,
+        block_contact_kernels,
+        cable_kernels,
+        march_kernels,
+        patch_kernels,
+        relax_kernels,
+    )

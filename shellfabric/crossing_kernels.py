@@ -158,7 +158,7 @@ def one_pass(
     low, high : bricks along the master between which feet may lie
     shape : (5,) bricks: along a cell; along the slave, along the master; across, through
     side : +1 where S_,1 x S_,2 points to the slave, else -1
-    spring : (2,) penalty [Pa/m] and toe [m]
+    spring : (3,) penalty [Pa/m], toe and greatest depth [m]
     area, damping : (s,) [m2], [N s/m] of the slave nodes
     xi : (s, 2) feet at the last step; overwritten
     rest : (s,) steps for which a node need not be looked at; overwritten
@@ -196,6 +196,8 @@ def one_pass(
             slip0, slip1, width = slip(away, S)
             xi[s, 0] = min(max(xi[s, 0] + slip0, low), high)
             xi[s, 1] = min(max(xi[s, 1] + slip1, -1.5), ny + 1.5)
+            if gap < -spring[2]:  # it came in from beside the face: to push it out now would make energy
+                share = 0.0
             if gap >= 0.0 or share == 0.0:
                 rest[s] = min(int(max(gap, beyond * width) / reach), CLEAR_STEPS) if reach > 0.0 else 0
                 continue
@@ -229,7 +231,7 @@ def crossing(
     upper, lower = (0, nz) if over[c] else (nz, 0)  # the face of the warp that meets the weft, and of the weft
     side = -1.0 if over[c] else 1.0
     warp, weft = (firsts[c, 0], upper, bricks[c, 0]), (firsts[c, 1], lower, bricks[c, 1])
-    half = (0.5 * spring[0], spring[1])
+    half = (0.5 * spring[0], spring[1], spring[2])
     out[c, 0] = 0.0
     for way in range(2):
         slave, master = (warp, weft) if way == 0 else (weft, warp)
@@ -257,7 +259,7 @@ def crossings(
     over : (C,) bool, where the warp lies over the weft
     bounds : (C, 2, 2) bricks along warp and weft between which feet may lie
     shape : (5,) int, bricks along a cell, along a warp, along a weft, across, through
-    spring : (2,) penalty [Pa/m] of both passes together, toe [m]
+    spring : (3,) penalty [Pa/m] of both passes together, toe [m], depth [m] beyond which a node is no partner
     area, damping : (C, 2, s) [m2], [N s/m] of the nodes of warp and weft in the cell
     xi, rest : (C, 2, s, 2), (C, 2, s) overwritten
     dt, reach : [s], [m] as for `one_pass`

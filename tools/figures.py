@@ -1,35 +1,62 @@
 """Make the figures of README and docs from the code: python tools/figures.py [results/demo]  (make figures).
 
 Takes the pictures of a demonstration that has been run into the given folder, and computes the others. Everything goes
-to docs/figures/.
+to docs/figures/. Those of the study of convergence, which takes long, come from `python -m validation.convergence`.
 """
 
 import sys
+from contextlib import suppress
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 from PIL import Image
 
 from fabrics import catalogue
+from fabrics.errors import UnstableError
 from fabrics.files import replace_whole, write_whole
 from meshing import patch, pictures_patch
 from validation.buet_gautier.curves import curves
 from validation.buet_gautier.pictures import picture as biaxial_picture
+from weavecell import biaxial, coupon
 
 FIGURES = Path(__file__).parents[1] / "docs" / "figures"
+COUPONS = Path(__file__).parents[1] / "examples" / "coupons"
+FROM_COUPONS = {
+    "S-728-bias": ("coupon.png", "angles.svg"), "S-728-no-trellis": ("coupon.png",), "S-720-frame": ("stress.svg",),
+    "S-720-warp": ("load.svg", "strains.svg"), "glass-biaxial": ("load.svg",),
+}  # fmt: skip
 FROM_DEMO = ("mesh.png", "fit.svg", "cell.svg", "velocity.svg", "panel.png", "energies-1.svg", "energies-3.svg")
 
 
 def main(demo):
     for name in FROM_DEMO:
-        with write_whole(FIGURES / name, "wb") as file:
-            file.write((demo / "pictures" / name).read_bytes())
+        keep(demo / "pictures" / name, name)
     fabric = catalogue.load("S-720")
     pictures_patch.picture(patch.build(fabric, (4, 4), size=(8, 6, 2)), FIGURES / "weave.png")
     for name in ("glass-balanced", "glass-unbalanced"):
         weave = catalogue.load(name)
         biaxial_picture(weave, curves(weave), FIGURES / f"biaxial-{name}.png")
+    coupons()
     for path in FIGURES.glob("*.png"):
         shrink(path)
+
+
+def coupons():
+    """Run the examples of coupons, one of them an instability, and keep some of their pictures."""
+    with TemporaryDirectory() as folder:
+        for name, pictures in FROM_COUPONS.items():
+            with suppress(UnstableError):
+                coupon.coupon(COUPONS / f"{name}.toml", Path(folder) / name)
+            for picture in pictures:
+                keep(Path(folder) / name / "pictures" / picture, f"coupon-{name}-{picture}")
+        biaxial.biaxial_command("S-731", Path(folder) / "biaxial", ratios=("1:1", "1:0", "0:1"))
+        keep(Path(folder) / "biaxial" / "pictures" / "cell.svg", "biaxial-S-731.svg")
+
+
+def keep(source, name):
+    """Copy a picture to the figures."""
+    with write_whole(FIGURES / name, "wb") as file:
+        file.write(source.read_bytes())
 
 
 def shrink(path, width=1000):

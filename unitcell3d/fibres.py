@@ -16,6 +16,7 @@ import numpy as np
 from unitcell3d import bars_kernels
 
 FADE = 0.01
+LARGEST_RISE = 0.25  # of the damage between two equilibria: what a fibre held is handed on in parts
 
 
 class Fibres:
@@ -79,11 +80,10 @@ class Fibres:
         if not self._fails:
             return False
         beyond = np.clip((self.strains(x) / self._limit - 1) / FADE, 0, None)
-        risen = np.minimum(beyond, 1) > self.damage + 1e-9
+        risen = np.minimum(beyond, 1) > self.damage + 1e-6
         if risen.any():
             risen &= beyond >= 0.5 * beyond[risen].max()
-        beyond = np.minimum(beyond, 1)
-        self.damage[risen] = beyond[risen]
+        self.damage[risen] = np.minimum(np.minimum(beyond, 1), self.damage + LARGEST_RISE)[risen]
         return bool(risen.any())
 
     def forces(self, x, numerics, forces):

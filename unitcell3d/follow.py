@@ -19,7 +19,8 @@ from unitcell3d.newton import Newton
 from unitcell3d.stepping import at_rest, visit
 
 CLOSE = 5e-4  # to the 1 of a watched quantity
-MOST_TRIALS = 12  # of a secant, and rounds of failing at one load times ten
+MOST_TRIALS = 12  # of a secant
+MOST_ROUNDS = 400  # of failing at one load
 
 
 @dataclass(frozen=True)
@@ -141,7 +142,7 @@ class _Walk:
     def _fail(self, state, load):
         """Damage the fibres that the state overstrains until equilibrium overstrains no more."""
         broken = False
-        for _ in range(10 * MOST_TRIALS):
+        for _ in range(MOST_ROUNDS):
             if not self.model.fibres.fail(self.model.positions(state.q, load)):
                 return broken, state
             broken = True

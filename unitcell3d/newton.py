@@ -6,7 +6,8 @@ Slack fibres leave soft modes (below 1 N/m against 1e5 N/m of the contact): the 
 plain Newton step then throws nodes by a tenth of a millimetre, and a line search that insists on a falling residual
 stalls, because the residual is that of the stiff contact. The shift mu (backward Euler in a pseudo-time, Kelley and
 Keyes 1998) holds the soft modes while the stiff ones settle and dies out with the residual, so the last iterations are
-quadratic; no node moves by more than `LARGEST_STEP` in one iteration.
+quadratic; no node moves by more than `LARGEST_STEP` in one iteration, and where a step is cut to that the shift grows
+by as much. Where a guess is far from equilibrium the contact is soft at first (`Newton.approach`).
 
 A factorisation costs as much as thirty of its back substitutions. Once the residual is below `NEAR` of the forces, the
 last factorisation, of an earlier load even, is used on and corrected by the steps taken since (Broyden's update in the
@@ -21,7 +22,7 @@ plates), each taken on the meshed part: without tension the plate force is the m
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
@@ -117,15 +118,17 @@ class Newton:
         ------
         UnstableError : as `solve`
         """
-        full, state = self.model.numerics, self._evaluate(q, load)
+        full, state, spent = self.model.numerics, self._evaluate(q, load), 0
         if state.norm > FAR * state.scale:
             try:
                 for factor in SOFTER:
                     self.model.numerics = full.softened(factor)
-                    q = self.solve(q, load, ROUGH).q
+                    found = self.solve(q, load, ROUGH)
+                    q, spent = found.q, spent + found.iterations
             finally:
                 self.model.numerics = full
-        return self.solve(q, load)
+        found = self.solve(q, load)
+        return replace(found, iterations=found.iterations + spent)
 
     def best(self, guesses, load):
         """The guess : (size,) that leaves the least residual at `load`."""

@@ -1,9 +1,10 @@
 """Adaptive load stepping of a crossover model along a straight load path, with hooks.
 
-The first step is 2 % of the path, the largest 10 %; a step that needs few iterations lets the next one grow, a failed
-one is halved. Each step starts from the secant through the last two states. Where even the least step fails, the
-contact is softened, the state carried over, and the contact brought back in stages at the same load; only a state of
-the full contact stiffness enters the history. A hook is called as hook(share of the path, row) after each step.
+Steps are 10 % of the path; a step that needs few iterations lets the next one grow, a failed one is halved. Each step
+starts from the guess that leaves the least residual: the last state, its linear continuation, or the secant. Where even
+the least step fails, the contact is softened, the state carried over, and the contact brought back in stages at the
+same load; only a state of the full contact stiffness enters the history. A hook is called as hook(share of the path,
+row) after each step.
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ import numpy as np
 
 from fabrics.errors import UnstableError
 from unitcell3d.history import History
-from unitcell3d.newton import Newton
+from unitcell3d.newton import ROUGH, Newton
 
 
 @dataclass(frozen=True)
@@ -163,13 +164,15 @@ def _advance(model, solver, states, start, end, share, last_resort):
 def at_rest(model, solver, load):
     """Equilibrium of the undeformed crossover, whose sections may overlap by what the mesh leaves of their curves.
 
+    It is taken roughly, to 0.1 mN: a state to start from, with nothing in it but slack yarns.
+
     Raises
     ------
     UnstableError : none is found
     """
     start = np.zeros(model.size)
     try:
-        return solver.solve(start, load)
+        return solver.solve(start, load, ROUGH)
     except UnstableError:
         pass
     try:

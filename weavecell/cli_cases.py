@@ -88,7 +88,7 @@ def crossover(
     ] = "0 mm",
     gamma: Annotated[str, typer.Option(help="shear: angle at the end.", metavar="ANGLE")] = "0.6 rad",
     path: Annotated[
-        Path | None, typer.Option(help='path: CSV file of corners, headed "d1 [um], d2 [um]".', metavar="FILE.csv")
+        Path | None, typer.Option(help='path: CSV file of corners, headed "d1 \\[um], d2 \\[um]".', metavar="FILE.csv")
     ] = None,
     out: Annotated[
         Path | None,

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from fabrics.plate_curve import PlateCurve
 from weavecell.style import FAINT, GREEN, INK, ORANGE, WARP, WEFT
 
 UM, MPA = 1e6, 1e-6
@@ -44,16 +45,21 @@ def stack(pyplot, fabric, record, found):
         UM * record["closure_ply"][pressed], MPA * record["pressure"][pressed], "o-", color=WARP, ms=4, label="3D yarns"
     )
     if fabric.areal_density_measured is not None and plies in (1, 4, 8, 16):
-        pressure, law, closure = law_closure(fabric, record)
+        pressure, _, closure = law_closure(fabric, record)
         if pressure.size:
-            shift = record["closure"][np.searchsorted(record["pressure"], pressure[0])] - closure[0]
+            law = PlateCurve.pressure_law(fabric.areal_density_measured, int(plies))
+            start = record["closure"][np.searchsorted(record["pressure"], pressure[0])] - closure[0]
             axes.semilogy(
-                UM * (law + shift) / plies, MPA * pressure, color=ORANGE, ls="--", label="pressure law (eqs. 2-5, 2-6)"
+                UM * (law.closure + start) / plies,
+                MPA * law.pressure,
+                color=ORANGE,
+                ls="--",
+                label="pressure law (eqs. 2-5, 2-6)",
             )
     axes.set_ylim(bottom=1e-3)
     axes.set_xlabel("closure of the plates per ply [µm]")
     axes.set_ylabel("mean pressure [MPa]")
-    plural = "one ply" if plies == 1 else f"{plies} plies, {record.facts['stacking']}"
+    plural = "one ply" if plies == 1 else f"{plies} plies ({record.facts['stacking']})"
     axes.set_title(f"{fabric.name}, {plural} between plates")
     axes.legend()
     return figure
@@ -84,7 +90,7 @@ def shear(pyplot, fabric, record, found):
     from unitcell3d import shear_fit
 
     figure, (upper, lower) = pyplot.subplots(2, 1, figsize=(7.6, 7.0), sharex=True, height_ratios=(1.5, 1))
-    turned = np.flatnonzero((record["gamma"] > 0) | (np.arange(len(record["gamma"])) == 0))
+    turned = np.arange(np.flatnonzero(record["gamma"] == 0)[-1], len(record["gamma"]))
     gamma, tau = record["gamma"][turned], record["tau"][turned]
     upper.plot(gamma, MPA * tau, "o", color=WARP, ms=4.5, mfc="white", label="3D yarns")
     fine = np.linspace(0, gamma[-1], 300)
@@ -107,6 +113,7 @@ def shear(pyplot, fabric, record, found):
         lower.plot(gamma, record["F_side"][turned, family], color=colour, ls="--", label=f"between parallel {name}")
     lower.set_xlabel("shear angle γ [rad]")
     lower.set_ylabel("contact force [N]")
+    lower.set_ylim(0, 1.45 * record["F_c"].max())
     lower.legend(loc="upper left")
     return figure
 

@@ -37,7 +37,7 @@ def cloth(pyplot, record):
     lines, tension = np.concatenate([x[record.warp], x[record.weft]]), np.concatenate(record.tension)
     order = np.argsort(tension)  # the tightest on top
     lines, tension = lines[order], tension[order]
-    top = max(float(np.quantile(tension, 0.995)), 1e-3)
+    top = max(float(np.quantile(tension, 0.995)), record.floor)
     pulled = LineCollection(lines, array=tension, cmap=tension_map(), clim=(0, top), linewidth=1.0, rasterized=True)
     right.add_collection(pulled)
     for axes, title, drawn, label in (

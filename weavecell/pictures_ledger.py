@@ -7,7 +7,7 @@ import numpy as np
 from fabrics import catalogue
 from validation.ledger.cache import Run
 from validation.ledger.checks import cell as cell_checks
-from validation.ledger.checks import compression, impact, sensitivity, series, waves
+from validation.ledger.checks import coupling, impact, sensitivity, series, solids, waves
 from validation.ledger.checks.geometry import KEVLAR
 from weavecell.style import BLUE, COLOURS, FAINT, GREEN, INK, ORANGE, RED, WARP, WEFT
 
@@ -75,7 +75,7 @@ def crossover(pyplot, runs):
     from shellfabric.cell import CellModel
 
     path, given = runs["warp"], catalogue.load("S-726")
-    law = compression.fitted(runs["warp"], runs["weft"], runs["equibiaxial"])
+    law = solids.fitted(runs["warp"], runs["weft"], runs["equibiaxial"])
     figure, axes = pyplot.subplots(figsize=(6.4, 4.2))
     for laws, dash, name in (((law, law), "--", "cell, law fitted to the crossover"), (None, ":", "cell, printed law")):
         found = CellModel(given, laws).solve(1 + path["d1"] / given.weave.w1, 1.0)
@@ -110,7 +110,7 @@ def fits(pyplot, runs):
     """a and b fitted to our crossovers over the printed ones."""
     figure, axes = pyplot.subplots(figsize=(6.4, 4.2))
     for k, name in enumerate(KEVLAR):
-        law = compression.fitted(*(runs[f"{name} {path}"] for path in ("warp", "weft", "equibiaxial")))
+        law = solids.fitted(*(runs[f"{name} {path}"] for path in ("warp", "weft", "equibiaxial")))
         given = catalogue.load(name).laws[0]
         for shift, value, colour, label in ((-0.18, law.a / given.a, BLUE, "a"), (0.18, law.b / given.b, ORANGE, "b")):
             axes.bar(k + shift, value, width=0.34, color=colour, label=label if k == 0 else None)
@@ -167,7 +167,7 @@ def cones(pyplot, runs):
         row, (("soft", "trellis that never locks"), ("hard", "trellis locked from the start"))
     ):
         run = runs[name]
-        taken = next((s for s in run["snapshots"] if impact._base(s)[1] > 50e-3), run["snapshots"][-1])
+        taken = next((s for s in run["snapshots"] if coupling.base_ratio(s)[1] > 50e-3), run["snapshots"][-1])
         x, y, z = 1e3 * taken["x"], 1e3 * taken["y"], 1e3 * taken["z"].T
         full = np.block([[z[:0:-1, :0:-1], z[:0:-1]], [z[:, :0:-1], z]])
         X, Y = np.concatenate([-x[:0:-1], x]), np.concatenate([-y[:0:-1], y])
@@ -224,17 +224,17 @@ _PULLED = {"fabric": "S-728", "lengths": [0.001, 0.002, 0.003], "start": 1e-9, "
 # topic: (drawing, its runs, caption, wide)
 PICTURES = {
     "compr": (
-        (fits, lambda: {f"{n} {k}": run for n in KEVLAR for k, run in compression.paths(n).items()},
+        (fits, lambda: {f"{n} {k}": run for n in KEVLAR for k, run in solids.paths(n).items()},
          "Compression law fitted to our 3D crossovers, over the one that the source fitted to its own.", False),
         (platens, lambda: {"pressed": Run.of("plates", fabric="S-720")},
          "One ply of S-720 between plates.", False),
     ),
     "cell": (
         (cell_bounds, dict, "The cell of S-728 between its bounds: warp stretched, weft held.", True),
-        (crossover, lambda: compression.paths("S-726"),
+        (crossover, lambda: solids.paths("S-726"),
          "S-726, weft held: tensions of the 3D crossover and of the cell.", False),
     ),
-    "shear": ((cones, lambda: impact._sheared(**_SHEARED),
+    "shear": ((cones, lambda: coupling.sheared(**_SHEARED),
                "S-728 struck at 100 m/s; in red the base of the cone, at 5 % of the height.", True),),
     "bias": ((angles, lambda: {name: Run.of("bias", cloth=name) for name in ("locking", "straight")},
               "Angles between warp and weft in the three zones of the bias coupon.", True),),
@@ -248,6 +248,6 @@ PICTURES = {
     ),
     "sens": ((sensitivities, lambda: sensitivity.all_three("S-728"),
               "S-728 struck at 100 m/s, with 20 % less and more of one parameter.", True),),
-    "slip": ((pulled_in, lambda: sensitivity._pulled(**_PULLED),
+    "slip": ((pulled_in, lambda: sensitivity.pulled(**_PULLED),
               "S-728 struck at 100 m/s, the weft edges drawn in over the first 200 µs.", False),),
 }  # fmt: skip

@@ -177,7 +177,7 @@ def test_the_step_of_the_bar_is_stable_and_bounded():
 
 
 def test_when_rigid_is_enough():
-    """A half sine's contact time is 2 T / pi; at the verdict's edge it splits by less than 5 %, at a third by over 30."""
+    """A half sine's contact time is 2 T / pi; at the verdict's edge it splits by less than 5 %, at a third by more."""
     t = np.linspace(0, 1e-4, 1001)
     assert contact_time(t, np.sin(np.pi * t / 1e-4)) == pytest.approx(2e-4 / np.pi, rel=1e-4)
     bar = Bar.cylinder()

@@ -460,13 +460,16 @@ def test_a_run_goes_on_from_its_checkpoint_bit_for_bit(mesh, tmp_path):
 
 
 def test_an_overstretched_patch_tears():
-    """Fast enough to break yarns: bars fail, bricks tear, and the balance holds."""
+    """Fast enough to break yarns: bars fail, bricks tear, and the balance holds.
+
+    Nodes of torn yarns get under a neighbour's face from the side; pushed out, they make a third of all the energy.
+    """
     mesh = patch.build(FABRIC, (6, 6), size=SIZE)
-    march = SolidMarch(SolidPatch(mesh, FABRIC, Projectile(radius=1.2e-3)), 150.0, 8e-6, threads=1).run()
+    march = SolidMarch(SolidPatch(mesh, FABRIC, Projectile(radius=1.2e-3)), 150.0, 9.6e-6, threads=1).run()
     assert march.sample("failed_bars")[-1] > 0
     assert march.state.torn.any()
     taken = march.strike_energy - march.sample("kinetic_projectile")[-1]
-    assert np.abs(march.sample("balance")).max() < 0.05 * taken
+    assert np.abs(march.sample("balance")).max() < 0.02 * taken
     assert march.sample("warp_peak").max() < 0.031 * 96e9 * FABRIC.weave.yarns[0].A_s
 
 

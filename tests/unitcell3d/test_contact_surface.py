@@ -272,9 +272,7 @@ def test_plate_rubs(side):
 
     def run(x, anchors):
         forces, values = np.zeros((3, 3)), np.zeros((3, 3, 3))
-        plate_pass(
-            x, nodes, areas, side * 0.099, side, PENALTY, TOE, FRICTION, SLIP, anchors, forces, nodes, values
-        )
+        plate_pass(x, nodes, areas, side * 0.099, side, PENALTY, TOE, FRICTION, SLIP, anchors, forces, nodes, values)
         return forces, values
 
     anchors = np.zeros((3, 2))

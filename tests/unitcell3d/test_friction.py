@@ -1,11 +1,16 @@
 """Coulomb friction of the contact: a block that is pushed along another, what is dissipated, and the crossover."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 from blocks import Blocks, block
 
+from fabrics.errors import InputError
 from unitcell3d import cases
-from unitcell3d.model import Numerics
+from unitcell3d.model import CrossoverModel, Load, Numerics
+from unitcell3d.newton import Newton
+from unitcell3d.stepping import at_rest, march, visit
 
 E, SIDE = 1e9, 1e-3
 MU, DESCENT = 0.3, 2e-7
@@ -64,5 +69,62 @@ def test_the_regularisation_slip_only_delays_the_sliding():
     found = [ratios(*pushed(slip), 1.2e-6, 8) for slip in (2e-7, 1e-7, 5e-8)]
     for force in found:
         assert force[-1] == pytest.approx(MU, rel=2e-3)
-    coarse, fine = (np.abs(a - b).max() for a, b in zip(found, found[1:]))
+    coarse, fine = (np.abs(a - b).max() for a, b in pairwise(found))
     assert fine < coarse
+
+
+def ends(mesh, fabric, route, friction):
+    """T1, T2, F_c [N] after the corners `route` : (c, 2) [m], in steps of 2 um."""
+    model = CrossoverModel(mesh, fabric, Numerics(friction=friction))
+    solver = Newton(model)
+    q, at = at_rest(model, solver, Load()).q, Load()
+    for corner in route:
+        goal = Load(tuple(corner))
+        steps = round(np.abs(np.subtract(goal.d, at.d)).max() / 2e-6)
+        for share, found in visit(model, solver, q, at, goal, np.linspace(0, 1, steps + 1)[1:]):
+            model.accept(found.q, at.towards(goal, share))
+        q, at = found.q, goal
+    solver.close()
+    return np.array([*model.tensions(found.forces), 4 * found.contact])
+
+
+def test_the_answer_depends_on_the_route_with_friction_alone(tiny, s720):
+    """Warp first or weft first: apart with friction, less apart with less, and not without."""
+    routes = [[(16e-6, 0.0), (16e-6, 16e-6)], [(0.0, 16e-6), (16e-6, 16e-6)]]
+    apart = []
+    for friction in (0.0, 0.05, 0.2):
+        one, other = (ends(tiny, s720, route, friction) for route in routes)
+        apart.append(np.abs(one - other).max() / one.max())
+    assert apart[0] < 1e-5
+    assert apart[0] < 0.2 * apart[1]
+    assert apart[1] < 0.7 * apart[2]
+    assert apart[2] > 1e-3
+
+
+def test_contact_with_friction_is_in_equilibrium(tiny, s720):
+    """Every unknown's residual is nil and the contact still carries what the ends pull down."""
+    model = CrossoverModel(tiny, s720, Numerics(friction=0.3))
+    history = march(model, Load(), Load((12e-6, 4e-6)))
+    assert history.failed == ""
+    forces, contact, _ = model.forces(model_unknowns(model, history), Load((12e-6, 4e-6)))
+    for yarn, sign in ((0, -1), (1, 1)):
+        assert forces[model.constraints.ends[yarn], 2].sum() == pytest.approx(sign * contact, rel=1e-5)
+
+
+def model_unknowns(model, history):
+    """Unknowns of the last state of a history."""
+    fixed = model.constraints
+    moved = history.u.ravel() - fixed.drive @ np.array([history.d1[-1], history.d2[-1]])
+    q, free = np.zeros(model.size), fixed.unknown >= 0
+    q[fixed.unknown[free]] = fixed.sign[free] * moved[free]
+    return q
+
+
+def test_friction_takes_more_force_at_the_same_stretch(tiny, s720):
+    found = [cases.biaxial(tiny, s720, (1, 0), reach=16e-6, numerics=Numerics(friction=mu)) for mu in (0.0, 0.3)]
+    assert found[1].F_c[-1] > 1.01 * found[0].F_c[-1]
+
+
+def test_bad_friction_is_one_line():
+    with pytest.raises(InputError, match="friction"):
+        Numerics(friction=-0.1)

@@ -13,7 +13,7 @@ from weavecell import case, coupon, coupon_scene
 
 ROOT = Path(__file__).parents[2]
 EXAMPLES = sorted((ROOT / "examples" / "coupons").glob("*.toml"))
-LONG = {"S-728-bias"}
+LONG, UNSTABLE = {"S-728-bias"}, {"S-728-no-trellis"}
 FRAME = """
 [fabric]
 name = "S-720"
@@ -187,10 +187,9 @@ def test_examples_are_good_scenes(path):
 )
 def test_examples_run(command, tmp_path, path):
     code, _, err = command("coupon", path, "--out", "r")
-    assert code == 0, err
     told = json.loads((tmp_path / "r" / "summary.json").read_text())
-    assert told["worst_residual"] <= 1e-4
-    assert told["outcome"] in ("complete", "yarn at its strength")
+    assert (code == 3) == (told["outcome"] == "unstable") == (path.stem in UNSTABLE), err
+    assert code or told["worst_residual"] <= 1e-4
 
 
 def test_a_cross_carries_what_its_cell_does(command, scene, tmp_path):

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import matplotlib
 
 matplotlib.use("Agg")
@@ -10,7 +12,7 @@ import numpy as np
 import pyvista
 
 from fabrics.files import replace_whole
-from validation.solid_patch.study import node_strains, profile
+from validation.solid_patch.study import clock, node_strains, profile
 
 WARP, WEFT, SHELL = "#D55E00", "#0072B2", "#555555"
 PARTS = (
@@ -20,28 +22,35 @@ PARTS = (
 
 
 def histories(march, beside, path):
-    """Velocity, tension under the nose, energies, and the profile at the end; dashed lines are the shell's."""
+    """Velocity, tension under the nose, energies, and the profile at the end; dashed lines are the shell's.
+
+    Time counts from where the nose reaches the middle plane.
+    """
     figure, ((speed, pull), (energy, shape)) = plt.subplots(2, 2, figsize=(11, 7.6))
-    t = 1e6 * march.sample("t")
+    t = 1e6 * (march.sample("t") - clock(march))
     speed.plot(t, march.sample("v"), color=WARP, label="solid patch")
     speed.plot(1e6 * beside.t, beside.v, "--", color=SHELL, label="shell")
-    speed.set(title="Projectile", xlabel="time [us]", ylabel="velocity [m/s]")
+    speed.set(title="Projectile", xlabel="time from the middle plane on [us]", ylabel="velocity [m/s]")
     for name, colour, k in (("warp", WARP, 0), ("weft", WEFT, 1)):
         pull.plot(t, march.sample(f"{name}_nose"), color=colour, label=f"{name}, solid patch")
         pull.plot(1e6 * beside.t, beside.nose[:, k], "--", color=colour, label=f"{name}, shell")
-    pull.set(title="Mean tension of the two middle yarns under the nose", xlabel="time [us]", ylabel="tension [N]")
+    pull.set(
+        title="Mean tension of the two middle yarns under the nose",
+        xlabel="time from the middle plane on [us]",
+        ylabel="tension [N]",
+    )
     for name, label, colour in PARTS:
         energy.plot(t, 1e3 * march.sample(name), color=colour, label=label)
     energy.plot(t, 1e3 * march.sample("balance"), ":", color="black", label="balance")
-    energy.set(title="Energies of the solid patch", xlabel="time [us]", ylabel="energy [mJ]")
+    energy.set(title="Energies of the solid patch", xlabel="time from the middle plane on [us]", ylabel="energy [mJ]")
     own = 1e3 * profile(march)
     shape.plot(own[:, 0], own[:, 1], color=WARP, label="solid patch, between the middle warps")
     half = 1e3 * beside.profile
     shape.plot(np.concatenate([-half[::-1, 0], half[:, 0]]), np.concatenate([half[::-1, 1], half[:, 1]]), "--",
                color=SHELL, label="shell, through the impact point")  # fmt: skip
-    shape.set(title=f"Profile along the warp after {t[-1]:.0f} us", xlabel="place [mm]", ylabel="height [mm]")
+    shape.set(title="Profile along the warp at the end", xlabel="place [mm]", ylabel="height [mm]")
     for axes in (speed, pull, energy, shape):
-        axes.legend(frameon=False, fontsize=9)
+        axes.legend(frameon=False, fontsize=9, loc="lower center" if axes is shape else "best")
         axes.grid(alpha=0.3)
         for side in ("top", "right"):
             axes.spines[side].set_visible(False)
@@ -58,20 +67,25 @@ def scene(march, path):
     skin = pyvista.PolyData(1e3 * march.state.x, faces=np.insert(quads, 0, 4, axis=1).ravel())
     skin.point_data["fibre strain [%]"] = 100 * node_strains(march)
     skin = skin.clean()
-    view = pyvista.Plotter(off_screen=True, window_size=(1600, 1000))
+    view = pyvista.Plotter(off_screen=True, window_size=(1600, 1000), lighting="none")
     view.set_background("white")
+    for place, strength in (((-3.0, 1.0, 3.0), 0.8), ((2.0, -4.0, 2.0), 0.6), ((0.0, 0.0, 5.0), 0.3)):
+        view.add_light(pyvista.Light(position=place, focal_point=(0, 0, 0), color="white", intensity=strength))
     view.add_mesh(
         skin, scalars="fibre strain [%]", cmap="viridis", clim=(0, max(0.1, float(skin["fibre strain [%]"].max()))),
-        smooth_shading=True, split_sharp_edges=True, feature_angle=40, ambient=0.15, specular=0.2,
+        smooth_shading=True, split_sharp_edges=True, feature_angle=40, ambient=0.3, diffuse=0.8, specular=0.15,
         scalar_bar_args={"title": "fibre strain [%]", "color": "black", "vertical": True, "position_x": 0.9,
                          "position_y": 0.2, "height": 0.6, "width": 0.05, "fmt": "%.2f"},
     )  # fmt: skip
-    body = march.patch.projectile.surface() + march.state.position
+    shot = march.patch.projectile
+    short = replace(shot, length=min(shot.length or np.inf, 3 * shot.radius)) if shot.shape != "sphere" else shot
+    body = short.surface() + march.state.position
     view.add_mesh(pyvista.StructuredGrid(*np.moveaxis(1e3 * body, -1, 0)), color="#9aa3ad", smooth_shading=True)
-    middle = 1e3 * march.state.x.mean(axis=0)
-    view.camera_position = [tuple(middle + np.array([-24, -34, 26.0])), tuple(middle), (0, 0, 1)]
-    view.camera.zoom(1.15)
-    view.enable_ssao(radius=0.6, kernel_size=64, blur=True)
+    middle = 1e3 * np.array([0.0, 0.0, 0.5 * march.state.x[:, 2].max()])
+    view.enable_parallel_projection()
+    view.camera_position = [tuple(middle + np.array([-40, -60, 48.0])), tuple(middle), (0, 0, 1)]
+    view.camera.parallel_scale = 0.36e3 * np.hypot(*march.patch.mesh.extent)
+    view.reset_camera_clipping_range()
     try:
         with replace_whole(path) as beside:
             view.screenshot(str(beside))

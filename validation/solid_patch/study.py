@@ -71,6 +71,11 @@ def shell(march):
     return Shell(found.t, found.v, found.z, tensions, profile)
 
 
+def clock(march):
+    """[s] of the march at which its nose reaches the middle plane of the cloth, where the shell's clock starts."""
+    return float(np.interp(0.0, march.sample("z"), march.sample("t")))
+
+
 def profile(march):
     """(k, 2) [m] place and height of the axis between the two middle warps, along it."""
     mesh, x = march.patch.mesh, march.state.x
@@ -98,6 +103,7 @@ def summary(march, beside=None, processor_seconds=None):
     last = dict(zip(SAMPLES, march.samples[-1]))
     taken = march.strike_energy - last["kinetic_projectile"]
     balance = np.abs(march.sample("balance")).max()
+    late = clock(march)
     lines = [
         ("bricks, bars", f"{march.patch.bricks}, {march.state.alive.size}"),
         ("steps", f"{march.steps} of {1e9 * march.sample('dt').min():.2f} to {1e9 * march.sample('dt').max():.2f} ns"),
@@ -114,9 +120,13 @@ def summary(march, beside=None, processor_seconds=None):
         each = 1e9 * processor_seconds / march.steps / march.patch.bricks
         lines.insert(3, ("processor time", f"{processor_seconds:.0f} s, {each:.0f} ns a brick and step"))
     if beside is not None:
+        # the nose meets the lowest yarns of the patch first, the shell with its middle plane
+        then = last["t"] - late
+        v, z, warp, weft = (np.interp(then, beside.t, c) for c in (beside.v, beside.z, *beside.nose.T))
         lines += [
-            ("shell: projectile", f"{beside.v[-1]:.3f} m/s, {1e3 * beside.z[-1]:.3f} mm"),
-            ("shell: under the nose", f"warp {beside.nose[-1, 0]:.1f}, weft {beside.nose[-1, 1]:.1f} N"),
+            ("nose at middle plane", f"after {1e6 * late:.2f} us: the shell's clock starts there"),
+            ("shell: projectile", f"{v:.3f} m/s, {1e3 * z:.3f} mm, at the same time from there"),
+            ("shell: under the nose", f"warp {warp:.1f}, weft {weft:.1f} N"),
         ]
     return lines
 

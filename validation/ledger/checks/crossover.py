@@ -8,7 +8,7 @@ from fabrics import catalogue
 from shellfabric.cell import CellModel
 from validation.ledger.cache import Run
 from validation.ledger.checks import check
-from validation.ledger.checks.compression import fitted, paths
+from validation.ledger.checks.solids import fitted, paths
 
 
 @check(lambda fabric: {"path": Run.of("stretched", fabric=fabric, ratio=(1.0, 0.0))})

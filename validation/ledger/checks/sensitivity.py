@@ -229,7 +229,7 @@ def damaged(virgin, woven, virgin_limit, woven_limit, fabric, modulus, strain):
     }
 
 
-def _pulled(fabric, lengths, start, end, velocity=100.0, **_):
+def pulled(fabric, lengths, start, end, velocity=100.0, **_):
     runs = {
         f"mm{1e3 * length:g}".replace(".", "_"): shot(
             fabric, velocity, pull={"length": length, "start": start, "end": end}
@@ -239,7 +239,7 @@ def _pulled(fabric, lengths, start, end, velocity=100.0, **_):
     return {"held": shot(fabric, velocity)} | runs
 
 
-@check(_pulled)
+@check(pulled)
 def slip(held, fabric, lengths, start, end, **runs):
     """Velocities with the weft edges held and drawn in by ever more."""
     own = [held, *(runs[f"mm{1e3 * length:g}".replace(".", "_")] for length in lengths)]

@@ -87,3 +87,9 @@ def strain(run, family):
     yarn = run["yarns"][family]
     beside = (yarn["X"] > 3e-3) & (yarn["X"] < 10e-3)
     return 0.03 * yarn["tension"][:, beside].mean(axis=1) / yarn["strength"]
+
+
+def over_displacement(run, values, some):
+    """Mean of a sample over the projectile's displacement."""
+    z, y = run["z"][some], values[some]
+    return float(np.sum(0.5 * (y[1:] + y[:-1]) * np.diff(z)) / (z[-1] - z[0]))

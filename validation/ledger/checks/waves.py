@@ -170,17 +170,11 @@ def speed_and_split(**runs):
         run = runs[name.replace("-", "")]
         C[name] = np.mean([front(run, family, "longitudinal") for family in ("warp", "weft")])
         share, some = series.ratio(run)
-        uneven[name] = abs(_over_displacement(run, share, some) - 1)
+        uneven[name] = abs(series.over_displacement(run, share, some) - 1)
     return {
         "rank correlation": spearmanr(list(C.values()), list(uneven.values()))[0],
         "note": "; ".join(f"{n} {C[n]:.0f} m/s, {uneven[n]:.2f}" for n in ranked(C)),
     }
-
-
-def _over_displacement(run, values, some):
-    """Mean of a sample over the projectile's displacement."""
-    z, y = run["z"][some], values[some]
-    return float(np.sum(0.5 * (y[1:] + y[:-1]) * np.diff(z)) / (z[-1] - z[0]))
 
 
 @check(lambda fabric: {"run": shot(fabric, snapshots=25e-6)})

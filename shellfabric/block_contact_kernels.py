@@ -1,0 +1,185 @@
+"""Contact of a block (`block_kernels`) with a rigid projectile, and with points given from outside, such as a ply's.
+
+Both are penalties with damping, never less than nothing together; what one side gets the other gives. Damping is kept
+apart: what it takes is its force times velocities in the middle of the step, which are not known yet.
+
+    shot      signed distance (`shapes_kernels`) of the block's nodes that still have a brick
+    points    each against the facet of the block's face below it, bilinear over its four nodes: the top of the first
+              brick of its column below all that are gone, found from the column it was over before
+"""
+
+import math
+
+import numpy as np
+from numba import njit
+
+from shellfabric import shapes_kernels
+from shellfabric.block_kernels import CONTACT, DRAG, PUSH
+
+LOOKS = 50  # columns that a point is followed across in one call
+
+
+@njit(cache=True, error_model="numpy")
+def bricks_left(i, j, k, nx, ny, nz, gone):
+    """Whether a brick is left at the node."""
+    for p in range(max(i - 1, 0), min(i + 1, nx)):
+        for q in range(max(j - 1, 0), min(j + 1, ny)):
+            for r in range(max(k - 1, 0), min(k + 1, nz)):
+                if not gone[(p * ny + q) * nz + r]:
+                    return True
+    return False
+
+
+@njit(cache=True, error_model="numpy")
+def shot(nx, ny, nz, x, v, gone, stiffness, damping, position, speed, form, numbers, outer, drags, sums):
+    """Forces of a rigid projectile on the nodes of the block.
+
+    Parameters
+    ----------
+    stiffness, damping : (n,) [N/m], [N s/m]
+    position, speed : (3,) of the nose [m], [m/s]
+    form, numbers : as for `shapes_kernels.distance`; (4,) number of the shape, radius, edge radius, length
+    outer, drags : (n, 3) [N] internal forces, elastic and damping; added to
+    sums : (7,) CONTACT [J]; PUSH .., DRAG .. the elastic and the damping force on the projectile [N]; overwritten
+    """
+    sums[:] = 0.0
+    widest = numbers[1] * numbers[1]
+    for i in range(nx + 1):
+        for j in range(ny + 1):
+            for k in range(nz + 1):
+                n = (i * (ny + 1) + j) * (nz + 1) + k
+                p0, p1, p2 = x[n, 0] - position[0], x[n, 1] - position[1], x[n, 2] - position[2]
+                # debris may fly ahead of what it came from: every node of the column is looked at
+                if p2 > 0.0 or p0 * p0 + p1 * p1 > widest or not bricks_left(i, j, k, nx, ny, nz, gone):
+                    continue
+                gap, n0, n1, n2 = shapes_kernels.distance(
+                    int(numbers[0]), p0, p1, p2, numbers[1], numbers[2], numbers[3], form
+                )
+                if gap >= 0.0:
+                    continue
+                opening = (v[n, 0] - speed[0]) * n0 + (v[n, 1] - speed[1]) * n1 + (v[n, 2] - speed[2]) * n2
+                push = -stiffness[n] * gap
+                drag = max(-damping[n] * opening, -push)
+                sums[CONTACT] += 0.5 * stiffness[n] * gap * gap
+                for c, part in enumerate((n0, n1, n2)):
+                    outer[n, c] -= push * part
+                    drags[n, c] -= drag * part
+                    sums[PUSH + c] -= push * part
+                    sums[DRAG + c] -= drag * part
+
+
+@njit(cache=True, error_model="numpy")
+def top_layer(p, q, ny, nz, gone):
+    """First brick of the column (p, q) below all that are gone; nz where there is none. Above it there is debris."""
+    for r in range(nz - 1, -1, -1):
+        if gone[(p * ny + q) * nz + r]:
+            return r + 1
+    return 0
+
+
+@njit(cache=True, error_model="numpy")
+def weights(a, b, w):
+    """Bilinear weights w : (4,) of the nodes of a facet at (a, b)."""
+    w[0], w[1] = 0.25 * (1 - a) * (1 - b), 0.25 * (1 + a) * (1 - b)
+    w[2], w[3] = 0.25 * (1 + a) * (1 + b), 0.25 * (1 - a) * (1 + b)
+
+
+@njit(cache=True, error_model="numpy")
+def locate(px, py, x, column, nx, ny, nz, gone, place, nodes):
+    """Facet under a point, from the column it was last over.
+
+    Parameters
+    ----------
+    column : (2,) int, overwritten;  place : (2,) filled with the coordinates in the facet, -1 .. 1
+    nodes : (4,) filled
+
+    Returns
+    -------
+    found : False beyond the block, or where a column has no brick left
+    """
+    w = np.empty(4)
+    for _ in range(LOOKS):
+        p, q = column[0], column[1]
+        r = top_layer(p, q, ny, nz, gone)
+        if r == nz:
+            return False
+        first = (p * (ny + 1) + q) * (nz + 1) + r
+        nodes[0], nodes[1] = first, first + (ny + 1) * (nz + 1)
+        nodes[2], nodes[3] = nodes[1] + nz + 1, first + nz + 1
+        a = b = 0.0
+        for _ in range(20):
+            weights(a, b, w)
+            rx, ry = px, py
+            for m in range(4):
+                rx -= w[m] * x[nodes[m], 0]
+                ry -= w[m] * x[nodes[m], 1]
+            xa = 0.25 * ((1 - b) * (x[nodes[1], 0] - x[nodes[0], 0]) + (1 + b) * (x[nodes[2], 0] - x[nodes[3], 0]))
+            ya = 0.25 * ((1 - b) * (x[nodes[1], 1] - x[nodes[0], 1]) + (1 + b) * (x[nodes[2], 1] - x[nodes[3], 1]))
+            xb = 0.25 * ((1 - a) * (x[nodes[3], 0] - x[nodes[0], 0]) + (1 + a) * (x[nodes[2], 0] - x[nodes[1], 0]))
+            yb = 0.25 * ((1 - a) * (x[nodes[3], 1] - x[nodes[0], 1]) + (1 + a) * (x[nodes[2], 1] - x[nodes[1], 1]))
+            det = xa * yb - xb * ya
+            da, db = (yb * rx - xb * ry) / det, (xa * ry - ya * rx) / det
+            a, b = min(max(a + da, -4.0), 4.0), min(max(b + db, -4.0), 4.0)
+            if abs(da) + abs(db) < 1e-12:
+                break
+        tiny = 1e-9
+        go_p, go_q = (a > 1 + tiny) - (a < -1 - tiny), (b > 1 + tiny) - (b < -1 - tiny)
+        if go_p == 0 and go_q == 0:
+            place[0], place[1] = a, b
+            return True
+        if not (0 <= p + go_p < nx and 0 <= q + go_q < ny):
+            return False
+        column[0], column[1] = p + go_p, q + go_q
+    return False
+
+
+@njit(cache=True, error_model="numpy")
+def points(
+    nx, ny, nz, x, v, gone, px, pv, stiffness, damping, thickness, columns, outer, drags, force, drag_force, sums
+):
+    """Forces between points and the face of the block.
+
+    Parameters
+    ----------
+    px, pv : (s, 3) [m], [m/s] of the points
+    stiffness, damping : (s,) [N/m], [N s/m] of each
+    thickness : [m] distance that points keep from the face: half of what they stand for
+    columns : (s, 2) int, where each was; overwritten
+    outer, drags : (n, 3) [N] internal forces of the block, elastic and damping; added to
+    force, drag_force : (s, 3) [N] on the points, elastic and damping; overwritten
+    sums : (7,) CONTACT [J], overwritten
+    """
+    sums[:] = 0.0
+    place, nodes, normal, w = np.empty(2), np.empty(4, np.int64), np.empty(3), np.empty(4)
+    for s in range(stiffness.size):
+        force[s] = drag_force[s] = 0.0
+        if not locate(px[s, 0], px[s, 1], x, columns[s], nx, ny, nz, gone, place, nodes):
+            continue
+        a, b = place[0], place[1]
+        weights(a, b, w)
+        A, B = np.zeros(3), np.zeros(3)
+        for c in range(3):
+            A[c] = (1 - b) * (x[nodes[1], c] - x[nodes[0], c]) + (1 + b) * (x[nodes[2], c] - x[nodes[3], c])
+            B[c] = (1 - a) * (x[nodes[3], c] - x[nodes[0], c]) + (1 + a) * (x[nodes[2], c] - x[nodes[1], c])
+        # out of the block: against z at rest
+        normal[0], normal[1] = A[2] * B[1] - A[1] * B[2], A[0] * B[2] - A[2] * B[0]
+        normal[2] = A[1] * B[0] - A[0] * B[1]
+        normal /= math.sqrt(normal[0] ** 2 + normal[1] ** 2 + normal[2] ** 2)
+        gap, opening = -thickness, 0.0
+        for c in range(3):
+            under, moving = 0.0, 0.0
+            for m in range(4):
+                under += w[m] * x[nodes[m], c]
+                moving += w[m] * v[nodes[m], c]
+            gap += (px[s, c] - under) * normal[c]
+            opening += (pv[s, c] - moving) * normal[c]
+        if gap >= 0.0:
+            continue
+        push = -stiffness[s] * gap
+        drag = max(-damping[s] * opening, -push)
+        sums[CONTACT] += 0.5 * stiffness[s] * gap * gap
+        for c in range(3):
+            force[s, c], drag_force[s, c] = push * normal[c], drag * normal[c]
+            for m in range(4):
+                outer[nodes[m], c] += push * w[m] * normal[c]
+                drags[nodes[m], c] += drag * w[m] * normal[c]
