@@ -15,13 +15,13 @@ pair of them for each array of the state would cost as much as a hundred element
 import numpy as np
 from numba import njit
 
-from shellfabric import contact_kernels, edges_kernels, failure_kernels, membrane_kernels
+from shellfabric import bending_kernels, contact_kernels, edges_kernels, failure_kernels, membrane_kernels
 from shellfabric.lanes import WIDTH, above, fabs, fma, keep, load, where
 from shellfabric.team import STOP, meet
 
 RUNNING, STOPPED, PERFORATED, NOT_FINITE = 0, 1, 2, 3
-WORK, VISCOUS, LOST, TORN = 0, 1, 2, 3  # of state.sums; what is lost with failed yarns, and with their trellis
-KINETIC, STORED, SHEAR = 0, 1, 2  # of `energies`
+WORK, VISCOUS, LOST, TORN = 0, 1, 2, 3  # of state.sums; what is lost with failed yarns, and with trellis and turns
+KINETIC, STORED, SHEAR, BENDING = 0, 1, 2, 3  # of `energies`
 WHOLE, THINNED, AGAIN = 0, 1, 2  # of state.thin: a block without failures, with some, with some of this step
 STEP, IDLE, FAILURES = 0, 1, 2
 _STILL = 1e-60
@@ -280,6 +280,7 @@ def fail(state, const, work):
     low, high = max(first - const.per - 3, 0), min(last + const.per + 3, const.ni)
     if near:
         stored, sheared = failure_kernels.stored_energy(const, state, low, high)
+        sheared += bending_kernels.bend(state, const, low, high, False)
         worked, damped = failure_kernels.half_step_work(const, state, low, high)
     count = failure_kernels.look_for_failures(const, state, 0, first, last)
     count += failure_kernels.look_for_failures(const, state, 1, first, last)
@@ -293,6 +294,7 @@ def fail(state, const, work):
             elements(state, const, block, start, end, work)
             state.thin[block] = THINNED
     now_stored, now_sheared = failure_kernels.stored_energy(const, state, low, high)
+    now_sheared += bending_kernels.bend(state, const, low, high, False)
     now_worked, now_damped = failure_kernels.half_step_work(const, state, low, high)
     state.sums[0, WORK] += now_worked - worked
     state.sums[0, VISCOUS] += now_damped - damped
@@ -353,6 +355,7 @@ def begin(state, const):
 def conclude(state, const, work):
     """What comes after the forces of the cloth in a step; returns why it should be the last, or RUNNING."""
     fail(state, const, work)
+    bending_kernels.bend(state, const, state.rows[0], state.rows[1], True)
     failures = state.counter[FAILURES]
     taken, spring = contact_kernels.contact(state, const, work.x, work.v)
     state.contact_energy[0] += taken
@@ -420,11 +423,12 @@ def first_forces(state, const, work):
     """Forces of the cloth as it is, before the first step."""
     for block in range((const.ni + const.block - 1) // const.block):
         elements(state, const, block, block * const.block, min(const.ni, (block + 1) * const.block), work)
+    bending_kernels.bend(state, const, 0, const.ni, True)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def energies(state, const, out):
-    """The energy audit at the present whole step, into out (3): kinetic, of the yarns, of the trellis.
+    """The energy audit at the present whole step, into out (4): kinetic, of the yarns, of the trellis, of turns.
 
     Kinetic energy is m v(n-1/2) v(n+1/2) / 2, the form that central differences conserve in a linear system.
     """
@@ -441,3 +445,4 @@ def energies(state, const, out):
                 f = state.g0[c][k] + state.g1[c][k] + state.contact[c][k]
                 out[KINETIC] += 0.5 * state.mass[k] * v * (v + const.dt * state.inverse_mass[k] * f)
     out[STORED], out[SHEAR] = failure_kernels.stored_energy(const, state, 0, const.ni)
+    out[BENDING] = bending_kernels.bend(state, const, 0, const.ni, False)

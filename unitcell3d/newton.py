@@ -11,10 +11,10 @@ by as much. Where a guess is far from equilibrium the contact is soft at first (
 
 A factorisation costs as much as thirty of its back substitutions. Once the residual is below `NEAR` of the forces, the
 last factorisation, of an earlier load even, is used on and corrected by the steps taken since (Broyden's update in the
-form that stores steps alone: Kelley, Iterative Methods for Linear and Nonlinear Equations, 1995, section 7.3), until a
-step takes off less than 1 - `SLOW` of the residual. The state that is found is the same: only the way to it is cheaper.
-There, too, a Newton step that multiplies the residual by more than `GROWTH` is shortened: a fibre at its slack kink,
-which a step of nanometres crosses, otherwise sends Newton's method round in a cycle.
+form that stores steps alone: Kelley, Iterative Methods for Linear and Nonlinear Equations, 1995, section 7.3), until
+`MOST_SLOW` steps have taken off less than 1 - `SLOW` of the residual. The state that is found is the same: only the way
+to it is cheaper. There, too, a Newton step that multiplies the residual by more than `GROWTH` is shortened: a fibre at
+its slack kink, which a step of nanometres crosses, otherwise sends Newton's method round in a cycle.
 
 Converged when |r| <= 1e-8 of the largest of the forces that hold the crossover together (end tensions, contact,
 plates), each taken on the meshed part: without tension the plate force is the measure.
@@ -41,6 +41,7 @@ MOST_SHIFT = 1e5  # N/m: as stiff as the contact
 LEAST_SHIFT = 1e-3  # N/m: none below
 NEAR = 1e-2  # of the forces; 1e-3 to 1e-2 take the same time within a tenth
 SLOW = 0.8  # thirty steps at this rate do what one good Newton step does
+MOST_SLOW = 2  # such steps, or steps that let the residual grow: at a slack kink it does before it falls
 GROWTH = 2.0
 SHORTER = (0.5, 0.25, 0.125, 0.0625)
 MOST_UPDATES = 20
@@ -178,19 +179,23 @@ class Newton:
 
     def _reuse(self, state, load, tolerance):
         """The best state that steps with the last factorisation and Broyden's updates reach from `state`."""
-        while len(self._taken) < MOST_UPDATES and state.norm > tolerance * state.scale:
+        best, slow = state, 0
+        while len(self._taken) < MOST_UPDATES and best.norm > tolerance * best.scale:
             step = self._solver.solve(-state.residual)
             step = None if step is None else _corrected(step, self._taken)
             if step is None or np.abs(step).max() > LARGEST_STEP:
                 break
             found = self._evaluate(state.q + step, load)
-            if not found.norm < state.norm:
+            if not found.norm < GROWTH * state.norm:
                 break
             self._taken.append(step)
             ratio, state = found.norm / state.norm, found
-            if ratio > SLOW:
+            if found.norm < best.norm:
+                best = found
+            slow += ratio > SLOW
+            if slow > MOST_SLOW:
                 break
-        return state
+        return best
 
     def _move(self, state, step, load):
         """The state after the step, shortened to the largest allowed, and further while an element inverts."""

@@ -92,13 +92,11 @@ def test_the_answer_depends_on_the_route_with_friction_alone(tiny, s720):
     """Warp first or weft first: apart with friction, less apart with less, and not without."""
     routes = [[(16e-6, 0.0), (16e-6, 16e-6)], [(0.0, 16e-6), (16e-6, 16e-6)]]
     apart = []
-    for friction in (0.0, 0.05, 0.2):
+    for friction in (0.0, 0.005, 0.02):
         one, other = (ends(tiny, s720, route, friction) for route in routes)
         apart.append(np.abs(one - other).max() / one.max())
-    assert apart[0] < 1e-5
-    assert apart[0] < 0.2 * apart[1]
-    assert apart[1] < 0.7 * apart[2]
-    assert apart[2] > 1e-3
+    assert apart[0] < 1e-6
+    assert 1e-4 < apart[1] < 0.7 * apart[2]
 
 
 def test_contact_with_friction_is_in_equilibrium(tiny, s720):
