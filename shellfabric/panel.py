@@ -147,6 +147,8 @@ class Panel:
         if self.symmetry not in SYMMETRIES:
             raise InputError(key="symmetry", value=self.symmetry, allowed=" or ".join(SYMMETRIES))
         edges.check(self)
+        if self.failure and any(self.table.model.toes):  # a yarn whose crossings have failed is linear in the march
+            raise InputError(key="toe", value=self.table.model.toe, allowed="0 in a panel whose yarns fail")
         for axis, mirrored in enumerate(self.mirrors):
             if mirrored and not self.projectile.mirrored(axis):
                 raise InputError(key="symmetry", value=self.symmetry, allowed="one that the oblique shot has, or whole")

@@ -53,6 +53,13 @@ class Size(StrEnum):
     fine = "fine"
 
 
+class Profile(StrEnum):
+    """Profiles of the yarns of the shell's cell."""
+
+    cosine = "cosine"
+    straight = "straight"
+
+
 class Domain(StrEnum):
     """How much of a crossover is meshed."""
 
@@ -283,6 +290,13 @@ def biaxial(
     crossover: Annotated[
         Size | None, typer.Option(help="Solve the 3D crossover too, with this mesh, and compare.")
     ] = None,
+    profile: Annotated[
+        Profile, typer.Option(help="Of the yarns: the source's cosine, or Kawabata's straight segments.")
+    ] = Profile.cosine,
+    toe: Annotated[
+        str,
+        typer.Option(help="Strain that the fibres' straightening takes, of both or of each.", metavar="WARP[,WEFT]"),
+    ] = "0",
     out: OutOption = None,
 ):
     """Stretch a crossover at fixed ratios of strains to the strength of a yarn: 1:1, 1:0 and 0:1 if none is given.
@@ -296,6 +310,8 @@ def biaxial(
         out or RESULTS / f"biaxial-{Path(fabric).stem}",
         ratios=ratio or ("1:1", "1:0", "0:1"),
         size=crossover and crossover.value,
+        profile=profile.value,
+        toe=module.toes(toe),
     )
 
 
