@@ -15,7 +15,7 @@ from typing import Annotated
 import typer
 
 from fabrics.errors import InputError, WeavecellError
-from weavecell import cli_cases
+from weavecell import cli_cases, cli_scatter
 
 app = typer.Typer(
     name="weavecell",
@@ -414,6 +414,8 @@ def chart(
 
 
 app.command(epilog=cli_cases.EPILOG)(cli_cases.crossover)
+app.command(epilog=cli_scatter.SENSITIVITY)(cli_scatter.sensitivity)
+app.command(epilog=cli_scatter.V50)(cli_scatter.v50)
 
 
 @app.command(epilog="Example: [bold]weavecell view results/S-720-stops --screenshot panel.png[/bold]")
