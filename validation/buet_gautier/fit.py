@@ -98,9 +98,11 @@ def _packed(fabric, test, x, covariance, residuals, spread, options):
     a, F0 = float(np.exp(x[0])), float(np.exp(x[1]))
     b, C = a * F0 ** (1 / 3), covariance
     da, db = spread * C[0, 0] ** 0.5, spread * (C[0, 0] + 2 / 3 * C[0, 1] + C[1, 1] / 9) ** 0.5
+    with np.errstate(over="ignore"):  # a constant that the test does not determine has no upper end
+        intervals = [(value * np.exp(-half), value * np.exp(half)) for value, half in ((a, da), (b, db))]
     law = CompressionLaw(
         a, b, provenance=f"fitted to {Path(test.source).name or 'a biaxial test'}, k = {test.ratio:.3g}",
-        a_interval=(a * np.exp(-da), a * np.exp(da)), b_interval=(b * np.exp(-db), b * np.exp(db)),
+        a_interval=intervals[0], b_interval=intervals[1],
     )  # fmt: skip
     shift = (0.0, None)
     if x.size > 2:

@@ -45,7 +45,7 @@ def options(fabric, found, path):
     """Draw the curves of the cell's variants, {name: [Curve]}: a column a test, a row a yarn."""
     free = ("free weft", "free warp")
     columns = [curve.label for curve in next(iter(found.values())) if curve.label not in free] + ["cross yarns free"]
-    figure, axes = plt.subplots(2, len(columns), figsize=(13, 6.6), layout="constrained", sharex=True, sharey="row")
+    figure, axes = plt.subplots(2, len(columns), figsize=(11, 6.2), layout="constrained", sharex=True, sharey="row")
     for m, direction in enumerate(("warp", "weft")):
         for axis, column in zip(axes[m], columns):
             wanted = free[m] if column == columns[-1] else column
@@ -54,7 +54,7 @@ def options(fabric, found, path):
                 x, y = 100 * curve.strain[:, m], curve.tension[:, m]
                 axis.plot(x, y, dash, color=colour, linewidth=1.7, label=name)
                 if curve.failed == direction:
-                    axis.plot(x[-1], y[-1], "x", color=colour, markersize=8, markeredgewidth=2)
+                    axis.plot(x[-1], y[-1], "x", color=colour, markersize=7, markeredgewidth=2)
             axis.set_title(f"{direction}, {column}", fontsize=11)
             axis.grid(alpha=0.3)
         axes[m, 0].set_ylabel("tension per yarn, N")
@@ -78,15 +78,16 @@ def sides(fabric, tests, path):
         "3D crossover": {"color": "#009E73", "marker": "^", "ls": "", "ms": 5},
         "cell, law of the 3D crossover": {"color": "#009E73", "ls": ":", "lw": 1.7},
     }  # fmt: skip
-    figure, axes = plt.subplots(1, len(tests), figsize=(3.5 * len(tests), 3.9), layout="constrained")
-    for axis, (title, (yarn, models)) in zip(axes, tests.items()):
+    figure, axes = plt.subplots(2, 2, figsize=(10, 7.6), layout="constrained")
+    for axis, (title, (yarn, models)) in zip(axes.flat, tests.items()):
         for name, (strain, tension) in models.items():
             axis.plot(100 * strain, tension, label=name, **styles[name])
         axis.set_title(title, fontsize=11)
         axis.set(xlabel=f"{yarn} strain, %", xlim=(0, None), ylim=(0, None))
         axis.grid(alpha=0.3)
-    axes[0].set_ylabel("tension per yarn, N")
-    axes[0].legend(frameon=False, fontsize=8)
+    for axis in axes[:, 0]:
+        axis.set_ylabel("tension per yarn, N")
+    figure.legend(*axes[0, 0].get_legend_handles_labels(), frameon=False, loc="outside lower center", ncols=3)
     figure.suptitle(f"{fabric.name}: one weave, three models")
     with replace_whole(path) as beside:
         figure.savefig(beside, dpi=130)
