@@ -123,6 +123,7 @@ def test_wrong_factors_are_refused(panel):
 
 
 def test_without_scatter_it_is_the_deterministic_limit(fabric, tmp_path):
+    """On a panel with one limit: 30.6 mm has stops above perforations without any scatter, and so no sharp one."""
     found = v50.study(fabric, v50.Scatter(), shots=16, batch=8, folder=tmp_path, opening=0.08)
     panel = ImpactSetup(fabric, 1.0, opening=0.08, numerics=Numerics(threads=1)).panel()
     known = limit.critical_velocity(panel, tolerance=1.0)
