@@ -302,7 +302,7 @@ def step(state, const, work):
     sweep(state, const, work)
     fail(state, const, work)
     failures = state.counter[FAILURES]
-    taken, spring = contact_kernels.contact(state, const, work.x, work.v)
+    taken, spring = contact_kernels.contact(state, const, work.x, work.v, work.strip)
     state.contact_energy[0] += taken
     state.contact_energy[1] = spring
     state.counter[STEP] += 1
