@@ -1,8 +1,8 @@
 """Frictionless contact of the two yarns at each crossing of a weave, in explicit dynamics.
 
 The nodes of each face are held off the other yarn's face, which is the C1 bicubic (Catmull-Rom) surface S(xi) through
-its nodes, one pass each way with half the penalty: nothing steps from facet to facet, and no edge gets through. For a
-node x with foot S(xi) and unit normal n towards the node's side,
+its nodes, one pass each way with half the penalty: nothing steps from facet to facet. For a node x with foot S(xi) and
+unit normal n towards the node's side,
 
     g = n . (x - S),    p = k [0; g^2 / 2t; -g - t/2]  for  [g >= 0; 0 < -g < t; -g > t],    U = sum A w int p dg
 

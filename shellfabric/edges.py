@@ -20,6 +20,7 @@ from math import cos, inf, sin
 import numpy as np
 
 from fabrics.errors import InputError
+from shellfabric.bending_kernels import ENDED, HELD, MIRRORED
 
 
 @dataclass(frozen=True)
@@ -182,3 +183,12 @@ def rim(panel):
             axes.append(np.full(keep.sum(), axis))
             values.append(row[keep])
     return np.concatenate(nodes), np.concatenate(axes), np.concatenate(values)
+
+
+def yarn_ends(panel):
+    """(2, 2) how warp and weft yarns end at their lowest and highest place, as `bending_kernels` has it."""
+    ends = np.array([[ENDED if side == "free" else HELD for side in pair] for pair in sides(panel.edge)])
+    for family, mirrored in enumerate(panel.mirrors):
+        if mirrored:
+            ends[family, 0] = MIRRORED
+    return ends

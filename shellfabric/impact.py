@@ -37,6 +37,7 @@ class ImpactSetup:
     end_time : [s] at the latest; a run ends when the projectile stops or has passed
     elements_per_crossover : along each side
     cell_model, form, gap : see CellModel
+    bending : [N m2] bending stiffness of a yarn, or of (warp, weft); see Panel
     surface : ResponseSurface to make the cell from instead of laws, or None; see surface_cell.SurfaceCell
     table_size : stretches along each side of the cell's table; 201 puts its tensions within 0.2 % of the yarn's
         strength of the cell's
@@ -58,6 +59,7 @@ class ImpactSetup:
     cell_model: str = "compressible"
     form: str = "variational"
     gap: float = 0.0
+    bending: float | tuple[float, float] = 0.0
     surface: ResponseSurface | None = None
     table_size: int = 201
     audit_interval: float = 2e-6
@@ -86,6 +88,7 @@ class ImpactSetup:
             self.edge,
             self.numerics,
             weave_angle=self.weave_angle,
+            bending=tuple(self.bending) if np.ndim(self.bending) else (self.bending, self.bending),
         )
 
 

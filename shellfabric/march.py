@@ -27,6 +27,7 @@ ENERGIES = (
     "stored",
     "cell",
     "shear",
+    "bending",
     "viscous",
     "contact",
     "friction",
@@ -135,7 +136,7 @@ class March:
 
     def _audit(self):
         state, const, share = self.state, self.const, self.panel.share
-        out = np.empty(3)
+        out = np.empty(4)
         kernels.energies(state, const, out)
         kick = const.dt * state.reaction[:] * const.free / const.projectile_mass
         sums = state.sums.sum(axis=0)
@@ -149,6 +150,7 @@ class March:
             out[kernels.STORED],
             0.0 if self.const.variational else cell,
             out[kernels.SHEAR],
+            out[kernels.BENDING],
             sums[kernels.VISCOUS],
             state.contact_energy[contact_kernels.CONTACT],
             state.contact_energy[contact_kernels.FRICTION],

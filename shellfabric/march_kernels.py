@@ -15,12 +15,12 @@ pair of them for each array of the state would cost as much as a hundred element
 import numpy as np
 from numba import njit
 
-from shellfabric import contact_kernels, edges_kernels, failure_kernels, membrane_kernels
+from shellfabric import bending_kernels, contact_kernels, edges_kernels, failure_kernels, membrane_kernels
 from shellfabric.membrane_kernels import ONE
 
 RUNNING, STOPPED, PERFORATED, NOT_FINITE = 0, 1, 2, 3
-WORK, VISCOUS, LOST, TORN = 0, 1, 2, 3  # of state.sums; what is lost with failed yarns, and with their trellis
-KINETIC, STORED, SHEAR = 0, 1, 2  # of `energies`
+WORK, VISCOUS, LOST, TORN = 0, 1, 2, 3  # of state.sums; what is lost with failed yarns, and with trellis and turns
+KINETIC, STORED, SHEAR, BENDING = 0, 1, 2, 3  # of `energies`
 WHOLE, THINNED, AGAIN = 0, 1, 2  # of state.thin: a block without failures, with some, with some of this step
 STEP, IDLE, FAILURES = 0, 1, 2
 _STILL = 1e-60
@@ -245,6 +245,7 @@ def fail(state, const, work):
     stored, sheared, worked, damped = 0.0, 0.0, 0.0, 0.0
     if near:
         stored, sheared = failure_kernels.stored_energy(const, state, first, last)
+        sheared += bending_kernels.bend(state, const, first, last, False)
         worked, damped = failure_kernels.half_step_work(const, state, first, last)
     count = failure_kernels.look_for_failures(const, state, 0, first, last)
     count += failure_kernels.look_for_failures(const, state, 1, first, last)
@@ -257,6 +258,7 @@ def fail(state, const, work):
             elements(state, const, block, low, high, work)
             state.thin[block] = THINNED
     now_stored, now_sheared = failure_kernels.stored_energy(const, state, first, last)
+    now_sheared += bending_kernels.bend(state, const, first, last, False)
     now_worked, now_damped = failure_kernels.half_step_work(const, state, first, last)
     state.sums[0, WORK] += now_worked - worked
     state.sums[0, VISCOUS] += now_damped - damped
@@ -301,6 +303,7 @@ def step(state, const, work):
     widen(state, const)
     sweep(state, const, work)
     fail(state, const, work)
+    bending_kernels.bend(state, const, state.rows[0], state.rows[1], True)
     failures = state.counter[FAILURES]
     taken, spring = contact_kernels.contact(state, const, work.x, work.v, work.strip)
     state.contact_energy[0] += taken
@@ -338,11 +341,12 @@ def first_forces(state, const, work):
     """Forces of the cloth as it is, before the first step."""
     for block in range((const.ni + const.block - 1) // const.block):
         elements(state, const, block, block * const.block, min(const.ni, (block + 1) * const.block), work)
+    bending_kernels.bend(state, const, 0, const.ni, True)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def energies(state, const, out):
-    """The energy audit at the present whole step, into out (3): kinetic, of the yarns, of the trellis.
+    """The energy audit at the present whole step, into out (4): kinetic, of the yarns, of the trellis, of turns.
 
     Kinetic energy is m v(n-1/2) v(n+1/2) / 2, the form that central differences conserve in a linear system.
     """
@@ -359,3 +363,4 @@ def energies(state, const, out):
                 f = state.g0[c][k] + state.g1[c][k] + state.contact[c][k]
                 out[KINETIC] += 0.5 * state.mass[k] * v * (v + const.dt * state.inverse_mass[k] * f)
     out[STORED], out[SHEAR] = failure_kernels.stored_energy(const, state, 0, const.ni)
+    out[BENDING] = bending_kernels.bend(state, const, 0, const.ni, False)

@@ -18,6 +18,7 @@ import numpy as np
 from fabrics.errors import InputError
 from shellfabric import crossing_kernels, fibre_kernels, patch_kernels, solid_kernels
 from shellfabric.brick import Bricks
+from shellfabric.patch_numerics import PatchNumerics
 from shellfabric.projectile import Projectile
 
 Constants = namedtuple(
@@ -35,46 +36,6 @@ State = namedtuple(
 
 JOINED = ("gradient", "volume", "twist", "control", "viscous", "length", "face_area")  # of all kinds of yarn
 KIND_STARTS = {"kind_brick": "volume", "kind_bar": "length", "kind_row": "face_area"}
-
-
-@dataclass(frozen=True)
-class PatchNumerics:
-    """Numerical knobs of the explicit patch, set by stability and convergence; none is fitted to an outcome.
-
-    Parameters
-    ----------
-    safety : of the time step against its bound, found anew before every audit from the state
-    hourglass : factor on the stiffness of the hourglass control; 1 is the full rule's at rest
-    solid_viscosity, fibre_viscosity : damping ratios of the highest mode through a yarn, and along it
-    penalty : [Pa/m] of yarns on each other, both passes together, and of the projectile on yarns
-    toe : [m] penetration over which the contact stiffness sets in
-    deepest : [m] penetration beyond which a node is no partner of a face: it came in from the side of a torn yarn. What
-        yarns at 60 m/s reach is 3 um
-    contact_damping : ratio to critical of a face's node on its spring
-    slack_width : [-] fibre strain over which a fibre becomes taut
-    slack_stiffness : [-] fraction of its stiffness left to a slack fibre
-    """
-
-    safety: float = 0.8
-    hourglass: float = 1.0
-    solid_viscosity: float = 0.1
-    fibre_viscosity: float = 0.1
-    penalty: float = 1e14
-    toe: float = 0.5e-6
-    deepest: float = 20e-6
-    contact_damping: float = 0.3
-    slack_width: float = 1e-4
-    slack_stiffness: float = 1e-3
-
-    def __post_init__(self):
-        for key in ("safety", "penalty", "toe", "deepest", "slack_width", "slack_stiffness"):
-            if not 0 < getattr(self, key) < inf:
-                raise InputError(key=key, value=getattr(self, key), allowed="above 0")
-        for key in ("hourglass", "solid_viscosity", "fibre_viscosity", "contact_damping"):
-            if not 0 <= getattr(self, key) < inf:
-                raise InputError(key=key, value=getattr(self, key), allowed="at least 0")
-        if self.safety > 1:
-            raise InputError(key="safety", value=self.safety, allowed="at most 1")
 
 
 @dataclass(frozen=True, eq=False)

@@ -64,10 +64,10 @@ def _march(model, solver, start, end, case, stop, steps, hooks):
     model.accept(rest.q, start)
     states.append((0.0, rest.q))
     rows.append(_row(model, rest, start, 0.0, time.perf_counter() - begun))
-    step = steps.first
+    step, inside = steps.first, False
     while states[-1][0] < 1:
         share = min(states[-1][0] + step, 1.0)
-        if 1 - share < 0.1 * step:
+        if 1 - share < 0.1 * step and not inside:
             share = 1.0
         begun = time.perf_counter()
         try:
@@ -82,7 +82,7 @@ def _march(model, solver, start, end, case, stop, steps, hooks):
         if stop is not None and stop(row) > 1 + STOP_TOLERANCE:
             # the end is inside this step: take the step again, up to where the secant says it lies
             before, after = stop(rows[-1]), stop(row)
-            step = max((share - states[-1][0]) * (1 - before) / (after - before), 1e-6)
+            step, inside = max((share - states[-1][0]) * (1 - before) / (after - before), 1e-6), True
             continue
         model.accept(found.q, start.towards(end, share))
         rows.append(row)

@@ -5,12 +5,13 @@ from __future__ import annotations
 import numpy as np
 
 
-def non_dominated(cost, error):
+def non_dominated(cost, error, margin=0.0):
     """Numbers of the methods of which none other is at most as dear and at most as wrong, and better in one of the two.
 
     Parameters
     ----------
     cost, error : (n,) of each method; one that is not a number dominates nothing and is left out
+    margin : share of the error that a dearer method has to take off the next cheaper one's to be named
 
     Returns
     -------
@@ -22,5 +23,5 @@ def non_dominated(cost, error):
     for i in sorted(good, key=lambda i: (cost[i], error[i])):
         if error[i] < least:
             kept.append(i)
-            least = error[i]
+            least = (1 - margin) * error[i]
     return kept

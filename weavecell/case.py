@@ -79,6 +79,7 @@ def setup(case, file):
             cell_model=case.scene.fabric.cell_model,
             form=case.scene.fabric.cell_form,
             gap=case.scene.fabric.gap,
+            bending=case.scene.fabric.bending,
             surface=case.surface,
             snapshot_interval=run.snapshot_interval,
             measure=Measure(measure.interval, measure.warp, measure.weft) if measure else None,

@@ -32,6 +32,7 @@ ENERGIES = (
     ("kinetic_fabric", "fabric, kinetic", SKY),
     ("stored", "fabric, membrane", "#0072B2"),
     ("shear", "fabric, shear", GREEN),
+    ("bending", "fabric, bending", "#7fb8a4"),
     ("failed", "lost at failure", RED),
     ("contact", "contact", ORANGE),
     ("friction", "friction", "#b5651d"),

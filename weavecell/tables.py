@@ -103,6 +103,7 @@ class FabricTable(Table):
     cell_form: one_of("variational", "equilibrium", "direct") = "variational"
     surface: Annotated[str | None, Field(description="the path of a surface written by `weavecell surface`")] = None
     gap: quantity("m", "a length of at least 0", "0 mm", at_least=0.0) = 0.0
+    bending: quantity("N m^2", "a bending stiffness of at least 0", "1e-6 N m^2", at_least=0.0) = 0.0
 
 
 def angle(low, high, example):

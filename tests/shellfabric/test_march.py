@@ -87,6 +87,14 @@ def test_cloth_at_rest_stays_at_rest():
             assert max(np.abs(v).max() for v in state.v) < 1e-9
 
 
+def test_free_cloth_flies_on(fabric):
+    """Without supports the cloth folds about the projectile and comes along, and the balance holds in its flutter."""
+    result = run(ImpactSetup(fabric, 136.0, opening=0.05, edge="free"))
+    assert result.outcome == "in flight"
+    assert result.worst_balance < 5e-4
+    assert 95.0 < result.residual_velocity < 105.0
+
+
 def test_energy_balance_with_failure(quick):
     result = quick(260.0)
     assert result.failed[-1] > 0

@@ -170,3 +170,17 @@ def test_compression_is_measured_by_the_plates(tiny, s720):
     assert max(ends) < 0.2 * found.plates.max()
     assert state.scale == pytest.approx(max(*found.plates, found.contact))
     assert state.norm <= 1e-8 * state.scale
+
+
+def test_a_path_that_stops_just_before_its_end_comes_to_an_end(tiny, s720):
+    """The last step was laid out to the end again and again: the weft of S-731, which fails at 0.995 of its path."""
+    asked = []
+
+    def stop(row):
+        asked.append(row["path"])
+        assert len(asked) < 60, "the same step for ever"
+        return row["path"] / 0.995
+
+    history = march(CrossoverModel(tiny, s720), Load(), Load((5e-6, 5e-6)), stop=stop)
+    assert history.failed == ""
+    assert abs(history.path[-1] - 0.995) < 0.002

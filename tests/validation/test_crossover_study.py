@@ -73,6 +73,7 @@ def test_non_dominated_is_what_none_beats():
     best = non_dominated(cost, error)
     assert {(cost[i], error[i]) for i in best} == {(cost[i], error[i]) for i in range(60) if i not in beaten}
     assert list(cost[best]) == sorted(cost[best])
+    assert non_dominated([1, 2, 3, 4], [1.0, 0.95, 0.8, 0.79], 0.1) == [0, 2]
 
 
 def test_every_axis_holds_the_base_and_its_own_cases():
@@ -91,7 +92,7 @@ def test_orders_limits_and_errors_of_known_values(found):
         mesh, penalty = found.limits["mesh"][quantity], found.limits["penalty"][quantity]
         assert mesh.order == pytest.approx(2, abs=1e-6)
         assert mesh.limit == pytest.approx(true * 1.004, rel=1e-9)
-        assert penalty.order == pytest.approx(1, abs=1e-6)
+        assert penalty.order == pytest.approx(2, abs=1e-6)  # of the root of 1 / penalty
         value, half = found.reference[quantity]
         assert value == pytest.approx(true, rel=1e-6)
         assert half < 0.01 * true

@@ -27,6 +27,7 @@ class Axis:
     cases : {label: Case}
     x : {label: number} that goes to zero as the method gets exact; None where there is no such number
     unit : of x, for the reader
+    counted : the reference is moved by its limit; False where another axis has the same error
     """
 
     name: str
@@ -34,6 +35,7 @@ class Axis:
     cases: dict
     x: dict | None = None
     unit: str = ""
+    counted: bool = True
 
 
 def axes(level="full"):
@@ -94,8 +96,9 @@ def _direction(name, axis, base):
 def _numerics(base):
     """Axes of the fields of model.Numerics; those with a limit are varied by factors that tend to it."""
     asked = {
-        "penalty": ((1 / 100, 1 / 30, 1 / 10, 1 / 3, 1, 3), -1, "default penalty over penalty"),
-        "toe": ((4, 2, 1, 1 / 2, 1 / 4), 1, "toe over the default toe"),
+        # inside the toe a pressure p leaves the penetration sqrt(2 toe p / penalty)
+        "penalty": ((1 / 100, 1 / 30, 1 / 10, 1 / 3, 1, 3), -0.5, "root of the default penalty over the penalty"),
+        "toe": ((4, 2, 1, 1 / 2, 1 / 4), 0.5, "root of the toe over the default toe"),
         "slack_stiffness": ((4, 1, 1 / 4), 1, "over the default"),
         "slack_width": ((4, 2, 1, 1 / 2), 1, "over the default"),
     }
@@ -103,7 +106,9 @@ def _numerics(base):
     for name, (factors, power, unit) in asked.items():
         if name in there:
             cases = {_factor(f): base if f == 1 else replace(base, numerics=(_scaled(name, f),)) for f in factors}
-            yield Axis(name.replace("_", " "), METHOD, cases, {_factor(f): f**power for f in factors}, unit)
+            yield Axis(
+                name.replace("_", " "), METHOD, cases, {_factor(f): f**power for f in factors}, unit, name != "toe"
+            )
 
 
 def _scaled(name, factor):

@@ -111,7 +111,7 @@ def pareto(study):
     shown = list({entry.case: entry for entry in study.entries if entry.error is not None}.values())
     best = [entry.case for entry in study.best]
     others = [entry for entry in shown if entry.case not in best]
-    axes.plot(*_place(others), "o", ms=6, mfc="#d5dbe1", mec=FAINT, ls="", label="beaten in both")
+    axes.plot(*_place(others), "o", ms=6, mfc="#d5dbe1", mec=FAINT, ls="", label="the others")
     axes.plot(*_place(study.best), "o-", ms=9, color=COLOURS[0], lw=1.6, label="beaten by none")
     told = []
     for number, entry in enumerate(study.best, 1):

@@ -45,7 +45,8 @@ def histories(march, beside, path):
     energy.set(title="Energies of the solid patch", xlabel="time from the middle plane on [us]", ylabel="energy [mJ]")
     own = 1e3 * profile(march)
     shape.plot(own[:, 0], own[:, 1], color=WARP, label="solid patch, between the middle warps")
-    half = 1e3 * beside.profile
+    then = np.argmin(np.abs(beside.shots - (march.sample("t")[-1] - clock(march))))
+    half = 1e3 * beside.profiles[then]
     shape.plot(np.concatenate([-half[::-1, 0], half[:, 0]]), np.concatenate([half[::-1, 1], half[:, 1]]), "--",
                color=SHELL, label="shell, through the impact point")  # fmt: skip
     shape.set(title="Profile along the warp at the end", xlabel="place [mm]", ylabel="height [mm]")
@@ -74,7 +75,7 @@ def scene(march, path):
     view.add_mesh(
         skin, scalars="fibre strain [%]", cmap="viridis", clim=(0, max(0.1, float(skin["fibre strain [%]"].max()))),
         smooth_shading=True, split_sharp_edges=True, feature_angle=40, ambient=0.3, diffuse=0.8, specular=0.15,
-        scalar_bar_args={"title": "fibre strain [%]", "color": "black", "vertical": True, "position_x": 0.9,
+        scalar_bar_args={"title": "fibre strain [%]\n", "color": "black", "vertical": True, "position_x": 0.9,
                          "position_y": 0.2, "height": 0.6, "width": 0.05, "fmt": "%.2f"},
     )  # fmt: skip
     shot = march.patch.projectile
@@ -84,7 +85,7 @@ def scene(march, path):
     middle = 1e3 * np.array([0.0, 0.0, 0.5 * march.state.x[:, 2].max()])
     view.enable_parallel_projection()
     view.camera_position = [tuple(middle + np.array([-40, -60, 48.0])), tuple(middle), (0, 0, 1)]
-    view.camera.parallel_scale = 0.36e3 * np.hypot(*march.patch.mesh.extent)
+    view.camera.parallel_scale = 0.4e3 * np.hypot(*march.patch.mesh.extent)
     view.reset_camera_clipping_range()
     try:
         with replace_whole(path) as beside:

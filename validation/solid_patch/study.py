@@ -16,8 +16,9 @@ from fabrics.errors import InputError
 from fabrics.files import replace_whole
 from meshing import patch
 from shellfabric import impact
+from shellfabric.patch_numerics import PatchNumerics
 from shellfabric.solid_march import SAMPLES, SolidMarch
-from shellfabric.solid_patch import PatchNumerics, SolidPatch
+from shellfabric.solid_patch import SolidPatch
 
 FORMAT = "weavecell solid patch 1"
 SOURCE_SECONDS, SOURCE_PROCESSORS = 157_424, 3  # Table 4-3
@@ -28,14 +29,15 @@ FORCES = ("warp_peak", "weft_peak", "warp_nose", "weft_nose")
 @dataclass(frozen=True)
 class Shell:
     """What the shell says of the same shot, one value an instant: times [s], velocity [m/s], place [m] of the
-    projectile; tensions [N] of the two middle yarns under the nose, warp and weft (n, 2); the profile (k, 2) [m] along
-    the middle warp at the end, place and height."""
+    projectile; tensions [N] of the two middle yarns under the nose, warp and weft (n, 2); at the instants `shots` [s]
+    the profiles (m, k, 2) [m] along the middle warp, place and height."""
 
     t: np.ndarray
     v: np.ndarray
     z: np.ndarray
     nose: np.ndarray
-    profile: np.ndarray
+    shots: np.ndarray
+    profiles: np.ndarray
 
 
 def march(name="S-720", count=20, size=(5, 5, 2), velocity=60.0, end_time=42e-6, *, threads=None, numerics=None):
@@ -67,8 +69,8 @@ def shell(march):
     nose = np.array(nose).reshape(-1, 2)
     times = [shot.t for shot in found.snapshots]
     tensions = np.stack([np.interp(found.t, times, nose[:, k]) for k in (0, 1)], axis=1)
-    profile = found.snapshots[-1].nodes[:, 0][:, [0, 2]]
-    return Shell(found.t, found.v, found.z, tensions, profile)
+    profiles = np.array([shot.nodes[:, 0][:, [0, 2]] for shot in found.snapshots])
+    return Shell(found.t, found.v, found.z, tensions, np.array(times), profiles)
 
 
 def clock(march):
@@ -149,5 +151,5 @@ def write(march, beside, path):
         put("end/places", march.state.x, "m")
         put("end/fibre_strain", node_strains(march), "1")
         put("end/hexes", march.patch.mesh.hexes, "1")
-        for name, unit in (("t", "s"), ("v", "m/s"), ("z", "m"), ("nose", "N"), ("profile", "m")):
+        for name, unit in (("t", "s"), ("v", "m/s"), ("z", "m"), ("nose", "N"), ("shots", "s"), ("profiles", "m")):
             put(f"shell/{name}", getattr(beside, name), unit)
