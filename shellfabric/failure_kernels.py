@@ -88,11 +88,14 @@ def thin_gradient(const, state, family, first, last, shift, L, own, shared, N):
 
 
 @njit(cache=True, error_model="numpy", _nrt=False)
-def thin_trellis(const, state, first, last, shift, slope):
+def thin_trellis(const, state, first, last, shift, turn1, turn2, cross):
     """The trellis of a quadrilateral in proportion to what is left of both families."""
     for i in range(first, last):
         for j in range(const.nj):
-            slope[np.uint64(i * const.s + j - shift)] *= trellis_left(const, state, np.uint64(i * const.s + j))
+            m, left = i * const.s + j - shift, trellis_left(const, state, np.uint64(i * const.s + j))
+            turn1[m] *= left
+            turn2[m] *= left
+            cross[m] *= left
 
 
 @njit(cache=True, error_model="numpy")

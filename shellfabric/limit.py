@@ -242,10 +242,13 @@ class _GivenUp(Exception):
 class _Range:
     """Shots at one panel, each begun when it is first wanted and kept until it is asked for.
 
-    Threads suffice: the kernels that march hold no lock.
+    Threads suffice: the kernels that march hold no lock. Shots that are fired beside each other have one thread each,
+    unless the panel asks for more.
     """
 
     def __init__(self, panel, workers):
+        if workers > 1 and panel.numerics.threads is None:
+            panel = replace(panel, numerics=replace(panel.numerics, threads=1))
         self.panel = panel
         self.pool = ThreadPoolExecutor(workers)
         self.pending = {}  # velocity -> (future, event that gives it up)

@@ -1,5 +1,8 @@
 """Marching a panel and its projectile through time: chunks of steps, an audit after each, and hooks.
 
+Several threads can share the work: each has the nodes and elements of some blocks, in each step the same for all, and
+they wait for each other (see `team`). What comes out is the same to the last bit with any number of them.
+
 The march knows no physics: the kernels make the steps, `audit` samples them, hooks look on. A hook is called as
 hook(march) after every chunk and reads what it likes; `shellfabric.hooks` has some.
 
@@ -11,11 +14,12 @@ forces are no gradient, the work done on them is more or less than that: the dif
 from __future__ import annotations
 
 import time
+from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 
 from fabrics.errors import InputError, UnstableError
-from shellfabric import contact_kernels, edges, edges_kernels
+from shellfabric import contact_kernels, edges, edges_kernels, team
 from shellfabric import march_kernels as kernels
 from shellfabric.panel import Panel
 from shellfabric.plug import passed
@@ -53,6 +57,7 @@ class March:
     Attributes
     ----------
     state, const : what the kernels work on
+    threads : that share the work
     samples : list of rows, one an audit, in the order of SAMPLES; energies and forces are of the whole panel
     fine : list of (steps, 3) projectile z [m], velocity [m/s] and force [N] (of the modelled part) after each step
     snapshots : list of measures.Snapshot, where a hook takes them
@@ -72,6 +77,8 @@ class March:
                 raise InputError(key=key, value=value, allowed="above 0")
         self.panel, self.strike_velocity, self.end_time = panel, float(strike_velocity), float(end_time)
         self.const, self.state, self._work = panel.constants(), panel.state(strike_velocity), panel.work()
+        self.threads = team.threads_for(panel.numerics.threads, panel.elements)
+        self._works = [self._work, *(panel.work() for _ in range(self.threads - 1))]
         self._ends = edges.ends(panel)
         self.chunk = max(1, round(interval / self.const.dt))
         self.last_step = int(np.ceil(end_time / self.const.dt))
@@ -119,20 +126,36 @@ class March:
         UnstableError : a number that is not finite, a balance beyond its limit, or a node that crosses a quarter of
             an element in one step; samples and state stay as they are
         """
-        kernels.advance(self.state, self.const, self._work, 0, np.empty((0, 3)))  # compiled before the clock starts
-        while not self.ended:
-            steps = min(self.chunk, self.last_step - self.steps)
-            fine = np.empty((steps, 3))
-            start = time.perf_counter()
-            made, self.reason = kernels.advance(self.state, self.const, self._work, steps, fine)
-            self.wall_time += time.perf_counter() - start
-            self.fine.append(fine[:made])
-            self._audit()
-            self._guard()
-            self._look_for_plug()
-            for hook in hooks:
-                hook(self)
+        with ThreadPoolExecutor(max(1, self.threads - 1)) as others:
+            self.advance(np.empty((0, 3)), others)  # compiled before the clock starts
+            while not self.ended:
+                fine = np.empty((min(self.chunk, self.last_step - self.steps), 3))
+                start = time.perf_counter()
+                made, self.reason = self.advance(fine, others)
+                self.wall_time += time.perf_counter() - start
+                self.fine.append(fine[:made])
+                self._audit()
+                self._guard()
+                self._look_for_plug()
+                for hook in hooks:
+                    hook(self)
         return self
+
+    def advance(self, fine, others):
+        """Make as many steps as there are rows in `fine`, or fewer where the run ends: (steps made, why).
+
+        others : executor with room for all threads but this one
+        """
+        shared, count = self._work.shared, self.threads
+        shared[:] = 0
+        at_work = [
+            others.submit(kernels.follow, self.state, self.const, work, shared, me, count)
+            for me, work in enumerate(self._works[1:], 1)
+        ]
+        made = kernels.lead(self.state, self.const, self._work, len(fine), fine, shared, count)
+        for thread in at_work:
+            thread.result()
+        return made
 
     def _audit(self):
         state, const, share = self.state, self.const, self.panel.share

@@ -16,7 +16,8 @@ import numpy as np
 from numba import njit
 
 from shellfabric import bending_kernels, contact_kernels, edges_kernels, failure_kernels, membrane_kernels
-from shellfabric.membrane_kernels import ONE
+from shellfabric.lanes import WIDTH, above, fabs, fma, keep, load, where
+from shellfabric.team import STOP, meet
 
 RUNNING, STOPPED, PERFORATED, NOT_FINITE = 0, 1, 2, 3
 WORK, VISCOUS, LOST, TORN = 0, 1, 2, 3  # of state.sums; what is lost with failed yarns, and with trellis and turns
@@ -26,18 +27,20 @@ STEP, IDLE, FAILURES = 0, 1, 2
 _STILL = 1e-60
 
 
-@njit(cache=True, fastmath={"contract", "nsz"}, error_model="numpy")
+@njit(cache=True, error_model="numpy")
 def move(k0, n, dt, kick, g0, g1, v, u):
-    """One component of velocity and displacement of the nodes k0 .. k0 + n; kick = dt / m."""
-    for j in range(n):
-        k = k0 + j
-        speed = v[k] + kick[k] * (g0[k] + g1[k])
-        speed = speed if abs(speed) > _STILL else 0.0
-        v[k] = speed
-        u[k] += dt * speed
+    """Velocity and displacement of the nodes k0 .. k0 + n; kick = dt / m."""
+    for j in range(0, n, WIDTH):
+        k, left = k0 + j, n - j
+        impulse = load(kick, k)
+        for c in range(3):
+            speed = fma(impulse, load(g0[c], k) + load(g1[c], k), load(v[c], k))
+            speed = where(above(fabs(speed), _STILL), speed, 0.0)
+            keep(v[c], k, speed, left)
+            keep(u[c], k, fma(speed, dt, load(u[c], k)), left)
 
 
-@njit(cache=True, error_model="numpy", _nrt=False)
+@njit(cache=True, error_model="numpy", _nrt=False, forceinline=True)
 def symmetry(state, const, first, last):
     """Take out the force across a plane of symmetry, on the node rows first .. last - 1."""
     if const.mirror_x and first == 0:
@@ -58,7 +61,7 @@ def moved(state, const, i):
     return False
 
 
-@njit(cache=True, error_model="numpy", _nrt=False)
+@njit(cache=True, error_model="numpy", _nrt=False, forceinline=True)
 def widen(state, const):
     """Let the window of active element rows, state.rows, go ahead of the motion.
 
@@ -83,225 +86,274 @@ def widen(state, const):
 @njit(cache=True, error_model="numpy", _nrt=False)
 def elements(state, const, block, first, last, work):
     """Forces of the element rows first .. last - 1, which lie in one block, from the present displacements."""
-    s, thin = np.uint64(const.s), state.thin[block] != WHOLE
-    n, m0 = np.uint64((last - first) * const.s), np.uint64(2 * const.s)
-    k0 = np.uint64(first * const.s)
+    s, thin = const.s, state.thin[block] != WHOLE
+    k0, m0, n = first * s, 2 * s, (last - first) * s
     n2 = n + s if last == const.ni else n  # weft edges: those on the far side of the panel have no row of their own
-    stretch(state, const, first, last, work)
-    shift = (first - 2) * const.s
-    if thin:
-        low = max(first - 1, 0)
-        failure_kernels.thin_means(const, state, 0, low, last, shift, work.l2, work.m2)
-        failure_kernels.thin_means(const, state, 1, first, last + 1, shift, work.l1, work.m1)
-    low, T1, T2, N1, N2, most = max(first - 1, 0), work.T1, work.T2, work.T1, work.T2, state.most[block]
-    m1, near, far = np.uint64((low - first + 2) * const.s), np.uint64((last - low) * const.s), n + s
-    c, w = const, work
-    membrane_kernels.place(m1, near, w.l1, c.x0t, c.rx, c.top1, w.p1, w.q1)
-    membrane_kernels.place(m1, near, w.m2, c.y0t, c.ry, c.top2, w.p2, w.q2)
-    membrane_kernels.place(m0, far, w.m1, c.x0t, c.rx, c.top1, w.p3, w.q3)
-    membrane_kernels.place(m0, far, w.l2, c.y0t, c.ry, c.top2, w.p4, w.q4)
-    most[0] = membrane_kernels.tensions(m0, n, w.p1, w.q1, w.p2, w.q2, c.tension1, c.across, T1)
-    most[1] = membrane_kernels.tensions(m0, n2, w.p3, w.q3, w.p4, w.q4, c.tension2, c.across, T2)
-    if thin:
-        failure_kernels.thin_forces(const, state, 0, first, last, shift, work.l1, T1)
-        failure_kernels.thin_forces(const, state, 1, first, last + 1, shift, work.l2, T2)
-        most[0], most[1] = membrane_kernels.largest(m0, n, T1), membrane_kernels.largest(m0, n2, T2)
+    stretch(state, const, first, last, thin, work)
+    trellis(state, const, first, last, thin, work)
+    N1, N2 = work.T1, work.T2
     if const.variational:
         N1, N2 = work.N1, work.N2
-        gradient(state, const, first, last, thin, work)
-        record(k0, m0, n, T1, state.T[0])
-        record(k0, m0, n2, T2, state.T[1])
-    advance_yarns(state, const, block, k0, m0, n, n2, N1, N2, work)
-    trellis(state, const, first, last, thin, work)
-    rx, ry, X, Y = const.rx0, const.ry0, work.X, work.Y
-    membrane_kernels.pulls(m0, n, ONE, rx, work.force1, work.turn1, work.i1, work.on1)
-    membrane_kernels.pulls(m0, n2, s, ry, work.force2, work.turn2, work.i2, work.on2)
-    for x in range(3):
-        A, B, g0, g1 = work.A[x], work.B[x], state.g0[x], state.g1[x]
-        membrane_kernels.times(m0, n, s, work.cross, B, X)
-        membrane_kernels.times(m0, n, ONE, work.cross, A, Y)
-        membrane_kernels.gather(k0, m0, n, rx, ry, work.on1, A, work.on2, B, X, Y, g0)
-        membrane_kernels.gather_next(k0 + s, m0, n, rx, ry, work.on1, A, X, Y, g1)
-        if last == const.ni:
-            membrane_kernels.gather_last(k0 + n, m0 + n, s, work.on2, B, g0)
-
-
-@njit(cache=True, error_model="numpy", _nrt=False)
-def stretch(state, const, first, last, work):
-    """Edge vectors, stretches, and means of the crossing stretches, of a block's rows and one beyond at each end."""
-    s = np.uint64(const.s)
-    low, high = max(first - 1, 0), min(last + 1, const.ni)
-    k0, m0 = np.uint64(low * const.s), np.uint64((low - first + 2) * const.s)
-    n1, n2 = np.uint64((high - low) * const.s), np.uint64((min(last, const.ni) - low + 1) * const.s)
-    A, B, u = work.A, work.B, state.u
-    membrane_kernels.edges(u[0], k0, m0, n1, s, const.rx0, 1.0, A[0])
-    membrane_kernels.edges(u[1], k0, m0, n1, s, const.rx0, 0.0, A[1])
-    membrane_kernels.edges(u[2], k0, m0, n1, s, const.rx0, 0.0, A[2])
-    membrane_kernels.edges(u[0], k0, m0, n2, ONE, const.ry0, 0.0, B[0])
-    membrane_kernels.edges(u[1], k0, m0, n2, ONE, const.ry0, 1.0, B[1])
-    membrane_kernels.edges(u[2], k0, m0, n2, ONE, const.ry0, 0.0, B[2])
-    membrane_kernels.rest(m0, n2, s, B)
-    membrane_kernels.stretches(m0, n1, A[0], A[1], A[2], work.l1, work.i1)
-    membrane_kernels.stretches(m0, n2, B[0], B[1], B[2], work.l2, work.i2)
-    if first == 0:
-        membrane_kernels.copy(s, np.uint64(2) * s, s, work.l1)
+        slack = gradient(state, const, block, first, last, thin, work)
+    if not (const.variational and slack):
+        look_up(state, const, block, first, last, thin, work)
+    advance_yarns(state, const, block, k0, n, n2, N1, N2, work)
+    A, B, on1, on2 = work.A, work.B, work.on1, work.on2
+    membrane_kernels.gather(k0, m0, n, s, const.rx0, const.ry0, A, B, on1, on2, work.cross, state.g0, state.g1)
     if last == const.ni:
-        end = np.uint64((last - first + 2) * const.s)
-        membrane_kernels.copy(s, end - s, end, work.l1)
-    membrane_kernels.across_warp(m0, np.uint64((last - low) * const.s), s, work.l2, work.m2)
-    membrane_kernels.across_weft(np.uint64(2) * s, np.uint64((last - first + 1) * const.s), s, work.l1, work.m1)
+        membrane_kernels.gather_last(k0 + n, m0 + n, s, on2, B, state.g0)
+
+
+@njit(cache=True, error_model="numpy", _nrt=False, forceinline=True)
+def stretch(state, const, first, last, thin, work):
+    """Edge vectors, stretches, and means of the crossing stretches, of a block's rows and one beyond at each end."""
+    s, w = const.s, work
+    low = max(first - 1, 0)
+    m0, n = (low - first + 2) * s, (last - low + 1) * s
+    membrane_kernels.edges(low * s, m0, n, s, state.u, const.rx0, const.ry0, w.A, w.B, w.l1, w.i1, w.l2, w.i2)
+    membrane_kernels.rest(m0, n, s, w.B, w.l2, w.i2)
+    if first == 0:
+        membrane_kernels.copy(s, 2 * s, s, w.l1)
+    if last == const.ni:
+        end = (last - first + 2) * s
+        membrane_kernels.copy(s, end - s, end, w.l1)
+    membrane_kernels.across_warp(m0, (last - low) * s, s, w.l2, w.m2)
+    membrane_kernels.across_weft(2 * s, (last - first + 1) * s, s, w.l1, w.m1)
+    if thin:
+        shift = (first - 2) * s
+        failure_kernels.thin_means(const, state, 0, low, last, shift, w.l2, w.m2)
+        failure_kernels.thin_means(const, state, 1, first, last + 1, shift, w.l1, w.m1)
+
+
+@njit(cache=True, error_model="numpy", _nrt=False, forceinline=True)
+def look_up(state, const, block, first, last, thin, work):
+    """Tensions of a block's edges, and the largest of each family."""
+    s, c, w, most = const.s, const, work, state.most[block]
+    k0, m0, n = first * s, 2 * s, (last - first) * s
+    n2, shift = n + s if last == c.ni else n, (first - 2) * s
+    most[0] = membrane_kernels.tensions(m0, n, w.l1, w.m2, c.grid, c.tension1, w.T1)
+    most[1] = membrane_kernels.tensions(m0, n2, w.m1, w.l2, c.grid, c.tension2, w.T2)
+    if thin:
+        failure_kernels.thin_forces(const, state, 0, first, last, shift, w.l1, w.T1)
+        failure_kernels.thin_forces(const, state, 1, first, last + 1, shift, w.l2, w.T2)
+        most[0], most[1] = membrane_kernels.largest(m0, n, w.T1), membrane_kernels.largest(m0, n2, w.T2)
+    if c.variational:
+        record(k0, m0, n, w.T1, state.T[0])
+        record(k0, m0, n2, w.T2, state.T[1])
+        state.stale[block] = False
 
 
 @njit(cache=True, error_model="numpy", _nrt=False)
-def gradient(state, const, first, last, thin, work):
-    """Forces of the variational form, into work.N1 and work.N2 (see `membrane_kernels`)."""
-    s, c, w, low = np.uint64(const.s), const, work, max(first - 1, 0)
-    m0, m1 = np.uint64(2 * const.s), np.uint64((low - first + 2) * const.s)
-    n, n1, n2 = (last - first) * const.s, np.uint64((last - low) * const.s), np.uint64((last - first + 1) * const.s)
-    membrane_kernels.potential_forces(
-        m1, n1, w.p1, w.q1, w.p2, w.q2, c.potential, c.across, c.per1, c.per2, w.own1, w.given1
+def bounds(const, p1, q1, p2, q2):
+    """What the tensions of both families cannot exceed where no yarn lies further in the table; p, q in its cells."""
+    top1, top2 = const.top1, const.top2
+    if max(p1, p2) > top1 + 1 or max(q1, q2) > top2 + 1:
+        return np.inf, np.inf
+    warp = min(int(p1), top1) * (top2 + 1) + min(int(q1), top2)
+    weft = min(int(p2), top1) * (top2 + 1) + min(int(q2), top2)
+    return const.ceiling1[warp], const.ceiling2[weft]
+
+
+@njit(cache=True, error_model="numpy", _nrt=False)
+def freshen(state, const, first, last, work):
+    """Look up the tensions of those of the blocks first .. last - 1 in which nobody has needed them."""
+    for block in range(first, last):
+        if state.stale[block]:
+            low, high = max(state.rows[0], block * const.block), min(state.rows[1], (block + 1) * const.block)
+            stretch(state, const, low, high, False, work)
+            look_up(state, const, block, low, high, False, work)
+
+
+@njit(cache=True, error_model="numpy", _nrt=False, forceinline=True)
+def gradient(state, const, block, first, last, thin, work):
+    """Forces of the variational form, into work.N1 and work.N2 (see `membrane_kernels`).
+
+    Returns whether no tension can be past the peak so far or a strength, so that none need be looked up.
+    """
+    s, c, w, low = const.s, const, work, max(first - 1, 0)
+    m0, m1 = 2 * s, (low - first + 2) * s
+    n, n1, n2 = (last - first) * s, (last - low) * s, (last - first + 1) * s
+    p1, q1 = membrane_kernels.potential_forces(
+        m1, n1, w.l1, w.m2, c.grid, c.potential, c.per1, c.per2, w.own1, w.given1
     )
-    membrane_kernels.potential_forces(
-        m0, n2, w.p3, w.q3, w.p4, w.q4, c.potential, c.across, c.per1, c.per2, w.given2, w.own2
+    p2, q2 = membrane_kernels.potential_forces(
+        m0, n2, w.m1, w.l2, c.grid, c.potential, c.per1, c.per2, w.given2, w.own2
     )
     if first == 0:
         membrane_kernels.copy(s, m0, s, work.given1)
     if last == const.ni:
-        end = np.uint64((last - first + 2) * const.s)
+        end = (last - first + 2) * s
         membrane_kernels.copy(s, end - s, end, work.given1)
-    n, shift = np.uint64(n), (first - 2) * const.s
+    shift = (first - 2) * s
     if thin:
         failure_kernels.thin_gradient(const, state, 0, first, last, shift, work.l1, work.own1, work.given2, work.N1)
         failure_kernels.thin_gradient(const, state, 1, first, last + 1, shift, work.l2, work.own2, work.given1, work.N2)
-        return
-    membrane_kernels.across_warp(m0, n, s, work.given2, work.on1)
-    membrane_kernels.halves(m0, n, work.own1, work.on1, work.N1)
-    membrane_kernels.across_weft(m0, n2, s, work.given1, work.on2)
-    membrane_kernels.halves(m0, n2, work.own2, work.on2, work.N2)
+        return False
+    membrane_kernels.share_warp(m0, n, s, work.own1, work.given2, work.N1)
+    membrane_kernels.share_weft(m0, n2, s, work.own2, work.given1, work.N2)
+    most = state.most[block]
+    most[0], most[1] = bounds(const, p1, q1, p2, q2)
+    state.stale[block] = (
+        const.lag == 0.0
+        and most[0] <= min(state.peak[0], const.strength1)
+        and most[1] <= min(state.peak[1], const.strength2)
+    )
+    return state.stale[block]
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", forceinline=True)
 def record(k0, m0, n, x, kept):
     """Keep scratch in the panel's slots."""
-    for j in range(n):
-        kept[k0 + j] = x[m0 + j]
+    for j in range(0, n, WIDTH):
+        keep(kept, k0 + j, load(x, m0 + j), n - j)
 
 
-@njit(cache=True, error_model="numpy", _nrt=False)
-def advance_yarns(state, const, block, k0, m0, n, n2, N1, N2, work):
-    """Forces of the block's edges along themselves, with the viscous ones, and what they work."""
-    L, N, D, y = state.L, state.N, state.D, state.y
-    if state.thin[block] == AGAIN:
-        membrane_kernels.yarn_again(k0, m0, n, const.cv1, N1, y[0], N[0], D[0], work.force1)
-        membrane_kernels.yarn_again(k0, m0, n2, const.cv2, N2, y[1], N[1], D[1], work.force2)
-        return
-    done1, viscous1 = membrane_kernels.yarn_work(k0, m0, n, const.cv1, work.l1, N1, y[0], L[0], N[0], D[0], work.force1)
-    done2, viscous2 = membrane_kernels.yarn_work(
-        k0, m0, n2, const.cv2, work.l2, N2, y[1], L[1], N[1], D[1], work.force2
+@njit(cache=True, error_model="numpy", _nrt=False, forceinline=True)
+def advance_yarns(state, const, block, k0, n, n2, N1, N2, work):
+    """Pulls of the block's edges along themselves, into work.on1 and work.on2, and what they work."""
+    L, N, D, y, c, w, s = state.L, state.N, state.D, state.y, const, work, const.s
+    again = state.thin[block] == AGAIN
+    work1, viscous1 = membrane_kernels.yarns(
+        k0, 2 * s, n, 1, again, c.rx0, c.cv1, w.l1, w.i1, w.turn1, N1, y[0], L[0], N[0], D[0], w.on1
     )
-    state.sums[block, WORK] += done1 + done2
-    state.sums[block, VISCOUS] += viscous1 + viscous2
+    work2, viscous2 = membrane_kernels.yarns(
+        k0, 2 * s, n2, s, again, c.ry0, c.cv2, w.l2, w.i2, w.turn2, N2, y[1], L[1], N[1], D[1], w.on2
+    )
+    if not again:
+        state.sums[block, WORK] += work1 + work2
+        state.sums[block, VISCOUS] += viscous1 + viscous2
 
 
-@njit(cache=True, error_model="numpy", _nrt=False)
+@njit(cache=True, error_model="numpy", _nrt=False, forceinline=True)
 def trellis(state, const, first, last, thin, work):
     """The trellis of the block's quadrilaterals and of the row before them, which shares their first weft edges."""
-    s, low, A, B, l1, l2 = np.uint64(const.s), max(first - 1, 0), work.A, work.B, work.l1, work.l2
-    m0, n = np.uint64((low - first + 2) * const.s), np.uint64((last - low) * const.s)
-    membrane_kernels.shear(m0, n, s, A[0], A[1], A[2], B[0], B[1], B[2], l1, l2, work.sine)
-    for j in range(m0 + s - ONE, m0 + n, s):
-        work.sine[j] = 0.0
-    membrane_kernels.shear_slope(m0, n, work.sine, const.V, const.G1, const.G2, const.gamma1, const.gamma2, work.slope)
+    s, c, w, low = const.s, const, work, max(first - 1, 0)
+    m0, n = (low - first + 2) * s, (last - low) * s
+    membrane_kernels.shear(
+        m0, n, s, w.A, w.B, w.l1, w.l2, c.V, c.G1, c.G2, c.gamma1, c.gamma2, w.turn1, w.turn2, w.cross
+    )
     if thin:
-        failure_kernels.thin_trellis(const, state, low, last, (first - 2) * const.s, work.slope)
-    membrane_kernels.turn(m0, n, ONE, work.slope, work.sine, l1, work.turn1)
-    membrane_kernels.turn(m0, n, s, work.slope, work.sine, l2, work.turn2)
-    membrane_kernels.cross(m0, n, s, work.slope, l1, l2, work.cross)
+        failure_kernels.thin_trellis(const, state, low, last, (first - 2) * s, w.turn1, w.turn2, w.cross)
     # beyond the panel there is none
     if first == 0:
-        for j in range(s, s + s):
-            work.turn1[j] = work.turn2[j] = work.X[j] = work.Y[j] = 0.0
+        for j in range(s, 2 * s):
+            w.turn1[j] = w.turn2[j] = w.cross[j] = 0.0
     if last == const.ni:
         for j in range(m0 + n, m0 + n + s):
-            work.turn2[j] = 0.0
+            w.turn2[j] = 0.0
+
+
+@njit(cache=True, error_model="numpy", _nrt=False)
+def taut(state, const):
+    """(first, last) element rows that hold every edge whose tension has passed the peak so far, or a strength.
+
+    The mean over a yarn is no higher than the highest of its edges, which are as many rows as a crossover has elements.
+    A filtered tension follows the tension at any height: all active rows.
+    """
+    first, last = state.rows[0], state.rows[1]
+    if const.lag > 0.0:
+        return first, last
+    bound1, bound2 = min(state.peak[0], const.strength1), min(state.peak[1], const.strength2)
+    low, high = last, first
+    for block in range(first // const.block, (last + const.block - 1) // const.block):
+        if state.most[block, 0] > bound1 or state.most[block, 1] > bound2:
+            low = min(low, max(first, block * const.block - const.per + 1))
+            high = max(high, min(last, (block + 1) * const.block + const.per - 1))
+    return low, high
 
 
 @njit(cache=True, error_model="numpy", _nrt=False)
 def fail(state, const, work):
     """Let yarns fail, and find the forces about them again."""
-    first, last = state.rows[0], state.rows[1]
+    first, last = taut(state, const)
+    if first >= last:
+        return
+    near, end = max(state.rows[0], first - const.per + 1), min(state.rows[1], last + const.per - 1)
+    freshen(state, const, near // const.block, (end + const.block - 1) // const.block, work)
     most1, most2 = 0.0, 0.0
     for block in range(first // const.block, (last + const.block - 1) // const.block):
         most1, most2 = max(most1, state.most[block, 0]), max(most2, state.most[block, 1])
-    # the mean over a yarn is no higher than the highest of its edges
-    if (
-        const.lag == 0.0
-        and most1 <= min(state.peak[0], const.strength1)
-        and most2 <= min(state.peak[1], const.strength2)
-    ):
-        return
     # looking for failures cuts yarns: what was before is asked for first where there may be one
     near = const.lag > 0.0 or most1 > const.strength1 or most2 > const.strength2
     stored, sheared, worked, damped = 0.0, 0.0, 0.0, 0.0
+    # a failure changes what its neighbours store, two rows away at most
+    low, high = max(first - const.per - 3, 0), min(last + const.per + 3, const.ni)
     if near:
-        stored, sheared = failure_kernels.stored_energy(const, state, first, last)
-        sheared += bending_kernels.bend(state, const, first, last, False)
-        worked, damped = failure_kernels.half_step_work(const, state, first, last)
+        stored, sheared = failure_kernels.stored_energy(const, state, low, high)
+        sheared += bending_kernels.bend(state, const, low, high, False)
+        worked, damped = failure_kernels.half_step_work(const, state, low, high)
     count = failure_kernels.look_for_failures(const, state, 0, first, last)
     count += failure_kernels.look_for_failures(const, state, 1, first, last)
     if count == 0:
         return
     state.counter[FAILURES] += count
+    first, last = state.rows[0], state.rows[1]
     for block in range(first // const.block, (last + const.block - 1) // const.block):
         if state.thin[block] == AGAIN:
-            low, high = max(first, block * const.block), min(last, (block + 1) * const.block)
-            elements(state, const, block, low, high, work)
+            start, end = max(first, block * const.block), min(last, (block + 1) * const.block)
+            elements(state, const, block, start, end, work)
             state.thin[block] = THINNED
-    now_stored, now_sheared = failure_kernels.stored_energy(const, state, first, last)
-    now_sheared += bending_kernels.bend(state, const, first, last, False)
-    now_worked, now_damped = failure_kernels.half_step_work(const, state, first, last)
+    now_stored, now_sheared = failure_kernels.stored_energy(const, state, low, high)
+    now_sheared += bending_kernels.bend(state, const, low, high, False)
+    now_worked, now_damped = failure_kernels.half_step_work(const, state, low, high)
     state.sums[0, WORK] += now_worked - worked
     state.sums[0, VISCOUS] += now_damped - damped
     state.sums[0, LOST] += stored - now_stored + now_worked - worked
     state.sums[0, TORN] += sheared - now_sheared
 
 
-@njit(cache=True, error_model="numpy", _nrt=False)
+@njit(cache=True, error_model="numpy", _nrt=False, forceinline=True)
 def move_rows(state, const, first, last):
     """Move the node rows first .. last - 1 by one step."""
     symmetry(state, const, first, last)
-    k0, n = np.uint64(first * const.s), np.uint64((last - first) * const.s)
-    move(k0, n, const.dt, state.kick, state.g0[0], state.g1[0], state.v[0], state.u[0])
-    move(k0, n, const.dt, state.kick, state.g0[1], state.g1[1], state.v[1], state.u[1])
-    move(k0, n, const.dt, state.kick, state.g0[2], state.g1[2], state.v[2], state.u[2])
+    k0, n = first * const.s, (last - first) * const.s
+    move(k0, n, const.dt, state.kick, state.g0, state.g1, state.v, state.u)
 
 
 @njit(cache=True, error_model="numpy", _nrt=False)
-def sweep(state, const, work):
+def part(state, const, me, count):
+    """(first, last) of the active blocks that are one thread's among `count`; the last thread has at least one."""
+    start, end = state.rows[0] // const.block, (state.rows[1] + const.block - 1) // const.block
+    return start + (end - start) * me // count, start + (end - start) * (me + 1) // count
+
+
+@njit(cache=True, error_model="numpy", _nrt=False, forceinline=True)
+def sweep(state, const, work, shared, me, count):
     """Move the active nodes, and find the forces of the active elements, block by block while they are in cache.
 
-    The blocks are fixed, whatever the window. The node rows that the elements of a block need are moved first: its
-    own, and one beyond.
+    The blocks are fixed, whatever the window and the number of threads, and so is what is found in them. The node rows
+    that the elements of a block need are moved first: its own, and one beyond. Those at the ends of a thread's blocks,
+    which its neighbours need too, are moved before all.
     """
-    first, last = state.rows[0], state.rows[1]
-    done = min(first + 2, last + 1)
-    move_rows(state, const, first, done)
-    for block in range(first // const.block, (last + const.block - 1) // const.block):
-        low, high = max(first, block * const.block), min(last, (block + 1) * const.block)
-        ahead = min(high + 2, last + 1)
+    first, last = part(state, const, me, count)
+    low, high = max(state.rows[0], first * const.block), min(state.rows[1], last * const.block)
+    end = high + 1 if me == count - 1 else high  # the node rows are low .. end - 1
+    done = min(low + 2, end)
+    tail = max(end - 2, done)
+    if first < last:
+        move_rows(state, const, low, done)
+        move_rows(state, const, tail, end)
+    meet(shared, count)
+    for block in range(first, last):
+        begin, stop = max(low, block * const.block), min(high, (block + 1) * const.block)
+        ahead = max(done, min(stop + 2, tail))
         move_rows(state, const, done, ahead)
         done = ahead
-        elements(state, const, block, low, high, work)
+        elements(state, const, block, begin, stop, work)
 
 
-@njit(cache=True, error_model="numpy", _nrt=False)
-def step(state, const, work):
-    """One step; returns why it should be the last, or RUNNING."""
+@njit(cache=True, error_model="numpy", _nrt=False, forceinline=True)
+def begin(state, const):
+    """What comes before the nodes move in a step: the impulses of contact, and the projectile's own motion."""
     contact_kernels.push(state, const)
     for c in range(3):
         state.position[c] += const.dt * state.speed[c]
     widen(state, const)
-    sweep(state, const, work)
+
+
+@njit(cache=True, error_model="numpy", _nrt=False, forceinline=True)
+def conclude(state, const, work):
+    """What comes after the forces of the cloth in a step; returns why it should be the last, or RUNNING."""
     fail(state, const, work)
     bending_kernels.bend(state, const, state.rows[0], state.rows[1], True)
     failures = state.counter[FAILURES]
@@ -321,19 +373,49 @@ def step(state, const, work):
 
 
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
-def advance(state, const, work, steps, history):
-    """March at most `steps` steps. history (steps, 3): the projectile's foremost z, v_z and the force on it after each.
+def lead(state, const, work, steps, history, shared, count):
+    """March at most `steps` steps, with `count` - 1 threads that `follow`, all with scratch of their own.
 
+    history (steps, 3): the projectile's foremost z, v_z and the force on it after each. shared : see `team.meet`.
     Returns (steps made, RUNNING or the reason to end).
     """
-    for m in range(steps):
-        reason = step(state, const, work)
-        history[m, 0] = state.position[2] + const.top
-        history[m, 1] = state.speed[2]
-        history[m, 2] = state.reaction[2]
-        if reason != RUNNING:
-            return m + 1, reason
-    return steps, RUNNING
+    made, reason = 0, RUNNING
+    while made < steps and reason == RUNNING:
+        begin(state, const)
+        meet(shared, count)
+        sweep(state, const, work, shared, 0, count)
+        meet(shared, count)
+        reason = conclude(state, const, work)
+        history[made, 0] = state.position[2] + const.top
+        history[made, 1] = state.speed[2]
+        history[made, 2] = state.reaction[2]
+        made += 1
+    shared[STOP] = 1
+    meet(shared, count)
+    first, last = part(state, const, 0, count)
+    freshen(state, const, first, last, work)
+    meet(shared, count)
+    return made, reason
+
+
+@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+def follow(state, const, work, shared, me, count):
+    """Do thread number `me`'s part of each step that `lead` makes."""
+    while True:
+        meet(shared, count)
+        if shared[STOP] != 0:
+            break
+        sweep(state, const, work, shared, me, count)
+        meet(shared, count)
+    first, last = part(state, const, me, count)
+    freshen(state, const, first, last, work)
+    meet(shared, count)
+
+
+@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+def advance(state, const, work, steps, history):
+    """`lead` without followers."""
+    return lead(state, const, work, steps, history, work.shared, 1)
 
 
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)

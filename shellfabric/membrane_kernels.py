@@ -26,8 +26,8 @@ How it is made fast. Arrays are flat, by component, a row of s = nj + 1 slots fo
 quadrilaterals leave the last slot of a row idle. An element row - the warp edges and quadrilaterals between two node
 rows, and the weft edges of the lower one - adds to the node row below it (g0) and above it (g1), and a node adds the
 two: nothing is written twice, and the result does not depend on the order of the blocks. Every loop below runs over a
-block of rows, has few inputs, and vectorises; look-ups have loops of their own. Indices are unsigned because a signed
-one is checked for wrap-around, which stops vectorisation. Scratch begins two rows before the block's first: one is
+block of rows and does all that can be done to its slots at once, eight of them at a time (`lanes`). Scratch may be
+overrun by up to seven slots, the panel's arrays may not. Scratch begins two rows before the block's first: one is
 idle, one repeats the last row of the block before, and another follows the block's last.
 """
 
@@ -36,38 +36,72 @@ import math
 import numpy as np
 from numba import njit
 
+from shellfabric.lanes import (
+    WIDTH,
+    above,
+    cells,
+    columns4,
+    columns16,
+    copysign,
+    fabs,
+    first,
+    floor,
+    fma,
+    highest,
+    inverse_root,
+    keep,
+    least,
+    load,
+    most,
+    some,
+    splat,
+    sqrt,
+    store,
+    total,
+    where,
+)
+
 ONE = np.uint64(1)
 WARP_FAILED, WEFT_FAILED, ERODED = 1, 2, 4
 # P(z) of asin(x) = x + x z P(z), z = x^2 <= 1/4: interpolated at Chebyshev points, to 1e-13
 _Z = 0.125 * (1 - np.cos(np.pi * (np.arange(12) + 0.5) / 12))
 _P = (np.arcsin(np.sqrt(_Z)) / np.sqrt(_Z) - 1) / _Z
 ARCSINE = tuple(np.polynomial.Polynomial.fit(_Z, _P, 11).convert().coef)
-FAST = {"reassoc", "contract", "nsz", "arcp"}
-
-
-@njit(cache=True, fastmath=FAST, error_model="numpy")
-def edges(u, k0, m0, n, step, r, unit, A):
-    """One component of n edges from the slots k0 on, relative to the length at rest, into scratch from m0 on."""
-    for j in range(n):
-        k = k0 + j
-        A[m0 + j] = unit + r * (u[k + step] - u[k])
 
 
 @njit(cache=True, error_model="numpy")
-def rest(m0, n, s, B):
+def edges(k0, m0, n, s, u, rx, ry, A, B, l1, i1, l2, i2):
+    """Edges of n slots from k0 on, relative to their length at rest, their stretches and the inverses of these.
+
+    Into scratch from m0 on; A, l1, i1 those of the warp, B, l2, i2 of the weft.
+    """
+    for j in range(0, n, WIDTH):
+        k, m = k0 + j, m0 + j
+        x, y, z = load(u[0], k), load(u[1], k), load(u[2], k)
+        a, b, c = fma(load(u[0], k + s) - x, rx, 1.0), rx * (load(u[1], k + s) - y), rx * (load(u[2], k + s) - z)
+        store(A[0], m, a)
+        store(A[1], m, b)
+        store(A[2], m, c)
+        square = fma(c, c, fma(b, b, a * a))
+        inverse = inverse_root(square)
+        store(i1, m, inverse)
+        store(l1, m, square * inverse)
+        a, b, c = ry * (load(u[0], k + 1) - x), fma(load(u[1], k + 1) - y, ry, 1.0), ry * (load(u[2], k + 1) - z)
+        store(B[0], m, a)
+        store(B[1], m, b)
+        store(B[2], m, c)
+        square = fma(c, c, fma(b, b, a * a))
+        inverse = inverse_root(square)
+        store(i2, m, inverse)
+        store(l2, m, square * inverse)
+
+
+@njit(cache=True, error_model="numpy")
+def rest(m0, n, s, B, l2, i2):
     """Put the idle slot at the end of each row of weft edges to rest, where `edges` has joined two rows."""
-    for j in range(m0 + s - ONE, m0 + n, s):
+    for j in range(m0 + s - 1, m0 + n, s):
         B[0][j] = B[2][j] = 0.0
-        B[1][j] = 1.0
-
-
-@njit(cache=True, fastmath=FAST, error_model="numpy")
-def stretches(m0, n, x, y, z, L, inverse):
-    """Stretches of n edges and their inverses."""
-    for j in range(m0, m0 + n):
-        length = math.sqrt(x[j] * x[j] + y[j] * y[j] + z[j] * z[j])
-        L[j] = length
-        inverse[j] = 1.0 / length
+        B[1][j] = l2[j] = i2[j] = 1.0
 
 
 @njit(cache=True, error_model="numpy")
@@ -77,118 +111,133 @@ def copy(n, source, target, x):
         x[target + j] = x[source + j]
 
 
-@njit(cache=True, fastmath=FAST, error_model="numpy")
+@njit(cache=True, error_model="numpy")
 def across_warp(m0, n, s, x, mean):
     """For n warp edges the mean of x over the weft edges that cross them: four, or two at the ends of a row."""
-    for j in range(m0, m0 + n):
-        mean[j] = 0.25 * ((x[j - ONE] + x[j]) + (x[j + s - ONE] + x[j + s]))
+    for j in range(m0, m0 + n, WIDTH):
+        store(mean, j, 0.25 * ((load(x, j - 1) + load(x, j)) + (load(x, j + s - 1) + load(x, j + s))))
     for j in range(m0, m0 + n, s):
-        mean[j] = 0.5 * (x[j] + x[j + s])
-    for j in range(m0 + s - ONE, m0 + n, s):
-        mean[j] = 0.5 * (x[j - ONE] + x[j + s - ONE])
+        end = j + s - 1
+        mean[j], mean[end] = 0.5 * (x[j] + x[j + s]), 0.5 * (x[end - 1] + x[end + s - 1])
 
 
-@njit(cache=True, fastmath=FAST, error_model="numpy")
+@njit(cache=True, error_model="numpy")
 def across_weft(m0, n, s, x, mean):
     """For n weft edges the mean of x over the warp edges that cross them; rows beyond the panel repeat its last."""
-    for j in range(m0, m0 + n):
-        mean[j] = 0.25 * ((x[j - s] + x[j - s + ONE]) + (x[j] + x[j + ONE]))
-    for j in range(m0 + s - ONE, m0 + n, s):
+    for j in range(m0, m0 + n, WIDTH):
+        store(mean, j, 0.25 * ((load(x, j - s) + load(x, j - s + 1)) + (load(x, j) + load(x, j + 1))))
+    for j in range(m0 + s - 1, m0 + n, s):
         mean[j] = 1.0
 
 
-@njit(cache=True, fastmath=FAST, error_model="numpy")
-def place(m0, n, l, x0, r, top, cell, part):
-    """Where n stretches lie in the table: the cell along one side, 0 .. top, and the place in it, at least 0."""
-    for j in range(m0, m0 + n):
-        p = max((l[j] - x0) * r, 0.0)
-        whole = math.floor(min(p, top))
-        cell[j] = whole
-        part[j] = p - whole
+@njit(cache=True, error_model="numpy")
+def tensions(m0, n, l1, l2, grid, table, T):
+    """Bilinear look-up of one tension, at n pairs of stretches. Returns the largest, at least 0.
 
-
-@njit(cache=True, fastmath=FAST, error_model="numpy")
-def tensions(m0, n, cell1, part1, cell2, part2, table, across, T):
-    """Bilinear look-up of one tension in a table of `across` cells along its second side. Returns the largest.
-
-    Below the table its edge, which is exact there; above it linear.
+    grid : where the table begins, cells per stretch and number of the last cell, of both stretches; cells along the
+        second. Below the table its edge, which is exact there; above it linear.
     """
-    most = 0.0
-    for j in range(m0, m0 + n):
-        p, q = part1[j], part2[j]
-        m = np.uint32(cell1[j] * across + cell2[j])
-        tension = table[m, 0] + table[m, 1] * p + q * (table[m, 2] + table[m, 3] * p)
-        T[j] = tension
-        most = max(most, tension)
-    return most
+    x0, rx, top1, y0, ry, top2, across = grid
+    greatest = splat(0.0)
+    for j in range(0, n, WIDTH):
+        m = m0 + j
+        p, q = most((load(l1, m) - x0) * rx, 0.0), most((load(l2, m) - y0) * ry, 0.0)
+        cell1, cell2 = floor(least(p, top1)), floor(least(q, top2))
+        c = columns4(table, cells(fma(cell1, across, cell2)))
+        p, q = p - cell1, q - cell2
+        tension = fma(q, fma(c[3], p, c[2]), fma(c[1], p, c[0]))
+        store(T, m, tension)
+        greatest = most(greatest, tension if n - j >= WIDTH else where(first(n - j), tension, 0.0))
+    return highest(greatest)
 
 
-@njit(cache=True, fastmath=FAST, error_model="numpy")
-def potential_forces(m0, n, cell1, part1, cell2, part2, table, across, per1, per2, N1, N2):
+@njit(cache=True, error_model="numpy")
+def potential_forces(m0, n, l1, l2, grid, table, per1, per2, N1, N2):
     """Gradient of the bicubic potential, N = per dW/d(local coordinate).
 
     Above the table cubes go on as parabolas, so that tensions go on straight: (1 + e)^3 - e^3 with e what is above.
+    Returns the largest p and q, the places in the table in units of its cells.
     """
-    for j in range(m0, m0 + n):
-        p, q = part1[j], part2[j]
-        e, f = max(p - 1.0, 0.0), max(q - 1.0, 0.0)
-        cube1, cube2 = p * p * p - e * e * e, q * q * q - f * f * f
-        turn1, turn2 = 3.0 * (p * p - e * e), 3.0 * (q * q - f * f)
-        m = np.uint32(cell1[j] * across + cell2[j])
-        d1 = table[m, 4] + q * (table[m, 5] + q * table[m, 6]) + cube2 * table[m, 7]
-        d1 += 2.0 * p * (table[m, 8] + q * (table[m, 9] + q * table[m, 10]) + cube2 * table[m, 11])
-        d1 += turn1 * (table[m, 12] + q * (table[m, 13] + q * table[m, 14]) + cube2 * table[m, 15])
-        d2 = table[m, 1] + p * (table[m, 5] + p * table[m, 9]) + cube1 * table[m, 13]
-        d2 += 2.0 * q * (table[m, 2] + p * (table[m, 6] + p * table[m, 10]) + cube1 * table[m, 14])
-        d2 += turn2 * (table[m, 3] + p * (table[m, 7] + p * table[m, 11]) + cube1 * table[m, 15])
-        N1[j] = per1 * d1
-        N2[j] = per2 * d2
+    x0, rx, top1, y0, ry, top2, across = grid
+    far1, far2, end = splat(0.0), splat(0.0), m0 + n
+    for j in range(m0, end, WIDTH):
+        p, q = most((load(l1, j) - x0) * rx, 0.0), most((load(l2, j) - y0) * ry, 0.0)
+        far1 = most(far1, p if end - j >= WIDTH else where(first(end - j), p, 0.0))
+        far2 = most(far2, q if end - j >= WIDTH else where(first(end - j), q, 0.0))
+        cell1, cell2 = floor(least(p, top1)), floor(least(q, top2))
+        c = columns16(table, cells(fma(cell1, across, cell2)))
+        p, q = p - cell1, q - cell2
+        square1, square2 = p * p, q * q
+        cube1, cube2, turn1, turn2 = square1 * p, square2 * q, 3.0 * square1, 3.0 * square2
+        if some(above(most(p, q), 1.0)):
+            e, f = most(p - 1.0, 0.0), most(q - 1.0, 0.0)
+            cube1, cube2 = cube1 - e * e * e, cube2 - f * f * f
+            turn1, turn2 = turn1 - 3.0 * (e * e), turn2 - 3.0 * (f * f)
+        c0 = fma(cube2, c[7], fma(square2, c[6], fma(q, c[5], c[4])))
+        c1 = fma(cube2, c[11], fma(square2, c[10], fma(q, c[9], c[8])))
+        c2 = fma(cube2, c[15], fma(square2, c[14], fma(q, c[13], c[12])))
+        store(N1, j, per1 * fma(turn1, c2, fma(2.0 * p, c1, c0)))
+        c0 = fma(cube1, c[13], fma(square1, c[9], fma(p, c[5], c[1])))
+        c1 = fma(cube1, c[14], fma(square1, c[10], fma(p, c[6], c[2])))
+        c2 = fma(cube1, c[15], fma(square1, c[11], fma(p, c[7], c[3])))
+        store(N2, j, per2 * fma(turn2, c2, fma(2.0 * q, c1, c0)))
+    return highest(far1), highest(far2)
 
 
-@njit(cache=True, fastmath=FAST, error_model="numpy")
-def halves(m0, n, own, shared, N):
-    """N = (own + shared) / 2 of n edges."""
-    for j in range(m0, m0 + n):
-        N[j] = 0.5 * (own[j] + shared[j])
+@njit(cache=True, error_model="numpy")
+def share_warp(m0, n, s, own, given, N):
+    """Forces N of n warp edges: half of each its own, half what the weft edges that cross it give (`across_warp`)."""
+    for j in range(m0, m0 + n, WIDTH):
+        met = (load(given, j - 1) + load(given, j)) + (load(given, j + s - 1) + load(given, j + s))
+        store(N, j, 0.5 * fma(met, 0.25, load(own, j)))
+    for j in range(m0, m0 + n, s):
+        end = j + s - 1
+        N[j] = 0.5 * (own[j] + 0.5 * (given[j] + given[j + s]))
+        N[end] = 0.5 * (own[end] + 0.5 * (given[end - 1] + given[end + s - 1]))
+
+
+@njit(cache=True, error_model="numpy")
+def share_weft(m0, n, s, own, given, N):
+    """Forces N of n weft edges: half of each its own, half what the warp edges that cross it give."""
+    for j in range(m0, m0 + n, WIDTH):
+        met = (load(given, j - s) + load(given, j - s + 1)) + (load(given, j) + load(given, j + 1))
+        store(N, j, 0.5 * fma(met, 0.25, load(own, j)))
+    for j in range(m0 + s - 1, m0 + n, s):  # idle slots
+        N[j] = 0.0
 
 
 @njit(cache=True, error_model="numpy")
 def largest(m0, n, values):
     """The largest of n values, at least 0."""
-    most = 0.0
+    found = 0.0
     for j in range(m0, m0 + n):
-        most = max(most, values[j])
-    return most
+        found = max(found, values[j])
+    return found
 
 
-@njit(cache=True, fastmath=FAST, error_model="numpy")
-def yarn_work(k0, m0, n, cv, l, N, y, L, P, D, force):
-    """Advance n edges of one family; force = y (N + cv dL), dE/dLambda with y [m] the length of yarn of an edge.
+@njit(cache=True, error_model="numpy")
+def yarns(k0, m0, n, back, again, r, cv, l, inverse, turned, N, y, L, P, D, on):
+    """Advance n edges of one family, and find their pulls along themselves over their stretch, r = 1 / dX, into `on`.
 
-    Returns the work of N and of the viscous force. The work of a step is the trapezoid of the force over the change of
-    stretch. Summed over the steps it equals, term by term, what central differences exchange with the kinetic energy.
+    The pull is y (N + cv dL), dE/dLambda with y [m] the length of yarn of an edge, less what the trellis on both sides
+    takes. Returns the work of N and of the viscous force. The work of a step is the trapezoid of the force over the
+    change of stretch. Summed over the steps it equals, term by term, what central differences exchange with the kinetic
+    energy. `again`: in a step that has been made before yarns failed in it.
     """
-    work, viscous = 0.0, 0.0
-    for j in range(n):
-        k, m = k0 + j, m0 + j
-        d = l[m] - L[k]
-        part = y[k] * d
-        work += part * (N[m] + P[k])
-        viscous += part * (d + D[k])
-        force[m] = y[k] * (N[m] + cv * d)
-        L[k] = l[m]
-        P[k] = N[m]
-        D[k] = d
-    return 0.5 * work, 0.5 * cv * viscous
-
-
-@njit(cache=True, fastmath=FAST, error_model="numpy")
-def yarn_again(k0, m0, n, cv, N, y, P, D, force):
-    """The forces of `yarn_work` once more, after yarns have failed in this step."""
-    for j in range(n):
-        k, m = k0 + j, m0 + j
-        force[m] = y[k] * (N[m] + cv * D[k])
-        P[k] = N[m]
+    work, viscous = splat(0.0), splat(0.0)
+    for j in range(0, n, WIDTH):
+        k, m, left = k0 + j, m0 + j, n - j
+        stretch, force, length, last = load(l, m), load(N, m), load(y, k), load(D, k)
+        d = last if again else stretch - load(L, k)
+        part = length * d if left >= WIDTH else where(first(left), length * d, 0.0)
+        work = fma(part, force + load(P, k), work)
+        viscous = fma(part, d + last, viscous)
+        pull = length * fma(cv, d, force) - (load(turned, m) + load(turned, m - back))
+        store(on, m, r * load(inverse, m) * pull)
+        keep(L, k, stretch, left)
+        keep(P, k, force, left)
+        keep(D, k, d, left)
+    return 0.5 * total(work), 0.5 * cv * total(viscous)
 
 
 @njit(cache=True, error_model="numpy")
@@ -210,90 +259,77 @@ def shear_energy(sine, V, G1, G2, gamma1, gamma2):
     return V * trellis(math.asin(min(max(sine, -0.999), 0.999)), G1, G2, gamma1, gamma2)[1]
 
 
-@njit(cache=True, fastmath=FAST, error_model="numpy")
-def shear(m0, n, s, ax, ay, az, bx, by, bz, l1, l2, sine):
-    """Sine of the shear angle of n quadrilaterals."""
-    for j in range(m0, m0 + n):
-        x = (ax[j] + ax[j + ONE]) * (bx[j] + bx[j + s])
-        y = (ay[j] + ay[j + ONE]) * (by[j] + by[j + s])
-        z = (az[j] + az[j + ONE]) * (bz[j] + bz[j + s])
-        sine[j] = (x + y + z) / ((l1[j] + l1[j + ONE]) * (l2[j] + l2[j + s]))
-
-
-@njit(cache=True, fastmath=FAST, error_model="numpy")
-def shear_slope(m0, n, sine, V, G1, G2, gamma1, gamma2, slope):
-    """V dU/d(sin gamma) = V tau / cos(gamma). Yarns closer to each other than 2.6 degrees count as that.
+@njit(cache=True, error_model="numpy")
+def shear_slope(sine, G1, G2, gamma1, gamma2):
+    """dU/d(sin gamma) = tau / cos(gamma) of eight angles. Yarns closer to each other than 2.6 degrees count as that.
 
     `trellis` written without branches. The angle is x + x z P(z), z = x^2, up to sine 1/2 and pi/2 less twice the
     angle of sine sqrt((1 - x) / 2) above it.
     """
-    half_rise, jump, span = 0.5 * (G2 - G1) / (gamma2 - gamma1), G2 - G1, gamma2 - gamma1
-    for j in range(m0, m0 + n):
-        x = min(abs(sine[j]), 0.999)
-        high = x > 0.5
-        z = 0.5 * (1.0 - x) if high else x * x
-        root = math.sqrt(z) if high else x
-        P = ARCSINE[8] + z * (ARCSINE[9] + z * (ARCSINE[10] + z * ARCSINE[11]))
-        P = ARCSINE[4] + z * (ARCSINE[5] + z * (ARCSINE[6] + z * (ARCSINE[7] + z * P)))
-        P = ARCSINE[0] + z * (ARCSINE[1] + z * (ARCSINE[2] + z * (ARCSINE[3] + z * P)))
-        angle = root + root * z * P
-        angle = 0.5 * math.pi - 2.0 * angle if high else angle
-        middle = min(max(angle - gamma1, 0.0), span)
-        stress = G1 * angle + half_rise * middle * middle + jump * max(angle - gamma2, 0.0)
-        slope[j] = V * math.copysign(stress, sine[j]) / math.sqrt(1.0 - x * x)
+    x = least(fabs(sine), 0.999)
+    high, root, z = above(x, 0.5), x, x * x
+    cosine = 1.0 - z
+    if some(high):
+        z = where(high, fma(x, -0.5, splat(0.5)), z)
+        root = where(high, sqrt(z), x)
+    P = fma(z, fma(z, fma(z, ARCSINE[11], ARCSINE[10]), ARCSINE[9]), ARCSINE[8])
+    P = fma(z, fma(z, fma(z, fma(z, P, ARCSINE[7]), ARCSINE[6]), ARCSINE[5]), ARCSINE[4])
+    P = fma(z, fma(z, fma(z, fma(z, P, ARCSINE[3]), ARCSINE[2]), ARCSINE[1]), ARCSINE[0])
+    angle = fma(root * z, P, root)
+    angle = where(high, fma(angle, -2.0, splat(0.5 * math.pi)), angle)
+    span = gamma2 - gamma1
+    middle = least(most(angle - gamma1, 0.0), span)
+    stress = fma((0.5 * (G2 - G1) / span) * middle, middle, G1 * angle)
+    stress = fma(most(angle - gamma2, 0.0), G2 - G1, stress)
+    return copysign(stress * inverse_root(cosine), sine)
 
 
-@njit(cache=True, fastmath=FAST, error_model="numpy")
-def turn(m0, n, step, slope, sine, l, turned):
-    """-dE/dLambda that n quadrilaterals give to each of their two edges of one family, `step` slots apart."""
-    for j in range(m0, m0 + n):
-        turned[j] = slope[j] * sine[j] / (l[j] + l[j + step])
+@njit(cache=True, error_model="numpy")
+def shear(m0, n, s, A, B, l1, l2, V, G1, G2, gamma1, gamma2, turn1, turn2, cross):
+    """The trellis of n quadrilaterals.
+
+    turn1, turn2 : -dE/dLambda that it gives to each of its two warp and its two weft edges
+    cross : dE/d(a.b) over four, a and b being doubled
+    """
+    for j in range(m0, m0 + n, WIDTH):
+        dot = (load(A[0], j) + load(A[0], j + 1)) * (load(B[0], j) + load(B[0], j + s))
+        dot = fma(load(A[1], j) + load(A[1], j + 1), load(B[1], j) + load(B[1], j + s), dot)
+        dot = fma(load(A[2], j) + load(A[2], j + 1), load(B[2], j) + load(B[2], j + s), dot)
+        along, over = load(l1, j) + load(l1, j + 1), load(l2, j) + load(l2, j + s)
+        share = 1.0 / (along * over)
+        sine = dot * share
+        crossed = V * shear_slope(sine, G1, G2, gamma1, gamma2) * share
+        turned = crossed * sine
+        store(cross, j, crossed)
+        store(turn1, j, turned * over)
+        store(turn2, j, turned * along)
+    for j in range(m0 + s - 1, m0 + n, s):  # idle slots
+        turn1[j] = turn2[j] = cross[j] = 0.0
 
 
-@njit(cache=True, fastmath=FAST, error_model="numpy")
-def cross(m0, n, s, slope, l1, l2, crossed):
-    """dE/d(a.b) of n quadrilaterals, over four, a and b being doubled."""
-    for j in range(m0, m0 + n):
-        crossed[j] = slope[j] / ((l1[j] + l1[j + ONE]) * (l2[j] + l2[j + s]))
-
-
-@njit(cache=True, fastmath=FAST, error_model="numpy")
-def times(m0, n, step, crossed, A, X):
-    """One component of the doubled mean of two edges, `step` slots apart, times dE/d(a.b), for n quadrilaterals."""
-    for j in range(m0, m0 + n):
-        X[j] = crossed[j] * (A[j] + A[j + step])
-
-
-@njit(cache=True, fastmath=FAST, error_model="numpy")
-def pulls(m0, n, back, r, force, turned, inverse, on):
-    """Pulls of n edges along themselves over their stretch, less what the trellis on both sides takes; r = 1 / dX."""
-    for j in range(m0, m0 + n):
-        on[j] = r * inverse[j] * (force[j] - (turned[j] + turned[j - back]))
-
-
-@njit(cache=True, fastmath={"nsz"}, error_model="numpy")
-def gather(k0, m0, n, rx, ry, on1, A, on2, B, X, Y, g0):
-    """One component of what n slots' edges and quadrilaterals give to the nodes of their own row.
+@njit(cache=True, error_model="numpy")
+def gather(k0, m0, n, s, rx, ry, A, B, on1, on2, cross, g0, g1):
+    """What n slots' edges and quadrilaterals give to the nodes of their own row, g0, and to those of the next, g1.
 
     Without contraction uniform tension cancels digit by digit.
     """
-    for j in range(n):
-        m = m0 + j
-        trellis = rx * (X[m] + X[m - ONE]) + ry * (Y[m] - Y[m - ONE])
-        g0[k0 + j] = (on1[m] * A[m] + (on2[m] * B[m] - on2[m - ONE] * B[m - ONE])) + trellis
+    for j in range(0, n, WIDTH):
+        k, m, left = k0 + j, m0 + j, n - j
+        here, before = load(cross, m), load(cross, m - 1)
+        pull1, pull2, back2 = load(on1, m), load(on2, m), load(on2, m - 1)
+        for c in range(3):
+            a, b, b_back = load(A[c], m), load(B[c], m), load(B[c], m - 1)
+            X = here * (b + load(B[c], m + s)) + before * (b_back + load(B[c], m + s - 1))
+            Y = here * (a + load(A[c], m + 1)) - before * (load(A[c], m - 1) + a)
+            along, beside, over = pull1 * a, rx * X, ry * Y
+            keep(g0[c], k, (along + (pull2 * b - back2 * b_back)) + (beside + over), left)
+            keep(g1[c], k + s, over - (along + beside), left)
 
 
-@njit(cache=True, fastmath={"nsz"}, error_model="numpy")
-def gather_next(k0, m0, n, rx, ry, on1, A, X, Y, g1):
-    """One component of what they give to the nodes of the next row, which begin at slot k0."""
-    for j in range(n):
-        m = m0 + j
-        g1[k0 + j] = ry * (Y[m] - Y[m - ONE]) - (on1[m] * A[m] + rx * (X[m] + X[m - ONE]))
-
-
-@njit(cache=True, fastmath={"nsz"}, error_model="numpy")
+@njit(cache=True, error_model="numpy")
 def gather_last(k0, m0, n, on2, B, g0):
-    """One component of what the weft edges on the panel's last row give to their nodes."""
-    for j in range(n):
-        m = m0 + j
-        g0[k0 + j] = on2[m] * B[m] - on2[m - ONE] * B[m - ONE]
+    """What the weft edges on the panel's last row give to their nodes."""
+    for c in range(3):
+        for j in range(n):
+            m = m0 + j
+            g0[c][k0 + j] = on2[m] * B[c][m] - on2[m - 1] * B[c][m - 1]

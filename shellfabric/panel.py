@@ -18,7 +18,7 @@ from math import inf
 import numpy as np
 
 from fabrics.errors import InputError
-from shellfabric import contact_kernels, edges, edges_kernels, march_kernels
+from shellfabric import contact_kernels, edges, edges_kernels, march_kernels, team
 from shellfabric.cell import CellTable
 from shellfabric.projectile import Projectile
 
@@ -27,21 +27,20 @@ SYMMETRIES = {"quarter": (True, True), "half": (True, False), "whole": (False, F
 Constants = namedtuple(
     "Constants",
     "ni nj s block per mirror_x mirror_y x0 y0 dx dy rx0 ry0 dt "
-    "tension1 tension2 potential x0t rx top1 y0t ry top2 across per1 per2 variational "
+    "tension1 tension2 ceiling1 ceiling2 potential x0t rx top1 y0t ry top2 grid per1 per2 variational "
     "cv1 cv2 V G1 G2 gamma1 gamma2 w1 S01 EA1 w2 S02 EA2 strength1 strength2 lag widest "
     "near points point_stiffness point_damping R rho projectile_mass free idle_steps "
     "shape form length frame tilted roaming depth reach top shoulder friction rim_node rim_axis rim bending ends",
 )
 State = namedtuple(
     "State",
-    "u v g0 g1 mass inverse_mass kick L N T D y intact failed filtered flag thin most "
+    "u v g0 g1 mass inverse_mass kick L N T D y intact failed filtered flag thin stale most "
     "pressed touching contact position speed reaction "
     "contact_energy rows counter sums peak window stuck rim_force rim_sums",
 )
 Work = namedtuple(
     "Work",
-    "A B l1 l2 i1 i2 m1 m2 p1 p2 p3 p4 q1 q2 q3 q4 T1 T2 N1 N2 own1 own2 given1 given2 force1 force2 on1 on2 "
-    "sine slope turn1 turn2 cross X Y x v strip",
+    "A B l1 l2 i1 i2 m1 m2 T1 T2 N1 N2 own1 own2 given1 given2 on1 on2 turn1 turn2 cross x v strip shared",
 )
 
 
@@ -70,6 +69,7 @@ class Numerics:
     widest : stretch of the gap left by failed yarns at which its element loses contact: two neighbours' worth
     clear_time : [s] without a push and with nothing ahead, after which the panel counts as perforated
     block : elements worked on together: more share the cost of a block, fewer keep its scratch in cache
+    threads : that march; None takes all that the process may use where it pays (`team`). No result depends on it
     """
 
     safety: float = 0.9
@@ -81,6 +81,7 @@ class Numerics:
     widest: float = 3.0
     clear_time: float = 2e-6
     block: int = 2000
+    threads: int | None = None
 
     def __post_init__(self):
         for key in ("safety", "penalty", "contact_points", "widest", "clear_time", "block"):
@@ -94,6 +95,8 @@ class Numerics:
         ):
             if not getattr(self, key) >= 0:
                 raise InputError(key=key, value=getattr(self, key), allowed="at least 0")
+        if self.threads is not None and self.threads < 1:
+            raise InputError(key="threads", value=self.threads, allowed="at least 1")
         if self.safety > 1:
             raise InputError(key="safety", value=self.safety, allowed="at most 1")
 
@@ -243,9 +246,14 @@ class Panel:
             ni=ni, nj=nj, s=nj + 1, block=max(1, round(knobs.block / (nj + 1))), mirror_x=mirror_x, mirror_y=mirror_y,
             x0=x0, y0=y0, dx=dx, dy=dy, rx0=1 / dx, ry0=1 / dy, dt=dt, per=self.elements_per_crossover,
             tension1=table.tension1.reshape(-1, 4), tension2=table.tension2.reshape(-1, 4),
+            ceiling1=_ceiling(table.values["T1"]), ceiling2=_ceiling(table.values["T2"]),
             potential=table.potential.reshape(-1, 16),
             x0t=table.stretch1[0], rx=rx, top1=table.stretch1.size - 2,
-            y0t=table.stretch2[0], ry=ry, top2=table.stretch2.size - 2, across=float(table.stretch2.size - 1),
+            y0t=table.stretch2[0], ry=ry, top2=table.stretch2.size - 2,
+            grid=(
+                table.stretch1[0], rx, table.stretch1.size - 2.0, table.stretch2[0], ry, table.stretch2.size - 2.0,
+                table.stretch2.size - 1.0,
+            ),
             per1=rx / (2 * w1), per2=ry / (2 * w2), variational=table.model.form == "variational",
             cv1=knobs.stretch_viscosity * lag * warp.EA, cv2=knobs.stretch_viscosity * lag * weft.EA,
             V=dx * dy * weave.thickness, G1=G1, G2=G2, gamma1=gamma1, gamma2=gamma2,
@@ -268,7 +276,7 @@ class Panel:
         """The panel at rest, flat at z = 0, touched by the projectile that flies at it at `strike_velocity` [m/s]."""
         const = self.constants()
         ni, s = const.ni, const.s
-        slots = (ni + 1) * s + 16
+        slots = (ni + 2) * s + 16
         mass, inverse = np.zeros(slots), np.zeros(slots)
         mass[: (ni + 1) * s] = self.masses().ravel()
         loose = np.flatnonzero(edges.loose(self))
@@ -286,7 +294,7 @@ class Panel:
             y=lengths, intact=tuple((y > 0).astype(float) for y in lengths),
             failed=(np.zeros(slots, np.uint8), np.zeros(slots, np.uint8)),
             filtered=two() if const.lag > 0 else (np.zeros(0), np.zeros(0)),
-            thin=np.zeros(blocks, np.uint8), most=np.zeros((blocks, 2)),
+            thin=np.zeros(blocks, np.uint8), stale=np.zeros(blocks, np.bool_), most=np.zeros((blocks, 2)),
             flag=np.zeros(slots, np.uint8), pressed=np.zeros((near, const.points**2, 4)),
             touching=np.zeros(near, np.bool_), contact=three(),
             position=self.projectile.start(), speed=strike_velocity * self.projectile.flight, reaction=np.zeros(3),
@@ -305,12 +313,13 @@ class Panel:
         return state
 
     def work(self) -> Work:
-        """Scratch for one block of elements."""
+        """Scratch of one thread, for one block of elements."""
         const = self.constants()
-        size = (const.block + 4) * const.s
+        size = (const.block + 4) * const.s + 16
         shapes = dict.fromkeys(("A", "B"), (3, size)) | dict.fromkeys(("x", "v"), (16, 3)) | {"strip": (9, 3)}
         rows = {name: np.zeros(shapes.get(name, size)) for name in Work._fields}
-        return Work(**{name: tuple(part) if name in ("A", "B") else part for name, part in rows.items()})
+        rows["A"], rows["B"], rows["shared"] = tuple(rows["A"]), tuple(rows["B"]), np.zeros(team.ROOM, np.int64)
+        return Work(**rows)
 
     def masses(self):
         """(ni+1, nj+1) [kg] of the nodes."""
@@ -353,3 +362,8 @@ class Panel:
         for start, step, count, reach in zip(self.origin, self.spacing, self.counts, self._reach()):
             bounds += [max(0, int((-reach - start) / step)), min(count, int((reach - start) / step) + 1)]
         return tuple(bounds)
+
+
+def _ceiling(tension):
+    """(cells,) [N] the largest tension (n1, n2) up to the upper corner of each cell of the table."""
+    return np.maximum.accumulate(np.maximum.accumulate(tension, axis=0), axis=1)[1:, 1:].ravel()

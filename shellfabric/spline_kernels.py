@@ -1,4 +1,18 @@
-"""SPLHEAD
+"""The cloth as a smooth surface: quadratic B-splines whose control points are the nodes.
+
+The surface about node (i, j), from half an element before it to half an element behind it along both families, is
+
+    x(s, t) = sum_mn B_m(s) B_n(t) x(i + m, j + n),   m, n = -1, 0, 1,   -1/2 <= s, t <= 1/2
+    B = (1/2 - s)^2 / 2,  3/4 - s^2,  (1/2 + s)^2 / 2
+
+Its slope is continuous. Weights are at least 0 and their sum is 1, so that a point lies in the convex hull of its
+nodes, and cloth that is flat and even is kept as it is. An element is a quarter each of the surfaces about its four nodes.
+
+Beyond a plane of symmetry nodes are mirror images. Where a yarn ends, at a border of the panel or where it has failed,
+the node beyond is the one that goes straight on, 2 x(i) - x(i + 1), which makes B = (-s or 0), 1 - |s|, (s or 0): the
+surface ends at the end of the yarn. So along either family it bends about a node if the yarn is whole on both sides of
+it, and is straight otherwise; neither places nor forces are handed across a gap. At a corner of the nine nodes one may
+be left that no yarn joins to the others: then it is straight along both, within the element's own four nodes.
 """
 
 import numpy as np

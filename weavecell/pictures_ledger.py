@@ -169,6 +169,7 @@ def cones(pyplot, runs):
         run = runs[name]
         taken = next((s for s in run["snapshots"] if coupling.base_ratio(s)[1] > 50e-3), run["snapshots"][-1])
         x, y, z = 1e3 * taken["x"], 1e3 * taken["y"], 1e3 * taken["z"].T
+        z = np.maximum(z, 0)
         full = np.block([[z[:0:-1, :0:-1], z[:0:-1]], [z[:, :0:-1], z]])
         X, Y = np.concatenate([-x[:0:-1], x]), np.concatenate([-y[:0:-1], y])
         drawn = axes.contourf(X, Y, full, levels=14, cmap="Blues")

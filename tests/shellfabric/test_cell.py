@@ -159,18 +159,18 @@ def test_closed_square_of_strains(fabric):
 def table_forces(table, x, y):
     """Forces as the element reads them."""
     w1, w2 = table.model.fabric.weave.w
-    start, n, (rx, ry) = np.uint64(0), np.uint64(x.size), (1 / step for step in table.steps)
-    N1, N2, (cell1, part1, cell2, part2) = np.empty(x.size), np.empty(x.size), np.empty((4, x.size))
-    membrane_kernels.place(start, n, x, table.stretch1[0], rx, table.stretch1.size - 2, cell1, part1)
-    membrane_kernels.place(start, n, y, table.stretch2[0], ry, table.stretch2.size - 2, cell2, part2)
-    at, across = (start, n, cell1, part1, cell2, part2), float(table.stretch2.size - 1)
+    rx, ry = (1 / step for step in table.steps)
+    x0, y0, top1, top2 = table.stretch1[0], table.stretch2[0], table.stretch1.size - 2.0, table.stretch2.size - 2.0
+    grid, room = (x0, rx, top1, y0, ry, top2, top2 + 1), np.zeros((2, x.size + 8))
+    at, (N1, N2) = (0, x.size, *(np.append(part, np.ones(8)) for part in (x, y)), grid), room
     if table.model.form == "variational":
         potential = table.potential.reshape(-1, 16)
-        membrane_kernels.potential_forces(*at, potential, across, rx / (2 * w1), ry / (2 * w2), N1, N2)
+        membrane_kernels.potential_forces(*at, potential, rx / (2 * w1), ry / (2 * w2), N1, N2)
     else:
-        largest = membrane_kernels.tensions(*at, table.tension1.reshape(-1, 4), across, N1)
-        assert largest == N1.max()
-        membrane_kernels.tensions(*at, table.tension2.reshape(-1, 4), across, N2)
+        largest = membrane_kernels.tensions(*at, table.tension1.reshape(-1, 4), N1)
+        assert largest == N1[: x.size].max()
+        membrane_kernels.tensions(*at, table.tension2.reshape(-1, 4), N2)
+    N1, N2 = room[:, : x.size]
     return N1, N2
 
 

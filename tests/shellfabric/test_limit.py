@@ -50,11 +50,11 @@ def test_bisection_finds_the_limit(pretend, truth, tolerance):
     assert len(begun) <= 8 + np.log2(max(truth, 100.0) / tolerance)
 
 
-def test_number_of_workers_does_not_matter(pretend):
-    results = []
+def test_number_of_workers_does_not_matter(pretend, small):
+    results, panel = [], small()
     for workers in (1, 2, 3, 7):
         begun = pretend(131.0)
-        results.append(limit.critical_velocity(None, guess=100.0, workers=workers))
+        results.append(limit.critical_velocity(panel, guess=100.0, workers=workers))
         assert len(begun) >= len(results[-1].shots)
     assert all(result == results[0] for result in results)
 
@@ -68,7 +68,7 @@ def test_what_may_follow_is_begun_first(pretend):
     assert Bracket(100.0, 1.0, 1000.0, 100.0, 101.0).ahead(3, 1.0) == []
 
 
-def test_shots_in_vain_are_given_up(pretend, monkeypatch):
+def test_shots_in_vain_are_given_up(pretend, monkeypatch, small):
     """A shot that turns out not to be needed ends at its next audit, and its errors do not matter."""
     given_up, begun = [], threading.Event()
 
@@ -82,7 +82,7 @@ def test_shots_in_vain_are_given_up(pretend, monkeypatch):
         return made_up(velocity, "perforated" if velocity > 90.0 else "stopped")
 
     monkeypatch.setattr(limit, "_fire", fire)
-    found = limit.critical_velocity(None, guess=100.0, workers=2)
+    found = limit.critical_velocity(small(), guess=100.0, workers=2)
     assert found.low <= 90.0 <= found.high
     assert given_up == [120.0]
 
