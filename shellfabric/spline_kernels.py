@@ -6,7 +6,8 @@ The surface about node (i, j), from half an element before it to half an element
     B = (1/2 - s)^2 / 2,  3/4 - s^2,  (1/2 + s)^2 / 2
 
 Its slope is continuous. Weights are at least 0 and their sum is 1, so that a point lies in the convex hull of its
-nodes, and cloth that is flat and even is kept as it is. An element is a quarter each of the surfaces about its four nodes.
+nodes, and cloth that is flat and even is kept as it is. An element is a quarter each of the surfaces about its four
+nodes.
 
 Beyond a plane of symmetry nodes are mirror images. Where a yarn ends, at a border of the panel or where it has failed,
 the node beyond is the one that goes straight on, 2 x(i) - x(i + 1), which makes B = (-s or 0), 1 - |s|, (s or 0): the
