@@ -21,7 +21,9 @@ from fabrics.weave import arc_length
 from shellfabric import cell_kernels as kernels
 
 FORMS = {"equilibrium": kernels.EQUILIBRIUM, "variational": kernels.VARIATIONAL}
+PROFILES = {"cosine": kernels.COSINE, "straight": kernels.STRAIGHT}
 MODELS = ("compressible", "incompressible", "decoupled")
+_LONGEST_TOE = 0.1
 COLUMNS = ("T1", "T2", "N1", "N2", "F", "h1", "h2", "W")
 
 
@@ -38,10 +40,14 @@ class CellModel:
     form : "variational" (forces are the gradient of W) or "equilibrium" (the source's F = 2 T sin alpha; forces T).
         The default is the variational one for its energy: what its forces do is what the cell stores. The equilibrium
         form's forces are no gradient, and do work that nothing stores: 4 % of the strike energy of S-720 at 92.5 m/s
+    profile : "cosine" (the source's), or "straight" segments from crossing to crossing (Kawabata's)
+    toe : [-] mean slack of a yarn's fibres, or that of (warp, weft): the strain that their straightening takes; 0 is
+        the source's linear yarn. See `yarn_kernels`
 
     Raises
     ------
-    InputError : unknown model or form, negative gap, or a compressible cell without laws
+    InputError : unknown model, form or profile, negative gap, a toe outside [0, 0.1], or a compressible cell without
+        laws
     """
 
     fabric: Fabric
@@ -49,13 +55,17 @@ class CellModel:
     gap: float = 0.0
     model: str = "compressible"
     form: str = "variational"
+    profile: str = "cosine"
+    toe: float | tuple[float, float] = 0.0
 
     def __post_init__(self):
-        if self.model not in MODELS:
-            raise InputError(key="model", value=self.model, allowed=" or ".join(MODELS))
-        if self.form not in FORMS:
-            raise InputError(key="form", value=self.form, allowed=" or ".join(FORMS))
-        if not 0 <= self.gap <= sum(self.fabric.weave.h0):
+        for key, known in (("model", MODELS), ("form", FORMS), ("profile", PROFILES)):
+            if getattr(self, key) not in known:
+                raise InputError(key=key, value=getattr(self, key), allowed=" or ".join(known))
+        if np.shape(self.toe) not in ((), (2,)) or not all(0 <= toe <= _LONGEST_TOE for toe in self.toes):
+            allowed = f"a strain from 0 to {_LONGEST_TOE:g}, or two, of warp and weft"
+            raise InputError(key="toe", value=self.toe, allowed=allowed)
+        if not 0 <= self.gap <= sum(self.h0):
             raise InputError(key="gap", value=self.gap, allowed="at least 0 and at most h01 + h02")
         if self.laws is None and self.fabric.laws is None and self.model == "compressible":
             raise InputError(f"fabric {self.fabric.name} has no compression law", allowed="given one")
@@ -68,14 +78,43 @@ class CellModel:
         return self.laws or self.fabric.laws
 
     @property
+    def toes(self) -> tuple[float, float]:
+        """[-] of warp and weft."""
+        return tuple(map(float, self.toe if np.ndim(self.toe) else (self.toe, self.toe)))
+
+    @property
+    def h0(self) -> tuple[float, float]:
+        """[m] heights at rest of warp and weft, of the profile."""
+        weave = self.fabric.weave
+        if self.profile == "cosine":
+            return weave.h0
+        return tuple(kernels.free_height(w, S0, PROFILES[self.profile]) for w, S0 in zip(weave.w, weave.S0))
+
+    @property
+    def ultimate_strains(self) -> tuple[float, float]:
+        """[-] of warp and weft, alone, at their strength: the toe comes beyond the failure strain of the fibres."""
+        found = []
+        for yarn, toe in zip(self.fabric.weave.yarns, self.toes):
+            short = lambda e, last=yarn.failure_strain, toe=toe: e + toe * np.expm1(-e / toe) - last  # noqa: E731
+            e = yarn.failure_strain
+            found.append(brentq(short, e, e + toe, xtol=1e-15) if toe else e)
+        return tuple(found)
+
+    @property
     def yarn_tuples(self):
         """The two yarns as `cell_kernels` takes them."""
-        weave = self.fabric.weave
-        rows = zip(weave.w, weave.S0, weave.yarns, weave.h0, self.used_laws)
+        weave, profile = self.fabric.weave, PROFILES[self.profile]
+        rows = zip(weave.w, weave.S0, weave.yarns, self.h0, self.used_laws, self.toes)
         return tuple(
-            (w, S0, yarn.EA, h0, law.a, law.b, law.F0 if law.form == "regularised" else 0.0)
-            for w, S0, yarn, h0, law in rows
+            (w, S0, yarn.EA, h0, law.a, law.b, law.F0 if law.form == "regularised" else 0.0, toe, profile)
+            for w, S0, yarn, h0, law, toe in rows
         )
+
+    def alone(self, family, stretch):
+        """[N] tension of a yarn of the family 0 (warp) or 1 (weft) that crosses nothing, at stretches of the cell."""
+        w, S0, EA, *_, toe, _ = self.yarn_tuples[family]
+        slack = np.maximum(2 * w * np.asarray(stretch, float) - S0, 0)
+        return EA * (slack / S0 + toe * np.expm1(-slack / S0 / toe)) if toe else EA * slack / S0
 
     def solve(self, stretch1, stretch2) -> dict:
         """The cell at given stretches.
@@ -101,14 +140,20 @@ class CellModel:
 
     def range(self):
         """((lowest, highest), (lowest, highest)) stretches of the table, of warp and weft."""
-        weave = self.fabric.weave
-        full = sum(weave.h0) - self.gap
-        bounds = []
-        for w, S0, yarn in zip(weave.w, weave.S0, weave.yarns):
-            lowest = brentq(lambda x, w=w, S0=S0: arc_length(x * w, full) - S0, 1e-3, S0 / (2 * w)) if full > 0 else 1.0
+        weave, bounds = self.fabric.weave, []
+        for w, S0, ultimate in zip(weave.w, weave.S0, self.ultimate_strains):
             # 2 % beyond the stretch at which the yarn alone is at its strength, so that the failure test is inside
-            bounds.append((lowest, S0 / (2 * w) * (1 + 1.02 * yarn.failure_strain)))
+            bounds.append((self._lowest(w, S0), S0 / (2 * w) * (1 + 1.02 * ultimate)))
         return tuple(bounds)
+
+    def _lowest(self, w, S0):
+        """Stretch below which a yarn's free height fills the cell."""
+        full = sum(self.h0) - self.gap
+        if not full > 0:
+            return 1.0
+        if self.profile == "straight":
+            return max(np.sqrt(max((S0 / 2) ** 2 - full**2, 0.0)) / w, 1e-3)
+        return brentq(lambda x: arc_length(x * w, full) - S0, 1e-3, S0 / (2 * w))
 
     def table(self, n=201) -> CellTable:
         """Fill a table of n x n stretches."""

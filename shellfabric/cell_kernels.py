@@ -1,9 +1,10 @@
 """The biaxial crossover, solved as one monotone equation in the contact force (source thesis section 4.3.1).
 
-Yarn i keeps a cosine centreline of height h_i over the half length w_i = Lambda_i w0_i (eq. 4-1). With k = pi h / 2 w,
+Yarn i keeps a cosine centreline of height h_i over the half length w_i = Lambda_i w0_i (eq. 4-1), or two straight
+segments (`yarn_kernels`). With k = pi h / 2 w,
 
     S(w, h)  = (4 w / pi) E(-k^2)                                    length of the yarn (eq. 4-3)
-    T        = EA (S - S0) / S0,  S >= S0                            tension (eq. 4-7)
+    T        = EA (S - S0) / S0,  S >= S0                            tension (eq. 4-7), or with a toe (`yarn_kernels`)
     F        = 2 T sin(alpha), sin(alpha) = k / sqrt(1 + k^2)        equilibrium form (eqs. 4-8, 4-10)
     F        = T dS/dh                                               variational form: the gradient of the energy
 
@@ -13,87 +14,56 @@ Both forms make h_i a rising function of F, and so is the compression d_i(F). Th
 
 which has one root at most. Contact is lost exactly where r(0) >= 0 at the free heights (errata E-05, E-06, E-09, E-10).
 
-A yarn is passed as the tuple (w0, S0, EA, h0, a, b, shift): half length, length, stiffness, height at rest, and
-its law of compression d = a - b (F + shift)^(-1/3) (eq. 4-12; shift = (b/a)^3 regularised, 0 printed; a = 0: none).
+A yarn is passed as the tuple (w0, S0, EA, h0, a, b, shift, toe, profile): half length, length, stiffness, height at
+rest, its law of compression d = a - b (F + shift)^(-1/3) (eq. 4-12; shift = (b/a)^3 regularised, 0 printed; a = 0:
+none), the strain of its toe and its profile.
 """
 
 import math
 
 from numba import njit
 
+from shellfabric.yarn_kernels import (
+    COSINE,
+    STRAIGHT,
+    arc,
+    arc_curvature,
+    energy,
+    free_height,
+    tension,
+    yarn_alone,
+)
+
 EQUILIBRIUM, VARIATIONAL = 0, 1
 _MOST_STEPS = 200
 
 
 @njit(cache=True, error_model="numpy")
-def elliptic(k2):
-    """E(-k2) and K(-k2) - E(-k2) by the arithmetic-geometric mean; the difference keeps its digits at small k2."""
-    a, b = 1.0, math.sqrt(1.0 + k2)
-    total, power, c2 = -0.5 * k2, 0.5, k2
-    while c2 > 1e-17 * a * a:
-        c = 0.5 * (a - b)
-        a, b = 0.5 * (a + b), math.sqrt(a * b)
-        power *= 2.0
-        c2 = c * c
-        total += power * c2
-    K = 0.5 * math.pi / a
-    return K * (1.0 - total), K * total
-
-
-@njit(cache=True, error_model="numpy")
-def arc(w, h):
-    """S and dS/dh of a yarn (eq. 4-3; the derivative is twice the printed eq. 4-24, erratum E-09)."""
-    k = 0.5 * math.pi * h / w
-    E, K_minus_E = elliptic(k * k)
-    slope = -2.0 * K_minus_E / k if k > 0.0 else 0.0
-    return 4.0 * w / math.pi * E, slope
-
-
-@njit(cache=True, error_model="numpy")
-def free_height(w, S0):
-    """Height at which the yarn has its own length S0, without tension; 0 where it is stretched straight."""
-    excess = S0 / (2.0 * w) - 1.0
-    if excess <= 0.0:
-        return 0.0
-    k = 2.0 * math.sqrt(excess)
-    for _ in range(_MOST_STEPS):
-        # convex and rising in k: after the first step Newton comes down from above
-        E, K_minus_E = elliptic(k * k)
-        step = (2.0 / math.pi * E - 1.0 - excess) * k / (-2.0 / math.pi * K_minus_E)
-        k -= step
-        if abs(step) <= 4e-16 * k:
-            break
-    return 2.0 * w * k / math.pi
-
-
-@njit(cache=True, error_model="numpy")
-def contact_force(w, h, S0, EA, form):
+def contact_force(w, h, S0, EA, form, toe=0.0, profile=COSINE):
     """Contact force of one yarn at height h, its slope dF/dh, and the tension."""
-    k = 0.5 * math.pi * h / w
-    S, dS = arc(w, h)
-    T, dT = EA * (S - S0) / S0, EA * dS / S0
-    if form == EQUILIBRIUM:
+    S, dS = arc(w, h, profile)
+    T, dT = tension(S, dS, S0, EA, toe)
+    if form == EQUILIBRIUM and profile != STRAIGHT:
+        k = 0.5 * math.pi * h / w
         root = math.sqrt(1.0 + k * k)
         sine = k / root
         return 2.0 * T * sine, 2.0 * (dT * sine + T * 0.5 * math.pi / (w * root**3)), T
-    E, K_minus_E = elliptic(k * k)
-    # S'' = (pi / w) d/dk (E - K) / k, with dE/dk = (E - K) / k and dK/dk = (E / (1 + k^2) - K) / k
-    curvature = math.pi / w * (K_minus_E / (k * k) + E / (1.0 + k * k)) if k > 0.0 else 0.25 * math.pi**2 / w
-    return T * dS, dT * dS + T * curvature, T
+    return T * dS, dT * dS + T * arc_curvature(w, h, profile), T
 
 
 @njit(cache=True, error_model="numpy")
-def height(w, F, S0, EA, lowest, form):
+def height(w, F, yarn, lowest, form):
     """Height at which the yarn carries the contact force F > 0, from its free height `lowest`, and the slope dh/dF.
 
     Newton's method kept within a bracket; the force rises with the height from zero at `lowest`.
     """
+    S0, EA, toe, profile = yarn[1], yarn[2], yarn[7], yarn[8]
     low, high = lowest, lowest + 0.05 * w
-    while contact_force(w, high, S0, EA, form)[0] < F:
+    while contact_force(w, high, S0, EA, form, toe, profile)[0] < F:
         low, high = high, 2.0 * high
     h = high
     for _ in range(_MOST_STEPS):
-        force, slope, _ = contact_force(w, h, S0, EA, form)
+        force, slope, _ = contact_force(w, h, S0, EA, form, toe, profile)
         if force > F:
             high = h
         else:
@@ -104,7 +74,7 @@ def height(w, F, S0, EA, lowest, form):
             h = 0.5 * (low + high)
         if abs(step) <= 1e-14 * w or high - low <= 1e-15 * w:
             break
-    return h, 1.0 / contact_force(w, h, S0, EA, form)[1]
+    return h, 1.0 / contact_force(w, h, S0, EA, form, toe, profile)[1]
 
 
 @njit(cache=True, error_model="numpy")
@@ -126,19 +96,10 @@ def compression_energy(F, a, b, shift):
 
 
 @njit(cache=True, error_model="numpy")
-def yarn_alone(stretch, w0, S0, EA):
-    """Tension and energy of a yarn that crosses nothing (erratum E-14: 2 w - S0, the full lengths)."""
-    slack = 2.0 * stretch * w0 - S0
-    if slack <= 0.0:
-        return 0.0, 0.0
-    return EA * slack / S0, 0.5 * EA * slack * slack / S0
-
-
-@njit(cache=True, error_model="numpy")
 def residual(F, w1, w2, free1, free2, warp, weft, gap, form):
     """r(F) and its slope."""
-    h1, c1 = height(w1, F, warp[1], warp[2], free1, form)
-    h2, c2 = height(w2, F, weft[1], weft[2], free2, form)
+    h1, c1 = height(w1, F, warp, free1, form)
+    h2, c2 = height(w2, F, weft, free2, form)
     d1, e1 = compression(F, warp[4], warp[5], warp[6])
     d2, e2 = compression(F, weft[4], weft[5], weft[6])
     return h1 + h2 + d1 + d2 + gap - warp[3] - weft[3], c1 + c2 + e1 + e2
@@ -184,18 +145,18 @@ def cell(stretch1, stretch2, warp, weft, gap, form, coupled, guess):
     T are the yarn tensions, N the forces conjugate to the cell lengths: T in the equilibrium form (erratum E-15), and
     the gradient of W, N = T dS/d(2w), in the variational form. W is the energy of the yarns and of their compression.
     """
-    alone1, energy1 = yarn_alone(stretch1, warp[0], warp[1], warp[2])
-    alone2, energy2 = yarn_alone(stretch2, weft[0], weft[1], weft[2])
+    alone1, energy1 = yarn_alone(stretch1, warp[0], warp[1], warp[2], warp[7])
+    alone2, energy2 = yarn_alone(stretch2, weft[0], weft[1], weft[2], weft[7])
     w1, w2 = stretch1 * warp[0], stretch2 * weft[0]
-    free1, free2 = free_height(w1, warp[1]), free_height(w2, weft[1])
+    free1, free2 = free_height(w1, warp[1], warp[8]), free_height(w2, weft[1], weft[8])
     F = closing_force(w1, w2, free1, free2, warp, weft, gap, form, guess) if coupled else 0.0
     if F == 0.0:
         return alone1, alone2, alone1, alone2, 0.0, free1, free2, energy1 + energy2
-    h1, h2 = height(w1, F, warp[1], warp[2], free1, form)[0], height(w2, F, weft[1], weft[2], free2, form)[0]
-    S1, dS1 = arc(w1, h1)
-    S2, dS2 = arc(w2, h2)
-    T1, T2 = warp[2] * (S1 - warp[1]) / warp[1], weft[2] * (S2 - weft[1]) / weft[1]
-    W = 0.5 * T1 * (S1 - warp[1]) + 0.5 * T2 * (S2 - weft[1])
+    h1, h2 = height(w1, F, warp, free1, form)[0], height(w2, F, weft, free2, form)[0]
+    S1, dS1 = arc(w1, h1, warp[8])
+    S2, dS2 = arc(w2, h2, weft[8])
+    T1, T2 = tension(S1, dS1, warp[1], warp[2], warp[7])[0], tension(S2, dS2, weft[1], weft[2], weft[7])[0]
+    W = energy(S1, warp[1], warp[2], warp[7], T1) + energy(S2, weft[1], weft[2], weft[7], T2)
     W += compression_energy(F, warp[4], warp[5], warp[6]) + compression_energy(F, weft[4], weft[5], weft[6])
     if form == EQUILIBRIUM:
         return T1, T2, T1, T2, F, h1, h2, W

@@ -65,7 +65,8 @@ class Coupon:
         table, weave = self.table, self.weave
         (rx, ry), shear = (1 / step for step in table.steps), self.table.model.fabric.shear
         grid = table.stretch1[0], rx, table.stretch1.size - 2, table.stretch2[0], ry, table.stretch2.size - 2
-        yarns = [(w, S0, yarn.EA) for w, S0, yarn in zip(weave.w, weave.S0, weave.yarns)]
+        rows = zip(weave.w, weave.S0, weave.yarns, table.model.toes)
+        yarns = [(w, S0, yarn.EA, toe) for w, S0, yarn, toe in rows]
         V = self.spacing[0] * self.spacing[1] * weave.thickness
         law = (
             (V, shear.G1, shear.G2, shear.gamma1, shear.gamma2) if self.trellis and shear else (0.0, 0.0, 0.0, 0.5, 1.0)
@@ -106,8 +107,7 @@ class Coupon:
             there = self.across[m] >= 0
             count = there.sum(axis=1)
             mean = np.where(there, other[self.across[m]], 0.0).sum(axis=1) / np.maximum(count, 1)
-            w, S0, yarn = self.weave.w[m], self.weave.S0[m], self.weave.yarns[m]
-            alone = yarn.EA * np.maximum(2 * w * own - S0, 0) / S0
+            alone = model.alone(m, own)
             pair = (own, mean) if m == 0 else (mean, own)
             crossed = model.solve(*(np.where(count > 0, part, 1.0) for part in pair))[("T1", "T2")[m]]
             found.append(np.where(count > 0, crossed, alone))

@@ -133,6 +133,27 @@ def yarn_tension(const, state, family, row, column):
     return total / weight
 
 
+@njit(cache=True, error_model="numpy")
+def strength(const, family, row, column):
+    """Strength of the yarn that runs through node (row, column)."""
+    return const.strengths1[column // const.per] if family == WARP else const.strengths2[row // const.per]
+
+
+@njit(cache=True, error_model="numpy", _nrt=False)
+def past_strength(const, state, family, first, last):
+    """Whether a yarn segment that begins in the node rows first .. last has come past its yarn's strength."""
+    n = const.per
+    rows = last - 1 if family == WARP else last
+    columns = const.nj if family == WARP else const.nj - 1
+    for i in range((first + n - 1) // n * n, rows + 1, n):
+        for j in range(0, columns + 1, n):
+            if not state.failed[family][np.uint64(i * const.s + j)]:
+                T = yarn_tension(const, state, family, i, j)
+                if T > strength(const, family, i, j):
+                    return True
+    return False
+
+
 @njit(cache=True, error_model="numpy", _nrt=False)
 def look_for_failures(const, state, family, first, last):
     """Mark the yarn segments past their strength, among those that begin in the node rows first .. last.
@@ -140,9 +161,9 @@ def look_for_failures(const, state, family, first, last):
     Filters the tensions where that is asked for, and keeps the peak. Returns how many have failed.
     """
     n, failures = const.per, 0
-    strength = const.strength1 if family == WARP else const.strength2
-    # a segment of one edge that is below both needs no closer look
-    bound = min(state.peak[family], strength) if n == 1 and const.lag == 0.0 else -1.0
+    # a segment of one edge that is below the peak and the lowest strength needs no closer look
+    lowest = const.strength1 if family == WARP else const.strength2
+    bound = min(state.peak[family], lowest) if n == 1 and const.lag == 0.0 else -1.0
     rows = last - 1 if family == WARP else last
     columns = const.nj if family == WARP else const.nj - 1
     for i in range((first + n - 1) // n * n, rows + 1, n):
@@ -155,7 +176,7 @@ def look_for_failures(const, state, family, first, last):
             if const.lag > 0.0:
                 state.filtered[family][k] += const.lag * (T - state.filtered[family][k])
                 T = state.filtered[family][k]
-            if T > strength:
+            if T > strength(const, family, i, j):
                 state.failed[family][k] = 1
                 cut(const, state, family, i, j)
                 failures += 1

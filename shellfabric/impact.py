@@ -36,7 +36,7 @@ class ImpactSetup:
     symmetry : "quarter", "half" or "whole"
     end_time : [s] at the latest; a run ends when the projectile stops or has passed
     elements_per_crossover : along each side
-    cell_model, form, gap : see CellModel
+    cell_model, form, gap, profile : see CellModel
     bending : [N m2] bending stiffness of a yarn, or of (warp, weft); see Panel
     surface : ResponseSurface to make the cell from instead of laws, or None; see surface_cell.SurfaceCell
     table_size : stretches along each side of the cell's table; 201 puts its tensions within 0.2 % of the yarn's
@@ -59,6 +59,7 @@ class ImpactSetup:
     cell_model: str = "compressible"
     form: str = "variational"
     gap: float = 0.0
+    profile: str = "cosine"
     bending: float | tuple[float, float] = 0.0
     surface: ResponseSurface | None = None
     table_size: int = 201
@@ -75,7 +76,7 @@ class ImpactSetup:
         InputError : as CellModel, SurfaceCell, CellTable and Panel
         """
         if self.surface is None:
-            model = CellModel(self.fabric, self.laws, self.gap, self.cell_model, self.form)
+            model = CellModel(self.fabric, self.laws, self.gap, self.cell_model, self.form, self.profile)
         else:
             model = SurfaceCell(self.fabric, self.surface, self.form)
         opening = self.opening if np.ndim(self.opening) else (self.opening, self.opening)

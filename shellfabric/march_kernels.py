@@ -268,13 +268,17 @@ def fail(state, const, work):
     first, last = taut(state, const)
     if first >= last:
         return
-    near, end = max(state.rows[0], first - const.per + 1), min(state.rows[1], last + const.per - 1)
-    freshen(state, const, near // const.block, (end + const.block - 1) // const.block, work)
+    start, end = max(state.rows[0], first - const.per + 1), min(state.rows[1], last + const.per - 1)
+    freshen(state, const, start // const.block, (end + const.block - 1) // const.block, work)
     most1, most2 = 0.0, 0.0
     for block in range(first // const.block, (last + const.block - 1) // const.block):
         most1, most2 = max(most1, state.most[block, 0]), max(most2, state.most[block, 1])
     # looking for failures cuts yarns: what was before is asked for first where there may be one
-    near = const.lag > 0.0 or most1 > const.strength1 or most2 > const.strength2
+    near = (
+        const.lag > 0.0
+        or (most1 > const.strength1 and failure_kernels.past_strength(const, state, 0, first, last))
+        or (most2 > const.strength2 and failure_kernels.past_strength(const, state, 1, first, last))
+    )
     stored, sheared, worked, damped = 0.0, 0.0, 0.0, 0.0
     # a failure changes what its neighbours store, two rows away at most
     low, high = max(first - const.per - 3, 0), min(last + const.per + 3, const.ni)

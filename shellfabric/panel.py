@@ -31,7 +31,7 @@ Constants = namedtuple(
     "Constants",
     "ni nj s block per mirror_x mirror_y x0 y0 dx dy rx0 ry0 dt "
     "tension1 tension2 ceiling1 ceiling2 potential x0t rx top1 y0t ry top2 grid per1 per2 variational "
-    "cv1 cv2 V G1 G2 gamma1 gamma2 w1 S01 EA1 w2 S02 EA2 strength1 strength2 lag widest "
+    "cv1 cv2 V G1 G2 gamma1 gamma2 w1 S01 EA1 w2 S02 EA2 strength1 strength2 strengths1 strengths2 lag widest "
     "near points point_stiffness point_damping R rho projectile_mass free idle_steps "
     "shape form length frame tilted roaming depth reach top shoulder friction rim_node rim_axis rim bending ends",
 )
@@ -130,6 +130,8 @@ class Panel:
     bending : (warp, weft) [N m2] bending stiffness of a yarn; none as in the source. It lies between the sum over its
         fibres, n E pi d^4 / 64, when they slide, and that of a solid section of its fibre area, E A^2 / 4 pi: for
         S-720 with fibres of 12 um 9.5e-8 and 9.3e-5 (see `bending_kernels`)
+    strength_factors : (warp, weft) factors on the strength of each yarn, as many as `yarn_counts`, or None where all
+        are alike. They are those of the modelled part: across a plane of symmetry a yarn has that of its image
 
     Raises
     ------
@@ -148,11 +150,14 @@ class Panel:
     failure: bool = True
     weave_angle: float = 0.0
     bending: tuple[float, float] = (0.0, 0.0)
+    strength_factors: tuple | None = None
 
     def __post_init__(self):
         if self.symmetry not in SYMMETRIES:
             raise InputError(key="symmetry", value=self.symmetry, allowed=" or ".join(SYMMETRIES))
         edges.check(self)
+        if self.failure and any(self.table.model.toes):  # a yarn whose crossings have failed is linear in the march
+            raise InputError(key="toe", value=self.table.model.toe, allowed="0 in a panel whose yarns fail")
         for axis, mirrored in enumerate(self.mirrors):
             if mirrored and not self.projectile.mirrored(axis):
                 raise InputError(key="symmetry", value=self.symmetry, allowed="one that the oblique shot has, or whole")
@@ -160,6 +165,9 @@ class Panel:
             raise InputError(key="elements_per_crossover", value=self.elements_per_crossover, allowed="1, 2, 3, ...")
         if not all(0 <= EI < inf for EI in self.bending):
             raise InputError(key="bending", value=self.bending, allowed="at least 0")
+        for family, given, count in zip(("warp", "weft"), self.strength_factors or (), self.yarn_counts):
+            if np.shape(given) != (count,) or not np.all(np.isfinite(given) & (np.asarray(given) > 0)):
+                raise InputError(key=f"strength_factors of the {family}", allowed=f"{count} numbers above 0")
         for length, w in zip(self.opening, self.weave.w):
             if not length / 2 >= max(2 * self.projectile.radius, 4 * w):
                 raise InputError(key="opening", value=length, allowed="wider than two projectiles and four crossovers")
@@ -190,6 +198,11 @@ class Panel:
             for length, w in zip(edges.extent(self), self.weave.w)
         ]
         return tuple(n if mirrored else 2 * n for n, mirrored in zip(half, self.mirrors))
+
+    @property
+    def yarn_counts(self):
+        """(warp, weft) yarns of the modelled part, with those on its rims."""
+        return tuple(count // self.elements_per_crossover + 1 for count in self.counts[::-1])
 
     @property
     def elements(self):
@@ -257,6 +270,7 @@ class Panel:
         mass = weave.areal_density * dx * dy / points**2
         (x0, y0), shot = self.origin, self.projectile
         rim_node, rim_axis, rim = edges.rim(self)
+        strengths = self._strengths()
         roaming = shot.roaming or rim_node.size > 0  # over the cloth: it slides, or the cloth is drawn under it
         return Constants(
             ni=ni, nj=nj, s=nj + 1, block=self._block, mirror_x=mirror_x, mirror_y=mirror_y,
@@ -274,7 +288,8 @@ class Panel:
             cv1=knobs.stretch_viscosity * lag * warp.EA, cv2=knobs.stretch_viscosity * lag * weft.EA,
             V=dx * dy * weave.thickness, G1=G1, G2=G2, gamma1=gamma1, gamma2=gamma2,
             w1=w1, S01=S01, EA1=warp.EA, w2=w2, S02=S02, EA2=weft.EA,
-            strength1=warp.strength if self.failure else inf, strength2=weft.strength if self.failure else inf,
+            strength1=strengths[0].min(), strength2=strengths[1].min(),
+            strengths1=strengths[0], strengths2=strengths[1],
             lag=-np.expm1(-dt / knobs.failure_time) if knobs.failure_time > 0 else 0.0, widest=knobs.widest,
             near=self._near(roaming), points=points, point_stiffness=knobs.penalty * mass / dt**2,
             point_damping=2 * knobs.contact_damping * knobs.penalty**0.5 * mass / dt,
@@ -368,6 +383,14 @@ class Panel:
         rows = _room(1, self.table.potential.size)[0]
         rows[:] = self.table.potential.ravel()
         return rows.reshape(-1, 16)
+
+    def _strengths(self):
+        """(warp, weft) [N] strength of each yarn of the modelled part."""
+        factors = self.strength_factors or tuple(np.ones(count) for count in self.yarn_counts)
+        return tuple(
+            np.asarray(given, float) * (yarn.strength if self.failure else inf)
+            for given, yarn in zip(factors, self.weave.yarns)
+        )
 
     def _reach(self):
         """(along warp, along weft) [m] from the projectile's middle that cloth can come from to be under it.

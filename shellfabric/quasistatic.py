@@ -183,8 +183,9 @@ def biaxial(
 ) -> Result:  # fmt: skip
     """Pull a cross-shaped specimen by its four arms, the warp along x (source thesis section 5.3, Figure 5-58).
 
-    The grips are moved as if the whole specimen stretched by `strain` (warp, weft) and carry their yarn ends without
-    turning; read the strain of the middle from `middle_strain`. Grips: 1 and 2 at +x and -x, 3 and 4 at +y and -y.
+    The grips are moved as if the whole specimen stretched by `strain` (warp, weft), or along a path of such strains,
+    strain(load) with load from 0 to 1, and carry their yarn ends without turning; read the strain of the middle from
+    `middle_strain`. Grips: 1 and 2 at +x and -x, 3 and 4 at +y and -y.
 
     Parameters
     ----------
@@ -211,11 +212,13 @@ def biaxial(
         [x > full[0] - slack, x < -full[0] + slack, y > full[1] - slack, y < -full[1] + slack], [1, 2, 3, 4]
     )
 
+    along = strain if callable(strain) else lambda load: load * np.asarray(strain)
+
     def path(load):
-        return coupon.points * (1 + load * np.asarray(strain) * np.stack([grips < 3, grips > 2], axis=1))
+        return coupon.points * (1 + np.asarray(along(load)) * np.stack([grips < 3, grips > 2], axis=1))
 
     hooks = (no_fold(coupon), at_strength(coupon)) if failure else (no_fold(coupon),)
-    return run(coupon, grips, path, max(strain), steps, hooks, **relaxing)
+    return run(coupon, grips, path, max(along(1.0)), steps, hooks, **relaxing)
 
 
 def middle_strain(result: Result, half):

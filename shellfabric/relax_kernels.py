@@ -86,14 +86,14 @@ def mean_across(L, across, e):
 def pull_edges(first, L, L_other, cells, across, length, length_other, table, grid, yarn, pull, other, row, row_other):
     """Add one family's part of dE/dLambda to its own edges and to those that cross them, and its parts of the bound.
 
-    first : whether this family is the first argument of the table; yarn = (w, S0, EA). Returns the energy.
+    first : whether this family is the first argument of the table; yarn = (w, S0, EA, toe). Returns the energy.
     """
     x0, rx, top1, y0, ry, top2 = grid
     energy = 0.0
     for e in range(L.size):
         mean, share = mean_across(L_other, across, e)
         if share == 0.0:
-            T, U = yarn_alone(L[e], yarn[0], yarn[1], yarn[2])
+            T, U = yarn_alone(L[e], yarn[0], yarn[1], yarn[2], yarn[3])
             k = 2.0 * yarn[0]
             energy += cells[e] * U
             pull[e] += cells[e] * k * T

@@ -15,8 +15,9 @@ from fabrics import catalogue
 from fabrics.errors import UnstableError
 from fabrics.files import replace_whole, write_whole
 from meshing import patch, pictures_patch
+from validation.buet_gautier import options, sides
+from validation.buet_gautier import pictures as biaxial_pictures
 from validation.buet_gautier.curves import curves
-from validation.buet_gautier.pictures import picture as biaxial_picture
 from weavecell import biaxial, coupon
 
 FIGURES = Path(__file__).parents[1] / "docs" / "figures"
@@ -35,7 +36,9 @@ def main(demo):
     pictures_patch.picture(patch.build(fabric, (4, 4), size=(8, 6, 2)), FIGURES / "weave.png")
     for name in ("glass-balanced", "glass-unbalanced"):
         weave = catalogue.load(name)
-        biaxial_picture(weave, curves(weave), FIGURES / f"biaxial-{name}.png")
+        biaxial_pictures.picture(weave, curves(weave), FIGURES / f"biaxial-{name}.png")
+        biaxial_pictures.options(weave, options.same_constants(weave), FIGURES / f"biaxial-options-{name}.png")
+        biaxial_pictures.sides(weave, sides.compare(weave)[0], FIGURES / f"biaxial-sides-{name}.png")
     coupons()
     for path in FIGURES.glob("*.png"):
         shrink(path)

@@ -19,6 +19,7 @@ import weavecell
 from fabrics import catalogue
 from fabrics.errors import InputError
 from fabrics.files import write_whole
+from fabrics.units import si
 from weavecell import case, chapters, json_file, progress, provenance, report
 from weavecell.crossover import with_3d_data
 from weavecell.report import Section, Table
@@ -28,21 +29,22 @@ _COLUMNS = {"T1": "warp tension [N]", "T2": "weft tension [N]", "F": "contact fo
             "h2": "weft height [m]", "W": "stored energy [J]"}  # fmt: skip
 
 
-def biaxial_command(name, out, *, ratios, size=None, form="variational"):
+def biaxial_command(name, out, *, ratios, size=None, form="variational", profile="cosine", toe=0.0):
     """Stretch the crossover of one fabric along each of `ratios`, write it and print where each path ends.
 
     Parameters
     ----------
     ratios : texts such as "2:1", warp strain to weft strain
     size : of the mesh of the 3D crossover that is solved beside the cell; None for the cell alone
-    form : of the cell
+    form, profile, toe : of the cell
     """
     from shellfabric.cell import CellModel
     from shellfabric.cell_path import to_strength
 
     wanted = {text: _ratio(text) for text in ratios}
     fabric = case.with_density(catalogue.load(name) if size is None else with_3d_data(name), "effective")
-    model, began = CellModel(fabric, form=form), time.perf_counter()
+    options = {"profile": profile, "toe": toe}
+    model, began = CellModel(fabric, form=form, **options), time.perf_counter()
     found = {text: to_strength(model, ratio, STATES) for text, ratio in wanted.items()}
     solved = {} if size is None else _crossovers(fabric, found, size, out)
     stamp = provenance.stamp()
@@ -53,9 +55,9 @@ def biaxial_command(name, out, *, ratios, size=None, form="variational"):
         for text, path in found.items():
             columns = (*path.strain.T, *(path.response[key] for key in _COLUMNS))
             rows.writerows([text, *(f"{value:.8g}" for value in row)] for row in zip(*columns))
-    content = {"fabric": fabric.name, "form": form, "mesh": size, "paths": ends, "provenance": stamp}
+    content = {"fabric": fabric.name, "form": form, **options, "mesh": size, "paths": ends, "provenance": stamp}
     json_file.write(out / "biaxial.json", content)
-    section = _chapter(fabric, found, solved, ends)
+    section = _chapter(fabric, found, solved, ends, options)
     report.write_pictures([section], out / "pictures")
     page = report.Report(
         f"{fabric.name}: biaxial response",
@@ -72,6 +74,12 @@ def biaxial_command(name, out, *, ratios, size=None, form="variational"):
             f"contact {end['contact_force']:.1f} N"
         )
     print(f"written to {out}")
+
+
+def toes(text):
+    """A toe from "0.1 %", or those of warp and weft from "0.1 %, 0.2 %"."""
+    values = tuple(si(part.strip(), "", key="--toe") for part in text.split(","))
+    return values[0] if len(values) == 1 else values
 
 
 def _ratio(text):
@@ -117,7 +125,7 @@ def _misses(model, history):
     return {"rms_from_3d": [float(np.sqrt(np.mean((own - other) ** 2))) for own, other in pairs]}
 
 
-def _chapter(fabric, found, solved, ends):
+def _chapter(fabric, found, solved, ends, options):
     paths = {}
     for text, path in found.items():
         title = f"strains {text}"
@@ -126,7 +134,7 @@ def _chapter(fabric, found, solved, ends):
             paths[title] = history.d1 / w1, history.d2 / w2, history.T1, history.T2
         else:
             paths[title] = tuple(path.strain.T)
-    drawn = chapters.cell(fabric, {"published law": fabric.laws}, paths=paths)
+    drawn = chapters.cell(fabric, {"published law": fabric.laws}, paths=paths, **options)
     columns = ("strains, warp : weft", "first at its strength", "strain [%]", "tension [N]", "contact force [N]")
     columns += ("rms from 3D [N]",) if solved else ()
     rows = tuple(

@@ -34,7 +34,7 @@ def command(name, case, out, *, domain, size, section, gap, **choices):
     domain = allowed[0] if domain is None else domain
     if domain not in allowed:
         raise InputError(key="--domain", value=domain, allowed=f"{' or '.join(allowed)} for this case")
-    built = mesh.build(fabric, domain=domain, size=mesh._size(size), section=section, gap=si(gap, "m", key="--gap"))
+    built = mesh.build(fabric, domain=domain, size=mesh.size_of(size), section=section, gap=si(gap, "m", key="--gap"))
     with progress.bar(f"{fabric.name}, {case}") as advance:
         record = run(built, hooks=[lambda share, row: advance(share)])
     found = SUMMARIES[case](fabric, record)

@@ -110,7 +110,7 @@ def _interval(interval):
     return f" ({1e3 * interval[0]:.4f} to {1e3 * interval[1]:.4f})"
 
 
-def cell(fabric, laws, model="compressible", paths=None):
+def cell(fabric, laws, model="compressible", paths=None, **options):
     """The cell's biaxial response with each law, and the 3D crossover's where it is known.
 
     Parameters
@@ -118,6 +118,7 @@ def cell(fabric, laws, model="compressible", paths=None):
     laws : {label: (warp, weft) laws}
     paths : {title: (strain1, strain2, T1, T2)} [-, N] of straight paths of the 3D crossover, or strains alone where it
         has not been solved; two plain paths without
+    options : of CellModel
     """
     from shellfabric.cell import CellModel
 
@@ -132,7 +133,7 @@ def cell(fabric, laws, model="compressible", paths=None):
         main = int(ends[1] > ends[0])  # the strain on the axis is the larger one
         curves = {}
         for label, pair in laws.items():
-            state = CellModel(fabric, pair, model=model).solve(1 + share * ends[0], 1 + share * ends[1])
+            state = CellModel(fabric, pair, model=model, **options).solve(1 + share * ends[0], 1 + share * ends[1])
             curves[label] = (state["N1"], state["N2"])
         measured = ((warp, weft)[main], *tensions) if tensions else None
         cases[title] = {"strain": share * ends[main], "curves": curves, "points": measured}
@@ -151,6 +152,11 @@ def cell(fabric, laws, model="compressible", paths=None):
             ),
         ),
     )
+
+
+def options(table):
+    """Options of the cell that a scene's [fabric] table names, as CellModel takes them."""
+    return {"profile": table.cell_profile, "toe": table.yarn_toe}
 
 
 def impact(records):

@@ -15,7 +15,7 @@ from typing import Annotated
 import typer
 
 from fabrics.errors import InputError, WeavecellError
-from weavecell import cli_cases
+from weavecell import cli_cases, cli_scatter
 
 app = typer.Typer(
     name="weavecell",
@@ -51,6 +51,13 @@ class Size(StrEnum):
     coarse = "coarse"
     medium = "medium"
     fine = "fine"
+
+
+class Profile(StrEnum):
+    """Profiles of the yarns of the shell's cell."""
+
+    cosine = "cosine"
+    straight = "straight"
 
 
 class Domain(StrEnum):
@@ -283,6 +290,13 @@ def biaxial(
     crossover: Annotated[
         Size | None, typer.Option(help="Solve the 3D crossover too, with this mesh, and compare.")
     ] = None,
+    profile: Annotated[
+        Profile, typer.Option(help="Of the yarns: the source's cosine, or Kawabata's straight segments.")
+    ] = Profile.cosine,
+    toe: Annotated[
+        str,
+        typer.Option(help="Strain that the fibres' straightening takes, of both or of each.", metavar="WARP[,WEFT]"),
+    ] = "0",
     out: OutOption = None,
 ):
     """Stretch a crossover at fixed ratios of strains to the strength of a yarn: 1:1, 1:0 and 0:1 if none is given.
@@ -296,6 +310,8 @@ def biaxial(
         out or RESULTS / f"biaxial-{Path(fabric).stem}",
         ratios=ratio or ("1:1", "1:0", "0:1"),
         size=crossover and crossover.value,
+        profile=profile.value,
+        toe=module.toes(toe),
     )
 
 
@@ -398,6 +414,8 @@ def chart(
 
 
 app.command(epilog=cli_cases.EPILOG)(cli_cases.crossover)
+app.command(epilog=cli_scatter.SENSITIVITY)(cli_scatter.sensitivity)
+app.command(epilog=cli_scatter.V50)(cli_scatter.v50)
 
 
 @app.command(epilog="Example: [bold]weavecell view results/S-720-stops --screenshot panel.png[/bold]")

@@ -111,7 +111,8 @@ def _pull(this, title, checkpoint, resume):
     scene, cloth, failure = this.scene, this.scene.fabric, None
     if this.surface is not None:
         raise InputError("a coupon's cell is made from laws", key="fabric.surface", allowed="left out")
-    table = CellModel(this.fabric, this.laws, cloth.gap, cloth.cell_model, cloth.cell_form).table(TABLE_SIZE)
+    cell = (cloth.gap, cloth.cell_model, cloth.cell_form, cloth.cell_profile, cloth.yarn_toe)
+    table = CellModel(this.fabric, this.laws, *cell).table(TABLE_SIZE)
     options = dict(scene.asked)
     if scene.test == "picture_frame":
         options["cells"] = options.pop("crossovers")
@@ -137,7 +138,7 @@ def _identity(table, scene):
     """Digest of all that the states of a run depend on."""
     fabric = table.model.fabric
     digest = hashlib.sha256(repr((scene.test, scene.asked, scene.run.model_dump(exclude={"outputs"}))).encode())
-    digest.update(repr((fabric.weave, fabric.shear)).encode())
+    digest.update(repr((fabric.weave, fabric.shear, table.model.toes)).encode())
     digest.update(table.potential.tobytes())
     return digest.hexdigest()
 
@@ -243,7 +244,7 @@ def _page(this, record, told, stamp):
         (cards,),
         (
             told,
-            chapters.cell(this.fabric, {this.law_name: this.laws}, model),
+            chapters.cell(this.fabric, {this.law_name: this.laws}, model, **chapters.options(this.scene.fabric)),
             chapters.sources(this.fabric),
             chapters.making(stamp, {"test": record.wall_time}),
         ),

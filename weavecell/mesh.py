@@ -16,6 +16,7 @@ from fabrics.units import si
 from weavecell import json_file, progress, provenance
 
 FORMATS = ("msh", "vtu", "k", "inp", "rad")
+SIZES = ("coarse", "medium", "fine", "auto")
 FOUR = (2, 2)  # yarns of the four crossovers that repeat themselves
 PAIR = "one value, or two separated by a comma, of warp and weft"
 
@@ -29,7 +30,7 @@ def mesh_command(name, out, *, domain, patch, formats, size, crimp, width, end_s
         fabric,
         domain=domain or "quarter",
         count=None if patch is None else _count(patch),
-        size=_size(size),
+        size=size_of(size),
         crimp=crimp if crimp in ("hand", "micrograph") else _pair(crimp, "", "--crimp"),
         width=None if width is None else _pair(width, "m", "--width"),
         gap=si(gap, "m", key="--gap"),
@@ -104,11 +105,15 @@ def _count(text):
     return int(found[1]), int(found[2])
 
 
-def _size(text):
+def size_of(text):
     """A name, three numbers, or an edge length [m], as `meshing.inputs.size` takes it."""
     if re.fullmatch(r"\s*\d+\s*(,\s*\d+\s*)*", text):
         return tuple(map(int, text.split(",")))
-    return si(text, "m", key="--size") if re.match(r"\s*[\d.+-]", text) else text
+    if text in SIZES:
+        return text
+    if re.fullmatch(r"\s*[\d.+-][^,]*", text):
+        return si(text, "m", key="--size")
+    raise InputError(key="--size", value=text, allowed=f"{', '.join(SIZES)}, nx,ny,nz or a length such as 60um")
 
 
 def _pair(text, unit, key):

@@ -121,7 +121,7 @@ def page(this, record, told, stamp):
         source = this.law_name if model == "compressible" else model
         laws, cell = (
             (chapters.law_card(this.laws[0], source=source),),
-            (chapters.cell(this.fabric, {this.law_name: this.laws}, model),),
+            (chapters.cell(this.fabric, {this.law_name: this.laws}, model, **chapters.options(this.scene.fabric)),),
         )
     else:
         laws, cell = (), ()

@@ -92,6 +92,17 @@ Law = Annotated[
 ]
 
 
+def _toe(value):
+    pair = isinstance(value, (list, tuple))
+    try:
+        toes = [si(part, "") for part in (value if pair else (value,))]
+    except InputError as problem:
+        raise ValueError(str(problem)) from None
+    if len(toes) != 1 + pair or not all(0 <= toe <= 0.1 for toe in toes):
+        raise ValueError("out of range")
+    return tuple(toes) if pair else toes[0]
+
+
 class FabricTable(Table):
     """Which fabric, with which compression law and which model of its cell."""
 
@@ -101,6 +112,12 @@ class FabricTable(Table):
     law: Annotated[Law, Field(description=_LAW)] = "published"
     cell_model: one_of("compressible", "incompressible", "decoupled") = "compressible"
     cell_form: one_of("variational", "equilibrium", "direct") = "variational"
+    cell_profile: one_of("cosine", "straight") = "cosine"
+    yarn_toe: Annotated[
+        float | tuple[float, float],
+        BeforeValidator(_toe),
+        Field(description='a strain from 0 to 10 %, such as "0.1 %", or a list of two, of warp and weft'),
+    ] = 0.0
     surface: Annotated[str | None, Field(description="the path of a surface written by `weavecell surface`")] = None
     gap: quantity("m", "a length of at least 0", "0 mm", at_least=0.0) = 0.0
     bending: quantity("N m^2", "a bending stiffness of at least 0", "1e-6 N m^2", at_least=0.0) = 0.0

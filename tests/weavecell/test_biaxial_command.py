@@ -48,6 +48,27 @@ def test_command(command, tmp_path):
     assert (folder / "report.html").read_text().count("<img") == 1
 
 
+def test_options_of_the_cell(command, tmp_path):
+    options = ("--ratio", "1:1", "--profile", "straight", "--toe", "0.1 %,0.05 %")
+    code, _, err = command("biaxial", "glass-unbalanced", *options, "--out", "b")
+    assert code == 0, err
+    told = json.loads((tmp_path / "b" / "biaxial.json").read_text())
+    assert (told["profile"], told["toe"]) == ("straight", [1e-3, 5e-4])
+    model = CellModel(catalogue.load("glass-unbalanced"), profile="straight", toe=(1e-3, 5e-4))
+    expected = to_strength(model, (1, 1))
+    assert told["paths"]["1:1"]["strain"] == pytest.approx(expected.strain[-1].tolist(), rel=1e-9)
+    linear = to_strength(CellModel(catalogue.load("glass-unbalanced")), (1, 1))
+    assert abs(expected.strain[-1, 0] - linear.strain[-1, 0]) > 1e-4
+
+
+@pytest.mark.parametrize(("toe", "line"), [("20 %", "toe = 0.2: must be a strain"), ("soft", "--toe = 'soft': must")])
+def test_bad_toes_write_nothing(command, tmp_path, toe, line):
+    code, out, err = command("biaxial", "S-720", "--toe", toe, "--out", "b")
+    assert (code, out) == (2, "")
+    assert err.startswith(f"error: {line}")
+    assert list(tmp_path.iterdir()) == []
+
+
 def test_beside_the_3d_crossover(command, tmp_path):
     pytest.importorskip("dolfinx")
     code, _, err = command("biaxial", "S-720", "--ratio", "1:1", "--crossover", "coarse", "--out", "b")

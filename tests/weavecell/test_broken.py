@@ -53,10 +53,15 @@ SCENES = {
     "oblique-quarter": "panel.symmetry = 'quarter': must be one that the oblique shot has, or whole",
     "oblique-weave-quarter": "panel.symmetry = 'quarter': must be whole where the weave is oblique",
     "panel-too-small": "panel.opening = 0.004: must be wider than two projectiles and four crossovers",
+    "profile-of-a-surface": "fabric.cell_profile: a surface has its own, give one of the two",
+    "profile-unknown": """fabric.cell_profile = 'sawtooth': must be one of "cosine", "straight\"""",
     "projectile-too-wide": "projectile.diameter = '120 mm': must be below half of panel.opening",
     "sphere-with-edge": "projectile.edge_radius = '0.3 mm': must be left out for a sphere",
     "three-errors": 'panel.oppening: unknown key, did you mean "opening"? '
     "allowed here: opening, boundary, symmetry, weave_angle (+3 more)",
+    "toe-in-an-impact": "fabric.yarn_toe = 0.001: must be left out in an impact",
+    "toe-too-long": "fabric.yarn_toe = ['0.1 %', '20 %']: must be a strain from 0 to 10 %, such as \"0.1 %\", "
+    "or a list of two, of warp and weft",
     "three-sides": "panel.opening = ['203 mm', '100 mm', '50 mm']: must be a length above 0, "
     'such as "203 mm", or a list of two, along warp and weft',
     "two-fabrics": "fabric: give exactly one of fabric.name and fabric.file",

@@ -129,6 +129,37 @@ def test_bands_end_the_run_and_are_reported(command, scene, tmp_path):
     assert len(datasets(tmp_path / "r" / "histories.h5")) > 20
 
 
+def test_options_of_the_cell(command, scene, tmp_path):
+    """The load of a strip whose yarns have a toe is EA e_t less, once they are straight."""
+    text = """
+[fabric]
+name = "glass-balanced"
+cell_profile = "straight"
+yarn_toe = TOE
+[uniaxial]
+direction = "warp"
+length = "37 mm"
+width = "14 mm"
+strain = "1.2 %"
+[run]
+steps = 2
+outputs = []
+"""
+    loads = []
+    for toe in ("0", '["0.1 %", "0 %"]'):
+        code, _, err = command("coupon", scene(text.replace("TOE", toe)), "--out", f"r{len(loads)}")
+        assert code == 0, err
+        with h5py.File(tmp_path / f"r{len(loads)}" / "histories.h5") as file:
+            loads.append(next(v for k, v in _datasets(file) if "load of a yarn" in k)[-1])
+    assert loads[0] - loads[1] == pytest.approx(38000 * 1e-3, rel=0.05)
+
+
+def _datasets(group):
+    found = []
+    group.visititems(lambda name, item: found.append((name, item[()])) if isinstance(item, h5py.Dataset) else None)
+    return found
+
+
 BAD = {
     "two tests": (
         FRAME + '[uniaxial]\ndirection = "warp"\nlength = "1 cm"\nwidth = "1 cm"\nstrain = "1 %"\n',

@@ -77,6 +77,12 @@ def test_cell_from_a_surface():
         assert panel.table.model.region[0][1] == pytest.approx(1.0567, abs=1e-4)
 
 
+def test_profile_of_the_cell():
+    table = with_change("fabric", "cell_profile", "straight")
+    panel = case.setup(case.build(scene.check(table, "s"), "s", "s"), "s").panel()
+    assert panel.table.model.profile == "straight"
+
+
 def test_linear_density_is_a_choice():
     nominal = case.build(scene.check(with_change("fabric", "linear_density", "nominal"), "s"), "s", "s")
     effective = case.build(scene.check(TABLE, "s"), "s", "s")

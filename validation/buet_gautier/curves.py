@@ -63,12 +63,11 @@ def at_ratio(model: CellModel, k, n=241) -> Curve:
 def free_edge(model: CellModel, direction, n=241) -> Curve:
     """Stretch one direction, "warp" or "weft", with the other free."""
     index = ("warp", "weft").index(direction)
-    yarn = model.fabric.weave.yarns[index]
-    end = (1 + yarn.crimp) * (1 + yarn.failure_strain) - 1
+    end = (1 + model.fabric.weave.yarns[index].crimp) * (1 + model.ultimate_strains[index]) - 1
     strain = np.full((n, 2), np.nan)
     strain[:, index] = np.linspace(0, end, n)
     tension = np.zeros((n, 2))
-    tension[:, index] = yarn.EA * np.maximum((1 + strain[:, index]) / (1 + yarn.crimp) - 1, 0)
+    tension[:, index] = model.alone(index, 1 + strain[:, index])
     return Curve(f"free {'weft' if index == 0 else 'warp'}", strain, tension, direction)
 
 

@@ -6,7 +6,8 @@ from k = 1, with their confidence intervals, and what they predict at other rati
 
 a = exp(p) and F0 = exp(q) stay positive, and b = a F0^(1/3); residuals are tensions over the yarn's strength. Intervals
 are those of the linearised problem at 95 %; bands of a prediction hold 95 % of the curves of parameters drawn from it.
-With --origin the origin of the strains is a parameter too: the source names its shift as a cause of its misfit.
+With --origin the origin of the strains is a parameter too: the source names its shift as a cause of its misfit. It
+names the cosine of its yarns and their linear tension too: --profile and --toe give the cell others (see `options`).
 """
 
 from __future__ import annotations
@@ -27,6 +28,7 @@ from fabrics.errors import InputError, WeavecellError
 from fabrics.fabric import Fabric
 from fabrics.files import replace_whole, write_whole
 from shellfabric.cell import CellModel
+from validation.buet_gautier.arguments import add_options
 from validation.buet_gautier.measured import Test
 
 DRAWS = 200
@@ -44,7 +46,7 @@ class Fit:
     shift : [-] of the strains' origin, with its interval; (0, None) where it was not fitted
     parameters, covariance : of p, q and the shift
     residual : [-] rms over the yarn's strength
-    form : of the cell
+    options : of the cell: form, profile, toe
     """
 
     fabric: Fabric
@@ -53,34 +55,34 @@ class Fit:
     parameters: np.ndarray
     covariance: np.ndarray
     residual: float
-    form: str
+    options: dict
 
     def tension(self, strain):
         """(n, 2) [N] per yarn at strains (n, 2), with the fitted constants."""
-        return _tension(self.fabric, self.parameters, strain, self.form)
+        return _tension(self.fabric, self.parameters, strain, self.options)
 
     def band(self, strain, seed=0):
         """((n, 2), (n, 2)) [N] between which 95 % of the curves of drawn parameters lie, at strains (n, 2)."""
         draws = np.random.default_rng(seed).multivariate_normal(self.parameters, self.covariance, DRAWS)
-        curves = np.array([_tension(self.fabric, draw, strain, self.form) for draw in draws])
+        curves = np.array([_tension(self.fabric, draw, strain, self.options) for draw in draws])
         return tuple(np.quantile(curves, [0.5 - CONFIDENCE / 2, 0.5 + CONFIDENCE / 2], axis=0))
 
 
-def fit(fabric: Fabric, test: Test, *, origin=False, form="equilibrium") -> Fit:
-    """Fit a and b to a test, and the origin of its strains if wanted.
+def fit(fabric: Fabric, test: Test, *, origin=False, form="equilibrium", **options) -> Fit:
+    """Fit a and b to a test, and the origin of its strains if wanted; `options` are those of CellModel.
 
     Raises
     ------
     InputError : a test at which the yarns do not touch, or to which no constants can be fitted
     """
-    strength = np.array([yarn.strength for yarn in fabric.weave.yarns])
+    strength, options = np.array([yarn.strength for yarn in fabric.weave.yarns]), {"form": form, **options}
     measured = ~np.isnan(test.tension)
     start = np.array(
         [np.log(0.4 * sum(fabric.weave.h0) / 2), np.log(3e-3 * strength.mean()), *([0.0] if origin else [])]
     )
 
     def residuals(parameters):
-        return ((_tension(fabric, parameters, test.strain, form) - test.tension) / strength)[measured]
+        return ((_tension(fabric, parameters, test.strain, options) - test.tension) / strength)[measured]
 
     bounds = ([-30, -30, -0.02][: start.size], [np.log(fabric.weave.thickness), 20, 0.02][: start.size])
     scale = np.array([1.0, 3.0, 1e-3])[: start.size]
@@ -89,30 +91,32 @@ def fit(fabric: Fabric, test: Test, *, origin=False, form="equilibrium") -> Fit:
     if not found.success or free < 1 or np.linalg.matrix_rank(found.jac, tol=1e-12) < start.size:
         raise InputError("tells nothing of the compression law: no a and b can be fitted", file=test.source or None)
     covariance = np.linalg.inv(found.jac.T @ found.jac) * np.sum(found.fun**2) / free
-    return _packed(fabric, test, found.x, covariance, found.fun, student.ppf(0.5 + CONFIDENCE / 2, free), form)
+    return _packed(fabric, test, found.x, covariance, found.fun, student.ppf(0.5 + CONFIDENCE / 2, free), options)
 
 
-def _packed(fabric, test, x, covariance, residuals, spread, form):
+def _packed(fabric, test, x, covariance, residuals, spread, options):
     a, F0 = float(np.exp(x[0])), float(np.exp(x[1]))
     b, C = a * F0 ** (1 / 3), covariance
     da, db = spread * C[0, 0] ** 0.5, spread * (C[0, 0] + 2 / 3 * C[0, 1] + C[1, 1] / 9) ** 0.5
+    with np.errstate(over="ignore"):  # a constant that the test does not determine has no upper end
+        intervals = [(value * np.exp(-half), value * np.exp(half)) for value, half in ((a, da), (b, db))]
     law = CompressionLaw(
         a, b, provenance=f"fitted to {Path(test.source).name or 'a biaxial test'}, k = {test.ratio:.3g}",
-        a_interval=(a * np.exp(-da), a * np.exp(da)), b_interval=(b * np.exp(-db), b * np.exp(db)),
+        a_interval=intervals[0], b_interval=intervals[1],
     )  # fmt: skip
     shift = (0.0, None)
     if x.size > 2:
         half = spread * C[2, 2] ** 0.5
         shift = (float(x[2]), (float(x[2] - half), float(x[2] + half)))
-    return Fit(fabric, law, shift, x, covariance, float(np.sqrt(np.mean(residuals**2))), form)
+    return Fit(fabric, law, shift, x, covariance, float(np.sqrt(np.mean(residuals**2))), options)
 
 
-def _tension(fabric, parameters, strain, form):
+def _tension(fabric, parameters, strain, options):
     """(n, 2) [N] of the cell with the constants of the parameters; a shift of the origin counts in both directions."""
     a, F0 = np.exp(parameters[0]), np.exp(parameters[1])
     law = CompressionLaw(float(a), float(a * F0 ** (1 / 3)))
     shift = parameters[2] if len(parameters) > 2 else 0.0
-    found = CellModel(fabric, (law, law), form=form).solve(*(1 + strain + shift).T)
+    found = CellModel(fabric, (law, law), **options).solve(*(1 + strain + shift).T)
     return np.stack([found["T1"], found["T2"]], axis=-1)
 
 
@@ -176,11 +180,13 @@ def main():
     parser.add_argument("--predict", type=Path, nargs="*", default=[], metavar="OTHER.csv")
     parser.add_argument("--origin", action="store_true", help="fit the origin of the strains too")
     parser.add_argument("--form", choices=["equilibrium", "variational"], default="equilibrium")
+    add_options(parser)
     parser.add_argument("--out", type=Path, default=Path("results/biaxial"))
     options = parser.parse_args()
     fabric = catalogue.read(options.fabric) if options.fabric.endswith(".toml") else catalogue.load(options.fabric)
     tests = {path.stem: Test.read(path) for path in (options.test, *options.predict)}
-    found = fit(fabric, tests[options.test.stem], origin=options.origin, form=options.form)
+    found = fit(fabric, tests[options.test.stem], origin=options.origin, form=options.form,
+                profile=options.profile, toe=options.toe)  # fmt: skip
     law, strength = found.law, np.array([yarn.strength for yarn in fabric.weave.yarns])
     found.law.to_json(options.out / f"{options.test.stem}-law.json")
     write(found, tests, options.out / f"{options.test.stem}-fit.csv")

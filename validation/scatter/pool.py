@@ -1,0 +1,99 @@
+"""Independent runs on any executor of concurrent.futures; each is on disk as soon as it is done.
+
+A run is named by a digest of its function, its arguments and the text of the packages that it runs in, so that an
+interrupted study goes on where it was, and a run of another version is never taken for one of this. Nothing depends on
+how many runs are under way, or in which order they end.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import inspect
+import os
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from contextlib import contextmanager
+from multiprocessing import get_context
+from pathlib import Path
+
+from fabrics.errors import InputError
+from validation.ledger import cache
+from validation.scatter import inputs
+
+POOLS = ("processes", "mpi")
+PACKAGES = ("fabrics", "shellfabric")  # and of this one, the function's own file and the inputs
+_THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS")
+
+
+@contextmanager
+def executor(kind="processes", jobs=1):
+    """An executor: fresh processes with one thread each, or the ranks of mpi4py.futures; None for one process, this.
+
+    Under MPI the program is started as `mpiexec -n RANKS python -m mpi4py.futures -m weavecell ...`.
+    """
+    if kind not in POOLS:
+        raise InputError(key="pool", value=kind, allowed=" or ".join(POOLS))
+    if kind == "mpi":
+        try:
+            from mpi4py.futures import MPIPoolExecutor
+        except ImportError:
+            raise InputError(key="pool", value=kind, allowed="processes, since mpi4py is not installed") from None
+        with MPIPoolExecutor() as workers:
+            yield workers
+    elif jobs == 1:
+        yield None
+    else:
+        before = {name: os.environ.get(name) for name in _THREADS}
+        os.environ.update(dict.fromkeys(_THREADS, "1"))
+        try:
+            with ProcessPoolExecutor(jobs, mp_context=get_context("spawn")) as workers:
+                yield workers
+        finally:
+            for name, value in before.items():
+                os.environ.pop(name, None) if value is None else os.environ.update({name: value})
+
+
+def results(function, arguments, *, folder, workers=None, report=None):
+    """function(*one) for each one of `arguments`, in their order.
+
+    Parameters
+    ----------
+    function : of a module, to be found again in another process
+    arguments : list of tuples of plain numbers, texts and frozen dataclasses
+    folder : Path where results are kept, and taken from
+    workers : executor, or None
+    report : called as report(number done, number of all)
+
+    Raises
+    ------
+    WeavecellError : as the function; what had ended has been kept
+    """
+    names = [_name(function, one) for one in arguments]
+    folder.mkdir(parents=True, exist_ok=True)
+    missing = [k for k, name in enumerate(names) if not cache.kept(folder, name)]
+    report = report or (lambda done, total: None)
+    report(len(names) - len(missing), len(names))
+    for done, (k, content) in enumerate(_each(function, [(k, arguments[k]) for k in missing], workers), 1):
+        cache.write(folder, names[k], content)
+        report(len(names) - len(missing) + done, len(names))
+    return [cache.read(folder, name) for name in names]
+
+
+def _name(function, one):
+    own = [Path(inspect.getfile(part)).read_text("utf-8") for part in (function, inputs)]
+    text = "\n".join((function.__qualname__, repr(one), *own, *map(cache.source, PACKAGES)))
+    return f"{function.__name__}-{hashlib.sha256(text.encode()).hexdigest()[:24]}"
+
+
+def _each(function, jobs, workers):
+    """(key, result) of each job, as they end."""
+    if workers is None:
+        for key, one in jobs:
+            yield key, function(*one)
+        return
+    futures = {workers.submit(function, *one): key for key, one in jobs}
+    try:
+        for future in as_completed(futures):
+            yield futures[future], future.result()
+    finally:
+        for future in futures:
+            future.cancel()
