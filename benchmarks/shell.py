@@ -1,12 +1,14 @@
-"""Cost of the explicit shell: S-720, one ply, 6,241 elements, 250 us, one core; and with the size of the panel.
+"""Cost of the explicit shell: S-720, one ply, 6,241 elements, 250 us; with the size of the panel, threads, precision.
 
 Run with nothing else on the machine:
 
-    taskset -c 0 python benchmarks/shell.py [--repeats 9] [--out FILE.json]
+    python benchmarks/shell.py [--repeats 9] [--parts one sizes threads precision] [--out FILE.json]
 
-Reported are medians of the marching alone (no table, no compilation, no audit). CPU time stands beside wall time: where
-the two differ the machine was busy, and the wall time says nothing about the code. For the sizes, all rows are worked
-on from the start, so that the cost is that of a panel in motion everywhere.
+Reported are medians of the marching alone (no table, no compilation, no audit). What is measured on one core keeps to
+one. CPU time stands beside wall time: where the two differ the machine was busy, and the wall time says nothing about
+the code. For the sizes, all rows are worked on from the start, so that the cost is that of a panel in motion
+everywhere. Threads are compared in pairs of runs, alternated, on 4 x the size, and their results to the bit. Precision:
+the same runs with forces kept in 16 and in 7 digits.
 """
 
 from __future__ import annotations
@@ -17,6 +19,8 @@ import os
 import platform
 import statistics
 import time
+from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 
 import numba
@@ -25,9 +29,14 @@ import numpy as np
 from fabrics import catalogue
 from shellfabric import march_kernels
 from shellfabric.cell import CellModel
-from shellfabric.panel import Panel
+from shellfabric.limit import critical_velocity, shoot
+from shellfabric.march import March
+from shellfabric.panel import Numerics, Panel
 
 END = 250e-6
+FORMS = ("equilibrium", "variational")
+SIZES = ((0.0815, 600), (0.203, 1000), (0.407, 300), (0.815, 100), (2.6, 20))  # side [m], steps, in which nothing fails
+PRECISION = (("S-720", 92.5, 155.0), ("S-728", 76.0, 170.0), ("S-731", 116.0, 132.0))  # the source's two shots
 
 
 def machine():
@@ -38,12 +47,22 @@ def machine():
     return {
         "processor": names[0] if names else platform.processor(),
         "cores": os.cpu_count(),
-        "cores_used": 1,
         "load_average": os.getloadavg()[0],
         "python": platform.python_version(),
         "numba": numba.__version__,
         "numpy": np.__version__,
     }
+
+
+@contextmanager
+def one_core():
+    """Keep to one core, where the system can."""
+    before = os.sched_getaffinity(0)
+    os.sched_setaffinity(0, {min(before)})
+    try:
+        yield
+    finally:
+        os.sched_setaffinity(0, before)
 
 
 def march(panel, strike_velocity, steps, everywhere):
@@ -75,23 +94,87 @@ def measure(panel, repeats, steps=None, everywhere=False):
     }
 
 
+def with_knobs(panel, **knobs):
+    return replace(panel, numerics=replace(panel.numerics, **knobs))
+
+
+def sizes(table):
+    """The same steps on larger and smaller panels, all of it in motion, and the dearest element over the cheapest."""
+    found = [measure(Panel(table, (side, side)), 5, steps, everywhere=True) for side, steps in SIZES]
+    cost = [entry["cpu_ns_per_element_step"] for entry in found]
+    return {"sizes": found, "dearest_over_cheapest": round(max(cost) / min(cost), 3)}
+
+
+def threads(table, repeats):
+    """Marching of a whole run on one and on two cores, audits and hand-over of work to the threads in between."""
+    panel = Panel(table, (0.406, 0.406))
+    walls, ends = {1: [], 2: []}, {}
+    for _ in range(repeats):
+        for count in walls:
+            run = March(with_knobs(panel, threads=count), 92.5, END).run()
+            walls[count].append(run.wall_time)
+            ends[count] = run.state
+    same = all(np.array_equal(one, two) for one, two in zip(ends[1], ends[2]))
+    middle = {count: statistics.median(wall) for count, wall in walls.items()}
+    return {
+        "elements": panel.elements,
+        "wall_s_one": round(middle[1], 4),
+        "wall_s_two": round(middle[2], 4),
+        "one_over_two": round(middle[1] / middle[2], 3),
+        "same_bits": same,
+    }
+
+
+def precision(repeats):
+    """What keeping forces in single precision changes, and what it saves."""
+    found = {}
+    for name, slow, fast in PRECISION:
+        panel = Panel(CellModel(catalogue.load(name).effective()).table(201))
+        found[name] = {}
+        for kind in ("double", "single"):
+            chosen = with_knobs(panel, precision=kind, threads=1)
+            stopped, through = shoot(chosen, (slow, fast))
+            limit = critical_velocity(chosen, tolerance=0.1)
+            found[name][kind] = {
+                "residual_velocity": through.residual_velocity,
+                "time_to_stop": stopped.time,
+                "peak_tension_of_the_stop": stopped.peak_tension,
+                "balance_of_the_stop": stopped.balance,
+                "critical_velocity": limit.velocity,
+                "cost": measure(chosen, repeats)["least_cpu_ns_per_element_step"],
+            }
+        large = Panel(panel.table, (1.6, 1.6))
+        found[name]["cost_400k_elements"] = {
+            kind: measure(with_knobs(large, precision=kind), 3, 30, True)["least_cpu_ns_per_element_step"]
+            for kind in ("double", "single")
+        }
+    return found
+
+
 def main():
     arguments = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     arguments.add_argument("--repeats", type=int, default=9)
+    parts = ("one", "sizes", "threads", "precision")
+    arguments.add_argument("--parts", nargs="+", choices=parts, default=parts)
     arguments.add_argument("--out", type=Path)
     chosen = arguments.parse_args()
     fabric = catalogue.load("S-720").effective()
-    tables = {form: CellModel(fabric, form=form).table(201) for form in ("equilibrium", "variational")}
-    start = time.perf_counter()
-    CellModel(fabric).table(201)
-    report = {"machine": machine(), "table_201_s": round(time.perf_counter() - start, 3)}
-    for form, table in tables.items():
-        report[form] = measure(Panel(table), chosen.repeats)
-    # the same steps on larger and smaller panels, all of it in motion
-    report["sizes"] = [
-        measure(Panel(tables["equilibrium"], (side, side)), 3, steps, everywhere=True)
-        for side, steps in ((0.0815, 2000), (0.203, 1000), (0.407, 700), (0.815, 400), (2.6, 60))
-    ]
+    tables = {form: CellModel(fabric, form=form).table(201) for form in FORMS}
+    report = {"machine": machine()}
+    with one_core():
+        start = time.perf_counter()
+        CellModel(fabric).table(201)
+        report["table_201_s"] = round(time.perf_counter() - start, 3)
+        if "one" in chosen.parts:
+            for form, table in tables.items():
+                report[form] = measure(Panel(table, numerics=Numerics(threads=1)), chosen.repeats)
+        if "sizes" in chosen.parts:
+            report["size"] = {form: sizes(table) for form, table in tables.items()}
+        if "precision" in chosen.parts:
+            report["precision"] = precision(chosen.repeats)
+    if "threads" in chosen.parts:
+        enough = len(os.sched_getaffinity(0)) > 1
+        report["two_cores"] = {form: threads(table, 5) if enough else None for form, table in tables.items()}
     report["machine"]["load_average_after"] = os.getloadavg()[0]
     text = json.dumps(report, indent=2)
     print(text)

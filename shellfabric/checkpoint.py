@@ -29,7 +29,8 @@ class Checkpoints(Every):
 
 def identity(march):
     """Digest of everything that determines a run and its records: panel, table, knobs, strike velocity, measures."""
-    digest = hashlib.sha256(repr((march.strike_velocity, march.chunk, march.measure)).encode())
+    precision = march.panel.numerics.precision
+    digest = hashlib.sha256(repr((march.strike_velocity, march.chunk, march.measure, precision)).encode())
     for name, value in zip(march.const._fields, march.const):
         digest.update(name.encode())
         digest.update(np.ascontiguousarray(value).tobytes())

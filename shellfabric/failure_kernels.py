@@ -161,12 +161,15 @@ def look_for_failures(const, state, family, first, last):
     Filters the tensions where that is asked for, and keeps the peak. Returns how many have failed.
     """
     n, failures = const.per, 0
+    # a segment of one edge that is below the peak and the lowest strength needs no closer look
+    lowest = const.strength1 if family == WARP else const.strength2
+    bound = min(state.peak[family], lowest) if n == 1 and const.lag == 0.0 else -1.0
     rows = last - 1 if family == WARP else last
     columns = const.nj if family == WARP else const.nj - 1
     for i in range((first + n - 1) // n * n, rows + 1, n):
         for j in range(0, columns + 1, n):
             k = np.uint64(i * const.s + j)
-            if state.failed[family][k]:
+            if state.T[family][k] <= bound or state.failed[family][k]:
                 continue
             T = yarn_tension(const, state, family, i, j)
             state.peak[family] = max(state.peak[family], T)

@@ -268,8 +268,8 @@ def fail(state, const, work):
     first, last = taut(state, const)
     if first >= last:
         return
-    near, end = max(state.rows[0], first - const.per + 1), min(state.rows[1], last + const.per - 1)
-    freshen(state, const, near // const.block, (end + const.block - 1) // const.block, work)
+    start, end = max(state.rows[0], first - const.per + 1), min(state.rows[1], last + const.per - 1)
+    freshen(state, const, start // const.block, (end + const.block - 1) // const.block, work)
     most1, most2 = 0.0, 0.0
     for block in range(first // const.block, (last + const.block - 1) // const.block):
         most1, most2 = max(most1, state.most[block, 0]), max(most2, state.most[block, 1])

@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from collections import namedtuple
 from dataclasses import dataclass, field
+from functools import cached_property
 from math import inf
 
 import numpy as np
@@ -22,6 +23,8 @@ from shellfabric import contact_kernels, edges, edges_kernels, march_kernels, te
 from shellfabric.cell import CellTable
 from shellfabric.projectile import Projectile
 
+PRECISIONS = {"double": np.float64, "single": np.float32}
+_ROWS = 6  # of a block at least: with fewer, most of the work would be on the rows about it that two blocks need
 SYMMETRIES = {"quarter": (True, True), "half": (True, False), "whole": (False, False)}
 
 Constants = namedtuple(
@@ -68,7 +71,10 @@ class Numerics:
     failure_time : [s] over which a yarn's tension is low-passed before it is held against its strength; 0: not at all
     widest : stretch of the gap left by failed yarns at which its element loses contact: two neighbours' worth
     clear_time : [s] without a push and with nothing ahead, after which the panel counts as perforated
-    block : elements worked on together: more share the cost of a block, fewer keep its scratch in cache
+    block : elements worked on together, six rows at least: more share the cost of a block and of the rows about it,
+        fewer keep its scratch in cache
+    precision : "double" or "single", in which forces are kept from step to step, and the constants of nodes and edges;
+        all is computed in double precision, and places, velocities and stretches are kept in it
     threads : that march; None takes all that the process may use where it pays (`team`). No result depends on it
     """
 
@@ -81,6 +87,7 @@ class Numerics:
     widest: float = 3.0
     clear_time: float = 2e-6
     block: int = 2000
+    precision: str = "double"
     threads: int | None = None
 
     def __post_init__(self):
@@ -95,6 +102,8 @@ class Numerics:
         ):
             if not getattr(self, key) >= 0:
                 raise InputError(key=key, value=getattr(self, key), allowed="at least 0")
+        if self.precision not in PRECISIONS:
+            raise InputError(key="precision", value=self.precision, allowed=" or ".join(PRECISIONS))
         if self.threads is not None and self.threads < 1:
             raise InputError(key="threads", value=self.threads, allowed="at least 1")
         if self.safety > 1:
@@ -231,6 +240,13 @@ class Panel:
         xi = self.numerics.stretch_viscosity
         return self.numerics.safety * self.critical_step * ((1 + xi**2) ** 0.5 - xi)
 
+    @property
+    def _block(self):
+        """Element rows of a block: all blocks are of one size, but the last."""
+        ni, nj = self.counts
+        rows = max(_ROWS, self.numerics.block / (nj + 1))
+        return -(-ni // max(1, round(ni / rows)))
+
     def coordinates(self):
         """(X, Y) [m] of the nodes at rest, each (ni+1, nj+1); the impact point is the origin."""
         (ni, nj), (dx, dy), (x0, y0) = self.counts, self.spacing, self.origin
@@ -257,11 +273,11 @@ class Panel:
         strengths = self._strengths()
         roaming = shot.roaming or rim_node.size > 0  # over the cloth: it slides, or the cloth is drawn under it
         return Constants(
-            ni=ni, nj=nj, s=nj + 1, block=max(1, round(knobs.block / (nj + 1))), mirror_x=mirror_x, mirror_y=mirror_y,
+            ni=ni, nj=nj, s=nj + 1, block=self._block, mirror_x=mirror_x, mirror_y=mirror_y,
             x0=x0, y0=y0, dx=dx, dy=dy, rx0=1 / dx, ry0=1 / dy, dt=dt, per=self.elements_per_crossover,
             tension1=table.tension1.reshape(-1, 4), tension2=table.tension2.reshape(-1, 4),
             ceiling1=_ceiling(table.values["T1"]), ceiling2=_ceiling(table.values["T2"]),
-            potential=table.potential.reshape(-1, 16),
+            potential=self._potential,
             x0t=table.stretch1[0], rx=rx, top1=table.stretch1.size - 2,
             y0t=table.stretch2[0], ry=ry, top2=table.stretch2.size - 2,
             grid=(
@@ -292,23 +308,27 @@ class Panel:
         const = self.constants()
         ni, s = const.ni, const.s
         slots = (ni + 2) * s + 16
-        mass, inverse = np.zeros(slots), np.zeros(slots)
+        real = PRECISIONS[self.numerics.precision]
+        mass, inverse, kick = (*_room(2, slots), *_room(1, slots, real))
         mass[: (ni + 1) * s] = self.masses().ravel()
         loose = np.flatnonzero(edges.loose(self))
         inverse[loose] = 1.0 / mass[loose]
+        kick[:] = const.dt * inverse
         blocks = -(-ni // const.block)
-        three, two = (lambda: tuple(np.zeros(slots) for _ in range(3))), (lambda: (np.zeros(slots), np.zeros(slots)))
+        three, two = (lambda kind=float: _room(3, slots, kind)), (lambda: _room(2, slots, real))
         # the last changes of stretch enter the audit of viscous work alone: 7 digits are enough
-        small = lambda: (np.zeros(slots, np.float32), np.zeros(slots, np.float32))  # noqa: E731
-        forces, lengths = two(), self._yarn_lengths(const, slots)
+        small = _room(2, slots, np.float32)
+        forces, lengths, stretches = two(), two(), _room(2, slots)
+        for y, length, L in zip(lengths, self._yarn_lengths(const), stretches):
+            y[: length.size], L[:] = length, 1.0
         i0, i1, j0, j1 = const.near
         near = (i1 - i0) * (j1 - j0)
         state = State(
-            u=three(), v=three(), g0=three(), g1=three(), mass=mass, inverse_mass=inverse, kick=const.dt * inverse,
-            L=(np.ones(slots), np.ones(slots)), N=forces, T=two() if const.variational else forces, D=small(),
+            u=three(), v=three(), g0=three(real), g1=three(real), mass=mass, inverse_mass=inverse, kick=kick,
+            L=stretches, N=forces, T=two() if const.variational else forces, D=small,
             y=lengths, intact=tuple((y > 0).astype(float) for y in lengths),
             failed=(np.zeros(slots, np.uint8), np.zeros(slots, np.uint8)),
-            filtered=two() if const.lag > 0 else (np.zeros(0), np.zeros(0)),
+            filtered=_room(2, slots if const.lag > 0 else 0),
             thin=np.zeros(blocks, np.uint8), stale=np.zeros(blocks, np.bool_), most=np.zeros((blocks, 2)),
             flag=np.zeros(slots, np.uint8), pressed=np.zeros((near, const.points**2, 4)),
             touching=np.zeros(near, np.bool_), contact=three(),
@@ -331,9 +351,9 @@ class Panel:
         """Scratch of one thread, for one block of elements."""
         const = self.constants()
         size = (const.block + 4) * const.s + 16
-        shapes = dict.fromkeys(("A", "B"), (3, size)) | dict.fromkeys(("x", "v"), (16, 3)) | {"strip": (9, 3)}
-        rows = {name: np.zeros(shapes.get(name, size)) for name in Work._fields}
-        rows["A"], rows["B"], rows["shared"] = tuple(rows["A"]), tuple(rows["B"]), np.zeros(team.ROOM, np.int64)
+        shapes = dict.fromkeys(("x", "v"), (16, 3)) | {"strip": (9, 3)}
+        rows = {name: np.zeros(shapes[name]) if name in shapes else _room(1, size)[0] for name in Work._fields}
+        rows["A"], rows["B"], rows["shared"] = _room(3, size), _room(3, size), np.zeros(team.ROOM, np.int64)
         return Work(**rows)
 
     def masses(self):
@@ -346,7 +366,7 @@ class Panel:
                 mass[i, j] += corner
         return mass
 
-    def _yarn_lengths(self, const, slots):
+    def _yarn_lengths(self, const):
         """(warp, weft) [m] length of yarn of each edge at its slot: an edge's own times its yarns, half on the rim."""
         found, area = [], const.dx * const.dy
         for count, axis in ((self.weave.warp_count, 0), (self.weave.weft_count, 1)):
@@ -354,8 +374,15 @@ class Panel:
             lines = np.moveaxis(y, axis, 0)[:-1]
             lines[:] = area * count
             lines[:, [0, -1]] *= 0.5
-            found.append(np.concatenate([y.ravel(), np.zeros(slots - y.size)]))
-        return tuple(found)
+            found.append(y.ravel())
+        return found
+
+    @cached_property
+    def _potential(self):
+        """(cells, 16) [J] the table's potential; each of its rows fills two cache lines."""
+        rows = _room(1, self.table.potential.size)[0]
+        rows[:] = self.table.potential.ravel()
+        return rows.reshape(-1, 16)
 
     def _strengths(self):
         """(warp, weft) [N] strength of each yarn of the modelled part."""
@@ -390,3 +417,11 @@ class Panel:
 def _ceiling(tension):
     """(cells,) [N] the largest tension (n1, n2) up to the upper corner of each cell of the table."""
     return np.maximum.accumulate(np.maximum.accumulate(tension, axis=0), axis=1)[1:, 1:].ravel()
+
+
+def _room(count, slots, kind=float):
+    """`count` flat arrays of zeros that begin with a cache line, in different sets of the cache."""
+    width = (-(-slots // 16) | 1) * 16
+    whole = np.zeros(count * width + 16, kind)
+    start = -whole.ctypes.data % 64 // whole.itemsize
+    return tuple(whole[start + m * width : start + m * width + slots] for m in range(count))
