@@ -71,11 +71,11 @@ def test_calibration_is_written_and_told(command, tmp_path):
     assert code == 0
     assert {path.name for path in folder.iterdir()} == {
         "law.json", "law-warp.json", "law-weft.json", "calibration.json", "provenance.json", "mesh.json", "report.html",
-            "plates.h5", "equibiaxial.h5",
+        "plates.h5", "equibiaxial.h5",
         "warp-only.h5", "weft-only.h5", "crossover.msh", "crossover.vtu", "crossover.png", "quality.png",
     }  # fmt: skip
     law = CompressionLaw.from_json(folder / "law.json")
-    assert f"fitted     a = {1e3 * law.a:.4f} mm" in out
+    assert f"fitted      a = {1e3 * law.a:.4f} mm" in out
     page = _Page()
     page.feed((folder / "report.html").read_text("utf-8"))
     assert page.ids == ["fit", "cell", "mesh", "sources", "making"]
