@@ -16,14 +16,13 @@ Pressures rise; thicknesses fall, closures rise. Only the loading belongs in the
 
 from __future__ import annotations
 
-import csv
-import re
 import tomllib
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
+from fabrics import columns
 from fabrics.errors import InputError
 from fabrics.units import si
 
@@ -109,50 +108,15 @@ class PlateCurve:
         InputError : one line naming the file, the row, the value and what is allowed
         """
         path = Path(path)
-        try:
-            lines = [
-                (number, line)
-                for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), 1)
-                if line.strip() and not line.lstrip().startswith("#")
-            ]
-        except (OSError, UnicodeDecodeError) as problem:
-            why = getattr(problem, "strerror", None) or "not text"
-            raise InputError("cannot be read", file=path, allowed=f"a plate curve ({why})") from problem
-        if not lines:
-            raise InputError("is empty", file=path, allowed="a plate curve: pressure and thickness or closure")
-        names, scales = zip(*(_column(cell, path) for cell in next(csv.reader([lines[0][1]]))))
-        if sorted(names) not in (["closure", "pressure"], ["pressure", "thickness"]):
-            raise InputError(
-                file=path, key="columns", value=", ".join(names), allowed="pressure, and thickness or closure"
-            )
-        rows = [_row(number, line, path) for number, line in lines[1:]]
-        column = {name: scale * np.array(values) for name, scale, values in zip(names, scales, zip(*rows))}
-        if not rows:
-            column = dict.fromkeys(names, np.array([]))
+        column = columns.read(
+            path, {"pressure": "Pa", "thickness": "m", "closure": "m"}, what="a plate curve",
+            content="a plate curve: pressure and thickness or closure",
+            heading="pressure, thickness or closure with its unit, such as pressure [MPa]",
+            accepts=lambda names: sorted(names) in (["closure", "pressure"], ["pressure", "thickness"]),
+            columns="pressure, and thickness or closure",
+        )  # fmt: skip
         closure = column["closure"] if "closure" in column else -column["thickness"]
         try:
             return cls(column["pressure"], closure - closure[:1].sum(), path.name)
         except InputError as problem:
             raise InputError(file=path, key=problem.key, value=problem.value, allowed=problem.allowed) from None
-
-
-def _column(cell, path):
-    """(name, SI value of its unit) of a heading such as "pressure [MPa]"."""
-    found = re.fullmatch(r"\s*(\w+)\s*\[([^\]]+)\]\s*", cell)
-    units = {"pressure": "Pa", "thickness": "m", "closure": "m"}
-    if found is None or found[1] not in units:
-        raise InputError(
-            file=path,
-            key="heading",
-            value=cell.strip(),
-            allowed="pressure, thickness or closure with its unit, such as pressure [MPa]",
-        )
-    return found[1], si(f"1 {found[2]}", units[found[1]], file=path, key=found[1])
-
-
-def _row(number, line, path):
-    try:
-        first, second = next(csv.reader([line]))
-        return float(first), float(second)
-    except ValueError:
-        raise InputError(file=path, key=f"line {number}", value=line.strip(), allowed="two numbers") from None

@@ -10,15 +10,12 @@ At least eight rows.
 
 from __future__ import annotations
 
-import csv
-import re
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 
+from fabrics import columns
 from fabrics.errors import InputError
-from fabrics.units import si
 
 FEWEST = 8
 COLUMNS = ("warp strain", "weft strain", "warp tension", "weft tension")
@@ -67,43 +64,14 @@ class Test:
         ------
         InputError : one line naming the file, the row, the value and what is allowed
         """
-        path = Path(path)
-        try:
-            lines = path.read_text(encoding="utf-8").splitlines()
-        except (OSError, UnicodeDecodeError) as problem:
-            why = getattr(problem, "strerror", None) or "not text"
-            raise InputError("cannot be read", file=path, allowed=f"a biaxial test ({why})") from problem
-        numbered = [(n, line) for n, line in enumerate(lines, 1) if line.strip() and not line.lstrip().startswith("#")]
-        if not numbered:
-            raise InputError("is empty", file=path, allowed="strains and tensions")
-        names, scales = zip(*(_heading(cell, path) for cell in next(csv.reader([numbered[0][1]]))))
-        if len(set(names)) < len(names) or not set(COLUMNS[:2]) <= set(names):
-            raise InputError(file=path, key="columns", value=", ".join(names), allowed="both strains, and tensions")
-        rows = [_row(n, line, len(names), path) for n, line in numbered[1:]]
-        table = dict(zip(names, (np.array(rows).reshape(-1, len(names)) * scales).T))
-        missing = np.full(len(rows), np.nan)
+        table = columns.read(
+            path, {name: "" if name.endswith("strain") else "N" for name in COLUMNS}, what="a biaxial test",
+            content="strains and tensions", heading=f"{', '.join(COLUMNS)}, each with [unit]",
+            accepts=lambda names: len(set(names)) == len(names) and set(COLUMNS[:2]) <= set(names),
+            columns="both strains, and tensions",
+        )  # fmt: skip
+        missing = np.full(table[COLUMNS[0]].size, np.nan)
         strain, tension = (
             np.stack([table.get(name, missing) for name in part], 1) for part in (COLUMNS[:2], COLUMNS[2:])
         )
         return cls(strain, tension, str(path))
-
-
-def _heading(cell, path):
-    """(name, SI value of its unit) of a heading such as "warp strain [%]"."""
-    found = re.fullmatch(r"\s*(.+?)\s*\[([^\]]+)\]\s*", cell)
-    if found is None or found[1] not in COLUMNS:
-        raise InputError(
-            file=path, key="heading", value=cell.strip(), allowed=f"{', '.join(COLUMNS)}, each with [unit]"
-        )
-    unit = "" if found[1].endswith("strain") else "N"
-    return found[1], si(f"1 {found[2]}", unit, file=path, key=found[1])
-
-
-def _row(number, line, count, path):
-    try:
-        values = [float(cell) for cell in next(csv.reader([line]))]
-    except ValueError:
-        values = []
-    if len(values) != count:
-        raise InputError(file=path, key=f"line {number}", value=line.strip(), allowed=f"{count} numbers")
-    return values

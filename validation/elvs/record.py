@@ -10,15 +10,12 @@ velocity. At least 50 rows.
 
 from __future__ import annotations
 
-import csv
-import re
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 
+from fabrics import columns
 from fabrics.errors import InputError
-from fabrics.units import si
 
 FEWEST = 50
 UNEVEN = 1e-3  # of the spacing: what rounding in a file may do to it
@@ -67,34 +64,9 @@ class Record:
         ------
         InputError : one line naming the file, the row, the value and what is allowed
         """
-        path = Path(path)
-        try:
-            lines = path.read_text(encoding="utf-8").splitlines()
-        except (OSError, UnicodeDecodeError) as problem:
-            why = getattr(problem, "strerror", None) or "not text"
-            raise InputError("cannot be read", file=path, allowed=f"a displacement record ({why})") from problem
-        numbered = [(n, line) for n, line in enumerate(lines, 1) if line.strip() and not line.lstrip().startswith("#")]
-        if not numbered:
-            raise InputError("is empty", file=path, allowed="time [us], displacement [mm]")
-        names, scales = zip(*(_heading(cell, path) for cell in next(csv.reader([numbered[0][1]]))))
-        if sorted(names) != sorted(_UNITS):
-            raise InputError(file=path, key="columns", value=", ".join(names), allowed="time and displacement")
-        rows = np.array([_row(n, line, path) for n, line in numbered[1:]]).reshape(-1, 2) * scales
-        columns = dict(zip(names, rows.T))
-        return cls(columns["time"], columns["displacement"], str(path))
-
-
-def _heading(cell, path):
-    """(name, SI value of its unit) of a heading such as "time [us]"."""
-    found = re.fullmatch(r"\s*(\w+)\s*\[([^\]]+)\]\s*", cell)
-    if found is None or found[1] not in _UNITS:
-        raise InputError(file=path, key="heading", value=cell.strip(), allowed="time [unit] or displacement [unit]")
-    return found[1], si(f"1 {found[2]}", _UNITS[found[1]], file=path, key=found[1])
-
-
-def _row(number, line, path):
-    try:
-        first, second = next(csv.reader([line]))
-        return float(first), float(second)
-    except ValueError:
-        raise InputError(file=path, key=f"line {number}", value=line.strip(), allowed="two numbers") from None
+        found = columns.read(
+            path, _UNITS, what="a displacement record", content="time [us], displacement [mm]",
+            heading="time [unit] or displacement [unit]",
+            accepts=lambda names: sorted(names) == sorted(_UNITS), columns="time and displacement",
+        )  # fmt: skip
+        return cls(found["time"], found["displacement"], str(path))
