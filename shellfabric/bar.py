@@ -190,7 +190,7 @@ class Motion:
 
     def shortening(self):
         """[m] by plastic strain."""
-        return -float(self.plastic @ self.h)
+        return -float(np.expm1(self.plastic) @ self.h)
 
 
 @dataclass(frozen=True)
