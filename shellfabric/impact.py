@@ -15,12 +15,14 @@ from shellfabric import hooks as onlookers
 from shellfabric.backing import Backing
 from shellfabric.bar import Rigidity, contact_time, rigid_is_enough
 from shellfabric.behind import BackingResult
-from shellfabric.cell import CellModel
+from shellfabric.cell import CellModel, CellTable
 from shellfabric.edges import Grip, PullIn
 from shellfabric.march import ENERGIES, March
 from shellfabric.panel import SYMMETRIES, Numerics, Panel
 from shellfabric.projectile import Projectile
 from shellfabric.surface_cell import SurfaceCell
+
+UNFAILING = 5.0  # reach of the table, see CellModel, of yarns that do not fail: 15 % of strain in Kevlar
 
 
 @dataclass(frozen=True)
@@ -45,7 +47,7 @@ class ImpactSetup:
     table_size : stretches along each side of the cell's table; 201 puts its tensions within 0.2 % of the yarn's
         strength of the cell's
     audit_interval, snapshot_interval : [s]; no snapshots where None
-    failure : whether yarns fail
+    failure : whether yarns fail. Where they do not, the table goes to UNFAILING times their failure strain
     backing : Backing, the block behind the cloth, or None
     measure : histories.Measure, what to record along yarns and at the edges; None for nothing
     numerics : Numerics
@@ -75,20 +77,30 @@ class ImpactSetup:
     measure: histories.Measure | None = None
     numerics: Numerics = field(default_factory=Numerics)
 
-    def panel(self) -> Panel:
-        """The panel that this set-up describes; fills the cell's table.
+    def table(self) -> CellTable:
+        """The cell's table, filled. Set-ups that differ in panel, shot or mesh alone can share it.
 
         Raises
         ------
-        InputError : as CellModel, SurfaceCell, CellTable and Panel
+        InputError : as CellModel, SurfaceCell and CellTable
         """
         if self.surface is None:
-            model = CellModel(self.fabric, self.laws, self.gap, self.cell_model, self.form, self.profile)
+            reach = 1.0 if self.failure else UNFAILING
+            model = CellModel(self.fabric, self.laws, self.gap, self.cell_model, self.form, self.profile, reach=reach)
         else:
             model = SurfaceCell(self.fabric, self.surface, self.form)
+        return model.table(self.table_size)
+
+    def panel(self, table: CellTable | None = None) -> Panel:
+        """The panel that this set-up describes, with its own table or one that a like set-up has filled.
+
+        Raises
+        ------
+        InputError : as `table` and Panel
+        """
         opening = self.opening if np.ndim(self.opening) else (self.opening, self.opening)
         return Panel(
-            model.table(self.table_size),
+            table or self.table(),
             tuple(opening),
             self.projectile,
             self.symmetry,
@@ -183,7 +195,7 @@ class ImpactResult:
         return SYMMETRIES[self.setup.symmetry]
 
 
-def run(setup: ImpactSetup, *, hooks=(), resume=None) -> ImpactResult:
+def run(setup: ImpactSetup, *, hooks=(), resume=None, table=None) -> ImpactResult:
     """Run an impact.
 
     Parameters
@@ -192,6 +204,7 @@ def run(setup: ImpactSetup, *, hooks=(), resume=None) -> ImpactResult:
     hooks : called as hook(march) after every audit
     resume : path of a checkpoint of the same set-up to go on from; the result is that of the uninterrupted run, bit
         for bit
+    table : CellTable that a set-up of the same cell has filled, or None
 
     Raises
     ------
@@ -199,7 +212,7 @@ def run(setup: ImpactSetup, *, hooks=(), resume=None) -> ImpactResult:
     UnstableError : the run became unphysical; its attribute `result` holds what was computed
     """
     interval = min(setup.audit_interval, setup.measure.interval) if setup.measure else setup.audit_interval
-    march = March(setup.panel(), setup.strike_velocity, setup.end_time, interval=interval)
+    march = March(setup.panel(table), setup.strike_velocity, setup.end_time, interval=interval)
     march.measure = setup.measure
     own = (histories.Recorder(march.panel, setup.measure),) if setup.measure else ()
     if setup.snapshot_interval is not None:
