@@ -68,8 +68,8 @@ def advance(u, v, mass, h, area, modulus, yields, hardening, plastic, stress, su
     plastic, stress : (n,) plastic strain and Kirchhoff stress [Pa] at the places u; overwritten
     sums : (2,) WORK and PLASTIC [J], added to
     force : [N] forwards along the axis: what stops the projectile is negative
-    dt, substeps : [s], and equal parts of it, short enough for the bar at rest (`bar.Bar.substeps`); one whose shortest
-        element is left with a part l of its length gets 1 / l as many, as a wave crosses that sooner
+    dt, substeps : [s], and equal parts of it, short enough for the bar at rest (`bar.Bar.substeps`); where an element is
+        squeezed below 0.95 of its length there are more in its measure, as a wave crosses it sooner
 
     Returns
     -------
@@ -78,7 +78,7 @@ def advance(u, v, mass, h, area, modulus, yields, hardening, plastic, stress, su
     least, before = 1.0, u[0]
     for k in range(h.size):
         least = min(least, 1.0 + (u[k] - u[k + 1]) / h[k])
-    parts = math.ceil(substeps / max(least, 0.01))
+    parts = math.ceil(substeps / max(min(least + 0.05, 1.0), 0.01))
     part = dt / parts
     for _ in range(parts):
         kick(u, v, mass, h, area, stress, force, 0.5 * part)

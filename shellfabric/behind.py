@@ -16,7 +16,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from fabrics.errors import InputError
-from shellfabric.backing import ENERGIES, Backing
+from shellfabric.backing import ENERGIES
 from shellfabric.membrane_kernels import ERODED
 
 NAMES = tuple(f"backing_{name}" for name in ENERGIES)  # of the energies in the audit of a march
@@ -28,7 +28,7 @@ class BackingResult:
 
     Parameters
     ----------
-    backing : Backing, its face where it stood behind the ply
+    face : [m] where the face stood
     crater : (k, 2) [m] radius and depth of what is left of the face, along the warp
     crater_weft : (k, 2) [m] the same along the weft
     nodes, bricks : (n, 3) [m], (m, 8) in VTK's order
@@ -36,7 +36,7 @@ class BackingResult:
     gone : (m,) bool, eroded
     """
 
-    backing: Backing
+    face: float
     crater: np.ndarray
     crater_weft: np.ndarray
     nodes: np.ndarray
@@ -111,6 +111,7 @@ class Behind:
         self._stiffness = np.full(count, backing.ply_penalty * point / const.dt**2)
         self._damping = np.full(count, 2 * backing.contact_damping * backing.ply_penalty**0.5 * point / const.dt)
         self._loose = np.ones(count)
+        self._rest = (*panel.coordinates(), np.full((const.ni + 1, const.nj + 1), float(place)))
         at = (np.arange(self.p) + 0.5) / self.p
         self._weights = [
             (a, b, ((1 - s) * (1 - t), s * (1 - t), (1 - s) * t, s * t))
@@ -125,11 +126,7 @@ class Behind:
         if state.counter[2] > 0:  # yarns have failed
             eroded = (self._nodal(state.flag)[:-1, :-1] & ERODED) != 0
             self._loose[:] = np.broadcast_to(~eroded[..., None], (const.ni, const.nj, self.p**2)).ravel()
-        x0, y0 = np.meshgrid(
-            const.x0 + const.dx * np.arange(const.ni + 1), const.y0 + const.dy * np.arange(const.nj + 1), indexing="ij"
-        )
-        rest = (x0, y0, np.zeros_like(x0))
-        places = np.stack([self._at_points(self._nodal(u) + at) for u, at in zip(state.u, rest)], axis=-1)
+        places = np.stack([self._at_points(self._nodal(u) + at) for u, at in zip(state.u, self._rest)], axis=-1)
         speeds = np.stack([self._at_points(self._nodal(v)) for v in state.v], axis=-1)
         forces = block.press(
             places.reshape(-1, 3), speeds.reshape(-1, 3), self._loose * self._stiffness,
@@ -172,6 +169,6 @@ class Behind:
         """The block as it is."""
         block = self.block
         return BackingResult(
-            block.backing, block.crater(0), block.crater(1), block.x.copy(), block.bricks, block.alpha.copy(),
+            block.backing.face, block.crater(0), block.crater(1), block.x.copy(), block.bricks, block.alpha.copy(),
             block.gone.copy(),
         )  # fmt: skip

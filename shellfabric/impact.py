@@ -22,7 +22,7 @@ from shellfabric.panel import SYMMETRIES, Numerics, Panel
 from shellfabric.projectile import Projectile
 from shellfabric.surface_cell import SurfaceCell
 
-UNFAILING = 5.0  # reach of the table, see CellModel, of yarns that do not fail: 15 % of strain in Kevlar
+UNFAILING = 20.0  # reach of the table, see CellModel, of yarns that do not fail: 60 % of strain in Kevlar
 
 
 @dataclass(frozen=True)
@@ -43,6 +43,7 @@ class ImpactSetup:
     elements_per_crossover : along each side
     cell_model, form, gap, profile : see CellModel
     bending : [N m2] bending stiffness of a yarn, or of (warp, weft); see Panel
+    jam : (stiffness [N], stretch) of yarns that are bunched up; see Panel
     surface : ResponseSurface to make the cell from instead of laws, or None; see surface_cell.SurfaceCell
     table_size : stretches along each side of the cell's table; 201 puts its tensions within 0.2 % of the yarn's
         strength of the cell's
@@ -68,6 +69,7 @@ class ImpactSetup:
     gap: float = 0.0
     profile: str = "cosine"
     bending: float | tuple[float, float] = 0.0
+    jam: tuple[float, float] = (0.0, 1.0)
     surface: ResponseSurface | None = None
     table_size: int = 201
     audit_interval: float = 2e-6
@@ -109,6 +111,7 @@ class ImpactSetup:
             self.numerics,
             failure=self.failure,
             backing=self.backing,
+            jam=self.jam,
             weave_angle=self.weave_angle,
             bending=tuple(self.bending) if np.ndim(self.bending) else (self.bending, self.bending),
         )

@@ -34,6 +34,7 @@ ENERGIES = (
     "cell",
     "shear",
     "bending",
+    "jam",
     "viscous",
     "contact",
     "friction",
@@ -181,7 +182,7 @@ class March:
 
     def _audit(self):
         state, const, share = self.state, self.const, self.panel.share
-        out = np.empty(4)
+        out = np.empty(5)
         kernels.energies(state, const, out)
         *projectile, speed = body.audit(state, const)
         sums = state.sums.sum(axis=0)
@@ -196,6 +197,7 @@ class March:
             0.0 if self.const.variational else cell,
             out[kernels.SHEAR],
             out[kernels.BENDING],
+            out[kernels.JAM],
             sums[kernels.VISCOUS],
             state.contact_energy[contact_kernels.CONTACT],
             state.contact_energy[contact_kernels.FRICTION],

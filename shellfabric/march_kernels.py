@@ -21,6 +21,7 @@ from shellfabric import (
     contact_kernels,
     edges_kernels,
     failure_kernels,
+    jam_kernels,
     membrane_kernels,
 )
 from shellfabric.lanes import WIDTH, above, fabs, fma, keep, load, where
@@ -28,7 +29,7 @@ from shellfabric.team import STOP, meet
 
 RUNNING, STOPPED, PERFORATED, NOT_FINITE = 0, 1, 2, 3
 WORK, VISCOUS, LOST, TORN = 0, 1, 2, 3  # of state.sums; what is lost with failed yarns, and with trellis and turns
-KINETIC, STORED, SHEAR, BENDING = 0, 1, 2, 3  # of `energies`
+KINETIC, STORED, SHEAR, BENDING, JAM = 0, 1, 2, 3, 4  # of `energies`
 WHOLE, THINNED, AGAIN = 0, 1, 2  # of state.thin: a block without failures, with some, with some of this step
 STEP, IDLE, FAILURES = 0, 1, 2
 _STILL = 1e-60
@@ -270,6 +271,13 @@ def taut(state, const):
 
 
 @njit(cache=True, error_model="numpy", _nrt=False)
+def resist(state, const, first, last, acting):
+    """Energy of turns and bunched yarns in the node rows first .. last; adds their forces to state.g0 if `acting`."""
+    turns = bending_kernels.bend(state, const, first, last, acting)
+    return turns + jam_kernels.jam(state, const, first, last, acting)
+
+
+@njit(cache=True, error_model="numpy", _nrt=False)
 def fail(state, const, work):
     """Let yarns fail, and find the forces about them again."""
     first, last = taut(state, const)
@@ -291,7 +299,7 @@ def fail(state, const, work):
     low, high = max(first - const.per - 3, 0), min(last + const.per + 3, const.ni)
     if near:
         stored, sheared = failure_kernels.stored_energy(const, state, low, high)
-        sheared += bending_kernels.bend(state, const, low, high, False)
+        sheared += resist(state, const, low, high, False)
         worked, damped = failure_kernels.half_step_work(const, state, low, high)
     count = failure_kernels.look_for_failures(const, state, 0, first, last)
     count += failure_kernels.look_for_failures(const, state, 1, first, last)
@@ -305,7 +313,7 @@ def fail(state, const, work):
             elements(state, const, block, start, end, work)
             state.thin[block] = THINNED
     now_stored, now_sheared = failure_kernels.stored_energy(const, state, low, high)
-    now_sheared += bending_kernels.bend(state, const, low, high, False)
+    now_sheared += resist(state, const, low, high, False)
     now_worked, now_damped = failure_kernels.half_step_work(const, state, low, high)
     state.sums[0, WORK] += now_worked - worked
     state.sums[0, VISCOUS] += now_damped - damped
@@ -379,7 +387,7 @@ def begin(state, const):
 def conclude(state, const, work):
     """What comes after the forces of the cloth in a step; returns why it should be the last, or RUNNING."""
     fail(state, const, work)
-    bending_kernels.bend(state, const, state.rows[0], state.rows[1], True)
+    resist(state, const, state.rows[0], state.rows[1], True)
     failures = state.counter[FAILURES]
     taken, spring = contact_kernels.contact(state, const, work.x, work.v)
     state.contact_energy[0] += taken
@@ -460,12 +468,12 @@ def first_forces(state, const, work):
     """Forces of the cloth as it is, before the first step."""
     for block in range((const.ni + const.block - 1) // const.block):
         elements(state, const, block, block * const.block, min(const.ni, (block + 1) * const.block), work)
-    bending_kernels.bend(state, const, 0, const.ni, True)
+    resist(state, const, 0, const.ni, True)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def energies(state, const, out):
-    """The energy audit at the present whole step, into out (4): kinetic, of the yarns, of the trellis, of turns.
+    """The energy audit at the present whole step, into out (5): kinetic, of yarns, trellis, turns and bunched yarns.
 
     Kinetic energy is m v(n-1/2) v(n+1/2) / 2, the form that central differences conserve in a linear system.
     """
@@ -485,3 +493,4 @@ def energies(state, const, out):
                 out[KINETIC] += 0.5 * state.mass[k] * v * (v + const.dt * state.inverse_mass[k] * f)
     out[STORED], out[SHEAR] = failure_kernels.stored_energy(const, state, 0, const.ni)
     out[BENDING] = bending_kernels.bend(state, const, 0, const.ni, False)
+    out[JAM] = jam_kernels.jam(state, const, 0, const.ni, False)

@@ -34,7 +34,7 @@ Constants = namedtuple(
     "tension1 tension2 ceiling1 ceiling2 potential x0t rx top1 y0t ry top2 grid per1 per2 variational "
     "cv1 cv2 V G1 G2 gamma1 gamma2 w1 S01 EA1 w2 S02 EA2 strength1 strength2 strengths1 strengths2 lag widest "
     "near points point_stiffness point_damping R rho projectile_mass free idle_steps "
-    "shape form length frame tilted roaming depth reach top shoulder friction rim_node rim_axis rim bending ends "
+    "shape form length frame tilted roaming depth reach top shoulder friction rim_node rim_axis rim bending jam ends "
     "bar_mass bar_h bar_area bar_law bar_parts backed",
 )
 State = namedtuple(
@@ -136,6 +136,8 @@ class Panel:
     strength_factors : (warp, weft) factors on the strength of each yarn, as many as `yarn_counts`, or None where all
         are alike. They are those of the modelled part: across a plane of symmetry a yarn has that of its image
     backing : Backing, the block behind the cloth, or None (see `behind`)
+    jam : stiffness [N] of a yarn against being bunched up, and the stretch at which it begins; none as in the source
+        (see `jam_kernels`)
 
     Raises
     ------
@@ -156,6 +158,7 @@ class Panel:
     bending: tuple[float, float] = (0.0, 0.0)
     strength_factors: tuple | None = None
     backing: Backing | None = None
+    jam: tuple[float, float] = (0.0, 1.0)
 
     def __post_init__(self):
         if self.symmetry not in SYMMETRIES:
@@ -170,6 +173,8 @@ class Panel:
             raise InputError(key="elements_per_crossover", value=self.elements_per_crossover, allowed="1, 2, 3, ...")
         if not all(0 <= EI < inf for EI in self.bending):
             raise InputError(key="bending", value=self.bending, allowed="at least 0")
+        if len(self.jam) != 2 or not (0 <= self.jam[0] < inf and 0 < self.jam[1] <= 1):
+            raise InputError(key="jam", value=self.jam, allowed="a force of at least 0 and a stretch of at most 1")
         for family, given, count in zip(("warp", "weft"), self.strength_factors or (), self.yarn_counts):
             if np.shape(given) != (count,) or not np.all(np.isfinite(given) & (np.asarray(given) > 0)):
                 raise InputError(key=f"strength_factors of the {family}", allowed=f"{count} numbers above 0")
@@ -305,7 +310,7 @@ class Panel:
             tilted=shot.tilted, roaming=roaming, depth=2 * shot.radius, reach=self._reach(), top=shot.top,
             shoulder=shot.shoulder, friction=shot.friction, rim_node=rim_node, rim_axis=rim_axis, rim=rim,
             bending=np.array([n * EI / d for n, EI, d in zip(self._yarns_a_line, self.bending, self.spacing)]),
-            ends=edges.yarn_ends(self), backed=self.backing is not None, **body.constants(shot, self.share, dt),
+            jam=np.array(self.jam, float), ends=edges.yarn_ends(self), backed=self.backing is not None, **body.constants(shot, self.share, dt),
         )  # fmt: skip
 
     def state(self, strike_velocity) -> State:

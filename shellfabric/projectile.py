@@ -81,6 +81,7 @@ class Projectile:
     friction : Coulomb's coefficient between projectile and fabric; none in the source
     body : "rigid", "bar", or the Bar itself, of this mass. "bar" is a flat cylinder of steel (thesis Table 4-2), bored
         from its tail to its mass (erratum E-37), as long as the source's where no length is given
+    bore : [m] width of the bore of that cylinder; None takes 4.5 mm. The source tells neither width nor depth
 
     Raises
     ------
@@ -102,6 +103,7 @@ class Projectile:
     roll: float = 0.0
     friction: float = 0.0
     body: str | Bar = "rigid"
+    bore: float | None = None
 
     def __post_init__(self):
         if self.shape not in SHAPES:
@@ -122,6 +124,8 @@ class Projectile:
     def _check_body(self):
         if not isinstance(self.body, Bar) and self.body not in ("rigid", "bar"):
             raise InputError(key="body", value=self.body, allowed="rigid, bar or a Bar")
+        if self.bore is not None and (self.body != "bar" or not 0 < self.bore < 2 * self.radius):
+            raise InputError(key="bore", value=self.bore, allowed="below the diameter, and with the body bar")
         if self.body == "bar" and self.shape != "flat":
             raise InputError(key="body", value=self.body, allowed=f"rigid, or a Bar of its own sections, for a {self.shape}")
         bar = self.bar
@@ -142,7 +146,7 @@ class Projectile:
         ------
         InputError : a mass that the solid cylinder has not, or that the bore cannot leave
         """
-        return Bar.cylinder(self.mass, diameter=2 * self.radius, length=self.length)
+        return Bar.cylinder(self.mass, diameter=2 * self.radius, length=self.length, bore=self.bore)
 
     def _check_lengths(self):
         for key in ("mass", "radius", "edge_radius"):
