@@ -238,9 +238,7 @@ def lists(items):
 def turned_fabric(fabric: Fabric) -> Fabric:
     """A fabric with its warp called weft."""
     weave = fabric.weave
-    weave = replace(
-        weave, warp=weave.weft, weft=weave.warp, warp_count=weave.weft_count, weft_count=weave.warp_count
-    )
+    weave = replace(weave, warp=weave.weft, weft=weave.warp, warp_count=weave.weft_count, weft_count=weave.warp_count)
     return replace(fabric, weave=weave, laws=fabric.laws and fabric.laws[::-1])
 
 
