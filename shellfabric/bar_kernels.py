@@ -68,8 +68,8 @@ def advance(u, v, mass, h, area, modulus, yields, hardening, plastic, stress, su
     plastic, stress : (n,) plastic strain and Kirchhoff stress [Pa] at the places u; overwritten
     sums : (2,) WORK and PLASTIC [J], added to
     force : [N] forwards along the axis: what stops the projectile is negative
-    dt, substeps : [s], and equal parts of it, short enough for the bar at rest (`bar.Bar.substeps`); where an element is
-        squeezed below 0.95 of its length there are more in its measure, as a wave crosses it sooner
+    dt, substeps : [s], and equal parts of it, short enough for the bar at rest (`bar.Bar.substeps`); where an element
+        is squeezed below 0.95 of its length there are more in its measure, as a wave crosses it sooner
 
     Returns
     -------
@@ -101,14 +101,23 @@ def energies(v, mass, h, area, modulus, stress, out):
 
 
 @njit(cache=True, error_model="numpy", _nrt=False)
-def fly(state, const):
-    """Let a bar move along its axis in a step: what the target gave it as to a rigid body, in state.speed, is replaced.
-
-    state.bar_* are the arrays of `advance`, const.bar_* mass, h, area, law (E, sigma_y, H) [Pa] and equal parts of a step.
-    """
-    force, rigid = 0.0, 0.0
+def along(state, const):
+    """[N] force of a ply, and of what lies behind it, on the projectile along its axis."""
+    force = 0.0
     for c in range(3):
         force += const.frame[2, c] * const.free[c] * (state.reaction[c] + state.outer[c])
+    return force
+
+
+@njit(cache=True, error_model="numpy", _nrt=False)
+def fly(state, const, force):
+    """Let a bar move along its axis in a step; what the target gave it as to a rigid body, in state.speed, is replaced.
+
+    force : [N] along its axis, of all plies (`along`)
+    state.bar_* are the arrays of `advance`; const.bar_* mass, h, area, law (E, sigma_y, H) [Pa], parts of a step
+    """
+    rigid = 0.0
+    for c in range(3):
         rigid += const.frame[2, c] * state.speed[c]
     before, law = state.bar_u[0], const.bar_law
     advance(

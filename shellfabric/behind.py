@@ -1,8 +1,8 @@
 """The block behind the last ply, in step with a march: who pushes whom, and what is kept of it.
 
-After every step of the cloth the block takes its contacts with cloth and projectile at the same instant and then its own
-step, so that it is one step ahead and its energies are those of the cloth's instant. What the contacts give the cloth
-and the projectile waits in state.behind and state.outer for the cloth's next step (`march_kernels.lean`).
+After every step of the cloth the block takes its contacts with cloth and projectile at the same instant and then its
+own step, so that it is one step ahead and its energies are those of the cloth's instant. What the contacts give to
+cloth and projectile waits in state.behind and state.outer for the cloth's next step (`march_kernels.lean`).
 
 The cloth bears on the block at p x p points of each element, like on a projectile: x = sum N_i x_i, with the penalty
 and damping of the point's own mass. They keep half of the ply's thickness from the face. Points of eroded elements do

@@ -12,6 +12,7 @@ import numpy as np
 from shellfabric import bar_kernels
 
 RIGID = ("z", "v", "force")  # columns of the history of a march, `march_kernels.tell`
+STATE = ("bar_u", "bar_v", "bar_plastic", "bar_stress", "bar_sums")  # fields of a State that are the body's
 BAR = (*RIGID, "tip_velocity", "tail_velocity", "centre_velocity", "tip", "tail", "centre")
 
 
@@ -41,8 +42,8 @@ class BarHistory:
     @property
     def swing(self):
         """[s] period in which tip and tail swing against each other: of the strongest frequency of the difference of
-        their velocities, between a third of the bar's first and three times it. NaN of a history of under three periods.
-        """
+        their velocities, between a third of the bar's first and three times it. NaN of a history of under three
+        periods."""
         t, apart = self.t, self.tip_velocity - self.tail_velocity
         if t.size < 2 or t[-1] < 3 * self.period:
             return float("nan")
@@ -90,10 +91,11 @@ def state(projectile, strike_velocity):
     }  # fmt: skip
 
 
-def audit(state, const):
+def audit(state, const, force):
     """Kinetic, elastic and plastic energy [J] of the modelled part, and the velocity along the normal [m/s], at the
-    present whole step. A rigid body's velocity stands half a step back, and so does a bar's across its axis."""
-    kick = const.dt * (state.reaction + state.outer) * const.free / const.projectile_mass
+    present whole step, where a force (3,) [N] acts on it. A rigid body's velocity stands half a step back, and so does
+    a bar's across its axis."""
+    kick = const.dt * force * const.free / const.projectile_mass
     speed = state.speed
     if const.bar_mass.size == 0:
         return 0.5 * const.projectile_mass * float(speed @ (speed + kick)), 0.0, 0.0, float(speed[2] + 0.5 * kick[2])

@@ -172,19 +172,25 @@ class March:
 
     def _advance_backed(self, fine):
         """As `advance`, one step at a time, each followed by the block's."""
-        shared, made, reason = self._work.shared, 0, kernels.RUNNING
+        made, reason = 0, kernels.RUNNING
         while made < len(fine) and reason == kernels.RUNNING:
-            shared[:] = 0
-            _, reason = kernels.lead(self.state, self.const, self._work, 1, fine[made : made + 1], shared, 1)
-            self.behind.follow(self.state)
+            reason = self._step(fine[made : made + 1])
             made += 1
         return made, reason
+
+    def _step(self, row):
+        """One step of cloth, projectile and block; why it should be the last."""
+        shared = self._work.shared
+        shared[:] = 0
+        _, reason = kernels.lead(self.state, self.const, self._work, 1, row, shared, 1)
+        self.behind.follow(self.state)
+        return reason
 
     def _audit(self):
         state, const, share = self.state, self.const, self.panel.share
         out = np.empty(5)
         kernels.energies(state, const, out)
-        *projectile, speed = body.audit(state, const)
+        *projectile, speed = body.audit(state, const, state.reaction + state.outer)
         sums = state.sums.sum(axis=0)
         if not self.samples:
             self._rest = out[kernels.STORED]

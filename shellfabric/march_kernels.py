@@ -377,7 +377,7 @@ def begin(state, const):
     if const.backed:
         lean(state, const)
     if const.bar_mass.size > 0:
-        bar_kernels.fly(state, const)
+        bar_kernels.fly(state, const, bar_kernels.along(state, const))
     for c in range(3):
         state.position[c] += const.dt * state.speed[c]
     widen(state, const)
@@ -407,11 +407,11 @@ def conclude(state, const, work):
 
 
 @njit(cache=True, error_model="numpy", forceinline=True)
-def tell(state, const, row):
-    """One row of the history: foremost z, v_z and force; of a bar also the velocities of tip, tail and centre of mass,
-    and how far they have come, all along its axis."""
+def tell(state, const, force, row):
+    """One row of the history: foremost z, v_z and the force [N] along z; of a bar also the velocities of tip, tail and
+    centre of mass, and how far they have come, all along its axis."""
     row[0], row[1] = state.position[2] + const.top, bar_kernels.approach(state, const)
-    row[2] = state.reaction[2] + state.outer[2]
+    row[2] = force
     if const.bar_mass.size > 0:
         tail = const.bar_h.size
         row[3], row[4], row[5] = state.bar_v[0], state.bar_v[tail], bar_kernels.mean(const.bar_mass, state.bar_v)
@@ -433,7 +433,7 @@ def lead(state, const, work, steps, history, shared, count):
         sweep(state, const, work, shared, 0, count)
         meet(shared, count)
         reason = conclude(state, const, work)
-        tell(state, const, history[made])
+        tell(state, const, state.reaction[2] + state.outer[2], history[made])
         made += 1
     shared[STOP] = 1
     meet(shared, count)

@@ -310,7 +310,8 @@ class Panel:
             tilted=shot.tilted, roaming=roaming, depth=2 * shot.radius, reach=self._reach(), top=shot.top,
             shoulder=shot.shoulder, friction=shot.friction, rim_node=rim_node, rim_axis=rim_axis, rim=rim,
             bending=np.array([n * EI / d for n, EI, d in zip(self._yarns_a_line, self.bending, self.spacing)]),
-            jam=np.array(self.jam, float), ends=edges.yarn_ends(self), backed=self.backing is not None, **body.constants(shot, self.share, dt),
+            jam=np.array(self.jam, float), ends=edges.yarn_ends(self),
+            backed=self.backing is not None, **body.constants(shot, self.share, dt),
         )  # fmt: skip
 
     def state(self, strike_velocity) -> State:

@@ -127,7 +127,9 @@ class Projectile:
         if self.bore is not None and (self.body != "bar" or not 0 < self.bore < 2 * self.radius):
             raise InputError(key="bore", value=self.bore, allowed="below the diameter, and with the body bar")
         if self.body == "bar" and self.shape != "flat":
-            raise InputError(key="body", value=self.body, allowed=f"rigid, or a Bar of its own sections, for a {self.shape}")
+            raise InputError(
+                key="body", value=self.body, allowed=f"rigid, or a Bar of its own sections, for a {self.shape}"
+            )
         bar = self.bar
         if bar is not None and not abs(bar.mass / self.mass - 1) < 1e-9:
             raise InputError(key="mass", value=self.mass, allowed=f"that of the bar, {bar.mass:.6g} kg")

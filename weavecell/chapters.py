@@ -283,14 +283,16 @@ def body(record):
         lead = f"{record.rigidity}. " if record.rigidity else ""
         lead += f"Plastic strain has shortened it by {1e3 * bar.shortening:.3g} mm."
         swing = f" They swing in {1e6 * bar.swing:.3g} us." if np.isfinite(bar.swing) else ""
-        caption = f"Tip, tail and centre of mass of the projectile; the first mode has {1e6 * bar.period:.3g} us.{swing}"
+        caption = (
+            f"Tip, tail and centre of mass of the projectile; the first mode has {1e6 * bar.period:.3g} us.{swing}"
+        )
         picture = pictures.render(pictures_body.bar, bar)
         found.append(Section("bar", "The projectile as a bar", lead, (Figure(picture, "svg", caption, "bar"),)))
     if record.backing is not None:
         block = record.backing
         lead = (
-            f"The crater is {1e3 * block.depth:.1f} mm deep, {2e3 * block.half_width:.1f} mm wide at half of that, and its "
-            f"wall stands at {np.degrees(block.steepness):.0f} degrees to the face; {int(block.gone.sum())} bricks of the "
+            f"The crater is {1e3 * block.depth:.1f} mm deep and {2e3 * block.half_width:.1f} mm wide at half of that; "
+            f"its wall stands at {np.degrees(block.steepness):.0f}° to the face. {int(block.gone.sum())} bricks of the "
             "quarter are eroded."
         )
         picture = pictures.render(pictures_body.crater, {record.title: block}, kind="png")

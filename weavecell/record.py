@@ -2,9 +2,9 @@
 
 Layout: attributes of the root for scalars and texts; /histories, /energies, /reactions with one value an instant;
 /panel with the shape and state at two instants; /measured, where a scene asks for it, with histories along yarns
-(samples by elements or nodes), the forces on the edges (pull, lift) and the fronts; /bar, of an elastic projectile, with
-the histories of tip, tail and centre of mass; /backing, of a block, with its quarter at the end. Every dataset has the attribute
-"unit".
+(samples by elements or nodes), the forces on the edges (pull, lift) and the fronts; /bar, of an elastic projectile,
+with the histories of tip, tail and centre of mass; /backing, of a block, with its quarter at the end. Every dataset has
+the attribute "unit".
 """
 
 from __future__ import annotations
@@ -164,6 +164,10 @@ class ImpactRecord:
     def summary(self):
         """The scalars of the record, and what follows from them, as a flat dict."""
         scalars = {name: getattr(self, name) for name in _SCALARS}
+        if self.bar is not None:
+            scalars |= {"plastic_shortening": self.bar.shortening, "bar_period": self.bar.period}
+        if self.backing is not None:
+            scalars |= {"crater_depth": self.backing.depth, "crater_wall_angle": self.backing.steepness}
         return scalars | {
             "end_time": float(self.t[-1]),
             "failed_yarn_segments": int(self.failed[-1]),
@@ -172,7 +176,11 @@ class ImpactRecord:
             "worst_balance": self.worst_balance,
             "numerical_share": self.numerical_share,
             **({"plastic_shortening": self.bar.shortening, "bar_period": self.bar.period} if self.bar else {}),
-            **({"crater_depth": self.backing.depth, "crater_wall_angle": self.backing.steepness} if self.backing else {}),
+            **(
+                {"crater_depth": self.backing.depth, "crater_wall_angle": self.backing.steepness}
+                if self.backing
+                else {}
+            ),
             "energies_at_end": {name: float(values[-1]) for name, values in self.energies.items()},
         }
 

@@ -112,7 +112,7 @@ class PanelTable(Table):
 
 
 class BackingTable(Table):
-    """A block behind the panel (thesis section 6.5); what is not given is that of Table 6-1, see `shellfabric.backing`."""
+    """A block behind the panel (thesis section 6.5); what is left out is of Table 6-1, or of `shellfabric.backing`."""
 
     size: quantities("m", "a list of three lengths", '["300 mm", "300 mm", "180 mm"]') = None
     room: quantity("m", "a length of at least 0", "0.5 mm", at_least=0.0) = 0.0

@@ -133,7 +133,8 @@ def test_cloth_that_does_not_fail_bunches_up_and_stays_whole(fabric):
     """Without the term a segment is pressed flat, and the trellis throws its nodes away: 63 us on S-728 at 150 m/s."""
     setup = ImpactSetup(
         fabric, 200.0, opening=0.1, table_size=101, failure=False, jam=(1000.0, 0.6), end_time=80e-6,
-        projectile=Projectile(mass=8.1e-3), backing=Backing(size=(0.12, 0.12, 0.06), finest=3e-3, fine=9e-3, growth=1.5),
+        projectile=Projectile(mass=8.1e-3),
+        backing=Backing(size=(0.12, 0.12, 0.06), finest=3e-3, fine=9e-3, growth=1.5),
     )  # fmt: skip
     result = run(setup)
     x = result.nodes.reshape(result.panel.counts[0] + 1, -1, 3)
@@ -172,6 +173,8 @@ def test_measures_of_a_crater():
     ],
 )
 def test_bad_input_is_refused(fabric, changes):
-    setup = ImpactSetup(fabric, 100.0, **QUICK | {"symmetry": "whole" if "projectile" in changes else "quarter"} | changes)
+    setup = ImpactSetup(
+        fabric, 100.0, **QUICK | {"symmetry": "whole" if "projectile" in changes else "quarter"} | changes
+    )
     with pytest.raises(InputError):
         March(setup.panel(), 100.0, 1e-5)

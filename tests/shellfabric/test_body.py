@@ -25,7 +25,9 @@ def uniform(stiffer=1.0):
     """A solid cylinder of the source's mass: density and modulus scaled alike (erratum E-37)."""
     area = np.pi / 4 * 5.5e-3**2
     density = 3e-3 / (area * 42e-3)
-    scaled = replace(STEEL, density=density, modulus=stiffer * STEEL.modulus * density / STEEL.density, yield_stress=np.inf)
+    scaled = replace(
+        STEEL, density=density, modulus=stiffer * STEEL.modulus * density / STEEL.density, yield_stress=np.inf
+    )
     return Bar(((42e-3, area),), scaled)
 
 
