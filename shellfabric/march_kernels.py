@@ -361,7 +361,7 @@ def conclude(state, const, work):
     fail(state, const, work)
     bending_kernels.bend(state, const, state.rows[0], state.rows[1], True)
     failures = state.counter[FAILURES]
-    taken, spring = contact_kernels.contact(state, const, work.x, work.v)
+    taken, spring = contact_kernels.contact(state, const, work.x, work.v, work.strip)
     state.contact_energy[0] += taken
     state.contact_energy[1] = spring
     state.counter[STEP] += 1

@@ -43,7 +43,7 @@ State = namedtuple(
 )
 Work = namedtuple(
     "Work",
-    "A B l1 l2 i1 i2 m1 m2 T1 T2 N1 N2 own1 own2 given1 given2 on1 on2 turn1 turn2 cross x v shared",
+    "A B l1 l2 i1 i2 m1 m2 T1 T2 N1 N2 own1 own2 given1 given2 on1 on2 turn1 turn2 cross x v strip shared",
 )
 
 
@@ -333,14 +333,14 @@ class Panel:
             flag=np.zeros(slots, np.uint8), pressed=np.zeros((near, const.points**2, 4)),
             touching=np.zeros(near, np.bool_), contact=three(),
             position=self.projectile.start(), speed=strike_velocity * self.projectile.flight, reaction=np.zeros(3),
-            contact_energy=np.zeros(4), rows=np.array([max(i0 - 1, 0), min(i1 + 1, ni)]), counter=np.zeros(3, np.int64),
+            contact_energy=np.zeros(4), rows=np.array([max(i0 - 2, 0), min(i1 + 2, ni)]), counter=np.zeros(3, np.int64),
             sums=np.zeros((blocks, 4)), peak=np.zeros(2), window=np.array(const.near),
             stuck=np.zeros((near, const.points**2, 6) if const.friction > 0 else (0, 0, 6)),
             rim_force=np.zeros(const.rim_node.size), rim_sums=np.zeros(3),
         )  # fmt: skip
         if const.roaming:
             contact_kernels.follow(state, const)
-            state.rows[:] = max(state.window[0] - 1, 0), min(state.window[1] + 1, ni)
+            state.rows[:] = max(state.window[0] - 2, 0), min(state.window[1] + 2, ni)
         if np.any(const.rim[:, 0]):
             state.rows[:] = 0, ni  # led edges move before any wave comes to them
         march_kernels.first_forces(state, const, self.work())
@@ -351,7 +351,7 @@ class Panel:
         """Scratch of one thread, for one block of elements."""
         const = self.constants()
         size = (const.block + 4) * const.s + 16
-        shapes = dict.fromkeys(("x", "v"), (4, 3))
+        shapes = dict.fromkeys(("x", "v"), (16, 3)) | {"strip": (9, 3)}
         rows = {name: np.zeros(shapes[name]) if name in shapes else _room(1, size)[0] for name in Work._fields}
         rows["A"], rows["B"], rows["shared"] = _room(3, size), _room(3, size), np.zeros(team.ROOM, np.int64)
         return Work(**rows)
