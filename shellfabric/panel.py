@@ -51,7 +51,7 @@ Work = namedtuple(
 class Numerics:
     """Numerical knobs, set by stability and convergence; none is fitted to an outcome.
 
-    The figures below are of S-720, at 92.5 m/s after 250 us: peak tension 136 N in the warp and 155 N in the weft.
+    The figures below are of S-720, at 92.5 m/s after 250 us: peak tension 135 N in the warp and 154 N in the weft.
 
     Parameters
     ----------
@@ -64,7 +64,7 @@ class Numerics:
         to 0.02 the loss of S-731 at 110 m/s falls from 13.3 to 11.2 % of the strike energy, and with half the element
         from 13.3 to 12.9
     penalty : stiffness of the contact where it covers an element, in units of nodal mass / dt^2. From 0.3 to 1 the peak
-        moves by 1 %, and the critical velocity, which feels how deep the rim of the nose presses itself in, by 3 to
+        moves by 2 %, and the critical velocity, which feels how deep the rim of the nose presses itself in, by 3 to
         6 %, from 0.6 to 1 by 1 to 2 %; at 1 and above yarns bounce off the nose. The bound is 1.5 at the damping below
     contact_damping : ratio to critical of that mass on that spring; from 0.25 to 0.7 the peak stays
     contact_points : along each side of a crossover, and at least 2 along that of an element (see `contact_kernels`)
