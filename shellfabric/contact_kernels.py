@@ -22,6 +22,7 @@ import numpy as np
 from numba import njit
 
 from shellfabric import friction_kernels, shapes_kernels, spline_kernels
+from shellfabric.lanes import WIDTH, above, fma, load, most, some, store
 from shellfabric.membrane_kernels import ERODED
 
 CONTACT, SPRING, FRICTION, FRICTION_SPRING = 0, 1, 2, 3  # of state.contact_energy
@@ -62,41 +63,39 @@ def follow(state, const):
     state.rows[1] = max(state.rows[1], min(state.window[1] + 2, const.ni))
 
 
-@njit(cache=True, error_model="numpy")
-def contact(state, const, x, v, strip):
+@njit(cache=True, error_model="numpy", _nrt=False)
+def contact(state, const, work):
     """Contact forces at the present positions, into state.contact; the force on the projectile into state.reaction.
 
-    x, v : (16, 3), strip : (9, 3) scratch. The elements of the block of rows and columns state.window, which lies in
-    const.near, are looked at, unless eroded: what no yarn holds is out of contact. Returns the work that the contact
-    has taken in since the last call (spring and damper, by the trapezoid rule) and the energy in its springs.
+    The elements of the block of rows and columns state.window, which lies in const.near, are looked at, unless eroded:
+    what no yarn holds is out of contact. Returns the work that the contact has taken in since the last call (spring and
+    damper, by the trapezoid rule) and the energy in its springs.
     """
-    i0, i1, j0, j1 = reached(state, const)
-    for c in range(3):
-        state.reaction[c] = 0.0
-        for i in range(i0, i1 + 1):
-            for k in range(i * const.s + j0, i * const.s + j1 + 1):
-                state.contact[c][np.uint64(k)] = 0.0
+    clear(state, const)
     if const.roaming:
         follow(state, const)
+    return look(state, const, work)
+
+
+@njit(cache=True, error_model="numpy", _nrt=False)
+def look(state, const, work):
+    """Contact of the elements in the window, as `contact` has it."""
     i0, i1, j0, j1 = window(state)
     state.contact_energy[FRICTION_SPRING] = 0.0
-    work, spring = 0.0, 0.0
+    taken, spring = 0.0, 0.0
+    for i in range(i0 - 1, i0 + 2):
+        spline_kernels.line(state, const, i, j0 - 1, j1 + 1, work.lines[i & 3])
     for i in range(i0, i1):
+        spline_kernels.line(state, const, i + 2, j0 - 1, j1 + 1, work.lines[(i + 2) & 3])
+        spline_kernels.boxes(work.lines, j1 - j0 + 3, work.low, work.high)
         for j in range(j0, j1):
             e = (i - const.near[0]) * (const.near[3] - const.near[2]) + j - const.near[2]
-            for m in range(16):
-                spline_kernels.node(state, const, i - 1 + (m >> 2), j - 1 + (m & 3), x[m], v[m])
-            if state.flag[i * const.s + j] and erode(state, const, i, j, x):
-                state.touching[e] = False
-                state.pressed[e] = 0.0
-                if const.friction > 0.0:
-                    state.stuck[e] = 0.0
-                continue
-            if spline_kernels.apart(x, const.R) and not state.touching[e]:
-                continue
-            element_work, element_spring = press(state, const, i, j, e, x, v, strip)
-            work += element_work
-            spring += element_spring
+            if state.flag[i * const.s + j] and erode(state, const, i, j):
+                let_go(state, const, e)
+            elif state.touching[e] or not spline_kernels.apart(work.low, work.high, j - j0, const.R):
+                element_taken, element_spring = press(state, const, i, j, e, work)
+                taken += element_taken
+                spring += element_spring
     # nodes on a plane of symmetry keep to it
     i0, i1, j0, j1 = reached(state, const)
     if const.mirror_x and i0 == 0:
@@ -105,22 +104,44 @@ def contact(state, const, x, v, strip):
     if const.mirror_y and j0 == 0:
         for i in range(i0, i1 + 1):
             state.contact[1][i * const.s] = 0.0
-    return work, spring
+    return taken, spring
+
+
+@njit(cache=True, error_model="numpy", _nrt=False)
+def clear(state, const):
+    """Take away the forces of the last call."""
+    i0, i1, j0, j1 = reached(state, const)
+    for c in range(3):
+        state.reaction[c] = 0.0
+        for i in range(i0, i1 + 1):
+            for k in range(np.uint64(i * const.s + j0), np.uint64(i * const.s + j1 + 1)):
+                state.contact[c][k] = 0.0
+
+
+@njit(cache=True, error_model="numpy", _nrt=False)
+def let_go(state, const, e):
+    """Forget the contact of element number e."""
+    state.touching[e] = False
+    state.pressed[e] = 0.0
+    if const.friction > 0.0:
+        state.stuck[e] = 0.0
 
 
 @njit(cache=True, error_model="numpy")
-def erode(state, const, i, j, x):
+def erode(state, const, i, j):
     """Whether the element has no cloth left to push on: its yarns are gone, or those of one family are and the gap that
     they left is wider than const.widest, so that the others are far from it. Once so, it stays so."""
-    k = np.uint64(i * const.s + j)
+    k, row, one = np.uint64(i * const.s + j), np.uint64(const.s), np.uint64(1)
     if state.flag[k] & ERODED:
         return True
-    warp = state.intact[0][k] + state.intact[0][k + np.uint64(1)]
-    weft = state.intact[1][k] + state.intact[1][k + np.uint64(const.s)]
+    warp = state.intact[0][k] + state.intact[0][k + one]
+    weft = state.intact[1][k] + state.intact[1][k + row]
     a, b = 0.0, 0.0
     for c in range(3):
-        a += (x[9, c] - x[5, c] + x[10, c] - x[6, c]) ** 2
-        b += (x[6, c] - x[5, c] + x[10, c] - x[9, c]) ** 2
+        u = state.u[c]
+        u0, u1, u2, u3 = u[k], u[k + row], u[k + one], u[k + row + one]
+        a += ((2.0 * const.dx if c == 0 else 0.0) + u1 - u0 + u3 - u2) ** 2
+        b += ((2.0 * const.dy if c == 1 else 0.0) + u2 - u0 + u3 - u1) ** 2
     open1, open2 = a > (2.0 * const.widest * const.dx) ** 2, b > (2.0 * const.widest * const.dy) ** 2
     if (warp == 0.0 and (weft == 0.0 or open1)) or (weft == 0.0 and open2):
         state.flag[k] |= ERODED
@@ -141,93 +162,118 @@ def cover(state, const, k, s, t):
     return 0.5 * (near + other)
 
 
-@njit(cache=True, error_model="numpy")
-def press(state, const, i, j, e, x, v, strip):
-    """Contact of the points of one element: its work and spring energy; forces are added to its nodes.
+@njit(cache=True, error_model="numpy", _nrt=False)
+def press(state, const, i, j, e, work):
+    """Contact of the points of one element: what it takes in and its springs' energy; forces go to its nodes.
 
-    Points at one s and in one half of t share their weights along the warp, so that of places, velocities and forces
-    there are but three each to deal with: rows 0-2, 3-5 and 6-8 of strip.
+    Eight points are looked at together; those that touch, or did a step ago, are few and dealt with one by one.
     """
-    p, half, work, spring = const.points, (const.points + 1) // 2, 0.0, 0.0
+    taken, spring, hit, x, v, at = 0.0, 0.0, False, work.x, work.v, work.at
+    column = j - state.window[2]
+    for m in range(4):
+        slot = (i - 1 + m) & 3
+        for n in range(4):
+            for c in range(3):
+                x[4 * m + n, c] = work.lines[slot, c, column + n]
+    shares, last = const.shares[1], state.pressed[e]
+    if not spline_kernels.untorn(state, const, i, j):
+        shares = work.torn
+        spline_kernels.torn_shares(state, const, i, j, shares)
     state.touching[e] = False
-    k, bent1, bent2 = np.uint64(i * const.s + j), True, True
-    whole, plain = state.flag[k] == 0, spline_kernels.untorn(state, const, i, j)
-    for a in range(p):
-        s, q = (a + 0.5) / p, a // half
-        for r in range(2):
-            if not plain:
-                bent1, bent2 = spline_kernels.bends(state, const, i, j, q, r)
-            A, hit = spline_kernels.weights(s - q, bent1), False
-            for m in range(3):
-                n = 4 * q + r + m
-                for c in range(3):
-                    strip[m, c] = A[0] * x[n, c] + A[1] * x[n + 4, c] + A[2] * x[n + 8, c]
-                    strip[3 + m, c] = A[0] * v[n, c] + A[1] * v[n + 4, c] + A[2] * v[n + 8, c]
-                    strip[6 + m, c] = 0.0
-            for b in range(r * half, half + r * (p - half)):
-                t = (b + 0.5) / p
-                B = spline_kernels.weights(t - r, bent2)
-                p_x, p_y, p_z = spline_kernels.between(B, strip, 0)
-                last = state.pressed[e, a * p + b]  # force of the last step: its size, and its three components
-                before = last[0]
-                if before == 0.0 and (p_z >= 0.0 or p_x * p_x + p_y * p_y >= const.R * const.R):
-                    continue
-                depth, n_x, n_y, n_z = shapes_kernels.distance(
-                    const.shape, p_x, p_y, p_z, const.R, const.rho, const.length, const.form
-                )
-                if depth >= 0.0 and before == 0.0:
-                    continue
-                part = 1.0 if whole else cover(state, const, k, s, t)
-                if part == 0.0:
-                    last[:] = 0.0
-                    if const.friction > 0.0:
-                        state.stuck[e, a * p + b] = 0.0
-                    continue
-                stiffness, damping = part * const.point_stiffness, part * const.point_damping
-                if const.tilted:
-                    n_x, n_y, n_z = turned_back(const.frame, n_x, n_y, n_z)
-                v_x, v_y, v_z = spline_kernels.between(B, strip, 3)
-                f = 0.0
-                if depth < 0.0:
-                    f = max(0.0, -damping * (n_x * v_x + n_y * v_y + n_z * v_z) - stiffness * depth)
-                    spring += 0.5 * stiffness * depth * depth
-                    state.touching[e] = True
-                f_x, f_y, f_z = f * n_x, f * n_y, f * n_z
-                work -= 0.5 * const.dt * ((f_x + last[1]) * v_x + (f_y + last[2]) * v_y + (f_z + last[3]) * v_z)
-                last[0], last[1], last[2], last[3] = f, f_x, f_y, f_z
-                if const.friction > 0.0:
-                    t_x, t_y, t_z, taken, held = friction_kernels.rub(
-                        state.stuck[e, a * p + b], const.friction * f, stiffness, damping, const.dt,
-                        n_x, n_y, n_z, v_x, v_y, v_z,
-                    )  # fmt: skip
-                    state.contact_energy[FRICTION] += taken
-                    state.contact_energy[FRICTION_SPRING] += held
-                    f_x, f_y, f_z = f_x + t_x, f_y + t_y, f_z + t_z
-                hit = True
-                for m in range(3):
-                    strip[6 + m, 0] += B[m] * f_x
-                    strip[6 + m, 1] += B[m] * f_y
-                    strip[6 + m, 2] += B[m] * f_z
-            if hit:
-                spread(state, const, i - 1 + q, j - 1 + r, A, strip)
-    return work, spring
+    for first in range(0, last.shape[1], WIDTH):
+        p_x, p_y, p_z = spline_kernels.between(shares, first, x)
+        # below 0 within the cylinder's radius and behind the foremost point
+        outside = most(p_z, fma(p_x, p_x, fma(p_y, p_y, 0.0 - const.R * const.R)))
+        if not some(above(most(load(last[0], first), 0.0 - outside), 0.0)):
+            continue
+        if not hit:
+            moving(state, const, i, j, work)
+        hit = True
+        store(at[0], 0, p_x)
+        store(at[1], 0, p_y)
+        store(at[2], 0, p_z)
+        store(at[6], 0, outside)
+        v_x, v_y, v_z = spline_kernels.between(shares, first, v)
+        store(at[3], 0, v_x)
+        store(at[4], 0, v_y)
+        store(at[5], 0, v_z)
+        for m in range(WIDTH):
+            if at[6, m] < 0.0 or last[0, first + m] != 0.0:
+                point_taken, point_spring = touch(state, const, i, j, e, first + m, m, shares, work)
+                taken += point_taken
+                spring += point_spring
+    if hit:
+        spread(state, const, i - 1, j - 1, work.push)
+    return taken, spring
 
 
-@njit(cache=True, error_model="numpy")
-def spread(state, const, i, j, A, strip):
-    """Add the forces in a strip to the nodes (i, j) .. (i + 2, j + 2), and their opposite to the projectile's."""
-    for n in range(3):
-        f_x, f_y, f_z = strip[6 + n, 0], strip[6 + n, 1], strip[6 + n, 2]
-        column, sign_y = spline_kernels.seen(j + n, const.nj, const.mirror_y)
-        for m in range(3):
-            row, sign_x = spline_kernels.seen(i + m, const.ni, const.mirror_x)
+@njit(cache=True, error_model="numpy", _nrt=False)
+def moving(state, const, i, j, work):
+    """Velocities of the nodes about element (i, j), into work.v, and room for the forces on them, work.push."""
+    for m in range(4):
+        for n in range(4):
+            k = 4 * m + n
+            v = work.v[k]
+            v[0], v[1], v[2] = spline_kernels.velocity(state, const, i - 1 + m, j - 1 + n)
+            work.push[0, k] = work.push[1, k] = work.push[2, k] = 0.0
+
+
+@njit(cache=True, error_model="numpy", _nrt=False)
+def touch(state, const, i, j, e, number, m, shares, work):
+    """Contact of one point of an element, whose place and velocity are in column m of work.at."""
+    at, last, k = work.at, state.pressed[e], np.uint64(i * const.s + j)
+    before = last[0, number]  # size of the last step's force; its three components come behind it
+    depth, n_x, n_y, n_z = shapes_kernels.distance(
+        const.shape, at[0, m], at[1, m], at[2, m], const.R, const.rho, const.length, const.form
+    )
+    if depth >= 0.0 and before == 0.0:
+        return 0.0, 0.0
+    part = 1.0
+    if state.flag[k] != 0:
+        part = cover(state, const, k, (number // const.points + 0.5) / const.points,
+                     (number % const.points + 0.5) / const.points)  # fmt: skip
+    if part == 0.0:
+        last[0, number] = last[1, number] = last[2, number] = last[3, number] = 0.0
+        if const.friction > 0.0:
+            state.stuck[e, number] = 0.0
+        return 0.0, 0.0
+    stiffness, damping = part * const.point_stiffness, part * const.point_damping
+    if const.tilted:
+        n_x, n_y, n_z = turned_back(const.frame, n_x, n_y, n_z)
+    v_x, v_y, v_z, f, spring = at[3, m], at[4, m], at[5, m], 0.0, 0.0
+    if depth < 0.0:
+        f = max(0.0, -damping * (n_x * v_x + n_y * v_y + n_z * v_z) - stiffness * depth)
+        spring = 0.5 * stiffness * depth * depth
+        state.touching[e] = True
+    f_x, f_y, f_z = f * n_x, f * n_y, f * n_z
+    both_x, both_y, both_z = f_x + last[1, number], f_y + last[2, number], f_z + last[3, number]
+    taken = -0.5 * const.dt * (both_x * v_x + both_y * v_y + both_z * v_z)
+    last[0, number], last[1, number], last[2, number], last[3, number] = f, f_x, f_y, f_z
+    if const.friction > 0.0:
+        t_x, t_y, t_z, rubbed, held = friction_kernels.rub(
+            state.stuck[e, number], const.friction * f, stiffness, damping, const.dt, n_x, n_y, n_z, v_x, v_y, v_z
+        )
+        state.contact_energy[FRICTION] += rubbed
+        state.contact_energy[FRICTION_SPRING] += held
+        f_x, f_y, f_z = f_x + t_x, f_y + t_y, f_z + t_z
+    spline_kernels.hand_on(shares, number, work.push, f_x, f_y, f_z)
+    state.reaction[0] -= f_x
+    state.reaction[1] -= f_y
+    state.reaction[2] -= f_z
+    return taken, spring
+
+
+@njit(cache=True, error_model="numpy", _nrt=False)
+def spread(state, const, i, j, push):
+    """Add the forces on the nodes (i, j) .. (i + 3, j + 3), or those that they are images of."""
+    for m in range(4):
+        row, sign_x = spline_kernels.seen(i + m, const.ni, const.mirror_x)
+        for n in range(4):
+            column, sign_y = spline_kernels.seen(j + n, const.nj, const.mirror_y)
             k = np.uint64(row * const.s + column)
-            state.contact[0][k] += sign_x * A[m] * f_x
-            state.contact[1][k] += sign_y * A[m] * f_y
-            state.contact[2][k] += A[m] * f_z
-        state.reaction[0] -= f_x
-        state.reaction[1] -= f_y
-        state.reaction[2] -= f_z
+            state.contact[0][k] += sign_x * push[0, 4 * m + n]
+            state.contact[1][k] += sign_y * push[1, 4 * m + n]
+            state.contact[2][k] += push[2, 4 * m + n]
 
 
 @njit(cache=True, error_model="numpy")
@@ -253,18 +299,17 @@ def push(state, const):
 
 
 @njit(cache=True, error_model="numpy")
-def in_the_way(state, const, x, v):
+def in_the_way(state, const):
     """Whether a part of the cloth that holds together is ahead of the shoulder, within the projectile's radius."""
     i0, i1, j0, j1 = window(state)
     for i in range(i0, i1):
         for j in range(j0, j1):
             if state.flag[i * const.s + j] & ERODED:
                 continue
+            p_x, p_y, p_z = 0.0, 0.0, 0.0
             for m in range(4):
-                spline_kernels.node(state, const, i + (m & 1), j + (m >> 1), x[m], v[m])
-            p_x = 0.25 * (x[0, 0] + x[1, 0] + x[2, 0] + x[3, 0])
-            p_y = 0.25 * (x[0, 1] + x[1, 1] + x[2, 1] + x[3, 1])
-            p_z = 0.25 * (x[0, 2] + x[1, 2] + x[2, 2] + x[3, 2])
+                x, y, z = spline_kernels.place(state, const, i + (m & 1), j + (m >> 1))
+                p_x, p_y, p_z = p_x + 0.25 * x, p_y + 0.25 * y, p_z + 0.25 * z
             if p_z > -const.shoulder and p_x * p_x + p_y * p_y < const.R * const.R:
                 return True
     return False

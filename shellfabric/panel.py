@@ -19,7 +19,7 @@ from math import inf
 import numpy as np
 
 from fabrics.errors import InputError
-from shellfabric import contact_kernels, edges, edges_kernels, march_kernels, team
+from shellfabric import contact, contact_kernels, edges, edges_kernels, march_kernels, team
 from shellfabric.cell import CellTable
 from shellfabric.projectile import Projectile
 
@@ -32,7 +32,7 @@ Constants = namedtuple(
     "ni nj s block per mirror_x mirror_y x0 y0 dx dy rx0 ry0 dt "
     "tension1 tension2 ceiling1 ceiling2 potential x0t rx top1 y0t ry top2 grid per1 per2 variational "
     "cv1 cv2 V G1 G2 gamma1 gamma2 w1 S01 EA1 w2 S02 EA2 strength1 strength2 strengths1 strengths2 lag widest "
-    "near points point_stiffness point_damping R rho projectile_mass free idle_steps "
+    "near points shares point_stiffness point_damping R rho projectile_mass free idle_steps "
     "shape form length frame tilted roaming depth reach top shoulder friction rim_node rim_axis rim bending ends",
 )
 State = namedtuple(
@@ -43,7 +43,7 @@ State = namedtuple(
 )
 Work = namedtuple(
     "Work",
-    "A B l1 l2 i1 i2 m1 m2 T1 T2 N1 N2 own1 own2 given1 given2 on1 on2 turn1 turn2 cross x v strip shared",
+    "A B l1 l2 i1 i2 m1 m2 T1 T2 N1 N2 own1 own2 given1 given2 on1 on2 turn1 turn2 cross shared touch",
 )
 
 
@@ -267,7 +267,7 @@ class Panel:
         G1, G2, gamma1, gamma2 = (shear.G1, shear.G2, shear.gamma1, shear.gamma2) if shear else (0.0, 0.0, 0.5, 1.0)
         lag = self.critical_step / dt
         points = max(2, -(-knobs.contact_points // self.elements_per_crossover))
-        mass = weave.areal_density * dx * dy / points**2
+        mass = weave.areal_density * dx * dy
         (x0, y0), shot = self.origin, self.projectile
         rim_node, rim_axis, rim = edges.rim(self)
         strengths = self._strengths()
@@ -291,8 +291,7 @@ class Panel:
             strength1=strengths[0].min(), strength2=strengths[1].min(),
             strengths1=strengths[0], strengths2=strengths[1],
             lag=-np.expm1(-dt / knobs.failure_time) if knobs.failure_time > 0 else 0.0, widest=knobs.widest,
-            near=self._near(roaming), points=points, point_stiffness=knobs.penalty * mass / dt**2,
-            point_damping=2 * knobs.contact_damping * knobs.penalty**0.5 * mass / dt,
+            near=self._near(roaming), **contact.constants(points, mass, dt, knobs.penalty, knobs.contact_damping),
             R=shot.radius, rho=shot.edge_radius, projectile_mass=shot.mass * self.share,
             free=(0.0 if mirror_x else 1.0, 0.0 if mirror_y else 1.0, 1.0),
             idle_steps=max(1, round(knobs.clear_time / dt)),
@@ -321,8 +320,7 @@ class Panel:
         forces, lengths, stretches = two(), two(), _room(2, slots)
         for y, length, L in zip(lengths, self._yarn_lengths(const), stretches):
             y[: length.size], L[:] = length, 1.0
-        i0, i1, j0, j1 = const.near
-        near = (i1 - i0) * (j1 - j0)
+        i0, i1 = const.near[:2]
         state = State(
             u=three(), v=three(), g0=three(real), g1=three(real), mass=mass, inverse_mass=inverse, kick=kick,
             L=stretches, N=forces, T=two() if const.variational else forces, D=small,
@@ -330,12 +328,11 @@ class Panel:
             failed=(np.zeros(slots, np.uint8), np.zeros(slots, np.uint8)),
             filtered=_room(2, slots if const.lag > 0 else 0),
             thin=np.zeros(blocks, np.uint8), stale=np.zeros(blocks, np.bool_), most=np.zeros((blocks, 2)),
-            flag=np.zeros(slots, np.uint8), pressed=np.zeros((near, const.points**2, 4)),
-            touching=np.zeros(near, np.bool_), contact=three(),
+            flag=np.zeros(slots, np.uint8), contact=three(),
+            **contact.memory(const.near, const.points, const.shares, const.friction),
             position=self.projectile.start(), speed=strike_velocity * self.projectile.flight, reaction=np.zeros(3),
             contact_energy=np.zeros(4), rows=np.array([max(i0 - 2, 0), min(i1 + 2, ni)]), counter=np.zeros(3, np.int64),
             sums=np.zeros((blocks, 4)), peak=np.zeros(2), window=np.array(const.near),
-            stuck=np.zeros((near, const.points**2, 6) if const.friction > 0 else (0, 0, 6)),
             rim_force=np.zeros(const.rim_node.size), rim_sums=np.zeros(3),
         )  # fmt: skip
         if const.roaming:
@@ -351,9 +348,9 @@ class Panel:
         """Scratch of one thread, for one block of elements."""
         const = self.constants()
         size = (const.block + 4) * const.s + 16
-        shapes = dict.fromkeys(("x", "v"), (16, 3)) | {"strip": (9, 3)}
-        rows = {name: np.zeros(shapes[name]) if name in shapes else _room(1, size)[0] for name in Work._fields}
+        rows = {name: _room(1, size)[0] for name in Work._fields}
         rows["A"], rows["B"], rows["shared"] = _room(3, size), _room(3, size), np.zeros(team.ROOM, np.int64)
+        rows["touch"] = contact.scratch(const.near, const.shares)
         return Work(**rows)
 
     def masses(self):

@@ -19,8 +19,9 @@ be left that no yarn joins to the others: then it is straight along both, within
 import numpy as np
 from numba import njit
 
+from shellfabric.lanes import fma, load
+
 WARP, WEFT = 0, 1
-OUTER = 15 / 64  # of the surface in an element: the most that it takes from nodes that are not the element's own
 
 
 @njit(cache=True, error_model="numpy")
@@ -32,21 +33,55 @@ def seen(n, last, mirrored):
 
 
 @njit(cache=True, error_model="numpy")
-def node(state, const, i, j, x, v):
-    """Place of node (i, j) in the frame of the projectile, and its velocity relative to it, in that of the panel."""
+def place(state, const, i, j):
+    """Place of node (i, j) in the frame of the projectile."""
     i, sign_x = seen(i, const.ni, const.mirror_x)
     j, sign_y = seen(j, const.nj, const.mirror_y)
     k = np.uint64(i * const.s + j)
-    x[0] = sign_x * (const.x0 + i * const.dx + state.u[0][k]) - state.position[0]
-    x[1] = sign_y * (const.y0 + j * const.dy + state.u[1][k]) - state.position[1]
-    x[2] = state.u[2][k] - state.position[2]
-    v[0] = sign_x * state.v[0][k] - state.speed[0]
-    v[1] = sign_y * state.v[1][k] - state.speed[1]
-    v[2] = state.v[2][k] - state.speed[2]
+    x = sign_x * (const.x0 + i * const.dx + state.u[0][k]) - state.position[0]
+    y = sign_y * (const.y0 + j * const.dy + state.u[1][k]) - state.position[1]
+    return turned(const, x, y, state.u[2][k] - state.position[2])
+
+
+@njit(cache=True, error_model="numpy")
+def turned(const, x, y, z):
+    """A vector in the frame of the panel, in that of the projectile."""
+    if not const.tilted:
+        return x, y, z
+    frame = const.frame
+    return (
+        frame[0, 0] * x + frame[0, 1] * y + frame[0, 2] * z,
+        frame[1, 0] * x + frame[1, 1] * y + frame[1, 2] * z,
+        frame[2, 0] * x + frame[2, 1] * y + frame[2, 2] * z,
+    )
+
+
+@njit(cache=True, error_model="numpy")
+def velocity(state, const, i, j):
+    """Velocity of node (i, j) relative to the projectile, in the frame of the panel."""
+    i, sign_x = seen(i, const.ni, const.mirror_x)
+    j, sign_y = seen(j, const.nj, const.mirror_y)
+    k, speed = np.uint64(i * const.s + j), state.speed
+    return sign_x * state.v[0][k] - speed[0], sign_y * state.v[1][k] - speed[1], state.v[2][k] - speed[2]
+
+
+@njit(cache=True, error_model="numpy")
+def line(state, const, i, first, last, x):
+    """Places of the nodes (i, first) .. (i, last) in the frame of the projectile, into x (3, ...)."""
+    row, sign = seen(i, const.ni, const.mirror_x)
+    start, shift = const.x0 + row * const.dx, row * const.s
+    for j in range(max(first, 0), min(last, const.nj) + 1):
+        k, m = np.uint64(shift + j), j - first
+        x[0, m] = sign * (start + state.u[0][k]) - state.position[0]
+        x[1, m] = const.y0 + j * const.dy + state.u[1][k] - state.position[1]
+        x[2, m] = state.u[2][k] - state.position[2]
     if const.tilted:
-        frame, x0, x1, x2 = const.frame, x[0], x[1], x[2]
-        for c in range(3):
-            x[c] = frame[c, 0] * x0 + frame[c, 1] * x1 + frame[c, 2] * x2
+        for m in range(max(-first, 0), min(last, const.nj) - first + 1):
+            x[0, m], x[1, m], x[2, m] = turned(const, x[0, m], x[1, m], x[2, m])
+    for j in range(first, 0):
+        x[0, j - first], x[1, j - first], x[2, j - first] = place(state, const, i, j)
+    for j in range(const.nj + 1, last + 1):
+        x[0, j - first], x[1, j - first], x[2, j - first] = place(state, const, i, j)
 
 
 @njit(cache=True, error_model="numpy")
@@ -58,32 +93,106 @@ def weights(s, bent):
 
 
 @njit(cache=True, error_model="numpy")
-def between(B, x, m):
-    """Mean of the rows m, m + 1, m + 2 of x with the weights B."""
-    return (
-        B[0] * x[m, 0] + B[1] * x[m + 1, 0] + B[2] * x[m + 2, 0],
-        B[0] * x[m, 1] + B[1] * x[m + 1, 1] + B[2] * x[m + 2, 1],
-        B[0] * x[m, 2] + B[1] * x[m + 1, 2] + B[2] * x[m + 2, 2],
-    )
+def shares(p, room):
+    """Weights at the p x p points of an element, s slowest: (2, 8, room), first straight, then bent.
+
+    Rows 0-3 are of the four nodes about it along the warp, rows 4-7 along the weft; a point's weight for one of the
+    sixteen nodes is a product of two. Points beyond p x p have none.
+    """
+    found = np.zeros((2, 8, room))
+    for bent in range(2):
+        for a in range(p):
+            s = (a + 0.5) / p
+            q = quadrant(a, p)
+            three = weights(s - q, bent == 1)
+            for m in range(3):
+                for b in range(p):
+                    found[bent, q + m, a * p + b] = three[m]
+                    found[bent, 4 + q + m, b * p + a] = three[m]
+    return found
 
 
 @njit(cache=True, error_model="numpy")
-def apart(x, R):
-    """Whether an element lies ahead of the nose or beside the cylinder; x (16, 3): its nodes and those around it.
+def quadrant(a, p):
+    """Whether the nearer node of point number a of p along an element is the one behind (0) or before it (1)."""
+    return 0 if 2 * a < p else 1
 
-    Its surface is in the box of its own four nodes, made wider by OUTER of what the box of all sixteen is wider.
-    """
-    gap = 0.0
+
+@njit(cache=True, error_model="numpy")
+def torn_shares(state, const, i, j, found):
+    """Those of element (i, j), in which yarns may end, into found (8, room)."""
+    p = const.points
+    for q in range(2):
+        for r in range(2):
+            bent1, bent2 = bends(state, const, i, j, q, r)
+            warp, weft = const.shares[1 if bent1 else 0], const.shares[1 if bent2 else 0]
+            half = (p + 1) // 2
+            for a in range(q * half, half + q * (p - half)):
+                for k in range(a * p + r * half, a * p + half + r * (p - half)):
+                    for m in range(4):
+                        found[m, k], found[4 + m, k] = warp[m, k], weft[4 + m, k]
+
+
+@njit(cache=True, error_model="numpy", forceinline=True)
+def between(shares, k, x):
+    """Eight points k .. k + 7 among the sixteen nodes x (16, 3), or their velocities: three components."""
+    a0, a1, a2, a3 = shares_at(shares, 0, k)
+    b0, b1, b2, b3 = shares_at(shares, 4, k)
+    return (
+        among(a0, a1, a2, a3, b0, b1, b2, b3, x, 0),
+        among(a0, a1, a2, a3, b0, b1, b2, b3, x, 1),
+        among(a0, a1, a2, a3, b0, b1, b2, b3, x, 2),
+    )
+
+
+@njit(cache=True, error_model="numpy", forceinline=True)
+def shares_at(shares, row, k):
+    """Four rows of the shares of eight points."""
+    return load(shares[row], k), load(shares[row + 1], k), load(shares[row + 2], k), load(shares[row + 3], k)
+
+
+@njit(cache=True, error_model="numpy", forceinline=True)
+def among(a0, a1, a2, a3, b0, b1, b2, b3, x, c):
+    """Component c of eight points."""
+    y0 = fma(a0, x[0, c], fma(a1, x[4, c], fma(a2, x[8, c], a3 * x[12, c])))
+    y1 = fma(a0, x[1, c], fma(a1, x[5, c], fma(a2, x[9, c], a3 * x[13, c])))
+    y2 = fma(a0, x[2, c], fma(a1, x[6, c], fma(a2, x[10, c], a3 * x[14, c])))
+    y3 = fma(a0, x[3, c], fma(a1, x[7, c], fma(a2, x[11, c], a3 * x[15, c])))
+    return fma(b0, y0, fma(b1, y1, fma(b2, y2, b3 * y3)))
+
+
+@njit(cache=True, error_model="numpy", forceinline=True)
+def hand_on(shares, k, push, f_x, f_y, f_z):
+    """Add the force on point k to those on the sixteen nodes, push (3, 16)."""
+    for m in range(4):
+        for n in range(4):
+            weight = shares[m, k] * shares[4 + n, k]
+            push[0, 4 * m + n] += weight * f_x
+            push[1, 4 * m + n] += weight * f_y
+            push[2, 4 * m + n] += weight * f_z
+
+
+@njit(cache=True, error_model="numpy")
+def boxes(lines, count, low, high):
+    """Box of the four nodes in each column of the lines (4, 3, count): its ends, (3, count) each."""
     for c in range(3):
-        low, high = min(x[5, c], x[6, c], x[9, c], x[10, c]), max(x[5, c], x[6, c], x[9, c], x[10, c])
-        lowest, highest = low, high
-        for m in range(16):
-            lowest, highest = min(lowest, x[m, c]), max(highest, x[m, c])
-        low, high = low + OUTER * (lowest - low), high + OUTER * (highest - high)
-        if c < 2:
-            gap += max(low, -high, 0.0) ** 2
-        elif low > 0.0:
-            return True
+        x0, x1, x2, x3, below, above = lines[0, c], lines[1, c], lines[2, c], lines[3, c], low[c], high[c]
+        for m in range(count):
+            below[m] = min(min(x0[m], x1[m]), min(x2[m], x3[m]))
+            above[m] = max(max(x0[m], x1[m]), max(x2[m], x3[m]))
+
+
+@njit(cache=True, error_model="numpy")
+def apart(low, high, m, R):
+    """Whether the box of the columns m .. m + 3, in which the surface of an element lies, is ahead of the nose or
+    beside the cylinder."""
+    if min(min(low[2, m], low[2, m + 1]), min(low[2, m + 2], low[2, m + 3])) > 0.0:
+        return True
+    gap = 0.0
+    for c in range(2):
+        least = min(min(low[c, m], low[c, m + 1]), min(low[c, m + 2], low[c, m + 3]))
+        most = max(max(high[c, m], high[c, m + 1]), max(high[c, m + 2], high[c, m + 3]))
+        gap += max(max(least, -most), 0.0) ** 2
     return gap > R * R
 
 

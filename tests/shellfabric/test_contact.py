@@ -53,13 +53,15 @@ def momentum(panel, state):
 
 
 def test_momentum_is_kept(small):
-    """Without supports cloth and projectile keep their momentum to rounding, with yarns failing."""
+    """Without supports cloth and projectile keep their momentum to rounding, with yarns failing; the projectile gives up
+    at least that of the plug before its flat nose. Measured: 8 times that."""
     panel = small(edge="free", symmetry="whole")
     state, _ = march(panel, 400.0, 300)
     assert state.counter[march_kernels.FAILURES] > 0
     expected = panel.projectile.mass * 400.0
     np.testing.assert_allclose(momentum(panel, state), [0.0, 0.0, expected], atol=1e-13 * expected)
-    assert state.speed[2] < 399.0
+    plug = np.pi * panel.projectile.radius**2 * panel.weave.areal_density
+    assert expected - panel.projectile.mass * state.speed[2] > plug * 400.0
 
 
 def test_off_centre_contact_keeps_momentum_too(small):

@@ -29,7 +29,7 @@ def shaken(panel, seed=0, depth=0.4e-3):
 def pressed(panel, state, const):
     """Contact forces (ni+1, nj+1, 3) of the kernel, with its work and the energy of its springs."""
     scratch = panel.work()
-    made = contact_kernels.contact(state, const, scratch.x, scratch.v, scratch.strip)
+    made = contact_kernels.contact(state, const, scratch.touch)
     n = (const.ni + 1) * const.s
     return np.stack([f[:n].reshape(-1, const.s) for f in state.contact], axis=-1), *made
 
@@ -176,19 +176,37 @@ def test_slope_is_continuous():
 
 def test_an_element_that_is_apart_touches_nothing():
     rng = np.random.default_rng(2)
-    found = 0
-    for _ in range(300):
-        x = rng.normal(size=(4, 4, 3)) + rng.uniform(-3, 3, 3)
-        if not spline_kernels.apart(x.reshape(16, 3), 1.0):
-            continue
-        found += 1
-        for s, t in rng.uniform(0, 1, (50, 2)):
-            q, r = int(s > 0.5), int(t > 0.5)
-            for bent in (True, False):
-                A, B = spline_kernels.weights(s - q, bent), spline_kernels.weights(t - r, True)
-                p = np.einsum("a,b,abc", A, B, x[q : q + 3, r : r + 3])
-                assert p[2] > 0 or np.hypot(p[0], p[1]) > 1.0
+    found, low, high = 0, np.empty((3, 6)), np.empty((3, 6))
+    for _ in range(600):
+        x = rng.normal(size=(4, 6, 3)) + rng.uniform(-3, 3, 3)
+        spline_kernels.boxes(np.ascontiguousarray(x.transpose(0, 2, 1)), 6, low, high)
+        for m in range(3):
+            if not spline_kernels.apart(low, high, m, 1.0):
+                continue
+            found += 1
+            for s, t in rng.uniform(0, 1, (50, 2)):
+                q, r = int(s > 0.5), int(t > 0.5)
+                for bent in (True, False):
+                    A, B = spline_kernels.weights(s - q, bent), spline_kernels.weights(t - r, True)
+                    p = np.einsum("a,b,abc", A, B, x[q : q + 3, m + r : m + r + 3])
+                    assert p[2] > 0 or np.hypot(p[0], p[1]) > 1.0
     assert found > 50
+
+
+@pytest.mark.parametrize("p", [2, 3, 4, 8, 16])
+def test_shares_are_the_weights_of_the_points(p):
+    """Of points in eights, those beyond the last having none."""
+    room = -(-(p * p) // 8) * 8
+    found = spline_kernels.shares(p, room)
+    for bent in range(2):
+        for a in range(p):
+            for b in range(p):
+                for row, z in ((0, (a + 0.5) / p), (4, (b + 0.5) / p)):
+                    q = int(z > 0.5)
+                    expected = np.zeros(4)
+                    expected[q : q + 3] = spline_kernels.weights(z - q, bent == 1)
+                    np.testing.assert_allclose(found[bent, row : row + 4, a * p + b], expected, atol=1e-15)
+    assert not found[:, :, p * p :].any()
 
 
 def test_nothing_is_handed_across_a_gap(small):
