@@ -274,7 +274,7 @@ def at_rest(const, share, bar_mass, held, rows, speed) -> State:
         L=np.repeat(np.array([const.dx, const.dy])[:, None], slots, axis=1), drag=np.zeros((2, slots)),
         flag=np.zeros(slots, np.uint8), contact=np.zeros((3, slots)), contact_energy=np.zeros(4),
         **contact.memory(const.near, const.points, const.shares, 0.0), window=np.array(const.near),
-        scratch=contact.scratch(const.near, const.shares),
+        scratch=contact.scratch(const),
         position=np.zeros(3), speed=np.array([0.0, 0.0, float(speed)]), reaction=np.zeros(3), rows=np.array(rows),
         counter=np.zeros(3, np.int64), sums=np.zeros(4), peak=np.zeros(2),
     )  # fmt: skip

@@ -42,8 +42,10 @@ def memory(near, points, shares, friction):
     }
 
 
-def scratch(near, shares) -> Scratch:
-    """Room for one call: four lines of nodes, the boxes of their columns, one element and eight of its points."""
-    columns = near[3] - near[2] + 3
-    shapes = [(4, 3, columns), (3, columns), (3, columns), (16, 3), (16, 3), (7, WIDTH), (3, 16), shares.shape[1:]]
+def scratch(*consts) -> Scratch:
+    """Room for one call, of any of several panels: four lines of nodes, the boxes of their columns, one element and
+    eight of its points."""
+    columns = max(const.near[3] - const.near[2] for const in consts) + 3
+    room = max(const.shares.shape[2] for const in consts)
+    shapes = [(4, 3, columns), (3, columns), (3, columns), (16, 3), (16, 3), (7, WIDTH), (3, 16), (8, room)]
     return Scratch(*(np.zeros(shape) for shape in shapes))

@@ -350,7 +350,7 @@ class Panel:
         size = (const.block + 4) * const.s + 16
         rows = {name: _room(1, size)[0] for name in Work._fields}
         rows["A"], rows["B"], rows["shared"] = _room(3, size), _room(3, size), np.zeros(team.ROOM, np.int64)
-        rows["touch"] = contact.scratch(const.near, const.shares)
+        rows["touch"] = contact.scratch(const)
         return Work(**rows)
 
     def masses(self):

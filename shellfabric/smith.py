@@ -131,8 +131,8 @@ def _constants(yarn, spacing, bars, numerics):
     """The yarn as a net of one row: bars along the weft, none along the warp, nothing in contact."""
     (dt, cv), shot = numerics.step(2 * yarn.wave_speed / spacing), Projectile()
     return Constants(
-        ni=0, nj=bars, s=bars + 1, block=1, mirror_x=False, mirror_y=False, x0=0.0, y0=0.0, dx=spacing, dy=spacing, dt=dt,
-        S0=(spacing, spacing), EA=(yarn.EA, yarn.EA), cv=cv, limit=(inf, inf), near=(0, 0, 0, 0),
+        ni=0, nj=bars, s=bars + 1, block=1, mirror_x=False, mirror_y=False, x0=0.0, y0=0.0, dx=spacing, dy=spacing,
+        dt=dt, S0=(spacing, spacing), EA=(yarn.EA, yarn.EA), cv=cv, limit=(inf, inf), near=(0, 0, 0, 0),
         **contact.constants(1, 0.0, dt, 0.0, 0.0), shape=shot.number, form=shot.form, length=inf, frame=shot.frame,
         tilted=False, friction=0.0, widest=inf, R=1.0, rho=1.0, projectile_mass=1.0,
         free=(0.0, 0.0, 1.0), idle_steps=1, clamped=np.array([0, bars]), middle=(0, bars), middle_share=(1.0, 1.0),

@@ -53,8 +53,8 @@ def momentum(panel, state):
 
 
 def test_momentum_is_kept(small):
-    """Without supports cloth and projectile keep their momentum to rounding, with yarns failing; the projectile gives up
-    at least that of the plug before its flat nose. Measured: 8 times that."""
+    """Without supports cloth and projectile keep their momentum to rounding, with yarns failing; the projectile gives
+    up at least that of the plug before its flat nose. Measured: 8 times that."""
     panel = small(edge="free", symmetry="whole")
     state, _ = march(panel, 400.0, 300)
     assert state.counter[march_kernels.FAILURES] > 0
