@@ -52,6 +52,7 @@ class Calibration:
     published : CompressionLaw of the fabric's file, or None
     seconds : {path: wall time [s]}, and "all" of the whole calibration
     sizes : (biaxial, plates) mesh sizes
+    friction : [-] Coulomb's coefficient the paths were solved with
     """
 
     fabric: str
@@ -66,6 +67,7 @@ class Calibration:
     published: CompressionLaw | None
     seconds: dict
     sizes: tuple
+    friction: float = 0.0
 
     @property
     def plates(self):
@@ -109,6 +111,7 @@ class Calibration:
             "format": "weavecell calibration 1",
             "fabric": self.fabric,
             "mesh": {"biaxial": self.sizes[0], "plates": self.sizes[1]},
+            "friction": self.friction,
             "law": {
                 "a_m": self.law.a,
                 "b_m_N^(1/3)": self.law.b,
@@ -156,7 +159,7 @@ def samples(history, *columns):
     return F[F > 0], *(column[F > 0] for column in rest)
 
 
-def evaluate(fabric, histories, sizes, seconds):
+def evaluate(fabric, histories, sizes, seconds, friction=0.0):
     """The Calibration of solved paths.
 
     Parameters
@@ -164,6 +167,7 @@ def evaluate(fabric, histories, sizes, seconds):
     histories : {path: History} and "plates"
     sizes : (biaxial, plates) mesh sizes, as texts
     seconds : {path: [s]}
+    friction : [-] they were solved with
 
     Raises
     ------
@@ -175,6 +179,7 @@ def evaluate(fabric, histories, sizes, seconds):
         reasons = "; ".join(history.failed for history in histories.values() if history.failed)
         raise UnstableError(f"no path of {fabric.name} reached contact: {reasons or 'the yarns never touch'}")
     provenance = f"3D crossover of {fabric.name}, {sizes[0]} mesh, paths {', '.join(pairs)}"
+    provenance += f", friction {friction:g}" if friction else ""
     law = CompressionLaw.fit(F, d, provenance=provenance)
     yarn_laws, ratio_law, ratio_residuals = _finer(histories)
     return Calibration(
@@ -190,6 +195,7 @@ def evaluate(fabric, histories, sizes, seconds):
         published=fabric.laws[0] if fabric.laws else None,
         seconds=seconds,
         sizes=sizes,
+        friction=friction,
     )
 
 

@@ -146,6 +146,20 @@ def test_an_interrupted_calibration_goes_on_to_the_same_bits(s720, tmp_path):
     assert finer.names == [*SMALL["paths"]]
 
 
+def test_friction_reaches_the_law_and_is_told(s720, tmp_path):
+    """Yarns that stick to each other press harder on each other; what a law was made with stands beside it."""
+    without = calibrate(s720, executor=Here(), out=tmp_path, **SMALL)
+    with_it = calibrate(s720, executor=Here(), out=tmp_path, resume=True, friction=0.3, **SMALL)
+    for name in SMALL["paths"]:
+        rise = with_it.histories[name].F_c[-1] / without.histories[name].F_c[-1]
+        assert 1.01 < rise < 1.15, name
+    assert with_it.law.provenance.endswith("friction 0.3")
+    assert "friction" not in without.law.provenance
+    assert json.loads((tmp_path / "calibration.json").read_text())["friction"] == 0.3
+    with pytest.raises(InputError, match="friction"):
+        calibrate(s720, executor=Here(), friction=-0.1, **SMALL)
+
+
 def test_one_fabric_that_fails_does_not_end_the_others(s720, tmp_path):
     wide = replace(catalogue.load("S-731"), section="sine", solids=None)
     found = calibrate_all([wide, s720], executor=Here(), folder=lambda name: tmp_path / name, **SMALL)
