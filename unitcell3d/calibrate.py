@@ -15,13 +15,13 @@ from pathlib import Path
 from queue import Empty
 
 from fabrics.errors import InputError, UnstableError
+from fabrics.workers import CONTEXT, workers
 from meshing import crossover as mesher
 from unitcell3d import cases
 from unitcell3d.calibration import PLATES, evaluate
 from unitcell3d.history import History
 from unitcell3d.model import Numerics
 from unitcell3d.stepping import Steps
-from unitcell3d.workers import CONTEXT, workers
 
 PATHS = {"warp only": (1.0, 0.0), "weft only": (0.0, 1.0), "equibiaxial": (1.0, 1.0)}
 
@@ -173,7 +173,9 @@ class _Run:
     def _tell(self, queue):
         try:
             while queue is not None:
-                self._report(*queue.get_nowait())
+                fabric, path, share = queue.get_nowait()
+                if (fabric, path) not in self._done:  # what a path says of itself may come after its result
+                    self._report(fabric, path, share)
         except Empty:
             pass
 

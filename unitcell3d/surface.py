@@ -20,12 +20,12 @@ import numpy as np
 
 from fabrics.errors import InputError, UnstableError
 from fabrics.surface import ResponseSurface
+from fabrics.workers import workers
 from meshing import crossover as mesher
 from unitcell3d.interpolant import FEWEST, QUANTITIES, errors
 from unitcell3d.model import Numerics
 from unitcell3d.partial import Partial
 from unitcell3d.surface_line import Case, solve_line
-from unitcell3d.workers import workers
 
 POINTS = (21, 21)
 REACH = 0.03e-3  # m
