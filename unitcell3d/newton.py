@@ -10,10 +10,10 @@ quadratic; no node moves by more than `LARGEST_STEP` in one iteration, and where
 by as much. Where a guess is far from equilibrium the contact is soft at first (`Newton.approach`).
 
 A step is shortened where it overshoots: where the residual's pull along it has turned round,
-r(q + dq) . dq > -1/2 r . dq, to where that has gone (false position). The law is all but a potential (its tangent is
-unsymmetric by 4e-4 at most), so that this is nearly the least energy on the line; a residual that grows on the way, as
-it does where yarns swing taut, does not stop it. Fibres at their slack kink and contact that closes otherwise send
-Newton's method round in cycles. The shift grows with the inverse root of what is left of the step.
+r(q + dq) . dq > -1/2 r . dq, to where that has gone (false position and bisection in turn). The law is all but a
+potential (its tangent is unsymmetric by 4e-4 at most), so that this is nearly the least energy on the line; a residual
+that grows on the way, as it does where yarns swing taut, does not stop it. Fibres at their slack kink and contact that
+closes otherwise send Newton's method round in cycles. The shift grows with the inverse root of what is left of the step.
 
 A factorisation costs as much as thirty of its back substitutions. Once the residual is below `NEAR` of the forces, the
 last factorisation, of an earlier load even, is used on and corrected by the steps taken since (Broyden's update in the
@@ -236,17 +236,15 @@ class Newton:
         if pull <= 0 or end <= OVERSHOT * pull:
             return found, 1.0
         low, high, share = (0.0, -pull), (1.0, end), 1.0
-        for _ in range(LINE):
-            at = low[0] + (high[0] - low[0]) * np.clip(low[1] / (low[1] - high[1]), 0.1, 0.9)
-            trial, again = self._evaluate(state.q + at * step, load), share < 1
+        for turn in range(LINE):
+            # every other time in the middle: false position alone creeps up to a kink
+            part = 0.5 if turn % 2 else np.clip(low[1] / (low[1] - high[1]), 0.1, 0.9)
+            at = low[0] + (high[0] - low[0]) * part
+            trial = self._evaluate(state.q + at * step, load)
             there = np.inf
             if np.isfinite(trial.norm):
                 found, share, there = trial, at, trial.residual @ step
-            # an end that stays is given half its weight, or false position creeps (the Illinois rule)
-            if there > 0:
-                low, high = (low[0], 0.5 * low[1] if again else low[1]), (at, there)
-            else:
-                low, high = (at, there), (high[0], 0.5 * high[1])
+            low, high = (low, (at, there)) if there > 0 else ((at, there), high)
             if abs(there) <= OVERSHOT * pull:
                 break
         return found, share
