@@ -8,7 +8,7 @@ regularised form
 
 is fitted to all of them together, each path sampled at equal shares of its displacement so that the stepping has no
 say in it. A fit of the printed form would hang on a force cut-off. Two more fits say what one law leaves out: one of
-each yarn to its own compression at the crossing, and one whose a and F0 depend on the tension ratio
+each yarn to its own compression at the crossing, and one that sees the tension ratio too
 (`fabrics.ratio_law`), which is the one to use where one law leaves more than `ONE_LAW`. The compression d_c also holds
 what closes between the yarns where their sections do not conform; each yarn's own does not. Plates give another curve
 than stretching does: they flatten slack yarns. That curve is computed beside, and not fed to the shell.
@@ -130,7 +130,7 @@ class Calibration:
             "fit_by_tension_ratio": self.ratio_law
             and {
                 "p": self.ratio_law.p,
-                "q": self.ratio_law.q,
+                "F0_N": self.ratio_law.F0 if np.isfinite(self.ratio_law.F0) else None,
                 "rms_m": self.ratio_law.residual_rms,
                 "rms_of_each_path_m": self.ratio_residuals,
             },

@@ -170,9 +170,9 @@ def _laws(done):
         if own is not None:
             rows.append((f"{name}, its own compression", *_parameters(own), _um(own.residual_rms)))
     if ratio is not None:
-        ends = [ratio.at(m) for m in ratio.m_range]
-        spans = ("{:.4f} .. {:.4f}".format(*(1e3 * getattr(end, key) for end in ends)) for key in ("a", "b"))
-        rows.append(("that sees the tension ratio, all weft .. all warp", *spans, _um(ratio.residual_rms)))
+        c = " .. ".join(f"{1e6 * ratio.compliance(m):.3f}" for m in ratio.m_range)
+        name = f"c F / (1 + F / {ratio.F0:.3g} N), c = {c} µm/N, all weft .. all warp"
+        rows.append((name, "-", "-", _um(ratio.residual_rms)))
     return Table(columns, tuple(rows), f"Laws; chosen: {done.chosen}", numeric=columns[1:])
 
 

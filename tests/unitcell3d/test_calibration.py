@@ -64,10 +64,10 @@ def test_every_fabric_calibrates_unattended(name):
     for name in PATHS:  # conforming sections leave nothing to close but the penetration
         history = found.histories[name]
         assert (2 * history.d_c - history.d_yarns.sum(axis=1)).max() < 5e-6, name
-    if name == "S-745" and found.law.residual_rms >= 1.6e-6:
-        pytest.xfail("missed: one law leaves 1.73 um on this fabric, one that sees the tension ratio 1.30 um")
-    assert found.law.residual_rms < 1.6e-6
     assert found.ratio_law.residual_rms < 1e-6
+    if name == "S-745" and found.law.residual_rms >= 1.6e-6:
+        pytest.xfail("missed: one law leaves 1.73 um on this fabric; one that sees the tension ratio leaves 0.77 um")
+    assert found.law.residual_rms < 1.6e-6
 
 
 def test_plates_give_another_curve(calibration):
