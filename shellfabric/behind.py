@@ -76,6 +76,19 @@ def wall_angle(crater):
     return float(np.arctan2(0.6 * crater[:, 1].max(), outer - inner))
 
 
+def check(panel):
+    """InputError where a panel does not go with the block behind it."""
+    backing, shot = panel.backing, panel.projectile
+    if backing is None:
+        return
+    if panel.symmetry != "quarter":
+        raise InputError(key="symmetry", value=panel.symmetry, allowed="quarter in front of a backing")
+    if shot.roaming or shot.tilted:
+        raise InputError(key="obliquity", value=shot.obliquity, allowed="0, and no yaw or roll, before a backing")
+    if any(side < length for side, length in zip(backing.size, panel.opening)):
+        raise InputError(key="size", value=backing.size, allowed="a face at least as wide as the panel's opening")
+
+
 class Behind:
     """The block of a march.
 
@@ -92,18 +105,11 @@ class Behind:
 
     Raises
     ------
-    InputError : a panel that is no quarter, an oblique shot, a block smaller than the panel, a step too long for it
+    InputError : a step that is too long for the block
     """
 
     def __init__(self, backing, panel, const, place=0.0):
-        shot = panel.projectile
-        if panel.symmetry != "quarter":
-            raise InputError(key="symmetry", value=panel.symmetry, allowed="quarter in front of a backing")
-        if shot.roaming or shot.tilted:
-            raise InputError(key="obliquity", value=shot.obliquity, allowed="0, and no yaw or roll, before a backing")
-        if any(side < length for side, length in zip(backing.size, panel.opening)):
-            raise InputError(key="size", value=backing.size, allowed="a face at least as wide as the panel's opening")
-        self.projectile, self.const, self.p = shot, const, backing.points
+        self.projectile, self.const, self.p = panel.projectile, const, backing.points
         self.thickness = 0.5 * panel.weave.thickness
         self.block = replace(backing, face=place + self.thickness + backing.face).block(const.dt)
         point = panel.weave.areal_density * const.dx * const.dy / self.p**2

@@ -19,7 +19,7 @@ from math import inf
 import numpy as np
 
 from fabrics.errors import InputError
-from shellfabric import body, contact, contact_kernels, edges, edges_kernels, march_kernels, team
+from shellfabric import behind, body, contact, contact_kernels, edges, edges_kernels, march_kernels, team
 from shellfabric.backing import Backing
 from shellfabric.cell import CellTable
 from shellfabric.projectile import Projectile
@@ -164,6 +164,7 @@ class Panel:
         if self.symmetry not in SYMMETRIES:
             raise InputError(key="symmetry", value=self.symmetry, allowed=" or ".join(SYMMETRIES))
         edges.check(self)
+        behind.check(self)
         if self.failure and any(self.table.model.toes):  # a yarn whose crossings have failed is linear in the march
             raise InputError(key="toe", value=self.table.model.toe, allowed="0 in a panel whose yarns fail")
         for axis, mirrored in enumerate(self.mirrors):

@@ -129,11 +129,11 @@ def test_an_elastic_projectile_and_a_block_are_what_the_scene_says():
     changed = with_change("projectile", "body", "bar") | {
         "backing": {"modulus": "50 MPa", "room": "1 mm", "far": "free"}
     }
-    changed["projectile"]["bore"] = "4 mm"
+    changed["projectile"]["bore"] = "4.8 mm"
     changed["panel"] = changed["panel"] | {"yarns_fail": False}
     setup = case.setup(case.build(scene.check(changed, "s"), "s", "s"), "s")
     assert setup.projectile.bar.mass == pytest.approx(3e-3)
-    assert setup.projectile.bar.sections[1][1] == pytest.approx(np.pi / 4 * (5.5e-3**2 - 4e-3**2))
+    assert setup.projectile.bar.sections[1][1] == pytest.approx(np.pi / 4 * (5.5e-3**2 - 4.8e-3**2))
     assert (setup.backing.material.modulus, setup.backing.face, setup.backing.far) == (5e7, 1e-3, "free")
     assert setup.backing.material.density == pytest.approx(3000)  # of Table 6-1, as all that is left out
     assert not setup.failure

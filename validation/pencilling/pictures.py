@@ -44,7 +44,7 @@ def craters(shots, path):
     most = max(float(block.plastic[~block.gone].max()) for block in blocks.values())
     tall = 11 / across * (1.3 * deepest + 8) / (2 * reach)
     figure, grid = plt.subplots(
-        down, across, figsize=(11, 0.6 + down * (tall + 0.45)), squeeze=False, layout="constrained"
+        down, across, figsize=(11, 0.6 + down * (0.8 * tall + 0.4)), squeeze=False, layout="constrained"
     )
     for axes in grid.flat[len(blocks) :]:
         axes.set_visible(False)
