@@ -184,6 +184,14 @@ class Pack:
             )
         return tuple(states), stack
 
+    def works(self):
+        """(plies,) scratch of one thread; plies of one grid share theirs."""
+        found = {}
+        for ply in self.plies:
+            if id(ply) not in found:
+                found[id(ply)] = ply.work()
+        return tuple(found[id(ply)] for ply in self.plies)
+
     def pairs(self, consts, states):
         """The contact of each two neighbouring plies, at rest; a pack of one ply has one that nobody looks at."""
         count = len(self.plies)

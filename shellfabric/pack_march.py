@@ -33,9 +33,9 @@ class PackMarch(March):
     Attributes
     ----------
     states, consts, stack, pairs : what the kernels work on
-    samples : list of rows, one an audit, in the order of PACK_SAMPLES; of the whole pack, forces summed over the plies
-    ply_samples : list of (plies, 6), one an audit, in the order of PLY_SAMPLES: of the whole ply; `push` is the force of
-        the nose on it, `deflection` that at the impact point, `energy` what it moves with, stores and has dissipated
+    samples : list of rows, one an audit, in the order of PACK_SAMPLES; of the whole pack, forces summed over plies
+    ply_samples : list of (plies, 6), one an audit, in the order of PLY_SAMPLES: of the whole ply; `push` is the force
+        of the nose on it, `deflection` that at the impact point, `energy` what it moves with, stores and has lost
     snapshots : list of PackSnapshot, where a hook takes them
 
     The others are those of March.
@@ -56,9 +56,8 @@ class PackMarch(March):
         self.const, self.state = self.consts[0], self.states[0]
         self._lists = tuple(lists(items) for items in (self.states, self.consts, self.pairs))
         self.threads = min(team.threads_for(self.panel.numerics.threads, pack.elements), len(pack.plies))
-        largest = max(pack.plies, key=lambda ply: ply.work().l1.size)
-        self._works = [largest.work() for _ in range(self.threads)]
-        self._work = self._works[0]
+        self._works = [lists(pack.works()) for _ in range(self.threads)]
+        self._shared = np.zeros(team.ROOM, np.int64)
         self._ends = [edges.ends(ply) for ply in pack.plies]
         self.chunk = max(1, round(interval / self.const.dt))
         self.last_step = int(np.ceil(end_time / self.const.dt))
@@ -82,7 +81,7 @@ class PackMarch(March):
 
     @property
     def deepest(self):
-        """(plies - 1,) [-] deepest that one ply has come into the next, over the thickness: at 1 it would be through."""
+        """(plies - 1,) [-] deepest that a ply has come into the next, over the thickness: at 1 it would be through."""
         pairs = self.pairs[: len(self.states) - 1]
         return np.array([pair.energy[ply_contact_kernels.DEEPEST] / pair.thickness for pair in pairs])
 
@@ -96,13 +95,14 @@ class PackMarch(March):
 
     def advance(self, fine, others):
         """Make as many steps as there are rows in `fine`, or fewer where the run ends: (steps made, why)."""
-        shared, count = self._work.shared, self.threads
+        shared, count = self._shared, self.threads
         shared[:] = 0
+        states, consts, pairs = self._lists
         at_work = [
-            others.submit(pack_kernels.follow, *self._lists, self.stack, work, shared, me, count)
-            for me, work in enumerate(self._works[1:], 1)
+            others.submit(pack_kernels.follow, states, consts, pairs, self.stack, works, shared, me, count)
+            for me, works in enumerate(self._works[1:], 1)
         ]
-        made = pack_kernels.lead(*self._lists, self.stack, self._work, len(fine), fine, shared, count)
+        made = pack_kernels.lead(states, consts, pairs, self.stack, self._works[0], len(fine), fine, shared, count)
         for thread in at_work:
             thread.result()
         return made
@@ -212,7 +212,8 @@ class PackMarch(March):
         """End a run in which cut-out cloth is all that is left before the projectile."""
         if self.reason != kernels.RUNNING or not self.stack.counters[:, kernels.FAILURES].any():
             return
-        through = all(passed(state, const, self._work) for state, const in zip(self.states, self.consts))
+        marched = zip(self.states, self.consts, self.pack.works())
+        through = all(passed(state, const, work) for state, const, work in marched)
         self.passed = self.passed + 1 if through else 0
         if self.passed == 2:
             self.reason = kernels.PERFORATED

@@ -271,8 +271,12 @@ def touch(front, fc, rear, rc, pair, q, a, b):
         area = max(Xa * Yb - Xb * Ya, 0.01 * rc.dx * rc.dy)
         go, turn = (Yb * x - Xb * y) / area, (Xa * y - Ya * x) / area
     low = -0.5 if pair.form == SMOOTH else 0.0
-    pair.foot[0][q] = min(max(A + min(max(go, -_STEP), _STEP), low if rc.mirror_x else 0.0), float(rc.ni))
-    pair.foot[1][q] = min(max(B + min(max(turn, -_STEP), _STEP), low if rc.mirror_y else 0.0), float(rc.nj))
+    low_a, low_b = low if rc.mirror_x else 0.0, low if rc.mirror_y else 0.0
+    A2, B2 = A + min(max(go, -_STEP), _STEP), B + min(max(turn, -_STEP), _STEP)
+    pair.foot[0][q] = min(max(A2, low_a), float(rc.ni))
+    pair.foot[1][q] = min(max(B2, low_b), float(rc.nj))
+    if A2 < low_a or A2 > rc.ni or B2 < low_b or B2 > rc.nj:  # beside the rear ply
+        return 0.0, 0.0
     if depth <= 0.0:
         pair.status[q] = FREE
         return 0.0, 0.0

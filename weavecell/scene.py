@@ -96,7 +96,7 @@ def _opening_or_value_error(value):
 
 
 class PanelTable(Table):
-    """A panel in a rectangular opening."""
+    """A panel in a rectangular opening, or a pack of several plies."""
 
     opening: Annotated[
         float | tuple[float, float],
@@ -106,6 +106,9 @@ class PanelTable(Table):
     boundary: Annotated[Boundary, Field(description=_BOUNDARY)] = "clamped"
     symmetry: one_of("quarter", "half", "whole") = "quarter"
     weave_angle: angle(-89, 89, "45 deg") = 0.0
+    plies: whole(1, 32) = 1
+    stacking: one_of("aligned", "alternating") = "aligned"
+    gap: quantity("m", "a length of at least 0", "0.12 mm", at_least=0.0) = None
 
 
 class RunTable(Table):
@@ -222,9 +225,31 @@ def _check_relations(scene, table, file):
     for (name, key), (holds, allowed) in limits.items():
         if not holds and key in table[name]:
             raise InputError(file=file, key=f"{name}.{key}", value=table[name][key], allowed=allowed)
+    _check_pack(scene, table, file)
     if isinstance(panel.boundary, BoundaryTable):
         for name in ("warp", "weft"):
             _check_sides(getattr(panel.boundary, name), f"panel.boundary.{name}", table, file)
+
+
+def _check_pack(scene, table, file):
+    """What goes with several plies alone, and what does not."""
+    panel = scene.panel
+    if panel.plies == 1:
+        for key in ("stacking", "gap"):
+            if key in table["panel"]:
+                allowed = "left out for a single ply"
+                raise InputError(file=file, key=f"panel.{key}", value=table["panel"][key], allowed=allowed)
+        return
+    for key in ("measure", "accuracy"):
+        if getattr(scene, key) is not None:
+            raise InputError("is for a single ply", file=file, key=key, allowed="left out where panel.plies is above 1")
+    if panel.stacking == "alternating":
+        for holds, why in (
+            (panel.weave_angle == 0.0, "the weave is oblique"),
+            (scene.fabric.surface is None, "the cell is a response surface"),
+        ):
+            if not holds:
+                raise InputError(file=file, key="panel.stacking", value=panel.stacking, allowed=f"aligned where {why}")
 
 
 def _check_sides(side, key, table, file):
