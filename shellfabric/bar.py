@@ -4,10 +4,10 @@ The source's projectile is a steel cylinder of 5.5 x 42 mm that is bored to 3 g;
 Here it is 4.5 mm wide, from the tail, and as deep as the mass asks. Tip and tail then swing about the centre of mass
 with the period of the first free-free mode, 2 L / c for a bar of one section.
 
-Coupling. The march gives the force of a step and takes the tip's place and velocity instead of the rigid body's:
+In a march the bar is the body of the projectile (`body`, `bar_kernels.fly`). Alone:
 
     bar = Bar.cylinder();   motion = bar.motion(strike_velocity)
-    displacement, velocity = motion.push(force, dt)            # or bar_kernels.advance inside a kernel
+    displacement, velocity = motion.push(force, dt)
 """
 
 from __future__ import annotations
@@ -190,7 +190,7 @@ class Motion:
 
     def shortening(self):
         """[m] by plastic strain."""
-        return -float(self.plastic @ self.h)
+        return -float(np.expm1(self.plastic) @ self.h)
 
 
 @dataclass(frozen=True)

@@ -23,7 +23,7 @@ import numpy as np
 from fabrics.errors import InputError
 from fabrics.fabric import Fabric
 from fabrics.plate_curve import PlateCurve
-from shellfabric import pack_kernels, ply_contact_kernels
+from shellfabric import body, pack_kernels, ply_contact_kernels
 from shellfabric.cell import CellModel, CellTable
 from shellfabric.panel import Panel
 
@@ -182,6 +182,7 @@ class Pack:
                     position=stack.places[p], reaction=stack.reactions[p], counter=stack.counters[p], speed=stack.speed
                 )
             )
+            states[p] = states[p]._replace(**{name: getattr(states[0], name) for name in body.STATE})
         return tuple(states), stack
 
     def works(self):

@@ -16,7 +16,7 @@ from numba import njit
 from numba.typed import List
 
 from shellfabric import (
-    bending_kernels,
+    bar_kernels,
     contact_kernels,
     edges_kernels,
     march_kernels,
@@ -46,7 +46,7 @@ def ply_step(state, const, work):
     march_kernels.widen(state, const)
     march_kernels.sweep(state, const, work, work.shared, 0, 1)
     march_kernels.fail(state, const, work)
-    bending_kernels.bend(state, const, state.rows[0], state.rows[1], True)
+    march_kernels.resist(state, const, state.rows[0], state.rows[1], True)
     taken, spring = contact_kernels.contact(state, const, work.x, work.v)
     state.contact_energy[0] += taken
     state.contact_energy[1] = spring
@@ -56,10 +56,17 @@ def ply_step(state, const, work):
 
 @njit(cache=True, error_model="numpy")
 def launch(states, consts, stack):
-    """The impulses of the nose on all plies that are awake, then the projectile's own motion."""
+    """The impulses of the nose on all plies that are awake, and of a block behind the last; then the projectile's own
+    motion."""
+    last, force = len(states) - 1, 0.0
     for p in range(len(states)):
         if stack.awake[p]:
             contact_kernels.push(states[p], consts[p])
+            force += bar_kernels.along(states[p], consts[p])
+    if consts[last].backed and stack.awake[last]:
+        march_kernels.lean(states[last], consts[last])
+    if consts[0].bar_mass.size > 0:
+        bar_kernels.fly(states[0], consts[0], force)
     dt = consts[0].dt
     for p in range(len(states)):
         for c in range(3):
@@ -97,14 +104,15 @@ def step_pairs(states, consts, pairs, stack, me, count):
 def conclude(states, consts, stack, works):
     """Why the step should be the last, or RUNNING; as `march_kernels.conclude`, with all plies for the one."""
     stack.counter[STEP] += 1
-    if not abs(stack.speed[2]) < 1e9:
+    speed = bar_kernels.approach(states[0], consts[0])
+    if not abs(speed) < 1e9:
         return NOT_FINITE
-    if stack.speed[2] <= 0.0:
+    if speed <= 0.0:
         return STOPPED
     failed, pushed = False, False
     for p in range(len(states)):
         failed |= stack.counters[p, FAILURES] > 0
-        pushed |= stack.reactions[p, 2] != 0.0
+        pushed |= stack.reactions[p, 2] != 0.0 or states[p].outer[2] != 0.0
     idle = failed and not pushed
     if idle:
         for p in range(len(states)):
@@ -127,9 +135,8 @@ def lead(states, consts, pairs, stack, works, steps, history, shared, count):
         step_pairs(states, consts, pairs, stack, 0, count)
         meet(shared, count)
         reason = conclude(states, consts, stack, works)
-        history[made, 0] = stack.places[0, 2] + consts[0].top
-        history[made, 1] = stack.speed[2]
-        history[made, 2] = np.sum(stack.reactions[:, 2])
+        force = np.sum(stack.reactions[:, 2]) + states[len(states) - 1].outer[2]
+        march_kernels.tell(states[0], consts[0], force, history[made])
         made += 1
     shared[STOP] = 1
     meet(shared, count)

@@ -138,6 +138,7 @@ def write(out, this, record, snapshots, text, advance, choice=None):
         told.append(fidelity.chapter(choice))
     if record.measured is not None:
         told.append(chapters.measures(record, this.scene.measure.places))
+    told += chapters.body(record)
     if "pictures" in outputs:
         report.write_pictures(told, out / "pictures")
     advance(0.9)
@@ -178,5 +179,7 @@ def _tell(record, out):
     print(
         f"energy balance within {100 * record.worst_balance:.3f} % of the strike energy, {record.strike_energy:.2f} J"
     )
+    if record.rigidity:
+        print(record.rigidity)
     print(f"viscous energy {100 * record.numerical_share:.1f} % of the {record.absorbed:.2f} J absorbed")
     print(f"written to {out}", flush=True)
