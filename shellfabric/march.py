@@ -260,7 +260,7 @@ class March:
         """End a run in which cut-out cloth is all that is left before the projectile."""
         if self.reason != kernels.RUNNING or self.state.counter[kernels.FAILURES] == 0 or self.behind is not None:
             return
-        self.passed = self.passed + 1 if passed(self.state, self.const, self._work) else 0
+        self.passed = self.passed + 1 if passed(self.state, self.const) else 0
         if self.passed == 2:
             self.reason = kernels.PERFORATED
 

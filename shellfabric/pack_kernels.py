@@ -47,7 +47,7 @@ def ply_step(state, const, work):
     march_kernels.sweep(state, const, work, work.shared, 0, 1)
     march_kernels.fail(state, const, work)
     march_kernels.resist(state, const, state.rows[0], state.rows[1], True)
-    taken, spring = contact_kernels.contact(state, const, work.x, work.v)
+    taken, spring = contact_kernels.contact(state, const, work.touch)
     state.contact_energy[0] += taken
     state.contact_energy[1] = spring
     state.counter[STEP] += 1
@@ -101,7 +101,7 @@ def step_pairs(states, consts, pairs, stack, me, count):
 
 
 @njit(cache=True, error_model="numpy")
-def conclude(states, consts, stack, works):
+def conclude(states, consts, stack):
     """Why the step should be the last, or RUNNING; as `march_kernels.conclude`, with all plies for the one."""
     stack.counter[STEP] += 1
     speed = bar_kernels.approach(states[0], consts[0])
@@ -116,7 +116,7 @@ def conclude(states, consts, stack, works):
     idle = failed and not pushed
     if idle:
         for p in range(len(states)):
-            if contact_kernels.in_the_way(states[p], consts[p], works[p].x, works[p].v):
+            if contact_kernels.in_the_way(states[p], consts[p]):
                 idle = False
                 break
     stack.counter[IDLE] = stack.counter[IDLE] + 1 if idle else 0
@@ -134,7 +134,7 @@ def lead(states, consts, pairs, stack, works, steps, history, shared, count):
         meet(shared, count)
         step_pairs(states, consts, pairs, stack, 0, count)
         meet(shared, count)
-        reason = conclude(states, consts, stack, works)
+        reason = conclude(states, consts, stack)
         force = np.sum(stack.reactions[:, 2]) + states[len(states) - 1].outer[2]
         march_kernels.tell(states[0], consts[0], force, history[made])
         made += 1
