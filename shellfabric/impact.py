@@ -34,6 +34,7 @@ class ImpactSetup:
     edge : "clamped", "free" or a slipping side, for all sides or each on its own (see `edges`)
     weave_angle : [rad] of the warp against the first side of the opening
     symmetry : "quarter", "half" or "whole"
+    grading : ((until, side), ...) [crossovers] longer elements further from the impact point, or None (see `grading`)
     end_time : [s] at the latest; a run ends when the projectile stops or has passed
     elements_per_crossover : along each side
     cell_model, form, gap, profile : see CellModel
@@ -67,6 +68,7 @@ class ImpactSetup:
     snapshot_interval: float | None = None
     measure: histories.Measure | None = None
     numerics: Numerics = field(default_factory=Numerics)
+    grading: tuple | None = None
 
     def panel(self) -> Panel:
         """The panel that this set-up describes; fills the cell's table.
@@ -90,6 +92,7 @@ class ImpactSetup:
             self.numerics,
             weave_angle=self.weave_angle,
             bending=tuple(self.bending) if np.ndim(self.bending) else (self.bending, self.bending),
+            grading=self.grading,
         )
 
 
