@@ -9,6 +9,7 @@ with kernel_cache(__file__, "lanes.py", "team.py"):
         block_contact_kernels,
         cable_kernels,
         march_kernels,
+        pack_kernels,
         patch_kernels,
         relax_kernels,
     )

@@ -12,7 +12,7 @@ from fabrics.fabric import Fabric
 from fabrics.surface import ResponseSurface
 from shellfabric import checkpoint, histories, measures
 from shellfabric import hooks as onlookers
-from shellfabric.cell import CellModel
+from shellfabric.cell import CellModel, CellTable
 from shellfabric.edges import Grip, PullIn
 from shellfabric.march import ENERGIES, March
 from shellfabric.panel import SYMMETRIES, Numerics, Panel
@@ -70,20 +70,29 @@ class ImpactSetup:
     numerics: Numerics = field(default_factory=Numerics)
     grading: tuple | None = None
 
-    def panel(self) -> Panel:
-        """The panel that this set-up describes; fills the cell's table.
+    def table(self) -> CellTable:
+        """The cell's table, filled. Set-ups that differ in panel, shot or mesh alone can share it.
 
         Raises
         ------
-        InputError : as CellModel, SurfaceCell, CellTable and Panel
+        InputError : as CellModel, SurfaceCell and CellTable
         """
         if self.surface is None:
             model = CellModel(self.fabric, self.laws, self.gap, self.cell_model, self.form, self.profile)
         else:
             model = SurfaceCell(self.fabric, self.surface, self.form)
+        return model.table(self.table_size)
+
+    def panel(self, table: CellTable | None = None) -> Panel:
+        """The panel that this set-up describes, with its own table or one that a like set-up has filled.
+
+        Raises
+        ------
+        InputError : as `table` and Panel
+        """
         opening = self.opening if np.ndim(self.opening) else (self.opening, self.opening)
         return Panel(
-            model.table(self.table_size),
+            table or self.table(),
             tuple(opening),
             self.projectile,
             self.symmetry,
@@ -162,7 +171,7 @@ class ImpactResult:
         return SYMMETRIES[self.setup.symmetry]
 
 
-def run(setup: ImpactSetup, *, hooks=(), resume=None) -> ImpactResult:
+def run(setup: ImpactSetup, *, hooks=(), resume=None, table=None) -> ImpactResult:
     """Run an impact.
 
     Parameters
@@ -171,6 +180,7 @@ def run(setup: ImpactSetup, *, hooks=(), resume=None) -> ImpactResult:
     hooks : called as hook(march) after every audit
     resume : path of a checkpoint of the same set-up to go on from; the result is that of the uninterrupted run, bit
         for bit
+    table : CellTable that a set-up of the same cell has filled, or None
 
     Raises
     ------
@@ -178,7 +188,7 @@ def run(setup: ImpactSetup, *, hooks=(), resume=None) -> ImpactResult:
     UnstableError : the run became unphysical; its attribute `result` holds what was computed
     """
     interval = min(setup.audit_interval, setup.measure.interval) if setup.measure else setup.audit_interval
-    march = March(setup.panel(), setup.strike_velocity, setup.end_time, interval=interval)
+    march = March(setup.panel(table), setup.strike_velocity, setup.end_time, interval=interval)
     march.measure = setup.measure
     own = (histories.Recorder(march.panel, setup.measure),) if setup.measure else ()
     if setup.snapshot_interval is not None:

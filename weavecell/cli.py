@@ -269,13 +269,21 @@ def impact(
     scene: Annotated[Path, typer.Argument(metavar="SCENE", help="A scene file (*.toml).")],
     out: OutOption = None,
     resume: Annotated[bool, typer.Option("--resume", help="Go on from the checkpoint of an interrupted run.")] = False,
+    explain: Annotated[
+        bool, typer.Option("--explain", help="Run nothing: show the models that would do for the scene's \\[accuracy].")
+    ] = False,
 ):
     """Fire the projectile of a scene at its panel: histories, ParaView series, pictures and a report.
 
     The folder then holds report.html, summary.json, histories.h5, panel.pvd with panel/*.vtu, pictures/ and scene.toml;
-    while the run goes on, checkpoint.h5.
+    while the run goes on, checkpoint.h5. A scene with a table [accuracy] says how well it wants to know something: the
+    cheapest model that will do is chosen and checked.
     """
-    from weavecell import run
+    from weavecell import fidelity, run
+
+    if explain:
+        fidelity.explain(scene)
+        return
 
     run.impact(scene, out or RESULTS / scene.stem, resume=resume)
 

@@ -83,7 +83,7 @@ def _shoot(plan, asked, law, out):
     text = toml_text.dumps(table)
     file = folder / "scene.toml"
     this = case.build(scene.check(table, file), file, folder.name)
-    record, snapshots, _ = run.fire(this, case.setup(this, file), title)
+    record, snapshots, *_ = run.fire(this, case.setup(this, file), title)
     run.write(folder, this, record, snapshots, text, lambda *_: None)
     return asked, record
 

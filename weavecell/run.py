@@ -9,6 +9,9 @@ The folder of `weavecell impact`
     report.html     all of it on one page
     checkpoint.h5   only while the run goes on, or after it was interrupted: `--resume` goes on from it
 
+Where the scene says how accurate its answer is to be, the model is chosen (`fidelity`): summary.json and the report
+then tell which, why, and whether the promise was confirmed.
+
 Everything but the checkpoint is written when the run has ended, also if it ended by becoming unstable.
 """
 
@@ -19,7 +22,7 @@ import shutil
 import weavecell
 from fabrics.errors import InputError, UnstableError, WeavecellError
 from fabrics.files import write_whole
-from weavecell import case, chapters, json_file, paraview, progress, provenance, report, scene
+from weavecell import case, chapters, fidelity, json_file, paraview, progress, provenance, report, scene
 from weavecell.record import ImpactRecord, Shape
 
 
@@ -41,28 +44,43 @@ def impact(path, out, *, resume=False):
     asked, text = scene.load(path)
     this = case.build(asked, path, path.stem)
     setup = case.setup(this, path)
-    checkpoint = out / "checkpoint.h5"
-    if resume and not checkpoint.exists():
-        raise InputError("there is no checkpoint to resume from", file=checkpoint)
+    if resume and not checkpoints(out):
+        raise InputError("there is no checkpoint to resume from", file=out / "checkpoint.h5")
     title = asked.title or f"{this.fabric.name}, {asked.projectile.strike_velocity:g} m/s"
+    choice = None
+
+    def shoot(setup, table=None, model=""):
+        checkpoint = out / f"checkpoint{'-' + model.replace(' ', '-') if model else ''}.h5"
+        every, again = asked.run.checkpoint_interval, resume and checkpoint.exists()
+        return fire(this, setup, title, checkpoint=checkpoint, every=every, resume=again, table=table)
+
     try:
-        record, snapshots, failure = fire(
-            this, setup, title, checkpoint=checkpoint, every=asked.run.checkpoint_interval, resume=resume
-        )
+        if asked.accuracy is None:
+            record, snapshots, failure, _ = shoot(setup)
+        else:
+            (record, snapshots, failure), choice = fidelity.answer(asked, setup, shoot)
     except InputError as problem:
         raise case.in_file(problem, path) from None
     except KeyboardInterrupt:
-        hint = "; --resume goes on from its last checkpoint" if checkpoint.exists() else ""
+        hint = "; --resume goes on from its last checkpoint" if checkpoints(out) else ""
         raise Interrupted(f"interrupted{hint}") from None
     with progress.bar("Writing results") as advance:
-        write(out, this, record, snapshots, text, advance)
-    checkpoint.unlink(missing_ok=True)
+        write(out, this, record, snapshots, text, advance, choice)
+    for checkpoint in checkpoints(out):
+        checkpoint.unlink()
     _tell(record, out)
+    if choice is not None:
+        fidelity.tell(choice)
     if failure is not None:
         raise failure
 
 
-def fire(this, setup, title, *, checkpoint=None, every=None, resume=False):
+def checkpoints(out):
+    """The checkpoints in a folder: one, or one for each model that has been tried."""
+    return sorted(out.glob("checkpoint*.h5"))
+
+
+def fire(this, setup, title, *, checkpoint=None, every=None, resume=False, table=None):
     """Run an impact under a progress bar, with checkpoints if a path for them is given.
 
     Returns
@@ -70,6 +88,7 @@ def fire(this, setup, title, *, checkpoint=None, every=None, resume=False):
     record : ImpactRecord
     snapshots : tuple of shellfabric.measures.Snapshot
     failure : the UnstableError that ended the run, or None
+    result : ImpactResult
     """
     from shellfabric import impact as solver
     from shellfabric.checkpoint import Checkpoints
@@ -81,20 +100,20 @@ def fire(this, setup, title, *, checkpoint=None, every=None, resume=False):
         if checkpoint is not None:
             hooks.append(Checkpoints(checkpoint, every))
         try:
-            result = solver.run(setup, hooks=hooks, resume=checkpoint if resume else None)
+            result = solver.run(setup, hooks=hooks, resume=checkpoint if resume else None, table=table)
         except UnstableError as problem:
             failure, result = problem, problem.result
-    return ImpactRecord.of(result, title, this.law_name, str(failure or "")), result.snapshots, failure
+    return ImpactRecord.of(result, title, this.law_name, str(failure or "")), result.snapshots, failure, result
 
 
-def write(out, this, record, snapshots, text, advance):
+def write(out, this, record, snapshots, text, advance, choice=None):
     """Write everything but the checkpoint."""
     outputs = this.scene.run.outputs
     stamp = provenance.stamp(text)
     with write_whole(out / "scene.toml") as file:
         file.write(text)
     record.write(out / "histories.h5")
-    json_file.write(out / "summary.json", record.summary() | {"provenance": stamp})
+    json_file.write(out / "summary.json", record.summary() | fidelity.summary(choice) | {"provenance": stamp})
     advance(0.1)
     shutil.rmtree(out / "panel", ignore_errors=True)  # of an earlier run, whose series may have been longer
     if "paraview" in outputs:
@@ -104,6 +123,8 @@ def write(out, this, record, snapshots, text, advance):
     if not {"pictures", "report"} & set(outputs):
         return
     told = [chapters.impact([record])]
+    if choice is not None:
+        told.append(fidelity.chapter(choice))
     if record.measured is not None:
         told.append(chapters.measures(record, this.scene.measure.places))
     if "pictures" in outputs:

@@ -131,6 +131,23 @@ class MeasureTable(Table):
     places: quantities("m", "a list of places along the yarns", '["5 mm", "50 mm"]') = (5e-3, 20e-3, 50e-3, 80e-3)
 
 
+_Share = quantity("", "a share above 0 and at most 50 %", "2 %", above=0.0, at_most=0.5)
+
+
+class AccuracyTable(Table):
+    """What the scene wants to know, and how well; the model is then chosen (`validation.fidelity`)."""
+
+    residual_velocity: _Share = None
+    absorbed_energy: _Share = None
+    deflection: _Share = None
+    peak_tension: _Share = None
+
+    @property
+    def asked(self):
+        """{quantity: [-] error at most} of those that are given."""
+        return {name: share for name, share in self if share is not None}
+
+
 class NumericsTable(Table):
     """Numerical knobs of the shell; what is not given takes the value that `shellfabric.panel.Numerics` explains."""
 
@@ -151,6 +168,7 @@ class Scene(Table):
     panel: Annotated[PanelTable, Field(description="a table [panel]")]
     run: Annotated[RunTable, Field(description="a table [run]")]
     measure: Annotated[MeasureTable | None, Field(description="a table [measure]")] = None
+    accuracy: Annotated[AccuracyTable | None, Field(description="a table [accuracy]")] = None
     numerics: Annotated[NumericsTable, Field(description="a table [numerics]")] = NumericsTable()
 
 
@@ -188,6 +206,9 @@ def _check_relations(scene, table, file):
     if shot.edge_radius is not None and shot.shape == "sphere":
         value = table["projectile"]["edge_radius"]
         raise InputError(file=file, key="projectile.edge_radius", value=value, allowed="left out for a sphere")
+    if scene.accuracy is not None and not scene.accuracy.asked:
+        names = ", ".join(AccuracyTable.model_fields)
+        raise InputError("asks for nothing", file=file, key="accuracy", allowed=f"at least one of {names}")
     smallest = min(panel.opening) if isinstance(panel.opening, tuple) else panel.opening
     limits = {
         ("projectile", "edge_radius"): (

@@ -17,6 +17,11 @@ SIDE = (
 
 # scene -> what follows the name of the file
 SCENES = {
+    "accuracy-much": """accuracy.deflection = '60 %': must be a share above 0 and at most 50 %, such as "2 %\"""",
+    "accuracy-nothing": "accuracy: asks for nothing; must be at least one of "
+    "residual_velocity, absorbed_energy, deflection, peak_tension",
+    "accuracy-unknown": "accuracy.velocity: unknown key; allowed here: "
+    "residual_velocity, absorbed_energy, deflection, peak_tension",
     "angle-without-unit": 'projectile.obliquity = 30: must be an angle from 0 to 75 deg, such as "30 deg"',
     "boolean": """projectile.mass = True: must be a mass above 0, such as "3 g\"""",
     "boundary-both-slips": "panel.boundary.weft: give either grip alone, or pull_in with start and end (and zone)",

@@ -1,0 +1,295 @@
+"""A pack: plies behind each other in one opening, with a gap between each two.
+
+Stacking. "aligned" plies are all alike; in an "alternating" pack every other one is turned by a right angle (thesis
+section 5.2.3, Figure 5-55). A turned ply is the panel of the fabric with its warp called weft: the shell does not see
+which yarn is on top, and each ply has its own grid.
+
+Gap. Play between the faces of plies at rest; their middle surfaces are the mean thickness and the gap apart (erratum
+E-35). `compression_gap` has it from the pressure law of packs: with closures d of a pack of N plies and of one ply
+between the same loads, (d_N - d_1) / (N - 1) (thesis eqs. 5-1 to 5-4, constants by erratum E-02).
+
+Time step. All plies share the shortest of their steps.
+"""
+
+from __future__ import annotations
+
+from collections import namedtuple
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from math import inf
+
+import numpy as np
+
+from fabrics.errors import InputError
+from fabrics.fabric import Fabric
+from fabrics.plate_curve import PlateCurve
+from shellfabric import pack_kernels, ply_contact_kernels
+from shellfabric.cell import CellModel, CellTable
+from shellfabric.panel import Panel
+
+STACKINGS = ("aligned", "alternating")
+FORMS = {
+    "smooth": ply_contact_kernels.SMOOTH,
+    "facets": ply_contact_kernels.FACETS,
+    "nodes": ply_contact_kernels.NODES,
+}
+TESTED = 4  # plies of the packs that the source takes its gaps from (section 5.2.2)
+_LEAST = (0.25, 1e-3)  # deflections that are looked at: of the gap, of the thickness
+
+Pair = namedtuple(
+    "Pair",
+    "foot status on_front on_rear front_touched rear_touched front_box rear_box energy "
+    "form points start stiffness damping thickness apart least",
+)
+Stack = namedtuple("Stack", "awake counter places reactions counters speed")
+
+
+@dataclass(frozen=True)
+class PlyContact:
+    """Numerical knobs of the contact between plies, set by stability and convergence.
+
+    Stability: in a stack of masses m on springs k with dampers c the highest mode asks for k dt^2 / m + 2 c dt / m < 1;
+    the defaults stand at 0.83. The damper leaves a ninth of the speed at which two free plies meet: cloth does not
+    bounce.
+
+    Parameters
+    ----------
+    penalty : stiffness of a point, in units of the mass that it stands for / dt^2
+    damping : ratio to critical of that mass on that spring
+    points : along each side of an element
+    form : "smooth"; for comparison the naive "facets" and "nodes" (see `ply_contact_kernels`)
+
+    Raises
+    ------
+    InputError : a value out of its range, unknown form
+    """
+
+    penalty: float = 0.2
+    damping: float = 0.7
+    points: int = 1
+    form: str = "smooth"
+
+    def __post_init__(self):
+        if not 0 < self.penalty < inf:
+            raise InputError(key="penalty", value=self.penalty, allowed="above 0")
+        if not 0 <= self.damping < inf:
+            raise InputError(key="damping", value=self.damping, allowed="at least 0")
+        if not 1 <= self.points <= 8:
+            raise InputError(key="points", value=self.points, allowed="1 to 8")
+        if self.form not in FORMS:
+            raise InputError(key="form", value=self.form, allowed=" or ".join(FORMS))
+
+
+@dataclass(frozen=True)
+class Pack:
+    """Plies in the order in which the projectile meets them.
+
+    Parameters
+    ----------
+    plies : tuple of Panel, alike in opening, symmetry, projectile and numerics; see `stacked`
+    gaps : (plies - 1,) [m] at rest
+    contact : PlyContact
+
+    Raises
+    ------
+    InputError : no ply, a wrong number of gaps, a negative gap, or plies that do not go together
+    """
+
+    plies: tuple[Panel, ...]
+    gaps: tuple[float, ...] = ()
+    contact: PlyContact = field(default_factory=PlyContact)
+
+    def __post_init__(self):
+        if not self.plies:
+            raise InputError(key="plies", value=0, allowed="at least 1")
+        if len(self.gaps) != len(self.plies) - 1:
+            raise InputError(key="gaps", value=len(self.gaps), allowed=f"{len(self.plies) - 1} of them")
+        for gap in self.gaps:
+            if not 0 <= gap < inf:
+                raise InputError(key="gap", value=gap, allowed="at least 0")
+        first = self.plies[0]
+        for key in ("symmetry", "projectile", "opening"):
+            if any(getattr(ply, key) != getattr(first, key) for ply in self.plies):
+                raise InputError(f"the plies of a pack must have one {key}")
+        if len({ply.table.model.form for ply in self.plies}) > 1 or len({ply.trellis for ply in self.plies}) > 1:
+            raise InputError("the plies of a pack must have cells of one form")
+
+    @classmethod
+    def stacked(cls, ply: Panel, plies, *, stacking="aligned", gap=None, contact=None) -> Pack:
+        """A pack of one fabric.
+
+        Parameters
+        ----------
+        ply : Panel, the first
+        plies : their number
+        stacking : "aligned" or "alternating"
+        gap : [m] between all plies; None takes the fabric's own, or that of `compression_gap`
+        contact : PlyContact
+
+        Raises
+        ------
+        InputError : no ply, unknown stacking, a weave that cannot be turned, or no gap to be found
+        """
+        if not plies >= 1:
+            raise InputError(key="plies", value=plies, allowed="at least 1")
+        if stacking not in STACKINGS:
+            raise InputError(key="stacking", value=stacking, allowed=" or ".join(STACKINGS))
+        if gap is None:
+            gap = fabric_gap(ply.fabric) if plies > 1 else 0.0
+        both = (ply, turned(ply) if stacking == "alternating" and plies > 1 else ply)
+        return cls(tuple(both[n % 2] for n in range(plies)), (gap,) * (plies - 1), contact or PlyContact())
+
+    @property
+    def elements(self):
+        """Number of elements of all plies."""
+        return sum(ply.elements for ply in self.plies)
+
+    @cached_property
+    def time_step(self):
+        """[s] the shortest of the plies' steps."""
+        return min(ply.time_step for ply in self.plies)
+
+    @cached_property
+    def places(self):
+        """(plies,) [m] where the middle surfaces stand at rest, the first at 0."""
+        return np.concatenate([[0.0], np.cumsum([self._apart(p) for p in range(len(self.gaps))])])
+
+    def constants(self):
+        """(plies,) what the kernels need to know of each ply, all at one time step."""
+        found = {}
+        for ply in self.plies:
+            if id(ply) not in found:
+                found[id(ply)] = self._in_step(ply).constants()._replace(dt=self.time_step)
+        return tuple(found[id(ply)] for ply in self.plies)
+
+    def states(self, strike_velocity):
+        """The plies at rest, with what they share: (tuple of State, Stack)."""
+        count, shot = len(self.plies), self.plies[0].projectile
+        stack = Stack(
+            awake=np.zeros(count, np.bool_), counter=np.zeros(2, np.int64), places=np.zeros((count, 3)),
+            reactions=np.zeros((count, 3)), counters=np.zeros((count, 3), np.int64),
+            speed=strike_velocity * shot.flight,
+        )  # fmt: skip
+        states = []
+        for p, ply in enumerate(self.plies):
+            state = self._in_step(ply).state(strike_velocity)
+            stack.places[p] = state.position
+            stack.places[p, 2] -= self.places[p]
+            # rims move from the start, whether anything touches them or not
+            stack.awake[p] = p == 0 or state.rim_force.size > 0
+            states.append(
+                state._replace(
+                    position=stack.places[p], reaction=stack.reactions[p], counter=stack.counters[p], speed=stack.speed
+                )
+            )
+        return tuple(states), stack
+
+    def pairs(self, consts, states):
+        """The contact of each two neighbouring plies, at rest; a pack of one ply has one that nobody looks at."""
+        count = len(self.plies)
+        return tuple(self._pair(p, min(p + 1, count - 1), consts, states) for p in range(max(1, count - 1)))
+
+    def _apart(self, p):
+        """[m] between the middle surfaces of plies p and p + 1 at rest."""
+        return 0.5 * sum(ply.weave.thickness for ply in self.plies[p : p + 2]) + self.gaps[p]
+
+    def _in_step(self, ply):
+        """A ply with the safety that gives it the pack's time step."""
+        if ply.time_step == self.time_step:
+            return ply
+        safety = ply.numerics.safety * self.time_step / ply.time_step
+        return replace(ply, numerics=replace(ply.numerics, safety=safety))
+
+    def _pair(self, p, q, consts, states):
+        front, rear, knobs = consts[p], consts[q], self.contact
+        n, form = knobs.points, FORMS[knobs.form]
+        start = 0.5 if form == ply_contact_kernels.SMOOTH else 0.0
+        thickness = 0.5 * (self.plies[p].weave.thickness + self.plies[q].weave.thickness)
+        apart = self._apart(p) if p < len(self.gaps) else thickness
+        # the lighter ply bounds the step
+        mass = min(ply.weave.areal_density for ply in (self.plies[p], self.plies[q])) * front.dx * front.dy / n**2
+        nothing = lambda c: np.array([c.ni + 1, 0, c.s, 0])  # noqa: E731
+        nodal = lambda state: tuple(np.zeros(state.mass.size) for _ in range(3))  # noqa: E731
+        sub = (np.arange(n) + start) / n
+        foot = np.zeros((2, front.ni, front.nj, n, n))
+        along, across = (np.arange(front.ni)[:, None] + sub) * front.dx, (np.arange(front.nj)[:, None] + sub) * front.dy
+        foot[0] = ((front.x0 - rear.x0 + along) / rear.dx)[:, None, :, None]
+        foot[1] = ((front.y0 - rear.y0 + across) / rear.dy)[None, :, None, :]
+        return Pair(
+            foot=tuple(part.ravel().copy() for part in foot), status=np.zeros(foot[0].size, np.uint8),
+            on_front=nodal(states[p]), on_rear=nodal(states[q]), front_touched=nothing(front),
+            rear_touched=nothing(rear), front_box=np.array(states[p].window),
+            rear_box=np.array([rear.ni + 1, -1, rear.s, -1]), energy=np.zeros(4), form=form, points=n, start=start,
+            stiffness=knobs.penalty * mass / self.time_step**2,
+            damping=knobs.damping * knobs.penalty**0.5 * mass / self.time_step,
+            thickness=thickness, apart=apart,
+            least=max(_LEAST[0] * (apart - thickness), _LEAST[1] * thickness),
+        )  # fmt: skip
+
+
+def lists(items):
+    """A sequence of named tuples as the list that the kernels take."""
+    found = pack_kernels.listed(items[0])
+    for item in items[1:]:
+        pack_kernels.append(found, item)
+    return found
+
+
+def turned_fabric(fabric: Fabric) -> Fabric:
+    """A fabric with its warp called weft."""
+    weave = fabric.weave
+    weave = replace(weave, warp=weave.weft, weft=weave.warp, warp_count=weave.weft_count, weft_count=weave.warp_count)
+    return replace(fabric, weave=weave, laws=fabric.laws and fabric.laws[::-1])
+
+
+def turned(panel: Panel) -> Panel:
+    """The same panel with its cloth turned by a right angle; opening and edges stay where they are.
+
+    Raises
+    ------
+    InputError : an oblique weave, or a cell that comes from a response surface
+    """
+    if panel.weave_angle:
+        raise InputError(key="stacking", value="alternating", allowed="aligned where the weave is oblique")
+    model = panel.table.model
+    if not isinstance(model, CellModel):
+        raise InputError(key="stacking", value="alternating", allowed="aligned where the cell is a response surface")
+    model = replace(
+        model, fabric=turned_fabric(model.fabric), laws=model.laws and model.laws[::-1], toe=model.toes[::-1]
+    )
+    factors = panel.strength_factors
+    return replace(
+        panel, table=CellTable.fill(model, panel.table.stretch1.size), bending=panel.bending[::-1],
+        strength_factors=factors and factors[::-1],
+    )  # fmt: skip
+
+
+def compression_gap(areal_density, plies=TESTED):
+    """[m] gap between plies from the source's pressure law of packs (thesis eqs. 5-1 to 5-4, erratum E-02).
+
+    Parameters
+    ----------
+    areal_density : [kg/m2] of one ply, measured
+    plies : of the pack that was pressed: 4, 8 or 16
+
+    Raises
+    ------
+    InputError : as fabrics.plate_curve.PlateCurve.pressure_law
+    """
+    pack, one = (PlateCurve.pressure_law(areal_density, count).closure[-1] for count in (plies, 1))
+    return float(pack - one) / (plies - 1)
+
+
+def fabric_gap(fabric: Fabric):
+    """[m] a fabric's own gap, or that of the pressure law where its file has none.
+
+    Raises
+    ------
+    InputError : a fabric with neither a gap nor a measured areal density
+    """
+    if fabric.interlayer_gap is not None:
+        return fabric.interlayer_gap
+    if fabric.areal_density_measured is None:
+        told = f"fabric {fabric.name} has neither an interlayer gap nor a measured areal density"
+        raise InputError(told, key="gap", allowed="given")
+    return compression_gap(fabric.areal_density_measured)

@@ -1,0 +1,161 @@
+"""One time step of a pack of plies and its projectile, and many of them.
+
+Every ply makes the step of a single one (`march_kernels`); between them stands the contact of `ply_contact_kernels`.
+The projectile is one: its speed is shared, and takes the impulses of all plies. Its place is kept for each ply, counted
+from the ply's own plane at rest. A ply sleeps, and costs nothing, until something pushes on it. At most one ply of a
+pair is asleep while the pair is looked at.
+
+States, constants and pairs come as numba's lists, so that what is compiled does not depend on the number of plies.
+Several threads can share the work: each has some plies, then some pairs, and they wait for each other in between. No
+two write to the same place, so that results do not depend on their number.
+"""
+
+import numpy as np
+from numba import njit
+from numba.typed import List
+
+from shellfabric import (
+    bending_kernels,
+    contact_kernels,
+    edges_kernels,
+    march_kernels,
+    ply_contact_kernels,
+)
+from shellfabric.march_kernels import FAILURES, IDLE, NOT_FINITE, PERFORATED, RUNNING, STEP, STOPPED
+from shellfabric.team import STOP, meet
+
+
+@njit(cache=True)
+def listed(first):
+    """A numba list of one item; compiled once for all runs, unlike `List` used from without."""
+    items = List()
+    items.append(first)
+    return items
+
+
+@njit(cache=True)
+def append(items, item):
+    """Add an item to such a list."""
+    items.append(item)
+
+
+@njit(cache=True, error_model="numpy", _nrt=False)
+def ply_step(state, const, work):
+    """What a ply does in a step but for the impulses of contact: as `march_kernels.lead` has it."""
+    march_kernels.widen(state, const)
+    march_kernels.sweep(state, const, work, work.shared, 0, 1)
+    march_kernels.fail(state, const, work)
+    bending_kernels.bend(state, const, state.rows[0], state.rows[1], True)
+    taken, spring = contact_kernels.contact(state, const, work.x, work.v)
+    state.contact_energy[0] += taken
+    state.contact_energy[1] = spring
+    state.counter[STEP] += 1
+    edges_kernels.hold(state, const, state.counter[STEP] * const.dt)
+
+
+@njit(cache=True, error_model="numpy")
+def launch(states, consts, stack):
+    """The impulses of the nose on all plies that are awake, then the projectile's own motion."""
+    for p in range(len(states)):
+        if stack.awake[p]:
+            contact_kernels.push(states[p], consts[p])
+    dt = consts[0].dt
+    for p in range(len(states)):
+        for c in range(3):
+            stack.places[p, c] += dt * stack.speed[c]
+
+
+@njit(cache=True, error_model="numpy")
+def step_plies(states, consts, pairs, stack, work, me, count):
+    """One thread's plies: the impulses of their neighbours, their own step."""
+    for p in range(me, len(states), count):
+        if p > 0:
+            pair = pairs[p - 1]
+            if pair.rear_touched[0] < pair.rear_touched[1]:
+                ply_contact_kernels.push(states[p], consts[p], pair.on_rear, pair.rear_touched)
+                stack.awake[p] = True
+        if p < len(states) - 1:
+            pair = pairs[p]
+            if pair.front_touched[0] < pair.front_touched[1]:
+                ply_contact_kernels.push(states[p], consts[p], pair.on_front, pair.front_touched)
+                stack.awake[p] = True
+        if stack.awake[p]:
+            ply_step(states[p], consts[p], work)
+
+
+@njit(cache=True, error_model="numpy")
+def step_pairs(states, consts, pairs, stack, me, count):
+    """One thread's pairs of plies, one of which at least is awake."""
+    for p in range(me, len(states) - 1, count):
+        if stack.awake[p] or stack.awake[p + 1]:
+            step = stack.counter[STEP]
+            ply_contact_kernels.contact(states[p], consts[p], states[p + 1], consts[p + 1], pairs[p], step)
+
+
+@njit(cache=True, error_model="numpy")
+def conclude(states, consts, stack, work):
+    """Why the step should be the last, or RUNNING; as `march_kernels.conclude`, with all plies for the one."""
+    stack.counter[STEP] += 1
+    if not abs(stack.speed[2]) < 1e9:
+        return NOT_FINITE
+    if stack.speed[2] <= 0.0:
+        return STOPPED
+    failed, pushed = False, False
+    for p in range(len(states)):
+        failed |= stack.counters[p, FAILURES] > 0
+        pushed |= stack.reactions[p, 2] != 0.0
+    idle = failed and not pushed
+    if idle:
+        for p in range(len(states)):
+            if contact_kernels.in_the_way(states[p], consts[p], work.x, work.v):
+                idle = False
+                break
+    stack.counter[IDLE] = stack.counter[IDLE] + 1 if idle else 0
+    return PERFORATED if stack.counter[IDLE] >= consts[0].idle_steps else RUNNING
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def lead(states, consts, pairs, stack, work, steps, history, shared, count):
+    """March at most `steps` steps, with `count` - 1 threads that `follow`; see `march_kernels.lead`."""
+    made, reason = 0, RUNNING
+    while made < steps and reason == RUNNING:
+        launch(states, consts, stack)
+        meet(shared, count)
+        step_plies(states, consts, pairs, stack, work, 0, count)
+        meet(shared, count)
+        step_pairs(states, consts, pairs, stack, 0, count)
+        meet(shared, count)
+        reason = conclude(states, consts, stack, work)
+        history[made, 0] = stack.places[0, 2] + consts[0].top
+        history[made, 1] = stack.speed[2]
+        history[made, 2] = np.sum(stack.reactions[:, 2])
+        made += 1
+    shared[STOP] = 1
+    meet(shared, count)
+    freshen(states, consts, stack, work, 0, count)
+    meet(shared, count)
+    return made, reason
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def follow(states, consts, pairs, stack, work, shared, me, count):
+    """Do thread number `me`'s part of each step that `lead` makes."""
+    while True:
+        meet(shared, count)
+        if shared[STOP] != 0:
+            break
+        step_plies(states, consts, pairs, stack, work, me, count)
+        meet(shared, count)
+        step_pairs(states, consts, pairs, stack, me, count)
+        meet(shared, count)
+    freshen(states, consts, stack, work, me, count)
+    meet(shared, count)
+
+
+@njit(cache=True, error_model="numpy")
+def freshen(states, consts, stack, work, me, count):
+    """The tensions of one thread's plies, as `march_kernels.freshen`."""
+    for p in range(me, len(states), count):
+        if stack.awake[p]:
+            first, last = march_kernels.part(states[p], consts[p], 0, 1)
+            march_kernels.freshen(states[p], consts[p], first, last, work)

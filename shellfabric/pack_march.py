@@ -1,0 +1,222 @@
+"""Marching a pack and its projectile through time; see `march`, of which this is the form for several plies.
+
+The audit adds up the plies' energies, each as that of a single ply, and has one entry more: "plies", what the contact
+between them has taken in. What each ply does is recorded beside it (PLY_SAMPLES).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from fabrics.errors import InputError, UnstableError
+from shellfabric import edges, edges_kernels, pack_kernels, ply_contact_kernels, team
+from shellfabric import march_kernels as kernels
+from shellfabric.contact_kernels import CONTACT, FRICTION
+from shellfabric.march import ENERGIES, March
+from shellfabric.pack import Pack, lists
+from shellfabric.plug import passed
+
+PACK_ENERGIES = (*ENERGIES[:-1], "plies", ENERGIES[-1])
+PACK_SAMPLES = ("t", "v", "z", "failed_yarns", "reaction_warp", "reaction_weft", *PACK_ENERGIES)
+PLY_SAMPLES = ("failed_yarns", "reaction_warp", "reaction_weft", "push", "deflection", "energy")
+WARP, WEFT = 0, 1
+
+
+class PackMarch(March):
+    """One run of a pack: the plies' states, and what has been recorded of them.
+
+    Parameters
+    ----------
+    pack : Pack
+    strike_velocity, end_time, interval, drift_limit : as March
+
+    Attributes
+    ----------
+    states, consts, stack, pairs : what the kernels work on
+    samples : list of rows, one an audit, in the order of PACK_SAMPLES; of the whole pack, forces summed over the plies
+    ply_samples : list of (plies, 6), one an audit, in the order of PLY_SAMPLES: of the whole ply; `push` is the force of
+        the nose on it, `deflection` that at the impact point, `energy` what it moves with, stores and has dissipated
+    snapshots : list of PackSnapshot, where a hook takes them
+
+    The others are those of March.
+
+    Raises
+    ------
+    InputError : a strike velocity, end time or interval that is not positive
+    """
+
+    def __init__(self, pack: Pack, strike_velocity, end_time, *, interval=2e-6, drift_limit=0.05):
+        for key, value in (("strike_velocity", strike_velocity), ("end_time", end_time), ("interval", interval)):
+            if not 0 < value < np.inf:
+                raise InputError(key=key, value=value, allowed="above 0")
+        self.pack, self.panel = pack, pack.plies[0]
+        self.strike_velocity, self.end_time = float(strike_velocity), float(end_time)
+        self.consts, (self.states, self.stack) = pack.constants(), pack.states(strike_velocity)
+        self.pairs = pack.pairs(self.consts, self.states)
+        self.const, self.state = self.consts[0], self.states[0]
+        self._lists = tuple(lists(items) for items in (self.states, self.consts, self.pairs))
+        self.threads = min(team.threads_for(self.panel.numerics.threads, pack.elements), len(pack.plies))
+        largest = max(pack.plies, key=lambda ply: ply.work().l1.size)
+        self._works = [largest.work() for _ in range(self.threads)]
+        self._work = self._works[0]
+        self._ends = [edges.ends(ply) for ply in pack.plies]
+        self.chunk = max(1, round(interval / self.const.dt))
+        self.last_step = int(np.ceil(end_time / self.const.dt))
+        self.drift_limit = drift_limit
+        self.samples, self.ply_samples, self.fine, self.snapshots = [], [], [], []
+        self.measure, self.histories = None, []
+        self.reason, self.wall_time = kernels.RUNNING, 0.0
+        self.passed = 0
+        self._zero, self._rest = 0.0, np.zeros(len(pack.plies))
+        self._audit()
+
+    @property
+    def steps(self):
+        """Steps made."""
+        return int(self.stack.counter[kernels.STEP])
+
+    @property
+    def peaks(self):
+        """(plies, 2) [N] highest tension of warp and weft so far, each in the ply's own weave."""
+        return np.array([state.peak for state in self.states])
+
+    @property
+    def deepest(self):
+        """(plies - 1,) [-] deepest that one ply has come into the next, over the thickness: at 1 it would be through."""
+        pairs = self.pairs[: len(self.states) - 1]
+        return np.array([pair.energy[ply_contact_kernels.DEEPEST] / pair.thickness for pair in pairs])
+
+    def sample(self, name):
+        """(n,) one column of the samples."""
+        return np.array([row[PACK_SAMPLES.index(name)] for row in self.samples])
+
+    def ply_sample(self, name):
+        """(n, plies) one column of the plies' samples."""
+        return np.array([rows[:, PLY_SAMPLES.index(name)] for rows in self.ply_samples])
+
+    def advance(self, fine, others):
+        """Make as many steps as there are rows in `fine`, or fewer where the run ends: (steps made, why)."""
+        shared, count = self._work.shared, self.threads
+        shared[:] = 0
+        at_work = [
+            others.submit(pack_kernels.follow, *self._lists, self.stack, work, shared, me, count)
+            for me, work in enumerate(self._works[1:], 1)
+        ]
+        made = pack_kernels.lead(*self._lists, self.stack, self._work, len(fine), fine, shared, count)
+        for thread in at_work:
+            thread.result()
+        return made
+
+    def _audit(self):
+        const, share = self.const, self.panel.share
+        parts = np.array([self._ply_energies(p) for p in range(len(self.states))])
+        total = parts.sum(axis=0)
+        kick = const.dt * self.stack.reactions.sum(axis=0) * const.free / const.projectile_mass
+        speed = self.stack.speed
+        pressed = sum(pair.energy[ply_contact_kernels.TAKEN] for pair in self.pairs)
+        energies = np.insert(total, 1, 0.5 * const.projectile_mass * float(speed @ (speed + kick)))
+        energies = np.append(energies, pressed)
+        if not self.samples:
+            self._zero = energies.sum()
+        energies = np.append(energies, energies.sum() - self._zero) / share
+        plies = np.column_stack(
+            [
+                [self._failed_in(p) / share for p in range(len(self.states))],
+                np.array([self._reactions_of(p) for p in range(len(self.states))]),
+                -self.stack.reactions[:, 2] / share,
+                [self._deflection(p) for p in range(len(self.states))],
+                parts.sum(axis=1) / share,
+            ]
+        )
+        z = self.stack.places[0, 2] + const.top
+        failed, warp, weft = plies[:, :3].sum(axis=0)
+        self.samples.append(np.array([self.time, speed[2] + 0.5 * kick[2], z, failed, warp, weft, *energies]))
+        self.ply_samples.append(plies)
+
+    def _ply_energies(self, p):
+        """(11,) [J] of the modelled part of a ply, in the order of ENERGIES but for the projectile and the balance."""
+        state, const, out = self.states[p], self.consts[p], np.empty(4)
+        kernels.energies(state._replace(contact=self._pushes(p)), const, out)
+        sums = state.sums.sum(axis=0)
+        if not self.samples:
+            self._rest[p] = out[kernels.STORED]
+        cell = sums[kernels.WORK] - (out[kernels.STORED] - self._rest[p]) - sums[kernels.LOST]
+        return np.array(
+            [
+                out[kernels.KINETIC] + state.rim_sums[edges_kernels.KINETIC],
+                out[kernels.STORED],
+                0.0 if const.variational else cell,
+                out[kernels.SHEAR],
+                out[kernels.BENDING],
+                sums[kernels.VISCOUS],
+                state.contact_energy[CONTACT],
+                state.contact_energy[FRICTION],
+                sums[kernels.LOST] + sums[kernels.TORN],
+                state.rim_sums[edges_kernels.GRIPPED],
+                state.rim_sums[edges_kernels.EXTERNAL],
+            ]
+        )
+
+    def _pushes(self, p):
+        """Forces of nose and neighbours on the nodes of a ply, by component."""
+        total = [force.copy() for force in self.states[p].contact]
+        neighbours = [self.pairs[p - 1].on_rear] if p > 0 else []
+        neighbours += [self.pairs[p].on_front] if p < len(self.states) - 1 else []
+        for forces in neighbours:
+            for whole, force in zip(total, forces):
+                whole += force
+        return tuple(total)
+
+    def _failed_in(self, p):
+        """Failed yarn segments of a ply; see March._failed."""
+        const, total = self.consts[p], 0.0
+        for axis, (failed, mirrored) in enumerate(zip(self.states[p].failed, self.panel.mirrors[::-1])):
+            lines = np.moveaxis(failed[: (const.ni + 1) * const.s].reshape(-1, const.s), 1 - axis, 0)
+            total += np.count_nonzero(lines) - 0.5 * mirrored * np.count_nonzero(lines[0])
+        return total
+
+    def _reactions_of(self, p):
+        """[N] tension at the edge of the warp and of the weft yarn of a ply nearest the impact point."""
+        c, state, weave = self.consts[p], self.states[p], self.pack.plies[p].weave
+        warp_node, weft_node = (i * c.s + j for i, j in self._ends[p])
+        warp = -(state.g0[0][warp_node] + state.g1[0][warp_node]) * weave.w2 * 2 / (c.dy * (0.5 if c.mirror_y else 1))
+        weft = -(state.g0[1][weft_node] + state.g1[1][weft_node]) * weave.w1 * 2 / (c.dx * (0.5 if c.mirror_x else 1))
+        return warp, weft
+
+    def _deflection(self, p):
+        """[m] of the node at the impact point."""
+        c = self.consts[p]
+        return self.states[p].u[2][(0 if c.mirror_x else c.ni // 2) * c.s + (0 if c.mirror_y else c.nj // 2)]
+
+    def _guard(self):
+        """Stop a run that has become unphysical, and say where."""
+        row, dt = self.samples[-1], self.const.dt
+        when = f"after {self.time * 1e6:.3g} us (step {self.steps})"
+        for p, state in enumerate(self.states):
+            speed = np.sqrt((np.array(state.v) ** 2).sum(axis=0))
+            k, told = int(np.argmax(speed)), ""
+            if not np.isfinite(speed).all():
+                k, told = int(np.argmin(np.isfinite(speed))), "a number is not finite"
+            elif speed[k] * dt > 0.25 * min(self.consts[p].dx, self.consts[p].dy):
+                told = f"a node moves at {speed[k]:.3g} m/s"
+            if told:
+                self.reason = kernels.NOT_FINITE
+                raise UnstableError(told, where=f"ply {p + 1}, {self._place(k, p)}", when=when)
+        drift = abs(row[PACK_SAMPLES.index("balance")]) / self.strike_energy
+        if not drift <= self.drift_limit:
+            self.reason = kernels.NOT_FINITE
+            told = f"the energy balance is off by {100 * drift:.2g} % of the strike energy"
+            raise UnstableError(told, where=f"{len(self.states)} plies", when=when)
+
+    def _look_for_plug(self):
+        """End a run in which cut-out cloth is all that is left before the projectile."""
+        if self.reason != kernels.RUNNING or not self.stack.counters[:, kernels.FAILURES].any():
+            return
+        through = all(passed(state, const, self._work) for state, const in zip(self.states, self.consts))
+        self.passed = self.passed + 1 if through else 0
+        if self.passed == 2:
+            self.reason = kernels.PERFORATED
+
+    def _place(self, k, p=0):
+        s = self.consts[p].s
+        return f"node ({int(k) // s}, {int(k) % s})"

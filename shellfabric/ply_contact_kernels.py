@@ -1,0 +1,317 @@
+"""Contact of neighbouring plies: penalty between two smooth surfaces.
+
+Surfaces. The cloth of a ply is the biquadratic B-spline whose control points are its nodes. Its tangent plane turns
+without a jump; it goes through the middle of every element with the slopes that the element has there. With a the
+place along the warp in elements, i the nearest node and r = a - i, the weights of three nodes are
+
+    B(i-1) = (1/2 - r)^2 / 2,    B(i) = 3/4 - r^2,    B(i+1) = (1/2 + r)^2 / 2
+
+Beyond a plane of symmetry stands the image of the first node, beyond any other edge the straight continuation.
+
+Gap. Each element of the front ply, which the projectile meets first, carries p x p points x of its surface. y is the
+foot of x on the rear ply's surface and n the normal there, the way that the shot flies:
+
+    depth = t - n.(y - x),      f = max(0, k depth + c n.(v_x - v_y))   where depth > 0
+
+with t the mean thickness of the two plies: thickness lies on both sides of a middle surface, so that curved plies that
+nest keep t along their normals. -f n acts on the nodes of the front ply by their weights in x, f n on those of the rear
+ply by their weights in y: the sum is zero to the last digits. A depth has a sign, so that cloth that were to get
+through would still be pushed back, and the harder. It passes through where depth > t.
+
+The foot follows from step to step by one step of Gauss and Newton, between which it moves by a hundredth of an element.
+Where the plies are further apart than half their thickness it is the point straight ahead of x, which is never
+ambiguous.
+
+Failed yarns. k and c are those of what is left of the yarns next to x or y, whichever is less. A point loses touch
+where nothing is left, where torn cloth has come deeper than t, or where its foot leaps, as on the rim of a hole; it
+finds it again when it is clear of the other ply. Otherwise a flap of torn cloth that comes to lie beyond a hole would
+be thrown by a spring as long as its way there.
+
+Naive forms, for comparison: the nodes of the front ply against the bilinear facets of the rear one (FACETS), or against
+the node there, along z (NODES).
+
+Which points are looked at. Plies that are deflected by less than a quarter of the gap between them cannot touch: there
+is a box about those nodes of each ply that are deflected by more, three elements wider, renewed every eight steps, in
+which a transverse wave comes less than an element further.
+
+Work. What a step's contact takes from the motion is summed over the nodes: half a step's work of the old forces, half a
+step's of the new, on the same velocities. So it balances to the last digits, whatever the weights.
+"""
+
+import math
+
+import numpy as np
+from numba import njit
+
+from shellfabric.contact_kernels import cover
+from shellfabric.membrane_kernels import ERODED
+
+TAKEN, SPRING, DEEPEST, PLACE = 0, 1, 2, 3  # of pair.energy
+ONE = np.uint64(1)
+FREE, TOUCHING, LOST = 0, 1, 2  # of pair.status
+SMOOTH, FACETS, NODES = 0, 1, 2  # of pair.form
+_EVERY, _MARGIN = 8, 3  # steps between scans, elements about what they find
+_STEP, _LEAP = 0.25, 0.2  # [elements] longest step of a foot; one so long has none
+
+
+@njit(cache=True, error_model="numpy", _nrt=False, forceinline=True)
+def basis(a, n, mirrored):
+    """Weights of three nodes of a line at the place a: (first node, values, slopes, middle value and slope across).
+
+    The last two belong to the displacement across a plane of symmetry, which its image has with the other sign.
+    """
+    i = min(max(int(a + 0.5), 0), n)
+    r = a - i
+    low, middle, high = 0.5 * (0.5 - r) * (0.5 - r), 0.75 - r * r, 0.5 * (0.5 + r) * (0.5 + r)
+    fall, turn, rise = r - 0.5, -2.0 * r, r + 0.5
+    if 0 < i < n:
+        return i - 1, low, middle, high, fall, turn, rise, middle, turn
+    if i == n:
+        return n - 2, 0.0, low - high, middle + 2.0 * high, 0.0, fall - rise, turn + 2.0 * rise, low - high, fall - rise
+    if mirrored:
+        return 0, middle, high + low, 0.0, turn, rise + fall, 0.0, high - low, rise - fall
+    return 0, middle + 2.0 * low, high - low, 0.0, turn + 2.0 * fall, rise - fall, 0.0, high - low, rise - fall
+
+
+@njit(cache=True, error_model="numpy", _nrt=False, forceinline=True)
+def weights(form, a, n, mirrored):
+    """`basis`, or its like for the naive forms, which have no images."""
+    if form == SMOOTH:
+        return basis(a, n, mirrored)
+    i = min(int(a), n - 1)
+    f, slope = a - i, 1.0
+    if form == NODES:
+        f, slope = math.floor(f + 0.5), 0.0
+    if i < n - 1:
+        return i, 1.0 - f, f, 0.0, -slope, slope, 0.0, f, slope
+    return i - 1, 0.0, 1.0 - f, f, 0.0, -slope, slope, 1.0 - f, -slope
+
+
+@njit(cache=True, error_model="numpy", _nrt=False, forceinline=True)
+def across(x, k, s, w0, w1, w2, z0, z1, z2):
+    """Sum of w z x over three by three nodes from the slot k on."""
+    s = np.uint64(s)
+    m = k + s
+    o = m + s
+    a = z0 * x[k] + z1 * x[k + ONE] + z2 * x[k + ONE + ONE]
+    b = z0 * x[m] + z1 * x[m + ONE] + z2 * x[m + ONE + ONE]
+    c = z0 * x[o] + z1 * x[o + ONE] + z2 * x[o + ONE + ONE]
+    return w0 * a + w1 * b + w2 * c
+
+
+@njit(cache=True, error_model="numpy", _nrt=False, forceinline=True)
+def spread(F, k, s, f, w0, w1, w2, z0, z1, z2):
+    """Share a force out to three by three nodes by their weights."""
+    s = np.uint64(s)
+    for w in (w0, w1, w2):
+        F[k] += f * w * z0
+        F[k + ONE] += f * w * z1
+        F[k + ONE + ONE] += f * w * z2
+        k += s
+
+
+@njit(cache=True, error_model="numpy", _nrt=False, forceinline=True)
+def patch(x, k, s, wa, wb, da, db):
+    """(value, slope along a, slope along b) of the surface over three by three nodes from the slot k on."""
+    s = np.uint64(s)
+    m = k + s
+    o = m + s
+    x00, x01, x02 = x[k], x[k + ONE], x[k + ONE + ONE]
+    x10, x11, x12 = x[m], x[m + ONE], x[m + ONE + ONE]
+    x20, x21, x22 = x[o], x[o + ONE], x[o + ONE + ONE]
+    v0 = wb[0] * x00 + wb[1] * x01 + wb[2] * x02
+    v1 = wb[0] * x10 + wb[1] * x11 + wb[2] * x12
+    v2 = wb[0] * x20 + wb[1] * x21 + wb[2] * x22
+    e0 = db[0] * x00 + db[1] * x01 + db[2] * x02
+    e1 = db[0] * x10 + db[1] * x11 + db[2] * x12
+    e2 = db[0] * x20 + db[1] * x21 + db[2] * x22
+    return (
+        wa[0] * v0 + wa[1] * v1 + wa[2] * v2,
+        da[0] * v0 + da[1] * v1 + da[2] * v2,
+        wa[0] * e0 + wa[1] * e1 + wa[2] * e2,
+    )
+
+
+@njit(cache=True, error_model="numpy", _nrt=False)
+def scan(state, const, least, box):
+    """Widen the box (first and last row, and column, of nodes) to all that are deflected by more than `least`."""
+    z, s = state.u[2], const.s
+    for i in range(const.ni + 1):
+        row = i * s
+        low, high = s, -1
+        for j in range(s):
+            if abs(z[row + j]) > least:
+                low, high = min(low, j), max(high, j)
+        if high >= 0:
+            box[0], box[1] = min(box[0], i), max(box[1], i)
+            box[2], box[3] = min(box[2], low), max(box[3], high)
+
+
+@njit(cache=True, error_model="numpy", _nrt=False)
+def settle(state, const, force, touched):
+    """Half a step's work of the nodal forces on the present velocities, which are those of half a step ago."""
+    work = 0.0
+    for i in range(touched[0], touched[1]):
+        for k in range(i * const.s + touched[2], i * const.s + touched[3]):
+            for c in range(3):
+                work += force[c][k] * state.v[c][k]
+    return 0.5 * const.dt * work
+
+
+@njit(cache=True, error_model="numpy", _nrt=False)
+def clear(const, force, touched):
+    """Set the forces of the last step to zero."""
+    for i in range(touched[0], touched[1]):
+        for k in range(i * const.s + touched[2], i * const.s + touched[3]):
+            for c in range(3):
+                force[c][k] = 0.0
+    touched[0], touched[1], touched[2], touched[3] = const.ni + 1, 0, const.s, 0
+
+
+@njit(cache=True, error_model="numpy", _nrt=False, forceinline=True)
+def note(touched, i, j):
+    """Widen the window of nodes with forces by three by three nodes."""
+    touched[0], touched[1] = min(touched[0], i), max(touched[1], i + 3)
+    touched[2], touched[3] = min(touched[2], j), max(touched[3], j + 3)
+
+
+@njit(cache=True, error_model="numpy", _nrt=False)
+def symmetric(const, force, touched):
+    """Nodes on a plane of symmetry keep to it."""
+    if const.mirror_x and touched[0] == 0:
+        for k in range(touched[2], touched[3]):
+            force[0][k] = 0.0
+    if const.mirror_y and touched[2] == 0:
+        for i in range(touched[0], touched[1]):
+            force[1][i * const.s] = 0.0
+
+
+@njit(cache=True, error_model="numpy", _nrt=False, forceinline=True)
+def left(state, const, a, b):
+    """Part of the cloth that is left at the place (a, b)."""
+    i, j = min(int(a), const.ni - 1), min(int(b), const.nj - 1)
+    k = np.uint64(max(i, 0) * const.s + max(j, 0))
+    flag = state.flag[k]
+    if flag == 0:
+        return 1.0
+    if flag & ERODED:
+        return 0.0
+    return cover(state, const, k, a - i, b - j)
+
+
+@njit(cache=True, error_model="numpy", _nrt=False)
+def window(pair, fc, rc):
+    """Element rows and columns of the front ply where either ply's deflection can bring them into contact."""
+    i0, i1, j0, j1 = pair.front_box[0], pair.front_box[1], pair.front_box[2], pair.front_box[3]
+    if pair.rear_box[0] <= pair.rear_box[1]:
+        i0 = min(i0, int((rc.x0 + pair.rear_box[0] * rc.dx - fc.x0) / fc.dx))
+        i1 = max(i1, int((rc.x0 + pair.rear_box[1] * rc.dx - fc.x0) / fc.dx) + 1)
+        j0 = min(j0, int((rc.y0 + pair.rear_box[2] * rc.dy - fc.y0) / fc.dy))
+        j1 = max(j1, int((rc.y0 + pair.rear_box[3] * rc.dy - fc.y0) / fc.dy) + 1)
+    return max(i0 - _MARGIN, 0), min(i1 + _MARGIN, fc.ni), max(j0 - _MARGIN, 0), min(j1 + _MARGIN, fc.nj)
+
+
+@njit(cache=True, error_model="numpy", _nrt=False)
+def contact(front, fc, rear, rc, pair, step):
+    """Forces between two plies at their present positions, into pair.on_front and pair.on_rear."""
+    if step % _EVERY == 0:
+        scan(front, fc, pair.least, pair.front_box)
+        scan(rear, rc, pair.least, pair.rear_box)
+    taken = -settle(front, fc, pair.on_front, pair.front_touched) - settle(rear, rc, pair.on_rear, pair.rear_touched)
+    clear(fc, pair.on_front, pair.front_touched)
+    clear(rc, pair.on_rear, pair.rear_touched)
+    i0, i1, j0, j1 = window(pair, fc, rc)
+    p, spring = pair.points, 0.0
+    for i in range(i0, i1):
+        for j in range(j0, j1):
+            for m in range(p * p):
+                q = (i * fc.nj + j) * p * p + m
+                a, b = i + (m // p + pair.start) / p, j + (m % p + pair.start) / p
+                energy, depth = touch(front, fc, rear, rc, pair, q, a, b)
+                spring += energy
+                if depth > pair.energy[DEEPEST]:
+                    pair.energy[DEEPEST], pair.energy[PLACE] = depth, q
+    symmetric(fc, pair.on_front, pair.front_touched)
+    symmetric(rc, pair.on_rear, pair.rear_touched)
+    taken -= settle(front, fc, pair.on_front, pair.front_touched) + settle(rear, rc, pair.on_rear, pair.rear_touched)
+    pair.energy[TAKEN] += taken
+    pair.energy[SPRING] = spring
+
+
+@njit(cache=True, error_model="numpy", _nrt=False, forceinline=True)
+def touch(front, fc, rear, rc, pair, q, a, b):
+    """Follow the foot of the front ply's point at (a, b), and let it push: (energy in its spring, depth)."""
+    i, p0, p1, p2, _, _, _, p1x, _ = weights(pair.form, a, fc.ni, fc.mirror_x)
+    j, q0, q1, q2, _, _, _, q1y, _ = weights(pair.form, b, fc.nj, fc.mirror_y)
+    k = np.uint64(i * fc.s + j)
+    x = fc.x0 + a * fc.dx + across(front.u[0], k, fc.s, p0, p1x, p2, q0, q1, q2)
+    y = fc.y0 + b * fc.dy + across(front.u[1], k, fc.s, p0, p1, p2, q0, q1y, q2)
+    z = across(front.u[2], k, fc.s, p0, p1, p2, q0, q1, q2)
+    A, B = pair.foot[0][q], pair.foot[1][q]
+    I, w0, w1, w2, d0, d1, d2, w1x, d1x = weights(pair.form, A, rc.ni, rc.mirror_x)
+    J, v0, v1, v2, e0, e1, e2, v1y, e1y = weights(pair.form, B, rc.nj, rc.mirror_y)
+    K = np.uint64(I * rc.s + J)
+    X, Xa, Xb = patch(rear.u[0], K, rc.s, (w0, w1x, w2), (v0, v1, v2), (d0, d1x, d2), (e0, e1, e2))
+    Y, Ya, Yb = patch(rear.u[1], K, rc.s, (w0, w1, w2), (v0, v1y, v2), (d0, d1, d2), (e0, e1y, e2))
+    Z, Za, Zb = patch(rear.u[2], K, rc.s, (w0, w1, w2), (v0, v1, v2), (d0, d1, d2), (e0, e1, e2))
+    Xa, Yb = Xa + rc.dx, Yb + rc.dy
+    x, y, z = x - X - rc.x0 - A * rc.dx, y - Y - rc.y0 - B * rc.dy, z - Z - pair.apart  # from the foot
+    n_x, n_y, n_z = Ya * Zb - Za * Yb, Za * Xb - Xa * Zb, Xa * Yb - Ya * Xb
+    size = math.sqrt(n_x * n_x + n_y * n_y + n_z * n_z)
+    if size < 1e-6 * rc.dx * rc.dy:
+        return 0.0, 0.0
+    n_x, n_y, n_z = n_x / size, n_y / size, n_z / size
+    depth = pair.thickness + n_x * x + n_y * y + n_z * z
+    if depth > -0.5 * pair.thickness:
+        aa, ab, bb = Xa * Xa + Ya * Ya + Za * Za, Xa * Xb + Ya * Yb + Za * Zb, Xb * Xb + Yb * Yb + Zb * Zb
+        ra, rb = Xa * x + Ya * y + Za * z, Xb * x + Yb * y + Zb * z
+        go, turn = (bb * ra - ab * rb) / (size * size), (aa * rb - ab * ra) / (size * size)
+    else:
+        # of cloth that stands on end nothing is straight ahead
+        area = max(Xa * Yb - Xb * Ya, 0.01 * rc.dx * rc.dy)
+        go, turn = (Yb * x - Xb * y) / area, (Xa * y - Ya * x) / area
+    low = -0.5 if pair.form == SMOOTH else 0.0
+    pair.foot[0][q] = min(max(A + min(max(go, -_STEP), _STEP), low if rc.mirror_x else 0.0), float(rc.ni))
+    pair.foot[1][q] = min(max(B + min(max(turn, -_STEP), _STEP), low if rc.mirror_y else 0.0), float(rc.nj))
+    if depth <= 0.0:
+        pair.status[q] = FREE
+        return 0.0, 0.0
+    leapt = max(abs(go), abs(turn)) > _LEAP or (pair.status[q] == FREE and depth > 0.5 * pair.thickness)
+    part = min(left(front, fc, a, b), left(rear, rc, A, B))
+    if pair.form != NODES and (part == 0.0 or leapt or (part < 1.0 and depth > pair.thickness)):
+        pair.status[q] = LOST
+    if pair.status[q] == LOST or part == 0.0:
+        return 0.0, 0.0
+    pair.status[q] = TOUCHING
+    if pair.start == 0.0:  # half an element, or a quarter, is modelled about points on planes of symmetry
+        part *= (0.5 if a == 0.0 and fc.mirror_x else 1.0) * (0.5 if b == 0.0 and fc.mirror_y else 1.0)
+    v_x = across(front.v[0], k, fc.s, p0, p1x, p2, q0, q1, q2) - across(rear.v[0], K, rc.s, w0, w1x, w2, v0, v1, v2)
+    v_y = across(front.v[1], k, fc.s, p0, p1, p2, q0, q1y, q2) - across(rear.v[1], K, rc.s, w0, w1, w2, v0, v1y, v2)
+    v_z = across(front.v[2], k, fc.s, p0, p1, p2, q0, q1, q2) - across(rear.v[2], K, rc.s, w0, w1, w2, v0, v1, v2)
+    f = max(0.0, part * (pair.stiffness * depth + pair.damping * (n_x * v_x + n_y * v_y + n_z * v_z)))
+    if f > 0.0:
+        note(pair.front_touched, i, j)
+        note(pair.rear_touched, I, J)
+        F = pair.on_front
+        spread(F[0], k, fc.s, -f * n_x, p0, p1x, p2, q0, q1, q2)
+        spread(F[1], k, fc.s, -f * n_y, p0, p1, p2, q0, q1y, q2)
+        spread(F[2], k, fc.s, -f * n_z, p0, p1, p2, q0, q1, q2)
+        F = pair.on_rear
+        spread(F[0], K, rc.s, f * n_x, w0, w1x, w2, v0, v1, v2)
+        spread(F[1], K, rc.s, f * n_y, w0, w1, w2, v0, v1y, v2)
+        spread(F[2], K, rc.s, f * n_z, w0, w1, w2, v0, v1, v2)
+    return 0.5 * part * pair.stiffness * depth * depth, depth
+
+
+@njit(cache=True, error_model="numpy", _nrt=False)
+def push(state, const, force, touched):
+    """Give a ply the impulses of a neighbour's forces; widens its window of rows to them."""
+    if touched[1] <= touched[0]:
+        return
+    for i in range(touched[0], touched[1]):
+        for m in range(i * const.s + touched[2], i * const.s + touched[3]):
+            k = np.uint64(m)
+            for c in range(3):
+                state.v[c][k] += state.kick[k] * force[c][k]
+    state.rows[0] = min(state.rows[0], max(touched[0] - 4, 0))
+    state.rows[1] = max(state.rows[1], min(touched[1] + 3, const.ni))

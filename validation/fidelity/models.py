@@ -1,0 +1,92 @@
+"""The ladder of models that a scene can be answered with, from the cheapest to the one that all are held against."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from fabrics.errors import InputError
+from shellfabric.panel import SYMMETRIES, Panel
+
+FULL = "3 elements"
+
+
+@dataclass(frozen=True)
+class Model:
+    """One way to run an impact.
+
+    Parameters
+    ----------
+    name : in words
+    changes : ((field of ImpactSetup, value), ...)
+    check : name of the coarser model whose answer says how far off this one's may be; empty if there is none
+    finer : name of the model that is next if this one does not do; empty for the finest
+    """
+
+    name: str
+    changes: tuple
+    check: str = ""
+    finer: str = ""
+
+    def of(self, setup):
+        """The set-up as this model runs it."""
+        return replace(setup, **dict(self.changes))
+
+    def leaves(self, setup, fixed):
+        """Whether the model leaves those fields as they are that the user has set by hand."""
+        return all(getattr(setup, key) == value for key, value in self.changes if key in fixed)
+
+
+def _mesh(name, elements, check="", finer="", **changes):
+    return Model(name, (("elements_per_crossover", elements), *changes.items()), check, finer)
+
+
+LADDER = (
+    _mesh("1 element", 1, finer="2 elements"),
+    _mesh("2 elements", 2, check="1 element", finer=FULL),
+    _mesh(FULL, 3, check="2 elements"),
+    _mesh("1 element, table of 101", 1, finer="1 element", table_size=101),
+    _mesh("1 element, decoupled", 1, finer="1 element", cell_model="decoupled"),
+    _mesh("1 element, incompressible", 1, finer="1 element", cell_model="incompressible"),
+)
+BY_NAME = {model.name: model for model in LADDER}
+
+
+class Tables:
+    """Tables of the cell, each filled once for all set-ups that share it."""
+
+    _CELL = ("fabric", "laws", "surface", "gap", "cell_model", "form", "profile", "table_size")
+
+    def __init__(self):
+        self._known = []
+
+    def of(self, setup):
+        """The CellTable of a set-up."""
+        for known, table in self._known:
+            if all(getattr(known, key) == getattr(setup, key) for key in self._CELL):
+                return table
+        self._known.append((setup, setup.table()))
+        return self._known[-1][1]
+
+
+def simplest(setup, tables):
+    """The set-up with the smallest part of the panel that shot, edges and weave let stand for all of it.
+
+    Raises
+    ------
+    InputError : a set-up that is wrong with any symmetry
+    """
+    for symmetry in SYMMETRIES:
+        found = replace(setup, symmetry=symmetry)
+        try:
+            found.panel(tables.of(setup))
+        except InputError:
+            if symmetry == "whole":
+                raise
+        else:
+            return found
+    raise AssertionError("a whole panel has no symmetry to refuse")
+
+
+def effort(panel: Panel, end_time):
+    """Elements times steps of a run that goes on to `end_time` [s]."""
+    return panel.elements * end_time / panel.time_step
