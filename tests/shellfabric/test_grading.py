@@ -55,7 +55,7 @@ def test_mass_and_yarn_are_those_of_the_plain_panel(graded, symmetry):
 
 @pytest.mark.parametrize("strike_velocity", [60.0, 155.0])
 def test_equal_elements_are_the_plain_panel(tables, strike_velocity):
-    """Also where yarns fail. Arrays of equal entries change nothing but the last digit; a grading of one zone has none."""
+    """Also where yarns fail. Arrays of equal entries change the last digit at most; a grading of one zone has none."""
     panels = [
         Panel(tables["variational"], (0.04, 0.04), numerics=PLAIN, grading=zones) for zones in (None, ((INF, 1),))
     ]
