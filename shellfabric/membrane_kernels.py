@@ -401,6 +401,7 @@ def gather(k0, m0, n, s, rx, ry, A, B, on1, on2, cross, up, g0):
     for c in range(3):
         for j in range(m0, m0 + s):
             up[c][j] = 0.0
+    on2[m0 - 1] = 0.0  # the idle slot before the first row, which another panel may have used
     length = n if s >= WIDTH else s
     for start in range(0, n, length):
         for j in range(start, start + length, WIDTH):

@@ -95,6 +95,17 @@ def _opening_or_value_error(value):
         raise ValueError(str(problem)) from None
 
 
+def _zones(value):
+    if value is None:
+        return None
+    plain = isinstance(value, (list, tuple)) and all(
+        isinstance(zone, (list, tuple)) and len(zone) == 2 for zone in value
+    )
+    if not plain or any(isinstance(x, bool) or not isinstance(x, (int, float)) for zone in value for x in zone):
+        raise ValueError("no zones")
+    return tuple((float(until), float(side)) for until, side in value)
+
+
 class PanelTable(Table):
     """A panel in a rectangular opening."""
 
@@ -106,6 +117,13 @@ class PanelTable(Table):
     boundary: Annotated[Boundary, Field(description=_BOUNDARY)] = "clamped"
     symmetry: one_of("quarter", "half", "whole") = "quarter"
     weave_angle: angle(-89, 89, "45 deg") = 0.0
+    grading: Annotated[
+        tuple[tuple[float, float], ...] | None,
+        BeforeValidator(_zones),
+        Field(
+            description="zones [until, side] in crossovers, the last until inf, such as [[10, 1], [20, 2], [inf, 4]]"
+        ),
+    ] = None
 
 
 class RunTable(Table):
