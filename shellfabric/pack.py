@@ -111,6 +111,8 @@ class Pack:
         for key in ("symmetry", "projectile", "opening"):
             if any(getattr(ply, key) != getattr(first, key) for ply in self.plies):
                 raise InputError(f"the plies of a pack must have one {key}")
+        if any(ply.sides is not None for ply in self.plies):
+            raise InputError(key="grading", value=first.grading, allowed="none in a pack")
         if len({ply.table.model.form for ply in self.plies}) > 1 or len({ply.trellis for ply in self.plies}) > 1:
             raise InputError("the plies of a pack must have cells of one form")
 

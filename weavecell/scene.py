@@ -97,6 +97,17 @@ def _opening_or_value_error(value):
         raise ValueError(str(problem)) from None
 
 
+def _zones(value):
+    if value is None:
+        return None
+    plain = isinstance(value, (list, tuple)) and all(
+        isinstance(zone, (list, tuple)) and len(zone) == 2 for zone in value
+    )
+    if not plain or any(isinstance(x, bool) or not isinstance(x, (int, float)) for zone in value for x in zone):
+        raise ValueError("no zones")
+    return tuple((float(until), float(side)) for until, side in value)
+
+
 class PanelTable(Table):
     """A panel in a rectangular opening, or a pack of several plies."""
 
@@ -112,6 +123,13 @@ class PanelTable(Table):
     stacking: one_of("aligned", "alternating") = "aligned"
     gap: quantity("m", "a length of at least 0", "0.12 mm", at_least=0.0) = None
     yarns_fail: Annotated[bool, Field(description="true or false")] = True
+    grading: Annotated[
+        tuple[tuple[float, float], ...] | None,
+        BeforeValidator(_zones),
+        Field(
+            description="zones [until, side] in crossovers, the last until inf, such as [[10, 1], [20, 2], [inf, 4]]"
+        ),
+    ] = None
 
 
 class BackingTable(Table):
