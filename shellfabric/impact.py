@@ -13,7 +13,7 @@ from fabrics.surface import ResponseSurface
 from shellfabric import body, checkpoint, histories, measures
 from shellfabric import hooks as onlookers
 from shellfabric.backing import Backing
-from shellfabric.bar import Rigidity, contact_time, rigid_is_enough
+from shellfabric.bar import Rigidity, contact_time, held_force, rigid_is_enough
 from shellfabric.behind import BackingResult
 from shellfabric.cell import CellModel, CellTable
 from shellfabric.edges import Grip, PullIn
@@ -191,7 +191,11 @@ class ImpactResult:
         shot = self.setup.projectile
         try:
             bar = shot.bar or (shot.steel_bar() if shot.shape == "flat" else None)
-            return bar and rigid_is_enough(contact_time(self.fine[:, 0], self.fine[:, 3]), bar.period)
+            if bar is None:
+                return None
+            t, force = self.fine[:, 0], self.fine[:, 3]
+            held = held_force(t, force, 0.5 * bar.period)
+            return rigid_is_enough(contact_time(t, force), bar.period, held, bar.yield_force)
         except InputError:
             return None
 

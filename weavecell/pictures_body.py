@@ -47,7 +47,7 @@ def crater(pyplot, blocks):
     down = -(-len(blocks) // across)
     tall = (1.35 * deepest + 0.006) / (2 * reach) * 10.4 / across
     figure, grid = pyplot.subplots(
-        down, across, figsize=(10.4, 1.1 + down * (tall + 0.55)), squeeze=False, layout="constrained"
+        down, across, figsize=(10.4, 0.8 + down * (0.84 * tall + 0.45)), squeeze=False, layout="constrained"
     )
     for axes in grid.flat[len(blocks) :]:
         axes.set_visible(False)

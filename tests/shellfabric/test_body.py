@@ -8,7 +8,7 @@ import pytest
 from fabrics.errors import InputError
 from fabrics.materials import load
 from shellfabric import checkpoint
-from shellfabric.bar import Bar
+from shellfabric.bar import Bar, held_force
 from shellfabric.impact import ImpactSetup, result_of, run
 from shellfabric.march import March
 from shellfabric.projectile import Projectile
@@ -135,6 +135,23 @@ def test_says_when_rigid_is_enough(struck):
     told = struck.rigidity
     assert told.period == pytest.approx(19.2e-6, abs=0.1e-6)
     assert told.enough == (told.contact_time >= 3 * told.period)
+    assert told.yield_force == pytest.approx(220e6 * np.pi / 4 * (5.5e-3**2 - 4.5e-3**2))
+
+
+def test_says_that_a_wall_yields(fabric):
+    """On S-720 the rigid run alone tells it: at 155 m/s more than the yield force is held, at 92.5 less."""
+    found = {v: shoot(fabric, "rigid", v, opening=0.203, end_time=350e-6).rigidity for v in (92.5, 155.0)}
+    assert found[155.0].force > found[155.0].yield_force > found[92.5].force
+    assert found[92.5].enough
+    assert not found[155.0].enough
+    assert "yields at 1728 N: use the elastic projectile" in str(found[155.0])
+
+
+def test_the_held_force_is_the_largest_mean():
+    t = np.linspace(1e-6, 100e-6, 100)
+    force = np.where((t > 20e-6) & (t < 31e-6), -100.0, -1.0)
+    assert held_force(t, force, 10e-6) == pytest.approx(100.0, rel=0.02)
+    assert held_force(t, force, 20e-6) == pytest.approx((11 * 100 + 9) / 20, rel=0.02)
 
 
 @pytest.mark.parametrize(

@@ -126,7 +126,8 @@ def _shots(edges, velocity, report):
 def limits(report=print, tolerance=1.0):
     """{name: critical velocity [m/s]} with each grip, and clamped."""
     found, table = {}, setup().table()
-    for name, edge in {f"{force:g} N": Grip(force) for force in GRIPS[1:]} | {"clamped": "clamped"}.items():
+    edges = {f"{force:g} N": Grip(force) for force in GRIPS[1:]} | {"clamped": "clamped"}
+    for name, edge in edges.items():
         limit = critical_velocity(setup(edge).panel(table), tolerance=tolerance, guess=115.0)
         found[name] = limit.velocity
         report(f"{name}: critical velocity {limit.velocity:.1f} m/s")
