@@ -36,7 +36,7 @@ class Cut:
     Parameters
     ----------
     t, nose : [s, m] time, and the foremost point of the projectile
-    lines : tuple of (n, 2) [m] places x and z of each ply's middle surface
+    lines : tuple of (n, 2) [m] places x and z of each ply's middle surface; not a number where its yarn has failed
     """
 
     t: float
@@ -128,6 +128,7 @@ class PackRecord:
 
         ply, pack = result.setup.ply, result.pack
         mirror_x, mirror_y = result.mirrored
+        before = [shots for shots in result.snapshots if shots[0].t < result.last[0].t]
         return cls(
             title=title, fabric=ply.fabric.name, law_name=law_name, strike_velocity=ply.strike_velocity,
             outcome=result.outcome, residual_velocity=result.residual_velocity, mass=ply.projectile.mass,
@@ -139,7 +140,7 @@ class PackRecord:
             strength=np.array([[yarn.strength for yarn in one.weave.yarns] for one in pack.plies]),
             peak_tension=result.peak_tension, deepest=result.deepest, projectile=_drawn(ply.projectile),
             shapes=tuple(Shape.of(shot) for shot in result.last), quads=tuple(quads(one) for one in pack.plies),
-            cuts=tuple(_cut(shots, mirror_y) for shots in (*result.snapshots, result.last)),
+            cuts=tuple(_cut(shots, mirror_y) for shots in (*before, result.last)),
         )  # fmt: skip
 
     def summary(self):
@@ -224,7 +225,8 @@ def _cut(shots, mirror_y):
     lines = []
     for shot in shots:
         j = 0 if mirror_y else shot.nodes.shape[1] // 2
-        lines.append(shot.nodes[:, j, [0, 2]].copy())
+        line, gone = shot.nodes[:, j, [0, 2]], np.flatnonzero(shot.broken[:, j, 0])
+        lines.append(np.insert(line, gone + 1, np.nan, axis=0))
     return Cut(float(shots[0].t), float(shots[0].z), tuple(lines))
 
 

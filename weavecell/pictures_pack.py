@@ -33,38 +33,50 @@ def cuts(pyplot, chosen, thickness, mirrored, projectile, close_up):
         len(chosen), 2, figsize=(10.4, 0.5 + 2.7 * len(chosen)), squeeze=False, width_ratios=(1.15, 1)
     )
     colours = shades(len(thickness))
-    top = max(max(float(line[:, 1].max()) for line in cut.lines) for cut in chosen)
+    top = max(_foremost(cut) for cut in chosen)
     for row, cut in zip(grid, chosen):
         for axes, near in zip(row, (False, True)):
             axes.fill(
                 MM * projectile[:, 0], MM * (projectile[:, 1] + cut.nose), fc="#d5dae0", ec=STEEL, lw=1.0, zorder=1
             )
-            for line, colour in zip(cut.lines, colours):
-                x, z = (np.concatenate([sign * line[::-1, c], line[:, c]]) if mirrored else line[:, c]
-                        for c, sign in ((0, -1), (1, 1)))  # fmt: skip
-                axes.plot(MM * x, MM * z, color=colour, lw=1.4, zorder=2, solid_joinstyle="round")
+            for line, t, colour in zip(cut.lines, thickness, colours):
+                for part in pieces(line):
+                    whole = np.concatenate([[-1, 1] * part[:0:-1], part]) if mirrored and part[0, 0] == 0 else part
+                    images = [whole] if whole is not part or not mirrored else [part, [-1, 1] * part]
+                    for image in images:
+                        axes.plot(*(MM * image.T), color=colour, lw=1.4, zorder=2, solid_joinstyle="round")
+                        if near:
+                            axes.fill(*(MM * _band(image, t).T), color=colour, alpha=0.45, lw=0, zorder=1.5)
             axes.grid(visible=near)
-            axes.set_aspect("equal")
-        whole = MM * max(float(line[:, 0].max()) for line in cut.lines)
-        row[0].set(xlim=(-whole, whole), ylim=(-8, MM * top + 3), ylabel="z [mm]")
-        row[0].set_aspect("auto")
+        reach = MM * max(float(np.nanmax(line[:, 0])) for line in cut.lines)
+        row[0].set(xlim=(-reach, reach), ylim=(-8, MM * top + 3), ylabel="z [mm]")
         row[0].set_title(f"{US * cut.t:.0f} µs")
-        foremost = max(float(line[:, 1].max()) for line in cut.lines)
-        row[1].set(xlim=(-MM * close_up, MM * close_up), ylim=(MM * (foremost - 1.25 * close_up), MM * foremost + 0.8))
-        _bands(row[1], cut, thickness, mirrored, colours)
+        high = MM * _foremost(cut) + 0.8
+        row[1].set_aspect("equal")
+        row[1].set(xlim=(-MM * close_up, MM * close_up), ylim=(high - 1.3e3 * close_up, high))
     for axes in grid[-1]:
         axes.set_xlabel("x [mm]")
     return figure
 
 
-def _bands(axes, cut, thickness, mirrored, colours):
-    """Plies as bands of their thickness."""
-    for line, t, colour in zip(cut.lines, thickness, colours):
-        line = np.concatenate([[-1, 1] * line[:0:-1], line]) if mirrored else line
-        along = np.gradient(line, axis=0)
-        normal = np.column_stack([-along[:, 1], along[:, 0]]) / np.hypot(*along.T)[:, None]
-        outline = np.concatenate([line + 0.5 * t * normal, (line - 0.5 * t * normal)[::-1]])
-        axes.fill(MM * outline[:, 0], MM * outline[:, 1], color=colour, alpha=0.45, lw=0, zorder=1.5)
+def pieces(line):
+    """The pieces of a line that is cut where it is not a number; a lone point is none."""
+    ends = np.flatnonzero(np.isnan(line[:, 0]))
+    found = np.split(line, ends)
+    found = [part[~np.isnan(part[:, 0])] for part in found]
+    return [part for part in found if len(part) > 1]
+
+
+def _foremost(cut):
+    """[m] highest point of the plies and the nose."""
+    return max(cut.nose, *(float(part[:, 1].max()) for line in cut.lines for part in pieces(line)))
+
+
+def _band(line, thickness):
+    """Outline of a line as thick as its ply."""
+    along = np.gradient(line, axis=0)
+    normal = 0.5 * thickness * np.column_stack([-along[:, 1], along[:, 0]]) / np.hypot(*along.T)[:, None]
+    return np.concatenate([line + normal, (line - normal)[::-1]])
 
 
 def shares(pyplot, peaks, failed, energy):
@@ -112,7 +124,7 @@ def pushes(pyplot, t, push, deflection):
     left.set(title="force of the nose [kN]", xlabel="time after strike [µs]")
     right.set(title="deflection at the impact point [mm]", xlabel="time after strike [µs]")
     left.legend(loc="upper right", ncols=2)
-    right.legend(loc="lower right")
+    right.legend(loc="upper left")
     for axes in (left, right):
         axes.set_xlim(0, US * float(t[-1]))
     return figure

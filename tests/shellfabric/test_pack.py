@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from fabrics import catalogue
-from fabrics.errors import InputError
+from fabrics.errors import InputError, UnstableError
 from shellfabric import pack_checkpoint, pack_impact
 from shellfabric.cell import CellModel
 from shellfabric.impact import ImpactSetup
@@ -82,8 +82,8 @@ def test_colliding_plies_keep_momentum_and_energy(ply):
 @pytest.mark.parametrize("velocity", [158.0, 474.0])
 def test_no_ply_goes_through_another(ply, velocity):
     """At the usual speed and at three times that: measured anew, from every element that is whole at the end."""
-    march = PackMarch(Pack.stacked(ply, 4, stacking="alternating", gap=GAP), velocity, 50e-6)
-    march.run()
+    wide = replace(ply, opening=(0.16, 0.16))  # waves do not come back in the time
+    march = PackMarch(Pack.stacked(wide, 4, stacking="alternating", gap=GAP), velocity, 30e-6).run()
     assert march.deepest.max() < 1.0
     assert (march.ply_samples[-1][:, 0].sum() > 0) == (velocity > 200)
     assert np.abs(march.sample("balance")).max() < 5e-3 * march.strike_energy
@@ -126,7 +126,8 @@ def clearance(march, p):
 
 def test_pressed_plies_keep_their_thickness_apart(ply):
     """Behind the nose, where plies have been pressed on each other for long, they are nearly a thickness apart."""
-    march = PackMarch(Pack.stacked(ply, 3, gap=GAP), 100.0, 60e-6).run()
+    march = PackMarch(Pack.stacked(replace(ply, opening=(0.16, 0.16)), 3, gap=GAP), 100.0, 40e-6).run()
+    assert not march.ply_samples[-1][:, 0].any()
     between = np.diff(march.pack.places + march.ply_samples[-1][:, 4])
     assert np.all(between > 0.7 * ply.weave.thickness)
     assert np.all(between < 1.2 * ply.weave.thickness + GAP)
@@ -160,7 +161,7 @@ def test_gap_from_the_compression_of_packs():
     for name, printed in (("S-726", 0.10e-3), ("S-728", 0.12e-3), ("S-731", 0.14e-3)):
         fabric = catalogue.load(name)
         assert compression_gap(fabric.areal_density_measured) == pytest.approx(printed, rel=0.07)
-        assert fabric_gap(fabric) == printed
+        assert fabric_gap(fabric) == pytest.approx(printed, rel=1e-12)
     untested = catalogue.load("S-720")
     assert fabric_gap(untested) == pytest.approx(0.134e-3, rel=0.01)
     with pytest.raises(InputError, match="neither"):
@@ -214,11 +215,10 @@ def test_threads_change_nothing(ply):
 
 
 def test_an_unstable_pack_says_where(ply):
-    march = PackMarch(Pack.stacked(ply, 2, gap=GAP), 100.0, 1e-4)
-    march.states[1].v[2][100] = np.nan
+    march = PackMarch(Pack.stacked(ply, 2, gap=GAP), 100.0, 1e-4, interval=1e-7)
+    march.states[1].v[2][5 * march.consts[1].s + 5] = 1e4
+    march.states[1].rows[:] = 0, march.consts[1].ni
     march.stack.awake[1] = True
-    from fabrics.errors import UnstableError
-
     with pytest.raises(UnstableError, match="ply 2"):
         march.run()
     assert march.reason == NOT_FINITE

@@ -50,9 +50,10 @@ HALVED = {
 GAPS = (0.12e-3, 0.62e-3, 1.12e-3)  # section 6.4.4: S-728, 16 plies, 170 m/s
 STACKED = ("S-726", 4, 100.0)  # Figures 5-55 to 5-57
 STACKINGS = ("aligned", "alternating")
-TOLERANCE = 2.0  # [m/s] of a bisection
+TOLERANCE = 3.0  # [m/s] of a bisection
+_NEAR = 0.05  # of a guess on both sides
 _ONSET_END, _END = 150e-6, 500e-6
-_RANGE = (20.0, 400.0)
+_RANGE = (30.0, 330.0)
 _MODEL = (
     "lanes.py",
     "cell.py",
@@ -184,14 +185,23 @@ def failed(found):
     return sum(found["failed"]) > 0 or found["outcome"] == "unstable"
 
 
-def onset(results, case: Case, tolerance=TOLERANCE):
-    """(low, high) [m/s] between which the first yarn fails."""
+def onset(results, case: Case, guess=None, tolerance=TOLERANCE):
+    """[m/s] middle of the bracket in which the first yarn fails; looked for about a guess, where there is one."""
+
+    def fails(velocity):
+        return failed(results(replace(case, velocity=velocity, end_time=_ONSET_END, until_failure=True)))
+
     low, high = _RANGE
+    if guess is not None:
+        ends = [round(guess * (1 + sign * _NEAR), 1) for sign in (-1, 1)]
+        high = ends[1] if fails(ends[1]) else high
+        low = ends[1] if high == _RANGE[1] else low
+        if low == _RANGE[0]:
+            low, high = (low, ends[0]) if fails(ends[0]) else (ends[0], high)
     while high - low > tolerance:
-        middle = (low * high) ** 0.5 if high > 1.5 * low else 0.5 * (low + high)
-        shot = replace(case, velocity=round(middle, 3), end_time=_ONSET_END, until_failure=True)
-        low, high = (low, middle) if failed(results(shot)) else (middle, high)
-    return low, high
+        middle = round((low * high) ** 0.5 if high > 1.5 * low else 0.5 * (low + high), 1)
+        low, high = (low, middle) if fails(middle) else (middle, high)
+    return 0.5 * (low + high)
 
 
 def outcomes(results):
@@ -200,21 +210,25 @@ def outcomes(results):
 
 
 def formulations(results, plies=4):
-    """{fabric: {form: onset}} [m/s], middle of the bracket."""
-    return {
-        fabric: {form: float(np.mean(onset(results, Case(fabric, plies, 0.0, form=form)))) for form in FORMS}
-        for fabric in FABRICS
-    }
+    """{fabric: {form: onset}} [m/s]."""
+    found = {}
+    for fabric in FABRICS:
+        found[fabric] = {"smooth": onset(results, Case(fabric, plies, 0.0))}
+        for form in FORMS[1:]:
+            found[fabric][form] = onset(results, Case(fabric, plies, 0.0, form=form))
+    return found
 
 
 def halved(results, plies=4):
     """{fabric: {what is halved: onset}} [m/s]."""
-    return {
-        fabric: {
-            name: float(np.mean(onset(results, Case(fabric, plies, 0.0, **knobs)))) for name, knobs in HALVED.items()
+    found = {}
+    for fabric in FABRICS:
+        first = onset(results, Case(fabric, plies, 0.0))
+        others = list(HALVED.items())[1:]
+        found[fabric] = {next(iter(HALVED)): first} | {
+            name: onset(results, Case(fabric, plies, 0.0, **knobs), guess=first) for name, knobs in others
         }
-        for fabric in FABRICS
-    }
+    return found
 
 
 def gaps(results):
