@@ -15,7 +15,7 @@ from typing import Annotated
 import typer
 
 from fabrics.errors import InputError, WeavecellError
-from weavecell import cli_cases, cli_scatter
+from weavecell import cli_cases, cli_charts, cli_scatter
 
 app = typer.Typer(
     name="weavecell",
@@ -66,14 +66,6 @@ class Domain(StrEnum):
     quarter = "quarter"
     whole = "whole"
     four = "four"
-
-
-class Level(StrEnum):
-    """How fine a study's finest case is."""
-
-    quick = "quick"
-    full = "full"
-    fine = "fine"
 
 
 class Overlap(StrEnum):
@@ -394,33 +386,8 @@ def validate(
     return module.validate(out or RESULTS / "validate", topics=topic or (), slow=slow, jobs=jobs, resume=resume)
 
 
-@app.command(epilog="Example: [bold]weavecell chart --scene crossover --level quick[/bold]")
-def chart(
-    scene: Annotated[str, typer.Option(help="Standard scene; an unknown one lists them.", metavar="NAME")],
-    level: Annotated[Level, typer.Option(help="How fine the finest reference is.")] = Level.full,
-    only: Annotated[
-        str, typer.Option(help="Choices to vary, separated by commas; all of them if not given.", metavar="CHOICE,...")
-    ] = "",
-    processes: Annotated[int, typer.Option(min=1, help="Cases that are computed beside each other.")] = CORES,
-    out: OutOption = None,
-    resume: Annotated[bool, typer.Option("--resume", help="Go on from the cases of an interrupted run.")] = False,
-):
-    """Run a standard scene by every method there is: errors, orders of convergence, and time against error.
-
-    The folder then holds tables (CSV), pictures and a page (Markdown); while the run goes on, cases/.
-    """
-    from weavecell import chart as module
-
-    module.chart_command(
-        scene,
-        out or RESULTS / f"chart-{scene}",
-        level=level.value,
-        only=[part.strip() for part in only.split(",") if part.strip()],
-        processes=processes,
-        resume=resume,
-    )
-
-
+app.command(epilog=cli_charts.CHART)(cli_charts.chart)
+app.command(epilog=cli_charts.STABILITY)(cli_charts.stability)
 app.command(epilog=cli_cases.EPILOG)(cli_cases.crossover)
 app.command(epilog=cli_scatter.SENSITIVITY)(cli_scatter.sensitivity)
 app.command(epilog=cli_scatter.V50)(cli_scatter.v50)

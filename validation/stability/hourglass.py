@@ -1,0 +1,78 @@
+"""Hourglass coefficient of the brick of the solid patch (`shellfabric.brick`), against its time step.
+
+The brick has one integration point and so four modes without energy; a stiffness of their own holds them, 1 being what
+the full rule would give at rest.
+"""
+
+from dataclasses import dataclass
+from functools import cache
+
+import numpy as np
+
+from fabrics import catalogue
+from meshing import patch
+from shellfabric.brick import PATTERNS, Bricks
+from shellfabric.patch_numerics import PatchNumerics
+from shellfabric.solid_march import SolidMarch
+from shellfabric.solid_patch import SolidPatch
+from validation.stability.core import ABOVE, BELOW, STABLE, WRONG, Axis, Map, Outcome, guarded
+
+FABRIC, VELOCITY, END = "S-720", 60.0, 6e-6
+FACTORS = (0.0, 0.01, 0.1, 0.3, 1.0, 3.0, 10.0, 100.0)
+SAFETY = (0.8, 1.0, 1.5)
+ALLOWED = 0.02
+
+
+@dataclass(frozen=True)
+class Beyond(PatchNumerics):
+    """Numerics that nobody checks."""
+
+    def __post_init__(self):
+        pass
+
+
+@cache
+def mesh():
+    """A small coarse patch."""
+    return patch.build(catalogue.load(FABRIC), (4, 4), size=(2, 2, 1))
+
+
+def strayed(march):
+    """[-] largest amplitude of a brick's hourglass modes over the cube root of its volume.
+
+    The modes h are freed of their linear part, gamma = h - (h . X) B, so that stretch and turning leave them alone.
+    """
+    mesh = march.patch.mesh
+    made = Bricks.of(mesh.points[mesh.hexes])
+    modes = PATTERNS - np.einsum("mhi,mai->mha", made.twist, made.gradient)
+    moved = np.einsum("mha,mai->mhi", modes, (march.state.x - mesh.points)[mesh.hexes]) / 8
+    return float((np.linalg.norm(moved, axis=2).max(axis=1) / np.cbrt(made.volume)).max())
+
+
+def point(factor, safety):
+    """STABLE where no brick's hourglass modes are beyond a share of its size."""
+
+    def run():
+        numerics = Beyond(hourglass=factor, safety=safety)
+        march = SolidMarch(SolidPatch(mesh(), catalogue.load(FABRIC), numerics=numerics), VELOCITY, END, threads=1)
+        march.run()
+        off = strayed(march)
+        return Outcome(STABLE if off <= ALLOWED else WRONG, 100 * off)
+
+    return guarded(run)
+
+
+def chart(quick=False):
+    """The map."""
+    return Map(
+        "hourglass", "Hourglass stiffness of the brick of the solid patch",
+        f"4 x 4 yarns of {FABRIC} as solids with fibre bars, struck at {VELOCITY:g} m/s, {1e6 * END:g} µs. The shell "
+        "has no hourglass modes; the brick of the solid patch has four, held by a stiffness. Its bound on the time "
+        "step counts that stiffness, so that a greater coefficient costs time, not stability.",
+        Axis("hourglass coefficient", (0.0, 1.0) if quick else FACTORS),
+        Axis("time step over its bound", SAFETY[:1] if quick else SAFETY), point,
+        "hourglass amplitude [% of a brick's size]",
+        f"amplitude above {100 * ALLOWED:g} %", "drift of the energy balance (2 %), numbers that are not finite, "
+        "inverted "
+        "bricks", (PatchNumerics.hourglass, PatchNumerics.safety), (ABOVE, BELOW),
+    )  # fmt: skip

@@ -1,0 +1,91 @@
+"""`weavecell chart` and `weavecell stability`: their options, as texts and numbers for the modules of these names."""
+
+from __future__ import annotations
+
+import os
+from enum import StrEnum
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+CHART = "Example: [bold]weavecell chart --scene ply-stopped[/bold]"
+STABILITY = "Example: [bold]weavecell stability --map time-step[/bold]"
+
+
+class Level(StrEnum):
+    """How fine a study's finest case is."""
+
+    quick = "quick"
+    full = "full"
+    fine = "fine"
+
+
+OutOption = Annotated[
+    Path | None,
+    typer.Option(
+        "--out", "-o", help="Folder for what is written; by default one of its own in results/.", metavar="FOLDER"
+    ),
+]
+QuickOption = Annotated[bool, typer.Option("--quick", help="Coarser references: to see whether all runs.")]
+PageOption = Annotated[
+    Path | None, typer.Option(help="Also write this page, with its figures beside it in figures/.", metavar="FILE.md")
+]
+ResumeOption = Annotated[bool, typer.Option("--resume", help="Go on from the cases of an interrupted run.")]
+AllOption = Annotated[bool, typer.Option("--all", help="All of them.")]
+
+
+def chart(
+    scene: Annotated[
+        list[str] | None, typer.Option(help="Standard scene; an unknown one lists them.", metavar="NAME")
+    ] = None,
+    everything: AllOption = False,
+    quick: QuickOption = False,
+    page: PageOption = None,
+    level: Annotated[Level, typer.Option(help="crossover: how fine the finest reference is.")] = Level.full,
+    only: Annotated[
+        str, typer.Option(help="crossover: choices to vary, by commas; all if not given.", metavar="CHOICE,...")
+    ] = "",
+    processes: Annotated[int, typer.Option(min=1, help="crossover: cases computed beside each other.")] = (
+        os.cpu_count() or 1
+    ),
+    out: OutOption = None,
+    resume: ResumeOption = False,
+):
+    """Run standard scenes by every method there is: time against error, and the methods that none other beats.
+
+    The folder then holds tables (CSV) and pictures; while the run goes on, cases/. The scene "crossover" is the long
+    study of the 3D crossover, with orders of convergence and a page of its own.
+    """
+    from weavecell import chart as module
+
+    module.chart_command(
+        scene or [],
+        out,
+        everything=everything,
+        quick=quick,
+        page=page,
+        level=level.value,
+        only=[part.strip() for part in only.split(",") if part.strip()],
+        processes=processes,
+        resume=resume,
+    )
+
+
+def stability(
+    maps: Annotated[
+        list[str] | None, typer.Option("--map", help="Which map; an unknown one lists them.", metavar="NAME")
+    ] = None,
+    everything: AllOption = False,
+    quick: Annotated[bool, typer.Option("--quick", help="Few points: to see whether all runs.")] = False,
+    page: PageOption = None,
+    out: OutOption = None,
+    resume: ResumeOption = False,
+):
+    """Maps of where each method fails, found by running it, with the margins of the defaults.
+
+    The folder then holds a picture for each map and tables (CSV) of points and edges; while it goes on, points/.
+    """
+    from weavecell import stability as module
+
+    module.stability_command(maps or [], out, everything=everything, quick=quick, page=page, resume=resume)
