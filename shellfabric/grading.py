@@ -69,3 +69,38 @@ def split(sides):
     """(n+1,) [-] share of the element before each line in the two beside it; one half at the ends."""
     before, behind = np.insert(sides, 0, sides[0]), np.append(sides, sides[-1])
     return before / (before + behind)
+
+
+def slots(sides, finest, thickness, viscosity, room):
+    """What is a float of a plain panel and changes from slot to slot of a graded one: {name of Constants: (slots,)}.
+
+    The viscosity grows with the element, so that its highest mode is damped by the same ratio everywhere.
+
+    Parameters
+    ----------
+    sides : ((ni,), (nj,)) [m]
+    finest : (dx, dy) [m] sides of the smallest element
+    thickness : [m] of the cloth
+    viscosity : (warp, weft) [N] of the smallest element
+    room : as `panel._room`, makes flat arrays that begin with a cache line
+    """
+    (a, b), (dx, dy), (cv1, cv2) = sides, finest, viscosity
+    ni, nj = a.size, b.size
+
+    def spread(row, column, factor=1.0):
+        grid = np.multiply.outer(np.append(row, row[-1:]), np.append(column, column[-1:]))[: ni + 1, : nj + 1]
+        flat = room(1, (ni + 2) * (nj + 1) + 32)[0]
+        flat[:] = factor * grid[0, 0]
+        flat[16 : 16 + grid.size] = factor * grid.ravel()
+        return flat[16:]  # `membrane_kernels.difference` reads one slot before the first
+
+    rows, columns = np.ones(ni + 1), np.ones(nj + 1)
+    return {
+        "rx0": spread(1 / a, columns),
+        "ry0": spread(rows, 1 / b),
+        "V": spread(a, b, thickness),
+        "cv1": spread(a / dx, columns, cv1),
+        "cv2": spread(rows, b / dy, cv2),
+        "split1": spread(split(a), columns),
+        "split2": spread(rows, split(b)),
+    }

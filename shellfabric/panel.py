@@ -359,7 +359,7 @@ class Panel:
         slots = {"rx0": 1 / dx, "ry0": 1 / dy, "cv1": cv1, "cv2": cv2, "V": dx * dy * weave.thickness}
         slots |= {"split1": 0.5, "split2": 0.5}
         if self.sides is not None:
-            slots = self._graded(cv1, cv2)
+            slots = grading.slots(self.sides, self.spacing, weave.thickness, (cv1, cv2), _room)
         return Constants(
             ni=ni, nj=nj, s=nj + 1, block=self._block, mirror_x=mirror_x, mirror_y=mirror_y,
             x0=x0, y0=y0, dx=dx, dy=dy, dt=dt, per=self.elements_per_crossover, **slots,
@@ -489,28 +489,6 @@ class Panel:
             lines[:, [0, -1]] *= 0.5
             found.append(y.ravel())
         return found
-
-    def _graded(self, cv1, cv2):
-        """What changes from slot to slot on a graded panel.
-
-        The viscosity grows with the element, so that its highest mode is damped by the same ratio everywhere.
-        """
-        (a, b), (dx, dy), (ni, nj) = self.sides, self.spacing, self.counts
-
-        def spread(row, column, factor=1.0):
-            grid = np.multiply.outer(np.append(row, row[-1:]), np.append(column, column[-1:]))[: ni + 1, : nj + 1]
-            grid = grid * factor
-            flat = _room(1, (ni + 2) * (nj + 1) + 32)[0]
-            flat[:] = grid[0, 0]
-            flat[16 : 16 + grid.size] = grid.ravel()
-            return flat[16:]  # `membrane_kernels.difference` reads one slot before the first
-
-        one, other = np.ones(ni + 1), np.ones(nj + 1)
-        return {
-            "rx0": spread(1 / a, other), "ry0": spread(one, 1 / b), "V": spread(a, b, self.weave.thickness),
-            "cv1": spread(a / dx, other, cv1), "cv2": spread(one, b / dy, cv2),
-            "split1": spread(grading.split(a), other), "split2": spread(one, grading.split(b)),
-        }  # fmt: skip
 
     @cached_property
     def _spline(self):
