@@ -12,7 +12,7 @@ from fabrics.errors import InputError, UnstableError
 from shellfabric import behind, body, edges, edges_kernels, pack_kernels, ply_contact_kernels, team
 from shellfabric import march_kernels as kernels
 from shellfabric.contact_kernels import CONTACT, FRICTION
-from shellfabric.march import ENERGIES, March
+from shellfabric.march import ENERGIES, March, gift
 from shellfabric.pack import Pack, lists
 from shellfabric.plug import passed
 
@@ -223,6 +223,11 @@ class PackMarch(March):
             self.reason = kernels.NOT_FINITE
             told = f"the energy balance is off by {100 * drift:.2g} % of the strike energy"
             raise UnstableError(told, where=f"{len(self.states)} plies", when=when)
+        for name, told in (("contact", "the contact with the nose"), ("plies", "the contact between plies")):
+            given = gift(row[PACK_SAMPLES.index(name)], self.strike_energy)
+            if given:
+                self.reason = kernels.NOT_FINITE
+                raise UnstableError(f"{told} {given}", where=f"{len(self.states)} plies", when=when)
 
     def _look_for_plug(self):
         """End a run in which cut-out cloth is all that is left before the projectile."""
