@@ -23,7 +23,10 @@ SCENES = {
     "accuracy-unknown": "accuracy.velocity: unknown key; allowed here: "
     "residual_velocity, absorbed_energy, deflection, peak_tension",
     "angle-without-unit": 'projectile.obliquity = 30: must be an angle from 0 to 75 deg, such as "30 deg"',
+    "bar-too-light": "projectile.mass = 0.001: must be above 0.002614 and at most 0.007905 kg",
+    "block-before-an-oblique-shot": "panel.symmetry = 'whole': must be quarter in front of a backing",
     "boolean": """projectile.mass = True: must be a mass above 0, such as "3 g\"""",
+    "bore-of-a-rigid-body": """projectile.bore: is that of a bar; must be with body = "bar\"""",
     "boundary-both-slips": "panel.boundary.weft: give either grip alone, or pull_in with start and end (and zone)",
     "boundary-ends-early": "panel.boundary.weft: must end after its start",
     "boundary-glued": f"panel.boundary.weft = 'glued': must be {SIDE}",
