@@ -38,7 +38,7 @@ _LEAST = (0.25, 1e-3)  # deflections that are looked at: of the gap, of the thic
 
 Pair = namedtuple(
     "Pair",
-    "foot status on_front on_rear front_touched rear_touched front_box rear_box energy "
+    "foot status wait speed on_front on_rear front_touched rear_touched front_box rear_box energy "
     "form points start stiffness damping thickness apart least",
 )
 Stack = namedtuple("Stack", "awake counter places reactions counters speed")
@@ -228,6 +228,7 @@ class Pack:
         foot[1] = ((front.y0 - rear.y0 + across) / rear.dy)[None, :, None, :]
         return Pair(
             foot=tuple(part.ravel().copy() for part in foot), status=np.zeros(foot[0].size, np.uint8),
+            wait=np.zeros(foot[0].size, np.uint8), speed=np.zeros(2),
             on_front=nodal(states[p]), on_rear=nodal(states[q]), front_touched=nothing(front),
             rear_touched=nothing(rear), front_box=np.array(states[p].window),
             rear_box=np.array([rear.ni + 1, -1, rear.s, -1]), energy=np.zeros(4), form=form, points=n, start=start,

@@ -114,10 +114,10 @@ def bulging(pack, rng, together):
     return states, consts, pairs[0]
 
 
-def settled(states, consts, pair, times=60):
+def settled(states, consts, pair, times=200):
     """The contact with its feet found: from flat cloth they take steps of a quarter of an element."""
     for step in range(times):
-        pair.status[:] = kernels.FREE
+        pair.status[:], pair.wait[:] = kernels.FREE, 0
         kernels.contact(states[0], consts[0], states[1], consts[1], pair, 8 * step)
 
 
@@ -164,7 +164,7 @@ def test_forces_add_up_to_nothing(ply, points):
         replace(ply, symmetry="whole"), 2, stacking="alternating", gap=50e-6, contact=PlyContact(points=points)
     )
     states, consts, pair = bulging(pack, np.random.default_rng(2), 0.2e-3)
-    settled(states, consts, pair, 300)
+    settled(states, consts, pair)
     moment, size = np.zeros(3), 0.0
     for c in range(3):
         total = pair.on_front[c].sum() + pair.on_rear[c].sum()
