@@ -71,7 +71,7 @@ SCENES = {
     "projectile-too-wide": "projectile.diameter = '120 mm': must be below half of panel.opening",
     "sphere-with-edge": "projectile.edge_radius = '0.3 mm': must be left out for a sphere",
     "three-errors": 'panel.oppening: unknown key, did you mean "opening"? '
-    "allowed here: opening, boundary, symmetry, weave_angle, grading (+3 more)",
+    "allowed here: opening, boundary, symmetry, weave_angle, plies, stacking, gap, yarns_fail, grading (+3 more)",
     "toe-in-an-impact": "fabric.yarn_toe = 0.001: must be left out in an impact",
     "toe-too-long": "fabric.yarn_toe = ['0.1 %', '20 %']: must be a strain from 0 to 10 %, such as \"0.1 %\", "
     "or a list of two, of warp and weft",
