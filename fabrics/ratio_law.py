@@ -1,10 +1,15 @@
 """A compression law that also sees how the two yarns share the tension.
 
-    d_c = a (1 - (1 + F / F0)^(-1/3)),   a = exp(p0 + p1 m),   F0 = exp(q0 + q1 m),   m = (T1 - T2) / (T1 + T2)
+    d_c = c F / (1 + F / F0),   c = exp(p0 + p1 m),   m = (T1 - T2) / (T1 + T2)
 
-At one m this is the regularised law (erratum E-05) with b = a F0^(1/3). The source uses one a and b for all ratios; a
-taut yarn keeps its section and presses into the slack one, so the compression at one force depends on which is taut.
-m = 1: all tension in the warp, -1: in the weft.
+The source uses one a and b for all ratios; a taut yarn keeps its section and presses into the slack one, so the
+compression at one force depends on which is taut. m = 1: all tension in the warp, -1: in the weft.
+
+The force enters with exponent 1, not with the 1/3 of the regularised law (erratum E-05): what single paths leave of
+that law is not the ratio's doing. Over the catalogue (3D crossover, coarse mesh, 75 samples each) the rms left is at
+most 1.31 um with exponent 1/3 and a(m), 1.30 um with F0(m) besides, 0.77 um with exponent 1; an exponent that is
+fitted too lies anywhere from 0.6 to 6 and takes off 0.3 um at most. A compliance c and not a limit a = c F0 is what all
+samples tell: those of an unbalanced glass weave stay on d = c F.
 """
 
 from __future__ import annotations
@@ -13,7 +18,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fabrics.compression import CompressionLaw
 from fabrics.errors import InputError
 
 
@@ -30,26 +34,25 @@ class RatioLaw:
 
     Parameters
     ----------
-    p : (p0, p1) of ln(a / 1 m)
-    q : (q0, q1) of ln(F0 / 1 N)
+    p : (p0, p1) of ln(c / (1 m/N))
+    F0 : [N] force at which half of the limit c F0 is reached; infinite where none shows
     residual_rms : [m] of the fit
     m_range : (lowest, highest) [-] imbalance of the fitted samples
     """
 
     p: tuple[float, float]
-    q: tuple[float, float]
+    F0: float
     residual_rms: float | None = None
     m_range: tuple[float, float] | None = None
 
-    def at(self, m) -> CompressionLaw:
-        """The law at one imbalance."""
-        a, F0 = np.exp(self.p[0] + self.p[1] * m), np.exp(self.q[0] + self.q[1] * m)
-        return CompressionLaw(float(a), float(a * np.cbrt(F0)), provenance=f"ratio law at m = {m:.3f}")
+    def compliance(self, m):
+        """Compression [m/N] per force at the first contact, at the imbalance `m`."""
+        return np.exp(self.p[0] + self.p[1] * np.asarray(m, float))
 
     def d(self, F, m):
         """Compression [m] at the contact force `F` [N] and the imbalance `m`; zero without force."""
-        F, m = np.maximum(np.asarray(F, float), 0), np.asarray(m, float)
-        return np.exp(self.p[0] + self.p[1] * m) * (1 - (1 + F * np.exp(-self.q[0] - self.q[1] * m)) ** (-1 / 3))
+        F = np.maximum(np.asarray(F, float), 0)
+        return self.compliance(m) * F / (1 + F / self.F0)
 
     @classmethod
     def fit(cls, F, m, d) -> RatioLaw:
@@ -68,15 +71,16 @@ class RatioLaw:
         length, force = float(np.max(np.abs(d))), float(np.max(F))
 
         def distance(x):
-            return np.exp(x[0] + x[1] * m) * (1 - (1 + F / force * np.exp(-x[2] - x[3] * m)) ** (-1 / 3)) - d / length
+            return np.exp(x[0] + x[1] * m) * (F / force) / (1 + x[2] * F / force) - d / length
 
-        found = least_squares(distance, (0.3, 0.0, np.log(0.03), 0.0), x_scale=(1, 1, 3, 3))
+        bounds = ((-np.inf, -np.inf, 0), np.inf)
+        found = least_squares(distance, (2.0, 0.0, 10.0), x_scale=(1, 1, 10), bounds=bounds)
         if not found.success:
             raise InputError(f"no law of the tension ratio fits the samples: {found.message}")
-        p0, p1, q0, q1 = map(float, found.x)
+        p0, p1, bend = map(float, found.x)
         return cls(
-            (p0 + float(np.log(length)), p1),
-            (q0 + float(np.log(force)), q1),
+            (p0 + float(np.log(length / force)), p1),
+            force / bend if bend > 1e-3 else np.inf,  # below, the samples know no limit
             length * float(np.sqrt(np.mean(found.fun**2))),
             (float(m.min()), float(m.max())),
         )

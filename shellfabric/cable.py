@@ -14,22 +14,26 @@ from __future__ import annotations
 
 from collections import namedtuple
 from dataclasses import dataclass, field
-from math import ceil, inf
+from math import inf
 
 import numpy as np
 
 from fabrics.errors import InputError
 from fabrics.fabric import Fabric
+from shellfabric import contact
 from shellfabric.panel import SYMMETRIES
 from shellfabric.projectile import Projectile
 
 Constants = namedtuple(
     "Constants",
-    "ni nj s block spacing origin dt S0 EA cv limit near point_stiffness point_damping R rho projectile_mass free "
-    "idle_steps clamped middle middle_share driven",
+    "ni nj s block mirror_x mirror_y x0 y0 dx dy dt S0 EA cv limit near points shares point_stiffness "
+    "point_damping shape form length frame tilted friction widest R rho projectile_mass free idle_steps clamped middle "
+    "middle_share driven",
 )
 State = namedtuple(
-    "State", "u v g mass kick stiff L drag pressed touching position speed reaction rows counter sums peak"
+    "State",
+    "u v g mass kick stiff intact flag L drag pressed touching stuck window contact contact_energy scratch "
+    "position speed reaction rows counter sums peak",
 )
 
 
@@ -44,7 +48,8 @@ class CableNumerics:
     viscosity : damping ratio of the highest mode of the taut net; 0.1, as in the shell
     penalty : stiffness of the contact, in units of the touching mass / dt^2
     contact_damping : ratio to critical of that mass on that spring
-    contact_points : on each bar; 0 takes as many as make their distance the edge radius
+    contact_points : along each bar, as in the shell
+    widest : stretch of the gap left by failed bars at which an element of the surface loses contact, as in the shell
     clear_time : [s] without a push and with nothing ahead, after which the net counts as perforated
     block : nodes worked on together; their scratch should stay in cache
     drift_limit : share of the strike energy that the energy balance may reach before the run counts as unstable
@@ -58,16 +63,17 @@ class CableNumerics:
     viscosity: float = 0.1
     penalty: float = 0.3
     contact_damping: float = 0.5
-    contact_points: int = 0
+    contact_points: int = 8
+    widest: float = 3.0
     clear_time: float = 2e-6
     block: int = 2000
     drift_limit: float = 0.05
 
     def __post_init__(self):
-        for key in ("safety", "penalty", "clear_time", "block", "drift_limit"):
+        for key in ("safety", "penalty", "contact_points", "widest", "clear_time", "block", "drift_limit"):
             if not getattr(self, key) > 0:
                 raise InputError(key=key, value=getattr(self, key), allowed="above 0")
-        for key in ("viscosity", "contact_damping", "contact_points"):
+        for key in ("viscosity", "contact_damping"):
             if not getattr(self, key) >= 0:
                 raise InputError(key=key, value=getattr(self, key), allowed="at least 0")
         if self.safety > 1:
@@ -170,19 +176,20 @@ class CableNet:
     def constants(self) -> Constants:
         """What the kernels need to know, as plain numbers and arrays."""
         (ni, nj), mirrors, weave, knobs = self.counts, SYMMETRIES[self.symmetry], self.fabric.weave, self.numerics
-        s, spacing, (dt, cv) = nj + 1, tuple(2 * w for w in weave.w), self._step()
+        shot, s, spacing, (dt, cv) = self.projectile, nj + 1, tuple(2 * w for w in weave.w), self._step()
         origin = tuple(0.0 if mirrored else -0.5 * n * d for mirrored, n, d in zip(mirrors, (ni, nj), spacing))
-        points = [S0 * yarn.linear_density / p for S0, yarn, p in zip(weave.S0, weave.yarns, self._points())]
         slots = np.arange((ni + 1) * s).reshape(ni + 1, s)
         middle = (int(slots[-1, 0 if mirrors[1] else nj // 2]), int(slots[0 if mirrors[0] else ni // 2, -1]))
         return Constants(
-            ni=ni, nj=nj, s=s, block=max(1, round(knobs.block / s)), spacing=spacing, origin=origin, dt=dt,
+            ni=ni, nj=nj, s=s, block=max(1, round(knobs.block / s)), mirror_x=mirrors[0], mirror_y=mirrors[1],
+            x0=origin[0], y0=origin[1], dx=spacing[0], dy=spacing[1], dt=dt,
             S0=weave.S0, EA=tuple(yarn.EA for yarn in weave.yarns), cv=cv,
             limit=tuple(S0 * yarn.failure_strain if self.failure else inf for S0, yarn in zip(weave.S0, weave.yarns)),
-            near=self._near(origin), point_stiffness=tuple(knobs.penalty * m / dt**2 for m in points),
-            point_damping=tuple(2 * knobs.contact_damping * knobs.penalty**0.5 * m / dt for m in points),
-            R=self.projectile.radius, rho=self.projectile.edge_radius,
-            projectile_mass=self.projectile.mass * self.share,
+            near=self._near(origin),
+            **contact.constants(knobs.contact_points, weave.cell_mass, dt, knobs.penalty, knobs.contact_damping),
+            shape=shot.number, form=shot.form, length=inf, frame=shot.frame, tilted=False, friction=0.0,
+            widest=knobs.widest, R=shot.radius, rho=shot.edge_radius,
+            projectile_mass=shot.mass * self.share,
             free=(*(0.0 if mirrored else 1.0 for mirrored in mirrors), 1.0),
             idle_steps=max(1, round(knobs.clear_time / dt)), clamped=slots[self._clamped()], middle=middle,
             middle_share=(0.5 if mirrors[1] else 1.0, 0.5 if mirrors[0] else 1.0), driven=0,
@@ -201,23 +208,17 @@ class CableNet:
         held = np.repeat(self._clamped()[None], 3, axis=0)
         held[0, 0, :] |= mirrors[0]
         held[1, :, 0] |= mirrors[1]
-        i0, i1, j0, j1 = const.near
+        i0, i1 = const.near[:2]
         bar_mass = [S0 * yarn.linear_density for S0, yarn in zip(self.fabric.weave.S0, self.fabric.weave.yarns)]
-        pressed = np.zeros((2, i1 - i0 + 1, j1 - j0 + 1, max(self._points())))
-        rows = (i0, min(i1 + 1, ni))
-        return at_rest(const, share, bar_mass, held, pressed, rows, strike_velocity)
+        rows = (max(i0 - 1, 0), min(i1 + 1, ni))
+        return at_rest(const, share, bar_mass, held, rows, strike_velocity)
 
     def coordinates(self):
         """(X, Y) [m] of the nodes at rest, each (ni+1, nj+1); the impact point is the origin."""
         c = self.constants()
         return np.meshgrid(
-            *(o + d * np.arange(n + 1) for o, d, n in zip(c.origin, c.spacing, self.counts)), indexing="ij"
+            *(o + d * np.arange(n + 1) for o, d, n in zip((c.x0, c.y0), (c.dx, c.dy), self.counts)), indexing="ij"
         )
-
-    def _points(self):
-        """Contact points on a bar, the same number for both families so that they share one array."""
-        fine = max(2, *(ceil(2 * w / self.projectile.edge_radius) for w in self.fabric.weave.w))
-        return (self.numerics.contact_points or fine,) * 2
 
     def _clamped(self):
         """(ni+1, nj+1) bool: nodes held by the clamps."""
@@ -229,7 +230,7 @@ class CableNet:
         return clamped
 
     def _near(self, origin):
-        """Node rows and columns (i0, i1, j0, j1) whose bars can come under the projectile: crimp and strain draw in."""
+        """Element rows and columns (i0, i1, j0, j1) that can come under the projectile: crimp and strain draw in."""
         bounds = []
         for start, w, count, yarn in zip(origin, self.fabric.weave.w, self.counts, self.fabric.weave.yarns):
             half = count * 2 * w if start == 0 else -start
@@ -238,7 +239,7 @@ class CableNet:
         return tuple(bounds)
 
 
-def at_rest(const, share, bar_mass, held, pressed, rows, speed) -> State:
+def at_rest(const, share, bar_mass, held, rows, speed) -> State:
     """Arrays of a net at rest.
 
     Parameters
@@ -246,7 +247,6 @@ def at_rest(const, share, bar_mass, held, pressed, rows, speed) -> State:
     share : (2, ni+1, nj+1) [-] of a yarn in the bars along warp and weft from each node
     bar_mass : (2,) [kg] of a whole bar
     held : (3, ni+1, nj+1) bool, components that do not move
-    pressed : contact forces, zero
     rows : (first, last) rows of bars that may move at once
     speed : [m/s] of the projectile
     """
@@ -266,11 +266,15 @@ def at_rest(const, share, bar_mass, held, pressed, rows, speed) -> State:
         out[..., : share[0].size] = array.reshape(*array.shape[:-2], -1)
         return out
 
+    stiff = flat(share * stiffness[:, None, None])
     return State(
         u=np.zeros((3, slots)), v=np.zeros((3, slots)), g=np.zeros((3, slots)), mass=flat(mass),
-        kick=flat(np.where(held, 0.0, inverse)), stiff=flat(share * stiffness[:, None, None]),
-        L=np.repeat(np.array(const.spacing)[:, None], slots, axis=1), drag=np.zeros((2, slots)), pressed=pressed,
-        touching=np.zeros(pressed.shape[:3], np.bool_),
+        kick=flat(np.where(held, 0.0, inverse)), stiff=stiff,
+        intact=(stiff > 0).astype(float),
+        L=np.repeat(np.array([const.dx, const.dy])[:, None], slots, axis=1), drag=np.zeros((2, slots)),
+        flag=np.zeros(slots, np.uint8), contact=np.zeros((3, slots)), contact_energy=np.zeros(4),
+        **contact.memory(const.near, const.points, const.shares, 0.0), window=np.array(const.near),
+        scratch=contact.scratch(const),
         position=np.zeros(3), speed=np.array([0.0, 0.0, float(speed)]), reaction=np.zeros(3), rows=np.array(rows),
         counter=np.zeros(3, np.int64), sums=np.zeros(4), peak=np.zeros(2),
     )  # fmt: skip

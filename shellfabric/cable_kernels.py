@@ -19,7 +19,7 @@ import math
 import numpy as np
 from numba import njit
 
-from shellfabric.cable_contact_kernels import WARP, WEFT, contact, in_the_way
+from shellfabric.cable_contact_kernels import WARP, WEFT, contact, in_the_way, tear
 from shellfabric.march_kernels import widen
 
 RUNNING, STOPPED, PERFORATED, NOT_FINITE = 0, 1, 2, 3
@@ -127,8 +127,8 @@ def bars(state, const, family, k0, n, work, row):
     dx, dy, dz, a = work[row, lead:], work[row + 1, lead:], work[row + 2, lead:], work[row + 3, lead:]
     L, rate, e = work[8], work[9], work[10]
     offset = np.uint64(const.s) if family == WARP else ONE
-    differences(state.u[0], k0, n, offset, const.spacing[0] if family == WARP else 0.0, dx)
-    differences(state.u[1], k0, n, offset, const.spacing[1] if family == WEFT else 0.0, dy)
+    differences(state.u[0], k0, n, offset, const.dx if family == WARP else 0.0, dx)
+    differences(state.u[1], k0, n, offset, const.dy if family == WEFT else 0.0, dy)
     differences(state.u[2], k0, n, offset, 0.0, dz)
     lengths(n, dx, dy, dz, L)
     stiff, drag = state.stiff[family], state.drag[family]
@@ -162,8 +162,8 @@ def forces(state, const, work):
 
 
 @njit(cache=True, error_model="numpy")
-def step(state, const, work, x, v):
-    """One step (work, x, v: scratch); returns why it should be the last, or RUNNING."""
+def step(state, const, work):
+    """One step (work: scratch); returns why it should be the last, or RUNNING."""
     first, last = state.rows[0], state.rows[1] + 1
     k0, n = np.uint64(first * const.s), np.uint64((last - first) * const.s)
     for c in range(3):
@@ -171,15 +171,18 @@ def step(state, const, work, x, v):
         state.speed[c] += const.dt * const.free[c] * state.reaction[c] / const.projectile_mass
         state.position[c] += const.dt * state.speed[c]
     widen(state, const)
+    failures = state.counter[FAILURES]
     forces(state, const, work)
-    contact(state, const, x, v)
+    if state.counter[FAILURES] > failures:
+        tear(state, const)
+    contact(state, const)
     state.counter[STEP] += 1
     if not (abs(state.speed[2]) < 1e9 and abs(state.sums[VISCOUS]) < 1e30):
         return NOT_FINITE
     if state.speed[2] <= 0.0:
         return STOPPED
     # perforated: yarns have failed, nothing pushes, and nothing that holds is left in front, for a while
-    idle = state.counter[FAILURES] > 0 and state.reaction[2] == 0.0 and not in_the_way(state, const, x, v)
+    idle = state.counter[FAILURES] > 0 and state.reaction[2] == 0.0 and not in_the_way(state, const)
     state.counter[IDLE] = state.counter[IDLE] + 1 if idle else 0
     return PERFORATED if state.counter[IDLE] >= const.idle_steps else RUNNING
 
@@ -201,9 +204,8 @@ def observe(state, const, row):
 def advance(state, const, steps, history):
     """March at most `steps` steps, a row of history (steps, COLUMNS) each; (steps made, why it ended or RUNNING)."""
     work = np.zeros((WORK, (const.block + 1) * const.s))
-    x, v = np.empty((2, 3)), np.empty((2, 3))
     for m in range(steps):
-        reason = step(state, const, work, x, v)
+        reason = step(state, const, work)
         observe(state, const, history[m])
         if reason != RUNNING:
             return m + 1, reason

@@ -1,62 +1,44 @@
-"""Contact of the cloth with a rigid projectile: penalty on a signed distance, over points inside the elements.
+"""Contact of the cloth with a rigid projectile: penalty on a signed distance, over points of a smooth surface.
 
 The distance is that of `shapes_kernels`, in the frame of the projectile: its nose at the origin, its axis along z. A
 projectile whose axis is tilted has a frame of its own, into which places are turned, and normals back out of it.
 
-Every element carries p x p points x = sum N_i x_i. One with distance < 0 feels f n, f = max(0, -k distance - c n.(v -
-v_p)), and the friction of `friction_kernels`; its nodes share the force by their N_i, and the projectile gets its
-opposite, so that momentum is kept. Where yarns have failed, k and c are those of what is left of
-the two next to a point.
+Every element carries p x p points x = sum N_i x_i of the surface of `spline_kernels`. One with distance < 0 feels f n,
+f = max(0, -k distance - c n.(v - v_p)), and the friction of `friction_kernels`; its nodes share the force by their N_i,
+and the projectile gets its opposite, so that momentum is kept. Where yarns have failed, k and c are those of what is
+left of the two next to a point.
 
-Points inside the elements are what keeps contact quiet. A lone node that carries a yarn round the edge slides off it
-down the side of the cylinder, which stretches the yarn under the nose to twice the tension outside, though frictionless
-contact cannot change it; with a sharp edge it is snapped up by its whole depth besides. A point inside an element meets
-the edge where the chord is tangent to it, so that the push is normal to the yarn. With eight points a crossover the
-peak tension has converged (S-720, 92.5 m/s: 136 and 155 N; four points 134 and 152, sixteen 136 and 154), and an edge
-radius of 3 um serves nearly as well as 0.3 mm (130 and 151 N).
+Why a smooth surface. A lone node that carries a yarn round the edge slides off it down the side of the cylinder, and a
+sharp edge snaps it up by its whole depth. Points inside flat elements meet the edge quietly, but the normals of these
+jump at nodes, so that the rim bends a yarn at one node or another, and the peak tension goes with where the rim lies in
+an element and does not settle with the mesh. With 1 and 2 elements a crossover it was 215 and 250 N in the warp of
+S-745, 116 and 127 N in that of S-726; the smooth surface has 217 and 223, 118.7 and 118.8 N. With eight points a
+crossover it has converged in their number (S-720, equilibrium form, 92.5 m/s: 134.7 and 153.9 N; four points 131.4 and
+149.5, sixteen 134.3 and 153.7). An edge radius of 3 um in place of 0.3 mm takes a tenth off it (120.6 and 139.8 N), a
+thirtieth with sixteen points (129.5 and 150.8).
 """
 
 import numpy as np
 from numba import njit
 
-from shellfabric import friction_kernels, shapes_kernels
+from shellfabric import friction_kernels, shapes_kernels, spline_kernels
+from shellfabric.lanes import WIDTH, above, fma, load, most, some, store
 from shellfabric.membrane_kernels import ERODED
 
 CONTACT, SPRING, FRICTION, FRICTION_SPRING = 0, 1, 2, 3  # of state.contact_energy
 
 
 @njit(cache=True, error_model="numpy")
-def corner(state, const, i, j, x, v):
-    """Place of node (i, j) in the frame of the projectile, and its velocity relative to it, in that of the panel."""
-    k = np.uint64(i * const.s + j)
-    x[0] = const.x0 + i * const.dx + state.u[0][k] - state.position[0]
-    x[1] = const.y0 + j * const.dy + state.u[1][k] - state.position[1]
-    x[2] = state.u[2][k] - state.position[2]
-    for c in range(3):
-        v[c] = state.v[c][k] - state.speed[c]
-    if const.tilted:
-        frame, x0, x1, x2 = const.frame, x[0], x[1], x[2]
-        for c in range(3):
-            x[c] = frame[c, 0] * x0 + frame[c, 1] * x1 + frame[c, 2] * x2
-
-
-@njit(cache=True, error_model="numpy")
-def apart(x, R):
-    """Whether the element with the corners x (4, 3) lies ahead of the nose or beside the cylinder."""
-    if x[0, 2] > 0.0 and x[1, 2] > 0.0 and x[2, 2] > 0.0 and x[3, 2] > 0.0:
-        return True
-    low_x, high_x, low_y, high_y = x[0, 0], x[0, 0], x[0, 1], x[0, 1]
-    for m in range(1, 4):
-        low_x, high_x = min(low_x, x[m, 0]), max(high_x, x[m, 0])
-        low_y, high_y = min(low_y, x[m, 1]), max(high_y, x[m, 1])
-    gap_x, gap_y = max(low_x, -high_x, 0.0), max(low_y, -high_y, 0.0)
-    return gap_x * gap_x + gap_y * gap_y > R * R
-
-
-@njit(cache=True, error_model="numpy")
 def window(state):
     """First and last row, and column, of the elements that contact looks at."""
     return state.window[0], state.window[1], state.window[2], state.window[3]
+
+
+@njit(cache=True, error_model="numpy")
+def reached(state, const):
+    """First and last row, and column, of the nodes that it may push: one beyond those of the elements."""
+    i0, i1, j0, j1 = window(state)
+    return max(i0 - 1, 0), min(i1 + 1, const.ni), max(j0 - 1, 0), min(j1 + 1, const.nj)
 
 
 @njit(cache=True, error_model="numpy")
@@ -77,68 +59,89 @@ def follow(state, const):
         count = const.near[2 * c + 1]
         state.window[2 * c] = min(max(int(low / step), 0), count)
         state.window[2 * c + 1] = min(max(int(high / step) + 1, state.window[2 * c]), count)
-    state.rows[0] = min(state.rows[0], max(state.window[0] - 1, 0))
-    state.rows[1] = max(state.rows[1], min(state.window[1] + 1, const.ni))
+    state.rows[0] = min(state.rows[0], max(state.window[0] - 2, 0))
+    state.rows[1] = max(state.rows[1], min(state.window[1] + 2, const.ni))
 
 
-@njit(cache=True, error_model="numpy")
-def contact(state, const, x, v):
+@njit(cache=True, error_model="numpy", _nrt=False)
+def contact(state, const, work):
     """Contact forces at the present positions, into state.contact; the force on the projectile into state.reaction.
 
-    x, v : (4, 3) scratch. The elements of the block of rows and columns state.window, which lies in const.near, are
-    looked at, unless eroded: what no yarn holds is out of contact. Returns the work that the contact has taken in
-    since the last call (spring and damper, by the trapezoid rule) and the energy in its springs.
+    The elements of the block of rows and columns state.window, which lies in const.near, are looked at, unless eroded:
+    what no yarn holds is out of contact. Returns the work that the contact has taken in since the last call (spring and
+    damper, by the trapezoid rule) and the energy in its springs.
     """
-    i0, i1, j0, j1 = window(state)
-    for c in range(3):
-        state.reaction[c] = 0.0
-        for i in range(i0, i1 + 1):
-            for k in range(i * const.s + j0, i * const.s + j1 + 1):
-                state.contact[c][np.uint64(k)] = 0.0
+    clear(state, const)
     if const.roaming:
         follow(state, const)
-        i0, i1, j0, j1 = window(state)
+    return look(state, const, work)
+
+
+@njit(cache=True, error_model="numpy", _nrt=False)
+def look(state, const, work):
+    """Contact of the elements in the window, as `contact` has it."""
+    i0, i1, j0, j1 = window(state)
     state.contact_energy[FRICTION_SPRING] = 0.0
-    work, spring = 0.0, 0.0
+    taken, spring = 0.0, 0.0
+    for i in range(i0 - 1, i0 + 2):
+        spline_kernels.line(state, const, i, j0 - 1, j1 + 1, work.lines[i & 3])
     for i in range(i0, i1):
+        spline_kernels.line(state, const, i + 2, j0 - 1, j1 + 1, work.lines[(i + 2) & 3])
+        spline_kernels.boxes(work.lines, j1 - j0 + 3, work.low, work.high)
         for j in range(j0, j1):
             e = (i - const.near[0]) * (const.near[3] - const.near[2]) + j - const.near[2]
-            for m in range(4):
-                corner(state, const, i + (m & 1), j + (m >> 1), x[m], v[m])
-            if state.flag[i * const.s + j] and erode(state, const, i, j, x):
-                state.touching[e] = False
-                state.pressed[e] = 0.0
-                if const.friction > 0.0:
-                    state.stuck[e] = 0.0
-                continue
-            if apart(x, const.R) and not state.touching[e]:
-                continue
-            element_work, element_spring = press(state, const, i, j, e, x, v)
-            work += element_work
-            spring += element_spring
+            if state.flag[i * const.s + j] and erode(state, const, i, j):
+                let_go(state, const, e)
+            elif state.touching[e] or not spline_kernels.apart(work.low, work.high, j - j0, const.R):
+                element_taken, element_spring = press(state, const, i, j, e, work)
+                taken += element_taken
+                spring += element_spring
     # nodes on a plane of symmetry keep to it
+    i0, i1, j0, j1 = reached(state, const)
     if const.mirror_x and i0 == 0:
         for j in range(j0, j1 + 1):
             state.contact[0][j] = 0.0
     if const.mirror_y and j0 == 0:
         for i in range(i0, i1 + 1):
             state.contact[1][i * const.s] = 0.0
-    return work, spring
+    return taken, spring
+
+
+@njit(cache=True, error_model="numpy", _nrt=False)
+def clear(state, const):
+    """Take away the forces of the last call."""
+    i0, i1, j0, j1 = reached(state, const)
+    for c in range(3):
+        state.reaction[c] = 0.0
+        for i in range(i0, i1 + 1):
+            for k in range(np.uint64(i * const.s + j0), np.uint64(i * const.s + j1 + 1)):
+                state.contact[c][k] = 0.0
+
+
+@njit(cache=True, error_model="numpy", _nrt=False)
+def let_go(state, const, e):
+    """Forget the contact of element number e."""
+    state.touching[e] = False
+    state.pressed[e] = 0.0
+    if const.friction > 0.0:
+        state.stuck[e] = 0.0
 
 
 @njit(cache=True, error_model="numpy")
-def erode(state, const, i, j, x):
+def erode(state, const, i, j):
     """Whether the element has no cloth left to push on: its yarns are gone, or those of one family are and the gap that
     they left is wider than const.widest, so that the others are far from it. Once so, it stays so."""
-    k = np.uint64(i * const.s + j)
+    k, row, one = np.uint64(i * const.s + j), np.uint64(const.s), np.uint64(1)
     if state.flag[k] & ERODED:
         return True
-    warp = state.intact[0][k] + state.intact[0][k + np.uint64(1)]
-    weft = state.intact[1][k] + state.intact[1][k + np.uint64(const.s)]
+    warp = state.intact[0][k] + state.intact[0][k + one]
+    weft = state.intact[1][k] + state.intact[1][k + row]
     a, b = 0.0, 0.0
     for c in range(3):
-        a += (x[1, c] - x[0, c] + x[3, c] - x[2, c]) ** 2
-        b += (x[2, c] - x[0, c] + x[3, c] - x[1, c]) ** 2
+        u = state.u[c]
+        u0, u1, u2, u3 = u[k], u[k + row], u[k + one], u[k + row + one]
+        a += ((2.0 * const.dx if c == 0 else 0.0) + u1 - u0 + u3 - u2) ** 2
+        b += ((2.0 * const.dy if c == 1 else 0.0) + u2 - u0 + u3 - u1) ** 2
     open1, open2 = a > (2.0 * const.widest * const.dx) ** 2, b > (2.0 * const.widest * const.dy) ** 2
     if (warp == 0.0 and (weft == 0.0 or open1)) or (weft == 0.0 and open2):
         state.flag[k] |= ERODED
@@ -159,67 +162,118 @@ def cover(state, const, k, s, t):
     return 0.5 * (near + other)
 
 
-@njit(cache=True, error_model="numpy")
-def press(state, const, i, j, e, x, v):
-    """Contact of the points of one element: its work and spring energy; forces are added to its corners."""
-    p, work, spring = const.points, 0.0, 0.0
-    state.touching[e] = False
-    force, k = state.reaction, np.uint64(i * const.s + j)
-    whole = state.flag[k] == 0
-    for a in range(p):
-        s = (a + 0.5) / p
-        for b in range(p):
-            t = (b + 0.5) / p
-            n0, n1, n2, n3 = (1.0 - s) * (1.0 - t), s * (1.0 - t), (1.0 - s) * t, s * t
-            p_x = n0 * x[0, 0] + n1 * x[1, 0] + n2 * x[2, 0] + n3 * x[3, 0]
-            p_y = n0 * x[0, 1] + n1 * x[1, 1] + n2 * x[2, 1] + n3 * x[3, 1]
-            p_z = n0 * x[0, 2] + n1 * x[1, 2] + n2 * x[2, 2] + n3 * x[3, 2]
-            last = state.pressed[e, a * p + b]  # force of the last step: its size, and its three components
-            before = last[0]
-            if before == 0.0 and (p_z >= 0.0 or p_x * p_x + p_y * p_y >= const.R * const.R):
-                continue
-            depth, n_x, n_y, n_z = shapes_kernels.distance(
-                const.shape, p_x, p_y, p_z, const.R, const.rho, const.length, const.form
-            )
-            if depth >= 0.0 and before == 0.0:
-                continue
-            part = 1.0 if whole else cover(state, const, k, s, t)
-            if part == 0.0:
-                last[:] = 0.0
-                if const.friction > 0.0:
-                    state.stuck[e, a * p + b] = 0.0
-                continue
-            stiffness, damping = part * const.point_stiffness, part * const.point_damping
-            if const.tilted:
-                n_x, n_y, n_z = turned_back(const.frame, n_x, n_y, n_z)
-            v_x = n0 * v[0, 0] + n1 * v[1, 0] + n2 * v[2, 0] + n3 * v[3, 0]
-            v_y = n0 * v[0, 1] + n1 * v[1, 1] + n2 * v[2, 1] + n3 * v[3, 1]
-            v_z = n0 * v[0, 2] + n1 * v[1, 2] + n2 * v[2, 2] + n3 * v[3, 2]
-            closing = -n_x * v_x - n_y * v_y - n_z * v_z
-            f = 0.0
-            if depth < 0.0:
-                f = max(0.0, damping * closing - stiffness * depth)
-                spring += 0.5 * stiffness * depth * depth
-                state.touching[e] = True
-            f_x, f_y, f_z = f * n_x, f * n_y, f * n_z
-            work -= 0.5 * const.dt * ((f_x + last[1]) * v_x + (f_y + last[2]) * v_y + (f_z + last[3]) * v_z)
-            last[0], last[1], last[2], last[3] = f, f_x, f_y, f_z
-            if const.friction > 0.0:
-                t_x, t_y, t_z, taken, held = friction_kernels.rub(
-                    state.stuck[e, a * p + b], const.friction * f, stiffness, damping, const.dt,
-                    n_x, n_y, n_z, v_x, v_y, v_z,
-                )  # fmt: skip
-                state.contact_energy[FRICTION] += taken
-                state.contact_energy[FRICTION_SPRING] += held
-                f_x, f_y, f_z = f_x + t_x, f_y + t_y, f_z + t_z
+@njit(cache=True, error_model="numpy", _nrt=False)
+def press(state, const, i, j, e, work):
+    """Contact of the points of one element: what it takes in and its springs' energy; forces go to its nodes.
+
+    Eight points are looked at together; those that touch, or did a step ago, are few and dealt with one by one.
+    """
+    taken, spring, hit, x, v, at = 0.0, 0.0, False, work.x, work.v, work.at
+    column = j - state.window[2]
+    for m in range(4):
+        slot = (i - 1 + m) & 3
+        for n in range(4):
             for c in range(3):
-                push = f_x if c == 0 else f_y if c == 1 else f_z
-                state.contact[c][k] += n0 * push
-                state.contact[c][k + np.uint64(const.s)] += n1 * push
-                state.contact[c][k + np.uint64(1)] += n2 * push
-                state.contact[c][k + np.uint64(const.s) + np.uint64(1)] += n3 * push
-                force[c] -= push
-    return work, spring
+                x[4 * m + n, c] = work.lines[slot, c, column + n]
+    shares, last = const.shares[1], state.pressed[e]
+    if not spline_kernels.untorn(state, const, i, j):
+        shares = work.torn
+        spline_kernels.torn_shares(state, const, i, j, shares)
+    state.touching[e] = False
+    for first in range(0, last.shape[1], WIDTH):
+        p_x, p_y, p_z = spline_kernels.between(shares, first, x)
+        # below 0 within the cylinder's radius and behind the foremost point
+        outside = most(p_z, fma(p_x, p_x, fma(p_y, p_y, 0.0 - const.R * const.R)))
+        if not some(above(most(load(last[0], first), 0.0 - outside), 0.0)):
+            continue
+        if not hit:
+            moving(state, const, i, j, work)
+        hit = True
+        store(at[0], 0, p_x)
+        store(at[1], 0, p_y)
+        store(at[2], 0, p_z)
+        store(at[6], 0, outside)
+        v_x, v_y, v_z = spline_kernels.between(shares, first, v)
+        store(at[3], 0, v_x)
+        store(at[4], 0, v_y)
+        store(at[5], 0, v_z)
+        for m in range(WIDTH):
+            if at[6, m] < 0.0 or last[0, first + m] != 0.0:
+                point_taken, point_spring = touch(state, const, i, j, e, first + m, m, shares, work)
+                taken += point_taken
+                spring += point_spring
+    if hit:
+        spread(state, const, i - 1, j - 1, work.push)
+    return taken, spring
+
+
+@njit(cache=True, error_model="numpy", _nrt=False)
+def moving(state, const, i, j, work):
+    """Velocities of the nodes about element (i, j), into work.v, and room for the forces on them, work.push."""
+    for m in range(4):
+        for n in range(4):
+            k = 4 * m + n
+            v = work.v[k]
+            v[0], v[1], v[2] = spline_kernels.velocity(state, const, i - 1 + m, j - 1 + n)
+            work.push[0, k] = work.push[1, k] = work.push[2, k] = 0.0
+
+
+@njit(cache=True, error_model="numpy", _nrt=False)
+def touch(state, const, i, j, e, number, m, shares, work):
+    """Contact of one point of an element, whose place and velocity are in column m of work.at."""
+    at, last, k = work.at, state.pressed[e], np.uint64(i * const.s + j)
+    before = last[0, number]  # size of the last step's force; its three components come behind it
+    depth, n_x, n_y, n_z = shapes_kernels.distance(
+        const.shape, at[0, m], at[1, m], at[2, m], const.R, const.rho, const.length, const.form
+    )
+    if depth >= 0.0 and before == 0.0:
+        return 0.0, 0.0
+    part = 1.0
+    if state.flag[k] != 0:
+        part = cover(state, const, k, (number // const.points + 0.5) / const.points,
+                     (number % const.points + 0.5) / const.points)  # fmt: skip
+    if part == 0.0:
+        last[0, number] = last[1, number] = last[2, number] = last[3, number] = 0.0
+        if const.friction > 0.0:
+            state.stuck[e, number] = 0.0
+        return 0.0, 0.0
+    stiffness, damping = part * const.point_stiffness, part * const.point_damping
+    if const.tilted:
+        n_x, n_y, n_z = turned_back(const.frame, n_x, n_y, n_z)
+    v_x, v_y, v_z, f, spring = at[3, m], at[4, m], at[5, m], 0.0, 0.0
+    if depth < 0.0:
+        f = max(0.0, -damping * (n_x * v_x + n_y * v_y + n_z * v_z) - stiffness * depth)
+        spring = 0.5 * stiffness * depth * depth
+        state.touching[e] = True
+    f_x, f_y, f_z = f * n_x, f * n_y, f * n_z
+    both_x, both_y, both_z = f_x + last[1, number], f_y + last[2, number], f_z + last[3, number]
+    taken = -0.5 * const.dt * (both_x * v_x + both_y * v_y + both_z * v_z)
+    last[0, number], last[1, number], last[2, number], last[3, number] = f, f_x, f_y, f_z
+    if const.friction > 0.0:
+        t_x, t_y, t_z, rubbed, held = friction_kernels.rub(
+            state.stuck[e, number], const.friction * f, stiffness, damping, const.dt, n_x, n_y, n_z, v_x, v_y, v_z
+        )
+        state.contact_energy[FRICTION] += rubbed
+        state.contact_energy[FRICTION_SPRING] += held
+        f_x, f_y, f_z = f_x + t_x, f_y + t_y, f_z + t_z
+    spline_kernels.hand_on(shares, number, work.push, f_x, f_y, f_z)
+    state.reaction[0] -= f_x
+    state.reaction[1] -= f_y
+    state.reaction[2] -= f_z
+    return taken, spring
+
+
+@njit(cache=True, error_model="numpy", _nrt=False)
+def spread(state, const, i, j, push):
+    """Add the forces on the nodes (i, j) .. (i + 3, j + 3), or those that they are images of."""
+    for m in range(4):
+        row, sign_x = spline_kernels.seen(i + m, const.ni, const.mirror_x)
+        for n in range(4):
+            column, sign_y = spline_kernels.seen(j + n, const.nj, const.mirror_y)
+            k = np.uint64(row * const.s + column)
+            state.contact[0][k] += sign_x * push[0, 4 * m + n]
+            state.contact[1][k] += sign_y * push[1, 4 * m + n]
+            state.contact[2][k] += push[2, 4 * m + n]
 
 
 @njit(cache=True, error_model="numpy")
@@ -235,7 +289,7 @@ def turned_back(frame, x, y, z):
 @njit(cache=True, error_model="numpy")
 def push(state, const):
     """Give nodes and projectile the impulses of the contact forces, equal and opposite."""
-    i0, i1, j0, j1 = window(state)
+    i0, i1, j0, j1 = reached(state, const)
     for c in range(3):
         for i in range(i0, i1 + 1):
             for m in range(i * const.s + j0, i * const.s + j1 + 1):
@@ -245,18 +299,17 @@ def push(state, const):
 
 
 @njit(cache=True, error_model="numpy")
-def in_the_way(state, const, x, v):
+def in_the_way(state, const):
     """Whether a part of the cloth that holds together is ahead of the shoulder, within the projectile's radius."""
     i0, i1, j0, j1 = window(state)
     for i in range(i0, i1):
         for j in range(j0, j1):
             if state.flag[i * const.s + j] & ERODED:
                 continue
+            p_x, p_y, p_z = 0.0, 0.0, 0.0
             for m in range(4):
-                corner(state, const, i + (m & 1), j + (m >> 1), x[m], v[m])
-            p_x = 0.25 * (x[0, 0] + x[1, 0] + x[2, 0] + x[3, 0])
-            p_y = 0.25 * (x[0, 1] + x[1, 1] + x[2, 1] + x[3, 1])
-            p_z = 0.25 * (x[0, 2] + x[1, 2] + x[2, 2] + x[3, 2])
+                x, y, z = spline_kernels.place(state, const, i + (m & 1), j + (m >> 1))
+                p_x, p_y, p_z = p_x + 0.25 * x, p_y + 0.25 * y, p_z + 0.25 * z
             if p_z > -const.shoulder and p_x * p_x + p_y * p_y < const.R * const.R:
                 return True
     return False

@@ -386,7 +386,7 @@ def conclude(state, const, work):
     fail(state, const, work)
     bending_kernels.bend(state, const, state.rows[0], state.rows[1], True)
     failures = state.counter[FAILURES]
-    taken, spring = contact_kernels.contact(state, const, work.x, work.v)
+    taken, spring = contact_kernels.contact(state, const, work.touch)
     state.contact_energy[0] += taken
     state.contact_energy[1] = spring
     state.counter[STEP] += 1
@@ -396,7 +396,7 @@ def conclude(state, const, work):
     if state.speed[2] <= 0.0:
         return STOPPED
     # perforated: yarns have failed, nothing pushes, and nothing that is held is left in front, for a while
-    idle = failures > 0 and state.reaction[2] == 0.0 and not contact_kernels.in_the_way(state, const, work.x, work.v)
+    idle = failures > 0 and state.reaction[2] == 0.0 and not contact_kernels.in_the_way(state, const)
     state.counter[IDLE] = state.counter[IDLE] + 1 if idle else 0
     return PERFORATED if state.counter[IDLE] >= const.idle_steps else RUNNING
 

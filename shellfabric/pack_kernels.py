@@ -46,7 +46,7 @@ def ply_step(state, const, work):
     march_kernels.sweep(state, const, work, work.shared, 0, 1)
     march_kernels.fail(state, const, work)
     bending_kernels.bend(state, const, state.rows[0], state.rows[1], True)
-    taken, spring = contact_kernels.contact(state, const, work.x, work.v)
+    taken, spring = contact_kernels.contact(state, const, work.touch)
     state.contact_energy[0] += taken
     state.contact_energy[1] = spring
     state.counter[STEP] += 1
@@ -93,7 +93,7 @@ def step_pairs(states, consts, pairs, stack, me, count):
 
 
 @njit(cache=True, error_model="numpy")
-def conclude(states, consts, stack, work):
+def conclude(states, consts, stack):
     """Why the step should be the last, or RUNNING; as `march_kernels.conclude`, with all plies for the one."""
     stack.counter[STEP] += 1
     if not abs(stack.speed[2]) < 1e9:
@@ -107,7 +107,7 @@ def conclude(states, consts, stack, work):
     idle = failed and not pushed
     if idle:
         for p in range(len(states)):
-            if contact_kernels.in_the_way(states[p], consts[p], work.x, work.v):
+            if contact_kernels.in_the_way(states[p], consts[p]):
                 idle = False
                 break
     stack.counter[IDLE] = stack.counter[IDLE] + 1 if idle else 0
@@ -125,7 +125,7 @@ def lead(states, consts, pairs, stack, work, steps, history, shared, count):
         meet(shared, count)
         step_pairs(states, consts, pairs, stack, 0, count)
         meet(shared, count)
-        reason = conclude(states, consts, stack, work)
+        reason = conclude(states, consts, stack)
         history[made, 0] = stack.places[0, 2] + consts[0].top
         history[made, 1] = stack.speed[2]
         history[made, 2] = np.sum(stack.reactions[:, 2])

@@ -9,10 +9,10 @@ from __future__ import annotations
 import numpy as np
 
 from fabrics.errors import InputError, UnstableError
-from shellfabric import edges, edges_kernels, pack_kernels, ply_contact_kernels, team
+from shellfabric import contact, edges, edges_kernels, pack_kernels, ply_contact_kernels, team
 from shellfabric import march_kernels as kernels
 from shellfabric.contact_kernels import CONTACT, FRICTION
-from shellfabric.march import ENERGIES, March
+from shellfabric.march import ENERGIES, March, gift
 from shellfabric.pack import Pack, lists
 from shellfabric.plug import passed
 
@@ -57,7 +57,7 @@ class PackMarch(March):
         self._lists = tuple(lists(items) for items in (self.states, self.consts, self.pairs))
         self.threads = min(team.threads_for(self.panel.numerics.threads, pack.elements), len(pack.plies))
         largest = max(pack.plies, key=lambda ply: ply.work().l1.size)
-        self._works = [largest.work() for _ in range(self.threads)]
+        self._works = [largest.work()._replace(touch=contact.scratch(*self.consts)) for _ in range(self.threads)]
         self._work = self._works[0]
         self._ends = [edges.ends(ply) for ply in pack.plies]
         self.chunk = max(1, round(interval / self.const.dt))
@@ -207,12 +207,17 @@ class PackMarch(March):
             self.reason = kernels.NOT_FINITE
             told = f"the energy balance is off by {100 * drift:.2g} % of the strike energy"
             raise UnstableError(told, where=f"{len(self.states)} plies", when=when)
+        for name, told in (("contact", "the contact with the nose"), ("plies", "the contact between plies")):
+            given = gift(row[PACK_SAMPLES.index(name)], self.strike_energy)
+            if given:
+                self.reason = kernels.NOT_FINITE
+                raise UnstableError(f"{told} {given}", where=f"{len(self.states)} plies", when=when)
 
     def _look_for_plug(self):
         """End a run in which cut-out cloth is all that is left before the projectile."""
         if self.reason != kernels.RUNNING or not self.stack.counters[:, kernels.FAILURES].any():
             return
-        through = all(passed(state, const, self._work) for state, const in zip(self.states, self.consts))
+        through = all(passed(state, const) for state, const in zip(self.states, self.consts))
         self.passed = self.passed + 1 if through else 0
         if self.passed == 2:
             self.reason = kernels.PERFORATED

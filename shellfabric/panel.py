@@ -19,7 +19,7 @@ from math import inf
 import numpy as np
 
 from fabrics.errors import InputError
-from shellfabric import contact_kernels, edges, edges_kernels, grading, march_kernels, team
+from shellfabric import contact, contact_kernels, edges, edges_kernels, grading, march_kernels, team
 from shellfabric.cell import CellTable
 from shellfabric.projectile import Projectile
 
@@ -32,7 +32,7 @@ Constants = namedtuple(
     "ni nj s block per mirror_x mirror_y x0 y0 dx dy rx0 ry0 dt "
     "tension1 tension2 ceiling1 ceiling2 spline level x0t rx top1 y0t ry top2 grid per1 per2 variational split1 split2 "
     "cv1 cv2 V G1 G2 gamma1 gamma2 w1 S01 EA1 w2 S02 EA2 strength1 strength2 strengths1 strengths2 lag widest "
-    "near points point_stiffness point_damping R rho projectile_mass free idle_steps "
+    "near points shares point_stiffness point_damping R rho projectile_mass free idle_steps "
     "shape form length frame tilted roaming depth reach top shoulder friction rim_node rim_axis rim bending ends",
 )
 State = namedtuple(
@@ -43,7 +43,7 @@ State = namedtuple(
 )
 Work = namedtuple(
     "Work",
-    "A B l1 l2 i1 i2 m1 m2 T1 T2 N1 N2 own1 own2 given1 given2 on1 on2 turn1 turn2 cross up x v shared",
+    "A B l1 l2 i1 i2 m1 m2 T1 T2 N1 N2 own1 own2 given1 given2 on1 on2 turn1 turn2 cross up shared touch",
 )
 
 
@@ -51,7 +51,7 @@ Work = namedtuple(
 class Numerics:
     """Numerical knobs, set by stability and convergence; none is fitted to an outcome.
 
-    The figures below are of S-720, at 92.5 m/s after 250 us: peak tension 136 N in the warp and 155 N in the weft.
+    The figures below are of S-720, at 92.5 m/s after 250 us: peak tension 135 N in the warp and 154 N in the weft.
 
     Parameters
     ----------
@@ -64,7 +64,7 @@ class Numerics:
         to 0.02 the loss of S-731 at 110 m/s falls from 13.3 to 11.2 % of the strike energy, and with half the element
         from 13.3 to 12.9
     penalty : stiffness of the contact where it covers an element, in units of nodal mass / dt^2. From 0.3 to 1 the peak
-        moves by 1 %, and the critical velocity, which feels how deep the rim of the nose presses itself in, by 3 to
+        moves by 2 %, and the critical velocity, which feels how deep the rim of the nose presses itself in, by 3 to
         6 %, from 0.6 to 1 by 1 to 2 %; at 1 and above yarns bounce off the nose. The bound is 1.5 at the damping below
     contact_damping : ratio to critical of that mass on that spring; from 0.25 to 0.7 the peak stays
     contact_points : along each side of a crossover, and at least 2 along that of an element (see `contact_kernels`)
@@ -193,8 +193,9 @@ class Panel:
             raise InputError(key="grading", value=self.grading, allowed="none where the projectile moves sideways")
         fine = self._fine
         for place, step, reach in zip((fine[1], fine[3]), self.spacing, self._reach()):
-            if self.sides is not None and place * step < reach:
-                allowed = f"a first zone of {int(np.ceil(reach / step)) * self._finest} crossovers or more"
+            least = int(np.ceil(reach / step)) + 3  # and what the contact's smooth surface has beside it
+            if self.sides is not None and place < least:
+                allowed = f"a first zone of {least * self._finest} crossovers or more"
                 raise InputError(key="grading", value=self.grading, allowed=f"{allowed}, all that comes under the nose")
 
     @property
@@ -337,7 +338,7 @@ class Panel:
         G1, G2, gamma1, gamma2 = (shear.G1, shear.G2, shear.gamma1, shear.gamma2) if shear else (0.0, 0.0, 0.5, 1.0)
         lag = self.critical_step / dt
         points = max(2, -(-knobs.contact_points * self._finest // self.elements_per_crossover))
-        mass = weave.areal_density * dx * dy / points**2
+        mass = weave.areal_density * dx * dy
         (x0, y0), shot = self.origin, self.projectile
         rim_node, rim_axis, rim = edges.rim(self)
         strengths = self._strengths()
@@ -365,8 +366,7 @@ class Panel:
             strength1=strengths[0].min(), strength2=strengths[1].min(),
             strengths1=strengths[0], strengths2=strengths[1],
             lag=-np.expm1(-dt / knobs.failure_time) if knobs.failure_time > 0 else 0.0, widest=knobs.widest,
-            near=self._near(roaming), points=points, point_stiffness=knobs.penalty * mass / dt**2,
-            point_damping=2 * knobs.contact_damping * knobs.penalty**0.5 * mass / dt,
+            near=self._near(roaming), **contact.constants(points, mass, dt, knobs.penalty, knobs.contact_damping),
             R=shot.radius, rho=shot.edge_radius, projectile_mass=shot.mass * self.share,
             free=(0.0 if mirror_x else 1.0, 0.0 if mirror_y else 1.0, 1.0),
             idle_steps=max(1, round(knobs.clear_time / dt)),
@@ -395,8 +395,7 @@ class Panel:
         forces, lengths, stretches = two(), two(), _room(2, slots)
         for y, length, L in zip(lengths, self._yarn_lengths(const), stretches):
             y[: length.size], L[:] = length, 1.0
-        i0, i1, j0, j1 = const.near
-        near = (i1 - i0) * (j1 - j0)
+        i0, i1 = const.near[:2]
         state = State(
             u=three(), v=three(), g0=three(real), g1=three(real), mass=mass, inverse_mass=inverse, kick=kick,
             L=stretches, N=forces, T=two() if const.variational else forces, D=small,
@@ -404,17 +403,16 @@ class Panel:
             failed=(np.zeros(slots, np.uint8), np.zeros(slots, np.uint8)),
             filtered=_room(2, slots if const.lag > 0 else 0),
             thin=np.zeros(blocks, np.uint8), stale=np.zeros(blocks, np.bool_), most=np.zeros((blocks, 2)),
-            flag=np.zeros(slots, np.uint8), pressed=np.zeros((near, const.points**2, 4)),
-            touching=np.zeros(near, np.bool_), contact=three(),
+            flag=np.zeros(slots, np.uint8), contact=three(),
+            **contact.memory(const.near, const.points, const.shares, const.friction),
             position=self.projectile.start(), speed=strike_velocity * self.projectile.flight, reaction=np.zeros(3),
-            contact_energy=np.zeros(4), rows=np.array([max(i0 - 1, 0), min(i1 + 1, ni)]), counter=np.zeros(3, np.int64),
+            contact_energy=np.zeros(4), rows=np.array([max(i0 - 2, 0), min(i1 + 2, ni)]), counter=np.zeros(3, np.int64),
             sums=np.zeros((blocks, 4)), peak=np.zeros(2), window=np.array(const.near),
-            stuck=np.zeros((near, const.points**2, 6) if const.friction > 0 else (0, 0, 6)),
             rim_force=np.zeros(const.rim_node.size), rim_sums=np.zeros(3),
         )  # fmt: skip
         if const.roaming:
             contact_kernels.follow(state, const)
-            state.rows[:] = max(state.window[0] - 1, 0), min(state.window[1] + 1, ni)
+            state.rows[:] = max(state.window[0] - 2, 0), min(state.window[1] + 2, ni)
         if np.any(const.rim[:, 0]):
             state.rows[:] = 0, ni  # led edges move before any wave comes to them
         march_kernels.first_forces(state, const, self.work())
@@ -425,12 +423,11 @@ class Panel:
         """Scratch of one thread, for one block of elements."""
         const = self.constants()
         size = (const.block + 4) * const.s + 16
-        shapes = dict.fromkeys(("x", "v"), (4, 3))
-        rows = {name: np.zeros(shapes[name]) if name in shapes else _room(1, size)[0] for name in Work._fields}
+        rows = {name: _room(1, size)[0] for name in Work._fields}
         rows["A"], rows["B"], rows["shared"] = _room(3, size), _room(3, size), np.zeros(team.ROOM, np.int64)
         # what is asked for last takes the room of what is no longer needed then: scratch is to fit into the cache
         rows["T1"], rows["T2"], rows["on1"], rows["on2"] = (rows[name] for name in ("own1", "own2", "given1", "given2"))
-        rows["up"] = rows["m1"], rows["m2"], rows["own1"]
+        rows["up"], rows["touch"] = (rows["m1"], rows["m2"], rows["own1"]), contact.scratch(const)
         return Work(**rows)
 
     def segments(self):

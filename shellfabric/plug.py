@@ -33,11 +33,11 @@ def held(state, const):
     return cloth & fast[:-1, :-1] & fast[1:, :-1] & fast[:-1, 1:] & fast[1:, 1:]
 
 
-def passed(state, const, work):
-    """Whether no held element is ahead of the nose; `work` is the kernels' scratch."""
+def passed(state, const):
+    """Whether no held element is ahead of the nose."""
     flag = state.flag.copy()
     _by_element(flag, const)[~held(state, const)] |= ERODED
-    return not in_the_way(state._replace(flag=flag), const, work.x, work.v)
+    return not in_the_way(state._replace(flag=flag), const)
 
 
 def _by_element(flag, const):

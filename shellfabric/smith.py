@@ -33,7 +33,9 @@ from scipy.optimize import brentq
 from fabrics.errors import InputError
 from fabrics.yarn import Yarn
 from shellfabric import cable_kernels as kernels
+from shellfabric import contact
 from shellfabric.cable import CableNumerics, Constants, at_rest
+from shellfabric.projectile import Projectile
 
 
 @dataclass(frozen=True)
@@ -117,9 +119,7 @@ def strike(yarn: Yarn, velocity, *, length=0.1, bars=2000, numerics=None) -> Yar
     share, held = np.zeros((2, 1, bars + 1)), np.zeros((3, 1, bars + 1), bool)
     share[1, 0, :-1] = 1.0
     held[:, 0, [0, -1]] = True
-    state = at_rest(
-        const, share, (0.0, const.S0[1] * yarn.linear_density), held, np.zeros((2, 0, 0, 0)), (0, 0), velocity
-    )
+    state = at_rest(const, share, (0.0, const.S0[1] * yarn.linear_density), held, (0, 0), velocity)
     state.v[2, 0] = velocity  # the driven node has no kick: it keeps its speed
     steps = round(0.9 * length / (theory.c * const.dt))
     history = np.empty((steps, kernels.COLUMNS))
@@ -129,18 +129,19 @@ def strike(yarn: Yarn, velocity, *, length=0.1, bars=2000, numerics=None) -> Yar
 
 def _constants(yarn, spacing, bars, numerics):
     """The yarn as a net of one row: bars along the weft, none along the warp, nothing in contact."""
-    dt, cv = numerics.step(2 * yarn.wave_speed / spacing)
+    (dt, cv), shot = numerics.step(2 * yarn.wave_speed / spacing), Projectile()
     return Constants(
-        ni=0, nj=bars, s=bars + 1, block=1, spacing=(spacing, spacing), origin=(0.0, 0.0), dt=dt,
-        S0=(spacing, spacing), EA=(yarn.EA, yarn.EA), cv=cv, limit=(inf, inf), near=(0, -1, 0, -1),
-        point_stiffness=(0.0, 0.0), point_damping=(0.0, 0.0), R=1.0, rho=1.0, projectile_mass=1.0,
+        ni=0, nj=bars, s=bars + 1, block=1, mirror_x=False, mirror_y=False, x0=0.0, y0=0.0, dx=spacing, dy=spacing,
+        dt=dt, S0=(spacing, spacing), EA=(yarn.EA, yarn.EA), cv=cv, limit=(inf, inf), near=(0, 0, 0, 0),
+        **contact.constants(1, 0.0, dt, 0.0, 0.0), shape=shot.number, form=shot.form, length=inf, frame=shot.frame,
+        tilted=False, friction=0.0, widest=inf, R=1.0, rho=1.0, projectile_mass=1.0,
         free=(0.0, 0.0, 1.0), idle_steps=1, clamped=np.array([0, bars]), middle=(0, bars), middle_share=(1.0, 1.0),
         driven=0,
     )  # fmt: skip
 
 
 def _read(yarn, const, state, history, V):
-    bars, spacing, t = const.nj, const.spacing[1], len(history) * const.dt
+    bars, spacing, t = const.nj, const.dy, len(history) * const.dt
     X = spacing * np.arange(bars + 1)
     nodes = np.column_stack([X + state.u[1, : bars + 1], state.u[2, : bars + 1]])
     strain, middle = state.L[1, :bars] / spacing - 1, 0.5 * (X[1:] + X[:-1])

@@ -15,30 +15,36 @@ from pathlib import Path
 from queue import Empty
 
 from fabrics.errors import InputError, UnstableError
+from fabrics.workers import CONTEXT, workers
 from meshing import crossover as mesher
 from unitcell3d import cases
 from unitcell3d.calibration import PLATES, evaluate
 from unitcell3d.history import History
 from unitcell3d.model import Numerics
 from unitcell3d.stepping import Steps
-from unitcell3d.workers import CONTEXT, workers
 
 PATHS = {"warp only": (1.0, 0.0), "weft only": (0.0, 1.0), "equibiaxial": (1.0, 1.0)}
 
 
 @dataclass(frozen=True)
 class Job:
-    """One path of one fabric; `ratio` (d1, d2), or None between plates."""
+    """One path of one fabric; `ratio` (d1, d2), or None between plates; `friction` Coulomb's coefficient."""
 
     name: str
     fabric: object
     size: object
     ratio: tuple | None
+    friction: float = 0.0
+
+    @property
+    def numerics(self):
+        """What it is solved with."""
+        return Numerics(friction=self.friction)
 
     @property
     def asked(self):
         """What its result hangs on, as a text."""
-        parts = (self.fabric, self.size, self.ratio, Numerics(), Steps())
+        parts = (self.fabric, self.size, self.ratio, self.numerics, Steps())
         return hashlib.sha256(repr(parts).encode()).hexdigest()
 
     def file(self, folder):
@@ -66,8 +72,8 @@ def calibrate(fabric, *, out=None, **choices):
 
 
 def calibrate_all(
-    fabrics, *, size="medium", plates_size="coarse", paths=None, folder=lambda name: None, resume=False, executor=None,
-    processes=1, progress=None,
+    fabrics, *, size="medium", plates_size="coarse", friction=0.0, paths=None, folder=lambda name: None, resume=False,
+    executor=None, processes=1, progress=None,
 ):  # fmt: skip
     """Calibrate several fabrics, their paths beside each other; one that fails does not end the others.
 
@@ -75,6 +81,7 @@ def calibrate_all(
     ----------
     fabrics : of Fabric, with solid laws
     size, plates_size : mesh sizes of the biaxial paths and of the plate compression (`meshing.crossover.build`)
+    friction : [-] Coulomb's coefficient between the yarns, and between yarns and plates
     paths : {name: (d1, d2) ratio}, by default warp only, weft only and equibiaxial
     folder : function of a fabric's name giving the directory for its histories and laws, or None
     resume : take finished paths from their files
@@ -94,20 +101,18 @@ def calibrate_all(
         raise InputError(key="paths", value=sorted(paths), allowed=f"at least one, none of them called {PLATES!r}")
     if processes < 1:
         raise InputError(key="processes", value=processes, allowed="at least 1")
+    Numerics(friction=friction)  # refuses what is not allowed
     begun = time.perf_counter()
     run = _Run(folder, resume, progress if progress is not None else _silent)
     for fabric in fabrics:
         # the longest first: plates take the most steps
-        jobs = [Job(PLATES, fabric, plates_size, None)] + [Job(*item) for item in _of(paths, fabric, size)]
+        jobs = [Job(PLATES, fabric, plates_size, None, friction)]
+        jobs += [Job(name, fabric, size, tuple(map(float, ratio)), friction) for name, ratio in paths.items()]
         run.add(fabric, jobs)
     run.solve(executor, processes)
     for fabric in fabrics:
-        run.finish(fabric, [*paths, PLATES], (str(size), str(plates_size)), begun)
+        run.finish(fabric, [*paths, PLATES], (str(size), str(plates_size)), friction, begun)
     return {fabric.name: run.outcomes[fabric.name] for fabric in fabrics}
-
-
-def _of(paths, fabric, size):
-    return [(name, fabric, size, tuple(map(float, ratio))) for name, ratio in paths.items()]
 
 
 def _silent(fabric, path, share):
@@ -168,7 +173,9 @@ class _Run:
     def _tell(self, queue):
         try:
             while queue is not None:
-                self._report(*queue.get_nowait())
+                fabric, path, share = queue.get_nowait()
+                if (fabric, path) not in self._done:  # what a path says of itself may come after its result
+                    self._report(fabric, path, share)
         except Empty:
             pass
 
@@ -184,7 +191,7 @@ class _Run:
         self._done[job.fabric.name, job.name] = history, seconds
         self._report(job.fabric.name, job.name, 1.0)
 
-    def finish(self, fabric, names, sizes, begun):
+    def finish(self, fabric, names, sizes, friction, begun):
         """Evaluate a fabric's histories and write what they give."""
         if fabric.name in self.outcomes:
             return
@@ -193,7 +200,7 @@ class _Run:
         try:
             found = evaluate(
                 fabric, {name: history for name, (history, _) in done.items()}, sizes,
-                seconds | {"all": time.perf_counter() - begun},
+                seconds | {"all": time.perf_counter() - begun}, friction,
             )  # fmt: skip
         except UnstableError as problem:
             self.outcomes[fabric.name] = problem
@@ -213,9 +220,9 @@ def run_job(job):
             _queue.put((job.fabric.name, job.name, share))
 
     if job.ratio is None:
-        history = cases.plate_compression(mesh, job.fabric, hooks=(told,))
+        history = cases.plate_compression(mesh, job.fabric, numerics=job.numerics, hooks=(told,))
     else:
-        history = cases.biaxial(mesh, job.fabric, job.ratio, hooks=(told,))
+        history = cases.biaxial(mesh, job.fabric, job.ratio, numerics=job.numerics, hooks=(told,))
     return replace(history, case=job.name), time.perf_counter() - begun
 
 

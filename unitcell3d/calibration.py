@@ -8,7 +8,7 @@ regularised form
 
 is fitted to all of them together, each path sampled at equal shares of its displacement so that the stepping has no
 say in it. A fit of the printed form would hang on a force cut-off. Two more fits say what one law leaves out: one of
-each yarn to its own compression at the crossing, and one whose a and F0 depend on the tension ratio
+each yarn to its own compression at the crossing, and one that sees the tension ratio too
 (`fabrics.ratio_law`), which is the one to use where one law leaves more than `ONE_LAW`. The compression d_c also holds
 what closes between the yarns where their sections do not conform; each yarn's own does not. Plates give another curve
 than stretching does: they flatten slack yarns. That curve is computed beside, and not fed to the shell.
@@ -52,6 +52,7 @@ class Calibration:
     published : CompressionLaw of the fabric's file, or None
     seconds : {path: wall time [s]}, and "all" of the whole calibration
     sizes : (biaxial, plates) mesh sizes
+    friction : [-] Coulomb's coefficient the paths were solved with
     """
 
     fabric: str
@@ -66,6 +67,7 @@ class Calibration:
     published: CompressionLaw | None
     seconds: dict
     sizes: tuple
+    friction: float = 0.0
 
     @property
     def plates(self):
@@ -109,6 +111,7 @@ class Calibration:
             "format": "weavecell calibration 1",
             "fabric": self.fabric,
             "mesh": {"biaxial": self.sizes[0], "plates": self.sizes[1]},
+            "friction": self.friction,
             "law": {
                 "a_m": self.law.a,
                 "b_m_N^(1/3)": self.law.b,
@@ -127,7 +130,7 @@ class Calibration:
             "fit_by_tension_ratio": self.ratio_law
             and {
                 "p": self.ratio_law.p,
-                "q": self.ratio_law.q,
+                "F0_N": self.ratio_law.F0 if np.isfinite(self.ratio_law.F0) else None,
                 "rms_m": self.ratio_law.residual_rms,
                 "rms_of_each_path_m": self.ratio_residuals,
             },
@@ -156,7 +159,7 @@ def samples(history, *columns):
     return F[F > 0], *(column[F > 0] for column in rest)
 
 
-def evaluate(fabric, histories, sizes, seconds):
+def evaluate(fabric, histories, sizes, seconds, friction=0.0):
     """The Calibration of solved paths.
 
     Parameters
@@ -164,6 +167,7 @@ def evaluate(fabric, histories, sizes, seconds):
     histories : {path: History} and "plates"
     sizes : (biaxial, plates) mesh sizes, as texts
     seconds : {path: [s]}
+    friction : [-] they were solved with
 
     Raises
     ------
@@ -175,6 +179,7 @@ def evaluate(fabric, histories, sizes, seconds):
         reasons = "; ".join(history.failed for history in histories.values() if history.failed)
         raise UnstableError(f"no path of {fabric.name} reached contact: {reasons or 'the yarns never touch'}")
     provenance = f"3D crossover of {fabric.name}, {sizes[0]} mesh, paths {', '.join(pairs)}"
+    provenance += f", friction {friction:g}" if friction else ""
     law = CompressionLaw.fit(F, d, provenance=provenance)
     yarn_laws, ratio_law, ratio_residuals = _finer(histories)
     return Calibration(
@@ -190,6 +195,7 @@ def evaluate(fabric, histories, sizes, seconds):
         published=fabric.laws[0] if fabric.laws else None,
         seconds=seconds,
         sizes=sizes,
+        friction=friction,
     )
 
 

@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 
 from fabrics.errors import InputError
-from unitcell3d import follow
+from unitcell3d import follow, records
 from unitcell3d.cell import CellLoad, CellModel
 from unitcell3d.records import Record
 
@@ -115,7 +115,7 @@ def _followed(model, loads, counts, case, hooks, comm):
         "width": [2 * section.half_width for section in model.crossover.sections],
         "spacing": [2 * w for w in model.w[::-1]],
     }
-    return Record(follow.columns(found.rows), MEANINGS, u, fabric.name, case, found.failed, facts)
+    return Record(records.columns(found.rows), MEANINGS, u, fabric.name, case, found.failed, facts)
 
 
 def _by_family(pairs):

@@ -14,7 +14,7 @@ import numpy as np
 
 from fabrics.errors import InputError
 from fabrics.units import si
-from unitcell3d import follow
+from unitcell3d import follow, records
 from unitcell3d.model import CrossoverModel, Load
 from unitcell3d.records import Record
 
@@ -92,7 +92,7 @@ def along(crossover, fabric, corners, *, failure=False, numerics=None, hooks=(),
     loads = [Load(tuple(map(float, corner))) for corner in corners]
     found = follow.follow(model, loads, row, rows=counts, hooks=hooks, comm=comm)
     return Record(
-        follow.columns(found.rows), MEANINGS, found.x - model.points, fabric.name, "path", found.failed,
+        records.columns(found.rows), MEANINGS, found.x - model.points, fabric.name, "path", found.failed,
         {"corners": corners, "failure": failure},
     )  # fmt: skip
 

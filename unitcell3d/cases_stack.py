@@ -14,7 +14,7 @@ import numpy as np
 
 from fabrics.errors import InputError, UnstableError
 from fabrics.plate_curve import PlateCurve
-from unitcell3d import constraints, follow, yarns
+from unitcell3d import constraints, follow, records, yarns
 from unitcell3d.cases import CLOSEST_PLATES, PLATEN_PRESSURE
 from unitcell3d.cell import CellLoad
 from unitcell3d.model import Load, YarnsModel, check
@@ -138,7 +138,7 @@ def stack_compression(
     stacking = f"shifted by {shift[0]:g}, {shift[1]:g} crossings" if any(shift) else "aligned"
     facts = {"plies": plies, "stacking": stacking, "shift": list(shift), "cell_area": area}
     return Record(
-        follow.columns(found.rows), MEANINGS, u, fabric.name, f"{plies} plies, {stacking}", found.failed, facts
+        records.columns(found.rows), MEANINGS, u, fabric.name, f"{plies} plies, {stacking}", found.failed, facts
     )
 
 

@@ -13,7 +13,7 @@ from __future__ import annotations
 import numpy as np
 
 from fabrics.errors import InputError
-from unitcell3d import constraints, follow, yarn_law, yarns
+from unitcell3d import constraints, follow, records, yarn_law, yarns
 from unitcell3d.model import Load, YarnsModel, check
 from unitcell3d.pairs import SurfacePairs
 from unitcell3d.records import Record
@@ -137,7 +137,7 @@ def pull(
                           row, rows=rows, hooks=hooks, comm=comm)  # fmt: skip
     facts = {"yarn": family, "bars": len(model.fibres.pairs), "integration": integration, "crimp": crimp, "EA": yarn.EA}
     return Record(
-        follow.columns(found.rows), MEANINGS, found.x - model.points, fabric.name,
+        records.columns(found.rows), MEANINGS, found.x - model.points, fabric.name,
         f"yarn {('warp', 'weft')[family]}", found.failed, facts,
     )  # fmt: skip
 

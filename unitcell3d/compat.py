@@ -17,6 +17,7 @@ from dolfinx import fem, la
 from dolfinx import mesh as dolfinx_mesh
 from dolfinx.fem import petsc
 from mpi4py import MPI
+from petsc4py import PETSc
 
 # dolfinx orders the corners of a hexahedron as a tensor product, VTK runs round each face
 VTK_TO_DOLFINX = np.array([0, 1, 3, 2, 4, 5, 7, 6])
@@ -95,12 +96,13 @@ class Assembler:
         self._residual, self._tangent = _form(residual), _form(tangent)
         dofmap = space.displacements.dofmap
         self._vector = la.vector(dofmap.index_map, dofmap.index_map_bs)
-        self._matrix = petsc.create_matrix(self._tangent)
+        # by blocks of 3 x 3: to find the places of single entries takes as long as the bricks' tangents themselves
+        self._matrix, self._plain = petsc.create_matrix(self._tangent, "baij"), PETSc.Mat()
         self.rows, self.columns = self._pattern()
 
     def _pattern(self):
         self.tangent()  # PETSc drops entries that have never been set
-        starts, columns, _ = self._matrix.getValuesCSR()
+        starts, columns, _ = self._entries()
         rows = np.repeat(np.arange(len(starts) - 1), np.diff(starts))
         return tuple(3 * self._space.node[index // 3] + index % 3 for index in (rows, columns))
 
@@ -118,7 +120,11 @@ class Assembler:
         self._matrix.zeroEntries()
         petsc.assemble_matrix(self._matrix, self._tangent)
         self._matrix.assemble()
-        return self._matrix.getValuesCSR()[2]
+        return self._entries()[2]
+
+    def _entries(self):
+        self._matrix.convert("aij", out=self._plain)
+        return self._plain.getValuesCSR()
 
 
 @contextmanager

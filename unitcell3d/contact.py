@@ -63,7 +63,7 @@ class Pass:
         self._gaps, self._codes = np.full(areas.size, np.inf), np.full(areas.size, -1)
         self._cells = np.array(master.grid.shape) - 1
         self._guess = self._first_guess(points)
-        self._anchors = self._guess.copy()
+        self.anchors = self._guess.copy()
         self._known = np.empty(0, np.int64)
         self._row_of = np.full(len(self._quads) * self._cells.prod(), -1)
         self._places = UNPLACED
@@ -120,7 +120,7 @@ class Pass:
         contact_kernels.contact_pass(
             x, self._quads, self._shapes, self._areas, master.grid, master.axes, master.mirror, master.side,
             0.5 * numerics.penalty, numerics.toe, numerics.friction, numerics.slip,
-            self._guess, self._anchors, self._gaps, self._codes, forces, self._row_of,
+            self._guess, self.anchors, self._gaps, self._codes, forces, self._row_of,
             UNPLACED if values is None else self._places, NO_VALUES if values is None else values, resultant,
         )  # fmt: skip
         return resultant
@@ -129,7 +129,7 @@ class Pass:
         """The state at `x`, that of the last call of `touch`, is where friction goes on from."""
         master = self._master
         contact_kernels.draw_anchors(
-            x, master.grid, master.axes, master.mirror, numerics.slip, self._guess, self._codes, self._anchors
+            x, master.grid, master.axes, master.mirror, numerics.slip, self._guess, self._codes, self.anchors
         )
 
     @property
@@ -193,6 +193,11 @@ class FacingSurfaces:
         up, down = (side.touch(x, numerics, forces, values) for side in self._passes)
         return up[2] - down[2]
 
+    @property
+    def anchors(self):
+        """Per pass, where each point stuck last, in parameters of the master; written to as well."""
+        return [side.anchors for side in self._passes]
+
     def accept(self, x, numerics):
         """The state of the last call of `touch` is where friction goes on from."""
         for side in self._passes:
@@ -214,7 +219,7 @@ class Plates:
             )
             for side in (upper, lower)
         ]
-        self._anchors = [points[nodes, :2].copy() for nodes, _ in self.faces]
+        self.anchors = [points[nodes, :2].copy() for nodes, _ in self.faces]
         above, below = (points[nodes, 2] for nodes, _ in self.faces)
         self.at_rest = float(max(above.max(), -below.min()))  # [m] half the distance at which they just touch
 
@@ -226,14 +231,14 @@ class Plates:
                 nodes, areas = self.faces[plate]
                 pressed[plate] = contact_kernels.plate_pass(
                     x, nodes, areas, side * half_distance, side, numerics.penalty, numerics.toe,
-                    numerics.friction, numerics.slip, self._anchors[plate], forces,
+                    numerics.friction, numerics.slip, self.anchors[plate], forces,
                     np.empty(0, np.int64) if places is None else places[plate], values,
                 )  # fmt: skip
         return pressed
 
     def accept(self, x, half_distance, numerics):
         """The state at `x` is where friction goes on from."""
-        for (nodes, _), anchors, side in zip(self.faces, self._anchors, (1.0, -1.0)):
+        for (nodes, _), anchors, side in zip(self.faces, self.anchors, (1.0, -1.0)):
             contact_kernels.draw_plate_anchors(x, nodes, side * half_distance, side, numerics.slip, anchors)
 
 

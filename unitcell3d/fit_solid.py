@@ -35,12 +35,12 @@ from scipy.stats import t as student
 
 from fabrics.errors import UnstableError
 from fabrics.files import write_whole
+from fabrics.workers import workers
 from meshing import crossover as mesher
 from unitcell3d import cases, least_squares
 from unitcell3d.history import History
 from unitcell3d.model import Numerics
 from unitcell3d.stepping import Steps
-from unitcell3d.workers import workers
 
 NAMES = ("E_c", "V_c", "K_r")
 LOOSE = "K_r E_c"  # the modulus of the loose yarn (eq. 3-10), which a curve may tell where it tells neither factor

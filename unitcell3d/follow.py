@@ -161,8 +161,3 @@ class _Walk:
         model = self.model
         model.forces(state.q, load)  # the gaps belong to the last state, not to the last trial
         return Followed(self.rows, model.positions(state.q, load), state.q, failed)
-
-
-def columns(rows):
-    """{name: (n, ...)} of rows."""
-    return {key: np.array([row[key] for row in rows]) for key in rows[0]}

@@ -1,63 +1,49 @@
-"""What a loading path leaves behind: one row per converged step, kept also where the path ends early."""
+"""What a loading path of a crossover leaves behind: a record with columns of its own."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass
 
-import h5py
 import numpy as np
 
-from fabrics.errors import InputError
-from fabrics.files import replace_whole
+from unitcell3d.records import Record
 
-_FORMAT = "weavecell crossover history 1"
+MEANINGS = {
+    "path": "[-] share of the path",
+    "d1": "[m] end displacement of the warp, per end",
+    "d2": "[m] the same of the weft",
+    "plates": "[m] half the distance of the plates (infinite: none)",
+    "T1": "[N] tension of the whole warp yarn, from the reactions",
+    "T2": "[N] the same of the weft",
+    "F_c": "[N] contact force of the crossover",
+    "F_plate": "(n, 2) [N] force on the upper and the lower plate",
+    "h1": "[m] height of the warp's centreline",
+    "h2": "[m] the same of the weft",
+    "d_c": "[m] compression of one yarn, half of the loss of h1 + h2",
+    "d_yarns": "(n, 2) [m] of each yarn by itself: what its axis has approached its contact face at the crossing",
+    "fibre_strain_max": "(n, 2) [-] of the worst bar of warp and weft",
+    "fibre_strain_mean": "(n, 2) [-] mean of the bars of warp and weft",
+    "iterations": "[-] tangents factorised",
+    "seconds": "[s] wall time of each step",
+}
 
 
 @dataclass(frozen=True)
-class History:
-    """A path of n converged steps, the first of them at rest. Index 0 is warp, 1 is weft.
+class History(Record):
+    """A path of n converged steps, the first of them at rest; index 0 is warp, 1 is weft.
 
-    Parameters
-    ----------
-    path : (n,) [-] share of the path
-    d1, d2 : (n,) [m] end displacements per end
-    plates : (n,) [m] half the distance of the plates (infinite: none)
-    T1, T2 : (n,) [N] tensions of the whole yarns, from the reactions
-    F_c : (n,) [N] contact force of the crossover
-    F_plate : (n, 2) [N] force on the upper and the lower plate
-    h1, h2 : (n,) [m] heights of the centrelines
-    d_c : (n,) [m] compression of one yarn, half of the loss of h1 + h2
-    d_yarns : (n, 2) [m] of each yarn by itself: what its axis has approached its contact face at the crossing
-    fibre_strain_max, fibre_strain_mean : (n, 2) [-] worst bar and mean of the bars of warp and weft
-    iterations : (n,) Newton iterations
-    seconds : (n,) [s] wall time of each step
-    u : (points, 3) [m] displacement of the last step
-    gaps : per yarn (nodes of the contact face,) [m] of the last step, infinite without a partner
-    fabric, case : names
-    failed : reason why the path ended before its end, "" where it did not
+    Its columns, `MEANINGS`, are attributes as well: `history.T1` is `history["T1"]`.
     """
 
-    path: np.ndarray
-    d1: np.ndarray
-    d2: np.ndarray
-    plates: np.ndarray
-    T1: np.ndarray
-    T2: np.ndarray
-    F_c: np.ndarray
-    F_plate: np.ndarray
-    h1: np.ndarray
-    h2: np.ndarray
-    d_c: np.ndarray
-    d_yarns: np.ndarray
-    fibre_strain_max: np.ndarray
-    fibre_strain_mean: np.ndarray
-    iterations: np.ndarray
-    seconds: np.ndarray
-    u: np.ndarray = field(repr=False)
-    gaps: tuple = field(repr=False)
-    fabric: str = ""
-    case: str = ""
-    failed: str = ""
+    def __getattr__(self, name):
+        if name in MEANINGS and "columns" in self.__dict__:
+            return self.columns[name]
+        raise AttributeError(name)
+
+    @property
+    def gaps(self):
+        """Per yarn (nodes of the contact face,) [m] in the last step, infinite without a partner."""
+        return self.last["gaps_warp"], self.last["gaps_weft"]
 
     def at(self, column, quantity, value):
         """`column` interpolated where `quantity` first reaches `value`; None where it never does.
@@ -74,50 +60,3 @@ class History:
             return float(column[0])
         share = (value - quantity[i - 1]) / (quantity[i] - quantity[i - 1])
         return float(column[i - 1] + share * (column[i] - column[i - 1]))
-
-    def write(self, path, **notes):
-        """Write as HDF5 (.h5), with notes (numbers and texts) that `notes` gives back."""
-        with replace_whole(path) as beside, h5py.File(beside, "w") as file:
-            file.attrs.update({f"note {name}": value for name, value in notes.items()}, format=_FORMAT)
-            for item in fields(self):
-                value = getattr(self, item.name)
-                if isinstance(value, str):
-                    file.attrs[item.name] = value
-                elif item.name == "gaps":
-                    for yarn, gaps in enumerate(value):
-                        file[f"gaps/{yarn}"] = gaps
-                else:
-                    file[item.name] = value
-
-    @staticmethod
-    def notes(path):
-        """The notes of a file; {} where it is none of these."""
-        try:
-            with h5py.File(path, "r") as file:
-                return {name[5:]: value for name, value in file.attrs.items() if name.startswith("note ")}
-        except OSError:
-            return {}
-
-    @classmethod
-    def read(cls, path) -> History:
-        """Read what `write` wrote.
-
-        Raises
-        ------
-        InputError : no such file, or another format
-        """
-        try:
-            with h5py.File(path, "r") as file:
-                if file.attrs.get("format") != _FORMAT:
-                    raise InputError(file=path, key="format", value=file.attrs.get("format"), allowed=repr(_FORMAT))
-                content = {}
-                for item in fields(cls):
-                    if item.name == "gaps":
-                        content["gaps"] = tuple(file[f"gaps/{yarn}"][:] for yarn in (0, 1))
-                    elif item.name in file:
-                        content[item.name] = file[item.name][:]
-                    else:
-                        content[item.name] = str(file.attrs[item.name])
-        except OSError as problem:
-            raise InputError("cannot be read", file=path, allowed=f"a crossover history ({problem})") from problem
-        return cls(**content)

@@ -198,6 +198,19 @@ class YarnsModel:
             if self.plates is not None:
                 self.plates.accept(x, load.plates, self.numerics)
 
+    @property
+    def stuck(self):
+        """(s,) where the points of contact stick: what friction keeps of the past, see `accept`."""
+        return np.concatenate([anchors.ravel() for anchors in self._anchors()])
+
+    @stuck.setter
+    def stuck(self, values):
+        for anchors in self._anchors():
+            anchors[:], values = values[: anchors.size].reshape(anchors.shape), values[anchors.size :]
+
+    def _anchors(self):
+        return [*self.surfaces.anchors, *(() if self.plates is None else self.plates.anchors)]
+
     def tensions(self, forces):
         """(2,) [N] tensions of the whole warp and weft yarn, from the reactions at their ends."""
         return np.array([self.copies[0] * self.constraints.end_force(forces, yarn) for yarn in (0, 1)])

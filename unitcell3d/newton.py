@@ -9,12 +9,17 @@ Keyes 1998) holds the soft modes while the stiff ones settle and dies out with t
 quadratic; no node moves by more than `LARGEST_STEP` in one iteration, and where a step is cut to that the shift grows
 by as much. Where a guess is far from equilibrium the contact is soft at first (`Newton.approach`).
 
+A step is shortened where it overshoots: where the residual's pull along it has turned round,
+r(q + dq) . dq > -1/2 r . dq, to where that has gone (false position and bisection in turn). The law is all but a
+potential (its tangent is unsymmetric by 4e-4 at most), so that this is nearly the least energy on the line; a residual
+that grows on the way, as it does where yarns swing taut, does not stop it. Fibres at their slack kink and contact that
+closes otherwise send Newton's method round in cycles. The shift grows with the inverse root of what is left of a step.
+
 A factorisation costs as much as thirty of its back substitutions. Once the residual is below `NEAR` of the forces, the
 last factorisation, of an earlier load even, is used on and corrected by the steps taken since (Broyden's update in the
 form that stores steps alone: Kelley, Iterative Methods for Linear and Nonlinear Equations, 1995, section 7.3), until
 `MOST_SLOW` steps have taken off less than 1 - `SLOW` of the residual. The state that is found is the same: only the way
-to it is cheaper. There, too, a Newton step that multiplies the residual by more than `GROWTH` is shortened: a fibre at
-its slack kink, which a step of nanometres crosses, otherwise sends Newton's method round in a cycle.
+to it is cheaper.
 
 Converged when |r| <= 1e-8 of the largest of the forces that hold the crossover together (end tensions, contact,
 plates), each taken on the meshed part: without tension the plate force is the measure.
@@ -35,15 +40,15 @@ LEAST_FORCE = 1e-2  # N: scale of the convergence test where nothing is loaded y
 MAX_ITERATIONS = 40  # factorisations
 LARGEST_STEP = 5e-6  # m
 FAR = 0.1  # of the forces: residual from which the shift starts at its full size, and the contact soft
-SOFTER, ROUGH = (0.01, 0.1), 1e-2  # factors of the penalty on the way, and how far they are followed
+SOFTER, ROUGH = 0.2, 1e-2  # factor of the penalty on the way, and how far it is followed
 SHIFT = 300.0  # N/m at the first iteration; 30 to 1000 take the same number of iterations within a tenth
 MOST_SHIFT = 1e5  # N/m: as stiff as the contact
 LEAST_SHIFT = 1e-3  # N/m: none below
 NEAR = 1e-2  # of the forces; 1e-3 to 1e-2 take the same time within a tenth
 SLOW = 0.8  # thirty steps at this rate do what one good Newton step does
 MOST_SLOW = 2  # such steps, or steps that let the residual grow: at a slack kink it does before it falls
-GROWTH = 2.0
-SHORTER = (0.5, 0.25, 0.125, 0.0625)
+LINE, OVERSHOT = 5, 0.5  # evaluations along a step, and share of the pull at its start that may be left at its end
+GROWTH = 2.0  # of the residual in a step with an old factorisation
 MOST_UPDATES = 20
 
 
@@ -102,15 +107,20 @@ class Newton:
             step = self._solver.solve(-state.residual)
             if step is None:
                 self._refuse("a singular tangent", state.q, load)
-            found = self._move(state, step, load)
+            found, share = self._move(state, step, load)
             if found is None:
                 self._refuse("forces that are not finite", state.q + step, load)
             cut = LARGEST_STEP / np.abs(step).max()
-            shift = _next_shift(shift, found.norm / before) if cut >= 1 else min(shift / cut, MOST_SHIFT)
+            if cut < 1:
+                shift = min(shift / cut, MOST_SHIFT)
+            elif share < 1:
+                shift = min(shift / share**0.5, MOST_SHIFT)
+            else:
+                shift = _next_shift(shift, found.norm / before)
             state = found
 
     def approach(self, q, load):
-        """Equilibrium at `load` from a guess that may be far from it: by way of softer contacts, taken roughly.
+        """Equilibrium at `load` from a guess that may be far from it: by way of a softer contact, taken roughly.
 
         Slack yarns that a guess presses into each other are thrown apart by the full contact and come back to it
         several times over.
@@ -122,10 +132,9 @@ class Newton:
         full, state, spent = self.model.numerics, self._evaluate(q, load), 0
         if state.norm > FAR * state.scale:
             try:
-                for factor in SOFTER:
-                    self.model.numerics = full.softened(factor)
-                    found = self.solve(q, load, ROUGH)
-                    q, spent = found.q, spent + found.iterations
+                self.model.numerics = full.softened(SOFTER)
+                found = self.solve(q, load, ROUGH)
+                q, spent = found.q, found.iterations
             finally:
                 self.model.numerics = full
         found = self.solve(q, load)
@@ -198,7 +207,13 @@ class Newton:
         return best
 
     def _move(self, state, step, load):
-        """The state after the step, shortened to the largest allowed, and further while an element inverts."""
+        """The state after a step, shortened to the largest allowed, while an element inverts, and if it overshoots.
+
+        Returns
+        -------
+        state : None where none is finite
+        share : of the step that an overshoot has left
+        """
         share = min(1.0, LARGEST_STEP / np.abs(step).max())
         for _ in range(5):
             found = self._evaluate(state.q + share * step, load)
@@ -206,24 +221,39 @@ class Newton:
                 break
             share *= 0.3
         else:
-            return None
-        if state.norm < NEAR * state.scale and found.norm > GROWTH * state.norm:
-            found = min((found, *self._shorter(state, share * step, load)), key=lambda trial: trial.norm)
-        elif share == 1 and found.norm < state.norm:
+            return None, share
+        left, kept = self._along(state, share * step, found, load)
+        if share == kept == 1 and found.norm < state.norm:
             self._taken = [step]
-        return found
+        return left, kept
 
-    def _shorter(self, state, step, load):
-        for share in SHORTER:
-            found = self._evaluate(state.q + share * step, load)
-            yield found
-            if found.norm < state.norm:
-                return
+    def _along(self, state, step, found, load):
+        """The state on the way from `state` to `found`, a `step` further, where the pull along it is gone; its share.
+
+        `found` itself where the pull has not turned round by much, or where the step went uphill.
+        """
+        pull, end = -(state.residual @ step), found.residual @ step
+        if pull <= 0 or end <= OVERSHOT * pull:
+            return found, 1.0
+        low, high, share = (0.0, -pull), (1.0, end), 1.0
+        for turn in range(LINE):
+            # every other time in the middle: false position alone creeps up to a kink
+            part = 0.5 if turn % 2 else np.clip(low[1] / (low[1] - high[1]), 0.1, 0.9)
+            at = low[0] + (high[0] - low[0]) * part
+            trial = self._evaluate(state.q + at * step, load)
+            there = np.inf
+            if np.isfinite(trial.norm):
+                found, share, there = trial, at, trial.residual @ step
+            low, high = (low, (at, there)) if there > 0 else ((at, there), high)
+            if abs(there) <= OVERSHOT * pull:
+                break
+        return found, share
 
     def _refuse(self, what, q, load):
         x = self.model.positions(q, load)
         cell, ratio = self.model.worst_element(x)
-        yarn = "warp" if self.model.crossover.yarn[cell] == 0 else "weft"
+        mesh = self.model.crossover
+        yarn = mesh.names[mesh.yarn[cell]]
         inverted = ", inverted" if ratio <= 0 else ""
         raise UnstableError(
             f"the crossover found no equilibrium: {what}",

@@ -56,6 +56,11 @@ class SurfacePairs:
             self.forces[number] = pair.touch(x, numerics, forces, values)
         return float(np.abs(self.forces).sum())
 
+    @property
+    def anchors(self):
+        """As of `contact.FacingSurfaces`."""
+        return [anchors for pair in self.pairs for anchors in pair.anchors]
+
     def accept(self, x, numerics):
         """As of `contact.FacingSurfaces`."""
         for pair in self.pairs:

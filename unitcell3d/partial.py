@@ -10,7 +10,7 @@ import numpy as np
 from fabrics.errors import InputError
 from fabrics.files import replace_whole
 
-_FORMAT = "weavecell partial surface 1"
+_FORMAT = "weavecell partial surface 2"
 
 
 @dataclass(frozen=True)
@@ -22,6 +22,7 @@ class Line:
     along : (n,) [m] places
     values : (n, 5) T1, T2, F_c [N], h1, h2 [m]
     states : (n, size) unknowns [m], or (0, 0) where no other line starts from this one
+    stuck : (n, s) where the points of contact stick with friction, or (0, 0) like the states
     seconds : [s] wall time
     iterations : tangents factorised
     """
@@ -31,6 +32,7 @@ class Line:
     along: np.ndarray
     values: np.ndarray
     states: np.ndarray
+    stuck: np.ndarray
     seconds: float
     iterations: int
 

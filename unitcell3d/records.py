@@ -10,7 +10,8 @@ import numpy as np
 from fabrics.errors import InputError
 from fabrics.files import replace_whole
 
-_FORMAT = "weavecell case record 1"
+_FORMAT = "weavecell case record 2"
+_NAMES = ("fabric", "case", "failed")
 
 
 @dataclass(frozen=True)
@@ -25,6 +26,7 @@ class Record:
     fabric, case : names
     failed : reason why the path ended before its end, "" where it did not
     facts : {name: number or text} of the run
+    last : {name: array} of other things in the last state
     """
 
     columns: dict
@@ -34,19 +36,32 @@ class Record:
     case: str = ""
     failed: str = ""
     facts: dict = field(default_factory=dict)
+    last: dict = field(default_factory=dict, repr=False)
 
     def __getitem__(self, name):
         return self.columns[name]
 
-    def write(self, path):
-        """Write as HDF5 (.h5)."""
+    def write(self, path, **notes):
+        """Write as HDF5 (.h5), with notes (numbers and texts) that `notes` gives back."""
         with replace_whole(path) as beside, h5py.File(beside, "w") as file:
-            file.attrs.update({"format": _FORMAT, "fabric": self.fabric, "case": self.case, "failed": self.failed})
-            file.create_group("facts").attrs.update(self.facts)
+            file.attrs.update({name: getattr(self, name) for name in _NAMES}, format=_FORMAT)
+            for group, values in (("facts", self.facts), ("notes", notes)):
+                file.create_group(group).attrs.update(values)
             for name, values in self.columns.items():
                 file[f"columns/{name}"] = values
                 file[f"columns/{name}"].attrs["meaning"] = self.meanings.get(name, "")
+            for name, values in self.last.items():
+                file[f"last/{name}"] = values
             file["u"] = self.u
+
+    @staticmethod
+    def notes(path):
+        """The notes of a file; {} where it is none of these."""
+        try:
+            with h5py.File(path, "r") as file:
+                return dict(file["notes"].attrs)
+        except (OSError, KeyError):
+            return {}
 
     @classmethod
     def read(cls, path) -> Record:
@@ -61,8 +76,18 @@ class Record:
                 if file.attrs.get("format") != _FORMAT:
                     raise InputError(file=path, key="format", value=file.attrs.get("format"), allowed=repr(_FORMAT))
                 columns = {name: values[:] for name, values in file["columns"].items()}
-                meanings = {name: str(values.attrs["meaning"]) for name, values in file["columns"].items()}
-                texts = {key: str(file.attrs[key]) for key in ("fabric", "case", "failed")}
-                return cls(columns, meanings, file["u"][:], facts=dict(file["facts"].attrs), **texts)
+                return cls(
+                    columns,
+                    {name: str(values.attrs["meaning"]) for name, values in file["columns"].items()},
+                    file["u"][:],
+                    *(str(file.attrs[name]) for name in _NAMES),
+                    dict(file["facts"].attrs),
+                    {name: values[:] for name, values in file.get("last", {}).items()},
+                )
         except OSError as problem:
-            raise InputError("cannot be read", file=path, allowed=f"a case record ({problem})") from problem
+            raise InputError("cannot be read", file=path, allowed=f"a record of a case ({problem})") from problem
+
+
+def columns(rows):
+    """{name: (n, ...)} of rows, dicts with the same keys."""
+    return {key: np.array([row[key] for row in rows]) for key in rows[0]}

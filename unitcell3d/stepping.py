@@ -15,8 +15,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from fabrics.errors import UnstableError
-from unitcell3d.history import History
+from unitcell3d.history import MEANINGS, History
 from unitcell3d.newton import ROUGH, Newton
+from unitcell3d.records import columns
 
 
 @dataclass(frozen=True)
@@ -97,15 +98,8 @@ def _march(model, solver, start, end, case, stop, steps, hooks):
     # the gaps belong to the last state, not to the last trial
     model.forces(q, start.towards(end, share))
     u = model.constraints.displacement(q, start.towards(end, share).d)
-    columns = {key: np.array([row[key] for row in rows]) for key in rows[0]}
-    return History(
-        **columns,
-        u=u,
-        gaps=tuple(model.surfaces.gaps),
-        fabric=model.fabric.name,
-        case=case,
-        failed=failed,
-    )
+    last = dict(zip(("gaps_warp", "gaps_weft"), model.surfaces.gaps))
+    return History(columns(rows), MEANINGS, u, model.fabric.name, case, failed, last=last)
 
 
 STOP_TOLERANCE = 2e-3  # of the quantity that ends a path

@@ -3,37 +3,34 @@
 The grid is a tensor product, its lines paths of continuation: a stem from rest to the corner (lowest d1, lowest d2) and
 on along d2; from each of its states a row along d1. Where a tolerance is given, lines are added half-way beside those
 that the interpolant misses by more when they are left out (`interpolant.errors`), which is where contact sets in: new
-rows start from the stem, new columns from the first row. The response does not depend on the path.
+rows start from the stem, new columns from the first row. Without friction the response does not depend on the path.
+With it the surface is that of stretching the weft first and the warp then, and lines cannot be added.
 
-Each line is a case of its own, with a model of its own, so that it comes out the same to the last bit whichever process
-solves it, and when. Finished cases are kept in one file, written whole after each of them.
+Finished lines (`surface_line`) are kept in one file, written whole after each of them.
 """
 
 from __future__ import annotations
 
 import hashlib
 import json
-import time
 from concurrent.futures import as_completed
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from fabrics.errors import InputError, UnstableError
 from fabrics.surface import ResponseSurface
+from fabrics.workers import workers
 from meshing import crossover as mesher
 from unitcell3d.interpolant import FEWEST, QUANTITIES, errors
-from unitcell3d.model import CrossoverModel, Load
-from unitcell3d.newton import Newton
-from unitcell3d.partial import Line, Partial
-from unitcell3d.stepping import at_rest, visit
-from unitcell3d.workers import workers
+from unitcell3d.model import Numerics
+from unitcell3d.partial import Partial
+from unitcell3d.surface_line import Case, solve_line
 
 POINTS = (21, 21)
 REACH = 0.03e-3  # m
 MOST_LINES = 65  # in one direction
 ROUNDS = 6
-FROM_REST = 0.02  # share of the way from rest to the corner of the rectangle in one step
 FORCES = ("T1", "T2", "F_c")
 
 
@@ -57,32 +54,6 @@ class Sampled:
     solves: int
 
 
-@dataclass(frozen=True)
-class Case:
-    """A line to be solved, along `axis` (0: d1, 1: d2) at `fixed` of the other [m], at the places `along` [m].
-
-    start, q : (d1, d2) [m] on the edge where the line begins, and the equilibrium there; None: from rest
-    keep : whether other lines will start from its states
-    """
-
-    axis: int
-    fixed: float
-    along: np.ndarray
-    start: tuple | None = None
-    q: np.ndarray | None = None
-    keep: bool = False
-
-    @property
-    def name(self):
-        """Name of the line."""
-        return f"d{2 - self.axis} = {1e6 * self.fixed:.6f} um"
-
-    def at(self, place):
-        """(d1, d2) [m] of a place on the line."""
-        place, fixed = float(place), float(self.fixed)
-        return (place, fixed) if self.axis == 0 else (fixed, place)
-
-
 def sample(
     fabric,
     *,
@@ -91,6 +62,7 @@ def sample(
     points=POINTS,
     tolerance=None,
     size="medium",
+    friction=0.0,
     partial=None,
     resume=False,
     executor=None,
@@ -108,6 +80,7 @@ def sample(
     tolerance : [-] of the largest T1, T2, F_c: add lines until none that is left out is missed by more, or there are
         `MOST_LINES`; None: no more lines
     size : of the mesh
+    friction : [-] Coulomb's coefficient between the yarns; not with a tolerance
     partial : file (.h5) in which finished lines are kept, or None
     resume : go on from `partial` if it is there
     executor : any concurrent.futures.Executor for the lines; None: `processes` of its own
@@ -126,18 +99,22 @@ def sample(
     axes = [_axis(name, span, n) for name, span, n in zip(("d1", "d2"), (d1, d2), points)]
     if tolerance is not None and not 0 < tolerance < 1:
         raise InputError(key="tolerance", value=tolerance, allowed="above 0 and below 1")
+    if tolerance is not None and friction:
+        raise InputError("a tolerance goes without friction, with which added lines would be of other paths")
+    Numerics(friction=friction)  # refuses what is not allowed
     if processes < 1:
         raise InputError(key="processes", value=processes, allowed="at least 1")
     mesher.build(fabric, size=size)  # bad input ends here, in this process
     asked = {"fabric": hashlib.sha256(repr(fabric).encode()).hexdigest(), "size": str(size), "tolerance": tolerance}
+    asked |= {"friction": friction} if friction else {}
     asked |= {name: [*map(float, axis[[0, -1]]), axis.size] for name, axis in zip(("d1", "d2"), axes)}
     done = Partial(partial, json.dumps(asked), resume)
     with workers(executor, processes) as pool:
-        run = _Run(fabric, size, done, pool, progress if progress is not None else _silent)
+        run = _Run(fabric, size, friction, done, pool, progress if progress is not None else _silent)
         new, axes = axes, [axis[:0] for axis in axes]
         for _ in range(1 if tolerance is None else ROUNDS):
             axes = _add_lines(run, axes, new)
-            surface = _assemble(done, axes, fabric, size, provenance)
+            surface = _assemble(done, axes, fabric, size, friction, provenance)
             new = _missing(surface, tolerance)
             if not any(axis.size for axis in new):
                 break
@@ -170,7 +147,10 @@ def _add_lines(run, axes, new):
         x1, x2 = new
         stem = run([Case(1, x1[0], x2, keep=True)], 1 + x2.size)[0]
         run(
-            [Case(0, d, x1, (x1[0], d), q, keep=d == x2[0]) for d, q in zip(x2, stem.states)],
+            [
+                Case(0, d, x1, (x1[0], d), stem.states[i], stem.stuck[i] if len(stem.stuck) else None, d == x2[0])
+                for i, d in enumerate(x2)
+            ],
             1 + x2.size,
         )
         return new
@@ -204,13 +184,15 @@ def _missing(surface, tolerance):
     return new
 
 
-def _assemble(done, axes, fabric, size, provenance):
+def _assemble(done, axes, fabric, size, friction, provenance):
     values = {}
     for line in done.lines.values():
         case = Case(int(line.axis), line.fixed, line.along)
         values |= {case.at(place): row for place, row in zip(line.along, line.values)}
     table = np.array([[values[float(a), float(b)] for b in axes[1]] for a in axes[0]])
-    made = f"3D crossover of {fabric.name}, {size} mesh" + (f"; {provenance}" if provenance else "")
+    made = f"3D crossover of {fabric.name}, {size} mesh"
+    made += f", friction {friction:g}, weft stretched first" if friction else ""
+    made += f"; {provenance}" if provenance else ""
     columns = {name: np.ascontiguousarray(table[:, :, i]) for i, name in enumerate(QUANTITIES)}
     return ResponseSurface(*axes, **columns, fabric=fabric.name, provenance=made)
 
@@ -218,9 +200,10 @@ def _assemble(done, axes, fabric, size, provenance):
 class _Run:
     """Solves the cases that are not done yet and keeps them."""
 
-    def __init__(self, fabric, size, done, workers, report):
+    def __init__(self, fabric, size, friction, done, workers, report):
         self.done = done
-        self._fabric, self._size, self._workers, self._report = fabric, size, workers, report
+        self._fabric, self._size, self._friction = fabric, size, friction
+        self._workers, self._report = workers, report
 
     def kept(self, case):
         """The line of a case that is done."""
@@ -242,60 +225,11 @@ class _Run:
 
     def _outcomes(self, cases):
         """(case, function that returns its line or raises) as they come."""
-        futures = {self._workers.submit(solve_line, self._fabric, self._size, case): case for case in cases}
+        asked = {case.name: replace(case, friction=self._friction) for case in cases}
+        futures = {self._workers.submit(solve_line, self._fabric, self._size, asked[case.name]): case for case in cases}
         try:
             for future in as_completed(futures):
                 yield futures[future], future.result
         finally:
             for future in futures:
                 future.cancel()
-
-
-def solve_line(fabric, size, case):
-    """Solve one line; returns partial.Line.
-
-    Raises
-    ------
-    UnstableError : no equilibrium at a place
-    """
-    begun = time.perf_counter()
-    model = CrossoverModel(mesher.build(fabric, size=size), fabric)
-    solver = Newton(model)
-    values, states, iterations = [], [], 0
-    try:
-        q, spent = _begin(model, solver, case)
-        first, last = (Load(case.at(case.along[i])) for i in (0, -1))
-        shares = (case.along - case.along[0]) / (case.along[-1] - case.along[0])
-        for share, found in visit(model, solver, q, first, last, shares):
-            iterations += found.iterations
-            heights = model.heights(model.positions(found.q, first.towards(last, share)))
-            T1, T2 = model.tensions(found.forces)
-            values.append((T1, T2, model.copies[1] * found.contact, *heights))
-            states.append(found.q)
-    finally:
-        solver.close()
-    return Line(
-        case.axis,
-        float(case.fixed),
-        np.asarray(case.along, float),
-        np.array(values),
-        np.array(states) if case.keep else np.empty((0, 0)),
-        time.perf_counter() - begun,
-        iterations + spent,
-    )
-
-
-def _begin(model, solver, case):
-    """Unknowns at the first place of a line, and the tangents factorised on the way to it."""
-    corner = Load(case.at(case.along[0]))
-    if case.q is None:
-        start = Load()
-        found = at_rest(model, solver, start)
-        q, spent = found.q, found.iterations
-        steps = np.linspace(FROM_REST, 1, round(1 / FROM_REST))
-    else:
-        start, q, spent, steps = Load(tuple(map(float, case.start))), case.q, 0, (1.0,)
-    if start.d != corner.d:
-        for _, found in visit(model, solver, q, start, corner, steps):
-            q, spent = found.q, spent + found.iterations
-    return q, spent

@@ -24,7 +24,7 @@ COLUMNS = (
 )  # fmt: skip
 
 
-def command(out, *, size, processes, resume):
+def command(out, *, size, processes, resume, friction=0.0):
     """Calibrate the whole catalogue, write the summary and print it."""
     from unitcell3d.calibrate import PATHS, calibrate_all
 
@@ -33,6 +33,7 @@ def command(out, *, size, processes, resume):
         found = calibrate_all(
             fabrics,
             size=size,
+            friction=friction,
             folder=lambda name: out / name,
             resume=resume,
             processes=processes,
@@ -45,7 +46,7 @@ def command(out, *, size, processes, resume):
     picture = pictures.render(pictures_solid.laws, done, kind="png")
     with write_whole(out / "summary.png", "wb") as file:
         file.write(picture)
-    _report(out, fabrics, rows, picture, size)
+    _report(out, fabrics, rows, picture, size, friction)
     for line in rows:
         print(
             f"{line[0]:<18}a {line[1]:>7} ({line[5]:>5} of published)   b {line[6]:>7} ({line[10]:>5})   "
@@ -86,7 +87,7 @@ def _parameter(value, interval, spread, published, ratio):
     )
 
 
-def _report(out, fabrics, rows, picture, size):
+def _report(out, fabrics, rows, picture, size, friction):
     stamp = provenance.stamp()
     figure = Figure(
         picture, "png", "a and b fitted to the 3D crossover over those that the source prints (Tables 5-1 and 5-4); "
@@ -97,7 +98,8 @@ def _report(out, fabrics, rows, picture, size):
         "Compression laws of the catalogue from the 3D crossover",
         f"Every fabric is stretched along several biaxial paths until its fibres fail, on the {size} mesh, and one law "
         "fitted to each. The law here is that of one yarn; whether the printed values are of one yarn or of the "
-        "crossing is open (erratum E-40).",
+        "crossing is open (erratum E-40)."
+        + (f" Coulomb friction between the yarns: {friction:g}." if friction else ""),
         ((Card("Fabrics", f"{len(rows)}", ("six Kevlar 129 weaves, two of glass",)),),),
         (
             Section("laws", "Laws", "", (figure,), (Table(COLUMNS, tuple(rows), numeric=numeric),)),

@@ -8,6 +8,16 @@ from typing import Annotated
 
 import typer
 
+from weavecell.options import (
+    RESULTS,
+    FabricArgument,
+    FinenessOption,
+    FrictionOption,
+    GapOption,
+    OutOption,
+    SectionOption,
+)
+
 EPILOG = "Example: [bold]weavecell crossover S-720 --case shear --gamma '50 deg' --size coarse[/bold]"
 
 
@@ -37,34 +47,18 @@ class Family(StrEnum):
     weft = "weft"
 
 
-class Sections(StrEnum):
-    """Yarn sections."""
-
-    sine = "sine"
-    ellipse = "ellipse"
-    conforming = "conforming"
-
-
 def crossover(
-    fabric: Annotated[
-        str, typer.Argument(metavar="FABRIC", help="A name of the catalogue, or the path of a fabric file.")
-    ],
+    fabric: FabricArgument,
     case: Annotated[Case, typer.Option(help="One yarn pulled, plies between plates, or the weave stretched, sheared.")],
-    size: Annotated[
-        str,
-        typer.Option(
-            help="How fine: a name, hexahedra along, across and through a quarter yarn, or an edge length.",
-            metavar="auto|coarse|medium|fine|NX,NY,NZ|LENGTH",
-        ),
-    ] = "coarse",
+    size: FinenessOption = "coarse",
     domain: Annotated[
         Part | None,
         typer.Option(help="yarn, path: a quarter (default) or whole; biaxial, shear: whole (default) or four."),
     ] = None,
-    section: Annotated[Sections | None, typer.Option(help="Yarn section; the fabric's own if not given.")] = None,
-    gap: Annotated[str, typer.Option(help="Gap between parallel yarns.", metavar="LENGTH")] = "0 mm",
+    section: SectionOption = None,
+    gap: GapOption = "0 mm",
     failure: Annotated[bool, typer.Option("--failure", help="Fibres fail at their failure strain.")] = False,
-    friction: Annotated[float, typer.Option(help="Coulomb's coefficient between yarns.", min=0)] = 0.0,
+    friction: FrictionOption = 0.0,
     yarn: Annotated[Family, typer.Option(help="yarn: which.")] = Family.warp,
     bars: Annotated[
         int | None, typer.Option(help="yarn: fibre lines that carry bars; all if not given.", metavar="N")
@@ -90,12 +84,7 @@ def crossover(
     path: Annotated[
         Path | None, typer.Option(help='path: CSV file of corners, headed "d1 \\[um], d2 \\[um]".', metavar="FILE.csv")
     ] = None,
-    out: Annotated[
-        Path | None,
-        typer.Option(
-            "--out", "-o", help="Folder for what is written; by default one of its own in results/.", metavar="FOLDER"
-        ),
-    ] = None,
+    out: OutOption = None,
 ):
     """Load the 3D crossover: one yarn pulled straight, plies between plates, biaxial stretch, any path, or shear.
 
@@ -107,7 +96,7 @@ def crossover(
     cases.command(
         fabric,
         case.value,
-        out or Path("results") / f"crossover-{case.value}-{Path(fabric).stem}",
+        out or RESULTS / f"crossover-{case.value}-{Path(fabric).stem}",
         domain=domain and domain.value,
         size=size,
         section=section and section.value,

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-import os
 from enum import StrEnum
 from pathlib import Path
 from typing import Annotated
 
 import typer
+
+from weavecell.options import CORES, OutOption, ResumeOption
 
 CHART = "Example: [bold]weavecell chart --scene ply-stopped[/bold]"
 STABILITY = "Example: [bold]weavecell stability --map time-step[/bold]"
@@ -21,17 +22,10 @@ class Level(StrEnum):
     fine = "fine"
 
 
-OutOption = Annotated[
-    Path | None,
-    typer.Option(
-        "--out", "-o", help="Folder for what is written; by default one of its own in results/.", metavar="FOLDER"
-    ),
-]
 QuickOption = Annotated[bool, typer.Option("--quick", help="Coarser references: to see whether all runs.")]
 PageOption = Annotated[
     Path | None, typer.Option(help="Also write this page, with its figures beside it in figures/.", metavar="FILE.md")
 ]
-ResumeOption = Annotated[bool, typer.Option("--resume", help="Go on from the cases of an interrupted run.")]
 AllOption = Annotated[bool, typer.Option("--all", help="All of them.")]
 
 
@@ -46,9 +40,7 @@ def chart(
     only: Annotated[
         str, typer.Option(help="crossover: choices to vary, by commas; all if not given.", metavar="CHOICE,...")
     ] = "",
-    processes: Annotated[int, typer.Option(min=1, help="crossover: cases computed beside each other.")] = (
-        os.cpu_count() or 1
-    ),
+    processes: Annotated[int, typer.Option(min=1, help="crossover: cases computed beside each other.")] = CORES,
     out: OutOption = None,
     resume: ResumeOption = False,
 ):

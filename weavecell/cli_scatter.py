@@ -8,6 +8,8 @@ from typing import Annotated
 
 import typer
 
+from weavecell.options import RESULTS, FabricArgument, JobsOption, OutOption, ResumeOption
+
 SENSITIVITY = "Example: [bold]weavecell sensitivity S-720 --samples 64[/bold]"
 V50 = "Example: [bold]weavecell v50 S-720 --shots 200 --shape 14.3[/bold]"
 
@@ -19,24 +21,13 @@ class Pool(StrEnum):
     mpi = "mpi"
 
 
-FabricArgument = Annotated[
-    str, typer.Argument(metavar="FABRIC", help="A name of the catalogue, or the path of a fabric file.")
-]
 SeedOption = Annotated[int, typer.Option(min=0, help="Of all that is drawn.")]
-JobsOption = Annotated[int, typer.Option(min=1, help="Processes that work beside each other.")]
 PoolOption = Annotated[
     Pool, typer.Option(help="mpi: the ranks of mpiexec -n N python -m mpi4py.futures -m weavecell ...")
 ]
 OpeningOption = Annotated[str, typer.Option(help="Side of the square panel.", metavar="LENGTH")]
-ResumeOption = Annotated[bool, typer.Option("--resume", help="Go on from the runs of an interrupted study.")]
 PageOption = Annotated[
     Path | None, typer.Option(help="Also put table and picture between their marks of this page.", metavar="FILE.md")
-]
-OutOption = Annotated[
-    Path | None,
-    typer.Option(
-        "--out", "-o", help="Folder for what is written; by default one of its own in results/.", metavar="FOLDER"
-    ),
 ]
 
 
@@ -63,7 +54,7 @@ def sensitivity(
 
     scatter.sensitivity(
         fabric,
-        out or Path("results") / f"sensitivity-{Path(fabric).stem}",
+        out or RESULTS / f"sensitivity-{Path(fabric).stem}",
         velocities=[si(text, "m/s", key="--velocity") for text in velocity or ("92.5 m/s", "170 m/s")],
         samples=samples,
         seed=seed,
@@ -114,7 +105,7 @@ def v50(
     }
     scatter.probabilistic(
         fabric,
-        out or Path("results") / f"v50-{Path(fabric).stem}",
+        out or RESULTS / f"v50-{Path(fabric).stem}",
         shots=shots,
         batch=batch,
         seed=seed,

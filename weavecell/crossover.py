@@ -19,7 +19,7 @@ from weavecell.mesh import with_3d_data
 from weavecell.report import Table
 
 
-def calibrate_command(name, out, *, size, processes, plates=None, fit_solid=False, resume=False):
+def calibrate_command(name, out, *, size, processes, friction=0.0, plates=None, fit_solid=False, resume=False):
     """Calibrate one fabric, its solid first if asked, write what came of it and print the law."""
     fabric = with_3d_data(name)
     solid = None
@@ -28,7 +28,7 @@ def calibrate_command(name, out, *, size, processes, plates=None, fit_solid=Fals
         fabric = solid.fabric
     built = mesh.build(fabric, size=size, domain="whole")
     mesh.write(built, out)
-    done = calibrate(fabric, out, size=size, processes=processes, resume=resume)
+    done = calibrate(fabric, out, size=size, processes=processes, friction=friction, resume=resume)
     tell(fabric, done, out)
     page(fabric, done, solid, built, out)
     print(f"written to {out}")
@@ -52,7 +52,8 @@ def page(fabric, done, solid, built, out):
     content = report.Report(
         f"{fabric.name}: compression law from the 3D crossover",
         "The crossover is stretched along several biaxial paths until its fibres fail; one law is fitted to the "
-        "thickness that its yarns lose under their contact force.",
+        "thickness that its yarns lose under their contact force."
+        + (f" Coulomb friction between the yarns: {done.friction:g}." if done.friction else ""),
         ((chapters.fabric_card(fabric), chapters.law_card(done.law, done.published, "fitted to the 3D crossover")),),
         sections,
         f"weavecell {weavecell.__version__}, {stamp['date']}",
@@ -63,6 +64,8 @@ def page(fabric, done, solid, built, out):
 def tell(fabric, done, out):
     """Print the law of a Calibration: intervals, published values, residual, spread between paths, the law chosen."""
     law = done.law
+    if done.friction:
+        print(f"{'friction':<12}{done.friction:g}")
     a, b = (f"{1e3 * value:.4f}" for value in (law.a, law.b))
     print(f"{'fitted':<12}a = {a} mm ({_mm(law.a_interval)}), b = {b} mm N^(1/3) ({_mm(law.b_interval)}), 95 %")
     if done.published is not None:
@@ -89,13 +92,15 @@ def _mm(pair):
     return " .. ".join(f"{1e3 * value:.4f}" for value in pair)
 
 
-def calibrate(fabric, out, *, size, processes, resume=False):
+def calibrate(fabric, out, *, size, processes, friction=0.0, resume=False):
     """Solve the crossover, fit its law and write both to the folder `out`; returns the Calibration."""
     from unitcell3d import calibrate as solver
 
     with progress.bar(f"Calibration of {fabric.name}") as advance:
         told = told_by_paths(advance, 1 + len(solver.PATHS))
-        return solver.calibrate(fabric, size=size, out=out, progress=told, processes=processes, resume=resume)
+        return solver.calibrate(
+            fabric, size=size, friction=friction, out=out, progress=told, processes=processes, resume=resume
+        )
 
 
 def told_by_paths(advance, count):
@@ -165,9 +170,9 @@ def _laws(done):
         if own is not None:
             rows.append((f"{name}, its own compression", *_parameters(own), _um(own.residual_rms)))
     if ratio is not None:
-        ends = [ratio.at(m) for m in ratio.m_range]
-        spans = ("{:.4f} .. {:.4f}".format(*(1e3 * getattr(end, key) for end in ends)) for key in ("a", "b"))
-        rows.append(("that sees the tension ratio, all weft .. all warp", *spans, _um(ratio.residual_rms)))
+        c = " .. ".join(f"{1e6 * ratio.compliance(m):.3f}" for m in ratio.m_range)
+        name = f"c F / (1 + F / {ratio.F0:.3g} N), c = {c} µm/N, all weft .. all warp"
+        rows.append((name, "-", "-", _um(ratio.residual_rms)))
     return Table(columns, tuple(rows), f"Laws; chosen: {done.chosen}", numeric=columns[1:])
 
 

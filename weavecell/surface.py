@@ -20,7 +20,7 @@ from weavecell.crossover import with_3d_data
 from weavecell.report import Figure, Section, Table
 
 
-def surface_command(name, out, *, d1, d2, points, tolerance, size, processes, resume):
+def surface_command(name, out, *, d1, d2, points, tolerance, size, processes, resume, friction=0.0):
     """Sample the surface of one fabric, write it and print its errors; `d1`, `d2` are texts such as "0 mm .. 1 mm"."""
     from unitcell3d import surface
     from unitcell3d.interpolant import Interpolant
@@ -37,6 +37,7 @@ def surface_command(name, out, *, d1, d2, points, tolerance, size, processes, re
             points=(points, points),
             tolerance=tolerance,
             size=size,
+            friction=friction,
             partial=partial,
             resume=resume,
             processes=processes,
@@ -53,6 +54,7 @@ def surface_command(name, out, *, d1, d2, points, tolerance, size, processes, re
     content = {
         "fabric": fabric.name,
         "mesh": size,
+        "friction": friction,
         "d1_m": spans[0],
         "d2_m": spans[1],
         "lines": found.surface.T1.shape,
@@ -68,7 +70,8 @@ def surface_command(name, out, *, d1, d2, points, tolerance, size, processes, re
     report.write_pictures(sections[:1], out / "pictures")
     page = report.Report(
         f"{fabric.name}: response surface of the 3D crossover",
-        "Tensions, contact force and heights of one crossing over the end displacements of its two yarns.",
+        "Tensions, contact force and heights of one crossing over the end displacements of its two yarns."
+        + (f" Coulomb friction {friction:g}; the weft is stretched first, then the warp." if friction else ""),
         ((chapters.fabric_card(fabric),),),
         sections,
         f"weavecell {weavecell.__version__}, {stamp['date']}",

@@ -6,22 +6,27 @@ import pytest
 from fabrics.errors import InputError
 from fabrics.ratio_law import RatioLaw, imbalance
 
-LAW = RatioLaw((np.log(40e-6), 0.2), (np.log(2.0), -0.5))
+LAW = RatioLaw((np.log(20e-6), 0.2), 2.0)
 
 
-def test_at_one_ratio_it_is_the_regularised_law():
-    F = np.array([0.0, 0.1, 3.0, 200.0])
+def test_limits():
     for m in (-1.0, 0.0, 0.7):
-        assert LAW.d(F, m) == pytest.approx(LAW.at(m).d(F), rel=1e-12)
+        assert LAW.d(0.0, m) == LAW.d(-1.0, m) == 0
+        assert LAW.d(1e-6, m) == pytest.approx(1e-6 * LAW.compliance(m), rel=1e-6)
+        assert LAW.d(1e9, m) == pytest.approx(40e-6 * np.exp(0.2 * m), rel=1e-8)
 
 
 def test_fit_finds_the_law_that_made_the_samples():
     F = np.tile(np.geomspace(0.05, 100, 12), 3)
     m = np.repeat([-0.8, 0.1, 0.9], 12)
     found = RatioLaw.fit(F, m, LAW.d(F, m))
-    assert (*found.p, *found.q) == pytest.approx((*LAW.p, *LAW.q), abs=1e-5)
+    assert (*found.p, found.F0) == pytest.approx((*LAW.p, LAW.F0), abs=1e-5)
     assert found.residual_rms < 1e-10
     assert found.m_range == (-0.8, 0.9)
+    straight = RatioLaw((np.log(20e-6), 0.2), np.inf)
+    found = RatioLaw.fit(F, m, straight.d(F, m))
+    assert found.F0 == np.inf
+    assert found.p == pytest.approx(straight.p, abs=1e-5)
 
 
 def test_imbalance():

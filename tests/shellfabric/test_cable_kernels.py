@@ -1,5 +1,6 @@
 """The kernels of the cable net against a plain twin that knows only nodes and a list of bars."""
 
+from collections import defaultdict
 from dataclasses import replace
 
 import numpy as np
@@ -16,25 +17,21 @@ FABRIC = catalogue.load("S-726")
 
 def small(symmetry="quarter", **numerics):
     """A net of about ten crossovers from the middle to the edge, odd blocks, unequal yarns and counts."""
-    knobs = CableNumerics(contact_points=3, block=25, **numerics)
+    knobs = CableNumerics(contact_points=4, block=25, **numerics)
     return CableNet(FABRIC, (0.020, 0.024), symmetry=symmetry, numerics=knobs)
 
 
 class Twin:
-    """The same model, one bar and one point at a time."""
+    """The same model, one bar and one point of the surface at a time."""
 
     def __init__(self, net, speed):
         c, weave = net.constants(), net.fabric.weave
         self.c, (ni, nj) = c, net.counts
-        self.X = np.array(
-            [
-                [c.origin[0] + i * c.spacing[0], c.origin[1] + j * c.spacing[1], 0]
-                for i in range(ni + 1)
-                for j in range(nj + 1)
-            ]
-        )
+        self.X = np.array([[c.x0 + i * c.dx, c.y0 + j * c.dy, 0] for i in range(ni + 1) for j in range(nj + 1)])
         self.x, self.v, self.m = self.X.copy(), np.zeros_like(self.X), np.zeros(len(self.X))
         mirror_x, mirror_y = {"quarter": (True, True), "half": (True, False), "whole": (False, False)}[net.symmetry]
+        self.mirrors, self.shape, self.of_edge = (mirror_x, mirror_y), (ni + 1, nj + 1), {}
+        self.forces, self.gone = defaultdict(float), set()
         self.free = np.ones_like(self.X)
         self.bars = []
         for i in range(ni + 1):
@@ -50,10 +47,10 @@ class Twin:
                 for family, other, part in ends:
                     yarn, S0 = weave.yarns[family], weave.S0[family]
                     stiffness = part * yarn.EA / S0
-                    L0 = c.spacing[family]
-                    points = [0.0] * net._points()[0]
-                    bar = {"family": family, "a": k, "b": other, "k": stiffness, "part": part, "S0": S0, "L": L0}
-                    self.bars.append({**bar, "drag": 0.0, "f": points})
+                    L0 = (c.dx, c.dy)[family]
+                    bar = {"family": family, "a": k, "b": other, "k": stiffness, "S0": S0, "L": L0, "drag": 0.0}
+                    self.bars.append(bar)
+                    self.of_edge[family, i, j] = bar
                     self.m[[k, other]] += 0.5 * part * S0 * yarn.linear_density
         self.f, self.z, self.speed, self.reaction = np.zeros_like(self.X), 0.0, speed, 0.0
         self.viscous = self.contact = self.lost = 0.0
@@ -68,8 +65,10 @@ class Twin:
         self.reaction = 0.0
         for bar in self.bars:
             self.pull(bar)
-        for bar in self.bars:
-            self.touch(bar)
+        for i in range(self.shape[0] - 1):
+            for j in range(self.shape[1] - 1):
+                if not self.eroded(i, j):
+                    self.touch(i, j)
 
     def pull(self, bar):
         d = self.x[bar["b"]] - self.x[bar["a"]]
@@ -85,24 +84,80 @@ class Twin:
         self.f[bar["a"]] += (T + drag) * d / L
         self.f[bar["b"]] -= (T + drag) * d / L
 
-    def touch(self, bar):
-        p = len(bar["f"])
-        for q in range(p):
-            t = (q + 0.5) / p
-            x = (1 - t) * self.x[bar["a"]] + t * self.x[bar["b"]] - [0, 0, self.z]
-            v = (1 - t) * self.v[bar["a"]] + t * self.v[bar["b"]] - [0, 0, self.speed]
-            r = np.hypot(x[0], x[1])
-            depth, n_r, n_z = flat(r, x[2], self.c.R, self.c.rho)
-            n = np.array([n_r * x[0] / r, n_r * x[1] / r, n_z]) if r > 0 else np.array([0, 0, n_z])
-            f = 0.0
-            if depth < 0 and bar["k"] > 0:
-                stiffness, damping = self.c.point_stiffness[bar["family"]], self.c.point_damping[bar["family"]]
-                f = bar["part"] * max(0.0, -damping * n @ v - stiffness * depth)
-            self.contact += 0.5 * (f + bar["f"][q]) * -(n @ v) * self.c.dt
-            bar["f"][q] = f
-            self.f[bar["a"]] += (1 - t) * f * n
-            self.f[bar["b"]] += t * f * n
-            self.reaction -= f * n[2]
+    def whole(self, family, i, j):
+        """Whether there is an unbroken bar from node (i, j), or one that it is an image of."""
+        node = [i, j]
+        for axis, mirrored in enumerate(self.mirrors):
+            if mirrored and node[axis] < 0:
+                node[axis] = -node[axis] - (axis == family)
+        bar = self.of_edge.get((family, *node))
+        return bar is not None and bar["k"] > 0
+
+    def eroded(self, i, j):
+        """Whether nothing holds an element any more."""
+        x = self.x.reshape(*self.shape, 3)
+        warp = self.whole(0, i, j) or self.whole(0, i, j + 1)
+        weft = self.whole(1, i, j) or self.whole(1, i + 1, j)
+        wide = [
+            np.linalg.norm(x[i + 1, j] - x[i, j] + x[i + 1, j + 1] - x[i, j + 1]) > 2 * self.c.widest * self.c.dx,
+            np.linalg.norm(x[i, j + 1] - x[i, j] + x[i + 1, j + 1] - x[i + 1, j]) > 2 * self.c.widest * self.c.dy,
+        ]
+        if (not warp and (not weft or wide[0])) or (not weft and wide[1]):
+            self.gone.add((i, j))
+        return (i, j) in self.gone
+
+    def shares(self, i, j, s, t):
+        """[(slot, signs, weight)] of the point (s, t) of element (i, j)."""
+        m, n, own = i + (s > 0.5), j + (t > 0.5), (1 if s < 0.5 else -1, 1 if t < 0.5 else -1)
+        runs = [
+            self.whole(0, m - 1, n) and self.whole(0, m, n),
+            self.whole(1, m, n - 1) and self.whole(1, m, n),
+        ]
+        for a in (-1, 1):
+            for b in (-1, 1):
+                weighs = (a == own[0] or runs[0]) and (b == own[1] or runs[1]) and (a, b) != own
+                if weighs and not (self.whole(0, min(m, m + a), n + b) or self.whole(1, m + a, min(n, n + b))):
+                    return self.sum_up(m, n, basis_of(s - (s > 0.5), False), basis_of(t - (t > 0.5), False))
+        return self.sum_up(m, n, basis_of(s - (s > 0.5), runs[0]), basis_of(t - (t > 0.5), runs[1]))
+
+    def sum_up(self, m, n, along, across):
+        """The shares of the nodes about node (m, n), whose images lie beyond planes of symmetry."""
+        found = []
+        for a in range(3):
+            for b in range(3):
+                if along[a] * across[b] > 0:
+                    p, q = m + a - 1, n + b - 1
+                    signs = np.array([-1 if p < 0 else 1, -1 if q < 0 else 1, 1])
+                    found.append((abs(p) * self.shape[1] + abs(q), signs, along[a] * across[b]))
+        return found
+
+    def touch(self, i, j):
+        c = self.c
+        for a in range(c.points):
+            for b in range(c.points):
+                s, t = (a + 0.5) / c.points, (b + 0.5) / c.points
+                shares = self.shares(i, j, s, t)
+                x = sum(w * signs * self.x[k] for k, signs, w in shares) - [0, 0, self.z]
+                v = sum(w * signs * self.v[k] for k, signs, w in shares) - [0, 0, self.speed]
+                r = np.hypot(x[0], x[1])
+                depth, n_r, n_z = flat(r, x[2], c.R, c.rho)
+                n = np.array([n_r * x[0] / r, n_r * x[1] / r, n_z]) if r > 0 else np.array([0, 0, n_z])
+                left = 0.5 * (self.whole(0, i, j + (t > 0.5)) + self.whole(1, i + (s > 0.5), j))
+                f = np.zeros(3)
+                if depth < 0:
+                    f = left * max(0.0, -c.point_damping * n @ v - c.point_stiffness * depth) * n
+                self.contact -= 0.5 * (f + self.forces[i, j, a, b]) @ v * c.dt
+                self.forces[i, j, a, b] = f
+                for k, signs, w in shares:
+                    self.f[k] += w * signs * f
+                self.reaction -= f[2]
+
+
+def basis_of(s, bent):
+    """Weights of the node before, the nearest, the one behind, on a parabola or on straight lines."""
+    if bent:
+        return (0.5 - s) ** 2 / 2, 0.75 - s**2, (0.5 + s) ** 2 / 2
+    return max(-s, 0.0), 1 - abs(s), max(s, 0.0)
 
 
 @pytest.mark.parametrize(

@@ -53,13 +53,15 @@ def momentum(panel, state):
 
 
 def test_momentum_is_kept(small):
-    """Without supports cloth and projectile keep their momentum to rounding, with yarns failing."""
+    """Without supports cloth and projectile keep their momentum to rounding, with yarns failing; the projectile gives
+    up at least that of the plug before its flat nose. Measured: 8 times that."""
     panel = small(edge="free", symmetry="whole")
     state, _ = march(panel, 400.0, 300)
     assert state.counter[march_kernels.FAILURES] > 0
     expected = panel.projectile.mass * 400.0
     np.testing.assert_allclose(momentum(panel, state), [0.0, 0.0, expected], atol=1e-13 * expected)
-    assert state.speed[2] < 399.0
+    plug = np.pi * panel.projectile.radius**2 * panel.weave.areal_density
+    assert expected - panel.projectile.mass * state.speed[2] > plug * 400.0
 
 
 def test_off_centre_contact_keeps_momentum_too(small):
@@ -82,7 +84,7 @@ def peak(table, points, rho):
 
 def test_peak_tension_has_converged(tables):
     """In the number of points, and it hardly depends on the rounding of the edge, without which contact at nodes fails
-    at a third of the limit. Measured: 4 points -1.4 %, 8 points 0.4 %, edge of 3 um -4 %."""
+    at a third of the limit. Measured: 4 points -2.7 %, 8 points 0.3 %, edge of 3 um -3.6 %."""
     table = tables["equilibrium"]
     converged = peak(table, 16, RHO)
     np.testing.assert_allclose(peak(table, 4, RHO), converged, rtol=0.03)
@@ -93,10 +95,10 @@ def test_peak_tension_has_converged(tables):
 
 def test_contact_energy_is_found_again(small):
     """What the contact takes in is its springs' energy and a loss in the dampers that is not negative."""
-    state, const = march(small(), 100.0, 250)
+    state, const = march(small(failure=False), 100.0, 250)
     taken, spring = state.contact_energy[:2]
     assert 0.0 < spring < taken
-    undamped, _ = march(small(numerics=Numerics(contact_damping=0.0)), 100.0, 250)
+    undamped, _ = march(small(numerics=Numerics(contact_damping=0.0), failure=False), 100.0, 250)
     taken, spring = undamped.contact_energy[:2]
     # without dampers only what points lose that come and go within a step
     assert taken == pytest.approx(spring, abs=2e-3 * 0.5 * const.projectile_mass * 100.0**2)

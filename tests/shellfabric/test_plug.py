@@ -46,14 +46,14 @@ def test_eroded_elements_are_not_held(small):
 def test_passed(small):
     """The nose has passed where no held cloth is ahead of its edge within its radius."""
     panel = small()
-    state, c, work = panel.state(1.0), panel.constants(), panel.work()
-    assert not plug.passed(state, c, work)  # cloth at rest before the nose
+    state, c = panel.state(1.0), panel.constants()
+    assert not plug.passed(state, c)  # cloth at rest before the nose
     cut(panel, state, 0, 4)
-    assert plug.passed(state, c, work)  # all that is left before it is the plug
+    assert plug.passed(state, c)  # all that is left before it is the plug
     cut(panel, state, 0, 4, whole=1.0)
-    assert not plug.passed(state, c, work)
+    assert not plug.passed(state, c)
     state.position[2] = 1e-3
-    assert plug.passed(state, c, work)  # behind the edge
+    assert plug.passed(state, c)  # behind the edge
 
 
 def test_a_plug_that_flies_ahead():

@@ -40,14 +40,20 @@ def momentum(run):
 @pytest.mark.parametrize("attitude", [{}, {"obliquity": 0.6, "azimuth": 0.3, "yaw": 0.1, "roll": 0.2}])
 @pytest.mark.parametrize("friction", [0.0, 0.3])
 def test_every_shot_keeps_momentum(small, shape, attitude, friction):
-    """Without supports, cloth and projectile keep all three components to rounding, with yarns failing."""
+    """Without supports, cloth and projectile keep all three components to rounding, with yarns failing.
+
+    What the nose drives before it moves along its normal n at V n.f or faster, f being the direction of flight, so that
+    the projectile loses at least the cloth's share V (n.f)^2 rho of its momentum per area that it sweeps: over a
+    hemisphere half of what a plug of its section would take, the least of these noses. Measured: 1.18 plugs and more.
+    """
     thrown = shot(shape, friction=friction, **attitude)
     panel = small(edge="free", symmetry="whole", projectile=thrown)
     state, const, fine = panel.state(400.0), panel.constants(), np.empty((300, 3))
     march_kernels.advance(state, const, panel.work(), 300, fine)
     run = Run(state, const, fine, panel)
     expected = thrown.mass * 400.0 * thrown.flight
-    assert np.linalg.norm(run.state.speed) < 399.0
+    plug = np.pi * thrown.radius**2 * panel.weave.areal_density
+    assert thrown.mass * (400.0 - np.linalg.norm(run.state.speed)) > 0.5 * plug * 400.0
     np.testing.assert_allclose(momentum(run), expected, atol=2e-13 * thrown.mass * 400.0)
 
 

@@ -2,7 +2,7 @@
 
 import json
 from concurrent.futures import Executor, Future
-from dataclasses import fields, replace
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -64,10 +64,10 @@ def test_every_fabric_calibrates_unattended(name):
     for name in PATHS:  # conforming sections leave nothing to close but the penetration
         history = found.histories[name]
         assert (2 * history.d_c - history.d_yarns.sum(axis=1)).max() < 5e-6, name
-    if name == "S-745" and found.law.residual_rms >= 1.6e-6:
-        pytest.xfail("missed: one law leaves 1.73 um on this fabric, one that sees the tension ratio 1.30 um")
-    assert found.law.residual_rms < 1.6e-6
     assert found.ratio_law.residual_rms < 1e-6
+    if name == "S-745" and found.law.residual_rms >= 1.6e-6:
+        pytest.xfail("missed: one law leaves 1.73 um on this fabric; one that sees the tension ratio leaves 0.77 um")
+    assert found.law.residual_rms < 1.6e-6
 
 
 def test_plates_give_another_curve(calibration):
@@ -111,12 +111,10 @@ SMALL = {"size": (2, 2, 2), "plates_size": (2, 2, 2), "paths": {"warp only": (1,
 def numbers(found):
     """All numbers of the histories but the times, as bytes."""
     return {
-        (name, item.name): np.concatenate(value).tobytes() if isinstance(value, tuple) else np.asarray(value).tobytes()
+        (name, key): np.asarray(values).tobytes()
         for name, history in found.histories.items()
-        for item in fields(history)
-        if item.name != "seconds"
-        for value in [getattr(history, item.name)]
-        if not isinstance(value, str)
+        for key, values in (*history.columns.items(), *history.last.items(), ("u", history.u))
+        if key != "seconds"
     }
 
 
@@ -144,6 +142,20 @@ def test_an_interrupted_calibration_goes_on_to_the_same_bits(s720, tmp_path):
     finer = Here()  # asked for in another way, nothing of it is taken
     calibrate(s720, executor=finer, out=tmp_path / "broken", resume=True, **SMALL | {"size": (3, 2, 2)})
     assert finer.names == [*SMALL["paths"]]
+
+
+def test_friction_reaches_the_law_and_is_told(s720, tmp_path):
+    """Yarns that stick to each other press harder on each other; what a law was made with stands beside it."""
+    without = calibrate(s720, executor=Here(), out=tmp_path, **SMALL)
+    with_it = calibrate(s720, executor=Here(), out=tmp_path, resume=True, friction=0.3, **SMALL)
+    for name in SMALL["paths"]:
+        rise = with_it.histories[name].F_c[-1] / without.histories[name].F_c[-1]
+        assert 1.01 < rise < 1.15, name
+    assert with_it.law.provenance.endswith("friction 0.3")
+    assert "friction" not in without.law.provenance
+    assert json.loads((tmp_path / "calibration.json").read_text())["friction"] == 0.3
+    with pytest.raises(InputError, match="friction"):
+        calibrate(s720, executor=Here(), friction=-0.1, **SMALL)
 
 
 def test_one_fabric_that_fails_does_not_end_the_others(s720, tmp_path):

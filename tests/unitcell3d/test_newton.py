@@ -3,6 +3,7 @@
 import os
 import subprocess
 import sys
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -66,23 +67,39 @@ def test_broyden_update_is_the_secant_one():
         x, r = x + step, after
 
 
-def test_near_equilibrium_a_step_that_multiplies_the_residual_is_shortened(tiny, s720):
-    """Whole steps across a slack kink sent S-720's weft round three states at 1e-6 of its forces, for ever."""
+def test_a_step_that_overshoots_is_shortened(tiny, s720):
+    """To where the residual no longer pulls back; whole steps across a slack kink went round in cycles."""
     model = CrossoverModel(tiny, s720)
     solver = newton.Newton(model)
     load = Load((2e-6, 8e-6))
     q = np.zeros(model.size)
     for share in np.linspace(0.1, 1, 10):
         q = solver.solve(q, Load().towards(load, share)).q
-    astray = np.random.default_rng(0).normal(size=model.size)
-    for depth, shortened in ((1e-11, True), (1e-7, False)):
-        state = solver._evaluate(q + depth * astray, load)
-        assert (state.norm < newton.NEAR * state.scale) == shortened
-        step = 8 * depth * astray
-        whole = solver._evaluate(state.q + step, load).norm
-        assert whole > newton.GROWTH * state.norm
-        assert (solver._move(state, step, load).norm < 0.5 * whole) == shortened
+    astray = 1e-11 * np.random.default_rng(0).normal(size=model.size)
+    for times, share in ((-8.0, 1 / 8), (-0.5, 1.0), (8.0, 1.0)):  # beyond equilibrium, on this side, and away from it
+        state = solver._evaluate(q + astray, load)
+        pull = -(state.residual @ (times * astray))
+        found, kept = solver._move(state, times * astray, load)
+        assert kept == pytest.approx(share, rel=0.6 if share < 1 else 0)
+        left = found.residual @ (times * astray)
+        assert times > 0 or left <= newton.OVERSHOT * pull
     solver.close()
+
+
+def test_a_kink_met_from_its_soft_side_is_found():
+    """1 N/m up to 0.9 of the step, 1e4 N/m from there on: false position alone creeps along the soft side."""
+
+    class Kinked(newton.Newton):
+        def _evaluate(self, q, load):
+            r = np.array([q[0] - 1.0 + 1e4 * max(q[0] - 0.9, 0.0)])
+            return newton._State(q, None, r, 0.0, np.zeros(2), abs(r[0]), 1.0)
+
+    solver = Kinked(model=None)
+    state = solver._evaluate(np.zeros(1), None)
+    step = np.ones(1)
+    found, share = solver._along(state, step, solver._evaluate(step, None), None)
+    assert abs(found.residual[0]) < newton.OVERSHOT
+    assert 0.5 < share < 0.91
 
 
 def test_linear_guess_follows_the_load(tiny, s720):
@@ -114,6 +131,22 @@ def test_visit_says_where_there_is_no_equilibrium(tiny, s720):
     with pytest.raises(UnstableError, match="d2 = -"):
         list(visit(model, solver, q, Load(), Load((0.0, -0.4e-3)), [1.0]))
     solver.close()
+
+
+def test_the_yarn_that_gives_way_is_named():
+    """By its own name, wherever there are more than one warp and one weft."""
+
+    class Model:
+        crossover = SimpleNamespace(yarn=np.array([0, 1, 2]), names=("warp_1", "warp_2", "weft_1"))
+
+        def positions(self, q, load):
+            return q
+
+        def worst_element(self, x):
+            return 1, 0.5
+
+    with pytest.raises(UnstableError, match="warp_2 element 1"):
+        newton.Newton(Model())._refuse("no way", None, Load())
 
 
 PARALLEL = """

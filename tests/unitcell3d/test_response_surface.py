@@ -9,10 +9,10 @@ from fabrics.errors import InputError
 from fabrics.surface import ResponseSurface
 from unitcell3d import interpolant
 from unitcell3d.interpolant import QUANTITIES, Interpolant, errors
-from unitcell3d.model import CrossoverModel, Load
+from unitcell3d.model import CrossoverModel, Load, Numerics
 from unitcell3d.newton import Newton
 from unitcell3d.partial import Line, Partial
-from unitcell3d.stepping import visit
+from unitcell3d.stepping import at_rest, visit
 from unitcell3d.surface import sample
 
 TINY = (4, 3, 2)
@@ -157,8 +157,30 @@ def test_a_slack_corner_has_no_contact(s720, pool):
     assert found.surface.F_c[-1, -1] > 1
 
 
+def test_friction_is_taken_over_from_line_to_line(whole, s720, tiny, pool):
+    """A corner of the surface is the end of one run that stretches the weft first and then the warp."""
+    found = sample(s720, **SMALL, friction=0.3, executor=pool).surface
+    assert 1.01 < found.F_c[-1, -1] / whole.surface.F_c[-1, -1] < 1.15
+    assert "friction 0.3" in found.provenance
+    model = CrossoverModel(tiny, s720, Numerics(friction=0.3))
+    solver = Newton(model)
+    corner, goal = Load((0.0, 12e-6)), Load((12e-6, 12e-6))
+    q = at_rest(model, solver, Load()).q
+    model.accept(q, Load())
+    for start, end in ((Load(), corner), (corner, goal)):
+        for share, state in visit(model, solver, q, start, end, np.linspace(0, 1, 5)):
+            q = state.q
+            model.accept(q, start.towards(end, share))
+    solver.close()
+    assert [*model.tensions(state.forces), 4 * state.contact] == pytest.approx(
+        [found.T1[-1, -1], found.T2[-1, -1], found.F_c[-1, -1]], rel=1e-5
+    )
+    with pytest.raises(InputError, match="friction"):
+        sample(s720, **SMALL, friction=0.3, tolerance=1e-2, executor=pool)
+
+
 def test_partial_file_keeps_lines(tmp_path):
-    line = Line(0, 1e-6, np.arange(3.0), np.ones((3, 5)), np.empty((0, 0)), 1.5, 7)
+    line = Line(0, 1e-6, np.arange(3.0), np.ones((3, 5)), np.empty((0, 0)), np.empty((0, 0)), 1.5, 7)
     Partial(tmp_path / "p.h5", "this", False).add("a line", line)
     again = Partial(tmp_path / "p.h5", "this", True).lines["a line"]
     assert np.array_equal(again.values, line.values)

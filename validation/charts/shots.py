@@ -75,10 +75,10 @@ class Cable:
 def read(name) -> Shot:
     """The shot of a scene of scenes.toml."""
     content = tomllib.loads((resources.files("validation.charts") / "scenes.toml").read_text("utf-8"))
-    ply, shot = content["ply"], content[name]
+    shot = content["ply"] | content[name]
     early = si(shot["early"], "s", key="early") if "early" in shot else None
     return Shot(
-        ply["fabric"], si(ply["opening"], "m", key="opening"),
+        shot["fabric"], si(shot["opening"], "m", key="opening"),
         tuple(si(v, "m/s", key="velocities") for v in shot["velocities"]), si(shot["end"], "s", key="end"),
         STOPS if "early" in shot else LEFT, early,
     )  # fmt: skip
@@ -120,7 +120,7 @@ def _shell(case):
         march.run()
         fine = np.concatenate(march.fine)
         peak = [float(tension) / yarns for tension in march.state.peak]
-        found |= _read(
+        found |= read_off(
             case.shot, velocity, march.outcome, fine[:, 0], fine[:, 1], march.const.dt, made.projectile.mass, peak
         )
     return found, {"table": filled - begun, "march": time.process_time() - filled}
@@ -134,11 +134,11 @@ def _cable(case):
     for velocity in case.shot.velocities:
         result = cable_impact.run(net, velocity, case.shot.end)
         t, z, v, _ = result.fine.T
-        found |= _read(case.shot, velocity, result.outcome, z, v, t[0], net.projectile.mass, result.peak_tension)
+        found |= read_off(case.shot, velocity, result.outcome, z, v, t[0], net.projectile.mass, result.peak_tension)
     return found, {"table": 0.0, "march": time.process_time() - begun}
 
 
-def _read(shot, velocity, outcome, z, v, dt, mass, peak):
+def read_off(shot, velocity, outcome, z, v, dt, mass, peak):
     """Quantities of a shot from the projectile's place [m] and velocity [m/s] after each step."""
     if shot.outcome == "":
         return {}

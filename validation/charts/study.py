@@ -13,6 +13,7 @@ SCENES = {
     "struck-yarn": "struck_yarn",
     "ply-stopped": "ply_stopped",
     "ply-perforated": "ply_perforated",
+    "four-ply-pack": "four_ply_pack",
     "bias-extension": "bias_extension",
     "biaxial-coupon": "biaxial_coupon",
     "crossover-path": "crossover_path",

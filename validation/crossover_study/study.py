@@ -16,7 +16,7 @@ from fabrics import catalogue
 from fabrics.errors import InputError
 from fabrics.files import write_whole
 from fabrics.units import si
-from unitcell3d.workers import workers
+from fabrics.workers import workers
 from validation.convergence.richardson import extrapolate
 from validation.crossover_study.axes import BASE, METHOD, axes
 from validation.crossover_study.cases import solve

@@ -11,18 +11,17 @@ from __future__ import annotations
 import hashlib
 import inspect
 import json
-import os
 import shutil
 import time
 import traceback
-from concurrent.futures import ProcessPoolExecutor, as_completed
-from contextlib import contextmanager
+from concurrent.futures import as_completed
+from contextlib import nullcontext
 from functools import cache
-from multiprocessing import get_context
 from pathlib import Path
 
 from fabrics.errors import WeavecellError
 from fabrics.files import write_whole
+from fabrics.workers import workers
 from validation.ledger import cache as store
 from validation.ledger import judge
 from validation.ledger.checks import CHECKS
@@ -31,7 +30,6 @@ from validation.ledger.judge import BROKEN, LEFT_OUT, MISSED, NOT_TESTABLE, Reco
 
 RUNS_FOLDER, RECORDS_FOLDER = "runs", "records"
 PACKAGES = ("fabrics", "meshing", "shellfabric", "unitcell3d", "validation")
-_THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS")
 
 
 def validate(claims, out, *, left_out=(), jobs=1, resume=False, executor=None, report=None) -> tuple[Record, ...]:
@@ -179,20 +177,9 @@ def _each(pool, function, jobs):
             future.cancel()
 
 
-@contextmanager
 def _executor(given, jobs):
-    """An executor of processes that start afresh, with one thread each; PETSc and MPI do not survive a fork."""
-    if given is not None or jobs == 1:
-        yield given
-        return
-    before = {name: os.environ.get(name) for name in _THREADS}
-    os.environ.update(dict.fromkeys(_THREADS, "1"))
-    try:
-        with ProcessPoolExecutor(jobs, mp_context=get_context("spawn")) as pool:
-            yield pool
-    finally:
-        for name, value in before.items():
-            os.environ.pop(name, None) if value is None else os.environ.update({name: value})
+    """The executor given, none for one process, which is this one, or processes of our own."""
+    return nullcontext(given) if given is not None or jobs == 1 else workers(None, jobs)
 
 
 def _stamp(claim):

@@ -9,19 +9,17 @@ from __future__ import annotations
 
 import hashlib
 import inspect
-import os
-from concurrent.futures import ProcessPoolExecutor, as_completed
+from concurrent.futures import as_completed
 from contextlib import contextmanager
-from multiprocessing import get_context
 from pathlib import Path
 
+from fabrics import workers as processes
 from fabrics.errors import InputError
 from validation.ledger import cache
 from validation.scatter import inputs
 
 POOLS = ("processes", "mpi")
 PACKAGES = ("fabrics", "shellfabric")  # and of this one, the function's own file and the inputs
-_THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS")
 
 
 @contextmanager
@@ -37,19 +35,13 @@ def executor(kind="processes", jobs=1):
             from mpi4py.futures import MPIPoolExecutor
         except ImportError:
             raise InputError(key="pool", value=kind, allowed="processes, since mpi4py is not installed") from None
-        with MPIPoolExecutor() as workers:
-            yield workers
+        with MPIPoolExecutor() as pool:
+            yield pool
     elif jobs == 1:
         yield None
     else:
-        before = {name: os.environ.get(name) for name in _THREADS}
-        os.environ.update(dict.fromkeys(_THREADS, "1"))
-        try:
-            with ProcessPoolExecutor(jobs, mp_context=get_context("spawn")) as workers:
-                yield workers
-        finally:
-            for name, value in before.items():
-                os.environ.pop(name, None) if value is None else os.environ.update({name: value})
+        with processes.workers(None, jobs) as pool:
+            yield pool
 
 
 def results(function, arguments, *, folder, workers=None, report=None):

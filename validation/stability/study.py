@@ -20,6 +20,7 @@ MAPS = {
     "printed-law": "printed_law",
     "bars": "bars",
     "load-step": "load_step",
+    "plies": "plies",
     "bias": "bias",
 }  # of the command line: file here
 

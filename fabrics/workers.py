@@ -1,4 +1,8 @@
-"""Processes that solve crossovers beside each other."""
+"""Processes that work beside each other, with one thread each.
+
+They start afresh (MPI and PETSc do not survive a fork), and share the cores among themselves: so many processes, so
+many threads in all.
+"""
 
 from __future__ import annotations
 
@@ -7,16 +11,15 @@ from concurrent.futures import ProcessPoolExecutor
 from contextlib import contextmanager
 from multiprocessing import get_context
 
-# MPI and PETSc do not survive a fork: start afresh
 CONTEXT = get_context("spawn")
+THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS")
 
 
 @contextmanager
 def one_thread_each():
-    """Start processes with one BLAS thread: they share the cores among themselves."""
-    names = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS")
-    before = {name: os.environ.get(name) for name in names}
-    os.environ.update(dict.fromkeys(names, "1"))
+    """Processes that are started meanwhile have one thread."""
+    before = {name: os.environ.get(name) for name in THREADS}
+    os.environ.update(dict.fromkeys(THREADS, "1"))
     try:
         yield
     finally:
@@ -31,7 +34,7 @@ def one_thread_each():
 def workers(executor, processes, **options):
     """The executor, or `processes` of our own with one thread each, started with `options`.
 
-    Of our own even where there is one alone: another number of BLAS threads is another last bit.
+    Of our own even where there is one alone: another number of threads is another last bit.
     """
     if executor is not None:
         yield executor

@@ -1,0 +1,54 @@
+"""Arguments and options that several commands of the command line share."""
+
+from __future__ import annotations
+
+import os
+from enum import StrEnum
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+RESULTS = Path("results")
+CORES = os.cpu_count() or 1
+
+
+class Size(StrEnum):
+    """Mesh sizes of a crossover."""
+
+    coarse = "coarse"
+    medium = "medium"
+    fine = "fine"
+
+
+class Section(StrEnum):
+    """Yarn sections."""
+
+    sine = "sine"
+    ellipse = "ellipse"
+    conforming = "conforming"
+
+
+FabricArgument = Annotated[
+    str, typer.Argument(metavar="FABRIC", help="A name of the catalogue, or the path of a fabric file.")
+]
+OutOption = Annotated[
+    Path | None,
+    typer.Option(
+        "--out", "-o", help="Folder for what is written; by default one of its own in results/.", metavar="FOLDER"
+    ),
+]
+ResumeOption = Annotated[bool, typer.Option("--resume", help="Go on from what an interrupted run has left.")]
+ProcessesOption = Annotated[int, typer.Option(min=1, help="Crossovers that are solved beside each other.")]
+JobsOption = Annotated[int, typer.Option(min=1, help="Processes that work beside each other.")]
+MeshOption = Annotated[Size, typer.Option(help="Mesh of the 3D crossover.")]
+FinenessOption = Annotated[
+    str,
+    typer.Option(
+        help="How fine: a name, hexahedra along, across and through a quarter yarn, or an edge length.",
+        metavar="auto|coarse|medium|fine|NX,NY,NZ|LENGTH",
+    ),
+]
+SectionOption = Annotated[Section | None, typer.Option(help="Yarn section; the fabric's own if not given.")]
+GapOption = Annotated[str, typer.Option(help="Gap between parallel yarns.", metavar="LENGTH")]
+FrictionOption = Annotated[float, typer.Option(min=0, help="Coulomb's coefficient between the yarns.")]
