@@ -22,6 +22,7 @@ import numpy as np
 from shell import machine
 
 from fabrics import catalogue
+from fabrics.errors import InputError
 from shellfabric import march_kernels
 from shellfabric.cell import CellModel
 from shellfabric.limit import critical_velocity
@@ -66,10 +67,22 @@ def shot(panel, strike_velocity):
     }
 
 
+def fitting(panel):
+    """The zones of which the first holds all of the fabric that comes under the nose, with their names."""
+    found = []
+    for name, zones in ZONES.items():
+        try:
+            replace(panel, grading=zones)
+            found.append((name, zones))
+        except InputError as problem:
+            print(name, problem, flush=True)
+    return found
+
+
 def shots(panel, velocities):
     """Both shots on every panel."""
     found = {}
-    for name, zones in ZONES.items():
+    for name, zones in fitting(panel):
         graded = replace(panel, grading=zones)
         March(graded, velocities[0], 1e-6).run()  # compiled before
         found[name] = {"elements": graded.elements, "shots": [shot(graded, v) for v in velocities]}
@@ -80,7 +93,7 @@ def shots(panel, velocities):
 def limits(panel):
     """The critical velocity of every panel and the CPU time of its bisection."""
     found = {}
-    for name, zones in ZONES.items():
+    for name, zones in fitting(panel):
         begun = time.process_time()
         limit = critical_velocity(replace(panel, grading=zones), tolerance=0.5)
         found[name] = {"critical_velocity": limit.velocity, "cpu_s": time.process_time() - begun}

@@ -205,9 +205,9 @@ class Panel:
             raise InputError(key="grading", value=self.grading, allowed="none where the projectile moves sideways")
         fine = self._fine
         for place, step, reach in zip((fine[1], fine[3]), self.spacing, self._reach()):
-            reach += 2 * step  # the surface that is pressed feels the nodes about each element
-            if self.sides is not None and place * step < reach:
-                allowed = f"a first zone of {int(np.ceil(reach / step)) * self._finest} crossovers or more"
+            least = int(np.ceil(reach / step)) + 3  # and what the contact's smooth surface has beside it
+            if self.sides is not None and place < least:
+                allowed = f"a first zone of {least * self._finest} crossovers or more"
                 raise InputError(key="grading", value=self.grading, allowed=f"{allowed}, all that comes under the nose")
 
     @property
@@ -440,10 +440,9 @@ class Panel:
         size = (const.block + 4) * const.s + 16
         rows = {name: _room(1, size)[0] for name in Work._fields}
         rows["A"], rows["B"], rows["shared"] = _room(3, size), _room(3, size), np.zeros(team.ROOM, np.int64)
-        rows["touch"] = contact.scratch(const)
         # what is asked for last takes the room of what is no longer needed then: scratch is to fit into the cache
         rows["T1"], rows["T2"], rows["on1"], rows["on2"] = (rows[name] for name in ("own1", "own2", "given1", "given2"))
-        rows["up"] = rows["m1"], rows["m2"], rows["own1"]
+        rows["up"], rows["touch"] = (rows["m1"], rows["m2"], rows["own1"]), contact.scratch(const)
         return Work(**rows)
 
     def segments(self):
