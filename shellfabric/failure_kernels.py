@@ -12,22 +12,35 @@ for alpha and kappa. What it stored is booked as lost, with the half step in whi
 """
 
 import numpy as np
-from numba import njit
+from numba import njit, types
+from numba.extending import overload
 
 from shellfabric.cell_kernels import yarn_alone
-from shellfabric.membrane_kernels import ONE, WARP_FAILED, WEFT_FAILED, shear_energy
-from shellfabric.relax_kernels import potential
+from shellfabric.lanes import here
+from shellfabric.membrane_kernels import ONE, WARP_FAILED, WEFT_FAILED, potential, shear_energy
 
 WARP, WEFT = 0, 1
 
 
+def weight(split, k, before, alone):
+    """Weight of the piece of a crossing line before (or behind) the node k, relative to the mean of the two."""
+
+
+@overload(weight, inline="always")
+def _weight(split, k, before, alone):
+    if isinstance(split, types.Float):
+        return lambda split, k, before, alone: 1.0
+    return lambda split, k, before, alone: 1.0 if alone else 2.0 * (split[k] if before else 1.0 - split[k])
+
+
 @njit(cache=True, error_model="numpy")
 def crossing(const, family, i, j, alpha, x, shift):
-    """Of the edges of the other family that cross edge (i, j): their number, sum alpha, and sum alpha x.
+    """Of the edges of the other family that cross edge (i, j): sum of their weights w, sum w alpha, and sum w alpha x.
 
-    alpha has the panel's slots, x scratch that lies `shift` slots behind them.
+    alpha has the panel's slots, x scratch that lies `shift` slots behind them. A weight is one but on graded panels.
     """
-    count, present, total = 0, 0.0, 0.0
+    count, present, total = 0.0, 0.0, 0.0
+    split = const.split2 if family == WARP else const.split1
     s, back = const.s, 1 if family == WARP else const.s
     k = i * s + j
     inner = j > 0 if family == WARP else i > 0
@@ -37,9 +50,10 @@ def crossing(const, family, i, j, alpha, x, shift):
         for side in range(2):
             if (side == 0 and inner) or (side == 1 and outer):
                 at = np.uint64(m - back if side == 0 else m)
-                count += 1
-                present += alpha[at]
-                total += alpha[at] * x[np.uint64(np.int64(at) - shift)]
+                w = weight(split, np.uint64(m), side == 0, not (inner and outer))
+                count += w
+                present += w * alpha[at]
+                total += w * alpha[at] * x[np.uint64(np.int64(at) - shift)]
     return count, present, total
 
 
@@ -220,7 +234,6 @@ def stored_energy(const, state, first, last):
     From the stretches alone. In the equilibrium form, whose forces are no gradient, it is what the cells store.
     """
     cells, trellis = 0.0, 0.0
-    grid = (const.potential, const.x0t, const.rx, const.top1, const.y0t, const.ry, const.top2)
     for family in range(2):
         w, S0, EA = yarn(const, family)
         other = state.intact[1 - family]
@@ -235,7 +248,7 @@ def stored_energy(const, state, first, last):
                 crossed = present / count
                 if crossed > 0.0:
                     pair = (L, total / present) if family == WARP else (total / present, L)
-                    cells += 0.5 * y / (2.0 * w) * crossed * potential(*pair, *grid)[0]
+                    cells += 0.5 * y / (2.0 * w) * crossed * potential(*pair, const.grid, const.spline, const.level)
                 if crossed < 1.0:
                     cells += y / (2.0 * w) * (1.0 - crossed) * yarn_alone(L, w, S0, EA)[1]
     for i in range(first, last):
@@ -244,7 +257,8 @@ def stored_energy(const, state, first, last):
             left = trellis_left(const, state, k)
             if left > 0.0:
                 sine = shear_sine(const, state, k)
-                trellis += left * shear_energy(sine, const.V, const.G1, const.G2, const.gamma1, const.gamma2)
+                V = here(const.V, k)
+                trellis += left * shear_energy(sine, V, const.G1, const.G2, const.gamma1, const.gamma2)
     return cells, trellis
 
 
@@ -259,7 +273,7 @@ def half_step_work(const, state, first, last):
                 k = np.uint64(i * const.s + j)
                 d = state.D[family][k]
                 work += 0.5 * state.y[family][k] * state.N[family][k] * d
-                viscous += 0.5 * state.y[family][k] * cv * d * d
+                viscous += 0.5 * state.y[family][k] * here(cv, k) * d * d
     return work, viscous
 
 
@@ -271,7 +285,7 @@ def shear_sine(const, state, k):
     for c in range(3):
         u = state.u[c]
         u00, u01, u10, u11 = u[k], u[k + ONE], u[k + s], u[k + s + ONE]
-        a = const.rx0 * (u10 - u00 + u11 - u01) + (2.0 if c == 0 else 0.0)
-        b = const.ry0 * (u01 - u00 + u11 - u10) + (2.0 if c == 1 else 0.0)
+        a = here(const.rx0, k) * (u10 - u00 + u11 - u01) + (2.0 if c == 0 else 0.0)
+        b = here(const.ry0, k) * (u01 - u00 + u11 - u10) + (2.0 if c == 1 else 0.0)
         dot += a * b
     return dot / ((L1[k] + L1[k + ONE]) * (L2[k] + L2[k + s]))

@@ -134,14 +134,15 @@ def rows(panel, measure):
     ------
     InputError : a yarn that is not on the panel
     """
-    c, found = panel.constants(), []
-    across = ((c.mirror_y, c.y0, c.dy, c.nj), (c.mirror_x, c.x0, c.dx, c.ni))
-    for family, (mirrored, start, step, count) in zip(FAMILIES, across):
+    found = []
+    for family, mirrored, lines in zip(FAMILIES, panel.mirrors[::-1], panel.lines()[::-1]):
+        count, slack = lines.size - 1, 1e-9 * (lines[-1] - lines[0])
         for distance in getattr(measure, family):
-            position = ((abs(distance) if mirrored else distance) - start) / step
-            if not 0 <= position <= count:
-                allowed = f"at most {1e3 * (start + count * step):.4g} mm from the impact point"
+            place = abs(distance) if mirrored else distance
+            if not lines[0] - slack <= place <= lines[-1] + slack:
+                allowed = f"at most {1e3 * lines[-1]:.4g} mm from the impact point"
                 raise InputError(key=family, value=distance, allowed=allowed)
+            position = float(np.interp(place, lines, np.arange(count + 1)))
             found.append((family, min(int(position), count - 1), round(position)))
     return found
 
@@ -155,7 +156,7 @@ def _record(march, chosen, sides):
     for family, element, node in chosen:
         along = np.s_[:, node] if family == "warp" else np.s_[node, :]
         pulled = tension[:, element, 0] if family == "warp" else tension[element, :, 1]
-        rest = c.x0 + c.dx * np.arange(c.ni + 1) if family == "warp" else c.y0 + c.dy * np.arange(c.nj + 1)
+        rest = march.panel.lines()[FAMILIES.index(family)]
         parts += [pulled, rest + u[FAMILIES.index(family)][along], u[2][along]]
     return np.concatenate([*parts, _edge_forces(state, sides).ravel()])
 
@@ -208,7 +209,7 @@ def _oblique_sides(panel, X, Y, numbers):
 
 def unpack(recording, panel, measure) -> Histories:
     """Name the numbers of a recording, a list of rows."""
-    c, weave = panel.constants(), panel.weave
+    weave, lines = panel.weave, panel.lines()
     table = np.array(recording)
     t, at, yarns = table[:, 0], 1, []
 
@@ -219,11 +220,9 @@ def unpack(recording, panel, measure) -> Histories:
 
     for family, element, _ in rows(panel, measure):
         yarn = weave.yarns[FAMILIES.index(family)]
-        warp = family == "warp"
-        count, start, step = (c.ni, c.x0, c.dx) if warp else (c.nj, c.y0, c.dy)
-        offset = c.y0 + (element + 0.5) * c.dy if warp else c.x0 + (element + 0.5) * c.dx
-        X = start + step * (np.arange(count) + 0.5)
+        own, other = lines if family == "warp" else lines[::-1]
+        offset, X = 0.5 * (other[element] + other[element + 1]), 0.5 * (own[:-1] + own[1:])
         known = family, float(offset), yarn.EA, yarn.strength, yarn.crimp, X
-        yarns.append(YarnHistory(*known, take(count), take(count + 1), take(count + 1)))
+        yarns.append(YarnHistory(*known, take(own.size - 1), take(own.size), take(own.size)))
     edges = {name: take(2) for name in EDGES}
     return Histories(t, tuple(yarns), edges)

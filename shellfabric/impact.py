@@ -39,6 +39,7 @@ class ImpactSetup:
     edge : "clamped", "free" or a slipping side, for all sides or each on its own (see `edges`)
     weave_angle : [rad] of the warp against the first side of the opening
     symmetry : "quarter", "half" or "whole"
+    grading : ((until, side), ...) [crossovers] longer elements further from the impact point, or None (see `grading`)
     end_time : [s] at the latest; a run ends when the projectile stops or has passed
     elements_per_crossover : along each side
     cell_model, form, gap, profile : see CellModel
@@ -78,6 +79,7 @@ class ImpactSetup:
     backing: Backing | None = None
     measure: histories.Measure | None = None
     numerics: Numerics = field(default_factory=Numerics)
+    grading: tuple | None = None
 
     def table(self) -> CellTable:
         """The cell's table, filled. Set-ups that differ in panel, shot or mesh alone can share it.
@@ -114,6 +116,7 @@ class ImpactSetup:
             jam=self.jam,
             weave_angle=self.weave_angle,
             bending=tuple(self.bending) if np.ndim(self.bending) else (self.bending, self.bending),
+            grading=self.grading,
         )
 
 

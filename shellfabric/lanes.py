@@ -4,6 +4,7 @@
     store(array, k, 2.0 * x)
     fma(x, y, z)                x y + z, rounded once where the processor can
     columns4(table, cell)       c0, ..., c3 with c_m = table[cell, m] of eight cells
+    at(x, k)                    what slots k, ..., k + 7 have: load(x, k) of an array, and x itself of a float
 
 +, -, * and / take two of these or one and a float. numba leaves it to the compiler to turn a loop into vector
 instructions, which it gives up on where a loop has many arrays or a look-up in it. With this type a loop is written as
@@ -282,6 +283,28 @@ def store(typing, array, k, value):
     return types.void(array, k, value), codegen
 
 
+def at(values, k):
+    """What slots k, ..., k + 7 have: a float that all share, or their part of an array."""
+
+
+@overload(at, inline="always")
+def _at(values, k):
+    if isinstance(values, types.Float):
+        return lambda values, k: values
+    return lambda values, k: load(values, k)
+
+
+def here(values, k):
+    """What one slot has: a float that all share, or its entry of an array."""
+
+
+@overload(here, inline="always")
+def _here(values, k):
+    if isinstance(values, types.Float):
+        return lambda values, k: values
+    return lambda values, k: values[k]
+
+
 @intrinsic
 def _lane(typing, value, number):
     """One lane of eight."""
@@ -317,36 +340,33 @@ def columns4(typing, table, cell):
     """The four columns of the rows `cell` of a table (n, 4)."""
 
     def codegen(context, builder, signature, arguments):
-        found = _rows(context, builder, signature.args[0], arguments, 4, 0)
+        found = _rows(context, builder, signature.args[0], arguments, 4)
         return context.make_tuple(builder, signature.return_type, _transposed(builder, found, 4))
 
     return types.UniTuple(LANES, 4)(table, cell), codegen
 
 
 @intrinsic
-def columns16(typing, table, cell):
-    """The sixteen columns of the rows `cell` of a table (n, 16)."""
+def columns8(typing, table, cell):
+    """The eight columns of the rows `cell` of a table (n, 8)."""
 
     def codegen(context, builder, signature, arguments):
-        found = []
-        for half in (0, 8):
-            found += _transposed(builder, _rows(context, builder, signature.args[0], arguments, 8, half), 8)
-        return context.make_tuple(builder, signature.return_type, found)
+        found = _rows(context, builder, signature.args[0], arguments, 8)
+        return context.make_tuple(builder, signature.return_type, _transposed(builder, found, 8))
 
-    return types.UniTuple(LANES, 16)(table, cell), codegen
+    return types.UniTuple(LANES, 8)(table, cell), codegen
 
 
-def _rows(context, builder, kind, arguments, count, first):
-    """`count` columns from `first` on of the rows of a table, each as a vector."""
+def _rows(context, builder, kind, arguments, count):
+    """The rows of a table of `count` columns, each as a vector."""
     table, cell = arguments
     array = context.make_array(kind)(context, builder, table)
-    stride = 4 if count == 4 else 16
     part = ir.VectorType(_DOUBLE, count)
     found = []
     for lane in range(WIDTH):
         row = builder.zext(builder.extract_element(cell, ir.Constant(ir.IntType(32), lane)), _INT)
-        at = builder.add(builder.mul(row, ir.Constant(_INT, stride)), ir.Constant(_INT, first))
-        pointer = builder.bitcast(builder.gep(array.data, [at]), ir.PointerType(part))
+        place = builder.gep(array.data, [builder.mul(row, ir.Constant(_INT, count))])
+        pointer = builder.bitcast(place, ir.PointerType(part))
         found.append(builder.load(pointer, align=8, **_typed(part)))
     return found
 

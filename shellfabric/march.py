@@ -225,11 +225,9 @@ class March:
 
     def _failed(self):
         """Failed yarn segments of the modelled part; those on a plane of symmetry belong to it by half."""
-        total = 0.0
-        for axis, (failed, mirrored) in enumerate(zip(self.state.failed, self.panel.mirrors[::-1])):
-            lines = np.moveaxis(failed[: (self.const.ni + 1) * self.const.s].reshape(-1, self.const.s), 1 - axis, 0)
-            total += np.count_nonzero(lines) - 0.5 * mirrored * np.count_nonzero(lines[0])
-        return total
+        shape = self.const.ni + 1, self.const.s
+        families = zip(self.state.failed, self.panel.segments())
+        return float(sum(np.sum(failed[: shape[0] * shape[1]].reshape(shape) * n) for failed, n in families))
 
     def _reactions(self):
         """[N] tension at the edge of the warp and of the weft yarn nearest the impact point."""

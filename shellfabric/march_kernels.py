@@ -36,13 +36,16 @@ _STILL = 1e-60
 
 
 @njit(cache=True, error_model="numpy")
-def move(k0, n, dt, kick, g0, g1, v, u):
-    """Velocity and displacement of the nodes k0 .. k0 + n; kick = dt / m."""
+def move(k0, n, dt, kick, g0, g1, both, v, u):
+    """Velocity and displacement of the nodes k0 .. k0 + n; kick = dt / m, forces g0, or `both` g0 + g1."""
     for j in range(0, n, WIDTH):
         k, left = k0 + j, n - j
         impulse = load(kick, k)
         for c in range(3):
-            speed = fma(impulse, load(g0[c], k) + load(g1[c], k), load(v[c], k))
+            force = load(g0[c], k)
+            if both:
+                force = force + load(g1[c], k)
+            speed = fma(impulse, force, load(v[c], k))
             speed = where(above(fabs(speed), _STILL), speed, 0.0)
             keep(v[c], k, speed, left)
             keep(u[c], k, fma(speed, dt, load(u[c], k)), left)
@@ -95,7 +98,7 @@ def widen(state, const):
 def elements(state, const, block, first, last, work):
     """Forces of the element rows first .. last - 1, which lie in one block, from the present displacements."""
     s, thin = const.s, state.thin[block] != WHOLE
-    k0, m0, n = first * s, 2 * s, (last - first) * s
+    k0, n = first * s, (last - first) * s
     n2 = n + s if last == const.ni else n  # weft edges: those on the far side of the panel have no row of their own
     stretch(state, const, first, last, thin, work)
     trellis(state, const, first, last, thin, work)
@@ -106,10 +109,31 @@ def elements(state, const, block, first, last, work):
     if not (const.variational and slack):
         look_up(state, const, block, first, last, thin, work)
     advance_yarns(state, const, block, k0, n, n2, N1, N2, work)
-    A, B, on1, on2 = work.A, work.B, work.on1, work.on2
-    membrane_kernels.gather(k0, m0, n, s, const.rx0, const.ry0, A, B, on1, on2, work.cross, state.g0, state.g1)
+    give(state, const, block, first, last, work)
+
+
+@njit(cache=True, error_model="numpy", _nrt=False, forceinline=True)
+def give(state, const, block, first, last, work):
+    """Give what a block's rows pull to its nodes, and to the first row of nodes of the next block.
+
+    A row of nodes in whose middle of a block the window begins or ends is at rest: it keeps the forces that it has.
+    """
+    s, k0, m0, n, w = const.s, first * const.s, 2 * const.s, (last - first) * const.s, work
+    g0, kept, within = state.g0, work.i1, first > block * const.block
+    if within:
+        for c in range(3):
+            for j in range(s):
+                kept[c * s + j] = g0[c][k0 + j]
+    membrane_kernels.gather(k0, m0, n, s, const.rx0, const.ry0, w.A, w.B, w.on1, w.on2, w.cross, w.up, g0)
+    if within:
+        for c in range(3):
+            for j in range(s):
+                g0[c][k0 + j] = kept[c * s + j]
     if last == const.ni:
-        membrane_kernels.gather_last(k0 + n, m0 + n, s, on2, B, state.g0)
+        membrane_kernels.gather_last(k0 + n, m0 + n, s, w.on2, w.B, w.up, g0)
+    elif last == (block + 1) * const.block:
+        for c in range(3):
+            record(k0 + n, m0 + n, s, w.up[c], state.g1[c])
 
 
 @njit(cache=True, error_model="numpy", _nrt=False, forceinline=True)
@@ -125,8 +149,8 @@ def stretch(state, const, first, last, thin, work):
     if last == const.ni:
         end = (last - first + 2) * s
         membrane_kernels.copy(s, end - s, end, w.l1)
-    membrane_kernels.across_warp(m0, (last - low) * s, s, w.l2, w.m2)
-    membrane_kernels.across_weft(2 * s, (last - first + 1) * s, s, w.l1, w.m1)
+    membrane_kernels.across_warp(low * s, m0, (last - low) * s, s, const.split2, w.l2, w.m2)
+    membrane_kernels.across_weft(first * s, 2 * s, (last - first + 1) * s, s, const.split1, w.l1, w.m1)
     if thin:
         shift = (first - 2) * s
         failure_kernels.thin_means(const, state, 0, low, last, shift, w.l2, w.m2)
@@ -181,12 +205,8 @@ def gradient(state, const, block, first, last, thin, work):
     s, c, w, low = const.s, const, work, max(first - 1, 0)
     m0, m1 = 2 * s, (low - first + 2) * s
     n, n1, n2 = (last - first) * s, (last - low) * s, (last - first + 1) * s
-    p1, q1 = membrane_kernels.potential_forces(
-        m1, n1, w.l1, w.m2, c.grid, c.potential, c.per1, c.per2, w.own1, w.given1
-    )
-    p2, q2 = membrane_kernels.potential_forces(
-        m0, n2, w.m1, w.l2, c.grid, c.potential, c.per1, c.per2, w.given2, w.own2
-    )
+    p1, q1 = membrane_kernels.potential_forces(m1, n1, w.l1, w.m2, c.grid, c.spline, c.per1, c.per2, w.own1, w.given1)
+    p2, q2 = membrane_kernels.potential_forces(m0, n2, w.m1, w.l2, c.grid, c.spline, c.per1, c.per2, w.given2, w.own2)
     if first == 0:
         membrane_kernels.copy(s, m0, s, work.given1)
     if last == const.ni:
@@ -197,8 +217,8 @@ def gradient(state, const, block, first, last, thin, work):
         failure_kernels.thin_gradient(const, state, 0, first, last, shift, work.l1, work.own1, work.given2, work.N1)
         failure_kernels.thin_gradient(const, state, 1, first, last + 1, shift, work.l2, work.own2, work.given1, work.N2)
         return False
-    membrane_kernels.share_warp(m0, n, s, work.own1, work.given2, work.N1)
-    membrane_kernels.share_weft(m0, n2, s, work.own2, work.given1, work.N2)
+    membrane_kernels.share_warp(first * s, m0, n, s, c.split2, work.own1, work.given2, work.N1)
+    membrane_kernels.share_weft(first * s, m0, n2, s, c.split1, work.own2, work.given1, work.N2)
     most = state.most[block]
     most[0], most[1] = bounds(const, p1, q1, p2, q2)
     state.stale[block] = (
@@ -238,7 +258,7 @@ def trellis(state, const, first, last, thin, work):
     s, c, w, low = const.s, const, work, max(first - 1, 0)
     m0, n = (low - first + 2) * s, (last - low) * s
     membrane_kernels.shear(
-        m0, n, s, w.A, w.B, w.l1, w.l2, c.V, c.G1, c.G2, c.gamma1, c.gamma2, w.turn1, w.turn2, w.cross
+        low * s, m0, n, s, w.A, w.B, w.l1, w.l2, c.V, c.G1, c.G2, c.gamma1, c.gamma2, w.turn1, w.turn2, w.cross
     )
     if thin:
         failure_kernels.thin_trellis(const, state, low, last, (first - 2) * s, w.turn1, w.turn2, w.cross)
@@ -323,10 +343,15 @@ def fail(state, const, work):
 
 @njit(cache=True, error_model="numpy", _nrt=False, forceinline=True)
 def move_rows(state, const, first, last):
-    """Move the node rows first .. last - 1 by one step."""
+    """Move the node rows first .. last - 1 by one step. A block's first row has forces from the block before too."""
     symmetry(state, const, first, last)
-    k0, n = first * const.s, (last - first) * const.s
-    move(k0, n, const.dt, state.kick, state.g0, state.g1, state.v, state.u)
+    row = first
+    while row < last:
+        met = row > 0 and row % const.block == 0
+        end = row + 1 if met else min(last, (row // const.block + 1) * const.block)
+        k0, n = row * const.s, (end - row) * const.s
+        move(k0, n, const.dt, state.kick, state.g0, state.g1, met, state.v, state.u)
+        row = end
 
 
 @njit(cache=True, error_model="numpy", _nrt=False)

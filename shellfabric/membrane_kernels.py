@@ -16,6 +16,12 @@ n being the crossovers that a segment stands for: half of a segment's on lines t
 forces are the exact gradient of E. The trellis (eq. 4-35 as a total, odd function, erratum E-11) has one point in each
 quadrilateral: a, b being the means of its two warp and two weft edges, sin(gamma) = a.b / <Lambda1><Lambda2> of these.
 
+Graded panels. Lines may lie closer together in some places than in others, and each stands for the yarns up to halfway
+to its neighbours. All above holds, if of the pieces of a crossing line before and behind a node each counts in the mean
+<> by its length. The mean is its own transpose then: the force that crossing segments give to one is their mean, with
+the same weights. What one float says of a uniform panel (the inverse side of an element, that weight, the volume of its
+trellis, the viscosity) is an array of slots of a graded one, and numba makes two programs of these kernels (`at`).
+
 Where yarns have failed. Segment e keeps the part alpha_e of its yarns; kappa_e = mean of alpha over the four crossing
 segments is the part of it that is still crossed. Means are weighted by alpha, and the rest is alone (erratum E-14):
 
@@ -24,24 +30,27 @@ segments is the part of it that is still crossed. Means are weighted by alpha, a
 How it is made fast. Arrays are flat, by component, a row of s = nj + 1 slots for each i; node (i, j), the warp edge to
 (i+1, j), the weft edge to (i, j+1) and the quadrilateral beside both share the slot k = i s + j. Weft edges and
 quadrilaterals leave the last slot of a row idle. An element row - the warp edges and quadrilaterals between two node
-rows, and the weft edges of the lower one - adds to the node row below it (g0) and above it (g1), and a node adds the
-two: nothing is written twice, and the result does not depend on the order of the blocks. Every loop below runs over a
-block of rows and does all that can be done to its slots at once, eight of them at a time (`lanes`). Scratch may be
-overrun by up to seven slots, the panel's arrays may not. Scratch begins two rows before the block's first: one is
-idle, one repeats the last row of the block before, and another follows the block's last.
+rows, and the weft edges of the lower one - adds to the node row below it and above it. Node rows between two blocks
+have two places for this, g0 and g1, all others one: nothing is written twice, and the result does not depend on the
+order of the blocks. Every loop below runs over a block of rows and does all that can be done to its slots at once,
+eight of them at a time (`lanes`). Scratch may be overrun by up to seven slots, the panel's arrays may not. Scratch
+begins two rows before the block's first: one is idle, one repeats the last row of the block before, and another follows
+the block's last.
 """
 
 import math
 
 import numpy as np
-from numba import njit
+from numba import njit, types
+from numba.extending import overload
 
 from shellfabric.lanes import (
     WIDTH,
     above,
+    at,
     cells,
     columns4,
-    columns16,
+    columns8,
     copysign,
     fabs,
     first,
@@ -69,6 +78,72 @@ _P = (np.arcsin(np.sqrt(_Z)) / np.sqrt(_Z) - 1) / _Z
 ARCSINE = tuple(np.polynomial.Polynomial.fit(_Z, _P, 11).convert().coef)
 
 
+def beside(split, k, a, b, c, d):
+    """Mean of four, of which a and c lie before the nodes of a line and b and d behind them."""
+
+
+@overload(beside, inline="always")
+def _beside(split, k, a, b, c, d):
+    if isinstance(split, types.Float):
+        return lambda split, k, a, b, c, d: 0.25 * ((a + b) + (c + d))
+
+    def weighted(split, k, a, b, c, d):
+        before = load(split, k)
+        behind = 1.0 - before
+        return 0.5 * (fma(before, a, behind * b) + fma(before, c, behind * d))
+
+    return weighted
+
+
+def along(split, k, a, b, c, d):
+    """Mean of four, of which a and b lie before a line and c and d behind it."""
+
+
+@overload(along, inline="always")
+def _along(split, k, a, b, c, d):
+    if isinstance(split, types.Float):
+        return lambda split, k, a, b, c, d: 0.25 * ((a + b) + (c + d))
+
+    def weighted(split, k, a, b, c, d):
+        before = load(split, k)
+        return 0.5 * fma(before, a + b, (1.0 - before) * (c + d))
+
+    return weighted
+
+
+def difference(r, k, a, b):
+    """r (a - b), a being of slot k and b of the slot before it."""
+
+
+@overload(difference, inline="always")
+def _difference(r, k, a, b):
+    if isinstance(r, types.Float):
+        return lambda r, k, a, b: r * (a - b)
+    return lambda r, k, a, b: load(r, k) * a - load(r, k - 1) * b
+
+
+def inner(factor, k, x):
+    """x, times the factor where each slot has its own: what is to be summed before `outer`."""
+
+
+@overload(inner, inline="always")
+def _inner(factor, k, x):
+    if isinstance(factor, types.Float):
+        return lambda factor, k, x: x
+    return lambda factor, k, x: load(factor, k) * x
+
+
+def outer(factor, x):
+    """x times the factor where all slots share it: of what has been summed by `inner`."""
+
+
+@overload(outer, inline="always")
+def _outer(factor, x):
+    if isinstance(factor, types.Float):
+        return lambda factor, x: factor * x
+    return lambda factor, x: x
+
+
 @njit(cache=True, error_model="numpy")
 def edges(k0, m0, n, s, u, rx, ry, A, B, l1, i1, l2, i2):
     """Edges of n slots from k0 on, relative to their length at rest, their stretches and the inverses of these.
@@ -78,7 +153,8 @@ def edges(k0, m0, n, s, u, rx, ry, A, B, l1, i1, l2, i2):
     for j in range(0, n, WIDTH):
         k, m = k0 + j, m0 + j
         x, y, z = load(u[0], k), load(u[1], k), load(u[2], k)
-        a, b, c = fma(load(u[0], k + s) - x, rx, 1.0), rx * (load(u[1], k + s) - y), rx * (load(u[2], k + s) - z)
+        r = at(rx, k)
+        a, b, c = fma(load(u[0], k + s) - x, r, 1.0), r * (load(u[1], k + s) - y), r * (load(u[2], k + s) - z)
         store(A[0], m, a)
         store(A[1], m, b)
         store(A[2], m, c)
@@ -86,7 +162,8 @@ def edges(k0, m0, n, s, u, rx, ry, A, B, l1, i1, l2, i2):
         inverse = inverse_root(square)
         store(i1, m, inverse)
         store(l1, m, square * inverse)
-        a, b, c = ry * (load(u[0], k + 1) - x), fma(load(u[1], k + 1) - y, ry, 1.0), ry * (load(u[2], k + 1) - z)
+        q = at(ry, k)
+        a, b, c = q * (load(u[0], k + 1) - x), fma(load(u[1], k + 1) - y, q, 1.0), q * (load(u[2], k + 1) - z)
         store(B[0], m, a)
         store(B[1], m, b)
         store(B[2], m, c)
@@ -112,20 +189,22 @@ def copy(n, source, target, x):
 
 
 @njit(cache=True, error_model="numpy")
-def across_warp(m0, n, s, x, mean):
+def across_warp(k0, m0, n, s, split, x, mean):
     """For n warp edges the mean of x over the weft edges that cross them: four, or two at the ends of a row."""
     for j in range(m0, m0 + n, WIDTH):
-        store(mean, j, 0.25 * ((load(x, j - 1) + load(x, j)) + (load(x, j + s - 1) + load(x, j + s))))
+        k = k0 + j - m0
+        store(mean, j, beside(split, k, load(x, j - 1), load(x, j), load(x, j + s - 1), load(x, j + s)))
     for j in range(m0, m0 + n, s):
         end = j + s - 1
         mean[j], mean[end] = 0.5 * (x[j] + x[j + s]), 0.5 * (x[end - 1] + x[end + s - 1])
 
 
 @njit(cache=True, error_model="numpy")
-def across_weft(m0, n, s, x, mean):
+def across_weft(k0, m0, n, s, split, x, mean):
     """For n weft edges the mean of x over the warp edges that cross them; rows beyond the panel repeat its last."""
     for j in range(m0, m0 + n, WIDTH):
-        store(mean, j, 0.25 * ((load(x, j - s) + load(x, j - s + 1)) + (load(x, j) + load(x, j + 1))))
+        k = k0 + j - m0
+        store(mean, j, along(split, k, load(x, j - s), load(x, j - s + 1), load(x, j), load(x, j + 1)))
     for j in range(m0 + s - 1, m0 + n, s):
         mean[j] = 1.0
 
@@ -153,10 +232,10 @@ def tensions(m0, n, l1, l2, grid, table, T):
 
 @njit(cache=True, error_model="numpy")
 def potential_forces(m0, n, l1, l2, grid, table, per1, per2, N1, N2):
-    """Gradient of the bicubic potential, N = per dW/d(local coordinate).
+    """Gradient of the biquadratic potential, N = per dW/d(local coordinate).
 
-    Above the table cubes go on as parabolas, so that tensions go on straight: (1 + e)^3 - e^3 with e what is above.
-    Returns the largest p and q, the places in the table in units of its cells.
+    Below the table its edge, which is exact there; above it tensions go on straight. table (cells, 8) : of p, p p, q,
+    q q, p q, p p q, p q q, p p q q. Returns the largest p and q, the places in the table in units of its cells.
     """
     x0, rx, top1, y0, ry, top2, across = grid
     far1, far2, end = splat(0.0), splat(0.0), m0 + n
@@ -165,31 +244,34 @@ def potential_forces(m0, n, l1, l2, grid, table, per1, per2, N1, N2):
         far1 = most(far1, p if end - j >= WIDTH else where(first(end - j), p, 0.0))
         far2 = most(far2, q if end - j >= WIDTH else where(first(end - j), q, 0.0))
         cell1, cell2 = floor(least(p, top1)), floor(least(q, top2))
-        c = columns16(table, cells(fma(cell1, across, cell2)))
+        c = columns8(table, cells(fma(cell1, across, cell2)))
         p, q = p - cell1, q - cell2
-        square1, square2 = p * p, q * q
-        cube1, cube2, turn1, turn2 = square1 * p, square2 * q, 3.0 * square1, 3.0 * square2
-        if some(above(most(p, q), 1.0)):
-            e, f = most(p - 1.0, 0.0), most(q - 1.0, 0.0)
-            cube1, cube2 = cube1 - e * e * e, cube2 - f * f * f
-            turn1, turn2 = turn1 - 3.0 * (e * e), turn2 - 3.0 * (f * f)
-        c0 = fma(cube2, c[7], fma(square2, c[6], fma(q, c[5], c[4])))
-        c1 = fma(cube2, c[11], fma(square2, c[10], fma(q, c[9], c[8])))
-        c2 = fma(cube2, c[15], fma(square2, c[14], fma(q, c[13], c[12])))
-        store(N1, j, per1 * fma(turn1, c2, fma(2.0 * p, c1, c0)))
-        c0 = fma(cube1, c[13], fma(square1, c[9], fma(p, c[5], c[1])))
-        c1 = fma(cube1, c[14], fma(square1, c[10], fma(p, c[6], c[2])))
-        c2 = fma(cube1, c[15], fma(square1, c[11], fma(p, c[7], c[3])))
-        store(N2, j, per2 * fma(turn2, c2, fma(2.0 * q, c1, c0)))
+        flat, turn = fma(q, fma(q, c[6], c[4]), c[0]), fma(q, fma(q, c[7], c[5]), c[1])
+        store(N1, j, per1 * fma(p + p, turn, flat))
+        flat, turn = fma(p, fma(p, c[5], c[4]), c[2]), fma(p, fma(p, c[7], c[6]), c[3])
+        store(N2, j, per2 * fma(q + q, turn, flat))
     return highest(far1), highest(far2)
 
 
 @njit(cache=True, error_model="numpy")
-def share_warp(m0, n, s, own, given, N):
+def potential(l1, l2, grid, table, level):
+    """The biquadratic potential [J] at a pair of stretches, for `potential_forces`. level (cells,) [J] : of 1."""
+    x0, rx, top1, y0, ry, top2, across = grid
+    p, q = max((l1 - x0) * rx, 0.0), max((l2 - y0) * ry, 0.0)
+    cell1, cell2 = math.floor(min(p, top1)), math.floor(min(q, top2))
+    m, p, q = np.int64(cell1 * across + cell2), p - cell1, q - cell2
+    c = table[m]
+    zero, one, two = level[m] + q * (c[2] + q * c[3]), c[0] + q * (c[4] + q * c[6]), c[1] + q * (c[5] + q * c[7])
+    return zero + p * (one + p * two)
+
+
+@njit(cache=True, error_model="numpy")
+def share_warp(k0, m0, n, s, split, own, given, N):
     """Forces N of n warp edges: half of each its own, half what the weft edges that cross it give (`across_warp`)."""
     for j in range(m0, m0 + n, WIDTH):
-        met = (load(given, j - 1) + load(given, j)) + (load(given, j + s - 1) + load(given, j + s))
-        store(N, j, 0.5 * fma(met, 0.25, load(own, j)))
+        k = k0 + j - m0
+        met = beside(split, k, load(given, j - 1), load(given, j), load(given, j + s - 1), load(given, j + s))
+        store(N, j, 0.5 * (met + load(own, j)))
     for j in range(m0, m0 + n, s):
         end = j + s - 1
         N[j] = 0.5 * (own[j] + 0.5 * (given[j] + given[j + s]))
@@ -197,11 +279,12 @@ def share_warp(m0, n, s, own, given, N):
 
 
 @njit(cache=True, error_model="numpy")
-def share_weft(m0, n, s, own, given, N):
+def share_weft(k0, m0, n, s, split, own, given, N):
     """Forces N of n weft edges: half of each its own, half what the warp edges that cross it give."""
     for j in range(m0, m0 + n, WIDTH):
-        met = (load(given, j - s) + load(given, j - s + 1)) + (load(given, j) + load(given, j + 1))
-        store(N, j, 0.5 * fma(met, 0.25, load(own, j)))
+        k = k0 + j - m0
+        met = along(split, k, load(given, j - s), load(given, j - s + 1), load(given, j), load(given, j + 1))
+        store(N, j, 0.5 * (met + load(own, j)))
     for j in range(m0 + s - 1, m0 + n, s):  # idle slots
         N[j] = 0.0
 
@@ -231,13 +314,13 @@ def yarns(k0, m0, n, back, again, r, cv, l, inverse, turned, N, y, L, P, D, on):
         d = last if again else stretch - load(L, k)
         part = length * d if left >= WIDTH else where(first(left), length * d, 0.0)
         work = fma(part, force + load(P, k), work)
-        viscous = fma(part, d + last, viscous)
-        pull = length * fma(cv, d, force) - (load(turned, m) + load(turned, m - back))
-        store(on, m, r * load(inverse, m) * pull)
+        viscous = fma(inner(cv, k, part), d + last, viscous)
+        pull = length * fma(at(cv, k), d, force) - (load(turned, m) + load(turned, m - back))
+        store(on, m, at(r, k) * load(inverse, m) * pull)
         keep(L, k, stretch, left)
         keep(P, k, force, left)
         keep(D, k, d, left)
-    return 0.5 * total(work), 0.5 * cv * total(viscous)
+    return 0.5 * total(work), outer(cv, 0.5 * total(viscous))
 
 
 @njit(cache=True, error_model="numpy")
@@ -285,7 +368,7 @@ def shear_slope(sine, G1, G2, gamma1, gamma2):
 
 
 @njit(cache=True, error_model="numpy")
-def shear(m0, n, s, A, B, l1, l2, V, G1, G2, gamma1, gamma2, turn1, turn2, cross):
+def shear(k0, m0, n, s, A, B, l1, l2, V, G1, G2, gamma1, gamma2, turn1, turn2, cross):
     """The trellis of n quadrilaterals.
 
     turn1, turn2 : -dE/dLambda that it gives to each of its two warp and its two weft edges
@@ -298,7 +381,7 @@ def shear(m0, n, s, A, B, l1, l2, V, G1, G2, gamma1, gamma2, turn1, turn2, cross
         along, over = load(l1, j) + load(l1, j + 1), load(l2, j) + load(l2, j + s)
         share = 1.0 / (along * over)
         sine = dot * share
-        crossed = V * shear_slope(sine, G1, G2, gamma1, gamma2) * share
+        crossed = at(V, k0 + j - m0) * shear_slope(sine, G1, G2, gamma1, gamma2) * share
         turned = crossed * sine
         store(cross, j, crossed)
         store(turn1, j, turned * over)
@@ -308,28 +391,37 @@ def shear(m0, n, s, A, B, l1, l2, V, G1, G2, gamma1, gamma2, turn1, turn2, cross
 
 
 @njit(cache=True, error_model="numpy")
-def gather(k0, m0, n, s, rx, ry, A, B, on1, on2, cross, g0, g1):
-    """What n slots' edges and quadrilaterals give to the nodes of their own row, g0, and to those of the next, g1.
+def gather(k0, m0, n, s, rx, ry, A, B, on1, on2, cross, up, g0):
+    """What n slots' edges and quadrilaterals give to their nodes.
 
+    up : scratch, what a row of elements gives to the nodes of the next; from m0 on, one row ahead of g0. A row is taken
+        from it before the next is put there, all rows in one loop unless a row is shorter than eight slots.
     Without contraction uniform tension cancels digit by digit.
     """
-    for j in range(0, n, WIDTH):
-        k, m, left = k0 + j, m0 + j, n - j
-        here, before = load(cross, m), load(cross, m - 1)
-        pull1, pull2, back2 = load(on1, m), load(on2, m), load(on2, m - 1)
-        for c in range(3):
-            a, b, b_back = load(A[c], m), load(B[c], m), load(B[c], m - 1)
-            X = here * (b + load(B[c], m + s)) + before * (b_back + load(B[c], m + s - 1))
-            Y = here * (a + load(A[c], m + 1)) - before * (load(A[c], m - 1) + a)
-            along, beside, over = pull1 * a, rx * X, ry * Y
-            keep(g0[c], k, (along + (pull2 * b - back2 * b_back)) + (beside + over), left)
-            keep(g1[c], k + s, over - (along + beside), left)
+    for c in range(3):
+        for j in range(m0, m0 + s):
+            up[c][j] = 0.0
+    on2[m0 - 1] = 0.0  # the idle slot before the first row, which another panel may have used
+    length = n if s >= WIDTH else s
+    for start in range(0, n, length):
+        for j in range(start, start + length, WIDTH):
+            k, m, left = k0 + j, m0 + j, start + length - j
+            here, before = load(cross, m), load(cross, m - 1)
+            pull1, pull2, back2 = load(on1, m), load(on2, m), load(on2, m - 1)
+            for c in range(3):
+                a, b, b_back = load(A[c], m), load(B[c], m), load(B[c], m - 1)
+                X = here * (b + load(B[c], m + s)) + before * (b_back + load(B[c], m + s - 1))
+                Y, Y_back = here * (a + load(A[c], m + 1)), before * (load(A[c], m - 1) + a)
+                pulled, turned, over = pull1 * a, at(rx, k) * X, difference(ry, k, Y, Y_back)
+                own = (pulled + (pull2 * b - back2 * b_back)) + (turned + over)
+                keep(g0[c], k, own + load(up[c], m), left)
+                store(up[c], m + s, over - (pulled + turned))
 
 
 @njit(cache=True, error_model="numpy")
-def gather_last(k0, m0, n, on2, B, g0):
-    """What the weft edges on the panel's last row give to their nodes."""
+def gather_last(k0, m0, n, on2, B, up, g0):
+    """What the weft edges on the panel's last row give to their nodes, besides what the elements before them do."""
     for c in range(3):
         for j in range(n):
             m = m0 + j
-            g0[c][k0 + j] = on2[m] * B[c][m] - on2[m - 1] * B[c][m - 1]
+            g0[c][k0 + j] = (on2[m] * B[c][m] - on2[m - 1] * B[c][m - 1]) + up[c][m]

@@ -5,7 +5,8 @@ The projectile is one: its speed is shared, and takes the impulses of all plies.
 from the ply's own plane at rest. A ply sleeps, and costs nothing, until something pushes on it. At most one ply of a
 pair is asleep while the pair is looked at.
 
-States, constants and pairs come as numba's lists, so that what is compiled does not depend on the number of plies.
+States, constants, scratch and pairs come as numba's lists, so that what is compiled does not depend on the number of
+plies. Plies of one grid share their scratch; those of another have their own, since its idle slots must stay at rest.
 Several threads can share the work: each has some plies, then some pairs, and they wait for each other in between. No
 two write to the same place, so that results do not depend on their number.
 """
@@ -73,7 +74,7 @@ def launch(states, consts, stack):
 
 
 @njit(cache=True, error_model="numpy")
-def step_plies(states, consts, pairs, stack, work, me, count):
+def step_plies(states, consts, pairs, stack, works, me, count):
     """One thread's plies: the impulses of their neighbours, their own step."""
     for p in range(me, len(states), count):
         if p > 0:
@@ -87,7 +88,7 @@ def step_plies(states, consts, pairs, stack, work, me, count):
                 ply_contact_kernels.push(states[p], consts[p], pair.on_front, pair.front_touched)
                 stack.awake[p] = True
         if stack.awake[p]:
-            ply_step(states[p], consts[p], work)
+            ply_step(states[p], consts[p], works[p])
 
 
 @njit(cache=True, error_model="numpy")
@@ -123,13 +124,13 @@ def conclude(states, consts, stack):
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def lead(states, consts, pairs, stack, work, steps, history, shared, count):
+def lead(states, consts, pairs, stack, works, steps, history, shared, count):
     """March at most `steps` steps, with `count` - 1 threads that `follow`; see `march_kernels.lead`."""
     made, reason = 0, RUNNING
     while made < steps and reason == RUNNING:
         launch(states, consts, stack)
         meet(shared, count)
-        step_plies(states, consts, pairs, stack, work, 0, count)
+        step_plies(states, consts, pairs, stack, works, 0, count)
         meet(shared, count)
         step_pairs(states, consts, pairs, stack, 0, count)
         meet(shared, count)
@@ -139,30 +140,30 @@ def lead(states, consts, pairs, stack, work, steps, history, shared, count):
         made += 1
     shared[STOP] = 1
     meet(shared, count)
-    freshen(states, consts, stack, work, 0, count)
+    freshen(states, consts, stack, works, 0, count)
     meet(shared, count)
     return made, reason
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def follow(states, consts, pairs, stack, work, shared, me, count):
+def follow(states, consts, pairs, stack, works, shared, me, count):
     """Do thread number `me`'s part of each step that `lead` makes."""
     while True:
         meet(shared, count)
         if shared[STOP] != 0:
             break
-        step_plies(states, consts, pairs, stack, work, me, count)
+        step_plies(states, consts, pairs, stack, works, me, count)
         meet(shared, count)
         step_pairs(states, consts, pairs, stack, me, count)
         meet(shared, count)
-    freshen(states, consts, stack, work, me, count)
+    freshen(states, consts, stack, works, me, count)
     meet(shared, count)
 
 
 @njit(cache=True, error_model="numpy")
-def freshen(states, consts, stack, work, me, count):
+def freshen(states, consts, stack, works, me, count):
     """The tensions of one thread's plies, as `march_kernels.freshen`."""
     for p in range(me, len(states), count):
         if stack.awake[p]:
             first, last = march_kernels.part(states[p], consts[p], 0, 1)
-            march_kernels.freshen(states[p], consts[p], first, last, work)
+            march_kernels.freshen(states[p], consts[p], first, last, works[p])

@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from fabrics.errors import InputError, UnstableError
-from shellfabric import behind, body, contact, edges, edges_kernels, pack_kernels, ply_contact_kernels, team
+from shellfabric import behind, body, edges, edges_kernels, pack_kernels, ply_contact_kernels, team
 from shellfabric import march_kernels as kernels
 from shellfabric.contact_kernels import CONTACT, FRICTION
 from shellfabric.march import ENERGIES, March, gift
@@ -33,9 +33,9 @@ class PackMarch(March):
     Attributes
     ----------
     states, consts, stack, pairs : what the kernels work on
-    samples : list of rows, one an audit, in the order of PACK_SAMPLES; of the whole pack, forces summed over the plies
-    ply_samples : list of (plies, 6), one an audit, in the order of PLY_SAMPLES: of the whole ply; `push` is the force of
-        the nose on it, `deflection` that at the impact point, `energy` what it moves with, stores and has dissipated
+    samples : list of rows, one an audit, in the order of PACK_SAMPLES; of the whole pack, forces summed over plies
+    ply_samples : list of (plies, 6), one an audit, in the order of PLY_SAMPLES: of the whole ply; `push` is the force
+        of the nose on it, `deflection` that at the impact point, `energy` what it moves with, stores and has lost
     snapshots : list of PackSnapshot, where a hook takes them
 
     The others are those of March.
@@ -56,9 +56,8 @@ class PackMarch(March):
         self.const, self.state = self.consts[0], self.states[0]
         self._lists = tuple(lists(items) for items in (self.states, self.consts, self.pairs))
         self.threads = min(team.threads_for(self.panel.numerics.threads, pack.elements), len(pack.plies))
-        largest = max(pack.plies, key=lambda ply: ply.work().l1.size)
-        self._works = [largest.work()._replace(touch=contact.scratch(*self.consts)) for _ in range(self.threads)]
-        self._work = self._works[0]
+        self._works = [lists(pack.works()) for _ in range(self.threads)]
+        self._shared = np.zeros(team.ROOM, np.int64)
         self._ends = [edges.ends(ply) for ply in pack.plies]
         self.chunk = max(1, round(interval / self.const.dt))
         self.last_step = int(np.ceil(end_time / self.const.dt))
@@ -86,7 +85,7 @@ class PackMarch(March):
 
     @property
     def deepest(self):
-        """(plies - 1,) [-] deepest that one ply has come into the next, over the thickness: at 1 it would be through."""
+        """(plies - 1,) [-] deepest that a ply has come into the next, over the thickness: at 1 it would be through."""
         pairs = self.pairs[: len(self.states) - 1]
         return np.array([pair.energy[ply_contact_kernels.DEEPEST] / pair.thickness for pair in pairs])
 
@@ -102,22 +101,23 @@ class PackMarch(March):
         """Make as many steps as there are rows in `fine`, or fewer where the run ends: (steps made, why)."""
         if self.behind is not None:
             return self._advance_backed(fine)
-        shared, count = self._work.shared, self.threads
+        shared, count = self._shared, self.threads
         shared[:] = 0
+        states, consts, pairs = self._lists
         at_work = [
-            others.submit(pack_kernels.follow, *self._lists, self.stack, work, shared, me, count)
-            for me, work in enumerate(self._works[1:], 1)
+            others.submit(pack_kernels.follow, states, consts, pairs, self.stack, works, shared, me, count)
+            for me, works in enumerate(self._works[1:], 1)
         ]
-        made = pack_kernels.lead(*self._lists, self.stack, self._work, len(fine), fine, shared, count)
+        made = pack_kernels.lead(states, consts, pairs, self.stack, self._works[0], len(fine), fine, shared, count)
         for thread in at_work:
             thread.result()
         return made
 
     def _step(self, row):
         """One step of plies, projectile and block; the block is at rest while the last ply is."""
-        shared = self._work.shared
-        shared[:] = 0
-        _, reason = pack_kernels.lead(*self._lists, self.stack, self._work, 1, row, shared, 1)
+        self._shared[:] = 0
+        states, consts, pairs = self._lists
+        _, reason = pack_kernels.lead(states, consts, pairs, self.stack, self._works[0], 1, row, self._shared, 1)
         if self.stack.awake[-1]:
             self.behind.follow(self.states[-1])
         return reason

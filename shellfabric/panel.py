@@ -19,7 +19,17 @@ from math import inf
 import numpy as np
 
 from fabrics.errors import InputError
-from shellfabric import behind, body, contact, contact_kernels, edges, edges_kernels, march_kernels, team
+from shellfabric import (
+    behind,
+    body,
+    contact,
+    contact_kernels,
+    edges,
+    edges_kernels,
+    grading,
+    march_kernels,
+    team,
+)
 from shellfabric.backing import Backing
 from shellfabric.cell import CellTable
 from shellfabric.projectile import Projectile
@@ -31,7 +41,7 @@ SYMMETRIES = {"quarter": (True, True), "half": (True, False), "whole": (False, F
 Constants = namedtuple(
     "Constants",
     "ni nj s block per mirror_x mirror_y x0 y0 dx dy rx0 ry0 dt "
-    "tension1 tension2 ceiling1 ceiling2 potential x0t rx top1 y0t ry top2 grid per1 per2 variational "
+    "tension1 tension2 ceiling1 ceiling2 spline level x0t rx top1 y0t ry top2 grid per1 per2 variational split1 split2 "
     "cv1 cv2 V G1 G2 gamma1 gamma2 w1 S01 EA1 w2 S02 EA2 strength1 strength2 strengths1 strengths2 lag widest "
     "near points shares point_stiffness point_damping R rho projectile_mass free idle_steps "
     "shape form length frame tilted roaming depth reach top shoulder friction rim_node rim_axis rim bending jam ends "
@@ -46,7 +56,7 @@ State = namedtuple(
 )
 Work = namedtuple(
     "Work",
-    "A B l1 l2 i1 i2 m1 m2 T1 T2 N1 N2 own1 own2 given1 given2 on1 on2 turn1 turn2 cross shared touch",
+    "A B l1 l2 i1 i2 m1 m2 T1 T2 N1 N2 own1 own2 given1 given2 on1 on2 turn1 turn2 cross up shared touch",
 )
 
 
@@ -138,6 +148,8 @@ class Panel:
     backing : Backing, the block behind the cloth, or None (see `behind`)
     jam : stiffness [N] of a yarn against being bunched up, and the stretch at which it begins; none as in the source
         (see `jam_kernels`)
+    grading : ((until, side), ...) [crossovers] elements that are longer the further they are from the impact point, or
+        None (see `grading`); for straight shots at cloth that is held or free at its edges
 
     Raises
     ------
@@ -159,6 +171,7 @@ class Panel:
     strength_factors: tuple | None = None
     backing: Backing | None = None
     jam: tuple[float, float] = (0.0, 1.0)
+    grading: tuple | None = None
 
     def __post_init__(self):
         if self.symmetry not in SYMMETRIES:
@@ -170,6 +183,8 @@ class Panel:
         for axis, mirrored in enumerate(self.mirrors):
             if mirrored and not self.projectile.mirrored(axis):
                 raise InputError(key="symmetry", value=self.symmetry, allowed="one that the oblique shot has, or whole")
+        if self.grading is not None:
+            grading.check(self.grading)
         if self.elements_per_crossover < 1:
             raise InputError(key="elements_per_crossover", value=self.elements_per_crossover, allowed="1, 2, 3, ...")
         if not all(0 <= EI < inf for EI in self.bending):
@@ -182,6 +197,29 @@ class Panel:
         for length, w in zip(self.opening, self.weave.w):
             if not length / 2 >= max(2 * self.projectile.radius, 4 * w):
                 raise InputError(key="opening", value=length, allowed="wider than two projectiles and four crossovers")
+        if self.grading is not None:
+            self._check_grading()
+
+    def _check_grading(self):
+        for key, value, plain in (
+            ("elements_per_crossover", self.elements_per_crossover, 1),
+            ("weave_angle", self.weave_angle, 0.0),
+            ("bending", tuple(self.bending), (0.0, 0.0)),
+            ("backing", self.backing, None),
+            ("jam", tuple(self.jam), (0.0, 1.0)),
+        ):
+            if value != plain:
+                raise InputError(key=key, value=value, allowed=f"{plain} on a graded panel")
+        if edges.slips(self.edge):
+            raise InputError(key="edge", value=self.edge, allowed="clamped or free on a graded panel")
+        if self.projectile.roaming:
+            raise InputError(key="grading", value=self.grading, allowed="none where the projectile moves sideways")
+        fine = self._fine
+        for place, step, reach in zip((fine[1], fine[3]), self.spacing, self._reach()):
+            least = int(np.ceil(reach / step)) + 3  # and what the contact's smooth surface has beside it
+            if self.sides is not None and place < least:
+                allowed = f"a first zone of {least * self._finest} crossovers or more"
+                raise InputError(key="grading", value=self.grading, allowed=f"{allowed}, all that comes under the nose")
 
     @property
     def fabric(self):
@@ -197,22 +235,55 @@ class Panel:
         return SYMMETRIES[self.symmetry]
 
     @property
+    def _finest(self):
+        """Crossovers along a side of an element at the impact point."""
+        return 1 if self.grading is None else int(self.grading[0][1])
+
+    @property
     def spacing(self):
-        """(dx, dy) [m] sides of an element."""
-        return tuple(2 * w / self.elements_per_crossover for w in self.weave.w)
+        """(dx, dy) [m] sides of an element, of the smallest on a graded panel."""
+        return tuple(2 * w * self._finest / self.elements_per_crossover for w in self.weave.w)
+
+    @property
+    def _half(self):
+        """(along warp, along weft) crossovers from the impact point to an edge."""
+        return tuple(int(length / 2 / (2 * w) + 1e-9) for length, w in zip(edges.extent(self), self.weave.w))
+
+    @cached_property
+    def sides(self):
+        """((ni,), (nj,)) [m] sides of the elements along warp and weft; None where all are alike."""
+        if self.grading is None or len({side for _, side in self.grading}) == 1:
+            return None
+        found = []
+        for length, w, mirrored in zip(self._half, self.weave.w, self.mirrors):
+            outward = 2 * w * grading.sides(self.grading, length)
+            found.append(outward if mirrored else np.concatenate([outward[::-1], outward]))
+        return tuple(found)
+
+    @property
+    def _fine(self):
+        """Rows and columns (i0, i1, j0, j1) of the smallest elements, counted from the impact point."""
+        bounds = []
+        for n, step, half in zip(range(2), self.spacing, self._half):
+            if self.sides is None:
+                count = half * self.elements_per_crossover // self._finest
+            else:
+                alike = np.abs(self.sides[n] - step) < 1e-9 * step
+                count = int(alike.sum()) // (1 if self.mirrors[n] else 2)
+            bounds += [0 if self.mirrors[n] else -count, count]
+        return tuple(bounds)
 
     @property
     def counts(self):
         """(ni, nj) elements along warp and weft."""
-        half = [
-            int(length / 2 / (2 * w) + 1e-9) * self.elements_per_crossover
-            for length, w in zip(edges.extent(self), self.weave.w)
-        ]
+        if self.sides is not None:
+            return tuple(part.size for part in self.sides)
+        half = [n * self.elements_per_crossover // self._finest for n in self._half]
         return tuple(n if mirrored else 2 * n for n, mirrored in zip(half, self.mirrors))
 
     @property
     def yarn_counts(self):
-        """(warp, weft) yarns of the modelled part, with those on its rims."""
+        """(warp, weft) yarns of the modelled part, with those on its rims; lines on a graded panel."""
         return tuple(count // self.elements_per_crossover + 1 for count in self.counts[::-1])
 
     @property
@@ -242,7 +313,7 @@ class Panel:
 
     @property
     def _yarns_a_line(self):
-        """(warp, weft) yarns that a grid line stands for."""
+        """(warp, weft) yarns that a grid line stands for at the impact point."""
         return tuple(count * d for count, d in zip((self.weave.warp_count, self.weave.weft_count), self.spacing[::-1]))
 
     @property
@@ -260,12 +331,24 @@ class Panel:
 
     def coordinates(self):
         """(X, Y) [m] of the nodes at rest, each (ni+1, nj+1); the impact point is the origin."""
-        (ni, nj), (dx, dy), (x0, y0) = self.counts, self.spacing, self.origin
-        return np.meshgrid(x0 + dx * np.arange(ni + 1), y0 + dy * np.arange(nj + 1), indexing="ij")
+        return np.meshgrid(*self.lines(), indexing="ij")
+
+    def lines(self):
+        """((ni+1,), (nj+1,)) [m] places x and y of the lines of the grid at rest."""
+        if self.sides is None:
+            return tuple(x0 + d * np.arange(n + 1) for x0, d, n in zip(self.origin, self.spacing, self.counts))
+        found = []
+        for sides, mirrored in zip(self.sides, self.mirrors):
+            x = np.insert(np.cumsum(sides), 0, 0.0)
+            found.append(x if mirrored else x - x[sides.size // 2])
+        return tuple(found)
 
     @property
     def origin(self):
-        """(x0, y0) [m] of the first node at rest."""
+        """(x0, y0) [m] of the first node at rest; on a graded panel as if all elements were the smallest.
+
+        There the smallest are where they would be then, and nothing else is looked for by its place.
+        """
         return tuple(0.0 if m else -0.5 * n * d for m, n, d in zip(self.mirrors, self.counts, self.spacing))
 
     def constants(self) -> Constants:
@@ -277,18 +360,23 @@ class Panel:
         shear = self.fabric.shear if self.trellis else None
         G1, G2, gamma1, gamma2 = (shear.G1, shear.G2, shear.gamma1, shear.gamma2) if shear else (0.0, 0.0, 0.5, 1.0)
         lag = self.critical_step / dt
-        points = max(2, -(-knobs.contact_points // self.elements_per_crossover))
+        points = max(2, -(-knobs.contact_points * self._finest // self.elements_per_crossover))
         mass = weave.areal_density * dx * dy
         (x0, y0), shot = self.origin, self.projectile
         rim_node, rim_axis, rim = edges.rim(self)
         strengths = self._strengths()
         roaming = shot.roaming or rim_node.size > 0  # over the cloth: it slides, or the cloth is drawn under it
+        cv1, cv2 = (knobs.stretch_viscosity * lag * yarn.EA for yarn in (warp, weft))
+        slots = {"rx0": 1 / dx, "ry0": 1 / dy, "cv1": cv1, "cv2": cv2, "V": dx * dy * weave.thickness}
+        slots |= {"split1": 0.5, "split2": 0.5}
+        if self.sides is not None:
+            slots = grading.slots(self.sides, self.spacing, weave.thickness, (cv1, cv2), _room)
         return Constants(
             ni=ni, nj=nj, s=nj + 1, block=self._block, mirror_x=mirror_x, mirror_y=mirror_y,
-            x0=x0, y0=y0, dx=dx, dy=dy, rx0=1 / dx, ry0=1 / dy, dt=dt, per=self.elements_per_crossover,
+            x0=x0, y0=y0, dx=dx, dy=dy, dt=dt, per=self.elements_per_crossover, **slots,
             tension1=table.tension1.reshape(-1, 4), tension2=table.tension2.reshape(-1, 4),
             ceiling1=_ceiling(table.values["T1"]), ceiling2=_ceiling(table.values["T2"]),
-            potential=self._potential,
+            spline=self._spline[0], level=self._spline[1],
             x0t=table.stretch1[0], rx=rx, top1=table.stretch1.size - 2,
             y0t=table.stretch2[0], ry=ry, top2=table.stretch2.size - 2,
             grid=(
@@ -296,8 +384,7 @@ class Panel:
                 table.stretch2.size - 1.0,
             ),
             per1=rx / (2 * w1), per2=ry / (2 * w2), variational=table.model.form == "variational",
-            cv1=knobs.stretch_viscosity * lag * warp.EA, cv2=knobs.stretch_viscosity * lag * weft.EA,
-            V=dx * dy * weave.thickness, G1=G1, G2=G2, gamma1=gamma1, gamma2=gamma2,
+            G1=G1, G2=G2, gamma1=gamma1, gamma2=gamma2,
             w1=w1, S01=S01, EA1=warp.EA, w2=w2, S02=S02, EA2=weft.EA,
             strength1=strengths[0].min(), strength2=strengths[1].min(),
             strengths1=strengths[0], strengths2=strengths[1],
@@ -364,13 +451,33 @@ class Panel:
         size = (const.block + 4) * const.s + 16
         rows = {name: _room(1, size)[0] for name in Work._fields}
         rows["A"], rows["B"], rows["shared"] = _room(3, size), _room(3, size), np.zeros(team.ROOM, np.int64)
-        rows["touch"] = contact.scratch(const)
+        # what is asked for last takes the room of what is no longer needed then: scratch is to fit into the cache
+        rows["T1"], rows["T2"], rows["on1"], rows["on2"] = (rows[name] for name in ("own1", "own2", "given1", "given2"))
+        rows["up"], rows["touch"] = (rows["m1"], rows["m2"], rows["own1"]), contact.scratch(const)
         return Work(**rows)
+
+    def segments(self):
+        """(warp, weft) each (ni+1, nj+1): yarn segments that an edge stands for; half of one on a plane of symmetry."""
+        shape, found = (self.counts[0] + 1, self.counts[1] + 1), []
+        for family, mirrored in enumerate(self.mirrors[::-1]):
+            n = np.ones(shape)
+            if self.sides is not None:
+                along, across = (2 * w for w in (self.weave.w[family], self.weave.w[1 - family]))
+                own, other = self.sides[family] / along, self.sides[1 - family] / across
+                lines = grading.tributary(other)
+                lines[-1] = other[-1]  # the yarns at the rim break as whole ones
+                n = np.multiply.outer(np.append(own, 0.0), lines)
+                n = n if family == 0 else n.T
+            elif mirrored:
+                np.moveaxis(n, 1 - family, 0)[0] *= 0.5
+            found.append(n)
+        return found
 
     def masses(self):
         """(ni+1, nj+1) [kg] of the nodes."""
         (ni, nj), (dx, dy) = self.counts, self.spacing
-        corner = 0.25 * self.weave.areal_density * dx * dy
+        corner = 0.25 * self.weave.areal_density * (dx if self.sides is None else self.sides[0][:, None])
+        corner = corner * (dy if self.sides is None else self.sides[1])
         mass = np.zeros((ni + 1, nj + 1))
         for i in (slice(None, -1), slice(1, None)):
             for j in (slice(None, -1), slice(1, None)):
@@ -379,6 +486,11 @@ class Panel:
 
     def _yarn_lengths(self, const):
         """(warp, weft) [m] length of yarn of each edge at its slot: an edge's own times its yarns, half on the rim."""
+        if self.sides is not None:
+            (a, b), (m, n) = self.sides, map(grading.tributary, self.sides)
+            warp, weft = np.zeros((2, const.ni + 1, const.s))
+            warp[:-1], weft[:, :-1] = np.multiply.outer(a, n), np.multiply.outer(m, b)
+            return [(self.weave.warp_count * warp).ravel(), (self.weave.weft_count * weft).ravel()]
         found, area = [], const.dx * const.dy
         for count, axis in ((self.weave.warp_count, 0), (self.weave.weft_count, 1)):
             y = np.zeros((const.ni + 1, const.s))
@@ -389,11 +501,12 @@ class Panel:
         return found
 
     @cached_property
-    def _potential(self):
-        """(cells, 16) [J] the table's potential; each of its rows fills two cache lines."""
-        rows = _room(1, self.table.potential.size)[0]
-        rows[:] = self.table.potential.ravel()
-        return rows.reshape(-1, 16)
+    def _spline(self):
+        """(cells, 8), (cells,) [J] the table's potential but for its constants, each row a cache line, and these."""
+        columns = self.table.spline.reshape(-1, 9)
+        rows = _room(1, 8 * len(columns))[0].reshape(-1, 8)
+        rows[:] = columns[:, [3, 6, 1, 2, 4, 7, 5, 8]]  # of p, p p, q, q q, p q, p p q, p q q, p p q q
+        return rows, columns[:, 0].copy()
 
     def _strengths(self):
         """(warp, weft) [N] strength of each yarn of the modelled part."""
@@ -411,8 +524,8 @@ class Panel:
         """
         wide = self.projectile.radius / self.projectile.frame[2, 2]
         return tuple(
-            wide + (yarn.crimp + yarn.failure_strain) * max(count * step + start, -start) + 2 * step
-            for start, step, count, yarn in zip(self.origin, self.spacing, self.counts, self.weave.yarns)
+            wide + (yarn.crimp + yarn.failure_strain) * max(x[-1], -x[0]) + 2 * step
+            for x, step, yarn in zip(self.lines(), self.spacing, self.weave.yarns)
         )
 
     def _near(self, roaming):

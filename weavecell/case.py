@@ -85,6 +85,7 @@ def setup(case, file):
             edge=_edge(panel.boundary),
             symmetry=panel.symmetry,
             weave_angle=panel.weave_angle,
+            grading=panel.grading,
             end_time=run.end_time,
             elements_per_crossover=run.elements_per_crossover,
             cell_model=case.scene.fabric.cell_model,
@@ -147,7 +148,8 @@ def in_file(problem, file):
     """An InputError of an object that does not know its file, with the scene's file and key in it."""
     if problem.file is not None:
         return problem
-    tables = {"gap": "fabric", "model": "fabric"} | dict.fromkeys(("opening", "symmetry", "weave_angle"), "panel")
+    tables = {"gap": "fabric", "model": "fabric", "bending": "fabric", "elements_per_crossover": "run"}
+    tables |= dict.fromkeys(("opening", "symmetry", "weave_angle", "grading"), "panel")
     tables |= dict.fromkeys(ProjectileTable.model_fields, "projectile")
     tables |= dict.fromkeys(("warp", "weft"), "measure") | dict.fromkeys(BackingTable.model_fields, "backing")
     key = f"{tables[problem.key]}.{problem.key}" if problem.key in tables else problem.key

@@ -97,8 +97,19 @@ def _opening_or_value_error(value):
         raise ValueError(str(problem)) from None
 
 
+def _zones(value):
+    if value is None:
+        return None
+    plain = isinstance(value, (list, tuple)) and all(
+        isinstance(zone, (list, tuple)) and len(zone) == 2 for zone in value
+    )
+    if not plain or any(isinstance(x, bool) or not isinstance(x, (int, float)) for zone in value for x in zone):
+        raise ValueError("no zones")
+    return tuple((float(until), float(side)) for until, side in value)
+
+
 class PanelTable(Table):
-    """A panel in a rectangular opening."""
+    """A panel in a rectangular opening, or a pack of several plies."""
 
     opening: Annotated[
         float | tuple[float, float],
@@ -108,7 +119,17 @@ class PanelTable(Table):
     boundary: Annotated[Boundary, Field(description=_BOUNDARY)] = "clamped"
     symmetry: one_of("quarter", "half", "whole") = "quarter"
     weave_angle: angle(-89, 89, "45 deg") = 0.0
+    plies: whole(1, 32) = 1
+    stacking: one_of("aligned", "alternating") = "aligned"
+    gap: quantity("m", "a length of at least 0", "0.12 mm", at_least=0.0) = None
     yarns_fail: Annotated[bool, Field(description="true or false")] = True
+    grading: Annotated[
+        tuple[tuple[float, float], ...] | None,
+        BeforeValidator(_zones),
+        Field(
+            description="zones [until, side] in crossovers, the last until inf, such as [[10, 1], [20, 2], [inf, 4]]"
+        ),
+    ] = None
 
 
 class BackingTable(Table):
@@ -243,6 +264,7 @@ def _check_relations(scene, table, file):
     for (name, key), (holds, allowed) in limits.items():
         if not holds and key in table[name]:
             raise InputError(file=file, key=f"{name}.{key}", value=table[name][key], allowed=allowed)
+    _check_pack(scene, table, file)
     if shot.bore is not None and shot.body != "bar":
         raise InputError("is that of a bar", file=file, key="projectile.bore", allowed='with body = "bar"')
     if scene.backing is not None and scene.backing.size is not None and len(scene.backing.size) != 3:
@@ -250,6 +272,27 @@ def _check_relations(scene, table, file):
     if isinstance(panel.boundary, BoundaryTable):
         for name in ("warp", "weft"):
             _check_sides(getattr(panel.boundary, name), f"panel.boundary.{name}", table, file)
+
+
+def _check_pack(scene, table, file):
+    """What goes with several plies alone, and what does not."""
+    panel = scene.panel
+    if panel.plies == 1:
+        for key in ("stacking", "gap"):
+            if key in table["panel"]:
+                allowed = "left out for a single ply"
+                raise InputError(file=file, key=f"panel.{key}", value=table["panel"][key], allowed=allowed)
+        return
+    for key in ("measure", "accuracy"):
+        if getattr(scene, key) is not None:
+            raise InputError("is for a single ply", file=file, key=key, allowed="left out where panel.plies is above 1")
+    if panel.stacking == "alternating":
+        for holds, why in (
+            (panel.weave_angle == 0.0, "the weave is oblique"),
+            (scene.fabric.surface is None, "the cell is a response surface"),
+        ):
+            if not holds:
+                raise InputError(file=file, key="panel.stacking", value=panel.stacking, allowed=f"aligned where {why}")
 
 
 def _check_sides(side, key, table, file):

@@ -14,6 +14,7 @@ from fabrics.weave import arc_length, height_from_length
 from shellfabric import cell_kernels as kernels
 from shellfabric import membrane_kernels, relax_kernels
 from shellfabric.cell import CellModel, CellTable
+from shellfabric.panel import Panel
 
 PAIRS = [(1.0, 1.0), (1.01, 1.0), (1.0, 1.01), (1.02, 1.02), (1.03, 0.985), (0.98, 1.03), (1.04, 1.03)]
 
@@ -156,6 +157,18 @@ def test_closed_square_of_strains(fabric):
     assert 1e-4 < abs(work["equilibrium"]) < 5e-3
 
 
+def spline(table):
+    """The table's potential as the march reads it: all but the constants, and these."""
+    return Panel(table)._spline
+
+
+def table_potential(table, x, y):
+    """[J] the potential as the march reads it, at one pair of stretches."""
+    (rx, ry), (top1, top2) = (1 / np.array(table.steps)), (axis.size - 2.0 for axis in (table.stretch1, table.stretch2))
+    grid = table.stretch1[0], rx, top1, table.stretch2[0], ry, top2, top2 + 1
+    return membrane_kernels.potential(x, y, grid, *spline(table))
+
+
 def table_forces(table, x, y):
     """Forces as the element reads them."""
     w1, w2 = table.model.fabric.weave.w
@@ -164,8 +177,7 @@ def table_forces(table, x, y):
     grid, room = (x0, rx, top1, y0, ry, top2, top2 + 1), np.zeros((2, x.size + 8))
     at, (N1, N2) = (0, x.size, *(np.append(part, np.ones(8)) for part in (x, y)), grid), room
     if table.model.form == "variational":
-        potential = table.potential.reshape(-1, 16)
-        membrane_kernels.potential_forces(*at, potential, rx / (2 * w1), ry / (2 * w2), N1, N2)
+        membrane_kernels.potential_forces(*at, spline(table)[0], rx / (2 * w1), ry / (2 * w2), N1, N2)
     else:
         largest = membrane_kernels.tensions(*at, table.tension1.reshape(-1, 4), N1)
         assert largest == N1[: x.size].max()
@@ -194,7 +206,7 @@ def test_tabulated_potential_conserves(tables, fabric):
     """Round a closed square the tabulated variational forces do no work at all: they are one function's gradient."""
     table = tables["variational"]
     w1, w2 = fabric.weave.w
-    # sides on grid lines, Gauss points in every cell: the quadrature is exact for a bicubic
+    # sides on grid lines, Gauss points in every cell: the quadrature is exact for a biquadratic
     i, j = np.searchsorted(table.stretch1, [1.0, 1.03]), np.searchsorted(table.stretch2, [1.0, 1.03])
     points, weights = np.polynomial.legendre.leggauss(4)
 
@@ -224,6 +236,27 @@ def test_rest_is_the_lowest_energy(name):
     grid = table.potential.reshape(-1, 16), table.stretch1[0], 1 / table.steps[0], 59, table.stretch2[0]
     for x, y in np.random.default_rng(5).uniform(-1, 1, (4000, 2)) * table.steps + 1:
         assert relax_kernels.potential(x, y, *grid, 1 / table.steps[1], 59)[0] >= -1e-18
+        assert table_potential(table, x, y) >= -1e-18
+    # at the node itself there is none; a place is in a table to the last digit
+    np.testing.assert_allclose(table_forces(table, np.ones(1), np.ones(1)), 0.0, atol=1e-11)
+
+
+def test_the_spline_is_smooth_and_next_to_the_bicubic(tables):
+    """Values and first derivatives meet where cells do; the plain B-spline of the table's own bicubic, at the nodes."""
+    table = tables["variational"]
+    c, cubic = (
+        table.spline.reshape(*table.spline.shape[:2], 3, 3),
+        table.potential.reshape(*table.spline.shape[:2], 4, 4),
+    )
+    close = {"rtol": 0, "atol": 1e-13 * np.abs(c).max()}
+    # at the far end of a cell, and at the near end of the next: the polynomials of the other stretch
+    np.testing.assert_allclose(c[:-1].sum(axis=2), c[1:, :, 0], **close)
+    slope = c[:-1, :, 1] + 2 * c[:-1, :, 2]
+    np.testing.assert_allclose(slope, c[1:, :, 1], **close)
+    # the slope at a node is that of the bicubic but for a twelfth of its curvature and of that across (see `_spline`)
+    off = c[2:-2, 2:-2, 1, 0] - cubic[2:-2, 2:-2, 1, 0]
+    curved = np.diff(cubic[..., 1, 0], 2, axis=0)[1:-1, 2:-2]
+    assert np.sqrt(np.mean(off**2)) < 0.2 * np.sqrt(np.mean(curved**2))
 
 
 @pytest.mark.parametrize("pair", [(1.06, 1.01), (1.01, 1.06), (1.06, 1.06), (1.2, 0.97)])
@@ -231,10 +264,9 @@ def test_forces_above_the_table_are_a_gradient(tables, pair):
     """Where yarns may not fail the potential goes on as a parabola, and the forces with it."""
     table, step = tables["variational"], 1e-7
     w1, w2 = table.model.fabric.weave.w
-    grid = table.potential.reshape(-1, 16), table.stretch1[0], 1 / table.steps[0], table.stretch1.size - 2
 
     def W(x, y):
-        return relax_kernels.potential(x, y, *grid, table.stretch2[0], 1 / table.steps[1], table.stretch2.size - 2)[0]
+        return table_potential(table, x, y)
 
     x, y = pair
     N1, N2 = table_forces(table, np.array([x]), np.array([y]))

@@ -114,6 +114,20 @@ def test_uniform_tension_cancels_exactly(small):
     assert np.abs(f[1:-1, 1:-1]).max() == 0.0
 
 
+def test_scratch_may_hold_anything(crumpled, small):
+    """Panels of different widths can share it, one after the other."""
+    panel, x = crumpled
+    state = bring(panel, panel.state(1.0), x)
+    expected, work = node_forces(panel, state), Panel(panel.table, (0.05, 0.06), symmetry="whole").work()
+    rng = np.random.default_rng(0)
+    for part in work:
+        for array in part if isinstance(part, tuple) else (part,):
+            if array.dtype == float:
+                array[:] = rng.uniform(0.5, 2.0, array.shape)
+    march_kernels.first_forces(state, panel.constants(), work)
+    np.testing.assert_array_equal(node_forces(panel, state), expected)
+
+
 @pytest.mark.parametrize("angle", [0.3, 2.5])
 def test_invariance(crumpled, angle):
     """Turned and shifted cloth has turned forces and the same stretches."""

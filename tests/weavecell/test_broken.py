@@ -39,6 +39,11 @@ SCENES = {
     "form-of-a-law": "fabric.cell_form = 'direct': must be variational or equilibrium without fabric.surface",
     "form-of-a-surface": "fabric.cell_form = 'equilibrium': must be variational or direct with fabric.surface",
     "gap-too-wide": "fabric.gap = 0.001: must be at least 0 and at most h01 + h02",
+    "grading-not-zones": "panel.grading = [10, 1]: must be zones [until, side] in crossovers, the last until inf, "
+    "such as [[10, 1], [20, 2], [inf, 4]]",
+    "grading-shrinks": "panel.grading = ((10.0, 4.0), (inf, 2.0)): must be sides each a multiple of that before it",
+    "grading-too-fine": "panel.grading = ((2.0, 1.0), (inf, 2.0)): must be a first zone of 10 crossovers or more, "
+    "all that comes under the nose",
     "late-snapshots": "run.snapshot_interval = '1 ms': must be at most run.end_time",
     "law-and-surface": "fabric.cell_model: a surface has its own, give one of the two",
     "law-half-given": "fabric.law.b: is missing; must be a value of at least 0 in mm N^(1/3), "
@@ -66,7 +71,7 @@ SCENES = {
     "projectile-too-wide": "projectile.diameter = '120 mm': must be below half of panel.opening",
     "sphere-with-edge": "projectile.edge_radius = '0.3 mm': must be left out for a sphere",
     "three-errors": 'panel.oppening: unknown key, did you mean "opening"? '
-    "allowed here: opening, boundary, symmetry, weave_angle, yarns_fail (+3 more)",
+    "allowed here: opening, boundary, symmetry, weave_angle, plies, stacking, gap, yarns_fail, grading (+3 more)",
     "toe-in-an-impact": "fabric.yarn_toe = 0.001: must be left out in an impact",
     "toe-too-long": "fabric.yarn_toe = ['0.1 %', '20 %']: must be a strain from 0 to 10 %, such as \"0.1 %\", "
     "or a list of two, of warp and weft",

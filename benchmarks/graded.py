@@ -1,0 +1,157 @@
+"""Graded panels against the uniform one: error, cost, and what comes back of a wave from where zones meet.
+
+    taskset -c 0 python benchmarks/graded.py [--fabric S-720] [--parts shots limit waves] [--out FILE.json]
+
+Shots: the fabric's two published ones, with the same panel as a whole run of `impact`; errors are against the uniform
+panel of one element a crossover. Cost is CPU time of one shot on one core, audits included, the least of two; ratios of
+it hold on a busy machine too. Limit: the critical velocity, bisected to 0.5 m/s. Waves: a pulse u = cos^2 along taut
+straight yarns, 100 elements of one crossover and then longer ones; the share of its energy that is found before them
+once it should be through.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import time
+from dataclasses import replace
+from math import inf
+from pathlib import Path
+
+import numpy as np
+from shell import machine
+
+from fabrics import catalogue
+from fabrics.errors import InputError
+from shellfabric import march_kernels
+from shellfabric.cell import CellModel
+from shellfabric.limit import critical_velocity
+from shellfabric.march import March
+from shellfabric.panel import Numerics, Panel
+
+ZONES = {
+    "1": None,
+    "1 to 10, then 2": ((10, 1), (inf, 2)),
+    "1 to 10, 2 to 20, then 4": ((10, 1), (20, 2), (inf, 4)),
+    "1 to 16, then 2": ((16, 1), (inf, 2)),
+    "1 to 16, 2 to 32, then 4": ((16, 1), (32, 2), (inf, 4)),
+    "1 to 24, 2 to 40, then 4": ((24, 1), (40, 2), (inf, 4)),
+    "1 to 32, then 2": ((32, 1), (inf, 2)),
+    "2": ((inf, 2),),
+}
+SHOTS = {"S-720": (92.5, 155.0), "S-726": (96.0, 174.0), "S-728": (76.0, 170.0), "S-731": (116.0, 132.0)}
+PULSES = {
+    "1": None,
+    "1, 2": ((100, 1), (inf, 2)),
+    "1, 4": ((100, 1), (inf, 4)),
+    "1, 2, 4": ((100, 1), (116, 2), (inf, 4)),
+}
+LENGTHS = (8, 16, 32, 64)  # of the pulse, in crossovers
+
+
+def shot(panel, strike_velocity):
+    """One shot to its end: what comes of it and its CPU time."""
+    costs = []
+    for _ in range(2):
+        begun = time.process_time()
+        march = March(panel, strike_velocity, 1.5e-3).run()
+        costs.append(time.process_time() - begun)
+    return {
+        "outcome": march.outcome,
+        "time_us": 1e6 * march.time,
+        "residual_velocity": float(march.sample("v")[-1]),
+        "deflection_mm": 1e3 * float(march.sample("z").max()),
+        "peak_N": [float(peak) for peak in march.state.peak],
+        "balance": float(np.abs(march.sample("balance")).max() / march.strike_energy),
+        "cpu_s": min(costs),
+    }
+
+
+def fitting(panel):
+    """The zones of which the first holds all of the fabric that comes under the nose, with their names."""
+    found = []
+    for name, zones in ZONES.items():
+        try:
+            replace(panel, grading=zones)
+            found.append((name, zones))
+        except InputError as problem:
+            print(name, problem, flush=True)
+    return found
+
+
+def shots(panel, velocities):
+    """Both shots on every panel."""
+    found = {}
+    for name, zones in fitting(panel):
+        graded = replace(panel, grading=zones)
+        March(graded, velocities[0], 1e-6).run()  # compiled before
+        found[name] = {"elements": graded.elements, "shots": [shot(graded, v) for v in velocities]}
+        print(name, json.dumps(found[name]), flush=True)
+    return found
+
+
+def limits(panel):
+    """The critical velocity of every panel and the CPU time of its bisection."""
+    found = {}
+    for name, zones in fitting(panel):
+        begun = time.process_time()
+        limit = critical_velocity(replace(panel, grading=zones), tolerance=0.5)
+        found[name] = {"critical_velocity": limit.velocity, "cpu_s": time.process_time() - begun}
+        print(name, json.dumps(found[name]), flush=True)
+    return found
+
+
+def straight_table(fabric):
+    """The table of a cell of straight yarns that hardly have a weft."""
+    warp = replace(fabric.weave.warp, crimp=0.0)
+    weft = replace(warp, linear_density=1e-6 * warp.linear_density, fibre_density=warp.fibre_density)
+    model = CellModel(replace(fabric, weave=replace(fabric.weave, warp=warp, weft=weft), shear=None), model="decoupled")
+    return model.table(201)
+
+
+def behind(table, zones, crossovers):
+    """Share of the kinetic energy of a pulse that is found before the zones' border once it should be through."""
+    edge, knobs = ("clamped", "free"), Numerics(stretch_viscosity=0.0, threads=1)
+    panel = Panel(table, (0.8, 0.0203), edge=edge, failure=False, grading=zones, numerics=knobs)
+    state, const, work = panel.state(1.0), panel.constants(), panel.work()
+    state.position[2], state.rows[:] = -1.0, (0, const.ni)
+    X, weave, d = panel.coordinates()[0], panel.weave, panel.spacing[0]
+    speed = (weave.warp.EA * weave.warp_count / weave.areal_density) ** 0.5
+    start, half, k = 50 * d, 0.5 * crossovers * d, np.pi / (crossovers * d)
+    at = lambda x: np.clip(x - start, -half, half)  # noqa: E731
+    state.u[0][: X.size] = (0.01 * X + 1e-6 * np.cos(k * at(X)) ** 2).ravel()
+    state.v[0][: X.size] = (speed * 1e-6 * k * np.sin(2 * k * at(X + 0.5 * speed * const.dt))).ravel()
+    march_kernels.first_forces(state, const, work)
+    steps = int((100 + crossovers) * d / speed / const.dt)
+    march_kernels.advance(state, const, work, steps, np.empty((steps, 3)))
+    kinetic = (state.mass[: X.size] * state.v[0][: X.size] ** 2).reshape(X.shape).sum(axis=1)
+    return float(kinetic[X[:, 0] < 99 * d].sum() / kinetic.sum())
+
+
+def main():
+    arguments = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parts = ("shots", "limit", "waves")
+    arguments.add_argument("--fabric", default="S-720", choices=SHOTS)
+    arguments.add_argument("--parts", nargs="+", choices=parts, default=parts)
+    arguments.add_argument("--out", type=Path)
+    chosen = arguments.parse_args()
+    fabric = catalogue.load(chosen.fabric).effective()
+    panel = Panel(CellModel(fabric).table(201), numerics=Numerics(threads=1))
+    report = {"machine": machine(), "fabric": chosen.fabric}
+    if "waves" in chosen.parts:
+        table = straight_table(fabric)
+        report["waves"] = {
+            name: {length: behind(table, zones, length) for length in LENGTHS} for name, zones in PULSES.items()
+        }
+    if "shots" in chosen.parts:
+        report["shots"] = shots(panel, SHOTS[chosen.fabric])
+    if "limit" in chosen.parts:
+        report["limit"] = limits(panel)
+    text = json.dumps(report, indent=2)
+    print(text)
+    if chosen.out:
+        chosen.out.write_text(text + "\n", encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()
