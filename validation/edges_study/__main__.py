@@ -18,6 +18,7 @@ from validation.edges_study.study import VELOCITY, ZONE_I, departs, gripped, led
 
 MARKS = "<!-- tables of validation.edges_study -->", "<!-- end of the tables -->"
 LATE = 200e-6
+_PICTURES = {"led": "edges that are led in", "gripped": "edges that are gripped"}
 
 
 def led_rows(shots):
@@ -63,7 +64,8 @@ def write_page(tables, page):
     if not all(mark in text for mark in MARKS):
         raise InputError(f"has no marks {' ... '.join(MARKS)}", file=page)
     before, after = text.split(MARKS[0])[0], text.split(MARKS[1])[1]
-    content = "\n".join(f"{title}\n\n{markdown(rows)}" for title, rows in tables.items())
+    parts = [f"{title}\n\n{markdown(rows)}" for title, rows in tables.items()]
+    content = "\n".join([*parts, *(f"![{told}](figures/edges-{name}.png)\n" for name, told in _PICTURES.items())])
     with write_whole(page) as file:
         file.write(f"{before}{MARKS[0]}\n\n{content}\n{MARKS[1]}{after}")
 
