@@ -70,7 +70,9 @@ class Numerics:
     ----------
     safety : of the time step against its bound; 0.9 leaves room for shear stiffening in distorted elements. Where yarns
         snap taut the energy balance is off with the square of the step, whatever the mesh, since a snap is a few
-        elements wide: for S-731 at 116 m/s by 0.18 % of the strike energy, at 0.45 by 0.04
+        elements wide: for S-731 at 116 m/s by 0.18 % of the strike energy, at 0.45 by 0.04. A step does the mean of
+        its two tensions times its stretch dL in work, more than a stiffening yarn stores, by T'' dL^3 / 12; yarns are
+        loaded in snaps and unloaded slowly, so that it never comes back
     stretch_viscosity : damping ratio of the highest mode along a straight yarn, which costs as much of the time step.
         Without it crimped yarns that snap taut ring, and the peak is 190 and 380 N; from 0.05 to 0.2 it moves by 1 %.
         In a yarn that stiffens as its crimp goes, fronts are shocks, which dissipate whatever the viscosity: from 0.1
