@@ -31,6 +31,7 @@ def identity(march):
     """Digest of everything that determines a run: plies, tables, knobs, contact, strike velocity."""
     precision = march.panel.numerics.precision
     known = (march.strike_velocity, march.chunk, march.measure, precision, march.pack.gaps, march.pack.contact)
+    known += (march.panel.backing,)
     digest = hashlib.sha256(repr(known).encode())
     for const, state in zip(march.consts, march.states):
         for name, value in zip(const._fields, const):
@@ -53,9 +54,11 @@ def write(march, path):
             for name, value in zip(arrays._fields, arrays):
                 if _kept(value):
                     file[f"{group}/{name}"] = np.array(value)
+        for name, values in (march.behind.block.arrays() if march.behind else {}).items():
+            file[f"block/{name}"] = values
         file["rest"] = march._rest
         file["samples"], file["ply_samples"] = np.array(march.samples), np.array(march.ply_samples)
-        file["fine"] = np.concatenate(march.fine) if march.fine else np.empty((0, 3))
+        file["fine"] = np.concatenate(march.fine) if march.fine else np.empty((0, march.columns))
         file["chunks"] = np.array([part.shape[0] for part in march.fine], np.int64)
         for number, shots in enumerate(march.snapshots):
             for p, shot in enumerate(shots):
@@ -85,6 +88,8 @@ def read(march, path):
                     stored = file[f"{group}/{name}"][()]
                     for array, part in zip(value, stored) if isinstance(value, tuple) else [(value, stored)]:
                         array[...] = part
+            if march.behind:
+                march.behind.block.restore({name: data[()] for name, data in file["block"].items()})
             march.reason, march.wall_time = int(file.attrs["reason"]), float(file.attrs["wall_time"])
             march._zero, march.passed = float(file.attrs["zero"]), int(file.attrs["passed"])
             march._rest[:] = file["rest"][()]

@@ -7,7 +7,8 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from fabrics.errors import InputError, UnstableError
-from shellfabric import measures, pack_checkpoint
+from shellfabric import body, measures, pack_checkpoint
+from shellfabric.behind import BackingResult
 from shellfabric.hooks import Every
 from shellfabric.impact import ImpactSetup
 from shellfabric.pack import Pack, PlyContact
@@ -60,7 +61,8 @@ class PackResult:
     Parameters
     ----------
     setup, pack : what was run
-    outcome, residual_velocity, velocity, t, v, z, fine, nose, steps, wall_time, ns_per_element_step : as ImpactResult
+    outcome, residual_velocity, velocity, t, v, z, fine, bar, backing, nose, steps, wall_time, ns_per_element_step : as
+        ImpactResult
     energies : {name: (n,)} [J] with the names of pack_march.PACK_ENERGIES
     plies : {name: (n, plies)} with the names of pack_march.PLY_SAMPLES
     peak_tension : (plies, 2) [N] over the run, of each ply's own warp and weft
@@ -82,6 +84,8 @@ class PackResult:
     peak_tension: np.ndarray
     deepest: np.ndarray
     fine: np.ndarray
+    bar: body.BarHistory | None
+    backing: BackingResult | None
     nose: np.ndarray
     last: tuple
     snapshots: tuple
@@ -148,14 +152,14 @@ def run(setup: PackSetup, *, hooks=(), resume=None) -> PackResult:
 
 def result_of(setup: PackSetup, march: PackMarch) -> PackResult:
     """Gather what a march has recorded."""
-    fine = np.concatenate(march.fine) if march.fine else np.empty((0, 3))
+    fine, bar = np.concatenate(march.fine) if march.fine else np.empty((0, march.columns)), march.panel.projectile.bar
     clock = march.const.dt * np.arange(1, len(fine) + 1)
     return PackResult(
         setup=setup,
         pack=march.pack,
         outcome=march.outcome,
         residual_velocity=float(march.sample("v")[-1]),
-        velocity=march.stack.speed.copy(),
+        velocity=body.velocity(march.state, march.const),
         t=march.sample("t"),
         v=march.sample("v"),
         z=march.sample("z"),
@@ -164,6 +168,8 @@ def result_of(setup: PackSetup, march: PackMarch) -> PackResult:
         peak_tension=march.peaks,
         deepest=march.deepest,
         fine=np.column_stack([clock, fine[:, :2], fine[:, 2] / march.panel.share]),
+        bar=None if bar is None else body.history(clock, fine, march.state, bar),
+        backing=march.behind.result() if march.behind else None,
         nose=march.stack.places[0].copy(),
         last=shots(march),
         snapshots=tuple(march.snapshots),

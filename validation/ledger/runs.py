@@ -311,7 +311,7 @@ def pack(
     cones, tensions = [], []
 
     def look(march):
-        tensions.append([_beside(ply, state) for ply, state in zip(march.pack.plies, march.states)])
+        tensions.append(_beside(march.consts[0], march.states[0]))
         if len(march.samples) % 20 == 0:
             shots = [measures.snapshot(p, s, march.time) for p, s in zip(march.pack.plies, march.states)]
             cones.append((march.time, [measures.pyramid(p, shot) for p, shot in zip(march.pack.plies, shots)]))
@@ -341,10 +341,10 @@ def pack(
     }
 
 
-def _beside(ply, state):
+def _beside(const, state):
     """[N] mean tension of the weft through the impact point from 5 to 15 mm beside it, on a quarter of a panel."""
-    tension = measures.yarn_tensions(ply.constants(), state)[0, :, 1]
-    middle = (np.arange(tension.size) + 0.5) * ply.spacing[1]
+    tension = measures.yarn_tensions(const, state)[0, :, 1]
+    middle = (np.arange(tension.size) + 0.5) * const.dy
     return float(tension[(middle > 5e-3) & (middle < 15e-3)].mean())
 
 

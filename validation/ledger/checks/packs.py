@@ -73,7 +73,7 @@ def noise(many, one, fabric, velocity, plies):
     """RMS of the weft's tension beside the projectile above 30 kHz, of the first ply of a pack and of a lone one."""
     found = []
     for run in (many, one):
-        t, T = run["t"][1:], run["tension"][:, 0]
+        t, T = run["t"][1:], run["tension"]
         window = (t > 10e-6) & (t < 100e-6)
         found.append(series.noise(t[window], T[window]))
     return {"ratio": found[0] / found[1], "note": f"{found[0]:.2f} N in the pack, {found[1]:.2f} N alone"}
