@@ -25,7 +25,9 @@ def formulations(found, single, path):
     figure, axes = _one((8.6, 4.6))
     place = np.arange(len(found))
     for column, (form, colour) in enumerate(zip(_NAMES, (BLUE, ORANGE, RED))):
-        values = [row[form] for row in found.values()]
+        values = [row.get(form, np.nan) for row in found.values()]
+        if np.isnan(values).all():
+            continue
         bars = axes.bar(place + 0.27 * (column - 1), values, 0.25, color=colour, label=_NAMES[form])
         axes.bar_label(bars, fmt="%.0f", fontsize=9, color=INK, padding=2)
     for number, velocity in enumerate(single.values()):
