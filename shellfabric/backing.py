@@ -29,11 +29,12 @@ from shellfabric.projectile import Projectile
 
 ENERGIES = ("kinetic", "elastic", "plastic", "hourglass", "viscous", "absorbed", "eroded", "contact", "damped")
 FAR = ("fixed", "absorbing", "free")
+_KEPT = ("x", "v", "metric", "alpha", "last", "gone", "energy", "_work", "_own", "_outer", "_drags", "_shot", "_points")
 
 
 @dataclass(frozen=True)
 class Backing:
-    """A block and its mesh.
+    """A block, its mesh and its contacts.
 
     Parameters
     ----------
@@ -43,13 +44,15 @@ class Backing:
     fine : [m] reach of these from the axis, and from the face
     growth : factor from brick to brick beyond, at most
     far : "fixed", "absorbing" or "free" far faces
-    face : [m] where the face stands: behind the last ply
+    face : [m] where the face stands; behind a panel (`behind`), how far behind the back of its last ply
     hourglass : factor on the hourglass stiffness of the full rule. In plastic flow the full one would stand in for the
         strength that is gone; less than 0.1 lets the modes grow. Of the energy of a ball 0.05, 0.1, 0.2, 0.4 and 0.8
         take 12, 5, 6, 5 and 8 % at most, and the ball goes 7.31, 7.22, 6.98 and 6.59 mm deep from 0.1 on
     viscosity : damping ratio of the highest mode
     penalty : stiffness of the contact with a projectile, in units of the bricks' own K A / h
-    contact_damping : ratio to critical of a node on that spring
+    contact_damping : ratio to critical of a node on that spring, and of a point of the cloth on its own
+    ply_penalty : stiffness of the contact with cloth, in units of the cloth's mass / dt^2
+    points : of contact along each side of an element of cloth
 
     Raises
     ------
@@ -67,13 +70,15 @@ class Backing:
     viscosity: float = 0.1
     penalty: float = 10.0
     contact_damping: float = 0.2
+    ply_penalty: float = 0.1
+    points: int = 2
 
     def __post_init__(self):
         if self.far not in FAR:
             raise InputError(key="far", value=self.far, allowed=" or ".join(FAR))
         if len(self.size) != 3 or not all(0 < 2 * self.finest <= length for length in self.size):
             raise InputError(key="size", value=self.size, allowed=f"three lengths of at least {2 * self.finest:g} m")
-        for key in ("finest", "fine", "penalty"):
+        for key in ("finest", "fine", "penalty", "ply_penalty", "points"):
             if not 0 < getattr(self, key) < np.inf:
                 raise InputError(key=key, value=getattr(self, key), allowed="above 0")
         if not self.growth >= 1:
@@ -168,7 +173,8 @@ class Block:
         self.metric = np.tile(np.eye(3), (m, 1, 1))
         self.alpha, self.last, self.gone = np.zeros(m), np.zeros(m), np.zeros(m, bool)
         self.energy, self._work = np.zeros((m, 5)), np.zeros((nx + 1, 3))
-        self._drags, self._shot, self._points, self._columns = np.zeros((n, 3)), np.zeros(7), np.zeros(7), None
+        self._drags, self._shot, self._points = np.zeros((n, 3)), np.zeros(7), np.zeros(7)
+        self._columns = self._memory = None  # of the points of `press`
         # what contact damping takes from projectile and points: known when their next velocities are
         self._damped, self._before = 0.0, {}
         self._kick = 0.0
@@ -232,12 +238,16 @@ class Block:
             self._columns = np.stack(
                 [np.clip(np.searchsorted(lines[c], places[:, c]) - 1, 0, self.shape[c] - 1) for c in (0, 1)], axis=1
             )
+            self._memory = np.zeros((len(places), 2))
+            self._memory[:, 0] = places[:, 2] + thickness - self.backing.face  # as against the face at rest
         forces, drags, none = np.empty_like(places), np.empty_like(places), np.zeros(len(places))
         touch.points(
             *self.shape, self.x, self.v, self.gone, places, np.ascontiguousarray(velocities, float),
             np.ascontiguousarray(stiffness, float), none if damping is None else np.ascontiguousarray(damping, float),
-            float(thickness), self._columns, self._outer, self._drags, forces, drags, self._points,
+            float(thickness), self.dt, self._columns, self._memory, self._outer, self._drags, forces, drags,
+            self._points,
         )  # fmt: skip
+        self._damped += float(self._points[touch.DROPPED])
         self._damp("points", drags, np.asarray(velocities, float))
         return forces + drags
 
@@ -284,17 +294,46 @@ class Block:
         )  # fmt: skip
         return dict(zip(ENERGIES, map(float, values)))
 
-    def crater(self):
-        """Depth and shape: places (nx + 1, 2) [m] of radius and depth of what is left of the face, along x.
+    @property
+    def bricks(self):
+        """(m, 8) nodes of each brick, in VTK's order."""
+        return _corners(self.nodes)
+
+    def crater(self, axis=0):
+        """Depth and shape: places (k, 2) [m] of radius and depth of what is left of the face, along x (axis 0) or y.
 
         The depth at a node is that of the first brick beside it below all that are gone, from where the face was.
         """
-        nx, _, nz = self.shape
-        gone = self.gone.reshape(self.shape)[:, 0]
+        nz = self.shape[2]
+        gone, nodes = self.gone.reshape(self.shape), self.nodes
+        gone, nodes = (gone[:, 0], nodes[:, 0]) if axis == 0 else (gone[0], nodes[0])
         layers = np.where(gone.any(axis=1), nz - np.argmax(gone[:, ::-1], axis=1), 0)
         beside = np.minimum(np.append(layers, layers[-1]), np.append(layers[0], layers))
-        nodes = self.nodes[np.arange(nx + 1), 0, beside]
-        return np.stack([self.x[nodes, 0], self.x[nodes, 2] - self.backing.face], axis=1)
+        edge = nodes[np.arange(len(nodes)), beside]
+        return np.stack([self.x[edge, axis], self.x[edge, 2] - self.backing.face], axis=1)
+
+    def arrays(self):
+        """{name: array} of all that its motion goes on from; `restore` takes it back."""
+        found = {name: getattr(self, name) for name in _KEPT}
+        found["clock"] = np.array([self.time, self._kick, self._damped])
+        if self._columns is not None:
+            found["columns"], found["memory"] = self._columns, self._memory
+        for who, (drag, speed) in self._before.items():
+            found[f"{who}_drag"], found[f"{who}_speed"] = drag, speed
+        return found
+
+    def restore(self, arrays):
+        """Go on from `arrays` of a block of the same backing and step."""
+        for name in _KEPT:
+            getattr(self, name)[...] = arrays[name]
+        self.time, self._kick, self._damped = map(float, arrays["clock"])
+        if "columns" in arrays:
+            self._columns, self._memory = np.array(arrays["columns"]), np.array(arrays["memory"])
+        self._before = {
+            who: (np.array(arrays[f"{who}_drag"]), np.array(arrays[f"{who}_speed"]))
+            for who in ("shot", "points")
+            if f"{who}_drag" in arrays
+        }
 
 
 @dataclass(frozen=True)

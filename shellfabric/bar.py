@@ -4,10 +4,10 @@ The source's projectile is a steel cylinder of 5.5 x 42 mm that is bored to 3 g;
 Here it is 4.5 mm wide, from the tail, and as deep as the mass asks. Tip and tail then swing about the centre of mass
 with the period of the first free-free mode, 2 L / c for a bar of one section.
 
-Coupling. The march gives the force of a step and takes the tip's place and velocity instead of the rigid body's:
+In a march the bar is the body of the projectile (`body`, `bar_kernels.fly`). Alone:
 
     bar = Bar.cylinder();   motion = bar.motion(strike_velocity)
-    displacement, velocity = motion.push(force, dt)            # or bar_kernels.advance inside a kernel
+    displacement, velocity = motion.push(force, dt)
 """
 
 from __future__ import annotations
@@ -118,6 +118,11 @@ class Bar:
         """[s] of the first free-free mode; 2 L / c for one section."""
         return 2 * pi / np.sqrt(self._squares(1))
 
+    @property
+    def yield_force(self) -> float:
+        """[N] at which the thinnest section yields."""
+        return self.material.yield_stress * min(area for _, area in self.sections)
+
     def substeps(self, dt) -> int:
         """Number of steps of the bar in a step `dt` [s] of the target."""
         return max(1, ceil(dt / (self.safety * self.longest_step)))
@@ -190,7 +195,7 @@ class Motion:
 
     def shortening(self):
         """[m] by plastic strain."""
-        return -float(self.plastic @ self.h)
+        return -float(np.expm1(self.plastic) @ self.h)
 
 
 @dataclass(frozen=True)
@@ -200,25 +205,33 @@ class Rigidity:
     Parameters
     ----------
     contact_time, period : [s]
+    force, yield_force : [N] that pressed on it for half a period, and at which its thinnest section yields
     enough : bool
     """
 
     contact_time: float
     period: float
     enough: bool
+    force: float = 0.0
+    yield_force: float = inf
 
     def __str__(self):
         times = (
             f"contact lasts {1e6 * self.contact_time:.3g} us, {self.contact_time / self.period:.3g} periods of the bar"
         )
+        times = f"{times} ({1e6 * self.period:.3g} us)"
+        if self.force > self.yield_force:
+            forces = f"{self.force:.0f} N press on it, and its thinnest section yields at {self.yield_force:.0f} N"
+            return f"{times}; {forces}: use the elastic projectile"
         verdict = (
             "a rigid projectile is enough" if self.enough else "tip and tail move apart: use the elastic projectile"
         )
-        return f"{times} ({1e6 * self.period:.3g} us): {verdict} (from {ENOUGH:g} periods on)"
+        return f"{times}: {verdict} (from {ENOUGH:g} periods on)"
 
 
-def rigid_is_enough(contact_time, bar_period) -> Rigidity:
-    """Compare the time of contact with the period of the bar, both [s]; see ENOUGH.
+def rigid_is_enough(contact_time, bar_period, force=0.0, yield_force=inf) -> Rigidity:
+    """Compare the time of contact with the period of the bar, both [s]; see ENOUGH. And the force, `held_force`, with
+    that at which it yields, both [N]: a wall that is squeezed takes energy that a rigid body would have to keep.
 
     Raises
     ------
@@ -227,7 +240,18 @@ def rigid_is_enough(contact_time, bar_period) -> Rigidity:
     for key, value in (("contact_time", contact_time), ("bar_period", bar_period)):
         if not 0 < value < inf:
             raise InputError(key=key, value=value, allowed="above 0")
-    return Rigidity(contact_time, bar_period, contact_time >= ENOUGH * bar_period)
+    enough = contact_time >= ENOUGH * bar_period and force <= yield_force
+    return Rigidity(contact_time, bar_period, enough, float(force), float(yield_force))
+
+
+def held_force(t, force, span):
+    """[N] largest mean over a span [s] of the force in a history (n,) [s], (n,) [N] of even steps.
+
+    A blow that is shorter than half a period does not reach the thin sections behind the tip as a force.
+    """
+    width = max(1, round(span / (t[1] - t[0]))) if len(t) > 1 else 1
+    total = np.concatenate([[0.0], np.cumsum(np.abs(force))])
+    return float(np.max(total[width:] - total[:-width], initial=0.0)) / width
 
 
 def contact_time(t, force):

@@ -6,6 +6,11 @@ apart: what it takes is its force times velocities in the middle of the step, wh
     shot      signed distance (`shapes_kernels`) of the block's nodes that still have a brick
     points    each against the facet of the block's face below it, bilinear over its four nodes: the top of the first
               brick of its column below all that are gone, found from the column it was over before
+
+The face of a block that erodes has steps. A point that comes over a higher column is all at once inside the block by as
+much as a brick, and a spring would throw it out at thousands of m/s. So what a point has gone in by counts from where
+it came: it grows by motion alone, and what came by a step is put into an offset, which shrinks again as the point comes
+out. Where the face drops away under a point, what its spring held is lost with the brick.
 """
 
 import math
@@ -16,6 +21,7 @@ from numba import njit
 from shellfabric import shapes_kernels
 from shellfabric.block_kernels import CONTACT, DRAG, PUSH
 
+DROPPED = 1  # of the sums of `points` [J]: springs whose face has dropped away
 LOOKS = 50  # columns that a point is followed across in one call
 
 
@@ -135,8 +141,9 @@ def locate(px, py, x, column, nx, ny, nz, gone, place, nodes):
 
 @njit(cache=True, error_model="numpy")
 def points(
-    nx, ny, nz, x, v, gone, px, pv, stiffness, damping, thickness, columns, outer, drags, force, drag_force, sums
-):
+    nx, ny, nz, x, v, gone, px, pv, stiffness, damping, thickness, dt, columns, memory, outer, drags, force, drag_force,
+    sums,
+):  # fmt: skip
     """Forces between points and the face of the block.
 
     Parameters
@@ -144,16 +151,22 @@ def points(
     px, pv : (s, 3) [m], [m/s] of the points
     stiffness, damping : (s,) [N/m], [N s/m] of each
     thickness : [m] distance that points keep from the face: half of what they stand for
+    dt : [s] since the last call
     columns : (s, 2) int, where each was; overwritten
+    memory : (s, 2) [m] how far each was inside the face, negative outside, and its offset; overwritten
     outer, drags : (n, 3) [N] internal forces of the block, elastic and damping; added to
     force, drag_force : (s, 3) [N] on the points, elastic and damping; overwritten
-    sums : (7,) CONTACT [J], overwritten
+    sums : (7,) CONTACT and DROPPED [J], overwritten
     """
     sums[:] = 0.0
     place, nodes, normal, w = np.empty(2), np.empty(4, np.int64), np.empty(3), np.empty(4)
     for s in range(stiffness.size):
         force[s] = drag_force[s] = 0.0
+        was, offset = memory[s, 0], memory[s, 1]
+        held = max(was - offset, 0.0)
         if not locate(px[s, 0], px[s, 1], x, columns[s], nx, ny, nz, gone, place, nodes):
+            memory[s, 0], memory[s, 1] = -1.0, 0.0
+            sums[DROPPED] += 0.5 * stiffness[s] * held * held
             continue
         a, b = place[0], place[1]
         weights(a, b, w)
@@ -165,19 +178,28 @@ def points(
         normal[0], normal[1] = A[2] * B[1] - A[1] * B[2], A[0] * B[2] - A[2] * B[0]
         normal[2] = A[1] * B[0] - A[0] * B[1]
         normal /= math.sqrt(normal[0] ** 2 + normal[1] ** 2 + normal[2] ** 2)
-        gap, opening = -thickness, 0.0
+        inside, opening = thickness, 0.0
         for c in range(3):
             under, moving = 0.0, 0.0
             for m in range(4):
                 under += w[m] * x[nodes[m], c]
                 moving += w[m] * v[nodes[m], c]
-            gap += (px[s, c] - under) * normal[c]
+            inside -= (px[s, c] - under) * normal[c]
             opening += (pv[s, c] - moving) * normal[c]
-        if gap >= 0.0:
+        # beyond what motion explains, twice over for a facet that turns, it is a step of the face
+        step, explained = inside - was, 2.0 * abs(opening) * dt
+        if step > explained and inside > 0.0:
+            offset += step + opening * dt
+        offset = min(max(offset, 0.0), max(inside, 0.0))
+        depth = max(inside - offset, 0.0)
+        if -step > explained and depth < held:
+            sums[DROPPED] += 0.5 * stiffness[s] * (held * held - depth * depth)
+        memory[s, 0], memory[s, 1] = inside, offset
+        if depth == 0.0:
             continue
-        push = -stiffness[s] * gap
+        push = stiffness[s] * depth
         drag = max(-damping[s] * opening, -push)
-        sums[CONTACT] += 0.5 * stiffness[s] * gap * gap
+        sums[CONTACT] += 0.5 * stiffness[s] * depth * depth
         for c in range(3):
             force[s, c], drag_force[s, c] = push * normal[c], drag * normal[c]
             for m in range(4):

@@ -43,6 +43,8 @@ class CellModel:
     profile : "cosine" (the source's), or "straight" segments from crossing to crossing (Kawabata's)
     toe : [-] mean slack of a yarn's fibres, or that of (warp, weft): the strain that their straightening takes; 0 is
         the source's linear yarn. See `yarn_kernels`
+    reach : how far a table goes beyond straight yarns, in units of the strain at their strength; above 1 where yarns do
+        not fail, since forces beyond a table follow its last cell and may grow without bound
 
     Raises
     ------
@@ -57,6 +59,7 @@ class CellModel:
     form: str = "variational"
     profile: str = "cosine"
     toe: float | tuple[float, float] = 0.0
+    reach: float = 1.0
 
     def __post_init__(self):
         for key, known in (("model", MODELS), ("form", FORMS), ("profile", PROFILES)):
@@ -65,6 +68,8 @@ class CellModel:
         if np.shape(self.toe) not in ((), (2,)) or not all(0 <= toe <= _LONGEST_TOE for toe in self.toes):
             allowed = f"a strain from 0 to {_LONGEST_TOE:g}, or two, of warp and weft"
             raise InputError(key="toe", value=self.toe, allowed=allowed)
+        if not 1 <= self.reach < np.inf:
+            raise InputError(key="reach", value=self.reach, allowed="at least 1")
         if not 0 <= self.gap <= sum(self.h0):
             raise InputError(key="gap", value=self.gap, allowed="at least 0 and at most h01 + h02")
         if self.laws is None and self.fabric.laws is None and self.model == "compressible":
@@ -143,7 +148,7 @@ class CellModel:
         weave, bounds = self.fabric.weave, []
         for w, S0, ultimate in zip(weave.w, weave.S0, self.ultimate_strains):
             # 2 % beyond the stretch at which the yarn alone is at its strength, so that the failure test is inside
-            bounds.append((self._lowest(w, S0), S0 / (2 * w) * (1 + 1.02 * ultimate)))
+            bounds.append((self._lowest(w, S0), S0 / (2 * w) * (1 + 1.02 * self.reach * ultimate)))
         return tuple(bounds)
 
     def _lowest(self, w, S0):

@@ -29,8 +29,8 @@ class Checkpoints(Every):
 
 def identity(march):
     """Digest of everything that determines a run and its records: panel, table, knobs, strike velocity, measures."""
-    precision = march.panel.numerics.precision
-    digest = hashlib.sha256(repr((march.strike_velocity, march.chunk, march.measure, precision)).encode())
+    precision, backing = march.panel.numerics.precision, march.panel.backing
+    digest = hashlib.sha256(repr((march.strike_velocity, march.chunk, march.measure, precision, backing)).encode())
     for name, value in zip(march.const._fields, march.const):
         digest.update(name.encode())
         digest.update(np.ascontiguousarray(value).tobytes())
@@ -49,8 +49,10 @@ def write(march, path):
         file.attrs["passed"] = march.passed
         for name, value in zip(march.state._fields, march.state):
             file[f"state/{name}"] = np.array(value)
+        for name, values in (march.behind.block.arrays() if march.behind else {}).items():
+            file[f"block/{name}"] = values
         file["samples"] = np.array(march.samples)
-        file["fine"] = np.concatenate(march.fine) if march.fine else np.empty((0, 3))
+        file["fine"] = np.concatenate(march.fine) if march.fine else np.empty((0, march.columns))
         file["histories"] = np.array(march.histories)
         file["chunks"] = np.array([part.shape[0] for part in march.fine], np.int64)
         for number, shot in enumerate(march.snapshots):
@@ -77,6 +79,8 @@ def read(march, path):
                 stored = file[f"state/{name}"][()]
                 for array, part in zip(value, stored) if isinstance(value, tuple) else [(value, stored)]:
                     array[...] = part
+            if march.behind:
+                march.behind.block.restore({name: data[()] for name, data in file["block"].items()})
             march.reason, march.wall_time = int(file.attrs["reason"]), float(file.attrs["wall_time"])
             march._zero, march.passed = float(file.attrs["zero"]), int(file.attrs["passed"])
             march.samples[:] = list(file["samples"][()])

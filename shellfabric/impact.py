@@ -10,14 +10,19 @@ from fabrics.compression import CompressionLaw
 from fabrics.errors import InputError, UnstableError
 from fabrics.fabric import Fabric
 from fabrics.surface import ResponseSurface
-from shellfabric import checkpoint, histories, measures
+from shellfabric import body, checkpoint, histories, measures
 from shellfabric import hooks as onlookers
+from shellfabric.backing import Backing
+from shellfabric.bar import Rigidity, contact_time, held_force, rigid_is_enough
+from shellfabric.behind import BackingResult
 from shellfabric.cell import CellModel, CellTable
 from shellfabric.edges import Grip, PullIn
 from shellfabric.march import ENERGIES, March
 from shellfabric.panel import SYMMETRIES, Numerics, Panel
 from shellfabric.projectile import Projectile
 from shellfabric.surface_cell import SurfaceCell
+
+UNFAILING = 20.0  # reach of the table, see CellModel, of yarns that do not fail: 60 % of strain in Kevlar
 
 
 @dataclass(frozen=True)
@@ -39,10 +44,13 @@ class ImpactSetup:
     elements_per_crossover : along each side
     cell_model, form, gap, profile : see CellModel
     bending : [N m2] bending stiffness of a yarn, or of (warp, weft); see Panel
+    jam : (stiffness [N], stretch) of yarns that are bunched up; see Panel
     surface : ResponseSurface to make the cell from instead of laws, or None; see surface_cell.SurfaceCell
     table_size : stretches along each side of the cell's table; 201 puts its tensions within 0.2 % of the yarn's
         strength of the cell's
     audit_interval, snapshot_interval : [s]; no snapshots where None
+    failure : whether yarns fail. Where they do not, the table goes to UNFAILING times their failure strain
+    backing : Backing, the block behind the cloth, or None
     measure : histories.Measure, what to record along yarns and at the edges; None for nothing
     numerics : Numerics
     """
@@ -62,10 +70,13 @@ class ImpactSetup:
     gap: float = 0.0
     profile: str = "cosine"
     bending: float | tuple[float, float] = 0.0
+    jam: tuple[float, float] = (0.0, 1.0)
     surface: ResponseSurface | None = None
     table_size: int = 201
     audit_interval: float = 2e-6
     snapshot_interval: float | None = None
+    failure: bool = True
+    backing: Backing | None = None
     measure: histories.Measure | None = None
     numerics: Numerics = field(default_factory=Numerics)
     grading: tuple | None = None
@@ -78,7 +89,8 @@ class ImpactSetup:
         InputError : as CellModel, SurfaceCell and CellTable
         """
         if self.surface is None:
-            model = CellModel(self.fabric, self.laws, self.gap, self.cell_model, self.form, self.profile)
+            reach = 1.0 if self.failure else UNFAILING
+            model = CellModel(self.fabric, self.laws, self.gap, self.cell_model, self.form, self.profile, reach=reach)
         else:
             model = SurfaceCell(self.fabric, self.surface, self.form)
         return model.table(self.table_size)
@@ -99,6 +111,9 @@ class ImpactSetup:
             self.elements_per_crossover,
             self.edge,
             self.numerics,
+            failure=self.failure,
+            backing=self.backing,
+            jam=self.jam,
             weave_angle=self.weave_angle,
             bending=tuple(self.bending) if np.ndim(self.bending) else (self.bending, self.bending),
             grading=self.grading,
@@ -122,6 +137,8 @@ class ImpactResult:
     failed : (n,) number of failed yarn segments
     peak_tension : (warp, weft) [N] over the run
     fine : (steps, 4) time [s], foremost point [m], velocity [m/s] at half steps, force on the projectile [N]
+    bar : body.BarHistory of tip, tail and centre of mass; None of a rigid projectile
+    backing : behind.BackingResult, the block behind the cloth at the end, or None
     nose : (3,) [m] place of the projectile's nose at the end
     nodes, quads : (k, 3) [m], (m, 4) the panel (or its modelled part) at the end
     tension : (m, 2) [N] of warp and weft at the end
@@ -144,6 +161,8 @@ class ImpactResult:
     failed: np.ndarray
     peak_tension: tuple[float, float]
     fine: np.ndarray
+    bar: body.BarHistory | None
+    backing: BackingResult | None
     nose: np.ndarray
     nodes: np.ndarray
     quads: np.ndarray
@@ -164,6 +183,21 @@ class ImpactResult:
     def worst_balance(self):
         """[-] largest error of the energy balance over the strike energy."""
         return float(np.max(np.abs(self.energies["balance"]))) / self.strike_energy
+
+    @property
+    def rigidity(self) -> Rigidity | None:
+        """Whether a rigid projectile is enough, its contact held against the period of the bar that it is, or would be
+        if it were of steel; None where it is no flat cylinder of steel, or where it was never touched."""
+        shot = self.setup.projectile
+        try:
+            bar = shot.bar or (shot.steel_bar() if shot.shape == "flat" else None)
+            if bar is None:
+                return None
+            t, force = self.fine[:, 0], self.fine[:, 3]
+            held = held_force(t, force, 0.5 * bar.period)
+            return rigid_is_enough(contact_time(t, force), bar.period, held, bar.yield_force)
+        except InputError:
+            return None
 
     @property
     def mirrored(self):
@@ -208,15 +242,15 @@ def run(setup: ImpactSetup, *, hooks=(), resume=None, table=None) -> ImpactResul
 def result_of(setup: ImpactSetup, march: March) -> ImpactResult:
     """Gather what a march has recorded."""
     last = measures.snapshot(march.panel, march.state, march.time)
-    fine = np.concatenate(march.fine) if march.fine else np.empty((0, 3))
+    fine = np.concatenate(march.fine) if march.fine else np.empty((0, march.columns))
     clock = march.const.dt * np.arange(1, len(fine) + 1)
-    cells = march.panel.elements
+    cells, bar = march.panel.elements, march.panel.projectile.bar
     return ImpactResult(
         setup=setup,
         panel=march.panel,
         outcome=march.outcome,
         residual_velocity=float(march.sample("v")[-1]),
-        velocity=march.state.speed.copy(),
+        velocity=body.velocity(march.state, march.const),
         t=march.sample("t"),
         v=march.sample("v"),
         z=march.sample("z"),
@@ -225,6 +259,8 @@ def result_of(setup: ImpactSetup, march: March) -> ImpactResult:
         failed=march.sample("failed_yarns"),
         peak_tension=(float(march.state.peak[0]), float(march.state.peak[1])),
         fine=np.column_stack([clock, fine[:, :2], fine[:, 2] / march.panel.share]),
+        bar=None if bar is None else body.history(clock, fine, march.state, bar),
+        backing=march.behind.result() if march.behind else None,
         nose=last.nose,
         nodes=last.nodes.reshape(-1, 3),
         quads=measures.quads(march.panel),

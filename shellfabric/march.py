@@ -19,7 +19,7 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 
 from fabrics.errors import InputError, UnstableError
-from shellfabric import contact_kernels, edges, edges_kernels, team
+from shellfabric import behind, body, contact_kernels, edges, edges_kernels, team
 from shellfabric import march_kernels as kernels
 from shellfabric.panel import Panel
 from shellfabric.plug import passed
@@ -28,16 +28,20 @@ OUTCOMES = {kernels.RUNNING: "in flight", kernels.STOPPED: "stopped", kernels.PE
 ENERGIES = (
     "kinetic_fabric",
     "kinetic_projectile",
+    "elastic_projectile",
+    "plastic_projectile",
     "stored",
     "cell",
     "shear",
     "bending",
+    "jam",
     "viscous",
     "contact",
     "friction",
     "failed",
     "grip",
     "external",
+    *behind.NAMES,
     "balance",
 )
 GIFT_LIMIT = 0.01  # share of the strike energy that a contact may seem to have given
@@ -59,8 +63,10 @@ class March:
     ----------
     state, const : what the kernels work on
     threads : that share the work
+    behind : behind.Behind, the block behind the cloth, or None
     samples : list of rows, one an audit, in the order of SAMPLES; energies and forces are of the whole panel
-    fine : list of (steps, 3) projectile z [m], velocity [m/s] and force [N] (of the modelled part) after each step
+    fine : list of (steps, columns) after each step, `body.columns` of the projectile: z [m], velocity [m/s] and force
+        [N] (of the modelled part), and of a bar velocities [m/s] and places [m] of tip, tail and centre of mass
     snapshots : list of measures.Snapshot, where a hook takes them
     measure, histories : what a histories.Recorder records, where there is one, and its rows
     outcome : "in flight", "stopped" or "perforated"
@@ -83,9 +89,14 @@ class March:
         self._ends = edges.ends(panel)
         self.chunk = max(1, round(interval / self.const.dt))
         self.last_step = int(np.ceil(end_time / self.const.dt))
+        self.columns = len(body.columns(panel.projectile))
         self.drift_limit = drift_limit
         self.samples, self.fine, self.snapshots = [], [], []
         self.measure, self.histories = None, []
+        self.behind = None
+        if panel.backing is not None:
+            self.behind = behind.Behind(panel.backing, panel, self.const)
+            self.behind.follow(self.state)
         self.reason, self.wall_time = kernels.RUNNING, 0.0
         self.passed = 0
         self._zero = self._rest = 0.0
@@ -128,9 +139,9 @@ class March:
             node that crosses a quarter of an element in one step; samples and state stay as they are
         """
         with ThreadPoolExecutor(max(1, self.threads - 1)) as others:
-            self.advance(np.empty((0, 3)), others)  # compiled before the clock starts
+            self.advance(np.empty((0, self.columns)), others)  # compiled before the clock starts
             while not self.ended:
-                fine = np.empty((min(self.chunk, self.last_step - self.steps), 3))
+                fine = np.empty((min(self.chunk, self.last_step - self.steps), self.columns))
                 start = time.perf_counter()
                 made, self.reason = self.advance(fine, others)
                 self.wall_time += time.perf_counter() - start
@@ -147,6 +158,8 @@ class March:
 
         others : executor with room for all threads but this one
         """
+        if self.behind is not None:
+            return self._advance_backed(fine)
         shared, count = self._work.shared, self.threads
         shared[:] = 0
         at_work = [
@@ -158,11 +171,27 @@ class March:
             thread.result()
         return made
 
+    def _advance_backed(self, fine):
+        """As `advance`, one step at a time, each followed by the block's."""
+        made, reason = 0, kernels.RUNNING
+        while made < len(fine) and reason == kernels.RUNNING:
+            reason = self._step(fine[made : made + 1])
+            made += 1
+        return made, reason
+
+    def _step(self, row):
+        """One step of cloth, projectile and block; why it should be the last."""
+        shared = self._work.shared
+        shared[:] = 0
+        _, reason = kernels.lead(self.state, self.const, self._work, 1, row, shared, 1)
+        self.behind.follow(self.state)
+        return reason
+
     def _audit(self):
         state, const, share = self.state, self.const, self.panel.share
-        out = np.empty(4)
+        out = np.empty(5)
         kernels.energies(state, const, out)
-        kick = const.dt * state.reaction[:] * const.free / const.projectile_mass
+        *projectile, speed = body.audit(state, const, state.reaction + state.outer)
         sums = state.sums.sum(axis=0)
         if not self.samples:
             self._rest = out[kernels.STORED]
@@ -170,23 +199,24 @@ class March:
         cell = sums[kernels.WORK] - (out[kernels.STORED] - self._rest) - sums[kernels.LOST]
         energies = [
             out[kernels.KINETIC] + state.rim_sums[edges_kernels.KINETIC],
-            0.5 * const.projectile_mass * float(state.speed @ (state.speed + kick)),
+            *projectile,
             out[kernels.STORED],
             0.0 if self.const.variational else cell,
             out[kernels.SHEAR],
             out[kernels.BENDING],
+            out[kernels.JAM],
             sums[kernels.VISCOUS],
             state.contact_energy[contact_kernels.CONTACT],
             state.contact_energy[contact_kernels.FRICTION],
             sums[kernels.LOST] + sums[kernels.TORN],
             state.rim_sums[edges_kernels.GRIPPED],
             state.rim_sums[edges_kernels.EXTERNAL],
+            *(self.behind.energies() if self.behind else np.zeros(len(behind.NAMES))),
         ]
         total = sum(energies)
         if not self.samples:
             self._zero = total
         energies = np.array([*energies, total - self._zero]) / share
-        speed = state.speed[2] + 0.5 * kick[2]
         self.samples.append(
             np.array(
                 [self.time, speed, state.position[2] + const.top, self._failed() / share, *self._reactions(), *energies]
@@ -231,7 +261,7 @@ class March:
 
     def _look_for_plug(self):
         """End a run in which cut-out cloth is all that is left before the projectile."""
-        if self.reason != kernels.RUNNING or self.state.counter[kernels.FAILURES] == 0:
+        if self.reason != kernels.RUNNING or self.state.counter[kernels.FAILURES] == 0 or self.behind is not None:
             return
         self.passed = self.passed + 1 if passed(self.state, self.const) else 0
         if self.passed == 2:

@@ -15,13 +15,21 @@ pair of them for each array of the state would cost as much as a hundred element
 import numpy as np
 from numba import njit
 
-from shellfabric import bending_kernels, contact_kernels, edges_kernels, failure_kernels, membrane_kernels
+from shellfabric import (
+    bar_kernels,
+    bending_kernels,
+    contact_kernels,
+    edges_kernels,
+    failure_kernels,
+    jam_kernels,
+    membrane_kernels,
+)
 from shellfabric.lanes import WIDTH, above, fabs, fma, keep, load, where
 from shellfabric.team import STOP, meet
 
 RUNNING, STOPPED, PERFORATED, NOT_FINITE = 0, 1, 2, 3
 WORK, VISCOUS, LOST, TORN = 0, 1, 2, 3  # of state.sums; what is lost with failed yarns, and with trellis and turns
-KINETIC, STORED, SHEAR, BENDING = 0, 1, 2, 3  # of `energies`
+KINETIC, STORED, SHEAR, BENDING, JAM = 0, 1, 2, 3, 4  # of `energies`
 WHOLE, THINNED, AGAIN = 0, 1, 2  # of state.thin: a block without failures, with some, with some of this step
 STEP, IDLE, FAILURES = 0, 1, 2
 _STILL = 1e-60
@@ -283,6 +291,13 @@ def taut(state, const):
 
 
 @njit(cache=True, error_model="numpy", _nrt=False)
+def resist(state, const, first, last, acting):
+    """Energy of turns and bunched yarns in the node rows first .. last; adds their forces to state.g0 if `acting`."""
+    turns = bending_kernels.bend(state, const, first, last, acting)
+    return turns + jam_kernels.jam(state, const, first, last, acting)
+
+
+@njit(cache=True, error_model="numpy", _nrt=False)
 def fail(state, const, work):
     """Let yarns fail, and find the forces about them again."""
     first, last = taut(state, const)
@@ -304,7 +319,7 @@ def fail(state, const, work):
     low, high = max(first - const.per - 3, 0), min(last + const.per + 3, const.ni)
     if near:
         stored, sheared = failure_kernels.stored_energy(const, state, low, high)
-        sheared += bending_kernels.bend(state, const, low, high, False)
+        sheared += resist(state, const, low, high, False)
         worked, damped = failure_kernels.half_step_work(const, state, low, high)
     count = failure_kernels.look_for_failures(const, state, 0, first, last)
     count += failure_kernels.look_for_failures(const, state, 1, first, last)
@@ -318,7 +333,7 @@ def fail(state, const, work):
             elements(state, const, block, start, end, work)
             state.thin[block] = THINNED
     now_stored, now_sheared = failure_kernels.stored_energy(const, state, low, high)
-    now_sheared += bending_kernels.bend(state, const, low, high, False)
+    now_sheared += resist(state, const, low, high, False)
     now_worked, now_damped = failure_kernels.half_step_work(const, state, low, high)
     state.sums[0, WORK] += now_worked - worked
     state.sums[0, VISCOUS] += now_damped - damped
@@ -371,10 +386,23 @@ def sweep(state, const, work, shared, me, count):
         elements(state, const, block, begin, stop, work)
 
 
+@njit(cache=True, error_model="numpy", _nrt=False)
+def lean(state, const):
+    """Give nodes and projectile the impulses of what lies behind the cloth (state.behind, state.outer)."""
+    for c in range(3):
+        for k in range(np.uint64(state.rows[0] * const.s), np.uint64((state.rows[1] + 1) * const.s)):
+            state.v[c][k] += state.kick[k] * state.behind[c][k]
+        state.speed[c] += const.dt * const.free[c] * state.outer[c] / const.projectile_mass
+
+
 @njit(cache=True, error_model="numpy", _nrt=False, forceinline=True)
 def begin(state, const):
     """What comes before the nodes move in a step: the impulses of contact, and the projectile's own motion."""
     contact_kernels.push(state, const)
+    if const.backed:
+        lean(state, const)
+    if const.bar_mass.size > 0:
+        bar_kernels.fly(state, const, bar_kernels.along(state, const))
     for c in range(3):
         state.position[c] += const.dt * state.speed[c]
     widen(state, const)
@@ -384,28 +412,43 @@ def begin(state, const):
 def conclude(state, const, work):
     """What comes after the forces of the cloth in a step; returns why it should be the last, or RUNNING."""
     fail(state, const, work)
-    bending_kernels.bend(state, const, state.rows[0], state.rows[1], True)
+    resist(state, const, state.rows[0], state.rows[1], True)
     failures = state.counter[FAILURES]
     taken, spring = contact_kernels.contact(state, const, work.touch)
     state.contact_energy[0] += taken
     state.contact_energy[1] = spring
     state.counter[STEP] += 1
     edges_kernels.hold(state, const, state.counter[STEP] * const.dt)
-    if not abs(state.speed[2]) < 1e9:
+    speed = bar_kernels.approach(state, const)
+    if not abs(speed) < 1e9:
         return NOT_FINITE
-    if state.speed[2] <= 0.0:
+    if speed <= 0.0:
         return STOPPED
     # perforated: yarns have failed, nothing pushes, and nothing that is held is left in front, for a while
-    idle = failures > 0 and state.reaction[2] == 0.0 and not contact_kernels.in_the_way(state, const)
+    alone = state.reaction[2] == 0.0 and state.outer[2] == 0.0
+    idle = failures > 0 and alone and not contact_kernels.in_the_way(state, const)
     state.counter[IDLE] = state.counter[IDLE] + 1 if idle else 0
     return PERFORATED if state.counter[IDLE] >= const.idle_steps else RUNNING
+
+
+@njit(cache=True, error_model="numpy", forceinline=True)
+def tell(state, const, force, row):
+    """One row of the history: foremost z, v_z and the force [N] along z; of a bar also the velocities of tip, tail and
+    centre of mass, and how far they have come, all along its axis."""
+    row[0], row[1] = state.position[2] + const.top, bar_kernels.approach(state, const)
+    row[2] = force
+    if const.bar_mass.size > 0:
+        tail = const.bar_h.size
+        row[3], row[4], row[5] = state.bar_v[0], state.bar_v[tail], bar_kernels.mean(const.bar_mass, state.bar_v)
+        row[6], row[7], row[8] = state.bar_u[0], state.bar_u[tail], bar_kernels.mean(const.bar_mass, state.bar_u)
 
 
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
 def lead(state, const, work, steps, history, shared, count):
     """March at most `steps` steps, with `count` - 1 threads that `follow`, all with scratch of their own.
 
-    history (steps, 3): the projectile's foremost z, v_z and the force on it after each. shared : see `team.meet`.
+    history (steps, 3): the projectile's foremost z, v_z of its centre of mass and the force on it after each; of a bar
+    (steps, 9), see `tell`. shared : see `team.meet`.
     Returns (steps made, RUNNING or the reason to end).
     """
     made, reason = 0, RUNNING
@@ -415,9 +458,7 @@ def lead(state, const, work, steps, history, shared, count):
         sweep(state, const, work, shared, 0, count)
         meet(shared, count)
         reason = conclude(state, const, work)
-        history[made, 0] = state.position[2] + const.top
-        history[made, 1] = state.speed[2]
-        history[made, 2] = state.reaction[2]
+        tell(state, const, state.reaction[2] + state.outer[2], history[made])
         made += 1
     shared[STOP] = 1
     meet(shared, count)
@@ -452,12 +493,12 @@ def first_forces(state, const, work):
     """Forces of the cloth as it is, before the first step."""
     for block in range((const.ni + const.block - 1) // const.block):
         elements(state, const, block, block * const.block, min(const.ni, (block + 1) * const.block), work)
-    bending_kernels.bend(state, const, 0, const.ni, True)
+    resist(state, const, 0, const.ni, True)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def energies(state, const, out):
-    """The energy audit at the present whole step, into out (4): kinetic, of the yarns, of the trellis, of turns.
+    """The energy audit at the present whole step, into out (5): kinetic, of yarns, trellis, turns and bunched yarns.
 
     Kinetic energy is m v(n-1/2) v(n+1/2) / 2, the form that central differences conserve in a linear system.
     """
@@ -472,6 +513,9 @@ def energies(state, const, out):
                     continue
                 v = state.v[c][k]
                 f = state.g0[c][k] + state.g1[c][k] + state.contact[c][k]
+                if const.backed:
+                    f += state.behind[c][k]
                 out[KINETIC] += 0.5 * state.mass[k] * v * (v + const.dt * state.inverse_mass[k] * f)
     out[STORED], out[SHEAR] = failure_kernels.stored_energy(const, state, 0, const.ni)
     out[BENDING] = bending_kernels.bend(state, const, 0, const.ni, False)
+    out[JAM] = jam_kernels.jam(state, const, 0, const.ni, False)

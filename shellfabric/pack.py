@@ -23,7 +23,7 @@ import numpy as np
 from fabrics.errors import InputError
 from fabrics.fabric import Fabric
 from fabrics.plate_curve import PlateCurve
-from shellfabric import pack_kernels, ply_contact_kernels
+from shellfabric import body, pack_kernels, ply_contact_kernels
 from shellfabric.cell import CellModel, CellTable
 from shellfabric.panel import Panel
 
@@ -38,7 +38,7 @@ _LEAST = (0.25, 1e-3)  # deflections that are looked at: of the gap, of the thic
 
 Pair = namedtuple(
     "Pair",
-    "foot status on_front on_rear front_touched rear_touched front_box rear_box energy "
+    "foot status wait speed on_front on_rear front_touched rear_touched front_box rear_box energy "
     "form points start stiffness damping thickness apart least",
 )
 Stack = namedtuple("Stack", "awake counter places reactions counters speed")
@@ -184,7 +184,16 @@ class Pack:
                     position=stack.places[p], reaction=stack.reactions[p], counter=stack.counters[p], speed=stack.speed
                 )
             )
+            states[p] = states[p]._replace(**{name: getattr(states[0], name) for name in body.STATE})
         return tuple(states), stack
+
+    def works(self):
+        """(plies,) scratch of one thread; plies of one grid share theirs."""
+        found = {}
+        for ply in self.plies:
+            if id(ply) not in found:
+                found[id(ply)] = ply.work()
+        return tuple(found[id(ply)] for ply in self.plies)
 
     def pairs(self, consts, states):
         """The contact of each two neighbouring plies, at rest; a pack of one ply has one that nobody looks at."""
@@ -219,6 +228,7 @@ class Pack:
         foot[1] = ((front.y0 - rear.y0 + across) / rear.dy)[None, :, None, :]
         return Pair(
             foot=tuple(part.ravel().copy() for part in foot), status=np.zeros(foot[0].size, np.uint8),
+            wait=np.zeros(foot[0].size, np.uint8), speed=np.zeros(2),
             on_front=nodal(states[p]), on_rear=nodal(states[q]), front_touched=nothing(front),
             rear_touched=nothing(rear), front_box=np.array(states[p].window),
             rear_box=np.array([rear.ni + 1, -1, rear.s, -1]), energy=np.zeros(4), form=form, points=n, start=start,

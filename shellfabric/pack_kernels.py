@@ -5,7 +5,8 @@ The projectile is one: its speed is shared, and takes the impulses of all plies.
 from the ply's own plane at rest. A ply sleeps, and costs nothing, until something pushes on it. At most one ply of a
 pair is asleep while the pair is looked at.
 
-States, constants and pairs come as numba's lists, so that what is compiled does not depend on the number of plies.
+States, constants, scratch and pairs come as numba's lists, so that what is compiled does not depend on the number of
+plies. Plies of one grid share their scratch; those of another have their own, since its idle slots must stay at rest.
 Several threads can share the work: each has some plies, then some pairs, and they wait for each other in between. No
 two write to the same place, so that results do not depend on their number.
 """
@@ -15,7 +16,7 @@ from numba import njit
 from numba.typed import List
 
 from shellfabric import (
-    bending_kernels,
+    bar_kernels,
     contact_kernels,
     edges_kernels,
     march_kernels,
@@ -45,7 +46,7 @@ def ply_step(state, const, work):
     march_kernels.widen(state, const)
     march_kernels.sweep(state, const, work, work.shared, 0, 1)
     march_kernels.fail(state, const, work)
-    bending_kernels.bend(state, const, state.rows[0], state.rows[1], True)
+    march_kernels.resist(state, const, state.rows[0], state.rows[1], True)
     taken, spring = contact_kernels.contact(state, const, work.touch)
     state.contact_energy[0] += taken
     state.contact_energy[1] = spring
@@ -55,10 +56,17 @@ def ply_step(state, const, work):
 
 @njit(cache=True, error_model="numpy")
 def launch(states, consts, stack):
-    """The impulses of the nose on all plies that are awake, then the projectile's own motion."""
+    """The impulses of the nose on all plies that are awake, and of a block behind the last; then the projectile's own
+    motion."""
+    last, force = len(states) - 1, 0.0
     for p in range(len(states)):
         if stack.awake[p]:
             contact_kernels.push(states[p], consts[p])
+            force += bar_kernels.along(states[p], consts[p])
+    if consts[last].backed and stack.awake[last]:
+        march_kernels.lean(states[last], consts[last])
+    if consts[0].bar_mass.size > 0:
+        bar_kernels.fly(states[0], consts[0], force)
     dt = consts[0].dt
     for p in range(len(states)):
         for c in range(3):
@@ -66,7 +74,7 @@ def launch(states, consts, stack):
 
 
 @njit(cache=True, error_model="numpy")
-def step_plies(states, consts, pairs, stack, work, me, count):
+def step_plies(states, consts, pairs, stack, works, me, count):
     """One thread's plies: the impulses of their neighbours, their own step."""
     for p in range(me, len(states), count):
         if p > 0:
@@ -80,7 +88,7 @@ def step_plies(states, consts, pairs, stack, work, me, count):
                 ply_contact_kernels.push(states[p], consts[p], pair.on_front, pair.front_touched)
                 stack.awake[p] = True
         if stack.awake[p]:
-            ply_step(states[p], consts[p], work)
+            ply_step(states[p], consts[p], works[p])
 
 
 @njit(cache=True, error_model="numpy")
@@ -96,14 +104,15 @@ def step_pairs(states, consts, pairs, stack, me, count):
 def conclude(states, consts, stack):
     """Why the step should be the last, or RUNNING; as `march_kernels.conclude`, with all plies for the one."""
     stack.counter[STEP] += 1
-    if not abs(stack.speed[2]) < 1e9:
+    speed = bar_kernels.approach(states[0], consts[0])
+    if not abs(speed) < 1e9:
         return NOT_FINITE
-    if stack.speed[2] <= 0.0:
+    if speed <= 0.0:
         return STOPPED
     failed, pushed = False, False
     for p in range(len(states)):
         failed |= stack.counters[p, FAILURES] > 0
-        pushed |= stack.reactions[p, 2] != 0.0
+        pushed |= stack.reactions[p, 2] != 0.0 or states[p].outer[2] != 0.0
     idle = failed and not pushed
     if idle:
         for p in range(len(states)):
@@ -115,47 +124,46 @@ def conclude(states, consts, stack):
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def lead(states, consts, pairs, stack, work, steps, history, shared, count):
+def lead(states, consts, pairs, stack, works, steps, history, shared, count):
     """March at most `steps` steps, with `count` - 1 threads that `follow`; see `march_kernels.lead`."""
     made, reason = 0, RUNNING
     while made < steps and reason == RUNNING:
         launch(states, consts, stack)
         meet(shared, count)
-        step_plies(states, consts, pairs, stack, work, 0, count)
+        step_plies(states, consts, pairs, stack, works, 0, count)
         meet(shared, count)
         step_pairs(states, consts, pairs, stack, 0, count)
         meet(shared, count)
         reason = conclude(states, consts, stack)
-        history[made, 0] = stack.places[0, 2] + consts[0].top
-        history[made, 1] = stack.speed[2]
-        history[made, 2] = np.sum(stack.reactions[:, 2])
+        force = np.sum(stack.reactions[:, 2]) + states[len(states) - 1].outer[2]
+        march_kernels.tell(states[0], consts[0], force, history[made])
         made += 1
     shared[STOP] = 1
     meet(shared, count)
-    freshen(states, consts, stack, work, 0, count)
+    freshen(states, consts, stack, works, 0, count)
     meet(shared, count)
     return made, reason
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def follow(states, consts, pairs, stack, work, shared, me, count):
+def follow(states, consts, pairs, stack, works, shared, me, count):
     """Do thread number `me`'s part of each step that `lead` makes."""
     while True:
         meet(shared, count)
         if shared[STOP] != 0:
             break
-        step_plies(states, consts, pairs, stack, work, me, count)
+        step_plies(states, consts, pairs, stack, works, me, count)
         meet(shared, count)
         step_pairs(states, consts, pairs, stack, me, count)
         meet(shared, count)
-    freshen(states, consts, stack, work, me, count)
+    freshen(states, consts, stack, works, me, count)
     meet(shared, count)
 
 
 @njit(cache=True, error_model="numpy")
-def freshen(states, consts, stack, work, me, count):
+def freshen(states, consts, stack, works, me, count):
     """The tensions of one thread's plies, as `march_kernels.freshen`."""
     for p in range(me, len(states), count):
         if stack.awake[p]:
             first, last = march_kernels.part(states[p], consts[p], 0, 1)
-            march_kernels.freshen(states[p], consts[p], first, last, work)
+            march_kernels.freshen(states[p], consts[p], first, last, works[p])

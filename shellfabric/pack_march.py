@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from fabrics.errors import InputError, UnstableError
-from shellfabric import contact, edges, edges_kernels, pack_kernels, ply_contact_kernels, team
+from shellfabric import behind, body, edges, edges_kernels, pack_kernels, ply_contact_kernels, team
 from shellfabric import march_kernels as kernels
 from shellfabric.contact_kernels import CONTACT, FRICTION
 from shellfabric.march import ENERGIES, March, gift
@@ -33,9 +33,9 @@ class PackMarch(March):
     Attributes
     ----------
     states, consts, stack, pairs : what the kernels work on
-    samples : list of rows, one an audit, in the order of PACK_SAMPLES; of the whole pack, forces summed over the plies
-    ply_samples : list of (plies, 6), one an audit, in the order of PLY_SAMPLES: of the whole ply; `push` is the force of
-        the nose on it, `deflection` that at the impact point, `energy` what it moves with, stores and has dissipated
+    samples : list of rows, one an audit, in the order of PACK_SAMPLES; of the whole pack, forces summed over plies
+    ply_samples : list of (plies, 6), one an audit, in the order of PLY_SAMPLES: of the whole ply; `push` is the force
+        of the nose on it, `deflection` that at the impact point, `energy` what it moves with, stores and has lost
     snapshots : list of PackSnapshot, where a hook takes them
 
     The others are those of March.
@@ -56,15 +56,18 @@ class PackMarch(March):
         self.const, self.state = self.consts[0], self.states[0]
         self._lists = tuple(lists(items) for items in (self.states, self.consts, self.pairs))
         self.threads = min(team.threads_for(self.panel.numerics.threads, pack.elements), len(pack.plies))
-        largest = max(pack.plies, key=lambda ply: ply.work().l1.size)
-        self._works = [largest.work()._replace(touch=contact.scratch(*self.consts)) for _ in range(self.threads)]
-        self._work = self._works[0]
+        self._works = [lists(pack.works()) for _ in range(self.threads)]
+        self._shared = np.zeros(team.ROOM, np.int64)
         self._ends = [edges.ends(ply) for ply in pack.plies]
         self.chunk = max(1, round(interval / self.const.dt))
         self.last_step = int(np.ceil(end_time / self.const.dt))
         self.drift_limit = drift_limit
         self.samples, self.ply_samples, self.fine, self.snapshots = [], [], [], []
         self.measure, self.histories = None, []
+        self.columns, self.behind = len(body.columns(self.panel.projectile)), None
+        if self.panel.backing is not None:
+            self.behind = behind.Behind(self.panel.backing, pack.plies[-1], self.consts[-1])
+            self.behind.follow(self.states[-1])
         self.reason, self.wall_time = kernels.RUNNING, 0.0
         self.passed = 0
         self._zero, self._rest = 0.0, np.zeros(len(pack.plies))
@@ -82,7 +85,7 @@ class PackMarch(March):
 
     @property
     def deepest(self):
-        """(plies - 1,) [-] deepest that one ply has come into the next, over the thickness: at 1 it would be through."""
+        """(plies - 1,) [-] deepest that a ply has come into the next, over the thickness: at 1 it would be through."""
         pairs = self.pairs[: len(self.states) - 1]
         return np.array([pair.energy[ply_contact_kernels.DEEPEST] / pair.thickness for pair in pairs])
 
@@ -96,26 +99,38 @@ class PackMarch(March):
 
     def advance(self, fine, others):
         """Make as many steps as there are rows in `fine`, or fewer where the run ends: (steps made, why)."""
-        shared, count = self._work.shared, self.threads
+        if self.behind is not None:
+            return self._advance_backed(fine)
+        shared, count = self._shared, self.threads
         shared[:] = 0
+        states, consts, pairs = self._lists
         at_work = [
-            others.submit(pack_kernels.follow, *self._lists, self.stack, work, shared, me, count)
-            for me, work in enumerate(self._works[1:], 1)
+            others.submit(pack_kernels.follow, states, consts, pairs, self.stack, works, shared, me, count)
+            for me, works in enumerate(self._works[1:], 1)
         ]
-        made = pack_kernels.lead(*self._lists, self.stack, self._work, len(fine), fine, shared, count)
+        made = pack_kernels.lead(states, consts, pairs, self.stack, self._works[0], len(fine), fine, shared, count)
         for thread in at_work:
             thread.result()
         return made
+
+    def _step(self, row):
+        """One step of plies, projectile and block; the block is at rest while the last ply is."""
+        self._shared[:] = 0
+        states, consts, pairs = self._lists
+        _, reason = pack_kernels.lead(states, consts, pairs, self.stack, self._works[0], 1, row, self._shared, 1)
+        if self.stack.awake[-1]:
+            self.behind.follow(self.states[-1])
+        return reason
 
     def _audit(self):
         const, share = self.const, self.panel.share
         parts = np.array([self._ply_energies(p) for p in range(len(self.states))])
         total = parts.sum(axis=0)
-        kick = const.dt * self.stack.reactions.sum(axis=0) * const.free / const.projectile_mass
-        speed = self.stack.speed
+        force = self.stack.reactions.sum(axis=0) + self.states[-1].outer
+        *projectile, speed = body.audit(self.state, const, force)
+        block = self.behind.energies() if self.behind else np.zeros(len(behind.NAMES))
         pressed = sum(pair.energy[ply_contact_kernels.TAKEN] for pair in self.pairs)
-        energies = np.insert(total, 1, 0.5 * const.projectile_mass * float(speed @ (speed + kick)))
-        energies = np.append(energies, pressed)
+        energies = np.concatenate([total[:1], projectile, total[1:], block, [pressed]])
         if not self.samples:
             self._zero = energies.sum()
         energies = np.append(energies, energies.sum() - self._zero) / share
@@ -130,12 +145,12 @@ class PackMarch(March):
         )
         z = self.stack.places[0, 2] + const.top
         failed, warp, weft = plies[:, :3].sum(axis=0)
-        self.samples.append(np.array([self.time, speed[2] + 0.5 * kick[2], z, failed, warp, weft, *energies]))
+        self.samples.append(np.array([self.time, speed, z, failed, warp, weft, *energies]))
         self.ply_samples.append(plies)
 
     def _ply_energies(self, p):
-        """(11,) [J] of the modelled part of a ply, in the order of ENERGIES but for the projectile and the balance."""
-        state, const, out = self.states[p], self.consts[p], np.empty(4)
+        """(12,) [J] of the modelled part of a ply, in the order of ENERGIES but for projectile, block and balance."""
+        state, const, out = self.states[p], self.consts[p], np.empty(5)
         kernels.energies(state._replace(contact=self._pushes(p)), const, out)
         sums = state.sums.sum(axis=0)
         if not self.samples:
@@ -148,6 +163,7 @@ class PackMarch(March):
                 0.0 if const.variational else cell,
                 out[kernels.SHEAR],
                 out[kernels.BENDING],
+                out[kernels.JAM],
                 sums[kernels.VISCOUS],
                 state.contact_energy[CONTACT],
                 state.contact_energy[FRICTION],
@@ -215,7 +231,8 @@ class PackMarch(March):
 
     def _look_for_plug(self):
         """End a run in which cut-out cloth is all that is left before the projectile."""
-        if self.reason != kernels.RUNNING or not self.stack.counters[:, kernels.FAILURES].any():
+        failed = self.stack.counters[:, kernels.FAILURES].any()
+        if self.reason != kernels.RUNNING or not failed or self.behind is not None:
             return
         through = all(passed(state, const) for state, const in zip(self.states, self.consts))
         self.passed = self.passed + 1 if through else 0

@@ -19,7 +19,18 @@ from math import inf
 import numpy as np
 
 from fabrics.errors import InputError
-from shellfabric import contact, contact_kernels, edges, edges_kernels, grading, march_kernels, team
+from shellfabric import (
+    behind,
+    body,
+    contact,
+    contact_kernels,
+    edges,
+    edges_kernels,
+    grading,
+    march_kernels,
+    team,
+)
+from shellfabric.backing import Backing
 from shellfabric.cell import CellTable
 from shellfabric.projectile import Projectile
 
@@ -33,13 +44,15 @@ Constants = namedtuple(
     "tension1 tension2 ceiling1 ceiling2 spline level x0t rx top1 y0t ry top2 grid per1 per2 variational split1 split2 "
     "cv1 cv2 V G1 G2 gamma1 gamma2 w1 S01 EA1 w2 S02 EA2 strength1 strength2 strengths1 strengths2 lag widest "
     "near points shares point_stiffness point_damping R rho projectile_mass free idle_steps "
-    "shape form length frame tilted roaming depth reach top shoulder friction rim_node rim_axis rim bending ends",
+    "shape form length frame tilted roaming depth reach top shoulder friction rim_node rim_axis rim bending jam ends "
+    "bar_mass bar_h bar_area bar_law bar_parts backed",
 )
 State = namedtuple(
     "State",
     "u v g0 g1 mass inverse_mass kick L N T D y intact failed filtered flag thin stale most "
     "pressed touching contact position speed reaction "
-    "contact_energy rows counter sums peak window stuck rim_force rim_sums",
+    "contact_energy rows counter sums peak window stuck rim_force rim_sums "
+    "outer behind bar_u bar_v bar_plastic bar_stress bar_sums",
 )
 Work = namedtuple(
     "Work",
@@ -132,6 +145,9 @@ class Panel:
         S-720 with fibres of 12 um 9.5e-8 and 9.3e-5 (see `bending_kernels`)
     strength_factors : (warp, weft) factors on the strength of each yarn, as many as `yarn_counts`, or None where all
         are alike. They are those of the modelled part: across a plane of symmetry a yarn has that of its image
+    backing : Backing, the block behind the cloth, or None (see `behind`)
+    jam : stiffness [N] of a yarn against being bunched up, and the stretch at which it begins; none as in the source
+        (see `jam_kernels`)
     grading : ((until, side), ...) [crossovers] elements that are longer the further they are from the impact point, or
         None (see `grading`); for straight shots at cloth that is held or free at its edges
 
@@ -153,12 +169,15 @@ class Panel:
     weave_angle: float = 0.0
     bending: tuple[float, float] = (0.0, 0.0)
     strength_factors: tuple | None = None
+    backing: Backing | None = None
+    jam: tuple[float, float] = (0.0, 1.0)
     grading: tuple | None = None
 
     def __post_init__(self):
         if self.symmetry not in SYMMETRIES:
             raise InputError(key="symmetry", value=self.symmetry, allowed=" or ".join(SYMMETRIES))
         edges.check(self)
+        behind.check(self)
         if self.failure and any(self.table.model.toes):  # a yarn whose crossings have failed is linear in the march
             raise InputError(key="toe", value=self.table.model.toe, allowed="0 in a panel whose yarns fail")
         for axis, mirrored in enumerate(self.mirrors):
@@ -170,6 +189,8 @@ class Panel:
             raise InputError(key="elements_per_crossover", value=self.elements_per_crossover, allowed="1, 2, 3, ...")
         if not all(0 <= EI < inf for EI in self.bending):
             raise InputError(key="bending", value=self.bending, allowed="at least 0")
+        if len(self.jam) != 2 or not (0 <= self.jam[0] < inf and 0 < self.jam[1] <= 1):
+            raise InputError(key="jam", value=self.jam, allowed="a force of at least 0 and a stretch of at most 1")
         for family, given, count in zip(("warp", "weft"), self.strength_factors or (), self.yarn_counts):
             if np.shape(given) != (count,) or not np.all(np.isfinite(given) & (np.asarray(given) > 0)):
                 raise InputError(key=f"strength_factors of the {family}", allowed=f"{count} numbers above 0")
@@ -184,6 +205,8 @@ class Panel:
             ("elements_per_crossover", self.elements_per_crossover, 1),
             ("weave_angle", self.weave_angle, 0.0),
             ("bending", tuple(self.bending), (0.0, 0.0)),
+            ("backing", self.backing, None),
+            ("jam", tuple(self.jam), (0.0, 1.0)),
         ):
             if value != plain:
                 raise InputError(key=key, value=value, allowed=f"{plain} on a graded panel")
@@ -374,7 +397,8 @@ class Panel:
             tilted=shot.tilted, roaming=roaming, depth=2 * shot.radius, reach=self._reach(), top=shot.top,
             shoulder=shot.shoulder, friction=shot.friction, rim_node=rim_node, rim_axis=rim_axis, rim=rim,
             bending=np.array([n * EI / d for n, EI, d in zip(self._yarns_a_line, self.bending, self.spacing)]),
-            ends=edges.yarn_ends(self),
+            jam=np.array(self.jam, float), ends=edges.yarn_ends(self),
+            backed=self.backing is not None, **body.constants(shot, self.share, dt),
         )  # fmt: skip
 
     def state(self, strike_velocity) -> State:
@@ -409,6 +433,8 @@ class Panel:
             contact_energy=np.zeros(4), rows=np.array([max(i0 - 2, 0), min(i1 + 2, ni)]), counter=np.zeros(3, np.int64),
             sums=np.zeros((blocks, 4)), peak=np.zeros(2), window=np.array(const.near),
             rim_force=np.zeros(const.rim_node.size), rim_sums=np.zeros(3),
+            outer=np.zeros(3), behind=three() if const.backed else _room(3, 0),
+            **body.state(self.projectile, strike_velocity),
         )  # fmt: skip
         if const.roaming:
             contact_kernels.follow(state, const)

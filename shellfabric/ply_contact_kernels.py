@@ -32,7 +32,8 @@ the node there, along z (NODES).
 
 Which points are looked at. Plies that are deflected by less than a quarter of the gap between them cannot touch: there
 is a box about those nodes of each ply that are deflected by more, three elements wider, renewed every eight steps, in
-which a transverse wave comes less than an element further.
+which a transverse wave comes less than an element further. A point that is clear of the other ply is left alone for as
+long as it would need to get there at one and a half times the highest speeds of both plies.
 
 Work. What a step's contact takes from the motion is summed over the nodes: half a step's work of the old forces, half a
 step's of the new, on the same velocities. So it balances to the last digits, whatever the weights.
@@ -51,6 +52,7 @@ ONE = np.uint64(1)
 FREE, TOUCHING, LOST = 0, 1, 2  # of pair.status
 SMOOTH, FACETS, NODES = 0, 1, 2  # of pair.form
 _EVERY, _MARGIN = 8, 3  # steps between scans, elements about what they find
+_FASTER, _LONGEST = 1.5, 8  # than at the last scan nodes may become; most steps that a point is left alone
 _STEP, _LEAP = 0.25, 0.2  # [elements] longest step of a foot; one so long has none
 
 
@@ -100,6 +102,23 @@ def across(x, k, s, w0, w1, w2, z0, z1, z2):
 
 
 @njit(cache=True, error_model="numpy", _nrt=False, forceinline=True)
+def middle(x, k, s):
+    """The mean of the four nodes of the element at slot k."""
+    m = k + np.uint64(s)
+    return 0.25 * (x[k] + x[k + ONE] + x[m] + x[m + ONE])
+
+
+@njit(cache=True, error_model="numpy", _nrt=False, forceinline=True)
+def share(F, k, s, f):
+    """Share a force out to the four nodes of the element at slot k."""
+    m = k + np.uint64(s)
+    F[k] += 0.25 * f
+    F[k + ONE] += 0.25 * f
+    F[m] += 0.25 * f
+    F[m + ONE] += 0.25 * f
+
+
+@njit(cache=True, error_model="numpy", _nrt=False, forceinline=True)
 def spread(F, k, s, f, w0, w1, w2, z0, z1, z2):
     """Share a force out to three by three nodes by their weights."""
     s = np.uint64(s)
@@ -134,8 +153,11 @@ def patch(x, k, s, wa, wb, da, db):
 
 @njit(cache=True, error_model="numpy", _nrt=False)
 def scan(state, const, least, box):
-    """Widen the box (first and last row, and column, of nodes) to all that are deflected by more than `least`."""
-    z, s = state.u[2], const.s
+    """Widen the box (first and last row, and column, of nodes) to all that are deflected by more than `least`.
+
+    Returns the highest speed of a node.
+    """
+    z, s, fastest = state.u[2], const.s, 0.0
     for i in range(const.ni + 1):
         row = i * s
         low, high = s, -1
@@ -145,6 +167,10 @@ def scan(state, const, least, box):
         if high >= 0:
             box[0], box[1] = min(box[0], i), max(box[1], i)
             box[2], box[3] = min(box[2], low), max(box[3], high)
+    for k in range((const.ni + 1) * s):
+        v_x, v_y, v_z = state.v[0][k], state.v[1][k], state.v[2][k]
+        fastest = max(fastest, v_x * v_x + v_y * v_y + v_z * v_z)
+    return math.sqrt(fastest)
 
 
 @njit(cache=True, error_model="numpy", _nrt=False)
@@ -169,10 +195,10 @@ def clear(const, force, touched):
 
 
 @njit(cache=True, error_model="numpy", _nrt=False, forceinline=True)
-def note(touched, i, j):
-    """Widen the window of nodes with forces by three by three nodes."""
-    touched[0], touched[1] = min(touched[0], i), max(touched[1], i + 3)
-    touched[2], touched[3] = min(touched[2], j), max(touched[3], j + 3)
+def note(touched, i, j, n):
+    """Widen the window of nodes with forces by n by n nodes."""
+    touched[0], touched[1] = min(touched[0], i), max(touched[1], i + n)
+    touched[2], touched[3] = min(touched[2], j), max(touched[3], j + n)
 
 
 @njit(cache=True, error_model="numpy", _nrt=False)
@@ -215,19 +241,26 @@ def window(pair, fc, rc):
 def contact(front, fc, rear, rc, pair, step):
     """Forces between two plies at their present positions, into pair.on_front and pair.on_rear."""
     if step % _EVERY == 0:
-        scan(front, fc, pair.least, pair.front_box)
-        scan(rear, rc, pair.least, pair.rear_box)
+        pair.speed[0] = scan(front, fc, pair.least, pair.front_box)
+        pair.speed[1] = scan(rear, rc, pair.least, pair.rear_box)
     taken = -settle(front, fc, pair.on_front, pair.front_touched) - settle(rear, rc, pair.on_rear, pair.rear_touched)
     clear(fc, pair.on_front, pair.front_touched)
     clear(rc, pair.on_rear, pair.rear_touched)
     i0, i1, j0, j1 = window(pair, fc, rc)
     p, spring = pair.points, 0.0
+    shot = math.sqrt(front.speed[0] ** 2 + front.speed[1] ** 2 + front.speed[2] ** 2)
+    nearer = _FASTER * fc.dt * (max(pair.speed[0], shot) + max(pair.speed[1], shot))
     for i in range(i0, i1):
         for j in range(j0, j1):
             for m in range(p * p):
                 q = (i * fc.nj + j) * p * p + m
+                if pair.wait[q] > 0:
+                    pair.wait[q] -= 1
+                    continue
                 a, b = i + (m // p + pair.start) / p, j + (m % p + pair.start) / p
                 energy, depth = touch(front, fc, rear, rc, pair, q, a, b)
+                if depth < 0.0:
+                    pair.wait[q] = _LONGEST if -depth > _LONGEST * nearer else int(-depth / nearer)
                 spring += energy
                 if depth > pair.energy[DEEPEST]:
                     pair.energy[DEEPEST], pair.energy[PLACE] = depth, q
@@ -240,13 +273,23 @@ def contact(front, fc, rear, rc, pair, step):
 
 @njit(cache=True, error_model="numpy", _nrt=False, forceinline=True)
 def touch(front, fc, rear, rc, pair, q, a, b):
-    """Follow the foot of the front ply's point at (a, b), and let it push: (energy in its spring, depth)."""
-    i, p0, p1, p2, _, _, _, p1x, _ = weights(pair.form, a, fc.ni, fc.mirror_x)
-    j, q0, q1, q2, _, _, _, q1y, _ = weights(pair.form, b, fc.nj, fc.mirror_y)
-    k = np.uint64(i * fc.s + j)
-    x = fc.x0 + a * fc.dx + across(front.u[0], k, fc.s, p0, p1x, p2, q0, q1, q2)
-    y = fc.y0 + b * fc.dy + across(front.u[1], k, fc.s, p0, p1, p2, q0, q1y, q2)
-    z = across(front.u[2], k, fc.s, p0, p1, p2, q0, q1, q2)
+    """Follow the foot of the front ply's point at (a, b), and let it push: (energy in its spring, depth).
+
+    The depth is negative where the point is clear of the rear ply, and 0 where it cannot push.
+    """
+    central = pair.points == 1 and pair.form == SMOOTH  # the spline goes through the middles of the elements
+    if central:
+        i, j, p0, p1, p2, p1x, q0, q1, q2, q1y = int(a), int(b), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+        k = np.uint64(i * fc.s + j)
+        x, y, z = middle(front.u[0], k, fc.s), middle(front.u[1], k, fc.s), middle(front.u[2], k, fc.s)
+    else:
+        i, p0, p1, p2, _, _, _, p1x, _ = weights(pair.form, a, fc.ni, fc.mirror_x)
+        j, q0, q1, q2, _, _, _, q1y, _ = weights(pair.form, b, fc.nj, fc.mirror_y)
+        k = np.uint64(i * fc.s + j)
+        x = across(front.u[0], k, fc.s, p0, p1x, p2, q0, q1, q2)
+        y = across(front.u[1], k, fc.s, p0, p1, p2, q0, q1y, q2)
+        z = across(front.u[2], k, fc.s, p0, p1, p2, q0, q1, q2)
+    x, y = x + fc.x0 + a * fc.dx, y + fc.y0 + b * fc.dy
     A, B = pair.foot[0][q], pair.foot[1][q]
     I, w0, w1, w2, d0, d1, d2, w1x, d1x = weights(pair.form, A, rc.ni, rc.mirror_x)
     J, v0, v1, v2, e0, e1, e2, v1y, e1y = weights(pair.form, B, rc.nj, rc.mirror_y)
@@ -271,10 +314,15 @@ def touch(front, fc, rear, rc, pair, q, a, b):
         area = max(Xa * Yb - Xb * Ya, 0.01 * rc.dx * rc.dy)
         go, turn = (Yb * x - Xb * y) / area, (Xa * y - Ya * x) / area
     low = -0.5 if pair.form == SMOOTH else 0.0
-    pair.foot[0][q] = min(max(A + min(max(go, -_STEP), _STEP), low if rc.mirror_x else 0.0), float(rc.ni))
-    pair.foot[1][q] = min(max(B + min(max(turn, -_STEP), _STEP), low if rc.mirror_y else 0.0), float(rc.nj))
+    low_a, low_b = low if rc.mirror_x else 0.0, low if rc.mirror_y else 0.0
+    A2, B2 = A + min(max(go, -_STEP), _STEP), B + min(max(turn, -_STEP), _STEP)
+    pair.foot[0][q] = min(max(A2, low_a), float(rc.ni))
+    pair.foot[1][q] = min(max(B2, low_b), float(rc.nj))
     if depth <= 0.0:
         pair.status[q] = FREE
+        return 0.0, depth
+    beside_x, beside_y = A2 > rc.ni or (A2 < 0.0 and not rc.mirror_x), B2 > rc.nj or (B2 < 0.0 and not rc.mirror_y)
+    if beside_x or beside_y:
         return 0.0, 0.0
     leapt = max(abs(go), abs(turn)) > _LEAP or (pair.status[q] == FREE and depth > 0.5 * pair.thickness)
     part = min(left(front, fc, a, b), left(rear, rc, A, B))
@@ -285,17 +333,32 @@ def touch(front, fc, rear, rc, pair, q, a, b):
     pair.status[q] = TOUCHING
     if pair.start == 0.0:  # half an element, or a quarter, is modelled about points on planes of symmetry
         part *= (0.5 if a == 0.0 and fc.mirror_x else 1.0) * (0.5 if b == 0.0 and fc.mirror_y else 1.0)
-    v_x = across(front.v[0], k, fc.s, p0, p1x, p2, q0, q1, q2) - across(rear.v[0], K, rc.s, w0, w1x, w2, v0, v1, v2)
-    v_y = across(front.v[1], k, fc.s, p0, p1, p2, q0, q1y, q2) - across(rear.v[1], K, rc.s, w0, w1, w2, v0, v1y, v2)
-    v_z = across(front.v[2], k, fc.s, p0, p1, p2, q0, q1, q2) - across(rear.v[2], K, rc.s, w0, w1, w2, v0, v1, v2)
+    v_x = -across(rear.v[0], K, rc.s, w0, w1x, w2, v0, v1, v2)
+    v_y = -across(rear.v[1], K, rc.s, w0, w1, w2, v0, v1y, v2)
+    v_z = -across(rear.v[2], K, rc.s, w0, w1, w2, v0, v1, v2)
+    if central:
+        v_x, v_y, v_z = (
+            v_x + middle(front.v[0], k, fc.s),
+            v_y + middle(front.v[1], k, fc.s),
+            v_z + middle(front.v[2], k, fc.s),
+        )
+    else:
+        v_x += across(front.v[0], k, fc.s, p0, p1x, p2, q0, q1, q2)
+        v_y += across(front.v[1], k, fc.s, p0, p1, p2, q0, q1y, q2)
+        v_z += across(front.v[2], k, fc.s, p0, p1, p2, q0, q1, q2)
     f = max(0.0, part * (pair.stiffness * depth + pair.damping * (n_x * v_x + n_y * v_y + n_z * v_z)))
     if f > 0.0:
-        note(pair.front_touched, i, j)
-        note(pair.rear_touched, I, J)
+        note(pair.front_touched, i, j, 2 if central else 3)
+        note(pair.rear_touched, I, J, 3)
         F = pair.on_front
-        spread(F[0], k, fc.s, -f * n_x, p0, p1x, p2, q0, q1, q2)
-        spread(F[1], k, fc.s, -f * n_y, p0, p1, p2, q0, q1y, q2)
-        spread(F[2], k, fc.s, -f * n_z, p0, p1, p2, q0, q1, q2)
+        if central:
+            share(F[0], k, fc.s, -f * n_x)
+            share(F[1], k, fc.s, -f * n_y)
+            share(F[2], k, fc.s, -f * n_z)
+        else:
+            spread(F[0], k, fc.s, -f * n_x, p0, p1x, p2, q0, q1, q2)
+            spread(F[1], k, fc.s, -f * n_y, p0, p1, p2, q0, q1y, q2)
+            spread(F[2], k, fc.s, -f * n_z, p0, p1, p2, q0, q1, q2)
         F = pair.on_rear
         spread(F[0], K, rc.s, f * n_x, w0, w1x, w2, v0, v1, v2)
         spread(F[1], K, rc.s, f * n_y, w0, w1, w2, v0, v1y, v2)

@@ -1,4 +1,6 @@
-"""The projectile: a rigid body of a given shape, moving without turning, at any obliquity.
+"""The projectile: a body of a given shape, moving without turning, at any obliquity.
+
+It is rigid, or along its axis an elastic-plastic bar (`bar`) whose tip has the shape; across its axis it moves rigidly.
 
 Directions. A shot comes at an angle of obliquity to the panel's normal, towards an azimuth in the panel's plane counted
 from the warp to the weft. The projectile's axis lies along its flight but for a yaw, by which it leans further over in
@@ -11,12 +13,14 @@ hemisphere, the centre, so that a sphere flies alike whatever its attitude.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from math import cos, inf, pi, radians, sin, tan
 
 import numpy as np
 
 from fabrics.errors import InputError
 from shellfabric import shapes_kernels
+from shellfabric.bar import Bar
 
 STEEPEST = radians(75)  # of flight and axis against the normal: beyond, the shot passes along the panel
 
@@ -58,7 +62,7 @@ SHAPES = {
 
 @dataclass(frozen=True)
 class Projectile:
-    """Rigid projectile; by default a right circular cylinder (source thesis section 2.3: 3 g, 5.5 mm, flat).
+    """Projectile; by default a rigid right circular cylinder (source thesis section 2.3: 3 g, 5.5 mm, flat).
 
     Parameters
     ----------
@@ -75,6 +79,9 @@ class Projectile:
     flat_angle : [rad] of a chisel's flats against the plane of its nose
     obliquity, azimuth, yaw, roll : [rad], see above; the axis may lean by 75 degrees at most
     friction : Coulomb's coefficient between projectile and fabric; none in the source
+    body : "rigid", "bar", or the Bar itself, of this mass. "bar" is a flat cylinder of steel (thesis Table 4-2), bored
+        from its tail to its mass (erratum E-37), as long as the source's where no length is given
+    bore : [m] width of the bore of that cylinder; None takes 4.5 mm. The source tells neither width nor depth
 
     Raises
     ------
@@ -95,6 +102,8 @@ class Projectile:
     yaw: float = 0.0
     roll: float = 0.0
     friction: float = 0.0
+    body: str | Bar = "rigid"
+    bore: float | None = None
 
     def __post_init__(self):
         if self.shape not in SHAPES:
@@ -110,6 +119,36 @@ class Projectile:
             raise InputError(key="obliquity", value=self.obliquity, allowed=f"from 0 to {STEEPEST:.4g} rad")
         if not abs(self.obliquity + self.yaw) <= STEEPEST:
             raise InputError(key="yaw", value=self.yaw, allowed=f"with the obliquity within {STEEPEST:.4g} rad")
+        self._check_body()
+
+    def _check_body(self):
+        if not isinstance(self.body, Bar) and self.body not in ("rigid", "bar"):
+            raise InputError(key="body", value=self.body, allowed="rigid, bar or a Bar")
+        if self.bore is not None and (self.body != "bar" or not 0 < self.bore < 2 * self.radius):
+            raise InputError(key="bore", value=self.bore, allowed="below the diameter, and with the body bar")
+        if self.body == "bar" and self.shape != "flat":
+            raise InputError(
+                key="body", value=self.body, allowed=f"rigid, or a Bar of its own sections, for a {self.shape}"
+            )
+        bar = self.bar
+        if bar is not None and not abs(bar.mass / self.mass - 1) < 1e-9:
+            raise InputError(key="mass", value=self.mass, allowed=f"that of the bar, {bar.mass:.6g} kg")
+
+    @cached_property
+    def bar(self) -> Bar | None:
+        """The bar along the axis; None for a rigid body."""
+        if isinstance(self.body, Bar):
+            return self.body
+        return self.steel_bar() if self.body == "bar" else None
+
+    def steel_bar(self) -> Bar:
+        """The bored steel cylinder of this mass, diameter and length.
+
+        Raises
+        ------
+        InputError : a mass that the solid cylinder has not, or that the bore cannot leave
+        """
+        return Bar.cylinder(self.mass, diameter=2 * self.radius, length=self.length, bore=self.bore)
 
     def _check_lengths(self):
         for key in ("mass", "radius", "edge_radius"):

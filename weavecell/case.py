@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, replace
 from math import degrees
 
 import numpy as np
@@ -12,8 +12,9 @@ from fabrics import catalogue
 from fabrics.compression import CompressionLaw
 from fabrics.errors import InputError
 from fabrics.fabric import Fabric
+from fabrics.materials import Isotropic, load
 from fabrics.surface import ResponseSurface
-from weavecell.scene import ProjectileTable
+from weavecell.scene import BackingTable, ProjectileTable
 from weavecell.tables import InlineLaw
 
 # what a surface has of its own, with the values that a scene may leave standing
@@ -94,6 +95,8 @@ def setup(case, file):
             bending=case.scene.fabric.bending,
             surface=case.surface,
             snapshot_interval=run.snapshot_interval,
+            failure=panel.yarns_fail,
+            backing=_backing(case.scene.backing),
             measure=Measure(measure.interval, measure.warp, measure.weft) if measure else None,
             numerics=Numerics(**knobs),
         )
@@ -106,6 +109,19 @@ def _projectile(table):
 
     given = {key: value for key, value in table if value is not None and key not in ("diameter", "strike_velocity")}
     return Projectile(radius=table.diameter / 2, **given)
+
+
+def _backing(table):
+    """The block that a scene names; what it leaves out is the source's, or the mesh's default."""
+    if table is None:
+        return None
+    from shellfabric.backing import Backing
+
+    given = {key: value for key, value in table if value is not None}
+    face = given.pop("room")
+    of_material = {field.name for field in fields(Isotropic)}
+    material = replace(load("backing"), **{key: given.pop(key) for key in tuple(given) if key in of_material})
+    return Backing(material=material, face=face, **given)
 
 
 def _edge(boundary):
@@ -135,7 +151,7 @@ def in_file(problem, file):
     tables = {"gap": "fabric", "model": "fabric", "bending": "fabric", "elements_per_crossover": "run"}
     tables |= dict.fromkeys(("opening", "symmetry", "weave_angle", "grading"), "panel")
     tables |= dict.fromkeys(ProjectileTable.model_fields, "projectile")
-    tables |= dict.fromkeys(("warp", "weft"), "measure")
+    tables |= dict.fromkeys(("warp", "weft"), "measure") | dict.fromkeys(BackingTable.model_fields, "backing")
     key = f"{tables[problem.key]}.{problem.key}" if problem.key in tables else problem.key
     key = "panel.boundary" if key == "edge" else key
     if key is None:
@@ -224,6 +240,8 @@ def shot_in_words(shot):
     told = f"{_BODIES[shot.shape]} of {1e3 * shot.mass:g} g and {1e3 * shot.diameter:g} mm"
     if shot.obliquity:
         told += f", {degrees(shot.obliquity):.3g}° off the normal"
+    if shot.body == "bar":
+        told += ", elastic-plastic along its axis"
     if shot.friction:
         told += f", with friction {shot.friction:g}"
     return told

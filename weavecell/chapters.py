@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from weavecell import pictures, pictures3d, pictures_measures
+from weavecell import pictures, pictures3d, pictures_body, pictures_measures
 from weavecell.listing import derived
 from weavecell.paraview import failed_yarns
 from weavecell.report import Card, Figure, Section, Table
@@ -273,6 +273,32 @@ def measures(record, places):
         "measures", "Along the yarns and at the edges", "", figures,
         (Table(columns, tuple(_front_row(wave, recorded) for wave in waves), numeric=columns[2:]),) if waves else (),
     )  # fmt: skip
+
+
+def body(record):
+    """Sections of an elastic projectile and of a block behind the panel, where there is one."""
+    found = []
+    if record.bar is not None:
+        bar = record.bar
+        lead = f"{record.rigidity}. " if record.rigidity else ""
+        lead += f"Plastic strain has shortened it by {1e3 * bar.shortening:.3g} mm."
+        swing = f" They swing in {1e6 * bar.swing:.3g} us." if np.isfinite(bar.swing) else ""
+        caption = (
+            f"Tip, tail and centre of mass of the projectile; the first mode has {1e6 * bar.period:.3g} us.{swing}"
+        )
+        picture = pictures.render(pictures_body.bar, bar)
+        found.append(Section("bar", "The projectile as a bar", lead, (Figure(picture, "svg", caption, "bar"),)))
+    if record.backing is not None:
+        block = record.backing
+        lead = (
+            f"The crater is {1e3 * block.depth:.1f} mm deep and {2e3 * block.half_width:.1f} mm wide at half of that; "
+            f"its wall stands at {np.degrees(block.steepness):.0f}° to the face. {int(block.gone.sum())} bricks of the "
+            "quarter are eroded."
+        )
+        picture = pictures.render(pictures_body.crater, {record.title: block}, kind="png")
+        caption = "The block cut along the warp through the impact point, at the end of the run, to scale."
+        found.append(Section("backing", "The block behind", lead, (Figure(picture, "png", caption, "crater"),)))
+    return found
 
 
 def _front_row(wave, recorded):

@@ -34,7 +34,8 @@ def chart_command(scenes, out, *, everything=False, quick=False, page=None, leve
     out : folder, or None
     everything : all standard scenes
     quick : coarser references
-    page : Path of a page to write too, with its figures in figures/ beside it; renews the tables of the package
+    page : Path of a page to write too, with its figures in figures/ beside it; renews the tables of the package, from
+        which the page also tells of the scenes that were run before
     level, only, processes : of the long study
     resume : begin with the cases of an interrupted run
     """
@@ -55,7 +56,6 @@ def chart_command(scenes, out, *, everything=False, quick=False, page=None, leve
 
 def charts(names, out, quick, page, resume):
     """Scenes by short runs."""
-    from validation.charts import page as pages
     from validation.charts import study
 
     out = out or Path("results") / ("charts" if len(names) > 1 else f"chart-{names[0]}")
@@ -73,24 +73,36 @@ def charts(names, out, quick, page, resume):
     stamp = provenance.stamp()
     json_file.write(out / "charts.json", {"charts": [_plain(chart) for chart in found], "provenance": stamp})
     if page is not None:
-        kept = Path(str(resources.files("validation.charts"))) / "results"
-        for chart in found:
-            _write(chart, page.parent / "figures", kept)
-        words = ["--all"] if names == list(study.SCENES) else [f"--scene {name}" for name in names]
-        command = " ".join(["weavecell chart", *words, *(["--quick"] if quick else []), f"--page {page}"])
-        load = f"load average {os.getloadavg()[0]:.1f} at the end"
-        made = f"Version {stamp['weavecell']}, commit {stamp['commit']}, {stamp['date']}, {stamp['processor']}, {load}."
-        pages.write(found, page, made, command)
+        _write_page(found, page, _made(stamp))
     print(f"written to {out}" + (f" and {page}" if page else ""))
 
 
-def _write(chart, pictures_folder, tables_folder):
+def _made(stamp):
+    load = f"load average {os.getloadavg()[0]:.1f}"
+    return f"version {stamp['weavecell']}, commit {stamp['commit']}, {stamp['date']}, {stamp['processor']}, {load}."
+
+
+def _write_page(charts, page, made):
+    """Renew the tables of the package and the page, which also tells of the scenes that were run before."""
+    from validation.charts import page as pages
+    from validation.charts import pictures, study, tables
+
+    kept = Path(str(resources.files("validation.charts"))) / "measured"
+    for chart in charts:
+        _write(chart, page.parent / "figures", kept, made)
+    known = [tables.read(study.scene(key), kept) for key in study.SCENES if tables.kept(key, kept)]
+    for chart, _ in known:
+        pictures.draw(chart, page.parent / "figures" / f"chart-{chart.scene.key}.png")
+    pages.write(known, page, f"weavecell chart --all --page {page}")
+
+
+def _write(chart, pictures_folder, tables_folder, made=""):
     from validation.charts import pictures, tables
 
     name = chart.scene.key
     pictures.draw(chart, pictures_folder / f"chart-{name}.png")
     tables.write_methods(chart, tables_folder / f"{name}.csv")
-    tables.write_references(chart, tables_folder / f"{name}-references.csv")
+    tables.write_references(chart, tables_folder / f"{name}-references.csv", made)
 
 
 def _tell(chart):

@@ -29,16 +29,28 @@ US, UM = 1e6, 1e6
 # energies from the largest and best known down to the losses: name in the results, name in the plot, colour
 ENERGIES = (
     ("kinetic_projectile", "projectile, kinetic", "#c9d2db"),
+    ("elastic_projectile", "projectile, elastic", "#97a6b5"),
+    ("plastic_projectile", "projectile, plastic", "#5b6b7b"),
     ("kinetic_fabric", "fabric, kinetic", SKY),
     ("stored", "fabric, membrane", "#0072B2"),
     ("shear", "fabric, shear", GREEN),
     ("bending", "fabric, bending", "#7fb8a4"),
+    ("jam", "fabric, bunched yarns", "#a9cdbd"),
     ("failed", "lost at failure", RED),
     ("contact", "contact", ORANGE),
     ("friction", "friction", "#b5651d"),
     ("grip", "slip in the clamps", "#8c8c3f"),
     ("external", "work on edges led in", "#4d6b3c"),
     ("viscous", "viscous", PURPLE),
+    ("backing_kinetic", "block, kinetic", "#f3dfc1"),
+    ("backing_elastic", "block, elastic", "#e3c08a"),
+    ("backing_plastic", "block, plastic", "#c58f45"),
+    ("backing_eroded", "block, eroded", "#8a5a1f"),
+    ("backing_absorbed", "block, gone through its far faces", "#d9c7ae"),
+    ("backing_viscous", "block, viscous", "#b79bb0"),
+    ("backing_hourglass", "block, hourglass", "#7d6a86"),
+    ("backing_contact", "block, contact springs", "#efc4a0"),
+    ("backing_damped", "block, contact damping", "#d98f63"),
 )
 
 

@@ -2,8 +2,9 @@
 
 Layout: attributes of the root for scalars and texts; /histories, /energies, /reactions with one value an instant;
 /panel with the shape and state at two instants; /measured, where a scene asks for it, with histories along yarns
-(samples by elements or nodes), the forces on the edges (pull, lift) and the fronts. Every dataset has the attribute
-"unit".
+(samples by elements or nodes), the forces on the edges (pull, lift) and the fronts; /bar, of an elastic projectile,
+with the histories of tip, tail and centre of mass; /backing, of a block, with its quarter at the end. Every dataset has
+the attribute "unit".
 """
 
 from __future__ import annotations
@@ -18,12 +19,17 @@ from fabrics.files import replace_whole
 _FORMAT = "weavecell impact 1"
 _SCALARS = (
     "title", "fabric", "law_name", "strike_velocity", "outcome", "residual_velocity", "mass", "message",
-    "mirror_x", "mirror_y", "wall_time", "ns_per_element_step", "elements", "steps",
+    "mirror_x", "mirror_y", "wall_time", "ns_per_element_step", "elements", "steps", "rigidity",
 )  # fmt: skip
 _HISTORIES = {"t": "s", "v": "m/s", "z": "m", "failed": "1"}
 _PANEL = {"quads": "1", "strength": "N", "projectile": "m"}
 _YARN = ("family", "offset", "EA", "strength", "crimp")
 _YARN_HISTORIES = {"X": "m", "tension": "N", "place": "m", "deflection": "m"}
+_BAR = {
+    "t": "s", "tip": "m", "tail": "m", "centre": "m", "tip_velocity": "m/s", "tail_velocity": "m/s",
+    "centre_velocity": "m/s",
+}  # fmt: skip
+_BACKING = {"crater": "m", "crater_weft": "m", "nodes": "m", "bricks": "1", "plastic": "1", "gone": "1"}
 _PACKED = {"compression": "gzip", "compression_opts": 1, "shuffle": True}
 _SHAPE = {"t": "s", "z": "m", "nose": "m", "nodes": "m", "tension": "N", "broken": "1"}
 
@@ -80,7 +86,10 @@ class ImpactRecord:
     middle, last : Shape when the projectile had lost half of the energy that it lost (the snapshot nearest to it), and
         at the end
     wall_time, ns_per_element_step, elements, steps : cost of the run
+    rigidity : whether a rigid projectile was enough, in words; "" where that is not known
     measured : shellfabric.histories.Histories, or None where nothing was to be recorded
+    bar : shellfabric.body.BarHistory of an elastic projectile, or None
+    backing : shellfabric.behind.BackingResult, the block at the end, or None
     """
 
     title: str
@@ -108,7 +117,10 @@ class ImpactRecord:
     projectile: np.ndarray
     middle: Shape
     last: Shape
+    rigidity: str = ""
     measured: object = None
+    bar: object = None
+    backing: object = None
 
     @property
     def strike_energy(self):
@@ -146,11 +158,16 @@ class ImpactRecord:
             failed=result.failed, energies=dict(result.energies), reactions=dict(result.reactions),
             quads=result.quads, strength=np.array([yarn.strength for yarn in setup.fabric.weave.yarns]),
             middle=_middle(result, last), last=last, measured=result.histories,
+            rigidity=str(result.rigidity or ""), bar=result.bar, backing=result.backing,
         )  # fmt: skip
 
     def summary(self):
         """The scalars of the record, and what follows from them, as a flat dict."""
         scalars = {name: getattr(self, name) for name in _SCALARS}
+        if self.bar is not None:
+            scalars |= {"plastic_shortening": self.bar.shortening, "bar_period": self.bar.period}
+        if self.backing is not None:
+            scalars |= {"crater_depth": self.backing.depth, "crater_wall_angle": self.backing.steepness}
         return scalars | {
             "end_time": float(self.t[-1]),
             "failed_yarn_segments": int(self.failed[-1]),
@@ -158,6 +175,12 @@ class ImpactRecord:
             "absorbed": self.absorbed,
             "worst_balance": self.worst_balance,
             "numerical_share": self.numerical_share,
+            **({"plastic_shortening": self.bar.shortening, "bar_period": self.bar.period} if self.bar else {}),
+            **(
+                {"crater_depth": self.backing.depth, "crater_wall_angle": self.backing.steepness}
+                if self.backing
+                else {}
+            ),
             "energies_at_end": {name: float(values[-1]) for name, values in self.energies.items()},
         }
 
@@ -181,6 +204,10 @@ class ImpactRecord:
                 put(file, f"reactions/{name}", values, "N")
             if self.measured is not None:
                 _write_measured(file.create_group("measured"), self.measured)
+            if self.bar is not None:
+                _write_group(file.create_group("bar"), self.bar, _BAR, ("period", "shortening"))
+            if self.backing is not None:
+                _write_group(file.create_group("backing"), self.backing, _BACKING, ("face",))
 
     @classmethod
     def read(cls, path):
@@ -199,6 +226,7 @@ class ImpactRecord:
                 for group in ("energies", "reactions"):
                     values[group] = {name: data[()] for name, data in file[group].items()}
                 values["measured"] = _read_measured(file["measured"]) if "measured" in file else None
+                values |= {name: _read_group(file, name) for name in ("bar", "backing")}
         except OSError as problem:
             raise InputError(f"is not a readable HDF5 file ({problem})", file=path) from None
         assert set(values) == {entry.name for entry in fields(cls)}
@@ -220,6 +248,26 @@ def _middle(result, last):
     instant = result.t[int(np.argmax(lost >= 0.5 * lost[-1]))]
     shots = [shot for shot in result.snapshots if shot.t <= last.t]
     return Shape.of(min(shots, key=lambda shot: abs(shot.t - instant))) if shots else last
+
+
+def _write_group(group, source, units, scalars):
+    """Arrays and scalars of an object, by name."""
+    for name in scalars:
+        group.attrs[name] = getattr(source, name)
+    for name, unit in units.items():
+        put(group, name, getattr(source, name), unit, **_PACKED)
+
+
+def _read_group(file, name):
+    """What `_write_group` wrote of a bar or a backing; None where the file has none."""
+    from shellfabric.behind import BackingResult
+    from shellfabric.body import BarHistory
+
+    if name not in file:
+        return None
+    kind, units = {"bar": (BarHistory, _BAR), "backing": (BackingResult, _BACKING)}[name]
+    group = file[name]
+    return kind(**{key: group[key][()] for key in units}, **{key: _plain(value) for key, value in group.attrs.items()})
 
 
 def _write_measured(group, measured):

@@ -9,6 +9,8 @@ The folder of `weavecell impact`
     report.html     all of it on one page
     checkpoint.h5   only while the run goes on, or after it was interrupted: `--resume` goes on from it
 
+A pack of several plies has a folder much like it (`pack_run`).
+
 Where the scene says how accurate its answer is to be, the model is chosen (`fidelity`): summary.json and the report
 then tell which, why, and whether the promise was confirmed.
 
@@ -22,7 +24,7 @@ import shutil
 import weavecell
 from fabrics.errors import InputError, UnstableError, WeavecellError
 from fabrics.files import write_whole
-from weavecell import case, chapters, fidelity, json_file, paraview, progress, provenance, report, scene
+from weavecell import case, chapters, fidelity, json_file, pack_run, paraview, progress, provenance, report, scene
 from weavecell.record import ImpactRecord, Shape
 
 
@@ -46,6 +48,11 @@ def impact(path, out, *, resume=False):
     setup = case.setup(this, path)
     if resume and not checkpoints(out):
         raise InputError("there is no checkpoint to resume from", file=out / "checkpoint.h5")
+    if asked.panel.plies > 1:
+        try:
+            return pack_run.impact(this, setup, path, text, out, resume=resume)
+        except KeyboardInterrupt:
+            raise _interrupted(out) from None
     title = asked.title or f"{this.fabric.name}, {asked.projectile.strike_velocity:g} m/s"
     choice = None
 
@@ -62,8 +69,7 @@ def impact(path, out, *, resume=False):
     except InputError as problem:
         raise case.in_file(problem, path) from None
     except KeyboardInterrupt:
-        hint = "; --resume goes on from its last checkpoint" if checkpoints(out) else ""
-        raise Interrupted(f"interrupted{hint}") from None
+        raise _interrupted(out) from None
     with progress.bar("Writing results") as advance:
         write(out, this, record, snapshots, text, advance, choice)
     for checkpoint in checkpoints(out):
@@ -73,6 +79,11 @@ def impact(path, out, *, resume=False):
         fidelity.tell(choice)
     if failure is not None:
         raise failure
+
+
+def _interrupted(out):
+    hint = "; --resume goes on from its last checkpoint" if checkpoints(out) else ""
+    return Interrupted(f"interrupted{hint}")
 
 
 def checkpoints(out):
@@ -127,6 +138,7 @@ def write(out, this, record, snapshots, text, advance, choice=None):
         told.append(fidelity.chapter(choice))
     if record.measured is not None:
         told.append(chapters.measures(record, this.scene.measure.places))
+    told += chapters.body(record)
     if "pictures" in outputs:
         report.write_pictures(told, out / "pictures")
     advance(0.9)
@@ -167,5 +179,7 @@ def _tell(record, out):
     print(
         f"energy balance within {100 * record.worst_balance:.3f} % of the strike energy, {record.strike_energy:.2f} J"
     )
+    if record.rigidity:
+        print(record.rigidity)
     print(f"viscous energy {100 * record.numerical_share:.1f} % of the {record.absorbed:.2f} J absorbed")
     print(f"written to {out}", flush=True)

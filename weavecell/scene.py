@@ -26,7 +26,7 @@ from weavecell.tables import (
 
 
 class ProjectileTable(Table):
-    """A rigid projectile of one of five shapes, flying at the panel's centre."""
+    """A projectile of one of five shapes, flying at the panel's centre; rigid, or a steel bar along its axis."""
 
     mass: quantity("kg", "a mass above 0", "3 g", above=0.0)
     diameter: quantity("m", "a length above 0", "5.5 mm", above=0.0)
@@ -43,6 +43,8 @@ class ProjectileTable(Table):
     yaw: angle(-75, 75, "5 deg") = 0.0
     roll: angle(-360, 360, "45 deg") = 0.0
     friction: Annotated[float, Field(ge=0.0, le=2.0, description="a number from 0 to 2")] = 0.0
+    body: one_of("rigid", "bar") = "rigid"
+    bore: quantity("m", "a length above 0", "4.5 mm", above=0.0) = None
 
 
 class SlipTable(Table):
@@ -107,7 +109,7 @@ def _zones(value):
 
 
 class PanelTable(Table):
-    """A panel in a rectangular opening."""
+    """A panel in a rectangular opening, or a pack of several plies."""
 
     opening: Annotated[
         float | tuple[float, float],
@@ -117,6 +119,10 @@ class PanelTable(Table):
     boundary: Annotated[Boundary, Field(description=_BOUNDARY)] = "clamped"
     symmetry: one_of("quarter", "half", "whole") = "quarter"
     weave_angle: angle(-89, 89, "45 deg") = 0.0
+    plies: whole(1, 32) = 1
+    stacking: one_of("aligned", "alternating") = "aligned"
+    gap: quantity("m", "a length of at least 0", "0.12 mm", at_least=0.0) = None
+    yarns_fail: Annotated[bool, Field(description="true or false")] = True
     grading: Annotated[
         tuple[tuple[float, float], ...] | None,
         BeforeValidator(_zones),
@@ -124,6 +130,23 @@ class PanelTable(Table):
             description="zones [until, side] in crossovers, the last until inf, such as [[10, 1], [20, 2], [inf, 4]]"
         ),
     ] = None
+
+
+class BackingTable(Table):
+    """A block behind the panel (thesis section 6.5); what is left out is of Table 6-1, or of `shellfabric.backing`."""
+
+    size: quantities("m", "a list of three lengths", '["300 mm", "300 mm", "180 mm"]') = None
+    room: quantity("m", "a length of at least 0", "0.5 mm", at_least=0.0) = 0.0
+    modulus: quantity("Pa", "a stress above 0", "100 MPa", above=0.0) = None
+    density: quantity("kg/m^3", "a density above 0", "3 g/cm^3", above=0.0) = None
+    poisson: number("a number from 0 to below 0.5", ge=0.0, lt=0.5) = None
+    yield_stress: quantity("Pa", "a stress above 0", "20 MPa", above=0.0) = None
+    hardening: quantity("Pa", "a stress of at least 0", "0 Pa", at_least=0.0) = None
+    erosion_strain: number("a number above 0", gt=0.0) = None
+    far: Annotated[Literal["fixed", "absorbing", "free"] | None, Field(description="fixed, absorbing or free")] = None
+    finest: quantity("m", "a length above 0", "1 mm", above=0.0) = None
+    fine: quantity("m", "a length above 0", "8 mm", above=0.0) = None
+    growth: number("a number of at least 1", ge=1.0) = None
 
 
 class RunTable(Table):
@@ -188,6 +211,7 @@ class Scene(Table):
     measure: Annotated[MeasureTable | None, Field(description="a table [measure]")] = None
     accuracy: Annotated[AccuracyTable | None, Field(description="a table [accuracy]")] = None
     numerics: Annotated[NumericsTable, Field(description="a table [numerics]")] = NumericsTable()
+    backing: Annotated[BackingTable | None, Field(description="a table [backing]")] = None
 
 
 def load(path):
@@ -240,9 +264,35 @@ def _check_relations(scene, table, file):
     for (name, key), (holds, allowed) in limits.items():
         if not holds and key in table[name]:
             raise InputError(file=file, key=f"{name}.{key}", value=table[name][key], allowed=allowed)
+    _check_pack(scene, table, file)
+    if shot.bore is not None and shot.body != "bar":
+        raise InputError("is that of a bar", file=file, key="projectile.bore", allowed='with body = "bar"')
+    if scene.backing is not None and scene.backing.size is not None and len(scene.backing.size) != 3:
+        raise InputError(file=file, key="backing.size", value=table["backing"]["size"], allowed="three lengths")
     if isinstance(panel.boundary, BoundaryTable):
         for name in ("warp", "weft"):
             _check_sides(getattr(panel.boundary, name), f"panel.boundary.{name}", table, file)
+
+
+def _check_pack(scene, table, file):
+    """What goes with several plies alone, and what does not."""
+    panel = scene.panel
+    if panel.plies == 1:
+        for key in ("stacking", "gap"):
+            if key in table["panel"]:
+                allowed = "left out for a single ply"
+                raise InputError(file=file, key=f"panel.{key}", value=table["panel"][key], allowed=allowed)
+        return
+    for key in ("measure", "accuracy"):
+        if getattr(scene, key) is not None:
+            raise InputError("is for a single ply", file=file, key=key, allowed="left out where panel.plies is above 1")
+    if panel.stacking == "alternating":
+        for holds, why in (
+            (panel.weave_angle == 0.0, "the weave is oblique"),
+            (scene.fabric.surface is None, "the cell is a response surface"),
+        ):
+            if not holds:
+                raise InputError(file=file, key="panel.stacking", value=panel.stacking, allowed=f"aligned where {why}")
 
 
 def _check_sides(side, key, table, file):

@@ -2,7 +2,7 @@
 
 Folder of `weavecell stability --map NAME`, or `--all`
     stability-NAME.png      the map
-    points.csv, edges.csv   one row a point; one row an edge of a default
+    NAME.csv, NAME-edges.csv   one row a point; one row an edge of a default
     stability.json          edges and margins, provenance
     points/NAME/            a file for each point as soon as it is done: `--resume` begins with them
 """
@@ -26,10 +26,10 @@ def stability_command(names, out, *, everything=False, quick=False, page=None, r
     out : folder, or None
     everything : all maps
     quick : fewer points
-    page : Path of a page to write too, with its figures in figures/ beside it; renews the tables of the package
+    page : Path of a page to write too, with its figures in figures/ beside it; renews the tables of the package, from
+        which the page also tells of the maps that were run before
     resume : begin with the points of an interrupted run
     """
-    from validation.stability import page as pages
     from validation.stability import pictures, study, tables
 
     known = ", ".join(study.MAPS)
@@ -50,22 +50,28 @@ def stability_command(names, out, *, everything=False, quick=False, page=None, r
                 )
             )  # fmt: skip
         pictures.draw(maps[-1], out / f"stability-{name}.png")
+        tables.write(maps[-1], out)
         _tell(maps[-1])
-    tables.write_points(maps, out / "points.csv")
-    tables.write_edges(maps, out / "edges.csv")
     stamp = provenance.stamp()
     json_file.write(out / "stability.json", {"maps": [_plain(found) for found in maps], "provenance": stamp})
     if page is not None:
-        kept = Path(str(resources.files("validation.stability"))) / "results"
-        tables.write_points(maps, kept / "points.csv")
-        tables.write_edges(maps, kept / "edges.csv")
-        for found in maps:
-            pictures.draw(found, page.parent / "figures" / f"stability-{found.map.key}.png")
-        words = ["--all"] if names == list(study.MAPS) else [f"--map {name}" for name in names]
-        command = " ".join(["weavecell stability", *words, *(["--quick"] if quick else []), f"--page {page}"])
-        made = f"Version {stamp['weavecell']}, commit {stamp['commit']}, {stamp['date']}, {stamp['processor']}."
-        pages.write(maps, page, made, command)
+        made = f"version {stamp['weavecell']}, commit {stamp['commit']}, {stamp['date']}, {stamp['processor']}."
+        _write_page(maps, page, made)
     print(f"written to {out}" + (f" and {page}" if page else ""))
+
+
+def _write_page(maps, page, made):
+    """Renew the tables of the package and the page, which also tells of the maps that were run before."""
+    from validation.stability import page as pages
+    from validation.stability import pictures, study, tables
+
+    folder = Path(str(resources.files("validation.stability"))) / "measured"
+    for found in maps:
+        tables.write(found, folder, made)
+    known = [tables.read(study.load(key), folder) for key in study.MAPS if tables.kept(key, folder)]
+    for found, _ in known:
+        pictures.draw(found, page.parent / "figures" / f"stability-{found.map.key}.png")
+    pages.write(known, page, f"weavecell stability --all --page {page}")
 
 
 def _tell(found):

@@ -287,7 +287,8 @@ def test_points_follow_a_face_that_moves_and_erodes():
     block.gone.reshape(block.shape)[2, 0, :2] = True  # two bricks deep
     assert not block.press(point, 0 * point, np.ones(1)).any()
     deeper = point + np.array([0, 0, 2e-3])
-    assert block.press(deeper, 0 * point, np.ones(1))[0, 2] == pytest.approx(-1e-5, rel=1e-6)
+    at_once = np.array([[0, 0, 2e-3 / block.dt]])
+    assert block.press(deeper, at_once, np.ones(1))[0, 2] == pytest.approx(-1e-5, rel=1e-6)
 
 
 def test_threads_change_no_bit():

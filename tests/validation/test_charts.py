@@ -151,7 +151,14 @@ def test_a_scene_from_end_to_end_and_resumed(tmp_path, monkeypatch):
     assert len(rows) == len(chart.scene.methods)
     assert float(rows[0]["cpu [s]"]) > 0
     assert {row["beaten by none in"] for row in rows} > {"", "wave speeds"}
-    page.write([chart], tmp_path / "charts.md", "Here and now.", "weavecell chart")
+    tables.write_methods(chart, tmp_path / "struck-yarn.csv")
+    tables.write_references(chart, tmp_path / "struck-yarn-references.csv", "here and now")
+    read, made = tables.read(chart.scene, tmp_path)
+    assert made == "here and now"
+    assert [[e.method.name for e in front] for front in read.fronts.values()] == [
+        [e.method.name for e in front] for front in chart.fronts.values()
+    ]
+    page.write([(read, made)], tmp_path / "charts.md", "weavecell chart")
     assert "| Struck yarn" in (tmp_path / "charts.md").read_text()
     monkeypatch.setattr(study, "timed", None)  # nothing is run again
     again = study.run("struck-yarn", tmp_path / "cases", quick=True, resume=True)

@@ -171,10 +171,12 @@ def test_a_map_from_end_to_end_and_resumed(tmp_path, monkeypatch):
     assert all(edge.enough for edge in found.edges)
     pictures.draw(found, tmp_path / "map.png")
     assert (tmp_path / "map.png").read_bytes()[:4] == b"\x89PNG"
-    tables.write_points([found], tmp_path / "points.csv")
-    tables.write_edges([found], tmp_path / "edges.csv")
-    assert len((tmp_path / "edges.csv").read_text().splitlines()) == 3
-    page.write([found], tmp_path / "stability.md", "Here and now.", "weavecell stability")
+    tables.write(found, tmp_path, "here and now")
+    read, made = tables.read(study.load("penalty", quick=True), tmp_path)
+    assert made == "here and now"
+    assert read.outcomes == found.outcomes
+    assert [edge.margin for edge in read.edges] == [edge.margin for edge in found.edges]
+    page.write([(read, made)], tmp_path / "stability.md", "weavecell stability")
     assert "the contact has given" in (tmp_path / "stability.md").read_text()
     monkeypatch.setattr(shots, "fire", None)  # nothing is run again
     again = study.run("penalty", tmp_path / "points", quick=True, resume=True)

@@ -23,7 +23,10 @@ SCENES = {
     "accuracy-unknown": "accuracy.velocity: unknown key; allowed here: "
     "residual_velocity, absorbed_energy, deflection, peak_tension",
     "angle-without-unit": 'projectile.obliquity = 30: must be an angle from 0 to 75 deg, such as "30 deg"',
+    "bar-too-light": "projectile.mass = 0.001: must be above 0.002613 and at most 0.007905 kg",
+    "block-before-an-oblique-shot": "panel.symmetry = 'whole': must be quarter in front of a backing",
     "boolean": """projectile.mass = True: must be a mass above 0, such as "3 g\"""",
+    "bore-of-a-rigid-body": """projectile.bore: is that of a bar; must be with body = "bar\"""",
     "boundary-both-slips": "panel.boundary.weft: give either grip alone, or pull_in with start and end (and zone)",
     "boundary-ends-early": "panel.boundary.weft: must end after its start",
     "boundary-glued": f"panel.boundary.weft = 'glued': must be {SIDE}",
@@ -68,7 +71,7 @@ SCENES = {
     "projectile-too-wide": "projectile.diameter = '120 mm': must be below half of panel.opening",
     "sphere-with-edge": "projectile.edge_radius = '0.3 mm': must be left out for a sphere",
     "three-errors": 'panel.oppening: unknown key, did you mean "opening"? '
-    "allowed here: opening, boundary, symmetry, weave_angle, grading (+3 more)",
+    "allowed here: opening, boundary, symmetry, weave_angle, plies, stacking, gap, yarns_fail, grading (+3 more)",
     "toe-in-an-impact": "fabric.yarn_toe = 0.001: must be left out in an impact",
     "toe-too-long": "fabric.yarn_toe = ['0.1 %', '20 %']: must be a strain from 0 to 10 %, such as \"0.1 %\", "
     "or a list of two, of warp and weft",
@@ -78,7 +81,7 @@ SCENES = {
     "unknown-fabric": f"fabric.name = 'S-702': must be one of {FABRICS}",
     "unknown-key": 'projectile.mas: unknown key, did you mean "mass"? '
     "allowed here: mass, diameter, edge_radius, strike_velocity, shape, length, half_angle, tip_radius, flat_width, "
-    "flat_angle, obliquity, azimuth, yaw, roll, friction (+1 more)",
+    "flat_angle, obliquity, azimuth, yaw, roll, friction, body, bore (+1 more)",
     "unknown-model": """fabric.cell_model = 'rigid': must be one of "compressible", "incompressible", "decoupled\"""",
     "unknown-output": """run.outputs = 'movie': must be a list of "paraview", "pictures", "report\"""",
     "wrong-dimension": "projectile.strike_velocity = '92.5 kg': must be a speed above 0 and at most 1000 m/s, "

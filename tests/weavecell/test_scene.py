@@ -5,6 +5,7 @@ import math
 import tomllib
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from fabrics.compression import CompressionLaw
@@ -122,6 +123,24 @@ def test_setup_is_what_the_scene_says():
     assert setup.projectile.radius == pytest.approx(2.75e-3)
     assert setup.opening == pytest.approx(0.203)
     assert setup.snapshot_interval == pytest.approx(1e-5)
+
+
+def test_an_elastic_projectile_and_a_block_are_what_the_scene_says():
+    changed = with_change("projectile", "body", "bar") | {
+        "backing": {"modulus": "50 MPa", "room": "1 mm", "far": "free"}
+    }
+    changed["projectile"]["bore"] = "4.8 mm"
+    changed["panel"] = changed["panel"] | {"yarns_fail": False}
+    setup = case.setup(case.build(scene.check(changed, "s"), "s", "s"), "s")
+    assert setup.projectile.bar.mass == pytest.approx(3e-3)
+    assert setup.projectile.bar.sections[1][1] == pytest.approx(np.pi / 4 * (5.5e-3**2 - 4.8e-3**2))
+    assert (setup.backing.material.modulus, setup.backing.face, setup.backing.far) == (5e7, 1e-3, "free")
+    assert setup.backing.material.density == pytest.approx(3000)  # of Table 6-1, as all that is left out
+    assert not setup.failure
+    plain = case.setup(case.build(scene.check(TABLE, "s"), "s", "s"), "s")
+    assert plain.projectile.bar is None
+    assert plain.backing is None
+    assert plain.failure
 
 
 def setup_of(changes):

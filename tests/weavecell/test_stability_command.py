@@ -30,7 +30,7 @@ def test_a_map(command, tmp_path):
     assert code == 0
     assert "margin" in out
     made = {path.name for path in (tmp_path / "s").iterdir()}
-    assert made == {"stability-viscosity.png", "points.csv", "edges.csv", "stability.json", "points"}
+    assert made == {"stability-viscosity.png", "viscosity.csv", "viscosity-edges.csv", "stability.json", "points"}
     [found] = json.loads((tmp_path / "s" / "stability.json").read_text())["maps"]
     assert found["points"]["failed"] == 0
 

@@ -190,13 +190,17 @@ def judge(scene: Scene, samples: dict) -> Chart:
         values = samples[method.case].values
         errors = {name: abs(values[name] / found.value - 1) for name, found in references.items() if name in values}
         entries.append(Entry(method, samples[method.case], errors))
-    cost = [entry.sample.cpu for entry in entries]
-    fronts = {}
+    return Chart(scene, references, entries, fronts(scene, references, entries))
+
+
+def fronts(scene, references, entries):
+    """{group: [entries that none other beats, cheapest first]}; within what is known of the reference all are alike."""
+    cost, found = [entry.sample.cpu for entry in entries], {}
     for group, asked in scene.groups.items():
         known = max(ALIKE, *(references[q.name].share for q in asked))
-        errors = [max(entry.worst(asked), known) for entry in entries]  # within what is known, the cheapest is best
-        fronts[group] = [entries[i] for i in non_dominated(cost, errors, MARGIN)]
-    return Chart(scene, references, entries, fronts)
+        errors = [max(entry.worst(asked), known) for entry in entries]
+        found[group] = [entries[i] for i in non_dominated(cost, errors, MARGIN)]
+    return found
 
 
 def _reference(scene, samples, name):

@@ -19,18 +19,18 @@ An error is that of the answer, not of the physics: the reference is the compres
 with the regularised law, and another cell or form is another model, whose distance from it is what the chart shows."""
 
 
-def write(charts, path, stamp, command):
+def write(charts, path, command):
     """Write the page; its pictures are in figures/ beside it.
 
     Parameters
     ----------
-    charts : of `core.Chart`
-    stamp : one line that says when, where and by which version
+    charts : pairs (core.Chart, when, where and by which version it was run)
     command : that makes it
     """
-    parts = [HEAD, f"Made by `{command}`; not to be edited by hand. {stamp}", "## In short", summary(charts)]
-    for chart in charts:
-        parts += _section(chart)
+    made = f"Made by `{command}`, or scene by scene; not to be edited by hand."
+    parts = [HEAD, made, "## In short", summary([chart for chart, _ in charts])]
+    for chart, made in charts:
+        parts += [*_section(chart), f"Run: {made}"]
     with write_whole(path) as file:
         file.write("\n\n".join(parts) + "\n")
 

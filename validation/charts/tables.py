@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import csv
 
+from fabrics.errors import InputError
 from fabrics.files import write_whole
+from validation.charts.core import Chart, Entry, Reference, Sample, fronts
+from validation.convergence.richardson import Extrapolation
 
 SCALES = {"s": (1e6, "µs"), "m": (1e3, "mm"), "-": (1e2, "%"), "deg": (1.0, "°")}
 
@@ -41,19 +44,66 @@ def write_methods(chart, path):
             ])  # fmt: skip
 
 
-def write_references(chart, path):
-    """One row a quantity: reference (SI), half width, where it comes from."""
+def write_references(chart, path, made=""):
+    """One row a quantity: reference (SI), half width, where from; `made` says when, where and by which version."""
     with write_whole(path) as file:
         rows = csv.writer(file, lineterminator="\n")
-        rows.writerow(["scene", "quantity", "unit", "group", "reference", "half width", "basis", "order", "remark"])
+        rows.writerow(
+            ["scene", "quantity", "unit", "group", "reference", "half width", "basis", "order", "remark", "made"]
+        )
         for quantity in chart.scene.quantities:
             found = chart.references[quantity.name]
             basis = found.basis
             told = ("closed form", "", "") if basis is None else (basis.basis, _order(basis), basis.remark)
             rows.writerow([
                 chart.scene.key, quantity.name, quantity.unit, quantity.group, f"{found.value:.7g}",
-                f"{found.half_width:.3g}", *told,
+                f"{found.half_width:.3g}", *told, made,
             ])  # fmt: skip
+
+
+def kept(key, folder):
+    """Whether the tables of a scene are in a folder."""
+    return all((folder / f"{key}{part}.csv").exists() for part in ("", "-references"))
+
+
+def read(scene, folder):
+    """(Chart, made) from the tables of a scene in a folder; methods that the scene no longer has are left out.
+
+    Raises
+    ------
+    InputError : tables of other quantities
+    """
+    path = folder / f"{scene.key}-references.csv"
+    with path.open(encoding="utf-8") as file:
+        rows = {row["quantity"]: row for row in csv.DictReader(file)}
+    if rows.keys() != {q.name for q in scene.quantities}:
+        raise InputError(file=path, key="quantity", value=", ".join(rows), allowed="those of the scene: run it again")
+    references = {name: _reference(row) for name, row in rows.items()}
+    entries, there = [], {method.name: method for method in scene.methods}
+    with (folder / f"{scene.key}.csv").open(encoding="utf-8") as file:
+        for row in csv.DictReader(file):
+            if row["method"] in there:
+                entries.append(_entry(scene, there[row["method"]], row))
+    return Chart(scene, references, entries, fronts(scene, references, entries)), next(iter(rows.values()))["made"]
+
+
+def _reference(row):
+    basis = None
+    if row["basis"] != "closed form":
+        order = float(row["order"]) if row["order"] else None
+        basis = Extrapolation(float(row["reference"]), order, row["basis"], row["remark"], float("nan"))
+    return Reference(float(row["reference"]), float(row["half width"]), basis)
+
+
+def _entry(scene, method, row):
+    values = {q.name: row[f"{q.name} [{q.unit}]"] for q in scene.quantities}
+    errors = {q.name: row[f"error of {q.name} [-]"] for q in scene.quantities}
+    parts = {part: row[f"{part} [s]"] for part in ("table", "march")}
+    found = [{name: float(text) for name, text in column.items() if text} for column in (values, errors, parts)]
+    sample = Sample(
+        found[0], float(row["cpu [s]"]), float(row["wall [s]"]), found[2], int(row["repeats"]), row["failed"]
+    )
+    return Entry(method, sample, found[1])
 
 
 def _order(basis):

@@ -12,6 +12,7 @@ import numpy as np
 
 from fabrics import catalogue
 from fabrics.trellis import TrellisShear
+from shellfabric import body as bodies
 from shellfabric import limit as limits
 from shellfabric import measures, smith
 from shellfabric.cable import CableNet
@@ -21,7 +22,10 @@ from shellfabric.edges import PullIn
 from shellfabric.histories import Measure
 from shellfabric.impact import ImpactSetup
 from shellfabric.impact import run as run_impact
-from shellfabric.panel import Panel
+from shellfabric.pack import Pack, PlyContact, fabric_gap
+from shellfabric.pack_march import PACK_ENERGIES, PLY_SAMPLES, PackMarch
+from shellfabric.panel import Numerics, Panel
+from shellfabric.projectile import Projectile
 from validation.bias_extension import cases as bias_cases
 
 STRAIGHT = 1e-6  # crimp of a "straight" yarn: the shell's thickness is that of its crimp, and must not be zero
@@ -85,6 +89,7 @@ def setup(
     snapshots=None,
     interval=1e-6,
     elements=1,
+    bending=0.0,
     **changes,
 ):
     """ImpactSetup of a shot; the arguments are those of `shot`."""
@@ -99,6 +104,7 @@ def setup(
         symmetry=symmetry,
         end_time=end_time,
         elements_per_crossover=elements,
+        bending=bending,
         snapshot_interval=snapshots,
         measure=Measure(interval, (0.0,), (0.0, *offsets)),
         **options,
@@ -111,7 +117,7 @@ def shot(**scene):
     Parameters
     ----------
     fabric, velocity [m/s] and the changes of `cloth`
-    cell_model, form, symmetry, end_time, elements : as in ImpactSetup; form None is its default
+    cell_model, form, symmetry, end_time, elements, bending : as in ImpactSetup; form None is its default
     pull : {"length" [m], "start", "end" [s]} of the weft edges
     offsets : [m] of further weft yarns to record at the edge
     snapshots, interval : [s]
@@ -252,7 +258,6 @@ def stability(*, fabric, velocity, factor, end_time):
     """
     from fabrics.errors import UnstableError
     from shellfabric.march import March
-    from shellfabric.panel import Numerics
 
     class Paced(Panel):
         @property
@@ -278,6 +283,111 @@ def pace(*, fabric, velocity, repeats=3):
     return {"shell": min(shell), "cable": min(cables)}
 
 
+def pack(
+    *, fabric, velocity, plies, stacking="aligned", added=0.0, body="rigid", end_time=400e-6, face=None, form="smooth",
+    failure_time=0.0,
+):  # fmt: skip
+    """One impact on a pack of plies, with the gap of its compression data (erratum E-02).
+
+    Parameters
+    ----------
+    fabric, velocity [m/s], plies, end_time [s]
+    stacking : "aligned" or "alternating"
+    added : [m] to that gap
+    body : of the projectile, "rigid" or "bar"
+    face : {"modulus", "strain": factors} of the ply that is struck, None where all are alike
+    form : of the contact between plies
+    failure_time : [s] over which tensions are low-passed before they are held against the strength
+    """
+    numerics = Numerics(failure_time=failure_time)
+    asked = ImpactSetup(cloth(fabric), velocity, projectile=Projectile(body=body), numerics=numerics)
+    ply = asked.panel()
+    gap = (fabric_gap(ply.fabric) if plies > 1 else 0.0) + added
+    whole = Pack.stacked(ply, plies, stacking=stacking, gap=gap, contact=PlyContact(form=form))
+    if face is not None:
+        struck = replace(asked, fabric=cloth(fabric, **face)).panel()
+        whole = replace(whole, plies=(struck, *whole.plies[1:]))
+    march = PackMarch(whole, velocity, end_time, interval=1e-6)
+    cones, tensions = [], []
+
+    def look(march):
+        tensions.append(_beside(march.consts[0], march.states[0]))
+        if len(march.samples) % 20 == 0:
+            shots = [measures.snapshot(p, s, march.time) for p, s in zip(march.pack.plies, march.states)]
+            cones.append((march.time, [measures.pyramid(p, shot) for p, shot in zip(march.pack.plies, shots)]))
+
+    march.run((look,))
+    fine = np.concatenate(march.fine)
+    bar = ply.projectile.bar
+    return {
+        "outcome": march.outcome,
+        "residual": float(march.sample("v")[-1]),
+        "gap": gap,
+        "t": march.sample("t"),
+        "v": march.sample("v"),
+        "z": march.sample("z"),
+        "fine": np.column_stack([march.const.dt * np.arange(1, len(fine) + 1), fine]),
+        "energies": {name: march.sample(name) for name in PACK_ENERGIES},
+        "plies": {name: march.ply_sample(name) for name in PLY_SAMPLES},
+        "tension": np.array(tensions),
+        "peak": march.peaks,
+        "deepest": march.deepest,
+        "cones": cones,
+        "period": bar.period if bar else np.nan,
+        "swing": _swing(fine, march, bar) if bar else np.nan,
+        "balance": float(np.abs(march.sample("balance")).max()) / march.strike_energy,
+        "seconds": march.wall_time,
+        "steps": march.steps,
+    }
+
+
+def _beside(const, state):
+    """[N] mean tension of the weft through the impact point from 5 to 15 mm beside it, on a quarter of a panel."""
+    tension = measures.yarn_tensions(const, state)[0, :, 1]
+    middle = (np.arange(tension.size) + 0.5) * const.dy
+    return float(tension[(middle > 5e-3) & (middle < 15e-3)].mean())
+
+
+def _swing(fine, march, bar):
+    """[s] in which tip and tail of an elastic projectile swing."""
+    return bodies.history(march.const.dt * np.arange(1, len(fine) + 1), fine, march.state, bar).swing
+
+
+def pencil(*, plies, modulus, mass, elements=2):
+    """One run of Table 6-2 before its block; without plies the block alone."""
+    from validation.pencilling.study import Case, bare, shoot
+
+    found = bare() if plies == 0 else shoot(Case(plies, modulus, mass), elements=elements)
+    return {
+        "outcome": found.outcome,
+        "depth": found.depth,
+        "crater": found.crater,
+        "steepness": found.steepness,
+        "half_width": found.half_width,
+        "balance": found.balance,
+        "t": found.t,
+        "z": found.z,
+    }
+
+
+def solids(*, fabric, velocity, count, time):
+    """A patch of solid yarns under impact: seconds of marching, its mass before and after, and what has failed."""
+    from validation.solid_patch.study import march
+
+    run = march(fabric, count, (5, 5, 2), velocity, time, threads=1)
+    before = float(run.const.mass.sum())
+    run.run()
+    after = float(run.const.mass.sum())
+    side = count / run.patch.fabric.weave.warp_count
+    return {
+        "seconds": run.wall_time,
+        "time": run.time,
+        "side": side,
+        "mass": np.array([before, after]),
+        "failed_bars": float(run.sample("failed_bars")[-1]),
+    }
+
+
 SHELL = ("fabrics", "shellfabric")
 # name: (function, packages that it runs in, rough cost, to begin with the longest)
 RUNS = {
@@ -289,4 +399,7 @@ RUNS = {
     "bias": (bias, (*SHELL, "validation.bias_extension"), 40),
     "stability": (stability, SHELL, 1),
     "pace": (pace, SHELL, 9),
+    "pack": (pack, SHELL, 20),
+    "solids": (solids, (*SHELL, "meshing", "validation.solid_patch"), 15),
+    "pencil": (pencil, (*SHELL, "validation.pencilling"), 90),
 }

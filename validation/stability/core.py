@@ -59,6 +59,7 @@ class Map:
     default : (x, y) that the code takes if told nothing, or None where it takes none of the points
     sides : of ABOVE, BELOW: towards which of them the default's x could leave the stable region
     rows : values of y whose edges are looked for too
+    failed : what a failure is called
     """
 
     key: str
@@ -73,6 +74,7 @@ class Map:
     default: tuple | None = None
     sides: tuple = ()
     rows: tuple = ()
+    failed: str = "stopped by a guard"
 
     @property
     def points(self):

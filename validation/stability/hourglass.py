@@ -75,6 +75,7 @@ def chart(quick=False):
         Axis("time step over its bound", SAFETY[:1] if quick else SAFETY), point,
         "hourglass amplitude [% of a brick's size]",
         f"too soft, an amplitude above {100 * FOLDED:g} %, or too stiff, hourglass energy above {100 * MOST:g} % of "
-        "the solids'", "drift of the energy balance (2 %), numbers that are not finite, inverted bricks",
+        "the solids'", "drift of the energy balance (2 %), numbers that are not finite, inverted bricks; the input "
+        "refuses steps beyond 1",
         (PatchNumerics.hourglass, PatchNumerics.safety), (ABOVE, BELOW),
     )  # fmt: skip

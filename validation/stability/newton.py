@@ -47,5 +47,5 @@ def chart(quick=False):
         "compression, from the heights at rest. Nothing of this project uses it; it stands here for what it does where "
         "contact is light or lost.",
         *axes(quick), point, "steps", "a false root: its force is not that of the monotone equation",
-        "none in the source; here the method is not used",
+        "none in the source; here the method is not used", failed="no convergence, or ran off",
     )  # fmt: skip

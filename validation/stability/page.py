@@ -14,23 +14,18 @@ that says what happened, where and when (exit code 3). The default's margin is t
 stable region, looked for by bisection along the axis; {ASKED:g} is asked."""
 
 
-def write(maps, path, stamp, command):
+def write(maps, path, command):
     """Write the page; its pictures are in figures/ beside it.
 
     Parameters
     ----------
-    maps : of `core.Found`
-    stamp : one line that says when, where and by which version
+    maps : pairs (core.Found, when, where and by which version it was run)
     command : that makes it
     """
-    parts = [
-        HEAD,
-        f"Made by `{command}`; not to be edited by hand. {stamp}",
-        "## Margins of the defaults",
-        margins(maps),
-    ]
-    for found in maps:
-        parts += _section(found)
+    told = f"Made by `{command}`, or map by map; not to be edited by hand."
+    parts = [HEAD, told, "## Margins of the defaults", margins([found for found, _ in maps])]
+    for found, made in maps:
+        parts += [*_section(found), f"Run: {made}"]
     with write_whole(path) as file:
         file.write("\n\n".join(parts) + "\n")
 
@@ -66,7 +61,7 @@ def _section(found):
     if chart.wrong:
         lines.append(f"- Wrong: {chart.wrong}; {found.count(WRONG)} of {len(found.outcomes)} points.")
     if chart.guard:
-        lines.append(f"- Guard: {chart.guard}; {found.count(FAILED)} of {len(found.outcomes)} points.")
+        lines.append(f"- Guard: {chart.guard}. Failed: {found.count(FAILED)} of {len(found.outcomes)} points.")
     messages = list(dict.fromkeys(_short(o.told) for o in found.outcomes.values() if o.kind == FAILED and o.told))
     if messages:
         lines.append("- Messages, for instance: " + "; ".join(f'"{text}"' for text in messages[:2]) + ".")

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from textwrap import wrap
+
 import matplotlib
 
 matplotlib.use("Agg")
@@ -13,7 +15,7 @@ from fabrics.files import replace_whole
 from validation.stability.core import FAILED, STABLE, WRONG
 
 INK, FAINT, BLUE = "#1d2733", "#8a94a0", "#0072B2"
-KINDS = {STABLE: ("#cfe8dc", "stable"), WRONG: ("#f5d998", "wrong"), FAILED: ("#eda58c", "failed, stopped by a guard")}
+KINDS = {STABLE: "#cfe8dc", WRONG: "#f5d998", FAILED: "#eda58c"}
 CELL = 0.62, 0.46  # inches
 
 
@@ -24,15 +26,15 @@ def draw(found, path):
     small = columns > 14
     labels = max(len(chart.y.label(y)) for y in chart.y.values)
     left = 0.55 + 0.085 * labels
-    width, height = max(CELL[0] * columns, 4.6), max(CELL[1] * rows, 1.3) if not small else 0.3 * rows
+    width, height = max(CELL[0] * columns, 4.6), max(CELL[1] * rows, 1.75) if not small else 0.3 * rows
     if small:
         width = 0.42 * columns
-    total = max(left + width + 0.4, 8.8), 1.15 + height + 1.15
+    total = max(left + width + 0.4, 8.8), 1.5 + height + 1.15
     figure = plt.figure(figsize=total)
-    axes = figure.add_axes((left / total[0], 1.15 / total[1], width / total[0], height / total[1]))
+    axes = figure.add_axes((left / total[0], 1.5 / total[1], width / total[0], height / total[1]))
     order = list(KINDS)
     numbers = [[order.index(outcomes[x, y].kind) for x in chart.x.values] for y in chart.y.values]
-    colours = ListedColormap([colour for colour, _ in KINDS.values()])
+    colours = ListedColormap(list(KINDS.values()))
     axes.pcolormesh(numbers, cmap=colours, norm=BoundaryNorm([-0.5, 0.5, 1.5, 2.5], 3), edgecolors="white", lw=1.5)
     for j, y in enumerate(chart.y.values):
         for i, x in enumerate(chart.x.values):
@@ -52,10 +54,11 @@ def draw(found, path):
     told = f"numbers: {chart.number}" if chart.number else ""
     figure.text(0.015, 1 - 0.62 / total[1], told, fontsize=10, color=FAINT, va="center")
     there = [kind for kind in KINDS if found.count(kind)]
-    handles = [Patch(color=KINDS[kind][0], label=KINDS[kind][1]) for kind in there]
+    names = {STABLE: "stable", WRONG: f"wrong: {chart.wrong}", FAILED: f"failed: {chart.failed}"}
+    handles = [Patch(color=KINDS[kind], label="\n".join(wrap(names[kind], 105))) for kind in there]
     figure.legend(
-        handles=handles, loc="lower left", bbox_to_anchor=(0.005, 0), ncols=3, frameon=False, fontsize=10,
-        labelcolor=INK,
+        handles=handles, loc="lower left", bbox_to_anchor=(0.005, 0.0), frameon=False, fontsize=10, labelcolor=INK,
+        labelspacing=0.3,
     )  # fmt: skip
     with replace_whole(path) as beside:
         figure.savefig(beside, dpi=110)
@@ -77,4 +80,6 @@ def _default(axes, found):
 
 
 def _number(value):
+    if isinstance(value, int):
+        return str(value)
     return f"{value:.0f}" if abs(value) >= 9.95 else f"{value:.1f}" if abs(value) >= 0.05 else "0"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from fabrics import catalogue
 from validation.ledger.checks import check, series
 from validation.ledger.checks.impact import shot
 
@@ -111,4 +112,27 @@ def reaction_profile(run, fabric, window):
         "note": f"{profile[0]:.0f} N in the middle, {outer:.0f} N beyond 50 mm; "
         + ", ".join(f"{1e3 * w:.0f} mm wide at {100 * level:.0f} %" for level, w in width.items())
         + " of the excess",
+    }
+
+
+def _bent(fabric, velocity, share):
+    """Shots without and with a bending stiffness: a share of EA over the square of half a cell's length."""
+    weave = catalogue.load(fabric).effective().weave
+    stiffness = share * weave.warp.EA * weave.w1**2
+    return {"slack": shot(fabric, velocity), "bent": shot(fabric, velocity, bending=stiffness)}
+
+
+@check(_bent)
+def bending(slack, bent, fabric, velocity, share):
+    """RMS above 30 kHz of the reactions before the yarns are taut."""
+    found = []
+    for run in (slack, bent):
+        both = []
+        for family in ("warp", "weft"):
+            t, N = series.even(*series.reaction(run, family), 1e-6)
+            both.append(series.noise(t[t < 150e-6], N[t < 150e-6]))
+        found.append(np.hypot(*both))
+    return {
+        "noise, with over without": found[1] / found[0],
+        "note": f"{found[0]:.3f} N without and {found[1]:.3f} N with bending, of the reactions to 150 us",
     }

@@ -121,3 +121,14 @@ def platen_and_biaxial(pressed, pulled, fabric):
         "note": f"at {F[-1]:.0f} N plates have closed {1e6 * plates[-1]:.0f} um a yarn, "
         f"equibiaxial extension {1e6 * biaxial[-1]:.0f} um",
     }
+
+
+@check(lambda fabric, velocity: {"run": Run.of("solids", fabric=fabric, velocity=velocity, count=4, time=6e-6)})
+def patch_mass(run, fabric, velocity):
+    """Mass of a patch of solid yarns before and after bars have failed."""
+    before, after = run["mass"]
+    return {
+        "change of mass": abs(after / before - 1),
+        "bars failed": run["failed_bars"],
+        "note": f"{1e6 * before:.4g} mg, {run['failed_bars']:.0f} bars failed after {1e6 * run['time']:.1f} us",
+    }

@@ -1,0 +1,106 @@
+"""Cost of packs: 16 plies of S-720, 6,241 elements each, 400 us; and a pack against its plies alone.
+
+Run with nothing else on the machine:
+
+    python benchmarks/pack.py [--repeats 3] [--plies 16] [--velocity 170] [--out FILE.json]
+
+Marching alone is timed (no table, no compilation, no audit), on one core. CPU time stands beside wall time: where the
+two differ the machine was busy. "over_single" is the cost of an element and step of the pack over that of a single ply
+all of which is in motion. "every_ply_in_touch" is the same for plies that are pressed together everywhere, over the
+first steps: the most that contact can cost.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import statistics
+import time
+from pathlib import Path
+
+import numpy as np
+from shell import END, machine, one_core
+from shell import march as march_single
+
+from fabrics import catalogue
+from shellfabric.cell import CellModel
+from shellfabric.pack import Pack
+from shellfabric.pack_march import PackMarch
+from shellfabric.panel import Numerics, Panel
+
+LONG = 400e-6
+
+
+def clocked(march, steps):
+    """(wall, cpu) [s] of a number of steps, and how many were made."""
+    fine = np.empty((steps, 3))
+    wall, cpu = time.perf_counter(), time.process_time()
+    made, _ = march.advance(fine, None)
+    return time.perf_counter() - wall, time.process_time() - cpu, made
+
+
+def whole(pack, velocity, end):
+    """One run to its end, or for `end` [s] where the projectile goes on at a crawl: it is kept from stopping."""
+    march = PackMarch(pack, velocity, end)
+    march.advance(np.empty((0, 3)), None)
+    steps, wall, cpu = round(end / pack.time_step), 0.0, 0.0
+    while march.steps < steps:
+        one, two, made = clocked(march, steps - march.steps)
+        wall, cpu = wall + one, cpu + two
+        if march.stack.speed[2] <= 0:  # it would end here; what is asked for is the cost of the whole time
+            march.stack.speed[2] = 1e-3
+        elif made == 0:
+            break
+    return wall, cpu, march.steps
+
+
+def pressed(pack, steps):
+    """Cost of the first steps of plies that touch everywhere: all are deflected, and 0.02 mm into each other."""
+    march = PackMarch(pack, 1e-3, 1.0)
+    march.advance(np.empty((0, 3)), None)
+    march.stack.places[:, 2] -= 1.0
+    march.stack.awake[:] = True
+    for p, (state, const) in enumerate(zip(march.states, march.consts)):
+        state.rows[:] = 0, const.ni
+        state.u[2][: (const.ni + 1) * const.s] = 5e-3 - p * (pack.gaps[0] + 2e-5)
+    clocked(march, 2)
+    return clocked(march, steps)
+
+
+def main():
+    arguments = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    arguments.add_argument("--repeats", type=int, default=3)
+    arguments.add_argument("--plies", type=int, default=16)
+    arguments.add_argument("--velocity", type=float, default=170.0)
+    arguments.add_argument("--out", type=Path)
+    chosen = arguments.parse_args()
+    panel = Panel(CellModel(catalogue.load("S-720").effective()).table(201), numerics=Numerics(threads=1))
+    report = {"machine": machine(), "plies": chosen.plies, "elements_of_a_ply": panel.elements}
+    with one_core():
+        single = [march_single(panel, 92.5, round(END / panel.time_step), True)[1] for _ in range(chosen.repeats)]
+        per = 1e9 / (round(END / panel.time_step) * panel.elements)
+        report["single_ns"] = round(statistics.median(single) * per, 2)
+        for stacking in ("aligned", "alternating"):
+            pack = Pack.stacked(panel, chosen.plies, stacking=stacking)
+            runs = [whole(pack, chosen.velocity, LONG) for _ in range(chosen.repeats)]
+            wall, cpu = (statistics.median(run[c] for run in runs) for c in (0, 1))
+            ns = 1e9 * cpu / runs[0][2] / pack.elements
+            touching = pressed(pack, 50)
+            most = 1e9 * touching[1] / touching[2] / pack.elements
+            report[stacking] = {
+                "steps": runs[0][2],
+                "wall_s": round(wall, 3),
+                "cpu_s": round(cpu, 3),
+                "ns_per_element_step": round(ns, 2),
+                "over_single": round(ns / report["single_ns"], 2),
+                "every_ply_in_touch_ns": round(most, 2),
+                "every_ply_in_touch_over_single": round(most / report["single_ns"], 2),
+            }
+    text = json.dumps(report, indent=2)
+    print(text)
+    if chosen.out:
+        chosen.out.write_text(text + "\n", encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()

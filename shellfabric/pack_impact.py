@@ -1,0 +1,179 @@
+"""One impact on a pack of plies: set-up, run, result."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from fabrics.errors import InputError, UnstableError
+from shellfabric import body, measures, pack_checkpoint
+from shellfabric.behind import BackingResult
+from shellfabric.hooks import Every
+from shellfabric.impact import ImpactSetup
+from shellfabric.pack import Pack, PlyContact
+from shellfabric.pack_march import PACK_ENERGIES, PLY_SAMPLES, PackMarch
+from shellfabric.panel import SYMMETRIES
+
+
+@dataclass(frozen=True)
+class PackSetup:
+    """A projectile that strikes the middle of a pack.
+
+    Parameters
+    ----------
+    ply : ImpactSetup of the first ply; its histories along yarns (`measure`) are of a single ply alone
+    plies : number of plies
+    stacking : "aligned" or "alternating"
+    gap : [m] between plies at rest; None takes the fabric's (see `pack.fabric_gap`)
+    contact : PlyContact, numerical knobs of the contact between plies
+
+    Raises
+    ------
+    InputError : a set-up that records along yarns
+    """
+
+    ply: ImpactSetup
+    plies: int
+    stacking: str = "aligned"
+    gap: float | None = None
+    contact: PlyContact = field(default_factory=PlyContact)
+
+    def __post_init__(self):
+        if self.ply.measure is not None:
+            raise InputError(key="measure", allowed="left out for a pack of plies")
+
+    def pack(self) -> Pack:
+        """The pack that this set-up describes; fills the cells' tables.
+
+        Raises
+        ------
+        InputError : as ImpactSetup.panel and Pack.stacked
+        """
+        panel = self.ply.panel()
+        return Pack.stacked(panel, self.plies, stacking=self.stacking, gap=self.gap, contact=self.contact)
+
+
+@dataclass(frozen=True)
+class PackResult:
+    """What an impact on a pack came to. Energies, forces and counts are those of the whole plies.
+
+    Parameters
+    ----------
+    setup, pack : what was run
+    outcome, residual_velocity, velocity, t, v, z, fine, bar, backing, nose, steps, wall_time, ns_per_element_step : as
+        ImpactResult
+    energies : {name: (n,)} [J] with the names of pack_march.PACK_ENERGIES
+    plies : {name: (n, plies)} with the names of pack_march.PLY_SAMPLES
+    peak_tension : (plies, 2) [N] over the run, of each ply's own warp and weft
+    deepest : (plies - 1,) [-] see PackMarch
+    last : (plies,) measures.Snapshot at the end, each from its own plane at rest
+    snapshots : tuple of such tuples
+    """
+
+    setup: PackSetup
+    pack: Pack
+    outcome: str
+    residual_velocity: float
+    velocity: np.ndarray
+    t: np.ndarray
+    v: np.ndarray
+    z: np.ndarray
+    energies: dict
+    plies: dict
+    peak_tension: np.ndarray
+    deepest: np.ndarray
+    fine: np.ndarray
+    bar: body.BarHistory | None
+    backing: BackingResult | None
+    nose: np.ndarray
+    last: tuple
+    snapshots: tuple
+    steps: int
+    wall_time: float
+    ns_per_element_step: float
+
+    @property
+    def strike_energy(self):
+        """[J]"""
+        return self.setup.ply.projectile.energy(self.setup.ply.strike_velocity)
+
+    @property
+    def worst_balance(self):
+        """[-] largest error of the energy balance over the strike energy."""
+        return float(np.max(np.abs(self.energies["balance"]))) / self.strike_energy
+
+    @property
+    def failed(self):
+        """(n,) failed yarn segments of all plies."""
+        return self.plies["failed_yarns"].sum(axis=1)
+
+    @property
+    def mirrored(self):
+        """(x, y) whether the modelled part continues mirrored beyond x = 0 and y = 0."""
+        return SYMMETRIES[self.setup.ply.symmetry]
+
+
+class Snapshots(Every):
+    """Keep a snapshot of every ply every interval, in march.snapshots."""
+
+    def __call__(self, march):
+        if self.due(march):
+            march.snapshots.append(shots(march))
+
+
+def shots(march):
+    """(plies,) measures.Snapshot of the present, counted from the plane of the first ply at rest."""
+    found = []
+    for ply, state, z in zip(march.pack.plies, march.states, march.pack.places):
+        shot = measures.snapshot(ply, state, march.time)
+        shot.nodes[..., 2] += z
+        found.append(replace(shot, z=shot.z + z, nose=march.stack.places[0].copy()))
+    return tuple(found)
+
+
+def run(setup: PackSetup, *, hooks=(), resume=None) -> PackResult:
+    """Run an impact on a pack; parameters, exceptions and resuming as `impact.run`."""
+    march = PackMarch(setup.pack(), setup.ply.strike_velocity, setup.ply.end_time, interval=setup.ply.audit_interval)
+    own = ()
+    if setup.ply.snapshot_interval is not None:
+        if not setup.ply.snapshot_interval > 0:
+            raise InputError(key="snapshot_interval", value=setup.ply.snapshot_interval, allowed="above 0")
+        own = (Snapshots(setup.ply.snapshot_interval),)
+    if resume is not None:
+        pack_checkpoint.read(march, resume)
+    try:
+        march.run((*own, *hooks))
+    except UnstableError as problem:
+        problem.result = result_of(setup, march)
+        raise
+    return result_of(setup, march)
+
+
+def result_of(setup: PackSetup, march: PackMarch) -> PackResult:
+    """Gather what a march has recorded."""
+    fine, bar = np.concatenate(march.fine) if march.fine else np.empty((0, march.columns)), march.panel.projectile.bar
+    clock = march.const.dt * np.arange(1, len(fine) + 1)
+    return PackResult(
+        setup=setup,
+        pack=march.pack,
+        outcome=march.outcome,
+        residual_velocity=float(march.sample("v")[-1]),
+        velocity=body.velocity(march.state, march.const),
+        t=march.sample("t"),
+        v=march.sample("v"),
+        z=march.sample("z"),
+        energies={name: march.sample(name) for name in PACK_ENERGIES},
+        plies={name: march.ply_sample(name) for name in PLY_SAMPLES},
+        peak_tension=march.peaks,
+        deepest=march.deepest,
+        fine=np.column_stack([clock, fine[:, :2], fine[:, 2] / march.panel.share]),
+        bar=None if bar is None else body.history(clock, fine, march.state, bar),
+        backing=march.behind.result() if march.behind else None,
+        nose=march.stack.places[0].copy(),
+        last=shots(march),
+        snapshots=tuple(march.snapshots),
+        steps=march.steps,
+        wall_time=march.wall_time,
+        ns_per_element_step=1e9 * march.wall_time / max(1, march.steps * march.pack.elements),
+    )

@@ -1,0 +1,205 @@
+"""Contact of two plies: the spline, forces against a slow plain twin, momentum, and what torn cloth may do."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.optimize import minimize
+
+from fabrics import catalogue
+from shellfabric import ply_contact_kernels as kernels
+from shellfabric.cell import CellModel
+from shellfabric.pack import Pack, PlyContact
+from shellfabric.panel import Numerics, Panel
+
+
+@pytest.fixture(scope="module")
+def ply():
+    """S-726, whose warp and weft are far from alike, on 20 mm."""
+    fabric = catalogue.load("S-726").effective()
+    return Panel(CellModel(fabric).table(41), (0.02, 0.02), numerics=Numerics(threads=1))
+
+
+def controls(state, const, component):
+    """Control points (ni + 3, nj + 3) of a ply: its nodes, images and continuations."""
+    rest = (
+        const.x0 + const.dx * np.arange(const.ni + 1)[:, None] + np.zeros(const.s),
+        const.y0 + const.dy * np.arange(const.s) + np.zeros((const.ni + 1, 1)),
+        np.zeros((const.ni + 1, const.s)),
+    )[component]
+    x = np.pad(rest + state.u[component][: rest.size].reshape(rest.shape), 1)
+    for axis, mirrored in enumerate((const.mirror_x, const.mirror_y)):
+        rows = np.moveaxis(x, axis, 0)
+        rows[0] = (-rows[2] if axis == component else rows[2]) if mirrored else 2 * rows[1] - rows[2]
+        rows[-1] = 2 * rows[-2] - rows[-3]
+    return x
+
+
+def spline(x, a, b):
+    """The biquadratic B-spline of control points x that begin at -1, by the textbook's bumps."""
+
+    def bump(t):
+        t = np.abs(t)
+        return np.where(t < 0.5, 0.75 - t**2, np.where(t < 1.5, 0.5 * (1.5 - t) ** 2, 0.0))
+
+    wa, wb = (bump(at - np.arange(-1, n - 1)) for at, n in zip((a, b), x.shape))
+    return wa @ x @ wb, wa, wb
+
+
+def unpad(force, const, component):
+    """Forces on control points, handed to the nodes that they hang on."""
+    f = force.copy()
+    for axis, mirrored in enumerate((const.mirror_x, const.mirror_y)):
+        rows = np.moveaxis(f, axis, 0)
+        if mirrored:
+            rows[2] += (-1 if axis == component else 1) * rows[0]
+        else:
+            rows[1] += 2 * rows[0]
+            rows[2] -= rows[0]
+        rows[-2] += 2 * rows[-1]
+        rows[-3] -= rows[-1]
+    f = f[1:-1, 1:-1]
+    for axis, mirrored in enumerate((const.mirror_x, const.mirror_y)):
+        if mirrored and axis == component:
+            np.moveaxis(f, axis, 0)[0] = 0.0
+    return f
+
+
+def plain(front, fc, rear, rc, pair):
+    """Forces (3, nodes) on front and rear, and the spring energy, point by point: the foot by minimising a distance."""
+    X, Y = ([controls(state, c, m) for m in range(3)] for state, c in ((front, fc), (rear, rc)))
+    VX, VY = ([controls(state._replace(u=state.v), c._replace(x0=0, dx=0, y0=0, dy=0), m) for m in range(3)]
+              for state, c in ((front, fc), (rear, rc)))  # fmt: skip
+    F, G, energy = [np.zeros_like(x) for x in X], [np.zeros_like(y) for y in Y], 0.0
+    shift = np.array([0.0, 0.0, pair.apart])
+    n = pair.points
+    for i in range(fc.ni * n):
+        for j in range(fc.nj * n):
+            a, b = (i + 0.5) / n, (j + 0.5) / n
+            x = np.array([spline(c, a, b)[0] for c in X])
+            at = lambda p: np.array([spline(c, *p)[0] for c in Y]) + shift  # noqa: E731
+            guess = (a * fc.dx + fc.x0 - rc.x0) / rc.dx, (b * fc.dy + fc.y0 - rc.y0) / rc.dy
+            foot = minimize(lambda p: 1e6 * np.sum((x - at(p)) ** 2), guess, tol=1e-14, method="Nelder-Mead").x  # noqa: B023
+            y, steps = at(foot), 1e-5 * np.eye(2)
+            normal = np.cross(*(at(foot + step) - at(foot - step) for step in steps))
+            normal /= np.linalg.norm(normal)
+            depth = pair.thickness - normal @ (y - x)
+            if depth <= 0:
+                continue
+            (_, wa, wb), (_, za, zb) = spline(X[0], a, b), spline(Y[0], *foot)
+            v = np.array([wa @ c @ wb for c in VX]) - np.array([za @ c @ zb for c in VY])
+            f = max(0.0, pair.stiffness * depth + pair.damping * normal @ v)
+            energy += 0.5 * pair.stiffness * depth**2
+            for m in range(3):
+                F[m] -= f * normal[m] * np.outer(wa, wb)
+                G[m] += f * normal[m] * np.outer(za, zb)
+    return [unpad(f, fc, m) for m, f in enumerate(F)], [unpad(g, rc, m) for m, g in enumerate(G)], energy
+
+
+def bulging(pack, rng, together):
+    """States of two plies that bulge into each other, with feet that have settled."""
+    states, _ = pack.states(1.0)
+    consts = pack.constants()
+    pairs = pack.pairs(consts, states)
+    for p, (state, const) in enumerate(zip(states, consts)):
+        X = const.x0 + const.dx * np.arange(const.ni + 1)[:, None] + np.zeros(const.s)
+        Y = const.y0 + const.dy * np.arange(const.s) + np.zeros((const.ni + 1, 1))
+        bulge = (3e-3 + (1 - p) * together) * np.exp(-(X**2 + 1.3 * Y**2) / 4e-3**2)
+        for c, size in enumerate((-0.05 * X * bulge / 1e-3, -0.03 * Y * bulge / 1e-3, bulge)):
+            state.u[c][: X.size] = size.ravel()
+            state.v[c][: X.size] = rng.normal(0, 5, X.size)
+        if const.mirror_x:
+            state.u[0][: const.s] = state.v[0][: const.s] = 0.0
+            state.u[1][0 :: const.s][: const.ni + 1] = state.v[1][0 :: const.s][: const.ni + 1] = 0.0
+    return states, consts, pairs[0]
+
+
+def settled(states, consts, pair, times=200):
+    """The contact with its feet found: from flat cloth they take steps of a quarter of an element."""
+    for step in range(times):
+        pair.status[:], pair.wait[:] = kernels.FREE, 0
+        kernels.contact(states[0], consts[0], states[1], consts[1], pair, 8 * step)
+
+
+def test_spline_is_smooth_and_goes_through_flat_cloth():
+    for mirrored in (True, False):
+        for n in (3, 9):
+            places = np.linspace(0, n, 401)
+            for a in places:
+                i, *w, d0, d1, d2, _, _ = kernels.basis(a, n, mirrored)
+                assert 0 <= i <= n - 2
+                assert sum(w) == pytest.approx(1, abs=1e-14)
+                assert d0 + d1 + d2 == pytest.approx(0, abs=1e-14)
+                inside = a > 0.5 or not mirrored
+                assert not inside or w @ (i + np.arange(3)) == pytest.approx(a, abs=1e-13)
+    for edge in (0.5, 1.5, 2.5):
+        values = np.zeros((2, 5, 2))
+        for side, a in enumerate((edge - 1e-9, edge + 1e-9)):
+            i, w0, w1, w2, d0, d1, d2, _, _ = kernels.basis(a, 9, False)
+            values[side, i : i + 3] = np.array([[w0, d0], [w1, d1], [w2, d2]])
+        np.testing.assert_allclose(values[0], values[1], atol=1e-8)
+
+
+@pytest.mark.parametrize("stacking", ["aligned", "alternating"])
+@pytest.mark.parametrize("symmetry", ["quarter", "whole"])
+def test_forces_against_a_plain_twin(ply, stacking, symmetry):
+    opening = (0.02, 0.02) if symmetry == "quarter" else (0.012, 0.012)
+    pack = Pack.stacked(replace(ply, symmetry=symmetry, opening=opening), 2, stacking=stacking, gap=0.1e-3)
+    states, consts, pair = bulging(pack, np.random.default_rng(1), 0.25e-3)
+    settled(states, consts, pair)
+    on_front, on_rear, energy = plain(states[0], consts[0], states[1], consts[1], pair)
+    size = max(np.abs(f).max() for f in on_front)
+    assert size > 0
+    assert pair.energy[kernels.DEEPEST] > 0.1 * pair.thickness
+    for found, expected in ((pair.on_front, on_front), (pair.on_rear, on_rear)):
+        for one, other in zip(found, expected):
+            np.testing.assert_allclose(one[: other.size].reshape(other.shape), other, atol=1e-5 * size)
+            assert not one[other.size :].any()
+    assert pair.energy[kernels.SPRING] == pytest.approx(energy, rel=1e-6)
+
+
+@pytest.mark.parametrize("points", [1, 2])
+def test_forces_add_up_to_nothing(ply, points):
+    pack = Pack.stacked(
+        replace(ply, symmetry="whole"), 2, stacking="alternating", gap=50e-6, contact=PlyContact(points=points)
+    )
+    states, consts, pair = bulging(pack, np.random.default_rng(2), 0.2e-3)
+    settled(states, consts, pair)
+    moment, size = np.zeros(3), 0.0
+    for c in range(3):
+        total = pair.on_front[c].sum() + pair.on_rear[c].sum()
+        size = max(size, np.abs(pair.on_front[c]).sum())
+        assert abs(total) < 1e-12 * size
+    for forces, state, const, z in (
+        (pair.on_front, states[0], consts[0], 0.0),
+        (pair.on_rear, states[1], consts[1], 1),
+    ):
+        count = (const.ni + 1) * const.s
+        i, j = np.divmod(np.arange(count), const.s)
+        place = np.array([const.x0 + i * const.dx, const.y0 + j * const.dy, 0.0 * i + z * pair.apart])
+        place += np.array([u[:count] for u in state.u])
+        moment += np.cross(place, np.array([f[:count] for f in forces]), axis=0).sum(axis=1)
+    assert np.abs(moment).max() < 1e-9 * size * 0.01  # forces act along the line from foot to point
+
+
+def test_what_no_yarn_holds_does_not_push(ply):
+    """One family that is left still pushes, by half; none does not, and is not thrown back when it lies behind."""
+    pack = Pack.stacked(ply, 2, gap=0.0)
+    states, consts, pair = bulging(pack, np.random.default_rng(3), 0.1e-3)
+    settled(states, consts, pair)
+    whole = sum(pair.on_rear[2])
+    front = states[0]
+    front.flag[: consts[0].ni * consts[0].s] |= 1
+    front.intact[0][:] = 0.0
+    settled(states, consts, pair, 1)
+    assert sum(pair.on_rear[2]) == pytest.approx(0.5 * whole, rel=1e-9)
+    front.intact[1][:] = 0.0
+    kernels.contact(states[0], consts[0], states[1], consts[1], pair, 0)
+    assert sum(pair.on_rear[2]) == 0.0
+    front.intact[1][:] = 1.0  # as if it had come to lie behind whole cloth: it does not touch before it is clear
+    kernels.contact(states[0], consts[0], states[1], consts[1], pair, 0)
+    assert sum(pair.on_rear[2]) == 0.0
+    assert (pair.status == kernels.LOST).any()
+    front.u[2][:] -= 1e-3
+    kernels.contact(states[0], consts[0], states[1], consts[1], pair, 0)
+    assert not (pair.status == kernels.LOST).any()
