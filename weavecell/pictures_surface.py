@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from matplotlib.ticker import MaxNLocator
 
 from weavecell.style import COLOURS, DASHES, FAINT, INK, WARP, WEFT
 
@@ -49,7 +50,11 @@ def contours(pyplot, interpolant):
         factor, unit, decimals = (1, "N", 0) if force else (UM, "µm", 0)
         values = factor * interpolant(name, x[:, None], y[None, :])
         axes.contourf(UM * x, UM * y, values.T, 24, cmap="cividis")
-        lines = axes.contour(UM * x, UM * y, values.T, 8, colors="w", linewidths=0.9)
+        low, high = values.min(), values.max()
+        # lines no nearer than a twentieth to the extremes, which lie in corners, where a label is cut
+        levels = [v for v in MaxNLocator(8).tick_values(low, high) if 0.05 < (v - low) / (high - low) < 0.95]
+        shades = ["w" if v < 0.5 * (low + high) else INK for v in levels]
+        lines = axes.contour(UM * x, UM * y, values.T, levels, colors=shades, linewidths=0.9)
         axes.clabel(lines, fontsize=9, fmt=f"%.{decimals}f")
         axes.set_title(f"{title} [{unit}]")
         axes.grid(False)

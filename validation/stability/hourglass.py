@@ -58,7 +58,7 @@ def point(factor, safety):
         march = SolidMarch(SolidPatch(mesh(), catalogue.load(FABRIC), numerics=numerics), VELOCITY, END, threads=1)
         march.run()
         off, share = strayed(march), float(march.sample("hourglass")[-1] / march.sample("solids")[-1])
-        told = f"hourglass energy {100 * share:.2g} % of the solids'"
+        told = f"hourglass energy {100 * share:.2g} % of the solids'" if share > MOST else ""
         return Outcome(STABLE if off <= FOLDED and share <= MOST else WRONG, 100 * off, told)
 
     return guarded(run)
