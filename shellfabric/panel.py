@@ -218,7 +218,7 @@ class Panel:
             raise InputError(key="grading", value=self.grading, allowed="none where the projectile moves sideways")
         fine = self._fine
         for place, step, reach in zip((fine[1], fine[3]), self.spacing, self._reach()):
-            least = int(np.ceil(reach / step)) + 3  # and what the contact's smooth surface has beside it
+            least = int(np.ceil(reach / step)) + 1  # and what the smooth surface of the last element has beside it
             if self.sides is not None and place < least:
                 allowed = f"a first zone of {least * self._finest} crossovers or more"
                 raise InputError(key="grading", value=self.grading, allowed=f"{allowed}, all that comes under the nose")

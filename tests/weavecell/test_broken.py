@@ -42,7 +42,7 @@ SCENES = {
     "grading-not-zones": "panel.grading = [10, 1]: must be zones [until, side] in crossovers, the last until inf, "
     "such as [[10, 1], [20, 2], [inf, 4]]",
     "grading-shrinks": "panel.grading = ((10.0, 4.0), (inf, 2.0)): must be sides each a multiple of that before it",
-    "grading-too-fine": "panel.grading = ((2.0, 1.0), (inf, 2.0)): must be a first zone of 10 crossovers or more, "
+    "grading-too-fine": "panel.grading = ((2.0, 1.0), (inf, 2.0)): must be a first zone of 8 crossovers or more, "
     "all that comes under the nose",
     "late-snapshots": "run.snapshot_interval = '1 ms': must be at most run.end_time",
     "law-and-surface": "fabric.cell_model: a surface has its own, give one of the two",
