@@ -19,7 +19,9 @@ validate: setup  ## the long validation runs, and the ledger of the source's cla
 figures: demo  ## the figures of README and docs
 	$(RUN:-m=) tools/figures.py $(RESULTS)/demo
 
-charts: setup  ## docs/crossover.md and its figures: minutes of one core
+charts: setup  ## docs/charts.md, stability.md and crossover.md with their figures: a quarter of an hour of one core
+	$(RUN) weavecell chart --all --out $(RESULTS)/charts --page docs/charts.md
+	$(RUN) weavecell stability --all --out $(RESULTS)/stability --page docs/stability.md
 	$(RUN) weavecell chart --scene crossover --out $(RESULTS)/chart-crossover
 	cp $(RESULTS)/chart-crossover/crossover.md docs/
 	cp $(RESULTS)/chart-crossover/figures/crossover-*.png docs/figures/
