@@ -108,7 +108,7 @@ def options(setup, asked, *, fixed=frozenset(), tables=None, book=None):
     base = setup if "symmetry" in fixed else simplest(setup, tables)
     found = []
     for model in LADDER:
-        if model.leaves(base, fixed):
+        if model.leaves(base, fixed) and _possible(model, base, tables):
             this = model.of(base)
             expected = {name: book.expected(model, name) for name in asked}
             enough = all(expected[name] <= share for name, share in asked.items())
@@ -122,9 +122,19 @@ def options(setup, asked, *, fixed=frozenset(), tables=None, book=None):
     return tuple(sorted(found, key=lambda option: (option.cost, option.effort)))
 
 
+def _possible(model, base, tables):
+    """Whether the panel can be meshed as the model wants it, such as with longer elements away from the shot."""
+    try:
+        model.of(base).panel(tables.of(base))
+    except InputError:
+        return False
+    return True
+
+
 def pick(options):
     """The cheapest that is enough, or the finest mesh if none is."""
-    return next((option for option in options if option.enough), max(options, key=lambda option: option.effort))
+    cheap = (option for option in options if option.enough and option.model.answers)
+    return next(cheap, max(options, key=lambda option: option.effort))
 
 
 def answer(setup, asked, *, fixed=frozenset(), fire: Callable | None = None, tables=None, book=None, told=None):

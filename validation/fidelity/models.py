@@ -1,8 +1,13 @@
-"""The ladder of models that a scene can be answered with, from the cheapest to the one that all are held against."""
+"""The ladder of models that a scene can be answered with, from the cheapest to the one that all are held against.
+
+Meshes are named by elements a crossover, along each side. The cell's table has 51 stretches a side on the cheap ones,
+where filling one of 201 costs more than the run; what that changes is in their errors.
+"""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from math import inf
 
 from fabrics.errors import InputError
 from shellfabric.panel import SYMMETRIES, Panel
@@ -20,12 +25,14 @@ class Model:
     changes : ((field of ImpactSetup, value), ...)
     check : name of the coarser model whose answer says how far off this one's may be; empty if there is none
     finer : name of the model that is next if this one does not do; empty for the finest
+    answers : whether it may be chosen, or serves as a check alone
     """
 
     name: str
     changes: tuple
     check: str = ""
     finer: str = ""
+    answers: bool = True
 
     def of(self, setup):
         """The set-up as this model runs it."""
@@ -36,17 +43,18 @@ class Model:
         return all(getattr(setup, key) == value for key, value in self.changes if key in fixed)
 
 
-def _mesh(name, elements, check="", finer="", **changes):
-    return Model(name, (("elements_per_crossover", elements), *changes.items()), check, finer)
+def _mesh(name, elements, check="", finer="", *, answers=True, **changes):
+    return Model(name, (("elements_per_crossover", elements), *changes.items()), check, finer, answers)
 
 
+_COARSE, _PLAIN, _TABLE = "2 x 2 crossovers", "1 element", {"table_size": 51}
 LADDER = (
-    _mesh("1 element", 1, finer="2 elements"),
-    _mesh("2 elements", 2, check="1 element", finer=FULL),
-    _mesh(FULL, 3, check="2 elements"),
-    _mesh("1 element, table of 101", 1, finer="1 element", table_size=101),
-    _mesh("1 element, decoupled", 1, finer="1 element", cell_model="decoupled"),
-    _mesh("1 element, incompressible", 1, finer="1 element", cell_model="incompressible"),
+    _mesh(_COARSE, 1, answers=False, grading=((inf, 2),), **_TABLE),
+    _mesh("graded", 1, _COARSE, _PLAIN, grading=((16, 1), (32, 2), (inf, 4)), **_TABLE),
+    _mesh("1 element, decoupled", 1, _COARSE, _PLAIN, cell_model="decoupled", **_TABLE),
+    _mesh(_PLAIN, 1, _COARSE, "2 elements", **_TABLE),
+    _mesh("2 elements", 2, _PLAIN, FULL),
+    _mesh(FULL, 3, "2 elements"),
 )
 BY_NAME = {model.name: model for model in LADDER}
 

@@ -17,7 +17,7 @@ from shellfabric.impact import ImpactSetup
 from shellfabric.projectile import Projectile
 from validation.scatter import inputs
 
-SHARES = (0.5, 0.8, 0.95, 1.08, 1.3, 1.8)  # of the critical velocity
+SHARES = (0.5, 0.85, 1.1, 1.5)  # of the critical velocity
 END = 600e-6
 KEVLAR = ("S-720", "S-726", "S-727", "S-728", "S-731", "S-745")
 

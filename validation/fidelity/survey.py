@@ -10,6 +10,7 @@ import time
 
 import numpy as np
 
+from fabrics.errors import InputError
 from shellfabric import impact
 from validation.fidelity import quantities, scenes
 from validation.fidelity.models import BY_NAME, FULL, LADDER
@@ -23,18 +24,32 @@ def runs(name):
     """[{model: {"values", "seconds"}}] of the standard scenes of one fabric; process time, with that of the table."""
     tables, found = {}, []
     for setup in scenes.standard(name):
-        row = {model.name: _run(model, setup, tables) for model in LADDER}
+        row = {model.name: _run(model, setup, tables) for model in LADDER if possible(model, setup, tables)}
         found.append({"fabric": name, "velocity": setup.strike_velocity, **row})
     return found
 
 
-def _run(model, setup, tables):
-    this = model.of(setup)
-    key = this.cell_model, this.table_size
+def possible(model, setup, tables):
+    """Whether the panel can be meshed as the model wants it: longer elements have to begin beyond the shot."""
+    try:
+        model.of(setup).panel(_table(model.of(setup), tables)[0])
+    except InputError:
+        return False
+    return True
+
+
+def _table(setup, tables):
+    """(CellTable, process time [s] that filling it took)."""
+    key = setup.cell_model, setup.table_size
     if key not in tables:
         began = time.process_time()
-        tables[key] = this.table(), time.process_time() - began
-    table, filling = tables[key]
+        tables[key] = setup.table(), time.process_time() - began
+    return tables[key]
+
+
+def _run(model, setup, tables):
+    this = model.of(setup)
+    table, filling = _table(this, tables)
     began = time.process_time()
     result = impact.run(this, table=table)
     return {"values": quantities.of(result), "seconds": time.process_time() - began + filling}
@@ -46,6 +61,7 @@ def errors(rows):
 
 
 def _of_model(model, rows):
+    rows = [row for row in rows if model.name in row]
     found = {"cost": float(np.median([row[model.name]["seconds"] / row[FULL]["seconds"] for row in rows]))}
     for quantity in quantities.NAMES:
         off, apart = [], []
