@@ -165,7 +165,7 @@ _GAPS = """
 16 plies of S-728 at 170 m/s with the gap of Table 5-2, and with 0.5 and 1.0 mm more. Jumps: what is left of the force
 (means over 2 µs) without its slow part (means over 20 µs), in the first 100 µs. As in the source a wider gap slows the
 projectile later and less. The source's jumps at the small gap, which it lays to waves in its elastic projectile, are
-not there with a rigid one; with the wider gaps each ply is met on its own, and the first one or two fail.
+not there with a rigid one; with wide gaps each ply is met on its own, and the first may fail.
 
 ![Velocity for three gaps](figures/packs-gaps.png)
 
