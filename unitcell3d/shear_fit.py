@@ -16,6 +16,7 @@ from fabrics.trellis import TrellisShear
 
 FEWEST = 8
 GRID = 40
+_ROUNDING = 1e-6  # of G1: a rise below it is none
 
 
 @dataclass(frozen=True)
@@ -51,7 +52,7 @@ def fit(gamma, tau):
     )
     pair = found.x if found.fun <= _misfit(best, gamma, tau) else np.array(best)
     (G1, rise), rms = _moduli(pair, gamma, tau)
-    if not (G1 > 0 and rise > 0):
+    if not (G1 > 0 and rise > _ROUNDING * G1):
         raise InputError("the curve of shear stress does not stiffen: it has no gamma1 and gamma2")
     return ShearFit(TrellisShear(G1, G1 + rise, *map(float, pair)), rms, bool(pair[1] < 0.98 * last))
 
