@@ -152,6 +152,7 @@ def test_block_size_does_not_matter(quick):
     np.testing.assert_allclose(one.v, other.v, rtol=1e-12)
 
 
+@pytest.mark.slow  # a program of its own, minutes to compile
 def test_single_precision_of_forces(quick):
     """Forces kept in 7 digits change what comes out by no more than 1e-6, and the balance not at all."""
     double, single = (quick(100.0, numerics=Numerics(precision=kind)) for kind in ("double", "single"))
