@@ -1,8 +1,12 @@
-"""Checkpoints of a march as HDF5, written whole or not at all; a resumed run goes on bit for bit."""
+"""Checkpoints of a march as HDF5, written whole or not at all; a resumed run goes on bit for bit.
+
+What the marches of a panel, of a pack (`pack_checkpoint`) and of a solid patch (`solid_checkpoint`) keep alike is here.
+"""
 
 from __future__ import annotations
 
 import hashlib
+from contextlib import contextmanager
 from dataclasses import fields
 
 import numpy as np
@@ -24,19 +28,29 @@ class Checkpoints(Every):
 
     def __call__(self, march):
         if self.due(march):
-            write(march, self.path)
+            self.write(march)
+
+    def write(self, march):
+        """Write the checkpoint."""
+        write(march, self.path)
 
 
 def identity(march):
     """Digest of everything that determines a run and its records: panel, table, knobs, strike velocity, measures."""
     precision, backing = march.panel.numerics.precision, march.panel.backing
-    digest = hashlib.sha256(repr((march.strike_velocity, march.chunk, march.measure, precision, backing)).encode())
-    for name, value in zip(march.const._fields, march.const):
-        digest.update(name.encode())
-        digest.update(np.ascontiguousarray(value).tobytes())
-    digest.update(march.state.mass.tobytes())
-    digest.update(march.state.inverse_mass.tobytes())
-    return digest.hexdigest()
+    known = march.strike_velocity, march.chunk, march.measure, precision, backing
+    return digest(known, march.const, (march.state.mass, march.state.inverse_mass))
+
+
+def digest(known, const, arrays=()):
+    """Digest of plain values, a named tuple of constants, and further arrays."""
+    found = hashlib.sha256(repr(known).encode())
+    for name, value in zip(const._fields, const):
+        found.update(name.encode())
+        found.update(np.ascontiguousarray(value).tobytes())
+    for array in arrays:
+        found.update(array.tobytes())
+    return found.hexdigest()
 
 
 def write(march, path):
@@ -45,19 +59,11 @@ def write(march, path):
 
     with replace_whole(path) as beside, h5py.File(beside, "w") as file:
         file.attrs["format"], file.attrs["identity"] = _FORMAT, identity(march)
-        file.attrs["reason"], file.attrs["wall_time"], file.attrs["zero"] = march.reason, march.wall_time, march._zero
-        file.attrs["passed"] = march.passed
-        for name, value in zip(march.state._fields, march.state):
-            file[f"state/{name}"] = np.array(value)
-        for name, values in (march.behind.block.arrays() if march.behind else {}).items():
-            file[f"block/{name}"] = values
-        file["samples"] = np.array(march.samples)
-        file["fine"] = np.concatenate(march.fine) if march.fine else np.empty((0, march.columns))
+        store(file, "state", march.state)
+        store_records(file, march)
         file["histories"] = np.array(march.histories)
-        file["chunks"] = np.array([part.shape[0] for part in march.fine], np.int64)
         for number, shot in enumerate(march.snapshots):
-            for entry in fields(Snapshot):
-                file[f"snapshots/{number:05d}/{entry.name}"] = getattr(shot, entry.name)
+            store_snapshot(file, f"{number:05d}", shot)
 
 
 def read(march, path):
@@ -67,30 +73,76 @@ def read(march, path):
     ------
     InputError : the file is missing, broken, or of another run
     """
+    with opened(path, _FORMAT, identity(march)) as file:
+        restore(file, "state", march.state)
+        restore_records(file, march)
+        march.histories[:] = list(file["histories"][()])
+        march.snapshots[:] = [snapshot(group) for _, group in sorted(file.get("snapshots", {}).items())]
+
+
+@contextmanager
+def opened(path, form, identity):
+    """A checkpoint to read from; InputError if it is missing, broken, or of another run."""
     import h5py
 
     try:
         with h5py.File(path, "r") as file:
-            if file.attrs.get("format") != _FORMAT:
-                raise InputError(file=path, key="format", value=file.attrs.get("format"), allowed=repr(_FORMAT))
-            if file.attrs["identity"] != identity(march):
+            if file.attrs.get("format") != form:
+                raise InputError(file=path, key="format", value=file.attrs.get("format"), allowed=repr(form))
+            if file.attrs["identity"] != identity:
                 raise InputError("is the checkpoint of another run", file=path)
-            for name, value in zip(march.state._fields, march.state):
-                stored = file[f"state/{name}"][()]
-                for array, part in zip(value, stored) if isinstance(value, tuple) else [(value, stored)]:
-                    array[...] = part
-            if march.behind:
-                march.behind.block.restore({name: data[()] for name, data in file["block"].items()})
-            march.reason, march.wall_time = int(file.attrs["reason"]), float(file.attrs["wall_time"])
-            march._zero, march.passed = float(file.attrs["zero"]), int(file.attrs["passed"])
-            march.samples[:] = list(file["samples"][()])
-            march.histories[:] = list(file["histories"][()])
-            march.fine[:] = (
-                np.split(file["fine"][()], np.cumsum(file["chunks"][()])[:-1]) if len(file["chunks"]) else []
-            )
-            march.snapshots[:] = [
-                Snapshot(*(group[entry.name][()] for entry in fields(Snapshot)))
-                for _, group in sorted(file.get("snapshots", {}).items())
-            ]
+            yield file
     except (OSError, KeyError) as problem:
         raise InputError(f"is not a readable checkpoint ({problem})", file=path) from None
+
+
+def store(file, group, arrays):
+    """Keep the entries of a named tuple that are arrays, or several; constants follow from the run."""
+    for name, value in zip(arrays._fields, arrays):
+        if _kept(value):
+            file[f"{group}/{name}"] = np.array(value)
+
+
+def restore(file, group, arrays):
+    """Put what `store` has kept into the arrays."""
+    for name, value in zip(arrays._fields, arrays):
+        if _kept(value):
+            stored = file[f"{group}/{name}"][()]
+            for array, part in zip(value, stored) if isinstance(value, tuple) else [(value, stored)]:
+                array[...] = part
+
+
+def _kept(value):
+    return isinstance(value, np.ndarray) or (isinstance(value, tuple) and isinstance(value[0], np.ndarray))
+
+
+def store_records(file, march):
+    """What a march of cloth has recorded, with the block behind it."""
+    file.attrs["reason"], file.attrs["wall_time"], file.attrs["zero"] = march.reason, march.wall_time, march._zero
+    file.attrs["passed"] = march.passed
+    for name, values in (march.behind.block.arrays() if march.behind else {}).items():
+        file[f"block/{name}"] = values
+    file["samples"] = np.array(march.samples)
+    file["fine"] = np.concatenate(march.fine) if march.fine else np.empty((0, march.columns))
+    file["chunks"] = np.array([part.shape[0] for part in march.fine], np.int64)
+
+
+def restore_records(file, march):
+    """Put what `store_records` has kept into the march."""
+    if march.behind:
+        march.behind.block.restore({name: data[()] for name, data in file["block"].items()})
+    march.reason, march.wall_time = int(file.attrs["reason"]), float(file.attrs["wall_time"])
+    march._zero, march.passed = float(file.attrs["zero"]), int(file.attrs["passed"])
+    march.samples[:] = list(file["samples"][()])
+    march.fine[:] = np.split(file["fine"][()], np.cumsum(file["chunks"][()])[:-1]) if len(file["chunks"]) else []
+
+
+def store_snapshot(file, name, shot):
+    """Keep a measures.Snapshot."""
+    for entry in fields(Snapshot):
+        file[f"snapshots/{name}/{entry.name}"] = getattr(shot, entry.name)
+
+
+def snapshot(group):
+    """The Snapshot that a group holds."""
+    return Snapshot(*(group[entry.name][()] for entry in fields(Snapshot)))

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import hashlib
-
 import numpy as np
 
-from fabrics.errors import InputError
 from fabrics.files import replace_whole
+from shellfabric import checkpoint
 
 _FORMAT = "weavecell solid patch checkpoint 1"
 
@@ -36,11 +34,7 @@ class SolidSnapshots:
 
 def identity(march):
     """Digest of everything that determines a run and its records."""
-    digest = hashlib.sha256(repr((march.strike_velocity, march.interval, march.patch.numerics.safety)).encode())
-    for name, value in zip(march.const._fields, march.const):
-        digest.update(name.encode())
-        digest.update(np.ascontiguousarray(value).tobytes())
-    return digest.hexdigest()
+    return checkpoint.digest((march.strike_velocity, march.interval, march.patch.numerics.safety), march.const)
 
 
 def write(march, path):
@@ -50,8 +44,7 @@ def write(march, path):
     with replace_whole(path) as beside, h5py.File(beside, "w") as file:
         file.attrs["format"], file.attrs["identity"] = _FORMAT, identity(march)
         file.attrs["wall_time"] = march.wall_time
-        for name, value in zip(march.state._fields, march.state):
-            file[f"state/{name}"] = value
+        checkpoint.store(file, "state", march.state)
         file["samples"] = np.array(march.samples)
         for number, (when, places) in enumerate(march.snapshots):
             file[f"snapshots/{number:05d}"] = places
@@ -65,20 +58,10 @@ def read(march, path):
     ------
     InputError : the file is missing, broken, or of another run
     """
-    import h5py
-
-    try:
-        with h5py.File(path, "r") as file:
-            if file.attrs.get("format") != _FORMAT:
-                raise InputError(file=path, key="format", value=file.attrs.get("format"), allowed=repr(_FORMAT))
-            if file.attrs["identity"] != identity(march):
-                raise InputError("is the checkpoint of another run", file=path)
-            for name, value in zip(march.state._fields, march.state):
-                value[...] = file[f"state/{name}"][()]
-            march.wall_time = float(file.attrs["wall_time"])
-            march.samples[:] = list(file["samples"][()])
-            march.snapshots[:] = [
-                (float(part.attrs["t"]), part[()]) for _, part in sorted(file.get("snapshots", {}).items())
-            ]
-    except (OSError, KeyError) as problem:
-        raise InputError(f"is not a readable checkpoint ({problem})", file=path) from None
+    with checkpoint.opened(path, _FORMAT, identity(march)) as file:
+        checkpoint.restore(file, "state", march.state)
+        march.wall_time = float(file.attrs["wall_time"])
+        march.samples[:] = list(file["samples"][()])
+        march.snapshots[:] = [
+            (float(part.attrs["t"]), part[()]) for _, part in sorted(file.get("snapshots", {}).items())
+        ]

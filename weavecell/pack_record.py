@@ -14,7 +14,7 @@ import numpy as np
 
 from fabrics.errors import InputError
 from fabrics.files import replace_whole
-from weavecell.record import Shape, _drawn, put
+from weavecell.record import SHAPE, Audited, Shape, drawn, plain, put
 
 _FORMAT = "weavecell pack 1"
 _SCALARS = (
@@ -26,7 +26,6 @@ _PLY_UNITS = {
     "failed_yarns": "1", "reaction_warp": "N", "reaction_weft": "N", "push": "N", "deflection": "m", "energy": "J",
 }  # fmt: skip
 _PLIES = {"places": "m", "thickness": "m", "gaps": "m", "strength": "N", "peak_tension": "N", "deepest": "1"}
-_SHAPE = {"t": "s", "z": "m", "nose": "m", "nodes": "m", "tension": "N", "broken": "1"}
 
 
 @dataclass(frozen=True)
@@ -45,7 +44,7 @@ class Cut:
 
 
 @dataclass(frozen=True)
-class PackRecord:
+class PackRecord(Audited):
     """One impact on a pack, from strike to its end.
 
     Parameters
@@ -101,26 +100,6 @@ class PackRecord:
         """Number of plies."""
         return len(self.places)
 
-    @property
-    def strike_energy(self):
-        """[J]"""
-        return 0.5 * self.mass * self.strike_velocity**2
-
-    @property
-    def worst_balance(self):
-        """[-] largest energy that the audit cannot place, over the strike energy."""
-        return float(np.max(np.abs(self.energies["balance"]))) / self.strike_energy
-
-    @property
-    def absorbed(self):
-        """[J] energy that the projectile has lost."""
-        return self.strike_energy - float(self.energies["kinetic_projectile"][-1])
-
-    @property
-    def numerical_share(self):
-        """[-] viscous energy at the end, over the energy absorbed."""
-        return float(self.energies["viscous"][-1]) / self.absorbed
-
     @classmethod
     def of(cls, result, title, law_name, message=""):
         """The record of a `shellfabric.pack_impact.PackResult`."""
@@ -138,7 +117,7 @@ class PackRecord:
             energies=dict(result.energies), plies=dict(result.plies), places=pack.places,
             thickness=np.array([one.weave.thickness for one in pack.plies]), gaps=np.array(pack.gaps),
             strength=np.array([[yarn.strength for yarn in one.weave.yarns] for one in pack.plies]),
-            peak_tension=result.peak_tension, deepest=result.deepest, projectile=_drawn(ply.projectile),
+            peak_tension=result.peak_tension, deepest=result.deepest, projectile=drawn(ply.projectile),
             shapes=tuple(Shape.of(shot) for shot in result.last), quads=tuple(quads(one) for one in pack.plies),
             cuts=tuple(_cut(shots, mirror_y) for shots in (*before, result.last)),
         )  # fmt: skip
@@ -180,7 +159,7 @@ class PackRecord:
             put(file, "projectile", self.projectile, "m")
             for number, (shape, quads) in enumerate(zip(self.shapes, self.quads)):
                 put(file, f"shapes/{number:02d}/quads", quads, "1")
-                for name, unit in _SHAPE.items():
+                for name, unit in SHAPE.items():
                     put(file, f"shapes/{number:02d}/{name}", getattr(shape, name), unit)
             for number, cut in enumerate(self.cuts):
                 put(file, f"cuts/{number:04d}/t", cut.t, "s")
@@ -197,7 +176,7 @@ class PackRecord:
             with h5py.File(path, "r") as file:
                 if file.attrs.get("format") != _FORMAT:
                     raise InputError(file=path, key="format", value=file.attrs.get("format"), allowed=repr(_FORMAT))
-                values = {name: _plain(file.attrs[name]) for name in _SCALARS}
+                values = {name: plain(file.attrs[name]) for name in _SCALARS}
                 values |= {name: file[f"histories/{name}"][()] for name in _HISTORIES}
                 values["energies"] = {name: data[()] for name, data in file["energies"].items()}
                 values["plies"] = {name: data[()] for name, data in file["plies/histories"].items()}
@@ -205,9 +184,7 @@ class PackRecord:
                 values["projectile"] = file["projectile"][()]
                 shapes = [group for _, group in sorted(file["shapes"].items())]
                 values["quads"] = tuple(group["quads"][()] for group in shapes)
-                values["shapes"] = tuple(
-                    Shape(**{name: _plain(group[name][()]) for name in _SHAPE}) for group in shapes
-                )
+                values["shapes"] = tuple(Shape(**{name: plain(group[name][()]) for name in SHAPE}) for group in shapes)
                 values["cuts"] = tuple(
                     Cut(
                         float(group["t"][()]),
@@ -228,7 +205,3 @@ def _cut(shots, mirror_y):
         line, gone = shot.nodes[:, j, [0, 2]], np.flatnonzero(shot.broken[:, j, 0])
         lines.append(np.insert(line, gone + 1, np.nan, axis=0))
     return Cut(float(shots[0].t), float(shots[0].z), tuple(lines))
-
-
-def _plain(value):
-    return value.item() if isinstance(value, np.generic) else value

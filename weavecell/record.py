@@ -31,7 +31,7 @@ _BAR = {
 }  # fmt: skip
 _BACKING = {"crater": "m", "crater_weft": "m", "nodes": "m", "bricks": "1", "plastic": "1", "gone": "1"}
 _PACKED = {"compression": "gzip", "compression_opts": 1, "shuffle": True}
-_SHAPE = {"t": "s", "z": "m", "nose": "m", "nodes": "m", "tension": "N", "broken": "1"}
+SHAPE = {"t": "s", "z": "m", "nose": "m", "nodes": "m", "tension": "N", "broken": "1"}
 
 
 @dataclass(frozen=True)
@@ -63,8 +63,32 @@ class Shape:
         )  # fmt: skip
 
 
+class Audited:
+    """What follows from the energy audit of an impact: of `mass`, `strike_velocity` and `energies`."""
+
+    @property
+    def strike_energy(self):
+        """[J]"""
+        return 0.5 * self.mass * self.strike_velocity**2
+
+    @property
+    def worst_balance(self):
+        """[-] largest energy that the audit cannot place, over the strike energy."""
+        return float(np.max(np.abs(self.energies["balance"]))) / self.strike_energy
+
+    @property
+    def absorbed(self):
+        """[J] energy that the projectile has lost."""
+        return self.strike_energy - float(self.energies["kinetic_projectile"][-1])
+
+    @property
+    def numerical_share(self):
+        """[-] viscous energy at the end, over the energy absorbed."""
+        return float(self.energies["viscous"][-1]) / self.absorbed
+
+
 @dataclass(frozen=True)
-class ImpactRecord:
+class ImpactRecord(Audited):
     """One impact, from strike to its end.
 
     Parameters
@@ -122,26 +146,6 @@ class ImpactRecord:
     bar: object = None
     backing: object = None
 
-    @property
-    def strike_energy(self):
-        """[J]"""
-        return 0.5 * self.mass * self.strike_velocity**2
-
-    @property
-    def worst_balance(self):
-        """[-] largest energy that the audit cannot place, over the strike energy."""
-        return float(np.max(np.abs(self.energies["balance"]))) / self.strike_energy
-
-    @property
-    def absorbed(self):
-        """[J] energy that the projectile has lost."""
-        return self.strike_energy - float(self.energies["kinetic_projectile"][-1])
-
-    @property
-    def numerical_share(self):
-        """[-] viscous energy at the end, over the energy absorbed."""
-        return float(self.energies["viscous"][-1]) / self.absorbed
-
     @classmethod
     def of(cls, result, title, law_name, message=""):
         """The record of a `shellfabric.impact.ImpactResult`."""
@@ -152,7 +156,7 @@ class ImpactRecord:
             title=title, fabric=setup.fabric.name, law_name=law_name, strike_velocity=setup.strike_velocity,
             outcome=result.outcome, residual_velocity=result.residual_velocity, mass=setup.projectile.mass,
             message=message, mirror_x=mirror_x, mirror_y=mirror_y,
-            projectile=_drawn(setup.projectile),
+            projectile=drawn(setup.projectile),
             wall_time=result.wall_time, ns_per_element_step=result.ns_per_element_step,
             elements=result.panel.elements, steps=result.steps, t=result.t, v=result.v, z=result.z,
             failed=result.failed, energies=dict(result.energies), reactions=dict(result.reactions),
@@ -175,12 +179,6 @@ class ImpactRecord:
             "absorbed": self.absorbed,
             "worst_balance": self.worst_balance,
             "numerical_share": self.numerical_share,
-            **({"plastic_shortening": self.bar.shortening, "bar_period": self.bar.period} if self.bar else {}),
-            **(
-                {"crater_depth": self.backing.depth, "crater_wall_angle": self.backing.steepness}
-                if self.backing
-                else {}
-            ),
             "energies_at_end": {name: float(values[-1]) for name, values in self.energies.items()},
         }
 
@@ -196,7 +194,7 @@ class ImpactRecord:
                 for name, unit in units.items():
                     put(file, f"{group}/{name}", getattr(self, name), unit)
             for shape in ("middle", "last"):
-                for name, unit in _SHAPE.items():
+                for name, unit in SHAPE.items():
                     put(file, f"panel/{shape}/{name}", getattr(getattr(self, shape), name), unit)
             for name, values in self.energies.items():
                 put(file, f"energies/{name}", values, "J")
@@ -218,11 +216,11 @@ class ImpactRecord:
             with h5py.File(path, "r") as file:
                 if file.attrs.get("format") != _FORMAT:
                     raise InputError(file=path, key="format", value=file.attrs.get("format"), allowed=repr(_FORMAT))
-                values = {name: _plain(file.attrs[name]) for name in _SCALARS}
+                values = {name: plain(file.attrs[name]) for name in _SCALARS}
                 values |= {name: file[f"histories/{name}"][()] for name in _HISTORIES}
                 values |= {name: file[f"panel/{name}"][()] for name in _PANEL}
                 for shape in ("middle", "last"):
-                    values[shape] = Shape(**{name: _plain(file[f"panel/{shape}/{name}"][()]) for name in _SHAPE})
+                    values[shape] = Shape(**{name: plain(file[f"panel/{shape}/{name}"][()]) for name in SHAPE})
                 for group in ("energies", "reactions"):
                     values[group] = {name: data[()] for name, data in file[group].items()}
                 values["measured"] = _read_measured(file["measured"]) if "measured" in file else None
@@ -233,7 +231,7 @@ class ImpactRecord:
         return cls(**values)
 
 
-def _drawn(shot):
+def drawn(shot):
     """The projectile as it is drawn, set back by its edge radius.
 
     The flat elements of the cloth cut across the rounding that they lie on, and it would stick out between them.
@@ -267,7 +265,7 @@ def _read_group(file, name):
         return None
     kind, units = {"bar": (BarHistory, _BAR), "backing": (BackingResult, _BACKING)}[name]
     group = file[name]
-    return kind(**{key: group[key][()] for key in units}, **{key: _plain(value) for key, value in group.attrs.items()})
+    return kind(**{key: group[key][()] for key in units}, **{key: plain(value) for key, value in group.attrs.items()})
 
 
 def _write_measured(group, measured):
@@ -296,7 +294,7 @@ def _read_measured(group):
 
     yarns = tuple(
         YarnHistory(
-            **{name: _plain(inner.attrs[name]) for name in _YARN}, **{name: inner[name][()] for name in _YARN_HISTORIES}
+            **{name: plain(inner.attrs[name]) for name in _YARN}, **{name: inner[name][()] for name in _YARN_HISTORIES}
         )
         for _, inner in sorted(group.get("yarns", {}).items())
     )
@@ -308,5 +306,5 @@ def put(file, name, values, unit, **packing):
     file.create_dataset(name, data=np.asarray(values), **packing).attrs["unit"] = unit
 
 
-def _plain(value):
+def plain(value):
     return value.item() if isinstance(value, np.generic) else value

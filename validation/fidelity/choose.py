@@ -108,27 +108,17 @@ def options(setup, asked, *, fixed=frozenset(), tables=None, book=None):
     base = setup if "symmetry" in fixed else simplest(setup, tables)
     found = []
     for model in LADDER:
-        if model.leaves(base, fixed) and _possible(model, base, tables):
-            this = model.of(base)
+        panel = model.panel(base, tables.cheap(base)) if model.leaves(base, fixed) else None
+        if panel is not None:
             expected = {name: book.expected(model, name) for name in asked}
             enough = all(expected[name] <= share for name, share in asked.items())
-            panel = this.panel(tables.of(base))  # that of the table's cell changes no time step to speak of
-            work = effort(panel, this.end_time)
-            found.append(Option(model, this, panel.elements, work, book.cost(model), expected, enough))
+            work = effort(panel, base.end_time)
+            found.append(Option(model, model.of(base), panel.elements, work, book.cost(model), expected, enough))
     if not found:  # all meshes of the ladder differ from what is set by hand: it is run as it is
-        panel = base.panel(tables.of(base))
+        panel = base.panel(tables.cheap(base))
         expected = dict.fromkeys(asked, inf)
         found = [Option(BY_HAND, base, panel.elements, effort(panel, base.end_time), 1.0, expected, False)]
     return tuple(sorted(found, key=lambda option: (option.cost, option.effort)))
-
-
-def _possible(model, base, tables):
-    """Whether the panel can be meshed as the model wants it, such as with longer elements away from the shot."""
-    try:
-        model.of(base).panel(tables.of(base))
-    except InputError:
-        return False
-    return True
 
 
 def pick(options):

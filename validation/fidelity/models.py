@@ -38,6 +38,13 @@ class Model:
         """The set-up as this model runs it."""
         return replace(setup, **dict(self.changes))
 
+    def panel(self, setup, table):
+        """The panel as this model meshes it, or None where it cannot be: longer elements begin beyond the shot."""
+        try:
+            return self.of(setup).panel(table)
+        except InputError:
+            return None
+
     def leaves(self, setup, fixed):
         """Whether the model leaves those fields as they are that the user has set by hand."""
         return all(getattr(setup, key) == value for key, value in self.changes if key in fixed)
@@ -75,6 +82,10 @@ class Tables:
         self._known.append((setup, setup.table()))
         return self._known[-1][1]
 
+    def cheap(self, setup):
+        """A table of the cell for panels that are looked at, not run: the one that the cheap models have."""
+        return self.of(replace(setup, **_TABLE))
+
 
 def simplest(setup, tables):
     """The set-up with the smallest part of the panel that shot, edges and weave let stand for all of it.
@@ -86,7 +97,7 @@ def simplest(setup, tables):
     for symmetry in SYMMETRIES:
         found = replace(setup, symmetry=symmetry)
         try:
-            found.panel(tables.of(setup))
+            found.panel(tables.cheap(setup))
         except InputError:
             if symmetry == "whole":
                 raise
