@@ -371,6 +371,31 @@ class TestScenes:
         assert {share for one in drawn for share in one.values()} == set(trial.ASKED)
         assert survey.SEED not in trial.TRIALS.values()
 
+    def test_a_row_is_held_against_the_full_model(self):
+        def row(values, full):
+            attempt = SimpleNamespace(
+                option=SimpleNamespace(model=models.BY_NAME[ONE]), values=quantities.of(values), errors={}
+            )
+            found = SimpleNamespace(final=attempt, attempts=(attempt,), confirmed=True)
+            known_full = {"values": quantities.of(full), "seconds": 2.0, "whole": 8.0}
+            return trial.row("everything", 1, known_full, (found, 0.1))
+
+        one = row(result(z=0.0201), result())
+        assert one.met
+        assert one.found["deflection"] == pytest.approx(0.005)
+        assert one.cost == 0.05
+        assert one.whole_cost == 0.0125
+        assert not row(result(z=0.0212), result()).met  # 5 % is asked
+        other = row(result(), result("perforated", 1.0))
+        assert not other.met
+        assert set(other.found.values()) == {inf}
+
+    def test_an_answer_is_one_of_this_version(self, monkeypatch, tmp_path):
+        (tmp_path / "errors.json").write_text("{}")
+        before = trial.version()
+        monkeypatch.setattr(trial.resources, "files", lambda name: tmp_path)
+        assert trial.version() != before
+
 
 def test_page(tmp_path):
     path = tmp_path / "page.md"

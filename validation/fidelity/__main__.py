@@ -53,7 +53,10 @@ def survey_command(options):
 
 def trial_command(options):
     """Run a trial and print what it found."""
-    rows = _runs(trial.row, [(options.trial, number) for number in range(trial.COUNT)], options)
+    places = [(options.trial, number) for number in range(trial.COUNT)]
+    full = _runs(trial.truth, places, options)
+    answers = _runs(trial.answer, [(*place, trial.version()) for place in places], options)
+    rows = [trial.row(*given) for given in zip(*zip(*places), full, answers)]
     with write_whole(options.out / f"trial-{options.trial}.csv") as file:
         table = csv.writer(file)
         table.writerow([entry.name for entry in fields(trial.Row)] + ["met"])

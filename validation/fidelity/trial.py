@@ -9,8 +9,10 @@ same part of the panel, and on the whole panel, which is run where that does not
 
 from __future__ import annotations
 
+import hashlib
 import time
 from dataclasses import dataclass, replace
+from importlib import resources
 from math import inf, nan
 
 import numpy as np
@@ -82,28 +84,56 @@ def asked(trial, number):
     return {str(name): float(draw.choice(ASKED)) for name in names}
 
 
-def row(trial, number):
-    """Run one scene of a trial."""
-    setup, wanted = scenes.drawn(number, TRIALS[trial]), asked(trial, number)
-    setup = replace(setup, numerics=replace(setup.numerics, threads=1))
+def truth(trial, number):
+    """What the full model finds of a scene: values, and process times [s] on the part of the panel and the whole."""
+    setup = _setup(trial, number)
+    values, seconds = _full(simplest(setup, Tables()))
+    return {"values": values, "seconds": seconds, "whole": _full(setup)[1] if seconds <= LONGEST else nan}
+
+
+def answer(trial, number, version):
+    """What the code answers as the scene asks: (choose.Answer without its runs, process time [s]).
+
+    version : `version()`; an answer that is kept is one of this
+    """
+    setup, wanted = _setup(trial, number), asked(trial, number)
     began = time.process_time()
     found = choose.answer(setup, wanted, fixed=frozenset({"projectile"}))
     seconds = time.process_time() - began
-    result, full_seconds = _full(simplest(setup, Tables()))
-    _, whole_seconds = _full(setup) if full_seconds <= LONGEST else (None, nan)
-    final, truth = found.final, quantities.of(result)
-    errors = {name: known.error(final.values, truth, name) for name in wanted}
-    if final.values["outcome"] != truth["outcome"]:
+    attempts = tuple(replace(attempt, result=None) for attempt in found.attempts)
+    return replace(found, options=(), attempts=attempts), seconds
+
+
+def version():
+    """Digest of what an answer hangs on besides the solver: this package with its book."""
+    folder = resources.files("validation.fidelity")
+    parts = sorted(part.name for part in folder.iterdir() if part.name.endswith((".py", ".json")))
+    return hashlib.sha256(b"".join((folder / name).read_bytes() for name in parts)).hexdigest()[:16]
+
+
+def row(trial, number, known_full, answered):
+    """The Row of a scene from its `truth` and its `answer`."""
+    setup, wanted = _setup(trial, number), asked(trial, number)
+    (found, seconds), full = answered, known_full["values"]
+    final = found.final
+    errors = {name: known.error(final.values, full, name) for name in wanted}
+    if final.values["outcome"] != full["outcome"]:
         errors = dict.fromkeys(wanted, inf)
     return Row(
         number, setup.fabric.name, setup.strike_velocity, setup.projectile.shape, wanted, final.option.model.name,
-        len(found.attempts), found.confirmed, result.outcome, final.errors, errors, seconds, full_seconds,
-        whole_seconds,
+        len(found.attempts), found.confirmed, full["outcome"], final.errors, errors, seconds, known_full["seconds"],
+        known_full["whole"],
     )  # fmt: skip
 
 
+def _setup(trial, number):
+    setup = scenes.drawn(number, TRIALS[trial])
+    return replace(setup, numerics=replace(setup.numerics, threads=1))
+
+
 def _full(setup):
-    """(ImpactResult, process time [s]) of the full model on the panel of a set-up."""
+    """(quantities, process time [s]) of the full model on the panel of a set-up."""
     began = time.process_time()
     this = BY_NAME[FULL].of(setup)
-    return impact.run(this, table=this.table()), time.process_time() - began
+    result = impact.run(this, table=this.table())
+    return quantities.of(result), time.process_time() - began
