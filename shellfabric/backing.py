@@ -29,7 +29,10 @@ from shellfabric.projectile import Projectile
 
 ENERGIES = ("kinetic", "elastic", "plastic", "hourglass", "viscous", "absorbed", "eroded", "contact", "damped")
 FAR = ("fixed", "absorbing", "free")
-_KEPT = ("x", "v", "metric", "alpha", "last", "gone", "energy", "_work", "_own", "_outer", "_drags", "_shot", "_points")
+_KEPT = (
+    "x", "v", "metric", "alpha", "last", "past", "gone", "energy", "_work", "_own", "_outer", "_drags", "_shot",
+    "_held", "_points",
+)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -142,7 +145,8 @@ class Block:
     Attributes
     ----------
     x, v : (n, 3) [m], [m/s] places, and velocities of half a step ago
-    metric, alpha, last, gone, energy : of the bricks, see `block_kernels.forces`; alpha is effective plastic strain
+    metric, alpha, last, past, gone, energy : of the bricks, see `block_kernels.forces`; alpha is effective plastic
+        strain
     time : [s]
     """
 
@@ -172,6 +176,7 @@ class Block:
         self._outer, self._own = np.zeros((n, 3)), np.zeros((m, 8, 3))
         self.metric = np.tile(np.eye(3), (m, 1, 1))
         self.alpha, self.last, self.gone = np.zeros(m), np.zeros(m), np.zeros(m, bool)
+        self.past, self._held = np.zeros((m, 2)), np.zeros(n)
         self.energy, self._work = np.zeros((m, 5)), np.zeros((nx + 1, 3))
         self._drags, self._shot, self._points = np.zeros((n, 3)), np.zeros(7), np.zeros(7)
         self._columns = self._memory = None  # of the points of `press`
@@ -215,9 +220,9 @@ class Block:
         """
         shot = projectile
         numbers = np.array([shot.number, shot.radius, shot.edge_radius, np.inf if shot.length is None else shot.length])
-        touch.shot(
+        self._damped += touch.shot(
             *self.shape, self.x, self.v, self.gone, self._stiffness, self._springs, np.asarray(position, float),
-            np.asarray(speed, float), shot.form, numbers, self._outer, self._drags, self._shot,
+            np.asarray(speed, float), shot.form, numbers, self._held, self._outer, self._drags, self._shot,
         )  # fmt: skip
         push, drag = self._shot[touch.PUSH : touch.DRAG], self._shot[touch.DRAG :]
         self._damp("shot", drag, np.asarray(speed, float))
@@ -267,7 +272,7 @@ class Block:
         """
         kernels.forces(
             *self.shape, self.x, self._gradient, self._volume, self._twist, self._control, self._damping, self._law,
-            self._kick, self.metric, self.alpha, self.last, self.gone, self._own, self.energy,
+            self._kick, self.metric, self.alpha, self.last, self.past, self.gone, self._own, self.energy,
         )  # fmt: skip
         if np.isnan(self.energy[:, kernels.ELASTIC]).any():
             brick = int(np.argmax(np.isnan(self.energy[:, kernels.ELASTIC])))

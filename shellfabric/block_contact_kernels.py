@@ -5,7 +5,12 @@ apart: what it takes is its force times velocities in the middle of the step, wh
 
     shot      signed distance (`shapes_kernels`) of the block's nodes that still have a brick
     points    each against the facet of the block's face below it, bilinear over its four nodes: the top of the first
-              brick of its column below all that are gone, found from the column it was over before
+              brick of its column below all that are gone, found from the column it was over before; on it, or on its
+              continuation, against the place that is nearest
+
+What pushes a point acts on the block at its foot, along the line between them: a face that turns under the thickness
+of the cloth has to be turned. With the forces straight below the point instead, as much as 1.7 % of a shot's energy
+came from nowhere.
 
 The face of a block that erodes has steps. A point that comes over a higher column is all at once inside the block by as
 much as a brick, and a spring would throw it out at thousands of m/s. So what a point has gone in by counts from where
@@ -23,6 +28,7 @@ from shellfabric.block_kernels import CONTACT, DRAG, PUSH
 
 DROPPED = 1  # of the sums of `points` [J]: springs whose face has dropped away
 LOOKS = 50  # columns that a point is followed across in one call
+FARTHEST = 3.0  # coordinate in a facet, -1 .. 1 within it, that a foot may have
 
 
 @njit(cache=True, error_model="numpy")
@@ -37,7 +43,7 @@ def bricks_left(i, j, k, nx, ny, nz, gone):
 
 
 @njit(cache=True, error_model="numpy")
-def shot(nx, ny, nz, x, v, gone, stiffness, damping, position, speed, form, numbers, outer, drags, sums):
+def shot(nx, ny, nz, x, v, gone, stiffness, damping, position, speed, form, numbers, held, outer, drags, sums):
     """Forces of a rigid projectile on the nodes of the block.
 
     Parameters
@@ -45,18 +51,28 @@ def shot(nx, ny, nz, x, v, gone, stiffness, damping, position, speed, form, numb
     stiffness, damping : (n,) [N/m], [N s/m]
     position, speed : (3,) of the nose [m], [m/s]
     form, numbers : as for `shapes_kernels.distance`; (4,) number of the shape, radius, edge radius, length
+    held : (n,) [J] by the springs of the last call; overwritten
     outer, drags : (n, 3) [N] internal forces, elastic and damping; added to
     sums : (7,) CONTACT [J]; PUSH .., DRAG .. the elastic and the damping force on the projectile [N]; overwritten
+
+    Returns
+    -------
+    dropped : [J] of springs on nodes whose last brick has gone
     """
     sums[:] = 0.0
-    widest = numbers[1] * numbers[1]
+    widest, dropped = numbers[1] * numbers[1], 0.0
     for i in range(nx + 1):
         for j in range(ny + 1):
             for k in range(nz + 1):
                 n = (i * (ny + 1) + j) * (nz + 1) + k
                 p0, p1, p2 = x[n, 0] - position[0], x[n, 1] - position[1], x[n, 2] - position[2]
+                before = held[n]
+                held[n] = 0.0
                 # debris may fly ahead of what it came from: every node of the column is looked at
-                if p2 > 0.0 or p0 * p0 + p1 * p1 > widest or not bricks_left(i, j, k, nx, ny, nz, gone):
+                if p2 > 0.0 or p0 * p0 + p1 * p1 > widest:
+                    continue
+                if not bricks_left(i, j, k, nx, ny, nz, gone):
+                    dropped += before
                     continue
                 gap, n0, n1, n2 = shapes_kernels.distance(
                     int(numbers[0]), p0, p1, p2, numbers[1], numbers[2], numbers[3], form
@@ -66,12 +82,14 @@ def shot(nx, ny, nz, x, v, gone, stiffness, damping, position, speed, form, numb
                 opening = (v[n, 0] - speed[0]) * n0 + (v[n, 1] - speed[1]) * n1 + (v[n, 2] - speed[2]) * n2
                 push = -stiffness[n] * gap
                 drag = max(-damping[n] * opening, -push)
-                sums[CONTACT] += 0.5 * stiffness[n] * gap * gap
+                held[n] = 0.5 * stiffness[n] * gap * gap
+                sums[CONTACT] += held[n]
                 for c, part in enumerate((n0, n1, n2)):
                     outer[n, c] -= push * part
                     drags[n, c] -= drag * part
                     sums[PUSH + c] -= push * part
                     sums[DRAG + c] -= drag * part
+    return dropped
 
 
 @njit(cache=True, error_model="numpy")
@@ -140,6 +158,44 @@ def locate(px, py, x, column, nx, ny, nz, gone, place, nodes):
 
 
 @njit(cache=True, error_model="numpy")
+def tangents(a, b, x, nodes, A, B):
+    """Slopes A, B : (3,) of a facet along its coordinates, four times over."""
+    for c in range(3):
+        A[c] = (1 - b) * (x[nodes[1], c] - x[nodes[0], c]) + (1 + b) * (x[nodes[2], c] - x[nodes[3], c])
+        B[c] = (1 - a) * (x[nodes[3], c] - x[nodes[0], c]) + (1 + a) * (x[nodes[2], c] - x[nodes[1], c])
+
+
+@njit(cache=True, error_model="numpy")
+def foot(p, x, nodes, place, A, B):
+    """Move `place` from the point of the facet that is straight below p : (3,) to the one that is nearest to it.
+
+    Newton on (p - y).A = (p - y).B = 0, on the facet continued by as much as itself; A, B as `tangents`, filled. Where
+    it leads further the place stays.
+    """
+    a, b, w = place[0], place[1], np.empty(4)
+    for _ in range(20):
+        tangents(a, b, x, nodes, A, B)
+        weights(a, b, w)
+        aa = ab = bb = ra = rb = 0.0
+        for c in range(3):
+            off = p[c]
+            for m in range(4):
+                off -= w[m] * x[nodes[m], c]
+            twist = x[nodes[0], c] - x[nodes[1], c] + x[nodes[2], c] - x[nodes[3], c]
+            aa, bb, ab = aa + A[c] * A[c], bb + B[c] * B[c], ab + A[c] * B[c] - 4.0 * off * twist
+            ra, rb = ra + off * A[c], rb + off * B[c]
+        det = aa * bb - ab * ab
+        da, db = 4.0 * (bb * ra - ab * rb) / det, 4.0 * (aa * rb - ab * ra) / det
+        a, b = a + da, b + db
+        if not (det > 0.0 and abs(a) < FARTHEST and abs(b) < FARTHEST):
+            break
+        if abs(da) + abs(db) < 1e-12:
+            place[0], place[1] = a, b
+            break
+    tangents(place[0], place[1], x, nodes, A, B)
+
+
+@njit(cache=True, error_model="numpy")
 def points(
     nx, ny, nz, x, v, gone, px, pv, stiffness, damping, thickness, dt, columns, memory, outer, drags, force, drag_force,
     sums,
@@ -160,6 +216,7 @@ def points(
     """
     sums[:] = 0.0
     place, nodes, normal, w = np.empty(2), np.empty(4, np.int64), np.empty(3), np.empty(4)
+    A, B = np.empty(3), np.empty(3)
     for s in range(stiffness.size):
         force[s] = drag_force[s] = 0.0
         was, offset = memory[s, 0], memory[s, 1]
@@ -168,12 +225,8 @@ def points(
             memory[s, 0], memory[s, 1] = -1.0, 0.0
             sums[DROPPED] += 0.5 * stiffness[s] * held * held
             continue
-        a, b = place[0], place[1]
-        weights(a, b, w)
-        A, B = np.zeros(3), np.zeros(3)
-        for c in range(3):
-            A[c] = (1 - b) * (x[nodes[1], c] - x[nodes[0], c]) + (1 + b) * (x[nodes[2], c] - x[nodes[3], c])
-            B[c] = (1 - a) * (x[nodes[3], c] - x[nodes[0], c]) + (1 + a) * (x[nodes[2], c] - x[nodes[1], c])
+        foot(px[s], x, nodes, place, A, B)
+        weights(place[0], place[1], w)
         # out of the block: against z at rest
         normal[0], normal[1] = A[2] * B[1] - A[1] * B[2], A[0] * B[2] - A[2] * B[0]
         normal[2] = A[1] * B[0] - A[0] * B[1]

@@ -11,6 +11,9 @@ effective plastic strain alpha reaches the erosion strain is taken out; its mass
 goes to a term of its own. Hourglass control is that of `solid_kernels`: a potential, blind to rotation. A linear bulk
 viscosity, xi rho c L d(ln J)/dt, damps the highest mode.
 
+Plastic and viscous work of a step are those of the mean of the stresses before and after it, which is what its forces
+do: a brick that begins to flow in it was below its strength before.
+
 Forces are written for each brick and gathered at each node in a fixed order: threads change no bit of the result.
 """
 
@@ -136,7 +139,9 @@ def hencky(F, C, alpha, law, viscous, P):
 
 
 @njit(cache=True, error_model="numpy")
-def slab(i, ny, nz, x, gradient, volume, twist, control, damping, law, dt, metric, alpha, last, gone, own, energy):
+def slab(
+    i, ny, nz, x, gradient, volume, twist, control, damping, law, dt, metric, alpha, last, past, gone, own, energy
+):
     """Forces of the bricks i along x: see `forces`."""
     nodes, places = np.empty(8, np.int64), np.empty((8, 3))
     F, P, D, H = np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3)), np.empty((4, 3))
@@ -158,14 +163,22 @@ def slab(i, ny, nz, x, gradient, volume, twist, control, damping, law, dt, metri
                 continue
             swell = math.log(J)
             rate = (swell - last[m]) * per_time
-            stored, work, alpha[m] = hencky(F, metric[m], alpha[m], law, damping[m] * rate, P)
-            last[m] = swell
+            before = alpha[m]
+            stored, work, alpha[m] = hencky(F, metric[m], before, law, damping[m] * rate, P)
+            # the distortion's share of what is stored gives the stress: q^2 / 6 G
+            mises = math.sqrt(6.0 * law[1] * max(stored - 0.5 * law[0] * swell * swell, 0.0))
+            if alpha[m] > before:
+                work = 0.5 * (min(past[m, 1], mises) + mises) * (alpha[m] - before)
+            damped = damping[m] * 0.5 * (past[m, 0] + rate) * rate * dt
+            last[m], past[m, 0], past[m, 1] = swell, rate, mises
             held = hourglass(F, places, twist[m], control[m], H, D, own[m])
             energy[m, PLASTIC] += volume[m] * work
-            energy[m, VISCOUS] += volume[m] * damping[m] * rate * rate * dt
+            energy[m, VISCOUS] += volume[m] * damped
             if alpha[m] >= law[4]:
                 gone[m] = True
-                energy[m, ERODED] = volume[m] * stored + held
+                # its stress does no work any more, so half of the last step's was never done
+                rise = volume[m] * (stored + work + damped) + held - energy[m, ELASTIC] - energy[m, HOURGLASS]
+                energy[m, ERODED] = volume[m] * stored + held - 0.5 * rise
                 energy[m, ELASTIC] = energy[m, HOURGLASS] = 0.0
                 own[m] = 0.0
                 continue
@@ -177,7 +190,9 @@ def slab(i, ny, nz, x, gradient, volume, twist, control, damping, law, dt, metri
 
 
 @njit(cache=True, error_model="numpy", parallel=True)
-def forces(nx, ny, nz, x, gradient, volume, twist, control, damping, law, dt, metric, alpha, last, gone, own, energy):
+def forces(
+    nx, ny, nz, x, gradient, volume, twist, control, damping, law, dt, metric, alpha, last, past, gone, own, energy
+):
     """Internal forces of every brick, own : (m, 8, 3) [N].
 
     Parameters
@@ -189,10 +204,14 @@ def forces(nx, ny, nz, x, gradient, volume, twist, control, damping, law, dt, me
     law : (5,) as for `hencky`
     dt : [s] since the last call
     metric, alpha, last, gone : (m, 3, 3), (m,), (m,) ln J, (m,) bool; overwritten
+    past : (m, 2) [1/s], [Pa] rate of ln J and stress q of the last call; overwritten
     energy : (m, 5) [J] of each brick, overwritten or added to
     """
     for i in prange(nx):
-        slab(i, ny, nz, x, gradient, volume, twist, control, damping, law, dt, metric, alpha, last, gone, own, energy)
+        slab(
+            i, ny, nz, x, gradient, volume, twist, control, damping, law, dt, metric, alpha, last, past, gone, own,
+            energy,
+        )  # fmt: skip
 
 
 @njit(cache=True, error_model="numpy")

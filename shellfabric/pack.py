@@ -25,6 +25,7 @@ from fabrics.fabric import Fabric
 from fabrics.plate_curve import PlateCurve
 from shellfabric import body, pack_kernels, ply_contact_kernels
 from shellfabric.cell import CellModel, CellTable
+from shellfabric.lanes import WIDTH
 from shellfabric.panel import Panel
 
 STACKINGS = ("aligned", "alternating")
@@ -38,8 +39,8 @@ _LEAST = (0.25, 1e-3)  # deflections that are looked at: of the gap, of the thic
 
 Pair = namedtuple(
     "Pair",
-    "foot status wait speed on_front on_rear front_touched rear_touched front_box rear_box energy "
-    "form points start stiffness damping thickness apart least",
+    "foot going status wait speed on_front on_rear front_touched rear_touched front_box rear_box energy "
+    "due depth rank form points start stiffness damping thickness apart least",
 )
 Stack = namedtuple("Stack", "awake counter places reactions counters speed")
 
@@ -226,9 +227,11 @@ class Pack:
         along, across = (np.arange(front.ni)[:, None] + sub) * front.dx, (np.arange(front.nj)[:, None] + sub) * front.dy
         foot[0] = ((front.x0 - rear.x0 + along) / rear.dx)[:, None, :, None]
         foot[1] = ((front.y0 - rear.y0 + across) / rear.dy)[None, :, None, :]
+        count = foot[0].size
         return Pair(
-            foot=tuple(part.ravel().copy() for part in foot), status=np.zeros(foot[0].size, np.uint8),
-            wait=np.zeros(foot[0].size, np.uint8), speed=np.zeros(2),
+            foot=tuple(np.pad(part.ravel(), (0, WIDTH)) for part in foot), going=(np.zeros(count), np.zeros(count)),
+            status=np.zeros(count, np.uint8), wait=np.zeros(count, np.uint8), due=np.zeros(WIDTH, np.bool_),
+            depth=np.zeros(WIDTH), rank=np.arange(float(WIDTH)), speed=np.zeros(2),
             on_front=nodal(states[p]), on_rear=nodal(states[q]), front_touched=nothing(front),
             rear_touched=nothing(rear), front_box=np.array(states[p].window),
             rear_box=np.array([rear.ni + 1, -1, rear.s, -1]), energy=np.zeros(4), form=form, points=n, start=start,

@@ -45,6 +45,23 @@ import numpy as np
 from numba import njit
 
 from shellfabric.contact_kernels import cover
+from shellfabric.lanes import (
+    WIDTH,
+    above,
+    fabs,
+    first,
+    fma,
+    keep,
+    least,
+    load,
+    most,
+    some,
+    splat,
+    sqrt,
+    store,
+    total,
+    where,
+)
 from shellfabric.membrane_kernels import ERODED
 
 TAKEN, SPRING, DEEPEST, PLACE = 0, 1, 2, 3  # of pair.energy
@@ -87,6 +104,17 @@ def weights(form, a, n, mirrored):
     if i < n - 1:
         return i, 1.0 - f, f, 0.0, -slope, slope, 0.0, f, slope
     return i - 1, 0.0, 1.0 - f, f, 0.0, -slope, slope, 1.0 - f, -slope
+
+
+@njit(cache=True, error_model="numpy", _nrt=False, forceinline=True)
+def curving(form, a, n, mirrored):
+    """Second slopes of `weights`: of three nodes, and of the middle one across a plane of symmetry."""
+    i = min(max(int(a + 0.5), 0), n)
+    if form != SMOOTH or i == n or (i == 0 and not mirrored):
+        return 0.0, 0.0, 0.0, 0.0
+    if i == 0:
+        return -2.0, 2.0, 0.0, 0.0
+    return 1.0, -2.0, 1.0, -2.0
 
 
 @njit(cache=True, error_model="numpy", _nrt=False, forceinline=True)
@@ -176,21 +204,24 @@ def scan(state, const, least, box):
 @njit(cache=True, error_model="numpy", _nrt=False)
 def settle(state, const, force, touched):
     """Half a step's work of the nodal forces on the present velocities, which are those of half a step ago."""
-    work = 0.0
+    work = splat(0.0)
     for i in range(touched[0], touched[1]):
-        for k in range(i * const.s + touched[2], i * const.s + touched[3]):
-            for c in range(3):
-                work += force[c][k] * state.v[c][k]
-    return 0.5 * const.dt * work
+        for j in range(touched[2], touched[3], WIDTH):
+            k, inside = i * const.s + j, first(touched[3] - j)
+            power = load(force[0], k) * load(state.v[0], k)
+            power = fma(load(force[1], k), load(state.v[1], k), power)
+            power = fma(load(force[2], k), load(state.v[2], k), power)
+            work = work + where(inside, power, 0.0)
+    return 0.5 * const.dt * total(work)
 
 
 @njit(cache=True, error_model="numpy", _nrt=False)
 def clear(const, force, touched):
     """Set the forces of the last step to zero."""
-    for i in range(touched[0], touched[1]):
-        for k in range(i * const.s + touched[2], i * const.s + touched[3]):
-            for c in range(3):
-                force[c][k] = 0.0
+    for F in force:
+        for i in range(touched[0], touched[1]):
+            for k in range(np.uint64(i * const.s + touched[2]), np.uint64(i * const.s + touched[3])):
+                F[k] = 0.0
     touched[0], touched[1], touched[2], touched[3] = const.ni + 1, 0, const.s, 0
 
 
@@ -251,16 +282,21 @@ def contact(front, fc, rear, rc, pair, step):
     shot = math.sqrt(front.speed[0] ** 2 + front.speed[1] ** 2 + front.speed[2] ** 2)
     nearer = _FASTER * fc.dt * (max(pair.speed[0], shot) + max(pair.speed[1], shot))
     for i in range(i0, i1):
-        for j in range(j0, j1):
-            for m in range(p * p):
-                q = (i * fc.nj + j) * p * p + m
-                if pair.wait[q] > 0:
-                    pair.wait[q] -= 1
+        start, end = (i * fc.nj + j0) * p * p, (i * fc.nj + j1) * p * p
+        for q0 in range(start, end, WIDTH):
+            count = min(WIDTH, end - q0)
+            if not due(pair, q0, count):
+                continue
+            if p == 1 and pair.form == SMOOTH:
+                look_ahead(front, fc, rear, rc, pair, q0, i, q0 - i * fc.nj, count, nearer)
+            for q in range(q0, q0 + count):
+                if not pair.due[q - q0]:
                     continue
+                j, m = q // (p * p) - i * fc.nj, q % (p * p)
                 a, b = i + (m // p + pair.start) / p, j + (m % p + pair.start) / p
                 energy, depth = touch(front, fc, rear, rc, pair, q, a, b)
                 if depth < 0.0:
-                    pair.wait[q] = _LONGEST if -depth > _LONGEST * nearer else int(-depth / nearer)
+                    pair.wait[q] = leave(depth, nearer)
                 spring += energy
                 if depth > pair.energy[DEEPEST]:
                     pair.energy[DEEPEST], pair.energy[PLACE] = depth, q
@@ -269,6 +305,103 @@ def contact(front, fc, rear, rc, pair, step):
     taken -= settle(front, fc, pair.on_front, pair.front_touched) + settle(rear, rc, pair.on_rear, pair.rear_touched)
     pair.energy[TAKEN] += taken
     pair.energy[SPRING] = spring
+
+
+@njit(cache=True, error_model="numpy", _nrt=False, forceinline=True)
+def due(pair, q0, count):
+    """Whether some of the points q0 .. q0 + count have to be looked at; which, into pair.due."""
+    any_due = False
+    for m in range(count):
+        waits = pair.wait[q0 + m] > 0
+        pair.due[m] = not waits
+        any_due |= not waits
+        if waits:
+            pair.wait[q0 + m] -= 1
+    return any_due
+
+
+@njit(cache=True, error_model="numpy", _nrt=False, forceinline=True)
+def leave(depth, nearer):
+    """Steps that a point which is clear by -depth [m] can be left alone, where it comes nearer by `nearer` in each."""
+    return _LONGEST if -depth > _LONGEST * nearer else int(-depth / nearer)
+
+
+@njit(cache=True, error_model="numpy", _nrt=False, forceinline=True)
+def patch8(x, k, s, wa0, wa1, wa2, wb0, wb1, wb2, da0, da1, da2, db0, db1, db2):
+    """`patch` of eight neighbouring points, whose nodes begin at the slots k .. k + 7."""
+    m, o = k + s, k + 2 * s
+    x00, x01, x02 = load(x, k), load(x, k + 1), load(x, k + 2)
+    x10, x11, x12 = load(x, m), load(x, m + 1), load(x, m + 2)
+    x20, x21, x22 = load(x, o), load(x, o + 1), load(x, o + 2)
+    v0 = fma(wb0, x00, fma(wb1, x01, wb2 * x02))
+    v1 = fma(wb0, x10, fma(wb1, x11, wb2 * x12))
+    v2 = fma(wb0, x20, fma(wb1, x21, wb2 * x22))
+    e0 = fma(db0, x00, fma(db1, x01, db2 * x02))
+    e1 = fma(db0, x10, fma(db1, x11, db2 * x12))
+    e2 = fma(db0, x20, fma(db1, x21, db2 * x22))
+    return (
+        fma(wa0, v0, fma(wa1, v1, wa2 * v2)),
+        fma(da0, v0, fma(da1, v1, da2 * v2)),
+        fma(wa0, e0, fma(wa1, e1, wa2 * e2)),
+    )
+
+
+@njit(cache=True, error_model="numpy", _nrt=False, forceinline=True)
+def middle8(x, k, s):
+    """`middle` of eight neighbouring elements."""
+    return 0.25 * ((load(x, k) + load(x, k + 1)) + (load(x, k + s) + load(x, k + s + 1)))
+
+
+@njit(cache=True, error_model="numpy", _nrt=False, forceinline=True)
+def look_ahead(front, fc, rear, rc, pair, q, i, j, count, nearer):
+    """Follow the feet of those of the points in the middles of the elements (i, j) .. (i, j + count) that are clear of
+    the rear ply, as `touch` does, eight at once; they are no longer due. It needs feet that are side by side as well,
+    as in all but folded cloth and grids of another spacing, and leaves the points to `touch` where they are not."""
+    A, B = load(pair.foot[0], q), load(pair.foot[1], q)
+    I, J = int(pair.foot[0][q] + 0.5), int(pair.foot[1][q] + 0.5)
+    if I < 1 or I >= rc.ni or J < 1 or J + WIDTH > rc.nj or j + WIDTH > fc.nj:
+        return
+    own, rank = first(count), load(pair.rank, 0)
+    r, t = A - float(I), B - float(J) - rank
+    if some(above(where(own, most(fabs(r), fabs(t)), 0.0), 0.5)):
+        return
+    low, high = 0.5 - r, 0.5 + r
+    w0, w1, w2 = 0.5 * low * low, 0.75 - r * r, 0.5 * high * high
+    d0, d1, d2 = 0.0 - low, -2.0 * r, high
+    low, high = 0.5 - t, 0.5 + t
+    v0, v1, v2 = 0.5 * low * low, 0.75 - t * t, 0.5 * high * high
+    e0, e1, e2 = 0.0 - low, -2.0 * t, high
+    K, k = (I - 1) * rc.s + J - 1, i * fc.s + j
+    X, Xa, Xb = patch8(rear.u[0], K, rc.s, w0, w1, w2, v0, v1, v2, d0, d1, d2, e0, e1, e2)
+    Y, Ya, Yb = patch8(rear.u[1], K, rc.s, w0, w1, w2, v0, v1, v2, d0, d1, d2, e0, e1, e2)
+    Z, Za, Zb = patch8(rear.u[2], K, rc.s, w0, w1, w2, v0, v1, v2, d0, d1, d2, e0, e1, e2)
+    Xa, Yb = Xa + rc.dx, Yb + rc.dy
+    x = middle8(front.u[0], k, fc.s) - X - A * rc.dx + (fc.x0 + (i + 0.5) * fc.dx - rc.x0)
+    y = middle8(front.u[1], k, fc.s) - Y - B * rc.dy + (fc.y0 + (j + 0.5) * fc.dy - rc.y0) + rank * fc.dy
+    z = middle8(front.u[2], k, fc.s) - Z - pair.apart
+    n_x, n_y, n_z = Ya * Zb - Za * Yb, Za * Xb - Xa * Zb, Xa * Yb - Ya * Xb
+    square = n_x * n_x + n_y * n_y + n_z * n_z
+    tiny = 1e-6 * rc.dx * rc.dy
+    if some(above(where(own, tiny * tiny - square, -1.0), 0.0)):
+        return
+    depth = pair.thickness + (n_x * x + n_y * y + n_z * z) / sqrt(square)
+    aa, ab, bb = Xa * Xa + Ya * Ya + Za * Za, Xa * Xb + Ya * Yb + Za * Zb, Xb * Xb + Yb * Yb + Zb * Zb
+    ra, rb = Xa * x + Ya * y + Za * z, Xb * x + Yb * y + Zb * z
+    area = most(Xa * Yb - Xb * Ya, 0.01 * rc.dx * rc.dy)
+    near = above(depth, -0.5 * pair.thickness)
+    go = where(near, (bb * ra - ab * rb) / square, (Yb * x - Xb * y) / area)
+    turn = where(near, (aa * rb - ab * ra) / square, (Xa * y - Ya * x) / area)
+    store(pair.depth, 0, depth)
+    for m in range(count):
+        free = pair.status[q + m] == FREE and pair.depth[m] <= 0.0
+        pair.due[m] = not free
+        pair.wait[q + m] = leave(pair.depth[m], nearer) if free else 0
+        pair.depth[m] = 0.0 if free else 1.0
+    held = above(load(pair.depth, 0), 0.5)
+    A2, B2 = A + most(least(go, _STEP), -_STEP), B + most(least(turn, _STEP), -_STEP)
+    low_a, low_b = -0.5 if rc.mirror_x else 0.0, -0.5 if rc.mirror_y else 0.0
+    keep(pair.foot[0], q, where(held, A, most(least(A2, float(rc.ni)), low_a)), count)
+    keep(pair.foot[1], q, where(held, B, most(least(B2, float(rc.nj)), low_b)), count)
 
 
 @njit(cache=True, error_model="numpy", _nrt=False, forceinline=True)
@@ -290,7 +423,11 @@ def touch(front, fc, rear, rc, pair, q, a, b):
         y = across(front.u[1], k, fc.s, p0, p1, p2, q0, q1y, q2)
         z = across(front.u[2], k, fc.s, p0, p1, p2, q0, q1, q2)
     x, y = x + fc.x0 + a * fc.dx, y + fc.y0 + b * fc.dy
-    A, B = pair.foot[0][q], pair.foot[1][q]
+    low = -0.5 if pair.form == SMOOTH else 0.0
+    low_a, low_b = low if rc.mirror_x else 0.0, low if rc.mirror_y else 0.0
+    before_a, before_b = pair.foot[0][q], pair.foot[1][q]
+    A = min(max(before_a + pair.going[0][q], low_a), float(rc.ni))
+    B = min(max(before_b + pair.going[1][q], low_b), float(rc.nj))
     I, w0, w1, w2, d0, d1, d2, w1x, d1x = weights(pair.form, A, rc.ni, rc.mirror_x)
     J, v0, v1, v2, e0, e1, e2, v1y, e1y = weights(pair.form, B, rc.nj, rc.mirror_y)
     K = np.uint64(I * rc.s + J)
@@ -308,16 +445,29 @@ def touch(front, fc, rear, rc, pair, q, a, b):
     if depth > -0.5 * pair.thickness:
         aa, ab, bb = Xa * Xa + Ya * Ya + Za * Za, Xa * Xb + Ya * Yb + Za * Zb, Xb * Xb + Yb * Yb + Zb * Zb
         ra, rb = Xa * x + Ya * y + Za * z, Xb * x + Yb * y + Zb * z
-        go, turn = (bb * ra - ab * rb) / (size * size), (aa * rb - ab * ra) / (size * size)
+        go, turn, sure = (bb * ra - ab * rb) / (size * size), (aa * rb - ab * ra) / (size * size), False
+        if depth > 0.0:
+            c0, c1, c2, c1x = curving(pair.form, A, rc.ni, rc.mirror_x)
+            g0, g1, g2, g1y = curving(pair.form, B, rc.nj, rc.mirror_y)
+            F = rear.u
+            aa -= x * across(F[0], K, rc.s, c0, c1x, c2, v0, v1, v2)
+            aa -= y * across(F[1], K, rc.s, c0, c1, c2, v0, v1y, v2) + z * across(F[2], K, rc.s, c0, c1, c2, v0, v1, v2)
+            ab -= x * across(F[0], K, rc.s, d0, d1x, d2, e0, e1, e2)
+            ab -= y * across(F[1], K, rc.s, d0, d1, d2, e0, e1y, e2) + z * across(F[2], K, rc.s, d0, d1, d2, e0, e1, e2)
+            bb -= x * across(F[0], K, rc.s, w0, w1x, w2, g0, g1, g2)
+            bb -= y * across(F[1], K, rc.s, w0, w1, w2, g0, g1y, g2) + z * across(F[2], K, rc.s, w0, w1, w2, g0, g1, g2)
+            det = aa * bb - ab * ab
+            if det > 0.1 * size * size and aa > 0.0:
+                go, turn, sure = (bb * ra - ab * rb) / det, (aa * rb - ab * ra) / det, True
     else:
         # of cloth that stands on end nothing is straight ahead
         area = max(Xa * Yb - Xb * Ya, 0.01 * rc.dx * rc.dy)
-        go, turn = (Yb * x - Xb * y) / area, (Xa * y - Ya * x) / area
-    low = -0.5 if pair.form == SMOOTH else 0.0
-    low_a, low_b = low if rc.mirror_x else 0.0, low if rc.mirror_y else 0.0
+        go, turn, sure = (Yb * x - Xb * y) / area, (Xa * y - Ya * x) / area, False
     A2, B2 = A + min(max(go, -_STEP), _STEP), B + min(max(turn, -_STEP), _STEP)
     pair.foot[0][q] = min(max(A2, low_a), float(rc.ni))
     pair.foot[1][q] = min(max(B2, low_b), float(rc.nj))
+    if pair.status[q] == TOUCHING:
+        pair.going[0][q] = pair.going[1][q] = 0.0
     if depth <= 0.0:
         pair.status[q] = FREE
         return 0.0, depth
@@ -330,6 +480,9 @@ def touch(front, fc, rear, rc, pair, q, a, b):
         pair.status[q] = LOST
     if pair.status[q] == LOST or part == 0.0:
         return 0.0, 0.0
+    if sure and pair.status[q] == TOUCHING:
+        pair.going[0][q] = min(max(pair.foot[0][q] - before_a, -_STEP), _STEP)
+        pair.going[1][q] = min(max(pair.foot[1][q] - before_b, -_STEP), _STEP)
     pair.status[q] = TOUCHING
     if pair.start == 0.0:  # half an element, or a quarter, is modelled about points on planes of symmetry
         part *= (0.5 if a == 0.0 and fc.mirror_x else 1.0) * (0.5 if b == 0.0 and fc.mirror_y else 1.0)
@@ -372,9 +525,11 @@ def push(state, const, force, touched):
     if touched[1] <= touched[0]:
         return
     for i in range(touched[0], touched[1]):
-        for m in range(i * const.s + touched[2], i * const.s + touched[3]):
-            k = np.uint64(m)
-            for c in range(3):
-                state.v[c][k] += state.kick[k] * force[c][k]
+        for j in range(touched[2], touched[3], WIDTH):
+            k, count = i * const.s + j, touched[3] - j
+            kick = load(state.kick, k)
+            keep(state.v[0], k, fma(kick, load(force[0], k), load(state.v[0], k)), count)
+            keep(state.v[1], k, fma(kick, load(force[1], k), load(state.v[1], k)), count)
+            keep(state.v[2], k, fma(kick, load(force[2], k), load(state.v[2], k)), count)
     state.rows[0] = min(state.rows[0], max(touched[0] - 4, 0))
     state.rows[1] = max(state.rows[1], min(touched[1] + 3, const.ni))

@@ -31,7 +31,7 @@ def nodal(block):
     """Internal forces (n, 3) [N] of the bricks at the places as they are."""
     block_kernels.forces(
         *block.shape, block.x, block._gradient, block._volume, block._twist, block._control, block._damping, block._law,
-        0.0, block.metric, block.alpha, block.last, block.gone, block._own, block.energy,
+        0.0, block.metric, block.alpha, block.last, block.past, block.gone, block._own, block.energy,
     )  # fmt: skip
     total, corners = np.zeros_like(block.x), _corners(block)
     for a in range(8):
@@ -205,12 +205,12 @@ def test_uniaxial_strain_elastic_and_plastic():
 
 
 def test_energy_balances_under_a_blow():
-    """Elastic-plastic block struck by a ball: balance within 1 % of what the ball lost, hourglass within 5 %."""
+    """Elastic-plastic block struck by a ball: balance within 0.2 % of what the ball lost, hourglass within 5 %."""
     backing = Backing(size=(0.04, 0.04, 0.03), finest=1.5e-3, fine=6e-3, growth=1.4)
     found = strike(backing, Projectile(mass=4e-3, shape="sphere", radius=4e-3), 60.0, 400e-6)
     lost = found.energies["projectile"][0] - found.energies["projectile"]
     assert found.energies["plastic"][-1] > 0.2 * lost[-1]
-    assert np.abs(found.energies["balance"]).max() < 0.01 * lost.max()
+    assert np.abs(found.energies["balance"]).max() < 0.002 * lost.max()
     assert found.energies["hourglass"].max() < 0.05 * lost.max()
 
 
@@ -254,7 +254,7 @@ def test_eroded_bricks_are_gone_and_their_energy_kept():
     assert found.energies["eroded"][-1] > 0
     assert (np.diff(found.energies["eroded"]) >= 0).all()
     lost = found.energies["projectile"][0] - found.energies["projectile"][-1]
-    assert np.abs(found.energies["balance"]).max() < 0.05 * lost
+    assert np.abs(found.energies["balance"]).max() < 0.002 * lost
     # under the nose the face is where the nose is
     assert found.crater[0, 1] == pytest.approx(found.z[-1], abs=1.2e-3)
     assert abs(found.crater[-1, 1]) < 0.3e-3
@@ -275,6 +275,42 @@ def test_points_press_as_a_plate_and_give_what_they_take():
     )
     assert np.abs(away).max() < 1e-9
     assert not block.press(places + np.array([1, 0, 0]), np.zeros_like(places), np.ones(len(places))).any()
+
+
+def test_points_push_along_the_line_from_their_foot_and_by_the_slope_of_their_energy():
+    """On a face that has been bent and tilted by up to 60 degrees: no couple is left over, whichever way a facet turns,
+    and forces on points and nodes are the slope of what the springs hold. Else a turning facet makes energy."""
+    block, random = replace(SMALL, far="free").block(1e-7), np.random.default_rng(5)
+    x, y = block.rest[:, 0], block.rest[:, 1]
+    block.x[:, 2] += 6e-3 * np.cos(250.0 * x) + 1.5e-3 * np.sin(500.0 * y)
+    block.x += random.normal(0, 5e-5, block.x.shape)
+    places = np.column_stack([random.uniform(5e-4, 4.5e-3, (40, 2)), np.zeros(40)])
+    places[:, 2] = 6e-3 * np.cos(250.0 * places[:, 0]) + 1.5e-3 * np.sin(500.0 * places[:, 1])
+    fast = np.tile([0.0, 0.0, 1e4], (40, 1))  # so that no change of depth is taken for a step of the face
+    keep = 5e-4
+
+    def press(move, part):
+        block.x[:], before = block.x + move, block.x.copy()
+        forces = block.press(places + part, fast, np.full(40, 1e3), thickness=keep)
+        energy, given = block.energies()["contact"], -block._outer.copy()
+        block.x[:], block._outer[:] = before, 0.0
+        return forces, given, energy
+
+    press(0.0, 0.0)
+    block._memory[:, 1] = 0.0  # what came by the bending is no step
+    forces, given, _ = press(0.0, 0.0)
+    touched = np.linalg.norm(forces, axis=1) > 0
+    assert touched.sum() > 30
+    assert (
+        forces[touched, 2] / np.linalg.norm(forces[touched], axis=1)
+    ).max() > -0.7  # some are steeper than 45 degrees
+    moment = np.cross(places, forces).sum(axis=0) + np.cross(block.x, given).sum(axis=0)
+    assert np.abs(moment).max() < 1e-9 * keep * np.abs(forces).sum()
+    for _ in range(3):
+        move, part = random.normal(0, 1e-8, block.x.shape), random.normal(0, 1e-8, places.shape)
+        change = press(move, part)[2] - press(-move, -part)[2]
+        work = 2 * ((forces * part).sum() + (given * move).sum())
+        assert change == pytest.approx(-work, rel=1e-4)
 
 
 def test_points_follow_a_face_that_moves_and_erodes():

@@ -22,6 +22,8 @@ def gather(results):
         "gaps": study.gaps(results),
         "halved": study.halved(results),
         "formulations": study.formulations(results),
+        "noses": study.noses(results),
+        "stiffer": study.stiffer(results),
     }
 
 

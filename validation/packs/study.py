@@ -47,6 +47,20 @@ HALVED = {
     "half the distance of points": {"points": 2},
     "half the penalty of the nose": {"nose": 0.3},
 }
+# the nose's penalty at half the time step, where four times the default's stiffness is stable
+NOSES = (0.25, 0.5, 1.0, 2.0, 4.0)
+_HALF = {"safety": 0.45, "penalty": 0.05}
+# what the onset hangs on: stiffness of contacts, and elements along a crossover, whose contacts are as stiff as their
+# mass / dt^2, so that half the element is four times as stiff on the area
+STIFFER = {
+    "smooth, as it stands": {},
+    "smooth, plies 4 x": _HALF | {"penalty": 0.2, "nose": 0.15},
+    "smooth, plies and nose 4 x": _HALF | {"penalty": 0.2, "nose": 0.6},
+    "smooth, 2 elements": {"elements": 2},
+    "facets, as it stands": {"form": "facets"},
+    "facets, plies 1/4": _HALF | {"penalty": 0.0125, "nose": 0.15, "form": "facets"},
+    "facets, 2 elements": {"form": "facets", "elements": 2},
+}
 GAPS = (0.12e-3, 0.62e-3, 1.12e-3)  # section 6.4.4: S-728, 16 plies, 170 m/s
 STACKED = ("S-726", 4, 100.0)  # Figures 5-55 to 5-57
 STACKINGS = ("aligned", "alternating")
@@ -73,6 +87,7 @@ class Case:
     fabric, plies, velocity, stacking, gap : [-, -, m/s, -, m]; the fabric's own gap where None
     form, points, penalty : of the contact between plies; None as they stand
     nose, safety : penalty of the nose and safety of the time step; None as they stand
+    elements : along each side of a crossover
     end_time : [s]
     until_failure : whether the shot is given up when the first yarn fails
     """
@@ -87,6 +102,7 @@ class Case:
     penalty: float | None = None
     nose: float | None = None
     safety: float | None = None
+    elements: int = 1
     end_time: float = _END
     until_failure: bool = False
 
@@ -96,10 +112,10 @@ class _Failed(Exception):
 
 
 @cache
-def panel(fabric, safety=None, nose=None):
+def panel(fabric, safety=None, nose=None, elements=1):
     """The 203 mm panel of one fabric."""
     knobs = {key: value for key, value in (("safety", safety), ("penalty", nose)) if value is not None}
-    return Panel(_table(fabric), numerics=Numerics(threads=1, **knobs))
+    return Panel(_table(fabric), numerics=Numerics(threads=1, **knobs), elements_per_crossover=elements)
 
 
 @cache
@@ -111,7 +127,7 @@ def pack(case: Case) -> Pack:
     """The pack of a case."""
     given = {key: getattr(case, key) for key in ("points", "penalty") if getattr(case, key) is not None}
     contact = PlyContact(form=case.form, **given)
-    ply = panel(case.fabric, case.safety, case.nose)
+    ply = panel(case.fabric, case.safety, case.nose, case.elements)
     return Pack.stacked(ply, case.plies, stacking=case.stacking, gap=case.gap, contact=contact)
 
 
@@ -229,6 +245,26 @@ def halved(results, plies=4):
             name: onset(results, Case(fabric, plies, 0.0, **knobs), guess=first) for name, knobs in others
         }
     return found
+
+
+def noses(results, plies=4):
+    """{fabric: {factor: onset}} [m/s] against the stiffness of the nose."""
+    found = {}
+    for fabric in FABRICS:
+        guess = onset(results, Case(fabric, plies, 0.0))
+        found[fabric] = {
+            factor: onset(results, Case(fabric, plies, 0.0, **_HALF, nose=0.15 * factor), guess=guess)
+            for factor in NOSES
+        }
+    return found
+
+
+def stiffer(results, fabrics=("S-728", "S-726"), plies=4):
+    """{fabric: {what is changed: onset}} [m/s]."""
+    return {
+        fabric: {name: onset(results, Case(fabric, plies, 0.0, **changes)) for name, changes in STIFFER.items()}
+        for fabric in fabrics
+    }
 
 
 def gaps(results):

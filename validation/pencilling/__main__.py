@@ -2,7 +2,7 @@
 
 The runs of thesis Table 6-2 before the block of Table 6-1, and the bare block. Writes pencilling.csv, depths.png and
 craters.png, and keeps each shot in shots.pickle, so that --resume goes on with those that are missing. With --page the
-table goes into that page, between its marks, the pictures beside it.
+table goes into that page, between the marks of its edges, the pictures beside it.
 """
 
 import argparse
@@ -19,7 +19,7 @@ from fabrics.files import write_whole
 from validation.pencilling import pictures
 from validation.pencilling.study import CASES, Case, bare, shoot
 
-MARKS = "<!-- table of validation.pencilling -->", "<!-- end of the table -->"
+END = "<!-- end of the table -->"
 BARE, TEXT = "bare block", "4 plies, 924 g/m2"
 
 
@@ -46,15 +46,16 @@ def table(shots):
     return rows
 
 
-def write_page(rows, page):
-    """Put the table between the marks of a page."""
-    text = page.read_text("utf-8")
-    if not all(mark in text for mark in MARKS):
-        raise InputError(f"has no marks {' ... '.join(MARKS)}", file=page)
-    before, after = text.split(MARKS[0])[0], text.split(MARKS[1])[1]
+def write_page(rows, page, edge):
+    """Put the table between its marks of a page."""
+    text, mark = page.read_text("utf-8"), f"<!-- table of validation.pencilling, {edge} edges -->"
+    before, found, after = text.partition(mark)
+    _, ends, after = after.partition(END)
+    if not (found and ends):
+        raise InputError(f"has no marks {mark} ... {END}", file=page)
     lines = ["| " + " | ".join(row) + " |" for row in [rows[0], ["---"] * len(rows[0]), *rows[1:]]]
     with write_whole(page) as file:
-        file.write(f"{before}{MARKS[0]}\n\n" + "\n".join(lines) + f"\n\n{MARKS[1]}{after}")
+        file.write(f"{before}{mark}\n\n" + "\n".join(lines) + f"\n\n{END}{after}")
 
 
 def main():
@@ -103,11 +104,11 @@ def main():
     with write_whole(options.out / "pencilling.csv") as file:
         csv.writer(file).writerows(rows)
     for folder in [options.out] + ([options.page.parent / "figures"] if options.page else []):
-        prefix = "" if folder == options.out else "pencilling-"
+        prefix = "" if folder == options.out else {"clamped": "pencilling-", "free": "pencilling-free-"}[options.edge]
         pictures.depths(shots, folder / f"{prefix}depths.png")
         pictures.craters(shots, folder / f"{prefix}craters.png")
     if options.page is not None:
-        write_page(rows, options.page)
+        write_page(rows, options.page, options.edge)
     if problem is not None:
         raise problem
 
