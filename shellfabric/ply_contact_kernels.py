@@ -18,9 +18,11 @@ nest keep t along their normals. -f n acts on the nodes of the front ply by thei
 ply by their weights in y: the sum is zero to the last digits. A depth has a sign, so that cloth that were to get
 through would still be pushed back, and the harder. It passes through where depth > t.
 
-The foot follows from step to step by one step of Gauss and Newton, between which it moves by a hundredth of an element.
-Where the plies are further apart than half their thickness it is the point straight ahead of x, which is never
-ambiguous.
+The foot follows from step to step by one step of Gauss and Newton; of a point that touches by one of Newton, from where
+the foot will be if it goes on as it did in the last step. From where it was, n is that of a step ago: a hundredth of an
+element, but always to the same side. Plies that slide on each other over a bend were pulled along by that, and contact
+gave several per cent of a shot's energy. Where the plies are further apart than half their thickness the foot is the
+point straight ahead of x, which is never ambiguous.
 
 Failed yarns. k and c are those of what is left of the yarns next to x or y, whichever is less. A point loses touch
 where nothing is left, where torn cloth has come deeper than t, or where its foot leaps, as on the rim of a hole; it
