@@ -10,6 +10,7 @@ of the cell at rest.
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 from scipy.optimize import brentq
@@ -241,13 +242,24 @@ class CellTable:
 
     def stiffness(self):
         """[N/m] largest eigenvalue of the membrane tangent dN_i/dLambda_j (per width of cloth) over the table."""
+        return self._stiffness[0]
+
+    def tautness(self):
+        """[-] that eigenvalue at rest, where cloth begins to be stretched, over its largest."""
+        return self._stiffness[1] / self._stiffness[0]
+
+    @cached_property
+    def _stiffness(self):
+        """(largest, at rest) [N/m]."""
         weave = self.model.fabric.weave
         m1, m2 = weave.warp_count, weave.weft_count
         d1, d2 = self.steps
         N1, N2 = self.values["N1"] * m1, self.values["N2"] * m2
         k11, k22 = np.diff(N1, axis=0)[:, :-1] / d1, np.diff(N2, axis=1)[:-1, :] / d2
         k12 = 0.5 * (np.diff(N1, axis=1)[:-1, :] / d2 + np.diff(N2, axis=0)[:, :-1] / d1)
-        return float(np.max(0.5 * (k11 + k22) + np.hypot(0.5 * (k11 - k22), k12)))
+        found = 0.5 * (k11 + k22) + np.hypot(0.5 * (k11 - k22), k12)
+        rest = tuple(int(np.argmin(np.abs(x - 1))) for x in (self.stretch1, self.stretch2))
+        return float(np.max(found)), float(found[rest])
 
 
 def grid(lowest, highest, n):

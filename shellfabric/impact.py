@@ -120,8 +120,30 @@ class ImpactSetup:
         )
 
 
+class Outcome:
+    """What follows from an impact's set-up and energies, on one ply or a pack of plies like it.
+
+    `energies` are those of the result, `struck` is the ImpactSetup of the ply that is struck.
+    """
+
+    @property
+    def strike_energy(self):
+        """[J]"""
+        return self.struck.projectile.energy(self.struck.strike_velocity)
+
+    @property
+    def worst_balance(self):
+        """[-] largest error of the energy balance over the strike energy."""
+        return float(np.max(np.abs(self.energies["balance"]))) / self.strike_energy
+
+    @property
+    def mirrored(self):
+        """(x, y) whether the modelled part continues mirrored beyond x = 0 and y = 0."""
+        return SYMMETRIES[self.struck.symmetry]
+
+
 @dataclass(frozen=True)
-class ImpactResult:
+class ImpactResult(Outcome):
     """What an impact came to. Energies, forces and counts are those of the whole panel, whatever the symmetry.
 
     Parameters
@@ -175,14 +197,8 @@ class ImpactResult:
     ns_per_element_step: float
 
     @property
-    def strike_energy(self):
-        """[J]"""
-        return self.setup.projectile.energy(self.setup.strike_velocity)
-
-    @property
-    def worst_balance(self):
-        """[-] largest error of the energy balance over the strike energy."""
-        return float(np.max(np.abs(self.energies["balance"]))) / self.strike_energy
+    def struck(self):
+        return self.setup
 
     @property
     def rigidity(self) -> Rigidity | None:
@@ -198,11 +214,6 @@ class ImpactResult:
             return rigid_is_enough(contact_time(t, force), bar.period, held, bar.yield_force)
         except InputError:
             return None
-
-    @property
-    def mirrored(self):
-        """(x, y) whether the modelled part continues mirrored beyond x = 0 and y = 0."""
-        return SYMMETRIES[self.setup.symmetry]
 
 
 def run(setup: ImpactSetup, *, hooks=(), resume=None, table=None) -> ImpactResult:
@@ -225,50 +236,67 @@ def run(setup: ImpactSetup, *, hooks=(), resume=None, table=None) -> ImpactResul
     march = March(setup.panel(table), setup.strike_velocity, setup.end_time, interval=interval)
     march.measure = setup.measure
     own = (histories.Recorder(march.panel, setup.measure),) if setup.measure else ()
-    if setup.snapshot_interval is not None:
-        if not setup.snapshot_interval > 0:
-            raise InputError(key="snapshot_interval", value=setup.snapshot_interval, allowed="above 0")
-        own += (onlookers.Snapshots(setup.snapshot_interval),)
+    own += snapshots(setup, onlookers.Snapshots)
     if resume is not None:
         checkpoint.read(march, resume)
+    return carried_out(march, (*own, *hooks), lambda: result_of(setup, march))
+
+
+def snapshots(setup: ImpactSetup, kind):
+    """The hook of a `kind` that takes the set-up's snapshots, in a tuple; InputError for a bad interval."""
+    if setup.snapshot_interval is None:
+        return ()
+    if not setup.snapshot_interval > 0:
+        raise InputError(key="snapshot_interval", value=setup.snapshot_interval, allowed="above 0")
+    return (kind(setup.snapshot_interval),)
+
+
+def carried_out(march, hooks, result):
+    """March to the end: result(), which a run that goes wrong hands on in its UnstableError."""
     try:
-        march.run((*own, *hooks))
+        march.run(hooks)
     except UnstableError as problem:
-        problem.result = result_of(setup, march)
+        problem.result = result()
         raise
-    return result_of(setup, march)
+    return result()
 
 
 def result_of(setup: ImpactSetup, march: March) -> ImpactResult:
     """Gather what a march has recorded."""
     last = measures.snapshot(march.panel, march.state, march.time)
-    fine = np.concatenate(march.fine) if march.fine else np.empty((0, march.columns))
-    clock = march.const.dt * np.arange(1, len(fine) + 1)
-    cells, bar = march.panel.elements, march.panel.projectile.bar
     return ImpactResult(
         setup=setup,
         panel=march.panel,
-        outcome=march.outcome,
-        residual_velocity=float(march.sample("v")[-1]),
-        velocity=body.velocity(march.state, march.const),
-        t=march.sample("t"),
-        v=march.sample("v"),
-        z=march.sample("z"),
         energies={name: march.sample(name) for name in ENERGIES},
         reactions={"warp": march.sample("reaction_warp"), "weft": march.sample("reaction_weft")},
         failed=march.sample("failed_yarns"),
         peak_tension=(float(march.state.peak[0]), float(march.state.peak[1])),
-        fine=np.column_stack([clock, fine[:, :2], fine[:, 2] / march.panel.share]),
-        bar=None if bar is None else body.history(clock, fine, march.state, bar),
-        backing=march.behind.result() if march.behind else None,
         nose=last.nose,
         nodes=last.nodes.reshape(-1, 3),
         quads=measures.quads(march.panel),
         tension=last.tension.reshape(-1, 2),
         broken=last.broken.reshape(-1, 3),
-        snapshots=tuple(march.snapshots),
         histories=histories.unpack(march.histories, march.panel, setup.measure) if march.histories else None,
-        steps=march.steps,
-        wall_time=march.wall_time,
-        ns_per_element_step=1e9 * march.wall_time / max(1, march.steps * cells),
+        **of_projectile(march, march.panel.elements),
     )
+
+
+def of_projectile(march, elements):
+    """Entries of a result that are the same for one ply and a pack: the projectile's, the block's, and the cost."""
+    fine = np.concatenate(march.fine) if march.fine else np.empty((0, march.columns))
+    clock, bar = march.const.dt * np.arange(1, len(fine) + 1), march.panel.projectile.bar
+    return {
+        "outcome": march.outcome,
+        "residual_velocity": float(march.sample("v")[-1]),
+        "velocity": body.velocity(march.state, march.const),
+        "t": march.sample("t"),
+        "v": march.sample("v"),
+        "z": march.sample("z"),
+        "fine": np.column_stack([clock, fine[:, :2], fine[:, 2] / march.panel.share]),
+        "bar": None if bar is None else body.history(clock, fine, march.state, bar),
+        "backing": march.behind.result() if march.behind else None,
+        "snapshots": tuple(march.snapshots),
+        "steps": march.steps,
+        "wall_time": march.wall_time,
+        "ns_per_element_step": 1e9 * march.wall_time / max(1, march.steps * elements),
+    }

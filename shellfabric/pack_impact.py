@@ -6,14 +6,13 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from fabrics.errors import InputError, UnstableError
-from shellfabric import body, measures, pack_checkpoint
+from fabrics.errors import InputError
+from shellfabric import body, impact, measures, pack_checkpoint
 from shellfabric.behind import BackingResult
 from shellfabric.hooks import Every
 from shellfabric.impact import ImpactSetup
 from shellfabric.pack import Pack, PlyContact
 from shellfabric.pack_march import PACK_ENERGIES, PLY_SAMPLES, PackMarch
-from shellfabric.panel import SYMMETRIES
 
 
 @dataclass(frozen=True)
@@ -55,7 +54,7 @@ class PackSetup:
 
 
 @dataclass(frozen=True)
-class PackResult:
+class PackResult(impact.Outcome):
     """What an impact on a pack came to. Energies, forces and counts are those of the whole plies.
 
     Parameters
@@ -94,24 +93,13 @@ class PackResult:
     ns_per_element_step: float
 
     @property
-    def strike_energy(self):
-        """[J]"""
-        return self.setup.ply.projectile.energy(self.setup.ply.strike_velocity)
-
-    @property
-    def worst_balance(self):
-        """[-] largest error of the energy balance over the strike energy."""
-        return float(np.max(np.abs(self.energies["balance"]))) / self.strike_energy
+    def struck(self):
+        return self.setup.ply
 
     @property
     def failed(self):
         """(n,) failed yarn segments of all plies."""
         return self.plies["failed_yarns"].sum(axis=1)
-
-    @property
-    def mirrored(self):
-        """(x, y) whether the modelled part continues mirrored beyond x = 0 and y = 0."""
-        return SYMMETRIES[self.setup.ply.symmetry]
 
 
 class Snapshots(Every):
@@ -135,45 +123,22 @@ def shots(march):
 def run(setup: PackSetup, *, hooks=(), resume=None) -> PackResult:
     """Run an impact on a pack; parameters, exceptions and resuming as `impact.run`."""
     march = PackMarch(setup.pack(), setup.ply.strike_velocity, setup.ply.end_time, interval=setup.ply.audit_interval)
-    own = ()
-    if setup.ply.snapshot_interval is not None:
-        if not setup.ply.snapshot_interval > 0:
-            raise InputError(key="snapshot_interval", value=setup.ply.snapshot_interval, allowed="above 0")
-        own = (Snapshots(setup.ply.snapshot_interval),)
     if resume is not None:
         pack_checkpoint.read(march, resume)
-    try:
-        march.run((*own, *hooks))
-    except UnstableError as problem:
-        problem.result = result_of(setup, march)
-        raise
-    return result_of(setup, march)
+    own = impact.snapshots(setup.ply, Snapshots)
+    return impact.carried_out(march, (*own, *hooks), lambda: result_of(setup, march))
 
 
 def result_of(setup: PackSetup, march: PackMarch) -> PackResult:
     """Gather what a march has recorded."""
-    fine, bar = np.concatenate(march.fine) if march.fine else np.empty((0, march.columns)), march.panel.projectile.bar
-    clock = march.const.dt * np.arange(1, len(fine) + 1)
     return PackResult(
         setup=setup,
         pack=march.pack,
-        outcome=march.outcome,
-        residual_velocity=float(march.sample("v")[-1]),
-        velocity=body.velocity(march.state, march.const),
-        t=march.sample("t"),
-        v=march.sample("v"),
-        z=march.sample("z"),
         energies={name: march.sample(name) for name in PACK_ENERGIES},
         plies={name: march.ply_sample(name) for name in PLY_SAMPLES},
         peak_tension=march.peaks,
         deepest=march.deepest,
-        fine=np.column_stack([clock, fine[:, :2], fine[:, 2] / march.panel.share]),
-        bar=None if bar is None else body.history(clock, fine, march.state, bar),
-        backing=march.behind.result() if march.behind else None,
         nose=march.stack.places[0].copy(),
         last=shots(march),
-        snapshots=tuple(march.snapshots),
-        steps=march.steps,
-        wall_time=march.wall_time,
-        ns_per_element_step=1e9 * march.wall_time / max(1, march.steps * march.pack.elements),
+        **impact.of_projectile(march, march.pack.elements),
     )

@@ -6,7 +6,7 @@ density, and D the largest over 0 <= a <= 1 of lambda a + 2 G2 t a (1 - a): that
 G2 t that of the trellis, which has one point in each element and so is blind to a = 1. Along a straight yarn this is
 d / c with the wave speed c = sqrt(E / rho) / sqrt(1 + mass of the crossing yarn over its own): the factor sqrt 2 of
 woven yarn (erratum E-38). Viscous forces act on the velocity of half a step ago, which limits the step to
-(2 / w) (sqrt(1 + xi^2) - xi) at damping ratio xi.
+(2 / w) (sqrt(1 + xi^2) - xi) at damping ratio xi. How much of that is taken depends on the cell: see `pace`.
 """
 
 from __future__ import annotations
@@ -29,6 +29,7 @@ from shellfabric import (
     edges_kernels,
     grading,
     march_kernels,
+    pace,
     team,
 )
 from shellfabric.backing import Backing
@@ -81,9 +82,10 @@ class Numerics:
         In a yarn that stiffens as its crimp goes, fronts are shocks, which dissipate whatever the viscosity: from 0.1
         to 0.02 the loss of S-731 at 110 m/s falls from 13.3 to 11.2 % of the strike energy, and with half the element
         from 13.3 to 12.9
-    penalty : stiffness of the contact where it covers an element, in units of nodal mass / dt^2. From 0.3 to 1 the peak
-        moves by 2 %, and the critical velocity, which feels how deep the rim of the nose presses itself in, by 3 to
-        6 %, from 0.6 to 1 by 1 to 2 %; at 1 and above yarns bounce off the nose. The bound is 1.5 at the damping below
+    penalty : stiffness of the contact where it covers an element, in units of nodal mass / dt^2, with the dt that
+        `safety` would make of the bound (see `pace`). From 0.3 to 1 the peak moves by 2 %, and the critical velocity,
+        which feels how deep the rim of the nose presses itself in, by 3 to 6 %, from 0.6 to 1 by 1 to 2 %; at 1 and
+        above yarns bounce off the nose. The bound is 1.5 at the damping below
     contact_damping : ratio to critical of that mass on that spring; from 0.25 to 0.7 the peak stays
     contact_points : along each side of a crossover, and at least 2 along that of an element (see `contact_kernels`)
     failure_time : [s] over which a yarn's tension is low-passed before it is held against its strength; 0: not at all
@@ -324,8 +326,17 @@ class Panel:
     @property
     def time_step(self):
         """[s] the step that is taken."""
+        return self._step_of_bound * self._pace
+
+    @property
+    def _step_of_bound(self):
+        """[s] share `safety` of the bound; what the contact is as stiff as, whatever is taken of it."""
         xi = self.numerics.stretch_viscosity
         return self.numerics.safety * self.critical_step * ((1 + xi**2) ** 0.5 - xi)
+
+    @cached_property
+    def _pace(self):
+        return pace.share(self.table, self.numerics.stretch_viscosity)
 
     @property
     def _block(self):
@@ -365,7 +376,6 @@ class Panel:
         shear = self.fabric.shear if self.trellis else None
         G1, G2, gamma1, gamma2 = (shear.G1, shear.G2, shear.gamma1, shear.gamma2) if shear else (0.0, 0.0, 0.5, 1.0)
         lag = self.critical_step / dt
-        points = max(2, -(-knobs.contact_points * self._finest // self.elements_per_crossover))
         mass = weave.areal_density * dx * dy
         (x0, y0), shot = self.origin, self.projectile
         rim_node, rim_axis, rim = edges.rim(self)
@@ -395,7 +405,7 @@ class Panel:
             strength1=strengths[0].min(), strength2=strengths[1].min(),
             strengths1=strengths[0], strengths2=strengths[1],
             lag=-np.expm1(-dt / knobs.failure_time) if knobs.failure_time > 0 else 0.0, widest=knobs.widest,
-            near=self._near(roaming), **contact.constants(points, mass, dt, knobs.penalty, knobs.contact_damping),
+            near=self._near(roaming), **self._contact(mass),
             R=shot.radius, rho=shot.edge_radius, projectile_mass=shot.mass * self.share,
             free=(0.0 if mirror_x else 1.0, 0.0 if mirror_y else 1.0, 1.0),
             idle_steps=max(1, round(knobs.clear_time / dt)),
@@ -406,6 +416,12 @@ class Panel:
             jam=np.array(self.jam, float), ends=edges.yarn_ends(self),
             backed=self.backing is not None, **body.constants(shot, self.share, dt),
         )  # fmt: skip
+
+    def _contact(self, mass):
+        """Constants of the contact of elements of a mass [kg]."""
+        knobs = self.numerics
+        points = max(2, -(-knobs.contact_points * self._finest // self.elements_per_crossover))
+        return contact.constants(points, mass, self._step_of_bound, knobs.penalty, knobs.contact_damping)
 
     def state(self, strike_velocity) -> State:
         """The panel at rest, flat at z = 0, touched by the projectile that flies at it at `strike_velocity` [m/s]."""

@@ -17,7 +17,7 @@ import shutil
 import numpy as np
 
 import weavecell
-from fabrics.errors import InputError, UnstableError
+from fabrics.errors import InputError
 from fabrics.files import replace_whole, write_whole
 from weavecell import (
     case,
@@ -71,19 +71,12 @@ def impact(this, setup, path, text, out, *, resume=False):
 def fire(this, setup, title, *, checkpoint, resume=False):
     """Run it under a progress bar: (PackRecord, snapshots, the UnstableError that ended it or None)."""
     from shellfabric import pack_impact
-    from shellfabric.hooks import Progress
     from shellfabric.pack_checkpoint import Checkpoints
 
-    failure = None
-    with progress.bar(title) as advance:
-        hooks = [
-            Progress(lambda share, speed: advance(share, f"{speed:.1f} m/s")),
-            Checkpoints(checkpoint, this.scene.run.checkpoint_interval),
-        ]
-        try:
-            result = pack_impact.run(setup, hooks=hooks, resume=checkpoint if resume else None)
-        except UnstableError as problem:
-            failure, result = problem, problem.result
+    hooks = (Checkpoints(checkpoint, this.scene.run.checkpoint_interval),)
+    result, failure = progress.watched(
+        lambda hooks: pack_impact.run(setup, hooks=hooks, resume=checkpoint if resume else None), title, hooks
+    )
     return PackRecord.of(result, title, this.law_name, str(failure or "")), result.snapshots, failure
 
 

@@ -6,6 +6,8 @@ import sys
 import time
 from contextlib import contextmanager
 
+from fabrics.errors import UnstableError
+
 
 @contextmanager
 def bar(title):
@@ -35,3 +37,15 @@ def bar(title):
 
         yield advance
         progress.update(task, completed=1.0, note="")
+
+
+def watched(march, title, hooks=()):
+    """march(hooks) of an impact under a bar: (its result, the UnstableError that ended it or None)."""
+    from shellfabric.hooks import Progress
+
+    with bar(title) as advance:
+        watching = Progress(lambda share, speed: advance(share, f"{speed:.1f} m/s"))
+        try:
+            return march((watching, *hooks)), None
+        except UnstableError as problem:
+            return problem.result, problem

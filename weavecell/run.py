@@ -22,7 +22,7 @@ from __future__ import annotations
 import shutil
 
 import weavecell
-from fabrics.errors import InputError, UnstableError, WeavecellError
+from fabrics.errors import InputError, WeavecellError
 from fabrics.files import write_whole
 from weavecell import case, chapters, fidelity, json_file, pack_run, paraview, progress, provenance, report, scene
 from weavecell.record import ImpactRecord, Shape
@@ -103,17 +103,11 @@ def fire(this, setup, title, *, checkpoint=None, every=None, resume=False, table
     """
     from shellfabric import impact as solver
     from shellfabric.checkpoint import Checkpoints
-    from shellfabric.hooks import Progress
 
-    failure = None
-    with progress.bar(title) as advance:
-        hooks = [Progress(lambda share, speed: advance(share, f"{speed:.1f} m/s"))]
-        if checkpoint is not None:
-            hooks.append(Checkpoints(checkpoint, every))
-        try:
-            result = solver.run(setup, hooks=hooks, resume=checkpoint if resume else None, table=table)
-        except UnstableError as problem:
-            failure, result = problem, problem.result
+    hooks = () if checkpoint is None else (Checkpoints(checkpoint, every),)
+    result, failure = progress.watched(
+        lambda hooks: solver.run(setup, hooks=hooks, resume=checkpoint if resume else None, table=table), title, hooks
+    )
     return ImpactRecord.of(result, title, this.law_name, str(failure or "")), result.snapshots, failure, result
 
 

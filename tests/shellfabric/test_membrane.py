@@ -188,7 +188,7 @@ def test_time_step_bound(straight, factor, holds):
     knobs = Numerics(safety=1.0, stretch_viscosity=0.0)
     panel = Panel(table, (0.0306, 0.0306), edge="free", failure=False, symmetry="whole", numerics=knobs)
     const, state, work = panel.constants(), panel.state(1.0), panel.work()
-    const = const._replace(dt=factor * const.dt)
+    const = const._replace(dt=factor * panel.critical_step)
     state.position[2] = -1.0
     rng, ni = np.random.default_rng(0), panel.counts[0]
     X, Y = panel.coordinates()

@@ -1,7 +1,7 @@
-"""python -m validation.fidelity survey|trial [--out results/fidelity] [--jobs N] [--page docs/fidelity.md]
+"""python -m validation.fidelity survey|trial [--trial NAME] [--out FOLDER] [--jobs N] [--page docs/fidelity.md]
 
-survey   every model of the ladder on standard scenes of six fabrics; --keep puts errors.json into the package
-trial    20 random scenes, each answered as it asks and held against the full model
+survey   every model of the ladder on standard and drawn scenes; --keep puts errors.json into the package
+trial    20 random scenes of a trial, each answered as it asks and held against the full model
 
 With --page the tables go into that page, between its marks. Runs are kept in the folder and not made twice.
 """
@@ -17,14 +17,10 @@ from datetime import date
 from importlib import resources
 from pathlib import Path
 
-import numpy as np
-
 from fabrics.errors import WeavecellError
 from fabrics.files import write_whole
-from validation.fidelity import book, page, scenes, survey, trial
+from validation.fidelity import book, known, nets, page, survey, trial
 from validation.scatter import pool
-
-COUNT, SEED = 20, 20
 
 
 def _runs(function, arguments, options):
@@ -37,41 +33,44 @@ def _runs(function, arguments, options):
 
 def survey_command(options):
     """Run the survey, print what it found, and keep it."""
-    rows = [row for rows in _runs(survey.runs, [(name,) for name in scenes.KEVLAR], options) for row in rows]
-    made = {"date": date.today().isoformat(), "scenes": len(rows), "fabrics": list(scenes.KEVLAR)}
-    content = {"made": made, "models": survey.errors(rows)}
+    places = survey.places()
+    found = dict(zip(places, _runs(survey.row, places, options)))
+    rows = [row for row in found.values() if row is not None]
+    standard = [place for place in places if place[0]]
+    cable = [found[place] | row for place, row in zip(standard, _runs(nets.row, standard, options))]
+    made = {"date": date.today().isoformat(), "scenes": len(rows)}
+    content = {"made": made} | known.of(rows) | {"others": {nets.NAME: nets.errors(cable)}}
     text = json.dumps(content, indent=1) + "\n"
     with write_whole(options.out / book.FILE) as file:
         file.write(text)
     if options.keep:
         with write_whole(Path(str(resources.files("validation.fidelity"))) / book.FILE) as file:
             file.write(text)
-    lines = page.survey_table(content["models"])
+    lines = page.survey_table(content)
     print("\n".join(lines))
     page.put(options.page, "survey", lines)
 
 
 def trial_command(options):
-    """Run the trial and print what it found."""
-    rows = _runs(trial.row, [(number, SEED) for number in range(COUNT)], options)
-    with write_whole(options.out / "trial.csv") as file:
+    """Run a trial and print what it found."""
+    places = [(options.trial, number) for number in range(trial.COUNT)]
+    full = _runs(trial.truth, places, options)
+    answers = _runs(trial.answer, [(*place, trial.version()) for place in places], options)
+    rows = [trial.row(*given) for given in zip(*zip(*places), full, answers)]
+    with write_whole(options.out / f"trial-{options.trial}.csv") as file:
         table = csv.writer(file)
-        names = list(rows[0].found)
-        head = [entry.name for entry in fields(trial.Row) if entry.name not in ("promised", "found")] + ["met"]
-        table.writerow(head + [f"{kind} {name}" for kind in ("estimated", "found") for name in names])
+        table.writerow([entry.name for entry in fields(trial.Row)] + ["met"])
         for row in rows:
-            errors = [part[name] for part in (row.promised, row.found) for name in names]
-            table.writerow([getattr(row, key) for key in head] + errors)
+            table.writerow([getattr(row, entry.name) for entry in fields(trial.Row)] + [row.met])
     lines = page.trial_table(rows)
     print("\n".join(lines))
-    met, share = sum(row.met for row in rows), np.median([row.seconds / row.full_seconds for row in rows])
-    print(f"within what was asked: {met} of {len(rows)}; cost over that of the full model, median: {share:.3f}")
-    page.put(options.page, "trial", lines)
+    page.put(options.page, f"trial {options.trial}", lines)
 
 
 def main():
     parser = argparse.ArgumentParser(prog="python -m validation.fidelity", description=__doc__.splitlines()[0])
     parser.add_argument("command", choices=("survey", "trial"))
+    parser.add_argument("--trial", choices=tuple(trial.TRIALS), default="everything")
     parser.add_argument("--out", type=Path, default=Path("results/fidelity"))
     parser.add_argument("--jobs", type=int, default=1)
     parser.add_argument("--keep", action="store_true", help="make the survey's errors those that models are chosen by")

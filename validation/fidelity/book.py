@@ -1,9 +1,14 @@
-"""What the models are known to get wrong: errors.json, written by the survey (`python -m validation.fidelity survey`).
+"""What the models are known to get wrong: errors.json, which `known` makes of the survey.
 
-For each model and quantity
-    expected   the error against the full model that four scenes out of five stay below
-    typical    the median error
-    factor     times the difference from the model's check, what its error stays below in 19 scenes out of 20
+For each regime (`quantities.regime`) and quantity
+    scenes     how many it is known from
+    usual      how far two scouts are apart in the median
+and there for each model
+    factor     of `quantities.scale`, what its error against the full model stays below in fifteen scenes of sixteen
+    apart      likewise, of its distance from its partner, in all scenes
+    weight     of the partner's peak tensions in its own
+    expected   the error that four scenes of five stay below, whatever the scale
+and for each model
     cost       process time of its run over that of the full model, the median
 """
 
@@ -14,32 +19,68 @@ from dataclasses import dataclass
 from importlib import resources
 from math import inf
 
+from validation.fidelity import quantities
+
 FILE = "errors.json"
 
 
 @dataclass(frozen=True)
 class Book:
-    """errors.json as it is: {model: {quantity: {"expected", "typical", "factor"}, "cost"}}, and how it was made."""
+    """errors.json as it is.
+
+    Parameters
+    ----------
+    models : {model: {"cost": [-]}}
+    regimes : {regime: {quantity: {"scenes", "usual", "models": {model: {"factor", "apart", "expected", "weight"}}}}}
+    finest : {regime: {quantity: [-] what the full model itself is expected to be off by}}
+    others : {method: {"cost": [-], "expected": {quantity: [-]}}} of methods that are there to compare with
+    made : how it was made
+    """
 
     models: dict
+    regimes: dict
+    finest: dict
+    others: dict
     made: dict
-
-    def expected(self, model, quantity):
-        """[-] share; infinite where the survey knows none."""
-        return self.models.get(model.name, {}).get(quantity, {}).get("expected", inf)
-
-    def estimate(self, model, quantity, difference):
-        """[-] what the error is below, from the difference between a model's answer and its check's."""
-        known = self.models.get(model.name, {}).get(quantity)
-        return inf if known is None else max(known["factor"] * difference, known["typical"])
 
     def cost(self, model):
         """[-] of the full model's."""
         return self.models.get(model.name, {}).get("cost", inf)
 
+    def expected(self, model, name):
+        """[-] error in the worse of the regimes, before anything is known of a scene; infinite where none is known."""
+        found = [known[name]["models"] for known in self.regimes.values() if name in known]
+        return max((each[model.name]["expected"] for each in found if model.name in each), default=inf)
+
+    def bound(self, model, name, seen):
+        """[-] what the error of a model is below, of a scene of which two scouts have `seen` (finer, coarser)."""
+        return self._times("factor", model, name, seen)
+
+    def apart(self, model, name, seen):
+        """[-] how far its answer may be from what it is held against, before the scene is unlike the survey's."""
+        return self._times("apart", model, name, seen)
+
+    def weight(self, model, regime):
+        """[-] of the partner's peak tensions in the model's."""
+        known = self.regimes.get(regime, {}).get("peak_tension", {"models": {}})
+        return known["models"].get(model.name, {}).get("weight", 0.0)
+
+    def own(self, name, regime):
+        """[-] what the full model is itself expected to be off by; 0 where nothing is known."""
+        return self.finest.get(regime, {}).get(name, 0.0)
+
+    def _times(self, key, model, name, seen):
+        regime = quantities.regime(seen[0])
+        if not quantities.asked_of(name, regime):
+            return 0.0  # what is not there is not wrong
+        known = self.regimes.get(regime, {}).get(name)
+        if known is None or model.name not in known["models"]:
+            return inf
+        bound = known["models"][model.name][key] * quantities.scale(name, *seen, known["usual"])
+        return bound if bound == bound else inf
+
 
 def load():
     """The Book of the package."""
-    text = (resources.files("validation.fidelity") / FILE).read_text("utf-8")
-    content = json.loads(text)
-    return Book(content["models"], content["made"])
+    content = json.loads((resources.files("validation.fidelity") / FILE).read_text("utf-8"))
+    return Book(**{name: content[name] for name in ("models", "regimes", "finest", "others", "made")})

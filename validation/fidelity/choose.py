@@ -1,23 +1,30 @@
-"""The cheapest model that the survey says will do, its answer, and a cheap second one that checks the promise.
+"""The cheapest model that the survey says will do, its answer, and a check that can object.
 
-A model is taken if the errors that the survey has seen from it are within what is asked (`book`). Its answer is held
-against that of a coarser mesh; how far apart the two may be was measured too. If they are too far apart, or do not
-agree on whether the panel holds, the next finer model is asked, whose check is the answer that there is already.
+Two scouts, the coarsest meshes, are run first. They tell whether the panel holds and how hard the scene is
+(`quantities.scale`); the survey has found how far each model goes wrong in proportion to that. The cheapest model is
+taken whose errors are so within what is asked. Its answer is held against its partner's, the scout of the next coarser
+mesh: where the two are further apart than they ever were in the survey, or do not agree on whether the panel holds, the
+scene is not like the survey's, and the promise is void. Then the next model that would do is run, and what it is held
+against is the answer before it: being the coarser, that may be off by no more than is asked. Peak tensions are mixed
+with the partner's (`quantities.mixed`).
+
+A scout also tells whether a flat steel projectile may be rigid (`ImpactResult.rigidity`), where nobody has said so.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import inf, isnan
 
-from fabrics.errors import InputError
+from fabrics.errors import InputError, UnstableError
 from shellfabric import impact
 from validation.fidelity import book as books
 from validation.fidelity import quantities
-from validation.fidelity.models import LADDER, Model, Tables, effort, simplest
+from validation.fidelity.models import FULL, LADDER, Model, Tables, effort, partner, scouts, simplest
 
 BY_HAND = Model("as set by hand", ())
+_PAYS = 0.8  # of the least error, over what is asked, that a dearer model has to get below to be worth its time
 
 
 @dataclass(frozen=True)
@@ -31,8 +38,8 @@ class Option:
     elements : of the modelled part
     effort : elements times steps, to the end time
     cost : [-] over that of the full model, as the survey found it
-    expected : {quantity: [-] error}
-    enough : whether these are within what is asked
+    expected : {quantity: [-] error}: its bound, or what is likely where nothing has been run yet
+    asked : {quantity: [-] error at most}
     """
 
     model: Model
@@ -41,7 +48,17 @@ class Option:
     effort: float
     cost: float
     expected: dict
-    enough: bool
+    asked: dict
+
+    @property
+    def enough(self):
+        """Whether the expected errors are within what is asked."""
+        return self.short <= 1
+
+    @property
+    def short(self):
+        """[-] the expected error over what is asked, of the quantity for which it is largest."""
+        return max((self.expected[name] / share for name, share in self.asked.items()), default=0.0)
 
 
 @dataclass(frozen=True)
@@ -52,9 +69,10 @@ class Attempt:
     ----------
     option : Option
     result : ImpactResult
-    values : quantities of it
-    against : name of the model that it was checked by; empty if it had none
-    errors : {quantity: [-]} estimated; infinite where the two do not agree on the outcome
+    values : quantities of it, peak tensions mixed with the partner's
+    against : name of the model that it was held against; empty if there was none
+    partner : name of the model whose peak tensions are mixed in; empty if there was none
+    errors : {quantity: [-]} what the survey says they are below; infinite where the other answer objects
     holds : whether these are within what is asked
     """
 
@@ -62,17 +80,31 @@ class Attempt:
     result: impact.ImpactResult
     values: dict
     against: str
+    partner: str
     errors: dict
     holds: bool
 
 
 @dataclass(frozen=True)
 class Answer:
-    """What came of it: the last attempt counts. `options` are all that could have been chosen, the cheapest first."""
+    """What came of it: the last attempt counts.
+
+    Parameters
+    ----------
+    asked : {quantity: [-] error at most}
+    regime : what the scouts made of the scene; empty without them
+    body : why the projectile is rigid or elastic, in words
+    options : all that could have been chosen, the cheapest first
+    attempts : the answers, in their order
+    own : {quantity: [-]} what the full model, which all errors are against, is itself expected to be off by
+    """
 
     asked: dict
+    regime: str
+    body: str
     options: tuple[Option, ...]
     attempts: tuple[Attempt, ...]
+    own: dict
 
     @property
     def final(self):
@@ -80,11 +112,11 @@ class Answer:
 
     @property
     def confirmed(self):
-        """Whether the promise holds, as far as the check can tell."""
+        """Whether the promise holds, as far as survey and check can tell."""
         return self.final.holds
 
 
-def options(setup, asked, *, fixed=frozenset(), tables=None, book=None):
+def options(setup, asked, *, fixed=frozenset(), tables=None, book=None, seen=None):
     """All models that leave alone what the user has set by hand, the cheapest first.
 
     Parameters
@@ -92,6 +124,7 @@ def options(setup, asked, *, fixed=frozenset(), tables=None, book=None):
     setup : ImpactSetup
     asked : {quantity: [-] error at most}
     fixed : names of fields of ImpactSetup that are to stay
+    seen : what two scouts found, the finer first; None before they are run
 
     Raises
     ------
@@ -103,36 +136,49 @@ def options(setup, asked, *, fixed=frozenset(), tables=None, book=None):
         if not share > 0:
             raise InputError(key=name, value=share, allowed="above 0")
     tables, book = tables or Tables(), book or books.load()
+    base = setup if "symmetry" in fixed else simplest(setup, tables)
     if setup.surface is not None:  # it has its own cell
         fixed = fixed | {"cell_model"}
-    base = setup if "symmetry" in fixed else simplest(setup, tables)
-    found = []
-    for model in LADDER:
-        panel = model.panel(base, tables.cheap(base)) if model.leaves(base, fixed) else None
-        if panel is not None:
-            expected = {name: book.expected(model, name) for name in asked}
-            enough = all(expected[name] <= share for name, share in asked.items())
-            work = effort(panel, base.end_time)
-            found.append(Option(model, model.of(base), panel.elements, work, book.cost(model), expected, enough))
-    if not found:  # all meshes of the ladder differ from what is set by hand: it is run as it is
-        panel = base.panel(tables.cheap(base))
-        expected = dict.fromkeys(asked, inf)
-        found = [Option(BY_HAND, base, panel.elements, effort(panel, base.end_time), 1.0, expected, False)]
-    return tuple(sorted(found, key=lambda option: (option.cost, option.effort)))
+
+    def option(model):
+        this = model.of(base)
+        panel = this.panel(tables.cheap(base))
+        work = effort(panel, base.end_time)
+        return Option(model, this, panel.elements, work, book.cost(model), _expected(book, model, asked, seen), asked)
+
+    found = [option(model) for model in LADDER if model.leaves(base, fixed) and model.panel(base, tables.cheap(base))]
+    if not any(one.model.answers for one in found):  # all meshes of the ladder differ from what is set by hand
+        found = [replace(option(BY_HAND), cost=1.0)]
+    return tuple(sorted(found, key=lambda one: (one.cost, one.effort)))
+
+
+def _expected(book, model, asked, seen):
+    if model.name == FULL:
+        return dict.fromkeys(asked, 0.0)  # by definition
+    if seen is None:
+        return {name: book.expected(model, name) for name in asked}
+    return {name: book.bound(model, name, seen) for name in asked}
 
 
 def pick(options):
-    """The cheapest that is enough, or the finest mesh if none is."""
-    cheap = (option for option in options if option.enough and option.model.answers)
-    return next(cheap, max(options, key=lambda option: option.effort))
+    """The cheapest that is enough; if none is, the cheapest beyond which no dearer one takes a fifth off the error."""
+    options = [option for option in options if option.model.answers]
+    for option in options:
+        if option.enough:
+            return option
+    best = options[0]
+    for option in options[1:]:
+        if option.short < _PAYS * best.short:
+            best = option
+    return best if best.short < inf else max(options, key=lambda option: option.effort)
 
 
 def answer(setup, asked, *, fixed=frozenset(), fire: Callable | None = None, tables=None, book=None, told=None):
-    """Run the chosen model, check it, and refine until the estimated errors are within what is asked.
+    """Run the scouts, the model chosen by them, and others where the first answer is objected to.
 
     Parameters
     ----------
-    setup, asked, fixed : as in `options`
+    setup, asked, fixed : as in `options`; "projectile" among the fields says that its body is as it is to be
     fire : called as fire(Option, CellTable) for an answer that may be the last; gives its ImpactResult
     told : called as told(text) with what is chosen, and why
 
@@ -146,47 +192,119 @@ def answer(setup, asked, *, fixed=frozenset(), fire: Callable | None = None, tab
     """
     tables, book, told = tables or Tables(), book or books.load(), told or (lambda text: None)
     fire = fire or (lambda option, table: impact.run(option.setup, table=table))
-    found = options(setup, asked, fixed=fixed, tables=tables, book=book)
-    by_name, done = {option.model.name: option for option in found}, {}
-    option, attempts = pick(found), []
-    told(_why(option, asked))
+    options(setup, asked, fixed=fixed, tables=tables, book=book)  # what is wrong is told before anything is run
+    base = setup if "symmetry" in fixed else simplest(setup, tables)
+    seen, body = _look(base, tables), f"projectile: {_kind(setup.projectile)}, as set"
+    if "projectile" not in fixed and seen:
+        shot, body = _body(setup.projectile, seen[0].result)
+        if shot != setup.projectile:
+            setup, base = replace(setup, projectile=shot), replace(base, projectile=shot)
+            seen = _look(base, tables)  # rigid scouts are no check of an elastic projectile
+    told(body)
+    both = tuple(scout.values for scout in seen) if seen else None
+    found = options(setup, asked, fixed=fixed, tables=tables, book=book, seen=both)
+    attempts, option, before = [], pick(found), None
+    told(_why(option))
     while True:
-        checker = by_name.get(option.model.check)
-        if checker is not None and checker.model.name not in done:
-            done[checker.model.name] = quantities.of(impact.run(checker.setup, table=tables.of(checker.setup)))
         result = fire(option, tables.of(option.setup))
-        values = done[option.model.name] = quantities.of(result)
-        errors = _errors(option.model, values, done.get(option.model.check), asked, book)
+        values = quantities.of(result)
+        other = _partner(option.model, seen)
+        errors, against = _checked(option, values, before, other, seen, book)
+        if other is not None:
+            values = quantities.mixed(values, other.values, book.weight(option.model, quantities.regime(values)))
         holds = all(errors[name] <= share for name, share in asked.items())
-        against = checker.model.name if checker is not None else ""
-        attempts.append(Attempt(option, result, values, against, errors, holds))
-        finer = by_name.get(option.model.finer)
+        mixed = other.model.name if other is not None else ""
+        attempts.append(Attempt(option, result, values, against, mixed, errors, holds))
+        finer = next((one for one in found if one.enough and one.cost > option.cost and one.model.answers), None)
         if holds or finer is None:
-            return Answer(dict(asked), found, tuple(attempts))
-        told(f"{option.model.name}: {_in_words(errors)} against {against or 'nothing'}; on with {finer.model.name}")
-        option = finer
+            regime = quantities.regime(values)
+            own = {name: book.own(name, regime) for name in asked}
+            if "projectile" not in fixed and setup.projectile.bar is None and not _stays_rigid(result):
+                body = f"{body}; but in the answer itself {result.rigidity}"
+            return Answer(dict(asked), regime, body, found, tuple(attempts), own)
+        told(
+            f"{option.model.name}: {_in_words(errors)}, held against {against or 'nothing'}; on with {finer.model.name}"
+        )
+        option, before = finer, attempts[-1]
 
 
-def _errors(model, values, coarser, asked, book):
-    """Estimated error of each quantity: from the check, or what is expected where there is none."""
-    if coarser is None:
-        return {name: book.expected(model, name) for name in asked}
-    if values["outcome"] != coarser["outcome"]:
-        return dict.fromkeys(asked, inf)
-    apart = quantities.differences(values, coarser)
-    # what is not there, such as the deflection of a panel that is perforated, is not wrong
-    return {name: 0.0 if isnan(apart[name]) else book.estimate(model, name, apart[name]) for name in asked}
+@dataclass(frozen=True)
+class _Scout:
+    model: Model
+    result: impact.ImpactResult
+    values: dict
 
 
-def _why(option, asked):
+def _look(base, tables):
+    """What two scouts find, the finer first; empty where there are not two that can be meshed and run."""
+    meshed = [model.name for model in LADDER if model.panel(base, tables.cheap(base)) is not None]
+    found = []
+    for model in scouts(meshed):
+        this = model.of(replace(base, snapshot_interval=None, measure=None))
+        try:
+            result = impact.run(this, table=tables.of(this))
+        except UnstableError:
+            return ()
+        found.insert(0, _Scout(model, result, quantities.of(result)))
+    return tuple(found) if len(found) == 2 else ()
+
+
+def _kind(shot):
+    return "rigid" if shot.bar is None else "an elastic bar"
+
+
+def _body(shot, scout):
+    """(the projectile as elastic as it needs to be, why)."""
+    if scout.rigidity is None:
+        return shot, f"projectile: {_kind(shot)}; only a flat cylinder of steel could be elastic"
+    if scout.rigidity.enough:
+        return replace(shot, body="rigid"), f"projectile: rigid; {scout.rigidity}"
+    return replace(shot, body="bar"), f"projectile: an elastic bar; {scout.rigidity}"
+
+
+def _partner(model, seen):
+    """The scout that is next to a model; None of those that have none."""
+    if not seen or model.name in (FULL, BY_HAND.name):
+        return None
+    wanted = partner(model, tuple(scout.model for scout in reversed(seen)))
+    return next(scout for scout in seen if scout.model.name == wanted.name)
+
+
+def _stays_rigid(result):
+    return result.rigidity is None or result.rigidity.enough
+
+
+def _checked(option, values, before, other, seen, book):
+    """({quantity: [-]} what the errors are below, name of what they were held against)."""
+    expected, model = option.expected, option.model
+    if model.name == FULL:
+        return expected, ""
+    if before is not None:
+        return _apart(values, before.values, option.asked), before.option.model.name
+    if other is None:
+        return dict.fromkeys(option.asked, inf), ""
+    apart = _apart(values, other.values, option.asked)
+    most = {name: book.apart(model, name, tuple(scout.values for scout in seen)) for name in option.asked}
+    return {name: expected[name] if apart[name] <= most[name] else inf for name in option.asked}, other.model.name
+
+
+def _apart(values, others, names):
+    """{quantity: [-]} between two answers; infinite where their outcomes differ, 0 of what is in neither."""
+    if quantities.regime(values) != quantities.regime(others):
+        return dict.fromkeys(names, inf)
+    found = quantities.differences(values, others)
+    return {name: 0.0 if isnan(found[name]) else found[name] for name in names}
+
+
+def _why(option):
     if not option.enough:
-        return f"{option.model.name}: no model is known to be as accurate as asked; this is the finest"
+        return f"{option.model.name}: no model is known to be as accurate as asked; of none finer much more is expected"
     expected = ", ".join(f"{name} {100 * error:.2g} %" for name, error in option.expected.items())
-    return f"{option.model.name}: the cheapest with the expected errors as asked ({expected})"
+    return f"{option.model.name}: the cheapest with errors within what is asked ({expected})"
 
 
 def _in_words(errors):
     return ", ".join(
-        f"{name} within {100 * error:.2g} %" if error < inf else f"{name} not known: outcomes differ"
+        f"{name} within {100 * error:.2g} %" if error < inf else f"{name} unlike the survey"
         for name, error in errors.items()
     )

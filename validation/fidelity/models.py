@@ -1,7 +1,8 @@
 """The ladder of models that a scene can be answered with, from the cheapest to the one that all are held against.
 
-Meshes are named by elements a crossover, along each side. The cell's table has 51 stretches a side on the cheap ones,
-where filling one of 201 costs more than the run; what that changes is in their errors.
+Meshes are named by elements a crossover, along each side. All but the full model have a table of the cell of 51
+stretches a side, where filling one of 201 costs more than a short run, and look at their energies every 20 us: an
+audit goes over the whole panel, and every 2 us costs more than the steps between. What that changes is in their errors.
 """
 
 from __future__ import annotations
@@ -12,7 +13,7 @@ from math import inf
 from fabrics.errors import InputError
 from shellfabric.panel import SYMMETRIES, Panel
 
-FULL = "3 elements"
+FULL = "3 elements, table 201"
 
 
 @dataclass(frozen=True)
@@ -23,15 +24,11 @@ class Model:
     ----------
     name : in words
     changes : ((field of ImpactSetup, value), ...)
-    check : name of the coarser model whose answer says how far off this one's may be; empty if there is none
-    finer : name of the model that is next if this one does not do; empty for the finest
-    answers : whether it may be chosen, or serves as a check alone
+    answers : whether it may be chosen, or serves as a scout alone
     """
 
     name: str
     changes: tuple
-    check: str = ""
-    finer: str = ""
     answers: bool = True
 
     def of(self, setup):
@@ -50,20 +47,35 @@ class Model:
         return all(getattr(setup, key) == value for key, value in self.changes if key in fixed)
 
 
-def _mesh(name, elements, check="", finer="", *, answers=True, **changes):
-    return Model(name, (("elements_per_crossover", elements), *changes.items()), check, finer, answers)
+def _mesh(name, elements, *, answers=True, **changes):
+    return Model(name, (("elements_per_crossover", elements), *changes.items()), answers)
 
 
-_COARSE, _PLAIN, _TABLE = "2 x 2 crossovers", "1 element", {"table_size": 51}
+SCOUT = "2 x 2 crossovers"
+_QUICK = {"table_size": 51, "audit_interval": 20e-6}
 LADDER = (
-    _mesh(_COARSE, 1, answers=False, grading=((inf, 2),), **_TABLE),
-    _mesh("graded", 1, _COARSE, _PLAIN, grading=((16, 1), (32, 2), (inf, 4)), **_TABLE),
-    _mesh("1 element, decoupled", 1, _COARSE, _PLAIN, cell_model="decoupled", **_TABLE),
-    _mesh(_PLAIN, 1, _COARSE, "2 elements", **_TABLE),
-    _mesh("2 elements", 2, _PLAIN, FULL),
-    _mesh(FULL, 3, "2 elements"),
+    _mesh(SCOUT, 1, answers=False, grading=((inf, 2),), **_QUICK),
+    _mesh("graded", 1, grading=((16, 1), (32, 2), (inf, 4)), **_QUICK),
+    _mesh("1 element, decoupled", 1, answers=False, cell_model="decoupled", **_QUICK),
+    _mesh("1 element", 1, **_QUICK),
+    _mesh("2 elements", 2, **_QUICK),
+    _mesh("3 elements", 3, **_QUICK),
+    _mesh(FULL, 3, table_size=201),
 )
 BY_NAME = {model.name: model for model in LADDER}
+_SCOUTS = SCOUT, "graded", "1 element"
+
+
+def scouts(known):
+    """The two cheapest meshes, coarser first, of those whose names are `known`: what tells how hard a scene is."""
+    found = [BY_NAME[name] for name in _SCOUTS if name in known]
+    return tuple(found[:2])
+
+
+def partner(model, two):
+    """The scout that a model's answer is held against, and mixed with: of two, the next coarser mesh."""
+    coarse, fine = two
+    return coarse if dict(model.changes)["elements_per_crossover"] == 1 else fine
 
 
 class Tables:
@@ -84,7 +96,7 @@ class Tables:
 
     def cheap(self, setup):
         """A table of the cell for panels that are looked at, not run: the one that the cheap models have."""
-        return self.of(replace(setup, **_TABLE))
+        return self.of(replace(setup, table_size=_QUICK["table_size"]))
 
 
 def simplest(setup, tables):

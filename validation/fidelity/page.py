@@ -1,40 +1,94 @@
-"""Tables of survey and trial for the documentation."""
+"""Tables of survey and trials for the documentation."""
 
 from __future__ import annotations
+
+from math import inf, isfinite, isnan
+
+import numpy as np
 
 from fabrics.errors import InputError
 from fabrics.files import write_whole
 from validation.fidelity import quantities
+from validation.fidelity.models import FULL
 
 
-def survey_table(models):
-    """Lines of Markdown: each model's cost and expected errors."""
+def survey_table(content):
+    """Lines of Markdown: each model's cost, and errors that four scenes in five stay below, of errors.json."""
     names = quantities.NAMES
     lines = [
-        "| model | cost | " + " | ".join(name.replace("_", " ") for name in names) + " |",
+        "| model | cost | " + " | ".join(_plain(name) for name in names) + " |",
         "|---|---:|" + "---:|" * len(names),
     ]
-    for model, found in sorted(models.items(), key=lambda item: item[1]["cost"]):
-        errors = (f"{100 * found[name]['expected']:.2g} %" for name in names)
-        lines.append(f"| {model} | {found['cost']:.3f} | " + " | ".join(errors) + " |")
+    rows = {model: (found["cost"], _expected(content, model)) for model, found in content["models"].items()}
+    rows |= {f"*{name}*": (found["cost"], found["expected"]) for name, found in content["others"].items()}
+    for model, (cost, expected) in sorted(rows.items(), key=lambda item: item[1][0]):
+        lines.append(f"| {model} | {cost:.3f} | " + " | ".join(_percent(expected[name]) for name in names) + " |")
+    own = {name: max(known.get(name, 0.0) for known in content["finest"].values()) for name in names}
+    lines.append(f"| {FULL}, itself | | " + " | ".join(_percent(own[name]) for name in names) + " |")
     return lines
+
+
+def _expected(content, model):
+    found = {}
+    for name in quantities.NAMES:
+        each = [known[name]["models"].get(model) for known in content["regimes"].values() if name in known]
+        found[name] = max((one["expected"] for one in each if one), default=inf)
+    return found
 
 
 def trial_table(rows):
-    """Lines of Markdown: each scene, what was asked, chosen and found."""
+    """Lines of Markdown: each scene, what was asked, chosen and found, and what came of all."""
     lines = [
-        "| scene | asked | outcome | model | confirmed | worst error | met | cost |",
-        "|---|---:|---|---|---|---:|---|---:|",
+        "| scene | asked | outcome | model | confirmed | worst error | met | cost | whole |",
+        "|---|---|---|---|---|---:|---|---:|---:|",
     ]
     for row in rows:
-        worst = max((error for error in row.found.values() if error == error), default=0.0)
-        found = "other outcome" if worst == float("inf") else f"{100 * worst:.2g} %"
+        known = [(error, name) for name, error in row.found.items() if not isnan(error)]
+        worst, name = max(known, default=(0.0, ""))
+        found = "other outcome" if worst == inf else f"{_percent(worst)}{f' {_plain(name)}' if worst > 0 else ''}"
+        confirmed = "is the full model" if row.model == FULL else "yes" if row.confirmed else "no"
         lines.append(
-            f"| {row.fabric}, {row.shape}, {row.velocity:.0f} m/s | {100 * row.asked:.0f} % | {row.outcome}"
-            f" | {row.model} | {'yes' if row.confirmed else 'no'} | {found} | {'yes' if row.met else 'no'}"
-            f" | {row.seconds / row.full_seconds:.3f} |"
+            f"| {row.fabric}, {row.shape}, {row.velocity:.0f} m/s | {_asked(row.asked)} | {row.outcome}"
+            f" | {row.model} | {confirmed} | {found} | {'yes' if row.met else '**no**'}"
+            f" | {row.cost:.3f} | {f'{row.whole_cost:.3f}' if isfinite(row.whole_cost) else '-'} |"
         )
-    return lines
+    return [*lines, "", *_summary(rows)]
+
+
+def _summary(rows):
+    cheaper = [row for row in rows if row.model != FULL]
+    sure = [row for row in cheaper if row.confirmed]
+    whole = [row for row in rows if isfinite(row.whole_cost)]
+    told = [
+        f"Within what was asked: **{sum(row.met for row in rows)} of {len(rows)}**; median cost over that of the full "
+        f"model on the same part of the panel: **{np.median([row.cost for row in rows]):.3f}**.",
+        f"{len(rows) - len(cheaper)} were answered by the full model itself; of the {len(sure)} answers of cheaper "
+        f"models that were called confirmed {sum(row.met for row in sure)} are within what was asked, of the "
+        f"{len(cheaper) - len(sure)} others {sum(row.met for row in cheaper if not row.confirmed)}.",
+    ]
+    if whole:
+        share = np.median([row.whole_seconds / row.full_seconds for row in whole])
+        cost = np.median([row.whole_cost for row in whole])
+        told.append(
+            f"The whole panel was run for {len(whole)} of them and took {share:.2f} times its part, in the median; "
+            f"over it the median cost of these is {cost:.3f}."
+        )
+    return told
+
+
+def _asked(asked):
+    shares = set(asked.values())
+    if len(asked) == len(quantities.NAMES) and len(shares) == 1:
+        return f"all {_percent(shares.pop())}"
+    return ", ".join(f"{_plain(name)} {_percent(share)}" for name, share in asked.items())
+
+
+def _plain(name):
+    return name.replace("_", " ")
+
+
+def _percent(share):
+    return "not known" if share == inf else f"{100 * share:.2g} %"
 
 
 def put(path, name, lines):

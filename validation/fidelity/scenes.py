@@ -1,8 +1,8 @@
-"""Scenes of the survey, and random ones for the trial.
+"""Scenes of the survey and of the trials.
 
-The survey's are standard: each Kevlar fabric of the catalogue, the projectile and panel of the source, at fixed shares
-of the fabric's own critical velocity on the simplest mesh. The trial's are drawn: another fabric, shot and panel each
-time.
+Standard ones: each Kevlar fabric of the catalogue, the projectile and panel of the source, at fixed shares of the
+fabric's own critical velocity on the simplest mesh. Drawn ones: another fabric, shot and panel each time; survey and
+trials have seeds of their own.
 """
 
 from __future__ import annotations
@@ -42,8 +42,8 @@ def standard(name):
     return [replace(setup, strike_velocity=round(share * critical, 1)) for share in SHARES]
 
 
-def drawn(number, seed=20):
-    """The random scene of a number: fabric, shot and panel that the survey has not seen."""
+def drawn(number, seed):
+    """The random scene of a number and a seed."""
     draw = np.random.default_rng((seed, number))
     name = str(draw.choice(KEVLAR))
     factors = {key: float(1 + draw.uniform(-wide, wide)) for key, wide in FACTORS.items()}
