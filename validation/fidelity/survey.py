@@ -14,7 +14,7 @@ from validation.fidelity.models import BY_NAME, FULL, LADDER, Tables, effort, si
 
 SEED, COUNT = 7, 60
 MOST = 6e8  # elements times steps of the full model to the end: a drawn scene that could take more is left out
-LONG = ("S-731", 0), ("S-731", 1)  # standard ones that take many minutes: the smallest crossovers, and the panel holds
+LONG = ("S-731", 0), ("S-731", 1), ("S-727", 0)  # standard ones that take many minutes
 
 
 def places():
