@@ -189,3 +189,23 @@ def solve_many(stretch1, stretch2, warp, weft, gap, form, coupled, out):
         if values[4] < 0.0:
             return False
     return True
+
+
+@njit(cache=True, error_model="numpy")
+def ceiling(low, high, over, top, unit, out):
+    """What no tension can exceed where forces do not exceed N, step N / unit of out (n, 2): max(out[0], N + out[1]).
+
+    low, high (cells,) [N] : between which the forces of a cell of the table lie; over, top (cells,) [N] : by which a
+    tension is at most above the force beside it, and its own most. Of cells that a step cuts, the tension is at most N
+    and what it is above its force; of those that lie below it, their own.
+    """
+    last = out.shape[0] - 1
+    out[:] = 0.0
+    for m in range(low.size):
+        begin, end = min(max(int(low[m] / unit), 0), last), min(max(int(high[m] / unit), 0), last)
+        for step in range(begin, end + 1):
+            out[step, 1] = max(out[step, 1], over[m])
+        if end < last:
+            out[end + 1, 0] = max(out[end + 1, 0], top[m])
+    for step in range(last):
+        out[step + 1, 0] = max(out[step + 1, 0], out[step, 0])

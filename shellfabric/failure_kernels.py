@@ -15,6 +15,7 @@ import numpy as np
 from numba import njit, types
 from numba.extending import overload
 
+from shellfabric import audit_kernels
 from shellfabric.cell_kernels import yarn_alone
 from shellfabric.lanes import here
 from shellfabric.membrane_kernels import ONE, WARP_FAILED, WEFT_FAILED, potential, shear_energy
@@ -227,7 +228,7 @@ def mark(const, state, family, i, j):
         state.thin[row // const.block] = 2
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", _nrt=False)
 def stored_energy(const, state, first, last):
     """(energy of the yarns, of the trellis) of the element rows first .. last - 1 and the weft at their far end.
 
@@ -235,23 +236,22 @@ def stored_energy(const, state, first, last):
     """
     cells, trellis = 0.0, 0.0
     for family in range(2):
-        w, S0, EA = yarn(const, family)
-        other = state.intact[1 - family]
         for i in range(first, last if family == WARP else last + 1):
-            for j in range(const.s if family == WARP else const.nj):
-                k = np.uint64(i * const.s + j)
-                y = state.y[family][k]
-                if y == 0.0:
-                    continue
-                L = state.L[family][k]
-                count, present, total = crossing(const, family, i, j, other, state.L[1 - family], 0)
-                crossed = present / count
-                if crossed > 0.0:
-                    pair = (L, total / present) if family == WARP else (total / present, L)
-                    cells += 0.5 * y / (2.0 * w) * crossed * potential(*pair, const.grid, const.spline, const.level)
-                if crossed < 1.0:
-                    cells += y / (2.0 * w) * (1.0 - crossed) * yarn_alone(L, w, S0, EA)[1]
+            lines = const.s if family == WARP else const.nj
+            begin, end = lines, lines  # of what is whole, and has four crossing edges
+            if whole(const, state, i) and family == WARP:
+                begin, end = 1, const.nj
+            elif whole(const, state, i) and 0 < i < const.ni:
+                begin, end = 0, const.nj
+            for j in range(begin):
+                cells += edge_energy(const, state, family, i, j)
+            for j in range(end, lines):
+                cells += edge_energy(const, state, family, i, j)
+            cells += audit_kernels.edges(const, state, family, i, begin, end)
     for i in range(first, last):
+        if whole(const, state, i):
+            trellis += audit_kernels.trellis(const, state, i)
+            continue
         for j in range(const.nj):
             k = np.uint64(i * const.s + j)
             left = trellis_left(const, state, k)
@@ -260,6 +260,31 @@ def stored_energy(const, state, first, last):
                 V = here(const.V, k)
                 trellis += left * shear_energy(sine, V, const.G1, const.G2, const.gamma1, const.gamma2)
     return cells, trellis
+
+
+@njit(cache=True, error_model="numpy", _nrt=False)
+def whole(const, state, i):
+    """Whether no failed yarn has a part in the energy of row i."""
+    return state.thin[min(i, const.ni - 1) // const.block] == 0
+
+
+@njit(cache=True, error_model="numpy", _nrt=False)
+def edge_energy(const, state, family, i, j):
+    """[J] of the edge (i, j), of which yarns may have failed, as those that cross it may."""
+    w, S0, EA = yarn(const, family)
+    k = np.uint64(i * const.s + j)
+    y = state.y[family][k]
+    if y == 0.0:
+        return 0.0
+    L = state.L[family][k]
+    count, present, total = crossing(const, family, i, j, state.intact[1 - family], state.L[1 - family], 0)
+    crossed, found = present / count, 0.0
+    if crossed > 0.0:
+        pair = (L, total / present) if family == WARP else (total / present, L)
+        found += 0.5 * y / (2.0 * w) * crossed * potential(*pair, const.grid, const.spline, const.level)
+    if crossed < 1.0:
+        found += y / (2.0 * w) * (1.0 - crossed) * yarn_alone(L, w, S0, EA)[1]
+    return found
 
 
 @njit(cache=True, error_model="numpy")

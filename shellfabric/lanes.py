@@ -283,6 +283,26 @@ def store(typing, array, k, value):
     return types.void(array, k, value), codegen
 
 
+@intrinsic
+def behind(typing, last, x):
+    """What the slots before those of x have: the last lane of `last`, the eight before x, and all of x but its last."""
+
+    def codegen(context, builder, signature, arguments):
+        return builder.shuffle_vector(*arguments, ir.Constant(_CELLS, list(range(WIDTH - 1, 2 * WIDTH - 1))))
+
+    return LANES(last, x), codegen
+
+
+@intrinsic
+def ahead(typing, x, following):
+    """What the slots after those of x have: all of x but its first lane, and the first of the eight that follow."""
+
+    def codegen(context, builder, signature, arguments):
+        return builder.shuffle_vector(*arguments, ir.Constant(_CELLS, list(range(1, WIDTH + 1))))
+
+    return LANES(x, following), codegen
+
+
 def at(values, k):
     """What slots k, ..., k + 7 have: a float that all share, or their part of an array."""
 
@@ -336,6 +356,52 @@ def cells(typing, a):
 
 
 @intrinsic
+def note(typing, array, k, cell):
+    """array[k : k + 8] = row numbers; array of int32."""
+
+    def codegen(context, builder, signature, arguments):
+        array, k, cell = arguments
+        builder.store(cell, _place(context, builder, signature.args[0], array, k, _CELLS), align=4)
+        return context.get_dummy_value()
+
+    return types.void(array, k, cell), codegen
+
+
+@intrinsic
+def noted8(typing, table, array, k):
+    """As `columns8`, of the rows whose numbers stand in array[k : k + 8]."""
+
+    def codegen(context, builder, signature, arguments):
+        table, array, k = arguments
+        data = context.make_array(signature.args[1])(context, builder, array).data
+        numbers = [
+            builder.load(builder.gep(data, [builder.add(k, ir.Constant(_INT, lane))]), **_typed(ir.IntType(32)))
+            for lane in range(WIDTH)
+        ]
+        found = _rows_of(context, builder, signature.args[0], table, numbers, 8)
+        return context.make_tuple(builder, signature.return_type, _transposed(builder, found, 8))
+
+    return types.UniTuple(LANES, 8)(table, array, k), codegen
+
+
+@intrinsic
+def entries(typing, array, cell):
+    """array[cell] of eight row numbers; a flat array."""
+
+    def codegen(context, builder, signature, arguments):
+        array, cell = arguments
+        data = context.make_array(signature.args[0])(context, builder, array).data
+        found = ir.Constant(_LANES, ir.Undefined)
+        for lane in range(WIDTH):
+            number = ir.Constant(ir.IntType(32), lane)
+            place = builder.gep(data, [builder.zext(builder.extract_element(cell, number), _INT)])
+            found = builder.insert_element(found, builder.load(place, **_typed(_DOUBLE)), number)
+        return found
+
+    return LANES(array, cell), codegen
+
+
+@intrinsic
 def columns4(typing, table, cell):
     """The four columns of the rows `cell` of a table (n, 4)."""
 
@@ -360,11 +426,17 @@ def columns8(typing, table, cell):
 def _rows(context, builder, kind, arguments, count):
     """The rows of a table of `count` columns, each as a vector."""
     table, cell = arguments
+    numbers = [builder.extract_element(cell, ir.Constant(ir.IntType(32), lane)) for lane in range(WIDTH)]
+    return _rows_of(context, builder, kind, table, numbers, count)
+
+
+def _rows_of(context, builder, kind, table, numbers, count):
+    """The rows of given numbers."""
     array = context.make_array(kind)(context, builder, table)
     part = ir.VectorType(_DOUBLE, count)
     found = []
-    for lane in range(WIDTH):
-        row = builder.zext(builder.extract_element(cell, ir.Constant(ir.IntType(32), lane)), _INT)
+    for number in numbers:
+        row = builder.zext(number, _INT)
         place = builder.gep(array.data, [builder.mul(row, ir.Constant(_INT, count))])
         pointer = builder.bitcast(place, ir.PointerType(part))
         found.append(builder.load(pointer, align=8, **_typed(part)))

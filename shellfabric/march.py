@@ -139,37 +139,38 @@ class March:
             node that crosses a quarter of an element in one step; samples and state stay as they are
         """
         with ThreadPoolExecutor(max(1, self.threads - 1)) as others:
-            self.advance(np.empty((0, self.columns)), others)  # compiled before the clock starts
-            while not self.ended:
-                fine = np.empty((min(self.chunk, self.last_step - self.steps), self.columns))
-                start = time.perf_counter()
-                made, self.reason = self.advance(fine, others)
-                self.wall_time += time.perf_counter() - start
-                self.fine.append(fine[:made])
-                self._audit()
-                self._guard()
-                self._look_for_plug()
-                for hook in hooks:
-                    hook(self)
+            self._call(others)
+            try:
+                self.advance(np.empty((0, self.columns)))  # compiled before the clock starts
+                self._call(others)
+                while not self.ended:
+                    fine = np.empty((min(self.chunk, self.last_step - self.steps), self.columns))
+                    start = time.perf_counter()
+                    made, self.reason = self.advance(fine)
+                    self.wall_time += time.perf_counter() - start
+                    self._call(others)
+                    self.fine.append(fine[:made])
+                    self._audit()
+                    self._guard()
+                    self._look_for_plug()
+                    for hook in hooks:
+                        hook(self)
+            finally:
+                self.advance(np.empty((0, self.columns)))  # lets the others go
         return self
 
-    def advance(self, fine, others):
-        """Make as many steps as there are rows in `fine`, or fewer where the run ends: (steps made, why).
+    def _call(self, others):
+        """Have the other threads wait for the next steps while this one sees to what is between: waking takes them
+        longer than a step. They meet in new memory, as some may not have left the meeting before."""
+        self._shared = np.zeros_like(self._work.shared)
+        for me, work in enumerate(self._works[1:] if self.behind is None else (), 1):
+            others.submit(kernels.follow, self.state, self.const, work, self._shared, me, self.threads)
 
-        others : executor with room for all threads but this one
-        """
+    def advance(self, fine):
+        """Make as many steps as there are rows in `fine`, or fewer where the run ends: (steps made, why)."""
         if self.behind is not None:
             return self._advance_backed(fine)
-        shared, count = self._work.shared, self.threads
-        shared[:] = 0
-        at_work = [
-            others.submit(kernels.follow, self.state, self.const, work, shared, me, count)
-            for me, work in enumerate(self._works[1:], 1)
-        ]
-        made = kernels.lead(self.state, self.const, self._work, len(fine), fine, shared, count)
-        for thread in at_work:
-            thread.result()
-        return made
+        return kernels.lead(self.state, self.const, self._work, len(fine), fine, self._shared, self.threads)
 
     def _advance_backed(self, fine):
         """As `advance`, one step at a time, each followed by the block's."""

@@ -16,6 +16,7 @@ import numpy as np
 from numba import njit
 
 from shellfabric import (
+    audit_kernels,
     bar_kernels,
     bending_kernels,
     contact_kernels,
@@ -176,14 +177,15 @@ def look_up(state, const, block, first, last, thin, work):
 
 
 @njit(cache=True, error_model="numpy", _nrt=False)
-def bounds(const, p1, q1, p2, q2):
-    """What the tensions of both families cannot exceed where no yarn lies further in the table; p, q in its cells."""
-    top1, top2 = const.top1, const.top2
-    if max(p1, p2) > top1 + 1 or max(q1, q2) > top2 + 1:
-        return np.inf, np.inf
-    warp = min(int(p1), top1) * (top2 + 1) + min(int(q1), top2)
-    weft = min(int(p2), top1) * (top2 + 1) + min(int(q2), top2)
-    return const.ceiling1[warp], const.ceiling2[weft]
+def bound(const, p, q, N, unit, ceiling):
+    """What no tension of a family can exceed where no crossover lies further in the table and no force N is larger.
+
+    p, q in cells of the table; unit, ceiling : see `cell_kernels.ceiling`.
+    """
+    if not (p <= const.top1 + 1 and q <= const.top2 + 1 and N < unit * ceiling.shape[0]):
+        return np.inf
+    step = int(N / unit)
+    return max(ceiling[step, 0], N + ceiling[step, 1])
 
 
 @njit(cache=True, error_model="numpy", _nrt=False)
@@ -205,8 +207,12 @@ def gradient(state, const, block, first, last, thin, work):
     s, c, w, low = const.s, const, work, max(first - 1, 0)
     m0, m1 = 2 * s, (low - first + 2) * s
     n, n1, n2 = (last - first) * s, (last - low) * s, (last - first + 1) * s
-    p1, q1 = membrane_kernels.potential_forces(m1, n1, w.l1, w.m2, c.grid, c.spline, c.per1, c.per2, w.own1, w.given1)
-    p2, q2 = membrane_kernels.potential_forces(m0, n2, w.m1, w.l2, c.grid, c.spline, c.per1, c.per2, w.given2, w.own2)
+    p1, q1, high1, _ = membrane_kernels.potential_forces(
+        m1, n1, w.l1, w.m2, c.grid, c.spline, c.per1, c.per2, w.spots, w.own1, w.given1
+    )
+    p2, q2, _, high2 = membrane_kernels.potential_forces(
+        m0, n2, w.m1, w.l2, c.grid, c.spline, c.per1, c.per2, w.spots, w.given2, w.own2
+    )
     if first == 0:
         membrane_kernels.copy(s, m0, s, work.given1)
     if last == const.ni:
@@ -220,7 +226,8 @@ def gradient(state, const, block, first, last, thin, work):
     membrane_kernels.share_warp(first * s, m0, n, s, c.split2, work.own1, work.given2, work.N1)
     membrane_kernels.share_weft(first * s, m0, n2, s, c.split1, work.own2, work.given1, work.N2)
     most = state.most[block]
-    most[0], most[1] = bounds(const, p1, q1, p2, q2)
+    most[0] = bound(const, p1, q1, high1, c.unit1, c.ceiling1)
+    most[1] = bound(const, p2, q2, high2, c.unit2, c.ceiling2)
     state.stale[block] = (
         const.lag == 0.0
         and most[0] <= min(state.peak[0], const.strength1)
@@ -504,18 +511,7 @@ def energies(state, const, out):
     """
     out[:] = 0.0
     for i in range(const.ni + 1):
-        for j in range(const.nj + 1):
-            k = i * const.s + j
-            for c in range(3):
-                if state.inverse_mass[k] == 0.0 or (c == 0 and i == 0 and const.mirror_x):
-                    continue
-                if c == 1 and j == 0 and const.mirror_y:
-                    continue
-                v = state.v[c][k]
-                f = state.g0[c][k] + state.g1[c][k] + state.contact[c][k]
-                if const.backed:
-                    f += state.behind[c][k]
-                out[KINETIC] += 0.5 * state.mass[k] * v * (v + const.dt * state.inverse_mass[k] * f)
+        out[KINETIC] += audit_kernels.motion(const, state, i)
     out[STORED], out[SHEAR] = failure_kernels.stored_energy(const, state, 0, const.ni)
     out[BENDING] = bending_kernels.bend(state, const, 0, const.ni, False)
     out[JAM] = jam_kernels.jam(state, const, 0, const.ni, False)

@@ -47,10 +47,11 @@ from numba.extending import overload
 from shellfabric.lanes import (
     WIDTH,
     above,
+    ahead,
     at,
+    behind,
     cells,
     columns4,
-    columns8,
     copysign,
     fabs,
     first,
@@ -62,6 +63,8 @@ from shellfabric.lanes import (
     least,
     load,
     most,
+    note,
+    noted8,
     some,
     splat,
     sqrt,
@@ -111,17 +114,6 @@ def _along(split, k, a, b, c, d):
     return weighted
 
 
-def difference(r, k, a, b):
-    """r (a - b), a being of slot k and b of the slot before it."""
-
-
-@overload(difference, inline="always")
-def _difference(r, k, a, b):
-    if isinstance(r, types.Float):
-        return lambda r, k, a, b: r * (a - b)
-    return lambda r, k, a, b: load(r, k) * a - load(r, k - 1) * b
-
-
 def inner(factor, k, x):
     """x, times the factor where each slot has its own: what is to be summed before `outer`."""
 
@@ -150,10 +142,11 @@ def edges(k0, m0, n, s, u, rx, ry, A, B, l1, i1, l2, i2):
 
     Into scratch from m0 on; A, l1, i1 those of the warp, B, l2, i2 of the weft.
     """
+    next_x, next_y, next_z = load(u[0], k0), load(u[1], k0), load(u[2], k0)
     for j in range(0, n, WIDTH):
         k, m = k0 + j, m0 + j
-        x, y, z = load(u[0], k), load(u[1], k), load(u[2], k)
-        r = at(rx, k)
+        x, y, z, r = next_x, next_y, next_z, at(rx, k)
+        next_x, next_y, next_z = load(u[0], k + WIDTH), load(u[1], k + WIDTH), load(u[2], k + WIDTH)
         a, b, c = fma(load(u[0], k + s) - x, r, 1.0), r * (load(u[1], k + s) - y), r * (load(u[2], k + s) - z)
         store(A[0], m, a)
         store(A[1], m, b)
@@ -163,7 +156,7 @@ def edges(k0, m0, n, s, u, rx, ry, A, B, l1, i1, l2, i2):
         store(i1, m, inverse)
         store(l1, m, square * inverse)
         q = at(ry, k)
-        a, b, c = q * (load(u[0], k + 1) - x), fma(load(u[1], k + 1) - y, q, 1.0), q * (load(u[2], k + 1) - z)
+        a, b, c = q * (ahead(x, next_x) - x), fma(ahead(y, next_y) - y, q, 1.0), q * (ahead(z, next_z) - z)
         store(B[0], m, a)
         store(B[1], m, b)
         store(B[2], m, c)
@@ -231,26 +224,46 @@ def tensions(m0, n, l1, l2, grid, table, T):
 
 
 @njit(cache=True, error_model="numpy")
-def potential_forces(m0, n, l1, l2, grid, table, per1, per2, N1, N2):
+def potential_forces(m0, n, l1, l2, grid, table, per1, per2, spots, N1, N2):
     """Gradient of the biquadratic potential, N = per dW/d(local coordinate).
 
     Below the table its edge, which is exact there; above it tensions go on straight. table (cells, 8) : of p, p p, q,
-    q q, p q, p p q, p q q, p p q q. Returns the largest p and q, the places in the table in units of its cells.
+    q q, p q, p p q, p q q, p p q q. Returns the largest p and q, the places in the table in units of its cells, and
+    the largest N1 and N2, at least 0.
+
+    A piece of spots.size slots at a time, in two loops: the first finds places in the table, which are kept in spots,
+    N1 and N2, and the second what stands there. In one loop the rows wait for their number and the sums for the rows,
+    and what waits fills all the room that a processor has for it.
     """
+    far1, far2, high1, high2 = splat(0.0), splat(0.0), splat(0.0), splat(0.0)
     x0, rx, top1, y0, ry, top2, across = grid
-    far1, far2, end = splat(0.0), splat(0.0), m0 + n
-    for j in range(m0, end, WIDTH):
-        p, q = most((load(l1, j) - x0) * rx, 0.0), most((load(l2, j) - y0) * ry, 0.0)
-        far1 = most(far1, p if end - j >= WIDTH else where(first(end - j), p, 0.0))
-        far2 = most(far2, q if end - j >= WIDTH else where(first(end - j), q, 0.0))
-        cell1, cell2 = floor(least(p, top1)), floor(least(q, top2))
-        c = columns8(table, cells(fma(cell1, across, cell2)))
-        p, q = p - cell1, q - cell2
-        flat, turn = fma(q, fma(q, c[6], c[4]), c[0]), fma(q, fma(q, c[7], c[5]), c[1])
-        store(N1, j, per1 * fma(p + p, turn, flat))
-        flat, turn = fma(p, fma(p, c[5], c[4]), c[2]), fma(p, fma(p, c[7], c[6]), c[3])
-        store(N2, j, per2 * fma(q + q, turn, flat))
-    return highest(far1), highest(far2)
+    for start in range(m0, m0 + n, spots.size):
+        stop = min(start + spots.size, m0 + n)
+        whole = stop - (stop - start) % WIDTH
+        for j in range(start, stop, WIDTH):
+            p, q = most((load(l1, j) - x0) * rx, 0.0), most((load(l2, j) - y0) * ry, 0.0)
+            cell1, cell2 = floor(least(p, top1)), floor(least(q, top2))
+            note(spots, j - start, cells(fma(cell1, across, cell2)))
+            store(N1, j, p - cell1)
+            store(N2, j, q - cell2)
+            if j < whole:
+                far1, far2 = most(far1, p), most(far2, q)
+            else:
+                far1 = most(far1, where(first(stop - j), p, 0.0))
+                far2 = most(far2, where(first(stop - j), q, 0.0))
+        for j in range(start, stop, WIDTH):
+            p, q, c = load(N1, j), load(N2, j), noted8(table, spots, j - start)
+            flat1, turn1 = fma(q, fma(q, c[6], c[4]), c[0]), fma(q, fma(q, c[7], c[5]), c[1])
+            flat2, turn2 = fma(p, fma(p, c[5], c[4]), c[2]), fma(p, fma(p, c[7], c[6]), c[3])
+            force1, force2 = per1 * fma(p + p, turn1, flat1), per2 * fma(q + q, turn2, flat2)
+            store(N1, j, force1)
+            store(N2, j, force2)
+            if j < whole:
+                high1, high2 = most(high1, force1), most(high2, force2)
+            else:
+                high1 = most(high1, where(first(stop - j), force1, 0.0))
+                high2 = most(high2, where(first(stop - j), force2, 0.0))
+    return highest(far1), highest(far2), highest(high1), highest(high2)
 
 
 @njit(cache=True, error_model="numpy")
@@ -342,29 +355,52 @@ def shear_energy(sine, V, G1, G2, gamma1, gamma2):
     return V * trellis(math.asin(min(max(sine, -0.999), 0.999)), G1, G2, gamma1, gamma2)[1]
 
 
+@njit(cache=True, error_model="numpy", forceinline=True)
+def pairs(z, z2, m):
+    """Four terms of P from that of z^m on, over z^m: two by two, so that they need not wait for each other."""
+    return fma(z2, fma(z, ARCSINE[m + 3], ARCSINE[m + 2]), fma(z, ARCSINE[m + 1], ARCSINE[m]))
+
+
+@njit(cache=True, error_model="numpy", forceinline=True)
+def angle_of(sine):
+    """Size of eight angles. x + x z P(z), z = x^2, up to sine 1/2; pi/2 less twice that of sqrt((1 - x) / 2) above."""
+    x = least(fabs(sine), 0.999)
+    high, root, z = above(x, 0.5), x, x * x
+    if some(high):
+        z = where(high, fma(x, -0.5, splat(0.5)), z)
+        root = where(high, sqrt(z), x)
+    z2 = z * z
+    z4 = z2 * z2
+    P = fma(z4, pairs(z, z2, 8), pairs(z, z2, 4))
+    P = fma(z4, P, pairs(z, z2, 0))
+    angle = fma(root * z, P, root)
+    return where(high, fma(angle, -2.0, splat(0.5 * math.pi)), angle)
+
+
 @njit(cache=True, error_model="numpy")
 def shear_slope(sine, G1, G2, gamma1, gamma2):
     """dU/d(sin gamma) = tau / cos(gamma) of eight angles. Yarns closer to each other than 2.6 degrees count as that.
 
-    `trellis` written without branches. The angle is x + x z P(z), z = x^2, up to sine 1/2 and pi/2 less twice the
-    angle of sine sqrt((1 - x) / 2) above it.
+    `trellis` written without branches.
     """
     x = least(fabs(sine), 0.999)
-    high, root, z = above(x, 0.5), x, x * x
-    cosine = 1.0 - z
-    if some(high):
-        z = where(high, fma(x, -0.5, splat(0.5)), z)
-        root = where(high, sqrt(z), x)
-    P = fma(z, fma(z, fma(z, ARCSINE[11], ARCSINE[10]), ARCSINE[9]), ARCSINE[8])
-    P = fma(z, fma(z, fma(z, fma(z, P, ARCSINE[7]), ARCSINE[6]), ARCSINE[5]), ARCSINE[4])
-    P = fma(z, fma(z, fma(z, fma(z, P, ARCSINE[3]), ARCSINE[2]), ARCSINE[1]), ARCSINE[0])
-    angle = fma(root * z, P, root)
-    angle = where(high, fma(angle, -2.0, splat(0.5 * math.pi)), angle)
+    angle, cosine = angle_of(x), 1.0 - x * x
     span = gamma2 - gamma1
     middle = least(most(angle - gamma1, 0.0), span)
     stress = fma((0.5 * (G2 - G1) / span) * middle, middle, G1 * angle)
     stress = fma(most(angle - gamma2, 0.0), G2 - G1, stress)
     return copysign(stress * inverse_root(cosine), sine)
+
+
+@njit(cache=True, error_model="numpy", forceinline=True)
+def angles(j, s, A, B, l1, l2):
+    """Of eight quadrilaterals: sine, over the two warp and two weft edges' stretches, and these, summed."""
+    dot = (load(A[0], j) + load(A[0], j + 1)) * (load(B[0], j) + load(B[0], j + s))
+    dot = fma(load(A[1], j) + load(A[1], j + 1), load(B[1], j) + load(B[1], j + s), dot)
+    dot = fma(load(A[2], j) + load(A[2], j + 1), load(B[2], j) + load(B[2], j + s), dot)
+    along, over = load(l1, j) + load(l1, j + 1), load(l2, j) + load(l2, j + s)
+    share = 1.0 / (along * over)
+    return dot * share, share, along, over
 
 
 @njit(cache=True, error_model="numpy")
@@ -374,13 +410,10 @@ def shear(k0, m0, n, s, A, B, l1, l2, V, G1, G2, gamma1, gamma2, turn1, turn2, c
     turn1, turn2 : -dE/dLambda that it gives to each of its two warp and its two weft edges
     cross : dE/d(a.b) over four, a and b being doubled
     """
+    next_sine, next_share, next_along, next_over = angles(m0, s, A, B, l1, l2)
     for j in range(m0, m0 + n, WIDTH):
-        dot = (load(A[0], j) + load(A[0], j + 1)) * (load(B[0], j) + load(B[0], j + s))
-        dot = fma(load(A[1], j) + load(A[1], j + 1), load(B[1], j) + load(B[1], j + s), dot)
-        dot = fma(load(A[2], j) + load(A[2], j + 1), load(B[2], j) + load(B[2], j + s), dot)
-        along, over = load(l1, j) + load(l1, j + 1), load(l2, j) + load(l2, j + s)
-        share = 1.0 / (along * over)
-        sine = dot * share
+        sine, share, along, over = next_sine, next_share, next_along, next_over
+        next_sine, next_share, next_along, next_over = angles(j + WIDTH, s, A, B, l1, l2)
         crossed = at(V, k0 + j - m0) * shear_slope(sine, G1, G2, gamma1, gamma2) * share
         turned = crossed * sine
         store(cross, j, crossed)
@@ -401,21 +434,36 @@ def gather(k0, m0, n, s, rx, ry, A, B, on1, on2, cross, up, g0):
     for c in range(3):
         for j in range(m0, m0 + s):
             up[c][j] = 0.0
-    on2[m0 - 1] = 0.0  # the idle slot before the first row, which another panel may have used
     length = n if s >= WIDTH else s
     for start in range(0, n, length):
+        # of the eight slots before; the first before a row is idle, and has nothing
+        back_x = back_y = back_z = pull_x = pull_y = pull_z = turn_x = turn_y = turn_z = splat(0.0)
         for j in range(start, start + length, WIDTH):
             k, m, left = k0 + j, m0 + j, start + length - j
-            here, before = load(cross, m), load(cross, m - 1)
-            pull1, pull2, back2 = load(on1, m), load(on2, m), load(on2, m - 1)
-            for c in range(3):
-                a, b, b_back = load(A[c], m), load(B[c], m), load(B[c], m - 1)
-                X = here * (b + load(B[c], m + s)) + before * (b_back + load(B[c], m + s - 1))
-                Y, Y_back = here * (a + load(A[c], m + 1)), before * (load(A[c], m - 1) + a)
-                pulled, turned, over = pull1 * a, at(rx, k) * X, difference(ry, k, Y, Y_back)
-                own = (pulled + (pull2 * b - back2 * b_back)) + (turned + over)
-                keep(g0[c], k, own + load(up[c], m), left)
-                store(up[c], m + s, over - (pulled + turned))
+            crossed, pull1, pull2, r = load(cross, m), load(on1, m), load(on2, m), at(rx, k)
+            back_x, pull_x, turn_x = to_nodes(
+                k, m, s, left, r, ry, crossed, pull1, pull2, A[0], B[0], up[0], g0[0], back_x, pull_x, turn_x
+            )
+            back_y, pull_y, turn_y = to_nodes(
+                k, m, s, left, r, ry, crossed, pull1, pull2, A[1], B[1], up[1], g0[1], back_y, pull_y, turn_y
+            )
+            back_z, pull_z, turn_z = to_nodes(
+                k, m, s, left, r, ry, crossed, pull1, pull2, A[2], B[2], up[2], g0[2], back_z, pull_z, turn_z
+            )
+
+
+@njit(cache=True, error_model="numpy", forceinline=True)
+def to_nodes(k, m, s, left, r, ry, crossed, pull1, pull2, A, B, up, g0, last_X, last_pull, last_Y):
+    """One component of what eight slots' edges and quadrilaterals give; the last three also of the eight before."""
+    a, b = load(A, m), load(B, m)
+    X, Y, pulled2 = crossed * (b + load(B, m + s)), crossed * (a + load(A, m + 1)), pull2 * b
+    Y = inner(ry, k, Y)
+    pulled, turned = pull1 * a, r * (X + behind(last_X, X))
+    over = outer(ry, Y - behind(last_Y, Y))
+    own = (pulled + (pulled2 - behind(last_pull, pulled2))) + (turned + over)
+    keep(g0, k, own + load(up, m), left)
+    store(up, m + s, over - (pulled + turned))
+    return X, pulled2, Y
 
 
 @njit(cache=True, error_model="numpy")

@@ -22,6 +22,7 @@ from fabrics.errors import InputError
 from shellfabric import (
     behind,
     body,
+    cell_kernels,
     contact,
     contact_kernels,
     edges,
@@ -36,15 +37,17 @@ from shellfabric.cell import CellTable
 from shellfabric.projectile import Projectile
 
 PRECISIONS = {"double": np.float64, "single": np.float32}
+_STEPS = 256  # of the force, in what it tells of the tension
+_PIECE = 256  # slots that loops of two halves go over at a time (see `membrane_kernels`): a whole number of eights
 _ROWS = 6  # of a block at least: with fewer, most of the work would be on the rows about it that two blocks need
 SYMMETRIES = {"quarter": (True, True), "half": (True, False), "whole": (False, False)}
 
 Constants = namedtuple(
     "Constants",
     "ni nj s block per mirror_x mirror_y x0 y0 dx dy rx0 ry0 dt "
-    "tension1 tension2 ceiling1 ceiling2 spline level x0t rx top1 y0t ry top2 grid per1 per2 variational split1 split2 "
-    "cv1 cv2 V G1 G2 gamma1 gamma2 w1 S01 EA1 w2 S02 EA2 strength1 strength2 strengths1 strengths2 lag widest "
-    "near points shares point_stiffness point_damping R rho projectile_mass free idle_steps "
+    "tension1 tension2 ceiling1 unit1 ceiling2 unit2 spline level x0t rx top1 y0t ry top2 grid per1 per2 variational "
+    "split1 split2 cv1 cv2 V G1 G2 gamma1 gamma2 w1 S01 EA1 w2 S02 EA2 strength1 strength2 strengths1 strengths2 lag "
+    "widest near points shares point_stiffness point_damping R rho projectile_mass free idle_steps "
     "shape form length frame tilted roaming depth reach top shoulder friction rim_node rim_axis rim bending jam ends "
     "bar_mass bar_h bar_area bar_law bar_parts backed",
 )
@@ -57,7 +60,7 @@ State = namedtuple(
 )
 Work = namedtuple(
     "Work",
-    "A B l1 l2 i1 i2 m1 m2 T1 T2 N1 N2 own1 own2 given1 given2 on1 on2 turn1 turn2 cross up shared touch",
+    "A B l1 l2 i1 i2 m1 m2 T1 T2 N1 N2 own1 own2 given1 given2 on1 on2 turn1 turn2 cross up spots shared touch",
 )
 
 
@@ -387,7 +390,8 @@ class Panel:
             ni=ni, nj=nj, s=nj + 1, block=self._block, mirror_x=mirror_x, mirror_y=mirror_y,
             x0=x0, y0=y0, dx=dx, dy=dy, dt=dt, per=self.elements_per_crossover, **slots,
             tension1=table.tension1.reshape(-1, 4), tension2=table.tension2.reshape(-1, 4),
-            ceiling1=_ceiling(table.values["T1"]), ceiling2=_ceiling(table.values["T2"]),
+            ceiling1=self._ceilings[0][0], unit1=self._ceilings[0][1],
+            ceiling2=self._ceilings[1][0], unit2=self._ceilings[1][1],
             spline=self._spline[0], level=self._spline[1],
             x0t=table.stretch1[0], rx=rx, top1=table.stretch1.size - 2,
             y0t=table.stretch2[0], ry=ry, top2=table.stretch2.size - 2,
@@ -469,6 +473,7 @@ class Panel:
         size = (const.block + 4) * const.s + 16
         rows = {name: _room(1, size)[0] for name in Work._fields}
         rows["A"], rows["B"], rows["shared"] = _room(3, size), _room(3, size), np.zeros(team.ROOM, np.int64)
+        rows["spots"] = np.zeros(_PIECE, np.int32)
         # what is asked for last takes the room of what is no longer needed then: scratch is to fit into the cache
         rows["T1"], rows["T2"], rows["on1"], rows["on2"] = (rows[name] for name in ("own1", "own2", "given1", "given2"))
         rows["up"], rows["touch"] = (rows["m1"], rows["m2"], rows["own1"]), contact.scratch(const)
@@ -526,6 +531,20 @@ class Panel:
         rows[:] = columns[:, [3, 6, 1, 2, 4, 7, 5, 8]]  # of p, p p, q, q q, p q, p p q, p q q, p p q q
         return rows, columns[:, 0].copy()
 
+    @cached_property
+    def _ceilings(self):
+        """Of warp and weft: what the forces of the variational form tell of the tensions (`_ceiling`)."""
+        table, found = self.table, []
+        potential = np.moveaxis(table.spline.reshape(-1, 3, 3), 0, -1)  # of p^a q^b at [a, b]
+        for family, values in enumerate((table.tension1, table.tension2)):
+            W = potential if family == 0 else potential.swapaxes(0, 1)
+            T = np.moveaxis(values.reshape(-1, 4), 0, -1)[[0, 1, 2, 3] if family == 0 else [0, 2, 1, 3]]
+            force = np.stack([W[1], W[1] + 2 * W[2]]) / (2 * self.weave.w[family] * table.steps[family])
+            none = np.zeros_like(T[0])
+            tension = np.array([[T[0], T[2], none], [T[0] + T[1], T[2] + T[3], none]])
+            found.append(_ceiling(force, tension))
+        return found
+
     def _strengths(self):
         """(warp, weft) [N] strength of each yarn of the modelled part."""
         factors = self.strength_factors or tuple(np.ones(count) for count in self.yarn_counts)
@@ -556,9 +575,24 @@ class Panel:
         return tuple(bounds)
 
 
-def _ceiling(tension):
-    """(cells,) [N] the largest tension (n1, n2) up to the upper corner of each cell of the table."""
-    return np.maximum.accumulate(np.maximum.accumulate(tension, axis=0), axis=1)[1:, 1:].ravel()
+def _ceiling(force, tension):
+    """((steps, 2) [N], [N]) see `cell_kernels.ceiling`, and the width of its steps.
+
+    force, tension (2, 3, cells) [N] : of one family, coefficients over the other's local coordinate, at both ends of
+    its own, along which both are linear. A quadratic lies between the least and most of its Bernstein coefficients.
+    """
+    found, excess, tensions = map(_bernstein, (force, tension - force, tension))
+    low, high, over, top = found.min((0, 1)), found.max((0, 1)), excess.max((0, 1)), tensions.max((0, 1))
+    most = max(high.max(), top.max())
+    unit, rounding, steps = most / _STEPS, 1e-9 * most, np.empty((_STEPS + 1, 2))
+    cell_kernels.ceiling(low - rounding, high + rounding, over + rounding, top + rounding, unit, steps)
+    return steps, unit
+
+
+def _bernstein(quadratics):
+    """(2, 3, n) coefficients of Bernstein from those of 1, x, x x, on 0 <= x <= 1."""
+    a, b, c = quadratics[:, 0], quadratics[:, 1], quadratics[:, 2]
+    return np.stack([a, a + 0.5 * b, a + b + c], axis=1)
 
 
 def _room(count, slots, kind=float):

@@ -78,9 +78,9 @@ def _tell(found):
     counts = ", ".join(f"{found.count(kind)} {kind}" for kind in ("stable", "wrong", "failed"))
     print(f"{found.map.title}: {counts}")
     for edge in found.edges:
-        where = f"{found.map.x.name} {found.map.default[0]:g}"
+        where = f"{found.map.x.name} {found.map.default[0] / found.map.x.unit:g}"
         where += "" if edge.y == found.map.default[1] else f", {found.map.y.label(edge.y)}"
-        reach = f"edge at {edge.value:.3g}" if edge.met else "no edge met"
+        reach = f"edge at {edge.value / found.map.x.unit:.3g}" if edge.met else "no edge met"
         missed = "" if edge.enough else "  LESS THAN ASKED"
         print(f"  {where}: {reach} {edge.side}, margin {edge.margin:.2f}{missed}")
 

@@ -12,7 +12,7 @@ from fabrics.compression import CompressionLaw
 from fabrics.errors import InputError
 from fabrics.weave import arc_length, height_from_length
 from shellfabric import cell_kernels as kernels
-from shellfabric import membrane_kernels, relax_kernels
+from shellfabric import march_kernels, membrane_kernels, relax_kernels
 from shellfabric.cell import CellModel, CellTable
 from shellfabric.panel import Panel
 
@@ -177,7 +177,11 @@ def table_forces(table, x, y):
     grid, room = (x0, rx, top1, y0, ry, top2, top2 + 1), np.zeros((2, x.size + 8))
     at, (N1, N2) = (0, x.size, *(np.append(part, np.ones(8)) for part in (x, y)), grid), room
     if table.model.form == "variational":
-        membrane_kernels.potential_forces(*at, spline(table)[0], rx / (2 * w1), ry / (2 * w2), N1, N2)
+        per = rx / (2 * w1), ry / (2 * w2)
+        *_, high1, high2 = membrane_kernels.potential_forces(
+            *at, spline(table)[0], *per, np.zeros(16, np.int32), N1, N2
+        )
+        assert (high1, high2) == (max(N1[: x.size].max(), 0.0), max(N2[: x.size].max(), 0.0))
     else:
         largest = membrane_kernels.tensions(*at, table.tension1.reshape(-1, 4), N1)
         assert largest == N1[: x.size].max()
@@ -200,6 +204,30 @@ def test_table_against_cell(fabric, form):
     strength = fabric.weave.warp.strength
     assert errors[1][0] < 2e-3 * strength
     assert errors[1][1] < 0.36 * errors[0][1]
+
+
+@pytest.mark.parametrize("name", ["S-720", "S-731", "S-745"])
+def test_forces_tell_what_tensions_cannot_exceed(name):
+    """No tension is above the ceiling that the force beside it sets, anywhere; and the ceiling is close."""
+    table = CellModel(catalogue.load(name).effective()).table(81)
+    rng, n, panel = np.random.default_rng(2), 20000, Panel(table)
+    const = panel.constants()
+    x, y = (rng.uniform(axis[0], axis[-1], n) for axis in (table.stretch1, table.stretch2))
+    forces = table_forces(table, x, y)
+    at, T = (0, n, np.append(x, np.ones(8)), np.append(y, np.ones(8)), const.grid), np.zeros(n + 8)
+    for N, tension, unit, ceiling, yarn in (
+        (forces[0], const.tension1, const.unit1, const.ceiling1, panel.weave.warp),
+        (forces[1], const.tension2, const.unit2, const.ceiling2, panel.weave.weft),
+    ):
+        membrane_kernels.tensions(*at, tension, T)
+        bounds = np.array([march_kernels.bound(const, 0.0, 0.0, max(force, 0.0), unit, ceiling) for force in N])
+        assert np.all(T[:n] <= bounds)
+        taut = (N > 0.2 * yarn.strength) & (N < yarn.strength)
+        assert np.all(bounds[taut] < 1.06 * N[taut] + 0.01 * yarn.strength)
+        top = const.top1 + 1.0
+        assert march_kernels.bound(const, top + 0.1, 0.0, 0.0, unit, ceiling) == np.inf
+        assert march_kernels.bound(const, 0.0, top + 0.1, 0.0, unit, ceiling) == np.inf
+        assert march_kernels.bound(const, 0.0, 0.0, np.inf, unit, ceiling) == np.inf
 
 
 def test_tabulated_potential_conserves(tables, fabric):

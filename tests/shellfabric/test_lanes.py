@@ -88,6 +88,36 @@ def test_columns_of_a_table(width, read):
 
 
 @njit
+def noted(table, cell, spots, out):
+    which = lanes.cells(load(cell, 0))
+    lanes.note(spots, 3, which)
+    columns = lanes.noted8(table, spots, 3)
+    for m in range(8):
+        store(out[m], 0, columns[m])
+    store(out[8], 0, lanes.entries(table[:, 0].copy(), which))
+
+
+def test_rows_whose_numbers_are_kept():
+    table, cell = RNG.normal(size=(50, 8)), RNG.integers(0, 50, N)
+    spots, out = np.full(16, -1, np.int32), np.empty((9, N))
+    noted(table, cell.astype(float), spots, out)
+    np.testing.assert_array_equal(out, table[cell].T[[*range(8), 0]])
+    np.testing.assert_array_equal(spots, [-1] * 3 + list(cell) + [-1] * 5)
+
+
+@njit
+def neighbours(x, out):
+    store(out[0], 0, lanes.behind(load(x, 0), load(x, 8)))
+    store(out[1], 0, lanes.ahead(load(x, 0), load(x, 8)))
+
+
+def test_neighbouring_slots():
+    x, out = np.arange(16.0), np.empty((2, N))
+    neighbours(x, out)
+    np.testing.assert_array_equal(out, [x[7:15], x[1:9]])
+
+
+@njit
 def part(value, count, out):
     lanes.keep(out, 3, load(value, 0), count)
     store(out, 20, lanes.where(lanes.first(count), load(value, 0), -1.0))

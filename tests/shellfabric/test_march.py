@@ -112,6 +112,29 @@ def test_stored_energy_is_the_potential(quick):
     assert result.worst_balance < 2e-4
 
 
+@pytest.mark.parametrize("symmetry", ["quarter", "whole"])
+def test_audit_of_eight_at_once(fabric, symmetry):
+    """The energies of whole cloth are those found one by one, as where yarns have failed."""
+    panel = ImpactSetup(fabric, 120.0, **QUICK | {"symmetry": symmetry, "opening": 0.0407}).panel()
+    march = March(panel, 120.0, 15e-6).run()
+    state, const = march.state, march.const
+    assert not state.thin.any()
+    fast = failure_kernels.stored_energy(const, state, 0, const.ni)
+    part = failure_kernels.stored_energy(const, state, 2, 5)
+    state.thin[:] = 1
+    assert fast == pytest.approx(failure_kernels.stored_energy(const, state, 0, const.ni), rel=1e-12)
+    assert part == pytest.approx(failure_kernels.stored_energy(const, state, 2, 5), rel=1e-12)
+    assert fast[1] > 0.01 * fast[0] > 0
+    out = np.empty(5)
+    march_kernels.energies(state, const, out)
+    v, f, inverse, mass = (
+        np.array(part)[..., : (const.ni + 1) * const.s]
+        for part in (state.v, np.array(state.g0) + state.g1 + state.contact, state.inverse_mass, state.mass)
+    )
+    plain = 0.5 * np.sum(np.where(inverse > 0, mass, 0.0) * v * (v + const.dt * inverse * f))
+    assert out[march_kernels.KINETIC] == pytest.approx(plain, rel=1e-12)
+
+
 def test_equilibrium_form_is_no_gradient(quick):
     """Its forces work less than what the cells store: the audit says by how much."""
     result = quick(100.0, form="equilibrium")

@@ -98,6 +98,43 @@ def test_patch(small):
     assert np.abs(f).max() > 1.0
 
 
+def plain_gather(rows, s, rx, ry, A, B, on1, on2, cross):
+    """(3, rows + 1, s) what edges and quadrilaterals give to their nodes, each on its own."""
+    g = np.zeros((3, rows + 1, s))
+    for c in range(3):
+        for i in range(rows):
+            for j in range(s):
+                k, up = i * s + j, (i + 1) * s + j
+                pull = on1[k] * A[c][k]
+                g[c, i, j] += pull
+                g[c, i + 1, j] -= pull
+                if j == s - 1:
+                    continue
+                pull = on2[k] * B[c][k]
+                g[c, i, j] += pull
+                g[c, i, j + 1] -= pull
+                turned, over = rx * cross[k] * (B[c][k] + B[c][up]), ry * cross[k] * (A[c][k] + A[c][k + 1])
+                for m, n in ((0, 0), (0, 1), (1, 0), (1, 1)):
+                    g[c, i + m, j + n] += (turned if m == 0 else -turned) + (over if n == 0 else -over)
+    return g
+
+
+@pytest.mark.parametrize("s", [5, 8, 21])
+def test_gather_against_its_plain_twin(s):
+    """Rows shorter than eight slots, of eight, and of more; neighbours come from the eight slots before."""
+    rng, rows, m0, rx, ry = np.random.default_rng(4), 4, 2 * s, 3.0, 5.0
+    A, B, up = (tuple(rng.normal(size=(3, (rows + 4) * s + 16))) for _ in range(3))
+    on1, on2, cross = rng.normal(size=(3, (rows + 4) * s + 16))
+    for idle in (on2, cross):
+        idle[s - 1 :: s] = 0.0
+    g, n = tuple(np.zeros((3, rows * s))), rows * s
+    membrane_kernels.gather(0, m0, n, s, rx, ry, A, B, on1, on2, cross, up, g)
+    own = [[x[m0:] for x in part] for part in (A, B)]
+    plain = plain_gather(rows, s, rx, ry, *own, on1[m0:], on2[m0:], cross[m0:])
+    found = np.array([[*g[c], *up[c][m0 + n : m0 + n + s]] for c in range(3)]).reshape(plain.shape)
+    np.testing.assert_allclose(found, plain, rtol=0, atol=1e-13)
+
+
 def test_uniform_tension_cancels_exactly(small):
     """Cloth that is stretched evenly stays still to the last digit: no noise grows from rounding."""
     panel = small(edge="free", symmetry="whole", failure=False)

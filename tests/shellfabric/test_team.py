@@ -2,6 +2,7 @@
 
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
+from threading import Thread
 
 import numpy as np
 import pytest
@@ -70,6 +71,26 @@ def test_a_run_goes_on_with_another_number_of_threads(fabric, tmp_path):
     for name in ("fine", "nodes", "tension", "failed"):
         np.testing.assert_array_equal(getattr(resumed, name), getattr(whole, name), err_msg=name)
     assert resumed.failed[-1] > 0
+
+
+def test_nobody_is_left_waiting(fabric):
+    """The threads that wait for the next steps are let go where something goes wrong between two."""
+    chosen, told = setup(fabric, 2), []
+
+    def wrong(march):
+        raise LookupError(march.steps)
+
+    def fire():
+        try:
+            March(chosen.panel(), chosen.strike_velocity, chosen.end_time).run((wrong,))
+        except LookupError as problem:
+            told.append(problem.args[0])
+
+    thread = Thread(target=fire, daemon=True)
+    thread.start()
+    thread.join(300)
+    assert not thread.is_alive()
+    assert told[0] > 0
 
 
 def test_threads_of_shots_beside_each_other(fabric):

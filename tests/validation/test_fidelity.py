@@ -13,7 +13,7 @@ from shellfabric.bar import rigid_is_enough
 from shellfabric.edges import PullIn
 from shellfabric.impact import ImpactSetup
 from shellfabric.projectile import Projectile
-from validation.fidelity import book, choose, known, models, page, quantities, scenes, survey, trial
+from validation.fidelity import book, choose, known, models, nets, page, quantities, scenes, survey, trial
 
 FABRIC = catalogue.load("S-720").effective()
 SETUP = ImpactSetup(FABRIC, 60.0, opening=0.05, end_time=40e-6, symmetry="whole")
@@ -334,6 +334,7 @@ class TestKnown:
     def test_the_packages_own_book(self):
         own = book.load()
         assert own.cost(models.BY_NAME[models.FULL]) == 1
+        assert nets.NAME in own.others
         fast = quantities.of(result("perforated", 95.0))
         slow = quantities.of(result("perforated", 30.0))
         for model in models.LADDER:

@@ -59,6 +59,16 @@ def test_an_edge_that_is_not_met_is_at_least_the_end_of_the_axis():
     assert edge.margin == 2.0
 
 
+def test_margins_are_told_in_the_unit_that_the_axis_names():
+    from validation.stability import page
+
+    found = explored(made_up(x=Axis("x [mm]", (0.0, 0.05, 0.5, 1.0, 2.0, 8.0), unit=1e-3)))
+    rows = [line.split(" | ") for line in page.margins([found]).splitlines()[2:]]
+    assert [row[1] for row in rows] == ["1000", "1000"]
+    assert float(rows[0][3]) == pytest.approx(3000, rel=0.01)
+    assert float(rows[1][3]) == pytest.approx(100, rel=0.01)
+
+
 # the maps, with the guard of each outside its stable region
 
 

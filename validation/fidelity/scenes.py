@@ -8,6 +8,7 @@ trials have seeds of their own.
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 
@@ -35,6 +36,7 @@ def base(name):
     return fabric if fabric.effective_linear_density is None else fabric.effective()
 
 
+@cache
 def standard(name):
     """ImpactSetups of one fabric, at SHARES of its critical velocity."""
     setup = ImpactSetup(base(name), 100.0, end_time=END)

@@ -63,7 +63,7 @@ def chart(quick=False):
         f"{shots.FABRIC} struck at {VELOCITY:g} m/s, below its limit, by noses of other edges, on meshes about one "
         "element a crossover (1.27 mm); held against 4 a crossover. The contact looks at 8 points along each "
         "crossover, whatever the element; with 2 it comes near to one that looks at nodes.",
-        Axis("edge radius [mm]", radii, tuple(f"{1e3 * r:g}" for r in radii)),
+        Axis("edge radius [mm]", radii, tuple(f"{1e3 * r:g}" for r in radii), 1e-3),
         Axis("mesh", tuple(MESHES)[3:4] if quick else tuple(MESHES)), point,
         "difference from 4 elements a crossover [%]",
         f"peaks or velocity off by more than {100 * ALLOWED:g} %, or yarns fail on one mesh alone",

@@ -38,15 +38,15 @@ def margins(maps):
         for edge in found.edges:
             named = chart.x.name if edge.y == chart.default[1] else f"{chart.x.name}; {chart.y.label(edge.y)}"
             rows.append([
-                f"{chart.title}: {named}", f"{chart.default[0]:g}", edge.side, _edge(edge),
+                f"{chart.title}: {named}", f"{chart.default[0] / chart.x.unit:g}", edge.side, _edge(edge, chart.x.unit),
                 f"{'' if edge.met else 'at least '}{edge.margin:.3g}", "yes" if edge.enough else "**no**",
                 "" if edge.beyond is None else _beyond(edge.beyond),
             ])  # fmt: skip
     return markdown(["number", "default", "side", "edge", "margin", f"at least {ASKED:g}", "beyond it"], rows)
 
 
-def _edge(edge):
-    return f"{edge.value:.3g}" if edge.met else "none met"
+def _edge(edge, unit):
+    return f"{edge.value / unit:.3g}" if edge.met else "none met"
 
 
 def _beyond(outcome):
