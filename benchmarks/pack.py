@@ -35,14 +35,14 @@ def clocked(march, steps):
     """(wall, cpu) [s] of a number of steps, and how many were made."""
     fine = np.empty((steps, 3))
     wall, cpu = time.perf_counter(), time.process_time()
-    made, _ = march.advance(fine, None)
+    made, _ = march.advance(fine)
     return time.perf_counter() - wall, time.process_time() - cpu, made
 
 
 def whole(pack, velocity, end):
     """One run to its end, or for `end` [s] where the projectile goes on at a crawl: it is kept from stopping."""
     march = PackMarch(pack, velocity, end)
-    march.advance(np.empty((0, 3)), None)
+    march.advance(np.empty((0, 3)))
     steps, wall, cpu = round(end / pack.time_step), 0.0, 0.0
     while march.steps < steps:
         one, two, made = clocked(march, steps - march.steps)
@@ -57,7 +57,7 @@ def whole(pack, velocity, end):
 def pressed(pack, steps):
     """Cost of the first steps of plies that touch everywhere: all are deflected, and 0.02 mm into each other."""
     march = PackMarch(pack, 1e-3, 1.0)
-    march.advance(np.empty((0, 3)), None)
+    march.advance(np.empty((0, 3)))
     march.stack.places[:, 2] -= 1.0
     march.stack.awake[:] = True
     for p, (state, const) in enumerate(zip(march.states, march.consts)):

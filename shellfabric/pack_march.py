@@ -97,21 +97,19 @@ class PackMarch(March):
         """(n, plies) one column of the plies' samples."""
         return np.array([rows[:, PLY_SAMPLES.index(name)] for rows in self.ply_samples])
 
-    def advance(self, fine, others):
+    def _call(self, others):
+        self._shared = np.zeros(team.ROOM, np.int64)
+        states, consts, pairs = self._lists
+        for me, works in enumerate(self._works[1:] if self.behind is None else (), 1):
+            others.submit(pack_kernels.follow, states, consts, pairs, self.stack, works, self._shared, me, self.threads)
+
+    def advance(self, fine):
         """Make as many steps as there are rows in `fine`, or fewer where the run ends: (steps made, why)."""
         if self.behind is not None:
             return self._advance_backed(fine)
-        shared, count = self._shared, self.threads
-        shared[:] = 0
         states, consts, pairs = self._lists
-        at_work = [
-            others.submit(pack_kernels.follow, states, consts, pairs, self.stack, works, shared, me, count)
-            for me, works in enumerate(self._works[1:], 1)
-        ]
-        made = pack_kernels.lead(states, consts, pairs, self.stack, self._works[0], len(fine), fine, shared, count)
-        for thread in at_work:
-            thread.result()
-        return made
+        work, shared, count = self._works[0], self._shared, self.threads
+        return pack_kernels.lead(states, consts, pairs, self.stack, work, len(fine), fine, shared, count)
 
     def _step(self, row):
         """One step of plies, projectile and block; the block is at rest while the last ply is."""

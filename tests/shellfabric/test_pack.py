@@ -62,7 +62,7 @@ def collide(ply, damping, steps, speed=20.0):
     front.v[2][:] = np.where(front.mass > 0, speed, 0.0)
     march.samples.clear()
     march._audit()
-    march.advance(np.empty((steps, 3)), None)
+    march.advance(np.empty((steps, 3)))
     march._audit()
     return march, front.mass.sum() * speed
 
