@@ -72,8 +72,10 @@ def warm(case):
 
 
 def methods(shot):
-    """All methods for a pack; the first is the default. Single precision is on the charts of one ply alone: for a pack it
-    is another program, minutes to compile."""
+    """All methods for a pack; the first is the default.
+
+    Single precision is on the charts of one ply alone: for a pack it is another program, minutes to compile.
+    """
     base = Plies(shots.Shell(shot, table=51))
 
     def one(choice, name, shell=None, **changes):
