@@ -347,6 +347,18 @@ class TestKnown:
         held = quantities.of(result())
         assert own.bound(models.BY_NAME[TWO], "deflection", (held, held)) < 0.01
 
+    def test_a_hasty_shot_is_none_for_coarse_meshes(self):
+        """Faster than 0.27 of what fails a lone yarn at once; of this fabric about 200 m/s."""
+        fast, slow = (quantities.of(result("perforated", 0.9 * v, strike=v)) for v in (260.0, 160.0))
+        assert quantities.hasty(fast)
+        assert not quantities.hasty(slow)
+        known = taught({ONE: 0.01, TWO: 0.01})
+        for name, bounded in ((ONE, False), (TWO, True)):
+            model = models.BY_NAME[name]
+            assert known.bound(model, "residual_velocity", (slow, slow)) < 0.01
+            assert (known.bound(model, "residual_velocity", (fast, fast)) < 0.01) == bounded
+            assert known.bound(model, "deflection", (fast, fast)) == 0
+
     def test_what_nobody_has_seen_has_no_bound(self):
         held = quantities.of(result())
         assert taught({}).bound(models.BY_NAME[ONE], "deflection", (held, held)) == inf
@@ -366,6 +378,7 @@ class TestScenes:
 
     def test_trials_ask_what_they_say_and_the_survey_has_a_seed_of_its_own(self):
         assert [set(trial.asked("everything", n).values()) for n in range(3)] == [{0.02}, {0.05}, {0.1}]
+        assert [trial.asked("again", n) for n in range(3)] == [trial.asked("everything", n) for n in range(3)]
         drawn = [trial.asked("scene", n) for n in range(trial.COUNT)]
         assert {len(one) for one in drawn} == {1, 2}
         assert {name for one in drawn for name in one} == set(quantities.NAMES)

@@ -72,7 +72,10 @@ def warm(case):
 
 
 def methods(shot):
-    """All methods for a pack; the first is the default."""
+    """All methods for a pack; the first is the default.
+
+    Single precision is on the charts of one ply alone: for a pack it is another program, minutes to compile.
+    """
     base = Plies(shots.Shell(shot, table=51))
 
     def one(choice, name, shell=None, **changes):
@@ -89,7 +92,6 @@ def methods(shot):
         one("elements", "2 a crossover", {"elements": 2}),
         one("combined", "1/2, decoupled, table 26", {"elements": 0.5, "model": "decoupled", "table": 26}),
         one("time step", "steps x 0.5", {"safety": 0.5 * Numerics.safety}),
-        one("storage", "float32", {"precision": "single"}),
         one("activity", "all plies awake", {"awake": True}),
         one("contact", "contact: 2 x 2 points", points=2),
         one("contact", "contact: penalty / 4", penalty=0.25 * PlyContact.penalty),

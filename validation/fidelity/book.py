@@ -53,7 +53,12 @@ class Book:
         return max((each[model.name]["expected"] for each in found if model.name in each), default=inf)
 
     def bound(self, model, name, seen):
-        """[-] what the error of a model is below, of a scene of which two scouts have `seen` (finer, coarser)."""
+        """[-] what the error of a model is below, of a scene of which two scouts have `seen` (finer, coarser).
+
+        A hasty shot (`quantities.hasty`) is none for elements of a crossover and more.
+        """
+        if quantities.asked_of(name, quantities.regime(seen[0])) and quantities.hasty(seen[0]) and model.coarse:
+            return inf
         return self._times("factor", model, name, seen)
 
     def apart(self, model, name, seen):

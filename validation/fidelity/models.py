@@ -31,6 +31,11 @@ class Model:
     changes: tuple
     answers: bool = True
 
+    @property
+    def coarse(self):
+        """Whether its elements are crossovers, or more."""
+        return dict(self.changes).get("elements_per_crossover") == 1
+
     def of(self, setup):
         """The set-up as this model runs it."""
         return replace(setup, **dict(self.changes))
@@ -75,7 +80,7 @@ def scouts(known):
 def partner(model, two):
     """The scout that a model's answer is held against, and mixed with: of two, the next coarser mesh."""
     coarse, fine = two
-    return coarse if dict(model.changes)["elements_per_crossover"] == 1 else fine
+    return coarse if model.coarse else fine
 
 
 class Tables:

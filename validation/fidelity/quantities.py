@@ -18,6 +18,8 @@ from __future__ import annotations
 
 from math import isnan, nan
 
+from shellfabric.smith import striking_velocity
+
 NAMES = ("residual_velocity", "absorbed_energy", "deflection", "peak_tension")
 WORDS = {
     "residual_velocity": "residual velocity, over the strike velocity",
@@ -28,21 +30,32 @@ WORDS = {
 
 
 def of(result):
-    """{name: value or (values)} of an ImpactResult, with its outcome and its load.
+    """{name: value or (values)} of an ImpactResult, with its outcome, load and haste.
 
     Velocities and energies are shares of those of the strike. Deflection [m] and tensions (warp, weft) [N] are nan
-    where the panel is perforated. The load is the larger peak tension over the yarn's strength.
+    where the panel is perforated. The load is the larger peak tension over the yarn's strength,
+    the haste the strike velocity over that which fails a lone yarn at once (`smith.striking_velocity`).
     """
     speed = max(result.residual_velocity, 0.0) if result.outcome != "stopped" else 0.0
     share, through = speed / result.setup.strike_velocity, result.outcome == "perforated"
     return {
         "outcome": result.outcome,
+        "haste": result.setup.strike_velocity / min(map(_at_once, result.setup.fabric.weave.yarns)),
         "load": max(T / yarn.strength for T, yarn in zip(result.peak_tension, result.setup.fabric.weave.yarns)),
         "residual_velocity": share,
         "absorbed_energy": 1 - share**2,
         "deflection": nan if through else float(max(result.fine[:, 1])),
         "peak_tension": (nan, nan) if through else tuple(result.peak_tension),
     }
+
+
+def _at_once(yarn):
+    return striking_velocity(yarn.wave_speed, yarn.failure_strain)
+
+
+def hasty(values):
+    """Whether a shot is so fast that yarns fail under the nose before the mesh about it can tell one from the next."""
+    return values["haste"] > _HASTY
 
 
 def differences(one, other):
@@ -63,6 +76,7 @@ def mixed(values, others, weight):
 
 HELD, THROUGH = "held", "through"
 _NEAR = 0.9  # load from which on another mesh may find the panel perforated
+_HASTY = 0.27  # haste from which on the energy of a mesh of one element a crossover was off by 10 to 90 % of itself
 _SLOW = 0.1  # residual velocity over that of the strike, below which the shot is too near the critical velocity to tell
 
 

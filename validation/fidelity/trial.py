@@ -1,6 +1,7 @@
 """Two trials: random scenes that the survey has not seen, each answered as it asks and held against the full model.
 
 everything   all four quantities of every scene, to 2, 5 or 10 %
+again        the same of other scenes, after what the first trial told of the fastest shots (`quantities.hasty`)
 scene        what a scene may really ask: one or two quantities, drawn, each to 2, 5 or 10 %, drawn
 
 Costs are process time, of one thread, with all scouts, repeated runs and tables, over that of the full model: on the
@@ -21,7 +22,7 @@ from shellfabric import impact
 from validation.fidelity import choose, known, quantities, scenes
 from validation.fidelity.models import BY_NAME, FULL, Tables, simplest
 
-TRIALS = {"everything": 101, "scene": 202}  # their seeds
+TRIALS = {"everything": 101, "again": 303, "scene": 202}  # their seeds
 COUNT = 20
 ASKED = (0.02, 0.05, 0.1)
 LONGEST = 2.5  # [s] of the full model on its part of the panel, beyond which the whole panel is not run
@@ -77,7 +78,7 @@ class Row:
 
 def asked(trial, number):
     """{quantity: [-]} that the scene of a number asks."""
-    if trial == "everything":
+    if trial != "scene":
         return dict.fromkeys(quantities.NAMES, ASKED[number % len(ASKED)])
     draw = np.random.default_rng((TRIALS[trial], number, 1))
     names = draw.choice(quantities.NAMES, int(draw.integers(1, 3)), replace=False)
