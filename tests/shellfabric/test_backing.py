@@ -27,11 +27,11 @@ def law_of(material):
     return np.array([material.bulk, material.shear, material.yield_stress, material.hardening, material.erosion_strain])
 
 
-def nodal(block):
-    """Internal forces (n, 3) [N] of the bricks at the places as they are."""
+def nodal(block, dt=0.0):
+    """Internal forces (n, 3) [N] of the bricks at the places as they are, `dt` [s] after the last call."""
     block_kernels.forces(
         *block.shape, block.x, block._gradient, block._volume, block._twist, block._control, block._damping, block._law,
-        0.0, block.metric, block.alpha, block.last, block.past, block.gone, block._own, block.energy,
+        dt, block.metric, block.alpha, block.last, block.past, block.gone, block._own, block.energy,
     )  # fmt: skip
     total, corners = np.zeros_like(block.x), _corners(block)
     for a in range(8):
@@ -202,6 +202,25 @@ def test_uniaxial_strain_elastic_and_plastic():
         force = total[block.nodes[:, :, -1].ravel(), 2].sum()  # of the yielding one, the last
         stress = force / area * np.exp(e)  # Kirchhoff
         assert stress == pytest.approx(K * e + 4 / 3 * G * max(e, limit), rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("material", "viscosity", "size", "part"), [(ELASTIC, 1.0, 0.05, "viscous"), (BACKING, 0.0, 0.4, "plastic")]
+)
+def test_what_bricks_take_is_the_work_of_their_forces(material, viscosity, size, part):
+    """Bent and squeezed faster and faster in ten steps, by forces at their mean over each step."""
+    block, random = replace(SMALL, material=material, viscosity=viscosity).block(1e-7), np.random.default_rng(4)
+    bend = block.rest @ random.uniform(-1, 1, (3, 3)) + 50.0 * block.rest[:, [1, 2, 0]] ** 2
+    before, work = nodal(block), 0.0
+    for n in range(1, 11):
+        step = bend * size * (n**2 - (n - 1) ** 2) / 100
+        block.x += step
+        after = nodal(block, 1e-6)
+        work += 0.5 * ((before + after) * step).sum()
+        before = after
+    told = block.energies()
+    assert told[part] > 0.1 * work
+    assert sum(told[name] for name in ("elastic", "plastic", "hourglass", "viscous")) == pytest.approx(work, rel=3e-3)
 
 
 def test_energy_balances_under_a_blow():
