@@ -17,10 +17,10 @@ q vanishes in every linear motion, and W depends on products of vectors that tur
 potential that knows no rotation, and its forces carry no momentum and no moment. K is such that, at rest, W is the
 energy that the 2 x 2 x 2 rule finds in the same mode with the law's moduli at rest (`brick.py`), times a factor.
 
-Torn bricks. A brick is gone with half of its bars. In a yarn that has been cut, the loose end is free to crumple: fibres
-resist no compression, so that its last bricks fold up and turn inside out, where the law has no value. There a brick is
-gone as well once its fibres are folded to a tenth of their length or it has no volume left. Whole yarns are taut
-between their ends and do not fold; should one do so, the run is unstable and says so.
+Torn bricks. A brick is gone with half of its bars. In a yarn that has been cut, the loose end is free to crumple:
+fibres resist no compression, so that its last bricks fold up and turn inside out, where the law has no value. There a
+brick is gone as well once its fibres are folded to a tenth of their length or it has no volume left. Whole yarns are
+taut between their ends and do not fold; should one do so, the run is unstable and says so.
 
 Viscosity. S_22 and S_33 carry a viscous part eta d(ln R)/dt, eta = xi (E_2 rho)^(1/2) L: a damping ratio xi on the
 highest mode of a row of bricks of the height L.
