@@ -301,9 +301,8 @@ def pack(
     failure_time : [s] over which tensions are low-passed before they are held against the strength
     """
     numerics = Numerics(failure_time=failure_time)
-    asked = ImpactSetup(
-        cloth(fabric), velocity, projectile=Projectile(body=Bar.full() if body == "full" else body), numerics=numerics
-    )
+    shot = Projectile(body=Bar.full() if body == "full" else body)
+    asked = ImpactSetup(cloth(fabric), velocity, projectile=shot, numerics=numerics)
     ply = asked.panel()
     gap = (fabric_gap(ply.fabric) if plies > 1 else 0.0) + added
     whole = Pack.stacked(ply, plies, stacking=stacking, gap=gap, contact=PlyContact(form=form))
