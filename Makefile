@@ -1,6 +1,7 @@
 # Two commands: `make demo` and `make test`. Each sets up what is missing first (tools/setup.sh).
 VENV ?= .venv
 RESULTS ?= results
+JOBS ?= 2
 # one BLAS thread a process: the work is shared out over processes instead
 RUN = OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(VENV)/bin/python -m
 
@@ -10,7 +11,7 @@ demo: setup  ## S-720 from its data sheet to impact, with a report in results/de
 	$(RUN) weavecell demo --out $(RESULTS)/demo
 
 test: setup lint  ## everything but the long validation runs
-	$(RUN) pytest -m "not slow"
+	$(RUN) pytest -n $(JOBS) --dist loadfile -m "not slow"
 
 validate: setup  ## the long validation runs, and the ledger of the source's claims
 	$(RUN) pytest -m slow

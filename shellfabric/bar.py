@@ -12,7 +12,7 @@ In a march the bar is the body of the projectile (`body`, `bar_kernels.fly`). Al
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from math import ceil, inf, pi
 
 import numpy as np
@@ -80,6 +80,21 @@ class Bar:
             raise InputError(key="mass", value=mass, allowed=f"above {least:.4g} and at most {solid:.4g} kg")
         sections = ((length - depth, full), (depth, tube)) if depth > 0 else ((length, full),)
         return cls(sections, material, **changes)
+
+    @classmethod
+    def full(cls, **changes) -> Bar:
+        """The source's cylinder without a bore: density and modulus so much less that mass and wave speed are its own.
+
+        Its first mode is 2 L / c = 17.0 us, as the source's tip and tail swing (erratum E-37).
+        """
+        source, steel = round_projectile(), load("steel")
+        area = pi / 4 * source["diameter"] ** 2
+        share = source["mass"] / (steel.density * area * source["length"])
+        return cls(
+            ((source["length"], area),),
+            replace(steel, density=share * steel.density, modulus=share * steel.modulus),
+            **changes,
+        )
 
     @property
     def length(self) -> float:

@@ -17,6 +17,11 @@ q vanishes in every linear motion, and W depends on products of vectors that tur
 potential that knows no rotation, and its forces carry no momentum and no moment. K is such that, at rest, W is the
 energy that the 2 x 2 x 2 rule finds in the same mode with the law's moduli at rest (`brick.py`), times a factor.
 
+Torn bricks. A brick is gone with half of its bars. In a yarn that has been cut, the loose end is free to crumple:
+fibres resist no compression, so that its last bricks fold up and turn inside out, where the law has no value. There a
+brick is gone as well once its fibres are folded to a tenth of their length or it has no volume left. Whole yarns are
+taut between their ends and do not fold; should one do so, the run is unstable and says so.
+
 Viscosity. S_22 and S_33 carry a viscous part eta d(ln R)/dt, eta = xi (E_2 rho)^(1/2) L: a damping ratio xi on the
 highest mode of a row of bricks of the height L.
 """
@@ -28,6 +33,7 @@ from numba import njit
 
 LOOSE_WIDTH = 5e-3  # half widths in V_f of the parabolas that round the two corners of E_2
 PACKED_WIDTH = 2e-3
+FOLDED = 0.1  # length along the fibre over that at rest
 # of the sums that a yarn keeps
 SOLID, DAMPED, VISCOUS, BARS, HOURGLASS, FAILED, KINETIC = 0, 1, 2, 3, 4, 5, 6  # DAMPED: of the solid's work
 SUMS = 7
@@ -224,10 +230,23 @@ def held(alive, i, j, k, ny, nz):
 
 
 @njit(cache=True, error_model="numpy", fastmath={"contract"})
+def folded(f):
+    """Whether a brick's fibres are folded to FOLDED, or it has no volume left; f as for `triangular`."""
+    if f[0, 0] * f[0, 0] + f[1, 0] * f[1, 0] + f[2, 0] * f[2, 0] < FOLDED * FOLDED:
+        return True
+    volume = (
+        f[0, 0] * (f[1, 1] * f[2, 2] - f[2, 1] * f[1, 2])
+        - f[1, 0] * (f[0, 1] * f[2, 2] - f[2, 1] * f[0, 2])
+        + f[2, 0] * (f[0, 1] * f[1, 2] - f[1, 1] * f[0, 2])
+    )
+    return volume <= 0.0
+
+
+@njit(cache=True, error_model="numpy", fastmath={"contract"})
 def solid_forces(
     first, nx, ny, nz, x, gradient, volume, twist, control, viscous, law, dt, alive, last, torn, material, force, sums
 ):
-    """Add the internal forces of the bricks of one yarn. A brick is torn, and gone, with half of its bars.
+    """Add the internal forces of the bricks of one yarn. A brick is torn, and gone, with half of its bars, or folded.
 
     Parameters
     ----------
@@ -250,6 +269,7 @@ def solid_forces(
     places, own = np.empty((8, 3)), np.empty((8, 3))
     per_time = 1.0 / dt if dt > 0.0 else 0.0
     lost = stored = 0.0
+    cut = not alive.all()
     for i in range(nx):
         for j in range(ny):
             for k in range(nz):
@@ -265,7 +285,7 @@ def solid_forces(
                 b = gradient[m]
                 mean_deformation(places, b, f)
                 energy = hourglass(f, places, twist[m], control[m], H, D, own)
-                if not held(alive, i, j, k, ny, nz):
+                if not held(alive, i, j, k, ny, nz) or (cut and folded(f)):
                     torn[m] = True
                     sums[FAILED] += energy
                     continue

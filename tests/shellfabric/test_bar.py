@@ -25,6 +25,15 @@ def test_the_source_projectile():
     assert bar.period == pytest.approx(19.2e-6, abs=0.1e-6)
 
 
+def test_the_source_projectile_without_a_bore():
+    """Erratum E-37: as light as it is, at the wave speed of steel, so that it swings in 2 L / c."""
+    bar = Bar.full()
+    assert bar.mass == pytest.approx(3.0e-3, rel=1e-12)
+    assert bar.material.density == pytest.approx(3006, abs=1)
+    assert bar.material.bar_speed == pytest.approx(C, rel=1e-12)
+    assert bar.period == pytest.approx(17.0e-6, abs=0.05e-6)
+
+
 def test_materials_are_those_of_the_tables():
     assert (STEEL.density, STEEL.modulus, STEEL.poisson, STEEL.yield_stress) == pytest.approx((7922, 193e9, 0.3, 220e6))
     backing = load("backing")

@@ -6,14 +6,12 @@ import numpy as np
 import pytest
 
 from fabrics.errors import InputError
-from fabrics.materials import load
 from shellfabric import checkpoint
 from shellfabric.bar import Bar, held_force
 from shellfabric.impact import ImpactSetup, result_of, run
 from shellfabric.march import March
 from shellfabric.projectile import Projectile
 
-STEEL = load("steel")
 QUICK = {"opening": 0.0508, "table_size": 61, "end_time": 60e-6}
 
 
@@ -22,13 +20,9 @@ def shoot(fabric, body, velocity=100.0, **changes):
 
 
 def uniform(stiffer=1.0):
-    """A solid cylinder of the source's mass: density and modulus scaled alike (erratum E-37)."""
-    area = np.pi / 4 * 5.5e-3**2
-    density = 3e-3 / (area * 42e-3)
-    scaled = replace(
-        STEEL, density=density, modulus=stiffer * STEEL.modulus * density / STEEL.density, yield_stress=np.inf
-    )
-    return Bar(((42e-3, area),), scaled)
+    """The cylinder without a bore, stiffer, and elastic whatever happens."""
+    full = Bar.full()
+    return replace(full, material=replace(full.material, modulus=stiffer * full.material.modulus, yield_stress=np.inf))
 
 
 @pytest.fixture(scope="module")

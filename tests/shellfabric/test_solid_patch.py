@@ -474,6 +474,36 @@ def test_an_overstretched_patch_tears():
     assert march.sample("warp_peak").max() < 0.031 * 96e9 * FABRIC.weave.yarns[0].A_s
 
 
+def test_the_loose_end_of_a_cut_yarn_may_fold_up():
+    """Where yarns tear as fast as here, the ends fold until a brick is inverted: it is gone before."""
+    mesh = patch.build(FABRIC, (4, 4), size=(3, 3, 1))
+    march = SolidMarch(SolidPatch(mesh, FABRIC, Projectile(radius=1.2e-3)), 500.0, 6e-6, threads=1).run()
+    assert np.isfinite(march.state.x).all()
+    assert np.abs(march.sample("balance")).max() < 1e-3 * march.strike_energy
+
+
+def test_a_brick_is_folded_by_its_length_or_its_volume():
+    rng = np.random.default_rng(4)
+    for _ in range(100):
+        f = rng.normal(size=(3, 3)) * [rng.choice([0.05, 1.0]), 1.0, 1.0]
+        short, inverted = np.linalg.norm(f[:, 0]) < solid_kernels.FOLDED, np.linalg.det(f) < 0
+        assert solid_kernels.folded(f) == (short or inverted)
+
+
+def test_only_a_cut_yarn_folds(mesh):
+    """A whole yarn is taut: where it turns inside out the run is unstable, and hides nothing."""
+    const, state = SolidPatch(mesh, FABRIC, failure=False).ready(60.0)
+    sheet = mesh.grids[0][2].ravel()
+    x = state.x.copy()
+    x[sheet] += 2.5 * (x[mesh.grids[0][0].ravel()] - x[sheet])  # beyond the end of the yarn
+    forces_of(const, state, x)
+    assert not state.torn.any()
+    state.alive[-1 + const.first_bar[1]] = False  # at the other end of the same yarn
+    forces_of(const, state, x)
+    assert state.torn[: 4 * SIZE[1] * SIZE[2]].any()
+    assert not state.torn[4 * SIZE[1] * SIZE[2] :].any()
+
+
 def test_sums_are_named_once():
     assert set(ENERGIES) < set(SAMPLES)
     assert len(set(SAMPLES)) == len(SAMPLES)

@@ -61,9 +61,9 @@ def test_every_fabric_calibrates_unattended(name):
     """All paths to fibre failure; one law leaves at most 1.6 um, one that sees the tension ratio at most 1 um."""
     found = calibrate(catalogue.load(name), size=(8, 6, 2), plates_size="coarse")
     assert not any(history.failed for history in found.histories.values())
-    for name in PATHS:  # conforming sections leave nothing to close but the penetration
-        history = found.histories[name]
-        assert (2 * history.d_c - history.d_yarns.sum(axis=1)).max() < 5e-6, name
+    for path in PATHS:  # conforming sections leave nothing to close but the penetration
+        history = found.histories[path]
+        assert (2 * history.d_c - history.d_yarns.sum(axis=1)).max() < 5e-6, path
     assert found.ratio_law.residual_rms < 1e-6
     if name == "S-745" and found.law.residual_rms >= 1.6e-6:
         pytest.xfail("missed: one law leaves 1.73 um on this fabric; one that sees the tension ratio leaves 0.77 um")

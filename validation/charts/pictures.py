@@ -57,8 +57,8 @@ def _panel(axes, chart, group):
         bottom = min(bottom, log10(unsure) - 0.35)
         axes.axhspan(10**bottom, unsure, color=BAND, zorder=0)
         axes.text(
-            0.99, unsure, f"reference known to ± {unsure:.2g} % ", fontsize=9.5, color="#8c7a4d", va="top", ha="right",
-            transform=axes.get_yaxis_transform(),
+            0.99, 0.015, f"reference known to ± {unsure:.2g} % ", fontsize=9.5, color="#8c7a4d", ha="right",
+            va="bottom", transform=axes.transAxes,
         )  # fmt: skip
     axes.set_ylim(10**bottom, 10**top)
     _name(axes, [(entry.method.name, *place[id(entry)]) for entry in front], bottom, top)

@@ -50,3 +50,28 @@ def picture(quantities, path):
     with replace_whole(path) as beside:
         figure.savefig(beside, dpi=150, metadata={"Date": None} if str(path).endswith(".svg") else None)
     plt.close(figure)
+
+
+def yarns(found, path):
+    """Tension across the weft yarns beside the nose's edge, one panel a fabric, one line a mesh (see `yarn`)."""
+    names = list(dict.fromkeys(entry.fabric for entry in found))
+    figure, row = plt.subplots(1, len(names), figsize=(5.4 * len(names), 4.4), sharey=True, squeeze=False)
+    for axes, name in zip(row[0], names):
+        axes.axvspan(1.5, 2.5, color="#e8eef4", lw=0)
+        below = {"va": "bottom", "fontsize": 9, "transform": axes.get_xaxis_transform()}
+        axes.text(2.0, 0.02, "yarn that\nfails first", ha="center", **below)
+        entries = [entry for entry in found if entry.fabric == name]
+        axes.axvspan(*entries[0].edge, color="#f3d9b8", lw=0)
+        axes.text(entries[0].edge[1] + 0.05, 0.02, "edge of\nthe nose", **below)
+        for k, entry in enumerate(entries):
+            label = f"{entry.elements} a crossover: yarn {entry.yarn:.0f} N"
+            axes.plot(entry.place, entry.tension, color=COLOURS[k], marker=MARKERS[k], ms=5, lw=1.5, label=label)
+        axes.set(title=name, xlabel="crossovers from the middle", xlim=(0, entries[0].place[-1]))
+        axes.legend(frameon=False, loc="upper right", fontsize=9)
+        for side in ("top", "right"):
+            axes.spines[side].set_visible(False)
+    row[0][0].set(ylabel="tension of the weft's lines [N]", ylim=(0, None))
+    figure.tight_layout()
+    with replace_whole(path) as beside:
+        figure.savefig(beside, dpi=150)
+    plt.close(figure)

@@ -15,6 +15,7 @@ from fabrics.trellis import TrellisShear
 from shellfabric import body as bodies
 from shellfabric import limit as limits
 from shellfabric import measures, smith
+from shellfabric.bar import Bar
 from shellfabric.cable import CableNet
 from shellfabric.cable_impact import run as run_cable
 from shellfabric.cell import CellModel
@@ -294,13 +295,14 @@ def pack(
     fabric, velocity [m/s], plies, end_time [s]
     stacking : "aligned" or "alternating"
     added : [m] to that gap
-    body : of the projectile, "rigid" or "bar"
+    body : of the projectile, "rigid", "bar" (bored), or "full" (`Bar.full`)
     face : {"modulus", "strain": factors} of the ply that is struck, None where all are alike
     form : of the contact between plies
     failure_time : [s] over which tensions are low-passed before they are held against the strength
     """
     numerics = Numerics(failure_time=failure_time)
-    asked = ImpactSetup(cloth(fabric), velocity, projectile=Projectile(body=body), numerics=numerics)
+    shot = Projectile(body=Bar.full() if body == "full" else body)
+    asked = ImpactSetup(cloth(fabric), velocity, projectile=shot, numerics=numerics)
     ply = asked.panel()
     gap = (fabric_gap(ply.fabric) if plies > 1 else 0.0) + added
     whole = Pack.stacked(ply, plies, stacking=stacking, gap=gap, contact=PlyContact(form=form))

@@ -80,27 +80,26 @@ def noise(many, one, fabric, velocity, plies):
 
 
 def _gaps(fabric, velocity, plies, added):
-    scenes = {"body": "bar", "end_time": 100e-6}
+    scenes = {"body": "full", "end_time": 100e-6}  # whose waves do not end in plastic flow
     return {f"run{n}": pack(fabric, velocity, plies, added=a, **scenes) for n, a in enumerate(added)}
 
 
 @check(_gaps)
 def gaps(fabric, velocity, plies, added, **runs):
-    """Oscillation of the velocity and the early response with wider gaps."""
+    """How far the tip's velocity jumps about that of the centre of mass, and the early response, with wider gaps."""
     rough, early = [], []
     for n in range(len(added)):
         run = runs[f"run{n}"]
         t, v = series.even(run["fine"][:, 0], run["fine"][:, 2], 2e-7)
-        window = t < 100e-6
-        rough.append(series.noise(t[window], v[window]))
+        rough.append(np.sqrt(np.mean((run["fine"][:, 4] - run["fine"][:, 2]) ** 2)))
         early.append(np.interp(np.linspace(20e-6, 100e-6, 81), t, v))
     steps = np.diff(early, axis=0)
     return {
         "noise, second over first": rough[1] / rough[0],
         "least rise of the velocity": steps.min(),
         "least mean rise of the velocity": steps.mean(axis=1).min(),
-        "note": "RMS above 30 kHz "
-        + ", ".join(f"{value:.3f}" for value in rough)
+        "note": "RMS of tip less centre "
+        + ", ".join(f"{value:.2f}" for value in rough)
         + " m/s; mean velocity to 100 us "
         + ", ".join(f"{value.mean():.2f}" for value in early)
         + " m/s",
@@ -123,15 +122,22 @@ def naive(smooth, nodes, fabric, velocity, plies):
     }
 
 
-@check(lambda fabric, velocity, plies: {"run": pack(fabric, velocity, plies, body="bar", end_time=100e-6)})
-def swing(run, fabric, velocity, plies):
-    """Period in which tip and tail of the elastic projectile swing, and how far apart their velocities are."""
-    apart = np.abs(run["fine"][:, 4] - run["fine"][:, 5])
+@check(
+    lambda fabric, velocity, plies: {
+        body: pack(fabric, velocity, plies, body=body, end_time=100e-6) for body in ("full", "bar")
+    }
+)
+def swing(full, bar, fabric, velocity, plies):
+    """Period in which tip and tail of the elastic projectile swing, and how far apart their velocities are.
+
+    The bore is not told, and only a cylinder without one stays elastic and swings in 2 L / c (erratum E-37).
+    """
+    split, bored = (np.abs(run["fine"][:, 4] - run["fine"][:, 5]).max() for run in (full, bar))
     return {
-        "period": run["swing"],
-        "largest split": apart.max(),
-        "note": f"first mode of the bored bar {1e6 * run['period']:.1f} us; velocities of tip and tail up to "
-        f"{apart.max():.1f} m/s apart; balance {100 * run['balance']:.2f} %",
+        "period": full["swing"],
+        "largest split": split,
+        "note": f"velocities of tip and tail up to {split:.1f} m/s apart; balance {100 * full['balance']:.2f} %; bored "
+        f"to 3 g it yields: {bored:.1f} m/s apart, strongest after {1e6 * bar['swing']:.1f} us",
     }
 
 
