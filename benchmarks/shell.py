@@ -94,6 +94,16 @@ def measure(panel, repeats, steps=None, everywhere=False):
     }
 
 
+def audit(panel, repeats=50):
+    """ns per element of the energies of one audit, of which a run has one every 2 us."""
+    state, const, out = panel.state(92.5), panel.constants(), np.empty(5)
+    march_kernels.energies(state, const, out)
+    cpu = time.process_time()
+    for _ in range(repeats):
+        march_kernels.energies(state, const, out)
+    return round((time.process_time() - cpu) / repeats * 1e9 / panel.elements, 1)
+
+
 def with_knobs(panel, **knobs):
     return replace(panel, numerics=replace(panel.numerics, **knobs))
 
@@ -167,7 +177,8 @@ def main():
         report["table_201_s"] = round(time.perf_counter() - start, 3)
         if "one" in chosen.parts:
             for form, table in tables.items():
-                report[form] = measure(Panel(table, numerics=Numerics(threads=1)), chosen.repeats)
+                panel = Panel(table, numerics=Numerics(threads=1))
+                report[form] = measure(panel, chosen.repeats) | {"audit_ns_per_element": audit(panel)}
         if "sizes" in chosen.parts:
             report["size"] = {form: sizes(table) for form, table in tables.items()}
         if "precision" in chosen.parts:

@@ -55,22 +55,23 @@ def picture(quantities, path):
 def yarns(found, path):
     """Tension across the weft yarns beside the nose's edge, one panel a fabric, one line a mesh (see `yarn`)."""
     names = list(dict.fromkeys(entry.fabric for entry in found))
-    figure, row = plt.subplots(1, len(names), figsize=(5.4 * len(names), 4.4), sharey=True, squeeze=False)
+    figure, row = plt.subplots(1, len(names), figsize=(4.6 * len(names), 4.4), sharey=True, squeeze=False)
     for axes, name in zip(row[0], names):
-        axes.axvspan(1.5, 2.5, color="#e8eef4", lw=0)
         below = {"va": "bottom", "fontsize": 9, "transform": axes.get_xaxis_transform()}
-        axes.text(2.0, 0.02, "yarn that\nfails first", ha="center", **below)
         entries = [entry for entry in found if entry.fabric == name]
-        axes.axvspan(*entries[0].edge, color="#f3d9b8", lw=0)
-        axes.text(entries[0].edge[1] + 0.05, 0.02, "edge of\nthe nose", **below)
+        first = entries[0].number
+        axes.axvspan(first - 0.5, first + 0.5, color="#e8eef4", lw=0)
+        axes.text(first - 0.55, 0.02, "yarn that\nfails first", ha="right", **below)
+        axes.axvspan(*entries[0].edge, color="#f3d9b8", lw=0, alpha=0.7)
+        axes.text(max(entries[0].edge[1], first + 0.5) + 0.05, 0.02, "edge of\nthe nose", **below)
         for k, entry in enumerate(entries):
             label = f"{entry.elements} a crossover: yarn {entry.yarn:.0f} N"
             axes.plot(entry.place, entry.tension, color=COLOURS[k], marker=MARKERS[k], ms=5, lw=1.5, label=label)
         axes.set(title=name, xlabel="crossovers from the middle", xlim=(0, entries[0].place[-1]))
-        axes.legend(frameon=False, loc="upper right", fontsize=9)
+        axes.legend(frameon=False, loc="upper left", fontsize=9)
         for side in ("top", "right"):
             axes.spines[side].set_visible(False)
-    row[0][0].set(ylabel="tension of the weft's lines [N]", ylim=(0, None))
+    row[0][0].set(ylabel="tension of the weft's lines [N]", ylim=(0, 330))
     figure.tight_layout()
     with replace_whole(path) as beside:
         figure.savefig(beside, dpi=150)

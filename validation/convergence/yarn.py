@@ -1,9 +1,9 @@
 """python -m validation.convergence.yarn [--elements 1 2 3] [--page docs/convergence.md]
 
-Where the limit of S-726 and S-727 converges slowly: the tension of the weft's lines at the middle of the nose, from
+Where the limits of S-726, S-727, S-731 converge slowly: the tension of the weft's lines at the middle of the nose, from
 yarn to yarn, on several meshes at one velocity and one instant, shortly before the first yarn fails; failure is off.
-That yarn is the second from the middle on every mesh. Its tension is the mean over its width, which n lines sample:
-with one line a yarn, as in the source, it is the line's own.
+That yarn is the same on every mesh, beside the edge of the nose. Its tension is the mean over its width, which n lines
+sample: with one line a yarn, as in the source, it is the line's own.
 """
 
 from __future__ import annotations
@@ -19,8 +19,8 @@ from shellfabric.failure_kernels import WEFT, yarn_tension
 from shellfabric.impact import ImpactSetup
 from shellfabric.march import March
 
-SHOTS = {"S-726": (118.0, 223e-6), "S-727": (124.0, 163e-6)}  # [m/s], [s]: just before the first yarn fails
-YARN = 2  # that fails first, counted from the one through the middle
+# [m/s], [s]: just before the first yarn fails, and which that is, counted from the one through the middle
+SHOTS = {"S-726": (118.0, 223e-6, 2), "S-727": (124.0, 163e-6, 2), "S-731": (112.0, 270e-6, 3)}
 _SHOWN = 5  # crossovers
 
 
@@ -34,7 +34,8 @@ class Across:
     elements : a crossover, along each side
     place : (n,) [crossovers] of the lines from the middle
     tension : (n,) [N] of the lines, the mean over the crossover next to the middle
-    yarn : [N] tension of the yarn that fails first, as failure has it
+    number : of the yarn that fails first, from the middle
+    yarn : [N] tension of that yarn, as failure has it
     edge : (begin, end) [crossovers] of the rounding of the nose's edge
     """
 
@@ -42,16 +43,17 @@ class Across:
     elements: int
     place: np.ndarray
     tension: np.ndarray
+    number: int
     yarn: float
     edge: tuple[float, float]
 
     @property
     def middle(self):
         """[N] tension of the line through the middle of the yarn that fails first."""
-        return float(self.tension[YARN * self.elements])
+        return float(self.tension[self.number * self.elements])
 
 
-def across(fabric, velocity, time, n, **setup):
+def across(fabric, velocity, time, number, n, **setup):
     """Tension across a Fabric's weft yarns `time` [s] after a strike at `velocity` [m/s], n elements a crossover."""
     panel = replace(ImpactSetup(fabric, velocity, **setup).panel(), elements_per_crossover=n, failure=False)
     march = March(panel, velocity, time, interval=0.25 * time).run()
@@ -60,7 +62,7 @@ def across(fabric, velocity, time, n, **setup):
     count, pitch = _SHOWN * n + 1, panel.spacing[0] * n
     return Across(
         fabric.name, n, np.arange(count) / n, rows[:count, :n].mean(axis=1),
-        float(yarn_tension(const, state, WEFT, YARN * n, 0)),
+        number, float(yarn_tension(const, state, WEFT, number * n, 0)),
         ((shot.radius - shot.edge_radius) / pitch, shot.radius / pitch),
     )  # fmt: skip
 
@@ -73,9 +75,9 @@ def main():
     parser.add_argument("--page", type=Path, default=Path("docs/convergence.md"), help="beside which the picture goes")
     options = parser.parse_args()
     found = []
-    for name, (velocity, time) in SHOTS.items():
+    for name, shot in SHOTS.items():
         for n in options.elements:
-            found.append(across(catalogue.load(name).effective(), velocity, time, n))
+            found.append(across(catalogue.load(name).effective(), *shot, n))
             print(f"{name} {n}: line {found[-1].middle:.1f} N, yarn {found[-1].yarn:.1f} N", flush=True)
     yarns(found, options.page.parent / "figures" / "convergence-yarn.png")
 
