@@ -13,8 +13,6 @@ The folder of `weavecell demo`
 
 from __future__ import annotations
 
-import subprocess
-import sys
 import time
 from contextlib import contextmanager
 from importlib import resources
@@ -33,14 +31,11 @@ def demonstrate(out, *, size, processes):
     text, plan = scene.read_toml(file, what="demonstration")
     fabric = catalogue.load(plan["calibration"]["fabric"])
     clock = Clock()
-    with compiling_beside() as compiler:
-        with clock.stage("mesh"):
-            meshed = mesh.build(fabric, size=size, domain="whole")
-            mesh.write(meshed, out / "mesh")
-        with clock.stage("calibration"):
-            calibration = crossover.calibrate(fabric, out / "calibration", size=size, processes=processes)
-        with clock.stage("impacts"), progress.bar("Kernels compiled"):
-            compiler.wait()
+    with clock.stage("mesh"):
+        meshed = mesh.build(fabric, size=size, domain="whole")
+        mesh.write(meshed, out / "mesh")
+    with clock.stage("calibration"):
+        calibration = crossover.calibrate(fabric, out / "calibration", size=size, processes=processes)
     with clock.stage("impacts"):
         shots = [_shoot(plan, asked, law, out) for asked in plan["impact"] for law in LAWS]
     records = [record for _, record in shots]
@@ -70,36 +65,10 @@ class Clock:
 
     @contextmanager
     def stage(self, name):
-        """Time a block; a stage may have several."""
+        """Time a block."""
         began = time.perf_counter()
         yield
-        self.times[name] = self.times.get(name, 0.0) + time.perf_counter() - began
-
-
-@contextmanager
-def compiling_beside():
-    """Another process compiles the march's kernels while the block runs, and is waited for at its end.
-
-    They are kept on disk, where the impacts find them. Should that process fail, the first impact compiles them, or
-    tells what is wrong.
-    """
-    command = [sys.executable, "-c", "from weavecell.demo import compile_march; compile_march()"]
-    with subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as compiler:
-        try:
-            yield compiler
-        except BaseException:
-            compiler.kill()
-            raise
-
-
-def compile_march():
-    """Fire the first impact of the demonstration for a microsecond, which compiles what the impacts need."""
-    from shellfabric import impact
-
-    file = resources.files("weavecell") / "scenes" / "demo.toml"
-    table = scene.read_toml(file, what="demonstration")[1]["scene"]
-    table["run"]["end_time"] = "1 us"
-    impact.run(case.setup(case.build(scene.check(table, file), file, "demo"), file))
+        self.times[name] = time.perf_counter() - began
 
 
 def _shoot(plan, asked, law, out):

@@ -8,7 +8,7 @@ from importlib import resources
 import pytest
 
 from fabrics.compression import CompressionLaw
-from weavecell import case, demo, scene
+from weavecell import case, scene
 from weavecell.record import ImpactRecord
 
 pytest.importorskip("gmsh")
@@ -27,21 +27,6 @@ def test_plan_holds_a_good_scene():
     plan = tomllib.loads((resources.files("weavecell") / "scenes" / "demo.toml").read_text("utf-8"))
     asked = scene.check(plan["scene"], "demo.toml")
     assert case.build(asked, "demo.toml", "demo").fabric.name == plan["calibration"]["fabric"]
-
-
-def test_the_march_is_compiled_beside(monkeypatch):
-    """The other process fires the scene of the demonstration; a failure here ends it."""
-    seen = []
-    monkeypatch.setattr("shellfabric.impact.run", seen.append)
-    demo.compile_march()
-    assert [setup.fabric.name for setup in seen] == ["S-720"]
-    assert seen[0].end_time == pytest.approx(1e-6)
-    with demo.compiling_beside() as compiler:
-        pass
-    assert compiler.returncode == 0
-    with pytest.raises(KeyboardInterrupt), demo.compiling_beside() as compiler:
-        raise KeyboardInterrupt
-    assert compiler.returncode != 0
 
 
 class _Page(HTMLParser):
