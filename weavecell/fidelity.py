@@ -68,7 +68,7 @@ def explain(path):
     import rich
     from rich import box, table
 
-    from validation.fidelity import book, choose, quantities
+    from validation.fidelity import book, choose
 
     asked, _ = scene.load(path)
     if asked.accuracy is None:
@@ -92,11 +92,7 @@ def explain(path):
         "errors: four scenes in five of the survey stay below. A run looks at its own scene first, by two scouts, and"
     )
     print("may choose a cheaper or a dearer model; the cable net is there to compare with, and never chosen")
-    own = {
-        name: max(known_errors.own(name, regime) for regime in (quantities.HELD, quantities.THROUGH))
-        for name in asked.accuracy.asked
-    }
-    told = ", ".join(f"{_plain(name)} {_percent(share)}" for name, share in own.items())
+    told = ", ".join(f"{_plain(name)} {_percent(known_errors.own(name))}" for name in asked.accuracy.asked)
     print(f"the full model itself is only known to about: {told}")
     print(f"projectile: {_projectile(asked)}")
 

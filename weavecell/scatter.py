@@ -13,8 +13,8 @@ import time
 from dataclasses import asdict
 
 from fabrics import catalogue
-from fabrics.errors import InputError
 from fabrics.files import write_whole
+from validation import marked_page
 from validation.scatter import inputs, pool, sobol, v50
 from weavecell import json_file, pictures_scatter, progress, provenance
 
@@ -100,8 +100,8 @@ def _begin(fabric, out, page, name, resume):
     cloth = catalogue.load(fabric)
     if cloth.effective_linear_density is not None:
         cloth = cloth.effective()
-    if page is not None and not all(mark in page.read_text("utf-8") for mark in _marks(name)):
-        raise InputError(f"has no marks {' ... '.join(_marks(name))}", file=page)
+    if page is not None:
+        marked_page.split(page, *_marks(name))
     if not resume:
         shutil.rmtree(out / RUNS, ignore_errors=True)
     return cloth
@@ -130,15 +130,9 @@ def _marks(name):
 
 def _write_page(page, name, title, head, rows, told, made):
     """Put a study between its marks of a Markdown page."""
-    first, last = _marks(name)
-    text = page.read_text("utf-8")
-    before, after = text.split(first)[0], text.split(last)[1]
-    table = "\n".join("| " + " | ".join(row) + " |" for row in (head, ["---"] * len(head), *rows))
-    lines = "\n".join(f"- {line}" for line in told)
-    with write_whole(page) as file:
-        file.write(
-            f"{before}{first}\n\n![{title}](figures/scatter-{name}.png)\n\n{lines}\n\n{table}\n\n{made}\n\n{last}{after}"
-        )
+    lines, table = "\n".join(f"- {line}" for line in told), marked_page.markdown([head, *rows])
+    content = f"\n\n![{title}](figures/scatter-{name}.png)\n\n{lines}\n\n{table}\n{made}\n\n"
+    marked_page.put(page, *_marks(name), content)
 
 
 def _write_html(path, name, title, head, rows, told, footer):

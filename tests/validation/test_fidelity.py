@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from math import inf, isnan, nan
+from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
@@ -409,6 +410,11 @@ class TestScenes:
         before = trial.version()
         monkeypatch.setattr(trial.resources, "files", lambda name: tmp_path)
         assert trial.version() != before
+
+
+def test_the_page_shows_what_models_are_chosen_by():
+    text = (Path(__file__).parents[2] / "docs" / "fidelity.md").read_text("utf-8")
+    assert "\n".join(page.survey_table(book.load())) in text
 
 
 def test_page(tmp_path):

@@ -17,6 +17,7 @@ from fabrics.errors import InputError, WeavecellError
 from fabrics.files import write_whole
 from validation.convergence.pictures import picture
 from validation.convergence.study import ALLOWED, TOLERANCE, Point, study, velocities
+from validation.marked_page import put
 
 MARKS = "<!-- table of validation.convergence -->", "<!-- end of the table -->"
 
@@ -85,12 +86,7 @@ def table(quantities):
 
 def write_page(quantities, page):
     """Put the table between the marks of a page."""
-    text = page.read_text("utf-8")
-    if not all(mark in text for mark in MARKS):
-        raise InputError(f"has no marks {' ... '.join(MARKS)}", file=page)
-    before, after = text.split(MARKS[0])[0], text.split(MARKS[1])[1]
-    with write_whole(page) as file:
-        file.write(f"{before}{MARKS[0]}\n\n{table(quantities)}\n{MARKS[1]}{after}")
+    put(page, *MARKS, f"\n\n{table(quantities)}\n")
 
 
 def main():

@@ -11,10 +11,11 @@ from pathlib import Path
 
 import numpy as np
 
-from fabrics.errors import InputError, WeavecellError
+from fabrics.errors import WeavecellError
 from fabrics.files import write_whole
 from validation.edges_study import pictures
 from validation.edges_study.study import VELOCITY, ZONE_I, departs, gripped, led, limits, slow
+from validation.marked_page import markdown, put
 
 MARKS = "<!-- tables of validation.edges_study -->", "<!-- end of the tables -->"
 LATE = 200e-6
@@ -53,21 +54,11 @@ def gripped_rows(shots, velocities):
     return rows
 
 
-def markdown(rows):
-    """Rows as a table in Markdown."""
-    return "\n".join("| " + " | ".join(row) + " |" for row in [rows[0], ["---"] * len(rows[0]), *rows[1:]]) + "\n"
-
-
 def write_page(tables, page):
     """Put tables between the marks of a page."""
-    text = page.read_text("utf-8")
-    if not all(mark in text for mark in MARKS):
-        raise InputError(f"has no marks {' ... '.join(MARKS)}", file=page)
-    before, after = text.split(MARKS[0])[0], text.split(MARKS[1])[1]
     parts = [f"{title}\n\n{markdown(rows)}" for title, rows in tables.items()]
     content = "\n".join([*parts, *(f"![{told}](figures/edges-{name}.png)\n" for name, told in _PICTURES.items())])
-    with write_whole(page) as file:
-        file.write(f"{before}{MARKS[0]}\n\n{content}\n{MARKS[1]}{after}")
+    put(page, *MARKS, f"\n\n{content}\n")
 
 
 def main():

@@ -46,7 +46,7 @@ def survey_command(options):
     if options.keep:
         with write_whole(Path(str(resources.files("validation.fidelity"))) / book.FILE) as file:
             file.write(text)
-    lines = page.survey_table(content)
+    lines = page.survey_table(book.Book(**content))
     print("\n".join(lines))
     page.put(options.page, "survey", lines)
 

@@ -70,9 +70,11 @@ class Book:
         known = self.regimes.get(regime, {}).get("peak_tension", {"models": {}})
         return known["models"].get(model.name, {}).get("weight", 0.0)
 
-    def own(self, name, regime):
-        """[-] what the full model is itself expected to be off by; 0 where nothing is known."""
-        return self.finest.get(regime, {}).get(name, 0.0)
+    def own(self, name, regime=None):
+        """[-] what the full model is itself expected to be off by, in the worse regime where none is told; 0 where
+        nothing is known."""
+        regimes = self.finest if regime is None else (regime,)
+        return max((self.finest.get(each, {}).get(name, 0.0) for each in regimes), default=0.0)
 
     def _times(self, key, model, name, seen):
         regime = quantities.regime(seen[0])
@@ -87,5 +89,4 @@ class Book:
 
 def load():
     """The Book of the package."""
-    content = json.loads((resources.files("validation.fidelity") / FILE).read_text("utf-8"))
-    return Book(**{name: content[name] for name in ("models", "regimes", "finest", "others", "made")})
+    return Book(**json.loads((resources.files("validation.fidelity") / FILE).read_text("utf-8")))

@@ -6,34 +6,27 @@ from math import inf, isfinite, isnan
 
 import numpy as np
 
-from fabrics.errors import InputError
-from fabrics.files import write_whole
+from validation import marked_page
 from validation.fidelity import quantities
-from validation.fidelity.models import FULL
+from validation.fidelity.models import BY_NAME, FULL
 
 
-def survey_table(content):
-    """Lines of Markdown: each model's cost, and errors that four scenes in five stay below, of errors.json."""
+def survey_table(book):
+    """Lines of Markdown: each model's cost, and errors that four scenes in five stay below, of a Book."""
     names = quantities.NAMES
     lines = [
         "| model | cost | " + " | ".join(_plain(name) for name in names) + " |",
         "|---|---:|" + "---:|" * len(names),
     ]
-    rows = {model: (found["cost"], _expected(content, model)) for model, found in content["models"].items()}
-    rows |= {f"*{name}*": (found["cost"], found["expected"]) for name, found in content["others"].items()}
+    rows = {
+        name: (book.cost(BY_NAME[name]), {quantity: book.expected(BY_NAME[name], quantity) for quantity in names})
+        for name in book.models
+    }
+    rows |= {f"*{name}*": (found["cost"], found["expected"]) for name, found in book.others.items()}
     for model, (cost, expected) in sorted(rows.items(), key=lambda item: item[1][0]):
         lines.append(f"| {model} | {cost:.3f} | " + " | ".join(_percent(expected[name]) for name in names) + " |")
-    own = {name: max(known.get(name, 0.0) for known in content["finest"].values()) for name in names}
-    lines.append(f"| {FULL}, itself | | " + " | ".join(_percent(own[name]) for name in names) + " |")
+    lines.append(f"| {FULL}, itself | | " + " | ".join(_percent(book.own(name)) for name in names) + " |")
     return lines
-
-
-def _expected(content, model):
-    found = {}
-    for name in quantities.NAMES:
-        each = [known[name]["models"].get(model) for known in content["regimes"].values() if name in known]
-        found[name] = max((one["expected"] for one in each if one), default=inf)
-    return found
 
 
 def trial_table(rows):
@@ -100,11 +93,5 @@ def put(path, name, lines):
     """
     if path is None:
         return
-    marks = f"<!-- {name} of validation.fidelity -->", "<!-- end of the table -->"
-    text = path.read_text("utf-8")
-    before, mark, rest = text.partition(marks[0])
-    _, end, after = rest.partition(marks[1])
-    if not mark or not end:
-        raise InputError(f"has no place for a table between {marks[0]!r} and {marks[1]!r}", file=path)
-    with write_whole(path) as file:
-        file.write("\n".join([before + mark, *lines, end + after]))
+    content = "\n".join(["", *lines, ""])
+    marked_page.put(path, f"<!-- {name} of validation.fidelity -->", "<!-- end of the table -->", content)

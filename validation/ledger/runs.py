@@ -335,7 +335,6 @@ def pack(
         "peak": march.peaks,
         "deepest": march.deepest,
         "cones": cones,
-        "period": bar.period if bar else np.nan,
         "swing": _swing(fine, march, bar) if bar else np.nan,
         "balance": float(np.abs(march.sample("balance")).max()) / march.strike_energy,
         "seconds": march.wall_time,

@@ -16,6 +16,7 @@ import numpy as np
 
 from fabrics.errors import InputError, UnstableError, WeavecellError
 from fabrics.files import write_whole
+from validation.marked_page import markdown, put
 from validation.pencilling import pictures
 from validation.pencilling.study import CASES, Case, bare, shoot
 
@@ -48,14 +49,7 @@ def table(shots):
 
 def write_page(rows, page, edge):
     """Put the table between its marks of a page."""
-    text, mark = page.read_text("utf-8"), f"<!-- table of validation.pencilling, {edge} edges -->"
-    before, found, after = text.partition(mark)
-    _, ends, after = after.partition(END)
-    if not (found and ends):
-        raise InputError(f"has no marks {mark} ... {END}", file=page)
-    lines = ["| " + " | ".join(row) + " |" for row in [rows[0], ["---"] * len(rows[0]), *rows[1:]]]
-    with write_whole(page) as file:
-        file.write(f"{before}{mark}\n\n" + "\n".join(lines) + f"\n\n{END}{after}")
+    put(page, f"<!-- table of validation.pencilling, {edge} edges -->", END, f"\n\n{markdown(rows)}\n")
 
 
 def main():

@@ -1,0 +1,32 @@
+"""A page of the documentation whose tables a command makes: what is between two marks is replaced, the rest kept."""
+
+from __future__ import annotations
+
+from fabrics.errors import InputError
+from fabrics.files import write_whole
+
+
+def markdown(rows):
+    """Rows, the first of which is the head, as a table in Markdown."""
+    return "\n".join("| " + " | ".join(row) + " |" for row in [rows[0], ["---"] * len(rows[0]), *rows[1:]]) + "\n"
+
+
+def split(page, begin, end):
+    """What stands before the mark `begin` of a page, and after the first mark `end` behind it.
+
+    Raises
+    ------
+    InputError : the page has no such marks
+    """
+    before, begins, rest = page.read_text("utf-8").partition(begin)
+    _, ends, after = rest.partition(end)
+    if not (begins and ends):
+        raise InputError(f"has no marks {begin} ... {end}", file=page)
+    return before, after
+
+
+def put(page, begin, end, content):
+    """Put a text between two marks of a page; InputError as `split`."""
+    before, after = split(page, begin, end)
+    with write_whole(page) as file:
+        file.write(f"{before}{begin}{content}{end}{after}")
