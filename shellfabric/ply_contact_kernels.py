@@ -44,8 +44,8 @@ step's of the new, on the same velocities. So it balances to the last digits, wh
 import math
 
 import numpy as np
-from numba import njit
 
+from shellfabric.compiled import kernel
 from shellfabric.contact_kernels import cover
 from shellfabric.lanes import (
     WIDTH,
@@ -75,7 +75,7 @@ _FASTER, _LONGEST = 1.5, 8  # than at the last scan nodes may become; most steps
 _STEP, _LEAP = 0.25, 0.2  # [elements] longest step of a foot; one so long has none
 
 
-@njit(cache=True, error_model="numpy", _nrt=False, forceinline=True)
+@kernel(_nrt=False, forceinline=True)
 def basis(a, n, mirrored):
     """Weights of three nodes of a line at the place a: (first node, values, slopes, middle value and slope across).
 
@@ -94,7 +94,7 @@ def basis(a, n, mirrored):
     return 0, middle + 2.0 * low, high - low, 0.0, turn + 2.0 * fall, rise - fall, 0.0, high - low, rise - fall
 
 
-@njit(cache=True, error_model="numpy", _nrt=False, forceinline=True)
+@kernel(_nrt=False, forceinline=True)
 def weights(form, a, n, mirrored):
     """`basis`, or its like for the naive forms, which have no images."""
     if form == SMOOTH:
@@ -108,7 +108,7 @@ def weights(form, a, n, mirrored):
     return i - 1, 0.0, 1.0 - f, f, 0.0, -slope, slope, 1.0 - f, -slope
 
 
-@njit(cache=True, error_model="numpy", _nrt=False, forceinline=True)
+@kernel(_nrt=False, forceinline=True)
 def curving(form, a, n, mirrored):
     """Second slopes of `weights`: of three nodes, and of the middle one across a plane of symmetry."""
     i = min(max(int(a + 0.5), 0), n)
@@ -119,7 +119,7 @@ def curving(form, a, n, mirrored):
     return 1.0, -2.0, 1.0, -2.0
 
 
-@njit(cache=True, error_model="numpy", _nrt=False, forceinline=True)
+@kernel(_nrt=False, forceinline=True)
 def across(x, k, s, w0, w1, w2, z0, z1, z2):
     """Sum of w z x over three by three nodes from the slot k on."""
     s = np.uint64(s)
@@ -131,14 +131,14 @@ def across(x, k, s, w0, w1, w2, z0, z1, z2):
     return w0 * a + w1 * b + w2 * c
 
 
-@njit(cache=True, error_model="numpy", _nrt=False, forceinline=True)
+@kernel(_nrt=False, forceinline=True)
 def middle(x, k, s):
     """The mean of the four nodes of the element at slot k."""
     m = k + np.uint64(s)
     return 0.25 * (x[k] + x[k + ONE] + x[m] + x[m + ONE])
 
 
-@njit(cache=True, error_model="numpy", _nrt=False, forceinline=True)
+@kernel(_nrt=False, forceinline=True)
 def share(F, k, s, f):
     """Share a force out to the four nodes of the element at slot k."""
     m = k + np.uint64(s)
@@ -148,7 +148,7 @@ def share(F, k, s, f):
     F[m + ONE] += 0.25 * f
 
 
-@njit(cache=True, error_model="numpy", _nrt=False, forceinline=True)
+@kernel(_nrt=False, forceinline=True)
 def spread(F, k, s, f, w0, w1, w2, z0, z1, z2):
     """Share a force out to three by three nodes by their weights."""
     s = np.uint64(s)
@@ -159,7 +159,7 @@ def spread(F, k, s, f, w0, w1, w2, z0, z1, z2):
         k += s
 
 
-@njit(cache=True, error_model="numpy", _nrt=False, forceinline=True)
+@kernel(_nrt=False, forceinline=True)
 def patch(x, k, s, wa, wb, da, db):
     """(value, slope along a, slope along b) of the surface over three by three nodes from the slot k on."""
     s = np.uint64(s)
@@ -181,7 +181,7 @@ def patch(x, k, s, wa, wb, da, db):
     )
 
 
-@njit(cache=True, error_model="numpy", _nrt=False)
+@kernel(_nrt=False)
 def scan(state, const, least, box):
     """Widen the box (first and last row, and column, of nodes) to all that are deflected by more than `least`.
 
@@ -203,7 +203,7 @@ def scan(state, const, least, box):
     return math.sqrt(fastest)
 
 
-@njit(cache=True, error_model="numpy", _nrt=False)
+@kernel(_nrt=False)
 def settle(state, const, force, touched):
     """Half a step's work of the nodal forces on the present velocities, which are those of half a step ago."""
     work = splat(0.0)
@@ -217,7 +217,7 @@ def settle(state, const, force, touched):
     return 0.5 * const.dt * total(work)
 
 
-@njit(cache=True, error_model="numpy", _nrt=False)
+@kernel(_nrt=False)
 def clear(const, force, touched):
     """Set the forces of the last step to zero."""
     for F in force:
@@ -227,14 +227,14 @@ def clear(const, force, touched):
     touched[0], touched[1], touched[2], touched[3] = const.ni + 1, 0, const.s, 0
 
 
-@njit(cache=True, error_model="numpy", _nrt=False, forceinline=True)
+@kernel(_nrt=False, forceinline=True)
 def note(touched, i, j, n):
     """Widen the window of nodes with forces by n by n nodes."""
     touched[0], touched[1] = min(touched[0], i), max(touched[1], i + n)
     touched[2], touched[3] = min(touched[2], j), max(touched[3], j + n)
 
 
-@njit(cache=True, error_model="numpy", _nrt=False)
+@kernel(_nrt=False)
 def symmetric(const, force, touched):
     """Nodes on a plane of symmetry keep to it."""
     if const.mirror_x and touched[0] == 0:
@@ -245,7 +245,7 @@ def symmetric(const, force, touched):
             force[1][i * const.s] = 0.0
 
 
-@njit(cache=True, error_model="numpy", _nrt=False, forceinline=True)
+@kernel(_nrt=False, forceinline=True)
 def left(state, const, a, b):
     """Part of the cloth that is left at the place (a, b)."""
     i, j = min(int(a), const.ni - 1), min(int(b), const.nj - 1)
@@ -258,7 +258,7 @@ def left(state, const, a, b):
     return cover(state, const, k, a - i, b - j)
 
 
-@njit(cache=True, error_model="numpy", _nrt=False)
+@kernel(_nrt=False)
 def window(pair, fc, rc):
     """Element rows and columns of the front ply where either ply's deflection can bring them into contact."""
     i0, i1, j0, j1 = pair.front_box[0], pair.front_box[1], pair.front_box[2], pair.front_box[3]
@@ -270,7 +270,7 @@ def window(pair, fc, rc):
     return max(i0 - _MARGIN, 0), min(i1 + _MARGIN, fc.ni), max(j0 - _MARGIN, 0), min(j1 + _MARGIN, fc.nj)
 
 
-@njit(cache=True, error_model="numpy", _nrt=False)
+@kernel(_nrt=False)
 def contact(front, fc, rear, rc, pair, step):
     """Forces between two plies at their present positions, into pair.on_front and pair.on_rear."""
     if step % _EVERY == 0:
@@ -309,7 +309,7 @@ def contact(front, fc, rear, rc, pair, step):
     pair.energy[SPRING] = spring
 
 
-@njit(cache=True, error_model="numpy", _nrt=False, forceinline=True)
+@kernel(_nrt=False, forceinline=True)
 def due(pair, q0, count):
     """Whether some of the points q0 .. q0 + count have to be looked at; which, into pair.due."""
     any_due = False
@@ -322,13 +322,13 @@ def due(pair, q0, count):
     return any_due
 
 
-@njit(cache=True, error_model="numpy", _nrt=False, forceinline=True)
+@kernel(_nrt=False, forceinline=True)
 def leave(depth, nearer):
     """Steps that a point which is clear by -depth [m] can be left alone, where it comes nearer by `nearer` in each."""
     return _LONGEST if -depth > _LONGEST * nearer else int(-depth / nearer)
 
 
-@njit(cache=True, error_model="numpy", _nrt=False, forceinline=True)
+@kernel(_nrt=False, forceinline=True)
 def patch8(x, k, s, wa0, wa1, wa2, wb0, wb1, wb2, da0, da1, da2, db0, db1, db2):
     """`patch` of eight neighbouring points, whose nodes begin at the slots k .. k + 7."""
     m, o = k + s, k + 2 * s
@@ -348,13 +348,13 @@ def patch8(x, k, s, wa0, wa1, wa2, wb0, wb1, wb2, da0, da1, da2, db0, db1, db2):
     )
 
 
-@njit(cache=True, error_model="numpy", _nrt=False, forceinline=True)
+@kernel(_nrt=False, forceinline=True)
 def middle8(x, k, s):
     """`middle` of eight neighbouring elements."""
     return 0.25 * ((load(x, k) + load(x, k + 1)) + (load(x, k + s) + load(x, k + s + 1)))
 
 
-@njit(cache=True, error_model="numpy", _nrt=False, forceinline=True)
+@kernel(_nrt=False, forceinline=True)
 def look_ahead(front, fc, rear, rc, pair, q, i, j, count, nearer):
     """Follow the feet of those of the points in the middles of the elements (i, j) .. (i, j + count) that are clear of
     the rear ply, as `touch` does, eight at once; they are no longer due. It needs feet that are side by side as well,
@@ -406,7 +406,7 @@ def look_ahead(front, fc, rear, rc, pair, q, i, j, count, nearer):
     keep(pair.foot[1], q, where(held, B, most(least(B2, float(rc.nj)), low_b)), count)
 
 
-@njit(cache=True, error_model="numpy", _nrt=False, forceinline=True)
+@kernel(_nrt=False, forceinline=True)
 def touch(front, fc, rear, rc, pair, q, a, b):
     """Follow the foot of the front ply's point at (a, b), and let it push: (energy in its spring, depth).
 
@@ -521,7 +521,7 @@ def touch(front, fc, rear, rc, pair, q, a, b):
     return 0.5 * part * pair.stiffness * depth * depth, depth
 
 
-@njit(cache=True, error_model="numpy", _nrt=False)
+@kernel(_nrt=False)
 def push(state, const, force, touched):
     """Give a ply the impulses of a neighbour's forces; widens its window of rows to them."""
     if touched[1] <= touched[0]:
