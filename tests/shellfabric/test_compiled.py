@@ -17,16 +17,16 @@ def quartered(x):
     return halved(halved(x))
 
 
-def has_way_in(function):
-    """Whether what is compiled of it can be called from Python."""
-    function.compile((types.float64,))
-    (found,) = function.overloads.values()
+def has_way_in(function, *kinds):
+    """Whether what is compiled of it for arguments of these kinds can be called from Python."""
+    function.compile(kinds)
+    found = function.overloads[kinds]
     return found.library.get_pointer_to_function(found.fndesc.llvm_cpython_wrapper_name) != 0
 
 
 def test_only_entries_have_a_way_in():
-    assert has_way_in(quartered)
-    assert not has_way_in(halved)
+    assert has_way_in(quartered, types.float64)
+    assert not has_way_in(halved, types.float64, types.float64)
 
 
 def test_a_kernel_that_python_calls_makes_itself_one():
