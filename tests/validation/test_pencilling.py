@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from shellfabric.backing import Backing
+from shellfabric.panel import Numerics
 from validation.pencilling import pictures
 from validation.pencilling.__main__ import name_of, table
 from validation.pencilling.study import CASES, LIGHT, Case, march, shoot
@@ -29,6 +30,9 @@ def test_a_target_has_the_mass_and_modulus_of_its_case():
         # E A of a yarn is that of S-728 times the factor, whatever the mass
         assert weaves[0].warp.EA == pytest.approx(case.modulus * 96e9 * 1.7039e-4 / 1440, rel=1e-3)
         assert not run.pack.plies[0].failure
+        # stiff yarns that snap taut take half the usual step
+        usual = replace(run.pack.plies[0], numerics=Numerics())
+        assert run.const.dt == pytest.approx(0.5 * usual.time_step, rel=1e-12)
 
 
 @pytest.mark.slow
