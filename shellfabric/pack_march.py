@@ -86,8 +86,8 @@ class PackMarch(March):
     @property
     def deepest(self):
         """(plies - 1,) [-] deepest that a ply has come into the next, over the thickness: at 1 it would be through."""
-        pairs = self.pairs[: len(self.states) - 1]
-        return np.array([pair.energy[ply_contact_kernels.DEEPEST] / pair.thickness for pair in pairs])
+        both = np.array([pair.energy[ply_contact_kernels.DEEPEST] / pair.thickness for pair in self.pairs])
+        return both.reshape(2, -1).max(axis=0)[: len(self.states) - 1]
 
     def sample(self, name):
         """(n,) one column of the samples."""
@@ -174,8 +174,9 @@ class PackMarch(March):
     def _pushes(self, p):
         """Forces of nose and neighbours on the nodes of a ply, by component."""
         total = [force.copy() for force in self.states[p].contact]
-        neighbours = [self.pairs[p - 1].on_rear] if p > 0 else []
-        neighbours += [self.pairs[p].on_front] if p < len(self.states) - 1 else []
+        near, back = self.pairs[: len(self.pairs) // 2], self.pairs[len(self.pairs) // 2 :]
+        neighbours = [near[p - 1].on_rear, back[p - 1].on_front] if p > 0 else []
+        neighbours += [near[p].on_front, back[p].on_rear] if p < len(self.states) - 1 else []
         for forces in neighbours:
             for whole, force in zip(total, forces):
                 whole += force

@@ -64,15 +64,16 @@ from shellfabric.lanes import (
     total,
     where,
 )
+from shellfabric.march_kernels import FAILURES
 from shellfabric.membrane_kernels import ERODED
 
-TAKEN, SPRING, DEEPEST, PLACE = 0, 1, 2, 3  # of pair.energy
+TAKEN, SPRING, DEEPEST, PLACE, PASSED, TORN_PASSED, WHERE = range(7)  # of pair.energy
 ONE = np.uint64(1)
-FREE, TOUCHING, LOST = 0, 1, 2  # of pair.status
+FREE, TOUCHING = 0, 1  # of pair.status
 SMOOTH, FACETS, NODES = 0, 1, 2  # of pair.form
 _EVERY, _MARGIN = 8, 3  # steps between scans, elements about what they find
 _FASTER, _LONGEST = 1.5, 8  # than at the last scan nodes may become; most steps that a point is left alone
-_STEP, _LEAP = 0.25, 0.2  # [elements] longest step of a foot; one so long has none
+_STEP, _LEAP, _SOUGHT = 0.25, 0.2, 3  # [elements] longest step of a foot; one so long has none; where it is sought
 
 
 @njit(cache=True, error_model="numpy", _nrt=False, forceinline=True)
@@ -99,6 +100,8 @@ def weights(form, a, n, mirrored):
     """`basis`, or its like for the naive forms, which have no images."""
     if form == SMOOTH:
         return basis(a, n, mirrored)
+    if a < 0.0:  # the image of the first element
+        return 0, 1.0 + a, -a, 0.0, 1.0, -1.0, 0.0, a, 1.0
     i = min(int(a), n - 1)
     f, slope = a - i, 1.0
     if form == NODES:
@@ -276,11 +279,12 @@ def contact(front, fc, rear, rc, pair, step):
     if step % _EVERY == 0:
         pair.speed[0] = scan(front, fc, pair.least, pair.front_box)
         pair.speed[1] = scan(rear, rc, pair.least, pair.rear_box)
+    tear(front, fc, rear, rc, pair)
     taken = -settle(front, fc, pair.on_front, pair.front_touched) - settle(rear, rc, pair.on_rear, pair.rear_touched)
     clear(fc, pair.on_front, pair.front_touched)
     clear(rc, pair.on_rear, pair.rear_touched)
     i0, i1, j0, j1 = window(pair, fc, rc)
-    p, spring = pair.points, 0.0
+    p, spring, often = pair.points, 0.0, step % _EVERY == 0
     shot = math.sqrt(front.speed[0] ** 2 + front.speed[1] ** 2 + front.speed[2] ** 2)
     nearer = _FASTER * fc.dt * (max(pair.speed[0], shot) + max(pair.speed[1], shot))
     for i in range(i0, i1):
@@ -296,7 +300,7 @@ def contact(front, fc, rear, rc, pair, step):
                     continue
                 j, m = q // (p * p) - i * fc.nj, q % (p * p)
                 a, b = i + (m // p + pair.start) / p, j + (m % p + pair.start) / p
-                energy, depth = touch(front, fc, rear, rc, pair, q, a, b)
+                energy, depth = touch(front, fc, rear, rc, pair, q, a, b, often)
                 if depth < 0.0:
                     pair.wait[q] = leave(depth, nearer)
                 spring += energy
@@ -307,6 +311,61 @@ def contact(front, fc, rear, rc, pair, step):
     taken -= settle(front, fc, pair.on_front, pair.front_touched) + settle(rear, rc, pair.on_rear, pair.rear_touched)
     pair.energy[TAKEN] += taken
     pair.energy[SPRING] = spring
+
+
+@njit(cache=True, error_model="numpy", _nrt=False)
+def contact_back(front, fc, rear, rc, pair, step):
+    """As `contact`, for the points beside torn cloth of a ply that lies behind, on the one before it."""
+    tear(front, fc, rear, rc, pair)
+    if pair.tears[1] == 0:
+        return
+    taken = -settle(front, fc, pair.on_front, pair.front_touched) - settle(rear, rc, pair.on_rear, pair.rear_touched)
+    clear(fc, pair.on_front, pair.front_touched)
+    clear(rc, pair.on_rear, pair.rear_touched)
+    p, spring, often = pair.points, 0.0, step % _EVERY == 0
+    for e in pair.list[: pair.tears[1]]:
+        for m in range(p * p):
+            a, b = e // fc.nj + (m // p + pair.start) / p, e % fc.nj + (m % p + pair.start) / p
+            energy, depth = touch(front, fc, rear, rc, pair, e * p * p + m, a, b, often)
+            spring += energy
+            if depth > pair.energy[DEEPEST]:
+                pair.energy[DEEPEST], pair.energy[PLACE] = depth, e * p * p + m
+    symmetric(fc, pair.on_front, pair.front_touched)
+    symmetric(rc, pair.on_rear, pair.rear_touched)
+    taken -= settle(front, fc, pair.on_front, pair.front_touched) + settle(rear, rc, pair.on_rear, pair.rear_touched)
+    pair.energy[TAKEN] += taken
+    pair.energy[SPRING] = spring
+
+
+@njit(cache=True, error_model="numpy", _nrt=False)
+def tear(front, fc, rear, rc, pair):
+    """Note the elements of the front ply that are next to torn ones of either ply, when more yarns have failed."""
+    failures = front.counter[FAILURES] + rear.counter[FAILURES]
+    if failures == pair.tears[0]:
+        return
+    pair.tears[0], pair.tears[1] = failures, 0
+    pair.torn[:] = 0
+    for i in range(fc.ni):
+        for j in range(fc.nj):
+            if front.flag[i * fc.s + j]:
+                reach(fc, pair, i, j)
+    for i in range(rc.ni):
+        for j in range(rc.nj):
+            if rear.flag[i * rc.s + j]:
+                x, y = rc.x0 + (i + 0.5) * rc.dx - fc.x0, rc.y0 + (j + 0.5) * rc.dy - fc.y0
+                reach(fc, pair, int(x / fc.dx), int(y / fc.dy))
+    for e in range(fc.ni * fc.nj):
+        if pair.torn[e]:
+            pair.list[pair.tears[1]] = e
+            pair.tears[1] += 1
+
+
+@njit(cache=True, error_model="numpy", _nrt=False)
+def reach(const, pair, i, j):
+    """Note the elements about (i, j)."""
+    for m in range(max(i - _SOUGHT, 0), min(i + _SOUGHT + 1, const.ni)):
+        for n in range(max(j - _SOUGHT, 0), min(j + _SOUGHT + 1, const.nj)):
+            pair.torn[m * const.nj + n] = 1
 
 
 @njit(cache=True, error_model="numpy", _nrt=False, forceinline=True)
@@ -363,6 +422,10 @@ def look_ahead(front, fc, rear, rc, pair, q, i, j, count, nearer):
     I, J = int(pair.foot[0][q] + 0.5), int(pair.foot[1][q] + 0.5)
     if I < 1 or I >= rc.ni or J < 1 or J + WIDTH > rc.nj or j + WIDTH > fc.nj:
         return
+    if rear.thin[(I - 1) // rc.block] or rear.thin[min(I, rc.ni - 1) // rc.block]:
+        for m in range(WIDTH + 1):
+            if rear.flag[(I - 1) * rc.s + J - 1 + m] or rear.flag[I * rc.s + J - 1 + m]:
+                return
     own, rank = first(count), load(pair.rank, 0)
     r, t = A - float(I), B - float(J) - rank
     if some(above(where(own, most(fabs(r), fabs(t)), 0.0), 0.5)):
@@ -407,50 +470,63 @@ def look_ahead(front, fc, rear, rc, pair, q, i, j, count, nearer):
 
 
 @njit(cache=True, error_model="numpy", _nrt=False, forceinline=True)
-def touch(front, fc, rear, rc, pair, q, a, b):
+def touch(front, fc, rear, rc, pair, q, a, b, often):
     """Follow the foot of the front ply's point at (a, b), and let it push: (energy in its spring, depth).
 
-    The depth is negative where the point is clear of the rear ply, and 0 where it cannot push.
+    The depth is negative where the point is clear of the rear ply, and 0 where it cannot push. often : whether a foot
+    beside torn cloth is to be looked for anew, if it has been followed well or not
     """
+    form_x = pair.form if pair.form != SMOOTH or whole_about(front, fc, a, b) else FACETS
     central = pair.points == 1 and pair.form == SMOOTH  # the spline goes through the middles of the elements
     if central:
         i, j, p0, p1, p2, p1x, q0, q1, q2, q1y = int(a), int(b), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
         k = np.uint64(i * fc.s + j)
         x, y, z = middle(front.u[0], k, fc.s), middle(front.u[1], k, fc.s), middle(front.u[2], k, fc.s)
     else:
-        i, p0, p1, p2, _, _, _, p1x, _ = weights(pair.form, a, fc.ni, fc.mirror_x)
-        j, q0, q1, q2, _, _, _, q1y, _ = weights(pair.form, b, fc.nj, fc.mirror_y)
+        i, p0, p1, p2, _, _, _, p1x, _ = weights(form_x, a, fc.ni, fc.mirror_x)
+        j, q0, q1, q2, _, _, _, q1y, _ = weights(form_x, b, fc.nj, fc.mirror_y)
         k = np.uint64(i * fc.s + j)
         x = across(front.u[0], k, fc.s, p0, p1x, p2, q0, q1, q2)
         y = across(front.u[1], k, fc.s, p0, p1, p2, q0, q1y, q2)
         z = across(front.u[2], k, fc.s, p0, p1, p2, q0, q1, q2)
     x, y = x + fc.x0 + a * fc.dx, y + fc.y0 + b * fc.dy
+    at_x, at_y, at_z = x - rc.x0, y - rc.y0, z - pair.apart  # from the first node of the rear ply at rest
     low = -0.5 if pair.form == SMOOTH else 0.0
     low_a, low_b = low if rc.mirror_x else 0.0, low if rc.mirror_y else 0.0
     before_a, before_b = pair.foot[0][q], pair.foot[1][q]
     A = min(max(before_a + pair.going[0][q], low_a), float(rc.ni))
     B = min(max(before_b + pair.going[1][q], low_b), float(rc.nj))
-    I, w0, w1, w2, d0, d1, d2, w1x, d1x = weights(pair.form, A, rc.ni, rc.mirror_x)
-    J, v0, v1, v2, e0, e1, e2, v1y, e1y = weights(pair.form, B, rc.nj, rc.mirror_y)
+    whole = pair.form != SMOOTH or whole_about(rear, rc, A, B)
+    form = pair.form if whole else FACETS
+    I, w0, w1, w2, d0, d1, d2, w1x, d1x = weights(form, A, rc.ni, rc.mirror_x)
+    J, v0, v1, v2, e0, e1, e2, v1y, e1y = weights(form, B, rc.nj, rc.mirror_y)
     K = np.uint64(I * rc.s + J)
     X, Xa, Xb = patch(rear.u[0], K, rc.s, (w0, w1x, w2), (v0, v1, v2), (d0, d1x, d2), (e0, e1, e2))
     Y, Ya, Yb = patch(rear.u[1], K, rc.s, (w0, w1, w2), (v0, v1y, v2), (d0, d1, d2), (e0, e1y, e2))
     Z, Za, Zb = patch(rear.u[2], K, rc.s, (w0, w1, w2), (v0, v1, v2), (d0, d1, d2), (e0, e1, e2))
     Xa, Yb = Xa + rc.dx, Yb + rc.dy
-    x, y, z = x - X - rc.x0 - A * rc.dx, y - Y - rc.y0 - B * rc.dy, z - Z - pair.apart  # from the foot
+    x, y, z = at_x - X - A * rc.dx, at_y - Y - B * rc.dy, at_z - Z  # from the foot
     n_x, n_y, n_z = Ya * Zb - Za * Yb, Za * Xb - Xa * Zb, Xa * Yb - Ya * Xb
     size = math.sqrt(n_x * n_x + n_y * n_y + n_z * n_z)
-    if size < 1e-6 * rc.dx * rc.dy:
-        return 0.0, 0.0
+    tiny = 1e-6 * rc.dx * rc.dy
+    if size < tiny:  # cloth that is drawn to a line has no normal
+        n_x, n_y, n_z, size = pair.normal[0][q], pair.normal[1][q], pair.normal[2][q], 1.0
     n_x, n_y, n_z = n_x / size, n_y / size, n_z / size
+    size = max(size, tiny)
+    touches = pair.status[q] == TOUCHING
+    turned = n_x * x + n_y * y + n_z * z > 0.0  # whoever comes near does it from his own side
+    if touches:
+        turned = n_x * pair.normal[0][q] + n_y * pair.normal[1][q] + n_z * pair.normal[2][q] < 0.0
+    if turned and pair.form == SMOOTH:
+        n_x, n_y, n_z = -n_x, -n_y, -n_z
     depth = pair.thickness + n_x * x + n_y * y + n_z * z
     if depth > -0.5 * pair.thickness:
         aa, ab, bb = Xa * Xa + Ya * Ya + Za * Za, Xa * Xb + Ya * Yb + Za * Zb, Xb * Xb + Yb * Yb + Zb * Zb
         ra, rb = Xa * x + Ya * y + Za * z, Xb * x + Yb * y + Zb * z
         go, turn, sure = (bb * ra - ab * rb) / (size * size), (aa * rb - ab * ra) / (size * size), False
         if depth > 0.0:
-            c0, c1, c2, c1x = curving(pair.form, A, rc.ni, rc.mirror_x)
-            g0, g1, g2, g1y = curving(pair.form, B, rc.nj, rc.mirror_y)
+            c0, c1, c2, c1x = curving(form, A, rc.ni, rc.mirror_x)
+            g0, g1, g2, g1y = curving(form, B, rc.nj, rc.mirror_y)
             F = rear.u
             aa -= x * across(F[0], K, rc.s, c0, c1x, c2, v0, v1, v2)
             aa -= y * across(F[1], K, rc.s, c0, c1, c2, v0, v1y, v2) + z * across(F[2], K, rc.s, c0, c1, c2, v0, v1, v2)
@@ -468,24 +544,29 @@ def touch(front, fc, rear, rc, pair, q, a, b):
     A2, B2 = A + min(max(go, -_STEP), _STEP), B + min(max(turn, -_STEP), _STEP)
     pair.foot[0][q] = min(max(A2, low_a), float(rc.ni))
     pair.foot[1][q] = min(max(B2, low_b), float(rc.nj))
-    if pair.status[q] == TOUCHING:
-        pair.going[0][q] = pair.going[1][q] = 0.0
+    pair.going[0][q] = pair.going[1][q] = 0.0
+    pair.status[q] = FREE
+    leapt = depth > 0.0 and max(abs(go), abs(turn)) > _LEAP
+    if pair.form == SMOOTH and (leapt or (not whole and (often or not touches))):
+        seek(rear, rc, pair, q, at_x, at_y, at_z, x * x + y * y + z * z)
     if depth <= 0.0:
-        pair.status[q] = FREE
-        return 0.0, depth
+        return 0.0, depth if whole else 0.0
     beside_x, beside_y = A2 > rc.ni or (A2 < 0.0 and not rc.mirror_x), B2 > rc.nj or (B2 < 0.0 and not rc.mirror_y)
-    if beside_x or beside_y:
+    if beside_x or beside_y or (leapt and pair.form != NODES):
         return 0.0, 0.0
-    leapt = max(abs(go), abs(turn)) > _LEAP or (pair.status[q] == FREE and depth > 0.5 * pair.thickness)
-    part = min(left(front, fc, a, b), left(rear, rc, A, B))
-    if pair.form != NODES and (part == 0.0 or leapt or (part < 1.0 and depth > pair.thickness)):
-        pair.status[q] = LOST
-    if pair.status[q] == LOST or part == 0.0:
+    if left(front, fc, a, b) == 0.0 or left(rear, rc, A, B) == 0.0:
         return 0.0, 0.0
-    if sure and pair.status[q] == TOUCHING:
+    if not touches:
+        pair.slack[q] = depth if depth > 0.5 * pair.thickness else 0.0
+    elif sure:
         pair.going[0][q] = min(max(pair.foot[0][q] - before_a, -_STEP), _STEP)
         pair.going[1][q] = min(max(pair.foot[1][q] - before_b, -_STEP), _STEP)
+    if touches and depth > pair.thickness:
+        pass_through(front, fc, rear, rc, pair, q, a, b, A, B, depth)
     pair.status[q] = TOUCHING
+    pair.normal[0][q], pair.normal[1][q], pair.normal[2][q] = n_x, n_y, n_z
+    pair.slack[q] = min(pair.slack[q], depth)
+    squeezed, part = depth - pair.slack[q], 0.5 if pair.torn[q // (pair.points * pair.points)] else 1.0
     if pair.start == 0.0:  # half an element, or a quarter, is modelled about points on planes of symmetry
         part *= (0.5 if a == 0.0 and fc.mirror_x else 1.0) * (0.5 if b == 0.0 and fc.mirror_y else 1.0)
     v_x = -across(rear.v[0], K, rc.s, w0, w1x, w2, v0, v1, v2)
@@ -501,7 +582,7 @@ def touch(front, fc, rear, rc, pair, q, a, b):
         v_x += across(front.v[0], k, fc.s, p0, p1x, p2, q0, q1, q2)
         v_y += across(front.v[1], k, fc.s, p0, p1, p2, q0, q1y, q2)
         v_z += across(front.v[2], k, fc.s, p0, p1, p2, q0, q1, q2)
-    f = max(0.0, part * (pair.stiffness * depth + pair.damping * (n_x * v_x + n_y * v_y + n_z * v_z)))
+    f = max(0.0, part * (pair.stiffness * squeezed + pair.damping * (n_x * v_x + n_y * v_y + n_z * v_z)))
     if f > 0.0:
         note(pair.front_touched, i, j, 2 if central else 3)
         note(pair.rear_touched, I, J, 3)
@@ -518,7 +599,47 @@ def touch(front, fc, rear, rc, pair, q, a, b):
         spread(F[0], K, rc.s, f * n_x, w0, w1x, w2, v0, v1, v2)
         spread(F[1], K, rc.s, f * n_y, w0, w1, w2, v0, v1y, v2)
         spread(F[2], K, rc.s, f * n_z, w0, w1, w2, v0, v1, v2)
-    return 0.5 * part * pair.stiffness * depth * depth, depth
+    return 0.5 * part * pair.stiffness * squeezed * squeezed, depth
+
+
+@njit(cache=True, error_model="numpy", _nrt=False)
+def whole_about(state, const, a, b):
+    """Whether all yarns between the nodes that shape the spline at the place (a, b) are whole."""
+    i, j = int(a + 0.5), int(b + 0.5)
+    for m in range(max(i - 1, 0), min(i, const.ni - 1) + 1):
+        for n in range(max(j - 1, 0), min(j, const.nj - 1) + 1):
+            if state.flag[m * const.s + n]:
+                return False
+    return True
+
+
+@njit(cache=True, error_model="numpy", _nrt=False)
+def seek(rear, rc, pair, q, x, y, z, square):
+    """Put the foot of a point into the middle of the nearest element about it, where that is nearer than its foot, whose
+    distance squared is `square`. x, y, z : [m] of the point, from the first node of the rear ply at rest."""
+    i0, j0, best, least = int(pair.foot[0][q]), int(pair.foot[1][q]), -1, 0.8 * square
+    for i in range(max(i0 - _SOUGHT, 0), min(i0 + _SOUGHT + 1, rc.ni)):
+        for j in range(max(j0 - _SOUGHT, 0), min(j0 + _SOUGHT + 1, rc.nj)):
+            k = np.uint64(i * rc.s + j)
+            if rear.flag[k] & ERODED:
+                continue
+            d_x = x - (i + 0.5) * rc.dx - middle(rear.u[0], k, rc.s)
+            d_y = y - (j + 0.5) * rc.dy - middle(rear.u[1], k, rc.s)
+            d_z = z - middle(rear.u[2], k, rc.s)
+            far = d_x * d_x + d_y * d_y + d_z * d_z
+            if far < least:
+                best, least = i * rc.nj + j, far
+    if best >= 0:
+        pair.foot[0][q], pair.foot[1][q] = best // rc.nj + 0.5, best % rc.nj + 0.5
+
+
+@njit(cache=True, error_model="numpy", _nrt=False)
+def pass_through(front, fc, rear, rc, pair, q, a, b, A, B, depth):
+    """Count a point that has come deeper than a thickness, where cloth is on both sides."""
+    whole = left(front, fc, a, b) == 1.0 and left(rear, rc, A, B) == 1.0
+    pair.energy[PASSED if whole else TORN_PASSED] += 1.0
+    if pair.energy[WHERE] < 0.0 or whole:
+        pair.energy[WHERE] = q
 
 
 @njit(cache=True, error_model="numpy", _nrt=False)
