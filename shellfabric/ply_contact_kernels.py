@@ -69,6 +69,7 @@ from shellfabric.membrane_kernels import ERODED
 
 TAKEN, SPRING, DEEPEST, PLACE, PASSED, TORN_PASSED, WHERE = range(7)  # of pair.energy
 ONE = np.uint64(1)
+_CLOSE, _STIFFER = 0.15, 3.0  # [thicknesses] where a point may come through; most that a spring is stiffened
 FREE, TOUCHING = 0, 1  # of pair.status
 SMOOTH, FACETS, NODES = 0, 1, 2  # of pair.form
 _EVERY, _MARGIN = 8, 3  # steps between scans, elements about what they find
@@ -514,13 +515,19 @@ def touch(front, fc, rear, rc, pair, q, a, b, often):
     n_x, n_y, n_z = n_x / size, n_y / size, n_z / size
     size = max(size, tiny)
     touches = pair.status[q] == TOUCHING
-    turned = n_x * x + n_y * y + n_z * z > 0.0  # whoever comes near does it from his own side
-    if touches:
-        turned = n_x * pair.normal[0][q] + n_y * pair.normal[1][q] + n_z * pair.normal[2][q] < 0.0
+    along, far, slant = n_x * x + n_y * y + n_z * z, math.sqrt(x * x + y * y + z * z), False
+    turned = along > 0.0  # whoever comes near does it from his own side
+    if touches and abs(along) < _CLOSE * pair.thickness:  # so close by that he may have come through
+        known = n_x * pair.normal[0][q] + n_y * pair.normal[1][q] + n_z * pair.normal[2][q]
+        turned = known < 0.0 if abs(known) > 0.5 else turned
     if turned and pair.form == SMOOTH:
-        n_x, n_y, n_z = -n_x, -n_y, -n_z
-    depth = pair.thickness + n_x * x + n_y * y + n_z * z
-    if depth > -0.5 * pair.thickness:
+        n_x, n_y, n_z, along = -n_x, -n_y, -n_z, -along
+    depth = pair.thickness + along
+    near = depth > -0.5 * pair.thickness
+    if pair.form == SMOOTH and far > 0.3 * pair.thickness and along > -0.7 * far:
+        # a fold, a rim or cloth drawn to a line, whose normal says nothing of where the point is
+        n_x, n_y, n_z, depth, slant = -x / far, -y / far, -z / far, pair.thickness - far, True
+    if near:
         aa, ab, bb = Xa * Xa + Ya * Ya + Za * Za, Xa * Xb + Ya * Yb + Za * Zb, Xb * Xb + Yb * Yb + Zb * Zb
         ra, rb = Xa * x + Ya * y + Za * z, Xb * x + Yb * y + Zb * z
         go, turn, sure = (bb * ra - ab * rb) / (size * size), (aa * rb - ab * ra) / (size * size), False
@@ -550,7 +557,7 @@ def touch(front, fc, rear, rc, pair, q, a, b, often):
     if pair.form == SMOOTH and (leapt or (not whole and (often or not touches))):
         seek(rear, rc, pair, q, at_x, at_y, at_z, x * x + y * y + z * z)
     if depth <= 0.0:
-        return 0.0, depth if whole else 0.0
+        return 0.0, depth if whole and not slant else 0.0
     beside_x, beside_y = A2 > rc.ni or (A2 < 0.0 and not rc.mirror_x), B2 > rc.nj or (B2 < 0.0 and not rc.mirror_y)
     if beside_x or beside_y or (leapt and pair.form != NODES):
         return 0.0, 0.0
@@ -569,6 +576,9 @@ def touch(front, fc, rear, rc, pair, q, a, b, often):
     squeezed, part = depth - pair.slack[q], 0.5 if pair.torn[q // (pair.points * pair.points)] else 1.0
     if pair.start == 0.0:  # half an element, or a quarter, is modelled about points on planes of symmetry
         part *= (0.5 if a == 0.0 and fc.mirror_x else 1.0) * (0.5 if b == 0.0 and fc.mirror_y else 1.0)
+    drag = part * pair.damping
+    if pair.slack[q] > 0.0:  # what is left of the thickness has to hold as much
+        part *= min(_STIFFER, pair.thickness / max(pair.thickness - pair.slack[q], 0.1 * pair.thickness))
     v_x = -across(rear.v[0], K, rc.s, w0, w1x, w2, v0, v1, v2)
     v_y = -across(rear.v[1], K, rc.s, w0, w1, w2, v0, v1y, v2)
     v_z = -across(rear.v[2], K, rc.s, w0, w1, w2, v0, v1, v2)
@@ -582,7 +592,7 @@ def touch(front, fc, rear, rc, pair, q, a, b, often):
         v_x += across(front.v[0], k, fc.s, p0, p1x, p2, q0, q1, q2)
         v_y += across(front.v[1], k, fc.s, p0, p1, p2, q0, q1y, q2)
         v_z += across(front.v[2], k, fc.s, p0, p1, p2, q0, q1, q2)
-    f = max(0.0, part * (pair.stiffness * squeezed + pair.damping * (n_x * v_x + n_y * v_y + n_z * v_z)))
+    f = max(0.0, part * pair.stiffness * squeezed + drag * (n_x * v_x + n_y * v_y + n_z * v_z))
     if f > 0.0:
         note(pair.front_touched, i, j, 2 if central else 3)
         note(pair.rear_touched, I, J, 3)
