@@ -217,6 +217,7 @@ class PackMarch(March):
             if told:
                 self.reason = kernels.NOT_FINITE
                 raise UnstableError(told, where=f"ply {p + 1}, {self._place(k, p)}", when=when)
+        self._guard_plies()
         drift = abs(row[PACK_SAMPLES.index("balance")]) / self.strike_energy
         if not drift <= self.drift_limit:
             self.reason = kernels.NOT_FINITE
@@ -227,6 +228,21 @@ class PackMarch(March):
             if given:
                 self.reason = kernels.NOT_FINITE
                 raise UnstableError(f"{told} {given}", where=f"{len(self.states)} plies", when=when)
+
+    def _guard_plies(self):
+        """Stop a run in which whole cloth has come through whole cloth."""
+        half = len(self.pairs) // 2
+        for p, pair in enumerate(self.pairs):
+            if pair.energy[ply_contact_kernels.PASSED]:
+                one, other = (p, p + 1) if p < half else (p - half + 1, p - half)
+                element = int(pair.energy[ply_contact_kernels.WHERE]) // pair.points**2
+                i, j = divmod(element, self.consts[one].nj)
+                step = int(pair.energy[ply_contact_kernels.WHEN])
+                self.reason = kernels.NOT_FINITE
+                raise UnstableError(
+                    f"ply {one + 1} has come through ply {other + 1}", where=f"ply {one + 1}, element ({i}, {j})",
+                    when=f"after {step * self.const.dt * 1e6:.3g} us (step {step})",
+                )  # fmt: skip
 
     def _look_for_plug(self):
         """End a run in which cut-out cloth is all that is left before the projectile."""

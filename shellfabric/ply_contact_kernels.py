@@ -67,7 +67,7 @@ from shellfabric.lanes import (
 from shellfabric.march_kernels import FAILURES
 from shellfabric.membrane_kernels import ERODED
 
-TAKEN, SPRING, DEEPEST, PLACE, PASSED, TORN_PASSED, WHERE = range(7)  # of pair.energy
+TAKEN, SPRING, DEEPEST, PLACE, PASSED, WHERE, WHEN = range(7)  # of pair.energy
 ONE = np.uint64(1)
 _CLOSE, _STIFFER = 0.15, 3.0  # [thicknesses] where a point may come through; most that a spring is stiffened
 FREE, TOUCHING = 0, 1  # of pair.status
@@ -310,8 +310,7 @@ def contact(front, fc, rear, rc, pair, step):
     symmetric(fc, pair.on_front, pair.front_touched)
     symmetric(rc, pair.on_rear, pair.rear_touched)
     taken -= settle(front, fc, pair.on_front, pair.front_touched) + settle(rear, rc, pair.on_rear, pair.rear_touched)
-    pair.energy[TAKEN] += taken
-    pair.energy[SPRING] = spring
+    conclude(pair, taken, spring, step)
 
 
 @njit(cache=True, error_model="numpy", _nrt=False)
@@ -334,8 +333,16 @@ def contact_back(front, fc, rear, rc, pair, step):
     symmetric(fc, pair.on_front, pair.front_touched)
     symmetric(rc, pair.on_rear, pair.rear_touched)
     taken -= settle(front, fc, pair.on_front, pair.front_touched) + settle(rear, rc, pair.on_rear, pair.rear_touched)
+    conclude(pair, taken, spring, step)
+
+
+@njit(cache=True, error_model="numpy", _nrt=False)
+def conclude(pair, taken, spring, step):
+    """Book the energies of a step, and when the first point went through."""
     pair.energy[TAKEN] += taken
     pair.energy[SPRING] = spring
+    if pair.energy[PASSED] > 0.0 and pair.energy[WHEN] == 0.0:
+        pair.energy[WHEN] = step
 
 
 @njit(cache=True, error_model="numpy", _nrt=False)
@@ -477,13 +484,13 @@ def touch(front, fc, rear, rc, pair, q, a, b, often):
     The depth is negative where the point is clear of the rear ply, and 0 where it cannot push. often : whether a foot
     beside torn cloth is to be looked for anew, if it has been followed well or not
     """
-    form_x = pair.form if pair.form != SMOOTH or whole_about(front, fc, a, b) else FACETS
     central = pair.points == 1 and pair.form == SMOOTH  # the spline goes through the middles of the elements
     if central:
         i, j, p0, p1, p2, p1x, q0, q1, q2, q1y = int(a), int(b), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
         k = np.uint64(i * fc.s + j)
         x, y, z = middle(front.u[0], k, fc.s), middle(front.u[1], k, fc.s), middle(front.u[2], k, fc.s)
     else:
+        form_x = pair.form if pair.form != SMOOTH or whole_about(front, fc, a, b) else FACETS
         i, p0, p1, p2, _, _, _, p1x, _ = weights(form_x, a, fc.ni, fc.mirror_x)
         j, q0, q1, q2, _, _, _, q1y, _ = weights(form_x, b, fc.nj, fc.mirror_y)
         k = np.uint64(i * fc.s + j)
@@ -561,15 +568,19 @@ def touch(front, fc, rear, rc, pair, q, a, b, often):
     beside_x, beside_y = A2 > rc.ni or (A2 < 0.0 and not rc.mirror_x), B2 > rc.nj or (B2 < 0.0 and not rc.mirror_y)
     if beside_x or beside_y or (leapt and pair.form != NODES):
         return 0.0, 0.0
-    if left(front, fc, a, b) == 0.0 or left(rear, rc, A, B) == 0.0:
+    left_x, left_y = left(front, fc, a, b), left(rear, rc, A, B)
+    if left_x == 0.0 or left_y == 0.0:
         return 0.0, 0.0
+    smooth = pair.form == SMOOTH
+    if not touches and smooth and not whole and depth > (1.0 - _CLOSE) * pair.thickness:
+        return 0.0, 0.0  # it has come from a hole, edge on, and is on no side yet
+    if touches and smooth and depth > pair.thickness and left_x == 1.0 and left_y == 1.0:
+        pair.energy[PASSED], pair.energy[WHERE] = pair.energy[PASSED] + 1.0, q
     if not touches:
-        pair.slack[q] = depth if depth > 0.5 * pair.thickness else 0.0
+        pair.slack[q] = depth if depth > 0.5 * pair.thickness and pair.form != NODES else 0.0
     elif sure:
         pair.going[0][q] = min(max(pair.foot[0][q] - before_a, -_STEP), _STEP)
         pair.going[1][q] = min(max(pair.foot[1][q] - before_b, -_STEP), _STEP)
-    if touches and depth > pair.thickness:
-        pass_through(front, fc, rear, rc, pair, q, a, b, A, B, depth)
     pair.status[q] = TOUCHING
     pair.normal[0][q], pair.normal[1][q], pair.normal[2][q] = n_x, n_y, n_z
     pair.slack[q] = min(pair.slack[q], depth)
@@ -616,6 +627,8 @@ def touch(front, fc, rear, rc, pair, q, a, b, often):
 def whole_about(state, const, a, b):
     """Whether all yarns between the nodes that shape the spline at the place (a, b) are whole."""
     i, j = int(a + 0.5), int(b + 0.5)
+    if not state.thin[min(i, const.ni - 1) // const.block]:  # of blocks within two rows of a failed yarn it is set
+        return True
     for m in range(max(i - 1, 0), min(i, const.ni - 1) + 1):
         for n in range(max(j - 1, 0), min(j, const.nj - 1) + 1):
             if state.flag[m * const.s + n]:
@@ -641,15 +654,6 @@ def seek(rear, rc, pair, q, x, y, z, square):
                 best, least = i * rc.nj + j, far
     if best >= 0:
         pair.foot[0][q], pair.foot[1][q] = best // rc.nj + 0.5, best % rc.nj + 0.5
-
-
-@njit(cache=True, error_model="numpy", _nrt=False)
-def pass_through(front, fc, rear, rc, pair, q, a, b, A, B, depth):
-    """Count a point that has come deeper than a thickness, where cloth is on both sides."""
-    whole = left(front, fc, a, b) == 1.0 and left(rear, rc, A, B) == 1.0
-    pair.energy[PASSED if whole else TORN_PASSED] += 1.0
-    if pair.energy[WHERE] < 0.0 or whole:
-        pair.energy[WHERE] = q
 
 
 @njit(cache=True, error_model="numpy", _nrt=False)
