@@ -39,7 +39,7 @@ _LEAST = (0.25, 1e-3)  # deflections that are looked at: of the gap, of the thic
 
 Pair = namedtuple(
     "Pair",
-    "foot going normal slack status wait speed on_front on_rear front_touched rear_touched front_box rear_box energy "
+    "foot going normal was slack status wait speed on_front on_rear front_touched rear_touched front_box rear_box energy "
     "torn list tears due depth rank form points start stiffness damping thickness apart least",
 )
 Stack = namedtuple("Stack", "awake counter places reactions counters speed")
@@ -236,7 +236,7 @@ class Pack:
         count, elements = foot[0].size, front.ni * front.nj
         return Pair(
             foot=tuple(np.pad(part.ravel(), (0, WIDTH)) for part in foot), going=(np.zeros(count), np.zeros(count)),
-            normal=tuple(np.zeros(count) for _ in range(3)), slack=np.zeros(count),
+            normal=tuple(np.zeros(count) for _ in range(3)), was=np.zeros(count), slack=np.zeros(count),
             status=np.zeros(count, np.uint8), wait=np.zeros(count, np.uint8), torn=np.zeros(elements, np.uint8),
             list=np.zeros(elements, np.int64), tears=np.zeros(2, np.int64), due=np.zeros(WIDTH, np.bool_),
             depth=np.zeros(WIDTH), rank=np.arange(float(WIDTH)), speed=np.zeros(2),

@@ -523,8 +523,8 @@ def touch(front, fc, rear, rc, pair, q, a, b, often):
     size = max(size, tiny)
     touches = pair.status[q] == TOUCHING
     along, far, slant = n_x * x + n_y * y + n_z * z, math.sqrt(x * x + y * y + z * z), False
-    turned = along > 0.0  # whoever comes near does it from his own side
-    if touches and abs(along) < _CLOSE * pair.thickness:  # so close by that he may have come through
+    turned = along > 0.0  # what comes near does so on its own side
+    if touches and pair.was[q] > (1.0 - _CLOSE) * pair.thickness:  # so deep that it may come through, or has
         known = n_x * pair.normal[0][q] + n_y * pair.normal[1][q] + n_z * pair.normal[2][q]
         turned = known < 0.0 if abs(known) > 0.5 else turned
     if turned and pair.form == SMOOTH:
@@ -583,7 +583,7 @@ def touch(front, fc, rear, rc, pair, q, a, b, often):
         pair.going[1][q] = min(max(pair.foot[1][q] - before_b, -_STEP), _STEP)
     pair.status[q] = TOUCHING
     pair.normal[0][q], pair.normal[1][q], pair.normal[2][q] = n_x, n_y, n_z
-    pair.slack[q] = min(pair.slack[q], depth)
+    pair.was[q], pair.slack[q] = depth, min(pair.slack[q], depth)
     squeezed, part = depth - pair.slack[q], 0.5 if pair.torn[q // (pair.points * pair.points)] else 1.0
     if pair.start == 0.0:  # half an element, or a quarter, is modelled about points on planes of symmetry
         part *= (0.5 if a == 0.0 and fc.mirror_x else 1.0) * (0.5 if b == 0.0 and fc.mirror_y else 1.0)
