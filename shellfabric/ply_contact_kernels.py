@@ -523,7 +523,7 @@ def touch(front, fc, rear, rc, pair, q, a, b, often):
     size = max(size, tiny)
     touches = pair.status[q] == TOUCHING
     along, far, slant = n_x * x + n_y * y + n_z * z, math.sqrt(x * x + y * y + z * z), False
-    turned = along > 0.0  # what comes near does so on its own side
+    turned, known = along > 0.0, 0.0  # what comes near does so on its own side
     if touches and pair.was[q] > (1.0 - _CLOSE) * pair.thickness:  # so deep that it may come through, or has
         known = n_x * pair.normal[0][q] + n_y * pair.normal[1][q] + n_z * pair.normal[2][q]
         turned = known < 0.0 if abs(known) > 0.5 else turned
@@ -531,7 +531,7 @@ def touch(front, fc, rear, rc, pair, q, a, b, often):
         n_x, n_y, n_z, along = -n_x, -n_y, -n_z, -along
     depth = pair.thickness + along
     near = depth > -0.5 * pair.thickness
-    if pair.form == SMOOTH and far > 0.3 * pair.thickness and along > -0.7 * far:
+    if pair.form == SMOOTH and abs(known) <= 0.5 and far > 0.3 * pair.thickness and along > -0.7 * far:
         # a fold, a rim or cloth drawn to a line, whose normal says nothing of where the point is
         n_x, n_y, n_z, depth, slant = -x / far, -y / far, -z / far, pair.thickness - far, True
     if near:
