@@ -5,8 +5,7 @@ has its four crossing edges. An audit looks at all of the cloth: one by one it w
 two audits.
 """
 
-from numba import njit
-
+from shellfabric.compiled import kernel
 from shellfabric.lanes import (
     WIDTH,
     above,
@@ -29,7 +28,7 @@ from shellfabric.membrane_kernels import along, angle_of, beside
 WARP = 0
 
 
-@njit(cache=True, error_model="numpy", _nrt=False)
+@kernel(_nrt=False)
 def motion(const, state, i):
     """[J] kinetic energy of the nodes of row i that are free to move, m v(n-1/2) v(n+1/2) / 2."""
     found = splat(0.0)
@@ -46,7 +45,7 @@ def motion(const, state, i):
     return total(found)
 
 
-@njit(cache=True, error_model="numpy", _nrt=False)
+@kernel(_nrt=False)
 def edges(const, state, family, i, begin, end):
     """[J] of the edges (i, begin) .. (i, end - 1) of a family, all of which have four crossing edges."""
     x0, rx, top1, y0, ry, top2, across = const.grid
@@ -74,7 +73,7 @@ def edges(const, state, family, i, begin, end):
     return 0.25 / w * total(found)
 
 
-@njit(cache=True, error_model="numpy", _nrt=False)
+@kernel(_nrt=False)
 def trellis(const, state, i):
     """[J] of the quadrilaterals of row i."""
     s, G1, G2, gamma1, gamma2 = const.s, const.G1, const.G2, const.gamma1, const.gamma2

@@ -19,13 +19,14 @@ tip: its place, and as its velocity its advance over the step divided by the ste
 import math
 
 import numpy as np
-from numba import njit
+
+from shellfabric.compiled import entry, kernel
 
 WORK, PLASTIC = 0, 1  # of the sums [J]: of the tip's force; of the stress on plastic strain
 KINETIC, ELASTIC = 0, 1  # of `energies`
 
 
-@njit(cache=True, error_model="numpy")
+@kernel()
 def kick(u, v, mass, h, area, stress, force, half):
     """Velocities over the time `half` [s]."""
     n, before = stress.size, force
@@ -35,7 +36,7 @@ def kick(u, v, mass, h, area, stress, force, half):
         before = behind
 
 
-@njit(cache=True, error_model="numpy")
+@kernel()
 def stretch(u, h, area, modulus, yields, hardening, plastic, stress):
     """Stress of every element at the places u, plastic strains grown to where it is admissible.
 
@@ -56,7 +57,7 @@ def stretch(u, h, area, modulus, yields, hardening, plastic, stress):
     return work
 
 
-@njit(cache=True, error_model="numpy")
+@entry()
 def advance(u, v, mass, h, area, modulus, yields, hardening, plastic, stress, sums, force, dt, substeps):
     """Move the bar over `dt` under a force that is held at its tip.
 
@@ -90,7 +91,7 @@ def advance(u, v, mass, h, area, modulus, yields, hardening, plastic, stress, su
     return u[0], v[0]
 
 
-@njit(cache=True, error_model="numpy")
+@entry()
 def energies(v, mass, h, area, modulus, stress, out):
     """KINETIC and ELASTIC energy [J] into out : (2,)."""
     out[KINETIC] = out[ELASTIC] = 0.0
@@ -100,7 +101,7 @@ def energies(v, mass, h, area, modulus, stress, out):
         out[ELASTIC] += 0.5 * stress[k] * stress[k] / modulus * area[k] * h[k]
 
 
-@njit(cache=True, error_model="numpy", _nrt=False)
+@kernel(_nrt=False)
 def along(state, const):
     """[N] force of a ply, and of what lies behind it, on the projectile along its axis."""
     force = 0.0
@@ -109,7 +110,7 @@ def along(state, const):
     return force
 
 
-@njit(cache=True, error_model="numpy", _nrt=False)
+@kernel(_nrt=False)
 def fly(state, const, force):
     """Let a bar move along its axis in a step; what the target gave it as to a rigid body, in state.speed, is replaced.
 
@@ -129,7 +130,7 @@ def fly(state, const, force):
         state.speed[c] += const.frame[2, c] * (tip - rigid)
 
 
-@njit(cache=True, error_model="numpy")
+@entry()
 def mean(mass, values):
     """Mean over the mass of nodal values: of the centre of mass."""
     total, weight = 0.0, 0.0
@@ -139,7 +140,7 @@ def mean(mass, values):
     return total / weight
 
 
-@njit(cache=True, error_model="numpy")
+@kernel()
 def approach(state, const):
     """[m/s] velocity of the projectile's centre of mass along the panel's normal."""
     if const.bar_mass.size == 0:

@@ -17,12 +17,13 @@ end nothing turns. A turn keeps the part of it that both its segments keep (see 
 import math
 
 import numpy as np
-from numba import njit
+
+from shellfabric.compiled import kernel
 
 ENDED, MIRRORED, HELD = 0, 1, 2
 
 
-@njit(cache=True, error_model="numpy", _nrt=False)
+@kernel(_nrt=False)
 def segment(state, const, family, k):
     """(x, y, z) of the unit tangent of the segment at slot k, and its length."""
     u, far = state.u, np.uint64(np.int64(k) + (const.s if family == 0 else 1))
@@ -33,7 +34,7 @@ def segment(state, const, family, k):
     return (x / length, y / length, z / length), length
 
 
-@njit(cache=True, error_model="numpy", _nrt=False)
+@kernel(_nrt=False)
 def pull(state, const, family, k, B, t, length, other, cosine):
     """Add the forces of the energy B (1 - t.other) of the segment at slot k, `other` being held."""
     far = np.uint64(np.int64(k) + (const.s if family == 0 else 1))
@@ -43,7 +44,7 @@ def pull(state, const, family, k, B, t, length, other, cosine):
         state.g0[c][far] += force
 
 
-@njit(cache=True, error_model="numpy", _nrt=False)
+@kernel(_nrt=False)
 def end_turn(state, const, family, own, kind, B, acting):
     """Energy of the turn at the end of a yarn in a clamp or on a plane of symmetry; its only segment is at slot own."""
     t, length = segment(state, const, family, own)
@@ -55,7 +56,7 @@ def end_turn(state, const, family, own, kind, B, acting):
     return 2.0 * B * (1.0 - along) if kind == HELD else B * (1.0 - along * along)
 
 
-@njit(cache=True, error_model="numpy", _nrt=False)
+@kernel(_nrt=False)
 def turns(state, const, family, first, last, acting):
     """Energy of the turns of one family's yarns at the nodes of the rows first .. last; adds their forces if `acting`.
 
@@ -86,7 +87,7 @@ def turns(state, const, family, first, last, acting):
     return total
 
 
-@njit(cache=True, error_model="numpy", _nrt=False)
+@kernel(_nrt=False)
 def bend(state, const, first, last, acting):
     """Energy of all turns in the node rows first .. last; adds their forces to state.g0 if `acting`."""
     total = 0.0

@@ -21,17 +21,17 @@ out. Where the face drops away under a point, what its spring held is lost with 
 import math
 
 import numpy as np
-from numba import njit
 
 from shellfabric import shapes_kernels
 from shellfabric.block_kernels import CONTACT, DRAG, PUSH
+from shellfabric.compiled import entry, kernel
 
 DROPPED = 1  # of the sums of `points` [J]: springs whose face has dropped away
 LOOKS = 50  # columns that a point is followed across in one call
 FARTHEST = 3.0  # coordinate in a facet, -1 .. 1 within it, that a foot may have
 
 
-@njit(cache=True, error_model="numpy")
+@kernel()
 def bricks_left(i, j, k, nx, ny, nz, gone):
     """Whether a brick is left at the node."""
     for p in range(max(i - 1, 0), min(i + 1, nx)):
@@ -42,7 +42,7 @@ def bricks_left(i, j, k, nx, ny, nz, gone):
     return False
 
 
-@njit(cache=True, error_model="numpy")
+@entry()
 def shot(nx, ny, nz, x, v, gone, stiffness, damping, position, speed, form, numbers, held, outer, drags, sums):
     """Forces of a rigid projectile on the nodes of the block.
 
@@ -92,7 +92,7 @@ def shot(nx, ny, nz, x, v, gone, stiffness, damping, position, speed, form, numb
     return dropped
 
 
-@njit(cache=True, error_model="numpy")
+@kernel()
 def top_layer(p, q, ny, nz, gone):
     """First brick of the column (p, q) below all that are gone; nz where there is none. Above it there is debris."""
     for r in range(nz - 1, -1, -1):
@@ -101,14 +101,14 @@ def top_layer(p, q, ny, nz, gone):
     return 0
 
 
-@njit(cache=True, error_model="numpy")
+@kernel()
 def weights(a, b, w):
     """Bilinear weights w : (4,) of the nodes of a facet at (a, b)."""
     w[0], w[1] = 0.25 * (1 - a) * (1 - b), 0.25 * (1 + a) * (1 - b)
     w[2], w[3] = 0.25 * (1 + a) * (1 + b), 0.25 * (1 - a) * (1 + b)
 
 
-@njit(cache=True, error_model="numpy")
+@kernel()
 def locate(px, py, x, column, nx, ny, nz, gone, place, nodes):
     """Facet under a point, from the column it was last over.
 
@@ -157,7 +157,7 @@ def locate(px, py, x, column, nx, ny, nz, gone, place, nodes):
     return False
 
 
-@njit(cache=True, error_model="numpy")
+@kernel()
 def tangents(a, b, x, nodes, A, B):
     """Slopes A, B : (3,) of a facet along its coordinates, four times over."""
     for c in range(3):
@@ -165,7 +165,7 @@ def tangents(a, b, x, nodes, A, B):
         B[c] = (1 - a) * (x[nodes[3], c] - x[nodes[0], c]) + (1 + a) * (x[nodes[2], c] - x[nodes[1], c])
 
 
-@njit(cache=True, error_model="numpy")
+@kernel()
 def foot(p, x, nodes, place, A, B):
     """Move `place` from the point of the facet that is straight below p : (3,) to the one that is nearest to it.
 
@@ -195,7 +195,7 @@ def foot(p, x, nodes, place, A, B):
     tangents(place[0], place[1], x, nodes, A, B)
 
 
-@njit(cache=True, error_model="numpy")
+@entry()
 def points(
     nx, ny, nz, x, v, gone, px, pv, stiffness, damping, thickness, dt, columns, memory, outer, drags, force, drag_force,
     sums,

@@ -20,8 +20,9 @@ Forces are written for each brick and gathered at each node in a fixed order: th
 import math
 
 import numpy as np
-from numba import njit, prange
+from numba import prange
 
+from shellfabric.compiled import entry, kernel
 from shellfabric.solid_kernels import corners, hourglass, mean_deformation
 
 ELASTIC, PLASTIC, HOURGLASS, VISCOUS, ERODED = 0, 1, 2, 3, 4  # of the energies of each brick [J]
@@ -30,7 +31,7 @@ SWEEPS = 12  # of Jacobi's rotations; three or four are enough
 ON = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]])  # corners
 
 
-@njit(cache=True, error_model="numpy")
+@kernel()
 def principal(A, n):
     """Eigenvectors of the symmetric A : (3, 3) as columns of n, by Jacobi's rotations; A becomes diagonal."""
     for c in range(3):
@@ -59,7 +60,7 @@ def principal(A, n):
                     n[k, p], n[k, q] = cos * a - sin * b, sin * a + cos * b
 
 
-@njit(cache=True, error_model="numpy")
+@kernel()
 def inverse(F, G):
     """G = F^-1 of (3, 3); returns det F."""
     for c in range(3):
@@ -74,7 +75,7 @@ def inverse(F, G):
     return J
 
 
-@njit(cache=True, error_model="numpy")
+@kernel()
 def hencky(F, C, alpha, law, viscous, P):
     """First Piola-Kirchhoff stress, with plastic flow where the trial is outside the yield surface.
 
@@ -138,7 +139,7 @@ def hencky(F, C, alpha, law, viscous, P):
     return 0.5 * K * trace * trace + G * size * size, work, alpha
 
 
-@njit(cache=True, error_model="numpy")
+@kernel()
 def slab(
     i, ny, nz, x, gradient, volume, twist, control, damping, law, dt, metric, alpha, last, past, gone, own, energy
 ):
@@ -189,7 +190,7 @@ def slab(
                         own[m, a, c] += (volume[m] * P[c, r] + D[c, r]) * gradient[m, a, r]
 
 
-@njit(cache=True, error_model="numpy", parallel=True)
+@entry(parallel=True)
 def forces(
     nx, ny, nz, x, gradient, volume, twist, control, damping, law, dt, metric, alpha, last, past, gone, own, energy
 ):
@@ -214,7 +215,7 @@ def forces(
         )  # fmt: skip
 
 
-@njit(cache=True, error_model="numpy")
+@kernel()
 def sheet(i, nx, ny, nz, x, v, own, outer, drags, mass, dashpot, free, kick, dt, gone, work):
     """Step of the nodes i along x: see `move`."""
     kinetic = lost = damped = 0.0
@@ -243,7 +244,7 @@ def sheet(i, nx, ny, nz, x, v, own, outer, drags, mass, dashpot, free, kick, dt,
     work[i, 2] += damped
 
 
-@njit(cache=True, error_model="numpy", parallel=True)
+@entry(parallel=True)
 def move(nx, ny, nz, x, v, own, outer, drags, mass, dashpot, free, kick, dt, gone, work):
     """Velocities over `kick` [s], places over `dt` [s].
 

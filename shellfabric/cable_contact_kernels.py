@@ -5,16 +5,16 @@ an element what of its four bars is left.
 """
 
 import numpy as np
-from numba import njit
 
 from shellfabric import contact_kernels, spline_kernels
+from shellfabric.compiled import kernel
 from shellfabric.membrane_kernels import WARP_FAILED, WEFT_FAILED
 
 WARP, WEFT = 0, 1
 CONTACT, SPRING = 1, 2  # of state.sums
 
 
-@njit(cache=True, error_model="numpy")
+@kernel()
 def contact(state, const):
     """Add the contact forces to state.g; state.reaction is the force on the projectile.
 
@@ -32,7 +32,7 @@ def contact(state, const):
                 state.g[c, k] += state.contact[c, k]
 
 
-@njit(cache=True, error_model="numpy")
+@kernel()
 def tear(state, const):
     """Tell the surface about the window which of its bars have failed."""
     i0, i1, j0, j1 = contact_kernels.reached(state, const)
@@ -47,7 +47,7 @@ def tear(state, const):
                         state.flag[element] |= WARP_FAILED if family == WARP else WEFT_FAILED
 
 
-@njit(cache=True, error_model="numpy")
+@kernel()
 def anchored(state, const):
     """Which nodes i0 .. i1 + 1, j0 .. j1 + 1 are joined by unbroken bars to the rim of that block, and so to the net.
 
@@ -72,7 +72,7 @@ def anchored(state, const):
     return joined
 
 
-@njit(cache=True, error_model="numpy")
+@kernel()
 def in_the_way(state, const):
     """Whether the middle of a bar that the net holds is still ahead of the edge, within the projectile's radius."""
     i0, i1, j0, j1 = const.near

@@ -17,9 +17,9 @@ there is no such bar, or no longer one, its stiffness is zero. Each loop has few
 import math
 
 import numpy as np
-from numba import njit
 
 from shellfabric.cable_contact_kernels import WARP, WEFT, contact, in_the_way, tear
+from shellfabric.compiled import entry, kernel
 from shellfabric.march_kernels import widen
 
 RUNNING, STOPPED, PERFORATED, NOT_FINITE = 0, 1, 2, 3
@@ -35,7 +35,7 @@ _STILL = 1e-60
 _SHORTEST = 1e-12
 
 
-@njit(cache=True, fastmath=FAST, error_model="numpy")
+@kernel(fastmath=FAST)
 def differences(u, k0, n, offset, along, D):
     """One component of the vectors from node to node: D = along + u(other end) - u(this end)."""
     for j in range(n):
@@ -43,14 +43,14 @@ def differences(u, k0, n, offset, along, D):
         D[j] = along + (u[k + offset] - u[k])
 
 
-@njit(cache=True, fastmath=FAST, error_model="numpy")
+@kernel(fastmath=FAST)
 def lengths(n, dx, dy, dz, L):
     """Distances of the nodes of each bar."""
     for j in range(n):
         L[j] = math.sqrt(dx[j] * dx[j] + dy[j] * dy[j] + dz[j] * dz[j])
 
 
-@njit(cache=True, fastmath=FAST, error_model="numpy")
+@kernel(fastmath=FAST)
 def pulls(k0, n, S0, cv, stiff, L, L_old, drag_old, rate, e, a):
     """The pull over the length of each bar, into a; its elongation; its rate per step. Returns the viscous work.
 
@@ -74,7 +74,7 @@ def pulls(k0, n, S0, cv, stiff, L, L_old, drag_old, rate, e, a):
     return 0.5 * work
 
 
-@njit(cache=True, fastmath=FAST | {"nnan"}, error_model="numpy")
+@kernel(fastmath=FAST | {"nnan"})
 def highest(n, e):
     """The greatest of e; that no number is lost is looked after by the marching."""
     most = 0.0
@@ -83,7 +83,7 @@ def highest(n, e):
     return most
 
 
-@njit(cache=True, error_model="numpy")
+@kernel()
 def fail(k0, n, limit, stiff, drag, rate, e, a):
     """Take out the bars past their limit. Returns (energy that went with them, viscous work not done, failures).
 
@@ -101,7 +101,7 @@ def fail(k0, n, limit, stiff, drag, rate, e, a):
     return lost, undone, count
 
 
-@njit(cache=True, fastmath={"contract", "nsz"}, error_model="numpy")
+@kernel(fastmath={"contract", "nsz"})
 def gather(k0, n, s, a1, D1, a2, D2, g):
     """One component of the forces on the nodes; scratch arrays begin one row before slot k0."""
     for j in range(n):
@@ -109,7 +109,7 @@ def gather(k0, n, s, a1, D1, a2, D2, g):
         g[k0 + j] = (a1[here] * D1[here] - a1[j] * D1[j]) + (a2[here] * D2[here] - a2[back] * D2[back])
 
 
-@njit(cache=True, fastmath={"contract", "nsz"}, error_model="numpy")
+@kernel(fastmath={"contract", "nsz"})
 def move(k0, n, dt, kick, g, v, u):
     """One component of velocity and displacement; kick = dt / m, or 0 where the component is held."""
     for j in range(n):
@@ -120,7 +120,7 @@ def move(k0, n, dt, kick, g, v, u):
         u[k] += dt * speed
 
 
-@njit(cache=True, error_model="numpy")
+@kernel()
 def bars(state, const, family, k0, n, work, row):
     """Pulls of one family of bars in the slots k0 .. k0 + n, into four rows of work: the three components, and a."""
     lead = const.s
@@ -143,7 +143,7 @@ def bars(state, const, family, k0, n, work, row):
     state.sums[VISCOUS] += viscous
 
 
-@njit(cache=True, error_model="numpy")
+@kernel()
 def forces(state, const, work):
     """Forces of all bars on the nodes of the active rows, block of rows by block."""
     first, last = state.rows[0], state.rows[1] + 1
@@ -161,7 +161,7 @@ def forces(state, const, work):
                 work[row, j] = work[row, n + j]
 
 
-@njit(cache=True, error_model="numpy")
+@kernel()
 def step(state, const, work):
     """One step (work: scratch); returns why it should be the last, or RUNNING."""
     first, last = state.rows[0], state.rows[1] + 1
@@ -187,7 +187,7 @@ def step(state, const, work):
     return PERFORATED if state.counter[IDLE] >= const.idle_steps else RUNNING
 
 
-@njit(cache=True, error_model="numpy")
+@kernel()
 def observe(state, const, row):
     """One row of the history (see COLUMNS)."""
     row[Z], row[V_Z], row[PUSH] = state.position[2], state.speed[2], state.reaction[2]
@@ -200,7 +200,7 @@ def observe(state, const, row):
     row[DRIVE] = -state.g[2, const.driven]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@entry(nogil=True)
 def advance(state, const, steps, history):
     """March at most `steps` steps, a row of history (steps, COLUMNS) each; (steps made, why it ended or RUNNING)."""
     work = np.zeros((WORK, (const.block + 1) * const.s))
@@ -212,7 +212,7 @@ def advance(state, const, steps, history):
     return steps, RUNNING
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@entry(nogil=True)
 def energies(state, const):
     """Kinetic energies of cloth and projectile, and the energy stored in the bars, at the present whole step.
 

@@ -21,8 +21,7 @@ none), the strain of its toe and its profile.
 
 import math
 
-from numba import njit
-
+from shellfabric.compiled import entry, kernel
 from shellfabric.yarn_kernels import (
     COSINE,
     STRAIGHT,
@@ -38,7 +37,7 @@ EQUILIBRIUM, VARIATIONAL = 0, 1
 _MOST_STEPS = 200
 
 
-@njit(cache=True, error_model="numpy")
+@kernel()
 def contact_force(w, h, S0, EA, form, toe=0.0, profile=COSINE):
     """Contact force of one yarn at height h, its slope dF/dh, and the tension."""
     S, dS = arc(w, h, profile)
@@ -51,7 +50,7 @@ def contact_force(w, h, S0, EA, form, toe=0.0, profile=COSINE):
     return T * dS, dT * dS + T * arc_curvature(w, h, profile), T
 
 
-@njit(cache=True, error_model="numpy")
+@kernel()
 def height(w, F, yarn, lowest, form):
     """Height at which the yarn carries the contact force F > 0, from its free height `lowest`, and the slope dh/dF.
 
@@ -77,7 +76,7 @@ def height(w, F, yarn, lowest, form):
     return h, 1.0 / contact_force(w, h, S0, EA, form, toe, profile)[1]
 
 
-@njit(cache=True, error_model="numpy")
+@kernel()
 def compression(F, a, b, shift):
     """d_c and its slope dd_c/dF at the contact force F > 0 (eqs. 4-12, 4-28)."""
     if a == 0.0:
@@ -86,7 +85,7 @@ def compression(F, a, b, shift):
     return a - b * root, b / 3.0 * root / (F + shift)
 
 
-@njit(cache=True, error_model="numpy")
+@kernel()
 def compression_energy(F, a, b, shift):
     """Work of the contact force up to F: the integral of F dd_c."""
     if a == 0.0:
@@ -95,7 +94,7 @@ def compression_energy(F, a, b, shift):
     return F * d - (a * F - 1.5 * b * ((F + shift) ** (2.0 / 3.0) - shift ** (2.0 / 3.0)))
 
 
-@njit(cache=True, error_model="numpy")
+@kernel()
 def residual(F, w1, w2, free1, free2, warp, weft, gap, form):
     """r(F) and its slope."""
     h1, c1 = height(w1, F, warp, free1, form)
@@ -105,7 +104,7 @@ def residual(F, w1, w2, free1, free2, warp, weft, gap, form):
     return h1 + h2 + d1 + d2 + gap - warp[3] - weft[3], c1 + c2 + e1 + e2
 
 
-@njit(cache=True, error_model="numpy")
+@kernel()
 def closing_force(w1, w2, free1, free2, warp, weft, gap, form, guess):
     """The root of r(F); 0 where contact is lost; -1 if none was found.
 
@@ -138,7 +137,7 @@ def closing_force(w1, w2, free1, free2, warp, weft, gap, form, guess):
     return -1.0
 
 
-@njit(cache=True, error_model="numpy")
+@kernel()
 def cell(stretch1, stretch2, warp, weft, gap, form, coupled, guess):
     """One crossover at given stretches: (T1, T2, N1, N2, F, h1, h2, W).
 
@@ -164,7 +163,7 @@ def cell(stretch1, stretch2, warp, weft, gap, form, coupled, guess):
     return T1, T2, T1 * (S1 - h1 * dS1) / (2.0 * w1), T2 * (S2 - h2 * dS2) / (2.0 * w2), F, h1, h2, W
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@entry(nogil=True)
 def fill(stretches1, stretches2, warp, weft, gap, form, coupled, out):
     """Fill out (8, n1, n2) with `cell` on a grid; each row starts from the last force found. False if a cell failed."""
     for i in range(stretches1.size):
@@ -179,7 +178,7 @@ def fill(stretches1, stretches2, warp, weft, gap, form, coupled, out):
     return True
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@entry(nogil=True)
 def solve_many(stretch1, stretch2, warp, weft, gap, form, coupled, out):
     """Fill out (8, n) with `cell` at n pairs of stretches. False if a cell failed."""
     for i in range(stretch1.size):
@@ -191,7 +190,7 @@ def solve_many(stretch1, stretch2, warp, weft, gap, form, coupled, out):
     return True
 
 
-@njit(cache=True, error_model="numpy")
+@entry()
 def ceiling(low, high, over, top, unit, out):
     """What no tension can exceed where forces do not exceed N, step N / unit of out (n, 2): max(out[0], N + out[1]).
 

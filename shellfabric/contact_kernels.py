@@ -19,29 +19,29 @@ thirtieth with sixteen points (129.5 and 150.8).
 """
 
 import numpy as np
-from numba import njit
 
 from shellfabric import friction_kernels, shapes_kernels, spline_kernels
+from shellfabric.compiled import entry, kernel
 from shellfabric.lanes import WIDTH, above, fma, load, most, some, store
 from shellfabric.membrane_kernels import ERODED
 
 CONTACT, SPRING, FRICTION, FRICTION_SPRING = 0, 1, 2, 3  # of state.contact_energy
 
 
-@njit(cache=True, error_model="numpy")
+@kernel()
 def window(state):
     """First and last row, and column, of the elements that contact looks at."""
     return state.window[0], state.window[1], state.window[2], state.window[3]
 
 
-@njit(cache=True, error_model="numpy")
+@kernel()
 def reached(state, const):
     """First and last row, and column, of the nodes that it may push: one beyond those of the elements."""
     i0, i1, j0, j1 = window(state)
     return max(i0 - 1, 0), min(i1 + 1, const.ni), max(j0 - 1, 0), min(j1 + 1, const.nj)
 
 
-@njit(cache=True, error_model="numpy")
+@entry()
 def follow(state, const):
     """Let the window of elements that contact looks at, state.window, go with a projectile that moves sideways.
 
@@ -63,7 +63,7 @@ def follow(state, const):
     state.rows[1] = max(state.rows[1], min(state.window[1] + 2, const.ni))
 
 
-@njit(cache=True, error_model="numpy", _nrt=False)
+@kernel(_nrt=False)
 def contact(state, const, work):
     """Contact forces at the present positions, into state.contact; the force on the projectile into state.reaction.
 
@@ -77,7 +77,7 @@ def contact(state, const, work):
     return look(state, const, work)
 
 
-@njit(cache=True, error_model="numpy", _nrt=False)
+@kernel(_nrt=False)
 def look(state, const, work):
     """Contact of the elements in the window, as `contact` has it."""
     i0, i1, j0, j1 = window(state)
@@ -107,7 +107,7 @@ def look(state, const, work):
     return taken, spring
 
 
-@njit(cache=True, error_model="numpy", _nrt=False)
+@kernel(_nrt=False)
 def clear(state, const):
     """Take away the forces of the last call."""
     i0, i1, j0, j1 = reached(state, const)
@@ -118,7 +118,7 @@ def clear(state, const):
                 state.contact[c][k] = 0.0
 
 
-@njit(cache=True, error_model="numpy", _nrt=False)
+@kernel(_nrt=False)
 def let_go(state, const, e):
     """Forget the contact of element number e."""
     state.touching[e] = False
@@ -127,7 +127,7 @@ def let_go(state, const, e):
         state.stuck[e] = 0.0
 
 
-@njit(cache=True, error_model="numpy")
+@kernel()
 def erode(state, const, i, j):
     """Whether the element has no cloth left to push on: its yarns are gone, or those of one family are and the gap that
     they left is wider than const.widest, so that the others are far from it. Once so, it stays so."""
@@ -149,7 +149,7 @@ def erode(state, const, i, j):
     return False
 
 
-@njit(cache=True, error_model="numpy")
+@kernel()
 def cover(state, const, k, s, t):
     """Part of the cloth that is left at the point (s, t) of element k: the mean of the warp and the weft next to it."""
     warp, weft, row = state.intact[0], state.intact[1], np.uint64(const.s)
@@ -162,7 +162,7 @@ def cover(state, const, k, s, t):
     return 0.5 * (near + other)
 
 
-@njit(cache=True, error_model="numpy", _nrt=False)
+@kernel(_nrt=False)
 def press(state, const, i, j, e, work):
     """Contact of the points of one element: what it takes in and its springs' energy; forces go to its nodes.
 
@@ -207,7 +207,7 @@ def press(state, const, i, j, e, work):
     return taken, spring
 
 
-@njit(cache=True, error_model="numpy", _nrt=False)
+@kernel(_nrt=False)
 def moving(state, const, i, j, work):
     """Velocities of the nodes about element (i, j), into work.v, and room for the forces on them, work.push."""
     for m in range(4):
@@ -218,7 +218,7 @@ def moving(state, const, i, j, work):
             work.push[0, k] = work.push[1, k] = work.push[2, k] = 0.0
 
 
-@njit(cache=True, error_model="numpy", _nrt=False)
+@kernel(_nrt=False)
 def touch(state, const, i, j, e, number, m, shares, work):
     """Contact of one point of an element, whose place and velocity are in column m of work.at."""
     at, last, k = work.at, state.pressed[e], np.uint64(i * const.s + j)
@@ -263,7 +263,7 @@ def touch(state, const, i, j, e, number, m, shares, work):
     return taken, spring
 
 
-@njit(cache=True, error_model="numpy", _nrt=False)
+@kernel(_nrt=False)
 def spread(state, const, i, j, push):
     """Add the forces on the nodes (i, j) .. (i + 3, j + 3), or those that they are images of."""
     for m in range(4):
@@ -276,7 +276,7 @@ def spread(state, const, i, j, push):
             state.contact[2][k] += push[2, 4 * m + n]
 
 
-@njit(cache=True, error_model="numpy")
+@kernel()
 def turned_back(frame, x, y, z):
     """A vector in the frame of the projectile, in that of the panel."""
     return (
@@ -286,7 +286,7 @@ def turned_back(frame, x, y, z):
     )
 
 
-@njit(cache=True, error_model="numpy")
+@kernel()
 def push(state, const):
     """Give nodes and projectile the impulses of the contact forces, equal and opposite."""
     i0, i1, j0, j1 = reached(state, const)
@@ -298,7 +298,7 @@ def push(state, const):
         state.speed[c] += const.dt * const.free[c] * state.reaction[c] / const.projectile_mass
 
 
-@njit(cache=True, error_model="numpy")
+@entry()
 def in_the_way(state, const):
     """Whether a part of the cloth that holds together is ahead of the shoulder, within the projectile's radius."""
     i0, i1, j0, j1 = window(state)

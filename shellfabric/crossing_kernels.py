@@ -20,12 +20,14 @@ change no bit of the result.
 import math
 
 import numpy as np
-from numba import njit, prange
+from numba import prange
+
+from shellfabric.compiled import entry, kernel
 
 CLEAR_STEPS = 60  # the longest rest
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract"})
+@kernel(fastmath={"contract"})
 def spline(t, cell, cells, w, dw):
     """Catmull-Rom weights of the nodes cell - 1 .. cell + 2 at cell + t, and their slopes; filled.
 
@@ -49,7 +51,7 @@ def spline(t, cell, cells, w, dw):
         w[3] = dw[3] = 0.0
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract"})
+@kernel(fastmath={"contract"})
 def foot(x, first, nx, ny, nz, face, xi0, xi1, nodes, weights, S):
     """The surface of the face `face` (0 or nz) of a yarn at (xi0, xi1).
 
@@ -89,7 +91,7 @@ def foot(x, first, nx, ny, nz, face, xi0, xi1, nodes, weights, S):
         S[2, 2] += w[a] * d2
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract"})
+@kernel(fastmath={"contract"})
 def slip(away, S):
     """Newton step (Gauss-Newton, in xi) towards the foot of the point that lies `away` from S, at most half a brick."""
     r1 = away[0] * S[1, 0] + away[1] * S[1, 1] + away[2] * S[1, 2]
@@ -105,7 +107,7 @@ def slip(away, S):
     )
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract"})
+@kernel(fastmath={"contract"})
 def side_weight(xi, cells):
     """Share w of a node's area that lies over the face, and how far it is beyond where that share ends [bricks]."""
     beyond = max(-xi, xi - cells)
@@ -117,7 +119,7 @@ def side_weight(xi, cells):
     return 1.0 - t * t * (3.0 - 2.0 * t), 0.0
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract"})
+@kernel(fastmath={"contract"})
 def pressure(depth, penalty, toe):
     """Pressure [Pa], its integral [J/m2], and the share in which the contact is closed, at a depth [m] above 0."""
     if depth < toe:
@@ -125,13 +127,13 @@ def pressure(depth, penalty, toe):
     return penalty * (depth - 0.5 * toe), penalty * (0.5 * depth * (depth - toe) + toe * toe / 6.0), 1.0
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract"})
+@kernel(fastmath={"contract"})
 def lost(torn, first, i, j, ny, nz, face):
     """Whether the brick (i, j) under a face is torn."""
     return torn[first + (i * ny + j) * nz + (nz - 1 if face > 0 else 0)]
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract"})
+@kernel(fastmath={"contract"})
 def bare(torn, first, i, j, nx, ny, nz, face):
     """Whether the node (i, j) of a face has no brick left under it."""
     for a in (max(i - 1, 0), min(i, nx - 1)):
@@ -141,7 +143,7 @@ def bare(torn, first, i, j, nx, ny, nz, face):
     return True
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract"})
+@kernel(fastmath={"contract"})
 def one_pass(
     x, v, inverse_mass, torn, slave, master, start, low, high, shape, side, spring, area, damping, xi, rest, dt, reach,
     force, out,
@@ -221,7 +223,7 @@ def one_pass(
                     force[k, c] += push * weights[m] * n[c]
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract"})
+@kernel(fastmath={"contract"})
 def crossing(
     c, x, v, inverse_mass, torn, firsts, bricks, starts, over, bounds, shape, spring, area, damping, xi, rest, dt,
     reach, force, out,
@@ -242,7 +244,7 @@ def crossing(
         )  # fmt: skip
 
 
-@njit(cache=True, error_model="numpy", parallel=True)
+@kernel(parallel=True)
 def crossings(
     order, colours, x, v, inverse_mass, torn, firsts, bricks, starts, over, bounds, shape, spring, area, damping, xi,
     rest, dt, reach, force, out,
@@ -275,7 +277,7 @@ def crossings(
             )  # fmt: skip
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract"})
+@entry(fastmath={"contract"})
 def find_feet(x, firsts, starts, over, bounds, shape, xi):
     """Find the feet of all nodes on the other yarn's face, from the middle of each cell; fills xi."""
     cell, ny, nz = shape[0], shape[3], shape[4]

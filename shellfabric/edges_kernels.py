@@ -11,18 +11,18 @@ The energy audit gets the work of the cloth on led nodes, that on the grips, and
 all in the form in which central differences balance them: forces at whole steps over the motion between.
 """
 
-from numba import njit
+from shellfabric.compiled import entry, kernel
 
 EXTERNAL, GRIPPED, KINETIC = 0, 1, 2  # of state.rim_sums
 
 
-@njit(cache=True, error_model="numpy")
+@kernel()
 def part(time, start, end):
     """Part of the pull-in that has been made: from 0 at `start` to 1 at `end`."""
     return min(max((time - start) / (end - start), 0.0), 1.0)
 
 
-@njit(cache=True, error_model="numpy", _nrt=False)
+@entry(_nrt=False)
 def hold(state, const, time):
     """Set the velocities of the nodes of the rim for the step that begins at `time`; book the work of the last."""
     kinetic = 0.0

@@ -12,11 +12,12 @@ for alpha and kappa. What it stored is booked as lost, with the half step in whi
 """
 
 import numpy as np
-from numba import njit, types
+from numba import types
 from numba.extending import overload
 
 from shellfabric import audit_kernels
 from shellfabric.cell_kernels import yarn_alone
+from shellfabric.compiled import kernel
 from shellfabric.lanes import here
 from shellfabric.membrane_kernels import ONE, WARP_FAILED, WEFT_FAILED, potential, shear_energy
 
@@ -34,7 +35,7 @@ def _weight(split, k, before, alone):
     return lambda split, k, before, alone: 1.0 if alone else 2.0 * (split[k] if before else 1.0 - split[k])
 
 
-@njit(cache=True, error_model="numpy")
+@kernel()
 def crossing(const, family, i, j, alpha, x, shift):
     """Of the edges of the other family that cross edge (i, j): sum of their weights w, sum w alpha, and sum w alpha x.
 
@@ -58,7 +59,7 @@ def crossing(const, family, i, j, alpha, x, shift):
     return count, present, total
 
 
-@njit(cache=True, error_model="numpy", _nrt=False)
+@kernel(_nrt=False)
 def thin_means(const, state, family, first, last, shift, x, mean):
     """Means of x over what is left of the crossing edges, for the edges in the rows first .. last - 1."""
     for i in range(first, last):
@@ -68,7 +69,7 @@ def thin_means(const, state, family, first, last, shift, x, mean):
                 mean[np.uint64(i * const.s + j - shift)] = total / present
 
 
-@njit(cache=True, error_model="numpy", _nrt=False)
+@kernel(_nrt=False)
 def thin_forces(const, state, family, first, last, shift, L, F):
     """F = kappa F + (1 - kappa) T_alone; nothing where the yarns themselves have failed."""
     w, S0, EA = yarn(const, family)
@@ -85,7 +86,7 @@ def thin_forces(const, state, family, first, last, shift, L, F):
                 F[m] = crossed * F[m] + (1.0 - crossed) * alone
 
 
-@njit(cache=True, error_model="numpy", _nrt=False)
+@kernel(_nrt=False)
 def thin_gradient(const, state, family, first, last, shift, L, own, shared, N):
     """The variational force: own share and, of each crossing edge, the share `shared` that it gives."""
     w, S0, EA = yarn(const, family)
@@ -102,7 +103,7 @@ def thin_gradient(const, state, family, first, last, shift, L, own, shared, N):
             N[m] = 0.5 * (crossed * own[m] + total / count) + (1.0 - crossed) * alone
 
 
-@njit(cache=True, error_model="numpy", _nrt=False)
+@kernel(_nrt=False)
 def thin_trellis(const, state, first, last, shift, turn1, turn2, cross):
     """The trellis of a quadrilateral in proportion to what is left of both families."""
     for i in range(first, last):
@@ -113,26 +114,26 @@ def thin_trellis(const, state, first, last, shift, turn1, turn2, cross):
             cross[m] *= left
 
 
-@njit(cache=True, error_model="numpy")
+@kernel()
 def trellis_left(const, state, k):
     """Part of the trellis that is left in the quadrilateral k."""
     warp, weft = state.intact[WARP], state.intact[WEFT]
     return 0.25 * (warp[k] + warp[k + ONE]) * (weft[k] + weft[k + np.uint64(const.s)])
 
 
-@njit(cache=True, error_model="numpy")
+@kernel()
 def yarn(const, family):
     """(w, S0, EA) of a family."""
     return (const.w1, const.S01, const.EA1) if family == WARP else (const.w2, const.S02, const.EA2)
 
 
-@njit(cache=True, error_model="numpy")
+@kernel()
 def share(n, offset):
     """Part of the line `offset` beside a yarn that belongs to it, with n lines a crossover."""
     return 0.5 if 2 * abs(offset) == n else 1.0
 
 
-@njit(cache=True, error_model="numpy")
+@kernel()
 def yarn_tension(const, state, family, row, column):
     """Mean tension of the yarn segment that begins at node (row, column)."""
     n, half, total, weight = const.per, const.per // 2, 0.0, 0.0
@@ -148,13 +149,13 @@ def yarn_tension(const, state, family, row, column):
     return total / weight
 
 
-@njit(cache=True, error_model="numpy")
+@kernel()
 def strength(const, family, row, column):
     """Strength of the yarn that runs through node (row, column)."""
     return const.strengths1[column // const.per] if family == WARP else const.strengths2[row // const.per]
 
 
-@njit(cache=True, error_model="numpy", _nrt=False)
+@kernel(_nrt=False)
 def past_strength(const, state, family, first, last):
     """Whether a yarn segment that begins in the node rows first .. last has come past its yarn's strength."""
     n = const.per
@@ -169,7 +170,7 @@ def past_strength(const, state, family, first, last):
     return False
 
 
-@njit(cache=True, error_model="numpy", _nrt=False)
+@kernel(_nrt=False)
 def look_for_failures(const, state, family, first, last):
     """Mark the yarn segments past their strength, among those that begin in the node rows first .. last.
 
@@ -198,7 +199,7 @@ def look_for_failures(const, state, family, first, last):
     return failures
 
 
-@njit(cache=True, error_model="numpy", _nrt=False)
+@kernel(_nrt=False)
 def cut(const, state, family, row, column):
     """Take the yarn segment that begins at node (row, column) out of its edges."""
     n, half = const.per, const.per // 2
@@ -216,7 +217,7 @@ def cut(const, state, family, row, column):
             mark(const, state, family, i, j)
 
 
-@njit(cache=True, error_model="numpy", _nrt=False)
+@kernel(_nrt=False)
 def mark(const, state, family, i, j):
     """Note the failed edge in the quadrilaterals beside it, and in the blocks whose forces it has a part in."""
     bit = WARP_FAILED if family == WARP else WEFT_FAILED
@@ -228,7 +229,7 @@ def mark(const, state, family, i, j):
         state.thin[row // const.block] = 2
 
 
-@njit(cache=True, error_model="numpy", _nrt=False)
+@kernel(_nrt=False)
 def stored_energy(const, state, first, last):
     """(energy of the yarns, of the trellis) of the element rows first .. last - 1 and the weft at their far end.
 
@@ -262,13 +263,13 @@ def stored_energy(const, state, first, last):
     return cells, trellis
 
 
-@njit(cache=True, error_model="numpy", _nrt=False)
+@kernel(_nrt=False)
 def whole(const, state, i):
     """Whether no failed yarn has a part in the energy of row i."""
     return state.thin[min(i, const.ni - 1) // const.block] == 0
 
 
-@njit(cache=True, error_model="numpy", _nrt=False)
+@kernel(_nrt=False)
 def edge_energy(const, state, family, i, j):
     """[J] of the edge (i, j), of which yarns may have failed, as those that cross it may."""
     w, S0, EA = yarn(const, family)
@@ -287,7 +288,7 @@ def edge_energy(const, state, family, i, j):
     return found
 
 
-@njit(cache=True, error_model="numpy")
+@kernel()
 def half_step_work(const, state, first, last):
     """Half of the present forces times the last changes of stretch: (of the yarns, viscous), in the same rows."""
     work, viscous = 0.0, 0.0
@@ -302,7 +303,7 @@ def half_step_work(const, state, first, last):
     return work, viscous
 
 
-@njit(cache=True, error_model="numpy")
+@kernel()
 def shear_sine(const, state, k):
     """sin(gamma) of the quadrilateral in slot k, as `membrane_kernels.shear` has it."""
     s, L1, L2 = np.uint64(const.s), state.L[WARP], state.L[WEFT]

@@ -11,12 +11,11 @@ energy goes to a term of its own, its mass stays.
 
 import math
 
-from numba import njit
-
+from shellfabric.compiled import entry, kernel
 from shellfabric.solid_kernels import BARS, FAILED, VISCOUS
 
 
-@njit(cache=True, error_model="numpy")
+@kernel()
 def fibre_law(e, r, d):
     """s(e), its slope, and its integral [-]."""
     if e <= 0.0:
@@ -30,7 +29,7 @@ def fibre_law(e, r, d):
     return value, slope, e * e * rise
 
 
-@njit(cache=True, error_model="numpy")
+@kernel()
 def bar_forces(first, bars, sheet, x, v, length, stiffness, law, dt, alive, force, sums):
     """Add the internal forces of the bars of one yarn; bars that are strained too far fail first.
 
@@ -77,7 +76,7 @@ def bar_forces(first, bars, sheet, x, v, length, stiffness, law, dt, alive, forc
     sums[VISCOUS] += lost
 
 
-@njit(cache=True, error_model="numpy")
+@entry()
 def tension(first, bars, sheet, x, length, stiffness, law, alive, total):
     """Add the elastic forces of the bars of each section to total : (bars / sheet,) [N]."""
     for m in range(bars):

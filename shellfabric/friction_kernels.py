@@ -12,10 +12,10 @@ Stiffness and damping being those of the contact, the time step bears it as it b
 
 import math
 
-from numba import njit
+from shellfabric.compiled import kernel
 
 
-@njit(cache=True, error_model="numpy")
+@kernel()
 def rub(stuck, limit, k, c, dt, n_x, n_y, n_z, v_x, v_y, v_z):
     """Friction at one point over one step.
 

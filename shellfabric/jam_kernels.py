@@ -12,12 +12,12 @@ with y [m] the length of yarn that it stands for. The source has no such term; K
 import math
 
 import numpy as np
-from numba import njit
 
 from shellfabric.bending_kernels import segment
+from shellfabric.compiled import kernel
 
 
-@njit(cache=True, error_model="numpy", _nrt=False)
+@kernel(_nrt=False)
 def family(state, const, number, first, last, acting):
     """Energy of one family's segments in the node rows first .. last; adds their forces to state.g0 if `acting`."""
     total, K, limit = 0.0, const.jam[0], const.jam[1]
@@ -46,7 +46,7 @@ def family(state, const, number, first, last, acting):
     return total
 
 
-@njit(cache=True, error_model="numpy", _nrt=False)
+@kernel(_nrt=False)
 def jam(state, const, first, last, acting):
     """Energy of all segments in the node rows first .. last; adds their forces to state.g0 if `acting`."""
     if const.jam[0] == 0.0:

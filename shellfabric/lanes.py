@@ -16,9 +16,11 @@ several instructions.
 import operator
 
 from llvmlite import ir
-from numba import njit, types
+from numba import types
 from numba.core import cgutils
 from numba.extending import intrinsic, models, overload, register_model
+
+from shellfabric.compiled import kernel
 
 WIDTH = 8
 _DOUBLE, _INT = ir.DoubleType(), ir.IntType(64)
@@ -335,7 +337,7 @@ def _lane(typing, value, number):
     return types.float64(value, types.int64), codegen
 
 
-@njit(cache=True)
+@kernel()
 def keep(array, k, value, count):
     """array[k : k + count] = value; for the last, incomplete eight of what must not be overrun."""
     if count >= WIDTH:

@@ -13,7 +13,6 @@ pair of them for each array of the state would cost as much as a hundred element
 """
 
 import numpy as np
-from numba import njit
 
 from shellfabric import (
     audit_kernels,
@@ -25,6 +24,7 @@ from shellfabric import (
     jam_kernels,
     membrane_kernels,
 )
+from shellfabric.compiled import entry, kernel
 from shellfabric.lanes import WIDTH, above, fabs, fma, keep, load, where
 from shellfabric.team import STOP, meet
 
@@ -36,7 +36,7 @@ STEP, IDLE, FAILURES = 0, 1, 2
 _STILL = 1e-60
 
 
-@njit(cache=True, error_model="numpy")
+@kernel()
 def move(k0, n, dt, kick, g0, g1, both, v, u):
     """Velocity and displacement of the nodes k0 .. k0 + n; kick = dt / m, forces g0, or `both` g0 + g1."""
     for j in range(0, n, WIDTH):
@@ -52,7 +52,7 @@ def move(k0, n, dt, kick, g0, g1, both, v, u):
             keep(u[c], k, fma(speed, dt, load(u[c], k)), left)
 
 
-@njit(cache=True, error_model="numpy", _nrt=False, forceinline=True)
+@kernel(_nrt=False, forceinline=True)
 def symmetry(state, const, first, last):
     """Take out the force across a plane of symmetry, on the node rows first .. last - 1."""
     if const.mirror_x and first == 0:
@@ -64,7 +64,7 @@ def symmetry(state, const, first, last):
             state.g0[1][k] = state.g1[1][k] = 0.0
 
 
-@njit(cache=True, error_model="numpy", _nrt=False)
+@kernel(_nrt=False)
 def moved(state, const, i):
     """Whether some node of row i has left its place."""
     for k in range(np.uint64(i * const.s), np.uint64((i + 1) * const.s)):
@@ -73,7 +73,7 @@ def moved(state, const, i):
     return False
 
 
-@njit(cache=True, error_model="numpy", _nrt=False, forceinline=True)
+@kernel(_nrt=False, forceinline=True)
 def widen(state, const):
     """Let the window of active element rows, state.rows, go ahead of the motion.
 
@@ -95,7 +95,7 @@ def widen(state, const):
             state.rows[1] += 1
 
 
-@njit(cache=True, error_model="numpy", _nrt=False)
+@kernel(_nrt=False)
 def elements(state, const, block, first, last, work):
     """Forces of the element rows first .. last - 1, which lie in one block, from the present displacements."""
     s, thin = const.s, state.thin[block] != WHOLE
@@ -113,7 +113,7 @@ def elements(state, const, block, first, last, work):
     give(state, const, block, first, last, work)
 
 
-@njit(cache=True, error_model="numpy", _nrt=False, forceinline=True)
+@kernel(_nrt=False, forceinline=True)
 def give(state, const, block, first, last, work):
     """Give what a block's rows pull to its nodes, and to the first row of nodes of the next block.
 
@@ -137,7 +137,7 @@ def give(state, const, block, first, last, work):
             record(k0 + n, m0 + n, s, w.up[c], state.g1[c])
 
 
-@njit(cache=True, error_model="numpy", _nrt=False, forceinline=True)
+@kernel(_nrt=False, forceinline=True)
 def stretch(state, const, first, last, thin, work):
     """Edge vectors, stretches, and means of the crossing stretches, of a block's rows and one beyond at each end."""
     s, w = const.s, work
@@ -158,7 +158,7 @@ def stretch(state, const, first, last, thin, work):
         failure_kernels.thin_means(const, state, 1, first, last + 1, shift, w.l1, w.m1)
 
 
-@njit(cache=True, error_model="numpy", _nrt=False, forceinline=True)
+@kernel(_nrt=False, forceinline=True)
 def look_up(state, const, block, first, last, thin, work):
     """Tensions of a block's edges, and the largest of each family."""
     s, c, w, most = const.s, const, work, state.most[block]
@@ -176,7 +176,7 @@ def look_up(state, const, block, first, last, thin, work):
         state.stale[block] = False
 
 
-@njit(cache=True, error_model="numpy", _nrt=False)
+@kernel(_nrt=False)
 def bound(const, p, q, N, unit, ceiling):
     """What no tension of a family can exceed where no crossover lies further in the table and no force N is larger.
 
@@ -188,7 +188,7 @@ def bound(const, p, q, N, unit, ceiling):
     return max(ceiling[step, 0], N + ceiling[step, 1])
 
 
-@njit(cache=True, error_model="numpy", _nrt=False)
+@kernel(_nrt=False)
 def freshen(state, const, first, last, work):
     """Look up the tensions of those of the blocks first .. last - 1 in which nobody has needed them."""
     for block in range(first, last):
@@ -198,7 +198,7 @@ def freshen(state, const, first, last, work):
             look_up(state, const, block, low, high, False, work)
 
 
-@njit(cache=True, error_model="numpy", _nrt=False, forceinline=True)
+@kernel(_nrt=False, forceinline=True)
 def gradient(state, const, block, first, last, thin, work):
     """Forces of the variational form, into work.N1 and work.N2 (see `membrane_kernels`).
 
@@ -236,14 +236,14 @@ def gradient(state, const, block, first, last, thin, work):
     return state.stale[block]
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@kernel(forceinline=True)
 def record(k0, m0, n, x, kept):
     """Keep scratch in the panel's slots."""
     for j in range(0, n, WIDTH):
         keep(kept, k0 + j, load(x, m0 + j), n - j)
 
 
-@njit(cache=True, error_model="numpy", _nrt=False, forceinline=True)
+@kernel(_nrt=False, forceinline=True)
 def advance_yarns(state, const, block, k0, n, n2, N1, N2, work):
     """Pulls of the block's edges along themselves, into work.on1 and work.on2, and what they work."""
     L, N, D, y, c, w, s = state.L, state.N, state.D, state.y, const, work, const.s
@@ -259,7 +259,7 @@ def advance_yarns(state, const, block, k0, n, n2, N1, N2, work):
         state.sums[block, VISCOUS] += viscous1 + viscous2
 
 
-@njit(cache=True, error_model="numpy", _nrt=False, forceinline=True)
+@kernel(_nrt=False, forceinline=True)
 def trellis(state, const, first, last, thin, work):
     """The trellis of the block's quadrilaterals and of the row before them, which shares their first weft edges."""
     s, c, w, low = const.s, const, work, max(first - 1, 0)
@@ -278,7 +278,7 @@ def trellis(state, const, first, last, thin, work):
             w.turn2[j] = 0.0
 
 
-@njit(cache=True, error_model="numpy", _nrt=False)
+@kernel(_nrt=False)
 def taut(state, const):
     """(first, last) element rows that hold every edge whose tension has passed the peak so far, or a strength.
 
@@ -297,14 +297,14 @@ def taut(state, const):
     return low, high
 
 
-@njit(cache=True, error_model="numpy", _nrt=False)
+@kernel(_nrt=False)
 def resist(state, const, first, last, acting):
     """Energy of turns and bunched yarns in the node rows first .. last; adds their forces to state.g0 if `acting`."""
     turns = bending_kernels.bend(state, const, first, last, acting)
     return turns + jam_kernels.jam(state, const, first, last, acting)
 
 
-@njit(cache=True, error_model="numpy", _nrt=False)
+@kernel(_nrt=False)
 def fail(state, const, work):
     """Let yarns fail, and find the forces about them again."""
     first, last = taut(state, const)
@@ -348,7 +348,7 @@ def fail(state, const, work):
     state.sums[0, TORN] += sheared - now_sheared
 
 
-@njit(cache=True, error_model="numpy", _nrt=False, forceinline=True)
+@kernel(_nrt=False, forceinline=True)
 def move_rows(state, const, first, last):
     """Move the node rows first .. last - 1 by one step. A block's first row has forces from the block before too."""
     symmetry(state, const, first, last)
@@ -361,14 +361,14 @@ def move_rows(state, const, first, last):
         row = end
 
 
-@njit(cache=True, error_model="numpy", _nrt=False)
+@kernel(_nrt=False)
 def part(state, const, me, count):
     """(first, last) of the active blocks that are one thread's among `count`; the last thread has at least one."""
     start, end = state.rows[0] // const.block, (state.rows[1] + const.block - 1) // const.block
     return start + (end - start) * me // count, start + (end - start) * (me + 1) // count
 
 
-@njit(cache=True, error_model="numpy", _nrt=False, forceinline=True)
+@kernel(_nrt=False, forceinline=True)
 def sweep(state, const, work, shared, me, count):
     """Move the active nodes, and find the forces of the active elements, block by block while they are in cache.
 
@@ -393,7 +393,7 @@ def sweep(state, const, work, shared, me, count):
         elements(state, const, block, begin, stop, work)
 
 
-@njit(cache=True, error_model="numpy", _nrt=False)
+@kernel(_nrt=False)
 def lean(state, const):
     """Give nodes and projectile the impulses of what lies behind the cloth (state.behind, state.outer)."""
     for c in range(3):
@@ -402,7 +402,7 @@ def lean(state, const):
         state.speed[c] += const.dt * const.free[c] * state.outer[c] / const.projectile_mass
 
 
-@njit(cache=True, error_model="numpy", _nrt=False, forceinline=True)
+@kernel(_nrt=False, forceinline=True)
 def begin(state, const):
     """What comes before the nodes move in a step: the impulses of contact, and the projectile's own motion."""
     contact_kernels.push(state, const)
@@ -415,7 +415,7 @@ def begin(state, const):
     widen(state, const)
 
 
-@njit(cache=True, error_model="numpy", _nrt=False, forceinline=True)
+@kernel(_nrt=False, forceinline=True)
 def conclude(state, const, work):
     """What comes after the forces of the cloth in a step; returns why it should be the last, or RUNNING."""
     fail(state, const, work)
@@ -438,7 +438,7 @@ def conclude(state, const, work):
     return PERFORATED if state.counter[IDLE] >= const.idle_steps else RUNNING
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@kernel(forceinline=True)
 def tell(state, const, force, row):
     """One row of the history: foremost z, v_z and the force [N] along z; of a bar also the velocities of tip, tail and
     centre of mass, and how far they have come, all along its axis."""
@@ -450,7 +450,7 @@ def tell(state, const, force, row):
         row[6], row[7], row[8] = state.bar_u[0], state.bar_u[tail], bar_kernels.mean(const.bar_mass, state.bar_u)
 
 
-@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+@entry(nogil=True, _nrt=False)
 def lead(state, const, work, steps, history, shared, count):
     """March at most `steps` steps, with `count` - 1 threads that `follow`, all with scratch of their own.
 
@@ -475,7 +475,7 @@ def lead(state, const, work, steps, history, shared, count):
     return made, reason
 
 
-@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+@entry(nogil=True, _nrt=False)
 def follow(state, const, work, shared, me, count):
     """Do thread number `me`'s part of each step that `lead` makes."""
     while True:
@@ -489,13 +489,13 @@ def follow(state, const, work, shared, me, count):
     meet(shared, count)
 
 
-@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+@entry(nogil=True, _nrt=False)
 def advance(state, const, work, steps, history):
     """`lead` without followers."""
     return lead(state, const, work, steps, history, work.shared, 1)
 
 
-@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+@entry(nogil=True, _nrt=False)
 def first_forces(state, const, work):
     """Forces of the cloth as it is, before the first step."""
     for block in range((const.ni + const.block - 1) // const.block):
@@ -503,7 +503,7 @@ def first_forces(state, const, work):
     resist(state, const, 0, const.ni, True)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@entry(nogil=True)
 def energies(state, const, out):
     """The energy audit at the present whole step, into out (5): kinetic, of yarns, trellis, turns and bunched yarns.
 

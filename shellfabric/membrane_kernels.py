@@ -41,9 +41,10 @@ the block's last.
 import math
 
 import numpy as np
-from numba import njit, types
+from numba import types
 from numba.extending import overload
 
+from shellfabric.compiled import kernel
 from shellfabric.lanes import (
     WIDTH,
     above,
@@ -136,7 +137,7 @@ def _outer(factor, x):
     return lambda factor, x: x
 
 
-@njit(cache=True, error_model="numpy")
+@kernel()
 def edges(k0, m0, n, s, u, rx, ry, A, B, l1, i1, l2, i2):
     """Edges of n slots from k0 on, relative to their length at rest, their stretches and the inverses of these.
 
@@ -166,7 +167,7 @@ def edges(k0, m0, n, s, u, rx, ry, A, B, l1, i1, l2, i2):
         store(l2, m, square * inverse)
 
 
-@njit(cache=True, error_model="numpy")
+@kernel()
 def rest(m0, n, s, B, l2, i2):
     """Put the idle slot at the end of each row of weft edges to rest, where `edges` has joined two rows."""
     for j in range(m0 + s - 1, m0 + n, s):
@@ -174,14 +175,14 @@ def rest(m0, n, s, B, l2, i2):
         B[1][j] = l2[j] = i2[j] = 1.0
 
 
-@njit(cache=True, error_model="numpy")
+@kernel()
 def copy(n, source, target, x):
     """Repeat a row: n slots of x from `source` to `target`."""
     for j in range(n):
         x[target + j] = x[source + j]
 
 
-@njit(cache=True, error_model="numpy")
+@kernel()
 def across_warp(k0, m0, n, s, split, x, mean):
     """For n warp edges the mean of x over the weft edges that cross them: four, or two at the ends of a row."""
     for j in range(m0, m0 + n, WIDTH):
@@ -192,7 +193,7 @@ def across_warp(k0, m0, n, s, split, x, mean):
         mean[j], mean[end] = 0.5 * (x[j] + x[j + s]), 0.5 * (x[end - 1] + x[end + s - 1])
 
 
-@njit(cache=True, error_model="numpy")
+@kernel()
 def across_weft(k0, m0, n, s, split, x, mean):
     """For n weft edges the mean of x over the warp edges that cross them; rows beyond the panel repeat its last."""
     for j in range(m0, m0 + n, WIDTH):
@@ -202,7 +203,7 @@ def across_weft(k0, m0, n, s, split, x, mean):
         mean[j] = 1.0
 
 
-@njit(cache=True, error_model="numpy")
+@kernel()
 def tensions(m0, n, l1, l2, grid, table, T):
     """Bilinear look-up of one tension, at n pairs of stretches. Returns the largest, at least 0.
 
@@ -223,7 +224,7 @@ def tensions(m0, n, l1, l2, grid, table, T):
     return highest(greatest)
 
 
-@njit(cache=True, error_model="numpy")
+@kernel()
 def potential_forces(m0, n, l1, l2, grid, table, per1, per2, spots, N1, N2):
     """Gradient of the biquadratic potential, N = per dW/d(local coordinate).
 
@@ -266,7 +267,7 @@ def potential_forces(m0, n, l1, l2, grid, table, per1, per2, spots, N1, N2):
     return highest(far1), highest(far2), highest(high1), highest(high2)
 
 
-@njit(cache=True, error_model="numpy")
+@kernel()
 def potential(l1, l2, grid, table, level):
     """The biquadratic potential [J] at a pair of stretches, for `potential_forces`. level (cells,) [J] : of 1."""
     x0, rx, top1, y0, ry, top2, across = grid
@@ -278,7 +279,7 @@ def potential(l1, l2, grid, table, level):
     return zero + p * (one + p * two)
 
 
-@njit(cache=True, error_model="numpy")
+@kernel()
 def share_warp(k0, m0, n, s, split, own, given, N):
     """Forces N of n warp edges: half of each its own, half what the weft edges that cross it give (`across_warp`)."""
     for j in range(m0, m0 + n, WIDTH):
@@ -291,7 +292,7 @@ def share_warp(k0, m0, n, s, split, own, given, N):
         N[end] = 0.5 * (own[end] + 0.5 * (given[end - 1] + given[end + s - 1]))
 
 
-@njit(cache=True, error_model="numpy")
+@kernel()
 def share_weft(k0, m0, n, s, split, own, given, N):
     """Forces N of n weft edges: half of each its own, half what the warp edges that cross it give."""
     for j in range(m0, m0 + n, WIDTH):
@@ -302,7 +303,7 @@ def share_weft(k0, m0, n, s, split, own, given, N):
         N[j] = 0.0
 
 
-@njit(cache=True, error_model="numpy")
+@kernel()
 def largest(m0, n, values):
     """The largest of n values, at least 0."""
     found = 0.0
@@ -311,7 +312,7 @@ def largest(m0, n, values):
     return found
 
 
-@njit(cache=True, error_model="numpy")
+@kernel()
 def yarns(k0, m0, n, back, again, r, cv, l, inverse, turned, N, y, L, P, D, on):
     """Advance n edges of one family, and find their pulls along themselves over their stretch, r = 1 / dX, into `on`.
 
@@ -336,7 +337,7 @@ def yarns(k0, m0, n, back, again, r, cv, l, inverse, turned, N, y, L, P, D, on):
     return 0.5 * total(work), outer(cv, 0.5 * total(viscous))
 
 
-@njit(cache=True, error_model="numpy")
+@kernel()
 def trellis(gamma, G1, G2, gamma1, gamma2):
     """Trellis stress, odd in the shear angle gamma, and its integral: three zones (eq. 4-35, erratum E-11)."""
     g = abs(gamma)
@@ -349,19 +350,19 @@ def trellis(gamma, G1, G2, gamma1, gamma2):
     return math.copysign(stress, gamma), energy
 
 
-@njit(cache=True, error_model="numpy")
+@kernel()
 def shear_energy(sine, V, G1, G2, gamma1, gamma2):
     """Energy V U of the trellis in one quadrilateral."""
     return V * trellis(math.asin(min(max(sine, -0.999), 0.999)), G1, G2, gamma1, gamma2)[1]
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@kernel(forceinline=True)
 def pairs(z, z2, m):
     """Four terms of P from that of z^m on, over z^m: two by two, so that they need not wait for each other."""
     return fma(z2, fma(z, ARCSINE[m + 3], ARCSINE[m + 2]), fma(z, ARCSINE[m + 1], ARCSINE[m]))
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@kernel(forceinline=True)
 def angle_of(sine):
     """Size of eight angles. x + x z P(z), z = x^2, up to sine 1/2; pi/2 less twice that of sqrt((1 - x) / 2) above."""
     x = least(fabs(sine), 0.999)
@@ -377,7 +378,7 @@ def angle_of(sine):
     return where(high, fma(angle, -2.0, splat(0.5 * math.pi)), angle)
 
 
-@njit(cache=True, error_model="numpy")
+@kernel()
 def shear_slope(sine, G1, G2, gamma1, gamma2):
     """dU/d(sin gamma) = tau / cos(gamma) of eight angles. Yarns closer to each other than 2.6 degrees count as that.
 
@@ -392,7 +393,7 @@ def shear_slope(sine, G1, G2, gamma1, gamma2):
     return copysign(stress * inverse_root(cosine), sine)
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@kernel(forceinline=True)
 def angles(j, s, A, B, l1, l2):
     """Of eight quadrilaterals: sine, over the two warp and two weft edges' stretches, and these, summed."""
     dot = (load(A[0], j) + load(A[0], j + 1)) * (load(B[0], j) + load(B[0], j + s))
@@ -403,7 +404,7 @@ def angles(j, s, A, B, l1, l2):
     return dot * share, share, along, over
 
 
-@njit(cache=True, error_model="numpy")
+@kernel()
 def shear(k0, m0, n, s, A, B, l1, l2, V, G1, G2, gamma1, gamma2, turn1, turn2, cross):
     """The trellis of n quadrilaterals.
 
@@ -423,7 +424,7 @@ def shear(k0, m0, n, s, A, B, l1, l2, V, G1, G2, gamma1, gamma2, turn1, turn2, c
         turn1[j] = turn2[j] = cross[j] = 0.0
 
 
-@njit(cache=True, error_model="numpy")
+@kernel()
 def gather(k0, m0, n, s, rx, ry, A, B, on1, on2, cross, up, g0):
     """What n slots' edges and quadrilaterals give to their nodes.
 
@@ -452,7 +453,7 @@ def gather(k0, m0, n, s, rx, ry, A, B, on1, on2, cross, up, g0):
             )
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@kernel(forceinline=True)
 def to_nodes(k, m, s, left, r, ry, crossed, pull1, pull2, A, B, up, g0, last_X, last_pull, last_Y):
     """One component of what eight slots' edges and quadrilaterals give; the last three also of the eight before."""
     a, b = load(A, m), load(B, m)
@@ -466,7 +467,7 @@ def to_nodes(k, m, s, left, r, ry, crossed, pull1, pull2, A, B, up, g0, last_X, 
     return X, pulled2, Y
 
 
-@njit(cache=True, error_model="numpy")
+@kernel()
 def gather_last(k0, m0, n, on2, B, up, g0):
     """What the weft edges on the panel's last row give to their nodes, besides what the elements before them do."""
     for c in range(3):

@@ -12,7 +12,6 @@ two write to the same place, so that results do not depend on their number.
 """
 
 import numpy as np
-from numba import njit
 from numba.typed import List
 
 from shellfabric import (
@@ -22,11 +21,12 @@ from shellfabric import (
     march_kernels,
     ply_contact_kernels,
 )
+from shellfabric.compiled import entry, kernel
 from shellfabric.march_kernels import FAILURES, IDLE, NOT_FINITE, PERFORATED, RUNNING, STEP, STOPPED
 from shellfabric.team import STOP, meet
 
 
-@njit(cache=True)
+@entry()
 def listed(first):
     """A numba list of one item; compiled once for all runs, unlike `List` used from without."""
     items = List()
@@ -34,13 +34,13 @@ def listed(first):
     return items
 
 
-@njit(cache=True)
+@entry()
 def append(items, item):
     """Add an item to such a list."""
     items.append(item)
 
 
-@njit(cache=True, error_model="numpy", _nrt=False)
+@kernel(_nrt=False)
 def ply_step(state, const, work):
     """What a ply does in a step but for the impulses of contact: as `march_kernels.lead` has it."""
     march_kernels.widen(state, const)
@@ -54,7 +54,7 @@ def ply_step(state, const, work):
     edges_kernels.hold(state, const, state.counter[STEP] * const.dt)
 
 
-@njit(cache=True, error_model="numpy")
+@kernel()
 def launch(states, consts, stack):
     """The impulses of the nose on all plies that are awake, and of a block behind the last; then the projectile's own
     motion."""
@@ -73,7 +73,7 @@ def launch(states, consts, stack):
             stack.places[p, c] += dt * stack.speed[c]
 
 
-@njit(cache=True, error_model="numpy")
+@kernel()
 def give(state, const, force, touched):
     """Give a ply the impulses of a neighbour's forces; whether there are any."""
     if touched[0] >= touched[1]:
@@ -82,7 +82,7 @@ def give(state, const, force, touched):
     return True
 
 
-@njit(cache=True, error_model="numpy")
+@kernel()
 def step_plies(states, consts, pairs, stack, works, me, count):
     """One thread's plies: the impulses of their neighbours, their own step."""
     for p in range(me, len(states), count):
@@ -100,7 +100,7 @@ def step_plies(states, consts, pairs, stack, works, me, count):
             ply_step(states[p], consts[p], works[p])
 
 
-@njit(cache=True, error_model="numpy")
+@kernel()
 def step_pairs(states, consts, pairs, stack, me, count):
     """One thread's pairs of plies, one of which at least is awake."""
     for p in range(me, len(states) - 1, count):
@@ -111,7 +111,7 @@ def step_pairs(states, consts, pairs, stack, me, count):
             ply_contact_kernels.contact_back(states[p + 1], consts[p + 1], states[p], consts[p], back, step)
 
 
-@njit(cache=True, error_model="numpy")
+@kernel()
 def conclude(states, consts, stack):
     """Why the step should be the last, or RUNNING; as `march_kernels.conclude`, with all plies for the one."""
     stack.counter[STEP] += 1
@@ -134,7 +134,7 @@ def conclude(states, consts, stack):
     return PERFORATED if stack.counter[IDLE] >= consts[0].idle_steps else RUNNING
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@entry(nogil=True)
 def lead(states, consts, pairs, stack, works, steps, history, shared, count):
     """March at most `steps` steps, with `count` - 1 threads that `follow`; see `march_kernels.lead`."""
     made, reason = 0, RUNNING
@@ -156,7 +156,7 @@ def lead(states, consts, pairs, stack, works, steps, history, shared, count):
     return made, reason
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@entry(nogil=True)
 def follow(states, consts, pairs, stack, works, shared, me, count):
     """Do thread number `me`'s part of each step that `lead` makes."""
     while True:
@@ -171,7 +171,7 @@ def follow(states, consts, pairs, stack, works, shared, me, count):
     meet(shared, count)
 
 
-@njit(cache=True, error_model="numpy")
+@kernel()
 def freshen(states, consts, stack, works, me, count):
     """The tensions of one thread's plies, as `march_kernels.freshen`."""
     for p in range(me, len(states), count):

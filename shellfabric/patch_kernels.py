@@ -13,15 +13,16 @@ damped, what the nodes get taken from the projectile.
 import math
 
 import numpy as np
-from numba import njit, prange
+from numba import prange
 
 from shellfabric import crossing_kernels, fibre_kernels, shapes_kernels, solid_kernels
+from shellfabric.compiled import entry, kernel
 from shellfabric.solid_kernels import KINETIC, SOLID
 
 NOSE, LOST, PUSH = 0, 1, 2  # of the sums over the nose's contact: energy stored, damped, and the force on the nose
 
 
-@njit(cache=True, error_model="numpy")
+@kernel()
 def nose_forces(
     first, nx, ny, nz, x, v, inverse_mass, area, damping, position, speed, spring, shot, form, dt, force, out
 ):
@@ -65,7 +66,7 @@ def nose_forces(
                 out[PUSH + 2] -= push * n2
 
 
-@njit(cache=True, error_model="numpy")
+@kernel()
 def clear(first, last, material, force):
     """Set the forces of the nodes first .. last - 1 to zero."""
     for n in range(first, last):
@@ -73,7 +74,7 @@ def clear(first, last, material, force):
             material[n, c] = force[n, c] = 0.0
 
 
-@njit(cache=True, error_model="numpy", parallel=True)
+@entry(parallel=True)
 def forces(state, const, dt):
     """Internal forces of the whole patch and its contacts, state.material and state.force [N]."""
     for y in prange(const.first.size):
@@ -107,7 +108,7 @@ def forces(state, const, dt):
     )  # fmt: skip
 
 
-@njit(cache=True, error_model="numpy")
+@kernel()
 def move_yarn(y, first, last, x, v, material, force, mass, inverse_mass, kick, dt, sums, half):
     """Velocities of the nodes first .. last - 1 over `kick` [s], places over `dt` [s].
 
@@ -129,7 +130,7 @@ def move_yarn(y, first, last, x, v, material, force, mass, inverse_mass, kick, d
     half[y] = 0.5 * kick * power
 
 
-@njit(cache=True, error_model="numpy", parallel=True)
+@kernel(parallel=True)
 def move(state, const, kick, dt):
     """Step of all yarns; work and kinetic energy are kept for each."""
     for y in prange(const.first.size):
@@ -141,7 +142,7 @@ def move(state, const, kick, dt):
         )  # fmt: skip
 
 
-@njit(cache=True, error_model="numpy")
+@entry()
 def advance(state, const, steps):
     """Make `steps` steps of state.pace[0] [s]."""
     push = np.empty(3)
@@ -167,7 +168,7 @@ def advance(state, const, steps):
         state.clock[0] += dt
 
 
-@njit(cache=True, error_model="numpy", parallel=True)
+@entry(parallel=True)
 def pace(state, const, worst):
     """Bounds of the square of the highest frequency, per yarn: row sums of the tangent over the nodal mass.
 
@@ -188,7 +189,7 @@ def pace(state, const, worst):
         )  # fmt: skip
 
 
-@njit(cache=True, error_model="numpy")
+@kernel()
 def fastest(
     y, first, nx, ny, nz, x, gradient, volume, law, control, torn, length, stiffness, alive, contact_rows, inverse_mass,
     worst,
@@ -209,7 +210,7 @@ def fastest(
             worst[y, 0], worst[y, 1] = square, first + m
 
 
-@njit(cache=True, error_model="numpy")
+@kernel()
 def brick_rows(first, nx, ny, nz, x, gradient, volume, law, control, torn, rows):
     """Add bounds of the rows of the bricks' tangents [N/m] to rows : nodes of the yarn."""
     nodes, places, f, sums = np.empty(8, np.int64), np.empty((8, 3)), np.empty((3, 3)), np.empty(3)

@@ -44,8 +44,8 @@ step's of the new, on the same velocities. So it balances to the last digits, wh
 import math
 
 import numpy as np
-from numba import njit
 
+from shellfabric.compiled import kernel
 from shellfabric.contact_kernels import cover
 from shellfabric.lanes import (
     WIDTH,
@@ -77,7 +77,7 @@ _FASTER, _LONGEST = 1.5, 8  # than at the last scan nodes may become; most steps
 _STEP, _LEAP, _SOUGHT = 0.25, 0.2, 3  # [elements] longest step of a foot; one so long has none; where it is sought
 
 
-@njit(cache=True, error_model="numpy", _nrt=False, forceinline=True)
+@kernel(_nrt=False, forceinline=True)
 def basis(a, n, mirrored):
     """Weights of three nodes of a line at the place a: (first node, values, slopes, middle value and slope across).
 
@@ -96,7 +96,7 @@ def basis(a, n, mirrored):
     return 0, middle + 2.0 * low, high - low, 0.0, turn + 2.0 * fall, rise - fall, 0.0, high - low, rise - fall
 
 
-@njit(cache=True, error_model="numpy", _nrt=False, forceinline=True)
+@kernel(_nrt=False, forceinline=True)
 def weights(form, a, n, mirrored):
     """`basis`, or its like for the naive forms, which have no images."""
     if form == SMOOTH:
@@ -112,7 +112,7 @@ def weights(form, a, n, mirrored):
     return i - 1, 0.0, 1.0 - f, f, 0.0, -slope, slope, 1.0 - f, -slope
 
 
-@njit(cache=True, error_model="numpy", _nrt=False, forceinline=True)
+@kernel(_nrt=False, forceinline=True)
 def curving(form, a, n, mirrored):
     """Second slopes of `weights`: of three nodes, and of the middle one across a plane of symmetry."""
     i = min(max(int(a + 0.5), 0), n)
@@ -123,7 +123,7 @@ def curving(form, a, n, mirrored):
     return 1.0, -2.0, 1.0, -2.0
 
 
-@njit(cache=True, error_model="numpy", _nrt=False, forceinline=True)
+@kernel(_nrt=False, forceinline=True)
 def across(x, k, s, w0, w1, w2, z0, z1, z2):
     """Sum of w z x over three by three nodes from the slot k on."""
     s = np.uint64(s)
@@ -135,14 +135,14 @@ def across(x, k, s, w0, w1, w2, z0, z1, z2):
     return w0 * a + w1 * b + w2 * c
 
 
-@njit(cache=True, error_model="numpy", _nrt=False, forceinline=True)
+@kernel(_nrt=False, forceinline=True)
 def middle(x, k, s):
     """The mean of the four nodes of the element at slot k."""
     m = k + np.uint64(s)
     return 0.25 * (x[k] + x[k + ONE] + x[m] + x[m + ONE])
 
 
-@njit(cache=True, error_model="numpy", _nrt=False, forceinline=True)
+@kernel(_nrt=False, forceinline=True)
 def share(F, k, s, f):
     """Share a force out to the four nodes of the element at slot k."""
     m = k + np.uint64(s)
@@ -152,7 +152,7 @@ def share(F, k, s, f):
     F[m + ONE] += 0.25 * f
 
 
-@njit(cache=True, error_model="numpy", _nrt=False, forceinline=True)
+@kernel(_nrt=False, forceinline=True)
 def spread(F, k, s, f, w0, w1, w2, z0, z1, z2):
     """Share a force out to three by three nodes by their weights."""
     s = np.uint64(s)
@@ -163,7 +163,7 @@ def spread(F, k, s, f, w0, w1, w2, z0, z1, z2):
         k += s
 
 
-@njit(cache=True, error_model="numpy", _nrt=False, forceinline=True)
+@kernel(_nrt=False, forceinline=True)
 def patch(x, k, s, wa, wb, da, db):
     """(value, slope along a, slope along b) of the surface over three by three nodes from the slot k on."""
     s = np.uint64(s)
@@ -185,7 +185,7 @@ def patch(x, k, s, wa, wb, da, db):
     )
 
 
-@njit(cache=True, error_model="numpy", _nrt=False)
+@kernel(_nrt=False)
 def scan(state, const, least, box):
     """Widen the box (first and last row, and column, of nodes) to all that are deflected by more than `least`.
 
@@ -207,7 +207,7 @@ def scan(state, const, least, box):
     return math.sqrt(fastest)
 
 
-@njit(cache=True, error_model="numpy", _nrt=False)
+@kernel(_nrt=False)
 def settle(state, const, force, touched):
     """Half a step's work of the nodal forces on the present velocities, which are those of half a step ago."""
     work = splat(0.0)
@@ -221,7 +221,7 @@ def settle(state, const, force, touched):
     return 0.5 * const.dt * total(work)
 
 
-@njit(cache=True, error_model="numpy", _nrt=False)
+@kernel(_nrt=False)
 def clear(const, force, touched):
     """Set the forces of the last step to zero."""
     for F in force:
@@ -231,14 +231,14 @@ def clear(const, force, touched):
     touched[0], touched[1], touched[2], touched[3] = const.ni + 1, 0, const.s, 0
 
 
-@njit(cache=True, error_model="numpy", _nrt=False, forceinline=True)
+@kernel(_nrt=False, forceinline=True)
 def note(touched, i, j, n):
     """Widen the window of nodes with forces by n by n nodes."""
     touched[0], touched[1] = min(touched[0], i), max(touched[1], i + n)
     touched[2], touched[3] = min(touched[2], j), max(touched[3], j + n)
 
 
-@njit(cache=True, error_model="numpy", _nrt=False)
+@kernel(_nrt=False)
 def symmetric(const, force, touched):
     """Nodes on a plane of symmetry keep to it."""
     if const.mirror_x and touched[0] == 0:
@@ -249,7 +249,7 @@ def symmetric(const, force, touched):
             force[1][i * const.s] = 0.0
 
 
-@njit(cache=True, error_model="numpy", _nrt=False, forceinline=True)
+@kernel(_nrt=False, forceinline=True)
 def left(state, const, a, b):
     """Part of the cloth that is left at the place (a, b)."""
     i, j = min(int(a), const.ni - 1), min(int(b), const.nj - 1)
@@ -262,7 +262,7 @@ def left(state, const, a, b):
     return cover(state, const, k, a - i, b - j)
 
 
-@njit(cache=True, error_model="numpy", _nrt=False)
+@kernel(_nrt=False)
 def window(pair, fc, rc):
     """Element rows and columns of the front ply where either ply's deflection can bring them into contact."""
     i0, i1, j0, j1 = pair.front_box[0], pair.front_box[1], pair.front_box[2], pair.front_box[3]
@@ -274,7 +274,7 @@ def window(pair, fc, rc):
     return max(i0 - _MARGIN, 0), min(i1 + _MARGIN, fc.ni), max(j0 - _MARGIN, 0), min(j1 + _MARGIN, fc.nj)
 
 
-@njit(cache=True, error_model="numpy", _nrt=False)
+@kernel(_nrt=False)
 def contact(front, fc, rear, rc, pair, step):
     """Forces between two plies at their present positions, into pair.on_front and pair.on_rear."""
     if step % _EVERY == 0:
@@ -313,7 +313,7 @@ def contact(front, fc, rear, rc, pair, step):
     conclude(pair, taken, spring, step)
 
 
-@njit(cache=True, error_model="numpy", _nrt=False)
+@kernel(_nrt=False)
 def contact_back(front, fc, rear, rc, pair, step):
     """As `contact`, for the points beside torn cloth of a ply that lies behind, on the one before it."""
     tear(front, fc, rear, rc, pair)
@@ -336,7 +336,7 @@ def contact_back(front, fc, rear, rc, pair, step):
     conclude(pair, taken, spring, step)
 
 
-@njit(cache=True, error_model="numpy", _nrt=False)
+@kernel(_nrt=False)
 def conclude(pair, taken, spring, step):
     """Book the energies of a step, and when the first point went through."""
     pair.energy[TAKEN] += taken
@@ -345,7 +345,7 @@ def conclude(pair, taken, spring, step):
         pair.energy[WHEN] = step
 
 
-@njit(cache=True, error_model="numpy", _nrt=False)
+@kernel(_nrt=False)
 def tear(front, fc, rear, rc, pair):
     """Note the elements of the front ply that are next to torn ones of either ply, when more yarns have failed."""
     failures = front.counter[FAILURES] + rear.counter[FAILURES]
@@ -368,7 +368,7 @@ def tear(front, fc, rear, rc, pair):
             pair.tears[1] += 1
 
 
-@njit(cache=True, error_model="numpy", _nrt=False)
+@kernel(_nrt=False)
 def reach(const, pair, i, j):
     """Note the elements about (i, j)."""
     for m in range(max(i - _SOUGHT, 0), min(i + _SOUGHT + 1, const.ni)):
@@ -376,7 +376,7 @@ def reach(const, pair, i, j):
             pair.torn[m * const.nj + n] = 1
 
 
-@njit(cache=True, error_model="numpy", _nrt=False, forceinline=True)
+@kernel(_nrt=False, forceinline=True)
 def due(pair, q0, count):
     """Whether some of the points q0 .. q0 + count have to be looked at; which, into pair.due."""
     any_due = False
@@ -389,13 +389,13 @@ def due(pair, q0, count):
     return any_due
 
 
-@njit(cache=True, error_model="numpy", _nrt=False, forceinline=True)
+@kernel(_nrt=False, forceinline=True)
 def leave(depth, nearer):
     """Steps that a point which is clear by -depth [m] can be left alone, where it comes nearer by `nearer` in each."""
     return _LONGEST if -depth > _LONGEST * nearer else int(-depth / nearer)
 
 
-@njit(cache=True, error_model="numpy", _nrt=False, forceinline=True)
+@kernel(_nrt=False, forceinline=True)
 def patch8(x, k, s, wa0, wa1, wa2, wb0, wb1, wb2, da0, da1, da2, db0, db1, db2):
     """`patch` of eight neighbouring points, whose nodes begin at the slots k .. k + 7."""
     m, o = k + s, k + 2 * s
@@ -415,13 +415,13 @@ def patch8(x, k, s, wa0, wa1, wa2, wb0, wb1, wb2, da0, da1, da2, db0, db1, db2):
     )
 
 
-@njit(cache=True, error_model="numpy", _nrt=False, forceinline=True)
+@kernel(_nrt=False, forceinline=True)
 def middle8(x, k, s):
     """`middle` of eight neighbouring elements."""
     return 0.25 * ((load(x, k) + load(x, k + 1)) + (load(x, k + s) + load(x, k + s + 1)))
 
 
-@njit(cache=True, error_model="numpy", _nrt=False, forceinline=True)
+@kernel(_nrt=False, forceinline=True)
 def look_ahead(front, fc, rear, rc, pair, q, i, j, count, nearer):
     """Follow the feet of those of the points in the middles of the elements (i, j) .. (i, j + count) that are clear of
     the rear ply, as `touch` does, eight at once; they are no longer due. It needs feet that are side by side as well,
@@ -477,7 +477,7 @@ def look_ahead(front, fc, rear, rc, pair, q, i, j, count, nearer):
     keep(pair.foot[1], q, where(held, B, most(least(B2, float(rc.nj)), low_b)), count)
 
 
-@njit(cache=True, error_model="numpy", _nrt=False, forceinline=True)
+@kernel(_nrt=False, forceinline=True)
 def touch(front, fc, rear, rc, pair, q, a, b, often):
     """Follow the foot of the front ply's point at (a, b), and let it push: (energy in its spring, depth).
 
@@ -623,7 +623,7 @@ def touch(front, fc, rear, rc, pair, q, a, b, often):
     return 0.5 * part * pair.stiffness * squeezed * squeezed, depth
 
 
-@njit(cache=True, error_model="numpy", _nrt=False)
+@kernel(_nrt=False)
 def whole_about(state, const, a, b):
     """Whether all yarns between the nodes that shape the spline at the place (a, b) are whole."""
     i, j = int(a + 0.5), int(b + 0.5)
@@ -636,7 +636,7 @@ def whole_about(state, const, a, b):
     return True
 
 
-@njit(cache=True, error_model="numpy", _nrt=False)
+@kernel(_nrt=False)
 def seek(rear, rc, pair, q, x, y, z, square):
     """Put the foot of a point into the middle of the nearest element about it, where that is nearer than its foot, whose
     distance squared is `square`. x, y, z : [m] of the point, from the first node of the rear ply at rest."""
@@ -656,7 +656,7 @@ def seek(rear, rc, pair, q, x, y, z, square):
         pair.foot[0][q], pair.foot[1][q] = best // rc.nj + 0.5, best % rc.nj + 0.5
 
 
-@njit(cache=True, error_model="numpy", _nrt=False)
+@kernel(_nrt=False)
 def push(state, const, force, touched):
     """Give a ply the impulses of a neighbour's forces; widens its window of rows to them."""
     if touched[1] <= touched[0]:

@@ -20,13 +20,13 @@ sum_b |K_ab|. Taken as masses these make the largest eigenvalue of M^-1 K at mos
 import math
 
 import numpy as np
-from numba import njit
 
 from shellfabric.cell_kernels import yarn_alone
+from shellfabric.compiled import entry, kernel
 from shellfabric.membrane_kernels import trellis
 
 
-@njit(cache=True, error_model="numpy")
+@kernel()
 def powers(p):
     """1, p, p^2, p^3 with slopes and curvatures; above 1 each goes on as its parabola: tensions go on straight."""
     if p <= 1.0:
@@ -35,7 +35,7 @@ def powers(p):
     return (1.0, p, p * p, 1.0 + 3.0 * e * (1.0 + e)), (0.0, 1.0, 2.0 * p, 3.0 + 6.0 * e), (0.0, 0.0, 2.0, 6.0)
 
 
-@njit(cache=True, error_model="numpy")
+@kernel()
 def potential(l1, l2, table, x0, rx, top1, y0, ry, top2):
     """W and its slopes W1, W2, W11, W12, W22 with the stretches, from the bicubic table.
 
@@ -60,7 +60,7 @@ def potential(l1, l2, table, x0, rx, top1, y0, ry, top2):
     return W, rx * W1, ry * W2, rx * rx * W11, rx * ry * W12, ry * ry * W22
 
 
-@njit(cache=True, error_model="numpy")
+@kernel()
 def stretch_edges(x, edges, length, L, tx, ty):
     """Stretches L and directions (tx, ty) of the edges of one family, whose length at rest is `length`."""
     for e in range(edges.shape[0]):
@@ -71,7 +71,7 @@ def stretch_edges(x, edges, length, L, tx, ty):
         tx[e], ty[e] = dx / d, dy / d
 
 
-@njit(cache=True, error_model="numpy")
+@kernel()
 def mean_across(L, across, e):
     """Mean stretch of the edges that cross edge e, and the share of each; share 0 where none does."""
     total, count = 0.0, 0
@@ -82,7 +82,7 @@ def mean_across(L, across, e):
     return (total / count, 1.0 / count) if count else (1.0, 0.0)
 
 
-@njit(cache=True, error_model="numpy")
+@kernel()
 def pull_edges(first, L, L_other, cells, across, length, length_other, table, grid, yarn, pull, other, row, row_other):
     """Add one family's part of dE/dLambda to its own edges and to those that cross them, and its parts of the bound.
 
@@ -116,7 +116,7 @@ def pull_edges(first, L, L_other, cells, across, length, length_other, table, gr
     return energy
 
 
-@njit(cache=True, error_model="numpy")
+@kernel()
 def gather_edges(edges, length, L, tx, ty, pull, row, f, bound):
     """Add the pulls of one family to its nodes, and its rows to their bounds."""
     for e in range(edges.shape[0]):
@@ -131,7 +131,7 @@ def gather_edges(edges, length, L, tx, ty, pull, row, f, bound):
         bound[j] += k
 
 
-@njit(cache=True, error_model="numpy")
+@kernel()
 def shear_angle(x, quad, dX, dY):
     """Shear angle [rad] of a quadrilateral, in (-pi/2, 3 pi/2], and its mean warp and weft vectors."""
     p, q, r, s = quad[0], quad[1], quad[2], quad[3]
@@ -143,7 +143,7 @@ def shear_angle(x, quad, dX, dY):
     return gamma, ax, ay, bx, by
 
 
-@njit(cache=True, error_model="numpy")
+@kernel()
 def shear_quads(x, quads, dX, dY, V, G1, G2, gamma1, gamma2, f, bound):
     """Add the forces of the trellis to the nodes. Returns its energy."""
     energy = 0.0
@@ -171,7 +171,7 @@ def shear_quads(x, quads, dX, dY, V, G1, G2, gamma1, gamma2, f, bound):
     return energy
 
 
-@njit(cache=True, error_model="numpy")
+@entry()
 def forces(x, warp, weft, cells1, cells2, across1, across2, quads, dX, dY, table, grid, yarn1, yarn2, shear, work):
     """Forces f (n, 2) [N] on the nodes at x (n, 2), bounds (n,) [N/m] on their rows, energy of yarns and trellis [J].
 
@@ -193,7 +193,7 @@ def forces(x, warp, weft, cells1, cells2, across1, across2, quads, dX, dY, table
     return f, bound, stored, sheared
 
 
-@njit(cache=True, error_model="numpy")
+@entry()
 def angles(x, quads, dX, dY):
     """(q,) [rad] shear angles of the quadrilaterals."""
     gamma = np.empty(quads.shape[0])

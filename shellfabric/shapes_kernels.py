@@ -25,12 +25,13 @@ form, the numbers that a shape needs beside R and rho:
 import math
 
 import numpy as np
-from numba import njit
+
+from shellfabric.compiled import entry, kernel
 
 FLAT, HEMISPHERE, CONE, SPHERE, CHISEL = 0, 1, 2, 3, 4
 
 
-@njit(cache=True, error_model="numpy")
+@kernel()
 def flat(r, z, R, rho):
     """Signed distance to the flat nose and its gradient (n_r, n_z)."""
     q_r, q_z = r - R + rho, z + rho
@@ -42,7 +43,7 @@ def flat(r, z, R, rho):
     return q_z - rho, 0.0, 1.0
 
 
-@njit(cache=True, error_model="numpy")
+@kernel()
 def ball(r, z, radius):
     """Signed distance to a ball about (0, z = 0) and its gradient; at its centre the axis."""
     length = math.sqrt(r * r + z * z)
@@ -51,7 +52,7 @@ def ball(r, z, radius):
     return length - radius, r / length, z / length
 
 
-@njit(cache=True, error_model="numpy")
+@kernel()
 def hemisphere(r, z, R):
     """Signed distance to a cylinder with a ball for a nose, and its gradient."""
     if z + R > 0.0:
@@ -59,7 +60,7 @@ def hemisphere(r, z, R):
     return r - R, 1.0, 0.0
 
 
-@njit(cache=True, error_model="numpy")
+@kernel()
 def cone(r, z, R, rho, form):
     """Signed distance to a cone with a rounded tip and shoulder before a cylinder, and its gradient.
 
@@ -78,7 +79,7 @@ def cone(r, z, R, rho, form):
     return side, 1.0, 0.0
 
 
-@njit(cache=True, error_model="numpy")
+@kernel()
 def on_ellipse(t, y, a, b):
     """Point of the ellipse (t / a)^2 + (y / b)^2 = 1, a >= b, nearest to (t, y), both at least 0.
 
@@ -97,7 +98,7 @@ def on_ellipse(t, y, a, b):
     return a * a * t / (low + a * a), b * b * y / (low + b * b)
 
 
-@njit(cache=True, error_model="numpy")
+@kernel()
 def nearest_rim(x, y, z, radius, strip, sine, cosine):
     """Point nearest to (x, y, z), x and y at least 0, on the rim where the cylinder cuts strip and flat of a chisel."""
     # rim of the strip: an arc of a circle at z = 0, from x = strip to x = 0
@@ -117,7 +118,7 @@ def nearest_rim(x, y, z, radius, strip, sine, cosine):
     return f_x, f_y, f_z
 
 
-@njit(cache=True, error_model="numpy")
+@kernel()
 def chisel(x, y, z, R, rho, form):
     """Signed distance to a chisel nose and its gradient (n_x, n_y, n_z).
 
@@ -154,7 +155,7 @@ def chisel(x, y, z, R, rho, form):
     return length - rho, math.copysign(n_x / length, x), math.copysign(n_y / length, y), n_z / length
 
 
-@njit(cache=True, error_model="numpy")
+@entry()
 def distance(shape, x, y, z, R, rho, length, form):
     """Signed distance of a point to a projectile and its gradient (n_x, n_y, n_z).
 
@@ -182,7 +183,7 @@ def distance(shape, x, y, z, R, rho, length, form):
     return depth, n_x, n_y, n_z
 
 
-@njit(cache=True, error_model="numpy")
+@entry()
 def trace(shape, R, rho, length, form, points, directions):
     """Move points (n, 3) inside a projectile along unit directions (n, 3) to its surface, by its distance each time."""
     for m in range(points.shape[0]):

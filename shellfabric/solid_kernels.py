@@ -29,7 +29,8 @@ highest mode of a row of bricks of the height L.
 import math
 
 import numpy as np
-from numba import njit
+
+from shellfabric.compiled import kernel
 
 LOOSE_WIDTH = 5e-3  # half widths in V_f of the parabolas that round the two corners of E_2
 PACKED_WIDTH = 2e-3
@@ -39,7 +40,7 @@ SOLID, DAMPED, VISCOUS, BARS, HOURGLASS, FAILED, KINETIC = 0, 1, 2, 3, 4, 5, 6  
 SUMS = 7
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract"})
+@kernel(fastmath={"contract"})
 def smooth_max(x, corner, width):
     """max(x, corner), a parabola within `width` of the corner; and its slope."""
     if x <= corner - width:
@@ -50,7 +51,7 @@ def smooth_max(x, corner, width):
     return corner + rise * rise / (4.0 * width), rise / (2.0 * width)
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract"})
+@kernel(fastmath={"contract"})
 def transverse_modulus(V_f, Vf0, V_c, a_E, b_E):
     """Secant modulus E_2 [Pa] at the fibre volume fraction V_f, and dE_2 / dV_f (eqs. 3-10 .. 3-14)."""
     loose, rise = smooth_max(V_f, Vf0, LOOSE_WIDTH)
@@ -59,7 +60,7 @@ def transverse_modulus(V_f, Vf0, V_c, a_E, b_E):
     return E_2, E_2 * E_2 / a_E * rise * fall
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract"})
+@kernel(fastmath={"contract"})
 def triangular(f):
     """Factors of F Q0 = Q R.
 
@@ -85,7 +86,7 @@ def triangular(f):
     return (a0, a1, a2), (b0, b1, b2), (c0, c1, c2), R11, R22, R33, R12, R13, R23
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract"})
+@kernel(fastmath={"contract"})
 def piola(f, law, last2, last3, per_time, eta2, eta3, P):
     """First Piola-Kirchhoff stress of the law, P[c, i] the component c of P e_i [Pa].
 
@@ -129,7 +130,7 @@ def piola(f, law, last2, last3, per_time, eta2, eta3, P):
     return e2, e3, R11 * R22 * R33 * (V2 * rate2 + V3 * rate3)
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract"})
+@kernel(fastmath={"contract"})
 def corners(first, i, j, k, ny, nz, nodes):
     """Numbers of the eight nodes of the brick (i, j, k), in the order of `PATTERNS`; filled."""
     sheet, row = (ny + 1) * (nz + 1), nz + 1
@@ -138,7 +139,7 @@ def corners(first, i, j, k, ny, nz, nodes):
     nodes[4], nodes[5], nodes[6], nodes[7] = n + 1, n + sheet + 1, n + sheet + row + 1, n + row + 1
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract"})
+@kernel(fastmath={"contract"})
 def patterns(x, H):
     """H[m, c] = sum_a h_ma x_ac of the modes eta zeta, xi zeta, xi eta and xi eta zeta; x : (8, 3)."""
     for c in range(3):
@@ -150,7 +151,7 @@ def patterns(x, H):
         H[3, c] = d0 - d1 + d2 - d3
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract"})
+@kernel(fastmath={"contract"})
 def spread_patterns(g, force):
     """force[a, c] += sum_m h_ma g_mc."""
     for c in range(3):
@@ -165,7 +166,7 @@ def spread_patterns(g, force):
         force[7, c] += p - q - r - s
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract"})
+@kernel(fastmath={"contract"})
 def hourglass(f, x, twist, K, H, D, force):
     """Forces of the hourglass control of one brick.
 
@@ -211,7 +212,7 @@ def hourglass(f, x, twist, K, H, D, force):
     return energy
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract"})
+@kernel(fastmath={"contract"})
 def mean_deformation(x, b, f):
     """f[c, i] = sum_a x_ac b_ai."""
     for c in range(3):
@@ -222,14 +223,14 @@ def mean_deformation(x, b, f):
             f[c, 2] += x[a, c] * b[a, 2]
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract"})
+@kernel(fastmath={"contract"})
 def held(alive, i, j, k, ny, nz):
     """Whether three of the four bars on the edges of a brick are whole: with half of its fibres gone it is torn."""
     bar = (i * (ny + 1) + j) * (nz + 1) + k
     return int(alive[bar]) + int(alive[bar + 1]) + int(alive[bar + nz + 1]) + int(alive[bar + nz + 2]) >= 3
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract"})
+@kernel(fastmath={"contract"})
 def folded(f):
     """Whether a brick's fibres are folded to FOLDED, or it has no volume left; f as for `triangular`."""
     if f[0, 0] * f[0, 0] + f[1, 0] * f[1, 0] + f[2, 0] * f[2, 0] < FOLDED * FOLDED:
@@ -242,7 +243,7 @@ def folded(f):
     return volume <= 0.0
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract"})
+@kernel(fastmath={"contract"})
 def solid_forces(
     first, nx, ny, nz, x, gradient, volume, twist, control, viscous, law, dt, alive, last, torn, material, force, sums
 ):

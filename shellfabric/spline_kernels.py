@@ -17,14 +17,14 @@ be left that no yarn joins to the others: then it is straight along both, within
 """
 
 import numpy as np
-from numba import njit
 
+from shellfabric.compiled import entry, kernel
 from shellfabric.lanes import fma, load
 
 WARP, WEFT = 0, 1
 
 
-@njit(cache=True, error_model="numpy")
+@kernel()
 def seen(n, last, mirrored):
     """The line that line n is an image of, and the sign of the image; beyond a border the last, which has no weight."""
     if n < 0:
@@ -32,7 +32,7 @@ def seen(n, last, mirrored):
     return min(n, last), 1.0
 
 
-@njit(cache=True, error_model="numpy")
+@kernel()
 def place(state, const, i, j):
     """Place of node (i, j) in the frame of the projectile."""
     i, sign_x = seen(i, const.ni, const.mirror_x)
@@ -43,7 +43,7 @@ def place(state, const, i, j):
     return turned(const, x, y, state.u[2][k] - state.position[2])
 
 
-@njit(cache=True, error_model="numpy")
+@kernel()
 def turned(const, x, y, z):
     """A vector in the frame of the panel, in that of the projectile."""
     if not const.tilted:
@@ -56,7 +56,7 @@ def turned(const, x, y, z):
     )
 
 
-@njit(cache=True, error_model="numpy")
+@kernel()
 def velocity(state, const, i, j):
     """Velocity of node (i, j) relative to the projectile, in the frame of the panel."""
     i, sign_x = seen(i, const.ni, const.mirror_x)
@@ -65,7 +65,7 @@ def velocity(state, const, i, j):
     return sign_x * state.v[0][k] - speed[0], sign_y * state.v[1][k] - speed[1], state.v[2][k] - speed[2]
 
 
-@njit(cache=True, error_model="numpy")
+@kernel()
 def line(state, const, i, first, last, x):
     """Places of the nodes (i, first) .. (i, last) in the frame of the projectile, into x (3, ...)."""
     row, sign = seen(i, const.ni, const.mirror_x)
@@ -84,7 +84,7 @@ def line(state, const, i, first, last, x):
         x[0, j - first], x[1, j - first], x[2, j - first] = place(state, const, i, j)
 
 
-@njit(cache=True, error_model="numpy")
+@kernel()
 def weights(s, bent):
     """Of a node's neighbour, itself and its other neighbour, at s = -1/2 ... 1/2 elements from it."""
     if bent:
@@ -92,7 +92,7 @@ def weights(s, bent):
     return max(-s, 0.0), 1.0 - abs(s), max(s, 0.0)
 
 
-@njit(cache=True, error_model="numpy")
+@entry()
 def shares(p, room):
     """Weights at the p x p points of an element, s slowest: (2, 8, room), first straight, then bent.
 
@@ -112,13 +112,13 @@ def shares(p, room):
     return found
 
 
-@njit(cache=True, error_model="numpy")
+@kernel()
 def quadrant(a, p):
     """Whether the nearer node of point number a of p along an element is the one behind (0) or before it (1)."""
     return 0 if 2 * a < p else 1
 
 
-@njit(cache=True, error_model="numpy")
+@kernel()
 def torn_shares(state, const, i, j, found):
     """Those of element (i, j), in which yarns may end, into found (8, room)."""
     p = const.points
@@ -133,7 +133,7 @@ def torn_shares(state, const, i, j, found):
                         found[m, k], found[4 + m, k] = warp[m, k], weft[4 + m, k]
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@kernel(forceinline=True)
 def between(shares, k, x):
     """Eight points k .. k + 7 among the sixteen nodes x (16, 3), or their velocities: three components."""
     a0, a1, a2, a3 = shares_at(shares, 0, k)
@@ -145,13 +145,13 @@ def between(shares, k, x):
     )
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@kernel(forceinline=True)
 def shares_at(shares, row, k):
     """Four rows of the shares of eight points."""
     return load(shares[row], k), load(shares[row + 1], k), load(shares[row + 2], k), load(shares[row + 3], k)
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@kernel(forceinline=True)
 def among(a0, a1, a2, a3, b0, b1, b2, b3, x, c):
     """Component c of eight points."""
     y0 = fma(a0, x[0, c], fma(a1, x[4, c], fma(a2, x[8, c], a3 * x[12, c])))
@@ -161,7 +161,7 @@ def among(a0, a1, a2, a3, b0, b1, b2, b3, x, c):
     return fma(b0, y0, fma(b1, y1, fma(b2, y2, b3 * y3)))
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@kernel(forceinline=True)
 def hand_on(shares, k, push, f_x, f_y, f_z):
     """Add the force on point k to those on the sixteen nodes, push (3, 16)."""
     for m in range(4):
@@ -172,7 +172,7 @@ def hand_on(shares, k, push, f_x, f_y, f_z):
             push[2, 4 * m + n] += weight * f_z
 
 
-@njit(cache=True, error_model="numpy")
+@kernel()
 def boxes(lines, count, low, high):
     """Box of the four nodes in each column of the lines (4, 3, count): its ends, (3, count) each."""
     for c in range(3):
@@ -182,7 +182,7 @@ def boxes(lines, count, low, high):
             above[m] = max(max(x0[m], x1[m]), max(x2[m], x3[m]))
 
 
-@njit(cache=True, error_model="numpy")
+@kernel()
 def apart(low, high, m, R):
     """Whether the box of the columns m .. m + 3, in which the surface of an element lies, is ahead of the nose or
     beside the cylinder."""
@@ -196,7 +196,7 @@ def apart(low, high, m, R):
     return gap > R * R
 
 
-@njit(cache=True, error_model="numpy")
+@kernel()
 def untorn(state, const, i, j):
     """Whether element (i, j) is inside the panel and all yarns of it and its eight neighbours are whole."""
     if (i == 0 and not const.mirror_x) or (j == 0 and not const.mirror_y) or i + 1 == const.ni or j + 1 == const.nj:
@@ -208,7 +208,7 @@ def untorn(state, const, i, j):
     return True
 
 
-@njit(cache=True, error_model="numpy")
+@kernel()
 def bends(state, const, i, j, q, r):
     """Whether the surface about the corner (q, r) of element (i, j) bends along the warp and along the weft."""
     m, n = i + q, j + r
@@ -226,7 +226,7 @@ def bends(state, const, i, j, q, r):
     return along1, along2
 
 
-@njit(cache=True, error_model="numpy")
+@kernel()
 def runs(state, const, family, i, j):
     """Whether a yarn of a family is left on the edge that begins at node (i, j); beyond a border there is none."""
     if (i < 0 and not const.mirror_x) or (j < 0 and not const.mirror_y) or i > const.ni or j > const.nj:

@@ -9,9 +9,11 @@ other programs.
 import os
 
 from llvmlite import ir
-from numba import njit, types
+from numba import types
 from numba.core import cgutils
 from numba.extending import intrinsic
+
+from shellfabric.compiled import kernel
 
 CHEAP = 10_000  # elements below which the threads would wait for each other longer than they save
 COUNTER, STOP, ROOM = 0, 16, 32  # slots of the shared array: far from each other, in cache lines of their own
@@ -67,7 +69,7 @@ def _let_others(typing):
     return types.void(), codegen
 
 
-@njit(cache=True)
+@kernel()
 def meet(shared, count):
     """Wait until all `count` threads are here. shared : (ROOM,) int64, zero at first."""
     if count == 1:

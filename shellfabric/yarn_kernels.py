@@ -17,13 +17,13 @@ Its asymptote is the straight line of slope EA through e_t; e_t = 0 is eq. 4-7, 
 
 import math
 
-from numba import njit
+from shellfabric.compiled import kernel
 
 COSINE, STRAIGHT = 0, 1
 _MOST_STEPS = 200
 
 
-@njit(cache=True, error_model="numpy")
+@kernel()
 def elliptic(k2):
     """E(-k2) and K(-k2) - E(-k2) by the arithmetic-geometric mean; the difference keeps its digits at small k2."""
     a, b = 1.0, math.sqrt(1.0 + k2)
@@ -38,7 +38,7 @@ def elliptic(k2):
     return K * (1.0 - total), K * total
 
 
-@njit(cache=True, error_model="numpy")
+@kernel()
 def arc(w, h, profile=COSINE):
     """S and dS/dh of a yarn (eq. 4-3; the derivative is twice the printed eq. 4-24, erratum E-09)."""
     if profile == STRAIGHT:
@@ -50,7 +50,7 @@ def arc(w, h, profile=COSINE):
     return 4.0 * w / math.pi * E, slope
 
 
-@njit(cache=True, error_model="numpy")
+@kernel()
 def arc_curvature(w, h, profile):
     """d2S/dh2 of a yarn."""
     if profile == STRAIGHT:
@@ -61,7 +61,7 @@ def arc_curvature(w, h, profile):
     return math.pi / w * (K_minus_E / (k * k) + E / (1.0 + k * k)) if k > 0.0 else 0.25 * math.pi**2 / w
 
 
-@njit(cache=True, error_model="numpy")
+@kernel()
 def free_height(w, S0, profile=COSINE):
     """Height at which the yarn has its own length S0, without tension; 0 where it is stretched straight."""
     excess = S0 / (2.0 * w) - 1.0
@@ -80,7 +80,7 @@ def free_height(w, S0, profile=COSINE):
     return 2.0 * w * k / math.pi
 
 
-@njit(cache=True, error_model="numpy")
+@kernel()
 def tension(S, dS, S0, EA, toe):
     """T of a yarn of the length S >= S0, and its slope where S has the slope dS."""
     if toe == 0.0:
@@ -90,7 +90,7 @@ def tension(S, dS, S0, EA, toe):
     return EA * (e + toe * missing), -EA * missing * dS / S0
 
 
-@njit(cache=True, error_model="numpy")
+@kernel()
 def energy(S, S0, EA, toe, T):
     """Stored by a yarn of the length S >= S0 that has the tension T."""
     if toe == 0.0:
@@ -99,7 +99,7 @@ def energy(S, S0, EA, toe, T):
     return S0 * (0.5 * EA * e * e - toe * T)
 
 
-@njit(cache=True, error_model="numpy")
+@kernel()
 def yarn_alone(stretch, w0, S0, EA, toe=0.0):
     """Tension and energy of a yarn that crosses nothing (erratum E-14: 2 w - S0, the full lengths)."""
     slack = 2.0 * stretch * w0 - S0

@@ -1,0 +1,56 @@
+"""How kernels are compiled: those that other kernels call, and those that Python does.
+
+numba makes two more functions beside each one that it compiles: one that takes Python's objects apart, and one with
+the calling convention of C. A kernel with the state of a panel has over a hundred arrays, each a dozen instructions of
+that, and only the few that a march begins with are ever called from Python: without the rest the kernels of a panel
+are compiled in half the time.
+
+    @kernel(...)    called by kernels
+    @entry(...)     called by Python
+
+A kernel that is called from Python all the same, as by its test, is compiled a second time for that.
+"""
+
+import types
+
+from numba import njit
+from numba.core.registry import CPUDispatcher
+
+_USUAL = {"cache": True, "error_model": "numpy", "no_cfunc_wrapper": True}
+
+
+def entry(**options):
+    """Decorator of a kernel that Python calls. options : of numba's njit, besides those of all kernels here."""
+    return njit(**_USUAL, **options)
+
+
+def kernel(**options):
+    """Decorator of a kernel that other kernels call."""
+
+    def decorated(function):
+        inner = njit(no_cpython_wrapper=True, **_USUAL, **options)(function)
+        inner.__class__ = _Inner
+        inner.entry_options = options
+        return inner
+
+    return decorated
+
+
+class _Inner(CPUDispatcher):
+    """A kernel that has no way in from Python, and makes itself one when it is asked to."""
+
+    def __call__(self, *arguments):
+        return self._entry()(*arguments)
+
+    def _entry(self):
+        if not hasattr(self, "_twin"):
+            inner = self.py_func
+            twin = types.FunctionType(
+                inner.__code__, inner.__globals__, inner.__name__, inner.__defaults__, inner.__closure__
+            )
+            twin.__module__, twin.__qualname__ = (
+                inner.__module__,
+                f"{inner.__qualname__}_from_python",
+            )  # names its cache
+            self._twin = entry(**self.entry_options)(twin)
+        return self._twin
