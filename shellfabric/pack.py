@@ -23,24 +23,24 @@ import numpy as np
 from fabrics.errors import InputError
 from fabrics.fabric import Fabric
 from fabrics.plate_curve import PlateCurve
-from shellfabric import body, pack_kernels, ply_contact_kernels
+from shellfabric import body, pack_kernels, ply_surface_kernels
 from shellfabric.cell import CellModel, CellTable
 from shellfabric.lanes import WIDTH
 from shellfabric.panel import Panel
 
 STACKINGS = ("aligned", "alternating")
 FORMS = {
-    "smooth": ply_contact_kernels.SMOOTH,
-    "facets": ply_contact_kernels.FACETS,
-    "nodes": ply_contact_kernels.NODES,
+    "smooth": ply_surface_kernels.SMOOTH,
+    "facets": ply_surface_kernels.FACETS,
+    "nodes": ply_surface_kernels.NODES,
 }
 TESTED = 4  # plies of the packs that the source takes its gaps from (section 5.2.2)
 _LEAST = (0.25, 1e-3)  # deflections that are looked at: of the gap, of the thickness
 
 Pair = namedtuple(
     "Pair",
-    "foot going normal was slack status wait speed on_front on_rear front_touched rear_touched front_box rear_box energy "
-    "torn list tears due depth rank form points start stiffness damping thickness apart least",
+    "foot going normal was slack status wait speed on_front on_rear front_touched rear_touched front_box rear_box "
+    "energy torn list tears due depth rank form points start stiffness damping thickness apart least",
 )
 Stack = namedtuple("Stack", "awake counter places reactions counters speed")
 
@@ -222,7 +222,7 @@ class Pack:
     def _pair(self, p, q, apart, consts, states):
         front, rear, knobs = consts[p], consts[q], self.contact
         n, form = knobs.points, FORMS[knobs.form]
-        start = 0.5 if form == ply_contact_kernels.SMOOTH else 0.0
+        start = 0.5 if form == ply_surface_kernels.SMOOTH else 0.0
         thickness = 0.5 * (self.plies[p].weave.thickness + self.plies[q].weave.thickness)
         # the lighter ply bounds the step
         mass = min(ply.weave.areal_density for ply in (self.plies[p], self.plies[q])) * front.dx * front.dy / n**2

@@ -1,12 +1,6 @@
 """Contact of neighbouring plies: penalty between two smooth surfaces.
 
-Surfaces. The cloth of a ply is the biquadratic B-spline whose control points are its nodes. Its tangent plane turns
-without a jump; it goes through the middle of every element with the slopes that the element has there. With a the
-place along the warp in elements, i the nearest node and r = a - i, the weights of three nodes are
-
-    B(i-1) = (1/2 - r)^2 / 2,    B(i) = 3/4 - r^2,    B(i+1) = (1/2 + r)^2 / 2
-
-Beyond a plane of symmetry stands the image of the first node, beyond any other edge the straight continuation.
+Surfaces. Those of `ply_surface_kernels`: splines, and facets where yarns have failed.
 
 Gap. Each element of the front ply, which the projectile meets first, carries p x p points x of its surface. y is the
 foot of x on the rear ply's surface and n the normal there, the way that the shot flies:
@@ -15,8 +9,14 @@ foot of x on the rear ply's surface and n the normal there, the way that the sho
 
 with t the mean thickness of the two plies: thickness lies on both sides of a middle surface, so that curved plies that
 nest keep t along their normals. -f n acts on the nodes of the front ply by their weights in x, f n on those of the rear
-ply by their weights in y: the sum is zero to the last digits. A depth has a sign, so that cloth that were to get
-through would still be pushed back, and the harder. It passes through where depth > t.
+ply by their weights in y: the sum is zero to the last digits. Whole cloth that came through, where depth > t, would
+still be pushed back, and the harder; it is counted, and ends the run.
+
+Sides. Contact does not ask which way a normal points, but on which side of the cloth a point is: what comes near is on
+its own side, and stays there. Cloth that is drawn in until an element lies upside down has a normal that turns over
+within a step: a point 0.006 t deep was found 1.99 t deep, and thrown. So n points away from x as long as x cannot have
+come through, which takes a depth close to t in the step before; then it goes on from the n of that step. In folds, on
+rims and where cloth is drawn to a line the normal says nothing of x - y, and n is its direction.
 
 The foot follows from step to step by one step of Gauss and Newton; of a point that touches by one of Newton, from where
 the foot will be if it goes on as it did in the last step. From where it was, n is that of a step ago: a hundredth of an
@@ -24,10 +24,13 @@ element, but always to the same side. Plies that slide on each other over a bend
 gave several per cent of a shot's energy. Where the plies are further apart than half their thickness the foot is the
 point straight ahead of x, which is never ambiguous.
 
-Failed yarns. k and c are those of what is left of the yarns next to x or y, whichever is less. A point loses touch
-where nothing is left, where torn cloth has come deeper than t, or where its foot leaps, as on the rim of a hole; it
-finds it again when it is clear of the other ply. Otherwise a flap of torn cloth that comes to lie beyond a hole would
-be thrown by a spring as long as its way there.
+Failed yarns. What is left of a yarn pushes as the whole: its mass is the same. Nothing pushes where both yarns next to
+x or y are gone: that is a hole, and a point may go through it. What comes out of a hole is on either side, and pushes
+from there. Found inside the thickness, it begins without a force, on a spring that is as much stiffer as the rest of
+the thickness is less (three times at most), and is let no deeper; found in the very middle, edge on, it is on no side
+yet. Beside torn cloth feet get lost, so they are looked for anew, and elements are as long as the holes, so both plies
+have points there (`contact_back`), with half the stiffness each: the middle of an element behind otherwise goes through
+what hangs before it, between the points of that.
 
 Naive forms, for comparison: the nodes of the front ply against the bilinear facets of the rear one (FACETS), or against
 the node there, along z (NODES).
@@ -46,7 +49,6 @@ import math
 import numpy as np
 
 from shellfabric.compiled import kernel
-from shellfabric.contact_kernels import cover
 from shellfabric.lanes import (
     WIDTH,
     above,
@@ -65,124 +67,31 @@ from shellfabric.lanes import (
     where,
 )
 from shellfabric.march_kernels import FAILURES
-from shellfabric.membrane_kernels import ERODED
+from shellfabric.ply_surface_kernels import (
+    FACETS,
+    NODES,
+    SMOOTH,
+    across,
+    curving,
+    left,
+    middle,
+    middle8,
+    patch,
+    patch8,
+    seek,
+    share,
+    spread,
+    weights,
+    whole_about,
+)
 
 TAKEN, SPRING, DEEPEST, PLACE, PASSED, WHERE, WHEN = range(7)  # of pair.energy
-ONE = np.uint64(1)
 _CLOSE, _STIFFER = 0.15, 3.0  # [thicknesses] where a point may come through; most that a spring is stiffened
 FREE, TOUCHING = 0, 1  # of pair.status
-SMOOTH, FACETS, NODES = 0, 1, 2  # of pair.form
 _EVERY, _MARGIN = 8, 3  # steps between scans, elements about what they find
 _FASTER, _LONGEST = 1.5, 8  # than at the last scan nodes may become; most steps that a point is left alone
-_STEP, _LEAP, _SOUGHT = 0.25, 0.2, 3  # [elements] longest step of a foot; one so long has none; where it is sought
-
-
-@kernel(_nrt=False, forceinline=True)
-def basis(a, n, mirrored):
-    """Weights of three nodes of a line at the place a: (first node, values, slopes, middle value and slope across).
-
-    The last two belong to the displacement across a plane of symmetry, which its image has with the other sign.
-    """
-    i = min(max(int(a + 0.5), 0), n)
-    r = a - i
-    low, middle, high = 0.5 * (0.5 - r) * (0.5 - r), 0.75 - r * r, 0.5 * (0.5 + r) * (0.5 + r)
-    fall, turn, rise = r - 0.5, -2.0 * r, r + 0.5
-    if 0 < i < n:
-        return i - 1, low, middle, high, fall, turn, rise, middle, turn
-    if i == n:
-        return n - 2, 0.0, low - high, middle + 2.0 * high, 0.0, fall - rise, turn + 2.0 * rise, low - high, fall - rise
-    if mirrored:
-        return 0, middle, high + low, 0.0, turn, rise + fall, 0.0, high - low, rise - fall
-    return 0, middle + 2.0 * low, high - low, 0.0, turn + 2.0 * fall, rise - fall, 0.0, high - low, rise - fall
-
-
-@kernel(_nrt=False, forceinline=True)
-def weights(form, a, n, mirrored):
-    """`basis`, or its like for the naive forms, which have no images."""
-    if form == SMOOTH:
-        return basis(a, n, mirrored)
-    if a < 0.0:  # the image of the first element
-        return 0, 1.0 + a, -a, 0.0, 1.0, -1.0, 0.0, a, 1.0
-    i = min(int(a), n - 1)
-    f, slope = a - i, 1.0
-    if form == NODES:
-        f, slope = math.floor(f + 0.5), 0.0
-    if i < n - 1:
-        return i, 1.0 - f, f, 0.0, -slope, slope, 0.0, f, slope
-    return i - 1, 0.0, 1.0 - f, f, 0.0, -slope, slope, 1.0 - f, -slope
-
-
-@kernel(_nrt=False, forceinline=True)
-def curving(form, a, n, mirrored):
-    """Second slopes of `weights`: of three nodes, and of the middle one across a plane of symmetry."""
-    i = min(max(int(a + 0.5), 0), n)
-    if form != SMOOTH or i == n or (i == 0 and not mirrored):
-        return 0.0, 0.0, 0.0, 0.0
-    if i == 0:
-        return -2.0, 2.0, 0.0, 0.0
-    return 1.0, -2.0, 1.0, -2.0
-
-
-@kernel(_nrt=False, forceinline=True)
-def across(x, k, s, w0, w1, w2, z0, z1, z2):
-    """Sum of w z x over three by three nodes from the slot k on."""
-    s = np.uint64(s)
-    m = k + s
-    o = m + s
-    a = z0 * x[k] + z1 * x[k + ONE] + z2 * x[k + ONE + ONE]
-    b = z0 * x[m] + z1 * x[m + ONE] + z2 * x[m + ONE + ONE]
-    c = z0 * x[o] + z1 * x[o + ONE] + z2 * x[o + ONE + ONE]
-    return w0 * a + w1 * b + w2 * c
-
-
-@kernel(_nrt=False, forceinline=True)
-def middle(x, k, s):
-    """The mean of the four nodes of the element at slot k."""
-    m = k + np.uint64(s)
-    return 0.25 * (x[k] + x[k + ONE] + x[m] + x[m + ONE])
-
-
-@kernel(_nrt=False, forceinline=True)
-def share(F, k, s, f):
-    """Share a force out to the four nodes of the element at slot k."""
-    m = k + np.uint64(s)
-    F[k] += 0.25 * f
-    F[k + ONE] += 0.25 * f
-    F[m] += 0.25 * f
-    F[m + ONE] += 0.25 * f
-
-
-@kernel(_nrt=False, forceinline=True)
-def spread(F, k, s, f, w0, w1, w2, z0, z1, z2):
-    """Share a force out to three by three nodes by their weights."""
-    s = np.uint64(s)
-    for w in (w0, w1, w2):
-        F[k] += f * w * z0
-        F[k + ONE] += f * w * z1
-        F[k + ONE + ONE] += f * w * z2
-        k += s
-
-
-@kernel(_nrt=False, forceinline=True)
-def patch(x, k, s, wa, wb, da, db):
-    """(value, slope along a, slope along b) of the surface over three by three nodes from the slot k on."""
-    s = np.uint64(s)
-    m = k + s
-    o = m + s
-    x00, x01, x02 = x[k], x[k + ONE], x[k + ONE + ONE]
-    x10, x11, x12 = x[m], x[m + ONE], x[m + ONE + ONE]
-    x20, x21, x22 = x[o], x[o + ONE], x[o + ONE + ONE]
-    v0 = wb[0] * x00 + wb[1] * x01 + wb[2] * x02
-    v1 = wb[0] * x10 + wb[1] * x11 + wb[2] * x12
-    v2 = wb[0] * x20 + wb[1] * x21 + wb[2] * x22
-    e0 = db[0] * x00 + db[1] * x01 + db[2] * x02
-    e1 = db[0] * x10 + db[1] * x11 + db[2] * x12
-    e2 = db[0] * x20 + db[1] * x21 + db[2] * x22
-    return (
-        wa[0] * v0 + wa[1] * v1 + wa[2] * v2,
-        da[0] * v0 + da[1] * v1 + da[2] * v2,
-        wa[0] * e0 + wa[1] * e1 + wa[2] * e2,
-    )
+_STEP, _LEAP = 0.25, 0.2  # [elements] longest step of a foot; one so long has none
+_ABOUT = 3  # elements about torn ones that count as beside them
 
 
 @kernel(_nrt=False)
@@ -247,19 +156,6 @@ def symmetric(const, force, touched):
     if const.mirror_y and touched[2] == 0:
         for i in range(touched[0], touched[1]):
             force[1][i * const.s] = 0.0
-
-
-@kernel(_nrt=False, forceinline=True)
-def left(state, const, a, b):
-    """Part of the cloth that is left at the place (a, b)."""
-    i, j = min(int(a), const.ni - 1), min(int(b), const.nj - 1)
-    k = np.uint64(max(i, 0) * const.s + max(j, 0))
-    flag = state.flag[k]
-    if flag == 0:
-        return 1.0
-    if flag & ERODED:
-        return 0.0
-    return cover(state, const, k, a - i, b - j)
 
 
 @kernel(_nrt=False)
@@ -371,8 +267,8 @@ def tear(front, fc, rear, rc, pair):
 @kernel(_nrt=False)
 def reach(const, pair, i, j):
     """Note the elements about (i, j)."""
-    for m in range(max(i - _SOUGHT, 0), min(i + _SOUGHT + 1, const.ni)):
-        for n in range(max(j - _SOUGHT, 0), min(j + _SOUGHT + 1, const.nj)):
+    for m in range(max(i - _ABOUT, 0), min(i + _ABOUT + 1, const.ni)):
+        for n in range(max(j - _ABOUT, 0), min(j + _ABOUT + 1, const.nj)):
             pair.torn[m * const.nj + n] = 1
 
 
@@ -393,32 +289,6 @@ def due(pair, q0, count):
 def leave(depth, nearer):
     """Steps that a point which is clear by -depth [m] can be left alone, where it comes nearer by `nearer` in each."""
     return _LONGEST if -depth > _LONGEST * nearer else int(-depth / nearer)
-
-
-@kernel(_nrt=False, forceinline=True)
-def patch8(x, k, s, wa0, wa1, wa2, wb0, wb1, wb2, da0, da1, da2, db0, db1, db2):
-    """`patch` of eight neighbouring points, whose nodes begin at the slots k .. k + 7."""
-    m, o = k + s, k + 2 * s
-    x00, x01, x02 = load(x, k), load(x, k + 1), load(x, k + 2)
-    x10, x11, x12 = load(x, m), load(x, m + 1), load(x, m + 2)
-    x20, x21, x22 = load(x, o), load(x, o + 1), load(x, o + 2)
-    v0 = fma(wb0, x00, fma(wb1, x01, wb2 * x02))
-    v1 = fma(wb0, x10, fma(wb1, x11, wb2 * x12))
-    v2 = fma(wb0, x20, fma(wb1, x21, wb2 * x22))
-    e0 = fma(db0, x00, fma(db1, x01, db2 * x02))
-    e1 = fma(db0, x10, fma(db1, x11, db2 * x12))
-    e2 = fma(db0, x20, fma(db1, x21, db2 * x22))
-    return (
-        fma(wa0, v0, fma(wa1, v1, wa2 * v2)),
-        fma(da0, v0, fma(da1, v1, da2 * v2)),
-        fma(wa0, e0, fma(wa1, e1, wa2 * e2)),
-    )
-
-
-@kernel(_nrt=False, forceinline=True)
-def middle8(x, k, s):
-    """`middle` of eight neighbouring elements."""
-    return 0.25 * ((load(x, k) + load(x, k + 1)) + (load(x, k + s) + load(x, k + s + 1)))
 
 
 @kernel(_nrt=False, forceinline=True)
@@ -466,7 +336,7 @@ def look_ahead(front, fc, rear, rc, pair, q, i, j, count, nearer):
     turn = where(near, (aa * rb - ab * ra) / square, (Xa * y - Ya * x) / area)
     store(pair.depth, 0, depth)
     for m in range(count):
-        free = pair.status[q + m] == FREE and pair.depth[m] <= 0.0
+        free = pair.status[q + m] == FREE and pair.depth[m] <= 0.0 and not pair.torn[q + m]
         pair.due[m] = not free
         pair.wait[q + m] = leave(pair.depth[m], nearer) if free else 0
         pair.depth[m] = 0.0 if free else 1.0
@@ -561,10 +431,11 @@ def touch(front, fc, rear, rc, pair, q, a, b, often):
     pair.going[0][q] = pair.going[1][q] = 0.0
     pair.status[q] = FREE
     leapt = depth > 0.0 and max(abs(go), abs(turn)) > _LEAP
-    if pair.form == SMOOTH and (leapt or (not whole and (often or not touches))):
-        seek(rear, rc, pair, q, at_x, at_y, at_z, x * x + y * y + z * z)
+    torn = pair.torn[q // (pair.points * pair.points)] != 0
+    if pair.form == SMOOTH and (leapt or (torn and (often or not (whole or touches)))):
+        seek(rear, rc, pair.foot, q, at_x, at_y, at_z, far)
     if depth <= 0.0:
-        return 0.0, depth if whole and not slant else 0.0
+        return 0.0, 0.0 if torn or slant else depth
     beside_x, beside_y = A2 > rc.ni or (A2 < 0.0 and not rc.mirror_x), B2 > rc.nj or (B2 < 0.0 and not rc.mirror_y)
     if beside_x or beside_y or (leapt and pair.form != NODES):
         return 0.0, 0.0
@@ -584,7 +455,7 @@ def touch(front, fc, rear, rc, pair, q, a, b, often):
     pair.status[q] = TOUCHING
     pair.normal[0][q], pair.normal[1][q], pair.normal[2][q] = n_x, n_y, n_z
     pair.was[q], pair.slack[q] = depth, min(pair.slack[q], depth)
-    squeezed, part = depth - pair.slack[q], 0.5 if pair.torn[q // (pair.points * pair.points)] else 1.0
+    squeezed, part = depth - pair.slack[q], 0.5 if torn else 1.0
     if pair.start == 0.0:  # half an element, or a quarter, is modelled about points on planes of symmetry
         part *= (0.5 if a == 0.0 and fc.mirror_x else 1.0) * (0.5 if b == 0.0 and fc.mirror_y else 1.0)
     drag = part * pair.damping
@@ -621,39 +492,6 @@ def touch(front, fc, rear, rc, pair, q, a, b, often):
         spread(F[1], K, rc.s, f * n_y, w0, w1, w2, v0, v1y, v2)
         spread(F[2], K, rc.s, f * n_z, w0, w1, w2, v0, v1, v2)
     return 0.5 * part * pair.stiffness * squeezed * squeezed, depth
-
-
-@kernel(_nrt=False)
-def whole_about(state, const, a, b):
-    """Whether all yarns between the nodes that shape the spline at the place (a, b) are whole."""
-    i, j = int(a + 0.5), int(b + 0.5)
-    if not state.thin[min(i, const.ni - 1) // const.block]:  # of blocks within two rows of a failed yarn it is set
-        return True
-    for m in range(max(i - 1, 0), min(i, const.ni - 1) + 1):
-        for n in range(max(j - 1, 0), min(j, const.nj - 1) + 1):
-            if state.flag[m * const.s + n]:
-                return False
-    return True
-
-
-@kernel(_nrt=False)
-def seek(rear, rc, pair, q, x, y, z, square):
-    """Put the foot of a point into the middle of the nearest element about it, where that is nearer than its foot, whose
-    distance squared is `square`. x, y, z : [m] of the point, from the first node of the rear ply at rest."""
-    i0, j0, best, least = int(pair.foot[0][q]), int(pair.foot[1][q]), -1, 0.8 * square
-    for i in range(max(i0 - _SOUGHT, 0), min(i0 + _SOUGHT + 1, rc.ni)):
-        for j in range(max(j0 - _SOUGHT, 0), min(j0 + _SOUGHT + 1, rc.nj)):
-            k = np.uint64(i * rc.s + j)
-            if rear.flag[k] & ERODED:
-                continue
-            d_x = x - (i + 0.5) * rc.dx - middle(rear.u[0], k, rc.s)
-            d_y = y - (j + 0.5) * rc.dy - middle(rear.u[1], k, rc.s)
-            d_z = z - middle(rear.u[2], k, rc.s)
-            far = d_x * d_x + d_y * d_y + d_z * d_z
-            if far < least:
-                best, least = i * rc.nj + j, far
-    if best >= 0:
-        pair.foot[0][q], pair.foot[1][q] = best // rc.nj + 0.5, best % rc.nj + 0.5
 
 
 @kernel(_nrt=False)

@@ -8,6 +8,7 @@ from scipy.optimize import minimize
 
 from fabrics import catalogue
 from shellfabric import ply_contact_kernels as kernels
+from shellfabric import ply_surface_kernels as surface
 from shellfabric.cell import CellModel
 from shellfabric.pack import Pack, PlyContact
 from shellfabric.panel import Numerics, Panel
@@ -126,7 +127,7 @@ def test_spline_is_smooth_and_goes_through_flat_cloth():
         for n in (3, 9):
             places = np.linspace(0, n, 401)
             for a in places:
-                i, *w, d0, d1, d2, _, _ = kernels.basis(a, n, mirrored)
+                i, *w, d0, d1, d2, _, _ = surface.basis(a, n, mirrored)
                 assert 0 <= i <= n - 2
                 assert sum(w) == pytest.approx(1, abs=1e-14)
                 assert d0 + d1 + d2 == pytest.approx(0, abs=1e-14)
@@ -135,7 +136,7 @@ def test_spline_is_smooth_and_goes_through_flat_cloth():
     for edge in (0.5, 1.5, 2.5):
         values = np.zeros((2, 5, 2))
         for side, a in enumerate((edge - 1e-9, edge + 1e-9)):
-            i, w0, w1, w2, d0, d1, d2, _, _ = kernels.basis(a, 9, False)
+            i, w0, w1, w2, d0, d1, d2, _, _ = surface.basis(a, 9, False)
             values[side, i : i + 3] = np.array([[w0, d0], [w1, d1], [w2, d2]])
         np.testing.assert_allclose(values[0], values[1], atol=1e-8)
 
@@ -246,8 +247,8 @@ def flat(ply, **knobs):
 
 
 def test_a_normal_that_turns_over_throws_nothing(ply):
-    """Cloth that is drawn in until an element lies upside down: who touched it is on the same side as before. Told by
-    the normal alone he would be nearly two thicknesses deep, on the wrong side of it."""
+    """Cloth that is drawn in until an element lies upside down: what touched it is on the same side as before. Told by
+    the normal alone it would be nearly two thicknesses deep, on the wrong side of it."""
     states, consts, pair = flat(ply)
     i, j = 4, 5
     before, k = pair.energy[kernels.SPRING], i * consts[1].s + j
@@ -263,7 +264,7 @@ def test_a_normal_that_turns_over_throws_nothing(ply):
 
 
 def test_what_is_found_deep_is_not_thrown_but_held(ply):
-    """A point that is found inside the thickness, from the rim of a hole, begins without a force; none is let deeper."""
+    """A point that is found inside the thickness, beside a hole, begins without a force; none is let deeper."""
     states, consts, pair = flat(ply)
     stiffness = -placed(states, consts, pair, 0.1 * pair.thickness, 1) / (0.1 * pair.thickness)
     pair.status[:] = kernels.FREE
@@ -277,7 +278,8 @@ def test_what_is_found_deep_is_not_thrown_but_held(ply):
 
 def test_whole_cloth_that_comes_through_is_pushed_back_and_counted(ply):
     states, consts, pair = flat(ply)
-    forces = [-placed(states, consts, pair, part * pair.thickness, n) for n, part in enumerate(np.arange(0.25, 1.5, 0.1))]
+    parts = np.arange(0.25, 1.5, 0.1)
+    forces = [-placed(states, consts, pair, part * pair.thickness, n) for n, part in enumerate(parts)]
     assert np.all(np.diff(forces) > 0)
     assert pair.energy[kernels.PASSED] > 0
     assert pair.energy[kernels.DEEPEST] > 1.3 * pair.thickness
@@ -300,7 +302,8 @@ def test_beside_torn_cloth_both_plies_have_points(ply):
         return sum(near.on_rear[2][:n]), sum(back.on_front[2][:n])
 
     whole, none = step(0)
-    assert whole > 0 and none == 0
+    assert whole > 0
+    assert none == 0
     states[0].flag[0] |= 1
     states[0].thin[:] = 1
     states[0].intact[0][0] = 0.0
