@@ -109,8 +109,22 @@ def weights(a, b, w):
 
 
 @kernel()
+def beyond(px, py, x, nodes):
+    """Which way, -1, 0 or 1 along x and y, a point lies beyond the sides of a facet seen along z."""
+    p = q = 0
+    for m, (go_p, go_q) in enumerate(((0, -1), (1, 0), (0, 1), (-1, 0))):
+        n, k = nodes[m], nodes[(m + 1) % 4]
+        if (x[k, 0] - x[n, 0]) * (py - x[n, 1]) < (x[k, 1] - x[n, 1]) * (px - x[n, 0]):
+            p, q = p + go_p, q + go_q
+    return p, q
+
+
+@kernel()
 def locate(px, py, x, column, nx, ny, nz, gone, place, nodes):
     """Facet under a point, from the column it was last over.
+
+    Beside a facet that is drawn out and twisted Newton's steps may go round in circles, within it even: then its sides
+    tell where to go on.
 
     Parameters
     ----------
@@ -119,7 +133,7 @@ def locate(px, py, x, column, nx, ny, nz, gone, place, nodes):
 
     Returns
     -------
-    found : False beyond the block, or where a column has no brick left
+    found : False beyond the block, where a column has no brick left, or under a fold that hides what is below
     """
     w = np.empty(4)
     for _ in range(LOOKS):
@@ -130,7 +144,7 @@ def locate(px, py, x, column, nx, ny, nz, gone, place, nodes):
         first = (p * (ny + 1) + q) * (nz + 1) + r
         nodes[0], nodes[1] = first, first + (ny + 1) * (nz + 1)
         nodes[2], nodes[3] = nodes[1] + nz + 1, first + nz + 1
-        a = b = 0.0
+        a, b, found = 0.0, 0.0, False
         for _ in range(20):
             weights(a, b, w)
             rx, ry = px, py
@@ -145,12 +159,15 @@ def locate(px, py, x, column, nx, ny, nz, gone, place, nodes):
             da, db = (yb * rx - xb * ry) / det, (xa * ry - ya * rx) / det
             a, b = min(max(a + da, -4.0), 4.0), min(max(b + db, -4.0), 4.0)
             if abs(da) + abs(db) < 1e-12:
+                found = True
                 break
         tiny = 1e-9
         go_p, go_q = (a > 1 + tiny) - (a < -1 - tiny), (b > 1 + tiny) - (b < -1 - tiny)
+        if not found:
+            go_p, go_q = beyond(px, py, x, nodes)
         if go_p == 0 and go_q == 0:
             place[0], place[1] = a, b
-            return True
+            return found
         if not (0 <= p + go_p < nx and 0 <= q + go_q < ny):
             return False
         column[0], column[1] = p + go_p, q + go_q

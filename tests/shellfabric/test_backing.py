@@ -8,7 +8,7 @@ from scipy.linalg import expm, logm
 
 from fabrics.errors import InputError, UnstableError
 from fabrics.materials import Isotropic, load
-from shellfabric import block_kernels
+from shellfabric import block_contact_kernels, block_kernels
 from shellfabric.backing import Backing, graded, strike
 from shellfabric.projectile import Projectile
 
@@ -330,6 +330,26 @@ def test_points_push_along_the_line_from_their_foot_and_by_the_slope_of_their_en
         change = press(move, part)[2] - press(-move, -part)[2]
         work = 2 * ((forces * part).sum() + (given * move).sum())
         assert change == pytest.approx(-work, rel=1e-4)
+
+
+def test_a_point_beside_a_facet_that_is_twisted_is_found_where_it_is():
+    """Newton's steps from the middle of this facet, out of a shot, circle within it: the point is 3 mm beside it."""
+    grid = np.array([
+        [[4.0, 4.0], [4.2, 6.5], [4.0, 8.0]],
+        [[6.5, 4.0], [6.68, 6.629], [5.968, 7.526]],
+        [[8.0, 3.9], [7.67, 5.822], [7.498, 7.344]],
+    ])  # fmt: skip
+    x = np.zeros((3, 3, 2, 3))
+    x[..., :2], x[..., 1, 2] = grid[:, :, None], 1.0
+    column, place, nodes = np.array([1, 1]), np.zeros(2), np.zeros(4, np.int64)
+    x = x.reshape(-1, 3)
+    for point in ((4.523, 4.206), (5.074, 4.189), (4.964, 4.108)):
+        column[:] = 1
+        assert block_contact_kernels.locate(*point, x, column, 2, 2, 1, np.zeros(4, bool), place, nodes)
+        w = np.zeros(4)
+        block_contact_kernels.weights(*place, w)
+        assert tuple(column) == (0, 0)
+        assert w @ x[nodes, :2] == pytest.approx(np.array(point), abs=1e-9)
 
 
 def test_points_follow_a_face_that_moves_and_erodes():

@@ -5,7 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from fabrics.errors import UnstableError
 from shellfabric.backing import Backing
+from shellfabric.panel import Numerics
+from validation.pencilling import __main__ as command
 from validation.pencilling import pictures
 from validation.pencilling.__main__ import name_of, table
 from validation.pencilling.study import CASES, LIGHT, Case, march, shoot
@@ -29,6 +32,20 @@ def test_a_target_has_the_mass_and_modulus_of_its_case():
         # E A of a yarn is that of S-728 times the factor, whatever the mass
         assert weaves[0].warp.EA == pytest.approx(case.modulus * 96e9 * 1.7039e-4 / 1440, rel=1e-3)
         assert not run.pack.plies[0].failure
+        # stiff yarns that snap taut take half the usual step
+        usual = replace(run.pack.plies[0], numerics=Numerics())
+        assert run.const.dt == pytest.approx(0.5 * usual.time_step, rel=1e-12)
+
+
+def test_a_command_without_a_shot_says_why(monkeypatch, tmp_path):
+    def breaks(*_, **__):
+        raise UnstableError("plies come through each other", where="4 plies", when="after 71 us")
+
+    monkeypatch.setattr(command, "shoot", breaks)
+    monkeypatch.setattr("sys.argv", ["pencilling", "5", "--no-bare", "--out", str(tmp_path)])
+    with pytest.raises(UnstableError, match="come through"):
+        command.main()
+    assert not any(tmp_path.iterdir())
 
 
 @pytest.mark.slow

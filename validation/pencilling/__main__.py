@@ -93,6 +93,8 @@ def main():
         )
         with write_whole(kept, "wb") as file:
             pickle.dump(shots, file)
+    if not shots:
+        raise problem
     shots = {name: shots[name] for name in sorted(shots)}
     rows = table(shots)
     with write_whole(options.out / "pencilling.csv") as file:
