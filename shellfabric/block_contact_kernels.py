@@ -6,7 +6,8 @@ apart: what it takes is its force times velocities in the middle of the step, wh
     shot      signed distance (`shapes_kernels`) of the block's nodes that still have a brick
     points    each against the facet of the block's face below it, bilinear over its four nodes: the top of the first
               brick of its column below all that are gone, found from the column it was over before; on it, or on its
-              continuation, against the place that is nearest
+              continuation, against the place that is nearest, and where there is none, as high above the wall of a
+              crater, not at all
 
 What pushes a point acts on the block at its foot, along the line between them: a face that turns under the thickness
 of the cloth has to be turned. With the forces straight below the point instead, as much as 1.7 % of a shot's energy
@@ -186,10 +187,13 @@ def tangents(a, b, x, nodes, A, B):
 def foot(p, x, nodes, place, A, B):
     """Move `place` from the point of the facet that is straight below p : (3,) to the one that is nearest to it.
 
-    Newton on (p - y).A = (p - y).B = 0, on the facet continued by as much as itself; A, B as `tangents`, filled. Where
-    it leads further the place stays.
+    Newton on (p - y).A = (p - y).B = 0, on the facet continued by as much as itself; A, B as `tangents`, filled.
+
+    Returns
+    -------
+    found : False where it leads further: the point is not at this facet, but far along its slope
     """
-    a, b, w = place[0], place[1], np.empty(4)
+    a, b, w, found = place[0], place[1], np.empty(4), False
     for _ in range(20):
         tangents(a, b, x, nodes, A, B)
         weights(a, b, w)
@@ -207,9 +211,10 @@ def foot(p, x, nodes, place, A, B):
         if not (det > 0.0 and abs(a) < FARTHEST and abs(b) < FARTHEST):
             break
         if abs(da) + abs(db) < 1e-12:
-            place[0], place[1] = a, b
+            place[0], place[1], found = a, b, True
             break
     tangents(place[0], place[1], x, nodes, A, B)
+    return found
 
 
 @entry()
@@ -238,11 +243,11 @@ def points(
         force[s] = drag_force[s] = 0.0
         was, offset = memory[s, 0], memory[s, 1]
         held = max(was - offset, 0.0)
-        if not locate(px[s, 0], px[s, 1], x, columns[s], nx, ny, nz, gone, place, nodes):
+        below = locate(px[s, 0], px[s, 1], x, columns[s], nx, ny, nz, gone, place, nodes)
+        if not (below and foot(px[s], x, nodes, place, A, B)):
             memory[s, 0], memory[s, 1] = -1.0, 0.0
             sums[DROPPED] += 0.5 * stiffness[s] * held * held
             continue
-        foot(px[s], x, nodes, place, A, B)
         weights(place[0], place[1], w)
         # out of the block: against z at rest
         normal[0], normal[1] = A[2] * B[1] - A[1] * B[2], A[0] * B[2] - A[2] * B[0]

@@ -87,8 +87,8 @@ def thin_forces(const, state, family, first, last, shift, L, F):
 
 
 @kernel(_nrt=False)
-def thin_gradient(const, state, family, first, last, shift, L, own, shared, N):
-    """The variational force: own share and, of each crossing edge, the share `shared` that it gives."""
+def thin_gradient(const, state, family, first, last, shift, L, own, shared, N, K):
+    """The variational force: own share, of slope K, and, of each crossing edge, the share `shared` that it gives."""
     w, S0, EA = yarn(const, family)
     other = state.intact[1 - family]
     for i in range(first, last):
@@ -100,6 +100,7 @@ def thin_gradient(const, state, family, first, last, shift, L, own, shared, N):
             count, present, total = crossing(const, family, i, j, other, shared, shift)
             crossed = present / count
             alone = yarn_alone(L[m], w, S0, EA)[0] if present < count else 0.0
+            K[m] *= crossed
             N[m] = 0.5 * (crossed * own[m] + total / count) + (1.0 - crossed) * alone
 
 

@@ -8,7 +8,9 @@ hook(march) after every chunk and reads what it likes; `shellfabric.hooks` has s
 
 Energy audit. Each entry is computed on its own, not from the others: the balance, their sum less the energy at the
 start, is what they disagree by. What the yarns store follows from their stretches. In the equilibrium form, whose
-forces are no gradient, the work done on them is more or less than that: the difference is the entry "cell".
+forces are no gradient, the work done on them is more or less than that: the difference is the entry "cell". In the
+variational form that entry is what a step loses where yarns stiffen (`membrane_kernels.yarns`), which is told by the
+slopes of their forces: a force that is wrong stays in the balance.
 """
 
 from __future__ import annotations
@@ -196,13 +198,13 @@ class March:
         sums = state.sums.sum(axis=0)
         if not self.samples:
             self._rest = out[kernels.STORED]
-        # what the forces have worked that is neither stored nor lost: nothing where they are a gradient
+        # what the forces have worked that is neither stored nor lost; where they are a gradient, by the steps alone
         cell = sums[kernels.WORK] - (out[kernels.STORED] - self._rest) - sums[kernels.LOST]
         energies = [
             out[kernels.KINETIC] + state.rim_sums[edges_kernels.KINETIC],
             *projectile,
             out[kernels.STORED],
-            0.0 if self.const.variational else cell,
+            sums[kernels.OVER] if self.const.variational else cell,
             out[kernels.SHEAR],
             out[kernels.BENDING],
             out[kernels.JAM],

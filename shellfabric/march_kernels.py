@@ -29,7 +29,8 @@ from shellfabric.lanes import WIDTH, above, fabs, fma, keep, load, where
 from shellfabric.team import STOP, meet
 
 RUNNING, STOPPED, PERFORATED, NOT_FINITE = 0, 1, 2, 3
-WORK, VISCOUS, LOST, TORN = 0, 1, 2, 3  # of state.sums; what is lost with failed yarns, and with trellis and turns
+# of state.sums; what is lost with failed yarns, and with trellis and turns; what yarns do not store of the work
+WORK, VISCOUS, LOST, TORN, OVER = 0, 1, 2, 3, 4
 KINETIC, STORED, SHEAR, BENDING, JAM = 0, 1, 2, 3, 4  # of `energies`
 WHOLE, THINNED, AGAIN = 0, 1, 2  # of state.thin: a block without failures, with some, with some of this step
 STEP, IDLE, FAILURES = 0, 1, 2
@@ -208,10 +209,10 @@ def gradient(state, const, block, first, last, thin, work):
     m0, m1 = 2 * s, (low - first + 2) * s
     n, n1, n2 = (last - first) * s, (last - low) * s, (last - first + 1) * s
     p1, q1, high1, _ = membrane_kernels.potential_forces(
-        m1, n1, w.l1, w.m2, c.grid, c.spline, c.per1, c.per2, w.spots, w.own1, w.given1
+        m1, n1, w.l1, w.m2, c.grid, c.spline, c.per1, c.per2, 2.0 * c.per1 * c.rx, 0.0, w.spots, w.own1, w.given1, w.K1
     )
     p2, q2, _, high2 = membrane_kernels.potential_forces(
-        m0, n2, w.m1, w.l2, c.grid, c.spline, c.per1, c.per2, w.spots, w.given2, w.own2
+        m0, n2, w.m1, w.l2, c.grid, c.spline, c.per1, c.per2, 0.0, 2.0 * c.per2 * c.ry, w.spots, w.given2, w.own2, w.K2
     )
     if first == 0:
         membrane_kernels.copy(s, m0, s, work.given1)
@@ -220,8 +221,8 @@ def gradient(state, const, block, first, last, thin, work):
         membrane_kernels.copy(s, end - s, end, work.given1)
     shift = (first - 2) * s
     if thin:
-        failure_kernels.thin_gradient(const, state, 0, first, last, shift, work.l1, work.own1, work.given2, work.N1)
-        failure_kernels.thin_gradient(const, state, 1, first, last + 1, shift, work.l2, work.own2, work.given1, work.N2)
+        failure_kernels.thin_gradient(const, state, 0, first, last, shift, w.l1, w.own1, w.given2, w.N1, w.K1)
+        failure_kernels.thin_gradient(const, state, 1, first, last + 1, shift, w.l2, w.own2, w.given1, w.N2, w.K2)
         return False
     membrane_kernels.share_warp(first * s, m0, n, s, c.split2, work.own1, work.given2, work.N1)
     membrane_kernels.share_weft(first * s, m0, n2, s, c.split1, work.own2, work.given1, work.N2)
@@ -246,17 +247,18 @@ def record(k0, m0, n, x, kept):
 @kernel(_nrt=False, forceinline=True)
 def advance_yarns(state, const, block, k0, n, n2, N1, N2, work):
     """Pulls of the block's edges along themselves, into work.on1 and work.on2, and what they work."""
-    L, N, D, y, c, w, s = state.L, state.N, state.D, state.y, const, work, const.s
+    L, N, D, S, y, c, w, s = state.L, state.N, state.D, state.slope, state.y, const, work, const.s
     again = state.thin[block] == AGAIN
-    work1, viscous1 = membrane_kernels.yarns(
-        k0, 2 * s, n, 1, again, c.rx0, c.cv1, w.l1, w.i1, w.turn1, N1, y[0], L[0], N[0], D[0], w.on1
+    work1, viscous1, over1 = membrane_kernels.yarns(
+        k0, 2 * s, n, 1, again, c.rx0, c.cv1, w.l1, w.i1, w.turn1, N1, w.K1, y[0], L[0], N[0], D[0], S[0], w.on1
     )
-    work2, viscous2 = membrane_kernels.yarns(
-        k0, 2 * s, n2, s, again, c.ry0, c.cv2, w.l2, w.i2, w.turn2, N2, y[1], L[1], N[1], D[1], w.on2
+    work2, viscous2, over2 = membrane_kernels.yarns(
+        k0, 2 * s, n2, s, again, c.ry0, c.cv2, w.l2, w.i2, w.turn2, N2, w.K2, y[1], L[1], N[1], D[1], S[1], w.on2
     )
     if not again:
         state.sums[block, WORK] += work1 + work2
         state.sums[block, VISCOUS] += viscous1 + viscous2
+        state.sums[block, OVER] += 0.5 * (over1 + over2)  # what has the slope is half of N
 
 
 @kernel(_nrt=False, forceinline=True)

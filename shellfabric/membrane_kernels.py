@@ -225,12 +225,12 @@ def tensions(m0, n, l1, l2, grid, table, T):
 
 
 @kernel()
-def potential_forces(m0, n, l1, l2, grid, table, per1, per2, spots, N1, N2):
-    """Gradient of the biquadratic potential, N = per dW/d(local coordinate).
+def potential_forces(m0, n, l1, l2, grid, table, per1, per2, stiff1, stiff2, spots, N1, N2, K):
+    """Gradient of the biquadratic potential, N = per dW/d(local coordinate), and a slope K of it.
 
     Below the table its edge, which is exact there; above it tensions go on straight. table (cells, 8) : of p, p p, q,
-    q q, p q, p p q, p q q, p p q q. Returns the largest p and q, the places in the table in units of its cells, and
-    the largest N1 and N2, at least 0.
+    q q, p q, p p q, p q q, p p q q. K is stiff1 / 2 d2W/dp2 + stiff2 / 2 d2W/dq2. Returns the largest p and q, the
+    places in the table in units of its cells, and the largest N1 and N2, at least 0.
 
     A piece of spots.size slots at a time, in two loops: the first finds places in the table, which are kept in spots,
     N1 and N2, and the second what stands there. In one loop the rows wait for their number and the sums for the rows,
@@ -259,6 +259,7 @@ def potential_forces(m0, n, l1, l2, grid, table, per1, per2, spots, N1, N2):
             force1, force2 = per1 * fma(p + p, turn1, flat1), per2 * fma(q + q, turn2, flat2)
             store(N1, j, force1)
             store(N2, j, force2)
+            store(K, j, fma(stiff1, turn1, stiff2 * turn2))
             if j < whole:
                 high1, high2 = most(high1, force1), most(high2, force2)
             else:
@@ -313,28 +314,34 @@ def largest(m0, n, values):
 
 
 @kernel()
-def yarns(k0, m0, n, back, again, r, cv, l, inverse, turned, N, y, L, P, D, on):
+def yarns(k0, m0, n, back, again, r, cv, l, inverse, turned, N, K, y, L, P, D, S, on):
     """Advance n edges of one family, and find their pulls along themselves over their stretch, r = 1 / dX, into `on`.
 
     The pull is y (N + cv dL), dE/dLambda with y [m] the length of yarn of an edge, less what the trellis on both sides
     takes. Returns the work of N and of the viscous force. The work of a step is the trapezoid of the force over the
     change of stretch. Summed over the steps it equals, term by term, what central differences exchange with the kinetic
     energy. `again`: in a step that has been made before yarns failed in it.
+
+    The trapezoid of a force whose slope K changes by dK in a step is dK dL^2 / 12 more than its integral (Euler and
+    Maclaurin). The third that is returned is the sum of it, from the slopes alone; S keeps them. A yarn that snaps taut
+    loses that much, and gets none of it back, as it slackens slowly.
     """
-    work, viscous = splat(0.0), splat(0.0)
+    work, viscous, over = splat(0.0), splat(0.0), splat(0.0)
     for j in range(0, n, WIDTH):
         k, m, left = k0 + j, m0 + j, n - j
-        stretch, force, length, last = load(l, m), load(N, m), load(y, k), load(D, k)
+        stretch, force, slope, length, last = load(l, m), load(N, m), load(K, m), load(y, k), load(D, k)
         d = last if again else stretch - load(L, k)
         part = length * d if left >= WIDTH else where(first(left), length * d, 0.0)
         work = fma(part, force + load(P, k), work)
         viscous = fma(inner(cv, k, part), d + last, viscous)
+        over = fma(part * d, slope - load(S, k), over)
         pull = length * fma(at(cv, k), d, force) - (load(turned, m) + load(turned, m - back))
         store(on, m, at(r, k) * load(inverse, m) * pull)
         keep(L, k, stretch, left)
         keep(P, k, force, left)
         keep(D, k, d, left)
-    return 0.5 * total(work), outer(cv, 0.5 * total(viscous))
+        keep(S, k, slope, left)
+    return 0.5 * total(work), outer(cv, 0.5 * total(viscous)), total(over) / 12.0
 
 
 @kernel()

@@ -158,7 +158,7 @@ class PackMarch(March):
             [
                 out[kernels.KINETIC] + state.rim_sums[edges_kernels.KINETIC],
                 out[kernels.STORED],
-                0.0 if const.variational else cell,
+                sums[kernels.OVER] if const.variational else cell,
                 out[kernels.SHEAR],
                 out[kernels.BENDING],
                 out[kernels.JAM],

@@ -53,14 +53,14 @@ Constants = namedtuple(
 )
 State = namedtuple(
     "State",
-    "u v g0 g1 mass inverse_mass kick L N T D y intact failed filtered flag thin stale most "
+    "u v g0 g1 mass inverse_mass kick L N T D slope y intact failed filtered flag thin stale most "
     "pressed touching contact position speed reaction "
     "contact_energy rows counter sums peak window stuck rim_force rim_sums "
     "outer behind bar_u bar_v bar_plastic bar_stress bar_sums",
 )
 Work = namedtuple(
     "Work",
-    "A B l1 l2 i1 i2 m1 m2 T1 T2 N1 N2 own1 own2 given1 given2 on1 on2 turn1 turn2 cross up spots shared touch",
+    "A B l1 l2 i1 i2 m1 m2 T1 T2 N1 N2 K1 K2 own1 own2 given1 given2 on1 on2 turn1 turn2 cross up spots shared touch",
 )
 
 
@@ -73,10 +73,10 @@ class Numerics:
     Parameters
     ----------
     safety : of the time step against its bound; 0.9 leaves room for shear stiffening in distorted elements. Where yarns
-        snap taut the energy balance is off with the square of the step, whatever the mesh, since a snap is a few
-        elements wide: for S-731 at 116 m/s by 0.18 % of the strike energy, at 0.45 by 0.04. A step does the mean of
-        its two tensions times its stretch dL in work, more than a stiffening yarn stores, by T'' dL^3 / 12; yarns are
-        loaded in snaps and unloaded slowly, so that it never comes back
+        snap taut a step loses energy, with its square, whatever the mesh, since a snap is a few elements wide: for
+        S-731 at 116 m/s 0.17 % of the strike energy, at 0.45 0.04. It is booked as "cell" (see `march`). Giving it back
+        to the front (a viscosity that is less by dK dL / 12) was tried: the peak of the first front along S-745 at 215
+        m/s, 658 N at 0.9 and 648 at 0.1, is 693 then
     stretch_viscosity : damping ratio of the highest mode along a straight yarn, which costs as much of the time step.
         Without it crimped yarns that snap taut ring, and the peak is 190 and 380 N; from 0.05 to 0.2 it moves by 1 %.
         In a yarn that stiffens as its crimp goes, fronts are shocks, which dissipate whatever the viscosity: from 0.1
@@ -436,15 +436,15 @@ class Panel:
         kick[:] = const.dt * inverse
         blocks = -(-ni // const.block)
         three, two = (lambda kind=float: _room(3, slots, kind)), (lambda: _room(2, slots, real))
-        # the last changes of stretch enter the audit of viscous work alone: 7 digits are enough
-        small = _room(2, slots, np.float32)
+        # the last changes of stretch and slopes enter the audit alone: 7 digits are enough
+        small, slopes = _room(2, slots, np.float32), _room(2, slots, np.float32)
         forces, lengths, stretches = two(), two(), _room(2, slots)
         for y, length, L in zip(lengths, self._yarn_lengths(const), stretches):
             y[: length.size], L[:] = length, 1.0
         i0, i1 = const.near[:2]
         state = State(
             u=three(), v=three(), g0=three(real), g1=three(real), mass=mass, inverse_mass=inverse, kick=kick,
-            L=stretches, N=forces, T=two() if const.variational else forces, D=small,
+            L=stretches, N=forces, T=two() if const.variational else forces, D=small, slope=slopes,
             y=lengths, intact=tuple((y > 0).astype(float) for y in lengths),
             failed=(np.zeros(slots, np.uint8), np.zeros(slots, np.uint8)),
             filtered=_room(2, slots if const.lag > 0 else 0),
@@ -453,7 +453,7 @@ class Panel:
             **contact.memory(const.near, const.points, const.shares, const.friction),
             position=self.projectile.start(), speed=strike_velocity * self.projectile.flight, reaction=np.zeros(3),
             contact_energy=np.zeros(4), rows=np.array([max(i0 - 2, 0), min(i1 + 2, ni)]), counter=np.zeros(3, np.int64),
-            sums=np.zeros((blocks, 4)), peak=np.zeros(2), window=np.array(const.near),
+            sums=np.zeros((blocks, 5)), peak=np.zeros(2), window=np.array(const.near),
             rim_force=np.zeros(const.rim_node.size), rim_sums=np.zeros(3),
             outer=np.zeros(3), behind=three() if const.backed else _room(3, 0),
             **body.state(self.projectile, strike_velocity),

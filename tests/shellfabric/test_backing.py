@@ -352,6 +352,22 @@ def test_a_point_beside_a_facet_that_is_twisted_is_found_where_it_is():
         assert w @ x[nodes, :2] == pytest.approx(np.array(point), abs=1e-9)
 
 
+def test_a_point_high_above_a_steep_facet_is_not_at_it():
+    """On a slope of 84 degrees a point 20 mm above is 2 mm beside what the facet would be if it went on; a force at the
+    place straight below, along the normal, would turn facet and point with nothing to pay for it."""
+    block, fast = SMALL.block(1e-7), np.array([[0.0, 0.0, 1e6]])
+    block.x[:, 2] += 10 * block.rest[:, 0]
+
+    def push(above):
+        point = np.array([[0.5e-3, 0.5e-3, 5e-3 - above]])
+        block.press(point, fast, np.ones(1), thickness=3e-3)
+        block._memory[:, 1] = 0.0  # what came by the slope is no step
+        return np.linalg.norm(block.press(point, fast, np.ones(1), thickness=3e-3))
+
+    assert push(2e-3) == pytest.approx(3e-3 - 2e-3 * np.cos(np.arctan(10)), rel=1e-6)
+    assert push(20e-3) == 0.0
+
+
 def test_points_follow_a_face_that_moves_and_erodes():
     block = SMALL.block(1e-7)
     point = np.array([[0.4e-3, 0.4e-3, 1e-5]])

@@ -11,7 +11,7 @@ from shellfabric import checkpoint, failure_kernels, march_kernels, measures
 from shellfabric.cell import CellModel
 from shellfabric.hooks import Progress, Snapshots
 from shellfabric.impact import ImpactSetup, run
-from shellfabric.march import SAMPLES, March
+from shellfabric.march import March
 from shellfabric.panel import Numerics, Panel
 from shellfabric.projectile import Projectile
 
@@ -49,23 +49,32 @@ def test_energy_balance(quick, changes):
         assert result.energies[name][-1] > 0
 
 
-def test_a_snap_costs_energy_with_the_square_of_the_step():
-    """Straight weft snaps taut along S-731: the trapezoid of a step misses the work done there; nothing else is missed.
+def snapping(**wrong):
+    """The source's shot at S-731, whose straight weft snaps taut. The kernels get `wrong` constants, by factors."""
+    march = March(ImpactSetup(catalogue.load("S-731").effective(), 116.0).panel(), 116.0, 400e-6)
+    march.const = march.const._replace(**{name: factor * getattr(march.const, name) for name, factor in wrong.items()})
+    return march.run()
 
-    All of the balance's error is there; it falls by four with half the step, to below 0.05 % of the strike energy.
+
+def test_what_a_snap_costs_is_told_by_the_slopes():
+    """The trapezoid of a step works more on a yarn that snaps taut than the yarn stores.
+
+    By 0.17 % of the strike energy here: nine tenths of it are found from the slopes of the forces alone, and what is
+    left in the balance is below the 0.05 % asked.
     """
-    errors = []
-    for safety in (0.9, 0.45):
-        setup = ImpactSetup(
-            catalogue.load("S-731").effective(), 116.0, opening=0.1016, end_time=40e-6, numerics=Numerics(safety=safety)
-        )
-        march = March(setup.panel(), setup.strike_velocity, setup.end_time).run()
-        worked = march.state.sums[:, march_kernels.WORK].sum() / march.panel.share
-        balance, stored = march.samples[-1][SAMPLES.index("balance")], march.sample("stored")
-        assert balance == pytest.approx(stored[-1] - stored[0] - worked, rel=0.2)
-        errors.append(abs(balance) / march.strike_energy)
-    assert errors[1] < 5e-4
-    assert errors[1] < 0.3 * errors[0]
+    march = snapping()
+    worked, stored = march.state.sums[:, march_kernels.WORK].sum() / march.panel.share, march.sample("stored")
+    lost = worked - (stored[-1] - stored[0])
+    assert lost > 1.5e-3 * march.strike_energy
+    assert 0.8 * lost < march.sample("cell")[-1] < lost
+    assert np.abs(march.sample("balance")).max() < 5e-4 * march.strike_energy
+
+
+@pytest.mark.parametrize(("factor", "sign"), [(0.99, 1), (1.01, -1)])
+def test_a_wrong_force_is_still_caught(factor, sign):
+    """Forces of the weft that are off by 1 % put the balance off by half as much, as they did before."""
+    march = snapping(per2=factor)
+    assert sign * march.sample("balance")[-1] > 4e-3 * march.strike_energy
 
 
 def test_cloth_at_rest_stays_at_rest():
@@ -108,7 +117,7 @@ def test_stored_energy_is_the_potential(quick):
     march = March(result.panel, 100.0, QUICK["end_time"]).run()
     worked = march.state.sums[:, march_kernels.WORK].sum() / result.panel.share
     assert result.energies["stored"][-1] == pytest.approx(worked, rel=2e-3)
-    assert not result.energies["cell"].any()
+    assert 0 < result.energies["cell"][-1] < 2e-3 * worked
     assert result.worst_balance < 2e-4
 
 

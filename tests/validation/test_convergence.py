@@ -10,7 +10,7 @@ from fabrics import catalogue
 from fabrics.errors import InputError
 from shellfabric.impact import ImpactSetup
 from validation.convergence import __main__ as command
-from validation.convergence import yarn
+from validation.convergence import rim, yarn
 from validation.convergence.richardson import extrapolate, observed_order
 from validation.convergence.study import quantity, study, velocities
 
@@ -144,3 +144,11 @@ def test_a_yarn_is_the_mean_of_its_lines(n):
     assert found.middle == found.tension[found.place == 2]
     assert found.yarn > 1.0
     assert 2 < found.edge[0] < found.edge[1] < 3
+
+
+def test_a_rim_holds_a_yarn_back():
+    """By the closed form, on straight elements far longer than it is round; by a tenth of that on the spline."""
+    assert rim.closed(rim.bilinear) == pytest.approx(rim.THETA**2 / 2, rel=0.02)
+    assert rim.closed(rim.smooth) == pytest.approx(rim.THETA**2 / 4 * 12**-0.5 * 2 / 3, rel=0.01)
+    assert rim.solved(rim.bilinear, 1.5) == pytest.approx(rim.closed(rim.bilinear), rel=0.05)
+    assert rim.solved(rim.smooth, 0.5) == pytest.approx(rim.closed(rim.smooth), rel=0.4)
