@@ -23,24 +23,24 @@ import numpy as np
 from fabrics.errors import InputError
 from fabrics.fabric import Fabric
 from fabrics.plate_curve import PlateCurve
-from shellfabric import body, pack_kernels, ply_contact_kernels
+from shellfabric import body, pack_kernels, ply_surface_kernels
 from shellfabric.cell import CellModel, CellTable
 from shellfabric.lanes import WIDTH
 from shellfabric.panel import Panel
 
 STACKINGS = ("aligned", "alternating")
 FORMS = {
-    "smooth": ply_contact_kernels.SMOOTH,
-    "facets": ply_contact_kernels.FACETS,
-    "nodes": ply_contact_kernels.NODES,
+    "smooth": ply_surface_kernels.SMOOTH,
+    "facets": ply_surface_kernels.FACETS,
+    "nodes": ply_surface_kernels.NODES,
 }
 TESTED = 4  # plies of the packs that the source takes its gaps from (section 5.2.2)
 _LEAST = (0.25, 1e-3)  # deflections that are looked at: of the gap, of the thickness
 
 Pair = namedtuple(
     "Pair",
-    "foot going status wait speed on_front on_rear front_touched rear_touched front_box rear_box energy "
-    "due depth rank form points start stiffness damping thickness apart least",
+    "foot going normal was slack status wait speed on_front on_rear front_touched rear_touched front_box rear_box "
+    "energy torn list tears due depth rank form points start stiffness damping thickness apart least",
 )
 Stack = namedtuple("Stack", "awake counter places reactions counters speed")
 
@@ -197,13 +197,20 @@ class Pack:
         return tuple(found[id(ply)] for ply in self.plies)
 
     def pairs(self, consts, states):
-        """The contact of each two neighbouring plies, at rest; a pack of one ply has one that nobody looks at."""
+        """The contact of each two neighbouring plies, at rest, first of the one in front on the one behind, then of all
+        those behind on the one in front; a pack of one ply has one of each that nobody looks at."""
         count = len(self.plies)
-        return tuple(self._pair(p, min(p + 1, count - 1), consts, states) for p in range(max(1, count - 1)))
+        both = [(p, min(p + 1, count - 1)) for p in range(max(1, count - 1))]
+        on_next = [self._pair(p, q, self._between(p), consts, states) for p, q in both]
+        return (*on_next, *(self._pair(q, p, -self._between(p), consts, states) for p, q in both))
 
     def _apart(self, p):
         """[m] between the middle surfaces of plies p and p + 1 at rest."""
         return 0.5 * sum(ply.weave.thickness for ply in self.plies[p : p + 2]) + self.gaps[p]
+
+    def _between(self, p):
+        """[m] `_apart`, and something for the ply that is alone."""
+        return self._apart(p) if p < len(self.gaps) else self.plies[p].weave.thickness
 
     def _in_step(self, ply):
         """A ply with the safety that gives it the pack's time step."""
@@ -212,12 +219,11 @@ class Pack:
         safety = ply.numerics.safety * self.time_step / ply.time_step
         return replace(ply, numerics=replace(ply.numerics, safety=safety))
 
-    def _pair(self, p, q, consts, states):
+    def _pair(self, p, q, apart, consts, states):
         front, rear, knobs = consts[p], consts[q], self.contact
         n, form = knobs.points, FORMS[knobs.form]
-        start = 0.5 if form == ply_contact_kernels.SMOOTH else 0.0
+        start = 0.5 if form == ply_surface_kernels.SMOOTH else 0.0
         thickness = 0.5 * (self.plies[p].weave.thickness + self.plies[q].weave.thickness)
-        apart = self._apart(p) if p < len(self.gaps) else thickness
         # the lighter ply bounds the step
         mass = min(ply.weave.areal_density for ply in (self.plies[p], self.plies[q])) * front.dx * front.dy / n**2
         nothing = lambda c: np.array([c.ni + 1, 0, c.s, 0])  # noqa: E731
@@ -227,18 +233,20 @@ class Pack:
         along, across = (np.arange(front.ni)[:, None] + sub) * front.dx, (np.arange(front.nj)[:, None] + sub) * front.dy
         foot[0] = ((front.x0 - rear.x0 + along) / rear.dx)[:, None, :, None]
         foot[1] = ((front.y0 - rear.y0 + across) / rear.dy)[None, :, None, :]
-        count = foot[0].size
+        count, elements = foot[0].size, front.ni * front.nj
         return Pair(
             foot=tuple(np.pad(part.ravel(), (0, WIDTH)) for part in foot), going=(np.zeros(count), np.zeros(count)),
-            status=np.zeros(count, np.uint8), wait=np.zeros(count, np.uint8), due=np.zeros(WIDTH, np.bool_),
+            normal=tuple(np.zeros(count) for _ in range(3)), was=np.zeros(count), slack=np.zeros(count),
+            status=np.zeros(count, np.uint8), wait=np.zeros(count, np.uint8), torn=np.zeros(elements, np.uint8),
+            list=np.zeros(elements, np.int64), tears=np.zeros(2, np.int64), due=np.zeros(WIDTH, np.bool_),
             depth=np.zeros(WIDTH), rank=np.arange(float(WIDTH)), speed=np.zeros(2),
             on_front=nodal(states[p]), on_rear=nodal(states[q]), front_touched=nothing(front),
             rear_touched=nothing(rear), front_box=np.array(states[p].window),
-            rear_box=np.array([rear.ni + 1, -1, rear.s, -1]), energy=np.zeros(4), form=form, points=n, start=start,
+            rear_box=np.array([rear.ni + 1, -1, rear.s, -1]), energy=np.zeros(7), form=form, points=n, start=start,
             stiffness=knobs.penalty * mass / self.time_step**2,
             damping=knobs.damping * knobs.penalty**0.5 * mass / self.time_step,
             thickness=thickness, apart=apart,
-            least=max(_LEAST[0] * (apart - thickness), _LEAST[1] * thickness),
+            least=max(_LEAST[0] * (abs(apart) - thickness), _LEAST[1] * thickness),
         )  # fmt: skip
 
 

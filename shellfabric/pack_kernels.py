@@ -74,19 +74,28 @@ def launch(states, consts, stack):
 
 
 @kernel()
+def give(state, const, force, touched):
+    """Give a ply the impulses of a neighbour's forces; whether there are any."""
+    if touched[0] >= touched[1]:
+        return False
+    ply_contact_kernels.push(state, const, force, touched)
+    return True
+
+
+@kernel()
 def step_plies(states, consts, pairs, stack, works, me, count):
     """One thread's plies: the impulses of their neighbours, their own step."""
     for p in range(me, len(states), count):
-        if p > 0:
-            pair = pairs[p - 1]
-            if pair.rear_touched[0] < pair.rear_touched[1]:
-                ply_contact_kernels.push(states[p], consts[p], pair.on_rear, pair.rear_touched)
-                stack.awake[p] = True
-        if p < len(states) - 1:
-            pair = pairs[p]
-            if pair.front_touched[0] < pair.front_touched[1]:
-                ply_contact_kernels.push(states[p], consts[p], pair.on_front, pair.front_touched)
-                stack.awake[p] = True
+        for q in (p - 1, p):  # of the pairs, with the ply before and the one behind
+            if 0 <= q < len(states) - 1:
+                near, back = pairs[q], pairs[len(pairs) // 2 + q]
+                if q < p:
+                    pushed = give(states[p], consts[p], near.on_rear, near.rear_touched)
+                    pushed |= give(states[p], consts[p], back.on_front, back.front_touched)
+                else:
+                    pushed = give(states[p], consts[p], near.on_front, near.front_touched)
+                    pushed |= give(states[p], consts[p], back.on_rear, back.rear_touched)
+                stack.awake[p] |= pushed
         if stack.awake[p]:
             ply_step(states[p], consts[p], works[p])
 
@@ -98,6 +107,8 @@ def step_pairs(states, consts, pairs, stack, me, count):
         if stack.awake[p] or stack.awake[p + 1]:
             step = stack.counter[STEP]
             ply_contact_kernels.contact(states[p], consts[p], states[p + 1], consts[p + 1], pairs[p], step)
+            back = pairs[len(pairs) // 2 + p]
+            ply_contact_kernels.contact_back(states[p + 1], consts[p + 1], states[p], consts[p], back, step)
 
 
 @kernel()

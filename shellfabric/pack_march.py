@@ -86,8 +86,8 @@ class PackMarch(March):
     @property
     def deepest(self):
         """(plies - 1,) [-] deepest that a ply has come into the next, over the thickness: at 1 it would be through."""
-        pairs = self.pairs[: len(self.states) - 1]
-        return np.array([pair.energy[ply_contact_kernels.DEEPEST] / pair.thickness for pair in pairs])
+        both = np.array([pair.energy[ply_contact_kernels.DEEPEST] / pair.thickness for pair in self.pairs])
+        return both.reshape(2, -1).max(axis=0)[: len(self.states) - 1]
 
     def sample(self, name):
         """(n,) one column of the samples."""
@@ -174,8 +174,9 @@ class PackMarch(March):
     def _pushes(self, p):
         """Forces of nose and neighbours on the nodes of a ply, by component."""
         total = [force.copy() for force in self.states[p].contact]
-        neighbours = [self.pairs[p - 1].on_rear] if p > 0 else []
-        neighbours += [self.pairs[p].on_front] if p < len(self.states) - 1 else []
+        near, back = self.pairs[: len(self.pairs) // 2], self.pairs[len(self.pairs) // 2 :]
+        neighbours = [near[p - 1].on_rear, back[p - 1].on_front] if p > 0 else []
+        neighbours += [near[p].on_front, back[p].on_rear] if p < len(self.states) - 1 else []
         for forces in neighbours:
             for whole, force in zip(total, forces):
                 whole += force
@@ -216,6 +217,7 @@ class PackMarch(March):
             if told:
                 self.reason = kernels.NOT_FINITE
                 raise UnstableError(told, where=f"ply {p + 1}, {self._place(k, p)}", when=when)
+        self._guard_plies()
         drift = abs(row[PACK_SAMPLES.index("balance")]) / self.strike_energy
         if not drift <= self.drift_limit:
             self.reason = kernels.NOT_FINITE
@@ -226,6 +228,21 @@ class PackMarch(March):
             if given:
                 self.reason = kernels.NOT_FINITE
                 raise UnstableError(f"{told} {given}", where=f"{len(self.states)} plies", when=when)
+
+    def _guard_plies(self):
+        """Stop a run in which whole cloth has come through whole cloth."""
+        half = len(self.pairs) // 2
+        for p, pair in enumerate(self.pairs):
+            if pair.energy[ply_contact_kernels.PASSED]:
+                one, other = (p, p + 1) if p < half else (p - half + 1, p - half)
+                element = int(pair.energy[ply_contact_kernels.WHERE]) // pair.points**2
+                i, j = divmod(element, self.consts[one].nj)
+                step = int(pair.energy[ply_contact_kernels.WHEN])
+                self.reason = kernels.NOT_FINITE
+                raise UnstableError(
+                    f"ply {one + 1} has come through ply {other + 1}", where=f"ply {one + 1}, element ({i}, {j})",
+                    when=f"after {step * self.const.dt * 1e6:.3g} us (step {step})",
+                )  # fmt: skip
 
     def _look_for_plug(self):
         """End a run in which cut-out cloth is all that is left before the projectile."""

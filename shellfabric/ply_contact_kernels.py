@@ -1,12 +1,6 @@
 """Contact of neighbouring plies: penalty between two smooth surfaces.
 
-Surfaces. The cloth of a ply is the biquadratic B-spline whose control points are its nodes. Its tangent plane turns
-without a jump; it goes through the middle of every element with the slopes that the element has there. With a the
-place along the warp in elements, i the nearest node and r = a - i, the weights of three nodes are
-
-    B(i-1) = (1/2 - r)^2 / 2,    B(i) = 3/4 - r^2,    B(i+1) = (1/2 + r)^2 / 2
-
-Beyond a plane of symmetry stands the image of the first node, beyond any other edge the straight continuation.
+Surfaces. Those of `ply_surface_kernels`: splines, and facets where yarns have failed.
 
 Gap. Each element of the front ply, which the projectile meets first, carries p x p points x of its surface. y is the
 foot of x on the rear ply's surface and n the normal there, the way that the shot flies:
@@ -15,8 +9,14 @@ foot of x on the rear ply's surface and n the normal there, the way that the sho
 
 with t the mean thickness of the two plies: thickness lies on both sides of a middle surface, so that curved plies that
 nest keep t along their normals. -f n acts on the nodes of the front ply by their weights in x, f n on those of the rear
-ply by their weights in y: the sum is zero to the last digits. A depth has a sign, so that cloth that were to get
-through would still be pushed back, and the harder. It passes through where depth > t.
+ply by their weights in y: the sum is zero to the last digits. Whole cloth that came through, where depth > t, would
+still be pushed back, and the harder; it is counted, and ends the run.
+
+Sides. Contact does not ask which way a normal points, but on which side of the cloth a point is: what comes near is on
+its own side, and stays there. Cloth that is drawn in until an element lies upside down has a normal that turns over
+within a step: a point 0.006 t deep was found 1.99 t deep, and thrown. So n points away from x as long as x cannot have
+come through, which takes a depth close to t in the step before; then it goes on from the n of that step. In folds, on
+rims and where cloth is drawn to a line the normal says nothing of x - y, and n is its direction.
 
 The foot follows from step to step by one step of Gauss and Newton; of a point that touches by one of Newton, from where
 the foot will be if it goes on as it did in the last step. From where it was, n is that of a step ago: a hundredth of an
@@ -24,10 +24,13 @@ element, but always to the same side. Plies that slide on each other over a bend
 gave several per cent of a shot's energy. Where the plies are further apart than half their thickness the foot is the
 point straight ahead of x, which is never ambiguous.
 
-Failed yarns. k and c are those of what is left of the yarns next to x or y, whichever is less. A point loses touch
-where nothing is left, where torn cloth has come deeper than t, or where its foot leaps, as on the rim of a hole; it
-finds it again when it is clear of the other ply. Otherwise a flap of torn cloth that comes to lie beyond a hole would
-be thrown by a spring as long as its way there.
+Failed yarns. What is left of a yarn pushes as the whole: its mass is the same. Nothing pushes where both yarns next to
+x or y are gone: that is a hole, and a point may go through it. What comes out of a hole is on either side, and pushes
+from there. Found inside the thickness, it begins without a force, on a spring that is as much stiffer as the rest of
+the thickness is less (three times at most), and is let no deeper; found in the very middle, edge on, it is on no side
+yet. Beside torn cloth feet get lost, so they are looked for anew, and elements are as long as the holes, so both plies
+have points there (`contact_back`), with half the stiffness each: the middle of an element behind otherwise goes through
+what hangs before it, between the points of that.
 
 Naive forms, for comparison: the nodes of the front ply against the bilinear facets of the rear one (FACETS), or against
 the node there, along z (NODES).
@@ -46,7 +49,6 @@ import math
 import numpy as np
 
 from shellfabric.compiled import kernel
-from shellfabric.contact_kernels import cover
 from shellfabric.lanes import (
     WIDTH,
     above,
@@ -64,121 +66,32 @@ from shellfabric.lanes import (
     total,
     where,
 )
-from shellfabric.membrane_kernels import ERODED
+from shellfabric.march_kernels import FAILURES
+from shellfabric.ply_surface_kernels import (
+    FACETS,
+    NODES,
+    SMOOTH,
+    across,
+    curving,
+    left,
+    middle,
+    middle8,
+    patch,
+    patch8,
+    seek,
+    share,
+    spread,
+    weights,
+    whole_about,
+)
 
-TAKEN, SPRING, DEEPEST, PLACE = 0, 1, 2, 3  # of pair.energy
-ONE = np.uint64(1)
-FREE, TOUCHING, LOST = 0, 1, 2  # of pair.status
-SMOOTH, FACETS, NODES = 0, 1, 2  # of pair.form
+TAKEN, SPRING, DEEPEST, PLACE, PASSED, WHERE, WHEN = range(7)  # of pair.energy
+_CLOSE, _STIFFER = 0.15, 3.0  # [thicknesses] where a point may come through; most that a spring is stiffened
+FREE, TOUCHING = 0, 1  # of pair.status
 _EVERY, _MARGIN = 8, 3  # steps between scans, elements about what they find
 _FASTER, _LONGEST = 1.5, 8  # than at the last scan nodes may become; most steps that a point is left alone
 _STEP, _LEAP = 0.25, 0.2  # [elements] longest step of a foot; one so long has none
-
-
-@kernel(_nrt=False, forceinline=True)
-def basis(a, n, mirrored):
-    """Weights of three nodes of a line at the place a: (first node, values, slopes, middle value and slope across).
-
-    The last two belong to the displacement across a plane of symmetry, which its image has with the other sign.
-    """
-    i = min(max(int(a + 0.5), 0), n)
-    r = a - i
-    low, middle, high = 0.5 * (0.5 - r) * (0.5 - r), 0.75 - r * r, 0.5 * (0.5 + r) * (0.5 + r)
-    fall, turn, rise = r - 0.5, -2.0 * r, r + 0.5
-    if 0 < i < n:
-        return i - 1, low, middle, high, fall, turn, rise, middle, turn
-    if i == n:
-        return n - 2, 0.0, low - high, middle + 2.0 * high, 0.0, fall - rise, turn + 2.0 * rise, low - high, fall - rise
-    if mirrored:
-        return 0, middle, high + low, 0.0, turn, rise + fall, 0.0, high - low, rise - fall
-    return 0, middle + 2.0 * low, high - low, 0.0, turn + 2.0 * fall, rise - fall, 0.0, high - low, rise - fall
-
-
-@kernel(_nrt=False, forceinline=True)
-def weights(form, a, n, mirrored):
-    """`basis`, or its like for the naive forms, which have no images."""
-    if form == SMOOTH:
-        return basis(a, n, mirrored)
-    i = min(int(a), n - 1)
-    f, slope = a - i, 1.0
-    if form == NODES:
-        f, slope = math.floor(f + 0.5), 0.0
-    if i < n - 1:
-        return i, 1.0 - f, f, 0.0, -slope, slope, 0.0, f, slope
-    return i - 1, 0.0, 1.0 - f, f, 0.0, -slope, slope, 1.0 - f, -slope
-
-
-@kernel(_nrt=False, forceinline=True)
-def curving(form, a, n, mirrored):
-    """Second slopes of `weights`: of three nodes, and of the middle one across a plane of symmetry."""
-    i = min(max(int(a + 0.5), 0), n)
-    if form != SMOOTH or i == n or (i == 0 and not mirrored):
-        return 0.0, 0.0, 0.0, 0.0
-    if i == 0:
-        return -2.0, 2.0, 0.0, 0.0
-    return 1.0, -2.0, 1.0, -2.0
-
-
-@kernel(_nrt=False, forceinline=True)
-def across(x, k, s, w0, w1, w2, z0, z1, z2):
-    """Sum of w z x over three by three nodes from the slot k on."""
-    s = np.uint64(s)
-    m = k + s
-    o = m + s
-    a = z0 * x[k] + z1 * x[k + ONE] + z2 * x[k + ONE + ONE]
-    b = z0 * x[m] + z1 * x[m + ONE] + z2 * x[m + ONE + ONE]
-    c = z0 * x[o] + z1 * x[o + ONE] + z2 * x[o + ONE + ONE]
-    return w0 * a + w1 * b + w2 * c
-
-
-@kernel(_nrt=False, forceinline=True)
-def middle(x, k, s):
-    """The mean of the four nodes of the element at slot k."""
-    m = k + np.uint64(s)
-    return 0.25 * (x[k] + x[k + ONE] + x[m] + x[m + ONE])
-
-
-@kernel(_nrt=False, forceinline=True)
-def share(F, k, s, f):
-    """Share a force out to the four nodes of the element at slot k."""
-    m = k + np.uint64(s)
-    F[k] += 0.25 * f
-    F[k + ONE] += 0.25 * f
-    F[m] += 0.25 * f
-    F[m + ONE] += 0.25 * f
-
-
-@kernel(_nrt=False, forceinline=True)
-def spread(F, k, s, f, w0, w1, w2, z0, z1, z2):
-    """Share a force out to three by three nodes by their weights."""
-    s = np.uint64(s)
-    for w in (w0, w1, w2):
-        F[k] += f * w * z0
-        F[k + ONE] += f * w * z1
-        F[k + ONE + ONE] += f * w * z2
-        k += s
-
-
-@kernel(_nrt=False, forceinline=True)
-def patch(x, k, s, wa, wb, da, db):
-    """(value, slope along a, slope along b) of the surface over three by three nodes from the slot k on."""
-    s = np.uint64(s)
-    m = k + s
-    o = m + s
-    x00, x01, x02 = x[k], x[k + ONE], x[k + ONE + ONE]
-    x10, x11, x12 = x[m], x[m + ONE], x[m + ONE + ONE]
-    x20, x21, x22 = x[o], x[o + ONE], x[o + ONE + ONE]
-    v0 = wb[0] * x00 + wb[1] * x01 + wb[2] * x02
-    v1 = wb[0] * x10 + wb[1] * x11 + wb[2] * x12
-    v2 = wb[0] * x20 + wb[1] * x21 + wb[2] * x22
-    e0 = db[0] * x00 + db[1] * x01 + db[2] * x02
-    e1 = db[0] * x10 + db[1] * x11 + db[2] * x12
-    e2 = db[0] * x20 + db[1] * x21 + db[2] * x22
-    return (
-        wa[0] * v0 + wa[1] * v1 + wa[2] * v2,
-        da[0] * v0 + da[1] * v1 + da[2] * v2,
-        wa[0] * e0 + wa[1] * e1 + wa[2] * e2,
-    )
+_ABOUT = 3  # elements about torn ones that count as beside them
 
 
 @kernel(_nrt=False)
@@ -245,19 +158,6 @@ def symmetric(const, force, touched):
             force[1][i * const.s] = 0.0
 
 
-@kernel(_nrt=False, forceinline=True)
-def left(state, const, a, b):
-    """Part of the cloth that is left at the place (a, b)."""
-    i, j = min(int(a), const.ni - 1), min(int(b), const.nj - 1)
-    k = np.uint64(max(i, 0) * const.s + max(j, 0))
-    flag = state.flag[k]
-    if flag == 0:
-        return 1.0
-    if flag & ERODED:
-        return 0.0
-    return cover(state, const, k, a - i, b - j)
-
-
 @kernel(_nrt=False)
 def window(pair, fc, rc):
     """Element rows and columns of the front ply where either ply's deflection can bring them into contact."""
@@ -276,11 +176,12 @@ def contact(front, fc, rear, rc, pair, step):
     if step % _EVERY == 0:
         pair.speed[0] = scan(front, fc, pair.least, pair.front_box)
         pair.speed[1] = scan(rear, rc, pair.least, pair.rear_box)
+    tear(front, fc, rear, rc, pair)
     taken = -settle(front, fc, pair.on_front, pair.front_touched) - settle(rear, rc, pair.on_rear, pair.rear_touched)
     clear(fc, pair.on_front, pair.front_touched)
     clear(rc, pair.on_rear, pair.rear_touched)
     i0, i1, j0, j1 = window(pair, fc, rc)
-    p, spring = pair.points, 0.0
+    p, spring, often = pair.points, 0.0, step % _EVERY == 0
     shot = math.sqrt(front.speed[0] ** 2 + front.speed[1] ** 2 + front.speed[2] ** 2)
     nearer = _FASTER * fc.dt * (max(pair.speed[0], shot) + max(pair.speed[1], shot))
     for i in range(i0, i1):
@@ -296,7 +197,7 @@ def contact(front, fc, rear, rc, pair, step):
                     continue
                 j, m = q // (p * p) - i * fc.nj, q % (p * p)
                 a, b = i + (m // p + pair.start) / p, j + (m % p + pair.start) / p
-                energy, depth = touch(front, fc, rear, rc, pair, q, a, b)
+                energy, depth = touch(front, fc, rear, rc, pair, q, a, b, often)
                 if depth < 0.0:
                     pair.wait[q] = leave(depth, nearer)
                 spring += energy
@@ -305,8 +206,70 @@ def contact(front, fc, rear, rc, pair, step):
     symmetric(fc, pair.on_front, pair.front_touched)
     symmetric(rc, pair.on_rear, pair.rear_touched)
     taken -= settle(front, fc, pair.on_front, pair.front_touched) + settle(rear, rc, pair.on_rear, pair.rear_touched)
+    conclude(pair, taken, spring, step)
+
+
+@kernel(_nrt=False)
+def contact_back(front, fc, rear, rc, pair, step):
+    """As `contact`, for the points beside torn cloth of a ply that lies behind, on the one before it."""
+    tear(front, fc, rear, rc, pair)
+    if pair.tears[1] == 0:
+        return
+    taken = -settle(front, fc, pair.on_front, pair.front_touched) - settle(rear, rc, pair.on_rear, pair.rear_touched)
+    clear(fc, pair.on_front, pair.front_touched)
+    clear(rc, pair.on_rear, pair.rear_touched)
+    p, spring, often = pair.points, 0.0, step % _EVERY == 0
+    for e in pair.list[: pair.tears[1]]:
+        for m in range(p * p):
+            a, b = e // fc.nj + (m // p + pair.start) / p, e % fc.nj + (m % p + pair.start) / p
+            energy, depth = touch(front, fc, rear, rc, pair, e * p * p + m, a, b, often)
+            spring += energy
+            if depth > pair.energy[DEEPEST]:
+                pair.energy[DEEPEST], pair.energy[PLACE] = depth, e * p * p + m
+    symmetric(fc, pair.on_front, pair.front_touched)
+    symmetric(rc, pair.on_rear, pair.rear_touched)
+    taken -= settle(front, fc, pair.on_front, pair.front_touched) + settle(rear, rc, pair.on_rear, pair.rear_touched)
+    conclude(pair, taken, spring, step)
+
+
+@kernel(_nrt=False)
+def conclude(pair, taken, spring, step):
+    """Book the energies of a step, and when the first point went through."""
     pair.energy[TAKEN] += taken
     pair.energy[SPRING] = spring
+    if pair.energy[PASSED] > 0.0 and pair.energy[WHEN] == 0.0:
+        pair.energy[WHEN] = step
+
+
+@kernel(_nrt=False)
+def tear(front, fc, rear, rc, pair):
+    """Note the elements of the front ply that are next to torn ones of either ply, when more yarns have failed."""
+    failures = front.counter[FAILURES] + rear.counter[FAILURES]
+    if failures == pair.tears[0]:
+        return
+    pair.tears[0], pair.tears[1] = failures, 0
+    pair.torn[:] = 0
+    for i in range(fc.ni):
+        for j in range(fc.nj):
+            if front.flag[i * fc.s + j]:
+                reach(fc, pair, i, j)
+    for i in range(rc.ni):
+        for j in range(rc.nj):
+            if rear.flag[i * rc.s + j]:
+                x, y = rc.x0 + (i + 0.5) * rc.dx - fc.x0, rc.y0 + (j + 0.5) * rc.dy - fc.y0
+                reach(fc, pair, int(x / fc.dx), int(y / fc.dy))
+    for e in range(fc.ni * fc.nj):
+        if pair.torn[e]:
+            pair.list[pair.tears[1]] = e
+            pair.tears[1] += 1
+
+
+@kernel(_nrt=False)
+def reach(const, pair, i, j):
+    """Note the elements about (i, j)."""
+    for m in range(max(i - _ABOUT, 0), min(i + _ABOUT + 1, const.ni)):
+        for n in range(max(j - _ABOUT, 0), min(j + _ABOUT + 1, const.nj)):
+            pair.torn[m * const.nj + n] = 1
 
 
 @kernel(_nrt=False, forceinline=True)
@@ -329,32 +292,6 @@ def leave(depth, nearer):
 
 
 @kernel(_nrt=False, forceinline=True)
-def patch8(x, k, s, wa0, wa1, wa2, wb0, wb1, wb2, da0, da1, da2, db0, db1, db2):
-    """`patch` of eight neighbouring points, whose nodes begin at the slots k .. k + 7."""
-    m, o = k + s, k + 2 * s
-    x00, x01, x02 = load(x, k), load(x, k + 1), load(x, k + 2)
-    x10, x11, x12 = load(x, m), load(x, m + 1), load(x, m + 2)
-    x20, x21, x22 = load(x, o), load(x, o + 1), load(x, o + 2)
-    v0 = fma(wb0, x00, fma(wb1, x01, wb2 * x02))
-    v1 = fma(wb0, x10, fma(wb1, x11, wb2 * x12))
-    v2 = fma(wb0, x20, fma(wb1, x21, wb2 * x22))
-    e0 = fma(db0, x00, fma(db1, x01, db2 * x02))
-    e1 = fma(db0, x10, fma(db1, x11, db2 * x12))
-    e2 = fma(db0, x20, fma(db1, x21, db2 * x22))
-    return (
-        fma(wa0, v0, fma(wa1, v1, wa2 * v2)),
-        fma(da0, v0, fma(da1, v1, da2 * v2)),
-        fma(wa0, e0, fma(wa1, e1, wa2 * e2)),
-    )
-
-
-@kernel(_nrt=False, forceinline=True)
-def middle8(x, k, s):
-    """`middle` of eight neighbouring elements."""
-    return 0.25 * ((load(x, k) + load(x, k + 1)) + (load(x, k + s) + load(x, k + s + 1)))
-
-
-@kernel(_nrt=False, forceinline=True)
 def look_ahead(front, fc, rear, rc, pair, q, i, j, count, nearer):
     """Follow the feet of those of the points in the middles of the elements (i, j) .. (i, j + count) that are clear of
     the rear ply, as `touch` does, eight at once; they are no longer due. It needs feet that are side by side as well,
@@ -363,6 +300,10 @@ def look_ahead(front, fc, rear, rc, pair, q, i, j, count, nearer):
     I, J = int(pair.foot[0][q] + 0.5), int(pair.foot[1][q] + 0.5)
     if I < 1 or I >= rc.ni or J < 1 or J + WIDTH > rc.nj or j + WIDTH > fc.nj:
         return
+    if rear.thin[(I - 1) // rc.block] or rear.thin[min(I, rc.ni - 1) // rc.block]:
+        for m in range(WIDTH + 1):
+            if rear.flag[(I - 1) * rc.s + J - 1 + m] or rear.flag[I * rc.s + J - 1 + m]:
+                return
     own, rank = first(count), load(pair.rank, 0)
     r, t = A - float(I), B - float(J) - rank
     if some(above(where(own, most(fabs(r), fabs(t)), 0.0), 0.5)):
@@ -395,7 +336,7 @@ def look_ahead(front, fc, rear, rc, pair, q, i, j, count, nearer):
     turn = where(near, (aa * rb - ab * ra) / square, (Xa * y - Ya * x) / area)
     store(pair.depth, 0, depth)
     for m in range(count):
-        free = pair.status[q + m] == FREE and pair.depth[m] <= 0.0
+        free = pair.status[q + m] == FREE and pair.depth[m] <= 0.0 and not pair.torn[q + m]
         pair.due[m] = not free
         pair.wait[q + m] = leave(pair.depth[m], nearer) if free else 0
         pair.depth[m] = 0.0 if free else 1.0
@@ -407,10 +348,11 @@ def look_ahead(front, fc, rear, rc, pair, q, i, j, count, nearer):
 
 
 @kernel(_nrt=False, forceinline=True)
-def touch(front, fc, rear, rc, pair, q, a, b):
+def touch(front, fc, rear, rc, pair, q, a, b, often):
     """Follow the foot of the front ply's point at (a, b), and let it push: (energy in its spring, depth).
 
-    The depth is negative where the point is clear of the rear ply, and 0 where it cannot push.
+    The depth is negative where the point is clear of the rear ply, and 0 where it cannot push. often : whether a foot
+    beside torn cloth is to be looked for anew, if it has been followed well or not
     """
     central = pair.points == 1 and pair.form == SMOOTH  # the spline goes through the middles of the elements
     if central:
@@ -418,39 +360,57 @@ def touch(front, fc, rear, rc, pair, q, a, b):
         k = np.uint64(i * fc.s + j)
         x, y, z = middle(front.u[0], k, fc.s), middle(front.u[1], k, fc.s), middle(front.u[2], k, fc.s)
     else:
-        i, p0, p1, p2, _, _, _, p1x, _ = weights(pair.form, a, fc.ni, fc.mirror_x)
-        j, q0, q1, q2, _, _, _, q1y, _ = weights(pair.form, b, fc.nj, fc.mirror_y)
+        form_x = pair.form if pair.form != SMOOTH or whole_about(front, fc, a, b) else FACETS
+        i, p0, p1, p2, _, _, _, p1x, _ = weights(form_x, a, fc.ni, fc.mirror_x)
+        j, q0, q1, q2, _, _, _, q1y, _ = weights(form_x, b, fc.nj, fc.mirror_y)
         k = np.uint64(i * fc.s + j)
         x = across(front.u[0], k, fc.s, p0, p1x, p2, q0, q1, q2)
         y = across(front.u[1], k, fc.s, p0, p1, p2, q0, q1y, q2)
         z = across(front.u[2], k, fc.s, p0, p1, p2, q0, q1, q2)
     x, y = x + fc.x0 + a * fc.dx, y + fc.y0 + b * fc.dy
+    at_x, at_y, at_z = x - rc.x0, y - rc.y0, z - pair.apart  # from the first node of the rear ply at rest
     low = -0.5 if pair.form == SMOOTH else 0.0
     low_a, low_b = low if rc.mirror_x else 0.0, low if rc.mirror_y else 0.0
     before_a, before_b = pair.foot[0][q], pair.foot[1][q]
     A = min(max(before_a + pair.going[0][q], low_a), float(rc.ni))
     B = min(max(before_b + pair.going[1][q], low_b), float(rc.nj))
-    I, w0, w1, w2, d0, d1, d2, w1x, d1x = weights(pair.form, A, rc.ni, rc.mirror_x)
-    J, v0, v1, v2, e0, e1, e2, v1y, e1y = weights(pair.form, B, rc.nj, rc.mirror_y)
+    whole = pair.form != SMOOTH or whole_about(rear, rc, A, B)
+    form = pair.form if whole else FACETS
+    I, w0, w1, w2, d0, d1, d2, w1x, d1x = weights(form, A, rc.ni, rc.mirror_x)
+    J, v0, v1, v2, e0, e1, e2, v1y, e1y = weights(form, B, rc.nj, rc.mirror_y)
     K = np.uint64(I * rc.s + J)
     X, Xa, Xb = patch(rear.u[0], K, rc.s, (w0, w1x, w2), (v0, v1, v2), (d0, d1x, d2), (e0, e1, e2))
     Y, Ya, Yb = patch(rear.u[1], K, rc.s, (w0, w1, w2), (v0, v1y, v2), (d0, d1, d2), (e0, e1y, e2))
     Z, Za, Zb = patch(rear.u[2], K, rc.s, (w0, w1, w2), (v0, v1, v2), (d0, d1, d2), (e0, e1, e2))
     Xa, Yb = Xa + rc.dx, Yb + rc.dy
-    x, y, z = x - X - rc.x0 - A * rc.dx, y - Y - rc.y0 - B * rc.dy, z - Z - pair.apart  # from the foot
+    x, y, z = at_x - X - A * rc.dx, at_y - Y - B * rc.dy, at_z - Z  # from the foot
     n_x, n_y, n_z = Ya * Zb - Za * Yb, Za * Xb - Xa * Zb, Xa * Yb - Ya * Xb
     size = math.sqrt(n_x * n_x + n_y * n_y + n_z * n_z)
-    if size < 1e-6 * rc.dx * rc.dy:
-        return 0.0, 0.0
+    tiny = 1e-6 * rc.dx * rc.dy
+    if size < tiny:  # cloth that is drawn to a line has no normal
+        n_x, n_y, n_z, size = pair.normal[0][q], pair.normal[1][q], pair.normal[2][q], 1.0
     n_x, n_y, n_z = n_x / size, n_y / size, n_z / size
-    depth = pair.thickness + n_x * x + n_y * y + n_z * z
-    if depth > -0.5 * pair.thickness:
+    size = max(size, tiny)
+    touches = pair.status[q] == TOUCHING
+    along, far, slant = n_x * x + n_y * y + n_z * z, math.sqrt(x * x + y * y + z * z), False
+    turned, known = along > 0.0, 0.0  # what comes near does so on its own side
+    if touches and pair.was[q] > (1.0 - _CLOSE) * pair.thickness:  # so deep that it may come through, or has
+        known = n_x * pair.normal[0][q] + n_y * pair.normal[1][q] + n_z * pair.normal[2][q]
+        turned = known < 0.0 if abs(known) > 0.5 else turned
+    if turned and pair.form == SMOOTH:
+        n_x, n_y, n_z, along = -n_x, -n_y, -n_z, -along
+    depth = pair.thickness + along
+    near = depth > -0.5 * pair.thickness
+    if pair.form == SMOOTH and abs(known) <= 0.5 and far > 0.3 * pair.thickness and along > -0.7 * far:
+        # a fold, a rim or cloth drawn to a line, whose normal says nothing of where the point is
+        n_x, n_y, n_z, depth, slant = -x / far, -y / far, -z / far, pair.thickness - far, True
+    if near:
         aa, ab, bb = Xa * Xa + Ya * Ya + Za * Za, Xa * Xb + Ya * Yb + Za * Zb, Xb * Xb + Yb * Yb + Zb * Zb
         ra, rb = Xa * x + Ya * y + Za * z, Xb * x + Yb * y + Zb * z
         go, turn, sure = (bb * ra - ab * rb) / (size * size), (aa * rb - ab * ra) / (size * size), False
         if depth > 0.0:
-            c0, c1, c2, c1x = curving(pair.form, A, rc.ni, rc.mirror_x)
-            g0, g1, g2, g1y = curving(pair.form, B, rc.nj, rc.mirror_y)
+            c0, c1, c2, c1x = curving(form, A, rc.ni, rc.mirror_x)
+            g0, g1, g2, g1y = curving(form, B, rc.nj, rc.mirror_y)
             F = rear.u
             aa -= x * across(F[0], K, rc.s, c0, c1x, c2, v0, v1, v2)
             aa -= y * across(F[1], K, rc.s, c0, c1, c2, v0, v1y, v2) + z * across(F[2], K, rc.s, c0, c1, c2, v0, v1, v2)
@@ -468,26 +428,39 @@ def touch(front, fc, rear, rc, pair, q, a, b):
     A2, B2 = A + min(max(go, -_STEP), _STEP), B + min(max(turn, -_STEP), _STEP)
     pair.foot[0][q] = min(max(A2, low_a), float(rc.ni))
     pair.foot[1][q] = min(max(B2, low_b), float(rc.nj))
-    if pair.status[q] == TOUCHING:
-        pair.going[0][q] = pair.going[1][q] = 0.0
+    pair.going[0][q] = pair.going[1][q] = 0.0
+    pair.status[q] = FREE
+    leapt = depth > 0.0 and max(abs(go), abs(turn)) > _LEAP
+    torn = pair.torn[q // (pair.points * pair.points)] != 0
+    if pair.form == SMOOTH and (leapt or (torn and (often or not (whole or touches)))):
+        seek(rear, rc, pair.foot, q, at_x, at_y, at_z, far)
     if depth <= 0.0:
-        pair.status[q] = FREE
-        return 0.0, depth
+        return 0.0, 0.0 if torn or slant else depth
     beside_x, beside_y = A2 > rc.ni or (A2 < 0.0 and not rc.mirror_x), B2 > rc.nj or (B2 < 0.0 and not rc.mirror_y)
-    if beside_x or beside_y:
+    if beside_x or beside_y or (leapt and pair.form != NODES):
         return 0.0, 0.0
-    leapt = max(abs(go), abs(turn)) > _LEAP or (pair.status[q] == FREE and depth > 0.5 * pair.thickness)
-    part = min(left(front, fc, a, b), left(rear, rc, A, B))
-    if pair.form != NODES and (part == 0.0 or leapt or (part < 1.0 and depth > pair.thickness)):
-        pair.status[q] = LOST
-    if pair.status[q] == LOST or part == 0.0:
+    left_x, left_y = left(front, fc, a, b), left(rear, rc, A, B)
+    if left_x == 0.0 or left_y == 0.0:
         return 0.0, 0.0
-    if sure and pair.status[q] == TOUCHING:
+    smooth = pair.form == SMOOTH
+    if not touches and smooth and not whole and depth > (1.0 - _CLOSE) * pair.thickness:
+        return 0.0, 0.0  # it has come from a hole, edge on, and is on no side yet
+    if touches and smooth and depth > pair.thickness and left_x == 1.0 and left_y == 1.0:
+        pair.energy[PASSED], pair.energy[WHERE] = pair.energy[PASSED] + 1.0, q
+    if not touches:
+        pair.slack[q] = depth if depth > 0.5 * pair.thickness and pair.form != NODES else 0.0
+    elif sure:
         pair.going[0][q] = min(max(pair.foot[0][q] - before_a, -_STEP), _STEP)
         pair.going[1][q] = min(max(pair.foot[1][q] - before_b, -_STEP), _STEP)
     pair.status[q] = TOUCHING
+    pair.normal[0][q], pair.normal[1][q], pair.normal[2][q] = n_x, n_y, n_z
+    pair.was[q], pair.slack[q] = depth, min(pair.slack[q], depth)
+    squeezed, part = depth - pair.slack[q], 0.5 if torn else 1.0
     if pair.start == 0.0:  # half an element, or a quarter, is modelled about points on planes of symmetry
         part *= (0.5 if a == 0.0 and fc.mirror_x else 1.0) * (0.5 if b == 0.0 and fc.mirror_y else 1.0)
+    drag = part * pair.damping
+    if pair.slack[q] > 0.0:  # what is left of the thickness has to hold as much
+        part *= min(_STIFFER, pair.thickness / max(pair.thickness - pair.slack[q], 0.1 * pair.thickness))
     v_x = -across(rear.v[0], K, rc.s, w0, w1x, w2, v0, v1, v2)
     v_y = -across(rear.v[1], K, rc.s, w0, w1, w2, v0, v1y, v2)
     v_z = -across(rear.v[2], K, rc.s, w0, w1, w2, v0, v1, v2)
@@ -501,7 +474,7 @@ def touch(front, fc, rear, rc, pair, q, a, b):
         v_x += across(front.v[0], k, fc.s, p0, p1x, p2, q0, q1, q2)
         v_y += across(front.v[1], k, fc.s, p0, p1, p2, q0, q1y, q2)
         v_z += across(front.v[2], k, fc.s, p0, p1, p2, q0, q1, q2)
-    f = max(0.0, part * (pair.stiffness * depth + pair.damping * (n_x * v_x + n_y * v_y + n_z * v_z)))
+    f = max(0.0, part * pair.stiffness * squeezed + drag * (n_x * v_x + n_y * v_y + n_z * v_z))
     if f > 0.0:
         note(pair.front_touched, i, j, 2 if central else 3)
         note(pair.rear_touched, I, J, 3)
@@ -518,7 +491,7 @@ def touch(front, fc, rear, rc, pair, q, a, b):
         spread(F[0], K, rc.s, f * n_x, w0, w1x, w2, v0, v1, v2)
         spread(F[1], K, rc.s, f * n_y, w0, w1, w2, v0, v1y, v2)
         spread(F[2], K, rc.s, f * n_z, w0, w1, w2, v0, v1, v2)
-    return 0.5 * part * pair.stiffness * depth * depth, depth
+    return 0.5 * part * pair.stiffness * squeezed * squeezed, depth
 
 
 @kernel(_nrt=False)

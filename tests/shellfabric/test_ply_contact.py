@@ -8,6 +8,7 @@ from scipy.optimize import minimize
 
 from fabrics import catalogue
 from shellfabric import ply_contact_kernels as kernels
+from shellfabric import ply_surface_kernels as surface
 from shellfabric.cell import CellModel
 from shellfabric.pack import Pack, PlyContact
 from shellfabric.panel import Numerics, Panel
@@ -126,7 +127,7 @@ def test_spline_is_smooth_and_goes_through_flat_cloth():
         for n in (3, 9):
             places = np.linspace(0, n, 401)
             for a in places:
-                i, *w, d0, d1, d2, _, _ = kernels.basis(a, n, mirrored)
+                i, *w, d0, d1, d2, _, _ = surface.basis(a, n, mirrored)
                 assert 0 <= i <= n - 2
                 assert sum(w) == pytest.approx(1, abs=1e-14)
                 assert d0 + d1 + d2 == pytest.approx(0, abs=1e-14)
@@ -135,7 +136,7 @@ def test_spline_is_smooth_and_goes_through_flat_cloth():
     for edge in (0.5, 1.5, 2.5):
         values = np.zeros((2, 5, 2))
         for side, a in enumerate((edge - 1e-9, edge + 1e-9)):
-            i, w0, w1, w2, d0, d1, d2, _, _ = kernels.basis(a, 9, False)
+            i, w0, w1, w2, d0, d1, d2, _, _ = surface.basis(a, 9, False)
             values[side, i : i + 3] = np.array([[w0, d0], [w1, d1], [w2, d2]])
         np.testing.assert_allclose(values[0], values[1], atol=1e-8)
 
@@ -210,7 +211,7 @@ def test_plies_that_slide_on_each_other_make_no_energy(ply, points):
 
 
 def test_what_no_yarn_holds_does_not_push(ply):
-    """One family that is left still pushes, by half; none does not, and is not thrown back when it lies behind."""
+    """One family that is left pushes as both do, since the mass is the same; none does not, on either side."""
     pack = Pack.stacked(ply, 2, gap=0.0)
     states, consts, pair = bulging(pack, np.random.default_rng(3), 0.1e-3)
     settled(states, consts, pair)
@@ -219,14 +220,96 @@ def test_what_no_yarn_holds_does_not_push(ply):
     front.flag[: consts[0].ni * consts[0].s] |= 1
     front.intact[0][:] = 0.0
     settled(states, consts, pair, 1)
-    assert sum(pair.on_rear[2]) == pytest.approx(0.5 * whole, rel=1e-9)
+    assert sum(pair.on_rear[2]) == pytest.approx(whole, rel=1e-9)
     front.intact[1][:] = 0.0
     kernels.contact(states[0], consts[0], states[1], consts[1], pair, 0)
     assert sum(pair.on_rear[2]) == 0.0
-    front.intact[1][:] = 1.0  # as if it had come to lie behind whole cloth: it does not touch before it is clear
-    kernels.contact(states[0], consts[0], states[1], consts[1], pair, 0)
-    assert sum(pair.on_rear[2]) == 0.0
-    assert (pair.status == kernels.LOST).any()
-    front.u[2][:] -= 1e-3
-    kernels.contact(states[0], consts[0], states[1], consts[1], pair, 0)
-    assert not (pair.status == kernels.LOST).any()
+    assert not (pair.status == kernels.TOUCHING).any()
+
+
+def placed(states, consts, pair, height, step):
+    """The contact with the front ply's nodes at a height [m] above its place at rest; the force on it along z."""
+    states[0].u[2][: (consts[0].ni + 1) * consts[0].s] = height
+    kernels.contact(states[0], consts[0], states[1], consts[1], pair, step)
+    return sum(pair.on_front[2])
+
+
+def flat(ply, **knobs):
+    """Two flat plies at rest, the front one in touch by a tenth of its thickness."""
+    pack = Pack.stacked(ply, 2, gap=0.0, contact=PlyContact(damping=0.0, **knobs))
+    states, _ = pack.states(1.0)
+    consts = pack.constants()
+    pair = pack.pairs(consts, states)[0]
+    pair.front_box[:] = 0, consts[0].ni, 0, consts[0].nj
+    placed(states, consts, pair, 0.1 * pair.thickness, 0)
+    assert (pair.status[: pair.torn.size] == kernels.TOUCHING).all()
+    return states, consts, pair
+
+
+def test_a_normal_that_turns_over_throws_nothing(ply):
+    """Cloth that is drawn in until an element lies upside down: what touched it is on the same side as before. Told by
+    the normal alone it would be nearly two thicknesses deep, on the wrong side of it."""
+    states, consts, pair = flat(ply)
+    i, j = 4, 5
+    before, k = pair.energy[kernels.SPRING], i * consts[1].s + j
+    states[1].u[0][[k, k + 1]] += 0.9 * consts[1].dx
+    states[1].u[0][[k + consts[1].s, k + consts[1].s + 1]] -= 0.9 * consts[1].dx
+    force = placed(states, consts, pair, 0.1 * pair.thickness, 1)
+    for step in range(2, 40):
+        force = placed(states, consts, pair, 0.1 * pair.thickness, step)
+    assert force < 0.0
+    assert pair.energy[kernels.DEEPEST] < 0.3 * pair.thickness
+    assert pair.energy[kernels.SPRING] < 1.5 * before
+    assert pair.energy[kernels.PASSED] == 0
+
+
+def test_what_is_found_deep_is_not_thrown_but_held(ply):
+    """A point that is found inside the thickness, beside a hole, begins without a force; none is let deeper."""
+    states, consts, pair = flat(ply)
+    stiffness = -placed(states, consts, pair, 0.1 * pair.thickness, 1) / (0.1 * pair.thickness)
+    pair.status[:] = kernels.FREE
+    assert placed(states, consts, pair, 0.6 * pair.thickness, 2) == 0.0
+    assert pair.energy[kernels.SPRING] == 0.0
+    force = -placed(states, consts, pair, 0.7 * pair.thickness, 3)
+    assert force == pytest.approx(stiffness / 0.4 * 0.1 * pair.thickness, rel=0.02)  # 0.4 are left of its thickness
+    assert placed(states, consts, pair, 0.5 * pair.thickness, 4) == 0.0
+    assert -placed(states, consts, pair, 0.6 * pair.thickness, 5) > 0.0  # from where it has been let to
+
+
+def test_whole_cloth_that_comes_through_is_pushed_back_and_counted(ply):
+    states, consts, pair = flat(ply)
+    parts = np.arange(0.25, 1.5, 0.1)
+    forces = [-placed(states, consts, pair, part * pair.thickness, n) for n, part in enumerate(parts)]
+    assert np.all(np.diff(forces) > 0)
+    assert pair.energy[kernels.PASSED] > 0
+    assert pair.energy[kernels.DEEPEST] > 1.3 * pair.thickness
+    assert pair.energy[kernels.WHEN] == 8  # the first step past a thickness
+
+
+def test_beside_torn_cloth_both_plies_have_points(ply):
+    """The middle of an element behind pushes on what hangs before it, and each way has half of the stiffness."""
+    pack = Pack.stacked(ply, 2, gap=0.0, contact=PlyContact(damping=0.0))
+    states, _ = pack.states(1.0)
+    consts = pack.constants()
+    near, back = pack.pairs(consts, states)
+    n = (consts[0].ni + 1) * consts[0].s
+    states[0].u[2][:n] = 0.1 * near.thickness
+    near.front_box[:] = 0, consts[0].ni, 0, consts[0].nj
+
+    def step(number):
+        kernels.contact(states[0], consts[0], states[1], consts[1], near, number)
+        kernels.contact_back(states[1], consts[1], states[0], consts[0], back, number)
+        return sum(near.on_rear[2][:n]), sum(back.on_front[2][:n])
+
+    whole, none = step(0)
+    assert whole > 0
+    assert none == 0
+    states[0].flag[0] |= 1
+    states[0].thin[:] = 1
+    states[0].intact[0][0] = 0.0
+    states[0].counter[2] += 1
+    forwards, backwards = step(1)
+    assert backwards > 0
+    assert forwards + backwards == pytest.approx(whole, rel=1e-9)
+    far = np.arange(n)[(np.arange(n) // consts[0].s > 6) | (np.arange(n) % consts[0].s > 6)]
+    assert not back.on_front[2][far].any()
