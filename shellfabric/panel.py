@@ -1,4 +1,4 @@
-"""A fabric panel with its projectile: grid, masses, supports, time step, and the arrays that the kernels work on.
+"""A fabric panel with its projectile: grid, masses, supports, time step (for the arrays of it see `panel_arrays`).
 
 Time step. The highest frequency of the cloth is bounded by w^2 = 4 D / (m d^2), with d the shorter side, m the areal
 density, and D the largest over 0 <= a <= 1 of lambda a + 2 G2 t a (1 - a): that of the mode whose phase turns by
@@ -11,7 +11,6 @@ woven yarn (erratum E-38). Viscous forces act on the velocity of half a step ago
 
 from __future__ import annotations
 
-from collections import namedtuple
 from dataclasses import dataclass, field
 from functools import cached_property
 from math import inf
@@ -21,47 +20,17 @@ import numpy as np
 from fabrics.errors import InputError
 from shellfabric import (
     behind,
-    body,
-    cell_kernels,
-    contact,
-    contact_kernels,
     edges,
-    edges_kernels,
     grading,
-    march_kernels,
     pace,
-    team,
+    panel_arrays,
+    table_rows,
 )
 from shellfabric.backing import Backing
 from shellfabric.cell import CellTable
 from shellfabric.projectile import Projectile
 
-PRECISIONS = {"double": np.float64, "single": np.float32}
-_STEPS = 256  # of the force, in what it tells of the tension
-_PIECE = 256  # slots that loops of two halves go over at a time (see `membrane_kernels`): a whole number of eights
-_ROWS = 6  # of a block at least: with fewer, most of the work would be on the rows about it that two blocks need
 SYMMETRIES = {"quarter": (True, True), "half": (True, False), "whole": (False, False)}
-
-Constants = namedtuple(
-    "Constants",
-    "ni nj s block per mirror_x mirror_y x0 y0 dx dy rx0 ry0 dt "
-    "tension1 tension2 ceiling1 unit1 ceiling2 unit2 spline level x0t rx top1 y0t ry top2 grid per1 per2 variational "
-    "split1 split2 cv1 cv2 V G1 G2 gamma1 gamma2 w1 S01 EA1 w2 S02 EA2 strength1 strength2 strengths1 strengths2 lag "
-    "widest near points shares point_stiffness point_damping R rho projectile_mass free idle_steps "
-    "shape form length frame tilted roaming depth reach top shoulder friction rim_node rim_axis rim bending jam ends "
-    "bar_mass bar_h bar_area bar_law bar_parts backed",
-)
-State = namedtuple(
-    "State",
-    "u v g0 g1 mass inverse_mass kick L N T D slope y intact failed filtered flag thin stale most "
-    "pressed touching contact position speed reaction "
-    "contact_energy rows counter sums peak window stuck rim_force rim_sums "
-    "outer behind bar_u bar_v bar_plastic bar_stress bar_sums",
-)
-Work = namedtuple(
-    "Work",
-    "A B l1 l2 i1 i2 m1 m2 T1 T2 N1 N2 K1 K2 own1 own2 given1 given2 on1 on2 turn1 turn2 cross up spots shared touch",
-)
 
 
 @dataclass(frozen=True)
@@ -122,8 +91,8 @@ class Numerics:
         ):
             if not getattr(self, key) >= 0:
                 raise InputError(key=key, value=getattr(self, key), allowed="at least 0")
-        if self.precision not in PRECISIONS:
-            raise InputError(key="precision", value=self.precision, allowed=" or ".join(PRECISIONS))
+        if self.precision not in panel_arrays.PRECISIONS:
+            raise InputError(key="precision", value=self.precision, allowed=" or ".join(panel_arrays.PRECISIONS))
         if self.threads is not None and self.threads < 1:
             raise InputError(key="threads", value=self.threads, allowed="at least 1")
         if self.safety > 1:
@@ -222,10 +191,10 @@ class Panel:
         if self.projectile.roaming:
             raise InputError(key="grading", value=self.grading, allowed="none where the projectile moves sideways")
         fine = self._fine
-        for place, step, reach in zip((fine[1], fine[3]), self.spacing, self._reach()):
+        for place, step, reach in zip((fine[1], fine[3]), self.spacing, self.reach()):
             least = int(np.ceil(reach / step)) + 1  # and what the smooth surface of the last element has beside it
             if self.sides is not None and place < least:
-                allowed = f"a first zone of {least * self._finest} crossovers or more"
+                allowed = f"a first zone of {least * self.finest} crossovers or more"
                 raise InputError(key="grading", value=self.grading, allowed=f"{allowed}, all that comes under the nose")
 
     @property
@@ -242,14 +211,14 @@ class Panel:
         return SYMMETRIES[self.symmetry]
 
     @property
-    def _finest(self):
+    def finest(self):
         """Crossovers along a side of an element at the impact point."""
         return 1 if self.grading is None else int(self.grading[0][1])
 
     @property
     def spacing(self):
         """(dx, dy) [m] sides of an element, of the smallest on a graded panel."""
-        return tuple(2 * w * self._finest / self.elements_per_crossover for w in self.weave.w)
+        return tuple(2 * w * self.finest / self.elements_per_crossover for w in self.weave.w)
 
     @property
     def _half(self):
@@ -273,7 +242,7 @@ class Panel:
         bounds = []
         for n, step, half in zip(range(2), self.spacing, self._half):
             if self.sides is None:
-                count = half * self.elements_per_crossover // self._finest
+                count = half * self.elements_per_crossover // self.finest
             else:
                 alike = np.abs(self.sides[n] - step) < 1e-9 * step
                 count = int(alike.sum()) // (1 if self.mirrors[n] else 2)
@@ -285,7 +254,7 @@ class Panel:
         """(ni, nj) elements along warp and weft."""
         if self.sides is not None:
             return tuple(part.size for part in self.sides)
-        half = [n * self.elements_per_crossover // self._finest for n in self._half]
+        half = [n * self.elements_per_crossover // self.finest for n in self._half]
         return tuple(n if mirrored else 2 * n for n, mirrored in zip(half, self.mirrors))
 
     @property
@@ -313,23 +282,23 @@ class Panel:
     @property
     def critical_step(self):
         """[s] 2 / w of the undamped cloth."""
-        m, shares = self.weave.areal_density, zip(self._yarns_a_line, self.bending, self.spacing, self.spacing[::-1])
+        m, shares = self.weave.areal_density, zip(self.yarns_a_line, self.bending, self.spacing, self.spacing[::-1])
         membrane = self.membrane_stiffness / (m * min(self.spacing) ** 2)
         # a yarn that turns to and fro at every node has the energy 1/2 n EI / L (4 w / L)^2 a node
         return (membrane + sum(4 * n * EI / (m * d**4 * across) for n, EI, d, across in shares)) ** -0.5
 
     @property
-    def _yarns_a_line(self):
+    def yarns_a_line(self):
         """(warp, weft) yarns that a grid line stands for at the impact point."""
         return tuple(count * d for count, d in zip((self.weave.warp_count, self.weave.weft_count), self.spacing[::-1]))
 
     @property
     def time_step(self):
         """[s] the step that is taken."""
-        return self._step_of_bound * self._pace
+        return self.step_of_bound * self._pace
 
     @property
-    def _step_of_bound(self):
+    def step_of_bound(self):
         """[s] share `safety` of the bound; what the contact is as stiff as, whatever is taken of it."""
         xi = self.numerics.stretch_viscosity
         return self.numerics.safety * self.critical_step * ((1 + xi**2) ** 0.5 - xi)
@@ -337,13 +306,6 @@ class Panel:
     @cached_property
     def _pace(self):
         return pace.share(self.table, self.numerics.stretch_viscosity)
-
-    @property
-    def _block(self):
-        """Element rows of a block: all blocks are of one size, but the last."""
-        ni, nj = self.counts
-        rows = max(_ROWS, self.numerics.block / (nj + 1))
-        return -(-ni // max(1, round(ni / rows)))
 
     def coordinates(self):
         """(X, Y) [m] of the nodes at rest, each (ni+1, nj+1); the impact point is the origin."""
@@ -367,117 +329,27 @@ class Panel:
         """
         return tuple(0.0 if m else -0.5 * n * d for m, n, d in zip(self.mirrors, self.counts, self.spacing))
 
-    def constants(self) -> Constants:
+    @cached_property
+    def potential(self):
+        """See `table_rows.potential`."""
+        return table_rows.potential(self.table)
+
+    @cached_property
+    def ceilings(self):
+        """See `table_rows.ceilings`."""
+        return table_rows.ceilings(self.table)
+
+    def constants(self) -> panel_arrays.Constants:
         """What the kernels need to know, as plain numbers and arrays."""
-        (ni, nj), (dx, dy), (mirror_x, mirror_y) = self.counts, self.spacing, self.mirrors
-        weave, table, knobs, dt = self.weave, self.table, self.numerics, self.time_step
-        (w1, w2), (S01, S02), (warp, weft) = weave.w, weave.S0, weave.yarns
-        rx, ry = (1 / step for step in table.steps)
-        shear = self.fabric.shear if self.trellis else None
-        G1, G2, gamma1, gamma2 = (shear.G1, shear.G2, shear.gamma1, shear.gamma2) if shear else (0.0, 0.0, 0.5, 1.0)
-        lag = self.critical_step / dt
-        mass = weave.areal_density * dx * dy
-        (x0, y0), shot = self.origin, self.projectile
-        rim_node, rim_axis, rim = edges.rim(self)
-        strengths = self._strengths()
-        roaming = shot.roaming or rim_node.size > 0  # over the cloth: it slides, or the cloth is drawn under it
-        cv1, cv2 = (knobs.stretch_viscosity * lag * yarn.EA for yarn in (warp, weft))
-        slots = {"rx0": 1 / dx, "ry0": 1 / dy, "cv1": cv1, "cv2": cv2, "V": dx * dy * weave.thickness}
-        slots |= {"split1": 0.5, "split2": 0.5}
-        if self.sides is not None:
-            slots = grading.slots(self.sides, self.spacing, weave.thickness, (cv1, cv2), _room)
-        return Constants(
-            ni=ni, nj=nj, s=nj + 1, block=self._block, mirror_x=mirror_x, mirror_y=mirror_y,
-            x0=x0, y0=y0, dx=dx, dy=dy, dt=dt, per=self.elements_per_crossover, **slots,
-            tension1=table.tension1.reshape(-1, 4), tension2=table.tension2.reshape(-1, 4),
-            ceiling1=self._ceilings[0][0], unit1=self._ceilings[0][1],
-            ceiling2=self._ceilings[1][0], unit2=self._ceilings[1][1],
-            spline=self._spline[0], level=self._spline[1],
-            x0t=table.stretch1[0], rx=rx, top1=table.stretch1.size - 2,
-            y0t=table.stretch2[0], ry=ry, top2=table.stretch2.size - 2,
-            grid=(
-                table.stretch1[0], rx, table.stretch1.size - 2.0, table.stretch2[0], ry, table.stretch2.size - 2.0,
-                table.stretch2.size - 1.0,
-            ),
-            per1=rx / (2 * w1), per2=ry / (2 * w2), variational=table.model.form == "variational",
-            G1=G1, G2=G2, gamma1=gamma1, gamma2=gamma2,
-            w1=w1, S01=S01, EA1=warp.EA, w2=w2, S02=S02, EA2=weft.EA,
-            strength1=strengths[0].min(), strength2=strengths[1].min(),
-            strengths1=strengths[0], strengths2=strengths[1],
-            lag=-np.expm1(-dt / knobs.failure_time) if knobs.failure_time > 0 else 0.0, widest=knobs.widest,
-            near=self._near(roaming), **self._contact(mass),
-            R=shot.radius, rho=shot.edge_radius, projectile_mass=shot.mass * self.share,
-            free=(0.0 if mirror_x else 1.0, 0.0 if mirror_y else 1.0, 1.0),
-            idle_steps=max(1, round(knobs.clear_time / dt)),
-            shape=shot.number, form=shot.form, length=inf if shot.length is None else shot.length, frame=shot.frame,
-            tilted=shot.tilted, roaming=roaming, depth=2 * shot.radius, reach=self._reach(), top=shot.top,
-            shoulder=shot.shoulder, friction=shot.friction, rim_node=rim_node, rim_axis=rim_axis, rim=rim,
-            bending=np.array([n * EI / d for n, EI, d in zip(self._yarns_a_line, self.bending, self.spacing)]),
-            jam=np.array(self.jam, float), ends=edges.yarn_ends(self),
-            backed=self.backing is not None, **body.constants(shot, self.share, dt),
-        )  # fmt: skip
+        return panel_arrays.constants(self)
 
-    def _contact(self, mass):
-        """Constants of the contact of elements of a mass [kg]."""
-        knobs = self.numerics
-        points = max(2, -(-knobs.contact_points * self._finest // self.elements_per_crossover))
-        return contact.constants(points, mass, self._step_of_bound, knobs.penalty, knobs.contact_damping)
-
-    def state(self, strike_velocity) -> State:
+    def state(self, strike_velocity) -> panel_arrays.State:
         """The panel at rest, flat at z = 0, touched by the projectile that flies at it at `strike_velocity` [m/s]."""
-        const = self.constants()
-        ni, s = const.ni, const.s
-        slots = (ni + 2) * s + 16
-        real = PRECISIONS[self.numerics.precision]
-        mass, inverse, kick = (*_room(2, slots), *_room(1, slots, real))
-        mass[: (ni + 1) * s] = self.masses().ravel()
-        loose = np.flatnonzero(edges.loose(self))
-        inverse[loose] = 1.0 / mass[loose]
-        kick[:] = const.dt * inverse
-        blocks = -(-ni // const.block)
-        three, two = (lambda kind=float: _room(3, slots, kind)), (lambda: _room(2, slots, real))
-        # the last changes of stretch and slopes enter the audit alone: 7 digits are enough
-        small, slopes = _room(2, slots, np.float32), _room(2, slots, np.float32)
-        forces, lengths, stretches = two(), two(), _room(2, slots)
-        for y, length, L in zip(lengths, self._yarn_lengths(const), stretches):
-            y[: length.size], L[:] = length, 1.0
-        i0, i1 = const.near[:2]
-        state = State(
-            u=three(), v=three(), g0=three(real), g1=three(real), mass=mass, inverse_mass=inverse, kick=kick,
-            L=stretches, N=forces, T=two() if const.variational else forces, D=small, slope=slopes,
-            y=lengths, intact=tuple((y > 0).astype(float) for y in lengths),
-            failed=(np.zeros(slots, np.uint8), np.zeros(slots, np.uint8)),
-            filtered=_room(2, slots if const.lag > 0 else 0),
-            thin=np.zeros(blocks, np.uint8), stale=np.zeros(blocks, np.bool_), most=np.zeros((blocks, 2)),
-            flag=np.zeros(slots, np.uint8), contact=three(),
-            **contact.memory(const.near, const.points, const.shares, const.friction),
-            position=self.projectile.start(), speed=strike_velocity * self.projectile.flight, reaction=np.zeros(3),
-            contact_energy=np.zeros(4), rows=np.array([max(i0 - 2, 0), min(i1 + 2, ni)]), counter=np.zeros(3, np.int64),
-            sums=np.zeros((blocks, 5)), peak=np.zeros(2), window=np.array(const.near),
-            rim_force=np.zeros(const.rim_node.size), rim_sums=np.zeros(3),
-            outer=np.zeros(3), behind=three() if const.backed else _room(3, 0),
-            **body.state(self.projectile, strike_velocity),
-        )  # fmt: skip
-        if const.roaming:
-            contact_kernels.follow(state, const)
-            state.rows[:] = max(state.window[0] - 2, 0), min(state.window[1] + 2, ni)
-        if np.any(const.rim[:, 0]):
-            state.rows[:] = 0, ni  # led edges move before any wave comes to them
-        march_kernels.first_forces(state, const, self.work())
-        edges_kernels.hold(state, const, 0.0)
-        return state
+        return panel_arrays.state(self, strike_velocity)
 
-    def work(self) -> Work:
+    def work(self) -> panel_arrays.Work:
         """Scratch of one thread, for one block of elements."""
-        const = self.constants()
-        size = (const.block + 4) * const.s + 16
-        rows = {name: _room(1, size)[0] for name in Work._fields}
-        rows["A"], rows["B"], rows["shared"] = _room(3, size), _room(3, size), np.zeros(team.ROOM, np.int64)
-        rows["spots"] = np.zeros(_PIECE, np.int32)
-        # what is asked for last takes the room of what is no longer needed then: scratch is to fit into the cache
-        rows["T1"], rows["T2"], rows["on1"], rows["on2"] = (rows[name] for name in ("own1", "own2", "given1", "given2"))
-        rows["up"], rows["touch"] = (rows["m1"], rows["m2"], rows["own1"]), contact.scratch(const)
-        return Work(**rows)
+        return panel_arrays.work(self)
 
     def segments(self):
         """(warp, weft) each (ni+1, nj+1): yarn segments that an edge stands for; half of one on a plane of symmetry."""
@@ -507,53 +379,7 @@ class Panel:
                 mass[i, j] += corner
         return mass
 
-    def _yarn_lengths(self, const):
-        """(warp, weft) [m] length of yarn of each edge at its slot: an edge's own times its yarns, half on the rim."""
-        if self.sides is not None:
-            (a, b), (m, n) = self.sides, map(grading.tributary, self.sides)
-            warp, weft = np.zeros((2, const.ni + 1, const.s))
-            warp[:-1], weft[:, :-1] = np.multiply.outer(a, n), np.multiply.outer(m, b)
-            return [(self.weave.warp_count * warp).ravel(), (self.weave.weft_count * weft).ravel()]
-        found, area = [], const.dx * const.dy
-        for count, axis in ((self.weave.warp_count, 0), (self.weave.weft_count, 1)):
-            y = np.zeros((const.ni + 1, const.s))
-            lines = np.moveaxis(y, axis, 0)[:-1]
-            lines[:] = area * count
-            lines[:, [0, -1]] *= 0.5
-            found.append(y.ravel())
-        return found
-
-    @cached_property
-    def _spline(self):
-        """(cells, 8), (cells,) [J] the table's potential but for its constants, each row a cache line, and these."""
-        columns = self.table.spline.reshape(-1, 9)
-        rows = _room(1, 8 * len(columns))[0].reshape(-1, 8)
-        rows[:] = columns[:, [3, 6, 1, 2, 4, 7, 5, 8]]  # of p, p p, q, q q, p q, p p q, p q q, p p q q
-        return rows, columns[:, 0].copy()
-
-    @cached_property
-    def _ceilings(self):
-        """Of warp and weft: what the forces of the variational form tell of the tensions (`_ceiling`)."""
-        table, found = self.table, []
-        potential = np.moveaxis(table.spline.reshape(-1, 3, 3), 0, -1)  # of p^a q^b at [a, b]
-        for family, values in enumerate((table.tension1, table.tension2)):
-            W = potential if family == 0 else potential.swapaxes(0, 1)
-            T = np.moveaxis(values.reshape(-1, 4), 0, -1)[[0, 1, 2, 3] if family == 0 else [0, 2, 1, 3]]
-            force = np.stack([W[1], W[1] + 2 * W[2]]) / (2 * self.weave.w[family] * table.steps[family])
-            none = np.zeros_like(T[0])
-            tension = np.array([[T[0], T[2], none], [T[0] + T[1], T[2] + T[3], none]])
-            found.append(_ceiling(force, tension))
-        return found
-
-    def _strengths(self):
-        """(warp, weft) [N] strength of each yarn of the modelled part."""
-        factors = self.strength_factors or tuple(np.ones(count) for count in self.yarn_counts)
-        return tuple(
-            np.asarray(given, float) * (yarn.strength if self.failure else inf)
-            for given, yarn in zip(factors, self.weave.yarns)
-        )
-
-    def _reach(self):
+    def reach(self):
         """(along warp, along weft) [m] from the projectile's middle that cloth can come from to be under it.
 
         A straightened, stretched yarn draws cloth in by at most its crimp and strain times its length; a leaning
@@ -564,40 +390,3 @@ class Panel:
             wide + (yarn.crimp + yarn.failure_strain) * max(x[-1], -x[0]) + 2 * step
             for x, step, yarn in zip(self.lines(), self.spacing, self.weave.yarns)
         )
-
-    def _near(self, roaming):
-        """Element rows and columns (i0, i1, j0, j1) that can come under the projectile: all of them if it roams."""
-        if roaming:
-            return 0, self.counts[0], 0, self.counts[1]
-        bounds = []
-        for start, step, count, reach in zip(self.origin, self.spacing, self.counts, self._reach()):
-            bounds += [max(0, int((-reach - start) / step)), min(count, int((reach - start) / step) + 1)]
-        return tuple(bounds)
-
-
-def _ceiling(force, tension):
-    """((steps, 2) [N], [N]) see `cell_kernels.ceiling`, and the width of its steps.
-
-    force, tension (2, 3, cells) [N] : of one family, coefficients over the other's local coordinate, at both ends of
-    its own, along which both are linear. A quadratic lies between the least and most of its Bernstein coefficients.
-    """
-    found, excess, tensions = map(_bernstein, (force, tension - force, tension))
-    low, high, over, top = found.min((0, 1)), found.max((0, 1)), excess.max((0, 1)), tensions.max((0, 1))
-    most = max(high.max(), top.max())
-    unit, rounding, steps = most / _STEPS, 1e-9 * most, np.empty((_STEPS + 1, 2))
-    cell_kernels.ceiling(low - rounding, high + rounding, over + rounding, top + rounding, unit, steps)
-    return steps, unit
-
-
-def _bernstein(quadratics):
-    """(2, 3, n) coefficients of Bernstein from those of 1, x, x x, on 0 <= x <= 1."""
-    a, b, c = quadratics[:, 0], quadratics[:, 1], quadratics[:, 2]
-    return np.stack([a, a + 0.5 * b, a + b + c], axis=1)
-
-
-def _room(count, slots, kind=float):
-    """`count` flat arrays of zeros that begin with a cache line, in different sets of the cache."""
-    width = (-(-slots // 16) | 1) * 16
-    whole = np.zeros(count * width + 16, kind)
-    start = -whole.ctypes.data % 64 // whole.itemsize
-    return tuple(whole[start + m * width : start + m * width + slots] for m in range(count))

@@ -20,7 +20,7 @@ NO_DAMPING = Numerics(stretch_viscosity=0.0)  # whose coefficient hangs on the t
 def plain_energy(panel, x):
     """Energy of all turns of a whole panel from the definition alone, ends in clamps."""
     total = 0.0
-    for axis, (n, stiffness) in enumerate(zip(panel._yarns_a_line, panel.bending)):
+    for axis, (n, stiffness) in enumerate(zip(panel.yarns_a_line, panel.bending)):
         d = panel.spacing[axis]
         t = np.diff(x, axis=axis) / np.linalg.norm(np.diff(x, axis=axis), axis=-1, keepdims=True)
         t = np.moveaxis(t, axis, 0)
@@ -119,7 +119,7 @@ def test_clamped_yarn_under_a_point_load(small, axis):
     free, F = np.arange(1, n), np.zeros(n - 1)
     F[n // 2 - 1] = 1.0
     w = np.linalg.solve(matrix(panel, axis, free), F)[n // 2 - 1]
-    assert w == pytest.approx((1 + 8 / n**2) * (n * d) ** 3 / (192 * panel._yarns_a_line[axis] * EI), rel=5e-3)
+    assert w == pytest.approx((1 + 8 / n**2) * (n * d) ** 3 / (192 * panel.yarns_a_line[axis] * EI), rel=5e-3)
 
 
 def test_supported_strip_swings(small):
@@ -128,7 +128,7 @@ def test_supported_strip_swings(small):
     n, (dx, dy), m = panel.counts[0], panel.spacing, panel.weave.areal_density
     K = matrix(panel, 0, np.arange(1, n))
     lowest = np.sqrt(np.linalg.eigvalsh(0.5 * (K + K.T))[0] / (m * dx * dy)) / (2 * np.pi)
-    stiffness = panel._yarns_a_line[0] * EI / dy  # per width
+    stiffness = panel.yarns_a_line[0] * EI / dy  # per width
     assert lowest == pytest.approx(np.pi / 2 * np.sqrt(stiffness / (m * (n * dx) ** 4)), rel=5e-3)
 
 
@@ -139,7 +139,7 @@ def test_pure_bending_is_a_circle(small):
     X, Y = panel.coordinates()
     angle = X / radius
     x = np.stack([radius * np.sin(angle), Y, radius * (1 - np.cos(angle))], axis=-1)
-    expected = 0.5 * EI / radius**2 * (n - 1) * dx * panel._yarns_a_line[0] * lines
+    expected = 0.5 * EI / radius**2 * (n - 1) * dx * panel.yarns_a_line[0] * lines
     assert energy(panel, x) == pytest.approx(expected, rel=5e-4)
 
 

@@ -159,7 +159,7 @@ def test_closed_square_of_strains(fabric):
 
 def spline(table):
     """The table's potential as the march reads it: all but the constants, and these."""
-    return Panel(table)._spline
+    return Panel(table).potential
 
 
 def table_potential(table, x, y):
