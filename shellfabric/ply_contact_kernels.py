@@ -28,9 +28,11 @@ Failed yarns. What is left of a yarn pushes as the whole: its mass is the same. 
 x or y are gone: that is a hole, and a point may go through it. What comes out of a hole is on either side, and pushes
 from there. Found inside the thickness, it begins without a force, on a spring that is as much stiffer as the rest of
 the thickness is less (three times at most), and is let no deeper; found in the very middle, edge on, it is on no side
-yet. Beside torn cloth feet get lost, so they are looked for anew, and elements are as long as the holes, so both plies
-have points there (`contact_back`), with half the stiffness each: the middle of an element behind otherwise goes through
-what hangs before it, between the points of that.
+yet. So it is with a point whose foot leaps, as in folds of whole cloth: its spring is let go, and it begins again
+without one. With the force of its depth it had brought energy from nothing, 1.1 % of a shot's in four bunched plies.
+Beside torn cloth feet get lost, so they are looked for anew, and elements are as long as the holes, so both plies have
+points there (`contact_back`), with half the stiffness each: the middle of an element behind otherwise goes through what
+hangs before it, between the points of that.
 
 Naive forms, for comparison: the nodes of the front ply against the bilinear facets of the rear one (FACETS), or against
 the node there, along z (NODES).
@@ -87,7 +89,7 @@ from shellfabric.ply_surface_kernels import (
 
 TAKEN, SPRING, DEEPEST, PLACE, PASSED, WHERE, WHEN = range(7)  # of pair.energy
 _CLOSE, _STIFFER = 0.15, 3.0  # [thicknesses] where a point may come through; most that a spring is stiffened
-FREE, TOUCHING = 0, 1  # of pair.status
+FREE, TOUCHING, LOST = 0, 1, 2  # of pair.status; a point whose foot leaps or lies aside is lost until it has one again
 _EVERY, _MARGIN = 8, 3  # steps between scans, elements about what they find
 _FASTER, _LONGEST = 1.5, 8  # than at the last scan nodes may become; most steps that a point is left alone
 _STEP, _LEAP = 0.25, 0.2  # [elements] longest step of a foot; one so long has none
@@ -429,8 +431,8 @@ def touch(front, fc, rear, rc, pair, q, a, b, often):
     pair.foot[0][q] = min(max(A2, low_a), float(rc.ni))
     pair.foot[1][q] = min(max(B2, low_b), float(rc.nj))
     pair.going[0][q] = pair.going[1][q] = 0.0
-    pair.status[q] = FREE
-    leapt = depth > 0.0 and max(abs(go), abs(turn)) > _LEAP
+    lost, leapt = pair.status[q] == LOST, depth > 0.0 and max(abs(go), abs(turn)) > _LEAP
+    pair.status[q] = LOST if leapt or (slant and (touches or lost)) else FREE
     torn = pair.torn[q // (pair.points * pair.points)] != 0
     if pair.form == SMOOTH and (leapt or (torn and (often or not (whole or touches)))):
         seek(rear, rc, pair.foot, q, at_x, at_y, at_z, far)
@@ -448,7 +450,7 @@ def touch(front, fc, rear, rc, pair, q, a, b, often):
     if touches and smooth and depth > pair.thickness and left_x == 1.0 and left_y == 1.0:
         pair.energy[PASSED], pair.energy[WHERE] = pair.energy[PASSED] + 1.0, q
     if not touches:
-        pair.slack[q] = depth if depth > 0.5 * pair.thickness and pair.form != NODES else 0.0
+        pair.slack[q] = depth if (lost or depth > 0.5 * pair.thickness) and pair.form != NODES else 0.0
     elif sure:
         pair.going[0][q] = min(max(pair.foot[0][q] - before_a, -_STEP), _STEP)
         pair.going[1][q] = min(max(pair.foot[1][q] - before_b, -_STEP), _STEP)
