@@ -28,8 +28,8 @@ Failed yarns. What is left of a yarn pushes as the whole: its mass is the same. 
 x or y are gone: that is a hole, and a point may go through it. What comes out of a hole is on either side, and pushes
 from there. Found inside the thickness, it begins without a force, on a spring that is as much stiffer as the rest of
 the thickness is less (three times at most), and is let no deeper; found in the very middle, edge on, it is on no side
-yet. So it is with a point whose foot leaps, as in folds of whole cloth: its spring is let go, and it begins again
-without one. With the force of its depth it had brought energy from nothing, 1.1 % of a shot's in four bunched plies.
+yet. A point whose foot leaps, as in folds of whole cloth, is let go until it has one again, and goes on with its spring
+as it was then. With one of its new depth it had brought energy from nothing, 1.1 % of a shot's in four bunched plies.
 Beside torn cloth feet get lost, so they are looked for anew, and elements are as long as the holes, so both plies have
 points there (`contact_back`), with half the stiffness each: the middle of an element behind otherwise goes through what
 hangs before it, between the points of that.
@@ -432,6 +432,8 @@ def touch(front, fc, rear, rc, pair, q, a, b, often):
     pair.foot[1][q] = min(max(B2, low_b), float(rc.nj))
     pair.going[0][q] = pair.going[1][q] = 0.0
     lost, leapt = pair.status[q] == LOST, depth > 0.0 and max(abs(go), abs(turn)) > _LEAP
+    if not (touches or lost):
+        pair.was[q] = pair.slack[q] = 0.0
     pair.status[q] = LOST if leapt or (slant and (touches or lost)) else FREE
     torn = pair.torn[q // (pair.points * pair.points)] != 0
     if pair.form == SMOOTH and (leapt or (torn and (often or not (whole or touches)))):
@@ -449,8 +451,10 @@ def touch(front, fc, rear, rc, pair, q, a, b, often):
         return 0.0, 0.0  # it has come from a hole, edge on, and is on no side yet
     if touches and smooth and depth > pair.thickness and left_x == 1.0 and left_y == 1.0:
         pair.energy[PASSED], pair.energy[WHERE] = pair.energy[PASSED] + 1.0, q
-    if not touches:
-        pair.slack[q] = depth if (lost or depth > 0.5 * pair.thickness) and pair.form != NODES else 0.0
+    if lost:
+        pair.slack[q] = max(depth - (pair.was[q] - pair.slack[q]), 0.0)
+    elif not touches:
+        pair.slack[q] = depth if depth > 0.5 * pair.thickness and pair.form != NODES else 0.0
     elif sure:
         pair.going[0][q] = min(max(pair.foot[0][q] - before_a, -_STEP), _STEP)
         pair.going[1][q] = min(max(pair.foot[1][q] - before_b, -_STEP), _STEP)
