@@ -181,8 +181,8 @@ side of a point from the normal.
 | 4 plies of S-726, 80 mm wide, 243 m/s, from 12 to 50 µs | 11 | 0 | 4 | 0 |
 | the same at 300 m/s | 13 | 1 | 1 | 0 |
 | 8 plies of S-726, 204 m/s, until it stops | 21 | 0 | not counted | 0 |
-| 8 plies of S-728, 250 m/s, 150 µs | 13 | 3 | not counted | 0 |
-| 16 plies of S-726, 243 m/s, until it stops | 98 | 8 | not counted | 0 |
+| 8 plies of S-728, 250 m/s, 150 µs | 13 | 4 | not counted | 0 |
+| 16 plies of S-726, 243 m/s, until it stops | 98 | 6 | not counted | 0 |
 
 So whole cloth does not come through; torn cloth still does in a few places, at facets that are twisted and drawn long.
 The mechanism was the normal: where yarns fail next to it, cloth is drawn in until an element lies upside down, its
