@@ -13,7 +13,7 @@ A kernel that is called from Python all the same, as by its test, is compiled a 
 
 import types
 
-from numba import njit
+from numba import config, njit
 from numba.core.registry import CPUDispatcher
 
 _USUAL = {"cache": True, "error_model": "numpy", "no_cfunc_wrapper": True}
@@ -30,7 +30,7 @@ def kernel(**options):
     def decorated(function):
         inner = njit(no_cpython_wrapper=True, **_USUAL, **options)(function)
         inner.__class__ = _Inner
-        inner.entry_options = options
+        inner.entry_options, inner.folder = options, config.CACHE_DIR
         return inner
 
     return decorated
@@ -48,9 +48,11 @@ class _Inner(CPUDispatcher):
             twin = types.FunctionType(
                 inner.__code__, inner.__globals__, inner.__name__, inner.__defaults__, inner.__closure__
             )
-            twin.__module__, twin.__qualname__ = (
-                inner.__module__,
-                f"{inner.__qualname__}_from_python",
-            )  # names its cache
-            self._twin = entry(**self.entry_options)(twin)
+            # names its file; in the folder of the kernel (fabrics.kernel_cache), which changes with what it calls
+            twin.__module__, twin.__qualname__ = inner.__module__, f"{inner.__qualname__}_from_python"
+            now, config.CACHE_DIR = config.CACHE_DIR, self.folder
+            try:
+                self._twin = entry(**self.entry_options)(twin)
+            finally:
+                config.CACHE_DIR = now
         return self._twin

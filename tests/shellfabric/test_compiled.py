@@ -41,3 +41,10 @@ def test_a_kernel_that_python_calls_makes_itself_one():
 def test_a_kernel_is_itself_for_other_kernels_after_python_has_called_it():
     energy = yarn_kernels.energy.py_func(1.1, 1.0, 50.0, 0.0, 5.0)
     assert yarn_kernels.energy(1.1, 1.0, 50.0, 0.0, 5.0) == energy
+
+
+def test_what_python_calls_is_kept_with_the_kernels():
+    """Anywhere else it would be found again after a change of what it calls."""
+    called, inner = yarn_kernels.energy._entry(), yarn_kernels.energy
+    assert called._cache.cache_path == inner._cache.cache_path
+    assert "kernels-" in called._cache.cache_path

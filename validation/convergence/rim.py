@@ -28,7 +28,7 @@ _NODES, _POINTS, _STRAIN, _PHASES = 17, 24, 0.02, 12
 
 def bilinear(s):
     """Weights of three nodes at s from the middle one, on a straight element."""
-    return max(-s, 0.0), 1 - abs(s), max(s, 0.0)
+    return spline_kernels.weights(s, False)
 
 
 def smooth(s):

@@ -25,6 +25,7 @@ from shellfabric.cell import CellModel
 from shellfabric.pack import Pack, PlyContact
 from shellfabric.pack_march import PackMarch
 from shellfabric.panel import Numerics, Panel
+from validation.ledger.cache import source
 
 STOPS, ARTEFACT, OPEN = "stops", "perforates (artefact, E-21)", "perforates (undecided)"
 PUBLISHED = (
@@ -68,14 +69,6 @@ TOLERANCE = 3.0  # [m/s] of a bisection
 _NEAR = 0.05  # of a guess on both sides
 _ONSET_END, _END = 150e-6, 500e-6
 _RANGE = (30.0, 330.0)
-_MODEL = (
-    "lanes.py",
-    "cell.py",
-    "edges.py",
-    "pack.py",
-    "panel.py",
-    "projectile.py",
-)  # beside kernels, what makes a shot
 
 
 @dataclass(frozen=True)
@@ -173,16 +166,12 @@ def shoot(case: Case):
 
 
 class Results:
-    """Shots on disk, each under a digest of its case and of the solver's text; made where they are not there yet."""
+    """Shots on disk, each under a digest of its case and of solver and catalogue; made where they are not there yet."""
 
     def __init__(self, folder, report=print):
         self.folder, self.report = Path(folder), report
         self.folder.mkdir(parents=True, exist_ok=True)
-        import shellfabric
-
-        folder = Path(shellfabric.__file__).parent
-        sources = sorted([*folder.glob("*_kernels.py"), *(folder / name for name in _MODEL)])
-        self.version = hashlib.sha256(b"".join(path.read_bytes() for path in sources)).hexdigest()
+        self.version = source("fabrics") + source("shellfabric")
 
     def __call__(self, case: Case):
         name = hashlib.sha256((self.version + repr(case)).encode()).hexdigest()[:20]
