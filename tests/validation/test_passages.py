@@ -1,0 +1,45 @@
+"""No ply passes through another, torn or whole: counted without the contact."""
+
+import numpy as np
+import pytest
+
+from fabrics import catalogue
+from shellfabric.cell import CellModel
+from shellfabric.pack import Pack
+from shellfabric.pack_march import PackMarch
+from shellfabric.panel import Numerics, Panel
+from validation.packs import passages
+
+NEAR = 9
+
+
+@pytest.fixture(scope="module")
+def ply():
+    fabric = catalogue.load("S-726").effective()
+    return Panel(CellModel(fabric).table(101), (0.08, 0.08), numerics=Numerics(threads=1))
+
+
+@pytest.mark.parametrize("velocity", [243.0, 300.0])
+def test_torn_plies_do_not_pass_through_each_other(ply, velocity):
+    march = PackMarch(Pack.stacked(ply, 4, gap=0.12e-3), velocity, 1.0)
+    found = passages.count(march, 50e-6, NEAR, begin=12e-6)
+    failed = sum(np.count_nonzero(family) for state in march.states for family in state.failed)
+    assert failed > 50
+    assert march.deepest.max() < 1.0
+    assert found == []
+
+
+def test_a_passage_is_seen(ply):
+    """A ply that is laid through another crosses it; through a hole it does not."""
+    march = PackMarch(Pack.stacked(ply, 2, gap=0.0), 1.0, 1.0)
+    front, rear = (passages.nodes(march, p, NEAR) for p in (0, 1))
+    lift = np.array([0.0, 0.0, 2.0 * ply.weave.thickness])
+    (before, held), (after, _) = (passages.points(march, 0, x) for x in (front, front + lift))
+    below, cloth = passages.surface(march, 1, rear)
+    found = passages.crossings((before, after), held, (below, below), cloth)
+    assert [tuple(point) for point, _ in found] == [(i, j) for i in range(NEAR) for j in range(NEAR)]
+    assert all(np.all(facet // 2 == point) for point, facet in found)
+    state, const = march.states[1], march.consts[1]
+    for family in (0, 1):
+        state.intact[family][: (const.ni + 1) * const.s] = 0.0
+    assert passages.crossings((before, after), held, (below, below), passages.surface(march, 1, rear)[1]) == []

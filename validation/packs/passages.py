@@ -1,0 +1,223 @@
+"""What passes through what in a pack: told by what crosses what from step to step, without the contact.
+
+A passage is the middle of an element with yarns left that crosses, within a step, the surface of another ply where that
+has yarns left: the spline where it is whole, the facet where a yarn near it has failed. Through a hole, where warp and
+weft next to the place are both gone or its element has eroded, it may go. Both are taken to move straight, and a point
+crosses a triangle where the volume of the two changes its sign between the triangle's sides.
+
+Looked at are the elements about the middle of a quarter panel, every ply against its neighbours and, through their
+holes, against the next but one.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from shellfabric.membrane_kernels import ERODED
+
+REACH = 2  # plies
+
+
+class Passage(NamedTuple):
+    """Where something passed.
+
+    step, ply, other : [-] whose point, through which ply's cloth
+    element, through : (2,) [-] of the ply, of the other
+    whole : whether both are untorn there
+    """
+
+    step: int
+    ply: int
+    other: int
+    element: tuple
+    through: tuple
+    whole: bool
+
+
+class Passages:
+    """Those of a march that is told of every step.
+
+    Parameters
+    ----------
+    march : PackMarch of a quarter panel, at rest or under way
+    near : elements from the middle, along each side, which are looked at
+
+    Attributes
+    ----------
+    found : list of Passage
+    """
+
+    def __init__(self, march, near):
+        self.march, self.near, self.found = march, near, []
+        self._fill()
+
+    def _fill(self):
+        count = range(len(self.march.states))
+        self.nodes = [nodes(self.march, p, self.near) for p in count]
+        self.surfaces = [surface(self.march, p, self.nodes[p]) for p in count]
+
+    def step(self):
+        """Look at what the march has just done in a step."""
+        last, then = self.nodes, self.surfaces
+        self._fill()
+        awake = self.march.stack.awake
+        moved = [p for p in range(len(last)) if awake[p]]
+        whole = {p: by_element(self.march, p, "flag", self.near)[:-1, :-1] == 0 for p in moved}
+        for p in moved:
+            middles, held = points(self.march, p, self.nodes[p])
+            pair = points(self.march, p, last[p])[0], middles
+            for q in range(max(p - REACH, 0), min(p + REACH + 1, len(last))):
+                if q != p:
+                    self._note(p, q, pair, held, then[q][0], whole)
+
+    def _note(self, p, q, pair, held, before, whole):
+        after, cloth = self.surfaces[q]
+        for point, facet in crossings(pair, held, (before, after), cloth):
+            element, through = tuple(map(int, point)), tuple(int(n) // 2 for n in facet)
+            both = bool(whole[p][element] and (q not in whole or whole[q][through]))
+            self.found.append(Passage(self.march.steps, p, q, element, through, both))
+
+
+def nodes(march, p, near):
+    """(near + 1, near + 1, 3) places of the nodes of a ply about the middle."""
+    c, state = march.consts[p], march.states[p]
+    i, j = np.mgrid[: near + 1, : near + 1]
+    moved = [u[: (c.ni + 1) * c.s].reshape(c.ni + 1, c.s)[: near + 1, : near + 1] for u in state.u]
+    rest = c.x0 + i * c.dx, c.y0 + j * c.dy, march.pack.places[p] + 0.0 * i
+    return np.stack([a + b for a, b in zip(rest, moved)], axis=-1)
+
+
+def by_element(march, p, name, near, family=None):
+    """(near + 1, near + 1) flags, or what is left of a family's edges."""
+    c, values = march.consts[p], getattr(march.states[p], name)
+    values = values if family is None else values[family]
+    return values[: (c.ni + 1) * c.s].reshape(c.ni + 1, c.s)[: near + 1, : near + 1]
+
+
+def surface(march, p, x):
+    """(2 near + 1, 2 near + 1, 3) places on the surface of a ply, and (2 near, 2 near) where it has cloth."""
+    near = len(x) - 1
+    flag = by_element(march, p, "flag", near)
+    cloth = np.empty((2 * near, 2 * near), bool)
+    warp, weft = (by_element(march, p, "intact", near, family) for family in (0, 1))
+    for a in (0, 1):
+        for b in (0, 1):
+            left = warp[:near, b : near + b] + weft[a : near + a, :near]
+            cloth[a::2, b::2] = (left > 0) & (flag[:near, :near] & ERODED == 0)
+    smooth = spline(x)
+    if not flag.any():
+        return smooth, cloth
+    torn = np.pad(flag != 0, ((1, 0), (1, 0)), mode="edge")
+    torn = torn[1:, 1:] | torn[:-1, 1:] | torn[1:, :-1] | torn[:-1, :-1]
+    torn = torn.repeat(2, 0).repeat(2, 1)[:-1, :-1, None]
+    return np.where(torn, facets(x), smooth), cloth
+
+
+def spline(x):
+    """Twice as many places, of the spline over the nodes, with images of those next to planes of symmetry."""
+    for axis in (0, 1):
+        rows = np.moveaxis(x, axis, 0)
+        image = rows[1:2] * np.where(np.arange(3) == axis, -1.0, 1.0)
+        image = np.concatenate([image, rows])
+        fine = np.empty((2 * len(rows) - 1, *rows.shape[1:]))
+        fine[1::2], fine[-1] = 0.5 * (rows[1:] + rows[:-1]), rows[-1]
+        fine[:-1:2] = 0.75 * rows[:-1] + 0.125 * (image[:-2] + image[2:])
+        x = np.moveaxis(fine, 0, axis)
+    return x
+
+
+def facets(x):
+    """Twice as many places, of the bilinear facets between the nodes."""
+    for axis in (0, 1):
+        rows = np.moveaxis(x, axis, 0)
+        fine = np.empty((2 * len(rows) - 1, *rows.shape[1:]))
+        fine[::2], fine[1::2] = rows, 0.5 * (rows[1:] + rows[:-1])
+        x = np.moveaxis(fine, 0, axis)
+    return x
+
+
+def points(march, p, x):
+    """Middles of the elements of a ply, and which of them have cloth."""
+    near = len(x) - 1
+    warp, weft = (by_element(march, p, "intact", near, family) for family in (0, 1))
+    left = warp[:-1, :-1] + warp[:-1, 1:] + weft[:-1, :-1] + weft[1:, :-1]
+    held = (left > 0) & (by_element(march, p, "flag", near)[:-1, :-1] & ERODED == 0)
+    return 0.25 * (x[1:, 1:] + x[:-1, 1:] + x[1:, :-1] + x[:-1, :-1]), held
+
+
+def crossings(x, held, Y, cloth):
+    """Which points cross which facets, each point once: list of (element of the point, facet).
+
+    x : (n, n, 3) pair of places of points before and after a step; held : (n, n) which count
+    Y : (m + 1, m + 1, 3) pair of places of the corners of facets; cloth : (m, m) which count
+    """
+    x = np.stack([a[held] for a in x])
+    ring = np.stack([np.stack([a[:-1, :-1], a[1:, :-1], a[1:, 1:], a[:-1, 1:]])[:, cloth] for a in Y])
+    n, m = near_each_other(x, ring)
+    if n.size == 0:
+        return []
+    x, ring = x[:, n], ring[:, :, m]
+    middle, crossed = ring.mean(axis=1), np.zeros(n.size, bool)
+    for k in range(4):
+        crossed |= pierced(x, middle, ring[:, k], ring[:, (k + 1) % 4])
+    which, first = np.unique(n[crossed], return_index=True)
+    return list(zip(np.argwhere(held)[which], np.argwhere(cloth)[m[crossed][first]]))
+
+
+def near_each_other(x, ring):
+    """Pairs (point, facet) whose boxes over the step overlap; found by columns of a raster across the plies."""
+    low, high = ring.min(axis=(0, 1)), ring.max(axis=(0, 1))
+    least, most = x.min(axis=0), x.max(axis=0)
+    if not (len(low) and len(least)):
+        return np.empty(0, int), np.empty(0, int)
+    size = np.median((high - low)[:, :2], axis=0)
+    origin = np.minimum(low[:, :2].min(axis=0), least[:, :2].min(axis=0))
+    a, b = (np.floor((ends[:, :2] - origin) / size).astype(int) for ends in (low, high))
+    width = b[:, 1].max() + 2
+    span = b - a + 1
+    count = span.prod(axis=1)
+    facet = np.repeat(np.arange(len(low)), count)
+    place = np.arange(len(facet)) - np.repeat(np.cumsum(count) - count, count)
+    cell = (a[facet, 0] + place // span[facet, 1]) * width + a[facet, 1] + place % span[facet, 1]
+    order = np.argsort(cell, kind="stable")
+    cell, facet = cell[order], facet[order]
+    found = []
+    for ends in (least, most):  # a point seldom changes its cell within a step
+        at = np.floor((ends[:, :2] - origin) / size).astype(int)
+        at = np.where((at[:, 1] < width), at[:, 0] * width + at[:, 1], -1)
+        start, end = np.searchsorted(cell, at, "left"), np.searchsorted(cell, at, "right")
+        n = np.repeat(np.arange(len(at)), end - start)
+        m = facet[np.arange(len(n)) - np.repeat(np.cumsum(end - start) - (end - start), end - start) + start[n]]
+        found.append(np.stack([n, m]))
+    n, m = np.unique(np.concatenate(found, axis=1), axis=1)
+    both = np.all((most[n] >= low[m]) & (least[n] <= high[m]), axis=-1)
+    return n[both], m[both]
+
+
+def pierced(x, a, b, c):
+    """Which points cross the triangles a, b, c; all (2, n, 3), before and after the step."""
+    corners = np.stack([a, b, c], axis=2)
+    side = np.linalg.det(corners - x[:, :, None])
+    share = (side[0] / np.where(side[0] == side[1], 1.0, side[0] - side[1]))[:, None]
+    at = x[0] + share * (x[1] - x[0])
+    a, b, c = (one[0] + share * (one[1] - one[0]) for one in (a, b, c))
+    normal = np.cross(b - a, c - a)
+    crossed = (side[0] < 0) != (side[1] < 0)
+    for one, other in ((a, b), (b, c), (c, a)):
+        crossed &= np.einsum("ij,ij->i", np.cross(other - one, at - one), normal) >= 0
+    return crossed
+
+
+def count(march, end, near, begin=0.0):
+    """Passages of a march from `begin` to `end` [s], or until it ends: list of Passage."""
+    march.advance(np.empty((0, 3)))
+    if begin:
+        march.advance(np.empty((round(begin / march.const.dt), 3)))
+    passages, reason = Passages(march, near), 0
+    while march.time < end and not reason:
+        made, reason = march.advance(np.empty((1, 3)))
+        if made:
+            passages.step()
+    return passages.found
