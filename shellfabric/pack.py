@@ -23,7 +23,7 @@ import numpy as np
 from fabrics.errors import InputError
 from fabrics.fabric import Fabric
 from fabrics.plate_curve import PlateCurve
-from shellfabric import body, pack_kernels, ply_surface_kernels
+from shellfabric import body, pack_kernels, ply_stop_kernels, ply_surface_kernels
 from shellfabric.cell import CellModel, CellTable
 from shellfabric.lanes import WIDTH
 from shellfabric.panel import Panel
@@ -35,12 +35,17 @@ FORMS = {
     "nodes": ply_surface_kernels.NODES,
 }
 TESTED = 4  # plies of the packs that the source takes its gaps from (section 5.2.2)
+_NEAREST = 0.05  # [thicknesses] that torn cloth comes to other cloth
+_ENTRIES = 9  # of an element in the raster of facets, in the mean
 _LEAST = (0.25, 1e-3)  # deflections that are looked at: of the gap, of the thickness
 
 Pair = namedtuple(
     "Pair",
     "foot going normal was slack status wait speed on_front on_rear front_touched rear_touched front_box rear_box "
     "energy torn list tears due depth rank form points start stiffness damping thickness apart least",
+)
+Stops = namedtuple(
+    "Stops", "force touched at to kick places gap mark elements nodes count tears head item place then energy"
 )
 Stack = namedtuple("Stack", "awake counter places reactions counters speed")
 
@@ -203,6 +208,24 @@ class Pack:
         both = [(p, min(p + 1, count - 1)) for p in range(max(1, count - 1))]
         on_next = [self._pair(p, q, self._between(p), consts, states) for p, q in both]
         return (*on_next, *(self._pair(q, p, -self._between(p), consts, states) for p, q in both))
+
+    def stops(self, consts, states):
+        """What keeps torn cloth apart, at rest: of all plies, as wide as the largest."""
+        count, n = len(self.plies), max(state.mass.size for state in states)
+        pad = 2 * ply_stop_kernels.PAD
+        cells, room = max((c.ni + pad) * (c.nj + pad) for c in consts), _ENTRIES * n
+        kick = np.zeros((count, n))
+        for row, state in zip(kick, states):
+            row[: state.kick.size] = state.kick
+        nodal = lambda: np.zeros((count, 3, n))  # noqa: E731
+        return Stops(
+            force=nodal(), touched=np.array([[c.ni + 1, 0, c.s, 0] for c in consts]), at=nodal(), to=nodal(), kick=kick,
+            places=self.places, gap=np.array([_NEAREST * ply.weave.thickness for ply in self.plies]),
+            mark=np.zeros((count, n), np.uint8), elements=np.zeros((count, n), np.int64),
+            nodes=np.zeros((count, n), np.int64), count=np.zeros((count, 3), np.int64), tears=np.zeros(1, np.int64),
+            head=np.full((count, cells), -1, np.int32), item=np.zeros((count, room), np.int32),
+            place=np.zeros((count, room), np.int32), then=np.zeros((count, room), np.int32), energy=np.zeros(3),
+        )  # fmt: skip
 
     def _apart(self, p):
         """[m] between the middle surfaces of plies p and p + 1 at rest."""

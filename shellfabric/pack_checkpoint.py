@@ -64,4 +64,4 @@ def _groups(march):
     """(name in the file, named tuple) of all that marches."""
     plies = [(f"plies/{p:02d}", state) for p, state in enumerate(march.states)]
     pairs = [(f"pairs/{p:02d}", pair) for p, pair in enumerate(march.pairs)]
-    return [*plies, *pairs, ("stack", march.stack)]
+    return [*plies, *pairs, ("stack", march.stack), ("stops", march.stops)]

@@ -8,7 +8,8 @@ pair is asleep while the pair is looked at.
 States, constants, scratch and pairs come as numba's lists, so that what is compiled does not depend on the number of
 plies. Plies of one grid share their scratch; those of another have their own, since its idle slots must stay at rest.
 Several threads can share the work: each has some plies, then some pairs, and they wait for each other in between. No
-two write to the same place, so that results do not depend on their number.
+two write to the same place, so that results do not depend on their number. What keeps torn cloth apart
+(`ply_stop_kernels`) looks at all plies at once, and is one thread's.
 """
 
 import numpy as np
@@ -20,6 +21,7 @@ from shellfabric import (
     edges_kernels,
     march_kernels,
     ply_contact_kernels,
+    ply_stop_kernels,
 )
 from shellfabric.compiled import entry, kernel
 from shellfabric.march_kernels import FAILURES, IDLE, NOT_FINITE, PERFORATED, RUNNING, STEP, STOPPED
@@ -83,9 +85,10 @@ def give(state, const, force, touched):
 
 
 @kernel()
-def step_plies(states, consts, pairs, stack, works, me, count):
-    """One thread's plies: the impulses of their neighbours, their own step."""
+def step_plies(states, consts, pairs, stack, stops, works, me, count):
+    """One thread's plies: the impulses of the others, their own step."""
     for p in range(me, len(states), count):
+        give(states[p], consts[p], stops.force[p], stops.touched[p])
         for q in (p - 1, p):  # of the pairs, with the ply before and the one behind
             if 0 <= q < len(states) - 1:
                 near, back = pairs[q], pairs[len(pairs) // 2 + q]
@@ -135,16 +138,17 @@ def conclude(states, consts, stack):
 
 
 @entry(nogil=True)
-def lead(states, consts, pairs, stack, works, steps, history, shared, count):
+def lead(states, consts, pairs, stack, stops, works, steps, history, shared, count):
     """March at most `steps` steps, with `count` - 1 threads that `follow`; see `march_kernels.lead`."""
     made, reason = 0, RUNNING
     while made < steps and reason == RUNNING:
         launch(states, consts, stack)
         meet(shared, count)
-        step_plies(states, consts, pairs, stack, works, 0, count)
+        step_plies(states, consts, pairs, stack, stops, works, 0, count)
         meet(shared, count)
         step_pairs(states, consts, pairs, stack, 0, count)
         meet(shared, count)
+        ply_stop_kernels.restrain(states, consts, pairs, stack, stops)
         reason = conclude(states, consts, stack)
         force = np.sum(stack.reactions[:, 2]) + states[len(states) - 1].outer[2]
         march_kernels.tell(states[0], consts[0], force, history[made])
@@ -157,13 +161,13 @@ def lead(states, consts, pairs, stack, works, steps, history, shared, count):
 
 
 @entry(nogil=True)
-def follow(states, consts, pairs, stack, works, shared, me, count):
+def follow(states, consts, pairs, stack, stops, works, shared, me, count):
     """Do thread number `me`'s part of each step that `lead` makes."""
     while True:
         meet(shared, count)
         if shared[STOP] != 0:
             break
-        step_plies(states, consts, pairs, stack, works, me, count)
+        step_plies(states, consts, pairs, stack, stops, works, me, count)
         meet(shared, count)
         step_pairs(states, consts, pairs, stack, me, count)
         meet(shared, count)

@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from fabrics.errors import InputError, UnstableError
-from shellfabric import behind, body, edges, edges_kernels, pack_kernels, ply_contact_kernels, team
+from shellfabric import behind, body, edges, edges_kernels, pack_kernels, ply_contact_kernels, ply_stop_kernels, team
 from shellfabric import march_kernels as kernels
 from shellfabric.contact_kernels import CONTACT, FRICTION
 from shellfabric.march import ENERGIES, March, gift
@@ -32,7 +32,7 @@ class PackMarch(March):
 
     Attributes
     ----------
-    states, consts, stack, pairs : what the kernels work on
+    states, consts, stack, pairs, stops : what the kernels work on
     samples : list of rows, one an audit, in the order of PACK_SAMPLES; of the whole pack, forces summed over plies
     ply_samples : list of (plies, 6), one an audit, in the order of PLY_SAMPLES: of the whole ply; `push` is the force
         of the nose on it, `deflection` that at the impact point, `energy` what it moves with, stores and has lost
@@ -53,6 +53,7 @@ class PackMarch(March):
         self.strike_velocity, self.end_time = float(strike_velocity), float(end_time)
         self.consts, (self.states, self.stack) = pack.constants(), pack.states(strike_velocity)
         self.pairs = pack.pairs(self.consts, self.states)
+        self.stops = pack.stops(self.consts, self.states)
         self.const, self.state = self.consts[0], self.states[0]
         self._lists = tuple(lists(items) for items in (self.states, self.consts, self.pairs))
         self.threads = min(team.threads_for(self.panel.numerics.threads, pack.elements), len(pack.plies))
@@ -101,7 +102,10 @@ class PackMarch(March):
         self._shared = np.zeros(team.ROOM, np.int64)
         states, consts, pairs = self._lists
         for me, works in enumerate(self._works[1:] if self.behind is None else (), 1):
-            others.submit(pack_kernels.follow, states, consts, pairs, self.stack, works, self._shared, me, self.threads)
+            others.submit(
+                pack_kernels.follow, states, consts, pairs, self.stack, self.stops, works, self._shared, me,
+                self.threads,
+            )  # fmt: skip
 
     def advance(self, fine):
         """Make as many steps as there are rows in `fine`, or fewer where the run ends: (steps made, why)."""
@@ -109,13 +113,14 @@ class PackMarch(March):
             return self._advance_backed(fine)
         states, consts, pairs = self._lists
         work, shared, count = self._works[0], self._shared, self.threads
-        return pack_kernels.lead(states, consts, pairs, self.stack, work, len(fine), fine, shared, count)
+        return pack_kernels.lead(states, consts, pairs, self.stack, self.stops, work, len(fine), fine, shared, count)
 
     def _step(self, row):
         """One step of plies, projectile and block; the block is at rest while the last ply is."""
         self._shared[:] = 0
         states, consts, pairs = self._lists
-        _, reason = pack_kernels.lead(states, consts, pairs, self.stack, self._works[0], 1, row, self._shared, 1)
+        works, shared = self._works[0], self._shared
+        _, reason = pack_kernels.lead(states, consts, pairs, self.stack, self.stops, works, 1, row, shared, 1)
         if self.stack.awake[-1]:
             self.behind.follow(self.states[-1])
         return reason
@@ -128,6 +133,7 @@ class PackMarch(March):
         *projectile, speed = body.audit(self.state, const, force)
         block = self.behind.energies() if self.behind else np.zeros(len(behind.NAMES))
         pressed = sum(pair.energy[ply_contact_kernels.TAKEN] for pair in self.pairs)
+        pressed += self.stops.energy[ply_stop_kernels.TAKEN]
         energies = np.concatenate([total[:1], projectile, total[1:], block, [pressed]])
         if not self.samples:
             self._zero = energies.sum()
@@ -177,6 +183,7 @@ class PackMarch(March):
         near, back = self.pairs[: len(self.pairs) // 2], self.pairs[len(self.pairs) // 2 :]
         neighbours = [near[p - 1].on_rear, back[p - 1].on_front] if p > 0 else []
         neighbours += [near[p].on_front, back[p].on_rear] if p < len(self.states) - 1 else []
+        neighbours += [self.stops.force[p]]
         for forces in neighbours:
             for whole, force in zip(total, forces):
                 whole += force

@@ -35,11 +35,19 @@ def test_a_passage_is_seen(ply):
     front, rear = (passages.nodes(march, p, NEAR) for p in (0, 1))
     lift = np.array([0.0, 0.0, 2.0 * ply.weave.thickness])
     (before, held), (after, _) = (passages.points(march, 0, x) for x in (front, front + lift))
-    below, cloth = passages.surface(march, 1, rear)
-    found = passages.crossings((before, after), held, (below, below), cloth)
-    assert [tuple(point) for point, _ in found] == [(i, j) for i in range(NEAR) for j in range(NEAR)]
-    assert all(np.all(facet // 2 == point) for point, facet in found)
+    *both, cloth = passages.surfaces(march, 1, rear)
+    for below in both:
+        found = passages.crossings((before, after), held, (below, below), cloth)
+        assert [tuple(point) for point, *_ in found] == [(i, j) for i in range(NEAR) for j in range(NEAR)]
+        assert all(np.all(facet // 2 == point) for point, facet, _ in found)
+        back = passages.crossings((after, before), held, (below, below), cloth)
+        assert {way for *_, way in found} == {-one for *_, one in back} == {found[0][2]}
     state, const = march.states[1], march.consts[1]
     for family in (0, 1):
         state.intact[family][: (const.ni + 1) * const.s] = 0.0
-    assert passages.crossings((before, after), held, (below, below), passages.surface(march, 1, rear)[1]) == []
+    assert passages.crossings((before, after), held, (below, below), passages.surfaces(march, 1, rear)[2]) == []
+
+
+@pytest.mark.parametrize(("net", "times"), [((1, 1), 1), ((1, 0), 0), ((1, -1), 0), ((-1, -2), -1), ((2, 3), 2)])
+def test_a_point_is_through_when_it_has_crossed_both_surfaces(net, times):
+    assert passages.gone(net) == times

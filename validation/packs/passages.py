@@ -1,9 +1,11 @@
 """What passes through what in a pack: told by what crosses what from step to step, without the contact.
 
-A passage is the middle of an element with yarns left that crosses, within a step, the surface of another ply where that
-has yarns left: the spline where it is whole, the facet where a yarn near it has failed. Through a hole, where warp and
-weft next to the place are both gone or its element has eroded, it may go. Both are taken to move straight, and a point
-crosses a triangle where the volume of the two changes its sign between the triangle's sides.
+A passage is the middle of an element with yarns left that goes through another ply where that has yarns left. Through a
+hole, where warp and weft next to the place are both gone or its element has eroded, it may go. Two surfaces stand for a
+ply: the four triangles between the nodes and the middle of each element, and that of the contact, which is the spline
+where it is whole. They lie on the two sides of a bend, and a point that has crossed both the same way is through.
+Points and corners of facets are taken to move straight within a step; a point crosses a triangle where the volume of
+the two changes its sign between the triangle's sides.
 
 Looked at are the elements about the middle of a quarter panel, every ply against its neighbours and, through their
 holes, against the next but one.
@@ -50,34 +52,43 @@ class Passages:
     """
 
     def __init__(self, march, near):
-        self.march, self.near, self.found = march, near, []
+        self.march, self.near, self.found, self._net = march, near, [], {}
         self._fill()
 
     def _fill(self):
         count = range(len(self.march.states))
         self.nodes = [nodes(self.march, p, self.near) for p in count]
-        self.surfaces = [surface(self.march, p, self.nodes[p]) for p in count]
+        self.surfaces = [surfaces(self.march, p, self.nodes[p]) for p in count]
 
     def step(self):
         """Look at what the march has just done in a step."""
         last, then = self.nodes, self.surfaces
         self._fill()
         awake = self.march.stack.awake
-        moved = [p for p in range(len(last)) if awake[p]]
-        whole = {p: by_element(self.march, p, "flag", self.near)[:-1, :-1] == 0 for p in moved}
-        for p in moved:
+        for p in np.flatnonzero(awake):
             middles, held = points(self.march, p, self.nodes[p])
             pair = points(self.march, p, last[p])[0], middles
             for q in range(max(p - REACH, 0), min(p + REACH + 1, len(last))):
                 if q != p:
-                    self._note(p, q, pair, held, then[q][0], whole)
+                    self._note(int(p), q, pair, held, then[q])
 
-    def _note(self, p, q, pair, held, before, whole):
-        after, cloth = self.surfaces[q]
-        for point, facet in crossings(pair, held, (before, after), cloth):
-            element, through = tuple(map(int, point)), tuple(int(n) // 2 for n in facet)
-            both = bool(whole[p][element] and (q not in whole or whole[q][through]))
-            self.found.append(Passage(self.march.steps, p, q, element, through, both))
+    def _note(self, p, q, pair, held, then):
+        *now, cloth = self.surfaces[q]
+        for number, (before, after) in enumerate(zip(then, now)):
+            for point, facet, way in crossings(pair, held, (before, after), cloth):
+                element, through = tuple(map(int, point)), tuple(int(n) // 2 for n in facet)
+                net = self._net.setdefault((p, q, element), np.zeros(2, int))
+                old = gone(net)
+                net[number] += way
+                if abs(gone(net)) > abs(old):
+                    flags = (by_element(self.march, r, "flag", self.near) for r in (p, q))
+                    whole = not any(flag[at] for flag, at in zip(flags, (element, through)))
+                    self.found.append(Passage(self.march.steps, p, q, element, through, whole))
+
+
+def gone(net):
+    """How often, and which way, a point is through, by its net crossings of both surfaces."""
+    return int(min(net) if min(net) > 0 else max(net) if max(net) < 0 else 0)
 
 
 def nodes(march, p, near):
@@ -96,8 +107,9 @@ def by_element(march, p, name, near, family=None):
     return values[: (c.ni + 1) * c.s].reshape(c.ni + 1, c.s)[: near + 1, : near + 1]
 
 
-def surface(march, p, x):
-    """(2 near + 1, 2 near + 1, 3) places on the surface of a ply, and (2 near, 2 near) where it has cloth."""
+def surfaces(march, p, x):
+    """(2 near + 1, 2 near + 1, 3) places on the facets of a ply, the same on the surface of its contact, and
+    (2 near, 2 near) where it has cloth: of quarters of elements, corners of which are a node and a middle."""
     near = len(x) - 1
     flag = by_element(march, p, "flag", near)
     cloth = np.empty((2 * near, 2 * near), bool)
@@ -106,13 +118,12 @@ def surface(march, p, x):
         for b in (0, 1):
             left = warp[:near, b : near + b] + weft[a : near + a, :near]
             cloth[a::2, b::2] = (left > 0) & (flag[:near, :near] & ERODED == 0)
-    smooth = spline(x)
-    if not flag.any():
-        return smooth, cloth
-    torn = np.pad(flag != 0, ((1, 0), (1, 0)), mode="edge")
-    torn = torn[1:, 1:] | torn[:-1, 1:] | torn[1:, :-1] | torn[:-1, :-1]
-    torn = torn.repeat(2, 0).repeat(2, 1)[:-1, :-1, None]
-    return np.where(torn, facets(x), smooth), cloth
+    flat, smooth = facets(x), spline(x)
+    if flag.any():
+        torn = np.pad(flag != 0, ((1, 0), (1, 0)), mode="edge")
+        torn = torn[1:, 1:] | torn[:-1, 1:] | torn[1:, :-1] | torn[:-1, :-1]
+        smooth = np.where(torn.repeat(2, 0).repeat(2, 1)[:-1, :-1, None], flat, smooth)
+    return flat, smooth, cloth
 
 
 def spline(x):
@@ -148,22 +159,28 @@ def points(march, p, x):
 
 
 def crossings(x, held, Y, cloth):
-    """Which points cross which facets, each point once: list of (element of the point, facet).
+    """Which points cross which facets, and which way: list of (element of the point, facet, 1 or -1).
 
     x : (n, n, 3) pair of places of points before and after a step; held : (n, n) which count
     Y : (m + 1, m + 1, 3) pair of places of the corners of facets; cloth : (m, m) which count
+    A point that goes there and back within the step has not crossed.
     """
     x = np.stack([a[held] for a in x])
     ring = np.stack([np.stack([a[:-1, :-1], a[1:, :-1], a[1:, 1:], a[:-1, 1:]])[:, cloth] for a in Y])
     n, m = near_each_other(x, ring)
     if n.size == 0:
         return []
-    x, ring = x[:, n], ring[:, :, m]
-    middle, crossed = ring.mean(axis=1), np.zeros(n.size, bool)
-    for k in range(4):
-        crossed |= pierced(x, middle, ring[:, k], ring[:, (k + 1) % 4])
-    which, first = np.unique(n[crossed], return_index=True)
-    return list(zip(np.argwhere(held)[which], np.argwhere(cloth)[m[crossed][first]]))
+    elements, patches, found = np.argwhere(held), np.argwhere(cloth), []
+    # of a quarter of an element the diagonal between node and middle goes from its first corner, or from the second
+    turn = patches[m].sum(axis=1) % 2
+    x = x[:, n]
+    a, b, c, d = (ring[:, (k + turn) % 4, m] for k in range(4))
+    way = pierced(x, a, b, c) + pierced(x, a, c, d)
+    for point in np.unique(n[way != 0]):
+        own = np.flatnonzero((n == point) & (way != 0))
+        if way[own].sum():
+            found.append((elements[point], patches[m[own[0]]], int(np.sign(way[own].sum()))))
+    return found
 
 
 def near_each_other(x, ring):
@@ -197,7 +214,7 @@ def near_each_other(x, ring):
 
 
 def pierced(x, a, b, c):
-    """Which points cross the triangles a, b, c; all (2, n, 3), before and after the step."""
+    """(n,) which points cross the triangles a, b, c, and which way; all (2, n, 3), before and after the step."""
     corners = np.stack([a, b, c], axis=2)
     side = np.linalg.det(corners - x[:, :, None])
     share = (side[0] / np.where(side[0] == side[1], 1.0, side[0] - side[1]))[:, None]
@@ -207,7 +224,7 @@ def pierced(x, a, b, c):
     crossed = (side[0] < 0) != (side[1] < 0)
     for one, other in ((a, b), (b, c), (c, a)):
         crossed &= np.einsum("ij,ij->i", np.cross(other - one, at - one), normal) >= 0
-    return crossed
+    return np.where(crossed, np.where(side[0] < 0, 1, -1), 0)
 
 
 def count(march, end, near, begin=0.0):

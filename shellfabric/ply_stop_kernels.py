@@ -1,0 +1,342 @@
+"""What torn cloth may not do: go through other cloth, of the next ply or through its holes of one further on.
+
+The contact of neighbouring plies (`ply_contact_kernels`) is one of surfaces with a side to each, followed from step to
+step. Torn cloth has edges, is drawn to lines and turns over, and through a hole it meets plies that it has no foot on.
+So beside torn cloth what is about to happen is looked at as well: with all forces of a step known, so are the places
+x' = x + dt v' of the next one. The middle of an element that would then be on the other side of a facet of another ply,
+or nearer to it than `gap`, gets the force along the normal n of the facet that keeps it off, and its nodes and those of
+the facet share it by their weights w, so that momentum is kept:
+
+    f = (h - h') / (dt^2 sum w^2 / m),     h' = +-n.(x' - y')
+
+h' counts from the side on which the point is; h is the gap, or a tenth of it more than the present distance where that
+is less. It is the least that prevents the passage, takes the speed of approach away, and gives none back. What one
+force does another may undo, so all are gone through again until none is missing, or _ROUNDS times, and from round to
+round less of the gap is asked for.
+
+Looked at are the elements about torn ones, of the ply itself and of those next to it, against the other ply next to it
+and against those behind that where all plies between them are torn. A facet is the four triangles between the nodes of
+an element and its middle. Through a hole, where warp and weft next to the place are gone, a point may go. Where the
+cloth of the next ply is whole it is left to their contact, whose surface lies on the inside of bends, the nodes on the
+outside.
+
+Which facets are near a point: the facets of a ply are entered in a raster as wide as its elements, in every cell that
+their boxes reach into within the step.
+
+The work is told as that of all contact of plies is, half a step's of the old forces and half a step's of the new.
+"""
+
+import numpy as np
+
+from shellfabric import spline_kernels
+from shellfabric.compiled import kernel
+from shellfabric.march_kernels import FAILURES
+from shellfabric.membrane_kernels import ERODED
+from shellfabric.ply_contact_kernels import clear, note, settle, symmetric
+from shellfabric.ply_surface_kernels import left
+
+TAKEN, HELD, MISSED = 0, 1, 2  # of stops.energy; how often something was held, and how often not for good
+TORN, WHOLE = 1, 2  # of stops.mark: an element that is looked at, and one of whole cloth
+PAD = 4  # cells of the raster beyond the panel's edges
+_ABOUT, _FAR = 3, 2  # elements about torn ones, plies whose tears count
+_ROUNDS = 24
+_SLOWLY = 0.1  # [gaps] by which what is nearer than the gap is moved in a step
+_WIDEST = 20  # [cells] of a facet that is entered
+_TOUCH = 0.02  # of a triangle, beyond its sides
+
+
+@kernel()
+def restrain(states, consts, pairs, stack, stops):
+    """Forces that keep torn cloth from passing through other plies in the coming step, into stops.force."""
+    failures = 0
+    for p in range(len(states)):
+        failures += stack.counters[p, FAILURES]
+    if failures == 0:
+        return
+    taken = 0.0
+    if failures != stops.tears[0]:
+        stops.tears[0] = failures
+        for p in range(len(states)):
+            zone(states, consts, stack, stops, p)
+    for p in range(len(states)):
+        taken -= settle(states[p], consts[p], stops.force[p], stops.touched[p])
+        clear(consts[p], stops.force[p], stops.touched[p])
+        if stops.count[p, 0] > 0:
+            foresee(states, consts, pairs, stops, p)
+            enter(states[p], consts[p], stops, p)
+    held = 1
+    for turn in range(_ROUNDS):
+        held, asked = 0, 1.0 - turn / _ROUNDS
+        for p in range(len(states)):
+            for way in (-1, 1):
+                q = p + way
+                while 0 <= q < len(states):
+                    if stops.count[p, 0] > 0 and stops.count[q, 0] > 0:
+                        held += keep_off(states[p], consts[p], states[q], consts[q], stops, p, q, asked)
+                    if stack.counters[q, FAILURES] == 0:
+                        break
+                    q += way
+        if held == 0:
+            break
+        stops.energy[HELD] += held
+    stops.energy[MISSED] += held
+    for p in range(len(states)):
+        symmetric(consts[p], stops.force[p], stops.touched[p])
+        taken -= settle(states[p], consts[p], stops.force[p], stops.touched[p])
+        erase(stops, p)
+    stops.energy[TAKEN] += taken
+
+
+@kernel()
+def zone(states, consts, stack, stops, p):
+    """List the elements of a ply that are about torn ones, its own or of plies next to it, and their nodes."""
+    const, mark = consts[p], stops.mark[p]
+    mark[:] = 0
+    for q in range(max(p - _FAR, 0), min(p + _FAR + 1, len(states))):
+        other, state = consts[q], states[q]
+        if stack.counters[q, FAILURES] == 0:
+            continue
+        for i in range(other.ni):
+            for j in range(other.nj):
+                if state.flag[i * other.s + j]:
+                    x, y = other.x0 + (i + 0.5) * other.dx - const.x0, other.y0 + (j + 0.5) * other.dy - const.y0
+                    m0, n0 = int(x / const.dx), int(y / const.dy)
+                    for m in range(max(m0 - _ABOUT, 0), min(m0 + _ABOUT + 1, const.ni)):
+                        for n in range(max(n0 - _ABOUT, 0), min(n0 + _ABOUT + 1, const.nj)):
+                            mark[m * const.s + n] = TORN
+    elements, nodes, s = 0, 0, const.s
+    for i in range(const.ni + 1):
+        for j in range(const.nj + 1):
+            k = i * s + j
+            if mark[k] == TORN:
+                stops.elements[p, elements] = k
+                elements += 1
+            near = mark[k] + (mark[k - 1] if j > 0 else 0)
+            if near + (mark[k - s] + (mark[k - s - 1] if j > 0 else 0) if i > 0 else 0) > 0:
+                stops.nodes[p, nodes] = k
+                nodes += 1
+    stops.count[p, 0], stops.count[p, 1] = elements, nodes
+    for m in range(elements):
+        k = stops.elements[p, m]
+        if spline_kernels.untorn(states[p], const, k // s, k % s):
+            mark[k] = WHOLE
+
+
+@kernel()
+def foresee(states, consts, pairs, stops, p):
+    """Places of the nodes of a ply now and after the next step, by all forces that are known."""
+    state, const, last, half = states[p], consts[p], len(states) - 1, len(pairs) // 2
+    for m in range(stops.count[p, 1]):
+        k = stops.nodes[p, m]
+        i, j = k // const.s, k % const.s
+        met = i > 0 and i % const.block == 0
+        for c in range(3):
+            force = state.g0[c][k] + state.contact[c][k]
+            if met:
+                force += state.g1[c][k]
+            if p > 0:
+                force += pairs[p - 1].on_rear[c][k] + pairs[half + p - 1].on_front[c][k]
+            if p < last:
+                force += pairs[p].on_front[c][k] + pairs[half + p].on_rear[c][k]
+            elif const.backed:
+                force += state.behind[c][k]
+            if (c == 0 and i == 0 and const.mirror_x) or (c == 1 and j == 0 and const.mirror_y):
+                force = 0.0
+            place = state.u[c][k]
+            if c == 0:
+                place += const.x0 + i * const.dx
+            elif c == 1:
+                place += const.y0 + j * const.dy
+            else:
+                place += stops.places[p]
+            stops.at[p, c, k] = place
+            stops.to[p, c, k] = place + const.dt * (state.v[c][k] + state.kick[k] * force)
+
+
+@kernel(_nrt=False, forceinline=True)
+def cell(const, x, y):
+    """Row and column of the raster, which has const's elements and PAD cells about them."""
+    a, b = int((x - const.x0) / const.dx + PAD), int((y - const.y0) / const.dy + PAD)
+    return min(max(a, 0), const.ni + 2 * PAD - 1), min(max(b, 0), const.nj + 2 * PAD - 1)
+
+
+@kernel(_nrt=False)
+def enter(state, const, stops, p):
+    """Enter the facets of a ply that have cloth in its raster."""
+    entries, width = 0, const.nj + 2 * PAD
+    for m in range(stops.count[p, 0]):
+        e = stops.elements[p, m]
+        if not state.flag[e] & ERODED:
+            low_x, high_x, low_y, high_y = 1e30, -1e30, 1e30, -1e30
+            for way in (stops.at, stops.to):
+                for k in (e, e + 1, e + const.s, e + const.s + 1):
+                    x, y = way[p, 0, k], way[p, 1, k]
+                    low_x, high_x, low_y, high_y = min(low_x, x), max(high_x, x), min(low_y, y), max(high_y, y)
+            a0, b0 = cell(const, low_x - stops.gap[p], low_y - stops.gap[p])
+            a1, b1 = cell(const, high_x + stops.gap[p], high_y + stops.gap[p])
+            if a1 - a0 < _WIDEST and b1 - b0 < _WIDEST:
+                for a in range(a0, a1 + 1):
+                    for b in range(b0, b1 + 1):
+                        if entries < stops.item.shape[1]:
+                            head = a * width + b
+                            stops.item[p, entries] = e
+                            stops.place[p, entries] = head
+                            stops.then[p, entries] = stops.head[p, head]
+                            stops.head[p, head] = entries
+                            entries += 1
+    stops.count[p, 2] = entries
+
+
+@kernel(_nrt=False)
+def erase(stops, p):
+    """Empty the raster of a ply."""
+    for m in range(stops.count[p, 2]):
+        stops.head[p, stops.place[p, m]] = -1
+    stops.count[p, 2] = 0
+
+
+@kernel(_nrt=False)
+def keep_off(front, fc, rear, rc, stops, p, q, asked):
+    """Keep the middles of the elements of ply p off the facets of ply q: how many had to be."""
+    held, width, apart = 0, rc.nj + 2 * PAD, abs(p - q) > 1
+    for m in range(stops.count[p, 0]):
+        e = stops.elements[p, m]
+        if front.flag[e] & ERODED:
+            continue
+        if front.intact[0][e] + front.intact[0][e + 1] + front.intact[1][e] + front.intact[1][e + fc.s] == 0.0:
+            continue
+        x, y, _ = middle(stops.at, p, e, fc.s)
+        a0, b0 = cell(rc, x, y)
+        x, y, _ = middle(stops.to, p, e, fc.s)
+        a1, b1 = cell(rc, x, y)
+        for once in range(1 if a0 == a1 and b0 == b1 else 2):
+            a, b = (a1, b1) if once == 0 else (a0, b0)
+            entry = stops.head[q, a * width + b]
+            while entry >= 0:
+                f = np.int64(stops.item[q, entry])
+                if (apart or stops.mark[q, f] != WHOLE) and meet(rear, rc, fc, stops, p, q, e, f, asked):
+                    held += 1
+                entry = stops.then[q, entry]
+    return held
+
+
+@kernel(_nrt=False, forceinline=True)
+def middle(x, p, e, s):
+    """The mean of the four nodes of an element, of an array (plies, 3, slots)."""
+    return (
+        0.25 * (x[p, 0, e] + x[p, 0, e + 1] + x[p, 0, e + s] + x[p, 0, e + s + 1]),
+        0.25 * (x[p, 1, e] + x[p, 1, e + 1] + x[p, 1, e + s] + x[p, 1, e + s + 1]),
+        0.25 * (x[p, 2, e] + x[p, 2, e + 1] + x[p, 2, e + s] + x[p, 2, e + s + 1]),
+    )
+
+
+@kernel(_nrt=False)
+def meet(rear, rc, fc, stops, p, q, e, f, asked):
+    """Keep the middle of element e of ply p off the facet f of ply q, if it would come through: whether it would."""
+    x0, y0, z0 = middle(stops.at, p, e, fc.s)
+    x1, y1, z1 = middle(stops.to, p, e, fc.s)
+    ring, gap = (f, f + rc.s, f + rc.s + 1, f + 1), stops.gap[p]
+    for c in range(3):
+        here = x0 if c == 0 else y0 if c == 1 else z0
+        there = x1 if c == 0 else y1 if c == 1 else z1
+        low, high = 1e30, -1e30
+        for k in ring:
+            low = min(low, stops.at[q, c, k], stops.to[q, c, k])
+            high = max(high, stops.at[q, c, k], stops.to[q, c, k])
+        if min(here, there) > high + gap or max(here, there) < low - gap:
+            return False
+    M0, M1 = middle(stops.at, q, f, rc.s), middle(stops.to, q, f, rc.s)
+    for n in range(4):
+        k, o = ring[n], ring[(n + 1) & 3]
+        n_x, n_y, n_z, before = above(stops.at, q, M0, k, o, x0, y0, z0)
+        n_x, n_y, n_z, after = above(stops.to, q, M1, k, o, x1, y1, z1)
+        if n_x * n_x + n_y * n_y + n_z * n_z == 0.0:
+            continue
+        if before < 0.0:
+            n_x, n_y, n_z, before, after = -n_x, -n_y, -n_z, -before, -after
+        wanted = asked * (gap if before > gap else min(gap, before + _SLOWLY * gap))
+        if after >= wanted:
+            continue
+        share = before / (before - after) if after < 0.0 else 1.0
+        u, v = within(stops, q, M0, M1, k, o, share, x0, y0, z0, x1, y1, z1)
+        slack = _TOUCH if after < 0.0 else 0.0
+        if u < -slack or v < -slack or u + v > 1.0 + slack:
+            continue
+        # weights of the facet's nodes: a quarter each of the middle's, and the corners' own
+        rest = 0.25 * (1.0 - u - v)
+        s, t = 0.5 * (1.0 - u - v), 0.5 * (1.0 - u - v)
+        s += (u if n == 1 or n == 2 else 0.0) + (v if n == 0 or n == 1 else 0.0)
+        t += (u if n == 2 or n == 3 else 0.0) + (v if n == 1 or n == 2 else 0.0)
+        if left(rear, rc, f // rc.s + min(max(s, 0.0), 0.9999), f % rc.s + min(max(t, 0.0), 0.9999)) == 0.0:
+            continue
+        give = 0.0
+        for m in (e, e + 1, e + fc.s, e + fc.s + 1):
+            give += 0.0625 * stops.kick[p, m] * free(fc, m, n_x, n_y)
+        for m in range(4):
+            w = rest + (u if m == n else 0.0) + (v if m == ((n + 1) & 3) else 0.0)
+            give += w * w * stops.kick[q, ring[m]] * free(rc, ring[m], n_x, n_y)
+        if give == 0.0:
+            continue
+        force = (wanted - after) / (fc.dt * give)
+        for m in (e, e + 1, e + fc.s, e + fc.s + 1):
+            add(fc, stops, p, m, 0.25 * force * n_x, 0.25 * force * n_y, 0.25 * force * n_z)
+        for m in range(4):
+            w = -force * (rest + (u if m == n else 0.0) + (v if m == ((n + 1) & 3) else 0.0))
+            add(rc, stops, q, ring[m], w * n_x, w * n_y, w * n_z)
+        return True
+    return False
+
+
+@kernel(_nrt=False, forceinline=True)
+def above(x, q, M, k, o, p_x, p_y, p_z):
+    """Normal of the triangle from M to the nodes k and o of ply q, and how far a point is above it; 0 of a line."""
+    a_x, a_y, a_z = x[q, 0, k] - M[0], x[q, 1, k] - M[1], x[q, 2, k] - M[2]
+    b_x, b_y, b_z = x[q, 0, o] - M[0], x[q, 1, o] - M[1], x[q, 2, o] - M[2]
+    n_x, n_y, n_z = a_y * b_z - a_z * b_y, a_z * b_x - a_x * b_z, a_x * b_y - a_y * b_x
+    size = np.sqrt(n_x * n_x + n_y * n_y + n_z * n_z)
+    if size < 1e-16:
+        return 0.0, 0.0, 0.0, 0.0
+    n_x, n_y, n_z = n_x / size, n_y / size, n_z / size
+    return n_x, n_y, n_z, n_x * (p_x - M[0]) + n_y * (p_y - M[1]) + n_z * (p_z - M[2])
+
+
+@kernel(_nrt=False, forceinline=True)
+def within(stops, q, M0, M1, k, o, share, x0, y0, z0, x1, y1, z1):
+    """Weights of the nodes k and o where a point is on a triangle, `share` of the step on its way."""
+    m_x, m_y, m_z = M0[0] + share * (M1[0] - M0[0]), M0[1] + share * (M1[1] - M0[1]), M0[2] + share * (M1[2] - M0[2])
+    A, B = stops.at, stops.to
+    a_x = A[q, 0, k] + share * (B[q, 0, k] - A[q, 0, k]) - m_x
+    a_y = A[q, 1, k] + share * (B[q, 1, k] - A[q, 1, k]) - m_y
+    a_z = A[q, 2, k] + share * (B[q, 2, k] - A[q, 2, k]) - m_z
+    b_x = A[q, 0, o] + share * (B[q, 0, o] - A[q, 0, o]) - m_x
+    b_y = A[q, 1, o] + share * (B[q, 1, o] - A[q, 1, o]) - m_y
+    b_z = A[q, 2, o] + share * (B[q, 2, o] - A[q, 2, o]) - m_z
+    p_x, p_y, p_z = x0 + share * (x1 - x0) - m_x, y0 + share * (y1 - y0) - m_y, z0 + share * (z1 - z0) - m_z
+    aa, ab, bb = a_x * a_x + a_y * a_y + a_z * a_z, a_x * b_x + a_y * b_y + a_z * b_z, b_x * b_x + b_y * b_y + b_z * b_z
+    pa, pb = p_x * a_x + p_y * a_y + p_z * a_z, p_x * b_x + p_y * b_y + p_z * b_z
+    det = aa * bb - ab * ab
+    if det <= 1e-12 * aa * bb:
+        return -1.0, -1.0
+    return (bb * pa - ab * pb) / det, (aa * pb - ab * pa) / det
+
+
+@kernel(_nrt=False, forceinline=True)
+def free(const, k, n_x, n_y):
+    """Part of a way along n that a node may go; one on a plane of symmetry keeps to it."""
+    part = 1.0 - (n_x * n_x if const.mirror_x and k < const.s else 0.0)
+    return max(part - (n_y * n_y if const.mirror_y and k % const.s == 0 else 0.0), 0.0)
+
+
+@kernel(_nrt=False, forceinline=True)
+def add(const, stops, p, k, f_x, f_y, f_z):
+    """A force on a node, and where that takes it."""
+    i, j = k // const.s, k % const.s
+    f_x, f_y = 0.0 if i == 0 and const.mirror_x else f_x, 0.0 if j == 0 and const.mirror_y else f_y
+    far, force, to = const.dt * stops.kick[p, k], stops.force, stops.to
+    force[p, 0, k] += f_x
+    force[p, 1, k] += f_y
+    force[p, 2, k] += f_z
+    to[p, 0, k] += far * f_x
+    to[p, 1, k] += far * f_y
+    to[p, 2, k] += far * f_z
+    note(stops.touched[p], i, j, 1)
