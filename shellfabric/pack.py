@@ -213,7 +213,7 @@ class Pack:
         """What keeps torn cloth apart, at rest: of all plies, as wide as the largest."""
         count, n = len(self.plies), max(state.mass.size for state in states)
         pad = 2 * ply_stop_kernels.PAD
-        cells, room = max((c.ni + pad) * (c.nj + pad) for c in consts), _ENTRIES * n
+        cells, room = max((c.ni + pad) * (c.nj + pad) for c in consts), _ENTRIES * max(n, 100)
         kick = np.zeros((count, n))
         for row, state in zip(kick, states):
             row[: state.kick.size] = state.kick

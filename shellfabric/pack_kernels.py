@@ -88,7 +88,7 @@ def give(state, const, force, touched):
 def step_plies(states, consts, pairs, stack, stops, works, me, count):
     """One thread's plies: the impulses of the others, their own step."""
     for p in range(me, len(states), count):
-        give(states[p], consts[p], stops.force[p], stops.touched[p])
+        stack.awake[p] |= give(states[p], consts[p], stops.force[p], stops.touched[p])
         for q in (p - 1, p):  # of the pairs, with the ply before and the one behind
             if 0 <= q < len(states) - 1:
                 near, back = pairs[q], pairs[len(pairs) // 2 + q]

@@ -90,6 +90,11 @@ class PackMarch(March):
         both = np.array([pair.energy[ply_contact_kernels.DEEPEST] / pair.thickness for pair in self.pairs])
         return both.reshape(2, -1).max(axis=0)[: len(self.states) - 1]
 
+    @property
+    def held_apart(self):
+        """(2,) how often torn cloth was kept off other cloth, and how often that did not succeed."""
+        return self.stops.energy[[ply_stop_kernels.HELD, ply_stop_kernels.MISSED]]
+
     def sample(self, name):
         """(n,) one column of the samples."""
         return np.array([row[PACK_SAMPLES.index(name)] for row in self.samples])

@@ -41,7 +41,7 @@ PAD = 4  # cells of the raster beyond the panel's edges
 _ABOUT, _FAR = 3, 2  # elements about torn ones, plies whose tears count
 _ROUNDS = 24
 _SLOWLY = 0.1  # [gaps] by which what is nearer than the gap is moved in a step
-_WIDEST = 20  # [cells] of a facet that is entered
+_WIDEST = 20  # [cells] of a facet that is entered; a wider one is noted as missed
 _TOUCH = 0.02  # of a triangle, beyond its sides
 
 
@@ -97,7 +97,7 @@ def zone(states, consts, stack, stops, p):
         if stack.counters[q, FAILURES] == 0:
             continue
         for i in range(other.ni):
-            for j in range(other.nj):
+            for j in range(other.nj if state.thin[i // other.block] else 0):
                 if state.flag[i * other.s + j]:
                     x, y = other.x0 + (i + 0.5) * other.dx - const.x0, other.y0 + (j + 0.5) * other.dy - const.y0
                     m0, n0 = int(x / const.dx), int(y / const.dy)
@@ -174,16 +174,17 @@ def enter(state, const, stops, p):
                     low_x, high_x, low_y, high_y = min(low_x, x), max(high_x, x), min(low_y, y), max(high_y, y)
             a0, b0 = cell(const, low_x - stops.gap[p], low_y - stops.gap[p])
             a1, b1 = cell(const, high_x + stops.gap[p], high_y + stops.gap[p])
-            if a1 - a0 < _WIDEST and b1 - b0 < _WIDEST:
-                for a in range(a0, a1 + 1):
-                    for b in range(b0, b1 + 1):
-                        if entries < stops.item.shape[1]:
-                            head = a * width + b
-                            stops.item[p, entries] = e
-                            stops.place[p, entries] = head
-                            stops.then[p, entries] = stops.head[p, head]
-                            stops.head[p, head] = entries
-                            entries += 1
+            if a1 - a0 >= _WIDEST or b1 - b0 >= _WIDEST or entries + _WIDEST**2 > stops.item.shape[1]:
+                stops.energy[MISSED] += 1.0
+                continue
+            for a in range(a0, a1 + 1):
+                for b in range(b0, b1 + 1):
+                    head = a * width + b
+                    stops.item[p, entries] = e
+                    stops.place[p, entries] = head
+                    stops.then[p, entries] = stops.head[p, head]
+                    stops.head[p, head] = entries
+                    entries += 1
     stops.count[p, 2] = entries
 
 

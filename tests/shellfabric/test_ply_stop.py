@@ -1,0 +1,136 @@
+"""What keeps torn cloth off other plies: on a facet, through a hole, beyond the next ply; momentum and work."""
+
+import numpy as np
+import pytest
+
+from fabrics import catalogue
+from shellfabric import ply_stop_kernels as kernels
+from shellfabric.cell import CellModel
+from shellfabric.march_kernels import FAILURES
+from shellfabric.membrane_kernels import ERODED, WARP_FAILED, WEFT_FAILED
+from shellfabric.pack import Pack
+from shellfabric.pack_march import PackMarch
+from shellfabric.panel import Numerics, Panel
+from validation.packs.passages import pierced
+
+PLACE = 6, 5  # of the element that is moved
+
+
+@pytest.fixture(scope="module")
+def ply():
+    fabric = catalogue.load("S-726").effective()
+    return Panel(CellModel(fabric).table(41), (0.02, 0.02), symmetry="whole", numerics=Numerics(threads=1))
+
+
+class Stack:
+    """Plies at rest, one above the other, of which some are torn beside PLACE."""
+
+    def __init__(self, ply, count, torn):
+        self.march = PackMarch(Pack.stacked(ply, count, gap=0.0), 1.0, 1.0)
+        self.march.advance(np.empty((0, 3)))
+        self.const, self.states, self.stops = self.march.const, self.march.states, self.march.stops
+        self.k = PLACE[0] * self.const.s + PLACE[1]
+        self.corners = self.k + np.array([0, 1, self.const.s, self.const.s + 1])
+        for p in torn:
+            self.states[p].flag[self.k + 1] = WARP_FAILED
+            self.states[p].thin[:] = 1
+            self.march.stack.counters[p, FAILURES] = 1
+
+    def fly(self, p, velocity):
+        """Give the corners of the element a velocity, (3,) [m/s]."""
+        for c in range(3):
+            self.states[p].v[c][self.corners] = velocity[c]
+
+    def bore(self, p):
+        """Cut all yarns of a ply."""
+        self.states[p].flag[self.corners] = WARP_FAILED | WEFT_FAILED
+        for family in (0, 1):
+            self.states[p].intact[family][:] = 0.0
+
+    def restrain(self):
+        kernels.restrain(*self.march._lists, self.march.stack, self.stops)
+        return self.stops.force[:, :, : self.const.s * (self.const.ni + 1)]
+
+    def through(self, p, q):
+        """Whether the middle of the element of ply p comes through one of the same place of ply q."""
+        ring, ways = self.corners[[0, 2, 3, 1]], (self.stops.at, self.stops.to)
+        x, Y = (np.stack([way[r][:, ring].T for way in ways]) for r in (p, q))
+        x, middle = x.mean(axis=1)[:, None], Y.mean(axis=1)[:, None]
+        return any(pierced(x, middle, Y[:, [k]], Y[:, [(k + 1) % 4]])[0] for k in range(4))
+
+    def above(self, p, q):
+        """[m] height of the middle of the element of ply p over that of ply q, after the coming step."""
+        z = [self.stops.to[r, 2, self.corners].mean() for r in (p, q)]
+        return z[0] - z[1]
+
+
+def test_a_point_that_would_come_through_a_facet_stops_at_the_gap(ply):
+    stack = Stack(ply, 2, (0, 1))
+    gap = stack.stops.gap[0]
+    apart = stack.march.pack.places[1]
+    stack.fly(0, (0.0, 0.0, 1.5 * apart / stack.const.dt))
+    force = stack.restrain()
+    assert stack.above(1, 0) == pytest.approx(gap, rel=1e-9)
+    # all of it is the one point's: what brings the two middles together by this distance, by the masses of eight nodes
+    kick = stack.states[0].kick[stack.corners]
+    give = stack.const.dt * (kick / 16).sum() * 2
+    assert force[1, 2].sum() == pytest.approx((0.5 * apart + gap) / give, rel=1e-9)
+    assert force[0, 2, stack.corners] == pytest.approx(-0.25 * force[1, 2].sum())
+    assert abs(force.sum(axis=(0, 2))).max() < 1e-12 * abs(force).max()
+    assert stack.march.held_apart.tolist() == [1.0, 0.0]
+
+
+def test_from_either_side_and_aslant(ply):
+    stack = Stack(ply, 2, (0, 1))
+    apart = stack.march.pack.places[1]
+    rng = np.random.default_rng(3)
+    for c in range(3):
+        stack.states[0].u[c][stack.corners] = 0.2 * apart * rng.normal(size=4)
+        stack.states[1].u[c][stack.corners] = 0.2 * apart * rng.normal(size=4)
+    stack.fly(1, np.array([0.3, -0.4, -1.5]) * apart / stack.const.dt)
+    force = stack.restrain()
+    held, missed = stack.march.held_apart
+    assert held > 0
+    assert missed == 0
+    assert not stack.through(1, 0)
+    assert not stack.through(0, 1)
+    assert abs(force.sum(axis=(0, 2))).max() < 1e-12 * abs(force).max()
+
+
+@pytest.mark.parametrize("how", ["whole", "hole", "eroded", "far"])
+def test_nothing_is_held_where_there_is_nothing_to_hold_it(ply, how):
+    """Whole plies are their contact's; through a hole cloth may go, and what is far off is let be."""
+    stack = Stack(ply, 2, () if how == "whole" else (1,))
+    const = stack.const
+    if how == "hole":
+        stack.bore(1)
+    if how == "eroded":
+        stack.states[1].flag[:] |= ERODED
+    stack.fly(0, (0.0, 0.0, (0.5 if how == "far" else 1.5) * stack.march.pack.places[1] / const.dt))
+    assert not stack.restrain().any()
+
+
+def test_what_comes_through_a_torn_ply_is_held_off_the_one_behind_it(ply):
+    """The middle ply is a hole there; where it has no tear at all nothing gets that far."""
+    for torn, held in (((1,), True), ((0,), False)):
+        stack = Stack(ply, 3, torn)
+        stack.bore(1)
+        stack.fly(0, (0.0, 0.0, 2.5 * stack.march.pack.places[1] / stack.const.dt))
+        force = stack.restrain()
+        assert force[2].any() == held
+        if held:
+            assert stack.above(2, 0) == pytest.approx(stack.stops.gap[0], rel=1e-2)
+
+
+def test_what_it_takes_is_in_the_audit(ply):
+    """Of a pack that is torn by its shot: the balance as it was before anything was held is not moved by it."""
+    fabric = catalogue.load("S-726").effective()
+    panel = Panel(CellModel(fabric).table(101), (0.08, 0.08), numerics=Numerics(threads=1))
+    march = PackMarch(Pack.stacked(panel, 4, gap=0.12e-3), 300.0, 50e-6, interval=1e-6)
+    march.run()
+    assert march.held_apart[0] > 10
+    assert march.held_apart[1] == 0
+    taken = march.stops.energy[kernels.TAKEN] / (panel.share * march.strike_energy)
+    balance = march.sample("balance") / march.strike_energy
+    assert taken > 5e-4
+    assert abs(np.diff(balance)).max() < 0.2 * taken
