@@ -36,7 +36,7 @@ FORMS = {
 }
 TESTED = 4  # plies of the packs that the source takes its gaps from (section 5.2.2)
 _NEAREST = 0.05  # [thicknesses] that torn cloth comes to other cloth
-_ENTRIES = 9  # of an element in the raster of facets, in the mean
+_ENTRIES, _NEAR = 9, 20_000  # of an element in the raster of facets, in the mean; of a ply in the list of what is near
 _LEAST = (0.25, 1e-3)  # deflections that are looked at: of the gap, of the thickness
 
 Pair = namedtuple(
@@ -45,7 +45,9 @@ Pair = namedtuple(
     "energy torn list tears due depth rank form points start stiffness damping thickness apart least",
 )
 Stops = namedtuple(
-    "Stops", "force touched at to kick places gap mark elements nodes count tears head item place then energy"
+    "Stops",
+    "force touched at to kick places gap grid shape dt mark cloth elements nodes count tears low high head item place "
+    "then near energy",
 )
 Stack = namedtuple("Stack", "awake counter places reactions counters speed")
 
@@ -221,6 +223,9 @@ class Pack:
         return Stops(
             force=nodal(), touched=np.array([[c.ni + 1, 0, c.s, 0] for c in consts]), at=nodal(), to=nodal(), kick=kick,
             places=self.places, gap=np.array([_NEAREST * ply.weave.thickness for ply in self.plies]),
+            grid=np.array([(c.x0, c.y0, c.dx, c.dy) for c in consts]), dt=self.time_step,
+            shape=np.array([(c.s, c.ni, c.nj, c.mirror_x, c.mirror_y) for c in consts]), low=nodal(), high=nodal(),
+            cloth=np.zeros((count, n), np.uint8), near=np.zeros((_NEAR * count, 4), np.int64),
             mark=np.zeros((count, n), np.uint8), elements=np.zeros((count, n), np.int64),
             nodes=np.zeros((count, n), np.int64), count=np.zeros((count, 3), np.int64), tears=np.zeros(1, np.int64),
             head=np.full((count, cells), -1, np.int32), item=np.zeros((count, room), np.int32),

@@ -33,15 +33,16 @@ from shellfabric.compiled import kernel
 from shellfabric.march_kernels import FAILURES
 from shellfabric.membrane_kernels import ERODED
 from shellfabric.ply_contact_kernels import clear, note, settle, symmetric
-from shellfabric.ply_surface_kernels import left
 
 TAKEN, HELD, MISSED = 0, 1, 2  # of stops.energy; how often something was held, and how often not for good
+SLOTS, NI, NJ, MIRROR_X, MIRROR_Y = range(5)  # of stops.shape
 TORN, WHOLE = 1, 2  # of stops.mark: an element that is looked at, and one of whole cloth
 PAD = 4  # cells of the raster beyond the panel's edges
 _ABOUT, _FAR = 3, 2  # elements about torn ones, plies whose tears count
 _ROUNDS = 24
 _SLOWLY = 0.1  # [gaps] by which what is nearer than the gap is moved in a step
 _WIDEST = 20  # [cells] of a facet that is entered; a wider one is noted as missed
+_WIDER = 4  # [gaps] about a facet, in which what it may meet is looked for
 _TOUCH = 0.02  # of a triangle, beyond its sides
 
 
@@ -59,30 +60,27 @@ def restrain(states, consts, pairs, stack, stops):
         for p in range(len(states)):
             zone(states, consts, stack, stops, p)
     for p in range(len(states)):
-        taken -= settle(states[p], consts[p], stops.force[p], stops.touched[p])
-        clear(consts[p], stops.force[p], stops.touched[p])
+        if stops.touched[p, 0] < stops.touched[p, 1]:
+            taken -= settle(states[p], consts[p], stops.force[p], stops.touched[p])
+            clear(consts[p], stops.force[p], stops.touched[p])
         if stops.count[p, 0] > 0:
             foresee(states, consts, pairs, stops, p)
-            enter(states[p], consts[p], stops, p)
-    held = 1
-    for turn in range(_ROUNDS):
-        held, asked = 0, 1.0 - turn / _ROUNDS
-        for p in range(len(states)):
-            for way in (-1, 1):
-                q = p + way
-                while 0 <= q < len(states):
-                    if stops.count[p, 0] > 0 and stops.count[q, 0] > 0:
-                        held += keep_off(states[p], consts[p], states[q], consts[q], stops, p, q, asked)
-                    if stack.counters[q, FAILURES] == 0:
-                        break
-                    q += way
-        if held == 0:
-            break
-        stops.energy[HELD] += held
-    stops.energy[MISSED] += held
+            enter(stops, p)
+    count = 0
     for p in range(len(states)):
-        symmetric(consts[p], stops.force[p], stops.touched[p])
-        taken -= settle(states[p], consts[p], stops.force[p], stops.touched[p])
+        for way in (-1, 1):
+            q = p + way
+            while 0 <= q < len(states):
+                if stops.count[p, 0] > 0 and stops.count[q, 0] > 0:
+                    count = gather(stops, p, q, count)
+                if stack.counters[q, FAILURES] == 0:
+                    break
+                q += way
+    keep_off(stops, count)
+    for p in range(len(states)):
+        if stops.touched[p, 0] < stops.touched[p, 1]:
+            symmetric(consts[p], stops.force[p], stops.touched[p])
+            taken -= settle(states[p], consts[p], stops.force[p], stops.touched[p])
         erase(stops, p)
     stops.energy[TAKEN] += taken
 
@@ -124,67 +122,105 @@ def zone(states, consts, stack, stops, p):
 
 @kernel()
 def foresee(states, consts, pairs, stops, p):
-    """Places of the nodes of a ply now and after the next step, by all forces that are known."""
-    state, const, last, half = states[p], consts[p], len(states) - 1, len(pairs) // 2
+    """Places of the nodes of a ply now and after the next step, by all known forces, and where it has cloth."""
+    half = len(pairs) // 2
+    own(states[p], consts[p], stops, p)
+    if p > 0:
+        bear(stops, p, pairs[p - 1].on_rear)
+        bear(stops, p, pairs[half + p - 1].on_front)
+    if p < len(states) - 1:
+        bear(stops, p, pairs[p].on_front)
+        bear(stops, p, pairs[half + p].on_rear)
+    elif consts[p].backed:
+        bear(stops, p, states[p].behind)
+    arrive(stops, p)
+
+
+@kernel(_nrt=False)
+def own(state, const, stops, p):
+    """What a ply knows of itself: where it has cloth, places, and velocities by its own forces and the nose's."""
+    for m in range(stops.count[p, 0]):
+        stops.cloth[p, stops.elements[p, m]] = quarters(state, const, stops.elements[p, m])
     for m in range(stops.count[p, 1]):
         k = stops.nodes[p, m]
         i, j = k // const.s, k % const.s
         met = i > 0 and i % const.block == 0
+        stops.at[p, 0, k] = const.x0 + i * const.dx + state.u[0][k]
+        stops.at[p, 1, k] = const.y0 + j * const.dy + state.u[1][k]
+        stops.at[p, 2, k] = stops.places[p] + state.u[2][k]
         for c in range(3):
-            force = state.g0[c][k] + state.contact[c][k]
-            if met:
-                force += state.g1[c][k]
-            if p > 0:
-                force += pairs[p - 1].on_rear[c][k] + pairs[half + p - 1].on_front[c][k]
-            if p < last:
-                force += pairs[p].on_front[c][k] + pairs[half + p].on_rear[c][k]
-            elif const.backed:
-                force += state.behind[c][k]
-            if (c == 0 and i == 0 and const.mirror_x) or (c == 1 and j == 0 and const.mirror_y):
-                force = 0.0
-            place = state.u[c][k]
-            if c == 0:
-                place += const.x0 + i * const.dx
-            elif c == 1:
-                place += const.y0 + j * const.dy
-            else:
-                place += stops.places[p]
-            stops.at[p, c, k] = place
-            stops.to[p, c, k] = place + const.dt * (state.v[c][k] + state.kick[k] * force)
-
-
-@kernel(_nrt=False, forceinline=True)
-def cell(const, x, y):
-    """Row and column of the raster, which has const's elements and PAD cells about them."""
-    a, b = int((x - const.x0) / const.dx + PAD), int((y - const.y0) / const.dy + PAD)
-    return min(max(a, 0), const.ni + 2 * PAD - 1), min(max(b, 0), const.nj + 2 * PAD - 1)
+            force = state.g0[c][k] + state.contact[c][k] + (state.g1[c][k] if met else 0.0)
+            stops.to[p, c, k] = state.v[c][k] + state.kick[k] * force
 
 
 @kernel(_nrt=False)
-def enter(state, const, stops, p):
+def bear(stops, p, force):
+    """Add the impulses of forces to the velocities."""
+    for m in range(stops.count[p, 1]):
+        k = stops.nodes[p, m]
+        for c in range(3):
+            stops.to[p, c, k] += stops.kick[p, k] * force[c][k]
+
+
+@kernel(_nrt=False)
+def arrive(stops, p):
+    """Places after the step in place of velocities; nodes on planes of symmetry keep to them."""
+    for m in range(stops.count[p, 1]):
+        k = stops.nodes[p, m]
+        for c in range(3):
+            kept = (c == 0 and stops.shape[p, MIRROR_X] and k < stops.shape[p, SLOTS]) or (
+                c == 1 and stops.shape[p, MIRROR_Y] and k % stops.shape[p, SLOTS] == 0
+            )
+            stops.to[p, c, k] = stops.at[p, c, k] + (0.0 if kept else stops.dt * stops.to[p, c, k])
+
+
+@kernel(_nrt=False)
+def quarters(state, const, k):
+    """Bit 2 a + b for the quarter of an element at the end a along the warp and b along the weft, if it has cloth."""
+    if state.flag[k] == 0:
+        return 15
+    found = 0
+    for m in range(0 if state.flag[k] & ERODED else 4):
+        a, b = m >> 1, m & 1
+        if state.intact[0][k + b] + state.intact[1][k + a * const.s] > 0.0:
+            found |= 1 << m
+    return found
+
+
+@kernel(_nrt=False, forceinline=True)
+def cell(stops, q, x, y):
+    """Row and column of the raster of ply q, which has its elements and PAD cells about them."""
+    a, b = int((x - stops.grid[q, 0]) / stops.grid[q, 2] + PAD), int((y - stops.grid[q, 1]) / stops.grid[q, 3] + PAD)
+    return min(max(a, 0), stops.shape[q, NI] + 2 * PAD - 1), min(max(b, 0), stops.shape[q, NJ] + 2 * PAD - 1)
+
+
+@kernel(_nrt=False)
+def enter(stops, p):
     """Enter the facets of a ply that have cloth in its raster."""
-    entries, width = 0, const.nj + 2 * PAD
+    entries, width, s, margin = 0, stops.shape[p, NJ] + 2 * PAD, stops.shape[p, SLOTS], _WIDER * stops.gap[p]
     for m in range(stops.count[p, 0]):
         e = stops.elements[p, m]
-        if not state.flag[e] & ERODED:
-            low_x, high_x, low_y, high_y = 1e30, -1e30, 1e30, -1e30
-            for way in (stops.at, stops.to):
-                for k in (e, e + 1, e + const.s, e + const.s + 1):
-                    x, y = way[p, 0, k], way[p, 1, k]
-                    low_x, high_x, low_y, high_y = min(low_x, x), max(high_x, x), min(low_y, y), max(high_y, y)
-            a0, b0 = cell(const, low_x - stops.gap[p], low_y - stops.gap[p])
-            a1, b1 = cell(const, high_x + stops.gap[p], high_y + stops.gap[p])
-            if a1 - a0 >= _WIDEST or b1 - b0 >= _WIDEST or entries + _WIDEST**2 > stops.item.shape[1]:
-                stops.energy[MISSED] += 1.0
-                continue
-            for a in range(a0, a1 + 1):
-                for b in range(b0, b1 + 1):
-                    head = a * width + b
-                    stops.item[p, entries] = e
-                    stops.place[p, entries] = head
-                    stops.then[p, entries] = stops.head[p, head]
-                    stops.head[p, head] = entries
-                    entries += 1
+        if stops.cloth[p, e] == 0:
+            continue
+        for c in range(3):
+            low, high = 1e30, -1e30
+            for k in (e, e + 1, e + s, e + s + 1):
+                low = min(low, min(stops.at[p, c, k], stops.to[p, c, k]))
+                high = max(high, max(stops.at[p, c, k], stops.to[p, c, k]))
+            stops.low[p, c, e], stops.high[p, c, e] = low - margin, high + margin
+        a0, b0 = cell(stops, p, stops.low[p, 0, e], stops.low[p, 1, e])
+        a1, b1 = cell(stops, p, stops.high[p, 0, e], stops.high[p, 1, e])
+        if a1 - a0 >= _WIDEST or b1 - b0 >= _WIDEST or entries + _WIDEST**2 > stops.item.shape[1]:
+            stops.energy[MISSED] += 1.0
+            continue
+        for a in range(a0, a1 + 1):
+            for b in range(b0, b1 + 1):
+                head = a * width + b
+                stops.item[p, entries] = e
+                stops.place[p, entries] = head
+                stops.then[p, entries] = stops.head[p, head]
+                stops.head[p, head] = entries
+                entries += 1
     stops.count[p, 2] = entries
 
 
@@ -197,28 +233,49 @@ def erase(stops, p):
 
 
 @kernel(_nrt=False)
-def keep_off(front, fc, rear, rc, stops, p, q, asked):
-    """Keep the middles of the elements of ply p off the facets of ply q: how many had to be."""
-    held, width, apart = 0, rc.nj + 2 * PAD, abs(p - q) > 1
+def gather(stops, p, q, count):
+    """Add the elements of ply p and the facets of ply q that are near each other to the list, and their number."""
+    width, s, apart = stops.shape[q, NJ] + 2 * PAD, stops.shape[p, SLOTS], abs(p - q) > 1
     for m in range(stops.count[p, 0]):
         e = stops.elements[p, m]
-        if front.flag[e] & ERODED:
+        if stops.cloth[p, e] == 0:
             continue
-        if front.intact[0][e] + front.intact[0][e + 1] + front.intact[1][e] + front.intact[1][e + fc.s] == 0.0:
-            continue
-        x, y, _ = middle(stops.at, p, e, fc.s)
-        a0, b0 = cell(rc, x, y)
-        x, y, _ = middle(stops.to, p, e, fc.s)
-        a1, b1 = cell(rc, x, y)
+        x0, y0, z0 = middle(stops.at, p, e, s)
+        x1, y1, z1 = middle(stops.to, p, e, s)
+        a0, b0 = cell(stops, q, x0, y0)
+        a1, b1 = cell(stops, q, x1, y1)
         for once in range(1 if a0 == a1 and b0 == b1 else 2):
             a, b = (a1, b1) if once == 0 else (a0, b0)
             entry = stops.head[q, a * width + b]
             while entry >= 0:
                 f = np.int64(stops.item[q, entry])
-                if (apart or stops.mark[q, f] != WHOLE) and meet(rear, rc, fc, stops, p, q, e, f, asked):
-                    held += 1
                 entry = stops.then[q, entry]
-    return held
+                near = max(z0, z1) >= stops.low[q, 2, f] and min(z0, z1) <= stops.high[q, 2, f]
+                near = near and max(x0, x1) >= stops.low[q, 0, f] and min(x0, x1) <= stops.high[q, 0, f]
+                near = near and max(y0, y1) >= stops.low[q, 1, f] and min(y0, y1) <= stops.high[q, 1, f]
+                if near and (apart or stops.mark[q, f] != WHOLE):
+                    if count < stops.near.shape[0]:
+                        stops.near[count, 0], stops.near[count, 1] = p, e
+                        stops.near[count, 2], stops.near[count, 3] = q, f
+                        count += 1
+                    else:
+                        stops.energy[MISSED] += 1.0
+    return count
+
+
+@kernel(_nrt=False)
+def keep_off(stops, count):
+    """Keep the middles of the elements in the list off the facets that they are near."""
+    held = 0
+    for turn in range(_ROUNDS):
+        held, asked = 0, 1.0 - turn / _ROUNDS
+        for m in range(count):
+            if meet(stops, stops.near[m, 0], stops.near[m, 2], stops.near[m, 1], stops.near[m, 3], asked):
+                held += 1
+        if held == 0:
+            break
+        stops.energy[HELD] += held
+    stops.energy[MISSED] += held
 
 
 @kernel(_nrt=False, forceinline=True)
@@ -232,21 +289,13 @@ def middle(x, p, e, s):
 
 
 @kernel(_nrt=False)
-def meet(rear, rc, fc, stops, p, q, e, f, asked):
+def meet(stops, p, q, e, f, asked):
     """Keep the middle of element e of ply p off the facet f of ply q, if it would come through: whether it would."""
-    x0, y0, z0 = middle(stops.at, p, e, fc.s)
-    x1, y1, z1 = middle(stops.to, p, e, fc.s)
-    ring, gap = (f, f + rc.s, f + rc.s + 1, f + 1), stops.gap[p]
-    for c in range(3):
-        here = x0 if c == 0 else y0 if c == 1 else z0
-        there = x1 if c == 0 else y1 if c == 1 else z1
-        low, high = 1e30, -1e30
-        for k in ring:
-            low = min(low, stops.at[q, c, k], stops.to[q, c, k])
-            high = max(high, stops.at[q, c, k], stops.to[q, c, k])
-        if min(here, there) > high + gap or max(here, there) < low - gap:
-            return False
-    M0, M1 = middle(stops.at, q, f, rc.s), middle(stops.to, q, f, rc.s)
+    own, s, gap = stops.shape[p, SLOTS], stops.shape[q, SLOTS], stops.gap[p]
+    x0, y0, z0 = middle(stops.at, p, e, own)
+    x1, y1, z1 = middle(stops.to, p, e, own)
+    ring = f, f + s, f + s + 1, f + 1
+    M0, M1 = middle(stops.at, q, f, s), middle(stops.to, q, f, s)
     for n in range(4):
         k, o = ring[n], ring[(n + 1) & 3]
         n_x, n_y, n_z, before = above(stops.at, q, M0, k, o, x0, y0, z0)
@@ -265,25 +314,25 @@ def meet(rear, rc, fc, stops, p, q, e, f, asked):
             continue
         # weights of the facet's nodes: a quarter each of the middle's, and the corners' own
         rest = 0.25 * (1.0 - u - v)
-        s, t = 0.5 * (1.0 - u - v), 0.5 * (1.0 - u - v)
-        s += (u if n == 1 or n == 2 else 0.0) + (v if n == 0 or n == 1 else 0.0)
-        t += (u if n == 2 or n == 3 else 0.0) + (v if n == 1 or n == 2 else 0.0)
-        if left(rear, rc, f // rc.s + min(max(s, 0.0), 0.9999), f % rc.s + min(max(t, 0.0), 0.9999)) == 0.0:
+        a, b = 2.0 * rest, 2.0 * rest
+        a += (u if n == 1 or n == 2 else 0.0) + (v if n == 0 or n == 1 else 0.0)
+        b += (u if n == 2 or n == 3 else 0.0) + (v if n == 1 or n == 2 else 0.0)
+        if not stops.cloth[q, f] >> (2 * (a > 0.5) + (b > 0.5)) & 1:
             continue
         give = 0.0
-        for m in (e, e + 1, e + fc.s, e + fc.s + 1):
-            give += 0.0625 * stops.kick[p, m] * free(fc, m, n_x, n_y)
+        for m in (e, e + 1, e + own, e + own + 1):
+            give += 0.0625 * stops.kick[p, m] * free(stops, p, m, n_x, n_y)
         for m in range(4):
             w = rest + (u if m == n else 0.0) + (v if m == ((n + 1) & 3) else 0.0)
-            give += w * w * stops.kick[q, ring[m]] * free(rc, ring[m], n_x, n_y)
+            give += w * w * stops.kick[q, ring[m]] * free(stops, q, ring[m], n_x, n_y)
         if give == 0.0:
             continue
-        force = (wanted - after) / (fc.dt * give)
-        for m in (e, e + 1, e + fc.s, e + fc.s + 1):
-            add(fc, stops, p, m, 0.25 * force * n_x, 0.25 * force * n_y, 0.25 * force * n_z)
+        force = (wanted - after) / (stops.dt * give)
+        for m in (e, e + 1, e + own, e + own + 1):
+            add(stops, p, m, 0.25 * force * n_x, 0.25 * force * n_y, 0.25 * force * n_z)
         for m in range(4):
             w = -force * (rest + (u if m == n else 0.0) + (v if m == ((n + 1) & 3) else 0.0))
-            add(rc, stops, q, ring[m], w * n_x, w * n_y, w * n_z)
+            add(stops, q, ring[m], w * n_x, w * n_y, w * n_z)
         return True
     return False
 
@@ -322,18 +371,20 @@ def within(stops, q, M0, M1, k, o, share, x0, y0, z0, x1, y1, z1):
 
 
 @kernel(_nrt=False, forceinline=True)
-def free(const, k, n_x, n_y):
+def free(stops, p, k, n_x, n_y):
     """Part of a way along n that a node may go; one on a plane of symmetry keeps to it."""
-    part = 1.0 - (n_x * n_x if const.mirror_x and k < const.s else 0.0)
-    return max(part - (n_y * n_y if const.mirror_y and k % const.s == 0 else 0.0), 0.0)
+    s = stops.shape[p, SLOTS]
+    part = 1.0 - (n_x * n_x if stops.shape[p, MIRROR_X] and k < s else 0.0)
+    return max(part - (n_y * n_y if stops.shape[p, MIRROR_Y] and k % s == 0 else 0.0), 0.0)
 
 
 @kernel(_nrt=False, forceinline=True)
-def add(const, stops, p, k, f_x, f_y, f_z):
+def add(stops, p, k, f_x, f_y, f_z):
     """A force on a node, and where that takes it."""
-    i, j = k // const.s, k % const.s
-    f_x, f_y = 0.0 if i == 0 and const.mirror_x else f_x, 0.0 if j == 0 and const.mirror_y else f_y
-    far, force, to = const.dt * stops.kick[p, k], stops.force, stops.to
+    i, j = k // stops.shape[p, SLOTS], k % stops.shape[p, SLOTS]
+    f_x = 0.0 if i == 0 and stops.shape[p, MIRROR_X] else f_x
+    f_y = 0.0 if j == 0 and stops.shape[p, MIRROR_Y] else f_y
+    far, force, to = stops.dt * stops.kick[p, k], stops.force, stops.to
     force[p, 0, k] += f_x
     force[p, 1, k] += f_y
     force[p, 2, k] += f_z
