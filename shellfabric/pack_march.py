@@ -191,7 +191,7 @@ class PackMarch(March):
         neighbours += [self.stops.force[p]]
         for forces in neighbours:
             for whole, force in zip(total, forces):
-                whole += force
+                whole += force[: whole.size]  # that of torn cloth is as wide as the largest ply
         return tuple(total)
 
     def _failed_in(self, p):

@@ -1,6 +1,7 @@
 """The study of packs: its bisection, its files, its page."""
 
 import json
+from dataclasses import asdict
 
 import numpy as np
 import pytest
@@ -65,6 +66,18 @@ def made_up(outcome="stopped", plies=4):
 def test_page_and_pictures_from_results(tmp_path):
     found = {
         "outcomes": [(*row, made_up(plies=row[1])) for row in study.PUBLISHED],
+        "torn": [
+            {
+                "case": asdict(study.Case(*row[:3])),
+                "time": 1e-4,
+                "failed": [7],
+                "held": 3.0,
+                "missed": 0.0,
+                "taken": 2e-3,
+                "passages": [{}] * (row[1] == 16),
+            }
+            for row in study.TORN
+        ],
         "stackings": {name: made_up() for name in study.STACKINGS},
         "gaps": {gap: made_up() for gap in study.GAPS},
         "halved": {"S-726": dict(zip(study.HALVED, (100.0, 101.0, 104.0, 99.0, 92.0)))},
@@ -78,6 +91,7 @@ def test_page_and_pictures_from_results(tmp_path):
     assert "| S-726 | 90 (-10.0 %) | 95 (-5.0 %) | 100 (+0.0 %) |" in told
     assert "| smooth, 2 elements | 104 |" in told
     assert "| 16 | S-726 | 243 | perforates (undecided) | **stops** |" in told
+    assert "| 16 | S-726 | 243 | 100 | 7 | 3 | 0.20 | 0 | **1** |" in told
     draw(found, tmp_path)
     names = {path.name for path in tmp_path.iterdir()}
     assert names == {

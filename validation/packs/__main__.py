@@ -18,6 +18,7 @@ def gather(results):
     """All results of the study."""
     return {
         "outcomes": study.outcomes(results),
+        "torn": study.torn(results),
         "stackings": study.stackings(results),
         "gaps": study.gaps(results),
         "halved": study.halved(results),

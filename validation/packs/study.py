@@ -26,6 +26,7 @@ from shellfabric.pack import Pack, PlyContact
 from shellfabric.pack_march import PackMarch
 from shellfabric.panel import Numerics, Panel
 from validation.ledger.cache import source
+from validation.packs.passages import count
 
 STOPS, ARTEFACT, OPEN = "stops", "perforates (artefact, E-21)", "perforates (undecided)"
 PUBLISHED = (
@@ -39,6 +40,15 @@ PUBLISHED = (
     ("S-731", 16, 120.0, ARTEFACT),
     ("S-726", 16, 243.0, OPEN),
 )
+# shots that tear cloth, in which passages of plies are counted; [m/s, s]
+TORN = (
+    ("S-726", 4, 243.0, 100e-6),
+    ("S-726", 4, 300.0, 100e-6),
+    ("S-726", 8, 204.0, 500e-6),
+    ("S-728", 8, 250.0, 150e-6),
+    ("S-726", 16, 243.0, 500e-6),
+)
+_NEAR_THE_NOSE = 14  # elements from the middle in which they are counted
 FABRICS = ("S-726", "S-728", "S-731")
 FORMS = ("smooth", "facets", "nodes")
 HALVED = {
@@ -165,6 +175,25 @@ def shoot(case: Case):
     }
 
 
+def passages(case: Case):
+    """What passes through what in a shot, and how often torn cloth was held apart: a dict, for a file."""
+    march = PackMarch(pack(case), case.velocity, case.end_time)
+    found = count(march, case.end_time, _NEAR_THE_NOSE)
+    held, missed = march.held_apart
+    taken = march.stops.energy[0] / (march.panel.share * march.strike_energy)
+    torn = sum(int(np.count_nonzero(family)) for state in march.states for family in state.failed)
+    return {
+        "case": asdict(case),
+        "outcome": march.outcome,
+        "time": march.time,
+        "failed": [torn],
+        "passages": [one._asdict() for one in found],
+        "held": held,
+        "missed": missed,
+        "taken": taken,
+    }
+
+
 class Results:
     """Shots on disk, each under a digest of its case and of solver and catalogue; made where they are not there yet."""
 
@@ -173,11 +202,12 @@ class Results:
         self.folder.mkdir(parents=True, exist_ok=True)
         self.version = source("fabrics") + source("shellfabric")
 
-    def __call__(self, case: Case):
-        name = hashlib.sha256((self.version + repr(case)).encode()).hexdigest()[:20]
+    def __call__(self, case: Case, fire=None):
+        fire = fire or shoot
+        name = hashlib.sha256((self.version + fire.__name__ + repr(case)).encode()).hexdigest()[:20]
         path = self.folder / f"{name}.json"
         if not path.exists():
-            found = shoot(case)
+            found = fire(case)
             with write_whole(path) as file:
                 json.dump(found, file)
             failed = sum(found["failed"])
@@ -212,6 +242,11 @@ def onset(results, case: Case, guess=None, tolerance=TOLERANCE):
 def outcomes(results):
     """[(fabric, plies, velocity, published, found), ...]"""
     return [(*row, results(Case(*row[:3]))) for row in PUBLISHED]
+
+
+def torn(results):
+    """[found, ...] of the shots that tear cloth."""
+    return [results(Case(*row[:3], end_time=row[3]), passages) for row in TORN]
 
 
 def formulations(results, plies=4):
