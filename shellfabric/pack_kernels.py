@@ -35,9 +35,9 @@ def listed(first):
 
 
 @entry()
-def append(items, item):
-    """Add an item to such a list."""
-    items.append(item)
+def append(items, one):
+    """Add one to such a list."""
+    items.append(one)
 
 
 @kernel(_nrt=False)
@@ -119,10 +119,10 @@ def conclude(states, consts, stack, row):
     `march_kernels.tell` has of it goes into a row."""
     stack.counter[STEP] += 1
     first, const, last = item(states, 0), item(consts, 0), item(states, len(states) - 1)
-    force = last.outer[2]
+    force = 0.0
     for p in range(len(states)):
         force += stack.reactions[p, 2]
-    march_kernels.tell(first, const, force, row)
+    march_kernels.tell(first, const, force + last.outer[2], row)
     speed = bar_kernels.approach(first, const)
     if not abs(speed) < 1e9:
         return NOT_FINITE

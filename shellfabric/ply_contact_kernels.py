@@ -54,17 +54,20 @@ from shellfabric.compiled import kernel
 from shellfabric.lanes import (
     WIDTH,
     above,
+    bits,
     fabs,
     first,
+    floor,
     fma,
+    highest,
     keep,
+    lanes_of,
     least,
     load,
     most,
-    some,
     splat,
     sqrt,
-    store,
+    those,
     total,
     where,
 )
@@ -74,6 +77,9 @@ from shellfabric.ply_surface_kernels import (
     NODES,
     SMOOTH,
     across,
+    across8,
+    bases8,
+    curved8,
     curving,
     left,
     middle,
@@ -82,7 +88,9 @@ from shellfabric.ply_surface_kernels import (
     patch8,
     seek,
     share,
+    share8,
     spread,
+    spread8,
     weights,
     whole_about,
 )
@@ -96,7 +104,7 @@ _STEP, _LEAP = 0.25, 0.2  # [elements] longest step of a foot; one so long has n
 _ABOUT = 3  # elements about torn ones that count as beside them
 
 
-@kernel(_nrt=False)
+@kernel(_nrt=False, forceinline=True)
 def scan(state, const, least, box):
     """Widen the box (first and last row, and column, of nodes) to all that are deflected by more than `least`.
 
@@ -118,7 +126,7 @@ def scan(state, const, least, box):
     return math.sqrt(fastest)
 
 
-@kernel(_nrt=False)
+@kernel(_nrt=False, forceinline=True)
 def settle(state, const, force, touched):
     """Half a step's work of the nodal forces on the present velocities, which are those of half a step ago."""
     work = splat(0.0)
@@ -132,7 +140,7 @@ def settle(state, const, force, touched):
     return 0.5 * const.dt * total(work)
 
 
-@kernel(_nrt=False)
+@kernel(_nrt=False, forceinline=True)
 def clear(const, force, touched):
     """Set the forces of the last step to zero."""
     for F in force:
@@ -160,7 +168,7 @@ def symmetric(const, force, touched):
             force[1][i * const.s] = 0.0
 
 
-@kernel(_nrt=False)
+@kernel(_nrt=False, forceinline=True)
 def window(pair, fc, rc):
     """Element rows and columns of the front ply where either ply's deflection can bring them into contact."""
     i0, i1, j0, j1 = pair.front_box[0], pair.front_box[1], pair.front_box[2], pair.front_box[3]
@@ -178,30 +186,33 @@ def contact(front, fc, rear, rc, pair, step):
     if step % _EVERY == 0:
         pair.speed[0] = scan(front, fc, pair.least, pair.front_box)
         pair.speed[1] = scan(rear, rc, pair.least, pair.rear_box)
-    tear(front, fc, rear, rc, pair)
+    if front.counter[FAILURES] + rear.counter[FAILURES] != pair.tears[0]:
+        tear(front, fc, rear, rc, pair)
     taken = -settle(front, fc, pair.on_front, pair.front_touched) - settle(rear, rc, pair.on_rear, pair.rear_touched)
     clear(fc, pair.on_front, pair.front_touched)
     clear(rc, pair.on_rear, pair.rear_touched)
     i0, i1, j0, j1 = window(pair, fc, rc)
-    p, spring, often = pair.points, 0.0, step % _EVERY == 0
+    p, spring, now, often = pair.points, 0.0, float(step), step % _EVERY == 0
     shot = math.sqrt(front.speed[0] ** 2 + front.speed[1] ** 2 + front.speed[2] ** 2)
     nearer = _FASTER * fc.dt * (max(pair.speed[0], shot) + max(pair.speed[1], shot))
     for i in range(i0, i1):
         start, end = (i * fc.nj + j0) * p * p, (i * fc.nj + j1) * p * p
         for q0 in range(start, end, WIDTH):
             count = min(WIDTH, end - q0)
-            if not due(pair, q0, count):
+            due = bits(first(count)) & ~bits(above(load(pair.until, q0), now))
+            if due != 0 and p == 1 and pair.form == SMOOTH:
+                due, energy = touch8(front, fc, rear, rc, pair, q0, i, q0 - i * fc.nj, count, nearer, now, due)
+                spring += energy
+            if due == 0:
                 continue
-            if p == 1 and pair.form == SMOOTH:
-                look_ahead(front, fc, rear, rc, pair, q0, i, q0 - i * fc.nj, count, nearer)
             for q in range(q0, q0 + count):
-                if not pair.due[q - q0]:
+                if (due >> (q - q0)) & 1 == 0:
                     continue
                 j, m = q // (p * p) - i * fc.nj, q % (p * p)
                 a, b = i + (m // p + pair.start) / p, j + (m % p + pair.start) / p
                 energy, depth = touch(front, fc, rear, rc, pair, q, a, b, often)
                 if depth < 0.0:
-                    pair.wait[q] = leave(depth, nearer)
+                    pair.until[q] = now + 1.0 + leave(depth, nearer)
                 spring += energy
                 if depth > pair.energy[DEEPEST]:
                     pair.energy[DEEPEST], pair.energy[PLACE] = depth, q
@@ -214,7 +225,8 @@ def contact(front, fc, rear, rc, pair, step):
 @kernel(_nrt=False)
 def contact_back(front, fc, rear, rc, pair, step):
     """As `contact`, for the points beside torn cloth of a ply that lies behind, on the one before it."""
-    tear(front, fc, rear, rc, pair)
+    if front.counter[FAILURES] + rear.counter[FAILURES] != pair.tears[0]:
+        tear(front, fc, rear, rc, pair)
     if pair.tears[1] == 0:
         return
     taken = -settle(front, fc, pair.on_front, pair.front_touched) - settle(rear, rc, pair.on_rear, pair.rear_touched)
@@ -245,11 +257,8 @@ def conclude(pair, taken, spring, step):
 
 @kernel(_nrt=False)
 def tear(front, fc, rear, rc, pair):
-    """Note the elements of the front ply that are next to torn ones of either ply, when more yarns have failed."""
-    failures = front.counter[FAILURES] + rear.counter[FAILURES]
-    if failures == pair.tears[0]:
-        return
-    pair.tears[0], pair.tears[1] = failures, 0
+    """Note the elements of the front ply that are next to torn ones of either ply."""
+    pair.tears[0], pair.tears[1] = front.counter[FAILURES] + rear.counter[FAILURES], 0
     pair.torn[:] = 0
     for i in range(fc.ni):
         for j in range(fc.nj):
@@ -275,78 +284,154 @@ def reach(const, pair, i, j):
 
 
 @kernel(_nrt=False, forceinline=True)
-def due(pair, q0, count):
-    """Whether some of the points q0 .. q0 + count have to be looked at; which, into pair.due."""
-    any_due = False
-    for m in range(count):
-        waits = pair.wait[q0 + m] > 0
-        pair.due[m] = not waits
-        any_due |= not waits
-        if waits:
-            pair.wait[q0 + m] -= 1
-    return any_due
-
-
-@kernel(_nrt=False, forceinline=True)
 def leave(depth, nearer):
     """Steps that a point which is clear by -depth [m] can be left alone, where it comes nearer by `nearer` in each."""
-    return _LONGEST if -depth > _LONGEST * nearer else int(-depth / nearer)
+    return float(_LONGEST) if -depth > _LONGEST * nearer else math.floor(-depth / nearer)
 
 
 @kernel(_nrt=False, forceinline=True)
-def look_ahead(front, fc, rear, rc, pair, q, i, j, count, nearer):
-    """Follow the feet of those of the points in the middles of the elements (i, j) .. (i, j + count) that are clear of
-    the rear ply, as `touch` does, eight at once; they are no longer due. It needs feet that are side by side as well,
-    as in all but folded cloth and grids of another spacing, and leaves the points to `touch` where they are not."""
-    A, B = load(pair.foot[0], q), load(pair.foot[1], q)
-    I, J = int(pair.foot[0][q] + 0.5), int(pair.foot[1][q] + 0.5)
-    if I < 1 or I >= rc.ni or J < 1 or J + WIDTH > rc.nj or j + WIDTH > fc.nj:
-        return
-    if rear.thin[(I - 1) // rc.block] or rear.thin[min(I, rc.ni - 1) // rc.block]:
-        for m in range(WIDTH + 1):
-            if rear.flag[(I - 1) * rc.s + J - 1 + m] or rear.flag[I * rc.s + J - 1 + m]:
-                return
-    own, rank = first(count), load(pair.rank, 0)
-    r, t = A - float(I), B - float(J) - rank
-    if some(above(where(own, most(fabs(r), fabs(t)), 0.0), 0.5)):
-        return
-    low, high = 0.5 - r, 0.5 + r
-    w0, w1, w2 = 0.5 * low * low, 0.75 - r * r, 0.5 * high * high
-    d0, d1, d2 = 0.0 - low, -2.0 * r, high
-    low, high = 0.5 - t, 0.5 + t
-    v0, v1, v2 = 0.5 * low * low, 0.75 - t * t, 0.5 * high * high
-    e0, e1, e2 = 0.0 - low, -2.0 * t, high
-    K, k = (I - 1) * rc.s + J - 1, i * fc.s + j
-    X, Xa, Xb = patch8(rear.u[0], K, rc.s, w0, w1, w2, v0, v1, v2, d0, d1, d2, e0, e1, e2)
-    Y, Ya, Yb = patch8(rear.u[1], K, rc.s, w0, w1, w2, v0, v1, v2, d0, d1, d2, e0, e1, e2)
-    Z, Za, Zb = patch8(rear.u[2], K, rc.s, w0, w1, w2, v0, v1, v2, d0, d1, d2, e0, e1, e2)
+def touch8(front, fc, rear, rc, pair, q, i, j, count, nearer, now, due):
+    """`touch` for those of the points in the middles of the elements (i, j) .. (i, j + count) with which nothing is
+    the matter, eight at once: whole cloth on whole cloth, feet side by side and away from rims and planes of symmetry,
+    not lost, in no fold, and not so deep that it might come through.
+
+    due : the points that are to be looked at, as bits. Returns (those that are left for `touch`, energy in the springs
+    of the others).
+    """
+    k, own = i * fc.s + j, bits(first(count))
+    held = own & bits(those(pair.status, q, TOUCHING))
+    fit = (own & bits(those(pair.status, q, FREE)) | held) & bits(those(front.flag, k, 0))
+    A, B = load(pair.foot[0], q) + load(pair.going[0], q), load(pair.foot[1], q) + load(pair.going[1], q)
+    rank = load(pair.rank, 0)
+    fit = whole8(rear, rc, pair, q, count, fit)
+    I, J = floor(least(most(A + 0.5, 1.0), rc.ni - 1.0)), floor(least(most(B + 0.5, 1.0), rc.nj - 1.0))
+    r, t = A - I, B - J
+    fit &= ~bits(above(most(fabs(r), fabs(t)), 0.5))
+    chosen = lanes_of(fit)
+    I0, J0 = -highest(where(chosen, 0.0 - I, -1e9)), -highest(where(chosen, rank - J, -1e9))
+    slot = (I0 - 1.0) * rc.s + (J0 - 1.0)
+    if fit == 0 or slot < 0.0:
+        return due, 0.0
+    K = int(slot)
+    I, J = I - I0, J - rank - J0  # from the first of all nodes
+    fit &= ~bits(above(most(I, J), 1.5))
+    (wa, da, ca), (wb, db, cb) = bases8(r, above(I, 0.5)), bases8(t, above(J, 0.5))
+    X, Xa, Xb = patch8(rear.u[0], K, rc.s, wa, wb, da, db)
+    Y, Ya, Yb = patch8(rear.u[1], K, rc.s, wa, wb, da, db)
+    Z, Za, Zb = patch8(rear.u[2], K, rc.s, wa, wb, da, db)
     Xa, Yb = Xa + rc.dx, Yb + rc.dy
     x = middle8(front.u[0], k, fc.s) - X - A * rc.dx + (fc.x0 + (i + 0.5) * fc.dx - rc.x0)
     y = middle8(front.u[1], k, fc.s) - Y - B * rc.dy + (fc.y0 + (j + 0.5) * fc.dy - rc.y0) + rank * fc.dy
     z = middle8(front.u[2], k, fc.s) - Z - pair.apart
     n_x, n_y, n_z = Ya * Zb - Za * Yb, Za * Xb - Xa * Zb, Xa * Yb - Ya * Xb
-    square = n_x * n_x + n_y * n_y + n_z * n_z
-    tiny = 1e-6 * rc.dx * rc.dy
-    if some(above(where(own, tiny * tiny - square, -1.0), 0.0)):
-        return
-    depth = pair.thickness + (n_x * x + n_y * y + n_z * z) / sqrt(square)
+    square, tiny, thick = n_x * n_x + n_y * n_y + n_z * n_z, 1e-6 * rc.dx * rc.dy, pair.thickness
+    size = sqrt(square)
+    along, far = (n_x * x + n_y * y + n_z * z) / size, x * x + y * y + z * z
+    depth = thick + along
+    slant = bits(above(far, 0.09 * thick * thick)) & bits(above(0.49 * far, along * along))
+    deep = bits(above(load(pair.was, q), (1.0 - _CLOSE) * thick))
+    fit &= bits(above(square, tiny * tiny)) & ~(held & (slant | deep))
+    clear, inside = fit & bits(above(0.0, depth)), fit & bits(above(depth, 0.0))
+    pressed = inside & ~slant & bits(above((1.0 - _CLOSE) * thick, depth)) & (held | bits(above(0.5 * thick, depth)))
     aa, ab, bb = Xa * Xa + Ya * Ya + Za * Za, Xa * Xb + Ya * Yb + Za * Zb, Xb * Xb + Yb * Yb + Zb * Zb
     ra, rb = Xa * x + Ya * y + Za * z, Xb * x + Yb * y + Zb * z
-    area = most(Xa * Yb - Xb * Ya, 0.01 * rc.dx * rc.dy)
-    near = above(depth, -0.5 * pair.thickness)
+    area, near = most(Xa * Yb - Xb * Ya, 0.01 * rc.dx * rc.dy), above(depth, -0.5 * thick)
     go = where(near, (bb * ra - ab * rb) / square, (Yb * x - Xb * y) / area)
     turn = where(near, (aa * rb - ab * ra) / square, (Xa * y - Ya * x) / area)
-    store(pair.depth, 0, depth)
-    for m in range(count):
-        free = pair.status[q + m] == FREE and pair.depth[m] <= 0.0 and not pair.torn[q + m]
-        pair.due[m] = not free
-        pair.wait[q + m] = leave(pair.depth[m], nearer) if free else 0
-        pair.depth[m] = 0.0 if free else 1.0
-    held = above(load(pair.depth, 0), 0.5)
-    A2, B2 = A + most(least(go, _STEP), -_STEP), B + most(least(turn, _STEP), -_STEP)
+    sure = 0
+    if pressed != 0:
+        Xaa, Xab, Xbb = curved8(rear.u[0], K, rc.s, wa, wb, da, db, ca, cb)
+        Yaa, Yab, Ybb = curved8(rear.u[1], K, rc.s, wa, wb, da, db, ca, cb)
+        Zaa, Zab, Zbb = curved8(rear.u[2], K, rc.s, wa, wb, da, db, ca, cb)
+        aa = aa - (x * Xaa + y * Yaa + z * Zaa)
+        ab = ab - (x * Xab + y * Yab + z * Zab)
+        bb = bb - (x * Xbb + y * Ybb + z * Zbb)
+        det = aa * bb - ab * ab
+        sure = pressed & bits(above(det, 0.1 * square)) & bits(above(aa, 0.0))
+        go = where(lanes_of(sure), (bb * ra - ab * rb) / det, go)
+        turn = where(lanes_of(sure), (aa * rb - ab * ra) / det, turn)
+        pressed &= ~bits(above(most(fabs(go), fabs(turn)), _LEAP))
+    done, before_a, before_b = clear | pressed, load(pair.foot[0], q), load(pair.foot[1], q)
     low_a, low_b = -0.5 if rc.mirror_x else 0.0, -0.5 if rc.mirror_y else 0.0
-    keep(pair.foot[0], q, where(held, A, most(least(A2, float(rc.ni)), low_a)), count)
-    keep(pair.foot[1], q, where(held, B, most(least(B2, float(rc.nj)), low_b)), count)
+    A2 = most(least(A + most(least(go, _STEP), -_STEP), float(rc.ni)), low_a)
+    B2 = most(least(B + most(least(turn, _STEP), -_STEP), float(rc.nj)), low_b)
+    keep(pair.foot[0], q, where(lanes_of(done), A2, before_a), count)
+    keep(pair.foot[1], q, where(lanes_of(done), B2, before_b), count)
+    later = now + 1.0 + least(floor((0.0 - depth) / nearer), float(_LONGEST))
+    keep(pair.until, q, where(lanes_of(clear), later, load(pair.until, q)), count)
+    energy = 0.0
+    if pressed | (held & clear) != 0:
+        steady = lanes_of(pressed & held & sure)
+        remember(pair.going[0], q, where(steady, most(least(A2 - before_a, _STEP), -_STEP), 0.0), done, count)
+        remember(pair.going[1], q, where(steady, most(least(B2 - before_b, _STEP), -_STEP), 0.0), done, count)
+        for m in range(count):
+            if (done >> m) & 1:
+                pair.status[q + m] = TOUCHING if (pressed >> m) & 1 else FREE
+    if pressed != 0:
+        remember(pair.was, q, depth, pressed, count)
+        remember(pair.slack, q, least(where(lanes_of(held), load(pair.slack, q), 0.0), depth), pressed, count)
+        n_x, n_y, n_z = n_x / size, n_y / size, n_z / size
+        remember(pair.normal[0], q, n_x, pressed, count)
+        remember(pair.normal[1], q, n_y, pressed, count)
+        remember(pair.normal[2], q, n_z, pressed, count)
+        if highest(where(lanes_of(pressed), depth, 0.0)) > pair.energy[DEEPEST]:
+            for m in range(count):
+                if (pressed >> m) & 1 and pair.was[q + m] > pair.energy[DEEPEST]:
+                    pair.energy[DEEPEST], pair.energy[PLACE] = pair.was[q + m], q + m
+        v_x = middle8(front.v[0], k, fc.s) - across8(rear.v[0], K, rc.s, wa, wb)
+        v_y = middle8(front.v[1], k, fc.s) - across8(rear.v[1], K, rc.s, wa, wb)
+        v_z = middle8(front.v[2], k, fc.s) - across8(rear.v[2], K, rc.s, wa, wb)
+        slack = least(where(lanes_of(held), load(pair.slack, q), 0.0), depth)
+        part = least(thick / most(thick - slack, 0.1 * thick), _STIFFER)
+        part, squeezed = where(above(slack, 0.0), part, 1.0), depth - slack
+        f = most(force(pair, part, squeezed, splat(pair.damping), n_x * v_x + n_y * v_y + n_z * v_z), 0.0)
+        f = where(lanes_of(pressed), f, 0.0)
+        energy = total(where(lanes_of(pressed), 0.5 * part * pair.stiffness * squeezed * squeezed, 0.0))
+        if bits(above(f, 0.0)) != 0:
+            push8(fc, rc, pair, i, j, int(I0) - 1, int(J0) - 1, f * n_x, f * n_y, f * n_z, wa, wb)
+    return (due & ~done) | (inside & ~pressed), energy
+
+
+@kernel(_nrt=False, forceinline=True)
+def whole8(rear, rc, pair, q, count, fit):
+    """Those of eight points that are not beside torn cloth, of either ply."""
+    if pair.tears[1] > 0 or rear.counter[FAILURES] > 0:
+        for m in range(count):
+            a, b = pair.foot[0][q + m] + pair.going[0][q + m], pair.foot[1][q + m] + pair.going[1][q + m]
+            if (fit >> m) & 1 and (pair.torn[q + m] or not whole_about(rear, rc, max(a, 0.0), max(b, 0.0))):
+                fit &= ~(1 << m)
+    return fit
+
+
+@kernel(_nrt=False, forceinline=True)
+def remember(array, q, value, which, count):
+    """Write those of eight numbers whose bits are set."""
+    keep(array, q, where(lanes_of(which), value, load(array, q)), count)
+
+
+@kernel(_nrt=False, forceinline=True)
+def force(pair, part, squeezed, drag, closing):
+    """[N] of the springs and dampers of points that are squeezed, and come nearer at the speed `closing`."""
+    return part * pair.stiffness * squeezed + drag * closing
+
+
+@kernel(_nrt=False, forceinline=True)
+def push8(fc, rc, pair, i, j, I, J, f_x, f_y, f_z, wa, wb):
+    """Give the forces of eight points to the nodes of both plies: those of the front one begin at (i, j), of the rear
+    one at (I, J)."""
+    k, K = i * fc.s + j, I * rc.s + J
+    touched = pair.front_touched
+    touched[0], touched[1] = min(touched[0], i), max(touched[1], i + 2)
+    touched[2], touched[3] = min(touched[2], j), max(touched[3], min(j + WIDTH + 1, fc.s))
+    touched = pair.rear_touched
+    touched[0], touched[1] = min(touched[0], I), max(touched[1], min(I + 4, rc.ni + 1))
+    touched[2], touched[3] = min(touched[2], max(J, 0)), max(touched[3], min(J + WIDTH + 3, rc.s))
+    share8(pair.on_front[0], k, fc.s, 0.0 - f_x)
+    share8(pair.on_front[1], k, fc.s, 0.0 - f_y)
+    share8(pair.on_front[2], k, fc.s, 0.0 - f_z)
+    spread8(pair.on_rear[0], K, rc.s, f_x, wa, wb)
+    spread8(pair.on_rear[1], K, rc.s, f_y, wa, wb)
+    spread8(pair.on_rear[2], K, rc.s, f_z, wa, wb)
 
 
 @kernel(_nrt=False, forceinline=True)
@@ -480,7 +565,7 @@ def touch(front, fc, rear, rc, pair, q, a, b, often):
         v_x += across(front.v[0], k, fc.s, p0, p1x, p2, q0, q1, q2)
         v_y += across(front.v[1], k, fc.s, p0, p1, p2, q0, q1y, q2)
         v_z += across(front.v[2], k, fc.s, p0, p1, p2, q0, q1, q2)
-    f = max(0.0, part * pair.stiffness * squeezed + drag * (n_x * v_x + n_y * v_y + n_z * v_z))
+    f = max(0.0, force(pair, part, squeezed, drag, n_x * v_x + n_y * v_y + n_z * v_z))
     if f > 0.0:
         note(pair.front_touched, i, j, 2 if central else 3)
         note(pair.rear_touched, I, J, 3)

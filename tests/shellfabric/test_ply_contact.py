@@ -118,7 +118,7 @@ def bulging(pack, rng, together):
 def settled(states, consts, pair, times=200):
     """The contact with its feet found: from flat cloth they take steps of a quarter of an element."""
     for step in range(times):
-        pair.status[:], pair.wait[:] = kernels.FREE, 0
+        pair.status[:], pair.until[:] = kernels.FREE, 0
         kernels.contact(states[0], consts[0], states[1], consts[1], pair, 8 * step)
 
 
