@@ -40,7 +40,8 @@ the node there, along z (NODES).
 Which points are looked at. Plies that are deflected by less than a quarter of the gap between them cannot touch: there
 is a box about those nodes of each ply that are deflected by more, three elements wider, renewed every eight steps, in
 which a transverse wave comes less than an element further. A point that is clear of the other ply is left alone for as
-long as it would need to get there at one and a half times the highest speeds of both plies.
+long as it would need to get there at one and a half times the highest speeds of both plies. The others are looked at
+eight at once where nothing is the matter with them (`ply_lanes_kernels`).
 
 Work. What a step's contact takes from the motion is summed over the nodes: half a step's work of the old forces, half a
 step's of the new, on the same velocities. So it balances to the last digits, whatever the weights.
@@ -57,73 +58,76 @@ from shellfabric.lanes import (
     bits,
     fabs,
     first,
-    floor,
     fma,
     highest,
     keep,
-    lanes_of,
-    least,
     load,
     most,
     splat,
-    sqrt,
-    those,
     total,
     where,
 )
 from shellfabric.march_kernels import FAILURES
+from shellfabric.ply_lanes_kernels import CLOSE as _CLOSE
+from shellfabric.ply_lanes_kernels import (
+    DEEPEST,
+    FREE,
+    LOST,
+    PASSED,
+    PLACE,
+    SPRING,
+    TAKEN,
+    TOUCHING,
+    WHEN,
+    WHERE,
+    force,
+    touch8,
+)
+from shellfabric.ply_lanes_kernels import LEAP as _LEAP
+from shellfabric.ply_lanes_kernels import LONGEST as _LONGEST
+from shellfabric.ply_lanes_kernels import STEP as _STEP
+from shellfabric.ply_lanes_kernels import STIFFER as _STIFFER
 from shellfabric.ply_surface_kernels import (
     FACETS,
     NODES,
     SMOOTH,
     across,
-    across8,
-    bases8,
-    curved8,
     curving,
     left,
     middle,
-    middle8,
     patch,
-    patch8,
     seek,
     share,
-    share8,
     spread,
-    spread8,
     weights,
     whole_about,
 )
 
-TAKEN, SPRING, DEEPEST, PLACE, PASSED, WHERE, WHEN = range(7)  # of pair.energy
-_CLOSE, _STIFFER = 0.15, 3.0  # [thicknesses] where a point may come through; most that a spring is stiffened
-FREE, TOUCHING, LOST = 0, 1, 2  # of pair.status; a point whose foot leaps or lies aside is lost until it has one again
 _EVERY, _MARGIN = 8, 3  # steps between scans, elements about what they find
-_FASTER, _LONGEST = 1.5, 8  # than at the last scan nodes may become; most steps that a point is left alone
-_STEP, _LEAP = 0.25, 0.2  # [elements] longest step of a foot; one so long has none
+_FASTER = 1.5  # than at the last scan nodes may become
 _ABOUT = 3  # elements about torn ones that count as beside them
 
 
-@kernel(_nrt=False, forceinline=True)
+@kernel(_nrt=False)
 def scan(state, const, least, box):
     """Widen the box (first and last row, and column, of nodes) to all that are deflected by more than `least`.
 
     Returns the highest speed of a node.
     """
-    z, s, fastest = state.u[2], const.s, 0.0
+    s, fastest = const.s, splat(0.0)
     for i in range(const.ni + 1):
-        row = i * s
-        low, high = s, -1
-        for j in range(s):
-            if abs(z[row + j]) > least:
-                low, high = min(low, j), max(high, j)
-        if high >= 0:
-            box[0], box[1] = min(box[0], i), max(box[1], i)
-            box[2], box[3] = min(box[2], low), max(box[3], high)
-    for k in range((const.ni + 1) * s):
-        v_x, v_y, v_z = state.v[0][k], state.v[1][k], state.v[2][k]
-        fastest = max(fastest, v_x * v_x + v_y * v_y + v_z * v_z)
-    return math.sqrt(fastest)
+        for j in range(0, s, WIDTH):
+            k, own = i * s + j, first(s - j)
+            v_x, v_y, v_z = load(state.v[0], k), load(state.v[1], k), load(state.v[2], k)
+            fastest = most(fastest, where(own, v_x * v_x + v_y * v_y + v_z * v_z, 0.0))
+            if box[0] <= i <= box[1] and box[2] <= j and j + WIDTH <= box[3] + 1:
+                continue
+            beyond = bits(own) & bits(above(fabs(load(state.u[2], k)), least))
+            for m in range(WIDTH if beyond != 0 else 0):
+                if (beyond >> m) & 1:
+                    box[0], box[1] = min(box[0], i), max(box[1], i)
+                    box[2], box[3] = min(box[2], j + m), max(box[3], j + m)
+    return math.sqrt(highest(fastest))
 
 
 @kernel(_nrt=False, forceinline=True)
@@ -287,151 +291,6 @@ def reach(const, pair, i, j):
 def leave(depth, nearer):
     """Steps that a point which is clear by -depth [m] can be left alone, where it comes nearer by `nearer` in each."""
     return float(_LONGEST) if -depth > _LONGEST * nearer else math.floor(-depth / nearer)
-
-
-@kernel(_nrt=False, forceinline=True)
-def touch8(front, fc, rear, rc, pair, q, i, j, count, nearer, now, due):
-    """`touch` for those of the points in the middles of the elements (i, j) .. (i, j + count) with which nothing is
-    the matter, eight at once: whole cloth on whole cloth, feet side by side and away from rims and planes of symmetry,
-    not lost, in no fold, and not so deep that it might come through.
-
-    due : the points that are to be looked at, as bits. Returns (those that are left for `touch`, energy in the springs
-    of the others).
-    """
-    k, own = i * fc.s + j, bits(first(count))
-    held = own & bits(those(pair.status, q, TOUCHING))
-    fit = (own & bits(those(pair.status, q, FREE)) | held) & bits(those(front.flag, k, 0))
-    A, B = load(pair.foot[0], q) + load(pair.going[0], q), load(pair.foot[1], q) + load(pair.going[1], q)
-    rank = load(pair.rank, 0)
-    fit = whole8(rear, rc, pair, q, count, fit)
-    I, J = floor(least(most(A + 0.5, 1.0), rc.ni - 1.0)), floor(least(most(B + 0.5, 1.0), rc.nj - 1.0))
-    r, t = A - I, B - J
-    fit &= ~bits(above(most(fabs(r), fabs(t)), 0.5))
-    chosen = lanes_of(fit)
-    I0, J0 = -highest(where(chosen, 0.0 - I, -1e9)), -highest(where(chosen, rank - J, -1e9))
-    slot = (I0 - 1.0) * rc.s + (J0 - 1.0)
-    if fit == 0 or slot < 0.0:
-        return due, 0.0
-    K = int(slot)
-    I, J = I - I0, J - rank - J0  # from the first of all nodes
-    fit &= ~bits(above(most(I, J), 1.5))
-    (wa, da, ca), (wb, db, cb) = bases8(r, above(I, 0.5)), bases8(t, above(J, 0.5))
-    X, Xa, Xb = patch8(rear.u[0], K, rc.s, wa, wb, da, db)
-    Y, Ya, Yb = patch8(rear.u[1], K, rc.s, wa, wb, da, db)
-    Z, Za, Zb = patch8(rear.u[2], K, rc.s, wa, wb, da, db)
-    Xa, Yb = Xa + rc.dx, Yb + rc.dy
-    x = middle8(front.u[0], k, fc.s) - X - A * rc.dx + (fc.x0 + (i + 0.5) * fc.dx - rc.x0)
-    y = middle8(front.u[1], k, fc.s) - Y - B * rc.dy + (fc.y0 + (j + 0.5) * fc.dy - rc.y0) + rank * fc.dy
-    z = middle8(front.u[2], k, fc.s) - Z - pair.apart
-    n_x, n_y, n_z = Ya * Zb - Za * Yb, Za * Xb - Xa * Zb, Xa * Yb - Ya * Xb
-    square, tiny, thick = n_x * n_x + n_y * n_y + n_z * n_z, 1e-6 * rc.dx * rc.dy, pair.thickness
-    size = sqrt(square)
-    along, far = (n_x * x + n_y * y + n_z * z) / size, x * x + y * y + z * z
-    depth = thick + along
-    slant = bits(above(far, 0.09 * thick * thick)) & bits(above(0.49 * far, along * along))
-    deep = bits(above(load(pair.was, q), (1.0 - _CLOSE) * thick))
-    fit &= bits(above(square, tiny * tiny)) & ~(held & (slant | deep))
-    clear, inside = fit & bits(above(0.0, depth)), fit & bits(above(depth, 0.0))
-    pressed = inside & ~slant & bits(above((1.0 - _CLOSE) * thick, depth)) & (held | bits(above(0.5 * thick, depth)))
-    aa, ab, bb = Xa * Xa + Ya * Ya + Za * Za, Xa * Xb + Ya * Yb + Za * Zb, Xb * Xb + Yb * Yb + Zb * Zb
-    ra, rb = Xa * x + Ya * y + Za * z, Xb * x + Yb * y + Zb * z
-    area, near = most(Xa * Yb - Xb * Ya, 0.01 * rc.dx * rc.dy), above(depth, -0.5 * thick)
-    go = where(near, (bb * ra - ab * rb) / square, (Yb * x - Xb * y) / area)
-    turn = where(near, (aa * rb - ab * ra) / square, (Xa * y - Ya * x) / area)
-    sure = 0
-    if pressed != 0:
-        Xaa, Xab, Xbb = curved8(rear.u[0], K, rc.s, wa, wb, da, db, ca, cb)
-        Yaa, Yab, Ybb = curved8(rear.u[1], K, rc.s, wa, wb, da, db, ca, cb)
-        Zaa, Zab, Zbb = curved8(rear.u[2], K, rc.s, wa, wb, da, db, ca, cb)
-        aa = aa - (x * Xaa + y * Yaa + z * Zaa)
-        ab = ab - (x * Xab + y * Yab + z * Zab)
-        bb = bb - (x * Xbb + y * Ybb + z * Zbb)
-        det = aa * bb - ab * ab
-        sure = pressed & bits(above(det, 0.1 * square)) & bits(above(aa, 0.0))
-        go = where(lanes_of(sure), (bb * ra - ab * rb) / det, go)
-        turn = where(lanes_of(sure), (aa * rb - ab * ra) / det, turn)
-        pressed &= ~bits(above(most(fabs(go), fabs(turn)), _LEAP))
-    done, before_a, before_b = clear | pressed, load(pair.foot[0], q), load(pair.foot[1], q)
-    low_a, low_b = -0.5 if rc.mirror_x else 0.0, -0.5 if rc.mirror_y else 0.0
-    A2 = most(least(A + most(least(go, _STEP), -_STEP), float(rc.ni)), low_a)
-    B2 = most(least(B + most(least(turn, _STEP), -_STEP), float(rc.nj)), low_b)
-    keep(pair.foot[0], q, where(lanes_of(done), A2, before_a), count)
-    keep(pair.foot[1], q, where(lanes_of(done), B2, before_b), count)
-    later = now + 1.0 + least(floor((0.0 - depth) / nearer), float(_LONGEST))
-    keep(pair.until, q, where(lanes_of(clear), later, load(pair.until, q)), count)
-    energy = 0.0
-    if pressed | (held & clear) != 0:
-        steady = lanes_of(pressed & held & sure)
-        remember(pair.going[0], q, where(steady, most(least(A2 - before_a, _STEP), -_STEP), 0.0), done, count)
-        remember(pair.going[1], q, where(steady, most(least(B2 - before_b, _STEP), -_STEP), 0.0), done, count)
-        for m in range(count):
-            if (done >> m) & 1:
-                pair.status[q + m] = TOUCHING if (pressed >> m) & 1 else FREE
-    if pressed != 0:
-        remember(pair.was, q, depth, pressed, count)
-        remember(pair.slack, q, least(where(lanes_of(held), load(pair.slack, q), 0.0), depth), pressed, count)
-        n_x, n_y, n_z = n_x / size, n_y / size, n_z / size
-        remember(pair.normal[0], q, n_x, pressed, count)
-        remember(pair.normal[1], q, n_y, pressed, count)
-        remember(pair.normal[2], q, n_z, pressed, count)
-        if highest(where(lanes_of(pressed), depth, 0.0)) > pair.energy[DEEPEST]:
-            for m in range(count):
-                if (pressed >> m) & 1 and pair.was[q + m] > pair.energy[DEEPEST]:
-                    pair.energy[DEEPEST], pair.energy[PLACE] = pair.was[q + m], q + m
-        v_x = middle8(front.v[0], k, fc.s) - across8(rear.v[0], K, rc.s, wa, wb)
-        v_y = middle8(front.v[1], k, fc.s) - across8(rear.v[1], K, rc.s, wa, wb)
-        v_z = middle8(front.v[2], k, fc.s) - across8(rear.v[2], K, rc.s, wa, wb)
-        slack = least(where(lanes_of(held), load(pair.slack, q), 0.0), depth)
-        part = least(thick / most(thick - slack, 0.1 * thick), _STIFFER)
-        part, squeezed = where(above(slack, 0.0), part, 1.0), depth - slack
-        f = most(force(pair, part, squeezed, splat(pair.damping), n_x * v_x + n_y * v_y + n_z * v_z), 0.0)
-        f = where(lanes_of(pressed), f, 0.0)
-        energy = total(where(lanes_of(pressed), 0.5 * part * pair.stiffness * squeezed * squeezed, 0.0))
-        if bits(above(f, 0.0)) != 0:
-            push8(fc, rc, pair, i, j, int(I0) - 1, int(J0) - 1, f * n_x, f * n_y, f * n_z, wa, wb)
-    return (due & ~done) | (inside & ~pressed), energy
-
-
-@kernel(_nrt=False, forceinline=True)
-def whole8(rear, rc, pair, q, count, fit):
-    """Those of eight points that are not beside torn cloth, of either ply."""
-    if pair.tears[1] > 0 or rear.counter[FAILURES] > 0:
-        for m in range(count):
-            a, b = pair.foot[0][q + m] + pair.going[0][q + m], pair.foot[1][q + m] + pair.going[1][q + m]
-            if (fit >> m) & 1 and (pair.torn[q + m] or not whole_about(rear, rc, max(a, 0.0), max(b, 0.0))):
-                fit &= ~(1 << m)
-    return fit
-
-
-@kernel(_nrt=False, forceinline=True)
-def remember(array, q, value, which, count):
-    """Write those of eight numbers whose bits are set."""
-    keep(array, q, where(lanes_of(which), value, load(array, q)), count)
-
-
-@kernel(_nrt=False, forceinline=True)
-def force(pair, part, squeezed, drag, closing):
-    """[N] of the springs and dampers of points that are squeezed, and come nearer at the speed `closing`."""
-    return part * pair.stiffness * squeezed + drag * closing
-
-
-@kernel(_nrt=False, forceinline=True)
-def push8(fc, rc, pair, i, j, I, J, f_x, f_y, f_z, wa, wb):
-    """Give the forces of eight points to the nodes of both plies: those of the front one begin at (i, j), of the rear
-    one at (I, J)."""
-    k, K = i * fc.s + j, I * rc.s + J
-    touched = pair.front_touched
-    touched[0], touched[1] = min(touched[0], i), max(touched[1], i + 2)
-    touched[2], touched[3] = min(touched[2], j), max(touched[3], min(j + WIDTH + 1, fc.s))
-    touched = pair.rear_touched
-    touched[0], touched[1] = min(touched[0], I), max(touched[1], min(I + 4, rc.ni + 1))
-    touched[2], touched[3] = min(touched[2], max(J, 0)), max(touched[3], min(J + WIDTH + 3, rc.s))
-    share8(pair.on_front[0], k, fc.s, 0.0 - f_x)
-    share8(pair.on_front[1], k, fc.s, 0.0 - f_y)
-    share8(pair.on_front[2], k, fc.s, 0.0 - f_z)
-    spread8(pair.on_rear[0], K, rc.s, f_x, wa, wb)
-    spread8(pair.on_rear[1], K, rc.s, f_y, wa, wb)
-    spread8(pair.on_rear[2], K, rc.s, f_z, wa, wb)
 
 
 @kernel(_nrt=False, forceinline=True)

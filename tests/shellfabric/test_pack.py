@@ -1,18 +1,22 @@
 """Packs: one ply is a single ply, momentum and energy, nothing goes through, stacking, gaps, resuming to the bit."""
 
+import sys
+from collections import namedtuple
 from dataclasses import replace
 
 import numpy as np
 import pytest
+from numba import njit
 
 from fabrics import catalogue
 from fabrics.errors import InputError, UnstableError
 from shellfabric import pack_checkpoint, pack_impact
+from shellfabric.borrow import item
 from shellfabric.cell import CellModel
 from shellfabric.impact import ImpactSetup
 from shellfabric.march import March
 from shellfabric.march_kernels import IDLE, NOT_FINITE
-from shellfabric.pack import Pack, PlyContact, compression_gap, fabric_gap, turned
+from shellfabric.pack import Pack, PlyContact, compression_gap, fabric_gap, lists, turned
 from shellfabric.pack_march import PackMarch
 from shellfabric.panel import Numerics, Panel
 
@@ -244,3 +248,29 @@ def test_bad_packs_are_told(ply):
     for bad in ({"penalty": 0.0}, {"damping": -1.0}, {"points": 0}, {"form": "soft"}):
         with pytest.raises(InputError, match=next(iter(bad))):
             PlyContact(**bad)
+
+
+Thing = namedtuple("Thing", "numbers factor")
+
+
+@njit(_nrt=False)
+def weighed(things):
+    found = 0.0
+    for n in range(len(things)):
+        thing = item(things, n)
+        found = 10.0 * found + thing.factor * thing.numbers[1]
+        thing.numbers[0] += 1.0
+    return found
+
+
+def test_items_of_a_list_are_looked_at_where_they_lie():
+    arrays = [np.array([0.0, 2.0 + n]) for n in range(3)]
+    counts = [sys.getrefcount(array) for array in arrays]
+    things = lists([Thing(array, 1.0) for array in arrays])
+    held = [sys.getrefcount(array) for array in arrays]
+    assert weighed(things) == 234.0
+    assert weighed(things) == 234.0
+    assert [array[0] for array in arrays] == [2.0, 2.0, 2.0]
+    assert [sys.getrefcount(array) for array in arrays] == held
+    del things
+    assert [sys.getrefcount(array) for array in arrays] == counts
