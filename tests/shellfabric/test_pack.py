@@ -6,13 +6,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from numba import njit
 
 from fabrics import catalogue
 from fabrics.errors import InputError, UnstableError
 from shellfabric import pack_checkpoint, pack_impact
 from shellfabric.borrow import item
 from shellfabric.cell import CellModel
+from shellfabric.compiled import entry, kernel
 from shellfabric.impact import ImpactSetup
 from shellfabric.march import March
 from shellfabric.march_kernels import IDLE, NOT_FINITE
@@ -253,7 +253,7 @@ def test_bad_packs_are_told(ply):
 Thing = namedtuple("Thing", "numbers factor")
 
 
-@njit(_nrt=False)
+@kernel(_nrt=False)
 def weighed(things):
     found = 0.0
     for n in range(len(things)):
@@ -263,7 +263,7 @@ def weighed(things):
     return found
 
 
-@njit
+@entry()
 def weigh(things):
     return weighed(things)
 
