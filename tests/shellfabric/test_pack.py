@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from numba.typed import List
 
 from fabrics import catalogue
 from fabrics.errors import InputError, UnstableError
@@ -16,7 +17,7 @@ from shellfabric.compiled import entry, kernel
 from shellfabric.impact import ImpactSetup
 from shellfabric.march import March
 from shellfabric.march_kernels import IDLE, NOT_FINITE
-from shellfabric.pack import Pack, PlyContact, compression_gap, fabric_gap, lists, turned
+from shellfabric.pack import Pack, PlyContact, compression_gap, fabric_gap, turned
 from shellfabric.pack_march import PackMarch
 from shellfabric.panel import Numerics, Panel
 
@@ -271,7 +272,7 @@ def weigh(things):
 def test_items_of_a_list_are_looked_at_where_they_lie():
     arrays = [np.array([0.0, 2.0 + n]) for n in range(3)]
     counts = [sys.getrefcount(array) for array in arrays]
-    things = lists([Thing(array, 1.0) for array in arrays])
+    things = List([Thing(array, 1.0) for array in arrays])  # not `lists`: its cache would know this file
     held = [sys.getrefcount(array) for array in arrays]
     assert weigh(things) == 234.0
     assert weigh(things) == 234.0
