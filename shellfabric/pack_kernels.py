@@ -40,7 +40,7 @@ def append(items, one):
     items.append(one)
 
 
-@kernel(_nrt=False)
+@kernel(_nrt=False, forceinline=True)
 def ply_step(state, const, work):
     """What a ply does in a step but for the impulses of contact: as `march_kernels.lead` has it."""
     march_kernels.widen(state, const)

@@ -64,6 +64,7 @@ from shellfabric.lanes import (
     load,
     most,
     splat,
+    store,
     total,
     where,
 )
@@ -131,8 +132,9 @@ def scan(state, const, least, box):
 
 
 @kernel(_nrt=False, forceinline=True)
-def settle(state, const, force, touched):
-    """Half a step's work of the nodal forces on the present velocities, which are those of half a step ago."""
+def settle(state, const, force, touched, over):
+    """Half a step's work of the nodal forces on the present velocities, which are those of half a step ago; takes them
+    away where they are `over`."""
     work = splat(0.0)
     for i in range(touched[0], touched[1]):
         for j in range(touched[2], touched[3], WIDTH):
@@ -141,17 +143,13 @@ def settle(state, const, force, touched):
             power = fma(load(force[1], k), load(state.v[1], k), power)
             power = fma(load(force[2], k), load(state.v[2], k), power)
             work = work + where(inside, power, 0.0)
+            if over:  # outside the window there are none
+                store(force[0], k, 0.0)
+                store(force[1], k, 0.0)
+                store(force[2], k, 0.0)
+    if over:
+        touched[0], touched[1], touched[2], touched[3] = const.ni + 1, 0, const.s, 0
     return 0.5 * const.dt * total(work)
-
-
-@kernel(_nrt=False, forceinline=True)
-def clear(const, force, touched):
-    """Set the forces of the last step to zero."""
-    for F in force:
-        for i in range(touched[0], touched[1]):
-            for k in range(np.uint64(i * const.s + touched[2]), np.uint64(i * const.s + touched[3])):
-                F[k] = 0.0
-    touched[0], touched[1], touched[2], touched[3] = const.ni + 1, 0, const.s, 0
 
 
 @kernel(_nrt=False, forceinline=True)
@@ -184,7 +182,7 @@ def window(pair, fc, rc):
     return max(i0 - _MARGIN, 0), min(i1 + _MARGIN, fc.ni), max(j0 - _MARGIN, 0), min(j1 + _MARGIN, fc.nj)
 
 
-@kernel(_nrt=False)
+@kernel(_nrt=False, forceinline=True)
 def contact(front, fc, rear, rc, pair, step):
     """Forces between two plies at their present positions, into pair.on_front and pair.on_rear."""
     if step % _EVERY == 0:
@@ -192,9 +190,8 @@ def contact(front, fc, rear, rc, pair, step):
         pair.speed[1] = scan(rear, rc, pair.least, pair.rear_box)
     if front.counter[FAILURES] + rear.counter[FAILURES] != pair.tears[0]:
         tear(front, fc, rear, rc, pair)
-    taken = -settle(front, fc, pair.on_front, pair.front_touched) - settle(rear, rc, pair.on_rear, pair.rear_touched)
-    clear(fc, pair.on_front, pair.front_touched)
-    clear(rc, pair.on_rear, pair.rear_touched)
+    taken = -settle(front, fc, pair.on_front, pair.front_touched, True)
+    taken -= settle(rear, rc, pair.on_rear, pair.rear_touched, True)
     i0, i1, j0, j1 = window(pair, fc, rc)
     p, spring, now, often = pair.points, 0.0, float(step), step % _EVERY == 0
     shot = math.sqrt(front.speed[0] ** 2 + front.speed[1] ** 2 + front.speed[2] ** 2)
@@ -222,20 +219,20 @@ def contact(front, fc, rear, rc, pair, step):
                     pair.energy[DEEPEST], pair.energy[PLACE] = depth, q
     symmetric(fc, pair.on_front, pair.front_touched)
     symmetric(rc, pair.on_rear, pair.rear_touched)
-    taken -= settle(front, fc, pair.on_front, pair.front_touched) + settle(rear, rc, pair.on_rear, pair.rear_touched)
+    taken -= settle(front, fc, pair.on_front, pair.front_touched, False)
+    taken -= settle(rear, rc, pair.on_rear, pair.rear_touched, False)
     conclude(pair, taken, spring, step)
 
 
-@kernel(_nrt=False)
+@kernel(_nrt=False, forceinline=True)
 def contact_back(front, fc, rear, rc, pair, step):
     """As `contact`, for the points beside torn cloth of a ply that lies behind, on the one before it."""
     if front.counter[FAILURES] + rear.counter[FAILURES] != pair.tears[0]:
         tear(front, fc, rear, rc, pair)
     if pair.tears[1] == 0:
         return
-    taken = -settle(front, fc, pair.on_front, pair.front_touched) - settle(rear, rc, pair.on_rear, pair.rear_touched)
-    clear(fc, pair.on_front, pair.front_touched)
-    clear(rc, pair.on_rear, pair.rear_touched)
+    taken = -settle(front, fc, pair.on_front, pair.front_touched, True)
+    taken -= settle(rear, rc, pair.on_rear, pair.rear_touched, True)
     p, spring, often = pair.points, 0.0, step % _EVERY == 0
     for e in pair.list[: pair.tears[1]]:
         for m in range(p * p):
@@ -246,7 +243,8 @@ def contact_back(front, fc, rear, rc, pair, step):
                 pair.energy[DEEPEST], pair.energy[PLACE] = depth, e * p * p + m
     symmetric(fc, pair.on_front, pair.front_touched)
     symmetric(rc, pair.on_rear, pair.rear_touched)
-    taken -= settle(front, fc, pair.on_front, pair.front_touched) + settle(rear, rc, pair.on_rear, pair.rear_touched)
+    taken -= settle(front, fc, pair.on_front, pair.front_touched, False)
+    taken -= settle(rear, rc, pair.on_rear, pair.rear_touched, False)
     conclude(pair, taken, spring, step)
 
 

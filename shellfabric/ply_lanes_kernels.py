@@ -21,6 +21,7 @@ from shellfabric.lanes import (
     least,
     load,
     most,
+    some,
     splat,
     sqrt,
     those,
@@ -63,10 +64,11 @@ def touch8(front, fc, rear, rc, pair, q, i, j, count, nearer, now, due):
     K = int(slot)
     I, J = I - I0, J - rank - J0  # from the first of all nodes
     fit &= ~bits(above(most(I, J), 1.5))
+    tall = some(above(where(lanes_of(fit), I, 0.0), 0.5))
     (wa, da, ca), (wb, db, cb) = bases8(r, above(I, 0.5)), bases8(t, above(J, 0.5))
-    X, Xa, Xb = patch8(rear.u[0], K, rc.s, wa, wb, da, db)
-    Y, Ya, Yb = patch8(rear.u[1], K, rc.s, wa, wb, da, db)
-    Z, Za, Zb = patch8(rear.u[2], K, rc.s, wa, wb, da, db)
+    X, Xa, Xb = patch8(rear.u[0], K, rc.s, wa, wb, da, db, tall)
+    Y, Ya, Yb = patch8(rear.u[1], K, rc.s, wa, wb, da, db, tall)
+    Z, Za, Zb = patch8(rear.u[2], K, rc.s, wa, wb, da, db, tall)
     Xa, Yb = Xa + rc.dx, Yb + rc.dy
     x = middle8(front.u[0], k, fc.s) - X - A * rc.dx + (fc.x0 + (i + 0.5) * fc.dx - rc.x0)
     y = middle8(front.u[1], k, fc.s) - Y - B * rc.dy + (fc.y0 + (j + 0.5) * fc.dy - rc.y0) + rank * fc.dy
@@ -89,9 +91,9 @@ def touch8(front, fc, rear, rc, pair, q, i, j, count, nearer, now, due):
     turn = where(near, aa * rb - ab * ra, Xa * y - Ya * x) * over
     sure = 0
     if pressed != 0:
-        Xaa, Xab, Xbb = curved8(rear.u[0], K, rc.s, wa, wb, da, db, ca, cb)
-        Yaa, Yab, Ybb = curved8(rear.u[1], K, rc.s, wa, wb, da, db, ca, cb)
-        Zaa, Zab, Zbb = curved8(rear.u[2], K, rc.s, wa, wb, da, db, ca, cb)
+        Xaa, Xab, Xbb = curved8(rear.u[0], K, rc.s, wa, wb, da, db, ca, cb, tall)
+        Yaa, Yab, Ybb = curved8(rear.u[1], K, rc.s, wa, wb, da, db, ca, cb, tall)
+        Zaa, Zab, Zbb = curved8(rear.u[2], K, rc.s, wa, wb, da, db, ca, cb, tall)
         aa = aa - (x * Xaa + y * Yaa + z * Zaa)
         ab = ab - (x * Xab + y * Yab + z * Zab)
         bb = bb - (x * Xbb + y * Ybb + z * Zbb)
@@ -118,7 +120,7 @@ def touch8(front, fc, rear, rc, pair, q, i, j, count, nearer, now, due):
                 pair.status[q + m] = TOUCHING if (pressed >> m) & 1 else FREE
     if pressed != 0:
         n, at = (n_x / size, n_y / size, n_z / size), (i, j, int(I0) - 1, int(J0) - 1)
-        energy = press8(front, fc, rear, rc, pair, q, at, count, pressed, held, depth, n, wa, wb)
+        energy = press8(front, fc, rear, rc, pair, q, at, count, pressed, held, depth, n, wa, wb, tall)
     return (due & ~done) | (inside & ~pressed), energy
 
 
@@ -134,11 +136,11 @@ def whole8(rear, rc, pair, q, count, fit):
 
 
 @kernel(_nrt=False, forceinline=True)
-def press8(front, fc, rear, rc, pair, q, at, count, pressed, held, depth, n, wa, wb):
+def press8(front, fc, rear, rc, pair, q, at, count, pressed, held, depth, n, wa, wb, tall):
     """Let those of eight points push whose bits are set in `pressed`; the energy in their springs.
 
     at : where the nodes begin, (i, j) of the front ply's and of the rear one's; n : the normals; wa, wb : the weights
-    of the feet
+    of the feet, `tall` where they are over four lines of nodes
     """
     (i, j, I, J), thick = at, pair.thickness
     slack = least(where(lanes_of(held), load(pair.slack, q), 0.0), depth)
@@ -152,17 +154,17 @@ def press8(front, fc, rear, rc, pair, q, at, count, pressed, held, depth, n, wa,
                 pair.energy[DEEPEST], pair.energy[PLACE] = pair.was[q + m], q + m
     k, K, closing = i * fc.s + j, I * rc.s + J, splat(0.0)
     for c in range(3):
-        closing = closing + n[c] * (middle8(front.v[c], k, fc.s) - across8(rear.v[c], K, rc.s, wa, wb))
+        closing = closing + n[c] * (middle8(front.v[c], k, fc.s) - across8(rear.v[c], K, rc.s, wa, wb, tall))
     # what is left of the thickness has to hold as much
     stiffer = least(thick / most(thick - slack, 0.1 * thick), STIFFER)
     part, squeezed = where(above(slack, 0.0), stiffer, 1.0), depth - slack
     f = where(lanes_of(pressed), most(force(pair, part, squeezed, pair.damping, closing), 0.0), 0.0)
     if bits(above(f, 0.0)) != 0:
         widen(pair.front_touched, i, i + 2, j, min(j + WIDTH + 1, fc.s))
-        widen(pair.rear_touched, I, min(I + 4, rc.ni + 1), max(J, 0), min(J + WIDTH + 3, rc.s))
+        widen(pair.rear_touched, I, I + (4 if tall else 3), max(J, 0), min(J + WIDTH + 3, rc.s))
         for c in range(3):
             share8(pair.on_front[c], k, fc.s, 0.0 - f * n[c])
-            spread8(pair.on_rear[c], K, rc.s, f * n[c], wa, wb)
+            spread8(pair.on_rear[c], K, rc.s, f * n[c], wa, wb, tall)
     return total(where(lanes_of(pressed), 0.5 * part * pair.stiffness * squeezed * squeezed, 0.0))
 
 

@@ -155,43 +155,48 @@ def sum8(w, a, b, c, d):
 
 
 @kernel(_nrt=False, forceinline=True)
-def line8(x, k, s, w):
-    """`sum8` along each of four lines of nodes from the slot k on; the next of eight points begins a slot further."""
-    m, o, q = k + s, k + 2 * s, k + 3 * s
-    return (
-        sum8(w, load(x, k), load(x, k + 1), load(x, k + 2), load(x, k + 3)),
-        sum8(w, load(x, m), load(x, m + 1), load(x, m + 2), load(x, m + 3)),
-        sum8(w, load(x, o), load(x, o + 1), load(x, o + 2), load(x, o + 3)),
-        sum8(w, load(x, q), load(x, q + 1), load(x, q + 2), load(x, q + 3)),
-    )
+def nodes8(x, k, w):
+    """`sum8` of four nodes from the slot k on; the next of eight points begins a slot further."""
+    return sum8(w, load(x, k), load(x, k + 1), load(x, k + 2), load(x, k + 3))
 
 
 @kernel(_nrt=False, forceinline=True)
-def patch8(x, k, s, wa, wb, da, db):
+def line8(x, k, s, w, tall):
+    """`nodes8` along each of four lines, of which the last counts where some points are `moved` to it: `tall`."""
+    last = splat(0.0)
+    if tall:
+        last = nodes8(x, k + 3 * s, w)
+    return nodes8(x, k, w), nodes8(x, k + s, w), nodes8(x, k + 2 * s, w), last
+
+
+@kernel(_nrt=False, forceinline=True)
+def patch8(x, k, s, wa, wb, da, db, tall):
     """`patch` of eight points side by side, whose four by four nodes begin at the slots k .. k + 7."""
-    v, e = line8(x, k, s, wb), line8(x, k, s, db)
+    v, e = line8(x, k, s, wb, tall), line8(x, k, s, db, tall)
     return sum8(wa, *v), sum8(da, *v), sum8(wa, *e)
 
 
 @kernel(_nrt=False, forceinline=True)
-def curved8(x, k, s, wa, wb, da, db, ca, cb):
+def curved8(x, k, s, wa, wb, da, db, ca, cb, tall):
     """Second slopes (aa, ab, bb) where `patch8` is."""
-    return sum8(ca, *line8(x, k, s, wb)), sum8(da, *line8(x, k, s, db)), sum8(wa, *line8(x, k, s, cb))
+    v, e, g = line8(x, k, s, wb, tall), line8(x, k, s, db, tall), line8(x, k, s, cb, tall)
+    return sum8(ca, *v), sum8(da, *e), sum8(wa, *g)
 
 
 @kernel(_nrt=False, forceinline=True)
-def across8(x, k, s, wa, wb):
+def across8(x, k, s, wa, wb, tall):
     """`across` where `patch8` is."""
-    return sum8(wa, *line8(x, k, s, wb))
+    return sum8(wa, *line8(x, k, s, wb, tall))
 
 
 @kernel(_nrt=False, forceinline=True)
-def spread8(F, k, s, f, wa, wb):
+def spread8(F, k, s, f, wa, wb, tall):
     """`spread` of eight forces where `patch8` is."""
     row8(F, k, f * wa[0], wb)
     row8(F, k + s, f * wa[1], wb)
     row8(F, k + 2 * s, f * wa[2], wb)
-    row8(F, k + 3 * s, f * wa[3], wb)
+    if tall:
+        row8(F, k + 3 * s, f * wa[3], wb)
 
 
 @kernel(_nrt=False, forceinline=True)
