@@ -64,7 +64,6 @@ from shellfabric.lanes import (
     load,
     most,
     splat,
-    store,
     total,
     where,
 )
@@ -135,7 +134,7 @@ def scan(state, const, least, box):
 def settle(state, const, force, touched, over):
     """Half a step's work of the nodal forces on the present velocities, which are those of half a step ago; takes them
     away where they are `over`."""
-    work = splat(0.0)
+    work, none = splat(0.0), splat(0.0)
     for i in range(touched[0], touched[1]):
         for j in range(touched[2], touched[3], WIDTH):
             k, inside = i * const.s + j, first(touched[3] - j)
@@ -143,10 +142,10 @@ def settle(state, const, force, touched, over):
             power = fma(load(force[1], k), load(state.v[1], k), power)
             power = fma(load(force[2], k), load(state.v[2], k), power)
             work = work + where(inside, power, 0.0)
-            if over:  # outside the window there are none
-                store(force[0], k, 0.0)
-                store(force[1], k, 0.0)
-                store(force[2], k, 0.0)
+            if over:
+                keep(force[0], k, none, touched[3] - j)
+                keep(force[1], k, none, touched[3] - j)
+                keep(force[2], k, none, touched[3] - j)
     if over:
         touched[0], touched[1], touched[2], touched[3] = const.ni + 1, 0, const.s, 0
     return 0.5 * const.dt * total(work)
