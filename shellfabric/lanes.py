@@ -209,6 +209,44 @@ def some(typing, mask):
 
 
 @intrinsic
+def bits(typing, mask):
+    """Eight answers as the bits of a whole number, the first one lowest."""
+
+    def codegen(context, builder, signature, arguments):
+        return builder.zext(builder.bitcast(arguments[0], ir.IntType(8)), _INT)
+
+    return types.int64(mask), codegen
+
+
+@intrinsic
+def lanes_of(typing, number):
+    """Mask of the lanes whose bits are set in a whole number."""
+
+    def codegen(context, builder, signature, arguments):
+        eight = builder.trunc(arguments[0], ir.IntType(8))
+        return builder.bitcast(eight, ir.VectorType(ir.IntType(1), WIDTH))
+
+    return MASK(types.int64), codegen
+
+
+@intrinsic
+def those(typing, array, k, value):
+    """Mask of array[k : k + 8] == value; array of bytes."""
+
+    def codegen(context, builder, signature, arguments):
+        part = ir.VectorType(ir.IntType(8), WIDTH)
+        array, k, value = arguments
+        found = builder.load(_place(context, builder, signature.args[0], array, k, part), align=1, **_typed(part))
+        one = builder.insert_element(
+            ir.Constant(part, ir.Undefined), builder.trunc(value, ir.IntType(8)), ir.Constant(ir.IntType(32), 0)
+        )
+        every = builder.shuffle_vector(one, one, ir.Constant(_CELLS, [0] * WIDTH))
+        return builder.icmp_unsigned("==", found, every)
+
+    return MASK(array, k, types.int64), codegen
+
+
+@intrinsic
 def first(typing, count):
     """Mask of the first `count` lanes."""
 

@@ -41,8 +41,8 @@ _LEAST = (0.25, 1e-3)  # deflections that are looked at: of the gap, of the thic
 
 Pair = namedtuple(
     "Pair",
-    "foot going normal was slack status wait speed on_front on_rear front_touched rear_touched front_box rear_box "
-    "energy torn list tears due depth rank form points start stiffness damping thickness apart least",
+    "foot going normal was slack status until speed on_front on_rear front_touched rear_touched front_box rear_box "
+    "energy torn list tears rank form points start stiffness damping thickness apart least",
 )
 Stops = namedtuple(
     "Stops",
@@ -261,13 +261,14 @@ class Pack:
         along, across = (np.arange(front.ni)[:, None] + sub) * front.dx, (np.arange(front.nj)[:, None] + sub) * front.dy
         foot[0] = ((front.x0 - rear.x0 + along) / rear.dx)[:, None, :, None]
         foot[1] = ((front.y0 - rear.y0 + across) / rear.dy)[None, :, None, :]
-        count, elements = foot[0].size, front.ni * front.nj
+        elements = front.ni * front.nj
+        padded = lambda kind=float: np.zeros(foot[0].size + WIDTH, kind)  # noqa: E731
         return Pair(
-            foot=tuple(np.pad(part.ravel(), (0, WIDTH)) for part in foot), going=(np.zeros(count), np.zeros(count)),
-            normal=tuple(np.zeros(count) for _ in range(3)), was=np.zeros(count), slack=np.zeros(count),
-            status=np.zeros(count, np.uint8), wait=np.zeros(count, np.uint8), torn=np.zeros(elements, np.uint8),
-            list=np.zeros(elements, np.int64), tears=np.zeros(2, np.int64), due=np.zeros(WIDTH, np.bool_),
-            depth=np.zeros(WIDTH), rank=np.arange(float(WIDTH)), speed=np.zeros(2),
+            foot=tuple(np.pad(part.ravel(), (0, WIDTH)) for part in foot), going=(padded(), padded()),
+            normal=(padded(), padded(), padded()), was=padded(), slack=padded(),
+            status=padded(np.uint8), until=padded(), torn=np.zeros(elements, np.uint8),
+            list=np.zeros(elements, np.int64), tears=np.zeros(2, np.int64),
+            rank=np.arange(float(WIDTH)), speed=np.zeros(2),
             on_front=nodal(states[p]), on_rear=nodal(states[q]), front_touched=nothing(front),
             rear_touched=nothing(rear), front_box=np.array(states[p].window),
             rear_box=np.array([rear.ni + 1, -1, rear.s, -1]), energy=np.zeros(7), form=form, points=n, start=start,

@@ -12,7 +12,6 @@ two write to the same place, so that results do not depend on their number. What
 (`ply_stop_kernels`) looks at all plies at once, and is one thread's.
 """
 
-import numpy as np
 from numba.typed import List
 
 from shellfabric import (
@@ -23,6 +22,7 @@ from shellfabric import (
     ply_contact_kernels,
     ply_stop_kernels,
 )
+from shellfabric.borrow import item
 from shellfabric.compiled import entry, kernel
 from shellfabric.march_kernels import FAILURES, IDLE, NOT_FINITE, PERFORATED, RUNNING, STEP, STOPPED
 from shellfabric.team import STOP, meet
@@ -37,12 +37,12 @@ def listed(first):
 
 
 @entry()
-def append(items, item):
-    """Add an item to such a list."""
-    items.append(item)
+def append(items, one):
+    """Add one to such a list."""
+    items.append(one)
 
 
-@kernel(_nrt=False)
+@kernel(_nrt=False, forceinline=True)
 def ply_step(state, const, work):
     """What a ply does in a step but for the impulses of contact: as `march_kernels.lead` has it."""
     march_kernels.widen(state, const)
@@ -56,26 +56,28 @@ def ply_step(state, const, work):
     edges_kernels.hold(state, const, state.counter[STEP] * const.dt)
 
 
-@kernel()
+@kernel(_nrt=False)
 def launch(states, consts, stack):
     """The impulses of the nose on all plies that are awake, and of a block behind the last; then the projectile's own
     motion."""
     last, force = len(states) - 1, 0.0
     for p in range(len(states)):
         if stack.awake[p]:
-            contact_kernels.push(states[p], consts[p])
-            force += bar_kernels.along(states[p], consts[p])
-    if consts[last].backed and stack.awake[last]:
-        march_kernels.lean(states[last], consts[last])
-    if consts[0].bar_mass.size > 0:
-        bar_kernels.fly(states[0], consts[0], force)
-    dt = consts[0].dt
+            state, const = item(states, p), item(consts, p)
+            contact_kernels.push(state, const)
+            force += bar_kernels.along(state, const)
+    state, const = item(states, last), item(consts, last)
+    if const.backed and stack.awake[last]:
+        march_kernels.lean(state, const)
+    state, const = item(states, 0), item(consts, 0)
+    if const.bar_mass.size > 0:
+        bar_kernels.fly(state, const, force)
     for p in range(len(states)):
         for c in range(3):
-            stack.places[p, c] += dt * stack.speed[c]
+            stack.places[p, c] += const.dt * stack.speed[c]
 
 
-@kernel()
+@kernel(_nrt=False, forceinline=True)
 def give(state, const, force, touched):
     """Give a ply the impulses of a neighbour's forces; whether there are any."""
     if touched[0] >= touched[1]:
@@ -84,41 +86,47 @@ def give(state, const, force, touched):
     return True
 
 
-@kernel()
+@kernel(_nrt=False)
 def step_plies(states, consts, pairs, stack, stops, works, me, count):
     """One thread's plies: the impulses of the others, their own step."""
+    last = len(states) - 1
     for p in range(me, len(states), count):
-        stack.awake[p] |= give(states[p], consts[p], stops.force[p], stops.touched[p])
-        for q in (p - 1, p):  # of the pairs, with the ply before and the one behind
-            if 0 <= q < len(states) - 1:
-                near, back = pairs[q], pairs[len(pairs) // 2 + q]
-                if q < p:
-                    pushed = give(states[p], consts[p], near.on_rear, near.rear_touched)
-                    pushed |= give(states[p], consts[p], back.on_front, back.front_touched)
-                else:
-                    pushed = give(states[p], consts[p], near.on_front, near.front_touched)
-                    pushed |= give(states[p], consts[p], back.on_rear, back.rear_touched)
-                stack.awake[p] |= pushed
+        state, const = item(states, p), item(consts, p)
+        stack.awake[p] |= give(state, const, stops.force[p], stops.touched[p])
+        if p > 0:
+            near, back = item(pairs, p - 1), item(pairs, len(pairs) // 2 + p - 1)
+            stack.awake[p] |= give(state, const, near.on_rear, near.rear_touched)
+            stack.awake[p] |= give(state, const, back.on_front, back.front_touched)
+        if p < last:
+            near, back = item(pairs, p), item(pairs, len(pairs) // 2 + p)
+            stack.awake[p] |= give(state, const, near.on_front, near.front_touched)
+            stack.awake[p] |= give(state, const, back.on_rear, back.rear_touched)
         if stack.awake[p]:
-            ply_step(states[p], consts[p], works[p])
+            ply_step(state, const, item(works, p))
 
 
-@kernel()
+@kernel(_nrt=False)
 def step_pairs(states, consts, pairs, stack, me, count):
     """One thread's pairs of plies, one of which at least is awake."""
+    step = stack.counter[STEP]
     for p in range(me, len(states) - 1, count):
         if stack.awake[p] or stack.awake[p + 1]:
-            step = stack.counter[STEP]
-            ply_contact_kernels.contact(states[p], consts[p], states[p + 1], consts[p + 1], pairs[p], step)
-            back = pairs[len(pairs) // 2 + p]
-            ply_contact_kernels.contact_back(states[p + 1], consts[p + 1], states[p], consts[p], back, step)
+            front, fc, rear, rc = item(states, p), item(consts, p), item(states, p + 1), item(consts, p + 1)
+            ply_contact_kernels.contact(front, fc, rear, rc, item(pairs, p), step)
+            ply_contact_kernels.contact_back(rear, rc, front, fc, item(pairs, len(pairs) // 2 + p), step)
 
 
-@kernel()
-def conclude(states, consts, stack):
-    """Why the step should be the last, or RUNNING; as `march_kernels.conclude`, with all plies for the one."""
+@kernel(_nrt=False)
+def conclude(states, consts, stack, row):
+    """Why the step should be the last, or RUNNING; as `march_kernels.conclude`, with all plies for the one. What
+    `march_kernels.tell` has of it goes into a row."""
     stack.counter[STEP] += 1
-    speed = bar_kernels.approach(states[0], consts[0])
+    first, const, last = item(states, 0), item(consts, 0), item(states, len(states) - 1)
+    force = 0.0
+    for p in range(len(states)):
+        force += stack.reactions[p, 2]
+    march_kernels.tell(first, const, force + last.outer[2], row)
+    speed = bar_kernels.approach(first, const)
     if not abs(speed) < 1e9:
         return NOT_FINITE
     if speed <= 0.0:
@@ -126,15 +134,15 @@ def conclude(states, consts, stack):
     failed, pushed = False, False
     for p in range(len(states)):
         failed |= stack.counters[p, FAILURES] > 0
-        pushed |= stack.reactions[p, 2] != 0.0 or states[p].outer[2] != 0.0
+        pushed |= stack.reactions[p, 2] != 0.0 or item(states, p).outer[2] != 0.0
     idle = failed and not pushed
     if idle:
         for p in range(len(states)):
-            if contact_kernels.in_the_way(states[p], consts[p]):
+            if contact_kernels.in_the_way(item(states, p), item(consts, p)):
                 idle = False
                 break
     stack.counter[IDLE] = stack.counter[IDLE] + 1 if idle else 0
-    return PERFORATED if stack.counter[IDLE] >= consts[0].idle_steps else RUNNING
+    return PERFORATED if stack.counter[IDLE] >= const.idle_steps else RUNNING
 
 
 @entry(nogil=True)
@@ -149,9 +157,7 @@ def lead(states, consts, pairs, stack, stops, works, steps, history, shared, cou
         step_pairs(states, consts, pairs, stack, 0, count)
         meet(shared, count)
         ply_stop_kernels.restrain(states, consts, pairs, stack, stops)
-        reason = conclude(states, consts, stack)
-        force = np.sum(stack.reactions[:, 2]) + states[len(states) - 1].outer[2]
-        march_kernels.tell(states[0], consts[0], force, history[made])
+        reason = conclude(states, consts, stack, history[made])
         made += 1
     shared[STOP] = 1
     meet(shared, count)
@@ -175,10 +181,11 @@ def follow(states, consts, pairs, stack, stops, works, shared, me, count):
     meet(shared, count)
 
 
-@kernel()
+@kernel(_nrt=False)
 def freshen(states, consts, stack, works, me, count):
     """The tensions of one thread's plies, as `march_kernels.freshen`."""
     for p in range(me, len(states), count):
         if stack.awake[p]:
-            first, last = march_kernels.part(states[p], consts[p], 0, 1)
-            march_kernels.freshen(states[p], consts[p], first, last, works[p])
+            state, const = item(states, p), item(consts, p)
+            first, last = march_kernels.part(state, const, 0, 1)
+            march_kernels.freshen(state, const, first, last, item(works, p))

@@ -40,7 +40,8 @@ the node there, along z (NODES).
 Which points are looked at. Plies that are deflected by less than a quarter of the gap between them cannot touch: there
 is a box about those nodes of each ply that are deflected by more, three elements wider, renewed every eight steps, in
 which a transverse wave comes less than an element further. A point that is clear of the other ply is left alone for as
-long as it would need to get there at one and a half times the highest speeds of both plies.
+long as it would need to get there at one and a half times the highest speeds of both plies. The others are looked at
+eight at once where nothing is the matter with them (`ply_lanes_kernels`).
 
 Work. What a step's contact takes from the motion is summed over the nodes: half a step's work of the old forces, half a
 step's of the new, on the same velocities. So it balances to the last digits, whatever the weights.
@@ -54,21 +55,38 @@ from shellfabric.compiled import kernel
 from shellfabric.lanes import (
     WIDTH,
     above,
+    bits,
     fabs,
     first,
     fma,
+    highest,
     keep,
-    least,
     load,
     most,
-    some,
     splat,
-    sqrt,
-    store,
     total,
     where,
 )
 from shellfabric.march_kernels import FAILURES
+from shellfabric.ply_lanes_kernels import (
+    CLOSE,
+    DEEPEST,
+    FREE,
+    LEAP,
+    LONGEST,
+    LOST,
+    PASSED,
+    PLACE,
+    SPRING,
+    STEP,
+    STIFFER,
+    TAKEN,
+    TOUCHING,
+    WHEN,
+    WHERE,
+    force,
+    touch8,
+)
 from shellfabric.ply_surface_kernels import (
     FACETS,
     NODES,
@@ -77,9 +95,7 @@ from shellfabric.ply_surface_kernels import (
     curving,
     left,
     middle,
-    middle8,
     patch,
-    patch8,
     seek,
     share,
     spread,
@@ -87,12 +103,8 @@ from shellfabric.ply_surface_kernels import (
     whole_about,
 )
 
-TAKEN, SPRING, DEEPEST, PLACE, PASSED, WHERE, WHEN = range(7)  # of pair.energy
-_CLOSE, _STIFFER = 0.15, 3.0  # [thicknesses] where a point may come through; most that a spring is stiffened
-FREE, TOUCHING, LOST = 0, 1, 2  # of pair.status; a point whose foot leaps or lies aside is lost until it has one again
 _EVERY, _MARGIN = 8, 3  # steps between scans, elements about what they find
-_FASTER, _LONGEST = 1.5, 8  # than at the last scan nodes may become; most steps that a point is left alone
-_STEP, _LEAP = 0.25, 0.2  # [elements] longest step of a foot; one so long has none
+_FASTER = 1.5  # than at the last scan nodes may become
 _ABOUT = 3  # elements about torn ones that count as beside them
 
 
@@ -102,26 +114,27 @@ def scan(state, const, least, box):
 
     Returns the highest speed of a node.
     """
-    z, s, fastest = state.u[2], const.s, 0.0
+    s, fastest = const.s, splat(0.0)
     for i in range(const.ni + 1):
-        row = i * s
-        low, high = s, -1
-        for j in range(s):
-            if abs(z[row + j]) > least:
-                low, high = min(low, j), max(high, j)
-        if high >= 0:
-            box[0], box[1] = min(box[0], i), max(box[1], i)
-            box[2], box[3] = min(box[2], low), max(box[3], high)
-    for k in range((const.ni + 1) * s):
-        v_x, v_y, v_z = state.v[0][k], state.v[1][k], state.v[2][k]
-        fastest = max(fastest, v_x * v_x + v_y * v_y + v_z * v_z)
-    return math.sqrt(fastest)
+        for j in range(0, s, WIDTH):
+            k, own = i * s + j, first(s - j)
+            v_x, v_y, v_z = load(state.v[0], k), load(state.v[1], k), load(state.v[2], k)
+            fastest = most(fastest, where(own, v_x * v_x + v_y * v_y + v_z * v_z, 0.0))
+            if box[0] <= i <= box[1] and box[2] <= j and j + WIDTH <= box[3] + 1:
+                continue
+            beyond = bits(own) & bits(above(fabs(load(state.u[2], k)), least))
+            for m in range(WIDTH if beyond != 0 else 0):
+                if (beyond >> m) & 1:
+                    box[0], box[1] = min(box[0], i), max(box[1], i)
+                    box[2], box[3] = min(box[2], j + m), max(box[3], j + m)
+    return math.sqrt(highest(fastest))
 
 
-@kernel(_nrt=False)
-def settle(state, const, force, touched):
-    """Half a step's work of the nodal forces on the present velocities, which are those of half a step ago."""
-    work = splat(0.0)
+@kernel(_nrt=False, forceinline=True)
+def settle(state, const, force, touched, over):
+    """Half a step's work of the nodal forces on the present velocities, which are those of half a step ago; takes them
+    away where they are `over`."""
+    work, none = splat(0.0), splat(0.0)
     for i in range(touched[0], touched[1]):
         for j in range(touched[2], touched[3], WIDTH):
             k, inside = i * const.s + j, first(touched[3] - j)
@@ -129,17 +142,13 @@ def settle(state, const, force, touched):
             power = fma(load(force[1], k), load(state.v[1], k), power)
             power = fma(load(force[2], k), load(state.v[2], k), power)
             work = work + where(inside, power, 0.0)
+            if over:
+                keep(force[0], k, none, touched[3] - j)
+                keep(force[1], k, none, touched[3] - j)
+                keep(force[2], k, none, touched[3] - j)
+    if over:
+        touched[0], touched[1], touched[2], touched[3] = const.ni + 1, 0, const.s, 0
     return 0.5 * const.dt * total(work)
-
-
-@kernel(_nrt=False)
-def clear(const, force, touched):
-    """Set the forces of the last step to zero."""
-    for F in force:
-        for i in range(touched[0], touched[1]):
-            for k in range(np.uint64(i * const.s + touched[2]), np.uint64(i * const.s + touched[3])):
-                F[k] = 0.0
-    touched[0], touched[1], touched[2], touched[3] = const.ni + 1, 0, const.s, 0
 
 
 @kernel(_nrt=False, forceinline=True)
@@ -160,7 +169,7 @@ def symmetric(const, force, touched):
             force[1][i * const.s] = 0.0
 
 
-@kernel(_nrt=False)
+@kernel(_nrt=False, forceinline=True)
 def window(pair, fc, rc):
     """Element rows and columns of the front ply where either ply's deflection can bring them into contact."""
     i0, i1, j0, j1 = pair.front_box[0], pair.front_box[1], pair.front_box[2], pair.front_box[3]
@@ -172,54 +181,57 @@ def window(pair, fc, rc):
     return max(i0 - _MARGIN, 0), min(i1 + _MARGIN, fc.ni), max(j0 - _MARGIN, 0), min(j1 + _MARGIN, fc.nj)
 
 
-@kernel(_nrt=False)
+@kernel(_nrt=False, forceinline=True)
 def contact(front, fc, rear, rc, pair, step):
     """Forces between two plies at their present positions, into pair.on_front and pair.on_rear."""
     if step % _EVERY == 0:
         pair.speed[0] = scan(front, fc, pair.least, pair.front_box)
         pair.speed[1] = scan(rear, rc, pair.least, pair.rear_box)
-    tear(front, fc, rear, rc, pair)
-    taken = -settle(front, fc, pair.on_front, pair.front_touched) - settle(rear, rc, pair.on_rear, pair.rear_touched)
-    clear(fc, pair.on_front, pair.front_touched)
-    clear(rc, pair.on_rear, pair.rear_touched)
+    if front.counter[FAILURES] + rear.counter[FAILURES] != pair.tears[0]:
+        tear(front, fc, rear, rc, pair)
+    taken = -settle(front, fc, pair.on_front, pair.front_touched, True)
+    taken -= settle(rear, rc, pair.on_rear, pair.rear_touched, True)
     i0, i1, j0, j1 = window(pair, fc, rc)
-    p, spring, often = pair.points, 0.0, step % _EVERY == 0
+    p, spring, now, often = pair.points, 0.0, float(step), step % _EVERY == 0
     shot = math.sqrt(front.speed[0] ** 2 + front.speed[1] ** 2 + front.speed[2] ** 2)
     nearer = _FASTER * fc.dt * (max(pair.speed[0], shot) + max(pair.speed[1], shot))
     for i in range(i0, i1):
         start, end = (i * fc.nj + j0) * p * p, (i * fc.nj + j1) * p * p
         for q0 in range(start, end, WIDTH):
             count = min(WIDTH, end - q0)
-            if not due(pair, q0, count):
+            due = bits(first(count)) & ~bits(above(load(pair.until, q0), now))
+            if due != 0 and p == 1 and pair.form == SMOOTH:
+                due, energy = touch8(front, fc, rear, rc, pair, q0, i, q0 - i * fc.nj, count, nearer, now, due)
+                spring += energy
+            if due == 0:
                 continue
-            if p == 1 and pair.form == SMOOTH:
-                look_ahead(front, fc, rear, rc, pair, q0, i, q0 - i * fc.nj, count, nearer)
             for q in range(q0, q0 + count):
-                if not pair.due[q - q0]:
+                if (due >> (q - q0)) & 1 == 0:
                     continue
                 j, m = q // (p * p) - i * fc.nj, q % (p * p)
                 a, b = i + (m // p + pair.start) / p, j + (m % p + pair.start) / p
                 energy, depth = touch(front, fc, rear, rc, pair, q, a, b, often)
                 if depth < 0.0:
-                    pair.wait[q] = leave(depth, nearer)
+                    pair.until[q] = now + 1.0 + leave(depth, nearer)
                 spring += energy
                 if depth > pair.energy[DEEPEST]:
                     pair.energy[DEEPEST], pair.energy[PLACE] = depth, q
     symmetric(fc, pair.on_front, pair.front_touched)
     symmetric(rc, pair.on_rear, pair.rear_touched)
-    taken -= settle(front, fc, pair.on_front, pair.front_touched) + settle(rear, rc, pair.on_rear, pair.rear_touched)
+    taken -= settle(front, fc, pair.on_front, pair.front_touched, False)
+    taken -= settle(rear, rc, pair.on_rear, pair.rear_touched, False)
     conclude(pair, taken, spring, step)
 
 
-@kernel(_nrt=False)
+@kernel(_nrt=False, forceinline=True)
 def contact_back(front, fc, rear, rc, pair, step):
     """As `contact`, for the points beside torn cloth of a ply that lies behind, on the one before it."""
-    tear(front, fc, rear, rc, pair)
+    if front.counter[FAILURES] + rear.counter[FAILURES] != pair.tears[0]:
+        tear(front, fc, rear, rc, pair)
     if pair.tears[1] == 0:
         return
-    taken = -settle(front, fc, pair.on_front, pair.front_touched) - settle(rear, rc, pair.on_rear, pair.rear_touched)
-    clear(fc, pair.on_front, pair.front_touched)
-    clear(rc, pair.on_rear, pair.rear_touched)
+    taken = -settle(front, fc, pair.on_front, pair.front_touched, True)
+    taken -= settle(rear, rc, pair.on_rear, pair.rear_touched, True)
     p, spring, often = pair.points, 0.0, step % _EVERY == 0
     for e in pair.list[: pair.tears[1]]:
         for m in range(p * p):
@@ -230,7 +242,8 @@ def contact_back(front, fc, rear, rc, pair, step):
                 pair.energy[DEEPEST], pair.energy[PLACE] = depth, e * p * p + m
     symmetric(fc, pair.on_front, pair.front_touched)
     symmetric(rc, pair.on_rear, pair.rear_touched)
-    taken -= settle(front, fc, pair.on_front, pair.front_touched) + settle(rear, rc, pair.on_rear, pair.rear_touched)
+    taken -= settle(front, fc, pair.on_front, pair.front_touched, False)
+    taken -= settle(rear, rc, pair.on_rear, pair.rear_touched, False)
     conclude(pair, taken, spring, step)
 
 
@@ -245,11 +258,8 @@ def conclude(pair, taken, spring, step):
 
 @kernel(_nrt=False)
 def tear(front, fc, rear, rc, pair):
-    """Note the elements of the front ply that are next to torn ones of either ply, when more yarns have failed."""
-    failures = front.counter[FAILURES] + rear.counter[FAILURES]
-    if failures == pair.tears[0]:
-        return
-    pair.tears[0], pair.tears[1] = failures, 0
+    """Note the elements of the front ply that are next to torn ones of either ply."""
+    pair.tears[0], pair.tears[1] = front.counter[FAILURES] + rear.counter[FAILURES], 0
     pair.torn[:] = 0
     for i in range(fc.ni):
         for j in range(fc.nj):
@@ -275,78 +285,9 @@ def reach(const, pair, i, j):
 
 
 @kernel(_nrt=False, forceinline=True)
-def due(pair, q0, count):
-    """Whether some of the points q0 .. q0 + count have to be looked at; which, into pair.due."""
-    any_due = False
-    for m in range(count):
-        waits = pair.wait[q0 + m] > 0
-        pair.due[m] = not waits
-        any_due |= not waits
-        if waits:
-            pair.wait[q0 + m] -= 1
-    return any_due
-
-
-@kernel(_nrt=False, forceinline=True)
 def leave(depth, nearer):
     """Steps that a point which is clear by -depth [m] can be left alone, where it comes nearer by `nearer` in each."""
-    return _LONGEST if -depth > _LONGEST * nearer else int(-depth / nearer)
-
-
-@kernel(_nrt=False, forceinline=True)
-def look_ahead(front, fc, rear, rc, pair, q, i, j, count, nearer):
-    """Follow the feet of those of the points in the middles of the elements (i, j) .. (i, j + count) that are clear of
-    the rear ply, as `touch` does, eight at once; they are no longer due. It needs feet that are side by side as well,
-    as in all but folded cloth and grids of another spacing, and leaves the points to `touch` where they are not."""
-    A, B = load(pair.foot[0], q), load(pair.foot[1], q)
-    I, J = int(pair.foot[0][q] + 0.5), int(pair.foot[1][q] + 0.5)
-    if I < 1 or I >= rc.ni or J < 1 or J + WIDTH > rc.nj or j + WIDTH > fc.nj:
-        return
-    if rear.thin[(I - 1) // rc.block] or rear.thin[min(I, rc.ni - 1) // rc.block]:
-        for m in range(WIDTH + 1):
-            if rear.flag[(I - 1) * rc.s + J - 1 + m] or rear.flag[I * rc.s + J - 1 + m]:
-                return
-    own, rank = first(count), load(pair.rank, 0)
-    r, t = A - float(I), B - float(J) - rank
-    if some(above(where(own, most(fabs(r), fabs(t)), 0.0), 0.5)):
-        return
-    low, high = 0.5 - r, 0.5 + r
-    w0, w1, w2 = 0.5 * low * low, 0.75 - r * r, 0.5 * high * high
-    d0, d1, d2 = 0.0 - low, -2.0 * r, high
-    low, high = 0.5 - t, 0.5 + t
-    v0, v1, v2 = 0.5 * low * low, 0.75 - t * t, 0.5 * high * high
-    e0, e1, e2 = 0.0 - low, -2.0 * t, high
-    K, k = (I - 1) * rc.s + J - 1, i * fc.s + j
-    X, Xa, Xb = patch8(rear.u[0], K, rc.s, w0, w1, w2, v0, v1, v2, d0, d1, d2, e0, e1, e2)
-    Y, Ya, Yb = patch8(rear.u[1], K, rc.s, w0, w1, w2, v0, v1, v2, d0, d1, d2, e0, e1, e2)
-    Z, Za, Zb = patch8(rear.u[2], K, rc.s, w0, w1, w2, v0, v1, v2, d0, d1, d2, e0, e1, e2)
-    Xa, Yb = Xa + rc.dx, Yb + rc.dy
-    x = middle8(front.u[0], k, fc.s) - X - A * rc.dx + (fc.x0 + (i + 0.5) * fc.dx - rc.x0)
-    y = middle8(front.u[1], k, fc.s) - Y - B * rc.dy + (fc.y0 + (j + 0.5) * fc.dy - rc.y0) + rank * fc.dy
-    z = middle8(front.u[2], k, fc.s) - Z - pair.apart
-    n_x, n_y, n_z = Ya * Zb - Za * Yb, Za * Xb - Xa * Zb, Xa * Yb - Ya * Xb
-    square = n_x * n_x + n_y * n_y + n_z * n_z
-    tiny = 1e-6 * rc.dx * rc.dy
-    if some(above(where(own, tiny * tiny - square, -1.0), 0.0)):
-        return
-    depth = pair.thickness + (n_x * x + n_y * y + n_z * z) / sqrt(square)
-    aa, ab, bb = Xa * Xa + Ya * Ya + Za * Za, Xa * Xb + Ya * Yb + Za * Zb, Xb * Xb + Yb * Yb + Zb * Zb
-    ra, rb = Xa * x + Ya * y + Za * z, Xb * x + Yb * y + Zb * z
-    area = most(Xa * Yb - Xb * Ya, 0.01 * rc.dx * rc.dy)
-    near = above(depth, -0.5 * pair.thickness)
-    go = where(near, (bb * ra - ab * rb) / square, (Yb * x - Xb * y) / area)
-    turn = where(near, (aa * rb - ab * ra) / square, (Xa * y - Ya * x) / area)
-    store(pair.depth, 0, depth)
-    for m in range(count):
-        free = pair.status[q + m] == FREE and pair.depth[m] <= 0.0 and not pair.torn[q + m]
-        pair.due[m] = not free
-        pair.wait[q + m] = leave(pair.depth[m], nearer) if free else 0
-        pair.depth[m] = 0.0 if free else 1.0
-    held = above(load(pair.depth, 0), 0.5)
-    A2, B2 = A + most(least(go, _STEP), -_STEP), B + most(least(turn, _STEP), -_STEP)
-    low_a, low_b = -0.5 if rc.mirror_x else 0.0, -0.5 if rc.mirror_y else 0.0
-    keep(pair.foot[0], q, where(held, A, most(least(A2, float(rc.ni)), low_a)), count)
-    keep(pair.foot[1], q, where(held, B, most(least(B2, float(rc.nj)), low_b)), count)
+    return float(LONGEST) if -depth > LONGEST * nearer else math.floor(-depth / nearer)
 
 
 @kernel(_nrt=False, forceinline=True)
@@ -396,7 +337,7 @@ def touch(front, fc, rear, rc, pair, q, a, b, often):
     touches = pair.status[q] == TOUCHING
     along, far, slant = n_x * x + n_y * y + n_z * z, math.sqrt(x * x + y * y + z * z), False
     turned, known = along > 0.0, 0.0  # what comes near does so on its own side
-    if touches and pair.was[q] > (1.0 - _CLOSE) * pair.thickness:  # so deep that it may come through, or has
+    if touches and pair.was[q] > (1.0 - CLOSE) * pair.thickness:  # so deep that it may come through, or has
         known = n_x * pair.normal[0][q] + n_y * pair.normal[1][q] + n_z * pair.normal[2][q]
         turned = known < 0.0 if abs(known) > 0.5 else turned
     if turned and pair.form == SMOOTH:
@@ -427,11 +368,11 @@ def touch(front, fc, rear, rc, pair, q, a, b, often):
         # of cloth that stands on end nothing is straight ahead
         area = max(Xa * Yb - Xb * Ya, 0.01 * rc.dx * rc.dy)
         go, turn, sure = (Yb * x - Xb * y) / area, (Xa * y - Ya * x) / area, False
-    A2, B2 = A + min(max(go, -_STEP), _STEP), B + min(max(turn, -_STEP), _STEP)
+    A2, B2 = A + min(max(go, -STEP), STEP), B + min(max(turn, -STEP), STEP)
     pair.foot[0][q] = min(max(A2, low_a), float(rc.ni))
     pair.foot[1][q] = min(max(B2, low_b), float(rc.nj))
     pair.going[0][q] = pair.going[1][q] = 0.0
-    lost, leapt = pair.status[q] == LOST, depth > 0.0 and max(abs(go), abs(turn)) > _LEAP
+    lost, leapt = pair.status[q] == LOST, depth > 0.0 and max(abs(go), abs(turn)) > LEAP
     if not (touches or lost):
         pair.was[q] = pair.slack[q] = 0.0
     pair.status[q] = LOST if leapt or (slant and (touches or lost)) else FREE
@@ -447,7 +388,7 @@ def touch(front, fc, rear, rc, pair, q, a, b, often):
     if left_x == 0.0 or left_y == 0.0:
         return 0.0, 0.0
     smooth = pair.form == SMOOTH
-    if not touches and smooth and not whole and depth > (1.0 - _CLOSE) * pair.thickness:
+    if not touches and smooth and not whole and depth > (1.0 - CLOSE) * pair.thickness:
         return 0.0, 0.0  # it has come from a hole, edge on, and is on no side yet
     if touches and smooth and depth > pair.thickness and left_x == 1.0 and left_y == 1.0:
         pair.energy[PASSED], pair.energy[WHERE] = pair.energy[PASSED] + 1.0, q
@@ -456,8 +397,8 @@ def touch(front, fc, rear, rc, pair, q, a, b, often):
     elif not touches:
         pair.slack[q] = depth if depth > 0.5 * pair.thickness and pair.form != NODES else 0.0
     elif sure:
-        pair.going[0][q] = min(max(pair.foot[0][q] - before_a, -_STEP), _STEP)
-        pair.going[1][q] = min(max(pair.foot[1][q] - before_b, -_STEP), _STEP)
+        pair.going[0][q] = min(max(pair.foot[0][q] - before_a, -STEP), STEP)
+        pair.going[1][q] = min(max(pair.foot[1][q] - before_b, -STEP), STEP)
     pair.status[q] = TOUCHING
     pair.normal[0][q], pair.normal[1][q], pair.normal[2][q] = n_x, n_y, n_z
     pair.was[q], pair.slack[q] = depth, min(pair.slack[q], depth)
@@ -466,7 +407,7 @@ def touch(front, fc, rear, rc, pair, q, a, b, often):
         part *= (0.5 if a == 0.0 and fc.mirror_x else 1.0) * (0.5 if b == 0.0 and fc.mirror_y else 1.0)
     drag = part * pair.damping
     if pair.slack[q] > 0.0:  # what is left of the thickness has to hold as much
-        part *= min(_STIFFER, pair.thickness / max(pair.thickness - pair.slack[q], 0.1 * pair.thickness))
+        part *= min(STIFFER, pair.thickness / max(pair.thickness - pair.slack[q], 0.1 * pair.thickness))
     v_x = -across(rear.v[0], K, rc.s, w0, w1x, w2, v0, v1, v2)
     v_y = -across(rear.v[1], K, rc.s, w0, w1, w2, v0, v1y, v2)
     v_z = -across(rear.v[2], K, rc.s, w0, w1, w2, v0, v1, v2)
@@ -480,7 +421,7 @@ def touch(front, fc, rear, rc, pair, q, a, b, often):
         v_x += across(front.v[0], k, fc.s, p0, p1x, p2, q0, q1, q2)
         v_y += across(front.v[1], k, fc.s, p0, p1, p2, q0, q1y, q2)
         v_z += across(front.v[2], k, fc.s, p0, p1, p2, q0, q1, q2)
-    f = max(0.0, part * pair.stiffness * squeezed + drag * (n_x * v_x + n_y * v_y + n_z * v_z))
+    f = max(0.0, force(pair, part, squeezed, drag, n_x * v_x + n_y * v_y + n_z * v_z))
     if f > 0.0:
         note(pair.front_touched, i, j, 2 if central else 3)
         note(pair.rear_touched, I, J, 3)

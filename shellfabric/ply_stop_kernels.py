@@ -29,10 +29,11 @@ The work is told as that of all contact of plies is, half a step's of the old fo
 import numpy as np
 
 from shellfabric import spline_kernels
+from shellfabric.borrow import item
 from shellfabric.compiled import kernel
 from shellfabric.march_kernels import FAILURES
 from shellfabric.membrane_kernels import ERODED
-from shellfabric.ply_contact_kernels import clear, note, settle, symmetric
+from shellfabric.ply_contact_kernels import note, settle, symmetric
 
 TAKEN, HELD, MISSED = 0, 1, 2  # of stops.energy; how often something was held, and how often not for good
 SLOTS, NI, NJ, MIRROR_X, MIRROR_Y = range(5)  # of stops.shape
@@ -46,7 +47,7 @@ _WIDER = 4  # [gaps] about a facet, in which what it may meet is looked for
 _TOUCH = 0.02  # of a triangle, beyond its sides
 
 
-@kernel()
+@kernel(_nrt=False)
 def restrain(states, consts, pairs, stack, stops):
     """Forces that keep torn cloth from passing through other plies in the coming step, into stops.force."""
     failures = 0
@@ -61,8 +62,7 @@ def restrain(states, consts, pairs, stack, stops):
             zone(states, consts, stack, stops, p)
     for p in range(len(states)):
         if stops.touched[p, 0] < stops.touched[p, 1]:
-            taken -= settle(states[p], consts[p], stops.force[p], stops.touched[p])
-            clear(consts[p], stops.force[p], stops.touched[p])
+            taken -= settle(item(states, p), item(consts, p), stops.force[p], stops.touched[p], True)
         if stops.count[p, 0] > 0:
             foresee(states, consts, pairs, stops, p)
             enter(stops, p)
@@ -79,19 +79,19 @@ def restrain(states, consts, pairs, stack, stops):
     keep_off(stops, count)
     for p in range(len(states)):
         if stops.touched[p, 0] < stops.touched[p, 1]:
-            symmetric(consts[p], stops.force[p], stops.touched[p])
-            taken -= settle(states[p], consts[p], stops.force[p], stops.touched[p])
+            symmetric(item(consts, p), stops.force[p], stops.touched[p])
+            taken -= settle(item(states, p), item(consts, p), stops.force[p], stops.touched[p], False)
         erase(stops, p)
     stops.energy[TAKEN] += taken
 
 
-@kernel()
+@kernel(_nrt=False)
 def zone(states, consts, stack, stops, p):
     """List the elements of a ply that are about torn ones, its own or of plies next to it, and their nodes."""
-    const, mark = consts[p], stops.mark[p]
+    const, mark = item(consts, p), stops.mark[p]
     mark[:] = 0
     for q in range(max(p - _FAR, 0), min(p + _FAR + 1, len(states))):
-        other, state = consts[q], states[q]
+        other, state = item(consts, q), item(states, q)
         if stack.counters[q, FAILURES] == 0:
             continue
         for i in range(other.ni):
@@ -116,23 +116,23 @@ def zone(states, consts, stack, stops, p):
     stops.count[p, 0], stops.count[p, 1] = elements, nodes
     for m in range(elements):
         k = stops.elements[p, m]
-        if spline_kernels.untorn(states[p], const, k // s, k % s):
+        if spline_kernels.untorn(item(states, p), const, k // s, k % s):
             mark[k] = WHOLE
 
 
-@kernel()
+@kernel(_nrt=False)
 def foresee(states, consts, pairs, stops, p):
     """Places of the nodes of a ply now and after the next step, by all known forces, and where it has cloth."""
     half = len(pairs) // 2
-    own(states[p], consts[p], stops, p)
+    own(item(states, p), item(consts, p), stops, p)
     if p > 0:
-        bear(stops, p, pairs[p - 1].on_rear)
-        bear(stops, p, pairs[half + p - 1].on_front)
+        bear(stops, p, item(pairs, p - 1).on_rear)
+        bear(stops, p, item(pairs, half + p - 1).on_front)
     if p < len(states) - 1:
-        bear(stops, p, pairs[p].on_front)
-        bear(stops, p, pairs[half + p].on_rear)
-    elif consts[p].backed:
-        bear(stops, p, states[p].behind)
+        bear(stops, p, item(pairs, p).on_front)
+        bear(stops, p, item(pairs, half + p).on_rear)
+    elif item(consts, p).backed:
+        bear(stops, p, item(states, p).behind)
     arrive(stops, p)
 
 

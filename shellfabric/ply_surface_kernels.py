@@ -17,7 +17,7 @@ import numpy as np
 
 from shellfabric.compiled import kernel
 from shellfabric.contact_kernels import cover
-from shellfabric.lanes import fma, load
+from shellfabric.lanes import WIDTH, behind, fma, load, splat, store, where
 from shellfabric.membrane_kernels import ERODED
 
 ONE = np.uint64(1)
@@ -134,23 +134,93 @@ def patch(x, k, s, wa, wb, da, db):
 
 
 @kernel(_nrt=False, forceinline=True)
-def patch8(x, k, s, wa0, wa1, wa2, wb0, wb1, wb2, da0, da1, da2, db0, db1, db2):
-    """`patch` of eight neighbouring points, whose nodes begin at the slots k .. k + 7."""
-    m, o = k + s, k + 2 * s
-    x00, x01, x02 = load(x, k), load(x, k + 1), load(x, k + 2)
-    x10, x11, x12 = load(x, m), load(x, m + 1), load(x, m + 2)
-    x20, x21, x22 = load(x, o), load(x, o + 1), load(x, o + 2)
-    v0 = fma(wb0, x00, fma(wb1, x01, wb2 * x02))
-    v1 = fma(wb0, x10, fma(wb1, x11, wb2 * x12))
-    v2 = fma(wb0, x20, fma(wb1, x21, wb2 * x22))
-    e0 = fma(db0, x00, fma(db1, x01, db2 * x02))
-    e1 = fma(db0, x10, fma(db1, x11, db2 * x12))
-    e2 = fma(db0, x20, fma(db1, x21, db2 * x22))
-    return (
-        fma(wa0, v0, fma(wa1, v1, wa2 * v2)),
-        fma(da0, v0, fma(da1, v1, da2 * v2)),
-        fma(wa0, e0, fma(wa1, e1, wa2 * e2)),
-    )
+def bases8(r, moved):
+    """`basis` of eight points r from their nearest nodes, none of which is at an edge, over four nodes: those of points
+    that are `moved` are the last three, of the others the first three. Returns (values, slopes, second slopes)."""
+    low, high = 0.5 - r, 0.5 + r
+    values = four(moved, 0.5 * low * low, 0.75 - r * r, 0.5 * high * high)
+    return values, four(moved, 0.0 - low, -2.0 * r, high), four(moved, 1.0, -2.0, 1.0)
+
+
+@kernel(_nrt=False, forceinline=True)
+def four(moved, a, b, c):
+    """a, b, c and nothing; nothing, a, b and c where `moved`."""
+    return where(moved, 0.0, a), where(moved, a, b), where(moved, b, c), where(moved, c, 0.0)
+
+
+@kernel(_nrt=False, forceinline=True)
+def sum8(w, a, b, c, d):
+    """w0 a + w1 b + w2 c + w3 d"""
+    return fma(w[0], a, fma(w[1], b, fma(w[2], c, w[3] * d)))
+
+
+@kernel(_nrt=False, forceinline=True)
+def nodes8(x, k, w):
+    """`sum8` of four nodes from the slot k on; the next of eight points begins a slot further."""
+    return sum8(w, load(x, k), load(x, k + 1), load(x, k + 2), load(x, k + 3))
+
+
+@kernel(_nrt=False, forceinline=True)
+def line8(x, k, s, w, tall):
+    """`nodes8` along each of four lines, of which the last counts where some points are `moved` to it: `tall`."""
+    last = splat(0.0)
+    if tall:
+        last = nodes8(x, k + 3 * s, w)
+    return nodes8(x, k, w), nodes8(x, k + s, w), nodes8(x, k + 2 * s, w), last
+
+
+@kernel(_nrt=False, forceinline=True)
+def patch8(x, k, s, wa, wb, da, db, tall):
+    """`patch` of eight points side by side, whose four by four nodes begin at the slots k .. k + 7."""
+    v, e = line8(x, k, s, wb, tall), line8(x, k, s, db, tall)
+    return sum8(wa, *v), sum8(da, *v), sum8(wa, *e)
+
+
+@kernel(_nrt=False, forceinline=True)
+def curved8(x, k, s, wa, wb, da, db, ca, cb, tall):
+    """Second slopes (aa, ab, bb) where `patch8` is."""
+    v, e, g = line8(x, k, s, wb, tall), line8(x, k, s, db, tall), line8(x, k, s, cb, tall)
+    return sum8(ca, *v), sum8(da, *e), sum8(wa, *g)
+
+
+@kernel(_nrt=False, forceinline=True)
+def across8(x, k, s, wa, wb, tall):
+    """`across` where `patch8` is."""
+    return sum8(wa, *line8(x, k, s, wb, tall))
+
+
+@kernel(_nrt=False, forceinline=True)
+def spread8(F, k, s, f, wa, wb, tall):
+    """`spread` of eight forces where `patch8` is."""
+    row8(F, k, f * wa[0], wb)
+    row8(F, k + s, f * wa[1], wb)
+    row8(F, k + 2 * s, f * wa[2], wb)
+    if tall:
+        row8(F, k + 3 * s, f * wa[3], wb)
+
+
+@kernel(_nrt=False, forceinline=True)
+def row8(F, k, f, w):
+    """Share eight forces out to four nodes each, those of the next a slot further: summed up in two registers."""
+    none = splat(0.0)
+    low, high = behind(none, f * w[3]), behind(f * w[3], none)
+    low = low + f * w[2]
+    low, high = behind(none, low), behind(low, high)
+    low = low + f * w[1]
+    low, high = behind(none, low), behind(low, high)
+    low = low + f * w[0]
+    store(F, k, load(F, k) + low)
+    store(F, k + WIDTH, load(F, k + WIDTH) + high)
+
+
+@kernel(_nrt=False, forceinline=True)
+def share8(F, k, s, f):
+    """`share` for eight neighbouring elements."""
+    f, none = 0.25 * f, splat(0.0)
+    low, high = f + behind(none, f), behind(f, none)
+    for m in (k, k + s):
+        store(F, m, load(F, m) + low)
+        store(F, m + WIDTH, load(F, m + WIDTH) + high)
 
 
 @kernel(_nrt=False, forceinline=True)

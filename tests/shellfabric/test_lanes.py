@@ -144,3 +144,20 @@ def test_single_precision_storage():
     widened(small, out)
     np.testing.assert_array_equal(out, small[2:10].astype(float))
     np.testing.assert_array_equal(small[20:28], (out + 1e-3).astype(np.float32))
+
+
+@njit
+def answers(a, b, flags, value, out):
+    x, y = load(a, 0), load(b, 0)
+    bits = lanes.bits(lanes.above(x, y))
+    store(out, 0, lanes.where(lanes.lanes_of(bits ^ 0b1001), 1.0, 0.0))
+    return bits, lanes.bits(lanes.those(flags, 1, value)), lanes.bits(lanes.first(3))
+
+
+def test_answers_as_bits():
+    flags, out, powers = np.array([9, 0, 2, 1, 2, 2, 0, 255, 2, 7], np.uint8), np.empty(N), 1 << np.arange(N)
+    bits, those, first = answers(A, B, flags, 2, out)
+    assert bits == powers[A > B].sum()
+    assert those == powers[flags[1:9] == 2].sum()
+    assert first == 0b111
+    np.testing.assert_array_equal(out, (A > B) ^ np.isin(np.arange(N), (0, 3)))

@@ -1,14 +1,19 @@
 """Packs: one ply is a single ply, momentum and energy, nothing goes through, stacking, gaps, resuming to the bit."""
 
+import sys
+from collections import namedtuple
 from dataclasses import replace
 
 import numpy as np
 import pytest
+from numba.typed import List
 
 from fabrics import catalogue
 from fabrics.errors import InputError, UnstableError
 from shellfabric import pack_checkpoint, pack_impact
+from shellfabric.borrow import item
 from shellfabric.cell import CellModel
+from shellfabric.compiled import entry, kernel
 from shellfabric.impact import ImpactSetup
 from shellfabric.march import March
 from shellfabric.march_kernels import IDLE, NOT_FINITE
@@ -244,3 +249,34 @@ def test_bad_packs_are_told(ply):
     for bad in ({"penalty": 0.0}, {"damping": -1.0}, {"points": 0}, {"form": "soft"}):
         with pytest.raises(InputError, match=next(iter(bad))):
             PlyContact(**bad)
+
+
+Thing = namedtuple("Thing", "numbers factor")
+
+
+@kernel(_nrt=False)
+def weighed(things):
+    found = 0.0
+    for n in range(len(things)):
+        thing = item(things, n)
+        found = 10.0 * found + thing.factor * thing.numbers[1]
+        thing.numbers[0] += 1.0
+    return found
+
+
+@entry()
+def weigh(things):
+    return weighed(things)
+
+
+def test_items_of_a_list_are_looked_at_where_they_lie():
+    arrays = [np.array([0.0, 2.0 + n]) for n in range(3)]
+    counts = [sys.getrefcount(array) for array in arrays]
+    things = List([Thing(array, 1.0) for array in arrays])  # not `lists`: its cache would know this file
+    held = [sys.getrefcount(array) for array in arrays]
+    assert weigh(things) == 234.0
+    assert weigh(things) == 234.0
+    assert [array[0] for array in arrays] == [2.0, 2.0, 2.0]
+    assert [sys.getrefcount(array) for array in arrays] == held
+    del things
+    assert [sys.getrefcount(array) for array in arrays] == counts

@@ -1,5 +1,6 @@
 """Contact of two plies: the spline, forces against a slow plain twin, momentum, and what torn cloth may do."""
 
+from copy import deepcopy
 from dataclasses import replace
 
 import numpy as np
@@ -8,6 +9,7 @@ from scipy.optimize import minimize
 
 from fabrics import catalogue
 from shellfabric import ply_contact_kernels as kernels
+from shellfabric import ply_lanes_kernels as lanes
 from shellfabric import ply_surface_kernels as surface
 from shellfabric.cell import CellModel
 from shellfabric.pack import Pack, PlyContact
@@ -118,8 +120,9 @@ def bulging(pack, rng, together):
 def settled(states, consts, pair, times=200):
     """The contact with its feet found: from flat cloth they take steps of a quarter of an element."""
     for step in range(times):
-        pair.status[:], pair.wait[:] = kernels.FREE, 0
+        pair.status[:], pair.until[:] = kernels.FREE, 0
         kernels.contact(states[0], consts[0], states[1], consts[1], pair, 8 * step)
+    pair.until[:] = 0
 
 
 def test_spline_is_smooth_and_goes_through_flat_cloth():
@@ -157,6 +160,77 @@ def test_forces_against_a_plain_twin(ply, stacking, symmetry):
             np.testing.assert_allclose(one[: other.size].reshape(other.shape), other, atol=1e-5 * size)
             assert not one[other.size :].any()
     assert pair.energy[kernels.SPRING] == pytest.approx(energy, rel=1e-6)
+
+
+def one_at_a_time(front, fc, rear, rc, pair):
+    """What the contact does of its points, by `touch` alone: (energy in the springs, deepest)."""
+    for force in (*pair.on_front, *pair.on_rear):
+        force[:] = 0.0
+    found = np.zeros((fc.ni * fc.nj, 2))
+    for q in range(fc.ni * fc.nj):
+        i, j = divmod(q, fc.nj)
+        found[q] = kernels.touch(front, fc, rear, rc, pair, q, i + 0.5, j + 0.5, False)
+    return found[:, 0].sum(), found[:, 1].max()
+
+
+@pytest.mark.parametrize("stacking", ["aligned", "alternating"])
+def test_eight_at_once_are_one_at_a_time(ply, stacking):
+    """Feet, sides, springs and forces, while plies that bulge into each other slide, come nearer and part."""
+    panel = replace(ply, symmetry="whole", opening=(0.013, 0.012))  # 11 elements and a part of eight in a row
+    pack = Pack.stacked(panel, 2, stacking=stacking, gap=0.1e-3)
+    states, consts, pair = bulging(pack, np.random.default_rng(4), 0.2e-3)
+    settled(states, consts, pair, 60)
+    (front, rear), (fc, rc) = states, consts
+    twin, seen, n = deepcopy(pair), [], (fc.ni + 1) * fc.s
+    for step, lift in enumerate((0.0, 1e-5, 2e-5, -1e-5, -6e-5, 3e-5, 9e-5, -2e-4, 1e-4, 2e-5), 1):
+        front.u[2][:n] += lift
+        front.u[0][:n] += 2e-5
+        pair.until[:] = 0
+        kernels.contact(front, fc, rear, rc, pair, 8 * step)
+        spring, deepest = one_at_a_time(front, fc, rear, rc, twin)
+        assert pair.energy[kernels.SPRING] == pytest.approx(spring, rel=1e-9)
+        twin.energy[kernels.DEEPEST] = max(twin.energy[kernels.DEEPEST], deepest)
+        assert pair.energy[kernels.DEEPEST] == pytest.approx(twin.energy[kernels.DEEPEST], rel=1e-9)
+        np.testing.assert_array_equal(pair.status, twin.status)
+        touching = pair.status == kernels.TOUCHING
+        size = max(np.abs(f).max() for f in twin.on_front)
+        for name, scale in (("foot", 1.0), ("going", 1.0), ("on_front", size), ("on_rear", size)):
+            for one, other in zip(getattr(pair, name), getattr(twin, name)):
+                np.testing.assert_allclose(one, other, atol=1e-9 * scale, rtol=0, err_msg=name)
+        for one, other in zip((*pair.normal, pair.was, pair.slack), (*twin.normal, twin.was, twin.slack)):
+            np.testing.assert_allclose(one[touching], other[touching], rtol=1e-7, atol=1e-10)
+        seen.append(touching.sum())
+    assert min(seen) < 0.5 * max(seen)
+    assert max(seen) > 16
+
+
+def test_eight_at_once_are_asked_for(ply):
+    """Of whole cloth none but rims and planes of symmetry are left to be looked at one at a time."""
+    states, consts, pair = flat(replace(ply, symmetry="quarter"))
+    (front, rear), (fc, rc) = states, consts
+    pair.energy[kernels.DEEPEST] = 0.0
+    left = np.zeros((fc.ni, fc.nj), int)
+    for i in range(fc.ni):
+        for j in range(0, fc.nj, 8):
+            count = min(8, fc.nj - j)
+            bits, _ = lanes.touch8(
+                front, fc, rear, rc, pair, i * fc.nj + j, i, j, count, 1e-6, 1.0, (1 << count) - 1
+            )  # fmt: skip
+            left[i, j : j + count] = [(bits >> m) & 1 for m in range(count)]
+    assert not left[1:-1, 1:-1].any()
+
+
+def test_a_point_that_touches_does_not_wait(ply):
+    """Not even one that was thought to be far away, next to one that was not."""
+    states, consts, pair = flat(ply)
+    force = placed(states, consts, pair, 0.2 * pair.thickness, 1)
+    pair.status[:] = kernels.FREE
+    wait = pair.until[: pair.torn.size].reshape(consts[0].ni, consts[0].nj)
+    wait[1:-1, 1:-1] = 1e6
+    wait[:, ::8] = 0.0
+    assert placed(states, consts, pair, 0.2 * pair.thickness, 2) == pytest.approx(force, rel=1e-9)
+    assert placed(states, consts, pair, 0.2 * pair.thickness, 3) == pytest.approx(force, rel=1e-9)
+    assert wait.max() <= 3
 
 
 @pytest.mark.parametrize("points", [1, 2])

@@ -6,12 +6,20 @@ import pytest
 from fabrics import catalogue
 from shellfabric import ply_stop_kernels as kernels
 from shellfabric.cell import CellModel
+from shellfabric.compiled import entry
 from shellfabric.march_kernels import FAILURES
 from shellfabric.membrane_kernels import ERODED, WARP_FAILED, WEFT_FAILED
 from shellfabric.pack import Pack
 from shellfabric.pack_march import PackMarch
 from shellfabric.panel import Numerics, Panel
 from validation.packs.passages import pierced
+
+
+@entry()
+def restrain(states, consts, pairs, stack, stops):
+    """What counts no references takes lists from what does."""
+    kernels.restrain(states, consts, pairs, stack, stops)
+
 
 PLACE = 6, 5  # of the element that is moved
 
@@ -48,7 +56,7 @@ class Stack:
             self.states[p].intact[family][:] = 0.0
 
     def restrain(self):
-        kernels.restrain(*self.march._lists, self.march.stack, self.stops)
+        restrain(*self.march._lists, self.march.stack, self.stops)
         return self.stops.force[:, :, : self.const.s * (self.const.ni + 1)]
 
     def through(self, p, q):
