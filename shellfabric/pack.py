@@ -167,6 +167,11 @@ class Pack:
         """Of the nose's contact; 0 where it is that of a single ply, as a pack of one is."""
         return float(self.contact.nose or 0.0) if len(self.plies) > 1 else 0.0
 
+    def _foreseen(self, slots):
+        """Room for what firm springs foresee; a nose of explicit ones has none."""
+        slots = slots if self._firmer else 0
+        return {name: tuple(np.zeros(slots) for _ in range(3)) for name in FORESEEN}
+
     @cached_property
     def places(self):
         """(plies,) [m] where the middle surfaces stand at rest, the first at 0."""
@@ -201,7 +206,7 @@ class Pack:
                     reaction=stack.reactions[p],
                     counter=stack.counters[p],
                     speed=stack.speed,
-                    **{name: tuple(np.zeros(state.mass.size) for _ in range(3)) for name in FORESEEN},
+                    **self._foreseen(state.mass.size),
                 )
             )
             states[p] = states[p]._replace(**{name: getattr(states[0], name) for name in body.STATE})
