@@ -85,9 +85,9 @@ def test_at_rest_it_is_as_stiff_as_it_says():
     due = -B @ (B.T @ held)
     found = forces(-held / stiffness, due, stiffness, held, 1e-30)
     np.testing.assert_allclose(found, held, rtol=1e-12)
-    # and less where the nose's force is taken to be on all points besides: never more
+    # and less where the nose's force is taken to be on all points besides
     softened = forces(-held / stiffness, due, stiffness, held, held.sum() / PER**2)
-    assert np.all(softened <= held + due.max() * 1e-12) or softened.sum() < held.sum()
+    assert 0.1 * held.sum() < softened.sum() < held.sum()
 
 
 def test_in_one_step_a_very_firm_one_closes_the_gap():

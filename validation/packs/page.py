@@ -229,8 +229,9 @@ The default is {PlyContact.nose:g}. What else may be asked of it (measured besid
   stiffness and any loading.
 - At half the step, with the plies' contact as stiff as at the whole, noses of 4, 8, 16 and 32 have onsets of 170, 168,
   166 and 166 m/s in S-726, 200, 205, 205 and 205 in S-728, and 176 four times in S-731.
-- It only takes energy: in four plies of S-726 at 158 m/s 0.5 % of the strike energy at most, where the explicit spring
-  took 0.7 %, and never less than none up to 256 times a single ply's.
+- It only takes energy: in four plies of the three fabrics at 158 to 300 m/s 0.5 to 1.1 % of the strike energy at most,
+  where the explicit spring of single plies took 0.8 to 2.2 %, and never less than none up to 64 times that one's
+  stiffness; at 256 times cloth that was torn at 300 m/s was thrown.
 - With explicit springs at a sixth of the step, 32 times a single ply's at the nose and 4 or 16 times what the plies had
   then, onsets were 172 and 173 m/s in S-726, and 206 and 215 m/s in S-728.
 
