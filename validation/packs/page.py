@@ -254,16 +254,17 @@ _STIFFER = """
 _FACETS = """
 Two things fail first. In S-731 it is the middle yarn at the clamp, where the stress wave doubles, whatever the contact.
 In S-726 and S-728 it is the weft of the first ply beside the middle, a crossover inside the rim of the nose (S-726 at
-185 m/s: weft (2, 0) after 49 µs, while the highest tension after 40 µs is 0.76 of the strength): there the rim sinks
-into the first ply by the depth of a spring, and draws it between nose and second ply. How deep is a matter of
-stiffness. In S-728 four times that of both contacts gives what half the element gives, whose contacts are four times as
-stiff on the area: so there it is not the mesh of the cloth that has not converged, but the contact under the nose.
+185 m/s: weft (2, 0) after 49 µs, while the highest tension after 40 µs is 0.76 of the strength): there the rim presses
+the first ply on the second. With the explicit spring of single plies at the nose it sank in, and the onset of S-728 was
+180 m/s; four times the stiffness of both contacts made it 208, half the element, whose contacts are four times as stiff
+on the area, 206. Now neither moves it by more than 4 %. In S-726 half the element still raises it by a tenth, where
+four times the stiffness does by 2 %: that is the mesh.
 
 So much is measured. A reading: nodes on facets fail later since they are the stiffer contact at the same penalty. A
 node pushes on the cloth with all of its spring, where a point of the smooth surface shares it out among 4 nodes in
 front and 9 behind; bends of one or two elements, as at the rim, feel the difference. With a quarter of the stiffness
-the onset on facets falls to that of smooth surfaces, while these hardly rise with four times theirs. No sign was found
-of smooth contact failing yarns by concentrating force: twice the points (above) leave the onset where it is.
+the onset on facets falls to what smooth surfaces have with four times theirs. No sign was found of smooth contact
+failing yarns by concentrating force: twice the points (above) leave the onset where it is.
 """
 
 _GAPS = """
