@@ -227,11 +227,11 @@ The default is {PlyContact.nose:g}. What else may be asked of it (measured besid
 - Without foresight, on the velocities as they are, a step of a row of nodes on springs at 0.81 of their own bound is
   unstable from 100 m / dt^2 on (tests/shellfabric/test_pack_nose.py); with it the spectral radius is below 1 for any
   stiffness and any loading.
-- With plies a fifth stiffer than now (0.3, damping 0.5), at half the step and contacts as stiff as at the whole, noses of
-  4, 8, 16 and 32 have onsets of 170, 168, 166 and 166 m/s in S-726, 200, 205, 205 and 205 in S-728, and 176 four times
-  in S-731. Four plies of the three fabrics at 158 to 300 m/s lost 0.5 to 1.1 % of the strike energy to a nose of 16, and
-  0.8 to 2.2 % to the explicit spring. Up to 64 times that spring's stiffness the nose never gave what it had not taken;
-  at 256 times cloth that was torn at 300 m/s was thrown.
+- With plies a fifth stiffer than now (0.3, damping 0.5), at half the step and contacts as stiff as at the whole, noses
+  of 4, 8, 16 and 32 have onsets of 170, 168, 166 and 166 m/s in S-726, 200, 205, 205 and 205 in S-728, and 176 four
+  times in S-731. Four plies of the three fabrics at 158 to 300 m/s lost 0.5 to 1.1 % of the strike energy to a nose of
+  16, and 0.8 to 2.2 % to the explicit spring. Up to 64 times that spring's stiffness the nose never gave what it had
+  not taken; at 256 times cloth that was torn at 300 m/s was thrown.
 - With explicit springs at a sixth of the step, 32 times a single ply's at the nose and 4 or 16 times 0.2 between plies,
   onsets were 172 and 173 m/s in S-726, and 206 and 215 m/s in S-728.
 
