@@ -50,7 +50,7 @@ HALVED = {
     "half the distance of points": {"points": 2},
     "half the penalty of the nose": {"nose": 0.5 * PlyContact.nose},
 }
-NOSES = (1.0, 2.0, 4.0, 8.0, 16.0, 32.0)  # stiffness of the nose, times a single ply's
+NOSES = (1.0, 2.0, 3.0, 4.0, 6.0, 12.0)  # stiffness of the nose, times a single ply's
 # what the onset hangs on: stiffness of contacts, and elements along a crossover, whose contacts are as stiff as their
 # mass / dt^2, so that half the element is four times as stiff on the area
 STIFFER = {
