@@ -26,14 +26,14 @@ from shellfabric.projectile import Projectile
 
 Constants = namedtuple(
     "Constants",
-    "ni nj s block mirror_x mirror_y x0 y0 dx dy dt S0 EA cv limit near points shares point_stiffness "
-    "point_damping shape form length frame tilted friction widest R rho projectile_mass free idle_steps clamped middle "
-    "middle_share driven",
+    "ni nj s block mirror_x mirror_y x0 y0 dx dy dt S0 EA cv limit near points shares point_stiffness point_damping "
+    "point_mass firmer shape form length frame tilted friction widest R rho projectile_mass free idle_steps clamped "
+    "middle middle_share driven",
 )
 State = namedtuple(
     "State",
-    "u v g mass kick stiff intact flag L drag pressed touching stuck window contact contact_energy scratch "
-    "position speed reaction rows counter sums peak",
+    "u v g mass kick stiff intact flag L drag pressed touching stuck due pushed usual window contact "
+    "contact_energy scratch position speed reaction rows counter sums peak",
 )
 
 

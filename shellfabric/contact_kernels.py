@@ -8,6 +8,20 @@ f = max(0, -k distance - c n.(v - v_p)), and the friction of `friction_kernels`;
 and the projectile gets its opposite, so that momentum is kept. Where yarns have failed, k and c are those of what is
 left of the two next to a point.
 
+Firm springs. Between the nose and a pack that resists, a spring that is stable at the usual step is too soft: the rim
+sinks in. So in packs it is const.firmer times as stiff, and its force is that of the end of the step to come. With the
+depth d and the velocity v at which the point will approach if the nose lets it, that is by all other forces,
+
+    f = max(0, k d + (c + k dt) v) / (1 + (c + k dt) dt / m)
+
+m is the mass that a point moves. Points share nodes. Let forces f speed points up by A f, and m = s / (A s) for some
+s > 0: as m A keeps this positive vector, its largest eigenvalue is 1 (Perron), and up to 4/3 is stable, whatever k.
+That holds with the cloth at the bound of its own step, since v foresees its forces; with v as it was a quarter of that
+bound would be left. s is the force of a step ago, for which m is right and f at rest is k d; and besides, on every
+point, the nose's force on the ply over the points of an element, as if the cloth lay flat under it. Where that is most
+of s, f at rest is less than k d, though more than on a spring of m / dt^2. Without it the load of a very firm nose hops
+from point to point as cloth slides round the rim, and points of changing m give back more than they took.
+
 Why a smooth surface. A lone node that carries a yarn round the edge slides off it down the side of the cylinder, and a
 sharp edge snaps it up by its whole depth. Points inside flat elements meet the edge quietly, but the normals of these
 jump at nodes, so that the rim bends a yarn at one node or another, and the peak tension goes with where the rim lies in
@@ -18,6 +32,8 @@ crossover it has converged in their number (S-720, equilibrium form, 92.5 m/s: 1
 thirtieth with sixteen points (129.5 and 150.8).
 """
 
+import math
+
 import numpy as np
 
 from shellfabric import friction_kernels, shapes_kernels, spline_kernels
@@ -26,6 +42,7 @@ from shellfabric.lanes import WIDTH, above, fma, load, most, some, store
 from shellfabric.membrane_kernels import ERODED
 
 CONTACT, SPRING, FRICTION, FRICTION_SPRING = 0, 1, 2, 3  # of state.contact_energy
+LEAST = 1e-30  # [N] force of a point of a nose that does not push yet
 
 
 @kernel()
@@ -197,6 +214,12 @@ def press(state, const, i, j, e, work):
         store(at[3], 0, v_x)
         store(at[4], 0, v_y)
         store(at[5], 0, v_z)
+        if const.firmer > 0.0:
+            for n in range(2):
+                v_x, v_y, v_z = spline_kernels.between(shares, first, work.ahead[n])
+                store(at[7 + 3 * n], 0, v_x)
+                store(at[8 + 3 * n], 0, v_y)
+                store(at[9 + 3 * n], 0, v_z)
         for m in range(WIDTH):
             if at[6, m] < 0.0 or last[0, first + m] != 0.0:
                 point_taken, point_spring = touch(state, const, i, j, e, first + m, m, shares, work)
@@ -216,6 +239,12 @@ def moving(state, const, i, j, work):
             v = work.v[k]
             v[0], v[1], v[2] = spline_kernels.velocity(state, const, i - 1 + m, j - 1 + n)
             work.push[0, k] = work.push[1, k] = work.push[2, k] = 0.0
+            if const.firmer > 0.0:
+                ahead = work.ahead
+                x, y, z = spline_kernels.vector(state.due, const, i - 1 + m, j - 1 + n)
+                ahead[0, k, 0], ahead[0, k, 1], ahead[0, k, 2] = x, y, z
+                x, y, z = spline_kernels.vector(state.pushed, const, i - 1 + m, j - 1 + n)
+                ahead[1, k, 0], ahead[1, k, 1], ahead[1, k, 2] = x, y, z
 
 
 @kernel(_nrt=False)
@@ -242,8 +271,15 @@ def touch(state, const, i, j, e, number, m, shares, work):
         n_x, n_y, n_z = turned_back(const.frame, n_x, n_y, n_z)
     v_x, v_y, v_z, f, spring = at[3, m], at[4, m], at[5, m], 0.0, 0.0
     if depth < 0.0:
-        f = max(0.0, -damping * (n_x * v_x + n_y * v_y + n_z * v_z) - stiffness * depth)
-        spring = 0.5 * stiffness * depth * depth
+        if const.firmer > 0.0:
+            hard, drag = const.firmer * stiffness, math.sqrt(const.firmer) * damping
+            away = n_x * (v_x + at[7, m]) + n_y * (v_y + at[8, m]) + n_z * (v_z + at[9, m])
+            gave = n_x * at[10, m] + n_y * at[11, m] + n_z * at[12, m]
+            f = yielding(const, hard, drag, depth, away, gave, before, state.usual[0])
+            spring = -0.5 * depth * min(f, -hard * depth)
+        else:
+            f = max(0.0, -damping * (n_x * v_x + n_y * v_y + n_z * v_z) - stiffness * depth)
+            spring = 0.5 * stiffness * depth * depth
         state.touching[e] = True
     f_x, f_y, f_z = f * n_x, f * n_y, f * n_z
     both_x, both_y, both_z = f_x + last[1, number], f_y + last[2, number], f_z + last[3, number]
@@ -261,6 +297,18 @@ def touch(state, const, i, j, e, number, m, shares, work):
     state.reaction[1] -= f_y
     state.reaction[2] -= f_z
     return taken, spring
+
+
+@kernel(forceinline=True)
+def yielding(const, stiffness, damping, depth, away, gave, before, usual):
+    """Force of a firm spring on a point that is at the distance `depth`, and will part at `away` if nothing pushes.
+
+    before, gave : force on the point a step ago, and by what that and those on its neighbours have sped it up
+    usual : force that every point is taken to have besides
+    """
+    both = damping + stiffness * const.dt
+    mobility = (max(gave, 0.0) + usual * const.dt / const.point_mass) / (before + usual)
+    return max(0.0, (-stiffness * depth - both * away) / (1.0 + both * mobility))
 
 
 @kernel(_nrt=False)

@@ -12,6 +12,9 @@ two write to the same place, so that results do not depend on their number. What
 (`ply_stop_kernels`) looks at all plies at once, and is one thread's.
 """
 
+import math
+
+import numpy as np
 from numba.typed import List
 
 from shellfabric import (
@@ -44,16 +47,29 @@ def append(items, one):
 
 @kernel(_nrt=False, forceinline=True)
 def ply_step(state, const, work):
-    """What a ply does in a step but for the impulses of contact: as `march_kernels.lead` has it."""
+    """What a ply does in a step but for the impulses of contact: as `march_kernels.lead` has it.
+
+    Returns whether the nose's forces are to wait for those of the other plies, which firm springs answer to (see
+    `contact_kernels`). So they do as long as the nose pushes; when it comes there is nothing yet to answer to.
+    """
     march_kernels.widen(state, const)
     march_kernels.sweep(state, const, work, work.shared, 0, 1)
     march_kernels.fail(state, const, work)
     march_kernels.resist(state, const, state.rows[0], state.rows[1], True)
+    waits = const.firmer > 0.0 and state.reaction[2] != 0.0
+    if not waits:
+        press(state, const, work)
+    state.counter[STEP] += 1
+    edges_kernels.hold(state, const, state.counter[STEP] * const.dt)
+    return waits
+
+
+@kernel(_nrt=False)
+def press(state, const, work):
+    """The nose's forces on a ply."""
     taken, spring = contact_kernels.contact(state, const, work.touch)
     state.contact_energy[0] += taken
     state.contact_energy[1] = spring
-    state.counter[STEP] += 1
-    edges_kernels.hold(state, const, state.counter[STEP] * const.dt)
 
 
 @kernel(_nrt=False)
@@ -102,7 +118,7 @@ def step_plies(states, consts, pairs, stack, stops, works, me, count):
             stack.awake[p] |= give(state, const, near.on_front, near.front_touched)
             stack.awake[p] |= give(state, const, back.on_rear, back.rear_touched)
         if stack.awake[p]:
-            ply_step(state, const, item(works, p))
+            stack.firm[p] = ply_step(state, const, item(works, p))
 
 
 @kernel(_nrt=False)
@@ -114,6 +130,72 @@ def step_pairs(states, consts, pairs, stack, me, count):
             front, fc, rear, rc = item(states, p), item(consts, p), item(states, p + 1), item(consts, p + 1)
             ply_contact_kernels.contact(front, fc, rear, rc, item(pairs, p), step)
             ply_contact_kernels.contact_back(rear, rc, front, fc, item(pairs, len(pairs) // 2 + p), step)
+
+
+@kernel(_nrt=False)
+def press_firmly(states, consts, pairs, stack, works, me, count):
+    """The nose's forces on those of one thread's plies that wait for the others' (see `ply_step`)."""
+    for p in range(me, len(states), count):
+        if stack.firm[p]:
+            state, const = item(states, p), item(consts, p)
+            foresee(state, const, pairs, p, len(states))
+            press(state, const, item(works, p))
+            if state.reaction[2] == 0.0:
+                forget(state, const)
+
+
+@kernel(_nrt=False)
+def foresee(state, const, pairs, p, plies):
+    """By what all other forces will speed up the nodes of ply p that the nose can push, into state.due, and by what the
+    nose's own of a step ago have, into state.pushed; the nose's force shared out to one element, into state.usual."""
+    i0, i1, j0, j1 = contact_kernels.reached(state, const)
+    half = len(pairs) // 2
+    for c in range(3):
+        for i in range(i0, i1 + 1):
+            for k in range(np.uint64(i * const.s + j0), np.uint64(i * const.s + j1 + 1)):
+                state.due[c][k] = state.g0[c][k] + state.g1[c][k]
+                if const.backed:
+                    state.due[c][k] += state.behind[c][k]
+    if p > 0:
+        near, back = item(pairs, p - 1), item(pairs, half + p - 1)
+        add(state, const, near.on_rear)
+        add(state, const, back.on_front)
+    if p < plies - 1:
+        near, back = item(pairs, p), item(pairs, half + p)
+        add(state, const, near.on_front)
+        add(state, const, back.on_rear)
+    for c in range(3):
+        for i in range(i0, i1 + 1):
+            for k in range(np.uint64(i * const.s + j0), np.uint64(i * const.s + j1 + 1)):
+                state.due[c][k] *= state.kick[k]
+                state.pushed[c][k] = state.kick[k] * state.contact[c][k]
+    if const.mirror_x and i0 == 0:
+        for j in range(j0, j1 + 1):
+            state.due[0][j] = 0.0
+    if const.mirror_y and j0 == 0:
+        for i in range(i0, i1 + 1):
+            state.due[1][i * const.s] = 0.0
+    force = state.reaction[0] ** 2 + state.reaction[1] ** 2 + state.reaction[2] ** 2
+    state.usual[0] = math.sqrt(force) / const.points**2
+
+
+@kernel(_nrt=False)
+def add(state, const, forces):
+    """Add a neighbour's forces to state.due."""
+    i0, i1, j0, j1 = contact_kernels.reached(state, const)
+    for c in range(3):
+        for i in range(i0, i1 + 1):
+            for k in range(np.uint64(i * const.s + j0), np.uint64(i * const.s + j1 + 1)):
+                state.due[c][k] += forces[c][k]
+
+
+@kernel(_nrt=False)
+def forget(state, const):
+    """Undo `foresee`."""
+    for c in range(3):
+        state.due[c][:] = 0.0
+        state.pushed[c][:] = 0.0
+    state.usual[0] = contact_kernels.LEAST
 
 
 @kernel(_nrt=False)
@@ -156,6 +238,8 @@ def lead(states, consts, pairs, stack, stops, works, steps, history, shared, cou
         meet(shared, count)
         step_pairs(states, consts, pairs, stack, 0, count)
         meet(shared, count)
+        press_firmly(states, consts, pairs, stack, works, 0, count)
+        meet(shared, count)
         ply_stop_kernels.restrain(states, consts, pairs, stack, stops)
         reason = conclude(states, consts, stack, history[made])
         made += 1
@@ -176,6 +260,8 @@ def follow(states, consts, pairs, stack, stops, works, shared, me, count):
         step_plies(states, consts, pairs, stack, stops, works, me, count)
         meet(shared, count)
         step_pairs(states, consts, pairs, stack, me, count)
+        meet(shared, count)
+        press_firmly(states, consts, pairs, stack, works, me, count)
         meet(shared, count)
     freshen(states, consts, stack, works, me, count)
     meet(shared, count)

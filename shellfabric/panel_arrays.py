@@ -17,14 +17,14 @@ Constants = namedtuple(
     "ni nj s block per mirror_x mirror_y x0 y0 dx dy rx0 ry0 dt "
     "tension1 tension2 ceiling1 unit1 ceiling2 unit2 spline level x0t rx top1 y0t ry top2 grid per1 per2 variational "
     "split1 split2 cv1 cv2 V G1 G2 gamma1 gamma2 w1 S01 EA1 w2 S02 EA2 strength1 strength2 strengths1 strengths2 lag "
-    "widest near points shares point_stiffness point_damping R rho projectile_mass free idle_steps "
+    "widest near points shares point_stiffness point_damping point_mass firmer R rho projectile_mass free idle_steps "
     "shape form length frame tilted roaming depth reach top shoulder friction rim_node rim_axis rim bending jam ends "
     "bar_mass bar_h bar_area bar_law bar_parts backed",
 )
 State = namedtuple(
     "State",
     "u v g0 g1 mass inverse_mass kick L N T D slope y intact failed filtered flag thin stale most "
-    "pressed touching contact position speed reaction "
+    "pressed touching due pushed usual contact position speed reaction "
     "contact_energy rows counter sums peak window stuck rim_force rim_sums "
     "outer behind bar_u bar_v bar_plastic bar_stress bar_sums",
 )

@@ -66,6 +66,15 @@ def velocity(state, const, i, j):
 
 
 @kernel()
+def vector(x, const, i, j):
+    """Nodal vector x of node (i, j), in the frame of the panel."""
+    i, sign_x = seen(i, const.ni, const.mirror_x)
+    j, sign_y = seen(j, const.nj, const.mirror_y)
+    k = np.uint64(i * const.s + j)
+    return sign_x * x[0][k], sign_y * x[1][k], x[2][k]
+
+
+@kernel()
 def line(state, const, i, first, last, x):
     """Places of the nodes (i, first) .. (i, last) in the frame of the projectile, into x (3, ...)."""
     row, sign = seen(i, const.ni, const.mirror_x)

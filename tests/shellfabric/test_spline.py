@@ -26,6 +26,20 @@ def shaken(panel, seed=0, depth=0.4e-3):
     return state, const
 
 
+def firmly(state, const, seed=1):
+    """State and constants with firm springs: what they foresee, and by what they sped up the nodes a step ago."""
+    rng, n = np.random.default_rng(seed), (const.ni + 1) * const.s
+    ahead = {name: tuple(np.zeros_like(u) for u in state.u) for name in ("due", "pushed")}
+    for c in range(3):
+        ahead["due"][c][:n] = 3.0 * rng.normal(size=n)
+        ahead["pushed"][c][:n] = 5.0 * rng.normal(size=n)
+    for axis, mirrored in enumerate((const.mirror_x, const.mirror_y)):
+        if mirrored:
+            edge = np.moveaxis(np.arange(n).reshape(-1, const.s), axis, 0)[0]
+            ahead["due"][axis][edge] = ahead["pushed"][axis][edge] = 0.0
+    return state._replace(**ahead, usual=np.array([0.02])), const._replace(firmer=16.0)
+
+
 def pressed(panel, state, const):
     """Contact forces (ni+1, nj+1, 3) of the kernel, with its work and the energy of its springs."""
     scratch = panel.work()
@@ -71,13 +85,17 @@ def plain_weights(state, const, i, j, s, t):
 
 
 def plain_contact(panel, state, const):
-    """What the kernel does without friction and before a first force, point by point, on a panel without mirrors."""
+    """What the kernel does without friction, point by point, on a panel without mirrors. A state that foresees other
+    forces has firm springs; the sizes of those of a step ago count in them alone."""
     force, work, spring = np.zeros((const.ni + 1, const.nj + 1, 3)), 0.0, 0.0
     X, Y = panel.coordinates()
     n = (const.ni + 1) * const.s
     rest = np.stack([X, Y, np.zeros_like(X)], axis=-1)
     x = rest + np.stack([u[:n].reshape(X.shape) for u in state.u], axis=-1) - state.position
     v = np.stack([v[:n].reshape(X.shape) for v in state.v], axis=-1) - state.speed
+    due, pushed = (np.stack([a[:n].reshape(X.shape) for a in name], axis=-1) if const.firmer else 0 * v
+                   for name in (state.due, state.pushed))  # fmt: skip
+    hard, i_near, columns = const.firmer or 1.0, const.near[0], const.near[3] - const.near[2]
     i0, i1, j0, j1 = state.window
     for i in range(i0, i1):
         for j in range(j0, j1):
@@ -99,10 +117,20 @@ def plain_contact(panel, state, const):
                         state.intact[1][(i + (s > 0.5)) * const.s + j],
                     ]
                     part, normal = np.mean(near), np.array(normal) @ const.frame
-                    f = part * (-const.point_damping * normal @ moving - const.point_stiffness * depth)
-                    f = max(f, 0.0) * normal
+                    k, c = part * hard * const.point_stiffness, part * hard**0.5 * const.point_damping
+                    if const.firmer:
+                        c += k * const.dt
+                        e = (i - i_near) * columns + j - const.near[2]
+                        before = state.pressed[e, 0, a * const.points + b] + state.usual[0]
+                        speeding = max(normal @ sum(w * pushed[m] for m, w in shares.items()), 0.0)
+                        speeding += state.usual[0] * const.dt / const.point_mass
+                        moving_on = moving + sum(w * due[m] for m, w in shares.items())
+                        f = max(-c * normal @ moving_on - k * depth, 0.0) / (1.0 + c * speeding / before)
+                    else:
+                        f = max(-c * normal @ moving - k * depth, 0.0)
+                    spring += 0.5 * -depth * (min(f, -k * depth) if const.firmer else -k * depth)
+                    f = f * normal
                     work -= 0.5 * const.dt * f @ moving
-                    spring += 0.5 * part * const.point_stiffness * depth**2
                     for k, w in shares.items():
                         force[k] += w * f
     return force, work, spring
@@ -118,9 +146,13 @@ CUTS = {
 
 @pytest.mark.parametrize("cuts", CUTS.values(), ids=CUTS)
 @pytest.mark.parametrize("shape", ["flat", "hemisphere"])
-def test_kernel_is_its_plain_twin(small, cuts, shape):
+@pytest.mark.parametrize("firm", [False, True])
+def test_kernel_is_its_plain_twin(small, cuts, shape, firm):
     panel = small(symmetry="whole", projectile=Projectile(shape=shape))
     state, const = shaken(panel)
+    if firm:
+        state, const = firmly(state, const)
+        state.pressed[:, 0] = np.random.default_rng(3).random(state.pressed[:, 0].shape)
     for family, i, j in cuts:
         state.intact[family][i * const.s + j] = 0.0
         for a, b in ((i, j), (i, j - 1) if family == 0 else (i - 1, j)):
@@ -133,15 +165,18 @@ def test_kernel_is_its_plain_twin(small, cuts, shape):
     assert (taken, held) == pytest.approx((work, spring), rel=1e-12)
 
 
-@pytest.mark.parametrize("elements", [1, 2, 3])
-def test_a_quarter_is_pressed_like_a_whole(small, elements):
+@pytest.mark.parametrize(("elements", "firm"), [(1, False), (2, False), (3, False), (1, True)])
+def test_a_quarter_is_pressed_like_a_whole(small, elements, firm):
     """Ghost nodes: a quarter's forces are those of the whole whose other parts are its images, halved on the planes."""
     quarter, whole = (small(symmetry=part, elements_per_crossover=elements) for part in ("quarter", "whole"))
     state, const = shaken(quarter)
     other, big = whole.state(100.0), whole.constants()
+    if firm:
+        state, const = firmly(state, const)
+        other, big = firmly(other, big)
     other.position[:] = state.position
     shape = (const.ni + 1, const.nj + 1)
-    for name in ("u", "v"):
+    for name in ("u", "v", "due", "pushed") if firm else ("u", "v"):
         for c in range(3):
             part = getattr(state, name)[c][: shape[0] * shape[1]].reshape(shape)
             signs = [-1.0 if c == axis else 1.0 for axis in range(2)]

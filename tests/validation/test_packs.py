@@ -81,14 +81,14 @@ def test_page_and_pictures_from_results(tmp_path):
         "stackings": {name: made_up() for name in study.STACKINGS},
         "gaps": {gap: made_up() for gap in study.GAPS},
         "halved": {"S-726": dict(zip(study.HALVED, (100.0, 101.0, 104.0, 99.0, 92.0)))},
-        "noses": {"S-726": dict(zip(study.NOSES, (90.0, 95.0, 100.0, 101.0, 102.0)))},
+        "noses": {"S-726": dict(zip(study.NOSES, (90.0, 95.0, 97.0, 99.0, 100.0, 101.0)))},
         "stiffer": {"S-726": dict(zip(study.STIFFER, range(101, 108)))},
         "formulations": {"S-726": {"smooth": 100.0, "facets": 60.0, "nodes": 80.0}},
     }
     told = page(json.loads(json.dumps({"outcomes": found["outcomes"]})) | found)
     assert "**92 (-8.0 %)**" in told
     assert "104 (+4.0 %)" in told
-    assert "| S-726 | 90 (-10.0 %) | 95 (-5.0 %) | 100 (+0.0 %) |" in told
+    assert "| S-726 | 90 (-10.0 %) | 95 (-5.0 %) | 97 (-3.0 %) | 99 (-1.0 %) | 100 (+0.0 %) | 101 (+1.0 %) |" in told
     assert "| smooth, 2 elements | 104 |" in told
     assert "| 16 | S-726 | 243 | perforates (undecided) | **stops** |" in told
     assert "| 16 | S-726 | 243 | 100 | 7 | 3 | 0.20 | 0 | **1** |" in told

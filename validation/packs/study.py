@@ -51,25 +51,25 @@ TORN = (
 _NEAR_THE_NOSE = 14  # elements from the middle in which they are counted
 FABRICS = ("S-726", "S-728", "S-731")
 FORMS = ("smooth", "facets", "nodes")
+# the same contacts as they stand: in units of mass / dt^2 stiffness goes with the step's square
+_HALF = {"safety": 0.45, "penalty": PlyContact.penalty / 4, "nose": PlyContact.nose / 4}
 HALVED = {
     "as it stands": {},
-    "half the time step": {"safety": 0.45, "penalty": 0.05, "nose": 0.15},  # stiffness goes with its square
-    "half the penalty between plies": {"penalty": 0.1},
+    "half the time step": _HALF,
+    "half the penalty between plies": {"penalty": 0.5 * PlyContact.penalty},
     "half the distance of points": {"points": 2},
-    "half the penalty of the nose": {"nose": 0.3},
+    "half the penalty of the nose": {"nose": 0.5 * PlyContact.nose},
 }
-# the nose's penalty at half the time step, where four times the default's stiffness is stable
-NOSES = (0.25, 0.5, 1.0, 2.0, 4.0)
-_HALF = {"safety": 0.45, "penalty": 0.05}
+NOSES = (1.0, 2.0, 3.0, 4.0, 6.0, 12.0)  # stiffness of the nose, times a single ply's
 # what the onset hangs on: stiffness of contacts, and elements along a crossover, whose contacts are as stiff as their
 # mass / dt^2, so that half the element is four times as stiff on the area
 STIFFER = {
     "smooth, as it stands": {},
-    "smooth, plies 4 x": _HALF | {"penalty": 0.2, "nose": 0.15},
-    "smooth, plies and nose 4 x": _HALF | {"penalty": 0.2, "nose": 0.6},
+    "smooth, plies 4 x": _HALF | {"penalty": PlyContact.penalty},
+    "smooth, plies and nose 4 x": _HALF | {"penalty": PlyContact.penalty, "nose": PlyContact.nose},
     "smooth, 2 elements": {"elements": 2},
     "facets, as it stands": {"form": "facets"},
-    "facets, plies 1/4": _HALF | {"penalty": 0.0125, "nose": 0.15, "form": "facets"},
+    "facets, plies 1/4": {"penalty": PlyContact.penalty / 4, "form": "facets"},
     "facets, 2 elements": {"form": "facets", "elements": 2},
 }
 GAPS = (0.12e-3, 0.62e-3, 1.12e-3)  # section 6.4.4: S-728, 16 plies, 170 m/s
@@ -88,8 +88,8 @@ class Case:
     Parameters
     ----------
     fabric, plies, velocity, stacking, gap : [-, -, m/s, -, m]; the fabric's own gap where None
-    form, points, penalty : of the contact between plies; None as they stand
-    nose, safety : penalty of the nose and safety of the time step; None as they stand
+    form, points, penalty, damping, nose : of the pack's contact (`PlyContact`); None as they stand
+    safety : of the time step; None as it stands
     elements : along each side of a crossover
     end_time : [s]
     until_failure : whether the shot is given up when the first yarn fails
@@ -103,6 +103,7 @@ class Case:
     form: str = "smooth"
     points: int | None = None
     penalty: float | None = None
+    damping: float | None = None
     nose: float | None = None
     safety: float | None = None
     elements: int = 1
@@ -115,9 +116,9 @@ class _Failed(Exception):
 
 
 @cache
-def panel(fabric, safety=None, nose=None, elements=1):
+def panel(fabric, safety=None, elements=1):
     """The 203 mm panel of one fabric."""
-    knobs = {key: value for key, value in (("safety", safety), ("penalty", nose)) if value is not None}
+    knobs = {} if safety is None else {"safety": safety}
     return Panel(_table(fabric), numerics=Numerics(threads=1, **knobs), elements_per_crossover=elements)
 
 
@@ -128,9 +129,10 @@ def _table(fabric):
 
 def pack(case: Case) -> Pack:
     """The pack of a case."""
-    given = {key: getattr(case, key) for key in ("points", "penalty") if getattr(case, key) is not None}
+    knobs = ("points", "penalty", "damping", "nose")
+    given = {key: getattr(case, key) for key in knobs if getattr(case, key) is not None}
     contact = PlyContact(form=case.form, **given)
-    ply = panel(case.fabric, case.safety, case.nose, case.elements)
+    ply = panel(case.fabric, case.safety, case.elements)
     return Pack.stacked(ply, case.plies, stacking=case.stacking, gap=case.gap, contact=contact)
 
 
@@ -276,10 +278,7 @@ def noses(results, plies=4):
     found = {}
     for fabric in FABRICS:
         guess = onset(results, Case(fabric, plies, 0.0))
-        found[fabric] = {
-            factor: onset(results, Case(fabric, plies, 0.0, **_HALF, nose=0.15 * factor), guess=guess)
-            for factor in NOSES
-        }
+        found[fabric] = {factor: onset(results, Case(fabric, plies, 0.0, nose=factor), guess=guess) for factor in NOSES}
     return found
 
 
