@@ -235,6 +235,7 @@ def count(march, end, near, begin=0.0):
     passages, reason = Passages(march, near), 0
     while march.time < end and not reason:
         made, reason = march.advance(np.empty((1, 3)))
+        march.reason = reason
         if made:
             passages.step()
     return passages.found
