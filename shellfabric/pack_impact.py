@@ -65,7 +65,7 @@ class PackResult(impact.Outcome):
     energies : {name: (n,)} [J] with the names of pack_march.PACK_ENERGIES
     plies : {name: (n, plies)} with the names of pack_march.PLY_SAMPLES
     peak_tension : (plies, 2) [N] over the run, of each ply's own warp and weft
-    deepest : (plies - 1,) [-] see PackMarch
+    deepest, held_apart : (plies - 1,) and (2,) [-] see PackMarch
     last : (plies,) measures.Snapshot at the end, each from its own plane at rest
     snapshots : tuple of such tuples
     """
@@ -82,6 +82,7 @@ class PackResult(impact.Outcome):
     plies: dict
     peak_tension: np.ndarray
     deepest: np.ndarray
+    held_apart: np.ndarray
     fine: np.ndarray
     bar: body.BarHistory | None
     backing: BackingResult | None
@@ -138,6 +139,7 @@ def result_of(setup: PackSetup, march: PackMarch) -> PackResult:
         plies={name: march.ply_sample(name) for name in PLY_SAMPLES},
         peak_tension=march.peaks,
         deepest=march.deepest,
+        held_apart=march.held_apart,
         nose=march.stack.places[0].copy(),
         last=shots(march),
         **impact.of_projectile(march, march.pack.elements),

@@ -92,7 +92,7 @@ class PackMarch(March):
 
     @property
     def held_apart(self):
-        """(2,) how often torn cloth was kept off other cloth, and how often that did not succeed."""
+        """(2,) [-] how often torn cloth was kept off other cloth, and how often that did not succeed."""
         return self.stops.energy[[ply_stop_kernels.HELD, ply_stop_kernels.MISSED]]
 
     def sample(self, name):

@@ -25,7 +25,10 @@ _HISTORIES = {"t": "s", "v": "m/s", "z": "m", "failed": "1"}
 _PLY_UNITS = {
     "failed_yarns": "1", "reaction_warp": "N", "reaction_weft": "N", "push": "N", "deflection": "m", "energy": "J",
 }  # fmt: skip
-_PLIES = {"places": "m", "thickness": "m", "gaps": "m", "strength": "N", "peak_tension": "N", "deepest": "1"}
+_PLIES = {
+    "places": "m", "thickness": "m", "gaps": "m", "strength": "N", "peak_tension": "N", "deepest": "1",
+    "held_apart": "1",
+}  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -58,6 +61,7 @@ class PackRecord(Audited):
     gaps : (plies - 1,) [m]
     strength, peak_tension : (plies, 2) [N] of each ply's warp and weft
     deepest : (plies - 1,) [-] deepest that a ply has come into the next, over the thickness
+    held_apart : (2,) [-] how often torn cloth was kept from going through another ply, and how often that failed
     projectile : (a, b, 3) [m] its surface about the nose
     shapes, quads : of each ply at the end: Shape, and (m, 4) node numbers
     cuts : tuple of Cut
@@ -90,6 +94,7 @@ class PackRecord(Audited):
     strength: np.ndarray
     peak_tension: np.ndarray
     deepest: np.ndarray
+    held_apart: np.ndarray
     projectile: np.ndarray
     shapes: tuple
     quads: tuple
@@ -117,7 +122,8 @@ class PackRecord(Audited):
             energies=dict(result.energies), plies=dict(result.plies), places=pack.places,
             thickness=np.array([one.weave.thickness for one in pack.plies]), gaps=np.array(pack.gaps),
             strength=np.array([[yarn.strength for yarn in one.weave.yarns] for one in pack.plies]),
-            peak_tension=result.peak_tension, deepest=result.deepest, projectile=drawn(ply.projectile),
+            peak_tension=result.peak_tension, deepest=result.deepest,
+            held_apart=result.held_apart, projectile=drawn(ply.projectile),
             shapes=tuple(Shape.of(shot) for shot in result.last), quads=tuple(quads(one) for one in pack.plies),
             cuts=tuple(_cut(shots, mirror_y) for shots in (*before, result.last)),
         )  # fmt: skip
@@ -133,6 +139,8 @@ class PackRecord(Audited):
             "peak_tension_over_strength": (self.peak_tension / self.strength).max(axis=1).tolist(),
             "energy_of_plies": self.plies["energy"][-1].tolist(),
             "deepest_over_thickness": float(self.deepest.max()),
+            "held_apart": int(self.held_apart[0]),
+            "not_held_apart": int(self.held_apart[1]),
             "strike_energy": self.strike_energy,
             "absorbed": self.absorbed,
             "worst_balance": self.worst_balance,

@@ -195,6 +195,9 @@ def _ply_table(record):
         for p in range(record.count)
     )  # fmt: skip
     caption = f"Warp and weft are each ply's own. Deepest contact: {100 * record.deepest.max():.0f} % of a thickness."
+    held, missed = record.held_apart
+    if held or missed:
+        caption += f" Torn cloth was kept from going through other plies {held:g} times, {missed:g} times in vain."
     return report.Table(columns, rows, caption=caption, numeric=columns[1:])
 
 

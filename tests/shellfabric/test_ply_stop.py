@@ -118,6 +118,17 @@ def test_nothing_is_held_where_there_is_nothing_to_hold_it(ply, how):
     assert not stack.restrain().any()
 
 
+@pytest.mark.parametrize("side", [-1, 1])
+def test_beside_the_last_yarn_of_an_element_cloth_may_go(ply, side):
+    """One warp yarn is left, on the low side of the element along the weft."""
+    stack = Stack(ply, 2, (1,))
+    stack.bore(1)
+    stack.states[1].intact[0][stack.k] = 1.0
+    stack.states[0].u[1][stack.corners] = side * 0.25 * stack.const.dy
+    stack.fly(0, (0.0, 0.0, 1.5 * stack.march.pack.places[1] / stack.const.dt))
+    assert stack.restrain().any() == (side < 0)
+
+
 def test_what_comes_through_a_torn_ply_is_held_off_the_one_behind_it(ply):
     """The middle ply is a hole there; where it has no tear at all nothing gets that far."""
     for torn, held in (((1,), True), ((0,), False)):

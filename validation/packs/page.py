@@ -184,8 +184,7 @@ Where one yarn has failed in every ply it is the middle one, at the clamp: the s
 energy balance is asked to hold within 0.5 % of the strike energy. It was 0.58 % in 16 plies of S-731, of which nothing
 is the contact's: with half the time step and contacts as stiff as before it was 0.13 %, in four plies 0.085 in place of
 0.37 %, as of a step's error in yarns that stiffen; since the audit tells that (entry "cell") it is 0.07 and 0.05 %.
-Deepest is how far a point of one ply has come into the next:
-above 1 it is through.
+Deepest is how far a point of one ply has come into the thickness of the next.
 """
 
 _PASSAGES = """
