@@ -48,7 +48,7 @@ Pair = namedtuple(
 Stops = namedtuple(
     "Stops",
     "force touched at to kick places gap grid shape dt mark cloth elements nodes count tears low high head item place "
-    "then near energy",
+    "then near side energy",
 )
 Stack = namedtuple("Stack", "awake firm counter places reactions counters speed")
 
@@ -252,6 +252,7 @@ class Pack:
             grid=np.array([(c.x0, c.y0, c.dx, c.dy) for c in consts]), dt=self.time_step,
             shape=np.array([(c.s, c.ni, c.nj, c.mirror_x, c.mirror_y) for c in consts]), low=nodal(), high=nodal(),
             cloth=np.zeros((count, n), np.uint8), near=np.zeros((_NEAR * count, 4), np.int64),
+            side=np.zeros((_NEAR * count, 3)),
             mark=np.zeros((count, n), np.uint8), elements=np.zeros((count, n), np.int64),
             nodes=np.zeros((count, n), np.int64), count=np.zeros((count, 3), np.int64), tears=np.zeros(1, np.int64),
             head=np.full((count, cells), -1, np.int32), item=np.zeros((count, room), np.int32),
@@ -293,7 +294,7 @@ class Pack:
             foot=tuple(np.pad(part.ravel(), (0, WIDTH)) for part in foot), going=(padded(), padded()),
             normal=(padded(), padded(), padded()), was=padded(), slack=padded(),
             status=padded(np.uint8), until=padded(), torn=np.zeros(elements, np.uint8),
-            list=np.zeros(elements, np.int64), tears=np.zeros(2, np.int64),
+            list=np.zeros(elements, np.int64), tears=np.zeros(3, np.int64),
             rank=np.arange(float(WIDTH)), speed=np.zeros(2),
             on_front=nodal(states[p]), on_rear=nodal(states[q]), front_touched=nothing(front),
             rear_touched=nothing(rear), front_box=np.array(states[p].window),

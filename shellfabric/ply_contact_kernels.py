@@ -15,7 +15,8 @@ still be pushed back, and the harder; it is counted, and ends the run.
 Sides. Contact does not ask which way a normal points, but on which side of the cloth a point is: what comes near is on
 its own side, and stays there. Cloth that is drawn in until an element lies upside down has a normal that turns over
 within a step: a point 0.006 t deep was found 1.99 t deep, and thrown. So n points away from x as long as x cannot have
-come through, which takes a depth close to t in the step before; then it goes on from the n of that step. In folds, on
+come through, which takes a depth close to t in the step before, or a yarn that has just failed: the surface changes
+from the spline to facets on the other side of a bend. Then it goes on from the n of that step. In folds, on
 rims and where cloth is drawn to a line the normal says nothing of x - y, and n is its direction.
 
 The foot follows from step to step by one step of Gauss and Newton; of a point that touches by one of Newton, from where
@@ -187,8 +188,7 @@ def contact(front, fc, rear, rc, pair, step):
     if step % _EVERY == 0:
         pair.speed[0] = scan(front, fc, pair.least, pair.front_box)
         pair.speed[1] = scan(rear, rc, pair.least, pair.rear_box)
-    if front.counter[FAILURES] + rear.counter[FAILURES] != pair.tears[0]:
-        tear(front, fc, rear, rc, pair)
+    tear(front, fc, rear, rc, pair)
     taken = -settle(front, fc, pair.on_front, pair.front_touched, True)
     taken -= settle(rear, rc, pair.on_rear, pair.rear_touched, True)
     i0, i1, j0, j1 = window(pair, fc, rc)
@@ -226,8 +226,7 @@ def contact(front, fc, rear, rc, pair, step):
 @kernel(_nrt=False, forceinline=True)
 def contact_back(front, fc, rear, rc, pair, step):
     """As `contact`, for the points beside torn cloth of a ply that lies behind, on the one before it."""
-    if front.counter[FAILURES] + rear.counter[FAILURES] != pair.tears[0]:
-        tear(front, fc, rear, rc, pair)
+    tear(front, fc, rear, rc, pair)
     if pair.tears[1] == 0:
         return
     taken = -settle(front, fc, pair.on_front, pair.front_touched, True)
@@ -256,10 +255,20 @@ def conclude(pair, taken, spring, step):
         pair.energy[WHEN] = step
 
 
-@kernel(_nrt=False)
+@kernel(_nrt=False, forceinline=True)
 def tear(front, fc, rear, rc, pair):
-    """Note the elements of the front ply that are next to torn ones of either ply."""
-    pair.tears[0], pair.tears[1] = front.counter[FAILURES] + rear.counter[FAILURES], 0
+    """Note, when more yarns have failed, the elements of the front ply that are next to torn ones of either ply."""
+    failures = front.counter[FAILURES] + rear.counter[FAILURES]
+    pair.tears[2] = failures - pair.tears[0]
+    if pair.tears[2] != 0:
+        pair.tears[0] = failures
+        look_for_tears(front, fc, rear, rc, pair)
+
+
+@kernel(_nrt=False)
+def look_for_tears(front, fc, rear, rc, pair):
+    """The elements of the front ply that are next to torn ones of either ply, into pair.torn and pair.list."""
+    pair.tears[1] = 0
     pair.torn[:] = 0
     for i in range(fc.ni):
         for j in range(fc.nj):
@@ -337,7 +346,8 @@ def touch(front, fc, rear, rc, pair, q, a, b, often):
     touches = pair.status[q] == TOUCHING
     along, far, slant = n_x * x + n_y * y + n_z * z, math.sqrt(x * x + y * y + z * z), False
     turned, known = along > 0.0, 0.0  # what comes near does so on its own side
-    if touches and pair.was[q] > (1.0 - CLOSE) * pair.thickness:  # so deep that it may come through, or has
+    # so deep that it may come through, or has; or the surface has just changed from spline to facets
+    if touches and (pair.was[q] > (1.0 - CLOSE) * pair.thickness or pair.tears[2] != 0):
         known = n_x * pair.normal[0][q] + n_y * pair.normal[1][q] + n_z * pair.normal[2][q]
         turned = known < 0.0 if abs(known) > 0.5 else turned
     if turned and pair.form == SMOOTH:
@@ -390,7 +400,7 @@ def touch(front, fc, rear, rc, pair, q, a, b, often):
     smooth = pair.form == SMOOTH
     if not touches and smooth and not whole and depth > (1.0 - CLOSE) * pair.thickness:
         return 0.0, 0.0  # it has come from a hole, edge on, and is on no side yet
-    if touches and smooth and depth > pair.thickness and left_x == 1.0 and left_y == 1.0:
+    if touches and smooth and whole and depth > pair.thickness and left_x == 1.0 and left_y == 1.0:
         pair.energy[PASSED], pair.energy[WHERE] = pair.energy[PASSED] + 1.0, q
     if lost:
         pair.slack[q] = max(depth - (pair.was[q] - pair.slack[q]), 0.0)

@@ -18,7 +18,7 @@ Looked at are the elements about torn ones, of the ply itself and of those next 
 and against those behind that where all plies between them are torn. A facet is the four triangles between the nodes of
 an element and its middle. Through a hole, where warp and weft next to the place are gone, a point may go. Where the
 cloth of the next ply is whole it is left to their contact, whose surface lies on the inside of bends, the nodes on the
-outside.
+outside. What by that contact has come through, as when a yarn fails beside a point between the two, may go back.
 
 Which facets are near a point: the facets of a ply are entered in a raster as wide as its elements, in every cell that
 their boxes reach into within the step.
@@ -34,6 +34,7 @@ from shellfabric.compiled import kernel
 from shellfabric.march_kernels import FAILURES
 from shellfabric.membrane_kernels import ERODED
 from shellfabric.ply_contact_kernels import note, settle, symmetric
+from shellfabric.ply_lanes_kernels import TOUCHING
 
 TAKEN, HELD, MISSED = 0, 1, 2  # of stops.energy; how often something was held, and how often not for good
 SLOTS, NI, NJ, MIRROR_X, MIRROR_Y = range(5)  # of stops.shape
@@ -66,13 +67,14 @@ def restrain(states, consts, pairs, stack, stops):
         if stops.count[p, 0] > 0:
             foresee(states, consts, pairs, stops, p)
             enter(stops, p)
-    count = 0
+    count, half = 0, len(pairs) // 2
     for p in range(len(states)):
         for way in (-1, 1):
             q = p + way
             while 0 <= q < len(states):
                 if stops.count[p, 0] > 0 and stops.count[q, 0] > 0:
-                    count = gather(stops, p, q, count)
+                    pair = item(pairs, min(p, q) + (half if q < p else 0)) if abs(p - q) == 1 else item(pairs, 0)
+                    count = gather(stops, pair, p, q, count)
                 if stack.counters[q, FAILURES] == 0:
                     break
                 q += way
@@ -233,8 +235,11 @@ def erase(stops, p):
 
 
 @kernel(_nrt=False)
-def gather(stops, p, q, count):
-    """Add the elements of ply p and the facets of ply q that are near each other to the list, and their number."""
+def gather(stops, pair, p, q, count):
+    """Add the elements of ply p and the facets of ply q that are near each other to the list, and their number.
+
+    pair : the contact of the points of ply p on ply q, where they are next to each other
+    """
     width, s, apart = stops.shape[q, NJ] + 2 * PAD, stops.shape[p, SLOTS], abs(p - q) > 1
     for m in range(stops.count[p, 0]):
         e = stops.elements[p, m]
@@ -257,6 +262,11 @@ def gather(stops, p, q, count):
                     if count < stops.near.shape[0]:
                         stops.near[count, 0], stops.near[count, 1] = p, e
                         stops.near[count, 2], stops.near[count, 3] = q, f
+                        point = e // s * stops.shape[p, NJ] + e % s
+                        knows = not apart and pair.points == 1 and pair.status[point] == TOUCHING
+                        knows = knows and pair.was[point] > pair.thickness
+                        for c in range(3):
+                            stops.side[count, c] = pair.normal[c][point] if knows else 0.0
                         count += 1
                     else:
                         stops.energy[MISSED] += 1.0
@@ -270,7 +280,7 @@ def keep_off(stops, count):
     for turn in range(_ROUNDS):
         held, asked = 0, 1.0 - turn / _ROUNDS
         for m in range(count):
-            if meet(stops, stops.near[m, 0], stops.near[m, 2], stops.near[m, 1], stops.near[m, 3], asked):
+            if meet(stops, m, asked):
                 held += 1
         if held == 0:
             break
@@ -289,8 +299,10 @@ def middle(x, p, e, s):
 
 
 @kernel(_nrt=False)
-def meet(stops, p, q, e, f, asked):
-    """Keep the middle of element e of ply p off the facet f of ply q, if it would come through: whether it would."""
+def meet(stops, number, asked):
+    """Keep the middle of an element off a facet, by number in the list, if it would come through: whether it would."""
+    p, e, q, f = stops.near[number, 0], stops.near[number, 1], stops.near[number, 2], stops.near[number, 3]
+    side = stops.side[number]
     own, s, gap = stops.shape[p, SLOTS], stops.shape[q, SLOTS], stops.gap[p]
     x0, y0, z0 = middle(stops.at, p, e, own)
     x1, y1, z1 = middle(stops.to, p, e, own)
@@ -302,6 +314,8 @@ def meet(stops, p, q, e, f, asked):
         n_x, n_y, n_z, after = above(stops.to, q, M1, k, o, x1, y1, z1)
         if n_x * n_x + n_y * n_y + n_z * n_z == 0.0:
             continue
+        if before * (n_x * side[0] + n_y * side[1] + n_z * side[2]) > 0.0:
+            continue  # it is through by what the contact knows of it, which brings it back
         if before < 0.0:
             n_x, n_y, n_z, before, after = -n_x, -n_y, -n_z, -before, -after
         wanted = asked * (gap if before > gap else min(gap, before + _SLOWLY * gap))

@@ -12,6 +12,7 @@ from shellfabric import ply_contact_kernels as kernels
 from shellfabric import ply_lanes_kernels as lanes
 from shellfabric import ply_surface_kernels as surface
 from shellfabric.cell import CellModel
+from shellfabric.march_kernels import FAILURES
 from shellfabric.pack import Pack, PlyContact
 from shellfabric.panel import Numerics, Panel
 
@@ -403,3 +404,27 @@ def test_beside_torn_cloth_both_plies_have_points(ply):
     assert forwards + backwards == pytest.approx(whole, rel=1e-9)
     far = np.arange(n)[(np.arange(n) // consts[0].s > 6) | (np.arange(n) % consts[0].s > 6)]
     assert not back.on_front[2][far].any()
+
+
+def test_a_point_keeps_its_side_when_the_cloth_before_it_tears(ply):
+    """On the outside of a bend facets lie before the spline: a yarn that fails there leaves the point behind them."""
+    pack = Pack.stacked(replace(ply, symmetry="whole"), 2, gap=0.0)
+    consts, (states, stack) = pack.constants(), pack.states(1.0)
+    pair, const, apart = pack.pairs(consts, states)[0], consts[0], pack.places[1]
+    node = 6 * const.s + 5
+    corners = node + np.array([0, 1, const.s, const.s + 1])
+    states[1].u[2][node] = -0.8 * apart
+    for c, moved in enumerate((-0.5 * const.dx, -0.5 * const.dy, 0.25 * apart)):
+        states[0].u[c][corners] = moved
+    number, pushed = 6 * const.nj + 5, []
+    pair.front_box[:] = pair.rear_box[:] = 0, const.ni, 0, const.nj
+    for step in range(12):
+        if step == 9:
+            states[1].flag[node] = 1
+            states[1].thin[:] = 1
+            stack.counters[1, FAILURES] = 1
+        kernels.contact(states[0], consts[0], states[1], consts[1], pair, 8 * step + 1)
+        pushed.append((pair.status[number], pair.was[number] / pair.thickness, pair.on_front[2][corners].sum()))
+    assert all(status == kernels.TOUCHING and push < 0 for status, _, push in pushed[3:])
+    assert 0.5 < pushed[8][1] < 1 - kernels.CLOSE
+    assert 1 < pushed[9][1] < 1.3

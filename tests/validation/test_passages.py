@@ -22,7 +22,7 @@ def ply():
 @pytest.mark.parametrize("velocity", [243.0, 300.0])
 def test_torn_plies_do_not_pass_through_each_other(ply, velocity):
     march = PackMarch(Pack.stacked(ply, 4, gap=0.12e-3), velocity, 1.0)
-    found = passages.count(march, 50e-6, NEAR, begin=12e-6)
+    found, _ = passages.count(march, 50e-6, NEAR, begin=12e-6)
     failed = sum(np.count_nonzero(family) for state in march.states for family in state.failed)
     assert failed > 50
     assert march.deepest.max() < 1.0
@@ -51,3 +51,22 @@ def test_a_passage_is_seen(ply):
 @pytest.mark.parametrize(("net", "times"), [((1, 1), 1), ((1, 0), 0), ((1, -1), 0), ((-1, -2), -1), ((2, 3), 2)])
 def test_a_point_is_through_when_it_has_crossed_both_surfaces(net, times):
     assert passages.gone(net) == times
+
+
+def test_what_is_back_at_once_has_not_passed(ply):
+    march = PackMarch(Pack.stacked(ply, 2, gap=0.0), 1.0, 1.0)
+    march.advance(np.empty((0, 3)))
+    told, z = passages.Passages(march, NEAR), march.states[0].u[2]
+    count, march.stack.awake[:] = march.const.s * (march.const.ni + 1), True
+    for place, found, back in ((2.0, NEAR**2, 0), (0.0, 0, NEAR**2)):
+        z[:count] = place * ply.weave.thickness
+        told.step()
+        assert (len([one for one in told.found if one.ply == 0]), len([one for one in told.back if one.ply == 0])) == (
+            found, back,
+        )  # fmt: skip
+    z[:count] = 2.0 * ply.weave.thickness
+    told.step()
+    march.stack.counter[0] += passages.AT_ONCE + 1
+    z[:count] = 0.0
+    told.step()
+    assert len([one for one in told.found if one.ply == 0]) == NEAR**2

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from shellfabric.pack import PlyContact
+from validation.packs.passages import AT_ONCE
 from validation.packs.study import FORMS, GAPS, HALVED, NOSES, STACKED, STIFFER, TOLERANCE
 
 ASKED = 0.05  # of an onset, when something numerical is halved
@@ -37,12 +38,13 @@ def outcomes(rows):
 def passages(rows):
     """One row a shot that tears cloth."""
     lines = [["plies", "fabric", "strike, m/s", "until, µs", "failed segments of the quarter", "held apart, times",
-              "with, % of the strike energy", "not held", "**passages**"]]  # fmt: skip
+              "with, % of the strike energy", "not held", f"back within {AT_ONCE} steps", "**passages**"]]  # fmt: skip
     for one in rows:
         case = one["case"]
         lines.append([
             case["plies"], case["fabric"], f"{case['velocity']:g}", f"{1e6 * one['time']:.0f}", f"{one['failed'][0]:g}",
-            f"{one['held']:g}", f"{100 * one['taken']:.2f}", f"{one['missed']:g}", f"**{len(one['passages'])}**",
+            f"{one['held']:g}", f"{100 * one['taken']:.2f}", f"{one['missed']:g}",
+            f"{len(one['back'])}", f"**{len(one['passages'])}**",
         ])  # fmt: skip
     return table(lines)
 
@@ -194,7 +196,8 @@ Counted beside the contact, from what crosses what in every step (`validation.pa
 have yarns left, through cloth of the next ply and of the next but one, either way. A hole, where warp and weft next to
 a place are gone or its element has eroded, is none. A ply counts as two surfaces, the facets between nodes and middles
 of elements and the spline of the contact, which lie on the two sides of a bend; a point that has crossed both is
-through.
+through. When a yarn fails the contact goes over from the one to the other, and a point between the two is behind cloth
+without having moved; it is brought back.
 """
 
 _FORMULATIONS = f"""

@@ -3,7 +3,9 @@
 A passage is the middle of an element with yarns left that goes through another ply where that has yarns left. Through a
 hole, where warp and weft next to the place are both gone or its element has eroded, it may go. Two surfaces stand for a
 ply: the four triangles between the nodes and the middle of each element, and that of the contact, which is the spline
-where it is whole. They lie on the two sides of a bend, and a point that has crossed both the same way is through.
+where it is whole. They lie on the two sides of a bend, and a point that has crossed both the same way is through. When
+a yarn fails the second changes at once from the one side of a bend to the other, and a point between is behind it
+without having moved: what is back within AT_ONCE steps has not passed, and is told as such.
 Points and corners of facets are taken to move straight within a step; a point crosses a triangle where the volume of
 the two changes its sign between the triangle's sides.
 
@@ -19,7 +21,7 @@ import numpy as np
 
 from shellfabric.membrane_kernels import ERODED
 
-REACH = 2  # plies
+REACH, AT_ONCE = 2, 10  # [plies, steps]
 
 
 class Passage(NamedTuple):
@@ -49,10 +51,11 @@ class Passages:
     Attributes
     ----------
     found : list of Passage
+    back : list of those that were undone at once
     """
 
     def __init__(self, march, near):
-        self.march, self.near, self.found, self._net = march, near, [], {}
+        self.march, self.near, self.found, self.back, self._net = march, near, [], [], {}
         self._fill()
 
     def _fill(self):
@@ -80,10 +83,20 @@ class Passages:
                 net = self._net.setdefault((p, q, element), np.zeros(2, int))
                 old = gone(net)
                 net[number] += way
+                if abs(gone(net)) < abs(old):
+                    self._undo(p, q, element)
                 if abs(gone(net)) > abs(old):
                     flags = (by_element(self.march, r, "flag", self.near) for r in (p, q))
                     whole = not any(flag[at] for flag, at in zip(flags, (element, through)))
                     self.found.append(Passage(self.march.steps, p, q, element, through, whole))
+
+    def _undo(self, p, q, element):
+        """The point is back: its last passage was none if it is no older than that."""
+        for one in reversed(self.found):
+            if (one.ply, one.other, one.element) == (p, q, element) and self.march.steps - one.step <= AT_ONCE:
+                self.found.remove(one)
+                self.back.append(one)
+                return
 
 
 def gone(net):
@@ -228,7 +241,7 @@ def pierced(x, a, b, c):
 
 
 def count(march, end, near, begin=0.0):
-    """Passages of a march from `begin` to `end` [s], or until it ends: list of Passage."""
+    """Passages of a march from `begin` to `end` [s], or until it ends: (those for good, those undone at once)."""
     march.advance(np.empty((0, 3)))
     if begin:
         march.advance(np.empty((round(begin / march.const.dt), 3)))
@@ -238,4 +251,4 @@ def count(march, end, near, begin=0.0):
         march.reason = reason
         if made:
             passages.step()
-    return passages.found
+    return passages.found, passages.back

@@ -75,7 +75,7 @@ STIFFER = {
 GAPS = (0.12e-3, 0.62e-3, 1.12e-3)  # section 6.4.4: S-728, 16 plies, 170 m/s
 STACKED = ("S-726", 4, 100.0)  # Figures 5-55 to 5-57
 STACKINGS = ("aligned", "alternating")
-TOLERANCE = 3.0  # [m/s] of a bisection
+TOLERANCE = 1.0  # [m/s] of a bisection
 _NEAR = 0.05  # of a guess on both sides
 _ONSET_END, _END = 150e-6, 500e-6
 _RANGE = (30.0, 330.0)
@@ -180,7 +180,7 @@ def shoot(case: Case):
 def passages(case: Case):
     """What passes through what in a shot, and how often torn cloth was held apart: a dict, for a file."""
     march = PackMarch(pack(case), case.velocity, case.end_time)
-    found = count(march, case.end_time, _NEAR_THE_NOSE)
+    found, back = count(march, case.end_time, _NEAR_THE_NOSE)
     held, missed = march.held_apart
     taken = march.stops.energy[0] / (march.panel.share * march.strike_energy)
     torn = sum(int(np.count_nonzero(family)) for state in march.states for family in state.failed)
@@ -190,6 +190,7 @@ def passages(case: Case):
         "time": march.time,
         "failed": [torn],
         "passages": [one._asdict() for one in found],
+        "back": [one._asdict() for one in back],
         "held": held,
         "missed": missed,
         "taken": taken,
