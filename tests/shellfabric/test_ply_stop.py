@@ -12,6 +12,7 @@ from shellfabric.membrane_kernels import ERODED, WARP_FAILED, WEFT_FAILED
 from shellfabric.pack import Pack
 from shellfabric.pack_march import PACK_SAMPLES, PackMarch
 from shellfabric.panel import Numerics, Panel
+from shellfabric.ply_lanes_kernels import TOUCHING
 from validation.packs.passages import pierced
 
 
@@ -116,6 +117,20 @@ def test_nothing_is_held_where_there_is_nothing_to_hold_it(ply, how):
         stack.states[1].flag[:] |= ERODED
     stack.fly(0, (0.0, 0.0, (0.5 if how == "far" else 1.5) * stack.march.pack.places[1] / const.dt))
     assert not stack.restrain().any()
+
+
+@pytest.mark.parametrize("known", [False, True])
+def test_what_has_come_through_by_its_contact_may_go_back(ply, known):
+    """Ply 0 is beyond ply 1 and flies back; where the contact of either's points knows that, nothing is in its way."""
+    stack = Stack(ply, 2, (0, 1))
+    apart = stack.march.pack.places[1]
+    stack.states[0].u[2][stack.corners] = 1.1 * apart
+    stack.fly(0, (0.0, 0.0, -0.3 * apart / stack.const.dt))
+    number = PLACE[0] * stack.const.nj + PLACE[1]
+    for pair, way in zip(stack.march.pairs, (1.0, -1.0)):
+        pair.status[number], pair.normal[2][number] = TOUCHING, way
+        pair.was[number] = (1.1 if known else 0.9) * pair.thickness
+    assert stack.restrain().any() != known
 
 
 @pytest.mark.parametrize("side", [-1, 1])
