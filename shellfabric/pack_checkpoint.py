@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from collections import namedtuple
+
 import numpy as np
 
 from fabrics.files import replace_whole
 from shellfabric import checkpoint
 
+Kept = namedtuple("Kept", "force touched energy")  # of what holds torn cloth apart; the rest follows from the plies
 _FORMAT = "weavecell pack checkpoint 1"
 
 
@@ -64,4 +67,5 @@ def _groups(march):
     """(name in the file, named tuple) of all that marches."""
     plies = [(f"plies/{p:02d}", state) for p, state in enumerate(march.states)]
     pairs = [(f"pairs/{p:02d}", pair) for p, pair in enumerate(march.pairs)]
-    return [*plies, *pairs, ("stack", march.stack), ("stops", march.stops)]
+    stops = Kept(*(getattr(march.stops, name) for name in Kept._fields))
+    return [*plies, *pairs, ("stack", march.stack), ("stops", stops)]

@@ -178,13 +178,15 @@ def test_gap_from_the_compression_of_packs():
         fabric_gap(replace(untested, areal_density_measured=None))
 
 
-def test_a_resumed_run_goes_on_bit_for_bit(ply, tmp_path):
+@pytest.mark.parametrize(("plies", "velocity", "at"), [(3, 260.0, 14e-6), (5, 280.0, 25e-6)])
+def test_a_resumed_run_goes_on_bit_for_bit(ply, tmp_path, plies, velocity, at):
+    """Also where torn cloth is held apart before and after, as in the second."""
     setup = pack_impact.PackSetup(
         ImpactSetup(
-            ply.fabric, 260.0, opening=0.04, end_time=30e-6, table_size=81, snapshot_interval=10e-6,
+            ply.fabric, velocity, opening=0.04, end_time=2 * at + 2e-6, table_size=81, snapshot_interval=10e-6,
             numerics=Numerics(threads=1),
         ),
-        3, "alternating", GAP,
+        plies, "alternating", GAP,
     )  # fmt: skip
     whole = pack_impact.run(setup)
 
@@ -192,14 +194,15 @@ def test_a_resumed_run_goes_on_bit_for_bit(ply, tmp_path):
         pass
 
     def stop(march):
-        if march.time > 14e-6:
+        if march.time > at:
             raise Stop
 
     path = tmp_path / "checkpoint.h5"
     with pytest.raises(Stop):
-        pack_impact.run(setup, hooks=(pack_checkpoint.Checkpoints(path, 6e-6), stop))
+        pack_impact.run(setup, hooks=(pack_checkpoint.Checkpoints(path, 2e-6), stop))
     again = pack_impact.run(setup, resume=path)
     assert whole.failed[-1] > 0
+    np.testing.assert_array_equal(whole.held_apart, again.held_apart)
     np.testing.assert_array_equal(whole.fine, again.fine)
     for name in whole.energies:
         np.testing.assert_array_equal(whole.energies[name], again.energies[name])

@@ -122,7 +122,7 @@ def test_nothing_is_held_where_there_is_nothing_to_hold_it(ply, how):
 
 
 def test_nodes_on_a_plane_of_symmetry_are_reckoned_to_keep_to_it(ply):
-    """A facet that leans away from the plane: two of its nodes can give way upwards alone; else it would be held many times."""
+    """A facet that leans away from the plane, two nodes of which can only give way upwards, is not held many times."""
     stack = Stack(replace(ply, symmetry="quarter"), 2, (0, 1), place=(0, 3))
     apart, lean = stack.march.pack.places[1], 0.6 * stack.const.dx
     for state in stack.states:
