@@ -87,6 +87,7 @@ from shellfabric.ply_lanes_kernels import (
     WHERE,
     force,
     touch8,
+    widen,
 )
 from shellfabric.ply_surface_kernels import (
     FACETS,
@@ -155,8 +156,7 @@ def settle(state, const, force, touched, over):
 @kernel(_nrt=False, forceinline=True)
 def note(touched, i, j, n):
     """Widen the window of nodes with forces by n by n nodes."""
-    touched[0], touched[1] = min(touched[0], i), max(touched[1], i + n)
-    touched[2], touched[3] = min(touched[2], j), max(touched[3], j + n)
+    widen(touched, i, i + n, j, j + n)
 
 
 @kernel(_nrt=False)

@@ -37,6 +37,7 @@ from shellfabric.ply_contact_kernels import note, settle, symmetric
 from shellfabric.ply_lanes_kernels import TOUCHING
 
 TAKEN, HELD, MISSED = 0, 1, 2  # of stops.energy; how often something was held, and how often not for good
+ELEMENTS, NODES, ENTRIES = range(3)  # of stops.count: what is looked at of a ply, and what is in its raster
 SLOTS, NI, NJ, MIRROR_X, MIRROR_Y = range(5)  # of stops.shape
 TORN, WHOLE = 1, 2  # of stops.mark: an element that is looked at, and one of whole cloth
 PAD = 4  # cells of the raster beyond the panel's edges
@@ -64,7 +65,7 @@ def restrain(states, consts, pairs, stack, stops):
     for p in range(len(states)):
         if stops.touched[p, 0] < stops.touched[p, 1]:
             taken -= settle(item(states, p), item(consts, p), stops.force[p], stops.touched[p], True)
-        if stops.count[p, 0] > 0:
+        if stops.count[p, ELEMENTS] > 0:
             foresee(states, consts, pairs, stops, p)
             enter(stops, p)
     count, half = 0, len(pairs) // 2
@@ -72,7 +73,7 @@ def restrain(states, consts, pairs, stack, stops):
         for way in (-1, 1):
             q = p + way
             while 0 <= q < len(states):
-                if stops.count[p, 0] > 0 and stops.count[q, 0] > 0:
+                if stops.count[p, ELEMENTS] > 0 and stops.count[q, ELEMENTS] > 0:
                     pair = item(pairs, min(p, q) + (half if q < p else 0)) if abs(p - q) == 1 else item(pairs, 0)
                     count = gather(stops, pair, p, q, count)
                 if stack.counters[q, FAILURES] == 0:
@@ -115,7 +116,7 @@ def zone(states, consts, stack, stops, p):
             if near + (mark[k - s] + (mark[k - s - 1] if j > 0 else 0) if i > 0 else 0) > 0:
                 stops.nodes[p, nodes] = k
                 nodes += 1
-    stops.count[p, 0], stops.count[p, 1] = elements, nodes
+    stops.count[p, ELEMENTS], stops.count[p, NODES] = elements, nodes
     for m in range(elements):
         k = stops.elements[p, m]
         if spline_kernels.untorn(item(states, p), const, k // s, k % s):
@@ -141,9 +142,9 @@ def foresee(states, consts, pairs, stops, p):
 @kernel(_nrt=False)
 def own(state, const, stops, p):
     """What a ply knows of itself: where it has cloth, places, and velocities by its own forces and the nose's."""
-    for m in range(stops.count[p, 0]):
+    for m in range(stops.count[p, ELEMENTS]):
         stops.cloth[p, stops.elements[p, m]] = quarters(state, const, stops.elements[p, m])
-    for m in range(stops.count[p, 1]):
+    for m in range(stops.count[p, NODES]):
         k = stops.nodes[p, m]
         i, j = k // const.s, k % const.s
         met = i > 0 and i % const.block == 0
@@ -158,7 +159,7 @@ def own(state, const, stops, p):
 @kernel(_nrt=False)
 def bear(stops, p, force):
     """Add the impulses of forces to the velocities."""
-    for m in range(stops.count[p, 1]):
+    for m in range(stops.count[p, NODES]):
         k = stops.nodes[p, m]
         for c in range(3):
             stops.to[p, c, k] += stops.kick[p, k] * force[c][k]
@@ -167,7 +168,7 @@ def bear(stops, p, force):
 @kernel(_nrt=False)
 def arrive(stops, p):
     """Places after the step in place of velocities; nodes on planes of symmetry keep to them."""
-    for m in range(stops.count[p, 1]):
+    for m in range(stops.count[p, NODES]):
         k = stops.nodes[p, m]
         for c in range(3):
             kept = (c == 0 and stops.shape[p, MIRROR_X] and k < stops.shape[p, SLOTS]) or (
@@ -200,7 +201,7 @@ def cell(stops, q, x, y):
 def enter(stops, p):
     """Enter the facets of a ply that have cloth in its raster."""
     entries, width, s, margin = 0, stops.shape[p, NJ] + 2 * PAD, stops.shape[p, SLOTS], _WIDER * stops.gap[p]
-    for m in range(stops.count[p, 0]):
+    for m in range(stops.count[p, ELEMENTS]):
         e = stops.elements[p, m]
         if stops.cloth[p, e] == 0:
             continue
@@ -223,15 +224,15 @@ def enter(stops, p):
                 stops.then[p, entries] = stops.head[p, head]
                 stops.head[p, head] = entries
                 entries += 1
-    stops.count[p, 2] = entries
+    stops.count[p, ENTRIES] = entries
 
 
 @kernel(_nrt=False)
 def erase(stops, p):
     """Empty the raster of a ply."""
-    for m in range(stops.count[p, 2]):
+    for m in range(stops.count[p, ENTRIES]):
         stops.head[p, stops.place[p, m]] = -1
-    stops.count[p, 2] = 0
+    stops.count[p, ENTRIES] = 0
 
 
 @kernel(_nrt=False)
@@ -241,7 +242,7 @@ def gather(stops, pair, p, q, count):
     pair : the contact of the points of ply p on ply q, where they are next to each other
     """
     width, s, apart = stops.shape[q, NJ] + 2 * PAD, stops.shape[p, SLOTS], abs(p - q) > 1
-    for m in range(stops.count[p, 0]):
+    for m in range(stops.count[p, ELEMENTS]):
         e = stops.elements[p, m]
         if stops.cloth[p, e] == 0:
             continue

@@ -21,6 +21,7 @@ import numpy as np
 from fabrics import catalogue
 from fabrics.errors import UnstableError
 from fabrics.files import write_whole
+from shellfabric import ply_stop_kernels
 from shellfabric.cell import CellModel
 from shellfabric.pack import Pack, PlyContact
 from shellfabric.pack_march import PackMarch
@@ -182,7 +183,7 @@ def passages(case: Case):
     march = PackMarch(pack(case), case.velocity, case.end_time)
     found, back = count(march, case.end_time, _NEAR_THE_NOSE)
     held, missed = march.held_apart
-    taken = march.stops.energy[0] / (march.panel.share * march.strike_energy)
+    taken = march.stops.energy[ply_stop_kernels.TAKEN] / (march.panel.share * march.strike_energy)
     torn = sum(int(np.count_nonzero(family)) for state in march.states for family in state.failed)
     return {
         "case": asdict(case),
