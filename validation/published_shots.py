@@ -147,7 +147,7 @@ def critical_velocities(results):
     rows, guess = [], None
     for elements in TEST_MESHES:
         found = results(Search(TESTED, elements, guess), search)
-        guess = round(0.5 * (found["low"] + found["high"]), 1)
+        guess = 0.5 * (found["low"] + found["high"])
         rows.append({
             "fabric": TESTED, "elements per crossover": f"{elements}", "stops at [m/s]": f"{found['low']:.2f}",
             "perforates at [m/s]": f"{found['high']:.2f}",

@@ -159,7 +159,7 @@ def table(lines):
 
 _HEAD = """# Packs: many plies
 
-Made by `python -m validation.packs --page docs/packs.md`; every number below is measured by it, but for the
+Made by `python -m validation.packs --page docs/packs.md`; every number below is computed by it, but for the
 passages and what a text says of another build.
 
 A pack (`shellfabric.pack`) is a row of panels behind one opening. Each ply is the shell of a single one, with its own
