@@ -7,7 +7,7 @@ RUN = OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(VENV)/bin/python -m
 
 .PHONY: demo test validate lint figures charts setup clean
 
-demo: setup  ## S-720 from its data sheet to impact, with a report in results/demo
+demo: setup  ## S-720: 3D crossover, calibration and four impacts, with a report in results/demo
 	$(RUN) weavecell demo --out $(RESULTS)/demo
 
 test: setup lint  ## everything but the long validation runs

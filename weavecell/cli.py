@@ -33,7 +33,7 @@ app = typer.Typer(
     rich_markup_mode="rich",
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
-    help="Woven ballistic fabric, from data sheet to impact.",
+    help="Woven ballistic fabrics: unit cell, calibration, impact.",
     epilog="Example: [bold]weavecell demo[/bold], then open results/demo/report.html",
 )
 fabrics_app = typer.Typer(no_args_is_help=True, help="The fabrics of the catalogue.", rich_markup_mode="rich")
@@ -65,7 +65,7 @@ def demo(
     size: MeshOption = Size.medium,
     processes: ProcessesOption = CORES,
 ):
-    """S-720 from data sheet to report: mesh, calibration, and four impacts, with a summary and one HTML page."""
+    """S-720 of the catalogue: mesh, calibration, and four impacts, with a summary and one HTML page."""
     from weavecell.demo import demonstrate
 
     demonstrate(out or RESULTS / "demo", size=size.value, processes=processes)

@@ -1,4 +1,4 @@
-"""The demonstration: one fabric from data sheet through its 3D crossover to impacts with two laws, and one report.
+"""The demonstration: one fabric of the catalogue, its 3D crossover, impacts with two laws, and one report.
 
 What is run and what is asked of it stands in scenes/demo.toml.
 

@@ -80,7 +80,7 @@ def chart(quick=False):
     return Map(
         "plies", "Contact between plies against premature failure",
         f"{PLIES} plies of {FABRIC} over {1e3 * OPENING:g} mm, struck at {VELOCITY:g} m/s, which stops the projectile "
-        "without a failed yarn. In the source such packs perforated by failures that its contact made (erratum E-21).",
+        "without a failed yarn. In the thesis contact noise perforated many packs too early (section 5.2.2).",
         Axis("penalty between plies over mass / dt²", (0.05, PlyContact.penalty, 2.0) if quick else PENALTIES),
         Axis("form of the contact", FORMS[:1] if quick else FORMS), point, "difference from the default [%]",
         f"peaks or velocity off by more than {100 * ALLOWED:g} %, yarns that fail, or plies that go through each other",
