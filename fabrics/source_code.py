@@ -9,12 +9,14 @@ from __future__ import annotations
 
 import ast
 import hashlib
+import re
 from pathlib import Path
 
 PACKAGES = ("fabrics", "meshing", "unitcell3d", "shellfabric", "validation", "weavecell")
 ROOT = Path(__file__).parents[1]
 DATA = (".toml", ".json", ".csv")
 _READS = ("resources.files(", "__file__")  # how a module finds data that lie in its package
+_NAMED = re.compile(r'resources\.files\("([\w.]+)"\)')
 
 
 def file_of(module, root=ROOT):
@@ -42,13 +44,12 @@ def imports(file, root=ROOT, lazy=True):
     ----------
     lazy : whether imports inside functions count
     """
-    tree, package = ast.parse(file.read_bytes()), name_of(file.parent / "__init__.py", root)
-    for node in _nodes(tree, lazy):
+    for node in _nodes(ast.parse(file.read_bytes()), lazy):
         if isinstance(node, ast.Import):
             yield from (name.name for name in node.names)
         elif isinstance(node, ast.ImportFrom):
-            parts = package.split(".")[: len(package.split(".")) - node.level + 1] if node.level else []
-            module = ".".join([*parts, *([node.module] if node.module else [])])
+            start = file.parents[node.level - 1].relative_to(root).parts if node.level else ()
+            module = ".".join([*start, *([node.module] if node.module else [])])
             yield module
             yield from (f"{module}.{name.name}" for name in node.names)
             if lazy and module == "importlib" and any(name.name == "import_module" for name in node.names):
@@ -88,10 +89,19 @@ def closure(modules, root=ROOT, packages=PACKAGES, ends=()):
     return sorted(found)
 
 
-def data_of(files):
-    """Data files (*.toml, *.json, *.csv) in the folders of those files that read data from their package, sorted."""
-    folders = {file.parent for file in files if any(text in file.read_text("utf-8") for text in _READS)}
-    return sorted({path for folder in folders for path in folder.rglob("*") if path.suffix in DATA})
+def data_of(files, root=ROOT):
+    """Data files (*.toml, *.json, *.csv) that files can read from packages, sorted.
+
+    All of a package's folder (without its sub-folders) count where one of the files of this package, or of another by
+    `resources.files("package")`, reads data from it.
+    """
+    folders = set()
+    for file in files:
+        text = file.read_text("utf-8")
+        if any(way in text for way in _READS):
+            folders.add(file.parent)
+            folders |= {root.joinpath(*name.split(".")) for name in _NAMED.findall(text)}
+    return sorted({path for folder in folders for path in folder.glob("*") if path.suffix in DATA})
 
 
 def named_tuples(file):
