@@ -130,6 +130,8 @@ linear_density = "effective"
 
 [projectile]
 mass = "0.5 g"
+diameter = "5.5 mm"
+edge_radius = "0.3 mm"
 strike_velocity = "60 m/s"
 
 [panel]
@@ -138,7 +140,6 @@ opening = "20 mm"
 [run]
 end_time = "10 us"
 snapshot_interval = "5 us"
-audit_interval = "2 us"
 """
 SCENES = {
     "ply.toml": PLY,
@@ -160,12 +161,12 @@ COMMANDS = (
     "coupon coupon.toml --out coupon",
     "biaxial S-720 --out biaxial",
     "critical-velocity ply.toml --tolerance 20m/s --curve 0 --workers 1 --out limit",
-    "v50 S-720 --shots 4 --batch 4 --jobs 1 --opening 20mm --out v50",
+    "v50 S-720 --shots 8 --batch 4 --jobs 1 --opening 30.6mm --seed 2 --out v50",
     "sensitivity S-720 --velocity 60m/s --samples 2 --jobs 1 --opening 20mm --out sobol",
     "chart --scene struck-yarn --quick --out chart",
     "stability --map printed-law --quick --out stability",
     "validate --topic geom --jobs 1 --out validate",
-    "mesh S-720 --size coarse --formats msh,vtu,k,inp,rad --out mesh",
+    "mesh S-720 --size coarse --format msh,vtu,k,inp,rad --out mesh",
     "view mesh --screenshot mesh.png",
 )
 NEED_PETSC = {"demo", "calibrate", "surface", "crossover"}
