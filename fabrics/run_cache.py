@@ -3,7 +3,7 @@
 One rule for every study that can be resumed. The key is a digest of
 - the inputs: numbers, texts, arrays, dataclasses and what is made of them (`inputs_digest`);
 - the code: the version of weavecell, and the source of the module that computes, of all that it imports from our
-  packages, directly or not, and of the data files that these read (`code`).
+  packages, directly or not, of the solvers' packages that are among it, and of the data files that these read (`code`).
 A result of other code is thus never taken for one of this: it is computed again. A file that holds the state of a
 single unfinished run, which cannot be computed again on its own, carries both digests instead (`stamp`), and is
 refused with a message where either differs (`check_stamp`).
@@ -29,6 +29,7 @@ from fabrics import __version__, source_code
 from fabrics.errors import InputError
 from fabrics.files import write_whole
 
+LIBRARIES = ("fabrics", "meshing", "unitcell3d", "shellfabric")
 _SHORT = 12  # digits of the code's digest that messages show
 
 
@@ -38,13 +39,25 @@ def code(*modules):
 
     A module that is not one of ours, as a user's own function has, must have been imported.
     """
+    named = [(str(file.relative_to(source_code.ROOT)), file) for file in files_of(*modules)]
+    named += [(name, Path(sys.modules[name].__file__)) for name in modules if source_code.file_of(name) is None]
+    return source_code.digest((name, file.read_bytes()) for name, file in sorted(named))
+
+
+def files_of(*modules):
+    """Our files that count as the code of some modules, sorted.
+
+    Their imports, in and out of functions; and, of each of `LIBRARIES` that is among these, all files but pictures,
+    since a module can use the methods of an object whose class it does not import.
+    """
     ours = [name for name in modules if source_code.file_of(name) is not None]
     others = [Path(sys.modules[name].__file__) for name in modules if name not in ours]
     used = {name for file in others for name in source_code.imports(file)}
     files = source_code.closure([*ours, *(name for name in used if source_code.file_of(name) is not None)])
-    named = [(str(file.relative_to(source_code.ROOT)), file) for file in [*files, *source_code.data_of(files)]]
-    named += [(file.name, file) for file in others]
-    return source_code.digest((name, file.read_bytes()) for name, file in sorted(named))
+    reached = {file.relative_to(source_code.ROOT).parts[0] for file in files} & set(LIBRARIES)
+    whole = {file for package in reached for file in (source_code.ROOT / package).rglob("*.py")}
+    files = sorted({*files, *(file for file in whole if not file.stem.startswith("pictures"))})
+    return sorted({*files, *source_code.data_of(files)})
 
 
 def version(*modules):

@@ -63,6 +63,10 @@ class TestCode:
             "validation/__init__.py": "",
             "validation/maps/__init__.py": "",
             "validation/maps/study.py": "from importlib import import_module\n",
+            "shellfabric/pictures.py": "",
+            "meshing/__init__.py": "",
+            "meshing/grid.py": "",
+            "validation/maps/alone.py": "",
             "validation/maps/first.py": "from shellfabric import march\n",
         }.items():
             (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
@@ -80,9 +84,12 @@ class TestCode:
             ("shellfabric.march", "shellfabric/march.py", True),
             ("shellfabric.march", "fabrics/yarn.py", True),  # imported in a function
             ("shellfabric.march", "shellfabric/__init__.py", True),
-            ("shellfabric.march", "shellfabric/reader.py", False),
-            ("shellfabric.march", "fabrics/data.toml", False),
-            ("shellfabric.reader", "fabrics/data.toml", True),
+            ("shellfabric.march", "shellfabric/reader.py", True),  # its objects may be handed to the march
+            ("shellfabric.march", "shellfabric/pictures.py", False),
+            ("shellfabric.march", "meshing/grid.py", False),
+            ("shellfabric.march", "fabrics/data.toml", True),
+            ("validation.maps.alone", "validation/maps/first.py", False),
+            ("validation.maps.alone", "fabrics/yarn.py", False),
             ("shellfabric.jit.a_kernels", "shellfabric/jit/b_kernels.py", True),
             ("shellfabric.jit.a_kernels", "shellfabric/jit/__init__.py", True),
             ("shellfabric.jit.a_kernels", "fabrics/yarn.py", True),
@@ -110,7 +117,7 @@ def test_a_key_changes_with_inputs_version_and_code(monkeypatch):
     first = run_cache.key(("a", 1.0), "fabrics.yarn")
     assert first == run_cache.key(("a", 1.0), "fabrics.yarn")
     assert first != run_cache.key(("a", 2.0), "fabrics.yarn")
-    assert first != run_cache.key(("a", 1.0), "fabrics.weave")
+    assert first != run_cache.key(("a", 1.0), "meshing.grid")
     monkeypatch.setattr(run_cache, "__version__", "9.9")
     assert first != run_cache.key(("a", 1.0), "fabrics.yarn")
     assert run_cache.version("fabrics.yarn").startswith("9.9 (code ")

@@ -8,7 +8,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from fabrics import catalogue, source_code
+from fabrics import catalogue, run_cache
 from fabrics.errors import InputError, UnstableError
 from shellfabric.bar import rigid_is_enough
 from shellfabric.edges import PullIn
@@ -407,7 +407,7 @@ class TestScenes:
 
     def test_an_answer_depends_on_the_book_and_the_survey_does_not(self):
         def data(module):
-            return {file.name for file in source_code.data_of(source_code.closure([module]))}
+            return {file.name for file in run_cache.files_of(module)}
 
         assert "errors.json" in data("validation.fidelity.trial")
         assert "errors.json" not in data("validation.fidelity.survey")

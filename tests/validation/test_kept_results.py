@@ -254,6 +254,44 @@ def test_the_state_of_a_run_of_other_code_is_refused(name, tmp_path, other_code)
     assert message.count(f"{before} (code ") == 2  # and that of the file
 
 
+SHELL = ("shellfabric/march.py", "shellfabric/march_kernels.py", "shellfabric/cell.py", "fabrics/compression.py")
+SOLID = ("unitcell3d/newton.py", "unitcell3d/contact_kernels.py", "meshing/crossover.py", "fabrics/solid.py")
+CODE = {
+    "shellfabric.impact": SHELL,
+    "shellfabric.pack_impact": (*SHELL, "shellfabric/ply_contact_kernels.py", "shellfabric/pack.py"),
+    "shellfabric.quasistatic": ("shellfabric/relax_kernels.py", "shellfabric/cell.py", "shellfabric/coupon.py"),
+    "shellfabric.solid_march": ("shellfabric/solid_kernels.py", "shellfabric/solid_patch.py"),
+    "unitcell3d.calibrate": SOLID,
+    "unitcell3d.fit_solid": SOLID,
+    "unitcell3d.surface": (*SOLID, "unitcell3d/surface_line.py"),
+    "validation.crossover_study.cases": (*SOLID, "validation/crossover_study/ends.py"),
+    "validation.charts.study": (*SHELL, *SOLID, "validation/charts/shots.py", "validation/charts/scenes.toml"),
+    "validation.stability.study": (*SHELL, *SOLID, "validation/stability/bars.py"),
+    "validation.scatter.sobol": (*SHELL, "validation/scatter/inputs.toml", "fabrics/catalogue/S-720.toml"),
+    "validation.scatter.v50": (*SHELL, "validation/scatter/inputs.py"),
+    "validation.fidelity.survey": (*SHELL, "validation/fidelity/models.py"),
+    "validation.fidelity.trial": (*SHELL, "validation/fidelity/errors.json", "validation/fidelity/choose.py"),
+    "validation.packs.study": (*SHELL, "shellfabric/ply_stop_kernels.py"),
+    "validation.pencilling.study": (*SHELL, "shellfabric/backing.py"),
+    "validation.convergence.study": (*SHELL, "shellfabric/limit.py"),
+    "validation.ledger.runs": (*SHELL, "validation/bias_extension/cases.py"),
+    "validation.ledger.runs_studies": (*SHELL, "validation/pencilling/study.py", "validation/solid_patch/study.py"),
+    "validation.ledger.runs3d": SOLID,
+    "validation.ledger.runner": (*SHELL, *SOLID, "validation/ledger/checks/impact.py"),
+}
+
+
+@pytest.mark.parametrize("module", CODE)
+def test_the_code_of_a_result_is_what_computes_it(module):
+    found = {str(file.relative_to(ROOT)) for file in run_cache.files_of(module)}
+    assert set(CODE[module]) <= found
+    assert "fabrics/solid.py" in found  # whose methods are used without an import
+    packages = {name.split("/")[0] for name in found}
+    assert "weavecell" not in packages  # a report or a picture more, and nothing is computed again
+    if module.startswith(("shellfabric", "validation.scatter", "validation.fidelity")):
+        assert "unitcell3d" not in packages
+
+
 def test_all_that_resumes_is_here():
     """Whatever names its results by a digest of its own would go by another rule."""
     own = [
