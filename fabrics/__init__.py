@@ -1,1 +1,3 @@
 """What a woven fabric is: yarn, weave, compression law, response surface, catalogue, units and errors."""
+
+__version__ = "0.1.0"

@@ -1,23 +1,22 @@
-"""Where compiled numba kernels are kept: a folder named after the source of all kernels that may call each other.
+"""Where compiled numba kernels are kept: a folder named after all source that their machine code depends on.
 
 numba stamps a cached function with the source of its own file alone, so that after a change in a kernel that is called
-from another file the caller would go on running the old code, silently. Here the folder's name holds a digest of every
-kernel file of the package and of what else it names that they are built on, and a change in any of them starts an
-empty folder.
+from another file the caller would go on running the old code, silently. A named tuple it identifies by its class and
+the types of its members, not by the names of its fields, so that after a change in their order the old code would read
+the wrong arrays. Here the folder's name holds a digest of both, and a change in either starts an empty folder.
 """
 
 from __future__ import annotations
 
-import hashlib
 from contextlib import contextmanager
 from pathlib import Path
 
+from fabrics import source_code
+
 
 @contextmanager
-def kernel_cache(package_file, *others):
+def kernel_cache(package_file):
     """Import the kernels of the package whose `__init__.py` is `package_file` inside this block.
-
-    others : files of the package that compiled code is in besides its *_kernels.py
 
     numba reads the folder when a function is decorated. A folder that the user has chosen (NUMBA_CACHE_DIR) is used as
     the root; otherwise the package's own __pycache__.
@@ -25,11 +24,26 @@ def kernel_cache(package_file, *others):
     import numba
 
     folder = Path(package_file).parent
-    sources = sorted([*folder.glob("*_kernels.py"), *(folder / name for name in others)])
-    digest = hashlib.sha256(b"".join(path.read_bytes() for path in sources)).hexdigest()[:16]
+    digest = source_code.digest(kernel_sources(folder))[:16]
     before = numba.config.CACHE_DIR
     numba.config.CACHE_DIR = str(Path(before or folder / "__pycache__") / f"kernels-{digest}")
     try:
         yield
     finally:
         numba.config.CACHE_DIR = before
+
+
+def kernel_sources(folder):
+    """[(file, bytes)] that the machine code of the kernels in a package's folder and its sub-packages depends on.
+
+    Whole: every file called *_kernels.py or importing from numba, and what these import from our packages. Of all
+    other files of the package: the definitions of named tuples, the only arguments of kernels whose layout is ours.
+    """
+    root, packages = folder.parent, {folder.name, *source_code.PACKAGES}
+    files = sorted(folder.rglob("*.py"))
+    kernels = [file for file in files if file.stem.endswith("_kernels") or b"from numba" in file.read_bytes()]
+    names = [source_code.name_of(file, root) for file in kernels]
+    whole = source_code.closure(names, root, packages, ends=[folder / "__init__.py"])  # which imports this very file
+    found = [(file, file.read_bytes()) for file in whole]
+    found += [(file, tuples) for file in files if file not in whole and (tuples := source_code.named_tuples(file))]
+    return [(str(file.relative_to(root)), content) for file, content in sorted(found)]

@@ -2,8 +2,7 @@
 
 from fabrics.kernel_cache import kernel_cache
 
-# kernels call each other across files: one cache, emptied when any of them changes
-with kernel_cache(__file__, "compiled.py", "borrow.py", "lanes.py", "team.py", "panel_arrays.py"):
+with kernel_cache(__file__):  # kernels call each other across files: one cache, emptied when any of them changes
     from shellfabric import (  # noqa: F401
         bar_kernels,
         block_contact_kernels,

@@ -5,18 +5,18 @@ What the marches of a panel, of a pack (`pack_checkpoint`) and of a solid patch 
 
 from __future__ import annotations
 
-import hashlib
 from contextlib import contextmanager
 from dataclasses import fields
 
 import numpy as np
 
+from fabrics import run_cache
 from fabrics.errors import InputError
 from fabrics.files import replace_whole
 from shellfabric.hooks import Every
 from shellfabric.measures import Snapshot
 
-_FORMAT = "weavecell checkpoint 1"
+_FORMAT = "weavecell checkpoint 2"
 
 
 class Checkpoints(Every):
@@ -35,22 +35,12 @@ class Checkpoints(Every):
         write(march, self.path)
 
 
-def identity(march):
-    """Digest of everything that determines a run and its records: panel, table, knobs, strike velocity, measures."""
+def stamp(march):
+    """Digests of all that determines a run and its records: panel, table, knobs, strike velocity, measures, code."""
     precision, backing = march.panel.numerics.precision, march.panel.backing
     known = march.strike_velocity, march.chunk, march.measure, precision, backing
-    return digest(known, march.const, (march.state.mass, march.state.inverse_mass))
-
-
-def digest(known, const, arrays=()):
-    """Digest of plain values, a named tuple of constants, and further arrays."""
-    found = hashlib.sha256(repr(known).encode())
-    for name, value in zip(const._fields, const):
-        found.update(name.encode())
-        found.update(np.ascontiguousarray(value).tobytes())
-    for array in arrays:
-        found.update(array.tobytes())
-    return found.hexdigest()
+    known += march.const._asdict(), march.state.mass, march.state.inverse_mass
+    return run_cache.stamp(known, "shellfabric.impact")
 
 
 def write(march, path):
@@ -58,7 +48,7 @@ def write(march, path):
     import h5py
 
     with replace_whole(path) as beside, h5py.File(beside, "w") as file:
-        file.attrs["format"], file.attrs["identity"] = _FORMAT, identity(march)
+        file.attrs.update(format=_FORMAT, **stamp(march))
         store(file, "state", march.state)
         store_records(file, march)
         file["histories"] = np.array(march.histories)
@@ -71,9 +61,9 @@ def read(march, path):
 
     Raises
     ------
-    InputError : the file is missing, broken, or of another run
+    InputError : the file is missing, broken, of another run, or of other code
     """
-    with opened(path, _FORMAT, identity(march)) as file:
+    with opened(path, _FORMAT, stamp(march)) as file:
         restore(file, "state", march.state)
         restore_records(file, march)
         march.histories[:] = list(file["histories"][()])
@@ -81,16 +71,15 @@ def read(march, path):
 
 
 @contextmanager
-def opened(path, form, identity):
-    """A checkpoint to read from; InputError if it is missing, broken, or of another run."""
+def opened(path, form, stamp):
+    """A checkpoint to read from; InputError if it is missing, broken, of another run, or of other code."""
     import h5py
 
     try:
         with h5py.File(path, "r") as file:
             if file.attrs.get("format") != form:
                 raise InputError(file=path, key="format", value=file.attrs.get("format"), allowed=repr(form))
-            if file.attrs["identity"] != identity:
-                raise InputError("is the checkpoint of another run", file=path)
+            run_cache.check_stamp(file.attrs, stamp, path)
             yield file
     except (OSError, KeyError) as problem:
         raise InputError(f"is not a readable checkpoint ({problem})", file=path) from None

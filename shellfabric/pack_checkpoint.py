@@ -6,11 +6,12 @@ from collections import namedtuple
 
 import numpy as np
 
+from fabrics import run_cache
 from fabrics.files import replace_whole
 from shellfabric import checkpoint
 
 Kept = namedtuple("Kept", "force touched energy")  # of what holds torn cloth apart; the rest follows from the plies
-_FORMAT = "weavecell pack checkpoint 1"
+_FORMAT = "weavecell pack checkpoint 2"
 
 
 class Checkpoints(checkpoint.Checkpoints):
@@ -21,13 +22,13 @@ class Checkpoints(checkpoint.Checkpoints):
         write(march, self.path)
 
 
-def identity(march):
-    """Digest of everything that determines a run: plies, tables, knobs, contact, strike velocity."""
+def stamp(march):
+    """Digests of everything that determines a run: plies, tables, knobs, contact, strike velocity, code."""
     known = march.strike_velocity, march.chunk, march.measure, march.panel.numerics.precision
     known += march.pack.gaps, march.pack.contact, march.panel.backing
     for const, state in zip(march.consts, march.states):
-        known = checkpoint.digest(known, const, (state.mass, state.inverse_mass))
-    return known
+        known += const._asdict(), state.mass, state.inverse_mass
+    return run_cache.stamp(known, "shellfabric.pack_impact")
 
 
 def write(march, path):
@@ -35,7 +36,7 @@ def write(march, path):
     import h5py
 
     with replace_whole(path) as beside, h5py.File(beside, "w") as file:
-        file.attrs["format"], file.attrs["identity"] = _FORMAT, identity(march)
+        file.attrs.update(format=_FORMAT, **stamp(march))
         for group, arrays in _groups(march):
             checkpoint.store(file, group, arrays)
         checkpoint.store_records(file, march)
@@ -50,9 +51,9 @@ def read(march, path):
 
     Raises
     ------
-    InputError : the file is missing, broken, or of another run
+    InputError : the file is missing, broken, of another run, or of other code
     """
-    with checkpoint.opened(path, _FORMAT, identity(march)) as file:
+    with checkpoint.opened(path, _FORMAT, stamp(march)) as file:
         for group, arrays in _groups(march):
             checkpoint.restore(file, group, arrays)
         checkpoint.restore_records(file, march)

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
+from fabrics import run_cache
 from fabrics.files import replace_whole
 from shellfabric import checkpoint
 
-_FORMAT = "weavecell solid patch checkpoint 1"
+_FORMAT = "weavecell solid patch checkpoint 2"
 
 
 class SolidWriter:
@@ -32,9 +33,10 @@ class SolidSnapshots:
             march.snapshots.append((march.time, march.state.x.copy()))
 
 
-def identity(march):
-    """Digest of everything that determines a run and its records."""
-    return checkpoint.digest((march.strike_velocity, march.interval, march.patch.numerics.safety), march.const)
+def stamp(march):
+    """Digests of everything that determines a run and its records, the code among it."""
+    known = march.strike_velocity, march.interval, march.patch.numerics.safety, march.const._asdict()
+    return run_cache.stamp(known, "shellfabric.solid_march")
 
 
 def write(march, path):
@@ -42,7 +44,7 @@ def write(march, path):
     import h5py
 
     with replace_whole(path) as beside, h5py.File(beside, "w") as file:
-        file.attrs["format"], file.attrs["identity"] = _FORMAT, identity(march)
+        file.attrs.update(format=_FORMAT, **stamp(march))
         file.attrs["wall_time"] = march.wall_time
         checkpoint.store(file, "state", march.state)
         file["samples"] = np.array(march.samples)
@@ -56,9 +58,9 @@ def read(march, path):
 
     Raises
     ------
-    InputError : the file is missing, broken, or of another run
+    InputError : the file is missing, broken, of another run, or of other code
     """
-    with checkpoint.opened(path, _FORMAT, identity(march)) as file:
+    with checkpoint.opened(path, _FORMAT, stamp(march)) as file:
         checkpoint.restore(file, "state", march.state)
         march.wall_time = float(file.attrs["wall_time"])
         march.samples[:] = list(file["samples"][()])

@@ -2,18 +2,18 @@
 
 Every path of every fabric is a case of its own, in a process with one thread, so that it comes out the same to the last
 bit whichever process solves it, and when. A finished case is kept as a file at once; a run that is taken up again
-begins with those that were asked for in just this way.
+begins with those whose inputs and code are the same (`fabrics.run_cache`).
 """
 
 from __future__ import annotations
 
-import hashlib
 import time
 from concurrent.futures import FIRST_COMPLETED, wait
 from dataclasses import dataclass, replace
 from pathlib import Path
 from queue import Empty
 
+from fabrics import run_cache
 from fabrics.errors import InputError, UnstableError
 from fabrics.workers import CONTEXT, workers
 from meshing import crossover as mesher
@@ -42,10 +42,9 @@ class Job:
         return Numerics(friction=self.friction)
 
     @property
-    def asked(self):
-        """What its result hangs on, as a text."""
-        parts = (self.fabric, self.size, self.ratio, self.numerics, Steps())
-        return hashlib.sha256(repr(parts).encode()).hexdigest()
+    def key(self):
+        """Key of its result: of what it is solved with, and of the code."""
+        return run_cache.key((self.fabric, self.size, self.ratio, self.numerics, Steps()), __name__)
 
     def file(self, folder):
         """Its file in the folder of its fabric."""
@@ -84,7 +83,7 @@ def calibrate_all(
     friction : [-] Coulomb's coefficient between the yarns, and between yarns and plates
     paths : {name: (d1, d2) ratio}, by default warp only, weft only and equibiaxial
     folder : function of a fabric's name giving the directory for its histories and laws, or None
-    resume : take finished paths from their files
+    resume : take finished paths from their files, unless these are of other inputs or of other code
     executor : any concurrent.futures.Executor; None: `processes` of its own, which also tell of each step
     progress : called as progress(fabric name, path name, share of that path)
 
@@ -148,7 +147,7 @@ class _Run:
         if not self._resume or folder is None or not job.file(folder).exists():
             return None
         notes = History.notes(job.file(folder))
-        return (History.read(job.file(folder)), notes["seconds"]) if notes.get("asked") == job.asked else None
+        return (History.read(job.file(folder)), notes["seconds"]) if notes.get("key") == job.key else None
 
     def solve(self, executor, processes):
         """Solve the open jobs, plates first, and keep each as it comes."""
@@ -187,7 +186,7 @@ class _Run:
             return
         folder = self._folder(job.fabric.name)
         if folder is not None:
-            history.write(job.file(folder), asked=job.asked, seconds=seconds)
+            history.write(job.file(folder), key=job.key, seconds=seconds)
         self._done[job.fabric.name, job.name] = history, seconds
         self._report(job.fabric.name, job.name, 1.0)
 

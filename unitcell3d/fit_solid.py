@@ -23,16 +23,15 @@ packs the yarn tells it alone.
 
 from __future__ import annotations
 
-import hashlib
 import json
 import shutil
 from dataclasses import dataclass, replace
-from pathlib import Path
 
 import numpy as np
 from scipy.interpolate import PchipInterpolator
 from scipy.stats import t as student
 
+from fabrics import run_cache
 from fabrics.errors import UnstableError
 from fabrics.files import write_whole
 from fabrics.workers import workers
@@ -49,6 +48,7 @@ RESOLUTION = 1e-6  # m: what the coarse mesh and an extensometer can tell
 STEPS = Steps(largest=0.05)  # short: a history is interpolated to the curve's pressures, and its error must not hop
 CLOSEST = 0.3  # of the plates' distance at rest: soft trial yarns close further than real ones
 CORRECTIONS = 2  # of the coarse mesh by the fine one
+HISTORIES = run_cache.Format("h5", lambda path, history: history.write(path), History.read)
 BOUNDS = np.log(([1e6, 1e-3, 1e-4], [1e12, 10.0, 0.5]))
 
 
@@ -222,7 +222,7 @@ class _Presses:
     def __init__(self, pool, fabric, size, densest, pressure, measured, progress, keep, resume):
         self._pool, self._fabric, self._size, self._densest = pool, fabric, size, densest
         self._pressure, self._measured, self._report = pressure, measured, progress
-        self._keep, self._resume = None if keep is None else Path(keep), resume
+        self._keep, self._resume = None if keep is None else run_cache.RunCache(keep, HISTORIES), resume
         self._known = {}
 
     @property
@@ -234,24 +234,22 @@ class _Presses:
         """(closures (n,) [m], History) at each x."""
         keys = [tuple(np.round(x, 12)) for x in points]
         new = {key: self._job(x) for key, x in zip(keys, points) if key not in self._known}
-        files = {key: self._file(job) for key, job in new.items()}
-        for key, file in files.items():
-            if self._resume and file is not None and file.exists():
-                self._take(key, History.read(file))
+        names = {key: self._name(job) for key, job in new.items()}
+        for key, name in names.items():
+            if self._resume and name is not None and name in self._keep:
+                self._take(key, self._keep[name])
         jobs = {key: job for key, job in new.items() if key not in self._known}
         for key, history in zip(jobs, self._pool.map(press, *zip(*jobs.values())) if jobs else ()):
-            if files[key] is not None:
-                history.write(files[key])
+            if names[key] is not None:
+                self._keep[names[key]] = history
             self._take(key, history)
         return [self._known[key] for key in keys]
 
     def _job(self, x):
         return with_solids(self._fabric, x, self._densest), self._size, self._pressure[-1]
 
-    def _file(self, job):
-        if self._keep is None:
-            return None
-        return self._keep / f"{hashlib.sha256(repr((*job, Numerics(), STEPS)).encode()).hexdigest()[:24]}.h5"
+    def _name(self, job):
+        return None if self._keep is None else run_cache.key((*job, Numerics(), STEPS), __name__)
 
     def _take(self, key, history):
         self._known[key] = self.closed(history), history

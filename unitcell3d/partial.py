@@ -7,10 +7,11 @@ from pathlib import Path
 
 import numpy as np
 
+from fabrics import run_cache
 from fabrics.errors import InputError
 from fabrics.files import replace_whole
 
-_FORMAT = "weavecell partial surface 2"
+_FORMAT = "weavecell partial surface 3"
 
 
 @dataclass(frozen=True)
@@ -43,16 +44,16 @@ class Partial:
     Parameters
     ----------
     path : file, or None to keep them in memory alone
-    asked : text that says what is sampled
+    stamp : of what is sampled and the code (`fabrics.run_cache.stamp`)
     resume : begin with the lines of the file, if it is there
 
     Raises
     ------
-    InputError : the file to go on from is not one of these, or is of another sampling
+    InputError : the file to go on from is not one of these, or is of another surface or of other code
     """
 
-    def __init__(self, path, asked, resume):
-        self._path, self._asked = (Path(path) if path is not None else None), asked
+    def __init__(self, path, stamp, resume):
+        self._path, self._stamp = (Path(path) if path is not None else None), stamp
         self.lines = self._read() if resume and self._path is not None and self._path.exists() else {}
 
     def add(self, name, line):
@@ -63,7 +64,7 @@ class Partial:
         import h5py
 
         with replace_whole(self._path) as beside, h5py.File(beside, "w") as file:
-            file.attrs.update(format=_FORMAT, asked=self._asked)
+            file.attrs.update(format=_FORMAT, **self._stamp)
             for key, kept in self.lines.items():
                 group = file.create_group(key)
                 for item in fields(Line):
@@ -76,8 +77,7 @@ class Partial:
             with h5py.File(self._path, "r") as file:
                 if file.attrs.get("format") != _FORMAT:
                     raise InputError(file=self._path, key="format", value=file.attrs.get("format"), allowed=_FORMAT)
-                if file.attrs["asked"] != self._asked:
-                    raise InputError("holds another surface", file=self._path, allowed=f"one of {self._asked}")
+                run_cache.check_stamp(file.attrs, self._stamp, self._path, of="surface")
                 return {
                     key: Line(**{item.name: group[item.name][()] for item in fields(Line)})
                     for key, group in file.items()

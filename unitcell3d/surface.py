@@ -11,13 +11,12 @@ Finished lines (`surface_line`) are kept in one file, written whole after each o
 
 from __future__ import annotations
 
-import hashlib
-import json
 from concurrent.futures import as_completed
 from dataclasses import dataclass, replace
 
 import numpy as np
 
+from fabrics import run_cache
 from fabrics.errors import InputError, UnstableError
 from fabrics.surface import ResponseSurface
 from fabrics.workers import workers
@@ -93,7 +92,7 @@ def sample(
 
     Raises
     ------
-    InputError : a range, number or size is not allowed, or `partial` is of another surface
+    InputError : a range, number or size is not allowed, or `partial` is of another surface or of other code
     UnstableError : a line found no equilibrium; the others are kept in `partial`
     """
     axes = [_axis(name, span, n) for name, span, n in zip(("d1", "d2"), (d1, d2), points)]
@@ -105,10 +104,7 @@ def sample(
     if processes < 1:
         raise InputError(key="processes", value=processes, allowed="at least 1")
     mesher.build(fabric, size=size)  # bad input ends here, in this process
-    asked = {"fabric": hashlib.sha256(repr(fabric).encode()).hexdigest(), "size": str(size), "tolerance": tolerance}
-    asked |= {"friction": friction} if friction else {}
-    asked |= {name: [*map(float, axis[[0, -1]]), axis.size] for name, axis in zip(("d1", "d2"), axes)}
-    done = Partial(partial, json.dumps(asked), resume)
+    done = Partial(partial, run_cache.stamp((fabric, size, tolerance, friction, axes), __name__), resume)
     with workers(executor, processes) as pool:
         run = _Run(fabric, size, friction, done, pool, progress if progress is not None else _silent)
         new, axes = axes, [axis[:0] for axis in axes]

@@ -1,3 +1,5 @@
 """The front door: commands, scene files, the walk of the data from fabric to impact, pictures and reports."""
 
-__version__ = "0.1.0"
+from fabrics import __version__
+
+__all__ = ["__version__"]

@@ -13,10 +13,10 @@ Everything but the checkpoint is written when the run has ended, also if it ende
 
 from __future__ import annotations
 
-import hashlib
 import time
 
 import weavecell
+from fabrics import run_cache
 from fabrics.errors import InputError, UnstableError
 from fabrics.files import write_whole
 from weavecell import case, chapters, coupon_scene, json_file, pictures, pictures_coupon, progress, provenance, report
@@ -116,13 +116,13 @@ def _pull(this, title, checkpoint, resume):
     options = dict(scene.asked)
     if scene.test == "picture_frame":
         options["cells"] = options.pop("crossovers")
-    identity = _identity(table, scene)
-    states = list(read_states(checkpoint, identity)) if resume else []
+    stamp = _stamp(table, scene)
+    states = list(read_states(checkpoint, stamp)) if resume else []
     with progress.bar(title) as advance:
 
         def keep(state):
             states.append(state)
-            write_states(checkpoint, identity, states)
+            write_states(checkpoint, stamp, states)
             advance(state.load, f"{state.iterations} iterations")
 
         try:
@@ -134,13 +134,12 @@ def _pull(this, title, checkpoint, resume):
     return result, failure
 
 
-def _identity(table, scene):
-    """Digest of all that the states of a run depend on."""
+def _stamp(table, scene):
+    """Digests of all that the states of a run depend on, the code among it."""
     fabric = table.model.fabric
-    digest = hashlib.sha256(repr((scene.test, scene.asked, scene.run.model_dump(exclude={"outputs"}))).encode())
-    digest.update(repr((fabric.weave, fabric.shear, table.model.toes)).encode())
-    digest.update(table.potential.tobytes())
-    return digest.hexdigest()
+    inputs = (scene.test, scene.asked.model_dump(), scene.run.model_dump(exclude={"outputs"}))
+    inputs += (fabric.weave, fabric.shear, table.model.toes, table.potential)
+    return run_cache.stamp(inputs, "shellfabric.quasistatic")
 
 
 def _in_file(problem, scene, file):

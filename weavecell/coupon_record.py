@@ -11,12 +11,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from fabrics import run_cache
 from fabrics.errors import InputError
 from fabrics.files import replace_whole
 from weavecell.record import put
 
 _FORMAT = "weavecell coupon 1"
-_CHECKPOINT = "weavecell coupon checkpoint 1"
+_CHECKPOINT = "weavecell coupon checkpoint 2"
 _SCALARS = (
     "title",
     "fabric",
@@ -135,19 +136,19 @@ class CouponRecord:
             put(file, "relaxation", self.relaxation, "N")
 
 
-def write_states(path, identity, states):
-    """Keep the states of a run under way; `identity` is that of its scene."""
+def write_states(path, stamp, states):
+    """Keep the states of a run under way; `stamp` (`fabrics.run_cache`) is that of its scene and of the code."""
     import h5py
 
     with replace_whole(path) as beside, h5py.File(beside, "w") as file:
-        file.attrs["format"], file.attrs["identity"] = _CHECKPOINT, identity
+        file.attrs.update(format=_CHECKPOINT, **stamp)
         for number, state in enumerate(states):
             for name, unit in _STATE.items():
                 put(file, f"{number:05d}/{name}", getattr(state, name), unit)
 
 
-def read_states(path, identity):
-    """The states that `write_states` wrote; InputError if there are none, or those of another scene."""
+def read_states(path, stamp):
+    """The states that `write_states` wrote; InputError if there are none, or those of another scene or other code."""
     import h5py
 
     from shellfabric.relax import State
@@ -156,8 +157,7 @@ def read_states(path, identity):
         with h5py.File(path, "r") as file:
             if file.attrs.get("format") != _CHECKPOINT:
                 raise InputError(file=path, key="format", value=file.attrs.get("format"), allowed=repr(_CHECKPOINT))
-            if file.attrs["identity"] != identity:
-                raise InputError("is the checkpoint of another scene", file=path)
+            run_cache.check_stamp(file.attrs, stamp, path, of="scene")
             found = [{name: group[name][()] for name in _STATE} for _, group in sorted(file.items())]
     except OSError as problem:
         raise InputError(f"is not a readable HDF5 file ({problem})", file=path) from None

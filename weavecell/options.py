@@ -38,7 +38,14 @@ OutOption = Annotated[
         "--out", "-o", help="Folder for what is written; by default one of its own in results/.", metavar="FOLDER"
     ),
 ]
-ResumeOption = Annotated[bool, typer.Option("--resume", help="Go on from what an interrupted run has left.")]
+ResumeOption = Annotated[
+    bool,
+    typer.Option(
+        "--resume",
+        help="Go on from what an interrupted run has left. Finished results of another version of the code are "
+        "computed again; the state of an unfinished run (checkpoint.h5, partial.h5) of another version is refused.",
+    ),
+]
 ProcessesOption = Annotated[int, typer.Option(min=1, help="Crossovers that are solved beside each other.")]
 JobsOption = Annotated[int, typer.Option(min=1, help="Processes that work beside each other.")]
 MeshOption = Annotated[Size, typer.Option(help="Mesh of the 3D crossover.")]

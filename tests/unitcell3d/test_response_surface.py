@@ -5,6 +5,7 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 import pytest
 
+from fabrics import run_cache
 from fabrics.errors import InputError
 from fabrics.surface import ResponseSurface
 from unitcell3d import interpolant
@@ -16,6 +17,7 @@ from unitcell3d.stepping import at_rest, visit
 from unitcell3d.surface import sample
 
 TINY = (4, 3, 2)
+THIS = run_cache.stamp("this", "unitcell3d.partial")
 SMALL = {"d1": (0.0, 12e-6), "d2": (0.0, 12e-6), "points": (5, 5), "size": TINY}
 
 
@@ -181,14 +183,14 @@ def test_friction_is_taken_over_from_line_to_line(whole, s720, tiny, pool):
 
 def test_partial_file_keeps_lines(tmp_path):
     line = Line(0, 1e-6, np.arange(3.0), np.ones((3, 5)), np.empty((0, 0)), np.empty((0, 0)), 1.5, 7)
-    Partial(tmp_path / "p.h5", "this", False).add("a line", line)
-    again = Partial(tmp_path / "p.h5", "this", True).lines["a line"]
+    Partial(tmp_path / "p.h5", THIS, False).add("a line", line)
+    again = Partial(tmp_path / "p.h5", THIS, True).lines["a line"]
     assert np.array_equal(again.values, line.values)
     assert again.iterations == 7
-    assert Partial(tmp_path / "p.h5", "this", False).lines == {}
+    assert Partial(tmp_path / "p.h5", THIS, False).lines == {}
     (tmp_path / "q.h5").write_text("no")
     with pytest.raises(InputError, match=r"q\.h5"):
-        Partial(tmp_path / "q.h5", "this", True)
+        Partial(tmp_path / "q.h5", THIS, True)
 
 
 def test_bad_input_is_one_line(s720, whole):

@@ -88,8 +88,9 @@ def test_study_and_its_command(tmp_path, monkeypatch, capsys):
     points = []
     report = lambda n, shot: seen.append((n, shot))  # noqa: E731
     found = study(fabric, 20.0, setup=small, tolerance=2.0, keep=points.append, report=report)
-    command.write_points(points[::-1], tmp_path / "points.json")
-    assert command.read_points(tmp_path / "points.json") == points
+    kept = {str(one.elements): one for one in points}
+    command.write_points(dict(reversed(kept.items())), tmp_path / "points.json")
+    assert command.read_points(tmp_path / "points.json") == kept
     again = study(fabric, 20.0, setup=small, known=points, report=lambda *_: pytest.fail("run again"))
     assert again == found
     assert [entry.name for entry in found] == ["critical velocity", "peak warp tension", "peak weft tension"]

@@ -8,7 +8,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from fabrics import catalogue
+from fabrics import catalogue, run_cache
 from fabrics.errors import InputError, UnstableError
 from shellfabric.bar import rigid_is_enough
 from shellfabric.edges import PullIn
@@ -405,11 +405,12 @@ class TestScenes:
         assert not other.met
         assert set(other.found.values()) == {inf}
 
-    def test_an_answer_is_one_of_this_version(self, monkeypatch, tmp_path):
-        (tmp_path / "errors.json").write_text("{}")
-        before = trial.version()
-        monkeypatch.setattr(trial.resources, "files", lambda name: tmp_path)
-        assert trial.version() != before
+    def test_an_answer_depends_on_the_book_and_the_survey_does_not(self):
+        def data(module):
+            return {file.name for file in run_cache.files_of(module)}
+
+        assert "errors.json" in data("validation.fidelity.trial")
+        assert "errors.json" not in data("validation.fidelity.survey")
 
 
 def test_the_page_shows_what_models_are_chosen_by():

@@ -177,12 +177,10 @@ def bench(monkeypatch):
     def fails():
         raise ZeroDivisionError
 
-    monkeypatch.setattr(runner, "_registry", lambda: {"square": (square, ("fabrics",), 1)})
+    monkeypatch.setattr(runner, "_registry", lambda: {"square": (square, 1)})
     monkeypatch.setitem(CHECKS, "test.number", Check(one, lambda of: {"square": Run.of("square", of=of)}))
     monkeypatch.setitem(CHECKS, "test.fails", Check(fails, lambda: {}))
-    runner.digest.cache_clear()
-    yield made
-    runner.digest.cache_clear()
+    return made
 
 
 def squares(*numbers):

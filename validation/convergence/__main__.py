@@ -1,6 +1,7 @@
 """python -m validation.convergence [FABRIC ...] [--out results/convergence] [--resume] [--page docs/convergence.md]
 
-Writes points.json (what each mesh gave), convergence.csv and convergence.png: critical velocity and peak tensions with
+Writes points.json (what each mesh gave, with the key of its inputs and of the code, by which --resume takes it),
+convergence.csv and convergence.png: critical velocity and peak tensions with
 1, 2, 3 elements a crossover, the limit that they extrapolate to, and the order observed. With --page the table goes
 into that page, between its marks, and the picture beside it into figures/.
 """
@@ -12,7 +13,7 @@ import sys
 from dataclasses import asdict
 from pathlib import Path
 
-from fabrics import catalogue
+from fabrics import catalogue, run_cache
 from fabrics.errors import InputError, WeavecellError
 from fabrics.files import write_whole
 from validation.convergence.pictures import picture
@@ -52,18 +53,24 @@ def tell(entry):
     print(f"deviations {deviations} %  {found.basis}{why}{missed}", flush=True)
 
 
+def key_of(fabric, speed, elements, tolerance):
+    """Key of a point: of what is run, and of the code."""
+    return run_cache.key((fabric, speed, elements, tolerance), "validation.convergence.study")
+
+
 def read_points(path):
-    """Points of an earlier run."""
+    """{key: Point} of an earlier run."""
     try:
-        return [Point(**one) for one in json.loads(path.read_text("utf-8"))]
-    except (OSError, ValueError, TypeError) as problem:
+        return {one.pop("key"): Point(**one) for one in json.loads(path.read_text("utf-8"))}
+    except (OSError, ValueError, TypeError, KeyError) as problem:
         raise InputError(f"no points to resume from ({problem})", file=path) from None
 
 
 def write_points(points, path):
     """Keep points, sorted."""
+    rows = sorted(points.items(), key=lambda item: (item[1].fabric, item[1].elements))
     with write_whole(path) as file:
-        json.dump([asdict(one) for one in sorted(points, key=lambda one: (one.fabric, one.elements))], file, indent=1)
+        json.dump([{**asdict(one), "key": key} for key, one in rows], file, indent=1)
 
 
 def table(quantities):
@@ -97,24 +104,25 @@ def main():
     parser.add_argument("--tolerance", type=float, default=TOLERANCE, help="of the critical velocity, m/s")
     parser.add_argument("--workers", type=int, default=1)
     parser.add_argument("--out", type=Path, default=Path("results/convergence"))
-    parser.add_argument("--resume", action="store_true", help="do not run again what points.json holds")
+    parser.add_argument("--resume", action="store_true", help="do not run again what points.json holds of this code")
     parser.add_argument("--page", type=Path, help="put table and picture into this page")
     options = parser.parse_args()
     unknown = [name for name in options.fabrics if name not in speeds]
     if unknown:
         raise InputError(key="FABRIC", value=unknown[0], allowed=f"one of {', '.join(speeds)}")
     kept = options.out / "points.json"
-    points, quantities = read_points(kept) if options.resume else [], []
-
-    def keep(point):
-        points.append(point)
-        write_points(points, kept)  # after each mesh: the fine ones take minutes
-
+    points, quantities = read_points(kept) if options.resume else {}, []
     for name in options.fabrics:
         fabric = catalogue.load(name).effective()
+        keys = {n: key_of(fabric, speeds[name], n, options.tolerance) for n in options.elements}
+
+        def keep(point, keys=keys):
+            points[keys[point.elements]] = point
+            write_points(points, kept)  # after each mesh: the fine ones take minutes
+
         found = study(
-            fabric, speeds[name], elements=options.elements, known=points, keep=keep, tolerance=options.tolerance,
-            workers=options.workers,
+            fabric, speeds[name], elements=options.elements, keep=keep, tolerance=options.tolerance,
+            known=[points[key] for key in keys.values() if key in points], workers=options.workers,
         )  # fmt: skip
         quantities += found
         for entry in found:

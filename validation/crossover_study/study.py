@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
-import json
 import tomllib
 from concurrent.futures import as_completed
 from dataclasses import dataclass
@@ -12,9 +10,8 @@ from pathlib import Path
 
 import numpy as np
 
-from fabrics import catalogue
+from fabrics import catalogue, run_cache
 from fabrics.errors import InputError
-from fabrics.files import write_whole
 from fabrics.units import si
 from fabrics.workers import workers
 from validation.convergence.richardson import extrapolate
@@ -22,7 +19,6 @@ from validation.crossover_study.axes import BASE, METHOD, axes
 from validation.crossover_study.cases import solve
 from validation.pareto import non_dominated
 
-_FORMAT = "weavecell crossover study 1"
 MARGIN = 0.1  # a method is worth more time if it takes a tenth off the error: times are no better known
 MEASURED = ("warp only", "equibiaxial")  # paths whose forces at the end the errors are taken of
 LAW = {"a": "m", "b": "m N^(1/3)"}
@@ -95,7 +91,7 @@ def run(out, *, level="full", only=None, resume=False, executor=None, processes=
     out : folder; a file for each case goes to its cases/
     level : "quick", "full" or "fine": how fine the finest mesh is
     only : names of axes, or None for all
-    resume : take the cases that are done from their files
+    resume : take the cases that are done from their files, unless these are of other code
     executor : any concurrent.futures.Executor; None: `processes` of its own
     progress : called as progress(share, text) after each case
 
@@ -115,30 +111,18 @@ def run(out, *, level="full", only=None, resume=False, executor=None, processes=
     chosen = [axis for axis in chosen if only is None or axis.name in only]
     # the dearest first
     cases = sorted({BASE} | {case for axis in chosen for case in axis.cases.values()}, key=lambda c: -np.prod(c.size))
-    files = {case: Path(out) / "cases" / f"{_digest(fabric, paths, case)}.json" for case in cases}
-    results = {case: _read(file) for case, file in files.items() if resume and file.exists()}
+    keys = {case: run_cache.key((fabric, paths, case.identity), "validation.crossover_study.cases") for case in cases}
+    kept = run_cache.RunCache(Path(out) / "cases", run_cache.JSON)
+    results = {case: kept[key]["result"] for case, key in keys.items() if resume and key in kept}
     with workers(executor, processes) as pool:
         futures = {pool.submit(solve, fabric, paths, case): case for case in cases if case not in results}
         for future in as_completed(futures):
             case = futures[future]
             results[case] = future.result()
-            with write_whole(files[case]) as file:
-                json.dump({"format": _FORMAT, "case": case.identity, "result": results[case]}, file, indent=1)
+            kept[keys[case]] = {"case": case.identity, "result": results[case]}
             if progress is not None:
                 progress(len(results) / len(cases), _name(chosen, case))
     return judge(fabric.name, paths, chosen, results)
-
-
-def _digest(fabric, paths, case):
-    text = json.dumps([repr(fabric), paths, case.identity], sort_keys=True)
-    return hashlib.sha256(text.encode()).hexdigest()[:16]
-
-
-def _read(file):
-    content = json.loads(file.read_text(encoding="utf-8"))
-    if content.get("format") != _FORMAT:
-        raise InputError(file=file, key="format", value=content.get("format"), allowed=repr(_FORMAT))
-    return content["result"]
 
 
 def _name(chosen, case):

@@ -55,7 +55,7 @@ def trial_command(options):
     """Run a trial and print what it found."""
     places = [(options.trial, number) for number in range(trial.COUNT)]
     full = _runs(trial.truth, places, options)
-    answers = _runs(trial.answer, [(*place, trial.version()) for place in places], options)
+    answers = _runs(trial.answer, places, options)
     rows = [trial.row(*given) for given in zip(*zip(*places), full, answers)]
     with write_whole(options.out / f"trial-{options.trial}.csv") as file:
         table = csv.writer(file)

@@ -10,10 +10,8 @@ same part of the panel, and on the whole panel, which is run where that does not
 
 from __future__ import annotations
 
-import hashlib
 import time
 from dataclasses import dataclass, replace
-from importlib import resources
 from math import inf, nan
 
 import numpy as np
@@ -92,24 +90,14 @@ def truth(trial, number):
     return {"values": values, "seconds": seconds, "whole": _full(setup)[1] if seconds <= LONGEST else nan}
 
 
-def answer(trial, number, version):
-    """What the code answers as the scene asks: (choose.Answer without its runs, process time [s]).
-
-    version : `version()`; an answer that is kept is one of this
-    """
+def answer(trial, number):
+    """What the code answers as the scene asks: (choose.Answer without its runs, process time [s])."""
     setup, wanted = _setup(trial, number), asked(trial, number)
     began = time.process_time()
     found = choose.answer(setup, wanted, fixed=frozenset({"projectile"}))
     seconds = time.process_time() - began
     attempts = tuple(replace(attempt, result=None) for attempt in found.attempts)
     return replace(found, options=(), attempts=attempts), seconds
-
-
-def version():
-    """Digest of what an answer hangs on besides the solver: this package with its book."""
-    folder = resources.files("validation.fidelity")
-    parts = sorted(part.name for part in folder.iterdir() if part.name.endswith((".py", ".json")))
-    return hashlib.sha256(b"".join((folder / name).read_bytes() for name in parts)).hexdigest()[:16]
 
 
 def row(trial, number, known_full, answered):

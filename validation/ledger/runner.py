@@ -8,28 +8,24 @@ The folder: runs/ what the shared computations left, records/ one JSON file a cl
 
 from __future__ import annotations
 
-import hashlib
-import inspect
 import json
 import shutil
 import time
 import traceback
 from concurrent.futures import as_completed
 from contextlib import nullcontext
-from functools import cache
 from pathlib import Path
 
+from fabrics import run_cache
 from fabrics.errors import WeavecellError
 from fabrics.files import write_whole
 from fabrics.workers import workers
-from validation.ledger import cache as store
 from validation.ledger import judge
 from validation.ledger.checks import CHECKS
 from validation.ledger.claims import Claim
 from validation.ledger.judge import BROKEN, LEFT_OUT, MISSED, NOT_TESTABLE, Record
 
 RUNS_FOLDER, RECORDS_FOLDER = "runs", "records"
-PACKAGES = ("fabrics", "meshing", "shellfabric", "unitcell3d", "validation")
 
 
 def validate(claims, out, *, left_out=(), jobs=1, resume=False, executor=None, report=None) -> tuple[Record, ...]:
@@ -84,7 +80,7 @@ def wanted(claims, out):
 
 def _holds(run, out):
     """Whether the folder has a run that came to an end; one that broke, or lacked a package, is tried again."""
-    return store.kept(Path(out) / RUNS_FOLDER, digest(run)) and load(run, out).get("kind", "unstable") == "unstable"
+    return digest(run) in _runs(out) and load(run, out).get("kind", "unstable") == "unstable"
 
 
 def _names(claim):
@@ -100,7 +96,7 @@ def check(claim: Claim, out, names=None) -> Record:
     entry, arguments, begun = CHECKS[claim.check], claim.arguments or {}, time.perf_counter()
     try:
         names = names or _names(claim)
-        runs = {name: store.read(Path(out) / RUNS_FOLDER, names[run]) for name, run in entry.needs(**arguments).items()}
+        runs = {name: _runs(out)[names[run]] for name, run in entry.needs(**arguments).items()}
         for run in runs.values():
             if "error" in run:
                 verdict = {"missing": NOT_TESTABLE, "unstable": MISSED}.get(run["kind"], BROKEN)
@@ -122,31 +118,32 @@ def check(claim: Claim, out, names=None) -> Record:
 
 def load(run, out):
     """What a run left in the folder."""
-    return store.read(Path(out) / RUNS_FOLDER, digest(run))
+    return _runs(out)[digest(run)]
+
+
+def _runs(out):
+    return run_cache.RunCache(Path(out) / RUNS_FOLDER)
 
 
 def cost(run):
     """Rough cost of a run, only for order and progress."""
-    return _registry()[run.name][2]
+    return _registry()[run.name][1]
 
 
-@cache
 def digest(run):
-    """Name of the file of a run."""
-    function, packages, _ = _registry()[run.name]
-    text = hashlib.sha256(Path(inspect.getfile(function)).read_bytes()).hexdigest()[:8]
-    return f"{run.digest(packages)}-{text}"
+    """Key of a run: of what is run with what, and of the code."""
+    return run_cache.key((run.name, run.keywords), _registry()[run.name][0].__module__)
 
 
 def _registry():
-    from validation.ledger import runs, runs3d
+    from validation.ledger import runs, runs3d, runs_studies
 
-    return runs.RUNS | runs3d.RUNS
+    return runs.RUNS | runs_studies.RUNS | runs3d.RUNS
 
 
 def _make(run, out, name):
     """Do a run and keep what it leaves; what goes wrong is kept too, for the checks to tell."""
-    function, _, _ = _registry()[run.name]
+    function, _ = _registry()[run.name]
     try:
         content = function(**run.keywords)
     except ModuleNotFoundError as problem:
@@ -155,7 +152,7 @@ def _make(run, out, name):
         content = {"error": f"{run.name} {_brief(run)}: {problem}", "kind": "unstable"}
     except Exception:
         content = {"error": f"{run.name} {_brief(run)}: {traceback.format_exc(limit=-3)}", "kind": "broken"}
-    store.write(Path(out) / RUNS_FOLDER, name, content)
+    _runs(out)[name] = content
 
 
 def _brief(run):
@@ -183,8 +180,8 @@ def _executor(given, jobs):
 
 
 def _stamp(claim):
-    """Digest of a claim and of the program that checked it."""
-    return hashlib.sha256("\n".join((repr(claim), *map(store.source, PACKAGES))).encode()).hexdigest()
+    """Key of a claim's record: of the claim and of the program that checks it."""
+    return run_cache.key(claim, __name__)
 
 
 def _keep(claim, record, out):

@@ -354,53 +354,15 @@ def _swing(fine, march, bar):
     return bodies.history(march.const.dt * np.arange(1, len(fine) + 1), fine, march.state, bar).swing
 
 
-def pencil(*, plies, modulus, mass, elements=2):
-    """One run of Table 6-2 before its block; without plies the block alone."""
-    from validation.pencilling.study import Case, bare, shoot
-
-    found = bare() if plies == 0 else shoot(Case(plies, modulus, mass), elements=elements)
-    return {
-        "outcome": found.outcome,
-        "depth": found.depth,
-        "crater": found.crater,
-        "steepness": found.steepness,
-        "half_width": found.half_width,
-        "balance": found.balance,
-        "t": found.t,
-        "z": found.z,
-    }
-
-
-def solids(*, fabric, velocity, count, time):
-    """A patch of solid yarns under impact: seconds of marching, its mass before and after, and what has failed."""
-    from validation.solid_patch.study import march
-
-    run = march(fabric, count, (5, 5, 2), velocity, time, threads=1)
-    before = float(run.const.mass.sum())
-    run.run()
-    after = float(run.const.mass.sum())
-    side = count / run.patch.fabric.weave.warp_count
-    return {
-        "seconds": run.wall_time,
-        "time": run.time,
-        "side": side,
-        "mass": np.array([before, after]),
-        "failed_bars": float(run.sample("failed_bars")[-1]),
-    }
-
-
-SHELL = ("fabrics", "shellfabric")
-# name: (function, packages that it runs in, rough cost, to begin with the longest)
+# name: (function, rough cost, to begin with the longest)
 RUNS = {
-    "shot": (shot, SHELL, 2),
-    "limit": (limit, SHELL, 8),
-    "shots": (shots, SHELL, 6),
-    "net": (net, SHELL, 2),
-    "struck_yarn": (struck_yarn, SHELL, 1),
-    "bias": (bias, (*SHELL, "validation.bias_extension"), 40),
-    "stability": (stability, SHELL, 1),
-    "pace": (pace, SHELL, 9),
-    "pack": (pack, SHELL, 20),
-    "solids": (solids, (*SHELL, "meshing", "validation.solid_patch"), 15),
-    "pencil": (pencil, (*SHELL, "validation.pencilling"), 90),
+    "shot": (shot, 2),
+    "limit": (limit, 8),
+    "shots": (shots, 6),
+    "net": (net, 2),
+    "struck_yarn": (struck_yarn, 1),
+    "bias": (bias, 40),
+    "stability": (stability, 1),
+    "pace": (pace, 9),
+    "pack": (pack, 20),
 }

@@ -122,11 +122,10 @@ def _overlap(mesh):
     return float(max(np.nanmax(depth), 0.0))
 
 
-SOLID = ("fabrics", "meshing", "unitcell3d")
 RUNS = {
-    "stretched": (stretched, SOLID, 20),
-    "plates": (plates, SOLID, 60),
-    "lone": (lone, SOLID, 10),
-    "meshes": (meshes, SOLID, 5),
-    "brick": (brick, SOLID, 3),
+    "stretched": (stretched, 20),
+    "plates": (plates, 60),
+    "lone": (lone, 10),
+    "meshes": (meshes, 5),
+    "brick": (brick, 3),
 }

@@ -10,23 +10,18 @@ up at its first failure. A formulation of contact that makes yarns fail below th
 
 from __future__ import annotations
 
-import hashlib
-import json
 from dataclasses import asdict, dataclass, replace
 from functools import cache
-from pathlib import Path
 
 import numpy as np
 
-from fabrics import catalogue
+from fabrics import catalogue, run_cache
 from fabrics.errors import UnstableError
-from fabrics.files import write_whole
 from shellfabric import ply_stop_kernels
 from shellfabric.cell import CellModel
 from shellfabric.pack import Pack, PlyContact
 from shellfabric.pack_march import PackMarch
 from shellfabric.panel import Numerics, Panel
-from validation.ledger.cache import source
 from validation.packs.passages import count
 
 STOPS, ARTEFACT = "stops", "perforates (certainly an artefact, E-21)"
@@ -200,24 +195,19 @@ def passages(case: Case):
 
 
 class Results:
-    """Shots on disk, each under a digest of its case and of solver and catalogue; made where they are not there yet."""
+    """Shots on disk, each under the key of its case and of the code (`fabrics.run_cache`); made where there is none."""
 
     def __init__(self, folder, report=print):
-        self.folder, self.report = Path(folder), report
-        self.folder.mkdir(parents=True, exist_ok=True)
-        self.version = source("fabrics") + source("shellfabric")
+        self.kept, self.report = run_cache.RunCache(folder, run_cache.JSON), report
 
     def __call__(self, case: Case, fire=None):
         fire = fire or shoot
-        name = hashlib.sha256((self.version + fire.__name__ + repr(case)).encode()).hexdigest()[:20]
-        path = self.folder / f"{name}.json"
-        if not path.exists():
-            found = fire(case)
-            with write_whole(path) as file:
-                json.dump(found, file)
+        name = run_cache.key((fire.__name__, case), fire.__module__)
+        if name not in self.kept:
+            self.kept[name] = found = fire(case)
             failed = sum(found["failed"])
             self.report(f"{case}: {found['outcome']} {found['time'] * 1e6:.0f} us, {failed:g} failed", flush=True)
-        return json.loads(path.read_text("utf-8"))
+        return self.kept[name]
 
 
 def failed(found):

@@ -1,19 +1,20 @@
 """python -m validation.pencilling [CASE ...] [--edge free] [--out results/pencilling] [--page docs/pencilling.md]
 
 The runs of thesis Table 6-2 before the block of Table 6-1, and the bare block. Writes pencilling.csv, depths.png and
-craters.png, and keeps each shot in shots.pickle, so that --resume goes on with those that are missing. With --page the
+craters.png, and keeps each shot in shots/, so that --resume goes on with those that are missing. With --page the
 table goes into that page, between the marks of its edges, the pictures beside it.
 """
 
 import argparse
 import csv
-import pickle
+import shutil
 import sys
 import time
 from pathlib import Path
 
 import numpy as np
 
+from fabrics import run_cache
 from fabrics.errors import InputError, UnstableError, WeavecellError
 from fabrics.files import write_whole
 from validation.marked_page import markdown, put
@@ -22,6 +23,7 @@ from validation.pencilling.study import CASES, Case, bare, shoot
 
 END = "<!-- end of the table -->"
 BARE, TEXT = "bare block", "4 plies, 924 g/m2"
+SHOTS = "shots"
 
 
 def name_of(number):
@@ -29,6 +31,12 @@ def name_of(number):
     case = CASES[number]
     plies = "1 ply" if case.plies == 1 else f"{case.plies} plies"
     return f"{number}: {plies}, {96 * case.modulus:.0f} GPa, {1e3 * case.mass:.0f} g/m2"
+
+
+def key_of(case, options):
+    """Key of a shot; `case` None is the bare block, whose shot does not depend on the options."""
+    inputs = "bare" if case is None else (case, options.edge, options.elements)
+    return run_cache.key(inputs, "validation.pencilling.study")
 
 
 def table(shots):
@@ -59,28 +67,29 @@ def main():
     parser.add_argument("--elements", type=int, default=2, help="along each side of a crossover")
     parser.add_argument("--no-bare", action="store_true", help="leave the bare block out")
     parser.add_argument("--text", action="store_true", help="also four plies of 924 g/m2, as the text has it")
-    parser.add_argument("--resume", action="store_true")
+    parser.add_argument("--resume", action="store_true", help="take shots of this code that are done from the folder")
     parser.add_argument("--out", type=Path, default=Path("results/pencilling"))
     parser.add_argument("--page", type=Path)
     options = parser.parse_args()
     if unknown := [number for number in options.cases if number not in CASES]:
         raise InputError(key="CASE", value=unknown[0], allowed=f"one of {', '.join(map(str, CASES))}")
-    kept = options.out / "shots.pickle"
-    shots = pickle.loads(kept.read_bytes()) if options.resume and kept.exists() else {}
-    wanted = {
-        name_of(n): lambda n=n: shoot(CASES[n], edge=options.edge, elements=options.elements) for n in options.cases
-    }
+    if not options.resume:
+        shutil.rmtree(options.out / SHOTS, ignore_errors=True)
+    kept = run_cache.RunCache(options.out / SHOTS)
+    wanted = {name_of(n): CASES[n] for n in options.cases}
     if options.text:
-        wanted[TEXT] = lambda: shoot(Case(4, 1.0, 0.924), edge=options.edge, elements=options.elements)
+        wanted[TEXT] = Case(4, 1.0, 0.924)
     if not options.no_bare:
-        wanted[BARE] = bare
-    problem = None
-    for name, fire in wanted.items():
-        if name in shots:
+        wanted[BARE] = None
+    shots, problem = {}, None
+    for name, case in wanted.items():
+        key = key_of(case, options)
+        if key in kept:
+            shots[name] = kept[key]
             continue
         begun = time.perf_counter()
         try:
-            shots[name] = fire()
+            shots[name] = bare() if case is None else shoot(case, edge=options.edge, elements=options.elements)
         except UnstableError as found:
             problem = found
             print(f"{name}: {found}", flush=True)
@@ -91,8 +100,7 @@ def main():
             f"balance {100 * shot.balance:.2f} %, {time.perf_counter() - begun:.0f} s",
             flush=True,
         )
-        with write_whole(kept, "wb") as file:
-            pickle.dump(shots, file)
+        kept[key] = shot
     if not shots:
         raise problem
     shots = {name: shots[name] for name in sorted(shots)}

@@ -1,25 +1,20 @@
 """Independent runs on any executor of concurrent.futures; each is on disk as soon as it is done.
 
-A run is named by a digest of its function, its arguments and the text of the packages that it runs in, so that an
-interrupted study goes on where it was, and a run of another version is never taken for one of this. Nothing depends on
+A run is kept under the key of its function, its arguments and the code of both (`fabrics.run_cache`), so that an
+interrupted study goes on where it was, and a run of other code is never taken for one of this. Nothing depends on
 how many runs are under way, or in which order they end.
 """
 
 from __future__ import annotations
 
-import hashlib
-import inspect
 from concurrent.futures import as_completed
 from contextlib import contextmanager
-from pathlib import Path
 
+from fabrics import run_cache
 from fabrics import workers as processes
 from fabrics.errors import InputError
-from validation.ledger import cache
-from validation.scatter import inputs
 
 POOLS = ("processes", "mpi")
-PACKAGES = ("fabrics", "shellfabric")  # and of this one, the function's own file and the inputs
 
 
 @contextmanager
@@ -59,21 +54,15 @@ def results(function, arguments, *, folder, workers=None, report=None):
     ------
     WeavecellError : as the function; what had ended has been kept
     """
-    names = [_name(function, one) for one in arguments]
-    folder.mkdir(parents=True, exist_ok=True)
-    missing = [k for k, name in enumerate(names) if not cache.kept(folder, name)]
+    names = [run_cache.key((function.__qualname__, one), function.__module__) for one in arguments]
+    kept = run_cache.RunCache(folder)
+    missing = [k for k, name in enumerate(names) if name not in kept]
     report = report or (lambda done, total: None)
     report(len(names) - len(missing), len(names))
     for done, (k, content) in enumerate(_each(function, [(k, arguments[k]) for k in missing], workers), 1):
-        cache.write(folder, names[k], content)
+        kept[names[k]] = content
         report(len(names) - len(missing) + done, len(names))
-    return [cache.read(folder, name) for name in names]
-
-
-def _name(function, one):
-    own = [Path(inspect.getfile(part)).read_text("utf-8") for part in (function, inputs)]
-    text = "\n".join((function.__qualname__, repr(one), *own, *map(cache.source, PACKAGES)))
-    return f"{function.__name__}-{hashlib.sha256(text.encode()).hexdigest()[:24]}"
+    return [kept[name] for name in names]
 
 
 def _each(function, jobs, workers):

@@ -36,7 +36,7 @@ def main():
     parser.add_argument("--end-time", type=float, default=42.0, help="us")
     parser.add_argument("--threads", type=int, default=2)
     parser.add_argument("--out", type=Path, default=Path("results/solid_patch"))
-    parser.add_argument("--resume", action="store_true")
+    parser.add_argument("--resume", action="store_true", help="go on from a checkpoint of this code")
     options = parser.parse_args()
     run = march(
         options.fabric, options.count, options.size, options.velocity, 1e-6 * options.end_time, threads=options.threads

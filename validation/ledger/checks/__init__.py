@@ -1,43 +1,6 @@
-"""The checks, by name: what each needs of the shared runs, and the function that finds our numbers.
+"""The checks of the ledger. Each file registers its own (`validation.ledger.registry`); here they are all."""
 
-A check is called with the runs that it needs and the arguments of its claim, and returns {name: found} in SI; a "note"
-among them is a remark.
-"""
-
-from __future__ import annotations
-
-from collections.abc import Callable
-from dataclasses import dataclass
-
-CHECKS: dict[str, Check] = {}
-
-
-@dataclass(frozen=True)
-class Check:
-    """A check.
-
-    Parameters
-    ----------
-    function : called with runs and arguments
-    needs : arguments -> {name: cache.Run}
-    """
-
-    function: Callable
-    needs: Callable
-
-
-def check(needs=None):
-    """Register the function under "module.name"; `needs` gives the runs for the same arguments."""
-
-    def register(function):
-        name = f"{function.__module__.rsplit('.', 1)[-1]}.{function.__name__}"
-        CHECKS[name] = Check(function, needs or (lambda **arguments: {}))
-        return function
-
-    return register
-
-
-from validation.ledger.checks import (  # noqa: E402  (they register themselves)
+from validation.ledger.checks import (  # they register themselves
     biaxial,
     cell,
     cell_bounds,
@@ -56,6 +19,7 @@ from validation.ledger.checks import (  # noqa: E402  (they register themselves)
     solids,
     waves,
 )
+from validation.ledger.registry import CHECKS, Check
 
 __all__ = [
     "CHECKS",
@@ -63,7 +27,6 @@ __all__ = [
     "biaxial",
     "cell",
     "cell_bounds",
-    "check",
     "compression",
     "cost",
     "coupling",

@@ -9,7 +9,7 @@ import numpy as np
 from fabrics import catalogue
 from shellfabric.cell import CellModel
 from validation.buet_gautier.curves import at_ratio, free_edge
-from validation.ledger.checks import check
+from validation.ledger.registry import check
 
 
 @check()

@@ -13,8 +13,8 @@ from fabrics.compression import CompressionLaw
 from fabrics.weave import arc_length
 from shellfabric import cell_kernels
 from shellfabric.cell import CellModel
-from validation.ledger.checks import check
 from validation.ledger.checks.geometry import KEVLAR
+from validation.ledger.registry import check
 
 _N = 161
 

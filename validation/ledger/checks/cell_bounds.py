@@ -8,9 +8,9 @@ import numpy as np
 
 from fabrics import catalogue
 from shellfabric.cell import MODELS
-from validation.ledger.checks import check
 from validation.ledger.checks.cell import cell, end, printed, warp_pull
 from validation.ledger.checks.geometry import KEVLAR, ranked
+from validation.ledger.registry import check
 
 
 @check()

@@ -15,8 +15,8 @@ from fabrics.errors import InputError
 from fabrics.plate_curve import PlateCurve
 from fabrics.units import si
 from shellfabric.cell import CellModel
-from validation.ledger.checks import check
 from validation.ledger.checks.geometry import KEVLAR, ranked
+from validation.ledger.registry import check
 
 
 @cache

@@ -10,7 +10,7 @@ from fabrics import catalogue
 from shellfabric.cell import CellModel
 from shellfabric.panel import Panel
 from validation.ledger.cache import Run
-from validation.ledger.checks import check
+from validation.ledger.registry import check
 
 
 def _panel(fabric):

@@ -6,10 +6,11 @@ import numpy as np
 
 from fabrics import catalogue
 from validation.ledger.cache import Run
-from validation.ledger.checks import check, series
+from validation.ledger.checks import series
 from validation.ledger.checks.geometry import KEVLAR, ranked
 from validation.ledger.checks.impact import bare_shot, shot, told
 from validation.ledger.checks.waves import six
+from validation.ledger.registry import check
 
 MODELS = ("incompressible", "compressible", "decoupled")
 

@@ -7,8 +7,8 @@ import numpy as np
 from fabrics import catalogue
 from shellfabric.cell import CellModel
 from validation.ledger.cache import Run
-from validation.ledger.checks import check
 from validation.ledger.checks.solids import fitted, paths
+from validation.ledger.registry import check
 
 
 @check(lambda fabric: {"path": Run.of("stretched", fabric=fabric, ratio=(1.0, 0.0))})

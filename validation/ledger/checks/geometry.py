@@ -10,7 +10,7 @@ from scipy.integrate import quad
 from fabrics import catalogue
 from fabrics.weave import arc_length, height_from_length
 from validation.ledger.cache import Run
-from validation.ledger.checks import check
+from validation.ledger.registry import check
 
 KEVLAR = ("S-720", "S-726", "S-727", "S-728", "S-731", "S-745")
 FAMILIES = ("warp", "weft")

@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from fabrics import catalogue
-from validation.ledger.checks import check, series
+from validation.ledger.checks import series
 from validation.ledger.checks.impact import shot
+from validation.ledger.registry import check
 
 
 @check(lambda fabric, t: {"run": shot(fabric)})

@@ -5,10 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from validation.ledger.cache import Run
-from validation.ledger.checks import check, series
+from validation.ledger.checks import series
 from validation.ledger.checks.geometry import KEVLAR, ranked
 from validation.ledger.checks.waves import shot as bare_shot
 from validation.ledger.checks.waves import six
+from validation.ledger.registry import check
 
 PERFORATED, STOPPED = "perforates", "stops"
 

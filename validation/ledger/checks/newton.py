@@ -13,7 +13,7 @@ import numpy as np
 from fabrics import catalogue
 from shellfabric import cell_kernels
 from shellfabric.cell import CellModel
-from validation.ledger.checks import check
+from validation.ledger.registry import check
 
 TOLERANCE = 1e-3  # K_tol of App. B.3
 MOST = 500

@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from validation.ledger.cache import Run
-from validation.ledger.checks import check, series
+from validation.ledger.checks import series
 from validation.ledger.checks.impact import PERFORATED, STOPPED, told
+from validation.ledger.registry import check
 
 
 def pack(fabric, velocity, plies, **changes):

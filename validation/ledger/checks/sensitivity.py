@@ -13,8 +13,9 @@ import numpy as np
 from fabrics import catalogue
 from shellfabric.cell import CellModel
 from validation.ledger.cache import Run
-from validation.ledger.checks import check, series
+from validation.ledger.checks import series
 from validation.ledger.checks.impact import shot
+from validation.ledger.registry import check
 
 FACTORS = (0.8, 1.0, 1.2)
 NAMES = {"modulus": "modulus", "crimp": "crimp", "mass": "areal density"}

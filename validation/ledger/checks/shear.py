@@ -11,8 +11,8 @@ from fabrics.errors import InputError
 from fabrics.trellis import locking_angle, locking_modulus, touching_angle
 from shellfabric.quasistatic import inextensible_shear
 from validation.ledger.cache import Run
-from validation.ledger.checks import check
 from validation.ledger.checks.geometry import FAMILIES, KEVLAR, ranked
+from validation.ledger.registry import check
 
 
 @check()

@@ -8,7 +8,7 @@ from fabrics import catalogue
 from fabrics.compression import CompressionLaw
 from fabrics.plate_curve import PlateCurve
 from validation.ledger.cache import Run
-from validation.ledger.checks import check
+from validation.ledger.registry import check
 
 
 @check()

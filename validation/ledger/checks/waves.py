@@ -10,8 +10,9 @@ from scipy.stats import spearmanr
 from fabrics import catalogue
 from shellfabric import fronts
 from validation.ledger.cache import Run
-from validation.ledger.checks import check, series
+from validation.ledger.checks import series
 from validation.ledger.checks.geometry import KEVLAR, ranked
+from validation.ledger.registry import check
 
 
 def shot(fabric, velocity=100.0, **changes):

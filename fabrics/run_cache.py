@@ -1,0 +1,197 @@
+"""Results of finished runs in a folder, each under a key of what was computed and of the code that computed it.
+
+One rule for every study that can be resumed. The key is a digest of
+- the inputs: numbers, texts, arrays, dataclasses and what is made of them (`inputs_digest`);
+- the code: the version of weavecell, and the source of the module that computes, of all that it imports from our
+  packages, directly or not, of the solvers' packages that are among it, and of the data files that these read (`code`).
+A result of other code is thus never taken for one of this: it is computed again. A file that holds the state of a
+single unfinished run, which cannot be computed again on its own, carries both digests instead (`stamp`), and is
+refused with a message where either differs (`check_stamp`).
+
+The results are plain files, written whole or not at all, since a folder of results is what the user keeps, copies and
+resumes from, and what several processes write to; a data base in its place (diskcache, joblib.Memory) would hide them.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import pickle
+import sys
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, fields, is_dataclass
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+
+from fabrics import __version__, source_code
+from fabrics.errors import InputError
+from fabrics.files import write_whole
+
+LIBRARIES = ("fabrics", "meshing", "unitcell3d", "shellfabric")
+_SHORT = 12  # digits of the code's digest that messages show
+
+
+@cache
+def code(*modules):
+    """Digest of the source that the modules (dotted names) consist of, with the data files that it reads.
+
+    A module that is not one of ours, as a user's own function has, must have been imported.
+    """
+    named = [(str(file.relative_to(source_code.ROOT)), file) for file in files_of(*modules)]
+    named += [(name, Path(sys.modules[name].__file__)) for name in modules if source_code.file_of(name) is None]
+    return source_code.digest((name, file.read_bytes()) for name, file in sorted(named))
+
+
+def files_of(*modules):
+    """Our files that count as the code of some modules, sorted.
+
+    Their imports, in and out of functions; and, of each of `LIBRARIES` that is among these, all files but pictures,
+    since a module can use the methods of an object whose class it does not import.
+    """
+    ours = [name for name in modules if source_code.file_of(name) is not None]
+    others = [Path(sys.modules[name].__file__) for name in modules if name not in ours]
+    used = {name for file in others for name in source_code.imports(file)}
+    files = source_code.closure([*ours, *(name for name in used if source_code.file_of(name) is not None)])
+    reached = {file.relative_to(source_code.ROOT).parts[0] for file in files} & set(LIBRARIES)
+    whole = {file for package in reached for file in (source_code.ROOT / package).rglob("*.py")}
+    files = sorted({*files, *(file for file in whole if not file.stem.startswith("pictures"))})
+    return sorted({*files, *source_code.data_of(files)})
+
+
+def version(*modules):
+    """Version of weavecell and of the code of some modules, as text: "0.1.0 (code 0123456789ab)"."""
+    return f"{__version__} (code {code(*modules)[:_SHORT]})"
+
+
+def key(inputs, *modules):
+    """Name of a result: digest of the inputs, of the version and of the code of the modules that compute it."""
+    return hashlib.sha256(f"{inputs_digest(inputs)} {__version__} {code(*modules)}".encode()).hexdigest()[:32]
+
+
+def inputs_digest(inputs):
+    """Digest of a value.
+
+    Raises
+    ------
+    TypeError : it holds something that has no value of its own, as a function or an open file
+    """
+    found = hashlib.sha256()
+    _feed(found, inputs)
+    return found.hexdigest()
+
+
+def _feed(found, value):
+    if isinstance(value, np.generic):
+        value = value.item()
+    if value is None or isinstance(value, (bool, int, float, complex, str, bytes, Path)):
+        text = str(value) if isinstance(value, Path) else value
+        _mark(found, type(text).__name__, repr(text))
+    elif isinstance(value, np.ndarray) and value.dtype != object:
+        _mark(found, "array", f"{value.dtype.str} {value.shape}")
+        found.update(np.ascontiguousarray(value).tobytes())
+    elif is_dataclass(value) and not isinstance(value, type):
+        kept = [entry.name for entry in fields(value) if entry.init]
+        _mark(found, "dataclass", f"{type(value).__qualname__} {kept}")
+        for name in kept:
+            _feed(found, getattr(value, name))
+    elif isinstance(value, Mapping):
+        _mark(found, "mapping", str(len(value)))
+        for name in sorted(value, key=repr):
+            _feed(found, name)
+            _feed(found, value[name])
+    elif isinstance(value, (set, frozenset)):
+        _mark(found, "set", repr(sorted(map(inputs_digest, value))))
+    elif isinstance(value, (tuple, list)):
+        _mark(found, "sequence", str(len(value)))
+        for one in value:
+            _feed(found, one)
+    else:
+        raise TypeError(f"a {type(value).__name__} cannot be part of a key")
+
+
+def _mark(found, kind, text):
+    content = text.encode()
+    found.update(f"{kind} {len(content)} ".encode() + content)
+
+
+@dataclass(frozen=True)
+class Format:
+    """How results are written: suffix of their files, write(path, content) and read(path) -> content."""
+
+    suffix: str
+    write: Callable
+    read: Callable
+
+
+def _write_pickle(path, content):
+    with write_whole(path, "wb") as file:
+        pickle.dump(content, file, protocol=pickle.HIGHEST_PROTOCOL)
+
+
+def _read_pickle(path):
+    with open(path, "rb") as file:
+        return pickle.load(file)  # written by `_write_pickle` in the user's own folder
+
+
+def _write_json(path, content):
+    with write_whole(path) as file:
+        json.dump(content, file, indent=1)
+        file.write("\n")
+
+
+def _read_json(path):
+    return json.loads(path.read_text("utf-8"))
+
+
+PICKLE = Format("pickle", _write_pickle, _read_pickle)
+JSON = Format("json", _write_json, _read_json)
+
+
+class RunCache:
+    """Results in a folder by their keys.
+
+    Parameters
+    ----------
+    folder : made with the first result
+    form : Format of the files
+    """
+
+    def __init__(self, folder, form=PICKLE):
+        self.folder, self._form = Path(folder), form
+
+    def file(self, key):
+        """File of a result."""
+        return self.folder / f"{key}.{self._form.suffix}"
+
+    def __contains__(self, key):
+        return self.file(key).exists()
+
+    def __getitem__(self, key):
+        return self._form.read(self.file(key))
+
+    def __setitem__(self, key, content):
+        self._form.write(self.file(key), content)
+
+
+def stamp(inputs, *modules):
+    """{name: text} that a file with the state of one run carries as attributes."""
+    return {"identity": inputs_digest(inputs), "code": version(*modules)}
+
+
+def check_stamp(found, wanted, file, of="run"):
+    """Refuse a file whose attributes `found` are not those of `wanted`, a `stamp`.
+
+    Raises
+    ------
+    InputError : it is of other inputs, or of other code
+    """
+    if found.get("identity") != wanted["identity"]:
+        raise InputError(f"is the checkpoint of another {of}", file=file)
+    if found.get("code") != wanted["code"]:
+        raise InputError(
+            f"was written by weavecell {found.get('code', 'of an earlier version')}, and this is {wanted['code']}: a "
+            "run goes on only with the code that began it; run it again without --resume",
+            file=file,
+        )
