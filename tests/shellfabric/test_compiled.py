@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from numba import config, types, typeof
+from numba import config, typeof, types
 
 from shellfabric import compile_apart, edges_kernels, yarn_kernels
 from shellfabric.compiled import entry, kernel
