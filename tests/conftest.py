@@ -23,12 +23,10 @@ def peak():
     return float(found[0][1]) / 1024 if found else 0.0
 
 
-@pytest.hookimpl(hookwrapper=True)
-def pytest_runtest_protocol(item):
-    before = peak()
-    yield
-    if peak() > before:
-        _growth[item.nodeid] = peak() - before
+@pytest.hookimpl(tryfirst=True)
+def pytest_runtest_teardown(item):
+    """Note by how much a test, with what it set up, has raised the peak."""
+    _growth[item.nodeid] = peak() - sum(_growth.values())
 
 
 @pytest.fixture(scope="session", autouse=True)
