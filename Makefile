@@ -5,7 +5,7 @@ JOBS ?= 2
 # one BLAS thread a process: the work is shared out over processes instead
 RUN = OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(VENV)/bin/python -m
 
-.PHONY: demo test validate lint figures charts setup clean
+.PHONY: demo test test-slow validate lint figures charts setup clean
 
 demo: setup  ## S-720: 3D crossover, calibration and four impacts, with a report in results/demo
 	$(RUN) weavecell demo --out $(RESULTS)/demo
@@ -13,8 +13,10 @@ demo: setup  ## S-720: 3D crossover, calibration and four impacts, with a report
 test: setup lint  ## everything but the long validation runs
 	$(RUN) pytest -n $(JOBS) --dist loadfile -m "not slow"
 
-validate: setup  ## the long validation runs, and the ledger of the source's claims
-	$(RUN) pytest -m slow
+test-slow: setup  ## the long tests, the published outcomes among them; each process takes the next as it gets free
+	$(RUN) pytest -n $(JOBS) --dist load --maxschedchunk 1 -m slow
+
+validate: test-slow  ## the long tests, and the ledger of the source's claims
 	$(RUN) weavecell validate --slow --out $(RESULTS)/validate
 
 figures: demo  ## the figures of README and docs

@@ -9,19 +9,31 @@ are compiled in half the time.
     @entry(...)     called by Python
 
 A kernel that is called from Python all the same, as by its test, is compiled a second time for that.
+
+What Python calls with many arrays is compiled in a process of its own (`compile_apart`).
 """
 
 import types
 
 from numba import config, njit
+from numba.core.caching import FunctionCache
 from numba.core.registry import CPUDispatcher
+
+from shellfabric.compile_apart import TWIN, ApartCache
 
 _USUAL = {"cache": True, "error_model": "numpy", "no_cfunc_wrapper": True}
 
 
 def entry(**options):
     """Decorator of a kernel that Python calls. options : of numba's njit, besides those of all kernels here."""
-    return njit(**_USUAL, **options)
+
+    def decorated(function):
+        found = njit(**_USUAL, **options)(function)
+        if isinstance(getattr(found, "_cache", None), FunctionCache):
+            found._cache.__class__ = ApartCache
+        return found
+
+    return decorated
 
 
 def kernel(**options):
@@ -49,7 +61,7 @@ class _Inner(CPUDispatcher):
                 inner.__code__, inner.__globals__, inner.__name__, inner.__defaults__, inner.__closure__
             )
             # names its file; in the folder of the kernel (fabrics.kernel_cache), which changes with what it calls
-            twin.__module__, twin.__qualname__ = inner.__module__, f"{inner.__qualname__}_from_python"
+            twin.__module__, twin.__qualname__ = inner.__module__, inner.__qualname__ + TWIN
             now, config.CACHE_DIR = config.CACHE_DIR, self.folder
             try:
                 self._twin = entry(**self.entry_options)(twin)

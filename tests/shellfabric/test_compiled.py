@@ -1,9 +1,12 @@
 """How kernels are compiled: what other kernels call has no way in from Python until it is asked for one."""
 
-import numpy as np
-from numba import types
+from pathlib import Path
 
-from shellfabric import yarn_kernels
+import numpy as np
+import pytest
+from numba import config, typeof, types
+
+from shellfabric import compile_apart, edges_kernels, yarn_kernels
 from shellfabric.compiled import entry, kernel
 
 
@@ -48,3 +51,37 @@ def test_what_python_calls_is_kept_with_the_kernels():
     called, inner = yarn_kernels.energy._entry(), yarn_kernels.energy
     assert called._cache.cache_path == inner._cache.cache_path
     assert "kernels-" in called._cache.cache_path
+
+
+@pytest.fixture
+def large(small, tmp_path, monkeypatch):
+    """(a kernel of a panel with an empty cache, what numba calls its arguments)."""
+    found, panel = edges_kernels.hold, small()
+    kinds = typeof(panel.state(1.0)), typeof(panel.constants()), types.float64
+    with monkeypatch.context() as patch:
+        patch.setattr(config, "CACHE_DIR", str(tmp_path / Path(found._cache.cache_path).parent.name))
+        function = entry()(found.py_func)
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))  # for the other process; here it would undo the line above
+    return function, kinds
+
+
+def test_a_large_kernel_is_compiled_in_another_process(large):
+    """This one finds it in the cache, and its compiler has made nothing that it would keep."""
+    function, kinds = large
+    assert compile_apart.members(kinds) > compile_apart.LARGE
+    function.compile(kinds)
+    assert not function.stats.cache_misses
+    assert sum(function.stats.cache_hits.values()) == 1
+
+
+def test_where_no_other_process_can_a_large_kernel_is_compiled_in_this_one(large, monkeypatch):
+    function, kinds = large
+    monkeypatch.setattr(compile_apart, "_CHILD", "raise SystemExit(1)")
+    function.compile(kinds)
+    assert sum(function.stats.cache_misses.values()) == 1
+    assert function.overloads[kinds].library.get_pointer_to_function(function.overloads[kinds].fndesc.mangled_name)
+
+
+def test_members_are_counted_in_tuples_and_lists():
+    panel = types.Tuple([types.float64, types.UniTuple(types.float64[:], 3)])
+    assert compile_apart.members((panel, types.ListType(panel), types.int64)) == 4 + 4 + 1

@@ -184,7 +184,7 @@ def test_block_size_does_not_matter(quick):
     np.testing.assert_allclose(one.v, other.v, rtol=1e-12)
 
 
-@pytest.mark.slow  # a program of its own, minutes to compile
+@pytest.mark.slow(120)  # a program of its own, minutes to compile
 def test_single_precision_of_forces(quick):
     """Forces kept in 7 digits change what comes out by no more than 1e-6, and the balance not at all."""
     double, single = (quick(100.0, numerics=Numerics(precision=kind)) for kind in ("double", "single"))
@@ -252,7 +252,18 @@ def test_hooks(quick):
     assert seen[-1][0] == 1.0
     assert seen == sorted(seen, key=lambda entry: entry[0])
     assert [round(shot.t * 1e6, -1) for shot in result.snapshots] == [20, 40, 60]
-    assert Snapshots(1e-6).interval == 1e-6
+    assert seen[-1][1] == pytest.approx(result.v[-1], rel=1e-3)  # half a step apart
+    assert seen[-1][1] < seen[0][1] < 100.0
+
+
+@pytest.mark.parametrize("interval", [5e-6, 7e-6])
+def test_snapshots_are_at_the_audit_nearest_each_multiple_of_their_interval(quick, interval):
+    """Besides the last one, which is at the end of the run whether that is a multiple or not."""
+    result = quick(100.0, end_time=30e-6, hooks=[Snapshots(interval)])
+    multiples = np.arange(1, np.ceil(30e-6 / interval - 1e-6)) * interval
+    nearest = [result.t[np.argmin(abs(result.t - instant))] for instant in multiples]
+    np.testing.assert_array_equal([shot.t for shot in result.snapshots], [*nearest, result.t[-1]])
+    assert np.ptp(np.diff(result.t[:-1])) < 1e-12  # so that "nearest" means within half of a known interval
 
 
 def pull(panel, state, stretch1, stretch2):
@@ -364,7 +375,23 @@ def test_measures(quick):
     assert 0.003 < reach[0] < 0.0254
     assert result.nodes.shape[0] == (result.quads.max() + 1)
     assert result.tension.shape == (result.panel.elements, 2)
-    assert 0 < result.tension.max() <= result.peak_tension[0] + result.peak_tension[1]
+
+
+def test_tensions_follow_from_the_shape_of_the_panel(quick, fabric):
+    """The cell, solved at the stretches read off the nodes, carries the tensions; the peak is that of all steps."""
+    audits = []
+    result = quick(100.0, hooks=[lambda march: audits.append([T.max() for T in march.state.T])])
+    ni, nj = result.panel.counts
+    nodes, c = result.nodes.reshape(ni + 1, nj + 1, 3), result.panel.constants()
+    warp = np.linalg.norm(np.diff(nodes, axis=0), axis=2) / c.dx
+    weft = np.linalg.norm(np.diff(nodes, axis=1), axis=2) / c.dy
+    cell = CellModel(fabric).solve(0.5 * (warp[:, :-1] + warp[:, 1:]), 0.5 * (weft[:-1] + weft[1:]))
+    for family, name in enumerate(("T1", "T2")):
+        tension = result.tension[:, family].reshape(ni, nj)
+        assert tension.max() > 20.0
+        np.testing.assert_allclose(tension, cell[name], atol=0.03 * tension.max())
+        most = max(row[family] for row in audits)
+        assert most <= result.peak_tension[family] < 1.3 * most
 
 
 @pytest.mark.parametrize(

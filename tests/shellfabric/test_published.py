@@ -31,13 +31,13 @@ def test_s720():
     check("S-720", 5e-3)
 
 
-@pytest.mark.slow
+@pytest.mark.slow(25)
 @pytest.mark.parametrize("name", list(OUTCOMES)[1:])
 def test_other_fabrics(name):
     check(name, 5e-3)
 
 
-@pytest.mark.slow
+@pytest.mark.slow(25)
 @pytest.mark.parametrize(
     "name",
     [

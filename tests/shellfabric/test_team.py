@@ -76,6 +76,7 @@ def test_a_run_goes_on_with_another_number_of_threads(fabric, tmp_path):
 def test_nobody_is_left_waiting(fabric):
     """The threads that wait for the next steps are let go where something goes wrong between two."""
     chosen, told = setup(fabric, 2), []
+    march(fabric, 2, end_time=1e-9)  # compiled before the time that the thread is given begins
 
     def wrong(march):
         raise LookupError(march.steps)
@@ -100,10 +101,17 @@ def test_threads_of_shots_beside_each_other(fabric):
     assert [replace(shot, wall_time=0.0) for shot in shots[0]] == [replace(shot, wall_time=0.0) for shot in shots[1]]
 
 
-def test_how_many():
-    assert team.threads_for(3, 10) == 3
+def test_how_many(monkeypatch):
+    """A large panel takes the processors that the process is allowed to use, not those of the machine."""
+    monkeypatch.setattr("os.cpu_count", lambda: 64)
+    monkeypatch.setattr("os.sched_getaffinity", lambda process: {0, 3, 5, 6, 9}, raising=False)
+    assert team.threads_for(3, 10) == team.threads_for(3, team.CHEAP) == 3
     assert team.threads_for(None, team.CHEAP - 1) == 1
-    assert team.threads_for(None, team.CHEAP) >= 1
+    assert team.threads_for(None, team.CHEAP) == 5
+    monkeypatch.delattr("os.sched_getaffinity")  # a system without it
+    assert team.threads_for(None, team.CHEAP) == 64
+    monkeypatch.setattr("os.cpu_count", lambda: None)
+    assert team.threads_for(None, team.CHEAP) == 1
     with pytest.raises(InputError, match="threads"):
         Numerics(threads=0)
 

@@ -52,7 +52,7 @@ def test_closures_of_a_force_that_falls_for_a_step():
     assert closures(Snapped, 1e-6, pressure, measured) == pytest.approx(measured, rel=1e-9)
 
 
-@pytest.mark.slow
+@pytest.mark.slow(50)
 def test_a_twin_is_found_again(s720):
     """A curve computed with other solids: the fit goes below its resolution, 1 um, and finds what it determines."""
     size = (4, 3, 2)

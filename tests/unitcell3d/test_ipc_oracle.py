@@ -12,7 +12,7 @@ from unitcell3d import cases
 END = 0.03e-3  # warp only, near failure
 
 
-@pytest.mark.slow
+@pytest.mark.slow(40)
 def test_barrier_and_penalty_give_one_answer(s720):
     """Warp alone to 0.03 mm: tensions and contact force within 1 %.
 

@@ -66,7 +66,7 @@ def test_shifted_plies_nest(s720):
     assert len(nested.surfaces.pairs) == 8 + 16
 
 
-@pytest.mark.slow
+@pytest.mark.slow(35)
 def test_shifted_plies_under_pressure(s720):
     mesh = patch.build(s720, (2, 2), size=(3, 2, 2))
     record = cases_stack.stack_compression(mesh, s720, 2, shift=(0.5, 0.5), pressure=0.05e6)

@@ -88,7 +88,7 @@ def test_the_source_ran_it_likewise():
         assert A > B > C
 
 
-@pytest.mark.slow
+@pytest.mark.slow(60)
 def test_claims_at_full_size():
     """bias-zones, bias-zone-average, bias-angle-value where yarns do not stretch; bias-symmetry; Figure 4-27."""
     straight = cases.run("straight", steps=10)

@@ -214,7 +214,7 @@ def test_examples_are_good_scenes(path):
 
 @pytest.mark.parametrize(
     "path",
-    [pytest.param(p, marks=pytest.mark.slow if p.stem in LONG else (), id=p.stem) for p in EXAMPLES],
+    [pytest.param(p, marks=pytest.mark.slow(30) if p.stem in LONG else (), id=p.stem) for p in EXAMPLES],
 )
 def test_examples_run(command, tmp_path, path):
     code, _, err = command("coupon", path, "--out", "r")

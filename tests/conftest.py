@@ -1,0 +1,46 @@
+"""A guard on the memory of a test process.
+
+What makes a process grow are results held by fixtures, caches without a bound, and code compiled in it.
+"""
+
+from pathlib import Path
+
+import pytest
+
+LIMIT = 1500  # [MiB] resident, of one process at its peak
+STATUS = Path("/proc/self/status")
+_growth = {}
+
+
+def peak():
+    """[MiB] largest resident memory of this process so far; 0 where the system does not say.
+
+    Not getrusage's, which a process takes over from the one that started it.
+    """
+    if not STATUS.exists():
+        return 0.0
+    found = [line.split() for line in STATUS.read_text().splitlines() if line.startswith("VmHWM:")]
+    return float(found[0][1]) / 1024 if found else 0.0
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_runtest_teardown(item):
+    """Note by how much a test, with what it set up, has raised the peak."""
+    _growth[item.nodeid] = peak() - sum(_growth.values())
+
+
+@pytest.fixture(scope="session", autouse=True)
+def memory():
+    """Fails the last test of a process that has grown past the limit, and names the tests that took it there."""
+    yield
+    most = sorted(_growth, key=_growth.get, reverse=True)[:10]
+    told = "\n".join(f"  {_growth[name]:5.0f} MiB  {name}" for name in most)
+    assert peak() < LIMIT, f"this process grew to {peak():.0f} MiB, above {LIMIT}; most of it in\n{told}"
+
+
+def pytest_collection_modifyitems(items):
+    """Slow tests that know what they cost, `slow(seconds)`, come first, the longest before the others.
+
+    Then two processes that take the next test as they get free end at about the same time.
+    """
+    items.sort(key=lambda item: -max((mark.args[0] for mark in item.iter_markers("slow") if mark.args), default=0))
