@@ -6,7 +6,7 @@ import os
 from dataclasses import dataclass, fields, replace
 from math import degrees
 
-from fabrics import catalogue
+from fabrics import assumed, catalogue
 from fabrics.compression import CompressionLaw
 from fabrics.errors import InputError
 from fabrics.fabric import Fabric
@@ -85,7 +85,7 @@ def build(scene, file, name):
     ------
     InputError : a fabric or law that cannot be found or does not fit, named with the scene's file and key
     """
-    fabric = _fabric(scene.fabric, file)
+    fabric = _sheared(_fabric(scene.fabric, file), scene, file)
     surface = _surface(scene.fabric, fabric, file)
     laws, law_name = _laws(scene.fabric, fabric, file) if surface is None else (fabric.laws, "3D response surface")
     return Case(name, fabric, laws, law_name, scene, surface)
@@ -199,6 +199,20 @@ def _fabric(table, file):
             file=file, key="fabric.name", value=table.name, allowed=f"one of {', '.join(catalogue.names())}"
         )
     return with_density(fabric, table.linear_density)
+
+
+def _sheared(fabric, scene, file):
+    """The fabric with the trellis law that its cloth needs; prints one line where that is assumed or left out."""
+    need = getattr(scene, "trellis_law", "needed")
+    try:
+        fabric = fabric if need == "unused" else assumed.with_shear(fabric)
+    except InputError as problem:
+        if need == "needed":
+            raise InputError(str(problem), file=file) from None
+        print(f"no [shear] of {fabric.name}: its cloth has no shear stiffness")
+    for line in assumed.lines(fabric):
+        print(line)
+    return fabric
 
 
 def with_density(fabric, choice):

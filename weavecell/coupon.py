@@ -175,7 +175,7 @@ def _in_file(problem, scene, file):
 def _write(out, this, record, text, advance):
     """Write everything but the checkpoint."""
     outputs = this.scene.run.outputs
-    stamp = provenance.stamp(text)
+    stamp = provenance.stamp(text, this.fabric)
     with write_whole(out / "scene.toml") as file:
         file.write(text)
     record.write(out / "histories.h5")

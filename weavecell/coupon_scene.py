@@ -94,6 +94,13 @@ class CouponScene(Table):
         return next(name for name in TESTS if getattr(self, name) is not None)
 
     @property
+    def trellis_law(self):
+        """Whether the test needs the fabric's trellis law: "needed", "optional" or "unused"."""
+        if self.test == "bias_extension":
+            return "needed" if self.asked.trellis else "unused"
+        return "needed" if self.test == "picture_frame" else "optional"
+
+    @property
     def asked(self):
         """The table of the test."""
         return getattr(self, self.test)

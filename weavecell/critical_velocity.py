@@ -143,7 +143,7 @@ def _write(out, this, found, fit, shots, wall_time, text):
         "lambert_jonas": asdict(fit) if fit else None,
         "shots": [asdict(shot) for shot in shots],
         "wall_time": wall_time,
-        "provenance": provenance.stamp(text),
+        "provenance": provenance.stamp(text, this.fabric),
     }
     json_file.write(out / "critical-velocity.json", summary)
     with write_whole(out / "residual-velocity.svg", "wb") as file:

@@ -109,7 +109,7 @@ def _in_file(problem, path):
 
 def write(out, this, record, snapshots, text, advance):
     """Write everything but the checkpoint."""
-    outputs, stamp = this.scene.run.outputs, provenance.stamp(text)
+    outputs, stamp = this.scene.run.outputs, provenance.stamp(text, this.fabric)
     with write_whole(out / "scene.toml") as file:
         file.write(text)
     record.write(out / "histories.h5")

@@ -135,7 +135,7 @@ def fire(this, setup, title, *, checkpoint=None, every=None, resume=False, table
 def write(out, this, record, snapshots, text, advance, choice=None):
     """Write everything but the checkpoint."""
     outputs = this.scene.run.outputs
-    stamp = provenance.stamp(text)
+    stamp = provenance.stamp(text, this.fabric)
     with write_whole(out / "scene.toml") as file:
         file.write(text)
     record.write(out / "histories.h5")

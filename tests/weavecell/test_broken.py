@@ -139,7 +139,8 @@ def test_broken_fabric(command, tmp_path, verb, name):
 def test_fabric_without_3d_data(command, tmp_path, verb):
     code, _out, err = command(verb, BROKEN / "fabric-no-3d-data.toml")
     assert code == 2
-    told = "the fabric has no [solid] tables, without which its crossover has no 3D model"
+    told = "fabric mine has no [solid] table; must be given, with E_a, E_c, K_r, K_G, V_c and Vf0 of warp and weft: "
+    told += "it is assumed for para-aramid yarns alone, whose fibre_density is 1380 to 1480 kg/m^3"
     assert err == f"error: FABRIC = '{BROKEN}/fabric-no-3d-data.toml': {told}\n"
     assert list(tmp_path.iterdir()) == []
 
