@@ -31,6 +31,7 @@ class Fabric:
     effective_linear_density : (warp, weft) [kg/m] that the source's runs really used (erratum E-07), or None
     micrograph : {"warp": {...}, "weft": {...}} [SI] values read from section pictures
     sources : {dotted key: {"value", "source", "status"}} as written in the data file
+    assumed : names of the tables, "shear" or "solid", that the data file does not give (see `fabrics.assumed`)
     """
 
     name: str
@@ -44,6 +45,7 @@ class Fabric:
     effective_linear_density: tuple[float, float] | None = None
     micrograph: Mapping = field(default_factory=dict)
     sources: Mapping = field(default_factory=dict)
+    assumed: tuple[str, ...] = ()
 
     def __post_init__(self):
         if self.section not in SECTIONS:

@@ -6,21 +6,54 @@ import os
 from dataclasses import dataclass, fields, replace
 from math import degrees
 
-import numpy as np
-
-from fabrics import catalogue
+from fabrics import assumed, catalogue
 from fabrics.compression import CompressionLaw
 from fabrics.errors import InputError
 from fabrics.fabric import Fabric
 from fabrics.materials import Isotropic, load
 from fabrics.surface import ResponseSurface
-from weavecell.scene import BackingTable, ProjectileTable
+from weavecell.scene import BackingTable, ProjectileTable, SlipTable
+from weavecell.supported import Rule, of
 from weavecell.tables import InlineLaw
 
-# what a surface has of its own, with the values that a scene may leave standing
-_OF_LAWS = (
-    ("law", "published"), ("cell_model", "compressible"), ("gap", 0.0), ("cell_profile", "cosine"), ("yarn_toe", 0.0)
+# keys of a scene that `build` and `setup` put into the fabric, its cell and the ImpactSetup
+CLOTH = of("fabric", "name file linear_density law law.a law.b law.form cell_model cell_form cell_profile gap")
+PROJECTILE = of(
+    "projectile",
+    "mass diameter edge_radius shape length half_angle tip_radius flat_width flat_angle obliquity azimuth yaw roll "
+    "friction body bore",
+)
+_SLIPPING = " ".join(f"boundary.{side}.{key}" for side in ("warp", "weft") for key in SlipTable.model_fields)
+PANEL = of("panel", f"opening boundary boundary.warp boundary.weft {_SLIPPING} symmetry weave_angle yarns_fail")
+NUMERICS = of("numerics", "safety stretch_viscosity penalty contact_damping precision threads")
+BACKING = of(
+    "backing",
+    "size room modulus density poisson yield_stress hardening erosion_strain far finest fine growth",
+)
+SHOT = (
+    *CLOTH, "fabric.surface", "fabric.bending", *PROJECTILE, *PANEL, "run.elements_per_crossover", *NUMERICS, *BACKING,
 )  # fmt: skip
+NO_TOE = {"fabric.yarn_toe": "left out in an impact"}  # a yarn whose crossings have failed is linear in the march
+CELL_RULES = (
+    *(
+        Rule(f"fabric.{key}", lambda scene: scene.fabric.surface is not None, "left out with fabric.surface")
+        for key in ("law", "cell_model", "gap", "cell_profile", "yarn_toe")
+    ),
+    Rule(
+        "fabric.law",
+        lambda scene: scene.fabric.cell_model != "compressible",
+        'left out where fabric.cell_model is "incompressible" or "decoupled", whose yarns are not compressed',
+    ),
+    Rule(
+        "fabric.gap",
+        lambda scene: scene.fabric.cell_model == "decoupled",
+        'left out where fabric.cell_model is "decoupled", whose yarns never touch',
+    ),
+)
+SHOT_RULES = (
+    *CELL_RULES,
+    Rule("projectile.bore", lambda scene: scene.projectile.body != "bar", 'left out but for body = "bar"'),
+)
 
 
 @dataclass(frozen=True)
@@ -52,7 +85,7 @@ def build(scene, file, name):
     ------
     InputError : a fabric or law that cannot be found or does not fit, named with the scene's file and key
     """
-    fabric = _fabric(scene.fabric, file)
+    fabric = _sheared(_fabric(scene.fabric, file), scene, file)
     surface = _surface(scene.fabric, fabric, file)
     laws, law_name = _laws(scene.fabric, fabric, file) if surface is None else (fabric.laws, "3D response surface")
     return Case(name, fabric, laws, law_name, scene, surface)
@@ -72,9 +105,6 @@ def setup(case, file):
     shot, panel, run = case.scene.projectile, case.scene.panel, case.scene.run
     measure = case.scene.measure
     knobs = {key: value for key, value in case.scene.numerics if value is not None}
-    if any(np.atleast_1d(case.scene.fabric.yarn_toe)):  # a yarn whose crossings have failed is linear in the march
-        allowed = "left out in an impact"
-        raise InputError(file=file, key="fabric.yarn_toe", value=case.scene.fabric.yarn_toe, allowed=allowed)
     try:
         return ImpactSetup(
             fabric=case.fabric,
@@ -171,6 +201,20 @@ def _fabric(table, file):
     return with_density(fabric, table.linear_density)
 
 
+def _sheared(fabric, scene, file):
+    """The fabric with the trellis law that its cloth needs; prints one line where that is assumed or left out."""
+    need = getattr(scene, "trellis_law", "needed")
+    try:
+        fabric = fabric if need == "unused" else assumed.with_shear(fabric)
+    except InputError as problem:
+        if need == "needed":
+            raise InputError(str(problem), file=file) from None
+        print(f"no [shear] of {fabric.name}: its cloth has no shear stiffness")
+    for line in assumed.lines(fabric):
+        print(line)
+    return fabric
+
+
 def with_density(fabric, choice):
     """The fabric with its "nominal" linear densities, or the "effective" ones where it has such (erratum E-07)."""
     if choice == "nominal" or fabric.effective_linear_density is None:
@@ -189,9 +233,6 @@ def _surface(table, fabric, file):
         )  # fmt: skip
     if table.surface is None:
         return None
-    for key, default in _OF_LAWS:
-        if getattr(table, key) != default:
-            raise InputError("a surface has its own, give one of the two", file=file, key=f"fabric.{key}")
     if not os.path.exists(table.surface):
         raise InputError("cannot be read; must be a surface written by `weavecell surface`", file=table.surface)
     surface = ResponseSurface.read(table.surface)
@@ -204,6 +245,9 @@ def _surface(table, fabric, file):
 
 
 def _laws(table, fabric, file):
+    if table.cell_model != "compressible":
+        law = CompressionLaw.incompressible()
+        return (law, law), f"none, {table.cell_model} yarns"
     if isinstance(table.law, InlineLaw):
         try:
             law = CompressionLaw(table.law.a, table.law.b, table.law.form, provenance=f"scene {file}")

@@ -41,7 +41,7 @@ def command(name, case, out, *, domain, size, section, gap, **choices):
     record.write(out / "case.h5")
     content = {
         "fabric": fabric.name, "case": record.case, "domain": domain, "size": size, "rows": len(record["path"]),
-        "failed": record.failed, "facts": record.facts, "found": found, "provenance": provenance.stamp(),
+        "failed": record.failed, "facts": record.facts, "found": found, "provenance": provenance.stamp(fabric=fabric),
     }  # fmt: skip
     json_file.write(out / "case.json", content)
     with write_whole(out / "pictures" / "curve.svg", "wb") as file:

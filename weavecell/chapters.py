@@ -31,6 +31,8 @@ def fabric_card(fabric):
 
 def law_card(law, published=None, source=""):
     """Which compression law, beside the published one."""
+    if law.a == law.b == 0:  # of a cell whose yarns are not compressed
+        return Card("Compression law", source or "none", ("none: the yarns keep their thickness",))
     shift = " + F0" if law.form == "regularised" else ""
     lines = [f"a = {1e3 * law.a:.4f} mm, b = {1e3 * law.b:.4f} mm N^(1/3)", f"d_c = a - b / (F{shift})^(1/3)"]
     if published is not None:

@@ -124,7 +124,7 @@ def calibrate(
 ):
     """Solve the 3D crossover and fit its compression law: law.json, histories and a report.
 
-    The curve of --plates is a CSV file headed, for example, "pressure [MPa], thickness [mm]": one ply between flat
+    The curve of --plates is a CSV file headed, for example, "pressure \\[MPa], thickness \\[mm]": one ply between flat
     plates, loading only, at least five rows. A finished path is kept at once, for --resume.
     """
     from weavecell import crossover

@@ -35,8 +35,11 @@ def impact(
     """Fire the projectile of a scene at its panel: histories, ParaView series, pictures and a report.
 
     The folder then holds report.html, summary.json, histories.h5, panel.pvd with panel/*.vtu, pictures/ and scene.toml;
-    while the run goes on, checkpoint.h5. A scene with a table [accuracy] says how well it wants to know something: the
-    cheapest model that will do is chosen and checked.
+    while the run goes on, checkpoint.h5. A scene with a table \\[accuracy] says how well it wants to know something:
+    the cheapest model that will do is chosen and checked. A key of the scene that cannot be honoured is rejected.
+
+    --explain ignores title, run.snapshot_interval, run.checkpoint_interval, run.outputs, measure.interval,
+    measure.warp, measure.weft and measure.places.
     """
     from weavecell import fidelity, run
 
@@ -109,7 +112,9 @@ def critical_velocity(
 ):
     """Bisect for the velocity between stop and perforation, and fit residual velocities (Lambert-Jonas).
 
-    A scene's own strike velocity and end time do not matter; a fabric is shot at as in the source's tests.
+    A fabric is shot at as in the tests of the thesis. Of a scene these keys are ignored: title,
+    projectile.strike_velocity, run.end_time, run.snapshot_interval, run.checkpoint_interval, run.outputs. Packs,
+    \\[measure] and \\[accuracy] are rejected.
 
     The folder then holds critical-velocity.json, shots.csv, residual-velocity.svg and scene.toml.
     """

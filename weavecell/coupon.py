@@ -24,12 +24,30 @@ from weavecell.coupon_measures import MOVED, measures
 from weavecell.coupon_record import CouponRecord, read_states, write_states
 from weavecell.report import Card, Figure, Section, Table
 from weavecell.run import Interrupted
+from weavecell.supported import Support, of
 
 TABLE_SIZE = 201  # stretches along each side of the cell's table, as in impacts
 WORDS = {
     "bias_extension": "bias extension", "picture_frame": "picture frame", "uniaxial": "uniaxial tension",
     "biaxial": "biaxial tension",
 }  # fmt: skip
+SUPPORT = Support(
+    "weavecell coupon",
+    coupon_scene.CouponScene,
+    (
+        "title", *case.CLOTH, "fabric.yarn_toe",
+        *of("bias_extension", "length width elongation trellis"),
+        *of("picture_frame", "shear crossovers"),
+        *of("uniaxial", "direction length width strain failure"),
+        *of("biaxial", "strain centre arm drawn failure"),
+        *of("run", "steps elements_per_crossover tolerance most_iterations outputs"),
+    ),
+    rejected={
+        "fabric.surface": "left out: the cell of a coupon is made from laws",
+        "fabric.bending": "left out: the yarns of a coupon have no bending stiffness",
+    },
+    rules=case.CELL_RULES,
+)  # fmt: skip
 # figures of each test: file, measures, label of the axis, caption
 DRAWN = {
     "bias_extension": (
@@ -74,7 +92,7 @@ def coupon(path, out, *, resume=False):
     UnstableError : the run became unstable; what it had computed has been written
     Interrupted : by the user; the states of the steps done have been kept
     """
-    asked, text = coupon_scene.load(path)
+    asked, text = coupon_scene.load(path, SUPPORT)
     this = case.build(asked, path, path.stem)
     checkpoint = out / "checkpoint.h5"
     if resume and not checkpoint.exists():
@@ -109,8 +127,6 @@ def _pull(this, title, checkpoint, resume):
     from shellfabric.cell import CellModel
 
     scene, cloth, failure = this.scene, this.scene.fabric, None
-    if this.surface is not None:
-        raise InputError("a coupon's cell is made from laws", key="fabric.surface", allowed="left out")
     cell = (cloth.gap, cloth.cell_model, cloth.cell_form, cloth.cell_profile, cloth.yarn_toe)
     table = CellModel(this.fabric, this.laws, *cell).table(TABLE_SIZE)
     options = dict(scene.asked)
@@ -158,7 +174,7 @@ def _in_file(problem, scene, file):
 def _write(out, this, record, text, advance):
     """Write everything but the checkpoint."""
     outputs = this.scene.run.outputs
-    stamp = provenance.stamp(text)
+    stamp = provenance.stamp(text, this.fabric)
     with write_whole(out / "scene.toml") as file:
         file.write(text)
     record.write(out / "histories.h5")

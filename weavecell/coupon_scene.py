@@ -8,6 +8,7 @@ from typing import Annotated, Literal
 from pydantic import BeforeValidator, Field
 
 from fabrics.errors import InputError
+from weavecell import supported
 from weavecell.tables import (
     FabricTable,
     Table,
@@ -93,13 +94,20 @@ class CouponScene(Table):
         return next(name for name in TESTS if getattr(self, name) is not None)
 
     @property
+    def trellis_law(self):
+        """Whether the test needs the fabric's trellis law: "needed", "optional" or "unused"."""
+        if self.test == "bias_extension":
+            return "needed" if self.asked.trellis else "unused"
+        return "needed" if self.test == "picture_frame" else "optional"
+
+    @property
     def asked(self):
         """The table of the test."""
         return getattr(self, self.test)
 
 
-def load(path):
-    """Read and check the scene file of a coupon.
+def load(path, support=None):
+    """Read and check the scene file of a coupon; `support` as in `scene.load`.
 
     Returns
     -------
@@ -111,14 +119,16 @@ def load(path):
     InputError : one line naming the file, the key, its value and what is allowed
     """
     text, table = read_toml(path, what="scene")
-    return check(table, path), text
+    return check(table, path, support), text
 
 
-def check(table, file):
+def check(table, file, support=None):
     """Turn a scene's table into a checked CouponScene; `file` is named in errors and anchors relative paths."""
     scene = validated(CouponScene, table, file)
     exactly_one(scene.fabric, ("name", "file"), "fabric", file)
     exactly_one(scene, TESTS, "", file)
+    if support is not None:
+        supported.check(scene, table, file, support)
     written, asked = table[scene.test], scene.asked
     if scene.test == "bias_extension" and asked.length <= asked.width:
         key, allowed = "bias_extension.length", f"above the width, {written['width']}"

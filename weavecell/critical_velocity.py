@@ -24,7 +24,23 @@ from fabrics import catalogue
 from fabrics.errors import InputError, UnstableError
 from fabrics.files import write_whole
 from weavecell import case, json_file, pictures, progress, provenance, scene, toml_text
+from weavecell.supported import Support, of
 
+SUPPORT = Support(
+    "weavecell critical-velocity",
+    scene.Scene,
+    (*case.SHOT, "panel.grading"),
+    ignored=(
+        "title", "projectile.strike_velocity",
+        *of("run", "end_time snapshot_interval checkpoint_interval outputs"),
+    ),
+    rejected=case.NO_TOE
+    | {"panel.plies": "1: the ballistic limit of one ply is computed; that of a pack is not available"}
+    | dict.fromkeys(("panel.stacking", "panel.gap"), "left out for a single ply")
+    | {"measure": "left out: the shots record nothing along yarns; `weavecell impact` does"}
+    | {"accuracy": "left out: the ballistic limit is computed on the mesh of the scene"},
+    rules=case.SHOT_RULES,
+)  # fmt: skip
 _CURVE = (1.03, 2.0)  # first and last shot of the curve, times the velocity that perforates
 _COLUMNS = {
     "strike velocity [m/s]": lambda shot: f"{shot.strike_velocity:.4f}",
@@ -94,7 +110,7 @@ def _case(target, out):
     elif target.endswith(".toml"):
         text, found = scene.read_toml(target, what="scene or fabric")
         if {"fabric", "projectile", "panel", "run"} & set(found):
-            return case.build(scene.check(found, target), target, name), text
+            return case.build(scene.check(found, target, SUPPORT), target, name), text
         catalogue.read(target)
         table = {"file": os.path.relpath(target, out)}
     else:
@@ -105,7 +121,7 @@ def _case(target, out):
     standard = scene.read_toml(resources.files("weavecell") / "scenes" / "demo.toml", what="demonstration")[1]["scene"]
     table = {**standard, "fabric": standard["fabric"] | {"name": None} | table}
     table["fabric"] = {key: value for key, value in table["fabric"].items() if value is not None}
-    return case.build(scene.check(table, out / "scene.toml"), target, name), toml_text.dumps(table)
+    return case.build(scene.check(table, out / "scene.toml", SUPPORT), target, name), toml_text.dumps(table)
 
 
 def _write_shots(out, text, shots):
@@ -127,7 +143,7 @@ def _write(out, this, found, fit, shots, wall_time, text):
         "lambert_jonas": asdict(fit) if fit else None,
         "shots": [asdict(shot) for shot in shots],
         "wall_time": wall_time,
-        "provenance": provenance.stamp(text),
+        "provenance": provenance.stamp(text, this.fabric),
     }
     json_file.write(out / "critical-velocity.json", summary)
     with write_whole(out / "residual-velocity.svg", "wb") as file:

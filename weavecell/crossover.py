@@ -27,7 +27,7 @@ def calibrate_command(name, out, *, size, processes, friction=0.0, plates=None, 
         solid = solid_fit.fit(fabric, solid_fit.curve_for(fabric, plates), out, processes=processes, resume=resume)
         fabric = solid.fabric
     built = mesh.build(fabric, size=size, domain="whole")
-    mesh.write(built, out)
+    mesh.write(built, out, fabric=fabric)
     done = calibrate(fabric, out, size=size, processes=processes, friction=friction, resume=resume)
     tell(fabric, done, out)
     page(fabric, done, solid, built, out)
@@ -39,7 +39,7 @@ def page(fabric, done, solid, built, out):
     laws = {"fitted": done.law}
     if done.published is not None:
         laws["published"] = done.published
-    stamp = provenance.stamp()
+    stamp = provenance.stamp(fabric=fabric)
     json_file.write(out / "provenance.json", stamp)
     sections = (
         fit_chapter(done, laws),

@@ -82,7 +82,7 @@ def _shoot(plan, asked, law, out):
     table["run"]["outputs"] = ["paraview"]
     text = toml_text.dumps(table)
     file = folder / "scene.toml"
-    this = case.build(scene.check(table, file), file, folder.name)
+    this = case.build(scene.check(table, file, run.SUPPORT), file, folder.name)
     record, snapshots, *_ = run.fire(this, case.setup(this, file), title)
     run.write(folder, this, record, snapshots, text, lambda *_: None)
     return asked, record

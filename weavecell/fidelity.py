@@ -7,6 +7,32 @@ from dataclasses import replace
 from fabrics.errors import InputError, UnstableError
 from weavecell import case, scene
 from weavecell.report import Section, Table
+from weavecell.supported import Support, of
+
+_CHOSEN = "left out in a scene with [accuracy], whose mesh is chosen"
+SUPPORT = Support(
+    "weavecell impact",
+    scene.Scene,
+    (
+        "title", *case.SHOT, "projectile.strike_velocity",
+        *of("run", "end_time snapshot_interval checkpoint_interval outputs"),
+        *of("measure", "interval warp weft places"),
+        *of("accuracy", "residual_velocity absorbed_energy deflection peak_tension"),
+    ),
+    rejected=case.NO_TOE
+    | {"panel.grading": _CHOSEN, "panel.plies": "1 in a scene with [accuracy]"}
+    | dict.fromkeys(("panel.stacking", "panel.gap"), "left out for a single ply"),
+    rules=case.SHOT_RULES,
+)  # fmt: skip
+_OF_A_RUN = (
+    "title", *of("run", "snapshot_interval checkpoint_interval outputs"), *of("measure", "interval warp weft places"),
+)  # fmt: skip
+EXPLAIN = replace(
+    SUPPORT,
+    command="weavecell impact --explain",
+    supported=tuple(key for key in SUPPORT.supported if key not in _OF_A_RUN),
+    ignored=_OF_A_RUN,
+)
 
 # keys of a scene that a model of the ladder would change; what is given there stays
 _BY_HAND = {
@@ -70,7 +96,7 @@ def explain(path):
 
     from validation.fidelity import book, choose
 
-    asked, _ = scene.load(path)
+    asked, _ = scene.load(path, EXPLAIN)
     if asked.accuracy is None:
         raise InputError("is missing, so there is nothing to choose", file=path, key="accuracy")
     this = case.build(asked, path, path.stem)

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import re
 
-from fabrics import catalogue
+from fabrics import assumed, catalogue
 from fabrics.errors import InputError
 from fabrics.units import si
 from weavecell import json_file, progress, provenance
@@ -37,19 +37,25 @@ def mesh_command(name, out, *, domain, patch, formats, size, crimp, width, end_s
         end_shells=None if end_shells is None else si(end_shells, "m", key="--end-shells"),
         **choices,
     )
-    write(built, out, _formats(formats))
+    write(built, out, _formats(formats), fabric)
     for key, value in facts(built).items():
         print(f"{key:<24}{value}")
     print(f"written to {out}")
 
 
 def with_3d_data(name):
-    """The fabric of this name, which must have what a 3D crossover needs."""
-    fabric = catalogue.load(name)
-    if fabric.solids is None:
-        raise InputError(
-            "the fabric has no [solid] tables, without which its crossover has no 3D model", key="FABRIC", value=name
-        )
+    """The fabric of this name with what a 3D crossover needs; prints one line where that is assumed.
+
+    Raises
+    ------
+    InputError : no such fabric, or one without [solid] tables for whose yarns none are assumed
+    """
+    try:
+        fabric = assumed.with_solids(catalogue.load(name))
+    except InputError as problem:
+        raise problem if problem.file or problem.key else InputError(str(problem), key="FABRIC", value=name) from None
+    for line in assumed.lines(fabric):
+        print(line)
     return fabric
 
 
@@ -67,8 +73,8 @@ def build(fabric, *, domain="quarter", count=None, **choices):
     return crossover.build(fabric, domain=domain, **choices)
 
 
-def write(built, out, formats=("msh", "vtu")):
-    """Write a mesh and its pictures to the folder `out`."""
+def write(built, out, formats=("msh", "vtu"), fabric=None):
+    """Write a mesh and its pictures to the folder `out`; `fabric` is the meshed one, for the record."""
     from meshing import export, pictures, pictures_patch, pictures_quality
 
     stem, draw = ("patch", pictures_patch) if hasattr(built, "count") else ("crossover", pictures)
@@ -79,7 +85,7 @@ def write(built, out, formats=("msh", "vtu")):
         advance(0.6, "drawing")
         draw.picture(built, out / f"{stem}.png")
         pictures_quality.picture(built, out / "quality.png")
-        json_file.write(out / "mesh.json", facts(built) | {"provenance": provenance.stamp()})
+        json_file.write(out / "mesh.json", facts(built) | {"provenance": provenance.stamp(fabric=fabric)})
 
 
 def facts(built):

@@ -32,7 +32,27 @@ from weavecell import (
     report,
 )
 from weavecell.pack_record import PackRecord
+from weavecell.scene import Scene
+from weavecell.supported import Rule, Support, of
 
+_OF_ONE_PLY = "left out where panel.plies is above 1"
+SUPPORT = Support(
+    "weavecell impact",
+    Scene,
+    (
+        "title", *case.SHOT, "projectile.strike_velocity", *of("panel", "plies stacking gap"),
+        *of("run", "end_time snapshot_interval checkpoint_interval outputs"),
+    ),
+    rejected=case.NO_TOE | dict.fromkeys(("measure", "accuracy", "panel.grading"), _OF_ONE_PLY),
+    rules=(
+        *case.SHOT_RULES,
+        Rule("panel.stacking", lambda scene: scene.panel.weave_angle != 0, "aligned where the weave is oblique"),
+        Rule(
+            "panel.stacking", lambda scene: scene.fabric.surface is not None,
+            "aligned where the cell is a response surface",
+        ),
+    ),
+)  # fmt: skip
 _OF_PANEL = ("plies", "stacking", "gap")
 
 
@@ -89,7 +109,7 @@ def _in_file(problem, path):
 
 def write(out, this, record, snapshots, text, advance):
     """Write everything but the checkpoint."""
-    outputs, stamp = this.scene.run.outputs, provenance.stamp(text)
+    outputs, stamp = this.scene.run.outputs, provenance.stamp(text, this.fabric)
     with write_whole(out / "scene.toml") as file:
         file.write(text)
     record.write(out / "histories.h5")

@@ -11,6 +11,7 @@ from importlib import metadata
 from pathlib import Path
 
 import weavecell
+from fabrics import assumed
 
 PACKAGES = (
     "numpy", "scipy", "numba", "fenics-dolfinx", "petsc4py", "gmsh", "meshio", "h5py",
@@ -18,9 +19,10 @@ PACKAGES = (
 )  # fmt: skip
 
 
-def stamp(scene_text=""):
-    """What a reader needs to repeat a run, as a flat dict of texts."""
-    return {
+def stamp(scene_text="", fabric=None):
+    """What a reader needs to repeat a run, as a flat dict of texts; of a fabric, which of its tables were assumed."""
+    told = {} if fabric is None or not fabric.assumed else {"assumed": "; ".join(assumed.lines(fabric))}
+    return told | {
         "weavecell": weavecell.__version__,
         "commit": commit(),
         "date": datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),

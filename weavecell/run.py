@@ -26,6 +26,27 @@ from fabrics.errors import InputError, WeavecellError
 from fabrics.files import write_whole
 from weavecell import case, chapters, fidelity, json_file, pack_run, paraview, progress, provenance, report, scene
 from weavecell.record import ImpactRecord, Shape
+from weavecell.supported import Support, of
+
+SUPPORT = Support(
+    "weavecell impact",
+    scene.Scene,
+    (
+        "title", *case.SHOT, "projectile.strike_velocity", "panel.plies", "panel.grading",
+        *of("run", "end_time snapshot_interval checkpoint_interval outputs"),
+        *of("measure", "interval warp weft places"),
+        *of("accuracy", "residual_velocity absorbed_energy deflection peak_tension"),
+    ),
+    rejected=case.NO_TOE | dict.fromkeys(("panel.stacking", "panel.gap"), "left out for a single ply"),
+    rules=case.SHOT_RULES,
+)  # fmt: skip
+
+
+def support(asked):
+    """The declaration that holds for a scene: packs and scenes with [accuracy] have their own."""
+    if asked.panel.plies > 1:
+        return pack_run.SUPPORT
+    return SUPPORT if asked.accuracy is None else fidelity.SUPPORT
 
 
 class Interrupted(WeavecellError):
@@ -43,7 +64,7 @@ def impact(path, out, *, resume=False):
     UnstableError : the run became unstable; what it had computed has been written
     Interrupted : by the user; the last checkpoint has been kept
     """
-    asked, text = scene.load(path)
+    asked, text = scene.load(path, support)
     this = case.build(asked, path, path.stem)
     setup = case.setup(this, path)
     if resume and not checkpoints(out):
@@ -114,7 +135,7 @@ def fire(this, setup, title, *, checkpoint=None, every=None, resume=False, table
 def write(out, this, record, snapshots, text, advance, choice=None):
     """Write everything but the checkpoint."""
     outputs = this.scene.run.outputs
-    stamp = provenance.stamp(text)
+    stamp = provenance.stamp(text, this.fabric)
     with write_whole(out / "scene.toml") as file:
         file.write(text)
     record.write(out / "histories.h5")

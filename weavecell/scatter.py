@@ -12,7 +12,7 @@ import shutil
 import time
 from dataclasses import asdict
 
-from fabrics import catalogue
+from fabrics import assumed, catalogue
 from fabrics.files import write_whole
 from validation import marked_page
 from validation.scatter import inputs, pool, sobol, v50
@@ -51,7 +51,7 @@ def sensitivity(fabric, out, *, velocities, samples, seed, jobs, kind, opening, 
     command = f"weavecell sensitivity {fabric} --samples {samples} --seed {seed}"
     title = f"{cloth.name}: Sobol indices, {count} rows"
     content = {"indices": [_plain(one) for one in found], "inputs": [asdict(one) for one in entries.values()]}
-    _finish(out, page, "sobol", title, head, rows, told, command, content, began,
+    _finish(out, page, "sobol", title, head, rows, told, command, content, began, cloth,
             lambda path: pictures_scatter.indices(found, path, title))  # fmt: skip
 
 
@@ -91,13 +91,15 @@ def probabilistic(fabric, out, *, shots, batch, seed, scatter, jobs, kind, openi
         "curves": {link: asdict(curve) | {"V0": curve.V0, "V100": curve.V100} for link, curve in study.curves.items()},
         "inputs": [asdict(one) for name in ("weibull", "spread") for one in inputs.table(name).values()],
     }  # fmt: skip
-    _finish(out, page, "v50", title, head, rows, told, command, _finite(content), began,
+    _finish(out, page, "v50", title, head, rows, told, command, _finite(content), began, cloth,
             lambda path: pictures_scatter.perforation(study, path, title))  # fmt: skip
 
 
 def _begin(fabric, out, page, name, resume):
     """The fabric, with the folder made ready; InputError before anything is written."""
-    cloth = catalogue.load(fabric)
+    cloth = assumed.with_shear(catalogue.load(fabric))
+    for line in assumed.lines(cloth):
+        print(line)
     if cloth.effective_linear_density is not None:
         cloth = cloth.effective()
     if page is not None:
@@ -107,9 +109,9 @@ def _begin(fabric, out, page, name, resume):
     return cloth
 
 
-def _finish(out, page, name, title, head, rows, told, command, content, began, draw):
+def _finish(out, page, name, title, head, rows, told, command, content, began, cloth, draw):
     """Write table, record, picture and page of a study."""
-    stamp = provenance.stamp()
+    stamp = provenance.stamp(fabric=cloth)
     with write_whole(out / f"{name}.csv") as file:
         csv.writer(file).writerows([head, *rows])
     json_file.write(out / f"{name}.json", {**content, "wall_time": time.perf_counter() - began, "provenance": stamp})

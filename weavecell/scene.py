@@ -9,6 +9,7 @@ from pydantic import BeforeValidator, Discriminator, Field, Tag
 
 from fabrics.errors import InputError
 from fabrics.units import si
+from weavecell import supported
 from weavecell.tables import (
     FabricTable,
     Table,
@@ -214,8 +215,14 @@ class Scene(Table):
     backing: Annotated[BackingTable | None, Field(description="a table [backing]")] = None
 
 
-def load(path):
+def load(path, support=None):
     """Read and check a scene file.
+
+    Parameters
+    ----------
+    path : of the file
+    support : the supported.Support of the command that reads it, or a function that gives it from the scene; None
+        where any key may be set
 
     Returns
     -------
@@ -228,13 +235,15 @@ def load(path):
     """
     path = Path(path)
     text, table = read_toml(path, what="scene")
-    return check(table, path), text
+    return check(table, path, support), text
 
 
-def check(table, file):
+def check(table, file, support=None):
     """Turn a scene's table into a checked Scene; `file` is named in errors and anchors relative paths."""
     scene = validated(Scene, table, file)
     _check_relations(scene, table, file)
+    if support is not None:
+        supported.check(scene, table, file, support(scene) if callable(support) else support)
     return anchored(scene, Path(file).parent)
 
 
@@ -264,35 +273,11 @@ def _check_relations(scene, table, file):
     for (name, key), (holds, allowed) in limits.items():
         if not holds and key in table[name]:
             raise InputError(file=file, key=f"{name}.{key}", value=table[name][key], allowed=allowed)
-    _check_pack(scene, table, file)
-    if shot.bore is not None and shot.body != "bar":
-        raise InputError("is that of a bar", file=file, key="projectile.bore", allowed='with body = "bar"')
     if scene.backing is not None and scene.backing.size is not None and len(scene.backing.size) != 3:
         raise InputError(file=file, key="backing.size", value=table["backing"]["size"], allowed="three lengths")
     if isinstance(panel.boundary, BoundaryTable):
         for name in ("warp", "weft"):
             _check_sides(getattr(panel.boundary, name), f"panel.boundary.{name}", table, file)
-
-
-def _check_pack(scene, table, file):
-    """What goes with several plies alone, and what does not."""
-    panel = scene.panel
-    if panel.plies == 1:
-        for key in ("stacking", "gap"):
-            if key in table["panel"]:
-                allowed = "left out for a single ply"
-                raise InputError(file=file, key=f"panel.{key}", value=table["panel"][key], allowed=allowed)
-        return
-    for key in ("measure", "accuracy"):
-        if getattr(scene, key) is not None:
-            raise InputError("is for a single ply", file=file, key=key, allowed="left out where panel.plies is above 1")
-    if panel.stacking == "alternating":
-        for holds, why in (
-            (panel.weave_angle == 0.0, "the weave is oblique"),
-            (scene.fabric.surface is None, "the cell is a response surface"),
-        ):
-            if not holds:
-                raise InputError(file=file, key="panel.stacking", value=panel.stacking, allowed=f"aligned where {why}")
 
 
 def _check_sides(side, key, table, file):

@@ -27,7 +27,7 @@ def surface_command(name, out, *, d1, d2, points, tolerance, size, processes, re
 
     fabric = with_3d_data(name)
     spans = [_span(text, key) for text, key in ((d1, "--d1"), (d2, "--d2"))]
-    stamp = provenance.stamp()
+    stamp = provenance.stamp(fabric=fabric)
     partial = out / "partial.h5"
     with progress.bar(f"Response surface of {fabric.name}") as advance:
         found = surface.sample(

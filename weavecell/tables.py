@@ -215,12 +215,12 @@ def _locate(model, location):
 
 def _inner(field):
     """The table that a field holds, if it holds one."""
-    return next(_tables(field.annotation), None)
+    return next(tables_in(field.annotation), None)
 
 
-def _tables(kind):
+def tables_in(kind):
     """The tables in a type, through its unions and tuples."""
     if isinstance(kind, type) and issubclass(kind, Table):
         yield kind
     for part in get_args(kind):
-        yield from _tables(part)
+        yield from tables_in(part)

@@ -63,6 +63,27 @@ def read(path) -> Fabric:
     return _Reader(Path(path)).fabric()
 
 
+def tables(path, numbers):
+    """What a file with the laws of yarns holds, that is no fabric (see `fabrics.assumed`).
+
+    Parameters
+    ----------
+    path : of the file
+    numbers : {dotted key: unit} of the other numbers that are to be read
+
+    Returns
+    -------
+    name : text
+    shear : TrellisShear, or None
+    solids : (SolidLaw, SolidLaw), or None
+    values : {dotted key: number [SI]}
+    sources : {dotted key: {"value", "source", "status"}}
+    """
+    reader = _Reader(Path(path))
+    values = {key: reader._number(key, unit) for key, unit in numbers.items()}
+    return reader._text("name", Path(path).stem), reader._shear(), reader._solids(), values, reader.sources
+
+
 class _Reader:
     """Takes the values of one file, in SI, and remembers where each came from; refuses keys that it does not know."""
 
@@ -96,8 +117,8 @@ class _Reader:
             name=self._text("name", self.path.stem),
             weave=weave,
             laws=self._pair("compression", _LAW, self._law),
-            shear=self._build(TrellisShear, "shear", *self._table("shear", _SHEAR)) if self._has("shear") else None,
-            solids=self._pair("solid", _SOLID, lambda key: self._build(SolidLaw, key, *self._table(key, _SOLID))),
+            shear=self._shear(),
+            solids=self._solids(),
             section=self._text("section", "sine"),
             areal_density_measured=self._number("areal_density_measured", "kg/m^2", True),
             interlayer_gap=self._number("interlayer_gap", "m", True),
@@ -122,6 +143,12 @@ class _Reader:
     def _law(self, key):
         a, b = self._table(key, _LAW, ("form",))
         return self._build(CompressionLaw, key, a, b, self._text(f"{key}.form", "regularised"), f"{self.path.name}")
+
+    def _shear(self):
+        return self._build(TrellisShear, "shear", *self._table("shear", _SHEAR)) if self._has("shear") else None
+
+    def _solids(self):
+        return self._pair("solid", _SOLID, lambda key: self._build(SolidLaw, key, *self._table(key, _SOLID)))
 
     def _pair(self, key, units, build):
         """A table for both yarns, or one each under `.warp` and `.weft`; None where the file has none."""

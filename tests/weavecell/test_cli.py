@@ -1,13 +1,16 @@
 """The command line: help with an example on every command, a fast start, version, exit codes, the catalogue."""
 
 import csv
+import re
 import subprocess
 import sys
 
 import pytest
+import typer
 
 import weavecell
 from fabrics import catalogue
+from weavecell import cli
 
 COMMANDS = (
     "",
@@ -31,6 +34,30 @@ def test_help_has_an_example(command, words):
     code, out, _ = command(*words.split(), "--help")
     assert code == 0
     assert "Example: weavecell" in out
+
+
+def commands(group, words=()):
+    """(words, click command) of a group and of all below it."""
+    yield words, group
+    for name, below in getattr(group, "commands", {}).items():
+        yield from commands(below, (*words, name))
+
+
+def test_help_keeps_its_brackets(command, monkeypatch):
+    """Rich takes [word] for a style; each one of a help text must be one, or be escaped and so be shown."""
+    monkeypatch.setenv("COLUMNS", "200")
+    found = 0
+    for words, one in commands(typer.main.get_command(cli.app)):
+        shown = " ".join(command(*words, "--help")[1].split())
+        texts = [one.help, one.epilog, *(getattr(entry, "help", None) for entry in one.params)]
+        for text in filter(None, texts):
+            for escape, inside in re.findall(r"(\\?)\[([^\]]*)\]", text):
+                assert escape or inside in ("bold", "/bold"), f"{' '.join(words)}: [{inside}]"
+                if escape:
+                    assert f"[{inside}]" in shown, f"{' '.join(words)}: [{inside}]"
+                    found += 1
+    assert found >= 6
+    assert "[accuracy]" in command("impact", "--help")[1]
 
 
 def test_version(command):

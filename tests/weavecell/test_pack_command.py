@@ -101,7 +101,7 @@ def test_the_gap_may_come_from_the_fabric(command, scene, tmp_path):
         ('plies = 2\nstacking = "crossed"', "", "panel.stacking"),
         ('plies = 2\ngap = "-1 mm"', "", "panel.gap"),
         ('plies = 1\ngap = "1 mm"', "", "panel.gap"),
-        ('plies = 1\nstacking = "aligned"', "", "panel.stacking"),
+        ('plies = 1\nstacking = "alternating"', "", "panel.stacking"),
         ("plies = 2", '[measure]\ninterval = "1 us"\n', "measure"),
         (
             'plies = 2\nstacking = "alternating"\nsymmetry = "whole"\nweave_angle = "45 deg"', "", "panel.stacking",
