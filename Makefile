@@ -20,6 +20,7 @@ validate: setup  ## the long validation runs, and the ledger of the source's cla
 	$(RUN) weavecell validate --slow --out $(RESULTS)/validate
 
 fuzz: setup  ## N random scenes of the sequence SEED: a quarter of an hour of two cores
+	HYPOTHESIS_PROFILE=fuzz $(RUN) pytest tests/fuzz/test_properties.py --hypothesis-seed $(SEED)
 	$(RUN) tests.fuzz --seed $(SEED) --count $(N) --jobs $(JOBS) --out $(RESULTS)/fuzz
 
 figures: demo  ## the figures of README and docs

@@ -82,13 +82,18 @@ def run(path, hooks=()):
     """The result of `shellfabric` for the scene at `path`, on one thread."""
     from shellfabric import impact, pack_impact
 
-    asked, _ = scene_files.load(path)
-    setup = case.setup(case.build(asked, path, path.stem), path)
-    setup = replace(setup, numerics=replace(setup.numerics, threads=1), snapshot_interval=None)
+    asked, setup = setup_of(path)
     panel = asked.panel
     if panel.plies > 1:
         return pack_impact.run(pack_impact.PackSetup(setup, panel.plies, panel.stacking, panel.gap), hooks=hooks)
     return impact.run(setup, hooks=hooks)
+
+
+def setup_of(path):
+    """(Scene, ImpactSetup of one ply) of the scene at `path`, on one thread."""
+    asked, _ = scene_files.load(path)
+    setup = case.setup(case.build(asked, path, path.stem), path)
+    return asked, replace(setup, numerics=replace(setup.numerics, threads=1), snapshot_interval=None)
 
 
 def _of_result(result):
