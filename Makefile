@@ -2,10 +2,12 @@
 VENV ?= .venv
 RESULTS ?= results
 JOBS ?= 2
+SEED ?= 1
+N ?= 1000
 # one BLAS thread a process: the work is shared out over processes instead
 RUN = OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(VENV)/bin/python -m
 
-.PHONY: demo test test-slow validate lint figures charts setup clean
+.PHONY: demo test test-slow validate fuzz lint figures charts setup clean
 
 demo: setup  ## S-720: 3D crossover, calibration and four impacts, with a report in results/demo
 	$(RUN) weavecell demo --out $(RESULTS)/demo
@@ -18,6 +20,10 @@ test-slow: setup  ## the long tests, the published outcomes among them; each pro
 
 validate: test-slow  ## the long tests, and the ledger of the source's claims
 	$(RUN) weavecell validate --slow --out $(RESULTS)/validate
+
+fuzz: setup  ## N random scenes of the sequence SEED: a quarter of an hour of two cores
+	HYPOTHESIS_PROFILE=fuzz $(RUN) pytest tests/fuzz/test_properties.py --hypothesis-seed $(SEED)
+	$(RUN) tests.fuzz --seed $(SEED) --count $(N) --jobs $(JOBS) --out $(RESULTS)/fuzz
 
 figures: demo  ## the figures of README and docs
 	$(RUN:-m=) tools/figures.py $(RESULTS)/demo

@@ -2,9 +2,13 @@
 
 Range of the table. Below Lambda_lo the free height of a yarn alone fills the cell, h_free >= h01 + h02 - g: contact
 is lost whatever the other yarn does, its tension is zero and the other's does not depend on it, so that looking up
-at Lambda_lo is exact. Above Lambda_hi the yarn has failed, since even alone it is past its strength; the forces of a
-yarn that is not allowed to fail go on from there linearly. The stretch 1 is a node: cloth at rest has the very forces
-of the cell at rest.
+at Lambda_lo is exact. A yarn of the length S0 is never higher than S0 / 2, however narrow its cell. Where that does not
+fill the cell (yarns crimped by about 9 % and more, and one of them far higher than the other), a crossing yarn that is
+pulled straight stays in contact at every stretch. The table then ends where the crossing yarns would lie side by side
+as round solid rods, closer than which no cloth can be: 2 w Lambda = sqrt(4 A_s / pi). Below that stretch the energy is
+that at the table's edge, and the force conjugate to it zero. Above Lambda_hi the yarn has failed, since even alone it
+is past its strength; the forces of a yarn that is not allowed to fail go on from there linearly. The stretch 1 is a
+node: cloth at rest has the very forces of the cell at rest.
 """
 
 from __future__ import annotations
@@ -25,6 +29,7 @@ FORMS = {"equilibrium": kernels.EQUILIBRIUM, "variational": kernels.VARIATIONAL}
 PROFILES = {"cosine": kernels.COSINE, "straight": kernels.STRAIGHT}
 MODELS = ("compressible", "incompressible", "decoupled")
 _LONGEST_TOE = 0.1
+_CLOSED = 1e-3  # stretch of a cell that has closed up
 COLUMNS = ("T1", "T2", "N1", "N2", "F", "h1", "h2", "W")
 
 
@@ -147,19 +152,29 @@ class CellModel:
     def range(self):
         """((lowest, highest), (lowest, highest)) stretches of the table, of warp and weft."""
         weave, bounds = self.fabric.weave, []
-        for w, S0, ultimate in zip(weave.w, weave.S0, self.ultimate_strains):
+        for w, S0, crossing, ultimate in zip(weave.w, weave.S0, weave.yarns[::-1], self.ultimate_strains):
+            lowest = max(self._contact_loss(w, S0), _dense_packing(w, crossing))
             # 2 % beyond the stretch at which the yarn alone is at its strength, so that the failure test is inside
-            bounds.append((self._lowest(w, S0), S0 / (2 * w) * (1 + 1.02 * self.reach * ultimate)))
+            bounds.append((lowest, S0 / (2 * w) * (1 + 1.02 * self.reach * ultimate)))
         return tuple(bounds)
 
-    def _lowest(self, w, S0):
-        """Stretch below which a yarn's free height fills the cell."""
+    def _contact_loss(self, w, S0):
+        """Stretch below which a yarn's free height fills the cell; 0 where it cannot.
+
+        A yarn of the length S0 has the height S0 / 2 when the cell has closed up to nothing, and no greater one.
+        """
         full = sum(self.h0) - self.gap
         if not full > 0:
             return 1.0
+        if full >= S0 / 2:
+            return 0.0
         if self.profile == "straight":
-            return max(np.sqrt(max((S0 / 2) ** 2 - full**2, 0.0)) / w, 1e-3)
-        return brentq(lambda x: arc_length(x * w, full) - S0, 1e-3, S0 / (2 * w))
+            return np.sqrt((S0 / 2) ** 2 - full**2) / w
+        straight = S0 / (2 * w)
+        too_long = lambda stretch: arc_length(stretch * w, full) - S0  # noqa: E731
+        if too_long(_CLOSED) >= 0:
+            return 0.0
+        return brentq(too_long, _CLOSED, straight) if too_long(straight) > 0 else straight
 
     def table(self, n=201) -> CellTable:
         """Fill a table of n x n stretches."""
@@ -260,6 +275,14 @@ class CellTable:
         found = 0.5 * (k11 + k22) + np.hypot(0.5 * (k11 - k22), k12)
         rest = tuple(int(np.argmin(np.abs(x - 1))) for x in (self.stretch1, self.stretch2))
         return float(np.max(found)), float(found[rest])
+
+
+def _dense_packing(w, crossing):
+    """Stretch of a cell of the half length w at which the yarns that cross it lie side by side, as round solid rods.
+
+    At most 1: cloth that is denser than that does not become denser.
+    """
+    return min(np.sqrt(crossing.A_s / np.pi) / w, 1.0)
 
 
 def grid(lowest, highest, n):

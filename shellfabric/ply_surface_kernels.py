@@ -245,7 +245,7 @@ def left(state, const, a, b):
 @kernel(_nrt=False)
 def whole_about(state, const, a, b):
     """Whether all yarns between the nodes that shape the spline at the place (a, b) are whole."""
-    i, j = int(a + 0.5), int(b + 0.5)
+    i, j = int(max(0.0, a + 0.5)), int(max(0.0, b + 0.5))  # in this order, 0 of a place that is not a number
     if not state.thin[min(i, const.ni - 1) // const.block]:  # of blocks within two rows of a failed yarn it is set
         return True
     for m in range(max(i - 1, 0), min(i, const.ni - 1) + 1):

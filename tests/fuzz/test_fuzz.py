@@ -1,0 +1,94 @@
+"""A fixed hundred of random scenes, run in a process of their own; `make fuzz` runs a thousand."""
+
+import os
+import time
+
+import pytest
+
+from fabrics.errors import InputError, UnstableError
+from tests.fuzz import pool, runs, scenes, table
+
+SEED, COUNT = 0, 100
+GUARDS = 1  # of a hundred; five of a thousand
+
+
+@pytest.fixture(scope="module")
+def rows():
+    tasks = [(SEED, index) for index in range(COUNT)]
+    return [{"seed": SEED, "index": index} | row for (_, index), row in pool.outcomes(runs.outcome, tasks, jobs=1)]
+
+
+def told(chosen):
+    return "\n" + "\n".join(table.describe(row) for row in chosen)
+
+
+@pytest.mark.parametrize("outcome", table.WRONG)
+def test_no_scene_ends_as(rows, outcome):
+    found = [row for row in rows if row["outcome"] == outcome]
+    assert not found, told(found)
+
+
+def test_energy_errors_at_normal_termination(rows):
+    found = table.beyond_limit(rows)
+    assert not found, told(found)
+
+
+def test_few_are_stopped_by_a_guard(rows):
+    found = [row for row in rows if row["outcome"] == "guard"]
+    assert len(found) <= GUARDS, told(found)
+
+
+def test_few_are_rejected_and_most_kinds_are_there(rows):
+    assert sum(row["outcome"] == "rejected" for row in rows) <= 0.03 * COUNT
+    assert {row["projectile.shape"] for row in rows} == set(scenes.SHAPES)
+    assert {row.get("panel.plies", 1) for row in rows} == {1, 2, 3, 4}
+    assert {row["fabric.cell_model"] for row in rows} == {"compressible", "incompressible", "decoupled"}
+    assert {row["end"] for row in rows} >= {"perforated", "stopped", "in flight"}
+
+
+def sleep_or_die(what):
+    if what == "sleep":
+        time.sleep(60)
+    if what == "die":
+        os._exit(7)
+    return {"outcome": what}
+
+
+def test_processes_that_hang_or_die_are_told():
+    tasks = [("ok",), ("die",), ("ok",), ("sleep",), ("ok",)]
+    found = list(pool.outcomes(sleep_or_die, tasks, jobs=2, limit=20))
+    assert sorted(row["outcome"] for _, row in found) == ["crash", "ok", "ok", "ok", "timeout"]
+    assert {task: row["outcome"] for task, row in found}["die",] == "crash"
+    assert "exit code 7" in next(row["message"] for task, row in found if task == ("die",))
+
+
+@pytest.mark.parametrize(
+    ("error", "outcome"),
+    [(InputError("no"), "rejected"), (UnstableError("no"), "guard"), (KeyError("no"), "traceback")],
+)
+def test_outcome_of_an_error(monkeypatch, error, outcome):
+    def fail(*_, **__):
+        raise error
+
+    monkeypatch.setattr(runs, "run", fail)
+    row = runs.outcome(SEED, 0)
+    assert row["outcome"] == outcome
+    assert "no" in row["message"]
+
+
+def test_what_counts_as_failure():
+    def row(outcome, error=None):
+        return {"seed": 0, "index": 0, "outcome": outcome, "end": "", "message": "", "energy_error": error}
+
+    fine = [row("ok", 0.004), row("rejected"), row("guard", 3.0)]
+    assert table.failures(fine, guards_allowed=1) == []
+    assert len(table.failures(fine, guards_allowed=0)) == 1
+    for wrong in (
+        row("ok", 0.006),
+        row("ok", float("nan")),
+        row("traceback"),
+        row("crash"),
+        row("timeout"),
+        row("time"),
+    ):
+        assert len(table.failures([*fine, wrong], guards_allowed=1)) == 1
