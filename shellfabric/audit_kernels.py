@@ -23,7 +23,7 @@ from shellfabric.lanes import (
     total,
     where,
 )
-from shellfabric.membrane_kernels import along, angle_of, beside
+from shellfabric.membrane_kernels import along, angle_of, beside, lever
 
 WARP = 0
 
@@ -85,7 +85,8 @@ def trellis(const, state, i):
             rise, run = load(u, k + s + 1) - load(u, k), load(u, k + s) - load(u, k + 1)
             a, b = at(const.rx0, k) * (rise + run), at(const.ry0, k) * (rise - run)
             dot = fma(a + (2.0 if c == 0 else 0.0), b + (2.0 if c == 1 else 0.0), dot)
-        sine = dot / ((load(L1, k) + load(L1, k + 1)) * (load(L2, k) + load(L2, k + s)))
+        one, other = lever(load(L1, k) + load(L1, k + 1))[0], lever(load(L2, k) + load(L2, k + s))[0]
+        sine = dot / (one * other)
         angle = angle_of(sine)
         middle, beyond = least(most(angle - gamma1, 0.0), span), most(angle - gamma2, 0.0)
         U = (0.5 * G1) * angle * angle + ((G2 - G1) / (6.0 * span)) * middle * middle * middle

@@ -19,7 +19,7 @@ from shellfabric import audit_kernels
 from shellfabric.cell_kernels import yarn_alone
 from shellfabric.compiled import kernel
 from shellfabric.lanes import here
-from shellfabric.membrane_kernels import ONE, WARP_FAILED, WEFT_FAILED, potential, shear_energy
+from shellfabric.membrane_kernels import ONE, WARP_FAILED, WEFT_FAILED, lever_of_one, potential, shear_energy
 
 WARP, WEFT = 0, 1
 
@@ -315,4 +315,4 @@ def shear_sine(const, state, k):
         a = here(const.rx0, k) * (u10 - u00 + u11 - u01) + (2.0 if c == 0 else 0.0)
         b = here(const.ry0, k) * (u01 - u00 + u11 - u10) + (2.0 if c == 1 else 0.0)
         dot += a * b
-    return dot / ((L1[k] + L1[k + ONE]) * (L2[k] + L2[k + s]))
+    return dot / (lever_of_one(L1[k] + L1[k + ONE]) * lever_of_one(L2[k] + L2[k + s]))

@@ -16,6 +16,17 @@ n being the crossovers that a segment stands for: half of a segment's on lines t
 forces are the exact gradient of E. The trellis (eq. 4-35 as a total, odd function, erratum E-11) has one point in each
 quadrilateral: a, b being the means of its two warp and two weft edges, sin(gamma) = a.b / <Lambda1><Lambda2> of these.
 
+Cloth drawn together. Forces that turn an edge grow as its inverse length, and the stiffness of the trellis as its
+inverse square: an edge that is drawn to nothing, as at a free side or beside failed yarns, would be beyond any time
+step. So below the stretch c = SHORT, f(Lambda) stands for Lambda in sin(gamma), and the trellis fades out with it:
+
+    f(Lambda) = c / 2 + Lambda^2 / 2 c,     sin(gamma) = a.b / f(<Lambda1>) f(<Lambda2>)
+
+It goes on from Lambda with its slope. c is such that cloth that has locked stays within the time step of `panel` in
+whatever way it is drawn together. The trellis alone adds G2 t (1 / f1^2 + 1 / f2^2) / 4 to the D of that bound, and a
+locked one has 2 G2 t = D (eq. 4-49). As it fades out it unlocks: with both stretches at 0.3 the sine is 0.4 at most,
+near the locking angles of the fabrics, and f = 0.46 makes the sum 1.2 D, what a safety of 0.9 leaves: 1 / 0.9^2.
+
 Graded panels. Lines may lie closer together in some places than in others, and each stands for the yarns up to halfway
 to its neighbours. All above holds, if of the pieces of a crossing line before and behind a node each counts in the mean
 <> by its length. The mean is its own transpose then: the force that crossing segments give to one is their mean, with
@@ -75,6 +86,7 @@ from shellfabric.lanes import (
 )
 
 ONE = np.uint64(1)
+SHORT = 0.8  # stretch below which the trellis fades out
 WARP_FAILED, WEFT_FAILED, ERODED = 1, 2, 4
 # P(z) of asin(x) = x + x z P(z), z = x^2 <= 1/4: interpolated at Chebyshev points, to 1e-13
 _Z = 0.125 * (1 - np.cos(np.pi * (np.arange(12) + 0.5) / 12))
@@ -401,13 +413,31 @@ def shear_slope(sine, G1, G2, gamma1, gamma2):
 
 
 @kernel(forceinline=True)
+def lever(stretch):
+    """f of the sum of two stretches, in place of them, and its slope (see above)."""
+    short = least(stretch, 2.0 * SHORT)
+    missing = 2.0 * SHORT - short
+    return fma((0.25 / SHORT) * missing, missing, stretch), (0.5 / SHORT) * short
+
+
+@kernel()
+def lever_of_one(stretch):
+    """f of the sum of two stretches, as `lever`."""
+    missing = max(2.0 * SHORT - stretch, 0.0)
+    return stretch + 0.25 / SHORT * missing * missing
+
+
+@kernel(forceinline=True)
 def angles(j, s, A, B, l1, l2):
-    """Of eight quadrilaterals: sine, over the two warp and two weft edges' stretches, and these, summed."""
+    """Of eight quadrilaterals: sine, over f of the two warp and of the two weft edges' stretches, and these, summed."""
     dot = (load(A[0], j) + load(A[0], j + 1)) * (load(B[0], j) + load(B[0], j + s))
     dot = fma(load(A[1], j) + load(A[1], j + 1), load(B[1], j) + load(B[1], j + s), dot)
     dot = fma(load(A[2], j) + load(A[2], j + 1), load(B[2], j) + load(B[2], j + s), dot)
     along, over = load(l1, j) + load(l1, j + 1), load(l2, j) + load(l2, j + s)
-    share = 1.0 / (along * over)
+    product = along * over
+    if some(above(2.0 * SHORT, least(along, over))):
+        product = lever(along)[0] * lever(over)[0]
+    share = 1.0 / product
     return dot * share, share, along, over
 
 
@@ -425,6 +455,9 @@ def shear(k0, m0, n, s, A, B, l1, l2, V, G1, G2, gamma1, gamma2, turn1, turn2, c
         crossed = at(V, k0 + j - m0) * shear_slope(sine, G1, G2, gamma1, gamma2) * share
         turned = crossed * sine
         store(cross, j, crossed)
+        if some(above(2.0 * SHORT, least(along, over))):
+            (along, slope1), (over, slope2) = lever(along), lever(over)
+            along, over = along * slope2, over * slope1
         store(turn1, j, turned * over)
         store(turn2, j, turned * along)
     for j in range(m0 + s - 1, m0 + n, s):  # idle slots

@@ -12,7 +12,7 @@ from fabrics.errors import InputError, UnstableError
 from shellfabric import behind, body, edges, edges_kernels, pack_kernels, ply_contact_kernels, ply_stop_kernels, team
 from shellfabric import march_kernels as kernels
 from shellfabric.contact_kernels import CONTACT, FRICTION
-from shellfabric.march import ENERGIES, March, gift
+from shellfabric.march import ENERGIES, March, fastest, gift
 from shellfabric.pack import Pack, lists
 from shellfabric.plug import passed
 
@@ -49,6 +49,7 @@ class PackMarch(March):
         for key, value in (("strike_velocity", strike_velocity), ("end_time", end_time), ("interval", interval)):
             if not 0 < value < np.inf:
                 raise InputError(key=key, value=value, allowed="above 0")
+        pack = pack.resolving(strike_velocity)
         self.pack, self.panel = pack, pack.plies[0]
         self.strike_velocity, self.end_time = float(strike_velocity), float(end_time)
         self.consts, (self.states, self.stack) = pack.constants(), pack.states(strike_velocity)
@@ -217,14 +218,14 @@ class PackMarch(March):
 
     def _guard(self):
         """Stop a run that has become unphysical, and say where."""
-        row, dt = self.samples[-1], self.const.dt
+        row = self.samples[-1]
         when = f"after {self.time * 1e6:.3g} us (step {self.steps})"
         for p, state in enumerate(self.states):
             speed = np.sqrt((np.array(state.v) ** 2).sum(axis=0))
             k, told = int(np.argmax(speed)), ""
             if not np.isfinite(speed).all():
                 k, told = int(np.argmin(np.isfinite(speed))), "a number is not finite"
-            elif speed[k] * dt > 0.25 * min(self.consts[p].dx, self.consts[p].dy):
+            elif speed[k] > fastest(self.consts[p]):
                 told = f"a node moves at {speed[k]:.3g} m/s"
             if told:
                 self.reason = kernels.NOT_FINITE

@@ -382,11 +382,14 @@ class Panel:
     def reach(self):
         """(along warp, along weft) [m] from the projectile's middle that cloth can come from to be under it.
 
-        A straightened, stretched yarn draws cloth in by at most its crimp and strain times its length; a leaning
-        projectile is wider in the panel's plane.
+        A straightened, stretched yarn that is held at its end draws cloth in by at most its crimp and strain times its
+        length; a leaning projectile is wider in the panel's plane. Yarns with a free end follow the projectile from
+        anywhere, over the whole panel; on a graded one contact stays in the first zone.
         """
-        wide = self.projectile.radius / self.projectile.frame[2, 2]
-        return tuple(
-            wide + (yarn.crimp + yarn.failure_strain) * max(x[-1], -x[0]) + 2 * step
-            for x, step, yarn in zip(self.lines(), self.spacing, self.weave.yarns)
-        )
+        wide, found = self.projectile.radius / self.projectile.frame[2, 2], []
+        for x, step, yarn, ends in zip(self.lines(), self.spacing, self.weave.yarns, edges.sides(self.edge)):
+            drawn = (yarn.crimp + yarn.failure_strain) * max(x[-1], -x[0])
+            if "free" in ends and self.sides is None:
+                drawn = x[-1] - x[0]
+            found.append(wide + drawn + 2 * step)
+        return tuple(found)
