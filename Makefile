@@ -2,10 +2,12 @@
 VENV ?= .venv
 RESULTS ?= results
 JOBS ?= 2
+SEED ?= 1
+N ?= 1000
 # one BLAS thread a process: the work is shared out over processes instead
 RUN = OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(VENV)/bin/python -m
 
-.PHONY: demo test validate lint figures charts setup clean
+.PHONY: demo test validate fuzz lint figures charts setup clean
 
 demo: setup  ## S-720 from its data sheet to impact, with a report in results/demo
 	$(RUN) weavecell demo --out $(RESULTS)/demo
@@ -16,6 +18,9 @@ test: setup lint  ## everything but the long validation runs
 validate: setup  ## the long validation runs, and the ledger of the source's claims
 	$(RUN) pytest -m slow
 	$(RUN) weavecell validate --slow --out $(RESULTS)/validate
+
+fuzz: setup  ## N random scenes of the sequence SEED: a quarter of an hour of two cores
+	$(RUN) tests.fuzz --seed $(SEED) --count $(N) --jobs $(JOBS) --out $(RESULTS)/fuzz
 
 figures: demo  ## the figures of README and docs
 	$(RUN:-m=) tools/figures.py $(RESULTS)/demo

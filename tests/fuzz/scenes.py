@@ -1,0 +1,273 @@
+"""Random impact scenes: fabric, projectile, panel and run, as the two TOML files that `weavecell impact` reads.
+
+The space
+    fabric      20 to 350 tex, 50 to 270 GPa, crimp of each yarn 0.05 to 15 % (log-uniform), counts 0.5 to 1.0 times
+                150 / sqrt(tex) per cm, failure strain and fibre density of a class of fibres, compression law in shares
+                of the yarn's thickness, trellis shear law up to the locking modulus, gap at the crossovers
+    projectile  five noses with all their parameters, 0.2 to 20 g, 3 to 15 mm, 20 to 700 m/s, friction, straight or
+                oblique with yaw and roll
+    panel       1 to 4 plies, aligned or alternating, clamped, free or one pair of sides each, 12 to 40 crossovers from
+                the centre to an edge, weave along the sides or oblique
+    run         until the projectile has flown some millimetres, within a budget of element updates
+
+All numbers come from the `random()` of one generator. With `random.Random` a scene depends on (seed, index) alone,
+whatever the versions of Python and libraries; `scenes()` is the same space as a hypothesis strategy, which shrinks
+towards `random() = 0`, so that the plainest choice always comes first.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import random
+from dataclasses import dataclass
+from pathlib import Path
+
+# density [g/cm3], modulus [GPa] and failure strain [%] of the classes of fibres, from their data sheets, rounded out
+FIBRES = {
+    "aramid": ((1.38, 1.47), (50.0, 150.0), (2.2, 4.5)),
+    "polyethylene": ((0.95, 1.00), (50.0, 172.0), (2.5, 4.5)),
+    "glass": ((2.45, 2.60), (60.0, 95.0), (3.0, 5.0)),
+    "polybenzoxazole": ((1.50, 1.60), (140.0, 270.0), (2.0, 3.6)),
+    "carbon": ((1.70, 1.85), (200.0, 270.0), (1.5, 2.1)),
+}
+BODIES = (7.8, 2.7, 17.0)  # [g/cm3] steel, aluminium, tungsten alloy
+SHAPES = ("flat", "sphere", "hemisphere", "cone", "chisel")
+_PACKING, _FLATNESS = 0.65, 4.5  # share of fibres in a yarn's section, width over thickness of that: typical, not a law
+UPDATES = 1.2e7  # element updates that a scene may cost: about a second of one core for one ply
+_PACK_COST = 3.0  # of an element update in a pack, over that of a single ply
+
+
+@dataclass(frozen=True)
+class RandomScene:
+    """One scene with its fabric.
+
+    Parameters
+    ----------
+    name : of the files that `write` makes
+    fabric, scene : tables as tomllib reads them from the two files
+    """
+
+    name: str
+    fabric: dict
+    scene: dict
+
+    def write(self, folder) -> Path:
+        """Write NAME.toml and NAME-fabric.toml into the folder; the path of the scene."""
+        folder = Path(folder)
+        folder.mkdir(parents=True, exist_ok=True)
+        (folder / f"{self.name}-fabric.toml").write_text(toml(self.fabric), encoding="utf-8")
+        path = folder / f"{self.name}.toml"
+        path.write_text(toml(self.scene), encoding="utf-8")
+        return path
+
+
+def scene(seed, index) -> RandomScene:
+    """Scene number `index` of the sequence `seed`."""
+    return sample(random.Random(f"{seed}/{index}"), f"fuzz-{seed}-{index}")
+
+
+def scenes():
+    """The same space as a hypothesis strategy of RandomScene."""
+    from hypothesis import strategies
+
+    return strategies.randoms(use_true_random=False).map(sample)
+
+
+def sample(generator, name="fuzz") -> RandomScene:
+    """Draw a scene with the generator's `random()`."""
+    draw = Draw(generator)
+    fabric = sample_fabric(draw, name)
+    cells, thickness = _geometry(fabric)
+    table = {"title": name, "fabric": sample_cell(draw, fabric, thickness) | {"file": f"{name}-fabric.toml"}}
+    half = draw.uniform(12, 40) * max(cells)
+    half = max(half, 3.3, 14 * max(cells))
+    shot = sample_projectile(draw, half)
+    panel = sample_panel(draw, shot, thickness)
+    run = sample_run(draw, fabric, cells, half, shot, panel)
+    return RandomScene(name, fabric, table | {"projectile": shot, "panel": panel, "run": run})
+
+
+class Draw:
+    """Numbers and choices from a generator's `random()`; each is simplest where that is 0."""
+
+    def __init__(self, generator):
+        self._random = generator.random
+
+    def uniform(self, low, high):
+        return low + (high - low) * self._random()
+
+    def log_uniform(self, low, high):
+        return low * (high / low) ** self._random()
+
+    def choice(self, options):
+        return options[min(int(self._random() * len(options)), len(options) - 1)]
+
+    def chance(self, share):
+        """True in a `share` of the draws."""
+        return self._random() > 1 - share
+
+
+def sample_fabric(draw, name) -> dict:
+    """The table of a fabric file: yarns of one class of fibres; half of the fabrics have two like yarns."""
+    density, modulus, strain = FIBRES[draw.choice(tuple(FIBRES))]
+    alike, warp = draw.choice((True, False)), None
+    found = {"name": f"{name}-fabric"}
+    for family in ("warp", "weft"):
+        if warp is None or not alike:
+            warp = {
+                "linear_density": draw.log_uniform(20, 350),
+                "fibre_density": draw.uniform(*density),
+                "modulus": draw.log_uniform(*modulus),
+                "failure_strain": draw.uniform(*strain),
+            }
+        tex, rho, E, e = warp.values()
+        found[family] = {
+            "linear_density": _text(tex, "tex"), "fibre_density": _text(rho, "g/cm^3"), "modulus": _text(E, "GPa"),
+            "failure_strain": _text(e, "%"), "crimp": _text(draw.log_uniform(0.05, 15), "%"),
+            "count": _text(draw.uniform(0.5, 1.0) * 150 / math.sqrt(tex), "/cm"),
+        }  # fmt: skip
+        found.setdefault("compression", {})[family] = _law(draw, thickness_of(tex, rho))
+    locking = 0.5e3 * E * tex / rho * 1e-3 / (2 * thickness_of(tex, rho) * _spacing(found["warp"]))  # [MPa], E-07
+    angle = draw.uniform(0.05, 0.4)
+    found["shear"] = {
+        "G1": _text(locking * draw.log_uniform(1e-4, 1e-2), "MPa"), "G2": _text(locking * draw.uniform(0.05, 1), "MPa"),
+        "gamma1": round(angle, 3), "gamma2": round(angle + draw.uniform(0.1, 0.6), 3),
+    }  # fmt: skip
+    return found
+
+
+def _law(draw, thickness):
+    """a [mm] a share of the yarn's thickness [mm], b [mm N^(1/3)] by the force (b / a)^3 at which it stiffens."""
+    a = thickness * draw.uniform(0.02, 0.35)
+    return {"a": _text(a, "mm"), "b": _text(a * draw.log_uniform(0.02, 100) ** (1 / 3), "mm * N^(1/3)")}
+
+
+def thickness_of(tex, density):
+    """[mm] of a yarn of a linear density [tex] and fibre density [g/cm3] in a weave."""
+    area = 1e-3 * tex / density / _PACKING
+    return math.sqrt(4 * area / (math.pi * _FLATNESS))
+
+
+def sample_cell(draw, fabric, thickness) -> dict:
+    """The table [fabric] of a scene but for its file."""
+    found = {"cell_model": draw.choice(("compressible", "compressible", "compressible", "incompressible", "decoupled"))}
+    if draw.chance(0.2):
+        found["cell_profile"] = "straight"
+    if draw.chance(0.1):
+        found["cell_form"] = "equilibrium"
+    heights = sum(_height(fabric[family], fabric[other]) for family, other in (("warp", "weft"), ("weft", "warp")))
+    if found["cell_model"] == "compressible" and draw.chance(0.4):
+        law = _law(draw, thickness)
+        found["law"] = {"a": law["a"], "b": law["b"].replace(" * ", " ")}
+    if found["cell_model"] != "decoupled" and draw.chance(0.3):
+        found["gap"] = _text(draw.uniform(0, 0.5) * heights, "mm")
+    return found
+
+
+def _height(yarn, other):
+    """[mm] height at rest of straight segments of the yarn's crimp: a lower bound of that of a cosine."""
+    crimp = _number(yarn["crimp"]) / 100
+    return 0.5 * _spacing(other) * math.sqrt(crimp * (2 + crimp)) * (2 / math.pi)
+
+
+def sample_projectile(draw, half) -> dict:
+    """The table [projectile] for a panel of a half width [mm]."""
+    diameter = draw.log_uniform(3, min(15, 0.95 * half))
+    shape, speed = draw.choice(SHAPES), draw.uniform(20, 700)
+    found = {"shape": shape, "diameter": _text(diameter, "mm"), "strike_velocity": _text(speed, "m/s")}
+    radius = 0.5 * diameter
+    depth, slenderness = radius, draw.uniform(0.7, 3)
+    if shape != "sphere":
+        edge = max(0.1, radius * draw.log_uniform(0.04, 0.3))
+        found["edge_radius"] = _text(edge, "mm")
+    if shape == "cone":
+        angle = draw.uniform(20, 75)
+        c = math.cos(math.radians(angle))
+        found["half_angle"] = _text(angle, "deg")
+        found["tip_radius"] = _text(draw.uniform(0.08, 0.8) * (radius - edge * (1 - c)) / c, "mm")
+        depth = radius / math.tan(math.radians(angle)) + edge
+    if shape == "chisel":
+        angle = draw.uniform(15, 60)
+        strip = draw.uniform(0.1, 0.8) * (radius - edge) + edge * math.tan(0.5 * math.radians(angle))
+        found |= {"flat_width": _text(2 * strip, "mm"), "flat_angle": _text(angle, "deg")}
+        depth = edge + radius * math.tan(math.radians(angle))
+    length = max(slenderness * diameter, 1.05 * (depth + 0.3 * radius))
+    if shape != "sphere" and draw.chance(0.5):
+        found["length"] = _text(length, "mm")
+    volume = math.pi / 6 * diameter**3 if shape == "sphere" else math.pi * radius**2 * (length - 0.5 * depth)
+    found["mass"] = _text(min(max(1e-3 * volume * draw.choice(BODIES), 0.2), 20), "g")
+    if draw.chance(0.5):
+        found["friction"] = round(draw.uniform(0, 0.6), 3)
+    if draw.chance(0.3):
+        lean = draw.uniform(1, 60)
+        found |= {"obliquity": _text(lean, "deg"), "azimuth": _text(draw.uniform(0, 360), "deg")}
+        if draw.chance(0.3):
+            found |= {"yaw": _text(draw.uniform(-10, 14), "deg"), "roll": _text(draw.uniform(0, 180), "deg")}
+    return found
+
+
+def sample_panel(draw, shot, thickness) -> dict:
+    """The table [panel] but for its opening."""
+    plies = draw.choice((1, 1, 2, 3, 4))
+    found = {"boundary": draw.choice(("clamped", "clamped", "free"))}
+    if draw.chance(0.15):
+        found["boundary"] = dict(zip(("warp", "weft"), draw.choice((("clamped", "free"), ("free", "clamped")))))
+    oblique_weave = found["boundary"] == "clamped" and draw.chance(0.15)
+    found["symmetry"] = "whole" if "obliquity" in shot or oblique_weave else "quarter"
+    if plies > 1:
+        found |= {"plies": plies, "gap": _text(thickness * draw.uniform(0, 0.8), "mm")}
+        if not oblique_weave and draw.chance(0.5):
+            found["stacking"] = "alternating"
+    if oblique_weave:
+        found["weave_angle"] = _text(draw.uniform(2, 60), "deg")
+    return found
+
+
+def sample_run(draw, fabric, cells, half, shot, panel) -> dict:
+    """The table [run], and the panel's opening, within the budget of element updates."""
+    E, rho = _number(fabric["warp"]["modulus"]), _number(fabric["warp"]["fibre_density"])
+    step = 0.7 * min(cells) / math.sqrt(E / rho / 2)  # [us], from mm and mm/us
+    speed, diameter = 1e-3 * _number(shot["strike_velocity"]), _number(shot["diameter"])
+    plies, whole = panel.get("plies", 1), panel["symmetry"] == "whole"
+    end = min(max(draw.uniform(6, 25) / speed, 100), 250)
+    per_step = (4 if whole else 1) * plies * (_PACK_COST if plies > 1 else 1) / (cells[0] * cells[1])
+    least = max(1.06 * diameter, 12 * max(cells))
+    half = max(least, min(half, math.sqrt(UPDATES * step / end / per_step)))
+    end = max(60, min(end, UPDATES * step / (per_step * half**2)))
+    panel["opening"] = _text(2 * half, "mm")
+    found = {"end_time": _text(end, "us"), "snapshot_interval": "20 us", "outputs": []}
+    if end * per_step * half**2 * 8 < UPDATES * step and draw.chance(0.3):
+        found["elements_per_crossover"] = 2
+    return found
+
+
+def _geometry(fabric):
+    """([mm] cell along warp and weft), [mm] thickness of the thicker yarn."""
+    yarns = [fabric[family] for family in ("warp", "weft")]
+    thickness = max(thickness_of(_number(y["linear_density"]), _number(y["fibre_density"])) for y in yarns)
+    return (_spacing(yarns[1]), _spacing(yarns[0])), thickness
+
+
+def _spacing(yarn):
+    return 10 / _number(yarn["count"])
+
+
+def _text(number, unit):
+    """A quantity as scenes have it, with four digits."""
+    return f"{float(f'{number:.4g}'):g} {unit}"
+
+
+def _number(text):
+    return float(text.split()[0])
+
+
+def toml(table, path="") -> str:
+    """A table of texts, numbers, lists and tables as TOML."""
+    plain = {key: value for key, value in table.items() if not isinstance(value, dict)}
+    lines = [f"[{path}]"] if path and plain else []
+    lines += [f"{key} = {json.dumps(value)}" for key, value in plain.items()]
+    for key, value in table.items():
+        if isinstance(value, dict):
+            lines += ["", toml(value, f"{path}.{key}" if path else key).strip("\n")]
+    return "\n".join(lines) + "\n"
