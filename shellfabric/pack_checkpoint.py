@@ -10,7 +10,7 @@ from fabrics.files import replace_whole
 from shellfabric import checkpoint
 
 Kept = namedtuple("Kept", "force touched energy")  # of what holds torn cloth apart; the rest follows from the plies
-_FORMAT = "weavecell pack checkpoint 1"
+_FORMAT = "weavecell pack checkpoint 2"
 
 
 class Checkpoints(checkpoint.Checkpoints):

@@ -18,6 +18,7 @@ from shellfabric.contact_kernels import DEEPEST
 OK, DOUBTFUL = "ok", "doubtful"
 BAND = 4  # yarns of each family, from the impact point outwards, whose tension is sampled
 _T = ("T1", "T2")
+ALTERNATION, SQUARES, DEFLECTION = 0, 1, 2
 
 
 @dataclass(frozen=True)
@@ -94,26 +95,33 @@ class Monitor:
 
     Attributes
     ----------
-    sums : (plies, 2) [N2] squares of the node-to-node alternation of the tension, and of the tension, over the band of
-        yarns about the impact point
+    found : (plies, 3) sums over samples, nodes and the band of yarns about the impact point of the squares of the
+        node-to-node alternation of the tension and of the tension [N2]; largest deflection of whole cloth [m]
     """
 
     def __init__(self, parts):
         self.parts = parts
-        self.sums = np.zeros((len(parts), 2))
+        self.found = np.zeros((len(parts), 3))
 
     def sample(self):
         """Take a sample of the present state."""
         for ply, (panel, const, state) in enumerate(self.parts):
-            for axis, lines in enumerate(_bands(panel, const, state)):
+            for lines in _bands(panel, const, state):
                 third = lines[3:] - lines[:-3] + 3.0 * (lines[1:-2] - lines[2:-1])
                 if not lines.all():
                     # a broken or slack yarn ends there, with a jump
                     whole = lines > 0.0
                     third = third[whole[3:] & whole[:-3] & whole[1:-2] & whole[2:-1]]
                 third = third.ravel()
-                self.sums[ply, 0] += third @ third / 64.0
-                self.sums[ply, 1] += np.vdot(lines, lines)
+                self.found[ply, ALTERNATION] += third @ third / 64.0
+                self.found[ply, SQUARES] += np.vdot(lines, lines)
+            high = float(np.max(state.u[2], where=state.flag == 0, initial=0.0))
+            self.found[ply, DEFLECTION] = max(self.found[ply, DEFLECTION], high)
+
+    @property
+    def deflection(self):
+        """[m] largest deflection of whole cloth, of any ply from its own plane, at the audits."""
+        return float(self.found[:, DEFLECTION].max())
 
 
 def _bands(panel, const, state):
@@ -130,7 +138,7 @@ def of_march(march):
     strike = march.strike_energy
     energies = {name: march.sample(name) for name in march.energy_names}
     absorbed = max(strike - float(energies["kinetic_projectile"][-1]), 1e-3 * strike)
-    total, squares = march.monitor.sums[:, 0].sum(), march.monitor.sums[:, 1].sum()
+    total, squares = march.monitor.found[:, :DEFLECTION].sum(axis=0)
     depth = max(float(state.contact_energy[DEEPEST]) for _, _, state in march.monitor.parts)
     nose = nose_radius(shot)
     xi = panel.numerics.stretch_viscosity
