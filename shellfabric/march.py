@@ -105,7 +105,7 @@ class March:
         self.reason, self.wall_time = kernels.RUNNING, 0.0
         self.passed, self.checks = 0, 0
         self._zero = self._rest = 0.0
-        self.monitor = quality.Monitor(self._parts)
+        self.monitor = quality.Monitor(self)
         self._audit()
 
     @property
@@ -135,7 +135,7 @@ class March:
     energy_names = ENERGIES
 
     @property
-    def _parts(self):
+    def parts(self):
         """(Panel, Constants, State) of each ply."""
         return ((self.panel, self.const, self.state),)
 

@@ -81,7 +81,7 @@ class PackMarch(March):
             self.behind.follow(self.states[-1])
         self.reason, self.wall_time = kernels.RUNNING, 0.0
         self.passed, self.checks = 0, 0
-        self.monitor = quality.Monitor(self._parts)
+        self.monitor = quality.Monitor(self)
         self._zero, self._rest = 0.0, np.zeros(len(pack.plies))
         self._audit()
 
@@ -140,7 +140,7 @@ class PackMarch(March):
     energy_names = PACK_ENERGIES
 
     @property
-    def _parts(self):
+    def parts(self):
         return tuple(zip(self.pack.plies, self.consts, self.states))
 
     def _step(self, row):

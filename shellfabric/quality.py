@@ -13,12 +13,16 @@ from math import isfinite
 
 import numpy as np
 
+from shellfabric.brick import PATTERNS, Bricks
 from shellfabric.contact_kernels import DEEPEST
+from shellfabric.march_kernels import FAILURES
 
 OK, DOUBTFUL = "ok", "doubtful"
 BAND = 4  # yarns of each family, from the impact point outwards, whose tension is sampled
 _T = ("T1", "T2")
-ALTERNATION, SQUARES, DEFLECTION = 0, 1, 2
+ALTERNATION, SQUARES, DEFLECTION, DEPTH = range(4)  # columns of Monitor.found
+LIGHT = 0.03  # of the strength: tensions below it
+FRONT, SHORTEST = 6, 8  # nodes of a wave front that are left out, and the least number of nodes behind it
 
 
 @dataclass(frozen=True)
@@ -64,20 +68,24 @@ class Indicator:
 LIMITS = {
     "time step": (1.0, "", "the explicit step over its stability bound"),
     "energy error": (0.01, "", "largest error of the energy balance over the strike energy"),
-    "energy gained in contact": (0.002, "", "energy that a contact gave but never took, over the strike energy"),
-    "viscous energy": (0.3, "", "viscous energy over the energy absorbed"),
+    "energy gained in contact": (0.005, "", "energy that a contact gave but never took, over the strike energy"),
+    "viscous energy": (0.5, "", "viscous energy over the energy absorbed"),
     "formulation energy": (0.1, "", "work of the cell's forces that no potential stores, over the energy absorbed"),
-    "tension oscillation": (0.1, "", "node-to-node alternation of the tension over the tension, rms along the yarns"),
-    "nose penetration": (0.3, "", "depth of the nose in the cloth over the radius of its edge"),
-    "contact point spacing": (1.0, "", "spacing of the contact points over the radius of the nose's edge"),
-    "element side": (1.0, "", "longest side of an element over the projectile's radius"),
+    "tension oscillation": (0.06, "", "node-to-node alternation of the tension over the tension, rms along the yarns"),
+    "nose penetration": (1.8, "", "depth of the nose in the cloth over the radius of its edge"),
+    "contact point spacing": (1.2, "", "spacing of the contact points over the radius of the nose's edge"),
+    "element side": (0.85, "", "longest side of an element over the projectile's radius"),
     "yarns an element": (1.0, "", "yarns that an element under the nose stands for, along each side"),
     "tension over cell table": (1.0, "", "peak tension over the largest of the cell's table"),
     "tension over sampled surface": (1.0, "", "peak tension over the largest that the response surface was sampled at"),
     "contact force over fitted range": (1.0, "", "force between yarns over the largest that the law was fitted to"),
     "swelling under contact": (1e-3, "", "growth of a yarn under a light contact force over its height"),
+    "relaxation residual": (1.0, "", "out-of-balance force over what relaxation was to reach"),
+    "hourglass energy": (0.1, "", "energy of the hourglass control over that of the solids"),
+    "hourglass amplitude": (0.5, "", "amplitude of a brick's zero-energy modes over its size"),
+    "node alternation": (0.01, "", "displacements that alternate from node to node over the yarn's thickness"),
     "ply penetration": (0.5, "", "depth of a ply in the next over the thickness"),
-    "torn cloth not held apart": (0.1, "", "share of the contacts of torn cloth that were not resolved"),
+    "ply contact direction": (0.1, "", "sine of the angle between the force between plies and the normal of the cloth"),
 }
 
 
@@ -89,39 +97,47 @@ def _make(name, value):
 class Monitor:
     """Samples of a march at its audits, reduced to sums and maxima.
 
+    Tension oscillation and ply penetration are sampled until the first yarn fails: what unloads then rings, and torn
+    cloth hangs in other cloth, without an error.
+
     Parameters
     ----------
-    parts : ((Panel, Constants, State), ...) of the plies
+    march : march.March or pack_march.PackMarch
 
     Attributes
     ----------
-    found : (plies, 3) sums over samples, nodes and the band of yarns about the impact point of the squares of the
-        node-to-node alternation of the tension and of the tension [N2]; largest deflection of whole cloth [m]
+    found : (plies, 4) sums over samples, nodes and the band of yarns about the impact point of the squares of the
+        node-to-node alternation of the tension and of the tension [N2]; largest deflection of whole cloth [m]; deepest
+        that the ply has come into the next, over the thickness [-]
     """
 
-    def __init__(self, parts):
-        self.parts = parts
-        self.found = np.zeros((len(parts), 3))
+    def __init__(self, march):
+        self.march = march
+        self.found = np.zeros((len(march.parts), 4))
 
     def sample(self):
         """Take a sample of the present state."""
-        for ply, (panel, const, state) in enumerate(self.parts):
-            for lines in _bands(panel, const, state):
-                third = lines[3:] - lines[:-3] + 3.0 * (lines[1:-2] - lines[2:-1])
-                if not lines.all():
-                    # a broken or slack yarn ends there, with a jump
-                    whole = lines > 0.0
-                    third = third[whole[3:] & whole[:-3] & whole[1:-2] & whole[2:-1]]
-                third = third.ravel()
-                self.found[ply, ALTERNATION] += third @ third / 64.0
-                self.found[ply, SQUARES] += np.vdot(lines, lines)
+        found, parts = self.found, self.march.parts
+        whole = not any(state.counter[FAILURES] for _, _, state in parts)
+        for ply, (panel, const, state) in enumerate(parts):
             high = float(np.max(state.u[2], where=state.flag == 0, initial=0.0))
-            self.found[ply, DEFLECTION] = max(self.found[ply, DEFLECTION], high)
+            found[ply, DEFLECTION] = max(found[ply, DEFLECTION], high)
+            if whole:
+                for lines, yarn in zip(_bands(panel, const, state), panel.weave.yarns):
+                    found[ply, ALTERNATION : SQUARES + 1] += _alternation(lines, LIGHT * yarn.strength)
+        if whole and len(parts) > 1:
+            found[:-1, DEPTH] = self.march.deepest
 
     @property
     def deflection(self):
         """[m] largest deflection of whole cloth, of any ply from its own plane, at the audits."""
         return float(self.found[:, DEFLECTION].max())
+
+    @property
+    def oscillation(self):
+        """[-] root of the ratio of the two sums of squares."""
+        alternation, squares = self.found[:, :DEFLECTION].sum(axis=0)
+        return float(np.sqrt(alternation / squares)) if squares > 0 else 0.0
 
 
 def _bands(panel, const, state):
@@ -132,16 +148,26 @@ def _bands(panel, const, state):
     return warp[i : const.ni, j : j + BAND * per : per], weft[i : i + BAND * per : per, j : const.nj].T
 
 
+def _alternation(lines, light):
+    """(2,) [N2] squares of the alternation from node to node of tensions (n, yarns), and of the tensions, behind the
+    wave front, whose jump is none. Third differences over 8 are the amplitude of what alternates. Tensions count as
+    `light` [N] at the least: what alternates far below the strength harms nothing."""
+    loaded = np.flatnonzero(lines[:, 0] > 0.02 * lines[:, 0].max())
+    behind = lines[: max(loaded[-1] - FRONT, 0)] if loaded.size else lines[:0]
+    if len(behind) < SHORTEST:
+        return 0.0, 0.0
+    third = behind[3:] - behind[:-3] + 3.0 * (behind[1:-2] - behind[2:-1])
+    return np.vdot(third, third) / 64.0, max(np.vdot(behind, behind), light**2 * behind.size)
+
+
 def of_march(march):
     """Tuple of Indicator of a run of one ply or a pack, a `march.March` or `pack_march.PackMarch`."""
     panel, shot = march.panel, march.panel.projectile
     strike = march.strike_energy
     energies = {name: march.sample(name) for name in march.energy_names}
     absorbed = max(strike - float(energies["kinetic_projectile"][-1]), 1e-3 * strike)
-    total, squares = march.monitor.found[:, :DEFLECTION].sum(axis=0)
-    depth = max(float(state.contact_energy[DEEPEST]) for _, _, state in march.monitor.parts)
+    depth = max(float(state.contact_energy[DEEPEST]) for _, _, state in march.parts)
     nose = nose_radius(shot)
-    xi = panel.numerics.stretch_viscosity
     bound = panel.time_step / panel.numerics.safety
     given = max(float(np.max(-energies[name])) for name in ("contact", "plies") if name in energies)
     found = [
@@ -150,18 +176,27 @@ def of_march(march):
         _make("energy gained in contact", max(given, 0.0) / strike),
         _make("viscous energy", float(energies["viscous"][-1]) / absorbed),
         _make("formulation energy", float(np.max(np.abs(energies["cell"]))) / absorbed),
-        _make("tension oscillation", (total / squares) ** 0.5 if squares > 0 else 0.0),
+        _make("tension oscillation", march.monitor.oscillation),
         _make("nose penetration", depth / nose),
         _make("contact point spacing", _spacing(march.const) / nose),
         _make("element side", max(panel.spacing) / shot.radius),
         _make("yarns an element", float(panel.finest)),
         *_extrapolation(march),
     ]
-    if hasattr(march, "deepest"):
-        found.append(_make("ply penetration", float(np.max(march.deepest, initial=0.0))))
-        held, missed = march.held_apart
-        found.append(_make("torn cloth not held apart", float(missed) / max(1.0, float(held + missed))))
+    if len(march.parts) > 1:
+        found.append(_make("ply penetration", march.monitor.found[:, DEPTH].max()))
+        found.append(_make("ply contact direction", _tilt(march)))
     return tuple(found)
+
+
+def _tilt(march):
+    """[-] sine of the steepest slope of the first ply where plies push along z alone (form "nodes"), else 0."""
+    if march.pack.contact.form != "nodes":
+        return 0.0
+    _, const, state = march.parts[0]
+    u = state.u[2][: (const.ni + 1) * const.s].reshape(const.ni + 1, const.s)
+    slope = max(float(np.abs(np.diff(u, axis=axis)).max()) / d for axis, d in enumerate((const.dx, const.dy)))
+    return slope / np.hypot(1.0, slope)
 
 
 def nose_radius(shot):
@@ -178,9 +213,12 @@ def _spacing(const):
 
 def _extrapolation(march):
     """Indicators of a cell that is used beyond where it is known."""
-    peaks = np.max([state.peak for _, _, state in march.monitor.parts], axis=0)
-    table = march.panel.table
-    found = [_make("tension over cell table", float(max(peak / table.values[T].max() for peak, T in zip(peaks, _T))))]
+    peaks = np.max([state.peak for _, _, state in march.parts], axis=0)
+    table, found = march.panel.table, []
+    if not march.panel.failure:
+        found.append(_make("tension over cell table", max(p / table.values[T].max() for p, T in zip(peaks, _T))))
+    else:  # the step in which a yarn fails may go beyond its strength, and no further
+        peaks = np.minimum(peaks, [yarn.strength for yarn in march.panel.weave.yarns])
     return (*found, *of_cell(table, peaks))
 
 
@@ -208,3 +246,54 @@ def _swelling(law, force, height):
     """[-] by which a yarn grows thicker under a light contact force, over its height."""
     shift = law.F0 if law.form == "regularised" else 0.0
     return max(0.0, law.b / np.cbrt(force + shift) - law.a) / height if force + shift > 0 else 0.0
+
+
+def of_coupon(table, tensions, residual, tolerance):
+    """Tuple of Indicator of a quasi-static test.
+
+    Parameters
+    ----------
+    table : CellTable
+    tensions : (warp, weft) [N] largest of each family
+    residual, tolerance : [-] largest out-of-balance force over the reaction, and what relaxation was to reach
+    """
+    over = max(peak / float(table.values[T].max()) for peak, T in zip(tensions, _T))
+    found = (_make("relaxation residual", residual / tolerance), _make("tension over cell table", over))
+    return (*found, *of_cell(table, tensions))
+
+
+def of_patch(march):
+    """Tuple of Indicator of a solid_march.SolidMarch."""
+    strike = march.strike_energy
+    solids, held = (float(march.sample(name)[-1]) for name in ("solids", "hourglass"))
+    return (
+        _make("time step", march.patch.numerics.safety),
+        _make("energy error", float(np.max(np.abs(march.sample("balance")))) / strike),
+        _make("hourglass energy", held / solids if solids > 0 else 0.0),
+        _make("hourglass amplitude", hourglass_amplitude(march.patch.mesh, march.state.x)),
+    )
+
+
+def hourglass_amplitude(mesh, x):
+    """[-] largest amplitude of a brick's hourglass modes over the cube root of its volume, at the places x (n, 3).
+
+    The modes h are freed of their linear part, gamma = h - (h . X) B, so that stretch and turning leave them alone.
+    """
+    made = Bricks.of(mesh.points[mesh.hexes])
+    modes = PATTERNS - np.einsum("mhi,mai->mha", made.twist, made.gradient)
+    moved = np.einsum("mha,mai->mhi", modes, (x - mesh.points)[mesh.hexes]) / 8
+    return float((np.linalg.norm(moved, axis=2).max(axis=1) / np.cbrt(made.volume)).max())
+
+
+def of_yarn(astray, thickness):
+    """Tuple of Indicator of a yarn of solids whose nodes alternate along it by `astray` (n,) [m]."""
+    return (_make("node alternation", float(np.max(astray)) / thickness),)
+
+
+def worst(runs):
+    """Of several runs' tuples of Indicator, each indicator where it is furthest beyond its limit."""
+    found = {}
+    for one in (one for indicators in runs for one in indicators):
+        if one.name not in found or one.excess > found[one.name].excess:
+            found[one.name] = one
+    return tuple(found.values())

@@ -46,7 +46,8 @@ def answer(safety, name):
     """Answer of a shot, or of the median of its neighbours where yarns ring."""
     found = [shot(part * safety, name) for part in (NEIGHBOURS if name in RINGING else (1.0,))]
     peak = tuple(map(median, zip(*(one.peak for one in found))))
-    return shots.Answer(peak, median(one.velocity for one in found), median(one.failed for one in found), found[0].checks)
+    velocity, failed = (median(getattr(one, name) for one in found) for name in ("velocity", "failed"))
+    return shots.Answer(peak, velocity, failed, found[0].checks)
 
 
 quiet = cache(lambda name: answer(0.3, name))
@@ -58,7 +59,8 @@ def point(safety, name):
     def run():
         found = answer(safety, name)
         off = found.off(quiet(name))
-        return Outcome(STABLE if off <= (RINGS if name in RINGING else ALLOWED) else WRONG, 100 * off, checks=found.checks)
+        kind = STABLE if off <= (RINGS if name in RINGING else ALLOWED) else WRONG
+        return Outcome(kind, 100 * off, checks=found.checks)
 
     return guarded(run)
 
