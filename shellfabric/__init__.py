@@ -11,5 +11,6 @@ with kernel_cache(__file__, "compiled.py", "borrow.py", "lanes.py", "team.py", "
         march_kernels,
         pack_kernels,
         patch_kernels,
+        quality_kernels,
         relax_kernels,
     )

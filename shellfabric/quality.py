@@ -13,16 +13,15 @@ from math import isfinite
 
 import numpy as np
 
+from shellfabric import quality_kernels as kernels
 from shellfabric.brick import PATTERNS, Bricks
 from shellfabric.contact_kernels import DEEPEST
 from shellfabric.march_kernels import FAILURES
+from shellfabric.quality_kernels import DEFLECTION, DEPTH
 
 OK, DOUBTFUL = "ok", "doubtful"
-BAND = 4  # yarns of each family, from the impact point outwards, whose tension is sampled
 _T = ("T1", "T2")
-ALTERNATION, SQUARES, DEFLECTION, DEPTH = range(4)  # columns of Monitor.found
-LIGHT = 0.03  # of the strength: tensions below it
-FRONT, SHORTEST = 6, 8  # nodes of a wave front that are left out, and the least number of nodes behind it
+LIGHT = 0.03  # of the strength: tensions below it count as it
 
 
 @dataclass(frozen=True)
@@ -68,13 +67,13 @@ class Indicator:
 LIMITS = {
     "time step": (1.0, "", "the explicit step over its stability bound"),
     "energy error": (0.01, "", "largest error of the energy balance over the strike energy"),
-    "energy gained in contact": (0.005, "", "energy that a contact gave but never took, over the strike energy"),
-    "viscous energy": (0.5, "", "viscous energy over the energy absorbed"),
+    "energy gained in contact": (0.008, "", "energy that a contact gave but never took, over the strike energy"),
+    "viscous energy": (0.8, "", "viscous energy over the energy absorbed"),
     "formulation energy": (0.1, "", "work of the cell's forces that no potential stores, over the energy absorbed"),
-    "tension oscillation": (0.06, "", "node-to-node alternation of the tension over the tension, rms along the yarns"),
+    "tension oscillation": (0.07, "", "node-to-node alternation of the tension over the tension, rms along the yarns"),
     "nose penetration": (1.8, "", "depth of the nose in the cloth over the radius of its edge"),
     "contact point spacing": (1.2, "", "spacing of the contact points over the radius of the nose's edge"),
-    "element side": (0.85, "", "longest side of an element over the projectile's radius"),
+    "element side": (1.0, "", "longest side of an element over the projectile's radius"),
     "yarns an element": (1.0, "", "yarns that an element under the nose stands for, along each side"),
     "tension over cell table": (1.0, "", "peak tension over the largest of the cell's table"),
     "tension over sampled surface": (1.0, "", "peak tension over the largest that the response surface was sampled at"),
@@ -84,7 +83,7 @@ LIMITS = {
     "hourglass energy": (0.1, "", "energy of the hourglass control over that of the solids"),
     "hourglass amplitude": (0.5, "", "amplitude of a brick's zero-energy modes over its size"),
     "node alternation": (0.01, "", "displacements that alternate from node to node over the yarn's thickness"),
-    "ply penetration": (0.5, "", "depth of a ply in the next over the thickness"),
+    "ply penetration": (0.75, "", "depth of a ply in the next over the thickness"),
     "ply contact direction": (0.1, "", "sine of the angle between the force between plies and the normal of the cloth"),
 }
 
@@ -114,17 +113,16 @@ class Monitor:
     def __init__(self, march):
         self.march = march
         self.found = np.zeros((len(march.parts), 4))
+        plies = [panel for panel, _, _ in march.parts]
+        self._places = [tuple(0 if m else n // 2 for m, n in zip(ply.mirrors, ply.counts)) for ply in plies]
+        self._light = [tuple(LIGHT * yarn.strength for yarn in ply.weave.yarns) for ply in plies]
 
     def sample(self):
         """Take a sample of the present state."""
         found, parts = self.found, self.march.parts
         whole = not any(state.counter[FAILURES] for _, _, state in parts)
-        for ply, (panel, const, state) in enumerate(parts):
-            high = float(np.max(state.u[2], where=state.flag == 0, initial=0.0))
-            found[ply, DEFLECTION] = max(found[ply, DEFLECTION], high)
-            if whole:
-                for lines, yarn in zip(_bands(panel, const, state), panel.weave.yarns):
-                    found[ply, ALTERNATION : SQUARES + 1] += _alternation(lines, LIGHT * yarn.strength)
+        for (_, const, state), row, (i, j), light in zip(parts, found, self._places, self._light):
+            kernels.sample(state, const, i, j, whole, *light, row)
         if whole and len(parts) > 1:
             found[:-1, DEPTH] = self.march.deepest
 
@@ -138,26 +136,6 @@ class Monitor:
         """[-] root of the ratio of the two sums of squares."""
         alternation, squares = self.found[:, :DEFLECTION].sum(axis=0)
         return float(np.sqrt(alternation / squares)) if squares > 0 else 0.0
-
-
-def _bands(panel, const, state):
-    """Tensions (n, BAND) [N] along the BAND yarns of warp and weft next to the impact point, on one side of it."""
-    shape, per = (const.ni + 1, const.s), const.per
-    i, j = (0 if mirrored else n // 2 for mirrored, n in zip(panel.mirrors, panel.counts))
-    warp, weft = (tension[: shape[0] * shape[1]].reshape(shape) for tension in state.T)
-    return warp[i : const.ni, j : j + BAND * per : per], weft[i : i + BAND * per : per, j : const.nj].T
-
-
-def _alternation(lines, light):
-    """(2,) [N2] squares of the alternation from node to node of tensions (n, yarns), and of the tensions, behind the
-    wave front, whose jump is none. Third differences over 8 are the amplitude of what alternates. Tensions count as
-    `light` [N] at the least: what alternates far below the strength harms nothing."""
-    loaded = np.flatnonzero(lines[:, 0] > 0.02 * lines[:, 0].max())
-    behind = lines[: max(loaded[-1] - FRONT, 0)] if loaded.size else lines[:0]
-    if len(behind) < SHORTEST:
-        return 0.0, 0.0
-    third = behind[3:] - behind[:-3] + 3.0 * (behind[1:-2] - behind[2:-1])
-    return np.vdot(third, third) / 64.0, max(np.vdot(behind, behind), light**2 * behind.size)
 
 
 def of_march(march):
@@ -238,7 +216,9 @@ def of_cell(table, peaks):
         found.append(_make("contact force over fitted range", force / min(known)))
     light = values["F"][values["F"] > 0]
     least = float(light.min()) if light.size else 0.0
-    found.append(_make("swelling under contact", max(_swelling(law, least, h) for law, h in zip(model.used_laws, model.h0))))
+    found.append(
+        _make("swelling under contact", max(_swelling(law, least, h) for law, h in zip(model.used_laws, model.h0)))
+    )
     return tuple(found)
 
 

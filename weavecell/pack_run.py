@@ -217,7 +217,12 @@ def page(this, record, told, stamp):
         f"{record.count} plies of {record.fabric}, {record.stacking}, {1e3 * record.gaps[0]:.3g} mm apart, "
         f"{case.panel_in_words(panel)}, struck at {shot.strike_velocity:g} m/s by {case.shot_in_words(shot)}.",
         (cards,),
-        (told, checks.section(record.checks), chapters.sources(this.fabric), chapters.making(stamp, {"marching": record.wall_time})),
+        (
+            told,
+            checks.section(record.checks),
+            chapters.sources(this.fabric),
+            chapters.making(stamp, {"marching": record.wall_time}),
+        ),
         f"weavecell {weavecell.__version__}, {stamp['date']}",
     )
 

@@ -24,7 +24,19 @@ import shutil
 import weavecell
 from fabrics.errors import InputError, WeavecellError
 from fabrics.files import write_whole
-from weavecell import case, chapters, checks, fidelity, json_file, pack_run, paraview, progress, provenance, report, scene
+from weavecell import (
+    case,
+    chapters,
+    checks,
+    fidelity,
+    json_file,
+    pack_run,
+    paraview,
+    progress,
+    provenance,
+    report,
+    scene,
+)
 from weavecell.record import ImpactRecord, Shape
 
 
@@ -126,7 +138,8 @@ def write(out, this, record, snapshots, text, advance, choice=None):
     with write_whole(out / "scene.toml") as file:
         file.write(text)
     record.write(out / "histories.h5")
-    json_file.write(out / "summary.json", record.summary() | checks.summary(record.checks) | fidelity.summary(choice) | {"provenance": stamp})
+    content = record.summary() | checks.summary(record.checks) | fidelity.summary(choice)
+    json_file.write(out / "summary.json", content | {"provenance": stamp})
     advance(0.1)
     shutil.rmtree(out / "panel", ignore_errors=True)  # of an earlier run, whose series may have been longer
     if "paraview" in outputs:

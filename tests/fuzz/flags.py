@@ -1,6 +1,6 @@
 """What the quality indicators (`shellfabric.quality`) flag: of the maps' points, of the examples, of random scenes.
 
-    python -m validation.stability.flags --page docs/checks.md [--map NAME ...] [--scenes 200] [--seed checks]
+    python -m tests.fuzz.flags --page docs/checks.md [--map NAME ...] [--scenes 200] [--seed checks]
 
 Every point of the maps that end quietly wrong is run again with the indicators evaluated. What is done is kept in
 results/checks, and taken from there with --resume.
@@ -17,10 +17,13 @@ from pathlib import Path
 
 from fabrics.errors import UnstableError, WeavecellError
 from fabrics.files import write_whole
+from shellfabric import impact, pack_impact
 from shellfabric.quality import LIMITS
+from tests.fuzz import scenes
 from validation.charts.tables import markdown
 from validation.stability import study
 from validation.stability.core import STABLE, WRONG
+from weavecell import case, scene
 
 # maps with points that end quietly wrong; the product has no way to what OUTSIDE names
 MAPS = ("time-step", "viscosity", "hourglass", "penalty", "edge-radius", "newton", "printed-law", "bars", "plies")
@@ -34,6 +37,27 @@ with a wrong answer, which they should flag, and on examples and random scenes a
 not. A stable point that is flagged lies beyond a limit of the indicators that is narrower than the map's."""
 
 
+REASONS = """Each limit lies between the values at points of a map that are right and at points that are wrong:
+
+- Time step: 1 is the bound.
+- Energy error: the guard stops a run at 5 %; right runs have below 0.1 %, random scenes up to 0.2 %.
+- Energy gained in contact: the guard stops a run at 1 %; right points of the map of the nose's contact have up to
+  0.7 %.
+- Viscous energy: no map has a point that is wrong for too much viscosity (at a damping ratio of 0.8 peaks move by 4 %),
+  and yarns that snap taut dissipate whatever the viscosity. Above 80 % of what was absorbed the answer is the damper's.
+- Formulation energy: 3 % in the equilibrium form, which the maps call right; 10 % is what peaks may be off by.
+- Tension oscillation: at most 0.043 where peaks are right, at least 0.079 where they are off by more than 10 %.
+- Nose penetration: 1.4 where peaks are off by 6 %, 2.4 where they are by 14 % and more; 10 % is at about 1.8.
+- Contact point spacing: 0.79 where the edge is resolved, 1.41 and more where yarns fail on one mesh alone.
+- Element side: the projectile's radius. It lets two wrong points of the edge map through, at 0.92, since valid scenes of
+  coarse cloth and small projectiles come that close.
+- Ply penetration: at most 0.46 where peaks are right, at least 0.77 where smooth plies are too soft.
+- Ply contact direction, swelling: both are zero in the forms that are right.
+- Hourglass energy and amplitude, node alternation: the criteria of the maps themselves.
+- Relaxation residual, tensions and forces over what was sampled, fitted or tabulated: 1 is where extrapolation begins.
+"""
+
+
 def of_map(key):
     """Rows [x, y, outcome, [names of indicators beyond their limits]] of a map's points."""
     chart, rows = study.load(key), []
@@ -45,9 +69,6 @@ def of_map(key):
 
 def of_scene(path):
     """Row [name, outcome, [str of indicators beyond their limits]] of a scene file."""
-    from shellfabric import impact, pack_impact
-    from weavecell import case, scene
-
     began = time.process_time()
 
     def watch(_):
@@ -67,8 +88,6 @@ def of_scene(path):
 
 def random_scene(seed, index):
     """As `of_scene`, of scene number `index` of the generator of tests.fuzz."""
-    from tests.fuzz import scenes
-
     with tempfile.TemporaryDirectory() as folder:
         path = scenes.scene(seed, index).write(folder)
         try:
@@ -81,11 +100,11 @@ def random_scene(seed, index):
             return [path.stem, "error", [str(problem)]]
 
 
-def page(maps, examples, scenes, command):
+def page(maps, examples, random, command):
     """The text of the page: rows of `of_map` by map, of `of_scene`, and of `random_scene`."""
     told = f"Made by `{command}`; not to be edited by hand."
-    parts = [HEAD, told, "## Limits", limits(), "## Maps", shares(maps)]
-    for title, rows in (("Examples", examples), ("Random scenes", scenes)):
+    parts = [HEAD, told, "## Limits", limits(), REASONS.strip(), "## Maps", shares(maps)]
+    for title, rows in (("Examples", examples), ("Random scenes", random)):
         if rows:
             parts += [f"## {title}", false_alarms(rows)]
     return "\n\n".join(parts) + "\n"
@@ -132,11 +151,11 @@ def main():
     maps = {key: _kept(folder / f"{key}.json", options.resume, lambda key=key: of_map(key)) for key in options.map}
     paths = sorted(Path("examples").glob("*.toml")) if options.examples else []
     examples = [_kept(folder / f"{p.stem}.json", options.resume, lambda p=p: of_scene(p)) for p in paths]
-    scenes = [
+    random = [
         _kept(folder / f"{options.seed}-{i}.json", options.resume, lambda i=i: random_scene(options.seed, i))
         for i in range(options.scenes)
     ]
-    text = page(maps, examples, scenes, "python -m validation.stability.flags --page docs/checks.md")
+    text = page(maps, examples, random, "python -m tests.fuzz.flags --page docs/checks.md")
     print(text)
     if options.page is not None:
         with write_whole(options.page) as file:
