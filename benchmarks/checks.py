@@ -13,26 +13,38 @@ import statistics
 import time
 
 from fabrics import catalogue
-from shellfabric import march_kernels
+from shellfabric import contact_kernels, march_kernels
 from shellfabric.cell import CellModel
+from shellfabric.compiled import entry
 from shellfabric.march import March
 from shellfabric.panel import Numerics, Panel
 
 
+@entry()
+def many(state, times):
+    """What `march_kernels.lead` adds to a step, so many times."""
+    exchanged, before = 0.0, 0.0
+    for _ in range(times):
+        state.contact_energy[contact_kernels.CONTACT] += 1.0
+        now = march_kernels.worked(state)
+        exchanged, before = exchanged + abs(now - before), now
+    return exchanged
+
+
 def shares(panel, velocity, interval):
     """(monitor, checks, kernel) as shares of the CPU time of one run [-], and how many checks there were."""
-    march, spent = March(panel, velocity, 250e-6, interval=interval), {"sample": 0.0, "_check": 0.0}
-    for owner, name in ((march.monitor, "sample"), (march, "_check")):
+    march, spent = March(panel, velocity, 250e-6, interval=interval), {"audited": 0.0, "_check": 0.0}
+    for owner, name in ((march.monitor, "audited"), (march, "_check")):
         setattr(owner, name, _timed(getattr(owner, name), spent, name))
     start = time.process_time()
     march.run()
     total = time.process_time() - start
     march_kernels.worked(march.state)
+    many(march.state, 1)
     start = time.process_time()
-    for _ in range(2000):
-        march_kernels.worked(march.state)  # with what a call from Python costs, which is most of it
-    kernel = (time.process_time() - start) / 2000 * march.steps
-    return spent["sample"] / total, spent["_check"] / total, kernel / total, march.checks
+    many(march.state, 100_000)
+    kernel = (time.process_time() - start) / 100_000 * march.steps
+    return spent["audited"] / total, spent["_check"] / total, kernel / total, march.checks
 
 
 def _timed(function, spent, name):
@@ -54,7 +66,7 @@ def main():
         monitor, checks, kernel = (100 * statistics.median(row[k] for row in found) for k in range(3))
         print(
             f"{velocity:g} m/s, audits every {1e6 * interval:g} us: monitor {monitor:.2f} %, {found[0][3]} checks "
-            f"{checks:.2f} %, kernel below {kernel:.2f} % of the run (medians of {repeats})",
+            f"{checks:.2f} %, kernel {kernel:.3f} % of the run (medians of {repeats})",
             flush=True,
         )
 

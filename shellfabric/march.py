@@ -167,7 +167,7 @@ class March:
                     self.fine.append(fine[:made])
                     self._audit()
                     self._guard()
-                    self.monitor.sample()
+                    self.monitor.audited()
                     self._look_for_plug()
                     for hook in hooks:
                         hook(self)

@@ -21,6 +21,7 @@ from shellfabric.quality_kernels import DEFLECTION, DEPTH
 
 OK, DOUBTFUL = "ok", "doubtful"
 _T = ("T1", "T2")
+EVERY = 4  # audits from one sample to the next: a sample costs a third of a step
 LIGHT = 0.03  # of the strength: tensions below it count as it
 
 
@@ -116,6 +117,11 @@ class Monitor:
         plies = [panel for panel, _, _ in march.parts]
         self._places = [tuple(0 if m else n // 2 for m, n in zip(ply.mirrors, ply.counts)) for ply in plies]
         self._light = [tuple(LIGHT * yarn.strength for yarn in ply.weave.yarns) for ply in plies]
+
+    def audited(self):
+        """Take a sample after every EVERY-th audit, and at the end of the run."""
+        if len(self.march.samples) % EVERY == 0 or self.march.ended:
+            self.sample()
 
     def sample(self):
         """Take a sample of the present state."""

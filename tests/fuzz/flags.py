@@ -49,7 +49,7 @@ REASONS = """Each limit lies between the values at points of a map that are righ
 - Tension oscillation: at most 0.043 where peaks are right, at least 0.079 where they are off by more than 10 %.
 - Nose penetration: 1.4 where peaks are off by 6 %, 2.4 where they are by 14 % and more; 10 % is at about 1.8.
 - Contact point spacing: 0.79 where the edge is resolved, 1.41 and more where yarns fail on one mesh alone.
-- Element side: the projectile's radius. It lets two wrong points of the edge map through, at 0.92, since valid scenes of
+- Element side: the projectile's radius. It lets two wrong points of the edge map through, at 0.92, since scenes of
   coarse cloth and small projectiles come that close.
 - Ply penetration: at most 0.46 where peaks are right, at least 0.77 where smooth plies are too soft.
 - Ply contact direction, swelling: both are zero in the forms that are right.
