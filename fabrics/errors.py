@@ -2,6 +2,7 @@
 
 InputError (2): a scene, fabric, mesh or restart file is wrong; nothing has been written.
 UnstableError (3): a run has become unphysical and stopped itself; what it had computed is kept.
+DoubtfulError (3): a run has ended with a quality indicator beyond its limit, and --strict was given; results are kept.
 """
 
 from __future__ import annotations
@@ -59,3 +60,9 @@ class UnstableError(WeavecellError):
         if when is not None:
             text += f", {when}"
         super().__init__(text)
+
+
+class DoubtfulError(WeavecellError):
+    """A run with a quality indicator beyond its limit, where the user wants that to be an error (--strict)."""
+
+    exit_code = 3

@@ -10,5 +10,6 @@ with kernel_cache(__file__):  # kernels call each other across files: one cache,
         march_kernels,
         pack_kernels,
         patch_kernels,
+        quality_kernels,
         relax_kernels,
     )

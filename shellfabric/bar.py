@@ -265,20 +265,30 @@ def held_force(t, force, span):
     A blow that is shorter than half a period does not reach the thin sections behind the tip as a force.
     """
     width = max(1, round(span / (t[1] - t[0]))) if len(t) > 1 else 1
-    total = np.concatenate([[0.0], np.cumsum(np.abs(force))])
+    total = np.concatenate([[0.0], np.cumsum(np.abs(force)), np.full(width, np.sum(np.abs(force)))])
     return float(np.max(total[width:] - total[:-width], initial=0.0)) / width
 
 
-def contact_time(t, force):
-    """[s] for which the largest force would have to act to give the impulse of a history (n,) [s], (n,) [N].
+def contact_time(t, force, period):
+    """[s] for which the largest mean force over a period of the bar would have to act to give the impulse.
 
-    It follows a force that jumps, where the span from the first push to the last would not. A half sine of a duration T
-    gives 2 T / pi.
+    Parameters
+    ----------
+    t, force : (n,) [s], (n,) [N] history of even steps
+    period : [s] of the bar; what is shorter the bar does not follow
+
+    The momentary largest force instead of that mean would depend on the mesh: a finer one begins with a higher and
+    shorter peak of the same impulse. A half sine of a duration T above the period P gives (2 T / pi) x / sin x with
+    x = pi P / (2 T); what is shorter than the period gives the period.
+
+    Raises
+    ------
+    InputError : a history without force
     """
     t, force = np.asarray(t, float), np.abs(np.asarray(force, float))
     if not force.max() > 0:
         raise InputError("the projectile was never touched")
-    return float(np.sum(0.5 * (force[1:] + force[:-1]) * np.diff(t)) / force.max())
+    return float(np.sum(0.5 * (force[1:] + force[:-1]) * np.diff(t)) / held_force(t, force, period))
 
 
 def split(bar, duration, impulse=0.1):

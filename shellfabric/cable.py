@@ -272,7 +272,7 @@ def at_rest(const, share, bar_mass, held, rows, speed) -> State:
         kick=flat(np.where(held, 0.0, inverse)), stiff=stiff,
         intact=(stiff > 0).astype(float),
         L=np.repeat(np.array([const.dx, const.dy])[:, None], slots, axis=1), drag=np.zeros((2, slots)),
-        flag=np.zeros(slots, np.uint8), contact=np.zeros((3, slots)), contact_energy=np.zeros(4),
+        flag=np.zeros(slots, np.uint8), contact=np.zeros((3, slots)), contact_energy=np.zeros(5),
         **contact.memory(const.near, const.points, const.shares, 0.0), window=np.array(const.near),
         scratch=contact.scratch(const),
         position=np.zeros(3), speed=np.array([0.0, 0.0, float(speed)]), reaction=np.zeros(3), rows=np.array(rows),

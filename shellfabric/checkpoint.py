@@ -109,6 +109,7 @@ def store_records(file, march):
     """What a march of cloth has recorded, with the block behind it."""
     file.attrs["reason"], file.attrs["wall_time"], file.attrs["zero"] = march.reason, march.wall_time, march._zero
     file.attrs["passed"] = march.passed
+    file["monitor"] = march.monitor.found
     for name, values in (march.behind.block.arrays() if march.behind else {}).items():
         file[f"block/{name}"] = values
     file["samples"] = np.array(march.samples)
@@ -122,6 +123,7 @@ def restore_records(file, march):
         march.behind.block.restore({name: data[()] for name, data in file["block"].items()})
     march.reason, march.wall_time = int(file.attrs["reason"]), float(file.attrs["wall_time"])
     march._zero, march.passed = float(file.attrs["zero"]), int(file.attrs["passed"])
+    march.monitor.found[:] = file["monitor"][()]
     march.samples[:] = list(file["samples"][()])
     march.fine[:] = np.split(file["fine"][()], np.cumsum(file["chunks"][()])[:-1]) if len(file["chunks"]) else []
 

@@ -41,7 +41,8 @@ from shellfabric.compiled import entry, kernel
 from shellfabric.lanes import WIDTH, above, fma, load, most, some, store
 from shellfabric.membrane_kernels import ERODED
 
-CONTACT, SPRING, FRICTION, FRICTION_SPRING = 0, 1, 2, 3  # of state.contact_energy
+# of state.contact_energy: energies [J], and last the largest penetration [m] of a point of whole cloth so far
+CONTACT, SPRING, FRICTION, FRICTION_SPRING, DEEPEST = 0, 1, 2, 3, 4
 LEAST = 1e-30  # [N] force of a point of a nose that does not push yet
 
 
@@ -281,6 +282,8 @@ def touch(state, const, i, j, e, number, m, shares, work):
             f = max(0.0, -damping * (n_x * v_x + n_y * v_y + n_z * v_z) - stiffness * depth)
             spring = 0.5 * stiffness * depth * depth
         state.touching[e] = True
+        if part == 1.0:
+            state.contact_energy[DEEPEST] = max(state.contact_energy[DEEPEST], -depth)
     f_x, f_y, f_z = f * n_x, f * n_y, f * n_z
     both_x, both_y, both_z = f_x + last[1, number], f_y + last[2, number], f_z + last[3, number]
     taken = -0.5 * const.dt * (both_x * v_x + both_y * v_y + both_z * v_z)

@@ -10,7 +10,7 @@ from fabrics.compression import CompressionLaw
 from fabrics.errors import InputError, UnstableError
 from fabrics.fabric import Fabric
 from fabrics.surface import ResponseSurface
-from shellfabric import body, checkpoint, histories, measures
+from shellfabric import body, checkpoint, histories, measures, quality
 from shellfabric import hooks as onlookers
 from shellfabric.backing import Backing
 from shellfabric.bar import Rigidity, contact_time, held_force, rigid_is_enough
@@ -168,6 +168,8 @@ class ImpactResult(Outcome):
     snapshots : tuple of measures.Snapshot
     histories : histories.Histories, or None where nothing was to be recorded
     steps, wall_time, ns_per_element_step : cost of marching, [s] and [ns]
+    max_deflection : [m] of whole cloth, over the run
+    checks : tuple of quality.Indicator
     """
 
     setup: ImpactSetup
@@ -195,6 +197,8 @@ class ImpactResult(Outcome):
     steps: int
     wall_time: float
     ns_per_element_step: float
+    max_deflection: float
+    checks: tuple
 
     @property
     def struck(self):
@@ -211,7 +215,7 @@ class ImpactResult(Outcome):
                 return None
             t, force = self.fine[:, 0], self.fine[:, 3]
             held = held_force(t, force, 0.5 * bar.period)
-            return rigid_is_enough(contact_time(t, force), bar.period, held, bar.yield_force)
+            return rigid_is_enough(contact_time(t, force, bar.period), bar.period, held, bar.yield_force)
         except InputError:
             return None
 
@@ -296,6 +300,8 @@ def of_projectile(march, elements):
         "bar": None if bar is None else body.history(clock, fine, march.state, bar),
         "backing": march.behind.result() if march.behind else None,
         "snapshots": tuple(march.snapshots),
+        "max_deflection": march.monitor.deflection,
+        "checks": quality.of_march(march),
         "steps": march.steps,
         "wall_time": march.wall_time,
         "ns_per_element_step": 1e9 * march.wall_time / max(1, march.steps * elements),

@@ -20,6 +20,7 @@ from dataclasses import dataclass, replace
 from math import inf, log
 
 from fabrics.errors import InputError, UnstableError
+from shellfabric import quality
 from shellfabric.march import March
 from shellfabric.panel import Panel
 from shellfabric.smith import striking_velocity
@@ -43,6 +44,7 @@ class Shot:
     peak_tension : (warp, weft) [N]
     balance : [-] error of the energy balance over the strike energy, the worst of the run
     wall_time : [s] of marching
+    checks : tuple of quality.Indicator
     """
 
     strike_velocity: float
@@ -53,6 +55,7 @@ class Shot:
     peak_tension: tuple[float, float]
     balance: float
     wall_time: float
+    checks: tuple = ()
 
     @property
     def perforated(self):
@@ -297,4 +300,5 @@ def _fire(panel, velocity, give_up):
         peak_tension=(float(march.state.peak[0]), float(march.state.peak[1])),
         balance=float(abs(march.sample("balance")).max()) / march.strike_energy,
         wall_time=march.wall_time,
+        checks=quality.of_march(march),
     )

@@ -21,7 +21,7 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 
 from fabrics.errors import InputError, UnstableError
-from shellfabric import behind, body, contact_kernels, edges, edges_kernels, team
+from shellfabric import behind, body, contact_kernels, edges, edges_kernels, quality, team
 from shellfabric import march_kernels as kernels
 from shellfabric.panel import Panel
 from shellfabric.plug import passed
@@ -47,6 +47,7 @@ ENERGIES = (
     "balance",
 )
 OUTRUN = 1.0  # see `fastest`
+EXCHANGE = 0.05  # share of the strike energy that may be exchanged from one check of the balance to the next
 GIFT_LIMIT = 0.01  # share of the strike energy that a contact may seem to have given
 SAMPLES = ("t", "v", "z", "failed_yarns", "reaction_warp", "reaction_weft", *ENERGIES)
 
@@ -73,6 +74,8 @@ class March:
     snapshots : list of measures.Snapshot, where a hook takes them
     measure, histories : what a histories.Recorder records, where there is one, and its rows
     outcome : "in flight", "stopped" or "perforated"
+    checks : of the energy balance between audits (see `_chunk`)
+    monitor : quality.Monitor, what the quality indicators need besides the result
     passed : audits in a row that found no held cloth ahead of the nose (see `plug`); the second ends the run
     wall_time : [s] spent in the kernels that march
 
@@ -101,8 +104,9 @@ class March:
             self.behind = behind.Behind(panel.backing, panel, self.const)
             self.behind.follow(self.state)
         self.reason, self.wall_time = kernels.RUNNING, 0.0
-        self.passed = 0
+        self.passed, self.checks = 0, 0
         self._zero = self._rest = 0.0
+        self.monitor = quality.Monitor(self)
         self._audit()
 
     @property
@@ -129,6 +133,18 @@ class March:
         """[J]"""
         return self.panel.projectile.energy(self.strike_velocity)
 
+    energy_names = ENERGIES
+
+    @property
+    def parts(self):
+        """(Panel, Constants, State) of each ply."""
+        return ((self.panel, self.const, self.state),)
+
+    @property
+    def _allowed(self):
+        """[J] energy that the modelled part may exchange between two checks of the energy balance."""
+        return EXCHANGE * self.strike_energy * self.panel.share
+
     def sample(self, name):
         """(n,) one column of the samples."""
         return np.array([row[SAMPLES.index(name)] for row in self.samples])
@@ -148,19 +164,47 @@ class March:
                 self._call(others)
                 while not self.ended:
                     fine = np.empty((min(self.chunk, self.last_step - self.steps), self.columns))
-                    start = time.perf_counter()
-                    made, self.reason = self.advance(fine)
-                    self.wall_time += time.perf_counter() - start
-                    self._call(others)
+                    made = self._chunk(fine, others)
                     self.fine.append(fine[:made])
                     self._audit()
                     self._guard()
+                    self.monitor.audited()
                     self._look_for_plug()
                     for hook in hooks:
                         hook(self)
             finally:
                 self.advance(np.empty((0, self.columns)))  # lets the others go
         return self
+
+    def _chunk(self, fine, others):
+        """Make as many steps as there are rows in `fine`, or fewer where the run ends; returns how many.
+
+        Between audits the energy is checked as often as EXCHANGE of the strike energy has been exchanged.
+        """
+        made = 0
+        while made < len(fine):
+            start = time.perf_counter()
+            steps, self.reason = self.advance(fine[made:])
+            self.wall_time += time.perf_counter() - start
+            made += steps
+            self._call(others)
+            if self.reason != kernels.CHECK:
+                break
+            self.reason = kernels.RUNNING
+            if made < len(fine):
+                self._check()
+        return made
+
+    def _check(self):
+        """Audit the energy and guard the run without recording a sample, unless the guard stops it."""
+        self.checks += 1
+        self._audit()
+        self._guard()
+        self._drop()
+
+    def _drop(self):
+        """Forget the last sample."""
+        self.samples.pop()
 
     def _call(self, others):
         """Have the other threads wait for the next steps while this one sees to what is between: waking takes them
@@ -173,7 +217,8 @@ class March:
         """Make as many steps as there are rows in `fine`, or fewer where the run ends: (steps made, why)."""
         if self.behind is not None:
             return self._advance_backed(fine)
-        return kernels.lead(self.state, self.const, self._work, len(fine), fine, self._shared, self.threads)
+        work, allowed = self._work, self._allowed
+        return kernels.lead(self.state, self.const, work, len(fine), fine, self._shared, self.threads, allowed)
 
     def _advance_backed(self, fine):
         """As `advance`, one step at a time, each followed by the block's."""
@@ -187,7 +232,7 @@ class March:
         """One step of cloth, projectile and block; why it should be the last."""
         shared = self._work.shared
         shared[:] = 0
-        _, reason = kernels.lead(self.state, self.const, self._work, 1, row, shared, 1)
+        _, reason = kernels.lead(self.state, self.const, self._work, 1, row, shared, 1, self._allowed / self.chunk)
         self.behind.follow(self.state)
         return reason
 

@@ -28,7 +28,7 @@ from shellfabric.compiled import entry, kernel
 from shellfabric.lanes import WIDTH, above, fabs, fma, keep, load, where
 from shellfabric.team import STOP, meet
 
-RUNNING, STOPPED, PERFORATED, NOT_FINITE = 0, 1, 2, 3
+RUNNING, STOPPED, PERFORATED, NOT_FINITE, CHECK = 0, 1, 2, 3, 4  # CHECK: energy is to be audited before the next step
 # of state.sums; what is lost with failed yarns, and with trellis and turns; what yarns do not store of the work
 WORK, VISCOUS, LOST, TORN, OVER = 0, 1, 2, 3, 4
 KINETIC, STORED, SHEAR, BENDING, JAM = 0, 1, 2, 3, 4  # of `energies`
@@ -452,15 +452,25 @@ def tell(state, const, force, row):
         row[6], row[7], row[8] = state.bar_u[0], state.bar_u[tail], bar_kernels.mean(const.bar_mass, state.bar_u)
 
 
+@kernel(_nrt=False)
+def worked(state):
+    """[J] work that yarns, their viscosity and the contact with the nose have taken in so far."""
+    total = state.contact_energy[contact_kernels.CONTACT]
+    for block in range(state.sums.shape[0]):
+        total += state.sums[block, WORK] + state.sums[block, VISCOUS]
+    return total
+
+
 @entry(nogil=True, _nrt=False)
-def lead(state, const, work, steps, history, shared, count):
+def lead(state, const, work, steps, history, shared, count, allowed):
     """March at most `steps` steps, with `count` - 1 threads that `follow`, all with scratch of their own.
 
     history (steps, 3): the projectile's foremost z, v_z of its centre of mass and the force on it after each; of a bar
-    (steps, 9), see `tell`. shared : see `team.meet`.
+    (steps, 9), see `tell`. shared : see `team.meet`. allowed [J] : energy exchange, the sum over steps of the change of
+    `worked`, after which CHECK ends the call: no energy error can be larger than the energy that has been exchanged.
     Returns (steps made, RUNNING or the reason to end).
     """
-    made, reason = 0, RUNNING
+    made, reason, exchanged, before = 0, RUNNING, 0.0, worked(state)
     while made < steps and reason == RUNNING:
         begin(state, const)
         meet(shared, count)
@@ -469,6 +479,10 @@ def lead(state, const, work, steps, history, shared, count):
         reason = conclude(state, const, work)
         tell(state, const, state.reaction[2] + state.outer[2], history[made])
         made += 1
+        now = worked(state)
+        exchanged, before = exchanged + abs(now - before), now
+        if reason == RUNNING and not exchanged <= allowed:
+            reason = CHECK
     shared[STOP] = 1
     meet(shared, count)
     first, last = part(state, const, 0, count)
@@ -494,7 +508,7 @@ def follow(state, const, work, shared, me, count):
 @entry(nogil=True, _nrt=False)
 def advance(state, const, work, steps, history):
     """`lead` without followers."""
-    return lead(state, const, work, steps, history, work.shared, 1)
+    return lead(state, const, work, steps, history, work.shared, 1, np.inf)
 
 
 @entry(nogil=True, _nrt=False)

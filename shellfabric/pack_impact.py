@@ -60,8 +60,8 @@ class PackResult(impact.Outcome):
     Parameters
     ----------
     setup, pack : what was run
-    outcome, residual_velocity, velocity, t, v, z, fine, bar, backing, nose, steps, wall_time, ns_per_element_step : as
-        ImpactResult
+    outcome, residual_velocity, velocity, t, v, z, fine, bar, backing, nose, steps, wall_time, ns_per_element_step,
+        max_deflection, checks : as ImpactResult
     energies : {name: (n,)} [J] with the names of pack_march.PACK_ENERGIES
     plies : {name: (n, plies)} with the names of pack_march.PLY_SAMPLES
     peak_tension : (plies, 2) [N] over the run, of each ply's own warp and weft
@@ -92,6 +92,8 @@ class PackResult(impact.Outcome):
     steps: int
     wall_time: float
     ns_per_element_step: float
+    max_deflection: float
+    checks: tuple
 
     @property
     def struck(self):

@@ -27,7 +27,7 @@ from shellfabric import (
 )
 from shellfabric.borrow import item
 from shellfabric.compiled import entry, kernel
-from shellfabric.march_kernels import FAILURES, IDLE, NOT_FINITE, PERFORATED, RUNNING, STEP, STOPPED
+from shellfabric.march_kernels import CHECK, FAILURES, IDLE, NOT_FINITE, PERFORATED, RUNNING, STEP, STOPPED
 from shellfabric.team import STOP, meet
 
 
@@ -227,10 +227,21 @@ def conclude(states, consts, stack, row):
     return PERFORATED if stack.counter[IDLE] >= const.idle_steps else RUNNING
 
 
+@kernel(_nrt=False)
+def worked(states, pairs):
+    """[J] work that plies and contacts have taken in so far; see `march_kernels.worked`."""
+    total = 0.0
+    for p in range(len(states)):
+        total += march_kernels.worked(item(states, p))
+    for p in range(len(pairs)):
+        total += item(pairs, p).energy[ply_contact_kernels.TAKEN]
+    return total
+
+
 @entry(nogil=True)
-def lead(states, consts, pairs, stack, stops, works, steps, history, shared, count):
+def lead(states, consts, pairs, stack, stops, works, steps, history, shared, count, allowed):
     """March at most `steps` steps, with `count` - 1 threads that `follow`; see `march_kernels.lead`."""
-    made, reason = 0, RUNNING
+    made, reason, exchanged, before = 0, RUNNING, 0.0, worked(states, pairs) + stops.energy[ply_stop_kernels.TAKEN]
     while made < steps and reason == RUNNING:
         launch(states, consts, stack)
         meet(shared, count)
@@ -243,6 +254,10 @@ def lead(states, consts, pairs, stack, stops, works, steps, history, shared, cou
         ply_stop_kernels.restrain(states, consts, pairs, stack, stops)
         reason = conclude(states, consts, stack, history[made])
         made += 1
+        now = worked(states, pairs) + stops.energy[ply_stop_kernels.TAKEN]
+        exchanged, before = exchanged + abs(now - before), now
+        if reason == RUNNING and not exchanged <= allowed:
+            reason = CHECK
     shared[STOP] = 1
     meet(shared, count)
     freshen(states, consts, stack, works, 0, count)

@@ -9,7 +9,17 @@ from __future__ import annotations
 import numpy as np
 
 from fabrics.errors import InputError, UnstableError
-from shellfabric import behind, body, edges, edges_kernels, pack_kernels, ply_contact_kernels, ply_stop_kernels, team
+from shellfabric import (
+    behind,
+    body,
+    edges,
+    edges_kernels,
+    pack_kernels,
+    ply_contact_kernels,
+    ply_stop_kernels,
+    quality,
+    team,
+)
 from shellfabric import march_kernels as kernels
 from shellfabric.contact_kernels import CONTACT, FRICTION
 from shellfabric.march import ENERGIES, March, fastest, gift
@@ -71,7 +81,8 @@ class PackMarch(March):
             self.behind = behind.Behind(self.panel.backing, pack.plies[-1], self.consts[-1])
             self.behind.follow(self.states[-1])
         self.reason, self.wall_time = kernels.RUNNING, 0.0
-        self.passed = 0
+        self.passed, self.checks = 0, 0
+        self.monitor = quality.Monitor(self)
         self._zero, self._rest = 0.0, np.zeros(len(pack.plies))
         self._audit()
 
@@ -119,14 +130,28 @@ class PackMarch(March):
             return self._advance_backed(fine)
         states, consts, pairs = self._lists
         work, shared, count = self._works[0], self._shared, self.threads
-        return pack_kernels.lead(states, consts, pairs, self.stack, self.stops, work, len(fine), fine, shared, count)
+        return pack_kernels.lead(
+            states, consts, pairs, self.stack, self.stops, work, len(fine), fine, shared, count, self._allowed
+        )
+
+    def _drop(self):
+        super()._drop()
+        self.ply_samples.pop()
+
+    energy_names = PACK_ENERGIES
+
+    @property
+    def parts(self):
+        return tuple(zip(self.pack.plies, self.consts, self.states))
 
     def _step(self, row):
         """One step of plies, projectile and block; the block is at rest while the last ply is."""
         self._shared[:] = 0
         states, consts, pairs = self._lists
         works, shared = self._works[0], self._shared
-        _, reason = pack_kernels.lead(states, consts, pairs, self.stack, self.stops, works, 1, row, shared, 1)
+        _, reason = pack_kernels.lead(
+            states, consts, pairs, self.stack, self.stops, works, 1, row, shared, 1, self._allowed / self.chunk
+        )
         if self.stack.awake[-1]:
             self.behind.follow(self.states[-1])
         return reason

@@ -114,7 +114,7 @@ def state(panel, strike_velocity) -> State:
         flag=np.zeros(slots, np.uint8), contact=three(),
         **contact.memory(const.near, const.points, const.shares, const.friction),
         position=panel.projectile.start(), speed=strike_velocity * panel.projectile.flight, reaction=np.zeros(3),
-        contact_energy=np.zeros(4), rows=np.array([max(i0 - 2, 0), min(i1 + 2, ni)]), counter=np.zeros(3, np.int64),
+        contact_energy=np.zeros(5), rows=np.array([max(i0 - 2, 0), min(i1 + 2, ni)]), counter=np.zeros(3, np.int64),
         sums=np.zeros((blocks, 5)), peak=np.zeros(2), window=np.array(const.near),
         rim_force=np.zeros(const.rim_node.size), rim_sums=np.zeros(3),
         outer=np.zeros(3), behind=three() if const.backed else room(3, 0),

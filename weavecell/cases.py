@@ -13,7 +13,7 @@ import numpy as np
 from fabrics.errors import InputError, UnstableError
 from fabrics.files import write_whole
 from fabrics.units import si
-from weavecell import json_file, mesh, pictures, pictures_cases, progress, provenance
+from weavecell import checks, json_file, mesh, pictures, pictures_cases, progress, provenance
 
 DOMAINS = {
     "yarn": ("quarter", "whole"),
@@ -25,8 +25,11 @@ DOMAINS = {
 }
 
 
-def command(name, case, out, *, domain, size, section, gap, **choices):
-    """Run a case of a fabric, write it and print what it found; options are texts of the command line."""
+def command(name, case, out, *, domain, size, section, gap, strict=False, **choices):
+    """Run a case of a fabric, write it and print what it found; options are texts of the command line.
+
+    strict : whether a doubtful result is an error
+    """
     fabric = mesh.with_3d_data(name)
     run = CASES[case](fabric, choices)
     shifted = case == "stack" and any(_two(choices["shift"], "", "--shift"))
@@ -38,10 +41,12 @@ def command(name, case, out, *, domain, size, section, gap, **choices):
     with progress.bar(f"{fabric.name}, {case}") as advance:
         record = run(built, hooks=[lambda share, row: advance(share)])
     found = SUMMARIES[case](fabric, record)
+    indicators = _indicators(fabric, record)
     record.write(out / "case.h5")
     content = {
         "fabric": fabric.name, "case": record.case, "domain": domain, "size": size, "rows": len(record["path"]),
-        "failed": record.failed, "facts": record.facts, "found": found, "provenance": provenance.stamp(fabric=fabric),
+        "failed": record.failed, "facts": record.facts, "found": found, **checks.summary(indicators),
+        "provenance": provenance.stamp(fabric=fabric),
     }  # fmt: skip
     json_file.write(out / "case.json", content)
     with write_whole(out / "pictures" / "curve.svg", "wb") as file:
@@ -52,6 +57,17 @@ def command(name, case, out, *, domain, size, section, gap, **choices):
     print(f"written to {out}")
     if record.failed:
         raise UnstableError(record.failed)
+    checks.report(indicators, strict)
+
+
+def _indicators(fabric, record):
+    """Quality indicators of a case: of a yarn alone, nodes that alternate along it."""
+    from shellfabric import quality
+
+    if "astray" not in record.columns:
+        return ()
+    weave = fabric.weave
+    return quality.of_yarn(record["astray"], 2 * (weave.h01, weave.h02)[record.facts["yarn"]])
 
 
 def _yarn(fabric, choices):

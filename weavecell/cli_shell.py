@@ -9,7 +9,7 @@ from typing import Annotated
 import typer
 
 from fabrics.errors import InputError
-from weavecell.options import CORES, RESULTS, FabricArgument, OutOption, ResumeOption, Size
+from weavecell.options import CORES, RESULTS, FabricArgument, OutOption, ResumeOption, Size, StrictOption
 
 IMPACT = "Example: [bold]weavecell impact examples/S-720-stops.toml[/bold]"
 BIAXIAL = "Example: [bold]weavecell biaxial S-720 --ratio 1:1 --ratio 2:1 --crossover coarse[/bold]"
@@ -28,6 +28,7 @@ def impact(
     scene: Annotated[Path, typer.Argument(metavar="SCENE", help="A scene file (*.toml).")],
     out: OutOption = None,
     resume: ResumeOption = False,
+    strict: StrictOption = False,
     explain: Annotated[
         bool, typer.Option("--explain", help="Run nothing: show the models that would do for the scene's \\[accuracy].")
     ] = False,
@@ -47,7 +48,7 @@ def impact(
         fidelity.explain(scene)
         return
 
-    run.impact(scene, out or RESULTS / scene.stem, resume=resume)
+    run.impact(scene, out or RESULTS / scene.stem, resume=resume, strict=strict)
 
 
 def biaxial(
@@ -88,6 +89,7 @@ def coupon(
     scene: Annotated[Path, typer.Argument(metavar="SCENE", help="The scene file of a coupon (*.toml).")],
     out: OutOption = None,
     resume: ResumeOption = False,
+    strict: StrictOption = False,
 ):
     """Test a piece of cloth quasi-statically: bias extension, picture frame, uniaxial or biaxial tension.
 
@@ -96,7 +98,7 @@ def coupon(
     """
     from weavecell import coupon as module
 
-    module.coupon(scene, out or RESULTS / scene.stem, resume=resume)
+    module.coupon(scene, out or RESULTS / scene.stem, resume=resume, strict=strict)
 
 
 def critical_velocity(
@@ -108,6 +110,7 @@ def critical_velocity(
     ] = "1 m/s",
     curve: Annotated[int, typer.Option(min=0, max=100, help="Shots above the limit, for residual velocities.")] = 8,
     workers: Annotated[int, typer.Option(min=1, help="Shots that are fired beside each other.")] = CORES,
+    strict: StrictOption = False,
     out: OutOption = None,
 ):
     """Bisect for the velocity between stop and perforation, and fit residual velocities (Lambert-Jonas).
@@ -130,4 +133,5 @@ def critical_velocity(
         tolerance=width,
         curve=curve,
         workers=workers,
+        strict=strict,
     )

@@ -19,7 +19,18 @@ import weavecell
 from fabrics import run_cache
 from fabrics.errors import InputError, UnstableError
 from fabrics.files import write_whole
-from weavecell import case, chapters, coupon_scene, json_file, pictures, pictures_coupon, progress, provenance, report
+from weavecell import (
+    case,
+    chapters,
+    checks,
+    coupon_scene,
+    json_file,
+    pictures,
+    pictures_coupon,
+    progress,
+    provenance,
+    report,
+)
 from weavecell.coupon_measures import MOVED, measures
 from weavecell.coupon_record import CouponRecord, read_states, write_states
 from weavecell.report import Card, Figure, Section, Table
@@ -83,13 +94,20 @@ DRAWN = {
 }  # fmt: skip
 
 
-def coupon(path, out, *, resume=False):
+def coupon(path, out, *, resume=False, strict=False):
     """Run the test of the scene at `path` and write its results to the folder `out`.
+
+    Parameters
+    ----------
+    path, out : Path
+    resume : whether to go on from a checkpoint
+    strict : whether a doubtful result is an error
 
     Raises
     ------
     InputError : the scene or what it names is wrong, or there is nothing to resume; nothing has been written
     UnstableError : the run became unstable; what it had computed has been written
+    DoubtfulError : a quality indicator is beyond its limit, and `strict`; all results have been written
     Interrupted : by the user; the states of the steps done have been kept
     """
     asked, text = coupon_scene.load(path, SUPPORT)
@@ -100,7 +118,7 @@ def coupon(path, out, *, resume=False):
     title = asked.title or f"{this.fabric.name}, {WORDS[asked.test]}"
     began = time.perf_counter()
     try:
-        result, failure = _pull(this, title, checkpoint, resume)
+        result, table, failure = _pull(this, title, checkpoint, resume)
     except InputError as problem:
         raise _in_file(problem, asked, path) from None
     except KeyboardInterrupt:
@@ -109,6 +127,7 @@ def coupon(path, out, *, resume=False):
     record = CouponRecord.of(
         result, measures(asked.test, asked.asked, result), MOVED[asked.test], title=title, fabric=this.fabric.name,
         law_name=this.law_name, test=asked.test, message=str(failure or ""), wall_time=time.perf_counter() - began,
+        checks=_indicators(result, table, asked.run.tolerance),
     )  # fmt: skip
     with progress.bar("Writing results") as advance:
         _write(out, this, record, text, advance)
@@ -119,10 +138,21 @@ def coupon(path, out, *, resume=False):
     print(f"written to {out}", flush=True)
     if failure is not None:
         raise failure
+    checks.report(record.checks, strict)
+
+
+def _indicators(result, table, tolerance):
+    """Quality indicators of a test; the load step in which a yarn fails may go beyond its strength."""
+    from shellfabric import quality
+
+    reached = [float(tension.max()) for tension in result.coupon.tensions(result.states[-1].x)]
+    if result.outcome == "yarn at its strength":
+        reached = [min(one, yarn.strength) for one, yarn in zip(reached, table.model.fabric.weave.yarns)]
+    return quality.of_coupon(table, reached, max(state.residual for state in result.states), tolerance)
 
 
 def _pull(this, title, checkpoint, resume):
-    """(Result, the UnstableError that ended it or None), with a bar and checkpoints."""
+    """(Result, its CellTable, the UnstableError that ended it or None), with a bar and checkpoints."""
     from shellfabric import quasistatic
     from shellfabric.cell import CellModel
 
@@ -147,7 +177,7 @@ def _pull(this, title, checkpoint, resume):
             )
         except UnstableError as problem:
             failure, result = problem, problem.result
-    return result, failure
+    return result, table, failure
 
 
 def _stamp(table, scene):
@@ -178,7 +208,7 @@ def _write(out, this, record, text, advance):
     with write_whole(out / "scene.toml") as file:
         file.write(text)
     record.write(out / "histories.h5")
-    json_file.write(out / "summary.json", record.summary() | {"provenance": stamp})
+    json_file.write(out / "summary.json", record.summary() | checks.summary(record.checks) | {"provenance": stamp})
     advance(0.2)
     if not outputs:
         return
@@ -260,6 +290,7 @@ def _page(this, record, told, stamp):
         (
             told,
             chapters.cell(this.fabric, {this.law_name: this.laws}, model, **chapters.options(this.scene.fabric)),
+            checks.section(record.checks),
             chapters.sources(this.fabric),
             chapters.making(stamp, {"test": record.wall_time}),
         ),

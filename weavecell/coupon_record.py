@@ -57,6 +57,7 @@ class CouponRecord:
     shear : (k, q) [rad]
     tension : ((e1,), (e2,)) [N] at the end
     relaxation : (iterations of all steps, 2) [N] out-of-balance force and reaction
+    checks : tuple of shellfabric.quality.Indicator; kept in summary.json alone
     """
 
     title: str
@@ -84,6 +85,7 @@ class CouponRecord:
     shear: np.ndarray
     tension: tuple
     relaxation: np.ndarray
+    checks: tuple = ()
 
     @classmethod
     def of(cls, result, measures, moved, **scalars):

@@ -14,7 +14,7 @@ from __future__ import annotations
 import csv
 import os
 import time
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from importlib import resources
 from pathlib import Path
 
@@ -23,7 +23,7 @@ import numpy as np
 from fabrics import catalogue
 from fabrics.errors import InputError, UnstableError
 from fabrics.files import write_whole
-from weavecell import case, json_file, pictures, progress, provenance, scene, toml_text
+from weavecell import case, checks, json_file, pictures, progress, provenance, scene, toml_text
 from weavecell.supported import Support, of
 
 SUPPORT = Support(
@@ -51,10 +51,11 @@ _COLUMNS = {
     "peak warp tension [N]": lambda shot: f"{shot.peak_tension[0]:.3f}",
     "peak weft tension [N]": lambda shot: f"{shot.peak_tension[1]:.3f}",
     "energy balance [-]": lambda shot: f"{shot.balance:.3e}",
+    "checks": lambda shot: checks.status(shot.checks),
 }
 
 
-def critical_velocity(target, out, *, tolerance, curve, workers):
+def critical_velocity(target, out, *, tolerance, curve, workers, strict=False):
     """Find the critical velocity of `target`, a scene file, a fabric of the catalogue or a fabric file.
 
     Parameters
@@ -64,13 +65,15 @@ def critical_velocity(target, out, *, tolerance, curve, workers):
     tolerance : [m/s]
     curve : number of shots above the limit for the curve of residual velocity
     workers : shots that are under way beside each other
+    strict : whether a doubtful shot is an error
 
     Raises
     ------
     InputError : the scene or fabric is wrong, or its panel has no critical velocity; nothing has been written
     UnstableError : a shot became unphysical; those before it have been written
+    DoubtfulError : a shot has a quality indicator beyond its limit, and `strict`; all results have been written
     """
-    from shellfabric import lambert_jonas, limit
+    from shellfabric import lambert_jonas, limit, quality
 
     this, text = _case(target, out)
     began, shots = time.perf_counter(), []
@@ -100,6 +103,7 @@ def critical_velocity(target, out, *, tolerance, curve, workers):
     _write_shots(out, text, shots)
     _write(out, this, found, fit, shots, time.perf_counter() - began, text)
     _tell(this, found, fit, shots, out)
+    checks.report(quality.worst(shot.checks for shot in shots), strict)
 
 
 def _case(target, out):
@@ -134,6 +138,8 @@ def _write_shots(out, text, shots):
 
 
 def _write(out, this, found, fit, shots, wall_time, text):
+    from shellfabric import quality
+
     summary = {
         "fabric": this.fabric.name,
         "law": this.law_name,
@@ -141,7 +147,8 @@ def _write(out, this, found, fit, shots, wall_time, text):
         "bracket": [found.low, found.high],
         "single": found.single,
         "lambert_jonas": asdict(fit) if fit else None,
-        "shots": [asdict(shot) for shot in shots],
+        "shots": [asdict(replace(shot, checks=())) | {"checks": checks.status(shot.checks)} for shot in shots],
+        **checks.summary(quality.worst(shot.checks for shot in shots)),
         "wall_time": wall_time,
         "provenance": provenance.stamp(text, this.fabric),
     }

@@ -46,6 +46,9 @@ ResumeOption = Annotated[
         "computed again; the state of an unfinished run (checkpoint.h5, partial.h5) of another version is refused.",
     ),
 ]
+StrictOption = Annotated[
+    bool, typer.Option("--strict", help="Exit code 3 if a quality indicator is beyond its limit; results are written.")
+]
 ProcessesOption = Annotated[int, typer.Option(min=1, help="Crossovers that are solved beside each other.")]
 JobsOption = Annotated[int, typer.Option(min=1, help="Processes that work beside each other.")]
 MeshOption = Annotated[Size, typer.Option(help="Mesh of the 3D crossover.")]

@@ -14,12 +14,12 @@ import numpy as np
 
 from fabrics.errors import InputError
 from fabrics.files import replace_whole
-from weavecell.record import SHAPE, Audited, Shape, drawn, plain, put
+from weavecell.record import SHAPE, Audited, Shape, drawn, plain, put, read_checks, stops, store_checks, tensions
 
-_FORMAT = "weavecell pack 1"
+_FORMAT = "weavecell pack 2"
 _SCALARS = (
     "title", "fabric", "law_name", "strike_velocity", "outcome", "residual_velocity", "mass", "message", "stacking",
-    "mirror_x", "mirror_y", "wall_time", "ns_per_element_step", "elements", "steps",
+    "mirror_x", "mirror_y", "wall_time", "ns_per_element_step", "elements", "steps", "max_deflection",
 )  # fmt: skip
 _HISTORIES = {"t": "s", "v": "m/s", "z": "m", "failed": "1"}
 _PLY_UNITS = {
@@ -65,6 +65,8 @@ class PackRecord(Audited):
     projectile : (a, b, 3) [m] its surface about the nose
     shapes, quads : of each ply at the end: Shape, and (m, 4) node numbers
     cuts : tuple of Cut
+    max_deflection : [m] of the whole cloth of any ply, from its own plane, over the run
+    checks : tuple of shellfabric.quality.Indicator
     """
 
     title: str
@@ -99,6 +101,8 @@ class PackRecord(Audited):
     shapes: tuple
     quads: tuple
     cuts: tuple
+    max_deflection: float
+    checks: tuple = ()
 
     @property
     def count(self):
@@ -126,6 +130,7 @@ class PackRecord(Audited):
             held_apart=result.held_apart, projectile=drawn(ply.projectile),
             shapes=tuple(Shape.of(shot) for shot in result.last), quads=tuple(quads(one) for one in pack.plies),
             cuts=tuple(_cut(shots, mirror_y) for shots in (*before, result.last)),
+            max_deflection=result.max_deflection, checks=result.checks,
         )  # fmt: skip
 
     def summary(self):
@@ -135,6 +140,8 @@ class PackRecord(Audited):
             "plies": self.count,
             "gap": float(self.gaps[0]),
             "end_time": float(self.t[-1]),
+            **stops(self),
+            **tensions(self.peak_tension.max(axis=0), self.strength.max(axis=0)),
             "failed_yarn_segments": self.plies["failed_yarns"][-1].tolist(),
             "peak_tension_over_strength": (self.peak_tension / self.strength).max(axis=1).tolist(),
             "energy_of_plies": self.plies["energy"][-1].tolist(),
@@ -156,6 +163,7 @@ class PackRecord(Audited):
             file.attrs["format"] = _FORMAT
             for name in _SCALARS:
                 file.attrs[name] = getattr(self, name)
+            file.attrs["checks"] = store_checks(self.checks)
             for name, unit in _HISTORIES.items():
                 put(file, f"histories/{name}", getattr(self, name), unit)
             for name, values in self.energies.items():
@@ -185,6 +193,7 @@ class PackRecord(Audited):
                 if file.attrs.get("format") != _FORMAT:
                     raise InputError(file=path, key="format", value=file.attrs.get("format"), allowed=repr(_FORMAT))
                 values = {name: plain(file.attrs[name]) for name in _SCALARS}
+                values["checks"] = read_checks(file.attrs["checks"])
                 values |= {name: file[f"histories/{name}"][()] for name in _HISTORIES}
                 values["energies"] = {name: data[()] for name, data in file["energies"].items()}
                 values["plies"] = {name: data[()] for name, data in file["plies/histories"].items()}

@@ -22,6 +22,7 @@ from fabrics.files import replace_whole, write_whole
 from weavecell import (
     case,
     chapters,
+    checks,
     json_file,
     paraview,
     pictures,
@@ -56,7 +57,7 @@ SUPPORT = Support(
 _OF_PANEL = ("plies", "stacking", "gap")
 
 
-def impact(this, setup, path, text, out, *, resume=False):
+def impact(this, setup, path, text, out, *, resume=False, strict=False):
     """Run the scene and write its results to the folder `out`.
 
     Parameters
@@ -65,11 +66,13 @@ def impact(this, setup, path, text, out, *, resume=False):
     setup : shellfabric.impact.ImpactSetup of one ply
     path, text : of the scene file
     resume : whether to go on from the checkpoint in `out`
+    strict : whether a doubtful result is an error
 
     Raises
     ------
     InputError : what the scene asks for cannot be had; nothing has been written
     UnstableError : the run became unstable; what it had computed has been written
+    DoubtfulError : a quality indicator is beyond its limit, and `strict`; all results have been written
     """
     from shellfabric.pack_impact import PackSetup
 
@@ -86,6 +89,7 @@ def impact(this, setup, path, text, out, *, resume=False):
     _tell(record, out)
     if failure is not None:
         raise failure
+    checks.report(record.checks, strict)
 
 
 def fire(this, setup, title, *, checkpoint, resume=False):
@@ -113,7 +117,7 @@ def write(out, this, record, snapshots, text, advance):
     with write_whole(out / "scene.toml") as file:
         file.write(text)
     record.write(out / "histories.h5")
-    json_file.write(out / "summary.json", record.summary() | {"provenance": stamp})
+    json_file.write(out / "summary.json", record.summary() | checks.summary(record.checks) | {"provenance": stamp})
     advance(0.1)
     shutil.rmtree(out / "pack", ignore_errors=True)
     if "paraview" in outputs:
@@ -233,7 +237,12 @@ def page(this, record, told, stamp):
         f"{record.count} plies of {record.fabric}, {record.stacking}, {1e3 * record.gaps[0]:.3g} mm apart, "
         f"{case.panel_in_words(panel)}, struck at {shot.strike_velocity:g} m/s by {case.shot_in_words(shot)}.",
         (cards,),
-        (told, chapters.sources(this.fabric), chapters.making(stamp, {"marching": record.wall_time})),
+        (
+            told,
+            checks.section(record.checks),
+            chapters.sources(this.fabric),
+            chapters.making(stamp, {"marching": record.wall_time}),
+        ),
         f"weavecell {weavecell.__version__}, {stamp['date']}",
     )
 

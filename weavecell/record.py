@@ -9,20 +9,21 @@ the attribute "unit".
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+import json
+from dataclasses import asdict, dataclass, fields
 
 import numpy as np
 
 from fabrics.errors import InputError
 from fabrics.files import replace_whole
 
-_FORMAT = "weavecell impact 1"
+_FORMAT = "weavecell impact 2"
 _SCALARS = (
     "title", "fabric", "law_name", "strike_velocity", "outcome", "residual_velocity", "mass", "message",
-    "mirror_x", "mirror_y", "wall_time", "ns_per_element_step", "elements", "steps", "rigidity",
+    "mirror_x", "mirror_y", "wall_time", "ns_per_element_step", "elements", "steps", "rigidity", "max_deflection",
 )  # fmt: skip
 _HISTORIES = {"t": "s", "v": "m/s", "z": "m", "failed": "1"}
-_PANEL = {"quads": "1", "strength": "N", "projectile": "m"}
+_PANEL = {"quads": "1", "strength": "N", "projectile": "m", "peak_tension": "N"}
 _YARN = ("family", "offset", "EA", "strength", "crimp")
 _YARN_HISTORIES = {"X": "m", "tension": "N", "place": "m", "deflection": "m"}
 _BAR = {
@@ -110,6 +111,9 @@ class ImpactRecord(Audited):
     middle, last : Shape when the projectile had lost half of the energy that it lost (the snapshot nearest to it), and
         at the end
     wall_time, ns_per_element_step, elements, steps : cost of the run
+    peak_tension : (2,) [N] of warp and weft over the run
+    max_deflection : [m] of whole cloth over the run
+    checks : tuple of shellfabric.quality.Indicator
     rigidity : whether a rigid projectile was enough, in words; "" where that is not known
     measured : shellfabric.histories.Histories, or None where nothing was to be recorded
     bar : shellfabric.body.BarHistory of an elastic projectile, or None
@@ -141,6 +145,9 @@ class ImpactRecord(Audited):
     projectile: np.ndarray
     middle: Shape
     last: Shape
+    peak_tension: np.ndarray
+    max_deflection: float
+    checks: tuple = ()
     rigidity: str = ""
     measured: object = None
     bar: object = None
@@ -162,6 +169,7 @@ class ImpactRecord(Audited):
             failed=result.failed, energies=dict(result.energies), reactions=dict(result.reactions),
             quads=result.quads, strength=np.array([yarn.strength for yarn in setup.fabric.weave.yarns]),
             middle=_middle(result, last), last=last, measured=result.histories,
+            peak_tension=np.array(result.peak_tension), max_deflection=result.max_deflection, checks=result.checks,
             rigidity=str(result.rigidity or ""), bar=result.bar, backing=result.backing,
         )  # fmt: skip
 
@@ -174,6 +182,8 @@ class ImpactRecord(Audited):
             scalars |= {"crater_depth": self.backing.depth, "crater_wall_angle": self.backing.steepness}
         return scalars | {
             "end_time": float(self.t[-1]),
+            **stops(self),
+            **tensions(self.peak_tension, self.strength),
             "failed_yarn_segments": int(self.failed[-1]),
             "strike_energy": self.strike_energy,
             "absorbed": self.absorbed,
@@ -190,6 +200,7 @@ class ImpactRecord(Audited):
             file.attrs["format"] = _FORMAT
             for name in _SCALARS:
                 file.attrs[name] = getattr(self, name)
+            file.attrs["checks"] = store_checks(self.checks)
             for group, units in (("histories", _HISTORIES), ("panel", _PANEL)):
                 for name, unit in units.items():
                     put(file, f"{group}/{name}", getattr(self, name), unit)
@@ -217,6 +228,7 @@ class ImpactRecord(Audited):
                 if file.attrs.get("format") != _FORMAT:
                     raise InputError(file=path, key="format", value=file.attrs.get("format"), allowed=repr(_FORMAT))
                 values = {name: plain(file.attrs[name]) for name in _SCALARS}
+                values["checks"] = read_checks(file.attrs["checks"])
                 values |= {name: file[f"histories/{name}"][()] for name in _HISTORIES}
                 values |= {name: file[f"panel/{name}"][()] for name in _PANEL}
                 for shape in ("middle", "last"):
@@ -229,6 +241,33 @@ class ImpactRecord(Audited):
             raise InputError(f"is not a readable HDF5 file ({problem})", file=path) from None
         assert set(values) == {entry.name for entry in fields(cls)}
         return cls(**values)
+
+
+def stops(record):
+    """Entries of the summary: the time at which the projectile stopped, None if it did not, and the deflection."""
+    stop = float(record.t[-1]) if record.outcome == "stopped" else None
+    return {"stop_time_s": stop, "max_deflection_m": float(record.max_deflection)}
+
+
+def tensions(peak, strength):
+    """Entries of the summary: peak tensions (2,) [N] of warp and weft, and their shares of the strengths (2,) [N]."""
+    found = {}
+    for family, tension, limit in zip(("warp", "weft"), peak, strength):
+        found[f"peak_tension_{family}_N"] = float(tension)
+        found[f"peak_tension_{family}_over_strength"] = float(tension / limit)
+    return found
+
+
+def store_checks(checks):
+    """Indicators as text, for an attribute of a file."""
+    return json.dumps([asdict(one) for one in checks])
+
+
+def read_checks(text):
+    """The indicators that `store_checks` has written."""
+    from shellfabric.quality import Indicator
+
+    return tuple(Indicator(**entry) for entry in json.loads(text))
 
 
 def drawn(shot):

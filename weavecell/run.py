@@ -24,7 +24,19 @@ import shutil
 import weavecell
 from fabrics.errors import InputError, WeavecellError
 from fabrics.files import write_whole
-from weavecell import case, chapters, fidelity, json_file, pack_run, paraview, progress, provenance, report, scene
+from weavecell import (
+    case,
+    chapters,
+    checks,
+    fidelity,
+    json_file,
+    pack_run,
+    paraview,
+    progress,
+    provenance,
+    report,
+    scene,
+)
 from weavecell.record import ImpactRecord, Shape
 from weavecell.supported import Support, of
 
@@ -55,13 +67,20 @@ class Interrupted(WeavecellError):
     exit_code = 130
 
 
-def impact(path, out, *, resume=False):
+def impact(path, out, *, resume=False, strict=False):
     """Run the scene at `path` and write its results to the folder `out`.
+
+    Parameters
+    ----------
+    path, out : Path
+    resume : whether to go on from a checkpoint
+    strict : whether a doubtful result is an error
 
     Raises
     ------
     InputError : the scene or what it names is wrong, or there is nothing to resume; nothing has been written
     UnstableError : the run became unstable; what it had computed has been written
+    DoubtfulError : a quality indicator is beyond its limit, and `strict`; all results have been written
     Interrupted : by the user; the last checkpoint has been kept
     """
     asked, text = scene.load(path, support)
@@ -71,7 +90,7 @@ def impact(path, out, *, resume=False):
         raise InputError("there is no checkpoint to resume from", file=out / "checkpoint.h5")
     if asked.panel.plies > 1:
         try:
-            return pack_run.impact(this, setup, path, text, out, resume=resume)
+            return pack_run.impact(this, setup, path, text, out, resume=resume, strict=strict)
         except KeyboardInterrupt:
             raise _interrupted(out) from None
     title = asked.title or f"{this.fabric.name}, {asked.projectile.strike_velocity:g} m/s"
@@ -100,6 +119,7 @@ def impact(path, out, *, resume=False):
         fidelity.tell(choice)
     if failure is not None:
         raise failure
+    checks.report(record.checks, strict)
 
 
 def _interrupted(out):
@@ -139,7 +159,8 @@ def write(out, this, record, snapshots, text, advance, choice=None):
     with write_whole(out / "scene.toml") as file:
         file.write(text)
     record.write(out / "histories.h5")
-    json_file.write(out / "summary.json", record.summary() | fidelity.summary(choice) | {"provenance": stamp})
+    content = record.summary() | checks.summary(record.checks) | fidelity.summary(choice)
+    json_file.write(out / "summary.json", content | {"provenance": stamp})
     advance(0.1)
     shutil.rmtree(out / "panel", ignore_errors=True)  # of an earlier run, whose series may have been longer
     if "paraview" in outputs:
@@ -182,6 +203,7 @@ def page(this, record, told, stamp):
         (
             *told,
             *cell,
+            checks.section(record.checks),
             chapters.sources(this.fabric),
             chapters.making(stamp, {"marching": record.wall_time}),
         ),

@@ -236,6 +236,6 @@ def test_without_friction_nothing_is_rubbed(tables):
     panel = Panel(tables["equilibrium"], (0.0306, 0.0306), numerics=Numerics())
     run = fire(panel)
     assert run.state.stuck.size == 0
-    assert not run.state.contact_energy[FRICTION:].any()
+    assert not run.state.contact_energy[FRICTION : FRICTION_SPRING + 1].any()
     tiny = fire(replace(panel, projectile=shot(friction=1e-12)))
     np.testing.assert_allclose(tiny.fine, run.fine, rtol=1e-6)

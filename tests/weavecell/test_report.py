@@ -12,6 +12,7 @@ from fabrics import catalogue
 from fabrics.compression import CompressionLaw
 from fabrics.errors import InputError
 from shellfabric.projectile import Projectile
+from shellfabric.quality import Indicator
 from weavecell import chapters, pictures, provenance, report
 from weavecell.record import ImpactRecord, Shape
 
@@ -37,7 +38,8 @@ def small_record(**changes):
         wall_time=1.5, ns_per_element_step=20.0, elements=4, steps=29, t=t, v=v, z=100 * t,
         failed=np.arange(30), energies=energies,
         reactions={"warp": 10 * t, "weft": 20 * t}, quads=quads, strength=np.array([315.0, 315.0]),
-        middle=shape, last=shape,
+        middle=shape, last=shape, peak_tension=np.array([300.0, 310.0]), max_deflection=0.0075,
+        checks=(Indicator("energy error", 0.001, 0.01),),
     )  # fmt: skip
     return replace(record, **changes)
 

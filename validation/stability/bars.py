@@ -5,6 +5,7 @@ from functools import cache
 from fabrics import catalogue
 from fabrics.errors import UnstableError
 from meshing import crossover
+from shellfabric import quality
 from unitcell3d import cases_yarn, yarn_law
 from validation.stability.core import STABLE, WRONG, Axis, Map, Outcome, guarded
 
@@ -29,8 +30,10 @@ def point(bars, points):
         record = cases_yarn.pull(made, catalogue.load(FABRIC), 0, bars=bars_given, integration=POINTS[points], rows=12)
         if record.failed:
             raise UnstableError(record.failed)
-        off = float(max(record["astray"])) / (2 * catalogue.load(FABRIC).weave.h01)
-        return Outcome(STABLE if off <= ALLOWED else WRONG, 100 * off)
+        thickness = 2 * catalogue.load(FABRIC).weave.h01
+        off = float(max(record["astray"])) / thickness
+        found = quality.of_yarn(record["astray"], thickness)
+        return Outcome(STABLE if off <= ALLOWED else WRONG, 100 * off, checks=found)
 
     return guarded(run)
 

@@ -41,11 +41,13 @@ class Axis:
 
 @dataclass(frozen=True)
 class Outcome:
-    """What a point came to: kind, a number to print there (None: none), and the message of a guard or a remark."""
+    """What a point came to: kind, a number to print there (None: none), the message of a guard or a remark, and the
+    quality indicators (`shellfabric.quality`) of its run."""
 
     kind: str
     value: float | None = None
     told: str = ""
+    checks: tuple = ()
 
 
 @dataclass(frozen=True)

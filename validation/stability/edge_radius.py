@@ -50,7 +50,7 @@ def point(radius, mesh):
         told = (
             f"{found.failed} failed segments, {fine.failed} on the finest mesh" if found.failed or fine.failed else ""
         )
-        return Outcome(STABLE if good else WRONG, 100 * off, told)
+        return Outcome(STABLE if good else WRONG, 100 * off, told, found.checks)
 
     return guarded(run)
 

@@ -7,11 +7,9 @@ the full rule would give at rest.
 from dataclasses import dataclass
 from functools import cache
 
-import numpy as np
-
 from fabrics import catalogue
 from meshing import patch
-from shellfabric.brick import PATTERNS, Bricks
+from shellfabric import quality
 from shellfabric.patch_numerics import PatchNumerics
 from shellfabric.solid_march import SolidMarch
 from shellfabric.solid_patch import SolidPatch
@@ -38,18 +36,6 @@ def mesh():
     return patch.build(catalogue.load(FABRIC), (4, 4), size=(2, 2, 1))
 
 
-def strayed(march):
-    """[-] largest amplitude of a brick's hourglass modes over the cube root of its volume.
-
-    The modes h are freed of their linear part, gamma = h - (h . X) B, so that stretch and turning leave them alone.
-    """
-    mesh = march.patch.mesh
-    made = Bricks.of(mesh.points[mesh.hexes])
-    modes = PATTERNS - np.einsum("mhi,mai->mha", made.twist, made.gradient)
-    moved = np.einsum("mha,mai->mhi", modes, (march.state.x - mesh.points)[mesh.hexes]) / 8
-    return float((np.linalg.norm(moved, axis=2).max(axis=1) / np.cbrt(made.volume)).max())
-
-
 def point(factor, safety):
     """STABLE where no brick is folded by its hourglass modes, and these hold little energy."""
 
@@ -57,9 +43,10 @@ def point(factor, safety):
         numerics = Beyond(hourglass=factor, safety=safety)
         march = SolidMarch(SolidPatch(mesh(), catalogue.load(FABRIC), numerics=numerics), VELOCITY, END, threads=1)
         march.run()
-        off, share = strayed(march), float(march.sample("hourglass")[-1] / march.sample("solids")[-1])
+        off = quality.hourglass_amplitude(march.patch.mesh, march.state.x)
+        share = float(march.sample("hourglass")[-1] / march.sample("solids")[-1])
         told = f"hourglass energy {100 * share:.2g} % of the solids'" if share > MOST else ""
-        return Outcome(STABLE if off <= FOLDED and share <= MOST else WRONG, 100 * off, told)
+        return Outcome(STABLE if off <= FOLDED and share <= MOST else WRONG, 100 * off, told, quality.of_patch(march))
 
     return guarded(run)
 

@@ -3,12 +3,18 @@
 `validation.ledger.checks.newton` holds the iteration; the root of the monotone equation stands beside it.
 """
 
+from math import inf
+
 from fabrics import catalogue
+from shellfabric import cell_kernels
+from shellfabric.cell import FORMS
+from shellfabric.quality import Indicator
 from validation.ledger.checks import newton
 from validation.stability.core import FAILED, STABLE, WRONG, Axis, Map, Outcome
 
 FABRIC = "S-720"
 PLACES = tuple(round(i * 2e-6, 9) for i in range(-6, 11))
+CLOSED = newton.TOLERANCE  # of the heights, what the iteration itself is to reach
 ALLOWED, FLOOR = 0.02, 0.01  # of the force; [N] below which two forces are alike
 
 
@@ -20,6 +26,26 @@ def root(d1, d2):
     return float(printed(FABRIC).solve(1 + d1 / w[0], 1 + d2 / w[1])["F"])
 
 
+def closing(F, d1, d2):
+    """Tuple of Indicator: by how much the yarns miss closing the cell [heights at rest] with their force F [N].
+
+    One evaluation of the monotone equation: no root of it is looked for. Without a positive force the printed law has
+    no compression, and the yarns close nothing.
+    """
+    from validation.ledger.checks.cell import printed
+
+    model, w = printed(FABRIC), catalogue.load(FABRIC).weave.w
+    warp, weft = model.yarn_tuples
+    miss = inf
+    if F > 0:
+        w1, w2 = w[0] + d1, w[1] + d2
+        free = [cell_kernels.free_height(half, yarn[1], yarn[-1]) for half, yarn in ((w1, warp), (w2, weft))]
+        form = FORMS[model.form]
+        miss = abs(cell_kernels.residual(F, w1, w2, *free, warp, weft, model.gap, form)[0]) / sum(model.h0)
+    meaning = "gap that is left where the yarns should close the cell, over their heights"
+    return (Indicator("closing residual", miss, CLOSED, "", meaning),)
+
+
 def point(d1, d2):
     """How the iteration ends, and in how many steps."""
     found, right = newton.iterate(FABRIC, d1, d2), root(d1, d2)
@@ -28,8 +54,9 @@ def point(d1, d2):
             FAILED, found.steps, f"no convergence in {newton.MOST} steps" if found.steps >= newton.MOST else "ran off"
         )
     if abs(found.F - right) > max(ALLOWED * abs(right), FLOOR):
-        return Outcome(WRONG, found.steps, f"{found.F:.4g} N instead of {right:.4g} N")
-    return Outcome(STABLE, found.steps)
+        told = f"{found.F:.4g} N instead of {right:.4g} N"
+        return Outcome(WRONG, found.steps, told, closing(found.F, d1, d2))
+    return Outcome(STABLE, found.steps, checks=closing(found.F, d1, d2))
 
 
 def axes(quick):

@@ -23,8 +23,9 @@ def point(penalty, damping):
     """STABLE where peaks and velocity are those of the default."""
 
     def run():
-        off = shot(penalty, damping).off(usual())
-        return Outcome(STABLE if off <= ALLOWED else WRONG, 100 * off)
+        found = shot(penalty, damping)
+        off = found.off(usual())
+        return Outcome(STABLE if off <= ALLOWED else WRONG, 100 * off, checks=found.checks)
 
     return guarded(run)
 

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from functools import cache
 
 from fabrics import catalogue
+from shellfabric import quality
 from shellfabric.cell import CellModel
 from shellfabric.pack import Pack, PlyContact
 from shellfabric.pack_march import PackMarch
@@ -34,6 +35,7 @@ class Answer:
     velocity: float
     failed: int
     deepest: float
+    checks: tuple = ()
 
     def off(self, other):
         """[-] largest difference, peaks over the peaks and velocities over the strike velocity."""
@@ -55,7 +57,7 @@ def shot(penalty, form):
     march = PackMarch(Pack.stacked(ply(), PLIES, contact=contact), VELOCITY, END).run()
     peak = tuple(float(tension) for tension in march.peaks.max(axis=0))
     failed = int(march.sample("failed_yarns")[-1])
-    return Answer(peak, float(march.sample("v")[-1]), failed, float(march.deepest.max()))
+    return Answer(peak, float(march.sample("v")[-1]), failed, float(march.deepest.max()), quality.of_march(march))
 
 
 usual = cache(lambda: shot(PlyContact.penalty, FORMS[0]))
@@ -70,7 +72,7 @@ def point(penalty, form):
         good = off <= ALLOWED and found.failed == 0 and found.deepest < 1
         told = f"{found.failed} failed segments" if found.failed else ""
         told = told or (f"{found.deepest:.2g} of a ply's thickness deep" if found.deepest >= 1 else "")
-        return Outcome(STABLE if good else WRONG, 100 * off, told)
+        return Outcome(STABLE if good else WRONG, 100 * off, told, found.checks)
 
     return guarded(run)
 

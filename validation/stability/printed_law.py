@@ -1,14 +1,23 @@
 """The printed law d = a - b / F^(1/3) beside the regularised one, d = a - b / (F + F0)^(1/3), near F = 0."""
 
 from dataclasses import replace
+from functools import cache
 
 from fabrics import catalogue
+from shellfabric import quality
 from shellfabric.cell import CellModel
 from validation.stability.core import STABLE, WRONG, Axis, Map, Outcome, guarded
 from validation.stability.newton import FABRIC
 
 PLACES = tuple(round(i * 2e-6, 9) for i in range(-10, 11))
 ALLOWED = 0.01  # of the strength
+
+
+@cache
+def _table():
+    """Table of the cell with the printed law."""
+    fabric = catalogue.load(FABRIC)
+    return CellModel(fabric, tuple(replace(law, form="printed") for law in fabric.laws)).table(51)
 
 
 def point(d1, d2):
@@ -22,7 +31,8 @@ def point(d1, d2):
         off = max(abs(float(ours[T] - theirs[T])) for T in ("T1", "T2")) / strength
         lost = float(ours["F"]) == 0.0 and float(theirs["F"]) > 0.0
         told = f"contact of {float(theirs['F']):.2g} N where there is none" if lost else ""
-        return Outcome(WRONG if lost or off > ALLOWED else STABLE, 100 * off, told)
+        found = quality.of_cell(_table(), [float(theirs[T]) for T in ("T1", "T2")])
+        return Outcome(WRONG if lost or off > ALLOWED else STABLE, 100 * off, told, found)
 
     return guarded(run)
 

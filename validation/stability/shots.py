@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 from functools import cache
 
 from fabrics import catalogue
+from shellfabric import quality
 from shellfabric.cell import CellModel
 from shellfabric.march import March
 from shellfabric.panel import Numerics, Panel
@@ -25,11 +26,13 @@ class Beyond(Numerics):
 
 @dataclass(frozen=True)
 class Answer:
-    """What is read off a shot: peak tension (warp, weft) [N], velocity left [m/s], failed yarn segments."""
+    """What is read off a shot: peak tension (warp, weft) [N], velocity left [m/s], failed yarn segments, quality
+    indicators."""
 
     peak: tuple
     velocity: float
     failed: int
+    checks: tuple = ()
 
     def off(self, other):
         """[-] largest difference from another shot, peaks over the peaks and velocities over the strike velocity."""
@@ -56,4 +59,4 @@ def fire(cell=None, *, elements=1, edge_radius=0.3e-3, end=END, velocity=VELOCIT
     )  # fmt: skip
     march = March(panel, velocity, end).run()
     peak = tuple(float(tension) for tension in march.state.peak)
-    return Answer(peak, float(march.sample("v")[-1]), int(march.sample("failed_yarns")[-1]))
+    return Answer(peak, float(march.sample("v")[-1]), int(march.sample("failed_yarns")[-1]), quality.of_march(march))

@@ -46,7 +46,8 @@ def answer(safety, name):
     """Answer of a shot, or of the median of its neighbours where yarns ring."""
     found = [shot(part * safety, name) for part in (NEIGHBOURS if name in RINGING else (1.0,))]
     peak = tuple(map(median, zip(*(one.peak for one in found))))
-    return shots.Answer(peak, median(one.velocity for one in found), median(one.failed for one in found))
+    velocity, failed = (median(getattr(one, name) for one in found) for name in ("velocity", "failed"))
+    return shots.Answer(peak, velocity, failed, found[0].checks)
 
 
 quiet = cache(lambda name: answer(0.3, name))
@@ -56,8 +57,10 @@ def point(safety, name):
     """STABLE where peaks and velocity are those of a third of the bound."""
 
     def run():
-        off = answer(safety, name).off(quiet(name))
-        return Outcome(STABLE if off <= (RINGS if name in RINGING else ALLOWED) else WRONG, 100 * off)
+        found = answer(safety, name)
+        off = found.off(quiet(name))
+        kind = STABLE if off <= (RINGS if name in RINGING else ALLOWED) else WRONG
+        return Outcome(kind, 100 * off, checks=found.checks)
 
     return guarded(run)
 

@@ -24,8 +24,9 @@ def point(viscosity, velocity):
     """STABLE where peaks and velocity are those of the default."""
 
     def run():
-        off = shot(viscosity, velocity).off(usual(velocity))
-        return Outcome(STABLE if off <= ALLOWED else WRONG, 100 * off)
+        found = shot(viscosity, velocity)
+        off = found.off(usual(velocity))
+        return Outcome(STABLE if off <= ALLOWED else WRONG, 100 * off, checks=found.checks)
 
     return guarded(run)
 

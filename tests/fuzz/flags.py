@@ -1,0 +1,187 @@
+"""What the quality indicators (`shellfabric.quality`) flag: of the maps' points, of the examples, of random scenes.
+
+    python -m tests.fuzz.flags --page docs/checks.md [--map NAME ...] [--scenes 200] [--seed checks]
+
+Every point of the maps that end quietly wrong is run again with the indicators evaluated. What is done is kept in
+results/checks, and taken from there with --resume.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import tempfile
+import time
+from dataclasses import replace
+from pathlib import Path
+
+from fabrics.errors import UnstableError, WeavecellError
+from fabrics.files import write_whole
+from shellfabric import impact, pack_impact
+from shellfabric.quality import LIMITS
+from tests.fuzz import scenes
+from validation.charts.tables import markdown
+from validation.stability import study
+from validation.stability.core import STABLE, WRONG
+from weavecell import case, scene
+
+# maps with points that end quietly wrong; the product has no way to what OUTSIDE names
+MAPS = ("time-step", "viscosity", "hourglass", "penalty", "edge-radius", "newton", "printed-law", "bars", "plies")
+OUTSIDE = {"newton": "a method of the thesis that is not used", "plies": "no key of a scene"}
+SLOW = 60.0  # [s] of CPU time after which a random scene is given up
+HEAD = """# What the quality checks flag
+
+Every run evaluates quality indicators, each with a limit (`shellfabric/quality.py`), and is "doubtful" if one of them
+is beyond it. Here they are put to the test: on every point of the maps of [stability.md](stability.md) that end quietly
+with a wrong answer, which they should flag, and on examples and random scenes at default settings, which they should
+not. A stable point that is flagged lies beyond a limit of the indicators that is narrower than the map's."""
+
+
+REASONS = """Each limit lies between the values at points of a map that are right and at points that are wrong:
+
+- Time step: 1 is the bound.
+- Energy error: the guard stops a run at 5 %; right runs have below 0.1 %, random scenes up to 0.2 %.
+- Energy gained in contact: the guard stops a run at 1 %; right points of the map of the nose's contact have up to
+  0.7 %.
+- Viscous energy: no map has a point that is wrong for too much viscosity (at a damping ratio of 0.8 peaks move by 4 %),
+  and yarns that snap taut dissipate whatever the viscosity. Above 80 % of what was absorbed the answer is the damper's.
+- Formulation energy: 3 % in the equilibrium form, which the maps call right; 10 % is what peaks may be off by.
+- Tension oscillation: at most 0.043 where peaks are right, at least 0.079 where they are off by more than 10 %.
+- Nose penetration: 1.4 where peaks are off by 6 %, 2.4 where they are by 14 % and more; 10 % is at about 1.8.
+- Contact point spacing: 0.79 where the edge is resolved, 1.41 and more where yarns fail on one mesh alone.
+- Element side: the projectile's radius. It lets two wrong points of the edge map through, at 0.92, since scenes of
+  coarse cloth and small projectiles come that close.
+- Ply penetration: at most 0.46 where peaks are right, at least 0.77 where smooth plies are too soft.
+- Ply contact direction, swelling: both are zero in the forms that are right.
+- Hourglass energy and amplitude, node alternation: the criteria of the maps themselves.
+- Relaxation residual, tensions and forces over what was sampled, fitted or tabulated: 1 is where extrapolation begins.
+"""
+
+
+def of_map(key):
+    """Rows [x, y, outcome, [names of indicators beyond their limits]] of a map's points."""
+    chart, rows = study.load(key), []
+    for x, y in chart.points:
+        outcome = chart.point(x, y)
+        rows.append([x, y, outcome.kind, [one.name for one in outcome.checks if not one.ok]])
+    return rows
+
+
+def of_scene(path):
+    """Row [name, outcome, [str of indicators beyond their limits]] of a scene file."""
+    began = time.process_time()
+
+    def watch(_):
+        if time.process_time() - began > SLOW:
+            raise TimeoutError
+
+    asked, _ = scene.load(path)
+    setup = case.setup(case.build(asked, path, path.stem), path)
+    setup = replace(setup, numerics=replace(setup.numerics, threads=1), snapshot_interval=None)
+    if asked.panel.plies > 1:
+        pack = pack_impact.PackSetup(setup, asked.panel.plies, asked.panel.stacking, asked.panel.gap)
+        result = pack_impact.run(pack, hooks=(watch,))
+    else:
+        result = impact.run(setup, hooks=(watch,))
+    return [path.stem, result.outcome, [str(one) for one in result.checks if not one.ok]]
+
+
+def random_scene(seed, index):
+    """As `of_scene`, of scene number `index` of the generator of tests.fuzz."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = scenes.scene(seed, index).write(folder)
+        try:
+            return of_scene(path)
+        except TimeoutError:
+            return [path.stem, "not ended", []]
+        except UnstableError as problem:
+            return [path.stem, "stopped by a guard", [str(problem)]]
+        except (WeavecellError, ValueError) as problem:
+            return [path.stem, "error", [str(problem)]]
+
+
+def page(maps, examples, random, command):
+    """The text of the page: rows of `of_map` by map, of `of_scene`, and of `random_scene`."""
+    told = f"Made by `{command}`; not to be edited by hand."
+    parts = [HEAD, told, "## Limits", limits(), REASONS.strip(), "## Maps", shares(maps)]
+    for title, rows in (("Examples", examples), ("Random scenes", random)):
+        if rows:
+            parts += [f"## {title}", false_alarms(rows)]
+    return "\n\n".join(parts) + "\n"
+
+
+def limits():
+    """Every indicator with its limit."""
+    return markdown(["indicator", "limit", "value"], [[name, f"{row[0]:g}", row[2]] for name, row in LIMITS.items()])
+
+
+def shares(maps):
+    """One row a map: how many of its wrong points are flagged, and by what."""
+    rows, all_wrong = [], []
+    for key, points in maps.items():
+        wrong = [point for point in points if point[2] == WRONG]
+        stable = [point for point in points if point[2] == STABLE]
+        flagged = [point for point in wrong if point[3]]
+        names = sorted({name for point in flagged for name in point[3]})
+        also = sum(bool(point[3]) for point in stable)
+        rows.append([key, _share(flagged, wrong), f"{also} of {len(stable)}", ", ".join(names), OUTSIDE.get(key, "")])
+        all_wrong += [(key, point) for point in wrong]
+    for title, without in (("all", ()), ("all that a scene can reach", tuple(OUTSIDE))):
+        chosen = [point for key, point in all_wrong if key not in without]
+        rows.append([f"**{title}**", _share([point for point in chosen if point[3]], chosen), "", "", ""])
+    return markdown(["map", "wrong points flagged", "stable points flagged", "by", "outside the product"], rows)
+
+
+def _share(part, whole):
+    return f"{len(part)} of {len(whole)} ({100 * len(part) / len(whole):.0f} %)" if whole else "none"
+
+
+def false_alarms(rows):
+    """How many of the runs that ended are flagged, and which."""
+    ended = [row for row in rows if row[1] in ("stopped", "perforated", "in flight", "complete")]
+    flagged = [row for row in ended if row[2]]
+    lines = [f"{_share(flagged, ended)} of the runs that ended are flagged; {len(rows) - len(ended)} did not end."]
+    lines += [f"- {name}, {outcome}: {'; '.join(beyond)}" for name, outcome, beyond in flagged]
+    return "\n".join([lines[0], "", *lines[1:]]).strip()
+
+
+def main():
+    options = _options()
+    folder = options.out
+    maps = {key: _kept(folder / f"{key}.json", options.resume, lambda key=key: of_map(key)) for key in options.map}
+    paths = sorted(Path("examples").glob("*.toml")) if options.examples else []
+    examples = [_kept(folder / f"{p.stem}.json", options.resume, lambda p=p: of_scene(p)) for p in paths]
+    random = [
+        _kept(folder / f"{options.seed}-{i}.json", options.resume, lambda i=i: random_scene(options.seed, i))
+        for i in range(options.scenes)
+    ]
+    text = page(maps, examples, random, "python -m tests.fuzz.flags --page docs/checks.md")
+    print(text)
+    if options.page is not None:
+        with write_whole(options.page) as file:
+            file.write(text)
+
+
+def _kept(path, resume, run):
+    """What run() gives, kept in a file, or taken from it."""
+    if not (resume and path.exists()):
+        found = run()
+        with write_whole(path) as file:
+            json.dump(found, file)
+    return json.loads(path.read_text(encoding="utf-8"))
+
+
+def _options():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--map", nargs="*", choices=MAPS, default=list(MAPS), help="maps to run; all if not given")
+    parser.add_argument("--examples", action=argparse.BooleanOptionalAction, default=True)
+    parser.add_argument("--scenes", type=int, default=200, help="number of random scenes")
+    parser.add_argument("--seed", default="checks")
+    parser.add_argument("--resume", action="store_true")
+    parser.add_argument("--out", type=Path, default=Path("results/checks"))
+    parser.add_argument("--page", type=Path)
+    return parser.parse_args()
+
+
+if __name__ == "__main__":
+    main()
