@@ -119,14 +119,16 @@ class Monitor:
         self._light = [tuple(LIGHT * yarn.strength for yarn in ply.weave.yarns) for ply in plies]
 
     def audited(self):
-        """Take a sample after every EVERY-th audit, and at the end of the run."""
-        if len(self.march.samples) % EVERY == 0 or self.march.ended:
-            self.sample()
+        """Take a sample after every EVERY-th audit, and at the end of the run of the deflection alone: a run that is
+        gone on with beyond that end is to have the sums of one that was not interrupted."""
+        due = len(self.march.samples) % EVERY == 0
+        if due or self.march.ended:
+            self.sample(due)
 
-    def sample(self):
-        """Take a sample of the present state."""
+    def sample(self, summed=True):
+        """Take a sample of the present state, of what is `summed` too or of the deflection alone."""
         found, parts = self.found, self.march.parts
-        whole = not any(state.counter[FAILURES] for _, _, state in parts)
+        whole = summed and not any(state.counter[FAILURES] for _, _, state in parts)
         for (_, const, state), row, (i, j), light in zip(parts, found, self._places, self._light):
             kernels.sample(state, const, i, j, whole, *light, row)
         if whole and len(parts) > 1:
