@@ -29,7 +29,10 @@ WITH_KERNELS = ("shellfabric", "unitcell3d")
 # of numba, what files may use whose functions are not compiled: anything else could make machine code unseen
 DRIVES = {"set_num_threads", "get_num_threads", "config"}
 # import modules by computed names, or know that others do
-BY_NAME = ("validation/charts/study.py", "validation/stability/study.py", "fabrics/source_code.py")
+BY_NAME = (
+    "validation/charts/study.py", "validation/stability/study.py", "fabrics/source_code.py",
+    "shellfabric/compile_apart.py",
+)  # fmt: skip
 
 
 def sources(root, packages=FLOORS):
