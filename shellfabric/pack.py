@@ -8,11 +8,7 @@ Gap. Play between the faces of plies at rest; their middle surfaces are the mean
 E-35). `compression_gap` has it from the pressure law of packs: with closures d of a pack of N plies and of one ply
 between the same loads, (d_N - d_1) / (N - 1) (thesis eqs. 5-1 to 5-4, constants by erratum E-02).
 
-Time step. All plies share the shortest of their steps. What the nose drives before it must be stopped by the next ply
-within its thickness t. Two free plies that meet at the relative velocity w come e w dt into each other, with e = 0.87
-at the default penalty and damping (two masses on a spring with a damper). The nose throws light nodes at twice its
-velocity v, loose ends and free edges swing back as fast, so that w is 4 v at most; with v dt below t / 10 that takes a
-third of the thickness, and leaves the rest to what presses the plies together (`Pack.resolving`).
+Time step. All plies share the shortest of their steps.
 """
 
 from __future__ import annotations
@@ -40,7 +36,6 @@ FORMS = {
     "nodes": ply_surface_kernels.NODES,
 }
 TESTED = 4  # plies of the packs that the source takes its gaps from (section 5.2.2)
-RESOLVED = 0.1  # thicknesses that the nose may fly in a step
 _NEAREST = 0.05  # [thicknesses] that torn cloth comes to other cloth
 _ENTRIES, _NEAR = 9, 20_000  # of an element in the raster of facets, in the mean; of a ply in the list of what is near
 _LEAST = (0.25, 1e-3)  # deflections that are looked at: of the gap, of the thickness
@@ -175,20 +170,6 @@ class Pack:
     def time_step(self):
         """[s] the shortest of the plies' steps."""
         return min(ply.time_step for ply in self.plies)
-
-    def resolving(self, strike_velocity) -> Pack:
-        """This pack with a time step in which the nose flies a tenth of the thinnest ply's thickness at most; the
-        pack itself where it has one, or no contact between plies."""
-        thickness = min(ply.weave.thickness for ply in self.plies)
-        share = RESOLVED * thickness / (strike_velocity * self.time_step)
-        if share >= 1 or len(self.plies) == 1:
-            return self
-        found = {}
-        for ply in self.plies:
-            if id(ply) not in found:
-                safety = ply.numerics.safety * share * self.time_step / ply.time_step
-                found[id(ply)] = replace(ply, numerics=replace(ply.numerics, safety=safety))
-        return replace(self, plies=tuple(found[id(ply)] for ply in self.plies))
 
     @property
     def _firmer(self):
