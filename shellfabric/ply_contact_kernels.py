@@ -35,12 +35,6 @@ Beside torn cloth feet get lost, so they are looked for anew, and elements are a
 points there (`contact_back`), with half the stiffness each: the middle of an element behind otherwise goes through what
 hangs before it, between the points of that.
 
-Springs are squeezed by motion. Depths also change without any: where a yarn fails the surface goes over from spline to
-facets, by the sagitta of a bend over an element, which under the rim of a nose is half the thickness and more; normals
-turn over to the direction of x - y in folds, and points beside torn cloth are looked at that were not before. A spring
-that took over such a depth would hold energy that nobody has put in. So it is squeezed by n.(v_x - v_y) dt in a step at
-most, and what the depth has gained besides is its slack.
-
 Naive forms, for comparison: the nodes of the front ply against the bilinear facets of the rear one (FACETS), or against
 the node there, along z (NODES).
 
@@ -114,7 +108,6 @@ from shellfabric.ply_surface_kernels import (
 _EVERY, _MARGIN = 8, 3  # steps between scans, elements about what they find
 _FASTER = 1.5  # than at the last scan nodes may become
 _ABOUT = 3  # elements about torn ones that count as beside them
-_JUMP = 0.02  # [thicknesses] by which a spring may be squeezed in a step besides the motion: curvature, round-off
 
 
 @kernel(_nrt=False)
@@ -409,7 +402,6 @@ def touch(front, fc, rear, rc, pair, q, a, b, often):
         return 0.0, 0.0  # it has come from a hole, edge on, and is on no side yet
     if touches and smooth and whole and depth > pair.thickness and left_x == 1.0 and left_y == 1.0:
         pair.energy[PASSED], pair.energy[WHERE] = pair.energy[PASSED] + 1.0, q
-    squeezed_before, stiffer_before = pair.was[q] - pair.slack[q], stiffened(pair, pair.slack[q])
     if lost:
         pair.slack[q] = max(depth - (pair.was[q] - pair.slack[q]), 0.0)
     elif not touches:
@@ -417,6 +409,15 @@ def touch(front, fc, rear, rc, pair, q, a, b, often):
     elif sure:
         pair.going[0][q] = min(max(pair.foot[0][q] - before_a, -STEP), STEP)
         pair.going[1][q] = min(max(pair.foot[1][q] - before_b, -STEP), STEP)
+    pair.status[q] = TOUCHING
+    pair.normal[0][q], pair.normal[1][q], pair.normal[2][q] = n_x, n_y, n_z
+    pair.was[q], pair.slack[q] = depth, min(pair.slack[q], depth)
+    squeezed, part = depth - pair.slack[q], 0.5 if torn else 1.0
+    if pair.start == 0.0:  # half an element, or a quarter, is modelled about points on planes of symmetry
+        part *= (0.5 if a == 0.0 and fc.mirror_x else 1.0) * (0.5 if b == 0.0 and fc.mirror_y else 1.0)
+    drag = part * pair.damping
+    if pair.slack[q] > 0.0:  # what is left of the thickness has to hold as much
+        part *= min(STIFFER, pair.thickness / max(pair.thickness - pair.slack[q], 0.1 * pair.thickness))
     v_x = -across(rear.v[0], K, rc.s, w0, w1x, w2, v0, v1, v2)
     v_y = -across(rear.v[1], K, rc.s, w0, w1, w2, v0, v1y, v2)
     v_z = -across(rear.v[2], K, rc.s, w0, w1, w2, v0, v1, v2)
@@ -430,20 +431,7 @@ def touch(front, fc, rear, rc, pair, q, a, b, often):
         v_x += across(front.v[0], k, fc.s, p0, p1x, p2, q0, q1, q2)
         v_y += across(front.v[1], k, fc.s, p0, p1, p2, q0, q1y, q2)
         v_z += across(front.v[2], k, fc.s, p0, p1, p2, q0, q1, q2)
-    closing = n_x * v_x + n_y * v_y + n_z * v_z
-    slack = min(pair.slack[q], depth)
-    if smooth:
-        most_squeezed = squeezed_before + max(closing, 0.0) * fc.dt + _JUMP * pair.thickness
-        slack = slackened(pair, slack, depth, most_squeezed, stiffer_before)
-    pair.status[q] = TOUCHING
-    pair.normal[0][q], pair.normal[1][q], pair.normal[2][q] = n_x, n_y, n_z
-    pair.was[q], pair.slack[q] = depth, slack
-    squeezed, part = depth - slack, 0.5 if torn else 1.0
-    if pair.start == 0.0:  # half an element, or a quarter, is modelled about points on planes of symmetry
-        part *= (0.5 if a == 0.0 and fc.mirror_x else 1.0) * (0.5 if b == 0.0 and fc.mirror_y else 1.0)
-    drag = part * pair.damping
-    part *= stiffened(pair, slack)
-    f = max(0.0, force(pair, part, squeezed, drag, closing))
+    f = max(0.0, force(pair, part, squeezed, drag, n_x * v_x + n_y * v_y + n_z * v_z))
     if f > 0.0:
         note(pair.front_touched, i, j, 2 if central else 3)
         note(pair.rear_touched, I, J, 3)
@@ -461,23 +449,6 @@ def touch(front, fc, rear, rc, pair, q, a, b, often):
         spread(F[1], K, rc.s, f * n_y, w0, w1, w2, v0, v1y, v2)
         spread(F[2], K, rc.s, f * n_z, w0, w1, w2, v0, v1, v2)
     return 0.5 * part * pair.stiffness * squeezed * squeezed, depth
-
-
-@kernel(_nrt=False, forceinline=True)
-def stiffened(pair, slack):
-    """Stiffness of a spring of some slack over that of one without: what is left of the thickness holds as much."""
-    left_over = max(pair.thickness - slack, 0.1 * pair.thickness)
-    return min(STIFFER, pair.thickness / left_over) if slack > 0.0 else 1.0
-
-
-@kernel(_nrt=False, forceinline=True)
-def slackened(pair, slack, depth, most_squeezed, stiffer_before):
-    """The slack of a spring at a depth that is to be squeezed by `most_squeezed` at most, and then to hold no more
-    energy than one that is `stiffer_before`."""
-    if depth - slack <= most_squeezed:
-        return slack
-    stiffer = stiffened(pair, depth - most_squeezed)
-    return depth - most_squeezed * math.sqrt(min(1.0, stiffer_before / stiffer))
 
 
 @kernel(_nrt=False)

@@ -34,7 +34,6 @@ from shellfabric.ply_surface_kernels import across8, bases8, curved8, middle8, p
 TAKEN, SPRING, DEEPEST, PLACE, PASSED, WHERE, WHEN = range(7)  # of pair.energy
 FREE, TOUCHING, LOST = 0, 1, 2  # of pair.status; a point whose foot leaps or lies aside is lost until it has one again
 CLOSE, STIFFER = 0.15, 3.0  # [thicknesses] where a point may come through; most that a spring is stiffened
-NEW = 0.2  # [thicknesses] depth of a point that begins to touch: one that is found deeper goes to `touch`
 STEP, LEAP = 0.25, 0.2  # [elements] longest step of a foot; one so long has none
 LONGEST = 8  # most steps that a point is left alone
 
@@ -83,7 +82,7 @@ def touch8(front, fc, rear, rc, pair, q, i, j, count, nearer, now, due):
     deep = bits(above(load(pair.was, q), (1.0 - CLOSE) * thick))
     fit &= bits(above(square, tiny * tiny)) & ~(held & (slant | deep))
     clear, inside = fit & bits(above(0.0, depth)), fit & bits(above(depth, 0.0))
-    pressed = inside & ~slant & bits(above((1.0 - CLOSE) * thick, depth)) & (held | bits(above(NEW * thick, depth)))
+    pressed = inside & ~slant & bits(above((1.0 - CLOSE) * thick, depth)) & (held | bits(above(0.5 * thick, depth)))
     aa, ab, bb = Xa * Xa + Ya * Ya + Za * Za, Xa * Xb + Ya * Yb + Za * Zb, Xb * Xb + Yb * Yb + Zb * Zb
     ra, rb = Xa * x + Ya * y + Za * z, Xb * x + Yb * y + Zb * z
     area, near = most(Xa * Yb - Xb * Ya, 0.01 * rc.dx * rc.dy), above(depth, -0.5 * thick)
