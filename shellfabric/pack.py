@@ -8,7 +8,8 @@ Gap. Play between the faces of plies at rest; their middle surfaces are the mean
 E-35). `compression_gap` has it from the pressure law of packs: with closures d of a pack of N plies and of one ply
 between the same loads, (d_N - d_1) / (N - 1) (thesis eqs. 5-1 to 5-4, constants by erratum E-02).
 
-Time step. All plies share the shortest of their steps.
+Time step. All plies share the shortest of their steps, or a shorter one where the approach is fast for their thickness
+(`Pack.in_step_with`).
 """
 
 from __future__ import annotations
@@ -28,6 +29,7 @@ from shellfabric.cell import CellModel, CellTable
 from shellfabric.contact import FORESEEN
 from shellfabric.lanes import WIDTH
 from shellfabric.panel import Panel
+from shellfabric.ply_lanes_kernels import CLOSE
 
 STACKINGS = ("aligned", "alternating")
 FORMS = {
@@ -36,6 +38,7 @@ FORMS = {
     "nodes": ply_surface_kernels.NODES,
 }
 TESTED = 4  # plies of the packs that the source takes its gaps from (section 5.2.2)
+_FASTER = 1.5  # than the projectile cloth before its nose may become
 _NEAREST = 0.05  # [thicknesses] that torn cloth comes to other cloth
 _ENTRIES, _NEAR = 9, 20_000  # of an element in the raster of facets, in the mean; of a ply in the list of what is near
 _LEAST = (0.25, 1e-3)  # deflections that are looked at: of the gap, of the thickness
@@ -171,6 +174,29 @@ class Pack:
         """[s] the shortest of the plies' steps."""
         return min(ply.time_step for ply in self.plies)
 
+    def in_step_with(self, strike_velocity) -> Pack:
+        """The same pack with a time step in which contact can stop the strike velocity within a ply's thickness.
+
+        In a row of equal masses m on springs k = penalty m / dt^2 that is driven from one end at the speed w, a
+        compression wave passes sqrt(penalty) masses a step, and behind it neighbours are w dt / sqrt(penalty) nearer to
+        each other, whatever their number; the damper keeps them from swinging beyond that. At the first step in which
+        contact sees them they can be w dt nearer already. It has lost if they come nearer by the thickness t. w is the
+        strike velocity times _FASTER, as cloth before a nose may outrun it, and the depth must stay out of the last
+        CLOSE of the thickness, where sides are in question:
+
+            dt <= (1 - CLOSE) t min(sqrt(penalty), 1) / (_FASTER strike_velocity)
+
+        The step is shorter than that of the plies only in thin cloth of coarse elements at high velocities.
+        """
+        if len(self.plies) == 1:
+            return self
+        thin = min(0.5 * (a.weave.thickness + b.weave.thickness) for a, b in zip(self.plies, self.plies[1:]))
+        step = (1.0 - CLOSE) * thin * min(self.contact.penalty**0.5, 1.0) / (_FASTER * strike_velocity)
+        if step >= self.time_step:
+            return self
+        found = {id(ply): _slower(ply, step) for ply in self.plies}
+        return replace(self, plies=tuple(found[id(ply)] for ply in self.plies))
+
     @property
     def _firmer(self):
         """Of the nose's contact; 0 where it is that of a single ply, as a pack of one is."""
@@ -269,10 +295,7 @@ class Pack:
 
     def _in_step(self, ply):
         """A ply with the safety that gives it the pack's time step."""
-        if ply.time_step == self.time_step:
-            return ply
-        safety = ply.numerics.safety * self.time_step / ply.time_step
-        return replace(ply, numerics=replace(ply.numerics, safety=safety))
+        return ply if ply.time_step == self.time_step else _slower(ply, self.time_step)
 
     def _pair(self, p, q, apart, consts, states):
         front, rear, knobs = consts[p], consts[q], self.contact
@@ -304,6 +327,12 @@ class Pack:
             thickness=thickness, apart=apart,
             least=max(_LEAST[0] * (abs(apart) - thickness), _LEAST[1] * thickness),
         )  # fmt: skip
+
+
+def _slower(ply, step):
+    """A ply with the safety that gives it a time step [s]."""
+    safety = ply.numerics.safety * step / ply.time_step
+    return replace(ply, numerics=replace(ply.numerics, safety=safety))
 
 
 def lists(items):

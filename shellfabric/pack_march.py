@@ -59,7 +59,8 @@ class PackMarch(March):
         for key, value in (("strike_velocity", strike_velocity), ("end_time", end_time), ("interval", interval)):
             if not 0 < value < np.inf:
                 raise InputError(key=key, value=value, allowed="above 0")
-        self.pack, self.panel = pack, pack.plies[0]
+        self.pack = pack = pack.in_step_with(strike_velocity)
+        self.panel = pack.plies[0]
         self.strike_velocity, self.end_time = float(strike_velocity), float(end_time)
         self.consts, (self.states, self.stack) = pack.constants(), pack.states(strike_velocity)
         self.pairs = pack.pairs(self.consts, self.states)

@@ -34,6 +34,9 @@ from shellfabric.ply_surface_kernels import across8, bases8, curved8, middle8, p
 TAKEN, SPRING, DEEPEST, PLACE, PASSED, WHERE, WHEN = range(7)  # of pair.energy
 FREE, TOUCHING, LOST = 0, 1, 2  # of pair.status; a point whose foot leaps or lies aside is lost until it has one again
 CLOSE, STIFFER = 0.15, 3.0  # [thicknesses] where a point may come through; most that a spring is stiffened
+# [thicknesses] that a depth may change beside the motion: sliding by a tenth of an element over a bend as narrow as an
+# element makes a few hundredths (second order), another fold or side several tenths
+JUMP = 0.1
 STEP, LEAP = 0.25, 0.2  # [elements] longest step of a foot; one so long has none
 LONGEST = 8  # most steps that a point is left alone
 
@@ -42,7 +45,7 @@ LONGEST = 8  # most steps that a point is left alone
 def touch8(front, fc, rear, rc, pair, q, i, j, count, nearer, now, due):
     """`touch` for those of the points in the middles of the elements (i, j) .. (i, j + count) with which nothing is
     the matter, eight at once: whole cloth on whole cloth, feet side by side and away from rims and planes of symmetry,
-    not lost, in no fold, and not so deep that it might come through.
+    not lost, in no fold, not so deep that it might come through, and not deeper at once than motion may have made it.
 
     due : the points that are to be looked at, as bits. Returns (those that are left for `touch`, energy in the springs
     of the others).
@@ -79,10 +82,12 @@ def touch8(front, fc, rear, rc, pair, q, i, j, count, nearer, now, due):
     along, far = (n_x * x + n_y * y + n_z * z) / size, x * x + y * y + z * z
     depth = thick + along
     slant = bits(above(far, 0.09 * thick * thick)) & bits(above(0.49 * far, along * along))
-    deep = bits(above(load(pair.was, q), (1.0 - CLOSE) * thick))
+    was = load(pair.was, q)
+    deep = bits(above(was, (1.0 - CLOSE) * thick))
+    slow = bits(above(JUMP * thick, fabs(depth - where(lanes_of(held), was, 0.0))))
     fit &= bits(above(square, tiny * tiny)) & ~(held & (slant | deep))
     clear, inside = fit & bits(above(0.0, depth)), fit & bits(above(depth, 0.0))
-    pressed = inside & ~slant & bits(above((1.0 - CLOSE) * thick, depth)) & (held | bits(above(0.5 * thick, depth)))
+    pressed = inside & ~slant & bits(above((1.0 - CLOSE) * thick, depth)) & slow
     aa, ab, bb = Xa * Xa + Ya * Ya + Za * Za, Xa * Xb + Ya * Yb + Za * Zb, Xb * Xb + Yb * Yb + Zb * Zb
     ra, rb = Xa * x + Ya * y + Za * z, Xb * x + Yb * y + Zb * z
     area, near = most(Xa * Yb - Xb * Ya, 0.01 * rc.dx * rc.dy), above(depth, -0.5 * thick)

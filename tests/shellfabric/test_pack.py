@@ -20,6 +20,7 @@ from shellfabric.march_kernels import IDLE, NOT_FINITE
 from shellfabric.pack import Pack, PlyContact, compression_gap, fabric_gap, turned
 from shellfabric.pack_march import PackMarch
 from shellfabric.panel import Numerics, Panel
+from shellfabric.ply_lanes_kernels import CLOSE
 
 GAP = 0.1e-3
 
@@ -53,6 +54,24 @@ def test_far_behind_is_a_single_ply(ply):
     assert same(single.state, pack.states[0])
     assert not pack.stack.awake[1]
     assert not any(u.any() for u in pack.states[1].u)
+
+
+def test_fast_shots_at_thin_plies_have_a_shorter_step(ply):
+    """The wave that a nose drives into a pack leaves plies nearer to each other by v dt / sqrt(penalty): they came
+    through each other within their first steps, where that was more than their thickness."""
+    pack = Pack.stacked(ply, 4, gap=0.0)
+    thickness, step = ply.weave.thickness, ply.time_step
+    assert pack.in_step_with(300.0) is pack  # published shots keep their step
+    fast = pack.in_step_with(2000.0)
+    assert fast.time_step < step
+    depth = 1.5 * 2000.0 * fast.time_step / pack.contact.penalty**0.5
+    assert depth == pytest.approx((1 - CLOSE) * thickness, rel=1e-9)
+    assert len({id(one) for one in fast.plies}) == 1
+    march = PackMarch(pack, 2000.0, 30 * fast.time_step, interval=fast.time_step)
+    march._guard = march._guard_plies  # cloth tears at once; this is of the depth
+    march.run()
+    assert march.const.dt == fast.time_step
+    assert march.deepest.max() < 1.0
 
 
 def collide(ply, damping, steps, speed=20.0):

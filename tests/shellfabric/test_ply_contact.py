@@ -123,6 +123,9 @@ def settled(states, consts, pair, times=200):
     for step in range(times):
         pair.status[:], pair.until[:] = kernels.FREE, 0
         kernels.contact(states[0], consts[0], states[1], consts[1], pair, 8 * step)
+    # as if motion had brought the plies here: springs that are loaded by all of the depth
+    pair.slack[:], pair.until[:] = 0, 0
+    kernels.contact(states[0], consts[0], states[1], consts[1], pair, 8 * times)
     pair.until[:] = 0
 
 
@@ -302,9 +305,14 @@ def test_what_no_yarn_holds_does_not_push(ply):
     assert not (pair.status == kernels.TOUCHING).any()
 
 
-def placed(states, consts, pair, height, step):
-    """The contact with the front ply's nodes at a height [m] above its place at rest; the force on it along z."""
-    states[0].u[2][: (consts[0].ni + 1) * consts[0].s] = height
+def placed(states, consts, pair, height, step, moved=True):
+    """The contact with the front ply's nodes at a height [m] above its place at rest; the force on it along z.
+
+    moved : whether it has been brought there by motion, in a step, or stands there at once
+    """
+    nodes = (consts[0].ni + 1) * consts[0].s
+    states[0].v[2][:nodes] = (height - states[0].u[2][:nodes]) / consts[0].dt if moved else 0.0
+    states[0].u[2][:nodes] = height
     kernels.contact(states[0], consts[0], states[1], consts[1], pair, step)
     return sum(pair.on_front[2])
 
@@ -343,7 +351,7 @@ def test_what_is_found_deep_is_not_thrown_but_held(ply):
     states, consts, pair = flat(ply)
     stiffness = -placed(states, consts, pair, 0.1 * pair.thickness, 1) / (0.1 * pair.thickness)
     pair.status[:] = kernels.FREE
-    assert placed(states, consts, pair, 0.6 * pair.thickness, 2) == 0.0
+    assert placed(states, consts, pair, 0.6 * pair.thickness, 2, moved=False) == 0.0
     assert pair.energy[kernels.SPRING] == 0.0
     force = -placed(states, consts, pair, 0.7 * pair.thickness, 3)
     assert force == pytest.approx(stiffness / 0.4 * 0.1 * pair.thickness, rel=0.02)  # 0.4 are left of its thickness
@@ -365,6 +373,36 @@ def test_a_foot_that_leaps_brings_no_energy(ply):
     assert (pair.status[:n] == kernels.TOUCHING).all()
     assert found == pytest.approx(force, rel=0.3)  # of a spring that is stiffer, where less of the thickness is left
     assert pair.energy[kernels.SPRING] < 1.3 * stored
+
+
+@pytest.mark.parametrize("begins", [True, False])
+@pytest.mark.parametrize("depth", [0.3, 0.8])
+def test_a_depth_that_no_motion_has_made_loads_no_spring(ply, begins, depth):
+    """The foot on another fold, or the normal turned over: several tenths of the thickness in a step without motion."""
+    states, consts, pair = flat(ply)
+    stored = pair.energy[kernels.SPRING]
+    if begins:
+        pair.status[:], stored = kernels.FREE, 0.0
+    placed(states, consts, pair, depth * pair.thickness, 1, moved=False)
+    assert pair.energy[kernels.DEEPEST] == pytest.approx(depth * pair.thickness, rel=1e-6)
+    assert pair.energy[kernels.SPRING] == pytest.approx(stored, rel=0.05, abs=1e-30)
+    forces = [
+        -placed(states, consts, pair, (depth + part) * pair.thickness, 2 + n) for n, part in enumerate((0.05, 0.1))
+    ]
+    assert 0 < forces[0] < forces[1]  # and is let no deeper
+
+
+def test_what_comes_round_a_rim_is_on_no_side_yet(ply):
+    """Cloth that comes round the rim of a free panel, edge on: found in the middle of the thickness, where no motion
+    through the face has brought it. It was taken as touching, and as having come through in the next step."""
+    states, consts, pair = flat(ply)
+    for moved, passed in ((False, False), (True, True)):
+        placed(states, consts, pair, -0.1 * pair.thickness, 1)
+        pair.status[:], pair.until[:], pair.energy[kernels.PASSED] = kernels.FREE, 0, 0
+        placed(states, consts, pair, 0.95 * pair.thickness, 2, moved=moved)
+        assert (pair.status[: pair.torn.size] == (kernels.TOUCHING if moved else kernels.FREE)).all()
+        placed(states, consts, pair, 1.05 * pair.thickness, 3)
+        assert (pair.energy[kernels.PASSED] > 0) == passed
 
 
 def test_whole_cloth_that_comes_through_is_pushed_back_and_counted(ply):
