@@ -145,13 +145,3 @@ def test_fast_nose_drives_no_ply_through_the_next():
     result = run(thin())
     assert result.deepest.max() < 1
     assert result.worst_balance < 5e-3
-
-
-def test_time_step_of_a_pack_resolves_the_thickness():
-    pack = thin().pack()
-    thickness = pack.plies[0].weave.thickness
-    faster = pack.resolving(622.3)
-    assert faster.time_step == pytest.approx(0.1 * thickness / 622.3)
-    assert faster.plies[0] is faster.plies[2]
-    assert faster.resolving(622.3 / 1.001) is faster
-    assert pack.resolving(50.0) is pack
