@@ -221,9 +221,9 @@ by 1.3 mm came through each other in the fifth step at 490 m/s.
 
 A spring between plies is loaded by motion alone. To first order a depth grows by the approach n.(v_x - v_y) dt,
 whatever the surfaces; what else it changes by, more than a tenth of the thickness in a step, is another fold, another
-side or the facets that stand for a torn spline, and loads no spring. The tenth lies between the few hundredths that sliding over
-the narrowest bend makes (second order) and the several tenths of another fold. Before this rule one point gave up to
-5.6 % of the strike energy in one step.
+side or the facets that stand for a torn spline, and loads no spring. The tenth lies between the few hundredths that
+sliding over the narrowest bend makes (second order) and the several tenths of another fold. Before this rule one
+point gave up to 5.6 % of the strike energy in one step.
 
 ## Contact and false failure
 
