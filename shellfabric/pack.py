@@ -186,12 +186,14 @@ class Pack:
 
             dt <= (1 - CLOSE) t min(sqrt(penalty), 1) / (_FASTER strike_velocity)
 
-        The step is shorter than that of the plies only in thin cloth of coarse elements at high velocities.
+        The step is shorter than that of the plies only in thin cloth of coarse elements at high velocities. A penalty
+        below the default counts as the default: what is softer on purpose stays softer.
         """
         if len(self.plies) == 1:
             return self
         thin = min(0.5 * (a.weave.thickness + b.weave.thickness) for a, b in zip(self.plies, self.plies[1:]))
-        step = (1.0 - CLOSE) * thin * min(self.contact.penalty**0.5, 1.0) / (_FASTER * strike_velocity)
+        nearer = min(max(self.contact.penalty, PlyContact.penalty), 1.0) ** -0.5  # [w dt]
+        step = (1.0 - CLOSE) * thin / (_FASTER * nearer * strike_velocity)
         if step >= self.time_step:
             return self
         found = {id(ply): _slower(ply, step) for ply in self.plies}

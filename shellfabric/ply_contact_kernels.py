@@ -27,8 +27,9 @@ point straight ahead of x, which is never ambiguous.
 
 Failed yarns. What is left of a yarn pushes as the whole: its mass is the same. Nothing pushes where both yarns next to
 x or y are gone: that is a hole, and a point may go through it. What comes out of a hole is on either side, and pushes
-from there. Found in the very middle, edge on, it is on no side yet. So is what comes round the rim of a free panel or
-round a fold: what comes through the face of whole cloth was outside of its thickness a step ago.
+from there. Found in the very middle, edge on, it is on no side yet. So is what comes round the rim of a free panel, and
+what another fold is in the middle of: through the face of cloth it comes by motion, and only what does so from a side
+that it had is counted as having come through.
 
 Springs. A spring is squeezed by motion alone. To first order the depth grows by n.(v_x - v_y) dt in a step, on any
 smooth surface. Where it has changed by something else, more than JUMP thicknesses, the foot is on another fold, the
@@ -422,15 +423,15 @@ def touch(front, fc, rear, rc, pair, q, a, b, often):
         v_y += across(front.v[1], k, fc.s, p0, p1, p2, q0, q1y, q2)
         v_z += across(front.v[2], k, fc.s, p0, p1, p2, q0, q1, q2)
     closing = n_x * v_x + n_y * v_y + n_z * v_z
-    made = closing * fc.dt  # depth that the motion of the last step has made
-    if not touches and smooth and depth > (1.0 - CLOSE) * pair.thickness and not (whole and (lost or depth < made)):
-        return 0.0, 0.0  # it has come from a hole or round a rim, edge on, and is on no side yet
-    if touches and smooth and whole and depth > pair.thickness and left_x == 1.0 and left_y == 1.0:
+    made, deep = closing * fc.dt, depth > (1.0 - CLOSE) * pair.thickness  # depth that the last step's motion has made
+    jump = (depth - pair.was[q] - made) / pair.thickness
+    if smooth and deep and abs(known) <= 0.5 and ((not touches and not whole) or (whole and jump > JUMP)):
+        return 0.0, 0.0  # it has come from a hole, a rim or another fold, edge on, and is on no side yet
+    moved = jump <= JUMP and pair.slack[q] <= (1.0 - CLOSE) * pair.thickness  # by motion, from a side that it had
+    if touches and smooth and whole and depth > pair.thickness and left_x == 1.0 and left_y == 1.0 and moved:
         pair.energy[PASSED], pair.energy[WHERE] = pair.energy[PASSED] + 1.0, q
-    fresh = (
-        pair.apart < 0.0 and pair.until[q] == 0.0
-    )  # beside cloth that has just torn: half of a spring that there was
-    if smooth and (lost or abs(depth - pair.was[q] - made) > JUMP * pair.thickness) and not fresh:
+    fresh = pair.apart < 0.0 and pair.until[q] == 0.0  # beside cloth that has just torn: takes over half of a spring
+    if smooth and (lost or abs(jump) > JUMP) and not fresh:
         kept = max(pair.was[q] - pair.slack[q] + (0.0 if lost else made), 0.0)
         softer = stiffened(pair, pair.slack[q]) / stiffened(pair, max(depth - kept, 0.0))
         pair.slack[q] = max(depth - kept * math.sqrt(softer), 0.0)

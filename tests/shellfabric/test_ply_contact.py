@@ -232,6 +232,7 @@ def test_a_point_that_touches_does_not_wait(ply):
     wait = pair.until[: pair.torn.size].reshape(consts[0].ni, consts[0].nj)
     wait[1:-1, 1:-1] = 1e6
     wait[:, ::8] = 0.0
+    states[0].u[2][:] = 0.0  # from where it comes
     assert placed(states, consts, pair, 0.2 * pair.thickness, 2) == pytest.approx(force, rel=1e-9)
     assert placed(states, consts, pair, 0.2 * pair.thickness, 3) == pytest.approx(force, rel=1e-9)
     assert wait.max() <= 3
@@ -403,6 +404,21 @@ def test_what_comes_round_a_rim_is_on_no_side_yet(ply):
         assert (pair.status[: pair.torn.size] == (kernels.TOUCHING if moved else kernels.FREE)).all()
         placed(states, consts, pair, 1.05 * pair.thickness, 3)
         assert (pair.energy[kernels.PASSED] > 0) == passed
+
+
+def test_a_side_that_another_fold_has_is_not_the_point_s_own(ply):
+    """A point that is found in the middle of another fold is let go: it did not come through, and is held from the side
+    on which it leaves the middle. Points so deep were counted as passages in the next step."""
+    states, consts, pair = flat(ply)
+    placed(states, consts, pair, 0.2 * pair.thickness, 1)
+    placed(states, consts, pair, 0.95 * pair.thickness, 2, moved=False)
+    assert (pair.status[: pair.torn.size] == kernels.FREE).all()
+    placed(states, consts, pair, 1.05 * pair.thickness, 3)
+    placed(states, consts, pair, 1.05 * pair.thickness, 4)
+    assert pair.energy[kernels.PASSED] == 0
+    force = placed(states, consts, pair, 1.3 * pair.thickness, 5)  # 0.7 deep, from behind
+    force = placed(states, consts, pair, 1.25 * pair.thickness, 6)
+    assert force > 0.0
 
 
 def test_whole_cloth_that_comes_through_is_pushed_back_and_counted(ply):

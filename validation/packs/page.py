@@ -219,11 +219,11 @@ has to stay within 0.85 thicknesses (`Pack.in_step_with`). The plies' own step i
 in the six fabrics, but at lower velocities in thin cloth of coarse elements: four plies of 0.12 mm with elements of 0.9
 by 1.3 mm came through each other in the fifth step at 490 m/s.
 
-A spring between plies is loaded by motion alone. To first order a depth grows by the approach n.(v_x - v_y) dt,
-whatever the surfaces; what else it changes by, more than a tenth of the thickness in a step, is another fold, another
-side or the facets that stand for a torn spline, and loads no spring. The tenth lies between the few hundredths that
-sliding over the narrowest bend makes (second order) and the several tenths of another fold. Before this rule one
-point gave up to 5.6 % of the strike energy in one step.
+A spring between plies is loaded by motion alone. To first order a depth grows by the approach n.(v_x - v_y) dt, on
+any surface; what else it changes by, more than a tenth of the thickness in a step, is another fold, another side or
+the facets that stand for a torn spline, and loads no spring. The tenth lies between the few hundredths that sliding
+over the narrowest bend makes (second order) and the several tenths of another fold. Before this rule one point gave
+up to 5.6 % of the strike energy in one step.
 
 ## Contact and false failure
 
