@@ -13,7 +13,8 @@ demo: setup  ## S-720: 3D crossover, calibration and four impacts, with a report
 	$(RUN) weavecell demo --out $(RESULTS)/demo
 
 test: setup lint  ## everything but the long validation runs
-	$(RUN) pytest -n $(JOBS) --dist loadfile -m "not slow"
+	$(RUN) pytest -n $(JOBS) --dist loadfile -m "not slow" --ignore=tests/weavecell
+	$(RUN) pytest -n $(JOBS) --dist loadfile -m "not slow" tests/weavecell
 
 test-slow: setup  ## the long tests, the published outcomes among them; each process takes the next as it gets free
 	$(RUN) pytest -n $(JOBS) --dist load --maxschedchunk 1 -m slow

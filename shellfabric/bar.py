@@ -286,7 +286,7 @@ def contact_time(t, force, period):
     InputError : a history without force
     """
     t, force = np.asarray(t, float), np.abs(np.asarray(force, float))
-    if not force.max() > 0:
+    if not np.max(force, initial=0.0) > 0:
         raise InputError("the projectile was never touched")
     return float(np.sum(0.5 * (force[1:] + force[:-1]) * np.diff(t)) / held_force(t, force, period))
 

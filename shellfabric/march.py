@@ -191,8 +191,13 @@ class March:
             if self.reason != kernels.CHECK:
                 break
             self.reason = kernels.RUNNING
-            if made < len(fine):
+            if made == len(fine):
+                break
+            try:
                 self._check()
+            except UnstableError:
+                self.fine.append(fine[:made])  # what was computed is kept
+                raise
         return made
 
     def _check(self):

@@ -67,7 +67,7 @@ class Indicator:
 # name: (limit, unit, meaning)
 LIMITS = {
     "time step": (1.0, "", "the explicit step over its stability bound"),
-    "energy error": (0.01, "", "largest error of the energy balance over the strike energy"),
+    "energy error": (0.005, "", "largest error of the energy balance over the strike energy"),
     "energy gained in contact": (0.008, "", "energy that a contact gave but never took, over the strike energy"),
     "viscous energy": (0.8, "", "viscous energy over the energy absorbed"),
     "formulation energy": (0.1, "", "work of the cell's forces that no potential stores, over the energy absorbed"),

@@ -40,7 +40,8 @@ not. A stable point that is flagged lies beyond a limit of the indicators that i
 REASONS = """Each limit lies between the values at points of a map that are right and at points that are wrong:
 
 - Time step: 1 is the bound.
-- Energy error: the guard stops a run at 5 %; right runs have below 0.1 %, random scenes up to 0.2 %.
+- Energy error: 0.5 % is what a run that ends normally may have (`make fuzz`); right points of the maps have below
+  0.1 %. The guard stops a run at 5 %.
 - Energy gained in contact: the guard stops a run at 1 %; right points of the map of the nose's contact have up to
   0.7 %.
 - Viscous energy: no map has a point that is wrong for too much viscosity (at a damping ratio of 0.8 peaks move by 4 %),

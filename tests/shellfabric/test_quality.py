@@ -61,6 +61,7 @@ class TestGuard:
             march.run()
         assert 150 < march.steps < 0.6 * march.last_step
         assert march.checks > 0
+        assert sum(map(len, march.fine)) == march.steps  # what was computed is kept
 
     def test_in_a_pack_too(self, panel):
         march = PackMarch(Pack.stacked(panel, 2), 150.0, 40e-6, interval=40e-6)

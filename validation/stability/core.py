@@ -9,7 +9,7 @@ between the last stable value and the first that is not. The margin is the ratio
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from math import sqrt
 
 from fabrics.errors import UnstableError
@@ -47,7 +47,7 @@ class Outcome:
     kind: str
     value: float | None = None
     told: str = ""
-    checks: tuple = ()
+    checks: tuple = field(default=(), compare=False)  # of the run itself; not in the map's table
 
 
 @dataclass(frozen=True)
