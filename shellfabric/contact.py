@@ -39,7 +39,7 @@ def memory(near, points, shares, friction):
     """What is kept from step to step of the elements near = (i0, i1, j0, j1), by the names that the kernels know."""
     count = (near[1] - near[0]) * (near[3] - near[2])
     return {
-        "pressed": np.zeros((count, contact_kernels.KEPT, shares.shape[2])),
+        "pressed": np.zeros((count, 4, shares.shape[2])),
         "touching": np.zeros(count, np.bool_),
         "stuck": np.zeros((count, points**2, 6) if friction > 0 else (0, 0, 6)),
         **{name: tuple(np.zeros((3, 0))) for name in FORESEEN},

@@ -44,10 +44,6 @@ from shellfabric.membrane_kernels import ERODED
 # of state.contact_energy: energies [J], and last the largest penetration [m] of a point of whole cloth so far
 CONTACT, SPRING, FRICTION, FRICTION_SPRING, DEEPEST = 0, 1, 2, 3, 4
 LEAST = 1e-30  # [N] force of a point of a nose that does not push yet
-JUMP = 0.1  # [edge radii] that a depth may change beside the motion
-# of state.pressed, a point: its force of the last step, size and components [N], its depth then, and how much of that
-# is slack [m]
-SIZE, FORCE, DEPTH, SLACK, KEPT = 0, 1, 4, 5, 7
 
 
 @kernel()
@@ -69,8 +65,12 @@ def follow(state, const):
 
     The body lies between its nose and the place where its axis is at const.depth below the panel; about that the window
     leaves const.reach, by which cloth may be drawn in besides the body's own width, and what the edges have slipped.
+    Nothing bounds how far a yarn that has failed is drawn in: then the window is the whole panel. Cloth from beyond
+    would be found by the window's next row when it is an edge radius deep, on springs that nobody has squeezed.
     """
-    slip = 0.0
+    torn, slip = False, 0.0
+    for block in range(state.thin.size):
+        torn = torn or state.thin[block] != 0
     for m in range(const.rim_node.size):
         slip = max(slip, abs(state.u[const.rim_axis[m]][const.rim_node[m]]))
     back = min((state.position[2] + const.depth) / const.frame[2, 2], const.length)
@@ -79,8 +79,8 @@ def follow(state, const):
         low, high = min(nose, foot) - start, max(nose, foot) - start
         low, high = low - const.reach[c] - slip, high + const.reach[c] + slip
         count = const.near[2 * c + 1]
-        state.window[2 * c] = min(max(int(low / step), 0), count)
-        state.window[2 * c + 1] = min(max(int(high / step) + 1, state.window[2 * c]), count)
+        state.window[2 * c] = 0 if torn else min(max(int(low / step), 0), count)
+        state.window[2 * c + 1] = count if torn else min(max(int(high / step) + 1, state.window[2 * c]), count)
     state.rows[0] = min(state.rows[0], max(state.window[0] - 2, 0))
     state.rows[1] = max(state.rows[1], min(state.window[1] + 2, const.ni))
 
@@ -206,7 +206,7 @@ def press(state, const, i, j, e, work):
         p_x, p_y, p_z = spline_kernels.between(shares, first, x)
         # below 0 within the cylinder's radius and behind the foremost point
         outside = most(p_z, fma(p_x, p_x, fma(p_y, p_y, 0.0 - const.R * const.R)))
-        if not some(above(most(load(last[0], first), most(load(last[DEPTH], first), 0.0 - outside)), 0.0)):
+        if not some(above(most(load(last[0], first), 0.0 - outside), 0.0)):
             continue
         if not hit:
             moving(state, const, i, j, work)
@@ -226,7 +226,7 @@ def press(state, const, i, j, e, work):
                 store(at[8 + 3 * n], 0, v_y)
                 store(at[9 + 3 * n], 0, v_z)
         for m in range(WIDTH):
-            if at[6, m] < 0.0 or last[0, first + m] != 0.0 or last[DEPTH, first + m] != 0.0:
+            if at[6, m] < 0.0 or last[0, first + m] != 0.0:
                 point_taken, point_spring = touch(state, const, i, j, e, first + m, m, shares, work)
                 taken += point_taken
                 spring += point_spring
@@ -260,17 +260,14 @@ def touch(state, const, i, j, e, number, m, shares, work):
     depth, n_x, n_y, n_z = shapes_kernels.distance(
         const.shape, at[0, m], at[1, m], at[2, m], const.R, const.rho, const.length, const.form
     )
-    if depth >= 0.0:
-        last[DEPTH, number] = last[SLACK, number] = 0.0
-        if before == 0.0:
-            return 0.0, 0.0
+    if depth >= 0.0 and before == 0.0:
+        return 0.0, 0.0
     part = 1.0
     if state.flag[k] != 0:
         part = cover(state, const, k, (number // const.points + 0.5) / const.points,
                      (number % const.points + 0.5) / const.points)  # fmt: skip
     if part == 0.0:
         last[0, number] = last[1, number] = last[2, number] = last[3, number] = 0.0
-        last[DEPTH, number] = last[SLACK, number] = 0.0
         if const.friction > 0.0:
             state.stuck[e, number] = 0.0
         return 0.0, 0.0
@@ -279,7 +276,6 @@ def touch(state, const, i, j, e, number, m, shares, work):
         n_x, n_y, n_z = turned_back(const.frame, n_x, n_y, n_z)
     v_x, v_y, v_z, f, spring = at[3, m], at[4, m], at[5, m], 0.0, 0.0
     if depth < 0.0:
-        depth += slack(const, last, number, -depth, -const.dt * (n_x * v_x + n_y * v_y + n_z * v_z))
         if const.firmer > 0.0:
             hard, drag = const.firmer * stiffness, math.sqrt(const.firmer) * damping
             away = n_x * (v_x + at[7, m]) + n_y * (v_y + at[8, m]) + n_z * (v_z + at[9, m])
@@ -291,7 +287,7 @@ def touch(state, const, i, j, e, number, m, shares, work):
             spring = 0.5 * stiffness * depth * depth
         state.touching[e] = True
         if part == 1.0:
-            state.contact_energy[DEEPEST] = max(state.contact_energy[DEEPEST], last[DEPTH, number])
+            state.contact_energy[DEEPEST] = max(state.contact_energy[DEEPEST], -depth)
     f_x, f_y, f_z = f * n_x, f * n_y, f * n_z
     both_x, both_y, both_z = f_x + last[1, number], f_y + last[2, number], f_z + last[3, number]
     taken = -0.5 * const.dt * (both_x * v_x + both_y * v_y + both_z * v_z)
@@ -308,18 +304,6 @@ def touch(state, const, i, j, e, number, m, shares, work):
     state.reaction[1] -= f_y
     state.reaction[2] -= f_z
     return taken, spring
-
-
-@kernel(forceinline=True)
-def slack(const, last, number, depth, made):
-    """How much of a point's `depth` [m], of which the last step's motion has `made` so much, has squeezed no spring."""
-    jump = depth - last[DEPTH, number] - made
-    if last[DEPTH, number] > 0.0: last[6, number] = jump
-    else: last[6, number] = jump + 1.0
-    if jump > JUMP * const.rho:
-        last[SLACK, number] = depth - max(last[DEPTH, number] - last[SLACK, number] + made, 0.0)
-    last[DEPTH, number], last[SLACK, number] = depth, min(last[SLACK, number], depth)
-    return last[SLACK, number]
 
 
 @kernel(forceinline=True)

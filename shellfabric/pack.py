@@ -45,8 +45,8 @@ _LEAST = (0.25, 1e-3)  # deflections that are looked at: of the gap, of the thic
 
 Pair = namedtuple(
     "Pair",
-    "foot going normal was slack status faceted until speed on_front on_rear front_touched rear_touched front_box rear_box "
-    "energy torn list tears rank form points start stiffness damping thickness apart least",
+    "foot going normal was slack status faceted until speed on_front on_rear front_touched rear_touched front_box "
+    "rear_box energy torn list tears rank form points start stiffness damping thickness apart least",
 )
 Stops = namedtuple(
     "Stops",

@@ -15,9 +15,10 @@ still be pushed back, and the harder; it is counted, and ends the run.
 Sides. Contact does not ask which way a normal points, but on which side of the cloth a point is: what comes near is on
 its own side, and stays there. Cloth that is drawn in until an element lies upside down has a normal that turns over
 within a step: a point 0.006 t deep was found 1.99 t deep, and thrown. So n points away from x as long as x cannot have
-come through, which takes a depth close to t in the step before, or a yarn that has just failed: the surface changes
-from the spline to facets on the other side of a bend. Then it goes on from the n of that step. In folds, on
-rims and where cloth is drawn to a line the normal says nothing of x - y, and n is its direction.
+come through, which takes a depth close to t in the step before, or a yarn that has just failed, or a foot that goes
+over from facets to the spline or back: the one surface is on the other side of x in a bend. Then n goes on from that of
+the step before. In folds, on rims and where cloth is drawn to a line the normal says nothing of x - y, and n is its
+direction.
 
 The foot follows from step to step by one step of Gauss and Newton; of a point that touches by one of Newton, from where
 the foot will be if it goes on as it did in the last step. From where it was, n is that of a step ago: a hundredth of an
@@ -42,7 +43,7 @@ each, and a shot was ended for it.
 
 Beside torn cloth feet get lost, so they are looked for anew, and elements are as long as the holes, so both plies have
 points there (`contact_back`), with half the stiffness each: the middle of an element behind otherwise goes through what
-hangs before it, between the points of that.
+hangs before it, between the points of that. Those behind begin without load, wherever they are found.
 
 Naive forms, for comparison: the nodes of the front ply against the bilinear facets of the rear one (FACETS), or against
 the node there, along z (NODES).

@@ -157,6 +157,17 @@ def test_a_window_that_follows_the_projectile_misses_nothing(small):
     assert followed.state.window[0] > panel.state(150.0).window[0]
 
 
+def test_the_window_is_the_whole_panel_once_a_yarn_has_failed(small):
+    """Nothing bounds how far a yarn without an end is drawn in: cloth from beyond the window was found under the nose
+    an edge radius deep, by a window that had moved on, and contact gave 5 % of the strike energy of an oblique shot."""
+    panel = small(symmetry="whole", projectile=shot("sphere", obliquity=radians(45)))
+    fired = fire(panel, 150.0, 10)
+    assert fired.state.window[0] > 0
+    fired.state.thin[0] = march_kernels.THINNED
+    march_kernels.advance(fired.state, panel.constants(), panel.work(), 1, np.empty((1, 3)))
+    np.testing.assert_array_equal(fired.state.window, [0, 24, 0, 24])
+
+
 # friction
 
 
