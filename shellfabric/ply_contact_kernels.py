@@ -15,9 +15,10 @@ still be pushed back, and the harder; it is counted, and ends the run.
 Sides. Contact does not ask which way a normal points, but on which side of the cloth a point is: what comes near is on
 its own side, and stays there. Cloth that is drawn in until an element lies upside down has a normal that turns over
 within a step: a point 0.006 t deep was found 1.99 t deep, and thrown. So n points away from x as long as x cannot have
-come through, which takes a depth close to t in the step before, or a yarn that has just failed: the surface changes
-from the spline to facets on the other side of a bend. Then it goes on from the n of that step. In folds, on
-rims and where cloth is drawn to a line the normal says nothing of x - y, and n is its direction.
+come through, which takes a depth close to t in the step before, or a yarn that has just failed, or a foot that goes
+over from facets to the spline or back: the one surface is on the other side of x in a bend. Then n goes on from that of
+the step before. In folds, on rims and where cloth is drawn to a line the normal says nothing of x - y, and n is its
+direction.
 
 The foot follows from step to step by one step of Gauss and Newton; of a point that touches by one of Newton, from where
 the foot will be if it goes on as it did in the last step. From where it was, n is that of a step ago: a hundredth of an
@@ -42,7 +43,7 @@ each, and a shot was ended for it.
 
 Beside torn cloth feet get lost, so they are looked for anew, and elements are as long as the holes, so both plies have
 points there (`contact_back`), with half the stiffness each: the middle of an element behind otherwise goes through what
-hangs before it, between the points of that.
+hangs before it, between the points of that. Those behind begin without load, wherever they are found.
 
 Naive forms, for comparison: the nodes of the front ply against the bilinear facets of the rear one (FACETS), or against
 the node there, along z (NODES).
@@ -246,7 +247,6 @@ def contact_back(front, fc, rear, rc, pair, step):
         for m in range(p * p):
             a, b = e // fc.nj + (m // p + pair.start) / p, e % fc.nj + (m % p + pair.start) / p
             energy, depth = touch(front, fc, rear, rc, pair, e * p * p + m, a, b, often)
-            pair.until[e * p * p + m] = 1.0
             spring += energy
             if depth > pair.energy[DEEPEST]:
                 pair.energy[DEEPEST], pair.energy[PLACE] = depth, e * p * p + m
@@ -357,8 +357,9 @@ def touch(front, fc, rear, rc, pair, q, a, b, often):
     touches = pair.status[q] == TOUCHING
     along, far, slant = n_x * x + n_y * y + n_z * z, math.sqrt(x * x + y * y + z * z), False
     turned, known = along > 0.0, 0.0  # what comes near does so on its own side
-    # so deep that it may come through, or has; or the surface has just changed from spline to facets
-    if touches and (pair.was[q] > (1.0 - CLOSE) * pair.thickness or pair.tears[2] != 0):
+    # so deep that it may come through, or has; or the surface has just changed from spline to facets, or back
+    other, pair.faceted[q] = pair.tears[2] != 0 or (pair.faceted[q] == 0) != whole, 0 if whole else 1
+    if touches and (pair.was[q] > (1.0 - CLOSE) * pair.thickness or other):
         known = n_x * pair.normal[0][q] + n_y * pair.normal[1][q] + n_z * pair.normal[2][q]
         turned = known < 0.0 if abs(known) > 0.5 else turned
     if turned and pair.form == SMOOTH:
@@ -430,13 +431,12 @@ def touch(front, fc, rear, rc, pair, q, a, b, often):
     moved = jump <= JUMP and pair.slack[q] <= (1.0 - CLOSE) * pair.thickness  # by motion, from a side that it had
     if touches and smooth and whole and depth > pair.thickness and left_x == 1.0 and left_y == 1.0 and moved:
         pair.energy[PASSED], pair.energy[WHERE] = pair.energy[PASSED] + 1.0, q
-    fresh = pair.apart < 0.0 and pair.until[q] == 0.0  # beside cloth that has just torn: takes over half of a spring
-    if smooth and (lost or abs(jump) > JUMP) and not fresh:
+    if smooth and (lost or abs(jump) > JUMP):
         kept = max(pair.was[q] - pair.slack[q] + (0.0 if lost else made), 0.0)
         softer = stiffened(pair, pair.slack[q]) / stiffened(pair, max(depth - kept, 0.0))
         pair.slack[q] = max(depth - kept * math.sqrt(softer), 0.0)
     elif not touches:
-        pair.slack[q] = depth if depth > 0.5 * pair.thickness and (fresh or pair.form == FACETS) else 0.0
+        pair.slack[q] = depth if depth > 0.5 * pair.thickness and pair.form == FACETS else 0.0
     elif sure:
         pair.going[0][q] = min(max(pair.foot[0][q] - before_a, -STEP), STEP)
         pair.going[1][q] = min(max(pair.foot[1][q] - before_b, -STEP), STEP)
