@@ -65,8 +65,12 @@ def follow(state, const):
 
     The body lies between its nose and the place where its axis is at const.depth below the panel; about that the window
     leaves const.reach, by which cloth may be drawn in besides the body's own width, and what the edges have slipped.
+    Nothing bounds how far a yarn that has failed is drawn in: then the window is the whole panel. Cloth from beyond
+    would be found by the window's next row when it is an edge radius deep, on springs that nobody has squeezed.
     """
-    slip = 0.0
+    torn, slip = False, 0.0
+    for block in range(state.thin.size):
+        torn = torn or state.thin[block] != 0
     for m in range(const.rim_node.size):
         slip = max(slip, abs(state.u[const.rim_axis[m]][const.rim_node[m]]))
     back = min((state.position[2] + const.depth) / const.frame[2, 2], const.length)
@@ -75,8 +79,8 @@ def follow(state, const):
         low, high = min(nose, foot) - start, max(nose, foot) - start
         low, high = low - const.reach[c] - slip, high + const.reach[c] + slip
         count = const.near[2 * c + 1]
-        state.window[2 * c] = min(max(int(low / step), 0), count)
-        state.window[2 * c + 1] = min(max(int(high / step) + 1, state.window[2 * c]), count)
+        state.window[2 * c] = 0 if torn else min(max(int(low / step), 0), count)
+        state.window[2 * c + 1] = count if torn else min(max(int(high / step) + 1, state.window[2 * c]), count)
     state.rows[0] = min(state.rows[0], max(state.window[0] - 2, 0))
     state.rows[1] = max(state.rows[1], min(state.window[1] + 2, const.ni))
 
