@@ -42,7 +42,7 @@ each, and a shot was ended for it.
 
 Beside torn cloth feet get lost, so they are looked for anew, and elements are as long as the holes, so both plies have
 points there (`contact_back`), with half the stiffness each: the middle of an element behind otherwise goes through what
-hangs before it, between the points of that.
+hangs before it, between the points of that. Those behind begin without load, wherever they are found.
 
 Naive forms, for comparison: the nodes of the front ply against the bilinear facets of the rear one (FACETS), or against
 the node there, along z (NODES).
@@ -246,7 +246,6 @@ def contact_back(front, fc, rear, rc, pair, step):
         for m in range(p * p):
             a, b = e // fc.nj + (m // p + pair.start) / p, e % fc.nj + (m % p + pair.start) / p
             energy, depth = touch(front, fc, rear, rc, pair, e * p * p + m, a, b, often)
-            pair.until[e * p * p + m] = 1.0
             spring += energy
             if depth > pair.energy[DEEPEST]:
                 pair.energy[DEEPEST], pair.energy[PLACE] = depth, e * p * p + m
@@ -430,13 +429,12 @@ def touch(front, fc, rear, rc, pair, q, a, b, often):
     moved = jump <= JUMP and pair.slack[q] <= (1.0 - CLOSE) * pair.thickness  # by motion, from a side that it had
     if touches and smooth and whole and depth > pair.thickness and left_x == 1.0 and left_y == 1.0 and moved:
         pair.energy[PASSED], pair.energy[WHERE] = pair.energy[PASSED] + 1.0, q
-    fresh = pair.apart < 0.0 and pair.until[q] == 0.0  # beside cloth that has just torn: takes over half of a spring
-    if smooth and (lost or abs(jump) > JUMP) and not fresh:
+    if smooth and (lost or abs(jump) > JUMP):
         kept = max(pair.was[q] - pair.slack[q] + (0.0 if lost else made), 0.0)
         softer = stiffened(pair, pair.slack[q]) / stiffened(pair, max(depth - kept, 0.0))
         pair.slack[q] = max(depth - kept * math.sqrt(softer), 0.0)
     elif not touches:
-        pair.slack[q] = depth if depth > 0.5 * pair.thickness and (fresh or pair.form == FACETS) else 0.0
+        pair.slack[q] = depth if depth > 0.5 * pair.thickness and pair.form == FACETS else 0.0
     elif sure:
         pair.going[0][q] = min(max(pair.foot[0][q] - before_a, -STEP), STEP)
         pair.going[1][q] = min(max(pair.foot[1][q] - before_b, -STEP), STEP)
