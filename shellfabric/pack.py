@@ -45,8 +45,8 @@ _LEAST = (0.25, 1e-3)  # deflections that are looked at: of the gap, of the thic
 
 Pair = namedtuple(
     "Pair",
-    "foot going normal was slack status until speed on_front on_rear front_touched rear_touched front_box rear_box "
-    "energy torn list tears rank form points start stiffness damping thickness apart least",
+    "foot going normal was slack status faceted until speed on_front on_rear front_touched rear_touched front_box "
+    "rear_box energy torn list tears rank form points start stiffness damping thickness apart least",
 )
 Stops = namedtuple(
     "Stops",
@@ -318,7 +318,7 @@ class Pack:
         return Pair(
             foot=tuple(np.pad(part.ravel(), (0, WIDTH)) for part in foot), going=(padded(), padded()),
             normal=(padded(), padded(), padded()), was=padded(), slack=padded(),
-            status=padded(np.uint8), until=padded(), torn=np.zeros(elements, np.uint8),
+            status=padded(np.uint8), faceted=padded(np.uint8), until=padded(), torn=np.zeros(elements, np.uint8),
             list=np.zeros(elements, np.int64), tears=np.zeros(3, np.int64),
             rank=np.arange(float(WIDTH)), speed=np.zeros(2),
             on_front=nodal(states[p]), on_rear=nodal(states[q]), front_touched=nothing(front),

@@ -15,9 +15,10 @@ still be pushed back, and the harder; it is counted, and ends the run.
 Sides. Contact does not ask which way a normal points, but on which side of the cloth a point is: what comes near is on
 its own side, and stays there. Cloth that is drawn in until an element lies upside down has a normal that turns over
 within a step: a point 0.006 t deep was found 1.99 t deep, and thrown. So n points away from x as long as x cannot have
-come through, which takes a depth close to t in the step before, or a yarn that has just failed: the surface changes
-from the spline to facets on the other side of a bend. Then it goes on from the n of that step. In folds, on
-rims and where cloth is drawn to a line the normal says nothing of x - y, and n is its direction.
+come through, which takes a depth close to t in the step before, or a yarn that has just failed, or a foot that goes
+over from facets to the spline or back: the one surface is on the other side of x in a bend. Then n goes on from that of
+the step before. In folds, on rims and where cloth is drawn to a line the normal says nothing of x - y, and n is its
+direction.
 
 The foot follows from step to step by one step of Gauss and Newton; of a point that touches by one of Newton, from where
 the foot will be if it goes on as it did in the last step. From where it was, n is that of a step ago: a hundredth of an
@@ -356,8 +357,9 @@ def touch(front, fc, rear, rc, pair, q, a, b, often):
     touches = pair.status[q] == TOUCHING
     along, far, slant = n_x * x + n_y * y + n_z * z, math.sqrt(x * x + y * y + z * z), False
     turned, known = along > 0.0, 0.0  # what comes near does so on its own side
-    # so deep that it may come through, or has; or the surface has just changed from spline to facets
-    if touches and (pair.was[q] > (1.0 - CLOSE) * pair.thickness or pair.tears[2] != 0):
+    # so deep that it may come through, or has; or the surface has just changed from spline to facets, or back
+    other, pair.faceted[q] = pair.tears[2] != 0 or (pair.faceted[q] == 0) != whole, 0 if whole else 1
+    if touches and (pair.was[q] > (1.0 - CLOSE) * pair.thickness or other):
         known = n_x * pair.normal[0][q] + n_y * pair.normal[1][q] + n_z * pair.normal[2][q]
         turned = known < 0.0 if abs(known) > 0.5 else turned
     if turned and pair.form == SMOOTH:

@@ -122,7 +122,7 @@ def touch8(front, fc, rear, rc, pair, q, i, j, count, nearer, now, due):
         remember(pair.going[1], q, where(steady, most(least(B2 - before_b, STEP), -STEP), 0.0), done, count)
         for m in range(count):
             if (done >> m) & 1:
-                pair.status[q + m] = TOUCHING if (pressed >> m) & 1 else FREE
+                pair.status[q + m], pair.faceted[q + m] = TOUCHING if (pressed >> m) & 1 else FREE, 0
     if pressed != 0:
         n, at = (n_x / size, n_y / size, n_z / size), (i, j, int(I0) - 1, int(J0) - 1)
         energy = press8(front, fc, rear, rc, pair, q, at, count, pressed, held, depth, n, wa, wb, tall)

@@ -347,6 +347,22 @@ def test_a_normal_that_turns_over_throws_nothing(ply):
     assert pair.energy[kernels.PASSED] == 0
 
 
+def test_a_point_keeps_its_side_where_the_surface_changes_its_form(ply):
+    """A foot goes over from facets, beside torn cloth, to the spline, on whose other side its point lies. It was held
+    from behind, and a ply came through."""
+    states, consts, pair = flat(ply)
+    n = pair.torn.size
+    side = pair.normal[2][:n].copy()
+    states[1].thin[:], states[1].flag[:] = 1, 1
+    placed(states, consts, pair, 0.3 * pair.thickness, 1)
+    np.testing.assert_allclose(pair.normal[2][:n], side)
+    states[1].thin[:], states[1].flag[:] = 0, 0
+    placed(states, consts, pair, 1.3 * pair.thickness, 2, moved=False)
+    assert (pair.status[:n] == kernels.TOUCHING).all()
+    np.testing.assert_allclose(pair.normal[2][:n], side)
+    assert pair.energy[kernels.PASSED] == 0
+
+
 def test_what_is_found_deep_is_not_thrown_but_held(ply):
     """A point that is found inside the thickness, beside a hole, begins without a force; none is let deeper."""
     states, consts, pair = flat(ply)
