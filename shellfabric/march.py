@@ -75,6 +75,7 @@ class March:
     measure, histories : what a histories.Recorder records, where there is one, and its rows
     outcome : "in flight", "stopped" or "perforated"
     checks : of the energy balance between audits (see `_chunk`)
+    exchange : share of the strike energy that may be exchanged from one check to the next; infinite for none
     monitor : quality.Monitor, what the quality indicators need besides the result
     passed : audits in a row that found no held cloth ahead of the nose (see `plug`); the second ends the run
     wall_time : [s] spent in the kernels that march
@@ -104,7 +105,7 @@ class March:
             self.behind = behind.Behind(panel.backing, panel, self.const)
             self.behind.follow(self.state)
         self.reason, self.wall_time = kernels.RUNNING, 0.0
-        self.passed, self.checks = 0, 0
+        self.passed, self.checks, self.exchange = 0, 0, EXCHANGE
         self._zero = self._rest = 0.0
         self.monitor = quality.Monitor(self)
         self._audit()
@@ -143,7 +144,7 @@ class March:
     @property
     def _allowed(self):
         """[J] energy that the modelled part may exchange between two checks of the energy balance."""
-        return EXCHANGE * self.strike_energy * self.panel.share
+        return self.exchange * self.strike_energy * self.panel.share
 
     def sample(self, name):
         """(n,) one column of the samples."""
@@ -219,7 +220,8 @@ class March:
             others.submit(kernels.follow, self.state, self.const, work, self._shared, me, self.threads)
 
     def advance(self, fine):
-        """Make as many steps as there are rows in `fine`, or fewer where the run ends: (steps made, why)."""
+        """Make as many steps as there are rows in `fine`, or fewer where the run ends or a check of the energy is due:
+        (steps made, why)."""
         if self.behind is not None:
             return self._advance_backed(fine)
         work, allowed = self._work, self._allowed

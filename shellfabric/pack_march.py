@@ -22,7 +22,7 @@ from shellfabric import (
 )
 from shellfabric import march_kernels as kernels
 from shellfabric.contact_kernels import CONTACT, FRICTION
-from shellfabric.march import ENERGIES, March, fastest, gift
+from shellfabric.march import ENERGIES, EXCHANGE, March, fastest, gift
 from shellfabric.pack import Pack, lists
 from shellfabric.plug import passed
 
@@ -81,7 +81,7 @@ class PackMarch(March):
             self.behind = behind.Behind(self.panel.backing, pack.plies[-1], self.consts[-1])
             self.behind.follow(self.states[-1])
         self.reason, self.wall_time = kernels.RUNNING, 0.0
-        self.passed, self.checks = 0, 0
+        self.passed, self.checks, self.exchange = 0, 0, EXCHANGE
         self.monitor = quality.Monitor(self)
         self._zero, self._rest = 0.0, np.zeros(len(pack.plies))
         self._audit()

@@ -38,6 +38,7 @@ class Stack:
 
     def __init__(self, ply, count, torn, place=PLACE):
         self.march = PackMarch(Pack.stacked(ply, count, gap=0.0), 1.0, 1.0)
+        self.march.exchange = np.inf  # no checks between the steps
         self.march.advance(np.empty((0, 3)))
         self.const, self.states, self.stops = self.march.const, self.march.states, self.march.stops
         self.k = place[0] * self.const.s + place[1]

@@ -242,6 +242,7 @@ def pierced(x, a, b, c):
 
 def count(march, end, near, begin=0.0):
     """Passages of a march from `begin` to `end` [s], or until it ends: (those for good, those undone at once)."""
+    march.exchange = np.inf  # the steps are made here one by one, whatever is exchanged
     march.advance(np.empty((0, 3)))
     if begin:
         march.advance(np.empty((round(begin / march.const.dt), 3)))
