@@ -7,14 +7,20 @@ N ?= 1000
 # one BLAS thread a process: the work is shared out over processes instead
 RUN = OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(VENV)/bin/python -m
 
+# in processes of their own: each loads other libraries, and memory that compiled code takes is not given back
+APART = tests/meshing tests/validation tests/weavecell
+QUICK = $(RUN) pytest -n $(JOBS) --dist loadfile -m "not slow"
+
 .PHONY: demo test test-slow validate fuzz lint figures charts setup clean
 
 demo: setup  ## S-720: 3D crossover, calibration and four impacts, with a report in results/demo
 	$(RUN) weavecell demo --out $(RESULTS)/demo
 
 test: setup lint  ## everything but the long validation runs
-	$(RUN) pytest -n $(JOBS) --dist loadfile -m "not slow" --ignore=tests/weavecell
-	$(RUN) pytest -n $(JOBS) --dist loadfile -m "not slow" tests/weavecell
+	$(QUICK) $(APART:%=--ignore=%)
+	$(QUICK) tests/meshing
+	$(QUICK) tests/validation
+	$(QUICK) tests/weavecell
 
 test-slow: setup  ## the long tests, the published outcomes among them; each process takes the next as it gets free
 	$(RUN) pytest -n $(JOBS) --dist load --maxschedchunk 1 -m slow

@@ -14,7 +14,7 @@ import os
 import pickle
 import subprocess
 import sys
-from importlib import import_module
+from pkgutil import resolve_name
 
 from numba import types
 from numba.core.caching import FunctionCache
@@ -61,7 +61,7 @@ def compiled_apart(function, kinds):
 def child():
     """Compile the kernel named on the standard input, and write it to the cache; the work of the child process."""
     module, name, kinds = pickle.load(sys.stdin.buffer)
-    kernel = getattr(import_module(module), name.removesuffix(TWIN))
+    kernel = resolve_name(f"{module}:{name.removesuffix(TWIN)}")
     if name.endswith(TWIN):
         kernel = kernel._entry()
     kernel._cache.__class__ = FunctionCache  # here and now

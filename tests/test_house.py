@@ -72,7 +72,7 @@ def imports_by_computed_names(root):
     return [
         f"{name} imports by a computed name, past the other rules"
         for name, path in sources(root).items()
-        if name not in BY_NAME and re.search(r"\bimport_module\b|__import__", path.read_text("utf-8"))
+        if name not in BY_NAME and re.search(r"\b(import_module|resolve_name)\b|__import__", path.read_text("utf-8"))
     ]
 
 
