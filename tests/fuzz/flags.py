@@ -31,10 +31,11 @@ OUTSIDE = {"newton": "a method of the thesis that is not used", "plies": "no key
 SLOW = 60.0  # [s] of CPU time after which a random scene is given up
 HEAD = """# What the quality checks flag
 
-Every run evaluates quality indicators, each with a limit (`shellfabric/quality.py`), and is "doubtful" if one of them
-is beyond it. Here they are put to the test: on every point of the maps of [stability.md](stability.md) that end quietly
-with a wrong answer, which they should flag, and on examples and random scenes at default settings, which they should
-not. A stable point that is flagged lies beyond a limit of the indicators that is narrower than the map's.
+Impacts, coupons, searches of a critical velocity and pulled yarns evaluate quality indicators, each with a limit
+(`shellfabric/quality.py`), and are "doubtful" if one of them is beyond it. Here they are put to the test: on every
+point of the maps of [stability.md](stability.md) that end quietly with a wrong answer, which they should flag, and on
+examples and random scenes at default settings, which they should not. A stable point that is flagged lies beyond a
+limit of the indicators that is narrower than the map's.
 
 The limits were last changed after a look at the random scenes of the seed `checks`; scenes of other seeds were drawn
 afterwards. The target is at most 2 % of examples and random scenes."""
