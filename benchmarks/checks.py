@@ -13,11 +13,12 @@ import statistics
 import time
 
 from fabrics import catalogue
-from shellfabric import contact_kernels, march_kernels
-from shellfabric.cell import CellModel
-from shellfabric.compiled import entry
-from shellfabric.march import March
-from shellfabric.panel import Numerics, Panel
+from shellfabric.cell.model import CellModel
+from shellfabric.jit.compile import entry
+from shellfabric.panel import step_kernels as panel_step_kernels
+from shellfabric.panel.model import Numerics, Panel
+from shellfabric.panel.solver import March
+from shellfabric.projectile import contact_kernels
 
 
 @entry()
@@ -26,7 +27,7 @@ def many(state, times):
     exchanged, before = 0.0, 0.0
     for _ in range(times):
         state.contact_energy[contact_kernels.CONTACT] += 1.0
-        now = march_kernels.worked(state)
+        now = panel_step_kernels.worked(state)
         exchanged, before = exchanged + abs(now - before), now
     return exchanged
 
@@ -39,7 +40,7 @@ def shares(panel, velocity, interval):
     start = time.process_time()
     march.run()
     total = time.process_time() - start
-    march_kernels.worked(march.state)
+    panel_step_kernels.worked(march.state)
     many(march.state, 1)
     start = time.process_time()
     many(march.state, 100_000)

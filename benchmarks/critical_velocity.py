@@ -21,8 +21,8 @@ from pathlib import Path
 from shell import machine
 
 from fabrics import catalogue
-from shellfabric import limit
-from shellfabric.impact import ImpactSetup
+from shellfabric.impact import ballistic_limit
+from shellfabric.impact.single_ply import ImpactSetup
 
 FABRICS = ("S-720", "S-726", "S-727", "S-728", "S-731", "S-745")
 
@@ -32,7 +32,7 @@ def bisect(fabric, workers):
     wall, cpu = time.perf_counter(), time.process_time()
     panel = ImpactSetup(fabric, 1.0).panel()
     table = time.perf_counter() - wall
-    found = limit.critical_velocity(panel, workers=workers)
+    found = ballistic_limit.critical_velocity(panel, workers=workers)
     return found, (table, time.perf_counter() - wall, time.process_time() - cpu)
 
 
@@ -58,7 +58,7 @@ def main():
     arguments.add_argument("--repeats", type=int, default=3)
     arguments.add_argument("--out", type=Path)
     chosen = arguments.parse_args()
-    limit.shoot(ImpactSetup(catalogue.load("S-720").effective(), 1.0).panel(), [200.0])
+    ballistic_limit.shoot(ImpactSetup(catalogue.load("S-720").effective(), 1.0).panel(), [200.0])
     report = {"machine": machine() | {"cores_used": chosen.workers}, "fabrics": {}}
     for name in chosen.fabrics:
         report["fabrics"][name] = measure(name, chosen.workers, chosen.repeats)

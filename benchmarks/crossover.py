@@ -18,12 +18,12 @@ from pathlib import Path
 
 from fabrics import catalogue
 from meshing import crossover as mesher
-from unitcell3d import cases
-from unitcell3d.linear import DirectSolver
-from unitcell3d.model import CrossoverModel, Load
-from unitcell3d.newton import Newton
-from unitcell3d.stepping import at_rest, visit
-from unitcell3d.surface import sample
+from unitcell3d.assembly.linear_solver import DirectSolver
+from unitcell3d.cases import biaxial_and_platens
+from unitcell3d.identify.response_surface import sample
+from unitcell3d.model.crossover import CrossoverModel, Load
+from unitcell3d.solver.load_stepping import at_rest, visit
+from unitcell3d.solver.newton import Newton
 
 RATIOS = ((1, 1), (1, 0), (0, 1))
 SWEEP = 50  # solves up a path and down again in the measurement of memory
@@ -35,12 +35,12 @@ def paths(fabric, size):
     factor = DirectSolver.factor
     DirectSolver.factor = lambda solver: (taken.append(1), factor(solver))
     mesh = mesher.build(fabric, size=size)
-    cases.biaxial(mesh, fabric, (1, 1), reach=1e-6)  # compiled before the clock starts
+    biaxial_and_platens.biaxial(mesh, fabric, (1, 1), reach=1e-6)  # compiled before the clock starts
     rows = []
     for ratio in RATIOS:
         taken.clear()
         wall, cpu = time.perf_counter(), time.process_time()
-        history = cases.biaxial(mesh, fabric, ratio)
+        history = biaxial_and_platens.biaxial(mesh, fabric, ratio)
         rows.append(
             {
                 "ratio": ratio,

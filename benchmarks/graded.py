@@ -23,11 +23,11 @@ from shell import machine
 
 from fabrics import catalogue
 from fabrics.errors import InputError
-from shellfabric import march_kernels
-from shellfabric.cell import CellModel
-from shellfabric.limit import critical_velocity
-from shellfabric.march import March
-from shellfabric.panel import Numerics, Panel
+from shellfabric.cell.model import CellModel
+from shellfabric.impact.ballistic_limit import critical_velocity
+from shellfabric.panel import step_kernels as panel_step_kernels
+from shellfabric.panel.model import Numerics, Panel
+from shellfabric.panel.solver import March
 
 ZONES = {
     "1": None,
@@ -121,9 +121,9 @@ def behind(table, zones, crossovers):
     at = lambda x: np.clip(x - start, -half, half)  # noqa: E731
     state.u[0][: X.size] = (0.01 * X + 1e-6 * np.cos(k * at(X)) ** 2).ravel()
     state.v[0][: X.size] = (speed * 1e-6 * k * np.sin(2 * k * at(X + 0.5 * speed * const.dt))).ravel()
-    march_kernels.first_forces(state, const, work)
+    panel_step_kernels.first_forces(state, const, work)
     steps = int((100 + crossovers) * d / speed / const.dt)
-    march_kernels.advance(state, const, work, steps, np.empty((steps, 3)))
+    panel_step_kernels.advance(state, const, work, steps, np.empty((steps, 3)))
     kinetic = (state.mass[: X.size] * state.v[0][: X.size] ** 2).reshape(X.shape).sum(axis=1)
     return float(kinetic[X[:, 0] < 99 * d].sum() / kinetic.sum())
 

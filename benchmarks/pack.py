@@ -24,10 +24,10 @@ from shell import END, machine, one_core
 from shell import march as march_single
 
 from fabrics import catalogue
-from shellfabric.cell import CellModel
-from shellfabric.pack import Pack, lists
-from shellfabric.pack_march import PackMarch
-from shellfabric.panel import Numerics, Panel
+from shellfabric.cell.model import CellModel
+from shellfabric.panel.model import Numerics, Panel
+from shellfabric.plies.model import Pack, lists
+from shellfabric.plies.solver import PackMarch
 
 LONG = 400e-6
 

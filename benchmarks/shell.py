@@ -28,11 +28,11 @@ import numba
 import numpy as np
 
 from fabrics import catalogue
-from shellfabric import march_kernels
-from shellfabric.cell import CellModel
-from shellfabric.limit import critical_velocity, shoot
-from shellfabric.march import March
-from shellfabric.panel import Numerics, Panel
+from shellfabric.cell.model import CellModel
+from shellfabric.impact.ballistic_limit import critical_velocity, shoot
+from shellfabric.panel import step_kernels as panel_step_kernels
+from shellfabric.panel.model import Numerics, Panel
+from shellfabric.panel.solver import March
 
 END = 250e-6
 FORMS = ("equilibrium", "variational")
@@ -73,9 +73,9 @@ def march(panel, strike_velocity, steps, everywhere):
     if everywhere:
         state.rows[:] = 0, const.ni
     fine = np.empty((max(steps, FIRST), 3))
-    march_kernels.advance(state, const, work, FIRST if everywhere else 0, fine)
+    panel_step_kernels.advance(state, const, work, FIRST if everywhere else 0, fine)
     wall, cpu = time.perf_counter(), time.process_time()
-    made, _ = march_kernels.advance(state, const, work, steps, fine)
+    made, _ = panel_step_kernels.advance(state, const, work, steps, fine)
     return (time.perf_counter() - wall) / made * steps, (time.process_time() - cpu) / made * steps
 
 
@@ -99,10 +99,10 @@ def measure(panel, repeats, steps=None, everywhere=False):
 def audit(panel, repeats=50):
     """ns per element of the energies of one audit, of which a run has one every 2 us."""
     state, const, out = panel.state(92.5), panel.constants(), np.empty(5)
-    march_kernels.energies(state, const, out)
+    panel_step_kernels.energies(state, const, out)
     cpu = time.process_time()
     for _ in range(repeats):
-        march_kernels.energies(state, const, out)
+        panel_step_kernels.energies(state, const, out)
     return round((time.process_time() - cpu) / repeats * 1e9 / panel.elements, 1)
 
 

@@ -21,11 +21,11 @@ import numpy as np
 
 from meshing import grid
 from meshing.box import transfinite_box
-from meshing.closing import Closing
 from meshing.inputs import YARNS
+from meshing.linear_material import RestMaterial
 from meshing.overlap import least_gap
 from meshing.quality import scaled_jacobian
-from meshing.rest import RestMaterial
+from meshing.section_fit import Closing
 
 SURFACES = ("contact", "plate", "tip")  # the other named faces are ends and symmetry planes: groups of nodes
 

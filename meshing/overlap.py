@@ -1,9 +1,10 @@
 """What the meshed surfaces of crossing yarns leave between them: the least gap of their facets, negative where they
 overlap.
 
-`meshing.closing` makes the smooth sections touch. The mesh has flat facets between nodes on them, whose sag is of order
-two in the element size. Seen from above, the nodes of both surfaces stand on lines along x and y: on the grid of all
-these lines both surfaces are bilinear between the same lines, so their least distance in z is found at a grid point.
+`meshing.section_fit` makes the smooth sections touch. The mesh has flat facets between nodes on them, whose sag is of
+order two in the element size. Seen from above, the nodes of both surfaces stand on lines along x and y: on the grid of
+all these lines both surfaces are bilinear between the same lines, so their least distance in z is found at a grid
+point.
 """
 
 from __future__ import annotations

@@ -10,7 +10,7 @@ The patch ends between crossings, on the plane z = 0 where the centrelines turn.
 each other: 2 x 2 is the unit cell of four crossovers.
 
 A yarn that is over here and under there cannot be moved away from both neighbours as a rigid body, so an overlap is
-removed from the sections alone, and a gap is left open (`meshing.closing`).
+removed from the sections alone, and a gap is left open (`meshing.section_fit`).
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ import numpy as np
 from meshing import inputs
 from meshing.inputs import YARNS
 from meshing.mesh import Strand, YarnMesh, assemble, place
-from meshing.plan import Plan, mirrored
+from meshing.mesh_plan import Plan, mirrored
 
 
 @dataclass(frozen=True, eq=False)

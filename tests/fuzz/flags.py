@@ -1,4 +1,4 @@
-"""What the quality indicators (`shellfabric.quality`) flag: of the maps' points, of the examples, of random scenes.
+"""What the quality indicators (`shellfabric.panel.quality`) flag: of maps, examples and random scenes.
 
     python -m tests.fuzz.flags --page docs/checks.md [--map NAME ...] [--scenes 200] [--seed checks]
 
@@ -17,13 +17,15 @@ from pathlib import Path
 
 from fabrics.errors import UnstableError, WeavecellError
 from fabrics.files import write_whole
-from shellfabric import impact, pack_impact
-from shellfabric.quality import LIMITS
+from shellfabric.impact import pack as impact_pack
+from shellfabric.impact import single_ply
+from shellfabric.panel.quality import LIMITS
 from tests.fuzz import scenes
-from validation.charts.tables import markdown
-from validation.stability import study
-from validation.stability.core import STABLE, WRONG
-from weavecell import case, scene
+from validation.verification.cost_accuracy.tables import markdown
+from validation.verification.stability import study
+from validation.verification.stability.core import STABLE, WRONG
+from weavecell.scenes import build
+from weavecell.scenes import impact as scenes_impact
 
 # maps with points that end quietly wrong; the product has no way to what OUTSIDE names
 MAPS = ("time-step", "viscosity", "hourglass", "penalty", "edge-radius", "newton", "printed-law", "bars", "plies")
@@ -32,10 +34,10 @@ SLOW = 60.0  # [s] of CPU time after which a random scene is given up
 HEAD = """# What the quality checks flag
 
 Impacts, coupons, searches of a critical velocity and pulled yarns evaluate quality indicators, each with a limit
-(`shellfabric/quality.py`), and are "doubtful" if one of them is beyond it. Here they are put to the test: on every
-point of the maps of [stability.md](stability.md) that end quietly with a wrong answer, which they should flag, and on
-examples and random scenes at default settings, which they should not. A stable point that is flagged lies beyond a
-limit of the indicators that is narrower than the map's.
+(`shellfabric/panel/quality.py`), and are "doubtful" if one of them is beyond it. Here they are put to the test: on
+every point of the maps of [stability.md](stability.md) that end quietly with a wrong answer, which they should flag,
+and on examples and random scenes at default settings, which they should not. A stable point that is flagged lies beyond
+a limit of the indicators that is narrower than the map's.
 
 The limits were last changed after a look at the random scenes of the seed `checks`; scenes of other seeds were drawn
 afterwards. The target is at most 2 % of examples and random scenes."""
@@ -80,14 +82,14 @@ def of_scene(path):
         if time.process_time() - began > SLOW:
             raise TimeoutError
 
-    asked, _ = scene.load(path)
-    setup = case.setup(case.build(asked, path, path.stem), path)
+    asked, _ = scenes_impact.load(path)
+    setup = build.setup(build.build(asked, path, path.stem), path)
     setup = replace(setup, numerics=replace(setup.numerics, threads=1), snapshot_interval=None)
     if asked.panel.plies > 1:
-        pack = pack_impact.PackSetup(setup, asked.panel.plies, asked.panel.stacking, asked.panel.gap)
-        result = pack_impact.run(pack, hooks=(watch,))
+        pack = impact_pack.PackSetup(setup, asked.panel.plies, asked.panel.stacking, asked.panel.gap)
+        result = impact_pack.run(pack, hooks=(watch,))
     else:
-        result = impact.run(setup, hooks=(watch,))
+        result = single_ply.run(setup, hooks=(watch,))
     return [path.stem, result.outcome, [str(one) for one in result.checks if not one.ok]]
 
 

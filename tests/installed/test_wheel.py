@@ -176,7 +176,7 @@ def test_every_command_is_run_here():
     """The list above is complete: a new command goes into it, or needs PETSc."""
     from typer.main import get_command
 
-    from weavecell.cli import app
+    from weavecell.cli.app import app
 
     assert set(get_command(app).commands) == {line.split()[0] for line in COMMANDS[1:]} | NEED_PETSC
 

@@ -7,7 +7,7 @@ import pytest
 
 from fabrics import catalogue
 from fabrics.errors import InputError
-from meshing.closing import CLOSEST_PACKING, SHIFT_LIMIT, Closing, close
+from meshing.section_fit import CLOSEST_PACKING, SHIFT_LIMIT, Closing, close
 
 WOVEN = ("S-720", "S-726", "S-727", "S-728", "S-731", "S-745")
 ALL = [(name, kind) for name in WOVEN for kind in ("sine", "ellipse")]

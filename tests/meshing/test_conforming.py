@@ -8,8 +8,8 @@ import pytest
 from fabrics import catalogue
 from fabrics.errors import InputError
 from meshing import crossover as mesher
-from meshing.closing import CLOSEST_PACKING, close
 from meshing.conforming import conform
+from meshing.section_fit import CLOSEST_PACKING, close
 
 NAMES = catalogue.names()
 

@@ -5,8 +5,8 @@ from dataclasses import replace
 import pytest
 
 from fabrics import catalogue
-from shellfabric.cell import CellModel
-from shellfabric.panel import Panel
+from shellfabric.cell.model import CellModel
+from shellfabric.panel.model import Panel
 
 
 @pytest.fixture(scope="session")

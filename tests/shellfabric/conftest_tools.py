@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from shellfabric import march_kernels
+from shellfabric.panel import step_kernels as panel_step_kernels
 
 
 def bring(panel, state, x):
@@ -11,7 +11,7 @@ def bring(panel, state, x):
     rest = np.stack([X, Y, np.zeros_like(X)], axis=-1)
     for c in range(3):
         state.u[c][: X.size] = (x - rest)[..., c].ravel()
-    march_kernels.first_forces(state, panel.constants(), panel.work())
+    panel_step_kernels.first_forces(state, panel.constants(), panel.work())
     return state
 
 

@@ -9,9 +9,9 @@ import ufl
 from scipy import sparse
 from scipy.sparse.linalg import splu
 
-from unitcell3d.compat import Assembler, HexSpace
-from unitcell3d.contact import FacingSurfaces
-from unitcell3d.model import Numerics
+from unitcell3d.assembly.compat import Assembler, HexSpace
+from unitcell3d.contact.surfaces import FacingSurfaces
+from unitcell3d.model.crossover import Numerics
 
 SOFTENINGS = (1e-3, 1e-2, 0.1, 1.0)
 
@@ -107,7 +107,7 @@ class Blocks:
 
     def pressures(self, yarn):
         """Positions (s, 2) and contact pressure (s,) [Pa] at the nodes of one face: both passes, over their areas."""
-        from unitcell3d.contact import tributary_areas
+        from unitcell3d.contact.surfaces import tributary_areas
 
         grid = self.grids[0][:, :, 0] if yarn == 0 else self.grids[1][:, :, -1]
         areas = tributary_areas(self.points, grid).ravel()

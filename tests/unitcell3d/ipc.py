@@ -10,7 +10,7 @@ import numpy as np
 from scipy import sparse
 from scipy.sparse.linalg import splu
 
-from unitcell3d.model import CrossoverModel, Load
+from unitcell3d.model.crossover import CrossoverModel, Load
 
 UNIT = 1e-4  # m
 # Sums over threads come in any order, and in one run of several on a busy machine the iteration found no equilibrium.

@@ -2,7 +2,7 @@
 
 import pytest
 
-from weavecell import cli
+from weavecell.cli import app
 
 
 @pytest.fixture
@@ -12,7 +12,7 @@ def command(capsys, tmp_path, monkeypatch):
 
     def run(*words):
         with pytest.raises(SystemExit) as leaving:
-            cli.main([str(word) for word in words])
+            app.main([str(word) for word in words])
         out, err = capsys.readouterr()
         return leaving.value.code, out, err
 

@@ -1,0 +1,91 @@
+"""From what is asked to what is meshed: crimp, closed sections, element numbers. The same for crossover and patch."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from fabrics.weave import Weave
+from meshing import grid, inputs
+from meshing.linear_material import at_rest
+from meshing.section_fit import Closing, close
+
+
+@dataclass(frozen=True)
+class Plan:
+    """What both kinds of mesh are built from.
+
+    Parameters
+    ----------
+    fabric : str
+    weave : Weave, with the crimp asked for
+    closing : Closing
+    size : (nx, ny, nz) hexahedra along, across and through a quarter of each yarn
+    materials : (RestMaterial, RestMaterial)
+    end_shells : [m] or None
+    """
+
+    fabric: str
+    weave: Weave
+    closing: Closing
+    size: tuple[int, int, int]
+    materials: tuple
+    end_shells: float | None
+
+    @classmethod
+    def of(cls, fabric, *, size, section, gap, width, bluntness, overlap, crimp, end_shells, shift) -> Plan:
+        """Check and resolve a request (the keywords of `crossover.build`); `shift`: a rigid shift is possible.
+
+        Raises
+        ------
+        InputError : a value is not allowed, or the sections overlap and this is refused or cannot be solved
+        """
+        inputs.one_of("overlap", overlap, ("solve", "refuse"))
+        inputs.thickness("end_shells", end_shells)
+        weave = inputs.crimped(fabric, crimp).weave
+        closing = close(
+            fabric.section if section is None else section,
+            inputs.widths(weave, gap, width),
+            inputs.fractions(fabric),
+            weave,
+            bluntness,
+            prescribed=width is not None,
+            overlap=overlap,
+            shift=shift,
+        )
+        size = inputs.size(size, weave.w, closing.sections)
+        materials = tuple(at_rest(*parts) for parts in zip(weave.yarns, fabric.solids, closing.Vf0))
+        return cls(fabric.name, weave, closing, size, materials, end_shells)
+
+    def along(self, family):
+        """(nx+1,) [m] places of the mesh planes from the crossing to the end of the cell."""
+        return np.linspace(0, self.weave.w[family], self.size[0] + 1)
+
+    def across(self, family, whole):
+        """Places across (ny+1,) [m], heights (ny+1, nz+1) [m] and bar areas (ny+1, nz+1) [m2] of a section."""
+        y = self.closing.sections[family].stations(self.size[1])
+        if whole:
+            y = mirrored(y)
+        heights = self.closing.sections[family].half_thickness(y)[:, None] * np.linspace(-1, 1, self.size[2] + 1)
+        weight = grid.tributary_areas(y, heights)
+        return y, heights, weight / weight.sum() * (1.0 if whole else 0.5) * self.weave.yarns[family].A_s
+
+    def fields(self) -> dict:
+        """Those fields of a `YarnMesh` that do not depend on its extent."""
+        weave = self.weave
+        return {
+            "fabric": self.fabric,
+            "w": weave.w,
+            "h0": weave.h0,
+            "S0": weave.S0,
+            "fibre_area": tuple(yarn.A_s for yarn in weave.yarns),
+            "closing": self.closing,
+            "materials": self.materials,
+            "end_shells": self.end_shells,
+        }
+
+
+def mirrored(half):
+    """Places (2 n + 1,) on both sides of zero, from those (n + 1,) on one."""
+    return np.concatenate([-half[:0:-1], half])

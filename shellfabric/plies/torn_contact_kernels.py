@@ -1,0 +1,409 @@
+"""What torn cloth may not do: go through other cloth, of the next ply or through its holes of one further on.
+
+The contact of neighbouring plies (`ply_contact_kernels`) is one of surfaces with a side to each, followed from step to
+step. Torn cloth has edges, is drawn to lines and turns over, and through a hole it meets plies that it has no foot on.
+So beside torn cloth what is about to happen is looked at as well: with all forces of a step known, so are the places
+x' = x + dt v' of the next one. The middle of an element that would then be on the other side of a facet of another ply,
+or nearer to it than `gap`, gets the force along the normal n of the facet that keeps it off, and its nodes and those of
+the facet share it by their weights w, so that momentum is kept:
+
+    f = (h - h') / (dt^2 sum w^2 / m),     h' = +-n.(x' - y')
+
+h' counts from the side on which the point is; h is the gap, or a tenth of it more than the present distance where that
+is less. It is the least that prevents the passage, takes the speed of approach away, and gives none back. What one
+force does another may undo, so all are gone through again until none is missing, or _ROUNDS times, and from round to
+round less of the gap is asked for.
+
+Looked at are the elements about torn ones, of the ply itself and of those next to it, against the other ply next to it
+and against those behind that where all plies between them are torn. A facet is the four triangles between the nodes of
+an element and its middle. Through a hole, where warp and weft next to the place are gone, a point may go. Where the
+cloth of the next ply is whole it is left to their contact, whose surface lies on the inside of bends, the nodes on the
+outside. What by that contact has come through, as when a yarn fails beside a point between the two, may go back.
+
+Which facets are near a point: the facets of a ply are entered in a raster as wide as its elements, in every cell that
+their boxes reach into within the step.
+
+The work is told as that of all contact of plies is, half a step's of the old forces and half a step's of the new.
+"""
+
+import numpy as np
+
+from shellfabric.cloth import spline_kernels
+from shellfabric.cloth.membrane_kernels import ERODED
+from shellfabric.jit.borrowed_list import item
+from shellfabric.jit.compile import kernel
+from shellfabric.panel.step_kernels import FAILURES
+from shellfabric.plies.contact_kernels import note, settle, symmetric
+from shellfabric.plies.contact_simd_kernels import TOUCHING
+
+TAKEN, HELD, MISSED = 0, 1, 2  # of stops.energy; how often something was held, and how often not for good
+ELEMENTS, NODES, ENTRIES = range(3)  # of stops.count: what is looked at of a ply, and what is in its raster
+SLOTS, NI, NJ, MIRROR_X, MIRROR_Y = range(5)  # of stops.shape
+TORN, WHOLE = 1, 2  # of stops.mark: an element that is looked at, and one of whole cloth
+PAD = 4  # cells of the raster beyond the panel's edges
+_ABOUT, _FAR = 3, 2  # elements about torn ones, plies whose tears count
+_ROUNDS = 24
+_SLOWLY = 0.1  # [gaps] by which what is nearer than the gap is moved in a step
+_WIDEST = 20  # [cells] of a facet that is entered; a wider one is noted as missed
+_WIDER = 4  # [gaps] about a facet, in which what it may meet is looked for
+_TOUCH = 0.02  # of a triangle, beyond its sides
+
+
+@kernel(_nrt=False)
+def restrain(states, consts, pairs, stack, stops):
+    """Forces that keep torn cloth from passing through other plies in the coming step, into stops.force."""
+    failures = 0
+    for p in range(len(states)):
+        failures += stack.counters[p, FAILURES]
+    if failures == 0:
+        return
+    taken = 0.0
+    if failures != stops.tears[0]:
+        stops.tears[0] = failures
+        for p in range(len(states)):
+            zone(states, consts, stack, stops, p)
+    for p in range(len(states)):
+        if stops.touched[p, 0] < stops.touched[p, 1]:
+            taken -= settle(item(states, p), item(consts, p), stops.force[p], stops.touched[p], True)
+        if stops.count[p, ELEMENTS] > 0:
+            foresee(states, consts, pairs, stops, p)
+            enter(stops, p)
+    count, half = 0, len(pairs) // 2
+    for p in range(len(states)):
+        for way in (-1, 1):
+            q = p + way
+            while 0 <= q < len(states):
+                if stops.count[p, ELEMENTS] > 0 and stops.count[q, ELEMENTS] > 0:
+                    pair = item(pairs, min(p, q) + (half if q < p else 0)) if abs(p - q) == 1 else item(pairs, 0)
+                    count = gather(stops, pair, p, q, count)
+                if stack.counters[q, FAILURES] == 0:
+                    break
+                q += way
+    keep_off(stops, count)
+    for p in range(len(states)):
+        if stops.touched[p, 0] < stops.touched[p, 1]:
+            symmetric(item(consts, p), stops.force[p], stops.touched[p])
+            taken -= settle(item(states, p), item(consts, p), stops.force[p], stops.touched[p], False)
+        erase(stops, p)
+    stops.energy[TAKEN] += taken
+
+
+@kernel(_nrt=False)
+def zone(states, consts, stack, stops, p):
+    """List the elements of a ply that are about torn ones, its own or of plies next to it, and their nodes."""
+    const, mark = item(consts, p), stops.mark[p]
+    mark[:] = 0
+    for q in range(max(p - _FAR, 0), min(p + _FAR + 1, len(states))):
+        other, state = item(consts, q), item(states, q)
+        if stack.counters[q, FAILURES] == 0:
+            continue
+        for i in range(other.ni):
+            for j in range(other.nj if state.thin[i // other.block] else 0):
+                if state.flag[i * other.s + j]:
+                    x, y = other.x0 + (i + 0.5) * other.dx - const.x0, other.y0 + (j + 0.5) * other.dy - const.y0
+                    m0, n0 = int(x / const.dx), int(y / const.dy)
+                    for m in range(max(m0 - _ABOUT, 0), min(m0 + _ABOUT + 1, const.ni)):
+                        for n in range(max(n0 - _ABOUT, 0), min(n0 + _ABOUT + 1, const.nj)):
+                            mark[m * const.s + n] = TORN
+    elements, nodes, s = 0, 0, const.s
+    for i in range(const.ni + 1):
+        for j in range(const.nj + 1):
+            k = i * s + j
+            if mark[k] == TORN:
+                stops.elements[p, elements] = k
+                elements += 1
+            near = mark[k] + (mark[k - 1] if j > 0 else 0)
+            if near + (mark[k - s] + (mark[k - s - 1] if j > 0 else 0) if i > 0 else 0) > 0:
+                stops.nodes[p, nodes] = k
+                nodes += 1
+    stops.count[p, ELEMENTS], stops.count[p, NODES] = elements, nodes
+    for m in range(elements):
+        k = stops.elements[p, m]
+        if spline_kernels.untorn(item(states, p), const, k // s, k % s):
+            mark[k] = WHOLE
+
+
+@kernel(_nrt=False)
+def foresee(states, consts, pairs, stops, p):
+    """Places of the nodes of a ply now and after the next step, by all known forces, and where it has cloth."""
+    half = len(pairs) // 2
+    own(item(states, p), item(consts, p), stops, p)
+    if p > 0:
+        bear(stops, p, item(pairs, p - 1).on_rear)
+        bear(stops, p, item(pairs, half + p - 1).on_front)
+    if p < len(states) - 1:
+        bear(stops, p, item(pairs, p).on_front)
+        bear(stops, p, item(pairs, half + p).on_rear)
+    elif item(consts, p).backed:
+        bear(stops, p, item(states, p).behind)
+    arrive(stops, p)
+
+
+@kernel(_nrt=False)
+def own(state, const, stops, p):
+    """What a ply knows of itself: where it has cloth, places, and velocities by its own forces and the nose's."""
+    for m in range(stops.count[p, ELEMENTS]):
+        stops.cloth[p, stops.elements[p, m]] = quarters(state, const, stops.elements[p, m])
+    for m in range(stops.count[p, NODES]):
+        k = stops.nodes[p, m]
+        i, j = k // const.s, k % const.s
+        met = i > 0 and i % const.block == 0
+        stops.at[p, 0, k] = const.x0 + i * const.dx + state.u[0][k]
+        stops.at[p, 1, k] = const.y0 + j * const.dy + state.u[1][k]
+        stops.at[p, 2, k] = stops.places[p] + state.u[2][k]
+        for c in range(3):
+            force = state.g0[c][k] + state.contact[c][k] + (state.g1[c][k] if met else 0.0)
+            stops.to[p, c, k] = state.v[c][k] + state.kick[k] * force
+
+
+@kernel(_nrt=False)
+def bear(stops, p, force):
+    """Add the impulses of forces to the velocities."""
+    for m in range(stops.count[p, NODES]):
+        k = stops.nodes[p, m]
+        for c in range(3):
+            stops.to[p, c, k] += stops.kick[p, k] * force[c][k]
+
+
+@kernel(_nrt=False)
+def arrive(stops, p):
+    """Places after the step in place of velocities; nodes on planes of symmetry keep to them."""
+    for m in range(stops.count[p, NODES]):
+        k = stops.nodes[p, m]
+        for c in range(3):
+            kept = (c == 0 and stops.shape[p, MIRROR_X] and k < stops.shape[p, SLOTS]) or (
+                c == 1 and stops.shape[p, MIRROR_Y] and k % stops.shape[p, SLOTS] == 0
+            )
+            stops.to[p, c, k] = stops.at[p, c, k] + (0.0 if kept else stops.dt * stops.to[p, c, k])
+
+
+@kernel(_nrt=False)
+def quarters(state, const, k):
+    """Bit 2 a + b for the quarter of an element at the end a along the warp and b along the weft, if it has cloth."""
+    if state.flag[k] == 0:
+        return 15
+    found = 0
+    for m in range(0 if state.flag[k] & ERODED else 4):
+        a, b = m >> 1, m & 1
+        if state.intact[0][k + b] + state.intact[1][k + a * const.s] > 0.0:
+            found |= 1 << m
+    return found
+
+
+@kernel(_nrt=False, forceinline=True)
+def cell(stops, q, x, y):
+    """Row and column of the raster of ply q, which has its elements and PAD cells about them."""
+    a, b = int((x - stops.grid[q, 0]) / stops.grid[q, 2] + PAD), int((y - stops.grid[q, 1]) / stops.grid[q, 3] + PAD)
+    return min(max(a, 0), stops.shape[q, NI] + 2 * PAD - 1), min(max(b, 0), stops.shape[q, NJ] + 2 * PAD - 1)
+
+
+@kernel(_nrt=False)
+def enter(stops, p):
+    """Enter the facets of a ply that have cloth in its raster."""
+    entries, width, s, margin = 0, stops.shape[p, NJ] + 2 * PAD, stops.shape[p, SLOTS], _WIDER * stops.gap[p]
+    for m in range(stops.count[p, ELEMENTS]):
+        e = stops.elements[p, m]
+        if stops.cloth[p, e] == 0:
+            continue
+        for c in range(3):
+            low, high = 1e30, -1e30
+            for k in (e, e + 1, e + s, e + s + 1):
+                low = min(low, min(stops.at[p, c, k], stops.to[p, c, k]))
+                high = max(high, max(stops.at[p, c, k], stops.to[p, c, k]))
+            stops.low[p, c, e], stops.high[p, c, e] = low - margin, high + margin
+        a0, b0 = cell(stops, p, stops.low[p, 0, e], stops.low[p, 1, e])
+        a1, b1 = cell(stops, p, stops.high[p, 0, e], stops.high[p, 1, e])
+        if a1 - a0 >= _WIDEST or b1 - b0 >= _WIDEST or entries + _WIDEST**2 > stops.item.shape[1]:
+            stops.energy[MISSED] += 1.0
+            continue
+        for a in range(a0, a1 + 1):
+            for b in range(b0, b1 + 1):
+                head = a * width + b
+                stops.item[p, entries] = e
+                stops.place[p, entries] = head
+                stops.then[p, entries] = stops.head[p, head]
+                stops.head[p, head] = entries
+                entries += 1
+    stops.count[p, ENTRIES] = entries
+
+
+@kernel(_nrt=False)
+def erase(stops, p):
+    """Empty the raster of a ply."""
+    for m in range(stops.count[p, ENTRIES]):
+        stops.head[p, stops.place[p, m]] = -1
+    stops.count[p, ENTRIES] = 0
+
+
+@kernel(_nrt=False)
+def gather(stops, pair, p, q, count):
+    """Add the elements of ply p and the facets of ply q that are near each other to the list, and their number.
+
+    pair : the contact of the points of ply p on ply q, where they are next to each other
+    """
+    width, s, apart = stops.shape[q, NJ] + 2 * PAD, stops.shape[p, SLOTS], abs(p - q) > 1
+    for m in range(stops.count[p, ELEMENTS]):
+        e = stops.elements[p, m]
+        if stops.cloth[p, e] == 0:
+            continue
+        x0, y0, z0 = middle(stops.at, p, e, s)
+        x1, y1, z1 = middle(stops.to, p, e, s)
+        a0, b0 = cell(stops, q, x0, y0)
+        a1, b1 = cell(stops, q, x1, y1)
+        for once in range(1 if a0 == a1 and b0 == b1 else 2):
+            a, b = (a1, b1) if once == 0 else (a0, b0)
+            entry = stops.head[q, a * width + b]
+            while entry >= 0:
+                f = np.int64(stops.item[q, entry])
+                entry = stops.then[q, entry]
+                near = max(z0, z1) >= stops.low[q, 2, f] and min(z0, z1) <= stops.high[q, 2, f]
+                near = near and max(x0, x1) >= stops.low[q, 0, f] and min(x0, x1) <= stops.high[q, 0, f]
+                near = near and max(y0, y1) >= stops.low[q, 1, f] and min(y0, y1) <= stops.high[q, 1, f]
+                if near and (apart or stops.mark[q, f] != WHOLE):
+                    if count < stops.near.shape[0]:
+                        stops.near[count, 0], stops.near[count, 1] = p, e
+                        stops.near[count, 2], stops.near[count, 3] = q, f
+                        point = e // s * stops.shape[p, NJ] + e % s
+                        knows = not apart and pair.points == 1 and pair.status[point] == TOUCHING
+                        knows = knows and pair.was[point] > pair.thickness
+                        for c in range(3):
+                            stops.side[count, c] = pair.normal[c][point] if knows else 0.0
+                        count += 1
+                    else:
+                        stops.energy[MISSED] += 1.0
+    return count
+
+
+@kernel(_nrt=False)
+def keep_off(stops, count):
+    """Keep the middles of the elements in the list off the facets that they are near."""
+    held = 0
+    for turn in range(_ROUNDS):
+        held, asked = 0, 1.0 - turn / _ROUNDS
+        for m in range(count):
+            if meet(stops, m, asked):
+                held += 1
+        if held == 0:
+            break
+        stops.energy[HELD] += held
+    stops.energy[MISSED] += held
+
+
+@kernel(_nrt=False, forceinline=True)
+def middle(x, p, e, s):
+    """The mean of the four nodes of an element, of an array (plies, 3, slots)."""
+    return (
+        0.25 * (x[p, 0, e] + x[p, 0, e + 1] + x[p, 0, e + s] + x[p, 0, e + s + 1]),
+        0.25 * (x[p, 1, e] + x[p, 1, e + 1] + x[p, 1, e + s] + x[p, 1, e + s + 1]),
+        0.25 * (x[p, 2, e] + x[p, 2, e + 1] + x[p, 2, e + s] + x[p, 2, e + s + 1]),
+    )
+
+
+@kernel(_nrt=False)
+def meet(stops, number, asked):
+    """Keep the middle of an element off a facet, by number in the list, if it would come through: whether it would."""
+    p, e, q, f = stops.near[number, 0], stops.near[number, 1], stops.near[number, 2], stops.near[number, 3]
+    side = stops.side[number]
+    own, s, gap = stops.shape[p, SLOTS], stops.shape[q, SLOTS], stops.gap[p]
+    x0, y0, z0 = middle(stops.at, p, e, own)
+    x1, y1, z1 = middle(stops.to, p, e, own)
+    ring = f, f + s, f + s + 1, f + 1
+    M0, M1 = middle(stops.at, q, f, s), middle(stops.to, q, f, s)
+    for n in range(4):
+        k, o = ring[n], ring[(n + 1) & 3]
+        n_x, n_y, n_z, before = above(stops.at, q, M0, k, o, x0, y0, z0)
+        n_x, n_y, n_z, after = above(stops.to, q, M1, k, o, x1, y1, z1)
+        if n_x * n_x + n_y * n_y + n_z * n_z == 0.0:
+            continue
+        if before * (n_x * side[0] + n_y * side[1] + n_z * side[2]) > 0.0:
+            continue  # it is through by what the contact knows of it, which brings it back
+        if before < 0.0:
+            n_x, n_y, n_z, before, after = -n_x, -n_y, -n_z, -before, -after
+        wanted = asked * (gap if before > gap else min(gap, before + _SLOWLY * gap))
+        if after >= wanted:
+            continue
+        share = before / (before - after) if after < 0.0 else 1.0
+        u, v = within(stops, q, M0, M1, k, o, share, x0, y0, z0, x1, y1, z1)
+        slack = _TOUCH if after < 0.0 else 0.0
+        if u < -slack or v < -slack or u + v > 1.0 + slack:
+            continue
+        # weights of the facet's nodes: a quarter each of the middle's, and the corners' own
+        rest = 0.25 * (1.0 - u - v)
+        a, b = 2.0 * rest, 2.0 * rest
+        a += (u if n == 1 or n == 2 else 0.0) + (v if n == 0 or n == 1 else 0.0)
+        b += (u if n == 2 or n == 3 else 0.0) + (v if n == 1 or n == 2 else 0.0)
+        if not stops.cloth[q, f] >> (2 * (a > 0.5) + (b > 0.5)) & 1:
+            continue
+        give = 0.0
+        for m in (e, e + 1, e + own, e + own + 1):
+            give += 0.0625 * stops.kick[p, m] * free(stops, p, m, n_x, n_y)
+        for m in range(4):
+            w = rest + (u if m == n else 0.0) + (v if m == ((n + 1) & 3) else 0.0)
+            give += w * w * stops.kick[q, ring[m]] * free(stops, q, ring[m], n_x, n_y)
+        if give == 0.0:
+            continue
+        force = (wanted - after) / (stops.dt * give)
+        for m in (e, e + 1, e + own, e + own + 1):
+            add(stops, p, m, 0.25 * force * n_x, 0.25 * force * n_y, 0.25 * force * n_z)
+        for m in range(4):
+            w = -force * (rest + (u if m == n else 0.0) + (v if m == ((n + 1) & 3) else 0.0))
+            add(stops, q, ring[m], w * n_x, w * n_y, w * n_z)
+        return True
+    return False
+
+
+@kernel(_nrt=False, forceinline=True)
+def above(x, q, M, k, o, p_x, p_y, p_z):
+    """Normal of the triangle from M to the nodes k and o of ply q, and how far a point is above it; 0 of a line."""
+    a_x, a_y, a_z = x[q, 0, k] - M[0], x[q, 1, k] - M[1], x[q, 2, k] - M[2]
+    b_x, b_y, b_z = x[q, 0, o] - M[0], x[q, 1, o] - M[1], x[q, 2, o] - M[2]
+    n_x, n_y, n_z = a_y * b_z - a_z * b_y, a_z * b_x - a_x * b_z, a_x * b_y - a_y * b_x
+    size = np.sqrt(n_x * n_x + n_y * n_y + n_z * n_z)
+    if size < 1e-16:
+        return 0.0, 0.0, 0.0, 0.0
+    n_x, n_y, n_z = n_x / size, n_y / size, n_z / size
+    return n_x, n_y, n_z, n_x * (p_x - M[0]) + n_y * (p_y - M[1]) + n_z * (p_z - M[2])
+
+
+@kernel(_nrt=False, forceinline=True)
+def within(stops, q, M0, M1, k, o, share, x0, y0, z0, x1, y1, z1):
+    """Weights of the nodes k and o where a point is on a triangle, `share` of the step on its way."""
+    m_x, m_y, m_z = M0[0] + share * (M1[0] - M0[0]), M0[1] + share * (M1[1] - M0[1]), M0[2] + share * (M1[2] - M0[2])
+    A, B = stops.at, stops.to
+    a_x = A[q, 0, k] + share * (B[q, 0, k] - A[q, 0, k]) - m_x
+    a_y = A[q, 1, k] + share * (B[q, 1, k] - A[q, 1, k]) - m_y
+    a_z = A[q, 2, k] + share * (B[q, 2, k] - A[q, 2, k]) - m_z
+    b_x = A[q, 0, o] + share * (B[q, 0, o] - A[q, 0, o]) - m_x
+    b_y = A[q, 1, o] + share * (B[q, 1, o] - A[q, 1, o]) - m_y
+    b_z = A[q, 2, o] + share * (B[q, 2, o] - A[q, 2, o]) - m_z
+    p_x, p_y, p_z = x0 + share * (x1 - x0) - m_x, y0 + share * (y1 - y0) - m_y, z0 + share * (z1 - z0) - m_z
+    aa, ab, bb = a_x * a_x + a_y * a_y + a_z * a_z, a_x * b_x + a_y * b_y + a_z * b_z, b_x * b_x + b_y * b_y + b_z * b_z
+    pa, pb = p_x * a_x + p_y * a_y + p_z * a_z, p_x * b_x + p_y * b_y + p_z * b_z
+    det = aa * bb - ab * ab
+    if det <= 1e-12 * aa * bb:
+        return -1.0, -1.0
+    return (bb * pa - ab * pb) / det, (aa * pb - ab * pa) / det
+
+
+@kernel(_nrt=False, forceinline=True)
+def free(stops, p, k, n_x, n_y):
+    """Part of a way along n that a node may go; one on a plane of symmetry keeps to it."""
+    s = stops.shape[p, SLOTS]
+    part = 1.0 - (n_x * n_x if stops.shape[p, MIRROR_X] and k < s else 0.0)
+    return max(part - (n_y * n_y if stops.shape[p, MIRROR_Y] and k % s == 0 else 0.0), 0.0)
+
+
+@kernel(_nrt=False, forceinline=True)
+def add(stops, p, k, f_x, f_y, f_z):
+    """A force on a node, and where that takes it."""
+    i, j = k // stops.shape[p, SLOTS], k % stops.shape[p, SLOTS]
+    f_x = 0.0 if i == 0 and stops.shape[p, MIRROR_X] else f_x
+    f_y = 0.0 if j == 0 and stops.shape[p, MIRROR_Y] else f_y
+    far, force, to = stops.dt * stops.kick[p, k], stops.force, stops.to
+    force[p, 0, k] += f_x
+    force[p, 1, k] += f_y
+    force[p, 2, k] += f_z
+    to[p, 0, k] += far * f_x
+    to[p, 1, k] += far * f_y
+    to[p, 2, k] += far * f_z
+    note(stops.touched[p], i, j, 1)

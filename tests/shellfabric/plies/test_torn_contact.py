@@ -1,0 +1,194 @@
+"""What keeps torn cloth off other plies: on a facet, through a hole, beyond the next ply; momentum and work."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from fabrics import catalogue
+from shellfabric.cell.model import CellModel
+from shellfabric.cloth.membrane_kernels import ERODED, WARP_FAILED, WEFT_FAILED
+from shellfabric.jit.compile import entry
+from shellfabric.panel.model import Numerics, Panel
+from shellfabric.panel.step_kernels import FAILURES
+from shellfabric.plies import torn_contact_kernels as kernels
+from shellfabric.plies.contact_simd_kernels import TOUCHING
+from shellfabric.plies.model import Pack
+from shellfabric.plies.solver import PACK_SAMPLES, PackMarch
+from validation.published.packs.passages import pierced
+
+
+@entry()
+def restrain(states, consts, pairs, stack, stops):
+    """What counts no references takes lists from what does."""
+    kernels.restrain(states, consts, pairs, stack, stops)
+
+
+PLACE = 6, 5  # of the element that is moved
+
+
+@pytest.fixture(scope="module")
+def ply():
+    fabric = catalogue.load("S-726").effective()
+    return Panel(CellModel(fabric).table(41), (0.02, 0.02), symmetry="whole", numerics=Numerics(threads=1))
+
+
+class Stack:
+    """Plies at rest, one above the other, of which some are torn beside PLACE."""
+
+    def __init__(self, ply, count, torn, place=PLACE):
+        self.march = PackMarch(Pack.stacked(ply, count, gap=0.0), 1.0, 1.0)
+        self.march.exchange = np.inf  # no checks between the steps
+        self.march.advance(np.empty((0, 3)))
+        self.const, self.states, self.stops = self.march.const, self.march.states, self.march.stops
+        self.k = place[0] * self.const.s + place[1]
+        self.corners = self.k + np.array([0, 1, self.const.s, self.const.s + 1])
+        for p in torn:
+            self.states[p].flag[self.k + 1] = WARP_FAILED
+            self.states[p].thin[:] = 1
+            self.march.stack.counters[p, FAILURES] = 1
+
+    def fly(self, p, velocity):
+        """Give the corners of the element a velocity, (3,) [m/s]."""
+        for c in range(3):
+            self.states[p].v[c][self.corners] = velocity[c]
+
+    def bore(self, p):
+        """Cut all yarns of a ply."""
+        self.states[p].flag[self.corners] = WARP_FAILED | WEFT_FAILED
+        for family in (0, 1):
+            self.states[p].intact[family][:] = 0.0
+
+    def restrain(self):
+        restrain(*self.march._lists, self.march.stack, self.stops)
+        return self.stops.force[:, :, : self.const.s * (self.const.ni + 1)]
+
+    def through(self, p, q):
+        """Whether the middle of the element of ply p comes through one of the same place of ply q."""
+        ring, ways = self.corners[[0, 2, 3, 1]], (self.stops.at, self.stops.to)
+        x, Y = (np.stack([way[r][:, ring].T for way in ways]) for r in (p, q))
+        x, middle = x.mean(axis=1)[:, None], Y.mean(axis=1)[:, None]
+        return any(pierced(x, middle, Y[:, [k]], Y[:, [(k + 1) % 4]])[0] for k in range(4))
+
+    def above(self, p, q):
+        """[m] height of the middle of the element of ply p over that of ply q, after the coming step."""
+        z = [self.stops.to[r, 2, self.corners].mean() for r in (p, q)]
+        return z[0] - z[1]
+
+
+def test_a_point_that_would_come_through_a_facet_stops_at_the_gap(ply):
+    stack = Stack(ply, 2, (0, 1))
+    gap = stack.stops.gap[0]
+    apart = stack.march.pack.places[1]
+    stack.fly(0, (0.0, 0.0, 1.5 * apart / stack.const.dt))
+    force = stack.restrain()
+    assert stack.above(1, 0) == pytest.approx(gap, rel=1e-9)
+    # all of it is the one point's: what brings the two middles together by this distance, by the masses of eight nodes
+    kick = stack.states[0].kick[stack.corners]
+    give = stack.const.dt * (kick / 16).sum() * 2
+    assert force[1, 2].sum() == pytest.approx((0.5 * apart + gap) / give, rel=1e-9)
+    assert force[0, 2, stack.corners] == pytest.approx(-0.25 * force[1, 2].sum())
+    assert abs(force.sum(axis=(0, 2))).max() < 1e-12 * abs(force).max()
+    assert stack.march.held_apart.tolist() == [1.0, 0.0]
+
+
+def test_from_either_side_and_aslant(ply):
+    stack = Stack(ply, 2, (0, 1))
+    apart = stack.march.pack.places[1]
+    rng = np.random.default_rng(3)
+    for c in range(3):
+        stack.states[0].u[c][stack.corners] = 0.2 * apart * rng.normal(size=4)
+        stack.states[1].u[c][stack.corners] = 0.2 * apart * rng.normal(size=4)
+    stack.fly(1, np.array([0.3, -0.4, -1.5]) * apart / stack.const.dt)
+    force = stack.restrain()
+    held, missed = stack.march.held_apart
+    assert held > 0
+    assert missed == 0
+    assert not stack.through(1, 0)
+    assert not stack.through(0, 1)
+    assert abs(force.sum(axis=(0, 2))).max() < 1e-12 * abs(force).max()
+
+
+@pytest.mark.parametrize("how", ["whole", "hole", "eroded", "far"])
+def test_nothing_is_held_where_there_is_nothing_to_hold_it(ply, how):
+    """Whole plies are their contact's; through a hole cloth may go, and what is far off is let be."""
+    stack = Stack(ply, 2, () if how == "whole" else (1,))
+    const = stack.const
+    if how == "hole":
+        stack.bore(1)
+    if how == "eroded":
+        stack.states[1].flag[:] |= ERODED
+    stack.fly(0, (0.0, 0.0, (0.5 if how == "far" else 1.5) * stack.march.pack.places[1] / const.dt))
+    assert not stack.restrain().any()
+
+
+def test_nodes_on_a_plane_of_symmetry_are_reckoned_to_keep_to_it(ply):
+    """A facet that leans away from the plane, two nodes of which can only give way upwards, is not held many times."""
+    stack = Stack(replace(ply, symmetry="quarter"), 2, (0, 1), place=(0, 3))
+    apart, lean = stack.march.pack.places[1], 0.6 * stack.const.dx
+    for state in stack.states:
+        state.u[2][stack.corners[:2]], state.u[2][stack.corners[2:]] = lean, -lean
+    stack.fly(0, (0.0, 0.0, 2.5 * apart / stack.const.dt))
+    force = stack.restrain()
+    assert force[:, 2].any()
+    assert not force[:, 0, : stack.const.s].any()
+    held, missed = stack.march.held_apart
+    assert held <= 2
+    assert missed == 0
+
+
+@pytest.mark.parametrize("known", [False, True])
+def test_what_has_come_through_by_its_contact_may_go_back(ply, known):
+    """Ply 0 is beyond ply 1 and flies back; where the contact of either's points knows that, nothing is in its way."""
+    stack = Stack(ply, 2, (0, 1))
+    apart = stack.march.pack.places[1]
+    stack.states[0].u[2][stack.corners] = 1.1 * apart
+    stack.fly(0, (0.0, 0.0, -0.3 * apart / stack.const.dt))
+    number = PLACE[0] * stack.const.nj + PLACE[1]
+    for pair, way in zip(stack.march.pairs, (1.0, -1.0)):
+        pair.status[number], pair.normal[2][number] = TOUCHING, way
+        pair.was[number] = (1.1 if known else 0.9) * pair.thickness
+    assert stack.restrain().any() != known
+
+
+@pytest.mark.parametrize("side", [-1, 1])
+def test_beside_the_last_yarn_of_an_element_cloth_may_go(ply, side):
+    """One warp yarn is left, on the low side of the element along the weft."""
+    stack = Stack(ply, 2, (1,))
+    stack.bore(1)
+    stack.states[1].intact[0][stack.k] = 1.0
+    stack.states[0].u[1][stack.corners] = side * 0.25 * stack.const.dy
+    stack.fly(0, (0.0, 0.0, 1.5 * stack.march.pack.places[1] / stack.const.dt))
+    assert stack.restrain().any() == (side < 0)
+
+
+def test_what_comes_through_a_torn_ply_is_held_off_the_one_behind_it(ply):
+    """The middle ply is a hole there; where it has no tear at all nothing gets that far."""
+    for torn, held in (((1,), True), ((0,), False)):
+        stack = Stack(ply, 3, torn)
+        stack.bore(1)
+        stack.fly(0, (0.0, 0.0, 2.5 * stack.march.pack.places[1] / stack.const.dt))
+        force = stack.restrain()
+        assert force[2].any() == held
+        if held:
+            assert stack.above(2, 0) == pytest.approx(stack.stops.gap[0], rel=1e-2)
+
+
+def test_what_it_takes_is_in_the_audit(ply):
+    """A ply flies through one that is all hole onto the next, which it has no contact with but this."""
+    stack = Stack(ply, 3, (1,))
+    stack.bore(1)
+    march, const = stack.march, stack.const
+    stack.states[1].flag[: const.s * (const.ni + 1)] = WARP_FAILED | WEFT_FAILED | ERODED
+    inner = slice(4, const.ni - 3)
+    stack.states[0].v[2][: const.s * (const.ni + 1)].reshape(-1, const.s)[inner, inner] = 20.0
+    stack.states[0].rows[:] = 0, const.ni
+    march.samples.clear()
+    march._audit()
+    march.advance(np.empty((400, 3)))
+    march._audit()
+    taken, kinetic = stack.stops.energy[kernels.TAKEN], march.samples[0][PACK_SAMPLES.index("kinetic_fabric")]
+    assert march.held_apart[0] > 10
+    assert march.held_apart[1] == 0
+    assert 0.1 < taken / kinetic < 1
+    assert abs(march.samples[1][PACK_SAMPLES.index("balance")]) < 1e-3 * taken

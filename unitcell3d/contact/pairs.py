@@ -1,0 +1,91 @@
+"""Contact between any number of yarns: pairs of surfaces that are handled as the two of a crossover are.
+
+Each pair is a `contact.FacingSurfaces`: the lower face of one yarn and the upper face of another. A yarn whose i runs
+along y counts as the first one, and as the second one whose i runs along x, with its grid transposed.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from unitcell3d.contact.surfaces import FacingSurfaces, Plates
+
+
+class SurfacePairs:
+    """Several pairs of facing surfaces in one; none for a yarn alone.
+
+    Parameters
+    ----------
+    pairs : sequence of contact.FacingSurfaces
+
+    Attributes
+    ----------
+    forces : (pairs,) [N] of each pair in the last call of `touch`: upwards on the upper surface
+    """
+
+    def __init__(self, pairs):
+        self.pairs = tuple(pairs)
+        self.forces = np.zeros(len(self.pairs))
+
+    @property
+    def gaps(self):
+        """[m] of the nodes of all surfaces."""
+        return tuple(gaps for pair in self.pairs for gaps in pair.gaps)
+
+    @property
+    def deepest(self):
+        """[m] largest penetration where there was a force in the last call of `touch`."""
+        return max((pair.deepest for pair in self.pairs), default=0.0)
+
+    def expected(self):
+        """As of `contact.FacingSurfaces`."""
+        return [stencils for pair in self.pairs for stencils in pair.expected()]
+
+    def lay_out(self, pattern):
+        """As of `contact.FacingSurfaces`."""
+        for pair in self.pairs:
+            pair.lay_out(pattern)
+
+    def outgrown(self):
+        """As of `contact.FacingSurfaces`."""
+        return any(pair.outgrown() for pair in self.pairs)
+
+    def touch(self, x, numerics, forces, values=None):
+        """As of `contact.FacingSurfaces`; returns the sum of the sizes [N] of the pairs' forces."""
+        for number, pair in enumerate(self.pairs):
+            self.forces[number] = pair.touch(x, numerics, forces, values)
+        return float(np.abs(self.forces).sum())
+
+    @property
+    def anchors(self):
+        """As of `contact.FacingSurfaces`."""
+        return [anchors for pair in self.pairs for anchors in pair.anchors]
+
+    def accept(self, x, numerics):
+        """As of `contact.FacingSurfaces`."""
+        for pair in self.pairs:
+            pair.accept(x, numerics)
+
+
+class OuterPlates(Plates):
+    """Two rigid plates on the upper faces of some yarns and the lower faces of others."""
+
+    def __init__(self, points, upper, lower):
+        self._face(points, [grid[:, :, -1] for grid in upper], [grid[:, :, 0] for grid in lower])
+
+
+def facing(points, upper, lower, quarter=False, families=(0, 1)):
+    """The pair of the lower face of the grid `upper` and the upper face of the grid `lower`.
+
+    Parameters
+    ----------
+    points : (n, 3) [m]
+    upper, lower : node numbers (i along, j across, k through)
+    quarter : whether i = 0 and j = 0 are symmetry planes of both
+    families : of the two yarns, 0 along x, 1 along y
+    """
+    grids = [
+        grid if family == role else grid.transpose(1, 0, 2)
+        for role, (grid, family) in enumerate(zip((upper, lower), families))
+    ]
+    return FacingSurfaces(points, grids, quarter)

@@ -1,0 +1,268 @@
+"""The contact of a crossover: the two facing surfaces in two passes, and the two plates of a compression test."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from unitcell3d.assembly import constraints
+from unitcell3d.contact import surface_contact_kernels
+from unitcell3d.contact.surface_contact_kernels import STENCIL
+
+# cells by which a contact point may slide before the tangent is laid out anew: a few blocks more for far fewer layouts
+SLIP_MARGIN = 0.3
+GAUSS = 2  # points along each side of a slave face
+NO_VALUES = np.empty((0, 3, 3))
+UNPLACED = np.empty((0, STENCIL, STENCIL), np.int64)
+
+
+@dataclass(frozen=True)
+class Face:
+    """One contact surface: grid of nodes, and what `contact_kernels` needs to know of it as master.
+
+    Parameters
+    ----------
+    grid : (ni, nj) node numbers
+    axes : (2,) component (0 x, 1 y) along i and along j
+    mirror : (2,) whether i = 0 and j = 0 are symmetry planes
+    side : +1 where the normal from i to j points to the other surface, else -1
+    """
+
+    grid: np.ndarray
+    axes: np.ndarray
+    mirror: np.ndarray
+    side: float
+
+    @classmethod
+    def build(cls, points, grid, family, quarter, upwards):
+        """The face of a yarn of the `family` (0 warp, 1 weft); `upwards`: it looks up."""
+        grid = np.ascontiguousarray(grid, np.int64)
+        corner = points[grid[0, 0]]
+        normal = np.sign(np.cross(points[grid[1, 0]] - corner, points[grid[0, 1]] - corner)[2])
+        axes = np.array([constraints.AXIAL[family], constraints.WIDTH[family]])
+        return cls(grid, axes, np.array([quarter, quarter]), normal if upwards else -normal)
+
+
+class Pass:
+    """The Gauss points of one face on the C1 surface of another.
+
+    Parameters
+    ----------
+    points : (n, 3) [m] undeformed
+    slave, master : Face
+    """
+
+    def __init__(self, points, slave, master):
+        self._master = master
+        grid = slave.grid
+        self._nodes = grid.ravel()
+        corners = grid[:-1, :-1], grid[1:, :-1], grid[1:, 1:], grid[:-1, 1:]
+        self._quads = np.stack([corner.ravel() for corner in corners], axis=1)
+        self._shapes, areas = gauss(points[self._quads])
+        self._areas = areas.ravel()
+        self._gaps, self._codes = np.full(areas.size, np.inf), np.full(areas.size, -1)
+        self._cells = np.array(master.grid.shape) - 1
+        self._guess = self._first_guess(points)
+        self.anchors = self._guess.copy()
+        self._known = np.empty(0, np.int64)
+        self._row_of = np.full(len(self._quads) * self._cells.prod(), -1)
+        self._places = UNPLACED
+
+    def _first_guess(self, points):
+        """Parameters of the points on the undeformed master, whose grid is straight in plan."""
+        slaves, master = np.einsum("gk,fkc->fgc", self._shapes, points[self._quads]).reshape(-1, 3), self._master
+        lines = points[master.grid[:, 0], master.axes[0]], points[master.grid[0, :], master.axes[1]]
+        return np.stack(
+            [np.interp(slaves[:, axis], line, np.arange(len(line))) for axis, line in zip(master.axes, lines)], axis=1
+        )
+
+    def expected(self):
+        """(m, 20) stencils of what has been met, and of all points near their closest points: what may be met next."""
+        face = np.arange(len(self._areas)) // len(self._shapes)
+        codes = [self._known, self._codes[self._codes >= 0]]
+        for shift in ((-1, -1), (-1, 1), (1, -1), (1, 1)):
+            cell = np.clip(np.floor(self._guess + SLIP_MARGIN * np.array(shift)), 0, self._cells - 1).astype(np.int64)
+            codes.append((face * self._cells[0] + cell[:, 0]) * self._cells[1] + cell[:, 1])
+        self._known = np.unique(np.concatenate(codes))
+        face, cell = np.divmod(self._known, self._cells.prod())
+        ni, nj = self._master.grid.shape
+        i = np.clip((cell // self._cells[1])[:, None] + np.arange(-1, 3), 0, ni - 1)
+        j = np.clip((cell % self._cells[1])[:, None] + np.arange(-1, 3), 0, nj - 1)
+        return np.concatenate(
+            [self._quads[face], self._master.grid[i[:, :, None], j[:, None, :]].reshape(-1, 16)], axis=1
+        )
+
+    def lay_out(self, pattern):
+        """Look up the places of what `expected` returned last in the tangent's `pattern`."""
+        stencils = self.expected()
+        self._row_of[self._known] = np.arange(len(self._known))
+        self._places = pattern.places(stencils)
+
+    def outgrown(self):
+        """Whether the last call of `touch` met what has no places."""
+        return bool(np.any(self._row_of[self._codes[self._codes >= 0]] < 0))
+
+    def touch(self, x, numerics, forces, values=None):
+        """Adds internal forces, and the tangent where `values` is given.
+
+        Parameters
+        ----------
+        x : (n, 3) [m] current positions
+        numerics : Numerics
+        forces : (n, 3) [N] added to
+        values : (k, 3, 3) [N/m] blocks of the pattern laid out, added to, or None
+
+        Returns
+        -------
+        resultant : (3,) [N] on the slave
+        """
+        master, resultant = self._master, np.zeros(3)
+        surface_contact_kernels.contact_pass(
+            x, self._quads, self._shapes, self._areas, master.grid, master.axes, master.mirror, master.side,
+            0.5 * numerics.penalty, numerics.toe, numerics.friction, numerics.slip,
+            self._guess, self.anchors, self._gaps, self._codes, forces, self._row_of,
+            UNPLACED if values is None else self._places, NO_VALUES if values is None else values, resultant,
+        )  # fmt: skip
+        return resultant
+
+    def accept(self, x, numerics):
+        """The state at `x`, that of the last call of `touch`, is where friction goes on from."""
+        master = self._master
+        surface_contact_kernels.draw_anchors(
+            x, master.grid, master.axes, master.mirror, numerics.slip, self._guess, self._codes, self.anchors
+        )
+
+    @property
+    def deepest(self):
+        """[m] largest penetration of a point with a force in the last call of `touch`."""
+        return float(-self._gaps[self._codes >= 0].min(initial=0.0))
+
+    @property
+    def node_gaps(self):
+        """[m] of the slave's nodes: mean of the points on the faces that meet there, infinite without a partner."""
+        share = self._areas.reshape(-1, len(self._shapes), 1) * self._shapes
+        gaps = np.broadcast_to(self._gaps.reshape(share.shape[:2])[:, :, None], share.shape)
+        share = np.where(np.isfinite(gaps), share, 0.0)
+        nodes = np.broadcast_to(self._quads[:, None, :], share.shape)
+        size = self._nodes.max() + 1
+        total = np.bincount(nodes.ravel(), (share * np.where(share > 0, gaps, 0.0)).ravel(), size)[self._nodes]
+        weight = np.bincount(nodes.ravel(), share.ravel(), size)[self._nodes]
+        return np.where(weight > 0, total / np.where(weight > 0, weight, 1.0), np.inf)
+
+
+class FacingSurfaces:
+    """The lower face of the warp and the upper face of the weft, each slave once with half the penalty.
+
+    Parameters
+    ----------
+    points : (n, 3) [m] undeformed
+    grids : per yarn, node numbers (i along, j across, k through)
+    quarter : whether i = 0 and j = 0 are symmetry planes
+    """
+
+    def __init__(self, points, grids, quarter):
+        warp = Face.build(points, grids[0][:, :, 0], 0, quarter, upwards=False)
+        weft = Face.build(points, grids[1][:, :, -1], 1, quarter, upwards=True)
+        self._passes = Pass(points, warp, weft), Pass(points, weft, warp)
+
+    @property
+    def gaps(self):
+        """Per yarn, [m] of the nodes of its face at the last call of `touch`, infinite without a partner."""
+        return [side.node_gaps for side in self._passes]
+
+    @property
+    def deepest(self):
+        """[m] largest penetration where there was a force in the last call of `touch`."""
+        return max(side.deepest for side in self._passes)
+
+    def expected(self):
+        """Arrays (m, s) of the stencils to lay the tangent out for: nodes that all act on each other."""
+        return [side.expected() for side in self._passes]
+
+    def lay_out(self, pattern):
+        """Take up a pattern that holds what is `expected`."""
+        for side in self._passes:
+            side.lay_out(pattern)
+
+    def outgrown(self):
+        """Whether the last call of `touch` met what the pattern was not laid out for."""
+        return any(side.outgrown() for side in self._passes)
+
+    def touch(self, x, numerics, forces, values=None):
+        """Both passes, as `Pass.touch`; returns the force [N] upwards on the warp."""
+        up, down = (side.touch(x, numerics, forces, values) for side in self._passes)
+        return up[2] - down[2]
+
+    @property
+    def anchors(self):
+        """Per pass, where each point stuck last, in parameters of the master; written to as well."""
+        return [side.anchors for side in self._passes]
+
+    def accept(self, x, numerics):
+        """The state of the last call of `touch` is where friction goes on from."""
+        for side in self._passes:
+            side.accept(x, numerics)
+
+
+class Plates:
+    """Two rigid plates, one above the warp and one below the weft, at equal distances from the middle plane."""
+
+    def __init__(self, points, grids):
+        self._face(points, [grids[0][:, :, -1]], [grids[1][:, :, 0]])
+
+    def _face(self, points, upper, lower):
+        """Take up the faces, grids of nodes, that the upper and the lower plate may touch."""
+        self.faces = [
+            (
+                np.concatenate([face.ravel() for face in side]).astype(np.int64),
+                np.concatenate([tributary_areas(points, face).ravel() for face in side]),
+            )
+            for side in (upper, lower)
+        ]
+        self.anchors = [points[nodes, :2].copy() for nodes, _ in self.faces]
+        above, below = (points[nodes, 2] for nodes, _ in self.faces)
+        self.at_rest = float(max(above.max(), -below.min()))  # [m] half the distance at which they just touch
+
+    def press(self, x, half_distance, numerics, forces, places, values):
+        """Adds internal forces, and the tangent where `places` (per plate, or None) is given; returns (2,) [N]."""
+        pressed = np.zeros(2)
+        if np.isfinite(half_distance):
+            for plate, side in ((0, 1.0), (1, -1.0)):
+                nodes, areas = self.faces[plate]
+                pressed[plate] = surface_contact_kernels.plate_pass(
+                    x, nodes, areas, side * half_distance, side, numerics.penalty, numerics.toe,
+                    numerics.friction, numerics.slip, self.anchors[plate], forces,
+                    np.empty(0, np.int64) if places is None else places[plate], values,
+                )  # fmt: skip
+        return pressed
+
+    def accept(self, x, half_distance, numerics):
+        """The state at `x` is where friction goes on from."""
+        for (nodes, _), anchors, side in zip(self.faces, self.anchors, (1.0, -1.0)):
+            surface_contact_kernels.draw_plate_anchors(x, nodes, side * half_distance, side, numerics.slip, anchors)
+
+
+def gauss(corners):
+    """Shape functions (g, 4) at the Gauss points of quadrilaterals (f, 4, 3) [m], and the areas (f, g) [m2] there."""
+    places, weights = np.polynomial.legendre.leggauss(GAUSS)
+    s, t = (axis.ravel() for axis in np.meshgrid(places, places, indexing="ij"))
+    signs = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)])
+    shapes = np.stack([0.25 * (1 + a * s) * (1 + b * t) for a, b in signs], axis=1)
+    slopes = [
+        np.stack([0.25 * a * (1 + b * t) for a, b in signs], axis=1),
+        np.stack([0.25 * b * (1 + a * s) for a, b in signs], axis=1),
+    ]
+    along, across = (np.einsum("gk,fkc->fgc", slope, corners) for slope in slopes)
+    return shapes, np.linalg.norm(np.cross(along, across), axis=-1) * np.outer(weights, weights).ravel()
+
+
+def tributary_areas(points, grid):
+    """Areas [m2] of the nodes of a face: a quarter of each quadrilateral to each of its corners."""
+    x = points[grid]
+    quads = 0.5 * np.linalg.norm(np.cross(x[1:, 1:] - x[:-1, :-1], x[:-1, 1:] - x[1:, :-1]), axis=-1)
+    areas = np.zeros(grid.shape)
+    for i in (0, 1):
+        for j in (0, 1):
+            areas[i : i + quads.shape[0], j : j + quads.shape[1]] += quads / 4
+    return areas

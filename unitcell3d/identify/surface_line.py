@@ -1,0 +1,108 @@
+"""One line of a response surface: a path of continuation at a fixed end displacement of one yarn.
+
+Each line is a case of its own, with a model of its own, so that it comes out the same to the last bit whichever process
+solves it, and when. With friction an equilibrium hangs on where the yarns stuck before: a line then takes that over
+from the state it starts from, and goes on from every place it has come to.
+"""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass
+
+import numpy as np
+
+from meshing import crossover as mesher
+from unitcell3d.identify.surface_cache import Line
+from unitcell3d.model.crossover import CrossoverModel, Load, Numerics
+from unitcell3d.solver.load_stepping import at_rest, visit
+from unitcell3d.solver.newton import Newton
+
+FROM_REST = 0.02  # share of the way from rest to the first place of a line in one step
+
+
+@dataclass(frozen=True)
+class Case:
+    """A line to be solved, along `axis` (0: d1, 1: d2) at `fixed` of the other [m], at the places `along` [m].
+
+    start, q, stuck : (d1, d2) [m] on the edge where the line begins, and the unknowns and where the points of contact
+        stick (`model.YarnsModel.stuck`) in the equilibrium there; None: from rest
+    keep : whether other lines will start from its states
+    friction : [-] Coulomb's coefficient
+    """
+
+    axis: int
+    fixed: float
+    along: np.ndarray
+    start: tuple | None = None
+    q: np.ndarray | None = None
+    stuck: np.ndarray | None = None
+    keep: bool = False
+    friction: float = 0.0
+
+    @property
+    def name(self):
+        """Name of the line."""
+        return f"d{2 - self.axis} = {1e6 * self.fixed:.6f} um"
+
+    def at(self, place):
+        """(d1, d2) [m] of a place on the line."""
+        place, fixed = float(place), float(self.fixed)
+        return (place, fixed) if self.axis == 0 else (fixed, place)
+
+
+def solve_line(fabric, size, case):
+    """Solve one line; returns partial.Line.
+
+    Raises
+    ------
+    UnstableError : no equilibrium at a place
+    """
+    begun = time.perf_counter()
+    model = CrossoverModel(mesher.build(fabric, size=size), fabric, Numerics(friction=case.friction))
+    solver = Newton(model)
+    values, states, stuck, iterations = [], [], [], 0
+    try:
+        q, spent = _begin(model, solver, case)
+        first, last = (Load(case.at(case.along[i])) for i in (0, -1))
+        shares = (case.along - case.along[0]) / (case.along[-1] - case.along[0])
+        for share, found in visit(model, solver, q, first, last, shares):
+            iterations += found.iterations
+            model.accept(found.q, first.towards(last, share))
+            heights = model.heights(model.positions(found.q, first.towards(last, share)))
+            T1, T2 = model.tensions(found.forces)
+            values.append((T1, T2, model.copies[1] * found.contact, *heights))
+            states.append(found.q)
+            stuck.append(model.stuck)
+    finally:
+        solver.close()
+    return Line(
+        case.axis,
+        float(case.fixed),
+        np.asarray(case.along, float),
+        np.array(values),
+        np.array(states) if case.keep else np.empty((0, 0)),
+        np.array(stuck) if case.keep and case.friction else np.empty((0, 0)),
+        time.perf_counter() - begun,
+        iterations + spent,
+    )
+
+
+def _begin(model, solver, case):
+    """Unknowns at the first place of a line, and the tangents factorised on the way to it."""
+    corner = Load(case.at(case.along[0]))
+    if case.q is None:
+        start = Load()
+        found = at_rest(model, solver, start)
+        q, spent = found.q, found.iterations
+        model.accept(q, start)
+        steps = np.linspace(FROM_REST, 1, round(1 / FROM_REST))
+    else:
+        start, q, spent, steps = Load(tuple(map(float, case.start))), case.q, 0, (1.0,)
+        if case.stuck is not None:
+            model.stuck = case.stuck
+    if start.d != corner.d:
+        for share, found in visit(model, solver, q, start, corner, steps):
+            q, spent = found.q, spent + found.iterations
+            model.accept(q, start.towards(corner, share))
+    return q, spent

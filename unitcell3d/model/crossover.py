@@ -1,0 +1,295 @@
+"""Quasi-static yarns: solids, fibre bars and contact as residual and tangent of one set of unknowns.
+
+    r(q, load) = C^T [ solid(u) + bars(u) + contact(u) + plates(u) ] = 0,   u = C q + drive d
+
+(source thesis chapter 3; `yarn_law`, `bars_kernels`, `contact_kernels`, `constraints` hold the equations). Any set of
+yarns is a `YarnsModel`; the crossover is one of them. A quarter crossover is half of each yarn's width and length: its
+axial end forces count twice, its vertical forces four times.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from fabrics.errors import InputError
+from unitcell3d.assembly import constraints
+from unitcell3d.assembly.compat import Assembler, HexSpace
+from unitcell3d.assembly.sparsity import Pattern
+from unitcell3d.contact.surfaces import FacingSurfaces, Plates
+from unitcell3d.material import solid_law
+from unitcell3d.material.fibres import Fibres
+
+# a weft brick's local axes run along i, k, j; the law wants the fibre, across, through in both yarns
+ACROSS_BEFORE_THROUGH = ([0, 1, 2, 3, 4, 5, 6, 7], [4, 5, 1, 0, 7, 6, 2, 3])
+
+
+@dataclass(frozen=True)
+class Numerics:
+    """Numbers that belong to the method, not to the fabric.
+
+    Parameters
+    ----------
+    penalty : [Pa/m] contact stiffness, both passes together
+    toe : [m] penetration over which the contact stiffness sets in. With both as they are, yarns at failure go 0.2 to
+        0.5 um into each other, and F_c is 0.3 % below the limit of a hard contact (1e14 Pa/m: 1.2 %); a tenth of the
+        toe leaves 0.05 % at four times the tangents
+    slack_width : [-] fibre strain over which a fibre becomes taut
+    slack_stiffness : [-] fraction of its stiffness left to a slack fibre, which keeps slack yarns from collapsing; from
+        5e-4 to 1e-2 it changes no tension in the fifth digit, but above 4e-3 slack yarn tips buckle
+    friction : [-] Coulomb's coefficient between yarns, and between yarns and plates
+    slip : [m] over which friction sets in; from 0.25 to 1 um it changes no force of S-720 by more than 0.05 %
+    """
+
+    penalty: float = 1e15
+    toe: float = 0.5e-6
+    slack_width: float = 1e-4
+    slack_stiffness: float = 1e-3
+    friction: float = 0.0
+    slip: float = 0.5e-6
+
+    def __post_init__(self):
+        for key in ("penalty", "toe", "slack_width", "slack_stiffness", "slip"):
+            if not getattr(self, key) > 0:
+                raise InputError(key=key, value=getattr(self, key), allowed="positive")
+        if not 0 <= self.friction < np.inf:
+            raise InputError(key="friction", value=self.friction, allowed="0 or positive")
+
+    def softened(self, factor):
+        """With a softer contact: `factor` of the penalty, the toe deeper by its inverse root."""
+        return replace(self, penalty=self.penalty * factor, toe=self.toe / factor**0.5)
+
+
+@dataclass(frozen=True)
+class Load:
+    """End displacements d1, d2 [m] per end, and half the distance of two plates [m] (infinite: none)."""
+
+    d: tuple = (0.0, 0.0)
+    plates: float = np.inf
+
+    @property
+    def drive(self):
+        """(2,) what the prescribed displacements are proportional to."""
+        return self.d
+
+    def towards(self, other, share):
+        """The load at `share` of the way to another."""
+        d = tuple(a + share * (b - a) for a, b in zip(self.d, other.d))
+        plates = self.plates + share * (other.plates - self.plates) if np.isfinite(self.plates) else self.plates
+        return Load(d, plates)
+
+
+class YarnsModel:
+    """Meshed yarns with their laws; holds scratch arrays, and no history but the damage of fibres that may fail.
+
+    Parameters
+    ----------
+    mesh : meshing.mesh.YarnMesh
+    fabric : Fabric, with solid laws
+    numerics : Numerics
+    held : constraints.Constraints
+    surfaces : contact.FacingSurfaces, or pairs.SurfacePairs
+    plates : contact.Plates, or None
+    points : (n, 3) [m] nodes, the mesh's first; more where contact has images of yarns
+    copies : of axial and of vertical forces, that the domain stands for
+    integration : yarn_law.FULL or yarn_law.ONE_POINT
+    failure : fibres fail
+
+    Raises
+    ------
+    InputError : the fabric has no solid laws, or is not the one that was meshed
+    """
+
+    def __init__(
+        self, mesh, fabric, numerics, held, surfaces, plates, *,
+        points=None, copies=(1.0, 1.0), integration=solid_law.FULL, failure=False,
+    ):  # fmt: skip
+        check(mesh, fabric)
+        self.crossover, self.fabric = mesh, fabric
+        self.numerics = Numerics() if numerics is None else numerics
+        self.points = np.ascontiguousarray(mesh.points if points is None else points, float)
+        self.copies, self.constraints, self.surfaces, self.plates = copies, held, surfaces, plates
+        self.fibres = Fibres(mesh, fabric, failure)
+        self._solid(mesh, fabric, integration)
+        self._lay_out()
+
+    @property
+    def size(self):
+        """Number of unknowns."""
+        return self.constraints.size
+
+    @property
+    def bar_yarn(self):
+        """(b,) number of the yarn of each bar."""
+        return self.fibres.yarn
+
+    def _solid(self, mesh, fabric, integration):
+        family = np.asarray(mesh.families)[mesh.yarn]
+        self.hexes = np.where(
+            family[:, None] == 0, mesh.hexes[:, ACROSS_BEFORE_THROUGH[0]], mesh.hexes[:, ACROSS_BEFORE_THROUGH[1]]
+        )
+        # the mesher may have had to densify a yarn to make room for the other (YarnMesh.Vf0)
+        laws = [replace(law, Vf0=Vf0) for law, Vf0 in zip(fabric.solids, mesh.Vf0)]
+        parameters = np.array([(law.E_a, law.a_E, law.b_E, law.Vf0, law.V_c, law.G) for law in laws])
+        self._real = len(mesh.points)
+        self._space = HexSpace.build(mesh.points, self.hexes)
+        self._solids = Assembler(self._space, *solid_law.forms(self._space, parameters[family], integration))
+
+    def _lay_out(self):
+        """Lay out the tangent for the solids and the contact that is expected or has been met."""
+        self.pattern = Pattern(len(self.points), [self.hexes, *self.surfaces.expected()], self.constraints)
+        self.surfaces.lay_out(self.pattern)
+        self._solid_places = self.pattern.scalar_places(self._solids.rows, self._solids.columns)
+        self._bar_places = self.pattern.places(self.fibres.pairs)
+        faces = () if self.plates is None else self.plates.faces
+        self._plate_places = [self.pattern.places(nodes[:, None])[:, 0, 0] for nodes, _ in faces]
+
+    def positions(self, q, load):
+        """(n, 3) [m] deformed positions."""
+        return self.points + self.constraints.displacement(q, load.drive)
+
+    def forces(self, q, load):
+        """Internal forces (n, 3) [N] and the vertical forces of contact and plates.
+
+        Returns
+        -------
+        forces : (n, 3) [N]; not finite where an element is inverted
+        contact : [N] of the meshed part: upwards on the warp
+        plates : (2,) [N] on the upper and the lower plate
+        """
+        x = self.positions(q, load)
+        self._deform(x)
+        forces = np.zeros_like(x)
+        forces[: self._real] = self._solids.residual()
+        self.fibres.forces(x, self.numerics, forces)
+        contact = self.surfaces.touch(x, self.numerics, forces)
+        return forces, contact, self._press(x, load, forces)
+
+    def system(self, q, load):
+        """Assemble the tangent into `pattern`; returns True where its pattern had to grow."""
+        grown = self.surfaces.outgrown()
+        if grown:
+            self._lay_out()
+        x, n, pattern = self.positions(q, load), self.numerics, self.pattern
+        self._deform(x)
+        pattern.values[:] = 0
+        pattern.values.reshape(-1)[self._solid_places] += self._solids.tangent()
+        self.fibres.tangent(x, n, self._bar_places, pattern.values)
+        discarded = np.zeros_like(x)
+        self.surfaces.touch(x, n, discarded, pattern.values)
+        self._press(x, load, discarded, self._plate_places)
+        pattern.reduce()
+        return grown
+
+    def _deform(self, x):
+        self._space.set_displacement((x - self.points)[: self._real])
+
+    def _press(self, x, load, forces, places=None):
+        if self.plates is None:
+            return np.zeros(2)
+        return self.plates.press(x, load.plates, self.numerics, forces, places, self.pattern.values)
+
+    def accept(self, q, load):
+        """Let friction go on from this state, an equilibrium; nothing happens without friction."""
+        if self.numerics.friction > 0:
+            self.forces(q, load)  # the state that the contact search belongs to may be a trial
+            x = self.positions(q, load)
+            self.surfaces.accept(x, self.numerics)
+            if self.plates is not None:
+                self.plates.accept(x, load.plates, self.numerics)
+
+    @property
+    def stuck(self):
+        """(s,) where the points of contact stick: what friction keeps of the past, see `accept`."""
+        return np.concatenate([anchors.ravel() for anchors in self._anchors()])
+
+    @stuck.setter
+    def stuck(self, values):
+        for anchors in self._anchors():
+            anchors[:], values = values[: anchors.size].reshape(anchors.shape), values[anchors.size :]
+
+    def _anchors(self):
+        return [*self.surfaces.anchors, *(() if self.plates is None else self.plates.anchors)]
+
+    def tensions(self, forces):
+        """(2,) [N] tensions of the whole warp and weft yarn, from the reactions at their ends."""
+        return np.array([self.copies[0] * self.constraints.end_force(forces, yarn) for yarn in (0, 1)])
+
+    def fibre_strains(self, x):
+        """Strain of every bar (b,), and its mean over the fibres of each yarn."""
+        strain = self.fibres.strains(x)
+        return strain, self.fibres.means(strain)
+
+    def worst_element(self, x):
+        """Number of the hexahedron with the least corner volume ratio to the undeformed, and that ratio."""
+        ratio = _corner_volumes(x[self.hexes]) / _corner_volumes(self.points[self.hexes])
+        cell = int(np.argmin(ratio.min(axis=1)))
+        return cell, float(ratio[cell].min())
+
+
+class CrossoverModel(YarnsModel):
+    """A meshed crossover of one warp and one weft.
+
+    Parameters
+    ----------
+    crossover : meshing.crossover.Crossover
+    fabric, numerics, integration, failure : as of a `YarnsModel`
+
+    Raises
+    ------
+    InputError : the fabric has no solid laws, or is not the one that was meshed
+    """
+
+    def __init__(self, crossover, fabric, numerics=None, **choices):
+        check(crossover, fabric)
+        quarter = crossover.domain == "quarter"
+        points = np.ascontiguousarray(crossover.points, float)
+        super().__init__(
+            crossover,
+            fabric,
+            numerics,
+            constraints.build(crossover.grids, len(points), quarter=quarter),
+            FacingSurfaces(points, crossover.grids, quarter),
+            Plates(points, crossover.grids),
+            copies=(2.0, 4.0) if quarter else (1.0, 1.0),
+            **choices,
+        )
+
+    def heights(self, x):
+        """(2,) [m] heights h1, h2 of the centrelines: middle of the yarn's axis above (warp), below (weft) its end."""
+        ends = [axis_height(x, grid[-1, self._crossing(grid)[1]]) for grid in self.crossover.grids]
+        middles = [axis_height(x, grid[self._crossing(grid)]) for grid in self.crossover.grids]
+        return np.array([middles[0] - ends[0], ends[1] - middles[1]])
+
+    def half_thicknesses(self, x):
+        """(2,) [m] distances of the axis of warp and weft from the face that meets the other, at the crossing."""
+        warp, weft = (grid[self._crossing(grid)] for grid in self.crossover.grids)
+        return np.array([axis_height(x, warp) - x[warp[0], 2], x[weft[-1], 2] - axis_height(x, weft)])
+
+    def _crossing(self, grid):
+        """Place (i, j) of the crossing in the grid of a yarn."""
+        return (0, 0) if self.crossover.domain == "quarter" else (grid.shape[0] // 2, grid.shape[1] // 2)
+
+
+def check(mesh, fabric):
+    """Refuse a fabric without solid laws, or a mesh of another fabric."""
+    if fabric.solids is None:
+        raise InputError(f"fabric {fabric.name} has no [solid] tables, which a 3D crossover needs")
+    if mesh.fabric != fabric.name:
+        raise InputError(key="fabric", value=fabric.name, allowed=f"the meshed one, {mesh.fabric}")
+
+
+def axis_height(x, column):
+    """Height [m] of the middle of a column of nodes through the thickness."""
+    return 0.5 * (x[column[(len(column) - 1) // 2], 2] + x[column[len(column) // 2], 2])
+
+
+def _corner_volumes(corners):
+    """(m, 8) [m3] triple products of the edges at the corners of hexahedra (m, 8, 3) in VTK order."""
+    neighbours = ((1, 3, 4), (2, 0, 5), (3, 1, 6), (0, 2, 7), (7, 5, 0), (4, 6, 1), (5, 7, 2), (6, 4, 3))
+    volumes = []
+    for corner, (a, b, c) in enumerate(neighbours):
+        ea, eb, ec = (corners[:, k] - corners[:, corner] for k in (a, b, c))
+        volumes.append(np.einsum("mi,mi->m", np.cross(ea, eb), ec))
+    return np.stack(volumes, axis=1)

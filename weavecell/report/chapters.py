@@ -1,0 +1,351 @@
+"""The chapters of a report, each from results to a Section: what to say, which picture, which table."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from weavecell.commands.fabrics import derived
+from weavecell.report import pictures, pictures3d, pictures_body, pictures_histories
+from weavecell.report.page import Card, Figure, Section, Table
+from weavecell.results.paraview import failed_yarns
+
+CLOSE_UP = 0.014  # [m] half the width of the close-up: five radii of the RCC projectile
+STRAINS = np.linspace(0.0, 0.032, 97)  # [-] of the cell, to past the yarns' failure strain
+
+
+def fabric_card(fabric):
+    """Which fabric."""
+    weave = fabric.weave
+    denier = " / ".join(f"{9e6 * yarn.linear_density:.0f}" for yarn in weave.yarns)
+    return Card(
+        "Fabric",
+        fabric.name,
+        (
+            f"{denier} denier, warp / weft",
+            f"{1e3 * weave.areal_density:.1f} g/m², {1e3 * weave.thickness:.3f} mm thick",
+            f"crimp {100 * weave.warp.crimp:.2f} / {100 * weave.weft.crimp:.2f} %",
+            f"yarn strength {weave.warp.strength:.0f} / {weave.weft.strength:.0f} N",
+        ),
+    )
+
+
+def law_card(law, published=None, source=""):
+    """Which compression law, beside the published one."""
+    if law.a == law.b == 0:  # of a cell whose yarns are not compressed
+        return Card("Compression law", source or "none", ("none: the yarns keep their thickness",))
+    shift = " + F0" if law.form == "regularised" else ""
+    lines = [f"a = {1e3 * law.a:.4f} mm, b = {1e3 * law.b:.4f} mm N^(1/3)", f"d_c = a - b / (F{shift})^(1/3)"]
+    if published is not None:
+        lines.append(f"published: {1e3 * published.a:.4f} mm, {1e3 * published.b:.4f} mm N^(1/3)")
+    if law.residual_rms is not None:
+        lines.append(f"residual of the fit {1e6 * law.residual_rms:.2f} µm rms")
+    return Card("Compression law", source or "given", tuple(lines))
+
+
+def impact_card(record):
+    """What one impact came to."""
+    headline = {"stopped": "stopped", "perforated": "perforated", "in flight": "still moving", "unstable": "unstable"}
+    tone = record.outcome if record.outcome in ("stopped", "perforated", "unstable") else "plain"
+    return Card(
+        record.title,
+        headline[record.outcome],
+        (
+            residual(record),
+            f"energy balance {percent(record.worst_balance)}",
+            f"viscous {percent(record.numerical_share)}",
+        ),
+        tone,
+    )
+
+
+def percent(share):
+    """A share as text, to two digits."""
+    return f"{100 * share:.2g} %"
+
+
+def residual(record):
+    """Velocity at the end, as text; a stopped projectile has none, though it may have begun to rebound."""
+    if record.outcome == "stopped":
+        return "residual velocity 0 m/s"
+    name = "residual velocity" if record.outcome == "perforated" else "velocity at the end"
+    return f"{name} {record.residual_velocity:.1f} m/s"
+
+
+def mesh(facts, picture):
+    """The meshed crossover."""
+    return Section(
+        "mesh",
+        "The crossover in hexahedra",
+        "One crossing of warp (blue) and weft (orange). Mesh lines along the yarns are fibre lines and carry the bars.",
+        (Figure(picture, "png", "The whole crossover; by symmetry a quarter of it is solved.", "mesh"),),
+        (Table(("quantity", "value"), tuple(facts.items())),),
+        beside=True,
+    )
+
+
+def fit(samples, laws, platen=None, lead=""):
+    """The calibration: samples of the 3D crossover, the law fitted to them, the published law."""
+    rows = tuple(
+        (
+            label,
+            f"{1e3 * law.a:.4f}{_interval(law.a_interval)}",
+            f"{1e3 * law.b:.4f}{_interval(law.b_interval)}",
+            "-" if law.residual_rms is None else f"{1e6 * law.residual_rms:.2f}",
+            "-" if law.F_range is None else f"{law.F_range[0]:.2g} to {law.F_range[1]:.3g}",
+        )
+        for label, law in laws.items()
+    )
+    columns = ("law", "a [mm]", "b [mm N^(1/3)]", "residual rms [µm]", "fitted range of F [N]")
+    content = pictures.render(pictures.fit, samples, laws, platen)
+    return Section(
+        "fit",
+        "Transverse compression: the fit",
+        lead or "Each point is a converged state of the 3D crossover, to which d_c = a - b / (F + F0)^(1/3) is fitted.",
+        (Figure(content, "svg", "Compression of one yarn against the contact force.", "fit"),),
+        (Table(columns, rows, numeric=columns[1:]),),
+    )
+
+
+def _interval(interval):
+    if interval is None:
+        return ""
+    return f" ({1e3 * interval[0]:.4f} to {1e3 * interval[1]:.4f})"
+
+
+def cell(fabric, laws, model="compressible", paths=None, **options):
+    """The cell's biaxial response with each law, and the 3D crossover's where it is known.
+
+    Parameters
+    ----------
+    laws : {label: (warp, weft) laws}
+    paths : {title: (strain1, strain2, T1, T2)} [-, N] of straight paths of the 3D crossover, or strains alone where it
+        has not been solved; two plain paths without
+    options : of CellModel
+    """
+    from shellfabric.cell.model import CellModel
+
+    paths = paths or {
+        "both yarns stretched alike": (STRAINS, STRAINS),
+        "warp stretched, weft held": (STRAINS, 0 * STRAINS),
+    }
+    cases = {}
+    for title, (warp, weft, *tensions) in paths.items():
+        share = np.linspace(0, 1, 97)
+        ends = float(warp[-1]), float(weft[-1])
+        main = int(ends[1] > ends[0])  # the strain on the axis is the larger one
+        curves = {}
+        for label, pair in laws.items():
+            state = CellModel(fabric, pair, model=model, **options).solve(1 + share * ends[0], 1 + share * ends[1])
+            curves[label] = (state["N1"], state["N2"])
+        measured = ((warp, weft)[main], *tensions) if tensions else None
+        cases[title] = {"strain": share * ends[main], "curves": curves, "points": measured}
+    content = pictures.render(pictures.cell, cases)
+    return Section(
+        "cell",
+        "Biaxial response of the cell",
+        "Tension of one yarn against the strain of the cell: lines are the shell's cell"
+        + (", circles the 3D crossover." if any(case["points"] for case in cases.values()) else "."),
+        (
+            Figure(
+                content,
+                "svg",
+                "Crimp exchange: each yarn bears on the other and carries load before it is straight.",
+                "cell",
+            ),
+        ),
+    )
+
+
+def options(table):
+    """Options of the cell that a scene's [fabric] table names, as CellModel takes them."""
+    return {"profile": table.cell_profile, "toe": table.yarn_toe}
+
+
+def impact(records):
+    """The impacts: velocity, shape, energies and reactions."""
+    velocities = {record.title: (record.t, record.v) for record in records}
+    shapes = {record.title: _shapes(record) for record in records}
+    reactions = {record.title: (record.t, record.reactions["warp"], record.reactions["weft"]) for record in records}
+    figures = [
+        Figure(
+            pictures.render(pictures.velocity, velocities), "svg",
+            "Velocity of the projectile from strike to the end of the run.", "velocity",
+        ),
+        Figure(
+            pictures.render(pictures.panels, shapes, kind="png"), "png",
+            "Seen from behind, to scale. Left: the panel when half of the energy lost had been lost. "
+            "Right: the impact point at the end of the run.",
+            "panel",
+        ),
+    ]  # fmt: skip
+    for number, record in enumerate(records, 1):
+        picture = pictures.render(
+            pictures.energies, record.t, _by_work(record.energies), record.strike_energy, record.energies["balance"],
+            record.title,
+        )  # fmt: skip
+        name = f"energies-{number}" if len(records) > 1 else "energies"
+        caption = (
+            "Where the strike energy is; below, what the balance misses (green band: 1 %). Membrane is the work of the "
+            "cell's forces; what the yarns store differs from it by the term 'cell' of the table."
+        )
+        figures.append(Figure(picture, "svg", caption, name, wide=False))
+    figures.append(
+        Figure(
+            pictures.render(pictures.reactions, reactions), "svg",
+            "Tension at the clamped ends of the warp and the weft yarn through the impact point.", "reactions",
+            wide=len(records) > 1,
+        )
+    )  # fmt: skip
+    return Section(
+        "impact",
+        "Impact" if len(records) == 1 else "Impacts",
+        " ".join(
+            f"{record.title} became unstable and was stopped: {record.message}." for record in records if record.message
+        ),
+        tuple(figures),
+        (impact_table(records),),
+    )
+
+
+def _by_work(energies):
+    """The energies with the work of the cell's forces in place of what the yarns store: parts that add up."""
+    return energies | {"stored": energies["stored"] + energies.get("cell", 0.0)}
+
+
+def _shapes(record):
+    """The whole panel half-way through the event, and the impact point at the end."""
+    drawn = []
+    for shape, reach in ((record.middle, None), (record.last, CLOSE_UP)):
+        share = np.max(shape.tension / record.strength, axis=1)
+        body = shape.nose + record.projectile
+        mirrors = (record.mirror_x, record.mirror_y)
+        image = pictures3d.panel(shape.nodes, record.quads, share, failed_yarns(shape.broken), body, mirrors, reach)
+        drawn.append((f"at {1e6 * shape.t:.0f} µs", image))
+    return drawn
+
+
+def impact_table(records):
+    """One row a run."""
+    columns = (
+        "run", "outcome", "residual [m/s]", "absorbed [J]", "failed yarn segments",
+        "balance [% of strike]", "viscous [% of absorbed]", "cell [% of strike]", "marching [s]",
+        "ns per element and step",
+    )  # fmt: skip
+    rows = tuple(
+        (
+            record.title,
+            record.outcome,
+            residual(record).split()[-2],
+            f"{record.absorbed:.2f}",
+            f"{int(record.failed[-1])}",
+            f"{100 * record.worst_balance:.3f}",
+            f"{100 * record.numerical_share:.2f}",
+            f"{100 * float(np.atleast_1d(record.energies.get('cell', 0.0))[-1]) / record.strike_energy:.2f}",
+            f"{record.wall_time:.2f}",
+            f"{record.ns_per_element_step:.1f}",
+        )
+        for record in records
+    )
+    return Table(columns, rows, numeric=columns[2:])
+
+
+def measures(record, places):
+    """What was recorded along yarns and at the edges; places [m] along the yarns whose histories are drawn."""
+    from shellfabric.output.wave_fronts import fronts
+
+    recorded = record.measured
+    t, waves = recorded.t, fronts(recorded)
+    through = [yarn for yarn in (recorded.through("warp"), recorded.through("weft")) if yarn is not None]
+    drawn = []
+    if recorded.yarns:
+        within = [place for place in places if any(place <= yarn.X[-1] for yarn in recorded.yarns)]
+        drawn = [
+            ("tensions", "Tension and fibre strain of the yarns that were followed.", (recorded.yarns, within)),
+            ("fronts", "Tension over place and time, with the longitudinal front (dark: tension arrives) and the "
+             "transverse one (red: the foot of the pyramid); the lines are fitted.", (through, waves)),
+            ("profiles", "Deflection along the yarns nearest the impact point.", (through,)),
+        ]  # fmt: skip
+    drawn.append(("edges", "Force of the cloth on the edges of the whole panel.", (recorded.edges,)))
+    figures = tuple(
+        Figure(pictures.render(getattr(pictures_histories, name), t, *arguments), "svg", caption, name)
+        for name, caption, arguments in drawn
+    )
+    columns = ("front", "yarn", "speed in the cloth [m/s]", "95 % interval [m/s]", "speed along the yarn [m/s]")
+    return Section(
+        "measures", "Along the yarns and at the edges", "", figures,
+        (Table(columns, tuple(_front_row(wave, recorded) for wave in waves), numeric=columns[2:]),) if waves else (),
+    )  # fmt: skip
+
+
+def body(record):
+    """Sections of an elastic projectile and of a block behind the panel, where there is one."""
+    found = []
+    if record.bar is not None:
+        bar = record.bar
+        lead = f"{record.rigidity}. " if record.rigidity else ""
+        lead += f"Plastic strain has shortened it by {1e3 * bar.shortening:.3g} mm."
+        swing = f" They swing in {1e6 * bar.swing:.3g} us." if np.isfinite(bar.swing) else ""
+        caption = (
+            f"Tip, tail and centre of mass of the projectile; the first mode has {1e6 * bar.period:.3g} us.{swing}"
+        )
+        picture = pictures.render(pictures_body.bar, bar)
+        found.append(Section("bar", "The projectile as a bar", lead, (Figure(picture, "svg", caption, "bar"),)))
+    if record.backing is not None:
+        block = record.backing
+        lead = (
+            f"The crater is {1e3 * block.depth:.1f} mm deep and {2e3 * block.half_width:.1f} mm wide at half of that; "
+            f"its wall stands at {np.degrees(block.steepness):.0f}° to the face. {int(block.gone.sum())} bricks of the "
+            "quarter are eroded."
+        )
+        picture = pictures.render(pictures_body.crater, {record.title: block}, kind="png")
+        caption = "The block cut along the warp through the impact point, at the end of the run, to scale."
+        found.append(Section("backing", "The block behind", lead, (Figure(picture, "png", caption, "crater"),)))
+    return found
+
+
+def _front_row(wave, recorded):
+    if not np.isfinite(wave.speed):
+        return wave.kind, wave.family, "-", "-", "-"
+    along = f"{wave.speed * (1 + recorded.through(wave.family).crimp):.0f}" if wave.kind == "longitudinal" else "-"
+    low, high = wave.interval
+    return wave.kind, wave.family, f"{wave.speed:.0f}", f"{low:.0f} to {high:.0f}", along
+
+
+def comparison(rows):
+    """What was asked of the run beside what it gave: rows of (what, asked, measured, met)."""
+    missed = [what for what, _, _, met in rows if met == "no"]
+    lead = f"Not met: {'; '.join(missed)}." if missed else "All of it is met."
+    return Section(
+        "summary", "Asked and measured", lead, tables=(Table(("what", "asked", "measured", "met"), tuple(rows)),)
+    )
+
+
+def sources(fabric):
+    """Where each number comes from."""
+    rows = tuple(
+        (key, entry["value"], entry["status"], entry["source"]) for key, entry in sorted(fabric.sources.items())
+    )
+    return Section(
+        "sources",
+        "Where each number comes from",
+        "Every input of the fabric as it stands in its data file. The thesis is the source work; E-nn are its errata.",
+        tables=(
+            Table(("key", "value", "status", "source"), rows, caption="Data of the fabric"),
+            Table(("quantity", "value"), tuple(derived(fabric)), caption="What follows from them"),
+        ),
+    )
+
+
+def making(stamp, timings):
+    """How the page was made: versions, machine, times, scene."""
+    rows = tuple((key, value) for key, value in stamp.items() if key != "scene")
+    times = tuple((name, f"{seconds:.1f}") for name, seconds in timings.items())
+    return Section(
+        "making",
+        "How this was computed",
+        tables=(
+            Table(("stage", "wall time [s]"), times, numeric=("wall time [s]",)),
+            Table(("what", "version or value"), rows),
+        ),
+        details=(("Scene", stamp["scene"]),) if stamp["scene"] else (),
+    )
