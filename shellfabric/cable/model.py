@@ -80,7 +80,7 @@ class CableNumerics:
             raise InputError(key="safety", value=self.safety, allowed="at most 1")
 
     def step(self, frequency):
-        """(dt [s], cv [-]) where the highest frequency is `frequency` [rad/s]; cv as in `cable_kernels.pulls`."""
+        """(dt [s], cv [-]) where the highest frequency is `frequency` [rad/s]; cv as in `cable.step_kernels.pulls`."""
         xi = self.viscosity
         dt = self.safety * 2 / frequency * ((1 + xi**2) ** 0.5 - xi)
         return dt, 2 * xi / (frequency * dt)
@@ -95,7 +95,7 @@ class CableNet:
     Parameters
     ----------
     fabric : Fabric
-    opening : (along warp, along weft) [m]; as many whole crossovers as fit, as in `panel.Panel`
+    opening : (along warp, along weft) [m]; as many whole crossovers as fit, as in `panel.model.Panel`
     projectile : Projectile
     symmetry : "quarter", "half" (x >= 0) or "whole"
     numerics : CableNumerics
@@ -125,7 +125,8 @@ class CableNet:
 
     @classmethod
     def of(cls, setup, **others) -> CableNet:
-        """The net of an `impact.ImpactSetup`: its fabric, opening, projectile and symmetry, to compare the two models.
+        """The net of an `single_ply.ImpactSetup`: its fabric, opening, projectile and symmetry, to compare the two
+        models.
 
         Raises
         ------

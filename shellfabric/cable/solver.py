@@ -19,7 +19,7 @@ ENERGIES = ("kinetic_fabric", "kinetic_projectile", "stored", "viscous", "contac
 
 @dataclass(frozen=True)
 class CableResult:
-    """What an impact on a net came to; names as in `impact.ImpactResult`. Energies and forces are of the whole net.
+    """What an impact on a net came to; names as in `single_ply.ImpactResult`. Energies and forces are of the whole net.
 
     Parameters
     ----------

@@ -31,7 +31,7 @@ def ceilings(table):
 
 
 def _ceiling(force, tension):
-    """((steps, 2) [N], [N]) see `cell_kernels.ceiling`, and the width of its steps.
+    """((steps, 2) [N], [N]) see `crossover_kernels.ceiling`, and the width of its steps.
 
     force, tension (2, 3, cells) [N] : of one family, coefficients over the other's local coordinate, at both ends of
     its own, along which both are linear. A quadratic lies between the least and most of its Bernstein coefficients.

@@ -2,7 +2,7 @@
 
 Each test cuts a coupon (`coupon`), holds some of its nodes, moves them step by step and relaxes the rest
 (`coupon_run`). A run names what has gone wrong with it: yarns that have passed one another, shear that has run into
-bands (source thesis section 4.4.3, Figure 4-27), no equilibrium. Keywords `relaxing` go to `coupon_run.run`.
+bands (source thesis section 4.4.3, Figure 4-27), no equilibrium. Keywords `relaxing` go to `coupon.solver.run`.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ def bias_extension(
     length, width : [m] between the clamps, and across
     elongation : [m] of the coupon as a whole
     steps : load steps
-    elements_per_crossover, trellis : see `coupon.cut`
+    elements_per_crossover, trellis : see `coupon.model.cut`
 
     Raises
     ------

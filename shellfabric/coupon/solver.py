@@ -26,7 +26,7 @@ class Result:
     ----------
     coupon : Coupon
     grips : (n,) int, number of the grip that holds a node, from 1; 0 is free
-    states : of `relax.pull`, one a load step
+    states : of `dynamic_relaxation.pull`, one a load step
     moved : (steps,) what was prescribed: elongation [m], shear angle [rad] or strain [-]
     outcome : "complete", "yarn at its strength" or "unstable"
     floor : [N] norm of the reaction below which the coupon counts as unloaded
@@ -58,13 +58,13 @@ def run(coupon, grips, path, size, steps, hooks, *, tolerance=1e-4, most_iterati
     path : path(load) -> (n, 2) [m] where the held nodes shall be at a share of the whole
     size : of what is prescribed, at the end of the path
     steps : of load, all alike
-    hooks, tolerance, most_iterations : see `relax.pull`
+    hooks, tolerance, most_iterations : see `dynamic_relaxation.pull`
     progress : called as progress(state) after every step that the run goes on from
     done : states of an interrupted run to go on from
 
     Raises
     ------
-    UnstableError : as `relax.pull`; its attribute `result` holds the run
+    UnstableError : as `dynamic_relaxation.pull`; its attribute `result` holds the run
     """
     held = grips > 0
     strength = max(yarn.strength for yarn in coupon.weave.yarns)

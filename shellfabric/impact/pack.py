@@ -27,7 +27,7 @@ class PackSetup:
     ply : ImpactSetup of the first ply; its histories along yarns (`measure`) are of a single ply alone
     plies : number of plies
     stacking : "aligned" or "alternating"
-    gap : [m] between plies at rest; None takes the fabric's (see `pack.fabric_gap`)
+    gap : [m] between plies at rest; None takes the fabric's (see `plies.model.fabric_gap`)
     contact : PlyContact, numerical knobs of the contact between plies
 
     Raises
@@ -65,11 +65,11 @@ class PackResult(single_ply.Outcome):
     setup, pack : what was run
     outcome, residual_velocity, velocity, t, v, z, fine, bar, backing, nose, steps, wall_time, ns_per_element_step,
         max_deflection, checks : as ImpactResult
-    energies : {name: (n,)} [J] with the names of pack_march.PACK_ENERGIES
-    plies : {name: (n, plies)} with the names of pack_march.PLY_SAMPLES
+    energies : {name: (n,)} [J] with the names of plies.solver.PACK_ENERGIES
+    plies : {name: (n, plies)} with the names of plies.solver.PLY_SAMPLES
     peak_tension : (plies, 2) [N] over the run, of each ply's own warp and weft
     deepest, held_apart : (plies - 1,) and (2,) [-] see PackMarch
-    last : (plies,) measures.Snapshot at the end, each from its own plane at rest
+    last : (plies,) snapshots.Snapshot at the end, each from its own plane at rest
     snapshots : tuple of such tuples
     """
 
@@ -117,7 +117,7 @@ class Snapshots(Every):
 
 
 def shots(march):
-    """(plies,) measures.Snapshot of the present, counted from the plane of the first ply at rest."""
+    """(plies,) snapshots.Snapshot of the present, counted from the plane of the first ply at rest."""
     found = []
     for ply, state, z in zip(march.pack.plies, march.states, march.pack.places):
         shot = output_snapshots.snapshot(ply, state, march.time)
@@ -127,7 +127,7 @@ def shots(march):
 
 
 def run(setup: PackSetup, *, hooks=(), resume=None) -> PackResult:
-    """Run an impact on a pack; parameters, exceptions and resuming as `impact.run`."""
+    """Run an impact on a pack; parameters, exceptions and resuming as `single_ply.run`."""
     march = PackMarch(setup.pack(), setup.ply.strike_velocity, setup.ply.end_time, interval=setup.ply.audit_interval)
     if resume is not None:
         checkpoint_pack.read(march, resume)

@@ -157,18 +157,18 @@ class ImpactResult(Outcome):
     residual_velocity : [m/s] of the projectile at the end, along the normal
     velocity : (3,) [m/s] of the projectile at the end, along warp, weft and normal
     t, v, z : (n,) [s, m/s, m] instants of the audit; the projectile's velocity along the normal and its foremost point
-    energies : {name: (n,)} [J] with the names of march.ENERGIES; balance is the sum less the energy at the start
+    energies : {name: (n,)} [J] with the names of panel.solver.ENERGIES; balance is the sum less the energy at the start
     reactions : {"warp", "weft": (n,)} [N] tension at the clamped end of the yarn nearest the impact point
     failed : (n,) number of failed yarn segments
     peak_tension : (warp, weft) [N] over the run
     fine : (steps, 4) time [s], foremost point [m], velocity [m/s] at half steps, force on the projectile [N]
-    bar : body.BarHistory of tip, tail and centre of mass; None of a rigid projectile
-    backing : behind.BackingResult, the block behind the cloth at the end, or None
+    bar : dynamics.BarHistory of tip, tail and centre of mass; None of a rigid projectile
+    backing : backing.coupling.BackingResult, the block behind the cloth at the end, or None
     nose : (3,) [m] place of the projectile's nose at the end
     nodes, quads : (k, 3) [m], (m, 4) the panel (or its modelled part) at the end
     tension : (m, 2) [N] of warp and weft at the end
     broken : (m, 3) bool at the end: warp failed, weft failed, element eroded
-    snapshots : tuple of measures.Snapshot
+    snapshots : tuple of snapshots.Snapshot
     histories : histories.Histories, or None where nothing was to be recorded
     steps, wall_time, ns_per_element_step : cost of marching, [s] and [ns]
     max_deflection : [m] of whole cloth, over the run

@@ -129,7 +129,7 @@ def restore_records(file, march):
 
 
 def store_snapshot(file, name, shot):
-    """Keep a measures.Snapshot."""
+    """Keep a snapshots.Snapshot."""
     for entry in fields(Snapshot):
         file[f"snapshots/{name}/{entry.name}"] = getattr(shot, entry.name)
 

@@ -327,12 +327,12 @@ class Panel:
 
     @cached_property
     def potential(self):
-        """See `table_rows.potential`."""
+        """See `packed_table.potential`."""
         return packed_table.potential(self.table)
 
     @cached_property
     def ceilings(self):
-        """See `table_rows.ceilings`."""
+        """See `packed_table.ceilings`."""
         return packed_table.ceilings(self.table)
 
     def constants(self) -> arrays.Constants:

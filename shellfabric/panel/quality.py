@@ -102,7 +102,7 @@ class Monitor:
 
     Parameters
     ----------
-    march : march.March or pack_march.PackMarch
+    march : panel.solver.March or plies.solver.PackMarch
 
     Attributes
     ----------
@@ -147,7 +147,7 @@ class Monitor:
 
 
 def of_march(march):
-    """Tuple of Indicator of a run of one ply or a pack, a `march.March` or `pack_march.PackMarch`."""
+    """Tuple of Indicator of a run of one ply or a pack, a `panel.solver.March` or `plies.solver.PackMarch`."""
     panel, shot = march.panel, march.panel.projectile
     strike = march.strike_energy
     energies = {name: march.sample(name) for name in march.energy_names}
@@ -251,7 +251,7 @@ def of_coupon(table, tensions, residual, tolerance):
 
 
 def of_patch(march):
-    """Tuple of Indicator of a solid_march.SolidMarch."""
+    """Tuple of Indicator of a solid.solver.SolidMarch."""
     strike = march.strike_energy
     solids, held = (float(march.sample(name)[-1]) for name in ("solids", "hourglass"))
     return (

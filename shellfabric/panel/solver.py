@@ -71,11 +71,11 @@ class March:
     ----------
     state, const : what the kernels work on
     threads : that share the work
-    behind : behind.Behind, the block behind the cloth, or None
+    behind : backing.coupling.Behind, the block behind the cloth, or None
     samples : list of rows, one an audit, in the order of SAMPLES; energies and forces are of the whole panel
-    fine : list of (steps, columns) after each step, `body.columns` of the projectile: z [m], velocity [m/s] and force
-        [N] (of the modelled part), and of a bar velocities [m/s] and places [m] of tip, tail and centre of mass
-    snapshots : list of measures.Snapshot, where a hook takes them
+    fine : list of (steps, columns) after each step, `dynamics.columns` of the projectile: z [m], velocity [m/s] and
+        force [N] (of the modelled part), and of a bar velocities [m/s] and places [m] of tip, tail and centre of mass
+    snapshots : list of snapshots.Snapshot, where a hook takes them
     measure, histories : what a histories.Recorder records, where there is one, and its rows
     outcome : "in flight", "stopped" or "perforated"
     checks : of the energy balance between audits (see `_chunk`)

@@ -1,4 +1,4 @@
-"""How much of the bound on the time step is taken: what form, crimp and viscosity leave of it (`panel.Panel`).
+"""How much of the bound on the time step is taken: what form, crimp and viscosity leave of it (`panel.model.Panel`).
 
 The bound, (2 / w) (sqrt(1 + xi^2) - xi), is that of a cell that is as stiff as it ever gets, in every element. What it
 is worth depends on the cell, and was found by running it (docs/stability.md):

@@ -76,8 +76,8 @@ class PlyContact:
     penalty : stiffness of a point, in units of the mass that it stands for / dt^2
     damping : ratio to critical of that mass on that spring
     points : along each side of an element
-    nose : stiffness of the nose's contact, times that of a single ply (`panel.Numerics`), whose explicit spring None
-        leaves. Under the rim of the nose a pack presses the first ply on it, by more than a single ply ever is
+    nose : stiffness of the nose's contact, times that of a single ply (`panel.model.Numerics`), whose explicit spring
+        None leaves. Under the rim of the nose a pack presses the first ply on it, by more than a single ply ever is
     form : "smooth"; for comparison the naive "facets" and "nodes" (see `ply_contact_kernels`)
 
     Raises

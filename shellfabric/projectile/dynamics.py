@@ -11,7 +11,7 @@ import numpy as np
 
 from shellfabric.projectile import bar_kernels
 
-RIGID = ("z", "v", "force")  # columns of the history of a march, `march_kernels.tell`
+RIGID = ("z", "v", "force")  # columns of the history of a march, `panel.step_kernels.tell`
 STATE = ("bar_u", "bar_v", "bar_plastic", "bar_stress", "bar_sums")  # fields of a State that are the body's
 BAR = (*RIGID, "tip_velocity", "tail_velocity", "centre_velocity", "tip", "tail", "centre")
 

@@ -116,7 +116,7 @@ class Blocks:
 
 
 class Places:
-    """Stands for `pattern.Pattern`: a block for each pair of nodes of the stencils (m, s) among n nodes."""
+    """Stands for `sparsity.Pattern`: a block for each pair of nodes of the stencils (m, s) among n nodes."""
 
     def __init__(self, n, stencils):
         self._n = n

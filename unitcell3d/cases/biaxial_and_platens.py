@@ -28,7 +28,7 @@ def biaxial(crossover, fabric, ratio=(1.0, 1.0), *, reach=None, numerics=None, s
     fabric : Fabric
     ratio : (d1, d2) [-] proportions of the end displacements; 0 holds a yarn's ends
     reach : [m] larger of the two end displacements at the end of the path, instead of fibre failure
-    numerics, steps, hooks : see `model.Numerics`, `stepping.Steps`, `stepping.march`
+    numerics, steps, hooks : see `model.crossover.Numerics`, `load_stepping.Steps`, `load_stepping.march`
 
     Returns
     -------

@@ -48,7 +48,7 @@ def along(crossover, fabric, corners, *, failure=False, numerics=None, hooks=(),
     fabric : Fabric
     corners : (k, 2) [m]; a first one at rest may be left out
     failure : fibres fail at their failure strain (`unitcell3d.material.fibres`)
-    numerics, hooks, comm : see `follow.follow`
+    numerics, hooks, comm : see `path_following.follow`
 
     Returns
     -------

@@ -47,8 +47,8 @@ def shear(mesh, fabric, gamma=0.6, *, stretch=(0.0, 0.0), numerics=None, rows=30
     ----------
     mesh : meshing.crossover.Crossover, a whole one, or meshing.patch.Patch of 2 x 2
     fabric : Fabric
-    numerics, failure : as of a `model.YarnsModel`
-    rows, hooks, comm : see `follow.follow`
+    numerics, failure : as of a `model.crossover.YarnsModel`
+    rows, hooks, comm : see `path_following.follow`
 
     Returns
     -------

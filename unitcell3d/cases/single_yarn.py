@@ -47,7 +47,7 @@ class YarnModel(YarnsModel):
     fabric : Fabric
     family : 0 warp, 1 weft
     bars : number of fibre lines with bars; all if not given
-    numerics, integration, failure : as of a `model.YarnsModel`
+    numerics, integration, failure : as of a `model.crossover.YarnsModel`
 
     Raises
     ------
@@ -97,9 +97,9 @@ def pull(
     family : 0 warp, 1 weft
     strain : [-] at the end; by default, where the straight yarn is at its failure strain, with `failure` 10 % beyond
     bars : number of fibre lines with bars; all if not given
-    integration : yarn_law.FULL or yarn_law.ONE_POINT
+    integration : solid_law.FULL or solid_law.ONE_POINT
     failure : fibres fail
-    numerics, rows, hooks, comm : see `follow.follow`
+    numerics, rows, hooks, comm : see `path_following.follow`
 
     Returns
     -------

@@ -50,7 +50,7 @@ class StackModel(YarnsModel):
     crossover : meshing.crossover.Crossover, a quarter
     fabric : Fabric
     plies : number
-    numerics : model.Numerics
+    numerics : model.crossover.Numerics
 
     Raises
     ------
@@ -88,7 +88,7 @@ def stack_compression(
     shift : (x, y) [crossings] of each ply against the one under it; (0, 0): aligned
     pressure : [Pa] mean on the area of the cell at the end, the source's greatest by default
     closest : [-] share of the first distance of the plates at which the path ends at the latest
-    numerics, hooks, comm : see `follow.follow`
+    numerics, hooks, comm : see `path_following.follow`
 
     Returns
     -------

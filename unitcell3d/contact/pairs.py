@@ -1,6 +1,6 @@
 """Contact between any number of yarns: pairs of surfaces that are handled as the two of a crossover are.
 
-Each pair is a `contact.FacingSurfaces`: the lower face of one yarn and the upper face of another. A yarn whose i runs
+Each pair is a `surfaces.FacingSurfaces`: the lower face of one yarn and the upper face of another. A yarn whose i runs
 along y counts as the first one, and as the second one whose i runs along x, with its grid transposed.
 """
 
@@ -16,7 +16,7 @@ class SurfacePairs:
 
     Parameters
     ----------
-    pairs : sequence of contact.FacingSurfaces
+    pairs : sequence of surfaces.FacingSurfaces
 
     Attributes
     ----------
@@ -38,31 +38,31 @@ class SurfacePairs:
         return max((pair.deepest for pair in self.pairs), default=0.0)
 
     def expected(self):
-        """As of `contact.FacingSurfaces`."""
+        """As of `surfaces.FacingSurfaces`."""
         return [stencils for pair in self.pairs for stencils in pair.expected()]
 
     def lay_out(self, pattern):
-        """As of `contact.FacingSurfaces`."""
+        """As of `surfaces.FacingSurfaces`."""
         for pair in self.pairs:
             pair.lay_out(pattern)
 
     def outgrown(self):
-        """As of `contact.FacingSurfaces`."""
+        """As of `surfaces.FacingSurfaces`."""
         return any(pair.outgrown() for pair in self.pairs)
 
     def touch(self, x, numerics, forces, values=None):
-        """As of `contact.FacingSurfaces`; returns the sum of the sizes [N] of the pairs' forces."""
+        """As of `surfaces.FacingSurfaces`; returns the sum of the sizes [N] of the pairs' forces."""
         for number, pair in enumerate(self.pairs):
             self.forces[number] = pair.touch(x, numerics, forces, values)
         return float(np.abs(self.forces).sum())
 
     @property
     def anchors(self):
-        """As of `contact.FacingSurfaces`."""
+        """As of `surfaces.FacingSurfaces`."""
         return [anchors for pair in self.pairs for anchors in pair.anchors]
 
     def accept(self, x, numerics):
-        """As of `contact.FacingSurfaces`."""
+        """As of `surfaces.FacingSurfaces`."""
         for pair in self.pairs:
             pair.accept(x, numerics)
 

@@ -62,18 +62,18 @@ class Edges:
         return [self._met]
 
     def lay_out(self, pattern):
-        """As of `contact.FacingSurfaces`."""
+        """As of `surfaces.FacingSurfaces`."""
         self._pattern = pattern
 
     def outgrown(self):
-        """As of `contact.FacingSurfaces`."""
+        """As of `surfaces.FacingSurfaces`."""
         return self._nodes[0] >= 0 and not self._pattern.holds(self._nodes[None])
 
     def accept(self, x, numerics):
         """Edges slide without friction."""
 
     def touch(self, x, numerics, forces, values=None):
-        """As of `contact.FacingSurfaces`; returns the force [N] between the edges."""
+        """As of `surfaces.FacingSurfaces`; returns the force [N] between the edges."""
         places = NO_PLACES
         if values is not None and self._nodes[0] >= 0:
             places = self._pattern.places(self._nodes[None])[0]
@@ -98,7 +98,7 @@ def contacts(mesh, images, cells, margin):
     Parameters
     ----------
     mesh : meshing.mesh.YarnMesh
-    images : images.Images
+    images : periodic_images.Images
     cells : columns of elements of one crossing
     margin : columns beyond it in which crossing yarns meet
     """

@@ -48,7 +48,7 @@ class Calibration:
     yarn_laws : (warp, weft) CompressionLaw fitted to each yarn's own compression on all paths; None where none fits
     ratio_law : RatioLaw fitted to all paths, or None
     ratio_residuals : {path: rms distance [m] of its samples from the ratio law}
-    failures : {path: [cases.Failure]}
+    failures : {path: [biaxial_and_platens.Failure]}
     published : CompressionLaw of the fabric's file, or None
     seconds : {path: wall time [s]}, and "all" of the whole calibration
     sizes : (biaxial, plates) mesh sizes

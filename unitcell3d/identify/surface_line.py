@@ -26,7 +26,7 @@ class Case:
     """A line to be solved, along `axis` (0: d1, 1: d2) at `fixed` of the other [m], at the places `along` [m].
 
     start, q, stuck : (d1, d2) [m] on the edge where the line begins, and the unknowns and where the points of contact
-        stick (`model.YarnsModel.stuck`) in the equilibrium there; None: from rest
+        stick (`model.crossover.YarnsModel.stuck`) in the equilibrium there; None: from rest
     keep : whether other lines will start from its states
     friction : [-] Coulomb's coefficient
     """
@@ -52,7 +52,7 @@ class Case:
 
 
 def solve_line(fabric, size, case):
-    """Solve one line; returns partial.Line.
+    """Solve one line; returns surface_cache.Line.
 
     Raises
     ------

@@ -4,9 +4,9 @@ A bar whose strain passes the failure strain e_f of its yarn loses its stiffness
 
     N = (1 - D) E A s(e) + D r E A s(e),   D = (e - e_f) / (FADE e_f)  between 0 and 1,
 
-and never gets it back: D only grows. The fraction r is what a slack fibre keeps (`model.Numerics`). The bars lie on the
-crimped path, so their strain is strain beyond crimp. D is constant while an equilibrium is sought: it is raised by
-`Fibres.fail` where a state has been accepted, and the equilibrium sought again until nothing more fails.
+and never gets it back: D only grows. The fraction r is what a slack fibre keeps (`model.crossover.Numerics`). The bars
+lie on the crimped path, so their strain is strain beyond crimp. D is constant while an equilibrium is sought: it is
+raised by `Fibres.fail` where a state has been accepted, and the equilibrium sought again until nothing more fails.
 """
 
 from __future__ import annotations
@@ -94,7 +94,7 @@ class Fibres:
         )
 
     def tangent(self, x, numerics, places, values):
-        """Add their tangent to the blocks `values`; `places` : (b, 2, 2) as for `bars_kernels.bar_tangent`."""
+        """Add their tangent to the blocks `values`; `places`: (b, 2, 2) as for `bar_tangent`."""
         n = numerics
         fibre_kernels.bar_tangent(
             x, self.pairs, self.length, self.stiffness(n), n.slack_stiffness, n.slack_width, places, values

@@ -89,11 +89,11 @@ class YarnsModel:
     fabric : Fabric, with solid laws
     numerics : Numerics
     held : constraints.Constraints
-    surfaces : contact.FacingSurfaces, or pairs.SurfacePairs
-    plates : contact.Plates, or None
+    surfaces : surfaces.FacingSurfaces, or pairs.SurfacePairs
+    plates : surfaces.Plates, or None
     points : (n, 3) [m] nodes, the mesh's first; more where contact has images of yarns
     copies : of axial and of vertical forces, that the domain stands for
-    integration : yarn_law.FULL or yarn_law.ONE_POINT
+    integration : solid_law.FULL or solid_law.ONE_POINT
     failure : fibres fail
 
     Raises

@@ -128,7 +128,7 @@ class CellModel(YarnsModel):
     ----------
     mesh : meshing.crossover.Crossover, a whole one, or meshing.patch.Patch of 2 x 2
     fabric : Fabric
-    numerics, failure : as of a `model.YarnsModel`
+    numerics, failure : as of a `model.crossover.YarnsModel`
     margin : columns of elements beyond a crossing's own in which its two yarns may meet too; beyond, the faces of
         their sharp tips are met from behind, and slack yarns snap
 

@@ -32,7 +32,7 @@ class ShiftedModel(YarnsModel):
     fabric : Fabric
     plies : number
     shift : (x, y) [crossings] of each ply against the one under it
-    numerics : model.Numerics
+    numerics : model.crossover.Numerics
 
     Raises
     ------

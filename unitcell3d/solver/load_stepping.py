@@ -38,8 +38,8 @@ def march(model, start, end, *, case="", stop=None, steps=None, hooks=(), comm=N
 
     Parameters
     ----------
-    model : model.CrossoverModel
-    start, end : model.Load
+    model : model.crossover.CrossoverModel
+    start, end : model.crossover.Load
     stop : function of a row giving a number that reaches 1 where the path is to end; that state is solved for
     steps : Steps
     hooks : called after each step

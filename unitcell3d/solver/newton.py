@@ -71,7 +71,7 @@ class Newton:
 
     Parameters
     ----------
-    model : model.CrossoverModel
+    model : model.crossover.CrossoverModel
     comm : MPI communicator whose processes share each factorisation, all of them making the same calls; None: alone
     """
 

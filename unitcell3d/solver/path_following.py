@@ -38,7 +38,7 @@ def follow(model, loads, row, *, rows=25, stop=None, hooks=(), comm=None):
 
     Parameters
     ----------
-    model : model.YarnsModel
+    model : model.crossover.YarnsModel
     loads : corners of the path, the first of them at rest
     row : function (state, load) giving a dict
     rows : of the whole path, at least; a leg has its share of them by its number alone, or a sequence, one per leg

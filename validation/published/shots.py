@@ -68,7 +68,7 @@ class Case:
 
 @dataclass(frozen=True)
 class Search:
-    """Bisection for the critical velocity of one ply; `guess` [m/s] as in `limit.critical_velocity`."""
+    """Bisection for the critical velocity of one ply; `guess` [m/s] as in `ballistic_limit.critical_velocity`."""
 
     fabric: str
     elements: int

@@ -2,7 +2,7 @@
 
 The folder of `weavecell coupon`
     scene.toml      the scene as it was given
-    histories.h5    measures, nodes and shear after every step, tensions at the end (`coupon_record.CouponRecord`)
+    histories.h5    measures, nodes and shear after every step, tensions at the end (`results.coupon.CouponRecord`)
     summary.json    outcome, measures at the end, provenance
     pictures/       coupon.png, and curves (.svg)
     report.html     all of it on one page

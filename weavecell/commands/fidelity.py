@@ -62,7 +62,7 @@ def answer(asked, setup, shoot):
     Returns
     -------
     shot : (ImpactRecord, snapshots, failure) of the run that counts
-    choice : choose.Answer, or None where that run became unstable
+    choice : select.Answer, or None where that run became unstable
     """
     from weavecell.analysis.fidelity import select
 

@@ -2,7 +2,7 @@
 
 The folder of `weavecell impact`
     scene.toml      the scene as it was given
-    histories.h5    scalars, histories and the panel at the end (`record.ImpactRecord`)
+    histories.h5    scalars, histories and the panel at the end (`results.impact.ImpactRecord`)
     summary.json    outcome, energies, provenance
     panel.pvd       the ParaView series of panel/panel-*.vtu
     pictures/       velocity, energies and reactions (.svg), panel.png

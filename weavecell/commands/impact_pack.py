@@ -2,7 +2,7 @@
 
 The folder of `weavecell impact` where panel.plies is above 1
     scene.toml      the scene as it was given
-    histories.h5    scalars, histories, every ply at the end (`pack_record.PackRecord`)
+    histories.h5    scalars, histories, every ply at the end (`results.pack.PackRecord`)
     summary.json    outcome, energies, what each ply bore, provenance
     pack.pvd        the ParaView series of pack/pack-*.vtu: all plies, told apart by "ply"
     pictures/       velocity, energies, cuts, plies and pushes (.svg), rear ply (.png)
@@ -53,7 +53,7 @@ def impact(this, setup, path, text, out, *, resume=False, strict=False):
 
     Parameters
     ----------
-    this : case.Case of the scene
+    this : build.Case of the scene
     setup : shellfabric.impact.single_ply.ImpactSetup of one ply
     path, text : of the scene file
     resume : whether to go on from the checkpoint in `out`

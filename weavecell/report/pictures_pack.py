@@ -23,7 +23,7 @@ def cuts(pyplot, chosen, thickness, mirrored, projectile, close_up):
 
     Parameters
     ----------
-    chosen : sequence of pack_record.Cut
+    chosen : sequence of results.pack.Cut
     thickness : (plies,) [m]
     mirrored : whether the modelled part continues mirrored in x = 0
     projectile : (n, 2) [m] its outline, the foremost point at height 0

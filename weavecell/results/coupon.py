@@ -41,7 +41,7 @@ class CouponRecord:
     Parameters
     ----------
     title, fabric, law_name : for the reader
-    test : of coupon_scene.TESTS
+    test : of scenes.coupon.TESTS
     moved_name, moved_unit : what was prescribed
     outcome : "complete", "yarn at its strength" or "unstable"
     message : what went wrong, where something did

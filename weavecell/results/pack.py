@@ -52,7 +52,7 @@ class PackRecord(Audited):
 
     Parameters
     ----------
-    title .. steps : as record.ImpactRecord; energies and forces are those of the whole pack
+    title .. steps : as results.impact.ImpactRecord; energies and forces are those of the whole pack
     stacking : "aligned" or "alternating"
     t, v, z, failed : (n,) time, velocity and foremost point of the projectile, failed yarn segments
     energies : {name: (n,)} [J]

@@ -107,7 +107,7 @@ class CouponScene(Table):
 
 
 def load(path, support=None):
-    """Read and check the scene file of a coupon; `support` as in `scene.load`.
+    """Read and check the scene file of a coupon; `support` as in `scenes.impact.load`.
 
     Returns
     -------

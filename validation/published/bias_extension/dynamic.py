@@ -119,7 +119,7 @@ def table_slopes(table, stretch1, stretch2):
 
 
 def _powers(p):
-    """1, p, p^2, p^3 and their slopes; above 1 each goes on as its parabola, as in `relax_kernels.powers`."""
+    """1, p, p^2, p^3 and their slopes; above 1 each goes on as its parabola, as in `relaxation_kernels.powers`."""
     e = np.maximum(p - 1, 0.0)
     inside = np.minimum(p, 1.0)
     cubes = np.where(e > 0, 1 + 3 * e * (1 + e), inside**3)

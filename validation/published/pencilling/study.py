@@ -27,8 +27,8 @@ from validation.claims.runs import cloth
 FABRIC, VELOCITY, PROJECTILE = "S-728", 300.0, Projectile(mass=8.1e-3)
 LIGHT = 0.231  # [kg/m2] of one ply, as Table 6-2 has it
 JAM = (1000.0, 0.6)  # [N], [-]: a tenth of a yarn's EA, from three fifths of its length on
-# half the usual time step: where stiff yarns snap taut a step loses with its square (`panel.Numerics`), in the first
-# target with free edges 0.5 % of the shot's energy at the usual one
+# half the usual time step: where stiff yarns snap taut a step loses with its square (`panel.model.Numerics`), in the
+# first target with free edges 0.5 % of the shot's energy at the usual one
 SAFETY = 0.45
 BLOCK = Backing(finest=1.5e-3, fine=9e-3, growth=1.25, points=1)
 

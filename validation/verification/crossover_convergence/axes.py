@@ -94,7 +94,7 @@ def _direction(name, axis, base):
 
 
 def _numerics(base):
-    """Axes of the fields of model.Numerics; those with a limit are varied by factors that tend to it."""
+    """Axes of the fields of model.crossover.Numerics; those with a limit are varied by factors that tend to it."""
     asked = {
         # inside the toe a pressure p leaves the penetration sqrt(2 toe p / penalty)
         "penalty": ((1 / 100, 1 / 30, 1 / 10, 1 / 3, 1, 3), -0.5, "root of the default penalty over the penalty"),

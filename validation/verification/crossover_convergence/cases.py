@@ -34,8 +34,8 @@ class Case:
     end : end condition (`ends`)
     bars : `TRIBUTARY` or `EQUAL`: how the fibre area is shared out
     one_point : one-point integration of the solids
-    numerics : pairs (field of model.Numerics, value)
-    steps : pairs (field of stepping.Steps, value)
+    numerics : pairs (field of model.crossover.Numerics, value)
+    steps : pairs (field of load_stepping.Steps, value)
     solids : pairs (field of SolidLaw, factor), on both yarns
     """
 

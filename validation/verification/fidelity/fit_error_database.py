@@ -21,7 +21,7 @@ OTHER = 1.0  # error of a model that does not agree on the outcome
 
 
 def of(rows):
-    """{"models", "regimes", "finest"} for `book.Book` from the rows of all scenes."""
+    """{"models", "regimes", "finest"} for `error_database.Book` from the rows of all scenes."""
     found = {"models": {model.name: {"cost": _cost(model, rows)} for model in LADDER}, "regimes": {}, "finest": {}}
     for regime in (quantities.HELD, quantities.THROUGH):
         alike = [row for row in rows if quantities.regime(_seen(row)[0]) == regime]

@@ -92,7 +92,7 @@ def truth(trial, number):
 
 
 def answer(trial, number):
-    """What the code answers as the scene asks: (choose.Answer without its runs, process time [s])."""
+    """What the code answers as the scene asks: (select.Answer without its runs, process time [s])."""
     setup, wanted = _setup(trial, number), asked(trial, number)
     began = time.process_time()
     found = select.answer(setup, wanted, fixed=frozenset({"projectile"}))

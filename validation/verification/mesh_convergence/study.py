@@ -104,7 +104,7 @@ def point(coarse, velocity, n, *, tolerance=TOLERANCE, guess=None, workers=1, re
     Raises
     ------
     InputError : a shot at `velocity` that perforates
-    UnstableError : as `limit.critical_velocity`
+    UnstableError : as `ballistic_limit.critical_velocity`
     """
     panel, began = replace(coarse, elements_per_crossover=n), time.process_time()
 
@@ -160,7 +160,7 @@ def study(fabric, velocity, *, elements=(1, 2, 3), setup=None, known=(), keep=No
     Raises
     ------
     InputError : meshes that are not at least three from coarse to fine, or a shot at `velocity` that perforates
-    UnstableError : as `limit.critical_velocity`
+    UnstableError : as `ballistic_limit.critical_velocity`
     """
     if len(elements) < 3 or list(elements) != sorted(set(elements)):
         raise InputError(key="elements", value=list(elements), allowed="at least three numbers that rise")

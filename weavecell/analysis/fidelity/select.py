@@ -188,7 +188,7 @@ def answer(setup, asked, *, fixed=frozenset(), fire: Callable | None = None, tab
 
     Raises
     ------
-    InputError, UnstableError : as `options` and `impact.run`
+    InputError, UnstableError : as `options` and `single_ply.run`
     """
     tables, book, told = tables or Tables(), book or books.load(), told or (lambda text: None)
     fire = fire or (lambda option, table: single_ply.run(option.setup, table=table))

@@ -120,11 +120,11 @@ def study(fabric, velocities, *, samples, folder, seed=1, opening=0.203, names=N
     seed : of the sample and of the bootstrap
     opening : [m]
     names : inputs to vary; all of inputs.toml if None
-    workers, report : as in `pool.results`
+    workers, report : as in `job_pool.results`
 
     Raises
     ------
-    InputError, UnstableError : as `impact.run`, or an unknown input
+    InputError, UnstableError : as `single_ply.run`, or an unknown input
     """
     entries = inputs.table("range")
     if names is not None:

@@ -140,7 +140,8 @@ def fire(fabric, scatter, seed, number, velocity, opening) -> Shot:
 
 
 def deterministic(fabric, opening, tolerance):
-    """(low, high) [m/s] of `limit.critical_velocity` without scatter; yarns and shot have a quarter's symmetry."""
+    """(low, high) [m/s] of `ballistic_limit.critical_velocity` without scatter; yarns and shot have a quarter's
+    symmetry."""
     panel = ImpactSetup(fabric, 1.0, opening=opening, numerics=Numerics(threads=1)).panel()
     found = ballistic_limit.critical_velocity(panel, tolerance=tolerance)
     return found.low, found.high
@@ -177,12 +178,12 @@ def study(fabric, scatter, *, shots, folder, batch=10, seed=1, opening=0.203, to
     seed : of all that is drawn
     opening : [m]
     tolerance : [m/s] of the deterministic limit
-    workers : as in `pool.results`
+    workers : as in `job_pool.results`
     report : called as report(share of the work done, text)
 
     Raises
     ------
-    InputError, UnstableError : as `limit.critical_velocity`, or too few shots
+    InputError, UnstableError : as `ballistic_limit.critical_velocity`, or too few shots
     """
     for key, value in (("shots", shots), ("batch", batch)):
         if value < 4:
