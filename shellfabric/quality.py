@@ -153,7 +153,7 @@ def of_march(march):
     energies = {name: march.sample(name) for name in march.energy_names}
     absorbed = max(strike - float(energies["kinetic_projectile"][-1]), 1e-3 * strike)
     depth = max(float(state.contact_energy[DEEPEST]) for _, _, state in march.parts)
-    nose = nose_radius(shot)
+    nose = shot.nose_radius
     bound = panel.time_step / panel.numerics.safety
     given = max(float(np.max(-energies[name])) for name in ("contact", "plies") if name in energies)
     found = [
@@ -183,13 +183,6 @@ def _tilt(march):
     u = state.u[2][: (const.ni + 1) * const.s].reshape(const.ni + 1, const.s)
     slope = max(float(np.abs(np.diff(u, axis=axis)).max()) / d for axis, d in enumerate((const.dx, const.dy)))
     return slope / np.hypot(1.0, slope)
-
-
-def nose_radius(shot):
-    """[m] smallest radius that cloth is bent round by the nose of a Projectile."""
-    if shot.shape in ("sphere", "hemisphere"):
-        return shot.radius
-    return min(shot.edge_radius, shot.tip_radius) if shot.shape == "cone" else shot.edge_radius
 
 
 def _spacing(const):
