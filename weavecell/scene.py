@@ -197,6 +197,7 @@ class NumericsTable(Table):
     stretch_viscosity: number("a number from 0 to 1", ge=0.0, le=1.0) = None
     penalty: number("a number above 0", gt=0.0) = None
     contact_damping: number("a number of at least 0", ge=0.0) = None
+    contact_points: Annotated[int | None, Field(description="a whole number from 1 to 64", ge=1, le=64)] = None
     precision: Annotated[Literal["double", "single"] | None, Field(description="double or single")] = None
     threads: Annotated[int | None, Field(description="a number of threads", ge=1)] = None
 
