@@ -13,6 +13,7 @@ from shellfabric.march import March
 from shellfabric.pack import Pack
 from shellfabric.pack_march import PackMarch
 from shellfabric.panel import Numerics, Panel
+from shellfabric.projectile import Projectile
 from shellfabric.quality import Indicator
 from shellfabric.quality_kernels import alternation
 from validation.stability import shots
@@ -142,6 +143,34 @@ class TestIndicators:
     def test_the_worst_of_several_runs(self):
         one, two = (Indicator("x", value, 1.0) for value in (0.5, 2.0))
         assert quality.worst([(one,), (two,)]) == (two,)
+
+
+class TestDefaultMesh:
+    """Elements as long as the projectile's radius let it through where shorter ones hold it."""
+
+    @staticmethod
+    def setup(velocity=300.0, **changes):
+        shot = Projectile(mass=0.44e-3, radius=1.06e-3)  # 1.2 times as long an element of one crossover
+        return impact.ImpactSetup(
+            catalogue.load("S-720").effective(), velocity, projectile=shot, opening=0.06, end_time=100e-6,
+            table_size=51, numerics=Numerics(threads=1), **changes,
+        )  # fmt: skip
+
+    def test_follows_the_projectile(self):
+        table = self.setup().table()
+        panel = self.setup().panel(table)
+        assert panel.elements_per_crossover == 2
+        assert max(panel.spacing) < impact.ELEMENT_SIDE * panel.projectile.radius
+        assert self.setup(elements_per_crossover=1).panel(table).elements_per_crossover == 1
+        assert self.setup(grading=((16, 1), (np.inf, 2))).panel(table).elements_per_crossover == 1
+        assert replace(self.setup(), projectile=Projectile()).panel(table).elements_per_crossover == 1
+
+    def test_is_fine_enough_for_a_narrow_projectile(self):
+        fine, usual, one = (impact.run(self.setup(elements_per_crossover=n)) for n in (3, None, 1))
+        assert abs(usual.residual_velocity - fine.residual_velocity) < 0.04 * 300
+        assert one.residual_velocity - fine.residual_velocity > 0.06 * 300
+        assert {check.name for check in one.checks if not check.ok} == {"element side"}
+        assert all(check.ok for check in usual.checks)
 
 
 def test_indicators_survive_a_checkpoint(tmp_path):
