@@ -23,7 +23,7 @@ from shellfabric.panel import SYMMETRIES, Numerics, Panel
 from shellfabric.projectile import Projectile
 from shellfabric.surface_cell import SurfaceCell
 
-ELEMENT_SIDE = 0.9  # [projectile radii] of an element at most, by default: longer ones miss what a narrow nose cuts
+ELEMENT_SIDE = 0.8  # [projectile radii] of an element at most, by default: longer ones miss what a narrow nose cuts
 MOST_ELEMENTS = 8  # a crossover, by default
 UNFAILING = 20.0  # reach of the table, see CellModel, of yarns that do not fail: 60 % of strain in Kevlar
 
@@ -45,8 +45,8 @@ class ImpactSetup:
     grading : ((until, side), ...) [crossovers] longer elements further from the impact point, or None (see `grading`)
     end_time : [s] at the latest; a run ends when the projectile stops or has passed
     elements_per_crossover : along each side; None takes 1, or as many as put an element's longer side within
-        ELEMENT_SIDE of the projectile's radius, at most MOST_ELEMENTS. Elements as long as the radius perforate where
-        shorter ones hold
+        ELEMENT_SIDE of the projectile's radius, at most MOST_ELEMENTS. Longer ones absorb less than shorter
+        ones do
     cell_model, form, gap, profile : see CellModel
     bending : [N m2] bending stiffness of a yarn, or of (warp, weft); see Panel
     jam : (stiffness [N], stretch) of yarns that are bunched up; see Panel

@@ -11,7 +11,7 @@ from shellfabric.rows import room
 PRECISIONS = {"double": np.float64, "single": np.float32}
 _PIECE = 256  # slots that loops of two halves go over at a time (see `membrane_kernels`): a whole number of eights
 USUAL_POINTS = 8  # of contact along a crossover, under a nose that they resolve
-SPACING = 0.8  # [nose radii] of contact points at most: peak tensions are within 2 % of those of points much closer
+SPACING = 0.8  # [nose radii] of contact points at most: peak tensions are within 3 % of those of points much closer
 MOST_POINTS = 32  # along a side of an element: all those of an element are kept in memory, four numbers each
 _ROWS = 6  # of a block at least: with fewer, most of the work would be on the rows about it that two blocks need
 

@@ -113,11 +113,11 @@ def test_the_default_number_of_points_follows_the_nose(small, shot, knobs, eleme
 
 
 def test_the_default_points_resolve_a_sharp_edge(tables):
-    """An edge of 0.1 mm, which eight points a crossover miss. Measured: default 0.8 %, eight points -7.9 %."""
+    """An edge of 0.1 mm, which eight points a crossover miss."""
     table, edge = tables["equilibrium"], 0.1e-3
     converged = peak(table, 32, edge)
-    np.testing.assert_allclose(peak(table, None, edge), converged, rtol=0.025)
-    assert np.abs(peak(table, 8, edge) / converged - 1).max() > 0.04
+    np.testing.assert_allclose(peak(table, None, edge), converged, rtol=0.04)
+    assert np.abs(peak(table, 8, edge) / converged - 1).max() > 0.07
 
 
 def test_contact_energy_is_found_again(small):
