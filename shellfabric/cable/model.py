@@ -48,7 +48,7 @@ class CableNumerics:
     viscosity : damping ratio of the highest mode of the taut net; 0.1, as in the shell
     penalty : stiffness of the contact, in units of the touching mass / dt^2
     contact_damping : ratio to critical of that mass on that spring
-    contact_points : along each bar, as in the shell
+    contact_points : along each bar
     widest : stretch of the gap left by failed bars at which an element of the surface loses contact, as in the shell
     clear_time : [s] without a push and with nothing ahead, after which the net counts as perforated
     block : nodes worked on together; their scratch should stay in cache

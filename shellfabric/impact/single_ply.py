@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from math import ceil
 
 import numpy as np
 
@@ -25,6 +26,8 @@ from shellfabric.projectile import dynamics
 from shellfabric.projectile.bar import Rigidity, contact_time, held_force, rigid_is_enough
 from shellfabric.projectile.projectile import Projectile
 
+ELEMENT_SIDE = 0.8  # [projectile radii] of an element at most, by default: longer ones miss what a narrow nose cuts
+MOST_ELEMENTS = 8  # a crossover, by default
 UNFAILING = 20.0  # reach of the table, see CellModel, of yarns that do not fail: 60 % of strain in Kevlar
 
 
@@ -44,7 +47,9 @@ class ImpactSetup:
     symmetry : "quarter", "half" or "whole"
     grading : ((until, side), ...) [crossovers] longer elements further from the impact point, or None (see `grading`)
     end_time : [s] at the latest; a run ends when the projectile stops or has passed
-    elements_per_crossover : along each side
+    elements_per_crossover : along each side; None takes 1, or as many as put an element's longer side within
+        ELEMENT_SIDE of the projectile's radius, at most MOST_ELEMENTS. Longer ones absorb less than shorter
+        ones do
     cell_model, form, gap, profile : see CellModel
     bending : [N m2] bending stiffness of a yarn, or of (warp, weft); see Panel
     jam : (stiffness [N], stretch) of yarns that are bunched up; see Panel
@@ -67,7 +72,7 @@ class ImpactSetup:
     weave_angle: float = 0.0
     symmetry: str = "quarter"
     end_time: float = 800e-6
-    elements_per_crossover: int = 1
+    elements_per_crossover: int | None = None
     cell_model: str = "compressible"
     form: str = "variational"
     gap: float = 0.0
@@ -83,6 +88,13 @@ class ImpactSetup:
     measure: histories.Measure | None = None
     numerics: Numerics = field(default_factory=Numerics)
     grading: tuple | None = None
+
+    def _elements_per_crossover(self):
+        """Those given, or those of the default."""
+        if self.elements_per_crossover is not None:
+            return self.elements_per_crossover
+        needed = 2 * max(self.fabric.weave.w) / (ELEMENT_SIDE * self.projectile.radius)
+        return 1 if self.grading is not None else min(max(1, ceil(needed)), MOST_ELEMENTS)
 
     def table(self) -> CellTable:
         """The cell's table, filled. Set-ups that differ in panel, shot or mesh alone can share it.
@@ -111,7 +123,7 @@ class ImpactSetup:
             tuple(opening),
             self.projectile,
             self.symmetry,
-            self.elements_per_crossover,
+            self._elements_per_crossover(),
             self.edge,
             self.numerics,
             failure=self.failure,

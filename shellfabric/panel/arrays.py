@@ -13,6 +13,9 @@ from shellfabric.projectile import contact, contact_kernels, dynamics
 
 PRECISIONS = {"double": np.float64, "single": np.float32}
 _PIECE = 256  # slots that loops of two halves go over at a time (see `membrane_kernels`): a whole number of eights
+USUAL_POINTS = 8  # of contact along a crossover, under a nose that they resolve
+SPACING = 0.8  # [nose radii] of contact points at most: peak tensions are within 3 % of those of points much closer
+MOST_POINTS = 32  # along a side of an element: all those of an element are kept in memory, four numbers each
 _ROWS = 6  # of a block at least: with fewer, most of the work would be on the rows about it that two blocks need
 
 Constants = namedtuple(
@@ -155,8 +158,11 @@ def _block(panel):
 
 def _contact(panel, mass):
     """Constants of the contact of elements of a mass [kg]."""
-    knobs = panel.numerics
-    points = max(2, -(-knobs.contact_points * panel.finest // panel.elements_per_crossover))
+    knobs, usual = panel.numerics, panel.numerics.contact_points or USUAL_POINTS
+    points = max(2, -(-usual * panel.finest // panel.elements_per_crossover))
+    if knobs.contact_points is None:
+        resolving = np.ceil(max(panel.spacing) / (SPACING * panel.projectile.nose_radius))
+        points = max(points, int(min(resolving, MOST_POINTS)))
     return contact.constants(points, mass, panel.step_of_bound, knobs.penalty, knobs.contact_damping)
 
 

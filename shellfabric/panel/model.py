@@ -52,7 +52,10 @@ class Numerics:
         which feels how deep the rim of the nose presses itself in, by 3 to 6 %, from 0.6 to 1 by 1 to 2 %; at 1 and
         above yarns bounce off the nose. The bound is 1.5 at the damping below
     contact_damping : ratio to critical of that mass on that spring; from 0.25 to 0.7 the peak stays
-    contact_points : along each side of a crossover, and at least 2 along that of an element (see `contact_kernels`)
+    contact_points : along each side of a crossover, and at least 2 along that of an element (see `contact_kernels`).
+        None takes 8, and more under a sharp nose: as many as put them panel_arrays.SPACING nose radii apart, at most
+        panel_arrays.MOST_POINTS along an element. Points further apart miss the edge: it acts as a rounder or a sharper
+        one, as it lies among them
     failure_time : [s] over which a yarn's tension is low-passed before it is held against its strength; 0: not at all
     widest : stretch of the gap left by failed yarns at which its element loses contact: two neighbours' worth
     clear_time : [s] without a push and with nothing ahead, after which the panel counts as perforated
@@ -67,7 +70,7 @@ class Numerics:
     stretch_viscosity: float = 0.1
     penalty: float = 0.6
     contact_damping: float = 0.5
-    contact_points: int = 8
+    contact_points: int | None = None
     failure_time: float = 0.0
     widest: float = 3.0
     clear_time: float = 2e-6
@@ -76,15 +79,12 @@ class Numerics:
     threads: int | None = None
 
     def __post_init__(self):
-        for key in ("safety", "penalty", "contact_points", "widest", "clear_time", "block"):
+        for key in ("safety", "penalty", "widest", "clear_time", "block"):
             if not getattr(self, key) > 0:
                 raise InputError(key=key, value=getattr(self, key), allowed="above 0")
-        for key in (
-            "stretch_viscosity",
-            "contact_damping",
-            "contact_points",
-            "failure_time",
-        ):
+        if self.contact_points is not None and self.contact_points < 1:
+            raise InputError(key="contact_points", value=self.contact_points, allowed="at least 1")
+        for key in ("stretch_viscosity", "contact_damping", "failure_time"):
             if not getattr(self, key) >= 0:
                 raise InputError(key=key, value=getattr(self, key), allowed="at least 0")
         if self.precision not in arrays.PRECISIONS:

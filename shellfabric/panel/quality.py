@@ -84,7 +84,7 @@ LIMITS = {
     "hourglass energy": (0.1, "", "energy of the hourglass control over that of the solids"),
     "hourglass amplitude": (0.5, "", "amplitude of a brick's zero-energy modes over its size"),
     "node alternation": (0.01, "", "displacements that alternate from node to node over the yarn's thickness"),
-    "ply penetration": (0.75, "", "depth of a ply in the next over the thickness"),
+    "ply penetration": (0.75, "", "depth that a ply is pressed into the next over the thickness"),
     "ply contact direction": (0.1, "", "sine of the angle between the force between plies and the normal of the cloth"),
 }
 
@@ -107,8 +107,8 @@ class Monitor:
     Attributes
     ----------
     found : (plies, 4) sums over samples, nodes and the band of yarns about the impact point of the squares of the
-        node-to-node alternation of the tension and of the tension [N2]; largest deflection of whole cloth [m]; deepest
-        that the ply has come into the next, over the thickness [-]
+        node-to-node alternation of the tension and of the tension [N2]; largest deflection of whole cloth [m]; furthest
+        that the ply's contact with the next has given way, over the thickness [-]
     """
 
     def __init__(self, march):
@@ -132,7 +132,7 @@ class Monitor:
         for (_, const, state), row, (i, j), light in zip(parts, found, self._places, self._light):
             kernels.sample(state, const, i, j, whole, *light, row)
         if whole and len(parts) > 1:
-            found[:-1, DEPTH] = self.march.deepest
+            found[:-1, DEPTH] = self.march.squeezed
 
     @property
     def deflection(self):
@@ -153,7 +153,7 @@ def of_march(march):
     energies = {name: march.sample(name) for name in march.energy_names}
     absorbed = max(strike - float(energies["kinetic_projectile"][-1]), 1e-3 * strike)
     depth = max(float(state.contact_energy[DEEPEST]) for _, _, state in march.parts)
-    nose = nose_radius(shot)
+    nose = shot.nose_radius
     bound = panel.time_step / panel.numerics.safety
     given = max(float(np.max(-energies[name])) for name in ("contact", "plies") if name in energies)
     found = [
@@ -183,13 +183,6 @@ def _tilt(march):
     u = state.u[2][: (const.ni + 1) * const.s].reshape(const.ni + 1, const.s)
     slope = max(float(np.abs(np.diff(u, axis=axis)).max()) / d for axis, d in enumerate((const.dx, const.dy)))
     return slope / np.hypot(1.0, slope)
-
-
-def nose_radius(shot):
-    """[m] smallest radius that cloth is bent round by the nose of a Projectile."""
-    if shot.shape in ("sphere", "hemisphere"):
-        return shot.radius
-    return min(shot.edge_radius, shot.tip_radius) if shot.shape == "cone" else shot.edge_radius
 
 
 def _spacing(const):

@@ -76,6 +76,7 @@ from shellfabric.plies.contact_simd_kernels import (
     PASSED,
     PLACE,
     SPRING,
+    SQUEEZED,
     STEP,
     STIFFER,
     TAKEN,
@@ -430,6 +431,7 @@ def touch(front, fc, rear, rc, pair, q, a, b, often):
     pair.normal[0][q], pair.normal[1][q], pair.normal[2][q] = n_x, n_y, n_z
     pair.was[q], pair.slack[q] = depth, min(pair.slack[q], depth)
     squeezed, part = depth - pair.slack[q], 0.5 if torn else 1.0
+    pair.energy[SQUEEZED] = max(pair.energy[SQUEEZED], squeezed)
     if pair.start == 0.0:  # half an element, or a quarter, is modelled about points on planes of symmetry
         part *= (0.5 if a == 0.0 and fc.mirror_x else 1.0) * (0.5 if b == 0.0 and fc.mirror_y else 1.0)
     drag = part * pair.damping

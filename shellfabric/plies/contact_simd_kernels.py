@@ -31,7 +31,7 @@ from shellfabric.jit.simd import (
 from shellfabric.panel.step_kernels import FAILURES
 from shellfabric.plies.surface_kernels import across8, bases8, curved8, middle8, patch8, share8, spread8, whole_about
 
-TAKEN, SPRING, DEEPEST, PLACE, PASSED, WHERE, WHEN = range(7)  # of pair.energy
+TAKEN, SPRING, DEEPEST, PLACE, PASSED, WHERE, WHEN, SQUEEZED = range(8)  # of pair.energy
 FREE, TOUCHING, LOST = 0, 1, 2  # of pair.status; a point whose foot leaps or lies aside is lost until it has one again
 CLOSE, STIFFER = 0.15, 3.0  # [thicknesses] where a point may come through; most that a spring is stiffened
 # [thicknesses] that a depth may change beside the motion: sliding by a tenth of an element over a bend as narrow as an
@@ -163,6 +163,7 @@ def press8(front, fc, rear, rc, pair, q, at, count, pressed, held, depth, n, wa,
     # what is left of the thickness has to hold as much
     stiffer = least(thick / most(thick - slack, 0.1 * thick), STIFFER)
     part, squeezed = where(above(slack, 0.0), stiffer, 1.0), depth - slack
+    pair.energy[SQUEEZED] = max(pair.energy[SQUEEZED], highest(where(lanes_of(pressed), squeezed, 0.0)))
     f = where(lanes_of(pressed), most(force(pair, part, squeezed, pair.damping, closing), 0.0), 0.0)
     if bits(above(f, 0.0)) != 0:
         widen(pair.front_touched, i, i + 2, j, min(j + WIDTH + 1, fc.s))

@@ -324,7 +324,7 @@ class Pack:
             rank=np.arange(float(WIDTH)), speed=np.zeros(2),
             on_front=nodal(states[p]), on_rear=nodal(states[q]), front_touched=nothing(front),
             rear_touched=nothing(rear), front_box=np.array(states[p].window),
-            rear_box=np.array([rear.ni + 1, -1, rear.s, -1]), energy=np.zeros(7), form=form, points=n, start=start,
+            rear_box=np.array([rear.ni + 1, -1, rear.s, -1]), energy=np.zeros(8), form=form, points=n, start=start,
             stiffness=knobs.penalty * mass / self.time_step**2,
             damping=knobs.damping * knobs.penalty**0.5 * mass / self.time_step,
             thickness=thickness, apart=apart,

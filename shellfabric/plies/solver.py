@@ -94,7 +94,18 @@ class PackMarch(March):
     @property
     def deepest(self):
         """(plies - 1,) [-] deepest that a ply has come into the next, over the thickness: at 1 it would be through."""
-        both = np.array([pair.energy[contact_kernels.DEEPEST] / pair.thickness for pair in self.pairs])
+        return self._of_pairs(contact_kernels.DEEPEST)
+
+    @property
+    def squeezed(self):
+        """(plies - 1,) [-] furthest that the contact of a ply with the next has given way, over the thickness.
+
+        `deepest` without what is found inside another fold of loose cloth, which loads no spring.
+        """
+        return self._of_pairs(contact_kernels.SQUEEZED)
+
+    def _of_pairs(self, entry):
+        both = np.array([pair.energy[entry] / pair.thickness for pair in self.pairs])
         return both.reshape(2, -1).max(axis=0)[: len(self.states) - 1]
 
     @property

@@ -205,6 +205,13 @@ class Projectile:
         return SHAPES[self.shape][2](self)
 
     @property
+    def nose_radius(self):
+        """[m] smallest radius that cloth is bent round by the nose."""
+        if self.shape in ("sphere", "hemisphere"):
+            return self.radius
+        return min(self.edge_radius, self.tip_radius) if self.shape == "cone" else self.edge_radius
+
+    @property
     def tilted(self):
         """Whether the frame of the projectile is not that of the panel."""
         return self.obliquity + self.yaw != 0 or self.roll != 0

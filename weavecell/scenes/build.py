@@ -25,7 +25,7 @@ PROJECTILE = of(
 )
 _SLIPPING = " ".join(f"boundary.{side}.{key}" for side in ("warp", "weft") for key in SlipTable.model_fields)
 PANEL = of("panel", f"opening boundary boundary.warp boundary.weft {_SLIPPING} symmetry weave_angle yarns_fail")
-NUMERICS = of("numerics", "safety stretch_viscosity penalty contact_damping precision threads")
+NUMERICS = of("numerics", "safety stretch_viscosity penalty contact_damping contact_points precision threads")
 BACKING = of(
     "backing",
     "size room modulus density poisson yield_stress hardening erosion_strain far finest fine growth",

@@ -16,6 +16,7 @@ from shellfabric.panel.quality_kernels import alternation
 from shellfabric.panel.solver import March
 from shellfabric.plies.model import Pack
 from shellfabric.plies.solver import PackMarch
+from shellfabric.projectile.projectile import Projectile
 from validation.verification.stability import shots
 
 
@@ -143,6 +144,39 @@ class TestIndicators:
     def test_the_worst_of_several_runs(self):
         one, two = (Indicator("x", value, 1.0) for value in (0.5, 2.0))
         assert quality.worst([(one,), (two,)]) == (two,)
+
+
+class TestDefaultMesh:
+    """Elements longer than the projectile's radius absorb less than shorter ones do."""
+
+    @staticmethod
+    def setup(velocity=300.0, **changes):
+        shot = Projectile(mass=0.44e-3, radius=1.06e-3)  # 1.2 times as long an element of one crossover
+        return single_ply.ImpactSetup(
+            catalogue.load("S-720").effective(), velocity, projectile=shot, opening=0.06, end_time=100e-6,
+            table_size=51, numerics=Numerics(threads=1), **changes,
+        )  # fmt: skip
+
+    def test_follows_the_projectile(self):
+        table = self.setup().table()
+        panel = self.setup().panel(table)
+        assert panel.elements_per_crossover == 2
+        assert max(panel.spacing) < single_ply.ELEMENT_SIDE * panel.projectile.radius
+        assert self.setup(elements_per_crossover=1).panel(table).elements_per_crossover == 1
+        assert self.setup(grading=((16, 1), (np.inf, 2))).panel(table).elements_per_crossover == 1
+        assert replace(self.setup(), projectile=Projectile()).panel(table).elements_per_crossover == 1
+
+    def test_is_fine_enough_for_a_narrow_projectile(self):
+        velocities, table = (180.0, 240.0, 300.0, 360.0), self.setup().table()
+        fine, usual, one = (
+            [single_ply.run(self.setup(v, elements_per_crossover=n), table=table) for v in velocities]
+            for n in (3, None, 1)
+        )
+        residual = [np.array([run.residual_velocity for run in runs]) / velocities for runs in (fine, usual, one)]
+        assert np.abs(residual[1] - residual[0]).max() < 0.03
+        assert np.abs(residual[2] - residual[0]).max() > 0.04
+        assert all({check.name for check in run.checks if not check.ok} == {"element side"} for run in one)
+        assert all(check.ok for run in usual for check in run.checks)
 
 
 def test_indicators_survive_a_checkpoint(tmp_path):

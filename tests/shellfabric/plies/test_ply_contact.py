@@ -195,6 +195,7 @@ def test_eight_at_once_are_one_at_a_time(ply, stacking):
         assert pair.energy[kernels.SPRING] == pytest.approx(spring, rel=1e-9)
         twin.energy[kernels.DEEPEST] = max(twin.energy[kernels.DEEPEST], deepest)
         assert pair.energy[kernels.DEEPEST] == pytest.approx(twin.energy[kernels.DEEPEST], rel=1e-9)
+        assert pair.energy[kernels.SQUEEZED] == pytest.approx(twin.energy[kernels.SQUEEZED], rel=1e-9)
         np.testing.assert_array_equal(pair.status, twin.status)
         touching = pair.status == kernels.TOUCHING
         size = max(np.abs(f).max() for f in twin.on_front)
@@ -403,6 +404,7 @@ def test_a_depth_that_no_motion_has_made_loads_no_spring(ply, begins, depth):
     placed(states, consts, pair, depth * pair.thickness, 1, moved=False)
     assert pair.energy[kernels.DEEPEST] == pytest.approx(depth * pair.thickness, rel=1e-6)
     assert pair.energy[kernels.SPRING] == pytest.approx(stored, rel=0.05, abs=1e-30)
+    assert pair.energy[kernels.SQUEEZED] < 0.15 * pair.thickness  # that of `flat`
     forces = [
         -placed(states, consts, pair, (depth + part) * pair.thickness, 2 + n) for n, part in enumerate((0.05, 0.1))
     ]

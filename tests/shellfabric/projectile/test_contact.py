@@ -93,6 +93,33 @@ def test_peak_tension_has_converged(tables):
     assert peak(table, 1, RHO).tolist() == peak(table, 2, RHO).tolist()  # at least two an element
 
 
+@pytest.mark.parametrize(
+    ("shot", "knobs", "elements", "expected"),
+    [
+        ({}, {}, 1, 8),  # an edge of 0.3 mm and elements of 1.27 mm
+        ({"edge_radius": 0.2e-3}, {}, 1, 8),
+        ({"edge_radius": 0.1e-3}, {}, 1, 16),
+        ({"edge_radius": 0.1e-3}, {}, 2, 8),
+        ({"edge_radius": 0.01e-3}, {}, 1, 32),  # as many as there may be
+        ({"edge_radius": 0.1e-3}, {"contact_points": 5}, 1, 5),
+        ({"edge_radius": 0.1e-3}, {"contact_points": 8}, 1, 8),
+        ({"shape": "sphere", "edge_radius": 0.01e-3}, {}, 1, 8),  # it has no edge
+        ({"shape": "cone", "half_angle": 0.8, "tip_radius": 0.1e-3}, {}, 1, 16),
+    ],
+)
+def test_the_default_number_of_points_follows_the_nose(small, shot, knobs, elements, expected):
+    panel = small(projectile=Projectile(**shot), numerics=Numerics(**knobs), elements_per_crossover=elements)
+    assert panel.constants().points == expected
+
+
+def test_the_default_points_resolve_a_sharp_edge(tables):
+    """An edge of 0.1 mm, which eight points a crossover miss."""
+    table, edge = tables["equilibrium"], 0.1e-3
+    converged = peak(table, 32, edge)
+    np.testing.assert_allclose(peak(table, None, edge), converged, rtol=0.04)
+    assert np.abs(peak(table, 8, edge) / converged - 1).max() > 0.07
+
+
 def test_contact_energy_is_found_again(small):
     """What the contact takes in is its springs' energy and a loss in the dampers that is not negative."""
     state, const = march(small(failure=False), 100.0, 250)

@@ -136,6 +136,7 @@ KINDS = {
     "safety": Kind({"numerics": {"safety": 0.45}}, ratio(lambda got: got.steps, 2, 0.05)),
     "viscosity": Kind({"numerics": {"stretch_viscosity": 0.2}}, rises(energy("viscous"))),
     "penalty": Kind({"numerics": {"penalty": 0.3, "contact_damping": 0.4}}),
+    "contact points": Kind({"numerics": {"contact_points": 4}}),
     "single precision": Kind({"numerics": {"precision": "single"}}, same_but_rounded),
     "surface": Kind({"fabric": {"surface": SURFACE}}),
     "surface and law": Kind(

@@ -102,7 +102,10 @@ def panel(case: Shell) -> Panel:
     laws = tuple(replace(law, form=case.law) for law in fabric.laws)
     if case.elements < 1:
         fabric, laws = coarse(fabric, laws, round(1 / case.elements))
-    numerics = Numerics(safety=case.safety, stretch_viscosity=case.viscosity, precision=case.precision, threads=1)
+    numerics = Numerics(
+        safety=case.safety, stretch_viscosity=case.viscosity, precision=case.precision, threads=1,
+        contact_points=8 if case.elements < 1 else None,  # coarse models are to be cheap ones
+    )  # fmt: skip
     return Panel(
         CellModel(fabric, laws, model=case.model, form=case.form).table(case.table),
         (case.shot.opening, case.shot.opening), symmetry=case.symmetry,
