@@ -39,8 +39,8 @@ def impact(
     while the run goes on, checkpoint.h5. A scene with a table \\[accuracy] says how well it wants to know something:
     the cheapest model that will do is chosen and checked. A key of the scene that cannot be honoured is rejected.
 
-    --explain ignores title, run.snapshot_interval, run.checkpoint_interval, run.outputs, measure.interval,
-    measure.warp, measure.weft and measure.places.
+    --explain ignores title, run.snapshot_interval, run.checkpoint_interval, run.outputs, history.interval,
+    history.warp, history.weft and history.report_positions.
     """
     from weavecell.commands import fidelity
     from weavecell.commands import impact as commands_impact
@@ -118,7 +118,7 @@ def critical_velocity(
 
     A fabric is shot at as in the tests of the thesis. Of a scene these keys are ignored: title,
     projectile.strike_velocity, run.end_time, run.snapshot_interval, run.checkpoint_interval, run.outputs. Packs,
-    \\[measure] and \\[accuracy] are rejected.
+    \\[history] and \\[accuracy] are rejected.
 
     The folder then holds critical-velocity.json, shots.csv, residual-velocity.svg and scene.toml.
     """
