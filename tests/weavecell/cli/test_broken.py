@@ -170,17 +170,17 @@ def test_scene_that_is_not_text(command, tmp_path):
 
 
 def test_wrong_option_is_one_line(command, tmp_path):
-    code, _, err = command("mesh", "S-720", "--size", "huge")
+    code, _, err = command("mesh", "S-720", "--mesh", "huge")
     assert code == 2
     assert len(err.splitlines()) == 1
-    assert "--size" in err
+    assert "--mesh" in err
     assert "coarse" in err
 
 
 def test_gap_without_unit(command, tmp_path):
-    code, _, err = command("mesh", "S-720", "--gap", "3 parsec/s")
+    code, _, err = command("mesh", "S-720", "--yarn-gap", "3 parsec/s")
     assert code == 2
-    assert err.startswith("error: --gap = '3 parsec/s': must be")
+    assert err.startswith("error: --yarn-gap = '3 parsec/s': must be")
     assert list(tmp_path.iterdir()) == []
 
 
@@ -197,12 +197,12 @@ def test_interrupt_is_not_a_traceback(monkeypatch, capsys):
 
 def test_plate_curves_that_cannot_be_fitted_to(command, tmp_path):
     check_refused(
-        command("calibrate", "S-720", "--plates", "nowhere.csv"),
+        command("calibrate", "S-720", "--platen-curve", "nowhere.csv"),
         "nowhere.csv: cannot be read; must be a plate curve (No such file or directory)",
         tmp_path,
     )
     check_refused(
         command("calibrate", "glass-balanced", "--fit-solid"),
-        "fabric glass-balanced has no areal_density_measured, which the pressure law needs: give --plates curve.csv",
+        "fabric glass-balanced has no areal_density_measured, which the pressure law needs: give --platen-curve",
         tmp_path,
     )
