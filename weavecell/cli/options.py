@@ -9,6 +9,8 @@ from typing import Annotated
 
 import typer
 
+from fabrics.errors import InputError
+
 RESULTS = Path("results")
 CORES = os.cpu_count() or 1
 
@@ -51,14 +53,23 @@ StrictOption = Annotated[
 ]
 ProcessesOption = Annotated[int, typer.Option(min=1, help="Crossovers that are solved beside each other.")]
 JobsOption = Annotated[int, typer.Option(min=1, help="Processes that work beside each other.")]
-MeshOption = Annotated[Size, typer.Option(help="Mesh of the 3D crossover.")]
+MeshOption = Annotated[Size, typer.Option("--mesh", help="Mesh of the 3D crossover.")]
 FinenessOption = Annotated[
     str,
     typer.Option(
+        "--mesh",
         help="How fine: a name, hexahedra along, across and through a quarter yarn, or an edge length.",
         metavar="auto|coarse|medium|fine|NX,NY,NZ|LENGTH",
     ),
 ]
 SectionOption = Annotated[Section | None, typer.Option(help="Yarn section; the fabric's own if not given.")]
-GapOption = Annotated[str, typer.Option(help="Gap between parallel yarns.", metavar="LENGTH")]
+GapOption = Annotated[str, typer.Option("--yarn-gap", help="Gap between parallel yarns.", metavar="LENGTH")]
 FrictionOption = Annotated[float, typer.Option(min=0, help="Coulomb's coefficient between the yarns.")]
+
+
+def refuse_others(context: typer.Context, allowed, where):
+    """InputError for the first option on the command line, by the name of its parameter, that is not in `allowed`."""
+    for entry in context.command.params:
+        source = context.get_parameter_source(entry.name)
+        if source is not None and source.name == "COMMANDLINE" and entry.name not in allowed:
+            raise InputError(key=entry.opts[0], allowed=f"left out {where}")
