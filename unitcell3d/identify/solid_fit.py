@@ -326,7 +326,7 @@ def _judge(fabric, curve, pressure, measured, computed, before, found, densest, 
         values=dict(zip(NAMES, map(float, value + shift))) | {LOOSE: modulus},
         intervals={n: (float(a), float(b)) for n, a, b in zip(NAMES, low + shift, high + shift)}
         | {LOOSE: (modulus * float(np.exp(-loose)), modulus * float(np.exp(loose)))},
-        determined={name: bool(width < np.log(2)) for name, width in zip(NAMES, half)} | {LOOSE: loose < np.log(2)},
+        determined={name: bool(width < np.log(2)) for name, width in zip(NAMES, half)} | {LOOSE: bool(loose < np.log(2))},
         correlation=correlation,
         singular_values=singular,
         directions=directions,

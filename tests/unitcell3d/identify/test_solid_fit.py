@@ -1,11 +1,15 @@
 """The solid fitted to a plate curve: identifiability in closed form, and a twin experiment."""
 
+import json
+from concurrent.futures import ThreadPoolExecutor
+
 import numpy as np
 import pytest
 
 from fabrics.plate_curve import PlateCurve
 from meshing import crossover as mesher
 from unitcell3d.cases import biaxial_and_platens
+from unitcell3d.identify import solid_fit
 from unitcell3d.identify.solid_fit import LOOSE, NAMES, closures, fit_solid, identify, with_solids
 
 
@@ -50,6 +54,29 @@ def test_closures_of_a_force_that_falls_for_a_step():
     pressure = np.geomspace(1e4, 1e6, 9)
     measured = 1e-5 * np.log(pressure)
     assert closures(Snapped, 1e-6, pressure, measured) == pytest.approx(measured, rel=1e-9)
+
+
+def test_a_fit_is_written_as_json(s720, tmp_path, monkeypatch):
+    """The whole way from a curve to the file, with a closed form in place of the compressions: 0.2 mm V_c P / (P + K)."""
+
+    def press(fabric, size, pressure):
+        solid, P = fabric.solids[0], np.geomspace(1e3, pressure, 50)
+        history = Pressed()
+        history.F_plate = np.stack([P, P], axis=1) * fabric.weave.cell_area
+        history.plates = 1e-3 - 1e-4 * solid.V_c * P / (P + solid.K_r * solid.E_c)
+        history.failed = ""
+        return history
+
+    monkeypatch.setattr(solid_fit, "press", press)
+    pressure = np.geomspace(3e4, 5e6, 30)
+    curve = PlateCurve(pressure, 2e-4 * pressure / (pressure + 2e7), "closed form")
+    with ThreadPoolExecutor(1) as executor:
+        found = fit_solid(s720, curve, check_size=(4, 3, 2), executor=executor)
+    found.write(tmp_path / "fit.json")
+    written = json.loads((tmp_path / "fit.json").read_text())
+    assert set(written["determined"]) == {*NAMES, LOOSE}
+    assert all(isinstance(known, bool) for known in written["determined"].values())
+    assert written["rms_m"] == found.rms
 
 
 @pytest.mark.slow(50)
