@@ -61,7 +61,7 @@ def main():
     arguments = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     arguments.add_argument("--repeats", type=int, default=20)
     repeats = arguments.parse_args().repeats
-    panel = Panel(CellModel(catalogue.load("S-720").effective()).table(201), numerics=Numerics(threads=1))
+    panel = Panel(CellModel(catalogue.load("S-720").with_effective_density()).table(201), numerics=Numerics(threads=1))
     for velocity, interval in ((92.5, 2e-6), (155.0, 2e-6), (92.5, 10e-6), (300.0, 10e-6)):
         found = [shares(panel, velocity, interval) for _ in range(repeats)]
         monitor, checks, kernel = (100 * statistics.median(row[k] for row in found) for k in range(3))

@@ -135,7 +135,7 @@ def main():
     arguments.add_argument("--parts", nargs="+", choices=parts, default=parts)
     arguments.add_argument("--out", type=Path)
     chosen = arguments.parse_args()
-    fabric = catalogue.load(chosen.fabric).effective()
+    fabric = catalogue.load(chosen.fabric).with_effective_density()
     panel = Panel(CellModel(fabric).table(201), numerics=Numerics(threads=1))
     report = {"machine": machine(), "fabric": chosen.fabric}
     if "waves" in chosen.parts:

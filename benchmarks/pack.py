@@ -85,7 +85,7 @@ def main():
     arguments.add_argument("--velocity", type=float, default=170.0)
     arguments.add_argument("--out", type=Path)
     chosen = arguments.parse_args()
-    panel = Panel(CellModel(catalogue.load("S-720").effective()).table(201), numerics=Numerics(threads=1))
+    panel = Panel(CellModel(catalogue.load("S-720").with_effective_density()).table(201), numerics=Numerics(threads=1))
     report = {"machine": machine(), "plies": chosen.plies, "elements_of_a_ply": panel.elements}
     with one_core():
         single = [march_single(panel, 92.5, round(END / panel.time_step), True)[1] for _ in range(chosen.repeats)]

@@ -141,7 +141,7 @@ def precision(repeats):
     """What keeping forces in single precision changes, and what it saves."""
     found = {}
     for name, slow, fast in PRECISION:
-        panel = Panel(CellModel(catalogue.load(name).effective()).table(201))
+        panel = Panel(CellModel(catalogue.load(name).with_effective_density()).table(201))
         found[name] = {}
         for kind in ("double", "single"):
             chosen = with_knobs(panel, precision=kind, threads=1)
@@ -170,7 +170,7 @@ def main():
     arguments.add_argument("--parts", nargs="+", choices=parts, default=parts)
     arguments.add_argument("--out", type=Path)
     chosen = arguments.parse_args()
-    fabric = catalogue.load("S-720").effective()
+    fabric = catalogue.load("S-720").with_effective_density()
     tables = {form: CellModel(fabric, form=form).table(201) for form in FORMS}
     report = {"machine": machine()}
     with one_core():

@@ -60,6 +60,6 @@ def _row(number, line, count, path):
     except ValueError:
         values = []
     if len(values) != count:
-        told = "two numbers" if count == 2 else f"{count} numbers"
-        raise InputError(file=path, key=f"line {number}", value=line.strip(), allowed=told)
+        allowed_text = "two numbers" if count == 2 else f"{count} numbers"
+        raise InputError(file=path, key=f"line {number}", value=line.strip(), allowed=allowed_text)
     return values

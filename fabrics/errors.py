@@ -33,10 +33,10 @@ class InputError(WeavecellError):
             parts.append(f"{file}:")
         if key is not None:
             parts.append(f"{key} = {value!r}:" if value is not None else f"{key}:")
-        told = [message] if message is not None else []
+        allowed_text = [message] if message is not None else []
         if allowed is not None:
-            told.append(f"must be {allowed}")
-        parts.append("; ".join(told))
+            allowed_text.append(f"must be {allowed}")
+        parts.append("; ".join(allowed_text))
         super().__init__(" ".join(" ".join(parts).split()))
 
 

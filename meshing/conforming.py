@@ -37,14 +37,14 @@ class ConformingSection:
     width : [m] asked for: no wider than this
     arch, span : [m] height and cell length of the crossing yarn
     offset : [m] kappa, or minus kappa
-    bluntness : [-] least thickness at the cut over that of the middle
+    tip_thickness_ratio : [-] least thickness at the cut over that of the middle
     """
 
     width: float
     arch: float
     span: float
     offset: float
-    bluntness: float
+    tip_thickness_ratio: float
 
     kind = KIND
 
@@ -55,8 +55,8 @@ class ConformingSection:
 
     @property
     def half_width(self) -> float:
-        """[m] from the middle to the cut: half of the width asked for, or to where bluntness ends the tip."""
-        cosine = (self.bluntness * self.thickness / 2 - self.offset) / self.arch
+        """[m] from the middle to the cut: half of the width asked for, or to where the tip is cut."""
+        cosine = (self.tip_thickness_ratio * self.thickness / 2 - self.offset) / self.arch
         tip = self.span / np.pi * np.arccos(np.clip(cosine, -1, 1))
         return float(min(tip, self.width / 2))
 
@@ -75,7 +75,7 @@ class ConformingSection:
         return np.linspace(0, self.half_width, n + 1)
 
 
-def conform(widths, areas, weave, bluntness):
+def conform(widths, areas, weave, tip_thickness_ratio):
     """The two sections that touch everywhere, with areas in the ratio of `areas`.
 
     Parameters
@@ -83,7 +83,7 @@ def conform(widths, areas, weave, bluntness):
     widths : (warp, weft) [m] greatest widths
     areas : (warp, weft) [m2] asked for; the sections have these times one common factor
     weave : Weave
-    bluntness : [-]
+    tip_thickness_ratio : [-]
 
     Returns
     -------
@@ -99,8 +99,8 @@ def conform(widths, areas, weave, bluntness):
 
     def at(kappa):
         return (
-            ConformingSection(widths[0], h2, 2 * w2, kappa, bluntness),
-            ConformingSection(widths[1], h1, 2 * w1, -kappa, bluntness),
+            ConformingSection(widths[0], h2, 2 * w2, kappa, tip_thickness_ratio),
+            ConformingSection(widths[1], h1, 2 * w1, -kappa, tip_thickness_ratio),
         )
 
     def excess(kappa):

@@ -156,9 +156,9 @@ def fractions(fabric):
     ------
     InputError : the fabric has none
     """
-    if fabric.solids is None:
+    if fabric.solid_laws is None:
         raise InputError(f"fabric {fabric.name} has no solid laws: a 3D crossover needs Vf0 of warp and weft")
-    return [solid.Vf0 for solid in fabric.solids]
+    return [solid.Vf0 for solid in fabric.solid_laws]
 
 
 def _number(value):

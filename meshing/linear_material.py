@@ -37,7 +37,7 @@ class RestMaterial:
     failure_strain: float
 
 
-def at_rest(yarn, solid, Vf0) -> RestMaterial:
+def linearise(yarn, solid, Vf0) -> RestMaterial:
     """Material of a yarn meshed with the fibre volume fraction `Vf0`."""
     return RestMaterial(
         fibre=yarn.E,

@@ -25,7 +25,7 @@ from meshing.inputs import YARNS
 from meshing.linear_material import RestMaterial
 from meshing.overlap import least_gap
 from meshing.quality import scaled_jacobian
-from meshing.section_fit import Closing
+from meshing.section_fit import SectionFit
 
 SURFACES = ("contact", "plate", "tip")  # the other named faces are ends and symmetry planes: groups of nodes
 
@@ -69,7 +69,7 @@ class YarnMesh:
     faces : name -> (q, 4) int, outward quadrilaterals (see `groups`)
     w, h0, S0 : (warp, weft) [m] half cell lengths, heights and lengths of the centrelines
     fibre_area : (warp, weft) [m2] A_s of a whole yarn
-    closing : Closing, the sections, the overlap they had, and how it was removed
+    section_fit : SectionFit, the sections, the overlap they had, and how it was removed
     materials : (RestMaterial, RestMaterial) of warp and weft
     end_shells : [m] thickness of shells on the yarn ends, or None
     """
@@ -88,24 +88,24 @@ class YarnMesh:
     h0: tuple[float, float]
     S0: tuple[float, float]
     fibre_area: tuple[float, float]
-    closing: Closing
+    section_fit: SectionFit
     materials: tuple[RestMaterial, RestMaterial]
     end_shells: float | None
 
     @property
     def shift(self) -> float:
         """[m] by which warp and weft are moved apart."""
-        return self.closing.shift
+        return self.section_fit.shift
 
     @property
     def sections(self):
         """(Section, Section) of warp and weft."""
-        return self.closing.sections
+        return self.section_fit.sections
 
     @property
     def Vf0(self) -> tuple[float, float]:
         """[-] initial fibre volume fractions of the meshed yarns; above the fabric's where the overlap asked for it."""
-        return self.closing.Vf0
+        return self.section_fit.Vf0
 
     @property
     def collected(self) -> dict:

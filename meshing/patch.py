@@ -50,7 +50,7 @@ def build(
     section=None,
     gap=0.0,
     width=None,
-    bluntness=0.075,
+    tip_thickness_ratio=0.075,
     overlap="solve",
     crimp="hand",
     end_shells=None,
@@ -61,9 +61,9 @@ def build(
     ----------
     fabric : Fabric, with solid laws (for the fibre volume fractions)
     count : (n, m) numbers of warp and of weft yarns; (2, 2) is the unit cell of four crossovers
-    size, section, gap, width, bluntness, overlap, crimp, end_shells : as in `meshing.crossover.build`; nx, ny, nz of
-        `size` count a quarter of a yarn in one crossing, so a crossing has 8 nx ny nz hexahedra. No shift is made:
-        "refuse" refuses any overlap
+    size, section, gap, width, tip_thickness_ratio, overlap, crimp, end_shells : as in `meshing.crossover.build`; nx,
+        ny, nz of `size` count a quarter of a yarn in one crossing, so a crossing has 8 nx ny nz hexahedra. No shift is
+        made: "refuse" refuses any overlap
 
     Raises
     ------
@@ -76,7 +76,7 @@ def build(
         section=section,
         gap=gap,
         width=width,
-        bluntness=bluntness,
+        tip_thickness_ratio=tip_thickness_ratio,
         overlap=overlap,
         crimp=crimp,
         end_shells=end_shells,

@@ -3,8 +3,8 @@
     half thickness   q(y) = (t/2) cos(pi y / W)          "sine"     (source thesis Figure A-7, left)
                      q(y) = (t/2) sqrt(1 - (2y/W)^2)     "ellipse"  (Figure A-7, right)
 
-over |y| <= c W/2. The cut c is where q has fallen to the bluntness times t/2, so that the outermost element has a
-height; W is the width of the lens before the cut, t its thickness. The area between the cuts is
+over |y| <= c W/2. The cut c is where q has fallen to the tip thickness ratio times t/2, so that the outermost element
+has a height; W is the width of the lens before the cut, t its thickness. The area between the cuts is
 
     A = t W a(c),   a = (2/pi) sin(pi c/2)   or   (c sqrt(1 - c^2) + arcsin c) / 2.
 """
@@ -19,7 +19,7 @@ from fabrics.checks import positive
 from fabrics.errors import InputError
 
 KINDS = ("sine", "ellipse")
-BLUNTNESS = (0.01, 0.5)
+TIP_THICKNESS_RATIO = (0.01, 0.5)
 
 
 @dataclass(frozen=True)
@@ -31,38 +31,40 @@ class Section:
     kind : "sine" or "ellipse"
     width : [m] W of the lens before its tips are cut
     thickness : [m] t in the middle
-    bluntness : [-] thickness at the cut over t
+    tip_thickness_ratio : [-] thickness at the cut over t
 
     Raises
     ------
-    InputError : unknown kind, a dimension that is not positive, a bluntness outside 0.01 .. 0.5
+    InputError : unknown kind, a dimension that is not positive, a tip thickness ratio outside 0.01 .. 0.5
     """
 
     kind: str
     width: float
     thickness: float
-    bluntness: float
+    tip_thickness_ratio: float
 
     def __post_init__(self):
         if self.kind not in KINDS:
             raise InputError(key="section", value=self.kind, allowed=" or ".join(KINDS))
-        positive(self, "width", "thickness", "bluntness")
-        low, high = BLUNTNESS
-        if not low <= self.bluntness <= high:
-            raise InputError(key="bluntness", value=self.bluntness, allowed=f"from {low:g} to {high:g}")
+        positive(self, "width", "thickness", "tip_thickness_ratio")
+        low, high = TIP_THICKNESS_RATIO
+        if not low <= self.tip_thickness_ratio <= high:
+            raise InputError(
+                key="tip_thickness_ratio", value=self.tip_thickness_ratio, allowed=f"from {low:g} to {high:g}"
+            )
 
     @classmethod
-    def of_area(cls, kind, width, area, bluntness) -> Section:
+    def of_area(cls, kind, width, area, tip_thickness_ratio) -> Section:
         """The section of this width whose area [m2] between the cuts is `area`."""
-        unit = cls(kind, width, 1.0, bluntness)
-        return cls(kind, width, area / unit.area, bluntness)
+        unit = cls(kind, width, 1.0, tip_thickness_ratio)
+        return cls(kind, width, area / unit.area, tip_thickness_ratio)
 
     @property
     def cut(self) -> float:
         """[-] place of the cut, as a fraction of the half width."""
         if self.kind == "sine":
-            return 2 / np.pi * np.arccos(self.bluntness)
-        return float(np.sqrt(1 - self.bluntness**2))
+            return 2 / np.pi * np.arccos(self.tip_thickness_ratio)
+        return float(np.sqrt(1 - self.tip_thickness_ratio**2))
 
     @property
     def half_width(self) -> float:

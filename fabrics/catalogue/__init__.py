@@ -38,7 +38,7 @@ _MICROGRAPH = {
 
 
 @cache
-def names() -> tuple[str, ...]:
+def list_names() -> tuple[str, ...]:
     """Names of the fabrics in the catalogue, sorted."""
     return tuple(sorted(path.stem for path in _FOLDER.glob("*.toml")))
 
@@ -51,10 +51,12 @@ def load(name_or_path) -> Fabric:
     InputError : no such fabric or file, or the file is wrong: one line naming the file, key, value and what is allowed
     """
     text = str(name_or_path)
-    if text in names():
+    if text in list_names():
         return read(_FOLDER / f"{text}.toml")
     if not text.endswith(".toml"):
-        raise InputError(key="fabric", value=text, allowed=f"one of {', '.join(names())}, or the path of a .toml file")
+        raise InputError(
+            key="fabric", value=text, allowed=f"one of {', '.join(list_names())}, or the path of a .toml file"
+        )
     return read(Path(text))
 
 
@@ -75,7 +77,7 @@ def tables(path, numbers):
     -------
     name : text
     shear : TrellisShear, or None
-    solids : (SolidLaw, SolidLaw), or None
+    solid_laws : (SolidLaw, SolidLaw), or None
     values : {dotted key: number [SI]}
     sources : {dotted key: {"value", "source", "status"}}
     """
@@ -118,7 +120,7 @@ class _Reader:
             weave=weave,
             laws=self._pair("compression", _LAW, self._law),
             shear=self._shear(),
-            solids=self._solids(),
+            solid_laws=self._solids(),
             section=self._text("section", "sine"),
             areal_density_measured=self._number("areal_density_measured", "kg/m^2", True),
             interlayer_gap=self._number("interlayer_gap", "m", True),

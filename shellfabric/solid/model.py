@@ -65,7 +65,7 @@ class SolidPatch:
     clamped: bool = True
 
     def __post_init__(self):
-        if self.fabric.solids is None:
+        if self.fabric.solid_laws is None:
             raise InputError(f"fabric {self.fabric.name} has no [solid] tables, which a solid patch needs")
         if self.mesh.fabric != self.fabric.name:
             raise InputError(key="fabric", value=self.fabric.name, allowed=f"the meshed one, {self.mesh.fabric}")
@@ -222,7 +222,7 @@ class SolidPatch:
         """Bricks, bars and faces of one yarn."""
         mesh, numerics = self.mesh, self.numerics
         family, grid = mesh.families[yarn], mesh.grids[yarn]
-        material, solid = self.fabric.weave.yarns[family], self.fabric.solids[family]
+        material, solid = self.fabric.weave.yarns[family], self.fabric.solid_laws[family]
         Vf0 = mesh.Vf0[family]
         b_E = (solid.V_c - solid.K_r * Vf0) / (1 - solid.K_r)
         law = np.array([solid.E_a, solid.E_c * (b_E - solid.V_c), b_E, Vf0, solid.V_c, solid.G])

@@ -173,7 +173,7 @@ def panel():
     from shellfabric.cell.model import CellModel
     from shellfabric.panel.model import Panel
 
-    return Panel(CellModel(catalogue.load("S-720").effective()).table(61), (0.0306, 0.0306))
+    return Panel(CellModel(catalogue.load("S-720").with_effective_density()).table(61), (0.0306, 0.0306))
 
 
 def an_impact(path):
@@ -213,7 +213,7 @@ def a_coupon(path):
     from weavecell.scenes import coupon as scenes_coupon
 
     scene, _ = scenes_coupon.load(ROOT / "examples" / "coupons" / "S-728-bias.toml")
-    table = CellModel(catalogue.load("S-728").effective()).table(21)
+    table = CellModel(catalogue.load("S-728").with_effective_density()).table(21)
     state = State(0.5, np.zeros((3, 2)), np.zeros((3, 2)), (0.0, 0.0), np.zeros((1, 2)), 1e-6, True)
     results_coupon.write_states(path, coupon._stamp(table, scene), [state])
     assert coupon._stamp(table, replace_run(scene)) != coupon._stamp(table, scene)

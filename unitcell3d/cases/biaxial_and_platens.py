@@ -16,10 +16,10 @@ from unitcell3d.solver.load_stepping import march
 
 # one-ply platen test of the source: 7000 N on 0.019 m x 0.019 m (chapter 2)
 PLATEN_PRESSURE = 7000 / 0.019**2
-CLOSEST_PLATES = 0.5  # of their distance at rest
+MIN_PLATE_GAP = 0.5  # of the plates' distance at rest
 
 
-def biaxial(crossover, fabric, ratio=(1.0, 1.0), *, reach=None, numerics=None, steps=None, hooks=()):
+def biaxial(crossover, fabric, ratio=(1.0, 1.0), *, max_displacement=None, numerics=None, steps=None, hooks=()):
     """Stretch a crossover along d1 : d2 = `ratio` until the mean fibre strain of a yarn is its failure strain.
 
     Parameters
@@ -27,7 +27,7 @@ def biaxial(crossover, fabric, ratio=(1.0, 1.0), *, reach=None, numerics=None, s
     crossover : meshing.crossover.Crossover
     fabric : Fabric
     ratio : (d1, d2) [-] proportions of the end displacements; 0 holds a yarn's ends
-    reach : [m] larger of the two end displacements at the end of the path, instead of fibre failure
+    max_displacement : [m] larger of the two end displacements at the end of the path, instead of fibre failure
     numerics, steps, hooks : see `model.crossover.Numerics`, `load_stepping.Steps`, `load_stepping.march`
 
     Returns
@@ -36,7 +36,7 @@ def biaxial(crossover, fabric, ratio=(1.0, 1.0), *, reach=None, numerics=None, s
 
     Raises
     ------
-    InputError : the ratio stretches no yarn, or the reach is not positive
+    InputError : the ratio stretches no yarn, or `max_displacement` is not positive
     """
     try:
         ratio = np.array([float(part) for part in ratio])
@@ -45,12 +45,12 @@ def biaxial(crossover, fabric, ratio=(1.0, 1.0), *, reach=None, numerics=None, s
     if ratio.shape != (2,) or not np.all(np.isfinite(ratio)) or ratio.max() <= 0:
         raise InputError(key="ratio", value=tuple(ratio), allowed="two numbers, one of them at least above 0")
     ratio = ratio / np.abs(ratio).max()
-    if reach is not None and not reach > 0:
-        raise InputError(key="reach", value=reach, allowed="positive")
+    if max_displacement is not None and not max_displacement > 0:
+        raise InputError(key="max_displacement", value=max_displacement, allowed="positive")
     yarns = fabric.weave.yarns
-    if reach is None:
+    if max_displacement is None:
         # a yarn whose ends are this far apart is straight and at its failure strain: no path goes on longer
-        reach = min(
+        max_displacement = min(
             w * ((1 + yarn.crimp) * (1 + yarn.failure_strain) - 1) / part
             for w, yarn, part in zip(fabric.weave.w, yarns, ratio)
             if part > 0
@@ -59,7 +59,7 @@ def biaxial(crossover, fabric, ratio=(1.0, 1.0), *, reach=None, numerics=None, s
     else:
         stop = None
     model = CrossoverModel(crossover, fabric, numerics)
-    end = Load((float(ratio[0] * reach), float(ratio[1] * reach)))
+    end = Load((float(ratio[0] * max_displacement), float(ratio[1] * max_displacement)))
     case = f"biaxial {ratio[0]:g} : {ratio[1]:g}"
     return march(model, Load(), end, case=case, stop=stop, steps=steps, hooks=hooks)
 
@@ -69,13 +69,13 @@ def _worst_yarn(limits):
 
 
 def plate_compression(
-    crossover, fabric, *, pressure=PLATEN_PRESSURE, closest=CLOSEST_PLATES, numerics=None, steps=None, hooks=()
+    crossover, fabric, *, pressure=PLATEN_PRESSURE, min_plate_gap=MIN_PLATE_GAP, numerics=None, steps=None, hooks=()
 ):
     """Press a crossover between two rigid plates, the yarns' ends held in the plane at their spacing.
 
     The plates stand at equal distances above and below the middle plane, as the two-fold axis of the weave asks, so
     that the higher yarn is touched first. The path ends at the mean `pressure` [Pa] on the area of the cell, the
-    source's greatest by default, or with the plates at the share `closest` of their first distance.
+    source's greatest by default, or with the plates at the share `min_plate_gap` of their first distance.
 
     Raises
     ------
@@ -83,15 +83,15 @@ def plate_compression(
     """
     if not pressure > 0:
         raise InputError(key="pressure", value=pressure, allowed="positive")
-    if not 0 < closest < 1:
-        raise InputError(key="closest", value=closest, allowed="between 0 and 1")
+    if not 0 < min_plate_gap < 1:
+        raise InputError(key="min_plate_gap", value=min_plate_gap, allowed="between 0 and 1")
     model = CrossoverModel(crossover, fabric, numerics)
     rest = model.plates.at_rest
     force = pressure * fabric.weave.cell_area
     return march(
         model,
         Load(plates=rest),
-        Load(plates=closest * rest),
+        Load(plates=min_plate_gap * rest),
         case="plates",
         stop=lambda row: float(np.mean(row["F_plate"])) / force,
         steps=steps,

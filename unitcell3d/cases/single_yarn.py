@@ -58,7 +58,7 @@ class YarnModel(YarnsModel):
         check(crossover, fabric)
         if family not in (0, 1):
             raise InputError(key="yarn", value=family, allowed="0 (warp) or 1 (weft)")
-        mesh = submeshes.alone(crossover, family)
+        mesh = submeshes.single_yarn_mesh(crossover, family)
         if bars is not None:
             across, through = mesh.grids[0].shape[1:]
             if bars not in submeshes.line_numbers(across, through):

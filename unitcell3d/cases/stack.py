@@ -15,7 +15,7 @@ import numpy as np
 from fabrics.errors import InputError, UnstableError
 from fabrics.plate_curve import PlateCurve
 from unitcell3d.assembly import constraints
-from unitcell3d.cases.biaxial_and_platens import CLOSEST_PLATES, PLATEN_PRESSURE
+from unitcell3d.cases.biaxial_and_platens import MIN_PLATE_GAP, PLATEN_PRESSURE
 from unitcell3d.contact.pairs import OuterPlates, SurfacePairs, facing
 from unitcell3d.model import submeshes
 from unitcell3d.model.crossover import Load, YarnsModel, check
@@ -75,7 +75,7 @@ class StackModel(YarnsModel):
 
 
 def stack_compression(
-    mesh, fabric, plies=2, *, shift=(0.0, 0.0), pressure=PLATEN_PRESSURE, closest=CLOSEST_PLATES, numerics=None,
+    mesh, fabric, plies=2, *, shift=(0.0, 0.0), pressure=PLATEN_PRESSURE, min_plate_gap=MIN_PLATE_GAP, numerics=None,
     hooks=(), comm=None,
 ):  # fmt: skip
     """Press plies between two rigid plates, the yarns' ends held in the plane at their spacing.
@@ -87,7 +87,7 @@ def stack_compression(
     plies : number
     shift : (x, y) [crossings] of each ply against the one under it; (0, 0): aligned
     pressure : [Pa] mean on the area of the cell at the end, the source's greatest by default
-    closest : [-] share of the first distance of the plates at which the path ends at the latest
+    min_plate_gap : [-] share of the first distance of the plates at which the path ends at the latest
     numerics, hooks, comm : see `path_following.follow`
 
     Returns
@@ -101,17 +101,17 @@ def stack_compression(
     """
     if not pressure > 0:
         raise InputError(key="pressure", value=pressure, allowed="positive")
-    if not 0 < closest < 1:
-        raise InputError(key="closest", value=closest, allowed="between 0 and 1")
+    if not 0 < min_plate_gap < 1:
+        raise InputError(key="min_plate_gap", value=min_plate_gap, allowed="between 0 and 1")
     if not (isinstance(plies, int | np.integer) and plies >= 1):
         raise InputError(key="plies", value=plies, allowed="a whole number from 1 on")
     if any(shift):
         model = ShiftedModel(mesh, fabric, plies, shift, numerics)
-        loads = [CellLoad(mesh.w, plates=share * model.plates.at_rest) for share in (1.0, closest)]
+        loads = [CellLoad(mesh.w, plates=share * model.plates.at_rest) for share in (1.0, min_plate_gap)]
         copies, inside = 1 / model.crossings, model.inside
     else:
         model = StackModel(mesh, fabric, plies, numerics)
-        loads = [Load(plates=share * model.plates.at_rest) for share in (1.0, closest)]
+        loads = [Load(plates=share * model.plates.at_rest) for share in (1.0, min_plate_gap)]
         copies, inside = model.copies[1], plies
     rest, area = model.plates.at_rest, fabric.weave.cell_area
 
@@ -133,7 +133,7 @@ def stack_compression(
             "deepest": model.surfaces.deepest,
         }
 
-    rows = int(np.ceil(2 * (1 - closest) * rest / LONGEST_STEP))
+    rows = int(np.ceil(2 * (1 - min_plate_gap) * rest / LONGEST_STEP))
     found = path_following.follow(
         model, loads, row, rows=rows, stop=lambda row: row["pressure"] / pressure, hooks=hooks, comm=comm
     )

@@ -20,7 +20,7 @@ class SurfacePairs:
 
     Attributes
     ----------
-    forces : (pairs,) [N] of each pair in the last call of `touch`: upwards on the upper surface
+    forces : (pairs,) [N] of each pair in the last call of `assemble`: upwards on the upper surface
     """
 
     def __init__(self, pairs):
@@ -34,26 +34,26 @@ class SurfacePairs:
 
     @property
     def deepest(self):
-        """[m] largest penetration where there was a force in the last call of `touch`."""
+        """[m] largest penetration where there was a force in the last call of `assemble`."""
         return max((pair.deepest for pair in self.pairs), default=0.0)
 
-    def expected(self):
+    def expected_stencils(self):
         """As of `surfaces.FacingSurfaces`."""
-        return [stencils for pair in self.pairs for stencils in pair.expected()]
+        return [stencils for pair in self.pairs for stencils in pair.expected_stencils()]
 
-    def lay_out(self, pattern):
+    def build_pattern(self, pattern):
         """As of `surfaces.FacingSurfaces`."""
         for pair in self.pairs:
-            pair.lay_out(pattern)
+            pair.build_pattern(pattern)
 
-    def outgrown(self):
+    def pattern_outdated(self):
         """As of `surfaces.FacingSurfaces`."""
-        return any(pair.outgrown() for pair in self.pairs)
+        return any(pair.pattern_outdated() for pair in self.pairs)
 
-    def touch(self, x, numerics, forces, values=None):
+    def assemble(self, x, numerics, forces, values=None):
         """As of `surfaces.FacingSurfaces`; returns the sum of the sizes [N] of the pairs' forces."""
         for number, pair in enumerate(self.pairs):
-            self.forces[number] = pair.touch(x, numerics, forces, values)
+            self.forces[number] = pair.assemble(x, numerics, forces, values)
         return float(np.abs(self.forces).sum())
 
     @property
@@ -61,10 +61,10 @@ class SurfacePairs:
         """As of `surfaces.FacingSurfaces`."""
         return [anchors for pair in self.pairs for anchors in pair.anchors]
 
-    def accept(self, x, numerics):
+    def commit(self, x, numerics):
         """As of `surfaces.FacingSurfaces`."""
         for pair in self.pairs:
-            pair.accept(x, numerics)
+            pair.commit(x, numerics)
 
 
 class OuterPlates(Plates):

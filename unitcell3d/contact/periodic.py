@@ -46,33 +46,33 @@ class Edges:
         self._area = thicknesses[0] * thicknesses[1] / sine
         self._toward = np.eye(3)[across]
         self.gaps = (np.array([np.inf]),)
-        self._nodes = np.full(8, -1)  # that acted on each other at the last call of `touch`
+        self._nodes = np.full(8, -1)  # that acted on each other at the last call of `assemble`
         self._met = np.empty((0, 8), np.int64)
         self._pattern = None
 
     @property
     def deepest(self):
-        """[m] penetration at the last call of `touch`."""
+        """[m] penetration at the last call of `assemble`."""
         return max(-float(self.gaps[0][0]), 0.0) if self._nodes[0] >= 0 else 0.0
 
-    def expected(self):
+    def expected_stencils(self):
         """What has been met: a contact at one point is cheap to lay out when it is."""
         if self._nodes[0] >= 0:
             self._met = np.unique(np.concatenate([self._met, self._nodes[None]]), axis=0)
         return [self._met]
 
-    def lay_out(self, pattern):
+    def build_pattern(self, pattern):
         """As of `surfaces.FacingSurfaces`."""
         self._pattern = pattern
 
-    def outgrown(self):
+    def pattern_outdated(self):
         """As of `surfaces.FacingSurfaces`."""
         return self._nodes[0] >= 0 and not self._pattern.holds(self._nodes[None])
 
-    def accept(self, x, numerics):
+    def commit(self, x, numerics):
         """Edges slide without friction."""
 
-    def touch(self, x, numerics, forces, values=None):
+    def assemble(self, x, numerics, forces, values=None):
         """As of `surfaces.FacingSurfaces`; returns the force [N] between the edges."""
         places = NO_PLACES
         if values is not None and self._nodes[0] >= 0:

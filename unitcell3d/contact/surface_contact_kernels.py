@@ -253,7 +253,7 @@ def add_products(left, right, terms, places, block, values):
 
 
 @njit(cache=True)
-def draw_anchors(x, grid, axes, mirror, slip, xi, codes, anchors):
+def update_anchors(x, grid, axes, mirror, slip, xi, codes, anchors):
     """Let the anchors follow: to within `slip` [m] of points in contact, to the closest point of the others.
 
     Parameters
@@ -317,7 +317,7 @@ def plate_pass(x, nodes, areas, height, side, penalty, toe, friction, slip, anch
 
 
 @njit(cache=True)
-def draw_plate_anchors(x, nodes, height, side, slip, anchors):
+def update_plate_anchors(x, nodes, height, side, slip, anchors):
     """Let the anchors follow to within `slip` [m] of nodes in contact, wholly those of the others; see `plate_pass`."""
     for s in range(nodes.size):
         v = x[nodes[s], :2] - anchors[s]

@@ -77,7 +77,7 @@ class Pass:
             [np.interp(slaves[:, axis], line, np.arange(len(line))) for axis, line in zip(master.axes, lines)], axis=1
         )
 
-    def expected(self):
+    def expected_stencils(self):
         """(m, 20) stencils of what has been met, and of all points near their closest points: what may be met next."""
         face = np.arange(len(self._areas)) // len(self._shapes)
         codes = [self._known, self._codes[self._codes >= 0]]
@@ -93,17 +93,17 @@ class Pass:
             [self._quads[face], self._master.grid[i[:, :, None], j[:, None, :]].reshape(-1, 16)], axis=1
         )
 
-    def lay_out(self, pattern):
-        """Look up the places of what `expected` returned last in the tangent's `pattern`."""
-        stencils = self.expected()
+    def build_pattern(self, pattern):
+        """Look up the places of what `expected_stencils` returned last in the tangent's `pattern`."""
+        stencils = self.expected_stencils()
         self._row_of[self._known] = np.arange(len(self._known))
         self._places = pattern.places(stencils)
 
-    def outgrown(self):
-        """Whether the last call of `touch` met what has no places."""
+    def pattern_outdated(self):
+        """Whether the last call of `assemble` met what has no places."""
         return bool(np.any(self._row_of[self._codes[self._codes >= 0]] < 0))
 
-    def touch(self, x, numerics, forces, values=None):
+    def assemble(self, x, numerics, forces, values=None):
         """Adds internal forces, and the tangent where `values` is given.
 
         Parameters
@@ -126,16 +126,16 @@ class Pass:
         )  # fmt: skip
         return resultant
 
-    def accept(self, x, numerics):
-        """The state at `x`, that of the last call of `touch`, is where friction goes on from."""
+    def commit(self, x, numerics):
+        """The state at `x`, that of the last call of `assemble`, is where friction goes on from."""
         master = self._master
-        surface_contact_kernels.draw_anchors(
+        surface_contact_kernels.update_anchors(
             x, master.grid, master.axes, master.mirror, numerics.slip, self._guess, self._codes, self.anchors
         )
 
     @property
     def deepest(self):
-        """[m] largest penetration of a point with a force in the last call of `touch`."""
+        """[m] largest penetration of a point with a force in the last call of `assemble`."""
         return float(-self._gaps[self._codes >= 0].min(initial=0.0))
 
     @property
@@ -168,30 +168,30 @@ class FacingSurfaces:
 
     @property
     def gaps(self):
-        """Per yarn, [m] of the nodes of its face at the last call of `touch`, infinite without a partner."""
+        """Per yarn, [m] of the nodes of its face at the last call of `assemble`, infinite without a partner."""
         return [side.node_gaps for side in self._passes]
 
     @property
     def deepest(self):
-        """[m] largest penetration where there was a force in the last call of `touch`."""
+        """[m] largest penetration where there was a force in the last call of `assemble`."""
         return max(side.deepest for side in self._passes)
 
-    def expected(self):
+    def expected_stencils(self):
         """Arrays (m, s) of the stencils to lay the tangent out for: nodes that all act on each other."""
-        return [side.expected() for side in self._passes]
+        return [side.expected_stencils() for side in self._passes]
 
-    def lay_out(self, pattern):
-        """Take up a pattern that holds what is `expected`."""
+    def build_pattern(self, pattern):
+        """Look up the places of the `expected_stencils` in a pattern that holds them."""
         for side in self._passes:
-            side.lay_out(pattern)
+            side.build_pattern(pattern)
 
-    def outgrown(self):
-        """Whether the last call of `touch` met what the pattern was not laid out for."""
-        return any(side.outgrown() for side in self._passes)
+    def pattern_outdated(self):
+        """Whether the last call of `assemble` met what the pattern was not laid out for."""
+        return any(side.pattern_outdated() for side in self._passes)
 
-    def touch(self, x, numerics, forces, values=None):
-        """Both passes, as `Pass.touch`; returns the force [N] upwards on the warp."""
-        up, down = (side.touch(x, numerics, forces, values) for side in self._passes)
+    def assemble(self, x, numerics, forces, values=None):
+        """Both passes, as `Pass.assemble`; returns the force [N] upwards on the warp."""
+        up, down = (side.assemble(x, numerics, forces, values) for side in self._passes)
         return up[2] - down[2]
 
     @property
@@ -199,10 +199,10 @@ class FacingSurfaces:
         """Per pass, where each point stuck last, in parameters of the master; written to as well."""
         return [side.anchors for side in self._passes]
 
-    def accept(self, x, numerics):
-        """The state of the last call of `touch` is where friction goes on from."""
+    def commit(self, x, numerics):
+        """The state of the last call of `assemble` is where friction goes on from."""
         for side in self._passes:
-            side.accept(x, numerics)
+            side.commit(x, numerics)
 
 
 class Plates:
@@ -237,10 +237,10 @@ class Plates:
                 )  # fmt: skip
         return pressed
 
-    def accept(self, x, half_distance, numerics):
+    def commit(self, x, half_distance, numerics):
         """The state at `x` is where friction goes on from."""
         for (nodes, _), anchors, side in zip(self.faces, self.anchors, (1.0, -1.0)):
-            surface_contact_kernels.draw_plate_anchors(x, nodes, side * half_distance, side, numerics.slip, anchors)
+            surface_contact_kernels.update_plate_anchors(x, nodes, side * half_distance, side, numerics.slip, anchors)
 
 
 def gauss(corners):

@@ -72,7 +72,7 @@ def calibrate(fabric, *, out=None, **choices):
 
 def calibrate_all(
     fabrics, *, size="medium", plates_size="coarse", friction=0.0, paths=None, folder=lambda name: None, resume=False,
-    executor=None, processes=1, progress=None,
+    executor=None, processes=1, on_progress=None,
 ):  # fmt: skip
     """Calibrate several fabrics, their paths beside each other; one that fails does not end the others.
 
@@ -85,7 +85,7 @@ def calibrate_all(
     folder : function of a fabric's name giving the directory for its histories and laws, or None
     resume : take finished paths from their files, unless these are of other inputs or of other code
     executor : any concurrent.futures.Executor; None: `processes` of its own, which also tell of each step
-    progress : called as progress(fabric name, path name, share of that path)
+    on_progress : called as on_progress(fabric name, path name, share of that path)
 
     Returns
     -------
@@ -102,7 +102,7 @@ def calibrate_all(
         raise InputError(key="processes", value=processes, allowed="at least 1")
     Numerics(friction=friction)  # refuses what is not allowed
     begun = time.perf_counter()
-    run = _Run(folder, resume, progress if progress is not None else _silent)
+    run = _Run(folder, resume, on_progress if on_progress is not None else _silent)
     for fabric in fabrics:
         # the longest first: plates take the most steps
         jobs = [Job(PLATES, fabric, plates_size, None, friction)]
@@ -121,8 +121,8 @@ def _silent(fabric, path, share):
 class _Run:
     """Jobs to do, histories done, and what ended a fabric."""
 
-    def __init__(self, folder, resume, report):
-        self._folder, self._resume, self._report = folder, resume, report
+    def __init__(self, folder, resume, on_progress):
+        self._folder, self._resume, self._on_progress = folder, resume, on_progress
         self._open, self._done = [], {}
         self.outcomes = {}
 
@@ -140,7 +140,7 @@ class _Run:
                 self._open.append(job)
             else:
                 self._done[fabric.name, job.name] = kept
-                self._report(fabric.name, job.name, 1.0)
+                self._on_progress(fabric.name, job.name, 1.0)
 
     def _kept(self, job):
         folder = self._folder(job.fabric.name)
@@ -162,19 +162,19 @@ class _Run:
             try:
                 while pending:
                     finished, pending = wait(pending, timeout=0.2, return_when=FIRST_COMPLETED)
-                    self._tell(queue)
+                    self._forward_progress(queue)
                     for future in finished:
                         self._take(futures[future], future)
             finally:
                 for future in pending:
                     future.cancel()
 
-    def _tell(self, queue):
+    def _forward_progress(self, queue):
         try:
             while queue is not None:
                 fabric, path, share = queue.get_nowait()
                 if (fabric, path) not in self._done:  # what a path says of itself may come after its result
-                    self._report(fabric, path, share)
+                    self._on_progress(fabric, path, share)
         except Empty:
             pass
 
@@ -188,7 +188,7 @@ class _Run:
         if folder is not None:
             history.write(job.file(folder), key=job.key, seconds=seconds)
         self._done[job.fabric.name, job.name] = history, seconds
-        self._report(job.fabric.name, job.name, 1.0)
+        self._on_progress(job.fabric.name, job.name, 1.0)
 
     def finish(self, fabric, names, sizes, friction, begun):
         """Evaluate a fabric's histories and write what they give."""
@@ -214,14 +214,14 @@ def run_job(job):
     begun = time.perf_counter()
     mesh = mesher.build(job.fabric, size=job.size)
 
-    def told(share, row):
+    def on_progress(share, row):
         if _queue is not None:
             _queue.put((job.fabric.name, job.name, share))
 
     if job.ratio is None:
-        history = biaxial_and_platens.plate_compression(mesh, job.fabric, numerics=job.numerics, hooks=(told,))
+        history = biaxial_and_platens.plate_compression(mesh, job.fabric, numerics=job.numerics, hooks=(on_progress,))
     else:
-        history = biaxial_and_platens.biaxial(mesh, job.fabric, job.ratio, numerics=job.numerics, hooks=(told,))
+        history = biaxial_and_platens.biaxial(mesh, job.fabric, job.ratio, numerics=job.numerics, hooks=(on_progress,))
     return replace(history, case=job.name), time.perf_counter() - begun
 
 

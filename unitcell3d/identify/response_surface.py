@@ -27,7 +27,7 @@ from unitcell3d.identify.surface_line import Case, solve_line
 from unitcell3d.model.crossover import Numerics
 
 POINTS = (21, 21)
-REACH = 0.03e-3  # m
+MAX_DISPLACEMENT = 0.03e-3  # m
 MOST_LINES = 65  # in one direction
 ROUNDS = 6
 FORCES = ("T1", "T2", "F_c")
@@ -56,8 +56,8 @@ class Sampled:
 def sample(
     fabric,
     *,
-    d1=(0.0, REACH),
-    d2=(0.0, REACH),
+    d1=(0.0, MAX_DISPLACEMENT),
+    d2=(0.0, MAX_DISPLACEMENT),
     points=POINTS,
     tolerance=None,
     size="medium",
@@ -66,7 +66,7 @@ def sample(
     resume=False,
     executor=None,
     processes=1,
-    progress=None,
+    on_progress=None,
     provenance="",
 ):
     """Sample T1, T2, F_c, h1, h2 of a fabric's crossover over a rectangle.
@@ -83,7 +83,7 @@ def sample(
     partial : file (.h5) in which finished lines are kept, or None
     resume : go on from `partial` if it is there
     executor : any concurrent.futures.Executor for the lines; None: `processes` of its own
-    progress : called as progress(share, text) after each line
+    on_progress : called as on_progress(share, text) after each line
     provenance : text kept with the surface
 
     Returns
@@ -106,7 +106,7 @@ def sample(
     mesher.build(fabric, size=size)  # bad input ends here, in this process
     done = Partial(partial, run_cache.stamp((fabric, size, tolerance, friction, axes), __name__), resume)
     with workers(executor, processes) as pool:
-        run = _Run(fabric, size, friction, done, pool, progress if progress is not None else _silent)
+        run = _Run(fabric, size, friction, done, pool, on_progress if on_progress is not None else _silent)
         new, axes = axes, [axis[:0] for axis in axes]
         for _ in range(1 if tolerance is None else ROUNDS):
             axes = _add_lines(run, axes, new)
@@ -142,13 +142,9 @@ def _add_lines(run, axes, new):
     if axes[0].size == 0:  # the first: a stem along d2 and rows
         x1, x2 = new
         stem = run([Case(1, x1[0], x2, keep=True)], 1 + x2.size)[0]
-        run(
-            [
-                Case(0, d, x1, (x1[0], d), stem.states[i], stem.stuck[i] if len(stem.stuck) else None, d == x2[0])
-                for i, d in enumerate(x2)
-            ],
-            1 + x2.size,
-        )
+        stuck = stem.stick_state if len(stem.stick_state) else [None] * x2.size
+        starts = zip(x2, stem.states, stuck)
+        run([Case(0, d, x1, (x1[0], d), q, stick_state, d == x2[0]) for d, q, stick_state in starts], 1 + x2.size)
         return new
     x1, x2 = axes
     rows = np.union1d(x2, new[1])
@@ -196,10 +192,10 @@ def _assemble(done, axes, fabric, size, friction, provenance):
 class _Run:
     """Solves the cases that are not done yet and keeps them."""
 
-    def __init__(self, fabric, size, friction, done, workers, report):
+    def __init__(self, fabric, size, friction, done, workers, on_progress):
         self.done = done
         self._fabric, self._size, self._friction = fabric, size, friction
-        self._workers, self._report = workers, report
+        self._workers, self._on_progress = workers, on_progress
 
     def kept(self, case):
         """The line of a case that is done."""
@@ -214,15 +210,17 @@ class _Run:
                 self.done.add(case.name, outcome())
             except UnstableError as problem:
                 problems.append(problem)
-            self._report(len(self.done.lines) / total, case.name)
+            self._on_progress(len(self.done.lines) / total, case.name)
         if problems:
             raise problems[0]
         return [self.kept(case) for case in cases]
 
     def _outcomes(self, cases):
         """(case, function that returns its line or raises) as they come."""
-        asked = {case.name: replace(case, friction=self._friction) for case in cases}
-        futures = {self._workers.submit(solve_line, self._fabric, self._size, asked[case.name]): case for case in cases}
+        wanted = {case.name: replace(case, friction=self._friction) for case in cases}
+        futures = {
+            self._workers.submit(solve_line, self._fabric, self._size, wanted[case.name]): case for case in cases
+        }
         try:
             for future in as_completed(futures):
                 yield futures[future], future.result

@@ -47,7 +47,7 @@ LOOSE = "K_r E_c"  # the modulus of the loose yarn (eq. 3-10), which a curve may
 POINTS = 16  # of the curve, at equal ratios of pressure
 RESOLUTION = 1e-6  # m: what the coarse mesh and an extensometer can tell
 STEPS = Steps(largest=0.05)  # short: a history is interpolated to the curve's pressures, and its error must not hop
-CLOSEST = 0.3  # of the plates' distance at rest: soft trial yarns close further than real ones
+MIN_PLATE_GAP = 0.3  # of the plates' distance at rest: soft trial yarns close further than real ones
 CORRECTIONS = 2  # of the coarse mesh by the fine one
 HISTORIES = run_cache.Format("h5", lambda path, history: history.write(path), History.read)
 BOUNDS = np.log(([1e6, 1e-3, 1e-4], [1e12, 10.0, 0.5]))
@@ -106,7 +106,7 @@ class SolidFit:
             "fabric": self.fabric.name,
             "curve": self.curve.source,
             "values": self.values,
-            "values_before": {name: getattr(self.started.solids[0], name) for name in NAMES},
+            "values_before": {name: getattr(self.started.solid_laws[0], name) for name in NAMES},
             "intervals_95": self.intervals,
             "determined": self.determined,
             "correlation_of_ln_E_c_ln_V_c-Vf0_ln_K_r": self.correlation.tolist(),
@@ -155,7 +155,7 @@ def fit_solid(
     processes=1,
     keep=None,
     resume=False,
-    progress=None,
+    on_progress=None,
 ):
     """Fit E_c, V_c and K_r of both yarns to a plate curve.
 
@@ -167,7 +167,7 @@ def fit_solid(
     executor : any concurrent.futures.Executor for compressions beside each other; None: `processes` of its own
     keep : folder for the compressions while the fit goes on, or None
     resume : take the compressions that are in `keep`; the fit goes the same way through them
-    progress : called as progress(runs so far, rms misfit [m]) after each compression
+    on_progress : called as on_progress(runs so far, rms misfit [m]) after each compression
 
     Returns
     -------
@@ -179,14 +179,14 @@ def fit_solid(
     UnstableError : the crossover of the file's own solids does not reach half of the curve's pressures
     """
     meshes = [mesher.build(fabric, size=each) for each in (size, check_size)]
-    densest = max(*(Vf0 for mesh in meshes for Vf0 in mesh.Vf0), *(solid.Vf0 for solid in fabric.solids))
+    densest = max(*(Vf0 for mesh in meshes for Vf0 in mesh.Vf0), *(solid.Vf0 for solid in fabric.solid_laws))
     pressure = np.geomspace(curve.pressure[0], curve.pressure[-1], POINTS)
     measured = curve.at(pressure)
-    first = fabric.solids[0]
+    first = fabric.solid_laws[0]
     start = np.clip(np.log([first.E_c, first.V_c - densest, first.K_r]), BOUNDS[0] + 1e-6, BOUNDS[1] - 1e-6)
     with workers(executor, processes) as pool:
         coarse, fine = (
-            _Presses(pool, fabric, each, densest, pressure, measured, progress, keep, resume)
+            _Presses(pool, fabric, each, densest, pressure, measured, on_progress, keep, resume)
             for each in (size, check_size)
         )
         _, before = fine.many([start])[0]
@@ -220,9 +220,9 @@ def fit_solid(
 class _Presses:
     """Compressions of one mesh, each solved once."""
 
-    def __init__(self, pool, fabric, size, densest, pressure, measured, progress, keep, resume):
+    def __init__(self, pool, fabric, size, densest, pressure, measured, on_progress, keep, resume):
         self._pool, self._fabric, self._size, self._densest = pool, fabric, size, densest
-        self._pressure, self._measured, self._report = pressure, measured, progress
+        self._pressure, self._measured, self._on_progress = pressure, measured, on_progress
         self._keep, self._resume = None if keep is None else run_cache.RunCache(keep, HISTORIES), resume
         self._known = {}
 
@@ -247,15 +247,15 @@ class _Presses:
         return [self._known[key] for key in keys]
 
     def _job(self, x):
-        return with_solids(self._fabric, x, self._densest), self._size, self._pressure[-1]
+        return with_solid_laws(self._fabric, x, self._densest), self._size, self._pressure[-1]
 
     def _name(self, job):
         return None if self._keep is None else run_cache.key((*job, Numerics(), STEPS), __name__)
 
     def _take(self, key, history):
         self._known[key] = self.closed(history), history
-        if self._report is not None:
-            self._report(self.runs, _rms(self._known[key][0] - self._measured))
+        if self._on_progress is not None:
+            self._on_progress(self.runs, _rms(self._known[key][0] - self._measured))
 
     def closed(self, history):
         """(n,) [m] closures of a history."""
@@ -265,18 +265,22 @@ class _Presses:
 def press(fabric, size, pressure):
     """History of the fabric's crossover between plates up to a pressure [Pa]."""
     mesh = mesher.build(fabric, size=size)
-    return biaxial_and_platens.plate_compression(mesh, fabric, pressure=pressure, closest=CLOSEST, steps=STEPS)
+    return biaxial_and_platens.plate_compression(
+        mesh, fabric, pressure=pressure, min_plate_gap=MIN_PLATE_GAP, steps=STEPS
+    )
 
 
 def _rms(misfit):
     return float(np.sqrt(np.mean(misfit**2)))
 
 
-def with_solids(fabric, x, densest):
+def with_solid_laws(fabric, x, densest):
     """The fabric whose solids have x = (ln E_c, ln (V_c - densest), ln K_r)."""
     E_c, room, K_r = np.exp(x)
-    solids = tuple(replace(solid, E_c=float(E_c), V_c=float(densest + room), K_r=float(K_r)) for solid in fabric.solids)
-    return replace(fabric, solids=solids)
+    solids = tuple(
+        replace(solid, E_c=float(E_c), V_c=float(densest + room), K_r=float(K_r)) for solid in fabric.solid_laws
+    )
+    return replace(fabric, solid_laws=solids)
 
 
 def identify(jacobian, noise, n):
@@ -306,9 +310,9 @@ def _judge(fabric, curve, pressure, measured, computed, before, found, densest, 
     value = np.exp(found.x)
     modulus = float(value[0] * value[2])
     shift = np.array([0.0, densest, 0.0])  # V_c itself
-    fitted = with_solids(fabric, found.x, densest)
+    fitted = with_solid_laws(fabric, found.x, densest)
     sources = dict(fabric.sources)
-    for family, solid in zip(("warp", "weft"), fitted.solids):
+    for family, solid in zip(("warp", "weft"), fitted.solid_laws):
         for name, unit in zip(NAMES, (" Pa", "", "")):
             sources[f"solid.{family}.{name}"] = {
                 "value": f"{getattr(solid, name):.4g}{unit}",
@@ -326,7 +330,8 @@ def _judge(fabric, curve, pressure, measured, computed, before, found, densest, 
         values=dict(zip(NAMES, map(float, value + shift))) | {LOOSE: modulus},
         intervals={n: (float(a), float(b)) for n, a, b in zip(NAMES, low + shift, high + shift)}
         | {LOOSE: (modulus * float(np.exp(-loose)), modulus * float(np.exp(loose)))},
-        determined={name: bool(width < np.log(2)) for name, width in zip(NAMES, half)} | {LOOSE: loose < np.log(2)},
+        determined={name: bool(width < np.log(2)) for name, width in zip(NAMES, half)}
+        | {LOOSE: bool(loose < np.log(2))},
         correlation=correlation,
         singular_values=singular,
         directions=directions,

@@ -11,7 +11,7 @@ from fabrics import run_cache
 from fabrics.errors import InputError
 from fabrics.files import replace_whole
 
-_FORMAT = "weavecell partial surface 3"
+_FORMAT = "weavecell partial surface 4"
 
 
 @dataclass(frozen=True)
@@ -23,7 +23,7 @@ class Line:
     along : (n,) [m] places
     values : (n, 5) T1, T2, F_c [N], h1, h2 [m]
     states : (n, size) unknowns [m], or (0, 0) where no other line starts from this one
-    stuck : (n, s) where the points of contact stick with friction, or (0, 0) like the states
+    stick_state : (n, s) where the points of contact stick with friction, or (0, 0) like the states
     seconds : [s] wall time
     iterations : tangents factorised
     """
@@ -33,7 +33,7 @@ class Line:
     along: np.ndarray
     values: np.ndarray
     states: np.ndarray
-    stuck: np.ndarray
+    stick_state: np.ndarray
     seconds: float
     iterations: int
 

@@ -112,7 +112,7 @@ class YarnsModel:
         self.copies, self.constraints, self.surfaces, self.plates = copies, held, surfaces, plates
         self.fibres = Fibres(mesh, fabric, failure)
         self._solid(mesh, fabric, integration)
-        self._lay_out()
+        self._build_pattern()
 
     @property
     def size(self):
@@ -130,16 +130,16 @@ class YarnsModel:
             family[:, None] == 0, mesh.hexes[:, ACROSS_BEFORE_THROUGH[0]], mesh.hexes[:, ACROSS_BEFORE_THROUGH[1]]
         )
         # the mesher may have had to densify a yarn to make room for the other (YarnMesh.Vf0)
-        laws = [replace(law, Vf0=Vf0) for law, Vf0 in zip(fabric.solids, mesh.Vf0)]
+        laws = [replace(law, Vf0=Vf0) for law, Vf0 in zip(fabric.solid_laws, mesh.Vf0)]
         parameters = np.array([(law.E_a, law.a_E, law.b_E, law.Vf0, law.V_c, law.G) for law in laws])
         self._real = len(mesh.points)
         self._space = HexSpace.build(mesh.points, self.hexes)
         self._solids = Assembler(self._space, *solid_law.forms(self._space, parameters[family], integration))
 
-    def _lay_out(self):
+    def _build_pattern(self):
         """Lay out the tangent for the solids and the contact that is expected or has been met."""
-        self.pattern = Pattern(len(self.points), [self.hexes, *self.surfaces.expected()], self.constraints)
-        self.surfaces.lay_out(self.pattern)
+        self.pattern = Pattern(len(self.points), [self.hexes, *self.surfaces.expected_stencils()], self.constraints)
+        self.surfaces.build_pattern(self.pattern)
         self._solid_places = self.pattern.scalar_places(self._solids.rows, self._solids.columns)
         self._bar_places = self.pattern.places(self.fibres.pairs)
         faces = () if self.plates is None else self.plates.faces
@@ -163,21 +163,21 @@ class YarnsModel:
         forces = np.zeros_like(x)
         forces[: self._real] = self._solids.residual()
         self.fibres.forces(x, self.numerics, forces)
-        contact = self.surfaces.touch(x, self.numerics, forces)
+        contact = self.surfaces.assemble(x, self.numerics, forces)
         return forces, contact, self._press(x, load, forces)
 
     def system(self, q, load):
         """Assemble the tangent into `pattern`; returns True where its pattern had to grow."""
-        grown = self.surfaces.outgrown()
+        grown = self.surfaces.pattern_outdated()
         if grown:
-            self._lay_out()
+            self._build_pattern()
         x, n, pattern = self.positions(q, load), self.numerics, self.pattern
         self._deform(x)
         pattern.values[:] = 0
         pattern.values.reshape(-1)[self._solid_places] += self._solids.tangent()
         self.fibres.tangent(x, n, self._bar_places, pattern.values)
         discarded = np.zeros_like(x)
-        self.surfaces.touch(x, n, discarded, pattern.values)
+        self.surfaces.assemble(x, n, discarded, pattern.values)
         self._press(x, load, discarded, self._plate_places)
         pattern.reduce()
         return grown
@@ -190,22 +190,22 @@ class YarnsModel:
             return np.zeros(2)
         return self.plates.press(x, load.plates, self.numerics, forces, places, self.pattern.values)
 
-    def accept(self, q, load):
+    def commit(self, q, load):
         """Let friction go on from this state, an equilibrium; nothing happens without friction."""
         if self.numerics.friction > 0:
             self.forces(q, load)  # the state that the contact search belongs to may be a trial
             x = self.positions(q, load)
-            self.surfaces.accept(x, self.numerics)
+            self.surfaces.commit(x, self.numerics)
             if self.plates is not None:
-                self.plates.accept(x, load.plates, self.numerics)
+                self.plates.commit(x, load.plates, self.numerics)
 
     @property
-    def stuck(self):
-        """(s,) where the points of contact stick: what friction keeps of the past, see `accept`."""
+    def stick_state(self):
+        """(s,) where the points of contact stick: what friction keeps of the past, see `commit`."""
         return np.concatenate([anchors.ravel() for anchors in self._anchors()])
 
-    @stuck.setter
-    def stuck(self, values):
+    @stick_state.setter
+    def stick_state(self, values):
         for anchors in self._anchors():
             anchors[:], values = values[: anchors.size].reshape(anchors.shape), values[anchors.size :]
 
@@ -274,7 +274,7 @@ class CrossoverModel(YarnsModel):
 
 def check(mesh, fabric):
     """Refuse a fabric without solid laws, or a mesh of another fabric."""
-    if fabric.solids is None:
+    if fabric.solid_laws is None:
         raise InputError(f"fabric {fabric.name} has no [solid] tables, which a 3D crossover needs")
     if mesh.fabric != fabric.name:
         raise InputError(key="fabric", value=fabric.name, allowed=f"the meshed one, {mesh.fabric}")

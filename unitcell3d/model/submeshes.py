@@ -9,7 +9,7 @@ import numpy as np
 from meshing.inputs import YARNS
 
 
-def alone(mesh, family):
+def single_yarn_mesh(mesh, family):
     """The yarn of one family (0 warp, 1 weft) of a crossover, as a `YarnMesh` of its own."""
     grid = mesh.grids[family]
     first = int(grid.min())

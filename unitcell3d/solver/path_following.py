@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fabrics.errors import InputError, UnstableError
-from unitcell3d.solver.load_stepping import at_rest, visit
+from unitcell3d.solver.load_stepping import continue_to, rest_state
 from unitcell3d.solver.newton import Newton
 
 CLOSE = 5e-4  # to the 1 of a watched quantity
@@ -68,7 +68,7 @@ class _Walk:
 
     def along(self, loads, counts):
         begun = time.perf_counter()
-        rest, load, failed = at_rest(self.model, self.solver, loads[0]), loads[0], ""
+        rest, load, failed = rest_state(self.model, self.solver, loads[0]), loads[0], ""
         state = rest
         self._keep(state, load, 0.0, begun)
         done, total = 0, sum(counts)
@@ -89,7 +89,9 @@ class _Walk:
         at, shares = 0.0, list(np.arange(1, count + 1) / count)
         while shares:
             here = start.towards(end, at)
-            for inner in visit(self.model, self.solver, state.q, here, end, [(s - at) / (1 - at) for s in shares]):
+            for inner in continue_to(
+                self.model, self.solver, state.q, here, end, [(s - at) / (1 - at) for s in shares]
+            ):
                 before, state = state, inner[1]
                 share = shares.pop(0)
                 load = start.towards(end, share)
@@ -128,7 +130,7 @@ class _Walk:
             parts = (1 - first[2][crossing]) / (last[1][crossing] - first[2][crossing])
             trial = first[0] + np.clip(parts.min(), 0.02, 0.98) * (last[0] - first[0])
             here = start.towards(end, first[0])
-            _, inner = next(visit(self.model, self.solver, first[1].q, here, start.towards(end, trial), [1.0]))
+            _, inner = next(continue_to(self.model, self.solver, first[1].q, here, start.towards(end, trial), [1.0]))
             values = self._watched(inner, start.towards(end, trial))
             if values.max() < 1 - CLOSE:
                 first = (trial, inner, values)
@@ -146,11 +148,11 @@ class _Walk:
             if not self.model.fibres.fail(self.model.positions(state.q, load)):
                 return broken, state
             broken = True
-            _, state = next(visit(self.model, self.solver, state.q, load, load, [1.0]))
+            _, state = next(continue_to(self.model, self.solver, state.q, load, load, [1.0]))
         raise UnstableError("fibres go on failing at one load", when=str(load))
 
     def _keep(self, state, load, share, begun):
-        self.model.accept(state.q, load)
+        self.model.commit(state.q, load)
         row = self._row(state, load)
         row |= {"path": share, "iterations": state.iterations, "seconds": time.perf_counter() - begun}
         self.rows.append(row)

@@ -44,7 +44,7 @@ def cloth(name, *, modulus=1.0, crimp=1.0, mass=1.0, strain=1.0, crimps=None, st
     straight : yarns without crimp; the trellis keeps its stiffness per width
     shear : {"G1", "G2", "gamma1", "gamma2": values} that replace those of the fabric
     """
-    fabric = catalogue.load(name).effective()
+    fabric = catalogue.load(name).with_effective_density()
     crimps = (STRAIGHT, STRAIGHT) if straight else crimps or [crimp * yarn.crimp for yarn in fabric.weave.yarns]
     # E / mass: the solid section grows with the linear density, and E A_s is to stay
     warp, weft = (
@@ -219,7 +219,7 @@ def net(*, fabric, velocity, end_time=800e-6, **changes):
 
 def struck_yarn(*, fabric, velocity):
     """A lone straight yarn struck at constant velocity, with Smith's closed form beside it."""
-    yarn = catalogue.load(fabric).effective().weave.warp
+    yarn = catalogue.load(fabric).with_effective_density().weave.warp
     run, theory = smith.strike(yarn, velocity), smith.smith(yarn, velocity)
     return {
         "c": run.measured.c,

@@ -41,7 +41,7 @@ def fit(fabric, curve, out, *, processes=1, resume=False):
             processes=processes,
             keep=out / "solid",
             resume=resume,
-            progress=lambda runs, rms: advance(runs / EXPECTED, f"misfit {1e6 * rms:.1f} µm"),
+            on_progress=lambda runs, rms: advance(runs / EXPECTED, f"misfit {1e6 * rms:.1f} µm"),
         )
     found.write(out / "solid.json")
     for name, value in found.values.items():
@@ -84,5 +84,5 @@ def chapter(found):
 
 def _before(fabric, name):
     """The value of the fabric's file, of the warp."""
-    solid = fabric.solids[0]
+    solid = fabric.solid_laws[0]
     return solid.K_r * solid.E_c if name == "K_r E_c" else getattr(solid, name)

@@ -26,7 +26,7 @@ _COLUMNS = (
 
 def show_all(out=None):
     """Print the catalogue, one line a fabric; with `out`, also write it as CSV."""
-    rows = [[column(fabric) for _, _, column in _COLUMNS] for fabric in map(catalogue.load, catalogue.names())]
+    rows = [[column(fabric) for _, _, column in _COLUMNS] for fabric in map(catalogue.load, catalogue.list_names())]
     if out is not None:
         with write_whole(out) as file:
             csv.writer(file).writerows([[f"{name} [{unit}]" if unit else name for name, unit, _ in _COLUMNS], *rows])
@@ -53,7 +53,7 @@ def _copy(name, folder):
         raise InputError("exists already", file=target)
     source = Path(catalogue.__file__).parent / f"{name}.toml"
     if not source.exists():
-        raise InputError(key="FABRIC", value=name, allowed=f"one of {', '.join(catalogue.names())} to be copied")
+        raise InputError(key="FABRIC", value=name, allowed=f"one of {', '.join(catalogue.list_names())} to be copied")
     with replace_whole(target) as beside:
         shutil.copyfile(source, beside)
 

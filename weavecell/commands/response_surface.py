@@ -43,7 +43,7 @@ def surface_command(name, out, *, d1, d2, points, tolerance, size, processes, re
             partial=partial,
             resume=resume,
             processes=processes,
-            progress=advance,
+            on_progress=advance,
             provenance=f"weavecell {stamp['weavecell']}, commit {stamp['commit']}, {stamp['date']}",
         )
     found.surface.write(out / "surface.h5")

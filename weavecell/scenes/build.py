@@ -211,11 +211,11 @@ def in_file(problem, file):
 def _fabric(table, file):
     if table.file is not None:
         fabric = catalogue.read(table.file)
-    elif table.name in catalogue.names():
+    elif table.name in catalogue.list_names():
         fabric = catalogue.load(table.name)
     else:
         raise InputError(
-            file=file, key="fabric.name", value=table.name, allowed=f"one of {', '.join(catalogue.names())}"
+            file=file, key="fabric.name", value=table.name, allowed=f"one of {', '.join(catalogue.list_names())}"
         )
     return with_density(fabric, table.linear_density)
 
@@ -238,7 +238,7 @@ def with_density(fabric, choice):
     """The fabric with its "nominal" linear densities, or the "effective" ones where it has such (erratum E-07)."""
     if choice == "nominal" or fabric.effective_linear_density is None:
         return fabric
-    return fabric.effective()
+    return fabric.with_effective_density()
 
 
 def _surface(table, fabric, file):

@@ -13,7 +13,7 @@ from shellfabric.cable.model import CableNet, CableNumerics
 from shellfabric.cable.solver import run
 from shellfabric.impact import single_ply
 
-S720 = catalogue.load("S-720").effective()
+S720 = catalogue.load("S-720").with_effective_density()
 SMALL = CableNet(S720, (0.05, 0.05))
 
 

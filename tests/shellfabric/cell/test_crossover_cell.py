@@ -211,7 +211,7 @@ def test_table_against_cell(fabric, form):
 @pytest.mark.parametrize("name", ["S-720", "S-731", "S-745"])
 def test_forces_tell_what_tensions_cannot_exceed(name):
     """No tension is above the ceiling that the force beside it sets, anywhere; and the ceiling is close."""
-    table = CellModel(catalogue.load(name).effective()).table(81)
+    table = CellModel(catalogue.load(name).with_effective_density()).table(81)
     rng, n, panel = np.random.default_rng(2), 20000, Panel(table)
     const = panel.constants()
     x, y = (rng.uniform(axis[0], axis[-1], n) for axis in (table.stretch1, table.stretch2))

@@ -266,7 +266,7 @@ def test_peak_tension_settles_with_the_mesh():
     """Of the warp of S-745, at 1 and 2 elements a crossover: 217 and 223 N; on bilinear elements 215 and 250."""
     peaks = []
     for elements in (1, 2):
-        setup = ImpactSetup(catalogue.load("S-745").effective(), 110.0, elements_per_crossover=elements)
+        setup = ImpactSetup(catalogue.load("S-745").with_effective_density(), 110.0, elements_per_crossover=elements)
         panel = setup.panel()
         state, const = panel.state(110.0), panel.constants()
         steps = int(310e-6 / const.dt)

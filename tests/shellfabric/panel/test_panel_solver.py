@@ -53,7 +53,7 @@ def test_energy_balance(quick, changes):
 
 def snapping(**wrong):
     """The source's shot at S-731, whose straight weft snaps taut. The kernels get `wrong` constants, by factors."""
-    march = March(ImpactSetup(catalogue.load("S-731").effective(), 116.0).panel(), 116.0, 400e-6)
+    march = March(ImpactSetup(catalogue.load("S-731").with_effective_density(), 116.0).panel(), 116.0, 400e-6)
     march.const = march.const._replace(**{name: factor * getattr(march.const, name) for name, factor in wrong.items()})
     return march.run()
 

@@ -183,7 +183,7 @@ def test_indicators_survive_a_checkpoint(tmp_path):
     from shellfabric.output import checkpoint
 
     setup = single_ply.ImpactSetup(
-        catalogue.load("S-720").effective(), 92.5, opening=0.05, end_time=40e-6, table_size=51,
+        catalogue.load("S-720").with_effective_density(), 92.5, opening=0.05, end_time=40e-6, table_size=51,
         numerics=Numerics(threads=1),
     )  # fmt: skip
     path = tmp_path / "checkpoint.h5"

@@ -10,7 +10,7 @@ from shellfabric.cell.model import CellModel
 from shellfabric.panel import time_step as panel_time_step
 from shellfabric.panel.model import Numerics, Panel
 
-FABRIC = catalogue.load("S-720").effective()
+FABRIC = catalogue.load("S-720").with_effective_density()
 
 
 def panel(form="variational", viscosity=Numerics.stretch_viscosity, **choices):

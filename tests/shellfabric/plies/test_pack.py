@@ -29,7 +29,7 @@ GAP = 0.1e-3
 @pytest.fixture(scope="module")
 def ply():
     """S-726, whose warp and weft are far from alike, on 40 mm."""
-    fabric = catalogue.load("S-726").effective()
+    fabric = catalogue.load("S-726").with_effective_density()
     return Panel(CellModel(fabric).table(81), (0.04, 0.04), numerics=Numerics(threads=1))
 
 

@@ -23,7 +23,7 @@ ROW, PER = 14, 8  # nodes of unit mass in a row, points of an element
 @pytest.fixture(scope="module")
 def ply():
     """S-726, whose warp and weft are far from alike, on 60 mm."""
-    fabric = catalogue.load("S-726").effective()
+    fabric = catalogue.load("S-726").with_effective_density()
     return Panel(CellModel(fabric).table(81), (0.06, 0.06), numerics=Numerics(threads=1))
 
 

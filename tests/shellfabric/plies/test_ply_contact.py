@@ -20,7 +20,7 @@ from shellfabric.plies.model import Pack, PlyContact
 @pytest.fixture(scope="module")
 def ply():
     """S-726, whose warp and weft are far from alike, on 20 mm."""
-    fabric = catalogue.load("S-726").effective()
+    fabric = catalogue.load("S-726").with_effective_density()
     return Panel(CellModel(fabric).table(41), (0.02, 0.02), numerics=Numerics(threads=1))
 
 

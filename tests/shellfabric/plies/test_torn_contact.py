@@ -29,7 +29,7 @@ PLACE = 6, 5  # of the element that is moved
 
 @pytest.fixture(scope="module")
 def ply():
-    fabric = catalogue.load("S-726").effective()
+    fabric = catalogue.load("S-726").with_effective_density()
     return Panel(CellModel(fabric).table(41), (0.02, 0.02), symmetry="whole", numerics=Numerics(threads=1))
 
 

@@ -54,7 +54,7 @@ def forces_of(const, state, x, dt=0.0):
 
 
 def law_of(Vf0=0.7):
-    solid = FABRIC.solids[0]
+    solid = FABRIC.solid_laws[0]
     return np.array([solid.E_a, solid.a_E, solid.b_E, Vf0, solid.V_c, solid.G])
 
 

@@ -6,10 +6,10 @@ from scipy.optimize import minimize
 
 from unitcell3d.contact.surface_contact_kernels import (
     contact_pass,
-    draw_plate_anchors,
     overlap_weight,
     plate_pass,
     pressure,
+    update_plate_anchors,
 )
 from unitcell3d.contact.surface_kernels import evaluate, nodes_of, project, surround, weights_of
 
@@ -289,7 +289,7 @@ def test_plate_rubs(side):
     direction, step = np.random.default_rng(0).standard_normal((3, 3)), 1e-6
     difference = (run(x + step * direction, anchors)[0] - run(x - step * direction, anchors)[0]) / (2 * step)
     assert np.abs(np.einsum("nab,nb->na", values, direction) - difference).max() < 1e-7 * np.abs(difference).max()
-    draw_plate_anchors(x, nodes, side * 0.099, side, SLIP, anchors)
+    update_plate_anchors(x, nodes, side * 0.099, side, SLIP, anchors)
     assert np.allclose(anchors[0], 0)
     assert np.linalg.norm(x[1, :2] - anchors[1]) == pytest.approx(SLIP)
     assert np.allclose(anchors[2], x[2, :2])

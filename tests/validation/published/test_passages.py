@@ -15,7 +15,7 @@ NEAR = 9
 
 @pytest.fixture(scope="module")
 def ply():
-    fabric = catalogue.load("S-726").effective()
+    fabric = catalogue.load("S-726").with_effective_density()
     return Panel(CellModel(fabric).table(101), (0.08, 0.08), numerics=Numerics(threads=1))
 
 

@@ -22,7 +22,7 @@ OPENING = 0.0306
 
 @pytest.fixture(scope="module")
 def fabric():
-    return catalogue.load("S-720").effective()
+    return catalogue.load("S-720").with_effective_density()
 
 
 @pytest.fixture(scope="module")

@@ -121,7 +121,7 @@ def panel(fabric, safety=None, elements=1):
 
 @cache
 def _table(fabric):
-    return CellModel(catalogue.load(fabric).effective()).table(201)
+    return CellModel(catalogue.load(fabric).with_effective_density()).table(201)
 
 
 def pack(case: Case) -> Pack:

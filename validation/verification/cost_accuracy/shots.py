@@ -98,7 +98,7 @@ def run(case):
 
 def panel(case: Shell) -> Panel:
     """The panel of a case; fills the table of its cell."""
-    fabric = catalogue.load(case.shot.fabric).effective()
+    fabric = catalogue.load(case.shot.fabric).with_effective_density()
     laws = tuple(replace(law, form=case.law) for law in fabric.laws)
     if case.elements < 1:
         fabric, laws = coarse(fabric, laws, round(1 / case.elements))
@@ -133,7 +133,7 @@ def _shell(case):
 
 def _cable(case):
     begun = time.process_time()
-    fabric, side = catalogue.load(case.shot.fabric).effective(), case.shot.opening
+    fabric, side = catalogue.load(case.shot.fabric).with_effective_density(), case.shot.opening
     net = CableNet(fabric, (side, side), symmetry=case.symmetry, numerics=CableNumerics(safety=case.safety))
     found = {}
     for velocity in case.shot.velocities:

@@ -79,7 +79,7 @@ def main():
     found = []
     for name, shot in SHOTS.items():
         for n in options.elements:
-            found.append(across(catalogue.load(name).effective(), *shot, n))
+            found.append(across(catalogue.load(name).with_effective_density(), *shot, n))
             print(f"{name} {n}: line {found[-1].middle:.1f} N, yarn {found[-1].yarn:.1f} N", flush=True)
     yarns(found, options.page.parent / "figures" / "convergence-yarn.png")
 

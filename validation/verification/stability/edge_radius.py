@@ -25,7 +25,7 @@ MESHES = {
 @cache
 def table(crossovers):
     """Table of the cell of an element of so many crossovers, squared."""
-    fabric = catalogue.load(shots.FABRIC).effective()
+    fabric = catalogue.load(shots.FABRIC).with_effective_density()
     fabric, laws = coarse(fabric, None, crossovers) if crossovers > 1 else (fabric, None)
     return CellModel(fabric, laws).table(shots.TABLE)
 

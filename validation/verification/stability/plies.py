@@ -46,7 +46,7 @@ class Answer:
 @cache
 def ply():
     """A ply of the pack."""
-    cell = CellModel(catalogue.load(FABRIC).effective())
+    cell = CellModel(catalogue.load(FABRIC).with_effective_density())
     return Panel(cell.table(TABLE), (OPENING, OPENING), numerics=Numerics(threads=1))
 
 

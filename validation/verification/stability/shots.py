@@ -43,7 +43,7 @@ class Answer:
 @cache
 def table(form="variational", straight=False):
     """Table of the cell; of straight yarns: neither crimp nor coupling."""
-    fabric = catalogue.load(FABRIC).effective()
+    fabric = catalogue.load(FABRIC).with_effective_density()
     if not straight:
         return CellModel(fabric, form=form).table(TABLE)
     weave = fabric.weave
