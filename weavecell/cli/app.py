@@ -17,11 +17,13 @@ from weavecell.cli import crossover, mesh_calibrate_surface, shell, uncertainty,
 from weavecell.cli.options import (
     CORES,
     RESULTS,
+    ExecutorOption,
     FabricArgument,
+    JobsOption,
     MeshOption,
     OutOption,
-    ProcessesOption,
     Size,
+    with_new_names,
 )
 
 app = typer.Typer(
@@ -61,12 +63,13 @@ def _root(
 def demo(
     out: OutOption = None,
     size: MeshOption = Size.medium,
-    processes: ProcessesOption = CORES,
+    jobs: JobsOption = CORES,
+    executor: ExecutorOption = "local",
 ):
     """S-720 of the catalogue: mesh, calibration, and four impacts, with a summary and one HTML page."""
     from weavecell.commands.demo import demonstrate
 
-    demonstrate(out or RESULTS / "demo", size=size.value, processes=processes)
+    demonstrate(out or RESULTS / "demo", size=size.value, jobs=jobs, executor=executor)
 
 
 app.command(epilog=mesh_calibrate_surface.MESH)(mesh_calibrate_surface.mesh)
@@ -130,7 +133,8 @@ def main(arguments=None):
     # click's own class, wherever this typer keeps its click
     usage_error = next(base for base in typer.BadParameter.__mro__ if base.__name__ == "ClickException")
     try:
-        code = app(args=arguments, standalone_mode=False)
+        words = sys.argv[1:] if arguments is None else arguments
+        code = app(args=with_new_names(words), standalone_mode=False)
     except WeavecellError as problem:
         _fail(str(problem), problem.exit_code)
     except usage_error as problem:

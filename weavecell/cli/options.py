@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import os
+import sys
 from enum import StrEnum
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
+# options by names that they had before; accepted for one release
+RENAMED = {"--processes": "--jobs", "--workers": "--jobs", "--pool": "--executor"}
 RESULTS = Path("results")
 CORES = os.cpu_count() or 1
 
@@ -27,6 +30,18 @@ class Section(StrEnum):
     sine = "sine"
     ellipse = "ellipse"
     conforming = "conforming"
+
+
+def with_new_names(arguments):
+    """The arguments of a command line, options by old names under their new ones, with a warning for each."""
+    found = []
+    for word in arguments:
+        name, equals, value = word.partition("=")
+        if name in RENAMED:
+            print(f"warning: {name} is now {RENAMED[name]}; the next release has {name} no more", file=sys.stderr)
+            word = RENAMED[name] + equals + value
+        found.append("local" if found[-1:] == ["--executor"] and word == "processes" else word)
+    return found
 
 
 FabricArgument = Annotated[
@@ -49,8 +64,16 @@ ResumeOption = Annotated[
 StrictOption = Annotated[
     bool, typer.Option("--strict", help="Exit code 3 if a quality indicator is beyond its limit; results are written.")
 ]
-ProcessesOption = Annotated[int, typer.Option(min=1, help="Crossovers that are solved beside each other.")]
-JobsOption = Annotated[int, typer.Option(min=1, help="Processes that work beside each other.")]
+JobsOption = Annotated[int, typer.Option("--jobs", min=1, help="Runs that are under way at once.", metavar="N")]
+ExecutorOption = Annotated[
+    str,
+    typer.Option(
+        "--executor",
+        help="Where they are run: processes of this machine; the ranks of mpiexec -n RANKS python -m mpi4py.futures "
+        "-m weavecell ...; Parsl; Dask; or the concurrent.futures.Executor that your function returns.",
+        metavar="local|mpi|parsl|dask|MODULE:FUNCTION",
+    ),
+]
 MeshOption = Annotated[Size, typer.Option(help="Mesh of the 3D crossover.")]
 FinenessOption = Annotated[
     str,

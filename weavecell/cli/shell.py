@@ -9,7 +9,17 @@ from typing import Annotated
 import typer
 
 from fabrics.errors import InputError
-from weavecell.cli.options import CORES, RESULTS, FabricArgument, OutOption, ResumeOption, Size, StrictOption
+from weavecell.cli.options import (
+    CORES,
+    RESULTS,
+    ExecutorOption,
+    FabricArgument,
+    JobsOption,
+    OutOption,
+    ResumeOption,
+    Size,
+    StrictOption,
+)
 
 IMPACT = "Example: [bold]weavecell impact examples/S-720-stops.toml[/bold]"
 BIAXIAL = "Example: [bold]weavecell biaxial S-720 --ratio 1:1 --ratio 2:1 --crossover coarse[/bold]"
@@ -110,7 +120,8 @@ def critical_velocity(
         str, typer.Option(help="At most between a stop and a perforation.", metavar="VELOCITY")
     ] = "1 m/s",
     curve: Annotated[int, typer.Option(min=0, max=100, help="Shots above the limit, for residual velocities.")] = 8,
-    workers: Annotated[int, typer.Option(min=1, help="Shots that are fired beside each other.")] = CORES,
+    jobs: JobsOption = CORES,
+    executor: ExecutorOption = "local",
     strict: StrictOption = False,
     out: OutOption = None,
 ):
@@ -133,6 +144,7 @@ def critical_velocity(
         out or RESULTS / f"critical-velocity-{Path(target).stem}",
         tolerance=width,
         curve=curve,
-        workers=workers,
+        jobs=jobs,
+        executor=executor,
         strict=strict,
     )
