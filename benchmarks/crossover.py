@@ -56,14 +56,14 @@ def paths(fabric, size):
     return rows
 
 
-def surface(fabric, size, processes):
+def surface(fabric, size, jobs):
     """The surface of 21 x 21 points: wall time [s], equilibria, tangents, errors of left-out lines."""
     wall = time.perf_counter()
-    found = sample(fabric, size=size, processes=processes)
+    found = sample(fabric, size=size, jobs=jobs)
     return {
         "wall_s": time.perf_counter() - wall,
         "lines_s": sum(found.seconds.values()),
-        "processes": processes,
+        "processes": jobs,
         "equilibria": found.solves,
         "tangents": found.iterations,
         "left_out_rms": {name: error.rms for name, error in found.errors.items()},
@@ -101,14 +101,14 @@ def main():
     """Measure, print and write."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--size", default="medium")
-    parser.add_argument("--processes", type=int, default=2)
+    parser.add_argument("--jobs", type=int, default=2)
     parser.add_argument("--only", choices=("paths", "surface", "memory"), help="one of the three")
     parser.add_argument("--out", type=Path)
     asked = parser.parse_args()
     fabric = catalogue.load("S-720")
     parts = {
         "paths": lambda: paths(fabric, asked.size),
-        "surface": lambda: surface(fabric, asked.size, asked.processes),
+        "surface": lambda: surface(fabric, asked.size, asked.jobs),
         "memory": lambda: memory(fabric, 1000),
     }
     found = {"size": asked.size, "cores": os.cpu_count(), "load_average": os.getloadavg()[0]}

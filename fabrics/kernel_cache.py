@@ -8,7 +8,11 @@ the wrong arrays. Here the folder's name holds a digest of both, and a change in
 
 from __future__ import annotations
 
-from contextlib import contextmanager
+import os
+import tempfile
+import threading
+from contextlib import contextmanager, suppress
+from functools import cache
 from pathlib import Path
 
 from fabrics import source_code
@@ -31,6 +35,44 @@ def kernel_cache(package_file):
         yield
     finally:
         numba.config.CACHE_DIR = before
+
+
+@cache
+def one_compiler_a_node():
+    """From now on this process looks for kernels in the cache, and compiles those that are not there, under a lock.
+
+    All processes of a user on a node share the lock, so that each kernel is compiled by one of them and loaded by the
+    others. Where files cannot be locked, nothing is.
+    """
+    try:
+        import fcntl
+    except ImportError:
+        return
+    from numba.core import event
+
+    path = Path(tempfile.gettempdir()) / f"weavecell-compiler-{os.getuid()}.lock"
+
+    class Lock(event.Listener):
+        """Held by one thread of one process while numba holds its own lock, which is that of a process."""
+
+        thread, depth, file = threading.RLock(), 0, None
+
+        def on_start(self, _):
+            self.thread.acquire()
+            if self.depth == 0:
+                with suppress(OSError):
+                    self.file = os.open(path, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW, 0o600)
+                    fcntl.flock(self.file, fcntl.LOCK_EX)
+            self.depth += 1
+
+        def on_end(self, _):
+            self.depth -= 1
+            if self.depth == 0 and self.file is not None:
+                os.close(self.file)  # which unlocks it
+                self.file = None
+            self.thread.release()
+
+    event.register("numba:compiler_lock", Lock())
 
 
 def kernel_sources(folder):

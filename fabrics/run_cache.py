@@ -25,7 +25,7 @@ from pathlib import Path
 
 import numpy as np
 
-from fabrics import __version__, source_code
+from fabrics import __version__, executors, source_code
 from fabrics.errors import InputError
 from fabrics.files import write_whole
 
@@ -173,6 +173,37 @@ class RunCache:
 
     def __setitem__(self, key, content):
         self._form.write(self.file(key), content)
+
+
+def results(function, arguments, *, folder, executor="local", jobs=1, report=None):
+    """function(*one) for each one of `arguments`, in their order; each is kept as soon as its task is done.
+
+    Nothing depends on how many runs are under way, or in which order they end.
+
+    Parameters
+    ----------
+    function : of a module, to be found again in another process
+    arguments : list of tuples of plain numbers, texts and frozen dataclasses
+    folder : Path where results are kept, and taken from
+    executor, jobs : as of `executors.open_executor`
+    report : called as report(number done, number of all)
+
+    Raises
+    ------
+    WeavecellError : as the function; what had ended has been kept
+    """
+    names = [key((function.__qualname__, one), function.__module__) for one in arguments]
+    kept = RunCache(folder)
+    missing = [k for k, name in enumerate(names) if name not in kept]
+    report = report or (lambda done, total: None)
+    report(len(names) - len(missing), len(names))
+    if missing:
+        with executors.open_executor(executor, jobs) as pool:
+            found = executors.as_done(pool, function, [arguments[k] for k in missing], jobs=jobs)
+            for done, (k, content) in enumerate(found, 1):
+                kept[names[missing[k]]] = content
+                report(len(names) - len(missing) + done, len(names))
+    return [kept[name] for name in names]
 
 
 def stamp(inputs, *modules):

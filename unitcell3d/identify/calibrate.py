@@ -15,7 +15,7 @@ from queue import Empty
 
 from fabrics import run_cache
 from fabrics.errors import InputError, UnstableError
-from fabrics.workers import CONTEXT, workers
+from fabrics.executors import CONTEXT, cancel, open_executor
 from meshing import crossover as mesher
 from unitcell3d.cases import biaxial_and_platens
 from unitcell3d.identify.calibration import PLATES, evaluate
@@ -72,7 +72,7 @@ def calibrate(fabric, *, out=None, **choices):
 
 def calibrate_all(
     fabrics, *, size="medium", plates_size="coarse", friction=0.0, paths=None, folder=lambda name: None, resume=False,
-    executor=None, processes=1, on_progress=None,
+    executor="local", jobs=1, on_progress=None,
 ):  # fmt: skip
     """Calibrate several fabrics, their paths beside each other; one that fails does not end the others.
 
@@ -84,7 +84,7 @@ def calibrate_all(
     paths : {name: (d1, d2) ratio}, by default warp only, weft only and equibiaxial
     folder : function of a fabric's name giving the directory for its histories and laws, or None
     resume : take finished paths from their files, unless these are of other inputs or of other code
-    executor : any concurrent.futures.Executor; None: `processes` of its own, which also tell of each step
+    executor, jobs : as of `fabrics.executors.open_executor`; local processes also tell of each step
     on_progress : called as on_progress(fabric name, path name, share of that path)
 
     Returns
@@ -98,17 +98,17 @@ def calibrate_all(
     paths = dict(PATHS if paths is None else paths)
     if not paths or PLATES in paths:
         raise InputError(key="paths", value=sorted(paths), allowed=f"at least one, none of them called {PLATES!r}")
-    if processes < 1:
-        raise InputError(key="processes", value=processes, allowed="at least 1")
+    if jobs < 1:
+        raise InputError(key="jobs", value=jobs, allowed="at least 1")
     Numerics(friction=friction)  # refuses what is not allowed
     begun = time.perf_counter()
     run = _Run(folder, resume, on_progress if on_progress is not None else _silent)
     for fabric in fabrics:
         # the longest first: plates take the most steps
-        jobs = [Job(PLATES, fabric, plates_size, None, friction)]
-        jobs += [Job(name, fabric, size, tuple(map(float, ratio)), friction) for name, ratio in paths.items()]
-        run.add(fabric, jobs)
-    run.solve(executor, processes)
+        first = [Job(PLATES, fabric, plates_size, None, friction)]
+        first += [Job(name, fabric, size, tuple(map(float, ratio)), friction) for name, ratio in paths.items()]
+        run.add(fabric, first)
+    run.solve(executor, jobs)
     for fabric in fabrics:
         run.finish(fabric, [*paths, PLATES], (str(size), str(plates_size)), friction, begun)
     return {fabric.name: run.outcomes[fabric.name] for fabric in fabrics}
@@ -149,15 +149,15 @@ class _Run:
         notes = History.notes(job.file(folder))
         return (History.read(job.file(folder)), notes["seconds"]) if notes.get("key") == job.key else None
 
-    def solve(self, executor, processes):
+    def solve(self, executor, jobs):
         """Solve the open jobs, plates first, and keep each as it comes."""
         if not self._open:
             return
-        queue = CONTEXT.Queue() if executor is None else None
+        queue = CONTEXT.Queue() if executor == "local" else None
         options = {} if queue is None else {"initializer": _take_queue, "initargs": (queue,)}
-        jobs = sorted(self._open, key=lambda job: job.ratio is not None)
-        with workers(executor, min(processes, len(jobs)), **options) as pool:
-            futures = {pool.submit(run_job, job): job for job in jobs}
+        waiting = sorted(self._open, key=lambda job: job.ratio is not None)
+        with open_executor(executor, min(jobs, len(waiting)), fresh=True, **options) as pool:
+            futures = {pool.submit(run_job, job): job for job in waiting}
             pending = set(futures)
             try:
                 while pending:
@@ -167,7 +167,7 @@ class _Run:
                         self._take(futures[future], future)
             finally:
                 for future in pending:
-                    future.cancel()
+                    cancel(future)
 
     def _forward_progress(self, queue):
         try:

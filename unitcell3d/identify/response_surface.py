@@ -18,8 +18,8 @@ import numpy as np
 
 from fabrics import run_cache
 from fabrics.errors import InputError, UnstableError
+from fabrics.executors import open_executor
 from fabrics.surface import ResponseSurface
-from fabrics.workers import workers
 from meshing import crossover as mesher
 from unitcell3d.identify.interpolant import FEWEST, QUANTITIES, errors
 from unitcell3d.identify.surface_cache import Partial
@@ -64,8 +64,8 @@ def sample(
     friction=0.0,
     partial=None,
     resume=False,
-    executor=None,
-    processes=1,
+    executor="local",
+    jobs=1,
     on_progress=None,
     provenance="",
 ):
@@ -82,7 +82,7 @@ def sample(
     friction : [-] Coulomb's coefficient between the yarns; not with a tolerance
     partial : file (.h5) in which finished lines are kept, or None
     resume : go on from `partial` if it is there
-    executor : any concurrent.futures.Executor for the lines; None: `processes` of its own
+    executor, jobs : as of `fabrics.executors.open_executor`, for the lines
     on_progress : called as on_progress(share, text) after each line
     provenance : text kept with the surface
 
@@ -101,11 +101,11 @@ def sample(
     if tolerance is not None and friction:
         raise InputError("a tolerance goes without friction, with which added lines would be of other paths")
     Numerics(friction=friction)  # refuses what is not allowed
-    if processes < 1:
-        raise InputError(key="processes", value=processes, allowed="at least 1")
+    if jobs < 1:
+        raise InputError(key="jobs", value=jobs, allowed="at least 1")
     mesher.build(fabric, size=size)  # bad input ends here, in this process
     done = Partial(partial, run_cache.stamp((fabric, size, tolerance, friction, axes), __name__), resume)
-    with workers(executor, processes) as pool:
+    with open_executor(executor, jobs, fresh=True) as pool:
         run = _Run(fabric, size, friction, done, pool, on_progress if on_progress is not None else _silent)
         new, axes = axes, [axis[:0] for axis in axes]
         for _ in range(1 if tolerance is None else ROUNDS):

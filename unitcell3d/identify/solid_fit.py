@@ -33,8 +33,8 @@ from scipy.stats import t as student
 
 from fabrics import run_cache
 from fabrics.errors import UnstableError
+from fabrics.executors import open_executor
 from fabrics.files import write_whole
-from fabrics.workers import workers
 from meshing import crossover as mesher
 from unitcell3d.cases import biaxial_and_platens
 from unitcell3d.identify import levenberg_marquardt
@@ -151,8 +151,8 @@ def fit_solid(
     *,
     size=(4, 3, 2),
     check_size="coarse",
-    executor=None,
-    processes=1,
+    executor="local",
+    jobs=1,
     keep=None,
     resume=False,
     on_progress=None,
@@ -164,7 +164,7 @@ def fit_solid(
     fabric : Fabric, with solid laws to start from
     curve : fabrics.plate_curve.PlateCurve
     size, check_size : mesh sizes of the fit and of its check (`meshing.crossover.build`)
-    executor : any concurrent.futures.Executor for compressions beside each other; None: `processes` of its own
+    executor, jobs : as of `fabrics.executors.open_executor`, for compressions beside each other
     keep : folder for the compressions while the fit goes on, or None
     resume : take the compressions that are in `keep`; the fit goes the same way through them
     on_progress : called as on_progress(runs so far, rms misfit [m]) after each compression
@@ -184,7 +184,7 @@ def fit_solid(
     measured = curve.at(pressure)
     first = fabric.solid_laws[0]
     start = np.clip(np.log([first.E_c, first.V_c - densest, first.K_r]), BOUNDS[0] + 1e-6, BOUNDS[1] - 1e-6)
-    with workers(executor, processes) as pool:
+    with open_executor(executor, jobs, fresh=True) as pool:
         coarse, fine = (
             _Presses(pool, fabric, each, densest, pressure, measured, on_progress, keep, resume)
             for each in (size, check_size)
@@ -200,7 +200,7 @@ def fit_solid(
                 ],
                 x,
                 BOUNDS,
-                trials=processes,
+                trials=jobs,
             )
             x = found.x
             computed, history = fine.many([x])[0]

@@ -12,13 +12,14 @@ from fabrics.errors import InputError
 from weavecell.cli.options import (
     CORES,
     RESULTS,
+    ExecutorOption,
     FabricArgument,
     FinenessOption,
     FrictionOption,
     GapOption,
+    JobsOption,
     MeshOption,
     OutOption,
-    ProcessesOption,
     ResumeOption,
     SectionOption,
     Size,
@@ -113,7 +114,8 @@ def calibrate(
         bool, typer.Option("--all", help="Every fabric of the catalogue, side by side in one table.")
     ] = False,
     size: MeshOption = Size.medium,
-    processes: ProcessesOption = CORES,
+    jobs: JobsOption = CORES,
+    executor: ExecutorOption = "local",
     plates: Annotated[
         Path | None,
         typer.Option(
@@ -144,14 +146,16 @@ def calibrate(
         from weavecell.commands import calibrate_all
 
         calibrate_all.command(
-            out or RESULTS / "calibrate-all", size=size.value, processes=processes, resume=resume, friction=friction
-        )
+            out or RESULTS / "calibrate-all", size=size.value, jobs=jobs, executor=executor, resume=resume,
+            friction=friction,
+        )  # fmt: skip
         return
     commands_calibrate.calibrate_command(
         fabric,
         out or RESULTS / f"calibrate-{Path(fabric).stem}",
         size=size.value,
-        processes=processes,
+        jobs=jobs,
+        executor=executor,
         friction=friction,
         plates=plates,
         fit_solid=fit_solid,
@@ -174,7 +178,8 @@ def surface(
         ),
     ] = None,
     friction: FrictionOption = 0.0,
-    processes: ProcessesOption = CORES,
+    jobs: JobsOption = CORES,
+    executor: ExecutorOption = "local",
     out: OutOption = None,
     resume: ResumeOption = False,
 ):
@@ -187,6 +192,6 @@ def surface(
 
     folder = out or RESULTS / f"surface-{Path(fabric).stem}"
     module.surface_command(
-        fabric, folder, d1=d1, d2=d2, points=points, tolerance=tolerance, size=size.value, processes=processes,
-        resume=resume, friction=friction,
+        fabric, folder, d1=d1, d2=d2, points=points, tolerance=tolerance, size=size.value, jobs=jobs,
+        executor=executor, resume=resume, friction=friction,
     )  # fmt: skip

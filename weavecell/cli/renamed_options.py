@@ -6,6 +6,7 @@ import sys
 
 UNTIL = "the next release"
 COMMANDS = {"chart": "cost-accuracy"}
+EVERYWHERE = {"--processes": "--jobs", "--workers": "--jobs", "--pool": "--executor"}
 _MESH = {"--size": "--mesh"}
 OPTIONS = {
     "demo": _MESH,
@@ -24,6 +25,7 @@ OPTIONS = {
     "v50": {"--shape": "--weibull-shape", "--modulus": "--modulus-cov", "--crimp": "--crimp-cov"},
 }
 VALUES = {
+    ("", "--executor"): {"processes": "local"},
     ("mesh", "--domain"): {"four": "periodic"},
     ("crossover", "--domain"): {"four": "periodic"},
     ("crossover", "--case"): {"plates": "platens"},
@@ -35,13 +37,13 @@ def upgraded(words):
     if not words:
         return words
     command = _renamed(COMMANDS, words[0])
-    options, found, option = OPTIONS.get(command, {}), [command], None
+    options, found, option = EVERYWHERE | OPTIONS.get(command, {}), [command], None
     for word in words[1:]:
         name, equals, value = word.partition("=") if word.startswith("--") else ("", "", word)
         if name:
             option = _renamed(options, name)
         if equals or not name:
-            value = _renamed(VALUES.get((command, option), {}), value, f"{option} ")
+            value = _renamed(VALUES.get((command, option), VALUES.get(("", option), {})), value, f"{option} ")
         found.append(f"{option}{equals}{value}" if name else value)
         if equals or not name:
             option = None

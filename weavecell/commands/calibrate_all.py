@@ -26,7 +26,7 @@ COLUMNS = (
 )  # fmt: skip
 
 
-def command(out, *, size, processes, resume, friction=0.0):
+def command(out, *, size, jobs, executor, resume, friction=0.0):
     """Calibrate the whole catalogue, write the summary and print it."""
     from unitcell3d.identify.calibrate import PATHS, calibrate_all
 
@@ -38,7 +38,8 @@ def command(out, *, size, processes, resume, friction=0.0):
             friction=friction,
             folder=lambda name: out / name,
             resume=resume,
-            processes=processes,
+            jobs=jobs,
+            executor=executor,
             on_progress=told_by_paths(advance, len(fabrics) * (1 + len(PATHS))),
         )
     rows = [row(fabric, found[fabric.name]) for fabric in fabrics]

@@ -30,7 +30,7 @@ def curve_for(fabric, path):
     return PlateCurve.pressure_law(fabric.areal_density_measured)
 
 
-def fit(fabric, curve, out, *, processes=1, resume=False):
+def fit(fabric, curve, out, *, jobs=1, executor="local", resume=False):
     """Fit, write solid.json into the folder `out`, and print what the curve determines; returns the SolidFit."""
     from unitcell3d.identify.solid_fit import fit_solid
 
@@ -38,7 +38,8 @@ def fit(fabric, curve, out, *, processes=1, resume=False):
         found = fit_solid(
             fabric,
             curve,
-            processes=processes,
+            jobs=jobs,
+            executor=executor,
             keep=out / "solid",
             resume=resume,
             on_progress=lambda runs, rms: advance(runs / EXPECTED, f"misfit {1e6 * rms:.1f} µm"),

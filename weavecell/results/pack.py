@@ -14,7 +14,18 @@ import numpy as np
 
 from fabrics.errors import InputError
 from fabrics.files import replace_whole
-from weavecell.results.impact import SHAPE, Audited, Shape, drawn, plain, put, read_checks, stops, store_checks, tensions
+from weavecell.results.impact import (
+    SHAPE,
+    Audited,
+    Shape,
+    drawn,
+    plain,
+    put,
+    read_checks,
+    stops,
+    store_checks,
+    tensions,
+)
 
 _FORMAT = "weavecell pack 2"
 _SCALARS = (

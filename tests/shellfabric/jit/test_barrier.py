@@ -98,7 +98,7 @@ def test_nobody_is_left_waiting(fabric):
 def test_threads_of_shots_beside_each_other(fabric):
     """Shots with several threads each can be under way at once, and are what they are alone."""
     panel = setup(fabric, 2).panel()
-    shots = [shoot(panel, (230.0, 260.0), workers=workers) for workers in (1, 2)]
+    shots = [shoot(panel, (230.0, 260.0), jobs=workers) for workers in (1, 2)]
     assert [replace(shot, wall_time=0.0) for shot in shots[0]] == [replace(shot, wall_time=0.0) for shot in shots[1]]
 
 

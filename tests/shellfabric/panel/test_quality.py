@@ -153,7 +153,7 @@ class TestDefaultMesh:
     def setup(velocity=300.0, **changes):
         shot = Projectile(mass=0.44e-3, radius=1.06e-3)  # 1.2 times as long an element of one crossover
         return single_ply.ImpactSetup(
-            catalogue.load("S-720").effective(), velocity, projectile=shot, opening=0.06, end_time=100e-6,
+            catalogue.load("S-720").with_effective_density(), velocity, projectile=shot, opening=0.06, end_time=100e-6,
             table_size=51, numerics=Numerics(threads=1), **changes,
         )  # fmt: skip
 

@@ -180,12 +180,12 @@ def test_spread_and_the_law_chosen(calibration):
 
 @pytest.mark.slow
 def test_processes_beside_each_other_change_nothing(calibration, s720):
-    beside = calibrate(s720, size="coarse", processes=2)
+    beside = calibrate(s720, size="coarse", jobs=2)
     assert beside.law.a == pytest.approx(calibration[0].law.a, rel=1e-9)
 
 
 def test_bad_input_is_one_line(s720):
-    for arguments, word in (({"size": "huge"}, "size"), ({"paths": {}}, "paths"), ({"processes": 0}, "processes")):
+    for arguments, word in (({"size": "huge"}, "size"), ({"paths": {}}, "paths"), ({"jobs": 0}, "jobs")):
         with pytest.raises(InputError, match=word) as caught:
             calibrate(s720, **arguments)
         assert "\n" not in str(caught.value)

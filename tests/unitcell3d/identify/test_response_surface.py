@@ -127,7 +127,7 @@ def test_interrupted_and_resumed_is_the_same_to_the_last_bit(whole, s720, pool, 
 @pytest.mark.slow
 def test_processes_give_the_same(whole, s720):
     """Any number of them to the last bit; this process, which may have more BLAS threads, to rounding."""
-    one, two = (sample(s720, **SMALL, processes=n).surface for n in (1, 2))
+    one, two = (sample(s720, **SMALL, jobs=n).surface for n in (1, 2))
     for name in QUANTITIES:
         assert np.array_equal(getattr(one, name), getattr(two, name)), name
         assert np.allclose(getattr(one, name), getattr(whole.surface, name), rtol=1e-5, atol=1e-5), name
@@ -199,7 +199,7 @@ def test_bad_input_is_one_line(s720, whole):
         ({"points": (3, 5)}, "points"),
         ({"points": (5, 500)}, "points"),
         ({"tolerance": 0.0}, "tolerance"),
-        ({"processes": 0}, "processes"),
+        ({"jobs": 0}, "jobs"),
     ):
         with pytest.raises(InputError, match=word) as caught:
             sample(s720, **(SMALL | choices))

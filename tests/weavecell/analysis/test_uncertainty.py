@@ -14,7 +14,6 @@ from shellfabric.cloth import failure_kernels
 from shellfabric.impact import ballistic_limit
 from shellfabric.impact.single_ply import ImpactSetup
 from shellfabric.panel.model import Numerics, Panel
-from weavecell.analysis import job_pool
 from weavecell.analysis.uncertainty import inputs, probit, sobol, v50
 
 OPENING = 0.0306
@@ -143,7 +142,7 @@ def test_shots_are_those_of_their_numbers_whatever_the_workers(fabric, tmp_path)
     arguments = {"shots": 8, "batch": 4, "opening": OPENING, "tolerance": 10.0}
     alone = v50.study(fabric, scatter, folder=tmp_path / "a", **arguments)
     with ThreadPoolExecutor(3) as workers:
-        beside = v50.study(fabric, scatter, folder=tmp_path / "b", workers=workers, **arguments)
+        beside = v50.study(fabric, scatter, folder=tmp_path / "b", executor=workers, **arguments)
     assert alone == beside
     told = []
     again = v50.study(
@@ -165,8 +164,3 @@ def test_a_small_study_and_what_it_resumes_from(fabric, tmp_path):
     again = sobol.study(fabric, (60.0, 170.0), report=lambda done, total: counts.append((done, total)), **arguments)
     assert counts == [(8, 8)]
     np.testing.assert_array_equal([one.total for one in again], [one.total for one in found])
-
-
-def test_unknown_pool():
-    with pytest.raises(InputError, match="processes or mpi"), job_pool.executor("threads"):
-        pass

@@ -34,7 +34,10 @@ def test_both_survive_the_file(bar, block, tmp_path):
         results_impact._write_group(file.create_group("bar"), bar, results_impact._BAR, ("period", "shortening"))
         results_impact._write_group(file.create_group("backing"), block, results_impact._BACKING, ("face",))
         assert file["bar/tip_velocity"].attrs["unit"] == "m/s"
-        for kept, given in ((results_impact._read_group(file, "bar"), bar), (results_impact._read_group(file, "backing"), block)):
+        for kept, given in (
+            (results_impact._read_group(file, "bar"), bar),
+            (results_impact._read_group(file, "backing"), block),
+        ):
             for entry in fields(given):
                 np.testing.assert_array_equal(getattr(kept, entry.name), getattr(given, entry.name))
         del file["bar"]

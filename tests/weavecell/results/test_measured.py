@@ -4,8 +4,8 @@ import h5py
 import numpy as np
 import pytest
 
-from shellfabric.output.wave_fronts import fronts
 from shellfabric.output.histories import EDGES
+from shellfabric.output.wave_fronts import fronts
 from weavecell.results.impact import ImpactRecord
 
 SCENE = """

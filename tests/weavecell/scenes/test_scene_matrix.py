@@ -327,7 +327,7 @@ def limit(capsys, folder, monkeypatch, changes):
 
     monkeypatch.setattr("shellfabric.impact.ballistic_limit._fire", fire)
     path = written(folder, merged(SHOT, changes))
-    words = ("--tolerance", "100 m/s", "--residual-shots", 0, "--workers", 1, "--out", folder / "r")
+    words = ("--tolerance", "100 m/s", "--residual-shots", 0, "--jobs", 1, "--out", folder / "r")
     code, _, err = call(capsys, "critical-velocity", path, *words)
     assert code == 0, err
     march, found = marches[0], json.loads((folder / "r/critical-velocity.json").read_text())
