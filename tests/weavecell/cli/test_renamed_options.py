@@ -22,7 +22,13 @@ def test_the_tables_name_commands_and_options_of_today():
         assert set(names.values()) <= set(options(command))
         assert not set(names) & set(options(command))
     choices = {("mesh", "--domain"): Domain, ("crossover", "--domain"): Part, ("crossover", "--case"): Case}
+    everywhere = set().union(*(options(command) for command in COMMANDS))
+    assert set(renamed_options.EVERYWHERE.values()) <= everywhere
+    assert not set(renamed_options.EVERYWHERE) & everywhere
     for (command, option), names in renamed_options.VALUES.items():
+        if not command:  # of every command that has the option
+            assert option in everywhere
+            continue
         assert option in options(command)
         today = {choice.value for choice in choices[command, option]}
         assert set(names.values()) <= today
@@ -41,6 +47,8 @@ def test_the_tables_name_commands_and_options_of_today():
         (["biaxial", "S", "--crossover", "fine"], ["biaxial", "S", "--compare-3d", "fine"], ["--crossover"]),
         (["v50", "S", "--shape", "9"], ["v50", "S", "--weibull-shape", "9"], ["--shape"]),
         (["impact", "--gap"], ["impact", "--gap"], []),
+        (["v50", "--workers", "2"], ["v50", "--jobs", "2"], ["--workers"]),
+        (["v50", "--pool", "processes"], ["v50", "--executor", "local"], ["--pool", "--executor processes"]),
         ([], [], []),
     ],
 )
@@ -78,7 +86,7 @@ def test_old_options_are_in_no_help(command):
         ("crossover S-720 --case biaxial --shear-angle 1rad", "--shear-angle: must be left out with --case biaxial"),
         ("crossover S-720 --case shear --bars 0", "--bars: must be left out with --case shear"),
         ("cost-accuracy --scene struck-yarn --level fine", "--level: must be left out without --scene crossover"),
-        ("cost-accuracy --all --processes 1", "--processes: must be left out without --scene crossover"),
+        ("cost-accuracy --all --jobs 1", "--jobs: must be left out without --scene crossover"),
         ("cost-accuracy --scene crossover --quick", "--quick: must be left out with --scene crossover"),
     ],
 )
