@@ -18,7 +18,9 @@ Looked at are the elements about torn ones, of the ply itself and of those next 
 and against those behind that where all plies between them are torn. A facet is the four triangles between the nodes of
 an element and its middle. Through a hole, where warp and weft next to the place are gone, a point may go. Where the
 cloth of the next ply is whole it is left to their contact, whose surface lies on the inside of bends, the nodes on the
-outside. What by that contact has come through, as when a yarn fails beside a point between the two, may go back.
+outside. What by that contact has come through, as when a yarn fails beside a point between the two, may go back. A
+triangle that is drawn to a line turns over by itself: where its normal turns by more than 60 degrees in the step, h and
+h' are not of one side, and it holds nothing.
 
 Which facets are near a point: the facets of a ply are entered in a raster as wide as its elements, in every cell that
 their boxes reach into within the step.
@@ -47,6 +49,7 @@ _SLOWLY = 0.1  # [gaps] by which what is nearer than the gap is moved in a step
 _WIDEST = 20  # [cells] of a facet that is entered; a wider one is noted as missed
 _WIDER = 4  # [gaps] about a facet, in which what it may meet is looked for
 _TOUCH = 0.02  # of a triangle, beyond its sides
+_TURNED = 0.5  # cosine of the most that a normal may turn in a step
 
 
 @kernel(_nrt=False)
@@ -311,10 +314,10 @@ def meet(stops, number, asked):
     M0, M1 = middle(stops.at, q, f, s), middle(stops.to, q, f, s)
     for n in range(4):
         k, o = ring[n], ring[(n + 1) & 3]
-        n_x, n_y, n_z, before = above(stops.at, q, M0, k, o, x0, y0, z0)
+        m_x, m_y, m_z, before = above(stops.at, q, M0, k, o, x0, y0, z0)
         n_x, n_y, n_z, after = above(stops.to, q, M1, k, o, x1, y1, z1)
-        if n_x * n_x + n_y * n_y + n_z * n_z == 0.0:
-            continue
+        if n_x * m_x + n_y * m_y + n_z * m_z < _TURNED:
+            continue  # of a line, or a sliver that turns over within the step: its sides are not those of the cloth
         if before * (n_x * side[0] + n_y * side[1] + n_z * side[2]) > 0.0:
             continue  # it is through by what the contact knows of it, which brings it back
         if before < 0.0:
