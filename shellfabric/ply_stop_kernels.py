@@ -32,6 +32,8 @@ normal n and the weights of its foot from the contact,
 
 From _DEEP on an approach as fast as `Pack.in_step_with` reckons with is stopped before it is through.
 
+Rounds. What none of whose nodes has been moved since it was looked at is as it was, and passed over.
+
 Which facets are near a point: the facets of a ply are entered in a raster as wide as its elements, in every cell that
 their boxes reach into within the step.
 
@@ -342,8 +344,9 @@ def keep_off(stops, count, deep):
     held = 0
     for turn in range(_ROUNDS):
         held, asked = 0, 1.0 - turn / _ROUNDS
+        stops.round[0] += 1
         for m in range(count):
-            if meet(stops, m, asked):
+            if (turn == 0 or has_moved(stops, m)) and meet(stops, m, asked):
                 held += 1
         for m in range(deep):
             if hold_deep_point(stops, m, asked):
@@ -352,6 +355,21 @@ def keep_off(stops, count, deep):
             break
         stops.energy[HELD] += held
     stops.energy[MISSED] += held
+    stops.round[0] += 1
+
+
+@kernel(_nrt=False, forceinline=True)
+def has_moved(stops, number):
+    """Whether a node of an element or a facet, by number in the list, has been moved in this round or the last: if not,
+    nothing has come nearer since they were looked at."""
+    last = stops.round[0] - 1
+    for n in range(0, 4, 2):
+        p, e = stops.near[number, n], stops.near[number, n + 1]
+        s = stops.shape[p, SLOTS]
+        one = max(stops.last_moved[p, e], stops.last_moved[p, e + 1])
+        if max(one, max(stops.last_moved[p, e + s], stops.last_moved[p, e + s + 1])) >= last:
+            return True
+    return False
 
 
 @kernel(_nrt=False, forceinline=True)
@@ -510,6 +528,7 @@ def add(stops, p, k, f_x, f_y, f_z):
     f_x = 0.0 if i == 0 and stops.shape[p, MIRROR_X] else f_x
     f_y = 0.0 if j == 0 and stops.shape[p, MIRROR_Y] else f_y
     far, force, to = stops.dt * stops.kick[p, k], stops.force, stops.to
+    stops.last_moved[p, k] = stops.round[0]
     force[p, 0, k] += f_x
     force[p, 1, k] += f_y
     force[p, 2, k] += f_z
