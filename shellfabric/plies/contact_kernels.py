@@ -10,7 +10,8 @@ foot of x on the rear ply's surface and n the normal there, the way that the sho
 with t the mean thickness of the two plies: thickness lies on both sides of a middle surface, so that curved plies that
 nest keep t along their normals. -f n acts on the nodes of the front ply by their weights in x, f n on those of the rear
 ply by their weights in y: the sum is zero to the last digits. Whole cloth that came through, where depth > t, would
-still be pushed back, and the harder; it is counted, and ends the run.
+still be pushed back, and the harder; it is counted, and ends the run. Beside torn cloth, where folds are found deep and
+pressed on, what springs cannot hold is stopped before that (`ply_stop_kernels`).
 
 Sides. Contact does not ask which way a normal points, but on which side of the cloth a point is: what comes near is on
 its own side, and stays there. Cloth that is drawn in until an element lies upside down has a normal that turns over

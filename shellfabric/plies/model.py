@@ -52,7 +52,7 @@ Pair = namedtuple(
 Stops = namedtuple(
     "Stops",
     "force touched at to kick places gap grid shape dt mark cloth elements nodes count tears low high head item place "
-    "then near side energy",
+    "then near side deep feet listed last_moved round energy",
 )
 Stack = namedtuple("Stack", "awake firm counter places reactions counters speed")
 
@@ -281,9 +281,11 @@ class Pack:
             grid=np.array([(c.x0, c.y0, c.dx, c.dy) for c in consts]), dt=self.time_step,
             shape=np.array([(c.s, c.ni, c.nj, c.mirror_x, c.mirror_y) for c in consts]), low=nodal(), high=nodal(),
             cloth=np.zeros((count, n), np.uint8), near=np.zeros((_NEAR * count, 4), np.int64),
-            side=np.zeros((_NEAR * count, 3)),
+            side=np.zeros((_NEAR * count, 3)), deep=np.zeros((2 * n, 4), np.int64), feet=np.zeros((2 * n, 12)),
+            listed=np.zeros((count, n), np.bool_), last_moved=np.zeros((count, n), np.int64),
+            round=np.zeros(1, np.int64),
             mark=np.zeros((count, n), np.uint8), elements=np.zeros((count, n), np.int64),
-            nodes=np.zeros((count, n), np.int64), count=np.zeros((count, 3), np.int64), tears=np.zeros(1, np.int64),
+            nodes=np.zeros((count, n), np.int64), count=np.zeros((count, 4), np.int64), tears=np.zeros(1, np.int64),
             head=np.full((count, cells), -1, np.int32), item=np.zeros((count, room), np.int32),
             place=np.zeros((count, room), np.int32), then=np.zeros((count, room), np.int32), energy=np.zeros(3),
         )  # fmt: skip

@@ -18,7 +18,21 @@ Looked at are the elements about torn ones, of the ply itself and of those next 
 and against those behind that where all plies between them are torn. A facet is the four triangles between the nodes of
 an element and its middle. Through a hole, where warp and weft next to the place are gone, a point may go. Where the
 cloth of the next ply is whole it is left to their contact, whose surface lies on the inside of bends, the nodes on the
-outside. What by that contact has come through, as when a yarn fails beside a point between the two, may go back.
+outside. What by that contact has come through, as when a yarn fails beside a point between the two, may go back. A
+triangle that is drawn to a line turns over by itself: where its normal turns by more than 60 degrees in the step, h and
+h' are not of one side, and it holds nothing.
+
+Deep points. The springs of that contact are as stiff as the step allows, and hold no more than a share of a point's
+mass times t / dt^2. Loose cloth is drawn into folds, and a point is found deep inside the thickness t where it has no
+room left to be slowed down in; half of the springs are those of the other ply, which may have no points there. So in
+the zone about torn elements a point that touches whole cloth and is deeper than _DEEP is foreseen likewise: with its
+normal n and the weights of its foot from the contact,
+
+    h = t - depth,     h' = h + n.(y' - y - x' + x),     f as above, on the nodes that the spring pushes
+
+From _DEEP on an approach as fast as `Pack.in_step_with` reckons with is stopped before it is through.
+
+Rounds. What none of whose nodes has been moved since it was looked at is as it was, and passed over.
 
 Which facets are near a point: the facets of a ply are entered in a raster as wide as its elements, in every cell that
 their boxes reach into within the step.
@@ -35,18 +49,23 @@ from shellfabric.jit.compile import kernel
 from shellfabric.panel.step_kernels import FAILURES
 from shellfabric.plies.contact_kernels import note, settle, symmetric
 from shellfabric.plies.contact_simd_kernels import TOUCHING
+from shellfabric.plies.surface_kernels import SMOOTH, basis, whole_about
 
 TAKEN, HELD, MISSED = 0, 1, 2  # of stops.energy; how often something was held, and how often not for good
-ELEMENTS, NODES, ENTRIES = range(3)  # of stops.count: what is looked at of a ply, and what is in its raster
+# of stops.count: what is looked at of a ply, what is in its raster, and which nodes are not those of feet alone
+ELEMENTS, NODES, ENTRIES, ALWAYS = range(4)
+NORMAL, DISTANCE, WARP, WEFT = 0, 3, 4, 8  # of stops.feet: n, h, and `basis` along either family
 SLOTS, NI, NJ, MIRROR_X, MIRROR_Y = range(5)  # of stops.shape
 TORN, WHOLE = 1, 2  # of stops.mark: an element that is looked at, and one of whole cloth
 PAD = 4  # cells of the raster beyond the panel's edges
 _ABOUT, _FAR = 3, 2  # elements about torn ones, plies whose tears count
+_DEEP = 0.5  # [thicknesses] from which a point could come through within a step
 _ROUNDS = 24
 _SLOWLY = 0.1  # [gaps] by which what is nearer than the gap is moved in a step
 _WIDEST = 20  # [cells] of a facet that is entered; a wider one is noted as missed
 _WIDER = 4  # [gaps] about a facet, in which what it may meet is looked for
 _TOUCH = 0.02  # of a triangle, beyond its sides
+_TURNED = 0.5  # cosine of the most that a normal may turn in a step
 
 
 @kernel(_nrt=False)
@@ -57,18 +76,22 @@ def restrain(states, consts, pairs, stack, stops):
         failures += stack.counters[p, FAILURES]
     if failures == 0:
         return
-    taken = 0.0
+    taken, count, deep, half = 0.0, 0, 0, len(pairs) // 2
     if failures != stops.tears[0]:
         stops.tears[0] = failures
         for p in range(len(states)):
             zone(states, consts, stack, stops, p)
     for p in range(len(states)):
+        for q in range(max(p - 1, 0), min(p + 2, len(states))):
+            if q != p:
+                pair = item(pairs, min(p, q) + (half if q < p else 0))
+                deep = list_deep_points(item(states, q), item(consts, q), pair, stops, p, q, deep)
+    for p in range(len(states)):
         if stops.touched[p, 0] < stops.touched[p, 1]:
             taken -= settle(item(states, p), item(consts, p), stops.force[p], stops.touched[p], True)
-        if stops.count[p, ELEMENTS] > 0:
+        if stops.count[p, NODES] > 0:
             foresee(states, consts, pairs, stops, p)
             enter(stops, p)
-    count, half = 0, len(pairs) // 2
     for p in range(len(states)):
         for way in (-1, 1):
             q = p + way
@@ -79,7 +102,7 @@ def restrain(states, consts, pairs, stack, stops):
                 if stack.counters[q, FAILURES] == 0:
                     break
                 q += way
-    keep_off(stops, count)
+    keep_off(stops, count, deep)
     for p in range(len(states)):
         if stops.touched[p, 0] < stops.touched[p, 1]:
             symmetric(item(consts, p), stops.force[p], stops.touched[p])
@@ -113,14 +136,52 @@ def zone(states, consts, stack, stops, p):
                 stops.elements[p, elements] = k
                 elements += 1
             near = mark[k] + (mark[k - 1] if j > 0 else 0)
-            if near + (mark[k - s] + (mark[k - s - 1] if j > 0 else 0) if i > 0 else 0) > 0:
+            stops.listed[p, k] = near + (mark[k - s] + (mark[k - s - 1] if j > 0 else 0) if i > 0 else 0) > 0
+            if stops.listed[p, k]:
                 stops.nodes[p, nodes] = k
                 nodes += 1
-    stops.count[p, ELEMENTS], stops.count[p, NODES] = elements, nodes
+    stops.count[p, ELEMENTS], stops.count[p, NODES], stops.count[p, ALWAYS] = elements, nodes, nodes
     for m in range(elements):
         k = stops.elements[p, m]
         if spline_kernels.untorn(item(states, p), const, k // s, k % s):
             mark[k] = WHOLE
+
+
+@kernel(_nrt=False)
+def list_deep_points(rear, rc, pair, stops, p, q, count):
+    """Add the points of ply p that are deep in whole cloth of ply q to the list, and the nodes about their feet to
+    those of ply q; their number."""
+    if pair.points != 1 or pair.form != SMOOTH:
+        return count
+    s, nj = stops.shape[p, SLOTS], stops.shape[p, NJ]
+    for m in range(stops.count[p, ELEMENTS]):
+        e = stops.elements[p, m]
+        point = e // s * nj + e % s
+        if pair.status[point] != TOUCHING or not _DEEP * pair.thickness < pair.was[point] < pair.thickness:
+            continue
+        a, b = pair.foot[0][point], pair.foot[1][point]
+        if not whole_about(rear, rc, a, b):
+            continue
+        if count == stops.deep.shape[0]:
+            stops.energy[MISSED] += 1.0
+            break
+        i, w0, w1, w2, _, _, _, w1x, _ = basis(a, rc.ni, rc.mirror_x)
+        j, v0, v1, v2, _, _, _, v1y, _ = basis(b, rc.nj, rc.mirror_y)
+        stops.deep[count, 0], stops.deep[count, 1], stops.deep[count, 2], stops.deep[count, 3] = p, e, q, i * rc.s + j
+        foot = stops.feet[count]
+        for c in range(3):
+            foot[NORMAL + c] = pair.normal[c][point]
+        foot[DISTANCE] = pair.thickness - pair.was[point]
+        foot[WARP], foot[WARP + 1], foot[WARP + 2], foot[WARP + 3] = w0, w1, w2, w1x
+        foot[WEFT], foot[WEFT + 1], foot[WEFT + 2], foot[WEFT + 3] = v0, v1, v2, v1y
+        count += 1
+        for n in range(9):
+            k = (i + n // 3) * rc.s + j + n % 3
+            if not stops.listed[q, k]:
+                stops.listed[q, k] = True
+                stops.nodes[q, stops.count[q, NODES]] = k
+                stops.count[q, NODES] += 1
+    return count
 
 
 @kernel(_nrt=False)
@@ -229,10 +290,12 @@ def enter(stops, p):
 
 @kernel(_nrt=False)
 def erase(stops, p):
-    """Empty the raster of a ply."""
+    """Empty the raster of a ply, and forget the nodes about feet."""
     for m in range(stops.count[p, ENTRIES]):
         stops.head[p, stops.place[p, m]] = -1
-    stops.count[p, ENTRIES] = 0
+    for m in range(stops.count[p, ALWAYS], stops.count[p, NODES]):
+        stops.listed[p, stops.nodes[p, m]] = False
+    stops.count[p, ENTRIES], stops.count[p, NODES] = 0, stops.count[p, ALWAYS]
 
 
 @kernel(_nrt=False)
@@ -275,18 +338,38 @@ def gather(stops, pair, p, q, count):
 
 
 @kernel(_nrt=False)
-def keep_off(stops, count):
-    """Keep the middles of the elements in the list off the facets that they are near."""
+def keep_off(stops, count, deep):
+    """Keep the middles of the elements in the list off the facets that they are near, and the points that are `deep`,
+    by their number, from going through."""
     held = 0
     for turn in range(_ROUNDS):
         held, asked = 0, 1.0 - turn / _ROUNDS
+        stops.round[0] += 1
         for m in range(count):
-            if meet(stops, m, asked):
+            if (turn == 0 or has_moved(stops, m)) and meet(stops, m, asked):
+                held += 1
+        for m in range(deep):
+            if hold_deep_point(stops, m, asked):
                 held += 1
         if held == 0:
             break
         stops.energy[HELD] += held
     stops.energy[MISSED] += held
+    stops.round[0] += 1
+
+
+@kernel(_nrt=False, forceinline=True)
+def has_moved(stops, number):
+    """Whether a node of an element or a facet, by number in the list, has been moved in this round or the last: if not,
+    nothing has come nearer since they were looked at."""
+    last = stops.round[0] - 1
+    for n in range(0, 4, 2):
+        p, e = stops.near[number, n], stops.near[number, n + 1]
+        s = stops.shape[p, SLOTS]
+        one = max(stops.last_moved[p, e], stops.last_moved[p, e + 1])
+        if max(one, max(stops.last_moved[p, e + s], stops.last_moved[p, e + s + 1])) >= last:
+            return True
+    return False
 
 
 @kernel(_nrt=False, forceinline=True)
@@ -311,10 +394,10 @@ def meet(stops, number, asked):
     M0, M1 = middle(stops.at, q, f, s), middle(stops.to, q, f, s)
     for n in range(4):
         k, o = ring[n], ring[(n + 1) & 3]
-        n_x, n_y, n_z, before = above(stops.at, q, M0, k, o, x0, y0, z0)
+        m_x, m_y, m_z, before = above(stops.at, q, M0, k, o, x0, y0, z0)
         n_x, n_y, n_z, after = above(stops.to, q, M1, k, o, x1, y1, z1)
-        if n_x * n_x + n_y * n_y + n_z * n_z == 0.0:
-            continue
+        if n_x * m_x + n_y * m_y + n_z * m_z < _TURNED:
+            continue  # of a line, or a sliver that turns over within the step: its sides are not those of the cloth
         if before * (n_x * side[0] + n_y * side[1] + n_z * side[2]) > 0.0:
             continue  # it is through by what the contact knows of it, which brings it back
         if before < 0.0:
@@ -350,6 +433,51 @@ def meet(stops, number, asked):
             add(stops, q, ring[m], w * n_x, w * n_y, w * n_z)
         return True
     return False
+
+
+@kernel(_nrt=False)
+def hold_deep_point(stops, number, asked):
+    """Keep a point that is deep in whole cloth, by number in the list, from coming through: whether it would."""
+    p, e, q, first = stops.deep[number, 0], stops.deep[number, 1], stops.deep[number, 2], stops.deep[number, 3]
+    foot, own, s, gap = stops.feet[number], stops.shape[p, SLOTS], stops.shape[q, SLOTS], stops.gap[p]
+    n_x, n_y, n_z, before = foot[NORMAL], foot[NORMAL + 1], foot[NORMAL + 2], foot[DISTANCE]
+    after, give = before, 0.0
+    for m in (e, e + 1, e + own, e + own + 1):
+        after -= 0.25 * travel(stops, p, m, n_x, n_y, n_z)
+        give += 0.0625 * stops.kick[p, m] * free(stops, p, m, n_x, n_y)
+    for m in range(9):
+        k = first + m // 3 * s + m % 3
+        f_x, f_y, f_z = foot_weights(foot, m)
+        after += travel(stops, q, k, f_x, f_y, f_z)
+        fixed_x, fixed_y = stops.shape[q, MIRROR_X] and k < s, stops.shape[q, MIRROR_Y] and k % s == 0
+        give += stops.kick[q, k] * ((0.0 if fixed_x else f_x**2) + (0.0 if fixed_y else f_y**2) + f_z**2)
+    wanted = asked * (gap if before > gap else min(gap, before + _SLOWLY * gap))
+    if after >= wanted or give == 0.0:
+        return False
+    force = (wanted - after) / (stops.dt * give)
+    for m in (e, e + 1, e + own, e + own + 1):
+        add(stops, p, m, -0.25 * force * n_x, -0.25 * force * n_y, -0.25 * force * n_z)
+    for m in range(9):
+        f_x, f_y, f_z = foot_weights(foot, m)
+        add(stops, q, first + m // 3 * s + m % 3, force * f_x, force * f_y, force * f_z)
+    return True
+
+
+@kernel(_nrt=False, forceinline=True)
+def foot_weights(foot, m):
+    """Normal of a foot times the weights (x, y, z) of node number m of the nine about it."""
+    i, j = m // 3, m % 3
+    w, v = foot[WARP + i], foot[WEFT + j]
+    w_x, v_y = foot[WARP + 3] if i == 1 else w, foot[WEFT + 3] if j == 1 else v
+    return w_x * v * foot[NORMAL], w * v_y * foot[NORMAL + 1], w * v * foot[NORMAL + 2]
+
+
+@kernel(_nrt=False, forceinline=True)
+def travel(stops, p, k, n_x, n_y, n_z):
+    """[m] way of a node in the step, along n."""
+    at, to = stops.at, stops.to
+    way = n_x * (to[p, 0, k] - at[p, 0, k]) + n_y * (to[p, 1, k] - at[p, 1, k])
+    return way + n_z * (to[p, 2, k] - at[p, 2, k])
 
 
 @kernel(_nrt=False, forceinline=True)
@@ -400,6 +528,7 @@ def add(stops, p, k, f_x, f_y, f_z):
     f_x = 0.0 if i == 0 and stops.shape[p, MIRROR_X] else f_x
     f_y = 0.0 if j == 0 and stops.shape[p, MIRROR_Y] else f_y
     far, force, to = stops.dt * stops.kick[p, k], stops.force, stops.to
+    stops.last_moved[p, k] = stops.round[0]
     force[p, 0, k] += f_x
     force[p, 1, k] += f_y
     force[p, 2, k] += f_z
