@@ -106,7 +106,7 @@ class CableSolver(ExplicitSolver):
 
     def checkpoint_identity(self):
         """See ExplicitSolver."""
-        known = self.strike_velocity, self.steps_per_sample, self.const._asdict(), self.state.mass, self.state.stiff
+        known = self.strike_velocity, self.steps_per_sample, self.const._asdict(), self.state.mass
         return known, "shellfabric.cable.solver"
 
     def checkpoint_arrays(self):
