@@ -17,7 +17,7 @@ from shellfabric.cell.model import CellModel
 from shellfabric.jit.compile import entry
 from shellfabric.panel import step_kernels as panel_step_kernels
 from shellfabric.panel.model import Numerics, Panel
-from shellfabric.panel.solver import March
+from shellfabric.panel.solver import PanelSolver
 from shellfabric.projectile import contact_kernels
 
 
@@ -34,8 +34,8 @@ def many(state, times):
 
 def shares(panel, velocity, interval):
     """(monitor, checks, kernel) as shares of the CPU time of one run [-], and how many checks there were."""
-    march, spent = March(panel, velocity, 250e-6, interval=interval), {"audited": 0.0, "_check": 0.0}
-    for owner, name in ((march.monitor, "audited"), (march, "_check")):
+    march, spent = PanelSolver(panel, velocity, 250e-6, interval=interval), {"sampled": 0.0, "_check_energy": 0.0}
+    for owner, name in ((march.monitor, "sampled"), (march, "_check_energy")):
         setattr(owner, name, _timed(getattr(owner, name), spent, name))
     start = time.process_time()
     march.run()
@@ -45,7 +45,7 @@ def shares(panel, velocity, interval):
     start = time.process_time()
     many(march.state, 100_000)
     kernel = (time.process_time() - start) / 100_000 * march.steps
-    return spent["audited"] / total, spent["_check"] / total, kernel / total, march.checks
+    return spent["sampled"] / total, spent["_check_energy"] / total, kernel / total, march.checks
 
 
 def _timed(function, spent, name):

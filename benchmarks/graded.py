@@ -27,7 +27,7 @@ from shellfabric.cell.model import CellModel
 from shellfabric.impact.ballistic_limit import critical_velocity
 from shellfabric.panel import step_kernels as panel_step_kernels
 from shellfabric.panel.model import Numerics, Panel
-from shellfabric.panel.solver import March
+from shellfabric.panel.solver import PanelSolver
 
 ZONES = {
     "1": None,
@@ -54,7 +54,7 @@ def shot(panel, strike_velocity):
     costs = []
     for _ in range(2):
         begun = time.process_time()
-        march = March(panel, strike_velocity, 1.5e-3).run()
+        march = PanelSolver(panel, strike_velocity, 1.5e-3).run()
         costs.append(time.process_time() - begun)
     return {
         "outcome": march.outcome,
@@ -84,7 +84,7 @@ def shots(panel, velocities):
     found = {}
     for name, zones in fitting(panel):
         graded = replace(panel, grading=zones)
-        March(graded, velocities[0], 1e-6).run()  # compiled before
+        PanelSolver(graded, velocities[0], 1e-6).run()  # compiled before
         found[name] = {"elements": graded.elements, "shots": [shot(graded, v) for v in velocities]}
         print(name, json.dumps(found[name]), flush=True)
     return found

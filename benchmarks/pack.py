@@ -27,7 +27,7 @@ from fabrics import catalogue
 from shellfabric.cell.model import CellModel
 from shellfabric.panel.model import Numerics, Panel
 from shellfabric.plies.model import Pack, lists
-from shellfabric.plies.solver import PackMarch
+from shellfabric.plies.solver import PackSolver
 
 LONG = 400e-6
 
@@ -42,7 +42,7 @@ def clocked(march, steps):
 
 def whole(pack, velocity, end):
     """One run for `end` [s], at the end of which a projectile that has stopped is still held where it is."""
-    march = PackMarch(pack, velocity, end)
+    march = PackSolver(pack, velocity, end)
     march.exchange = np.inf
     march.advance(np.empty((0, 3)))
     steps, wall, cpu = round(end / pack.time_step), 0.0, 0.0
@@ -66,7 +66,7 @@ def hold(march):
 
 def pressed(pack, steps):
     """Cost of the first steps of plies that touch everywhere: all are deflected, and 0.02 mm into each other."""
-    march = PackMarch(pack, 1e-3, 1.0)
+    march = PackSolver(pack, 1e-3, 1.0)
     march.exchange = np.inf
     march.advance(np.empty((0, 3)))
     march.stack.places[:, 2] -= 1.0

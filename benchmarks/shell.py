@@ -32,7 +32,7 @@ from shellfabric.cell.model import CellModel
 from shellfabric.impact.ballistic_limit import critical_velocity, shoot
 from shellfabric.panel import step_kernels as panel_step_kernels
 from shellfabric.panel.model import Numerics, Panel
-from shellfabric.panel.solver import March
+from shellfabric.panel.solver import PanelSolver
 
 END = 250e-6
 FORMS = ("equilibrium", "variational")
@@ -123,7 +123,7 @@ def threads(table, repeats):
     walls, ends = {1: [], 2: []}, {}
     for _ in range(repeats):
         for count in walls:
-            run = March(with_knobs(panel, threads=count), 92.5, END).run()
+            run = PanelSolver(with_knobs(panel, threads=count), 92.5, END).run()
             walls[count].append(run.wall_time)
             ends[count] = run.state
     same = all(np.array_equal(one, two) for one, two in zip(ends[1], ends[2]))

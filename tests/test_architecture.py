@@ -21,7 +21,7 @@ FLOORS = {"fabrics": 0, "meshing": 1, "unitcell3d": 2, "shellfabric": 2, "weavec
 # inside a package, lowest first: a file imports from its own folder and from lower ones
 LAYERS = {
     "shellfabric": (
-        {"jit"}, {"cell"}, {"cloth"}, {"projectile", "coupon"}, {"solid"}, {"backing"}, {"panel"},
+        {"jit"}, {"driver"}, {"cell"}, {"cloth"}, {"projectile", "coupon"}, {"solid"}, {"backing"}, {"panel"},
         {"plies", "cable", "output"}, {"impact"},
     ),
     "unitcell3d": (

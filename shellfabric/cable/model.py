@@ -52,7 +52,7 @@ class CableNumerics:
     widest : stretch of the gap left by failed bars at which an element of the surface loses contact, as in the shell
     clear_time : [s] without a push and with nothing ahead, after which the net counts as perforated
     block : nodes worked on together; their scratch should stay in cache
-    drift_limit : share of the strike energy that the energy balance may reach before the run counts as unstable
+    energy_error_limit : share of the strike energy that the energy error may reach before the run counts as unstable
 
     Raises
     ------
@@ -67,10 +67,10 @@ class CableNumerics:
     widest: float = 3.0
     clear_time: float = 2e-6
     block: int = 2000
-    drift_limit: float = 0.05
+    energy_error_limit: float = 0.05
 
     def __post_init__(self):
-        for key in ("safety", "penalty", "contact_points", "widest", "clear_time", "block", "drift_limit"):
+        for key in ("safety", "penalty", "contact_points", "widest", "clear_time", "block", "energy_error_limit"):
             if not getattr(self, key) > 0:
                 raise InputError(key=key, value=getattr(self, key), allowed="above 0")
         for key in ("viscosity", "contact_damping"):

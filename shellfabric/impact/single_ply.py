@@ -8,20 +8,21 @@ from math import ceil
 import numpy as np
 
 from fabrics.compression import CompressionLaw
-from fabrics.errors import InputError, UnstableError
+from fabrics.errors import InputError
 from fabrics.fabric import Fabric
 from fabrics.surface import ResponseSurface
 from shellfabric.backing.block import Backing
 from shellfabric.backing.coupling import BackingResult
 from shellfabric.cell.model import CellModel, CellTable
 from shellfabric.cell.surface_cell import SurfaceCell
+from shellfabric.driver.solver import run_to_end
 from shellfabric.output import checkpoint, histories
-from shellfabric.output import hooks as onlookers
 from shellfabric.output import snapshots as output_snapshots
+from shellfabric.output.hooks import Snapshots
 from shellfabric.panel import quality
 from shellfabric.panel.boundary import Grip, PullIn
 from shellfabric.panel.model import SYMMETRIES, Numerics, Panel
-from shellfabric.panel.solver import ENERGIES, March
+from shellfabric.panel.solver import ENERGIES, PanelSolver
 from shellfabric.projectile import dynamics
 from shellfabric.projectile.bar import Rigidity, contact_time, held_force, rigid_is_enough
 from shellfabric.projectile.projectile import Projectile
@@ -96,6 +97,11 @@ class ImpactSetup:
         needed = 2 * max(self.fabric.weave.w) / (ELEMENT_SIDE * self.projectile.radius)
         return 1 if self.grading is not None else min(max(1, ceil(needed)), MOST_ELEMENTS)
 
+    @property
+    def sample_interval(self):
+        """[s] between samples, which are as frequent as what is recorded."""
+        return min(self.audit_interval, self.measure.interval) if self.measure else self.audit_interval
+
     def table(self) -> CellTable:
         """The cell's table, filled. Set-ups that differ in panel, shot or mesh alone can share it.
 
@@ -168,7 +174,7 @@ class ImpactResult(Outcome):
         longer moves along the panel's normal, though it may slide on
     residual_velocity : [m/s] of the projectile at the end, along the normal
     velocity : (3,) [m/s] of the projectile at the end, along warp, weft and normal
-    t, v, z : (n,) [s, m/s, m] instants of the audit; the projectile's velocity along the normal and its foremost point
+    t, v, z : (n,) [s, m/s, m] of the samples; the projectile's velocity along the normal and its foremost point
     energies : {name: (n,)} [J] with the names of panel.solver.ENERGIES; balance is the sum less the energy at the start
     reactions : {"warp", "weft": (n,)} [N] tension at the clamped end of the yarn nearest the impact point
     failed : (n,) number of failed yarn segments
@@ -182,7 +188,7 @@ class ImpactResult(Outcome):
     broken : (m, 3) bool at the end: warp failed, weft failed, element eroded
     snapshots : tuple of snapshots.Snapshot
     histories : histories.Histories, or None where nothing was to be recorded
-    steps, wall_time, ns_per_element_step : cost of marching, [s] and [ns]
+    steps, wall_time, ns_per_element_step : cost of the run, [s] and [ns]
     max_deflection : [m] of whole cloth, over the run
     checks : tuple of quality.Indicator
     """
@@ -241,7 +247,7 @@ def run(setup: ImpactSetup, *, hooks=(), resume=None, table=None) -> ImpactResul
     Parameters
     ----------
     setup : ImpactSetup
-    hooks : called as hook(march) after every audit
+    hooks : called as hook(solver) after every audit
     resume : path of a checkpoint of the same set-up to go on from; the result is that of the uninterrupted run, bit
         for bit
     table : CellTable that a set-up of the same cell has filled, or None
@@ -251,73 +257,67 @@ def run(setup: ImpactSetup, *, hooks=(), resume=None, table=None) -> ImpactResul
     InputError : a set-up or checkpoint that cannot be used
     UnstableError : the run became unphysical; its attribute `result` holds what was computed
     """
-    interval = min(setup.audit_interval, setup.measure.interval) if setup.measure else setup.audit_interval
-    march = March(setup.panel(table), setup.strike_velocity, setup.end_time, interval=interval)
-    march.measure = setup.measure
-    own = (histories.Recorder(march.panel, setup.measure),) if setup.measure else ()
-    own += snapshots(setup, onlookers.Snapshots)
+    solver = PanelSolver(setup.panel(table), setup.strike_velocity, setup.end_time, interval=setup.sample_interval)
+    own = (*recorder(solver, setup), *snapshot_hooks(setup))
     if resume is not None:
-        checkpoint.read(march, resume)
-    return carried_out(march, (*own, *hooks), lambda: result_of(setup, march))
+        checkpoint.read(solver, resume)
+    return run_to_end(solver, (*own, *hooks), lambda: collect_result(setup, solver))
 
 
-def snapshots(setup: ImpactSetup, kind):
-    """The hook of a `kind` that takes the set-up's snapshots, in a tuple; InputError for a bad interval."""
+def recorder(solver, setup: ImpactSetup):
+    """The hook that records along yarns and at edges, in a tuple; none where nothing is to be recorded."""
+    solver.measure = setup.measure
+    plies = [panel for panel, _, _ in solver.parts]
+    return (histories.Recorder(plies, setup.measure),) if setup.measure else ()
+
+
+def snapshot_hooks(setup: ImpactSetup, take=None):
+    """The hook that takes the set-up's snapshots, in a tuple; see hooks.Snapshots. InputError for a bad interval."""
     if setup.snapshot_interval is None:
         return ()
     if not setup.snapshot_interval > 0:
         raise InputError(key="snapshot_interval", value=setup.snapshot_interval, allowed="above 0")
-    return (kind(setup.snapshot_interval),)
+    return (Snapshots(setup.snapshot_interval, take),)
 
 
-def carried_out(march, hooks, result):
-    """March to the end: result(), which a run that goes wrong hands on in its UnstableError."""
-    try:
-        march.run(hooks)
-    except UnstableError as problem:
-        problem.result = result()
-        raise
-    return result()
-
-
-def result_of(setup: ImpactSetup, march: March) -> ImpactResult:
-    """Gather what a march has recorded."""
-    last = output_snapshots.snapshot(march.panel, march.state, march.time)
+def collect_result(setup: ImpactSetup, solver: PanelSolver) -> ImpactResult:
+    """Gather what a run has recorded."""
+    last = output_snapshots.snapshot(solver.panel, solver.state, solver.time)
     return ImpactResult(
         setup=setup,
-        panel=march.panel,
-        energies={name: march.sample(name) for name in ENERGIES},
-        reactions={"warp": march.sample("reaction_warp"), "weft": march.sample("reaction_weft")},
-        failed=march.sample("failed_yarns"),
-        peak_tension=(float(march.state.peak[0]), float(march.state.peak[1])),
+        panel=solver.panel,
+        energies={name: solver.sample(name) for name in ENERGIES},
+        reactions={"warp": solver.sample("reaction_warp"), "weft": solver.sample("reaction_weft")},
+        failed=solver.sample("failed_yarns"),
+        peak_tension=(float(solver.state.peak[0]), float(solver.state.peak[1])),
         nose=last.nose,
         nodes=last.nodes.reshape(-1, 3),
-        quads=output_snapshots.quads(march.panel),
+        quads=output_snapshots.quads(solver.panel),
         tension=last.tension.reshape(-1, 2),
         broken=last.broken.reshape(-1, 3),
-        histories=histories.unpack(march.histories, march.panel, setup.measure) if march.histories else None,
-        **of_projectile(march, march.panel.elements),
+        histories=histories.unpack(solver.histories, (solver.panel,), setup.measure)[0] if solver.histories else None,
+        **projectile_result(solver, solver.panel.elements),
     )
 
 
-def of_projectile(march, elements):
+def projectile_result(solver, elements):
     """Entries of a result that are the same for one ply and a pack: the projectile's, the block's, and the cost."""
-    fine = np.concatenate(march.fine) if march.fine else np.empty((0, march.columns))
-    clock, bar = march.const.dt * np.arange(1, len(fine) + 1), march.panel.projectile.bar
+    fine = np.concatenate([np.empty((0, solver.history_columns)), *solver.step_history])
+    clock, bar = solver.const.dt * np.arange(1, len(fine) + 1), solver.panel.projectile.bar
     return {
-        "outcome": march.outcome,
-        "residual_velocity": float(march.sample("v")[-1]),
-        "velocity": dynamics.velocity(march.state, march.const),
-        "t": march.sample("t"),
-        "v": march.sample("v"),
-        "z": march.sample("z"),
-        "fine": np.column_stack([clock, fine[:, :2], fine[:, 2] / march.panel.share]),
-        "bar": None if bar is None else dynamics.history(clock, fine, march.state, bar),
-        "backing": march.behind.result() if march.behind else None,
-        "snapshots": tuple(march.snapshots),
-        "max_deflection": march.monitor.deflection,
-        "checks": quality.of_march(march),
-        "steps": march.steps,
-        "wall_time": march.wall_time,
-        "ns_per_element_step": 1e9 * march.wall_time / max(1, march.steps * elements),
+        "outcome": solver.outcome,
+        "residual_velocity": float(solver.sample("v")[-1]),
+        "velocity": dynamics.velocity(solver.state, solver.const),
+        "t": solver.sample("t"),
+        "v": solver.sample("v"),
+        "z": solver.sample("z"),
+        "fine": np.column_stack([clock, fine[:, :2], fine[:, 2] / solver.panel.share]),
+        "bar": None if bar is None else dynamics.history(clock, fine, solver.state, bar),
+        "backing": solver.behind.result() if solver.behind else None,
+        "snapshots": tuple(solver.snapshots),
+        "max_deflection": solver.monitor.deflection,
+        "checks": quality.of_solver(solver),
+        "steps": solver.steps,
+        "wall_time": solver.wall_time,
+        "ns_per_element_step": 1e9 * solver.wall_time / max(1, solver.steps * elements),
     }

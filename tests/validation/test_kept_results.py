@@ -177,31 +177,31 @@ def panel():
 
 def an_impact(path):
     from shellfabric.output import checkpoint
-    from shellfabric.panel.solver import March
+    from shellfabric.panel.solver import PanelSolver
 
     this = panel()
-    checkpoint.write(March(this, 50.0, 2e-6), path)
-    return lambda: checkpoint.read(March(this, 50.0, 2e-6), path)
+    checkpoint.write(PanelSolver(this, 50.0, 2e-6), path)
+    return lambda: checkpoint.read(PanelSolver(this, 50.0, 2e-6), path)
 
 
 def a_pack(path):
-    from shellfabric.output import checkpoint_pack
+    from shellfabric.output import checkpoint
     from shellfabric.plies.model import Pack
-    from shellfabric.plies.solver import PackMarch
+    from shellfabric.plies.solver import PackSolver
 
     pack = Pack.stacked(panel(), 2)
-    checkpoint_pack.write(PackMarch(pack, 50.0, 2e-6), path)
-    return lambda: checkpoint_pack.read(PackMarch(pack, 50.0, 2e-6), path)
+    checkpoint.write(PackSolver(pack, 50.0, 2e-6), path)
+    return lambda: checkpoint.read(PackSolver(pack, 50.0, 2e-6), path)
 
 
 def a_solid_patch(path):
     pytest.importorskip("gmsh")
-    from shellfabric.output import checkpoint_solid
+    from shellfabric.output import checkpoint
     from validation.published.solid_patch.study import march
 
     begun = march(count=4, size=(2, 2, 2), threads=1)
-    checkpoint_solid.write(begun, path)
-    return lambda: checkpoint_solid.read(begun, path)
+    checkpoint.write(begun, path)
+    return lambda: checkpoint.read(begun, path)
 
 
 def a_coupon(path):

@@ -166,7 +166,7 @@ def write(out, this, record, snapshots, text, advance, choice=None):
     if choice is not None:
         told.append(fidelity.chapter(choice))
     if record.measured is not None:
-        told.append(chapters.measures(record, this.scene.history.report_positions))
+        told.append(chapters.measures(record.measured, this.scene.history.report_positions))
     told += chapters.body(record)
     if "pictures" in outputs:
         report_page.write_pictures(told, out / "pictures")

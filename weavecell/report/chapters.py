@@ -249,11 +249,17 @@ def impact_table(records):
     return Table(columns, rows, numeric=columns[2:])
 
 
-def measures(record, places):
-    """What was recorded along yarns and at the edges; places [m] along the yarns whose histories are drawn."""
+def measures(recorded, places, ply=None):
+    """What was recorded along yarns and at the edges.
+
+    Parameters
+    ----------
+    recorded : shellfabric.output.histories.Histories
+    places : [m] along the yarns whose histories are drawn
+    ply : number of the ply in a pack, the first is 1; None of a single panel
+    """
     from shellfabric.output.wave_fronts import fronts
 
-    recorded = record.measured
     t, waves = recorded.t, fronts(recorded)
     through = [yarn for yarn in (recorded.through("warp"), recorded.through("weft")) if yarn is not None]
     drawn = []
@@ -267,12 +273,18 @@ def measures(record, places):
         ]  # fmt: skip
     drawn.append(("edges", "Force of the cloth on the edges of the whole panel.", (recorded.edges,)))
     figures = tuple(
-        Figure(pictures.render(getattr(pictures_histories, name), t, *arguments), "svg", caption, name)
+        Figure(
+            pictures.render(getattr(pictures_histories, name), t, *arguments),
+            "svg",
+            caption,
+            f"{name}-ply-{ply}" if ply else name,
+        )
         for name, caption, arguments in drawn
     )
     columns = ("front", "yarn", "speed in the cloth [m/s]", "95 % interval [m/s]", "speed along the yarn [m/s]")
     return Section(
-        "measures", "Along the yarns and at the edges", "", figures,
+        f"measures-ply-{ply}" if ply else "measures",
+        f"Along the yarns and at the edges, ply {ply}" if ply else "Along the yarns and at the edges", "", figures,
         (Table(columns, tuple(_front_row(wave, recorded) for wave in waves), numeric=columns[2:]),) if waves else (),
     )  # fmt: skip
 

@@ -212,7 +212,7 @@ class ImpactRecord(Audited):
             for name, values in self.reactions.items():
                 put(file, f"reactions/{name}", values, "N")
             if self.measured is not None:
-                _write_measured(file.create_group("measured"), self.measured)
+                write_measured(file.create_group("measured"), self.measured)
             if self.bar is not None:
                 _write_group(file.create_group("bar"), self.bar, _BAR, ("period", "shortening"))
             if self.backing is not None:
@@ -235,7 +235,7 @@ class ImpactRecord(Audited):
                     values[shape] = Shape(**{name: plain(file[f"panel/{shape}/{name}"][()]) for name in SHAPE})
                 for group in ("energies", "reactions"):
                     values[group] = {name: data[()] for name, data in file[group].items()}
-                values["measured"] = _read_measured(file["measured"]) if "measured" in file else None
+                values["measured"] = read_measured(file["measured"]) if "measured" in file else None
                 values |= {name: _read_group(file, name) for name in ("bar", "backing")}
         except OSError as problem:
             raise InputError(f"is not a readable HDF5 file ({problem})", file=path) from None
@@ -307,8 +307,8 @@ def _read_group(file, name):
     return kind(**{key: group[key][()] for key in units}, **{key: plain(value) for key, value in group.attrs.items()})
 
 
-def _write_measured(group, measured):
-    """Histories, and the fronts read off them, which are for the reader alone."""
+def write_measured(group, measured):
+    """Histories of one ply, and the fronts read off them, which are for the reader alone."""
     from shellfabric.output.wave_fronts import fronts
 
     put(group, "t", measured.t, "s")
@@ -328,7 +328,8 @@ def _write_measured(group, measured):
         put(inner, "place", front.place, "m")
 
 
-def _read_measured(group):
+def read_measured(group):
+    """What `write_measured` wrote."""
     from shellfabric.output.histories import EDGES, Histories, YarnHistory
 
     yarns = tuple(

@@ -10,9 +10,9 @@ from fabrics.materials import Isotropic, load
 from shellfabric.backing.block import Backing
 from shellfabric.backing.coupling import Behind, radius_at, wall_angle
 from shellfabric.cloth import jamming_kernels
-from shellfabric.impact.single_ply import UNFAILING, ImpactSetup, result_of, run
+from shellfabric.impact.single_ply import UNFAILING, ImpactSetup, collect_result, run
 from shellfabric.output import checkpoint
-from shellfabric.panel.solver import March
+from shellfabric.panel.solver import PanelSolver
 from shellfabric.projectile.projectile import Projectile
 
 BACKING = load("backing")
@@ -39,7 +39,7 @@ def test_energy_balance(struck):
 def test_momentum_of_all_three_is_kept(fabric):
     """Free cloth before a free block: what the projectile loses they have, along its flight."""
     setup = ImpactSetup(fabric, 100.0, **QUICK | {"backing": replace(BLOCK, far="free"), "edge": "free"})
-    march = March(setup.panel(), 100.0, 20e-6)
+    march = PanelSolver(setup.panel(), 100.0, 20e-6)
     start = march.const.projectile_mass * 100.0
     march.run()
     state, const, block = march.state, march.const, march.behind.block
@@ -150,9 +150,9 @@ def test_cloth_that_does_not_fail_bunches_up_and_stays_whole(fabric):
 def test_resumes_bit_for_bit(struck, tmp_path):
     path = tmp_path / "checkpoint.h5"
     run(replace(struck.setup, end_time=20e-6), hooks=(checkpoint.Checkpoints(path, 10e-6),))
-    march = March(struck.setup.panel(), 100.0, struck.setup.end_time)
+    march = PanelSolver(struck.setup.panel(), 100.0, struck.setup.end_time)
     checkpoint.read(march, path)
-    resumed = result_of(struck.setup, march.run())
+    resumed = collect_result(struck.setup, march.run())
     np.testing.assert_array_equal(resumed.fine, struck.fine)
     np.testing.assert_array_equal(resumed.backing.nodes, struck.backing.nodes)
     for name, values in struck.energies.items():
@@ -180,4 +180,4 @@ def test_bad_input_is_refused(fabric, changes):
         fabric, 100.0, **QUICK | {"symmetry": "whole" if "projectile" in changes else "quarter"} | changes
     )
     with pytest.raises(InputError):
-        March(setup.panel(), 100.0, 1e-5)
+        PanelSolver(setup.panel(), 100.0, 1e-5)

@@ -9,9 +9,12 @@ import pytest
 from fabrics import catalogue
 from fabrics.errors import InputError, UnstableError
 from shellfabric.cable import step_kernels as kernels
+from shellfabric.cable.contact_kernels import CONTACT
 from shellfabric.cable.model import CableNet, CableNumerics
-from shellfabric.cable.solver import run
+from shellfabric.cable.solver import ENERGIES, CableSolver, collect_result, run
 from shellfabric.impact import single_ply
+from shellfabric.output import checkpoint
+from shellfabric.output.hooks import Snapshots
 
 S720 = catalogue.load("S-720").with_effective_density()
 SMALL = CableNet(S720, (0.05, 0.05))
@@ -113,6 +116,53 @@ def test_runs_repeat_bit_for_bit():
     first, second = run(SMALL, 150.0, 30e-6), run(SMALL, 150.0, 30e-6)
     assert np.array_equal(first.fine, second.fine)
     assert np.array_equal(first.nodes, second.nodes)
+
+
+def test_a_resumed_run_goes_on_bit_for_bit(tmp_path):
+    """Bars fail before and after; snapshots are kept."""
+    path, take = tmp_path / "run.h5", lambda solver: (solver.time, solver.state.u.copy())
+    whole = CableSolver(SMALL, 300.0, 30e-6).run((Snapshots(4e-6, take),))
+
+    def interrupt(solver):
+        if solver.time > 14e-6:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        CableSolver(SMALL, 300.0, 30e-6).run((Snapshots(4e-6, take), checkpoint.Checkpoints(path, 4e-6), interrupt))
+    rest = CableSolver(SMALL, 300.0, 30e-6)
+    checkpoint.read(rest, path)
+    assert 0 < rest.steps < whole.steps
+    before = rest.sample("failed")[-1]
+    one, other = collect_result(rest.run((Snapshots(4e-6, take),))), collect_result(whole)
+    assert one.energies["failed"][-1] > before > 0
+    for name in ("t", "v", "z", "fine", "nodes", "broken"):
+        assert np.array_equal(getattr(one, name), getattr(other, name)), name
+    for name in ENERGIES:
+        assert np.array_equal(one.energies[name], other.energies[name]), name
+    assert [t for t, _ in rest.snapshots] == [t for t, _ in whole.snapshots]
+    with pytest.raises(InputError, match="another run"):
+        checkpoint.read(CableSolver(replace(SMALL, failure=False), 300.0, 30e-6), path)
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (lambda state: state.v[2].__setitem__(100, 1e7), "a node moves at"),
+        (lambda state: state.speed.__imul__(1.1), "the energy balance is off"),
+        (lambda state: state.speed.__imul__(np.nan), "a number is not finite"),
+        (lambda state: state.sums.__setitem__(CONTACT, -1.0), "the contact has given"),
+    ],
+)
+def test_a_disturbed_net_is_stopped_and_says_where(change, message):
+    def disturb(solver):
+        if len(solver.samples) == 3:
+            change(solver.state)
+
+    solver = CableSolver(SMALL, 100.0, 30e-6)
+    with pytest.raises(UnstableError, match=message) as caught:
+        solver.run((disturb,))
+    assert solver.outcome == "unstable"
+    assert "of the cable net" in str(caught.value)
 
 
 def test_bars_fail_at_their_strength():

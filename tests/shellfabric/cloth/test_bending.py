@@ -12,7 +12,7 @@ from shellfabric.cloth import bending_kernels
 from shellfabric.impact.single_ply import ImpactSetup, run
 from shellfabric.panel import step_kernels as panel_step_kernels
 from shellfabric.panel.model import Numerics, Panel
-from shellfabric.panel.solver import SAMPLES, March
+from shellfabric.panel.solver import SAMPLES, PanelSolver
 
 EI = 2e-6
 NO_DAMPING = Numerics(stretch_viscosity=0.0)  # whose coefficient hangs on the time step, and that on bending
@@ -174,7 +174,7 @@ def test_impact_with_bending_conserves(fabric):
     broken = run(replace(setup, strike_velocity=260.0))
     assert broken.failed[-1] > 0
     assert broken.worst_balance < 1e-2
-    march = March(broken.panel, 260.0, 50e-6)
+    march = PanelSolver(broken.panel, 260.0, 50e-6)
     assert march.samples[0][SAMPLES.index("bending")] == 0.0
 
 

@@ -11,7 +11,7 @@ from fabrics.errors import InputError
 from shellfabric.cable.model import CableNet
 from shellfabric.panel import step_kernels as panel_step_kernels
 from shellfabric.panel.model import Numerics, Panel
-from shellfabric.panel.solver import March
+from shellfabric.panel.solver import PanelSolver
 from shellfabric.projectile import friction_kernels
 from shellfabric.projectile.contact_kernels import FRICTION, FRICTION_SPRING
 from shellfabric.projectile.projectile import SHAPES, Projectile
@@ -66,7 +66,7 @@ def test_energy_of_every_shot_balances(small, shape, attitude):
     """Also where points slide: over a step the last force does work in its own direction, not in the present one."""
     knobs = Numerics(safety=0.5)  # the error of the time integration, four times less, is not what is asked after
     panel = small(symmetry="whole", projectile=shot(shape, **attitude), failure=False, numerics=knobs)
-    march = March(panel, 110.0, 50e-6).run()
+    march = PanelSolver(panel, 110.0, 50e-6).run()
     assert np.abs(march.sample("balance")).max() < 1e-4 * march.strike_energy
     assert march.sample("kinetic_projectile")[-1] < 0.97 * march.strike_energy
     assert np.all(np.diff(march.sample("z")) > 0)

@@ -14,7 +14,7 @@ from shellfabric.impact.single_ply import ImpactSetup, run
 from shellfabric.jit import barrier
 from shellfabric.output import checkpoint
 from shellfabric.panel.model import Numerics
-from shellfabric.panel.solver import March
+from shellfabric.panel.solver import PanelSolver
 
 
 @njit(nogil=True)
@@ -36,14 +36,14 @@ def setup(fabric, threads, **changes):
 
 def march(fabric, threads, **changes):
     chosen = setup(fabric, threads, **changes)
-    return March(chosen.panel(), chosen.strike_velocity, chosen.end_time).run()
+    return PanelSolver(chosen.panel(), chosen.strike_velocity, chosen.end_time).run()
 
 
 def assert_same(one, other):
     for name, mine, theirs in zip(one.state._fields, one.state, other.state):
         np.testing.assert_array_equal(mine, theirs, err_msg=name)
     np.testing.assert_array_equal(one.samples, other.samples)
-    np.testing.assert_array_equal(np.concatenate(one.fine), np.concatenate(other.fine))
+    np.testing.assert_array_equal(np.concatenate(one.step_history), np.concatenate(other.step_history))
 
 
 @pytest.mark.parametrize("form", ["equilibrium", "variational"])
@@ -84,7 +84,7 @@ def test_nobody_is_left_waiting(fabric):
 
     def fire():
         try:
-            March(chosen.panel(), chosen.strike_velocity, chosen.end_time).run((wrong,))
+            PanelSolver(chosen.panel(), chosen.strike_velocity, chosen.end_time).run((wrong,))
         except LookupError as problem:
             told.append(problem.args[0])
 

@@ -12,7 +12,7 @@ from shellfabric.panel import boundary
 from shellfabric.panel import step_kernels as panel_step_kernels
 from shellfabric.panel.boundary import Grip, PullIn
 from shellfabric.panel.model import Panel
-from shellfabric.panel.solver import March
+from shellfabric.panel.solver import PanelSolver
 from shellfabric.projectile.projectile import Projectile
 
 SLIP = PullIn(length=0.4e-3, start=5e-6, end=35e-6, zone=20e-3)
@@ -52,7 +52,7 @@ def test_pull_in_is_a_triangle_that_grows_evenly(small, symmetry):
 @pytest.mark.parametrize("form", ["equilibrium", "variational"])
 def test_energy_balances_while_edges_slip(small, tables, edge, form):
     panel = small(table=tables[form], edge=edge)
-    march = March(panel, 90.0, 60e-6).run()
+    march = PanelSolver(panel, 90.0, 60e-6).run()
     assert np.abs(march.sample("balance")).max() < 2e-3 * march.strike_energy
     gripped = isinstance(edge, Grip) or isinstance(edge[-1], Grip)
     spent = march.sample("grip" if gripped else "external")
@@ -161,9 +161,9 @@ def test_any_rectangle(tables):
     """As many whole crossovers along each yarn as fit; the shorter way feels its edge sooner."""
     panel = Panel(tables["equilibrium"], (0.06, 0.03))
     assert panel.counts == (23, 11)
-    march = March(panel, 80.0, 12e-6).run()
+    march = PanelSolver(panel, 80.0, 12e-6).run()
     assert march.sample("reaction_weft")[-1] > 1.5 * march.sample("reaction_warp")[-1]
-    turned = March(Panel(tables["equilibrium"], (0.03, 0.06)), 80.0, 12e-6).run()
+    turned = PanelSolver(Panel(tables["equilibrium"], (0.03, 0.06)), 80.0, 12e-6).run()
     assert turned.sample("reaction_warp")[-1] > 1.5 * turned.sample("reaction_weft")[-1]
 
 
@@ -208,7 +208,7 @@ def test_an_oblique_weave_is_the_same_cloth_until_its_edge_is_felt(tables):
 
 
 def test_energy_of_an_oblique_weave(tables):
-    march = March(
+    march = PanelSolver(
         oblique(tables["variational"], 30.0, projectile=Projectile(shape="sphere", obliquity=0.3, azimuth=1.0)),
         90.0,
         60e-6,

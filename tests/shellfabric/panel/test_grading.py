@@ -9,7 +9,7 @@ from shellfabric.cell.model import CellModel
 from shellfabric.panel import grading
 from shellfabric.panel import step_kernels as panel_step_kernels
 from shellfabric.panel.model import Numerics, Panel
-from shellfabric.panel.solver import March
+from shellfabric.panel.solver import PanelSolver
 
 INF = np.inf
 PLAIN = Numerics(threads=1)
@@ -61,7 +61,7 @@ def test_equal_elements_are_the_plain_panel(tables, strike_velocity):
         Panel(tables["variational"], (0.04, 0.04), numerics=PLAIN, grading=zones) for zones in (None, ((INF, 1),))
     ]
     panels.append(forced(Panel(tables["variational"], (0.04, 0.04), numerics=PLAIN)))
-    one, same, other = (March(panel, strike_velocity, 60e-6).run() for panel in panels)
+    one, same, other = (PanelSolver(panel, strike_velocity, 60e-6).run() for panel in panels)
     assert (one.state.counter[panel_step_kernels.FAILURES] > 0) == (strike_velocity > 100)
     for name in ("u", "v", "L", "N", "g0", "failed", "intact"):
         for a, b, c in zip(*(getattr(march.state, name) for march in (one, same, other))):
@@ -150,7 +150,9 @@ def test_patch(graded):
 
 
 def test_whole_against_quarter(graded):
-    quarter, whole = (March(graded(symmetry=kind, numerics=PLAIN), 90.0, 60e-6).run() for kind in ("quarter", "whole"))
+    quarter, whole = (
+        PanelSolver(graded(symmetry=kind, numerics=PLAIN), 90.0, 60e-6).run() for kind in ("quarter", "whole")
+    )
     assert quarter.sample("v")[-1] == pytest.approx(whole.sample("v")[-1], rel=1e-9)
 
 
@@ -158,7 +160,9 @@ def test_shot_against_the_plain_panel(tables):
     """A coarse rim changes the shot little, and loses no energy: 0.05 % with no failure."""
     found = []
     for zones in (None, ((10, 1), (14, 2), (INF, 4))):
-        march = March(Panel(tables["variational"], (0.0762, 0.0762), numerics=PLAIN, grading=zones), 70.0, 150e-6).run()
+        march = PanelSolver(
+            Panel(tables["variational"], (0.0762, 0.0762), numerics=PLAIN, grading=zones), 70.0, 150e-6
+        ).run()
         assert np.abs(march.sample("balance")).max() < 5e-4 * march.strike_energy
         found.append((march.sample("v")[-1], march.sample("z")[-1], *march.state.peak))
     (v, z, *peak), (v_g, z_g, *peak_g) = found

@@ -14,7 +14,7 @@ from shellfabric.output import checkpoint, snapshots
 from shellfabric.output.hooks import Progress, Snapshots
 from shellfabric.panel import step_kernels as panel_step_kernels
 from shellfabric.panel.model import Numerics, Panel
-from shellfabric.panel.solver import March
+from shellfabric.panel.solver import PanelSolver
 from shellfabric.projectile.projectile import Projectile
 
 QUICK = {"opening": 0.0508, "table_size": 101, "end_time": 60e-6}
@@ -53,7 +53,7 @@ def test_energy_balance(quick, changes):
 
 def snapping(**wrong):
     """The source's shot at S-731, whose straight weft snaps taut. The kernels get `wrong` constants, by factors."""
-    march = March(ImpactSetup(catalogue.load("S-731").with_effective_density(), 116.0).panel(), 116.0, 400e-6)
+    march = PanelSolver(ImpactSetup(catalogue.load("S-731").with_effective_density(), 116.0).panel(), 116.0, 400e-6)
     march.const = march.const._replace(**{name: factor * getattr(march.const, name) for name, factor in wrong.items()})
     return march.run()
 
@@ -102,7 +102,7 @@ def test_free_cloth_flies_on(fabric):
     """Cloth without supports is pushed along: momentum is kept, and the projectile is left with a velocity between that
     of a plastic blow, all of one velocity, and that of an elastic one."""
     panel = ImpactSetup(fabric, 136.0, opening=0.05, edge="free").panel()
-    march = March(panel, 136.0, 800e-6).run()
+    march = PanelSolver(panel, 136.0, 800e-6).run()
     masses, projectile = panel.masses().ravel() / panel.share, panel.projectile.mass
     cloth = masses.sum()
     momentum = masses @ march.state.v[2][: masses.size] + projectile * march.state.speed[2]
@@ -123,7 +123,7 @@ def test_energy_balance_with_failure(quick):
 def test_stored_energy_is_the_potential(quick):
     """In the variational form the work summed over the steps is what is stored, which follows from the stretches."""
     result = quick(100.0)
-    march = March(result.panel, 100.0, QUICK["end_time"]).run()
+    march = PanelSolver(result.panel, 100.0, QUICK["end_time"]).run()
     worked = march.state.sums[:, panel_step_kernels.WORK].sum() / result.panel.share
     assert result.energies["stored"][-1] == pytest.approx(worked, rel=2e-3)
     assert 0 < result.energies["cell"][-1] < 2e-3 * worked
@@ -134,7 +134,7 @@ def test_stored_energy_is_the_potential(quick):
 def test_audit_of_eight_at_once(fabric, symmetry):
     """The energies of whole cloth are those found one by one, as where yarns have failed."""
     panel = ImpactSetup(fabric, 120.0, **QUICK | {"symmetry": symmetry, "opening": 0.0407}).panel()
-    march = March(panel, 120.0, 15e-6).run()
+    march = PanelSolver(panel, 120.0, 15e-6).run()
     state, const = march.state, march.const
     assert not state.thin.any()
     fast = failure_kernels.stored_energy(const, state, 0, const.ni)

@@ -12,7 +12,7 @@ from shellfabric.cell.model import CellModel
 from shellfabric.cloth import spline_kernels
 from shellfabric.panel.model import Numerics, Panel
 from shellfabric.plies.model import Pack, PlyContact
-from shellfabric.plies.solver import PackMarch
+from shellfabric.plies.solver import PackSolver
 from shellfabric.projectile import contact_kernels
 
 GAP = 0.1e-3
@@ -101,7 +101,7 @@ def test_in_one_step_a_very_firm_one_closes_the_gap():
 
 def test_it_foresees_what_all_other_forces_do(ply):
     """What a step does to the nodes about the nose is what was due and what the nose gives."""
-    march = PackMarch(Pack.stacked(ply, 3, gap=GAP), 158.0, 12e-6).run()
+    march = PackSolver(Pack.stacked(ply, 3, gap=GAP), 158.0, 12e-6).run()
     state, const = march.states[0], march.consts[0]
     march.advance(np.empty((1, 3)))
     assert march.stack.firm[0]
@@ -117,7 +117,7 @@ def test_it_foresees_what_all_other_forces_do(ply):
 
 @pytest.mark.parametrize("nose", [PlyContact.nose, 8 * PlyContact.nose])
 def test_it_only_takes(ply, nose):
-    march = PackMarch(Pack.stacked(ply, 4, gap=GAP, contact=PlyContact(nose=nose)), 158.0, 50e-6).run()
+    march = PackSolver(Pack.stacked(ply, 4, gap=GAP, contact=PlyContact(nose=nose)), 158.0, 50e-6).run()
     taken = march.sample("contact")
     assert taken.max() > 1e-3 * march.strike_energy
     assert taken.min() > -1e-6 * march.strike_energy
@@ -130,7 +130,7 @@ def highest(ply, safety=0.9, **knobs):
     knobs = {"nose": PlyContact.nose, "penalty": PlyContact.penalty} | knobs
     contact = PlyContact(**{name: part * value for name, value in knobs.items()})
     chosen = replace(ply, failure=False, numerics=replace(ply.numerics, safety=safety))
-    return PackMarch(Pack.stacked(chosen, 3, gap=GAP, contact=contact), 158.0, 40e-6).run().peaks[0, 1]
+    return PackSolver(Pack.stacked(chosen, 3, gap=GAP, contact=contact), 158.0, 40e-6).run().peaks[0, 1]
 
 
 def test_tension_under_the_nose_hangs_on_no_knob(ply):

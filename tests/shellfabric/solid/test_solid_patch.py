@@ -8,14 +8,15 @@ pytest.importorskip("gmsh")
 from fabrics import catalogue
 from fabrics.errors import InputError, UnstableError
 from meshing import crossover, patch
-from shellfabric.output import checkpoint_solid
+from shellfabric.output import checkpoint
+from shellfabric.output.hooks import Snapshots
 from shellfabric.projectile.projectile import Projectile
 from shellfabric.solid import fibre_kernels, solid_kernels, yarn_contact_kernels
 from shellfabric.solid import step_kernels as solid_step_kernels
 from shellfabric.solid.hex8 import CORNERS, PATTERNS, Bricks
 from shellfabric.solid.model import SolidPatch, _corners
 from shellfabric.solid.numerics import PatchNumerics
-from shellfabric.solid.solver import ENERGIES, SAMPLES, SolidMarch
+from shellfabric.solid.solver import ENERGIES, SAMPLES, SolidSolver
 
 FABRIC = catalogue.load("S-720")
 SIZE = (2, 2, 1)
@@ -32,7 +33,7 @@ def struck(mesh, **changes):
     own = {key: changes.pop(key) for key in keys if key in changes}
     numerics = PatchNumerics(**changes.pop("numerics", {}))
     end = changes.pop("end_time", 2e-6)
-    return SolidMarch(SolidPatch(mesh, FABRIC, numerics=numerics, **own), 60.0, end, **changes)
+    return SolidSolver(SolidPatch(mesh, FABRIC, numerics=numerics, **own), 60.0, end, **changes)
 
 
 def rotation(axis, angle):
@@ -376,8 +377,8 @@ def test_a_clear_contact_rests_no_longer_than_it_may(mesh):
     marched = []
     for reach in (1.0, 1e6):  # m: so far that nothing ever rests
         march = struck(mesh, end_time=1e-6, threads=1)
-        pace = march._pace
-        march._pace = lambda left, pace=pace, march=march, reach=reach: (pace(left), _widen(march, reach))[0]
+        pace = march._set_time_step
+        march._set_time_step = lambda left, pace=pace, march=march, reach=reach: (pace(left), _widen(march, reach))[0]
         marched.append(march.run())
     assert marched[0].state.x == pytest.approx(marched[1].state.x, abs=1e-10)
     assert marched[1].state.rest.max() == 0
@@ -427,14 +428,14 @@ def test_steps_are_stable_where_the_bound_says_so(mesh):
     """Steps of the bound (2 / w of the row sums) pass, of 2.5 times are lost: it is safe, and near."""
     struck(mesh, threads=1, numerics={"safety": 1.0}).run()
     march = struck(mesh, threads=1)
-    pace = march._pace
+    pace = march._set_time_step
 
     def hasty(left):
         steps = max(int(pace(left) * 0.8 / 2.5), 1)
         march.state.pace[0] = left / steps
         return steps
 
-    march._pace = hasty
+    march._set_time_step = hasty
     with pytest.raises(UnstableError, match=r"node \d+ of w|inverted|balance"):
         march.run()
 
@@ -449,17 +450,17 @@ def test_a_run_goes_on_from_its_checkpoint_bit_for_bit(mesh, tmp_path):
     whole = struck(mesh, threads=1, end_time=1.5e-6).run()
     part = struck(mesh, threads=1, end_time=1.5e-6)
     part.end_time = 0.75e-6
-    part.run([checkpoint_solid.SolidSnapshots(2)])
-    checkpoint_solid.write(part, tmp_path / "run.h5")
+    part.run([Snapshots(0.5e-6, lambda march: (march.time, march.state.x.copy()))])
+    checkpoint.write(part, tmp_path / "run.h5")
     rest = struck(mesh, threads=1, end_time=1.5e-6)
-    checkpoint_solid.read(rest, tmp_path / "run.h5")
-    rest.run([checkpoint_solid.SolidWriter(tmp_path / "end.h5")])
+    checkpoint.read(rest, tmp_path / "run.h5")
+    rest.run([checkpoint.Checkpoints(tmp_path / "end.h5", 2e-6)])
     assert np.array_equal(whole.state.x, rest.state.x)
     assert np.array_equal(np.array(whole.samples), np.array(rest.samples))
     assert len(rest.snapshots) == 2
     other = struck(mesh, numerics={"penalty": 2e14})
     with pytest.raises(InputError, match="another run"):
-        checkpoint_solid.read(other, tmp_path / "end.h5")
+        checkpoint.read(other, tmp_path / "end.h5")
 
 
 def test_an_overstretched_patch_tears():
@@ -468,7 +469,7 @@ def test_an_overstretched_patch_tears():
     Nodes of torn yarns get under a neighbour's face from the side; pushed out, they make a third of all the energy.
     """
     mesh = patch.build(FABRIC, (6, 6), size=SIZE)
-    march = SolidMarch(SolidPatch(mesh, FABRIC, Projectile(radius=1.2e-3)), 150.0, 9.6e-6, threads=1).run()
+    march = SolidSolver(SolidPatch(mesh, FABRIC, Projectile(radius=1.2e-3)), 150.0, 9.6e-6, threads=1).run()
     assert march.sample("failed_bars")[-1] > 0
     assert march.state.torn.any()
     taken = march.strike_energy - march.sample("kinetic_projectile")[-1]
@@ -479,7 +480,7 @@ def test_an_overstretched_patch_tears():
 def test_the_loose_end_of_a_cut_yarn_may_fold_up():
     """Where yarns tear as fast as here, the ends fold until a brick is inverted: it is gone before."""
     mesh = patch.build(FABRIC, (4, 4), size=(3, 3, 1))
-    march = SolidMarch(SolidPatch(mesh, FABRIC, Projectile(radius=1.2e-3)), 500.0, 6e-6, threads=1).run()
+    march = SolidSolver(SolidPatch(mesh, FABRIC, Projectile(radius=1.2e-3)), 500.0, 6e-6, threads=1).run()
     assert np.isfinite(march.state.x).all()
     assert np.abs(march.sample("balance")).max() < 1e-3 * march.strike_energy
 
@@ -518,7 +519,7 @@ def test_sums_are_named_once():
         (lambda mesh: SolidPatch(crossover.build(FABRIC, size="coarse"), FABRIC), "whole"),
         (lambda mesh: PatchNumerics(safety=2), "at most 1"),
         (lambda mesh: PatchNumerics(penalty=-1), "above 0"),
-        (lambda mesh: SolidMarch(SolidPatch(mesh, FABRIC), 0, 1e-6), "above 0"),
+        (lambda mesh: SolidSolver(SolidPatch(mesh, FABRIC), 0, 1e-6), "above 0"),
     ],
 )
 def test_bad_input_is_told(mesh, make, told):

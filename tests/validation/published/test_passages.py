@@ -7,7 +7,7 @@ from fabrics import catalogue
 from shellfabric.cell.model import CellModel
 from shellfabric.panel.model import Numerics, Panel
 from shellfabric.plies.model import Pack
-from shellfabric.plies.solver import PackMarch
+from shellfabric.plies.solver import PackSolver
 from validation.published.packs import passages
 
 NEAR = 9
@@ -21,7 +21,7 @@ def ply():
 
 @pytest.mark.parametrize("velocity", [243.0, 300.0])
 def test_torn_plies_do_not_pass_through_each_other(ply, velocity):
-    march = PackMarch(Pack.stacked(ply, 4, gap=0.12e-3), velocity, 1.0)
+    march = PackSolver(Pack.stacked(ply, 4, gap=0.12e-3), velocity, 1.0)
     found, _ = passages.count(march, 50e-6, NEAR, begin=12e-6)
     failed = sum(np.count_nonzero(family) for state in march.states for family in state.failed)
     assert failed > 50
@@ -31,7 +31,7 @@ def test_torn_plies_do_not_pass_through_each_other(ply, velocity):
 
 def test_a_passage_is_seen(ply):
     """A ply that is laid through another crosses it; through a hole it does not."""
-    march = PackMarch(Pack.stacked(ply, 2, gap=0.0), 1.0, 1.0)
+    march = PackSolver(Pack.stacked(ply, 2, gap=0.0), 1.0, 1.0)
     front, rear = (passages.nodes(march, p, NEAR) for p in (0, 1))
     lift = np.array([0.0, 0.0, 2.0 * ply.weave.thickness])
     (before, held), (after, _) = (passages.points(march, 0, x) for x in (front, front + lift))
@@ -54,7 +54,7 @@ def test_a_point_is_through_when_it_has_crossed_both_surfaces(net, times):
 
 
 def test_what_is_back_at_once_has_not_passed(ply):
-    march = PackMarch(Pack.stacked(ply, 2, gap=0.0), 1.0, 1.0)
+    march = PackSolver(Pack.stacked(ply, 2, gap=0.0), 1.0, 1.0)
     march.advance(np.empty((0, 3)))
     told, z = passages.Passages(march, NEAR), march.states[0].u[2]
     count, march.stack.awake[:] = march.const.s * (march.const.ni + 1), True

@@ -13,7 +13,7 @@ from test_supported import CHISEL, LAW, SURFACE, merged
 
 from shellfabric.impact.ballistic_limit import Shot
 from shellfabric.impact.pack import PackSetup
-from shellfabric.panel.solver import ENERGIES, March
+from shellfabric.panel.solver import ENERGIES, PanelSolver
 from weavecell.cli import app
 from weavecell.commands import impact as commands_impact
 from weavecell.results.paraview import read_series
@@ -321,7 +321,7 @@ def limit(capsys, folder, monkeypatch, changes):
 
     def fire(panel, velocity, _):
         if not marches:
-            marches.append(March(panel, 400.0, 12e-6).run(()))
+            marches.append(PanelSolver(panel, 400.0, 12e-6).run(()))
         through = velocity > 130.0
         return Shot(velocity, 50.0 * through, "perforated" if through else "stopped", 1e-4, 0, (1.0, 1.0), 0.0, 0.0)
 

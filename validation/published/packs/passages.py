@@ -45,7 +45,7 @@ class Passages:
 
     Parameters
     ----------
-    march : PackMarch of a quarter panel, at rest or under way
+    march : PackSolver of a quarter panel, at rest or under way
     near : elements from the middle, along each side, which are looked at
 
     Attributes

@@ -20,7 +20,7 @@ from shellfabric.impact.single_ply import ImpactSetup
 from shellfabric.output.hooks import Progress
 from shellfabric.panel.model import Numerics
 from shellfabric.plies.model import Pack
-from shellfabric.plies.solver import PackMarch
+from shellfabric.plies.solver import PackSolver
 from shellfabric.projectile.projectile import Projectile
 from validation.claims.runs import cloth
 
@@ -101,7 +101,7 @@ def march(
         fabric, velocity, projectile=PROJECTILE, edge=edge, failure=False, elements_per_crossover=elements, jam=jam,
         backing=block, opening=opening, numerics=Numerics(safety=SAFETY),
     )  # fmt: skip
-    return PackMarch(Pack.stacked(setup.panel(), case.plies), velocity, end_time)
+    return PackSolver(Pack.stacked(setup.panel(), case.plies), velocity, end_time)
 
 
 def shoot(case: Case, *, report=None, **options) -> Penetration:
@@ -109,7 +109,7 @@ def shoot(case: Case, *, report=None, **options) -> Penetration:
 
     Raises
     ------
-    UnstableError : as PackMarch
+    UnstableError : as PackSolver
     """
     run = march(case, **options).run([Progress(report)] if report else [])
     block = run.behind.result()

@@ -18,7 +18,7 @@ from meshing import patch
 from shellfabric.impact import single_ply
 from shellfabric.solid.model import SolidPatch
 from shellfabric.solid.numerics import PatchNumerics
-from shellfabric.solid.solver import SAMPLES, SolidMarch
+from shellfabric.solid.solver import SAMPLES, SolidSolver
 
 FORMAT = "weavecell solid patch 1"
 SOURCE_SECONDS, SOURCE_PROCESSORS = 157_424, 3  # Table 4-3
@@ -45,14 +45,14 @@ def march(name="S-720", count=20, size=(5, 5, 2), velocity=60.0, end_time=42e-6,
 
     Raises
     ------
-    InputError : an odd number of yarns (the shot falls between two), or as SolidPatch and SolidMarch
+    InputError : an odd number of yarns (the shot falls between two), or as SolidPatch and SolidSolver
     """
     if count % 2 or count < 4:
         raise InputError(key="count", value=count, allowed="even and at least 4")
     fabric = catalogue.load(name)
     mesh = patch.build(fabric, (count, count), size=tuple(size))
     numerics = PatchNumerics() if numerics is None else numerics
-    return SolidMarch(SolidPatch(mesh, fabric, numerics=numerics), velocity, end_time, threads=threads)
+    return SolidSolver(SolidPatch(mesh, fabric, numerics=numerics), velocity, end_time, threads=threads)
 
 
 def shell(march):

@@ -16,7 +16,7 @@ from shellfabric.cable import solver as cable_solver
 from shellfabric.cable.model import CableNet, CableNumerics
 from shellfabric.cell.model import CellModel
 from shellfabric.panel.model import Numerics, Panel
-from shellfabric.panel.solver import March
+from shellfabric.panel.solver import PanelSolver
 from validation.verification.cost_accuracy.core import Method
 from weavecell.analysis.homogenised_weave import coarse
 
@@ -119,11 +119,11 @@ def _shell(case):
     filled = time.process_time()
     found, yarns = {}, max(1, round(1 / case.elements))  # a thick yarn stands for so many
     for velocity in case.shot.velocities:
-        march = March(made, velocity, case.shot.end)
+        march = PanelSolver(made, velocity, case.shot.end)
         if case.awake:
             march.state.rows[:] = 0, march.const.ni
         march.run()
-        fine = np.concatenate(march.fine)
+        fine = np.concatenate(march.step_history)
         peak = [float(tension) / yarns for tension in march.state.peak]
         found |= read_off(
             case.shot, velocity, march.outcome, fine[:, 0], fine[:, 1], march.const.dt, made.projectile.mass, peak

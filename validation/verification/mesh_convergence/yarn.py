@@ -17,7 +17,7 @@ import numpy as np
 from fabrics import catalogue
 from shellfabric.cloth.failure_kernels import WEFT, yarn_tension
 from shellfabric.impact.single_ply import ImpactSetup
-from shellfabric.panel.solver import March
+from shellfabric.panel.solver import PanelSolver
 
 # [m/s], [s]: just before the first yarn fails, and which that is, counted from the one through the middle
 SHOTS = {"S-726": (118.0, 223e-6, 2), "S-727": (124.0, 163e-6, 2), "S-731": (112.0, 270e-6, 3)}
@@ -56,7 +56,7 @@ class Across:
 def across(fabric, velocity, time, number, n, **setup):
     """Tension across a Fabric's weft yarns `time` [s] after a strike at `velocity` [m/s], n elements a crossover."""
     panel = replace(ImpactSetup(fabric, velocity, **setup).panel(), elements_per_crossover=n, failure=False)
-    march = March(panel, velocity, time, interval=0.25 * time).run()
+    march = PanelSolver(panel, velocity, time, interval=0.25 * time).run()
     const, state, shot = march.const, march.state, panel.projectile
     rows = state.T[WEFT][: (const.ni + 1) * const.s].reshape(-1, const.s)
     count, pitch = _SHOWN * n + 1, panel.spacing[0] * n
