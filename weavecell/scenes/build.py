@@ -37,7 +37,7 @@ SHOT = (
     *CLOTH, "fabric.surface", "fabric.bending", *PROJECTILE, *PANEL, "run.elements_per_crossover", *NUMERICS, *BACKING,
 )  # fmt: skip
 # keys whose field in the objects of shellfabric has another name
-_FIELDS = {
+FIELDS = {
     "fabric.cell_formulation": "form",
     "fabric.crossover_gap": "gap",
     "panel.boundary": "edge",
@@ -158,7 +158,7 @@ def _projectile(table):
 
 def _given(table, name, but=()):
     """{field: value} of the keys that a table sets."""
-    return {_FIELDS.get(f"{name}.{key}", key): value for key, value in table if value is not None and key not in but}
+    return {FIELDS.get(f"{name}.{key}", key): value for key, value in table if value is not None and key not in but}
 
 
 def _backing(table):
@@ -202,7 +202,7 @@ def in_file(problem, file):
     tables |= dict.fromkeys(ProjectileTable.model_fields, "projectile")
     tables |= dict.fromkeys(("warp", "weft"), "history") | dict.fromkeys(BackingTable.model_fields, "backing")
     key = f"{tables[problem.key]}.{problem.key}" if problem.key in tables else problem.key
-    key = next((name for name, field in _FIELDS.items() if field == problem.key), key)
+    key = next((name for name, field in FIELDS.items() if field == problem.key), key)
     if key is None:
         return InputError(str(problem), file=file)
     return InputError(file=file, key=key, value=problem.value, allowed=problem.allowed)

@@ -17,6 +17,7 @@ from weavecell.scenes.schema import (
     anchored,
     angle,
     exactly_one,
+    in_unit,
     number,
     one_of,
     quantities,
@@ -117,7 +118,7 @@ class PanelTable(Table):
     opening: Annotated[
         float | tuple[float, float],
         BeforeValidator(_opening_or_value_error),
-        Field(description='a length above 0, such as "203 mm", or a list of two, along warp and weft'),
+        in_unit("m", 'a length above 0, such as "203 mm", or a list of two, along warp and weft'),
     ]
     boundary: Annotated[Boundary, Field(description=_BOUNDARY)] = "clamped"
     symmetry: one_of("quarter", "half", "whole") = "quarter"
@@ -213,7 +214,7 @@ class NumericsTable(Table):
 class Scene(Table):
     """One impact on one panel."""
 
-    format: Format = 2
+    format: Format = 1
     title: Annotated[str, Field(description="a text")] = ""
     fabric: Annotated[FabricTable, Field(description="a table [fabric]")]
     projectile: Annotated[ProjectileTable, Field(description="a table [projectile]")]

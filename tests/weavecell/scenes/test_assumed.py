@@ -33,7 +33,7 @@ def test_the_example_of_a_fabric_of_ones_own_runs(command, tmp_path):
     assert out.splitlines()[0] == SHEAR
     told = json.loads((tmp_path / "r/summary.json").read_text())
     assert told["provenance"]["assumed"] == SHEAR
-    assert told["energies_at_end"]["shear"] > 0
+    assert told["energies_at_end_J"]["shear"] > 0
     page = (tmp_path / "r/report.html").read_text()
     row = page[page.index("shear.G1") :]
     row = row[: row.index("</tr>")]
