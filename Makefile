@@ -36,9 +36,9 @@ figures: demo  ## the figures of README and docs
 	$(RUN:-m=) tools/figures.py $(RESULTS)/demo
 
 charts: setup  ## docs/charts.md, stability.md and crossover.md with their figures: a quarter of an hour of one core
-	$(RUN) weavecell chart --all --out $(RESULTS)/charts --page docs/charts.md
+	$(RUN) weavecell cost-accuracy --all --out $(RESULTS)/charts --page docs/charts.md
 	$(RUN) weavecell stability --all --out $(RESULTS)/stability --page docs/stability.md
-	$(RUN) weavecell chart --scene crossover --out $(RESULTS)/chart-crossover
+	$(RUN) weavecell cost-accuracy --scene crossover --out $(RESULTS)/chart-crossover
 	cp $(RESULTS)/chart-crossover/crossover.md docs/
 	cp $(RESULTS)/chart-crossover/figures/crossover-*.png docs/figures/
 

@@ -53,7 +53,7 @@ class State:
         return len(self.history)
 
 
-def settle(forces: Callable, x, held, *, tolerance=1e-4, floor=0.0, most_iterations=50_000, load=1.0) -> State:
+def settle(forces: Callable, x, held, *, tolerance=1e-4, floor=0.0, max_iterations=50_000, load=1.0) -> State:
     """Relax a body from x.
 
     Parameters
@@ -63,7 +63,7 @@ def settle(forces: Callable, x, held, *, tolerance=1e-4, floor=0.0, most_iterati
     held : (n,) bool
     tolerance : [-] of the out-of-balance force against the reaction
     floor : [N] reaction below which a body counts as unloaded
-    most_iterations : after which it is given back unsettled
+    max_iterations : after which it is given back unsettled
     load : [-] what to call the state
     """
     x, free, heaviest = np.array(x, float), ~held, 0.0
@@ -74,7 +74,7 @@ def settle(forces: Callable, x, held, *, tolerance=1e-4, floor=0.0, most_iterati
         out, reaction = float(np.linalg.norm(f[free])), float(np.linalg.norm(f[held]))
         history.append((out, reaction))
         settled = out <= tolerance * max(reaction, floor)
-        if settled or len(history) >= most_iterations or not np.isfinite(out + reaction):
+        if settled or len(history) >= max_iterations or not np.isfinite(out + reaction):
             break
         heaviest = np.maximum(heaviest, bound)
         mass = 0.25 * (1 + MARGIN) * heaviest
@@ -106,7 +106,7 @@ def pull(
     *,
     tolerance=1e-4,
     floor=0.0,
-    most_iterations=50_000,
+    max_iterations=50_000,
     hooks=(),
     progress=None,
     done=(),
@@ -123,7 +123,7 @@ def pull(
     held : (n,) bool
     path : path(load) -> (n, d) [m] where the held nodes shall be; other rows are not read
     loads : rising shares of the path
-    tolerance, floor, most_iterations : as in `settle`
+    tolerance, floor, max_iterations : as in `settle`
     hooks : called as hook(state) after every step; one may end the run by an UnstableError, or by returning True
     progress : called as progress(state) after every step that the run goes on from
     done : states of the first loads, from an interrupted run: the others come out as they would have, bit for bit
@@ -155,7 +155,7 @@ def pull(
             start = last[1] + (load - last[0]) / (last[0] - before[0]) * (last[1] - before[1])
         start[held] = target[held]
         state = settle(
-            body.forces, start, held, tolerance=tolerance, floor=floor, most_iterations=most_iterations, load=load
+            body.forces, start, held, tolerance=tolerance, floor=floor, max_iterations=max_iterations, load=load
         )
         try:
             if not np.isfinite(state.residual):

@@ -116,10 +116,12 @@ def inextensible_shear(length, width, elongation):
     return asin(sine)
 
 
-def picture_frame(table: CellTable, *, cells=8, shear=0.6, steps=12, elements_per_crossover=1, **relaxing) -> Result:
-    """Shear a square in a hinged frame that keeps the yarns' lengths, to the angle `shear` [rad] (Figure 4-24)."""
-    if not 0 < shear < pi / 2:
-        raise InputError(key="shear", value=shear, allowed="above 0 and below pi/2")
+def picture_frame(
+    table: CellTable, *, cells=8, shear_angle=0.6, steps=12, elements_per_crossover=1, **relaxing
+) -> Result:
+    """Shear a square in a hinged frame that keeps the yarns' lengths, to `shear_angle` [rad] (Figure 4-24)."""
+    if not 0 < shear_angle < pi / 2:
+        raise InputError(key="shear_angle", value=shear_angle, allowed="above 0 and below pi/2")
     half = [cells * w for w in table.model.fabric.weave.w]
     slack = 1e-6 * min(half)
     coupon = cut(
@@ -130,10 +132,10 @@ def picture_frame(table: CellTable, *, cells=8, shear=0.6, steps=12, elements_pe
     grips = ((np.abs(x) > half[0] - slack) | (np.abs(y) > half[1] - slack)).astype(int)
 
     def path(load):
-        c, s = np.cos(0.5 * load * shear), np.sin(0.5 * load * shear)
+        c, s = np.cos(0.5 * load * shear_angle), np.sin(0.5 * load * shear_angle)
         return np.stack([c * x + s * y, s * x + c * y], axis=1)
 
-    return run(coupon, grips, path, shear, steps, (no_fold(coupon),), **relaxing)
+    return run(coupon, grips, path, shear_angle, steps, (no_fold(coupon),), **relaxing)
 
 
 def frame_stress(result: Result):
@@ -178,7 +180,7 @@ def uniaxial(
 
 
 def biaxial(
-    table: CellTable, *, strain=(0.01, 0.01), centre=12, arm=8, drawn=True, steps=12, failure=True,
+    table: CellTable, *, strain=(0.01, 0.01), centre=12, arm=8, cross_yarns_removed=True, steps=12, failure=True,
     elements_per_crossover=1, **relaxing,
 ) -> Result:  # fmt: skip
     """Pull a cross-shaped specimen by its four arms, the warp along x (source thesis section 5.3, Figure 5-58).
@@ -190,7 +192,7 @@ def biaxial(
     Parameters
     ----------
     centre, arm : [crossovers] side of the central square, length of an arm; Figure 5-58 with the sizes is missing
-    drawn : whether the cross yarns of the arms have been drawn out, so that the middle is pulled by single yarns
+    cross_yarns_removed : from the arms, so that the middle is pulled by single yarns
     """
     weave = table.model.fabric.weave
     half, full = [centre * w for w in weave.w], [(centre + 2 * arm) * w for w in weave.w]
@@ -204,8 +206,8 @@ def biaxial(
         return np.abs(y) < half[1], np.abs(x) < half[0]
 
     coupon = cut(
-        table, outline, max(full), woven=woven if drawn else None, elements_per_crossover=elements_per_crossover,
-        offset=_about((centre, centre), elements_per_crossover),
+        table, outline, max(full), woven=woven if cross_yarns_removed else None,
+        elements_per_crossover=elements_per_crossover, offset=_about((centre, centre), elements_per_crossover),
     )  # fmt: skip
     x, y = coupon.points.T
     grips = np.select(

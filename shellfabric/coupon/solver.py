@@ -48,7 +48,7 @@ class Result:
         return self.coupon.shear_angles(self.states[step].x)
 
 
-def run(coupon, grips, path, size, steps, hooks, *, tolerance=1e-4, most_iterations=50_000, progress=None, done=()):
+def run(coupon, grips, path, size, steps, hooks, *, tolerance=1e-4, max_iterations=50_000, progress=None, done=()):
     """Pull a coupon and pack the result.
 
     Parameters
@@ -58,7 +58,7 @@ def run(coupon, grips, path, size, steps, hooks, *, tolerance=1e-4, most_iterati
     path : path(load) -> (n, 2) [m] where the held nodes shall be at a share of the whole
     size : of what is prescribed, at the end of the path
     steps : of load, all alike
-    hooks, tolerance, most_iterations : see `dynamic_relaxation.pull`
+    hooks, tolerance, max_iterations : see `dynamic_relaxation.pull`
     progress : called as progress(state) after every step that the run goes on from
     done : states of an interrupted run to go on from
 
@@ -76,7 +76,7 @@ def run(coupon, grips, path, size, steps, hooks, *, tolerance=1e-4, most_iterati
     try:
         states, ended = dynamic_relaxation.pull(
             coupon, coupon.points, held, path, np.arange(1, steps + 1) / steps, tolerance=tolerance, floor=floor,
-            most_iterations=most_iterations, hooks=hooks, progress=progress, done=done,
+            max_iterations=max_iterations, hooks=hooks, progress=progress, done=done,
         )  # fmt: skip
     except UnstableError as problem:
         problem.result = pack(problem.states, "unstable")

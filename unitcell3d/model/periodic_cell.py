@@ -1,7 +1,7 @@
 """The weave's own cell with neighbours on all sides: stretched along both yarns and sheared as a trellis.
 
 A plain weave repeats after one crossing along each yarn, turned upside down (a glide plane), and after two as it is.
-In-plane stretch and shear keep both. So one whole crossover ("whole") with the glide, or a patch of 2 x 2 ("four")
+In-plane stretch and shear keep both. So one whole crossover ("whole") with the glide, or a patch of 2 x 2 ("periodic")
 with plain repetition, stands for the weave:
 
     x(X + a) - M x(X) = F a,    M = diag(1, 1, -1) or 1,   a: one or two crossings along a yarn.

@@ -1,12 +1,12 @@
 """Speed against accuracy: the standard scenes, each with every method that the project has for it.
 
-Folder of `weavecell chart --scene NAME`, or `--all`
+Folder of `weavecell cost-accuracy --scene NAME`, or `--all`
     NAME.csv, NAME-references.csv   one row a method; one row a quantity
     chart-NAME.png                  CPU time against error
     charts.json                     the methods that none beats, references, provenance
     cases/NAME/                     a file for each case as soon as it is done: `--resume` begins with them
 
-Folder of `weavecell chart --scene crossover`, the long study of the 3D crossover
+Folder of `weavecell cost-accuracy --scene crossover`, the long study of the 3D crossover
     crossover.csv, orders.csv   one row a case; one row a limit
     crossover.md, figures/      the page of the documentation (docs/crossover.md) with its pictures
     chart.json                  which methods none beats, the reference, provenance
@@ -93,7 +93,7 @@ def _write_page(charts, page, made):
     known = [tables.read(study.scene(key), kept) for key in study.SCENES if tables.kept(key, kept)]
     for chart, _ in known:
         pictures.draw(chart, page.parent / "figures" / f"chart-{chart.scene.key}.png")
-    pages.write(known, page, f"weavecell chart --all --page {page}")
+    pages.write(known, page, f"weavecell cost-accuracy --all --page {page}")
 
 
 def _write(chart, pictures_folder, tables_folder, made=""):
@@ -140,7 +140,7 @@ def crossover(out, level, only, jobs, executor, resume):
     tables.write_orders(found, out / "orders.csv")
     drawn = pictures.draw_all(found, out / "figures")
     words = [f"--only '{','.join(only)}'"] if only else []
-    command = " ".join(["weavecell chart --scene crossover", f"--level {level}", *words])
+    command = " ".join(["weavecell cost-accuracy --scene crossover", f"--level {level}", *words])
     made = f"Version {stamp['weavecell']}, commit {stamp['commit']}, {stamp['date']}, {stamp['processor']}."
     page.write(found, out / "crossover.md", made, command, drawn)
     best = [{"method": study.name(found, e), "cpu_s": e.result["cpu"], "error": e.error} for e in found.best]

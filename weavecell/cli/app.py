@@ -13,7 +13,7 @@ from typing import Annotated
 import typer
 
 from fabrics.errors import InputError, WeavecellError
-from weavecell.cli import crossover, mesh_calibrate_surface, shell, uncertainty, validation
+from weavecell.cli import crossover, mesh_calibrate_surface, renamed_options, shell, uncertainty, validation
 from weavecell.cli.options import (
     CORES,
     RESULTS,
@@ -23,7 +23,6 @@ from weavecell.cli.options import (
     MeshOption,
     OutOption,
     Size,
-    with_new_names,
 )
 
 app = typer.Typer(
@@ -82,7 +81,7 @@ app.command("critical-velocity", epilog=shell.CRITICAL_VELOCITY)(shell.critical_
 
 
 app.command(epilog=validation.VALIDATE)(validation.validate)
-app.command(epilog=validation.CHART)(validation.chart)
+app.command("cost-accuracy", epilog=validation.COST_ACCURACY)(validation.cost_accuracy)
 app.command(epilog=validation.STABILITY)(validation.stability)
 app.command(epilog=crossover.EPILOG)(crossover.crossover)
 app.command(epilog=uncertainty.SENSITIVITY)(uncertainty.sensitivity)
@@ -133,8 +132,8 @@ def main(arguments=None):
     # click's own class, wherever this typer keeps its click
     usage_error = next(base for base in typer.BadParameter.__mro__ if base.__name__ == "ClickException")
     try:
-        words = sys.argv[1:] if arguments is None else arguments
-        code = app(args=with_new_names(words), standalone_mode=False)
+        words = sys.argv[1:] if arguments is None else list(arguments)
+        code = app(args=renamed_options.upgraded(words), standalone_mode=False)
     except WeavecellError as problem:
         _fail(str(problem), problem.exit_code)
     except usage_error as problem:

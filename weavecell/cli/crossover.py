@@ -16,16 +16,17 @@ from weavecell.cli.options import (
     GapOption,
     OutOption,
     SectionOption,
+    refuse_others,
 )
 
-EPILOG = "Example: [bold]weavecell crossover S-720 --case shear --gamma '50 deg' --size coarse[/bold]"
+EPILOG = "Example: [bold]weavecell crossover S-720 --case shear --shear-angle '50 deg' --mesh coarse[/bold]"
 
 
 class Case(StrEnum):
     """What is done to the yarns."""
 
     yarn = "yarn"
-    plates = "plates"
+    platens = "platens"
     stack = "stack"
     biaxial = "biaxial"
     path = "path"
@@ -37,7 +38,7 @@ class Part(StrEnum):
 
     quarter = "quarter"
     whole = "whole"
-    four = "four"
+    periodic = "periodic"
 
 
 class Family(StrEnum):
@@ -47,13 +48,29 @@ class Family(StrEnum):
     weft = "weft"
 
 
+_OF_ALL = ("fabric", "case", "size", "domain", "section", "gap", "out")
+_OF_CASE = {
+    Case.yarn: ("failure", "yarn", "bars", "one_point"),
+    Case.platens: ("friction", "pressure"),
+    Case.stack: ("friction", "plies", "shift", "pressure"),
+    Case.biaxial: ("failure", "friction", "stretch"),
+    Case.path: ("failure", "friction", "path"),
+    Case.shear: ("failure", "friction", "stretch", "gamma"),
+}
+
+
 def crossover(
+    context: typer.Context,
     fabric: FabricArgument,
-    case: Annotated[Case, typer.Option(help="One yarn pulled, plies between plates, or the weave stretched, sheared.")],
+    case: Annotated[
+        Case, typer.Option(help="One yarn pulled, plies between platens, or the weave stretched, sheared.")
+    ],
     size: FinenessOption = "coarse",
     domain: Annotated[
         Part | None,
-        typer.Option(help="yarn, path: a quarter (default) or whole; biaxial, shear: whole (default) or four."),
+        typer.Option(
+            help="yarn, path: a quarter (default) or whole; biaxial, shear: whole (default) or periodic (2 x 2)."
+        ),
     ] = None,
     section: SectionOption = None,
     gap: GapOption = "0 mm",
@@ -64,7 +81,8 @@ def crossover(
         int | None, typer.Option(help="yarn: fibre lines that carry bars; all if not given.", metavar="N")
     ] = None,
     one_point: Annotated[
-        bool, typer.Option("--one-point", help="yarn: integrate the solid at one point, to see its zero-energy modes.")
+        bool,
+        typer.Option("--reduced-integration", help="yarn: one integration point, to see the zero-energy modes."),
     ] = False,
     plies: Annotated[int, typer.Option(help="stack: number.")] = 2,
     shift: Annotated[
@@ -72,27 +90,30 @@ def crossover(
     ] = "0,0",
     pressure: Annotated[
         str | None,
-        typer.Option(help="plates, stack: at the end; the source's greatest by default.", metavar="PRESSURE"),
+        typer.Option(help="platens, stack: at the end; the source's greatest by default.", metavar="PRESSURE"),
     ] = None,
     stretch: Annotated[
         str,
         typer.Option(
-            help="biaxial, shear: displacement of each yarn end, both or warp and weft.", metavar="LENGTH[,LENGTH]"
+            "--end-displacement",
+            help="biaxial, shear: of each yarn end, both or warp and weft.",
+            metavar="LENGTH[,LENGTH]",
         ),
     ] = "0 mm",
-    gamma: Annotated[str, typer.Option(help="shear: angle at the end.", metavar="ANGLE")] = "0.6 rad",
+    gamma: Annotated[str, typer.Option("--shear-angle", help="shear: angle at the end.", metavar="ANGLE")] = "0.6 rad",
     path: Annotated[
         Path | None, typer.Option(help='path: CSV file of corners, headed "d1 \\[um], d2 \\[um]".', metavar="FILE.csv")
     ] = None,
     out: OutOption = None,
 ):
-    """Load the 3D crossover: one yarn pulled straight, plies between plates, biaxial stretch, any path, or shear.
+    """Load the 3D crossover: one yarn pulled straight, plies between platens, biaxial stretch, any path, or shear.
 
     The folder then holds case.h5 (every converged state), case.json and pictures/. A case that finds no equilibrium
     keeps what it has computed and ends with exit code 3.
     """
     from weavecell.commands import crossover as commands_crossover
 
+    refuse_others(context, (*_OF_ALL, *_OF_CASE[case]), f"with --case {case.value}")
     commands_crossover.command(
         fabric,
         case.value,

@@ -25,9 +25,9 @@ from weavecell.cli.options import (
     Size,
 )
 
-MESH = "Example: [bold]weavecell mesh S-720 --patch 3x4 --size coarse --format vtu,k[/bold]"
-CALIBRATE = "Example: [bold]weavecell calibrate S-720 --size coarse[/bold]"
-SURFACE = "Example: [bold]weavecell surface S-720 --size coarse --points 11[/bold]"
+MESH = "Example: [bold]weavecell mesh S-720 --patch 3x4 --mesh coarse --format vtu,k[/bold]"
+CALIBRATE = "Example: [bold]weavecell calibrate S-720 --mesh coarse[/bold]"
+SURFACE = "Example: [bold]weavecell surface S-720 --mesh coarse --points 11[/bold]"
 
 
 class Domain(StrEnum):
@@ -35,7 +35,7 @@ class Domain(StrEnum):
 
     quarter = "quarter"
     whole = "whole"
-    four = "four"
+    periodic = "periodic"
 
 
 class Overlap(StrEnum):
@@ -50,7 +50,7 @@ def mesh(
     size: FinenessOption = "medium",
     domain: Annotated[
         Domain | None,
-        typer.Option(help="A quarter by symmetry (unless told otherwise), one whole, or the four that repeat."),
+        typer.Option(help="A quarter by symmetry (default), one whole, or a periodic cell of 2 x 2."),
     ] = None,
     patch: Annotated[
         str | None, typer.Option(help="A woven patch of N warp and M weft yarns instead.", metavar="NxM")
@@ -115,7 +115,11 @@ def calibrate(
     executor: ExecutorOption = "local",
     plates: Annotated[
         Path | None,
-        typer.Option(help="First fit E_c, V_c and K_r to this curve: pressure and thickness.", metavar="CURVE.csv"),
+        typer.Option(
+            "--platen-curve",
+            help="First fit E_c, V_c and K_r to this curve: pressure and thickness.",
+            metavar="CURVE.csv",
+        ),
     ] = None,
     fit_solid: Annotated[
         bool, typer.Option("--fit-solid", help="The same, to the built-in pressure law of Kevlar plain weaves.")
@@ -126,8 +130,8 @@ def calibrate(
 ):
     """Solve the 3D crossover and fit its compression law: law.json, histories and a report.
 
-    The curve of --plates is a CSV file headed, for example, "pressure \\[MPa], thickness \\[mm]": one ply between flat
-    plates, loading only, at least five rows. A finished path is kept at once, for --resume.
+    The curve of --platen-curve is a CSV file headed, for example, "pressure \\[MPa], thickness \\[mm]": one ply between
+    flat platens, loading only, at least five rows. A finished path is kept at once, for --resume.
     """
     from weavecell.commands import calibrate as commands_calibrate
 
@@ -135,7 +139,7 @@ def calibrate(
         raise InputError("give either a fabric or --all")
     if all:
         if plates is not None or fit_solid:
-            raise InputError("--plates and --fit-solid go with one fabric")
+            raise InputError("--platen-curve and --fit-solid go with one fabric")
         from weavecell.commands import calibrate_all
 
         calibrate_all.command(

@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import os
-import sys
 from enum import StrEnum
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-# options by names that they had before; accepted for one release
-RENAMED = {"--processes": "--jobs", "--workers": "--jobs", "--pool": "--executor"}
+from fabrics.errors import InputError
+
 RESULTS = Path("results")
 CORES = os.cpu_count() or 1
 
@@ -30,18 +29,6 @@ class Section(StrEnum):
     sine = "sine"
     ellipse = "ellipse"
     conforming = "conforming"
-
-
-def with_new_names(arguments):
-    """The arguments of a command line, options by old names under their new ones, with a warning for each."""
-    found = []
-    for word in arguments:
-        name, equals, value = word.partition("=")
-        if name in RENAMED:
-            print(f"warning: {name} is now {RENAMED[name]}; the next release has {name} no more", file=sys.stderr)
-            word = RENAMED[name] + equals + value
-        found.append("local" if found[-1:] == ["--executor"] and word == "processes" else word)
-    return found
 
 
 FabricArgument = Annotated[
@@ -74,14 +61,23 @@ ExecutorOption = Annotated[
         metavar="local|mpi|parsl|dask|MODULE:FUNCTION",
     ),
 ]
-MeshOption = Annotated[Size, typer.Option(help="Mesh of the 3D crossover.")]
+MeshOption = Annotated[Size, typer.Option("--mesh", help="Mesh of the 3D crossover.")]
 FinenessOption = Annotated[
     str,
     typer.Option(
+        "--mesh",
         help="How fine: a name, hexahedra along, across and through a quarter yarn, or an edge length.",
         metavar="auto|coarse|medium|fine|NX,NY,NZ|LENGTH",
     ),
 ]
 SectionOption = Annotated[Section | None, typer.Option(help="Yarn section; the fabric's own if not given.")]
-GapOption = Annotated[str, typer.Option(help="Gap between parallel yarns.", metavar="LENGTH")]
+GapOption = Annotated[str, typer.Option("--yarn-gap", help="Gap between parallel yarns.", metavar="LENGTH")]
 FrictionOption = Annotated[float, typer.Option(min=0, help="Coulomb's coefficient between the yarns.")]
+
+
+def refuse_others(context: typer.Context, allowed, where):
+    """InputError for the first option on the command line, by the name of its parameter, that is not in `allowed`."""
+    for entry in context.command.params:
+        source = context.get_parameter_source(entry.name)
+        if source is not None and source.name == "COMMANDLINE" and entry.name not in allowed:
+            raise InputError(key=entry.opts[0], allowed=f"left out {where}")

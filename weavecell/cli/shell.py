@@ -19,10 +19,11 @@ from weavecell.cli.options import (
     ResumeOption,
     Size,
     StrictOption,
+    refuse_others,
 )
 
 IMPACT = "Example: [bold]weavecell impact examples/S-720-stops.toml[/bold]"
-BIAXIAL = "Example: [bold]weavecell biaxial S-720 --ratio 1:1 --ratio 2:1 --crossover coarse[/bold]"
+BIAXIAL = "Example: [bold]weavecell biaxial S-720 --ratio 1:1 --ratio 2:1 --compare-3d coarse[/bold]"
 COUPON = "Example: [bold]weavecell coupon examples/coupons/S-728-bias.toml[/bold]"
 CRITICAL_VELOCITY = "Example: [bold]weavecell critical-velocity S-720 --tolerance '1 m/s'[/bold]"
 
@@ -35,6 +36,7 @@ class Profile(StrEnum):
 
 
 def impact(
+    context: typer.Context,
     scene: Annotated[Path, typer.Argument(metavar="SCENE", help="A scene file (*.toml).")],
     out: OutOption = None,
     resume: ResumeOption = False,
@@ -49,13 +51,14 @@ def impact(
     while the run goes on, checkpoint.h5. A scene with a table \\[accuracy] says how well it wants to know something:
     the cheapest model that will do is chosen and checked. A key of the scene that cannot be honoured is rejected.
 
-    --explain ignores title, run.snapshot_interval, run.checkpoint_interval, run.outputs, measure.interval,
-    measure.warp, measure.weft and measure.places.
+    --explain ignores title, run.snapshot_interval, run.checkpoint_interval, run.outputs, history.interval,
+    history.warp, history.weft and history.report_positions.
     """
     from weavecell.commands import fidelity
     from weavecell.commands import impact as commands_impact
 
     if explain:
+        refuse_others(context, ("scene", "explain"), "with --explain, which runs and writes nothing")
         fidelity.explain(scene)
         return
 
@@ -69,14 +72,16 @@ def biaxial(
         typer.Option(help="Warp strain to weft strain; may be given again. 0 holds a yarn.", metavar="WARP:WEFT"),
     ] = None,
     crossover: Annotated[
-        Size | None, typer.Option(help="Solve the 3D crossover too, with this mesh, and compare.")
+        Size | None, typer.Option("--compare-3d", help="Solve the 3D crossover too, with this mesh, and compare.")
     ] = None,
     profile: Annotated[
         Profile, typer.Option(help="Of the yarns: the source's cosine, or Kawabata's straight segments.")
     ] = Profile.cosine,
     toe: Annotated[
         str,
-        typer.Option(help="Strain that the fibres' straightening takes, of both or of each.", metavar="WARP[,WEFT]"),
+        typer.Option(
+            "--fibre-slack", help="Strain that straightens the fibres, of both or of each.", metavar="WARP[,WEFT]"
+        ),
     ] = "0",
     out: OutOption = None,
 ):
@@ -119,7 +124,9 @@ def critical_velocity(
     tolerance: Annotated[
         str, typer.Option(help="At most between a stop and a perforation.", metavar="VELOCITY")
     ] = "1 m/s",
-    curve: Annotated[int, typer.Option(min=0, max=100, help="Shots above the limit, for residual velocities.")] = 8,
+    curve: Annotated[
+        int, typer.Option("--residual-shots", min=0, max=100, help="Shots above the limit, for residual velocities.")
+    ] = 8,
     jobs: JobsOption = CORES,
     executor: ExecutorOption = "local",
     strict: StrictOption = False,
@@ -129,7 +136,7 @@ def critical_velocity(
 
     A fabric is shot at as in the tests of the thesis. Of a scene these keys are ignored: title,
     projectile.strike_velocity, run.end_time, run.snapshot_interval, run.checkpoint_interval, run.outputs. Packs,
-    \\[measure] and \\[accuracy] are rejected.
+    \\[history] and \\[accuracy] are rejected.
 
     The folder then holds critical-velocity.json, shots.csv, residual-velocity.svg and scene.toml.
     """

@@ -10,7 +10,7 @@ import typer
 from weavecell.cli.options import CORES, RESULTS, ExecutorOption, FabricArgument, JobsOption, OutOption, ResumeOption
 
 SENSITIVITY = "Example: [bold]weavecell sensitivity S-720 --samples 64[/bold]"
-V50 = "Example: [bold]weavecell v50 S-720 --shots 200 --shape 14.3[/bold]"
+V50 = "Example: [bold]weavecell v50 S-720 --shots 200 --weibull-shape 14.3[/bold]"
 
 
 SeedOption = Annotated[int, typer.Option(min=0, help="Of all that is drawn.")]
@@ -60,13 +60,15 @@ def v50(
     shots: Annotated[int, typer.Option(min=4, help="How many.")] = 100,
     batch: Annotated[int, typer.Option(min=4, help="Shots of a round; the next is placed by those before.")] = 10,
     shape: Annotated[
-        float | None, typer.Option(help="Weibull shape of the yarns' strength; inf for none.", min=1.0)
+        float | None,
+        typer.Option("--weibull-shape", help="Weibull shape of the yarns' strength; inf for none.", min=1.0),
     ] = None,
     modulus: Annotated[
-        str | None, typer.Option(help="Standard deviation over mean, panel to panel.", metavar="SHARE")
+        str | None,
+        typer.Option("--modulus-cov", help="Coefficient of variation, panel to panel.", metavar="FRACTION"),
     ] = None,
     crimp: Annotated[
-        str | None, typer.Option(help="Standard deviation over mean, panel to panel.", metavar="SHARE")
+        str | None, typer.Option("--crimp-cov", help="Coefficient of variation, panel to panel.", metavar="FRACTION")
     ] = None,
     seed: SeedOption = 1,
     jobs: JobsOption = CORES,
@@ -89,7 +91,7 @@ def v50(
 
     given = {"shape": shape}
     given |= {
-        key: None if text is None else si(text, "", key=f"--{key}")
+        key: None if text is None else si(text, "", key=f"--{key}-cov")
         for key, text in (("modulus", modulus), ("crimp", crimp))
     }
     uncertainty.probabilistic(

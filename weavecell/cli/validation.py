@@ -1,4 +1,4 @@
-"""`weavecell validate`, `chart` and `stability`: their options, as texts and numbers for `validation.commands`."""
+"""`weavecell validate`, `cost-accuracy` and `stability`: their options, for `validation.commands`."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ from typing import Annotated
 
 import typer
 
-from weavecell.cli.options import CORES, RESULTS, ExecutorOption, JobsOption, OutOption, ResumeOption
+from weavecell.cli.options import CORES, RESULTS, ExecutorOption, JobsOption, OutOption, ResumeOption, refuse_others
 
-CHART = "Example: [bold]weavecell chart --scene ply-stopped[/bold]"
+COST_ACCURACY = "Example: [bold]weavecell cost-accuracy --scene ply-stopped[/bold]"
 VALIDATE = "Example: [bold]weavecell validate --topic impact1 --topic cell[/bold]"
 STABILITY = "Example: [bold]weavecell stability --map time-step[/bold]"
 
@@ -30,7 +30,8 @@ PageOption = Annotated[
 AllOption = Annotated[bool, typer.Option("--all", help="All of them.")]
 
 
-def chart(
+def cost_accuracy(
+    context: typer.Context,
     scene: Annotated[
         list[str] | None, typer.Option(help="Standard scene; an unknown one lists them.", metavar="NAME")
     ] = None,
@@ -54,6 +55,10 @@ def chart(
     """
     from validation.commands import cost_accuracy as module
 
+    of_crossover = (scene or []) == [module.LONG]
+    options = ("level", "only", "jobs", "executor") if of_crossover else ("everything", "quick", "page")
+    where = f"{'with' if of_crossover else 'without'} --scene {module.LONG}"
+    refuse_others(context, ("scene", "out", "resume", *options), where)
     module.chart_command(
         scene or [],
         out,

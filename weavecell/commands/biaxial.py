@@ -2,7 +2,7 @@
 
 Folder of `weavecell biaxial`
     biaxial.csv     strains, tensions, contact force and heights of the shell's cell, one row a state
-    <ratio>.h5      with --crossover: history of the 3D crossover along the same path
+    <ratio>.h5      with --compare-3d: history of the 3D crossover along the same path
     biaxial.json    where each path ends, differences from the 3D crossover, provenance
     pictures/cell.svg
     report.html
@@ -81,7 +81,7 @@ def biaxial_command(name, out, *, ratios, size=None, form="variational", profile
 
 def toes(text):
     """A toe from "0.1 %", or those of warp and weft from "0.1 %, 0.2 %"."""
-    values = tuple(si(part.strip(), "", key="--toe") for part in text.split(","))
+    values = tuple(si(part.strip(), "", key="--fibre-slack") for part in text.split(","))
     return values[0] if len(values) == 1 else values
 
 

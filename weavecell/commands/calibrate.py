@@ -1,7 +1,7 @@
 """The calibration of the 3D crossover from the command line.
 
 Folder of `weavecell calibrate`
-    solid.json          with --plates or --fit-solid: E_c, V_c, K_r and what the plate curve determines
+    solid.json          with --platen-curve or --fit-solid: E_c, V_c, K_r and what the plate curve determines
     law.json            the fitted law, for `law = ".../law.json"` in a scene
     calibration.json    all numbers of the calibration, and provenance.json where they come from
     <path>.h5           histories of the loading paths and of the compression between plates

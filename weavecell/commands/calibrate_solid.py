@@ -1,4 +1,4 @@
-"""The solid yarn fitted to a plate curve before the crossover is calibrated (`weavecell calibrate --plates`).
+"""The solid yarn fitted to a plate curve before the crossover is calibrated (`weavecell calibrate --platen-curve`).
 
 Writes solid.json beside the calibration, and a chapter of its report.
 """
@@ -25,7 +25,7 @@ def curve_for(fabric, path):
         return PlateCurve.read(path)
     if fabric.areal_density_measured is None:
         raise InputError(
-            f"fabric {fabric.name} has no areal_density_measured, which the pressure law needs: give --plates curve.csv"
+            f"fabric {fabric.name} has no areal_density_measured, which the pressure law needs: give --platen-curve"
         )
     return PlateCurve.pressure_law(fabric.areal_density_measured)
 

@@ -39,12 +39,12 @@ SUPPORT = Support(
     "weavecell coupon",
     scenes_coupon.CouponScene,
     (
-        "title", *build.CLOTH, "fabric.yarn_toe",
+        "format", "title", *build.CLOTH, "fabric.fibre_slack",
         *of("bias_extension", "length width elongation trellis"),
-        *of("picture_frame", "shear crossovers"),
+        *of("picture_frame", "shear_angle crossovers"),
         *of("uniaxial", "direction length width strain failure"),
-        *of("biaxial", "strain centre arm drawn failure"),
-        *of("run", "steps elements_per_crossover tolerance most_iterations outputs"),
+        *of("biaxial", "strain centre arm cross_yarns_removed failure"),
+        *of("run", "steps elements_per_crossover tolerance max_iterations outputs"),
     ),
     rejected={
         "fabric.surface": "left out: the cell of a coupon is made from laws",
@@ -150,7 +150,7 @@ def _pull(this, title, checkpoint, resume):
     from shellfabric.coupon import quasistatic
 
     scene, cloth, failure = this.scene, this.scene.fabric, None
-    cell = (cloth.gap, cloth.cell_model, cloth.cell_form, cloth.cell_profile, cloth.yarn_toe)
+    cell = (cloth.crossover_gap, cloth.cell_model, cloth.cell_formulation, cloth.cell_profile, cloth.fibre_slack)
     table = CellModel(this.fabric, this.laws, *cell).table(TABLE_SIZE)
     options = dict(scene.asked)
     if scene.test == "picture_frame":
@@ -185,7 +185,12 @@ def _in_file(problem, scene, file):
     """An InputError of an object that does not know its file, with the scene's file and key in it."""
     if problem.file is not None:
         return problem
-    keys = {"form": "fabric.cell_form", "gap": "fabric.gap", "model": "fabric.cell_model", "cells": "crossovers"}
+    keys = {
+        "form": "fabric.cell_formulation",
+        "gap": "fabric.crossover_gap",
+        "model": "fabric.cell_model",
+        "cells": "crossovers",
+    }
     key = keys.get(problem.key, problem.key)
     if key in type(scene.asked).model_fields:
         key = f"{scene.test}.{key}"

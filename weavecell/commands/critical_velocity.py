@@ -32,15 +32,15 @@ from weavecell.scenes.supported import Support, of
 SUPPORT = Support(
     "weavecell critical-velocity",
     scenes_impact.Scene,
-    (*build.SHOT, "panel.grading"),
+    ("format", *build.SHOT, "panel.grading"),
     ignored=(
         "title", "projectile.strike_velocity",
         *of("run", "end_time snapshot_interval checkpoint_interval outputs"),
     ),
-    rejected=build.NO_TOE
+    rejected=build.NO_SLACK
     | {"panel.plies": "1: the ballistic limit of one ply is computed; that of a pack is not available"}
-    | dict.fromkeys(("panel.stacking", "panel.gap"), "left out for a single ply")
-    | {"measure": "left out: the shots record nothing along yarns; `weavecell impact` does"}
+    | dict.fromkeys(("panel.stacking", "panel.ply_gap"), "left out for a single ply")
+    | {"history": "left out: the shots record nothing along yarns; `weavecell impact` does"}
     | {"accuracy": "left out: the ballistic limit is computed on the mesh of the scene"},
     rules=build.SHOT_RULES,
 )  # fmt: skip

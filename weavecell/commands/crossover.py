@@ -19,11 +19,11 @@ from weavecell.results import json_file, progress, provenance
 
 DOMAINS = {
     "yarn": ("quarter", "whole"),
-    "plates": ("quarter",),
-    "stack": ("quarter", "four"),
-    "biaxial": ("whole", "four"),
+    "platens": ("quarter",),
+    "stack": ("quarter", "periodic"),
+    "biaxial": ("whole", "periodic"),
     "path": ("quarter", "whole"),
-    "shear": ("whole", "four"),
+    "shear": ("whole", "periodic"),
 }
 
 
@@ -35,11 +35,13 @@ def command(name, case, out, *, domain, size, section, gap, strict=False, **choi
     fabric = mesh.with_3d_data(name)
     run = CASES[case](fabric, choices)
     shifted = case == "stack" and any(_two(choices["shift"], "", "--shift"))
-    allowed = ("four",) if shifted else ("quarter",) if case == "stack" else DOMAINS[case]
+    allowed = ("periodic",) if shifted else ("quarter",) if case == "stack" else DOMAINS[case]
     domain = allowed[0] if domain is None else domain
     if domain not in allowed:
         raise InputError(key="--domain", value=domain, allowed=f"{' or '.join(allowed)} for this case")
-    built = mesh.build(fabric, domain=domain, size=mesh.size_of(size), section=section, gap=si(gap, "m", key="--gap"))
+    built = mesh.build(
+        fabric, domain=domain, size=mesh.size_of(size), section=section, gap=si(gap, "m", key="--yarn-gap")
+    )
     with progress.bar(f"{fabric.name}, {case}") as advance:
         record = run(built, hooks=[lambda share, row: advance(share)])
     found = SUMMARIES[case](fabric, record)
@@ -83,7 +85,7 @@ def _yarn(fabric, choices):
     )
 
 
-def _plates(fabric, choices):
+def _platens(fabric, choices):
     return _stack(fabric, choices | {"plies": 1, "shift": "0,0"})
 
 
@@ -103,9 +105,9 @@ def _stack(fabric, choices):
 def _biaxial(fabric, choices):
     from unitcell3d.cases import periodic_cell
 
-    d = _two(choices["stretch"], "m", "--stretch")
+    d = _two(choices["stretch"], "m", "--end-displacement")
     if not any(d):
-        raise InputError(key="--stretch", value=choices["stretch"], allowed="a length that is not 0")
+        raise InputError(key="--end-displacement", value=choices["stretch"], allowed="a length that is not 0")
     return lambda built, hooks: periodic_cell.biaxial(
         built, fabric, d, failure=choices["failure"], numerics=_numerics(choices), hooks=hooks
     )
@@ -125,10 +127,13 @@ def _path(fabric, choices):
 def _shear(fabric, choices):
     from unitcell3d.cases import periodic_cell
 
-    gamma, stretch = si(choices["gamma"], "rad", key="--gamma"), _two(choices["stretch"], "m", "--stretch")
+    gamma, stretch = (
+        si(choices["gamma"], "rad", key="--shear-angle"),
+        _two(choices["stretch"], "m", "--end-displacement"),
+    )
     if not 0 < gamma <= periodic_cell.STEEPEST:
         raise InputError(
-            key="--gamma", value=choices["gamma"], allowed=f"above 0 and at most {periodic_cell.STEEPEST} rad"
+            key="--shear-angle", value=choices["gamma"], allowed=f"above 0 and at most {periodic_cell.STEEPEST} rad"
         )
     return lambda built, hooks: periodic_cell.shear(
         built, fabric, gamma, stretch=stretch, failure=choices["failure"], numerics=_numerics(choices), hooks=hooks
@@ -141,7 +146,7 @@ def _numerics(choices):
     return Numerics(friction=choices["friction"])
 
 
-CASES = {"yarn": _yarn, "plates": _plates, "stack": _stack, "biaxial": _biaxial, "path": _path, "shear": _shear}
+CASES = {"yarn": _yarn, "platens": _platens, "stack": _stack, "biaxial": _biaxial, "path": _path, "shear": _shear}
 
 
 def _yarn_summary(fabric, record):
@@ -229,7 +234,7 @@ def _law(law):
 
 SUMMARIES = {
     "yarn": _yarn_summary,
-    "plates": _stack_summary,
+    "platens": _stack_summary,
     "stack": _stack_summary,
     "biaxial": _tension_summary,
     "path": _tension_summary,

@@ -15,18 +15,19 @@ SUPPORT = Support(
     "weavecell impact",
     scenes_impact.Scene,
     (
-        "title", *build.SHOT, "projectile.strike_velocity",
+        "format", "title", *build.SHOT, "projectile.strike_velocity",
         *of("run", "end_time snapshot_interval checkpoint_interval outputs"),
-        *of("measure", "interval warp weft places"),
+        *of("history", "interval warp weft report_positions"),
         *of("accuracy", "residual_velocity absorbed_energy deflection peak_tension"),
     ),
-    rejected=build.NO_TOE
+    rejected=build.NO_SLACK
     | {"panel.grading": _CHOSEN, "panel.plies": "1 in a scene with [accuracy]"}
-    | dict.fromkeys(("panel.stacking", "panel.gap"), "left out for a single ply"),
+    | dict.fromkeys(("panel.stacking", "panel.ply_gap"), "left out for a single ply"),
     rules=build.SHOT_RULES,
 )  # fmt: skip
 _OF_A_RUN = (
-    "title", *of("run", "snapshot_interval checkpoint_interval outputs"), *of("measure", "interval warp weft places"),
+    "title", *of("run", "snapshot_interval checkpoint_interval outputs"),
+    *of("history", "interval warp weft report_positions"),
 )  # fmt: skip
 EXPLAIN = replace(
     SUPPORT,

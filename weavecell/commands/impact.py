@@ -37,12 +37,12 @@ SUPPORT = Support(
     "weavecell impact",
     scenes_impact.Scene,
     (
-        "title", *build.SHOT, "projectile.strike_velocity", "panel.plies", "panel.grading",
+        "format", "title", *build.SHOT, "projectile.strike_velocity", "panel.plies", "panel.grading",
         *of("run", "end_time snapshot_interval checkpoint_interval outputs"),
-        *of("measure", "interval warp weft places"),
+        *of("history", "interval warp weft report_positions"),
         *of("accuracy", "residual_velocity absorbed_energy deflection peak_tension"),
     ),
-    rejected=build.NO_TOE | dict.fromkeys(("panel.stacking", "panel.gap"), "left out for a single ply"),
+    rejected=build.NO_SLACK | dict.fromkeys(("panel.stacking", "panel.ply_gap"), "left out for a single ply"),
     rules=build.SHOT_RULES,
 )  # fmt: skip
 
@@ -166,7 +166,7 @@ def write(out, this, record, snapshots, text, advance, choice=None):
     if choice is not None:
         told.append(fidelity.chapter(choice))
     if record.measured is not None:
-        told.append(chapters.measures(record, this.scene.measure.places))
+        told.append(chapters.measures(record, this.scene.history.report_positions))
     told += chapters.body(record)
     if "pictures" in outputs:
         report_page.write_pictures(told, out / "pictures")

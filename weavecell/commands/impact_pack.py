@@ -32,10 +32,10 @@ SUPPORT = Support(
     "weavecell impact",
     Scene,
     (
-        "title", *build.SHOT, "projectile.strike_velocity", *of("panel", "plies stacking gap"),
+        "format", "title", *build.SHOT, "projectile.strike_velocity", *of("panel", "plies stacking ply_gap"),
         *of("run", "end_time snapshot_interval checkpoint_interval outputs"),
     ),
-    rejected=build.NO_TOE | dict.fromkeys(("measure", "accuracy", "panel.grading"), _OF_ONE_PLY),
+    rejected=build.NO_SLACK | dict.fromkeys(("history", "accuracy", "panel.grading"), _OF_ONE_PLY),
     rules=(
         *build.SHOT_RULES,
         Rule("panel.stacking", lambda scene: scene.panel.weave_angle != 0, "aligned where the weave is oblique"),
@@ -70,7 +70,7 @@ def impact(this, setup, path, text, out, *, resume=False, strict=False):
     asked, checkpoint = this.scene, out / "checkpoint.h5"
     title = asked.title or f"{asked.panel.plies} x {this.fabric.name}, {asked.projectile.strike_velocity:g} m/s"
     try:
-        pack = PackSetup(setup, asked.panel.plies, asked.panel.stacking, asked.panel.gap)
+        pack = PackSetup(setup, asked.panel.plies, asked.panel.stacking, asked.panel.ply_gap)
         record, snapshots, failure = fire(this, pack, title, checkpoint=checkpoint, resume=resume)
     except InputError as problem:
         raise _in_file(problem, path) from None
@@ -98,7 +98,8 @@ def fire(this, setup, title, *, checkpoint, resume=False):
 def _in_file(problem, path):
     """An InputError of the pack, with the scene's file and key in it."""
     if problem.file is None and problem.key in _OF_PANEL:
-        return InputError(file=path, key=f"panel.{problem.key}", value=problem.value, allowed=problem.allowed)
+        key = {"gap": "ply_gap"}.get(problem.key, problem.key)
+        return InputError(file=path, key=f"panel.{key}", value=problem.value, allowed=problem.allowed)
     return build.in_file(problem, path)
 
 

@@ -17,7 +17,7 @@ from weavecell.results import json_file, progress, provenance
 
 FORMATS = ("msh", "vtu", "k", "inp", "rad")
 SIZES = ("coarse", "medium", "fine", "auto")
-FOUR = (2, 2)  # yarns of the four crossovers that repeat themselves
+PERIODIC = (2, 2)  # yarns of the periodic cell
 PAIR = "one value, or two separated by a comma, of warp and weft"
 
 
@@ -33,7 +33,7 @@ def mesh_command(name, out, *, domain, patch, formats, size, crimp, width, end_s
         size=size_of(size),
         crimp=crimp if crimp in ("hand", "micrograph") else _pair(crimp, "", "--crimp"),
         width=None if width is None else _pair(width, "m", "--width"),
-        gap=si(gap, "m", key="--gap"),
+        gap=si(gap, "m", key="--yarn-gap"),
         end_shells=None if end_shells is None else si(end_shells, "m", key="--end-shells"),
         **choices,
     )
@@ -60,14 +60,14 @@ def with_3d_data(name):
 
 
 def build(fabric, *, domain="quarter", count=None, **choices):
-    """Mesh a quarter or whole crossover, four crossovers, or a patch of `count` (n, m) yarns.
+    """Mesh a quarter or whole crossover, the periodic cell of 2 x 2, or a patch of `count` (n, m) yarns.
 
     `choices` are those of `meshing.crossover.build`.
     """
     from meshing import crossover, patch
 
-    if domain == "four":
-        count = FOUR
+    if domain == "periodic":
+        count = PERIODIC
     if count is not None:
         return patch.build(fabric, count, **choices)
     return crossover.build(fabric, domain=domain, **choices)
@@ -119,8 +119,8 @@ def size_of(text):
     if text in SIZES:
         return text
     if re.fullmatch(r"\s*[\d.+-][^,]*", text):
-        return si(text, "m", key="--size")
-    raise InputError(key="--size", value=text, allowed=f"{', '.join(SIZES)}, nx,ny,nz or a length such as 60um")
+        return si(text, "m", key="--mesh")
+    raise InputError(key="--mesh", value=text, allowed=f"{', '.join(SIZES)}, nx,ny,nz or a length such as 60um")
 
 
 def _pair(text, unit, key):

@@ -158,7 +158,7 @@ def cell(fabric, laws, model="compressible", paths=None, **options):
 
 def options(table):
     """Options of the cell that a scene's [fabric] table names, as CellModel takes them."""
-    return {"profile": table.cell_profile, "toe": table.yarn_toe}
+    return {"profile": table.cell_profile, "toe": table.fibre_slack}
 
 
 def impact(records):

@@ -118,7 +118,7 @@ def shear(pyplot, fabric, record, found):
     return figure
 
 
-CURVES = {"yarn": yarn, "plates": stack, "stack": stack, "biaxial": tensions, "path": tensions, "shear": shear}
+CURVES = {"yarn": yarn, "platens": stack, "stack": stack, "biaxial": tensions, "path": tensions, "shear": shear}
 
 
 def deformed(mesh, record, path):

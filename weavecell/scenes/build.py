@@ -17,27 +17,42 @@ from weavecell.scenes.schema import InlineLaw
 from weavecell.scenes.supported import Rule, of
 
 # keys of a scene that `build` and `setup` put into the fabric, its cell and the ImpactSetup
-CLOTH = of("fabric", "name file linear_density law law.a law.b law.form cell_model cell_form cell_profile gap")
+CLOTH = of(
+    "fabric", "name file linear_density law law.a law.b law.form cell_model cell_formulation cell_profile crossover_gap"
+)
 PROJECTILE = of(
     "projectile",
     "mass diameter edge_radius shape length half_angle tip_radius flat_width flat_angle obliquity azimuth yaw roll "
-    "friction body bore",
+    "friction body bore_diameter",
 )
 _SLIPPING = " ".join(f"boundary.{side}.{key}" for side in ("warp", "weft") for key in SlipTable.model_fields)
-PANEL = of("panel", f"opening boundary boundary.warp boundary.weft {_SLIPPING} symmetry weave_angle yarns_fail")
-NUMERICS = of("numerics", "safety stretch_viscosity penalty contact_damping precision threads")
+PANEL = of("panel", f"opening boundary boundary.warp boundary.weft {_SLIPPING} symmetry weave_angle yarn_failure")
+NUMERICS = of("numerics", "cfl stretch_viscosity penalty contact_damping precision threads")
 BACKING = of(
     "backing",
-    "size room modulus density poisson yield_stress hardening erosion_strain far finest fine growth",
+    "size standoff modulus density poisson yield_stress hardening erosion_strain outer_boundary min_size refined_depth "
+    "growth",
 )
 SHOT = (
     *CLOTH, "fabric.surface", "fabric.bending", *PROJECTILE, *PANEL, "run.elements_per_crossover", *NUMERICS, *BACKING,
 )  # fmt: skip
-NO_TOE = {"fabric.yarn_toe": "left out in an impact"}  # a yarn whose crossings have failed is linear in the march
+# keys whose field in the objects of shellfabric has another name
+_FIELDS = {
+    "fabric.cell_formulation": "form",
+    "fabric.crossover_gap": "gap",
+    "panel.boundary": "edge",
+    "projectile.bore_diameter": "bore",
+    "numerics.cfl": "safety",
+    "backing.standoff": "face",
+    "backing.outer_boundary": "far",
+    "backing.min_size": "finest",
+    "backing.refined_depth": "fine",
+}
+NO_SLACK = {"fabric.fibre_slack": "left out in an impact"}  # a yarn whose crossings have failed is linear in the march
 CELL_RULES = (
     *(
         Rule(f"fabric.{key}", lambda scene: scene.fabric.surface is not None, "left out with fabric.surface")
-        for key in ("law", "cell_model", "gap", "cell_profile", "yarn_toe")
+        for key in ("law", "cell_model", "crossover_gap", "cell_profile", "fibre_slack")
     ),
     Rule(
         "fabric.law",
@@ -45,14 +60,14 @@ CELL_RULES = (
         'left out where fabric.cell_model is "incompressible" or "decoupled", whose yarns are not compressed',
     ),
     Rule(
-        "fabric.gap",
+        "fabric.crossover_gap",
         lambda scene: scene.fabric.cell_model == "decoupled",
         'left out where fabric.cell_model is "decoupled", whose yarns never touch',
     ),
 )
 SHOT_RULES = (
     *CELL_RULES,
-    Rule("projectile.bore", lambda scene: scene.projectile.body != "bar", 'left out but for body = "bar"'),
+    Rule("projectile.bore_diameter", lambda scene: scene.projectile.body == "rigid", "left out for a rigid projectile"),
 )
 
 
@@ -103,8 +118,7 @@ def setup(case, file):
     from shellfabric.panel.model import Numerics
 
     shot, panel, run = case.scene.projectile, case.scene.panel, case.scene.run
-    measure = case.scene.measure
-    knobs = {key: value for key, value in case.scene.numerics if value is not None}
+    history = case.scene.history
     try:
         return ImpactSetup(
             fabric=case.fabric,
@@ -119,16 +133,16 @@ def setup(case, file):
             end_time=run.end_time,
             elements_per_crossover=run.elements_per_crossover,
             cell_model=case.scene.fabric.cell_model,
-            form=case.scene.fabric.cell_form,
-            gap=case.scene.fabric.gap,
+            form=case.scene.fabric.cell_formulation,
+            gap=case.scene.fabric.crossover_gap,
             profile=case.scene.fabric.cell_profile,
             bending=case.scene.fabric.bending,
             surface=case.surface,
             snapshot_interval=run.snapshot_interval,
-            failure=panel.yarns_fail,
+            failure=panel.yarn_failure,
             backing=_backing(case.scene.backing),
-            measure=Measure(measure.interval, measure.warp, measure.weft) if measure else None,
-            numerics=Numerics(**knobs),
+            measure=Measure(history.interval, history.warp, history.weft) if history else None,
+            numerics=Numerics(**_given(case.scene.numerics, "numerics")),
         )
     except InputError as problem:
         raise in_file(problem, file) from None
@@ -137,8 +151,14 @@ def setup(case, file):
 def _projectile(table):
     from shellfabric.projectile.projectile import Projectile
 
-    given = {key: value for key, value in table if value is not None and key not in ("diameter", "strike_velocity")}
-    return Projectile(radius=table.diameter / 2, **given)
+    given = _given(table, "projectile", but=("diameter", "strike_velocity"))
+    body = {"elastic_bar": "bar"}.get(table.body, table.body)
+    return Projectile(radius=table.diameter / 2, **given | {"body": body})
+
+
+def _given(table, name, but=()):
+    """{field: value} of the keys that a table sets."""
+    return {_FIELDS.get(f"{name}.{key}", key): value for key, value in table if value is not None and key not in but}
 
 
 def _backing(table):
@@ -147,11 +167,10 @@ def _backing(table):
         return None
     from shellfabric.backing.block import Backing
 
-    given = {key: value for key, value in table if value is not None}
-    face = given.pop("room")
+    given = _given(table, "backing")
     of_material = {field.name for field in fields(Isotropic)}
     material = replace(load("backing"), **{key: given.pop(key) for key in tuple(given) if key in of_material})
-    return Backing(material=material, face=face, **given)
+    return Backing(material=material, **given)
 
 
 def _edge(boundary):
@@ -169,8 +188,8 @@ def _side(side):
 
     if isinstance(side, str):
         return side
-    if side.grip is not None:
-        return Grip(side.grip)
+    if side.clamp_force is not None:
+        return Grip(side.clamp_force)
     return PullIn(side.pull_in, side.start, side.end, **({} if side.zone is None else {"zone": side.zone}))
 
 
@@ -178,12 +197,12 @@ def in_file(problem, file):
     """An InputError of an object that does not know its file, with the scene's file and key in it."""
     if problem.file is not None:
         return problem
-    tables = {"gap": "fabric", "model": "fabric", "bending": "fabric", "elements_per_crossover": "run"}
+    tables = {"model": "fabric", "bending": "fabric", "elements_per_crossover": "run"}
     tables |= dict.fromkeys(("opening", "symmetry", "weave_angle", "grading"), "panel")
     tables |= dict.fromkeys(ProjectileTable.model_fields, "projectile")
-    tables |= dict.fromkeys(("warp", "weft"), "measure") | dict.fromkeys(BackingTable.model_fields, "backing")
+    tables |= dict.fromkeys(("warp", "weft"), "history") | dict.fromkeys(BackingTable.model_fields, "backing")
     key = f"{tables[problem.key]}.{problem.key}" if problem.key in tables else problem.key
-    key = "panel.boundary" if key == "edge" else key
+    key = next((name for name, field in _FIELDS.items() if field == problem.key), key)
     if key is None:
         return InputError(str(problem), file=file)
     return InputError(file=file, key=key, value=problem.value, allowed=problem.allowed)
@@ -225,10 +244,10 @@ def with_density(fabric, choice):
 def _surface(table, fabric, file):
     """The response surface that a scene names, checked against what else it says of the cell."""
     forms = ("variational", "equilibrium") if table.surface is None else ("variational", "direct")
-    if table.cell_form not in forms:
+    if table.cell_formulation not in forms:
         told = "without" if table.surface is None else "with"
         raise InputError(
-            file=file, key="fabric.cell_form", value=table.cell_form,
+            file=file, key="fabric.cell_formulation", value=table.cell_formulation,
             allowed=f"{' or '.join(forms)} {told} fabric.surface",
         )  # fmt: skip
     if table.surface is None:
@@ -308,4 +327,6 @@ def _side_in_words(side):
         return " / ".join(_side_in_words(end) for end in side)
     if isinstance(side, str):
         return side
-    return f"gripped by {side.grip:g} N" if side.grip is not None else f"slipping by {1e3 * side.pull_in:g} mm"
+    if side.clamp_force is not None:
+        return f"clamped with {side.clamp_force:g} N a yarn"
+    return f"slipping by {1e3 * side.pull_in:g} mm"

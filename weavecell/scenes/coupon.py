@@ -8,9 +8,10 @@ from typing import Annotated, Literal
 from pydantic import BeforeValidator, Field
 
 from fabrics.errors import InputError
-from weavecell.scenes import supported
+from weavecell.scenes import renamed_keys, supported
 from weavecell.scenes.schema import (
     FabricTable,
+    Format,
     Table,
     anchored,
     angle,
@@ -39,7 +40,7 @@ class BiasTable(Table):
 class FrameTable(Table):
     """A square of cloth in a hinged frame (thesis Figure 4-24)."""
 
-    shear: angle(0.1, 89, "35 deg")
+    shear_angle: angle(0.1, 89, "35 deg")
     crossovers: whole(2, 400) = 8
 
 
@@ -59,7 +60,7 @@ class BiaxialTable(Table):
     strain: quantities("", "a list of two strains of at least 0, one of them above, of warp and weft", '["2 %", "1 %"]')
     centre: whole(2, 400) = 12
     arm: whole(1, 400) = 8
-    drawn: YES = True
+    cross_yarns_removed: YES = True
     failure: YES = True
 
 
@@ -69,7 +70,7 @@ class CouponRunTable(Table):
     steps: whole(1, 1000) = 20
     elements_per_crossover: whole(1, 8) = 1
     tolerance: Annotated[float, Field(gt=0.0, le=0.1, description="a number above 0 and at most 0.1")] = 1e-4
-    most_iterations: whole(10, 10_000_000) = 50_000
+    max_iterations: whole(10, 10_000_000) = 50_000
     outputs: Annotated[
         tuple[Literal["pictures", "report"], ...],
         BeforeValidator(lambda value: tuple(value) if isinstance(value, list) else value),
@@ -80,6 +81,7 @@ class CouponRunTable(Table):
 class CouponScene(Table):
     """One test on one coupon."""
 
+    format: Format = 2
     title: Annotated[str, Field(description="a text")] = ""
     fabric: Annotated[FabricTable, Field(description="a table [fabric]")]
     bias_extension: Annotated[BiasTable | None, Field(description="a table [bias_extension]")] = None
@@ -124,6 +126,7 @@ def load(path, support=None):
 
 def check(table, file, support=None):
     """Turn a scene's table into a checked CouponScene; `file` is named in errors and anchors relative paths."""
+    table = renamed_keys.upgraded(table, file)
     scene = validated(CouponScene, table, file)
     exactly_one(scene.fabric, ("name", "file"), "fabric", file)
     exactly_one(scene, TESTS, "", file)

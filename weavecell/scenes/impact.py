@@ -9,9 +9,10 @@ from pydantic import BeforeValidator, Discriminator, Field, Tag
 
 from fabrics.errors import InputError
 from fabrics.units import si
-from weavecell.scenes import supported
+from weavecell.scenes import renamed_keys, supported
 from weavecell.scenes.schema import (
     FabricTable,
+    Format,
     Table,
     anchored,
     angle,
@@ -44,14 +45,14 @@ class ProjectileTable(Table):
     yaw: angle(-75, 75, "5 deg") = 0.0
     roll: angle(-360, 360, "45 deg") = 0.0
     friction: Annotated[float, Field(ge=0.0, le=2.0, description="a number from 0 to 2")] = 0.0
-    body: one_of("rigid", "bar") = "rigid"
-    bore: quantity("m", "a length above 0", "4.5 mm", above=0.0) = None
+    body: one_of("rigid", "elastic_bar") = "rigid"
+    bore_diameter: quantity("m", "a length above 0", "4.5 mm", above=0.0) = None
 
 
 class SlipTable(Table):
-    """A side that slips: gripped up to a force per yarn, or led in by a pull-in (thesis section 6.4.3)."""
+    """A side that slips: a friction clamp, or a prescribed pull-in (thesis section 6.4.3)."""
 
-    grip: quantity("N", "a force above 0", "20 N", above=0.0) = None
+    clamp_force: quantity("N", "a force above 0", "20 N", above=0.0) = None
     pull_in: quantity("m", "a length above 0", "5 mm", above=0.0) = None
     start: quantity("s", "a time of at least 0", "200 us", at_least=0.0) = None
     end: quantity("s", "a time above 0", "650 us", above=0.0) = None
@@ -59,7 +60,8 @@ class SlipTable(Table):
 
 
 _SIDE = (
-    '"clamped", "free", { grip = ... }, { pull_in = ..., start = ..., end = ... }, or a list of two such for its ends'
+    '"clamped", "free", { clamp_force = ... }, { pull_in = ..., start = ..., end = ... }, '
+    "or a list of two such for its ends"
 )
 _BOUNDARY = '"clamped", "free" or a table { warp = ..., weft = ... } of sides'
 
@@ -122,8 +124,8 @@ class PanelTable(Table):
     weave_angle: angle(-89, 89, "45 deg") = 0.0
     plies: whole(1, 32) = 1
     stacking: one_of("aligned", "alternating") = "aligned"
-    gap: quantity("m", "a length of at least 0", "0.12 mm", at_least=0.0) = None
-    yarns_fail: Annotated[bool, Field(description="true or false")] = True
+    ply_gap: quantity("m", "a length of at least 0", "0.12 mm", at_least=0.0) = None
+    yarn_failure: Annotated[bool, Field(description="true or false")] = True
     grading: Annotated[
         tuple[tuple[float, float], ...] | None,
         BeforeValidator(_zones),
@@ -133,20 +135,23 @@ class PanelTable(Table):
     ] = None
 
 
+_Outer = Literal["fixed", "absorbing", "free"] | None
+
+
 class BackingTable(Table):
     """A block behind the panel (thesis section 6.5); defaults: Table 6-1, or `shellfabric.backing.block`."""
 
     size: quantities("m", "a list of three lengths", '["300 mm", "300 mm", "180 mm"]') = None
-    room: quantity("m", "a length of at least 0", "0.5 mm", at_least=0.0) = 0.0
+    standoff: quantity("m", "a length of at least 0", "0.5 mm", at_least=0.0) = 0.0
     modulus: quantity("Pa", "a stress above 0", "100 MPa", above=0.0) = None
     density: quantity("kg/m^3", "a density above 0", "3 g/cm^3", above=0.0) = None
     poisson: number("a number from 0 to below 0.5", ge=0.0, lt=0.5) = None
     yield_stress: quantity("Pa", "a stress above 0", "20 MPa", above=0.0) = None
     hardening: quantity("Pa", "a stress of at least 0", "0 Pa", at_least=0.0) = None
     erosion_strain: number("a number above 0", gt=0.0) = None
-    far: Annotated[Literal["fixed", "absorbing", "free"] | None, Field(description="fixed, absorbing or free")] = None
-    finest: quantity("m", "a length above 0", "1 mm", above=0.0) = None
-    fine: quantity("m", "a length above 0", "8 mm", above=0.0) = None
+    outer_boundary: Annotated[_Outer, Field(description="fixed, absorbing or free")] = None
+    min_size: quantity("m", "a length above 0", "1 mm", above=0.0) = None
+    refined_depth: quantity("m", "a length above 0", "8 mm", above=0.0) = None
     growth: number("a number of at least 1", ge=1.0) = None
 
 
@@ -164,13 +169,16 @@ class RunTable(Table):
     ] = ("paraview", "pictures", "report")
 
 
-class MeasureTable(Table):
+_POSITIONS = (5e-3, 20e-3, 50e-3, 80e-3)
+
+
+class HistoryTable(Table):
     """What is recorded along yarns and at the edges, and reported."""
 
     interval: quantity("s", "a time above 0", "1 us", above=0.0) = 1e-6
     warp: quantities("m", "a list of distances of warp yarns from the impact point", '["0 mm", "10 mm"]') = (0.0,)
     weft: quantities("m", "a list of distances of weft yarns from the impact point", '["0 mm", "10 mm"]') = (0.0,)
-    places: quantities("m", "a list of places along the yarns", '["5 mm", "50 mm"]') = (5e-3, 20e-3, 50e-3, 80e-3)
+    report_positions: quantities("m", "a list of positions along the yarns", '["5 mm", "50 mm"]') = _POSITIONS
 
 
 _Share = quantity("", "a share above 0 and at most 50 %", "2 %", above=0.0, at_most=0.5)
@@ -193,7 +201,7 @@ class AccuracyTable(Table):
 class NumericsTable(Table):
     """Numerical parameters of the shell; defaults: `shellfabric.panel.model.Numerics`."""
 
-    safety: number("a number above 0 and at most 1", gt=0.0, le=1.0) = None
+    cfl: number("a number above 0 and at most 1", gt=0.0, le=1.0) = None
     stretch_viscosity: number("a number from 0 to 1", ge=0.0, le=1.0) = None
     penalty: number("a number above 0", gt=0.0) = None
     contact_damping: number("a number of at least 0", ge=0.0) = None
@@ -204,12 +212,13 @@ class NumericsTable(Table):
 class Scene(Table):
     """One impact on one panel."""
 
+    format: Format = 2
     title: Annotated[str, Field(description="a text")] = ""
     fabric: Annotated[FabricTable, Field(description="a table [fabric]")]
     projectile: Annotated[ProjectileTable, Field(description="a table [projectile]")]
     panel: Annotated[PanelTable, Field(description="a table [panel]")]
     run: Annotated[RunTable, Field(description="a table [run]")]
-    measure: Annotated[MeasureTable | None, Field(description="a table [measure]")] = None
+    history: Annotated[HistoryTable | None, Field(description="a table [history]")] = None
     accuracy: Annotated[AccuracyTable | None, Field(description="a table [accuracy]")] = None
     numerics: Annotated[NumericsTable, Field(description="a table [numerics]")] = NumericsTable()
     backing: Annotated[BackingTable | None, Field(description="a table [backing]")] = None
@@ -240,6 +249,7 @@ def load(path, support=None):
 
 def check(table, file, support=None):
     """Turn a scene's table into a checked Scene; `file` is named in errors and anchors relative paths."""
+    table = renamed_keys.upgraded(table, file)
     scene = validated(Scene, table, file)
     _check_relations(scene, table, file)
     if support is not None:
@@ -281,12 +291,12 @@ def _check_relations(scene, table, file):
 
 
 def _check_sides(side, key, table, file):
-    """A side that slips is either gripped or led in."""
+    """A side that slips is either a friction clamp or pulled in."""
     for one in side if isinstance(side, tuple) else (side,):
         if not isinstance(one, SlipTable):
             continue
         given = {name for name, value in one if value is not None}
-        if given != {"grip"} and given - {"zone"} != {"pull_in", "start", "end"}:
-            raise InputError("give either grip alone, or pull_in with start and end (and zone)", file=file, key=key)
-        if one.grip is None and one.end <= one.start:
+        if given != {"clamp_force"} and given - {"zone"} != {"pull_in", "start", "end"}:
+            raise InputError("give clamp_force alone, or pull_in with start and end (and zone)", file=file, key=key)
+        if one.clamp_force is None and one.end <= one.start:
             raise InputError("must end after its start", file=file, key=key)

@@ -65,6 +65,9 @@ def one_of(*names):
     return Annotated[Literal[names], Field(description="one of " + ", ".join(f'"{name}"' for name in names))]
 
 
+Format = Annotated[int, Field(description="2; 1 or none where old names of keys are read")]
+
+
 class InlineLaw(Table):
     """A compression law given by its two parameters (thesis eq. 4-12; erratum E-05 for the regularised form)."""
 
@@ -111,15 +114,15 @@ class FabricTable(Table):
     linear_density: one_of("effective", "nominal") = "effective"
     law: Annotated[Law, Field(description=_LAW)] = "published"
     cell_model: one_of("compressible", "incompressible", "decoupled") = "compressible"
-    cell_form: one_of("variational", "equilibrium", "direct") = "variational"
+    cell_formulation: one_of("variational", "equilibrium", "direct") = "variational"
     cell_profile: one_of("cosine", "straight") = "cosine"
-    yarn_toe: Annotated[
+    fibre_slack: Annotated[
         float | tuple[float, float],
         BeforeValidator(_toe),
         Field(description='a strain from 0 to 10 %, such as "0.1 %", or a list of two, of warp and weft'),
     ] = 0.0
     surface: Annotated[str | None, Field(description="the path of a surface written by `weavecell surface`")] = None
-    gap: quantity("m", "a length of at least 0", "0 mm", at_least=0.0) = 0.0
+    crossover_gap: quantity("m", "a length of at least 0", "0 mm", at_least=0.0) = 0.0
     bending: quantity("N m^2", "a bending stiffness of at least 0", "1e-6 N m^2", at_least=0.0) = 0.0
 
 

@@ -1,12 +1,12 @@
 """Which keys of a scene a command supports. A key that is set and not supported is rejected; none is passed over.
 
 Each command declares, beside its code, a `Support`: every key of the scene's schema is supported, ignored or rejected.
-Keys are dotted ("panel.boundary.warp.grip"); a table may be rejected as a whole ("measure"). `check` runs before
+Keys are dotted ("panel.boundary.warp.clamp_force"); a table may be rejected as a whole ("history"). `check` runs before
 anything is computed or written. A key that is in no declaration is rejected by every command, so that a key added to
 the schema cannot be passed over; `undeclared` finds it in the tests.
 
 A key at its default value counts as not set: it changes nothing, since every command does what the defaults of the keys
-that it rejects describe (one ply, no block, no [measure]).
+that it rejects describe (one ply, no block, no [history]).
 
 Ignored are keys that mean nothing to a command by its definition, such as the strike velocity of a scene whose
 ballistic limit is computed. The help of the command names each of them.

@@ -118,7 +118,7 @@ def test_bad_surfaces(fabric):
 
 
 def test_surface_of_the_3d_crossover(fabric):
-    """A coarse 9 x 9 surface (`weavecell surface S-720 --size coarse`) stops the published shot as the law does.
+    """A coarse 9 x 9 surface (`weavecell surface S-720 --mesh coarse`) stops the published shot as the law does.
 
     Its forces are a gradient to 0.15 %, although the solid of the yarns has secant moduli and no potential.
     """

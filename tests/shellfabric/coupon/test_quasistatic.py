@@ -46,7 +46,7 @@ def test_what_does_not_settle_is_told_and_kept():
     with pytest.raises(
         UnstableError, match=r"no equilibrium was found: after 10 iterations .* node .* 0.5 of the load"
     ) as e:
-        dynamic_relaxation.pull(Chain(), x, held, lambda load: x * (1 + load), [0.5, 1.0], most_iterations=10)
+        dynamic_relaxation.pull(Chain(), x, held, lambda load: x * (1 + load), [0.5, 1.0], max_iterations=10)
     assert e.value.exit_code == 3
     assert len(e.value.states) == 1
     assert not e.value.states[0].settled
@@ -137,7 +137,7 @@ def test_the_middle_of_a_cross_is_the_cell(strain):
     assert loaded.sum() >= 2
     assert run.force(1, 0)[loaded] / 8 == pytest.approx(cell["N1"][loaded], rel=5e-3)
     assert run.force(3, 1)[loaded] / 8 == pytest.approx(cell["N2"][loaded], rel=5e-3)
-    woven = quasistatic.biaxial(table, strain=strain, centre=8, arm=4, steps=5, drawn=False)
+    woven = quasistatic.biaxial(table, strain=strain, centre=8, arm=4, steps=5, cross_yarns_removed=False)
     assert woven.force(1, 0)[2] > 1.01 * run.force(1, 0)[2], "woven arms carry more than the yarns of the middle"
 
 
@@ -179,7 +179,7 @@ def test_bias_extension_has_three_zones():
 def test_no_trellis_is_named(table):
     """Figure 4-27: nothing resists shear, it runs into bands, and the run says so and keeps what it has."""
     with pytest.raises(UnstableError, match=r"the shear has run into bands: .* element \d+, at an elongation of") as e:
-        quasistatic.bias_extension(table, trellis=False, most_iterations=4000, **(SMALL | {"steps": 2}))
+        quasistatic.bias_extension(table, trellis=False, max_iterations=4000, **(SMALL | {"steps": 2}))
     assert e.value.exit_code == 3
     run = e.value.result
     assert run.outcome == "unstable"
@@ -191,7 +191,7 @@ def test_no_trellis_is_named(table):
 def test_yarns_that_pass_one_another_are_named():
     """A grip that is turned over folds the elements beside it."""
     table = straight()
-    run = quasistatic.picture_frame(table, cells=3, shear=0.3, steps=1)
+    run = quasistatic.picture_frame(table, cells=3, shear_angle=0.3, steps=1)
     coupon, hook = run.coupon, no_fold(run.coupon)
     state = run.states[-1]
     assert hook(state) is None
@@ -206,6 +206,6 @@ def test_bad_tests(table):
     with pytest.raises(InputError, match="warp or weft"):
         quasistatic.uniaxial(table, direction="bias")
     with pytest.raises(InputError, match="below pi/2"):
-        quasistatic.picture_frame(table, shear=2.0)
+        quasistatic.picture_frame(table, shear_angle=2.0)
     with pytest.raises(InputError, match="aligned yarns"):
         quasistatic.inextensible_shear(0.1, 0.05, 0.03)

@@ -1,4 +1,4 @@
-"""`weavecell chart`: a scene, an unknown one, an unknown choice."""
+"""`weavecell cost-accuracy`: a scene, an unknown one, an unknown choice."""
 
 import json
 
@@ -6,7 +6,7 @@ import pytest
 
 
 def test_a_scene(command, tmp_path):
-    code, out, _ = command("chart", "--scene", "struck-yarn", "--quick", "--out", "c")
+    code, out, _ = command("cost-accuracy", "--scene", "struck-yarn", "--quick", "--out", "c")
     assert code == 0
     assert "beaten by none" in out
     made = {path.name for path in (tmp_path / "c").iterdir()}
@@ -17,18 +17,18 @@ def test_a_scene(command, tmp_path):
 
 
 def test_an_unknown_scene_lists_them(command, tmp_path):
-    code, _, err = command("chart", "--scene", "moon", "--out", "c")
+    code, _, err = command("cost-accuracy", "--scene", "moon", "--out", "c")
     assert code == 2
     assert err.startswith("error: --scene = 'moon': must be one of struck-yarn, ")
     assert err.endswith(", crossover\n")
-    assert command("chart", "--out", "c")[0] == 2
+    assert command("cost-accuracy", "--out", "c")[0] == 2
     assert not (tmp_path / "c").exists()
 
 
 def test_an_unknown_choice_of_the_long_study_lists_them(command, tmp_path):
     pytest.importorskip("dolfinx")
-    code, _, err = command("chart", "--scene", "crossover", "--only", "colour", "--out", "c")
+    code, _, err = command("cost-accuracy", "--scene", "crossover", "--only", "colour", "--out", "c")
     assert code == 2
     assert err.splitlines()[-1].startswith("error: axis = 'colour': must be one of mesh, mesh and penalty, ")
     assert not (tmp_path / "c").exists()
-    assert command("chart", "--scene", "crossover", "--scene", "struck-yarn")[0] == 2
+    assert command("cost-accuracy", "--scene", "crossover", "--scene", "struck-yarn")[0] == 2

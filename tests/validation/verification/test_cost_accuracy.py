@@ -195,7 +195,7 @@ def test_a_scene_from_end_to_end_and_resumed(tmp_path, monkeypatch):
     assert [[e.method.name for e in front] for front in read.fronts.values()] == [
         [e.method.name for e in front] for front in chart.fronts.values()
     ]
-    page.write([(read, made)], tmp_path / "charts.md", "weavecell chart")
+    page.write([(read, made)], tmp_path / "charts.md", "weavecell cost-accuracy")
     assert "| Struck yarn" in (tmp_path / "charts.md").read_text()
     monkeypatch.setattr(study, "timed", None)  # nothing is run again
     again = study.run("struck-yarn", tmp_path / "cases", quick=True, resume=True)

@@ -153,7 +153,7 @@ def test_the_folder_of_the_command(tmp_path, monkeypatch, capsys):
     with pytest.raises(SystemExit) as leaving:
         app.main(
             [
-                "chart",
+                "cost-accuracy",
                 "--scene",
                 "crossover",
                 "--level",

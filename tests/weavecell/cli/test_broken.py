@@ -12,7 +12,8 @@ FABRICS = "S-720, S-726, S-727, S-728, S-731, S-745, glass-balanced, glass-unbal
 FABRIC_KEYS = "name, section, interlayer_gap, areal_density_measured, warp, weft, compression, shear, solid, micrograph"
 LAW = '"published", the path of a law written by `weavecell calibrate` (*.json), or a table { a = ..., b = ... }'
 SIDE = (
-    '"clamped", "free", { grip = ... }, { pull_in = ..., start = ..., end = ... }, or a list of two such for its ends'
+    '"clamped", "free", { clamp_force = ... }, { pull_in = ..., start = ..., end = ... }, '
+    "or a list of two such for its ends"
 )
 
 # scene -> what follows the name of the file
@@ -26,19 +27,19 @@ SCENES = {
     "bar-too-light": "projectile.mass = 0.001: must be above 0.002613 and at most 0.007905 kg",
     "block-before-an-oblique-shot": "panel.symmetry = 'whole': must be quarter in front of a backing",
     "boolean": """projectile.mass = True: must be a mass above 0, such as "3 g\"""",
-    "bore-of-a-rigid-body": """projectile.bore = '4.5 mm': must be left out but for body = "bar\"""",
-    "boundary-both-slips": "panel.boundary.weft: give either grip alone, or pull_in with start and end (and zone)",
+    "bore-of-a-rigid-body": """projectile.bore_diameter = '4.5 mm': must be left out for a rigid projectile""",
+    "boundary-both-slips": "panel.boundary.weft: give clamp_force alone, or pull_in with start and end (and zone)",
     "boundary-ends-early": "panel.boundary.weft: must end after its start",
     "boundary-glued": f"panel.boundary.weft = 'glued': must be {SIDE}",
     "boundary-half-glued": f"panel.boundary.warp = 'glued': must be {SIDE}",
-    "boundary-unknown-key": 'panel.boundary.weft.gripp: unknown key, did you mean "grip"? '
-    "allowed here: grip, pull_in, start, end, zone",
-    "boundary-wrong-unit": """panel.boundary.weft.grip = '20 mm': must be a force above 0, such as "20 N\"""",
+    "boundary-unknown-key": 'panel.boundary.weft.clamp_forc: unknown key, did you mean "clamp_force"? '
+    "allowed here: clamp_force, pull_in, start, end, zone",
+    "boundary-wrong-unit": """panel.boundary.weft.clamp_force = '20 mm': must be a force above 0, such as "20 N\"""",
     "cone-without-angle": "projectile.half_angle: must be above 0 for a cone",
     "edge-too-round": "projectile.edge_radius = '3 mm': must be below half of projectile.diameter",
-    "form-of-a-law": "fabric.cell_form = 'direct': must be variational or equilibrium without fabric.surface",
-    "form-of-a-surface": "fabric.cell_form = 'equilibrium': must be variational or direct with fabric.surface",
-    "gap-too-wide": "fabric.gap = 0.001: must be at least 0 and at most h01 + h02",
+    "form-of-a-law": "fabric.cell_formulation = 'direct': must be variational or equilibrium without fabric.surface",
+    "form-of-a-surface": "fabric.cell_formulation = 'equilibrium': must be variational or direct with fabric.surface",
+    "gap-too-wide": "fabric.crossover_gap = 0.001: must be at least 0 and at most h01 + h02",
     "grading-not-zones": "panel.grading = [10, 1]: must be zones [until, side] in crossovers, the last until inf, "
     "such as [[10, 1], [20, 2], [inf, 4]]",
     "grading-shrinks": "panel.grading = ((10.0, 4.0), (inf, 2.0)): must be sides each a multiple of that before it",
@@ -50,12 +51,13 @@ SCENES = {
     'such as "0.058 mm N^(1/3)"',
     "law-half-zero": "fabric.law.b = 0.0: must be zero exactly where a is zero (an incompressible yarn)",
     "law-not-a-law": f"fabric.law = 'printed': must be {LAW}",
-    "measure-no-unit": "measure.places = ['5 mm', 20]: must be a list of places along the yarns, such as "
+    "measure-no-unit": "history.report_positions = ['5 mm', 20]: must be a list of positions along the yarns, such as "
     '["5 mm", "50 mm"]',
-    "measure-not-a-list": "measure.warp = '0 mm': must be a list of distances of warp yarns from the impact point, "
+    "measure-not-a-list": "history.warp = '0 mm': must be a list of distances of warp yarns from the impact point, "
     'such as ["0 mm", "10 mm"]',
-    "measure-off-the-panel": "measure.weft = 0.25: must be at most 100.3 mm from the impact point",
-    "measure-unknown-key": 'measure.wrap: unknown key, did you mean "warp"? allowed here: interval, warp, weft, places',
+    "measure-off-the-panel": "history.weft = 0.25: must be at most 100.3 mm from the impact point",
+    "measure-unknown-key": 'history.wrap: unknown key, did you mean "warp"? '
+    "allowed here: interval, warp, weft, report_positions",
     "missing-key": 'projectile.edge_radius: is missing; must be a length above 0, such as "0.3 mm"',
     "missing-table": "panel: is missing; must be a table [panel]",
     "negative-mass": """projectile.mass = '-3 g': must be a mass above 0, such as "3 g\"""",
@@ -71,9 +73,9 @@ SCENES = {
     "projectile-too-wide": "projectile.diameter = '120 mm': must be below half of panel.opening",
     "sphere-with-edge": "projectile.edge_radius = '0.3 mm': must be left out for a sphere",
     "three-errors": 'panel.oppening: unknown key, did you mean "opening"? '
-    "allowed here: opening, boundary, symmetry, weave_angle, plies, stacking, gap, yarns_fail, grading (+3 more)",
-    "toe-in-an-impact": "fabric.yarn_toe = '0.1 %': must be left out in an impact",
-    "toe-too-long": "fabric.yarn_toe = ['0.1 %', '20 %']: must be a strain from 0 to 10 %, such as \"0.1 %\", "
+    "allowed here: opening, boundary, symmetry, weave_angle, plies, stacking, ply_gap, yarn_failure, grading (+3 more)",
+    "toe-in-an-impact": "fabric.fibre_slack = '0.1 %': must be left out in an impact",
+    "toe-too-long": "fabric.fibre_slack = ['0.1 %', '20 %']: must be a strain from 0 to 10 %, such as \"0.1 %\", "
     "or a list of two, of warp and weft",
     "three-sides": "panel.opening = ['203 mm', '100 mm', '50 mm']: must be a length above 0, "
     'such as "203 mm", or a list of two, along warp and weft',
@@ -81,7 +83,7 @@ SCENES = {
     "unknown-fabric": f"fabric.name = 'S-702': must be one of {FABRICS}",
     "unknown-key": 'projectile.mas: unknown key, did you mean "mass"? '
     "allowed here: mass, diameter, edge_radius, strike_velocity, shape, length, half_angle, tip_radius, flat_width, "
-    "flat_angle, obliquity, azimuth, yaw, roll, friction, body, bore (+1 more)",
+    "flat_angle, obliquity, azimuth, yaw, roll, friction, body, bore_diameter (+1 more)",
     "unknown-model": """fabric.cell_model = 'rigid': must be one of "compressible", "incompressible", "decoupled\"""",
     "unknown-output": """run.outputs = 'movie': must be a list of "paraview", "pictures", "report\"""",
     "wrong-dimension": "projectile.strike_velocity = '92.5 kg': must be a speed above 0 and at most 1000 m/s, "
@@ -93,7 +95,10 @@ SCENES = {
 OTHERS = {
     "fabric-file-broken": ("fabric-crimp-as-length.toml", "warp.crimp = '2 mm': must be a number"),
     "fabric-file-missing": ("fabric-nowhere.toml", "cannot be read (No such file or directory)"),
-    "surface-of-another": ("../../shellfabric/data/S-720-coarse-9x9.h5", "surface = 'S-720': must be one of S-728"),
+    "surface-of-another": (
+        "../../../shellfabric/cell/data/S-720-coarse-9x9.h5",
+        "surface = 'S-720': must be one of S-728",
+    ),
     "no-surface-file": ("nowhere.h5", "cannot be read; must be a surface written by `weavecell surface`"),
     "no-law-file": ("nowhere.json", "cannot be read; must be a compression law (No such file or directory)"),
 }
@@ -165,17 +170,17 @@ def test_scene_that_is_not_text(command, tmp_path):
 
 
 def test_wrong_option_is_one_line(command, tmp_path):
-    code, _, err = command("mesh", "S-720", "--size", "huge")
+    code, _, err = command("mesh", "S-720", "--mesh", "huge")
     assert code == 2
     assert len(err.splitlines()) == 1
-    assert "--size" in err
+    assert "--mesh" in err
     assert "coarse" in err
 
 
 def test_gap_without_unit(command, tmp_path):
-    code, _, err = command("mesh", "S-720", "--gap", "3 parsec/s")
+    code, _, err = command("mesh", "S-720", "--yarn-gap", "3 parsec/s")
     assert code == 2
-    assert err.startswith("error: --gap = '3 parsec/s': must be")
+    assert err.startswith("error: --yarn-gap = '3 parsec/s': must be")
     assert list(tmp_path.iterdir()) == []
 
 
@@ -192,12 +197,12 @@ def test_interrupt_is_not_a_traceback(monkeypatch, capsys):
 
 def test_plate_curves_that_cannot_be_fitted_to(command, tmp_path):
     check_refused(
-        command("calibrate", "S-720", "--plates", "nowhere.csv"),
+        command("calibrate", "S-720", "--platen-curve", "nowhere.csv"),
         "nowhere.csv: cannot be read; must be a plate curve (No such file or directory)",
         tmp_path,
     )
     check_refused(
         command("calibrate", "glass-balanced", "--fit-solid"),
-        "fabric glass-balanced has no areal_density_measured, which the pressure law needs: give --plates curve.csv",
+        "fabric glass-balanced has no areal_density_measured, which the pressure law needs: give --platen-curve",
         tmp_path,
     )

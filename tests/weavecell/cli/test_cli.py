@@ -69,8 +69,8 @@ def test_as_module_and_without_heavy_imports():
     done = subprocess.run([sys.executable, "-m", "weavecell", "--help"], capture_output=True, text=True, check=True)
     assert "unit cell, calibration, impact" in done.stdout
     script = (
-        "import sys\nfrom weavecell import cli\n"
-        "try: cli.main(['--help'])\nexcept SystemExit: pass\n"
+        "import sys\nfrom weavecell.cli import app\n"
+        "try: app.main(['--help'])\nexcept SystemExit: pass\n"
         "heavy = {'numpy', 'numba', 'pydantic', 'pyvista', 'matplotlib', 'pint'}\n"
         "print(sorted(heavy & set(sys.modules)))"
     )

@@ -49,7 +49,7 @@ def test_command(command, tmp_path):
 
 
 def test_options_of_the_cell(command, tmp_path):
-    options = ("--ratio", "1:1", "--profile", "straight", "--toe", "0.1 %,0.05 %")
+    options = ("--ratio", "1:1", "--profile", "straight", "--fibre-slack", "0.1 %,0.05 %")
     code, _, err = command("biaxial", "glass-unbalanced", *options, "--out", "b")
     assert code == 0, err
     told = json.loads((tmp_path / "b" / "biaxial.json").read_text())
@@ -61,9 +61,11 @@ def test_options_of_the_cell(command, tmp_path):
     assert abs(expected.strain[-1, 0] - linear.strain[-1, 0]) > 1e-4
 
 
-@pytest.mark.parametrize(("toe", "line"), [("20 %", "toe = 0.2: must be a strain"), ("soft", "--toe = 'soft': must")])
+@pytest.mark.parametrize(
+    ("toe", "line"), [("20 %", "toe = 0.2: must be a strain"), ("soft", "--fibre-slack = 'soft': must")]
+)
 def test_bad_toes_write_nothing(command, tmp_path, toe, line):
-    code, out, err = command("biaxial", "S-720", "--toe", toe, "--out", "b")
+    code, out, err = command("biaxial", "S-720", "--fibre-slack", toe, "--out", "b")
     assert (code, out) == (2, "")
     assert err.startswith(f"error: {line}")
     assert list(tmp_path.iterdir()) == []
@@ -71,7 +73,7 @@ def test_bad_toes_write_nothing(command, tmp_path, toe, line):
 
 def test_beside_the_3d_crossover(command, tmp_path):
     pytest.importorskip("dolfinx")
-    code, _, err = command("biaxial", "S-720", "--ratio", "1:1", "--crossover", "coarse", "--out", "b")
+    code, _, err = command("biaxial", "S-720", "--ratio", "1:1", "--compare-3d", "coarse", "--out", "b")
     assert code == 0, err
     assert (tmp_path / "b" / "1-1.h5").exists()
     rms = json.loads((tmp_path / "b" / "biaxial.json").read_text())["paths"]["1:1"]["rms_from_3d"]

@@ -23,7 +23,7 @@ def small(monkeypatch):
 
 
 def test_the_catalogue_side_by_side(command, tmp_path, small):
-    code, out, err = command("calibrate", "--all", "--size", "coarse", "--jobs", "2", "--out", "all")
+    code, out, err = command("calibrate", "--all", "--mesh", "coarse", "--jobs", "2", "--out", "all")
     assert code == 0, err
     folder = tmp_path / "all"
     assert sorted(path.name for path in folder.iterdir()) == [
@@ -48,7 +48,7 @@ def test_the_catalogue_side_by_side(command, tmp_path, small):
     # again: nothing is solved, the laws are the same to the last bit
     law = (folder / "S-720" / "law.json").read_bytes()
     (folder / "S-720" / "law.json").unlink()
-    code, again, _ = command("calibrate", "--all", "--size", "coarse", "--resume", "--out", "all")
+    code, again, _ = command("calibrate", "--all", "--mesh", "coarse", "--resume", "--out", "all")
     assert (code, again) == (0, out)
     assert (folder / "S-720" / "law.json").read_bytes() == law
 
@@ -58,7 +58,7 @@ def test_the_catalogue_side_by_side(command, tmp_path, small):
     [
         ([], "give either a fabric or --all"),
         (["S-720", "--all"], "give either a fabric or --all"),
-        (["--all", "--fit-solid"], "--plates and --fit-solid go with one fabric"),
+        (["--all", "--fit-solid"], "--platen-curve and --fit-solid go with one fabric"),
     ],
 )
 def test_bad_options_write_nothing(command, tmp_path, options, line):
@@ -70,7 +70,7 @@ def test_bad_options_write_nothing(command, tmp_path, options, line):
 def test_one_fabric_is_told_with_intervals_and_spread(command, tmp_path, monkeypatch):
     run = solver.calibrate
     monkeypatch.setattr(solver, "calibrate", lambda fabric, size, **more: run(fabric, size=(2, 2, 2), **SMALL, **more))
-    code, out, err = command("calibrate", "S-720", "--size", "coarse", "--jobs", "1", "--out", "c")
+    code, out, err = command("calibrate", "S-720", "--mesh", "coarse", "--jobs", "1", "--out", "c")
     assert code == 0, err
     told = {line[:12].strip(): line[12:] for line in out.splitlines()}
     assert {"fitted", "published", "residual", "each path", "warp alone", "weft alone", "by tension", "chosen"} <= set(

@@ -36,7 +36,7 @@ elongation = "4 mm"
 trellis = false
 [run]
 steps = 2
-most_iterations = 4000
+max_iterations = 4000
 outputs = ["report"]
 """.replace("EXAMPLES", str(ROOT / "examples"))
 
@@ -137,7 +137,7 @@ def test_options_of_the_cell(command, scene, tmp_path):
 [fabric]
 name = "glass-balanced"
 cell_profile = "straight"
-yarn_toe = TOE
+fibre_slack = TOE
 [uniaxial]
 direction = "warp"
 length = "37 mm"
@@ -190,8 +190,8 @@ BAD = {
         "biaxial.strain = ['0 %', '0 %']: must be a list of two strains",
     ),
     "form": (
-        FRAME.replace('name = "S-720"', 'name = "S-720"\ncell_form = "equilibrium"'),
-        "fabric.cell_form = 'equilibrium': must be variational in a quasi-static run",
+        FRAME.replace('name = "S-720"', 'name = "S-720"\ncell_formulation = "equilibrium"'),
+        "fabric.cell_formulation = 'equilibrium': must be variational in a quasi-static run",
     ),
     "steps": (FRAME.replace("steps = 4", "steps = 0"), "run.steps = 0: must be a whole number from 1 to 1000"),
 }

@@ -48,7 +48,7 @@ def read(folder):
 
 
 def test_scene(command, written, tmp_path):
-    code, out, err = command("critical-velocity", written(), "--out", "results", "--curve", 4, "--jobs", 1)
+    code, out, err = command("critical-velocity", written(), "--out", "results", "--residual-shots", 4, "--jobs", 1)
     assert code == 0
     assert not [line for line in err.splitlines() if "error" in line]
     folder = tmp_path / "results"
@@ -78,7 +78,7 @@ def test_scene(command, written, tmp_path):
 def test_workers_change_nothing(command, written, tmp_path):
     path = written()
     for workers in (1, 2, 3):
-        words = ("--curve", 3, "--tolerance", "4 m/s", "--jobs", workers, "--out", f"results-{workers}")
+        words = ("--residual-shots", 3, "--tolerance", "4 m/s", "--jobs", workers, "--out", f"results-{workers}")
         assert command("critical-velocity", path, *words)[0] == 0
     one, *others = (tmp_path / f"results-{workers}" for workers in (1, 2, 3))
     for other in others:

@@ -20,7 +20,7 @@ def told(folder):
 
 
 def test_yarn_is_pulled_and_told(command, tmp_path):
-    code, out, err = command("crossover", "S-720", "--case", "yarn", "--yarn", "weft", "--size", "3,2,2", "--out", "c")
+    code, out, err = command("crossover", "S-720", "--case", "yarn", "--yarn", "weft", "--mesh", "3,2,2", "--out", "c")
     assert code == 0, err
     folder = tmp_path / "c"
     assert sorted(path.name for path in folder.iterdir()) == ["case.h5", "case.json", "pictures"]
@@ -38,7 +38,7 @@ def test_yarn_is_pulled_and_told(command, tmp_path):
 
 def test_path_from_a_file_unloads_and_leaves_yarns_slack(command, tmp_path):
     (tmp_path / "p.csv").write_text(PATH)
-    code, _, err = command("crossover", "S-720", "--case", "path", "--path", "p.csv", "--size", "3,2,2", "--out", "c")
+    code, _, err = command("crossover", "S-720", "--case", "path", "--path", "p.csv", "--mesh", "3,2,2", "--out", "c")
     assert code == 0, err
     record = Record.read(tmp_path / "c" / "case.h5")
     assert [record["d1"][-1], record["d2"][-1]] == pytest.approx([2e-6, -1e-6])
@@ -48,7 +48,7 @@ def test_path_from_a_file_unloads_and_leaves_yarns_slack(command, tmp_path):
 
 
 def test_plates_stand_beside_the_pressure_law(command, tmp_path):
-    options = ("--case", "plates", "--pressure", "60 kPa", "--size", "3,2,2")
+    options = ("--case", "platens", "--pressure", "60 kPa", "--mesh", "3,2,2")
     code, _, err = command("crossover", "S-720", *options, "--out", "c")
     assert code == 0, err
     found = told(tmp_path / "c")["found"]
@@ -60,11 +60,11 @@ def test_shear_tells_its_fit_beside_the_fabrics_data(command, tmp_path):
     options = (
         "--case",
         "shear",
-        "--gamma",
+        "--shear-angle",
         "12 deg",
-        "--stretch",
+        "--end-displacement",
         "4 um",
-        "--size",
+        "--mesh",
         "3,2,2",
         "--section",
         "conforming",
@@ -80,7 +80,7 @@ def test_shear_tells_its_fit_beside_the_fabrics_data(command, tmp_path):
 def test_a_failed_case_keeps_what_it_computed(command, tmp_path):
     """Crushed in the plane by a third of the cell: no equilibrium, exit code 3, states until then on disk."""
     (tmp_path / "p.csv").write_text("d1 [mm], d2 [mm]\n0.002, 0.002\n-0.2, -0.2\n")
-    code, _, err = command("crossover", "S-720", "--case", "path", "--path", "p.csv", "--size", "3,2,2", "--out", "c")
+    code, _, err = command("crossover", "S-720", "--case", "path", "--path", "p.csv", "--mesh", "3,2,2", "--out", "c")
     assert code == 3
     assert err.splitlines()[-1].startswith("error: the crossover found no equilibrium")
     content = told(tmp_path / "c")
@@ -100,7 +100,7 @@ def test_example_path_is_good():
 def test_example_path_runs(command, tmp_path):
     """There and back again: at rest nothing is left."""
     path = Path(__file__).parents[3] / "examples" / "crossover-path.csv"
-    code, _, err = command("crossover", "S-720", "--case", "path", "--path", str(path), "--size", "3,2,2", "--out", "c")
+    code, _, err = command("crossover", "S-720", "--case", "path", "--path", str(path), "--mesh", "3,2,2", "--out", "c")
     assert code == 0, err
     record = Record.read(tmp_path / "c" / "case.h5")
     assert record["T1"].max() > 100
@@ -110,20 +110,26 @@ def test_example_path_runs(command, tmp_path):
 @pytest.mark.parametrize(
     ("options", "line"),
     [
-        (("--case", "yarn", "--domain", "four"), "error: --domain = 'four': must be quarter or whole"),
-        (("--case", "stack", "--shift", "0.5,0", "--domain", "quarter"), "error: --domain = 'quarter': must be four"),
+        (("--case", "yarn", "--domain", "periodic"), "error: --domain = 'periodic': must be quarter or whole"),
+        (
+            ("--case", "stack", "--shift", "0.5,0", "--domain", "quarter"),
+            "error: --domain = 'quarter': must be periodic",
+        ),
         (("--case", "stack", "--shift", "a,b"), "error: --shift = 'a,b': must be two numbers"),
         (("--case", "stack", "--plies", "0"), "error: --plies = 0: must be a whole number"),
         (("--case", "path"), "error: --path: must be given"),
-        (("--case", "biaxial"), "error: --stretch = '0 mm': must be a length that is not 0"),
-        (("--case", "shear", "--gamma", "3 rad"), "error: --gamma = '3 rad': must be above 0 and at most 1.2 rad"),
-        (("--case", "shear", "--gamma", "3 mm"), "error: --gamma = '3 mm': must be a text with a unit"),
+        (("--case", "biaxial"), "error: --end-displacement = '0 mm': must be a length that is not 0"),
+        (
+            ("--case", "shear", "--shear-angle", "3 rad"),
+            "error: --shear-angle = '3 rad': must be above 0 and at most 1.2 rad",
+        ),
+        (("--case", "shear", "--shear-angle", "3 mm"), "error: --shear-angle = '3 mm': must be a text with a unit"),
         (("--case", "yarn", "--bars", "100"), "error: bars = 100: must be 0 to"),
         (("--case", "dance"), "error: Invalid value for '--case'"),
     ],
 )
 def test_bad_options_write_nothing(command, tmp_path, options, line):
-    code, _, err = command("crossover", "S-720", "--size", "3,2,2", *options, "--out", "c")
+    code, _, err = command("crossover", "S-720", "--mesh", "3,2,2", *options, "--out", "c")
     assert code == 2
     assert err.splitlines()[-1].startswith(line)
     assert not (tmp_path / "c").exists()
@@ -143,7 +149,7 @@ def test_bad_options_write_nothing(command, tmp_path, options, line):
 )
 def test_broken_paths_have_one_clear_line(command, tmp_path, text, line):
     (tmp_path / "p.csv").write_text(text)
-    code, _, err = command("crossover", "S-720", "--case", "path", "--path", "p.csv", "--size", "3,2,2", "--out", "c")
+    code, _, err = command("crossover", "S-720", "--case", "path", "--path", "p.csv", "--mesh", "3,2,2", "--out", "c")
     assert code == 2
     assert line in err.splitlines()[-1]
     assert not (tmp_path / "c").exists()

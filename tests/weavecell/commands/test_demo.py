@@ -42,7 +42,7 @@ class _Page(HTMLParser):
 
 
 def test_demonstration(command, tmp_path):
-    code, out, _ = command("demo", "--size", "coarse", "--out", "demo")
+    code, out, _ = command("demo", "--mesh", "coarse", "--out", "demo")
     folder = tmp_path / "demo"
     assert code == 0
     rows = {row["what"]: row for row in json.loads((folder / "summary.json").read_text())["rows"]}
@@ -67,7 +67,7 @@ def test_demonstration(command, tmp_path):
 
 
 def test_calibration_is_written_and_told(command, tmp_path):
-    code, out, _ = command("calibrate", "S-720", "--size", "coarse", "--out", "calibration")
+    code, out, _ = command("calibrate", "S-720", "--mesh", "coarse", "--out", "calibration")
     folder = tmp_path / "calibration"
     assert code == 0
     assert {path.name for path in folder.iterdir()} == {

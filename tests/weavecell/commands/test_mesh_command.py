@@ -8,7 +8,7 @@ pytest.importorskip("gmsh")
 
 
 def test_mesh_is_written_and_told(command, tmp_path):
-    code, out, _ = command("mesh", "S-720", "--size", "coarse", "--out", "mesh")
+    code, out, _ = command("mesh", "S-720", "--mesh", "coarse", "--out", "mesh")
     assert code == 0
     folder = tmp_path / "mesh"
     assert sorted(path.name for path in folder.iterdir()) == [
@@ -24,7 +24,7 @@ def test_mesh_is_written_and_told(command, tmp_path):
 
 
 def test_choices_reach_the_mesh(command, tmp_path):
-    options = ("--size", "coarse", "--domain", "whole", "--section", "ellipse", "--gap", "30 um")
+    options = ("--mesh", "coarse", "--domain", "whole", "--section", "ellipse", "--yarn-gap", "30 um")
     assert command("mesh", "S-728", *options, "--out", "mesh")[0] == 0
     facts = json.loads((tmp_path / "mesh" / "mesh.json").read_text())
     assert facts["domain"] == "whole"
@@ -32,7 +32,7 @@ def test_choices_reach_the_mesh(command, tmp_path):
 
 
 def test_a_patch_in_every_format(command, tmp_path):
-    options = ("--patch", "2x3", "--size", "4,3,1", "--crimp", "2 %, 1 %", "--width", "1.2 mm", "--end-shells", "20 um")
+    options = ("--patch", "2x3", "--mesh", "4,3,1", "--crimp", "2 %, 1 %", "--width", "1.2 mm", "--end-shells", "20 um")
     code, out, err = command("mesh", "S-720", *options, "--format", "msh,vtu,k,inp,rad", "--out", "mesh")
     assert code == 0, err
     assert sorted(path.name for path in (tmp_path / "mesh").iterdir()) == [
@@ -47,7 +47,7 @@ def test_a_patch_in_every_format(command, tmp_path):
 
 
 def test_four_crossovers_of_an_edge_length(command, tmp_path):
-    assert command("mesh", "S-726", "--domain", "four", "--size", "0.2 mm", "--out", "mesh")[0] == 0
+    assert command("mesh", "S-726", "--domain", "periodic", "--mesh", "0.2 mm", "--out", "mesh")[0] == 0
     facts = json.loads((tmp_path / "mesh" / "mesh.json").read_text())
     assert facts["domain"] == "2 warp x 2 weft yarns"
     assert facts["sections"].startswith("conforming: ")
@@ -59,7 +59,7 @@ def test_four_crossovers_of_an_edge_length(command, tmp_path):
         ("S-720", "--crimp=-1%", "crimp = -0.01: must be a fraction from 0 to below 1 (0.02 or 2 %)"),
         ("S-720", "--crimp 1%,2%,3%", "--crimp = '1%,2%,3%': must be one value, or two separated by a comma, of"),
         ("S-720", "--width 1.4mm", "warp width = 0.0014: must be above 0 and at most the spacing, 0.00127 m"),
-        ("S-720", "--gap 0.7mm", "gap = 0.0007: must be from 0 to below half a spacing, 0.000635 m"),
+        ("S-720", "--yarn-gap 0.7mm", "gap = 0.0007: must be from 0 to below half a spacing, 0.000635 m"),
         (
             "S-720",
             "--section ellipse --overlap refuse",
@@ -72,9 +72,9 @@ def test_four_crossovers_of_an_edge_length(command, tmp_path):
         ),
         ("S-720", "--patch 3", "--patch = '3': must be numbers of warp and weft yarns, such as 3x4"),
         ("S-720", "--patch 0x2", "count = (0, 2): must be two whole numbers from 1, of warp and of weft yarns"),
-        ("S-720", "--patch 2x2 --domain four", "--patch = '2x2': must be left out where --domain is given"),
+        ("S-720", "--patch 2x2 --domain periodic", "--patch = '2x2': must be left out where --domain is given"),
         ("S-720", "--format stl", "--format = 'stl': must be one or more of msh, vtu, k, inp, rad"),
-        ("S-720", "--size 1,2", "size = (1, 2): must be coarse, medium, fine, auto, an edge length up to"),
+        ("S-720", "--mesh 1,2", "size = (1, 2): must be coarse, medium, fine, auto, an edge length up to"),
         ("S-720", "--end-shells 0mm", "end_shells = 0.0: must be a positive thickness in m, or none"),
     ],
 )

@@ -36,7 +36,7 @@ EVERYTHING = ["histories.h5", "pack", "pack.pvd", "pictures", "report.html", "sc
 
 @pytest.fixture
 def scene(tmp_path):
-    def write(panel='stacking = "alternating"\ngap = "0.1 mm"', outputs="[]", extra=""):
+    def write(panel='stacking = "alternating"\nply_gap = "0.1 mm"', outputs="[]", extra=""):
         path = tmp_path / "scene.toml"
         path.write_text(SCENE.replace("PANEL", panel).replace("OUTPUTS", outputs) + extra)
         return path
@@ -99,10 +99,10 @@ def test_the_gap_may_come_from_the_fabric(command, scene, tmp_path):
         ("plies = 3.5", "", "panel.plies"),
         ("plies = 40", "", "panel.plies"),
         ('plies = 2\nstacking = "crossed"', "", "panel.stacking"),
-        ('plies = 2\ngap = "-1 mm"', "", "panel.gap"),
-        ('plies = 1\ngap = "1 mm"', "", "panel.gap"),
+        ('plies = 2\nply_gap = "-1 mm"', "", "panel.ply_gap"),
+        ('plies = 1\nply_gap = "1 mm"', "", "panel.ply_gap"),
         ('plies = 1\nstacking = "alternating"', "", "panel.stacking"),
-        ("plies = 2", '[measure]\ninterval = "1 us"\n', "measure"),
+        ("plies = 2", '[history]\ninterval = "1 us"\n', "history"),
         (
             'plies = 2\nstacking = "alternating"\nsymmetry = "whole"\nweave_angle = "45 deg"', "", "panel.stacking",
         ),

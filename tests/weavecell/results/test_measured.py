@@ -1,4 +1,4 @@
-"""A scene with [measure]: histories in the file, fronts in it and in the report, pictures; the rest as without it."""
+"""A scene with [history]: histories in the file, fronts in it and in the report, pictures; the rest as without it."""
 
 import h5py
 import numpy as np
@@ -26,16 +26,16 @@ end_time = "80 us"
 outputs = ["pictures", "report"]
 """
 MEASURE = """
-[measure]
+[history]
 interval = "1 us"
 warp = ["0 mm", "5 mm"]
-places = ["5 mm", "20 mm", "90 mm"]
+report_positions = ["5 mm", "20 mm", "90 mm"]
 """
 
 
 @pytest.fixture(scope="module")
 def folders(tmp_path_factory):
-    """Results without and with [measure]."""
+    """Results without and with [history]."""
     from weavecell.cli import app
 
     folder = tmp_path_factory.mktemp("measured")

@@ -103,7 +103,7 @@ def test_the_calibration_of_it_is_set_up(command, tmp_path, monkeypatch):
 
     monkeypatch.setattr(calibrate, "calibrate", stop)
     monkeypatch.setattr(calibrate.mesh, "write", lambda *_, **__: None)
-    code, out, err = command("calibrate", MINE, "--size", "coarse", "--out", "r")
+    code, out, err = command("calibrate", MINE, "--mesh", "coarse", "--out", "r")
     assert (code, err.splitlines()[-1]) == (2, "error: enough")
     assert out.splitlines()[0] == SOLID
     assert solved["model"] is not None

@@ -11,21 +11,24 @@ STRIP = {
     "uniaxial": {"direction": "warp", "length": "13 mm", "width": "6.5 mm", "strain": "1.5 %"},
     "run": {"steps": 1, "tolerance": 1e-3, "outputs": []},
 }
-FRAME = {"fabric": {"name": "S-720"}, "picture_frame": {"shear": "20 deg", "crossovers": 2}, "run": STRIP["run"]}
+FRAME = {"fabric": {"name": "S-720"}, "picture_frame": {"shear_angle": "20 deg", "crossovers": 2}, "run": STRIP["run"]}
 REJECTED = {
     "surface": ({"surface": SURFACE}, f"fabric.surface = '{SURFACE}': must be left out: the cell of a coupon is made"),
     "bending": ({"bending": "1e-6 N m^2"}, "fabric.bending = '1e-6 N m^2': must be left out: the yarns of a coupon"),
-    "form": ({"cell_form": "equilibrium"}, "fabric.cell_form = 'equilibrium': must be variational"),
+    "form": ({"cell_formulation": "equilibrium"}, "fabric.cell_formulation = 'equilibrium': must be variational"),
     "unused law": ({"cell_model": "decoupled", "law": LAW}, "fabric.law: must be left out where fabric.cell_model"),
-    "unused gap": ({"cell_model": "decoupled", "gap": "0.01 mm"}, "fabric.gap = '0.01 mm': must be left out where"),
+    "unused gap": (
+        {"cell_model": "decoupled", "crossover_gap": "0.01 mm"},
+        "fabric.crossover_gap = '0.01 mm': must be left out where",
+    ),
 }
 # [fabric] of the strip: whether its load at the end is higher (1) or lower (-1) than with the defaults, or another (0)
 SHOWN = {
-    "toe": ({"yarn_toe": "0.5 %"}, -1),
+    "toe": ({"fibre_slack": "0.5 %"}, -1),
     "law": ({"law": LAW}, 0),
     "incompressible": ({"cell_model": "incompressible"}, 1),
     "decoupled": ({"cell_model": "decoupled"}, -1),
-    "play": ({"gap": "0.02 mm"}, -1),
+    "play": ({"crossover_gap": "0.02 mm"}, -1),
     "straight": ({"cell_profile": "straight"}, 0),
     "nominal": ({"linear_density": "nominal"}, -1),
     "fabric": ({"name": "S-728"}, 0),

@@ -72,7 +72,7 @@ def test_cell_from_a_surface():
     data = Path(__file__).parents[2] / "shellfabric" / "cell" / "data"
     for form in ("variational", "direct"):
         table = with_change("fabric", "surface", "S-720-coarse-9x9.h5")
-        table["fabric"]["cell_form"] = form
+        table["fabric"]["cell_formulation"] = form
         path = data / "scene.toml"
         panel = build.setup(build.build(scenes_impact.check(table, path), path, "s"), path).panel()
         assert panel.table.model.form == form
@@ -109,8 +109,9 @@ def test_numerical_knobs_are_those_of_the_shell():
     from shellfabric.panel.model import Numerics
 
     known = {entry.name for entry in dataclasses.fields(Numerics)}
-    assert set(scenes_impact.NumericsTable.model_fields) <= known
-    knobs = {"penalty": 0.02, "safety": 0.5}
+    fields = {"cfl": "safety"}
+    assert {fields.get(key, key) for key in scenes_impact.NumericsTable.model_fields} <= known
+    knobs = {"penalty": 0.02, "cfl": 0.5}
     asked = scenes_impact.check(TABLE | {"numerics": knobs}, "s")
     numerics = build.setup(build.build(asked, "s", "s"), "s").numerics
     assert (numerics.penalty, numerics.safety) == (0.02, 0.5)
@@ -127,11 +128,11 @@ def test_setup_is_what_the_scene_says():
 
 
 def test_an_elastic_projectile_and_a_block_are_what_the_scene_says():
-    changed = with_change("projectile", "body", "bar") | {
-        "backing": {"modulus": "50 MPa", "room": "1 mm", "far": "free"}
+    changed = with_change("projectile", "body", "elastic_bar") | {
+        "backing": {"modulus": "50 MPa", "standoff": "1 mm", "outer_boundary": "free"}
     }
-    changed["projectile"]["bore"] = "4.8 mm"
-    changed["panel"] = changed["panel"] | {"yarns_fail": False}
+    changed["projectile"]["bore_diameter"] = "4.8 mm"
+    changed["panel"] = changed["panel"] | {"yarn_failure": False}
     setup = build.setup(build.build(scenes_impact.check(changed, "s"), "s", "s"), "s")
     assert setup.projectile.bar.mass == pytest.approx(3e-3)
     assert setup.projectile.bar.sections[1][1] == pytest.approx(np.pi / 4 * (5.5e-3**2 - 4.8e-3**2))
@@ -174,7 +175,7 @@ def test_sides_and_weave_of_the_panel():
     from shellfabric.panel.boundary import Grip, PullIn
 
     pull = {"pull_in": "5 mm", "start": "200 us", "end": "650 us"}
-    boundary = {"warp": ["clamped", {"grip": "20 N"}], "weft": pull}
+    boundary = {"warp": ["clamped", {"clamp_force": "20 N"}], "weft": pull}
     setup, asked = setup_of({"panel": {"opening": ["203 mm", "100 mm"], "boundary": boundary, "symmetry": "whole"}})
     assert setup.opening == pytest.approx((0.203, 0.1))
     (low, high), weft = setup.edge
@@ -182,7 +183,7 @@ def test_sides_and_weave_of_the_panel():
     assert isinstance(weft, PullIn)
     assert dataclasses.astuple(weft) == pytest.approx((5e-3, 200e-6, 650e-6, 60e-3))  # zone of the source
     told = build.panel_in_words(asked.panel)
-    assert told == "203 mm by 100 mm, warp ends clamped / gripped by 20 N and weft ends slipping by 5 mm"
+    assert told == "203 mm by 100 mm, warp ends clamped / clamped with 20 N a yarn and weft ends slipping by 5 mm"
     setup, asked = setup_of({"panel": {"weave_angle": "45 deg", "symmetry": "whole"}})
     assert setup.weave_angle == pytest.approx(math.pi / 4)
     assert build.panel_in_words(asked.panel) == "203 mm square, its weave turned by 45° and clamped"
@@ -190,9 +191,9 @@ def test_sides_and_weave_of_the_panel():
 
 def test_nothing_is_measured_unless_asked():
     assert build.setup(build.build(scenes_impact.check(TABLE, "s"), "s", "s"), "s").measure is None
-    asked = scenes_impact.check(TABLE | {"measure": {"interval": "0.5 us", "warp": ["0 mm", "1 cm"]}}, "s")
+    asked = scenes_impact.check(TABLE | {"history": {"interval": "0.5 us", "warp": ["0 mm", "1 cm"]}}, "s")
     measure = build.setup(build.build(asked, "s", "s"), "s").measure
     assert measure.interval == pytest.approx(5e-7)
     assert measure.warp == pytest.approx((0.0, 0.01))
     assert measure.weft == (0.0,)
-    assert asked.measure.places == (5e-3, 20e-3, 50e-3, 80e-3)
+    assert asked.history.report_positions == (5e-3, 20e-3, 50e-3, 80e-3)

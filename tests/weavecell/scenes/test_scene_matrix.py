@@ -26,9 +26,9 @@ SHOT = {
     "panel": {"opening": "26 mm"},
     "run": {"end_time": "12 us", "snapshot_interval": "4 us", "checkpoint_interval": "6 us", "outputs": []},
 }
-PACK = {"panel": {"plies": 2, "gap": "0.05 mm"}}
+PACK = {"panel": {"plies": 2, "ply_gap": "0.05 mm"}}
 ACCURACY = {"accuracy": {"residual_velocity": "50 %"}}
-BLOCK = {"size": ["60 mm", "60 mm", "30 mm"], "finest": "2 mm", "growth": 1.5}
+BLOCK = {"size": ["60 mm", "60 mm", "30 mm"], "min_size": "2 mm", "growth": 1.5}
 
 
 def energy(name):
@@ -75,7 +75,7 @@ def all_say(told):
     return dict.fromkeys(ALL, told)
 
 
-NO_TOE = all_say("fabric.yarn_toe = '0.1 %': must be left out in an impact")
+NO_SLACK = all_say("fabric.fibre_slack = '0.1 %': must be left out in an impact")
 ONE_PLY = "must be left out where panel.plies is above 1"
 MESH = "must be left out in a scene with [accuracy], whose mesh is chosen"
 KINDS = {
@@ -99,14 +99,15 @@ KINDS = {
         lambda got, plain: got.v[0] == pytest.approx(plain.v[0] * np.cos(np.radians(30))),
     ),
     "chisel": Kind({"projectile": CHISEL}),
-    "elastic bar": Kind({"projectile": {"body": "bar"}}, rises(energy("elastic_projectile"), 1e-6)),
+    "elastic bar": Kind({"projectile": {"body": "elastic_bar"}}, rises(energy("elastic_projectile"), 1e-6)),
     "bored bar": Kind(
-        {"projectile": {"bore": "4.5 mm"}}, rejected=all_say("projectile.bore = '4.5 mm': must be left out but for")
+        {"projectile": {"bore_diameter": "4.5 mm"}},
+        rejected=all_say("projectile.bore_diameter = '4.5 mm': must be left out for"),
     ),
     "nose friction": Kind(
         {"projectile": {"friction": 0.3, "shape": "hemisphere"}}, rises(energy("friction"), 1e-9)
     ),
-    "grip": Kind({"panel": {"boundary": {"weft": {"grip": "2 N"}}}}, rises(energy("grip"), 1e-9)),
+    "grip": Kind({"panel": {"boundary": {"weft": {"clamp_force": "2 N"}}}}, rises(energy("grip"), 1e-9)),
     "pull_in": Kind(
         {"panel": {"boundary": {"weft": {"pull_in": "0.2 mm", "start": "0 us", "end": "10 us"}}}},
         lambda got, plain: abs(energy("external")(got)) > 1e-9,
@@ -116,7 +117,7 @@ KINDS = {
         {"panel": {"weave_angle": "30 deg", "symmetry": "whole"}}, lambda got, plain: got.elements > 4 * plain.elements
     ),
     "whole": Kind({"panel": {"symmetry": "whole"}}, ratio(lambda got: got.elements, 4, 1e-9)),
-    "yarns hold": Kind({"panel": {"yarns_fail": False}}, lambda got, plain: got.failed == 0 < plain.failed),
+    "yarns hold": Kind({"panel": {"yarn_failure": False}}, lambda got, plain: got.failed == 0 < plain.failed),
     "grading": Kind(
         {"panel": {"grading": [[8, 1], [float("inf"), 2]], "opening": "60 mm"}},
         lambda got, plain: got.elements < 23**2,
@@ -130,10 +131,10 @@ KINDS = {
         {"pack": "accuracy: " + ONE_PLY, "critical-velocity": "accuracy: must be left out: the ballistic limit"},
     ),
     "measure": Kind(
-        {"measure": {"warp": ["0 mm", "2.6 mm"]}}, lambda got, plain: got.followed == 3,
-        {"pack": "measure: " + ONE_PLY, "critical-velocity": "measure: must be left out: the shots record nothing"},
+        {"history": {"warp": ["0 mm", "2.6 mm"]}}, lambda got, plain: got.followed == 3,
+        {"pack": "history: " + ONE_PLY, "critical-velocity": "history: must be left out: the shots record nothing"},
     ),
-    "safety": Kind({"numerics": {"safety": 0.45}}, ratio(lambda got: got.steps, 2, 0.05)),
+    "safety": Kind({"numerics": {"cfl": 0.45}}, ratio(lambda got: got.steps, 2, 0.05)),
     "viscosity": Kind({"numerics": {"stretch_viscosity": 0.2}}, rises(energy("viscous"))),
     "penalty": Kind({"numerics": {"penalty": 0.3, "contact_damping": 0.4}}),
     "single precision": Kind({"numerics": {"precision": "single"}}, same_but_rounded),
@@ -150,14 +151,14 @@ KINDS = {
         rejected=all_say("fabric.law: must be left out where fabric.cell_model is"),
     ),
     "decoupled with a gap": Kind(
-        {"fabric": {"cell_model": "decoupled", "gap": "0.01 mm"}},
-        rejected=all_say("fabric.gap = '0.01 mm': must be left out where fabric.cell_model is"),
+        {"fabric": {"cell_model": "decoupled", "crossover_gap": "0.01 mm"}},
+        rejected=all_say("fabric.crossover_gap = '0.01 mm': must be left out where fabric.cell_model is"),
     ),
-    "equilibrium form": Kind({"fabric": {"cell_form": "equilibrium"}}),
+    "equilibrium form": Kind({"fabric": {"cell_formulation": "equilibrium"}}),
     "straight yarns": Kind({"fabric": {"cell_profile": "straight"}}),
-    "play": Kind({"fabric": {"gap": "0.02 mm"}}),
+    "play": Kind({"fabric": {"crossover_gap": "0.02 mm"}}),
     "bending": Kind({"fabric": {"bending": "1e-6 N m^2"}}, rises(energy("bending"), 1e-9)),
-    "yarn toe": Kind({"fabric": {"yarn_toe": "0.1 %"}}, rejected=NO_TOE),
+    "yarn toe": Kind({"fabric": {"fibre_slack": "0.1 %"}}, rejected=NO_SLACK),
     "nominal": Kind({"fabric": {"linear_density": "nominal"}}),
     "stacked alone": Kind(
         {"panel": {"stacking": "alternating"}},
@@ -271,7 +272,7 @@ def test_honoured_by_impacts(capsys, tmp_path, known, name, command):
 def test_a_pack_of_single_precision_keeps_its_forces_in_it():
     asked = scenes_impact.check(scene_of("pack", KINDS["single precision"].changes), "s", commands_impact.support)
     setup = build.setup(build.build(asked, "s", "s"), "s")
-    states, _ = PackSetup(setup, asked.panel.plies, asked.panel.stacking, asked.panel.gap).pack().states(400.0)
+    states, _ = PackSetup(setup, asked.panel.plies, asked.panel.stacking, asked.panel.ply_gap).pack().states(400.0)
     assert [state.T[0].dtype for state in states] == [np.float32] * 2
 
 
@@ -325,7 +326,7 @@ def limit(capsys, folder, monkeypatch, changes):
 
     monkeypatch.setattr("shellfabric.impact.ballistic_limit._fire", fire)
     path = written(folder, merged(SHOT, changes))
-    words = ("--tolerance", "100 m/s", "--curve", 0, "--jobs", 1, "--out", folder / "r")
+    words = ("--tolerance", "100 m/s", "--residual-shots", 0, "--jobs", 1, "--out", folder / "r")
     code, _, err = call(capsys, "critical-velocity", path, *words)
     assert code == 0, err
     march, found = marches[0], json.loads((folder / "r/critical-velocity.json").read_text())

@@ -55,7 +55,7 @@ SLIPS = {
     f"panel.boundary.{side}.{name}": ({"panel": {"boundary": {side: first}}}, first[name], other)
     for side in ("warp", "weft")
     for name, other, first in (
-        ("grip", "30 N", {"grip": "20 N"}),
+        ("clamp_force", "30 N", {"clamp_force": "20 N"}),
         ("pull_in", "2 mm", PULL),
         ("start", "10 us", PULL),
         ("end", "50 us", PULL),
@@ -71,10 +71,10 @@ FABRIC = {
     "fabric.law.b": ({"fabric": {"law": LAW}}, "0.05 mm N^(1/3)", "0.06 mm N^(1/3)"),
     "fabric.law.form": ({"fabric": {"law": LAW}}, "regularised", "printed"),
     "fabric.cell_model": ({}, "compressible", "decoupled"),
-    "fabric.cell_form": ({}, "variational", "equilibrium"),
+    "fabric.cell_formulation": ({}, "variational", "equilibrium"),
     "fabric.cell_profile": ({}, "cosine", "straight"),
-    "fabric.yarn_toe": ({}, "0 %", "0.1 %"),
-    "fabric.gap": ({}, "0 mm", "0.01 mm"),
+    "fabric.fibre_slack": ({}, "0 %", "0.1 %"),
+    "fabric.crossover_gap": ({}, "0 mm", "0.01 mm"),
     "fabric.surface": ({}, None, SURFACE),
     "fabric.bending": ({}, "0 N m^2", "1e-6 N m^2"),
 }
@@ -94,43 +94,43 @@ KEYS = FABRIC | SLIPS | {
     "projectile.yaw": ({}, "0 deg", "5 deg"),
     "projectile.roll": ({"projectile": CHISEL}, "0 deg", "5 deg"),
     "projectile.friction": ({}, 0.0, 0.2),
-    "projectile.body": ({}, "rigid", "bar"),
-    "projectile.bore": ({"projectile": {"body": "bar"}}, "4.5 mm", "4.6 mm"),
+    "projectile.body": ({}, "rigid", "elastic_bar"),
+    "projectile.bore_diameter": ({"projectile": {"body": "elastic_bar"}}, "4.5 mm", "4.6 mm"),
     "panel.opening": ({}, "50 mm", "60 mm"),
     "panel.boundary": ({}, "clamped", "free"),
     "panel.boundary.warp": ({}, "clamped", "free"),
     "panel.boundary.weft": ({}, "clamped", "free"),
     "panel.symmetry": ({}, "whole", "quarter"),
     "panel.weave_angle": ({}, "0 deg", "20 deg"),
-    "panel.yarns_fail": ({}, True, False),
+    "panel.yarn_failure": ({}, True, False),
     "panel.grading": ({}, [["inf", 1]], [[8, 1], ["inf", 2]]),
     "run.end_time": ({}, "60 us", "70 us"),
     "run.elements_per_crossover": ({}, 1, 2),
     "run.snapshot_interval": ({}, "10 us", "20 us"),
-    "measure.interval": ({"measure": {}}, "1 us", "2 us"),
-    "measure.warp": ({"measure": {}}, ["0 mm"], ["1 mm"]),
-    "measure.weft": ({"measure": {}}, ["0 mm"], ["1 mm"]),
-    "numerics.safety": ({}, 0.9, 0.5),
+    "history.interval": ({"history": {}}, "1 us", "2 us"),
+    "history.warp": ({"history": {}}, ["0 mm"], ["1 mm"]),
+    "history.weft": ({"history": {}}, ["0 mm"], ["1 mm"]),
+    "numerics.cfl": ({}, 0.9, 0.5),
     "numerics.stretch_viscosity": ({}, 0.1, 0.2),
     "numerics.penalty": ({}, 0.6, 0.3),
     "numerics.contact_damping": ({}, 0.5, 0.6),
     "numerics.precision": ({}, "double", "single"),
     "numerics.threads": ({}, 1, 2),
     "backing.size": ({"backing": {}}, ["300 mm", "300 mm", "180 mm"], ["200 mm", "300 mm", "180 mm"]),
-    "backing.room": ({"backing": {}}, "0 mm", "1 mm"),
+    "backing.standoff": ({"backing": {}}, "0 mm", "1 mm"),
     "backing.modulus": ({"backing": {}}, "100 MPa", "90 MPa"),
     "backing.density": ({"backing": {}}, "3 g/cm^3", "2 g/cm^3"),
     "backing.poisson": ({"backing": {}}, 0.3, 0.4),
     "backing.yield_stress": ({"backing": {}}, "20 MPa", "10 MPa"),
     "backing.hardening": ({"backing": {}}, "0 Pa", "1 MPa"),
     "backing.erosion_strain": ({"backing": {}}, 0.95, 0.9),
-    "backing.far": ({"backing": {}}, "fixed", "absorbing"),
-    "backing.finest": ({"backing": {}}, "1 mm", "2 mm"),
-    "backing.fine": ({"backing": {}}, "8 mm", "9 mm"),
+    "backing.outer_boundary": ({"backing": {}}, "fixed", "absorbing"),
+    "backing.min_size": ({"backing": {}}, "1 mm", "2 mm"),
+    "backing.refined_depth": ({"backing": {}}, "8 mm", "9 mm"),
     "backing.growth": ({"backing": {}}, 1.2, 1.3),
 }  # fmt: skip
 # what the set-up of the solver does not hold; tests/weavecell/scenes/test_scene_matrix.py sees to them by runs
-OF_THE_RUN = {"title", "panel.plies", "panel.stacking", "panel.gap", "measure.places"}
+OF_THE_RUN = {"format", "title", "panel.plies", "panel.stacking", "panel.ply_gap", "history.report_positions"}
 OF_THE_RUN |= {
     "run.checkpoint_interval",
     "run.outputs",
@@ -138,7 +138,7 @@ OF_THE_RUN |= {
 }
 COUPONS = {
     "bias_extension": {"length": "60 mm", "width": "30 mm", "elongation": "4 mm"},
-    "picture_frame": {"shear": "20 deg"},
+    "picture_frame": {"shear_angle": "20 deg"},
     "uniaxial": {"direction": "warp", "length": "40 mm", "width": "10 mm", "strain": "2 %"},
     "biaxial": {"strain": ["1 %", "1 %"]},
 }
@@ -175,14 +175,14 @@ def test_a_new_key_is_found():
 
 def test_what_is_set_is_found():
     changes = {
-        "panel": {"boundary": {"warp": [{"grip": "20 N"}, "clamped"]}, "plies": 1},
-        "measure": {},
+        "panel": {"boundary": {"warp": [{"clamp_force": "20 N"}, "clamped"]}, "plies": 1},
+        "history": {},
         "numerics": {},
     }
     asked = scenes_impact.check(merged(SHOT, changes), "s")
     found = list(supported.changed(asked))
-    assert "panel.boundary.warp.grip" in found
-    assert "measure" in found
+    assert "panel.boundary.warp.clamp_force" in found
+    assert "history" in found
     assert not {"panel.plies", "numerics", "fabric", "run.snapshot_interval"} & set(found)
 
 
@@ -217,7 +217,7 @@ def test_a_supported_key_of_a_coupon_reaches_its_cell(key):
         base = {"fabric": SHOT["fabric"], "uniaxial": COUPONS["uniaxial"]}
         asked = scenes_coupon.check(merged(merged(base, context), table_of(key, value)), "s", coupon.SUPPORT)
         this, cloth = build.build(asked, "s", "s"), asked.fabric
-        cell = (cloth.gap, cloth.cell_model, cloth.cell_form, cloth.cell_profile, cloth.yarn_toe)
+        cell = (cloth.crossover_gap, cloth.cell_model, cloth.cell_formulation, cloth.cell_profile, cloth.fibre_slack)
         made.append(repr((this.fabric, this.laws, cell)))
     assert made[0] != made[1]
 

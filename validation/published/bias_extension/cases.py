@@ -79,7 +79,7 @@ def run(name, *, steps=20, table_size=201, **changes) -> Case:
     options = {"trellis": trellis, "steps": steps, "tolerance": 1e-5} | changes
     problem = None
     if name == "none":
-        options |= {"steps": 2, "most_iterations": 6000}
+        options |= {"steps": 2, "max_iterations": 6000}
     try:
         result = quasistatic.bias_extension(table, **options)
     except UnstableError as found:

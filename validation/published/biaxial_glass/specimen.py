@@ -60,7 +60,9 @@ class Specimen:
 def pull_specimen(fabric, label, drawn=True, steps=12) -> Specimen:
     """Pull the specimen until a yarn reaches its strength."""
     table = CellModel(fabric).table(201)
-    run = quasistatic.biaxial(table, strain=STRAINS[label], centre=CENTRE, arm=ARM, drawn=drawn, steps=steps)
+    run = quasistatic.biaxial(
+        table, strain=STRAINS[label], centre=CENTRE, arm=ARM, cross_yarns_removed=drawn, steps=steps
+    )
     strain = quasistatic.middle_strain(run, [MIDDLE * w for w in fabric.weave.w])
     load = np.stack([run.force(1, 0), run.force(3, 1)], axis=1) / CENTRE
     cell = table.model.solve(*(1 + strain).T)

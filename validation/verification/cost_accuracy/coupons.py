@@ -106,7 +106,7 @@ class Cross(Test):
             strain=(self.strain,) * 2,
             centre=self.centre // many,
             arm=self.arm // many,
-            drawn=False,
+            cross_yarns_removed=False,
             **self.choices,
         )
         half = [0.25 * self.centre * 2 * w / many for w in table.model.fabric.weave.w]

@@ -25,7 +25,7 @@ def pull(factor, law):
         fabric = replace(fabric, shear=TrellisShear(factor * shear.G1, factor * G2, shear.gamma1, shear.gamma2))
     result = quasistatic.bias_extension(
         CellModel(fabric).table(51), length=base.length, width=base.width, elongation=base.elongation, steps=3,
-        trellis=factor > 0, tolerance=1e-3, most_iterations=20_000,
+        trellis=factor > 0, tolerance=1e-3, max_iterations=20_000,
     )  # fmt: skip
     centre = quasistatic.zones(result.coupon, *quasistatic.bias_size(result)) == quasistatic.ZONES.index("C")
     return quasistatic.concentration(np.abs(result.shear()), centre)
