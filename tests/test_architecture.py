@@ -46,6 +46,7 @@ DRIVES = {"set_num_threads", "get_num_threads", "config"}
 BY_NAME = (
     "validation/verification/cost_accuracy/study.py", "validation/verification/stability/study.py",
     "fabrics/source_code.py",
+    "fabrics/executors.py",  # of the user's own, and other libraries
     "shellfabric/jit/compile_in_child.py",
 )  # fmt: skip
 

@@ -6,13 +6,12 @@ import sys
 
 UNTIL = "the next release"
 COMMANDS = {"chart": "cost-accuracy"}
-EVERYWHERE = {"--processes": "--jobs", "--workers": "--jobs", "--pool": "--executor"}
-_MESH = {"--size": "--mesh"}
+_MESH, _JOBS, _POOL = {"--size": "--mesh"}, {"--processes": "--jobs"}, {"--pool": "--executor"}
 OPTIONS = {
-    "demo": _MESH,
+    "demo": _MESH | _JOBS,
     "mesh": _MESH | {"--gap": "--yarn-gap"},
-    "calibrate": _MESH | {"--plates": "--platen-curve"},
-    "surface": _MESH,
+    "calibrate": _MESH | _JOBS | {"--plates": "--platen-curve"},
+    "surface": _MESH | _JOBS,
     "crossover": _MESH
     | {
         "--gap": "--yarn-gap",
@@ -21,14 +20,17 @@ OPTIONS = {
         "--gamma": "--shear-angle",
     },
     "biaxial": {"--crossover": "--compare-3d", "--toe": "--fibre-slack"},
-    "critical-velocity": {"--curve": "--residual-shots"},
-    "v50": {"--shape": "--weibull-shape", "--modulus": "--modulus-cov", "--crimp": "--crimp-cov"},
+    "critical-velocity": {"--curve": "--residual-shots", "--workers": "--jobs"},
+    "cost-accuracy": _JOBS,
+    "sensitivity": _POOL,
+    "v50": _POOL | {"--shape": "--weibull-shape", "--modulus": "--modulus-cov", "--crimp": "--crimp-cov"},
 }
 VALUES = {
-    ("", "--executor"): {"processes": "local"},
     ("mesh", "--domain"): {"four": "periodic"},
     ("crossover", "--domain"): {"four": "periodic"},
     ("crossover", "--case"): {"plates": "platens"},
+    ("sensitivity", "--executor"): {"processes": "local"},
+    ("v50", "--executor"): {"processes": "local"},
 }
 
 
@@ -37,13 +39,13 @@ def upgraded(words):
     if not words:
         return words
     command = _renamed(COMMANDS, words[0])
-    options, found, option = EVERYWHERE | OPTIONS.get(command, {}), [command], None
+    options, found, option = OPTIONS.get(command, {}), [command], None
     for word in words[1:]:
         name, equals, value = word.partition("=") if word.startswith("--") else ("", "", word)
         if name:
             option = _renamed(options, name)
         if equals or not name:
-            value = _renamed(VALUES.get((command, option), VALUES.get(("", option), {})), value, f"{option} ")
+            value = _renamed(VALUES.get((command, option), {}), value, f"{option} ")
         found.append(f"{option}{equals}{value}" if name else value)
         if equals or not name:
             option = None

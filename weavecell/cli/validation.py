@@ -56,7 +56,7 @@ def cost_accuracy(
     from validation.commands import cost_accuracy as module
 
     of_crossover = (scene or []) == [module.LONG]
-    options = ("level", "only", "processes") if of_crossover else ("everything", "quick", "page")
+    options = ("level", "only", "jobs", "executor") if of_crossover else ("everything", "quick", "page")
     where = f"{'with' if of_crossover else 'without'} --scene {module.LONG}"
     refuse_others(context, ("scene", "out", "resume", *options), where)
     module.chart_command(

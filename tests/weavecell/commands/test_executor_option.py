@@ -86,13 +86,3 @@ def test_an_executor_that_there_is_none_of_is_one_line(executor, told, command, 
     assert line.startswith(f"error: --executor = '{executor}':")
     assert told in line
     assert not (tmp_path / "out").exists()
-
-
-def test_options_by_their_old_names_are_accepted_with_a_warning(command):
-    for old, new in (("--pool", "--executor"), ("--workers", "--jobs"), ("--processes", "--jobs")):
-        _, _, err = command("v50", "S-720", "--shots", "4", old, "x")
-        assert f"warning: {old} is now called {new}" in err
-        assert f"'{new}'" in err or f"{new} = 'x'" in err  # and then it is told that x is none
-    code, _, err = command("v50", "S-720", "--shots", "4", "--pool", "processes", "--jobs=0")
-    assert "Invalid value for '--jobs'" in err
-    assert code == 2
