@@ -121,30 +121,32 @@ def pull(
         d = share * strain * model.w
         return Load((d, 0.0) if family == 0 else (0.0, d))
 
-    def row(state, load):
-        x, d = model.positions(state.q, load), load.d[family]
-        strains, means = model.fibre_strains(x) if len(model.fibres.pairs) else (None, [np.nan])
-        return {
-            "d": d,
-            "strain": d / model.w,
-            "T": model.tensions(state.forces)[family],
-            "T_taut": taut(yarn, model.w, crimp, d),
-            "h": model.height(x),
-            "fibre_strain_mean": means[0],
-            "fibre_strain_max": np.nan if strains is None else model.fibres.worst(strains)[0],
-            "broken": float(np.mean(model.fibres.damage > 0)) if len(model.fibres.pairs) else 0.0,
-            "astray": _astray(model, x),
-        }
-
     # most rows where the yarn becomes taut: steps of strain that grow with the distance from the crimp's end
     points = [at(0.0), at(crimp / strain), at(1.0)] if strain > crimp else [at(0.0), at(1.0)]
-    found = path_following.follow(model, points,
-                          row, rows=rows, hooks=hooks, comm=comm)  # fmt: skip
+    found = path_following.follow(
+        model, points, lambda state, load: _row(model, yarn, crimp, state, load), rows=rows, hooks=hooks, comm=comm
+    )
     facts = {"yarn": family, "bars": len(model.fibres.pairs), "integration": integration, "crimp": crimp, "EA": yarn.EA}
     return Record(
         solver_record.columns(found.rows), MEANINGS, found.x - model.points, fabric.name,
         f"yarn {('warp', 'weft')[family]}", found.failed, facts,
     )  # fmt: skip
+
+
+def _row(model, yarn, crimp, state, load):
+    x, d = model.positions(state.q, load), load.d[model.family]
+    strains, means = model.fibre_strains(x) if len(model.fibres.pairs) else (None, [np.nan])
+    return {
+        "d": d,
+        "strain": d / model.w,
+        "T": model.tensions(state.forces)[model.family],
+        "T_taut": taut(yarn, model.w, crimp, d),
+        "h": model.height(x),
+        "fibre_strain_mean": means[0],
+        "fibre_strain_max": np.nan if strains is None else model.fibres.worst(strains)[0],
+        "broken": float(np.mean(model.fibres.damage > 0)) if len(model.fibres.pairs) else 0.0,
+        "astray": _astray(model, x),
+    }
 
 
 def taut(yarn, w, crimp, d):

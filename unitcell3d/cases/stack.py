@@ -10,6 +10,8 @@ Between plies the lower face of each weft meets the upper face of the warp under
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from fabrics.errors import InputError, UnstableError
@@ -105,44 +107,46 @@ def stack_compression(
         raise InputError(key="min_plate_gap", value=min_plate_gap, allowed="between 0 and 1")
     if not (isinstance(plies, int | np.integer) and plies >= 1):
         raise InputError(key="plies", value=plies, allowed="a whole number from 1 on")
-    if any(shift):
-        model = ShiftedModel(mesh, fabric, plies, shift, numerics)
-        loads = [CellLoad(mesh.w, plates=share * model.plates.at_rest) for share in (1.0, min_plate_gap)]
-        copies, inside = 1 / model.crossings, model.inside
-    else:
-        model = StackModel(mesh, fabric, plies, numerics)
-        loads = [Load(plates=share * model.plates.at_rest) for share in (1.0, min_plate_gap)]
-        copies, inside = model.copies[1], plies
+    model, load = _model(mesh, fabric, plies, shift, numerics)
     rest, area = model.plates.at_rest, fabric.weave.cell_area
-
-    def row(state, load):
-        pairs = copies * model.surfaces.forces
-        force = copies * float(np.mean(state.plates))
-        if force <= 0 and load.plates < 0.9 * rest:
-            raise UnstableError(
-                "the yarns have passed through each other", when=f"plates {2e3 * load.plates:.4g} mm apart"
-            )
-        return {
-            "distance": 2 * load.plates,
-            "closure": 2 * (rest - load.plates),
-            "closure_ply": 2 * (rest - load.plates) / plies,
-            "force": force,
-            "pressure": force / area,
-            "F_c": pairs[:inside].reshape(plies, -1).sum(axis=1),
-            "F_between": pairs[inside:].reshape(plies - 1, -1).sum(axis=1) if plies > 1 else np.zeros(0),
-            "deepest": model.surfaces.deepest,
-        }
-
+    loads = [replace(load, plates=share * rest) for share in (1.0, min_plate_gap)]
     rows = int(np.ceil(2 * (1 - min_plate_gap) * rest / LONGEST_STEP))
     found = path_following.follow(
-        model, loads, row, rows=rows, stop=lambda row: row["pressure"] / pressure, hooks=hooks, comm=comm
-    )
+        model, loads, lambda state, load: _row(model, plies, area, state, load), rows=rows,
+        stop=lambda row: row["pressure"] / pressure, hooks=hooks, comm=comm,
+    )  # fmt: skip
     u = (found.x - model.points)[: len(model.crossover.points)]
     stacking = f"shifted by {shift[0]:g}, {shift[1]:g} crossings" if any(shift) else "aligned"
     facts = {"plies": plies, "stacking": stacking, "shift": list(shift), "cell_area": area}
     return Record(
         solver_record.columns(found.rows), MEANINGS, u, fabric.name, f"{plies} plies, {stacking}", found.failed, facts
     )
+
+
+def _model(mesh, fabric, plies, shift, numerics):
+    """The model of aligned or shifted plies, and its load without plates."""
+    if any(shift):
+        return ShiftedModel(mesh, fabric, plies, shift, numerics), CellLoad(mesh.w)
+    return StackModel(mesh, fabric, plies, numerics), Load()
+
+
+def _row(model, plies, area, state, load):
+    shifted = isinstance(model, ShiftedModel)
+    copies, inside = (1 / model.crossings, model.inside) if shifted else (model.copies[1], plies)
+    rest, pairs = model.plates.at_rest, copies * model.surfaces.forces
+    force = copies * float(np.mean(state.plates))
+    if force <= 0 and load.plates < 0.9 * rest:
+        raise UnstableError("the yarns have passed through each other", when=f"plates {2e3 * load.plates:.4g} mm apart")
+    return {
+        "distance": 2 * load.plates,
+        "closure": 2 * (rest - load.plates),
+        "closure_ply": 2 * (rest - load.plates) / plies,
+        "force": force,
+        "pressure": force / area,
+        "F_c": pairs[:inside].reshape(plies, -1).sum(axis=1),
+        "F_between": pairs[inside:].reshape(plies - 1, -1).sum(axis=1) if plies > 1 else np.zeros(0),
+        "deepest": model.surfaces.deepest,
+    }
 
 
 def law_closure(fabric, record):

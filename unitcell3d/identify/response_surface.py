@@ -54,21 +54,9 @@ class Sampled:
 
 
 def sample(
-    fabric,
-    *,
-    d1=(0.0, MAX_DISPLACEMENT),
-    d2=(0.0, MAX_DISPLACEMENT),
-    points=POINTS,
-    tolerance=None,
-    size="medium",
-    friction=0.0,
-    partial=None,
-    resume=False,
-    executor=None,
-    processes=1,
-    on_progress=None,
-    provenance="",
-):
+    fabric, *, d1=(0.0, MAX_DISPLACEMENT), d2=(0.0, MAX_DISPLACEMENT), points=POINTS, tolerance=None, size="medium",
+    friction=0.0, partial=None, resume=False, executor=None, processes=1, on_progress=None, provenance="",
+):  # fmt: skip
     """Sample T1, T2, F_c, h1, h2 of a fabric's crossover over a rectangle.
 
     Parameters
@@ -96,13 +84,7 @@ def sample(
     UnstableError : a line found no equilibrium; the others are kept in `partial`
     """
     axes = [_axis(name, span, n) for name, span, n in zip(("d1", "d2"), (d1, d2), points)]
-    if tolerance is not None and not 0 < tolerance < 1:
-        raise InputError(key="tolerance", value=tolerance, allowed="above 0 and below 1")
-    if tolerance is not None and friction:
-        raise InputError("a tolerance goes without friction, with which added lines would be of other paths")
-    Numerics(friction=friction)  # refuses what is not allowed
-    if processes < 1:
-        raise InputError(key="processes", value=processes, allowed="at least 1")
+    _check(tolerance, friction, processes)
     mesher.build(fabric, size=size)  # bad input ends here, in this process
     done = Partial(partial, run_cache.stamp((fabric, size, tolerance, friction, axes), __name__), resume)
     with workers(executor, processes) as pool:
@@ -122,6 +104,16 @@ def sample(
         int(sum(line.iterations for line in lines.values())),
         int(sum(len(line.along) for line in lines.values())),
     )
+
+
+def _check(tolerance, friction, processes):
+    if tolerance is not None and not 0 < tolerance < 1:
+        raise InputError(key="tolerance", value=tolerance, allowed="above 0 and below 1")
+    if tolerance is not None and friction:
+        raise InputError("a tolerance goes without friction, with which added lines would be of other paths")
+    Numerics(friction=friction)  # refuses what is not allowed
+    if processes < 1:
+        raise InputError(key="processes", value=processes, allowed="at least 1")
 
 
 def _axis(name, span, n):

@@ -192,29 +192,35 @@ def fit_solid(
         _, before = fine.many([start])[0]
         if before.failed and before.F_plate.mean(axis=1)[-1] < 0.5 * pressure[-1] * fabric.weave.cell_area:
             raise UnstableError(f"no plate curve to fit: {before.failed}")
-        x, defect = start, np.zeros(POINTS)
-        for correction in range(1 + CORRECTIONS):
-            found = levenberg_marquardt.solve(
-                lambda points, defect=defect: [
-                    (closed + defect - measured) / RESOLUTION for closed, _ in coarse.many(points)
-                ],
-                x,
-                BOUNDS,
-                trials=processes,
-            )
-            x = found.x
-            computed, history = fine.many([x])[0]
-            on_coarse = coarse.many([x])[0][0]
-            beyond = _rms(computed - measured) - _rms(on_coarse + defect - measured)
-            if beyond < RESOLUTION or correction == CORRECTIONS:
-                break
-            defect = computed - on_coarse
+        found, computed, history = _corrected_fit(coarse, fine, start, measured, processes)
     if keep is not None:
         shutil.rmtree(keep, ignore_errors=True)
     return _judge(
         fabric, curve, pressure, measured, computed, fine.closed(before), found, densest,
         (coarse.runs, fine.runs), (str(size), str(check_size)), history,
     )  # fmt: skip
+
+
+def _corrected_fit(coarse, fine, x, measured, trials):
+    """Fit on the coarse mesh, its misfit corrected by the fine one's; the fit, and closures and History on the fine."""
+    defect = np.zeros(POINTS)
+    for correction in range(1 + CORRECTIONS):
+        found = levenberg_marquardt.solve(
+            lambda points, defect=defect: [
+                (closed + defect - measured) / RESOLUTION for closed, _ in coarse.many(points)
+            ],
+            x,
+            BOUNDS,
+            trials=trials,
+        )
+        x = found.x
+        computed, history = fine.many([x])[0]
+        on_coarse = coarse.many([x])[0][0]
+        beyond = _rms(computed - measured) - _rms(on_coarse + defect - measured)
+        if beyond < RESOLUTION or correction == CORRECTIONS:
+            break
+        defect = computed - on_coarse
+    return found, computed, history
 
 
 class _Presses:

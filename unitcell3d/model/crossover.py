@@ -143,7 +143,7 @@ class YarnsModel:
         self._solid_places = self.pattern.scalar_places(self._solids.rows, self._solids.columns)
         self._bar_places = self.pattern.places(self.fibres.pairs)
         faces = () if self.plates is None else self.plates.faces
-        self._plate_places = [self.pattern.places(nodes[:, None])[:, 0, 0] for nodes, _ in faces]
+        self._plate_places = [self.pattern.places(face.nodes[:, None])[:, 0, 0] for face in faces]
 
     def positions(self, q, load):
         """(n, 3) [m] deformed positions."""
