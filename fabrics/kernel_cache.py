@@ -8,14 +8,17 @@ the wrong arrays. Here the folder's name holds a digest of both, and a change in
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 from fabrics import source_code
+from fabrics.checks import FilePath
 
 
 @contextmanager
-def kernel_cache(package_file):
+def kernel_cache(package_file: FilePath) -> Iterator[None]:
     """Import the kernels of the package whose `__init__.py` is `package_file` inside this block.
 
     numba reads the folder when a function is decorated. A folder that the user has chosen (NUMBA_CACHE_DIR) is used as
@@ -25,15 +28,16 @@ def kernel_cache(package_file):
 
     folder = Path(package_file).parent
     digest = source_code.digest(kernel_sources(folder))[:16]
-    before = numba.config.CACHE_DIR
-    numba.config.CACHE_DIR = str(Path(before or folder / "__pycache__") / f"kernels-{digest}")
+    config: Any = numba.config
+    before = config.CACHE_DIR
+    config.CACHE_DIR = str(Path(before or folder / "__pycache__") / f"kernels-{digest}")
     try:
         yield
     finally:
-        numba.config.CACHE_DIR = before
+        config.CACHE_DIR = before
 
 
-def kernel_sources(folder):
+def kernel_sources(folder: Path) -> list[tuple[str, bytes]]:
     """[(file, bytes)] that the machine code of the kernels in a package's folder and its sub-packages depends on.
 
     Whole: every file called *_kernels.py or importing from numba, and what these import from our packages. Of all

@@ -7,16 +7,18 @@ many threads in all.
 from __future__ import annotations
 
 import os
-from concurrent.futures import ProcessPoolExecutor
+from collections.abc import Iterator
+from concurrent.futures import Executor, ProcessPoolExecutor
 from contextlib import contextmanager
 from multiprocessing import get_context
+from typing import Any
 
 CONTEXT = get_context("spawn")
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS")
 
 
 @contextmanager
-def one_thread_each():
+def one_thread_each() -> Iterator[None]:
     """Processes that are started meanwhile have one thread."""
     before = {name: os.environ.get(name) for name in THREADS}
     os.environ.update(dict.fromkeys(THREADS, "1"))
@@ -31,7 +33,7 @@ def one_thread_each():
 
 
 @contextmanager
-def workers(executor, processes, **options):
+def workers(executor: Executor | None, processes: int, **options: Any) -> Iterator[Executor]:
     """The executor, or `processes` of our own with one thread each, started with `options`.
 
     Of our own even where there is one alone: another number of threads is another last bit.

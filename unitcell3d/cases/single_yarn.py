@@ -10,17 +10,24 @@ of full integration of the solid, which leaves zero-energy modes.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from typing import Any
+
 import numpy as np
 
+from fabrics.checks import FloatArray
 from fabrics.errors import InputError
+from fabrics.fabric import Fabric
+from fabrics.yarn import Yarn
+from meshing.crossover import Crossover
 from unitcell3d.assembly import constraints
 from unitcell3d.contact.pairs import SurfacePairs
 from unitcell3d.material import solid_law
 from unitcell3d.model import submeshes
-from unitcell3d.model.crossover import Load, YarnsModel, check
+from unitcell3d.model.crossover import Load, Numerics, YarnsModel, check
 from unitcell3d.solver import path_following
 from unitcell3d.solver import record as solver_record
-from unitcell3d.solver.record import Record
+from unitcell3d.solver.record import Hook, Record
 
 MEANINGS = {
     "path": "[-] share of the path",
@@ -54,7 +61,16 @@ class YarnModel(YarnsModel):
     InputError : no such yarn or number of bars
     """
 
-    def __init__(self, crossover, fabric, family, *, bars=None, numerics=None, **choices):
+    def __init__(
+        self,
+        crossover: Crossover,
+        fabric: Fabric,
+        family: int,
+        *,
+        bars: int | None = None,
+        numerics: Numerics | None = None,
+        **choices: Any,
+    ) -> None:
         check(crossover, fabric)
         if family not in (0, 1):
             raise InputError(key="yarn", value=family, allowed="0 (warp) or 1 (weft)")
@@ -73,7 +89,7 @@ class YarnModel(YarnsModel):
             mesh, fabric, numerics, held, SurfacePairs(()), None, copies=(1 / crossover.share, 1.0), **choices
         )
 
-    def height(self, x):
+    def height(self, x: FloatArray) -> float:
         """[m] of the centreline, the middle of the yarn above or below its end."""
         (grid,), (ends, middle) = self.crossover.grids, self._columns()
         return float(abs(np.mean(x[grid[middle], 2]) - np.mean(x[grid[ends], 2])))
@@ -85,9 +101,10 @@ class YarnModel(YarnsModel):
 
 
 def pull(
-    crossover, fabric, family=0, *, strain=None, bars=None, integration=solid_law.FULL, failure=False,
-    numerics=None, rows=25, hooks=(), comm=None,
-):  # fmt: skip
+    crossover: Crossover, fabric: Fabric, family: int = 0, *, strain: float | None = None, bars: int | None = None,
+    integration: int = solid_law.FULL, failure: bool = False, numerics: Numerics | None = None, rows: int = 25,
+    hooks: Sequence[Hook] = (), comm: Any = None,
+) -> Record:  # fmt: skip
     """Pull one yarn straight and on, to the share `strain` of its end distance, or to the failure of its fibres.
 
     Parameters
@@ -149,7 +166,7 @@ def _row(model, yarn, crimp, state, load):
     }
 
 
-def taut(yarn, w, crimp, d):
+def taut(yarn: Yarn, w: float, crimp: float, d: float) -> float:
     """Closed form [N] of the tension at end displacements d [m]."""
     return float(max(0.0, yarn.EA * ((w + d) / (w * (1 + crimp)) - 1)))
 

@@ -10,22 +10,28 @@ Between plies the lower face of each weft meets the upper face of the warp under
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
+from fabrics.checks import FloatArray
 from fabrics.errors import InputError, UnstableError
+from fabrics.fabric import Fabric
 from fabrics.plate_curve import PlateCurve
+from meshing.crossover import Crossover
+from meshing.patch import Patch
 from unitcell3d.assembly import constraints
 from unitcell3d.cases.biaxial_and_platens import MIN_PLATE_GAP, PLATEN_PRESSURE
 from unitcell3d.contact.pairs import OuterPlates, SurfacePairs, facing
 from unitcell3d.model import submeshes
-from unitcell3d.model.crossover import Load, YarnsModel, check
+from unitcell3d.model.crossover import Load, Numerics, YarnsModel, check
 from unitcell3d.model.periodic_cell import CellLoad
 from unitcell3d.model.shifted_stack import ShiftedModel
 from unitcell3d.solver import path_following
 from unitcell3d.solver import record as solver_record
-from unitcell3d.solver.record import Record
+from unitcell3d.solver.record import Hook, Record
 
 MEANINGS = {
     "path": "[-] share of the path",
@@ -59,7 +65,7 @@ class StackModel(YarnsModel):
     InputError : another domain
     """
 
-    def __init__(self, crossover, fabric, plies, numerics=None):
+    def __init__(self, crossover: Crossover, fabric: Fabric, plies: int, numerics: Numerics | None = None) -> None:
         check(crossover, fabric)
         if crossover.domain != "quarter":
             raise InputError(key="domain", value=crossover.domain, allowed="quarter: aligned plies are symmetric")
@@ -77,9 +83,10 @@ class StackModel(YarnsModel):
 
 
 def stack_compression(
-    mesh, fabric, plies=2, *, shift=(0.0, 0.0), pressure=PLATEN_PRESSURE, min_plate_gap=MIN_PLATE_GAP, numerics=None,
-    hooks=(), comm=None,
-):  # fmt: skip
+    mesh: Crossover | Patch, fabric: Fabric, plies: int = 2, *, shift: Sequence[float] = (0.0, 0.0),
+    pressure: float = PLATEN_PRESSURE, min_plate_gap: float = MIN_PLATE_GAP, numerics: Numerics | None = None,
+    hooks: Sequence[Hook] = (), comm: Any = None,
+) -> Record:  # fmt: skip
     """Press plies between two rigid plates, the yarns' ends held in the plane at their spacing.
 
     Parameters
@@ -149,13 +156,15 @@ def _row(model, plies, area, state, load):
     }
 
 
-def law_closure(fabric, record):
+def law_closure(fabric: Fabric, record: Record) -> tuple[FloatArray, FloatArray, FloatArray]:
     """The source's pressure law beside a record: what one pack of as many plies closes since its first pressure.
 
     Returns
     -------
     pressure, closure_law, closure : [Pa], [m], [m] of the rows inside the law's pressures, closures from its first on
     """
+    if fabric.areal_density_measured is None:
+        raise InputError(f"fabric {fabric.name} has no measured areal density, which the pressure law needs")
     law = PlateCurve.pressure_law(fabric.areal_density_measured, int(record.facts["plies"]))
     P, c = record["pressure"], record["closure"]
     rising = np.concatenate([[True], P[1:] > np.maximum.accumulate(P)[:-1]]) & (P > 0)

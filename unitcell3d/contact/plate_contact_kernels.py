@@ -2,27 +2,10 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 from numba import njit
 
 from unitcell3d.contact.surface_contact_kernels import pressure
-
-
-class PlateFace(NamedTuple):
-    """The nodes that a plate may touch.
-
-    nodes : (s,) node numbers
-    areas : (s,) [m2] tributary areas
-    side : [-] +1 for a plate above the nodes, -1 below
-    anchors : (s, 2) [m] where on the plate each node stuck last
-    """
-
-    nodes: np.ndarray
-    areas: np.ndarray
-    side: float
-    anchors: np.ndarray
 
 
 @njit(cache=True)

@@ -28,8 +28,6 @@ the master's own parameters, so a rigid motion of both makes none.
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 from numba import njit
 
@@ -37,83 +35,10 @@ from unitcell3d.contact.surface_kernels import cell_of, dot, evaluate, nodes_of,
 from unitcell3d.contact.surface_tangent_kernels import (
     SLAVE,
     STENCIL,
-    TERMS,
-    Scratch,
     add_products,
     friction_terms,
     normal_terms,
 )
-
-
-class ContactLaw(NamedTuple):
-    """Penalty law and Coulomb friction.
-
-    penalty : [Pa/m] k
-    toe : [m] t, depth over which the penalty sets in
-    friction : [-] f
-    slip : [m] s, regularisation slip
-    """
-
-    penalty: float
-    toe: float
-    friction: float
-    slip: float
-
-
-class SlavePoints(NamedTuple):
-    """The Gauss points of the slave's f bilinear faces, g in each.
-
-    quads : (f, 4) nodes of the faces
-    shapes : (g, 4) [-] shape functions at the Gauss points
-    areas : (f g,) [m2] of the points on the undeformed surface
-    """
-
-    quads: np.ndarray
-    shapes: np.ndarray
-    areas: np.ndarray
-
-
-class Face(NamedTuple):
-    """A structured surface, as master.
-
-    grid : (ni, nj) node numbers
-    axes : (2,) component (0 x, 1 y) along i and along j
-    mirror : (2,) bool, whether i = 0 and j = 0 are symmetry planes
-    side : [-] +1 where the normal S_,1 x S_,2 points to the slave, else -1
-    """
-
-    grid: np.ndarray
-    axes: np.ndarray
-    mirror: np.ndarray
-    side: float
-
-
-class PassState(NamedTuple):
-    """State of the f g slave points of one pass.
-
-    xi : (f g, 2) [-] closest points on the master; the guess before a pass
-    anchors : (f g, 2) [-] where each point stuck last; not read without friction
-    gaps : (f g,) [m] infinite where the point has no partner
-    codes : (f g,) face * (cells of the master) + cell of the master; -1 where there is no contact
-    """
-
-    xi: np.ndarray
-    anchors: np.ndarray
-    gaps: np.ndarray
-    codes: np.ndarray
-
-
-class Blocks(NamedTuple):
-    """Where a pass adds its tangent.
-
-    row_of : row of `places` for each code
-    places : (m, 20, 20) block of `values` of each pair of the nodes of a code; (0, 20, 20) for forces alone
-    values : (k, 3, 3) [N/m] blocks
-    """
-
-    row_of: np.ndarray
-    places: np.ndarray
-    values: np.ndarray
 
 
 @njit(cache=True)
@@ -162,7 +87,7 @@ def traction(surface, xi, anchor, p, friction, slip, v, tau):
 
 
 @njit(cache=True)
-def contact_pass(x, slave, master, law, state, forces, blocks, resultant):
+def contact_pass(x, slave, master, law, state, scratch, forces, blocks, resultant):
     """One pass: forces of the slave points on the master surface, and their tangent where there are places for it.
 
     Parameters
@@ -170,6 +95,7 @@ def contact_pass(x, slave, master, law, state, forces, blocks, resultant):
     x : (n, 3) [m] current positions
     slave, master, law : SlavePoints, Face, ContactLaw
     state : PassState; `xi`, `gaps` and `codes` are overwritten
+    scratch : Scratch, overwritten
     forces : (n, 3) [N] internal forces, added to
     blocks : Blocks, whose `values` are added to
     resultant : (3,) [N] sum of the contact forces on the slaves, added to
@@ -179,10 +105,6 @@ def contact_pass(x, slave, master, law, state, forces, blocks, resultant):
     ringed = np.empty((ni + 2, nj + 2, 3))
     surround(x, master.grid, master.axes, master.mirror, ringed)
     point, nodes, work = np.empty(3), np.empty(STENCIL, np.int64), np.empty((4, 3, 4))
-    scratch = Scratch(
-        np.empty((6, 3)), np.empty(3), np.empty((3, 16, 3)), np.empty((STENCIL, 3)), np.empty(3), np.zeros(3),
-        np.empty((TERMS, 3 * STENCIL)), np.empty((TERMS, 3 * STENCIL)),
-    )  # fmt: skip
     surface, normal, block = scratch.surface, scratch.normal, np.empty((3 * STENCIL, 3 * STENCIL))
     for s in range(slave.areas.size):
         state.gaps[s], state.codes[s] = np.inf, -1
@@ -232,6 +154,7 @@ def add_force(xi, anchor, p, share, law, scratch, nodes, forces, resultant):
     nodes : (20,) of the slave's face and of the master's cell
     """
     length = 0.0
+    scratch.tau[:] = 0.0
     if law.friction > 0.0:
         length = traction(scratch.surface, xi, anchor, p, law.friction, law.slip, scratch.v, scratch.tau)
     for c in range(3):

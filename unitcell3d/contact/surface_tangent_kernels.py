@@ -9,36 +9,12 @@ and the friction's the three components of the pull, and those of the change of 
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 from numba import njit
 
 from unitcell3d.contact.surface_kernels import dot
 
 SLAVE, STENCIL = 4, 20  # nodes of a slave face, and with them those of the master's cell
-TERMS = 10  # products of rows that make up the tangent of a point
-
-
-class Scratch(NamedTuple):
-    """Of the point that is evaluated.
-
-    surface : (6, 3) [m] S, S_,1, S_,2, S_,11, S_,12, S_,22
-    normal : (3,) [-] n
-    weights : (3, 16, 3) [-] S, S_,1, S_,2 as weights of the master's nodes
-    spread : (20, 3) [-] x - S as weights of all nodes
-    v, tau : (3,) [m] slip, [Pa] traction of the friction
-    left, right : (10, 60) rows whose products are the tangent
-    """
-
-    surface: np.ndarray
-    normal: np.ndarray
-    weights: np.ndarray
-    spread: np.ndarray
-    v: np.ndarray
-    tau: np.ndarray
-    left: np.ndarray
-    right: np.ndarray
 
 
 @njit(cache=True)

@@ -11,16 +11,20 @@ Finished lines (`surface_line`) are kept in one file, written whole after each o
 
 from __future__ import annotations
 
-from concurrent.futures import as_completed
+from collections.abc import Callable
+from concurrent.futures import Executor, as_completed
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from fabrics import run_cache
+from fabrics.checks import FilePath
 from fabrics.errors import InputError, UnstableError
+from fabrics.fabric import Fabric
 from fabrics.surface import ResponseSurface
 from fabrics.workers import workers
 from meshing import crossover as mesher
+from meshing.inputs import Size
 from unitcell3d.identify.interpolant import FEWEST, QUANTITIES, errors
 from unitcell3d.identify.surface_cache import Partial
 from unitcell3d.identify.surface_line import Case, solve_line
@@ -54,9 +58,12 @@ class Sampled:
 
 
 def sample(
-    fabric, *, d1=(0.0, MAX_DISPLACEMENT), d2=(0.0, MAX_DISPLACEMENT), points=POINTS, tolerance=None, size="medium",
-    friction=0.0, partial=None, resume=False, executor=None, processes=1, on_progress=None, provenance="",
-):  # fmt: skip
+    fabric: Fabric, *, d1: tuple[float, float] = (0.0, MAX_DISPLACEMENT),
+    d2: tuple[float, float] = (0.0, MAX_DISPLACEMENT), points: tuple[int, int] = POINTS,
+    tolerance: float | None = None, size: Size = "medium", friction: float = 0.0, partial: FilePath | None = None,
+    resume: bool = False, executor: Executor | None = None, processes: int = 1,
+    on_progress: Callable[[float, str], object] | None = None, provenance: str = "",
+) -> Sampled:  # fmt: skip
     """Sample T1, T2, F_c, h1, h2 of a fabric's crossover over a rectangle.
 
     Parameters
