@@ -9,15 +9,26 @@ from __future__ import annotations
 
 import csv
 import re
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
 
+from fabrics.checks import FilePath, FloatArray
 from fabrics.errors import InputError
 from fabrics.units import si
 
 
-def read(path, units, *, what, content, heading, accepts, columns):
+def read(
+    path: FilePath,
+    units: Mapping[str, str],
+    *,
+    what: str,
+    content: str,
+    heading: str,
+    accepts: Callable[[Sequence[str]], bool],
+    columns: str,
+) -> dict[str, FloatArray]:
     """The columns of a file: {name: (n,) [SI]}.
 
     Parameters

@@ -18,12 +18,16 @@ edges are blunt, as wide as the cell allows; the other one is narrower than its 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
 from scipy.optimize import brentq
 
+from fabrics.checks import FloatArray
 from fabrics.errors import InputError
+from fabrics.weave import Weave
 
 KIND = "conforming"
 
@@ -66,16 +70,18 @@ class ConformingSection:
         y = self.half_width
         return 4 * (self.arch * self.span / np.pi * np.sin(np.pi * y / self.span) + self.offset * y)
 
-    def half_thickness(self, y):
+    def half_thickness(self, y: ArrayLike) -> FloatArray:
         """q(y) [m] at the distances `y` [m] from the middle, |y| up to the half width."""
         return self.arch * np.cos(np.pi * np.asarray(y, float) / self.span) + self.offset
 
-    def stations(self, n):
+    def stations(self, n: int) -> FloatArray:
         """y [m] of the n + 1 mesh lines from the middle to the cut, in equal steps."""
         return np.linspace(0, self.half_width, n + 1)
 
 
-def conform(widths, areas, weave, tip_thickness_ratio):
+def conform(
+    widths: Sequence[float], areas: Sequence[float], weave: Weave, tip_thickness_ratio: float
+) -> tuple[ConformingSection, ConformingSection]:
     """The two sections that touch everywhere, with areas in the ratio of `areas`.
 
     Parameters

@@ -10,12 +10,14 @@ Centrelines (source thesis eq. 4-1), moved apart by the shift that closes the se
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
+from fabrics.fabric import Fabric
 from meshing import inputs
-from meshing.inputs import YARNS
+from meshing.inputs import YARNS, Size
 from meshing.mesh import Strand, YarnMesh, assemble, place
 from meshing.mesh_plan import Plan, mirrored
 
@@ -38,17 +40,17 @@ class Crossover(YarnMesh):
 
 
 def build(
-    fabric,
+    fabric: Fabric,
     *,
-    domain="quarter",
-    size="medium",
-    section=None,
-    gap=0.0,
-    width=None,
-    tip_thickness_ratio=0.075,
-    overlap="solve",
-    crimp="hand",
-    end_shells=None,
+    domain: str = "quarter",
+    size: Size = "medium",
+    section: str | None = None,
+    gap: float = 0.0,
+    width: Sequence[float] | None = None,
+    tip_thickness_ratio: float = 0.075,
+    overlap: str = "solve",
+    crimp: str | Sequence[float] = "hand",
+    end_shells: float | None = None,
 ) -> Crossover:
     """Mesh one crossover of a fabric.
 

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
+from fabrics.checks import FloatArray
+from fabrics.fabric import Fabric
 from fabrics.weave import Weave
 from meshing import grid, inputs
+from meshing.inputs import Size
 from meshing.linear_material import linearise
 from meshing.section_fit import SectionFit, fit_sections
 
@@ -34,7 +38,20 @@ class Plan:
     end_shells: float | None
 
     @classmethod
-    def of(cls, fabric, *, size, section, gap, width, tip_thickness_ratio, overlap, crimp, end_shells, shift) -> Plan:
+    def of(
+        cls,
+        fabric: Fabric,
+        *,
+        size: Size,
+        section: str | None,
+        gap: float,
+        width: Sequence[float] | None,
+        tip_thickness_ratio: float,
+        overlap: str,
+        crimp: str | Sequence[float],
+        end_shells: float | None,
+        shift: bool,
+    ) -> Plan:
         """Check and resolve a request (the keywords of `crossover.build`); `shift`: a rigid shift is possible.
 
         Raises
@@ -54,15 +71,16 @@ class Plan:
             overlap=overlap,
             shift=shift,
         )
-        size = inputs.size(size, weave.w, section_fit.sections)
+        assert fabric.solid_laws is not None  # else `inputs.fractions` has refused it
+        elements = inputs.size(size, weave.w, section_fit.sections)
         materials = tuple(linearise(*parts) for parts in zip(weave.yarns, fabric.solid_laws, section_fit.Vf0))
-        return cls(fabric.name, weave, section_fit, size, materials, end_shells)
+        return cls(fabric.name, weave, section_fit, elements, materials, end_shells)
 
-    def along(self, family):
+    def along(self, family: int) -> FloatArray:
         """(nx+1,) [m] places of the mesh planes from the crossing to the end of the cell."""
         return np.linspace(0, self.weave.w[family], self.size[0] + 1)
 
-    def across(self, family, whole):
+    def across(self, family: int, whole: bool) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Places across (ny+1,) [m], heights (ny+1, nz+1) [m] and bar areas (ny+1, nz+1) [m2] of a section."""
         y = self.section_fit.sections[family].stations(self.size[1])
         if whole:
@@ -86,6 +104,6 @@ class Plan:
         }
 
 
-def mirrored(half):
+def mirrored(half: FloatArray) -> FloatArray:
     """Places (2 n + 1,) on both sides of zero, from those (n + 1,) on one."""
     return np.concatenate([-half[:0:-1], half])

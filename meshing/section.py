@@ -12,14 +12,50 @@ has a height; W is the width of the lens before the cut, t its thickness. The ar
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from fabrics.checks import positive
+from fabrics.checks import FloatArray, positive
 from fabrics.errors import InputError
 
 KINDS = ("sine", "ellipse")
 TIP_THICKNESS_RATIO = (0.01, 0.5)
+
+
+class YarnSection(Protocol):
+    """A section as the mesher asks it: `Section`, `meshing.conforming.ConformingSection`."""
+
+    @property
+    def kind(self) -> str:
+        """Name of its shape."""
+
+    @property
+    def width(self) -> float:
+        """[m] of the lens before its tips are cut."""
+
+    @property
+    def thickness(self) -> float:
+        """[m] in the middle."""
+
+    @property
+    def tip_thickness_ratio(self) -> float:
+        """[-] thickness at the cut over that of the middle."""
+
+    @property
+    def half_width(self) -> float:
+        """[m] from the middle to the cut."""
+
+    @property
+    def area(self) -> float:
+        """[m2] between the cuts."""
+
+    def half_thickness(self, y: ArrayLike) -> FloatArray:
+        """q(y) [m] at the distances `y` [m] from the middle."""
+
+    def stations(self, n: int) -> FloatArray:
+        """y [m] of the n + 1 mesh lines from the middle to the cut."""
 
 
 @dataclass(frozen=True)
@@ -54,7 +90,7 @@ class Section:
             )
 
     @classmethod
-    def of_area(cls, kind, width, area, tip_thickness_ratio) -> Section:
+    def of_area(cls, kind: str, width: float, area: float, tip_thickness_ratio: float) -> Section:
         """The section of this width whose area [m2] between the cuts is `area`."""
         unit = cls(kind, width, 1.0, tip_thickness_ratio)
         return cls(kind, width, area / unit.area, tip_thickness_ratio)
@@ -79,13 +115,13 @@ class Section:
             return self.thickness * self.width * 2 / np.pi * np.sin(np.pi * c / 2)
         return self.thickness * self.width * (c * np.sqrt(1 - c * c) + np.arcsin(c)) / 2
 
-    def half_thickness(self, y):
+    def half_thickness(self, y: ArrayLike) -> FloatArray:
         """q(y) [m] at the distances `y` [m] from the middle, |y| up to the half width."""
         eta = np.clip(2 * np.abs(np.asarray(y, float)) / self.width, 0, 1)
         shape = np.cos(np.pi / 2 * eta) if self.kind == "sine" else np.sqrt(1 - eta**2)
         return self.thickness / 2 * shape
 
-    def stations(self, n):
+    def stations(self, n: int) -> FloatArray:
         """y [m] of the n + 1 mesh lines from the middle to the cut: equal steps of y, or of the angle of the ellipse.
 
         Equal angles keep the steep end of the ellipse in many short steps; its trapezoid area is then of order 2.

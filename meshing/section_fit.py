@@ -26,6 +26,7 @@ in the mesh size.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from math import pi, sqrt
 
@@ -33,9 +34,10 @@ import numpy as np
 from scipy.optimize import brentq, minimize_scalar
 
 from fabrics.errors import InputError
+from fabrics.weave import Weave
 from meshing.conforming import KIND as CONFORMING
 from meshing.conforming import conform
-from meshing.section import Section
+from meshing.section import Section, YarnSection
 
 SHIFT_LIMIT = 0.02  # of h_1 + h_2: keeps the end levels of the yarns, which symmetry wants equal, equal in all but name
 CLOSEST_PACKING = pi / (2 * sqrt(3))
@@ -43,7 +45,7 @@ NARROWEST = 0.4  # of the width requested: the search for the best width ends he
 SAMPLES = 4000
 
 
-def clearance(section, w, h):
+def clearance(section: YarnSection, w: float, h: float) -> float:
     """Least of h cos(pi s / 2 w) - q(s) over the section: its room [m] under the arch of the yarn that crosses it.
 
     Sampled at intervals of width / 8000: right to 1e-11 m in a yarn 1 mm wide.
@@ -97,7 +99,17 @@ class SectionFit:
         return f"{text}, closed by a shift of {self.shift * 1e6:+.2f} um" if self.shift else f"{text}, left open"
 
 
-def fit_sections(kind, widths, fractions, weave, tip_thickness_ratio, *, prescribed=False, overlap="solve", shift=True):
+def fit_sections(
+    kind: str,
+    widths: Sequence[float],
+    fractions: Sequence[float],
+    weave: Weave,
+    tip_thickness_ratio: float,
+    *,
+    prescribed: bool = False,
+    overlap: str = "solve",
+    shift: bool = True,
+) -> SectionFit:
     """Find sections of the two yarns that touch without overlapping.
 
     Parameters
@@ -121,7 +133,7 @@ def fit_sections(kind, widths, fractions, weave, tip_thickness_ratio, *, prescri
     requested = _sections(kind, widths, _areas(weave, fractions), tip_thickness_ratio)
     first = _overlap(requested, crossing)
     free = sum(weave.h0) * SHIFT_LIMIT if shift else 0.0
-    sections, Vf0 = requested, tuple(map(float, fractions))
+    sections, Vf0 = requested, (float(fractions[0]), float(fractions[1]))
     if first > free:
         if overlap == "refuse":
             limit = f", more than the {free * 1e6:.1f} um that a shift may remove" if shift else ""

@@ -7,9 +7,11 @@ user's own file. Statuses: measured, fitted, derived, assumed, corrected (a misp
 from __future__ import annotations
 
 import tomllib
+from collections.abc import Mapping
 from functools import cache
 from pathlib import Path
 
+from fabrics.checks import FilePath
 from fabrics.compression import CompressionLaw
 from fabrics.errors import InputError
 from fabrics.fabric import Fabric
@@ -43,7 +45,7 @@ def list_names() -> tuple[str, ...]:
     return tuple(sorted(path.stem for path in _FOLDER.glob("*.toml")))
 
 
-def load(name_or_path) -> Fabric:
+def load(name_or_path: FilePath) -> Fabric:
     """Load a fabric of the catalogue by name, or a user's fabric file by path (it ends in .toml).
 
     Raises
@@ -60,12 +62,14 @@ def load(name_or_path) -> Fabric:
     return read(Path(text))
 
 
-def read(path) -> Fabric:
+def read(path: FilePath) -> Fabric:
     """Read one fabric file."""
     return _Reader(Path(path)).fabric()
 
 
-def tables(path, numbers):
+def tables(
+    path: FilePath, numbers: Mapping[str, str]
+) -> tuple[str, TrellisShear | None, tuple[SolidLaw, SolidLaw] | None, dict[str, float], dict]:
     """What a file with the laws of yarns holds, that is no fabric (see `fabrics.assumed`).
 
     Parameters

@@ -8,17 +8,22 @@ begins with those whose inputs and code are the same (`fabrics.run_cache`).
 from __future__ import annotations
 
 import time
-from concurrent.futures import FIRST_COMPLETED, wait
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import FIRST_COMPLETED, Executor, wait
 from dataclasses import dataclass, replace
 from pathlib import Path
 from queue import Empty
+from typing import Any
 
 from fabrics import run_cache
+from fabrics.checks import FilePath
 from fabrics.errors import InputError, UnstableError
 from fabrics.executors import CONTEXT, cancel, open_executor
+from fabrics.fabric import Fabric
 from meshing import crossover as mesher
+from meshing.inputs import Size
 from unitcell3d.cases import biaxial_and_platens
-from unitcell3d.identify.calibration import PLATES, evaluate
+from unitcell3d.identify.calibration import PLATES, Calibration, evaluate
 from unitcell3d.model.crossover import Numerics
 from unitcell3d.solver.history import History
 from unitcell3d.solver.load_stepping import Steps
@@ -31,27 +36,27 @@ class Job:
     """One path of one fabric; `ratio` (d1, d2), or None between plates; `friction` Coulomb's coefficient."""
 
     name: str
-    fabric: object
-    size: object
+    fabric: Fabric
+    size: Size
     ratio: tuple | None
     friction: float = 0.0
 
     @property
-    def numerics(self):
+    def numerics(self) -> Numerics:
         """What it is solved with."""
         return Numerics(friction=self.friction)
 
     @property
-    def key(self):
+    def key(self) -> str:
         """Key of its result: of what it is solved with, and of the code."""
         return run_cache.key((self.fabric, self.size, self.ratio, self.numerics, Steps()), __name__)
 
-    def file(self, folder):
+    def file(self, folder: FilePath) -> Path:
         """Its file in the folder of its fabric."""
         return Path(folder) / f"{self.name.replace(' ', '-')}.h5"
 
 
-def calibrate(fabric, *, out=None, **choices):
+def calibrate(fabric: Fabric, *, out: FilePath | None = None, **choices: Any) -> Calibration:
     """Calibrate the compression law of one fabric; returns its `calibration.Calibration`.
 
     Parameters
@@ -71,9 +76,11 @@ def calibrate(fabric, *, out=None, **choices):
 
 
 def calibrate_all(
-    fabrics, *, size="medium", plates_size="coarse", friction=0.0, paths=None, folder=lambda name: None, resume=False,
-    executor="local", jobs=1, on_progress=None,
-):  # fmt: skip
+    fabrics: Sequence[Fabric], *, size: Size = "medium", plates_size: Size = "coarse", friction: float = 0.0,
+    paths: Mapping[str, Sequence[float]] | None = None, folder: Callable[[str], FilePath | None] = lambda name: None,
+    resume: bool = False, executor: str | Executor = "local", jobs: int = 1,
+    on_progress: Callable[[str, str, float], object] | None = None,
+) -> dict[str, Calibration | Exception]:  # fmt: skip
     """Calibrate several fabrics, their paths beside each other; one that fails does not end the others.
 
     Parameters
@@ -209,7 +216,7 @@ class _Run:
         self.outcomes[fabric.name] = found
 
 
-def run_job(job):
+def run_job(job: Job) -> tuple[History, float]:
     """One job: (History, wall time [s])."""
     begun = time.perf_counter()
     mesh = mesher.build(job.fabric, size=job.size)

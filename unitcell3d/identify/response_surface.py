@@ -11,16 +11,20 @@ Finished lines (`surface_line`) are kept in one file, written whole after each o
 
 from __future__ import annotations
 
-from concurrent.futures import as_completed
+from collections.abc import Callable
+from concurrent.futures import Executor, as_completed
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from fabrics import run_cache
+from fabrics.checks import FilePath
 from fabrics.errors import InputError, UnstableError
 from fabrics.executors import open_executor
+from fabrics.fabric import Fabric
 from fabrics.surface import ResponseSurface
 from meshing import crossover as mesher
+from meshing.inputs import Size
 from unitcell3d.identify.interpolant import FEWEST, QUANTITIES, errors
 from unitcell3d.identify.surface_cache import Partial
 from unitcell3d.identify.surface_line import Case, solve_line
@@ -54,21 +58,12 @@ class Sampled:
 
 
 def sample(
-    fabric,
-    *,
-    d1=(0.0, MAX_DISPLACEMENT),
-    d2=(0.0, MAX_DISPLACEMENT),
-    points=POINTS,
-    tolerance=None,
-    size="medium",
-    friction=0.0,
-    partial=None,
-    resume=False,
-    executor="local",
-    jobs=1,
-    on_progress=None,
-    provenance="",
-):
+    fabric: Fabric, *, d1: tuple[float, float] = (0.0, MAX_DISPLACEMENT),
+    d2: tuple[float, float] = (0.0, MAX_DISPLACEMENT), points: tuple[int, int] = POINTS,
+    tolerance: float | None = None, size: Size = "medium", friction: float = 0.0, partial: FilePath | None = None,
+    resume: bool = False, executor: str | Executor = "local", jobs: int = 1,
+    on_progress: Callable[[float, str], object] | None = None, provenance: str = "",
+) -> Sampled:  # fmt: skip
     """Sample T1, T2, F_c, h1, h2 of a fabric's crossover over a rectangle.
 
     Parameters
@@ -96,13 +91,7 @@ def sample(
     UnstableError : a line found no equilibrium; the others are kept in `partial`
     """
     axes = [_axis(name, span, n) for name, span, n in zip(("d1", "d2"), (d1, d2), points)]
-    if tolerance is not None and not 0 < tolerance < 1:
-        raise InputError(key="tolerance", value=tolerance, allowed="above 0 and below 1")
-    if tolerance is not None and friction:
-        raise InputError("a tolerance goes without friction, with which added lines would be of other paths")
-    Numerics(friction=friction)  # refuses what is not allowed
-    if jobs < 1:
-        raise InputError(key="jobs", value=jobs, allowed="at least 1")
+    _check(tolerance, friction, jobs)
     mesher.build(fabric, size=size)  # bad input ends here, in this process
     done = Partial(partial, run_cache.stamp((fabric, size, tolerance, friction, axes), __name__), resume)
     with open_executor(executor, jobs, fresh=True) as pool:
@@ -122,6 +111,16 @@ def sample(
         int(sum(line.iterations for line in lines.values())),
         int(sum(len(line.along) for line in lines.values())),
     )
+
+
+def _check(tolerance, friction, jobs):
+    if tolerance is not None and not 0 < tolerance < 1:
+        raise InputError(key="tolerance", value=tolerance, allowed="above 0 and below 1")
+    if tolerance is not None and friction:
+        raise InputError("a tolerance goes without friction, with which added lines would be of other paths")
+    Numerics(friction=friction)  # refuses what is not allowed
+    if jobs < 1:
+        raise InputError(key="jobs", value=jobs, allowed="at least 1")
 
 
 def _axis(name, span, n):

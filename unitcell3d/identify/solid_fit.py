@@ -25,17 +25,25 @@ from __future__ import annotations
 
 import json
 import shutil
+from collections.abc import Callable
+from concurrent.futures import Executor
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 from scipy.interpolate import PchipInterpolator
 from scipy.stats import t as student
 
 from fabrics import run_cache
+from fabrics.checks import FilePath, FloatArray
 from fabrics.errors import UnstableError
 from fabrics.executors import open_executor
+from fabrics.fabric import Fabric
 from fabrics.files import write_whole
+from fabrics.plate_curve import PlateCurve
 from meshing import crossover as mesher
+from meshing.inputs import Size
 from unitcell3d.cases import biaxial_and_platens
 from unitcell3d.identify import levenberg_marquardt
 from unitcell3d.model.crossover import Numerics
@@ -76,9 +84,9 @@ class SolidFit:
     history : History of the fitted crossover on the fine mesh
     """
 
-    fabric: object
-    started: object
-    curve: object
+    fabric: Fabric
+    started: Fabric
+    curve: PlateCurve
     pressure: np.ndarray
     measured: np.ndarray
     computed: np.ndarray
@@ -95,18 +103,18 @@ class SolidFit:
     history: History
 
     @property
-    def rms(self):
+    def rms(self) -> float:
         """[m] of the misfit."""
         return float(np.sqrt(np.mean((self.computed - self.measured) ** 2)))
 
-    def summary(self):
+    def summary(self) -> dict[str, Any]:
         """All numbers, as plain types."""
         return {
             "format": "weavecell solid fit 1",
             "fabric": self.fabric.name,
             "curve": self.curve.source,
             "values": self.values,
-            "values_before": {name: getattr(self.started.solid_laws[0], name) for name in NAMES},
+            "values_before": {name: getattr((self.started.solid_laws or (None,))[0], name) for name in NAMES},
             "intervals_95": self.intervals,
             "determined": self.determined,
             "correlation_of_ln_E_c_ln_V_c-Vf0_ln_K_r": self.correlation.tolist(),
@@ -122,14 +130,14 @@ class SolidFit:
             "closure_computed_m": self.computed.tolist(),
         }
 
-    def write(self, path):
+    def write(self, path: FilePath) -> None:
         """Write the summary as JSON."""
         with write_whole(path) as file:
             json.dump(self.summary(), file, indent=2)
             file.write("\n")
 
 
-def closures(history, cell_area, pressure, measured):
+def closures(history: History, cell_area: float, pressure: FloatArray, measured: FloatArray) -> FloatArray:
     """(n,) [m] what the plates of a history close up to each pressure [Pa], moved to the mean of the `measured` ones.
 
     Beyond the last pressure that the history reached, the closure goes on as it ended, straight in ln P, so that a
@@ -146,17 +154,10 @@ def closures(history, cell_area, pressure, measured):
 
 
 def fit_solid(
-    fabric,
-    curve,
-    *,
-    size=(4, 3, 2),
-    check_size="coarse",
-    executor="local",
-    jobs=1,
-    keep=None,
-    resume=False,
-    on_progress=None,
-):
+    fabric: Fabric, curve: PlateCurve, *, size: Size = (4, 3, 2), check_size: Size = "coarse",
+    executor: str | Executor = "local", jobs: int = 1, keep: FilePath | None = None, resume: bool = False,
+    on_progress: Callable[[int, float], object] | None = None,
+) -> SolidFit:  # fmt: skip
     """Fit E_c, V_c and K_r of both yarns to a plate curve.
 
     Parameters
@@ -179,6 +180,7 @@ def fit_solid(
     UnstableError : the crossover of the file's own solids does not reach half of the curve's pressures
     """
     meshes = [mesher.build(fabric, size=each) for each in (size, check_size)]
+    assert fabric.solid_laws is not None  # else the mesher has refused it
     densest = max(*(Vf0 for mesh in meshes for Vf0 in mesh.Vf0), *(solid.Vf0 for solid in fabric.solid_laws))
     pressure = np.geomspace(curve.pressure[0], curve.pressure[-1], POINTS)
     measured = curve.at(pressure)
@@ -192,29 +194,35 @@ def fit_solid(
         _, before = fine.many([start])[0]
         if before.failed and before.F_plate.mean(axis=1)[-1] < 0.5 * pressure[-1] * fabric.weave.cell_area:
             raise UnstableError(f"no plate curve to fit: {before.failed}")
-        x, defect = start, np.zeros(POINTS)
-        for correction in range(1 + CORRECTIONS):
-            found = levenberg_marquardt.solve(
-                lambda points, defect=defect: [
-                    (closed + defect - measured) / RESOLUTION for closed, _ in coarse.many(points)
-                ],
-                x,
-                BOUNDS,
-                trials=jobs,
-            )
-            x = found.x
-            computed, history = fine.many([x])[0]
-            on_coarse = coarse.many([x])[0][0]
-            beyond = _rms(computed - measured) - _rms(on_coarse + defect - measured)
-            if beyond < RESOLUTION or correction == CORRECTIONS:
-                break
-            defect = computed - on_coarse
+        found, computed, history = _corrected_fit(coarse, fine, start, measured, jobs)
     if keep is not None:
         shutil.rmtree(keep, ignore_errors=True)
     return _judge(
         fabric, curve, pressure, measured, computed, fine.closed(before), found, densest,
         (coarse.runs, fine.runs), (str(size), str(check_size)), history,
     )  # fmt: skip
+
+
+def _corrected_fit(coarse, fine, x, measured, trials):
+    """Fit on the coarse mesh, its misfit corrected by the fine one's; the fit, and closures and History on the fine."""
+    defect = np.zeros(POINTS)
+    for correction in range(1 + CORRECTIONS):
+        found = levenberg_marquardt.solve(
+            lambda points, defect=defect: [
+                (closed + defect - measured) / RESOLUTION for closed, _ in coarse.many(points)
+            ],
+            x,
+            BOUNDS,
+            trials=trials,
+        )
+        x = found.x
+        computed, history = fine.many([x])[0]
+        on_coarse = coarse.many([x])[0][0]
+        beyond = _rms(computed - measured) - _rms(on_coarse + defect - measured)
+        if beyond < RESOLUTION or correction == CORRECTIONS:
+            break
+        defect = computed - on_coarse
+    return found, computed, history
 
 
 class _Presses:
@@ -262,7 +270,7 @@ class _Presses:
         return closures(history, self._fabric.weave.cell_area, self._pressure, self._measured)
 
 
-def press(fabric, size, pressure):
+def press(fabric: Fabric, size: Size, pressure: float) -> History:
     """History of the fabric's crossover between plates up to a pressure [Pa]."""
     mesh = mesher.build(fabric, size=size)
     return biaxial_and_platens.plate_compression(
@@ -274,16 +282,15 @@ def _rms(misfit):
     return float(np.sqrt(np.mean(misfit**2)))
 
 
-def with_solid_laws(fabric, x, densest):
+def with_solid_laws(fabric: Fabric, x: ArrayLike, densest: float) -> Fabric:
     """The fabric whose solids have x = (ln E_c, ln (V_c - densest), ln K_r)."""
-    E_c, room, K_r = np.exp(x)
-    solids = tuple(
-        replace(solid, E_c=float(E_c), V_c=float(densest + room), K_r=float(K_r)) for solid in fabric.solid_laws
-    )
-    return replace(fabric, solid_laws=solids)
+    E_c, room, K_r = map(float, np.exp(x))
+    assert fabric.solid_laws is not None
+    warp, weft = (replace(law, E_c=E_c, V_c=float(densest + room), K_r=K_r) for law in fabric.solid_laws)
+    return replace(fabric, solid_laws=(warp, weft))
 
 
-def identify(jacobian, noise, n):
+def identify(jacobian: FloatArray, noise: float, n: int) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
     """95 % half width of each ln parameter, their correlation, and the singular values and directions of J.
 
     Parameters

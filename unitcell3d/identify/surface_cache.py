@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from pathlib import Path
 
 import numpy as np
 
 from fabrics import run_cache
+from fabrics.checks import FilePath
 from fabrics.errors import InputError
 from fabrics.files import replace_whole
 
@@ -52,11 +54,11 @@ class Partial:
     InputError : the file to go on from is not one of these, or is of another surface or of other code
     """
 
-    def __init__(self, path, stamp, resume):
+    def __init__(self, path: FilePath | None, stamp: Mapping[str, str], resume: bool) -> None:
         self._path, self._stamp = (Path(path) if path is not None else None), stamp
         self.lines = self._read() if resume and self._path is not None and self._path.exists() else {}
 
-    def add(self, name, line):
+    def add(self, name: str, line: Line) -> None:
         """Keep a line."""
         self.lines[name] = line
         if self._path is None:

@@ -12,7 +12,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from fabrics.fabric import Fabric
 from meshing import crossover as mesher
+from meshing.inputs import Size
 from unitcell3d.identify.surface_cache import Line
 from unitcell3d.model.crossover import CrossoverModel, Load, Numerics
 from unitcell3d.solver.load_stepping import continue_to, rest_state
@@ -42,17 +44,17 @@ class Case:
     friction: float = 0.0
 
     @property
-    def name(self):
+    def name(self) -> str:
         """Name of the line."""
         return f"d{2 - self.axis} = {1e6 * self.fixed:.6f} um"
 
-    def at(self, place):
+    def at(self, place: float) -> tuple[float, float]:
         """(d1, d2) [m] of a place on the line."""
         place, fixed = float(place), float(self.fixed)
         return (place, fixed) if self.axis == 0 else (fixed, place)
 
 
-def solve_line(fabric, size, case):
+def solve_line(fabric: Fabric, size: Size, case: Case) -> Line:
     """Solve one line; returns surface_cache.Line.
 
     Raises

@@ -10,14 +10,18 @@ row) after each step.
 from __future__ import annotations
 
 import time
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
+from fabrics.checks import FloatArray
 from fabrics.errors import UnstableError
+from unitcell3d.model.crossover import CrossoverModel, Load, YarnsModel
 from unitcell3d.solver.history import MEANINGS, History
-from unitcell3d.solver.newton import ROUGH, Newton
-from unitcell3d.solver.record import columns
+from unitcell3d.solver.newton import ROUGH, Equilibrium, Newton
+from unitcell3d.solver.record import Hook, columns
 
 
 @dataclass(frozen=True)
@@ -33,7 +37,17 @@ class Steps:
 SOFTENINGS = (0.01, 0.05, 0.2, 0.5, 1.0)
 
 
-def march(model, start, end, *, case="", stop=None, steps=None, hooks=(), comm=None):
+def march(
+    model: CrossoverModel,
+    start: Load,
+    end: Load,
+    *,
+    case: str = "",
+    stop: Callable[[dict], float] | None = None,
+    steps: Steps | None = None,
+    hooks: Sequence[Hook] = (),
+    comm: Any = None,
+) -> History:
     """Load a model from rest along `start` .. `end`.
 
     Parameters
@@ -105,7 +119,9 @@ def _march(model, solver, start, end, case, stop, steps, hooks):
 STOP_TOLERANCE = 2e-3  # of the quantity that ends a path
 
 
-def continue_to(model, solver, q, start, end, shares):
+def continue_to(
+    model: YarnsModel, solver: Newton, q: FloatArray, start: Any, end: Any, shares: Iterable[float]
+) -> Iterator[tuple[float, Equilibrium]]:
     """Equilibria at given shares of a straight load path, from a state on it; yields (share, Equilibrium).
 
     Parameters
@@ -155,7 +171,7 @@ def _advance(model, solver, states, start, end, share, last_resort):
     return _penalty_continuation(model, solver, held, load)
 
 
-def rest_state(model, solver, load):
+def rest_state(model: YarnsModel, solver: Newton, load: Any) -> Equilibrium:
     """Equilibrium of the undeformed crossover, whose sections may overlap by what the mesh leaves of their curves.
 
     It is taken roughly, to 0.1 mN: a state to start from, with nothing in it but slack yarns.

@@ -10,13 +10,17 @@ more fail: what they held is handed on to their neighbours, or lost, at one load
 from __future__ import annotations
 
 import time
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from fabrics.errors import InputError, UnstableError
+from unitcell3d.model.crossover import YarnsModel
 from unitcell3d.solver.load_stepping import continue_to, rest_state
-from unitcell3d.solver.newton import Newton
+from unitcell3d.solver.newton import Equilibrium, Newton
+from unitcell3d.solver.record import Hook
 
 CLOSE = 5e-4  # to the 1 of a watched quantity
 MOST_TRIALS = 12  # of a secant
@@ -33,7 +37,16 @@ class Followed:
     failed: str
 
 
-def follow(model, loads, row, *, rows=25, stop=None, hooks=(), comm=None):
+def follow(
+    model: YarnsModel,
+    loads: Sequence[Any],
+    row: Callable[[Equilibrium, Any], dict[str, Any]],
+    *,
+    rows: int | Sequence[int] = 25,
+    stop: Callable[[dict], float] | None = None,
+    hooks: Sequence[Hook] = (),
+    comm: Any = None,
+) -> Followed:
     """Follow a path from rest.
 
     Parameters
@@ -53,7 +66,7 @@ def follow(model, loads, row, *, rows=25, stop=None, hooks=(), comm=None):
     if len(loads) < 2:
         raise InputError(key="loads", value=len(loads), allowed="at least two, the first at rest")
     legs = len(loads) - 1
-    counts = [max(1, -(-rows // legs))] * legs if np.ndim(rows) == 0 else list(rows)
+    counts = list(rows) if isinstance(rows, Sequence) else [max(1, -(-rows // legs))] * legs
     solver = Newton(model, comm)
     try:
         return _Walk(model, solver, row, stop, hooks).along(loads, counts)
