@@ -35,7 +35,7 @@ def contact(state, const):
 
 @kernel()
 def tear(state, const):
-    """Tell the surface about the window which of its bars have failed."""
+    """Set the damage flags of the elements in the contact window whose bars have failed."""
     i0, i1, j0, j1 = contact_kernels.reached(state, const)
     for family in range(2):
         for i in range(i0, i1 + 1):

@@ -52,7 +52,7 @@ def lengths(n, dx, dy, dz, L):
 
 @kernel(fastmath=FAST)
 def pulls(k0, n, S0, cv, stiff, L, L_old, drag_old, rate, e, a):
-    """The pull over the length of each bar, into a; its elongation; its rate per step. Returns the viscous work.
+    """Axial force over the length of each bar, into a; its elongation; its rate per step. Returns the viscous work.
 
     cv : [-] viscous force per step's change of length, over the stiffness
     """
@@ -76,7 +76,7 @@ def pulls(k0, n, S0, cv, stiff, L, L_old, drag_old, rate, e, a):
 
 @kernel(fastmath=FAST | {"nnan"})
 def highest(n, e):
-    """The greatest of e; that no number is lost is looked after by the marching."""
+    """Largest elongation; the solver checks that numbers are finite."""
     most = 0.0
     for j in range(n):
         most = max(most, e[j])
@@ -85,7 +85,7 @@ def highest(n, e):
 
 @kernel()
 def fail(k0, n, limit, stiff, drag, rate, e, a):
-    """Take out the bars past their limit. Returns (energy that went with them, viscous work not done, failures).
+    """Remove bars beyond their failure elongation. Returns (their energy, viscous work not done, failures).
 
     A step exchanges the mean of a bar's two forces times its change of length, and the last force of a failed bar is
     nothing: what is lost is the energy of the step before with half its force times the last change.
@@ -111,7 +111,7 @@ def gather(k0, n, s, a1, D1, a2, D2, g):
 
 @kernel(fastmath={"contract", "nsz"})
 def move(k0, n, dt, kick, g, v, u):
-    """One component of velocity and displacement; kick = dt / m, or 0 where the component is held."""
+    """Central-difference update of one component; dt_over_mass is 0 where the component is held."""
     for j in range(n):
         k = k0 + j
         speed = v[k] + kick[k] * g[k]
@@ -122,7 +122,7 @@ def move(k0, n, dt, kick, g, v, u):
 
 @kernel()
 def bars(state, const, family, k0, n, work, row):
-    """Pulls of one family of bars in the slots k0 .. k0 + n, into four rows of work: the three components, and a."""
+    """Forces of one family of bars in the slots k0 .. k0 + n, into four rows of work: the three components, and a."""
     lead = const.s
     dx, dy, dz, a = work[row, lead:], work[row + 1, lead:], work[row + 2, lead:], work[row + 3, lead:]
     L, rate, e = work[8], work[9], work[10]
@@ -202,7 +202,7 @@ def observe(state, const, row):
 
 @entry(nogil=True)
 def advance(state, const, steps, history):
-    """March at most `steps` steps, a row of history (steps, COLUMNS) each; (steps made, why it ended or RUNNING)."""
+    """Make at most `steps` steps, a row of history (steps, COLUMNS) each; (steps made, why it ended or RUNNING)."""
     work = np.zeros((WORK, (const.block + 1) * const.s))
     for m in range(steps):
         reason = step(state, const, work)

@@ -183,7 +183,7 @@ def solve_many(stretch1, stretch2, warp, weft, gap, form, coupled, out):
 
 @entry()
 def ceiling(low, high, over, top, unit, out):
-    """What no tension can exceed where forces do not exceed N, step N / unit of out (n, 2): max(out[0], N + out[1]).
+    """Table of tension bounds where forces do not exceed N, row N / unit of out (n, 2): max(out[0], N + out[1]).
 
     low, high (cells,) [N] : between which the forces of a cell of the table lie; over, top (cells,) [N] : by which a
     tension is at most above the force beside it, and its own most. Of cells that a step cuts, the tension is at most N

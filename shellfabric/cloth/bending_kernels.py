@@ -25,7 +25,7 @@ ENDED, MIRRORED, HELD = 0, 1, 2
 
 @kernel(_nrt=False)
 def segment(state, const, family, k):
-    """(x, y, z) of the unit tangent of the segment at slot k, and its length."""
+    """Unit tangent (x, y, z) of the segment at slot k, and its length [m]."""
     u, far = state.u, np.uint64(np.int64(k) + (const.s if family == 0 else 1))
     x = u[0][far] - u[0][k] + (const.dx if family == 0 else 0.0)
     y = u[1][far] - u[1][k] + (const.dy if family == 1 else 0.0)
@@ -46,7 +46,7 @@ def pull(state, const, family, k, B, t, length, other, cosine):
 
 @kernel(_nrt=False)
 def end_turn(state, const, family, own, kind, B, acting):
-    """Energy of the turn at the end of a yarn in a clamp or on a plane of symmetry; its only segment is at slot own."""
+    """Bending energy [J] at the end of a yarn in a clamp or on a plane of symmetry; its only segment is at slot own."""
     t, length = segment(state, const, family, own)
     axis = (1.0, 0.0, 0.0) if family == 0 else (0.0, 1.0, 0.0)
     along = t[family]
@@ -58,7 +58,7 @@ def end_turn(state, const, family, own, kind, B, acting):
 
 @kernel(_nrt=False)
 def turns(state, const, family, first, last, acting):
-    """Energy of the turns of one family's yarns at the nodes of the rows first .. last; adds their forces if `acting`.
+    """Bending energy [J] of one family at the nodes of the rows first .. last; adds its forces if `acting`.
 
     A node's forces reach the nodes beside it.
     """
@@ -89,7 +89,7 @@ def turns(state, const, family, first, last, acting):
 
 @kernel(_nrt=False)
 def bend(state, const, first, last, acting):
-    """Energy of all turns in the node rows first .. last; adds their forces to state.g0 if `acting`."""
+    """Bending energy [J] of the node rows first .. last; adds its forces to state.g0 if `acting`."""
     total = 0.0
     for family in range(2):
         if const.bending[family] > 0.0:

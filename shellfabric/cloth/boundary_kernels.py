@@ -1,4 +1,4 @@
-"""Edges of the panel that give way: nodes that are led inwards, and yarn ends that a clamp holds by friction.
+"""Slipping edges of the panel: nodes with prescribed slip, and yarn ends that a clamp holds by friction.
 
 Such a node moves along its yarn alone, by the velocity that is set here at the end of a step for the next; being
 without inverse mass it takes no other. f is the force of the cloth on it along the yarn, v its velocity.
@@ -18,13 +18,13 @@ EXTERNAL, GRIPPED, KINETIC = 0, 1, 2  # of state.rim_sums
 
 @kernel()
 def part(time, start, end):
-    """Part of the pull-in that has been made: from 0 at `start` to 1 at `end`."""
+    """Ramp of the prescribed slip: 0 at `start`, 1 at `end`."""
     return min(max((time - start) / (end - start), 0.0), 1.0)
 
 
 @entry(_nrt=False)
 def hold(state, const, time):
-    """Set the velocities of the nodes of the rim for the step that begins at `time`; book the work of the last."""
+    """Set the velocities of the slipping nodes for the step that begins at `time` [s]; add up the work of the last."""
     kinetic = 0.0
     for m in range(const.rim_node.size):
         k, c = const.rim_node[m], const.rim_axis[m]

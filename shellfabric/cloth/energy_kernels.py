@@ -30,7 +30,7 @@ WARP = 0
 
 @kernel(_nrt=False)
 def motion(const, state, i):
-    """[J] kinetic energy of the nodes of row i that are free to move, m v(n-1/2) v(n+1/2) / 2."""
+    """[J] kinetic energy of the free nodes of row i, m v(n-1/2) v(n+1/2) / 2."""
     found = splat(0.0)
     for j in range(0, const.s, WIDTH):
         k = i * const.s + j

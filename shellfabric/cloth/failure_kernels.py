@@ -1,4 +1,4 @@
-"""Failure of yarns, and what is left of the cloth about them. Runs where yarns fail or have failed, and nowhere else.
+"""Failure of yarns, and forces of damaged elements. Runs only where yarns fail or have failed.
 
 What fails is a segment of a yarn between two crossovers. With n elements along a crossover it is n edges long and n
 lines wide (the outer two shared with its neighbours where n is even); its tension is the mean over them, so that what
@@ -61,7 +61,7 @@ def crossing(const, family, i, j, alpha, x, shift):
 
 @kernel(_nrt=False)
 def thin_means(const, state, family, first, last, shift, x, mean):
-    """Means of x over what is left of the crossing edges, for the edges in the rows first .. last - 1."""
+    """Mean of x over the crossing edges, weighted by their intact fraction, for the edges of rows first .. last - 1."""
     for i in range(first, last):
         for j in range(const.s if family == WARP else const.nj):
             _, present, total = crossing(const, family, i, j, state.intact[1 - family], x, shift)
@@ -71,7 +71,7 @@ def thin_means(const, state, family, first, last, shift, x, mean):
 
 @kernel(_nrt=False)
 def thin_forces(const, state, family, first, last, shift, L, F):
-    """F = kappa F + (1 - kappa) T_alone; nothing where the yarns themselves have failed."""
+    """F = kappa F + (1 - kappa) T_alone of damaged edges; 0 where the yarns themselves have failed."""
     w, S0, EA = yarn(const, family)
     for i in range(first, last):
         for j in range(const.s if family == WARP else const.nj):
@@ -106,7 +106,7 @@ def thin_gradient(const, state, family, first, last, shift, L, own, shared, N, K
 
 @kernel(_nrt=False)
 def thin_trellis(const, state, first, last, shift, turn1, turn2, cross):
-    """The trellis of a quadrilateral in proportion to what is left of both families."""
+    """Shear forces of damaged elements, scaled by the intact fractions of both families."""
     for i in range(first, last):
         for j in range(const.nj):
             m, left = i * const.s + j - shift, trellis_left(const, state, np.uint64(i * const.s + j))
@@ -117,7 +117,7 @@ def thin_trellis(const, state, first, last, shift, turn1, turn2, cross):
 
 @kernel()
 def trellis_left(const, state, k):
-    """Part of the trellis that is left in the quadrilateral k."""
+    """Intact fraction of the trellis of element k."""
     warp, weft = state.intact[WARP], state.intact[WEFT]
     return 0.25 * (warp[k] + warp[k + ONE]) * (weft[k] + weft[k + np.uint64(const.s)])
 
@@ -130,7 +130,7 @@ def yarn(const, family):
 
 @kernel()
 def share(n, offset):
-    """Part of the line `offset` beside a yarn that belongs to it, with n lines a crossover."""
+    """Fraction of the line `offset` beside a yarn that belongs to it, with n lines a crossover."""
     return 0.5 if 2 * abs(offset) == n else 1.0
 
 
@@ -158,7 +158,7 @@ def strength(const, family, row, column):
 
 @kernel(_nrt=False)
 def past_strength(const, state, family, first, last):
-    """Whether a yarn segment that begins in the node rows first .. last has come past its yarn's strength."""
+    """Whether a yarn segment that begins in the node rows first .. last exceeds its yarn's strength."""
     n = const.per
     rows = last - 1 if family == WARP else last
     columns = const.nj if family == WARP else const.nj - 1
@@ -173,7 +173,7 @@ def past_strength(const, state, family, first, last):
 
 @kernel(_nrt=False)
 def look_for_failures(const, state, family, first, last):
-    """Mark the yarn segments past their strength, among those that begin in the node rows first .. last.
+    """Break the yarn segments that exceed their strength, among those that begin in the node rows first .. last.
 
     Filters the tensions where that is asked for, and keeps the peak. Returns how many have failed.
     """
@@ -202,7 +202,7 @@ def look_for_failures(const, state, family, first, last):
 
 @kernel(_nrt=False)
 def cut(const, state, family, row, column):
-    """Take the yarn segment that begins at node (row, column) out of its edges."""
+    """Break the yarn segment that begins at node (row, column): reduce its edges' intact fraction and yarn length."""
     n, half = const.per, const.per // 2
     line, lines = (column, const.nj) if family == WARP else (row, const.ni)
     for offset in range(-half, half + 1):
@@ -220,7 +220,7 @@ def cut(const, state, family, row, column):
 
 @kernel(_nrt=False)
 def mark(const, state, family, i, j):
-    """Note the failed edge in the quadrilaterals beside it, and in the blocks whose forces it has a part in."""
+    """Set the damage flags of the elements beside a failed edge, and of the blocks whose forces depend on it."""
     bit = WARP_FAILED if family == WARP else WEFT_FAILED
     for side in range(2):
         p, q = (i, j - side) if family == WARP else (i - side, j)

@@ -1,4 +1,4 @@
-"""Yarns that are drawn together until they bear on each other: resistance of cloth to being bunched up in its plane.
+"""Jamming: resistance of cloth to in-plane compression once neighbouring yarns touch.
 
 A crossover has no stiffness when its yarns go slack, and nothing in the source's cell keeps an element from being
 pressed flat, where the trellis, which acts along unit vectors, tears it apart. Where yarns do not fail, as in the

@@ -95,7 +95,7 @@ ARCSINE = tuple(np.polynomial.Polynomial.fit(_Z, _P, 11).convert().coef)
 
 
 def beside(split, k, a, b, c, d):
-    """Mean of four, of which a and c lie before the nodes of a line and b and d behind them."""
+    """Weighted mean over the four weft edges that cross a warp edge; a and c lie before its nodes, b and d behind."""
 
 
 @overload(beside, inline="always")
@@ -112,7 +112,7 @@ def _beside(split, k, a, b, c, d):
 
 
 def along(split, k, a, b, c, d):
-    """Mean of four, of which a and b lie before a line and c and d behind it."""
+    """Weighted mean over the four warp edges that cross a weft edge; a and b lie before the line, c and d behind."""
 
 
 @overload(along, inline="always")
@@ -128,7 +128,7 @@ def _along(split, k, a, b, c, d):
 
 
 def inner(factor, k, x):
-    """x, times the factor where each slot has its own: what is to be summed before `outer`."""
+    """x times the factor of each slot, if it is an array: applied before a sum; see `outer`."""
 
 
 @overload(inner, inline="always")
@@ -139,7 +139,7 @@ def _inner(factor, k, x):
 
 
 def outer(factor, x):
-    """x times the factor where all slots share it: of what has been summed by `inner`."""
+    """x times the factor, if it is one float for all slots: applied after a sum; see `inner`."""
 
 
 @overload(outer, inline="always")
@@ -181,7 +181,7 @@ def edges(k0, m0, n, s, u, rx, ry, A, B, l1, i1, l2, i2):
 
 @kernel()
 def rest(m0, n, s, B, l2, i2):
-    """Put the idle slot at the end of each row of weft edges to rest, where `edges` has joined two rows."""
+    """Reset the idle slot at the end of each row of weft edges, where `edges` has joined two rows."""
     for j in range(m0 + s - 1, m0 + n, s):
         B[0][j] = B[2][j] = 0.0
         B[1][j] = l2[j] = i2[j] = 1.0
@@ -217,7 +217,7 @@ def across_weft(k0, m0, n, s, split, x, mean):
 
 @kernel()
 def tensions(m0, n, l1, l2, grid, table, T):
-    """Bilinear look-up of one tension, at n pairs of stretches. Returns the largest, at least 0.
+    """Bilinear interpolation of one tension [N] at n pairs of stretches. Returns the largest, at least 0.
 
     grid : where the table begins, cells per stretch and number of the last cell, of both stretches; cells along the
         second. Below the table its edge, which is exact there; above it linear.
@@ -294,7 +294,7 @@ def potential(l1, l2, grid, table, level):
 
 @kernel()
 def share_warp(k0, m0, n, s, split, own, given, N):
-    """Forces N of n warp edges: half of each its own, half what the weft edges that cross it give (`across_warp`)."""
+    """Forces N of n warp edges: half its own, half the transpose of `across_warp` of crossing weft edges."""
     for j in range(m0, m0 + n, WIDTH):
         k = k0 + j - m0
         met = beside(split, k, load(given, j - 1), load(given, j), load(given, j + s - 1), load(given, j + s))
@@ -307,7 +307,7 @@ def share_warp(k0, m0, n, s, split, own, given, N):
 
 @kernel()
 def share_weft(k0, m0, n, s, split, own, given, N):
-    """Forces N of n weft edges: half of each its own, half what the warp edges that cross it give."""
+    """Forces N of n weft edges: half its own plus half the mean over crossing warp edges."""
     for j in range(m0, m0 + n, WIDTH):
         k = k0 + j - m0
         met = along(split, k, load(given, j - s), load(given, j - s + 1), load(given, j), load(given, j + 1))
@@ -327,7 +327,7 @@ def largest(m0, n, values):
 
 @kernel()
 def yarns(k0, m0, n, back, again, r, cv, l, inverse, turned, N, K, y, L, P, D, S, on):
-    """Advance n edges of one family, and find their pulls along themselves over their stretch, r = 1 / dX, into `on`.
+    """Update n edges of one family, and compute their axial force over the stretch, r = 1 / dX, into `on`.
 
     The pull is y (N + cv dL), dE/dLambda with y [m] the length of yarn of an edge, less what the trellis on both sides
     takes. Returns the work of N and of the viscous force. The work of a step is the trapezoid of the force over the
@@ -377,13 +377,13 @@ def shear_energy(sine, V, G1, G2, gamma1, gamma2):
 
 @kernel(forceinline=True)
 def pairs(z, z2, m):
-    """Four terms of P from that of z^m on, over z^m: two by two, so that they need not wait for each other."""
+    """Four terms of P from that of z^m on, over z^m (Estrin's scheme)."""
     return fma(z2, fma(z, ARCSINE[m + 3], ARCSINE[m + 2]), fma(z, ARCSINE[m + 1], ARCSINE[m]))
 
 
 @kernel(forceinline=True)
 def angle_of(sine):
-    """Size of eight angles. x + x z P(z), z = x^2, up to sine 1/2; pi/2 less twice that of sqrt((1 - x) / 2) above."""
+    """Eight arcsines, sizes: x + x z P(z), z = x^2, up to sine 1/2; pi/2 less twice that of sqrt((1 - x) / 2) above."""
     x = least(fabs(sine), 0.999)
     high, root, z = above(x, 0.5), x, x * x
     if some(high):
@@ -414,7 +414,7 @@ def shear_slope(sine, G1, G2, gamma1, gamma2):
 
 @kernel(forceinline=True)
 def lever(stretch):
-    """f of the sum of two stretches, in place of them, and its slope (see above)."""
+    """Regularized stretch f of the sum of two stretches, and its slope (see above)."""
     short = least(stretch, 2.0 * SHORT)
     missing = 2.0 * SHORT - short
     return fma((0.25 / SHORT) * missing, missing, stretch), (0.5 / SHORT) * short
@@ -422,7 +422,7 @@ def lever(stretch):
 
 @kernel()
 def lever_of_one(stretch):
-    """f of the sum of two stretches, as `lever`."""
+    """`lever` of one sum, without the slope."""
     missing = max(2.0 * SHORT - stretch, 0.0)
     return stretch + 0.25 / SHORT * missing * missing
 
@@ -443,7 +443,7 @@ def angles(j, s, A, B, l1, l2):
 
 @kernel()
 def shear(k0, m0, n, s, A, B, l1, l2, V, G1, G2, gamma1, gamma2, turn1, turn2, cross):
-    """The trellis of n quadrilaterals.
+    """Shear forces of n elements.
 
     turn1, turn2 : -dE/dLambda that it gives to each of its two warp and its two weft edges
     cross : dE/d(a.b) over four, a and b being doubled
@@ -466,10 +466,10 @@ def shear(k0, m0, n, s, A, B, l1, l2, V, G1, G2, gamma1, gamma2, turn1, turn2, c
 
 @kernel()
 def gather(k0, m0, n, s, rx, ry, A, B, on1, on2, cross, up, g0):
-    """What n slots' edges and quadrilaterals give to their nodes.
+    """Scatter the forces of n slots' edges and elements to their nodes.
 
-    up : scratch, what a row of elements gives to the nodes of the next; from m0 on, one row ahead of g0. A row is taken
-        from it before the next is put there, all rows in one loop unless a row is shorter than eight slots.
+    f_next_row : scratch, what a row of elements gives to the nodes of the next; from m0 on, a row ahead of f_int. A
+        row is read before the next is stored, all rows in one loop unless a row is shorter than eight slots.
     Without contraction uniform tension cancels digit by digit.
     """
     for c in range(3):
@@ -495,7 +495,7 @@ def gather(k0, m0, n, s, rx, ry, A, B, on1, on2, cross, up, g0):
 
 @kernel(forceinline=True)
 def to_nodes(k, m, s, left, r, ry, crossed, pull1, pull2, A, B, up, g0, last_X, last_pull, last_Y):
-    """One component of what eight slots' edges and quadrilaterals give; the last three also of the eight before."""
+    """Nodal forces of eight slots, one component; the last three arguments are of the eight slots before."""
     a, b = load(A, m), load(B, m)
     X, Y, pulled2 = crossed * (b + load(B, m + s)), crossed * (a + load(A, m + 1)), pull2 * b
     Y = inner(ry, k, Y)
@@ -509,7 +509,7 @@ def to_nodes(k, m, s, left, r, ry, crossed, pull1, pull2, A, B, up, g0, last_X, 
 
 @kernel()
 def gather_last(k0, m0, n, on2, B, up, g0):
-    """What the weft edges on the panel's last row give to their nodes, besides what the elements before them do."""
+    """Scatter the forces of the weft edges on the panel's last row to their nodes."""
     for c in range(3):
         for j in range(n):
             m = m0 + j

@@ -26,7 +26,7 @@ WARP, WEFT = 0, 1
 
 @kernel()
 def seen(n, last, mirrored):
-    """The line that line n is an image of, and the sign of the image; beyond a border the last, which has no weight."""
+    """Index of the line that line n mirrors, and the sign; beyond an edge the last line, which has no weight."""
     if n < 0:
         return (-n, -1.0) if mirrored else (0, 1.0)
     return min(n, last), 1.0
@@ -34,7 +34,7 @@ def seen(n, last, mirrored):
 
 @kernel()
 def place(state, const, i, j):
-    """Place of node (i, j) in the frame of the projectile."""
+    """Position [m] of node (i, j) in the frame of the projectile."""
     i, sign_x = seen(i, const.ni, const.mirror_x)
     j, sign_y = seen(j, const.nj, const.mirror_y)
     k = np.uint64(i * const.s + j)
@@ -76,7 +76,7 @@ def vector(x, const, i, j):
 
 @kernel()
 def line(state, const, i, first, last, x):
-    """Places of the nodes (i, first) .. (i, last) in the frame of the projectile, into x (3, ...)."""
+    """Positions [m] of the nodes (i, first) .. (i, last) in the frame of the projectile, into x (3, ...)."""
     row, sign = seen(i, const.ni, const.mirror_x)
     start, shift = const.x0 + row * const.dx, row * const.s
     for j in range(max(first, 0), min(last, const.nj) + 1):
@@ -95,7 +95,7 @@ def line(state, const, i, first, last, x):
 
 @kernel()
 def weights(s, bent):
-    """Of a node's neighbour, itself and its other neighbour, at s = -1/2 ... 1/2 elements from it."""
+    """Spline weights of a node and its two neighbours, at s = -1/2 ... 1/2 elements from it; quadratic if `bent`."""
     if bent:
         return 0.5 * (0.5 - s) ** 2, 0.75 - s * s, 0.5 * (0.5 + s) ** 2
     return max(-s, 0.0), 1.0 - abs(s), max(s, 0.0)
@@ -103,7 +103,7 @@ def weights(s, bent):
 
 @entry()
 def shares(p, room):
-    """Weights at the p x p points of an element, s slowest: (2, 8, room), first straight, then bent.
+    """Shape functions at the p x p points of an element, s slowest: (2, 8, room), linear, then quadratic.
 
     Rows 0-3 are of the four nodes about it along the warp, rows 4-7 along the weft; a point's weight for one of the
     sixteen nodes is a product of two. Points beyond p x p have none.
@@ -129,7 +129,7 @@ def quadrant(a, p):
 
 @kernel()
 def torn_shares(state, const, i, j, found):
-    """Those of element (i, j), in which yarns may end, into found (8, room)."""
+    """Shape functions of an element (i, j) in which yarns may end, into found (8, room)."""
     p = const.points
     for q in range(2):
         for r in range(2):
@@ -144,7 +144,7 @@ def torn_shares(state, const, i, j, found):
 
 @kernel(forceinline=True)
 def between(shares, k, x):
-    """Eight points k .. k + 7 among the sixteen nodes x (16, 3), or their velocities: three components."""
+    """Interpolate nodal values x (16, 3) at the eight points k .. k + 7: three components."""
     a0, a1, a2, a3 = shares_at(shares, 0, k)
     b0, b1, b2, b3 = shares_at(shares, 4, k)
     return (
@@ -156,13 +156,13 @@ def between(shares, k, x):
 
 @kernel(forceinline=True)
 def shares_at(shares, row, k):
-    """Four rows of the shares of eight points."""
+    """Load four rows of the shape functions of eight points."""
     return load(shares[row], k), load(shares[row + 1], k), load(shares[row + 2], k), load(shares[row + 3], k)
 
 
 @kernel(forceinline=True)
 def among(a0, a1, a2, a3, b0, b1, b2, b3, x, c):
-    """Component c of eight points."""
+    """Interpolate component c at eight points."""
     y0 = fma(a0, x[0, c], fma(a1, x[4, c], fma(a2, x[8, c], a3 * x[12, c])))
     y1 = fma(a0, x[1, c], fma(a1, x[5, c], fma(a2, x[9, c], a3 * x[13, c])))
     y2 = fma(a0, x[2, c], fma(a1, x[6, c], fma(a2, x[10, c], a3 * x[14, c])))
@@ -172,7 +172,7 @@ def among(a0, a1, a2, a3, b0, b1, b2, b3, x, c):
 
 @kernel(forceinline=True)
 def hand_on(shares, k, push, f_x, f_y, f_z):
-    """Add the force on point k to those on the sixteen nodes, push (3, 16)."""
+    """Scatter the force on point k to the sixteen nodes, push (3, 16) [N]."""
     for m in range(4):
         for n in range(4):
             weight = shares[m, k] * shares[4 + n, k]
@@ -183,7 +183,7 @@ def hand_on(shares, k, push, f_x, f_y, f_z):
 
 @kernel()
 def boxes(lines, count, low, high):
-    """Box of the four nodes in each column of the lines (4, 3, count): its ends, (3, count) each."""
+    """Bounding box of the four nodes in each column of the lines (4, 3, count): its ends, (3, count) each."""
     for c in range(3):
         x0, x1, x2, x3, below, above = lines[0, c], lines[1, c], lines[2, c], lines[3, c], low[c], high[c]
         for m in range(count):
@@ -219,7 +219,7 @@ def untorn(state, const, i, j):
 
 @kernel()
 def bends(state, const, i, j, q, r):
-    """Whether the surface about the corner (q, r) of element (i, j) bends along the warp and along the weft."""
+    """Whether the surface about the corner (q, r) of element (i, j) is quadratic along the warp and along the weft."""
     m, n = i + q, j + r
     along1 = runs(state, const, WARP, m - 1, n) and runs(state, const, WARP, m, n)
     along2 = runs(state, const, WEFT, m, n - 1) and runs(state, const, WEFT, m, n)
@@ -237,7 +237,7 @@ def bends(state, const, i, j, q, r):
 
 @kernel()
 def runs(state, const, family, i, j):
-    """Whether a yarn of a family is left on the edge that begins at node (i, j); beyond a border there is none."""
+    """Whether the edge that begins at node (i, j) has an intact yarn; beyond an edge of the panel there is none."""
     if (i < 0 and not const.mirror_x) or (j < 0 and not const.mirror_y) or i > const.ni or j > const.nj:
         return False
     if i < 0:

@@ -1,9 +1,7 @@
-"""Threads that march together: a barrier for compiled kernels that hold no lock, and how many threads a run uses.
+"""Spin barrier for threads in compiled kernels, and the number of threads of a run.
 
-Each thread runs a kernel of its own over the same steps; between the parts of a step all wait for each other at a
-barrier. It is a counter in memory that every thread adds one to, and that nobody passes before the last has come. Who
-waits looks at it again and again, and after a while lets others have the processor in between: shots of `limit`, or
-other programs.
+Each thread runs a kernel of its own over the same steps; between the parts of a step all wait at the barrier, an atomic
+counter in shared memory. A waiting thread spins on it, and after a while yields the processor in between.
 """
 
 import os
@@ -22,7 +20,7 @@ _WORD = ir.IntType(64)
 
 
 def threads_for(asked, elements):
-    """Threads that march a panel: as many as asked, or all that the process may use where it pays."""
+    """Number of threads of a run: as given, or all that the process may use if the panel is large enough."""
     if asked is not None:
         return asked
     allowed = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
@@ -36,7 +34,7 @@ def _slot(context, builder, signature, arguments):
 
 @intrinsic
 def _arrive(typing, shared, slot):
-    """Add one to a slot, all that was written before being seen by who reads it; returns what it was."""
+    """Atomic fetch-and-add of one to a slot, with acquire and release order."""
 
     def codegen(context, builder, signature, arguments):
         place = _slot(context, builder, signature, arguments)
@@ -47,7 +45,7 @@ def _arrive(typing, shared, slot):
 
 @intrinsic
 def _look(typing, shared, slot):
-    """Read a slot, with all that was written before."""
+    """Atomic load of a slot, with acquire order."""
 
     def codegen(context, builder, signature, arguments):
         place = _slot(context, builder, signature, arguments)
@@ -59,7 +57,7 @@ def _look(typing, shared, slot):
 
 @intrinsic
 def _let_others(typing):
-    """Give the processor to who else wants it."""
+    """Yield the processor to other threads (sched_yield)."""
 
     def codegen(context, builder, signature, arguments):
         function = ir.FunctionType(ir.IntType(32), [])
@@ -71,7 +69,7 @@ def _let_others(typing):
 
 @kernel()
 def meet(shared, count):
-    """Wait until all `count` threads are here. shared : (ROOM,) int64, zero at first."""
+    """Barrier: wait until all `count` threads have arrived. shared : (SLOTS,) int64, zero at first."""
     if count == 1:
         return
     goal = (_arrive(shared, COUNTER) // count + 1) * count

@@ -1,4 +1,4 @@
-"""Items of numba's lists as they lie there, uncounted.
+"""Borrowed references: items of numba's typed lists without reference counts.
 
 numba counts the references to each array of what is taken out of a list, up and down again, each time an instruction
 that all processors wait for. The state of a ply has over a hundred arrays: in a pack of 16 plies of 6,241 elements

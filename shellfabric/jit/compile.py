@@ -10,7 +10,7 @@ are compiled in half the time.
 
 A kernel that is called from Python all the same, as by its test, is compiled a second time for that.
 
-What Python calls with many arrays is compiled in a process of its own (`compile_apart`).
+What Python calls with many arrays is compiled in a process of its own (`compile_in_child`).
 """
 
 import types

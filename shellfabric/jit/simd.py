@@ -1,10 +1,10 @@
-"""Eight numbers at once: a numba type for the vector registers of the processor, and what the kernels do with it.
+"""8-wide SIMD type of doubles for numba, and its operations.
 
     x = load(array, k)          array[k], ..., array[k + 7]
     store(array, k, 2.0 * x)
     fma(x, y, z)                x y + z, rounded once where the processor can
-    columns4(table, cell)       c0, ..., c3 with c_m = table[cell, m] of eight cells
-    at(x, k)                    what slots k, ..., k + 7 have: load(x, k) of an array, and x itself of a float
+    gather_rows4(table, cell)   c0, ..., c3 with c_m = table[cell, m] of eight cells
+    load_or_broadcast(x, k)     load(x, k) of an array, x itself of a float
 
 +, -, * and / take two of these or one and a float. numba leaves it to the compiler to turn a loop into vector
 instructions, which it gives up on where a loop has many arrays or a look-up in it. With this type a loop is written as
@@ -30,21 +30,21 @@ _CELLS = ir.VectorType(ir.IntType(32), WIDTH)
 
 
 class LanesType(types.Type):
-    """Eight floats."""
+    """Vector of eight doubles."""
 
     def __init__(self):
         super().__init__(name="Lanes")
 
 
 class CellsType(types.Type):
-    """Eight row numbers of a table."""
+    """Vector of eight int32, row numbers of a table."""
 
     def __init__(self):
         super().__init__(name="Cells")
 
 
 class MaskType(types.Type):
-    """Eight answers."""
+    """Vector of eight booleans."""
 
     def __init__(self):
         super().__init__(name="Mask")
@@ -72,7 +72,7 @@ class _MaskModel(models.PrimitiveModel):
 
 
 def _spread(builder, value, kind):
-    """A float in all lanes; eight numbers as they are."""
+    """Broadcast a float to all lanes; a vector as it is."""
     if kind is LANES:
         return value
     one = builder.insert_element(ir.Constant(_LANES, ir.Undefined), value, ir.Constant(ir.IntType(32), 0))
@@ -151,13 +151,13 @@ def inverse_root(typing, a):
 
 @intrinsic
 def floor(typing, a):
-    """The next whole number below."""
+    """Floor."""
     return LANES(a), _function("floor", 1)
 
 
 @intrinsic
 def fabs(typing, a):
-    """Size without sign."""
+    """Absolute value."""
     return LANES(a), _function("fabs", 1)
 
 
@@ -177,13 +177,13 @@ def _chosen(symbol):
 
 @intrinsic
 def least(typing, a, b):
-    """The lower of two."""
+    """Minimum of two, lane by lane."""
     return LANES(a, b), _chosen("<")
 
 
 @intrinsic
 def most(typing, a, b):
-    """The higher of two."""
+    """Maximum of two, lane by lane."""
     return LANES(a, b), _chosen(">")
 
 
@@ -200,7 +200,7 @@ def above(typing, a, b):
 
 @intrinsic
 def some(typing, mask):
-    """Whether any of eight answers is yes."""
+    """Whether any lane of a mask is set."""
 
     def codegen(context, builder, signature, arguments):
         return builder.icmp_unsigned("!=", builder.bitcast(arguments[0], ir.IntType(8)), ir.Constant(ir.IntType(8), 0))
@@ -210,7 +210,7 @@ def some(typing, mask):
 
 @intrinsic
 def bits(typing, mask):
-    """Eight answers as the bits of a whole number, the first one lowest."""
+    """The mask as bits of an integer, lane 0 lowest."""
 
     def codegen(context, builder, signature, arguments):
         return builder.zext(builder.bitcast(arguments[0], ir.IntType(8)), _INT)
@@ -220,7 +220,7 @@ def bits(typing, mask):
 
 @intrinsic
 def lanes_of(typing, number):
-    """Mask of the lanes whose bits are set in a whole number."""
+    """Mask from the bits of an integer, lane 0 lowest."""
 
     def codegen(context, builder, signature, arguments):
         eight = builder.trunc(arguments[0], ir.IntType(8))
@@ -273,7 +273,7 @@ def where(typing, mask, a, b):
 
 @intrinsic
 def splat(typing, a):
-    """A float in all lanes."""
+    """Broadcast a float to all lanes."""
 
     def codegen(context, builder, signature, arguments):
         return _spread(builder, arguments[0], types.float64)
@@ -325,7 +325,7 @@ def store(typing, array, k, value):
 
 @intrinsic
 def behind(typing, last, x):
-    """What the slots before those of x have: the last lane of `last`, the eight before x, and all of x but its last."""
+    """Shift by one lane towards higher lanes: lane 0 comes from lane 7 of `last`, the vector before x."""
 
     def codegen(context, builder, signature, arguments):
         return builder.shuffle_vector(*arguments, ir.Constant(_CELLS, list(range(WIDTH - 1, 2 * WIDTH - 1))))
@@ -335,7 +335,7 @@ def behind(typing, last, x):
 
 @intrinsic
 def ahead(typing, x, following):
-    """What the slots after those of x have: all of x but its first lane, and the first of the eight that follow."""
+    """Shift by one lane towards lower lanes: lane 7 comes from lane 0 of `following`, the vector after x."""
 
     def codegen(context, builder, signature, arguments):
         return builder.shuffle_vector(*arguments, ir.Constant(_CELLS, list(range(1, WIDTH + 1))))
@@ -344,7 +344,7 @@ def ahead(typing, x, following):
 
 
 def at(values, k):
-    """What slots k, ..., k + 7 have: a float that all share, or their part of an array."""
+    """Load values[k : k + 8] of an array; a float is broadcast."""
 
 
 @overload(at, inline="always")
@@ -355,7 +355,7 @@ def _at(values, k):
 
 
 def here(values, k):
-    """What one slot has: a float that all share, or its entry of an array."""
+    """values[k] of an array; a float as it is."""
 
 
 @overload(here, inline="always")
@@ -377,7 +377,7 @@ def _lane(typing, value, number):
 
 @kernel()
 def keep(array, k, value, count):
-    """array[k : k + count] = value; for the last, incomplete eight of what must not be overrun."""
+    """Masked store: array[k : k + count] = value, for the last, incomplete vector of an array."""
     if count >= WIDTH:
         store(array, k, value)
     else:
@@ -387,7 +387,7 @@ def keep(array, k, value, count):
 
 @intrinsic
 def cells(typing, a):
-    """Whole numbers held as floats, as row numbers."""
+    """Convert doubles to int32."""
 
     def codegen(context, builder, signature, arguments):
         return builder.fptosi(arguments[0], _CELLS)
@@ -397,7 +397,7 @@ def cells(typing, a):
 
 @intrinsic
 def note(typing, array, k, cell):
-    """array[k : k + 8] = row numbers; array of int32."""
+    """Store eight int32: array[k : k + 8] = cell."""
 
     def codegen(context, builder, signature, arguments):
         array, k, cell = arguments
@@ -409,7 +409,7 @@ def note(typing, array, k, cell):
 
 @intrinsic
 def noted8(typing, table, array, k):
-    """As `columns8`, of the rows whose numbers stand in array[k : k + 8]."""
+    """As `columns8`, with the row numbers in array[k : k + 8]."""
 
     def codegen(context, builder, signature, arguments):
         table, array, k = arguments
@@ -426,7 +426,7 @@ def noted8(typing, table, array, k):
 
 @intrinsic
 def entries(typing, array, cell):
-    """array[cell] of eight row numbers; a flat array."""
+    """Gather: array[cell] of eight indices into a flat array."""
 
     def codegen(context, builder, signature, arguments):
         array, cell = arguments
@@ -443,7 +443,7 @@ def entries(typing, array, cell):
 
 @intrinsic
 def columns4(typing, table, cell):
-    """The four columns of the rows `cell` of a table (n, 4)."""
+    """Gather the rows `cell` of a table (n, 4), transposed: four vectors."""
 
     def codegen(context, builder, signature, arguments):
         found = _rows(context, builder, signature.args[0], arguments, 4)
@@ -454,7 +454,7 @@ def columns4(typing, table, cell):
 
 @intrinsic
 def columns8(typing, table, cell):
-    """The eight columns of the rows `cell` of a table (n, 8)."""
+    """Gather the rows `cell` of a table (n, 8), transposed: eight vectors."""
 
     def codegen(context, builder, signature, arguments):
         found = _rows(context, builder, signature.args[0], arguments, 8)

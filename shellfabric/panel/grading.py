@@ -82,7 +82,7 @@ def slots(sides, finest, thickness, viscosity, room):
     finest : (dx, dy) [m] sides of the smallest element
     thickness : [m] of the cloth
     viscosity : (warp, weft) [N] of the smallest element
-    room : as `panel._room`, makes flat arrays that begin with a cache line
+    room : as `aligned.aligned_zeros`, makes flat arrays that begin with a cache line
     """
     (a, b), (dx, dy), (cv1, cv2) = sides, finest, viscosity
     ni, nj = a.size, b.size

@@ -1,4 +1,4 @@
-"""One time step of the panel and its projectile, and many of them: central differences.
+"""Explicit time steps of the panel and its projectile: central differences.
 
 Velocities stand at half steps, everything else at whole ones:
 
@@ -38,7 +38,7 @@ _STILL = 1e-60
 
 @kernel()
 def move(k0, n, dt, kick, g0, g1, both, v, u):
-    """Velocity and displacement of the nodes k0 .. k0 + n; kick = dt / m, forces g0, or `both` g0 + g1."""
+    """Central-difference update of the nodes k0 .. k0 + n: forces f_int [N], or `both` f_int + f_int_above."""
     for j in range(0, n, WIDTH):
         k, left = k0 + j, n - j
         impulse = load(kick, k)
@@ -54,7 +54,7 @@ def move(k0, n, dt, kick, g0, g1, both, v, u):
 
 @kernel(_nrt=False, forceinline=True)
 def symmetry(state, const, first, last):
-    """Take out the force across a plane of symmetry, on the node rows first .. last - 1."""
+    """Zero the force across planes of symmetry, on the node rows first .. last - 1."""
     if const.mirror_x and first == 0:
         for k in range(const.s):
             state.g0[0][k] = state.g1[0][k] = 0.0
@@ -66,7 +66,7 @@ def symmetry(state, const, first, last):
 
 @kernel(_nrt=False)
 def moved(state, const, i):
-    """Whether some node of row i has left its place."""
+    """Whether a node of row i has a displacement."""
     for k in range(np.uint64(i * const.s), np.uint64((i + 1) * const.s)):
         if state.u[0][k] != 0.0 or state.u[1][k] != 0.0 or state.u[2][k] != 0.0:
             return True
@@ -75,7 +75,7 @@ def moved(state, const, i):
 
 @kernel(_nrt=False, forceinline=True)
 def widen(state, const):
-    """Let the window of active element rows, state.rows, go ahead of the motion.
+    """Grow the window of active element rows, state.rows, ahead of the motion.
 
     The forces of a node reach two rows further than the nodes that have moved: over the segments that cross, and in the
     variational form over those that cross these. So in a step motion goes ahead by two rows at most, and its forces by
@@ -97,7 +97,7 @@ def widen(state, const):
 
 @kernel(_nrt=False)
 def elements(state, const, block, first, last, work):
-    """Forces of the element rows first .. last - 1, which lie in one block, from the present displacements."""
+    """Internal forces of the element rows first .. last - 1 of one block, from the present displacements."""
     s, thin = const.s, state.thin[block] != WHOLE
     k0, n = first * s, (last - first) * s
     n2 = n + s if last == const.ni else n  # weft edges: those on the far side of the panel have no row of their own
@@ -115,7 +115,7 @@ def elements(state, const, block, first, last, work):
 
 @kernel(_nrt=False, forceinline=True)
 def give(state, const, block, first, last, work):
-    """Give what a block's rows pull to its nodes, and to the first row of nodes of the next block.
+    """Scatter the element forces of a block to its nodes, and to the first row of nodes of the next block.
 
     A row of nodes in whose middle of a block the window begins or ends is at rest: it keeps the forces that it has.
     """
@@ -160,7 +160,7 @@ def stretch(state, const, first, last, thin, work):
 
 @kernel(_nrt=False, forceinline=True)
 def look_up(state, const, block, first, last, thin, work):
-    """Tensions of a block's edges, and the largest of each family."""
+    """Interpolate the tensions of a block's edges from the cell table; the largest of each family."""
     s, c, w, most = const.s, const, work, state.most[block]
     k0, m0, n = first * s, 2 * s, (last - first) * s
     n2, shift = n + s if last == c.ni else n, (first - 2) * s
@@ -178,7 +178,7 @@ def look_up(state, const, block, first, last, thin, work):
 
 @kernel(_nrt=False)
 def bound(const, p, q, N, unit, ceiling):
-    """What no tension of a family can exceed where no crossover lies further in the table and no force N is larger.
+    """Upper bound [N] of the tensions of a family, from the largest table coordinates and the largest force N.
 
     p, q in cells of the table; unit, ceiling : see `cell_kernels.ceiling`.
     """
@@ -190,7 +190,7 @@ def bound(const, p, q, N, unit, ceiling):
 
 @kernel(_nrt=False)
 def freshen(state, const, first, last, work):
-    """Look up the tensions of those of the blocks first .. last - 1 in which nobody has needed them."""
+    """Update the stale tensions of the blocks first .. last - 1 (lazy evaluation)."""
     for block in range(first, last):
         if state.stale[block]:
             low, high = max(state.rows[0], block * const.block), min(state.rows[1], (block + 1) * const.block)
@@ -238,14 +238,14 @@ def gradient(state, const, block, first, last, thin, work):
 
 @kernel(forceinline=True)
 def record(k0, m0, n, x, kept):
-    """Keep scratch in the panel's slots."""
+    """Copy scratch to the panel's slots."""
     for j in range(0, n, WIDTH):
         keep(kept, k0 + j, load(x, m0 + j), n - j)
 
 
 @kernel(_nrt=False, forceinline=True)
 def advance_yarns(state, const, block, k0, n, n2, N1, N2, work):
-    """Pulls of the block's edges along themselves, into work.on1 and work.on2, and what they work."""
+    """Axial forces of the block's edges, into work.on1 and work.on2, and their work."""
     L, N, D, S, y, c, w, s = state.L, state.N, state.D, state.slope, state.y, const, work, const.s
     again = state.thin[block] == AGAIN
     work1, viscous1, over1 = membrane_kernels.yarns(
@@ -262,7 +262,7 @@ def advance_yarns(state, const, block, k0, n, n2, N1, N2, work):
 
 @kernel(_nrt=False, forceinline=True)
 def trellis(state, const, first, last, thin, work):
-    """The trellis of the block's quadrilaterals and of the row before them, which shares their first weft edges."""
+    """Shear forces of the block's elements and of the row before them, which shares their first weft edges."""
     s, c, w, low = const.s, const, work, max(first - 1, 0)
     m0, n = (low - first + 2) * s, (last - low) * s
     membrane_kernels.shear(
@@ -281,7 +281,7 @@ def trellis(state, const, first, last, thin, work):
 
 @kernel(_nrt=False)
 def taut(state, const):
-    """(first, last) element rows that hold every edge whose tension has passed the peak so far, or a strength.
+    """(first, last) element rows that may hold a new peak or a failure: conservative, from block maxima.
 
     The mean over a yarn is no higher than the highest of its edges, which are as many rows as a crossover has elements.
     A filtered tension follows the tension at any height: all active rows.
@@ -300,14 +300,14 @@ def taut(state, const):
 
 @kernel(_nrt=False)
 def resist(state, const, first, last, acting):
-    """Energy of turns and bunched yarns in the node rows first .. last; adds their forces to state.g0 if `acting`."""
+    """Bending and jamming energy [J] of the node rows first .. last; adds their forces to state.g0 if `acting`."""
     turns = bending_kernels.bend(state, const, first, last, acting)
     return turns + jamming_kernels.jam(state, const, first, last, acting)
 
 
 @kernel(_nrt=False)
 def fail(state, const, work):
-    """Let yarns fail, and find the forces about them again."""
+    """Failure criterion: remove failed yarns, and compute the forces of their blocks again."""
     first, last = taut(state, const)
     if first >= last:
         return
@@ -364,14 +364,14 @@ def move_rows(state, const, first, last):
 
 @kernel(_nrt=False)
 def part(state, const, me, count):
-    """(first, last) of the active blocks that are one thread's among `count`; the last thread has at least one."""
+    """(first, last) active blocks of thread `me` among `count`; the last thread has at least one."""
     start, end = state.rows[0] // const.block, (state.rows[1] + const.block - 1) // const.block
     return start + (end - start) * me // count, start + (end - start) * (me + 1) // count
 
 
 @kernel(_nrt=False, forceinline=True)
 def sweep(state, const, work, shared, me, count):
-    """Move the active nodes, and find the forces of the active elements, block by block while they are in cache.
+    """Update the active nodes and compute the active element forces, block by block while they are in cache.
 
     The blocks are fixed, whatever the window and the number of threads, and so is what is found in them. The node rows
     that the elements of a block need are moved first: its own, and one beyond. Those at the ends of a thread's blocks,
@@ -396,7 +396,7 @@ def sweep(state, const, work, shared, me, count):
 
 @kernel(_nrt=False)
 def lean(state, const):
-    """Give nodes and projectile the impulses of what lies behind the cloth (state.behind, state.outer)."""
+    """v += dt f / m of nodes and projectile, with the forces of the backing block (state.behind, state.outer)."""
     for c in range(3):
         for k in range(np.uint64(state.rows[0] * const.s), np.uint64((state.rows[1] + 1) * const.s)):
             state.v[c][k] += state.kick[k] * state.behind[c][k]
@@ -405,7 +405,7 @@ def lean(state, const):
 
 @kernel(_nrt=False, forceinline=True)
 def begin(state, const):
-    """What comes before the nodes move in a step: the impulses of contact, and the projectile's own motion."""
+    """Before the nodes move: contact impulses, motion of the projectile, active rows."""
     contact_kernels.push(state, const)
     if const.backed:
         lean(state, const)
@@ -418,7 +418,7 @@ def begin(state, const):
 
 @kernel(_nrt=False, forceinline=True)
 def conclude(state, const, work):
-    """What comes after the forces of the cloth in a step; returns why it should be the last, or RUNNING."""
+    """After the element forces: failure, bending, contact, boundary; returns RUNNING or the reason to end."""
     fail(state, const, work)
     resist(state, const, state.rows[0], state.rows[1], True)
     failures = state.counter[FAILURES]
@@ -453,7 +453,7 @@ def tell(state, const, force, row):
 
 @kernel(_nrt=False)
 def worked(state):
-    """[J] work that yarns, their viscosity and the contact with the nose have taken in so far."""
+    """[J] work done so far on yarns, their viscosity and the contact with the nose."""
     total = state.contact_energy[contact_kernels.CONTACT]
     for block in range(state.sums.shape[0]):
         total += state.sums[block, WORK] + state.sums[block, VISCOUS]
@@ -462,11 +462,11 @@ def worked(state):
 
 @entry(nogil=True, _nrt=False)
 def lead(state, const, work, steps, history, shared, count, allowed):
-    """March at most `steps` steps, with `count` - 1 threads that `follow`, all with scratch of their own.
+    """Make at most `steps` steps, with `count` - 1 worker threads in `follow`, all with scratch of their own.
 
     history (steps, 3): the projectile's foremost z, v_z of its centre of mass and the force on it after each; of a bar
-    (steps, 9), see `tell`. shared : see `team.meet`. allowed [J] : energy exchange, the sum over steps of the change of
-    `worked`, after which CHECK ends the call: no energy error can be larger than the energy that has been exchanged.
+    (steps, 9), see `tell`. shared : see `barrier.meet`. allowed [J] : energy exchange, the sum over steps of the
+    change of `worked`, after which CHECK ends the call: no energy error can exceed the energy exchanged.
     Returns (steps made, RUNNING or the reason to end).
     """
     made, reason, exchanged, before = 0, RUNNING, 0.0, worked(state)
@@ -492,7 +492,7 @@ def lead(state, const, work, steps, history, shared, count, allowed):
 
 @entry(nogil=True, _nrt=False)
 def follow(state, const, work, shared, me, count):
-    """Do thread number `me`'s part of each step that `lead` makes."""
+    """Worker thread `me` of the steps that `lead` makes."""
     while True:
         meet(shared, count)
         if shared[STOP] != 0:
@@ -506,13 +506,13 @@ def follow(state, const, work, shared, me, count):
 
 @entry(nogil=True, _nrt=False)
 def advance(state, const, work, steps, history):
-    """`lead` without followers."""
+    """`lead` without worker threads."""
     return lead(state, const, work, steps, history, work.shared, 1, np.inf)
 
 
 @entry(nogil=True, _nrt=False)
 def first_forces(state, const, work):
-    """Forces of the cloth as it is, before the first step."""
+    """Internal forces of the initial state, before the first step."""
     for block in range((const.ni + const.block - 1) // const.block):
         elements(state, const, block, block * const.block, min(const.ni, (block + 1) * const.block), work)
     resist(state, const, 0, const.ni, True)
@@ -520,7 +520,7 @@ def first_forces(state, const, work):
 
 @entry(nogil=True)
 def energies(state, const, out):
-    """The energy audit at the present whole step, into out (5): kinetic, of yarns, trellis, turns and bunched yarns.
+    """Energy audit [J] at the present whole step, into out (5,): kinetic, yarns, trellis, bending, jamming.
 
     Kinetic energy is m v(n-1/2) v(n+1/2) / 2, the form that central differences conserve in a linear system.
     """

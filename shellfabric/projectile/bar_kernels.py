@@ -28,7 +28,7 @@ KINETIC, ELASTIC = 0, 1  # of `energies`
 
 @kernel()
 def kick(u, v, mass, h, area, stress, force, half):
-    """Velocities over the time `half` [s]."""
+    """Velocity update over the time `half` [s]."""
     n, before = stress.size, force
     for k in range(n + 1):
         behind = area[k] * stress[k] / (1.0 + (u[k] - u[k + 1]) / h[k]) if k < n else 0.0
@@ -112,7 +112,7 @@ def along(state, const):
 
 @kernel(_nrt=False)
 def fly(state, const, force):
-    """Let a bar move along its axis in a step; what the target gave it as to a rigid body, in state.speed, is replaced.
+    """One step of the bar along its axis; replaces the axial part of the rigid body's velocity, state.speed.
 
     force : [N] along its axis, of all plies (`along`)
     state.bar_* are the arrays of `advance`; const.bar_* mass, h, area, law (E, sigma_y, H) [Pa], parts of a step
@@ -132,7 +132,7 @@ def fly(state, const, force):
 
 @entry()
 def mean(mass, values):
-    """Mean over the mass of nodal values: of the centre of mass."""
+    """Mass-weighted mean of nodal values, as of the centre of mass."""
     total, weight = 0.0, 0.0
     for k in range(mass.size):
         total += mass[k] * values[k]

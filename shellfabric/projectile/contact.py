@@ -1,4 +1,4 @@
-"""What the contact of cloth and projectile works with: points, their stiffness, and room (see `contact_kernels`)."""
+"""Constants, state and scratch of the contact of cloth and projectile (see `contact_kernels`)."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ Scratch = namedtuple("Scratch", "lines low high x v ahead at push torn")
 
 
 def constants(points, mass, dt, penalty, damping):
-    """Constants of the points, by the names that the kernels know; an explicit spring (`firmer` 0).
+    """Constants of the points, by the names that the kernels know; an explicit spring (`implicit_factor` 0).
 
     Parameters
     ----------

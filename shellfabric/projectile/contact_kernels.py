@@ -49,20 +49,20 @@ LEAST = 1e-30  # [N] force of a point of a nose that does not push yet
 
 @kernel()
 def window(state):
-    """First and last row, and column, of the elements that contact looks at."""
+    """Contact window: first and end row, and column, of elements."""
     return state.window[0], state.window[1], state.window[2], state.window[3]
 
 
 @kernel()
 def reached(state, const):
-    """First and last row, and column, of the nodes that it may push: one beyond those of the elements."""
+    """First and last row, and column, of the nodes that contact forces can reach: one beyond those of the elements."""
     i0, i1, j0, j1 = window(state)
     return max(i0 - 1, 0), min(i1 + 1, const.ni), max(j0 - 1, 0), min(j1 + 1, const.nj)
 
 
 @entry()
 def follow(state, const):
-    """Let the window of elements that contact looks at, state.window, go with a projectile that moves sideways.
+    """Move the contact window, state.window, with a projectile that moves sideways.
 
     The body lies between its nose and the place where its axis is at const.depth below the panel; about that the window
     leaves const.reach, by which cloth may be drawn in besides the body's own width, and what the edges have slipped.
@@ -132,7 +132,7 @@ def look(state, const, work):
 
 @kernel(_nrt=False)
 def clear(state, const):
-    """Take away the forces of the last call."""
+    """Zero the contact forces of the last step."""
     i0, i1, j0, j1 = reached(state, const)
     for c in range(3):
         state.reaction[c] = 0.0
@@ -143,7 +143,7 @@ def clear(state, const):
 
 @kernel(_nrt=False)
 def let_go(state, const, e):
-    """Forget the contact of element number e."""
+    """Reset the contact history of element number e."""
     state.touching[e] = False
     state.pressed[e] = 0.0
     if const.friction > 0.0:
@@ -152,8 +152,8 @@ def let_go(state, const, e):
 
 @kernel()
 def erode(state, const, i, j):
-    """Whether the element has no cloth left to push on: its yarns are gone, or those of one family are and the gap that
-    they left is wider than const.widest, so that the others are far from it. Once so, it stays so."""
+    """Erosion criterion: all yarns of the element have failed, or those of one family and the gap that they left is
+    wider than const.widest. Erosion is permanent."""
     k, row, one = np.uint64(i * const.s + j), np.uint64(const.s), np.uint64(1)
     if state.flag[k] & ERODED:
         return True
@@ -174,7 +174,7 @@ def erode(state, const, i, j):
 
 @kernel()
 def cover(state, const, k, s, t):
-    """Part of the cloth that is left at the point (s, t) of element k: the mean of the warp and the weft next to it."""
+    """Intact fraction at the point (s, t) of element k: the mean of the warp and the weft next to it."""
     warp, weft, row = state.intact[0], state.intact[1], np.uint64(const.s)
     near = warp[k] if t < 0.5 else warp[k + np.uint64(1)]
     other = weft[k] if s < 0.5 else weft[k + row]
@@ -187,7 +187,7 @@ def cover(state, const, k, s, t):
 
 @kernel(_nrt=False)
 def press(state, const, i, j, e, work):
-    """Contact of the points of one element: what it takes in and its springs' energy; forces go to its nodes.
+    """Contact of the points of one element: (work taken, spring energy) [J]; scatters the forces.
 
     Eight points are looked at together; those that touch, or did a step ago, are few and dealt with one by one.
     """
@@ -238,7 +238,7 @@ def press(state, const, i, j, e, work):
 
 @kernel(_nrt=False)
 def moving(state, const, i, j, work):
-    """Velocities of the nodes about element (i, j), into work.v, and room for the forces on them, work.push."""
+    """Gather the velocities of the nodes about element (i, j) into work.v; zero the forces on them, work.push."""
     for m in range(4):
         for n in range(4):
             k = 4 * m + n
@@ -255,7 +255,7 @@ def moving(state, const, i, j, work):
 
 @kernel(_nrt=False)
 def touch(state, const, i, j, e, number, m, shares, work):
-    """Contact of one point of an element, whose place and velocity are in column m of work.at."""
+    """Contact of one point of an element, whose position and velocity are in column m of work.at."""
     at, last, k = work.at, state.pressed[e], np.uint64(i * const.s + j)
     before = last[0, number]  # size of the last step's force; its three components come behind it
     depth, n_x, n_y, n_z = sdf_kernels.distance(
@@ -309,7 +309,7 @@ def touch(state, const, i, j, e, number, m, shares, work):
 
 @kernel(forceinline=True)
 def yielding(const, stiffness, damping, depth, away, gave, before, usual):
-    """Force of a firm spring on a point that is at the distance `depth`, and will part at `away` if nothing pushes.
+    """Implicit penalty force [N] on a point at the distance `depth` [m] with predicted opening velocity `away` [m/s].
 
     before, gave : force on the point a step ago, and by what that and those on its neighbours have sped it up
     usual : force that every point is taken to have besides
@@ -321,7 +321,7 @@ def yielding(const, stiffness, damping, depth, away, gave, before, usual):
 
 @kernel(_nrt=False)
 def spread(state, const, i, j, push):
-    """Add the forces on the nodes (i, j) .. (i + 3, j + 3), or those that they are images of."""
+    """Scatter the forces on the nodes (i, j) .. (i + 3, j + 3), or on those that they mirror."""
     for m in range(4):
         row, sign_x = spline_kernels.seen(i + m, const.ni, const.mirror_x)
         for n in range(4):
@@ -334,7 +334,7 @@ def spread(state, const, i, j, push):
 
 @kernel()
 def turned_back(frame, x, y, z):
-    """A vector in the frame of the projectile, in that of the panel."""
+    """Rotate a vector from the frame of the projectile to that of the panel."""
     return (
         frame[0, 0] * x + frame[1, 0] * y + frame[2, 0] * z,
         frame[0, 1] * x + frame[1, 1] * y + frame[2, 1] * z,
@@ -344,7 +344,7 @@ def turned_back(frame, x, y, z):
 
 @kernel()
 def push(state, const):
-    """Give nodes and projectile the impulses of the contact forces, equal and opposite."""
+    """v += dt f / m of nodes and projectile, with the contact forces, equal and opposite."""
     i0, i1, j0, j1 = reached(state, const)
     for c in range(3):
         for i in range(i0, i1 + 1):
@@ -356,7 +356,7 @@ def push(state, const):
 
 @entry()
 def in_the_way(state, const):
-    """Whether a part of the cloth that holds together is ahead of the shoulder, within the projectile's radius."""
+    """Whether an element that is not eroded lies ahead of the shoulder, within the projectile's radius."""
     i0, i1, j0, j1 = window(state)
     for i in range(i0, i1):
         for j in range(j0, j1):

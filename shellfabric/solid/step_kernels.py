@@ -27,7 +27,7 @@ NOSE, LOST, PUSH = 0, 1, 2  # of the sums over the nose's contact: energy stored
 def nose_forces(
     first, nx, ny, nz, x, v, inverse_mass, area, damping, position, speed, spring, shot, form, dt, force, out
 ):
-    """Hold the two faces of a yarn off the projectile.
+    """Penalty contact of the two faces of a yarn with the projectile.
 
     Parameters
     ----------

@@ -148,7 +148,7 @@ def one_pass(
     x, v, inverse_mass, torn, slave, master, start, low, high, shape, side, spring, area, damping, xi, rest, dt, reach,
     force, out,
 ):  # fmt: skip
-    """Hold the nodes of a face off another's surface, as far as there are bricks behind both.
+    """One pass of the penalty contact: nodes of a slave face on a master surface, as far as both have bricks.
 
     Parameters
     ----------
@@ -279,7 +279,7 @@ def crossings(
 
 @entry(fastmath={"contract"})
 def find_feet(x, firsts, starts, over, bounds, shape, xi):
-    """Find the feet of all nodes on the other yarn's face, from the middle of each cell; fills xi."""
+    """Closest points of all nodes on the other yarn's face, from the middle of each cell; fills xi."""
     cell, ny, nz = shape[0], shape[3], shape[4]
     nodes, weights, S = np.empty(16, np.int64), np.empty(16), np.empty((3, 3))
     for c in range(over.size):
