@@ -3,7 +3,7 @@
 import numpy as np
 
 
-def room(count, slots, kind=float):
+def aligned_zeros(count, slots, kind=float):
     """`count` flat arrays of `slots` zeros, each aligned to a cache line, in different cache sets."""
     width = (-(-slots // 16) | 1) * 16
     whole = np.zeros(count * width + 16, kind)

@@ -13,9 +13,9 @@ from numba.extending import intrinsic
 
 from shellfabric.jit.compile import kernel
 
-CHEAP = 10_000  # elements below which the threads would wait for each other longer than they save
-COUNTER, STOP, ROOM = 0, 16, 32  # slots of the shared array: far from each other, in cache lines of their own
-_LOOKS = 2000  # at the counter before others get the processor
+MIN_ELEMENTS_THREADED = 10_000  # elements below which the threads would wait for each other longer than they save
+COUNTER, STOP, SLOTS = 0, 16, 32  # slots of the shared array: far from each other, in cache lines of their own
+_SPINS = 2000  # at the counter before others get the processor
 _WORD = ir.IntType(64)
 
 
@@ -24,7 +24,7 @@ def threads_for(asked, elements):
     if asked is not None:
         return asked
     allowed = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-    return allowed if elements >= CHEAP else 1
+    return allowed if elements >= MIN_ELEMENTS_THREADED else 1
 
 
 def _slot(context, builder, signature, arguments):
@@ -33,7 +33,7 @@ def _slot(context, builder, signature, arguments):
 
 
 @intrinsic
-def _arrive(typing, shared, slot):
+def _fetch_add(typing, shared, slot):
     """Atomic fetch-and-add of one to a slot, with acquire and release order."""
 
     def codegen(context, builder, signature, arguments):
@@ -44,7 +44,7 @@ def _arrive(typing, shared, slot):
 
 
 @intrinsic
-def _look(typing, shared, slot):
+def _load_acquire(typing, shared, slot):
     """Atomic load of a slot, with acquire order."""
 
     def codegen(context, builder, signature, arguments):
@@ -56,7 +56,7 @@ def _look(typing, shared, slot):
 
 
 @intrinsic
-def _let_others(typing):
+def _sched_yield(typing):
     """Yield the processor to other threads (sched_yield)."""
 
     def codegen(context, builder, signature, arguments):
@@ -68,13 +68,13 @@ def _let_others(typing):
 
 
 @kernel()
-def meet(shared, count):
+def barrier_wait(shared, count):
     """Barrier: wait until all `count` threads have arrived. shared : (SLOTS,) int64, zero at first."""
     if count == 1:
         return
-    goal = (_arrive(shared, COUNTER) // count + 1) * count
+    goal = (_fetch_add(shared, COUNTER) // count + 1) * count
     looks = 0
-    while _look(shared, COUNTER) < goal:
+    while _load_acquire(shared, COUNTER) < goal:
         looks += 1
-        if looks > _LOOKS:
-            _let_others()
+        if looks > _SPINS:
+            _sched_yield()

@@ -12,7 +12,7 @@ from numba.extending import intrinsic
 
 
 @intrinsic
-def item(typing, items, number):
+def borrowed_item(typing, items, number):
     """items[number] of a typed list, for kernels that count no references; a number out of range is not caught."""
 
     def codegen(context, builder, signature, arguments):

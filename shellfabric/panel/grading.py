@@ -96,11 +96,11 @@ def slots(sides, finest, thickness, viscosity, room):
 
     rows, columns = np.ones(ni + 1), np.ones(nj + 1)
     return {
-        "rx0": spread(1 / a, columns),
-        "ry0": spread(rows, 1 / b),
-        "V": spread(a, b, thickness),
+        "inv_dx": spread(1 / a, columns),
+        "inv_dy": spread(rows, 1 / b),
+        "trellis_volume": spread(a, b, thickness),
         "cv1": spread(a / dx, columns, cv1),
         "cv2": spread(rows, b / dy, cv2),
-        "split1": spread(split(a), columns),
-        "split2": spread(rows, split(b)),
+        "mean_weight1": spread(split(a), columns),
+        "mean_weight2": spread(rows, split(b)),
     }
