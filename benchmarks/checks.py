@@ -23,11 +23,11 @@ from shellfabric.projectile import contact_kernels
 
 @entry()
 def many(state, times):
-    """What `panel.step_kernels.lead` adds to a step, so many times."""
+    """What `panel.step_kernels.run_steps_main` adds to a step, so many times."""
     exchanged, before = 0.0, 0.0
     for _ in range(times):
         state.contact_energy[contact_kernels.CONTACT] += 1.0
-        now = panel_step_kernels.worked(state)
+        now = panel_step_kernels.internal_work(state)
         exchanged, before = exchanged + abs(now - before), now
     return exchanged
 
@@ -40,7 +40,7 @@ def shares(panel, velocity, interval):
     start = time.process_time()
     march.run()
     total = time.process_time() - start
-    panel_step_kernels.worked(march.state)
+    panel_step_kernels.internal_work(march.state)
     many(march.state, 1)
     start = time.process_time()
     many(march.state, 100_000)

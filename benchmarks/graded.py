@@ -61,7 +61,7 @@ def shot(panel, strike_velocity):
         "time_us": 1e6 * march.time,
         "residual_velocity": float(march.sample("v")[-1]),
         "deflection_mm": 1e3 * float(march.sample("z").max()),
-        "peak_N": [float(peak) for peak in march.state.peak],
+        "peak_N": [float(peak) for peak in march.state.peak_tension],
         "balance": float(np.abs(march.sample("balance")).max() / march.strike_energy),
         "cpu_s": min(costs),
     }
@@ -114,16 +114,16 @@ def behind(table, zones, crossovers):
     edge, knobs = ("clamped", "free"), Numerics(stretch_viscosity=0.0, threads=1)
     panel = Panel(table, (0.8, 0.0203), edge=edge, failure=False, grading=zones, numerics=knobs)
     state, const, work = panel.state(1.0), panel.constants(), panel.work()
-    state.position[2], state.rows[:] = -1.0, (0, const.ni)
+    state.projectile_position[2], state.active_rows[:] = -1.0, (0, const.ni)
     X, weave, d = panel.coordinates()[0], panel.weave, panel.spacing[0]
     speed = (weave.warp.EA * weave.warp_count / weave.areal_density) ** 0.5
     start, half, k = 50 * d, 0.5 * crossovers * d, np.pi / (crossovers * d)
     at = lambda x: np.clip(x - start, -half, half)  # noqa: E731
     state.u[0][: X.size] = (0.01 * X + 1e-6 * np.cos(k * at(X)) ** 2).ravel()
     state.v[0][: X.size] = (speed * 1e-6 * k * np.sin(2 * k * at(X + 0.5 * speed * const.dt))).ravel()
-    panel_step_kernels.first_forces(state, const, work)
+    panel_step_kernels.initial_forces(state, const, work)
     steps = int((100 + crossovers) * d / speed / const.dt)
-    panel_step_kernels.advance(state, const, work, steps, np.empty((steps, 3)))
+    panel_step_kernels.run_steps(state, const, work, steps, np.empty((steps, 3)))
     kinetic = (state.mass[: X.size] * state.v[0][: X.size] ** 2).reshape(X.shape).sum(axis=1)
     return float(kinetic[X[:, 0] < 99 * d].sum() / kinetic.sum())
 

@@ -49,7 +49,8 @@ def whole(pack, velocity, end):
     while march.steps < steps:
         one, two, made = clocked(march, steps - march.steps)
         wall, cpu = wall + one, cpu + two
-        if march.stack.speed[2] <= 0:  # it would end here; what is asked for is the cost of the whole time
+        # it would end here; what is asked for is the cost of the whole time
+        if march.stack.projectile_velocity[2] <= 0:
             hold(march)
         elif made == 0:
             break
@@ -59,7 +60,7 @@ def whole(pack, velocity, end):
 def hold(march):
     """Let the projectile go on at a crawl, with a mass that nothing stops. One that is stopped anew in every step ends
     the march in every step, and at each end all tensions are looked up that no step has needed."""
-    march.stack.speed[2] = 1e-3
+    march.stack.projectile_velocity[2] = 1e-3
     consts = lists([const._replace(projectile_mass=1e9) for const in march.consts])
     march._lists = march._lists[0], consts, march._lists[2]
 
@@ -69,11 +70,11 @@ def pressed(pack, steps):
     march = PackSolver(pack, 1e-3, 1.0)
     march.exchange = np.inf
     march.advance(np.empty((0, 3)))
-    march.stack.places[:, 2] -= 1.0
+    march.stack.projectile_position[:, 2] -= 1.0
     march.stack.awake[:] = True
     for p, (state, const) in enumerate(zip(march.states, march.consts)):
-        state.rows[:] = 0, const.ni
-        state.u[2][: (const.ni + 1) * const.s] = 5e-3 - p * (pack.gaps[0] + 2e-5)
+        state.active_rows[:] = 0, const.ni
+        state.u[2][: (const.ni + 1) * const.row_stride] = 5e-3 - p * (pack.gaps[0] + 2e-5)
     clocked(march, 2)
     return clocked(march, steps)
 

@@ -71,11 +71,11 @@ def march(panel, strike_velocity, steps, everywhere):
     """(wall, cpu) [s] of marching a fresh panel."""
     state, const, work = panel.state(strike_velocity), panel.constants(), panel.work()
     if everywhere:
-        state.rows[:] = 0, const.ni
+        state.active_rows[:] = 0, const.ni
     fine = np.empty((max(steps, FIRST), 3))
-    panel_step_kernels.advance(state, const, work, FIRST if everywhere else 0, fine)
+    panel_step_kernels.run_steps(state, const, work, FIRST if everywhere else 0, fine)
     wall, cpu = time.perf_counter(), time.process_time()
-    made, _ = panel_step_kernels.advance(state, const, work, steps, fine)
+    made, _ = panel_step_kernels.run_steps(state, const, work, steps, fine)
     return (time.perf_counter() - wall) / made * steps, (time.process_time() - cpu) / made * steps
 
 

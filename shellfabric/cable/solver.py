@@ -86,15 +86,15 @@ class CableSolver(ExplicitSolver):
 
     def advance(self, history):
         """See ExplicitSolver."""
-        return kernels.advance(self.state, self.const, len(history), history)
+        return kernels.run_steps(self.state, self.const, len(history), history)
 
     def observe(self):
         """See ExplicitSolver. What is stored follows from the lengths of the bars, not from the work done on them."""
         state, const = self.state, self.const
         cloth, projectile, stored = kernels.energies(state, const)
-        speed = state.speed[2] + 0.5 * const.dt * state.reaction[2] / const.projectile_mass
-        spent = state.sums[kernels.VISCOUS], state.sums[CONTACT], state.sums[kernels.LOST]
-        return [speed, state.position[2]], [cloth, projectile, stored, *spent, 0.0]  # clamps do no work
+        speed = state.projectile_velocity[2] + 0.5 * const.dt * state.f_contact_nose[2] / const.projectile_mass
+        spent = state.energy_sums[kernels.VISCOUS], state.energy_sums[CONTACT], state.energy_sums[kernels.LOST]
+        return [speed, state.projectile_position[2]], [cloth, projectile, stored, *spent, 0.0]  # clamps do no work
 
     def node_speeds(self):
         """See ExplicitSolver."""
@@ -102,7 +102,7 @@ class CableSolver(ExplicitSolver):
 
     def where(self, part, node):
         """See ExplicitSolver."""
-        return f"node ({int(node) // self.const.s}, {int(node) % self.const.s}) of the cable net"
+        return f"node ({int(node) // self.const.row_stride}, {int(node) % self.const.row_stride}) of the cable net"
 
     def checkpoint_identity(self):
         """See ExplicitSolver."""
@@ -129,9 +129,9 @@ def run(net: CableNet, strike_velocity, end_time=800e-6, *, audit_interval=2e-6,
 def collect_result(solver: CableSolver) -> CableResult:
     """Gather what a run has recorded."""
     net, const, state = solver.net, solver.const, solver.state
-    shape, share = (2, const.ni + 1, const.s), net.share
+    shape, share = (2, const.ni + 1, const.row_stride), net.share
     size = shape[1] * shape[2]
-    whole = net.state(1.0).stiff[:, :size].reshape(shape)
+    whole = net.state(1.0).stiffness[:, :size].reshape(shape)
     history = np.concatenate([np.empty((0, kernels.COLUMNS)), *solver.step_history])
     clock = const.dt * np.arange(1, len(history) + 1)
     moved = state.u[:, :size].reshape(3, *shape[1:])
@@ -143,15 +143,15 @@ def collect_result(solver: CableSolver) -> CableResult:
         v=solver.sample("v"),
         z=solver.sample("z"),
         energies={name: solver.sample(name) for name in ENERGIES},
-        peak_tension=tuple(float(e * k) for e, k in zip(state.peak, net.stiffness)),
-        fine=np.column_stack([clock, history[:, [kernels.Z, kernels.V_Z]], history[:, kernels.PUSH] / share]),
+        peak_tension=tuple(float(e * k) for e, k in zip(state.peak_elongation, net.stiffness)),
+        fine=np.column_stack([clock, history[:, [kernels.Z, kernels.V_Z]], history[:, kernels.NOSE_FORCE] / share]),
         reactions={
             "warp": history[:, kernels.MIDDLE].copy(),
             "weft": history[:, kernels.MIDDLE + 1].copy(),
-            "edges": history[:, kernels.EDGES] / share,
+            "edges": history[:, kernels.CLAMP_FORCE] / share,
         },
         nodes=np.stack([*net.coordinates(), np.zeros(shape[1:])], axis=-1) + np.moveaxis(moved, 0, 2),
-        broken=(whole > 0) & (state.stiff[:, :size].reshape(shape) == 0),
+        broken=(whole > 0) & (state.stiffness[:, :size].reshape(shape) == 0),
         steps=solver.steps,
         wall_time=solver.wall_time,
         ns_per_bar_step=1e9 * solver.wall_time / max(1, solver.steps * net.bars),

@@ -79,7 +79,7 @@ class ExplicitSolver:
         self.samples, self.step_history, self.snapshots = [], [], []
         self.reason, self.wall_time, self.share, self.threads = RUNNING, 0.0, 1.0, 1
         self.checks, self.exchange, self.energy_at_start = 0, ENERGY_CHECK_SHARE, None
-        self._shared = np.zeros(barrier.ROOM, np.int64)
+        self._shared = np.zeros(barrier.SLOTS, np.int64)
 
     def _begin(self, dt):
         """Set how many steps of `dt` [s] there are, and take the first sample."""
@@ -226,7 +226,7 @@ class ExplicitSolver:
 
     def _start_workers(self):
         """Have the workers wait for the next steps. They meet in new memory: some may not have left the old yet."""
-        self._shared = np.zeros(barrier.ROOM, np.int64)
+        self._shared = np.zeros(barrier.SLOTS, np.int64)
         for me in range(1, self.workers + 1):
             self._pool.submit(self.run_worker, self._shared, me)
 

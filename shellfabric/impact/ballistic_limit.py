@@ -305,7 +305,7 @@ def _fire(panel, velocity, give_up):
         outcome=march.outcome,
         time=march.time,
         failed=int(march.sample("failed_yarns")[-1]),
-        peak_tension=(float(march.state.peak[0]), float(march.state.peak[1])),
+        peak_tension=(float(march.state.peak_tension[0]), float(march.state.peak_tension[1])),
         balance=float(abs(march.sample("balance")).max()) / march.strike_energy,
         wall_time=march.wall_time,
         checks=quality.of_solver(march),

@@ -108,7 +108,7 @@ def shots(solver):
     for ply, state, z in zip(solver.pack.plies, solver.states, solver.pack.places):
         shot = output_snapshots.snapshot(ply, state, solver.time)
         shot.nodes[..., 2] += z
-        found.append(replace(shot, z=shot.z + z, nose=solver.stack.places[0].copy()))
+        found.append(replace(shot, z=shot.z + z, nose=solver.stack.projectile_position[0].copy()))
     return tuple(found)
 
 
@@ -133,7 +133,7 @@ def collect_result(setup: PackSetup, solver: PackSolver) -> PackResult:
         peak_tension=solver.peaks,
         deepest=solver.deepest,
         held_apart=solver.held_apart,
-        nose=solver.stack.places[0].copy(),
+        nose=solver.stack.projectile_position[0].copy(),
         last=shots(solver),
         histories=histories.unpack(solver.histories, plies, setup.ply.measure) if solver.histories else (),
         **single_ply.projectile_result(solver, solver.pack.elements),

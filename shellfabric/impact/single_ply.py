@@ -43,7 +43,7 @@ class ImpactSetup:
     laws : (CompressionLaw, CompressionLaw) of warp and weft; None takes the fabric's published ones
     projectile : Projectile
     opening : [m] side of the square opening, or both sides: along warp and weft, but for an oblique weave
-    edge : "clamped", "free" or a slipping side, for all sides or each on its own (see `edges`)
+    edge : "clamped", "free" or a slipping side, for all sides or each on its own (see `boundary`)
     weave_angle : [rad] of the warp against the first side of the opening
     symmetry : "quarter", "half" or "whole"
     grading : ((until, side), ...) [crossovers] longer elements further from the impact point, or None (see `grading`)
@@ -289,7 +289,7 @@ def collect_result(setup: ImpactSetup, solver: PanelSolver) -> ImpactResult:
         energies={name: solver.sample(name) for name in ENERGIES},
         reactions={"warp": solver.sample("reaction_warp"), "weft": solver.sample("reaction_weft")},
         failed=solver.sample("failed_yarns"),
-        peak_tension=(float(solver.state.peak[0]), float(solver.state.peak[1])),
+        peak_tension=(float(solver.state.peak_tension[0]), float(solver.state.peak_tension[1])),
         nose=last.nose,
         nodes=last.nodes.reshape(-1, 3),
         quads=output_snapshots.quads(solver.panel),

@@ -170,7 +170,7 @@ def rows(panel, measure):
 def _record(panel, c, state, chosen, sides, neighbours):
     """Numbers of one ply: tension, places and deflections of each yarn, then the edges' forces."""
     tension = yarn_tensions(c, state)
-    u = [component[: (c.ni + 1) * c.s].reshape(c.ni + 1, c.s) for component in state.u]
+    u = [component[: (c.ni + 1) * c.row_stride].reshape(c.ni + 1, c.row_stride) for component in state.u]
     parts = []
     for family, element, node in chosen:
         along = np.s_[:, node] if family == "warp" else np.s_[node, :]
@@ -184,7 +184,7 @@ def _edge_forces(state, sides, neighbours):
     """(4, 2) [N] pull and lift at the edges, as EDGES names them; neighbours : forces that other plies add there."""
     forces = np.empty((4, 2))
     for number, (nodes, weights, normal) in enumerate(sides):
-        nodal = [a[nodes] + b[nodes] for a, b in zip(state.g0, state.g1)]
+        nodal = [a[nodes] + b[nodes] for a, b in zip(state.f_int, state.f_int_above)]
         for others in neighbours:
             nodal = [total + force[nodes] for total, force in zip(nodal, others)]
         f = [weights @ force for force in nodal]

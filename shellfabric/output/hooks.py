@@ -57,4 +57,4 @@ class Progress:
         self.report = report
 
     def __call__(self, solver):
-        self.report(1.0 if solver.ended else solver.time / solver.end_time, float(solver.state.speed[2]))
+        self.report(1.0 if solver.ended else solver.time / solver.end_time, float(solver.state.projectile_velocity[2]))

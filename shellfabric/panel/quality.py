@@ -15,7 +15,7 @@ import numpy as np
 from shellfabric.panel import quality_kernels as kernels
 from shellfabric.panel.quality_kernels import DEFLECTION, DEPTH
 from shellfabric.panel.step_kernels import FAILURES
-from shellfabric.projectile.contact_kernels import DEEPEST
+from shellfabric.projectile.contact_kernels import MAX_PENETRATION
 from shellfabric.solid.hex8 import PATTERNS, Bricks
 
 OK, DOUBTFUL = "ok", "doubtful"
@@ -151,7 +151,7 @@ def of_solver(solver):
     strike = solver.strike_energy
     energies = {name: solver.sample(name) for name in solver.energy_names}
     absorbed = max(strike - float(energies["kinetic_projectile"][-1]), 1e-3 * strike)
-    depth = max(float(state.contact_energy[DEEPEST]) for _, _, state in solver.parts)
+    depth = max(float(state.contact_energy[MAX_PENETRATION]) for _, _, state in solver.parts)
     nose = shot.nose_radius
     bound = panel.time_step / panel.numerics.safety
     given = max(float(np.max(-energies[name])) for name in ("contact", "plies") if name in energies)
@@ -179,19 +179,19 @@ def _tilt(solver):
     if solver.pack.contact.form != "nodes":
         return 0.0
     _, const, state = solver.parts[0]
-    u = state.u[2][: (const.ni + 1) * const.s].reshape(const.ni + 1, const.s)
+    u = state.u[2][: (const.ni + 1) * const.row_stride].reshape(const.ni + 1, const.row_stride)
     slope = max(float(np.abs(np.diff(u, axis=axis)).max()) / d for axis, d in enumerate((const.dx, const.dy)))
     return slope / np.hypot(1.0, slope)
 
 
 def _spacing(const):
     """[m] between the points of contact of the smallest elements."""
-    return max(const.dx, const.dy) / const.points
+    return max(const.dx, const.dy) / const.points_per_side
 
 
 def _extrapolation(solver):
     """Indicators of a cell that is used beyond where it is known."""
-    peaks = np.max([state.peak for _, _, state in solver.parts], axis=0)
+    peaks = np.max([state.peak_tension for _, _, state in solver.parts], axis=0)
     table, found = solver.panel.table, []
     if not solver.panel.failure:
         found.append(_make("tension over cell table", max(p / table.values[T].max() for p, T in zip(peaks, _T))))

@@ -88,11 +88,11 @@ class ClothSolver(ExplicitSolver):
         state, neighbours = self.parts[ply][2], self.neighbour_forces(ply)
         if not neighbours:
             return state
-        total = [force.copy() for force in state.contact]
+        total = [force.copy() for force in state.f_contact]
         for forces in neighbours:
             for whole, force in zip(total, forces):
                 whole += force[: whole.size]  # that of torn cloth is as wide as the largest ply
-        return state._replace(contact=tuple(total))
+        return state._replace(f_contact=tuple(total))
 
     def contact_energies(self):
         """[J] of contacts but for those of the plies with the nose, in the order of energy_names."""
@@ -121,14 +121,14 @@ class ClothSolver(ExplicitSolver):
             ply_audit.energies(const, self._loaded_state(ply), rest)
             for ply, ((_, const, _), rest) in enumerate(zip(self.parts, self._rest))
         ])  # fmt: skip
-        pushes = np.array([state.reaction for _, _, state in self.parts])
-        force = pushes.sum(axis=0) + self.parts[-1][2].outer
+        pushes = np.array([state.f_contact_nose for _, _, state in self.parts])
+        force = pushes.sum(axis=0) + self.parts[-1][2].f_block_nose
         *projectile, speed = dynamics.audit(self.state, self.const, force)
         total = plies.sum(axis=0)
         block = self.behind.energies() if self.behind else np.zeros(len(coupling.NAMES))
         own = self._observe_plies(plies.sum(axis=1), pushes[:, 2])
         self.ply_samples.append(own)
-        z = self.state.position[2] + self.const.top
+        z = self.state.projectile_position[2] + self.const.foremost_offset
         energies = [total[0], *projectile, *total[1:], *block, *self.contact_energies()]
         return [speed, z, *own[:, :3].sum(axis=0)], energies
 
@@ -157,7 +157,7 @@ class ClothSolver(ExplicitSolver):
 
     def where(self, part, node):
         """See ExplicitSolver."""
-        row = self.parts[part][1].s
+        row = self.parts[part][1].row_stride
         place = f"node ({int(node) // row}, {int(node) % row})"
         return place if len(self.parts) == 1 else f"ply {part + 1}, {place}"
 
@@ -221,8 +221,10 @@ class PanelSolver(ClothSolver):
 
     def run_steps(self, history, shared, count, allowed):
         """See ClothSolver."""
-        return kernels.lead(self.state, self.const, self._works[0], len(history), history, shared, count, allowed)
+        return kernels.run_steps_main(
+            self.state, self.const, self._works[0], len(history), history, shared, count, allowed
+        )
 
     def run_worker(self, shared, me):
         """See ExplicitSolver."""
-        kernels.follow(self.state, self.const, self._works[me], shared, me, self.threads)
+        kernels.run_steps_worker(self.state, self.const, self._works[me], shared, me, self.threads)

@@ -64,12 +64,12 @@ class PackSolver(ClothSolver):
     @property
     def peaks(self):
         """(plies, 2) [N] highest tension of warp and weft so far, each in the ply's own weave."""
-        return np.array([state.peak for state in self.states])
+        return np.array([state.peak_tension for state in self.states])
 
     @property
     def deepest(self):
         """(plies - 1,) [-] deepest that a ply has come into the next, over the thickness: at 1 it would be through."""
-        return self._of_pairs(contact_kernels.DEEPEST)
+        return self._of_pairs(contact_kernels.MAX_DEPTH)
 
     @property
     def squeezed(self):
@@ -77,7 +77,7 @@ class PackSolver(ClothSolver):
 
         `deepest` without what is found inside another fold of loose cloth, which loads no spring.
         """
-        return self._of_pairs(contact_kernels.SQUEEZED)
+        return self._of_pairs(contact_kernels.MAX_COMPRESSION)
 
     def _of_pairs(self, entry):
         both = np.array([pair.energy[entry] / pair.thickness for pair in self.pairs])
@@ -86,12 +86,12 @@ class PackSolver(ClothSolver):
     @property
     def held_apart(self):
         """(2,) [-] how often torn cloth was kept off other cloth, and how often that did not succeed."""
-        return self.stops.energy[[torn_contact_kernels.HELD, torn_contact_kernels.MISSED]]
+        return self.stops.energy[[torn_contact_kernels.CORRECTIONS, torn_contact_kernels.UNRESOLVED]]
 
     def run_steps(self, history, shared, count, allowed):
         """See ClothSolver."""
         states, consts, pairs = self._lists
-        return step_kernels.lead(
+        return step_kernels.run_steps_main(
             states, consts, pairs, self.stack, self.stops, self._works[0], len(history), history, shared, count,
             allowed,
         )  # fmt: skip
@@ -99,7 +99,9 @@ class PackSolver(ClothSolver):
     def run_worker(self, shared, me):
         """See ExplicitSolver."""
         states, consts, pairs = self._lists
-        step_kernels.follow(states, consts, pairs, self.stack, self.stops, self._works[me], shared, me, self.threads)
+        step_kernels.run_steps_worker(
+            states, consts, pairs, self.stack, self.stops, self._works[me], shared, me, self.threads
+        )
 
     def block_moves(self):
         """See ClothSolver."""
@@ -107,25 +109,25 @@ class PackSolver(ClothSolver):
 
     def contact_energies(self):
         """[J] (1,) taken in by the contact between plies."""
-        taken = sum(pair.energy[contact_kernels.TAKEN] for pair in self.pairs)
-        return (taken + self.stops.energy[torn_contact_kernels.TAKEN],)
+        taken = sum(pair.energy[contact_kernels.WORK] for pair in self.pairs)
+        return (taken + self.stops.energy[torn_contact_kernels.WORK],)
 
     def neighbour_forces(self, ply):
         """See ClothSolver: of both neighbours, and of torn cloth."""
         near, back = self.pairs[: len(self.pairs) // 2], self.pairs[len(self.pairs) // 2 :]
-        found = [near[ply - 1].on_rear, back[ply - 1].on_front] if ply > 0 else []
-        found += [near[ply].on_front, back[ply].on_rear] if ply < len(self.states) - 1 else []
-        return [*found, self.stops.force[ply]]
+        found = [near[ply - 1].f_rear, back[ply - 1].f_front] if ply > 0 else []
+        found += [near[ply].f_front, back[ply].f_rear] if ply < len(self.states) - 1 else []
+        return [*found, self.stops.f[ply]]
 
     def guard_model(self):
         """Stop a run in which whole cloth has come through whole cloth."""
         half = len(self.pairs) // 2
         for p, pair in enumerate(self.pairs):
-            if pair.energy[contact_kernels.PASSED]:
+            if pair.energy[contact_kernels.PASSED_COUNT]:
                 one, other = (p, p + 1) if p < half else (p - half + 1, p - half)
-                element = int(pair.energy[contact_kernels.WHERE]) // pair.points**2
+                element = int(pair.energy[contact_kernels.PASSED_POINT]) // pair.points_per_side**2
                 i, j = divmod(element, self.consts[one].nj)
-                step = int(pair.energy[contact_kernels.WHEN])
+                step = int(pair.energy[contact_kernels.PASSED_STEP])
                 self.stop(
                     f"ply {one + 1} has come through ply {other + 1}", f"ply {one + 1}, element ({i}, {j})",
                     f"after {step * self.const.dt * 1e6:.3g} us (step {step})",
@@ -139,5 +141,5 @@ class PackSolver(ClothSolver):
     def checkpoint_arrays(self):
         """See ExplicitSolver. Of what holds torn cloth apart, the rest follows from the plies."""
         pairs = {f"pairs/{p:02d}": pair for p, pair in enumerate(self.pairs)}
-        stops = {f"stops/{name}": getattr(self.stops, name) for name in ("force", "touched", "energy")}
+        stops = {f"stops/{name}": getattr(self.stops, name) for name in ("f", "window", "energy")}
         return super().checkpoint_arrays() | pairs | stops | {"stack": self.stack}

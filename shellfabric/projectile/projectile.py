@@ -190,12 +190,12 @@ class Projectile:
 
     @property
     def number(self):
-        """Of the shape in `shapes_kernels`."""
+        """Of the shape in `sdf_kernels`."""
         return SHAPES[self.shape][0]
 
     @property
     def form(self):
-        """(4,) the numbers that `shapes_kernels` needs of the shape."""
+        """(4,) the numbers that `sdf_kernels` needs of the shape."""
         values = SHAPES[self.shape][1](self)
         return np.array([*values, *[0.0] * (4 - len(values))])
 

@@ -68,7 +68,7 @@ class SolidSolver(ExplicitSolver):
         self.const, self.state = patch.ready(strike_velocity)
         kernels.forces(self.state, self.const, 0.0)  # compiled before any clock starts
         # coarse facets overlap at rest, and store what they then give
-        self.energy_at_start = self.strike_energy + self.state.contact[:, 0].sum()
+        self.energy_at_start = self.strike_energy + self.state.contact_energy[:, 0].sum()
 
     @property
     def steps(self):
@@ -78,7 +78,7 @@ class SolidSolver(ExplicitSolver):
     @property
     def time(self):
         """[s] of the places."""
-        return float(self.state.clock[0])
+        return float(self.state.time[0])
 
     @property
     def sample_spacing(self):
@@ -98,7 +98,7 @@ class SolidSolver(ExplicitSolver):
 
     def advance(self, history):
         """See ExplicitSolver; the length of the steps has been set."""
-        kernels.advance(self.state, self.const, len(history))
+        kernels.run_steps(self.state, self.const, len(history))
         return len(history), RUNNING
 
     def _advance_to_sample(self):
@@ -120,26 +120,33 @@ class SolidSolver(ExplicitSolver):
         longest = numerics.safety * 2 / fastest * (np.sqrt(1 + damping**2) - damping)
         steps = int(np.ceil(left / longest))
         speed = np.sqrt((state.v**2).sum(axis=1).max())
-        state.pace[0] = left / steps
-        state.pace[1] = 2 * max(GROWTH * speed, self.strike_velocity) * state.pace[0]
+        state.step_sizes[0] = left / steps
+        state.step_sizes[1] = 2 * max(GROWTH * speed, self.strike_velocity) * state.step_sizes[0]
         return steps
 
     def observe(self):
         """See ExplicitSolver."""
-        state, sums = self.state, self.state.sums.sum(axis=0)
-        contact, nose = state.contact.sum(axis=0), state.nose.sum(axis=0)
+        state, sums = self.state, self.state.energy_sums.sum(axis=0)
+        contact, nose = state.contact_energy.sum(axis=0), state.nose_sums.sum(axis=0)
         energies = [
             sums[solid_kernels.KINETIC],
-            state.nose_energy[0],
+            state.projectile_energy[0],
             sums[solid_kernels.BARS],
-            sums[solid_kernels.SOLID] - state.half.sum() - sums[solid_kernels.DAMPED],
+            sums[solid_kernels.SOLID] - state.half_step_work.sum() - sums[solid_kernels.DAMPED],
             sums[solid_kernels.HOURGLASS],
             contact[0] + nose[kernels.NOSE],
             sums[solid_kernels.VISCOUS] + sums[solid_kernels.DAMPED] + contact[1] + nose[kernels.LOST],
             sums[solid_kernels.FAILED],
         ]
-        failed = np.count_nonzero(~state.alive)
-        row = [state.speed[2], state.position[2], -state.push[2], state.pace[0], failed, *self._tensions()]
+        failed = np.count_nonzero(~state.bar_intact)
+        row = [
+            state.projectile_velocity[2],
+            state.projectile_position[2],
+            -state.f_contact_nose[2],
+            state.step_sizes[0],
+            failed,
+            *self._tensions(),
+        ]
         return row, energies
 
     def _tensions(self):
@@ -165,7 +172,7 @@ class SolidSolver(ExplicitSolver):
     def where(self, part, node):
         """See ExplicitSolver."""
         mesh = self.patch.mesh
-        yarn = int(np.searchsorted(self.const.first, node, side="right")) - 1
+        yarn = int(np.searchsorted(self.const.first_node, node, side="right")) - 1
         x, y, z = self.state.x[node] * 1e3
         return f"node {int(node)} of {mesh.names[yarn]} ({x:.3g}, {y:.3g}, {z:.3g} mm)"
 

@@ -37,16 +37,16 @@ def test_wave_in_the_net_is_c_over_root_2():
     assert net.wave_speeds == pytest.approx((c / sqrt(2),) * 2, rel=1e-12)
     const, state = net.constants(), net.state(1e-9)
     X, Y = net.coordinates()
-    state.position[2] = -1.0  # out of the way
+    state.projectile_position[2] = -1.0  # out of the way
     state.u[0, : X.size], state.u[1, : X.size] = taut * X.ravel(), taut * Y.ravel()
-    state.L[:] *= 1 + taut
-    state.rows[:] = 0, const.ni
+    state.length[:] *= 1 + taut
+    state.active_rows[:] = 0, const.ni
     pulse = 1e-2 * np.exp(-0.5 * ((X - 0.05) / 0.006) ** 2)
-    state.v[0, : X.size] = np.where(state.kick[0, : X.size] > 0, pulse.ravel(), 0.0)
-    kernels.forces(state, const, np.zeros((kernels.WORK, (const.block + 1) * const.s)))
+    state.v[0, : X.size] = np.where(state.dt_over_mass[0, : X.size] > 0, pulse.ravel(), 0.0)
+    kernels.forces(state, const, np.zeros((kernels.WORK, (const.rows_per_block + 1) * const.row_stride)))
     steps, places = int(3e-6 / const.dt), []
     for _ in range(2):
-        kernels.advance(state, const, steps, np.empty((steps, kernels.COLUMNS)))
+        kernels.run_steps(state, const, steps, np.empty((steps, kernels.COLUMNS)))
         right = state.v[0, : X.size].reshape(X.shape)[:, 0] ** 2 * (X[:, 0] > 0.05)
         places.append(np.sum(right * X[:, 0]) / np.sum(right))
     assert (places[1] - places[0]) / (steps * const.dt) == pytest.approx(c / sqrt(2), rel=5e-3)
@@ -69,10 +69,10 @@ def test_momentum(fabric, velocity):
     net = replace(SMALL, fabric=fabric)
     const, state = net.constants(), net.state(velocity)
     history = np.empty((500, kernels.COLUMNS))
-    made, _ = kernels.advance(state, const, 500, history)
-    lost = const.projectile_mass * (velocity - state.speed[2])
+    made, _ = kernels.run_steps(state, const, 500, history)
+    lost = const.projectile_mass * (velocity - state.projectile_velocity[2])
     # the forces of the last step have not acted yet
-    to_clamps = -const.dt * history[: made - 1, kernels.EDGES].sum()
+    to_clamps = -const.dt * history[: made - 1, kernels.CLAMP_FORCE].sum()
     assert lost == pytest.approx(float(state.mass @ state.v[2]) + to_clamps, rel=1e-9)
     assert (state.counter[kernels.FAILURES] > 0) == (velocity == 300.0)
 
@@ -148,9 +148,9 @@ def test_a_resumed_run_goes_on_bit_for_bit(tmp_path):
     ("change", "message"),
     [
         (lambda state: state.v[2].__setitem__(100, 1e7), "a node moves at"),
-        (lambda state: state.speed.__imul__(1.1), "the energy balance is off"),
-        (lambda state: state.speed.__imul__(np.nan), "a number is not finite"),
-        (lambda state: state.sums.__setitem__(CONTACT, -1.0), "the contact has given"),
+        (lambda state: state.projectile_velocity.__imul__(1.1), "the energy balance is off"),
+        (lambda state: state.projectile_velocity.__imul__(np.nan), "a number is not finite"),
+        (lambda state: state.energy_sums.__setitem__(CONTACT, -1.0), "the contact has given"),
     ],
 )
 def test_a_disturbed_net_is_stopped_and_says_where(change, message):

@@ -57,7 +57,7 @@ def forces(panel, x):
 
 def energy(panel, x):
     state = bring(panel, panel.state(1.0), x)
-    return bending_kernels.bend(state, panel.constants(), 0, panel.counts[0], False)
+    return bending_kernels.bending_forces(state, panel.constants(), 0, panel.counts[0], False)
 
 
 @pytest.mark.parametrize("edge", ["free", "clamped"])
@@ -155,12 +155,12 @@ def test_step_holds_with_stiff_yarns(straight):
     for factor, holds in ((1.0, True), (1.6, False)):
         const, state, work = panel.constants(), panel.state(1.0), panel.work()
         const = const._replace(dt=factor * const.dt)
-        state.position[2] = -1.0
-        state.kick[:] *= factor
-        nodes = (panel.counts[0] + 1) * const.s
+        state.projectile_position[2] = -1.0
+        state.dt_over_mass[:] *= factor
+        nodes = (panel.counts[0] + 1) * const.row_stride
         state.v[2][:nodes] = np.random.default_rng(0).normal(scale=1e-6, size=nodes)
-        state.rows[:] = 0, const.ni
-        panel_step_kernels.advance(state, const, work, 300, np.empty((300, 3)))
+        state.active_rows[:] = 0, const.ni
+        panel_step_kernels.run_steps(state, const, work, 300, np.empty((300, 3)))
         assert (np.nanmax(np.abs(state.v[2])) < 1e-4) == holds
 
 

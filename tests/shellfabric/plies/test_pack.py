@@ -13,13 +13,13 @@ from fabrics.errors import InputError, UnstableError
 from shellfabric.cell.model import CellModel
 from shellfabric.impact import pack as impact_pack
 from shellfabric.impact.single_ply import ImpactSetup
-from shellfabric.jit.borrowed_list import item
+from shellfabric.jit.borrowed_list import borrowed_item
 from shellfabric.jit.compile import entry, kernel
 from shellfabric.output import checkpoint
 from shellfabric.panel.model import Numerics, Panel
 from shellfabric.panel.solver import PanelSolver
 from shellfabric.panel.step_kernels import IDLE, NOT_FINITE
-from shellfabric.plies.contact_simd_kernels import CLOSE
+from shellfabric.plies.contact_simd_kernels import AMBIGUOUS_DEPTH
 from shellfabric.plies.model import Pack, PlyContact, compression_gap, fabric_gap, turned
 from shellfabric.plies.solver import PackSolver
 
@@ -66,7 +66,7 @@ def test_fast_shots_at_thin_plies_have_a_shorter_step(ply):
     fast = pack.in_step_with(2000.0)
     assert fast.time_step < step
     depth = 1.5 * 2000.0 * fast.time_step / pack.contact.penalty**0.5
-    assert depth == pytest.approx((1 - CLOSE) * thickness, rel=1e-9)
+    assert depth == pytest.approx((1 - AMBIGUOUS_DEPTH) * thickness, rel=1e-9)
     assert len({id(one) for one in fast.plies}) == 1
     march = PackSolver(pack, 2000.0, 30 * fast.time_step, interval=fast.time_step)
     march._guard = march.guard_model  # cloth tears at once; this is of the depth
@@ -81,10 +81,10 @@ def collide(ply, damping, steps, speed=20.0):
     pack = Pack.stacked(free, 2, stacking="alternating", gap=20e-6, contact=PlyContact(damping=damping))
     march = PackSolver(pack, 1e-3, 1.0)
     march.exchange = np.inf  # no checks between the steps
-    march.stack.places[:, 2] -= 1.0
+    march.stack.projectile_position[:, 2] -= 1.0
     march.stack.awake[:] = True
     for state, const in zip(march.states, march.consts):
-        state.rows[:] = 0, const.ni
+        state.active_rows[:] = 0, const.ni
     front = march.states[0]
     front.v[2][:] = np.where(front.mass > 0, speed, 0.0)
     march.samples.clear()
@@ -133,11 +133,11 @@ def clearance(march, p):
     tops = []
     for q in (p, p + 1):
         c, state = march.consts[q], march.states[q]
-        u = [a[: (c.ni + 1) * c.s].reshape(c.ni + 1, c.s) for a in state.u]
+        u = [a[: (c.ni + 1) * c.row_stride].reshape(c.ni + 1, c.row_stride) for a in state.u]
         x = c.x0 + c.dx * np.arange(c.ni + 1)[:, None] + u[0]
-        y = c.y0 + c.dy * np.arange(c.s) + u[1]
+        y = c.y0 + c.dy * np.arange(c.row_stride) + u[1]
         z = u[2] + march.pack.places[q]
-        whole = (state.flag[: c.ni * c.s].reshape(c.ni, c.s)[:, :-1]) == 0
+        whole = (state.element_flag[: c.ni * c.row_stride].reshape(c.ni, c.row_stride)[:, :-1]) == 0
         tops.append((x, y, z, whole))
     (x, y, z, front), (X, Y, Z, rear) = tops
     middle = [0.25 * (a[1:, 1:] + a[:-1, 1:] + a[1:, :-1] + a[:-1, :-1])[front] for a in (x, y, z)]
@@ -173,7 +173,7 @@ def test_a_turned_ply_is_the_panel_seen_from_its_other_side(ply):
     fields = []
     for march in (one, two):
         c = march.const
-        fields.append([u[: (c.ni + 1) * c.s].reshape(c.ni + 1, c.s) for u in march.state.u])
+        fields.append([u[: (c.ni + 1) * c.row_stride].reshape(c.ni + 1, c.row_stride) for u in march.state.u])
     size = np.abs(fields[0][2]).max()
     np.testing.assert_allclose(fields[1][2], fields[0][2].T, atol=1e-6 * size)
     np.testing.assert_allclose(fields[1][0], fields[0][1].T, atol=1e-6 * size)
@@ -251,8 +251,8 @@ def test_threads_change_nothing(ply):
 
 def test_an_unstable_pack_says_where(ply):
     march = PackSolver(Pack.stacked(ply, 2, gap=GAP), 100.0, 1e-4, interval=1e-7)
-    march.states[1].v[2][5 * march.consts[1].s + 5] = 1e4
-    march.states[1].rows[:] = 0, march.consts[1].ni
+    march.states[1].v[2][5 * march.consts[1].row_stride + 5] = 1e4
+    march.states[1].active_rows[:] = 0, march.consts[1].ni
     march.stack.awake[1] = True
     with pytest.raises(UnstableError, match="ply 2"):
         march.run()
@@ -284,7 +284,7 @@ Thing = namedtuple("Thing", "numbers factor")
 def weighed(things):
     found = 0.0
     for n in range(len(things)):
-        thing = item(things, n)
+        thing = borrowed_item(things, n)
         found = 10.0 * found + thing.factor * thing.numbers[1]
         thing.numbers[0] += 1.0
     return found

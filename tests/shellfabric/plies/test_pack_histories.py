@@ -61,7 +61,7 @@ def test_reactions_of_all_plies_take_up_the_momentum(shoot):
         for _, _, state in solver.parts:
             loose = state.inverse_mass > 0
             cloth += float(state.mass[loose] @ state.v[2][loose])
-        momentum.append((solver.const.projectile_mass * solver.stack.speed[2] + cloth) / solver.share)
+        momentum.append((solver.const.projectile_mass * solver.stack.projectile_velocity[2] + cloth) / solver.share)
 
     result = shoot(2, Measure(1e-9), hooks=[weigh], end_time=60e-6)
     start = 120.0 * result.struck.projectile.mass

@@ -44,7 +44,7 @@ def test_a_passage_is_seen(ply):
         assert {way for *_, way in found} == {-one for *_, one in back} == {found[0][2]}
     state, const = march.states[1], march.consts[1]
     for family in (0, 1):
-        state.intact[family][: (const.ni + 1) * const.s] = 0.0
+        state.intact_fraction[family][: (const.ni + 1) * const.row_stride] = 0.0
     assert passages.crossings((before, after), held, (below, below), passages.surfaces(march, 1, rear)[2]) == []
 
 
@@ -57,7 +57,7 @@ def test_what_is_back_at_once_has_not_passed(ply):
     march = PackSolver(Pack.stacked(ply, 2, gap=0.0), 1.0, 1.0)
     march.advance(np.empty((0, 3)))
     told, z = passages.Passages(march, NEAR), march.states[0].u[2]
-    count, march.stack.awake[:] = march.const.s * (march.const.ni + 1), True
+    count, march.stack.awake[:] = march.const.row_stride * (march.const.ni + 1), True
     for place, found, back in ((2.0, NEAR**2, 0), (0.0, 0, NEAR**2)):
         z[:count] = place * ply.weave.thickness
         told.step()

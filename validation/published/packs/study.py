@@ -179,7 +179,7 @@ def passages(case: Case):
     march = PackSolver(pack(case), case.velocity, case.end_time)
     found, back = count(march, case.end_time, _NEAR_THE_NOSE)
     held, missed = march.held_apart
-    taken = march.stops.energy[torn_contact_kernels.TAKEN] / (march.panel.share * march.strike_energy)
+    taken = march.stops.energy[torn_contact_kernels.WORK] / (march.panel.share * march.strike_energy)
     torn = sum(int(np.count_nonzero(family)) for state in march.states for family in state.failed)
     return {
         "case": asdict(case),

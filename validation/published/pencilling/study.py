@@ -3,7 +3,7 @@
 S-728 of one or four plies, changed in modulus and mass, before the block of Table 6-1; a rigid flat cylinder of 8.1 g
 at 300 m/s; yarns do not fail. Not told by the source, and chosen here: clamped edges of the 203 mm opening as in all of
 its shots, the ply resting on the block, two elements a crossover, since at the angle at which cloth hangs from the nose
-the chord of a whole one cuts through its rim. Yarns that are bunched up bear on each other (`jam_kernels`). Mass is
+the chord of a whole one cuts through its rim. Yarns that are bunched up bear on each other (`jamming_kernels`). Mass is
 told as 1155 g/m2 (5 x 231) where the text says four times 231 (erratum E-19): both can be run.
 """
 

@@ -92,7 +92,7 @@ def node_strains(march):
     pairs = np.concatenate(mesh.bars)
     ends, rest = x[pairs], mesh.points[pairs]
     strain = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1) / np.linalg.norm(rest[:, 1] - rest[:, 0], axis=1) - 1
-    whole = march.state.alive
+    whole = march.state.bar_intact
     total, number = np.zeros(len(x)), np.zeros(len(x))
     for end in (0, 1):
         np.add.at(total, pairs[whole, end], strain[whole])
@@ -107,7 +107,7 @@ def summary(march, beside=None, processor_seconds=None):
     balance = np.abs(march.sample("balance")).max()
     late = clock(march)
     lines = [
-        ("bricks, bars", f"{march.patch.bricks}, {march.state.alive.size}"),
+        ("bricks, bars", f"{march.patch.bricks}, {march.state.bar_intact.size}"),
         ("steps", f"{march.steps} of {1e9 * march.sample('dt').min():.2f} to {1e9 * march.sample('dt').max():.2f} ns"),
         ("time of marching", f"{march.wall_time:.0f} s by the clock"),
         ("projectile", f"{last['v']:.3f} m/s, {1e3 * last['z']:.3f} mm"),

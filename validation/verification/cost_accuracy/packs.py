@@ -63,7 +63,7 @@ def run(case):
 def _wake(march):
     march.stack.awake[:] = True
     for state, const in zip(march.states, march.consts):
-        state.rows[:] = 0, const.ni
+        state.active_rows[:] = 0, const.ni
 
 
 def warm(case):

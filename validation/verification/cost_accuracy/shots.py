@@ -121,10 +121,10 @@ def _shell(case):
     for velocity in case.shot.velocities:
         march = PanelSolver(made, velocity, case.shot.end)
         if case.awake:
-            march.state.rows[:] = 0, march.const.ni
+            march.state.active_rows[:] = 0, march.const.ni
         march.run()
         fine = np.concatenate(march.step_history)
-        peak = [float(tension) / yarns for tension in march.state.peak]
+        peak = [float(tension) / yarns for tension in march.state.peak_tension]
         found |= read_off(
             case.shot, velocity, march.outcome, fine[:, 0], fine[:, 1], march.const.dt, made.projectile.mass, peak
         )

@@ -58,7 +58,7 @@ def across(fabric, velocity, time, number, n, **setup):
     panel = replace(ImpactSetup(fabric, velocity, **setup).panel(), elements_per_crossover=n, failure=False)
     march = PanelSolver(panel, velocity, time, interval=0.25 * time).run()
     const, state, shot = march.const, march.state, panel.projectile
-    rows = state.T[WEFT][: (const.ni + 1) * const.s].reshape(-1, const.s)
+    rows = state.T[WEFT][: (const.ni + 1) * const.row_stride].reshape(-1, const.row_stride)
     count, pitch = _SHOWN * n + 1, panel.spacing[0] * n
     return Across(
         fabric.name, n, np.arange(count) / n, rows[:count, :n].mean(axis=1),

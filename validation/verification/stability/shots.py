@@ -58,5 +58,5 @@ def fire(cell=None, *, elements=1, edge_radius=0.3e-3, end=END, velocity=VELOCIT
         numerics=Beyond(threads=1, **knobs), failure=failure,
     )  # fmt: skip
     march = PanelSolver(panel, velocity, end).run()
-    peak = tuple(float(tension) for tension in march.state.peak)
+    peak = tuple(float(tension) for tension in march.state.peak_tension)
     return Answer(peak, float(march.sample("v")[-1]), int(march.sample("failed_yarns")[-1]), quality.of_solver(march))
