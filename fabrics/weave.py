@@ -1,6 +1,6 @@
 """The plain weave: two crimped yarn families on a rectangular cell, one crossover a cell.
 
-The centreline of yarn i is z = h_i cos(pi x / 2 w_i) (source thesis eq. 4-1) over the cell 2 w_i, which is the
+The centreline of yarn i is z = h_i cos(pi x / 2 w_i) (thesis eq. 4-1) over the cell 2 w_i, which is the
 spacing of the family that crosses (eq. 4-2). Its length S (eq. 4-3) has the closed form
 
     S = (4 w / pi) E(m = -k^2),   k = pi h / 2 w,
