@@ -82,7 +82,12 @@ def _table(name):
 
 
 def load(name: str) -> Isotropic:
-    """The material "steel" or "backing" of `materials.toml`."""
+    """The material "steel" or "backing" of `materials.toml`.
+
+    Raises
+    ------
+    InputError : another name
+    """
     if name not in ("steel", "backing"):
         raise InputError(key="material", value=name, allowed="steel or backing")
     found = _table(name)

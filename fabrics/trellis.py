@@ -59,7 +59,12 @@ def locking_modulus(E: float, A_s: float, thickness: float, length: float) -> fl
 
 
 def touching_angle(width: float, spacing: float) -> float:
-    """gamma1 [rad] from yarn width and spacing (eq. 4-32); InputError where the yarns already touch."""
+    """gamma1 [rad] from yarn width and spacing (eq. 4-32).
+
+    Raises
+    ------
+    InputError : the yarns touch already, or the width is not positive
+    """
     if not 0 < width < spacing:
         raise InputError(key="yarn width", value=width, allowed=f"above zero and below the spacing {spacing:g} m")
     return acos(width / spacing)

@@ -72,7 +72,12 @@ def _ceil(ratio):
 
 
 def counts(value: Sequence[int]) -> tuple[int, int]:
-    """(n, m) whole numbers of warp and weft yarns, at least 1 each."""
+    """(n, m) whole numbers of warp and weft yarns, at least 1 each.
+
+    Raises
+    ------
+    InputError : they are not
+    """
     try:
         numbers = tuple(int(n) for n in value)
         good = numbers == tuple(value) and len(numbers) == 2 and min(numbers) >= 1

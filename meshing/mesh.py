@@ -152,6 +152,7 @@ class YarnMesh:
 
     @property
     def min_scaled_jacobian(self) -> float:
+        """[-] quality of the worst hexahedron."""
         return float(self.scaled_jacobian.min())
 
     @cached_property

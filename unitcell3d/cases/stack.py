@@ -162,6 +162,10 @@ def law_closure(fabric: Fabric, record: Record) -> tuple[FloatArray, FloatArray,
     Returns
     -------
     pressure, closure_law, closure : [Pa], [m], [m] of the rows inside the law's pressures, closures from its first on
+
+    Raises
+    ------
+    InputError : the fabric has no measured areal density
     """
     if fabric.areal_density_measured is None:
         raise InputError(f"fabric {fabric.name} has no measured areal density, which the pressure law needs")

@@ -282,7 +282,12 @@ class CrossoverModel(YarnsModel):
 
 
 def check(mesh: YarnMesh, fabric: Fabric) -> None:
-    """Refuse a fabric without solid laws, or a mesh of another fabric."""
+    """Refuse a fabric without solid laws, or a mesh of another fabric.
+
+    Raises
+    ------
+    InputError : either
+    """
     if fabric.solid_laws is None:
         raise InputError(f"fabric {fabric.name} has no [solid] tables, which a 3D crossover needs")
     if mesh.fabric != fabric.name:
