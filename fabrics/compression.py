@@ -1,6 +1,6 @@
 """Transverse compression of a yarn at a crossover: thickness lost, d_c, against contact force, F.
 
-    printed       d_c = a - b / F^(1/3)                            (source thesis eqs. 2-7, 4-12)
+    printed       d_c = a - b / F^(1/3)                            (thesis eqs. 2-7, 4-12)
     regularised   d_c = a - b / (F + F0)^(1/3),  F0 = (b / a)^3    (erratum E-05)
 
 The printed form falls to minus infinity as the force goes to zero, so that yarns at rest would push each other

@@ -28,7 +28,7 @@ class Fabric:
     section : "sine", "ellipse" or "conforming", the yarn section of the 3D crossover
     areal_density_measured : [kg/m2] or None
     interlayer_gap : [m] play between plies of a pack, or None
-    effective_linear_density : (warp, weft) [kg/m] that the source's runs really used (erratum E-07), or None
+    effective_linear_density : (warp, weft) [kg/m] that the runs of the thesis really used (erratum E-07), or None
     micrograph : {"warp": {...}, "weft": {...}} [SI] values read from section pictures
     sources : {dotted key: {"value", "source", "status"}} as written in the data file
     assumed : names of the tables, "shear" or "solid", that the data file does not give (see `fabrics.assumed`)
@@ -54,7 +54,7 @@ class Fabric:
             )
 
     def with_effective_density(self) -> Fabric:
-        """This fabric with the linear densities that the source's shell runs used (erratum E-07).
+        """This fabric with the linear densities that the shell runs of the thesis used (erratum E-07).
 
         Raises
         ------

@@ -1,6 +1,6 @@
 """Compression of one ply between flat platens: pressure against what the platens have closed since a first pressure.
 
-Built in, the law of the source (thesis eqs. 2-5, 2-6; errata E-02 .. E-04), in thickness t for volume:
+Built in, the law of the thesis (eqs. 2-5, 2-6; errata E-02 .. E-04), in thickness t for volume:
 
     P = K'' / (t - t_min)^3,  K'' = c1 A_d^3 + c2    ->    closure = K''^(1/3) (P_start^(-1/3) - P^(-1/3))
 
@@ -70,7 +70,7 @@ class PlateCurve:
 
     @classmethod
     def pressure_law(cls, areal_density: float, plies: int = 1) -> PlateCurve:
-        """The source's law for a Kevlar 129 plain weave: one ply, or a pack of 4, 8 or 16 (Table 2-2, erratum E-02).
+        """The law of the thesis for a Kevlar 129 plain weave: a ply, or a pack of 4, 8 or 16 (Table 2-2, erratum E-02).
 
         Parameters
         ----------

@@ -19,7 +19,7 @@ _FORMAT = "weavecell response surface 1"
 
 @dataclass(frozen=True)
 class ResponseSurface:
-    """Sampled response of one crossover (source thesis Figure 3-11).
+    """Sampled response of one crossover (thesis Figure 3-11).
 
     Parameters
     ----------

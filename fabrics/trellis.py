@@ -1,4 +1,4 @@
-"""Trellis shear of a plain weave: three zones of the angle between the yarns (source thesis section 4.3.2).
+"""Trellis shear of a plain weave: three zones of the angle between the yarns (thesis section 4.3.2).
 
 The tangent modulus is G1 up to gamma1, rises linearly to G2 at gamma2, and stays G2 (eq. 4-35). The stress is its
 integral, a total and odd function of the shear angle (erratum E-11: eq. 4-35 is a tangent, not a secant).
@@ -53,13 +53,18 @@ class TrellisShear:
 def locking_modulus(E: float, A_s: float, thickness: float, length: float) -> float:
     """G2 [Pa]: half the fibre modulus, smeared over the shell section thickness x length (eq. 4-49).
 
-    The source took the cell length along the warp for the section (erratum E-07).
+    The thesis took the cell length along the warp for the section (erratum E-07).
     """
     return E / 2 * A_s / (thickness * length)
 
 
 def touching_angle(width: float, spacing: float) -> float:
-    """gamma1 [rad] from yarn width and spacing (eq. 4-32); InputError where the yarns already touch."""
+    """gamma1 [rad] from yarn width and spacing (eq. 4-32).
+
+    Raises
+    ------
+    InputError : the yarns touch already, or the width is not positive
+    """
     if not 0 < width < spacing:
         raise InputError(key="yarn width", value=width, allowed=f"above zero and below the spacing {spacing:g} m")
     return acos(width / spacing)

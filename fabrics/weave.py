@@ -1,6 +1,6 @@
 """The plain weave: two crimped yarn families on a rectangular cell, one crossover a cell.
 
-The centreline of yarn i is z = h_i cos(pi x / 2 w_i) (source thesis eq. 4-1) over the cell 2 w_i, which is the
+The centreline of yarn i is z = h_i cos(pi x / 2 w_i) (thesis eq. 4-1) over the cell 2 w_i, which is the
 spacing of the family that crosses (eq. 4-2). Its length S (eq. 4-3) has the closed form
 
     S = (4 w / pi) E(m = -k^2),   k = pi h / 2 w,
@@ -85,6 +85,7 @@ class Weave:
 
     @property
     def yarns(self) -> tuple[Yarn, Yarn]:
+        """(warp, weft)"""
         return self.warp, self.weft
 
     @property
@@ -99,6 +100,7 @@ class Weave:
 
     @property
     def w(self) -> tuple[float, float]:
+        """(w1, w2) [m] half cell lengths along warp and weft."""
         return self.w1, self.w2
 
     @property
@@ -108,10 +110,12 @@ class Weave:
 
     @property
     def S01(self) -> float:
+        """[m] length of the warp in one cell."""
         return self.S0[0]
 
     @property
     def S02(self) -> float:
+        """[m] length of the weft in one cell."""
         return self.S0[1]
 
     @property
@@ -121,10 +125,12 @@ class Weave:
 
     @property
     def h01(self) -> float:
+        """[m] initial height of the centreline of the warp."""
         return self.h0[0]
 
     @property
     def h02(self) -> float:
+        """[m] initial height of the centreline of the weft."""
         return self.h0[1]
 
     @property

@@ -24,6 +24,10 @@ def transfinite_box(nx: int, ny: int, nz: int) -> IntArray:
     -------
     corners : (nx ny nz, 8, 3) int, read only; (i, j, k) of the nodes of each brick, in the VTK order of a brick
         whose local axes run along i, j and k
+
+    Raises
+    ------
+    RuntimeError : gmsh did not mesh the box as a grid
     """
     with gmsh_session("box") as gmsh:
         _box(gmsh, nx, ny, nz)

@@ -1,6 +1,6 @@
 """Sections that conform: the face of each yarn that meets the other is the other's arch, so the yarns touch everywhere.
 
-With the centrelines of eq. 4-1 of the source thesis, and sections that move along them without change, the gap between
+With the centrelines of eq. 4-1 of the thesis, and sections that move along them without change, the gap between
 warp and weft is [h_1 cos(pi x / 2 w_1) - q_2(x)] + [h_2 cos(pi y / 2 w_2) - q_1(y)] (`meshing.section_fit`). It is zero
 at every point if, and only if,
 

@@ -1,6 +1,6 @@
 """One crossover of a plain weave in hexahedra: the warp along x over the weft along y, the crossing at the origin.
 
-Centrelines (source thesis eq. 4-1), moved apart by the shift that closes the sections (`meshing.section_fit`):
+Centrelines (thesis eq. 4-1), moved apart by the shift that closes the sections (`meshing.section_fit`):
 
     warp   z =   h_1 cos(pi x / 2 w_1) + shift/2
     weft   z = -(h_2 cos(pi y / 2 w_2) + shift/2)
@@ -65,8 +65,8 @@ def build(
     width : (warp, weft) [m] instead of a gap; these widths are kept whatever the overlap (conforming: not exceeded)
     tip_thickness_ratio : [-] thickness of the cut tips over that of the middle
     overlap : "solve" or "refuse" an overlap too large for a shift (`meshing.section_fit`)
-    crimp : "hand" measured, "micrograph" (source thesis Tables 2-1 and A-2), or (warp, weft) [-]
-    end_shells : [m] thickness of shells on the yarn ends (source thesis Figure A-8), or None
+    crimp : "hand" measured, "micrograph" (thesis Tables 2-1 and A-2), or (warp, weft) [-]
+    end_shells : [m] thickness of shells on the yarn ends (thesis Figure A-8), or None
 
     Raises
     ------

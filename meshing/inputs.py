@@ -72,7 +72,12 @@ def _ceil(ratio):
 
 
 def counts(value: Sequence[int]) -> tuple[int, int]:
-    """(n, m) whole numbers of warp and weft yarns, at least 1 each."""
+    """(n, m) whole numbers of warp and weft yarns, at least 1 each.
+
+    Raises
+    ------
+    InputError : they are not
+    """
     try:
         numbers = tuple(int(n) for n in value)
         good = numbers == tuple(value) and len(numbers) == 2 and min(numbers) >= 1
@@ -85,9 +90,9 @@ def counts(value: Sequence[int]) -> tuple[int, int]:
 
 
 def crimped(fabric: Fabric, crimp: str | Sequence[float]) -> Fabric:
-    """The fabric with its crimp measured by hand, read from micrographs (source thesis Tables 2-1 and A-2), or given.
+    """The fabric with its crimp measured by hand, read from micrographs (thesis Tables 2-1 and A-2), or given.
 
-    The source's own crossover of S-720 uses both: by hand in Figure 3-7, from micrographs in Table A-3 (erratum E-27).
+    The crossover of S-720 in the thesis uses both: by hand in Figure 3-7, from micrographs in Table A-3 (erratum E-27).
 
     Parameters
     ----------

@@ -1,6 +1,6 @@
 """Yarn materials at rest, for the files of other solvers: linear, and no more than a first state of the real laws.
 
-The solid is orthotropic without Poisson effects (source thesis section 3.4.2):
+The solid is orthotropic without Poisson effects (thesis section 3.4.2):
 
     axial E_a Vf0 (eq. 3-2),   transverse K_r E_c (eq. 3-10),   shear K_G E_c / 2 (eq. 3-16).
 

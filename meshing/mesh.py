@@ -5,7 +5,7 @@ A vertical section (`meshing.section`) is carried along the centreline by pure t
     warp   (s, p, q) -> (s, p, z(s) + q)
     weft   (s, p, q) -> (p, s, z(s) + q)
 
-so every fibre is the centreline moved sideways, all have the length S0 of eq. 4-4 of the source thesis, and with the
+so every fibre is the centreline moved sideways, all have the length S0 of eq. 4-4 of the thesis, and with the
 vertical area A_s (1 + crimp) / Vf0 the yarn's volume is S0 A_s / Vf0 exactly. gmsh meshes a box (`meshing.box`); the
 nodes are placed by this map. Mesh lines along the box are fibre lines. Each carries a bar whose area is the share of
 its node in the section, scaled so that all bars of a section together are the fibre area: the bars lie along the fibre,
@@ -152,6 +152,7 @@ class YarnMesh:
 
     @property
     def min_scaled_jacobian(self) -> float:
+        """[-] quality of the worst hexahedron."""
         return float(self.scaled_jacobian.min())
 
     @cached_property

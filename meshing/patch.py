@@ -1,7 +1,7 @@
 """A woven patch of n warp and m weft yarns in hexahedra, whole yarns over and under: a plain weave's chequerboard.
 
 Warp i lies at y_i, weft j at x_j, centred on the origin, i and j counted from 1. The warp is over the weft where i + j
-is even. Each centreline is one cosine from end to end (source thesis eq. 4-1):
+is even. Each centreline is one cosine from end to end (thesis eq. 4-1):
 
     warp i   z =  (-1)^(i+1) h_1 cos(pi (x - x_1) / 2 w_1)
     weft j   z = -(-1)^(j+1) h_2 cos(pi (y - y_1) / 2 w_2)

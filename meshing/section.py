@@ -1,6 +1,6 @@
 """The section of a yarn: a lens that is symmetric about both axes, with its two sharp tips cut off.
 
-    half thickness   q(y) = (t/2) cos(pi y / W)          "sine"     (source thesis Figure A-7, left)
+    half thickness   q(y) = (t/2) cos(pi y / W)          "sine"     (thesis Figure A-7, left)
                      q(y) = (t/2) sqrt(1 - (2y/W)^2)     "ellipse"  (Figure A-7, right)
 
 over |y| <= c W/2. The cut c is where q has fallen to the tip thickness ratio times t/2, so that the outermost element

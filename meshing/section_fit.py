@@ -12,7 +12,7 @@ these that suffices:
 1. shift      the yarns are moved apart in z as rigid bodies, by at most 2 % of h_1 + h_2;
 2. narrow     the sections are made narrower at the same area, no more than needed (not if the widths are prescribed);
 3. densify    the areas are reduced by one factor, no more than needed: the yarn area of the mesh is then limited by the
-              crossing yarn, as in source thesis section A.2, and Vf0 = A_s / A_yarn rises, at most to the closest
+              crossing yarn, as in the thesis, section A.2, and Vf0 = A_s / A_yarn rises, at most to the closest
               packing of round fibres.
 
 After 2 or 3 no shift is left. A gap that is positive everywhere is closed by a shift too, which is then negative. Where

@@ -1,7 +1,7 @@
 """The tangent's linear systems: one PETSc matrix on our own CSR arrays, one KSP with MUMPS, kept for a whole run.
 
-MUMPS orders with METIS where it was built with it; its other orderings are 0 to 3 times slower here. Its scaling takes
-a sixth of the time and changes no digit that counts: the unknowns are all displacements. petsc4py 3.18 keeps a
+MUMPS orders with METIS where it was built with it: its other orderings are slower or equal. Its scaling is left out,
+since it takes time and the unknowns are all displacements. petsc4py 3.18 keeps a
 factorisation alive through each wrapper that `getPC` returns, so the solver is configured through the options database
 and never asked for its PC.
 

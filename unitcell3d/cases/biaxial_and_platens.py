@@ -19,7 +19,7 @@ from unitcell3d.solver.history import History
 from unitcell3d.solver.load_stepping import Steps, march
 from unitcell3d.solver.record import Hook
 
-# one-ply platen test of the source: 7000 N on 0.019 m x 0.019 m (chapter 2)
+# one-ply platen test of the thesis: 7000 N on 0.019 m x 0.019 m (chapter 2)
 PLATEN_PRESSURE = 7000 / 0.019**2
 MIN_PLATE_GAP = 0.5  # of the plates' distance at rest
 

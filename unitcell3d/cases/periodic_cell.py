@@ -1,4 +1,4 @@
-"""The weave in its own cell: stretched biaxially and sheared in its plane (source thesis section 4.3.2).
+"""The weave in its own cell: stretched biaxially and sheared in its plane (thesis section 4.3.2).
 
 Shear turns the yarns against each other at constant distances along each, as a picture frame does: the end
 displacements d1, d2 are those of the beginning, so the yarns have the tension that the user's stretch gives them. Ends

@@ -1,10 +1,10 @@
-"""One crimped yarn alone, pulled straight (source thesis section 3.4.3.1, Figures 3-3, 3-4, 3-7).
+"""One crimped yarn alone, pulled straight (thesis section 3.4.3.1, Figures 3-3, 3-4, 3-7).
 
 The closed form is that of fibres without bending: none until the yarn is straight, then (eq. 4-7)
 
     T = E A_s ((w + d) / (w (1 + crimp)) - 1)    for d > w crimp.
 
-The choices that the source compares are here too: how many of the mesh's fibre lines carry bars, and one-point instead
+The choices that the thesis compares are here too: how many of the mesh's fibre lines carry bars, and one-point instead
 of full integration of the solid, which leaves zero-energy modes.
 """
 

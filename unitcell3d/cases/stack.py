@@ -1,11 +1,11 @@
-"""Plies of one crossover on each other between two rigid plates (source thesis sections 2.2.1 and 3.4.3.2).
+"""Plies of one crossover on each other between two rigid plates (thesis sections 2.2.1 and 3.4.3.2).
 
 "aligned" plies stand crossing on crossing, the warp of each ply under the weft of the next: the pack then has the
 symmetries of one ply (two mirror planes, and the two-fold axis at the middle of the pack, which turns ply p into ply
 N + 1 - p), so that a quarter of a crossover is enough. The plates stand at equal distances above and below the middle.
 
 Between plies the lower face of each weft meets the upper face of the warp under it, with the contact of a crossover.
-"shifted" plies have no such symmetry (`plies`).
+"shifted" plies have no such symmetry (`model.shifted_stack`).
 """
 
 from __future__ import annotations
@@ -95,7 +95,7 @@ def stack_compression(
     fabric : Fabric
     plies : number
     shift : (x, y) [crossings] of each ply against the one under it; (0, 0): aligned
-    pressure : [Pa] mean on the area of the cell at the end, the source's greatest by default
+    pressure : [Pa] mean on the area of the cell at the end, by default the greatest of the thesis
     min_plate_gap : [-] share of the first distance of the plates at which the path ends at the latest
     numerics, hooks, comm : see `path_following.follow`
 
@@ -157,11 +157,15 @@ def _row(model, plies, area, state, load):
 
 
 def law_closure(fabric: Fabric, record: Record) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """The source's pressure law beside a record: what one pack of as many plies closes since its first pressure.
+    """The pressure law of the thesis beside a record: what one pack of as many plies closes since its first pressure.
 
     Returns
     -------
     pressure, closure_law, closure : [Pa], [m], [m] of the rows inside the law's pressures, closures from its first on
+
+    Raises
+    ------
+    InputError : the fabric has no measured areal density
     """
     if fabric.areal_density_measured is None:
         raise InputError(f"fabric {fabric.name} has no measured areal density, which the pressure law needs")

@@ -4,8 +4,8 @@ Each edge is the C1 Catmull-Rom curve through its nodes, C(s) and E(t), and r = 
 
     r . a = 0,   r . b = 0,   a = C',  b = E',   r = g n,   n = +-(a x b) / |a x b| from the first to the second.
 
-The force -p(g) A g_q with the pressure law of `contact_kernels` and a constant area A is that of a potential. With the
-rows r_q (variation at fixed s, t), a_q, b_q, and
+The force -p(g) A g_q with the pressure law of `surface_contact_kernels` and a constant area A is that of a potential.
+With the rows r_q (variation at fixed s, t), a_q, b_q, and
 
     U = [-a . r_q; b . r_q],  V = [-n . a_q; n . b_q],  m = [[a.a, -a.b], [-a.b, b.b]],  N = diag(-n . C'', n . E''),
 

@@ -8,9 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fabrics.checks import FloatArray, IntArray
-from unitcell3d.contact.surface_tangent_kernels import STENCIL
-
-TERMS = 10  # products of rows that make up the tangent of a point
 
 
 class ContactLaw(NamedTuple):
@@ -82,35 +79,6 @@ class Blocks(NamedTuple):
     row_of: IntArray
     places: IntArray
     values: FloatArray
-
-
-class Scratch(NamedTuple):
-    """Of the point that is evaluated.
-
-    surface : (6, 3) [m] S, S_,1, S_,2, S_,11, S_,12, S_,22
-    normal : (3,) [-] n
-    weights : (3, 16, 3) [-] S, S_,1, S_,2 as weights of the master's nodes
-    spread : (20, 3) [-] x - S as weights of all nodes
-    v, tau : (3,) [m] slip, [Pa] traction of the friction
-    left, right : (10, 60) rows whose products are the tangent
-    """
-
-    surface: FloatArray
-    normal: FloatArray
-    weights: FloatArray
-    spread: FloatArray
-    v: FloatArray
-    tau: FloatArray
-    left: FloatArray
-    right: FloatArray
-
-
-def new_scratch() -> Scratch:
-    """Arrays for one pass."""
-    return Scratch(
-        np.empty((6, 3)), np.empty(3), np.empty((3, 16, 3)), np.empty((STENCIL, 3)), np.empty(3), np.zeros(3),
-        np.empty((TERMS, 3 * STENCIL)), np.empty((TERMS, 3 * STENCIL)),
-    )  # fmt: skip
 
 
 class PlateFace(NamedTuple):

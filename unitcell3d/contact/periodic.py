@@ -39,8 +39,8 @@ class Edges:
     """The edge of one yarn (`first`) and that of its neighbour towards growing x or y (`second`): node numbers (i, k).
 
     The edges count as the curves through the middle of their thickness. The penalty acts on the area over which strips
-    as thick as the yarns would cross, t1 t2 / sin(angle): on that of the cut tips alone, 3e-10 m2 in S-720, the edges
-    would go 54 um through each other before the weave locks.
+    as thick as the yarns would cross, t1 t2 / sin(angle): on that of the cut tips alone the edges would go through each
+    other before the weave locks.
 
     across : component that leads from the one to the other
     thicknesses : (2,) [m] of the yarns

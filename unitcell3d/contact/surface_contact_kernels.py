@@ -35,6 +35,8 @@ from unitcell3d.contact.surface_kernels import cell_of, dot, evaluate, nodes_of,
 from unitcell3d.contact.surface_tangent_kernels import (
     SLAVE,
     STENCIL,
+    TERMS,
+    Scratch,
     add_products,
     friction_terms,
     normal_terms,
@@ -87,7 +89,7 @@ def traction(surface, xi, anchor, p, friction, slip, v, tau):
 
 
 @njit(cache=True)
-def contact_pass(x, slave, master, law, state, scratch, forces, blocks, resultant):
+def contact_pass(x, slave, master, law, state, forces, blocks, resultant):
     """One pass: forces of the slave points on the master surface, and their tangent where there are places for it.
 
     Parameters
@@ -95,7 +97,6 @@ def contact_pass(x, slave, master, law, state, scratch, forces, blocks, resultan
     x : (n, 3) [m] current positions
     slave, master, law : SlavePoints, Face, ContactLaw
     state : PassState; `xi`, `gaps` and `codes` are overwritten
-    scratch : Scratch, overwritten
     forces : (n, 3) [N] internal forces, added to
     blocks : Blocks, whose `values` are added to
     resultant : (3,) [N] sum of the contact forces on the slaves, added to
@@ -105,6 +106,10 @@ def contact_pass(x, slave, master, law, state, scratch, forces, blocks, resultan
     ringed = np.empty((ni + 2, nj + 2, 3))
     surround(x, master.grid, master.axes, master.mirror, ringed)
     point, nodes, work = np.empty(3), np.empty(STENCIL, np.int64), np.empty((4, 3, 4))
+    scratch = Scratch(
+        np.empty((6, 3)), np.empty(3), np.empty((3, 16, 3)), np.empty((STENCIL, 3)), np.empty(3), np.zeros(3),
+        np.empty((TERMS, 3 * STENCIL)), np.empty((TERMS, 3 * STENCIL)),
+    )  # fmt: skip
     surface, normal, block = scratch.surface, scratch.normal, np.empty((3 * STENCIL, 3 * STENCIL))
     for s in range(slave.areas.size):
         state.gaps[s], state.codes[s] = np.inf, -1
@@ -154,7 +159,6 @@ def add_force(xi, anchor, p, share, law, scratch, nodes, forces, resultant):
     nodes : (20,) of the slave's face and of the master's cell
     """
     length = 0.0
-    scratch.tau[:] = 0.0
     if law.friction > 0.0:
         length = traction(scratch.surface, xi, anchor, p, law.friction, law.slip, scratch.v, scratch.tau)
     for c in range(3):

@@ -9,12 +9,24 @@ and the friction's the three components of the pull, and those of the change of 
 
 from __future__ import annotations
 
+from collections import namedtuple
+
 import numpy as np
 from numba import njit
 
 from unitcell3d.contact.surface_kernels import dot
 
 SLAVE, STENCIL = 4, 20  # nodes of a slave face, and with them those of the master's cell
+TERMS = 10  # products of rows that make up the tangent of a point
+
+# Of the point that is evaluated:
+# surface : (6, 3) [m] S, S_,1, S_,2, S_,11, S_,12, S_,22
+# normal : (3,) [-] n
+# weights : (3, 16, 3) [-] S, S_,1, S_,2 as weights of the master's nodes
+# spread : (20, 3) [-] x - S as weights of all nodes
+# v, tau : (3,) [m] slip, [Pa] traction of the friction, zero without
+# left, right : (10, 60) rows whose products are the tangent
+Scratch = namedtuple("Scratch", "surface normal weights spread v tau left right")
 
 
 @njit(cache=True)

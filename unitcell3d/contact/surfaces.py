@@ -11,7 +11,7 @@ from unitcell3d.assembly import constraints
 from unitcell3d.assembly.sparsity import Pattern
 from unitcell3d.contact import plate_contact_kernels, surface_contact_kernels
 from unitcell3d.contact.interface import PenaltyNumerics
-from unitcell3d.contact.kernel_arguments import Blocks, ContactLaw, Face, PassState, PlateFace, SlavePoints, new_scratch
+from unitcell3d.contact.kernel_arguments import Blocks, ContactLaw, Face, PassState, PlateFace, SlavePoints
 from unitcell3d.contact.surface_tangent_kernels import STENCIL
 
 # cells by which a contact point may slide before the tangent is laid out anew: a few blocks more for far fewer layouts
@@ -59,7 +59,6 @@ class Pass:
         self._points = SlavePoints(self._quads, self._shapes, self._areas)
         self._cells = np.array(master.grid.shape) - 1
         guess, n = self._first_guess(points), areas.size
-        self._scratch = new_scratch()
         self._state = PassState(guess, guess.copy(), np.full(n, np.inf), np.full(n, -1))
         self._known = np.empty(0, np.int64)
         self._row_of = np.full(len(self._quads) * self._cells.prod(), -1)
@@ -131,7 +130,6 @@ class Pass:
             self._master,
             contact_law(numerics, 0.5),
             self._state,
-            self._scratch,
             forces,
             blocks,
             resultant,

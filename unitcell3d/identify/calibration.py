@@ -1,7 +1,7 @@
 """What a calibration found: the laws fitted to the paths of a crossover, their intervals, and how far the paths differ.
 
 Biaxial paths to fibre failure give pairs (F_c, d_c) of the contact force of the crossover and the compression of one
-yarn, d_c = (h01 + h02 - h1 - h2) / 2 (source thesis eq. 4-13 with one law for both yarns, errata E-05, E-40). The
+yarn, d_c = (h01 + h02 - h1 - h2) / 2 (thesis eq. 4-13 with one law for both yarns, errata E-05, E-40). The
 regularised form
 
     d_c = a - b / (F_c + F0)^(1/3),  F0 = (b/a)^3

@@ -1,4 +1,4 @@
-"""The response of a crossover sampled over a rectangle of end displacements (source thesis Figure 3-11).
+"""The response of a crossover sampled over a rectangle of end displacements (thesis Figure 3-11).
 
 The grid is a tensor product, its lines paths of continuation: a stem from rest to the corner (lowest d1, lowest d2) and
 on along d2; from each of its states a row along d1. Where a tolerance is given, lines are added half-way beside those

@@ -1,4 +1,4 @@
-"""E_c, V_c and K_r of the solid yarn from a measured compression between plates (source thesis section 3.4.3.2).
+"""E_c, V_c and K_r of the solid yarn from a measured compression between plates (thesis section 3.4.3.2).
 
 The crossover is pressed between plates (`biaxial_and_platens.plate_compression`), and what the plates close is compared
 with the curve at `POINTS` of its pressures. No test gives the thickness at rest or the moment of first touch well, so

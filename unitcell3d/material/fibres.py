@@ -1,4 +1,4 @@
-"""The fibre bars of a set of yarns, and their failure (source thesis App. B.1, erratum E-18).
+"""The fibre bars of a set of yarns, and their failure (thesis App. B.1, erratum E-18).
 
 A bar whose strain passes the failure strain e_f of its yarn loses its stiffness over a further `FADE` e_f of strain,
 

@@ -1,4 +1,4 @@
-"""The yarn as a solid with a fibre volume fraction, in UFL (source thesis section 3.4.2, errata E-20).
+"""The yarn as a solid with a fibre volume fraction, in UFL (thesis section 3.4.2, errata E-20).
 
 A frame follows the fibre. With e1 the mesh edge along the yarn, e2 across and e3 through it (made orthonormal in that
 order, Q0 = [e1 e2 e3]), the deformed edges factor as

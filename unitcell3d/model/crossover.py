@@ -2,9 +2,10 @@
 
     r(q, load) = C^T [ solid(u) + bars(u) + contact(u) + plates(u) ] = 0,   u = C q + drive d
 
-(source thesis chapter 3; `yarn_law`, `bars_kernels`, `contact_kernels`, `constraints` hold the equations). Any set of
-yarns is a `YarnsModel`; the crossover is one of them. A quarter crossover is half of each yarn's width and length: its
-axial end forces count twice, its vertical forces four times.
+(thesis chapter 3; `material.solid_law`, `material.fibre_kernels`, `contact.surface_contact_kernels` and
+`assembly.constraints` hold the equations).
+Any set of yarns is a `YarnsModel`; the crossover is one of them. A quarter crossover is half of each yarn's width and
+length: its axial end forces count twice, its vertical forces four times.
 """
 
 from __future__ import annotations
@@ -34,19 +35,17 @@ ACROSS_BEFORE_THROUGH = ([0, 1, 2, 3, 4, 5, 6, 7], [4, 5, 1, 0, 7, 6, 2, 3])
 
 @dataclass(frozen=True)
 class Numerics:
-    """Numbers that belong to the method, not to the fabric.
+    """Numbers that belong to the method, not to the fabric; how results converge with them: docs/crossover.md.
 
     Parameters
     ----------
     penalty : [Pa/m] contact stiffness, both passes together
-    toe : [m] penetration over which the contact stiffness sets in. With both as they are, yarns at failure go 0.2 to
-        0.5 um into each other, and F_c is 0.3 % below the limit of a hard contact (1e14 Pa/m: 1.2 %); a tenth of the
-        toe leaves 0.05 % at four times the tangents
+    toe : [m] penetration over which the contact stiffness sets in; a shorter one costs more tangents
     slack_width : [-] fibre strain over which a fibre becomes taut
-    slack_stiffness : [-] fraction of its stiffness left to a slack fibre, which keeps slack yarns from collapsing; from
-        5e-4 to 1e-2 it changes no tension in the fifth digit, but above 4e-3 slack yarn tips buckle
+    slack_stiffness : [-] fraction of its stiffness left to a slack fibre, which keeps slack yarns from collapsing;
+        where it is large, slack yarn tips buckle
     friction : [-] Coulomb's coefficient between yarns, and between yarns and plates
-    slip : [m] over which friction sets in; from 0.25 to 1 um it changes no force of S-720 by more than 0.05 %
+    slip : [m] over which friction sets in
     """
 
     penalty: float = 1e15
@@ -283,7 +282,12 @@ class CrossoverModel(YarnsModel):
 
 
 def check(mesh: YarnMesh, fabric: Fabric) -> None:
-    """Refuse a fabric without solid laws, or a mesh of another fabric."""
+    """Refuse a fabric without solid laws, or a mesh of another fabric.
+
+    Raises
+    ------
+    InputError : either
+    """
     if fabric.solid_laws is None:
         raise InputError(f"fabric {fabric.name} has no [solid] tables, which a 3D crossover needs")
     if mesh.fabric != fabric.name:

@@ -7,7 +7,7 @@ with plain repetition, stands for the weave:
     x(X + a) - M x(X) = F a,    M = diag(1, 1, -1) or 1,   a: one or two crossings along a yarn.
 
 Lengths of the yarns between crossings are w_i lambda_i, their directions e_1 and e_2; with the shear angle g, half of
-it on each side (source thesis section 4.3.2, the trellis of Figure 4-6),
+it on each side (thesis section 4.3.2, the trellis of Figure 4-6),
 
     F = [lambda_1 e_1, lambda_2 e_2],   e_1 = (cos g/2, sin g/2),  e_2 = (sin g/2, cos g/2),  lambda_i = 1 + d_i / w_i.
 

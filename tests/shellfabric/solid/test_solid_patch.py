@@ -598,6 +598,8 @@ def test_a_crossover_pulled_slowly_is_the_quasi_static_one(d):
 
     size = (5, 5, 2)
     soft = Numerics(penalty=1e14)  # that of the patch: an explicit step allows none as hard as the default here
-    theirs = biaxial_and_platens.biaxial(crossover.build(FABRIC, size=size), FABRIC, d, reach=max(d), numerics=soft)
+    theirs = biaxial_and_platens.biaxial(
+        crossover.build(FABRIC, size=size), FABRIC, d, max_displacement=max(d), numerics=soft
+    )
     found = pull(SolidPatch(crossover.build(FABRIC, domain="whole", size=size), FABRIC, failure=False), d)
     assert found == pytest.approx((theirs.T1[-1], theirs.T2[-1], theirs.F_c[-1]), rel=5e-3)

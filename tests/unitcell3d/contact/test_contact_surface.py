@@ -11,7 +11,6 @@ from unitcell3d.contact.kernel_arguments import (
     PassState,
     PlateFace,
     SlavePoints,
-    new_scratch,
 )
 from unitcell3d.contact.plate_contact_kernels import plate_pass, update_plate_anchors
 from unitcell3d.contact.surface_contact_kernels import contact_pass, overlap_weight, pressure
@@ -174,7 +173,7 @@ def touch(x, quads, mirror, tangent=False, friction=0.0, away=(0.0, 0.0)):
 
     def run(row_of, places, forces):
         blocks = Blocks(row_of, places, values)
-        contact_pass(x, slave, Face(GRID, AXES, mirror, 1.0), law, state, new_scratch(), forces, blocks, resultant)
+        contact_pass(x, slave, Face(GRID, AXES, mirror, 1.0), law, state, forces, blocks, resultant)
 
     run(np.empty(0, np.int64), np.empty((0, 20, 20), np.int64), forces)
     if not friction:

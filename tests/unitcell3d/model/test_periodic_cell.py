@@ -110,6 +110,15 @@ def test_moment_and_tensions_are_the_work_of_the_load(model):
     assert 2 * model.tensions(forces, load)[0] == pytest.approx(work, rel=1e-6)
 
 
+def test_stick_state_is_that_of_the_crossings_alone(model):
+    """Edges slide without friction: they keep no anchors."""
+    before = model.stick_state
+    assert before.size == sum(anchors.size for pair in model.pairs.pairs[: model.crossings] for anchors in pair.anchors)
+    model.stick_state = before + 0.25
+    assert np.array_equal(model.stick_state, before + 0.25)
+    model.stick_state = before
+
+
 # --- edges ----------------------------------------------------------------------------------------------------------
 
 NODES = 6
