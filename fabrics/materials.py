@@ -81,7 +81,7 @@ def _table(name):
     return tomllib.loads(_FILE.read_text(encoding="utf-8"))[name]
 
 
-def load(name) -> Isotropic:
+def load(name: str) -> Isotropic:
     """The material "steel" or "backing" of `materials.toml`."""
     if name not in ("steel", "backing"):
         raise InputError(key="material", value=name, allowed="steel or backing")

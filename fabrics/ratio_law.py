@@ -17,11 +17,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
 
+from fabrics.checks import FloatArray
 from fabrics.errors import InputError
 
 
-def imbalance(T1, T2):
+def imbalance(T1: ArrayLike, T2: ArrayLike) -> FloatArray:
     """m [-] of warp and weft tensions [N], from -1 to 1; 0 where neither is taut."""
     T1, T2 = np.maximum(T1, 0), np.maximum(T2, 0)
     total = T1 + T2
@@ -45,17 +47,17 @@ class RatioLaw:
     residual_rms: float | None = None
     m_range: tuple[float, float] | None = None
 
-    def compliance(self, m):
+    def compliance(self, m: ArrayLike) -> FloatArray:
         """Compression [m/N] per force at the first contact, at the imbalance `m`."""
         return np.exp(self.p[0] + self.p[1] * np.asarray(m, float))
 
-    def d(self, F, m):
+    def d(self, F: ArrayLike, m: ArrayLike) -> FloatArray:
         """Compression [m] at the contact force `F` [N] and the imbalance `m`; zero without force."""
         F = np.maximum(np.asarray(F, float), 0)
         return self.compliance(m) * F / (1 + F / self.F0)
 
     @classmethod
-    def fit(cls, F, m, d) -> RatioLaw:
+    def fit(cls, F: ArrayLike, m: ArrayLike, d: ArrayLike) -> RatioLaw:
         """Least squares in d over samples (n,) [N], [-], [m] with F > 0.
 
         Raises

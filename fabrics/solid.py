@@ -10,8 +10,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from fabrics.checks import positive
+from fabrics.checks import FloatArray, positive
 from fabrics.errors import InputError
 
 
@@ -62,6 +63,6 @@ class SolidLaw:
         """[Pa] eq. 3-16."""
         return self.K_G * self.E_c / 2
 
-    def transverse_modulus(self, V_f):
+    def transverse_modulus(self, V_f: ArrayLike) -> FloatArray:
         """Secant modulus E_2 = E_3 [Pa] at the fibre volume fraction `V_f` (eqs. 3-10 .. 3-14)."""
         return self.a_E / (self.b_E - np.clip(V_f, self.Vf0, self.V_c))

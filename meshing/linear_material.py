@@ -12,6 +12,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from fabrics.solid import SolidLaw
+from fabrics.yarn import Yarn
+
 BAR_SHARE = 0.5  # of the mass
 
 
@@ -37,7 +40,7 @@ class RestMaterial:
     failure_strain: float
 
 
-def at_rest(yarn, solid, Vf0) -> RestMaterial:
+def linearise(yarn: Yarn, solid: SolidLaw, Vf0: float) -> RestMaterial:
     """Material of a yarn meshed with the fibre volume fraction `Vf0`."""
     return RestMaterial(
         fibre=yarn.E,

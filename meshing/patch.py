@@ -15,12 +15,14 @@ removed from the sections alone, and a gap is left open (`meshing.section_fit`).
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
+from fabrics.fabric import Fabric
 from meshing import inputs
-from meshing.inputs import YARNS
+from meshing.inputs import YARNS, Size
 from meshing.mesh import Strand, YarnMesh, assemble, place
 from meshing.mesh_plan import Plan, mirrored
 
@@ -43,17 +45,17 @@ class Patch(YarnMesh):
 
 
 def build(
-    fabric,
-    count=(2, 2),
+    fabric: Fabric,
+    count: Sequence[int] = (2, 2),
     *,
-    size="coarse",
-    section=None,
-    gap=0.0,
-    width=None,
-    bluntness=0.075,
-    overlap="solve",
-    crimp="hand",
-    end_shells=None,
+    size: Size = "coarse",
+    section: str | None = None,
+    gap: float = 0.0,
+    width: Sequence[float] | None = None,
+    tip_thickness_ratio: float = 0.075,
+    overlap: str = "solve",
+    crimp: str | Sequence[float] = "hand",
+    end_shells: float | None = None,
 ) -> Patch:
     """Mesh a patch of a plain weave.
 
@@ -61,9 +63,9 @@ def build(
     ----------
     fabric : Fabric, with solid laws (for the fibre volume fractions)
     count : (n, m) numbers of warp and of weft yarns; (2, 2) is the unit cell of four crossovers
-    size, section, gap, width, bluntness, overlap, crimp, end_shells : as in `meshing.crossover.build`; nx, ny, nz of
-        `size` count a quarter of a yarn in one crossing, so a crossing has 8 nx ny nz hexahedra. No shift is made:
-        "refuse" refuses any overlap
+    size, section, gap, width, tip_thickness_ratio, overlap, crimp, end_shells : as in `meshing.crossover.build`; nx,
+        ny, nz of `size` count a quarter of a yarn in one crossing, so a crossing has 8 nx ny nz hexahedra. No shift is
+        made: "refuse" refuses any overlap
 
     Raises
     ------
@@ -76,7 +78,7 @@ def build(
         section=section,
         gap=gap,
         width=width,
-        bluntness=bluntness,
+        tip_thickness_ratio=tip_thickness_ratio,
         overlap=overlap,
         crimp=crimp,
         end_shells=end_shells,

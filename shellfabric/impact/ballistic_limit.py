@@ -8,7 +8,7 @@ Lambert-Jonas fit (`lambert_jonas`).
 
 Shots can be fired beside each other: while one is under way, those that would follow from either of its outcomes are
 begun, and given up if they turn out not to be needed. The shots that count, and the result, are the same with any
-number of workers.
+executor and number of workers.
 """
 
 from __future__ import annotations
@@ -20,10 +20,11 @@ from dataclasses import dataclass, replace
 from math import inf, log
 
 from fabrics.errors import InputError, UnstableError
+from fabrics.executors import cancel, open_executor
 from shellfabric.cable.smith import striking_velocity
 from shellfabric.panel import quality
 from shellfabric.panel.model import Panel
-from shellfabric.panel.solver import March
+from shellfabric.panel.solver import PanelSolver
 
 UNDECIDED = 5e-3  # [s] after which a shot that has neither stopped nor perforated is given up
 _AUDIT = 10e-6  # [s] between audits: nothing but the guards of the march looks at them
@@ -156,7 +157,9 @@ def first_guess(fabric):
     return _GUESS * min(striking_velocity(yarn.wave_speed, yarn.failure_strain) for yarn in fabric.weave.yarns)
 
 
-def critical_velocity(panel: Panel, *, tolerance=1.0, guess=None, step=_STEP, highest=1000.0, workers=1, report=None):
+def critical_velocity(
+    panel: Panel, *, tolerance=1.0, guess=None, step=_STEP, highest=1000.0, executor="local", jobs=1, report=None
+):
     """Bisect for the critical velocity of a panel.
 
     Parameters
@@ -166,7 +169,8 @@ def critical_velocity(panel: Panel, *, tolerance=1.0, guess=None, step=_STEP, hi
     guess : [m/s] where to begin; `first_guess` if None
     step : first factor from the guess towards the other outcome: the better the guess, the nearer to 1
     highest : [m/s] beyond which no shot is fired; nor is one below the tolerance
-    workers : shots that are under way beside each other
+    executor : as of `fabrics.executors.open_executor`; "local": threads of this process
+    jobs : shots that are under way beside each other
     report : called as report(share of the work done, Shot) after each shot
 
     Returns
@@ -179,17 +183,17 @@ def critical_velocity(panel: Panel, *, tolerance=1.0, guess=None, step=_STEP, hi
     UnstableError : a shot became unphysical; its attribute `shots` holds those that had ended
     """
     guess = guess or first_guess(panel.fabric)
-    _check(tolerance=tolerance, highest=highest, workers=workers, guess=guess)
+    _check(tolerance=tolerance, highest=highest, jobs=jobs, guess=guess)
     if not step > 1:
         raise InputError(key="step", value=step, allowed="above 1")
     bracket = Bracket(min(max(guess, tolerance), highest), tolerance, highest, factor=step)
     shots = []
-    with _Range(panel, workers) as shooting:
+    with _Range(panel, executor, jobs) as shooting:
         while bracket.width > tolerance:
             if bracket.exhausted:
                 told = "stops the projectile" if bracket.low > 0 else "lets the projectile through"
                 raise InputError(f"the panel {told} at any velocity from {tolerance:g} to {highest:g} m/s")
-            wanted = bracket.ahead(workers, tolerance)
+            wanted = bracket.ahead(jobs, tolerance)
             shooting.only(wanted)
             shots.append(_result(shooting, wanted[0], shots))
             bracket = bracket.after(shots[-1].perforated)
@@ -198,14 +202,14 @@ def critical_velocity(panel: Panel, *, tolerance=1.0, guess=None, step=_STEP, hi
     return Limit(bracket.low, bracket.high, tuple(shots))
 
 
-def shoot(panel: Panel, velocities, *, workers=1, report=None):
+def shoot(panel: Panel, velocities, *, executor="local", jobs=1, report=None):
     """Fire shots at given velocities [m/s], such as for a curve of residual velocity; a tuple of Shot, in their order.
 
-    Raises as `critical_velocity`.
+    executor, jobs, and what is raised: as of `critical_velocity`.
     """
-    _check(workers=workers, **{f"velocities[{i}]": v for i, v in enumerate(velocities)})
+    _check(jobs=jobs, **{f"velocities[{i}]": v for i, v in enumerate(velocities)})
     shots = []
-    with _Range(panel, workers) as shooting:
+    with _Range(panel, executor, jobs) as shooting:
         shooting.only(velocities)
         for number, velocity in enumerate(velocities, 1):
             shots.append(_result(shooting, velocity, shots))
@@ -245,33 +249,37 @@ class _GivenUp(Exception):
 class _Range:
     """Shots at one panel, each begun when it is first wanted and kept until it is asked for.
 
-    Threads suffice: the kernels that march hold no lock. Shots that are fired beside each other have one thread each,
-    unless the panel asks for more.
+    Locally threads suffice: the kernels that march hold no lock. Shots that are fired beside each other have one thread
+    each, unless the panel asks for more. A shot of another process cannot be given up: one that is no longer wanted
+    goes on to its end.
     """
 
-    def __init__(self, panel, workers):
-        if workers > 1 and panel.numerics.threads is None:
+    def __init__(self, panel, executor, jobs):
+        self.threads = executor == "local"
+        if (jobs > 1 or not self.threads) and panel.numerics.threads is None:
             panel = replace(panel, numerics=replace(panel.numerics, threads=1))
         self.panel = panel
-        self.pool = ThreadPoolExecutor(workers)
-        self.pending = {}  # velocity -> (future, event that gives it up)
+        self.opened = ThreadPoolExecutor(jobs) if self.threads else open_executor(executor, jobs)
+        self.pending = {}  # velocity -> (future, event that gives it up or None)
 
     def __enter__(self):
+        self.pool = self.opened.__enter__()
         return self
 
-    def __exit__(self, *_):
+    def __exit__(self, *problem):
         self.only(())
-        self.pool.shutdown()
+        return self.opened.__exit__(*problem)
 
     def only(self, velocities):
         """Begin the shots that are wanted and not under way; give up those that are under way and not wanted."""
         for velocity in set(self.pending) - set(velocities):
             future, give_up = self.pending.pop(velocity)
-            give_up.set()
-            future.cancel()
+            if give_up is not None:
+                give_up.set()
+            cancel(future)
         for velocity in velocities:
             if velocity not in self.pending:
-                give_up = threading.Event()
+                give_up = threading.Event() if self.threads else None
                 self.pending[velocity] = self.pool.submit(_fire, self.panel, velocity, give_up), give_up
 
     def result(self, velocity):
@@ -283,10 +291,10 @@ class _Range:
 
 def _fire(panel, velocity, give_up):
     def hook(_):
-        if give_up.is_set():
+        if give_up is not None and give_up.is_set():
             raise _GivenUp
 
-    march = March(panel, velocity, UNDECIDED, interval=_AUDIT)
+    march = PanelSolver(panel, velocity, UNDECIDED, interval=_AUDIT)
     march.run((hook,))
     if march.outcome == "in flight":
         told = f"the projectile struck at {velocity:.4g} m/s has neither stopped nor perforated"
@@ -297,8 +305,8 @@ def _fire(panel, velocity, give_up):
         outcome=march.outcome,
         time=march.time,
         failed=int(march.sample("failed_yarns")[-1]),
-        peak_tension=(float(march.state.peak[0]), float(march.state.peak[1])),
+        peak_tension=(float(march.state.peak_tension[0]), float(march.state.peak_tension[1])),
         balance=float(abs(march.sample("balance")).max()) / march.strike_energy,
         wall_time=march.wall_time,
-        checks=quality.of_march(march),
+        checks=quality.of_solver(march),
     )

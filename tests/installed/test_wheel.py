@@ -160,7 +160,7 @@ COMMANDS = (
     "view ply --screenshot ply.png",
     "coupon coupon.toml --out coupon",
     "biaxial S-720 --out biaxial",
-    "critical-velocity ply.toml --tolerance 20m/s --residual-shots 0 --workers 1 --out limit",
+    "critical-velocity ply.toml --tolerance 20m/s --residual-shots 0 --jobs 1 --out limit",
     "v50 S-720 --shots 8 --batch 4 --jobs 1 --opening 30.6mm --seed 2 --out v50",
     "sensitivity S-720 --velocity 60m/s --samples 2 --jobs 1 --opening 20mm --out sobol",
     "chart --scene struck-yarn --quick --out chart",

@@ -15,9 +15,13 @@ the noise of an evaluation lets them be. Several lambdas are tried beside each o
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
+
+from fabrics.checks import FloatArray
 
 DIFFERENCE = 0.02  # step of the Jacobian, well above what is left in an evaluation
 WORTH = 0.01  # of the sum of squares
@@ -36,7 +40,13 @@ class Found:
     met: bool
 
 
-def solve(evaluate, start, bounds, *, trials=1):
+def solve(
+    evaluate: Callable[[list[FloatArray]], list[FloatArray]],
+    start: ArrayLike,
+    bounds: tuple[ArrayLike, ArrayLike],
+    *,
+    trials: int = 1,
+) -> Found:
     """Minimise the sum of squares.
 
     Parameters

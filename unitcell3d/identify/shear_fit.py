@@ -9,6 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
 from scipy.optimize import minimize, nnls
 
 from fabrics.errors import InputError
@@ -28,7 +29,7 @@ class ShearFit:
     locked: bool
 
 
-def fit(gamma, tau):
+def fit(gamma: ArrayLike, tau: ArrayLike) -> ShearFit:
     """Fit the law to a curve.
 
     Parameters

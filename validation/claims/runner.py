@@ -12,14 +12,12 @@ import json
 import shutil
 import time
 import traceback
-from concurrent.futures import as_completed
-from contextlib import nullcontext
 from pathlib import Path
 
 from fabrics import run_cache
 from fabrics.errors import WeavecellError
+from fabrics.executors import as_done, open_executor
 from fabrics.files import write_whole
-from fabrics.workers import workers
 from validation.claims import judge
 from validation.claims.checks import CHECKS
 from validation.claims.claims import Claim
@@ -28,7 +26,7 @@ from validation.claims.judge import BROKEN, LEFT_OUT, MISSED, NOT_TESTABLE, Reco
 RUNS_FOLDER, RECORDS_FOLDER = "runs", "records"
 
 
-def validate(claims, out, *, left_out=(), jobs=1, resume=False, executor=None, report=None) -> tuple[Record, ...]:
+def validate(claims, out, *, left_out=(), executor="local", jobs=1, resume=False, report=None) -> tuple[Record, ...]:
     """Run the checks of the claims.
 
     Parameters
@@ -36,9 +34,8 @@ def validate(claims, out, *, left_out=(), jobs=1, resume=False, executor=None, r
     claims : of `claims.load`
     out : folder
     left_out : claims that get a record of their own as being left out
-    jobs : processes side by side; 1 does all in this process
+    executor, jobs : as of `fabrics.executors.open_executor`
     resume : keep what is in the folder and still holds; else it is emptied
-    executor : a concurrent.futures executor to use instead
     report : called as report(share of the work done, text)
 
     Returns
@@ -58,11 +55,13 @@ def validate(claims, out, *, left_out=(), jobs=1, resume=False, executor=None, r
     waiting = [claim for claim in waiting if claim.check]
     runs = wanted(waiting, out)
     total, done = sum(cost(run) for run in runs) + len(waiting), 0.0
-    with _executor(executor, jobs) as pool:
-        for run, _ in _each(pool, _make, [(run, str(out), digest(run)) for run in runs]):
+    with open_executor(executor, jobs) as pool:
+        for index, _ in as_done(pool, _make, [(run, str(out), digest(run)) for run in runs]):
+            run = runs[index]
             done += cost(run)
             report(done / total, f"{run.name} {_brief(run)}")
-        for claim, record in _each(pool, check, [(claim, str(out), _names(claim)) for claim in waiting]):
+        for index, record in as_done(pool, check, [(claim, str(out), _names(claim)) for claim in waiting]):
+            claim = waiting[index]
             done += 1
             records[claim.id] = _keep(claim, record, out)
             report(done / total, claim.id)
@@ -157,26 +156,6 @@ def _make(run, out, name):
 
 def _brief(run):
     return " ".join(str(value) for value in run.keywords.values() if not isinstance(value, (list, dict)))
-
-
-def _each(pool, function, jobs):
-    """(first argument, result) of each job, as they end."""
-    if pool is None:
-        for job in jobs:
-            yield job[0], function(*job)
-        return
-    futures = {pool.submit(function, *job): job[0] for job in jobs}
-    try:
-        for future in as_completed(futures):
-            yield futures[future], future.result()
-    finally:
-        for future in futures:
-            future.cancel()
-
-
-def _executor(given, jobs):
-    """The executor given, none for one process, which is this one, or processes of our own."""
-    return nullcontext(given) if given is not None or jobs == 1 else workers(None, jobs)
 
 
 def _stamp(claim):

@@ -28,7 +28,7 @@ _SUBTITLE = (
 )
 
 
-def validate(out, *, topics, slow, jobs, resume):
+def validate(out, *, topics, slow, jobs, resume, executor="local"):
     """Run the ledger; returns the exit code: 1 where a check broke, else 0, for a miss is a result.
 
     Parameters
@@ -36,7 +36,7 @@ def validate(out, *, topics, slow, jobs, resume):
     out : Path of the folder to write to
     topics : of claims.TOPICS; all where there are none
     slow : also do the slow checks
-    jobs : processes side by side
+    jobs, executor : as of `fabrics.executors.open_executor`
     resume : go on from what is in the folder
 
     Raises
@@ -46,7 +46,9 @@ def validate(out, *, topics, slow, jobs, resume):
     chosen, left_out = data.select(data.load(), topics, slow)
     began = time.perf_counter()
     with progress.bar(f"{len(chosen)} claims") as advance:
-        records = runner.validate(chosen, out, left_out=left_out, jobs=jobs, resume=resume, report=advance)
+        records = runner.validate(
+            chosen, out, left_out=left_out, jobs=jobs, executor=executor, resume=resume, report=advance
+        )
     seconds = time.perf_counter() - began
     claims = [claim for claim in data.load() if claim in chosen or claim in left_out]
     shares, stamp = summary.shares(claims, records), provenance.stamp()

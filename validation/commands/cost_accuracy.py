@@ -25,7 +25,7 @@ from weavecell.results import json_file, progress, provenance
 LONG = "crossover"
 
 
-def chart_command(scenes, out, *, everything=False, quick=False, page=None, level, only, processes, resume):
+def chart_command(scenes, out, *, everything=False, quick=False, page=None, level, only, jobs, executor, resume):
     """Run scenes, write their tables and charts to the folder `out`, and print what was found.
 
     Parameters
@@ -36,7 +36,7 @@ def chart_command(scenes, out, *, everything=False, quick=False, page=None, leve
     quick : coarser references
     page : Path of a page to write too, with its figures in figures/ beside it; renews the tables of the package, from
         which the page also tells of the scenes that were run before
-    level, only, processes : of the long study
+    level, only, jobs, executor : of the long study
     resume : begin with the cases of an interrupted run
     """
     from validation.verification.cost_accuracy import study
@@ -50,7 +50,7 @@ def chart_command(scenes, out, *, everything=False, quick=False, page=None, leve
     if LONG in scenes:
         if everything or page is not None or len(scenes) > 1:
             raise InputError(key="--scene", value=LONG, allowed="by itself: it has a page of its own")
-        return crossover(out or Path("results/chart-crossover"), level, only, processes, resume)
+        return crossover(out or Path("results/chart-crossover"), level, only, jobs, executor, resume)
     return charts(list(study.SCENES) if everything else scenes, out, quick, page, resume)
 
 
@@ -127,12 +127,14 @@ def _plain(chart):
     return {"scene": chart.scene.key, "fronts": fronts, "references": references, "failed": failed}
 
 
-def crossover(out, level, only, processes, resume):
+def crossover(out, level, only, jobs, executor, resume):
     """The 3D crossover by all its choices."""
     from validation.verification.crossover_convergence import page, pictures, study, tables
 
     with progress.bar("Study of the 3D crossover") as advance:
-        found = study.run(out, level=level, only=only or None, resume=resume, processes=processes, progress=advance)
+        found = study.run(
+            out, level=level, only=only or None, resume=resume, jobs=jobs, executor=executor, progress=advance
+        )
     stamp = provenance.stamp()
     tables.write_csv(found, out / "crossover.csv")
     tables.write_orders(found, out / "orders.csv")

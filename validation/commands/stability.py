@@ -17,7 +17,7 @@ from fabrics.errors import InputError
 from weavecell.results import json_file, progress, provenance
 
 
-def stability_command(names, out, *, everything=False, quick=False, page=None, resume=False):
+def stability_command(names, out, *, everything=False, quick=False, page=None, jobs=1, executor="local", resume=False):
     """Run maps, write their tables and pictures to the folder `out`, and print the margins of the defaults.
 
     Parameters
@@ -28,6 +28,7 @@ def stability_command(names, out, *, everything=False, quick=False, page=None, r
     quick : fewer points
     page : Path of a page to write too, with its figures in figures/ beside it; renews the tables of the package, from
         which the page also tells of the maps that were run before
+    jobs, executor : as of `fabrics.executors.open_executor`
     resume : begin with the points of an interrupted run
     """
     from validation.verification.stability import pictures, study, tables
@@ -45,7 +46,7 @@ def stability_command(names, out, *, everything=False, quick=False, page=None, r
         with progress.bar(f"Stability: {name}") as advance:
             maps.append(
                 study.run(
-                    name, out / "points" / name, quick=quick, resume=resume,
+                    name, out / "points" / name, quick=quick, jobs=jobs, executor=executor, resume=resume,
                     report=lambda done, total, advance=advance: advance(done / total, f"{done} of {total} points"),
                 )
             )  # fmt: skip

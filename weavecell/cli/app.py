@@ -17,10 +17,11 @@ from weavecell.cli import crossover, mesh_calibrate_surface, renamed_options, sh
 from weavecell.cli.options import (
     CORES,
     RESULTS,
+    ExecutorOption,
     FabricArgument,
+    JobsOption,
     MeshOption,
     OutOption,
-    ProcessesOption,
     Size,
 )
 
@@ -61,12 +62,13 @@ def _root(
 def demo(
     out: OutOption = None,
     size: MeshOption = Size.medium,
-    processes: ProcessesOption = CORES,
+    jobs: JobsOption = CORES,
+    executor: ExecutorOption = "local",
 ):
     """S-720 of the catalogue: mesh, calibration, and four impacts, with a summary and one HTML page."""
     from weavecell.commands.demo import demonstrate
 
-    demonstrate(out or RESULTS / "demo", size=size.value, processes=processes)
+    demonstrate(out or RESULTS / "demo", size=size.value, jobs=jobs, executor=executor)
 
 
 app.command(epilog=mesh_calibrate_surface.MESH)(mesh_calibrate_surface.mesh)

@@ -12,13 +12,14 @@ from fabrics.errors import InputError
 from weavecell.cli.options import (
     CORES,
     RESULTS,
+    ExecutorOption,
     FabricArgument,
     FinenessOption,
     FrictionOption,
     GapOption,
+    JobsOption,
     MeshOption,
     OutOption,
-    ProcessesOption,
     ResumeOption,
     SectionOption,
     Size,
@@ -67,7 +68,10 @@ def mesh(
             metavar="hand|micrograph|CRIMP[,CRIMP]",
         ),
     ] = "hand",
-    bluntness: Annotated[float, typer.Option(help="Height of the cut tips over that of the middle.")] = 0.075,
+    tip_thickness_ratio: Annotated[
+        float,
+        typer.Option("--tip-thickness-ratio", "--bluntness", help="Thickness of the cut tips over that of the middle."),
+    ] = 0.075,
     overlap: Annotated[
         Overlap, typer.Option(help="What to do where the two sections overlap by more than a shift removes.")
     ] = Overlap.solve,
@@ -97,7 +101,7 @@ def mesh(
         end_shells=end_shells,
         gap=gap,
         section=section and section.value,
-        bluntness=bluntness,
+        tip_thickness_ratio=tip_thickness_ratio,
         overlap=overlap.value,
     )
 
@@ -110,7 +114,8 @@ def calibrate(
         bool, typer.Option("--all", help="Every fabric of the catalogue, side by side in one table.")
     ] = False,
     size: MeshOption = Size.medium,
-    processes: ProcessesOption = CORES,
+    jobs: JobsOption = CORES,
+    executor: ExecutorOption = "local",
     plates: Annotated[
         Path | None,
         typer.Option(
@@ -141,14 +146,16 @@ def calibrate(
         from weavecell.commands import calibrate_all
 
         calibrate_all.command(
-            out or RESULTS / "calibrate-all", size=size.value, processes=processes, resume=resume, friction=friction
-        )
+            out or RESULTS / "calibrate-all", size=size.value, jobs=jobs, executor=executor, resume=resume,
+            friction=friction,
+        )  # fmt: skip
         return
     commands_calibrate.calibrate_command(
         fabric,
         out or RESULTS / f"calibrate-{Path(fabric).stem}",
         size=size.value,
-        processes=processes,
+        jobs=jobs,
+        executor=executor,
         friction=friction,
         plates=plates,
         fit_solid=fit_solid,
@@ -171,7 +178,8 @@ def surface(
         ),
     ] = None,
     friction: FrictionOption = 0.0,
-    processes: ProcessesOption = CORES,
+    jobs: JobsOption = CORES,
+    executor: ExecutorOption = "local",
     out: OutOption = None,
     resume: ResumeOption = False,
 ):
@@ -184,6 +192,6 @@ def surface(
 
     folder = out or RESULTS / f"surface-{Path(fabric).stem}"
     module.surface_command(
-        fabric, folder, d1=d1, d2=d2, points=points, tolerance=tolerance, size=size.value, processes=processes,
-        resume=resume, friction=friction,
+        fabric, folder, d1=d1, d2=d2, points=points, tolerance=tolerance, size=size.value, jobs=jobs,
+        executor=executor, resume=resume, friction=friction,
     )  # fmt: skip

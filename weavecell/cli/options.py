@@ -51,8 +51,16 @@ ResumeOption = Annotated[
 StrictOption = Annotated[
     bool, typer.Option("--strict", help="Exit code 3 if a quality indicator is beyond its limit; results are written.")
 ]
-ProcessesOption = Annotated[int, typer.Option(min=1, help="Crossovers that are solved beside each other.")]
-JobsOption = Annotated[int, typer.Option(min=1, help="Processes that work beside each other.")]
+JobsOption = Annotated[int, typer.Option("--jobs", min=1, help="Runs that are under way at once.", metavar="N")]
+ExecutorOption = Annotated[
+    str,
+    typer.Option(
+        "--executor",
+        help="Where they are run: processes of this machine; the ranks of mpiexec -n RANKS python -m mpi4py.futures "
+        "-m weavecell ...; Parsl; Dask; or the concurrent.futures.Executor that your function returns.",
+        metavar="local|mpi|parsl|dask|MODULE:FUNCTION",
+    ),
+]
 MeshOption = Annotated[Size, typer.Option("--mesh", help="Mesh of the 3D crossover.")]
 FinenessOption = Annotated[
     str,

@@ -6,12 +6,12 @@ import sys
 
 UNTIL = "the next release"
 COMMANDS = {"chart": "cost-accuracy"}
-_MESH = {"--size": "--mesh"}
+_MESH, _JOBS, _POOL = {"--size": "--mesh"}, {"--processes": "--jobs"}, {"--pool": "--executor"}
 OPTIONS = {
-    "demo": _MESH,
+    "demo": _MESH | _JOBS,
     "mesh": _MESH | {"--gap": "--yarn-gap"},
-    "calibrate": _MESH | {"--plates": "--platen-curve"},
-    "surface": _MESH,
+    "calibrate": _MESH | _JOBS | {"--plates": "--platen-curve"},
+    "surface": _MESH | _JOBS,
     "crossover": _MESH
     | {
         "--gap": "--yarn-gap",
@@ -20,13 +20,17 @@ OPTIONS = {
         "--gamma": "--shear-angle",
     },
     "biaxial": {"--crossover": "--compare-3d", "--toe": "--fibre-slack"},
-    "critical-velocity": {"--curve": "--residual-shots"},
-    "v50": {"--shape": "--weibull-shape", "--modulus": "--modulus-cov", "--crimp": "--crimp-cov"},
+    "critical-velocity": {"--curve": "--residual-shots", "--workers": "--jobs"},
+    "cost-accuracy": _JOBS,
+    "sensitivity": _POOL,
+    "v50": _POOL | {"--shape": "--weibull-shape", "--modulus": "--modulus-cov", "--crimp": "--crimp-cov"},
 }
 VALUES = {
     ("mesh", "--domain"): {"four": "periodic"},
     ("crossover", "--domain"): {"four": "periodic"},
     ("crossover", "--case"): {"plates": "platens"},
+    ("sensitivity", "--executor"): {"processes": "local"},
+    ("v50", "--executor"): {"processes": "local"},
 }
 
 

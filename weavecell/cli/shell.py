@@ -12,7 +12,9 @@ from fabrics.errors import InputError
 from weavecell.cli.options import (
     CORES,
     RESULTS,
+    ExecutorOption,
     FabricArgument,
+    JobsOption,
     OutOption,
     ResumeOption,
     Size,
@@ -125,7 +127,8 @@ def critical_velocity(
     curve: Annotated[
         int, typer.Option("--residual-shots", min=0, max=100, help="Shots above the limit, for residual velocities.")
     ] = 8,
-    workers: Annotated[int, typer.Option(min=1, help="Shots that are fired beside each other.")] = CORES,
+    jobs: JobsOption = CORES,
+    executor: ExecutorOption = "local",
     strict: StrictOption = False,
     out: OutOption = None,
 ):
@@ -148,6 +151,7 @@ def critical_velocity(
         out or RESULTS / f"critical-velocity-{Path(target).stem}",
         tolerance=width,
         curve=curve,
-        workers=workers,
+        jobs=jobs,
+        executor=executor,
         strict=strict,
     )

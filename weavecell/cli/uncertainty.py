@@ -2,29 +2,18 @@
 
 from __future__ import annotations
 
-from enum import StrEnum
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from weavecell.cli.options import RESULTS, FabricArgument, JobsOption, OutOption, ResumeOption
+from weavecell.cli.options import CORES, RESULTS, ExecutorOption, FabricArgument, JobsOption, OutOption, ResumeOption
 
 SENSITIVITY = "Example: [bold]weavecell sensitivity S-720 --samples 64[/bold]"
 V50 = "Example: [bold]weavecell v50 S-720 --shots 200 --weibull-shape 14.3[/bold]"
 
 
-class Pool(StrEnum):
-    """Where runs are made."""
-
-    processes = "processes"
-    mpi = "mpi"
-
-
 SeedOption = Annotated[int, typer.Option(min=0, help="Of all that is drawn.")]
-PoolOption = Annotated[
-    Pool, typer.Option(help="mpi: the ranks of mpiexec -n N python -m mpi4py.futures -m weavecell ...")
-]
 OpeningOption = Annotated[str, typer.Option(help="Side of the square panel.", metavar="LENGTH")]
 PageOption = Annotated[
     Path | None, typer.Option(help="Also put table and picture between their marks of this page.", metavar="FILE.md")
@@ -38,8 +27,8 @@ def sensitivity(
     ] = None,
     samples: Annotated[int, typer.Option(min=2, help="N, a power of 2; N (inputs + 2) rows are run.")] = 64,
     seed: SeedOption = 1,
-    jobs: JobsOption = 1,
-    pool: PoolOption = Pool.processes,
+    jobs: JobsOption = CORES,
+    executor: ExecutorOption = "local",
     opening: OpeningOption = "203 mm",
     resume: ResumeOption = False,
     page: PageOption = None,
@@ -59,7 +48,7 @@ def sensitivity(
         samples=samples,
         seed=seed,
         jobs=jobs,
-        kind=pool.value,
+        executor=executor,
         opening=si(opening, "m", key="--opening"),
         resume=resume,
         page=page,
@@ -82,8 +71,8 @@ def v50(
         str | None, typer.Option("--crimp-cov", help="Coefficient of variation, panel to panel.", metavar="FRACTION")
     ] = None,
     seed: SeedOption = 1,
-    jobs: JobsOption = 1,
-    pool: PoolOption = Pool.processes,
+    jobs: JobsOption = CORES,
+    executor: ExecutorOption = "local",
     opening: OpeningOption = "203 mm",
     resume: ResumeOption = False,
     page: PageOption = None,
@@ -113,7 +102,7 @@ def v50(
         seed=seed,
         scatter=replace(inputs.published(), **{key: value for key, value in given.items() if value is not None}),
         jobs=jobs,
-        kind=pool.value,
+        executor=executor,
         opening=si(opening, "m", key="--opening"),
         resume=resume,
         page=page,

@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from weavecell.cli.options import CORES, RESULTS, JobsOption, OutOption, ResumeOption, refuse_others
+from weavecell.cli.options import CORES, RESULTS, ExecutorOption, JobsOption, OutOption, ResumeOption, refuse_others
 
 COST_ACCURACY = "Example: [bold]weavecell cost-accuracy --scene ply-stopped[/bold]"
 VALIDATE = "Example: [bold]weavecell validate --topic impact1 --topic cell[/bold]"
@@ -42,19 +42,21 @@ def cost_accuracy(
     only: Annotated[
         str, typer.Option(help="crossover: choices to vary, by commas; all if not given.", metavar="CHOICE,...")
     ] = "",
-    processes: Annotated[int, typer.Option(min=1, help="crossover: cases computed beside each other.")] = CORES,
+    jobs: JobsOption = CORES,
+    executor: ExecutorOption = "local",
     out: OutOption = None,
     resume: ResumeOption = False,
 ):
     """Run standard scenes by every method there is: time against error, and the methods that none other beats.
 
     The folder then holds tables (CSV) and pictures; while the run goes on, cases/. The scene "crossover" is the long
-    study of the 3D crossover, with orders of convergence and a page of its own.
+    study of the 3D crossover, with orders of convergence and a page of its own; --jobs and --executor are for it, since
+    the cases of other scenes are timed, one after the other.
     """
     from validation.commands import cost_accuracy as module
 
     of_crossover = (scene or []) == [module.LONG]
-    options = ("level", "only", "processes") if of_crossover else ("everything", "quick", "page")
+    options = ("level", "only", "jobs", "executor") if of_crossover else ("everything", "quick", "page")
     where = f"{'with' if of_crossover else 'without'} --scene {module.LONG}"
     refuse_others(context, ("scene", "out", "resume", *options), where)
     module.chart_command(
@@ -65,7 +67,8 @@ def cost_accuracy(
         page=page,
         level=level.value,
         only=[part.strip() for part in only.split(",") if part.strip()],
-        processes=processes,
+        jobs=jobs,
+        executor=executor,
         resume=resume,
     )
 
@@ -77,6 +80,8 @@ def stability(
     everything: AllOption = False,
     quick: Annotated[bool, typer.Option("--quick", help="Few points: to see whether all runs.")] = False,
     page: PageOption = None,
+    jobs: JobsOption = CORES,
+    executor: ExecutorOption = "local",
     out: OutOption = None,
     resume: ResumeOption = False,
 ):
@@ -86,7 +91,9 @@ def stability(
     """
     from validation.commands import stability as module
 
-    module.stability_command(maps or [], out, everything=everything, quick=quick, page=page, resume=resume)
+    module.stability_command(
+        maps or [], out, everything=everything, quick=quick, page=page, jobs=jobs, executor=executor, resume=resume
+    )
 
 
 def validate(
@@ -95,6 +102,7 @@ def validate(
     ] = None,
     slow: Annotated[bool, typer.Option("--slow", help="Also the checks that take minutes each.")] = False,
     jobs: JobsOption = CORES,
+    executor: ExecutorOption = "local",
     resume: ResumeOption = False,
     out: OutOption = None,
 ):
@@ -107,4 +115,6 @@ def validate(
     """
     from validation.commands import claims as module
 
-    return module.validate(out or RESULTS / "validate", topics=topic or (), slow=slow, jobs=jobs, resume=resume)
+    return module.validate(
+        out or RESULTS / "validate", topics=topic or (), slow=slow, jobs=jobs, executor=executor, resume=resume
+    )

@@ -22,18 +22,18 @@ from weavecell.report.page import Table
 from weavecell.results import json_file, progress, provenance
 
 
-def calibrate_command(name, out, *, size, processes, friction=0.0, plates=None, fit_solid=False, resume=False):
+def calibrate_command(name, out, *, size, jobs, executor, friction=0.0, plates=None, fit_solid=False, resume=False):
     """Calibrate one fabric, its solid first if asked, write what came of it and print the law."""
     fabric = with_3d_data(name)
     solid = None
     if plates is not None or fit_solid:
         solid = calibrate_solid.fit(
-            fabric, calibrate_solid.curve_for(fabric, plates), out, processes=processes, resume=resume
+            fabric, calibrate_solid.curve_for(fabric, plates), out, jobs=jobs, executor=executor, resume=resume
         )
         fabric = solid.fabric
     built = mesh.build(fabric, size=size, domain="whole")
     mesh.write(built, out, fabric=fabric)
-    done = calibrate(fabric, out, size=size, processes=processes, friction=friction, resume=resume)
+    done = calibrate(fabric, out, size=size, jobs=jobs, executor=executor, friction=friction, resume=resume)
     tell(fabric, done, out)
     page(fabric, done, solid, built, out)
     print(f"written to {out}")
@@ -97,14 +97,14 @@ def _mm(pair):
     return " .. ".join(f"{1e3 * value:.4f}" for value in pair)
 
 
-def calibrate(fabric, out, *, size, processes, friction=0.0, resume=False):
+def calibrate(fabric, out, *, size, jobs, executor, friction=0.0, resume=False):
     """Solve the crossover, fit its law and write both to the folder `out`; returns the Calibration."""
     from unitcell3d.identify import calibrate as solver
 
     with progress.bar(f"Calibration of {fabric.name}") as advance:
         told = told_by_paths(advance, 1 + len(solver.PATHS))
         return solver.calibrate(
-            fabric, size=size, friction=friction, out=out, progress=told, processes=processes, resume=resume
+            fabric, size=size, friction=friction, out=out, on_progress=told, jobs=jobs, executor=executor, resume=resume
         )
 
 

@@ -30,7 +30,7 @@ def curve_for(fabric, path):
     return PlateCurve.pressure_law(fabric.areal_density_measured)
 
 
-def fit(fabric, curve, out, *, processes=1, resume=False):
+def fit(fabric, curve, out, *, jobs=1, executor="local", resume=False):
     """Fit, write solid.json into the folder `out`, and print what the curve determines; returns the SolidFit."""
     from unitcell3d.identify.solid_fit import fit_solid
 
@@ -38,10 +38,11 @@ def fit(fabric, curve, out, *, processes=1, resume=False):
         found = fit_solid(
             fabric,
             curve,
-            processes=processes,
+            jobs=jobs,
+            executor=executor,
             keep=out / "solid",
             resume=resume,
-            progress=lambda runs, rms: advance(runs / EXPECTED, f"misfit {1e6 * rms:.1f} µm"),
+            on_progress=lambda runs, rms: advance(runs / EXPECTED, f"misfit {1e6 * rms:.1f} µm"),
         )
     found.write(out / "solid.json")
     for name, value in found.values.items():
@@ -84,5 +85,5 @@ def chapter(found):
 
 def _before(fabric, name):
     """The value of the fabric's file, of the warp."""
-    solid = fabric.solids[0]
+    solid = fabric.solid_laws[0]
     return solid.K_r * solid.E_c if name == "K_r E_c" else getattr(solid, name)

@@ -58,7 +58,7 @@ _COLUMNS = {
 }
 
 
-def critical_velocity(target, out, *, tolerance, curve, workers, strict=False):
+def critical_velocity(target, out, *, tolerance, curve, jobs, executor, strict=False):
     """Find the critical velocity of `target`, a scene file, a fabric of the catalogue or a fabric file.
 
     Parameters
@@ -67,7 +67,7 @@ def critical_velocity(target, out, *, tolerance, curve, workers, strict=False):
     out : Path of the folder to write to
     tolerance : [m/s]
     curve : number of shots above the limit for the curve of residual velocity
-    workers : shots that are under way beside each other
+    jobs, executor : as of `ballistic_limit.critical_velocity`
     strict : whether a doubtful shot is an error
 
     Raises
@@ -86,13 +86,14 @@ def critical_velocity(target, out, *, tolerance, curve, workers, strict=False):
         shots.append(shot)
         advance(share, f"{shot.outcome} at {shot.strike_velocity:.1f} m/s")
 
+    beside = {"jobs": jobs, "executor": executor, "report": keep}
     try:
         panel = build.setup(this, target).panel()
         with progress.bar(f"{this.fabric.name}, critical velocity") as advance:
-            found = ballistic_limit.critical_velocity(panel, tolerance=tolerance, workers=workers, report=keep)
+            found = ballistic_limit.critical_velocity(panel, tolerance=tolerance, **beside)
         if curve:
             with progress.bar("Residual velocities") as advance:
-                ballistic_limit.shoot(panel, found.high * np.geomspace(*_CURVE, curve), workers=workers, report=keep)
+                ballistic_limit.shoot(panel, found.high * np.geomspace(*_CURVE, curve), **beside)
     except InputError as problem:
         raise build.in_file(problem, target) from None
     except UnstableError:
@@ -113,7 +114,7 @@ def critical_velocity(target, out, *, tolerance, curve, workers, strict=False):
 def _case(target, out):
     """(Case, text of its scene)"""
     name = Path(target).stem
-    if target in catalogue.names():
+    if target in catalogue.list_names():
         table = {"name": target}
     elif target.endswith(".toml"):
         text, found = scenes_impact.read_toml(target, what="scene or fabric")
@@ -124,7 +125,7 @@ def _case(target, out):
     else:
         raise InputError(
             key="TARGET", value=target,
-            allowed=f"a scene or fabric file (*.toml), or one of {', '.join(catalogue.names())}",
+            allowed=f"a scene or fabric file (*.toml), or one of {', '.join(catalogue.list_names())}",
         )  # fmt: skip
     standard = scenes_impact.read_toml(resources.files("weavecell") / "scenes" / "demo.toml", what="demonstration")[1][
         "scene"

@@ -29,7 +29,7 @@ from weavecell.scenes import build, toml_writer
 from weavecell.scenes import impact as scenes_impact
 
 
-def demonstrate(out, *, size, processes):
+def demonstrate(out, *, size, jobs, executor):
     """Run the demonstration with a crossover of mesh `size`, write everything to `out`, print the summary."""
     began = time.perf_counter()
     file = resources.files("weavecell") / "scenes" / "demo.toml"
@@ -40,7 +40,7 @@ def demonstrate(out, *, size, processes):
         meshed = mesh.build(fabric, size=size, domain="whole")
         mesh.write(meshed, out / "mesh")
     with clock.stage("calibration"):
-        calibration = calibrate.calibrate(fabric, out / "calibration", size=size, processes=processes)
+        calibration = calibrate.calibrate(fabric, out / "calibration", size=size, jobs=jobs, executor=executor)
     with clock.stage("impacts"):
         shots = [_shoot(plan, asked, law, out) for asked in plan["impact"] for law in LAWS]
     records = [record for _, record in shots]

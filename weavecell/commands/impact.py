@@ -166,7 +166,7 @@ def write(out, this, record, snapshots, text, advance, choice=None):
     if choice is not None:
         told.append(fidelity.chapter(choice))
     if record.measured is not None:
-        told.append(chapters_impact.measures(record, this.scene.history.report_positions))
+        told.append(chapters_impact.measures(record.measured, this.scene.history.report_positions))
     told += chapters_impact.body(record)
     if "pictures" in outputs:
         report_page.write_pictures(told, out / "pictures")

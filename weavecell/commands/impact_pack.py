@@ -19,7 +19,7 @@ import numpy as np
 import weavecell
 from fabrics.errors import InputError
 from fabrics.files import replace_whole, write_whole
-from weavecell.report import chapters, checks, pictures, pictures3d, pictures_pack
+from weavecell.report import chapters, chapters_impact, checks, pictures, pictures3d, pictures_pack
 from weavecell.report import page as report_page
 from weavecell.results import json_file, paraview, progress, provenance
 from weavecell.results.pack import PackRecord
@@ -33,9 +33,10 @@ SUPPORT = Support(
     Scene,
     (
         "format", "title", *build.SHOT, "projectile.strike_velocity", *of("panel", "plies stacking ply_gap"),
+        *of("history", "interval warp weft report_positions"),
         *of("run", "end_time snapshot_interval checkpoint_interval outputs"),
     ),
-    rejected=build.NO_SLACK | dict.fromkeys(("history", "accuracy", "panel.grading"), _OF_ONE_PLY),
+    rejected=build.NO_SLACK | dict.fromkeys(("accuracy", "panel.grading"), _OF_ONE_PLY),
     rules=(
         *build.SHOT_RULES,
         Rule("panel.stacking", lambda scene: scene.panel.weave_angle != 0, "aligned where the weave is oblique"),
@@ -86,7 +87,7 @@ def impact(this, setup, path, text, out, *, resume=False, strict=False):
 def fire(this, setup, title, *, checkpoint, resume=False):
     """Run it under a progress bar: (PackRecord, snapshots, the UnstableError that ended it or None)."""
     from shellfabric.impact import pack as impact_pack
-    from shellfabric.output.checkpoint_pack import Checkpoints
+    from shellfabric.output.checkpoint import Checkpoints
 
     hooks = (Checkpoints(checkpoint, this.scene.run.checkpoint_interval),)
     result, failure = progress.watched(
@@ -119,9 +120,13 @@ def write(out, this, record, snapshots, text, advance):
     advance(0.4)
     if not {"pictures", "report"} & set(outputs):
         return
-    told = chapter(record)
+    told = [chapter(record)]
+    ends = dict.fromkeys((0, record.count - 1)) if record.measured else ()  # the ply that is struck, and the rear one
+    told += [
+        chapters_impact.measures(record.measured[ply], this.scene.history.report_positions, ply + 1) for ply in ends
+    ]
     if "pictures" in outputs:
-        report_page.write_pictures([told], out / "pictures")
+        report_page.write_pictures(told, out / "pictures")
     advance(0.9)
     if "report" in outputs:
         report_page.write(page(this, record, told, stamp), out / "report.html")
@@ -223,7 +228,7 @@ def _ply_table(record):
 
 
 def page(this, record, told, stamp):
-    """The report of one impact on a pack."""
+    """The report of one impact on a pack; told : sections of what was found."""
     model, panel = this.scene.fabric.cell_model, this.scene.panel
     source = this.law_name if model == "compressible" else model
     laws = (chapters.law_card(this.laws[0], source=source),) if this.surface is None else ()
@@ -235,7 +240,7 @@ def page(this, record, told, stamp):
         f"{build.panel_in_words(panel)}, struck at {shot.strike_velocity:g} m/s by {build.shot_in_words(shot)}.",
         (cards,),
         (
-            told,
+            *told,
             checks.section(record.checks),
             chapters.sources(this.fabric),
             chapters.making(stamp, {"marching": record.wall_time}),

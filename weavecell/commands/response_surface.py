@@ -22,7 +22,7 @@ from weavecell.report.page import Figure, Section, Table
 from weavecell.results import json_file, progress, provenance
 
 
-def surface_command(name, out, *, d1, d2, points, tolerance, size, processes, resume, friction=0.0):
+def surface_command(name, out, *, d1, d2, points, tolerance, size, jobs, executor, resume, friction=0.0):
     """Sample the surface of one fabric, write it and print its errors; `d1`, `d2` are texts such as "0 mm .. 1 mm"."""
     from unitcell3d.identify import response_surface as identify_response_surface
     from unitcell3d.identify.interpolant import Interpolant
@@ -42,8 +42,9 @@ def surface_command(name, out, *, d1, d2, points, tolerance, size, processes, re
             friction=friction,
             partial=partial,
             resume=resume,
-            processes=processes,
-            progress=advance,
+            jobs=jobs,
+            executor=executor,
+            on_progress=advance,
             provenance=f"weavecell {stamp['weavecell']}, commit {stamp['commit']}, {stamp['date']}",
         )
     found.surface.write(out / "surface.h5")

@@ -14,7 +14,6 @@ from dataclasses import asdict
 
 from fabrics import assumed, catalogue
 from fabrics.files import write_whole
-from weavecell.analysis import job_pool
 from weavecell.analysis.uncertainty import inputs, sobol, v50
 from weavecell.report import marked_page, pictures_uncertainty
 from weavecell.results import json_file, progress, provenance
@@ -22,13 +21,13 @@ from weavecell.results import json_file, progress, provenance
 RUNS = "runs"
 
 
-def sensitivity(fabric, out, *, velocities, samples, seed, jobs, kind, opening, resume, page=None):
+def sensitivity(fabric, out, *, velocities, samples, seed, jobs, executor, opening, resume, page=None):
     """Sobol indices of a fabric; see `sobol.study`. `page` is a Markdown file to put table and picture into."""
     cloth, began = _begin(fabric, out, page, "sobol", resume), time.perf_counter()
-    with job_pool.executor(kind, jobs) as workers, progress.bar(f"{cloth.name}, sensitivities") as advance:
+    with progress.bar(f"{cloth.name}, sensitivities") as advance:
         found = sobol.study(
-            cloth, velocities, samples=samples, seed=seed, opening=opening, folder=out / RUNS, workers=workers,
-            report=lambda done, total: advance(done / total, f"{done} of {total} rows"),
+            cloth, velocities, samples=samples, seed=seed, opening=opening, folder=out / RUNS, jobs=jobs,
+            executor=executor, report=lambda done, total: advance(done / total, f"{done} of {total} rows"),
         )  # fmt: skip
     head = [
         "strike velocity [m/s]", "quantity", "input", "range [%]", "status of the range", "first order", "± 95 %",
@@ -56,13 +55,13 @@ def sensitivity(fabric, out, *, velocities, samples, seed, jobs, kind, opening, 
             lambda path: pictures_uncertainty.indices(found, path, title))  # fmt: skip
 
 
-def probabilistic(fabric, out, *, shots, batch, seed, scatter, jobs, kind, opening, resume, page=None):
+def probabilistic(fabric, out, *, shots, batch, seed, scatter, jobs, executor, opening, resume, page=None):
     """The curve of perforation of a fabric; see `v50.study`."""
     cloth, began = _begin(fabric, out, page, "v50", resume), time.perf_counter()
-    with job_pool.executor(kind, jobs) as workers, progress.bar(f"{cloth.name}, repeated shots") as advance:
+    with progress.bar(f"{cloth.name}, repeated shots") as advance:
         study = v50.study(
-            cloth, scatter, shots=shots, batch=batch, seed=seed, opening=opening, folder=out / RUNS, workers=workers,
-            report=advance,
+            cloth, scatter, shots=shots, batch=batch, seed=seed, opening=opening, folder=out / RUNS, jobs=jobs,
+            executor=executor, report=advance,
         )  # fmt: skip
     head = ["curve", "quantity", "value [m/s]", "low, 95 %", "high, 95 %"]
     rows = []
@@ -102,7 +101,7 @@ def _begin(fabric, out, page, name, resume):
     for line in assumed.lines(cloth):
         print(line)
     if cloth.effective_linear_density is not None:
-        cloth = cloth.effective()
+        cloth = cloth.with_effective_density()
     if page is not None:
         marked_page.split(page, *_marks(name))
     if not resume:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from weavecell.commands.fabrics import derived
 from weavecell.report import pictures, pictures3d
+from weavecell.report.derived import derived
 from weavecell.report.page import Card, Figure, Section, Table
 from weavecell.results.paraview import failed_yarns
 

@@ -8,14 +8,20 @@ from weavecell.report import pictures, pictures_body, pictures_histories
 from weavecell.report.page import Figure, Section, Table
 
 
-def measures(record, places):
-    """What was recorded along yarns and at the edges; places [m] along the yarns whose histories are drawn."""
+def measures(recorded, places, ply=None):
+    """What was recorded along yarns and at the edges.
+
+    Parameters
+    ----------
+    recorded : shellfabric.output.histories.Histories
+    places : [m] along the yarns whose histories are drawn
+    ply : number of the ply in a pack, the first is 1; None of a single panel
+    """
     from shellfabric.output.wave_fronts import fronts
 
-    recorded = record.measured
     t, waves = recorded.t, fronts(recorded)
     through = [yarn for yarn in (recorded.through("warp"), recorded.through("weft")) if yarn is not None]
-    drawn = []
+    drawn, of_ply = [], f"-ply-{ply}" if ply else ""
     if recorded.yarns:
         within = [place for place in places if any(place <= yarn.X[-1] for yarn in recorded.yarns)]
         drawn = [
@@ -26,12 +32,13 @@ def measures(record, places):
         ]  # fmt: skip
     drawn.append(("edges", "Force of the cloth on the edges of the whole panel.", (recorded.edges,)))
     figures = tuple(
-        Figure(pictures.render(getattr(pictures_histories, name), t, *arguments), "svg", caption, name)
+        Figure(pictures.render(getattr(pictures_histories, name), t, *arguments), "svg", caption, name + of_ply)
         for name, caption, arguments in drawn
     )
+    title = f"Along the yarns and at the edges{f', ply {ply}' if ply else ''}"
     columns = ("front", "yarn", "speed in the cloth [m/s]", "95 % interval [m/s]", "speed along the yarn [m/s]")
     return Section(
-        "measures", "Along the yarns and at the edges", "", figures,
+        f"measures{of_ply}", title, "", figures,
         (Table(columns, tuple(_front_row(wave, recorded) for wave in waves), numeric=columns[2:]),) if waves else (),
     )  # fmt: skip
 

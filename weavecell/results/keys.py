@@ -212,6 +212,24 @@ def _under(group, keys):
     return tuple(Key(f"{group}/{key.name}", *key[1:]) for key in keys)
 
 
+MEASURED = (
+    *keys(("time", "s", "times of the samples of [history]")),
+    *_under("yarns/*", YARN),
+    *keys(
+        ("yarns/*/strain", "1", "strain of the fibres"),
+        ("edges/*", "N", "in-plane and normal reaction of an edge of the panel"),
+        ("fronts/*/time", "s", "arrival times of a wave front"),
+        ("fronts/*/position", "m", "where it arrived"),
+    ),
+)
+MEASURED_ATTRIBUTES = (
+    *_under("yarns/*", YARN_DATA),
+    *keys(
+        ("fronts/*/speed", "", "[m/s] speed of a wave front in the cloth"),
+        ("fronts/*/interval", "", "[m/s] its interval of 95 %"),
+        ("fronts/*/start", "", "[s] start of the fitted line"),
+    ),
+)
 DATASETS = (
     *_under("histories", HISTORIES),
     *_under("energies", ENERGIES),
@@ -219,14 +237,8 @@ DATASETS = (
     *_under("panel", PANEL),
     *_under("panel/half_energy", SHAPE),
     *_under("panel/final", SHAPE),
-    *keys(("measured/time", "s", "times of the samples of [history]")),
-    *_under("measured/yarns/*", YARN),
-    *keys(
-        ("measured/yarns/*/strain", "1", "strain of the fibres"),
-        ("measured/edges/*", "N", "in-plane and normal reaction of an edge of the panel"),
-        ("measured/fronts/*/time", "s", "arrival times of a wave front"),
-        ("measured/fronts/*/position", "m", "where it arrived"),
-    ),
+    *_under("measured", MEASURED),
+    *_under("measured/*", MEASURED),  # of each ply of a pack
     *_under("bar", BAR),
     *_under("backing", BACKING),
     *_under("plies", PLIES),
@@ -257,11 +269,9 @@ COUPON_DATASETS = (
 )
 ATTRIBUTES = (
     *keys(("checks", "", "quality indicators as JSON")),
-    *_under("measured/yarns/*", YARN_DATA),
+    *_under("measured", MEASURED_ATTRIBUTES),
+    *_under("measured/*", MEASURED_ATTRIBUTES),
     *keys(
-        ("measured/fronts/*/speed", "", "[m/s] speed of a wave front in the cloth"),
-        ("measured/fronts/*/interval", "", "[m/s] its interval of 95 %"),
-        ("measured/fronts/*/start", "", "[s] start of the fitted line"),
         ("bar/period", "", "[s] period of the first axial mode"),
         ("bar/shortening", "", "[m] shortening by plastic strain"),
         ("backing/face", "", "[m] position of the block's face at rest"),

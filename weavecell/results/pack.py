@@ -3,7 +3,8 @@
 Layout: attributes of the root for scalars and texts; /histories and /energies with one value an instant; /plies with
 one row a ply, or one column a ply in its histories; /shapes/00, 01, ... with a ply's shape and state at the end and the
 node numbers of its elements; /cuts with the section of the pack through the impact point at the instants of the
-snapshots. Every dataset has the attribute "unit". Nodes count from the middle surface of the first ply at rest.
+snapshots; /measured/00, 01, ..., where a scene asks for it, with each ply's histories as in
+`results.impact`. Every dataset has the attribute "unit". Nodes count from the middle surface of the first ply at rest.
 """
 
 from __future__ import annotations
@@ -29,6 +30,7 @@ from weavecell.results.impact import (
     tensions,
     write_shape,
 )
+from weavecell.results.impact_groups import read_measured, write_measured
 
 _FORMAT = 3
 _SCALARS = SCALARS | {"stacking": "stacking"}
@@ -60,7 +62,7 @@ class PackRecord(Audited):
     stacking : "aligned" or "alternating"
     time, velocity, nose_position, failed_segments : (n,) of the projectile; number of failed yarn segments
     energies : {name: (n,)} [J], names of keys.ENERGIES
-    plies : {name: (n, plies)} with the names of shellfabric.plies.solver.PLY_SAMPLES
+    plies : {name: (n, plies)} with the names of shellfabric.panel.solver.PLY_SAMPLES
     z_rest, thickness : (plies,) [m] middle surfaces at rest, and thickness
     gaps : (plies - 1,) [m]
     strength, peak_tension : (plies, 2) [N] of each ply's warp and weft
@@ -71,6 +73,7 @@ class PackRecord(Audited):
     cuts : tuple of Cut
     max_deflection : [m] of the whole cloth of any ply, from its own plane, over the run
     checks : tuple of shellfabric.panel.quality.Indicator
+    measured : tuple of shellfabric.output.histories.Histories of each ply; empty where nothing was to be recorded
     """
 
     title: str
@@ -107,6 +110,7 @@ class PackRecord(Audited):
     cuts: tuple
     max_deflection: float
     checks: tuple = ()
+    measured: tuple = ()
 
     @property
     def count(self):
@@ -135,7 +139,7 @@ class PackRecord(Audited):
             torn_contact=result.held_apart, projectile=drawn(ply.projectile),
             shapes=tuple(Shape.of(shot) for shot in result.last), quads=tuple(quads(one) for one in pack.plies),
             cuts=tuple(_cut(shots, mirror_y) for shots in (*before, result.last)),
-            max_deflection=result.max_deflection, checks=result.checks,
+            max_deflection=result.max_deflection, checks=result.checks, measured=result.histories,
         )  # fmt: skip
 
     def summary(self):
@@ -181,6 +185,8 @@ class PackRecord(Audited):
                 put(file, f"cuts/{number:04d}/nose_position", cut.nose, "m")
                 for ply, line in enumerate(cut.lines):
                     put(file, f"cuts/{number:04d}/lines/{ply:02d}", line, "m")
+            for ply, measured in enumerate(self.measured):
+                write_measured(file.create_group(f"measured/{ply:02d}"), measured)
 
     @classmethod
     def read(cls, path):
@@ -193,6 +199,7 @@ class PackRecord(Audited):
             values["plies"] = {name: data[()] for name, data in file["plies/histories"].items()}
             values |= {name: file[f"plies/{name}"][()] for name in _PLIES}
             values["projectile"] = file["projectile"][()]
+            values["measured"] = tuple(read_measured(group) for _, group in sorted(file.get("measured", {}).items()))
             shapes = [group for _, group in sorted(file["shapes"].items())]
             values["quads"] = tuple(group["quads"][()] for group in shapes)
             values["shapes"] = tuple(map(read_shape, shapes))

@@ -27,7 +27,7 @@ PROJECTILE = of(
 )
 _SLIPPING = " ".join(f"boundary.{side}.{key}" for side in ("warp", "weft") for key in SlipTable.model_fields)
 PANEL = of("panel", f"opening boundary boundary.warp boundary.weft {_SLIPPING} symmetry weave_angle yarn_failure")
-NUMERICS = of("numerics", "cfl stretch_viscosity penalty contact_damping precision threads")
+NUMERICS = of("numerics", "cfl stretch_viscosity penalty contact_damping contact_points precision threads")
 BACKING = of(
     "backing",
     "size standoff modulus density poisson yield_stress hardening erosion_strain outer_boundary min_size refined_depth "
@@ -211,11 +211,11 @@ def in_file(problem, file):
 def _fabric(table, file):
     if table.file is not None:
         fabric = catalogue.read(table.file)
-    elif table.name in catalogue.names():
+    elif table.name in catalogue.list_names():
         fabric = catalogue.load(table.name)
     else:
         raise InputError(
-            file=file, key="fabric.name", value=table.name, allowed=f"one of {', '.join(catalogue.names())}"
+            file=file, key="fabric.name", value=table.name, allowed=f"one of {', '.join(catalogue.list_names())}"
         )
     return with_density(fabric, table.linear_density)
 
@@ -238,7 +238,7 @@ def with_density(fabric, choice):
     """The fabric with its "nominal" linear densities, or the "effective" ones where it has such (erratum E-07)."""
     if choice == "nominal" or fabric.effective_linear_density is None:
         return fabric
-    return fabric.effective()
+    return fabric.with_effective_density()
 
 
 def _surface(table, fabric, file):

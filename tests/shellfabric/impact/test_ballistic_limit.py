@@ -54,7 +54,7 @@ def test_number_of_workers_does_not_matter(pretend, small):
     results, panel = [], small()
     for workers in (1, 2, 3, 7):
         begun = pretend(131.0)
-        results.append(ballistic_limit.critical_velocity(panel, guess=100.0, workers=workers))
+        results.append(ballistic_limit.critical_velocity(panel, guess=100.0, jobs=workers))
         assert len(begun) >= len(results[-1].shots)
     assert all(result == results[0] for result in results)
 
@@ -82,7 +82,7 @@ def test_shots_in_vain_are_given_up(pretend, monkeypatch, small):
         return made_up(velocity, "perforated" if velocity > 90.0 else "stopped")
 
     monkeypatch.setattr(ballistic_limit, "_fire", fire)
-    found = ballistic_limit.critical_velocity(small(), guess=100.0, workers=2)
+    found = ballistic_limit.critical_velocity(small(), guess=100.0, jobs=2)
     assert found.low <= 90.0 <= found.high
     assert given_up == [120.0]
 
@@ -102,7 +102,7 @@ def test_no_limit(pretend):
         ballistic_limit.critical_velocity(None, guess=100.0)
 
 
-@pytest.mark.parametrize("bad", [{"tolerance": 0.0}, {"guess": -1.0}, {"highest": inf}, {"workers": 0}, {"step": 1.0}])
+@pytest.mark.parametrize("bad", [{"tolerance": 0.0}, {"guess": -1.0}, {"highest": inf}, {"jobs": 0}, {"step": 1.0}])
 def test_bad_input(pretend, bad):
     begun = pretend(100.0)
     with pytest.raises(InputError, match=next(iter(bad))):
@@ -135,7 +135,7 @@ def test_a_panel(small):
     assert [shot for _, shot in seen] == list(found.shots)
     assert [share for share, _ in seen] == sorted(share for share, _ in seen)
     assert seen[-1][0] == 1.0
-    again = ballistic_limit.shoot(panel, [found.low, found.high, 1.5 * found.high, 2 * found.high], workers=2)
+    again = ballistic_limit.shoot(panel, [found.low, found.high, 1.5 * found.high, 2 * found.high], jobs=2)
     assert [shot.outcome for shot in again] == ["stopped", *["perforated"] * 3]
     assert again[0].residual_velocity == 0.0
     assert 0 < again[1].residual_velocity < again[2].residual_velocity < again[3].residual_velocity

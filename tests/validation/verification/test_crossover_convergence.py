@@ -49,9 +49,9 @@ class MadeUp(Executor):
         self.left, self.done = jobs, 0
 
     def submit(self, function, *arguments):
-        assert function is solve
-        future = Future()
-        future.set_result(made_up(*arguments))
+        (run, [one]), future = arguments, Future()
+        assert run is solve
+        future.set_result(function(made_up, [one]))
         self.done += 1
         return future
 
@@ -149,7 +149,7 @@ def test_tables_page_and_pictures_hold_it_all(found, tmp_path):
 
 def test_the_folder_of_the_command(tmp_path, monkeypatch, capsys):
     run = study.run
-    monkeypatch.setattr(study, "run", lambda out, processes, **choices: run(out, executor=MadeUp(), **choices))
+    monkeypatch.setattr(study, "run", lambda out, **choices: run(out, **choices | {"executor": MadeUp()}))
     with pytest.raises(SystemExit) as leaving:
         app.main(
             [
@@ -199,7 +199,7 @@ def test_a_case_is_the_library_s_own_path():
     path = {"warp only": PATHS["warp only"]}
     result = solve(FABRIC, path, case)
     mesh = mesher.build(FABRIC, size=(2, 2, 2))
-    history = loads.biaxial(mesh, FABRIC, (1, 0), reach=path["warp only"][0], numerics=case.full_numerics)
+    history = loads.biaxial(mesh, FABRIC, (1, 0), max_displacement=path["warp only"][0], numerics=case.full_numerics)
     for quantity in TRUE:
         assert result["values"][f"{quantity}, warp only"] == pytest.approx(getattr(history, quantity)[-1], rel=1e-9)
     assert result["failed"] == {}

@@ -14,7 +14,6 @@ from shellfabric.cloth import failure_kernels
 from shellfabric.impact import ballistic_limit
 from shellfabric.impact.single_ply import ImpactSetup
 from shellfabric.panel.model import Numerics, Panel
-from weavecell.analysis import job_pool
 from weavecell.analysis.uncertainty import inputs, probit, sobol, v50
 
 OPENING = 0.0306
@@ -22,7 +21,7 @@ OPENING = 0.0306
 
 @pytest.fixture(scope="module")
 def fabric():
-    return catalogue.load("S-720").effective()
+    return catalogue.load("S-720").with_effective_density()
 
 
 @pytest.fixture(scope="module")
@@ -106,14 +105,14 @@ def test_each_yarn_has_its_own_strength(panel, per):
     panel = replace(panel, strength_factors=factors)
     const, state = panel.constants(), panel.state(1.0)
     strengths = tuple(yarn.strength * part for yarn, part in zip(panel.weave.yarns, factors))
-    assert (const.strength1, const.strength2) == (strengths[0].min(), strengths[1].min())
+    assert (const.min_strength1, const.min_strength2) == (strengths[0].min(), strengths[1].min())
     for family in (0, 1):
         state.T[family][:] = panel.weave.yarns[family].strength
         wanted = np.count_nonzero(factors[family] < 1) * panel.counts[family] // per
-        assert failure_kernels.past_strength(const, state, family, 0, const.ni)
-        assert failure_kernels.look_for_failures(const, state, family, 0, const.ni) == wanted
-        assert not failure_kernels.past_strength(const, state, family, 0, const.ni)
-        failed = state.failed[family][: (const.ni + 1) * const.s].reshape(-1, const.s)
+        assert failure_kernels.any_past_strength(const, state, family, 0, const.ni)
+        assert failure_kernels.detect_failures(const, state, family, 0, const.ni) == wanted
+        assert not failure_kernels.any_past_strength(const, state, family, 0, const.ni)
+        failed = state.failed[family][: (const.ni + 1) * const.row_stride].reshape(-1, const.row_stride)
         lines = np.flatnonzero(failed.any(axis=family))
         np.testing.assert_array_equal(lines, per * np.flatnonzero(factors[family] < 1))
 
@@ -143,7 +142,7 @@ def test_shots_are_those_of_their_numbers_whatever_the_workers(fabric, tmp_path)
     arguments = {"shots": 8, "batch": 4, "opening": OPENING, "tolerance": 10.0}
     alone = v50.study(fabric, scatter, folder=tmp_path / "a", **arguments)
     with ThreadPoolExecutor(3) as workers:
-        beside = v50.study(fabric, scatter, folder=tmp_path / "b", workers=workers, **arguments)
+        beside = v50.study(fabric, scatter, folder=tmp_path / "b", executor=workers, **arguments)
     assert alone == beside
     told = []
     again = v50.study(
@@ -165,8 +164,3 @@ def test_a_small_study_and_what_it_resumes_from(fabric, tmp_path):
     again = sobol.study(fabric, (60.0, 170.0), report=lambda done, total: counts.append((done, total)), **arguments)
     assert counts == [(8, 8)]
     np.testing.assert_array_equal([one.total for one in again], [one.total for one in found])
-
-
-def test_unknown_pool():
-    with pytest.raises(InputError, match="processes or mpi"), job_pool.executor("threads"):
-        pass

@@ -24,7 +24,10 @@ def test_the_tables_name_commands_and_options_of_today():
     choices = {("mesh", "--domain"): Domain, ("crossover", "--domain"): Part, ("crossover", "--case"): Case}
     for (command, option), names in renamed_options.VALUES.items():
         assert option in options(command)
-        today = {choice.value for choice in choices[command, option]}
+        if option == "--executor":
+            today = set(options(command)[option].metavar.split("|"))
+        else:
+            today = {choice.value for choice in choices[command, option]}
         assert set(names.values()) <= today
         assert not set(names) & today
 
@@ -40,6 +43,8 @@ def test_the_tables_name_commands_and_options_of_today():
         (["crossover", "plates", "--case", "plates"], ["crossover", "plates", "--case", "platens"], ["--case plates"]),
         (["biaxial", "S", "--crossover", "fine"], ["biaxial", "S", "--compare-3d", "fine"], ["--crossover"]),
         (["v50", "S", "--shape", "9"], ["v50", "S", "--weibull-shape", "9"], ["--shape"]),
+        (["critical-velocity", "S", "--workers=2"], ["critical-velocity", "S", "--jobs=2"], ["--workers"]),
+        (["v50", "S", "--pool", "processes"], ["v50", "S", "--executor", "local"], ["--pool", "--executor processes"]),
         (["impact", "--gap"], ["impact", "--gap"], []),
         ([], [], []),
     ],
@@ -78,7 +83,7 @@ def test_old_options_are_in_no_help(command):
         ("crossover S-720 --case biaxial --shear-angle 1rad", "--shear-angle: must be left out with --case biaxial"),
         ("crossover S-720 --case shear --bars 0", "--bars: must be left out with --case shear"),
         ("cost-accuracy --scene struck-yarn --level fine", "--level: must be left out without --scene crossover"),
-        ("cost-accuracy --all --processes 1", "--processes: must be left out without --scene crossover"),
+        ("cost-accuracy --all --jobs 1", "--jobs: must be left out without --scene crossover"),
         ("cost-accuracy --scene crossover --quick", "--quick: must be left out with --scene crossover"),
     ],
 )

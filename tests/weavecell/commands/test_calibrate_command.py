@@ -16,14 +16,14 @@ SMALL = {"plates_size": (2, 2, 2), "paths": {"warp only": (1, 0), "equibiaxial":
 def small(monkeypatch):
     """Two fabrics on the least of meshes."""
     run = solver.calibrate_all
-    monkeypatch.setattr(catalogue, "names", lambda: ["S-720", "S-726"])
+    monkeypatch.setattr(catalogue, "list_names", lambda: ["S-720", "S-726"])
     monkeypatch.setattr(
         solver, "calibrate_all", lambda fabrics, size, **more: run(fabrics, size=(2, 2, 2), **SMALL, **more)
     )
 
 
 def test_the_catalogue_side_by_side(command, tmp_path, small):
-    code, out, err = command("calibrate", "--all", "--mesh", "coarse", "--processes", "2", "--out", "all")
+    code, out, err = command("calibrate", "--all", "--mesh", "coarse", "--jobs", "2", "--out", "all")
     assert code == 0, err
     folder = tmp_path / "all"
     assert sorted(path.name for path in folder.iterdir()) == [
@@ -70,7 +70,7 @@ def test_bad_options_write_nothing(command, tmp_path, options, line):
 def test_one_fabric_is_told_with_intervals_and_spread(command, tmp_path, monkeypatch):
     run = solver.calibrate
     monkeypatch.setattr(solver, "calibrate", lambda fabric, size, **more: run(fabric, size=(2, 2, 2), **SMALL, **more))
-    code, out, err = command("calibrate", "S-720", "--mesh", "coarse", "--processes", "1", "--out", "c")
+    code, out, err = command("calibrate", "S-720", "--mesh", "coarse", "--jobs", "1", "--out", "c")
     assert code == 0, err
     told = {line[:12].strip(): line[12:] for line in out.splitlines()}
     assert {"fitted", "published", "residual", "each path", "warp alone", "weft alone", "by tension", "chosen"} <= set(

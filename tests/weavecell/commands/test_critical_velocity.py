@@ -48,7 +48,7 @@ def read(folder):
 
 
 def test_scene(command, written, tmp_path):
-    code, out, err = command("critical-velocity", written(), "--out", "results", "--residual-shots", 4, "--workers", 1)
+    code, out, err = command("critical-velocity", written(), "--out", "results", "--residual-shots", 4, "--jobs", 1)
     assert code == 0
     assert not [line for line in err.splitlines() if "error" in line]
     folder = tmp_path / "results"
@@ -78,7 +78,7 @@ def test_scene(command, written, tmp_path):
 def test_workers_change_nothing(command, written, tmp_path):
     path = written()
     for workers in (1, 2, 3):
-        words = ("--residual-shots", 3, "--tolerance", "4 m/s", "--workers", workers, "--out", f"results-{workers}")
+        words = ("--residual-shots", 3, "--tolerance", "4 m/s", "--jobs", workers, "--out", f"results-{workers}")
         assert command("critical-velocity", path, *words)[0] == 0
     one, *others = (tmp_path / f"results-{workers}" for workers in (1, 2, 3))
     for other in others:
@@ -109,7 +109,7 @@ def test_fabric_is_shot_at_in_the_standard_way(tmp_path):
         (["nowhere.toml"], "nowhere.toml: the scene or fabric file cannot be read (No such file or directory)"),
         (["S-720", "--tolerance", "1 mm"], "--tolerance = '1 mm': must be a text with a unit that converts to m/s"),
         (["S-720", "--tolerance", "0 m/s"], "--tolerance = '0 m/s': must be above 0"),
-        (["S-720", "--workers", "0"], "Invalid value for '--workers': "),
+        (["S-720", "--jobs", "0"], "Invalid value for '--jobs': "),
     ],
 )
 def test_bad_input_is_one_line(command, tmp_path, words, line):
@@ -155,7 +155,7 @@ def test_unstable_shot_keeps_those_before(command, written, tmp_path, monkeypatc
         return real(panel, velocity, give_up)
 
     monkeypatch.setattr(ballistic_limit, "_fire", fire)
-    code, _, err = command("critical-velocity", written(), "--out", "results", "--workers", 1)
+    code, _, err = command("critical-velocity", written(), "--out", "results", "--jobs", 1)
     assert code == 3
     line = err.splitlines()[-1]
     assert line.startswith("error: a number is not finite, at node (1, 2), after 3 us (step 4), of the shot at 1")

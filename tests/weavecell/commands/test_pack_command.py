@@ -74,6 +74,22 @@ def test_everything_asked_for_is_written(command, scene, tmp_path):
     assert set(np.unique(grid.cell_data["ply"])) == {1, 2, 3}
 
 
+def test_histories_of_every_ply_are_written_and_drawn_of_the_first_and_the_last(command, scene, tmp_path):
+    path = scene(outputs='["pictures"]', extra='[history]\ninterval = "2 us"\nwarp = ["0 mm", "5 mm"]\n')
+    assert command("impact", path, "--out", "results")[0] == 0
+    record = PackRecord.read(tmp_path / "results" / "histories.h5")
+    assert len(record.measured) == 3
+    for ply, found in enumerate(record.measured):
+        assert [yarn.family for yarn in found.yarns] == ["warp", "warp", "weft"]
+        assert found.yarns[0].strength == pytest.approx(record.strength[ply, 0])
+        assert found.t[-1] == pytest.approx(record.time[-1])
+    assert record.measured[0].yarns[0].deflection.max() > record.measured[2].yarns[0].deflection.max()
+    drawn = names(tmp_path / "results" / "pictures")
+    assert {f"{name}-ply-{ply}.svg" for name in ("tensions", "fronts", "profiles", "edges") for ply in (1, 3)} <= set(
+        drawn
+    )
+
+
 def test_resuming_gives_the_same_bytes(command, scene, tmp_path, monkeypatch):
     path = scene()
     assert command("impact", path, "--out", "whole")[0] == 0
@@ -102,7 +118,7 @@ def test_the_gap_may_come_from_the_fabric(command, scene, tmp_path):
         ('plies = 2\nply_gap = "-1 mm"', "", "panel.ply_gap"),
         ('plies = 1\nply_gap = "1 mm"', "", "panel.ply_gap"),
         ('plies = 1\nstacking = "alternating"', "", "panel.stacking"),
-        ("plies = 2", '[history]\ninterval = "1 us"\n', "history"),
+        ("plies = 2", '[accuracy]\ndeflection = "5 %"\n', "accuracy"),
         (
             'plies = 2\nstacking = "alternating"\nsymmetry = "whole"\nweave_angle = "45 deg"', "", "panel.stacking",
         ),

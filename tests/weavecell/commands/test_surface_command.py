@@ -9,7 +9,7 @@ pytest.importorskip("dolfinx")
 
 from fabrics.surface import ResponseSurface
 
-OPTIONS = ("--mesh", "coarse", "--points", "5", "--d1", "0 mm .. 0.01 mm", "--d2", "0 um .. 8 um", "--processes", "1")
+OPTIONS = ("--mesh", "coarse", "--points", "5", "--d1", "0 mm .. 0.01 mm", "--d2", "0 um .. 8 um", "--jobs", "1")
 
 
 def test_surface_is_sampled_told_and_reported(command, tmp_path):

@@ -20,7 +20,7 @@ def page(tmp_path):
 
 def test_v50_writes_its_folder_and_page(tmp_path, page):
     out = tmp_path / "out"
-    words = ["v50", "S-720", "--shots", "8", "--batch", "4", "--opening", "30.6 mm", "--seed", "2"]
+    words = ["v50", "S-720", "--shots", "8", "--batch", "4", "--opening", "30.6 mm", "--seed", "2", "--jobs", "1"]
     run = CliRunner().invoke(app, [*words, "--page", str(page), "--out", str(out)])
     assert run.exit_code == 0, run.output
     assert {path.name for path in out.iterdir()} == {"runs", "shots.csv", "v50.csv", "v50.html", "v50.json", "v50.png"}
@@ -39,7 +39,7 @@ def test_v50_writes_its_folder_and_page(tmp_path, page):
 def test_a_page_without_marks_is_refused_before_anything_is_run(tmp_path, page):
     with pytest.raises(InputError, match="has no marks"):
         uncertainty.sensitivity(
-            "S-720", tmp_path / "out", velocities=[170.0], samples=2, seed=1, jobs=1, kind="processes", opening=0.0306,
+            "S-720", tmp_path / "out", velocities=[170.0], samples=2, seed=1, jobs=1, executor="local", opening=0.0306,
             resume=False, page=page,
         )  # fmt: skip
     assert not (tmp_path / "out").exists()

@@ -13,7 +13,7 @@ from test_supported import CHISEL, LAW, SURFACE, merged
 
 from shellfabric.impact.ballistic_limit import Shot
 from shellfabric.impact.pack import PackSetup
-from shellfabric.panel.solver import ENERGIES, March
+from shellfabric.panel.solver import ENERGIES, PanelSolver
 from weavecell.cli import app
 from weavecell.commands import impact as commands_impact
 from weavecell.results.impact import named
@@ -139,6 +139,7 @@ KINDS = {
     "safety": Kind({"numerics": {"cfl": 0.45}}, ratio(lambda got: got.steps, 2, 0.05)),
     "viscosity": Kind({"numerics": {"stretch_viscosity": 0.2}}, rises(energy("viscous"))),
     "penalty": Kind({"numerics": {"penalty": 0.3, "contact_damping": 0.4}}),
+    "contact points": Kind({"numerics": {"contact_points": 4}}),
     "single precision": Kind({"numerics": {"precision": "single"}}, same_but_rounded),
     "surface": Kind({"fabric": {"surface": SURFACE}}),
     "surface and law": Kind(
@@ -322,13 +323,13 @@ def limit(capsys, folder, monkeypatch, changes):
 
     def fire(panel, velocity, _):
         if not marches:
-            marches.append(March(panel, 400.0, 12e-6).run(()))
+            marches.append(PanelSolver(panel, 400.0, 12e-6).run(()))
         through = velocity > 130.0
         return Shot(velocity, 50.0 * through, "perforated" if through else "stopped", 1e-4, 0, (1.0, 1.0), 0.0, 0.0)
 
     monkeypatch.setattr("shellfabric.impact.ballistic_limit._fire", fire)
     path = written(folder, merged(SHOT, changes))
-    words = ("--tolerance", "100 m/s", "--residual-shots", 0, "--workers", 1, "--out", folder / "r")
+    words = ("--tolerance", "100 m/s", "--residual-shots", 0, "--jobs", 1, "--out", folder / "r")
     code, _, err = call(capsys, "critical-velocity", path, *words)
     assert code == 0, err
     march, found = marches[0], json.loads((folder / "r/critical-velocity.json").read_text())

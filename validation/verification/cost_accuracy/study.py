@@ -5,9 +5,9 @@ from __future__ import annotations
 import shutil
 from importlib import import_module
 
+from fabrics import run_cache
 from fabrics.errors import InputError
 from validation.verification.cost_accuracy.core import judge, timed
-from weavecell.analysis import job_pool
 
 SCENES = {
     "struck-yarn": "struck_yarn",
@@ -53,5 +53,5 @@ def run(key, folder, *, quick=False, resume=False, report=None):
     if not resume:
         shutil.rmtree(folder, ignore_errors=True)
     arguments = [(key, case) for case in found.cases]
-    samples = job_pool.results(solve, arguments, folder=folder, report=report)
+    samples = run_cache.results(solve, arguments, folder=folder, report=report)
     return judge(found, dict(zip(found.cases, samples)))

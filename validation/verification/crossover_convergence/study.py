@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import tomllib
-from concurrent.futures import as_completed
 from dataclasses import dataclass
 from importlib import resources
 from pathlib import Path
@@ -12,8 +11,8 @@ import numpy as np
 
 from fabrics import catalogue, run_cache
 from fabrics.errors import InputError
+from fabrics.executors import as_done, open_executor
 from fabrics.units import si
-from fabrics.workers import workers
 from validation.verification.crossover_convergence.axes import BASE, METHOD, axes
 from validation.verification.crossover_convergence.cases import solve
 from weavecell.analysis.pareto import non_dominated
@@ -85,7 +84,7 @@ def scene():
     return catalogue.load(content["fabric"]), paths
 
 
-def run(out, *, level="full", only=None, resume=False, executor=None, processes=1, progress=None):
+def run(out, *, level="full", only=None, resume=False, executor="local", jobs=1, progress=None):
     """Solve all cases of the study.
 
     Parameters
@@ -94,7 +93,7 @@ def run(out, *, level="full", only=None, resume=False, executor=None, processes=
     level : "quick", "full" or "fine": how fine the finest mesh is
     only : names of axes, or None for all
     resume : take the cases that are done from their files, unless these are of other code
-    executor : any concurrent.futures.Executor; None: `processes` of its own
+    executor, jobs : as of `fabrics.executors.open_executor`
     progress : called as progress(share, text) after each case
 
     Returns
@@ -119,11 +118,10 @@ def run(out, *, level="full", only=None, resume=False, executor=None, processes=
     }
     kept = run_cache.RunCache(Path(out) / "cases", run_cache.JSON)
     results = {case: kept[key]["result"] for case, key in keys.items() if resume and key in kept}
-    with workers(executor, processes) as pool:
-        futures = {pool.submit(solve, fabric, paths, case): case for case in cases if case not in results}
-        for future in as_completed(futures):
-            case = futures[future]
-            results[case] = future.result()
+    waiting = [case for case in cases if case not in results]
+    with open_executor(executor, jobs, fresh=True) as pool:
+        for index, result in as_done(pool, solve, [(fabric, paths, case) for case in waiting]):
+            case, results[waiting[index]] = waiting[index], result
             kept[keys[case]] = {"case": case.identity, "result": results[case]}
             if progress is not None:
                 progress(len(results) / len(cases), _name(chosen, case))

@@ -1,9 +1,10 @@
-"""python -m weavecell.analysis.fidelity survey|trial [--trial NAME] [--out FOLDER] [--jobs N] [--page docs/fidelity.md]
+"""python -m validation.verification.fidelity survey|trial [--trial NAME] [--out FOLDER] [--page docs/fidelity.md]
 
 survey   every model of the ladder on standard and drawn scenes; --keep puts errors.json into the package
 trial    20 random scenes of a trial, each answered as it asks and held against the full model
 
-With --page the tables go into that page, between its marks. Runs are kept in the folder and not made twice.
+With --page the tables go into that page, between its marks. Runs are kept in the folder and not made twice;
+--jobs and --executor say where they are made.
 """
 
 from __future__ import annotations
@@ -17,10 +18,10 @@ from datetime import date
 from importlib import resources
 from pathlib import Path
 
+from fabrics import run_cache
 from fabrics.errors import WeavecellError
 from fabrics.files import write_whole
 from validation.verification.fidelity import cable_net, fit_error_database, page, survey, trial
-from weavecell.analysis import job_pool
 from weavecell.analysis.fidelity import error_database
 
 
@@ -28,8 +29,9 @@ def _runs(function, arguments, options):
     def report(done, total):
         print(f"\r{done} of {total}", end="\n" if done == total else "", file=sys.stderr, flush=True)
 
-    with job_pool.executor("processes", options.jobs) as workers:
-        return job_pool.results(function, arguments, folder=options.out, workers=workers, report=report)
+    return run_cache.results(
+        function, arguments, folder=options.out, executor=options.executor, jobs=options.jobs, report=report
+    )
 
 
 def survey_command(options):
@@ -69,11 +71,14 @@ def trial_command(options):
 
 
 def main():
-    parser = argparse.ArgumentParser(prog="python -m weavecell.analysis.fidelity", description=__doc__.splitlines()[0])
+    parser = argparse.ArgumentParser(
+        prog="python -m validation.verification.fidelity", description=__doc__.splitlines()[0]
+    )
     parser.add_argument("command", choices=("survey", "trial"))
     parser.add_argument("--trial", choices=tuple(trial.TRIALS), default="everything")
     parser.add_argument("--out", type=Path, default=Path("results/fidelity"))
     parser.add_argument("--jobs", type=int, default=1)
+    parser.add_argument("--executor", default="local", help="local, mpi, parsl, dask or MODULE:FUNCTION")
     parser.add_argument("--keep", action="store_true", help="make the survey's errors those that models are chosen by")
     parser.add_argument("--page", type=Path)
     options = parser.parse_args()

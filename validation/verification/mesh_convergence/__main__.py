@@ -104,7 +104,8 @@ def main():
     parser.add_argument("fabrics", nargs="*", default=list(speeds), metavar="FABRIC")
     parser.add_argument("--elements", nargs="+", type=int, default=[1, 2, 3], metavar="N")
     parser.add_argument("--tolerance", type=float, default=TOLERANCE, help="of the critical velocity, m/s")
-    parser.add_argument("--workers", type=int, default=1)
+    parser.add_argument("--jobs", type=int, default=1)
+    parser.add_argument("--executor", default="local", help="local, mpi, parsl, dask or MODULE:FUNCTION")
     parser.add_argument("--out", type=Path, default=Path("results/convergence"))
     parser.add_argument("--resume", action="store_true", help="do not run again what points.json holds of this code")
     parser.add_argument("--page", type=Path, help="put table and picture into this page")
@@ -115,7 +116,7 @@ def main():
     kept = options.out / "points.json"
     points, quantities = read_points(kept) if options.resume else {}, []
     for name in options.fabrics:
-        fabric = catalogue.load(name).effective()
+        fabric = catalogue.load(name).with_effective_density()
         keys = {n: key_of(fabric, speeds[name], n, options.tolerance) for n in options.elements}
 
         def keep(point, keys=keys):
@@ -124,7 +125,8 @@ def main():
 
         found = study(
             fabric, speeds[name], elements=options.elements, keep=keep, tolerance=options.tolerance,
-            known=[points[key] for key in keys.values() if key in points], workers=options.workers,
+            known=[points[key] for key in keys.values() if key in points], jobs=options.jobs,
+            executor=options.executor,
         )  # fmt: skip
         quantities += found
         for entry in found:

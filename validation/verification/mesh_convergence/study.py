@@ -90,7 +90,7 @@ def velocities():
     return {name: si(value, "m/s", key=name) for name, value in tomllib.loads(text)["velocities"].items()}
 
 
-def point(coarse, velocity, n, *, tolerance=TOLERANCE, guess=None, workers=1, report=None):
+def point(coarse, velocity, n, *, tolerance=TOLERANCE, guess=None, executor="local", jobs=1, report=None):
     """Critical velocity of a panel with n elements a crossover, and peak tensions at one velocity, as a Point.
 
     Parameters
@@ -99,6 +99,7 @@ def point(coarse, velocity, n, *, tolerance=TOLERANCE, guess=None, workers=1, re
     velocity : [m/s] of the shot for peak tensions, one that stops
     tolerance : [m/s] of the critical velocity
     guess : [m/s] of a coarser mesh
+    executor, jobs : as of `ballistic_limit.critical_velocity`
     report : called as report(elements a crossover, Shot) after each shot
 
     Raises
@@ -119,7 +120,9 @@ def point(coarse, velocity, n, *, tolerance=TOLERANCE, guess=None, workers=1, re
             allowed="one that stops on every mesh",
         )  # fmt: skip
     known = {} if guess is None else {"guess": guess, "step": NEAR}
-    found = ballistic_limit.critical_velocity(panel, tolerance=tolerance, workers=workers, report=told, **known)
+    found = ballistic_limit.critical_velocity(
+        panel, tolerance=tolerance, executor=executor, jobs=jobs, report=told, **known
+    )
     return Point(
         panel.fabric.name, n, found.velocity, found.half_width, velocity, *shot.peak_tension, panel.table.model.form,
         time.process_time() - began,

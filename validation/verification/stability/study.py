@@ -5,9 +5,10 @@ from __future__ import annotations
 import shutil
 from importlib import import_module
 
+from fabrics import run_cache
 from fabrics.errors import InputError
+from fabrics.executors import open_executor
 from validation.verification.stability.core import explore
-from weavecell.analysis import job_pool
 
 MAPS = {
     "time-step": "time_step",
@@ -42,8 +43,8 @@ def solve(key, x, y):
     return load(key).point(x, y)
 
 
-def run(key, folder, *, quick=False, resume=False, report=None):
-    """Run all points of a map, one after the other, and look for its edges; a core.Found.
+def run(key, folder, *, quick=False, resume=False, executor="local", jobs=1, report=None):
+    """Run all points of a map, and look for its edges; a core.Found.
 
     Parameters
     ----------
@@ -51,15 +52,19 @@ def run(key, folder, *, quick=False, resume=False, report=None):
     folder : Path in which points are kept
     quick : fewer points
     resume : take points that are done from the folder
+    executor, jobs : as of `fabrics.executors.open_executor`
     report : called as report(number done, number of all)
     """
     chart = load(key, quick)
     if not resume:
         shutil.rmtree(folder, ignore_errors=True)
 
-    def many(points):
-        return job_pool.results(
-            solve, [(key, *point) for point in points], folder=folder, report=report if len(points) > 1 else None
-        )
+    with open_executor(executor, jobs) as pool:
 
-    return explore(chart, many, 2 if quick else 5)
+        def many(points):
+            return run_cache.results(
+                solve, [(key, *point) for point in points], folder=folder, executor=pool, jobs=jobs,
+                report=report if len(points) > 1 else None,
+            )  # fmt: skip
+
+        return explore(chart, many, 2 if quick else 5)

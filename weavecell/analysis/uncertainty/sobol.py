@@ -17,10 +17,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from fabrics import run_cache
 from fabrics.errors import InputError, UnstableError
 from shellfabric.impact.single_ply import ImpactSetup, run
 from shellfabric.panel.model import Numerics
-from weavecell.analysis import job_pool
 from weavecell.analysis.uncertainty import inputs
 
 INSTANT = 200e-6
@@ -108,7 +108,9 @@ def shots(fabric, factors, velocities, opening):
     return found
 
 
-def study(fabric, velocities, *, samples, folder, seed=1, opening=0.203, names=None, workers=None, report=None):
+def study(
+    fabric, velocities, *, samples, folder, seed=1, opening=0.203, names=None, executor="local", jobs=1, report=None
+):
     """Sobol indices of all quantities at the strike velocities; a tuple of Indices.
 
     Parameters
@@ -120,7 +122,7 @@ def study(fabric, velocities, *, samples, folder, seed=1, opening=0.203, names=N
     seed : of the sample and of the bootstrap
     opening : [m]
     names : inputs to vary; all of inputs.toml if None
-    workers, report : as in `job_pool.results`
+    executor, jobs, report : as of `run_cache.results`
 
     Raises
     ------
@@ -133,11 +135,11 @@ def study(fabric, velocities, *, samples, folder, seed=1, opening=0.203, names=N
         entries = {name: entries[name] for name in names}
     given = problem(entries)
     rows = sample(given, samples, seed)
-    jobs = [
+    runs = [
         (fabric, tuple((name, round(float(x), _DIGITS)) for name, x in zip(entries, row)), tuple(velocities), opening)
         for row in rows
     ]
-    found = job_pool.results(shots, jobs, folder=folder, workers=workers, report=report)
+    found = run_cache.results(shots, runs, folder=folder, executor=executor, jobs=jobs, report=report)
     return tuple(_indices(given, found, v, name, seed) for v in velocities for name in QUANTITIES)
 
 

@@ -23,11 +23,12 @@ from math import gamma, inf, log, sqrt
 
 import numpy as np
 
+from fabrics import run_cache
 from fabrics.errors import InputError, UnstableError
+from fabrics.executors import open_executor
 from shellfabric.impact import ballistic_limit
 from shellfabric.impact.single_ply import ImpactSetup
 from shellfabric.panel.model import Numerics, Panel
-from weavecell.analysis import job_pool
 from weavecell.analysis.uncertainty import probit
 from weavecell.analysis.uncertainty.inputs import Scatter, changed
 
@@ -165,7 +166,10 @@ def _curve(V, hit):
     return probit.fit(V, hit)
 
 
-def study(fabric, scatter, *, shots, folder, batch=10, seed=1, opening=0.203, tolerance=1.0, workers=None, report=None):
+def study(
+    fabric, scatter, *, shots, folder, batch=10, seed=1, opening=0.203, tolerance=1.0, executor="local", jobs=1,
+    report=None,
+):  # fmt: skip
     """Fire shots, in rounds of `batch`, and fit the curves.
 
     Parameters
@@ -178,7 +182,7 @@ def study(fabric, scatter, *, shots, folder, batch=10, seed=1, opening=0.203, to
     seed : of all that is drawn
     opening : [m]
     tolerance : [m/s] of the deterministic limit
-    workers : as in `job_pool.results`
+    executor, jobs : as of `fabrics.executors.open_executor`
     report : called as report(share of the work done, text)
 
     Raises
@@ -189,23 +193,24 @@ def study(fabric, scatter, *, shots, folder, batch=10, seed=1, opening=0.203, to
         if value < 4:
             raise InputError(key=key, value=value, allowed="at least 4")
     report = report or (lambda share, text: None)
-    (bracket,) = job_pool.results(deterministic, [(fabric, opening, tolerance)], folder=folder, workers=workers)
-    middle, found = 0.5 * sum(bracket), []
-    scatters = scatter != Scatter(gauge_length=scatter.gauge_length)
-    while len(found) < shots:
-        count = min(batch, shots - len(found))
-        if found:
-            velocities = plan([s.velocity for s in found], [s.perforated for s in found], count, scatters)
-        else:
-            velocities = middle * np.linspace(1 - FIRST, 1 + FIRST, count)
-        begun = len(found)
-        jobs = [
-            (fabric, scatter, seed, begun + k, round(float(V), 6), opening) for k, V in enumerate(velocities)
-        ]  # fmt: skip
-        found += job_pool.results(
-            fire, jobs, folder=folder, workers=workers,
-            report=lambda done, total, begun=begun: report((begun + done) / shots, f"{begun + done} shots"),
-        )  # fmt: skip
+    with open_executor(executor, jobs) as pool:
+        runs = {"folder": folder, "executor": pool, "jobs": jobs}
+        (bracket,) = run_cache.results(deterministic, [(fabric, opening, tolerance)], **runs)
+        middle, found = 0.5 * sum(bracket), []
+        scatters = scatter != Scatter(gauge_length=scatter.gauge_length)
+        while len(found) < shots:
+            count = min(batch, shots - len(found))
+            if found:
+                velocities = plan([s.velocity for s in found], [s.perforated for s in found], count, scatters)
+            else:
+                velocities = middle * np.linspace(1 - FIRST, 1 + FIRST, count)
+            begun = len(found)
+            found += run_cache.results(
+                fire,
+                [(fabric, scatter, seed, begun + k, round(float(V), 6), opening) for k, V in enumerate(velocities)],
+                report=lambda done, total, begun=begun: report((begun + done) / shots, f"{begun + done} shots"),
+                **runs,
+            )
     V, hit = [s.velocity for s in found], [s.perforated for s in found]
     curves = {link: probit.fit(V, hit, link=link) for link in probit.LINKS}
     return Study(bracket, tuple(found), curves, scatter)
