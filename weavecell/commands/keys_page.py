@@ -39,12 +39,15 @@ RESULTS = {
     "summary.json of all runs": keys.SHARED,
     "summary.json of impacts": keys.IMPACT,
     "summary.json of coupons": keys.COUPON,
+    "summary.json of the demonstration": keys.DEMO,
+    "critical-velocity.json": keys.CRITICAL_VELOCITY,
     "Energies": keys.ENERGIES,
     "histories.h5 of impacts": keys.DATASETS,
     "histories.h5 of coupons": keys.COUPON_DATASETS,
     "Attributes in histories.h5": keys.ATTRIBUTES,
 }
 NOTES = {
+    "critical-velocity.json": "Also format, fabric, law_name, wall_time_s, checks and provenance, as in summary.json.",
     "Energies": "Entries of the energy balance, each computed on its own; in `energies_at_end_J` and `/energies`.",
     "histories.h5 of impacts": "A file holds the groups that its run gives.",
     "Attributes in histories.h5": "The root also has the texts and scalars of summary.json.",
