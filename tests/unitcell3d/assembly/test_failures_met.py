@@ -7,6 +7,7 @@ import pytest
 import ufl
 
 from unitcell3d.assembly.compat import Assembler, HexSpace
+from unitcell3d.contact.kernel_arguments import Blocks, ContactLaw, Face, PassState, SlavePoints
 from unitcell3d.contact.surface_contact_kernels import contact_pass
 from unitcell3d.contact.surface_kernels import nodes_of
 from unitcell3d.contact.surfaces import FacingSurfaces
@@ -21,6 +22,7 @@ NI, NJ = 5, 3
 GRID = np.arange(NI * NJ).reshape(NI, NJ)
 VALLEY = np.stack(np.broadcast_arrays(np.arange(NI)[:, None] - 2.0, np.arange(NJ) - 1.0, 0.0), -1).reshape(-1, 3)
 VALLEY[:, 2] = 0.5 * np.abs(VALLEY[:, 0])
+MASTER = Face(GRID, np.array([0, 1]), np.array([False, False]), 1.0)
 PENALTY, TOE, WEIGHT, SPRING = 1e3, 1e-3, 1.0, 1e-3
 
 
@@ -38,12 +40,14 @@ def smooth_contact(point):
             nodes_of(GRID, *divmod(code[0], NJ - 1), nodes)
             stencil = np.array([[*quads[0], *nodes]])
             forces, values = np.zeros((n, 3)), np.zeros((n * n, 3, 3))
-        contact_pass(
-            x, quads, shapes, np.ones(1), GRID, np.array([0, 1]), np.array([False, False]), 1.0, PENALTY, TOE, 0.0, 1.0,
-            start, start.copy(), np.empty(1), code, forces, np.zeros((NI - 1) * (NJ - 1), np.int64),
+        blocks = Blocks(
+            np.zeros((NI - 1) * (NJ - 1), np.int64),
             stencil[:, :, None] * n + stencil[:, None, :] if tangent else np.empty((0, 20, 20), np.int64),
-            values if tangent else np.empty((0, 3, 3)), np.zeros(3),
-        )  # fmt: skip
+            values if tangent else np.empty((0, 3, 3)),
+        )
+        state = PassState(start, start.copy(), np.empty(1), code)
+        points, law = SlavePoints(quads, shapes, np.ones(1)), ContactLaw(PENALTY, TOE, 0.0, 1.0)
+        contact_pass(x, points, MASTER, law, state, forces, blocks, np.zeros(3))
     return -forces[slave], -values.reshape(n, n, 3, 3)[slave, slave]
 
 
