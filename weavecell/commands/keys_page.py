@@ -23,8 +23,8 @@ Made by `python -m weavecell.commands.keys_page {PAGE}`; not to be edited by han
 
 ## Scenes of impacts
 
-Quantities are texts with a unit; the unit here is that of the default. A key without a default must be given, or may be
-left out where the default is "none".
+Quantities are texts with a unit; the unit here is that of the default. Where the default is "none", the code chooses
+`run.elements_per_crossover`, `numerics.contact_points` and `panel.ply_gap`, and does without any other.
 
 Columns of commands: `weavecell impact` with one ply, with several (`panel.plies`), with `[accuracy]`, and
 `weavecell critical-velocity`. "no": rejected in one line; "ignored": without meaning there."""
