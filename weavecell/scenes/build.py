@@ -12,7 +12,7 @@ from fabrics.errors import InputError
 from fabrics.fabric import Fabric
 from fabrics.materials import Isotropic, load
 from fabrics.surface import ResponseSurface
-from weavecell.scenes.impact import BackingTable, ProjectileTable, SlipTable
+from weavecell.scenes.impact import SHAPES, BackingTable, ProjectileTable, SlipTable
 from weavecell.scenes.schema import InlineLaw
 from weavecell.scenes.supported import Rule, of
 
@@ -292,18 +292,12 @@ def _source(fabric):
     return " ".join(entry["source"] for key, entry in fabric.sources.items() if key.startswith("compression"))
 
 
-_BODIES = {
-    "flat": "a cylinder", "hemisphere": "a round-nosed cylinder", "cone": "a conical projectile", "sphere": "a sphere",
-    "chisel": "a chisel-nosed fragment simulator",
-}  # fmt: skip
-
-
 def shot_in_words(shot):
     """The projectile and how it comes, for the reader."""
-    words = f"{_BODIES[shot.shape]} of {1e3 * shot.mass:g} g and {1e3 * shot.diameter:g} mm"
+    words = f"{SHAPES[shot.shape]} of {1e3 * shot.mass:g} g and {1e3 * shot.diameter:g} mm"
     if shot.obliquity:
         words += f", {degrees(shot.obliquity):.3g}° off the normal"
-    if shot.body == "bar":
+    if shot.body == "elastic_bar":
         words += ", elastic-plastic along its axis"
     if shot.friction:
         words += f", with friction {shot.friction:g}"

@@ -27,15 +27,20 @@ from weavecell.scenes.schema import (
     whole,
 )
 
+SHAPES = {  # of `shellfabric.projectile.projectile`, in words
+    "flat": "a cylinder", "hemisphere": "a round-nosed cylinder", "cone": "a conical projectile", "sphere": "a sphere",
+    "chisel": "a chisel-nosed fragment simulator",
+}  # fmt: skip
+
 
 class ProjectileTable(Table):
-    """A projectile of one of five shapes, flying at the panel's centre; rigid, or a steel bar along its axis."""
+    """A projectile of one of the SHAPES, flying at the panel's centre; rigid, or a steel bar along its axis."""
 
     mass: quantity("kg", "a mass above 0", "3 g", above=0.0)
     diameter: quantity("m", "a length above 0", "5.5 mm", above=0.0)
     edge_radius: quantity("m", "a length above 0", "0.3 mm", above=0.0) = None
     strike_velocity: quantity("m/s", "a speed above 0 and at most 1000 m/s", "92.5 m/s", above=0.0, at_most=1000.0)
-    shape: one_of("flat", "hemisphere", "cone", "sphere", "chisel") = "flat"
+    shape: one_of(*SHAPES) = "flat"
     length: quantity("m", "a length above 0", "8 mm", above=0.0) = None
     half_angle: angle(5, 85, "45 deg") = None
     tip_radius: quantity("m", "a length above 0", "0.5 mm", above=0.0) = None

@@ -165,6 +165,18 @@ def test_shape_and_attitude_of_the_shot():
     assert told == "a chisel-nosed fragment simulator of 3 g and 5.5 mm, 30° off the normal, with friction 0.2"
 
 
+def test_an_elastic_projectile_in_words():
+    setup, asked = setup_of({"projectile": {"body": "elastic_bar"}})
+    assert setup.projectile.bar is not None
+    assert build.shot_in_words(asked.projectile).endswith("elastic-plastic along its axis")
+
+
+def test_every_shape_of_the_solver_is_a_shape_of_scenes():
+    from shellfabric.projectile.projectile import SHAPES
+
+    assert list(scenes_impact.SHAPES) == list(SHAPES)
+
+
 def test_a_sphere_has_no_edge():
     ball = {key: value for key, value in TABLE["projectile"].items() if key != "edge_radius"} | {"shape": "sphere"}
     asked = scenes_impact.check(TABLE | {"projectile": ball}, "s")
