@@ -1,4 +1,7 @@
-"""One look for all plots: sizes, and a palette that colour-blind readers can tell apart (Okabe and Ito, 2008)."""
+"""One look for all pictures: sizes, and a palette that colour-blind readers can tell apart (Okabe and Ito, 2008).
+
+In the lowest package that draws, for all above it.
+"""
 
 from __future__ import annotations
 
@@ -13,7 +16,8 @@ RED = "#D55E00"
 PURPLE = "#CC79A7"
 SKY = "#56B4E9"
 
-WARP, WEFT = BLUE, RED  # as in the pictures of the mesh
+WARP, WEFT = BLUE, RED
+TINTS = {"warp": "#3d93c8", "weft": "#e27a3a"}  # of the same, for solids under a light
 FITTED, PUBLISHED = BLUE, ORANGE
 COLOURS = (BLUE, ORANGE, GREEN, RED, PURPLE, SKY)
 STEEL = "#7c8794"
