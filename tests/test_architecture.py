@@ -43,7 +43,6 @@ MOST_FILES = 21  # in a folder
 DRIVES = {"set_num_threads", "get_num_threads", "config"}
 # import modules by computed names, or know that others do
 BY_NAME = (
-    "validation/verification/cost_accuracy/study.py", "validation/verification/stability/study.py",
     "fabrics/source_code.py",
     "fabrics/executors.py",  # of the user's own, and other libraries
     "shellfabric/jit/compile_in_child.py",
