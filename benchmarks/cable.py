@@ -28,7 +28,7 @@ def row(name, cells, steps, times, source):
 
 def main(repetitions=7):
     print("; ".join(f"{name} {value}" for name, value in machine().items()))
-    setup = single_ply.ImpactSetup(catalogue.load("S-720").effective(), 100.0, end_time=250e-6)
+    setup = single_ply.ImpactSetup(catalogue.load("S-720").with_effective_density(), 100.0, end_time=250e-6)
     print(f"{'S-720 at 100 m/s, 250 us, quarter':34s} {'parts':>7s} {'steps':>6s} {'median s':>9s} {'ns/part':>8s} "
           f"{'best s':>9s} {'thesis s':>8s}")  # fmt: skip
     for safety in (0.4, 0.9):

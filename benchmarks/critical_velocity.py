@@ -38,7 +38,7 @@ def bisect(fabric, jobs):
 
 def measure(name, jobs, repeats):
     """The limit of a fabric and the medians of its cost."""
-    runs = [bisect(catalogue.load(name).effective(), jobs) for _ in range(repeats)]
+    runs = [bisect(catalogue.load(name).with_effective_density(), jobs) for _ in range(repeats)]
     found = runs[0][0]
     table, wall, cpu = (round(statistics.median(column), 3) for column in zip(*(times for _, times in runs)))
     return {
@@ -58,7 +58,7 @@ def main():
     arguments.add_argument("--repeats", type=int, default=3)
     arguments.add_argument("--out", type=Path)
     chosen = arguments.parse_args()
-    ballistic_limit.shoot(ImpactSetup(catalogue.load("S-720").effective(), 1.0).panel(), [200.0])
+    ballistic_limit.shoot(ImpactSetup(catalogue.load("S-720").with_effective_density(), 1.0).panel(), [200.0])
     report = {"machine": machine() | {"cores_used": chosen.jobs}, "fabrics": {}}
     for name in chosen.fabrics:
         report["fabrics"][name] = measure(name, chosen.jobs, chosen.repeats)

@@ -22,7 +22,7 @@ from unitcell3d.assembly.linear_solver import DirectSolver
 from unitcell3d.cases import biaxial_and_platens
 from unitcell3d.identify.response_surface import sample
 from unitcell3d.model.crossover import CrossoverModel, Load
-from unitcell3d.solver.load_stepping import at_rest, visit
+from unitcell3d.solver.load_stepping import continue_to, rest_state
 from unitcell3d.solver.newton import Newton
 
 RATIOS = ((1, 1), (1, 0), (0, 1))
@@ -35,7 +35,7 @@ def paths(fabric, size):
     factor = DirectSolver.factor
     DirectSolver.factor = lambda solver: (taken.append(1), factor(solver))
     mesh = mesher.build(fabric, size=size)
-    biaxial_and_platens.biaxial(mesh, fabric, (1, 1), reach=1e-6)  # compiled before the clock starts
+    biaxial_and_platens.biaxial(mesh, fabric, (1, 1), max_displacement=1e-6)  # compiled before the clock starts
     rows = []
     for ratio in RATIOS:
         taken.clear()
@@ -78,13 +78,13 @@ def memory(fabric, solves):
     shares = [(i + 1) / SWEEP for i in range(SWEEP)]
     seen, done = [], 0
     solver = Newton(model)
-    q = at_rest(model, solver, Load()).q
-    q = [found for _, found in visit(model, solver, q, Load(), low, [0.1 * i for i in range(1, 11)])][-1].q
+    q = rest_state(model, solver, Load()).q
+    q = [found for _, found in continue_to(model, solver, q, Load(), low, [0.1 * i for i in range(1, 11)])][-1].q
     while done < solves:
         solver.close()
         solver = Newton(model)
         for start, end in ((low, high), (high, low)):
-            for _, found in visit(model, solver, q, start, end, shares):
+            for _, found in continue_to(model, solver, q, start, end, shares):
                 q, done = found.q, done + 1
         seen.append(resident())
     solver.close()

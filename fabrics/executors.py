@@ -18,13 +18,15 @@ import os
 import shutil
 import sys
 import tempfile
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Executor, Future, ProcessPoolExecutor, as_completed
-from contextlib import contextmanager, suppress
+from contextlib import AbstractContextManager, contextmanager, suppress
 from functools import cache
 from importlib import import_module
 from math import ceil
 from multiprocessing import get_context
 from pathlib import Path
+from typing import Any
 
 from fabrics.errors import InputError
 
@@ -38,8 +40,8 @@ _OPTION = "--executor"
 class InProcess(Executor):
     """Runs each task in this process, when it is submitted."""
 
-    def submit(self, function, /, *arguments, **keywords):
-        future = Future()
+    def submit(self, function: Callable, /, *arguments: Any, **keywords: Any) -> Future:
+        future: Future = Future()
         try:
             future.set_result(function(*arguments, **keywords))
         except Exception as problem:
@@ -53,7 +55,7 @@ class _Pool(Executor):
     def __init__(self, inner):
         self._inner = inner
 
-    def submit(self, function, /, *arguments, **keywords):
+    def submit(self, function: Callable, /, *arguments: Any, **keywords: Any) -> Future:
         return self._inner.submit(run_task, function, *arguments, **keywords)
 
     def map(self, function, /, *iterables, **options):
@@ -77,17 +79,17 @@ def _environment(**values):
                 os.environ[name] = value
 
 
-def one_thread_each():
+def one_thread_each() -> AbstractContextManager[None]:
     """Processes that are started meanwhile have one thread."""
     return _environment(**dict.fromkeys(THREADS, "1"))
 
 
-def set_one_thread():
+def set_one_thread() -> None:
     """One thread for libraries that are loaded after this."""
     os.environ.update(dict.fromkeys(THREADS, "1"))
 
 
-def run_task(function, /, *arguments, **keywords):
+def run_task(function: Callable, /, *arguments: Any, **keywords: Any) -> Any:
     """function(*arguments, **keywords), in a worker."""
     from fabrics.kernel_cache import one_compiler_a_node
 
@@ -96,7 +98,9 @@ def run_task(function, /, *arguments, **keywords):
 
 
 @contextmanager
-def open_executor(executor="local", jobs=1, *, fresh=False, **options):
+def open_executor(
+    executor: str | Executor = "local", jobs: int = 1, *, fresh: bool = False, **options: Any
+) -> Iterator[Executor]:
     """The executor of a name, closed at the end; one that is given as an object is used as it is, and left open.
 
     Parameters
@@ -210,7 +214,9 @@ _NAMED = {
 }  # fmt: skip
 
 
-def as_done(executor, function, arguments, *, jobs=None):
+def as_done(
+    executor: Executor, function: Callable, arguments: Sequence[tuple], *, jobs: int | None = None
+) -> Iterator[tuple[int, Any]]:
     """(index, result) of function(*one) for each one of `arguments`, as they end.
 
     Parameters
@@ -242,7 +248,7 @@ def as_done(executor, function, arguments, *, jobs=None):
             cancel(future)
 
 
-def cancel(future):
+def cancel(future: Future) -> None:
     """Cancel a task that has not begun, where the executor can; Parsl cannot."""
     with suppress(NotImplementedError):
         future.cancel()

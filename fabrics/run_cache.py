@@ -20,14 +20,17 @@ import hashlib
 import json
 import pickle
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import Executor
 from dataclasses import dataclass, fields, is_dataclass
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from fabrics import __version__, executors, source_code
+from fabrics.checks import FilePath
 from fabrics.errors import InputError
 from fabrics.files import write_whole
 
@@ -36,24 +39,24 @@ _SHORT = 12  # digits of the code's digest that messages show
 
 
 @cache
-def code(*modules):
+def code(*modules: str) -> str:
     """Digest of the source that the modules (dotted names) consist of, with the data files that it reads.
 
     A module that is not one of ours, as a user's own function has, must have been imported.
     """
     named = [(str(file.relative_to(source_code.ROOT)), file) for file in files_of(*modules)]
-    named += [(name, Path(sys.modules[name].__file__)) for name in modules if source_code.file_of(name) is None]
+    named += [(name, Path(str(sys.modules[name].__file__))) for name in modules if source_code.file_of(name) is None]
     return source_code.digest((name, file.read_bytes()) for name, file in sorted(named))
 
 
-def files_of(*modules):
+def files_of(*modules: str) -> list[Path]:
     """Our files that count as the code of some modules, sorted.
 
     Their imports, in and out of functions; and, of each of `LIBRARIES` that is among these, all files but pictures,
     since a module can use the methods of an object whose class it does not import.
     """
     ours = [name for name in modules if source_code.file_of(name) is not None]
-    others = [Path(sys.modules[name].__file__) for name in modules if name not in ours]
+    others = [Path(str(sys.modules[name].__file__)) for name in modules if name not in ours]
     used = {name for file in others for name in source_code.imports(file)}
     files = source_code.closure([*ours, *(name for name in used if source_code.file_of(name) is not None)])
     reached = {file.relative_to(source_code.ROOT).parts[0] for file in files} & set(LIBRARIES)
@@ -62,17 +65,17 @@ def files_of(*modules):
     return sorted({*files, *source_code.data_of(files)})
 
 
-def version(*modules):
+def version(*modules: str) -> str:
     """Version of weavecell and of the code of some modules, as text: "0.1.0 (code 0123456789ab)"."""
     return f"{__version__} (code {code(*modules)[:_SHORT]})"
 
 
-def key(inputs, *modules):
+def key(inputs: object, *modules: str) -> str:
     """Name of a result: digest of the inputs, of the version and of the code of the modules that compute it."""
     return hashlib.sha256(f"{inputs_digest(inputs)} {__version__} {code(*modules)}".encode()).hexdigest()[:32]
 
 
-def inputs_digest(inputs):
+def inputs_digest(inputs: object) -> str:
     """Digest of a value.
 
     Raises
@@ -160,24 +163,27 @@ class RunCache:
     form : Format of the files
     """
 
-    def __init__(self, folder, form=PICKLE):
+    def __init__(self, folder: FilePath, form: Format = PICKLE) -> None:
         self.folder, self._form = Path(folder), form
 
-    def file(self, key):
+    def file(self, key: str) -> Path:
         """File of a result."""
         return self.folder / f"{key}.{self._form.suffix}"
 
-    def __contains__(self, key):
+    def __contains__(self, key: str) -> bool:
         return self.file(key).exists()
 
-    def __getitem__(self, key):
+    def __getitem__(self, key: str) -> Any:
         return self._form.read(self.file(key))
 
-    def __setitem__(self, key, content):
+    def __setitem__(self, key: str, content: Any) -> None:
         self._form.write(self.file(key), content)
 
 
-def results(function, arguments, *, folder, executor="local", jobs=1, batches=True, fresh=False, report=None):
+def results(
+    function: Callable, arguments: Sequence[tuple], *, folder: FilePath, executor: str | Executor = "local",
+    jobs: int = 1, batches: bool = True, fresh: bool = False, report: Callable[[int, int], object] | None = None,
+) -> list:  # fmt: skip
     """function(*one) for each one of `arguments`, in their order; each is kept as soon as its task is done.
 
     Nothing depends on how many runs are under way, or in which order they end.
@@ -210,12 +216,12 @@ def results(function, arguments, *, folder, executor="local", jobs=1, batches=Tr
     return [kept[name] for name in names]
 
 
-def stamp(inputs, *modules):
+def stamp(inputs: object, *modules: str) -> dict[str, str]:
     """{name: text} that a file with the state of one run carries as attributes."""
     return {"identity": inputs_digest(inputs), "code": version(*modules)}
 
 
-def check_stamp(found, wanted, file, of="run"):
+def check_stamp(found: Mapping, wanted: Mapping[str, str], file: FilePath, of: str = "run") -> None:
     """Refuse a file whose attributes `found` are not those of `wanted`, a `stamp`.
 
     Raises

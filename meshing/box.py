@@ -10,13 +10,14 @@ from functools import lru_cache
 
 import numpy as np
 
+from fabrics.checks import IntArray
 from meshing.session import gmsh_session
 
 HEXAHEDRON = 5  # gmsh's number of the 8-node brick
 
 
 @lru_cache(maxsize=16)
-def transfinite_box(nx, ny, nz):
+def transfinite_box(nx: int, ny: int, nz: int) -> IntArray:
     """Mesh the box and return the grid places of the eight nodes of every brick.
 
     Returns

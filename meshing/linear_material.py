@@ -1,6 +1,6 @@
 """Yarn materials at rest, for the files of other solvers: linear, and no more than a first state of the real laws.
 
-The solid is orthotropic without Poisson effects (source thesis section 3.4.2):
+The solid is orthotropic without Poisson effects (thesis section 3.4.2):
 
     axial E_a Vf0 (eq. 3-2),   transverse K_r E_c (eq. 3-10),   shear K_G E_c / 2 (eq. 3-16).
 
@@ -11,6 +11,9 @@ linear density times length and neither time step collapses.
 from __future__ import annotations
 
 from dataclasses import dataclass
+
+from fabrics.solid import SolidLaw
+from fabrics.yarn import Yarn
 
 BAR_SHARE = 0.5  # of the mass
 
@@ -37,7 +40,7 @@ class RestMaterial:
     failure_strain: float
 
 
-def at_rest(yarn, solid, Vf0) -> RestMaterial:
+def linearise(yarn: Yarn, solid: SolidLaw, Vf0: float) -> RestMaterial:
     """Material of a yarn meshed with the fibre volume fraction `Vf0`."""
     return RestMaterial(
         fibre=yarn.E,

@@ -9,11 +9,13 @@ point.
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from scipy.interpolate import RegularGridInterpolator
 
 
-def least_gap(mesh):
+def least_gap(mesh: Any) -> float:
     """Least vertical gap [m] of the facets of any warp and any weft yarn that cross in a `YarnMesh`."""
     families = np.array(mesh.families)
     yarns = [[mesh.points[mesh.grids[n]] for n in np.flatnonzero(families == family)] for family in (0, 1)]

@@ -5,7 +5,9 @@ In the lowest package that draws, for all above it.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from contextlib import contextmanager
+from typing import Any
 
 INK = "#1d2733"
 FAINT = "#8a94a0"
@@ -59,7 +61,7 @@ _SETTINGS = {
 }
 
 
-def tension_map():
+def tension_map() -> Any:
     """The colour map of tensions."""
     from matplotlib.colors import LinearSegmentedColormap
 
@@ -67,7 +69,7 @@ def tension_map():
 
 
 @contextmanager
-def plots():
+def plots() -> Iterator[Any]:
     """Within the block matplotlib draws off screen and in this project's look; yields pyplot."""
     import matplotlib
 

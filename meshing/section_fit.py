@@ -12,7 +12,7 @@ these that suffices:
 1. shift      the yarns are moved apart in z as rigid bodies, by at most 2 % of h_1 + h_2;
 2. narrow     the sections are made narrower at the same area, no more than needed (not if the widths are prescribed);
 3. densify    the areas are reduced by one factor, no more than needed: the yarn area of the mesh is then limited by the
-              crossing yarn, as in source thesis section A.2, and Vf0 = A_s / A_yarn rises, at most to the closest
+              crossing yarn, as in the thesis, section A.2, and Vf0 = A_s / A_yarn rises, at most to the closest
               packing of round fibres.
 
 After 2 or 3 no shift is left. A gap that is positive everywhere is closed by a shift too, which is then negative. Where
@@ -26,6 +26,7 @@ in the mesh size.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from math import pi, sqrt
 
@@ -33,17 +34,18 @@ import numpy as np
 from scipy.optimize import brentq, minimize_scalar
 
 from fabrics.errors import InputError
+from fabrics.weave import Weave
 from meshing.conforming import KIND as CONFORMING
 from meshing.conforming import conform
-from meshing.section import Section
+from meshing.section import Section, YarnSection
 
 SHIFT_LIMIT = 0.02  # of h_1 + h_2: keeps the end levels of the yarns, which symmetry wants equal, equal in all but name
 CLOSEST_PACKING = pi / (2 * sqrt(3))
-NARROWEST = 0.4  # of the width asked: the search for the best width ends here
+NARROWEST = 0.4  # of the width requested: the search for the best width ends here
 SAMPLES = 4000
 
 
-def clearance(section, w, h):
+def clearance(section: YarnSection, w: float, h: float) -> float:
     """Least of h cos(pi s / 2 w) - q(s) over the section: its room [m] under the arch of the yarn that crosses it.
 
     Sampled at intervals of width / 8000: right to 1e-11 m in a yarn 1 mm wide.
@@ -58,7 +60,7 @@ def clearance(section, w, h):
 
 
 @dataclass(frozen=True)
-class Closing:
+class SectionFit:
     """The two sections, the shift that closes them, and what had to be changed.
 
     Parameters
@@ -67,19 +69,19 @@ class Closing:
     overlap : [m] of the sections as asked for; negative where they had a gap everywhere
     shift : [m] of warp against weft in z, positive apart; warp and weft move by half of it each; 0 if not allowed
     Vf0 : (warp, weft) [-] fibre volume fractions of the mesh
-    asked : (Section, Section) before anything was narrowed or densified
+    requested : (Section, Section) before anything was narrowed or densified
     """
 
     sections: tuple[Section, Section]
     overlap: float
     shift: float
     Vf0: tuple[float, float]
-    asked: tuple[Section, Section]
+    requested: tuple[Section, Section]
 
     @property
     def changed(self) -> bool:
         """True if a section differs from the one asked for."""
-        return self.sections != self.asked
+        return self.sections != self.requested
 
     @property
     def report(self) -> str:
@@ -90,14 +92,24 @@ class Closing:
         what = "overlap" if self.overlap >= 0 else "gap"
         text = f"{what} of the sections {abs(self.overlap) * 1e6:.2f} um"
         if self.changed:
-            width = " / ".join(f"{s.width / a.width:.3f}" for s, a in zip(self.sections, self.asked))
-            area = " / ".join(f"{s.area / a.area:.3f}" for s, a in zip(self.sections, self.asked))
+            width = " / ".join(f"{s.width / a.width:.3f}" for s, a in zip(self.sections, self.requested))
+            area = " / ".join(f"{s.area / a.area:.3f}" for s, a in zip(self.sections, self.requested))
             Vf0 = " / ".join(f"{value:.3f}" for value in self.Vf0)
             return f"{text}, solved: widths times {width}, areas times {area} (Vf0 {Vf0})"
         return f"{text}, closed by a shift of {self.shift * 1e6:+.2f} um" if self.shift else f"{text}, left open"
 
 
-def close(kind, widths, fractions, weave, bluntness, *, prescribed=False, overlap="solve", shift=True):
+def fit_sections(
+    kind: str,
+    widths: Sequence[float],
+    fractions: Sequence[float],
+    weave: Weave,
+    tip_thickness_ratio: float,
+    *,
+    prescribed: bool = False,
+    overlap: str = "solve",
+    shift: bool = True,
+) -> SectionFit:
     """Find sections of the two yarns that touch without overlapping.
 
     Parameters
@@ -106,7 +118,7 @@ def close(kind, widths, fractions, weave, bluntness, *, prescribed=False, overla
     widths : (warp, weft) [m] asked for
     fractions : (warp, weft) [-] fibre volume fractions asked for
     weave : Weave
-    bluntness : [-] of both sections
+    tip_thickness_ratio : [-] of both sections
     prescribed : the widths may not be narrowed
     overlap : "solve", or "refuse" to change any section (a shift within its limit is still made)
     shift : the yarns may be moved apart
@@ -116,12 +128,12 @@ def close(kind, widths, fractions, weave, bluntness, *, prescribed=False, overla
     InputError : the overlap is larger than a shift may remove and is refused, or cannot be removed
     """
     if kind == CONFORMING:
-        return _conforming(widths, fractions, weave, bluntness)
+        return _conforming(widths, fractions, weave, tip_thickness_ratio)
     crossing = [(w, h) for w, h in zip(weave.w, weave.h0)][::-1]  # of each yarn, the arch over it
-    asked = _sections(kind, widths, _areas(weave, fractions), bluntness)
-    first = _overlap(asked, crossing)
+    requested = _sections(kind, widths, _areas(weave, fractions), tip_thickness_ratio)
+    first = _overlap(requested, crossing)
     free = sum(weave.h0) * SHIFT_LIMIT if shift else 0.0
-    sections, Vf0 = asked, tuple(map(float, fractions))
+    sections, Vf0 = requested, (float(fractions[0]), float(fractions[1]))
     if first > free:
         if overlap == "refuse":
             limit = f", more than the {free * 1e6:.1f} um that a shift may remove" if shift else ""
@@ -129,23 +141,23 @@ def close(kind, widths, fractions, weave, bluntness, *, prescribed=False, overla
                 f"the {kind} sections of warp and weft overlap by {first * 1e6:.1f} um{limit}: narrow them, or let the "
                 "overlap be solved"
             )
-        sections = None if prescribed else _narrow(asked, crossing)
+        sections = None if prescribed else _narrow(requested, crossing)
         if sections is None:
-            sections, factor = _densify(asked, crossing, fractions, prescribed)
+            sections, factor = _densify(requested, crossing, fractions, prescribed)
             Vf0 = _denser(fractions, factor)
-    return Closing(sections, first, _overlap(sections, crossing) if shift else 0.0, Vf0, asked)
+    return SectionFit(sections, first, _overlap(sections, crossing) if shift else 0.0, Vf0, requested)
 
 
-def _conforming(widths, fractions, weave, bluntness):
+def _conforming(widths, fractions, weave, tip_thickness_ratio):
     areas = _areas(weave, fractions)
-    sections = conform(widths, areas, weave, bluntness)
+    sections = conform(widths, areas, weave, tip_thickness_ratio)
     Vf0 = tuple(float(old * area / section.area) for old, area, section in zip(fractions, areas, sections))
     if max(Vf0) > CLOSEST_PACKING:
         raise InputError(
             f"conforming sections leave room for fibre fractions of {Vf0[0]:.3f} and {Vf0[1]:.3f}, denser than the "
             f"closest packing ({CLOSEST_PACKING:.3f}): the crimp is too low for these yarns"
         )
-    return Closing(sections, 0.0, 0.0, Vf0, sections)
+    return SectionFit(sections, 0.0, 0.0, Vf0, sections)
 
 
 def _areas(weave, fractions):
@@ -153,8 +165,8 @@ def _areas(weave, fractions):
     return [yarn.A_s * (1 + yarn.crimp) / Vf0 for yarn, Vf0 in zip(weave.yarns, fractions)]
 
 
-def _sections(kind, widths, areas, bluntness):
-    return tuple(Section.of_area(kind, width, area, bluntness) for width, area in zip(widths, areas))
+def _sections(kind, widths, areas, tip_thickness_ratio):
+    return tuple(Section.of_area(kind, width, area, tip_thickness_ratio) for width, area in zip(widths, areas))
 
 
 def _overlap(sections, crossing):
@@ -162,7 +174,7 @@ def _overlap(sections, crossing):
 
 
 def _resized(section, width, area=None):
-    return Section.of_area(section.kind, width, section.area if area is None else area, section.bluntness)
+    return Section.of_area(section.kind, width, section.area if area is None else area, section.tip_thickness_ratio)
 
 
 def _best(section, arch):
@@ -180,12 +192,12 @@ def _best(section, arch):
     return best if clearance(best, *arch) > clearance(section, *arch) else section
 
 
-def _narrow(asked, crossing):
-    """The asked areas, narrowed towards the best widths until nothing overlaps; None if the best still overlap."""
-    best = [_best(section, arch) for section, arch in zip(asked, crossing)]
+def _narrow(requested, crossing):
+    """The requested areas, narrowed towards the best widths until nothing overlaps; None if the best still overlap."""
+    best = [_best(section, arch) for section, arch in zip(requested, crossing)]
 
     def at(part):
-        return tuple(_resized(s, s.width + part * (b.width - s.width)) for s, b in zip(asked, best))
+        return tuple(_resized(s, s.width + part * (b.width - s.width)) for s, b in zip(requested, best))
 
     if _overlap(at(1.0), crossing) > 0:
         return None
@@ -196,7 +208,7 @@ def _denser(fractions, factor):
     return tuple(max(Vf0, min(Vf0 * factor, CLOSEST_PACKING)) for Vf0 in map(float, fractions))
 
 
-def _densify(asked, crossing, fractions, prescribed):
+def _densify(requested, crossing, fractions, prescribed):
     """Sections, and the least common factor on the fibre fractions, that leave no overlap.
 
     Raises
@@ -205,15 +217,15 @@ def _densify(asked, crossing, fractions, prescribed):
     """
 
     def at(factor):
-        areas = [s.area * old / new for s, old, new in zip(asked, fractions, _denser(fractions, factor))]
-        sections = tuple(_resized(s, s.width, area) for s, area in zip(asked, areas))
+        areas = [s.area * old / new for s, old, new in zip(requested, fractions, _denser(fractions, factor))]
+        sections = tuple(_resized(s, s.width, area) for s, area in zip(requested, areas))
         return sections if prescribed else tuple(_best(s, arch) for s, arch in zip(sections, crossing))
 
     highest = max(1.0, CLOSEST_PACKING / min(fractions))
     left = _overlap(at(highest), crossing)
     if left > 0:
         raise InputError(
-            f"the {asked[0].kind} sections of warp and weft overlap by {left * 1e6:.1f} um even at the closest "
+            f"the {requested[0].kind} sections of warp and weft overlap by {left * 1e6:.1f} um even at the closest "
             f"packing of the fibres (Vf0 = {CLOSEST_PACKING:.3f}): try {'other widths or ' if prescribed else ''}"
             "another section"
         )

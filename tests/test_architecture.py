@@ -21,12 +21,13 @@ FLOORS = {"fabrics": 0, "meshing": 1, "unitcell3d": 2, "shellfabric": 2, "weavec
 # inside a package, lowest first: a file imports from its own folder and from lower ones
 LAYERS = {
     "shellfabric": (
-        {"jit"}, {"cell"}, {"cloth"}, {"projectile", "coupon"}, {"solid"}, {"backing"}, {"panel"},
+        {"jit"}, {"driver"}, {"cell"}, {"cloth"}, {"projectile", "coupon"}, {"solid"}, {"backing"}, {"panel"},
         {"plies", "cable", "output"}, {"impact"},
     ),
     "unitcell3d": (
         {"assembly", "material"}, {"contact"}, {"model"}, {"solver"}, {"cases"}, {"identify"}, {"pictures"},
     ),
+    "weavecell": ({"analysis", "scenes"}, {"results"}, {"report"}, {"commands"}, {"cli"}),
 }  # fmt: skip
 UPWARDS = {"weavecell/cli/validation.py": "validation"}  # the one file that may import from a higher package
 ONLY_IN = {
@@ -39,6 +40,8 @@ ONLY_IN = {
 PICTURES = {"pyvista", "matplotlib", "vtk"}
 WITH_KERNELS = ("shellfabric", "unitcell3d")
 MOST_FILES = 21  # in a folder
+TYPED = ("fabrics", "meshing", "unitcell3d")  # mypy checks them (pyproject.toml)
+CALLED = ("__init__", "__call__", "__getitem__", "__setitem__", "__contains__", "__getattr__")
 # of numba, what files may use whose functions are not compiled: anything else could make machine code unseen
 DRIVES = {"set_num_threads", "get_num_threads", "config"}
 # import modules by computed names, or know that others do
@@ -98,7 +101,7 @@ def imports_against_the_layers(root):
         if own is None:
             if name.count("/") > 1:
                 found.append(f"{name} is in a folder that has no place in LAYERS")
-            elif not name.endswith("/__init__.py"):
+            elif not name.endswith(("/__init__.py", "/__main__.py")):
                 found.append(f"{name} is in no folder of its package")
             continue
         for module in source_code.imports(path, root):
@@ -238,6 +241,32 @@ def kernels_that_the_package_does_not_import(root):
     return found
 
 
+def public_functions(body, owner=""):
+    """(name, function) of all functions and methods that are not private, nested ones left out."""
+    for node in body:
+        if isinstance(node, ast.ClassDef) and not node.name.startswith("_"):
+            yield from public_functions(node.body, f"{node.name}.")
+        elif isinstance(node, ast.FunctionDef) and (not node.name.startswith("_") or node.name in CALLED):
+            yield owner + node.name, node
+
+
+def public_functions_without_types(root):
+    """Parameters and results without annotation; of kernels numba finds the types itself."""
+    found = []
+    for name, path in sources(root, TYPED).items():
+        if path.stem.endswith("_kernels"):
+            continue
+        for function, node in public_functions(ast.parse(path.read_bytes()).body):
+            arguments = node.args
+            named = [*arguments.posonlyargs, *arguments.args, arguments.vararg, *arguments.kwonlyargs, arguments.kwarg]
+            static = any(isinstance(each, ast.Name) and each.id == "staticmethod" for each in node.decorator_list)
+            first = 1 if "." in function and not static else 0
+            bare = [each.arg for each in named[first:] if each is not None and each.annotation is None]
+            if bare or node.returns is None:
+                found.append(f"{name}: {function} has no type for {', '.join(bare) or 'its result'}")
+    return found
+
+
 RULES = {
     rule.__name__: rule
     for rule in (
@@ -245,7 +274,7 @@ RULES = {
         analyses_that_import_the_rest_of_weavecell, kernels_that_import_other_files, folders_with_too_many_files,
         imports_by_computed_names, circles, colours_of_their_own,
         versions_of_dolfinx_outside_compat, kernels_that_are_not_plain, kernel_arguments_outside_the_cache,
-        kernels_that_the_package_does_not_import,
+        kernels_that_the_package_does_not_import, public_functions_without_types,
     )
 }  # fmt: skip
 
@@ -292,6 +321,7 @@ PLANTED = [
     ("imports_against_the_layers", "unitcell3d/contact/new.py", "def f():\n    import unitcell3d.solver.newton\n"),
     ("imports_against_the_layers", "shellfabric/elsewhere/new.py", ""),
     ("imports_against_the_layers", "shellfabric/new.py", ""),
+    ("imports_against_the_layers", "weavecell/report/new.py", "from weavecell.commands import mesh\n"),
     (
         "analyses_that_import_the_rest_of_weavecell", "weavecell/analysis/deep/new.py",
         "from weavecell.scenes import impact\n",
@@ -309,6 +339,12 @@ PLANTED = [
     ("kernel_arguments_outside_the_cache", "meshing/new.py", "class Pair(NamedTuple):\n    a: int\n"),
     ("kernel_arguments_outside_the_cache", HERE, "import numba\n@numba.njit\ndef f():\n    pass\n"),
     ("kernels_that_the_package_does_not_import", "shellfabric/cell/deep/new_kernels.py", "from numba import njit\n"),
+    ("public_functions_without_types", "meshing/deep/new.py", "def f(a, *, b: int) -> int:\n    return a + b\n"),
+    ("public_functions_without_types", "fabrics/new.py", "def f(a: int):\n    return a\n"),
+    (
+        "public_functions_without_types", "unitcell3d/new.py",
+        "class A:\n    def __init__(self, a) -> None:\n        pass\n",
+    ),
 ]  # fmt: skip
 
 
@@ -324,6 +360,10 @@ def test_the_rule_finds_a_violation(tmp_path, rule, file, text):
     problems = RULES[rule](tmp_path)
     assert problems
     assert all(Path(file).stem in problem or Path(file).parent.name in problem for problem in problems)
+
+
+def test_packages_with_types_are_those_of_mypy():
+    assert set(TYPED) == set(tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["tool"]["mypy"]["packages"])
 
 
 def test_a_crowded_folder_is_found(tmp_path):

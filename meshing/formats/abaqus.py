@@ -9,15 +9,17 @@ from __future__ import annotations
 
 import numpy as np
 
+from fabrics.checks import FilePath
 from meshing.formats.deck import deck, lines, wrapped
 from meshing.inputs import YARNS
+from meshing.mesh import YarnMesh
 
 TYPES = {"hex": "C3D8", "bar": "T3D2", "shell": "S4"}
 # Nodes (from 0) of the sides S1 .. S6.
 SIDES = np.array([(0, 1, 2, 3), (4, 7, 6, 5), (0, 4, 5, 1), (1, 5, 6, 2), (2, 6, 7, 3), (3, 7, 4, 0)])
 
 
-def write(mesh, path):
+def write(mesh: YarnMesh, path: FilePath) -> None:
     """Write the input file."""
     numbered = deck(mesh)
     with open(path, "w", encoding="ascii") as file:

@@ -10,12 +10,14 @@ Units are SI: m, kg, s, N, Pa.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from meshing.inputs import YARNS
-from meshing.mesh import SURFACES
+from meshing.mesh import SURFACES, YarnMesh
 
 SAME_AREA = 9  # digits: bars whose areas differ only by rounding are one part
 
@@ -68,12 +70,12 @@ class Deck:
     surface_unions: dict
     materials: tuple
 
-    def of_kind(self, kind):
+    def of_kind(self, kind: str) -> list[Part]:
         """The parts of one kind."""
         return [part for part in self.parts if part.kind == kind]
 
 
-def deck(mesh) -> Deck:
+def deck(mesh: YarnMesh) -> Deck:
     """Number the parts, elements and sets of a mesh."""
     groups = {name: nodes + 1 for name, nodes in mesh.groups.items() if name in mesh.faces}
     unions = {name: members for name, members in mesh.collected.items() if name not in mesh.faces}
@@ -137,15 +139,15 @@ def _shells(mesh):
         first += len(quads)
 
 
-def lines(template, *columns):
+def lines(template: str, *columns: ArrayLike) -> str:
     """Text with one line of the %-template for each row of the columns side by side."""
-    columns = [np.asarray(column) for column in columns]
-    flat = [c.reshape(len(c), -1) for c in columns]
+    arrays = [np.asarray(column) for column in columns]
+    flat = [c.reshape(len(c), -1) for c in arrays]
     rows = zip(*(part for c in flat for part in c.T.tolist()))
     return "".join(template % row + "\n" for row in rows)
 
 
-def wrapped(numbers, per_line, template="%10d", between=""):
+def wrapped(numbers: Iterable, per_line: int, template: str = "%10d", between: str = "") -> str:
     """Numbers in lines of at most `per_line`."""
     texts = [template % n for n in numbers]
     return "".join(between.join(texts[i : i + per_line]) + "\n" for i in range(0, len(texts), per_line))

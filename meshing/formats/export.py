@@ -18,15 +18,17 @@ from pathlib import Path
 import meshio
 import numpy as np
 
+from fabrics.checks import FilePath
 from fabrics.errors import InputError
 from fabrics.files import replace_whole
 from meshing.formats import abaqus, ls_dyna, radioss
+from meshing.mesh import YarnMesh
 from meshing.session import gmsh_session
 
 LINE, QUADRILATERAL, HEXAHEDRON = 1, 3, 5  # gmsh's numbers of its element types
 
 
-def write(mesh, path):
+def write(mesh: YarnMesh, path: FilePath) -> None:
     """Write a `Crossover` or `Patch` in the format that the suffix of `path` names.
 
     Raises

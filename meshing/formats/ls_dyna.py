@@ -6,14 +6,16 @@ one-point elements have modes without energy. Bars are trusses (ELFORM 3). Colum
 
 from __future__ import annotations
 
+from fabrics.checks import FilePath
 from meshing.formats.deck import deck, lines, wrapped
 from meshing.inputs import YARNS
+from meshing.mesh import YarnMesh
 
 ELEMENTS = {"hex": "SOLID", "bar": "BEAM", "shell": "SHELL"}
 MATERIALS = ("hex", "bar", "shell")  # of each family, numbered in this order
 
 
-def write(mesh, path):
+def write(mesh: YarnMesh, path: FilePath) -> None:
     """Write the keyword file."""
     numbered = deck(mesh)
     with open(path, "w", encoding="ascii") as file:

@@ -6,15 +6,17 @@ Solids are Isolid 17, fully integrated. Bars are /TRUSS. Groups of nodes are /GR
 
 from __future__ import annotations
 
+from fabrics.checks import FilePath
 from meshing.formats.deck import deck, lines, wrapped
 from meshing.inputs import YARNS
+from meshing.mesh import YarnMesh
 
 ELEMENTS = {"hex": "BRICK", "bar": "TRUSS", "shell": "SHELL"}
 MATERIALS = ("hex", "bar", "shell")  # of each family, numbered in this order
 FULL, FULL_PRESSURE, COROTATIONAL, EDGE_12 = 17, 3, 2, 20  # Isolid, Icpre, Iframe, Ip
 
 
-def write(mesh, path):
+def write(mesh: YarnMesh, path: FilePath) -> None:
     """Write the starter file."""
     numbered = deck(mesh)
     with open(path, "w", encoding="ascii") as file:

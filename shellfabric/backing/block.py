@@ -47,7 +47,7 @@ class Backing:
     fine : [m] reach of these from the axis, and from the face
     growth : factor from brick to brick beyond, at most
     far : "fixed", "absorbing" or "free" far faces
-    face : [m] where the face stands; behind a panel (`behind`), how far behind the back of its last ply
+    face : [m] where the face stands; behind a panel (`backing.coupling`), how far behind the back of its last ply
     hourglass : factor on the hourglass stiffness of the full rule. In plastic flow the full one would stand in for the
         strength that is gone; less than 0.1 lets the modes grow. Of the energy of a ball 0.05, 0.1, 0.2, 0.4 and 0.8
         take 12, 5, 6, 5 and 8 % at most, and the ball goes 7.31, 7.22, 6.98 and 6.59 mm deep from 0.1 on
@@ -220,11 +220,11 @@ class Block:
         """
         shot = projectile
         numbers = np.array([shot.number, shot.radius, shot.edge_radius, np.inf if shot.length is None else shot.length])
-        self._damped += touch.shot(
+        self._damped += touch.nose_forces(
             *self.shape, self.x, self.v, self.gone, self._stiffness, self._springs, np.asarray(position, float),
             np.asarray(speed, float), shot.form, numbers, self._held, self._outer, self._drags, self._shot,
         )  # fmt: skip
-        push, drag = self._shot[touch.PUSH : touch.DRAG], self._shot[touch.DRAG :]
+        push, drag = self._shot[touch.ELASTIC_FORCE : touch.DAMPING_FORCE], self._shot[touch.DAMPING_FORCE :]
         self._damp("shot", drag, np.asarray(speed, float))
         return push + drag
 
@@ -246,13 +246,13 @@ class Block:
             self._memory = np.zeros((len(places), 2))
             self._memory[:, 0] = places[:, 2] + thickness - self.backing.face  # as against the face at rest
         forces, drags, none = np.empty_like(places), np.empty_like(places), np.zeros(len(places))
-        touch.points(
+        touch.point_forces(
             *self.shape, self.x, self.v, self.gone, places, np.ascontiguousarray(velocities, float),
             np.ascontiguousarray(stiffness, float), none if damping is None else np.ascontiguousarray(damping, float),
             float(thickness), self.dt, self._columns, self._memory, self._outer, self._drags, forces, drags,
             self._points,
         )  # fmt: skip
-        self._damped += float(self._points[touch.DROPPED])
+        self._damped += float(self._points[touch.LOST])
         self._damp("points", drags, np.asarray(velocities, float))
         return forces + drags
 

@@ -1,7 +1,7 @@
 """A block of eight-node bricks with one point, elastic-plastic with erosion, in explicit dynamics.
 
 Elasticity is Hencky's, so that what is stored is a function of the state at any strain: with F the mean deformation of
-a brick (`brick.py`), C the inverse of the plastic metric, and e_i the principal logarithmic strains,
+a brick (`hex8.py`), C the inverse of the plastic metric, and e_i the principal logarithmic strains,
 
     b = F C F^T = sum exp(2 e_i) n_i n_i^T,     tau_i = K tr e + 2 G dev e_i,     W = K/2 (tr e)^2 + G |dev e|^2
     P = tau F^-T,     q = (3/2)^(1/2) |dev tau| <= sigma_y + H alpha     (J2, radial return, associative)
@@ -23,12 +23,14 @@ import numpy as np
 from numba import prange
 
 from shellfabric.jit.compile import entry, kernel
-from shellfabric.solid.solid_kernels import corners, hourglass, mean_deformation
+from shellfabric.solid.solid_kernels import brick_nodes, hourglass, mean_deformation
 
 ELASTIC, PLASTIC, HOURGLASS, VISCOUS, ERODED = 0, 1, 2, 3, 4  # of the energies of each brick [J]
-CONTACT, PUSH, DRAG = 0, 1, 4  # of the sums of a contact: stored [J], forces [N] in three components each
+# of the sums of a contact: stored [J], forces [N] in three components each
+CONTACT, ELASTIC_FORCE, DAMPING_FORCE = 0, 1, 4
 SWEEPS = 12  # of Jacobi's rotations; three or four are enough
-ON = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]])  # corners
+# corners
+CORNER_OFFSETS = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]])
 
 
 @kernel()
@@ -140,7 +142,7 @@ def hencky(F, C, alpha, law, viscous, P):
 
 
 @kernel()
-def slab(
+def forces_slice(
     i, ny, nz, x, gradient, volume, twist, control, damping, law, dt, metric, alpha, last, past, gone, own, energy
 ):
     """Forces of the bricks i along x: see `forces`."""
@@ -152,7 +154,7 @@ def slab(
             m = (i * ny + j) * nz + k
             if gone[m]:
                 continue
-            corners(0, i, j, k, ny, nz, nodes)
+            brick_nodes(0, i, j, k, ny, nz, nodes)
             for a in range(8):
                 for c in range(3):
                     places[a, c] = x[nodes[a], c]
@@ -200,7 +202,7 @@ def forces(
     ----------
     nx, ny, nz : bricks along x, y and z; nodes and bricks are numbered with the last fastest
     x : (n, 3) [m]
-    gradient, volume, twist, control : of the bricks at rest, as `brick.Bricks` has them
+    gradient, volume, twist, control : of the bricks at rest, as `hex8.Bricks` has them
     damping : (m,) [Pa s] bulk viscosity
     law : (5,) as for `hencky`
     dt : [s] since the last call
@@ -209,14 +211,14 @@ def forces(
     energy : (m, 5) [J] of each brick, overwritten or added to
     """
     for i in prange(nx):
-        slab(
+        forces_slice(
             i, ny, nz, x, gradient, volume, twist, control, damping, law, dt, metric, alpha, last, past, gone, own,
             energy,
         )  # fmt: skip
 
 
 @kernel()
-def sheet(i, nx, ny, nz, x, v, own, outer, drags, mass, dashpot, free, kick, dt, gone, work):
+def move_slice(i, nx, ny, nz, x, v, own, outer, drags, mass, dashpot, free, kick, dt, gone, work):
     """Step of the nodes i along x: see `move`."""
     kinetic = lost = damped = 0.0
     for j in range(ny + 1):
@@ -225,7 +227,8 @@ def sheet(i, nx, ny, nz, x, v, own, outer, drags, mass, dashpot, free, kick, dt,
             for c in range(3):
                 total = outer[n, c] + drags[n, c]
                 for a in range(8):
-                    p, q, r = i - ON[a, 0], j - ON[a, 1], k - ON[a, 2]  # the brick of which this node is the corner a
+                    # the brick of which this node is the corner a
+                    p, q, r = i - CORNER_OFFSETS[a, 0], j - CORNER_OFFSETS[a, 1], k - CORNER_OFFSETS[a, 2]
                     if 0 <= p < nx and 0 <= q < ny and 0 <= r < nz:
                         m = (p * ny + q) * nz + r
                         if not gone[m]:
@@ -256,4 +259,4 @@ def move(nx, ny, nz, x, v, own, outer, drags, mass, dashpot, free, kick, dt, gon
         of contacts, took from the nodes, added to
     """
     for i in prange(nx + 1):
-        sheet(i, nx, ny, nz, x, v, own, outer, drags, mass, dashpot, free, kick, dt, gone, work)
+        move_slice(i, nx, ny, nz, x, v, own, outer, drags, mass, dashpot, free, kick, dt, gone, work)

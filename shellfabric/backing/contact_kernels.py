@@ -3,7 +3,7 @@
 Both are penalties with damping, never less than nothing together; what one side gets the other gives. Damping is kept
 apart: what it takes is its force times velocities in the middle of the step, which are not known yet.
 
-    shot      signed distance (`shapes_kernels`) of the block's nodes that still have a brick
+    shot      signed distance (`sdf_kernels`) of the block's nodes that still have a brick
     points    each against the facet of the block's face below it, bilinear over its four nodes: the top of the first
               brick of its column below all that are gone, found from the column it was over before; on it, or on its
               continuation, against the place that is nearest, and where there is none, as high above the wall of a
@@ -23,17 +23,17 @@ import math
 
 import numpy as np
 
-from shellfabric.backing.block_kernels import CONTACT, DRAG, PUSH
+from shellfabric.backing.block_kernels import CONTACT, DAMPING_FORCE, ELASTIC_FORCE
 from shellfabric.jit.compile import entry, kernel
 from shellfabric.projectile import sdf_kernels
 
-DROPPED = 1  # of the sums of `points` [J]: springs whose face has dropped away
-LOOKS = 50  # columns that a point is followed across in one call
-FARTHEST = 3.0  # coordinate in a facet, -1 .. 1 within it, that a foot may have
+LOST = 1  # of the sums of `point_forces` [J]: springs whose face has dropped away
+MAX_COLUMNS = 50  # columns that a point is followed across in one call
+MAX_FACET_COORDINATE = 3.0  # coordinate in a facet, -1 .. 1 within it, that a foot may have
 
 
 @kernel()
-def bricks_left(i, j, k, nx, ny, nz, gone):
+def node_active(i, j, k, nx, ny, nz, gone):
     """Whether a brick is left at the node."""
     for p in range(max(i - 1, 0), min(i + 1, nx)):
         for q in range(max(j - 1, 0), min(j + 1, ny)):
@@ -44,14 +44,14 @@ def bricks_left(i, j, k, nx, ny, nz, gone):
 
 
 @entry()
-def shot(nx, ny, nz, x, v, gone, stiffness, damping, position, speed, form, numbers, held, outer, drags, sums):
+def nose_forces(nx, ny, nz, x, v, gone, stiffness, damping, position, speed, form, numbers, held, outer, drags, sums):
     """Forces of a rigid projectile on the nodes of the block.
 
     Parameters
     ----------
     stiffness, damping : (n,) [N/m], [N s/m]
     position, speed : (3,) of the nose [m], [m/s]
-    form, numbers : as for `shapes_kernels.distance`; (4,) number of the shape, radius, edge radius, length
+    form, numbers : as for `sdf_kernels.distance`; (4,) number of the shape, radius, edge radius, length
     held : (n,) [J] by the springs of the last call; overwritten
     outer, drags : (n, 3) [N] internal forces, elastic and damping; added to
     sums : (7,) CONTACT [J]; PUSH .., DRAG .. the elastic and the damping force on the projectile [N]; overwritten
@@ -72,7 +72,7 @@ def shot(nx, ny, nz, x, v, gone, stiffness, damping, position, speed, form, numb
                 # debris may fly ahead of what it came from: every node of the column is looked at
                 if p2 > 0.0 or p0 * p0 + p1 * p1 > widest:
                     continue
-                if not bricks_left(i, j, k, nx, ny, nz, gone):
+                if not node_active(i, j, k, nx, ny, nz, gone):
                     dropped += before
                     continue
                 gap, n0, n1, n2 = sdf_kernels.distance(
@@ -88,13 +88,13 @@ def shot(nx, ny, nz, x, v, gone, stiffness, damping, position, speed, form, numb
                 for c, part in enumerate((n0, n1, n2)):
                     outer[n, c] -= push * part
                     drags[n, c] -= drag * part
-                    sums[PUSH + c] -= push * part
-                    sums[DRAG + c] -= drag * part
+                    sums[ELASTIC_FORCE + c] -= push * part
+                    sums[DAMPING_FORCE + c] -= drag * part
     return dropped
 
 
 @kernel()
-def top_layer(p, q, ny, nz, gone):
+def top_brick(p, q, ny, nz, gone):
     """First brick of the column (p, q) below all that are gone; nz where there is none. Above it there is debris."""
     for r in range(nz - 1, -1, -1):
         if gone[(p * ny + q) * nz + r]:
@@ -137,9 +137,9 @@ def locate(px, py, x, column, nx, ny, nz, gone, place, nodes):
     found : False beyond the block, where a column has no brick left, or under a fold that hides what is below
     """
     w = np.empty(4)
-    for _ in range(LOOKS):
+    for _ in range(MAX_COLUMNS):
         p, q = column[0], column[1]
-        r = top_layer(p, q, ny, nz, gone)
+        r = top_brick(p, q, ny, nz, gone)
         if r == nz:
             return False
         first = (p * (ny + 1) + q) * (nz + 1) + r
@@ -184,7 +184,7 @@ def tangents(a, b, x, nodes, A, B):
 
 
 @kernel()
-def foot(p, x, nodes, place, A, B):
+def closest_point(p, x, nodes, place, A, B):
     """Move `place` from the point of the facet that is straight below p : (3,) to the one that is nearest to it.
 
     Newton on (p - y).A = (p - y).B = 0, on the facet continued by as much as itself; A, B as `tangents`, filled.
@@ -208,7 +208,7 @@ def foot(p, x, nodes, place, A, B):
         det = aa * bb - ab * ab
         da, db = 4.0 * (bb * ra - ab * rb) / det, 4.0 * (aa * rb - ab * ra) / det
         a, b = a + da, b + db
-        if not (det > 0.0 and abs(a) < FARTHEST and abs(b) < FARTHEST):
+        if not (det > 0.0 and abs(a) < MAX_FACET_COORDINATE and abs(b) < MAX_FACET_COORDINATE):
             break
         if abs(da) + abs(db) < 1e-12:
             place[0], place[1], found = a, b, True
@@ -218,7 +218,7 @@ def foot(p, x, nodes, place, A, B):
 
 
 @entry()
-def points(
+def point_forces(
     nx, ny, nz, x, v, gone, px, pv, stiffness, damping, thickness, dt, columns, memory, outer, drags, force, drag_force,
     sums,
 ):  # fmt: skip
@@ -244,9 +244,9 @@ def points(
         was, offset = memory[s, 0], memory[s, 1]
         held = max(was - offset, 0.0)
         below = locate(px[s, 0], px[s, 1], x, columns[s], nx, ny, nz, gone, place, nodes)
-        if not (below and foot(px[s], x, nodes, place, A, B)):
+        if not (below and closest_point(px[s], x, nodes, place, A, B)):
             memory[s, 0], memory[s, 1] = -1.0, 0.0
-            sums[DROPPED] += 0.5 * stiffness[s] * held * held
+            sums[LOST] += 0.5 * stiffness[s] * held * held
             continue
         weights(place[0], place[1], w)
         # out of the block: against z at rest
@@ -268,7 +268,7 @@ def points(
         offset = min(max(offset, 0.0), max(inside, 0.0))
         depth = max(inside - offset, 0.0)
         if -step > explained and depth < held:
-            sums[DROPPED] += 0.5 * stiffness[s] * (held * held - depth * depth)
+            sums[LOST] += 0.5 * stiffness[s] * (held * held - depth * depth)
         memory[s, 0], memory[s, 1] = inside, offset
         if depth == 0.0:
             continue

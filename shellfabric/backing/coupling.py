@@ -2,7 +2,8 @@
 
 After every step of the cloth the block takes its contacts with cloth and projectile at the same instant and then its
 own step, so that it is one step ahead and its energies are those of the cloth's instant. What the contacts give to
-cloth and projectile waits in state.behind and state.outer for the cloth's next step (`panel.step_kernels.lean`).
+cloth and projectile waits in state.f_block_cloth and state.f_block_nose for the cloth's next step
+(`panel.step_kernels.apply_backing_impulse`).
 
 The cloth bears on the block at p x p points of each element, like on a projectile: x = sum N_i x_i, with the penalty
 and damping of the point's own mass. They keep half of the ply's thickness from the face. Points of eroded elements do
@@ -126,11 +127,12 @@ class Behind:
         ]
 
     def follow(self, state):
-        """Bring the block up to the cloth and a step further; leave its forces in state.behind and state.outer."""
+        """Bring the block up to the cloth and a step further; leave its forces in state.f_block_cloth and
+        state.f_block_nose."""
         const, block = self.const, self.block
-        state.outer[:] = block.strike(state.position, state.speed, self.projectile)
+        state.f_block_nose[:] = block.strike(state.projectile_position, state.projectile_velocity, self.projectile)
         if state.counter[2] > 0:  # yarns have failed
-            eroded = (self._nodal(state.flag)[:-1, :-1] & ERODED) != 0
+            eroded = (self._nodal(state.element_flag)[:-1, :-1] & ERODED) != 0
             self._loose[:] = np.broadcast_to(~eroded[..., None], (const.ni, const.nj, self.p**2)).ravel()
         places = np.stack([self._at_points(self._nodal(u) + at) for u, at in zip(state.u, self._rest)], axis=-1)
         speeds = np.stack([self._at_points(self._nodal(v)) for v in state.v], axis=-1)
@@ -144,7 +146,7 @@ class Behind:
     def _nodal(self, values):
         """(ni+1, nj+1) view of an array of the march."""
         const = self.const
-        return values[: (const.ni + 1) * const.s].reshape(const.ni + 1, const.s)
+        return values[: (const.ni + 1) * const.row_stride].reshape(const.ni + 1, const.row_stride)
 
     def _at_points(self, nodal):
         """(ni, nj, p p) values at the points of every element."""
@@ -155,17 +157,17 @@ class Behind:
         """Forces at points to the nodes, each by its weights; none across planes of symmetry."""
         touched = np.flatnonzero(forces.any(axis=(1, 2, 3)))
         if touched.size:  # where nothing has moved yet, nothing is worked on
-            state.rows[0] = min(state.rows[0], max(touched[0] - 1, 0))
-            state.rows[1] = max(state.rows[1], min(touched[-1] + 2, self.const.ni))
+            state.active_rows[0] = min(state.active_rows[0], max(touched[0] - 1, 0))
+            state.active_rows[1] = max(state.active_rows[1], min(touched[-1] + 2, self.const.ni))
         for c in range(3):
-            nodal = self._nodal(state.behind[c])
+            nodal = self._nodal(state.f_block_cloth[c])
             nodal[:] = 0.0
             for m, (_, _, weights) in enumerate(self._weights):
                 part = forces[:, :, m, c]
                 for n, place in zip(weights, (nodal[:-1, :-1], nodal[1:, :-1], nodal[:-1, 1:], nodal[1:, 1:])):
                     place += n * part
-        self._nodal(state.behind[0])[0] = 0.0
-        self._nodal(state.behind[1])[:, 0] = 0.0
+        self._nodal(state.f_block_cloth[0])[0] = 0.0
+        self._nodal(state.f_block_cloth[1])[:, 0] = 0.0
 
     def energies(self):
         """(n,) [J] of NAMES, of the modelled quarter."""

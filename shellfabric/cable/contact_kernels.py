@@ -12,40 +12,40 @@ from shellfabric.jit.compile import kernel
 from shellfabric.projectile import contact_kernels
 
 WARP, WEFT = 0, 1
-CONTACT, SPRING = 1, 2  # of state.sums
+CONTACT, SPRING = 1, 2  # of state.energy_sums
 
 
 @kernel()
-def contact(state, const):
-    """Add the contact forces to state.g; state.reaction is the force on the projectile.
+def contact_forces(state, const):
+    """Add the contact forces to state.f; state.f_contact_nose is the force on the projectile.
 
     Adds up the work that the contact has taken in, and finds the energy in its springs.
     """
-    contact_kernels.clear(state, const)
-    taken, spring = contact_kernels.look(state, const, state.scratch)
-    state.sums[CONTACT] += taken
-    state.sums[SPRING] = spring
-    i0, i1, j0, j1 = contact_kernels.reached(state, const)
+    contact_kernels.clear_forces(state, const)
+    taken, spring = contact_kernels.contact_window(state, const, state.contact_scratch)
+    state.energy_sums[CONTACT] += taken
+    state.energy_sums[SPRING] = spring
+    i0, i1, j0, j1 = contact_kernels.reachable_nodes(state, const)
     for c in range(3):
         for i in range(i0, i1 + 1):
-            for m in range(i * const.s + j0, i * const.s + j1 + 1):
+            for m in range(i * const.row_stride + j0, i * const.row_stride + j1 + 1):
                 k = np.uint64(m)
-                state.g[c, k] += state.contact[c, k]
+                state.f[c, k] += state.f_contact[c, k]
 
 
 @kernel()
-def tear(state, const):
-    """Tell the surface about the window which of its bars have failed."""
-    i0, i1, j0, j1 = contact_kernels.reached(state, const)
+def mark_failed_bars(state, const):
+    """Set the damage flags of the elements in the contact window whose bars have failed."""
+    i0, i1, j0, j1 = contact_kernels.reachable_nodes(state, const)
     for family in range(2):
         for i in range(i0, i1 + 1):
             for j in range(j0, j1 + 1):
-                k = np.uint64(i * const.s + j)
-                if state.stiff[family, k] == 0.0 and state.intact[family, k] > 0.0:
-                    state.intact[family, k] = 0.0
+                k = np.uint64(i * const.row_stride + j)
+                if state.stiffness[family, k] == 0.0 and state.intact_fraction[family, k] > 0.0:
+                    state.intact_fraction[family, k] = 0.0
                     before = (i, max(j - 1, 0)) if family == WARP else (max(i - 1, 0), j)
-                    for element in (k, np.uint64(before[0] * const.s + before[1])):
-                        state.flag[element] |= WARP_FAILED if family == WARP else WEFT_FAILED
+                    for element in (k, np.uint64(before[0] * const.row_stride + before[1])):
+                        state.element_flag[element] |= WARP_FAILED if family == WARP else WEFT_FAILED
 
 
 @kernel()
@@ -54,7 +54,7 @@ def anchored(state, const):
 
     What is not joined is a plug that the projectile has punched out and may push before it for good.
     """
-    i0, i1, j0, j1 = const.near
+    i0, i1, j0, j1 = const.window_limits
     i1, j1 = min(i1 + 1, const.ni), min(j1 + 1, const.nj)
     joined = np.zeros((i1 - i0 + 1, j1 - j0 + 1), np.bool_)
     joined[-1, :] = joined[:, -1] = True
@@ -68,24 +68,29 @@ def anchored(state, const):
                 for j in range(j0, j1 + (family == WARP)):
                     p, q = (i - i0 + 1, j - j0) if family == WARP else (i - i0, j - j0 + 1)
                     here, there = joined[i - i0, j - j0], joined[p, q]
-                    if here != there and state.stiff[family, i * const.s + j] > 0.0:
+                    if here != there and state.stiffness[family, i * const.row_stride + j] > 0.0:
                         joined[i - i0, j - j0] = joined[p, q] = changed = True
     return joined
 
 
 @kernel()
-def in_the_way(state, const):
+def net_ahead_of_nose(state, const):
     """Whether the middle of a bar that the net holds is still ahead of the edge, within the projectile's radius."""
-    i0, i1, j0, j1 = const.near
+    i0, i1, j0, j1 = const.window_limits
     joined = anchored(state, const)
     for family in range(2):
         for i in range(i0, i1 + 1):
             for j in range(j0, j1 + 1):
-                if not joined[i - i0, j - j0] or state.stiff[family, i * const.s + j] == 0.0:
+                if not joined[i - i0, j - j0] or state.stiffness[family, i * const.row_stride + j] == 0.0:
                     continue
-                near_x, near_y, near_z = spline_kernels.place(state, const, i, j)
-                far_x, far_y, far_z = spline_kernels.place(state, const, i + (family == WARP), j + (family == WEFT))
+                near_x, near_y, near_z = spline_kernels.node_position(state, const, i, j)
+                far_x, far_y, far_z = spline_kernels.node_position(
+                    state, const, i + (family == WARP), j + (family == WEFT)
+                )
                 p_x, p_y, p_z = 0.5 * (near_x + far_x), 0.5 * (near_y + far_y), 0.5 * (near_z + far_z)
-                if p_z > -const.rho and p_x * p_x + p_y * p_y < const.R * const.R:
+                if (
+                    p_z > -const.edge_radius
+                    and p_x * p_x + p_y * p_y < const.projectile_radius * const.projectile_radius
+                ):
                     return True
     return False

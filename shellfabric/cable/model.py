@@ -2,7 +2,7 @@
 
 Source thesis section 4.4.2: masses at the crossovers, joined along warp and weft by bars that carry tension only. Warp
 and weft share their nodes and nothing else: no crimp exchange, no compression of the yarns, no shear stiffness. Crimp
-is slack that must be pulled out first. The equations stand in `cable_kernels`.
+is slack that must be pulled out first. The equations stand in `cable.step_kernels`.
 
 Time step. No direction of a node sees more than both families, so that the highest frequency of the net obeys
 w^2 <= 4 (k1 + k2) / M, with k = EA / S0 and M the mass of the two yarns in a cell, however the net folds. Along a flat
@@ -26,14 +26,18 @@ from shellfabric.projectile.projectile import Projectile
 
 Constants = namedtuple(
     "Constants",
-    "ni nj s block mirror_x mirror_y x0 y0 dx dy dt S0 EA cv limit near points shares point_stiffness point_damping "
-    "point_mass firmer shape form length frame tilted friction widest R rho projectile_mass free idle_steps clamped "
-    "middle middle_share driven",
+    "ni nj row_stride rows_per_block mirror_x mirror_y x0 y0 dx dy dt S0 EA cv failure_elongation window_limits "
+    "points_per_side shape_functions point_stiffness point_damping point_mass implicit_factor nose_shape "
+    "nose_parameters projectile_length frame tilted friction erosion_gap_ratio projectile_radius edge_radius "
+    "projectile_mass free_dofs perforation_delay_steps clamped_nodes middle_end_nodes middle_yarn_fraction "
+    "driven_node",
 )
 State = namedtuple(
     "State",
-    "u v g mass kick stiff intact flag L drag pressed touching stuck due pushed usual window contact "
-    "contact_energy scratch position speed reaction rows counter sums peak",
+    "u v f mass dt_over_mass stiffness intact_fraction element_flag length viscous_force last_contact_force "
+    "in_contact friction_state dv_other dv_contact force_scale contact_window f_contact contact_energy "
+    "contact_scratch projectile_position projectile_velocity f_contact_nose active_rows counter energy_sums "
+    "peak_elongation",
 )
 
 
@@ -48,11 +52,11 @@ class CableNumerics:
     viscosity : damping ratio of the highest mode of the taut net; 0.1, as in the shell
     penalty : stiffness of the contact, in units of the touching mass / dt^2
     contact_damping : ratio to critical of that mass on that spring
-    contact_points : along each bar, as in the shell
+    contact_points : along each bar
     widest : stretch of the gap left by failed bars at which an element of the surface loses contact, as in the shell
     clear_time : [s] without a push and with nothing ahead, after which the net counts as perforated
     block : nodes worked on together; their scratch should stay in cache
-    drift_limit : share of the strike energy that the energy balance may reach before the run counts as unstable
+    energy_error_limit : share of the strike energy that the energy error may reach before the run counts as unstable
 
     Raises
     ------
@@ -67,10 +71,10 @@ class CableNumerics:
     widest: float = 3.0
     clear_time: float = 2e-6
     block: int = 2000
-    drift_limit: float = 0.05
+    energy_error_limit: float = 0.05
 
     def __post_init__(self):
-        for key in ("safety", "penalty", "contact_points", "widest", "clear_time", "block", "drift_limit"):
+        for key in ("safety", "penalty", "contact_points", "widest", "clear_time", "block", "energy_error_limit"):
             if not getattr(self, key) > 0:
                 raise InputError(key=key, value=getattr(self, key), allowed="above 0")
         for key in ("viscosity", "contact_damping"):
@@ -80,7 +84,8 @@ class CableNumerics:
             raise InputError(key="safety", value=self.safety, allowed="at most 1")
 
     def step(self, frequency):
-        """(dt [s], cv [-]) where the highest frequency is `frequency` [rad/s]; cv as in `cable.step_kernels.pulls`."""
+        """(dt [s], cv [-]) where the highest frequency is `frequency` [rad/s]; cv as in
+        `cable.step_kernels.bar_forces`."""
         xi = self.viscosity
         dt = self.safety * 2 / frequency * ((1 + xi**2) ** 0.5 - xi)
         return dt, 2 * xi / (frequency * dt)
@@ -182,18 +187,19 @@ class CableNet:
         slots = np.arange((ni + 1) * s).reshape(ni + 1, s)
         middle = (int(slots[-1, 0 if mirrors[1] else nj // 2]), int(slots[0 if mirrors[0] else ni // 2, -1]))
         return Constants(
-            ni=ni, nj=nj, s=s, block=max(1, round(knobs.block / s)), mirror_x=mirrors[0], mirror_y=mirrors[1],
-            x0=origin[0], y0=origin[1], dx=spacing[0], dy=spacing[1], dt=dt,
+            ni=ni, nj=nj, row_stride=s, rows_per_block=max(1, round(knobs.block / s)), mirror_x=mirrors[0],
+            mirror_y=mirrors[1], x0=origin[0], y0=origin[1], dx=spacing[0], dy=spacing[1], dt=dt,
             S0=weave.S0, EA=tuple(yarn.EA for yarn in weave.yarns), cv=cv,
-            limit=tuple(S0 * yarn.failure_strain if self.failure else inf for S0, yarn in zip(weave.S0, weave.yarns)),
-            near=self._near(origin),
+            failure_elongation=tuple(S0 * yarn.failure_strain if self.failure else inf
+            for S0, yarn in zip(weave.S0, weave.yarns)), window_limits=self._near(origin),
             **contact.constants(knobs.contact_points, weave.cell_mass, dt, knobs.penalty, knobs.contact_damping),
-            shape=shot.number, form=shot.form, length=inf, frame=shot.frame, tilted=False, friction=0.0,
-            widest=knobs.widest, R=shot.radius, rho=shot.edge_radius,
+            nose_shape=shot.number, nose_parameters=shot.form, projectile_length=inf, frame=shot.frame, tilted=False,
+            friction=0.0, erosion_gap_ratio=knobs.widest, projectile_radius=shot.radius, edge_radius=shot.edge_radius,
             projectile_mass=shot.mass * self.share,
-            free=(*(0.0 if mirrored else 1.0 for mirrored in mirrors), 1.0),
-            idle_steps=max(1, round(knobs.clear_time / dt)), clamped=slots[self._clamped()], middle=middle,
-            middle_share=(0.5 if mirrors[1] else 1.0, 0.5 if mirrors[0] else 1.0), driven=0,
+            free_dofs=(*(0.0 if mirrored else 1.0 for mirrored in mirrors), 1.0),
+            perforation_delay_steps=max(1, round(knobs.clear_time / dt)), clamped_nodes=slots[self._clamped()],
+            middle_end_nodes=middle,
+            middle_yarn_fraction=(0.5 if mirrors[1] else 1.0, 0.5 if mirrors[0] else 1.0), driven_node=0,
         )  # fmt: skip
 
     def state(self, strike_velocity) -> State:
@@ -209,7 +215,7 @@ class CableNet:
         held = np.repeat(self._clamped()[None], 3, axis=0)
         held[0, 0, :] |= mirrors[0]
         held[1, :, 0] |= mirrors[1]
-        i0, i1 = const.near[:2]
+        i0, i1 = const.window_limits[:2]
         bar_mass = [S0 * yarn.linear_density for S0, yarn in zip(self.fabric.weave.S0, self.fabric.weave.yarns)]
         rows = (max(i0 - 1, 0), min(i1 + 1, ni))
         return at_rest(const, share, bar_mass, held, rows, strike_velocity)
@@ -251,7 +257,7 @@ def at_rest(const, share, bar_mass, held, rows, speed) -> State:
     rows : (first, last) rows of bars that may move at once
     speed : [m/s] of the projectile
     """
-    slots = share[0].size + const.s + 8  # loops read one row beyond the last
+    slots = share[0].size + const.row_stride + 8  # loops read one row beyond the last
     mass = np.zeros(share.shape[1:])
     for family in range(2):
         half = 0.5 * bar_mass[family] * share[family]
@@ -269,13 +275,14 @@ def at_rest(const, share, bar_mass, held, rows, speed) -> State:
 
     stiff = flat(share * stiffness[:, None, None])
     return State(
-        u=np.zeros((3, slots)), v=np.zeros((3, slots)), g=np.zeros((3, slots)), mass=flat(mass),
-        kick=flat(np.where(held, 0.0, inverse)), stiff=stiff,
-        intact=(stiff > 0).astype(float),
-        L=np.repeat(np.array([const.dx, const.dy])[:, None], slots, axis=1), drag=np.zeros((2, slots)),
-        flag=np.zeros(slots, np.uint8), contact=np.zeros((3, slots)), contact_energy=np.zeros(5),
-        **contact.memory(const.near, const.points, const.shares, 0.0), window=np.array(const.near),
-        scratch=contact.scratch(const),
-        position=np.zeros(3), speed=np.array([0.0, 0.0, float(speed)]), reaction=np.zeros(3), rows=np.array(rows),
-        counter=np.zeros(3, np.int64), sums=np.zeros(4), peak=np.zeros(2),
+        u=np.zeros((3, slots)), v=np.zeros((3, slots)), f=np.zeros((3, slots)), mass=flat(mass),
+        dt_over_mass=flat(np.where(held, 0.0, inverse)), stiffness=stiff,
+        intact_fraction=(stiff > 0).astype(float),
+        length=np.repeat(np.array([const.dx, const.dy])[:, None], slots, axis=1), viscous_force=np.zeros((2, slots)),
+        element_flag=np.zeros(slots, np.uint8), f_contact=np.zeros((3, slots)), contact_energy=np.zeros(5),
+        **contact.contact_state(const.window_limits, const.points_per_side, const.shape_functions, 0.0),
+        contact_window=np.array(const.window_limits), contact_scratch=contact.scratch(const),
+        projectile_position=np.zeros(3), projectile_velocity=np.array([0.0, 0.0, float(speed)]),
+        f_contact_nose=np.zeros(3), active_rows=np.array(rows),
+        counter=np.zeros(3, np.int64), energy_sums=np.zeros(4), peak_elongation=np.zeros(2),
     )  # fmt: skip

@@ -123,7 +123,7 @@ def strike(yarn: Yarn, velocity, *, length=0.1, bars=2000, numerics=None) -> Yar
     state.v[2, 0] = velocity  # the driven node has no kick: it keeps its speed
     steps = round(0.9 * length / (theory.c * const.dt))
     history = np.empty((steps, kernels.COLUMNS))
-    kernels.advance(state, const, steps, history)
+    kernels.run_steps(state, const, steps, history)
     return _read(yarn, const, state, history, velocity)
 
 
@@ -131,12 +131,15 @@ def _constants(yarn, spacing, bars, numerics):
     """The yarn as a net of one row: bars along the weft, none along the warp, nothing in contact."""
     (dt, cv), shot = numerics.step(2 * yarn.wave_speed / spacing), Projectile()
     return Constants(
-        ni=0, nj=bars, s=bars + 1, block=1, mirror_x=False, mirror_y=False, x0=0.0, y0=0.0, dx=spacing, dy=spacing,
-        dt=dt, S0=(spacing, spacing), EA=(yarn.EA, yarn.EA), cv=cv, limit=(inf, inf), near=(0, 0, 0, 0),
-        **contact.constants(1, 0.0, dt, 0.0, 0.0), shape=shot.number, form=shot.form, length=inf, frame=shot.frame,
-        tilted=False, friction=0.0, widest=inf, R=1.0, rho=1.0, projectile_mass=1.0,
-        free=(0.0, 0.0, 1.0), idle_steps=1, clamped=np.array([0, bars]), middle=(0, bars), middle_share=(1.0, 1.0),
-        driven=0,
+        ni=0, nj=bars, row_stride=bars + 1, rows_per_block=1, mirror_x=False, mirror_y=False, x0=0.0, y0=0.0,
+        dx=spacing, dy=spacing,
+        dt=dt, S0=(spacing, spacing), EA=(yarn.EA, yarn.EA), cv=cv, failure_elongation=(inf, inf),
+        window_limits=(0, 0, 0, 0),
+        **contact.constants(1, 0.0, dt, 0.0, 0.0), nose_shape=shot.number, nose_parameters=shot.form,
+        projectile_length=inf, frame=shot.frame,
+        tilted=False, friction=0.0, erosion_gap_ratio=inf, projectile_radius=1.0, edge_radius=1.0, projectile_mass=1.0,
+        free_dofs=(0.0, 0.0, 1.0), perforation_delay_steps=1, clamped_nodes=np.array([0, bars]),
+        middle_end_nodes=(0, bars), middle_yarn_fraction=(1.0, 1.0), driven_node=0,
     )  # fmt: skip
 
 
@@ -144,7 +147,7 @@ def _read(yarn, const, state, history, V):
     bars, spacing, t = const.nj, const.dy, len(history) * const.dt
     X = spacing * np.arange(bars + 1)
     nodes = np.column_stack([X + state.u[1, : bars + 1], state.u[2, : bars + 1]])
-    strain, middle = state.L[1, :bars] / spacing - 1, 0.5 * (X[1:] + X[:-1])
+    strain, middle = state.length[1, :bars] / spacing - 1, 0.5 * (X[1:] + X[:-1])
     area = 0.5 * np.sum(np.diff(nodes[:, 0]) * (nodes[1:, 1] + nodes[:-1, 1]))
     U = 2 * area / (V * t * t)
     # the kink has taken up the material up to U t plus what has moved in
@@ -155,7 +158,7 @@ def _read(yarn, const, state, history, V):
     drive = history[:, kernels.DRIVE]
     force = 2 * float(drive[len(drive) // 2 :].mean())
     cloth, _, stored = kernels.energies(state, const)
-    viscous = float(state.sums[kernels.VISCOUS])
+    viscous = float(state.energy_sums[kernels.VISCOUS])
     external = -V * const.dt * (drive.sum() - 0.5 * drive[-1])
     energies = {"kinetic_fabric": cloth, "stored": stored, "viscous": viscous, "external": external}
     energies["balance"] = sum(energies.values()) - 0.5 * state.mass[0] * V * V

@@ -1,20 +1,18 @@
-"""An impact on the pin-jointed cable net: run, energy audit, result. The net stands in `cable`."""
+"""The explicit solver of the pin-jointed cable net (`cable.model`), and the result of an impact on it."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import ceil, inf
-from time import perf_counter
 
 import numpy as np
 
-from fabrics.errors import InputError, UnstableError
 from shellfabric.cable import step_kernels as kernels
 from shellfabric.cable.contact_kernels import CONTACT
 from shellfabric.cable.model import CableNet
+from shellfabric.driver.solver import ExplicitSolver, run_to_end, speed_limit
 
-OUTCOMES = {kernels.RUNNING: "in flight", kernels.STOPPED: "stopped", kernels.PERFORATED: "perforated"}
 ENERGIES = ("kinetic_fabric", "kinetic_projectile", "stored", "viscous", "contact", "failed", "external", "balance")
+SAMPLES = ("t", "v", "z", *ENERGIES)
 
 
 @dataclass(frozen=True)
@@ -59,85 +57,102 @@ class CableResult:
         return float(np.max(np.abs(self.energies["balance"])) / self.energies["kinetic_projectile"][0])
 
 
-def run(net: CableNet, strike_velocity, end_time=800e-6, *, audit_interval=2e-6) -> CableResult:
-    """March a net until the projectile stops or is through, or `end_time` [s] has passed.
+class CableSolver(ExplicitSolver):
+    """One run of a net. Columns of step_history are those of `cable.step_kernels`.
+
+    Parameters
+    ----------
+    net : CableNet
+    strike_velocity, end_time, interval : as ExplicitSolver
+
+    Raises
+    ------
+    InputError : a strike velocity, end time or interval that is not positive
+    """
+
+    sample_names, energy_names, history_columns = SAMPLES, ENERGIES, kernels.COLUMNS
+
+    def __init__(self, net: CableNet, strike_velocity, end_time, *, interval=2e-6):
+        limit = net.numerics.energy_error_limit
+        super().__init__(net.projectile, strike_velocity, end_time, interval=interval, energy_error_limit=limit)
+        self.net, self.share = net, net.share
+        self.const, self.state = net.constants(), net.state(strike_velocity)
+        self._begin(self.const.dt)
+
+    @property
+    def steps(self):
+        """Steps made."""
+        return int(self.state.counter[kernels.STEP])
+
+    def advance(self, history):
+        """See ExplicitSolver."""
+        return kernels.run_steps(self.state, self.const, len(history), history)
+
+    def observe(self):
+        """See ExplicitSolver. What is stored follows from the lengths of the bars, not from the work done on them."""
+        state, const = self.state, self.const
+        cloth, projectile, stored = kernels.energies(state, const)
+        speed = state.projectile_velocity[2] + 0.5 * const.dt * state.f_contact_nose[2] / const.projectile_mass
+        spent = state.energy_sums[kernels.VISCOUS], state.energy_sums[CONTACT], state.energy_sums[kernels.LOST]
+        return [speed, state.projectile_position[2]], [cloth, projectile, stored, *spent, 0.0]  # clamps do no work
+
+    def node_speeds(self):
+        """See ExplicitSolver."""
+        return [(np.sqrt((self.state.v**2).sum(axis=0)), speed_limit(self.const))]
+
+    def where(self, part, node):
+        """See ExplicitSolver."""
+        return f"node ({int(node) // self.const.row_stride}, {int(node) % self.const.row_stride}) of the cable net"
+
+    def checkpoint_identity(self):
+        """See ExplicitSolver."""
+        known = self.strike_velocity, self.steps_per_sample, self.const._asdict(), self.state.mass
+        return known, "shellfabric.cable.solver"
+
+    def checkpoint_arrays(self):
+        """See ExplicitSolver."""
+        return {"state": self.state}
+
+
+def run(net: CableNet, strike_velocity, end_time=800e-6, *, audit_interval=2e-6, hooks=()) -> CableResult:
+    """Run an impact on a net until the projectile stops or is through, or `end_time` [s] has passed.
 
     Raises
     ------
     InputError : a time or velocity that is not positive
-    UnstableError : a number that is not finite, or an energy balance beyond its limit
+    UnstableError : as ExplicitSolver.run; its attribute `result` holds what was computed
     """
-    for key, value in (
-        ("strike_velocity", strike_velocity),
-        ("end_time", end_time),
-        ("audit_interval", audit_interval),
-    ):
-        if not 0 < value < inf:
-            raise InputError(key=key, value=value, allowed="above 0")
-    const, state = net.constants(), net.state(strike_velocity)
-    steps, chunk = ceil(end_time / const.dt), max(1, round(audit_interval / const.dt))
-    history = np.empty((steps, kernels.COLUMNS))
-    kernels.advance(state, const, 0, history)  # compiled before the clock starts
-    made, reason, wall, samples = 0, kernels.RUNNING, 0.0, [audit(state, const)]
-    while made < steps and reason == kernels.RUNNING:
-        start = perf_counter()
-        done, reason = kernels.advance(state, const, min(chunk, steps - made), history[made:])
-        wall += perf_counter() - start
-        made += done
-        samples.append(audit(state, const))
-        check(samples, reason, net.numerics.drift_limit)
-    return _result(net, const, state, history[:made], np.array(samples), reason, wall)
+    solver = CableSolver(net, strike_velocity, end_time, interval=audit_interval)
+    return run_to_end(solver, hooks, lambda: collect_result(solver))
 
 
-def audit(state, const):
-    """One sample of the modelled part: time, the projectile's velocity and place, and ENERGIES but for the balance.
-
-    What is stored follows from the lengths of the bars, not from the work that went into them.
-    """
-    cloth, projectile, stored = kernels.energies(state, const)
-    speed = state.speed[2] + 0.5 * const.dt * state.reaction[2] / const.projectile_mass
-    sums, time = state.sums, state.counter[kernels.STEP] * const.dt
-    spent = sums[kernels.VISCOUS], sums[CONTACT], sums[kernels.LOST]
-    return time, speed, state.position[2], cloth, projectile, stored, *spent, 0.0  # clamps do no work
-
-
-def check(samples, reason, limit):
-    """Stop a run that has become unphysical."""
-    first, last = sum(samples[0][3:]), sum(samples[-1][3:])
-    when = f"after {samples[-1][0] * 1e6:.3g} us"
-    if reason == kernels.NOT_FINITE or not np.isfinite(last):
-        raise UnstableError("a number is not finite in the cable net", when=when)
-    if abs(last - first) > limit * first:
-        raise UnstableError(
-            f"the energy balance of the cable net is off by {100 * abs(last / first - 1):.2g} %", when=when
-        )
-
-
-def _result(net, const, state, history, samples, reason, wall):
-    shape, share = (2, const.ni + 1, const.s), net.share
+def collect_result(solver: CableSolver) -> CableResult:
+    """Gather what a run has recorded."""
+    net, const, state = solver.net, solver.const, solver.state
+    shape, share = (2, const.ni + 1, const.row_stride), net.share
     size = shape[1] * shape[2]
-    energies = np.column_stack([samples[:, 3:], samples[:, 3:].sum(axis=1) - samples[0, 3:].sum()]) / share
-    whole = net.state(1.0).stiff[:, :size].reshape(shape)
+    whole = net.state(1.0).stiffness[:, :size].reshape(shape)
+    history = np.concatenate([np.empty((0, kernels.COLUMNS)), *solver.step_history])
     clock = const.dt * np.arange(1, len(history) + 1)
     moved = state.u[:, :size].reshape(3, *shape[1:])
     return CableResult(
         net=net,
-        outcome=OUTCOMES[reason],
-        residual_velocity=float(samples[-1, 1]),
-        t=samples[:, 0],
-        v=samples[:, 1],
-        z=samples[:, 2],
-        energies=dict(zip(ENERGIES, energies.T)),
-        peak_tension=tuple(float(e * k) for e, k in zip(state.peak, net.stiffness)),
-        fine=np.column_stack([clock, history[:, [kernels.Z, kernels.V_Z]], history[:, kernels.PUSH] / share]),
+        outcome=solver.outcome,
+        residual_velocity=float(solver.sample("v")[-1]),
+        t=solver.sample("t"),
+        v=solver.sample("v"),
+        z=solver.sample("z"),
+        energies={name: solver.sample(name) for name in ENERGIES},
+        peak_tension=tuple(float(e * k) for e, k in zip(state.peak_elongation, net.stiffness)),
+        fine=np.column_stack([clock, history[:, [kernels.Z, kernels.V_Z]], history[:, kernels.NOSE_FORCE] / share]),
         reactions={
             "warp": history[:, kernels.MIDDLE].copy(),
             "weft": history[:, kernels.MIDDLE + 1].copy(),
-            "edges": history[:, kernels.EDGES] / share,
+            "edges": history[:, kernels.CLAMP_FORCE] / share,
         },
         nodes=np.stack([*net.coordinates(), np.zeros(shape[1:])], axis=-1) + np.moveaxis(moved, 0, 2),
-        broken=(whole > 0) & (state.stiff[:, :size].reshape(shape) == 0),
-        steps=len(history),
-        wall_time=wall,
-        ns_per_bar_step=1e9 * wall / (len(history) * net.bars),
+        broken=(whole > 0) & (state.stiffness[:, :size].reshape(shape) == 0),
+        steps=solver.steps,
+        wall_time=solver.wall_time,
+        ns_per_bar_step=1e9 * solver.wall_time / max(1, solver.steps * net.bars),
     )

@@ -18,21 +18,21 @@ import math
 
 import numpy as np
 
-from shellfabric.cable.contact_kernels import WARP, WEFT, contact, in_the_way, tear
+from shellfabric.cable.contact_kernels import WARP, WEFT, contact_forces, mark_failed_bars, net_ahead_of_nose
 from shellfabric.jit.compile import entry, kernel
-from shellfabric.panel.step_kernels import widen
+from shellfabric.panel.step_kernels import grow_active_rows
 
 RUNNING, STOPPED, PERFORATED, NOT_FINITE = 0, 1, 2, 3
 STEP, IDLE, FAILURES = 0, 1, 2
-VISCOUS, LOST = 0, 3  # of state.sums, with CONTACT and SPRING
+VISCOUS, LOST = 0, 3  # of state.energy_sums, with CONTACT and SPRING
 # columns of a history: the projectile's z, v_z and the force on it; the clamps' force on the cloth along z; the pulls
-# of the middle warp and weft on their clamps, along the yarns at rest; the force along z that drives const.driven
-Z, V_Z, PUSH, EDGES, MIDDLE, DRIVE, COLUMNS = 0, 1, 2, 3, 4, 6, 7
+# of the middle warp and weft on their clamps, along the yarns at rest; the force along z that drives const.driven_node
+Z, V_Z, NOSE_FORCE, CLAMP_FORCE, MIDDLE, DRIVE, COLUMNS = 0, 1, 2, 3, 4, 6, 7
 WORK = 11  # rows of scratch
 ONE = np.uint64(1)
 FAST = {"reassoc", "contract", "nsz", "arcp"}
-_STILL = 1e-60
-_SHORTEST = 1e-12
+_MIN_VELOCITY = 1e-60
+_MIN_LENGTH = 1e-12
 
 
 @kernel(fastmath=FAST)
@@ -51,8 +51,8 @@ def lengths(n, dx, dy, dz, L):
 
 
 @kernel(fastmath=FAST)
-def pulls(k0, n, S0, cv, stiff, L, L_old, drag_old, rate, e, a):
-    """The pull over the length of each bar, into a; its elongation; its rate per step. Returns the viscous work.
+def bar_forces(k0, n, S0, cv, stiff, L, L_old, drag_old, rate, e, a):
+    """Axial force over the length of each bar, into a; its elongation; its rate per step. Returns the viscous work.
 
     cv : [-] viscous force per step's change of length, over the stiffness
     """
@@ -70,13 +70,13 @@ def pulls(k0, n, S0, cv, stiff, L, L_old, drag_old, rate, e, a):
         L_old[k] = length
         rate[j] = d
         e[j] = elongation if stiffness > 0.0 else 0.0
-        a[j] = (T + drag) / max(length, _SHORTEST)
+        a[j] = (T + drag) / max(length, _MIN_LENGTH)
     return 0.5 * work
 
 
 @kernel(fastmath=FAST | {"nnan"})
-def highest(n, e):
-    """The greatest of e; that no number is lost is looked after by the marching."""
+def max_elongation(n, e):
+    """Largest elongation; the solver checks that numbers are finite."""
     most = 0.0
     for j in range(n):
         most = max(most, e[j])
@@ -84,8 +84,8 @@ def highest(n, e):
 
 
 @kernel()
-def fail(k0, n, limit, stiff, drag, rate, e, a):
-    """Take out the bars past their limit. Returns (energy that went with them, viscous work not done, failures).
+def remove_failed_bars(k0, n, limit, stiff, drag, rate, e, a):
+    """Remove bars beyond their failure elongation. Returns (their energy, viscous work not done, failures).
 
     A step exchanges the mean of a bar's two forces times its change of length, and the last force of a failed bar is
     nothing: what is lost is the energy of the step before with half its force times the last change.
@@ -102,60 +102,60 @@ def fail(k0, n, limit, stiff, drag, rate, e, a):
 
 
 @kernel(fastmath={"contract", "nsz"})
-def gather(k0, n, s, a1, D1, a2, D2, g):
+def scatter_forces(k0, n, s, a1, D1, a2, D2, f):
     """One component of the forces on the nodes; scratch arrays begin one row before slot k0."""
     for j in range(n):
         here, back = j + s, j + s - ONE
-        g[k0 + j] = (a1[here] * D1[here] - a1[j] * D1[j]) + (a2[here] * D2[here] - a2[back] * D2[back])
+        f[k0 + j] = (a1[here] * D1[here] - a1[j] * D1[j]) + (a2[here] * D2[here] - a2[back] * D2[back])
 
 
 @kernel(fastmath={"contract", "nsz"})
-def move(k0, n, dt, kick, g, v, u):
-    """One component of velocity and displacement; kick = dt / m, or 0 where the component is held."""
+def move_nodes(k0, n, dt, dt_over_mass, f, v, u):
+    """Central-difference update of one component; dt_over_mass is 0 where the component is held."""
     for j in range(n):
         k = k0 + j
-        speed = v[k] + kick[k] * g[k]
-        speed = speed if abs(speed) > _STILL else 0.0
+        speed = v[k] + dt_over_mass[k] * f[k]
+        speed = speed if abs(speed) > _MIN_VELOCITY else 0.0
         v[k] = speed
         u[k] += dt * speed
 
 
 @kernel()
-def bars(state, const, family, k0, n, work, row):
-    """Pulls of one family of bars in the slots k0 .. k0 + n, into four rows of work: the three components, and a."""
-    lead = const.s
+def family_forces(state, const, family, k0, n, work, row):
+    """Forces of one family of bars in the slots k0 .. k0 + n, into four rows of work: the three components, and a."""
+    lead = const.row_stride
     dx, dy, dz, a = work[row, lead:], work[row + 1, lead:], work[row + 2, lead:], work[row + 3, lead:]
     L, rate, e = work[8], work[9], work[10]
-    offset = np.uint64(const.s) if family == WARP else ONE
+    offset = np.uint64(const.row_stride) if family == WARP else ONE
     differences(state.u[0], k0, n, offset, const.dx if family == WARP else 0.0, dx)
     differences(state.u[1], k0, n, offset, const.dy if family == WEFT else 0.0, dy)
     differences(state.u[2], k0, n, offset, 0.0, dz)
     lengths(n, dx, dy, dz, L)
-    stiff, drag = state.stiff[family], state.drag[family]
-    viscous = pulls(k0, n, const.S0[family], const.cv, stiff, L, state.L[family], drag, rate, e, a)
-    most = highest(n, e)
-    state.peak[family] = max(state.peak[family], most)
-    if most > const.limit[family]:
-        lost, undone, count = fail(k0, n, const.limit[family], stiff, drag, rate, e, a)
-        state.sums[LOST] += lost
+    stiff, drag = state.stiffness[family], state.viscous_force[family]
+    viscous = bar_forces(k0, n, const.S0[family], const.cv, stiff, L, state.length[family], drag, rate, e, a)
+    most = max_elongation(n, e)
+    state.peak_elongation[family] = max(state.peak_elongation[family], most)
+    if most > const.failure_elongation[family]:
+        lost, undone, count = remove_failed_bars(k0, n, const.failure_elongation[family], stiff, drag, rate, e, a)
+        state.energy_sums[LOST] += lost
         state.counter[FAILURES] += count
         viscous -= undone
-    state.sums[VISCOUS] += viscous
+    state.energy_sums[VISCOUS] += viscous
 
 
 @kernel()
 def forces(state, const, work):
     """Forces of all bars on the nodes of the active rows, block of rows by block."""
-    first, last = state.rows[0], state.rows[1] + 1
-    s = np.uint64(const.s)
-    work[0:8, 0 : const.s] = 0.0
-    for low in range(first, last, const.block):
-        high = min(low + const.block, last)
-        k0, n = np.uint64(low * const.s), np.uint64((high - low) * const.s)
-        bars(state, const, WARP, k0, n, work, 0)
-        bars(state, const, WEFT, k0, n, work, 4)
+    first, last = state.active_rows[0], state.active_rows[1] + 1
+    s = np.uint64(const.row_stride)
+    work[0:8, 0 : const.row_stride] = 0.0
+    for low in range(first, last, const.rows_per_block):
+        high = min(low + const.rows_per_block, last)
+        k0, n = np.uint64(low * const.row_stride), np.uint64((high - low) * const.row_stride)
+        family_forces(state, const, WARP, k0, n, work, 0)
+        family_forces(state, const, WEFT, k0, n, work, 4)
         for c in range(3):
-            gather(k0, n, s, work[3], work[c], work[7], work[4 + c], state.g[c])
+            scatter_forces(k0, n, s, work[3], work[c], work[7], work[4 + c], state.f[c])
         for row in range(8):
             for j in range(s):
                 work[row, j] = work[row, n + j]
@@ -164,49 +164,53 @@ def forces(state, const, work):
 @kernel()
 def step(state, const, work):
     """One step (work: scratch); returns why it should be the last, or RUNNING."""
-    first, last = state.rows[0], state.rows[1] + 1
-    k0, n = np.uint64(first * const.s), np.uint64((last - first) * const.s)
+    first, last = state.active_rows[0], state.active_rows[1] + 1
+    k0, n = np.uint64(first * const.row_stride), np.uint64((last - first) * const.row_stride)
     for c in range(3):
-        move(k0, n, const.dt, state.kick[c], state.g[c], state.v[c], state.u[c])
-        state.speed[c] += const.dt * const.free[c] * state.reaction[c] / const.projectile_mass
-        state.position[c] += const.dt * state.speed[c]
-    widen(state, const)
+        move_nodes(k0, n, const.dt, state.dt_over_mass[c], state.f[c], state.v[c], state.u[c])
+        state.projectile_velocity[c] += const.dt * const.free_dofs[c] * state.f_contact_nose[c] / const.projectile_mass
+        state.projectile_position[c] += const.dt * state.projectile_velocity[c]
+    grow_active_rows(state, const)
     failures = state.counter[FAILURES]
     forces(state, const, work)
     if state.counter[FAILURES] > failures:
-        tear(state, const)
-    contact(state, const)
+        mark_failed_bars(state, const)
+    contact_forces(state, const)
     state.counter[STEP] += 1
-    if not (abs(state.speed[2]) < 1e9 and abs(state.sums[VISCOUS]) < 1e30):
+    if not (abs(state.projectile_velocity[2]) < 1e9 and abs(state.energy_sums[VISCOUS]) < 1e30):
         return NOT_FINITE
-    if state.speed[2] <= 0.0:
+    if state.projectile_velocity[2] <= 0.0:
         return STOPPED
     # perforated: yarns have failed, nothing pushes, and nothing that holds is left in front, for a while
-    idle = state.counter[FAILURES] > 0 and state.reaction[2] == 0.0 and not in_the_way(state, const)
+    idle = state.counter[FAILURES] > 0 and state.f_contact_nose[2] == 0.0 and not net_ahead_of_nose(state, const)
     state.counter[IDLE] = state.counter[IDLE] + 1 if idle else 0
-    return PERFORATED if state.counter[IDLE] >= const.idle_steps else RUNNING
+    return PERFORATED if state.counter[IDLE] >= const.perforation_delay_steps else RUNNING
 
 
 @kernel()
-def observe(state, const, row):
+def record_step(state, const, row):
     """One row of the history (see COLUMNS)."""
-    row[Z], row[V_Z], row[PUSH] = state.position[2], state.speed[2], state.reaction[2]
+    row[Z], row[V_Z], row[NOSE_FORCE] = (
+        state.projectile_position[2],
+        state.projectile_velocity[2],
+        state.f_contact_nose[2],
+    )
     edges = 0.0
-    for k in const.clamped:
-        edges -= state.g[2, k]
-    row[EDGES] = edges
+    for k in const.clamped_nodes:
+        edges -= state.f[2, k]
+    row[CLAMP_FORCE] = edges
     for family in range(2):
-        row[MIDDLE + family] = -state.g[family, const.middle[family]] / const.middle_share[family]
-    row[DRIVE] = -state.g[2, const.driven]
+        row[MIDDLE + family] = -state.f[family, const.middle_end_nodes[family]] / const.middle_yarn_fraction[family]
+    row[DRIVE] = -state.f[2, const.driven_node]
 
 
 @entry(nogil=True)
-def advance(state, const, steps, history):
-    """March at most `steps` steps, a row of history (steps, COLUMNS) each; (steps made, why it ended or RUNNING)."""
-    work = np.zeros((WORK, (const.block + 1) * const.s))
+def run_steps(state, const, steps, history):
+    """Make at most `steps` steps, a row of history (steps, COLUMNS) each; (steps made, why it ended or RUNNING)."""
+    work = np.zeros((WORK, (const.rows_per_block + 1) * const.row_stride))
     for m in range(steps):
         reason = step(state, const, work)
-        observe(state, const, history[m])
+        record_step(state, const, history[m])
         if reason != RUNNING:
             return m + 1, reason
     return steps, RUNNING
@@ -222,11 +226,11 @@ def energies(state, const):
     for k in range(state.mass.size):
         for c in range(3):
             v = state.v[c, k]
-            cloth += 0.5 * state.mass[k] * v * (v + state.kick[c, k] * state.g[c, k])
+            cloth += 0.5 * state.mass[k] * v * (v + state.dt_over_mass[c, k] * state.f[c, k])
         for family in range(2):
-            e = max(state.L[family, k] - const.S0[family], 0.0)
-            stored += 0.5 * state.stiff[family, k] * e * e
+            e = max(state.length[family, k] - const.S0[family], 0.0)
+            stored += 0.5 * state.stiffness[family, k] * e * e
     for c in range(3):
-        v = state.speed[c]
-        projectile += 0.5 * v * (const.projectile_mass * v + const.dt * const.free[c] * state.reaction[c])
+        v = state.projectile_velocity[c]
+        projectile += 0.5 * v * (const.projectile_mass * v + const.dt * const.free_dofs[c] * state.f_contact_nose[c])
     return cloth, projectile, stored

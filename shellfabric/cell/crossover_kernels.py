@@ -25,7 +25,7 @@ from shellfabric.cell.yarn_kernels import COSINE, STRAIGHT, arc, arc_curvature, 
 from shellfabric.jit.compile import entry, kernel
 
 EQUILIBRIUM, VARIATIONAL = 0, 1
-_MOST_STEPS = 200
+_MAX_STEPS = 200
 
 
 @kernel()
@@ -52,7 +52,7 @@ def height(w, F, yarn, lowest, form):
     while contact_force(w, high, S0, EA, form, toe, profile)[0] < F:
         low, high = high, 2.0 * high
     h = high
-    for _ in range(_MOST_STEPS):
+    for _ in range(_MAX_STEPS):
         force, slope, _ = contact_force(w, h, S0, EA, form, toe, profile)
         if force > F:
             high = h
@@ -111,7 +111,7 @@ def closing_force(w1, w2, free1, free2, warp, weft, gap, form, guess):
         if high > 1e12:
             return -1.0
     F = high
-    for _ in range(_MOST_STEPS):
+    for _ in range(_MAX_STEPS):
         r, slope = residual(F, w1, w2, free1, free2, warp, weft, gap, form)
         if r > 0.0:
             high = F
@@ -182,8 +182,8 @@ def solve_many(stretch1, stretch2, warp, weft, gap, form, coupled, out):
 
 
 @entry()
-def ceiling(low, high, over, top, unit, out):
-    """What no tension can exceed where forces do not exceed N, step N / unit of out (n, 2): max(out[0], N + out[1]).
+def tension_bound_table(low, high, over, top, unit, out):
+    """Table of tension bounds where forces do not exceed N, row N / unit of out (n, 2): max(out[0], N + out[1]).
 
     low, high (cells,) [N] : between which the forces of a cell of the table lie; over, top (cells,) [N] : by which a
     tension is at most above the force beside it, and its own most. Of cells that a step cuts, the tension is at most N

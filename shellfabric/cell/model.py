@@ -113,7 +113,7 @@ class CellModel:
 
     @property
     def yarn_tuples(self):
-        """The two yarns as `cell_kernels` takes them."""
+        """The two yarns as `crossover_kernels` takes them."""
         weave, profile = self.fabric.weave, PROFILES[self.profile]
         rows = zip(weave.w, weave.S0, weave.yarns, self.h0, self.used_laws, self.toes)
         return tuple(

@@ -3,7 +3,7 @@
 import numpy as np
 
 from shellfabric.cell import crossover_kernels
-from shellfabric.jit.aligned import room
+from shellfabric.jit.aligned import aligned_zeros
 
 _STEPS = 256  # of the force, in what it tells of the tension
 
@@ -11,7 +11,7 @@ _STEPS = 256  # of the force, in what it tells of the tension
 def potential(table):
     """(cells, 8), (cells,) [J] the table's potential but for its constants, each row a cache line, and these."""
     columns = table.spline.reshape(-1, 9)
-    rows = room(1, 8 * len(columns))[0].reshape(-1, 8)
+    rows = aligned_zeros(1, 8 * len(columns))[0].reshape(-1, 8)
     rows[:] = columns[:, [3, 6, 1, 2, 4, 7, 5, 8]]  # of p, p p, q, q q, p q, p p q, p q q, p p q q
     return rows, columns[:, 0].copy()
 
@@ -31,7 +31,7 @@ def ceilings(table):
 
 
 def _ceiling(force, tension):
-    """((steps, 2) [N], [N]) see `crossover_kernels.ceiling`, and the width of its steps.
+    """((steps, 2) [N], [N]) see `crossover_kernels.tension_bound_table`, and the width of its steps.
 
     force, tension (2, 3, cells) [N] : of one family, coefficients over the other's local coordinate, at both ends of
     its own, along which both are linear. A quadratic lies between the least and most of its Bernstein coefficients.
@@ -40,7 +40,7 @@ def _ceiling(force, tension):
     low, high, over, top = found.min((0, 1)), found.max((0, 1)), excess.max((0, 1)), tensions.max((0, 1))
     most = max(high.max(), top.max())
     unit, rounding, steps = most / _STEPS, 1e-9 * most, np.empty((_STEPS + 1, 2))
-    crossover_kernels.ceiling(low - rounding, high + rounding, over + rounding, top + rounding, unit, steps)
+    crossover_kernels.tension_bound_table(low - rounding, high + rounding, over + rounding, top + rounding, unit, steps)
     return steps, unit
 
 

@@ -20,7 +20,7 @@ import math
 from shellfabric.jit.compile import kernel
 
 COSINE, STRAIGHT = 0, 1
-_MOST_STEPS = 200
+_MAX_STEPS = 200
 
 
 @kernel()
@@ -70,7 +70,7 @@ def free_height(w, S0, profile=COSINE):
     if profile == STRAIGHT:
         return w * math.sqrt(excess * (2.0 + excess))
     k = 2.0 * math.sqrt(excess)
-    for _ in range(_MOST_STEPS):
+    for _ in range(_MAX_STEPS):
         # convex and rising in k: after the first step Newton comes down from above
         E, K_minus_E = elliptic(k * k)
         step = (2.0 / math.pi * E - 1.0 - excess) * k / (-2.0 / math.pi * K_minus_E)

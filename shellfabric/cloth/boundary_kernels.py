@@ -1,4 +1,4 @@
-"""Edges of the panel that give way: nodes that are led inwards, and yarn ends that a clamp holds by friction.
+"""Slipping edges of the panel: nodes with prescribed slip, and yarn ends that a clamp holds by friction.
 
 Such a node moves along its yarn alone, by the velocity that is set here at the end of a step for the next; being
 without inverse mass it takes no other. f is the force of the cloth on it along the yarn, v its velocity.
@@ -13,24 +13,24 @@ all in the form in which central differences balance them: forces at whole steps
 
 from shellfabric.jit.compile import entry, kernel
 
-EXTERNAL, GRIPPED, KINETIC = 0, 1, 2  # of state.rim_sums
+BOUNDARY_WORK, CLAMP_FRICTION, KINETIC = 0, 1, 2  # of state.slip_energy
 
 
 @kernel()
-def part(time, start, end):
-    """Part of the pull-in that has been made: from 0 at `start` to 1 at `end`."""
+def slip_fraction(time, start, end):
+    """Ramp of the prescribed slip: 0 at `start`, 1 at `end`."""
     return min(max((time - start) / (end - start), 0.0), 1.0)
 
 
 @entry(_nrt=False)
-def hold(state, const, time):
-    """Set the velocities of the nodes of the rim for the step that begins at `time`; book the work of the last."""
+def update_slip_nodes(state, const, time):
+    """Set the velocities of the slipping nodes for the step that begins at `time` [s]; add up the work of the last."""
     kinetic = 0.0
-    for m in range(const.rim_node.size):
-        k, c = const.rim_node[m], const.rim_axis[m]
-        pull, start, end = const.rim[m, 0], const.rim[m, 1], const.rim[m, 2]
-        grip, mass = const.rim[m, 3], const.rim[m, 4]
-        force = state.g0[c][k] + state.g1[c][k]
+    for m in range(const.slip_node.size):
+        k, c = const.slip_node[m], const.slip_axis[m]
+        pull, start, end = const.slip_data[m, 0], const.slip_data[m, 1], const.slip_data[m, 2]
+        grip, mass = const.slip_data[m, 3], const.slip_data[m, 4]
+        force = state.f_int[c][k] + state.f_int_above[c][k]
         before = state.v[c][k]
         if grip > 0.0:
             free = before + const.dt * force / mass
@@ -38,10 +38,10 @@ def hold(state, const, time):
             after = max(free - most, 0.0) if free > 0.0 else min(free + most, 0.0)
             force = mass * (free - after) / const.dt
             kinetic += 0.5 * mass * before * after
-            state.rim_sums[GRIPPED] += 0.5 * const.dt * before * (state.rim_force[m] + force)
+            state.slip_energy[CLAMP_FRICTION] += 0.5 * const.dt * before * (state.slip_force[m] + force)
         else:
-            after = (pull * part(time + const.dt, start, end) - state.u[c][k]) / const.dt
-            state.rim_sums[EXTERNAL] += 0.5 * const.dt * before * (state.rim_force[m] + force)
-        state.rim_force[m] = force
+            after = (pull * slip_fraction(time + const.dt, start, end) - state.u[c][k]) / const.dt
+            state.slip_energy[BOUNDARY_WORK] += 0.5 * const.dt * before * (state.slip_force[m] + force)
+        state.slip_force[m] = force
         state.v[c][k] = after
-    state.rim_sums[KINETIC] = kinetic
+    state.slip_energy[KINETIC] = kinetic

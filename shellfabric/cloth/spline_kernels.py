@@ -25,26 +25,26 @@ WARP, WEFT = 0, 1
 
 
 @kernel()
-def seen(n, last, mirrored):
-    """The line that line n is an image of, and the sign of the image; beyond a border the last, which has no weight."""
+def mirror_index(n, last, mirrored):
+    """Index of the line that line n mirrors, and the sign; beyond an edge the last line, which has no weight."""
     if n < 0:
         return (-n, -1.0) if mirrored else (0, 1.0)
     return min(n, last), 1.0
 
 
 @kernel()
-def place(state, const, i, j):
-    """Place of node (i, j) in the frame of the projectile."""
-    i, sign_x = seen(i, const.ni, const.mirror_x)
-    j, sign_y = seen(j, const.nj, const.mirror_y)
-    k = np.uint64(i * const.s + j)
-    x = sign_x * (const.x0 + i * const.dx + state.u[0][k]) - state.position[0]
-    y = sign_y * (const.y0 + j * const.dy + state.u[1][k]) - state.position[1]
-    return turned(const, x, y, state.u[2][k] - state.position[2])
+def node_position(state, const, i, j):
+    """Position [m] of node (i, j) in the frame of the projectile."""
+    i, sign_x = mirror_index(i, const.ni, const.mirror_x)
+    j, sign_y = mirror_index(j, const.nj, const.mirror_y)
+    k = np.uint64(i * const.row_stride + j)
+    x = sign_x * (const.x0 + i * const.dx + state.u[0][k]) - state.projectile_position[0]
+    y = sign_y * (const.y0 + j * const.dy + state.u[1][k]) - state.projectile_position[1]
+    return to_projectile_frame(const, x, y, state.u[2][k] - state.projectile_position[2])
 
 
 @kernel()
-def turned(const, x, y, z):
+def to_projectile_frame(const, x, y, z):
     """A vector in the frame of the panel, in that of the projectile."""
     if not const.tilted:
         return x, y, z
@@ -57,53 +57,53 @@ def turned(const, x, y, z):
 
 
 @kernel()
-def velocity(state, const, i, j):
+def relative_velocity(state, const, i, j):
     """Velocity of node (i, j) relative to the projectile, in the frame of the panel."""
-    i, sign_x = seen(i, const.ni, const.mirror_x)
-    j, sign_y = seen(j, const.nj, const.mirror_y)
-    k, speed = np.uint64(i * const.s + j), state.speed
+    i, sign_x = mirror_index(i, const.ni, const.mirror_x)
+    j, sign_y = mirror_index(j, const.nj, const.mirror_y)
+    k, speed = np.uint64(i * const.row_stride + j), state.projectile_velocity
     return sign_x * state.v[0][k] - speed[0], sign_y * state.v[1][k] - speed[1], state.v[2][k] - speed[2]
 
 
 @kernel()
-def vector(x, const, i, j):
+def nodal_vector(x, const, i, j):
     """Nodal vector x of node (i, j), in the frame of the panel."""
-    i, sign_x = seen(i, const.ni, const.mirror_x)
-    j, sign_y = seen(j, const.nj, const.mirror_y)
-    k = np.uint64(i * const.s + j)
+    i, sign_x = mirror_index(i, const.ni, const.mirror_x)
+    j, sign_y = mirror_index(j, const.nj, const.mirror_y)
+    k = np.uint64(i * const.row_stride + j)
     return sign_x * x[0][k], sign_y * x[1][k], x[2][k]
 
 
 @kernel()
-def line(state, const, i, first, last, x):
-    """Places of the nodes (i, first) .. (i, last) in the frame of the projectile, into x (3, ...)."""
-    row, sign = seen(i, const.ni, const.mirror_x)
-    start, shift = const.x0 + row * const.dx, row * const.s
+def row_positions(state, const, i, first, last, x):
+    """Positions [m] of the nodes (i, first) .. (i, last) in the frame of the projectile, into x (3, ...)."""
+    row, sign = mirror_index(i, const.ni, const.mirror_x)
+    start, shift = const.x0 + row * const.dx, row * const.row_stride
     for j in range(max(first, 0), min(last, const.nj) + 1):
         k, m = np.uint64(shift + j), j - first
-        x[0, m] = sign * (start + state.u[0][k]) - state.position[0]
-        x[1, m] = const.y0 + j * const.dy + state.u[1][k] - state.position[1]
-        x[2, m] = state.u[2][k] - state.position[2]
+        x[0, m] = sign * (start + state.u[0][k]) - state.projectile_position[0]
+        x[1, m] = const.y0 + j * const.dy + state.u[1][k] - state.projectile_position[1]
+        x[2, m] = state.u[2][k] - state.projectile_position[2]
     if const.tilted:
         for m in range(max(-first, 0), min(last, const.nj) - first + 1):
-            x[0, m], x[1, m], x[2, m] = turned(const, x[0, m], x[1, m], x[2, m])
+            x[0, m], x[1, m], x[2, m] = to_projectile_frame(const, x[0, m], x[1, m], x[2, m])
     for j in range(first, 0):
-        x[0, j - first], x[1, j - first], x[2, j - first] = place(state, const, i, j)
+        x[0, j - first], x[1, j - first], x[2, j - first] = node_position(state, const, i, j)
     for j in range(const.nj + 1, last + 1):
-        x[0, j - first], x[1, j - first], x[2, j - first] = place(state, const, i, j)
+        x[0, j - first], x[1, j - first], x[2, j - first] = node_position(state, const, i, j)
 
 
 @kernel()
-def weights(s, bent):
-    """Of a node's neighbour, itself and its other neighbour, at s = -1/2 ... 1/2 elements from it."""
+def node_weights(s, bent):
+    """Spline weights of a node and its two neighbours, at s = -1/2 ... 1/2 elements from it; quadratic if `bent`."""
     if bent:
         return 0.5 * (0.5 - s) ** 2, 0.75 - s * s, 0.5 * (0.5 + s) ** 2
     return max(-s, 0.0), 1.0 - abs(s), max(s, 0.0)
 
 
 @entry()
-def shares(p, room):
-    """Weights at the p x p points of an element, s slowest: (2, 8, room), first straight, then bent.
+def shape_functions(p, room):
+    """Shape functions at the p x p points of an element, s slowest: (2, 8, room), linear, then quadratic.
 
     Rows 0-3 are of the four nodes about it along the warp, rows 4-7 along the weft; a point's weight for one of the
     sixteen nodes is a product of two. Points beyond p x p have none.
@@ -113,7 +113,7 @@ def shares(p, room):
         for a in range(p):
             s = (a + 0.5) / p
             q = quadrant(a, p)
-            three = weights(s - q, bent == 1)
+            three = node_weights(s - q, bent == 1)
             for m in range(3):
                 for b in range(p):
                     found[bent, q + m, a * p + b] = three[m]
@@ -128,13 +128,13 @@ def quadrant(a, p):
 
 
 @kernel()
-def torn_shares(state, const, i, j, found):
-    """Those of element (i, j), in which yarns may end, into found (8, room)."""
-    p = const.points
+def torn_shape_functions(state, const, i, j, found):
+    """Shape functions of an element (i, j) in which yarns may end, into found (8, room)."""
+    p = const.points_per_side
     for q in range(2):
         for r in range(2):
-            bent1, bent2 = bends(state, const, i, j, q, r)
-            warp, weft = const.shares[1 if bent1 else 0], const.shares[1 if bent2 else 0]
+            bent1, bent2 = quadratic_directions(state, const, i, j, q, r)
+            warp, weft = const.shape_functions[1 if bent1 else 0], const.shape_functions[1 if bent2 else 0]
             half = (p + 1) // 2
             for a in range(q * half, half + q * (p - half)):
                 for k in range(a * p + r * half, a * p + half + r * (p - half)):
@@ -143,26 +143,26 @@ def torn_shares(state, const, i, j, found):
 
 
 @kernel(forceinline=True)
-def between(shares, k, x):
-    """Eight points k .. k + 7 among the sixteen nodes x (16, 3), or their velocities: three components."""
-    a0, a1, a2, a3 = shares_at(shares, 0, k)
-    b0, b1, b2, b3 = shares_at(shares, 4, k)
+def interpolate(shares, k, x):
+    """Interpolate nodal values x (16, 3) at the eight points k .. k + 7: three components."""
+    a0, a1, a2, a3 = load_shape_functions(shares, 0, k)
+    b0, b1, b2, b3 = load_shape_functions(shares, 4, k)
     return (
-        among(a0, a1, a2, a3, b0, b1, b2, b3, x, 0),
-        among(a0, a1, a2, a3, b0, b1, b2, b3, x, 1),
-        among(a0, a1, a2, a3, b0, b1, b2, b3, x, 2),
+        interpolate_component(a0, a1, a2, a3, b0, b1, b2, b3, x, 0),
+        interpolate_component(a0, a1, a2, a3, b0, b1, b2, b3, x, 1),
+        interpolate_component(a0, a1, a2, a3, b0, b1, b2, b3, x, 2),
     )
 
 
 @kernel(forceinline=True)
-def shares_at(shares, row, k):
-    """Four rows of the shares of eight points."""
+def load_shape_functions(shares, row, k):
+    """Load four rows of the shape functions of eight points."""
     return load(shares[row], k), load(shares[row + 1], k), load(shares[row + 2], k), load(shares[row + 3], k)
 
 
 @kernel(forceinline=True)
-def among(a0, a1, a2, a3, b0, b1, b2, b3, x, c):
-    """Component c of eight points."""
+def interpolate_component(a0, a1, a2, a3, b0, b1, b2, b3, x, c):
+    """Interpolate component c at eight points."""
     y0 = fma(a0, x[0, c], fma(a1, x[4, c], fma(a2, x[8, c], a3 * x[12, c])))
     y1 = fma(a0, x[1, c], fma(a1, x[5, c], fma(a2, x[9, c], a3 * x[13, c])))
     y2 = fma(a0, x[2, c], fma(a1, x[6, c], fma(a2, x[10, c], a3 * x[14, c])))
@@ -171,8 +171,8 @@ def among(a0, a1, a2, a3, b0, b1, b2, b3, x, c):
 
 
 @kernel(forceinline=True)
-def hand_on(shares, k, push, f_x, f_y, f_z):
-    """Add the force on point k to those on the sixteen nodes, push (3, 16)."""
+def scatter_force(shares, k, push, f_x, f_y, f_z):
+    """Scatter the force on point k to the sixteen nodes, push (3, 16) [N]."""
     for m in range(4):
         for n in range(4):
             weight = shares[m, k] * shares[4 + n, k]
@@ -182,8 +182,8 @@ def hand_on(shares, k, push, f_x, f_y, f_z):
 
 
 @kernel()
-def boxes(lines, count, low, high):
-    """Box of the four nodes in each column of the lines (4, 3, count): its ends, (3, count) each."""
+def column_boxes(lines, count, low, high):
+    """Bounding box of the four nodes in each column of the lines (4, 3, count): its ends, (3, count) each."""
     for c in range(3):
         x0, x1, x2, x3, below, above = lines[0, c], lines[1, c], lines[2, c], lines[3, c], low[c], high[c]
         for m in range(count):
@@ -192,7 +192,7 @@ def boxes(lines, count, low, high):
 
 
 @kernel()
-def apart(low, high, m, R):
+def box_misses_nose(low, high, m, R):
     """Whether the box of the columns m .. m + 3, in which the surface of an element lies, is ahead of the nose or
     beside the cylinder."""
     if min(min(low[2, m], low[2, m + 1]), min(low[2, m + 2], low[2, m + 3])) > 0.0:
@@ -206,42 +206,44 @@ def apart(low, high, m, R):
 
 
 @kernel()
-def untorn(state, const, i, j):
+def neighbourhood_intact(state, const, i, j):
     """Whether element (i, j) is inside the panel and all yarns of it and its eight neighbours are whole."""
     if (i == 0 and not const.mirror_x) or (j == 0 and not const.mirror_y) or i + 1 == const.ni or j + 1 == const.nj:
         return False
     for m in range(max(i - 1, 0), i + 2):
         for n in range(max(j - 1, 0), j + 2):
-            if state.flag[m * const.s + n]:
+            if state.element_flag[m * const.row_stride + n]:
                 return False
     return True
 
 
 @kernel()
-def bends(state, const, i, j, q, r):
-    """Whether the surface about the corner (q, r) of element (i, j) bends along the warp and along the weft."""
+def quadratic_directions(state, const, i, j, q, r):
+    """Whether the surface about the corner (q, r) of element (i, j) is quadratic along the warp and along the weft."""
     m, n = i + q, j + r
-    along1 = runs(state, const, WARP, m - 1, n) and runs(state, const, WARP, m, n)
-    along2 = runs(state, const, WEFT, m, n - 1) and runs(state, const, WEFT, m, n)
+    along1 = edge_intact(state, const, WARP, m - 1, n) and edge_intact(state, const, WARP, m, n)
+    along2 = edge_intact(state, const, WEFT, m, n - 1) and edge_intact(state, const, WEFT, m, n)
     for a in (-1, 1):
         for b in (-1, 1):
             own1, own2 = a == 1 - 2 * q, b == 1 - 2 * r
             if (own1 and own2) or not (own1 or along1) or not (own2 or along2):
                 continue
             # what holds a node that is next to the corner along neither family
-            held = runs(state, const, WARP, m + min(a, 0), n + b) or runs(state, const, WEFT, m + a, n + min(b, 0))
+            held = edge_intact(state, const, WARP, m + min(a, 0), n + b) or edge_intact(
+                state, const, WEFT, m + a, n + min(b, 0)
+            )
             if not held:
                 return False, False
     return along1, along2
 
 
 @kernel()
-def runs(state, const, family, i, j):
-    """Whether a yarn of a family is left on the edge that begins at node (i, j); beyond a border there is none."""
+def edge_intact(state, const, family, i, j):
+    """Whether the edge that begins at node (i, j) has an intact yarn; beyond an edge of the panel there is none."""
     if (i < 0 and not const.mirror_x) or (j < 0 and not const.mirror_y) or i > const.ni or j > const.nj:
         return False
     if i < 0:
         i = -1 - i if family == WARP else -i
     if j < 0:
         j = -1 - j if family == WEFT else -j
-    return state.intact[family][np.uint64(i * const.s + j)] > 0.0
+    return state.intact_fraction[family][np.uint64(i * const.row_stride + j)] > 0.0

@@ -1,7 +1,7 @@
 """Quasi-static tests on coupons: bias extension, picture frame, uniaxial and biaxial tension.
 
 Each test cuts a coupon (`coupon`), holds some of its nodes, moves them step by step and relaxes the rest
-(`coupon_run`). A run names what has gone wrong with it: yarns that have passed one another, shear that has run into
+(`coupon.solver`). A run names what has gone wrong with it: yarns that have passed one another, shear that has run into
 bands (source thesis section 4.4.3, Figure 4-27), no equilibrium. Keywords `relaxing` go to `coupon.solver.run`.
 """
 

@@ -22,7 +22,7 @@ import math
 import numpy as np
 
 from shellfabric.cell.crossover_kernels import yarn_alone
-from shellfabric.cloth.membrane_kernels import trellis
+from shellfabric.cloth.membrane_kernels import trellis_law
 from shellfabric.jit.compile import entry, kernel
 
 
@@ -72,7 +72,7 @@ def stretch_edges(x, edges, length, L, tx, ty):
 
 
 @kernel()
-def mean_across(L, across, e):
+def mean_crossing(L, across, e):
     """Mean stretch of the edges that cross edge e, and the share of each; share 0 where none does."""
     total, count = 0.0, 0
     for c in range(4):
@@ -83,7 +83,7 @@ def mean_across(L, across, e):
 
 
 @kernel()
-def pull_edges(first, L, L_other, cells, across, length, length_other, table, grid, yarn, pull, other, row, row_other):
+def edge_forces(first, L, L_other, cells, across, length, length_other, table, grid, yarn, pull, other, row, row_other):
     """Add one family's part of dE/dLambda to its own edges and to those that cross them, and its parts of the bound.
 
     first : whether this family is the first argument of the table; yarn = (w, S0, EA, toe). Returns the energy.
@@ -91,7 +91,7 @@ def pull_edges(first, L, L_other, cells, across, length, length_other, table, gr
     x0, rx, top1, y0, ry, top2 = grid
     energy = 0.0
     for e in range(L.size):
-        mean, share = mean_across(L_other, across, e)
+        mean, share = mean_crossing(L_other, across, e)
         if share == 0.0:
             T, U = yarn_alone(L[e], yarn[0], yarn[1], yarn[2], yarn[3])
             k = 2.0 * yarn[0]
@@ -117,7 +117,7 @@ def pull_edges(first, L, L_other, cells, across, length, length_other, table, gr
 
 
 @kernel()
-def gather_edges(edges, length, L, tx, ty, pull, row, f, bound):
+def scatter_edge_forces(edges, length, L, tx, ty, pull, row, f, bound):
     """Add the pulls of one family to its nodes, and its rows to their bounds."""
     for e in range(edges.shape[0]):
         i, j = edges[e, 0], edges[e, 1]
@@ -144,13 +144,13 @@ def shear_angle(x, quad, dX, dY):
 
 
 @kernel()
-def shear_quads(x, quads, dX, dY, V, G1, G2, gamma1, gamma2, f, bound):
+def trellis_forces(x, quads, dX, dY, V, G1, G2, gamma1, gamma2, f, bound):
     """Add the forces of the trellis to the nodes. Returns its energy."""
     energy = 0.0
     rise = (G2 - G1) / (gamma2 - gamma1)
     for k in range(quads.shape[0]):
         gamma, ax, ay, bx, by = shear_angle(x, quads[k], dX, dY)
-        stress, U = trellis(gamma, G1, G2, gamma1, gamma2)
+        stress, U = trellis_law(gamma, G1, G2, gamma1, gamma2)
         tangent = G1 + rise * min(max(abs(gamma) - gamma1, 0.0), gamma2 - gamma1)
         energy += V * U
         aa, bb = ax * ax + ay * ay, bx * bx + by * by
@@ -184,12 +184,12 @@ def forces(x, warp, weft, cells1, cells2, across1, across2, quads, dX, dY, table
     work[:, 3:] = 0.0
     stretch_edges(x, warp, dX, L1, tx1, ty1)
     stretch_edges(x, weft, dY, L2, tx2, ty2)
-    stored = pull_edges(True, L1, L2, cells1, across1, dX, dY, table, grid, yarn1, pull1, pull2, row1, row2)
-    stored += pull_edges(False, L2, L1, cells2, across2, dY, dX, table, grid, yarn2, pull2, pull1, row2, row1)
-    gather_edges(warp, dX, L1, tx1, ty1, pull1, row1, f, bound)
-    gather_edges(weft, dY, L2, tx2, ty2, pull2, row2, f, bound)
+    stored = edge_forces(True, L1, L2, cells1, across1, dX, dY, table, grid, yarn1, pull1, pull2, row1, row2)
+    stored += edge_forces(False, L2, L1, cells2, across2, dY, dX, table, grid, yarn2, pull2, pull1, row2, row1)
+    scatter_edge_forces(warp, dX, L1, tx1, ty1, pull1, row1, f, bound)
+    scatter_edge_forces(weft, dY, L2, tx2, ty2, pull2, row2, f, bound)
     V, G1, G2, gamma1, gamma2 = shear
-    sheared = shear_quads(x, quads, dX, dY, V, G1, G2, gamma1, gamma2, f, bound) if V > 0.0 else 0.0
+    sheared = trellis_forces(x, quads, dX, dY, V, G1, G2, gamma1, gamma2, f, bound) if V > 0.0 else 0.0
     return f, bound, stored, sheared
 
 

@@ -24,7 +24,7 @@ from fabrics.executors import cancel, open_executor
 from shellfabric.cable.smith import striking_velocity
 from shellfabric.panel import quality
 from shellfabric.panel.model import Panel
-from shellfabric.panel.solver import March
+from shellfabric.panel.solver import PanelSolver
 
 UNDECIDED = 5e-3  # [s] after which a shot that has neither stopped nor perforated is given up
 _AUDIT = 10e-6  # [s] between audits: nothing but the guards of the march looks at them
@@ -294,7 +294,7 @@ def _fire(panel, velocity, give_up):
         if give_up is not None and give_up.is_set():
             raise _GivenUp
 
-    march = March(panel, velocity, UNDECIDED, interval=_AUDIT)
+    march = PanelSolver(panel, velocity, UNDECIDED, interval=_AUDIT)
     march.run((hook,))
     if march.outcome == "in flight":
         told = f"the projectile struck at {velocity:.4g} m/s has neither stopped nor perforated"
@@ -305,8 +305,8 @@ def _fire(panel, velocity, give_up):
         outcome=march.outcome,
         time=march.time,
         failed=int(march.sample("failed_yarns")[-1]),
-        peak_tension=(float(march.state.peak[0]), float(march.state.peak[1])),
+        peak_tension=(float(march.state.peak_tension[0]), float(march.state.peak_tension[1])),
         balance=float(abs(march.sample("balance")).max()) / march.strike_energy,
         wall_time=march.wall_time,
-        checks=quality.of_march(march),
+        checks=quality.of_solver(march),
     )

@@ -6,15 +6,15 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from fabrics.errors import InputError
 from shellfabric.backing.coupling import BackingResult
+from shellfabric.driver.solver import run_to_end
 from shellfabric.impact import single_ply
 from shellfabric.impact.single_ply import ImpactSetup
-from shellfabric.output import checkpoint_pack
+from shellfabric.output import checkpoint, histories
 from shellfabric.output import snapshots as output_snapshots
-from shellfabric.output.hooks import Every
+from shellfabric.panel.solver import PLY_SAMPLES
 from shellfabric.plies.model import Pack, PlyContact
-from shellfabric.plies.solver import PACK_ENERGIES, PLY_SAMPLES, PackMarch
+from shellfabric.plies.solver import PACK_ENERGIES, PackSolver
 from shellfabric.projectile import dynamics
 
 
@@ -24,15 +24,11 @@ class PackSetup:
 
     Parameters
     ----------
-    ply : ImpactSetup of the first ply; its histories along yarns (`measure`) are of a single ply alone
+    ply : ImpactSetup of the first ply
     plies : number of plies
     stacking : "aligned" or "alternating"
     gap : [m] between plies at rest; None takes the fabric's (see `plies.model.fabric_gap`)
     contact : PlyContact, numerical knobs of the contact between plies
-
-    Raises
-    ------
-    InputError : a set-up that records along yarns
     """
 
     ply: ImpactSetup
@@ -40,10 +36,6 @@ class PackSetup:
     stacking: str = "aligned"
     gap: float | None = None
     contact: PlyContact = field(default_factory=PlyContact)
-
-    def __post_init__(self):
-        if self.ply.measure is not None:
-            raise InputError(key="measure", allowed="left out for a pack of plies")
 
     def pack(self) -> Pack:
         """The pack that this set-up describes; fills the cells' tables.
@@ -66,11 +58,12 @@ class PackResult(single_ply.Outcome):
     outcome, residual_velocity, velocity, t, v, z, fine, bar, backing, nose, steps, wall_time, ns_per_element_step,
         max_deflection, checks : as ImpactResult
     energies : {name: (n,)} [J] with the names of plies.solver.PACK_ENERGIES
-    plies : {name: (n, plies)} with the names of plies.solver.PLY_SAMPLES
+    plies : {name: (n, plies)} with the names of panel.solver.PLY_SAMPLES
     peak_tension : (plies, 2) [N] over the run, of each ply's own warp and weft
-    deepest, held_apart : (plies - 1,) and (2,) [-] see PackMarch
+    deepest, held_apart : (plies - 1,) and (2,) [-] see PackSolver
     last : (plies,) snapshots.Snapshot at the end, each from its own plane at rest
     snapshots : tuple of such tuples
+    histories : tuple of histories.Histories of each ply that has been followed, empty where none has
     """
 
     setup: PackSetup
@@ -92,6 +85,7 @@ class PackResult(single_ply.Outcome):
     nose: np.ndarray
     last: tuple
     snapshots: tuple
+    histories: tuple
     steps: int
     wall_time: float
     ns_per_element_step: float
@@ -108,44 +102,39 @@ class PackResult(single_ply.Outcome):
         return self.plies["failed_yarns"].sum(axis=1)
 
 
-class Snapshots(Every):
-    """Keep a snapshot of every ply every interval, in march.snapshots."""
-
-    def __call__(self, march):
-        if self.due(march):
-            march.snapshots.append(shots(march))
-
-
-def shots(march):
+def shots(solver):
     """(plies,) snapshots.Snapshot of the present, counted from the plane of the first ply at rest."""
     found = []
-    for ply, state, z in zip(march.pack.plies, march.states, march.pack.places):
-        shot = output_snapshots.snapshot(ply, state, march.time)
+    for ply, state, z in zip(solver.pack.plies, solver.states, solver.pack.places):
+        shot = output_snapshots.snapshot(ply, state, solver.time)
         shot.nodes[..., 2] += z
-        found.append(replace(shot, z=shot.z + z, nose=march.stack.places[0].copy()))
+        found.append(replace(shot, z=shot.z + z, nose=solver.stack.projectile_position[0].copy()))
     return tuple(found)
 
 
 def run(setup: PackSetup, *, hooks=(), resume=None) -> PackResult:
     """Run an impact on a pack; parameters, exceptions and resuming as `single_ply.run`."""
-    march = PackMarch(setup.pack(), setup.ply.strike_velocity, setup.ply.end_time, interval=setup.ply.audit_interval)
+    ply = setup.ply
+    solver = PackSolver(setup.pack(), ply.strike_velocity, ply.end_time, interval=ply.sample_interval)
+    own = (*single_ply.recorder(solver, ply), *single_ply.snapshot_hooks(ply, shots))
     if resume is not None:
-        checkpoint_pack.read(march, resume)
-    own = single_ply.snapshots(setup.ply, Snapshots)
-    return single_ply.carried_out(march, (*own, *hooks), lambda: result_of(setup, march))
+        checkpoint.read(solver, resume)
+    return run_to_end(solver, (*own, *hooks), lambda: collect_result(setup, solver))
 
 
-def result_of(setup: PackSetup, march: PackMarch) -> PackResult:
-    """Gather what a march has recorded."""
+def collect_result(setup: PackSetup, solver: PackSolver) -> PackResult:
+    """Gather what a run has recorded."""
+    plies = solver.pack.plies
     return PackResult(
         setup=setup,
-        pack=march.pack,
-        energies={name: march.sample(name) for name in PACK_ENERGIES},
-        plies={name: march.ply_sample(name) for name in PLY_SAMPLES},
-        peak_tension=march.peaks,
-        deepest=march.deepest,
-        held_apart=march.held_apart,
-        nose=march.stack.places[0].copy(),
-        last=shots(march),
-        **single_ply.of_projectile(march, march.pack.elements),
+        pack=solver.pack,
+        energies={name: solver.sample(name) for name in PACK_ENERGIES},
+        plies={name: solver.ply_sample(name) for name in PLY_SAMPLES},
+        peak_tension=solver.peaks,
+        deepest=solver.deepest,
+        held_apart=solver.held_apart,
+        nose=solver.stack.projectile_position[0].copy(),
+        last=shots(solver),
+        histories=histories.unpack(solver.histories, plies, setup.ply.measure) if solver.histories else (),
+        **single_ply.projectile_result(solver, solver.pack.elements),
     )

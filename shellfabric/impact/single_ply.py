@@ -3,28 +3,32 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from math import ceil
 
 import numpy as np
 
 from fabrics.compression import CompressionLaw
-from fabrics.errors import InputError, UnstableError
+from fabrics.errors import InputError
 from fabrics.fabric import Fabric
 from fabrics.surface import ResponseSurface
 from shellfabric.backing.block import Backing
 from shellfabric.backing.coupling import BackingResult
 from shellfabric.cell.model import CellModel, CellTable
 from shellfabric.cell.surface_cell import SurfaceCell
+from shellfabric.driver.solver import run_to_end
 from shellfabric.output import checkpoint, histories
-from shellfabric.output import hooks as onlookers
 from shellfabric.output import snapshots as output_snapshots
+from shellfabric.output.hooks import Snapshots
 from shellfabric.panel import quality
 from shellfabric.panel.boundary import Grip, PullIn
 from shellfabric.panel.model import SYMMETRIES, Numerics, Panel
-from shellfabric.panel.solver import ENERGIES, March
+from shellfabric.panel.solver import ENERGIES, PanelSolver
 from shellfabric.projectile import dynamics
 from shellfabric.projectile.bar import Rigidity, contact_time, held_force, rigid_is_enough
 from shellfabric.projectile.projectile import Projectile
 
+ELEMENT_SIDE = 0.8  # [projectile radii] of an element at most, by default: longer ones miss what a narrow nose cuts
+MOST_ELEMENTS = 8  # a crossover, by default
 UNFAILING = 20.0  # reach of the table, see CellModel, of yarns that do not fail: 60 % of strain in Kevlar
 
 
@@ -39,12 +43,14 @@ class ImpactSetup:
     laws : (CompressionLaw, CompressionLaw) of warp and weft; None takes the fabric's published ones
     projectile : Projectile
     opening : [m] side of the square opening, or both sides: along warp and weft, but for an oblique weave
-    edge : "clamped", "free" or a slipping side, for all sides or each on its own (see `edges`)
+    edge : "clamped", "free" or a slipping side, for all sides or each on its own (see `boundary`)
     weave_angle : [rad] of the warp against the first side of the opening
     symmetry : "quarter", "half" or "whole"
     grading : ((until, side), ...) [crossovers] longer elements further from the impact point, or None (see `grading`)
     end_time : [s] at the latest; a run ends when the projectile stops or has passed
-    elements_per_crossover : along each side
+    elements_per_crossover : along each side; None takes 1, or as many as put an element's longer side within
+        ELEMENT_SIDE of the projectile's radius, at most MOST_ELEMENTS. Longer ones absorb less than shorter
+        ones do
     cell_model, form, gap, profile : see CellModel
     bending : [N m2] bending stiffness of a yarn, or of (warp, weft); see Panel
     jam : (stiffness [N], stretch) of yarns that are bunched up; see Panel
@@ -67,7 +73,7 @@ class ImpactSetup:
     weave_angle: float = 0.0
     symmetry: str = "quarter"
     end_time: float = 800e-6
-    elements_per_crossover: int = 1
+    elements_per_crossover: int | None = None
     cell_model: str = "compressible"
     form: str = "variational"
     gap: float = 0.0
@@ -83,6 +89,18 @@ class ImpactSetup:
     measure: histories.Measure | None = None
     numerics: Numerics = field(default_factory=Numerics)
     grading: tuple | None = None
+
+    def _elements_per_crossover(self):
+        """Those given, or those of the default."""
+        if self.elements_per_crossover is not None:
+            return self.elements_per_crossover
+        needed = 2 * max(self.fabric.weave.w) / (ELEMENT_SIDE * self.projectile.radius)
+        return 1 if self.grading is not None else min(max(1, ceil(needed)), MOST_ELEMENTS)
+
+    @property
+    def sample_interval(self):
+        """[s] between samples, which are as frequent as what is recorded."""
+        return min(self.audit_interval, self.measure.interval) if self.measure else self.audit_interval
 
     def table(self) -> CellTable:
         """The cell's table, filled. Set-ups that differ in panel, shot or mesh alone can share it.
@@ -111,7 +129,7 @@ class ImpactSetup:
             tuple(opening),
             self.projectile,
             self.symmetry,
-            self.elements_per_crossover,
+            self._elements_per_crossover(),
             self.edge,
             self.numerics,
             failure=self.failure,
@@ -156,7 +174,7 @@ class ImpactResult(Outcome):
         longer moves along the panel's normal, though it may slide on
     residual_velocity : [m/s] of the projectile at the end, along the normal
     velocity : (3,) [m/s] of the projectile at the end, along warp, weft and normal
-    t, v, z : (n,) [s, m/s, m] instants of the audit; the projectile's velocity along the normal and its foremost point
+    t, v, z : (n,) [s, m/s, m] of the samples; the projectile's velocity along the normal and its foremost point
     energies : {name: (n,)} [J] with the names of panel.solver.ENERGIES; balance is the sum less the energy at the start
     reactions : {"warp", "weft": (n,)} [N] tension at the clamped end of the yarn nearest the impact point
     failed : (n,) number of failed yarn segments
@@ -170,7 +188,7 @@ class ImpactResult(Outcome):
     broken : (m, 3) bool at the end: warp failed, weft failed, element eroded
     snapshots : tuple of snapshots.Snapshot
     histories : histories.Histories, or None where nothing was to be recorded
-    steps, wall_time, ns_per_element_step : cost of marching, [s] and [ns]
+    steps, wall_time, ns_per_element_step : cost of the run, [s] and [ns]
     max_deflection : [m] of whole cloth, over the run
     checks : tuple of quality.Indicator
     """
@@ -229,7 +247,7 @@ def run(setup: ImpactSetup, *, hooks=(), resume=None, table=None) -> ImpactResul
     Parameters
     ----------
     setup : ImpactSetup
-    hooks : called as hook(march) after every audit
+    hooks : called as hook(solver) after every audit
     resume : path of a checkpoint of the same set-up to go on from; the result is that of the uninterrupted run, bit
         for bit
     table : CellTable that a set-up of the same cell has filled, or None
@@ -239,73 +257,67 @@ def run(setup: ImpactSetup, *, hooks=(), resume=None, table=None) -> ImpactResul
     InputError : a set-up or checkpoint that cannot be used
     UnstableError : the run became unphysical; its attribute `result` holds what was computed
     """
-    interval = min(setup.audit_interval, setup.measure.interval) if setup.measure else setup.audit_interval
-    march = March(setup.panel(table), setup.strike_velocity, setup.end_time, interval=interval)
-    march.measure = setup.measure
-    own = (histories.Recorder(march.panel, setup.measure),) if setup.measure else ()
-    own += snapshots(setup, onlookers.Snapshots)
+    solver = PanelSolver(setup.panel(table), setup.strike_velocity, setup.end_time, interval=setup.sample_interval)
+    own = (*recorder(solver, setup), *snapshot_hooks(setup))
     if resume is not None:
-        checkpoint.read(march, resume)
-    return carried_out(march, (*own, *hooks), lambda: result_of(setup, march))
+        checkpoint.read(solver, resume)
+    return run_to_end(solver, (*own, *hooks), lambda: collect_result(setup, solver))
 
 
-def snapshots(setup: ImpactSetup, kind):
-    """The hook of a `kind` that takes the set-up's snapshots, in a tuple; InputError for a bad interval."""
+def recorder(solver, setup: ImpactSetup):
+    """The hook that records along yarns and at edges, in a tuple; none where nothing is to be recorded."""
+    solver.measure = setup.measure
+    plies = [panel for panel, _, _ in solver.parts]
+    return (histories.Recorder(plies, setup.measure),) if setup.measure else ()
+
+
+def snapshot_hooks(setup: ImpactSetup, take=None):
+    """The hook that takes the set-up's snapshots, in a tuple; see hooks.Snapshots. InputError for a bad interval."""
     if setup.snapshot_interval is None:
         return ()
     if not setup.snapshot_interval > 0:
         raise InputError(key="snapshot_interval", value=setup.snapshot_interval, allowed="above 0")
-    return (kind(setup.snapshot_interval),)
+    return (Snapshots(setup.snapshot_interval, take),)
 
 
-def carried_out(march, hooks, result):
-    """March to the end: result(), which a run that goes wrong hands on in its UnstableError."""
-    try:
-        march.run(hooks)
-    except UnstableError as problem:
-        problem.result = result()
-        raise
-    return result()
-
-
-def result_of(setup: ImpactSetup, march: March) -> ImpactResult:
-    """Gather what a march has recorded."""
-    last = output_snapshots.snapshot(march.panel, march.state, march.time)
+def collect_result(setup: ImpactSetup, solver: PanelSolver) -> ImpactResult:
+    """Gather what a run has recorded."""
+    last = output_snapshots.snapshot(solver.panel, solver.state, solver.time)
     return ImpactResult(
         setup=setup,
-        panel=march.panel,
-        energies={name: march.sample(name) for name in ENERGIES},
-        reactions={"warp": march.sample("reaction_warp"), "weft": march.sample("reaction_weft")},
-        failed=march.sample("failed_yarns"),
-        peak_tension=(float(march.state.peak[0]), float(march.state.peak[1])),
+        panel=solver.panel,
+        energies={name: solver.sample(name) for name in ENERGIES},
+        reactions={"warp": solver.sample("reaction_warp"), "weft": solver.sample("reaction_weft")},
+        failed=solver.sample("failed_yarns"),
+        peak_tension=(float(solver.state.peak_tension[0]), float(solver.state.peak_tension[1])),
         nose=last.nose,
         nodes=last.nodes.reshape(-1, 3),
-        quads=output_snapshots.quads(march.panel),
+        quads=output_snapshots.quads(solver.panel),
         tension=last.tension.reshape(-1, 2),
         broken=last.broken.reshape(-1, 3),
-        histories=histories.unpack(march.histories, march.panel, setup.measure) if march.histories else None,
-        **of_projectile(march, march.panel.elements),
+        histories=histories.unpack(solver.histories, (solver.panel,), setup.measure)[0] if solver.histories else None,
+        **projectile_result(solver, solver.panel.elements),
     )
 
 
-def of_projectile(march, elements):
+def projectile_result(solver, elements):
     """Entries of a result that are the same for one ply and a pack: the projectile's, the block's, and the cost."""
-    fine = np.concatenate(march.fine) if march.fine else np.empty((0, march.columns))
-    clock, bar = march.const.dt * np.arange(1, len(fine) + 1), march.panel.projectile.bar
+    fine = np.concatenate([np.empty((0, solver.history_columns)), *solver.step_history])
+    clock, bar = solver.const.dt * np.arange(1, len(fine) + 1), solver.panel.projectile.bar
     return {
-        "outcome": march.outcome,
-        "residual_velocity": float(march.sample("v")[-1]),
-        "velocity": dynamics.velocity(march.state, march.const),
-        "t": march.sample("t"),
-        "v": march.sample("v"),
-        "z": march.sample("z"),
-        "fine": np.column_stack([clock, fine[:, :2], fine[:, 2] / march.panel.share]),
-        "bar": None if bar is None else dynamics.history(clock, fine, march.state, bar),
-        "backing": march.behind.result() if march.behind else None,
-        "snapshots": tuple(march.snapshots),
-        "max_deflection": march.monitor.deflection,
-        "checks": quality.of_march(march),
-        "steps": march.steps,
-        "wall_time": march.wall_time,
-        "ns_per_element_step": 1e9 * march.wall_time / max(1, march.steps * elements),
+        "outcome": solver.outcome,
+        "residual_velocity": float(solver.sample("v")[-1]),
+        "velocity": dynamics.velocity(solver.state, solver.const),
+        "t": solver.sample("t"),
+        "v": solver.sample("v"),
+        "z": solver.sample("z"),
+        "fine": np.column_stack([clock, fine[:, :2], fine[:, 2] / solver.panel.share]),
+        "bar": None if bar is None else dynamics.history(clock, fine, solver.state, bar),
+        "backing": solver.behind.result() if solver.behind else None,
+        "snapshots": tuple(solver.snapshots),
+        "max_deflection": solver.monitor.deflection,
+        "checks": quality.of_solver(solver),
+        "steps": solver.steps,
+        "wall_time": solver.wall_time,
+        "ns_per_element_step": 1e9 * solver.wall_time / max(1, solver.steps * elements),
     }

@@ -1,10 +1,10 @@
-"""Room for arrays that kernels go over side by side."""
+"""Cache-line-aligned arrays."""
 
 import numpy as np
 
 
-def room(count, slots, kind=float):
-    """`count` flat arrays of zeros that begin with a cache line, in different sets of the cache."""
+def aligned_zeros(count, slots, kind=float):
+    """`count` flat arrays of `slots` zeros, each aligned to a cache line, in different cache sets."""
     width = (-(-slots // 16) | 1) * 16
     whole = np.zeros(count * width + 16, kind)
     start = -whole.ctypes.data % 64 // whole.itemsize

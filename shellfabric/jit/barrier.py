@@ -1,9 +1,7 @@
-"""Threads that march together: a barrier for compiled kernels that hold no lock, and how many threads a run uses.
+"""Spin barrier for threads in compiled kernels, and the number of threads of a run.
 
-Each thread runs a kernel of its own over the same steps; between the parts of a step all wait for each other at a
-barrier. It is a counter in memory that every thread adds one to, and that nobody passes before the last has come. Who
-waits looks at it again and again, and after a while lets others have the processor in between: shots of `limit`, or
-other programs.
+Each thread runs a kernel of its own over the same steps; between the parts of a step all wait at the barrier, an atomic
+counter in shared memory. A waiting thread spins on it, and after a while yields the processor in between.
 """
 
 import os
@@ -15,18 +13,18 @@ from numba.extending import intrinsic
 
 from shellfabric.jit.compile import kernel
 
-CHEAP = 10_000  # elements below which the threads would wait for each other longer than they save
-COUNTER, STOP, ROOM = 0, 16, 32  # slots of the shared array: far from each other, in cache lines of their own
-_LOOKS = 2000  # at the counter before others get the processor
+MIN_ELEMENTS_THREADED = 10_000  # elements below which the threads would wait for each other longer than they save
+COUNTER, STOP, SLOTS = 0, 16, 32  # slots of the shared array: far from each other, in cache lines of their own
+_SPINS = 2000  # at the counter before others get the processor
 _WORD = ir.IntType(64)
 
 
 def threads_for(asked, elements):
-    """Threads that march a panel: as many as asked, or all that the process may use where it pays."""
+    """Number of threads of a run: as given, or all that the process may use if the panel is large enough."""
     if asked is not None:
         return asked
     allowed = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-    return allowed if elements >= CHEAP else 1
+    return allowed if elements >= MIN_ELEMENTS_THREADED else 1
 
 
 def _slot(context, builder, signature, arguments):
@@ -35,8 +33,8 @@ def _slot(context, builder, signature, arguments):
 
 
 @intrinsic
-def _arrive(typing, shared, slot):
-    """Add one to a slot, all that was written before being seen by who reads it; returns what it was."""
+def _fetch_add(typing, shared, slot):
+    """Atomic fetch-and-add of one to a slot, with acquire and release order."""
 
     def codegen(context, builder, signature, arguments):
         place = _slot(context, builder, signature, arguments)
@@ -46,8 +44,8 @@ def _arrive(typing, shared, slot):
 
 
 @intrinsic
-def _look(typing, shared, slot):
-    """Read a slot, with all that was written before."""
+def _load_acquire(typing, shared, slot):
+    """Atomic load of a slot, with acquire order."""
 
     def codegen(context, builder, signature, arguments):
         place = _slot(context, builder, signature, arguments)
@@ -58,8 +56,8 @@ def _look(typing, shared, slot):
 
 
 @intrinsic
-def _let_others(typing):
-    """Give the processor to who else wants it."""
+def _sched_yield(typing):
+    """Yield the processor to other threads (sched_yield)."""
 
     def codegen(context, builder, signature, arguments):
         function = ir.FunctionType(ir.IntType(32), [])
@@ -70,13 +68,13 @@ def _let_others(typing):
 
 
 @kernel()
-def meet(shared, count):
-    """Wait until all `count` threads are here. shared : (ROOM,) int64, zero at first."""
+def barrier_wait(shared, count):
+    """Barrier: wait until all `count` threads have arrived. shared : (SLOTS,) int64, zero at first."""
     if count == 1:
         return
-    goal = (_arrive(shared, COUNTER) // count + 1) * count
+    goal = (_fetch_add(shared, COUNTER) // count + 1) * count
     looks = 0
-    while _look(shared, COUNTER) < goal:
+    while _load_acquire(shared, COUNTER) < goal:
         looks += 1
-        if looks > _LOOKS:
-            _let_others()
+        if looks > _SPINS:
+            _sched_yield()

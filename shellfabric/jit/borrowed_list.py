@@ -1,4 +1,4 @@
-"""Items of numba's lists as they lie there, uncounted.
+"""Borrowed references: items of numba's typed lists without reference counts.
 
 numba counts the references to each array of what is taken out of a list, up and down again, each time an instruction
 that all processors wait for. The state of a ply has over a hundred arrays: in a pack of 16 plies of 6,241 elements
@@ -12,7 +12,7 @@ from numba.extending import intrinsic
 
 
 @intrinsic
-def item(typing, items, number):
+def borrowed_item(typing, items, number):
     """items[number] of a typed list, for kernels that count no references; a number out of range is not caught."""
 
     def codegen(context, builder, signature, arguments):

@@ -10,7 +10,7 @@ are compiled in half the time.
 
 A kernel that is called from Python all the same, as by its test, is compiled a second time for that.
 
-What Python calls with many arrays is compiled in a process of its own (`compile_apart`).
+What Python calls with many arrays is compiled in a process of its own (`compile_in_child`).
 """
 
 import types
@@ -19,7 +19,7 @@ from numba import config, njit
 from numba.core.caching import FunctionCache
 from numba.core.registry import CPUDispatcher
 
-from shellfabric.jit.compile_in_child import TWIN, ApartCache
+from shellfabric.jit.compile_in_child import ENTRY_SUFFIX, ChildCompileCache
 
 _USUAL = {"cache": True, "error_model": "numpy", "no_cfunc_wrapper": True}
 
@@ -30,7 +30,7 @@ def entry(**options):
     def decorated(function):
         found = njit(**_USUAL, **options)(function)
         if isinstance(getattr(found, "_cache", None), FunctionCache):
-            found._cache.__class__ = ApartCache
+            found._cache.__class__ = ChildCompileCache
         return found
 
     return decorated
@@ -61,7 +61,7 @@ class _Inner(CPUDispatcher):
                 inner.__code__, inner.__globals__, inner.__name__, inner.__defaults__, inner.__closure__
             )
             # names its file; in the folder of the kernel (fabrics.kernel_cache), which changes with what it calls
-            twin.__module__, twin.__qualname__ = inner.__module__, inner.__qualname__ + TWIN
+            twin.__module__, twin.__qualname__ = inner.__module__, inner.__qualname__ + ENTRY_SUFFIX
             now, config.CACHE_DIR = config.CACHE_DIR, self.folder
             try:
                 self._twin = entry(**self.entry_options)(twin)

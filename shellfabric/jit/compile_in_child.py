@@ -19,17 +19,18 @@ from pkgutil import resolve_name
 from numba import types
 from numba.core.caching import FunctionCache
 
-LARGE = 50  # scalars and arrays among the arguments; one array takes a dozen instructions wherever it is passed on
-TWIN = "_from_python"  # ending of the name of a kernel's way in from Python (`compiled`)
-_CHILD = "from shellfabric.jit.compile_in_child import child; child()"
+# scalars and arrays among the arguments; one array takes a dozen instructions wherever it is passed on
+MIN_MEMBERS = 50
+ENTRY_SUFFIX = "_from_python"  # ending of the name of a kernel's way in from Python (`compile`)
+_CHILD_CODE = "from shellfabric.jit.compile_in_child import child; child()"
 
 
-class ApartCache(FunctionCache):
+class ChildCompileCache(FunctionCache):
     """numba's cache of one function, which has what is missing compiled by a child process."""
 
     def load_overload(self, sig, target_context):
         found = super().load_overload(sig, target_context)
-        if found is None and members(sig) >= LARGE and compiled_apart(self._py_func, sig):
+        if found is None and members(sig) >= MIN_MEMBERS and compiled_in_child(self._py_func, sig):
             found = super().load_overload(sig, target_context)
         return found
 
@@ -41,7 +42,7 @@ def members(kinds):
     return members(kinds.dtype) if isinstance(kinds, (types.List, types.ListType)) else 1
 
 
-def compiled_apart(function, kinds):
+def compiled_in_child(function, kinds):
     """Whether a child process has compiled a kernel, the plain function here, for arguments of these numba types."""
     if not function.__module__.startswith("shellfabric.") or not sys.executable:
         return False
@@ -50,7 +51,7 @@ def compiled_apart(function, kinds):
         wanted = pickle.dumps((function.__module__, function.__qualname__, kinds))
         # -P: the folder that the user is in is not among the paths, if it is not here
         done = subprocess.run(
-            [sys.executable, "-P", "-c", _CHILD],
+            [sys.executable, "-P", "-c", _CHILD_CODE],
             input=wanted, env=os.environ | {"PYTHONPATH": paths}, capture_output=True,
         )  # fmt: skip
     except (OSError, pickle.PicklingError, TypeError, AttributeError):
@@ -61,8 +62,8 @@ def compiled_apart(function, kinds):
 def child():
     """Compile the kernel named on the standard input, and write it to the cache; the work of the child process."""
     module, name, kinds = pickle.load(sys.stdin.buffer)
-    kernel = resolve_name(f"{module}:{name.removesuffix(TWIN)}")
-    if name.endswith(TWIN):
+    kernel = resolve_name(f"{module}:{name.removesuffix(ENTRY_SUFFIX)}")
+    if name.endswith(ENTRY_SUFFIX):
         kernel = kernel._entry()
     kernel._cache.__class__ = FunctionCache  # here and now
     kernel.compile(kinds)

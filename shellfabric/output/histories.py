@@ -2,10 +2,11 @@
 
 A yarn is one row of elements along warp or weft, chosen by its distance from the impact point. Recorded at every
 instant are the tension in its elements, where its nodes are along its own direction, and how far they are deflected;
-at each edge of the panel the force of the cloth on the nodes there, which where they are held is the reaction.
+at each edge of the panel the force of the cloth on the nodes there, which where they are held is the reaction; of a ply
+in a pack, with the force of its neighbours on these nodes.
 
-A recording is a list of rows of numbers (`march.histories`), so that checkpoints can keep it; `unpack` gives it back
-its names.
+A recording is a list of rows of numbers (`solver.histories`), so that checkpoints can keep it; `unpack` gives it back
+its names. Of a pack the same is recorded of every ply, or of the plies that are named.
 """
 
 from __future__ import annotations
@@ -33,15 +34,17 @@ class Measure:
     ----------
     interval : [s] between records
     warp, weft : (n,) [m] distances from the impact point, across the family, of the yarns to follow
+    plies : numbers of the plies of a pack to follow, the first is 1; None for all
 
     Raises
     ------
-    InputError : an interval that is not positive, a distance that is not a number
+    InputError : an interval that is not positive, a distance that is not a number, plies that are no numbers of plies
     """
 
     interval: float = 1e-6
     warp: tuple[float, ...] = (0.0,)
     weft: tuple[float, ...] = (0.0,)
+    plies: tuple[int, ...] | None = None
 
     def __post_init__(self):
         if not 0 < self.interval < inf:
@@ -49,6 +52,14 @@ class Measure:
         for family in FAMILIES:
             if not all(abs(distance) < inf for distance in getattr(self, family)):
                 raise InputError(key=family, value=getattr(self, family), allowed="distances in m")
+        if self.plies is not None and (not self.plies or any(ply != int(ply) or ply < 1 for ply in self.plies)):
+            raise InputError(key="plies", value=self.plies, allowed="numbers of plies, the first is 1")
+
+    def chosen(self, count):
+        """Indices of the plies to follow of a pack of `count`; InputError for a ply that it has not."""
+        if self.plies is not None and max(self.plies) > count:
+            raise InputError(key="plies", value=self.plies, allowed=f"1 to {count}")
+        return range(count) if self.plies is None else [ply - 1 for ply in self.plies]
 
 
 @dataclass(frozen=True)
@@ -109,20 +120,29 @@ class Histories:
 
 
 class Recorder(Every):
-    """Keep a row every interval, in march.histories.
+    """Keep a row every interval, in solver.histories.
+
+    Parameters
+    ----------
+    plies : Panels of the run, the one that is struck first
+    measure : Measure
 
     Raises
     ------
-    InputError : a yarn that is not on the panel
+    InputError : a yarn that is not on the panel, a ply that is not in the pack
     """
 
-    def __init__(self, panel, measure: Measure):
+    def __init__(self, plies, measure: Measure):
         super().__init__(measure.interval)
-        self.rows, self.sides = rows(panel, measure), edge_nodes(panel)
+        self.chosen = measure.chosen(len(plies))
+        self.what = [(rows(plies[p], measure), edge_nodes(plies[p])) for p in self.chosen]
 
-    def __call__(self, march):
-        if self.due(march):
-            march.histories.append(_record(march, self.rows, self.sides))
+    def __call__(self, solver):
+        if self.due(solver):
+            parts = [
+                _record(*solver.parts[p], *what, solver.neighbour_forces(p)) for p, what in zip(self.chosen, self.what)
+            ]
+            solver.histories.append(np.concatenate([[solver.time], *parts]))
 
 
 def rows(panel, measure):
@@ -147,25 +167,27 @@ def rows(panel, measure):
     return found
 
 
-def _record(march, chosen, sides):
-    """One row of numbers: time, then tension, places and deflections of each yarn, then the edges' forces."""
-    c, state = march.const, march.state
+def _record(panel, c, state, chosen, sides, neighbours):
+    """Numbers of one ply: tension, places and deflections of each yarn, then the edges' forces."""
     tension = yarn_tensions(c, state)
-    u = [component[: (c.ni + 1) * c.s].reshape(c.ni + 1, c.s) for component in state.u]
-    parts = [np.array([march.time])]
+    u = [component[: (c.ni + 1) * c.row_stride].reshape(c.ni + 1, c.row_stride) for component in state.u]
+    parts = []
     for family, element, node in chosen:
         along = np.s_[:, node] if family == "warp" else np.s_[node, :]
         pulled = tension[:, element, 0] if family == "warp" else tension[element, :, 1]
-        rest = march.panel.lines()[FAMILIES.index(family)]
+        rest = panel.lines()[FAMILIES.index(family)]
         parts += [pulled, rest + u[FAMILIES.index(family)][along], u[2][along]]
-    return np.concatenate([*parts, _edge_forces(state, sides).ravel()])
+    return np.concatenate([*parts, _edge_forces(state, sides, neighbours).ravel()])
 
 
-def _edge_forces(state, sides):
-    """(4, 2) [N] pull and lift at the edges, as EDGES names them."""
+def _edge_forces(state, sides, neighbours):
+    """(4, 2) [N] pull and lift at the edges, as EDGES names them; neighbours : forces that other plies add there."""
     forces = np.empty((4, 2))
     for number, (nodes, weights, normal) in enumerate(sides):
-        f = [weights @ (a[nodes] + b[nodes]) for a, b in zip(state.g0, state.g1)]
+        nodal = [a[nodes] + b[nodes] for a, b in zip(state.f_int, state.f_int_above)]
+        for others in neighbours:
+            nodal = [total + force[nodes] for total, force in zip(nodal, others)]
+        f = [weights @ force for force in nodal]
         forces[number] = -normal[0] * f[0] - normal[1] * f[1], f[2]
     return forces
 
@@ -207,17 +229,22 @@ def _oblique_sides(panel, X, Y, numbers):
     ]
 
 
-def unpack(recording, panel, measure) -> Histories:
-    """Name the numbers of a recording, a list of rows."""
-    weave, lines = panel.weave, panel.lines()
+def unpack(recording, plies, measure) -> tuple[Histories, ...]:
+    """Name the numbers of a recording, a list of rows: the Histories of each ply that has been followed."""
     table = np.array(recording)
-    t, at, yarns = table[:, 0], 1, []
+    at = 1
 
     def take(count):
         nonlocal at
         at += count
         return table[:, at - count : at]
 
+    return tuple(_unpacked(table[:, 0], take, plies[p], measure) for p in measure.chosen(len(plies)))
+
+
+def _unpacked(t, take, panel, measure) -> Histories:
+    """Histories of one ply; take(count) gives the next columns of the recording."""
+    weave, lines, yarns = panel.weave, panel.lines(), []
     for family, element, _ in rows(panel, measure):
         yarn = weave.yarns[FAMILIES.index(family)]
         own, other = lines if family == "warp" else lines[::-1]

@@ -1,4 +1,4 @@
-"""Onlookers of a march: snapshots, progress, and the clock that decides when they act. See also `checkpoint`."""
+"""Hooks of a run: snapshots, progress, and the clock that decides when they act. See also `checkpoint`."""
 
 from __future__ import annotations
 
@@ -16,23 +16,33 @@ class Every:
     def __init__(self, interval):
         self.interval = interval
 
-    def due(self, march):
-        """Whether this audit is the one nearest a multiple of the interval.
+    def due(self, solver):
+        """Whether this sample is the one nearest a multiple of the interval.
 
-        It depends on the march alone, so that a resumed run acts at the same instants.
+        It depends on the run alone, so that a resumed run acts at the same instants.
         """
-        dt, last = march.const.dt, march.fine[-1].shape[0]
-        numbers = [int((steps + march.chunk / 2) * dt / self.interval) for steps in (march.steps - last, march.steps)]
-        before_end = numbers[1] * self.interval < (1 - 1e-9) * march.end_time
-        return march.ended or (numbers[1] > numbers[0] and before_end)
+        before = solver.samples[-2][0] if len(solver.samples) > 1 else 0.0
+        numbers = [int((t + 0.5 * solver.sample_spacing) / self.interval) for t in (before, solver.time)]
+        before_end = numbers[1] * self.interval < (1 - 1e-9) * solver.end_time
+        return solver.ended or (numbers[1] > numbers[0] and before_end)
 
 
 class Snapshots(Every):
-    """Keep a snapshot every interval, in march.snapshots."""
+    """Keep a snapshot every interval, in solver.snapshots.
 
-    def __call__(self, march):
-        if self.due(march):
-            march.snapshots.append(snapshot(march.panel, march.state, march.time))
+    Parameters
+    ----------
+    interval : [s]
+    take : called as take(solver), makes the snapshot; None takes that of a panel
+    """
+
+    def __init__(self, interval, take=None):
+        super().__init__(interval)
+        self.take = take or (lambda solver: snapshot(solver.panel, solver.state, solver.time))
+
+    def __call__(self, solver):
+        if self.due(solver):
+            solver.snapshots.append(self.take(solver))
 
 
 class Progress:
@@ -46,5 +56,5 @@ class Progress:
     def __init__(self, report):
         self.report = report
 
-    def __call__(self, march):
-        self.report(1.0 if march.ended else march.time / march.end_time, float(march.state.speed[2]))
+    def __call__(self, solver):
+        self.report(1.0 if solver.ended else solver.time / solver.end_time, float(solver.state.projectile_velocity[2]))

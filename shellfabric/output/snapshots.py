@@ -39,19 +39,22 @@ def snapshot(panel, state, t) -> Snapshot:
     nodes[..., 1] += Y
     c = panel.constants()
     broken = failures(c, state)
-    z = float(state.position[2] + panel.projectile.top)
-    return Snapshot(t, z, state.position.copy(), nodes, yarn_tensions(c, state), broken)
+    z = float(state.projectile_position[2] + panel.projectile.top)
+    return Snapshot(t, z, state.projectile_position.copy(), nodes, yarn_tensions(c, state), broken)
 
 
 def failures(c, state):
     """(ni, nj, 3) bool: a warp or a weft at its side failed, element eroded; `c` are the panel's constants."""
-    flag = state.flag[: c.ni * c.s].reshape(c.ni, c.s)[:, : c.nj]
+    flag = state.element_flag[: c.ni * c.row_stride].reshape(c.ni, c.row_stride)[:, : c.nj]
     return np.stack([(flag & bit) != 0 for bit in (1, 2, 4)], axis=2)
 
 
 def yarn_tensions(c, state):
     """(ni, nj, 2) [N] tension of warp and weft in each element: the mean over its two edges of what is left of them."""
-    warp, weft = ((part * T)[: (c.ni + 1) * c.s].reshape(c.ni + 1, c.s) for part, T in zip(state.intact, state.T))
+    warp, weft = (
+        (part * T)[: (c.ni + 1) * c.row_stride].reshape(c.ni + 1, c.row_stride)
+        for part, T in zip(state.intact_fraction, state.T)
+    )
     return np.stack([0.5 * (warp[:-1, :-1] + warp[:-1, 1:]), 0.5 * (weft[:-1, :-1] + weft[1:, :-1])], axis=2)
 
 

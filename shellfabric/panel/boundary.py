@@ -20,7 +20,7 @@ from math import cos, inf, sin
 import numpy as np
 
 from fabrics.errors import InputError
-from shellfabric.cloth.bending_kernels import ENDED, HELD, MIRRORED
+from shellfabric.cloth.bending_kernels import CLAMPED_END, FREE_END, SYMMETRY_END
 
 
 @dataclass(frozen=True)
@@ -148,7 +148,7 @@ def ends(panel):
 
 
 def rim(panel):
-    """What `edges_kernels` needs of the sides that slip.
+    """What `boundary_kernels` needs of the sides that slip.
 
     Returns
     -------
@@ -187,8 +187,8 @@ def rim(panel):
 
 def yarn_ends(panel):
     """(2, 2) how warp and weft yarns end at their lowest and highest place, as `bending_kernels` has it."""
-    ends = np.array([[ENDED if side == "free" else HELD for side in pair] for pair in sides(panel.edge)])
+    ends = np.array([[FREE_END if side == "free" else CLAMPED_END for side in pair] for pair in sides(panel.edge)])
     for family, mirrored in enumerate(panel.mirrors):
         if mirrored:
-            ends[family, 0] = MIRRORED
+            ends[family, 0] = SYMMETRY_END
     return ends

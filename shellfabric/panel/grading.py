@@ -82,7 +82,7 @@ def slots(sides, finest, thickness, viscosity, room):
     finest : (dx, dy) [m] sides of the smallest element
     thickness : [m] of the cloth
     viscosity : (warp, weft) [N] of the smallest element
-    room : as `panel._room`, makes flat arrays that begin with a cache line
+    room : as `aligned.aligned_zeros`, makes flat arrays that begin with a cache line
     """
     (a, b), (dx, dy), (cv1, cv2) = sides, finest, viscosity
     ni, nj = a.size, b.size
@@ -96,11 +96,11 @@ def slots(sides, finest, thickness, viscosity, room):
 
     rows, columns = np.ones(ni + 1), np.ones(nj + 1)
     return {
-        "rx0": spread(1 / a, columns),
-        "ry0": spread(rows, 1 / b),
-        "V": spread(a, b, thickness),
+        "inv_dx": spread(1 / a, columns),
+        "inv_dy": spread(rows, 1 / b),
+        "trellis_volume": spread(a, b, thickness),
         "cv1": spread(a / dx, columns, cv1),
         "cv2": spread(rows, b / dy, cv2),
-        "split1": spread(split(a), columns),
-        "split2": spread(rows, split(b)),
+        "mean_weight1": spread(split(a), columns),
+        "mean_weight2": spread(rows, split(b)),
     }

@@ -1,4 +1,4 @@
-"""A fabric panel with its projectile: grid, masses, supports, time step (for the arrays of it see `panel_arrays`).
+"""A fabric panel with its projectile: grid, masses, supports, time step (for the arrays of it see `panel.arrays`).
 
 Time step. The highest frequency of the cloth is bounded by w^2 = 4 D / (m d^2), with d the shorter side, m the areal
 density, and D the largest over 0 <= a <= 1 of lambda a + 2 G2 t a (1 - a): that of the mode whose phase turns by
@@ -6,7 +6,7 @@ density, and D the largest over 0 <= a <= 1 of lambda a + 2 G2 t a (1 - a): that
 G2 t that of the trellis, which has one point in each element and so is blind to a = 1. Along a straight yarn this is
 d / c with the wave speed c = sqrt(E / rho) / sqrt(1 + mass of the crossing yarn over its own): the factor sqrt 2 of
 woven yarn (erratum E-38). Viscous forces act on the velocity of half a step ago, which limits the step to
-(2 / w) (sqrt(1 + xi^2) - xi) at damping ratio xi. How much of that is taken depends on the cell: see `pace`.
+(2 / w) (sqrt(1 + xi^2) - xi) at damping ratio xi. How much of that is taken depends on the cell: see `time_step`.
 """
 
 from __future__ import annotations
@@ -39,20 +39,23 @@ class Numerics:
     ----------
     safety : of the time step against its bound; 0.9 leaves room for shear stiffening in distorted elements. Where yarns
         snap taut a step loses energy, with its square, whatever the mesh, since a snap is a few elements wide: for
-        S-731 at 116 m/s 0.17 % of the strike energy, at 0.45 0.04. It is booked as "cell" (see `march`). Giving it back
-        to the front (a viscosity that is less by dK dL / 12) was tried: the peak of the first front along S-745 at 215
-        m/s, 658 N at 0.9 and 648 at 0.1, is 693 then
+        S-731 at 116 m/s 0.17 % of the strike energy, at 0.45 0.04. It is booked as "cell" (see `panel.solver`). Giving
+        it back to the front (a viscosity that is less by dK dL / 12) was tried: the peak of the first front along S-745
+        at 215 m/s, 658 N at 0.9 and 648 at 0.1, is 693 then
     stretch_viscosity : damping ratio of the highest mode along a straight yarn, which costs as much of the time step.
         Without it crimped yarns that snap taut ring, and the peak is 190 and 380 N; from 0.05 to 0.2 it moves by 1 %.
         In a yarn that stiffens as its crimp goes, fronts are shocks, which dissipate whatever the viscosity: from 0.1
         to 0.02 the loss of S-731 at 110 m/s falls from 13.3 to 11.2 % of the strike energy, and with half the element
         from 13.3 to 12.9
     penalty : stiffness of the contact where it covers an element, in units of nodal mass / dt^2, with the dt that
-        `safety` would make of the bound (see `pace`). From 0.3 to 1 the peak moves by 2 %, and the critical velocity,
-        which feels how deep the rim of the nose presses itself in, by 3 to 6 %, from 0.6 to 1 by 1 to 2 %; at 1 and
-        above yarns bounce off the nose. The bound is 1.5 at the damping below
+        `safety` would make of the bound (see `time_step`). From 0.3 to 1 the peak moves by 2 %, and the critical
+        velocity, which feels how deep the rim of the nose presses itself in, by 3 to 6 %, from 0.6 to 1 by 1 to 2 %; at
+        1 and above yarns bounce off the nose. The bound is 1.5 at the damping below
     contact_damping : ratio to critical of that mass on that spring; from 0.25 to 0.7 the peak stays
-    contact_points : along each side of a crossover, and at least 2 along that of an element (see `contact_kernels`)
+    contact_points : along each side of a crossover, and at least 2 along that of an element (see `contact_kernels`).
+        None takes 8, and more under a sharp nose: as many as put them panel_arrays.SPACING nose radii apart, at most
+        panel_arrays.MOST_POINTS along an element. Points further apart miss the edge: it acts as a rounder or a sharper
+        one, as it lies among them
     failure_time : [s] over which a yarn's tension is low-passed before it is held against its strength; 0: not at all
     widest : stretch of the gap left by failed yarns at which its element loses contact: two neighbours' worth
     clear_time : [s] without a push and with nothing ahead, after which the panel counts as perforated
@@ -60,14 +63,14 @@ class Numerics:
         fewer keep its scratch in cache
     precision : "double" or "single", in which forces are kept from step to step, and the constants of nodes and edges;
         all is computed in double precision, and places, velocities and stretches are kept in it
-    threads : that march; None takes all that the process may use where it pays (`team`). No result depends on it
+    threads : that march; None takes all that the process may use where it pays (`barrier`). No result depends on it
     """
 
     safety: float = 0.9
     stretch_viscosity: float = 0.1
     penalty: float = 0.6
     contact_damping: float = 0.5
-    contact_points: int = 8
+    contact_points: int | None = None
     failure_time: float = 0.0
     widest: float = 3.0
     clear_time: float = 2e-6
@@ -76,15 +79,12 @@ class Numerics:
     threads: int | None = None
 
     def __post_init__(self):
-        for key in ("safety", "penalty", "contact_points", "widest", "clear_time", "block"):
+        for key in ("safety", "penalty", "widest", "clear_time", "block"):
             if not getattr(self, key) > 0:
                 raise InputError(key=key, value=getattr(self, key), allowed="above 0")
-        for key in (
-            "stretch_viscosity",
-            "contact_damping",
-            "contact_points",
-            "failure_time",
-        ):
+        if self.contact_points is not None and self.contact_points < 1:
+            raise InputError(key="contact_points", value=self.contact_points, allowed="at least 1")
+        for key in ("stretch_viscosity", "contact_damping", "failure_time"):
             if not getattr(self, key) >= 0:
                 raise InputError(key=key, value=getattr(self, key), allowed="at least 0")
         if self.precision not in arrays.PRECISIONS:
@@ -107,19 +107,19 @@ class Panel:
     projectile : Projectile
     symmetry : "quarter", "half" (x >= 0) or "whole"
     elements_per_crossover : along each side
-    edge : "clamped", "free" or a slipping side, for all sides or each on its own (see `edges`)
+    edge : "clamped", "free" or a slipping side, for all sides or each on its own (see `boundary`)
     numerics : Numerics
     trellis : whether the fabric's shear law acts; a fabric without one has none
     failure : whether yarns fail
-    weave_angle : [rad] of the warp against the first side of the opening, towards the second (see `edges`)
+    weave_angle : [rad] of the warp against the first side of the opening, towards the second (see `boundary`)
     bending : (warp, weft) [N m2] bending stiffness of a yarn; none as in the source. It lies between the sum over its
         fibres, n E pi d^4 / 64, when they slide, and that of a solid section of its fibre area, E A^2 / 4 pi: for
         S-720 with fibres of 12 um 9.5e-8 and 9.3e-5 (see `bending_kernels`)
     strength_factors : (warp, weft) factors on the strength of each yarn, as many as `yarn_counts`, or None where all
         are alike. They are those of the modelled part: across a plane of symmetry a yarn has that of its image
-    backing : Backing, the block behind the cloth, or None (see `behind`)
+    backing : Backing, the block behind the cloth, or None (see `backing.coupling`)
     jam : stiffness [N] of a yarn against being bunched up, and the stretch at which it begins; none as in the source
-        (see `jam_kernels`)
+        (see `jamming_kernels`)
     grading : ((until, side), ...) [crossovers] elements that are longer the further they are from the impact point, or
         None (see `grading`); for straight shots at cloth that is held or free at its edges
 

@@ -13,14 +13,14 @@ from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 
 from shellfabric.cloth.membrane_kernels import ERODED
-from shellfabric.projectile.contact_kernels import in_the_way
+from shellfabric.projectile.contact_kernels import cloth_ahead_of_nose
 
 
 def held(state, const):
     """(ni, nj) bool: elements that have not eroded and whose nodes unbroken yarn joins to an edge of the panel."""
-    ni, s = const.ni, const.s
+    ni, s = const.ni, const.row_stride
     node = np.arange((ni + 1) * s).reshape(ni + 1, s)
-    warp, weft = ((intact[: node.size] > 0).reshape(ni + 1, s) for intact in state.intact)
+    warp, weft = ((intact[: node.size] > 0).reshape(ni + 1, s) for intact in state.intact_fraction)
     near = np.concatenate([node[:-1][warp[:-1]], node[:, :-1][weft[:, :-1]]])
     far = np.concatenate([node[1:][warp[:-1]], node[:, 1:][weft[:, :-1]]])
     joined = coo_matrix((np.ones(near.size, bool), (near, far)), shape=(node.size, node.size))
@@ -29,16 +29,16 @@ def held(state, const):
     outer += [] if const.mirror_x else [piece[0]]
     outer += [] if const.mirror_y else [piece[:, 0]]
     fast = np.isin(piece, np.unique(np.concatenate(outer)))
-    cloth = (_by_element(state.flag, const) & ERODED) == 0
+    cloth = (_by_element(state.element_flag, const) & ERODED) == 0
     return cloth & fast[:-1, :-1] & fast[1:, :-1] & fast[:-1, 1:] & fast[1:, 1:]
 
 
 def passed(state, const):
     """Whether no held element is ahead of the nose."""
-    flag = state.flag.copy()
+    flag = state.element_flag.copy()
     _by_element(flag, const)[~held(state, const)] |= ERODED
-    return not in_the_way(state._replace(flag=flag), const)
+    return not cloth_ahead_of_nose(state._replace(element_flag=flag), const)
 
 
 def _by_element(flag, const):
-    return flag[: const.ni * const.s].reshape(const.ni, const.s)[:, :-1]
+    return flag[: const.ni * const.row_stride].reshape(const.ni, const.row_stride)[:, :-1]

@@ -1,9 +1,8 @@
 """Quality indicators: is the result of a run to be trusted? Each is a number with a stated limit.
 
-A `Monitor` samples a march at its audits what the result itself does not keep; `of_impact` and `of_pack` compute the
-indicators from a result. A run is "doubtful" if one of them is beyond its limit. The limits follow from where the
-methods were found to fail (docs/stability.md); docs/checks.md says how many of those points they flag, and how many
-scenes at default settings.
+A `Monitor` samples of a run what its result does not keep; `of_solver` computes the indicators of a run. A run is
+"doubtful" if one of them is beyond its limit. The limits follow from where the methods were found to fail
+(docs/stability.md); docs/checks.md says how many of those points they flag, and how many scenes at default settings.
 """
 
 from __future__ import annotations
@@ -16,12 +15,12 @@ import numpy as np
 from shellfabric.panel import quality_kernels as kernels
 from shellfabric.panel.quality_kernels import DEFLECTION, DEPTH
 from shellfabric.panel.step_kernels import FAILURES
-from shellfabric.projectile.contact_kernels import DEEPEST
+from shellfabric.projectile.contact_kernels import MAX_PENETRATION
 from shellfabric.solid.hex8 import PATTERNS, Bricks
 
 OK, DOUBTFUL = "ok", "doubtful"
 _T = ("T1", "T2")
-EVERY = 4  # audits from one sample to the next: a sample costs a third of a step
+EVERY = 4  # samples of the solver from one sample to the next: a sample costs a third of a step
 LIGHT = 0.03  # of the strength: tensions below it count as it
 
 
@@ -84,7 +83,7 @@ LIMITS = {
     "hourglass energy": (0.1, "", "energy of the hourglass control over that of the solids"),
     "hourglass amplitude": (0.5, "", "amplitude of a brick's zero-energy modes over its size"),
     "node alternation": (0.01, "", "displacements that alternate from node to node over the yarn's thickness"),
-    "ply penetration": (0.75, "", "depth of a ply in the next over the thickness"),
+    "ply penetration": (0.75, "", "depth that a ply is pressed into the next over the thickness"),
     "ply contact direction": (0.1, "", "sine of the angle between the force between plies and the normal of the cloth"),
 }
 
@@ -95,48 +94,48 @@ def _make(name, value):
 
 
 class Monitor:
-    """Samples of a march at its audits, reduced to sums and maxima.
+    """Samples of a run, taken with the solver's own, reduced to sums and maxima.
 
     Tension oscillation and ply penetration are sampled until the first yarn fails: what unloads then rings, and torn
     cloth hangs in other cloth, without an error.
 
     Parameters
     ----------
-    march : panel.solver.March or plies.solver.PackMarch
+    solver : panel.solver.PanelSolver or plies.solver.PackSolver
 
     Attributes
     ----------
     found : (plies, 4) sums over samples, nodes and the band of yarns about the impact point of the squares of the
-        node-to-node alternation of the tension and of the tension [N2]; largest deflection of whole cloth [m]; deepest
-        that the ply has come into the next, over the thickness [-]
+        node-to-node alternation of the tension and of the tension [N2]; largest deflection of whole cloth [m]; furthest
+        that the ply's contact with the next has given way, over the thickness [-]
     """
 
-    def __init__(self, march):
-        self.march = march
-        self.found = np.zeros((len(march.parts), 4))
-        plies = [panel for panel, _, _ in march.parts]
+    def __init__(self, solver):
+        self.solver = solver
+        self.found = np.zeros((len(solver.parts), 4))
+        plies = [panel for panel, _, _ in solver.parts]
         self._places = [tuple(0 if m else n // 2 for m, n in zip(ply.mirrors, ply.counts)) for ply in plies]
         self._light = [tuple(LIGHT * yarn.strength for yarn in ply.weave.yarns) for ply in plies]
 
-    def audited(self):
-        """Take a sample after every EVERY-th audit, and at the end of the run of the deflection alone: a run that is
-        gone on with beyond that end is to have the sums of one that was not interrupted."""
-        due = len(self.march.samples) % EVERY == 0
-        if due or self.march.ended:
+    def sampled(self):
+        """Take a sample at every EVERY-th sample of the solver, and at the end of the run of the deflection alone: a
+        run that is gone on with beyond that end is to have the sums of one that was not interrupted."""
+        due = len(self.solver.samples) % EVERY == 0
+        if due or self.solver.ended:
             self.sample(due)
 
     def sample(self, summed=True):
         """Take a sample of the present state, of what is `summed` too or of the deflection alone."""
-        found, parts = self.found, self.march.parts
+        found, parts = self.found, self.solver.parts
         whole = summed and not any(state.counter[FAILURES] for _, _, state in parts)
         for (_, const, state), row, (i, j), light in zip(parts, found, self._places, self._light):
             kernels.sample(state, const, i, j, whole, *light, row)
         if whole and len(parts) > 1:
-            found[:-1, DEPTH] = self.march.deepest
+            found[:-1, DEPTH] = self.solver.squeezed
 
     @property
     def deflection(self):
-        """[m] largest deflection of whole cloth, of any ply from its own plane, at the audits."""
+        """[m] largest deflection of whole cloth, of any ply from its own plane, at the samples."""
         return float(self.found[:, DEFLECTION].max())
 
     @property
@@ -146,65 +145,58 @@ class Monitor:
         return float(np.sqrt(alternation / squares)) if squares > 0 else 0.0
 
 
-def of_march(march):
-    """Tuple of Indicator of a run of one ply or a pack, a `panel.solver.March` or `plies.solver.PackMarch`."""
-    panel, shot = march.panel, march.panel.projectile
-    strike = march.strike_energy
-    energies = {name: march.sample(name) for name in march.energy_names}
+def of_solver(solver):
+    """Tuple of Indicator of a run of one ply or a pack, a `panel.solver.PanelSolver` or `plies.solver.PackSolver`."""
+    panel, shot = solver.panel, solver.panel.projectile
+    strike = solver.strike_energy
+    energies = {name: solver.sample(name) for name in solver.energy_names}
     absorbed = max(strike - float(energies["kinetic_projectile"][-1]), 1e-3 * strike)
-    depth = max(float(state.contact_energy[DEEPEST]) for _, _, state in march.parts)
-    nose = nose_radius(shot)
+    depth = max(float(state.contact_energy[MAX_PENETRATION]) for _, _, state in solver.parts)
+    nose = shot.nose_radius
     bound = panel.time_step / panel.numerics.safety
     given = max(float(np.max(-energies[name])) for name in ("contact", "plies") if name in energies)
     found = [
-        _make("time step", march.const.dt / bound),
+        _make("time step", solver.const.dt / bound),
         _make("energy error", float(np.max(np.abs(energies["balance"]))) / strike),
         _make("energy gained in contact", max(given, 0.0) / strike),
         _make("viscous energy", float(energies["viscous"][-1]) / absorbed),
         _make("formulation energy", float(np.max(np.abs(energies["cell"]))) / absorbed),
-        _make("tension oscillation", march.monitor.oscillation),
+        _make("tension oscillation", solver.monitor.oscillation),
         _make("nose penetration", depth / nose),
-        _make("contact point spacing", _spacing(march.const) / nose),
+        _make("contact point spacing", _spacing(solver.const) / nose),
         _make("element side", max(panel.spacing) / shot.radius),
         _make("yarns an element", float(panel.finest)),
-        *_extrapolation(march),
+        *_extrapolation(solver),
     ]
-    if len(march.parts) > 1:
-        found.append(_make("ply penetration", march.monitor.found[:, DEPTH].max()))
-        found.append(_make("ply contact direction", _tilt(march)))
+    if len(solver.parts) > 1:
+        found.append(_make("ply penetration", solver.monitor.found[:, DEPTH].max()))
+        found.append(_make("ply contact direction", _tilt(solver)))
     return tuple(found)
 
 
-def _tilt(march):
+def _tilt(solver):
     """[-] sine of the steepest slope of the first ply where plies push along z alone (form "nodes"), else 0."""
-    if march.pack.contact.form != "nodes":
+    if solver.pack.contact.form != "nodes":
         return 0.0
-    _, const, state = march.parts[0]
-    u = state.u[2][: (const.ni + 1) * const.s].reshape(const.ni + 1, const.s)
+    _, const, state = solver.parts[0]
+    u = state.u[2][: (const.ni + 1) * const.row_stride].reshape(const.ni + 1, const.row_stride)
     slope = max(float(np.abs(np.diff(u, axis=axis)).max()) / d for axis, d in enumerate((const.dx, const.dy)))
     return slope / np.hypot(1.0, slope)
 
 
-def nose_radius(shot):
-    """[m] smallest radius that cloth is bent round by the nose of a Projectile."""
-    if shot.shape in ("sphere", "hemisphere"):
-        return shot.radius
-    return min(shot.edge_radius, shot.tip_radius) if shot.shape == "cone" else shot.edge_radius
-
-
 def _spacing(const):
     """[m] between the points of contact of the smallest elements."""
-    return max(const.dx, const.dy) / const.points
+    return max(const.dx, const.dy) / const.points_per_side
 
 
-def _extrapolation(march):
+def _extrapolation(solver):
     """Indicators of a cell that is used beyond where it is known."""
-    peaks = np.max([state.peak for _, _, state in march.parts], axis=0)
-    table, found = march.panel.table, []
-    if not march.panel.failure:
+    peaks = np.max([state.peak_tension for _, _, state in solver.parts], axis=0)
+    table, found = solver.panel.table, []
+    if not solver.panel.failure:
         found.append(_make("tension over cell table", max(p / table.values[T].max() for p, T in zip(peaks, _T))))
     else:  # the step in which a yarn fails may go beyond its strength, and no further
-        peaks = np.minimum(peaks, [yarn.strength for yarn in march.panel.weave.yarns])
+        peaks = np.minimum(peaks, [yarn.strength for yarn in solver.panel.weave.yarns])
     return (*found, *of_cell(table, peaks))
 
 
@@ -250,15 +242,15 @@ def of_coupon(table, tensions, residual, tolerance):
     return (*found, *of_cell(table, tensions))
 
 
-def of_patch(march):
-    """Tuple of Indicator of a solid.solver.SolidMarch."""
-    strike = march.strike_energy
-    solids, held = (float(march.sample(name)[-1]) for name in ("solids", "hourglass"))
+def of_patch(solver):
+    """Tuple of Indicator of a solid.solver.SolidSolver."""
+    strike = solver.strike_energy
+    solids, held = (float(solver.sample(name)[-1]) for name in ("solids", "hourglass"))
     return (
-        _make("time step", march.patch.numerics.safety),
-        _make("energy error", float(np.max(np.abs(march.sample("balance")))) / strike),
+        _make("time step", solver.patch.numerics.safety),
+        _make("energy error", float(np.max(np.abs(solver.sample("balance")))) / strike),
         _make("hourglass energy", held / solids if solids > 0 else 0.0),
-        _make("hourglass amplitude", hourglass_amplitude(march.patch.mesh, march.state.x)),
+        _make("hourglass amplitude", hourglass_amplitude(solver.patch.mesh, solver.state.x)),
     )
 
 

@@ -28,9 +28,9 @@ from shellfabric.cell.model import CellModel, CellTable
 from shellfabric.jit.simd import WIDTH
 from shellfabric.panel.model import Panel
 from shellfabric.plies import step_kernels, surface_kernels, torn_contact_kernels
-from shellfabric.plies.contact_simd_kernels import CLOSE
+from shellfabric.plies.contact_simd_kernels import AMBIGUOUS_DEPTH
 from shellfabric.projectile import dynamics
-from shellfabric.projectile.contact import FORESEEN
+from shellfabric.projectile.contact import PREDICTED
 
 STACKINGS = ("aligned", "alternating")
 FORMS = {
@@ -46,15 +46,19 @@ _LEAST = (0.25, 1e-3)  # deflections that are looked at: of the gap, of the thic
 
 Pair = namedtuple(
     "Pair",
-    "foot going normal was slack status faceted until speed on_front on_rear front_touched rear_touched front_box "
-    "rear_box energy torn list tears rank form points start stiffness damping thickness apart least",
+    "closest_point cp_rate normal last_depth depth_offset status on_facet recheck_step max_speed f_front f_rear "
+    "front_window rear_window front_box rear_box energy near_torn torn_elements torn_counts lane_index surface_form "
+    "points_per_side point_offset stiffness damping thickness rest_distance min_deflection",
 )
-Stops = namedtuple(
-    "Stops",
-    "force touched at to kick places gap grid shape dt mark cloth elements nodes count tears low high head item place "
-    "then near side energy",
+TornContact = namedtuple(
+    "TornContact",
+    "f window x x_next dt_over_mass z_rest min_distance ply_grid ply_shape dt zone_mark intact_quadrants elements "
+    "nodes counts failures box_low box_high cell_head entry_element entry_cell entry_next candidates "
+    "candidate_normal deep_points deep_point_data in_node_list last_moved sweep energy",
 )
-Stack = namedtuple("Stack", "awake firm counter places reactions counters speed")
+Stack = namedtuple(
+    "Stack", "awake waits_for_plies counter projectile_position f_contact_nose ply_counters projectile_velocity"
+)
 
 
 @dataclass(frozen=True)
@@ -78,7 +82,7 @@ class PlyContact:
     points : along each side of an element
     nose : stiffness of the nose's contact, times that of a single ply (`panel.model.Numerics`), whose explicit spring
         None leaves. Under the rim of the nose a pack presses the first ply on it, by more than a single ply ever is
-    form : "smooth"; for comparison the naive "facets" and "nodes" (see `ply_contact_kernels`)
+    form : "smooth"; for comparison the naive "facets" and "nodes" (see `plies.contact_kernels`)
 
     Raises
     ------
@@ -194,7 +198,7 @@ class Pack:
             return self
         thin = min(0.5 * (a.weave.thickness + b.weave.thickness) for a, b in zip(self.plies, self.plies[1:]))
         nearer = min(max(self.contact.penalty, PlyContact.penalty), 1.0) ** -0.5  # [w dt]
-        step = (1.0 - CLOSE) * thin / (_FASTER * nearer * strike_velocity)
+        step = (1.0 - AMBIGUOUS_DEPTH) * thin / (_FASTER * nearer * strike_velocity)
         if step >= self.time_step:
             return self
         found = {id(ply): _slower(ply, step) for ply in self.plies}
@@ -208,7 +212,7 @@ class Pack:
     def _foreseen(self, slots):
         """Room for what firm springs foresee; a nose of explicit ones has none."""
         slots = slots if self._firmer else 0
-        return {name: tuple(np.zeros(slots) for _ in range(3)) for name in FORESEEN}
+        return {name: tuple(np.zeros(slots) for _ in range(3)) for name in PREDICTED}
 
     @cached_property
     def places(self):
@@ -220,30 +224,32 @@ class Pack:
         found = {}
         for ply in self.plies:
             if id(ply) not in found:
-                found[id(ply)] = self._in_step(ply).constants()._replace(dt=self.time_step, firmer=self._firmer)
+                found[id(ply)] = (
+                    self._in_step(ply).constants()._replace(dt=self.time_step, implicit_factor=self._firmer)
+                )
         return tuple(found[id(ply)] for ply in self.plies)
 
     def states(self, strike_velocity):
         """The plies at rest, with what they share: (tuple of State, Stack)."""
         count, shot = len(self.plies), self.plies[0].projectile
         stack = Stack(
-            awake=np.zeros(count, np.bool_), firm=np.zeros(count, np.bool_), counter=np.zeros(2, np.int64),
-            places=np.zeros((count, 3)), reactions=np.zeros((count, 3)), counters=np.zeros((count, 3), np.int64),
-            speed=strike_velocity * shot.flight,
+            awake=np.zeros(count, np.bool_), waits_for_plies=np.zeros(count, np.bool_), counter=np.zeros(2, np.int64),
+            projectile_position=np.zeros((count, 3)), f_contact_nose=np.zeros((count, 3)),
+            ply_counters=np.zeros((count, 3), np.int64), projectile_velocity=strike_velocity * shot.flight,
         )  # fmt: skip
         states = []
         for p, ply in enumerate(self.plies):
             state = self._in_step(ply).state(strike_velocity)
-            stack.places[p] = state.position
-            stack.places[p, 2] -= self.places[p]
+            stack.projectile_position[p] = state.projectile_position
+            stack.projectile_position[p, 2] -= self.places[p]
             # rims move from the start, whether anything touches them or not
-            stack.awake[p] = p == 0 or state.rim_force.size > 0
+            stack.awake[p] = p == 0 or state.slip_force.size > 0
             states.append(
                 state._replace(
-                    position=stack.places[p],
-                    reaction=stack.reactions[p],
-                    counter=stack.counters[p],
-                    speed=stack.speed,
+                    projectile_position=stack.projectile_position[p],
+                    f_contact_nose=stack.f_contact_nose[p],
+                    counter=stack.ply_counters[p],
+                    projectile_velocity=stack.projectile_velocity,
                     **self._foreseen(state.mass.size),
                 )
             )
@@ -273,19 +279,25 @@ class Pack:
         cells, room = max((c.ni + pad) * (c.nj + pad) for c in consts), _ENTRIES * max(n, 100)
         kick = np.zeros((count, n))
         for row, state in zip(kick, states):
-            row[: state.kick.size] = state.kick
+            row[: state.dt_over_mass.size] = state.dt_over_mass
         nodal = lambda: np.zeros((count, 3, n))  # noqa: E731
-        return Stops(
-            force=nodal(), touched=np.array([[c.ni + 1, 0, c.s, 0] for c in consts]), at=nodal(), to=nodal(), kick=kick,
-            places=self.places, gap=np.array([_NEAREST * ply.weave.thickness for ply in self.plies]),
-            grid=np.array([(c.x0, c.y0, c.dx, c.dy) for c in consts]), dt=self.time_step,
-            shape=np.array([(c.s, c.ni, c.nj, c.mirror_x, c.mirror_y) for c in consts]), low=nodal(), high=nodal(),
-            cloth=np.zeros((count, n), np.uint8), near=np.zeros((_NEAR * count, 4), np.int64),
-            side=np.zeros((_NEAR * count, 3)),
-            mark=np.zeros((count, n), np.uint8), elements=np.zeros((count, n), np.int64),
-            nodes=np.zeros((count, n), np.int64), count=np.zeros((count, 3), np.int64), tears=np.zeros(1, np.int64),
-            head=np.full((count, cells), -1, np.int32), item=np.zeros((count, room), np.int32),
-            place=np.zeros((count, room), np.int32), then=np.zeros((count, room), np.int32), energy=np.zeros(3),
+        return TornContact(
+            f=nodal(), window=np.array([[c.ni + 1, 0, c.row_stride, 0] for c in consts]), x=nodal(), x_next=nodal(),
+            dt_over_mass=kick,
+            z_rest=self.places, min_distance=np.array([_NEAREST * ply.weave.thickness for ply in self.plies]),
+            ply_grid=np.array([(c.x0, c.y0, c.dx, c.dy) for c in consts]), dt=self.time_step,
+            ply_shape=np.array([(c.row_stride, c.ni, c.nj, c.mirror_x, c.mirror_y) for c in consts]), box_low=nodal(),
+            box_high=nodal(),
+            intact_quadrants=np.zeros((count, n), np.uint8), candidates=np.zeros((_NEAR * count, 4), np.int64),
+            candidate_normal=np.zeros((_NEAR * count, 3)), deep_points=np.zeros((2 * n, 4), np.int64),
+            deep_point_data=np.zeros((2 * n, 12)),
+            in_node_list=np.zeros((count, n), np.bool_), last_moved=np.zeros((count, n), np.int64),
+            sweep=np.zeros(1, np.int64),
+            zone_mark=np.zeros((count, n), np.uint8), elements=np.zeros((count, n), np.int64),
+            nodes=np.zeros((count, n), np.int64), counts=np.zeros((count, 4), np.int64), failures=np.zeros(1, np.int64),
+            cell_head=np.full((count, cells), -1, np.int32), entry_element=np.zeros((count, room), np.int32),
+            entry_cell=np.zeros((count, room), np.int32), entry_next=np.zeros((count, room), np.int32),
+            energy=np.zeros(3),
         )  # fmt: skip
 
     def _apart(self, p):
@@ -307,7 +319,7 @@ class Pack:
         thickness = 0.5 * (self.plies[p].weave.thickness + self.plies[q].weave.thickness)
         # the lighter ply bounds the step
         mass = min(ply.weave.areal_density for ply in (self.plies[p], self.plies[q])) * front.dx * front.dy / n**2
-        nothing = lambda c: np.array([c.ni + 1, 0, c.s, 0])  # noqa: E731
+        nothing = lambda c: np.array([c.ni + 1, 0, c.row_stride, 0])  # noqa: E731
         nodal = lambda state: tuple(np.zeros(state.mass.size) for _ in range(3))  # noqa: E731
         sub = (np.arange(n) + start) / n
         foot = np.zeros((2, front.ni, front.nj, n, n))
@@ -317,18 +329,19 @@ class Pack:
         elements = front.ni * front.nj
         padded = lambda kind=float: np.zeros(foot[0].size + WIDTH, kind)  # noqa: E731
         return Pair(
-            foot=tuple(np.pad(part.ravel(), (0, WIDTH)) for part in foot), going=(padded(), padded()),
-            normal=(padded(), padded(), padded()), was=padded(), slack=padded(),
-            status=padded(np.uint8), faceted=padded(np.uint8), until=padded(), torn=np.zeros(elements, np.uint8),
-            list=np.zeros(elements, np.int64), tears=np.zeros(3, np.int64),
-            rank=np.arange(float(WIDTH)), speed=np.zeros(2),
-            on_front=nodal(states[p]), on_rear=nodal(states[q]), front_touched=nothing(front),
-            rear_touched=nothing(rear), front_box=np.array(states[p].window),
-            rear_box=np.array([rear.ni + 1, -1, rear.s, -1]), energy=np.zeros(7), form=form, points=n, start=start,
-            stiffness=knobs.penalty * mass / self.time_step**2,
+            closest_point=tuple(np.pad(part.ravel(), (0, WIDTH)) for part in foot), cp_rate=(padded(), padded()),
+            normal=(padded(), padded(), padded()), last_depth=padded(), depth_offset=padded(),
+            status=padded(np.uint8), on_facet=padded(np.uint8), recheck_step=padded(),
+            near_torn=np.zeros(elements, np.uint8),
+            torn_elements=np.zeros(elements, np.int64), torn_counts=np.zeros(3, np.int64),
+            lane_index=np.arange(float(WIDTH)), max_speed=np.zeros(2),
+            f_front=nodal(states[p]), f_rear=nodal(states[q]), front_window=nothing(front),
+            rear_window=nothing(rear), front_box=np.array(states[p].contact_window),
+            rear_box=np.array([rear.ni + 1, -1, rear.row_stride, -1]), energy=np.zeros(8), surface_form=form,
+            points_per_side=n, point_offset=start, stiffness=knobs.penalty * mass / self.time_step**2,
             damping=knobs.damping * knobs.penalty**0.5 * mass / self.time_step,
-            thickness=thickness, apart=apart,
-            least=max(_LEAST[0] * (abs(apart) - thickness), _LEAST[1] * thickness),
+            thickness=thickness, rest_distance=apart,
+            min_deflection=max(_LEAST[0] * (abs(apart) - thickness), _LEAST[1] * thickness),
         )  # fmt: skip
 
 
@@ -340,7 +353,7 @@ def _slower(ply, step):
 
 def lists(items):
     """A sequence of named tuples as the list that the kernels take."""
-    found = step_kernels.listed(items[0])
+    found = step_kernels.new_list(items[0])
     for item in items[1:]:
         step_kernels.append(found, item)
     return found

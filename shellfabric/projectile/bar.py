@@ -4,7 +4,7 @@ The source's projectile is a steel cylinder of 5.5 x 42 mm that is bored to 3 g;
 Here it is 4.5 mm wide, from the tail, and as deep as the mass asks. Tip and tail then swing about the centre of mass
 with the period of the first free-free mode, 2 L / c for a bar of one section.
 
-In a march the bar is the body of the projectile (`body`, `bar_kernels.fly`). Alone:
+In a march the bar is the body of the projectile (`body`, `bar_kernels.advance_bar`). Alone:
 
     bar = Bar.cylinder();   motion = bar.motion(strike_velocity)
     displacement, velocity = motion.push(force, dt)

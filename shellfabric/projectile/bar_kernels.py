@@ -12,8 +12,8 @@ element next to where it is loaded, whatever its length; this growth alone sprea
 A force that is held over a step does the work force times advance of the tip, and the bar's momentum grows by force
 times time, both exactly.
 
-In a march (`fly`) the axis of the projectile is such a bar and moves rigidly across itself. What contact sees is the
-tip: its place, and as its velocity its advance over the step divided by the step.
+In a march (`advance_bar`) the axis of the projectile is such a bar and moves rigidly across itself. What contact sees
+is the tip: its place, and as its velocity its advance over the step divided by the step.
 """
 
 import math
@@ -27,8 +27,8 @@ KINETIC, ELASTIC = 0, 1  # of `energies`
 
 
 @kernel()
-def kick(u, v, mass, h, area, stress, force, half):
-    """Velocities over the time `half` [s]."""
+def update_velocities(u, v, mass, h, area, stress, force, half):
+    """Velocity update over the time `half` [s]."""
     n, before = stress.size, force
     for k in range(n + 1):
         behind = area[k] * stress[k] / (1.0 + (u[k] - u[k + 1]) / h[k]) if k < n else 0.0
@@ -37,7 +37,7 @@ def kick(u, v, mass, h, area, stress, force, half):
 
 
 @kernel()
-def stretch(u, h, area, modulus, yields, hardening, plastic, stress):
+def update_stress(u, h, area, modulus, yields, hardening, plastic, stress):
     """Stress of every element at the places u, plastic strains grown to where it is admissible.
 
     Returns
@@ -82,11 +82,11 @@ def advance(u, v, mass, h, area, modulus, yields, hardening, plastic, stress, su
     parts = math.ceil(substeps / max(min(least + 0.05, 1.0), 0.01))
     part = dt / parts
     for _ in range(parts):
-        kick(u, v, mass, h, area, stress, force, 0.5 * part)
+        update_velocities(u, v, mass, h, area, stress, force, 0.5 * part)
         for k in range(u.size):
             u[k] += part * v[k]
-        sums[PLASTIC] += stretch(u, h, area, modulus, yields, hardening, plastic, stress)
-        kick(u, v, mass, h, area, stress, force, 0.5 * part)
+        sums[PLASTIC] += update_stress(u, h, area, modulus, yields, hardening, plastic, stress)
+        update_velocities(u, v, mass, h, area, stress, force, 0.5 * part)
     sums[WORK] += force * (u[0] - before)
     return u[0], v[0]
 
@@ -102,37 +102,38 @@ def energies(v, mass, h, area, modulus, stress, out):
 
 
 @kernel(_nrt=False)
-def along(state, const):
+def axial_force(state, const):
     """[N] force of a ply, and of what lies behind it, on the projectile along its axis."""
     force = 0.0
     for c in range(3):
-        force += const.frame[2, c] * const.free[c] * (state.reaction[c] + state.outer[c])
+        force += const.frame[2, c] * const.free_dofs[c] * (state.f_contact_nose[c] + state.f_block_nose[c])
     return force
 
 
 @kernel(_nrt=False)
-def fly(state, const, force):
-    """Let a bar move along its axis in a step; what the target gave it as to a rigid body, in state.speed, is replaced.
+def advance_bar(state, const, force):
+    """One step of the bar along its axis; replaces the axial part of the rigid body's velocity,
+    state.projectile_velocity.
 
-    force : [N] along its axis, of all plies (`along`)
+    force : [N] along its axis, of all plies (`axial_force`)
     state.bar_* are the arrays of `advance`; const.bar_* mass, h, area, law (E, sigma_y, H) [Pa], parts of a step
     """
     rigid = 0.0
     for c in range(3):
-        rigid += const.frame[2, c] * state.speed[c]
+        rigid += const.frame[2, c] * state.projectile_velocity[c]
     before, law = state.bar_u[0], const.bar_law
     advance(
         state.bar_u, state.bar_v, const.bar_mass, const.bar_h, const.bar_area, law[0], law[1], law[2],
-        state.bar_plastic, state.bar_stress, state.bar_sums, force, const.dt, const.bar_parts,
+        state.bar_plastic, state.bar_stress, state.bar_energy, force, const.dt, const.bar_substeps,
     )  # fmt: skip
     tip = (state.bar_u[0] - before) / const.dt
     for c in range(3):
-        state.speed[c] += const.frame[2, c] * (tip - rigid)
+        state.projectile_velocity[c] += const.frame[2, c] * (tip - rigid)
 
 
 @entry()
-def mean(mass, values):
-    """Mean over the mass of nodal values: of the centre of mass."""
+def mass_average(mass, values):
+    """Mass-weighted mean of nodal values, as of the centre of mass."""
     total, weight = 0.0, 0.0
     for k in range(mass.size):
         total += mass[k] * values[k]
@@ -141,11 +142,11 @@ def mean(mass, values):
 
 
 @kernel()
-def approach(state, const):
+def normal_velocity(state, const):
     """[m/s] velocity of the projectile's centre of mass along the panel's normal."""
     if const.bar_mass.size == 0:
-        return state.speed[2]
+        return state.projectile_velocity[2]
     tip = 0.0
     for c in range(3):
-        tip += const.frame[2, c] * state.speed[c]
-    return state.speed[2] + const.frame[2, 2] * (mean(const.bar_mass, state.bar_v) - tip)
+        tip += const.frame[2, c] * state.projectile_velocity[c]
+    return state.projectile_velocity[2] + const.frame[2, 2] * (mass_average(const.bar_mass, state.bar_v) - tip)

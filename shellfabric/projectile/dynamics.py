@@ -1,4 +1,4 @@
-"""The projectile's body in a march: rigid, or an elastic-plastic bar along its axis (`bar`, `bar_kernels.fly`).
+"""The projectile's body in a march: rigid, or an elastic-plastic bar along its axis (`bar`, `bar_kernels.advance_bar`).
 
 A modelled part of the panel has as much of the bar: masses and sections are its share of them.
 """
@@ -11,8 +11,8 @@ import numpy as np
 
 from shellfabric.projectile import bar_kernels
 
-RIGID = ("z", "v", "force")  # columns of the history of a march, `panel.step_kernels.tell`
-STATE = ("bar_u", "bar_v", "bar_plastic", "bar_stress", "bar_sums")  # fields of a State that are the body's
+RIGID = ("z", "v", "force")  # columns of the history of a march, `panel.step_kernels.record_step`
+STATE = ("bar_u", "bar_v", "bar_plastic", "bar_stress", "bar_energy")  # fields of a State that are the body's
 BAR = (*RIGID, "tip_velocity", "tail_velocity", "centre_velocity", "tip", "tail", "centre")
 
 
@@ -71,12 +71,12 @@ def constants(projectile, share, dt):
     """What the kernels need to know of the body, by name; without elements where it is rigid."""
     if projectile.bar is None:
         none = np.zeros(0)
-        return {"bar_mass": none, "bar_h": none, "bar_area": none, "bar_law": none, "bar_parts": 0}
+        return {"bar_mass": none, "bar_h": none, "bar_area": none, "bar_law": none, "bar_substeps": 0}
     bar, (h, area) = projectile.bar, projectile.bar.mesh
     law = np.array([bar.material.modulus, bar.material.yield_stress, bar.material.hardening])
     return {
         "bar_mass": share * bar.nodal_mass, "bar_h": h, "bar_area": share * area, "bar_law": law,
-        "bar_parts": bar.substeps(dt),
+        "bar_substeps": bar.substeps(dt),
     }  # fmt: skip
 
 
@@ -87,7 +87,7 @@ def state(projectile, strike_velocity):
     nodes = n + 1 if n else 0
     return {
         "bar_u": np.zeros(nodes), "bar_v": np.full(nodes, along), "bar_plastic": np.zeros(n), "bar_stress": np.zeros(n),
-        "bar_sums": np.zeros(2),
+        "bar_energy": np.zeros(2),
     }  # fmt: skip
 
 
@@ -95,8 +95,8 @@ def audit(state, const, force):
     """Kinetic, elastic and plastic energy [J] of the modelled part, and the velocity along the normal [m/s], at the
     present whole step, where a force (3,) [N] acts on it. A rigid body's velocity stands half a step back, and so does
     a bar's across its axis."""
-    kick = const.dt * force * const.free / const.projectile_mass
-    speed = state.speed
+    kick = const.dt * force * const.free_dofs / const.projectile_mass
+    speed = state.projectile_velocity
     if const.bar_mass.size == 0:
         return 0.5 * const.projectile_mass * float(speed @ (speed + kick)), 0.0, 0.0, float(speed[2] + 0.5 * kick[2])
     axis, out = const.frame[2], np.empty(2)
@@ -105,15 +105,15 @@ def audit(state, const, force):
         state.bar_v, const.bar_mass, const.bar_h, const.bar_area, const.bar_law[0], state.bar_stress, out
     )
     beside = 0.5 * const.projectile_mass * float(across @ (across + pushed))
-    velocity = across[2] + 0.5 * pushed[2] + axis[2] * bar_kernels.mean(const.bar_mass, state.bar_v)
-    plastic = float(state.bar_sums[bar_kernels.PLASTIC])
+    velocity = across[2] + 0.5 * pushed[2] + axis[2] * bar_kernels.mass_average(const.bar_mass, state.bar_v)
+    plastic = float(state.bar_energy[bar_kernels.PLASTIC])
     return float(out[bar_kernels.KINETIC]) + beside, float(out[bar_kernels.ELASTIC]), plastic, float(velocity)
 
 
 def velocity(state, const):
     """(3,) [m/s] of the projectile's centre of mass, half a step back; of a bar along its axis at the present step."""
-    speed = state.speed.copy()
+    speed = state.projectile_velocity.copy()
     if const.bar_mass.size > 0:
         axis = const.frame[2]
-        speed += axis * (bar_kernels.mean(const.bar_mass, state.bar_v) - axis @ speed)
+        speed += axis * (bar_kernels.mass_average(const.bar_mass, state.bar_v) - axis @ speed)
     return speed

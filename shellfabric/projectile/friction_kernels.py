@@ -16,7 +16,7 @@ from shellfabric.jit.compile import kernel
 
 
 @kernel()
-def rub(stuck, limit, k, c, dt, n_x, n_y, n_z, v_x, v_y, v_z):
+def friction_force(stuck, limit, k, c, dt, n_x, n_y, n_z, v_x, v_y, v_z):
     """Friction at one point over one step.
 
     stuck : (6,) elastic slip [m] and last friction force [N], updated

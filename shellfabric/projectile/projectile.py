@@ -190,12 +190,12 @@ class Projectile:
 
     @property
     def number(self):
-        """Of the shape in `shapes_kernels`."""
+        """Of the shape in `sdf_kernels`."""
         return SHAPES[self.shape][0]
 
     @property
     def form(self):
-        """(4,) the numbers that `shapes_kernels` needs of the shape."""
+        """(4,) the numbers that `sdf_kernels` needs of the shape."""
         values = SHAPES[self.shape][1](self)
         return np.array([*values, *[0.0] * (4 - len(values))])
 
@@ -203,6 +203,13 @@ class Projectile:
     def shoulder(self):
         """[m] depth behind the nose from which it has its full width."""
         return SHAPES[self.shape][2](self)
+
+    @property
+    def nose_radius(self):
+        """[m] smallest radius that cloth is bent round by the nose."""
+        if self.shape in ("sphere", "hemisphere"):
+            return self.radius
+        return min(self.edge_radius, self.tip_radius) if self.shape == "cone" else self.edge_radius
 
     @property
     def tilted(self):

@@ -23,19 +23,31 @@ from shellfabric.solid.numerics import PatchNumerics
 
 Constants = namedtuple(
     "Constants",
-    "first along ny nz kind first_brick first_bar kind_brick kind_bar kind_row gradient volume twist control viscous "
-    "law length stiffness fibre mass inverse_mass face_area nose_damping nose_spring shot form projectile_mass "
-    "order colours firsts bricks starts over bounds shape spring area damping contact_rows",
+    "first_node bricks_along ny nz yarn_type first_brick first_bar type_brick type_bar type_face gradient volume "
+    "hourglass_pattern hourglass_stiffness solid_viscosity solid_law bar_length bar_stiffness fibre_law mass "
+    "inverse_mass face_area nose_damping nose_penalty nose_shape nose_parameters projectile_mass crossing_order "
+    "colour_start crossing_node crossing_brick crossing_start warp_over cp_bounds crossing_shape contact_penalty "
+    "contact_area contact_damping contact_row_sum",
 )
 State = namedtuple(
     "State",
-    "x v material force alive torn last xi rest sums half contact nose nose_energy position speed push pace counter "
-    "clock",
+    "x v f_material f_other bar_intact brick_failed last_log_stretch closest_point wait_steps energy_sums "
+    "half_step_work contact_energy nose_sums projectile_energy projectile_position projectile_velocity "
+    "f_contact_nose step_sizes counter time",
 )
 
 
-JOINED = ("gradient", "volume", "twist", "control", "viscous", "length", "face_area")  # of all kinds of yarn
-KIND_STARTS = {"kind_brick": "volume", "kind_bar": "length", "kind_row": "face_area"}
+# of all kinds of yarn
+JOINED = (
+    "gradient",
+    "volume",
+    "hourglass_pattern",
+    "hourglass_stiffness",
+    "solid_viscosity",
+    "bar_length",
+    "face_area",
+)
+KIND_STARTS = {"type_brick": "volume", "type_bar": "bar_length", "type_face": "face_area"}
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,7 +77,7 @@ class SolidPatch:
     clamped: bool = True
 
     def __post_init__(self):
-        if self.fabric.solids is None:
+        if self.fabric.solid_laws is None:
             raise InputError(f"fabric {self.fabric.name} has no [solid] tables, which a solid patch needs")
         if self.mesh.fabric != self.fabric.name:
             raise InputError(key="fabric", value=self.fabric.name, allowed=f"the meshed one, {self.mesh.fabric}")
@@ -109,28 +121,30 @@ class SolidPatch:
         shot = self.projectile
         crossings = self._crossings(mass)
         return Constants(
-            first=np.array([grid.flat[0] for grid in grids]),
-            along=np.array([grid.shape[0] - 1 for grid in grids]),
+            first_node=np.array([grid.flat[0] for grid in grids]),
+            bricks_along=np.array([grid.shape[0] - 1 for grid in grids]),
             ny=grids[0].shape[1] - 1,
             nz=grids[0].shape[2] - 1,
-            kind=kind,
+            yarn_type=kind,
             first_brick=np.concatenate([[0], np.cumsum(bricks)[:-1]]),
             first_bar=np.concatenate([[0], np.cumsum(bars)[:-1]]),
             **{key: _starts(made, part) for key, part in KIND_STARTS.items()},
             **{key: np.concatenate([part[key] for part in made]) for key in JOINED},
-            **{key: np.stack([part[key] for part in made]) for key in ("law", "stiffness", "fibre")},
+            **{key: np.stack([part[key] for part in made]) for key in ("solid_law", "bar_stiffness", "fibre_law")},
             mass=mass,
             inverse_mass=free / mass,
             nose_damping=np.concatenate(nose),
-            nose_spring=np.array([numerics.penalty, numerics.toe]),
-            shot=np.array([shot.number, shot.radius, shot.edge_radius, inf if shot.length is None else shot.length]),
-            form=shot.form,
+            nose_penalty=np.array([numerics.penalty, numerics.toe]),
+            nose_shape=np.array(
+                [shot.number, shot.radius, shot.edge_radius, inf if shot.length is None else shot.length]
+            ),
+            nose_parameters=shot.form,
             projectile_mass=shot.mass,
-            shape=np.array(
+            crossing_shape=np.array(
                 [self.per_crossing, *(grids[k].shape[0] - 1 for k in (0, -1)), *(n - 1 for n in grids[0].shape[1:])]
             ),
-            spring=np.array([numerics.penalty, numerics.toe, numerics.deepest]),
-            contact_rows=self._contact_rows(kind, faces),
+            contact_penalty=np.array([numerics.penalty, numerics.toe, numerics.deepest]),
+            contact_row_sum=self._contact_rows(kind, faces),
             **crossings,
         )
 
@@ -143,50 +157,56 @@ class SolidPatch:
         return State(
             x=np.array(mesh.points, float),
             v=np.zeros((n, 3)),
-            material=np.zeros((n, 3)),
-            force=np.zeros((n, 3)),
-            alive=np.ones(bars, bool),
-            torn=np.zeros(self.bricks, bool),
-            last=np.zeros((self.bricks, 2)),
-            xi=np.zeros((crossings, 2, slaves, 2)),
-            rest=np.zeros((crossings, 2, slaves), np.int64),
-            sums=np.zeros((len(grids), solid_kernels.SUMS)),
-            half=np.zeros(len(grids)),
-            contact=np.zeros((crossings, 2)),
-            nose=np.zeros((len(grids), 5)),
-            nose_energy=np.zeros(1),
-            position=np.array([0.0, 0.0, self._lowest()]),
-            speed=np.array([0.0, 0.0, float(strike_velocity)]),
-            push=np.zeros(3),
-            pace=np.zeros(3),
+            f_material=np.zeros((n, 3)),
+            f_other=np.zeros((n, 3)),
+            bar_intact=np.ones(bars, bool),
+            brick_failed=np.zeros(self.bricks, bool),
+            last_log_stretch=np.zeros((self.bricks, 2)),
+            closest_point=np.zeros((crossings, 2, slaves, 2)),
+            wait_steps=np.zeros((crossings, 2, slaves), np.int64),
+            energy_sums=np.zeros((len(grids), solid_kernels.SUMS)),
+            half_step_work=np.zeros(len(grids)),
+            contact_energy=np.zeros((crossings, 2)),
+            nose_sums=np.zeros((len(grids), 5)),
+            projectile_energy=np.zeros(1),
+            projectile_position=np.array([0.0, 0.0, self._lowest()]),
+            projectile_velocity=np.array([0.0, 0.0, float(strike_velocity)]),
+            f_contact_nose=np.zeros(3),
+            step_sizes=np.zeros(3),
             counter=np.zeros(1, np.int64),
-            clock=np.zeros(1),
+            time=np.zeros(1),
         )
 
     def ready(self, strike_velocity):
         """Constants and state, the feet of all nodes found."""
         const, state = self.constants(), self.state(strike_velocity)
-        yarn_contact_kernels.find_feet(
-            state.x, const.firsts, const.starts, const.over, const.bounds, const.shape, state.xi
+        yarn_contact_kernels.find_closest_points(
+            state.x,
+            const.crossing_node,
+            const.crossing_start,
+            const.warp_over,
+            const.cp_bounds,
+            const.crossing_shape,
+            state.closest_point,
         )
         return const, state
 
     def frequency(self, const, state):
         """Bound of the highest frequency [1/s] in the state as it is, and the node where it stands."""
         worst = np.zeros((len(self.mesh.grids), 2))
-        step_kernels.pace(state, const, worst)
+        step_kernels.frequency_bounds(state, const, worst)
         yarn = int(np.argmax(np.where(np.isfinite(worst[:, 0]), worst[:, 0], np.inf)))
         return float(np.sqrt(worst[yarn, 0])), int(worst[yarn, 1])
 
     def section_tension(self, const, state, yarn):
         """(nx,) [N] elastic force of the bars of each section of a yarn."""
-        kind, total = const.kind[yarn], np.zeros(const.along[yarn])
+        kind, total = const.yarn_type[yarn], np.zeros(const.bricks_along[yarn])
         sheet = (const.ny + 1) * (const.nz + 1)
         first = const.first_bar[yarn]
-        bars, start = total.size * sheet, const.kind_bar[kind]
+        bars, start = total.size * sheet, const.type_bar[kind]
         fibre_kernels.tension(
-            const.first[yarn], bars, sheet, state.x, const.length[start : start + bars], const.stiffness[kind],
-            const.fibre[kind], state.alive[first : first + bars], total,
+            const.first_node[yarn], bars, sheet, state.x, const.bar_length[start : start + bars],
+            const.bar_stiffness[kind], const.fibre_law[kind], state.bar_intact[first : first + bars], total,
         )  # fmt: skip
         return total
 
@@ -222,7 +242,7 @@ class SolidPatch:
         """Bricks, bars and faces of one yarn."""
         mesh, numerics = self.mesh, self.numerics
         family, grid = mesh.families[yarn], mesh.grids[yarn]
-        material, solid = self.fabric.weave.yarns[family], self.fabric.solids[family]
+        material, solid = self.fabric.weave.yarns[family], self.fabric.solid_laws[family]
         Vf0 = mesh.Vf0[family]
         b_E = (solid.V_c - solid.K_r * Vf0) / (1 - solid.K_r)
         law = np.array([solid.E_a, solid.E_c * (b_E - solid.V_c), b_E, Vf0, solid.V_c, solid.G])
@@ -235,15 +255,15 @@ class SolidPatch:
         return {
             "gradient": bricks.gradient,
             "volume": bricks.volume,
-            "twist": np.ascontiguousarray(bricks.twist),
-            "control": numerics.hourglass * control,
-            "viscous": np.ascontiguousarray(
+            "hourglass_pattern": np.ascontiguousarray(bricks.twist),
+            "hourglass_stiffness": numerics.hourglass * control,
+            "solid_viscosity": np.ascontiguousarray(
                 numerics.solid_viscosity * np.sqrt(material.fibre_density * Vf0) * bricks.edges[:, 1:]
             ),
-            "law": law,
-            "length": np.linalg.norm(ends[1] - ends[0], axis=1),
-            "stiffness": material.E * np.ascontiguousarray(mesh.bar_area[yarn][:sheet]),
-            "fibre": np.array([numerics.slack_stiffness, numerics.slack_width, lag, limit]),
+            "solid_law": law,
+            "bar_length": np.linalg.norm(ends[1] - ends[0], axis=1),
+            "bar_stiffness": material.E * np.ascontiguousarray(mesh.bar_area[yarn][:sheet]),
+            "fibre_law": np.array([numerics.slack_stiffness, numerics.slack_width, lag, limit]),
             "face_area": face_area(mesh.points[grid[:, :, 0]]),
         }
 
@@ -286,15 +306,15 @@ class SolidPatch:
         first = np.array([grid.flat[0] for grid in grids])
         brick = np.concatenate([[0], np.cumsum([np.prod(np.array(grid.shape) - 1) for grid in grids])[:-1]])
         return {
-            "order": np.argsort(colour, kind="stable"),
-            "colours": np.concatenate([[0], np.cumsum(np.bincount(colour, minlength=4))]),
-            "firsts": np.stack([first[warp], first[n + weft]], axis=1),
-            "bricks": np.stack([brick[warp], brick[n + weft]], axis=1),
-            "starts": starts,
-            "over": over,
-            "bounds": bounds.astype(float),
-            "area": np.array(area).reshape(shape),
-            "damping": np.array(damping).reshape(shape),
+            "crossing_order": np.argsort(colour, kind="stable"),
+            "colour_start": np.concatenate([[0], np.cumsum(np.bincount(colour, minlength=4))]),
+            "crossing_node": np.stack([first[warp], first[n + weft]], axis=1),
+            "crossing_brick": np.stack([brick[warp], brick[n + weft]], axis=1),
+            "crossing_start": starts,
+            "warp_over": over,
+            "cp_bounds": bounds.astype(float),
+            "contact_area": np.array(area).reshape(shape),
+            "contact_damping": np.array(damping).reshape(shape),
         }
 
 

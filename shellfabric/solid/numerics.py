@@ -1,4 +1,4 @@
-"""Numerical knobs of the explicit patch of solid yarns (`solid_patch`)."""
+"""Numerical knobs of the explicit patch of solid yarns (`solid.model`)."""
 
 from __future__ import annotations
 

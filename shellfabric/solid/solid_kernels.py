@@ -15,7 +15,7 @@ Hourglass modes. With the patterns h of the four modes over the corners, and c_m
 
 q vanishes in every linear motion, and W depends on products of vectors that turn with the body alone: it is a
 potential that knows no rotation, and its forces carry no momentum and no moment. K is such that, at rest, W is the
-energy that the 2 x 2 x 2 rule finds in the same mode with the law's moduli at rest (`brick.py`), times a factor.
+energy that the 2 x 2 x 2 rule finds in the same mode with the law's moduli at rest (`hex8.py`), times a factor.
 
 Torn bricks. A brick is gone with half of its bars. In a yarn that has been cut, the loose end is free to crumple:
 fibres resist no compression, so that its last bricks fold up and turn inside out, where the law has no value. There a
@@ -131,7 +131,7 @@ def piola(f, law, last2, last3, per_time, eta2, eta3, P):
 
 
 @kernel(fastmath={"contract"})
-def corners(first, i, j, k, ny, nz, nodes):
+def brick_nodes(first, i, j, k, ny, nz, nodes):
     """Numbers of the eight nodes of the brick (i, j, k), in the order of `PATTERNS`; filled."""
     sheet, row = (ny + 1) * (nz + 1), nz + 1
     n = first + i * sheet + j * row + k
@@ -224,14 +224,14 @@ def mean_deformation(x, b, f):
 
 
 @kernel(fastmath={"contract"})
-def held(alive, i, j, k, ny, nz):
+def brick_intact(alive, i, j, k, ny, nz):
     """Whether three of the four bars on the edges of a brick are whole: with half of its fibres gone it is torn."""
     bar = (i * (ny + 1) + j) * (nz + 1) + k
     return int(alive[bar]) + int(alive[bar + 1]) + int(alive[bar + nz + 1]) + int(alive[bar + nz + 2]) >= 3
 
 
 @kernel(fastmath={"contract"})
-def folded(f):
+def brick_folded(f):
     """Whether a brick's fibres are folded to FOLDED, or it has no volume left; f as for `triangular`."""
     if f[0, 0] * f[0, 0] + f[1, 0] * f[1, 0] + f[2, 0] * f[2, 0] < FOLDED * FOLDED:
         return True
@@ -277,7 +277,7 @@ def solid_forces(
                 m = (i * ny + j) * nz + k
                 if torn[m]:
                     continue
-                corners(first, i, j, k, ny, nz, nodes)
+                brick_nodes(first, i, j, k, ny, nz, nodes)
                 for a in range(8):
                     n = nodes[a]
                     for c in range(3):
@@ -286,7 +286,7 @@ def solid_forces(
                 b = gradient[m]
                 mean_deformation(places, b, f)
                 energy = hourglass(f, places, twist[m], control[m], H, D, own)
-                if not held(alive, i, j, k, ny, nz) or (cut and folded(f)):
+                if not brick_intact(alive, i, j, k, ny, nz) or (cut and brick_folded(f)):
                     torn[m] = True
                     sums[FAILED] += energy
                     continue

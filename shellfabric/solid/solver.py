@@ -1,21 +1,18 @@
-"""Marching a solid patch and its projectile through time: steps as long as the state allows, audits, and hooks.
+"""The explicit solver of a solid patch: steps as long as the state allows; see `driver.solver`.
 
-Steps are as long as the state allows: bricks that are pressed to their packing are two orders stiffer than at rest.
-The bound is found anew after every few steps. A hook is called as hook(march) after every audit.
+Bricks that are pressed to their packing are two orders stiffer than at rest. The bound of the time step is found anew
+after every few steps.
 
-Energy audit, at the instant of the last forces. Fibres, hourglass control and contacts have potentials, which are
-evaluated as they stand. The solids' law has none: their entry is the work that they have taken. Balance is the sum of
-all less what there was at the start.
+Energies are of the instant of the last forces. Fibres, hourglass control and contacts have potentials, which are
+evaluated as they stand. The solids' law has none: their entry is the work that they have taken.
 """
 
 from __future__ import annotations
 
-import time
-
 import numba
 import numpy as np
 
-from fabrics.errors import InputError, UnstableError
+from shellfabric.driver.solver import RUNNING, ExplicitSolver
 from shellfabric.solid import solid_kernels
 from shellfabric.solid import step_kernels as kernels
 
@@ -35,7 +32,7 @@ SAME = 16  # steps of one length
 GROWTH = 1.5  # by which the fastest node may speed up meanwhile: sets for how long clear contacts may rest
 
 
-class SolidMarch:
+class SolidSolver(ExplicitSolver):
     """One run.
 
     Parameters
@@ -43,16 +40,15 @@ class SolidMarch:
     patch : SolidPatch
     strike_velocity : [m/s]
     end_time : [s]
-    interval : [s] between audits
-    drift_limit : share of the strike energy that the balance may reach before the run is called unstable
+    interval : [s] between samples
+    energy_error_limit : share of the strike energy that the energy error may reach before the run counts as unstable
     threads : of numba; None leaves its setting. They change no bit of the result
 
     Attributes
     ----------
     const, state : what the kernels work on
-    wall_time : [s] spent in the kernels
-    samples : list of rows, one an audit, in the order of SAMPLES. Tensions [N] are elastic forces of whole sections:
-        the largest of a family, and the mean of its two middle yarns under the nose
+    samples : list of rows, one a sample, in the order of SAMPLES. Tensions [N] are elastic forces of whole sections:
+        the largest of a family, and the mean of its two middle yarns under the nose. The first is after one interval
     snapshots : list of (time, places (n, 3)), where a hook takes them
 
     Raises
@@ -60,16 +56,19 @@ class SolidMarch:
     InputError : a strike velocity, end time or interval that is not positive
     """
 
-    def __init__(self, patch, strike_velocity, end_time, *, interval=0.25e-6, drift_limit=0.02, threads=None):
-        for key, value in (("strike_velocity", strike_velocity), ("end_time", end_time), ("interval", interval)):
-            if not 0 < value < np.inf:
-                raise InputError(key=key, value=value, allowed="above 0")
-        self.patch, self.strike_velocity, self.end_time = patch, float(strike_velocity), float(end_time)
-        self.interval, self.drift_limit, self.threads = float(interval), drift_limit, threads
+    sample_names, energy_names = SAMPLES, ENERGIES
+
+    def __init__(
+        self, patch, strike_velocity, end_time, *, interval=0.25e-6, energy_error_limit=0.02, threads=None
+    ):  # fmt: skip
+        super().__init__(
+            patch.projectile, strike_velocity, end_time, interval=interval, energy_error_limit=energy_error_limit
+        )
+        self.patch, self._numba_threads = patch, threads
         self.const, self.state = patch.ready(strike_velocity)
-        self.samples, self.snapshots, self.wall_time = [], [], 0.0
         kernels.forces(self.state, self.const, 0.0)  # compiled before any clock starts
-        self._rest = self.state.contact[:, 0].sum()  # coarse facets overlap at rest, and store what they then give
+        # coarse facets overlap at rest, and store what they then give
+        self.energy_at_start = self.strike_energy + self.state.contact_energy[:, 0].sum()
 
     @property
     def steps(self):
@@ -79,78 +78,76 @@ class SolidMarch:
     @property
     def time(self):
         """[s] of the places."""
-        return float(self.state.clock[0])
+        return float(self.state.time[0])
+
+    @property
+    def sample_spacing(self):
+        """[s] from one sample to the next."""
+        return self.interval
 
     @property
     def ended(self):
         """Whether the end time is reached."""
-        return self.time > self.end_time - 0.5 * self.interval
-
-    @property
-    def strike_energy(self):
-        """[J]"""
-        return self.patch.projectile.energy(self.strike_velocity)
-
-    def sample(self, name):
-        """(n,) one column of the samples."""
-        return np.array([row[SAMPLES.index(name)] for row in self.samples])
+        return self.reason != RUNNING or self.time > self.end_time - 0.5 * self.interval
 
     def run(self, hooks=()):
-        """March to the end.
+        """See ExplicitSolver."""
+        if self._numba_threads is not None:
+            numba.set_num_threads(self._numba_threads)
+        return super().run(hooks)
 
-        Raises
-        ------
-        UnstableError : a number that is not finite, or a balance beyond its limit; samples and state stay
-        """
-        if self.threads is not None:
-            numba.set_num_threads(self.threads)
-        kernels.advance(self.state, self.const, 0)
-        while not self.ended:
-            start = time.perf_counter()
-            left = self.interval
+    def advance(self, history):
+        """See ExplicitSolver; the length of the steps has been set."""
+        kernels.run_steps(self.state, self.const, len(history))
+        return len(history), RUNNING
+
+    def _advance_to_sample(self):
+        """Fill the interval with steps whose length is set anew after every SAME of them."""
+        left = self.interval
+        with self._clock():
             while left > 0:
-                steps = self._pace(left)
-                made = min(steps, SAME)
-                kernels.advance(self.state, self.const, made)
+                steps = self._set_time_step(left)
+                made, _ = self.advance(self._rows(min(steps, SAME)))
                 left = left * (steps - made) / steps
-            self.wall_time += time.perf_counter() - start
-            self._audit()
-            self._guard()
-            for hook in hooks:
-                hook(self)
-        return self
 
-    def _pace(self, left):
+    def _set_time_step(self, left):
         """Set the length of the next steps; returns how many fill the time that is left of the interval [s]."""
         numerics, state = self.patch.numerics, self.state
         fastest, node = self.patch.frequency(self.const, state)
         if not np.isfinite(fastest):
-            raise UnstableError("a brick is inverted", where=f"node {node}", when=self._when())
+            self.stop("a brick is inverted", f"node {node}")
         damping = max(numerics.solid_viscosity, numerics.fibre_viscosity)
         longest = numerics.safety * 2 / fastest * (np.sqrt(1 + damping**2) - damping)
         steps = int(np.ceil(left / longest))
         speed = np.sqrt((state.v**2).sum(axis=1).max())
-        state.pace[0] = left / steps
-        state.pace[1] = 2 * max(GROWTH * speed, self.strike_velocity) * state.pace[0]
+        state.step_sizes[0] = left / steps
+        state.step_sizes[1] = 2 * max(GROWTH * speed, self.strike_velocity) * state.step_sizes[0]
         return steps
 
-    def _audit(self):
-        state, sums = self.state, self.state.sums.sum(axis=0)
-        contact, nose = state.contact.sum(axis=0), state.nose.sum(axis=0)
+    def observe(self):
+        """See ExplicitSolver."""
+        state, sums = self.state, self.state.energy_sums.sum(axis=0)
+        contact, nose = state.contact_energy.sum(axis=0), state.nose_sums.sum(axis=0)
         energies = [
             sums[solid_kernels.KINETIC],
-            state.nose_energy[0],
+            state.projectile_energy[0],
             sums[solid_kernels.BARS],
-            sums[solid_kernels.SOLID] - state.half.sum() - sums[solid_kernels.DAMPED],
+            sums[solid_kernels.SOLID] - state.half_step_work.sum() - sums[solid_kernels.DAMPED],
             sums[solid_kernels.HOURGLASS],
             contact[0] + nose[kernels.NOSE],
             sums[solid_kernels.VISCOUS] + sums[solid_kernels.DAMPED] + contact[1] + nose[kernels.LOST],
             sums[solid_kernels.FAILED],
         ]
-        balance = sum(energies) - self.strike_energy - self._rest
-        failed = np.count_nonzero(~state.alive)
-        row = [self.time, state.speed[2], state.position[2], -state.push[2], state.pace[0], failed, *self._tensions()]
-        self.samples.append(np.array([*row, *energies, balance]))
+        failed = np.count_nonzero(~state.bar_intact)
+        row = [
+            state.projectile_velocity[2],
+            state.projectile_position[2],
+            -state.f_contact_nose[2],
+            state.step_sizes[0],
+            failed,
+            *self._tensions(),
+        ]
+        return row, energies
 
     def _tensions(self):
         """Largest tension of warp and weft, and the mean under the nose of their two middle yarns."""
@@ -168,22 +165,22 @@ class SolidMarch:
             place += count
         return *peaks, *means
 
-    def _guard(self):
-        """Stop a run that has become unphysical, and say where."""
-        row, speed = self.samples[-1], np.sqrt((self.state.v**2).sum(axis=1))
-        if not (np.isfinite(row).all() and np.isfinite(speed).all()):
-            where = self._place(np.argmin(np.isfinite(speed)))
-            raise UnstableError("a number is not finite", where=where, when=self._when())
-        drift = abs(row[SAMPLES.index("balance")]) / self.strike_energy
-        if drift > self.drift_limit:
-            told = f"the energy balance is off by {100 * drift:.2g} % of the strike energy"
-            raise UnstableError(told, where=self._place(np.argmax(speed)), when=self._when())
+    def node_speeds(self):
+        """See ExplicitSolver. No node is too fast: a brick that is turned over ends the run (`_set_time_step`)."""
+        return [(np.sqrt((self.state.v**2).sum(axis=1)), np.inf)]
 
-    def _when(self):
-        return f"after {self.time * 1e6:.3g} us (step {self.steps})"
-
-    def _place(self, node):
+    def where(self, part, node):
+        """See ExplicitSolver."""
         mesh = self.patch.mesh
-        yarn = int(np.searchsorted(self.const.first, node, side="right")) - 1
+        yarn = int(np.searchsorted(self.const.first_node, node, side="right")) - 1
         x, y, z = self.state.x[node] * 1e3
         return f"node {int(node)} of {mesh.names[yarn]} ({x:.3g}, {y:.3g}, {z:.3g} mm)"
+
+    def checkpoint_identity(self):
+        """See ExplicitSolver."""
+        known = self.strike_velocity, self.interval, self.patch.numerics.safety, self.const._asdict()
+        return known, "shellfabric.solid.solver"
+
+    def checkpoint_arrays(self):
+        """See ExplicitSolver."""
+        return {"state": self.state}

@@ -6,7 +6,7 @@ Yarns share no node, so each is one thread's work from its bricks to its step; c
 for each yarn and crossing and added in their order: threads change no bit of the result. The bodies of the parallel
 loops are calls: numba loses what such a body itself writes into an array of a named tuple.
 
-Contact with the projectile: penalty, with a toe, on the signed distance of the nodes of the faces (`shapes_kernels`),
+Contact with the projectile: penalty, with a toe, on the signed distance of the nodes of the faces (`sdf_kernels`),
 damped, what the nodes get taken from the projectile.
 """
 
@@ -20,14 +20,14 @@ from shellfabric.projectile import sdf_kernels
 from shellfabric.solid import fibre_kernels, solid_kernels, yarn_contact_kernels
 from shellfabric.solid.solid_kernels import KINETIC, SOLID
 
-NOSE, LOST, PUSH = 0, 1, 2  # of the sums over the nose's contact: energy stored, damped, and the force on the nose
+NOSE, LOST, FORCE = 0, 1, 2  # of the sums over the nose's contact: energy stored, damped, and the force on the nose
 
 
 @kernel()
 def nose_forces(
     first, nx, ny, nz, x, v, inverse_mass, area, damping, position, speed, spring, shot, form, dt, force, out
 ):
-    """Hold the two faces of a yarn off the projectile.
+    """Penalty contact of the two faces of a yarn with the projectile.
 
     Parameters
     ----------
@@ -35,12 +35,12 @@ def nose_forces(
     area, damping : (nx + 1, ny + 1) [m2], [N s/m] of the nodes of a face
     position, speed : (3,) of the nose [m], [m/s]
     spring : (2,) penalty [Pa/m], toe [m]
-    shot : (4,) number of the shape, radius, edge radius, length [m];  form : (4,) as for `shapes_kernels`
+    shot : (4,) number of the shape, radius, edge radius, length [m];  form : (4,) as for `sdf_kernels`
     dt : [s]
     force : (n, 3) [N] added to
     out : (5,) NOSE [J] and the force [N] on the nose, PUSH .. PUSH + 2, overwritten; LOST [J] added to
     """
-    out[NOSE] = out[PUSH] = out[PUSH + 1] = out[PUSH + 2] = 0.0
+    out[NOSE] = out[FORCE] = out[FORCE + 1] = out[FORCE + 2] = 0.0
     widest = shot[1] * shot[1]
     for i in range(nx + 1):
         for j in range(ny + 1):
@@ -62,9 +62,9 @@ def nose_forces(
                 force[n, 0] -= push * n0
                 force[n, 1] -= push * n1
                 force[n, 2] -= push * n2
-                out[PUSH] -= push * n0
-                out[PUSH + 1] -= push * n1
-                out[PUSH + 2] -= push * n2
+                out[FORCE] -= push * n0
+                out[FORCE + 1] -= push * n1
+                out[FORCE + 2] -= push * n2
 
 
 @kernel()
@@ -77,35 +77,39 @@ def clear(first, last, material, force):
 
 @entry(parallel=True)
 def forces(state, const, dt):
-    """Internal forces of the whole patch and its contacts, state.material and state.force [N]."""
-    for y in prange(const.first.size):
-        f, nx, ny, nz = const.first[y], const.along[y], const.ny, const.nz
+    """Internal forces of the whole patch and its contacts, state.f_material and state.f_other [N]."""
+    for y in prange(const.first_node.size):
+        f, nx, ny, nz = const.first_node[y], const.bricks_along[y], const.ny, const.nz
         sheet = (ny + 1) * (nz + 1)
-        kind = const.kind[y]
+        kind = const.yarn_type[y]
         e0, b0 = const.first_brick[y], const.first_bar[y]
         e1, b1 = e0 + nx * ny * nz, b0 + nx * sheet
         # where its kind of yarn has the same
-        k0, l0, r0 = const.kind_brick[kind], const.kind_bar[kind], const.kind_row[kind]
+        k0, l0, r0 = const.type_brick[kind], const.type_bar[kind], const.type_face[kind]
         k1, l1, r1 = k0 + nx * ny * nz, l0 + nx * sheet, r0 + nx + 1
-        clear(f, f + (nx + 1) * sheet, state.material, state.force)
-        alive = state.alive[b0:b1]
+        clear(f, f + (nx + 1) * sheet, state.f_material, state.f_other)
+        alive = state.bar_intact[b0:b1]
         fibre_kernels.bar_forces(
-            f, b1 - b0, sheet, state.x, state.v, const.length[l0:l1], const.stiffness[kind], const.fibre[kind], dt,
-            alive, state.force, state.sums[y],
+            f, b1 - b0, sheet, state.x, state.v, const.bar_length[l0:l1], const.bar_stiffness[kind],
+            const.fibre_law[kind], dt, alive, state.f_other, state.energy_sums[y],
         )  # fmt: skip
         solid_kernels.solid_forces(
-            f, nx, ny, nz, state.x, const.gradient[k0:k1], const.volume[k0:k1], const.twist[k0:k1],
-            const.control[k0:k1], const.viscous[k0:k1], const.law[kind], dt, alive, state.last[e0:e1],
-            state.torn[e0:e1], state.material, state.force, state.sums[y],
+            f, nx, ny, nz, state.x, const.gradient[k0:k1], const.volume[k0:k1], const.hourglass_pattern[k0:k1],
+            const.hourglass_stiffness[k0:k1], const.solid_viscosity[k0:k1], const.solid_law[kind], dt, alive,
+            state.last_log_stretch[e0:e1],
+            state.brick_failed[e0:e1], state.f_material, state.f_other, state.energy_sums[y],
         )  # fmt: skip
         nose_forces(
             f, nx, ny, nz, state.x, state.v, const.inverse_mass, const.face_area[r0:r1], const.nose_damping[r0:r1],
-            state.position, state.speed, const.nose_spring, const.shot, const.form, dt, state.force, state.nose[y],
+            state.projectile_position, state.projectile_velocity, const.nose_penalty, const.nose_shape,
+            const.nose_parameters, dt, state.f_other, state.nose_sums[y],
         )  # fmt: skip
     yarn_contact_kernels.crossings(
-        const.order, const.colours, state.x, state.v, const.inverse_mass, state.torn, const.firsts, const.bricks,
-        const.starts, const.over, const.bounds, const.shape, const.spring, const.area, const.damping, state.xi,
-        state.rest, dt, state.pace[1], state.force, state.contact,
+        const.crossing_order, const.colour_start, state.x, state.v, const.inverse_mass, state.brick_failed,
+        const.crossing_node, const.crossing_brick,
+        const.crossing_start, const.warp_over, const.cp_bounds, const.crossing_shape, const.contact_penalty,
+        const.contact_area, const.contact_damping, state.closest_point,
+        state.wait_steps, dt, state.step_sizes[1], state.f_other, state.contact_energy,
     )  # fmt: skip
 
 
@@ -134,71 +138,71 @@ def move_yarn(y, first, last, x, v, material, force, mass, inverse_mass, kick, d
 @kernel(parallel=True)
 def move(state, const, kick, dt):
     """Step of all yarns; work and kinetic energy are kept for each."""
-    for y in prange(const.first.size):
-        first = const.first[y]
-        last = first + (const.along[y] + 1) * (const.ny + 1) * (const.nz + 1)
+    for y in prange(const.first_node.size):
+        first = const.first_node[y]
+        last = first + (const.bricks_along[y] + 1) * (const.ny + 1) * (const.nz + 1)
         move_yarn(
-            y, first, last, state.x, state.v, state.material, state.force, const.mass, const.inverse_mass, kick, dt,
-            state.sums, state.half,
+            y, first, last, state.x, state.v, state.f_material, state.f_other, const.mass, const.inverse_mass, kick, dt,
+            state.energy_sums, state.half_step_work,
         )  # fmt: skip
 
 
 @entry()
-def advance(state, const, steps):
-    """Make `steps` steps of state.pace[0] [s]."""
+def run_steps(state, const, steps):
+    """Make `steps` steps of state.step_sizes[0] [s]."""
     push = np.empty(3)
-    dt = state.pace[0]
+    dt = state.step_sizes[0]
     for _ in range(steps):
-        forces(state, const, state.pace[2])
-        kick = 0.5 * (state.pace[2] + dt)
+        forces(state, const, state.step_sizes[2])
+        kick = 0.5 * (state.step_sizes[2] + dt)
         move(state, const, kick, dt)
         push[:] = 0.0
-        for y in range(const.first.size):
+        for y in range(const.first_node.size):
             for c in range(3):
-                push[c] += state.nose[y, PUSH + c]
-        state.nose_energy[0] = 0.0
+                push[c] += state.nose_sums[y, FORCE + c]
+        state.projectile_energy[0] = 0.0
         for c in range(3):
-            before = state.speed[c]
-            state.speed[c] += kick * push[c] / const.projectile_mass
-            mean = 0.5 * (before + state.speed[c])
-            state.nose_energy[0] += 0.5 * const.projectile_mass * mean * mean
-            state.position[c] += dt * state.speed[c]
-            state.push[c] = push[c]
-        state.pace[2] = dt
+            before = state.projectile_velocity[c]
+            state.projectile_velocity[c] += kick * push[c] / const.projectile_mass
+            mean = 0.5 * (before + state.projectile_velocity[c])
+            state.projectile_energy[0] += 0.5 * const.projectile_mass * mean * mean
+            state.projectile_position[c] += dt * state.projectile_velocity[c]
+            state.f_contact_nose[c] = push[c]
+        state.step_sizes[2] = dt
         state.counter[0] += 1
-        state.clock[0] += dt
+        state.time[0] += dt
 
 
 @entry(parallel=True)
-def pace(state, const, worst):
+def frequency_bounds(state, const, worst):
     """Bounds of the square of the highest frequency, per yarn: row sums of the tangent over the nodal mass.
 
     Parameters
     ----------
     worst : (yarns, 2) filled: [1/s2], and the node
     """
-    for y in prange(const.first.size):
-        nx, kind = const.along[y], const.kind[y]
+    for y in prange(const.first_node.size):
+        nx, kind = const.bricks_along[y], const.yarn_type[y]
         sheet = (const.ny + 1) * (const.nz + 1)
         bricks, bars, e0, b0 = nx * const.ny * const.nz, nx * sheet, const.first_brick[y], const.first_bar[y]
-        k0, l0 = const.kind_brick[kind], const.kind_bar[kind]
-        fastest(
-            y, const.first[y], nx, const.ny, const.nz, state.x, const.gradient[k0 : k0 + bricks],
-            const.volume[k0 : k0 + bricks], const.law[kind], const.control[k0 : k0 + bricks],
-            state.torn[e0 : e0 + bricks], const.length[l0 : l0 + bars], const.stiffness[kind],
-            state.alive[b0 : b0 + bars], const.contact_rows, const.inverse_mass, worst,
+        k0, l0 = const.type_brick[kind], const.type_bar[kind]
+        yarn_frequency_bound(
+            y, const.first_node[y], nx, const.ny, const.nz, state.x, const.gradient[k0 : k0 + bricks],
+            const.volume[k0 : k0 + bricks], const.solid_law[kind], const.hourglass_stiffness[k0 : k0 + bricks],
+            state.brick_failed[e0 : e0 + bricks], const.bar_length[l0 : l0 + bars], const.bar_stiffness[kind],
+            state.bar_intact[b0 : b0 + bars], const.contact_row_sum, const.inverse_mass, worst,
         )  # fmt: skip
 
 
 @kernel()
-def fastest(
+def yarn_frequency_bound(
     y, first, nx, ny, nz, x, gradient, volume, law, control, torn, length, stiffness, alive, contact_rows, inverse_mass,
     worst,
 ):  # fmt: skip
     """The bound of one yarn, worst[y]."""
     sheet = (ny + 1) * (nz + 1)
     rows = np.zeros((nx + 1) * sheet)
-    brick_rows(first, nx, ny, nz, x, gradient, volume, law, control, torn, rows)
+    brick_row_sums(first, nx, ny, nz, x, gradient, volume, law, control, torn, rows)
     for m in range(nx * sheet):
         if alive[m]:
             k = 2.0 * stiffness[m % sheet] / length[m]
@@ -212,7 +216,7 @@ def fastest(
 
 
 @kernel()
-def brick_rows(first, nx, ny, nz, x, gradient, volume, law, control, torn, rows):
+def brick_row_sums(first, nx, ny, nz, x, gradient, volume, law, control, torn, rows):
     """Add bounds of the rows of the bricks' tangents [N/m] to rows : nodes of the yarn."""
     nodes, places, f, sums = np.empty(8, np.int64), np.empty((8, 3)), np.empty((3, 3)), np.empty(3)
     for i in range(nx):
@@ -221,7 +225,7 @@ def brick_rows(first, nx, ny, nz, x, gradient, volume, law, control, torn, rows)
                 m = (i * ny + j) * nz + k
                 if torn[m]:
                     continue
-                solid_kernels.corners(first, i, j, k, ny, nz, nodes)
+                solid_kernels.brick_nodes(first, i, j, k, ny, nz, nodes)
                 for a in range(8):
                     for c in range(3):
                         places[a, c] = x[nodes[a], c]

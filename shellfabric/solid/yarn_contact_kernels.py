@@ -24,7 +24,7 @@ from numba import prange
 
 from shellfabric.jit.compile import entry, kernel
 
-CLEAR_STEPS = 60  # the longest rest
+MAX_STEPS_SKIPPED = 60  # the longest rest
 
 
 @kernel(fastmath={"contract"})
@@ -52,7 +52,7 @@ def spline(t, cell, cells, w, dw):
 
 
 @kernel(fastmath={"contract"})
-def foot(x, first, nx, ny, nz, face, xi0, xi1, nodes, weights, S):
+def surface_point(x, first, nx, ny, nz, face, xi0, xi1, nodes, weights, S):
     """The surface of the face `face` (0 or nz) of a yarn at (xi0, xi1).
 
     Parameters
@@ -92,7 +92,7 @@ def foot(x, first, nx, ny, nz, face, xi0, xi1, nodes, weights, S):
 
 
 @kernel(fastmath={"contract"})
-def slip(away, S):
+def closest_point_step(away, S):
     """Newton step (Gauss-Newton, in xi) towards the foot of the point that lies `away` from S, at most half a brick."""
     r1 = away[0] * S[1, 0] + away[1] * S[1, 1] + away[2] * S[1, 2]
     r2 = away[0] * S[2, 0] + away[1] * S[2, 1] + away[2] * S[2, 2]
@@ -128,17 +128,17 @@ def pressure(depth, penalty, toe):
 
 
 @kernel(fastmath={"contract"})
-def lost(torn, first, i, j, ny, nz, face):
+def brick_failed(torn, first, i, j, ny, nz, face):
     """Whether the brick (i, j) under a face is torn."""
     return torn[first + (i * ny + j) * nz + (nz - 1 if face > 0 else 0)]
 
 
 @kernel(fastmath={"contract"})
-def bare(torn, first, i, j, nx, ny, nz, face):
+def node_bare(torn, first, i, j, nx, ny, nz, face):
     """Whether the node (i, j) of a face has no brick left under it."""
     for a in (max(i - 1, 0), min(i, nx - 1)):
         for b in (max(j - 1, 0), min(j, ny - 1)):
-            if not lost(torn, first, a, b, ny, nz, face):
+            if not brick_failed(torn, first, a, b, ny, nz, face):
                 return False
     return True
 
@@ -148,7 +148,7 @@ def one_pass(
     x, v, inverse_mass, torn, slave, master, start, low, high, shape, side, spring, area, damping, xi, rest, dt, reach,
     force, out,
 ):  # fmt: skip
-    """Hold the nodes of a face off another's surface, as far as there are bricks behind both.
+    """One pass of the penalty contact: nodes of a slave face on a master surface, as far as both have bricks.
 
     Parameters
     ----------
@@ -177,7 +177,7 @@ def one_pass(
                 rest[s] -= 1
                 continue
             node = slave[0] + ((start + i) * (ny + 1) + j) * (nz + 1) + slave[1]
-            foot(x, master[0], nx, ny, nz, master[1], xi[s, 0], xi[s, 1], nodes, weights, S)
+            surface_point(x, master[0], nx, ny, nz, master[1], xi[s, 0], xi[s, 1], nodes, weights, S)
             for c in range(3):
                 away[c] = x[node, c] - S[0, c]
             n[0] = side * (S[1, 1] * S[2, 2] - S[1, 2] * S[2, 1])
@@ -191,17 +191,17 @@ def one_pass(
                 share = 0.0
             elif gap < 0.0 and share > 0.0:
                 under = min(max(int(xi[s, 1]), 0), ny - 1)
-                if lost(torn, master[2], min(int(xi[s, 0]), nx - 1), under, ny, nz, master[1]) or bare(
+                if brick_failed(torn, master[2], min(int(xi[s, 0]), nx - 1), under, ny, nz, master[1]) or node_bare(
                     torn, slave[2], start + i, j, long, ny, nz, slave[1]
                 ):
                     share = 0.0
-            slip0, slip1, width = slip(away, S)
+            slip0, slip1, width = closest_point_step(away, S)
             xi[s, 0] = min(max(xi[s, 0] + slip0, low), high)
             xi[s, 1] = min(max(xi[s, 1] + slip1, -1.5), ny + 1.5)
             if gap < -spring[2]:  # it came in from beside the face: to push it out now would make energy
                 share = 0.0
             if gap >= 0.0 or share == 0.0:
-                rest[s] = min(int(max(gap, beyond * width) / reach), CLEAR_STEPS) if reach > 0.0 else 0
+                rest[s] = min(int(max(gap, beyond * width) / reach), MAX_STEPS_SKIPPED) if reach > 0.0 else 0
                 continue
             p, energy, closed = pressure(-gap, spring[0], spring[1])
             opening = v[node, 0] * n[0] + v[node, 1] * n[1] + v[node, 2] * n[2]
@@ -278,8 +278,8 @@ def crossings(
 
 
 @entry(fastmath={"contract"})
-def find_feet(x, firsts, starts, over, bounds, shape, xi):
-    """Find the feet of all nodes on the other yarn's face, from the middle of each cell; fills xi."""
+def find_closest_points(x, firsts, starts, over, bounds, shape, xi):
+    """Closest points of all nodes on the other yarn's face, from the middle of each cell; fills xi."""
     cell, ny, nz = shape[0], shape[3], shape[4]
     nodes, weights, S = np.empty(16, np.int64), np.empty(16), np.empty((3, 3))
     for c in range(over.size):
@@ -293,11 +293,11 @@ def find_feet(x, firsts, starts, over, bounds, shape, xi):
                     node = firsts[c, way] + ((starts[c, way] + i) * (ny + 1) + j) * (nz + 1) + faces[way]
                     xi[c, way, s, 0], xi[c, way, s, 1] = starts[c, master] + 0.5 * cell, 0.5 * ny
                     for _ in range(100):
-                        foot(
+                        surface_point(
                             x, firsts[c, master], nx, ny, nz, faces[master], xi[c, way, s, 0], xi[c, way, s, 1], nodes,
                             weights, S,
                         )  # fmt: skip
-                        slip0, slip1, _ = slip(x[node] - S[0], S)
+                        slip0, slip1, _ = closest_point_step(x[node] - S[0], S)
                         xi[c, way, s, 0] = min(
                             max(xi[c, way, s, 0] + slip0, bounds[c, master, 0]), bounds[c, master, 1]
                         )

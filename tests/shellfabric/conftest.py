@@ -11,7 +11,7 @@ from shellfabric.panel.model import Panel
 
 @pytest.fixture(scope="session")
 def fabric():
-    return catalogue.load("S-720").effective()
+    return catalogue.load("S-720").with_effective_density()
 
 
 @pytest.fixture(scope="session")

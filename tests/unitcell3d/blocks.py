@@ -95,11 +95,11 @@ class Blocks:
     def _touch(self, x):
         """Contact forces (n, 3) and their tangent as a sparse matrix."""
         forces, n = np.zeros_like(x), x.size
-        self.lift = self.surfaces.touch(x, self.numerics, forces)
-        places = Places(len(x), self.surfaces.expected())
-        self.surfaces.lay_out(places)
+        self.lift = self.surfaces.assemble(x, self.numerics, forces)
+        places = Places(len(x), self.surfaces.expected_stencils())
+        self.surfaces.build_pattern(places)
         values = np.zeros((len(places.keys), 3, 3))
-        self.surfaces.touch(x, self.numerics, np.zeros_like(x), values)
+        self.surfaces.assemble(x, self.numerics, np.zeros_like(x), values)
         component = np.arange(3)
         i = (3 * places.rows[:, None, None] + component[:, None] + 0 * component).ravel()
         j = (3 * places.columns[:, None, None] + component + 0 * component[:, None]).ravel()

@@ -22,16 +22,16 @@ class NoContact:
 
     gaps = ()
 
-    def expected(self):
+    def expected_stencils(self):
         return []
 
-    def lay_out(self, pattern):
+    def build_pattern(self, pattern):
         pass
 
-    def outgrown(self):
+    def pattern_outdated(self):
         return False
 
-    def touch(self, x, numerics, forces, values=None):
+    def assemble(self, x, numerics, forces, values=None):
         return 0.0
 
 

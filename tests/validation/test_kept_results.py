@@ -172,36 +172,36 @@ def panel():
     from shellfabric.cell.model import CellModel
     from shellfabric.panel.model import Panel
 
-    return Panel(CellModel(catalogue.load("S-720").effective()).table(61), (0.0306, 0.0306))
+    return Panel(CellModel(catalogue.load("S-720").with_effective_density()).table(61), (0.0306, 0.0306))
 
 
 def an_impact(path):
     from shellfabric.output import checkpoint
-    from shellfabric.panel.solver import March
+    from shellfabric.panel.solver import PanelSolver
 
     this = panel()
-    checkpoint.write(March(this, 50.0, 2e-6), path)
-    return lambda: checkpoint.read(March(this, 50.0, 2e-6), path)
+    checkpoint.write(PanelSolver(this, 50.0, 2e-6), path)
+    return lambda: checkpoint.read(PanelSolver(this, 50.0, 2e-6), path)
 
 
 def a_pack(path):
-    from shellfabric.output import checkpoint_pack
+    from shellfabric.output import checkpoint
     from shellfabric.plies.model import Pack
-    from shellfabric.plies.solver import PackMarch
+    from shellfabric.plies.solver import PackSolver
 
     pack = Pack.stacked(panel(), 2)
-    checkpoint_pack.write(PackMarch(pack, 50.0, 2e-6), path)
-    return lambda: checkpoint_pack.read(PackMarch(pack, 50.0, 2e-6), path)
+    checkpoint.write(PackSolver(pack, 50.0, 2e-6), path)
+    return lambda: checkpoint.read(PackSolver(pack, 50.0, 2e-6), path)
 
 
 def a_solid_patch(path):
     pytest.importorskip("gmsh")
-    from shellfabric.output import checkpoint_solid
+    from shellfabric.output import checkpoint
     from validation.published.solid_patch.study import march
 
     begun = march(count=4, size=(2, 2, 2), threads=1)
-    checkpoint_solid.write(begun, path)
-    return lambda: checkpoint_solid.read(begun, path)
+    checkpoint.write(begun, path)
+    return lambda: checkpoint.read(begun, path)
 
 
 def a_coupon(path):
@@ -212,7 +212,7 @@ def a_coupon(path):
     from weavecell.scenes import coupon as scenes_coupon
 
     scene, _ = scenes_coupon.load(ROOT / "examples" / "coupons" / "S-728-bias.toml")
-    table = CellModel(catalogue.load("S-728").effective()).table(21)
+    table = CellModel(catalogue.load("S-728").with_effective_density()).table(21)
     state = State(0.5, np.zeros((3, 2)), np.zeros((3, 2)), (0.0, 0.0), np.zeros((1, 2)), 1e-6, True)
     results_coupon.write_states(path, coupon._stamp(table, scene), [state])
     assert coupon._stamp(table, replace_run(scene)) != coupon._stamp(table, scene)

@@ -10,6 +10,7 @@ import logging
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 import ufl
@@ -18,6 +19,8 @@ from dolfinx import mesh as dolfinx_mesh
 from dolfinx.fem import petsc
 from mpi4py import MPI
 from petsc4py import PETSc
+
+from fabrics.checks import FloatArray, IntArray
 
 # dolfinx orders the corners of a hexahedron as a tensor product, VTK runs round each face
 VTK_TO_DOLFINX = np.array([0, 1, 3, 2, 4, 5, 7, 6])
@@ -37,13 +40,13 @@ class HexSpace:
     cell : (m,) number of the caller's cell that dolfinx keeps as its cell i
     """
 
-    mesh: object
-    displacements: object
+    mesh: Any
+    displacements: Any
     node: np.ndarray
     cell: np.ndarray
 
     @classmethod
-    def build(cls, points, hexes) -> HexSpace:
+    def build(cls, points: FloatArray, hexes: IntArray) -> HexSpace:
         """Build the space.
 
         Parameters
@@ -67,15 +70,15 @@ class HexSpace:
         return cls(mesh, space, node, np.asarray(mesh.topology.original_cell_index))
 
     @cached_property
-    def displacement(self):
+    def displacement(self) -> Any:
         """The displacement as a UFL coefficient."""
         return fem.Function(self.displacements)
 
-    def set_displacement(self, u):
+    def set_displacement(self, u: FloatArray) -> None:
         """Give the coefficient the values `u` : (n, 3) [m] at the caller's points."""
         self.displacement.x.array[:] = u[self.node].ravel()
 
-    def cell_constants(self, values):
+    def cell_constants(self, values: FloatArray) -> Any:
         """A UFL coefficient that is constant in each cell, from `values` : (m, c) by the caller's cells."""
         size = values.shape[1]
         space = _vector_space(self.mesh, "DG", 0, size)
@@ -91,7 +94,7 @@ class Assembler:
     rows, columns : (nnz,) unknown (3 point + component) of each entry of the values that `tangent` returns
     """
 
-    def __init__(self, space: HexSpace, residual, tangent):
+    def __init__(self, space: HexSpace, residual: Any, tangent: Any) -> None:
         self._space = space
         self._residual, self._tangent = _form(residual), _form(tangent)
         dofmap = space.displacements.dofmap
@@ -106,7 +109,7 @@ class Assembler:
         rows = np.repeat(np.arange(len(starts) - 1), np.diff(starts))
         return tuple(3 * self._space.node[index // 3] + index % 3 for index in (rows, columns))
 
-    def residual(self):
+    def residual(self) -> FloatArray:
         """(n, 3) [N] forces at the caller's points for the current displacement."""
         array = self._vector.array
         array[:] = 0
@@ -115,7 +118,7 @@ class Assembler:
         forces[self._space.node] = array.reshape(-1, 3)
         return forces
 
-    def tangent(self):
+    def tangent(self) -> FloatArray:
         """(nnz,) [N/m] values in the order of `rows` and `columns`."""
         self._matrix.zeroEntries()
         petsc.assemble_matrix(self._matrix, self._tangent)

@@ -17,9 +17,13 @@ the mesh.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
+
+from fabrics.checks import FloatArray, IntArray
 
 VERTICAL = 2
 AXIAL, WIDTH = (0, 1), (1, 0)  # components of warp and weft
@@ -38,19 +42,19 @@ class Constraints:
     size: int
     ends: tuple
 
-    def displacement(self, q, parameters):
+    def displacement(self, q: FloatArray, parameters: ArrayLike) -> FloatArray:
         """Displacement (n, 3) [m] of the unknowns `q` and the load's parameters: of a crossover d : (2,) [m]."""
         u = self.drive @ np.asarray(parameters, float)
         free = self.unknown >= 0
         u[free] += self.sign[free] * q[self.unknown[free]]
         return u.reshape(-1, 3)
 
-    def reduce(self, forces):
+    def reduce(self, forces: FloatArray) -> FloatArray:
         """Forces on the unknowns (size,) of the nodal forces (n, 3) [N]."""
         free = self.unknown >= 0
-        return np.bincount(self.unknown[free], self.sign[free] * forces.ravel()[free], self.size)
+        return np.asarray(np.bincount(self.unknown[free], self.sign[free] * forces.ravel()[free], self.size), float)
 
-    def end_force(self, forces, yarn):
+    def end_force(self, forces: FloatArray, yarn: int) -> float:
         """Axial force [N] that drives the positive end of a yarn, the work conjugate of its end displacement."""
         return float(forces[self.ends[yarn], AXIAL[yarn]].sum())
 
@@ -64,16 +68,16 @@ class Ties:
     parameters : of the load
     """
 
-    def __init__(self, n, parameters):
+    def __init__(self, n: int, parameters: int) -> None:
         self.drive = np.zeros((3 * n, parameters))
         self._sign = np.ones(3 * n)
         self._leader = np.arange(3 * n)  # the component that carries the unknown; -1: prescribed
 
-    def hold(self, nodes, component):
+    def hold(self, nodes: ArrayLike, component: int) -> None:
         """Prescribe a component: it is what the load drives it by."""
         self._leader[3 * np.asarray(nodes) + component] = -1
 
-    def follow(self, nodes, leaders, component, parity=1.0):
+    def follow(self, nodes: ArrayLike, leaders: ArrayLike, component: int, parity: float = 1.0) -> None:
         """Let a component of `nodes` be `parity` times that of `leaders` but for what the load drives them by.
 
         The leaders' own ties have to be made before.
@@ -82,7 +86,7 @@ class Ties:
         self._leader[own] = self._leader[other]
         self._sign[own] = parity * self._sign[other]
 
-    def turn(self, face, opposite, axial, width):
+    def turn(self, face: IntArray, opposite: IntArray, axial: int, width: int) -> None:
         """The two-fold axis turns the end face `face` : (j, k) into itself or into another, `opposite`."""
         layers = face.shape[1]
         same = face is opposite
@@ -94,7 +98,7 @@ class Ties:
             for component in (axial, VERTICAL):
                 self.hold(face[:, layers // 2], component)
 
-    def done(self, ends):
+    def done(self, ends: tuple) -> Constraints:
         """The Constraints; `ends` as there."""
         carriers = np.unique(self._leader[self._leader >= 0])
         number = np.full(len(self._leader), -1)
@@ -103,7 +107,14 @@ class Ties:
         return Constraints(unknown, self._sign, self.drive, len(carriers), ends)
 
 
-def build(grids, n, *, quarter, families=(0, 1), opposite=None):
+def build(
+    grids: Sequence[IntArray],
+    n: int,
+    *,
+    quarter: bool,
+    families: Sequence[int] = (0, 1),
+    opposite: Sequence[int] | None = None,
+) -> Constraints:
     """Constraints of a crossover, or of any yarns that cross above the origin.
 
     Parameters

@@ -1,7 +1,7 @@
 """The tangent's linear systems: one PETSc matrix on our own CSR arrays, one KSP with MUMPS, kept for a whole run.
 
-MUMPS orders with METIS where it was built with it; its other orderings are 0 to 3 times slower here. Its scaling takes
-a sixth of the time and changes no digit that counts: the unknowns are all displacements. petsc4py 3.18 keeps a
+MUMPS orders with METIS where it was built with it: its other orderings are slower or equal. Its scaling is left out,
+since it takes time and the unknowns are all displacements. petsc4py 3.18 keeps a
 factorisation alive through each wrapper that `getPC` returns, so the solver is configured through the options database
 and never asked for its PC.
 
@@ -12,9 +12,12 @@ solution back, the same to the last bit, so that they stay in step.
 from __future__ import annotations
 
 from itertools import count
+from typing import Any
 
 import numpy as np
 from petsc4py import PETSc
+
+from fabrics.checks import FloatArray, IntArray
 
 _serial = count()
 
@@ -28,7 +31,7 @@ class DirectSolver:
     comm : MPI communicator of the processes that factorise together, or None
     """
 
-    def __init__(self, starts, columns, entries, comm=None):
+    def __init__(self, starts: IntArray, columns: IntArray, entries: FloatArray, comm: Any = None) -> None:
         size = len(starts) - 1
         self._comm = PETSc.COMM_SELF if comm is None else comm
         self._shared = comm is not None and comm.size > 1
@@ -65,7 +68,7 @@ class DirectSolver:
             database.delValue(prefix + key)
         self._x, self._b = self._matrix.createVecs()
 
-    def factor(self):
+    def factor(self) -> None:
         """Take up the present values of `entries`; they are factorised at the next `solve`."""
         if self._shared:
             self._matrix.setValuesCSR(*self._arrays)
@@ -73,7 +76,7 @@ class DirectSolver:
         else:
             self._matrix.stateIncrease()  # the matrix lives on the array itself
 
-    def solve(self, b):
+    def solve(self, b: FloatArray) -> FloatArray | None:
         """(size,) solution, or None where the factorisation failed."""
         self._b.setArray(b[self._rows] if self._shared else b)
         self._ksp.solve(self._b, self._x)
@@ -87,7 +90,7 @@ class DirectSolver:
         self._comm.Allgatherv(self._x.getArray(), (x, self._counts))
         return x
 
-    def close(self):
+    def close(self) -> None:
         """Give the factorisation back."""
         for thing in (self._ksp, self._matrix, self._x, self._b):
             thing.destroy()

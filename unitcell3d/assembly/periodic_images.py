@@ -6,7 +6,12 @@ level of its ends where m + n is odd and the weave repeats by a glide: its node 
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
+
+from fabrics.checks import FloatArray, IntArray
+from meshing.mesh import YarnMesh
 
 
 class Images:
@@ -23,14 +28,16 @@ class Images:
     points : (n, 3) [m] of the cell's nodes and the images' so far
     """
 
-    def __init__(self, mesh, period, parity):
+    def __init__(self, mesh: YarnMesh, period: int, parity: float) -> None:
         self._mesh, self._parity = mesh, parity
         self._step = [2 * w * period for w in mesh.w]
         self._level = [float(mesh.points[grid[-1], 2].mean()) for grid in mesh.grids]
         self.points = np.asarray(mesh.points, float)
-        self._found, self._followers, self._of = {}, [], [(yarn, 0, 0) for yarn in range(len(mesh.grids))]
+        self._found: dict[tuple[int, int, int], IntArray] = {}
+        self._followers: list[tuple[IntArray, IntArray, bool]] = []
+        self._of = [(yarn, 0, 0) for yarn in range(len(mesh.grids))]
 
-    def extended(self, yarn, m=0, n=0, margin=0):
+    def extended(self, yarn: int, m: int = 0, n: int = 0, margin: int = 0) -> IntArray:
         """Node numbers (i, j, k) of a yarn's image, with `margin` columns of its own next images at each end."""
         family = self._mesh.families[yarn]
         grid = self.image(yarn, m, n)
@@ -41,7 +48,7 @@ class Images:
             [self.image(yarn, *before)[-1 - margin : -1], grid, self.image(yarn, *after)[1 : 1 + margin]]
         )
 
-    def image(self, yarn, m, n):
+    def image(self, yarn: int, m: int, n: int) -> IntArray:
         """Node numbers (i, j, k) of the image of a yarn, new ones where it is asked for the first time."""
         if (m, n) == (0, 0):
             return self._mesh.grids[yarn]
@@ -60,11 +67,11 @@ class Images:
             self._of.append((yarn, m, n))
         return self._found[yarn, m, n]
 
-    def followers(self):
+    def followers(self) -> Iterator[tuple[IntArray, IntArray, bool]]:
         """Yields (nodes, the cell's nodes that they follow, whether upside down)."""
         yield from self._followers
 
-    def drive(self):
+    def drive(self) -> FloatArray:
         """(3 n, 12) displacement by the entries of H_warp, H_weft and F - I: u = H (X - c) + (F - I) c.
 
         c is a point of the yarn's axis: each yarn turns about it, and it goes with the weave.

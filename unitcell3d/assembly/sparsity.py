@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 import numpy as np
+from numpy.typing import ArrayLike
 from scipy import sparse
 
+from fabrics.checks import FloatArray, IntArray
+from unitcell3d.assembly.constraints import Constraints
 from unitcell3d.assembly.sparsity_kernels import gather
 
 
@@ -24,7 +29,7 @@ class Pattern:
     diagonal : (unknowns,) places of the diagonal in `entries`
     """
 
-    def __init__(self, n, stencils, constraints):
+    def __init__(self, n: int, stencils: Iterable[ArrayLike], constraints: Constraints) -> None:
         keys = np.unique(np.concatenate([self._pairs(stencil, n) for stencil in stencils]))
         self._n, self._keys = n, keys
         self.values = np.zeros((len(keys), 3, 3))
@@ -54,23 +59,23 @@ class Pattern:
         stencil = np.asarray(stencil, np.int64)
         return np.unique((stencil[:, :, None] * n + stencil[:, None, :]).ravel())
 
-    def holds(self, stencil):
+    def holds(self, stencil: IntArray) -> bool:
         """Whether every pair of nodes of the stencils (m, s) has its block."""
         keys = self._pairs(stencil, self._n)
         found = np.searchsorted(self._keys, keys)
         return bool(np.all(self._keys[np.minimum(found, len(self._keys) - 1)] == keys))
 
-    def places(self, stencil):
+    def places(self, stencil: IntArray) -> IntArray:
         """Number of the block (m, s, s) of each pair of nodes of the stencils (m, s)."""
         stencil = np.asarray(stencil, np.int64)
         return np.searchsorted(self._keys, stencil[:, :, None] * self._n + stencil[:, None, :])
 
-    def scalar_places(self, rows, columns):
+    def scalar_places(self, rows: IntArray, columns: IntArray) -> IntArray:
         """Flat index into `values` of the entries between components (3 node + component)."""
         block = np.searchsorted(self._keys, (rows // 3).astype(np.int64) * self._n + columns // 3)
         return 9 * block + 3 * (rows % 3) + columns % 3
 
-    def reduce(self):
+    def reduce(self) -> FloatArray:
         """Add the blocks up into the matrix of the unknowns: returns `entries`."""
         gather(self.values.reshape(-1), self._source, self._sign, self._target, self.entries)
         return self.entries

@@ -6,20 +6,34 @@ the worst bar, and the mean over the fibres of a yarn. A path ends at the mean; 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from fabrics.errors import InputError
-from unitcell3d.model.crossover import CrossoverModel, Load
-from unitcell3d.solver.load_stepping import march
+from fabrics.fabric import Fabric
+from meshing.crossover import Crossover
+from unitcell3d.model.crossover import CrossoverModel, Load, Numerics
+from unitcell3d.solver.history import History
+from unitcell3d.solver.load_stepping import Steps, march
+from unitcell3d.solver.record import Hook
 
-# one-ply platen test of the source: 7000 N on 0.019 m x 0.019 m (chapter 2)
+# one-ply platen test of the thesis: 7000 N on 0.019 m x 0.019 m (chapter 2)
 PLATEN_PRESSURE = 7000 / 0.019**2
-CLOSEST_PLATES = 0.5  # of their distance at rest
+MIN_PLATE_GAP = 0.5  # of the plates' distance at rest
 
 
-def biaxial(crossover, fabric, ratio=(1.0, 1.0), *, reach=None, numerics=None, steps=None, hooks=()):
+def biaxial(
+    crossover: Crossover,
+    fabric: Fabric,
+    ratio: Sequence[float] = (1.0, 1.0),
+    *,
+    max_displacement: float | None = None,
+    numerics: Numerics | None = None,
+    steps: Steps | None = None,
+    hooks: Sequence[Hook] = (),
+) -> History:
     """Stretch a crossover along d1 : d2 = `ratio` until the mean fibre strain of a yarn is its failure strain.
 
     Parameters
@@ -27,7 +41,7 @@ def biaxial(crossover, fabric, ratio=(1.0, 1.0), *, reach=None, numerics=None, s
     crossover : meshing.crossover.Crossover
     fabric : Fabric
     ratio : (d1, d2) [-] proportions of the end displacements; 0 holds a yarn's ends
-    reach : [m] larger of the two end displacements at the end of the path, instead of fibre failure
+    max_displacement : [m] larger of the two end displacements at the end of the path, instead of fibre failure
     numerics, steps, hooks : see `model.crossover.Numerics`, `load_stepping.Steps`, `load_stepping.march`
 
     Returns
@@ -36,31 +50,31 @@ def biaxial(crossover, fabric, ratio=(1.0, 1.0), *, reach=None, numerics=None, s
 
     Raises
     ------
-    InputError : the ratio stretches no yarn, or the reach is not positive
+    InputError : the ratio stretches no yarn, or `max_displacement` is not positive
     """
     try:
-        ratio = np.array([float(part) for part in ratio])
+        shares = np.array([float(part) for part in ratio])
     except (TypeError, ValueError):
-        ratio = np.array([])
-    if ratio.shape != (2,) or not np.all(np.isfinite(ratio)) or ratio.max() <= 0:
-        raise InputError(key="ratio", value=tuple(ratio), allowed="two numbers, one of them at least above 0")
-    ratio = ratio / np.abs(ratio).max()
-    if reach is not None and not reach > 0:
-        raise InputError(key="reach", value=reach, allowed="positive")
+        shares = np.array([])
+    if shares.shape != (2,) or not np.all(np.isfinite(shares)) or shares.max() <= 0:
+        raise InputError(key="ratio", value=tuple(shares), allowed="two numbers, one of them at least above 0")
+    shares = shares / np.abs(shares).max()
+    if max_displacement is not None and not max_displacement > 0:
+        raise InputError(key="max_displacement", value=max_displacement, allowed="positive")
     yarns = fabric.weave.yarns
-    if reach is None:
+    if max_displacement is None:
         # a yarn whose ends are this far apart is straight and at its failure strain: no path goes on longer
-        reach = min(
+        max_displacement = min(
             w * ((1 + yarn.crimp) * (1 + yarn.failure_strain) - 1) / part
-            for w, yarn, part in zip(fabric.weave.w, yarns, ratio)
+            for w, yarn, part in zip(fabric.weave.w, yarns, shares)
             if part > 0
         )
         stop = _worst_yarn([yarn.failure_strain for yarn in yarns])
     else:
         stop = None
     model = CrossoverModel(crossover, fabric, numerics)
-    end = Load((float(ratio[0] * reach), float(ratio[1] * reach)))
-    case = f"biaxial {ratio[0]:g} : {ratio[1]:g}"
+    end = Load((float(shares[0] * max_displacement), float(shares[1] * max_displacement)))
+    case = f"biaxial {shares[0]:g} : {shares[1]:g}"
     return march(model, Load(), end, case=case, stop=stop, steps=steps, hooks=hooks)
 
 
@@ -69,13 +83,20 @@ def _worst_yarn(limits):
 
 
 def plate_compression(
-    crossover, fabric, *, pressure=PLATEN_PRESSURE, closest=CLOSEST_PLATES, numerics=None, steps=None, hooks=()
-):
+    crossover: Crossover,
+    fabric: Fabric,
+    *,
+    pressure: float = PLATEN_PRESSURE,
+    min_plate_gap: float = MIN_PLATE_GAP,
+    numerics: Numerics | None = None,
+    steps: Steps | None = None,
+    hooks: Sequence[Hook] = (),
+) -> History:
     """Press a crossover between two rigid plates, the yarns' ends held in the plane at their spacing.
 
     The plates stand at equal distances above and below the middle plane, as the two-fold axis of the weave asks, so
     that the higher yarn is touched first. The path ends at the mean `pressure` [Pa] on the area of the cell, the
-    source's greatest by default, or with the plates at the share `closest` of their first distance.
+    source's greatest by default, or with the plates at the share `min_plate_gap` of their first distance.
 
     Raises
     ------
@@ -83,15 +104,15 @@ def plate_compression(
     """
     if not pressure > 0:
         raise InputError(key="pressure", value=pressure, allowed="positive")
-    if not 0 < closest < 1:
-        raise InputError(key="closest", value=closest, allowed="between 0 and 1")
+    if not 0 < min_plate_gap < 1:
+        raise InputError(key="min_plate_gap", value=min_plate_gap, allowed="between 0 and 1")
     model = CrossoverModel(crossover, fabric, numerics)
     rest = model.plates.at_rest
     force = pressure * fabric.weave.cell_area
     return march(
         model,
         Load(plates=rest),
-        Load(plates=closest * rest),
+        Load(plates=min_plate_gap * rest),
         case="plates",
         stop=lambda row: float(np.mean(row["F_plate"])) / force,
         steps=steps,
@@ -110,7 +131,7 @@ class Failure:
     F_c: float
 
 
-def failure(history, fabric):
+def failure(history: History, fabric: Fabric) -> list[Failure]:
     """Failure by the worst bar and by the mean of the bars, without those that the path did not reach."""
     found = []
     for criterion, strains in (("worst bar", history.fibre_strain_max), ("mean of bars", history.fibre_strain_mean)):
@@ -118,8 +139,9 @@ def failure(history, fabric):
         ratio = (strains / limits).max(axis=1)
         # the path ends within a tolerance of the mean's limit
         limit = 1.0 if criterion == "worst bar" else min(1.0, max(ratio[-1], 0.998))
-        columns = [history.at(c, ratio, limit) for c in (history.d1, history.d2, history.T1, history.T2, history.F_c)]
-        if columns[0] is not None:
+        there = [history.at(c, ratio, limit) for c in (history.d1, history.d2, history.T1, history.T2, history.F_c)]
+        columns = [value for value in there if value is not None]
+        if columns:
             row = int(np.argmax(ratio >= limit))
             yarn = int(np.argmax(strains[row] / limits))
             found.append(Failure(criterion, yarn, tuple(columns[:2]), tuple(columns[2:4]), columns[4]))

@@ -8,16 +8,22 @@ from __future__ import annotations
 
 import csv
 import re
+from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
+from fabrics.checks import FilePath, FloatArray
 from fabrics.errors import InputError
+from fabrics.fabric import Fabric
 from fabrics.units import si
-from unitcell3d.model.crossover import CrossoverModel, Load
+from meshing.crossover import Crossover
+from unitcell3d.model.crossover import CrossoverModel, Load, Numerics
 from unitcell3d.solver import path_following
 from unitcell3d.solver import record as solver_record
-from unitcell3d.solver.record import Record
+from unitcell3d.solver.record import Hook, Record
 
 MEANINGS = {
     "path": "[-] share of the path",
@@ -39,7 +45,10 @@ LONGEST_STEP = 1.5e-6  # m between two rows
 MOST_ROWS = 2000
 
 
-def along(crossover, fabric, corners, *, failure=False, numerics=None, hooks=(), comm=None):
+def along(
+    crossover: Crossover, fabric: Fabric, corners: ArrayLike, *, failure: bool = False,
+    numerics: Numerics | None = None, hooks: Sequence[Hook] = (), comm: Any = None,
+) -> Record:  # fmt: skip
     """Take a crossover along the corners (k, 2) [m] of a path in (d1, d2), from rest.
 
     Parameters
@@ -58,12 +67,12 @@ def along(crossover, fabric, corners, *, failure=False, numerics=None, hooks=(),
     ------
     InputError : no corner, or one that is not two finite lengths
     """
-    corners = np.atleast_2d(np.asarray(corners, float))
-    if corners.ndim != 2 or corners.shape[1:] != (2,) or not corners.size or not np.all(np.isfinite(corners)):
+    places = np.atleast_2d(np.asarray(corners, float))
+    if places.ndim != 2 or places.shape[1:] != (2,) or not places.size or not np.all(np.isfinite(places)):
         raise InputError("a path needs at least one corner of two finite displacements")
-    if np.any(corners[0]):
-        corners = np.concatenate([np.zeros((1, 2)), corners])
-    counts = [max(1, int(np.ceil(np.abs(leg).max() / LONGEST_STEP))) for leg in np.diff(corners, axis=0)]
+    if np.any(places[0]):
+        places = np.concatenate([np.zeros((1, 2)), places])
+    counts = [max(1, int(np.ceil(np.abs(leg).max() / LONGEST_STEP))) for leg in np.diff(places, axis=0)]
     if not counts or sum(counts) > MOST_ROWS:
         raise InputError(
             key="path", value=f"{sum(counts)} steps of {LONGEST_STEP * 1e6:g} um", allowed=f"1 to {MOST_ROWS} steps"
@@ -90,15 +99,15 @@ def along(crossover, fabric, corners, *, failure=False, numerics=None, hooks=(),
             "broken": np.array([broken[model.bar_yarn == yarn].mean() for yarn in (0, 1)]),
         }
 
-    loads = [Load(tuple(map(float, corner))) for corner in corners]
+    loads = [Load(tuple(map(float, corner))) for corner in places]
     found = path_following.follow(model, loads, row, rows=counts, hooks=hooks, comm=comm)
     return Record(
         solver_record.columns(found.rows), MEANINGS, found.x - model.points, fabric.name, "path", found.failed,
-        {"corners": corners, "failure": failure},
+        {"corners": places, "failure": failure},
     )  # fmt: skip
 
 
-def read(path):
+def read(path: FilePath) -> FloatArray:
     """(k, 2) [m] corners from a CSV file.
 
     Raises
@@ -117,8 +126,9 @@ def read(path):
     ]
     if not lines:
         raise InputError("is empty", file=path, allowed='headed "d1 [um], d2 [um]"')
-    names = [re.fullmatch(r"\s*(d1|d2)\s*\[([^\]]+)\]\s*", cell) for cell in next(csv.reader([lines[0][1]]))]
-    if len(names) != 2 or None in names or {name[1] for name in names} != {"d1", "d2"}:
+    cells = next(csv.reader([lines[0][1]]))
+    names = [name for cell in cells if (name := re.fullmatch(r"\s*(d1|d2)\s*\[([^\]]+)\]\s*", cell)) is not None]
+    if len(cells) != 2 or len(names) != 2 or {name[1] for name in names} != {"d1", "d2"}:
         raise InputError(file=path, key="heading", value=lines[0][1], allowed='"d1 [um], d2 [um]" or another length')
     scale = {name[1]: si(f"1 {name[2]}", "m", file=path, key=name[1]) for name in names}
     corners = []

@@ -1,4 +1,4 @@
-"""The weave in its own cell: stretched biaxially and sheared in its plane (source thesis section 4.3.2).
+"""The weave in its own cell: stretched biaxially and sheared in its plane (thesis section 4.3.2).
 
 Shear turns the yarns against each other at constant distances along each, as a picture frame does: the end
 displacements d1, d2 are those of the beginning, so the yarns have the tension that the user's stretch gives them. Ends
@@ -8,13 +8,20 @@ squeezed under the other's arch, and where parallel neighbours meet edge to edge
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from typing import Any
+
 import numpy as np
 
 from fabrics.errors import InputError
+from fabrics.fabric import Fabric
+from meshing.crossover import Crossover
+from meshing.patch import Patch
+from unitcell3d.model.crossover import Numerics
 from unitcell3d.model.periodic_cell import CellLoad, CellModel
 from unitcell3d.solver import path_following
 from unitcell3d.solver import record as solver_record
-from unitcell3d.solver.record import Record
+from unitcell3d.solver.record import Hook, Record
 
 MEANINGS = {
     "path": "[-] share of the path",
@@ -40,7 +47,18 @@ STEEPEST = 1.2  # rad: beyond it the trellis is all but closed
 ROWS_TO_STRETCH = 6
 
 
-def shear(mesh, fabric, gamma=0.6, *, stretch=(0.0, 0.0), numerics=None, rows=30, failure=False, hooks=(), comm=None):
+def shear(
+    mesh: Crossover | Patch,
+    fabric: Fabric,
+    gamma: float = 0.6,
+    *,
+    stretch: Sequence[float] = (0.0, 0.0),
+    numerics: Numerics | None = None,
+    rows: int = 30,
+    failure: bool = False,
+    hooks: Sequence[Hook] = (),
+    comm: Any = None,
+) -> Record:
     """Shear the weave to the angle `gamma` [rad], after stretching it by `stretch` : (d1, d2) [m] per end.
 
     Parameters
@@ -70,7 +88,17 @@ def shear(mesh, fabric, gamma=0.6, *, stretch=(0.0, 0.0), numerics=None, rows=30
     return _followed(model, loads, [*counts, rows], "shear", hooks, comm)
 
 
-def biaxial(mesh, fabric, d, *, numerics=None, rows=20, failure=False, hooks=(), comm=None):
+def biaxial(
+    mesh: Crossover | Patch,
+    fabric: Fabric,
+    d: Sequence[float],
+    *,
+    numerics: Numerics | None = None,
+    rows: int = 20,
+    failure: bool = False,
+    hooks: Sequence[Hook] = (),
+    comm: Any = None,
+) -> Record:
     """Stretch the weave in its own cell to the end displacements `d` : (2,) [m]; parameters as of `shear`."""
     model = CellModel(mesh, fabric, numerics, failure=failure)
     loads = [CellLoad(model.w), CellLoad(model.w, tuple(map(float, d)))]

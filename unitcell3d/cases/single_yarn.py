@@ -1,26 +1,33 @@
-"""One crimped yarn alone, pulled straight (source thesis section 3.4.3.1, Figures 3-3, 3-4, 3-7).
+"""One crimped yarn alone, pulled straight (thesis section 3.4.3.1, Figures 3-3, 3-4, 3-7).
 
 The closed form is that of fibres without bending: none until the yarn is straight, then (eq. 4-7)
 
     T = E A_s ((w + d) / (w (1 + crimp)) - 1)    for d > w crimp.
 
-The choices that the source compares are here too: how many of the mesh's fibre lines carry bars, and one-point instead
+The choices that the thesis compares are here too: how many of the mesh's fibre lines carry bars, and one-point instead
 of full integration of the solid, which leaves zero-energy modes.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from typing import Any
+
 import numpy as np
 
+from fabrics.checks import FloatArray
 from fabrics.errors import InputError
+from fabrics.fabric import Fabric
+from fabrics.yarn import Yarn
+from meshing.crossover import Crossover
 from unitcell3d.assembly import constraints
 from unitcell3d.contact.pairs import SurfacePairs
 from unitcell3d.material import solid_law
 from unitcell3d.model import submeshes
-from unitcell3d.model.crossover import Load, YarnsModel, check
+from unitcell3d.model.crossover import Load, Numerics, YarnsModel, check
 from unitcell3d.solver import path_following
 from unitcell3d.solver import record as solver_record
-from unitcell3d.solver.record import Record
+from unitcell3d.solver.record import Hook, Record
 
 MEANINGS = {
     "path": "[-] share of the path",
@@ -54,11 +61,20 @@ class YarnModel(YarnsModel):
     InputError : no such yarn or number of bars
     """
 
-    def __init__(self, crossover, fabric, family, *, bars=None, numerics=None, **choices):
+    def __init__(
+        self,
+        crossover: Crossover,
+        fabric: Fabric,
+        family: int,
+        *,
+        bars: int | None = None,
+        numerics: Numerics | None = None,
+        **choices: Any,
+    ) -> None:
         check(crossover, fabric)
         if family not in (0, 1):
             raise InputError(key="yarn", value=family, allowed="0 (warp) or 1 (weft)")
-        mesh = submeshes.alone(crossover, family)
+        mesh = submeshes.single_yarn_mesh(crossover, family)
         if bars is not None:
             across, through = mesh.grids[0].shape[1:]
             if bars not in submeshes.line_numbers(across, through):
@@ -73,7 +89,7 @@ class YarnModel(YarnsModel):
             mesh, fabric, numerics, held, SurfacePairs(()), None, copies=(1 / crossover.share, 1.0), **choices
         )
 
-    def height(self, x):
+    def height(self, x: FloatArray) -> float:
         """[m] of the centreline, the middle of the yarn above or below its end."""
         (grid,), (ends, middle) = self.crossover.grids, self._columns()
         return float(abs(np.mean(x[grid[middle], 2]) - np.mean(x[grid[ends], 2])))
@@ -85,9 +101,10 @@ class YarnModel(YarnsModel):
 
 
 def pull(
-    crossover, fabric, family=0, *, strain=None, bars=None, integration=solid_law.FULL, failure=False,
-    numerics=None, rows=25, hooks=(), comm=None,
-):  # fmt: skip
+    crossover: Crossover, fabric: Fabric, family: int = 0, *, strain: float | None = None, bars: int | None = None,
+    integration: int = solid_law.FULL, failure: bool = False, numerics: Numerics | None = None, rows: int = 25,
+    hooks: Sequence[Hook] = (), comm: Any = None,
+) -> Record:  # fmt: skip
     """Pull one yarn straight and on, to the share `strain` of its end distance, or to the failure of its fibres.
 
     Parameters
@@ -121,25 +138,11 @@ def pull(
         d = share * strain * model.w
         return Load((d, 0.0) if family == 0 else (0.0, d))
 
-    def row(state, load):
-        x, d = model.positions(state.q, load), load.d[family]
-        strains, means = model.fibre_strains(x) if len(model.fibres.pairs) else (None, [np.nan])
-        return {
-            "d": d,
-            "strain": d / model.w,
-            "T": model.tensions(state.forces)[family],
-            "T_taut": taut(yarn, model.w, crimp, d),
-            "h": model.height(x),
-            "fibre_strain_mean": means[0],
-            "fibre_strain_max": np.nan if strains is None else model.fibres.worst(strains)[0],
-            "broken": float(np.mean(model.fibres.damage > 0)) if len(model.fibres.pairs) else 0.0,
-            "astray": _astray(model, x),
-        }
-
     # most rows where the yarn becomes taut: steps of strain that grow with the distance from the crimp's end
     points = [at(0.0), at(crimp / strain), at(1.0)] if strain > crimp else [at(0.0), at(1.0)]
-    found = path_following.follow(model, points,
-                          row, rows=rows, hooks=hooks, comm=comm)  # fmt: skip
+    found = path_following.follow(
+        model, points, lambda state, load: _row(model, yarn, crimp, state, load), rows=rows, hooks=hooks, comm=comm
+    )
     facts = {"yarn": family, "bars": len(model.fibres.pairs), "integration": integration, "crimp": crimp, "EA": yarn.EA}
     return Record(
         solver_record.columns(found.rows), MEANINGS, found.x - model.points, fabric.name,
@@ -147,7 +150,23 @@ def pull(
     )  # fmt: skip
 
 
-def taut(yarn, w, crimp, d):
+def _row(model, yarn, crimp, state, load):
+    x, d = model.positions(state.q, load), load.d[model.family]
+    strains, means = model.fibre_strains(x) if len(model.fibres.pairs) else (None, [np.nan])
+    return {
+        "d": d,
+        "strain": d / model.w,
+        "T": model.tensions(state.forces)[model.family],
+        "T_taut": taut(yarn, model.w, crimp, d),
+        "h": model.height(x),
+        "fibre_strain_mean": means[0],
+        "fibre_strain_max": np.nan if strains is None else model.fibres.worst(strains)[0],
+        "broken": float(np.mean(model.fibres.damage > 0)) if len(model.fibres.pairs) else 0.0,
+        "astray": _astray(model, x),
+    }
+
+
+def taut(yarn: Yarn, w: float, crimp: float, d: float) -> float:
     """Closed form [N] of the tension at end displacements d [m]."""
     return float(max(0.0, yarn.EA * ((w + d) / (w * (1 + crimp)) - 1)))
 

@@ -1,29 +1,37 @@
-"""Plies of one crossover on each other between two rigid plates (source thesis sections 2.2.1 and 3.4.3.2).
+"""Plies of one crossover on each other between two rigid plates (thesis sections 2.2.1 and 3.4.3.2).
 
 "aligned" plies stand crossing on crossing, the warp of each ply under the weft of the next: the pack then has the
 symmetries of one ply (two mirror planes, and the two-fold axis at the middle of the pack, which turns ply p into ply
 N + 1 - p), so that a quarter of a crossover is enough. The plates stand at equal distances above and below the middle.
 
 Between plies the lower face of each weft meets the upper face of the warp under it, with the contact of a crossover.
-"shifted" plies have no such symmetry (`plies`).
+"shifted" plies have no such symmetry (`model.shifted_stack`).
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
+
 import numpy as np
 
+from fabrics.checks import FloatArray
 from fabrics.errors import InputError, UnstableError
+from fabrics.fabric import Fabric
 from fabrics.plate_curve import PlateCurve
+from meshing.crossover import Crossover
+from meshing.patch import Patch
 from unitcell3d.assembly import constraints
-from unitcell3d.cases.biaxial_and_platens import CLOSEST_PLATES, PLATEN_PRESSURE
+from unitcell3d.cases.biaxial_and_platens import MIN_PLATE_GAP, PLATEN_PRESSURE
 from unitcell3d.contact.pairs import OuterPlates, SurfacePairs, facing
 from unitcell3d.model import submeshes
-from unitcell3d.model.crossover import Load, YarnsModel, check
+from unitcell3d.model.crossover import Load, Numerics, YarnsModel, check
 from unitcell3d.model.periodic_cell import CellLoad
 from unitcell3d.model.shifted_stack import ShiftedModel
 from unitcell3d.solver import path_following
 from unitcell3d.solver import record as solver_record
-from unitcell3d.solver.record import Record
+from unitcell3d.solver.record import Hook, Record
 
 MEANINGS = {
     "path": "[-] share of the path",
@@ -57,7 +65,7 @@ class StackModel(YarnsModel):
     InputError : another domain
     """
 
-    def __init__(self, crossover, fabric, plies, numerics=None):
+    def __init__(self, crossover: Crossover, fabric: Fabric, plies: int, numerics: Numerics | None = None) -> None:
         check(crossover, fabric)
         if crossover.domain != "quarter":
             raise InputError(key="domain", value=crossover.domain, allowed="quarter: aligned plies are symmetric")
@@ -75,9 +83,10 @@ class StackModel(YarnsModel):
 
 
 def stack_compression(
-    mesh, fabric, plies=2, *, shift=(0.0, 0.0), pressure=PLATEN_PRESSURE, closest=CLOSEST_PLATES, numerics=None,
-    hooks=(), comm=None,
-):  # fmt: skip
+    mesh: Crossover | Patch, fabric: Fabric, plies: int = 2, *, shift: Sequence[float] = (0.0, 0.0),
+    pressure: float = PLATEN_PRESSURE, min_plate_gap: float = MIN_PLATE_GAP, numerics: Numerics | None = None,
+    hooks: Sequence[Hook] = (), comm: Any = None,
+) -> Record:  # fmt: skip
     """Press plies between two rigid plates, the yarns' ends held in the plane at their spacing.
 
     Parameters
@@ -86,8 +95,8 @@ def stack_compression(
     fabric : Fabric
     plies : number
     shift : (x, y) [crossings] of each ply against the one under it; (0, 0): aligned
-    pressure : [Pa] mean on the area of the cell at the end, the source's greatest by default
-    closest : [-] share of the first distance of the plates at which the path ends at the latest
+    pressure : [Pa] mean on the area of the cell at the end, by default the greatest of the thesis
+    min_plate_gap : [-] share of the first distance of the plates at which the path ends at the latest
     numerics, hooks, comm : see `path_following.follow`
 
     Returns
@@ -101,42 +110,18 @@ def stack_compression(
     """
     if not pressure > 0:
         raise InputError(key="pressure", value=pressure, allowed="positive")
-    if not 0 < closest < 1:
-        raise InputError(key="closest", value=closest, allowed="between 0 and 1")
+    if not 0 < min_plate_gap < 1:
+        raise InputError(key="min_plate_gap", value=min_plate_gap, allowed="between 0 and 1")
     if not (isinstance(plies, int | np.integer) and plies >= 1):
         raise InputError(key="plies", value=plies, allowed="a whole number from 1 on")
-    if any(shift):
-        model = ShiftedModel(mesh, fabric, plies, shift, numerics)
-        loads = [CellLoad(mesh.w, plates=share * model.plates.at_rest) for share in (1.0, closest)]
-        copies, inside = 1 / model.crossings, model.inside
-    else:
-        model = StackModel(mesh, fabric, plies, numerics)
-        loads = [Load(plates=share * model.plates.at_rest) for share in (1.0, closest)]
-        copies, inside = model.copies[1], plies
+    model, load = _model(mesh, fabric, plies, shift, numerics)
     rest, area = model.plates.at_rest, fabric.weave.cell_area
-
-    def row(state, load):
-        pairs = copies * model.surfaces.forces
-        force = copies * float(np.mean(state.plates))
-        if force <= 0 and load.plates < 0.9 * rest:
-            raise UnstableError(
-                "the yarns have passed through each other", when=f"plates {2e3 * load.plates:.4g} mm apart"
-            )
-        return {
-            "distance": 2 * load.plates,
-            "closure": 2 * (rest - load.plates),
-            "closure_ply": 2 * (rest - load.plates) / plies,
-            "force": force,
-            "pressure": force / area,
-            "F_c": pairs[:inside].reshape(plies, -1).sum(axis=1),
-            "F_between": pairs[inside:].reshape(plies - 1, -1).sum(axis=1) if plies > 1 else np.zeros(0),
-            "deepest": model.surfaces.deepest,
-        }
-
-    rows = int(np.ceil(2 * (1 - closest) * rest / LONGEST_STEP))
+    loads = [replace(load, plates=share * rest) for share in (1.0, min_plate_gap)]
+    rows = int(np.ceil(2 * (1 - min_plate_gap) * rest / LONGEST_STEP))
     found = path_following.follow(
-        model, loads, row, rows=rows, stop=lambda row: row["pressure"] / pressure, hooks=hooks, comm=comm
-    )
+        model, loads, lambda state, load: _row(model, plies, area, state, load), rows=rows,
+        stop=lambda row: row["pressure"] / pressure, hooks=hooks, comm=comm,
+    )  # fmt: skip
     u = (found.x - model.points)[: len(model.crossover.points)]
     stacking = f"shifted by {shift[0]:g}, {shift[1]:g} crossings" if any(shift) else "aligned"
     facts = {"plies": plies, "stacking": stacking, "shift": list(shift), "cell_area": area}
@@ -145,13 +130,41 @@ def stack_compression(
     )
 
 
-def law_closure(fabric, record):
-    """The source's pressure law beside a record: what one pack of as many plies closes since its first pressure.
+def _model(mesh, fabric, plies, shift, numerics):
+    """The model of aligned or shifted plies, and its load without plates."""
+    if any(shift):
+        return ShiftedModel(mesh, fabric, plies, shift, numerics), CellLoad(mesh.w)
+    return StackModel(mesh, fabric, plies, numerics), Load()
+
+
+def _row(model, plies, area, state, load):
+    shifted = isinstance(model, ShiftedModel)
+    copies, inside = (1 / model.crossings, model.inside) if shifted else (model.copies[1], plies)
+    rest, pairs = model.plates.at_rest, copies * model.surfaces.forces
+    force = copies * float(np.mean(state.plates))
+    if force <= 0 and load.plates < 0.9 * rest:
+        raise UnstableError("the yarns have passed through each other", when=f"plates {2e3 * load.plates:.4g} mm apart")
+    return {
+        "distance": 2 * load.plates,
+        "closure": 2 * (rest - load.plates),
+        "closure_ply": 2 * (rest - load.plates) / plies,
+        "force": force,
+        "pressure": force / area,
+        "F_c": pairs[:inside].reshape(plies, -1).sum(axis=1),
+        "F_between": pairs[inside:].reshape(plies - 1, -1).sum(axis=1) if plies > 1 else np.zeros(0),
+        "deepest": model.surfaces.deepest,
+    }
+
+
+def law_closure(fabric: Fabric, record: Record) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """The pressure law of the thesis beside a record: what one pack of as many plies closes since its first pressure.
 
     Returns
     -------
     pressure, closure_law, closure : [Pa], [m], [m] of the rows inside the law's pressures, closures from its first on
     """
+    if fabric.areal_density_measured is None:
+        raise InputError(f"fabric {fabric.name} has no measured areal density, which the pressure law needs")
     law = PlateCurve.pressure_law(fabric.areal_density_measured, int(record.facts["plies"]))
     P, c = record["pressure"], record["closure"]
     rising = np.concatenate([[True], P[1:] > np.maximum.accumulate(P)[:-1]]) & (P > 0)

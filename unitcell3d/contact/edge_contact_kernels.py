@@ -4,8 +4,8 @@ Each edge is the C1 Catmull-Rom curve through its nodes, C(s) and E(t), and r = 
 
     r . a = 0,   r . b = 0,   a = C',  b = E',   r = g n,   n = +-(a x b) / |a x b| from the first to the second.
 
-The force -p(g) A g_q with the pressure law of `contact_kernels` and a constant area A is that of a potential. With the
-rows r_q (variation at fixed s, t), a_q, b_q, and
+The force -p(g) A g_q with the pressure law of `surface_contact_kernels` and a constant area A is that of a potential.
+With the rows r_q (variation at fixed s, t), a_q, b_q, and
 
     U = [-a . r_q; b . r_q],  V = [-n . a_q; n . b_q],  m = [[a.a, -a.b], [-a.b, b.b]],  N = diag(-n . C'', n . E''),
 
@@ -178,10 +178,26 @@ def edge_pass(x, first, second, toward, area, penalty, toe, stencil, forces, pla
         turn[1, m] = weights[1, 1, k] if edge == 1 else 0.0
         for c in range(3):
             forces[stencil[m], c] -= p * area * share[m] * normal[c]
-    if places.shape[0] == 0:
-        return gap, p * area
+    if places.shape[0] > 0:
+        edge_tangent(found, normal, gap, p, slope, area, share, turn, places, values)
+    return gap, p * area
 
+
+@njit(cache=True)
+def edge_tangent(found, normal, gap, p, slope, area, share, turn, places, values):
+    """Add the tangent of two edges in contact.
+
+    Parameters
+    ----------
+    found : (2, 3, 3) [m] C, C', C'' of both edges at their closest points
+    normal : (3,) n
+    gap, p, slope, area : [m], [Pa], [Pa/m], [m2]
+    share : (8,) [-] what each node has in r
+    turn : (2, 8) [-] what each node has in a and in b
+    places, values : as for `edge_pass`
+    """
     n1, n2 = -dot(normal, found[0, 2]), dot(normal, found[1, 2])
+    a, b = found[0, 1], found[1, 1]
     m11, m12, m22 = dot(a, a), -dot(a, b), dot(b, b)
     m_det = m11 * m22 - m12 * m12
     l11, l12, l22 = m11 + gap * n1, m12, m22 + gap * n2
@@ -209,4 +225,3 @@ def edge_pass(x, first, second, toward, area, penalty, toe, stencil, forces, pla
                     )
                     stiff = -slope * share[m] * share[n] * normal[c] * normal[d]
                     values[place, c, d] += area * (stiff - p * curve_)
-    return gap, p * area

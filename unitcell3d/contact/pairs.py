@@ -6,8 +6,13 @@ along y counts as the first one, and as the second one whose i runs along x, wit
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
+
 import numpy as np
 
+from fabrics.checks import FloatArray, IntArray
+from unitcell3d.assembly.sparsity import Pattern
+from unitcell3d.contact.interface import ContactSurfaces, PenaltyNumerics
 from unitcell3d.contact.surfaces import FacingSurfaces, Plates
 
 
@@ -20,61 +25,65 @@ class SurfacePairs:
 
     Attributes
     ----------
-    forces : (pairs,) [N] of each pair in the last call of `touch`: upwards on the upper surface
+    forces : (pairs,) [N] of each pair in the last call of `assemble`: upwards on the upper surface
     """
 
-    def __init__(self, pairs):
+    def __init__(self, pairs: Iterable[ContactSurfaces]) -> None:
         self.pairs = tuple(pairs)
         self.forces = np.zeros(len(self.pairs))
 
     @property
-    def gaps(self):
+    def gaps(self) -> Sequence[FloatArray]:
         """[m] of the nodes of all surfaces."""
         return tuple(gaps for pair in self.pairs for gaps in pair.gaps)
 
     @property
-    def deepest(self):
-        """[m] largest penetration where there was a force in the last call of `touch`."""
+    def deepest(self) -> float:
+        """[m] largest penetration where there was a force in the last call of `assemble`."""
         return max((pair.deepest for pair in self.pairs), default=0.0)
 
-    def expected(self):
+    def expected_stencils(self) -> list[IntArray]:
         """As of `surfaces.FacingSurfaces`."""
-        return [stencils for pair in self.pairs for stencils in pair.expected()]
+        return [stencils for pair in self.pairs for stencils in pair.expected_stencils()]
 
-    def lay_out(self, pattern):
+    def build_pattern(self, pattern: Pattern) -> None:
         """As of `surfaces.FacingSurfaces`."""
         for pair in self.pairs:
-            pair.lay_out(pattern)
+            pair.build_pattern(pattern)
 
-    def outgrown(self):
+    def pattern_outdated(self) -> bool:
         """As of `surfaces.FacingSurfaces`."""
-        return any(pair.outgrown() for pair in self.pairs)
+        return any(pair.pattern_outdated() for pair in self.pairs)
 
-    def touch(self, x, numerics, forces, values=None):
+    def assemble(
+        self, x: FloatArray, numerics: PenaltyNumerics, forces: FloatArray, values: FloatArray | None = None
+    ) -> float:
         """As of `surfaces.FacingSurfaces`; returns the sum of the sizes [N] of the pairs' forces."""
         for number, pair in enumerate(self.pairs):
-            self.forces[number] = pair.touch(x, numerics, forces, values)
+            self.forces[number] = pair.assemble(x, numerics, forces, values)
         return float(np.abs(self.forces).sum())
 
     @property
-    def anchors(self):
+    def anchors(self) -> list[FloatArray]:
         """As of `surfaces.FacingSurfaces`."""
         return [anchors for pair in self.pairs for anchors in pair.anchors]
 
-    def accept(self, x, numerics):
+    def commit(self, x: FloatArray, numerics: PenaltyNumerics) -> None:
         """As of `surfaces.FacingSurfaces`."""
         for pair in self.pairs:
-            pair.accept(x, numerics)
+            pair.commit(x, numerics)
 
 
 class OuterPlates(Plates):
     """Two rigid plates on the upper faces of some yarns and the lower faces of others."""
 
-    def __init__(self, points, upper, lower):
+    def __init__(self, points: FloatArray, upper: Sequence[IntArray], lower: Sequence[IntArray]) -> None:
         self._face(points, [grid[:, :, -1] for grid in upper], [grid[:, :, 0] for grid in lower])
 
 
-def facing(points, upper, lower, quarter=False, families=(0, 1)):
+def facing(
+    points: FloatArray, upper: IntArray, lower: IntArray, quarter: bool = False, families: Sequence[int] = (0, 1)
+) -> FacingSurfaces:
     """The pair of the lower face of the grid `upper` and the upper face of the grid `lower`.
 
     Parameters

@@ -7,12 +7,19 @@ two, where the tips of their sections can meet: the edge of one is held off the 
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator, Sequence
+
 import numpy as np
 
+from fabrics.checks import FloatArray, IntArray
+from meshing.mesh import YarnMesh
 from unitcell3d.assembly.constraints import VERTICAL
+from unitcell3d.assembly.periodic_images import Images
+from unitcell3d.assembly.sparsity import Pattern
 from unitcell3d.contact import edge_contact_kernels
+from unitcell3d.contact.interface import PenaltyNumerics
 from unitcell3d.contact.pairs import SurfacePairs, facing
-from unitcell3d.contact.surfaces import NO_VALUES
+from unitcell3d.contact.surfaces import NO_VALUES, FacingSurfaces
 
 NO_PLACES = np.empty((0, 0), np.int64)
 
@@ -23,7 +30,7 @@ class CellPairs(SurfacePairs):
     crossings, neighbours : numbers of pairs
     """
 
-    def __init__(self, crossings, neighbours):
+    def __init__(self, crossings: Sequence[FacingSurfaces], neighbours: Sequence[Edges]) -> None:
         super().__init__((*crossings, *neighbours))
         self.crossings, self.neighbours = len(crossings), len(neighbours)
 
@@ -32,54 +39,65 @@ class Edges:
     """The edge of one yarn (`first`) and that of its neighbour towards growing x or y (`second`): node numbers (i, k).
 
     The edges count as the curves through the middle of their thickness. The penalty acts on the area over which strips
-    as thick as the yarns would cross, t1 t2 / sin(angle): on that of the cut tips alone, 3e-10 m2 in S-720, the edges
-    would go 54 um through each other before the weave locks.
+    as thick as the yarns would cross, t1 t2 / sin(angle): on that of the cut tips alone the edges would go through each
+    other before the weave locks.
 
     across : component that leads from the one to the other
     thicknesses : (2,) [m] of the yarns
     """
 
-    def __init__(self, points, first, second, across, thicknesses):
+    def __init__(
+        self, points: FloatArray, first: IntArray, second: IntArray, across: int, thicknesses: Sequence[float]
+    ) -> None:
         self._edges = [np.ascontiguousarray(edge[:, edge.shape[1] // 2], np.int64) for edge in (first, second)]
         slopes = [points[edge[-1]] - points[edge[0]] for edge in self._edges]
         sine = np.linalg.norm(np.cross(*slopes)) / np.prod([np.linalg.norm(slope) for slope in slopes])
         self._area = thicknesses[0] * thicknesses[1] / sine
         self._toward = np.eye(3)[across]
         self.gaps = (np.array([np.inf]),)
-        self._nodes = np.full(8, -1)  # that acted on each other at the last call of `touch`
+        self._nodes = np.full(8, -1)  # that acted on each other at the last call of `assemble`
         self._met = np.empty((0, 8), np.int64)
-        self._pattern = None
+        self._pattern: Pattern  # from the first call of `build_pattern` on
 
     @property
-    def deepest(self):
-        """[m] penetration at the last call of `touch`."""
+    def deepest(self) -> float:
+        """[m] penetration at the last call of `assemble`."""
         return max(-float(self.gaps[0][0]), 0.0) if self._nodes[0] >= 0 else 0.0
 
-    def expected(self):
+    def expected_stencils(self) -> list[IntArray]:
         """What has been met: a contact at one point is cheap to lay out when it is."""
         if self._nodes[0] >= 0:
             self._met = np.unique(np.concatenate([self._met, self._nodes[None]]), axis=0)
         return [self._met]
 
-    def lay_out(self, pattern):
+    def build_pattern(self, pattern: Pattern) -> None:
         """As of `surfaces.FacingSurfaces`."""
         self._pattern = pattern
 
-    def outgrown(self):
+    def pattern_outdated(self) -> bool:
         """As of `surfaces.FacingSurfaces`."""
         return self._nodes[0] >= 0 and not self._pattern.holds(self._nodes[None])
 
-    def accept(self, x, numerics):
+    @property
+    def anchors(self) -> list[FloatArray]:
+        """None: edges slide without friction."""
+        return []
+
+    def commit(self, x: FloatArray, numerics: PenaltyNumerics) -> None:
         """Edges slide without friction."""
 
-    def touch(self, x, numerics, forces, values=None):
+    def assemble(
+        self, x: FloatArray, numerics: PenaltyNumerics, forces: FloatArray, values: FloatArray | None = None
+    ) -> float:
         """As of `surfaces.FacingSurfaces`; returns the force [N] between the edges."""
         places = NO_PLACES
         if values is not None and self._nodes[0] >= 0:
             places = self._pattern.places(self._nodes[None])[0]
+        first, second = self._edges
         self.gaps[0][0], force = edge_contact_kernels.edge_pass(
             x,
-            *self._edges,
+            first,
+            second,
             self._toward,
             self._area,
             numerics.penalty,
@@ -92,7 +110,7 @@ class Edges:
         return force
 
 
-def contacts(mesh, images, cells, margin):
+def contacts(mesh: YarnMesh, images: Images, cells: int, margin: int) -> CellPairs:
     """All pairs of a cell.
 
     Parameters
@@ -151,7 +169,7 @@ def _cells(mesh, yarn):
         yield part, column[len(column) // 2] > column[0]
 
 
-def exposed(mesh, yarns, over):
+def exposed(mesh: YarnMesh, yarns: Iterable[int], over: bool) -> Iterator[tuple[int, slice]]:
     """Yields (yarn, columns) of the crossings at which the yarns of a ply lie over (or under) the other."""
     for yarn in yarns:
         for part, above in _cells(mesh, yarn):
@@ -159,7 +177,7 @@ def exposed(mesh, yarns, over):
                 yield yarn, part
 
 
-def mates(mesh, yarns):
+def mates(mesh: YarnMesh, yarns: Sequence[int]) -> Iterator[tuple[IntArray, IntArray, tuple[int, int]]]:
     """Yields (upper nodes, lower nodes, families) of each crossing inside a ply."""
     under = [(yarn, part, _middle(mesh, yarn, part)) for yarn, part in exposed(mesh, yarns, over=False)]
     for yarn, part in exposed(mesh, yarns, over=True):

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
 
 import numpy as np
 
+from fabrics.checks import FloatArray, IntArray
 from unitcell3d.assembly import constraints
-from unitcell3d.contact import surface_contact_kernels
-from unitcell3d.contact.surface_contact_kernels import STENCIL
+from unitcell3d.assembly.sparsity import Pattern
+from unitcell3d.contact import plate_contact_kernels, surface_contact_kernels
+from unitcell3d.contact.interface import PenaltyNumerics
+from unitcell3d.contact.kernel_arguments import Blocks, ContactLaw, Face, PassState, PlateFace, SlavePoints
+from unitcell3d.contact.surface_tangent_kernels import STENCIL
 
 # cells by which a contact point may slide before the tangent is laid out anew: a few blocks more for far fewer layouts
 SLIP_MARGIN = 0.3
@@ -17,31 +21,22 @@ NO_VALUES = np.empty((0, 3, 3))
 UNPLACED = np.empty((0, STENCIL, STENCIL), np.int64)
 
 
-@dataclass(frozen=True)
-class Face:
-    """One contact surface: grid of nodes, and what `contact_kernels` needs to know of it as master.
+def face(points: FloatArray, grid: IntArray, family: int, quarter: bool, upwards: bool) -> Face:
+    """The contact surface `Face` of a yarn.
 
     Parameters
     ----------
+    points : (n, 3) [m] undeformed
     grid : (ni, nj) node numbers
-    axes : (2,) component (0 x, 1 y) along i and along j
-    mirror : (2,) whether i = 0 and j = 0 are symmetry planes
-    side : +1 where the normal from i to j points to the other surface, else -1
+    family : 0 warp, 1 weft
+    quarter : whether i = 0 and j = 0 are symmetry planes
+    upwards : whether the other surface lies above it
     """
-
-    grid: np.ndarray
-    axes: np.ndarray
-    mirror: np.ndarray
-    side: float
-
-    @classmethod
-    def build(cls, points, grid, family, quarter, upwards):
-        """The face of a yarn of the `family` (0 warp, 1 weft); `upwards`: it looks up."""
-        grid = np.ascontiguousarray(grid, np.int64)
-        corner = points[grid[0, 0]]
-        normal = np.sign(np.cross(points[grid[1, 0]] - corner, points[grid[0, 1]] - corner)[2])
-        axes = np.array([constraints.AXIAL[family], constraints.WIDTH[family]])
-        return cls(grid, axes, np.array([quarter, quarter]), normal if upwards else -normal)
+    grid = np.ascontiguousarray(grid, np.int64)
+    corner = points[grid[0, 0]]
+    normal = np.sign(np.cross(points[grid[1, 0]] - corner, points[grid[0, 1]] - corner)[2])
+    axes = np.array([constraints.AXIAL[family], constraints.WIDTH[family]])
+    return Face(grid, axes, np.array([quarter, quarter]), float(normal if upwards else -normal))
 
 
 class Pass:
@@ -53,7 +48,7 @@ class Pass:
     slave, master : Face
     """
 
-    def __init__(self, points, slave, master):
+    def __init__(self, points: FloatArray, slave: Face, master: Face) -> None:
         self._master = master
         grid = slave.grid
         self._nodes = grid.ravel()
@@ -61,10 +56,10 @@ class Pass:
         self._quads = np.stack([corner.ravel() for corner in corners], axis=1)
         self._shapes, areas = gauss(points[self._quads])
         self._areas = areas.ravel()
-        self._gaps, self._codes = np.full(areas.size, np.inf), np.full(areas.size, -1)
+        self._points = SlavePoints(self._quads, self._shapes, self._areas)
         self._cells = np.array(master.grid.shape) - 1
-        self._guess = self._first_guess(points)
-        self.anchors = self._guess.copy()
+        guess, n = self._first_guess(points), areas.size
+        self._state = PassState(guess, guess.copy(), np.full(n, np.inf), np.full(n, -1))
         self._known = np.empty(0, np.int64)
         self._row_of = np.full(len(self._quads) * self._cells.prod(), -1)
         self._places = UNPLACED
@@ -77,12 +72,18 @@ class Pass:
             [np.interp(slaves[:, axis], line, np.arange(len(line))) for axis, line in zip(master.axes, lines)], axis=1
         )
 
-    def expected(self):
+    def _met(self):
+        """Codes of the points in contact in the last call of `assemble`."""
+        return self._state.codes[self._state.codes >= 0]
+
+    def expected_stencils(self) -> IntArray:
         """(m, 20) stencils of what has been met, and of all points near their closest points: what may be met next."""
         face = np.arange(len(self._areas)) // len(self._shapes)
-        codes = [self._known, self._codes[self._codes >= 0]]
+        codes = [self._known, self._met()]
         for shift in ((-1, -1), (-1, 1), (1, -1), (1, 1)):
-            cell = np.clip(np.floor(self._guess + SLIP_MARGIN * np.array(shift)), 0, self._cells - 1).astype(np.int64)
+            cell = np.clip(np.floor(self._state.xi + SLIP_MARGIN * np.array(shift)), 0, self._cells - 1).astype(
+                np.int64
+            )
             codes.append((face * self._cells[0] + cell[:, 0]) * self._cells[1] + cell[:, 1])
         self._known = np.unique(np.concatenate(codes))
         face, cell = np.divmod(self._known, self._cells.prod())
@@ -93,17 +94,19 @@ class Pass:
             [self._quads[face], self._master.grid[i[:, :, None], j[:, None, :]].reshape(-1, 16)], axis=1
         )
 
-    def lay_out(self, pattern):
-        """Look up the places of what `expected` returned last in the tangent's `pattern`."""
-        stencils = self.expected()
+    def build_pattern(self, pattern: Pattern) -> None:
+        """Look up the places of what `expected_stencils` returned last in the tangent's `pattern`."""
+        stencils = self.expected_stencils()
         self._row_of[self._known] = np.arange(len(self._known))
         self._places = pattern.places(stencils)
 
-    def outgrown(self):
-        """Whether the last call of `touch` met what has no places."""
-        return bool(np.any(self._row_of[self._codes[self._codes >= 0]] < 0))
+    def pattern_outdated(self) -> bool:
+        """Whether the last call of `assemble` met what has no places."""
+        return bool(np.any(self._row_of[self._met()] < 0))
 
-    def touch(self, x, numerics, forces, values=None):
+    def assemble(
+        self, x: FloatArray, numerics: PenaltyNumerics, forces: FloatArray, values: FloatArray | None = None
+    ) -> FloatArray:
         """Adds internal forces, and the tangent where `values` is given.
 
         Parameters
@@ -117,32 +120,41 @@ class Pass:
         -------
         resultant : (3,) [N] on the slave
         """
-        master, resultant = self._master, np.zeros(3)
+        resultant = np.zeros(3)
+        blocks = Blocks(self._row_of, UNPLACED, NO_VALUES)
+        if values is not None:
+            blocks = Blocks(self._row_of, self._places, values)
         surface_contact_kernels.contact_pass(
-            x, self._quads, self._shapes, self._areas, master.grid, master.axes, master.mirror, master.side,
-            0.5 * numerics.penalty, numerics.toe, numerics.friction, numerics.slip,
-            self._guess, self.anchors, self._gaps, self._codes, forces, self._row_of,
-            UNPLACED if values is None else self._places, NO_VALUES if values is None else values, resultant,
-        )  # fmt: skip
+            x,
+            self._points,
+            self._master,
+            contact_law(numerics, 0.5),
+            self._state,
+            forces,
+            blocks,
+            resultant,
+        )
         return resultant
 
-    def accept(self, x, numerics):
-        """The state at `x`, that of the last call of `touch`, is where friction goes on from."""
-        master = self._master
-        surface_contact_kernels.draw_anchors(
-            x, master.grid, master.axes, master.mirror, numerics.slip, self._guess, self._codes, self.anchors
-        )
+    def commit(self, x: FloatArray, numerics: PenaltyNumerics) -> None:
+        """The state at `x`, that of the last call of `assemble`, is where friction goes on from."""
+        surface_contact_kernels.update_anchors(x, self._master, numerics.slip, self._state)
 
     @property
-    def deepest(self):
-        """[m] largest penetration of a point with a force in the last call of `touch`."""
-        return float(-self._gaps[self._codes >= 0].min(initial=0.0))
+    def anchors(self) -> FloatArray:
+        """(s, 2) [-] where each point stuck last, in parameters of the master; may be written to."""
+        return self._state.anchors
 
     @property
-    def node_gaps(self):
+    def deepest(self) -> float:
+        """[m] largest penetration of a point with a force in the last call of `assemble`."""
+        return float(-self._state.gaps[self._state.codes >= 0].min(initial=0.0))
+
+    @property
+    def node_gaps(self) -> FloatArray:
         """[m] of the slave's nodes: mean of the points on the faces that meet there, infinite without a partner."""
         share = self._areas.reshape(-1, len(self._shapes), 1) * self._shapes
-        gaps = np.broadcast_to(self._gaps.reshape(share.shape[:2])[:, :, None], share.shape)
+        gaps = np.broadcast_to(self._state.gaps.reshape(share.shape[:2])[:, :, None], share.shape)
         share = np.where(np.isfinite(gaps), share, 0.0)
         nodes = np.broadcast_to(self._quads[:, None, :], share.shape)
         size = self._nodes.max() + 1
@@ -161,89 +173,109 @@ class FacingSurfaces:
     quarter : whether i = 0 and j = 0 are symmetry planes
     """
 
-    def __init__(self, points, grids, quarter):
-        warp = Face.build(points, grids[0][:, :, 0], 0, quarter, upwards=False)
-        weft = Face.build(points, grids[1][:, :, -1], 1, quarter, upwards=True)
+    def __init__(self, points: FloatArray, grids: Sequence[IntArray], quarter: bool) -> None:
+        warp = face(points, grids[0][:, :, 0], 0, quarter, upwards=False)
+        weft = face(points, grids[1][:, :, -1], 1, quarter, upwards=True)
         self._passes = Pass(points, warp, weft), Pass(points, weft, warp)
 
     @property
-    def gaps(self):
-        """Per yarn, [m] of the nodes of its face at the last call of `touch`, infinite without a partner."""
+    def gaps(self) -> Sequence[FloatArray]:
+        """Per yarn, [m] of the nodes of its face at the last call of `assemble`, infinite without a partner."""
         return [side.node_gaps for side in self._passes]
 
     @property
-    def deepest(self):
-        """[m] largest penetration where there was a force in the last call of `touch`."""
+    def deepest(self) -> float:
+        """[m] largest penetration where there was a force in the last call of `assemble`."""
         return max(side.deepest for side in self._passes)
 
-    def expected(self):
+    def expected_stencils(self) -> list[IntArray]:
         """Arrays (m, s) of the stencils to lay the tangent out for: nodes that all act on each other."""
-        return [side.expected() for side in self._passes]
+        return [side.expected_stencils() for side in self._passes]
 
-    def lay_out(self, pattern):
-        """Take up a pattern that holds what is `expected`."""
+    def build_pattern(self, pattern: Pattern) -> None:
+        """Look up the places of the `expected_stencils` in a pattern that holds them."""
         for side in self._passes:
-            side.lay_out(pattern)
+            side.build_pattern(pattern)
 
-    def outgrown(self):
-        """Whether the last call of `touch` met what the pattern was not laid out for."""
-        return any(side.outgrown() for side in self._passes)
+    def pattern_outdated(self) -> bool:
+        """Whether the last call of `assemble` met what the pattern was not laid out for."""
+        return any(side.pattern_outdated() for side in self._passes)
 
-    def touch(self, x, numerics, forces, values=None):
-        """Both passes, as `Pass.touch`; returns the force [N] upwards on the warp."""
-        up, down = (side.touch(x, numerics, forces, values) for side in self._passes)
+    def assemble(
+        self, x: FloatArray, numerics: PenaltyNumerics, forces: FloatArray, values: FloatArray | None = None
+    ) -> float:
+        """Both passes, as `Pass.assemble`; returns the force [N] upwards on the warp."""
+        up, down = (side.assemble(x, numerics, forces, values) for side in self._passes)
         return up[2] - down[2]
 
     @property
-    def anchors(self):
+    def anchors(self) -> list[FloatArray]:
         """Per pass, where each point stuck last, in parameters of the master; written to as well."""
         return [side.anchors for side in self._passes]
 
-    def accept(self, x, numerics):
-        """The state of the last call of `touch` is where friction goes on from."""
+    def commit(self, x: FloatArray, numerics: PenaltyNumerics) -> None:
+        """The state of the last call of `assemble` is where friction goes on from."""
         for side in self._passes:
-            side.accept(x, numerics)
+            side.commit(x, numerics)
 
 
 class Plates:
     """Two rigid plates, one above the warp and one below the weft, at equal distances from the middle plane."""
 
-    def __init__(self, points, grids):
+    def __init__(self, points: FloatArray, grids: Sequence[IntArray]) -> None:
         self._face(points, [grids[0][:, :, -1]], [grids[1][:, :, 0]])
 
     def _face(self, points, upper, lower):
         """Take up the faces, grids of nodes, that the upper and the lower plate may touch."""
-        self.faces = [
-            (
-                np.concatenate([face.ravel() for face in side]).astype(np.int64),
-                np.concatenate([tributary_areas(points, face).ravel() for face in side]),
-            )
-            for side in (upper, lower)
-        ]
-        self.anchors = [points[nodes, :2].copy() for nodes, _ in self.faces]
-        above, below = (points[nodes, 2] for nodes, _ in self.faces)
+        self.faces = [plate_face(points, *of) for of in ((upper, 1.0), (lower, -1.0))]
+        above, below = (points[face.nodes, 2] for face in self.faces)
         self.at_rest = float(max(above.max(), -below.min()))  # [m] half the distance at which they just touch
 
-    def press(self, x, half_distance, numerics, forces, places, values):
+    @property
+    def anchors(self) -> list[FloatArray]:
+        """Per plate (s, 2) [m] where each node stuck last; may be written to."""
+        return [face.anchors for face in self.faces]
+
+    def press(
+        self,
+        x: FloatArray,
+        half_distance: float,
+        numerics: PenaltyNumerics,
+        forces: FloatArray,
+        places: Sequence[IntArray] | None,
+        values: FloatArray,
+    ) -> FloatArray:
         """Adds internal forces, and the tangent where `places` (per plate, or None) is given; returns (2,) [N]."""
         pressed = np.zeros(2)
         if np.isfinite(half_distance):
-            for plate, side in ((0, 1.0), (1, -1.0)):
-                nodes, areas = self.faces[plate]
-                pressed[plate] = surface_contact_kernels.plate_pass(
-                    x, nodes, areas, side * half_distance, side, numerics.penalty, numerics.toe,
-                    numerics.friction, numerics.slip, self.anchors[plate], forces,
-                    np.empty(0, np.int64) if places is None else places[plate], values,
-                )  # fmt: skip
+            law = contact_law(numerics)
+            for plate, face in enumerate(self.faces):
+                blocks = np.empty(0, np.int64) if places is None else places[plate]
+                height = face.side * half_distance
+                pressed[plate] = plate_contact_kernels.plate_pass(x, face, height, law, forces, blocks, values)
         return pressed
 
-    def accept(self, x, half_distance, numerics):
+    def commit(self, x: FloatArray, half_distance: float, numerics: PenaltyNumerics) -> None:
         """The state at `x` is where friction goes on from."""
-        for (nodes, _), anchors, side in zip(self.faces, self.anchors, (1.0, -1.0)):
-            surface_contact_kernels.draw_plate_anchors(x, nodes, side * half_distance, side, numerics.slip, anchors)
+        for face in self.faces:
+            plate_contact_kernels.update_plate_anchors(x, face, face.side * half_distance, numerics.slip)
 
 
-def gauss(corners):
+def contact_law(numerics: PenaltyNumerics, share: float = 1.0) -> ContactLaw:
+    """The `ContactLaw` of a `model.crossover.Numerics`, with a share [-] of the penalty."""
+    return ContactLaw(
+        float(share * numerics.penalty), float(numerics.toe), float(numerics.friction), float(numerics.slip)
+    )
+
+
+def plate_face(points: FloatArray, grids: Sequence[IntArray], side: float) -> PlateFace:
+    """The `PlateFace` of the faces `grids` of nodes; `side`: +1 for a plate above, -1 below."""
+    nodes = np.concatenate([grid.ravel() for grid in grids]).astype(np.int64)
+    areas = np.concatenate([tributary_areas(points, grid).ravel() for grid in grids])
+    return PlateFace(nodes, areas, side, points[nodes, :2].copy())
+
+
+def gauss(corners: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Shape functions (g, 4) at the Gauss points of quadrilaterals (f, 4, 3) [m], and the areas (f, g) [m2] there."""
     places, weights = np.polynomial.legendre.leggauss(GAUSS)
     s, t = (axis.ravel() for axis in np.meshgrid(places, places, indexing="ij"))
@@ -257,7 +289,7 @@ def gauss(corners):
     return shapes, np.linalg.norm(np.cross(along, across), axis=-1) * np.outer(weights, weights).ravel()
 
 
-def tributary_areas(points, grid):
+def tributary_areas(points: FloatArray, grid: IntArray) -> FloatArray:
     """Areas [m2] of the nodes of a face: a quarter of each quadrilateral to each of its corners."""
     x = points[grid]
     quads = 0.5 * np.linalg.norm(np.cross(x[1:, 1:] - x[:-1, :-1], x[:-1, 1:] - x[1:, :-1]), axis=-1)

@@ -8,17 +8,22 @@ begins with those whose inputs and code are the same (`fabrics.run_cache`).
 from __future__ import annotations
 
 import time
-from concurrent.futures import FIRST_COMPLETED, wait
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import FIRST_COMPLETED, Executor, wait
 from dataclasses import dataclass, replace
 from pathlib import Path
 from queue import Empty
+from typing import Any
 
 from fabrics import run_cache
+from fabrics.checks import FilePath
 from fabrics.errors import InputError, UnstableError
 from fabrics.executors import CONTEXT, cancel, open_executor
+from fabrics.fabric import Fabric
 from meshing import crossover as mesher
+from meshing.inputs import Size
 from unitcell3d.cases import biaxial_and_platens
-from unitcell3d.identify.calibration import PLATES, evaluate
+from unitcell3d.identify.calibration import PLATES, Calibration, evaluate
 from unitcell3d.model.crossover import Numerics
 from unitcell3d.solver.history import History
 from unitcell3d.solver.load_stepping import Steps
@@ -31,27 +36,27 @@ class Job:
     """One path of one fabric; `ratio` (d1, d2), or None between plates; `friction` Coulomb's coefficient."""
 
     name: str
-    fabric: object
-    size: object
+    fabric: Fabric
+    size: Size
     ratio: tuple | None
     friction: float = 0.0
 
     @property
-    def numerics(self):
+    def numerics(self) -> Numerics:
         """What it is solved with."""
         return Numerics(friction=self.friction)
 
     @property
-    def key(self):
+    def key(self) -> str:
         """Key of its result: of what it is solved with, and of the code."""
         return run_cache.key((self.fabric, self.size, self.ratio, self.numerics, Steps()), __name__)
 
-    def file(self, folder):
+    def file(self, folder: FilePath) -> Path:
         """Its file in the folder of its fabric."""
         return Path(folder) / f"{self.name.replace(' ', '-')}.h5"
 
 
-def calibrate(fabric, *, out=None, **choices):
+def calibrate(fabric: Fabric, *, out: FilePath | None = None, **choices: Any) -> Calibration:
     """Calibrate the compression law of one fabric; returns its `calibration.Calibration`.
 
     Parameters
@@ -71,9 +76,11 @@ def calibrate(fabric, *, out=None, **choices):
 
 
 def calibrate_all(
-    fabrics, *, size="medium", plates_size="coarse", friction=0.0, paths=None, folder=lambda name: None, resume=False,
-    executor="local", jobs=1, progress=None,
-):  # fmt: skip
+    fabrics: Sequence[Fabric], *, size: Size = "medium", plates_size: Size = "coarse", friction: float = 0.0,
+    paths: Mapping[str, Sequence[float]] | None = None, folder: Callable[[str], FilePath | None] = lambda name: None,
+    resume: bool = False, executor: str | Executor = "local", jobs: int = 1,
+    on_progress: Callable[[str, str, float], object] | None = None,
+) -> dict[str, Calibration | Exception]:  # fmt: skip
     """Calibrate several fabrics, their paths beside each other; one that fails does not end the others.
 
     Parameters
@@ -85,7 +92,7 @@ def calibrate_all(
     folder : function of a fabric's name giving the directory for its histories and laws, or None
     resume : take finished paths from their files, unless these are of other inputs or of other code
     executor, jobs : as of `fabrics.executors.open_executor`; local processes also tell of each step
-    progress : called as progress(fabric name, path name, share of that path)
+    on_progress : called as on_progress(fabric name, path name, share of that path)
 
     Returns
     -------
@@ -102,7 +109,7 @@ def calibrate_all(
         raise InputError(key="jobs", value=jobs, allowed="at least 1")
     Numerics(friction=friction)  # refuses what is not allowed
     begun = time.perf_counter()
-    run = _Run(folder, resume, progress if progress is not None else _silent)
+    run = _Run(folder, resume, on_progress if on_progress is not None else _silent)
     for fabric in fabrics:
         # the longest first: plates take the most steps
         first = [Job(PLATES, fabric, plates_size, None, friction)]
@@ -121,8 +128,8 @@ def _silent(fabric, path, share):
 class _Run:
     """Jobs to do, histories done, and what ended a fabric."""
 
-    def __init__(self, folder, resume, report):
-        self._folder, self._resume, self._report = folder, resume, report
+    def __init__(self, folder, resume, on_progress):
+        self._folder, self._resume, self._on_progress = folder, resume, on_progress
         self._open, self._done = [], {}
         self.outcomes = {}
 
@@ -140,7 +147,7 @@ class _Run:
                 self._open.append(job)
             else:
                 self._done[fabric.name, job.name] = kept
-                self._report(fabric.name, job.name, 1.0)
+                self._on_progress(fabric.name, job.name, 1.0)
 
     def _kept(self, job):
         folder = self._folder(job.fabric.name)
@@ -162,19 +169,19 @@ class _Run:
             try:
                 while pending:
                     finished, pending = wait(pending, timeout=0.2, return_when=FIRST_COMPLETED)
-                    self._tell(queue)
+                    self._forward_progress(queue)
                     for future in finished:
                         self._take(futures[future], future)
             finally:
                 for future in pending:
                     cancel(future)
 
-    def _tell(self, queue):
+    def _forward_progress(self, queue):
         try:
             while queue is not None:
                 fabric, path, share = queue.get_nowait()
                 if (fabric, path) not in self._done:  # what a path says of itself may come after its result
-                    self._report(fabric, path, share)
+                    self._on_progress(fabric, path, share)
         except Empty:
             pass
 
@@ -188,7 +195,7 @@ class _Run:
         if folder is not None:
             history.write(job.file(folder), key=job.key, seconds=seconds)
         self._done[job.fabric.name, job.name] = history, seconds
-        self._report(job.fabric.name, job.name, 1.0)
+        self._on_progress(job.fabric.name, job.name, 1.0)
 
     def finish(self, fabric, names, sizes, friction, begun):
         """Evaluate a fabric's histories and write what they give."""
@@ -209,19 +216,19 @@ class _Run:
         self.outcomes[fabric.name] = found
 
 
-def run_job(job):
+def run_job(job: Job) -> tuple[History, float]:
     """One job: (History, wall time [s])."""
     begun = time.perf_counter()
     mesh = mesher.build(job.fabric, size=job.size)
 
-    def told(share, row):
+    def on_progress(share, row):
         if _queue is not None:
             _queue.put((job.fabric.name, job.name, share))
 
     if job.ratio is None:
-        history = biaxial_and_platens.plate_compression(mesh, job.fabric, numerics=job.numerics, hooks=(told,))
+        history = biaxial_and_platens.plate_compression(mesh, job.fabric, numerics=job.numerics, hooks=(on_progress,))
     else:
-        history = biaxial_and_platens.biaxial(mesh, job.fabric, job.ratio, numerics=job.numerics, hooks=(told,))
+        history = biaxial_and_platens.biaxial(mesh, job.fabric, job.ratio, numerics=job.numerics, hooks=(on_progress,))
     return replace(history, case=job.name), time.perf_counter() - begun
 
 

@@ -1,7 +1,7 @@
 """What a calibration found: the laws fitted to the paths of a crossover, their intervals, and how far the paths differ.
 
 Biaxial paths to fibre failure give pairs (F_c, d_c) of the contact force of the crossover and the compression of one
-yarn, d_c = (h01 + h02 - h1 - h2) / 2 (source thesis eq. 4-13 with one law for both yarns, errata E-05, E-40). The
+yarn, d_c = (h01 + h02 - h1 - h2) / 2 (thesis eq. 4-13 with one law for both yarns, errata E-05, E-40). The
 regularised form
 
     d_c = a - b / (F_c + F0)^(1/3),  F0 = (b/a)^3
@@ -19,14 +19,18 @@ from __future__ import annotations
 import json
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
+from fabrics.checks import FilePath, FloatArray
 from fabrics.compression import CompressionLaw
 from fabrics.errors import InputError, UnstableError
+from fabrics.fabric import Fabric
 from fabrics.files import write_whole
 from fabrics.ratio_law import RatioLaw, imbalance
 from unitcell3d.cases import biaxial_and_platens
+from unitcell3d.solver.history import History
 
 PLATES = "plates"
 YARNS = ("warp", "weft")
@@ -70,16 +74,17 @@ class Calibration:
     friction: float = 0.0
 
     @property
-    def plates(self):
+    def plates(self) -> History:
         """History between plates."""
         return self.histories[PLATES]
 
     @property
-    def comparison(self):
+    def comparison(self) -> dict[str, float]:
         """Fitted over published a and b, and the rms distance [m] of the laws over the fitted forces; {} if none."""
-        if self.published is None or self.published.a == 0:
+        if self.published is None or self.published.a == 0 or self.law.F_range is None:
             return {}
-        F = np.linspace(*self.law.F_range, 200)
+        low, high = self.law.F_range
+        F = np.linspace(low, high, 200)
         published = replace(self.published, form="regularised")
         return {
             "a_ratio": self.law.a / published.a,
@@ -88,7 +93,7 @@ class Calibration:
         }
 
     @property
-    def spread(self):
+    def spread(self) -> dict[str, tuple[float, float]]:
         """{"a", "b": (least, greatest)} [m], [m N^(1/3)] of the paths that determine their own law; {} where none does.
 
         A path that stays at low forces may tell neither a nor b: their intervals then hold the half or the double.
@@ -99,12 +104,13 @@ class Calibration:
         return {key: tuple(pick(getattr(law, key) for law in laws) for pick in (min, max)) for key in ("a", "b")}
 
     @property
-    def chosen(self):
+    def chosen(self) -> str:
         """ "one law", or "law of the tension ratio" where one leaves more than `ONE_LAW` and there is such a law."""
-        sees_more = self.ratio_law is not None and self.ratio_law.residual_rms < self.law.residual_rms
-        return "law of the tension ratio" if self.law.residual_rms > ONE_LAW and sees_more else "one law"
+        one = _rms(self.law)
+        sees_more = self.ratio_law is not None and _rms(self.ratio_law) < one
+        return "law of the tension ratio" if one > ONE_LAW and sees_more else "one law"
 
-    def summary(self):
+    def summary(self) -> dict[str, Any]:
         """All numbers of the calibration, as plain types."""
         laws = {name: law and _numbers(law) for name, law in self.path_laws.items()}
         return {
@@ -139,7 +145,7 @@ class Calibration:
             "seconds": self.seconds,
         }
 
-    def write(self, directory):
+    def write(self, directory: FilePath) -> None:
         """Write law.json, law-warp.json and law-weft.json of each yarn alone, and calibration.json into a directory."""
         directory = Path(directory)
         for yarn, law in zip(YARNS, self.yarn_laws):
@@ -151,7 +157,7 @@ class Calibration:
         self.law.to_json(directory / "law.json")
 
 
-def samples(history, *columns):
+def samples(history: History, *columns: FloatArray) -> tuple[FloatArray, ...]:
     """F_c [N] and columns (d_c [m] if none are given) at equal shares of a path's displacement, from contact on."""
     shares = np.linspace(0, history.path[-1], SAMPLES + 1)[1:]
     columns = columns or (history.d_c,)
@@ -159,7 +165,13 @@ def samples(history, *columns):
     return F[F > 0], *(column[F > 0] for column in rest)
 
 
-def evaluate(fabric, histories, sizes, seconds, friction=0.0):
+def evaluate(
+    fabric: Fabric,
+    histories: dict[str, History],
+    sizes: tuple[str, str],
+    seconds: dict[str, float],
+    friction: float = 0.0,
+) -> Calibration:
     """The Calibration of solved paths.
 
     Parameters
@@ -213,6 +225,10 @@ def _finer(histories):
     except InputError:
         return yarn_laws, None, {}
     return yarn_laws, law, {name: float(np.sqrt(np.mean((law.d(r[0], r[2]) - r[1]) ** 2))) for name, r in rows.items()}
+
+
+def _rms(law):
+    return 0.0 if law.residual_rms is None else law.residual_rms
 
 
 def _determined(law):

@@ -10,8 +10,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
 from scipy.interpolate import RectBivariateSpline
 
+from fabrics.checks import FloatArray
 from fabrics.errors import InputError
 from fabrics.surface import ResponseSurface
 
@@ -27,7 +29,7 @@ class Interpolant:
     InputError : fewer than `FEWEST` lines in a direction
     """
 
-    def __init__(self, surface: ResponseSurface):
+    def __init__(self, surface: ResponseSurface) -> None:
         for name in ("d1", "d2"):
             if getattr(surface, name).size < FEWEST:
                 raise InputError(key=name, value=getattr(surface, name).size, allowed=f"at least {FEWEST} values")
@@ -36,7 +38,7 @@ class Interpolant:
             name: RectBivariateSpline(surface.d1, surface.d2, getattr(surface, name)) for name in QUANTITIES
         }
 
-    def __call__(self, name, d1, d2, *, dd1=0, dd2=0):
+    def __call__(self, name: str, d1: ArrayLike, d2: ArrayLike, *, dd1: int = 0, dd2: int = 0) -> FloatArray:
         """A quantity, or its derivative, at (d1, d2) [m], broadcast against each other.
 
         Parameters
@@ -71,7 +73,7 @@ class Error:
     largest: float
 
 
-def errors(surface):
+def errors(surface: ResponseSurface) -> dict[str, Error]:
     """{quantity: Error} of the interpolant of a surface.
 
     Raises

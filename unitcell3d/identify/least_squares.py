@@ -6,9 +6,13 @@ It interpolates each residual linearly between the points of a trust region, who
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
+
+from fabrics.checks import FloatArray
 
 FIRST, LAST = 0.3, 0.01  # radii of the trust region, in each unknown; they are logarithms
 DIFFERENCE = 0.02  # step of the Jacobian at the solution, well above what is left in an evaluation
@@ -25,7 +29,11 @@ class Found:
     met: bool
 
 
-def solve(evaluate, start, bounds):
+def solve(
+    evaluate: Callable[[list[FloatArray]], list[FloatArray]],
+    start: ArrayLike,
+    bounds: tuple[ArrayLike, ArrayLike],
+) -> Found:
     """Minimise the sum of squares.
 
     Parameters

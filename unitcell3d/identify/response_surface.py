@@ -1,4 +1,4 @@
-"""The response of a crossover sampled over a rectangle of end displacements (source thesis Figure 3-11).
+"""The response of a crossover sampled over a rectangle of end displacements (thesis Figure 3-11).
 
 The grid is a tensor product, its lines paths of continuation: a stem from rest to the corner (lowest d1, lowest d2) and
 on along d2; from each of its states a row along d1. Where a tolerance is given, lines are added half-way beside those
@@ -11,23 +11,27 @@ Finished lines (`surface_line`) are kept in one file, written whole after each o
 
 from __future__ import annotations
 
-from concurrent.futures import as_completed
+from collections.abc import Callable
+from concurrent.futures import Executor, as_completed
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from fabrics import run_cache
+from fabrics.checks import FilePath
 from fabrics.errors import InputError, UnstableError
 from fabrics.executors import open_executor
+from fabrics.fabric import Fabric
 from fabrics.surface import ResponseSurface
 from meshing import crossover as mesher
+from meshing.inputs import Size
 from unitcell3d.identify.interpolant import FEWEST, QUANTITIES, errors
 from unitcell3d.identify.surface_cache import Partial
 from unitcell3d.identify.surface_line import Case, solve_line
 from unitcell3d.model.crossover import Numerics
 
 POINTS = (21, 21)
-REACH = 0.03e-3  # m
+MAX_DISPLACEMENT = 0.03e-3  # m
 MOST_LINES = 65  # in one direction
 ROUNDS = 6
 FORCES = ("T1", "T2", "F_c")
@@ -54,21 +58,12 @@ class Sampled:
 
 
 def sample(
-    fabric,
-    *,
-    d1=(0.0, REACH),
-    d2=(0.0, REACH),
-    points=POINTS,
-    tolerance=None,
-    size="medium",
-    friction=0.0,
-    partial=None,
-    resume=False,
-    executor="local",
-    jobs=1,
-    progress=None,
-    provenance="",
-):
+    fabric: Fabric, *, d1: tuple[float, float] = (0.0, MAX_DISPLACEMENT),
+    d2: tuple[float, float] = (0.0, MAX_DISPLACEMENT), points: tuple[int, int] = POINTS,
+    tolerance: float | None = None, size: Size = "medium", friction: float = 0.0, partial: FilePath | None = None,
+    resume: bool = False, executor: str | Executor = "local", jobs: int = 1,
+    on_progress: Callable[[float, str], object] | None = None, provenance: str = "",
+) -> Sampled:  # fmt: skip
     """Sample T1, T2, F_c, h1, h2 of a fabric's crossover over a rectangle.
 
     Parameters
@@ -83,7 +78,7 @@ def sample(
     partial : file (.h5) in which finished lines are kept, or None
     resume : go on from `partial` if it is there
     executor, jobs : as of `fabrics.executors.open_executor`, for the lines
-    progress : called as progress(share, text) after each line
+    on_progress : called as on_progress(share, text) after each line
     provenance : text kept with the surface
 
     Returns
@@ -96,17 +91,11 @@ def sample(
     UnstableError : a line found no equilibrium; the others are kept in `partial`
     """
     axes = [_axis(name, span, n) for name, span, n in zip(("d1", "d2"), (d1, d2), points)]
-    if tolerance is not None and not 0 < tolerance < 1:
-        raise InputError(key="tolerance", value=tolerance, allowed="above 0 and below 1")
-    if tolerance is not None and friction:
-        raise InputError("a tolerance goes without friction, with which added lines would be of other paths")
-    Numerics(friction=friction)  # refuses what is not allowed
-    if jobs < 1:
-        raise InputError(key="jobs", value=jobs, allowed="at least 1")
+    _check(tolerance, friction, jobs)
     mesher.build(fabric, size=size)  # bad input ends here, in this process
     done = Partial(partial, run_cache.stamp((fabric, size, tolerance, friction, axes), __name__), resume)
     with open_executor(executor, jobs, fresh=True) as pool:
-        run = _Run(fabric, size, friction, done, pool, progress if progress is not None else _silent)
+        run = _Run(fabric, size, friction, done, pool, on_progress if on_progress is not None else _silent)
         new, axes = axes, [axis[:0] for axis in axes]
         for _ in range(1 if tolerance is None else ROUNDS):
             axes = _add_lines(run, axes, new)
@@ -122,6 +111,16 @@ def sample(
         int(sum(line.iterations for line in lines.values())),
         int(sum(len(line.along) for line in lines.values())),
     )
+
+
+def _check(tolerance, friction, jobs):
+    if tolerance is not None and not 0 < tolerance < 1:
+        raise InputError(key="tolerance", value=tolerance, allowed="above 0 and below 1")
+    if tolerance is not None and friction:
+        raise InputError("a tolerance goes without friction, with which added lines would be of other paths")
+    Numerics(friction=friction)  # refuses what is not allowed
+    if jobs < 1:
+        raise InputError(key="jobs", value=jobs, allowed="at least 1")
 
 
 def _axis(name, span, n):
@@ -142,13 +141,9 @@ def _add_lines(run, axes, new):
     if axes[0].size == 0:  # the first: a stem along d2 and rows
         x1, x2 = new
         stem = run([Case(1, x1[0], x2, keep=True)], 1 + x2.size)[0]
-        run(
-            [
-                Case(0, d, x1, (x1[0], d), stem.states[i], stem.stuck[i] if len(stem.stuck) else None, d == x2[0])
-                for i, d in enumerate(x2)
-            ],
-            1 + x2.size,
-        )
+        stuck = stem.stick_state if len(stem.stick_state) else [None] * x2.size
+        starts = zip(x2, stem.states, stuck)
+        run([Case(0, d, x1, (x1[0], d), q, stick_state, d == x2[0]) for d, q, stick_state in starts], 1 + x2.size)
         return new
     x1, x2 = axes
     rows = np.union1d(x2, new[1])
@@ -196,10 +191,10 @@ def _assemble(done, axes, fabric, size, friction, provenance):
 class _Run:
     """Solves the cases that are not done yet and keeps them."""
 
-    def __init__(self, fabric, size, friction, done, workers, report):
+    def __init__(self, fabric, size, friction, done, workers, on_progress):
         self.done = done
         self._fabric, self._size, self._friction = fabric, size, friction
-        self._workers, self._report = workers, report
+        self._workers, self._on_progress = workers, on_progress
 
     def kept(self, case):
         """The line of a case that is done."""
@@ -214,15 +209,17 @@ class _Run:
                 self.done.add(case.name, outcome())
             except UnstableError as problem:
                 problems.append(problem)
-            self._report(len(self.done.lines) / total, case.name)
+            self._on_progress(len(self.done.lines) / total, case.name)
         if problems:
             raise problems[0]
         return [self.kept(case) for case in cases]
 
     def _outcomes(self, cases):
         """(case, function that returns its line or raises) as they come."""
-        asked = {case.name: replace(case, friction=self._friction) for case in cases}
-        futures = {self._workers.submit(solve_line, self._fabric, self._size, asked[case.name]): case for case in cases}
+        wanted = {case.name: replace(case, friction=self._friction) for case in cases}
+        futures = {
+            self._workers.submit(solve_line, self._fabric, self._size, wanted[case.name]): case for case in cases
+        }
         try:
             for future in as_completed(futures):
                 yield futures[future], future.result

@@ -1,6 +1,6 @@
 """The three zones of `fabrics.trellis.TrellisShear` from a computed curve of shear stress against shear angle.
 
-For given gamma1 < gamma2 the stress (source thesis eq. 4-35 integrated, erratum E-11) is linear in G1 and G2 - G1, both
+For given gamma1 < gamma2 the stress (thesis eq. 4-35 integrated, erratum E-11) is linear in G1 and G2 - G1, both
 positive: non-negative least squares gives them, and a search over the two angles the rest.
 """
 
@@ -9,6 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
 from scipy.optimize import minimize, nnls
 
 from fabrics.errors import InputError
@@ -28,7 +29,7 @@ class ShearFit:
     locked: bool
 
 
-def fit(gamma, tau):
+def fit(gamma: ArrayLike, tau: ArrayLike) -> ShearFit:
     """Fit the law to a curve.
 
     Parameters

@@ -1,4 +1,4 @@
-"""E_c, V_c and K_r of the solid yarn from a measured compression between plates (source thesis section 3.4.3.2).
+"""E_c, V_c and K_r of the solid yarn from a measured compression between plates (thesis section 3.4.3.2).
 
 The crossover is pressed between plates (`biaxial_and_platens.plate_compression`), and what the plates close is compared
 with the curve at `POINTS` of its pressures. No test gives the thickness at rest or the moment of first touch well, so
@@ -25,17 +25,25 @@ from __future__ import annotations
 
 import json
 import shutil
+from collections.abc import Callable
+from concurrent.futures import Executor
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 from scipy.interpolate import PchipInterpolator
 from scipy.stats import t as student
 
 from fabrics import run_cache
+from fabrics.checks import FilePath, FloatArray
 from fabrics.errors import UnstableError
 from fabrics.executors import open_executor
+from fabrics.fabric import Fabric
 from fabrics.files import write_whole
+from fabrics.plate_curve import PlateCurve
 from meshing import crossover as mesher
+from meshing.inputs import Size
 from unitcell3d.cases import biaxial_and_platens
 from unitcell3d.identify import least_squares
 from unitcell3d.model.crossover import Numerics
@@ -47,7 +55,7 @@ LOOSE = "K_r E_c"  # the modulus of the loose yarn (eq. 3-10), which a curve may
 POINTS = 16  # of the curve, at equal ratios of pressure
 RESOLUTION = 1e-6  # m: what the coarse mesh and an extensometer can tell
 STEPS = Steps(largest=0.05)  # short: a history is interpolated to the curve's pressures, and its error must not hop
-CLOSEST = 0.3  # of the plates' distance at rest: soft trial yarns close further than real ones
+MIN_PLATE_GAP = 0.3  # of the plates' distance at rest: soft trial yarns close further than real ones
 CORRECTIONS = 2  # of the coarse mesh by the fine one
 HISTORIES = run_cache.Format("h5", lambda path, history: history.write(path), History.read)
 BOUNDS = np.log(([1e6, 1e-3, 1e-4], [1e12, 10.0, 0.5]))
@@ -76,9 +84,9 @@ class SolidFit:
     history : History of the fitted crossover on the fine mesh
     """
 
-    fabric: object
-    started: object
-    curve: object
+    fabric: Fabric
+    started: Fabric
+    curve: PlateCurve
     pressure: np.ndarray
     measured: np.ndarray
     computed: np.ndarray
@@ -95,18 +103,18 @@ class SolidFit:
     history: History
 
     @property
-    def rms(self):
+    def rms(self) -> float:
         """[m] of the misfit."""
         return float(np.sqrt(np.mean((self.computed - self.measured) ** 2)))
 
-    def summary(self):
+    def summary(self) -> dict[str, Any]:
         """All numbers, as plain types."""
         return {
             "format": "weavecell solid fit 1",
             "fabric": self.fabric.name,
             "curve": self.curve.source,
             "values": self.values,
-            "values_before": {name: getattr(self.started.solids[0], name) for name in NAMES},
+            "values_before": {name: getattr((self.started.solid_laws or (None,))[0], name) for name in NAMES},
             "intervals_95": self.intervals,
             "determined": self.determined,
             "correlation_of_ln_E_c_ln_V_c-Vf0_ln_K_r": self.correlation.tolist(),
@@ -122,14 +130,14 @@ class SolidFit:
             "closure_computed_m": self.computed.tolist(),
         }
 
-    def write(self, path):
+    def write(self, path: FilePath) -> None:
         """Write the summary as JSON."""
         with write_whole(path) as file:
             json.dump(self.summary(), file, indent=2)
             file.write("\n")
 
 
-def closures(history, cell_area, pressure, measured):
+def closures(history: History, cell_area: float, pressure: FloatArray, measured: FloatArray) -> FloatArray:
     """(n,) [m] what the plates of a history close up to each pressure [Pa], moved to the mean of the `measured` ones.
 
     Beyond the last pressure that the history reached, the closure goes on as it ended, straight in ln P, so that a
@@ -146,17 +154,10 @@ def closures(history, cell_area, pressure, measured):
 
 
 def fit_solid(
-    fabric,
-    curve,
-    *,
-    size=(4, 3, 2),
-    check_size="coarse",
-    executor="local",
-    jobs=1,
-    keep=None,
-    resume=False,
-    progress=None,
-):
+    fabric: Fabric, curve: PlateCurve, *, size: Size = (4, 3, 2), check_size: Size = "coarse",
+    executor: str | Executor = "local", jobs: int = 1, keep: FilePath | None = None, resume: bool = False,
+    on_progress: Callable[[int, float], object] | None = None,
+) -> SolidFit:  # fmt: skip
     """Fit E_c, V_c and K_r of both yarns to a plate curve.
 
     Parameters
@@ -167,7 +168,7 @@ def fit_solid(
     executor, jobs : as of `fabrics.executors.open_executor`, for compressions beside each other
     keep : folder for the compressions while the fit goes on, or None
     resume : take the compressions that are in `keep`; the fit goes the same way through them
-    progress : called as progress(runs so far, rms misfit [m]) after each compression
+    on_progress : called as on_progress(runs so far, rms misfit [m]) after each compression
 
     Returns
     -------
@@ -179,35 +180,21 @@ def fit_solid(
     UnstableError : the crossover of the file's own solids does not reach half of the curve's pressures
     """
     meshes = [mesher.build(fabric, size=each) for each in (size, check_size)]
-    densest = max(*(Vf0 for mesh in meshes for Vf0 in mesh.Vf0), *(solid.Vf0 for solid in fabric.solids))
+    assert fabric.solid_laws is not None  # else the mesher has refused it
+    densest = max(*(Vf0 for mesh in meshes for Vf0 in mesh.Vf0), *(solid.Vf0 for solid in fabric.solid_laws))
     pressure = np.geomspace(curve.pressure[0], curve.pressure[-1], POINTS)
     measured = curve.at(pressure)
-    first = fabric.solids[0]
+    first = fabric.solid_laws[0]
     start = np.clip(np.log([first.E_c, first.V_c - densest, first.K_r]), BOUNDS[0] + 1e-6, BOUNDS[1] - 1e-6)
     with open_executor(executor, jobs, fresh=True) as pool:
         coarse, fine = (
-            _Presses(pool, fabric, each, densest, pressure, measured, progress, keep, resume)
+            _Presses(pool, fabric, each, densest, pressure, measured, on_progress, keep, resume)
             for each in (size, check_size)
         )
         _, before = fine.many([start])[0]
         if before.failed and before.F_plate.mean(axis=1)[-1] < 0.5 * pressure[-1] * fabric.weave.cell_area:
             raise UnstableError(f"no plate curve to fit: {before.failed}")
-        x, defect = start, np.zeros(POINTS)
-        for correction in range(1 + CORRECTIONS):
-            found = least_squares.solve(
-                lambda points, defect=defect: [
-                    (closed + defect - measured) / RESOLUTION for closed, _ in coarse.many(points)
-                ],
-                x,
-                BOUNDS,
-            )
-            x = found.x
-            computed, history = fine.many([x])[0]
-            on_coarse = coarse.many([x])[0][0]
-            beyond = _rms(computed - measured) - _rms(on_coarse + defect - measured)
-            if beyond < RESOLUTION or correction == CORRECTIONS:
-                break
-            defect = computed - on_coarse
+        found, computed, history = _corrected_fit(coarse, fine, start, measured)
     if keep is not None:
         shutil.rmtree(keep, ignore_errors=True)
     return _judge(
@@ -216,12 +203,33 @@ def fit_solid(
     )  # fmt: skip
 
 
+def _corrected_fit(coarse, fine, x, measured):
+    """Fit on the coarse mesh, its misfit corrected by the fine one's; the fit, and closures and History on the fine."""
+    defect = np.zeros(POINTS)
+    for correction in range(1 + CORRECTIONS):
+        found = least_squares.solve(
+            lambda points, defect=defect: [
+                (closed + defect - measured) / RESOLUTION for closed, _ in coarse.many(points)
+            ],
+            x,
+            BOUNDS,
+        )
+        x = found.x
+        computed, history = fine.many([x])[0]
+        on_coarse = coarse.many([x])[0][0]
+        beyond = _rms(computed - measured) - _rms(on_coarse + defect - measured)
+        if beyond < RESOLUTION or correction == CORRECTIONS:
+            break
+        defect = computed - on_coarse
+    return found, computed, history
+
+
 class _Presses:
     """Compressions of one mesh, each solved once."""
 
-    def __init__(self, pool, fabric, size, densest, pressure, measured, progress, keep, resume):
+    def __init__(self, pool, fabric, size, densest, pressure, measured, on_progress, keep, resume):
         self._pool, self._fabric, self._size, self._densest = pool, fabric, size, densest
-        self._pressure, self._measured, self._report = pressure, measured, progress
+        self._pressure, self._measured, self._on_progress = pressure, measured, on_progress
         self._keep, self._resume = None if keep is None else run_cache.RunCache(keep, HISTORIES), resume
         self._known = {}
 
@@ -246,39 +254,42 @@ class _Presses:
         return [self._known[key] for key in keys]
 
     def _job(self, x):
-        return with_solids(self._fabric, x, self._densest), self._size, self._pressure[-1]
+        return with_solid_laws(self._fabric, x, self._densest), self._size, self._pressure[-1]
 
     def _name(self, job):
         return None if self._keep is None else run_cache.key((*job, Numerics(), STEPS), __name__)
 
     def _take(self, key, history):
         self._known[key] = self.closed(history), history
-        if self._report is not None:
-            self._report(self.runs, _rms(self._known[key][0] - self._measured))
+        if self._on_progress is not None:
+            self._on_progress(self.runs, _rms(self._known[key][0] - self._measured))
 
     def closed(self, history):
         """(n,) [m] closures of a history."""
         return closures(history, self._fabric.weave.cell_area, self._pressure, self._measured)
 
 
-def press(fabric, size, pressure):
+def press(fabric: Fabric, size: Size, pressure: float) -> History:
     """History of the fabric's crossover between plates up to a pressure [Pa]."""
     mesh = mesher.build(fabric, size=size)
-    return biaxial_and_platens.plate_compression(mesh, fabric, pressure=pressure, closest=CLOSEST, steps=STEPS)
+    return biaxial_and_platens.plate_compression(
+        mesh, fabric, pressure=pressure, min_plate_gap=MIN_PLATE_GAP, steps=STEPS
+    )
 
 
 def _rms(misfit):
     return float(np.sqrt(np.mean(misfit**2)))
 
 
-def with_solids(fabric, x, densest):
+def with_solid_laws(fabric: Fabric, x: ArrayLike, densest: float) -> Fabric:
     """The fabric whose solids have x = (ln E_c, ln (V_c - densest), ln K_r)."""
-    E_c, room, K_r = np.exp(x)
-    solids = tuple(replace(solid, E_c=float(E_c), V_c=float(densest + room), K_r=float(K_r)) for solid in fabric.solids)
-    return replace(fabric, solids=solids)
+    E_c, room, K_r = map(float, np.exp(x))
+    assert fabric.solid_laws is not None
+    warp, weft = (replace(law, E_c=E_c, V_c=float(densest + room), K_r=K_r) for law in fabric.solid_laws)
+    return replace(fabric, solid_laws=(warp, weft))
 
 
-def identify(jacobian, noise, n):
+def identify(jacobian: FloatArray, noise: float, n: int) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
     """95 % half width of each ln parameter, their correlation, and the singular values and directions of J.
 
     Parameters
@@ -305,9 +316,9 @@ def _judge(fabric, curve, pressure, measured, computed, before, found, densest, 
     value = np.exp(found.x)
     modulus = float(value[0] * value[2])
     shift = np.array([0.0, densest, 0.0])  # V_c itself
-    fitted = with_solids(fabric, found.x, densest)
+    fitted = with_solid_laws(fabric, found.x, densest)
     sources = dict(fabric.sources)
-    for family, solid in zip(("warp", "weft"), fitted.solids):
+    for family, solid in zip(("warp", "weft"), fitted.solid_laws):
         for name, unit in zip(NAMES, (" Pa", "", "")):
             sources[f"solid.{family}.{name}"] = {
                 "value": f"{getattr(solid, name):.4g}{unit}",
@@ -325,7 +336,8 @@ def _judge(fabric, curve, pressure, measured, computed, before, found, densest, 
         values=dict(zip(NAMES, map(float, value + shift))) | {LOOSE: modulus},
         intervals={n: (float(a), float(b)) for n, a, b in zip(NAMES, low + shift, high + shift)}
         | {LOOSE: (modulus * float(np.exp(-loose)), modulus * float(np.exp(loose)))},
-        determined={name: bool(width < np.log(2)) for name, width in zip(NAMES, half)} | {LOOSE: loose < np.log(2)},
+        determined={name: bool(width < np.log(2)) for name, width in zip(NAMES, half)}
+        | {LOOSE: bool(loose < np.log(2))},
         correlation=correlation,
         singular_values=singular,
         directions=directions,

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from pathlib import Path
 
 import numpy as np
 
 from fabrics import run_cache
+from fabrics.checks import FilePath
 from fabrics.errors import InputError
 from fabrics.files import replace_whole
 
-_FORMAT = "weavecell partial surface 3"
+_FORMAT = "weavecell partial surface 4"
 
 
 @dataclass(frozen=True)
@@ -23,7 +25,7 @@ class Line:
     along : (n,) [m] places
     values : (n, 5) T1, T2, F_c [N], h1, h2 [m]
     states : (n, size) unknowns [m], or (0, 0) where no other line starts from this one
-    stuck : (n, s) where the points of contact stick with friction, or (0, 0) like the states
+    stick_state : (n, s) where the points of contact stick with friction, or (0, 0) like the states
     seconds : [s] wall time
     iterations : tangents factorised
     """
@@ -33,7 +35,7 @@ class Line:
     along: np.ndarray
     values: np.ndarray
     states: np.ndarray
-    stuck: np.ndarray
+    stick_state: np.ndarray
     seconds: float
     iterations: int
 
@@ -52,11 +54,11 @@ class Partial:
     InputError : the file to go on from is not one of these, or is of another surface or of other code
     """
 
-    def __init__(self, path, stamp, resume):
+    def __init__(self, path: FilePath | None, stamp: Mapping[str, str], resume: bool) -> None:
         self._path, self._stamp = (Path(path) if path is not None else None), stamp
         self.lines = self._read() if resume and self._path is not None and self._path.exists() else {}
 
-    def add(self, name, line):
+    def add(self, name: str, line: Line) -> None:
         """Keep a line."""
         self.lines[name] = line
         if self._path is None:

@@ -12,10 +12,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from fabrics.fabric import Fabric
 from meshing import crossover as mesher
+from meshing.inputs import Size
 from unitcell3d.identify.surface_cache import Line
 from unitcell3d.model.crossover import CrossoverModel, Load, Numerics
-from unitcell3d.solver.load_stepping import at_rest, visit
+from unitcell3d.solver.load_stepping import continue_to, rest_state
 from unitcell3d.solver.newton import Newton
 
 FROM_REST = 0.02  # share of the way from rest to the first place of a line in one step
@@ -25,8 +27,9 @@ FROM_REST = 0.02  # share of the way from rest to the first place of a line in o
 class Case:
     """A line to be solved, along `axis` (0: d1, 1: d2) at `fixed` of the other [m], at the places `along` [m].
 
-    start, q, stuck : (d1, d2) [m] on the edge where the line begins, and the unknowns and where the points of contact
-        stick (`model.crossover.YarnsModel.stuck`) in the equilibrium there; None: from rest
+    start : (d1, d2) [m] on the edge, where the line begins; None: at rest
+    q, stick_state : (size,) [m] unknowns, and (s,) where the points of contact stick
+        (`model.crossover.YarnsModel.stick_state`), in the equilibrium at `start`
     keep : whether other lines will start from its states
     friction : [-] Coulomb's coefficient
     """
@@ -36,22 +39,22 @@ class Case:
     along: np.ndarray
     start: tuple | None = None
     q: np.ndarray | None = None
-    stuck: np.ndarray | None = None
+    stick_state: np.ndarray | None = None
     keep: bool = False
     friction: float = 0.0
 
     @property
-    def name(self):
+    def name(self) -> str:
         """Name of the line."""
         return f"d{2 - self.axis} = {1e6 * self.fixed:.6f} um"
 
-    def at(self, place):
+    def at(self, place: float) -> tuple[float, float]:
         """(d1, d2) [m] of a place on the line."""
         place, fixed = float(place), float(self.fixed)
         return (place, fixed) if self.axis == 0 else (fixed, place)
 
 
-def solve_line(fabric, size, case):
+def solve_line(fabric: Fabric, size: Size, case: Case) -> Line:
     """Solve one line; returns surface_cache.Line.
 
     Raises
@@ -61,19 +64,19 @@ def solve_line(fabric, size, case):
     begun = time.perf_counter()
     model = CrossoverModel(mesher.build(fabric, size=size), fabric, Numerics(friction=case.friction))
     solver = Newton(model)
-    values, states, stuck, iterations = [], [], [], 0
+    values, states, stick_states, iterations = [], [], [], 0
     try:
         q, spent = _begin(model, solver, case)
         first, last = (Load(case.at(case.along[i])) for i in (0, -1))
         shares = (case.along - case.along[0]) / (case.along[-1] - case.along[0])
-        for share, found in visit(model, solver, q, first, last, shares):
+        for share, found in continue_to(model, solver, q, first, last, shares):
             iterations += found.iterations
-            model.accept(found.q, first.towards(last, share))
+            model.commit(found.q, first.towards(last, share))
             heights = model.heights(model.positions(found.q, first.towards(last, share)))
             T1, T2 = model.tensions(found.forces)
             values.append((T1, T2, model.copies[1] * found.contact, *heights))
             states.append(found.q)
-            stuck.append(model.stuck)
+            stick_states.append(model.stick_state)
     finally:
         solver.close()
     return Line(
@@ -82,7 +85,7 @@ def solve_line(fabric, size, case):
         np.asarray(case.along, float),
         np.array(values),
         np.array(states) if case.keep else np.empty((0, 0)),
-        np.array(stuck) if case.keep and case.friction else np.empty((0, 0)),
+        np.array(stick_states) if case.keep and case.friction else np.empty((0, 0)),
         time.perf_counter() - begun,
         iterations + spent,
     )
@@ -93,16 +96,16 @@ def _begin(model, solver, case):
     corner = Load(case.at(case.along[0]))
     if case.q is None:
         start = Load()
-        found = at_rest(model, solver, start)
+        found = rest_state(model, solver, start)
         q, spent = found.q, found.iterations
-        model.accept(q, start)
+        model.commit(q, start)
         steps = np.linspace(FROM_REST, 1, round(1 / FROM_REST))
     else:
         start, q, spent, steps = Load(tuple(map(float, case.start))), case.q, 0, (1.0,)
-        if case.stuck is not None:
-            model.stuck = case.stuck
+        if case.stick_state is not None:
+            model.stick_state = case.stick_state
     if start.d != corner.d:
-        for share, found in visit(model, solver, q, start, corner, steps):
+        for share, found in continue_to(model, solver, q, start, corner, steps):
             q, spent = found.q, spent + found.iterations
-            model.accept(q, start.towards(corner, share))
+            model.commit(q, start.towards(corner, share))
     return q, spent

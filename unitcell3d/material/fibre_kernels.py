@@ -1,4 +1,4 @@
-"""Fibre bars on the mesh edges along a yarn: two-node bars that carry tension (source thesis section 3.4.1, App. B.1).
+"""Fibre bars on the mesh edges along a yarn: two-node bars that carry tension (thesis section 3.4.1, App. B.1).
 
     strain e = l / L - 1,    force N = E A s(e)      (eq. 4-7: nominal, so that T = E A_s e for a whole yarn)
 

@@ -1,4 +1,4 @@
-"""The fibre bars of a set of yarns, and their failure (source thesis App. B.1, erratum E-18).
+"""The fibre bars of a set of yarns, and their failure (thesis App. B.1, erratum E-18).
 
 A bar whose strain passes the failure strain e_f of its yarn loses its stiffness over a further `FADE` e_f of strain,
 
@@ -11,12 +11,29 @@ raised by `Fibres.fail` where a state has been accepted, and the equilibrium sou
 
 from __future__ import annotations
 
+from typing import Protocol
+
 import numpy as np
 
+from fabrics.checks import FloatArray, IntArray
+from fabrics.fabric import Fabric
+from meshing.mesh import YarnMesh
 from unitcell3d.material import fibre_kernels
 
 FADE = 0.01
 LARGEST_RISE = 0.25  # of the damage between two equilibria: what a fibre held is handed on in parts
+
+
+class FibreNumerics(Protocol):
+    """Numbers of the fibres' law (`model.crossover.Numerics`)."""
+
+    @property
+    def slack_width(self) -> float:
+        """[-] fibre strain over which a fibre becomes taut."""
+
+    @property
+    def slack_stiffness(self) -> float:
+        """[-] fraction of its stiffness left to a slack fibre."""
 
 
 class Fibres:
@@ -36,7 +53,7 @@ class Fibres:
     damage : (b,) [-] D
     """
 
-    def __init__(self, mesh, fabric, failure=False):
+    def __init__(self, mesh: YarnMesh, fabric: Fabric, failure: bool = False) -> None:
         self.pairs = np.concatenate(mesh.bars).astype(np.int64)
         self.yarn = np.repeat(np.arange(len(mesh.bars)), [len(pairs) for pairs in mesh.bars])
         yarns = [fabric.weave.yarns[family] for family in mesh.families]
@@ -49,33 +66,33 @@ class Fibres:
         self._limit = np.array([yarn.failure_strain for yarn in yarns])[self.yarn]
         self._fails = failure
 
-    def stiffness(self, numerics):
+    def stiffness(self, numerics: FibreNumerics) -> FloatArray:
         """(b,) [N] what is left of E A."""
         return self._whole * (1 - self.damage * (1 - numerics.slack_stiffness))
 
-    def strains(self, x):
+    def strains(self, x: FloatArray) -> FloatArray:
         """Strain of every bar (b,) at the positions `x` : (n, 3) [m]."""
         strain = np.empty(len(self.pairs))
         fibre_kernels.bar_strains(x, self.pairs, self.length, strain)
         return strain
 
-    def means(self, strain):
+    def means(self, strain: FloatArray) -> FloatArray:
         """(yarns,) mean of the strains `strain` : (b,) over the fibres of each yarn."""
         volume = np.bincount(self.yarn, self._share)
         return np.bincount(self.yarn, self._share * strain) / volume
 
-    def worst(self, strain):
+    def worst(self, strain: FloatArray) -> FloatArray:
         """(yarns,) largest strain of each yarn among its whole bars; -1 where none is left."""
         return np.array(
             [strain[(self.yarn == yarn) & (self.damage == 0)].max(initial=-1.0) for yarn in range(self.yarn[-1] + 1)]
         )
 
-    def overload(self, strain):
+    def overload(self, strain: FloatArray) -> float:
         """[-] largest strain of a whole bar over its failure strain; 0 where bars do not fail."""
         whole = self.damage == 0
         return float((strain[whole] / self._limit[whole]).max(initial=0.0)) if self._fails else 0.0
 
-    def fail(self, x):
+    def fail(self, x: FloatArray) -> bool:
         """Raise the damage to that of the positions `x`, first of the most overstrained; returns whether any rose."""
         if not self._fails:
             return False
@@ -86,14 +103,14 @@ class Fibres:
         self.damage[risen] = np.minimum(np.minimum(beyond, 1), self.damage + LARGEST_RISE)[risen]
         return bool(risen.any())
 
-    def forces(self, x, numerics, forces):
+    def forces(self, x: FloatArray, numerics: FibreNumerics, forces: FloatArray) -> None:
         """Add the internal forces of the bars to `forces` : (n, 3) [N]."""
         n = numerics
         fibre_kernels.bar_forces(
             x, self.pairs, self.length, self.stiffness(n), n.slack_stiffness, n.slack_width, forces
         )
 
-    def tangent(self, x, numerics, places, values):
+    def tangent(self, x: FloatArray, numerics: FibreNumerics, places: IntArray, values: FloatArray) -> None:
         """Add their tangent to the blocks `values`; `places`: (b, 2, 2) as for `bar_tangent`."""
         n = numerics
         fibre_kernels.bar_tangent(

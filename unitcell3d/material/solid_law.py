@@ -1,4 +1,4 @@
-"""The yarn as a solid with a fibre volume fraction, in UFL (source thesis section 3.4.2, errata E-20).
+"""The yarn as a solid with a fibre volume fraction, in UFL (thesis section 3.4.2, errata E-20).
 
 A frame follows the fibre. With e1 the mesh edge along the yarn, e2 across and e3 through it (made orthonormal in that
 order, Q0 = [e1 e2 e3]), the deformed edges factor as
@@ -23,7 +23,11 @@ and 8 % of E_c at V_c, where E_2 rises by a factor of 2 within 0.006 of V_f.
 
 from __future__ import annotations
 
+from typing import Any
+
 import ufl
+
+from fabrics.checks import FloatArray
 
 LOOSE_WIDTH = 5e-3
 PACKED_WIDTH = 2e-3
@@ -32,19 +36,19 @@ PACKED_WIDTH = 2e-3
 FULL, ONE_POINT = 3, 1
 
 
-def smooth_max(x, corner, width):
+def smooth_max(x: Any, corner: Any, width: float) -> Any:
     """max(x, corner), a parabola within `width` of the corner; works on UFL expressions."""
     rounded = corner + (x - corner + width) ** 2 / (4 * width)
     return ufl.conditional(x <= corner - width, corner, ufl.conditional(x >= corner + width, x, rounded))
 
 
-def transverse_modulus(V_f, Vf0, V_c, a_E, b_E):
+def transverse_modulus(V_f: Any, Vf0: Any, V_c: Any, a_E: Any, b_E: Any) -> Any:
     """Secant modulus E_2 = E_3 [Pa] at the fibre volume fraction `V_f` (eqs. 3-10 .. 3-14, rounded corners)."""
     loose = smooth_max(V_f, Vf0, LOOSE_WIDTH)
     return a_E / (b_E + smooth_max(-loose, -V_c, PACKED_WIDTH))
 
 
-def fibre_frame(mesh):
+def fibre_frame(mesh: Any) -> tuple[Any, Any, Any]:
     """Orthonormal e1 (along the fibre), e2, e3 at each point of the undeformed mesh."""
     jacobian = ufl.Jacobian(mesh)
     along, across = (ufl.as_vector([jacobian[i, j] for i in range(3)]) for j in range(2))
@@ -54,7 +58,7 @@ def fibre_frame(mesh):
     return e1, e2, ufl.cross(e1, e2)
 
 
-def first_piola(grad_u, frame, parameters):
+def first_piola(grad_u: Any, frame: Any, parameters: Any) -> Any:
     """First Piola-Kirchhoff stress [Pa].
 
     Parameters
@@ -94,7 +98,7 @@ def first_piola(grad_u, frame, parameters):
     return stress
 
 
-def forms(space, parameters, integration=FULL):
+def forms(space: Any, parameters: FloatArray, integration: int = FULL) -> tuple[Any, Any]:
     """Residual and tangent of the solid.
 
     Parameters

@@ -2,21 +2,29 @@
 
     r(q, load) = C^T [ solid(u) + bars(u) + contact(u) + plates(u) ] = 0,   u = C q + drive d
 
-(source thesis chapter 3; `yarn_law`, `bars_kernels`, `contact_kernels`, `constraints` hold the equations). Any set of
-yarns is a `YarnsModel`; the crossover is one of them. A quarter crossover is half of each yarn's width and length: its
-axial end forces count twice, its vertical forces four times.
+(thesis chapter 3; `material.solid_law`, `material.fibre_kernels`, `contact.surface_contact_kernels` and
+`assembly.constraints` hold the equations).
+Any set of yarns is a `YarnsModel`; the crossover is one of them. A quarter crossover is half of each yarn's width and
+length: its axial end forces count twice, its vertical forces four times.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
+from fabrics.checks import FloatArray, IntArray
 from fabrics.errors import InputError
+from fabrics.fabric import Fabric
+from meshing.crossover import Crossover
+from meshing.mesh import YarnMesh
 from unitcell3d.assembly import constraints
 from unitcell3d.assembly.compat import Assembler, HexSpace
+from unitcell3d.assembly.constraints import Constraints
 from unitcell3d.assembly.sparsity import Pattern
+from unitcell3d.contact.interface import ContactSurfaces
 from unitcell3d.contact.surfaces import FacingSurfaces, Plates
 from unitcell3d.material import solid_law
 from unitcell3d.material.fibres import Fibres
@@ -27,19 +35,17 @@ ACROSS_BEFORE_THROUGH = ([0, 1, 2, 3, 4, 5, 6, 7], [4, 5, 1, 0, 7, 6, 2, 3])
 
 @dataclass(frozen=True)
 class Numerics:
-    """Numbers that belong to the method, not to the fabric.
+    """Numbers that belong to the method, not to the fabric; how results converge with them: docs/crossover.md.
 
     Parameters
     ----------
     penalty : [Pa/m] contact stiffness, both passes together
-    toe : [m] penetration over which the contact stiffness sets in. With both as they are, yarns at failure go 0.2 to
-        0.5 um into each other, and F_c is 0.3 % below the limit of a hard contact (1e14 Pa/m: 1.2 %); a tenth of the
-        toe leaves 0.05 % at four times the tangents
+    toe : [m] penetration over which the contact stiffness sets in; a shorter one costs more tangents
     slack_width : [-] fibre strain over which a fibre becomes taut
-    slack_stiffness : [-] fraction of its stiffness left to a slack fibre, which keeps slack yarns from collapsing; from
-        5e-4 to 1e-2 it changes no tension in the fifth digit, but above 4e-3 slack yarn tips buckle
+    slack_stiffness : [-] fraction of its stiffness left to a slack fibre, which keeps slack yarns from collapsing;
+        where it is large, slack yarn tips buckle
     friction : [-] Coulomb's coefficient between yarns, and between yarns and plates
-    slip : [m] over which friction sets in; from 0.25 to 1 um it changes no force of S-720 by more than 0.05 %
+    slip : [m] over which friction sets in
     """
 
     penalty: float = 1e15
@@ -56,7 +62,7 @@ class Numerics:
         if not 0 <= self.friction < np.inf:
             raise InputError(key="friction", value=self.friction, allowed="0 or positive")
 
-    def softened(self, factor):
+    def softened(self, factor: float) -> Numerics:
         """With a softer contact: `factor` of the penalty, the toe deeper by its inverse root."""
         return replace(self, penalty=self.penalty * factor, toe=self.toe / factor**0.5)
 
@@ -69,11 +75,11 @@ class Load:
     plates: float = np.inf
 
     @property
-    def drive(self):
+    def drive(self) -> tuple:
         """(2,) what the prescribed displacements are proportional to."""
         return self.d
 
-    def towards(self, other, share):
+    def towards(self, other: Load, share: float) -> Load:
         """The load at `share` of the way to another."""
         d = tuple(a + share * (b - a) for a, b in zip(self.d, other.d))
         plates = self.plates + share * (other.plates - self.plates) if np.isfinite(self.plates) else self.plates
@@ -102,9 +108,10 @@ class YarnsModel:
     """
 
     def __init__(
-        self, mesh, fabric, numerics, held, surfaces, plates, *,
-        points=None, copies=(1.0, 1.0), integration=solid_law.FULL, failure=False,
-    ):  # fmt: skip
+        self, mesh: YarnMesh, fabric: Fabric, numerics: Numerics | None, held: Constraints,
+        surfaces: ContactSurfaces, plates: Plates | None, *, points: FloatArray | None = None,
+        copies: tuple[float, float] = (1.0, 1.0), integration: int = solid_law.FULL, failure: bool = False,
+    ) -> None:  # fmt: skip
         check(mesh, fabric)
         self.crossover, self.fabric = mesh, fabric
         self.numerics = Numerics() if numerics is None else numerics
@@ -112,15 +119,15 @@ class YarnsModel:
         self.copies, self.constraints, self.surfaces, self.plates = copies, held, surfaces, plates
         self.fibres = Fibres(mesh, fabric, failure)
         self._solid(mesh, fabric, integration)
-        self._lay_out()
+        self._build_pattern()
 
     @property
-    def size(self):
+    def size(self) -> int:
         """Number of unknowns."""
         return self.constraints.size
 
     @property
-    def bar_yarn(self):
+    def bar_yarn(self) -> IntArray:
         """(b,) number of the yarn of each bar."""
         return self.fibres.yarn
 
@@ -130,26 +137,26 @@ class YarnsModel:
             family[:, None] == 0, mesh.hexes[:, ACROSS_BEFORE_THROUGH[0]], mesh.hexes[:, ACROSS_BEFORE_THROUGH[1]]
         )
         # the mesher may have had to densify a yarn to make room for the other (YarnMesh.Vf0)
-        laws = [replace(law, Vf0=Vf0) for law, Vf0 in zip(fabric.solids, mesh.Vf0)]
+        laws = [replace(law, Vf0=Vf0) for law, Vf0 in zip(fabric.solid_laws, mesh.Vf0)]
         parameters = np.array([(law.E_a, law.a_E, law.b_E, law.Vf0, law.V_c, law.G) for law in laws])
         self._real = len(mesh.points)
         self._space = HexSpace.build(mesh.points, self.hexes)
         self._solids = Assembler(self._space, *solid_law.forms(self._space, parameters[family], integration))
 
-    def _lay_out(self):
+    def _build_pattern(self):
         """Lay out the tangent for the solids and the contact that is expected or has been met."""
-        self.pattern = Pattern(len(self.points), [self.hexes, *self.surfaces.expected()], self.constraints)
-        self.surfaces.lay_out(self.pattern)
+        self.pattern = Pattern(len(self.points), [self.hexes, *self.surfaces.expected_stencils()], self.constraints)
+        self.surfaces.build_pattern(self.pattern)
         self._solid_places = self.pattern.scalar_places(self._solids.rows, self._solids.columns)
         self._bar_places = self.pattern.places(self.fibres.pairs)
         faces = () if self.plates is None else self.plates.faces
-        self._plate_places = [self.pattern.places(nodes[:, None])[:, 0, 0] for nodes, _ in faces]
+        self._plate_places = [self.pattern.places(face.nodes[:, None])[:, 0, 0] for face in faces]
 
-    def positions(self, q, load):
+    def positions(self, q: FloatArray, load: Any) -> FloatArray:
         """(n, 3) [m] deformed positions."""
         return self.points + self.constraints.displacement(q, load.drive)
 
-    def forces(self, q, load):
+    def forces(self, q: FloatArray, load: Any) -> tuple[FloatArray, float, FloatArray]:
         """Internal forces (n, 3) [N] and the vertical forces of contact and plates.
 
         Returns
@@ -163,21 +170,21 @@ class YarnsModel:
         forces = np.zeros_like(x)
         forces[: self._real] = self._solids.residual()
         self.fibres.forces(x, self.numerics, forces)
-        contact = self.surfaces.touch(x, self.numerics, forces)
+        contact = self.surfaces.assemble(x, self.numerics, forces)
         return forces, contact, self._press(x, load, forces)
 
-    def system(self, q, load):
+    def system(self, q: FloatArray, load: Any) -> bool:
         """Assemble the tangent into `pattern`; returns True where its pattern had to grow."""
-        grown = self.surfaces.outgrown()
+        grown = self.surfaces.pattern_outdated()
         if grown:
-            self._lay_out()
+            self._build_pattern()
         x, n, pattern = self.positions(q, load), self.numerics, self.pattern
         self._deform(x)
         pattern.values[:] = 0
         pattern.values.reshape(-1)[self._solid_places] += self._solids.tangent()
         self.fibres.tangent(x, n, self._bar_places, pattern.values)
         discarded = np.zeros_like(x)
-        self.surfaces.touch(x, n, discarded, pattern.values)
+        self.surfaces.assemble(x, n, discarded, pattern.values)
         self._press(x, load, discarded, self._plate_places)
         pattern.reduce()
         return grown
@@ -190,38 +197,38 @@ class YarnsModel:
             return np.zeros(2)
         return self.plates.press(x, load.plates, self.numerics, forces, places, self.pattern.values)
 
-    def accept(self, q, load):
+    def commit(self, q: FloatArray, load: Any) -> None:
         """Let friction go on from this state, an equilibrium; nothing happens without friction."""
         if self.numerics.friction > 0:
             self.forces(q, load)  # the state that the contact search belongs to may be a trial
             x = self.positions(q, load)
-            self.surfaces.accept(x, self.numerics)
+            self.surfaces.commit(x, self.numerics)
             if self.plates is not None:
-                self.plates.accept(x, load.plates, self.numerics)
+                self.plates.commit(x, load.plates, self.numerics)
 
     @property
-    def stuck(self):
-        """(s,) where the points of contact stick: what friction keeps of the past, see `accept`."""
+    def stick_state(self) -> FloatArray:
+        """(s,) where the points of contact stick: what friction keeps of the past, see `commit`."""
         return np.concatenate([anchors.ravel() for anchors in self._anchors()])
 
-    @stuck.setter
-    def stuck(self, values):
+    @stick_state.setter
+    def stick_state(self, values: FloatArray) -> None:
         for anchors in self._anchors():
             anchors[:], values = values[: anchors.size].reshape(anchors.shape), values[anchors.size :]
 
     def _anchors(self):
         return [*self.surfaces.anchors, *(() if self.plates is None else self.plates.anchors)]
 
-    def tensions(self, forces):
+    def tensions(self, forces: FloatArray) -> FloatArray:
         """(2,) [N] tensions of the whole warp and weft yarn, from the reactions at their ends."""
         return np.array([self.copies[0] * self.constraints.end_force(forces, yarn) for yarn in (0, 1)])
 
-    def fibre_strains(self, x):
+    def fibre_strains(self, x: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Strain of every bar (b,), and its mean over the fibres of each yarn."""
         strain = self.fibres.strains(x)
         return strain, self.fibres.means(strain)
 
-    def worst_element(self, x):
+    def worst_element(self, x: FloatArray) -> tuple[int, float]:
         """Number of the hexahedron with the least corner volume ratio to the undeformed, and that ratio."""
         ratio = _corner_volumes(x[self.hexes]) / _corner_volumes(self.points[self.hexes])
         cell = int(np.argmin(ratio.min(axis=1)))
@@ -241,7 +248,9 @@ class CrossoverModel(YarnsModel):
     InputError : the fabric has no solid laws, or is not the one that was meshed
     """
 
-    def __init__(self, crossover, fabric, numerics=None, **choices):
+    plates: Plates
+
+    def __init__(self, crossover: Crossover, fabric: Fabric, numerics: Numerics | None = None, **choices: Any) -> None:
         check(crossover, fabric)
         quarter = crossover.domain == "quarter"
         points = np.ascontiguousarray(crossover.points, float)
@@ -256,13 +265,13 @@ class CrossoverModel(YarnsModel):
             **choices,
         )
 
-    def heights(self, x):
+    def heights(self, x: FloatArray) -> FloatArray:
         """(2,) [m] heights h1, h2 of the centrelines: middle of the yarn's axis above (warp), below (weft) its end."""
         ends = [axis_height(x, grid[-1, self._crossing(grid)[1]]) for grid in self.crossover.grids]
         middles = [axis_height(x, grid[self._crossing(grid)]) for grid in self.crossover.grids]
         return np.array([middles[0] - ends[0], ends[1] - middles[1]])
 
-    def half_thicknesses(self, x):
+    def half_thicknesses(self, x: FloatArray) -> FloatArray:
         """(2,) [m] distances of the axis of warp and weft from the face that meets the other, at the crossing."""
         warp, weft = (grid[self._crossing(grid)] for grid in self.crossover.grids)
         return np.array([axis_height(x, warp) - x[warp[0], 2], x[weft[-1], 2] - axis_height(x, weft)])
@@ -272,15 +281,15 @@ class CrossoverModel(YarnsModel):
         return (0, 0) if self.crossover.domain == "quarter" else (grid.shape[0] // 2, grid.shape[1] // 2)
 
 
-def check(mesh, fabric):
+def check(mesh: YarnMesh, fabric: Fabric) -> None:
     """Refuse a fabric without solid laws, or a mesh of another fabric."""
-    if fabric.solids is None:
+    if fabric.solid_laws is None:
         raise InputError(f"fabric {fabric.name} has no [solid] tables, which a 3D crossover needs")
     if mesh.fabric != fabric.name:
         raise InputError(key="fabric", value=fabric.name, allowed=f"the meshed one, {mesh.fabric}")
 
 
-def axis_height(x, column):
+def axis_height(x: FloatArray, column: IntArray) -> float:
     """Height [m] of the middle of a column of nodes through the thickness."""
     return 0.5 * (x[column[(len(column) - 1) // 2], 2] + x[column[len(column) // 2], 2])
 

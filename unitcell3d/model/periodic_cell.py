@@ -7,7 +7,7 @@ with plain repetition, stands for the weave:
     x(X + a) - M x(X) = F a,    M = diag(1, 1, -1) or 1,   a: one or two crossings along a yarn.
 
 Lengths of the yarns between crossings are w_i lambda_i, their directions e_1 and e_2; with the shear angle g, half of
-it on each side (source thesis section 4.3.2, the trellis of Figure 4-6),
+it on each side (thesis section 4.3.2, the trellis of Figure 4-6),
 
     F = [lambda_1 e_1, lambda_2 e_2],   e_1 = (cos g/2, sin g/2),  e_2 = (sin g/2, cos g/2),  lambda_i = 1 + d_i / w_i.
 
@@ -21,14 +21,19 @@ of the cell. The load does the work Q . dp on its parameters p (the turns and st
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
+from fabrics.checks import FloatArray
 from fabrics.errors import InputError
+from fabrics.fabric import Fabric
+from meshing.crossover import Crossover
+from meshing.patch import Patch
 from unitcell3d.assembly.constraints import VERTICAL, Constraints, Ties
 from unitcell3d.assembly.periodic_images import Images
 from unitcell3d.contact.periodic import contacts
-from unitcell3d.model.crossover import YarnsModel, check
+from unitcell3d.model.crossover import Numerics, YarnsModel, check
 
 PLANE = (0, 1)
 
@@ -46,24 +51,24 @@ class CellLoad:
     gamma: float = 0.0
     plates: float = np.inf
 
-    def towards(self, other, share):
+    def towards(self, other: CellLoad, share: float) -> CellLoad:
         """The load at `share` of the way to another."""
         d = tuple(a + share * (b - a) for a, b in zip(self.d, other.d))
         plates = self.plates + share * (other.plates - self.plates) if np.isfinite(self.plates) else self.plates
         return CellLoad(self.w, d, self.gamma + share * (other.gamma - self.gamma), plates)
 
     @property
-    def F(self):
+    def F(self) -> FloatArray:
         """(2, 2) deformation gradient of the weave."""
         return _axes(self.gamma) * (1 + np.asarray(self.d) / self.w)
 
     @property
-    def drive(self):
+    def drive(self) -> FloatArray:
         """(12,) entries of H_warp, H_weft and F - I."""
         return self._parts(_axes, _across) - np.tile([1.0, 0.0, 0.0, 1.0], 3)
 
     @property
-    def by_d(self):
+    def by_d(self) -> FloatArray:
         """(2, 12) derivatives of `drive` by d1 and d2."""
         rows = []
         for yarn in (0, 1):
@@ -73,7 +78,7 @@ class CellLoad:
         return np.array(rows)
 
     @property
-    def by_gamma(self):
+    def by_gamma(self) -> FloatArray:
         """(12,) derivative of `drive` by gamma."""
         return self._parts(_axes_by_gamma, _across_by_gamma)
 
@@ -111,12 +116,12 @@ class CellConstraints(Constraints):
     crossings: int = 1
     w: tuple = ()
 
-    def end_force(self, forces, yarn):
+    def end_force(self, forces: FloatArray, yarn: int) -> float:
         """[N] tension of a yarn as far as its direction is that of the undeformed cell: the size of the forces."""
         Q = self.work(forces).reshape(3, 2, 2)
         return float(Q[yarn, yarn, yarn] + Q[2, yarn, yarn]) / (2 * self.w[yarn] * self.crossings)
 
-    def work(self, forces):
+    def work(self, forces: FloatArray) -> FloatArray:
         """(12,) [N m] what the nodal forces do on the load's parameters."""
         return self.drive.T @ forces.ravel()
 
@@ -137,10 +142,20 @@ class CellModel(YarnsModel):
     InputError : another mesh
     """
 
-    def __init__(self, mesh, fabric, numerics=None, *, margin=0, **choices):
+    constraints: CellConstraints
+
+    def __init__(
+        self,
+        mesh: Crossover | Patch,
+        fabric: Fabric,
+        numerics: Numerics | None = None,
+        *,
+        margin: int = 0,
+        **choices: Any,
+    ) -> None:
         check(mesh, fabric)
-        four = hasattr(mesh, "count")
-        if (four and mesh.count != (2, 2)) or (not four and mesh.domain != "whole"):
+        four = isinstance(mesh, Patch)
+        if (mesh.count != (2, 2)) if isinstance(mesh, Patch) else (mesh.domain != "whole"):
             raise InputError("a cell needs a whole crossover or a patch of 2 x 2")
         self.period = 2 if four else 1  # crossings after which the weave repeats, along each yarn
         self.parity = 1.0 if four else -1.0
@@ -173,14 +188,14 @@ class CellModel(YarnsModel):
         held = ties.done(())
         return CellConstraints(held.unknown, held.sign, held.drive, held.size, (), self.crossings, mesh.w)
 
-    def tensions(self, forces, load):
+    def tensions(self, forces: FloatArray, load: CellLoad) -> FloatArray:  # type: ignore[override]
         """(2,) [N] tensions of a warp and a weft."""
         return load.by_d @ self.constraints.work(forces) / (2 * self.crossings)
 
-    def moment(self, forces, load):
+    def moment(self, forces: FloatArray, load: CellLoad) -> float:
         """[N m] per crossing, conjugate to the shear angle."""
         return float(load.by_gamma @ self.constraints.work(forces)) / self.crossings
 
-    def thickness(self, x):
+    def thickness(self, x: FloatArray) -> float:
         """[m] from the lowest to the highest node."""
         return float(np.ptp(x[: len(self.crossover.points), 2]))

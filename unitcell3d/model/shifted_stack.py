@@ -8,16 +8,20 @@ or in its next images.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from scipy.interpolate import RegularGridInterpolator
 
 from fabrics.errors import InputError
+from fabrics.fabric import Fabric
+from meshing.patch import Patch
 from unitcell3d.assembly.constraints import VERTICAL, Ties
 from unitcell3d.assembly.periodic_images import Images
 from unitcell3d.contact.pairs import OuterPlates, SurfacePairs, facing
 from unitcell3d.contact.periodic import exposed, mates
 from unitcell3d.model import submeshes
-from unitcell3d.model.crossover import YarnsModel, check
+from unitcell3d.model.crossover import Numerics, YarnsModel, check
 from unitcell3d.model.periodic_cell import CellConstraints
 
 PERIOD = 2
@@ -39,7 +43,9 @@ class ShiftedModel(YarnsModel):
     InputError : another mesh
     """
 
-    def __init__(self, patch, fabric, plies, shift, numerics=None):
+    def __init__(
+        self, patch: Patch, fabric: Fabric, plies: int, shift: Sequence[float], numerics: Numerics | None = None
+    ) -> None:
         check(patch, fabric)
         if getattr(patch, "count", None) != (2, 2):
             raise InputError("shifted plies need a patch of 2 x 2")

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from meshing.inputs import YARNS
+from meshing.mesh import YarnMesh
 
 
-def alone(mesh, family):
+def single_yarn_mesh(mesh: YarnMesh, family: int) -> YarnMesh:
     """The yarn of one family (0 warp, 1 weft) of a crossover, as a `YarnMesh` of its own."""
     grid = mesh.grids[family]
     first = int(grid.min())
@@ -28,7 +30,7 @@ def alone(mesh, family):
     )
 
 
-def with_bars(mesh, lines):
+def with_bars(mesh: YarnMesh, lines: int) -> YarnMesh:
     """The mesh of one yarn whose fibres lie on `lines` of its fibre lines alone, spread over the section.
 
     The lines that stay carry the whole fibre area, in the ratio of their shares; none leaves no fibres.
@@ -44,7 +46,7 @@ def with_bars(mesh, lines):
     return replace(mesh, bars=(pairs[:, kept].reshape(-1, 2),), bar_area=(share.ravel(),))
 
 
-def line_numbers(across, through):
+def line_numbers(across: int, through: int) -> list[int]:
     """Numbers of fibre lines that can be spread evenly: over the middle layer, then over pairs of layers about it."""
     middle = across if through % 2 else 0
     return [*range(middle + 1), *range(middle + 2, across * through + 1, 2)]
@@ -67,7 +69,7 @@ def _evenly(n, count):
     return np.round(np.linspace(0, n - 1, count)).astype(int) if count > 1 else range(count)
 
 
-def stacked(mesh, offsets):
+def stacked(mesh: YarnMesh, offsets: Sequence[Sequence[float]]) -> YarnMesh:
     """Plies of one mesh, moved by `offsets` : (plies, 3) [m]; the yarns of ply 0 first."""
     plies, yarns, n = len(offsets), len(mesh.names), len(mesh.points)
 

@@ -10,10 +10,13 @@ import matplotlib
 import numpy as np
 import pyvista
 
+from fabrics.checks import FilePath
 from fabrics.files import replace_whole
+from meshing.crossover import Crossover
 from meshing.pictures import COLOURS, plotter
 from unitcell3d.contact.surface_contact_kernels import pressure
 from unitcell3d.model.crossover import Numerics
+from unitcell3d.solver.history import History
 
 matplotlib.use("Agg")
 from matplotlib import pyplot
@@ -28,7 +31,7 @@ STRAINS = LinearSegmentedColormap.from_list(
 PRESSURES = LinearSegmentedColormap.from_list("pressure", ("#f7f3ee", "#fdd49e", "#fc8d59", "#d7301f", "#7f0000"))
 
 
-def deformed(history, crossover, path, numerics=None):
+def deformed(history: History, crossover: Crossover, path: FilePath, numerics: Numerics | None = None) -> None:
     """Draw the last state of a history as a PNG: left the fibres by their strain, right the weft by contact pressure.
 
     A quarter crossover is completed by its mirror images. The pressure at a node is that of its own gap.

@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import numpy as np
 
+from fabrics.checks import FilePath
+from fabrics.fabric import Fabric
 from fabrics.files import replace_whole
 from meshing.pictures_style import FAINT, GREEN, INK, PURPLE, WARP, WEFT, plots
-from unitcell3d.identify.calibration import PLATES, samples
+from unitcell3d.identify.calibration import PLATES, Calibration, samples
 
 COLOURS = (WARP, WEFT, GREEN, PURPLE)
 
 
-def tensions(calibration, fabric, path):
+def tensions(calibration: Calibration, fabric: Fabric, path: FilePath) -> None:
     """Warp and weft tension along each biaxial path, with the yarns' strengths; marks where the worst bar fails."""
     named = {name: history for name, history in calibration.histories.items() if name != PLATES}
     with plots() as pyplot:
@@ -36,7 +38,7 @@ def tensions(calibration, fabric, path):
         _save(figure, path)
 
 
-def fit(calibration, path):
+def fit(calibration: Calibration, path: FilePath) -> None:
     """Contact force against compression: samples of each path, the fitted law, the published one and the plates."""
     with plots() as pyplot:
         figure, axis = pyplot.subplots(figsize=(8.2, 5.4))
@@ -44,7 +46,11 @@ def fit(calibration, path):
         F = np.geomspace(1e-3, top, 400)
         law, published = calibration.law, calibration.published
         axis.plot(
-            1e3 * law.d(F), F, color=INK, lw=2.4, label=f"fit: {_numbers(law)}, rms {1e6 * law.residual_rms:.2f} µm"
+            1e3 * law.d(F),
+            F,
+            color=INK,
+            lw=2.4,
+            label=f"fit: {_numbers(law)}, rms {1e6 * (law.residual_rms or 0.0):.2f} µm",
         )
         if published is not None:
             axis.plot(1e3 * published.d(F), F, color=FAINT, lw=2.2, ls="--", label=f"published: {_numbers(published)}")

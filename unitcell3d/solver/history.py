@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from fabrics.checks import FloatArray
 from unitcell3d.solver.record import Record
 
 MEANINGS = {
@@ -35,17 +36,17 @@ class History(Record):
     Its columns, `MEANINGS`, are attributes as well: `history.T1` is `history["T1"]`.
     """
 
-    def __getattr__(self, name):
+    def __getattr__(self, name: str) -> FloatArray:
         if name in MEANINGS and "columns" in self.__dict__:
             return self.columns[name]
         raise AttributeError(name)
 
     @property
-    def gaps(self):
+    def gaps(self) -> tuple[FloatArray, FloatArray]:
         """Per yarn (nodes of the contact face,) [m] in the last step, infinite without a partner."""
         return self.last["gaps_warp"], self.last["gaps_weft"]
 
-    def at(self, column, quantity, value):
+    def at(self, column: FloatArray, quantity: FloatArray, value: float) -> float | None:
         """`column` interpolated where `quantity` first reaches `value`; None where it never does.
 
         Parameters

@@ -10,14 +10,18 @@ row) after each step.
 from __future__ import annotations
 
 import time
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
+from fabrics.checks import FloatArray
 from fabrics.errors import UnstableError
+from unitcell3d.model.crossover import CrossoverModel, Load, YarnsModel
 from unitcell3d.solver.history import MEANINGS, History
-from unitcell3d.solver.newton import ROUGH, Newton
-from unitcell3d.solver.record import columns
+from unitcell3d.solver.newton import ROUGH, Equilibrium, Newton
+from unitcell3d.solver.record import Hook, columns
 
 
 @dataclass(frozen=True)
@@ -27,13 +31,23 @@ class Steps:
     first: float = 0.10
     largest: float = 0.10
     least: float = 1e-3
-    few: int = 12
+    easy_iterations: int = 12
 
 
 SOFTENINGS = (0.01, 0.05, 0.2, 0.5, 1.0)
 
 
-def march(model, start, end, *, case="", stop=None, steps=None, hooks=(), comm=None):
+def march(
+    model: CrossoverModel,
+    start: Load,
+    end: Load,
+    *,
+    case: str = "",
+    stop: Callable[[dict], float] | None = None,
+    steps: Steps | None = None,
+    hooks: Sequence[Hook] = (),
+    comm: Any = None,
+) -> History:
     """Load a model from rest along `start` .. `end`.
 
     Parameters
@@ -61,8 +75,8 @@ def _march(model, solver, start, end, case, stop, steps, hooks):
     begun = time.perf_counter()
     failed = ""
     states, rows = [], []
-    rest = at_rest(model, solver, start)
-    model.accept(rest.q, start)
+    rest = rest_state(model, solver, start)
+    model.commit(rest.q, start)
     states.append((0.0, rest.q))
     rows.append(_row(model, rest, start, 0.0, time.perf_counter() - begun))
     step, inside = steps.first, False
@@ -85,14 +99,14 @@ def _march(model, solver, start, end, case, stop, steps, hooks):
             before, after = stop(rows[-1]), stop(row)
             step, inside = max((share - states[-1][0]) * (1 - before) / (after - before), 1e-6), True
             continue
-        model.accept(found.q, start.towards(end, share))
+        model.commit(found.q, start.towards(end, share))
         rows.append(row)
         states = [states[-1], (share, found.q)]
         for hook in hooks:
             hook(share, row)
         if stop is not None and stop(row) >= 1 - STOP_TOLERANCE:
             break
-        if found.iterations <= steps.few:
+        if found.iterations <= steps.easy_iterations:
             step = min(1.5 * step, steps.largest)
     share, q = states[-1]
     # the gaps belong to the last state, not to the last trial
@@ -105,7 +119,9 @@ def _march(model, solver, start, end, case, stop, steps, hooks):
 STOP_TOLERANCE = 2e-3  # of the quantity that ends a path
 
 
-def visit(model, solver, q, start, end, shares):
+def continue_to(
+    model: YarnsModel, solver: Newton, q: FloatArray, start: Any, end: Any, shares: Iterable[float]
+) -> Iterator[tuple[float, Equilibrium]]:
     """Equilibria at given shares of a straight load path, from a state on it; yields (share, Equilibrium).
 
     Parameters
@@ -152,10 +168,10 @@ def _advance(model, solver, states, start, end, share, last_resort):
             return solver.approach(held, load)
         if not last_resort:
             raise
-    return _softly(model, solver, held, load)
+    return _penalty_continuation(model, solver, held, load)
 
 
-def at_rest(model, solver, load):
+def rest_state(model: YarnsModel, solver: Newton, load: Any) -> Equilibrium:
     """Equilibrium of the undeformed crossover, whose sections may overlap by what the mesh leaves of their curves.
 
     It is taken roughly, to 0.1 mN: a state to start from, with nothing in it but slack yarns.
@@ -170,12 +186,12 @@ def at_rest(model, solver, load):
     except UnstableError:
         pass
     try:
-        return _softly(model, solver, start, load)
+        return _penalty_continuation(model, solver, start, load)
     except UnstableError as problem:
         raise UnstableError("the crossover is not in equilibrium at rest", where=problem.where) from problem
 
 
-def _softly(model, solver, guess, load):
+def _penalty_continuation(model, solver, guess, load):
     """Equilibrium by way of softer contacts."""
     full = model.numerics
     try:

@@ -27,13 +27,17 @@ plates), each taken on the meshed part: without tension the plate force is the m
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 
+from fabrics.checks import FloatArray
 from fabrics.errors import UnstableError
 from unitcell3d.assembly.linear_solver import DirectSolver
+from unitcell3d.model.crossover import YarnsModel
 
 TOLERANCE = 1e-8
 LEAST_FORCE = 1e-2  # N: scale of the convergence test where nothing is loaded yet
@@ -75,14 +79,14 @@ class Newton:
     comm : MPI communicator whose processes share each factorisation, all of them making the same calls; None: alone
     """
 
-    def __init__(self, model, comm=None):
+    def __init__(self, model: YarnsModel, comm: Any = None) -> None:
         self.model = model
         self._comm = comm
-        self._solver = None
-        self._taken = []  # steps since the last factorisation
+        self._solver: DirectSolver | None = None
+        self._taken: list[FloatArray] = []  # steps since the last factorisation
         self._latest = None  # the state that the model's contact search belongs to
 
-    def solve(self, q, load, tolerance=TOLERANCE):
+    def solve(self, q: FloatArray, load: Any, tolerance: float = TOLERANCE) -> Equilibrium:
         """Equilibrium at `load` from the guess `q` : (size,), to a residual of `tolerance` times the forces.
 
         Raises
@@ -102,9 +106,8 @@ class Newton:
                 return Equilibrium(state.q, state.forces, state.contact, state.plates, iterations)
             if iterations == MAX_ITERATIONS:
                 self._refuse(f"no convergence in {MAX_ITERATIONS} iterations", state.q, load)
-            self._factor(state, load, shift)
+            step = self._factor(state, load, shift).solve(-state.residual)
             iterations += 1
-            step = self._solver.solve(-state.residual)
             if step is None:
                 self._refuse("a singular tangent", state.q, load)
             found, share = self._move(state, step, load)
@@ -119,7 +122,7 @@ class Newton:
                 shift = _next_shift(shift, found.norm / before)
             state = found
 
-    def approach(self, q, load):
+    def approach(self, q: FloatArray, load: Any) -> Equilibrium:
         """Equilibrium at `load` from a guess that may be far from it: by way of a softer contact, taken roughly.
 
         Slack yarns that a guess presses into each other are thrown apart by the full contact and come back to it
@@ -140,12 +143,12 @@ class Newton:
         found = self.solve(q, load)
         return replace(found, iterations=found.iterations + spent)
 
-    def best(self, guesses, load):
+    def best(self, guesses: Sequence[FloatArray], load: Any) -> FloatArray:
         """The guess : (size,) that leaves the least residual at `load`."""
         norms = np.array([self._evaluate(q, load).norm for q in guesses])
         return guesses[int(np.argmin(np.where(np.isfinite(norms), norms, np.inf)))]
 
-    def linear_guess(self, q, before, load):
+    def linear_guess(self, q: FloatArray, before: Any, load: Any) -> FloatArray | None:
         """Unknowns at `load` from those `q` in equilibrium at `before`, by the last factorisation; None without one.
 
         The load's part of the tangent is a difference over a thousandth of the load's step.
@@ -157,7 +160,7 @@ class Newton:
         step = self._solver.solve((rest - moved) / part)
         return None if step is None else q + step
 
-    def close(self):
+    def close(self) -> None:
         """Give the factorisation back."""
         if self._solver is not None:
             self._solver.close()
@@ -185,6 +188,7 @@ class Newton:
         model.pattern.entries[model.pattern.diagonal] += shift
         self._solver.factor()
         self._taken = []
+        return self._solver
 
     def _reuse(self, state, load, tolerance):
         """The best state that steps with the last factorisation and Broyden's updates reach from `state`."""

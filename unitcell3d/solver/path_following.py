@@ -10,13 +10,17 @@ more fail: what they held is handed on to their neighbours, or lost, at one load
 from __future__ import annotations
 
 import time
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from fabrics.errors import InputError, UnstableError
-from unitcell3d.solver.load_stepping import at_rest, visit
-from unitcell3d.solver.newton import Newton
+from unitcell3d.model.crossover import YarnsModel
+from unitcell3d.solver.load_stepping import continue_to, rest_state
+from unitcell3d.solver.newton import Equilibrium, Newton
+from unitcell3d.solver.record import Hook
 
 CLOSE = 5e-4  # to the 1 of a watched quantity
 MOST_TRIALS = 12  # of a secant
@@ -33,7 +37,16 @@ class Followed:
     failed: str
 
 
-def follow(model, loads, row, *, rows=25, stop=None, hooks=(), comm=None):
+def follow(
+    model: YarnsModel,
+    loads: Sequence[Any],
+    row: Callable[[Equilibrium, Any], dict[str, Any]],
+    *,
+    rows: int | Sequence[int] = 25,
+    stop: Callable[[dict], float] | None = None,
+    hooks: Sequence[Hook] = (),
+    comm: Any = None,
+) -> Followed:
     """Follow a path from rest.
 
     Parameters
@@ -53,7 +66,7 @@ def follow(model, loads, row, *, rows=25, stop=None, hooks=(), comm=None):
     if len(loads) < 2:
         raise InputError(key="loads", value=len(loads), allowed="at least two, the first at rest")
     legs = len(loads) - 1
-    counts = [max(1, -(-rows // legs))] * legs if np.ndim(rows) == 0 else list(rows)
+    counts = list(rows) if isinstance(rows, Sequence) else [max(1, -(-rows // legs))] * legs
     solver = Newton(model, comm)
     try:
         return _Walk(model, solver, row, stop, hooks).along(loads, counts)
@@ -68,7 +81,7 @@ class _Walk:
 
     def along(self, loads, counts):
         begun = time.perf_counter()
-        rest, load, failed = at_rest(self.model, self.solver, loads[0]), loads[0], ""
+        rest, load, failed = rest_state(self.model, self.solver, loads[0]), loads[0], ""
         state = rest
         self._keep(state, load, 0.0, begun)
         done, total = 0, sum(counts)
@@ -89,7 +102,9 @@ class _Walk:
         at, shares = 0.0, list(np.arange(1, count + 1) / count)
         while shares:
             here = start.towards(end, at)
-            for inner in visit(self.model, self.solver, state.q, here, end, [(s - at) / (1 - at) for s in shares]):
+            for inner in continue_to(
+                self.model, self.solver, state.q, here, end, [(s - at) / (1 - at) for s in shares]
+            ):
                 before, state = state, inner[1]
                 share = shares.pop(0)
                 load = start.towards(end, share)
@@ -128,7 +143,7 @@ class _Walk:
             parts = (1 - first[2][crossing]) / (last[1][crossing] - first[2][crossing])
             trial = first[0] + np.clip(parts.min(), 0.02, 0.98) * (last[0] - first[0])
             here = start.towards(end, first[0])
-            _, inner = next(visit(self.model, self.solver, first[1].q, here, start.towards(end, trial), [1.0]))
+            _, inner = next(continue_to(self.model, self.solver, first[1].q, here, start.towards(end, trial), [1.0]))
             values = self._watched(inner, start.towards(end, trial))
             if values.max() < 1 - CLOSE:
                 first = (trial, inner, values)
@@ -146,11 +161,11 @@ class _Walk:
             if not self.model.fibres.fail(self.model.positions(state.q, load)):
                 return broken, state
             broken = True
-            _, state = next(visit(self.model, self.solver, state.q, load, load, [1.0]))
+            _, state = next(continue_to(self.model, self.solver, state.q, load, load, [1.0]))
         raise UnstableError("fibres go on failing at one load", when=str(load))
 
     def _keep(self, state, load, share, begun):
-        self.model.accept(state.q, load)
+        self.model.commit(state.q, load)
         row = self._row(state, load)
         row |= {"path": share, "iterations": state.iterations, "seconds": time.perf_counter() - begun}
         self.rows.append(row)

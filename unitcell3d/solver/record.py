@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import Any, TypeAlias
 
 import h5py
 import numpy as np
 
+from fabrics.checks import FilePath, FloatArray
 from fabrics.errors import InputError
 from fabrics.files import replace_whole
 
 _FORMAT = "weavecell case record 2"
 _NAMES = ("fabric", "case", "failed")
+Hook: TypeAlias = Callable[[float, dict[str, Any]], object]  # called as hook(share of the path, row)
 
 
 @dataclass(frozen=True)
@@ -38,10 +42,10 @@ class Record:
     facts: dict = field(default_factory=dict)
     last: dict = field(default_factory=dict, repr=False)
 
-    def __getitem__(self, name):
+    def __getitem__(self, name: str) -> FloatArray:
         return self.columns[name]
 
-    def write(self, path, **notes):
+    def write(self, path: FilePath, **notes: Any) -> None:
         """Write as HDF5 (.h5), with notes (numbers and texts) that `notes` gives back."""
         with replace_whole(path) as beside, h5py.File(beside, "w") as file:
             file.attrs.update({name: getattr(self, name) for name in _NAMES}, format=_FORMAT)
@@ -55,7 +59,7 @@ class Record:
             file["u"] = self.u
 
     @staticmethod
-    def notes(path):
+    def notes(path: FilePath) -> dict[str, Any]:
         """The notes of a file; {} where it is none of these."""
         try:
             with h5py.File(path, "r") as file:
@@ -64,7 +68,7 @@ class Record:
             return {}
 
     @classmethod
-    def read(cls, path) -> Record:
+    def read(cls, path: FilePath) -> Record:
         """Read what `write` wrote.
 
         Raises
@@ -76,11 +80,14 @@ class Record:
                 if file.attrs.get("format") != _FORMAT:
                     raise InputError(file=path, key="format", value=file.attrs.get("format"), allowed=repr(_FORMAT))
                 columns = {name: values[:] for name, values in file["columns"].items()}
+                fabric, case, failed = (str(file.attrs[name]) for name in _NAMES)
                 return cls(
                     columns,
                     {name: str(values.attrs["meaning"]) for name, values in file["columns"].items()},
                     file["u"][:],
-                    *(str(file.attrs[name]) for name in _NAMES),
+                    fabric,
+                    case,
+                    failed,
                     dict(file["facts"].attrs),
                     {name: values[:] for name, values in file.get("last", {}).items()},
                 )
@@ -88,6 +95,6 @@ class Record:
             raise InputError("cannot be read", file=path, allowed=f"a record of a case ({problem})") from problem
 
 
-def columns(rows):
+def columns(rows: Sequence[Mapping[str, Any]]) -> dict[str, FloatArray]:
     """{name: (n, ...)} of rows, dicts with the same keys."""
     return {key: np.array([row[key] for row in rows]) for key in rows[0]}

@@ -23,8 +23,9 @@ from shellfabric.output import snapshots as output_snapshots
 from shellfabric.output.histories import Measure
 from shellfabric.panel.boundary import PullIn
 from shellfabric.panel.model import Numerics, Panel
+from shellfabric.panel.solver import PLY_SAMPLES
 from shellfabric.plies.model import Pack, PlyContact, fabric_gap
-from shellfabric.plies.solver import PACK_ENERGIES, PLY_SAMPLES, PackMarch
+from shellfabric.plies.solver import PACK_ENERGIES, PackSolver
 from shellfabric.projectile import dynamics as bodies
 from shellfabric.projectile.bar import Bar
 from shellfabric.projectile.projectile import Projectile
@@ -44,7 +45,7 @@ def cloth(name, *, modulus=1.0, crimp=1.0, mass=1.0, strain=1.0, crimps=None, st
     straight : yarns without crimp; the trellis keeps its stiffness per width
     shear : {"G1", "G2", "gamma1", "gamma2": values} that replace those of the fabric
     """
-    fabric = catalogue.load(name).effective()
+    fabric = catalogue.load(name).with_effective_density()
     crimps = (STRAIGHT, STRAIGHT) if straight else crimps or [crimp * yarn.crimp for yarn in fabric.weave.yarns]
     # E / mass: the solid section grows with the linear density, and E A_s is to stay
     warp, weft = (
@@ -219,7 +220,7 @@ def net(*, fabric, velocity, end_time=800e-6, **changes):
 
 def struck_yarn(*, fabric, velocity):
     """A lone straight yarn struck at constant velocity, with Smith's closed form beside it."""
-    yarn = catalogue.load(fabric).effective().weave.warp
+    yarn = catalogue.load(fabric).with_effective_density().weave.warp
     run, theory = smith.strike(yarn, velocity), smith.smith(yarn, velocity)
     return {
         "c": run.measured.c,
@@ -259,7 +260,7 @@ def stability(*, fabric, velocity, factor, end_time):
     in the variational one half of the stiffness sees means over two elements, which leaves room of a root of 2.
     """
     from fabrics.errors import UnstableError
-    from shellfabric.panel.solver import March
+    from shellfabric.panel.solver import PanelSolver
 
     class Paced(Panel):
         @property
@@ -269,7 +270,7 @@ def stability(*, fabric, velocity, factor, end_time):
     table = CellModel(cloth(fabric, straight=True), model="decoupled", form="equilibrium").table(201)
     panel = Paced(table, numerics=Numerics(stretch_viscosity=0.0), trellis=False, failure=False)
     try:
-        March(panel, velocity, end_time).run()
+        PanelSolver(panel, velocity, end_time).run()
     except UnstableError as problem:
         return {"stable": False, "told": str(problem)}
     return {"stable": True, "told": ""}
@@ -310,7 +311,7 @@ def pack(
     if face is not None:
         struck = replace(asked, fabric=cloth(fabric, **face)).panel()
         whole = replace(whole, plies=(struck, *whole.plies[1:]))
-    march = PackMarch(whole, velocity, end_time, interval=1e-6)
+    march = PackSolver(whole, velocity, end_time, interval=1e-6)
     cones, tensions = [], []
 
     def look(march):
@@ -320,7 +321,7 @@ def pack(
             cones.append((march.time, [output_snapshots.pyramid(p, shot) for p, shot in zip(march.pack.plies, shots)]))
 
     march.run((look,))
-    fine = np.concatenate(march.fine)
+    fine = np.concatenate(march.step_history)
     bar = ply.projectile.bar
     return {
         "outcome": march.outcome,

@@ -31,7 +31,7 @@ def stretched(*, fabric, ratio, size="coarse", reach=None):
 
     given = catalogue.load(fabric)
     mesh = mesher.build(given, size=size)
-    found = biaxial_and_platens.biaxial(mesh, given, ratio, reach=reach)
+    found = biaxial_and_platens.biaxial(mesh, given, ratio, max_displacement=reach)
     x = mesh.points + found.u
     lines = []
     for grid, axis, sign in zip(mesh.grids, (0, 1), (1, -1)):
@@ -102,7 +102,7 @@ def brick(*, fabric, stretch):
     from unitcell3d.assembly.compat import Assembler, HexSpace
     from unitcell3d.material.solid_law import forms
 
-    law = catalogue.load(fabric).solids[0]
+    law = catalogue.load(fabric).solid_laws[0]
     corners = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]], float)
     space = HexSpace.build(corners, np.arange(8)[None])
     solid = Assembler(space, *forms(space, np.array([[law.E_a, law.a_E, law.b_E, law.Vf0, law.V_c, law.G]])))

@@ -79,7 +79,10 @@ class Search:
 def panel(fabric, elements, body):
     """The clamped panel of 203 mm and the projectile of 3 g of one case."""
     setup = ImpactSetup(
-        catalogue.load(fabric).effective(), 100.0, projectile=Projectile(body=body), elements_per_crossover=elements
+        catalogue.load(fabric).with_effective_density(),
+        100.0,
+        projectile=Projectile(body=body),
+        elements_per_crossover=elements,
     )
     return setup.panel()
 

@@ -68,7 +68,10 @@ def mesh(
             metavar="hand|micrograph|CRIMP[,CRIMP]",
         ),
     ] = "hand",
-    bluntness: Annotated[float, typer.Option(help="Height of the cut tips over that of the middle.")] = 0.075,
+    tip_thickness_ratio: Annotated[
+        float,
+        typer.Option("--tip-thickness-ratio", "--bluntness", help="Thickness of the cut tips over that of the middle."),
+    ] = 0.075,
     overlap: Annotated[
         Overlap, typer.Option(help="What to do where the two sections overlap by more than a shift removes.")
     ] = Overlap.solve,
@@ -98,7 +101,7 @@ def mesh(
         end_shells=end_shells,
         gap=gap,
         section=section and section.value,
-        bluntness=bluntness,
+        tip_thickness_ratio=tip_thickness_ratio,
         overlap=overlap.value,
     )
 

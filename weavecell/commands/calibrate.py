@@ -104,7 +104,7 @@ def calibrate(fabric, out, *, size, jobs, executor, friction=0.0, resume=False):
     with progress.bar(f"Calibration of {fabric.name}") as advance:
         told = told_by_paths(advance, 1 + len(solver.PATHS))
         return solver.calibrate(
-            fabric, size=size, friction=friction, out=out, progress=told, jobs=jobs, executor=executor, resume=resume
+            fabric, size=size, friction=friction, out=out, on_progress=told, jobs=jobs, executor=executor, resume=resume
         )
 
 

@@ -30,7 +30,7 @@ def command(out, *, size, jobs, executor, resume, friction=0.0):
     """Calibrate the whole catalogue, write the summary and print it."""
     from unitcell3d.identify.calibrate import PATHS, calibrate_all
 
-    fabrics = [fabric for fabric in map(catalogue.load, catalogue.names()) if fabric.solids is not None]
+    fabrics = [fabric for fabric in map(catalogue.load, catalogue.list_names()) if fabric.solid_laws is not None]
     with progress.bar(f"Calibration of {len(fabrics)} fabrics") as advance:
         found = calibrate_all(
             fabrics,
@@ -40,7 +40,7 @@ def command(out, *, size, jobs, executor, resume, friction=0.0):
             resume=resume,
             jobs=jobs,
             executor=executor,
-            progress=told_by_paths(advance, len(fabrics) * (1 + len(PATHS))),
+            on_progress=told_by_paths(advance, len(fabrics) * (1 + len(PATHS))),
         )
     rows = [row(fabric, found[fabric.name]) for fabric in fabrics]
     with write_whole(out / "summary.csv") as file:

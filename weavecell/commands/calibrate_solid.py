@@ -42,7 +42,7 @@ def fit(fabric, curve, out, *, jobs=1, executor="local", resume=False):
             executor=executor,
             keep=out / "solid",
             resume=resume,
-            progress=lambda runs, rms: advance(runs / EXPECTED, f"misfit {1e6 * rms:.1f} µm"),
+            on_progress=lambda runs, rms: advance(runs / EXPECTED, f"misfit {1e6 * rms:.1f} µm"),
         )
     found.write(out / "solid.json")
     for name, value in found.values.items():
@@ -85,5 +85,5 @@ def chapter(found):
 
 def _before(fabric, name):
     """The value of the fabric's file, of the warp."""
-    solid = fabric.solids[0]
+    solid = fabric.solid_laws[0]
     return solid.K_r * solid.E_c if name == "K_r E_c" else getattr(solid, name)

@@ -25,7 +25,7 @@ from weavecell.report import page as report_page
 from weavecell.report.page import Card, Figure, Section, Table
 from weavecell.results import json_file, progress, provenance
 from weavecell.results.coupon import CouponRecord, read_states, write_states
-from weavecell.results.coupon_measures import MOVED, measures
+from weavecell.results.coupon_measures import PRESCRIBED, measures
 from weavecell.scenes import build
 from weavecell.scenes import coupon as scenes_coupon
 from weavecell.scenes.supported import Support, of
@@ -118,9 +118,9 @@ def coupon(path, out, *, resume=False, strict=False):
         hint = "; --resume goes on from its last step" if checkpoint.exists() else ""
         raise Interrupted(f"interrupted{hint}") from None
     record = CouponRecord.of(
-        result, measures(asked.test, asked.asked, result), MOVED[asked.test], title=title, fabric=this.fabric.name,
-        law_name=this.law_name, test=asked.test, message=str(failure or ""), wall_time=time.perf_counter() - began,
-        checks=_indicators(result, table, asked.run.tolerance),
+        result, measures(asked.test, asked.asked, result), PRESCRIBED[asked.test], title=title, fabric=this.fabric.name,
+        law_name=this.law_name, test=asked.test, failure_message=str(failure or ""),
+        wall_time=time.perf_counter() - began, checks=_indicators(result, table, asked.run.tolerance),
     )  # fmt: skip
     with progress.bar("Writing results") as advance:
         _write(out, this, record, text, advance)
@@ -206,7 +206,9 @@ def _write(out, this, record, text, advance):
     with write_whole(out / "scene.toml") as file:
         file.write(text)
     record.write(out / "histories.h5")
-    json_file.write(out / "summary.json", record.summary() | checks.summary(record.checks) | {"provenance": stamp})
+    json_file.write_summary(
+        out / "summary.json", record.summary() | checks.summary(record.checks) | {"provenance": stamp}
+    )
     advance(0.2)
     if not outputs:
         return
@@ -233,18 +235,21 @@ def chapter(record, tolerance):
     content = pictures.render(pictures_coupon.relaxation, record, tolerance)
     caption = "Dynamic relaxation: out-of-balance force on the free nodes over the reaction; lines end the load steps."
     figures.append(Figure(content, "svg", caption, "relaxation"))
-    columns = (_headed(record.moved_name, record.moved_unit), *(_headed(n, u) for n, (u, _) in record.measures.items()))
+    columns = (
+        _headed(record.prescribed_name, record.prescribed_unit),
+        *(_headed(n, u) for n, (u, _) in record.measures.items()),
+    )
     columns += ("residual", "iterations")
     rows = tuple(
         (
-            _told(record.moved_name, record.moved_unit, record.moved[k]),
+            _told(record.prescribed_name, record.prescribed_unit, record.prescribed[k]),
             *(_told(name, unit, values[k]) for name, (unit, values) in record.measures.items()),
             f"{record.residual[k]:.1e}",
             f"{record.iterations[k]}",
         )
-        for k in range(len(record.moved))
+        for k in range(len(record.prescribed))
     )
-    lead = f"The run was stopped: {record.message}." if record.message else ""
+    lead = f"The run was stopped: {record.failure_message}." if record.failure_message else ""
     table = Table(columns, rows, "After each load step", numeric=columns)
     return Section("coupon", WORDS[record.test].capitalize(), lead, tuple(figures), (table,))
 
@@ -261,8 +266,8 @@ def _told(name, unit, value):
 
 def lines(record):
     """What a test came to, in a few lines."""
-    told, moved = [], (record.moved_unit, record.moved)
-    for name, (unit, values) in {record.moved_name: moved, **record.measures}.items():
+    told, moved = [], (record.prescribed_unit, record.prescribed)
+    for name, (unit, values) in {record.prescribed_name: moved, **record.measures}.items():
         told.append(f"{name:<34}{_told(name, unit, values[-1])} {pictures_coupon.axis(name, unit)[1]}".rstrip())
     told.append(
         f"{record.elements} elements, {int(record.iterations.sum())} iterations, residual {record.residual.max():.1e} "
@@ -282,8 +287,8 @@ def _page(this, record, told, stamp):
     )
     return report_page.Report(
         record.title,
-        f"A coupon of {record.fabric}, {record.elements} elements, in {len(record.moved)} load steps, each relaxed to "
-        f"{this.scene.run.tolerance:g} of the reaction.",
+        f"A coupon of {record.fabric}, {record.elements} elements, in {len(record.prescribed)} load steps, each "
+        f"relaxed to {this.scene.run.tolerance:g} of the reaction.",
         (cards,),
         (
             told,

@@ -114,7 +114,7 @@ def critical_velocity(target, out, *, tolerance, curve, jobs, executor, strict=F
 def _case(target, out):
     """(Case, text of its scene)"""
     name = Path(target).stem
-    if target in catalogue.names():
+    if target in catalogue.list_names():
         table = {"name": target}
     elif target.endswith(".toml"):
         text, found = scenes_impact.read_toml(target, what="scene or fabric")
@@ -125,7 +125,7 @@ def _case(target, out):
     else:
         raise InputError(
             key="TARGET", value=target,
-            allowed=f"a scene or fabric file (*.toml), or one of {', '.join(catalogue.names())}",
+            allowed=f"a scene or fabric file (*.toml), or one of {', '.join(catalogue.list_names())}",
         )  # fmt: skip
     standard = scenes_impact.read_toml(resources.files("weavecell") / "scenes" / "demo.toml", what="demonstration")[1][
         "scene"

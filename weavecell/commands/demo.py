@@ -114,8 +114,8 @@ def _asked(plan, shots, seconds):
         rows.append((f"{record.title} ({asked['source']})", asked["asked"], record.outcome, "yes" if met else "no"))
     limits = plan["asked"]
     for what, key, measure in (
-        ("worst error of the energy balance, of the strike energy", "balance", "worst_balance"),
-        ("viscous energy, of the energy absorbed", "numerical", "numerical_share"),
+        ("worst error of the energy balance, of the strike energy", "balance", "energy_error_max"),
+        ("viscous energy, of the energy absorbed", "numerical", "viscous_energy_fraction"),
     ):
         worst = max((getattr(record, measure) for _, record in shots))
         share = si(limits[key], "")

@@ -9,6 +9,7 @@ from pathlib import Path
 from fabrics import catalogue
 from fabrics.errors import InputError
 from fabrics.files import replace_whole, write_whole
+from weavecell.report.derived import derived
 
 # heading, unit, and what stands in the column
 _COLUMNS = (
@@ -25,7 +26,7 @@ _COLUMNS = (
 
 def show_all(out=None):
     """Print the catalogue, one line a fabric; with `out`, also write it as CSV."""
-    rows = [[column(fabric) for _, _, column in _COLUMNS] for fabric in map(catalogue.load, catalogue.names())]
+    rows = [[column(fabric) for _, _, column in _COLUMNS] for fabric in map(catalogue.load, catalogue.list_names())]
     if out is not None:
         with write_whole(out) as file:
             csv.writer(file).writerows([[f"{name} [{unit}]" if unit else name for name, unit, _ in _COLUMNS], *rows])
@@ -45,24 +46,6 @@ def show(name, out=None):
     )
 
 
-def derived(fabric):
-    """(quantity, value) rows that follow from a fabric's data: geometry, mass, strength."""
-    weave = fabric.weave
-    pair = " / ".join
-    rows = [
-        ("cell, warp x weft direction", f"{2e3 * weave.w1:.4f} x {2e3 * weave.w2:.4f} mm"),
-        ("yarn heights h01, h02 (eq. 4-5)", pair(f"{1e3 * h:.4f}" for h in weave.h0) + " mm"),
-        ("thickness 2 (h01 + h02)", f"{1e3 * weave.thickness:.4f} mm"),
-        ("areal density", f"{1e3 * weave.areal_density:.1f} g/m²"),
-        ("fibre area", pair(f"{1e6 * yarn.A_s:.4f}" for yarn in weave.yarns) + " mm²"),
-        ("axial stiffness EA", pair(f"{yarn.EA:.0f}" for yarn in weave.yarns) + " N"),
-        ("yarn strength", pair(f"{yarn.strength:.1f}" for yarn in weave.yarns) + " N"),
-    ]
-    if fabric.areal_density_measured is not None:
-        rows.insert(4, ("areal density, measured", f"{1e3 * fabric.areal_density_measured:.1f} g/m²"))
-    return rows
-
-
 def _copy(name, folder):
     """Copy the data file of a fabric of the catalogue into `folder`; never over a file that is there."""
     target = folder / f"{name}.toml"
@@ -70,7 +53,7 @@ def _copy(name, folder):
         raise InputError("exists already", file=target)
     source = Path(catalogue.__file__).parent / f"{name}.toml"
     if not source.exists():
-        raise InputError(key="FABRIC", value=name, allowed=f"one of {', '.join(catalogue.names())} to be copied")
+        raise InputError(key="FABRIC", value=name, allowed=f"one of {', '.join(catalogue.list_names())} to be copied")
     with replace_whole(target) as beside:
         shutil.copyfile(source, beside)
 

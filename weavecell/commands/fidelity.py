@@ -154,16 +154,18 @@ def summary(choice):
     final = choice.final
     return {
         "accuracy": {
-            "asked": choice.asked,
+            "targets": choice.asked,
             "model": final.option.model.name,
             "symmetry": final.option.setup.symmetry,
-            "checked_by": final.against,
+            "compared_with": final.against,
             "values": {name: _number(final.values[name]) for name in choice.asked},
-            "estimated": {name: None if error == float("inf") else error for name, error in final.errors.items()},
-            "full_model_itself": choice.own,
+            "estimated_errors": {
+                name: None if error == float("inf") else error for name, error in final.errors.items()
+            },
+            "reference_error": choice.own,
             "projectile": choice.body,
             "confirmed": choice.confirmed,
-            "tried": [attempt.option.model.name for attempt in choice.attempts],
+            "models_run": [attempt.option.model.name for attempt in choice.attempts],
         }
     }
 

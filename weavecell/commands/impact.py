@@ -25,7 +25,7 @@ import weavecell
 from fabrics.errors import InputError, WeavecellError
 from fabrics.files import write_whole
 from weavecell.commands import fidelity, impact_pack
-from weavecell.report import chapters, checks
+from weavecell.report import chapters, chapters_impact, checks
 from weavecell.report import page as report_page
 from weavecell.results import json_file, paraview, progress, provenance
 from weavecell.results.impact import ImpactRecord, Shape
@@ -153,12 +153,12 @@ def write(out, this, record, snapshots, text, advance, choice=None):
         file.write(text)
     record.write(out / "histories.h5")
     content = record.summary() | checks.summary(record.checks) | fidelity.summary(choice)
-    json_file.write(out / "summary.json", content | {"provenance": stamp})
+    json_file.write_summary(out / "summary.json", content | {"provenance": stamp})
     advance(0.1)
     shutil.rmtree(out / "panel", ignore_errors=True)  # of an earlier run, whose series may have been longer
     if "paraview" in outputs:
-        shapes = [Shape.of(shot) for shot in snapshots if shot.t < record.last.t]
-        paraview.write_panel(out, [*shapes, record.last], record.quads)
+        shapes = [Shape.of(shot) for shot in snapshots if shot.t < record.final.t]
+        paraview.write_panel(out, [*shapes, record.final], record.quads)
     advance(0.4)
     if not {"pictures", "report"} & set(outputs):
         return
@@ -166,8 +166,8 @@ def write(out, this, record, snapshots, text, advance, choice=None):
     if choice is not None:
         told.append(fidelity.chapter(choice))
     if record.measured is not None:
-        told.append(chapters.measures(record, this.scene.history.report_positions))
-    told += chapters.body(record)
+        told.append(chapters_impact.measures(record.measured, this.scene.history.report_positions))
+    told += chapters_impact.body(record)
     if "pictures" in outputs:
         report_page.write_pictures(told, out / "pictures")
     advance(0.9)
@@ -207,9 +207,9 @@ def page(this, record, told, stamp):
 def _tell(record, out):
     print(f"{record.title}: {record.outcome}, {chapters.residual(record)}")
     print(
-        f"energy balance within {100 * record.worst_balance:.3f} % of the strike energy, {record.strike_energy:.2f} J"
+        f"energy error at most {100 * record.energy_error_max:.3f} % of the strike energy, {record.strike_energy:.2f} J"
     )
-    if record.rigidity:
-        print(record.rigidity)
-    print(f"viscous energy {100 * record.numerical_share:.1f} % of the {record.absorbed:.2f} J absorbed")
+    if record.rigid_check:
+        print(record.rigid_check)
+    print(f"viscous energy {100 * record.viscous_energy_fraction:.1f} % of the {record.absorbed_energy:.2f} J absorbed")
     print(f"written to {out}", flush=True)

@@ -19,7 +19,7 @@ import numpy as np
 import weavecell
 from fabrics.errors import InputError
 from fabrics.files import replace_whole, write_whole
-from weavecell.report import chapters, checks, pictures, pictures3d, pictures_pack
+from weavecell.report import chapters, chapters_impact, checks, pictures, pictures3d, pictures_pack
 from weavecell.report import page as report_page
 from weavecell.results import json_file, paraview, progress, provenance
 from weavecell.results.pack import PackRecord
@@ -33,9 +33,10 @@ SUPPORT = Support(
     Scene,
     (
         "format", "title", *build.SHOT, "projectile.strike_velocity", *of("panel", "plies stacking ply_gap"),
+        *of("history", "interval warp weft report_positions"),
         *of("run", "end_time snapshot_interval checkpoint_interval outputs"),
     ),
-    rejected=build.NO_SLACK | dict.fromkeys(("history", "accuracy", "panel.grading"), _OF_ONE_PLY),
+    rejected=build.NO_SLACK | dict.fromkeys(("accuracy", "panel.grading"), _OF_ONE_PLY),
     rules=(
         *build.SHOT_RULES,
         Rule("panel.stacking", lambda scene: scene.panel.weave_angle != 0, "aligned where the weave is oblique"),
@@ -86,7 +87,7 @@ def impact(this, setup, path, text, out, *, resume=False, strict=False):
 def fire(this, setup, title, *, checkpoint, resume=False):
     """Run it under a progress bar: (PackRecord, snapshots, the UnstableError that ended it or None)."""
     from shellfabric.impact import pack as impact_pack
-    from shellfabric.output.checkpoint_pack import Checkpoints
+    from shellfabric.output.checkpoint import Checkpoints
 
     hooks = (Checkpoints(checkpoint, this.scene.run.checkpoint_interval),)
     result, failure = progress.watched(
@@ -109,7 +110,9 @@ def write(out, this, record, snapshots, text, advance):
     with write_whole(out / "scene.toml") as file:
         file.write(text)
     record.write(out / "histories.h5")
-    json_file.write(out / "summary.json", record.summary() | checks.summary(record.checks) | {"provenance": stamp})
+    json_file.write_summary(
+        out / "summary.json", record.summary() | checks.summary(record.checks) | {"provenance": stamp}
+    )
     advance(0.1)
     shutil.rmtree(out / "pack", ignore_errors=True)
     if "paraview" in outputs:
@@ -117,9 +120,13 @@ def write(out, this, record, snapshots, text, advance):
     advance(0.4)
     if not {"pictures", "report"} & set(outputs):
         return
-    told = chapter(record)
+    told = [chapter(record)]
+    ends = dict.fromkeys((0, record.count - 1)) if record.measured else ()  # the ply that is struck, and the rear one
+    told += [
+        chapters_impact.measures(record.measured[ply], this.scene.history.report_positions, ply + 1) for ply in ends
+    ]
     if "pictures" in outputs:
-        report_page.write_pictures([told], out / "pictures")
+        report_page.write_pictures(told, out / "pictures")
     advance(0.9)
     if "report" in outputs:
         report_page.write(page(this, record, told, stamp), out / "report.html")
@@ -151,8 +158,8 @@ def chapter(record):
     """The impact: velocity, cuts, what the plies bear, energies, and the rear ply."""
     figure, render = report_page.Figure, pictures.render
     energies = record.energies | {
-        "stored": record.energies["stored"] + record.energies["cell"],
-        "contact": record.energies["contact"] + record.energies["plies"],
+        "yarn_strain": record.energies["yarn_strain"] + record.energies["formulation_residual"],
+        "contact": record.energies["contact"] + record.energies["ply_contact"],
     }
     last, rear = record.shapes[-1], record.quads[-1]
     share = np.max(last.tension / record.strength[-1], axis=1)
@@ -161,7 +168,7 @@ def chapter(record):
     images = [(f"at {1e6 * last.t:.0f} µs", pictures3d.panel(last.nodes, rear, share, failed, body, mirrors, reach))
               for reach in (None, chapters.CLOSE_UP)]  # fmt: skip
     figures = (
-        figure(render(pictures.velocity, {record.title: (record.t, record.v)}), "svg",
+        figure(render(pictures.velocity, {record.title: (record.time, record.velocity)}), "svg",
                "Velocity of the projectile from strike to the end of the run.", "velocity"),
         figure(render(pictures_pack.cuts, _chosen(record.cuts), record.thickness, record.mirror_x, _outline(record),
                       chapters.CLOSE_UP), "svg",
@@ -170,17 +177,19 @@ def chapter(record):
         figure(render(pictures_pack.shares, record.peak_tension / record.strength, record.plies["failed_yarns"][-1],
                       record.plies["energy"][-1]), "svg",
                "What each ply bears; a ply's energy is what it moves with, stores and has lost.", "plies"),
-        figure(render(pictures_pack.pushes, record.t, record.plies["push"], record.plies["deflection"]), "svg",
+        figure(render(pictures_pack.pushes, record.time, record.plies["push"], record.plies["deflection"]), "svg",
                "Left: the nose pushes on the plies that it touches; the others are pushed by the one before them.",
                "pushes"),
-        figure(render(pictures.energies, record.t, energies, record.strike_energy, record.energies["balance"],
+        figure(render(pictures.energies, record.time, energies, record.strike_energy, record.energies["error"],
                       record.title), "svg",
                "Where the strike energy is; below, what the balance misses (green band: 1 %). Contact is that of the "
                "nose and that between plies.", "energies", wide=False),
         figure(render(pictures.panels, {"rear ply": tuple(images)}, kind="png"), "png",
                "The rear ply, seen from behind, to scale; right, the impact point.", "panel"),
     )  # fmt: skip
-    lead = f"{record.title} became unstable and was stopped: {record.message}." if record.message else ""
+    lead = (
+        f"{record.title} became unstable and was stopped: {record.failure_message}." if record.failure_message else ""
+    )
     return report_page.Section("impact", "Impact", lead, figures, (chapters.impact_table([record]), _ply_table(record)))
 
 
@@ -210,15 +219,16 @@ def _ply_table(record):
          f"{record.plies['energy'][-1, p]:.2f}")
         for p in range(record.count)
     )  # fmt: skip
-    caption = f"Warp and weft are each ply's own. Deepest contact: {100 * record.deepest.max():.0f} % of a thickness."
-    held, missed = record.held_apart
+    deepest = 100 * record.max_penetration_ratio.max()
+    caption = f"Warp and weft are each ply's own. Deepest contact: {deepest:.0f} % of a thickness."
+    held, missed = record.torn_contact
     if held or missed:
         caption += f" Torn cloth was kept from going through other plies {held:g} times, {missed:g} times in vain."
     return report_page.Table(columns, rows, caption=caption, numeric=columns[1:])
 
 
 def page(this, record, told, stamp):
-    """The report of one impact on a pack."""
+    """The report of one impact on a pack; told : sections of what was found."""
     model, panel = this.scene.fabric.cell_model, this.scene.panel
     source = this.law_name if model == "compressible" else model
     laws = (chapters.law_card(this.laws[0], source=source),) if this.surface is None else ()
@@ -230,7 +240,7 @@ def page(this, record, told, stamp):
         f"{build.panel_in_words(panel)}, struck at {shot.strike_velocity:g} m/s by {build.shot_in_words(shot)}.",
         (cards,),
         (
-            told,
+            *told,
             checks.section(record.checks),
             chapters.sources(this.fabric),
             chapters.making(stamp, {"marching": record.wall_time}),
@@ -244,6 +254,6 @@ def _tell(record, out):
     failed = ", ".join(f"{count:g}" for count in record.plies["failed_yarns"][-1])
     print(f"failed yarn segments by ply: {failed}")
     print(
-        f"energy balance within {100 * record.worst_balance:.3f} % of the strike energy, {record.strike_energy:.2f} J"
+        f"energy error at most {100 * record.energy_error_max:.3f} % of the strike energy, {record.strike_energy:.2f} J"
     )
     print(f"written to {out}", flush=True)

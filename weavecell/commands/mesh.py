@@ -51,7 +51,7 @@ def with_3d_data(name):
     InputError : no such fabric, or one without [solid] tables for whose yarns none are assumed
     """
     try:
-        fabric = assumed.with_solids(catalogue.load(name))
+        fabric = assumed.with_solid_laws(catalogue.load(name))
     except InputError as problem:
         raise problem if problem.file or problem.key else InputError(str(problem), key="FABRIC", value=name) from None
     for line in assumed.lines(fabric):
@@ -100,7 +100,7 @@ def facts(built):
         "nodes": f"{len(built.points)}",
         "fibre bars": " / ".join(map(str, bars)) + " (warp / weft)",
         "worst scaled Jacobian": f"{built.min_scaled_jacobian:.3f}",
-        "sections": f"{built.sections[0].kind}: {built.closing.report}",
+        "sections": f"{built.sections[0].kind}: {built.section_fit.report}",
         "facets of the mesh": f"overlap by up to {-gap:.2f} um" if gap < 0 else f"apart by at least {gap:.2f} um",
     }
 

@@ -44,7 +44,7 @@ def surface_command(name, out, *, d1, d2, points, tolerance, size, jobs, executo
             resume=resume,
             jobs=jobs,
             executor=executor,
-            progress=advance,
+            on_progress=advance,
             provenance=f"weavecell {stamp['weavecell']}, commit {stamp['commit']}, {stamp['date']}",
         )
     found.surface.write(out / "surface.h5")

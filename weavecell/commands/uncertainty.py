@@ -101,7 +101,7 @@ def _begin(fabric, out, page, name, resume):
     for line in assumed.lines(cloth):
         print(line)
     if cloth.effective_linear_density is not None:
-        cloth = cloth.effective()
+        cloth = cloth.with_effective_density()
     if page is not None:
         marked_page.split(page, *_marks(name))
     if not resume:

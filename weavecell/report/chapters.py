@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from weavecell.commands.fabrics import derived
-from weavecell.report import pictures, pictures3d, pictures_body, pictures_histories
+from weavecell.report import pictures, pictures3d
+from weavecell.report.derived import derived
 from weavecell.report.page import Card, Figure, Section, Table
 from weavecell.results.paraview import failed_yarns
 
@@ -51,8 +51,8 @@ def impact_card(record):
         headline[record.outcome],
         (
             residual(record),
-            f"energy balance {percent(record.worst_balance)}",
-            f"viscous {percent(record.numerical_share)}",
+            f"energy balance {percent(record.energy_error_max)}",
+            f"viscous {percent(record.viscous_energy_fraction)}",
         ),
         tone,
     )
@@ -163,9 +163,9 @@ def options(table):
 
 def impact(records):
     """The impacts: velocity, shape, energies and reactions."""
-    velocities = {record.title: (record.t, record.v) for record in records}
+    velocities = {record.title: (record.time, record.velocity) for record in records}
     shapes = {record.title: _shapes(record) for record in records}
-    reactions = {record.title: (record.t, record.reactions["warp"], record.reactions["weft"]) for record in records}
+    reactions = {record.title: (record.time, record.reactions["warp"], record.reactions["weft"]) for record in records}
     figures = [
         Figure(
             pictures.render(pictures.velocity, velocities), "svg",
@@ -180,13 +180,13 @@ def impact(records):
     ]  # fmt: skip
     for number, record in enumerate(records, 1):
         picture = pictures.render(
-            pictures.energies, record.t, _by_work(record.energies), record.strike_energy, record.energies["balance"],
+            pictures.energies, record.time, _by_work(record.energies), record.strike_energy, record.energies["error"],
             record.title,
         )  # fmt: skip
         name = f"energies-{number}" if len(records) > 1 else "energies"
         caption = (
             "Where the strike energy is; below, what the balance misses (green band: 1 %). Membrane is the work of the "
-            "cell's forces; what the yarns store differs from it by the term 'cell' of the table."
+            "cell's forces; what the yarns store differs from it by the term 'formulation' of the table."
         )
         figures.append(Figure(picture, "svg", caption, name, wide=False))
     figures.append(
@@ -200,7 +200,9 @@ def impact(records):
         "impact",
         "Impact" if len(records) == 1 else "Impacts",
         " ".join(
-            f"{record.title} became unstable and was stopped: {record.message}." for record in records if record.message
+            f"{record.title} became unstable and was stopped: {record.failure_message}."
+            for record in records
+            if record.failure_message
         ),
         tuple(figures),
         (impact_table(records),),
@@ -209,13 +211,13 @@ def impact(records):
 
 def _by_work(energies):
     """The energies with the work of the cell's forces in place of what the yarns store: parts that add up."""
-    return energies | {"stored": energies["stored"] + energies.get("cell", 0.0)}
+    return energies | {"yarn_strain": energies["yarn_strain"] + energies.get("formulation_residual", 0.0)}
 
 
 def _shapes(record):
     """The whole panel half-way through the event, and the impact point at the end."""
     drawn = []
-    for shape, reach in ((record.middle, None), (record.last, CLOSE_UP)):
+    for shape, reach in ((record.half_energy, None), (record.final, CLOSE_UP)):
         share = np.max(shape.tension / record.strength, axis=1)
         body = shape.nose + record.projectile
         mirrors = (record.mirror_x, record.mirror_y)
@@ -228,7 +230,7 @@ def impact_table(records):
     """One row a run."""
     columns = (
         "run", "outcome", "residual [m/s]", "absorbed [J]", "failed yarn segments",
-        "balance [% of strike]", "viscous [% of absorbed]", "cell [% of strike]", "marching [s]",
+        "balance [% of strike]", "viscous [% of absorbed]", "formulation [% of strike]", "marching [s]",
         "ns per element and step",
     )  # fmt: skip
     rows = tuple(
@@ -236,11 +238,11 @@ def impact_table(records):
             record.title,
             record.outcome,
             residual(record).split()[-2],
-            f"{record.absorbed:.2f}",
-            f"{int(record.failed[-1])}",
-            f"{100 * record.worst_balance:.3f}",
-            f"{100 * record.numerical_share:.2f}",
-            f"{100 * float(np.atleast_1d(record.energies.get('cell', 0.0))[-1]) / record.strike_energy:.2f}",
+            f"{record.absorbed_energy:.2f}",
+            f"{int(record.failed_segments[-1])}",
+            f"{100 * record.energy_error_max:.3f}",
+            f"{100 * record.viscous_energy_fraction:.2f}",
+            f"{100 * _formulation_residual(record) / record.strike_energy:.2f}",
             f"{record.wall_time:.2f}",
             f"{record.ns_per_element_step:.1f}",
         )
@@ -249,66 +251,9 @@ def impact_table(records):
     return Table(columns, rows, numeric=columns[2:])
 
 
-def measures(record, places):
-    """What was recorded along yarns and at the edges; places [m] along the yarns whose histories are drawn."""
-    from shellfabric.output.wave_fronts import fronts
-
-    recorded = record.measured
-    t, waves = recorded.t, fronts(recorded)
-    through = [yarn for yarn in (recorded.through("warp"), recorded.through("weft")) if yarn is not None]
-    drawn = []
-    if recorded.yarns:
-        within = [place for place in places if any(place <= yarn.X[-1] for yarn in recorded.yarns)]
-        drawn = [
-            ("tensions", "Tension and fibre strain of the yarns that were followed.", (recorded.yarns, within)),
-            ("fronts", "Tension over place and time, with the longitudinal front (dark: tension arrives) and the "
-             "transverse one (red: the foot of the pyramid); the lines are fitted.", (through, waves)),
-            ("profiles", "Deflection along the yarns nearest the impact point.", (through,)),
-        ]  # fmt: skip
-    drawn.append(("edges", "Force of the cloth on the edges of the whole panel.", (recorded.edges,)))
-    figures = tuple(
-        Figure(pictures.render(getattr(pictures_histories, name), t, *arguments), "svg", caption, name)
-        for name, caption, arguments in drawn
-    )
-    columns = ("front", "yarn", "speed in the cloth [m/s]", "95 % interval [m/s]", "speed along the yarn [m/s]")
-    return Section(
-        "measures", "Along the yarns and at the edges", "", figures,
-        (Table(columns, tuple(_front_row(wave, recorded) for wave in waves), numeric=columns[2:]),) if waves else (),
-    )  # fmt: skip
-
-
-def body(record):
-    """Sections of an elastic projectile and of a block behind the panel, where there is one."""
-    found = []
-    if record.bar is not None:
-        bar = record.bar
-        lead = f"{record.rigidity}. " if record.rigidity else ""
-        lead += f"Plastic strain has shortened it by {1e3 * bar.shortening:.3g} mm."
-        swing = f" They swing in {1e6 * bar.swing:.3g} us." if np.isfinite(bar.swing) else ""
-        caption = (
-            f"Tip, tail and centre of mass of the projectile; the first mode has {1e6 * bar.period:.3g} us.{swing}"
-        )
-        picture = pictures.render(pictures_body.bar, bar)
-        found.append(Section("bar", "The projectile as a bar", lead, (Figure(picture, "svg", caption, "bar"),)))
-    if record.backing is not None:
-        block = record.backing
-        lead = (
-            f"The crater is {1e3 * block.depth:.1f} mm deep and {2e3 * block.half_width:.1f} mm wide at half of that; "
-            f"its wall stands at {np.degrees(block.steepness):.0f}° to the face. {int(block.gone.sum())} bricks of the "
-            "quarter are eroded."
-        )
-        picture = pictures.render(pictures_body.crater, {record.title: block}, kind="png")
-        caption = "The block cut along the warp through the impact point, at the end of the run, to scale."
-        found.append(Section("backing", "The block behind", lead, (Figure(picture, "png", caption, "crater"),)))
-    return found
-
-
-def _front_row(wave, recorded):
-    if not np.isfinite(wave.speed):
-        return wave.kind, wave.family, "-", "-", "-"
-    along = f"{wave.speed * (1 + recorded.through(wave.family).crimp):.0f}" if wave.kind == "longitudinal" else "-"
-    low, high = wave.interval
-    return wave.kind, wave.family, f"{wave.speed:.0f}", f"{low:.0f} to {high:.0f}", along
+def _formulation_residual(record):
+    """[J] at the end."""
+    return float(np.atleast_1d(record.energies.get("formulation_residual", 0.0))[-1])
 
 
 def comparison(rows):

@@ -63,11 +63,11 @@ def curves(pyplot, record, chosen, label):
     """
     figure, axes = pyplot.subplots(figsize=(10.4, 4.4))
     factor, unit = axis(chosen[0], record.measures[chosen[0]][0])
-    across, across_unit = axis(record.moved_name, record.moved_unit)
+    across, across_unit = axis(record.prescribed_name, record.prescribed_unit)
     for name, colour in zip(chosen, _colours(chosen)):
         looks = {"ls": "--", "lw": 1.6, "zorder": 3} if _is_known(name) else {"ls": "-", "marker": "o", "ms": 4.5}
-        axes.plot(across * record.moved, factor * record.measures[name][1], color=colour, label=name, **looks)
-    axes.set(xlabel=f"{record.moved_name} [{across_unit}]", ylabel=f"{label} [{unit}]")
+        axes.plot(across * record.prescribed, factor * record.measures[name][1], color=colour, label=name, **looks)
+    axes.set(xlabel=f"{record.prescribed_name} [{across_unit}]", ylabel=f"{label} [{unit}]")
     axes.set_xlim(left=0)
     if unit != "°" and all(record.measures[name][1].min() >= 0 for name in chosen):
         axes.set_ylim(bottom=0)

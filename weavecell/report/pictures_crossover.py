@@ -182,7 +182,7 @@ def _bodies(mesh, record, yarns):
     if len(record.u) == len(mesh.points):
         of = mesh
     elif record.case.startswith("yarn"):
-        of = yarns.alone(mesh, int(record.facts["yarn"]))
+        of = yarns.single_yarn_mesh(mesh, int(record.facts["yarn"]))
     else:
         plies, shift = int(record.facts["plies"]), record.facts["shift"]
         pitch = record["distance"][0] / plies if not any(shift) else _nested(mesh, record)

@@ -1,7 +1,7 @@
 """What a test on a coupon leaves, in HDF5: its record (histories.h5), and the states to go on from (checkpoint.h5).
 
 Layout of the record: attributes of the root for scalars and texts; /histories with one value a load step; /coupon with
-the cloth at rest; /states with nodes and shear angles after every step; /last with the tensions of the yarns at the
+the cloth at rest; /states with nodes and shear angles after every step; /final with the tensions of the yarns at the
 end; /relaxation with the out-of-balance force of every iteration. Every dataset has the attribute "unit".
 """
 
@@ -14,23 +14,24 @@ import numpy as np
 from fabrics import run_cache
 from fabrics.errors import InputError
 from fabrics.files import replace_whole
-from weavecell.results.impact import put
+from weavecell.results import keys
+from weavecell.results.hdf5_file import put
 
-_FORMAT = "weavecell coupon 1"
-_CHECKPOINT = "weavecell coupon checkpoint 2"
-_SCALARS = (
-    "title",
-    "fabric",
-    "law_name",
-    "test",
-    "moved_name",
-    "moved_unit",
-    "outcome",
-    "message",
-    "elements",
-    "wall_time",
-)
-_COUPON = {"points": "m", "quads": "1", "warp": "1", "weft": "1", "grips": "1"}
+_FORMAT = "weavecell coupon 2"
+_CHECKPOINT = "weavecell coupon checkpoint 3"
+# attribute of the record: attribute of the file, and key of summary.json
+_SCALARS = {
+    "title": "title",
+    "fabric": "fabric",
+    "law_name": "law_name",
+    "test": "test",
+    "prescribed_name": "prescribed_name",
+    "prescribed_unit": "prescribed_unit",
+    "outcome": "outcome",
+    "failure_message": "failure_message",
+    "elements": "elements",
+    "wall_time": "wall_time_s",
+}
 _STATE = {"load": "1", "x": "m", "reaction": "N", "history": "N", "residual": "1", "energies": "J"}
 
 
@@ -42,13 +43,13 @@ class CouponRecord:
     ----------
     title, fabric, law_name : for the reader
     test : of scenes.coupon.TESTS
-    moved_name, moved_unit : what was prescribed
+    prescribed_name, prescribed_unit : what was prescribed
     outcome : "complete", "yarn at its strength" or "unstable"
-    message : what went wrong, where something did
+    failure_message : why an unstable run was ended; "" for others
     elements : woven quadrilaterals
     floor : [N] reaction below which the coupon counts as unloaded
     wall_time : [s]
-    moved : (k,) what was prescribed at each step
+    prescribed : (k,) its value at each step
     measures : {name: (unit, (k,))} of `coupon_measures`
     energies : {"yarns", "trellis": (k,)} [J]
     residual, iterations : (k,) out-of-balance force over the reaction [-], and what it took
@@ -64,14 +65,14 @@ class CouponRecord:
     fabric: str
     law_name: str
     test: str
-    moved_name: str
-    moved_unit: str
+    prescribed_name: str
+    prescribed_unit: str
     outcome: str
-    message: str
+    failure_message: str
     elements: int
     floor: float
     wall_time: float
-    moved: np.ndarray
+    prescribed: np.ndarray
     measures: dict
     energies: dict
     residual: np.ndarray
@@ -88,14 +89,15 @@ class CouponRecord:
     checks: tuple = ()
 
     @classmethod
-    def of(cls, result, measures, moved, **scalars):
-        """The record of a `shellfabric.coupon.solver.Result`; `moved` names what was prescribed, and its unit."""
+    def of(cls, result, measures, prescribed, **scalars):
+        """The record of a `shellfabric.coupon.solver.Result`; `prescribed` is (name, unit)."""
         coupon, states = result.coupon, result.states
         x = np.array([state.x for state in states])
         return cls(
-            **scalars, moved_name=moved[0], moved_unit=moved[1], outcome=result.outcome, elements=len(coupon.quads),
+            **scalars, prescribed_name=prescribed[0], prescribed_unit=prescribed[1],
+            outcome=result.outcome, elements=len(coupon.quads),
             floor=result.floor,
-            moved=result.moved, measures=measures,
+            prescribed=result.moved, measures=measures,
             energies=dict(zip(("yarns", "trellis"), np.array([state.energies for state in states]).T)),
             residual=np.array([state.residual for state in states]),
             iterations=np.array([state.iterations for state in states]),
@@ -106,11 +108,11 @@ class CouponRecord:
 
     def summary(self):
         """The scalars of the record, and the last of what was measured, as a dict."""
-        return {name: getattr(self, name) for name in _SCALARS} | {
-            "steps": len(self.moved),
+        return {key: getattr(self, name) for name, key in _SCALARS.items()} | {
+            "steps": len(self.prescribed),
             "iterations": int(self.iterations.sum()),
-            "worst_residual": float(self.residual.max()),
-            "at_the_end": {self.moved_name: {"value": float(self.moved[-1]), "unit": self.moved_unit}}
+            "residual_max": float(self.residual.max()),
+            "at_end": {self.prescribed_name: {"value": float(self.prescribed[-1]), "unit": self.prescribed_unit}}
             | {name: {"value": float(values[-1]), "unit": unit} for name, (unit, values) in self.measures.items()},
         }
 
@@ -120,21 +122,21 @@ class CouponRecord:
 
         with replace_whole(path) as beside, h5py.File(beside, "w") as file:
             file.attrs["format"] = _FORMAT
-            for name in _SCALARS:
-                file.attrs[name] = getattr(self, name)
-            put(file, f"histories/{self.moved_name}", self.moved, self.moved_unit)
+            for name, key in _SCALARS.items():
+                file.attrs[key] = getattr(self, name)
+            put(file, f"histories/{self.prescribed_name}", self.prescribed, self.prescribed_unit)
             for name, (unit, values) in self.measures.items():
                 put(file, f"histories/{name}", values, unit)
             for name, values in self.energies.items():
                 put(file, f"histories/energy of the {name}", values, "J")
             put(file, "histories/residual", self.residual, "1")
             put(file, "histories/iterations", self.iterations, "1")
-            for name, unit in _COUPON.items():
+            for name, unit in keys.units(keys.COUPON_MESH).items():
                 put(file, f"coupon/{name}", getattr(self, name), unit)
             put(file, "states/x", self.x, "m", compression="gzip", shuffle=True)
             put(file, "states/shear", self.shear, "rad", compression="gzip", shuffle=True)
             for name, values in zip(("warp", "weft"), self.tension):
-                put(file, f"last/tension_{name}", values, "N")
+                put(file, f"final/tension_{name}", values, "N")
             put(file, "relaxation", self.relaxation, "N")
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from shellfabric.coupon import quasistatic
 
 # what each test prescribes: name, unit
-MOVED = {
+PRESCRIBED = {
     "bias_extension": ("elongation", "m"),
     "picture_frame": ("shear angle", "rad"),
     "uniaxial": ("strain of the strip", "1"),

@@ -3,7 +3,8 @@
 Layout: attributes of the root for scalars and texts; /histories and /energies with one value an instant; /plies with
 one row a ply, or one column a ply in its histories; /shapes/00, 01, ... with a ply's shape and state at the end and the
 node numbers of its elements; /cuts with the section of the pack through the impact point at the instants of the
-snapshots. Every dataset has the attribute "unit". Nodes count from the middle surface of the first ply at rest.
+snapshots; /measured/00, 01, ..., where a scene asks for it, with each ply's histories as in
+`results.impact`. Every dataset has the attribute "unit". Nodes count from the middle surface of the first ply at rest.
 """
 
 from __future__ import annotations
@@ -12,23 +13,28 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fabrics.errors import InputError
 from fabrics.files import replace_whole
-from weavecell.results.impact import SHAPE, Audited, Shape, drawn, plain, put, read_checks, stops, store_checks, tensions
+from weavecell.results import keys
+from weavecell.results.hdf5_file import opened, plain, put
+from weavecell.results.impact import (
+    HISTORIES,
+    SCALARS,
+    Audited,
+    Shape,
+    drawn,
+    named,
+    read_checks,
+    read_shape,
+    stops,
+    store_checks,
+    tensions,
+    write_shape,
+)
+from weavecell.results.impact_groups import read_measured, write_measured
 
-_FORMAT = "weavecell pack 2"
-_SCALARS = (
-    "title", "fabric", "law_name", "strike_velocity", "outcome", "residual_velocity", "mass", "message", "stacking",
-    "mirror_x", "mirror_y", "wall_time", "ns_per_element_step", "elements", "steps", "max_deflection",
-)  # fmt: skip
-_HISTORIES = {"t": "s", "v": "m/s", "z": "m", "failed": "1"}
-_PLY_UNITS = {
-    "failed_yarns": "1", "reaction_warp": "N", "reaction_weft": "N", "push": "N", "deflection": "m", "energy": "J",
-}  # fmt: skip
-_PLIES = {
-    "places": "m", "thickness": "m", "gaps": "m", "strength": "N", "peak_tension": "N", "deepest": "1",
-    "held_apart": "1",
-}  # fmt: skip
+_FORMAT = 3
+_SCALARS = SCALARS | {"stacking": "stacking"}
+_PLY_UNITS, _PLIES = keys.units(keys.PLY_HISTORIES), keys.units(keys.PLIES)
 
 
 @dataclass(frozen=True)
@@ -54,19 +60,20 @@ class PackRecord(Audited):
     ----------
     title .. steps : as results.impact.ImpactRecord; energies and forces are those of the whole pack
     stacking : "aligned" or "alternating"
-    t, v, z, failed : (n,) time, velocity and foremost point of the projectile, failed yarn segments
-    energies : {name: (n,)} [J]
-    plies : {name: (n, plies)} with the names of shellfabric.plies.solver.PLY_SAMPLES
-    places, thickness : (plies,) [m] middle surfaces at rest, and how thick they are
+    time, velocity, nose_position, failed_segments : (n,) of the projectile; number of failed yarn segments
+    energies : {name: (n,)} [J], names of keys.ENERGIES
+    plies : {name: (n, plies)} with the names of shellfabric.panel.solver.PLY_SAMPLES
+    z_rest, thickness : (plies,) [m] middle surfaces at rest, and thickness
     gaps : (plies - 1,) [m]
     strength, peak_tension : (plies, 2) [N] of each ply's warp and weft
-    deepest : (plies - 1,) [-] deepest that a ply has come into the next, over the thickness
-    held_apart : (2,) [-] how often torn cloth was kept from going through another ply, and how often that failed
+    max_penetration_ratio : (plies - 1,) [-] deepest penetration of a ply into the next, over the thickness
+    torn_contact : (2,) [-] impulses that kept torn cloth from passing through another ply, and passages despite them
     projectile : (a, b, 3) [m] its surface about the nose
     shapes, quads : of each ply at the end: Shape, and (m, 4) node numbers
     cuts : tuple of Cut
     max_deflection : [m] of the whole cloth of any ply, from its own plane, over the run
     checks : tuple of shellfabric.panel.quality.Indicator
+    measured : tuple of shellfabric.output.histories.Histories of each ply; empty where nothing was to be recorded
     """
 
     title: str
@@ -76,7 +83,7 @@ class PackRecord(Audited):
     outcome: str
     residual_velocity: float
     mass: float
-    message: str
+    failure_message: str
     stacking: str
     mirror_x: bool
     mirror_y: bool
@@ -84,30 +91,31 @@ class PackRecord(Audited):
     ns_per_element_step: float
     elements: int
     steps: int
-    t: np.ndarray
-    v: np.ndarray
-    z: np.ndarray
-    failed: np.ndarray
+    time: np.ndarray
+    velocity: np.ndarray
+    nose_position: np.ndarray
+    failed_segments: np.ndarray
     energies: dict
     plies: dict
-    places: np.ndarray
+    z_rest: np.ndarray
     thickness: np.ndarray
     gaps: np.ndarray
     strength: np.ndarray
     peak_tension: np.ndarray
-    deepest: np.ndarray
-    held_apart: np.ndarray
+    max_penetration_ratio: np.ndarray
+    torn_contact: np.ndarray
     projectile: np.ndarray
     shapes: tuple
     quads: tuple
     cuts: tuple
     max_deflection: float
     checks: tuple = ()
+    measured: tuple = ()
 
     @property
     def count(self):
         """Number of plies."""
-        return len(self.places)
+        return len(self.z_rest)
 
     @classmethod
     def of(cls, result, title, law_name, message=""):
@@ -120,39 +128,35 @@ class PackRecord(Audited):
         return cls(
             title=title, fabric=ply.fabric.name, law_name=law_name, strike_velocity=ply.strike_velocity,
             outcome=result.outcome, residual_velocity=result.residual_velocity, mass=ply.projectile.mass,
-            message=message, stacking=result.setup.stacking, mirror_x=mirror_x, mirror_y=mirror_y,
+            failure_message=message, stacking=result.setup.stacking, mirror_x=mirror_x, mirror_y=mirror_y,
             wall_time=result.wall_time, ns_per_element_step=result.ns_per_element_step, elements=pack.elements,
-            steps=result.steps, t=result.t, v=result.v, z=result.z, failed=result.failed,
-            energies=dict(result.energies), plies=dict(result.plies), places=pack.places,
+            steps=result.steps, time=result.t, velocity=result.v, nose_position=result.z,
+            failed_segments=result.failed, energies=named(result.energies), plies=dict(result.plies),
+            z_rest=pack.places,
             thickness=np.array([one.weave.thickness for one in pack.plies]), gaps=np.array(pack.gaps),
             strength=np.array([[yarn.strength for yarn in one.weave.yarns] for one in pack.plies]),
-            peak_tension=result.peak_tension, deepest=result.deepest,
-            held_apart=result.held_apart, projectile=drawn(ply.projectile),
+            peak_tension=result.peak_tension, max_penetration_ratio=result.deepest,
+            torn_contact=result.held_apart, projectile=drawn(ply.projectile),
             shapes=tuple(Shape.of(shot) for shot in result.last), quads=tuple(quads(one) for one in pack.plies),
             cuts=tuple(_cut(shots, mirror_y) for shots in (*before, result.last)),
-            max_deflection=result.max_deflection, checks=result.checks,
+            max_deflection=result.max_deflection, checks=result.checks, measured=result.histories,
         )  # fmt: skip
 
     def summary(self):
         """The scalars of the record, and what follows from them, as a flat dict."""
-        scalars = {name: getattr(self, name) for name in _SCALARS}
+        scalars = {key: getattr(self, name) for name, key in _SCALARS.items()}
         return scalars | {
             "plies": self.count,
-            "gap": float(self.gaps[0]),
-            "end_time": float(self.t[-1]),
+            "ply_gap_m": float(self.gaps[0]),
             **stops(self),
             **tensions(self.peak_tension.max(axis=0), self.strength.max(axis=0)),
             "failed_yarn_segments": self.plies["failed_yarns"][-1].tolist(),
             "peak_tension_over_strength": (self.peak_tension / self.strength).max(axis=1).tolist(),
-            "energy_of_plies": self.plies["energy"][-1].tolist(),
-            "deepest_over_thickness": float(self.deepest.max()),
-            "held_apart": int(self.held_apart[0]),
-            "not_held_apart": int(self.held_apart[1]),
-            "strike_energy": self.strike_energy,
-            "absorbed": self.absorbed,
-            "worst_balance": self.worst_balance,
-            "numerical_share": self.numerical_share,
-            "energies_at_end": {name: float(values[-1]) for name, values in self.energies.items()},
+            "ply_energies_J": self.plies["energy"][-1].tolist(),
+            "max_penetration_ratio": float(self.max_penetration_ratio.max()),
+            "torn_corrections": int(self.torn_contact[0]),
+            "torn_unresolved": int(self.torn_contact[1]),
+            **self.audit(),
         }
 
     def write(self, path):
@@ -160,11 +164,11 @@ class PackRecord(Audited):
         import h5py
 
         with replace_whole(path) as beside, h5py.File(beside, "w") as file:
-            file.attrs["format"] = _FORMAT
-            for name in _SCALARS:
-                file.attrs[name] = getattr(self, name)
+            file.attrs["format"] = f"weavecell pack {_FORMAT}"
+            for name, key in _SCALARS.items():
+                file.attrs[key] = getattr(self, name)
             file.attrs["checks"] = store_checks(self.checks)
-            for name, unit in _HISTORIES.items():
+            for name, unit in HISTORIES.items():
                 put(file, f"histories/{name}", getattr(self, name), unit)
             for name, values in self.energies.items():
                 put(file, f"energies/{name}", values, "J")
@@ -175,44 +179,37 @@ class PackRecord(Audited):
             put(file, "projectile", self.projectile, "m")
             for number, (shape, quads) in enumerate(zip(self.shapes, self.quads)):
                 put(file, f"shapes/{number:02d}/quads", quads, "1")
-                for name, unit in SHAPE.items():
-                    put(file, f"shapes/{number:02d}/{name}", getattr(shape, name), unit)
+                write_shape(file, f"shapes/{number:02d}", shape)
             for number, cut in enumerate(self.cuts):
-                put(file, f"cuts/{number:04d}/t", cut.t, "s")
-                put(file, f"cuts/{number:04d}/nose", cut.nose, "m")
+                put(file, f"cuts/{number:04d}/time", cut.t, "s")
+                put(file, f"cuts/{number:04d}/nose_position", cut.nose, "m")
                 for ply, line in enumerate(cut.lines):
                     put(file, f"cuts/{number:04d}/lines/{ply:02d}", line, "m")
+            for ply, measured in enumerate(self.measured):
+                write_measured(file.create_group(f"measured/{ply:02d}"), measured)
 
     @classmethod
     def read(cls, path):
         """Read what `write` wrote; InputError if the file is not one of these."""
-        import h5py
-
-        try:
-            with h5py.File(path, "r") as file:
-                if file.attrs.get("format") != _FORMAT:
-                    raise InputError(file=path, key="format", value=file.attrs.get("format"), allowed=repr(_FORMAT))
-                values = {name: plain(file.attrs[name]) for name in _SCALARS}
-                values["checks"] = read_checks(file.attrs["checks"])
-                values |= {name: file[f"histories/{name}"][()] for name in _HISTORIES}
-                values["energies"] = {name: data[()] for name, data in file["energies"].items()}
-                values["plies"] = {name: data[()] for name, data in file["plies/histories"].items()}
-                values |= {name: file[f"plies/{name}"][()] for name in _PLIES}
-                values["projectile"] = file["projectile"][()]
-                shapes = [group for _, group in sorted(file["shapes"].items())]
-                values["quads"] = tuple(group["quads"][()] for group in shapes)
-                values["shapes"] = tuple(Shape(**{name: plain(group[name][()]) for name in SHAPE}) for group in shapes)
-                values["cuts"] = tuple(
-                    Cut(
-                        float(group["t"][()]),
-                        float(group["nose"][()]),
-                        tuple(line[()] for _, line in sorted(group["lines"].items())),
-                    )
-                    for _, group in sorted(file["cuts"].items())
-                )
-        except OSError as problem:
-            raise InputError(f"is not a readable HDF5 file ({problem})", file=path) from None
+        with opened(path, "pack", _FORMAT) as file:
+            values = {name: plain(file.attrs[key]) for name, key in _SCALARS.items()}
+            values["checks"] = read_checks(file.attrs["checks"])
+            values |= {name: file[f"histories/{name}"][()] for name in HISTORIES}
+            values["energies"] = {name: data[()] for name, data in file["energies"].items()}
+            values["plies"] = {name: data[()] for name, data in file["plies/histories"].items()}
+            values |= {name: file[f"plies/{name}"][()] for name in _PLIES}
+            values["projectile"] = file["projectile"][()]
+            values["measured"] = tuple(read_measured(group) for _, group in sorted(file.get("measured", {}).items()))
+            shapes = [group for _, group in sorted(file["shapes"].items())]
+            values["quads"] = tuple(group["quads"][()] for group in shapes)
+            values["shapes"] = tuple(map(read_shape, shapes))
+            values["cuts"] = tuple(_read_cut(group) for _, group in sorted(file["cuts"].items()))
         return cls(**values)
+
+
+def _read_cut(group):
+    lines = tuple(line[()] for _, line in sorted(group["lines"].items()))
+    return Cut(float(group["time"][()]), float(group["nose_position"][()]), lines)
 
 
 def _cut(shots, mirror_y):

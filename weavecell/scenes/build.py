@@ -27,7 +27,7 @@ PROJECTILE = of(
 )
 _SLIPPING = " ".join(f"boundary.{side}.{key}" for side in ("warp", "weft") for key in SlipTable.model_fields)
 PANEL = of("panel", f"opening boundary boundary.warp boundary.weft {_SLIPPING} symmetry weave_angle yarn_failure")
-NUMERICS = of("numerics", "cfl stretch_viscosity penalty contact_damping precision threads")
+NUMERICS = of("numerics", "cfl stretch_viscosity penalty contact_damping contact_points precision threads")
 BACKING = of(
     "backing",
     "size standoff modulus density poisson yield_stress hardening erosion_strain outer_boundary min_size refined_depth "
@@ -37,7 +37,7 @@ SHOT = (
     *CLOTH, "fabric.surface", "fabric.bending", *PROJECTILE, *PANEL, "run.elements_per_crossover", *NUMERICS, *BACKING,
 )  # fmt: skip
 # keys whose field in the objects of shellfabric has another name
-_FIELDS = {
+FIELDS = {
     "fabric.cell_formulation": "form",
     "fabric.crossover_gap": "gap",
     "panel.boundary": "edge",
@@ -158,7 +158,7 @@ def _projectile(table):
 
 def _given(table, name, but=()):
     """{field: value} of the keys that a table sets."""
-    return {_FIELDS.get(f"{name}.{key}", key): value for key, value in table if value is not None and key not in but}
+    return {FIELDS.get(f"{name}.{key}", key): value for key, value in table if value is not None and key not in but}
 
 
 def _backing(table):
@@ -202,7 +202,7 @@ def in_file(problem, file):
     tables |= dict.fromkeys(ProjectileTable.model_fields, "projectile")
     tables |= dict.fromkeys(("warp", "weft"), "history") | dict.fromkeys(BackingTable.model_fields, "backing")
     key = f"{tables[problem.key]}.{problem.key}" if problem.key in tables else problem.key
-    key = next((name for name, field in _FIELDS.items() if field == problem.key), key)
+    key = next((name for name, field in FIELDS.items() if field == problem.key), key)
     if key is None:
         return InputError(str(problem), file=file)
     return InputError(file=file, key=key, value=problem.value, allowed=problem.allowed)
@@ -211,11 +211,11 @@ def in_file(problem, file):
 def _fabric(table, file):
     if table.file is not None:
         fabric = catalogue.read(table.file)
-    elif table.name in catalogue.names():
+    elif table.name in catalogue.list_names():
         fabric = catalogue.load(table.name)
     else:
         raise InputError(
-            file=file, key="fabric.name", value=table.name, allowed=f"one of {', '.join(catalogue.names())}"
+            file=file, key="fabric.name", value=table.name, allowed=f"one of {', '.join(catalogue.list_names())}"
         )
     return with_density(fabric, table.linear_density)
 
@@ -238,7 +238,7 @@ def with_density(fabric, choice):
     """The fabric with its "nominal" linear densities, or the "effective" ones where it has such (erratum E-07)."""
     if choice == "nominal" or fabric.effective_linear_density is None:
         return fabric
-    return fabric.effective()
+    return fabric.with_effective_density()
 
 
 def _surface(table, fabric, file):

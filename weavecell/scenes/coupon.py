@@ -81,7 +81,7 @@ class CouponRunTable(Table):
 class CouponScene(Table):
     """One test on one coupon."""
 
-    format: Format = 2
+    format: Format = 1
     title: Annotated[str, Field(description="a text")] = ""
     fabric: Annotated[FabricTable, Field(description="a table [fabric]")]
     bias_extension: Annotated[BiasTable | None, Field(description="a table [bias_extension]")] = None

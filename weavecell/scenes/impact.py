@@ -17,6 +17,7 @@ from weavecell.scenes.schema import (
     anchored,
     angle,
     exactly_one,
+    in_unit,
     number,
     one_of,
     quantities,
@@ -117,7 +118,7 @@ class PanelTable(Table):
     opening: Annotated[
         float | tuple[float, float],
         BeforeValidator(_opening_or_value_error),
-        Field(description='a length above 0, such as "203 mm", or a list of two, along warp and weft'),
+        in_unit("m", 'a length above 0, such as "203 mm", or a list of two, along warp and weft'),
     ]
     boundary: Annotated[Boundary, Field(description=_BOUNDARY)] = "clamped"
     symmetry: one_of("quarter", "half", "whole") = "quarter"
@@ -159,7 +160,7 @@ class RunTable(Table):
     """How long, how fine, and what is written."""
 
     end_time: quantity("s", "a time above 0 and at most 10 ms", "250 us", above=0.0, at_most=1e-2)
-    elements_per_crossover: whole(1, 8) = 1
+    elements_per_crossover: Annotated[int | None, Field(description="a whole number from 1 to 8", ge=1, le=8)] = None
     snapshot_interval: quantity("s", "a time above 0", "10 us", above=0.0) = 1e-5
     checkpoint_interval: quantity("s", "a time above 0", "50 us", above=0.0) = 5e-5
     outputs: Annotated[
@@ -205,6 +206,7 @@ class NumericsTable(Table):
     stretch_viscosity: number("a number from 0 to 1", ge=0.0, le=1.0) = None
     penalty: number("a number above 0", gt=0.0) = None
     contact_damping: number("a number of at least 0", ge=0.0) = None
+    contact_points: Annotated[int | None, Field(description="a whole number from 1 to 64", ge=1, le=64)] = None
     precision: Annotated[Literal["double", "single"] | None, Field(description="double or single")] = None
     threads: Annotated[int | None, Field(description="a number of threads", ge=1)] = None
 
@@ -212,7 +214,7 @@ class NumericsTable(Table):
 class Scene(Table):
     """One impact on one panel."""
 
-    format: Format = 2
+    format: Format = 1
     title: Annotated[str, Field(description="a text")] = ""
     fabric: Annotated[FabricTable, Field(description="a table [fabric]")]
     projectile: Annotated[ProjectileTable, Field(description="a table [projectile]")]

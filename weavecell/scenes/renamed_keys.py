@@ -35,6 +35,103 @@ SCENE_KEYS = {
 }
 SCENE_VALUES = {"projectile.body": {"bar": "elastic_bar"}}
 
+# names in the energy audit of the solvers, and in result files before format 2 of summary.json
+ENERGIES = {
+    "stored": "yarn_strain",
+    "cell": "formulation_residual",
+    "failed": "failure_dissipation",
+    "grip": "clamp_friction",
+    "external": "boundary_work",
+    "jam": "jamming",
+    "plies": "ply_contact",
+    "balance": "error",
+}
+# keys of summary.json, and attributes of histories.h5
+SUMMARY_KEYS = {
+    "strike_velocity": "strike_velocity_m_s",
+    "residual_velocity": "residual_velocity_m_s",
+    "mass": "projectile_mass_kg",
+    "message": "failure_message",
+    "wall_time": "wall_time_s",
+    "ns_per_element_step": "element_step_time_ns",
+    "max_deflection": "max_deflection_m",
+    "end_time": "end_time_s",
+    "strike_energy": "strike_energy_J",
+    "absorbed": "absorbed_energy_J",
+    "worst_balance": "energy_error_max",
+    "numerical_share": "viscous_energy_fraction",
+    "energies_at_end": "energies_at_end_J",
+    **{f"energies_at_end.{old}": f"energies_at_end_J.{new}" for old, new in ENERGIES.items()},
+    "rigidity": "rigid_check",
+    "plastic_shortening": "plastic_shortening_m",
+    "bar_period": "bar_period_s",
+    "crater_depth": "crater_depth_m",
+    "crater_wall_angle": "crater_wall_angle_rad",
+    "gap": "ply_gap_m",
+    "energy_of_plies": "ply_energies_J",
+    "deepest_over_thickness": "max_penetration_ratio",
+    "held_apart": "torn_corrections",
+    "not_held_apart": "torn_unresolved",
+    "accuracy.asked": "accuracy.targets",
+    "accuracy.checked_by": "accuracy.compared_with",
+    "accuracy.estimated": "accuracy.estimated_errors",
+    "accuracy.full_model_itself": "accuracy.reference_error",
+    "accuracy.tried": "accuracy.models_run",
+    "moved_name": "prescribed_name",
+    "moved_unit": "prescribed_unit",
+    "worst_residual": "residual_max",
+    "at_the_end": "at_end",
+}
+# groups and datasets of histories.h5; a * stands for one level
+HDF5_KEYS = {
+    "histories/t": "histories/time",
+    "histories/v": "histories/velocity",
+    "histories/z": "histories/nose_position",
+    "histories/failed": "histories/failed_segments",
+    **{f"energies/{old}": f"energies/{new}" for old, new in ENERGIES.items()},
+    "panel/middle": "panel/half_energy",
+    "panel/last": "panel/final",
+    **{
+        f"{group}/*/{old}": f"{group}/*/{new}"
+        for group in ("panel", "shapes")
+        for old, new in (("t", "time"), ("z", "nose_position"), ("nose", "projectile_position"), ("broken", "failed"))
+    },
+    "measured/t": "measured/time",
+    "measured/yarns/*/place": "measured/yarns/*/position",
+    "measured/fronts/*/place": "measured/fronts/*/position",
+    "bar/t": "bar/time",
+    "backing/gone": "backing/eroded",
+    "plies/places": "plies/z_rest",
+    "plies/deepest": "plies/max_penetration_ratio",
+    "plies/held_apart": "plies/torn_contact",
+    "cuts/*/t": "cuts/*/time",
+    "cuts/*/nose": "cuts/*/nose_position",
+    "last": "final",
+}
+
+
+def new_path(path, names, separator="/"):
+    """The name of today of a group or dataset, or with "." of a key, of `names` ({old: new}, * for one level)."""
+    parts = path.split(separator)
+    found = []
+    for n in range(len(parts)):
+        patterns = (old for old in names if _matches(parts[: n + 1], old.split(separator)))
+        old = next(patterns, None)
+        found.append(parts[n] if old is None else names[old].rpartition(separator)[2])
+    return separator.join(found)
+
+
+def _matches(parts, pattern):
+    return len(parts) == len(pattern) and all(part == other or other == "*" for part, other in zip(parts, pattern))
+
+
+def warn_of_format(file, number):
+    """One line on stderr for a whole result file."""
+    print(
+        f"warning: {file}: format {number} has old names of keys (docs/keys.md); it is read until {UNTIL}",
+        file=sys.stderr,
+    )
+
 
 def warn(file, old, new):
     """One line on stderr."""

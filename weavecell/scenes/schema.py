@@ -25,6 +25,11 @@ class Table(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True, strict=True)
 
 
+def in_unit(unit, description):
+    """A Field whose value is in SI `unit`; the unit is for docs/keys.md."""
+    return Field(description=description, json_schema_extra={"unit": unit or "1"})
+
+
 def quantity(unit, what, example, *, above=None, at_least=None, at_most=None):
     """A float in SI `unit`, written as text; `what` says in words which values are allowed."""
 
@@ -38,7 +43,7 @@ def quantity(unit, what, example, *, above=None, at_least=None, at_most=None):
             raise ValueError("out of range")
         return number
 
-    return Annotated[float, BeforeValidator(convert), Field(description=f'{what}, such as "{example}"')]
+    return Annotated[float, BeforeValidator(convert), in_unit(unit, f'{what}, such as "{example}"')]
 
 
 def quantities(unit, what, example):
@@ -52,7 +57,7 @@ def quantities(unit, what, example):
         except InputError as problem:
             raise ValueError(str(problem)) from None
 
-    return Annotated[tuple[float, ...], BeforeValidator(convert), Field(description=f"{what}, such as {example}")]
+    return Annotated[tuple[float, ...], BeforeValidator(convert), in_unit(unit, f"{what}, such as {example}")]
 
 
 def whole(low, high):
@@ -65,7 +70,7 @@ def one_of(*names):
     return Annotated[Literal[names], Field(description="one of " + ", ".join(f'"{name}"' for name in names))]
 
 
-Format = Annotated[int, Field(description="2; 1 or none where old names of keys are read")]
+Format = Annotated[int, Field(description="1, or 2, in which no old name of a key is read")]
 
 
 class InlineLaw(Table):
@@ -119,7 +124,7 @@ class FabricTable(Table):
     fibre_slack: Annotated[
         float | tuple[float, float],
         BeforeValidator(_toe),
-        Field(description='a strain from 0 to 10 %, such as "0.1 %", or a list of two, of warp and weft'),
+        in_unit("", 'a strain from 0 to 10 %, such as "0.1 %", or a list of two, of warp and weft'),
     ] = 0.0
     surface: Annotated[str | None, Field(description="the path of a surface written by `weavecell surface`")] = None
     crossover_gap: quantity("m", "a length of at least 0", "0 mm", at_least=0.0) = 0.0

@@ -19,6 +19,8 @@ from dataclasses import dataclass, field
 from types import UnionType
 from typing import Annotated, Any, Union, get_args, get_origin
 
+from pydantic.fields import FieldInfo
+
 from fabrics.errors import InputError
 from weavecell.scenes.schema import Table, tables_in
 
@@ -111,16 +113,21 @@ def changed(scene: Table, prefix="") -> Iterator[str]:
             yield key
 
 
-def keys(model: type[Table], prefix="") -> tuple[str, ...]:
+def keys(model: type[Table]) -> tuple[str, ...]:
     """All keys of a schema, without the tables that hold them."""
-    found = []
+    return tuple(entries(model))
+
+
+def entries(model: type[Table], prefix="") -> dict[str, FieldInfo]:
+    """{key: its field} of all keys of a schema, without the tables that hold them."""
+    found = {}
     for name, entry in model.model_fields.items():
         key, inner = prefix + name, list(dict.fromkeys(tables_in(entry.annotation)))
         if not inner or _plain(entry.annotation):
-            found.append(key)
+            found[key] = entry
         for kind in inner:
-            found += keys(kind, f"{key}.")
-    return tuple(dict.fromkeys(found))
+            found |= entries(kind, f"{key}.")
+    return found
 
 
 def _plain(kind):

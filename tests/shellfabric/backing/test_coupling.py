@@ -10,9 +10,9 @@ from fabrics.materials import Isotropic, load
 from shellfabric.backing.block import Backing
 from shellfabric.backing.coupling import Behind, radius_at, wall_angle
 from shellfabric.cloth import jamming_kernels
-from shellfabric.impact.single_ply import UNFAILING, ImpactSetup, result_of, run
+from shellfabric.impact.single_ply import UNFAILING, ImpactSetup, collect_result, run
 from shellfabric.output import checkpoint
-from shellfabric.panel.solver import March
+from shellfabric.panel.solver import PanelSolver
 from shellfabric.projectile.projectile import Projectile
 
 BACKING = load("backing")
@@ -39,13 +39,13 @@ def test_energy_balance(struck):
 def test_momentum_of_all_three_is_kept(fabric):
     """Free cloth before a free block: what the projectile loses they have, along its flight."""
     setup = ImpactSetup(fabric, 100.0, **QUICK | {"backing": replace(BLOCK, far="free"), "edge": "free"})
-    march = March(setup.panel(), 100.0, 20e-6)
+    march = PanelSolver(setup.panel(), 100.0, 20e-6)
     start = march.const.projectile_mass * 100.0
     march.run()
     state, const, block = march.state, march.const, march.behind.block
-    # the block is a step ahead: what it was given last still waits in state.behind and state.outer
-    waiting = sum(b.sum() for b in state.behind[2:]) + state.outer[2]
-    cloth = float(state.mass @ state.v[2]) + const.projectile_mass * state.speed[2]
+    # the block is a step ahead: what it was given last still waits in state.f_block_cloth and state.f_block_nose
+    waiting = sum(b.sum() for b in state.f_block_cloth[2:]) + state.f_block_nose[2]
+    cloth = float(state.mass @ state.v[2]) + const.projectile_mass * state.projectile_velocity[2]
     found = cloth + const.dt * waiting + float(block.mass @ block.v[:, 2])
     assert float(block.mass @ block.v[:, 2]) > 0.02 * start
     assert found == pytest.approx(start, rel=1e-9)
@@ -59,12 +59,12 @@ def test_forces_on_points_are_given_to_nodes_by_their_weights(fabric):
     forces = random.normal(size=(const.ni, const.nj, 4, 3))
     forces[0] = forces[:, 0] = 0.0  # nothing is taken out on the planes of symmetry
     behind._spread(forces, state)
-    nodal = np.array([behind._nodal(b) for b in state.behind])
+    nodal = np.array([behind._nodal(b) for b in state.f_block_cloth])
     assert nodal.sum(axis=(1, 2)) == pytest.approx(forces.sum(axis=(0, 1, 2)), rel=1e-9)
     for at, given in zip(behind._rest[:2], (nodal, nodal)):
         places = behind._at_points(at)
         assert (given[2] * at).sum() == pytest.approx((forces[..., 2] * places).sum(), rel=1e-9)
-    assert tuple(state.rows) == (0, const.ni)
+    assert tuple(state.active_rows) == (0, const.ni)
 
 
 def test_a_step_of_the_face_throws_no_point_out():
@@ -97,13 +97,13 @@ def test_shots_without_failure_have_a_table_that_goes_far(fabric):
 
 def plain_jam(panel, state, const):
     """Energy of bunched segments, by numpy."""
-    K, limit = const.jam
-    total, shape = 0.0, (const.ni + 1, const.s)
+    K, limit = const.jamming
+    total, shape = 0.0, (const.ni + 1, const.row_stride)
     rest = (*panel.coordinates(), np.zeros(shape))
     x = np.stack([np.asarray(u)[: shape[0] * shape[1]].reshape(shape) + r for u, r in zip(state.u, rest)], axis=-1)
     for axis, d in ((0, const.dx), (1, const.dy)):
         stretch = np.linalg.norm(np.diff(x, axis=axis), axis=2) / d
-        y = np.asarray(state.y[axis])[: shape[0] * shape[1]].reshape(shape)
+        y = np.asarray(state.yarn_length[axis])[: shape[0] * shape[1]].reshape(shape)
         y = y[:-1] if axis == 0 else y[:, :-1]
         total += np.sum(np.where(stretch < limit, 0.5 * K * y * np.log(stretch / limit) ** 2, 0.0))
     return total
@@ -112,24 +112,29 @@ def plain_jam(panel, state, const):
 def test_bunched_yarns_push_back_by_the_slope_of_their_energy(fabric):
     panel = ImpactSetup(fabric, 100.0, opening=0.04, table_size=61, jam=(1000.0, 0.8)).panel()
     const, state = panel.constants(), panel.state(100.0)
-    random, n = np.random.default_rng(1), (const.ni + 1) * const.s
+    random, n = np.random.default_rng(1), (const.ni + 1) * const.row_stride
     for u in state.u:
         u[:n] += 0.35 * const.dx * random.uniform(-1, 1, n)
-    assert jamming_kernels.jam(state, const, 0, const.ni, False) == pytest.approx(
+    assert jamming_kernels.jamming_forces(state, const, 0, const.ni, False) == pytest.approx(
         plain_jam(panel, state, const), rel=1e-12
     )
-    for g in state.g0:
+    for g in state.f_int:
         g[:] = 0.0
-    jamming_kernels.jam(state, const, 0, const.ni, True)
+    jamming_kernels.jamming_forces(state, const, 0, const.ni, True)
     way = [random.normal(size=n) for _ in range(3)]
-    work = sum(float(g[:n] @ w) for g, w in zip(state.g0, way))
+    work = sum(float(g[:n] @ w) for g, w in zip(state.f_int, way))
     ends = []
     for s in (1e-10, -2e-10):
         for u, w in zip(state.u, way):
             u[:n] += s * w
-        ends.append(jamming_kernels.jam(state, const, 0, const.ni, False))
+        ends.append(jamming_kernels.jamming_forces(state, const, 0, const.ni, False))
     assert work == pytest.approx(-(ends[0] - ends[1]) / 2e-10, rel=1e-5)
-    assert jamming_kernels.jam(state, panel.constants()._replace(jam=np.array([0.0, 1.0])), 0, const.ni, True) == 0.0
+    assert (
+        jamming_kernels.jamming_forces(
+            state, panel.constants()._replace(jamming=np.array([0.0, 1.0])), 0, const.ni, True
+        )
+        == 0.0
+    )
 
 
 def test_cloth_that_does_not_fail_bunches_up_and_stays_whole(fabric):
@@ -150,9 +155,9 @@ def test_cloth_that_does_not_fail_bunches_up_and_stays_whole(fabric):
 def test_resumes_bit_for_bit(struck, tmp_path):
     path = tmp_path / "checkpoint.h5"
     run(replace(struck.setup, end_time=20e-6), hooks=(checkpoint.Checkpoints(path, 10e-6),))
-    march = March(struck.setup.panel(), 100.0, struck.setup.end_time)
+    march = PanelSolver(struck.setup.panel(), 100.0, struck.setup.end_time)
     checkpoint.read(march, path)
-    resumed = result_of(struck.setup, march.run())
+    resumed = collect_result(struck.setup, march.run())
     np.testing.assert_array_equal(resumed.fine, struck.fine)
     np.testing.assert_array_equal(resumed.backing.nodes, struck.backing.nodes)
     for name, values in struck.energies.items():
@@ -180,4 +185,4 @@ def test_bad_input_is_refused(fabric, changes):
         fabric, 100.0, **QUICK | {"symmetry": "whole" if "projectile" in changes else "quarter"} | changes
     )
     with pytest.raises(InputError):
-        March(setup.panel(), 100.0, 1e-5)
+        PanelSolver(setup.panel(), 100.0, 1e-5)

@@ -76,7 +76,7 @@ class Twin:
         rate, e = L - bar["L"], max(L - bar["S0"], 0.0)
         T = bar["k"] * e
         drag = max(self.c.cv * bar["k"] * rate, -T) if T > 0 else 0.0
-        if bar["k"] > 0 and e > self.c.limit[bar["family"]]:
+        if bar["k"] > 0 and e > self.c.failure_elongation[bar["family"]]:
             self.lost += 0.5 * bar["k"] * max(e - rate, 0.0) * e
             bar["k"] = T = drag = 0.0
         self.viscous += 0.5 * (drag + bar["drag"]) * rate
@@ -99,8 +99,10 @@ class Twin:
         warp = self.whole(0, i, j) or self.whole(0, i, j + 1)
         weft = self.whole(1, i, j) or self.whole(1, i + 1, j)
         wide = [
-            np.linalg.norm(x[i + 1, j] - x[i, j] + x[i + 1, j + 1] - x[i, j + 1]) > 2 * self.c.widest * self.c.dx,
-            np.linalg.norm(x[i, j + 1] - x[i, j] + x[i + 1, j + 1] - x[i + 1, j]) > 2 * self.c.widest * self.c.dy,
+            np.linalg.norm(x[i + 1, j] - x[i, j] + x[i + 1, j + 1] - x[i, j + 1])
+            > 2 * self.c.erosion_gap_ratio * self.c.dx,
+            np.linalg.norm(x[i, j + 1] - x[i, j] + x[i + 1, j + 1] - x[i + 1, j])
+            > 2 * self.c.erosion_gap_ratio * self.c.dy,
         ]
         if (not warp and (not weft or wide[0])) or (not weft and wide[1]):
             self.gone.add((i, j))
@@ -133,14 +135,14 @@ class Twin:
 
     def touch(self, i, j):
         c = self.c
-        for a in range(c.points):
-            for b in range(c.points):
-                s, t = (a + 0.5) / c.points, (b + 0.5) / c.points
+        for a in range(c.points_per_side):
+            for b in range(c.points_per_side):
+                s, t = (a + 0.5) / c.points_per_side, (b + 0.5) / c.points_per_side
                 shares = self.shares(i, j, s, t)
                 x = sum(w * signs * self.x[k] for k, signs, w in shares) - [0, 0, self.z]
                 v = sum(w * signs * self.v[k] for k, signs, w in shares) - [0, 0, self.speed]
                 r = np.hypot(x[0], x[1])
-                depth, n_r, n_z = flat(r, x[2], c.R, c.rho)
+                depth, n_r, n_z = flat(r, x[2], c.projectile_radius, c.edge_radius)
                 n = np.array([n_r * x[0] / r, n_r * x[1] / r, n_z]) if r > 0 else np.array([0, 0, n_z])
                 left = 0.5 * (self.whole(0, i, j + (t > 0.5)) + self.whole(1, i + (s > 0.5), j))
                 f = np.zeros(3)
@@ -170,13 +172,13 @@ def test_step_is_the_plain_model(symmetry, viscosity, steps, failures):
     const, state, twin = net.constants(), net.state(450.0), Twin(net, 450.0)
     history = np.empty((1, kernels.COLUMNS))
     for _ in range(steps):
-        kernels.advance(state, const, 1, history)
+        kernels.run_steps(state, const, 1, history)
         twin.step()
         size = len(twin.X)
         assert np.abs(state.u[:, :size].T - (twin.x - twin.X)).max() < 1e-12
     assert state.counter[kernels.FAILURES] == sum(bar["k"] == 0 for bar in twin.bars) >= failures
-    assert state.speed[2] == pytest.approx(twin.speed, rel=1e-9)
-    sums = state.sums[[kernels.VISCOUS, contact_kernels.CONTACT, kernels.LOST]]
+    assert state.projectile_velocity[2] == pytest.approx(twin.speed, rel=1e-9)
+    sums = state.energy_sums[[kernels.VISCOUS, contact_kernels.CONTACT, kernels.LOST]]
     assert sums == pytest.approx([twin.viscous, twin.contact, twin.lost], rel=1e-6, abs=1e-12)
 
 
@@ -184,7 +186,9 @@ def test_every_bar_once():
     """No bar where there is none: not past the edges, nor from the end of a row to the beginning of the next."""
     for symmetry in ("quarter", "half", "whole"):
         net = small(symmetry)
-        stiff = net.state(1.0).stiff[:, : (net.counts[0] + 1) * (net.counts[1] + 1)].reshape(2, net.counts[0] + 1, -1)
+        stiff = (
+            net.state(1.0).stiffness[:, : (net.counts[0] + 1) * (net.counts[1] + 1)].reshape(2, net.counts[0] + 1, -1)
+        )
         assert np.count_nonzero(stiff) == net.bars
         assert not stiff[0, -1].any()
         assert not stiff[1, :, -1].any()
@@ -206,9 +210,9 @@ def test_only_what_the_wave_has_reached_is_worked_on_and_nothing_is_missed():
     for whole in (False, True):
         const, state, history = net.constants(), net.state(100.0), np.empty((150, kernels.COLUMNS))
         if whole:
-            state.rows[:] = 0, const.ni
-        kernels.advance(state, const, 150, history)
-        histories.append((history, state.u.copy(), state.rows[1]))
+            state.active_rows[:] = 0, const.ni
+        kernels.run_steps(state, const, 150, history)
+        histories.append((history, state.u.copy(), state.active_rows[1]))
     assert histories[0][2] < net.counts[0]
     assert np.array_equal(histories[0][1], histories[1][1])
     assert np.array_equal(histories[0][0], histories[1][0])

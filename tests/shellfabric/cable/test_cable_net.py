@@ -9,11 +9,14 @@ import pytest
 from fabrics import catalogue
 from fabrics.errors import InputError, UnstableError
 from shellfabric.cable import step_kernels as kernels
+from shellfabric.cable.contact_kernels import CONTACT
 from shellfabric.cable.model import CableNet, CableNumerics
-from shellfabric.cable.solver import run
+from shellfabric.cable.solver import ENERGIES, CableSolver, collect_result, run
 from shellfabric.impact import single_ply
+from shellfabric.output import checkpoint
+from shellfabric.output.hooks import Snapshots
 
-S720 = catalogue.load("S-720").effective()
+S720 = catalogue.load("S-720").with_effective_density()
 SMALL = CableNet(S720, (0.05, 0.05))
 
 
@@ -34,16 +37,16 @@ def test_wave_in_the_net_is_c_over_root_2():
     assert net.wave_speeds == pytest.approx((c / sqrt(2),) * 2, rel=1e-12)
     const, state = net.constants(), net.state(1e-9)
     X, Y = net.coordinates()
-    state.position[2] = -1.0  # out of the way
+    state.projectile_position[2] = -1.0  # out of the way
     state.u[0, : X.size], state.u[1, : X.size] = taut * X.ravel(), taut * Y.ravel()
-    state.L[:] *= 1 + taut
-    state.rows[:] = 0, const.ni
+    state.length[:] *= 1 + taut
+    state.active_rows[:] = 0, const.ni
     pulse = 1e-2 * np.exp(-0.5 * ((X - 0.05) / 0.006) ** 2)
-    state.v[0, : X.size] = np.where(state.kick[0, : X.size] > 0, pulse.ravel(), 0.0)
-    kernels.forces(state, const, np.zeros((kernels.WORK, (const.block + 1) * const.s)))
+    state.v[0, : X.size] = np.where(state.dt_over_mass[0, : X.size] > 0, pulse.ravel(), 0.0)
+    kernels.forces(state, const, np.zeros((kernels.WORK, (const.rows_per_block + 1) * const.row_stride)))
     steps, places = int(3e-6 / const.dt), []
     for _ in range(2):
-        kernels.advance(state, const, steps, np.empty((steps, kernels.COLUMNS)))
+        kernels.run_steps(state, const, steps, np.empty((steps, kernels.COLUMNS)))
         right = state.v[0, : X.size].reshape(X.shape)[:, 0] ** 2 * (X[:, 0] > 0.05)
         places.append(np.sum(right * X[:, 0]) / np.sum(right))
     assert (places[1] - places[0]) / (steps * const.dt) == pytest.approx(c / sqrt(2), rel=5e-3)
@@ -66,10 +69,10 @@ def test_momentum(fabric, velocity):
     net = replace(SMALL, fabric=fabric)
     const, state = net.constants(), net.state(velocity)
     history = np.empty((500, kernels.COLUMNS))
-    made, _ = kernels.advance(state, const, 500, history)
-    lost = const.projectile_mass * (velocity - state.speed[2])
+    made, _ = kernels.run_steps(state, const, 500, history)
+    lost = const.projectile_mass * (velocity - state.projectile_velocity[2])
     # the forces of the last step have not acted yet
-    to_clamps = -const.dt * history[: made - 1, kernels.EDGES].sum()
+    to_clamps = -const.dt * history[: made - 1, kernels.CLAMP_FORCE].sum()
     assert lost == pytest.approx(float(state.mass @ state.v[2]) + to_clamps, rel=1e-9)
     assert (state.counter[kernels.FAILURES] > 0) == (velocity == 300.0)
 
@@ -113,6 +116,53 @@ def test_runs_repeat_bit_for_bit():
     first, second = run(SMALL, 150.0, 30e-6), run(SMALL, 150.0, 30e-6)
     assert np.array_equal(first.fine, second.fine)
     assert np.array_equal(first.nodes, second.nodes)
+
+
+def test_a_resumed_run_goes_on_bit_for_bit(tmp_path):
+    """Bars fail before and after; snapshots are kept."""
+    path, take = tmp_path / "run.h5", lambda solver: (solver.time, solver.state.u.copy())
+    whole = CableSolver(SMALL, 300.0, 30e-6).run((Snapshots(4e-6, take),))
+
+    def interrupt(solver):
+        if solver.time > 14e-6:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        CableSolver(SMALL, 300.0, 30e-6).run((Snapshots(4e-6, take), checkpoint.Checkpoints(path, 4e-6), interrupt))
+    rest = CableSolver(SMALL, 300.0, 30e-6)
+    checkpoint.read(rest, path)
+    assert 0 < rest.steps < whole.steps
+    before = rest.sample("failed")[-1]
+    one, other = collect_result(rest.run((Snapshots(4e-6, take),))), collect_result(whole)
+    assert one.energies["failed"][-1] > before > 0
+    for name in ("t", "v", "z", "fine", "nodes", "broken"):
+        assert np.array_equal(getattr(one, name), getattr(other, name)), name
+    for name in ENERGIES:
+        assert np.array_equal(one.energies[name], other.energies[name]), name
+    assert [t for t, _ in rest.snapshots] == [t for t, _ in whole.snapshots]
+    with pytest.raises(InputError, match="another run"):
+        checkpoint.read(CableSolver(replace(SMALL, failure=False), 300.0, 30e-6), path)
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (lambda state: state.v[2].__setitem__(100, 1e7), "a node moves at"),
+        (lambda state: state.projectile_velocity.__imul__(1.1), "the energy balance is off"),
+        (lambda state: state.projectile_velocity.__imul__(np.nan), "a number is not finite"),
+        (lambda state: state.energy_sums.__setitem__(CONTACT, -1.0), "the contact has given"),
+    ],
+)
+def test_a_disturbed_net_is_stopped_and_says_where(change, message):
+    def disturb(solver):
+        if len(solver.samples) == 3:
+            change(solver.state)
+
+    solver = CableSolver(SMALL, 100.0, 30e-6)
+    with pytest.raises(UnstableError, match=message) as caught:
+        solver.run((disturb,))
+    assert solver.outcome == "unstable"
+    assert "of the cable net" in str(caught.value)
 
 
 def test_bars_fail_at_their_strength():

@@ -185,9 +185,9 @@ def table_forces(table, x, y):
         )
         assert (high1, high2) == (max(N1[: x.size].max(), 0.0), max(N2[: x.size].max(), 0.0))
     else:
-        largest = membrane_kernels.tensions(*at, table.tension1.reshape(-1, 4), N1)
+        largest = membrane_kernels.bilinear_tensions(*at, table.tension1.reshape(-1, 4), N1)
         assert largest == N1[: x.size].max()
-        membrane_kernels.tensions(*at, table.tension2.reshape(-1, 4), N2)
+        membrane_kernels.bilinear_tensions(*at, table.tension2.reshape(-1, 4), N2)
     N1, N2 = room[:, : x.size]
     return N1, N2
 
@@ -211,25 +211,27 @@ def test_table_against_cell(fabric, form):
 @pytest.mark.parametrize("name", ["S-720", "S-731", "S-745"])
 def test_forces_tell_what_tensions_cannot_exceed(name):
     """No tension is above the ceiling that the force beside it sets, anywhere; and the ceiling is close."""
-    table = CellModel(catalogue.load(name).effective()).table(81)
+    table = CellModel(catalogue.load(name).with_effective_density()).table(81)
     rng, n, panel = np.random.default_rng(2), 20000, Panel(table)
     const = panel.constants()
     x, y = (rng.uniform(axis[0], axis[-1], n) for axis in (table.stretch1, table.stretch2))
     forces = table_forces(table, x, y)
-    at, T = (0, n, np.append(x, np.ones(8)), np.append(y, np.ones(8)), const.grid), np.zeros(n + 8)
+    at, T = (0, n, np.append(x, np.ones(8)), np.append(y, np.ones(8)), const.table_grid), np.zeros(n + 8)
     for N, tension, unit, ceiling, yarn in (
-        (forces[0], const.tension1, const.unit1, const.ceiling1, panel.weave.warp),
-        (forces[1], const.tension2, const.unit2, const.ceiling2, panel.weave.weft),
+        (forces[0], const.tension1, const.tension_bound_step1, const.tension_bound_table1, panel.weave.warp),
+        (forces[1], const.tension2, const.tension_bound_step2, const.tension_bound_table2, panel.weave.weft),
     ):
-        membrane_kernels.tensions(*at, tension, T)
-        bounds = np.array([panel_step_kernels.bound(const, 0.0, 0.0, max(force, 0.0), unit, ceiling) for force in N])
+        membrane_kernels.bilinear_tensions(*at, tension, T)
+        bounds = np.array(
+            [panel_step_kernels.tension_bound(const, 0.0, 0.0, max(force, 0.0), unit, ceiling) for force in N]
+        )
         assert np.all(T[:n] <= bounds)
         taut = (N > 0.2 * yarn.strength) & (N < yarn.strength)
         assert np.all(bounds[taut] < 1.06 * N[taut] + 0.01 * yarn.strength)
-        top = const.top1 + 1.0
-        assert panel_step_kernels.bound(const, top + 0.1, 0.0, 0.0, unit, ceiling) == np.inf
-        assert panel_step_kernels.bound(const, 0.0, top + 0.1, 0.0, unit, ceiling) == np.inf
-        assert panel_step_kernels.bound(const, 0.0, 0.0, np.inf, unit, ceiling) == np.inf
+        top = const.table_last1 + 1.0
+        assert panel_step_kernels.tension_bound(const, top + 0.1, 0.0, 0.0, unit, ceiling) == np.inf
+        assert panel_step_kernels.tension_bound(const, 0.0, top + 0.1, 0.0, unit, ceiling) == np.inf
+        assert panel_step_kernels.tension_bound(const, 0.0, 0.0, np.inf, unit, ceiling) == np.inf
 
 
 def test_tabulated_potential_conserves(tables, fabric):

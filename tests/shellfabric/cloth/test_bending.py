@@ -12,7 +12,7 @@ from shellfabric.cloth import bending_kernels
 from shellfabric.impact.single_ply import ImpactSetup, run
 from shellfabric.panel import step_kernels as panel_step_kernels
 from shellfabric.panel.model import Numerics, Panel
-from shellfabric.panel.solver import SAMPLES, March
+from shellfabric.panel.solver import SAMPLES, PanelSolver
 
 EI = 2e-6
 NO_DAMPING = Numerics(stretch_viscosity=0.0)  # whose coefficient hangs on the time step, and that on bending
@@ -57,7 +57,7 @@ def forces(panel, x):
 
 def energy(panel, x):
     state = bring(panel, panel.state(1.0), x)
-    return bending_kernels.bend(state, panel.constants(), 0, panel.counts[0], False)
+    return bending_kernels.bending_forces(state, panel.constants(), 0, panel.counts[0], False)
 
 
 @pytest.mark.parametrize("edge", ["free", "clamped"])
@@ -155,12 +155,12 @@ def test_step_holds_with_stiff_yarns(straight):
     for factor, holds in ((1.0, True), (1.6, False)):
         const, state, work = panel.constants(), panel.state(1.0), panel.work()
         const = const._replace(dt=factor * const.dt)
-        state.position[2] = -1.0
-        state.kick[:] *= factor
-        nodes = (panel.counts[0] + 1) * const.s
+        state.projectile_position[2] = -1.0
+        state.dt_over_mass[:] *= factor
+        nodes = (panel.counts[0] + 1) * const.row_stride
         state.v[2][:nodes] = np.random.default_rng(0).normal(scale=1e-6, size=nodes)
-        state.rows[:] = 0, const.ni
-        panel_step_kernels.advance(state, const, work, 300, np.empty((300, 3)))
+        state.active_rows[:] = 0, const.ni
+        panel_step_kernels.run_steps(state, const, work, 300, np.empty((300, 3)))
         assert (np.nanmax(np.abs(state.v[2])) < 1e-4) == holds
 
 
@@ -174,7 +174,7 @@ def test_impact_with_bending_conserves(fabric):
     broken = run(replace(setup, strike_velocity=260.0))
     assert broken.failed[-1] > 0
     assert broken.worst_balance < 1e-2
-    march = March(broken.panel, 260.0, 50e-6)
+    march = PanelSolver(broken.panel, 260.0, 50e-6)
     assert march.samples[0][SAMPLES.index("bending")] == 0.0
 
 

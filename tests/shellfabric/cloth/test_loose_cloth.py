@@ -10,11 +10,12 @@ from fabrics.fabric import Fabric
 from fabrics.trellis import TrellisShear
 from fabrics.weave import Weave
 from fabrics.yarn import Yarn
+from shellfabric.driver.solver import speed_limit
 from shellfabric.impact import single_ply
 from shellfabric.impact.pack import PackSetup, run
 from shellfabric.impact.single_ply import ImpactSetup
 from shellfabric.panel import step_kernels as panel_step_kernels
-from shellfabric.panel.solver import March, fastest
+from shellfabric.panel.solver import PanelSolver
 from shellfabric.projectile.projectile import Projectile
 
 
@@ -96,8 +97,8 @@ def test_reach_is_bounded_along_yarns_that_are_held_at_both_ends(small, edge, wh
 
 def test_nodes_may_be_fast_but_not_faster_than_an_element_a_step(small):
     panel = small()
-    march = March(panel, 100.0, 20e-6).run()
-    speed = fastest(march.const)
+    march = PanelSolver(panel, 100.0, 20e-6).run()
+    speed = speed_limit(march.const)
     assert speed == pytest.approx(min(panel.spacing) / panel.time_step)
     march.state.v[2][30] = 0.9 * speed
     march._guard()
@@ -117,7 +118,7 @@ def test_heavy_yarns_bear_a_fast_shot():
     )  # fmt: skip
     fast = []
     result = single_ply.run(ply, hooks=[lambda march: fast.append(np.linalg.norm(march.state.v, axis=0).max())])
-    assert max(fast) > 0.25 * fastest(result.panel.constants())
+    assert max(fast) > 0.25 * speed_limit(result.panel.constants())
     assert result.worst_balance < 5e-3
 
 

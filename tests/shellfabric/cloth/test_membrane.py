@@ -92,7 +92,7 @@ def test_patch(small):
     X, Y = panel.coordinates()
     F = np.array([[1.02, 0.15], [0.03, 1.015], [0.2, -0.1]])
     state = bring(panel, panel.state(1.0), np.stack([X, Y], axis=-1) @ F.T)
-    for L, y, column in zip(state.L, state.y, F.T):
+    for L, y, column in zip(state.stretch, state.yarn_length, F.T):
         np.testing.assert_allclose(L[y > 0], np.linalg.norm(column), rtol=1e-13)
     f = node_forces(panel, state)
     assert np.abs(f[1:-1, 1:-1]).max() < 1e-11 * np.abs(f).max()
@@ -129,7 +129,7 @@ def test_gather_against_its_plain_twin(s):
     for idle in (on2, cross):
         idle[s - 1 :: s] = 0.0
     g, n = tuple(np.zeros((3, rows * s))), rows * s
-    membrane_kernels.gather(0, m0, n, s, rx, ry, A, B, on1, on2, cross, up, g)
+    membrane_kernels.scatter_forces(0, m0, n, s, rx, ry, A, B, on1, on2, cross, up, g)
     own = [[x[m0:] for x in part] for part in (A, B)]
     plain = plain_gather(rows, s, rx, ry, *own, on1[m0:], on2[m0:], cross[m0:])
     found = np.array([[*g[c], *up[c][m0 + n : m0 + n + s]] for c in range(3)]).reshape(plain.shape)
@@ -144,7 +144,7 @@ def test_edges_of_a_step_against_their_plain_twin(again):
     K, S, D = 1000.0 * K, (1000.0 * rng.uniform(0.9, 1.1, room)).astype(np.float32), rng.normal(size=room)
     D, N, P, on = D.astype(np.float32), 50.0 * N, 50.0 * P, np.zeros(room)
     was = [x.astype(float) for x in (L, P, D, S)]
-    found = membrane_kernels.yarns(0, 1, n, 1, again, 3.0, cv, stretch, inverse, turned, N, K, y, L, P, D, S, on)
+    found = membrane_kernels.yarn_forces(0, 1, n, 1, again, 3.0, cv, stretch, inverse, turned, N, K, y, L, P, D, S, on)
     works = np.zeros(3)
     for k in range(n):
         m, (before, force, last, slope) = k + 1, (x[k] for x in was)
@@ -161,12 +161,12 @@ def test_uniform_tension_cancels_exactly(small):
     panel = small(edge="free", symmetry="whole", failure=False)
     state = panel.state(1.0)
     for c in range(3):
-        state.g0[c][:] = state.g1[c][:] = 0.0
+        state.f_int[c][:] = state.f_int_above[c][:] = 0.0
     # displacements whose differences are exact in binary
-    s, k = panel.constants().s, np.arange(state.u[0].size)
+    s, k = panel.constants().row_stride, np.arange(state.u[0].size)
     state.u[0][:] = (k // s) * 2.0**-16
     state.u[1][:] = (k % s) * 2.0**-16
-    panel_step_kernels.first_forces(state, panel.constants(), panel.work())
+    panel_step_kernels.initial_forces(state, panel.constants(), panel.work())
     f = node_forces(panel, state)
     assert np.abs(f).max() > 0.1
     assert np.abs(f[1:-1, 1:-1]).max() == 0.0
@@ -182,7 +182,7 @@ def test_scratch_may_hold_anything(crumpled, small):
         for array in part if isinstance(part, tuple) else (part,):
             if array.dtype == float:
                 array[:] = rng.uniform(0.5, 2.0, array.shape)
-    panel_step_kernels.first_forces(state, panel.constants(), work)
+    panel_step_kernels.initial_forces(state, panel.constants(), work)
     np.testing.assert_array_equal(node_forces(panel, state), expected)
 
 
@@ -206,7 +206,7 @@ def test_trellis_against_the_law(fabric):
     shear_slopes(gamma.size, np.append(np.sin(gamma), np.zeros(8)), law.G1, law.G2, law.gamma1, law.gamma2, slope)
     slope = 2 * slope[: gamma.size]
     np.testing.assert_allclose(slope * np.cos(gamma) / 2, law.stress(gamma), rtol=1e-11, atol=1e-6)
-    energies = [membrane_kernels.trellis(g, law.G1, law.G2, law.gamma1, law.gamma2) for g in gamma]
+    energies = [membrane_kernels.trellis_law(g, law.G1, law.G2, law.gamma1, law.gamma2) for g in gamma]
     np.testing.assert_allclose([stress for stress, _ in energies], law.stress(gamma), rtol=1e-12, atol=1e-9)
     assert TrellisShear(law.G1, law.G2, law.gamma1, law.gamma2).stress(-0.3) == -law.stress(0.3)
 
@@ -218,16 +218,16 @@ def test_longitudinal_wave_speed(straight, weft_mass, share):
     model = CellModel(fabric, model="decoupled")
     panel = Panel(model.table(201), (0.6, 0.0203), edge="free", failure=False)
     state, const, work = panel.state(1.0), panel.constants(), panel.work()
-    state.position[2] = -1.0  # the projectile is far away
-    state.rows[:] = 0, const.ni
-    ni, s = const.ni, const.s
+    state.projectile_position[2] = -1.0  # the projectile is far away
+    state.active_rows[:] = 0, const.ni
+    ni, s = const.ni, const.row_stride
     # all cloth runs away from the plane of symmetry, which holds its end: a front of tension sets out from there
     state.v[0][: (ni + 1) * s] = 10.0
     state.v[0][:s] = 0.0
     stations, arrivals = (ni // 5, 4 * ni // 5), {}
     full = fabric.weave.warp.EA * 10.0 / (share * fabric.weave.warp.wave_speed)
     while len(arrivals) < 2:
-        panel_step_kernels.advance(state, const, work, 1, np.empty((1, 3)))
+        panel_step_kernels.run_steps(state, const, work, 1, np.empty((1, 3)))
         assert state.counter[0] < 5 * ni
         for i in stations:
             if i not in arrivals and state.N[0][i * s] > 0.5 * full:
@@ -247,18 +247,18 @@ def test_time_step_bound(straight, factor, holds):
     panel = Panel(table, (0.0306, 0.0306), edge="free", failure=False, symmetry="whole", numerics=knobs)
     const, state, work = panel.constants(), panel.state(1.0), panel.work()
     const = const._replace(dt=factor * panel.critical_step)
-    state.position[2] = -1.0
+    state.projectile_position[2] = -1.0
     rng, ni = np.random.default_rng(0), panel.counts[0]
     X, Y = panel.coordinates()
     inside = np.zeros(X.shape, bool)
     inside[1:-1, 1:-1] = True
-    state.kick[: X.size] = const.dt * (state.inverse_mass[: X.size] * inside.ravel())
+    state.dt_over_mass[: X.size] = const.dt * (state.inverse_mass[: X.size] * inside.ravel())
     for c, taut in enumerate((0.02 * X, 0.02 * Y, 0 * X)):
         state.u[c][: X.size] = taut.ravel()
         state.v[c][: X.size] = rng.normal(scale=1e-3, size=X.size) * inside.ravel()
-    state.rows[:] = 0, ni
-    panel_step_kernels.first_forces(state, const, work)
-    panel_step_kernels.advance(state, const, work, 400, np.empty((400, 3)))
+    state.active_rows[:] = 0, ni
+    panel_step_kernels.initial_forces(state, const, work)
+    panel_step_kernels.run_steps(state, const, work, 400, np.empty((400, 3)))
     # what is no number any more is at rest
     assert (0.0 < max(np.abs(v).max() for v in state.v) < 0.02) == holds
 
@@ -268,8 +268,8 @@ def test_trellis_energy_is_the_integral_of_its_stress(fabric, gamma):
     """In each zone to six digits, the soft one included (eq. 4-35, erratum E-11): Simpson's rule on the plain law."""
     law = fabric.shear
     constants = (law.G1, law.G2, law.gamma1, law.gamma2)
-    stress, energy = membrane_kernels.trellis(gamma, *constants)
+    stress, energy = membrane_kernels.trellis_law(gamma, *constants)
     g = np.linspace(0, gamma, 4001)
     weights = np.r_[1, np.tile([4, 2], 1999), 4, 1] * gamma / 4000 / 3
     assert energy == pytest.approx(weights @ law.stress(g), rel=1e-6)
-    assert membrane_kernels.trellis(-gamma, *constants) == (-stress, energy)
+    assert membrane_kernels.trellis_law(-gamma, *constants) == (-stress, energy)

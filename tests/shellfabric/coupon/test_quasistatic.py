@@ -70,7 +70,7 @@ def test_a_pull_goes_on_from_its_states_bit_for_bit():
 
 @pytest.fixture(scope="module")
 def table():
-    return CellModel(catalogue.load("S-728").effective(), form="variational").table(121)
+    return CellModel(catalogue.load("S-728").with_effective_density(), form="variational").table(121)
 
 
 def test_picture_frame_gives_the_trellis_law(table):
@@ -143,7 +143,7 @@ def test_the_middle_of_a_cross_is_the_cell(strain):
 
 def straight(trellis=True):
     """Straight yarns with a soft trellis: what the closed form of the bias test is for."""
-    fabric = catalogue.load("S-728").effective()
+    fabric = catalogue.load("S-728").with_effective_density()
     weave, shear = fabric.weave, fabric.shear
     yarns = {name: replace(yarn, crimp=1e-6) for name, yarn in zip(("warp", "weft"), weave.yarns)}
     thin = replace(weave, **yarns)

@@ -22,7 +22,7 @@ OUTCOMES = {
 def check(name, balance, **changes):
     """Both published shots on one fabric: the slower one is stopped, the faster one perforates."""
     for strike_velocity, expected in zip(OUTCOMES[name], ("stopped", "perforated")):
-        result = run(ImpactSetup(catalogue.load(name).effective(), strike_velocity, **changes))
+        result = run(ImpactSetup(catalogue.load(name).with_effective_density(), strike_velocity, **changes))
         assert result.outcome == expected, strike_velocity
         assert result.worst_balance < balance
 

@@ -11,7 +11,7 @@ from fabrics.errors import InputError
 from shellfabric.cable.model import CableNet
 from shellfabric.panel import step_kernels as panel_step_kernels
 from shellfabric.panel.model import Numerics, Panel
-from shellfabric.panel.solver import March
+from shellfabric.panel.solver import PanelSolver
 from shellfabric.projectile import friction_kernels
 from shellfabric.projectile.contact_kernels import FRICTION, FRICTION_SPRING
 from shellfabric.projectile.projectile import SHAPES, Projectile
@@ -29,12 +29,14 @@ def shot(shape="flat", **changes):
 
 def fire(panel, speed=150.0, steps=250):
     state, const, fine = panel.state(speed), panel.constants(), np.empty((steps, 3))
-    made, _ = panel_step_kernels.advance(state, const, panel.work(), steps, fine)
+    made, _ = panel_step_kernels.run_steps(state, const, panel.work(), steps, fine)
     return Run(state, const, fine[:made], panel)
 
 
 def momentum(run):
-    return np.array([run.state.mass @ v for v in run.state.v]) + run.panel.projectile.mass * run.state.speed
+    return (
+        np.array([run.state.mass @ v for v in run.state.v]) + run.panel.projectile.mass * run.state.projectile_velocity
+    )
 
 
 @pytest.mark.parametrize("shape", SHAPES)
@@ -50,11 +52,11 @@ def test_every_shot_keeps_momentum(small, shape, attitude, friction):
     thrown = shot(shape, friction=friction, **attitude)
     panel = small(edge="free", symmetry="whole", projectile=thrown)
     state, const, fine = panel.state(400.0), panel.constants(), np.empty((300, 3))
-    panel_step_kernels.advance(state, const, panel.work(), 300, fine)
+    panel_step_kernels.run_steps(state, const, panel.work(), 300, fine)
     run = Run(state, const, fine, panel)
     expected = thrown.mass * 400.0 * thrown.flight
     plug = np.pi * thrown.radius**2 * panel.weave.areal_density
-    assert thrown.mass * (400.0 - np.linalg.norm(run.state.speed)) > 0.5 * plug * 400.0
+    assert thrown.mass * (400.0 - np.linalg.norm(run.state.projectile_velocity)) > 0.5 * plug * 400.0
     np.testing.assert_allclose(momentum(run), expected, atol=2e-13 * thrown.mass * 400.0)
 
 
@@ -66,7 +68,7 @@ def test_energy_of_every_shot_balances(small, shape, attitude):
     """Also where points slide: over a step the last force does work in its own direction, not in the present one."""
     knobs = Numerics(safety=0.5)  # the error of the time integration, four times less, is not what is asked after
     panel = small(symmetry="whole", projectile=shot(shape, **attitude), failure=False, numerics=knobs)
-    march = March(panel, 110.0, 50e-6).run()
+    march = PanelSolver(panel, 110.0, 50e-6).run()
     assert np.abs(march.sample("balance")).max() < 1e-4 * march.strike_energy
     assert march.sample("kinetic_projectile")[-1] < 0.97 * march.strike_energy
     assert np.all(np.diff(march.sample("z")) > 0)
@@ -112,10 +114,10 @@ def test_mirrored_shots_are_mirror_images(small, shape):
     ]
     left, right = runs
     np.testing.assert_allclose(left.fine, right.fine, rtol=1e-8, atol=1e-8)
-    np.testing.assert_allclose(left.state.speed, right.state.speed * [-1, 1, 1], atol=1e-9)
-    assert abs(left.state.speed[1]) < 1e-9
-    n = (left.const.ni + 1) * left.const.s
-    deflection = [run.state.u[2][:n].reshape(left.const.ni + 1, left.const.s) for run in runs]
+    np.testing.assert_allclose(left.state.projectile_velocity, right.state.projectile_velocity * [-1, 1, 1], atol=1e-9)
+    assert abs(left.state.projectile_velocity[1]) < 1e-9
+    n = (left.const.ni + 1) * left.const.row_stride
+    deflection = [run.state.u[2][:n].reshape(left.const.ni + 1, left.const.row_stride) for run in runs]
     np.testing.assert_allclose(deflection[0], deflection[1][::-1], atol=1e-11)
     assert np.abs(deflection[0] - deflection[0][::-1]).max() > 1e-4
 
@@ -126,7 +128,7 @@ def test_half_a_panel_does_for_an_oblique_shot_across_it(small):
         for symmetry in ("whole", "half")
     )
     np.testing.assert_allclose(half.fine[:, :2], whole.fine[:, :2], rtol=1e-7)
-    np.testing.assert_allclose(half.state.speed[1:], whole.state.speed[1:], rtol=1e-7)
+    np.testing.assert_allclose(half.state.projectile_velocity[1:], whole.state.projectile_velocity[1:], rtol=1e-7)
 
 
 def test_symmetry_that_a_shot_has_not_is_refused(small):
@@ -155,16 +157,16 @@ def test_a_window_that_follows_the_projectile_misses_nothing(small, velocity, to
     """
     panel = small(symmetry="whole", projectile=shot("sphere", obliquity=radians(45)))
     followed = fire(panel, velocity, 400)
-    everywhere = panel.constants()._replace(reach=(1.0, 1.0))
+    everywhere = panel.constants()._replace(draw_in_reach=(1.0, 1.0))
     state, fine = panel.state(velocity), np.empty((400, 3))
-    made, _ = panel_step_kernels.advance(state, everywhere, panel.work(), 400, fine)
-    np.testing.assert_array_equal(state.window, [0, 24, 0, 24])
+    made, _ = panel_step_kernels.run_steps(state, everywhere, panel.work(), 400, fine)
+    np.testing.assert_array_equal(state.contact_window, [0, 24, 0, 24])
     np.testing.assert_array_equal(followed.fine, fine[:made])
     assert (followed.state.counter[panel_step_kernels.FAILURES] > 0) == torn
     if torn:
-        np.testing.assert_array_equal(followed.state.window, state.window)
+        np.testing.assert_array_equal(followed.state.contact_window, state.contact_window)
     else:
-        assert followed.state.window[0] > panel.state(velocity).window[0]
+        assert followed.state.contact_window[0] > panel.state(velocity).contact_window[0]
 
 
 # friction
@@ -176,7 +178,9 @@ def slide(k, c, limit, mass, belt, steps, dt, pull=0.0):
     force = pull
     for _ in range(steps):
         v += dt * force / mass
-        t_x, _, _, work, held = friction_kernels.rub(stuck, limit, k, c, dt, 0.0, 0.0, 1.0, v - belt, 0.0, 0.3)
+        t_x, _, _, work, held = friction_kernels.friction_force(
+            stuck, limit, k, c, dt, 0.0, 0.0, 1.0, v - belt, 0.0, 0.3
+        )
         taken, force = taken + work, t_x + pull
         path.append(v)
     return np.array(path), taken, held
@@ -215,7 +219,7 @@ def test_friction_never_exceeds_its_limit_nor_leaves_the_surface():
     for limit in rng.uniform(0, 2, 300):
         n = rng.normal(size=3)
         n /= np.linalg.norm(n)
-        *t, _, held = friction_kernels.rub(stuck, limit, 1e6, 1.0, 1e-6, *n, *rng.normal(size=3))
+        *t, _, held = friction_kernels.friction_force(stuck, limit, 1e6, 1.0, 1e-6, *n, *rng.normal(size=3))
         assert np.linalg.norm(t) <= limit * (1 + 1e-12)
         assert abs(np.dot(t, n)) < 1e-12
         assert held <= limit**2 / 2e6 * (1 + 1e-12) + 1e-30
@@ -226,7 +230,7 @@ def test_friction_takes_energy_and_gives_none_back(small):
     state, const, work = panel.state(120.0), panel.constants(), panel.work()
     spent = []
     for _ in range(60):
-        panel_step_kernels.advance(state, const, work, 5, np.empty((5, 3)))
+        panel_step_kernels.run_steps(state, const, work, 5, np.empty((5, 3)))
         spent.append(state.contact_energy[FRICTION] - state.contact_energy[FRICTION_SPRING])
     assert spent[-1] > 0.003 * panel.projectile.energy(120.0)
     assert np.diff(spent).min() > -1e-4 * spent[-1]
@@ -235,7 +239,9 @@ def test_friction_takes_energy_and_gives_none_back(small):
 def test_friction_drags_a_sliding_projectile(small):
     """The more friction, the less of its speed along the panel is left; without it, a flat loses next to none of it."""
     left = [
-        fire(small(symmetry="whole", projectile=shot("flat", obliquity=0.3, yaw=-0.3, friction=friction))).state.speed
+        fire(
+            small(symmetry="whole", projectile=shot("flat", obliquity=0.3, yaw=-0.3, friction=friction))
+        ).state.projectile_velocity
         for friction in (0.0, 0.1, 0.3)
     ]
     along = [speed[0] for speed in left]
@@ -245,7 +251,7 @@ def test_friction_drags_a_sliding_projectile(small):
 def test_without_friction_nothing_is_rubbed(tables):
     panel = Panel(tables["equilibrium"], (0.0306, 0.0306), numerics=Numerics())
     run = fire(panel)
-    assert run.state.stuck.size == 0
+    assert run.state.friction_state.size == 0
     assert not run.state.contact_energy[FRICTION : FRICTION_SPRING + 1].any()
     tiny = fire(replace(panel, projectile=shot(friction=1e-12)))
     np.testing.assert_allclose(tiny.fine, run.fine, rtol=1e-6)

@@ -14,7 +14,7 @@ from shellfabric.impact.single_ply import ImpactSetup, run
 from shellfabric.jit import barrier
 from shellfabric.output import checkpoint
 from shellfabric.panel.model import Numerics
-from shellfabric.panel.solver import March
+from shellfabric.panel.solver import PanelSolver
 
 
 @njit(nogil=True)
@@ -22,7 +22,7 @@ def _meetings(shared, written, me, count):
     sums = np.empty(written.shape[0])
     for m in range(written.shape[0]):
         written[m, me] = me + 1.0
-        barrier.meet(shared, count)
+        barrier.barrier_wait(shared, count)
         sums[m] = written[m].sum()
     return sums
 
@@ -36,14 +36,14 @@ def setup(fabric, threads, **changes):
 
 def march(fabric, threads, **changes):
     chosen = setup(fabric, threads, **changes)
-    return March(chosen.panel(), chosen.strike_velocity, chosen.end_time).run()
+    return PanelSolver(chosen.panel(), chosen.strike_velocity, chosen.end_time).run()
 
 
 def assert_same(one, other):
     for name, mine, theirs in zip(one.state._fields, one.state, other.state):
         np.testing.assert_array_equal(mine, theirs, err_msg=name)
     np.testing.assert_array_equal(one.samples, other.samples)
-    np.testing.assert_array_equal(np.concatenate(one.fine), np.concatenate(other.fine))
+    np.testing.assert_array_equal(np.concatenate(one.step_history), np.concatenate(other.step_history))
 
 
 @pytest.mark.parametrize("form", ["equilibrium", "variational"])
@@ -84,7 +84,7 @@ def test_nobody_is_left_waiting(fabric):
 
     def fire():
         try:
-            March(chosen.panel(), chosen.strike_velocity, chosen.end_time).run((wrong,))
+            PanelSolver(chosen.panel(), chosen.strike_velocity, chosen.end_time).run((wrong,))
         except LookupError as problem:
             told.append(problem.args[0])
 
@@ -106,20 +106,20 @@ def test_how_many(monkeypatch):
     """A large panel takes the processors that the process is allowed to use, not those of the machine."""
     monkeypatch.setattr("os.cpu_count", lambda: 64)
     monkeypatch.setattr("os.sched_getaffinity", lambda process: {0, 3, 5, 6, 9}, raising=False)
-    assert barrier.threads_for(3, 10) == barrier.threads_for(3, barrier.CHEAP) == 3
-    assert barrier.threads_for(None, barrier.CHEAP - 1) == 1
-    assert barrier.threads_for(None, barrier.CHEAP) == 5
+    assert barrier.threads_for(3, 10) == barrier.threads_for(3, barrier.MIN_ELEMENTS_THREADED) == 3
+    assert barrier.threads_for(None, barrier.MIN_ELEMENTS_THREADED - 1) == 1
+    assert barrier.threads_for(None, barrier.MIN_ELEMENTS_THREADED) == 5
     monkeypatch.delattr("os.sched_getaffinity")  # a system without it
-    assert barrier.threads_for(None, barrier.CHEAP) == 64
+    assert barrier.threads_for(None, barrier.MIN_ELEMENTS_THREADED) == 64
     monkeypatch.setattr("os.cpu_count", lambda: None)
-    assert barrier.threads_for(None, barrier.CHEAP) == 1
+    assert barrier.threads_for(None, barrier.MIN_ELEMENTS_THREADED) == 1
     with pytest.raises(InputError, match="threads"):
         Numerics(threads=0)
 
 
 def test_nobody_passes_the_barrier_alone():
     """Sums of what each thread has written before it came are complete behind the barrier, a thousand times over."""
-    count, shared, written = 3, np.zeros(barrier.ROOM, np.int64), np.zeros((1000, 3))
+    count, shared, written = 3, np.zeros(barrier.SLOTS, np.int64), np.zeros((1000, 3))
     _meetings(shared, written, 0, 1)  # compiled
     written[:] = 0.0
     with ThreadPoolExecutor(count) as pool:

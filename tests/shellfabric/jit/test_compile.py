@@ -58,7 +58,7 @@ def test_what_python_calls_is_kept_with_the_kernels():
 @pytest.fixture
 def large(small, tmp_path, monkeypatch):
     """(a kernel of a panel with an empty cache, what numba calls its arguments)."""
-    found, panel = boundary_kernels.hold, small()
+    found, panel = boundary_kernels.update_slip_nodes, small()
     kinds = typeof(panel.state(1.0)), typeof(panel.constants()), types.float64
     with monkeypatch.context() as patch:
         patch.setattr(config, "CACHE_DIR", str(tmp_path / Path(found._cache.cache_path).parent.name))
@@ -70,7 +70,7 @@ def large(small, tmp_path, monkeypatch):
 def test_a_large_kernel_is_compiled_in_another_process(large):
     """This one finds it in the cache, and its compiler has made nothing that it would keep."""
     function, kinds = large
-    assert compile_in_child.members(kinds) > compile_in_child.LARGE
+    assert compile_in_child.members(kinds) > compile_in_child.MIN_MEMBERS
     function.compile(kinds)
     assert not function.stats.cache_misses
     assert sum(function.stats.cache_hits.values()) == 1
@@ -78,7 +78,7 @@ def test_a_large_kernel_is_compiled_in_another_process(large):
 
 def test_where_no_other_process_can_a_large_kernel_is_compiled_in_this_one(large, monkeypatch):
     function, kinds = large
-    monkeypatch.setattr(compile_in_child, "_CHILD", "raise SystemExit(1)")
+    monkeypatch.setattr(compile_in_child, "_CHILD_CODE", "raise SystemExit(1)")
     function.compile(kinds)
     assert sum(function.stats.cache_misses.values()) == 1
     assert function.overloads[kinds].library.get_pointer_to_function(function.overloads[kinds].fndesc.mangled_name)

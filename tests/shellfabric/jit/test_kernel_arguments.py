@@ -16,17 +16,17 @@ ROOT = Path(__file__).parents[3]
 FOLDER = ROOT / "shellfabric"
 # two fields of each that hold arrays of one type, of everything that kernels are called with
 LIKE = {
-    ("plies.model", "Pair"): ("normal", "was"),
-    ("plies.model", "Stops"): ("low", "high"),
-    ("plies.model", "Stack"): ("places", "reactions"),
-    ("projectile.contact", "Scratch"): ("low", "high"),
+    ("plies.model", "Pair"): ("normal", "last_depth"),
+    ("plies.model", "TornContact"): ("box_low", "box_high"),
+    ("plies.model", "Stack"): ("projectile_position", "f_contact_nose"),
+    ("projectile.contact", "Scratch"): ("box_low", "box_high"),
     ("cable.model", "State"): ("u", "v"),
     ("cable.model", "Constants"): ("x0", "y0"),
     ("solid.model", "State"): ("x", "v"),
     ("solid.model", "Constants"): ("mass", "inverse_mass"),
     ("panel.arrays", "State"): ("u", "v"),
     ("panel.arrays", "Constants"): ("S01", "EA1"),
-    ("panel.arrays", "Work"): ("l1", "l2"),
+    ("panel.arrays", "Work"): ("stretch1", "stretch2"),
 }
 PROBE = """
 
@@ -111,7 +111,7 @@ def test_the_digest_is_narrow():
     """What prepares arrays, or drives kernels, is not compiled; of those files the named tuples alone count."""
     covered = dict(kernel_sources(FOLDER))
     for name in ("cable/model.py", "projectile/contact.py", "plies/model.py", "panel/arrays.py", "solid/model.py"):
-        assert len(covered[f"shellfabric/{name}"]) < 1500, name
+        assert len(covered[f"shellfabric/{name}"]) < 3000, name
     for name in (
         "impact/single_ply.py", "panel/solver.py", "solid/solver.py", "output/checkpoint.py", "cell/model.py",
         "projectile/projectile.py",
@@ -132,9 +132,9 @@ def test_named_tuples_of_called_kernels_are_covered(small):
     from numba.core import types
     from numba.core.registry import CPUDispatcher
 
-    from shellfabric.panel.solver import March
+    from shellfabric.panel.solver import PanelSolver
 
-    March(small(), 50.0, 2e-6).run()
+    PanelSolver(small(), 50.0, 2e-6).run()
     covered, seen = dict(kernel_sources(FOLDER)), set()
     for name, module in list(sys.modules.items()):
         if not name.startswith("shellfabric"):

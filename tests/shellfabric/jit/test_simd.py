@@ -20,15 +20,20 @@ def arithmetic(a, b, c, out):
     store(out[2], 0, x * y)
     store(out[3], 0, x / y)
     store(out[4], 0, simd.fma(x, y, z))
-    store(out[5], 0, simd.least(x, y))
-    store(out[6], 0, simd.most(x, 0.5))
-    store(out[7], 0, simd.where(simd.above(x, y), x, 1.0))
+    store(out[5], 0, simd.minimum(x, y))
+    store(out[6], 0, simd.maximum(x, 0.5))
+    store(out[7], 0, simd.where(simd.greater(x, y), x, 1.0))
     store(out[8], 0, simd.fabs(x))
     store(out[9], 0, simd.copysign(x, y))
     store(out[10], 0, simd.floor(x))
     store(out[11], 0, simd.sqrt(simd.fabs(x)))
-    store(out[12], 0, simd.inverse_root(simd.fabs(x)))
-    return simd.total(x), simd.highest(x), simd.some(simd.above(x, 2.9)), simd.some(simd.above(x, 3.1))
+    store(out[12], 0, simd.rsqrt(simd.fabs(x)))
+    return (
+        simd.reduce_add(x),
+        simd.reduce_max(x),
+        simd.any_lane(simd.greater(x, 2.9)),
+        simd.any_lane(simd.greater(x, 3.1)),
+    )
 
 
 def test_arithmetic():
@@ -52,7 +57,7 @@ def test_arithmetic():
 @njit
 def roots(x, out):
     for j in range(0, x.size, 8):
-        store(out, j, simd.inverse_root(load(x, j)))
+        store(out, j, simd.rsqrt(load(x, j)))
 
 
 def test_inverse_root_is_exact_to_the_last_digit():
@@ -66,15 +71,15 @@ def test_inverse_root_is_exact_to_the_last_digit():
 
 @njit
 def rows(table, cell, out):
-    which = simd.cells(load(cell, 0))
-    columns = simd.columns4(table, which)
+    which = simd.to_int32(load(cell, 0))
+    columns = simd.gather_rows4(table, which)
     for m in range(4):
         store(out[m], 0, columns[m])
 
 
 @njit
 def long_rows(table, cell, out):
-    columns = simd.columns8(table, simd.cells(load(cell, 0)))
+    columns = simd.gather_rows8(table, simd.to_int32(load(cell, 0)))
     for m in range(8):
         store(out[m], 0, columns[m])
 
@@ -89,12 +94,12 @@ def test_columns_of_a_table(width, read):
 
 @njit
 def noted(table, cell, spots, out):
-    which = simd.cells(load(cell, 0))
-    simd.note(spots, 3, which)
-    columns = simd.noted8(table, spots, 3)
+    which = simd.to_int32(load(cell, 0))
+    simd.store_int32(spots, 3, which)
+    columns = simd.gather8_indexed(table, spots, 3)
     for m in range(8):
         store(out[m], 0, columns[m])
-    store(out[8], 0, simd.entries(table[:, 0].copy(), which))
+    store(out[8], 0, simd.gather(table[:, 0].copy(), which))
 
 
 def test_rows_whose_numbers_are_kept():
@@ -107,8 +112,8 @@ def test_rows_whose_numbers_are_kept():
 
 @njit
 def neighbours(x, out):
-    store(out[0], 0, simd.behind(load(x, 0), load(x, 8)))
-    store(out[1], 0, simd.ahead(load(x, 0), load(x, 8)))
+    store(out[0], 0, simd.shift_in_prev(load(x, 0), load(x, 8)))
+    store(out[1], 0, simd.shift_in_next(load(x, 0), load(x, 8)))
 
 
 def test_neighbouring_slots():
@@ -119,8 +124,8 @@ def test_neighbouring_slots():
 
 @njit
 def part(value, count, out):
-    simd.keep(out, 3, load(value, 0), count)
-    store(out, 20, simd.where(simd.first(count), load(value, 0), -1.0))
+    simd.masked_store(out, 3, load(value, 0), count)
+    store(out, 20, simd.where(simd.head_mask(count), load(value, 0), -1.0))
 
 
 @pytest.mark.parametrize("count", [0, 1, 5, 8, 11])
@@ -149,9 +154,9 @@ def test_single_precision_storage():
 @njit
 def answers(a, b, flags, value, out):
     x, y = load(a, 0), load(b, 0)
-    bits = simd.bits(simd.above(x, y))
-    store(out, 0, simd.where(simd.lanes_of(bits ^ 0b1001), 1.0, 0.0))
-    return bits, simd.bits(simd.those(flags, 1, value)), simd.bits(simd.first(3))
+    bits = simd.movemask(simd.greater(x, y))
+    store(out, 0, simd.where(simd.mask_from_bits(bits ^ 0b1001), 1.0, 0.0))
+    return bits, simd.movemask(simd.equal_bytes(flags, 1, value)), simd.movemask(simd.head_mask(3))
 
 
 def test_answers_as_bits():

@@ -87,7 +87,8 @@ def test_reactions_take_up_the_momentum(quick, part):
         c, state = march.const, march.state
         loose = state.inverse_mass > 0
         momentum.append(
-            (c.projectile_mass * state.speed[2] + float(state.mass[loose] @ state.v[2][loose])) / march.panel.share
+            (c.projectile_mass * state.projectile_velocity[2] + float(state.mass[loose] @ state.v[2][loose]))
+            / march.panel.share
         )
 
     result = quick(60.0, end_time=119.9e-6, measure=Measure(1e-9), hooks=[weigh], **part)

@@ -12,7 +12,7 @@ from shellfabric.panel import boundary
 from shellfabric.panel import step_kernels as panel_step_kernels
 from shellfabric.panel.boundary import Grip, PullIn
 from shellfabric.panel.model import Panel
-from shellfabric.panel.solver import March
+from shellfabric.panel.solver import PanelSolver
 from shellfabric.projectile.projectile import Projectile
 
 SLIP = PullIn(length=0.4e-3, start=5e-6, end=35e-6, zone=20e-3)
@@ -20,12 +20,12 @@ SLIP = PullIn(length=0.4e-3, start=5e-6, end=35e-6, zone=20e-3)
 
 def fire(panel, speed=100.0, steps=400):
     state, const, fine = panel.state(speed), panel.constants(), np.empty((steps, 3))
-    made, _ = panel_step_kernels.advance(state, const, panel.work(), steps, fine)
+    made, _ = panel_step_kernels.run_steps(state, const, panel.work(), steps, fine)
     return state, const, fine[:made]
 
 
 def field(state, const, c):
-    return state.u[c][: (const.ni + 1) * const.s].reshape(const.ni + 1, const.s)
+    return state.u[c][: (const.ni + 1) * const.row_stride].reshape(const.ni + 1, const.row_stride)
 
 
 @pytest.mark.parametrize("symmetry", ["quarter", "whole"])
@@ -37,7 +37,7 @@ def test_pull_in_is_a_triangle_that_grows_evenly(small, symmetry):
     triangle = SLIP.length * np.maximum(1 - np.abs(X) / (0.5 * SLIP.zone), 0)
     for share in (0.0, 0.25, 0.8, 1.0, 1.0):
         steps = int((SLIP.start + share * (SLIP.end - SLIP.start)) / const.dt) - int(state.counter[0])
-        panel_step_kernels.advance(state, const, work, max(steps, 30), np.empty((max(steps, 30), 3)))
+        panel_step_kernels.run_steps(state, const, work, max(steps, 30), np.empty((max(steps, 30), 3)))
         time = state.counter[0] * const.dt
         part = min(max((time - SLIP.start) / (SLIP.end - SLIP.start), 0), 1)
         np.testing.assert_allclose(field(state, const, 1)[:, -1], -part * triangle, atol=1e-15)
@@ -52,7 +52,7 @@ def test_pull_in_is_a_triangle_that_grows_evenly(small, symmetry):
 @pytest.mark.parametrize("form", ["equilibrium", "variational"])
 def test_energy_balances_while_edges_slip(small, tables, edge, form):
     panel = small(table=tables[form], edge=edge)
-    march = March(panel, 90.0, 60e-6).run()
+    march = PanelSolver(panel, 90.0, 60e-6).run()
     assert np.abs(march.sample("balance")).max() < 2e-3 * march.strike_energy
     gripped = isinstance(edge, Grip) or isinstance(edge[-1], Grip)
     spent = march.sample("grip" if gripped else "external")
@@ -68,7 +68,7 @@ def test_pull_in_softens_the_panel(small):
     before = int(SLIP.start / held[1].dt)
     np.testing.assert_allclose(slipping[2][:before, 1], held[2][:before, 1], rtol=1e-9)
     assert slipping[2][-1, 1] > held[2][-1, 1] + 0.5
-    assert slipping[0].rim_sums[boundary_kernels.EXTERNAL] > 0
+    assert slipping[0].slip_energy[boundary_kernels.BOUNDARY_WORK] > 0
 
 
 def test_grip_holds_up_to_its_force_and_slips_with_it(small):
@@ -78,9 +78,9 @@ def test_grip_holds_up_to_its_force_and_slips_with_it(small):
         state, const = panel.state(1.0), panel.constants()
         X, Y = panel.coordinates()
         bring(panel, state, np.stack([(1 + strain) * X, Y, 0 * X], axis=-1))
-        boundary_kernels.hold(state, const, 0.0)
-        tension = -(state.g0[0] + state.g1[0])[const.ni * const.s + 12]
-        node = const.ni * const.s + 12
+        boundary_kernels.update_slip_nodes(state, const, 0.0)
+        tension = -(state.f_int[0] + state.f_int_above[0])[const.ni * const.row_stride + 12]
+        node = const.ni * const.row_stride + 12
         expected = -const.dt * max(tension - 20.0, 0.0) / state.mass[node]
         assert (tension > 20.0) == (strain == 0.02)
         assert state.v[0][node] == pytest.approx(expected, rel=1e-12, abs=1e-18)
@@ -90,12 +90,12 @@ def test_grip_holds_up_to_its_force_and_slips_with_it(small):
 def test_reaction_of_a_gripped_yarn_is_its_grip(small):
     """No yarn is held by more than the grip, and those that slip by just that."""
     state, const, _ = fire(small(edge=(Grip(12.0), "clamped")), 90.0, 110)
-    share = np.where(const.rim_node % const.s == 0, 0.5, 1.0)  # a plane of symmetry halves a yarn
-    assert np.all(np.abs(state.rim_force) <= 12.0 * share * (1 + 1e-12))
-    speed = state.v[0][const.rim_node]
+    share = np.where(const.slip_node % const.row_stride == 0, 0.5, 1.0)  # a plane of symmetry halves a yarn
+    assert np.all(np.abs(state.slip_force) <= 12.0 * share * (1 + 1e-12))
+    speed = state.v[0][const.slip_node]
     slipping = speed < 0
     assert 3 < slipping.sum() < speed.size
-    np.testing.assert_allclose(state.rim_force[slipping], -12.0 * share[slipping], rtol=1e-9)
+    np.testing.assert_allclose(state.slip_force[slipping], -12.0 * share[slipping], rtol=1e-9)
 
 
 def test_firm_grip_is_a_clamp_and_loose_grip_is_free_along_the_yarn(small):
@@ -118,7 +118,7 @@ def test_each_side_on_its_own(small):
     np.testing.assert_array_equal(nodes, np.arange(1, 25) * 25)  # the corner at the clamp is held, the free one gripped
     np.testing.assert_allclose(values[:, 3], [5.0] * 23 + [2.5])
     free = fire(small(edge=("clamped", "free")), 100.0, 500)[0]
-    assert np.abs(field(free, panel.constants()._replace(ni=12, s=13), 1)[:, -1]).max() > 1e-5
+    assert np.abs(field(free, panel.constants()._replace(ni=12, row_stride=13), 1)[:, -1]).max() > 1e-5
 
 
 def test_slip_across_the_panel_brings_new_cloth_under_the_projectile(small):
@@ -126,7 +126,7 @@ def test_slip_across_the_panel_brings_new_cloth_under_the_projectile(small):
     panel = small(edge=(Grip(2.0), Grip(2.0)))
     state, _, _ = fire(panel, 60.0, 500)
     assert np.abs(state.u[0]).max() > 1e-3
-    assert state.window[1] > panel.state(60.0).window[1]
+    assert state.contact_window[1] > panel.state(60.0).contact_window[1]
 
 
 def test_symmetric_panels_have_equal_ends(small):
@@ -161,9 +161,9 @@ def test_any_rectangle(tables):
     """As many whole crossovers along each yarn as fit; the shorter way feels its edge sooner."""
     panel = Panel(tables["equilibrium"], (0.06, 0.03))
     assert panel.counts == (23, 11)
-    march = March(panel, 80.0, 12e-6).run()
+    march = PanelSolver(panel, 80.0, 12e-6).run()
     assert march.sample("reaction_weft")[-1] > 1.5 * march.sample("reaction_warp")[-1]
-    turned = March(Panel(tables["equilibrium"], (0.03, 0.06)), 80.0, 12e-6).run()
+    turned = PanelSolver(Panel(tables["equilibrium"], (0.03, 0.06)), 80.0, 12e-6).run()
     assert turned.sample("reaction_warp")[-1] > 1.5 * turned.sample("reaction_weft")[-1]
 
 
@@ -208,7 +208,7 @@ def test_an_oblique_weave_is_the_same_cloth_until_its_edge_is_felt(tables):
 
 
 def test_energy_of_an_oblique_weave(tables):
-    march = March(
+    march = PanelSolver(
         oblique(tables["variational"], 30.0, projectile=Projectile(shape="sphere", obliquity=0.3, azimuth=1.0)),
         90.0,
         60e-6,

@@ -14,7 +14,7 @@ from shellfabric.output import checkpoint, snapshots
 from shellfabric.output.hooks import Progress, Snapshots
 from shellfabric.panel import step_kernels as panel_step_kernels
 from shellfabric.panel.model import Numerics, Panel
-from shellfabric.panel.solver import March
+from shellfabric.panel.solver import PanelSolver
 from shellfabric.projectile.projectile import Projectile
 
 QUICK = {"opening": 0.0508, "table_size": 101, "end_time": 60e-6}
@@ -53,7 +53,7 @@ def test_energy_balance(quick, changes):
 
 def snapping(**wrong):
     """The source's shot at S-731, whose straight weft snaps taut. The kernels get `wrong` constants, by factors."""
-    march = March(ImpactSetup(catalogue.load("S-731").effective(), 116.0).panel(), 116.0, 400e-6)
+    march = PanelSolver(ImpactSetup(catalogue.load("S-731").with_effective_density(), 116.0).panel(), 116.0, 400e-6)
     march.const = march.const._replace(**{name: factor * getattr(march.const, name) for name, factor in wrong.items()})
     return march.run()
 
@@ -65,7 +65,10 @@ def test_what_a_snap_costs_is_told_by_the_slopes():
     left in the balance is below the 0.05 % asked.
     """
     march = snapping()
-    worked, stored = march.state.sums[:, panel_step_kernels.WORK].sum() / march.panel.share, march.sample("stored")
+    worked, stored = (
+        march.state.energy_sums[:, panel_step_kernels.WORK].sum() / march.panel.share,
+        march.sample("stored"),
+    )
     lost = worked - (stored[-1] - stored[0])
     assert lost > 1.5e-3 * march.strike_energy
     assert 0.8 * lost < march.sample("cell")[-1] < lost
@@ -75,7 +78,7 @@ def test_what_a_snap_costs_is_told_by_the_slopes():
 @pytest.mark.parametrize(("factor", "sign"), [(0.99, 1), (1.01, -1)])
 def test_a_wrong_force_is_still_caught(factor, sign):
     """Forces of the weft that are off by 1 % put the balance off by half as much, as they did before."""
-    march = snapping(per2=factor)
+    march = snapping(force_per_slope2=factor)
     assert sign * march.sample("balance")[-1] > 4e-3 * march.strike_energy
 
 
@@ -90,11 +93,11 @@ def test_cloth_at_rest_stays_at_rest():
             opening = tuple(48 * w for w in fabric.weave.w)
             panel = Panel(table, opening, Projectile(radius=4 * min(fabric.weave.w)), "whole", edge="free")
             state, const = panel.state(1.0), panel.constants()
-            state.position[2] = -1.0  # the projectile is far away
-            state.rows[:] = 0, const.ni
-            for y, N, T in zip(state.y, state.N, state.T):
+            state.projectile_position[2] = -1.0  # the projectile is far away
+            state.active_rows[:] = 0, const.ni
+            for y, N, T in zip(state.yarn_length, state.N, state.T):
                 assert max(np.abs(N[y > 0]).max(), np.abs(T[y > 0]).max()) < 1e-9
-            panel_step_kernels.advance(state, const, panel.work(), 300, np.empty((300, 3)))
+            panel_step_kernels.run_steps(state, const, panel.work(), 300, np.empty((300, 3)))
             assert max(np.abs(v).max() for v in state.v) < 1e-9
 
 
@@ -102,15 +105,15 @@ def test_free_cloth_flies_on(fabric):
     """Cloth without supports is pushed along: momentum is kept, and the projectile is left with a velocity between that
     of a plastic blow, all of one velocity, and that of an elastic one."""
     panel = ImpactSetup(fabric, 136.0, opening=0.05, edge="free").panel()
-    march = March(panel, 136.0, 800e-6).run()
+    march = PanelSolver(panel, 136.0, 800e-6).run()
     masses, projectile = panel.masses().ravel() / panel.share, panel.projectile.mass
     cloth = masses.sum()
-    momentum = masses @ march.state.v[2][: masses.size] + projectile * march.state.speed[2]
+    momentum = masses @ march.state.v[2][: masses.size] + projectile * march.state.projectile_velocity[2]
     assert march.outcome == "in flight"
     assert np.abs(march.sample("balance")).max() < 5e-4 * march.strike_energy
     assert momentum == pytest.approx(projectile * 136.0, rel=1e-12)
     together = 136.0 * projectile / (projectile + cloth)
-    assert together * (1 - cloth / projectile) < march.state.speed[2] < together
+    assert together * (1 - cloth / projectile) < march.state.projectile_velocity[2] < together
 
 
 def test_energy_balance_with_failure(quick):
@@ -123,8 +126,8 @@ def test_energy_balance_with_failure(quick):
 def test_stored_energy_is_the_potential(quick):
     """In the variational form the work summed over the steps is what is stored, which follows from the stretches."""
     result = quick(100.0)
-    march = March(result.panel, 100.0, QUICK["end_time"]).run()
-    worked = march.state.sums[:, panel_step_kernels.WORK].sum() / result.panel.share
+    march = PanelSolver(result.panel, 100.0, QUICK["end_time"]).run()
+    worked = march.state.energy_sums[:, panel_step_kernels.WORK].sum() / result.panel.share
     assert result.energies["stored"][-1] == pytest.approx(worked, rel=2e-3)
     assert 0 < result.energies["cell"][-1] < 2e-3 * worked
     assert result.worst_balance < 2e-4
@@ -134,20 +137,25 @@ def test_stored_energy_is_the_potential(quick):
 def test_audit_of_eight_at_once(fabric, symmetry):
     """The energies of whole cloth are those found one by one, as where yarns have failed."""
     panel = ImpactSetup(fabric, 120.0, **QUICK | {"symmetry": symmetry, "opening": 0.0407}).panel()
-    march = March(panel, 120.0, 15e-6).run()
+    march = PanelSolver(panel, 120.0, 15e-6).run()
     state, const = march.state, march.const
-    assert not state.thin.any()
+    assert not state.block_damage.any()
     fast = failure_kernels.stored_energy(const, state, 0, const.ni)
     part = failure_kernels.stored_energy(const, state, 2, 5)
-    state.thin[:] = 1
+    state.block_damage[:] = 1
     assert fast == pytest.approx(failure_kernels.stored_energy(const, state, 0, const.ni), rel=1e-12)
     assert part == pytest.approx(failure_kernels.stored_energy(const, state, 2, 5), rel=1e-12)
     assert fast[1] > 0.01 * fast[0] > 0
     out = np.empty(5)
     panel_step_kernels.energies(state, const, out)
     v, f, inverse, mass = (
-        np.array(part)[..., : (const.ni + 1) * const.s]
-        for part in (state.v, np.array(state.g0) + state.g1 + state.contact, state.inverse_mass, state.mass)
+        np.array(part)[..., : (const.ni + 1) * const.row_stride]
+        for part in (
+            state.v,
+            np.array(state.f_int) + state.f_int_above + state.f_contact,
+            state.inverse_mass,
+            state.mass,
+        )
     )
     plain = 0.5 * np.sum(np.where(inverse > 0, mass, 0.0) * v * (v + const.dt * inverse * f))
     assert out[panel_step_kernels.KINETIC] == pytest.approx(plain, rel=1e-12)
@@ -179,10 +187,10 @@ def test_window_is_exact(small, tables, form):
     for everywhere in (False, True):
         state, const = panel.state(100.0), panel.constants()
         if everywhere:
-            state.rows[:] = 0, const.ni
-        panel_step_kernels.advance(state, const, panel.work(), 9, np.empty((9, 3)))
+            state.active_rows[:] = 0, const.ni
+        panel_step_kernels.run_steps(state, const, panel.work(), 9, np.empty((9, 3)))
         states.append(state)
-    assert states[0].rows[0] > 0
+    assert states[0].active_rows[0] > 0
     for part in ("u", "v"):
         for mine, other in zip(getattr(states[0], part), getattr(states[1], part)):
             np.testing.assert_array_equal(mine, other)
@@ -280,9 +288,9 @@ def pull(panel, state, stretch1, stretch2):
     X, Y = panel.coordinates()
     const, work = panel.constants(), panel.work()
     state.u[0][: X.size], state.u[1][: X.size] = ((stretch1 - 1) * X).ravel(), ((stretch2 - 1) * Y).ravel()
-    state.rows[:] = 0, const.ni
-    panel_step_kernels.first_forces(state, const, work)
-    panel_step_kernels.fail(state, const, work)
+    state.active_rows[:] = 0, const.ni
+    panel_step_kernels.initial_forces(state, const, work)
+    panel_step_kernels.apply_failure(state, const, work)
     return failure_kernels.stored_energy(const, state, 0, const.ni)[0]
 
 
@@ -298,10 +306,10 @@ def test_failed_yarns_leave_the_others_alone(small, tables, fabric, form, elemen
         if state.failed[0].any():
             break
     assert np.array_equal(state.failed[0] == 1, state.failed[0] == state.failed[0].max())
-    assert np.all(state.intact[0] == 0.0)
-    assert np.all(state.intact[1][state.y[1] > 0] == 1.0)
+    assert np.all(state.intact_fraction[0] == 0.0)
+    assert np.all(state.intact_fraction[1][state.yarn_length[1] > 0] == 1.0)
     after = weave.weft.EA * (2.06 * weave.w2 - weave.S02) / weave.S02
-    np.testing.assert_allclose(state.T[1][state.y[1] > 0], after, rtol=1e-9)
+    np.testing.assert_allclose(state.T[1][state.yarn_length[1] > 0], after, rtol=1e-9)
     shot = snapshots.snapshot(panel, state, 0.0)
     np.testing.assert_allclose(shot.tension[..., 1], after, rtol=1e-9)
     assert np.all(shot.tension[..., 0] == 0)
@@ -310,26 +318,26 @@ def test_failed_yarns_leave_the_others_alone(small, tables, fabric, form, elemen
     cells = panel.elements / elements**2
     assert stored[-1] == pytest.approx(cells * after**2 * weave.S02 / (2 * weave.weft.EA), rel=1e-9)
     # what was stored is either still there or lost; the trapezoid counts the last change of stretch with the old force
-    sums = state.sums.sum(axis=0)
-    assert sums[panel_step_kernels.LOST] + stored[-1] == pytest.approx(stored[-2], rel=0.02)
+    sums = state.energy_sums.sum(axis=0)
+    assert sums[panel_step_kernels.LOST_YARN] + stored[-1] == pytest.approx(stored[-2], rel=0.02)
     assert pull(panel, state, stretch, 1.06) == 0.0
-    assert all(np.all(intact == 0.0) for intact in state.intact)
-    assert all(np.all(g == 0.0) for g in (*state.g0, *state.g1))
+    assert all(np.all(intact == 0.0) for intact in state.intact_fraction)
+    assert all(np.all(g == 0.0) for g in (*state.f_int, *state.f_int_above))
 
 
 def test_what_holds_a_crossing_yarn_goes_with_its_share(small, fabric):
     """With two of the four warp segments at its ends gone, a weft segment is half crossed, half alone."""
     panel = small(edge="free", symmetry="whole")
     state, const = panel.state(1.0), panel.constants()
-    k = 12 * const.s + 12
+    k = 12 * const.row_stride + 12
     for gone in (k, k + 1):
-        state.intact[0][gone] = state.y[0][gone] = 0.0
-    state.thin[:] = panel_step_kernels.THINNED
+        state.intact_fraction[0][gone] = state.yarn_length[0][gone] = 0.0
+    state.block_damage[:] = panel_step_kernels.DAMAGED
     pull(panel, state, 1.02, 1.015)
     cell, weave = CellModel(fabric).solve(1.02, 1.015), fabric.weave
     alone = weave.weft.EA * (2.03 * weave.w2 - weave.S02) / weave.S02
     assert state.T[1][k] == pytest.approx(0.5 * (float(cell["T2"]) + alone), rel=2e-3)
-    assert state.T[1][k + 3 * const.s] == pytest.approx(float(cell["T2"]), rel=2e-3)
+    assert state.T[1][k + 3 * const.row_stride] == pytest.approx(float(cell["T2"]), rel=2e-3)
     assert state.T[0][k] == 0.0
 
 
@@ -337,18 +345,18 @@ def test_yarns_fail_as_wholes(small):
     """A yarn's tension is the mean over its lines and its segment: one line past the strength does not break it."""
     panel = small(edge="free", symmetry="whole", elements_per_crossover=2)
     state, const = panel.state(1.0), panel.constants()
-    strength = const.strength1
-    state.rows[:] = 0, const.ni
+    strength = const.min_strength1
+    state.active_rows[:] = 0, const.ni
     line = 24
-    rows = state.T[0][: const.ni * const.s].reshape(const.ni, const.s)
+    rows = state.T[0][: const.ni * const.row_stride].reshape(const.ni, const.row_stride)
     rows[10:12, line - 1] = 0.0
     rows[10:12, line] = 1.5 * strength
     rows[10:12, line + 1] = 0.3 * strength
     assert failure_kernels.yarn_tension(const, state, 0, 10, line) == pytest.approx(0.825 * strength)
-    assert failure_kernels.look_for_failures(const, state, 0, 0, const.ni) == 0
+    assert failure_kernels.detect_failures(const, state, 0, 0, const.ni) == 0
     rows[10:12, line + 1] = 1.1 * strength
-    assert failure_kernels.look_for_failures(const, state, 0, 0, const.ni) == 1
-    intact = state.intact[0][: const.ni * const.s].reshape(const.ni, const.s)
+    assert failure_kernels.detect_failures(const, state, 0, 0, const.ni) == 1
+    intact = state.intact_fraction[0][: const.ni * const.row_stride].reshape(const.ni, const.row_stride)
     np.testing.assert_array_equal(intact[10, line - 2 : line + 3], [1.0, 0.5, 0.0, 0.5, 1.0])
     np.testing.assert_array_equal(intact[9:13, line], [1.0, 0.0, 0.0, 1.0])
 
@@ -358,9 +366,9 @@ def test_filtered_failure(small, fabric):
     tau = 2e-6
     panel = small(edge="free", symmetry="whole", numerics=Numerics(failure_time=tau))
     state, const = panel.state(1.0), panel.constants()
-    state.T[0][:] = 1.2 * const.strength1
+    state.T[0][:] = 1.2 * const.min_strength1
     steps = 0
-    while failure_kernels.look_for_failures(const, state, 0, 0, const.ni) == 0:
+    while failure_kernels.detect_failures(const, state, 0, 0, const.ni) == 0:
         steps += 1
         assert steps < 1000
     assert (steps + 1) * const.dt == pytest.approx(tau * np.log(6.0), abs=1.01 * const.dt)

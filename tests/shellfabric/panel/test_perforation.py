@@ -6,13 +6,13 @@ from fabrics import catalogue
 from shellfabric.cloth.membrane_kernels import ERODED
 from shellfabric.impact.single_ply import ImpactSetup
 from shellfabric.panel import perforation
-from shellfabric.panel.solver import March
+from shellfabric.panel.solver import PanelSolver
 
 
 def cut(panel, state, low, high, whole=0.0):
     """Cut the yarns round the nodes low .. high - 1 along both sides, on all sides that the panel has."""
     ni, nj = panel.counts
-    warp, weft = (part[: (ni + 1) * (nj + 1)].reshape(ni + 1, nj + 1) for part in state.intact)
+    warp, weft = (part[: (ni + 1) * (nj + 1)].reshape(ni + 1, nj + 1) for part in state.intact_fraction)
     inside = np.s_[low:high]
     warp[high - 1, inside] = weft[inside, high - 1] = whole
     if low > 0:
@@ -30,14 +30,14 @@ def test_what_is_held(small):
         touched = np.s_[max(low - 1, 0) : high, max(low - 1, 0) : high]
         assert not held[touched].any()
         assert held.sum() == panel.elements - held[touched].size
-        state.intact[0][(high - 1) * c.s + low] = 0.5
+        state.intact_fraction[0][(high - 1) * c.row_stride + low] = 0.5
         assert perforation.held(state, c).all()
 
 
 def test_eroded_elements_are_not_held(small):
     panel = small()
     state, c = panel.state(1.0), panel.constants()
-    state.flag[3 * c.s + 4] = ERODED
+    state.element_flag[3 * c.row_stride + 4] = ERODED
     held = perforation.held(state, c)
     assert not held[3, 4]
     assert held.sum() == panel.elements - 1
@@ -52,14 +52,16 @@ def test_passed(small):
     assert perforation.passed(state, c)  # all that is left before it is the plug
     cut(panel, state, 0, 4, whole=1.0)
     assert not perforation.passed(state, c)
-    state.position[2] = 1e-3
+    state.projectile_position[2] = 1e-3
     assert perforation.passed(state, c)  # behind the edge
 
 
 def test_a_plug_that_flies_ahead():
     """S-728 at 205.5 m/s: a plug of two elements flies before the projectile; without asking what holds it, the run
     had no outcome after 5 ms."""
-    march = March(ImpactSetup(catalogue.load("S-728").effective(), 1.0, table_size=101).panel(), 205.5, 600e-6).run()
+    march = PanelSolver(
+        ImpactSetup(catalogue.load("S-728").with_effective_density(), 1.0, table_size=101).panel(), 205.5, 600e-6
+    ).run()
     assert march.outcome == "perforated"
     assert march.time < 150e-6
     assert march.sample("v")[-1] > 100

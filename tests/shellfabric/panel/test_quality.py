@@ -13,9 +13,10 @@ from shellfabric.panel import quality
 from shellfabric.panel.model import Numerics, Panel
 from shellfabric.panel.quality import Indicator
 from shellfabric.panel.quality_kernels import alternation
-from shellfabric.panel.solver import March
+from shellfabric.panel.solver import PanelSolver
 from shellfabric.plies.model import Pack
-from shellfabric.plies.solver import PackMarch
+from shellfabric.plies.solver import PackSolver
+from shellfabric.projectile.projectile import Projectile
 from validation.verification.stability import shots
 
 
@@ -25,7 +26,7 @@ def panel():
 
 
 def names(march):
-    return {one.name for one in quality.of_march(march) if not one.ok}
+    return {one.name for one in quality.of_solver(march) if not one.ok}
 
 
 def injected(march, step, factor):
@@ -56,16 +57,16 @@ class TestGuard:
     """An energy error is found soon after it arises, not at the next audit: here there is none before the end."""
 
     def test_an_injected_error_is_found_with_place_and_step(self, panel):
-        march = March(panel, 92.5, 60e-6, interval=60e-6)
+        march = PanelSolver(panel, 92.5, 60e-6, interval=60e-6)
         injected(march, 150, 3.0)
         with pytest.raises(UnstableError, match=r"energy balance is off by .* node \(\d+, \d+\), after .* \(step"):
             march.run()
         assert 150 < march.steps < 0.6 * march.last_step
         assert march.checks > 0
-        assert sum(map(len, march.fine)) == march.steps  # what was computed is kept
+        assert sum(map(len, march.step_history)) == march.steps  # what was computed is kept
 
     def test_in_a_pack_too(self, panel):
-        march = PackMarch(Pack.stacked(panel, 2), 150.0, 40e-6, interval=40e-6)
+        march = PackSolver(Pack.stacked(panel, 2), 150.0, 40e-6, interval=40e-6)
         injected(march, 80, 4.0)
         with pytest.raises(UnstableError, match="energy balance is off"):
             march.run()
@@ -76,7 +77,7 @@ class TestGuard:
         panel = Panel(
             shots.table(), (0.1, 0.1), numerics=shots.Beyond(safety=1.6, threads=1), failure=False,
         )  # fmt: skip
-        march = March(panel, 92.5, 100e-6, interval=100e-6)
+        march = PanelSolver(panel, 92.5, 100e-6, interval=100e-6)
         with pytest.raises(UnstableError, match=r"\(step \d+\)"):
             march.run()
         assert np.isfinite(march.samples[-1]).all()
@@ -84,9 +85,9 @@ class TestGuard:
 
     def test_checks_leave_no_trace(self, panel):
         """A run that is checked between audits is the run that is not, to the last bit."""
-        seldom = March(panel, 92.5, 40e-6, interval=20e-6).run()
-        often = March(panel, 92.5, 40e-6, interval=20e-6)
-        often.__class__ = type("Often", (March,), {"_allowed": 1e-3 * often.strike_energy * panel.share})
+        seldom = PanelSolver(panel, 92.5, 40e-6, interval=20e-6).run()
+        often = PanelSolver(panel, 92.5, 40e-6, interval=20e-6)
+        often.__class__ = type("Often", (PanelSolver,), {"allowed_exchange": 1e-3 * often.strike_energy * panel.share})
         often.run()
         assert often.checks > 10
         assert len(often.samples) == len(seldom.samples)
@@ -96,7 +97,7 @@ class TestGuard:
 
 class TestIndicators:
     def test_the_default_is_ok(self, panel):
-        march = March(panel, 92.5, 40e-6).run()
+        march = PanelSolver(panel, 92.5, 40e-6).run()
         assert names(march) == set()
         assert march.monitor.deflection == pytest.approx(march.state.u[2].max(), rel=0.05)
 
@@ -111,7 +112,7 @@ class TestIndicators:
     )
     def test_what_a_knob_spoils(self, knobs, expected):
         panel = Panel(shots.table(), (0.1, 0.1), numerics=shots.Beyond(threads=1, **knobs), failure=False)
-        assert names(March(panel, 92.5, 100e-6).run()) == {expected}
+        assert names(PanelSolver(panel, 92.5, 100e-6).run()) == {expected}
 
     def test_a_printed_law(self, panel):
         fabric = panel.fabric
@@ -145,11 +146,44 @@ class TestIndicators:
         assert quality.worst([(one,), (two,)]) == (two,)
 
 
+class TestDefaultMesh:
+    """Elements longer than the projectile's radius absorb less than shorter ones do."""
+
+    @staticmethod
+    def setup(velocity=300.0, **changes):
+        shot = Projectile(mass=0.44e-3, radius=1.06e-3)  # 1.2 times as long an element of one crossover
+        return single_ply.ImpactSetup(
+            catalogue.load("S-720").with_effective_density(), velocity, projectile=shot, opening=0.06, end_time=100e-6,
+            table_size=51, numerics=Numerics(threads=1), **changes,
+        )  # fmt: skip
+
+    def test_follows_the_projectile(self):
+        table = self.setup().table()
+        panel = self.setup().panel(table)
+        assert panel.elements_per_crossover == 2
+        assert max(panel.spacing) < single_ply.ELEMENT_SIDE * panel.projectile.radius
+        assert self.setup(elements_per_crossover=1).panel(table).elements_per_crossover == 1
+        assert self.setup(grading=((16, 1), (np.inf, 2))).panel(table).elements_per_crossover == 1
+        assert replace(self.setup(), projectile=Projectile()).panel(table).elements_per_crossover == 1
+
+    def test_is_fine_enough_for_a_narrow_projectile(self):
+        velocities, table = (180.0, 240.0, 300.0, 360.0), self.setup().table()
+        fine, usual, one = (
+            [single_ply.run(self.setup(v, elements_per_crossover=n), table=table) for v in velocities]
+            for n in (3, None, 1)
+        )
+        residual = [np.array([run.residual_velocity for run in runs]) / velocities for runs in (fine, usual, one)]
+        assert np.abs(residual[1] - residual[0]).max() < 0.03
+        assert np.abs(residual[2] - residual[0]).max() > 0.04
+        assert all({check.name for check in run.checks if not check.ok} == {"element side"} for run in one)
+        assert all(check.ok for run in usual for check in run.checks)
+
+
 def test_indicators_survive_a_checkpoint(tmp_path):
     from shellfabric.output import checkpoint
 
     setup = single_ply.ImpactSetup(
-        catalogue.load("S-720").effective(), 92.5, opening=0.05, end_time=40e-6, table_size=51,
+        catalogue.load("S-720").with_effective_density(), 92.5, opening=0.05, end_time=40e-6, table_size=51,
         numerics=Numerics(threads=1),
     )  # fmt: skip
     path = tmp_path / "checkpoint.h5"

@@ -10,7 +10,7 @@ from shellfabric.cell.model import CellModel
 from shellfabric.panel import time_step as panel_time_step
 from shellfabric.panel.model import Numerics, Panel
 
-FABRIC = catalogue.load("S-720").effective()
+FABRIC = catalogue.load("S-720").with_effective_density()
 
 
 def panel(form="variational", viscosity=Numerics.stretch_viscosity, **choices):
@@ -53,5 +53,5 @@ def test_the_contact_is_no_stiffer_for_a_shorter_step():
     for one in (panel("equilibrium"), panel(viscosity=0.0)):
         const, mass = one.constants(), one.weave.areal_density * one.spacing[0] * one.spacing[1]
         assert const.dt < bound(one)
-        whole = const.point_stiffness * const.points**2
+        whole = const.point_stiffness * const.points_per_side**2
         assert whole == pytest.approx(Numerics.penalty * mass / bound(one) ** 2, rel=1e-12)

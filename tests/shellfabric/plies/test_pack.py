@@ -13,15 +13,15 @@ from fabrics.errors import InputError, UnstableError
 from shellfabric.cell.model import CellModel
 from shellfabric.impact import pack as impact_pack
 from shellfabric.impact.single_ply import ImpactSetup
-from shellfabric.jit.borrowed_list import item
+from shellfabric.jit.borrowed_list import borrowed_item
 from shellfabric.jit.compile import entry, kernel
-from shellfabric.output import checkpoint_pack
+from shellfabric.output import checkpoint
 from shellfabric.panel.model import Numerics, Panel
-from shellfabric.panel.solver import March
+from shellfabric.panel.solver import PanelSolver
 from shellfabric.panel.step_kernels import IDLE, NOT_FINITE
-from shellfabric.plies.contact_simd_kernels import CLOSE
+from shellfabric.plies.contact_simd_kernels import AMBIGUOUS_DEPTH
 from shellfabric.plies.model import Pack, PlyContact, compression_gap, fabric_gap, turned
-from shellfabric.plies.solver import PackMarch
+from shellfabric.plies.solver import PackSolver
 
 GAP = 0.1e-3
 
@@ -29,7 +29,7 @@ GAP = 0.1e-3
 @pytest.fixture(scope="module")
 def ply():
     """S-726, whose warp and weft are far from alike, on 40 mm."""
-    fabric = catalogue.load("S-726").effective()
+    fabric = catalogue.load("S-726").with_effective_density()
     return Panel(CellModel(fabric).table(81), (0.04, 0.04), numerics=Numerics(threads=1))
 
 
@@ -40,7 +40,7 @@ def same(one, other):
 
 @pytest.mark.parametrize("velocity", [40.0, 250.0])
 def test_a_pack_of_one_is_a_single_ply(ply, velocity):
-    single, pack = March(ply, velocity, 60e-6).run(), PackMarch(Pack((ply,)), velocity, 60e-6).run()
+    single, pack = PanelSolver(ply, velocity, 60e-6).run(), PackSolver(Pack((ply,)), velocity, 60e-6).run()
     assert (single.sample("failed_yarns")[-1] > 0) == (velocity > 200)
     assert pack.outcome == single.outcome
     pack.state.counter[IDLE] = pack.stack.counter[IDLE]  # idle steps are counted for all plies at once
@@ -51,7 +51,7 @@ def test_a_pack_of_one_is_a_single_ply(ply, velocity):
 
 def test_far_behind_is_a_single_ply(ply):
     far = Pack((ply, ply), (0.5,), PlyContact(nose=None))
-    single, pack = March(ply, 120.0, 40e-6).run(), PackMarch(far, 120.0, 40e-6).run()
+    single, pack = PanelSolver(ply, 120.0, 40e-6).run(), PackSolver(far, 120.0, 40e-6).run()
     assert same(single.state, pack.states[0])
     assert not pack.stack.awake[1]
     assert not any(u.any() for u in pack.states[1].u)
@@ -66,10 +66,10 @@ def test_fast_shots_at_thin_plies_have_a_shorter_step(ply):
     fast = pack.in_step_with(2000.0)
     assert fast.time_step < step
     depth = 1.5 * 2000.0 * fast.time_step / pack.contact.penalty**0.5
-    assert depth == pytest.approx((1 - CLOSE) * thickness, rel=1e-9)
+    assert depth == pytest.approx((1 - AMBIGUOUS_DEPTH) * thickness, rel=1e-9)
     assert len({id(one) for one in fast.plies}) == 1
-    march = PackMarch(pack, 2000.0, 30 * fast.time_step, interval=fast.time_step)
-    march._guard = march._guard_plies  # cloth tears at once; this is of the depth
+    march = PackSolver(pack, 2000.0, 30 * fast.time_step, interval=fast.time_step)
+    march._guard = march.guard_model  # cloth tears at once; this is of the depth
     march.run()
     assert march.const.dt == fast.time_step
     assert march.deepest.max() < 1.0
@@ -79,18 +79,19 @@ def collide(ply, damping, steps, speed=20.0):
     """Two free plies, the front one flying at the rear one, far ahead of the projectile; (march, momentum before)."""
     free = replace(ply, edge="free", symmetry="whole", opening=(0.023, 0.023))
     pack = Pack.stacked(free, 2, stacking="alternating", gap=20e-6, contact=PlyContact(damping=damping))
-    march = PackMarch(pack, 1e-3, 1.0)
+    march = PackSolver(pack, 1e-3, 1.0)
     march.exchange = np.inf  # no checks between the steps
-    march.stack.places[:, 2] -= 1.0
+    march.stack.projectile_position[:, 2] -= 1.0
     march.stack.awake[:] = True
     for state, const in zip(march.states, march.consts):
-        state.rows[:] = 0, const.ni
+        state.active_rows[:] = 0, const.ni
     front = march.states[0]
     front.v[2][:] = np.where(front.mass > 0, speed, 0.0)
     march.samples.clear()
-    march._audit()
+    march.energy_at_start = None  # the plies have been set in motion
+    march._sample()
     march.advance(np.empty((steps, 3)))
-    march._audit()
+    march._sample()
     return march, front.mass.sum() * speed
 
 
@@ -111,7 +112,7 @@ def test_colliding_plies_keep_momentum_and_energy(ply):
 def test_no_ply_goes_through_another(ply, velocity):
     """At the usual speed and at three times that: measured anew, from every element that is whole at the end."""
     wide = replace(ply, opening=(0.16, 0.16))  # waves do not come back in the time
-    march = PackMarch(Pack.stacked(wide, 4, stacking="alternating", gap=GAP), velocity, 30e-6).run()
+    march = PackSolver(Pack.stacked(wide, 4, stacking="alternating", gap=GAP), velocity, 30e-6).run()
     assert march.deepest.max() < 1.0
     assert (march.ply_samples[-1][:, 0].sum() > 0) == (velocity > 200)
     assert np.abs(march.sample("balance")).max() < 5e-3 * march.strike_energy
@@ -120,7 +121,7 @@ def test_no_ply_goes_through_another(ply, velocity):
 
 def test_without_stiffness_they_would(ply):
     weak = PlyContact(penalty=1e-9, damping=0.0)
-    march = PackMarch(Pack((ply, ply), (GAP,), weak), 158.0, 20e-6)
+    march = PackSolver(Pack((ply, ply), (GAP,), weak), 158.0, 20e-6)
     with pytest.raises(UnstableError, match=r"ply 1 has come through ply 2.*ply 1, element \(\d+, \d+\).*step \d+"):
         march.run()
     assert clearance(march, 0) < 0.0
@@ -132,11 +133,11 @@ def clearance(march, p):
     tops = []
     for q in (p, p + 1):
         c, state = march.consts[q], march.states[q]
-        u = [a[: (c.ni + 1) * c.s].reshape(c.ni + 1, c.s) for a in state.u]
+        u = [a[: (c.ni + 1) * c.row_stride].reshape(c.ni + 1, c.row_stride) for a in state.u]
         x = c.x0 + c.dx * np.arange(c.ni + 1)[:, None] + u[0]
-        y = c.y0 + c.dy * np.arange(c.s) + u[1]
+        y = c.y0 + c.dy * np.arange(c.row_stride) + u[1]
         z = u[2] + march.pack.places[q]
-        whole = (state.flag[: c.ni * c.s].reshape(c.ni, c.s)[:, :-1]) == 0
+        whole = (state.element_flag[: c.ni * c.row_stride].reshape(c.ni, c.row_stride)[:, :-1]) == 0
         tops.append((x, y, z, whole))
     (x, y, z, front), (X, Y, Z, rear) = tops
     middle = [0.25 * (a[1:, 1:] + a[:-1, 1:] + a[1:, :-1] + a[:-1, :-1])[front] for a in (x, y, z)]
@@ -157,7 +158,7 @@ def clearance(march, p):
 
 def test_pressed_plies_keep_their_thickness_apart(ply):
     """Behind the nose, where plies have been pressed on each other for long, they are nearly a thickness apart."""
-    march = PackMarch(Pack.stacked(replace(ply, opening=(0.16, 0.16)), 3, gap=GAP), 100.0, 40e-6).run()
+    march = PackSolver(Pack.stacked(replace(ply, opening=(0.16, 0.16)), 3, gap=GAP), 100.0, 40e-6).run()
     assert not march.ply_samples[-1][:, 0].any()
     between = np.diff(march.pack.places + march.ply_samples[-1][:, 4])
     assert np.all(between > 0.7 * ply.weave.thickness)
@@ -168,11 +169,11 @@ def test_a_turned_ply_is_the_panel_seen_from_its_other_side(ply):
     other = turned(ply)
     assert other.counts == ply.counts[::-1]
     assert other.weave.warp == ply.weave.weft
-    one, two = March(ply, 120.0, 30e-6).run(), March(other, 120.0, 30e-6).run()
+    one, two = PanelSolver(ply, 120.0, 30e-6).run(), PanelSolver(other, 120.0, 30e-6).run()
     fields = []
     for march in (one, two):
         c = march.const
-        fields.append([u[: (c.ni + 1) * c.s].reshape(c.ni + 1, c.s) for u in march.state.u])
+        fields.append([u[: (c.ni + 1) * c.row_stride].reshape(c.ni + 1, c.row_stride) for u in march.state.u])
     size = np.abs(fields[0][2]).max()
     np.testing.assert_allclose(fields[1][2], fields[0][2].T, atol=1e-6 * size)
     np.testing.assert_allclose(fields[1][0], fields[0][1].T, atol=1e-6 * size)
@@ -183,7 +184,7 @@ def test_stacking_chooses_the_plies(ply):
     assert {one.counts for one in aligned.plies} == {ply.counts}
     assert [one.counts for one in alternating.plies] == [ply.counts, ply.counts[::-1]] * 2
     assert len({const.dt for const in alternating.constants()}) == 1
-    nested = [PackMarch(pack, 100.0, 60e-6).run().sample("v")[-1] for pack in (aligned, alternating)]
+    nested = [PackSolver(pack, 100.0, 60e-6).run().sample("v")[-1] for pack in (aligned, alternating)]
     assert nested[0] != nested[1]
 
 
@@ -220,7 +221,7 @@ def test_a_resumed_run_goes_on_bit_for_bit(ply, tmp_path, plies, velocity, at):
 
     path = tmp_path / "checkpoint.h5"
     with pytest.raises(Stop):
-        impact_pack.run(setup, hooks=(checkpoint_pack.Checkpoints(path, 2e-6), stop))
+        impact_pack.run(setup, hooks=(checkpoint.Checkpoints(path, 2e-6), stop))
     again = impact_pack.run(setup, resume=path)
     assert whole.failed[-1] > 0
     np.testing.assert_array_equal(whole.held_apart, again.held_apart)
@@ -242,16 +243,16 @@ def test_threads_change_nothing(ply):
     marches = []
     for threads in (1, 2):
         chosen = replace(ply, numerics=Numerics(threads=threads))
-        marches.append(PackMarch(Pack.stacked(chosen, 3, gap=GAP), 200.0, 8e-6).run())
+        marches.append(PackSolver(Pack.stacked(chosen, 3, gap=GAP), 200.0, 8e-6).run())
     assert [march.threads for march in marches] == [1, 2]
     for one, two in zip(*(march.states for march in marches)):
         assert same(one, two)
 
 
 def test_an_unstable_pack_says_where(ply):
-    march = PackMarch(Pack.stacked(ply, 2, gap=GAP), 100.0, 1e-4, interval=1e-7)
-    march.states[1].v[2][5 * march.consts[1].s + 5] = 1e4
-    march.states[1].rows[:] = 0, march.consts[1].ni
+    march = PackSolver(Pack.stacked(ply, 2, gap=GAP), 100.0, 1e-4, interval=1e-7)
+    march.states[1].v[2][5 * march.consts[1].row_stride + 5] = 1e4
+    march.states[1].active_rows[:] = 0, march.consts[1].ni
     march.stack.awake[1] = True
     with pytest.raises(UnstableError, match="ply 2"):
         march.run()
@@ -283,7 +284,7 @@ Thing = namedtuple("Thing", "numbers factor")
 def weighed(things):
     found = 0.0
     for n in range(len(things)):
-        thing = item(things, n)
+        thing = borrowed_item(things, n)
         found = 10.0 * found + thing.factor * thing.numbers[1]
         thing.numbers[0] += 1.0
     return found

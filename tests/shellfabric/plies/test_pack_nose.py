@@ -12,7 +12,7 @@ from shellfabric.cell.model import CellModel
 from shellfabric.cloth import spline_kernels
 from shellfabric.panel.model import Numerics, Panel
 from shellfabric.plies.model import Pack, PlyContact
-from shellfabric.plies.solver import PackMarch
+from shellfabric.plies.solver import PackSolver
 from shellfabric.projectile import contact_kernels
 
 GAP = 0.1e-3
@@ -23,7 +23,7 @@ ROW, PER = 14, 8  # nodes of unit mass in a row, points of an element
 @pytest.fixture(scope="module")
 def ply():
     """S-726, whose warp and weft are far from alike, on 60 mm."""
-    fabric = catalogue.load("S-726").effective()
+    fabric = catalogue.load("S-726").with_effective_density()
     return Panel(CellModel(fabric).table(81), (0.06, 0.06), numerics=Numerics(threads=1))
 
 
@@ -33,7 +33,7 @@ def shares():
     for place in 1 + (np.arange((ROW - 3) * PER) + 0.5) / PER:
         near = int(place + 0.5)
         found.append(np.zeros(ROW))
-        found[-1][near - 1 : near + 2] = spline_kernels.weights(place - near, True)
+        found[-1][near - 1 : near + 2] = spline_kernels.node_weights(place - near, True)
     return np.array(found)
 
 
@@ -41,7 +41,9 @@ def forces(depth, away, stiffness, before, usual):
     """Of the firm spring at all points; `before` of a step ago, `usual` on each besides."""
     B, const, damping = shares(), Point(1.0, 1.0 / PER), stiffness**0.5 / PER
     points = zip(depth, away, B @ (B.T @ before), before)
-    return np.array([contact_kernels.yielding(const, stiffness, damping, *point, usual) for point in points])
+    return np.array(
+        [contact_kernels.implicit_penalty_force(const, stiffness, damping, *point, usual) for point in points]
+    )
 
 
 def radius(stiffness, before, foreseen=True):
@@ -94,21 +96,23 @@ def test_at_rest_it_is_as_stiff_as_it_says():
 def test_in_one_step_a_very_firm_one_closes_the_gap():
     """A lone node under points alike: f = m (d / dt^2 + v / dt), whose sum moves the node by d."""
     const = Point(0.5, 2.0)
-    force = contact_kernels.yielding(const, 1e12, 1.0, -0.25, -3.0, 1.0 * const.dt / const.point_mass, 1.0, 0.0)
+    force = contact_kernels.implicit_penalty_force(
+        const, 1e12, 1.0, -0.25, -3.0, 1.0 * const.dt / const.point_mass, 1.0, 0.0
+    )
     assert force == pytest.approx(const.point_mass * (0.25 / const.dt**2 + 3.0 / const.dt), rel=1e-9)
-    assert contact_kernels.yielding(const, 1e12, 1.0, -0.25, 3.0, 0.25, 1.0, 0.0) == 0.0
+    assert contact_kernels.implicit_penalty_force(const, 1e12, 1.0, -0.25, 3.0, 0.25, 1.0, 0.0) == 0.0
 
 
 def test_it_foresees_what_all_other_forces_do(ply):
     """What a step does to the nodes about the nose is what was due and what the nose gives."""
-    march = PackMarch(Pack.stacked(ply, 3, gap=GAP), 158.0, 12e-6).run()
+    march = PackSolver(Pack.stacked(ply, 3, gap=GAP), 158.0, 12e-6).run()
     state, const = march.states[0], march.consts[0]
     march.advance(np.empty((1, 3)))
-    assert march.stack.firm[0]
-    i0, i1, j0, j1 = contact_kernels.reached(state, const)
-    near = (np.arange(i0, i1 + 1)[:, None] * const.s + np.arange(j0, j1 + 1)).ravel()
+    assert march.stack.waits_for_plies[0]
+    i0, i1, j0, j1 = contact_kernels.reachable_nodes(state, const)
+    near = (np.arange(i0, i1 + 1)[:, None] * const.row_stride + np.arange(j0, j1 + 1)).ravel()
     before = [v[near].copy() for v in state.v]
-    change = [due[near] + state.kick[near] * push[near] for due, push in zip(state.due, state.contact)]
+    change = [due[near] + state.dt_over_mass[near] * push[near] for due, push in zip(state.dv_other, state.f_contact)]
     march.advance(np.empty((1, 3)))
     for v, old, new in zip(state.v, before, change):
         assert np.abs(new).max() > 0.1
@@ -117,7 +121,7 @@ def test_it_foresees_what_all_other_forces_do(ply):
 
 @pytest.mark.parametrize("nose", [PlyContact.nose, 8 * PlyContact.nose])
 def test_it_only_takes(ply, nose):
-    march = PackMarch(Pack.stacked(ply, 4, gap=GAP, contact=PlyContact(nose=nose)), 158.0, 50e-6).run()
+    march = PackSolver(Pack.stacked(ply, 4, gap=GAP, contact=PlyContact(nose=nose)), 158.0, 50e-6).run()
     taken = march.sample("contact")
     assert taken.max() > 1e-3 * march.strike_energy
     assert taken.min() > -1e-6 * march.strike_energy
@@ -130,7 +134,7 @@ def highest(ply, safety=0.9, **knobs):
     knobs = {"nose": PlyContact.nose, "penalty": PlyContact.penalty} | knobs
     contact = PlyContact(**{name: part * value for name, value in knobs.items()})
     chosen = replace(ply, failure=False, numerics=replace(ply.numerics, safety=safety))
-    return PackMarch(Pack.stacked(chosen, 3, gap=GAP, contact=contact), 158.0, 40e-6).run().peaks[0, 1]
+    return PackSolver(Pack.stacked(chosen, 3, gap=GAP, contact=contact), 158.0, 40e-6).run().peaks[0, 1]
 
 
 def test_tension_under_the_nose_hangs_on_no_knob(ply):
@@ -146,9 +150,9 @@ def test_tension_under_the_nose_hangs_on_no_knob(ply):
 
 def test_a_pack_may_have_the_spring_of_a_single_ply(ply):
     pack = Pack.stacked(ply, 2, gap=GAP, contact=PlyContact(nose=None))
-    assert [const.firmer for const in pack.constants()] == [0.0, 0.0]
-    assert Pack((ply,)).constants()[0].firmer == 0.0
-    assert {const.firmer for const in Pack.stacked(ply, 2, gap=GAP).constants()} == {PlyContact.nose}
+    assert [const.implicit_factor for const in pack.constants()] == [0.0, 0.0]
+    assert Pack((ply,)).constants()[0].implicit_factor == 0.0
+    assert {const.implicit_factor for const in Pack.stacked(ply, 2, gap=GAP).constants()} == {PlyContact.nose}
     for bad in (0.0, -1.0, np.inf):
         with pytest.raises(InputError, match="nose"):
             PlyContact(nose=bad)

@@ -117,13 +117,13 @@ def test_energy_balances_and_as_the_square_of_the_step():
 
 def test_return_to_the_yield_surface():
     """A push slowly through yield and back: kinematic hardening, of the closed loop's width 2 sigma_y."""
-    from shellfabric.projectile.bar_kernels import stretch
+    from shellfabric.projectile.bar_kernels import update_stress
 
     E, yields, H, plastic, stress = 200e9, 200e6, 20e9, np.zeros(1), np.zeros(1)
     work = 0.0
     found = []
     for strain in (0.0005, 0.002, 0.003, 0.0015, -0.001):
-        work += stretch(np.array([np.expm1(strain), 0.0]), np.ones(1), np.ones(1), E, yields, H, plastic, stress)
+        work += update_stress(np.array([np.expm1(strain), 0.0]), np.ones(1), np.ones(1), E, yields, H, plastic, stress)
         found.append(stress[0])
     slope = E * H / (E + H)
     up = yields + slope * (0.003 - 0.001)  # on the plastic line at 0.003

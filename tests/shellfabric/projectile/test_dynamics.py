@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from fabrics.errors import InputError
-from shellfabric.impact.single_ply import ImpactSetup, result_of, run
+from shellfabric.impact.single_ply import ImpactSetup, collect_result, run
 from shellfabric.output import checkpoint
-from shellfabric.panel.solver import March
+from shellfabric.panel.solver import PanelSolver
 from shellfabric.projectile.bar import Bar, held_force
 from shellfabric.projectile.projectile import Projectile
 
@@ -109,9 +109,9 @@ def test_resumes_bit_for_bit(fabric, struck, tmp_path):
     path = tmp_path / "checkpoint.h5"
     half = run(replace(struck.setup, end_time=30e-6), hooks=(checkpoint.Checkpoints(path, 20e-6),))
     assert half.steps < struck.steps
-    march = March(struck.setup.panel(), 100.0, struck.setup.end_time)
+    march = PanelSolver(struck.setup.panel(), 100.0, struck.setup.end_time)
     checkpoint.read(march, path)
-    resumed = result_of(struck.setup, march.run())
+    resumed = collect_result(struck.setup, march.run())
     np.testing.assert_array_equal(resumed.bar.tip_velocity, struck.bar.tip_velocity)
     np.testing.assert_array_equal(resumed.nodes, struck.nodes)
 
@@ -121,7 +121,7 @@ def test_a_checkpoint_of_another_body_is_refused(fabric, struck, tmp_path):
     run(replace(struck.setup, end_time=10e-6), hooks=(checkpoint.Checkpoints(path, 5e-6),))
     setup = replace(struck.setup, projectile=Projectile())
     with pytest.raises(InputError):
-        checkpoint.read(March(setup.panel(), 100.0, setup.end_time), path)
+        checkpoint.read(PanelSolver(setup.panel(), 100.0, setup.end_time), path)
 
 
 def test_says_when_rigid_is_enough(struck):

@@ -8,14 +8,15 @@ pytest.importorskip("gmsh")
 from fabrics import catalogue
 from fabrics.errors import InputError, UnstableError
 from meshing import crossover, patch
-from shellfabric.output import checkpoint_solid
+from shellfabric.output import checkpoint
+from shellfabric.output.hooks import Snapshots
 from shellfabric.projectile.projectile import Projectile
 from shellfabric.solid import fibre_kernels, solid_kernels, yarn_contact_kernels
 from shellfabric.solid import step_kernels as solid_step_kernels
 from shellfabric.solid.hex8 import CORNERS, PATTERNS, Bricks
 from shellfabric.solid.model import SolidPatch, _corners
 from shellfabric.solid.numerics import PatchNumerics
-from shellfabric.solid.solver import ENERGIES, SAMPLES, SolidMarch
+from shellfabric.solid.solver import ENERGIES, SAMPLES, SolidSolver
 
 FABRIC = catalogue.load("S-720")
 SIZE = (2, 2, 1)
@@ -32,7 +33,7 @@ def struck(mesh, **changes):
     own = {key: changes.pop(key) for key in keys if key in changes}
     numerics = PatchNumerics(**changes.pop("numerics", {}))
     end = changes.pop("end_time", 2e-6)
-    return SolidMarch(SolidPatch(mesh, FABRIC, numerics=numerics, **own), 60.0, end, **changes)
+    return SolidSolver(SolidPatch(mesh, FABRIC, numerics=numerics, **own), 60.0, end, **changes)
 
 
 def rotation(axis, angle):
@@ -45,16 +46,16 @@ def forces_of(const, state, x, dt=0.0):
     """Internal forces (n, 3) and sums at given places, from rest."""
     state.x[:] = x
     state.v[:] = 0
-    state.position[2] = -1.0
+    state.projectile_position[2] = -1.0
     solid_step_kernels.forces(state, const, dt)
-    return state.material + state.force
+    return state.f_material + state.f_other
 
 
 # the law
 
 
 def law_of(Vf0=0.7):
-    solid = FABRIC.solids[0]
+    solid = FABRIC.solid_laws[0]
     return np.array([solid.E_a, solid.a_E, solid.b_E, Vf0, solid.V_c, solid.G])
 
 
@@ -278,12 +279,21 @@ def test_contact_pressure_equals_that_of_the_quasi_static_crossover():
 def contact_of(const, state, x, settle=True):
     """Contact forces and energy at given places."""
     if settle:
-        yarn_contact_kernels.find_feet(x, const.firsts, const.starts, const.over, const.bounds, const.shape, state.xi)
-    force, out, rest = np.zeros_like(x), np.zeros_like(state.contact), np.zeros_like(state.rest)
+        yarn_contact_kernels.find_closest_points(
+            x,
+            const.crossing_node,
+            const.crossing_start,
+            const.warp_over,
+            const.cp_bounds,
+            const.crossing_shape,
+            state.closest_point,
+        )
+    force, out, rest = np.zeros_like(x), np.zeros_like(state.contact_energy), np.zeros_like(state.wait_steps)
     yarn_contact_kernels.crossings(
-        const.order, const.colours, x, np.zeros_like(x), const.inverse_mass, state.torn, const.firsts, const.bricks,
-        const.starts, const.over, const.bounds,
-        const.shape, const.spring, const.area, const.damping, state.xi.copy(), rest, 0.0, 0.0, force, out,
+        const.crossing_order, const.colour_start, x, np.zeros_like(x), const.inverse_mass, state.brick_failed,
+        const.crossing_node, const.crossing_brick, const.crossing_start, const.warp_over, const.cp_bounds,
+        const.crossing_shape, const.contact_penalty, const.contact_area, const.contact_damping,
+        state.closest_point.copy(), rest, 0.0, 0.0, force, out,
     )  # fmt: skip
     return force, out[:, 0].sum()
 
@@ -298,20 +308,34 @@ def pressed(mesh, shift=3e-6):
 
 def slaves(const, state, x):
     """Gap, share and area of every node of every crossing at converged feet, one at a time."""
-    yarn_contact_kernels.find_feet(x, const.firsts, const.starts, const.over, const.bounds, const.shape, state.xi)
-    cell, ny, nz = const.shape[0], const.shape[3], const.shape[4]
+    yarn_contact_kernels.find_closest_points(
+        x,
+        const.crossing_node,
+        const.crossing_start,
+        const.warp_over,
+        const.cp_bounds,
+        const.crossing_shape,
+        state.closest_point,
+    )
+    cell, ny, nz = const.crossing_shape[0], const.crossing_shape[3], const.crossing_shape[4]
     nodes, weights, S = np.empty(16, np.int64), np.empty(16), np.empty((3, 3))
-    for c, way in np.ndindex(len(const.over), 2):
-        faces, side = ((0, nz), -1.0) if const.over[c] else ((nz, 0), 1.0)
+    for c, way in np.ndindex(len(const.warp_over), 2):
+        faces, side = ((0, nz), -1.0) if const.warp_over[c] else ((nz, 0), 1.0)
         for i, j in np.ndindex(cell + 1, ny + 1):
             s = i * (ny + 1) + j
-            xi, (low, high) = state.xi[c, way, s], const.bounds[c, 1 - way]
-            node = const.firsts[c, way] + ((const.starts[c, way] + i) * (ny + 1) + j) * (nz + 1) + faces[way]
-            first = const.firsts[c, 1 - way]
-            yarn_contact_kernels.foot(x, first, const.shape[2 - way], ny, nz, faces[1 - way], *xi, nodes, weights, S)
+            xi, (low, high) = state.closest_point[c, way, s], const.cp_bounds[c, 1 - way]
+            node = (
+                const.crossing_node[c, way]
+                + ((const.crossing_start[c, way] + i) * (ny + 1) + j) * (nz + 1)
+                + faces[way]
+            )
+            first = const.crossing_node[c, 1 - way]
+            yarn_contact_kernels.surface_point(
+                x, first, const.crossing_shape[2 - way], ny, nz, faces[1 - way], *xi, nodes, weights, S
+            )
             normal = side * np.cross(S[1], S[2])
             share = yarn_contact_kernels.side_weight(xi[1], ny)[0] if low < xi[0] < high else 0.0
-            yield (x[node] - S[0]) @ normal / np.linalg.norm(normal), share, const.area[c, way, s]
+            yield (x[node] - S[0]) @ normal / np.linalg.norm(normal), share, const.contact_area[c, way, s]
 
 
 def test_contact_forces_are_the_slope_of_their_energy(mesh):
@@ -362,7 +386,7 @@ def test_surface_equals_its_plain_twin(mesh):
     nx, ny, nz = (n - 1 for n in grid.shape)
     nodes, weights, S = np.empty(16, np.int64), np.empty(16), np.empty((3, 3))
     for xi in ((0.3, 0.2), (5.7, 1.5), (nx - 0.1, ny + 0.4), (7.0, -0.3)):
-        yarn_contact_kernels.foot(mesh.points, grid[0, 0, 0], nx, ny, nz, nz, *xi, nodes, weights, S)
+        yarn_contact_kernels.surface_point(mesh.points, grid[0, 0, 0], nx, ny, nz, nz, *xi, nodes, weights, S)
         twin = plain_surface(mesh.points[grid[:, :, -1]], xi)
         assert S[0] == pytest.approx(twin, abs=1e-15)
         assert weights @ mesh.points[nodes] == pytest.approx(twin, abs=1e-15)
@@ -376,15 +400,15 @@ def test_a_clear_contact_rests_no_longer_than_it_may(mesh):
     marched = []
     for reach in (1.0, 1e6):  # m: so far that nothing ever rests
         march = struck(mesh, end_time=1e-6, threads=1)
-        pace = march._pace
-        march._pace = lambda left, pace=pace, march=march, reach=reach: (pace(left), _widen(march, reach))[0]
+        pace = march._set_time_step
+        march._set_time_step = lambda left, pace=pace, march=march, reach=reach: (pace(left), _widen(march, reach))[0]
         marched.append(march.run())
     assert marched[0].state.x == pytest.approx(marched[1].state.x, abs=1e-10)
-    assert marched[1].state.rest.max() == 0
+    assert marched[1].state.wait_steps.max() == 0
 
 
 def _widen(march, reach):
-    march.state.pace[1] *= reach
+    march.state.step_sizes[1] *= reach
 
 
 # the whole
@@ -407,7 +431,7 @@ def test_mass_is_that_of_the_yarns(mesh):
 def test_momentum_of_a_free_patch_and_its_projectile_is_kept(mesh):
     march = struck(mesh, clamped=False, threads=1).run()
     fabric = march.const.mass @ march.state.v
-    shot = march.const.projectile_mass * march.state.speed
+    shot = march.const.projectile_mass * march.state.projectile_velocity
     assert np.abs(fabric[2]) > 1e-6
     assert fabric + shot == pytest.approx([0, 0, march.const.projectile_mass * 60.0], abs=1e-15)
 
@@ -427,14 +451,14 @@ def test_steps_are_stable_where_the_bound_says_so(mesh):
     """Steps of the bound (2 / w of the row sums) pass, of 2.5 times are lost: it is safe, and near."""
     struck(mesh, threads=1, numerics={"safety": 1.0}).run()
     march = struck(mesh, threads=1)
-    pace = march._pace
+    pace = march._set_time_step
 
     def hasty(left):
         steps = max(int(pace(left) * 0.8 / 2.5), 1)
-        march.state.pace[0] = left / steps
+        march.state.step_sizes[0] = left / steps
         return steps
 
-    march._pace = hasty
+    march._set_time_step = hasty
     with pytest.raises(UnstableError, match=r"node \d+ of w|inverted|balance"):
         march.run()
 
@@ -449,17 +473,17 @@ def test_a_run_goes_on_from_its_checkpoint_bit_for_bit(mesh, tmp_path):
     whole = struck(mesh, threads=1, end_time=1.5e-6).run()
     part = struck(mesh, threads=1, end_time=1.5e-6)
     part.end_time = 0.75e-6
-    part.run([checkpoint_solid.SolidSnapshots(2)])
-    checkpoint_solid.write(part, tmp_path / "run.h5")
+    part.run([Snapshots(0.5e-6, lambda march: (march.time, march.state.x.copy()))])
+    checkpoint.write(part, tmp_path / "run.h5")
     rest = struck(mesh, threads=1, end_time=1.5e-6)
-    checkpoint_solid.read(rest, tmp_path / "run.h5")
-    rest.run([checkpoint_solid.SolidWriter(tmp_path / "end.h5")])
+    checkpoint.read(rest, tmp_path / "run.h5")
+    rest.run([checkpoint.Checkpoints(tmp_path / "end.h5", 2e-6)])
     assert np.array_equal(whole.state.x, rest.state.x)
     assert np.array_equal(np.array(whole.samples), np.array(rest.samples))
     assert len(rest.snapshots) == 2
     other = struck(mesh, numerics={"penalty": 2e14})
     with pytest.raises(InputError, match="another run"):
-        checkpoint_solid.read(other, tmp_path / "end.h5")
+        checkpoint.read(other, tmp_path / "end.h5")
 
 
 def test_an_overstretched_patch_tears():
@@ -468,9 +492,9 @@ def test_an_overstretched_patch_tears():
     Nodes of torn yarns get under a neighbour's face from the side; pushed out, they make a third of all the energy.
     """
     mesh = patch.build(FABRIC, (6, 6), size=SIZE)
-    march = SolidMarch(SolidPatch(mesh, FABRIC, Projectile(radius=1.2e-3)), 150.0, 9.6e-6, threads=1).run()
+    march = SolidSolver(SolidPatch(mesh, FABRIC, Projectile(radius=1.2e-3)), 150.0, 9.6e-6, threads=1).run()
     assert march.sample("failed_bars")[-1] > 0
-    assert march.state.torn.any()
+    assert march.state.brick_failed.any()
     taken = march.strike_energy - march.sample("kinetic_projectile")[-1]
     assert np.abs(march.sample("balance")).max() < 0.02 * taken
     assert march.sample("warp_peak").max() < 0.031 * 96e9 * FABRIC.weave.yarns[0].A_s
@@ -479,7 +503,7 @@ def test_an_overstretched_patch_tears():
 def test_the_loose_end_of_a_cut_yarn_may_fold_up():
     """Where yarns tear as fast as here, the ends fold until a brick is inverted: it is gone before."""
     mesh = patch.build(FABRIC, (4, 4), size=(3, 3, 1))
-    march = SolidMarch(SolidPatch(mesh, FABRIC, Projectile(radius=1.2e-3)), 500.0, 6e-6, threads=1).run()
+    march = SolidSolver(SolidPatch(mesh, FABRIC, Projectile(radius=1.2e-3)), 500.0, 6e-6, threads=1).run()
     assert np.isfinite(march.state.x).all()
     assert np.abs(march.sample("balance")).max() < 1e-3 * march.strike_energy
 
@@ -489,7 +513,7 @@ def test_a_brick_is_folded_by_its_length_or_its_volume():
     for _ in range(100):
         f = rng.normal(size=(3, 3)) * [rng.choice([0.05, 1.0]), 1.0, 1.0]
         short, inverted = np.linalg.norm(f[:, 0]) < solid_kernels.FOLDED, np.linalg.det(f) < 0
-        assert solid_kernels.folded(f) == (short or inverted)
+        assert solid_kernels.brick_folded(f) == (short or inverted)
 
 
 def test_only_a_cut_yarn_folds(mesh):
@@ -499,11 +523,11 @@ def test_only_a_cut_yarn_folds(mesh):
     x = state.x.copy()
     x[sheet] += 2.5 * (x[mesh.grids[0][0].ravel()] - x[sheet])  # beyond the end of the yarn
     forces_of(const, state, x)
-    assert not state.torn.any()
-    state.alive[-1 + const.first_bar[1]] = False  # at the other end of the same yarn
+    assert not state.brick_failed.any()
+    state.bar_intact[-1 + const.first_bar[1]] = False  # at the other end of the same yarn
     forces_of(const, state, x)
-    assert state.torn[: 4 * SIZE[1] * SIZE[2]].any()
-    assert not state.torn[4 * SIZE[1] * SIZE[2] :].any()
+    assert state.brick_failed[: 4 * SIZE[1] * SIZE[2]].any()
+    assert not state.brick_failed[4 * SIZE[1] * SIZE[2] :].any()
 
 
 def test_sums_are_named_once():
@@ -518,7 +542,7 @@ def test_sums_are_named_once():
         (lambda mesh: SolidPatch(crossover.build(FABRIC, size="coarse"), FABRIC), "whole"),
         (lambda mesh: PatchNumerics(safety=2), "at most 1"),
         (lambda mesh: PatchNumerics(penalty=-1), "above 0"),
-        (lambda mesh: SolidMarch(SolidPatch(mesh, FABRIC), 0, 1e-6), "above 0"),
+        (lambda mesh: SolidSolver(SolidPatch(mesh, FABRIC), 0, 1e-6), "above 0"),
     ],
 )
 def test_bad_input_is_told(mesh, make, told):
@@ -535,14 +559,14 @@ def pull(solid_patch, d, time=60e-6):
     The ends obey the weave's two-fold axis: axial and vertical motion odd through the thickness, that across even.
     """
     const, state = solid_patch.ready(0.0)
-    state.position[2] = -1.0
+    state.projectile_position[2] = -1.0
     mass, dt, t, step = const.mass[:, None], 0.0, 0.0, 0
     grids = solid_patch.mesh.grids
     while t < time:
         if step % 50 == 0:
             dt = 1.4 / solid_patch.frequency(const, state)[0]
         solid_step_kernels.forces(state, const, dt)
-        state.v[:] -= dt * (state.material + state.force) / mass
+        state.v[:] -= dt * (state.f_material + state.f_other) / mass
         state.v[:] *= 1 - 2e5 * dt
         drive = np.pi / time * np.sin(2 * np.pi * t / time) if t < time / 2 else 0.0
         for axial, grid in enumerate(grids):
@@ -554,7 +578,7 @@ def pull(solid_patch, d, time=60e-6):
                 state.v[face] = held
         state.x[:] += dt * state.v
         t, step = t + dt, step + 1
-    T = [(state.material + state.force)[grid[-1]][..., axial].sum() for axial, grid in enumerate(grids)]
+    T = [(state.f_material + state.f_other)[grid[-1]][..., axial].sum() for axial, grid in enumerate(grids)]
     contact = contact_of(const, state, state.x)[0]
     return *T, -contact[grids[0]][..., 2].sum()
 
@@ -574,6 +598,8 @@ def test_a_crossover_pulled_slowly_is_the_quasi_static_one(d):
 
     size = (5, 5, 2)
     soft = Numerics(penalty=1e14)  # that of the patch: an explicit step allows none as hard as the default here
-    theirs = biaxial_and_platens.biaxial(crossover.build(FABRIC, size=size), FABRIC, d, reach=max(d), numerics=soft)
+    theirs = biaxial_and_platens.biaxial(
+        crossover.build(FABRIC, size=size), FABRIC, d, max_displacement=max(d), numerics=soft
+    )
     found = pull(SolidPatch(crossover.build(FABRIC, domain="whole", size=size), FABRIC, failure=False), d)
     assert found == pytest.approx((theirs.T1[-1], theirs.T2[-1], theirs.F_c[-1]), rel=5e-3)

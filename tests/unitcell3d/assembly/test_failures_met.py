@@ -12,7 +12,7 @@ from unitcell3d.contact.surface_kernels import nodes_of
 from unitcell3d.contact.surfaces import FacingSurfaces
 from unitcell3d.material import solid_law
 from unitcell3d.model.crossover import ACROSS_BEFORE_THROUGH, CrossoverModel, Load
-from unitcell3d.solver.load_stepping import at_rest, march, visit
+from unitcell3d.solver.load_stepping import continue_to, march, rest_state
 from unitcell3d.solver.newton import Newton
 
 # --- facet cycling: a point pressed into a valley of two facets -----------------------------------------------------
@@ -86,7 +86,7 @@ def soft_modes(mesh, fabric, degree):
     hexes = mesh.hexes[mesh.yarn == 1][:, ACROSS_BEFORE_THROUGH[1]]
     nodes, local = np.unique(hexes, return_inverse=True)
     space = HexSpace.build(mesh.points[nodes], local.reshape(hexes.shape))
-    law = fabric.solids[1]
+    law = fabric.solid_laws[1]
     cell = space.cell_constants(np.tile((law.E_a, law.a_E, law.b_E, law.Vf0, law.V_c, law.G), (len(hexes), 1)))
     u = space.displacement
     v, du = ufl.TestFunction(space.displacements), ufl.TrialFunction(space.displacements)
@@ -128,9 +128,9 @@ class OnePass(FacingSurfaces):
         super().__init__(*parts)
         self.unseen, self._passes = self._passes[0], self._passes[1:]
 
-    def touch(self, x, numerics, forces, values=None):
+    def assemble(self, x, numerics, forces, values=None):
         whole = replace(numerics, penalty=2 * numerics.penalty)  # a pass takes half of it
-        return -self._passes[0].touch(x, whole, forces, values)[2]
+        return -self._passes[0].assemble(x, whole, forces, values)[2]
 
 
 @pytest.mark.slow
@@ -146,10 +146,10 @@ def test_a_sharp_tip_goes_through_one_pass_and_not_through_two(coarse, s720):
     assert max(-gaps.min() for gaps in history.gaps) < 0.6e-6
     model = CrossoverModel(coarse, s720)
     model.surfaces = OnePass(model.points, coarse.grids, True)
-    model._lay_out()
+    model._build_pattern()
     history = march(model, Load(), end)
     unseen = model.surfaces.unseen
-    unseen.touch(model.points + history.u, model.numerics, np.zeros_like(model.points))
+    unseen.assemble(model.points + history.u, model.numerics, np.zeros_like(model.points))
     assert unseen.deepest > 1e-6
     assert model.surfaces.deepest < 0.6e-6
 
@@ -162,8 +162,8 @@ def test_compression_is_measured_by_the_plates(tiny, s720):
     model = CrossoverModel(tiny, s720)
     solver = Newton(model)
     rest = model.plates.at_rest
-    q = at_rest(model, solver, Load(plates=rest)).q
-    *_, (_, found) = visit(model, solver, q, Load(plates=rest), Load(plates=0.7 * rest), np.linspace(0.1, 1, 10))
+    q = rest_state(model, solver, Load(plates=rest)).q
+    *_, (_, found) = continue_to(model, solver, q, Load(plates=rest), Load(plates=0.7 * rest), np.linspace(0.1, 1, 10))
     state = solver._evaluate(found.q, Load(plates=0.7 * rest))
     solver.close()
     ends = [abs(model.constraints.end_force(state.forces, yarn)) for yarn in (0, 1)]

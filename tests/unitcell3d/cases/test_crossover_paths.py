@@ -19,7 +19,7 @@ def equibiaxial(coarse, s720):
 
 def test_quarter_equals_whole(s720, tiny):
     whole = mesher.build(s720, domain="whole", size=(4, 3, 2))
-    ends = [biaxial_and_platens.biaxial(mesh, s720, (1, 1), reach=8e-6) for mesh in (tiny, whole)]
+    ends = [biaxial_and_platens.biaxial(mesh, s720, (1, 1), max_displacement=8e-6) for mesh in (tiny, whole)]
     for column in ("T1", "T2", "F_c", "h1", "h2", "d_c"):
         a, b = (getattr(history, column)[-1] for history in ends)
         assert a == pytest.approx(b, rel=1e-6), column
@@ -101,7 +101,7 @@ def test_tensions_and_contact_grow_along_the_path(equibiaxial):
 
 def test_crimp_is_exchanged_when_one_yarn_is_pulled(tiny, s720):
     """Section 4.3.4: warp stretch at fixed weft lowers the warp and raises the weft."""
-    h = biaxial_and_platens.biaxial(tiny, s720, (1, 0), reach=0.02e-3)
+    h = biaxial_and_platens.biaxial(tiny, s720, (1, 0), max_displacement=0.02e-3)
     assert h.h1[-1] < 0.7 * h.h1[0]
     assert h.h2[-1] > 1.05 * h.h2[0]
 
@@ -138,7 +138,7 @@ def test_a_path_that_fails_keeps_its_history(tiny, s720, tmp_path):
 def test_hooks_see_every_step(tiny, s720):
     seen = []
     h = biaxial_and_platens.biaxial(
-        tiny, s720, (1, 1), reach=2e-6, hooks=(lambda share, row: seen.append((share, row["T1"])),)
+        tiny, s720, (1, 1), max_displacement=2e-6, hooks=(lambda share, row: seen.append((share, row["T1"])),)
     )
     assert [share for share, _ in seen] == list(h.path[1:])
     assert [T for _, T in seen] == list(h.T1[1:])
@@ -166,7 +166,7 @@ def test_bad_input_is_one_line(tiny, s720, tmp_path):
     for make, word in (
         (lambda: biaxial_and_platens.biaxial(tiny, s720, (0, -1)), "ratio"),
         (lambda: biaxial_and_platens.biaxial(tiny, s720, "both"), "ratio"),
-        (lambda: biaxial_and_platens.biaxial(tiny, s720, (1, 1), reach=-1.0), "reach"),
+        (lambda: biaxial_and_platens.biaxial(tiny, s720, (1, 1), max_displacement=-1.0), "max_displacement"),
         (lambda: biaxial_and_platens.plate_compression(tiny, s720, pressure=0.0), "pressure"),
         (lambda: History.read(tmp_path / "none.h5"), "none.h5"),
     ):

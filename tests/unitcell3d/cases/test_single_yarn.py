@@ -59,7 +59,7 @@ def test_few_fibre_lines_carry_as_much_as_all(tiny, s720):
 
 
 def test_lines_are_spread_over_the_section(coarse):
-    mesh = submeshes.alone(coarse, 0)
+    mesh = submeshes.single_yarn_mesh(coarse, 0)
     for lines in (1, 5, 7, 13, 21):
         kept = submeshes.with_bars(mesh, lines)
         nodes = len(coarse.bars[0]) // 21

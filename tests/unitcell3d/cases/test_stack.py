@@ -90,7 +90,7 @@ def test_bad_input_is_one_line(tiny, s720):
     for choices, line in (
         ({"plies": 0}, "plies = 0: must be a whole number from 1"),
         ({"pressure": -1.0}, "pressure = -1.0: must be positive"),
-        ({"closest": 2.0}, "closest = 2.0: must be between 0 and 1"),
+        ({"min_plate_gap": 2.0}, "min_plate_gap = 2.0: must be between 0 and 1"),
         ({"shift": (0.5, 0.0)}, "shifted plies need a patch of 2 x 2"),
     ):
         with pytest.raises(InputError, match=line):

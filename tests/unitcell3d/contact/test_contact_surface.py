@@ -4,13 +4,16 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize
 
-from unitcell3d.contact.surface_contact_kernels import (
-    contact_pass,
-    draw_plate_anchors,
-    overlap_weight,
-    plate_pass,
-    pressure,
+from unitcell3d.contact.kernel_arguments import (
+    Blocks,
+    ContactLaw,
+    Face,
+    PassState,
+    PlateFace,
+    SlavePoints,
 )
+from unitcell3d.contact.plate_contact_kernels import plate_pass, update_plate_anchors
+from unitcell3d.contact.surface_contact_kernels import contact_pass, overlap_weight, pressure
 from unitcell3d.contact.surface_kernels import evaluate, nodes_of, project, surround, weights_of
 
 NI, NJ = 6, 5
@@ -165,11 +168,12 @@ def touch(x, quads, mirror, tangent=False, friction=0.0, away=(0.0, 0.0)):
     values = np.zeros((n * n, 3, 3))
     anchors = touch.anchors + np.array(away) if friction else xi.copy()
 
+    slave, state = SlavePoints(quads, SHAPES, areas), PassState(xi, anchors, gaps, codes)
+    law = ContactLaw(PENALTY, TOE, friction, SLIP)
+
     def run(row_of, places, forces):
-        contact_pass(
-            x, quads, SHAPES, areas, GRID, AXES, mirror, 1.0, PENALTY, TOE, friction, SLIP,
-            xi, anchors, gaps, codes, forces, row_of, places, values, resultant,
-        )  # fmt: skip
+        blocks = Blocks(row_of, places, values)
+        contact_pass(x, slave, Face(GRID, AXES, mirror, 1.0), law, state, forces, blocks, resultant)
 
     run(np.empty(0, np.int64), np.empty((0, 20, 20), np.int64), forces)
     if not friction:
@@ -261,9 +265,8 @@ def test_plate_pushes_back():
     x = np.array([[0, 0, 0.10], [0, 0, 0.0995], [0, 0, 0.08]])
     forces, values = np.zeros((3, 3)), np.zeros((3, 3, 3))
     areas = np.array([1.0, 2.0, 3.0])
-    force = plate_pass(
-        x, np.arange(3), areas, 0.099, 1.0, PENALTY, TOE, 0.0, SLIP, np.zeros((3, 2)), forces, np.arange(3), values
-    )
+    face = PlateFace(np.arange(3), areas, 1.0, np.zeros((3, 2)))
+    force = plate_pass(x, face, 0.099, ContactLaw(PENALTY, TOE, 0.0, SLIP), forces, np.arange(3), values)
     expected = [pressure(0.099 - z, PENALTY, TOE)[0] * a for z, a in zip(x[:, 2], areas)]
     assert force == pytest.approx(sum(expected))
     assert np.allclose(forces[:, 2], expected)
@@ -278,7 +281,8 @@ def test_plate_rubs(side):
 
     def run(x, anchors):
         forces, values = np.zeros((3, 3)), np.zeros((3, 3, 3))
-        plate_pass(x, nodes, areas, side * 0.099, side, PENALTY, TOE, FRICTION, SLIP, anchors, forces, nodes, values)
+        face, law = PlateFace(nodes, areas, side, anchors), ContactLaw(PENALTY, TOE, FRICTION, SLIP)
+        plate_pass(x, face, side * 0.099, law, forces, nodes, values)
         return forces, values
 
     anchors = np.zeros((3, 2))
@@ -289,7 +293,7 @@ def test_plate_rubs(side):
     direction, step = np.random.default_rng(0).standard_normal((3, 3)), 1e-6
     difference = (run(x + step * direction, anchors)[0] - run(x - step * direction, anchors)[0]) / (2 * step)
     assert np.abs(np.einsum("nab,nb->na", values, direction) - difference).max() < 1e-7 * np.abs(difference).max()
-    draw_plate_anchors(x, nodes, side * 0.099, side, SLIP, anchors)
+    update_plate_anchors(x, PlateFace(nodes, areas, side, anchors), side * 0.099, SLIP)
     assert np.allclose(anchors[0], 0)
     assert np.linalg.norm(x[1, :2] - anchors[1]) == pytest.approx(SLIP)
     assert np.allclose(anchors[2], x[2, :2])

@@ -9,7 +9,7 @@ from blocks import Blocks, block
 from fabrics.errors import InputError
 from unitcell3d.cases import biaxial_and_platens
 from unitcell3d.model.crossover import CrossoverModel, Load, Numerics
-from unitcell3d.solver.load_stepping import at_rest, march, visit
+from unitcell3d.solver.load_stepping import continue_to, march, rest_state
 from unitcell3d.solver.newton import Newton
 
 E, SIDE = 1e9, 1e-3
@@ -35,7 +35,7 @@ class Pushed(Blocks):
         for share in np.linspace(0, 1, steps + 1)[1:]:
             u[self.top] = [start + share * (along - start), 0, -descent]
             self._settle(u, self.free)
-            self.surfaces.accept(self.points + u, self.numerics)
+            self.surfaces.commit(self.points + u, self.numerics)
             found.append(self.contact[self.grids[1].ravel()].sum(axis=0))
         return -np.array(found)
 
@@ -77,12 +77,12 @@ def ends(mesh, fabric, route, friction):
     """T1, T2, F_c [N] after the corners `route` : (c, 2) [m], in steps of 2 um."""
     model = CrossoverModel(mesh, fabric, Numerics(friction=friction))
     solver = Newton(model)
-    q, at = at_rest(model, solver, Load()).q, Load()
+    q, at = rest_state(model, solver, Load()).q, Load()
     for corner in route:
         goal = Load(tuple(corner))
         steps = round(np.abs(np.subtract(goal.d, at.d)).max() / 2e-6)
-        for share, found in visit(model, solver, q, at, goal, np.linspace(0, 1, steps + 1)[1:]):
-            model.accept(found.q, at.towards(goal, share))
+        for share, found in continue_to(model, solver, q, at, goal, np.linspace(0, 1, steps + 1)[1:]):
+            model.commit(found.q, at.towards(goal, share))
         q, at = found.q, goal
     solver.close()
     return np.array([*model.tensions(found.forces), 4 * found.contact])
@@ -120,7 +120,7 @@ def model_unknowns(model, history):
 
 def test_friction_takes_more_force_at_the_same_stretch(tiny, s720):
     found = [
-        biaxial_and_platens.biaxial(tiny, s720, (1, 0), reach=16e-6, numerics=Numerics(friction=mu))
+        biaxial_and_platens.biaxial(tiny, s720, (1, 0), max_displacement=16e-6, numerics=Numerics(friction=mu))
         for mu in (0.0, 0.3)
     ]
     assert found[1].F_c[-1] > 1.01 * found[0].F_c[-1]

@@ -21,7 +21,7 @@ def test_barrier_and_penalty_give_one_answer(s720):
     (a tenth of the toe leaves 0.07, 0.63 and 0.65 %); the barrier's facets, flat, are off by order two in the mesh.
     """
     mesh = mesher.build(s720, size=(10, 8, 2))
-    penalty = biaxial_and_platens.biaxial(mesh, s720, (1, 0), reach=END)
+    penalty = biaxial_and_platens.biaxial(mesh, s720, (1, 0), max_displacement=END)
     barrier = BarrierModel(mesh, s720, reach=0.5e-6, apart=0.42e-6, stiffness=1e7)
     found = barrier.path((END, 0.0), 40)
     assert barrier.distance == pytest.approx(0.42e-6, rel=0.1)

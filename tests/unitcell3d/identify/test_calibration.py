@@ -19,7 +19,7 @@ from unitcell3d.solver.history import History
 def calibration(s720, tmp_path_factory):
     out = tmp_path_factory.mktemp("calibration")
     seen = {}
-    found = calibrate(s720, size="coarse", out=out, progress=lambda fabric, name, share: seen.update({name: share}))
+    found = calibrate(s720, size="coarse", out=out, on_progress=lambda fabric, name, share: seen.update({name: share}))
     return found, out, seen
 
 
@@ -56,7 +56,7 @@ def test_finer_laws_are_fitted_beside(calibration):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", [name for name in catalogue.names() if name != "S-720"])
+@pytest.mark.parametrize("name", [name for name in catalogue.list_names() if name != "S-720"])
 def test_every_fabric_calibrates_unattended(name):
     """All paths to fibre failure; one law leaves at most 1.6 um, one that sees the tension ratio at most 1 um."""
     found = calibrate(catalogue.load(name), size=(8, 6, 2), plates_size="coarse")
@@ -128,7 +128,7 @@ def test_an_interrupted_calibration_goes_on_to_the_same_bits(s720, tmp_path):
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        calibrate(s720, executor=Here(), out=tmp_path / "broken", progress=interrupt, **SMALL)
+        calibrate(s720, executor=Here(), out=tmp_path / "broken", on_progress=interrupt, **SMALL)
     kept = {path.stem.replace("-", " ") for path in (tmp_path / "broken").iterdir()}
     assert kept == set(done)
     rest = Here()
@@ -159,7 +159,7 @@ def test_friction_reaches_the_law_and_is_told(s720, tmp_path):
 
 
 def test_one_fabric_that_fails_does_not_end_the_others(s720, tmp_path):
-    wide = replace(catalogue.load("S-731"), section="sine", solids=None)
+    wide = replace(catalogue.load("S-731"), section="sine", solid_laws=None)
     found = calibrate_all([wide, s720], executor=Here(), folder=lambda name: tmp_path / name, **SMALL)
     assert isinstance(found["S-731"], InputError)
     assert found["S-720"].law.a > 0

@@ -13,7 +13,7 @@ from unitcell3d.identify.interpolant import QUANTITIES, Interpolant, errors
 from unitcell3d.identify.response_surface import sample
 from unitcell3d.identify.surface_cache import Line, Partial
 from unitcell3d.model.crossover import CrossoverModel, Load, Numerics
-from unitcell3d.solver.load_stepping import at_rest, visit
+from unitcell3d.solver.load_stepping import continue_to, rest_state
 from unitcell3d.solver.newton import Newton
 
 TINY = (4, 3, 2)
@@ -74,7 +74,7 @@ def test_rows_end_where_other_routes_end(whole, s720, tiny):
     shares = np.linspace(0, 1, 11)
     q = solver.solve(np.zeros(model.size), Load()).q
     for start, end in ((Load(), goal), (goal, beyond), (beyond, goal)):
-        found = [state for _, state in visit(model, solver, q, start, end, shares)][-1]
+        found = [state for _, state in continue_to(model, solver, q, start, end, shares)][-1]
         q = found.q
         if end is goal:
             assert [*model.tensions(found.forces), 4 * found.contact] == pytest.approx([T1, T2, F_c], rel=1e-5)
@@ -105,7 +105,7 @@ def test_interrupted_and_resumed_is_the_same_to_the_last_bit(whole, s720, pool, 
             raise _Interrupt
 
     with pytest.raises(_Interrupt):
-        sample(s720, **SMALL, executor=pool, partial=kept, progress=stop_after_three)
+        sample(s720, **SMALL, executor=pool, partial=kept, on_progress=stop_after_three)
     again = []
     resumed = sample(
         s720,
@@ -113,7 +113,7 @@ def test_interrupted_and_resumed_is_the_same_to_the_last_bit(whole, s720, pool, 
         executor=pool,
         partial=kept,
         resume=True,
-        progress=lambda share, text: again.append((share, text)),
+        on_progress=lambda share, text: again.append((share, text)),
     )
     assert len(again) == 3
     assert again[-1][0] == 1
@@ -167,12 +167,12 @@ def test_friction_is_taken_over_from_line_to_line(whole, s720, tiny, pool):
     model = CrossoverModel(tiny, s720, Numerics(friction=0.3))
     solver = Newton(model)
     corner, goal = Load((0.0, 12e-6)), Load((12e-6, 12e-6))
-    q = at_rest(model, solver, Load()).q
-    model.accept(q, Load())
+    q = rest_state(model, solver, Load()).q
+    model.commit(q, Load())
     for start, end in ((Load(), corner), (corner, goal)):
-        for share, state in visit(model, solver, q, start, end, np.linspace(0, 1, 5)):
+        for share, state in continue_to(model, solver, q, start, end, np.linspace(0, 1, 5)):
             q = state.q
-            model.accept(q, start.towards(end, share))
+            model.commit(q, start.towards(end, share))
     solver.close()
     assert [*model.tensions(state.forces), 4 * state.contact] == pytest.approx(
         [found.T1[-1, -1], found.T2[-1, -1], found.F_c[-1, -1]], rel=1e-5

@@ -1,12 +1,16 @@
 """The solid fitted to a plate curve: identifiability in closed form, and a twin experiment."""
 
+import json
+from concurrent.futures import ThreadPoolExecutor
+
 import numpy as np
 import pytest
 
 from fabrics.plate_curve import PlateCurve
 from meshing import crossover as mesher
 from unitcell3d.cases import biaxial_and_platens
-from unitcell3d.identify.solid_fit import LOOSE, NAMES, closures, fit_solid, identify, with_solids
+from unitcell3d.identify import solid_fit
+from unitcell3d.identify.solid_fit import LOOSE, NAMES, closures, fit_solid, identify, with_solid_laws
 
 
 def test_identify_is_the_linear_least_squares_theory():
@@ -52,12 +56,35 @@ def test_closures_of_a_force_that_falls_for_a_step():
     assert closures(Snapped, 1e-6, pressure, measured) == pytest.approx(measured, rel=1e-9)
 
 
+def test_a_fit_is_written_as_json(s720, tmp_path, monkeypatch):
+    """From a curve to the file, with a closed form in place of the compressions: 0.2 mm V_c P / (P + K_r E_c)."""
+
+    def press(fabric, size, pressure):
+        solid, P = fabric.solid_laws[0], np.geomspace(1e3, pressure, 50)
+        history = Pressed()
+        history.F_plate = np.stack([P, P], axis=1) * fabric.weave.cell_area
+        history.plates = 1e-3 - 1e-4 * solid.V_c * P / (P + solid.K_r * solid.E_c)
+        history.failed = ""
+        return history
+
+    monkeypatch.setattr(solid_fit, "press", press)
+    pressure = np.geomspace(3e4, 5e6, 30)
+    curve = PlateCurve(pressure, 2e-4 * pressure / (pressure + 2e7), "closed form")
+    with ThreadPoolExecutor(1) as executor:
+        found = fit_solid(s720, curve, check_size=(4, 3, 2), executor=executor)
+    found.write(tmp_path / "fit.json")
+    written = json.loads((tmp_path / "fit.json").read_text())
+    assert set(written["determined"]) == {*NAMES, LOOSE}
+    assert all(isinstance(known, bool) for known in written["determined"].values())
+    assert written["rms_m"] == found.rms
+
+
 @pytest.mark.slow(50)
 def test_a_twin_is_found_again(s720):
     """A curve computed with other solids: the fit goes below its resolution, 1 um, and finds what it determines."""
     size = (4, 3, 2)
     mesh = mesher.build(s720, size=size)
-    twin = with_solids(s720, np.log([0.8e9, 0.25, 0.03]), max(mesh.Vf0))
+    twin = with_solid_laws(s720, np.log([0.8e9, 0.25, 0.03]), max(mesh.Vf0))
     pressure = np.geomspace(3e4, 5e6, 60)
     history = biaxial_and_platens.plate_compression(mesh, twin, pressure=pressure[-1])
     curve = PlateCurve(pressure, closures(history, s720.weave.cell_area, pressure, np.linspace(0, 1e-9, 60)), "a twin")

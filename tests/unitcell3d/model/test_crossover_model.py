@@ -88,7 +88,7 @@ def test_contact_forces_of_the_two_passes_balance(s720):
     x = model.points.copy()
     x[whole.grids[0].ravel(), 2] -= 6e-6
     forces = np.zeros_like(x)
-    contact = model.surfaces.touch(x, model.numerics, forces)
+    contact = model.surfaces.assemble(x, model.numerics, forces)
     assert contact > 1e-2
     assert np.abs(forces.sum(axis=0)).max() < 1e-12 * contact
     assert np.abs(np.cross(x, forces).sum(axis=0)).max() < 1e-12 * contact * np.abs(x).max()
@@ -152,7 +152,7 @@ def test_pattern_grows_only_where_contact_moves_far(s720, coarse):
 
 def test_bad_input_is_one_line(s720, tiny):
     for make, word in (
-        (lambda: CrossoverModel(tiny, replace(s720, solids=None)), "solid"),
+        (lambda: CrossoverModel(tiny, replace(s720, solid_laws=None)), "solid"),
         (lambda: CrossoverModel(tiny, replace(s720, name="S-999")), "S-999"),
         (lambda: Numerics(penalty=-1.0), "penalty"),
         (lambda: Numerics(toe=0.0), "toe"),

@@ -40,7 +40,7 @@ def model(whole, s720):
 def test_one_with_glides_and_four_with_repetition_equal_the_quarter(whole, four, s720):
     """Biaxial tensions and contact force within 1e-6 (found 3e-9): the end conditions say the same."""
     quarter = mesher.build(s720, size=SIZE, section="conforming")
-    history = biaxial_and_platens.biaxial(quarter, s720, (1, 1), reach=REACH)
+    history = biaxial_and_platens.biaxial(quarter, s720, (1, 1), max_displacement=REACH)
     expected = [history.T1[-1], history.T2[-1], history.F_c[-1]]
     for mesh in (whole, four):
         record = periodic_cell.biaxial(mesh, s720, (REACH, REACH), rows=4)
@@ -108,6 +108,15 @@ def test_moment_and_tensions_are_the_work_of_the_load(model):
     moved = [model.positions(q, CellLoad(model.w, (5e-6 + s * 1e-9, 3e-6), 0.2)) for s in (1, -1)]
     work = np.sum(forces * (moved[0] - moved[1])) / 2e-9
     assert 2 * model.tensions(forces, load)[0] == pytest.approx(work, rel=1e-6)
+
+
+def test_stick_state_is_that_of_the_crossings_alone(model):
+    """Edges slide without friction: they keep no anchors."""
+    before = model.stick_state
+    assert before.size == sum(anchors.size for pair in model.pairs.pairs[: model.crossings] for anchors in pair.anchors)
+    model.stick_state = before + 0.25
+    assert np.array_equal(model.stick_state, before + 0.25)
+    model.stick_state = before
 
 
 # --- edges ----------------------------------------------------------------------------------------------------------

@@ -26,7 +26,7 @@ def test_plots_of_a_calibration(s720, tmp_path):
 
 def test_deformed_crossover(s720, tiny, tmp_path):
     """VTK's scalar bar would crash here: dolfinx is loaded."""
-    history = biaxial_and_platens.biaxial(tiny, s720, (1, 1), reach=6e-6)
+    history = biaxial_and_platens.biaxial(tiny, s720, (1, 1), max_displacement=6e-6)
     pictures3d.deformed(history, tiny, tmp_path / "deformed.png")
     image = imread(tmp_path / "deformed.png")[..., :3]
     assert ink(tmp_path / "deformed.png") > 0.3

@@ -12,7 +12,7 @@ from fabrics.errors import UnstableError
 from unitcell3d.assembly.linear_solver import DirectSolver
 from unitcell3d.model.crossover import CrossoverModel, Load
 from unitcell3d.solver import newton
-from unitcell3d.solver.load_stepping import march, visit
+from unitcell3d.solver.load_stepping import continue_to, march
 
 
 @pytest.fixture
@@ -33,7 +33,7 @@ def _loaded(tiny, s720, monkeypatch, near):
     q = np.zeros(model.size)
     for share in np.linspace(0.1, 1, 10):
         q = solver.solve(q, Load().towards(first, share)).q
-    found = [state for _, state in visit(model, solver, q, first, last, np.linspace(0, 1, 9))]
+    found = [state for _, state in continue_to(model, solver, q, first, last, np.linspace(0, 1, 9))]
     solver.close()
     return np.array([[*model.tensions(state.forces), 4 * state.contact] for state in found])
 
@@ -129,7 +129,7 @@ def test_visit_says_where_there_is_no_equilibrium(tiny, s720):
     solver = newton.Newton(model)
     q = solver.solve(np.zeros(model.size), Load()).q
     with pytest.raises(UnstableError, match="d2 = -"):
-        list(visit(model, solver, q, Load(), Load((0.0, -0.4e-3)), [1.0]))
+        list(continue_to(model, solver, q, Load(), Load((0.0, -0.4e-3)), [1.0]))
     solver.close()
 
 

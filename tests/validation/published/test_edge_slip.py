@@ -70,4 +70,4 @@ def test_weft_alone_is_led():
 def fabric_s728():
     from fabrics import catalogue
 
-    return catalogue.load("S-728").effective()
+    return catalogue.load("S-728").with_effective_density()

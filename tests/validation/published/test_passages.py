@@ -7,7 +7,7 @@ from fabrics import catalogue
 from shellfabric.cell.model import CellModel
 from shellfabric.panel.model import Numerics, Panel
 from shellfabric.plies.model import Pack
-from shellfabric.plies.solver import PackMarch
+from shellfabric.plies.solver import PackSolver
 from validation.published.packs import passages
 
 NEAR = 9
@@ -15,13 +15,13 @@ NEAR = 9
 
 @pytest.fixture(scope="module")
 def ply():
-    fabric = catalogue.load("S-726").effective()
+    fabric = catalogue.load("S-726").with_effective_density()
     return Panel(CellModel(fabric).table(101), (0.08, 0.08), numerics=Numerics(threads=1))
 
 
 @pytest.mark.parametrize("velocity", [243.0, 300.0])
 def test_torn_plies_do_not_pass_through_each_other(ply, velocity):
-    march = PackMarch(Pack.stacked(ply, 4, gap=0.12e-3), velocity, 1.0)
+    march = PackSolver(Pack.stacked(ply, 4, gap=0.12e-3), velocity, 1.0)
     found, _ = passages.count(march, 50e-6, NEAR, begin=12e-6)
     failed = sum(np.count_nonzero(family) for state in march.states for family in state.failed)
     assert failed > 50
@@ -31,7 +31,7 @@ def test_torn_plies_do_not_pass_through_each_other(ply, velocity):
 
 def test_a_passage_is_seen(ply):
     """A ply that is laid through another crosses it; through a hole it does not."""
-    march = PackMarch(Pack.stacked(ply, 2, gap=0.0), 1.0, 1.0)
+    march = PackSolver(Pack.stacked(ply, 2, gap=0.0), 1.0, 1.0)
     front, rear = (passages.nodes(march, p, NEAR) for p in (0, 1))
     lift = np.array([0.0, 0.0, 2.0 * ply.weave.thickness])
     (before, held), (after, _) = (passages.points(march, 0, x) for x in (front, front + lift))
@@ -44,7 +44,7 @@ def test_a_passage_is_seen(ply):
         assert {way for *_, way in found} == {-one for *_, one in back} == {found[0][2]}
     state, const = march.states[1], march.consts[1]
     for family in (0, 1):
-        state.intact[family][: (const.ni + 1) * const.s] = 0.0
+        state.intact_fraction[family][: (const.ni + 1) * const.row_stride] = 0.0
     assert passages.crossings((before, after), held, (below, below), passages.surfaces(march, 1, rear)[2]) == []
 
 
@@ -54,10 +54,10 @@ def test_a_point_is_through_when_it_has_crossed_both_surfaces(net, times):
 
 
 def test_what_is_back_at_once_has_not_passed(ply):
-    march = PackMarch(Pack.stacked(ply, 2, gap=0.0), 1.0, 1.0)
+    march = PackSolver(Pack.stacked(ply, 2, gap=0.0), 1.0, 1.0)
     march.advance(np.empty((0, 3)))
     told, z = passages.Passages(march, NEAR), march.states[0].u[2]
-    count, march.stack.awake[:] = march.const.s * (march.const.ni + 1), True
+    count, march.stack.awake[:] = march.const.row_stride * (march.const.ni + 1), True
     for place, found, back in ((2.0, NEAR**2, 0), (0.0, 0, NEAR**2)):
         z[:count] = place * ply.weave.thickness
         told.step()

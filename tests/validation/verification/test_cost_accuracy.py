@@ -111,7 +111,7 @@ def test_short_runs_are_repeated_and_the_warm_one_is_not_counted(clocks, costs, 
 @pytest.mark.parametrize("n", [2, 4])
 def test_coarse_cell_is_n_cells(n):
     """Same stretches: n-fold tensions, contact force and heights; n^2 cells' energy times n, the thickness."""
-    fabric = catalogue.load("S-720").effective()
+    fabric = catalogue.load("S-720").with_effective_density()
     thick, laws = coarse(fabric, None, n)
     x = np.linspace(0.97, 1.03, 7)
     s1, s2 = np.meshgrid(x, x)

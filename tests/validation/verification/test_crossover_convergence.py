@@ -199,7 +199,7 @@ def test_a_case_is_the_library_s_own_path():
     path = {"warp only": PATHS["warp only"]}
     result = solve(FABRIC, path, case)
     mesh = mesher.build(FABRIC, size=(2, 2, 2))
-    history = loads.biaxial(mesh, FABRIC, (1, 0), reach=path["warp only"][0], numerics=case.full_numerics)
+    history = loads.biaxial(mesh, FABRIC, (1, 0), max_displacement=path["warp only"][0], numerics=case.full_numerics)
     for quantity in TRUE:
         assert result["values"][f"{quantity}, warp only"] == pytest.approx(getattr(history, quantity)[-1], rel=1e-9)
     assert result["failed"] == {}

@@ -17,7 +17,7 @@ from shellfabric.projectile.projectile import Projectile
 from validation.verification.fidelity import cable_net, fit_error_database, page, scenes, survey, trial
 from weavecell.analysis.fidelity import error_database, ladder, quantities, select
 
-FABRIC = catalogue.load("S-720").effective()
+FABRIC = catalogue.load("S-720").with_effective_density()
 SETUP = ImpactSetup(FABRIC, 60.0, opening=0.05, end_time=40e-6, symmetry="whole")
 ONE, TWO, THREE = "1 element", "2 elements", "3 elements"
 STRENGTH = tuple(yarn.strength for yarn in FABRIC.weave.yarns)

@@ -76,13 +76,13 @@ def test_what_is_asked():
 
 
 def test_velocities_are_those_of_the_catalogue():
-    assert set(velocities()) == {name for name in catalogue.names() if name.startswith("S-")}
+    assert set(velocities()) == {name for name in catalogue.list_names() if name.startswith("S-")}
     assert velocities()["S-720"] == 92.5
 
 
 def test_study_and_its_command(tmp_path, monkeypatch, capsys):
     """On a panel of 25 mm: values rise to what they are, the table holds them, and a picture is drawn."""
-    fabric = catalogue.load("S-720").effective()
+    fabric = catalogue.load("S-720").with_effective_density()
     small = ImpactSetup(fabric, 20.0, opening=0.0254, table_size=101)
     seen = []
     points = []
@@ -138,7 +138,9 @@ def test_study_and_its_command(tmp_path, monkeypatch, capsys):
 @pytest.mark.parametrize("n", [1, 2, 3])
 def test_a_yarn_is_the_mean_of_its_lines(n):
     """What the page says of the yarn that fails first: its lines' mean, outer ones by half where they are shared."""
-    found = yarn.across(catalogue.load("S-726").effective(), 150.0, 12e-6, 2, n, opening=0.0407, table_size=61)
+    found = yarn.across(
+        catalogue.load("S-726").with_effective_density(), 150.0, 12e-6, 2, n, opening=0.0407, table_size=61
+    )
     weights = {1: [1.0], 2: [0.25, 0.5, 0.25], 3: [1 / 3, 1 / 3, 1 / 3]}[n]
     lines = found.tension[2 * n - n // 2 :][: len(weights)]
     assert found.yarn == pytest.approx(float(np.dot(weights, lines)), rel=1e-12)

@@ -21,7 +21,7 @@ OPENING = 0.0306
 
 @pytest.fixture(scope="module")
 def fabric():
-    return catalogue.load("S-720").effective()
+    return catalogue.load("S-720").with_effective_density()
 
 
 @pytest.fixture(scope="module")
@@ -105,14 +105,14 @@ def test_each_yarn_has_its_own_strength(panel, per):
     panel = replace(panel, strength_factors=factors)
     const, state = panel.constants(), panel.state(1.0)
     strengths = tuple(yarn.strength * part for yarn, part in zip(panel.weave.yarns, factors))
-    assert (const.strength1, const.strength2) == (strengths[0].min(), strengths[1].min())
+    assert (const.min_strength1, const.min_strength2) == (strengths[0].min(), strengths[1].min())
     for family in (0, 1):
         state.T[family][:] = panel.weave.yarns[family].strength
         wanted = np.count_nonzero(factors[family] < 1) * panel.counts[family] // per
-        assert failure_kernels.past_strength(const, state, family, 0, const.ni)
-        assert failure_kernels.look_for_failures(const, state, family, 0, const.ni) == wanted
-        assert not failure_kernels.past_strength(const, state, family, 0, const.ni)
-        failed = state.failed[family][: (const.ni + 1) * const.s].reshape(-1, const.s)
+        assert failure_kernels.any_past_strength(const, state, family, 0, const.ni)
+        assert failure_kernels.detect_failures(const, state, family, 0, const.ni) == wanted
+        assert not failure_kernels.any_past_strength(const, state, family, 0, const.ni)
+        failed = state.failed[family][: (const.ni + 1) * const.row_stride].reshape(-1, const.row_stride)
         lines = np.flatnonzero(failed.any(axis=family))
         np.testing.assert_array_equal(lines, per * np.flatnonzero(factors[family] < 1))
 

@@ -88,8 +88,8 @@ def test_list_shows_every_fabric(command, tmp_path):
     code, out, _ = command("fabrics", "list", "--out", "fabrics.csv")
     assert code == 0
     rows = list(csv.DictReader((tmp_path / "fabrics.csv").open(encoding="utf-8")))
-    assert tuple(row["fabric"] for row in rows) == catalogue.names()
-    assert all(name in out for name in catalogue.names())
+    assert tuple(row["fabric"] for row in rows) == catalogue.list_names()
+    assert all(name in out for name in catalogue.list_names())
     assert next(row for row in rows if row["fabric"] == "S-720")["mass [g/m²]"] == "252.9"
 
 

@@ -40,7 +40,7 @@ def test_command(command, tmp_path):
     rows = list(csv.DictReader((folder / "biaxial.csv").open(encoding="utf-8")))
     assert {row["ratio"] for row in rows} == {"1:1", "1:0"}
     told = json.loads((folder / "biaxial.json").read_text())["paths"]
-    strength = catalogue.load("S-731").effective().weave.warp.strength
+    strength = catalogue.load("S-731").with_effective_density().weave.warp.strength
     assert told["1:0"]["failed"] == "warp"
     assert told["1:0"]["tension"][0] == pytest.approx(strength, rel=1e-6)
     assert told["1:0"]["strain"][0] > 3 * told["1:1"]["strain"][0], "8 % of crimp goes first"

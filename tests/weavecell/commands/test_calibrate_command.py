@@ -16,7 +16,7 @@ SMALL = {"plates_size": (2, 2, 2), "paths": {"warp only": (1, 0), "equibiaxial":
 def small(monkeypatch):
     """Two fabrics on the least of meshes."""
     run = solver.calibrate_all
-    monkeypatch.setattr(catalogue, "names", lambda: ["S-720", "S-726"])
+    monkeypatch.setattr(catalogue, "list_names", lambda: ["S-720", "S-726"])
     monkeypatch.setattr(
         solver, "calibrate_all", lambda fabrics, size, **more: run(fabrics, size=(2, 2, 2), **SMALL, **more)
     )

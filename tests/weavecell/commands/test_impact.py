@@ -84,12 +84,12 @@ def test_everything_asked_for_is_written(command, scene, tmp_path):
     assert names(folder / "pictures") == ["energies.svg", "panel.png", "reactions.svg", "velocity.svg"]
     assert (folder / "scene.toml").read_text() == path.read_text()
     record = ImpactRecord.read(folder / "histories.h5")
-    assert record.worst_balance < 0.01
-    assert record.v[0] == 155.0
+    assert record.energy_error_max < 0.01
+    assert record.velocity[0] == 155.0
     series = paraview.read_series(folder / "panel.pvd")
     assert [file.exists() for file, _ in series] == [True] * len(series)
     assert [time for _, time in series] == sorted(time for _, time in series)
-    assert series[-1][1] == pytest.approx(record.t[-1], rel=1e-8)
+    assert series[-1][1] == pytest.approx(record.time[-1], rel=1e-8)
     summary = json.loads((folder / "summary.json").read_text())
     assert summary["outcome"] == record.outcome
     assert summary["outcome"] in out
@@ -150,11 +150,11 @@ def test_unstable_run_keeps_what_it_computed(command, scene, tmp_path):
     assert names(folder) == EVERYTHING
     record = ImpactRecord.read(folder / "histories.h5")
     assert record.outcome == "unstable"
-    assert line == f"error: {record.message}"
-    assert len(record.t) >= 2
-    assert np.isfinite(record.v).all()
+    assert line == f"error: {record.failure_message}"
+    assert len(record.time) >= 2
+    assert np.isfinite(record.velocity).all()
     assert 'class="card unstable"' in (folder / "report.html").read_text()
-    assert record.message in (folder / "report.html").read_text()
+    assert record.failure_message in (folder / "report.html").read_text()
 
 
 def test_shorter_run_leaves_nothing_of_a_longer_one(command, scene, tmp_path):
@@ -185,4 +185,4 @@ def test_examples_run(command, tmp_path, example):
     assert command("impact", example, "--out", "results")[0] == 0
     told = json.loads((tmp_path / "results" / "summary.json").read_text())
     assert told["outcome"] in ("stopped", "perforated")
-    assert told["worst_balance"] < 0.01
+    assert told["energy_error_max"] < 0.01

@@ -26,9 +26,9 @@ def small_record(**changes):
     strike = 0.5 * 3e-3 * 100.0**2
     kinetic = 0.5 * 3e-3 * v**2
     lost = strike - kinetic
-    energies = {"kinetic_projectile": kinetic, "stored": 0.8 * lost, "viscous": 0.15 * lost}
+    energies = {"kinetic_projectile": kinetic, "yarn_strain": 0.8 * lost, "viscous": 0.15 * lost}
     energies["kinetic_fabric"] = 0.048 * lost
-    energies["balance"] = 0.002 * lost
+    energies["error"] = 0.002 * lost
     x = np.linspace(0, 0.01, 3)
     nodes = np.stack([*(axis.ravel() for axis in np.meshgrid(x, x, indexing="ij")), np.zeros(9)], axis=1)
     quads = np.array([[0, 3, 4, 1], [3, 6, 7, 4], [1, 4, 5, 2], [4, 7, 8, 5]])
@@ -36,11 +36,11 @@ def small_record(**changes):
     shape = Shape(1e-4, 0.0075, np.array([0.0, 0.0, 0.0075]), nodes, np.full((4, 2), 100.0), broken)
     record = ImpactRecord(
         title="100 m/s, fitted law", fabric="S-720", law_name="fitted", strike_velocity=100.0, outcome="perforated",
-        residual_velocity=50.0, mass=3e-3, message="", mirror_x=True, mirror_y=True, projectile=Projectile().surface(),
-        wall_time=1.5, ns_per_element_step=20.0, elements=4, steps=29, t=t, v=v, z=100 * t,
-        failed=np.arange(30), energies=energies,
+        residual_velocity=50.0, mass=3e-3, failure_message="", mirror_x=True, mirror_y=True,
+        projectile=Projectile().surface(), wall_time=1.5, ns_per_element_step=20.0, elements=4, steps=29,
+        time=t, velocity=v, nose_position=100 * t, failed_segments=np.arange(30), energies=energies,
         reactions={"warp": 10 * t, "weft": 20 * t}, quads=quads, strength=np.array([315.0, 315.0]),
-        middle=shape, last=shape, peak_tension=np.array([300.0, 310.0]), max_deflection=0.0075,
+        half_energy=shape, final=shape, peak_tension=np.array([300.0, 310.0]), max_deflection=0.0075,
         checks=(Indicator("energy error", 0.001, 0.01),),
     )  # fmt: skip
     return replace(record, **changes)
@@ -67,7 +67,7 @@ def page():
     force = np.linspace(0.5, 100, 12)
     record = small_record()
     laws = {"fitted": law, "Table 5-1": fabric.laws[0]}
-    picture = pictures.render(pictures.velocity, {"a": (record.t, record.v)}, kind="png")
+    picture = pictures.render(pictures.velocity, {"a": (record.time, record.velocity)}, kind="png")
     sections = (
         chapters.comparison([("155 m/s", "perforated", "perforated", "yes")]),
         chapters.mesh({"worst scaled Jacobian": "0.93"}, picture),
@@ -149,13 +149,13 @@ def test_another_file_is_refused(tmp_path):
 
 def test_failing_record_leaves_nothing(tmp_path):
     with pytest.raises(TypeError):
-        replace(small_record(), t=object()).write(tmp_path / "histories.h5")
+        replace(small_record(), time=object()).write(tmp_path / "histories.h5")
     assert list(tmp_path.iterdir()) == []
 
 
 def test_pictures_repeat_to_the_byte():
     record = small_record()
-    runs = {"a": (record.t, record.v)}
+    runs = {"a": (record.time, record.velocity)}
     assert pictures.render(pictures.velocity, runs) == pictures.render(pictures.velocity, runs)
 
 
@@ -174,9 +174,9 @@ def test_parts_of_the_energy_picture_add_up():
     """The equilibrium form's forces do other work than the yarns store; the picture shows the work."""
     energies = {
         "kinetic_projectile": np.array([10.0, 4.0]),
-        "stored": np.array([0.0, 6.5]),
-        "cell": np.array([0.0, -0.5]),
+        "yarn_strain": np.array([0.0, 6.5]),
+        "formulation_residual": np.array([0.0, -0.5]),
     }
     drawn = chapters._by_work(energies)
-    assert drawn["kinetic_projectile"] + drawn["stored"] == pytest.approx([10.0, 10.0])
-    assert energies["stored"][1] == 6.5
+    assert drawn["kinetic_projectile"] + drawn["yarn_strain"] == pytest.approx([10.0, 10.0])
+    assert energies["yarn_strain"][1] == 6.5

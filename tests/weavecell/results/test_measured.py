@@ -4,8 +4,8 @@ import h5py
 import numpy as np
 import pytest
 
-from shellfabric.output.wave_fronts import fronts
 from shellfabric.output.histories import EDGES
+from shellfabric.output.wave_fronts import fronts
 from weavecell.results.impact import ImpactRecord
 
 SCENE = """
@@ -53,7 +53,7 @@ def test_file(folders):
         assert "measured" not in file
     with h5py.File(folders[1] / "histories.h5") as file:
         group = file["measured"]
-        assert sorted(group) == ["edges", "fronts", "t", "yarns"]
+        assert sorted(group) == ["edges", "fronts", "time", "yarns"]
         assert sorted(group["edges"]) == sorted(EDGES)
         assert [name.split("-")[1] for name in sorted(group["yarns"])] == ["warp", "warp", "weft"]
         for inner in group["yarns"].values():
@@ -92,5 +92,5 @@ def test_report_and_pictures(folders):
 def test_measuring_changes_nothing_else(folders):
     one, other = (ImpactRecord.read(folder / "histories.h5") for folder in folders)
     assert (one.outcome, one.steps) == (other.outcome, other.steps)
-    np.testing.assert_array_equal(one.last.nodes, other.last.nodes)
-    np.testing.assert_array_equal(one.last.tension, other.last.tension)
+    np.testing.assert_array_equal(one.final.nodes, other.final.nodes)
+    np.testing.assert_array_equal(one.final.tension, other.final.tension)

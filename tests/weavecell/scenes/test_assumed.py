@@ -33,7 +33,7 @@ def test_the_example_of_a_fabric_of_ones_own_runs(command, tmp_path):
     assert out.splitlines()[0] == SHEAR
     told = json.loads((tmp_path / "r/summary.json").read_text())
     assert told["provenance"]["assumed"] == SHEAR
-    assert told["energies_at_end"]["shear"] > 0
+    assert told["energies_at_end_J"]["shear"] > 0
     page = (tmp_path / "r/report.html").read_text()
     row = page[page.index("shear.G1") :]
     row = row[: row.index("</tr>")]
@@ -78,14 +78,14 @@ def test_other_yarns_are_one_line(command, tmp_path, old, new, quantity):
 
 def test_the_values_are_those_of_the_catalogue():
     """Numbers of assumed.toml against the file that they are taken from."""
-    given, found = catalogue.load("S-720"), assumed.with_solids(assumed.with_shear(catalogue.load(MINE)))
-    assert (found.shear, found.solids) == (given.shear, given.solids)
+    given, found = catalogue.load("S-720"), assumed.with_solid_laws(assumed.with_shear(catalogue.load(MINE)))
+    assert (found.shear, found.solid_laws) == (given.shear, given.solid_laws)
     assert found.assumed == ("shear", "solid")
     added = {key: entry["status"] for key, entry in found.sources.items() if key.startswith(("shear", "solid"))}
     assert len(added) == 16
     assert set(added.values()) == {"assumed"}
     assert assumed.with_shear(given) is given
-    assert assumed.with_solids(given) is given
+    assert assumed.with_solid_laws(given) is given
     with pytest.raises(InputError, match="no \\[shear\\] table"):
         assumed.with_shear(catalogue.load("glass-balanced"))
 

@@ -39,7 +39,7 @@ def end(capsys, folder, table):
     code, _, err = call(capsys, "coupon", written(folder, table), "--out", folder / "r")
     assert code == 0, err
     told = json.loads((folder / "r/summary.json").read_text())
-    return told, {name: entry["value"] for name, entry in told["at_the_end"].items()}
+    return told, {name: entry["value"] for name, entry in told["at_end"].items()}
 
 
 @pytest.fixture(scope="module")

@@ -13,9 +13,10 @@ from test_supported import CHISEL, LAW, SURFACE, merged
 
 from shellfabric.impact.ballistic_limit import Shot
 from shellfabric.impact.pack import PackSetup
-from shellfabric.panel.solver import ENERGIES, March
+from shellfabric.panel.solver import ENERGIES, PanelSolver
 from weavecell.cli import app
 from weavecell.commands import impact as commands_impact
+from weavecell.results.impact import named
 from weavecell.results.paraview import read_series
 from weavecell.scenes import build
 from weavecell.scenes import impact as scenes_impact
@@ -46,11 +47,11 @@ def ratio(measure, value, within):
 
 def moved(got, plain):
     """The projectile ends with another velocity, by more than rounding."""
-    return abs(got.residual_velocity / plain.residual_velocity - 1) > 1e-6
+    return abs(got.residual_velocity_m_s / plain.residual_velocity_m_s - 1) > 1e-6
 
 
 def same_but_rounded(got, plain):
-    change = abs(got.residual_velocity / plain.residual_velocity - 1)
+    change = abs(got.residual_velocity_m_s / plain.residual_velocity_m_s - 1)
     return 0 < change < 1e-4
 
 
@@ -80,7 +81,8 @@ ONE_PLY = "must be left out where panel.plies is above 1"
 MESH = "must be left out in a scene with [accuracy], whose mesh is chosen"
 KINDS = {
     "pack": Kind(
-        PACK, lambda got, plain: got.plies == 2 and got.gap == pytest.approx(5e-5) and got.absorbed > plain.absorbed,
+        PACK, lambda got, plain: got.plies == 2 and got.ply_gap_m == pytest.approx(5e-5)
+        and got.absorbed_energy_J > plain.absorbed_energy_J,
         {
             "critical-velocity": "panel.plies = 2: must be 1: the ballistic limit of one ply is computed; that of a "
             "pack is not available",
@@ -107,10 +109,10 @@ KINDS = {
     "nose friction": Kind(
         {"projectile": {"friction": 0.3, "shape": "hemisphere"}}, rises(energy("friction"), 1e-9)
     ),
-    "grip": Kind({"panel": {"boundary": {"weft": {"clamp_force": "2 N"}}}}, rises(energy("grip"), 1e-9)),
+    "grip": Kind({"panel": {"boundary": {"weft": {"clamp_force": "2 N"}}}}, rises(energy("clamp_friction"), 1e-9)),
     "pull_in": Kind(
         {"panel": {"boundary": {"weft": {"pull_in": "0.2 mm", "start": "0 us", "end": "10 us"}}}},
-        lambda got, plain: abs(energy("external")(got)) > 1e-9,
+        lambda got, plain: abs(energy("boundary_work")(got)) > 1e-9,
     ),
     "free": Kind({"panel": {"boundary": "free"}}, lambda got, plain: got.reactions.max() < plain.reactions.max()),
     "weave angle": Kind(
@@ -127,7 +129,7 @@ KINDS = {
     ),
     "elements": Kind({"run": {"elements_per_crossover": 2}}, ratio(lambda got: got.elements, 4, 1e-9)),
     "accuracy": Kind(
-        ACCURACY, lambda got, plain: got.accuracy["asked"] == {"residual_velocity": 0.5},
+        ACCURACY, lambda got, plain: got.accuracy["targets"] == {"residual_velocity": 0.5},
         {"pack": "accuracy: " + ONE_PLY, "critical-velocity": "accuracy: must be left out: the ballistic limit"},
     ),
     "measure": Kind(
@@ -137,6 +139,7 @@ KINDS = {
     "safety": Kind({"numerics": {"cfl": 0.45}}, ratio(lambda got: got.steps, 2, 0.05)),
     "viscosity": Kind({"numerics": {"stretch_viscosity": 0.2}}, rises(energy("viscous"))),
     "penalty": Kind({"numerics": {"penalty": 0.3, "contact_damping": 0.4}}),
+    "contact points": Kind({"numerics": {"contact_points": 4}}),
     "single precision": Kind({"numerics": {"precision": "single"}}, same_but_rounded),
     "surface": Kind({"fabric": {"surface": SURFACE}}),
     "surface and law": Kind(
@@ -174,7 +177,7 @@ KINDS = {
 OF_ITSELF = {"pack": ("pack", "alternating"), "accuracy": ("accuracy",)}  # kinds that are the command's own
 # of the others [accuracy] leaves the mesh, the table of the cell and the part of the panel open; these it cannot
 OF_ACCURACY = {
-    "grip": energy("grip"), "bending": energy("bending"), "measure": lambda got: got.followed,
+    "grip": energy("clamp_friction"), "bending": energy("bending"), "measure": lambda got: got.followed,
     "elastic bar": lambda got: "as set" in got.accuracy["projectile"], "safety": lambda got: got.steps / got.elements,
 }  # fmt: skip
 
@@ -213,7 +216,7 @@ def shot(capsys, folder, table):
     assert code == 0, err
     told = json.loads((folder / "r/summary.json").read_text())
     with h5py.File(folder / "r/histories.h5") as file:
-        v = file["histories/v"][()]
+        v = file["histories/velocity"][()]
         group = file["reactions"] if "reactions" in file else file["plies/histories"]
         reactions = np.array([group[key][()].max() for key in group if "warp" in key or "weft" in key])
         followed = len(file["measured/yarns"]) if "measured" in file else 0
@@ -221,7 +224,7 @@ def shot(capsys, folder, table):
     series = read_series(folder / "r" / name) if name else []
     return SimpleNamespace(
         **{"stacking": "", **told}, v=v, reactions=reactions, followed=followed, series=series,
-        energies=told["energies_at_end"], failed=np.sum(told["failed_yarn_segments"]),
+        energies=told["energies_at_end_J"], failed=np.sum(told["failed_yarn_segments"]),
     )  # fmt: skip
 
 
@@ -285,7 +288,7 @@ def test_honoured_with_accuracy(capsys, tmp_path, known, name):
         (tmp_path / "plain").mkdir()
         known["accuracy"] = shot(capsys, tmp_path / "plain", scene_of("accuracy", {}))
     got = shot(capsys, tmp_path, scene_of("accuracy", KINDS[name].changes))
-    assert got.accuracy["asked"] == {"residual_velocity": 0.5}
+    assert got.accuracy["targets"] == {"residual_velocity": 0.5}
     assert OF_ACCURACY[name](got) > OF_ACCURACY[name](known["accuracy"])
 
 
@@ -309,7 +312,7 @@ def test_honoured_by_explain(capsys, tmp_path, monkeypatch, name):
     if name in ("oblique", "weave angle", "whole"):
         assert " whole " in out
     if name == "elastic bar":
-        assert "projectile: bar, as the scene says" in out
+        assert "projectile: elastic_bar, as the scene says" in out
     if name in ("incompressible", "decoupled"):
         assert ("1 element, decoupled" in out) == (name == "decoupled")
 
@@ -320,7 +323,7 @@ def limit(capsys, folder, monkeypatch, changes):
 
     def fire(panel, velocity, _):
         if not marches:
-            marches.append(March(panel, 400.0, 12e-6).run(()))
+            marches.append(PanelSolver(panel, 400.0, 12e-6).run(()))
         through = velocity > 130.0
         return Shot(velocity, 50.0 * through, "perforated" if through else "stopped", 1e-4, 0, (1.0, 1.0), 0.0, 0.0)
 
@@ -331,8 +334,8 @@ def limit(capsys, folder, monkeypatch, changes):
     assert code == 0, err
     march, found = marches[0], json.loads((folder / "r/critical-velocity.json").read_text())
     return SimpleNamespace(
-        energies={name: march.sample(name)[-1] for name in ENERGIES}, v=march.sample("v"),
-        residual_velocity=march.sample("v")[-1], failed=march.sample("failed_yarns")[-1], law_name=found["law"],
+        energies=named({name: march.sample(name)[-1] for name in ENERGIES}), v=march.sample("v"),
+        residual_velocity_m_s=march.sample("v")[-1], failed=march.sample("failed_yarns")[-1], law_name=found["law"],
         reactions=np.array([march.sample(f"reaction_{side}").max() for side in ("warp", "weft")]),
         elements=march.panel.elements, steps=march.steps, numbers=found | {"wall_time": 0, "provenance": ""},
     )  # fmt: skip

@@ -114,6 +114,7 @@ KEYS = FABRIC | SLIPS | {
     "numerics.stretch_viscosity": ({}, 0.1, 0.2),
     "numerics.penalty": ({}, 0.6, 0.3),
     "numerics.contact_damping": ({}, 0.5, 0.6),
+    "numerics.contact_points": ({}, 8, 12),
     "numerics.precision": ({}, "double", "single"),
     "numerics.threads": ({}, 1, 2),
     "backing.size": ({"backing": {}}, ["300 mm", "300 mm", "180 mm"], ["200 mm", "300 mm", "180 mm"]),

@@ -110,7 +110,7 @@ def no_compression():
 @check()
 def equilibrium():
     force = closing = 0.0
-    for name in catalogue.names():
+    for name in catalogue.list_names():
         model = cell(name)
         s1, s2 = random_states(name)
         found, weave = model.solve(s1, s2), model.fabric.weave
@@ -168,7 +168,7 @@ def slope_derivative():
 @check()
 def printed_at_rest():
     found = {}
-    for name in catalogue.names():
+    for name in catalogue.list_names():
         rest = printed(name).solve(1.0, 1.0)
         found[f"F {name}"] = rest["F"]
         if name in KEVLAR:
@@ -178,7 +178,7 @@ def printed_at_rest():
 
 @check()
 def printed_start():
-    return {name: catalogue.load(name).laws[0].F0 for name in catalogue.names()}
+    return {name: catalogue.load(name).laws[0].F0 for name in catalogue.list_names()}
 
 
 @check()
@@ -220,7 +220,7 @@ def exchange(fabric):
 @check()
 def incompressible_exchange():
     worst = 0.0
-    for name in catalogue.names():
+    for name in catalogue.list_names():
         model = cell(name, "incompressible")
         found = model.solve(*random_states(name))
         full = sum(model.fabric.weave.h0)
@@ -231,7 +231,7 @@ def incompressible_exchange():
 @check()
 def decoupled_limit():
     worst = soft = 0.0
-    for name in catalogue.names():
+    for name in catalogue.list_names():
         stretches = random_states(name)
         model = cell(name, "decoupled")
         yielding = CompressionLaw(1.0, 1e-5)  # gives way by a metre under a force that no tension notices

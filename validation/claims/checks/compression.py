@@ -111,7 +111,7 @@ def b_from_pressure_law(fabric):
 @check()
 def law_asymptote():
     F, ok, worst = np.geomspace(1e-3, 1e3, 400), True, 0.0
-    for name in catalogue.names():
+    for name in catalogue.list_names():
         law = catalogue.load(name).laws[0]
         slope = np.diff(law.d(F)) / np.diff(F)
         ok = ok and bool(np.all(slope > 0) and np.all(np.diff(slope) < 0))
@@ -220,7 +220,9 @@ def gap_range():
 
 @check()
 def one_law_for_both():
-    return {"alike": all(catalogue.load(name).laws[0] == catalogue.load(name).laws[1] for name in catalogue.names())}
+    return {
+        "alike": all(catalogue.load(name).laws[0] == catalogue.load(name).laws[1] for name in catalogue.list_names())
+    }
 
 
 @check()

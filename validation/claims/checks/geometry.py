@@ -43,13 +43,13 @@ def thickness(fabric):
 @check()
 def areal_density(fabric):
     found = catalogue.load(fabric)
-    return {"nominal": found.weave.areal_density, "effective": found.effective().weave.areal_density}
+    return {"nominal": found.weave.areal_density, "effective": found.with_effective_density().weave.areal_density}
 
 
 @check()
 def areal_density_agreement():
     found = [catalogue.load(name) for name in KEVLAR]
-    off = {f.name: 1 - f.effective().weave.areal_density / f.areal_density_measured for f in found}
+    off = {f.name: 1 - f.with_effective_density().weave.areal_density / f.areal_density_measured for f in found}
     return {"largest difference": max(off.values(), key=abs), "fabric": max(off, key=lambda name: abs(off[name]))}
 
 
@@ -62,7 +62,7 @@ def cell_length(fabric):
 @check()
 def arc_length_quadrature():
     worst = 0.0
-    for name in catalogue.names():
+    for name in catalogue.list_names():
         weave = catalogue.load(name).weave
         for w, h in zip(weave.w, weave.h0):
             k = pi * h / (2 * w)
@@ -85,7 +85,7 @@ def fibre_area(fabric, bars):
 @check()
 def voided_area(fabric):
     found = catalogue.load(fabric)
-    areas = [yarn.A_s / solid.Vf0 for yarn, solid in zip(found.weave.yarns, found.solids)]
+    areas = [yarn.A_s / solid.Vf0 for yarn, solid in zip(found.weave.yarns, found.solid_laws)]
     return {"warp": areas[0], "weft": areas[1]}
 
 
@@ -161,7 +161,7 @@ def projectile_mass(diameter, length, bore, depth, density):
 
 @check()
 def shell_density(fabric, thickness):
-    return {"density": catalogue.load(fabric).effective().weave.areal_density / thickness}
+    return {"density": catalogue.load(fabric).with_effective_density().weave.areal_density / thickness}
 
 
 @check(lambda fabric, sections: {"made": Run.of("meshes", fabric=fabric, sections=sections)})

@@ -118,7 +118,7 @@ def reaction_profile(run, fabric, window):
 
 def _bent(fabric, velocity, share):
     """Shots without and with a bending stiffness: a share of EA over the square of half a cell's length."""
-    weave = catalogue.load(fabric).effective().weave
+    weave = catalogue.load(fabric).with_effective_density().weave
     stiffness = share * weave.warp.EA * weave.w1**2
     return {"slack": shot(fabric, velocity), "bent": shot(fabric, velocity, bending=stiffness)}
 

@@ -18,7 +18,10 @@ from validation.claims.run import Run
 @check()
 def locked_modulus(fabric):
     found = {}
-    for name, given in (("nominal", catalogue.load(fabric)), ("effective", catalogue.load(fabric).effective())):
+    for name, given in (
+        ("nominal", catalogue.load(fabric)),
+        ("effective", catalogue.load(fabric).with_effective_density()),
+    ):
         weave = given.weave
         found[name] = locking_modulus(weave.warp.E, weave.warp.A_s, weave.thickness, 2 * weave.w1)
     return found

@@ -25,7 +25,7 @@ def fibre_fraction():
 
 @check()
 def solid_modulus(fabric):
-    warp, weft = catalogue.load(fabric).solids
+    warp, weft = catalogue.load(fabric).solid_laws
     return {
         "at Vf0": warp.transverse_modulus(warp.Vf0),
         "at V_c": warp.transverse_modulus(warp.V_c),
@@ -38,7 +38,7 @@ def solid_modulus(fabric):
 
 @check()
 def solid_shape(fabric):
-    law = catalogue.load(fabric).solids[0]
+    law = catalogue.load(fabric).solid_laws[0]
     V = np.linspace(0.5 * law.Vf0, 1.5 * law.V_c, 3001)
     E = law.transverse_modulus(V)
     loose, packed = V < law.Vf0, V > law.V_c
@@ -51,7 +51,7 @@ def solid_shape(fabric):
 
 @check()
 def solid_shear(fabric):
-    return {"G": catalogue.load(fabric).solids[0].G}
+    return {"G": catalogue.load(fabric).solid_laws[0].G}
 
 
 PATHS = {"warp only": (1.0, 0.0), "weft only": (0.0, 1.0), "equibiaxial": (1.0, 1.0)}

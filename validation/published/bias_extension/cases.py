@@ -55,7 +55,7 @@ class Case:
 
 def cloth(name):
     """(fabric, cell model's name, whether the trellis acts) of one of CLOTHS."""
-    fabric = catalogue.load("S-728").effective()
+    fabric = catalogue.load("S-728").with_effective_density()
     crimp = 0.5 * sum(yarn.crimp for yarn in fabric.weave.yarns)
     fabric, shear = _crimped(fabric, crimp), fabric.shear
     if name == "straight":

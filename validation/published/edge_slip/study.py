@@ -86,7 +86,7 @@ def of(name, result: ImpactResult) -> Shot:
 
 def setup(edge="clamped", velocity=VELOCITY, end_time=700e-6) -> ImpactSetup:
     """A shot at the source's panel."""
-    return ImpactSetup(catalogue.load(FABRIC).effective(), velocity, edge=edge, end_time=end_time)
+    return ImpactSetup(catalogue.load(FABRIC).with_effective_density(), velocity, edge=edge, end_time=end_time)
 
 
 def weft(length, start, end):

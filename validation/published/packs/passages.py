@@ -45,7 +45,7 @@ class Passages:
 
     Parameters
     ----------
-    march : PackMarch of a quarter panel, at rest or under way
+    march : PackSolver of a quarter panel, at rest or under way
     near : elements from the middle, along each side, which are looked at
 
     Attributes
@@ -86,7 +86,7 @@ class Passages:
                 if abs(gone(net)) < abs(old):
                     self._undo(p, q, element)
                 if abs(gone(net)) > abs(old):
-                    flags = (by_element(self.march, r, "flag", self.near) for r in (p, q))
+                    flags = (by_element(self.march, r, "element_flag", self.near) for r in (p, q))
                     whole = not any(flag[at] for flag, at in zip(flags, (element, through)))
                     self.found.append(Passage(self.march.steps, p, q, element, through, whole))
 
@@ -108,7 +108,7 @@ def nodes(march, p, near):
     """(near + 1, near + 1, 3) places of the nodes of a ply about the middle."""
     c, state = march.consts[p], march.states[p]
     i, j = np.mgrid[: near + 1, : near + 1]
-    moved = [u[: (c.ni + 1) * c.s].reshape(c.ni + 1, c.s)[: near + 1, : near + 1] for u in state.u]
+    moved = [u[: (c.ni + 1) * c.row_stride].reshape(c.ni + 1, c.row_stride)[: near + 1, : near + 1] for u in state.u]
     rest = c.x0 + i * c.dx, c.y0 + j * c.dy, march.pack.places[p] + 0.0 * i
     return np.stack([a + b for a, b in zip(rest, moved)], axis=-1)
 
@@ -117,16 +117,16 @@ def by_element(march, p, name, near, family=None):
     """(near + 1, near + 1) flags, or what is left of a family's edges."""
     c, values = march.consts[p], getattr(march.states[p], name)
     values = values if family is None else values[family]
-    return values[: (c.ni + 1) * c.s].reshape(c.ni + 1, c.s)[: near + 1, : near + 1]
+    return values[: (c.ni + 1) * c.row_stride].reshape(c.ni + 1, c.row_stride)[: near + 1, : near + 1]
 
 
 def surfaces(march, p, x):
     """(2 near + 1, 2 near + 1, 3) places on the facets of a ply, the same on the surface of its contact, and
     (2 near, 2 near) where it has cloth: of quarters of elements, corners of which are a node and a middle."""
     near = len(x) - 1
-    flag = by_element(march, p, "flag", near)
+    flag = by_element(march, p, "element_flag", near)
     cloth = np.empty((2 * near, 2 * near), bool)
-    warp, weft = (by_element(march, p, "intact", near, family) for family in (0, 1))
+    warp, weft = (by_element(march, p, "intact_fraction", near, family) for family in (0, 1))
     for a in (0, 1):
         for b in (0, 1):
             left = warp[:near, b : near + b] + weft[a : near + a, :near]
@@ -165,9 +165,9 @@ def facets(x):
 def points(march, p, x):
     """Middles of the elements of a ply, and which of them have cloth."""
     near = len(x) - 1
-    warp, weft = (by_element(march, p, "intact", near, family) for family in (0, 1))
+    warp, weft = (by_element(march, p, "intact_fraction", near, family) for family in (0, 1))
     left = warp[:-1, :-1] + warp[:-1, 1:] + weft[:-1, :-1] + weft[1:, :-1]
-    held = (left > 0) & (by_element(march, p, "flag", near)[:-1, :-1] & ERODED == 0)
+    held = (left > 0) & (by_element(march, p, "element_flag", near)[:-1, :-1] & ERODED == 0)
     return 0.25 * (x[1:, 1:] + x[:-1, 1:] + x[1:, :-1] + x[:-1, :-1]), held
 
 

@@ -21,7 +21,7 @@ from shellfabric.cell.model import CellModel
 from shellfabric.panel.model import Numerics, Panel
 from shellfabric.plies import torn_contact_kernels
 from shellfabric.plies.model import Pack, PlyContact
-from shellfabric.plies.solver import PackMarch
+from shellfabric.plies.solver import PackSolver
 from validation.published.packs.passages import count
 
 STOPS, ARTEFACT = "stops", "perforates (certainly an artefact, E-21)"
@@ -121,7 +121,7 @@ def panel(fabric, safety=None, elements=1):
 
 @cache
 def _table(fabric):
-    return CellModel(catalogue.load(fabric).effective()).table(201)
+    return CellModel(catalogue.load(fabric).with_effective_density()).table(201)
 
 
 def pack(case: Case) -> Pack:
@@ -135,7 +135,7 @@ def pack(case: Case) -> Pack:
 
 def shoot(case: Case):
     """One shot: a dict of numbers and lists, for a file."""
-    march, told = PackMarch(pack(case), case.velocity, case.end_time), ""
+    march, told = PackSolver(pack(case), case.velocity, case.end_time), ""
 
     def watch(march):
         if case.until_failure and march.ply_samples[-1][:, 0].any():
@@ -150,7 +150,7 @@ def shoot(case: Case):
     strength = np.array([yarn.strength for yarn in march.panel.weave.yarns])
     turned = [1 if case.stacking == "alternating" and p % 2 else 0 for p in range(case.plies)]
     peaks = np.array([peak / (strength[::-1] if t else strength) for peak, t in zip(march.peaks, turned)])
-    fine = np.concatenate(march.fine) if march.fine else np.empty((0, 3))
+    fine = np.concatenate(march.step_history) if march.step_history else np.empty((0, 3))
     every = max(1, len(fine) // 4000)
     return {
         "case": asdict(case),
@@ -176,10 +176,10 @@ def shoot(case: Case):
 
 def passages(case: Case):
     """What passes through what in a shot, and how often torn cloth was held apart: a dict, for a file."""
-    march = PackMarch(pack(case), case.velocity, case.end_time)
+    march = PackSolver(pack(case), case.velocity, case.end_time)
     found, back = count(march, case.end_time, _NEAR_THE_NOSE)
     held, missed = march.held_apart
-    taken = march.stops.energy[torn_contact_kernels.TAKEN] / (march.panel.share * march.strike_energy)
+    taken = march.stops.energy[torn_contact_kernels.WORK] / (march.panel.share * march.strike_energy)
     torn = sum(int(np.count_nonzero(family)) for state in march.states for family in state.failed)
     return {
         "case": asdict(case),

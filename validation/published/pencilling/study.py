@@ -3,7 +3,7 @@
 S-728 of one or four plies, changed in modulus and mass, before the block of Table 6-1; a rigid flat cylinder of 8.1 g
 at 300 m/s; yarns do not fail. Not told by the source, and chosen here: clamped edges of the 203 mm opening as in all of
 its shots, the ply resting on the block, two elements a crossover, since at the angle at which cloth hangs from the nose
-the chord of a whole one cuts through its rim. Yarns that are bunched up bear on each other (`jam_kernels`). Mass is
+the chord of a whole one cuts through its rim. Yarns that are bunched up bear on each other (`jamming_kernels`). Mass is
 told as 1155 g/m2 (5 x 231) where the text says four times 231 (erratum E-19): both can be run.
 """
 
@@ -20,7 +20,7 @@ from shellfabric.impact.single_ply import ImpactSetup
 from shellfabric.output.hooks import Progress
 from shellfabric.panel.model import Numerics
 from shellfabric.plies.model import Pack
-from shellfabric.plies.solver import PackMarch
+from shellfabric.plies.solver import PackSolver
 from shellfabric.projectile.projectile import Projectile
 from validation.claims.runs import cloth
 
@@ -101,7 +101,7 @@ def march(
         fabric, velocity, projectile=PROJECTILE, edge=edge, failure=False, elements_per_crossover=elements, jam=jam,
         backing=block, opening=opening, numerics=Numerics(safety=SAFETY),
     )  # fmt: skip
-    return PackMarch(Pack.stacked(setup.panel(), case.plies), velocity, end_time)
+    return PackSolver(Pack.stacked(setup.panel(), case.plies), velocity, end_time)
 
 
 def shoot(case: Case, *, report=None, **options) -> Penetration:
@@ -109,7 +109,7 @@ def shoot(case: Case, *, report=None, **options) -> Penetration:
 
     Raises
     ------
-    UnstableError : as PackMarch
+    UnstableError : as PackSolver
     """
     run = march(case, **options).run([Progress(report)] if report else [])
     block = run.behind.result()

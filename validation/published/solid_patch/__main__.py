@@ -11,7 +11,7 @@ from pathlib import Path
 
 from fabrics.errors import UnstableError, WeavecellError
 from fabrics.files import write_whole
-from shellfabric.output import checkpoint_solid
+from shellfabric.output import checkpoint
 from validation.published.solid_patch import pictures
 from validation.published.solid_patch.study import SOURCE_PROCESSORS, SOURCE_SECONDS, march, shell, summary, write
 
@@ -46,10 +46,10 @@ def main():
     beside = shell(run)  # a second; it also refuses a patch that is too small for the shot
     saved = options.out / "checkpoint.h5"
     if options.resume:
-        checkpoint_solid.read(run, saved)
+        checkpoint.read(run, saved)
     problem, start = None, time.process_time()
     try:
-        run.run([progress, checkpoint_solid.SolidWriter(saved)])
+        run.run([progress, checkpoint.Checkpoints(saved, 8 * run.interval)])
     except UnstableError as found:
         problem = found
     processor = None if options.resume else time.process_time() - start

@@ -81,7 +81,7 @@ def scene(march, path):
     )  # fmt: skip
     shot = march.patch.projectile
     short = replace(shot, length=min(shot.length or np.inf, 3 * shot.radius)) if shot.shape != "sphere" else shot
-    body = short.surface() + march.state.position
+    body = short.surface() + march.state.projectile_position
     view.add_mesh(pyvista.StructuredGrid(*np.moveaxis(1e3 * body, -1, 0)), color="#9aa3ad", smooth_shading=True)
     middle = 1e3 * np.array([0.0, 0.0, 0.5 * march.state.x[:, 2].max()])
     view.enable_parallel_projection()

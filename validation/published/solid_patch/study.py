@@ -18,7 +18,7 @@ from meshing import patch
 from shellfabric.impact import single_ply
 from shellfabric.solid.model import SolidPatch
 from shellfabric.solid.numerics import PatchNumerics
-from shellfabric.solid.solver import SAMPLES, SolidMarch
+from shellfabric.solid.solver import SAMPLES, SolidSolver
 
 FORMAT = "weavecell solid patch 1"
 SOURCE_SECONDS, SOURCE_PROCESSORS = 157_424, 3  # Table 4-3
@@ -45,14 +45,14 @@ def march(name="S-720", count=20, size=(5, 5, 2), velocity=60.0, end_time=42e-6,
 
     Raises
     ------
-    InputError : an odd number of yarns (the shot falls between two), or as SolidPatch and SolidMarch
+    InputError : an odd number of yarns (the shot falls between two), or as SolidPatch and SolidSolver
     """
     if count % 2 or count < 4:
         raise InputError(key="count", value=count, allowed="even and at least 4")
     fabric = catalogue.load(name)
     mesh = patch.build(fabric, (count, count), size=tuple(size))
     numerics = PatchNumerics() if numerics is None else numerics
-    return SolidMarch(SolidPatch(mesh, fabric, numerics=numerics), velocity, end_time, threads=threads)
+    return SolidSolver(SolidPatch(mesh, fabric, numerics=numerics), velocity, end_time, threads=threads)
 
 
 def shell(march):
@@ -92,7 +92,7 @@ def node_strains(march):
     pairs = np.concatenate(mesh.bars)
     ends, rest = x[pairs], mesh.points[pairs]
     strain = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1) / np.linalg.norm(rest[:, 1] - rest[:, 0], axis=1) - 1
-    whole = march.state.alive
+    whole = march.state.bar_intact
     total, number = np.zeros(len(x)), np.zeros(len(x))
     for end in (0, 1):
         np.add.at(total, pairs[whole, end], strain[whole])
@@ -107,7 +107,7 @@ def summary(march, beside=None, processor_seconds=None):
     balance = np.abs(march.sample("balance")).max()
     late = clock(march)
     lines = [
-        ("bricks, bars", f"{march.patch.bricks}, {march.state.alive.size}"),
+        ("bricks, bars", f"{march.patch.bricks}, {march.state.bar_intact.size}"),
         ("steps", f"{march.steps} of {1e9 * march.sample('dt').min():.2f} to {1e9 * march.sample('dt').max():.2f} ns"),
         ("time of marching", f"{march.wall_time:.0f} s by the clock"),
         ("projectile", f"{last['v']:.3f} m/s, {1e3 * last['z']:.3f} mm"),

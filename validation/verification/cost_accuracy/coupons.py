@@ -98,7 +98,7 @@ class Cross(Test):
     def run(self):
         """Its quantities, and the CPU time [s] of the table."""
         begun = time.process_time()
-        table = self.cell(catalogue.load(self.fabric).effective())
+        table = self.cell(catalogue.load(self.fabric).with_effective_density())
         filled = time.process_time() - begun
         many = 1 if self.elements >= 1 else round(1 / self.elements)
         result = quasistatic.biaxial(

@@ -9,7 +9,7 @@ import numpy as np
 
 from shellfabric.panel.model import Numerics
 from shellfabric.plies.model import Pack, PlyContact
-from shellfabric.plies.solver import PackMarch
+from shellfabric.plies.solver import PackSolver
 from validation.verification.cost_accuracy import shots
 from validation.verification.cost_accuracy.core import Method
 
@@ -48,11 +48,11 @@ def run(case):
     filled, shot, found = time.process_time(), case.shell.shot, {}
     yarns = max(1, round(1 / case.shell.elements))  # a thick yarn stands for so many
     for velocity in shot.velocities:
-        march = PackMarch(pack, velocity, shot.end)
+        march = PackSolver(pack, velocity, shot.end)
         if case.shell.awake:
             _wake(march)
         march.run()
-        fine = np.concatenate(march.fine)
+        fine = np.concatenate(march.step_history)
         peak = march.peaks.max(axis=0) / yarns
         found |= shots.read_off(
             shot, velocity, march.outcome, fine[:, 0], fine[:, 1], march.const.dt, ply.projectile.mass, peak
@@ -63,7 +63,7 @@ def run(case):
 def _wake(march):
     march.stack.awake[:] = True
     for state, const in zip(march.states, march.consts):
-        state.rows[:] = 0, const.ni
+        state.active_rows[:] = 0, const.ni
 
 
 def warm(case):

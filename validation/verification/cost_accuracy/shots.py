@@ -16,7 +16,7 @@ from shellfabric.cable import solver as cable_solver
 from shellfabric.cable.model import CableNet, CableNumerics
 from shellfabric.cell.model import CellModel
 from shellfabric.panel.model import Numerics, Panel
-from shellfabric.panel.solver import March
+from shellfabric.panel.solver import PanelSolver
 from validation.verification.cost_accuracy.core import Method
 from weavecell.analysis.homogenised_weave import coarse
 
@@ -98,11 +98,14 @@ def run(case):
 
 def panel(case: Shell) -> Panel:
     """The panel of a case; fills the table of its cell."""
-    fabric = catalogue.load(case.shot.fabric).effective()
+    fabric = catalogue.load(case.shot.fabric).with_effective_density()
     laws = tuple(replace(law, form=case.law) for law in fabric.laws)
     if case.elements < 1:
         fabric, laws = coarse(fabric, laws, round(1 / case.elements))
-    numerics = Numerics(safety=case.safety, stretch_viscosity=case.viscosity, precision=case.precision, threads=1)
+    numerics = Numerics(
+        safety=case.safety, stretch_viscosity=case.viscosity, precision=case.precision, threads=1,
+        contact_points=8 if case.elements < 1 else None,  # coarse models are to be cheap ones
+    )  # fmt: skip
     return Panel(
         CellModel(fabric, laws, model=case.model, form=case.form).table(case.table),
         (case.shot.opening, case.shot.opening), symmetry=case.symmetry,
@@ -116,12 +119,12 @@ def _shell(case):
     filled = time.process_time()
     found, yarns = {}, max(1, round(1 / case.elements))  # a thick yarn stands for so many
     for velocity in case.shot.velocities:
-        march = March(made, velocity, case.shot.end)
+        march = PanelSolver(made, velocity, case.shot.end)
         if case.awake:
-            march.state.rows[:] = 0, march.const.ni
+            march.state.active_rows[:] = 0, march.const.ni
         march.run()
-        fine = np.concatenate(march.fine)
-        peak = [float(tension) / yarns for tension in march.state.peak]
+        fine = np.concatenate(march.step_history)
+        peak = [float(tension) / yarns for tension in march.state.peak_tension]
         found |= read_off(
             case.shot, velocity, march.outcome, fine[:, 0], fine[:, 1], march.const.dt, made.projectile.mass, peak
         )
@@ -130,7 +133,7 @@ def _shell(case):
 
 def _cable(case):
     begun = time.process_time()
-    fabric, side = catalogue.load(case.shot.fabric).effective(), case.shot.opening
+    fabric, side = catalogue.load(case.shot.fabric).with_effective_density(), case.shot.opening
     net = CableNet(fabric, (side, side), symmetry=case.symmetry, numerics=CableNumerics(safety=case.safety))
     found = {}
     for velocity in case.shot.velocities:

@@ -139,7 +139,7 @@ def _steps(base):
 def _tips(base):
     return Axis(
         "tip bluntness", MODEL,
-        {"0.075": base} | {f"{b:g}": replace(base, bluntness=b) for b in (0.02, 0.05, 0.1, 0.2)},
+        {"0.075": base} | {f"{b:g}": replace(base, tip_thickness_ratio=b) for b in (0.02, 0.05, 0.1, 0.2)},
     )  # fmt: skip
 
 

@@ -30,7 +30,7 @@ class Case:
     size : (nx, ny, nz) of the mesh
     domain : "quarter" or "whole"
     section : of the yarns; None for the fabric's own
-    bluntness : [-] of the tips; None for the mesher's own
+    tip_thickness_ratio : [-] of the tips; None for the mesher's own
     end : end condition (`ends`)
     bars : `TRIBUTARY` or `EQUAL`: how the fibre area is shared out
     one_point : one-point integration of the solids
@@ -42,7 +42,7 @@ class Case:
     size: tuple = (8, 6, 2)
     domain: str = "quarter"
     section: str | None = None
-    bluntness: float | None = None
+    tip_thickness_ratio: float | None = None
     end: str = ends.TWO_FOLD
     bars: str = TRIBUTARY
     one_point: bool = False
@@ -81,9 +81,9 @@ def solve(fabric, paths, case):
     tangents factorised, unknowns, failed {path: why it ended early}
     """
     solids = tuple(
-        replace(law, **{name: getattr(law, name) * factor for name, factor in case.solids}) for law in fabric.solids
+        replace(law, **{name: getattr(law, name) * factor for name, factor in case.solids}) for law in fabric.solid_laws
     )
-    fabric = replace(fabric, solids=solids)
+    fabric = replace(fabric, solid_laws=solids)
     _warm_up(fabric)
     wall, cpu = time.perf_counter(), time.process_time()
     mesh = _mesh(fabric, case)
@@ -138,7 +138,7 @@ def _warm_up(fabric):
 
 
 def _mesh(fabric, case):
-    choices = {} if case.bluntness is None else {"bluntness": case.bluntness}
+    choices = {} if case.tip_thickness_ratio is None else {"tip_thickness_ratio": case.tip_thickness_ratio}
     mesh = mesher.build(fabric, domain=case.domain, size=case.size, section=case.section, **choices)
     if case.bars == TRIBUTARY:
         return mesh
@@ -160,10 +160,10 @@ class _OtherEnds(CrossoverModel):
         self._end = end
         super().__init__(mesh, fabric, numerics, **choices)
 
-    def _lay_out(self, *contact):
+    def _build_pattern(self, *contact):
         # before the tangent is laid out for the first time
         self.constraints = ends.held(self.crossover.grids, len(self.points), self._end)
-        super()._lay_out(*contact)
+        super()._build_pattern(*contact)
 
 
 def _law(histories):

@@ -33,7 +33,7 @@ VELOCITY, OPENING, MASS, RADIUS = (40.0, 300.0), (0.1, 0.25), (1e-3, 8e-3), (2.2
 def base(name):
     """A fabric of the catalogue with the linear densities that the source's runs used, where there are such."""
     fabric = catalogue.load(name)
-    return fabric if fabric.effective_linear_density is None else fabric.effective()
+    return fabric if fabric.effective_linear_density is None else fabric.with_effective_density()
 
 
 @cache

@@ -116,7 +116,7 @@ def main():
     kept = options.out / "points.json"
     points, quantities = read_points(kept) if options.resume else {}, []
     for name in options.fabrics:
-        fabric = catalogue.load(name).effective()
+        fabric = catalogue.load(name).with_effective_density()
         keys = {n: key_of(fabric, speeds[name], n, options.tolerance) for n in options.elements}
 
         def keep(point, keys=keys):

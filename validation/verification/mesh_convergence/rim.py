@@ -28,12 +28,12 @@ _NODES, _POINTS, _STRAIN, _PHASES = 17, 24, 0.02, 12
 
 def bilinear(s):
     """Weights of three nodes at s from the middle one, on a straight element."""
-    return spline_kernels.weights(s, False)
+    return spline_kernels.node_weights(s, False)
 
 
 def smooth(s):
     """Those of the quadratic B-spline, which the code uses."""
-    return spline_kernels.weights(s, True)
+    return spline_kernels.node_weights(s, True)
 
 
 def closed(weights, theta=THETA):

@@ -17,7 +17,7 @@ import numpy as np
 from fabrics import catalogue
 from shellfabric.cloth.failure_kernels import WEFT, yarn_tension
 from shellfabric.impact.single_ply import ImpactSetup
-from shellfabric.panel.solver import March
+from shellfabric.panel.solver import PanelSolver
 
 # [m/s], [s]: just before the first yarn fails, and which that is, counted from the one through the middle
 SHOTS = {"S-726": (118.0, 223e-6, 2), "S-727": (124.0, 163e-6, 2), "S-731": (112.0, 270e-6, 3)}
@@ -56,9 +56,9 @@ class Across:
 def across(fabric, velocity, time, number, n, **setup):
     """Tension across a Fabric's weft yarns `time` [s] after a strike at `velocity` [m/s], n elements a crossover."""
     panel = replace(ImpactSetup(fabric, velocity, **setup).panel(), elements_per_crossover=n, failure=False)
-    march = March(panel, velocity, time, interval=0.25 * time).run()
+    march = PanelSolver(panel, velocity, time, interval=0.25 * time).run()
     const, state, shot = march.const, march.state, panel.projectile
-    rows = state.T[WEFT][: (const.ni + 1) * const.s].reshape(-1, const.s)
+    rows = state.T[WEFT][: (const.ni + 1) * const.row_stride].reshape(-1, const.row_stride)
     count, pitch = _SHOWN * n + 1, panel.spacing[0] * n
     return Across(
         fabric.name, n, np.arange(count) / n, rows[:count, :n].mean(axis=1),
@@ -79,7 +79,7 @@ def main():
     found = []
     for name, shot in SHOTS.items():
         for n in options.elements:
-            found.append(across(catalogue.load(name).effective(), *shot, n))
+            found.append(across(catalogue.load(name).with_effective_density(), *shot, n))
             print(f"{name} {n}: line {found[-1].middle:.1f} N, yarn {found[-1].yarn:.1f} N", flush=True)
     yarns(found, options.page.parent / "figures" / "convergence-yarn.png")
 

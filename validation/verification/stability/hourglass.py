@@ -12,7 +12,7 @@ from meshing import patch
 from shellfabric.panel import quality
 from shellfabric.solid.model import SolidPatch
 from shellfabric.solid.numerics import PatchNumerics
-from shellfabric.solid.solver import SolidMarch
+from shellfabric.solid.solver import SolidSolver
 from validation.verification.stability.core import ABOVE, BELOW, STABLE, WRONG, Axis, Map, Outcome, guarded
 
 FABRIC, VELOCITY, END = "S-720", 60.0, 6e-6
@@ -41,7 +41,7 @@ def point(factor, safety):
 
     def run():
         numerics = Beyond(hourglass=factor, safety=safety)
-        march = SolidMarch(SolidPatch(mesh(), catalogue.load(FABRIC), numerics=numerics), VELOCITY, END, threads=1)
+        march = SolidSolver(SolidPatch(mesh(), catalogue.load(FABRIC), numerics=numerics), VELOCITY, END, threads=1)
         march.run()
         off = quality.hourglass_amplitude(march.patch.mesh, march.state.x)
         share = float(march.sample("hourglass")[-1] / march.sample("solids")[-1])

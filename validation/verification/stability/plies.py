@@ -10,7 +10,7 @@ from shellfabric.cell.model import CellModel
 from shellfabric.panel import quality
 from shellfabric.panel.model import Numerics, Panel
 from shellfabric.plies.model import Pack, PlyContact
-from shellfabric.plies.solver import PackMarch
+from shellfabric.plies.solver import PackSolver
 from validation.verification.stability.core import ABOVE, BELOW, STABLE, WRONG, Axis, Map, Outcome, guarded
 
 FABRIC, VELOCITY, OPENING, PLIES, END = "S-728", 91.0, 0.12, 4, 170e-6
@@ -46,7 +46,7 @@ class Answer:
 @cache
 def ply():
     """A ply of the pack."""
-    cell = CellModel(catalogue.load(FABRIC).effective())
+    cell = CellModel(catalogue.load(FABRIC).with_effective_density())
     return Panel(cell.table(TABLE), (OPENING, OPENING), numerics=Numerics(threads=1))
 
 
@@ -54,10 +54,10 @@ def shot(penalty, form):
     """Answer of a shot at the pack."""
     knobs = {"points": 2} if "2 x 2" in form else {"damping": 0.0} if "undamped" in form else {}
     contact = Beyond(penalty=penalty, form=form.split(",")[0], **knobs)
-    march = PackMarch(Pack.stacked(ply(), PLIES, contact=contact), VELOCITY, END).run()
+    march = PackSolver(Pack.stacked(ply(), PLIES, contact=contact), VELOCITY, END).run()
     peak = tuple(float(tension) for tension in march.peaks.max(axis=0))
     failed = int(march.sample("failed_yarns")[-1])
-    return Answer(peak, float(march.sample("v")[-1]), failed, float(march.deepest.max()), quality.of_march(march))
+    return Answer(peak, float(march.sample("v")[-1]), failed, float(march.deepest.max()), quality.of_solver(march))
 
 
 usual = cache(lambda: shot(PlyContact.penalty, FORMS[0]))

@@ -9,7 +9,7 @@ from fabrics import catalogue
 from shellfabric.cell.model import CellModel
 from shellfabric.panel import quality
 from shellfabric.panel.model import Numerics, Panel
-from shellfabric.panel.solver import March
+from shellfabric.panel.solver import PanelSolver
 from shellfabric.projectile.projectile import Projectile
 
 FABRIC, OPENING, VELOCITY, END = "S-720", 0.1, 92.5, 100e-6
@@ -43,7 +43,7 @@ class Answer:
 @cache
 def table(form="variational", straight=False):
     """Table of the cell; of straight yarns: neither crimp nor coupling."""
-    fabric = catalogue.load(FABRIC).effective()
+    fabric = catalogue.load(FABRIC).with_effective_density()
     if not straight:
         return CellModel(fabric, form=form).table(TABLE)
     weave = fabric.weave
@@ -52,11 +52,11 @@ def table(form="variational", straight=False):
 
 
 def fire(cell=None, *, elements=1, edge_radius=0.3e-3, end=END, velocity=VELOCITY, failure=True, **knobs) -> Answer:
-    """Shoot; raises UnstableError as `March`."""
+    """Shoot; raises UnstableError as `PanelSolver`."""
     panel = Panel(
         cell or table(), (OPENING, OPENING), Projectile(edge_radius=edge_radius), elements_per_crossover=elements,
         numerics=Beyond(threads=1, **knobs), failure=failure,
     )  # fmt: skip
-    march = March(panel, velocity, end).run()
-    peak = tuple(float(tension) for tension in march.state.peak)
-    return Answer(peak, float(march.sample("v")[-1]), int(march.sample("failed_yarns")[-1]), quality.of_march(march))
+    march = PanelSolver(panel, velocity, end).run()
+    peak = tuple(float(tension) for tension in march.state.peak_tension)
+    return Answer(peak, float(march.sample("v")[-1]), int(march.sample("failed_yarns")[-1]), quality.of_solver(march))
