@@ -14,7 +14,7 @@ from __future__ import annotations
 import csv
 import os
 import time
-from dataclasses import asdict, replace
+from dataclasses import asdict
 from importlib import resources
 from pathlib import Path
 
@@ -53,7 +53,7 @@ _COLUMNS = {
     "failed yarn segments": lambda shot: f"{shot.failed}",
     "peak warp tension [N]": lambda shot: f"{shot.peak_tension[0]:.3f}",
     "peak weft tension [N]": lambda shot: f"{shot.peak_tension[1]:.3f}",
-    "energy balance [-]": lambda shot: f"{shot.balance:.3e}",
+    "energy error [-]": lambda shot: f"{shot.balance:.3e}",
     "checks": lambda shot: checks.status(shot.checks),
 }
 
@@ -148,20 +148,36 @@ def _write(out, this, found, fit, shots, wall_time, text):
     from shellfabric.panel import quality
 
     summary = {
+        "format": "weavecell critical velocity 2",
         "fabric": this.fabric.name,
-        "law": this.law_name,
-        "critical_velocity": found.velocity,
-        "bracket": [found.low, found.high],
-        "single": found.single,
+        "law_name": this.law_name,
+        "critical_velocity_m_s": found.velocity,
+        "bracket_m_s": [found.low, found.high],
+        "single_limit": found.single,
         "lambert_jonas": asdict(fit) if fit else None,
-        "shots": [asdict(replace(shot, checks=())) | {"checks": checks.status(shot.checks)} for shot in shots],
+        "shots": [_entry(shot) for shot in shots],
         **checks.summary(quality.worst(shot.checks for shot in shots)),
-        "wall_time": wall_time,
+        "wall_time_s": wall_time,
         "provenance": provenance.stamp(text, this.fabric),
     }
     json_file.write(out / "critical-velocity.json", summary)
     with write_whole(out / "residual-velocity.svg", "wb") as file:
         file.write(pictures.render(pictures.residual_velocity, this.fabric.name, found, fit, shots))
+
+
+def _entry(shot):
+    """A shot for critical-velocity.json."""
+    return {
+        "strike_velocity_m_s": shot.strike_velocity,
+        "residual_velocity_m_s": shot.residual_velocity,
+        "outcome": shot.outcome,
+        "end_time_s": shot.time,
+        "failed_yarn_segments": shot.failed,
+        "peak_tension_N": shot.peak_tension,
+        "energy_error_max": shot.balance,
+        "wall_time_s": shot.wall_time,
+        "checks": checks.status(shot.checks),
+    }
 
 
 def _tell(this, found, fit, shots, out):

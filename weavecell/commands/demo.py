@@ -1,13 +1,13 @@
 """The demonstration: one fabric of the catalogue, its 3D crossover, impacts with two laws, and one report.
 
-What is run and what is asked of it stands in scenes/demo.toml.
+The runs and their targets stand in scenes/demo.toml.
 
 The folder of `weavecell demo`
     mesh/           as of `weavecell mesh`
     calibration/    as of `weavecell calibrate`; law.json is the fitted law
     <impact>-<law>/ as of `weavecell impact`, without pictures: repeat one with `weavecell impact <folder>/scene.toml`
     pictures/       of the report
-    summary.json    what was asked and measured
+    summary.json    targets and values
     report.html     all of it on one page
 """
 
@@ -52,9 +52,9 @@ def demonstrate(out, *, size, jobs, executor):
     page = _page(fabric, plan, calibration, records, [chapters.comparison(rows), *sections], stamp, clock)
     report_page.write(page, out / "report.html")
     report_page.write_pictures(sections, out / "pictures")
-    columns = ("what", "asked", "measured", "met")
-    summary = {"rows": [dict(zip(columns, row)) for row in rows], "wall_times": clock.times, "provenance": stamp}
-    json_file.write(out / "summary.json", summary)
+    columns = ("quantity", "target", "value", "met")
+    summary = {"rows": [dict(zip(columns, row)) for row in rows], "wall_times_s": clock.times, "provenance": stamp}
+    json_file.write_summary(out / "summary.json", summary)
     _tell(plan, rows, calibration, clock.times, out)
 
 
@@ -107,14 +107,14 @@ def _sections(fabric, meshed, calibration, records, out, advance):
 
 
 def _asked(plan, shots, seconds):
-    """Rows (what, asked, measured, met)."""
+    """Rows (quantity, target, value, met)."""
     rows = []
     for asked, record in shots:
         met = record.outcome == asked["asked"]
         rows.append((f"{record.title} ({asked['source']})", asked["asked"], record.outcome, "yes" if met else "no"))
     limits = plan["asked"]
     for what, key, measure in (
-        ("worst error of the energy balance, of the strike energy", "balance", "energy_error_max"),
+        ("largest error of the energy balance, of the strike energy", "balance", "energy_error_max"),
         ("viscous energy, of the energy absorbed", "numerical", "viscous_energy_fraction"),
     ):
         worst = max((getattr(record, measure) for _, record in shots))
@@ -145,7 +145,7 @@ def _tell(plan, rows, calibration, times, out: Path):
     from rich.table import Table
 
     table = Table(title=plan["title"], title_justify="left", title_style="bold", box=box.SIMPLE_HEAD, pad_edge=False)
-    for name in ("what", "asked", "measured", "met"):
+    for name in ("quantity", "target", "value", "met"):
         table.add_column(name, overflow="fold")
     for row in rows:
         table.add_row(*row, style="red" if row[-1] == "no" else "")

@@ -78,7 +78,7 @@ def answer(asked, setup, shoot):
         return result
 
     try:
-        choice = select.answer(setup, asked.accuracy.asked, fixed=by_hand(asked), fire=fire, told=print)
+        choice = select.answer(setup, asked.accuracy.targets, fixed=by_hand(asked), fire=fire, told=print)
     except UnstableError:
         if last is None:
             raise
@@ -102,25 +102,25 @@ def explain(path):
     if asked.accuracy is None:
         raise InputError("is missing, so there is nothing to choose", file=path, key="accuracy")
     this = build.build(asked, path, path.stem)
-    options = select.options(build.setup(this, path), asked.accuracy.asked, fixed=by_hand(asked))
+    options = select.options(build.setup(this, path), asked.accuracy.targets, fixed=by_hand(asked))
     chosen = select.pick(options)
     shown = table.Table(box=box.SIMPLE_HEAD, title="Models, the cheapest first; likely errors", title_justify="left")
-    for column in ("", "model", "part", "elements", "cost", *asked.accuracy.asked):
+    for column in ("", "model", "part", "elements", "cost", *asked.accuracy.targets):
         shown.add_column(column.replace("_", " "))
     for option in options:
-        shown.add_row("->" if option is chosen else "", *_row(option, asked.accuracy.asked))
+        shown.add_row("->" if option is chosen else "", *_row(option, asked.accuracy.targets))
     known_errors = error_database.load()
     for name, known in known_errors.others.items():
-        errors = (_percent(known["expected"][quantity]) for quantity in asked.accuracy.asked)
+        errors = (_percent(known["expected"][quantity]) for quantity in asked.accuracy.targets)
         shown.add_row("", name, "-", "-", f"{known['cost']:.3f}", *errors)
     rich.print(shown)
-    print("asked: " + ", ".join(f"{_plain(name)} {_percent(share)}" for name, share in asked.accuracy.asked.items()))
+    print("asked: " + ", ".join(f"{_plain(name)} {_percent(share)}" for name, share in asked.accuracy.targets.items()))
     print("cost: process time over that of the full model, as the survey found it (docs/fidelity.md)")
     print(
         "errors: four scenes in five of the survey stay below. A run looks at its own scene first, by two scouts, and"
     )
     print("may choose a cheaper or a dearer model; the cable net is there to compare with, and never chosen")
-    told = ", ".join(f"{_plain(name)} {_percent(known_errors.own(name))}" for name in asked.accuracy.asked)
+    told = ", ".join(f"{_plain(name)} {_percent(known_errors.own(name))}" for name in asked.accuracy.targets)
     print(f"the full model itself is only known to about: {told}")
     print(f"projectile: {_projectile(asked)}")
 

@@ -23,8 +23,8 @@ Made by `python -m weavecell.commands.keys_page {PAGE}`; not to be edited by han
 
 ## Scenes of impacts
 
-Quantities are texts with a unit; the unit here is that of the default. A key without a default must be given, or may be
-left out where the default is "none".
+Quantities are texts with a unit; the unit here is that of the default. Where the default is "none", the code chooses
+`run.elements_per_crossover`, `numerics.contact_points` and `panel.ply_gap`, and does without any other.
 
 Columns of commands: `weavecell impact` with one ply, with several (`panel.plies`), with `[accuracy]`, and
 `weavecell critical-velocity`. "no": rejected in one line; "ignored": without meaning there."""
@@ -39,12 +39,15 @@ RESULTS = {
     "summary.json of all runs": keys.SHARED,
     "summary.json of impacts": keys.IMPACT,
     "summary.json of coupons": keys.COUPON,
+    "summary.json of the demonstration": keys.DEMO,
+    "critical-velocity.json": keys.CRITICAL_VELOCITY,
     "Energies": keys.ENERGIES,
     "histories.h5 of impacts": keys.DATASETS,
     "histories.h5 of coupons": keys.COUPON_DATASETS,
     "Attributes in histories.h5": keys.ATTRIBUTES,
 }
 NOTES = {
+    "critical-velocity.json": "Also format, fabric, law_name, wall_time_s, checks and provenance, as in summary.json.",
     "Energies": "Entries of the energy balance, each computed on its own; in `energies_at_end_J` and `/energies`.",
     "histories.h5 of impacts": "A file holds the groups that its run gives.",
     "Attributes in histories.h5": "The root also has the texts and scalars of summary.json.",

@@ -257,11 +257,11 @@ def _formulation_residual(record):
 
 
 def comparison(rows):
-    """What was asked of the run beside what it gave: rows of (what, asked, measured, met)."""
-    missed = [what for what, _, _, met in rows if met == "no"]
+    """Targets and values: rows of (quantity, target, value, met)."""
+    missed = [quantity for quantity, _, _, met in rows if met == "no"]
     lead = f"Not met: {'; '.join(missed)}." if missed else "All of it is met."
     return Section(
-        "summary", "Asked and measured", lead, tables=(Table(("what", "asked", "measured", "met"), tuple(rows)),)
+        "summary", "Targets and values", lead, tables=(Table(("quantity", "target", "value", "met"), tuple(rows)),)
     )
 
 

@@ -111,6 +111,29 @@ COUPON = keys(
     ("at_end.*.value", "", "measures of the last load step, by name"),
     ("at_end.*.unit", "", "their units"),
 )
+CRITICAL_VELOCITY = keys(
+    ("critical_velocity_m_s", "m/s", "middle of the bracket"),
+    ("bracket_m_s", "m/s", "highest velocity that is stopped, lowest that perforates"),
+    ("single_limit", "", "whether no shot above the bracket was stopped"),
+    (
+        "lambert_jonas.*",
+        "",
+        "parameters of the fit of residual velocities, intervals of 95 %; null without a fit",
+    ),
+    ("shots.strike_velocity_m_s", "m/s", "strike velocity of a shot; `shots` is a list"),
+    ("shots.residual_velocity_m_s", "m/s", "residual velocity, 0 of a projectile that stops"),
+    ("shots.outcome", "", '"stopped" or "perforated"'),
+    ("shots.end_time_s", "s", "time from strike to stop or perforation"),
+    ("shots.failed_yarn_segments", "1", "failed segments of yarns of the whole panel"),
+    ("shots.peak_tension_N", "N", "peak tension of warp and weft"),
+    ("shots.energy_error_max", "1", "largest error of the energy balance over the strike energy"),
+    ("shots.wall_time_s", "s", "wall time of the shot"),
+    ("shots.checks", "", '"ok" or "doubtful"'),
+)
+DEMO = keys(
+    ("rows", "", "list of quantity, target, value, met"),
+    ("wall_times_s.*", "s", "wall time of each stage"),
+)
 SHAPE = keys(
     ("time", "s", "time"),
     ("nose_position", "m", "foremost point of the projectile, along z"),

@@ -245,10 +245,10 @@ def _surface(table, fabric, file):
     """The response surface that a scene names, checked against what else it says of the cell."""
     forms = ("variational", "equilibrium") if table.surface is None else ("variational", "direct")
     if table.cell_formulation not in forms:
-        told = "without" if table.surface is None else "with"
+        words = "without" if table.surface is None else "with"
         raise InputError(
             file=file, key="fabric.cell_formulation", value=table.cell_formulation,
-            allowed=f"{' or '.join(forms)} {told} fabric.surface",
+            allowed=f"{' or '.join(forms)} {words} fabric.surface",
         )  # fmt: skip
     if table.surface is None:
         return None
@@ -300,26 +300,28 @@ _BODIES = {
 
 def shot_in_words(shot):
     """The projectile and how it comes, for the reader."""
-    told = f"{_BODIES[shot.shape]} of {1e3 * shot.mass:g} g and {1e3 * shot.diameter:g} mm"
+    words = f"{_BODIES[shot.shape]} of {1e3 * shot.mass:g} g and {1e3 * shot.diameter:g} mm"
     if shot.obliquity:
-        told += f", {degrees(shot.obliquity):.3g}° off the normal"
+        words += f", {degrees(shot.obliquity):.3g}° off the normal"
     if shot.body == "bar":
-        told += ", elastic-plastic along its axis"
+        words += ", elastic-plastic along its axis"
     if shot.friction:
-        told += f", with friction {shot.friction:g}"
-    return told
+        words += f", with friction {shot.friction:g}"
+    return words
 
 
 def panel_in_words(panel):
     """The panel and how it is held, for the reader."""
     pair = isinstance(panel.opening, tuple)
-    told = " by ".join(f"{1e3 * side:g} mm" for side in panel.opening) if pair else f"{1e3 * panel.opening:g} mm square"
+    words = (
+        " by ".join(f"{1e3 * side:g} mm" for side in panel.opening) if pair else f"{1e3 * panel.opening:g} mm square"
+    )
     if panel.weave_angle:
-        told += f", its weave turned by {degrees(panel.weave_angle):.3g}°"
+        words += f", its weave turned by {degrees(panel.weave_angle):.3g}°"
     if isinstance(panel.boundary, str):
-        return f"{told} and {panel.boundary}"
+        return f"{words} and {panel.boundary}"
     sides = {name: getattr(panel.boundary, name) for name in ("warp", "weft")}
-    return f"{told}, " + " and ".join(f"{name} ends {_side_in_words(side)}" for name, side in sides.items())
+    return f"{words}, " + " and ".join(f"{name} ends {_side_in_words(side)}" for name, side in sides.items())
 
 
 def _side_in_words(side):

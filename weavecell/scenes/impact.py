@@ -194,7 +194,7 @@ class AccuracyTable(Table):
     peak_tension: _Share = None
 
     @property
-    def asked(self):
+    def targets(self):
         """{quantity: [-] error at most} of those that are given."""
         return {name: share for name, share in self if share is not None}
 
@@ -269,7 +269,7 @@ def _check_relations(scene, table, file):
     if shot.edge_radius is not None and shot.shape == "sphere":
         value = table["projectile"]["edge_radius"]
         raise InputError(file=file, key="projectile.edge_radius", value=value, allowed="left out for a sphere")
-    if scene.accuracy is not None and not scene.accuracy.asked:
+    if scene.accuracy is not None and not scene.accuracy.targets:
         names = ", ".join(AccuracyTable.model_fields)
         raise InputError("asks for nothing", file=file, key="accuracy", allowed=f"at least one of {names}")
     smallest = min(panel.opening) if isinstance(panel.opening, tuple) else panel.opening

@@ -20,7 +20,7 @@ FRAME = """
 [fabric]
 name = "S-720"
 [picture_frame]
-shear = "24 deg"
+shear_angle = "24 deg"
 crossovers = 4
 [run]
 steps = 4
@@ -173,11 +173,11 @@ BAD = {
     ),
     "wrong unit": (
         FRAME.replace("24 deg", "24 mm"),
-        """picture_frame.shear = '24 mm': must be an angle from 0.1 to 89 deg, such as "35 deg\"""",
+        """picture_frame.shear_angle = '24 mm': must be an angle from 0.1 to 89 deg, such as "35 deg\"""",
     ),
     "unknown key": (
         FRAME.replace("crossovers", "crossover"),
-        'picture_frame.crossover: unknown key, did you mean "crossovers"? allowed here: shear, crossovers',
+        'picture_frame.crossover: unknown key, did you mean "crossovers"? allowed here: shear_angle, crossovers',
     ),
     "no fabric": (FRAME.replace('name = "S-720"', ""), "fabric: give exactly one of fabric.name and fabric.file"),
     "too short": (

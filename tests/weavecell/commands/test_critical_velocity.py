@@ -54,20 +54,20 @@ def test_scene(command, written, tmp_path):
     folder = tmp_path / "results"
     assert sorted(path.name for path in folder.iterdir()) == FILES
     summary, rows = read(folder)
-    low, high = summary["bracket"]
+    low, high = summary["bracket_m_s"]
     assert 0 < high - low <= 1.0
-    assert summary["critical_velocity"] == pytest.approx((low + high) / 2)
-    assert f"critical velocity {summary['critical_velocity']:.1f} m/s" in out
+    assert summary["critical_velocity_m_s"] == pytest.approx((low + high) / 2)
+    assert f"critical velocity {summary['critical_velocity_m_s']:.1f} m/s" in out
     strike = [float(row["strike velocity [m/s]"]) for row in rows]
     assert strike == sorted(strike)
     assert len(strike) == len(summary["shots"]) > 4
     for row, velocity in zip(rows, strike):
         assert row["outcome"] == ("perforated" if velocity >= high - 1e-3 else "stopped")
         assert (float(row["residual velocity [m/s]"]) > 0) == (row["outcome"] == "perforated")
-        assert float(row["energy balance [-]"]) < 0.01
+        assert float(row["energy error [-]"]) < 0.01
     assert min(abs(np.array(strike) - 2 * high)) < 1e-3
     fit = summary["lambert_jonas"]
-    assert fit["limit"] == summary["critical_velocity"]
+    assert fit["limit"] == summary["critical_velocity_m_s"]
     assert 0 < fit["a"] <= 1
     assert "Lambert-Jonas: a = " in out
     assert (folder / "scene.toml").read_text() == written().read_text()

@@ -45,9 +45,9 @@ def test_demonstration(command, tmp_path):
     code, out, _ = command("demo", "--mesh", "coarse", "--out", "demo")
     folder = tmp_path / "demo"
     assert code == 0
-    rows = {row["what"]: row for row in json.loads((folder / "summary.json").read_text())["rows"]}
-    assert all(row["met"] == "yes" for what, row in rows.items() if " law (" in what)
-    assert sum(" law (" in what for what in rows) == 4
+    rows = {row["quantity"]: row for row in json.loads((folder / "summary.json").read_text())["rows"]}
+    assert all(row["met"] == "yes" for quantity, row in rows.items() if " law (" in quantity)
+    assert sum(" law (" in quantity for quantity in rows) == 4
     for name, outcome in IMPACTS.items():
         record = ImpactRecord.read(folder / name / "histories.h5")
         assert record.outcome == outcome

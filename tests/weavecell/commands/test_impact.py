@@ -170,7 +170,7 @@ def test_failure_while_writing_leaves_whole_files_only(command, scene, tmp_path,
     def full(*_):
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr(commands_impact.report, "render", full)
+    monkeypatch.setattr(commands_impact.report_page, "render", full)
     path = scene(outputs='["report"]')
     with pytest.raises(OSError, match="No space"):
         commands_impact.impact(path, tmp_path / "results")

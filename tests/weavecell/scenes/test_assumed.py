@@ -112,7 +112,7 @@ def test_the_calibration_of_it_is_set_up(command, tmp_path, monkeypatch):
 def test_a_coupon_of_glass_says_that_it_has_no_shear_stiffness(command, tmp_path):
     text = '[fabric]\nname = "glass-balanced"\n[TEST]\n[run]\nsteps = 1\noutputs = []\n'
     path = tmp_path / "scene.toml"
-    path.write_text(text.replace("[TEST]", '[picture_frame]\nshear = "5 deg"\ncrossovers = 2'))
+    path.write_text(text.replace("[TEST]", '[picture_frame]\nshear_angle = "5 deg"\ncrossovers = 2'))
     code, out, err = command("coupon", path, "--out", "r")
     assert (code, out) == (2, "")
     assert "fabric glass-balanced has no [shear] table" in err

@@ -335,9 +335,10 @@ def limit(capsys, folder, monkeypatch, changes):
     march, found = marches[0], json.loads((folder / "r/critical-velocity.json").read_text())
     return SimpleNamespace(
         energies=named({name: march.sample(name)[-1] for name in ENERGIES}), v=march.sample("v"),
-        residual_velocity_m_s=march.sample("v")[-1], failed=march.sample("failed_yarns")[-1], law_name=found["law"],
+        residual_velocity_m_s=march.sample("v")[-1], failed=march.sample("failed_yarns")[-1],
+        law_name=found["law_name"],
         reactions=np.array([march.sample(f"reaction_{side}").max() for side in ("warp", "weft")]),
-        elements=march.panel.elements, steps=march.steps, numbers=found | {"wall_time": 0, "provenance": ""},
+        elements=march.panel.elements, steps=march.steps, numbers=found | {"wall_time_s": 0, "provenance": ""},
     )  # fmt: skip
 
 
