@@ -9,7 +9,9 @@ single unfinished run, which cannot be computed again on its own, carries both d
 refused with a message where either differs (`check_stamp`).
 
 The results are plain files, written whole or not at all, since a folder of results is what the user keeps, copies and
-resumes from, and what several processes write to; a data base in its place (diskcache, joblib.Memory) would hide them.
+resumes from, and what several processes write to. joblib.Memory keys by the source of the function alone: after a
+change in a module that the function imports it hands out the old result. diskcache has no rule for keys, and keeps a
+data base, which hides the results.
 """
 
 from __future__ import annotations
@@ -180,7 +182,7 @@ class RunCache:
 
 def results(
     function: Callable, arguments: Sequence[tuple], *, folder: FilePath, executor: str | Executor = "local",
-    jobs: int = 1, report: Callable[[int, int], object] | None = None,
+    jobs: int = 1, batches: bool = True, fresh: bool = False, report: Callable[[int, int], object] | None = None,
 ) -> list:  # fmt: skip
     """function(*one) for each one of `arguments`, in their order; each is kept as soon as its task is done.
 
@@ -191,7 +193,8 @@ def results(
     function : of a module, to be found again in another process
     arguments : list of tuples of plain numbers, texts and frozen dataclasses
     folder : Path where results are kept, and taken from
-    executor, jobs : as of `executors.open_executor`
+    executor, jobs, fresh : as of `executors.open_executor`
+    batches : whether several runs may be one task, as where they are many and short
     report : called as report(number done, number of all)
 
     Raises
@@ -204,8 +207,9 @@ def results(
     report = report or (lambda done, total: None)
     report(len(names) - len(missing), len(names))
     if missing:
-        with executors.open_executor(executor, jobs) as pool:
-            found = executors.as_done(pool, function, [arguments[k] for k in missing], jobs=jobs)
+        with executors.open_executor(executor, jobs, fresh=fresh) as pool:
+            waiting = [arguments[k] for k in missing]
+            found = executors.as_done(pool, function, waiting, jobs=jobs if batches else None)
             for done, (k, content) in enumerate(found, 1):
                 kept[names[missing[k]]] = content
                 report(len(names) - len(missing) + done, len(names))

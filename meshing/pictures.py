@@ -13,10 +13,9 @@ from fabrics.checks import FilePath, FloatArray
 from fabrics.files import replace_whole
 from meshing.crossover import Crossover
 from meshing.inputs import YARNS
+from meshing.pictures_style import INK
+from meshing.pictures_style import TINTS as COLOURS
 
-# Tints of the blue and vermilion that colour-blind readers can tell apart (Okabe and Ito, 2008).
-COLOURS = {"warp": "#3d93c8", "weft": "#e27a3a"}
-INK = "#1d2733"
 WINDOW = (1600, 1000)
 FOOT, MARGIN = 0.15, 0.05  # of the window's height: kept for the caption, and free around the crossover
 # Direction from the crossing to the camera. A quarter is seen from its cut faces, which show both sections.

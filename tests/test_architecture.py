@@ -46,7 +46,6 @@ CALLED = ("__init__", "__call__", "__getitem__", "__setitem__", "__contains__", 
 DRIVES = {"set_num_threads", "get_num_threads", "config"}
 # import modules by computed names, or know that others do
 BY_NAME = (
-    "validation/verification/cost_accuracy/study.py", "validation/verification/stability/study.py",
     "fabrics/source_code.py",
     "fabrics/executors.py",  # of the user's own, and other libraries
     "shellfabric/jit/compile_in_child.py",
@@ -172,6 +171,19 @@ def modules_imported(path, root, files):
                 yield from wanted[:1]
 
 
+def colours_of_their_own(root):
+    """Pictures take the palette, and with it the colours of warp and weft, from one file."""
+    style = root / "meshing" / "pictures_style.py"
+    text = style.read_text("utf-8") if style.exists() else ""
+    palette = re.findall(r'^[A-Z]+ = "(#[0-9A-F]{6})"', text, re.MULTILINE)
+    return [
+        f"{name} has a colour of the palette, {colour}, as a number"
+        for name, path in sources(root).items()
+        for colour in palette
+        if path != style and colour in path.read_text("utf-8")
+    ]
+
+
 def versions_of_dolfinx_outside_compat(root):
     return [
         f"{name} looks at a version; unitcell3d/assembly/compat.py alone does"
@@ -260,7 +272,7 @@ RULES = {
     for rule in (
         packages_without_a_floor, imports_that_run_upwards, imports_against_the_layers,
         analyses_that_import_the_rest_of_weavecell, kernels_that_import_other_files, folders_with_too_many_files,
-        imports_by_computed_names, circles,
+        imports_by_computed_names, circles, colours_of_their_own,
         versions_of_dolfinx_outside_compat, kernels_that_are_not_plain, kernel_arguments_outside_the_cache,
         kernels_that_the_package_does_not_import, public_functions_without_types,
     )
@@ -282,6 +294,7 @@ CLEAN = {
     "fabrics/__init__.py": "",
     "fabrics/yarn.py": "",
     "meshing/__init__.py": "",
+    "meshing/pictures_style.py": 'BLUE = "#0072B2"\n',
     "unitcell3d/__init__.py": "",
     "validation/__init__.py": "",
     "weavecell/__init__.py": "",
@@ -316,6 +329,7 @@ PLANTED = [
     ("kernels_that_import_other_files", "shellfabric/cell/deep/new_kernels.py", "from fabrics import yarn\n"),
     ("kernels_that_import_other_files", "shellfabric/cloth/new_kernels.py", "from shellfabric.panel import model\n"),
     ("imports_by_computed_names", HERE, "import importlib\nimportlib.import_module('weavecell')\n"),
+    ("colours_of_their_own", "validation/cases/pictures.py", 'WARP, WEFT = "#D55E00", "#0072B2"\n'),
     ("circles", HERE, "from shellfabric.panel import model\ndef f():\n    from shellfabric.cell.deep import other\n"),
     ("versions_of_dolfinx_outside_compat", "unitcell3d/solver/new.py", "import dolfinx\ndolfinx.__version__\n"),
     ("versions_of_dolfinx_outside_compat", "unitcell3d/solver/compat.py", "import dolfinx\ndolfinx.__version__\n"),

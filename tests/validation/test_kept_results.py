@@ -16,7 +16,7 @@ from fabrics.errors import InputError
 from validation.claims import runner
 from validation.claims.checks import CHECKS, Check
 from validation.claims.claims import Claim, Condition
-from weavecell.analysis.run_cache import Run
+from validation.claims.run import Run
 
 ROOT = Path(__file__).parents[2]
 made = []

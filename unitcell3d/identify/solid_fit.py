@@ -10,9 +10,9 @@ of both yarns together (Vf0: the denser yarn's), so that no bound is needed: E_c
 below 1/2. G follows E_c (eq. 3-16).
 
 A compression takes seconds on a few elements and minutes on many, and the softer the yarn the longer. So the fit
-(`unitcell3d.identify.levenberg_marquardt`) runs on a coarse mesh, with few derivatives by differences; its result is
-computed on a finer one, and where that misses the curve by more than the `RESOLUTION` beyond what the coarse one does,
-the fit is taken up again with the difference of the two meshes added to the coarse one (`CORRECTIONS` times at most).
+(`unitcell3d.identify.least_squares`) runs on a coarse mesh, without derivatives; its result is computed on a finer
+one, and where that misses the curve by more than the `RESOLUTION` beyond what the coarse one does, the fit is taken up
+again with the difference of the two meshes added to the coarse one (`CORRECTIONS` times at most).
 What is reported is the fine mesh's.
 
 What the curve says about each parameter comes from the Jacobian J = d closure / d x at the solution, by differences on
@@ -45,7 +45,7 @@ from fabrics.plate_curve import PlateCurve
 from meshing import crossover as mesher
 from meshing.inputs import Size
 from unitcell3d.cases import biaxial_and_platens
-from unitcell3d.identify import levenberg_marquardt
+from unitcell3d.identify import least_squares
 from unitcell3d.model.crossover import Numerics
 from unitcell3d.solver.history import History
 from unitcell3d.solver.load_stepping import Steps
@@ -194,7 +194,7 @@ def fit_solid(
         _, before = fine.many([start])[0]
         if before.failed and before.F_plate.mean(axis=1)[-1] < 0.5 * pressure[-1] * fabric.weave.cell_area:
             raise UnstableError(f"no plate curve to fit: {before.failed}")
-        found, computed, history = _corrected_fit(coarse, fine, start, measured, jobs)
+        found, computed, history = _corrected_fit(coarse, fine, start, measured)
     if keep is not None:
         shutil.rmtree(keep, ignore_errors=True)
     return _judge(
@@ -203,17 +203,16 @@ def fit_solid(
     )  # fmt: skip
 
 
-def _corrected_fit(coarse, fine, x, measured, trials):
+def _corrected_fit(coarse, fine, x, measured):
     """Fit on the coarse mesh, its misfit corrected by the fine one's; the fit, and closures and History on the fine."""
     defect = np.zeros(POINTS)
     for correction in range(1 + CORRECTIONS):
-        found = levenberg_marquardt.solve(
+        found = least_squares.solve(
             lambda points, defect=defect: [
                 (closed + defect - measured) / RESOLUTION for closed, _ in coarse.many(points)
             ],
             x,
             BOUNDS,
-            trials=trials,
         )
         x = found.x
         computed, history = fine.many([x])[0]

@@ -2,37 +2,21 @@
 
 from __future__ import annotations
 
-import matplotlib
 import numpy as np
 
 from fabrics.checks import FilePath
 from fabrics.fabric import Fabric
 from fabrics.files import replace_whole
+from meshing.pictures_style import FAINT, GREEN, INK, PURPLE, WARP, WEFT, plots
 from unitcell3d.identify.calibration import PLATES, Calibration, samples
 
-matplotlib.use("Agg")
-from matplotlib import pyplot
-
-INK, GREY = "#1d2733", "#8a94a0"
-# blue, vermilion, green, purple: colour-blind readers can tell them apart (Okabe and Ito, 2008)
-COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7")
-SETTINGS = {
-    "font.size": 12,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "axes.grid": True,
-    "grid.color": "#e6e9ed",
-    "axes.axisbelow": True,
-    "legend.frameon": False,
-    "figure.constrained_layout.use": True,
-    "savefig.dpi": 150,
-}
+COLOURS = (WARP, WEFT, GREEN, PURPLE)
 
 
 def tensions(calibration: Calibration, fabric: Fabric, path: FilePath) -> None:
     """Warp and weft tension along each biaxial path, with the yarns' strengths; marks where the worst bar fails."""
     named = {name: history for name, history in calibration.histories.items() if name != PLATES}
-    with pyplot.rc_context(SETTINGS):
+    with plots() as pyplot:
         figure, axes = pyplot.subplots(1, len(named), figsize=(4.6 * len(named), 4.2), sharey=True, squeeze=False)
         for axis, (name, history) in zip(axes[0], named.items()):
             d = 1e3 * np.maximum(history.d1, history.d2)
@@ -42,9 +26,9 @@ def tensions(calibration: Calibration, fabric: Fabric, path: FilePath) -> None:
             for item in calibration.failures[name]:
                 if item.criterion == "worst bar":
                     at = 1e3 * max(item.d)
-                    axis.axvline(at, color=GREY, lw=1, ls="--")
+                    axis.axvline(at, color=FAINT, lw=1, ls="--")
                     axis.text(
-                        at, 110, "worst bar fails ", rotation=90, ha="right", va="bottom", color=GREY, fontsize=10
+                        at, 110, "worst bar fails ", rotation=90, ha="right", va="bottom", color=FAINT, fontsize=10
                     )
             axis.set_title(name, loc="left", fontweight="bold")
             axis.set_xlabel("end displacement d [mm]")
@@ -56,7 +40,7 @@ def tensions(calibration: Calibration, fabric: Fabric, path: FilePath) -> None:
 
 def fit(calibration: Calibration, path: FilePath) -> None:
     """Contact force against compression: samples of each path, the fitted law, the published one and the plates."""
-    with pyplot.rc_context(SETTINGS):
+    with plots() as pyplot:
         figure, axis = pyplot.subplots(figsize=(8.2, 5.4))
         top = 1.08 * max(history.F_c.max() for history in calibration.histories.values())
         F = np.geomspace(1e-3, top, 400)
@@ -69,7 +53,7 @@ def fit(calibration: Calibration, path: FilePath) -> None:
             label=f"fit: {_numbers(law)}, rms {1e6 * (law.residual_rms or 0.0):.2f} µm",
         )
         if published is not None:
-            axis.plot(1e3 * published.d(F), F, color=GREY, lw=2.2, ls="--", label=f"published: {_numbers(published)}")
+            axis.plot(1e3 * published.d(F), F, color=FAINT, lw=2.2, ls="--", label=f"published: {_numbers(published)}")
         for (name, history), colour, marker in zip(calibration.histories.items(), COLOURS, "osD^"):
             if name == PLATES:
                 axis.plot(
@@ -92,8 +76,5 @@ def _numbers(law):
 
 
 def _save(figure, path):
-    try:
-        with replace_whole(path) as beside:
-            figure.savefig(beside)
-    finally:
-        pyplot.close(figure)
+    with replace_whole(path) as beside:
+        figure.savefig(beside)

@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from fabrics import catalogue
+from meshing.pictures_style import BLUE, COLOURS, FAINT, GREEN, INK, ORANGE, RED, WARP, WEFT
 from validation.claims.checks import cell as cell_checks
 from validation.claims.checks import coupling, impact, sensitivity, series, solids, waves
 from validation.claims.checks.geometry import KEVLAR
-from weavecell.analysis.run_cache import Run
-from weavecell.report.style import BLUE, COLOURS, FAINT, GREEN, INK, ORANGE, RED, WARP, WEFT
+from validation.claims.run import Run
 
 _MODELS = {"incompressible": RED, "compressible": BLUE, "decoupled": ORANGE}
 

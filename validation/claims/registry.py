@@ -19,7 +19,7 @@ class Check:
     Parameters
     ----------
     function : called with runs and arguments
-    needs : arguments -> {name: analysis.run_cache.Run}
+    needs : arguments -> {name: run.Run}
     """
 
     function: Callable

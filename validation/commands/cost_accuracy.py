@@ -133,8 +133,9 @@ def crossover(out, level, only, jobs, executor, resume):
 
     with progress.bar("Study of the 3D crossover") as advance:
         found = study.run(
-            out, level=level, only=only or None, resume=resume, jobs=jobs, executor=executor, progress=advance
-        )
+            out, level=level, only=only or None, resume=resume, jobs=jobs, executor=executor,
+            report=lambda done, total: advance(done / total, f"{done} of {total} cases"),
+        )  # fmt: skip
     stamp = provenance.stamp()
     tables.write_csv(found, out / "crossover.csv")
     tables.write_orders(found, out / "orders.csv")

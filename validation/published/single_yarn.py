@@ -59,14 +59,15 @@ def measure(name="S-720", size="coarse"):
 
 def picture(found, path):
     """Both panels as one figure."""
-    from unitcell3d.pictures.pictures_paths import COLOURS, GREY, SETTINGS, pyplot
+    from meshing.pictures_style import FAINT, plots
+    from unitcell3d.pictures.pictures_paths import COLOURS
 
-    with pyplot.rc_context(SETTINGS):
+    with plots() as pyplot:
         figure, (left, right) = pyplot.subplots(1, 2, figsize=(11.5, 4.6))
         for family, (label, colour) in enumerate(zip(("warp", "weft"), COLOURS)):
             pulls = found["pulls"][family]
             full = pulls[None]
-            left.plot(100 * full["strain"], full["T_taut"], color=GREY, lw=1.4, ls="--",
+            left.plot(100 * full["strain"], full["T_taut"], color=FAINT, lw=1.4, ls="--",
                       label="eq. 4-7" if family else None)  # fmt: skip
             left.plot(100 * full["strain"], full["T"], color=colour, lw=2.2, label=f"{label}, bars on all lines")
             for bars, marker in zip((b for b in pulls if b is not None), "xo"):

@@ -8,8 +8,8 @@ import numpy as np
 
 from fabrics.errors import InputError
 from fabrics.files import replace_whole
+from meshing.pictures_style import INK, WARP, WEFT, tension_map
 from weavecell.report.pictures3d import new_plotter
-from weavecell.report.style import INK, WARP, WEFT, tension_map
 from weavecell.results.paraview import read_series
 
 _ALLOWED = "a folder that holds panel.pvd or crossover.vtu, or a .pvd or .vtu file"

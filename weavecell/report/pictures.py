@@ -6,7 +6,7 @@ import io
 
 import numpy as np
 
-from weavecell.report.style import (  # fmt: skip
+from meshing.pictures_style import (  # fmt: skip
     BLUE,
     COLOURS,
     DASHES,
@@ -32,7 +32,7 @@ ENERGIES = (
     ("elastic_projectile", "projectile, elastic", "#97a6b5"),
     ("plastic_projectile", "projectile, plastic", "#5b6b7b"),
     ("kinetic_fabric", "fabric, kinetic", SKY),
-    ("yarn_strain", "fabric, membrane", "#0072B2"),
+    ("yarn_strain", "fabric, membrane", BLUE),
     ("shear", "fabric, shear", GREEN),
     ("bending", "fabric, bending", "#7fb8a4"),
     ("jamming", "fabric, jamming", "#a9cdbd"),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from weavecell.report.style import RED, STEEL, tension_map
+from meshing.pictures_style import RED, STEEL, tension_map
 from weavecell.results.paraview import panel_grid
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from weavecell.report.style import BLUE, FAINT, INK, RED
+from meshing.pictures_style import BLUE, FAINT, INK, RED
 
 US, MM = 1e6, 1e3
 _AT = 24e-3  # [m] least half-width of the cut that is shown

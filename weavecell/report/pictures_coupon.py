@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from weavecell.report.style import COLOURS, FAINT, INK, WARP, WEFT, tension_map
+from meshing.pictures_style import COLOURS, FAINT, INK, WARP, WEFT, tension_map
 
 _AXES = {"m": (1e3, "mm"), "rad": (180 / np.pi, "°"), "N": (1.0, "N"), "Pa": (1e-6, "MPa")}
 _SHEARS = ("#f3f5f7", "#fde0a6", "#f4a259", "#d1495b", "#7b2d6b", "#2d1244")  # even steps of lightness

@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 
 from fabrics.plate_curve import PlateCurve
-from weavecell.report.style import FAINT, GREEN, INK, ORANGE, WARP, WEFT
+from meshing.pictures_style import FAINT, GREEN, INK, ORANGE, WARP, WEFT
 
 UM, MPA = 1e6, 1e-6
 WINDOW = (1500, 900)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from weavecell.report.style import COLOURS, DASHES, FAINT, INK, ORANGE, RED, WARP, WEFT, tension_map
+from meshing.pictures_style import COLOURS, DASHES, FAINT, INK, ORANGE, RED, WARP, WEFT, tension_map
 
 US, MM = 1e6, 1e3
 _WAVES = {"longitudinal": INK, "transverse": RED}

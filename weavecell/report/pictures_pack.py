@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from weavecell.report.style import BLUE, FAINT, ORANGE, RED, STEEL
+from meshing.pictures_style import BLUE, FAINT, ORANGE, RED, STEEL
 
 US, MM = 1e6, 1e3
 _STEPS = ("#0b1a4a", "#1a4f92", "#2b83ba", "#6bb0d0", "#9fcbe0")  # front to rear

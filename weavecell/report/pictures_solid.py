@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from weavecell.report.style import FAINT, FITTED, INK
+from meshing.pictures_style import FAINT, FITTED, INK
 
 OCTAVES = (0.125, 0.25, 0.5, 1, 2, 4, 8, 16, 32)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from matplotlib.ticker import MaxNLocator
 
-from weavecell.report.style import COLOURS, DASHES, FAINT, INK, WARP, WEFT
+from meshing.pictures_style import COLOURS, DASHES, FAINT, INK, WARP, WEFT
 
 UM = 1e6
 FORCES = (("T1", "warp tension"), ("T2", "weft tension"), ("F_c", "contact force"))

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from fabrics.files import replace_whole
+from meshing.pictures_style import BLUE, FAINT, GREEN, INK, ORANGE, RED, plots
 from weavecell.analysis.uncertainty import probit
-from weavecell.report.style import BLUE, FAINT, GREEN, INK, ORANGE, RED, plots
 
 LABELS = {
     "modulus": "yarn modulus",

@@ -13,7 +13,7 @@ from validation.claims import claims as data
 from validation.claims import judge, runner, summary
 from validation.claims.checks import CHECKS, Check
 from validation.claims.claims import Claim, Condition
-from weavecell.analysis.run_cache import Run
+from validation.claims.run import Run
 
 IDS = (Path(__file__).parent / "claim_ids.txt").read_text().split()
 FAST = ("geom", "biaxial", "pencil")

@@ -137,6 +137,23 @@ def test_without_scatter_it_is_the_deterministic_limit(fabric, tmp_path):
     assert width < 2.0
 
 
+@pytest.mark.parametrize("link", probit.LINKS)
+def test_the_curve_is_that_of_statsmodels(link):
+    """The same likelihood and its maximum; and intervals of V50 like its normal ones, where shots are many."""
+    models = pytest.importorskip("statsmodels.api")
+    random = np.random.default_rng(1)
+    V = random.uniform(80.0, 120.0, 200)
+    hit = random.uniform(size=V.size) < probit.LINKS[link].cdf((V - 100.0) / 3.0)
+    ours = probit.fit(V, hit, link=link)
+    model = {"probit": models.Probit, "logit": models.Logit}[link]
+    found = model(hit.astype(float), models.add_constant(V - 100.0)).fit(disp=0, tol=1e-12)
+    b0, b1 = found.params
+    assert (ours.V50, ours.s, ours.likelihood) == pytest.approx((100.0 - b0 / b1, 1 / b1, found.llf), rel=1e-5)
+    slope = np.array([-1 / b1, b0 / b1**2])
+    half = 1.96 * np.sqrt(slope @ found.cov_params() @ slope)
+    assert ours.intervals["V50"] == pytest.approx((ours.V50 - half, ours.V50 + half), abs=0.1)
+
+
 def test_shots_are_those_of_their_numbers_whatever_the_workers(fabric, tmp_path):
     scatter = inputs.published()
     arguments = {"shots": 8, "batch": 4, "opening": OPENING, "tolerance": 10.0}

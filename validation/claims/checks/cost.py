@@ -10,7 +10,7 @@ from fabrics import catalogue
 from shellfabric.cell.model import CellModel
 from shellfabric.panel.model import Panel
 from validation.claims.registry import check
-from weavecell.analysis.run_cache import Run
+from validation.claims.run import Run
 
 
 def _panel(fabric):

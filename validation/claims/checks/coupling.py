@@ -10,7 +10,7 @@ from validation.claims.checks.geometry import KEVLAR, ranked
 from validation.claims.checks.impact import bare_shot, shot, told
 from validation.claims.checks.waves import six
 from validation.claims.registry import check
-from weavecell.analysis.run_cache import Run
+from validation.claims.run import Run
 
 MODELS = ("incompressible", "compressible", "decoupled")
 

@@ -8,7 +8,7 @@ from fabrics import catalogue
 from shellfabric.cell.model import CellModel
 from validation.claims.checks.solids import fitted, paths
 from validation.claims.registry import check
-from weavecell.analysis.run_cache import Run
+from validation.claims.run import Run
 
 
 @check(lambda fabric: {"path": Run.of("stretched", fabric=fabric, ratio=(1.0, 0.0))})

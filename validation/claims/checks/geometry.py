@@ -10,7 +10,7 @@ from scipy.integrate import quad
 from fabrics import catalogue
 from fabrics.weave import arc_length, height_from_length
 from validation.claims.registry import check
-from weavecell.analysis.run_cache import Run
+from validation.claims.run import Run
 
 KEVLAR = ("S-720", "S-726", "S-727", "S-728", "S-731", "S-745")
 FAMILIES = ("warp", "weft")

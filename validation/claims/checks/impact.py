@@ -9,7 +9,7 @@ from validation.claims.checks.geometry import KEVLAR, ranked
 from validation.claims.checks.waves import shot as bare_shot
 from validation.claims.checks.waves import six
 from validation.claims.registry import check
-from weavecell.analysis.run_cache import Run
+from validation.claims.run import Run
 
 PERFORATED, STOPPED = "perforates", "stops"
 

@@ -7,7 +7,7 @@ import numpy as np
 from validation.claims.checks import series
 from validation.claims.checks.impact import PERFORATED, STOPPED, told
 from validation.claims.registry import check
-from weavecell.analysis.run_cache import Run
+from validation.claims.run import Run
 
 
 def pack(fabric, velocity, plies, **changes):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from validation.claims.registry import check
-from weavecell.analysis.run_cache import Run
+from validation.claims.run import Run
 
 CASES = {1: (1, 5.0, 1.155), 2: (1, 1.0, 1.155), 3: (1, 5.0, 0.231), 4: (1, 1.0, 0.231), 5: (4, 1.0, 1.155)}
 

@@ -15,7 +15,7 @@ from shellfabric.cell.model import CellModel
 from validation.claims.checks import series
 from validation.claims.checks.impact import shot
 from validation.claims.registry import check
-from weavecell.analysis.run_cache import Run
+from validation.claims.run import Run
 
 FACTORS = (0.8, 1.0, 1.2)
 NAMES = {"modulus": "modulus", "crimp": "crimp", "mass": "areal density"}

@@ -12,7 +12,7 @@ from fabrics.trellis import locking_angle, locking_modulus, touching_angle
 from shellfabric.coupon.quasistatic import inextensible_shear
 from validation.claims.checks.geometry import FAMILIES, KEVLAR, ranked
 from validation.claims.registry import check
-from weavecell.analysis.run_cache import Run
+from validation.claims.run import Run
 
 
 @check()

@@ -8,7 +8,7 @@ from fabrics import catalogue
 from fabrics.compression import CompressionLaw
 from fabrics.plate_curve import PlateCurve
 from validation.claims.registry import check
-from weavecell.analysis.run_cache import Run
+from validation.claims.run import Run
 
 
 @check()

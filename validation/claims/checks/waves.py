@@ -12,7 +12,7 @@ from shellfabric.output import wave_fronts
 from validation.claims.checks import series
 from validation.claims.checks.geometry import KEVLAR, ranked
 from validation.claims.registry import check
-from weavecell.analysis.run_cache import Run
+from validation.claims.run import Run
 
 
 def shot(fabric, velocity=100.0, **changes):

@@ -8,8 +8,9 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 
 from fabrics.files import replace_whole
+from meshing.pictures_style import BLUE, GREEN, INK, PURPLE, RED
 
-COLOURS = {"k = 0.5": "#0072B2", "k = 1": "#009E73", "k = 2": "#D55E00", "free weft": "#555555", "free warp": "#555555"}
+COLOURS = {"k = 0.5": BLUE, "k = 1": GREEN, "k = 2": RED, "free weft": "#555555", "free warp": "#555555"}
 
 
 def picture(fabric, curves, path):
@@ -38,7 +39,7 @@ def picture(fabric, curves, path):
     plt.close(figure)
 
 
-VARIANTS = (("#222222", "-"), ("#0072B2", "--"), ("#D55E00", "-"), ("#CC79A7", "--"))
+VARIANTS = ((INK, "-"), (BLUE, "--"), (RED, "-"), (PURPLE, "--"))
 
 
 def options(fabric, found, path):
@@ -73,10 +74,10 @@ def options(fabric, found, path):
 def sides(fabric, tests, path):
     """Draw tests, {title: (yarn, {model: (strain, tension)})}: the cells as lines, coupon and crossover as marks."""
     styles = {
-        "cell, source's form": {"color": "#222222", "lw": 1.7}, "cell, variational": {"color": "#0072B2", "ls": "--"},
-        "shell coupon": {"color": "#D55E00", "marker": "o", "ls": "", "mfc": "none", "ms": 7},
-        "3D crossover": {"color": "#009E73", "marker": "^", "ls": "", "ms": 5},
-        "cell, law of the 3D crossover": {"color": "#009E73", "ls": ":", "lw": 1.7},
+        "cell, source's form": {"color": INK, "lw": 1.7}, "cell, variational": {"color": BLUE, "ls": "--"},
+        "shell coupon": {"color": RED, "marker": "o", "ls": "", "mfc": "none", "ms": 7},
+        "3D crossover": {"color": GREEN, "marker": "^", "ls": "", "ms": 5},
+        "cell, law of the 3D crossover": {"color": GREEN, "ls": ":", "lw": 1.7},
     }  # fmt: skip
     figure, axes = plt.subplots(2, 2, figsize=(10, 7.6), layout="constrained")
     for axis, (title, (yarn, models)) in zip(axes.flat, tests.items()):

@@ -8,7 +8,9 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
 
-_COLOURS = ("#0072B2", "#E69F00", "#009E73", "#CC79A7", "#D55E00", "#56B4E9", "#222222")
+from meshing.pictures_style import BLUE, GREEN, INK, ORANGE, PURPLE, RED, SKY
+
+_COLOURS = (BLUE, ORANGE, GREEN, PURPLE, RED, SKY, INK)
 
 
 def _plain(axes, **labels):
@@ -23,7 +25,7 @@ def led(shots, slow, path):
     figure, grid = plt.subplots(2, 2, figsize=(11, 7), sharex="col", height_ratios=(1.4, 1), layout="constrained")
     for column, (group, title) in enumerate(((shots, "100 m/s"), (slow, "36 m/s"))):
         clamped = group["clamped"]
-        for (name, shot), colour in zip(group.items(), ("#222222", *_COLOURS)):
+        for (name, shot), colour in zip(group.items(), (INK, *_COLOURS)):
             late = name.startswith("3 mm, from")
             grid[0, column].plot(1e6 * shot.t, shot.v, color=colour, ls="--" if late else "-", lw=1.6, label=name)
             t = np.linspace(0, min(shot.end, clamped.end), 400)
@@ -48,7 +50,7 @@ def gripped(shots, path):
     """Velocity with grips, and the slip of the ends of the weft yarns over their place along the edge."""
     figure, (left, right) = plt.subplots(1, 2, figsize=(11, 4.2), layout="constrained")
     for (name, shot), colour in zip(shots.items(), _COLOURS):
-        colour = "#222222" if name == "clamped" else colour
+        colour = INK if name == "clamped" else colour
         left.plot(1e6 * shot.t, shot.v, color=colour, lw=1.6, label=name)
         if name != "clamped":
             right.plot(1e3 * shot.place["weft"], 1e3 * shot.slip["weft"], color=colour, lw=1.6, label=name)

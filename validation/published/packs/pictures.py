@@ -9,8 +9,8 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from fabrics.files import replace_whole
+from meshing.pictures_style import BLUE, GREEN, INK, ORANGE, RED
 
-BLUE, ORANGE, GREEN, RED, INK, FAINT = "#0072B2", "#E69F00", "#009E73", "#D55E00", "#1d2733", "#8a94a0"
 _NAMES = {"smooth": "smooth surfaces", "facets": "nodes on facets", "nodes": "node to node"}
 
 

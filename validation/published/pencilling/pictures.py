@@ -9,7 +9,9 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.collections import PolyCollection
 
-_COLOURS = ("#0072B2", "#56B4E9", "#D55E00", "#E69F00", "#009E73", "#222222")
+from meshing.pictures_style import BLUE, GREEN, INK, ORANGE, RED, SKY
+
+_COLOURS = (BLUE, SKY, RED, ORANGE, GREEN, INK)
 
 
 def depths(shots, path):

@@ -12,12 +12,13 @@ import numpy as np
 import pyvista
 
 from fabrics.files import replace_whole
+from meshing.pictures_style import BLUE, GREEN, ORANGE, PURPLE, RED, SKY, WARP, WEFT
 from validation.published.solid_patch.study import clock, node_strains, profile
 
-WARP, WEFT, SHELL = "#D55E00", "#0072B2", "#555555"
+SHELL = "#555555"
 PARTS = (
-    ("kinetic_fabric", "kinetic, fabric", "#0072B2"), ("fibres", "fibres", "#D55E00"), ("solids", "solids", "#009E73"),
-    ("viscous", "viscous", "#CC79A7"), ("hourglass", "hourglass", "#E69F00"), ("contact", "contact", "#56B4E9"),
+    ("kinetic_fabric", "kinetic, fabric", BLUE), ("fibres", "fibres", RED), ("solids", "solids", GREEN),
+    ("viscous", "viscous", PURPLE), ("hourglass", "hourglass", ORANGE), ("contact", "contact", SKY),
 )  # fmt: skip
 
 

@@ -12,8 +12,9 @@ import matplotlib.pyplot as plt
 from matplotlib.ticker import FuncFormatter, NullFormatter
 
 from fabrics.files import replace_whole
+from meshing.pictures_style import BLUE, FAINT, INK, RED
 
-INK, FAINT, BLUE, RED, BAND = "#1d2733", "#8a94a0", "#0072B2", "#D55E00", "#f1ead9"
+BAND = "#f1ead9"
 LEAST = 1e-5  # of a value: nothing below is shown
 LINE = 0.062  # of a panel's height: least distance of two names
 

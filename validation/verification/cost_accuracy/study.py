@@ -3,21 +3,20 @@
 from __future__ import annotations
 
 import shutil
-from importlib import import_module
 
 from fabrics import run_cache
 from fabrics.errors import InputError
 from validation.verification.cost_accuracy.core import judge, timed
 
-SCENES = {
-    "struck-yarn": "struck_yarn",
-    "ply-stopped": "ply_stopped",
-    "ply-perforated": "ply_perforated",
-    "four-ply-pack": "four_ply_pack",
-    "bias-extension": "bias_extension",
-    "biaxial-coupon": "biaxial_coupon",
-    "crossover-path": "crossover_path",
-}  # of the command line: file here
+SCENES = (
+    "struck-yarn",
+    "ply-stopped",
+    "ply-perforated",
+    "four-ply-pack",
+    "bias-extension",
+    "biaxial-coupon",
+    "crossover-path",
+)  # of the command line
 
 
 def scene(key, quick=False):
@@ -29,7 +28,27 @@ def scene(key, quick=False):
     """
     if key not in SCENES:
         raise InputError(key="--scene", value=key, allowed=f"one of {', '.join(SCENES)}")
-    return import_module(f"validation.verification.cost_accuracy.{SCENES[key]}").scene(quick)
+    return _module(key).scene(quick)
+
+
+def _module(key):
+    """The file of a scene, imported when it is needed: the libraries of some may not be installed."""
+    match key:
+        case "struck-yarn":
+            from validation.verification.cost_accuracy import struck_yarn as module
+        case "ply-stopped":
+            from validation.verification.cost_accuracy import ply_stopped as module
+        case "ply-perforated":
+            from validation.verification.cost_accuracy import ply_perforated as module
+        case "four-ply-pack":
+            from validation.verification.cost_accuracy import four_ply_pack as module
+        case "bias-extension":
+            from validation.verification.cost_accuracy import bias_extension as module
+        case "biaxial-coupon":
+            from validation.verification.cost_accuracy import biaxial_coupon as module
+        case "crossover-path":
+            from validation.verification.cost_accuracy import crossover_path as module
+    return module
 
 
 def solve(key, case):

@@ -10,11 +10,11 @@ import numpy as np
 from matplotlib.colors import TwoSlopeNorm
 
 from fabrics.files import replace_whole
+from meshing.pictures_style import COLOURS
 from validation.verification.crossover_convergence.axes import MODEL
 from validation.verification.crossover_convergence.study import measured, name, quantities
 
 INK, FAINT = "#1d2733", "#8a94a0"
-COLOURS = ("#0072B2", "#E69F00", "#009E73", "#D55E00", "#CC79A7", "#56B4E9")
 MARKERS = ("o", "s", "^", "D", "v", "P")
 CONVERGING = ("mesh", "penalty", "toe")
 LEAST = 1e-5  # of a value: nothing below is shown

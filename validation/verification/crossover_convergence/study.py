@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 import tomllib
 from dataclasses import dataclass
 from importlib import resources
@@ -11,7 +12,6 @@ import numpy as np
 
 from fabrics import catalogue, run_cache
 from fabrics.errors import InputError
-from fabrics.executors import as_done, open_executor
 from fabrics.units import si
 from validation.verification.crossover_convergence.axes import BASE, METHOD, axes
 from validation.verification.crossover_convergence.cases import solve
@@ -84,7 +84,7 @@ def scene():
     return catalogue.load(content["fabric"]), paths
 
 
-def run(out, *, level="full", only=None, resume=False, executor="local", jobs=1, progress=None):
+def run(out, *, level="full", only=None, resume=False, executor="local", jobs=1, report=None):
     """Solve all cases of the study.
 
     Parameters
@@ -94,7 +94,7 @@ def run(out, *, level="full", only=None, resume=False, executor="local", jobs=1,
     only : names of axes, or None for all
     resume : take the cases that are done from their files, unless these are of other code
     executor, jobs : as of `fabrics.executors.open_executor`
-    progress : called as progress(share, text) after each case
+    report : called as report(number done, number of all)
 
     Returns
     -------
@@ -112,24 +112,15 @@ def run(out, *, level="full", only=None, resume=False, executor="local", jobs=1,
     chosen = [axis for axis in chosen if only is None or axis.name in only]
     # the dearest first
     cases = sorted({BASE} | {case for axis in chosen for case in axis.cases.values()}, key=lambda c: -np.prod(c.size))
-    keys = {
-        case: run_cache.key((fabric, paths, case.identity), "validation.verification.crossover_convergence.cases")
-        for case in cases
-    }
-    kept = run_cache.RunCache(Path(out) / "cases", run_cache.JSON)
-    results = {case: kept[key]["result"] for case, key in keys.items() if resume and key in kept}
-    waiting = [case for case in cases if case not in results]
-    with open_executor(executor, jobs, fresh=True) as pool:
-        for index, result in as_done(pool, solve, [(fabric, paths, case) for case in waiting]):
-            case, results[waiting[index]] = waiting[index], result
-            kept[keys[case]] = {"case": case.identity, "result": results[case]}
-            if progress is not None:
-                progress(len(results) / len(cases), _name(chosen, case))
+    folder = Path(out) / "cases"
+    if not resume:
+        shutil.rmtree(folder, ignore_errors=True)
+    found = run_cache.results(
+        solve, [(fabric, paths, case) for case in cases], folder=folder, executor=executor, jobs=jobs, fresh=True,
+        batches=False, report=report,
+    )  # fmt: skip
+    results = dict(zip(cases, found))
     return judge(fabric.name, paths, chosen, results)
-
-
-def _name(chosen, case):
-    return next((f"{axis.name}: {label}" for axis in chosen for label, c in axis.cases.items() if c == case), "base")
 
 
 def judge(fabric, paths, chosen, results):

@@ -9,9 +9,9 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from fabrics.files import replace_whole
+from meshing.pictures_style import COLOURS
 from validation.verification.mesh_convergence.study import ALLOWED
 
-COLOURS = ("#0072B2", "#E69F00", "#009E73", "#D55E00", "#CC79A7", "#56B4E9")
 MARKERS = ("o", "s", "^", "D", "v", "P")
 
 

@@ -12,9 +12,9 @@ from matplotlib.colors import BoundaryNorm, ListedColormap
 from matplotlib.patches import Patch
 
 from fabrics.files import replace_whole
+from meshing.pictures_style import BLUE, FAINT, INK
 from validation.verification.stability.core import FAILED, STABLE, WRONG
 
-INK, FAINT, BLUE = "#1d2733", "#8a94a0", "#0072B2"
 KINDS = {STABLE: "#cfe8dc", WRONG: "#f5d998", FAILED: "#eda58c"}
 CELL = 0.62, 0.46  # inches
 

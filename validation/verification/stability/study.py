@@ -3,27 +3,26 @@
 from __future__ import annotations
 
 import shutil
-from importlib import import_module
 
 from fabrics import run_cache
 from fabrics.errors import InputError
 from fabrics.executors import open_executor
 from validation.verification.stability.core import explore
 
-MAPS = {
-    "time-step": "time_step",
-    "viscosity": "viscosity",
-    "hourglass": "hourglass",
-    "penalty": "penalty",
-    "edge-radius": "edge_radius",
-    "newton": "newton",
-    "bracket": "bracket",
-    "printed-law": "printed_law",
-    "bars": "bars",
-    "load-step": "load_step",
-    "plies": "plies",
-    "bias": "bias",
-}  # of the command line: file here
+MAPS = (
+    "time-step",
+    "viscosity",
+    "hourglass",
+    "penalty",
+    "edge-radius",
+    "newton",
+    "bracket",
+    "printed-law",
+    "bars",
+    "load-step",
+    "plies",
+    "bias",
+)  # of the command line
 
 
 def load(key, quick=False):
@@ -35,7 +34,37 @@ def load(key, quick=False):
     """
     if key not in MAPS:
         raise InputError(key="--map", value=key, allowed=f"one of {', '.join(MAPS)}")
-    return import_module(f"validation.verification.stability.{MAPS[key]}").chart(quick)
+    return _module(key).chart(quick)
+
+
+def _module(key):
+    """The file of a map, imported when it is needed: the libraries of some may not be installed."""
+    match key:
+        case "time-step":
+            from validation.verification.stability import time_step as module
+        case "viscosity":
+            from validation.verification.stability import viscosity as module
+        case "hourglass":
+            from validation.verification.stability import hourglass as module
+        case "penalty":
+            from validation.verification.stability import penalty as module
+        case "edge-radius":
+            from validation.verification.stability import edge_radius as module
+        case "newton":
+            from validation.verification.stability import newton as module
+        case "bracket":
+            from validation.verification.stability import bracket as module
+        case "printed-law":
+            from validation.verification.stability import printed_law as module
+        case "bars":
+            from validation.verification.stability import bars as module
+        case "load-step":
+            from validation.verification.stability import load_step as module
+        case "plies":
+            from validation.verification.stability import plies as module
+        case "bias":
+            from validation.verification.stability import bias as module
+    return module
 
 
 def solve(key, x, y):

@@ -150,8 +150,10 @@ def picture(found: Fit, tests, path):
     matplotlib.use("Agg")
     import matplotlib.pyplot as plt
 
+    from meshing.pictures_style import BLUE, GREEN, PURPLE, RED
+
     figure, axes = plt.subplots(1, 2, figsize=(10, 4.4), layout="constrained", squeeze=False)
-    for colour, (name, test) in zip(("#009E73", "#0072B2", "#D55E00", "#CC79A7"), tests.items()):
+    for colour, (name, test) in zip((GREEN, BLUE, RED, PURPLE), tests.items()):
         computed, (low, high) = found.tension(test.strain), found.band(test.strain)
         for family, axis in enumerate(axes[0]):
             x = 100 * test.strain[:, family]

@@ -9,8 +9,9 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from fabrics.files import replace_whole
+from meshing.pictures_style import BLUE, RED
 
-BLUE, RED, GREY = "#0072B2", "#D55E00", "#555555"
+GREY = "#555555"
 
 
 def history(name, found, path):

@@ -3,12 +3,15 @@
     P(V) = F((V - V50) / s)   with F of the standard normal (probit) or logistic (logit) distribution
 
 V50 and s have the largest likelihood, intervals those values at which the profile likelihood has fallen by half the
-quantile of chi^2 (1): they hold for few shots and are not symmetric. With beta = 1 / s, and any V_P = V50 + z_P s in
+quantile of chi^2 (1): they hold for few shots too, unsymmetric. With beta = 1 / s, and any V_P = V50 + z_P s in
 the place of V50, the logarithm of the likelihood is concave in beta, so that every profile has one top. Since P reaches
 0 and 1 nowhere, V0 and V100 are taken where it is `LOW` and `HIGH`.
 
 Where no shot that stopped was faster than one that perforated, the likelihood is largest for s = 0 with V50 anywhere
-between them: the middle is given, and the intervals are those of the profile as ever.
+between them: the middle is given, and the intervals are those of the profile as ever, too narrow for V0 and V100 then.
+
+statsmodels finds the same curves (a test holds them against each other). It is not used here: where shots are
+separated it does not converge, and its intervals are those of a normal distribution, too narrow for few shots.
 """
 
 from __future__ import annotations

@@ -1,8 +1,13 @@
-"""One look for all plots: sizes, and a palette that colour-blind readers can tell apart (Okabe and Ito, 2008)."""
+"""One look for all pictures: sizes, and a palette that colour-blind readers can tell apart (Okabe and Ito, 2008).
+
+In the lowest package that draws, for all above it.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from contextlib import contextmanager
+from typing import Any
 
 INK = "#1d2733"
 FAINT = "#8a94a0"
@@ -13,7 +18,8 @@ RED = "#D55E00"
 PURPLE = "#CC79A7"
 SKY = "#56B4E9"
 
-WARP, WEFT = BLUE, RED  # as in the pictures of the mesh
+WARP, WEFT = BLUE, RED
+TINTS = {"warp": "#3d93c8", "weft": "#e27a3a"}  # of the same, for solids under a light
 FITTED, PUBLISHED = BLUE, ORANGE
 COLOURS = (BLUE, ORANGE, GREEN, RED, PURPLE, SKY)
 STEEL = "#7c8794"
@@ -55,7 +61,7 @@ _SETTINGS = {
 }
 
 
-def tension_map():
+def tension_map() -> Any:
     """The colour map of tensions."""
     from matplotlib.colors import LinearSegmentedColormap
 
@@ -63,7 +69,7 @@ def tension_map():
 
 
 @contextmanager
-def plots():
+def plots() -> Iterator[Any]:
     """Within the block matplotlib draws off screen and in this project's look; yields pyplot."""
     import matplotlib
 

@@ -4,7 +4,9 @@ import numpy as np
 import pytest
 from scipy.optimize import least_squares as reference
 
-from unitcell3d.identify.levenberg_marquardt import solve
+pytest.importorskip("dfols")
+
+from unitcell3d.identify.least_squares import solve
 
 t = np.linspace(0, 3, 12)
 FREE = (np.full(3, -10.0), np.full(3, 10.0))
@@ -16,26 +18,29 @@ def curve(x):
 
 
 class Counted:
-    def __init__(self, data):
-        self.data, self.calls, self.rounds = data, 0, 0
+    def __init__(self, data, noise=0.0, random=None):
+        self.data, self.noise, self.random, self.calls = data, noise, random, 0
 
     def __call__(self, points):
         self.calls += len(points)
-        self.rounds += 1
-        return [curve(x) - self.data for x in points]
+        errors = [self.noise * self.random.standard_normal(len(t)) if self.noise else 0.0 for _ in points]
+        return [curve(x) - self.data + error for x, error in zip(points, errors)]
 
 
-@pytest.mark.parametrize("trials", [1, 2, 4])
-def test_finds_the_minimum_of_scipy_with_few_evaluations(trials):
-    noisy = curve(np.array([0.7, -0.4, 0.2])) + 0.01 * np.random.default_rng(5).standard_normal(len(t))
-    evaluate = Counted(noisy)
-    found = solve(evaluate, np.array([-0.5, 0.5, -1.0]), FREE, trials=trials)
-    exact = reference(lambda x: curve(x) - noisy, (-0.5, 0.5, -1.0), xtol=1e-12, ftol=1e-12)
+@pytest.mark.parametrize("seed", range(10))
+@pytest.mark.parametrize("noise", [0.0, 1e-4])
+def test_finds_the_minimum_of_scipy_with_few_evaluations(seed, noise):
+    """From starts that are a factor of two off, also where each evaluation has an error of its own."""
+    random = np.random.default_rng(seed)
+    start = np.array([0.7, -0.4, 0.2]) + 0.7 * random.standard_normal(3)
+    data = curve(np.array([0.7, -0.4, 0.2])) + 0.01 * random.standard_normal(len(t))
+    evaluate = Counted(data, noise, random)
+    found = solve(evaluate, start, FREE)
+    exact = reference(lambda x: curve(x) - data, start, xtol=1e-12, ftol=1e-12)
     assert found.met
-    assert np.sum(found.residual**2) <= 1.02 * 2 * exact.cost
-    assert found.residual == pytest.approx(curve(found.x) - noisy)
-    assert evaluate.calls < 12 * (3 + trials)
-    assert evaluate.rounds < 20
+    assert np.sum((curve(found.x) - data) ** 2) <= 1.02 * 2 * exact.cost
+    assert found.residual == pytest.approx(curve(found.x) - data, abs=5 * noise + 1e-12)
+    assert evaluate.calls < 50
 
 
 def test_jacobian_is_that_of_the_solution():
