@@ -94,9 +94,9 @@ def row_positions(state, const, i, first, last, x):
 
 
 @kernel()
-def node_weights(s, bent):
-    """Spline weights of a node and its two neighbours, at s = -1/2 ... 1/2 elements from it; quadratic if `bent`."""
-    if bent:
+def node_weights(s, quadratic):
+    """Spline weights of a node and its two neighbours, at s = -1/2 ... 1/2 elements from it; `quadratic` or linear."""
+    if quadratic:
         return 0.5 * (0.5 - s) ** 2, 0.75 - s * s, 0.5 * (0.5 + s) ** 2
     return max(-s, 0.0), 1.0 - abs(s), max(s, 0.0)
 
@@ -109,15 +109,15 @@ def shape_functions(p, room):
     sixteen nodes is a product of two. Points beyond p x p have none.
     """
     found = np.zeros((2, 8, room))
-    for bent in range(2):
+    for quadratic in range(2):
         for a in range(p):
             s = (a + 0.5) / p
             q = quadrant(a, p)
-            three = node_weights(s - q, bent == 1)
+            three = node_weights(s - q, quadratic == 1)
             for m in range(3):
                 for b in range(p):
-                    found[bent, q + m, a * p + b] = three[m]
-                    found[bent, 4 + q + m, b * p + a] = three[m]
+                    found[quadratic, q + m, a * p + b] = three[m]
+                    found[quadratic, 4 + q + m, b * p + a] = three[m]
     return found
 
 
@@ -133,8 +133,8 @@ def torn_shape_functions(state, const, i, j, found):
     p = const.points_per_side
     for q in range(2):
         for r in range(2):
-            bent1, bent2 = quadratic_directions(state, const, i, j, q, r)
-            warp, weft = const.shape_functions[1 if bent1 else 0], const.shape_functions[1 if bent2 else 0]
+            quadratic1, quadratic2 = quadratic_directions(state, const, i, j, q, r)
+            warp, weft = const.shape_functions[1 if quadratic1 else 0], const.shape_functions[1 if quadratic2 else 0]
             half = (p + 1) // 2
             for a in range(q * half, half + q * (p - half)):
                 for k in range(a * p + r * half, a * p + half + r * (p - half)):
