@@ -134,6 +134,22 @@ def kernels_that_import_other_files(root):
     return found
 
 
+def solvers_beside_the_driver(root):
+    """One time-integration driver: solvers of shellfabric derive from its ExplicitSolver, and it alone calls hooks."""
+    found = []
+    for name, path in sources(root, ["shellfabric"]).items():
+        if name.startswith("shellfabric/driver/"):
+            continue
+        text = path.read_text("utf-8")
+        found += [
+            f"{name} has the solver {own} of its own"
+            for own in re.findall(r"^class (\w*Solver)\b(?!\(\w*Solver\))", text, flags=re.MULTILINE)
+        ]
+        if re.search(r"^\s*for hook in\b", text, flags=re.MULTILINE):
+            found.append(f"{name} calls hooks")
+    return found
+
+
 def folders_with_too_many_files(root):
     folders = Counter(str(path.parent.relative_to(root)) for path in sources(root, [*FLOORS, "tests"]).values())
     return [f"{folder} holds {count} files" for folder, count in folders.items() if count > MOST_FILES]
@@ -272,7 +288,7 @@ RULES = {
     for rule in (
         packages_without_a_floor, imports_that_run_upwards, imports_against_the_layers,
         analyses_that_import_the_rest_of_weavecell, kernels_that_import_other_files, folders_with_too_many_files,
-        imports_by_computed_names, circles, colours_of_their_own,
+        imports_by_computed_names, circles, colours_of_their_own, solvers_beside_the_driver,
         versions_of_dolfinx_outside_compat, kernels_that_are_not_plain, kernel_arguments_outside_the_cache,
         kernels_that_the_package_does_not_import, public_functions_without_types,
     )
@@ -328,6 +344,8 @@ PLANTED = [
     ),
     ("kernels_that_import_other_files", "shellfabric/cell/deep/new_kernels.py", "from fabrics import yarn\n"),
     ("kernels_that_import_other_files", "shellfabric/cloth/new_kernels.py", "from shellfabric.panel import model\n"),
+    ("solvers_beside_the_driver", HERE, "class NewSolver:\n    pass\n"),
+    ("solvers_beside_the_driver", HERE, "def run(hooks):\n    for hook in hooks:\n        hook()\n"),
     ("imports_by_computed_names", HERE, "import importlib\nimportlib.import_module('weavecell')\n"),
     ("colours_of_their_own", "validation/cases/pictures.py", 'WARP, WEFT = "#D55E00", "#0072B2"\n'),
     ("circles", HERE, "from shellfabric.panel import model\ndef f():\n    from shellfabric.cell.deep import other\n"),

@@ -202,14 +202,18 @@ class ExplicitSolver:
         UnstableError : a number that is not finite, an energy error beyond its limit, a contact that gains energy, or
             a node that is too fast (`speed_limit`); samples and state stay as they are
         """
-        with self._workers():
-            while not self.ended:
-                self._advance_to_sample()
-                self._sample()
-                self._guard()
-                self.sampled()
-                for hook in hooks:
-                    hook(self)
+        try:
+            with self._workers():
+                while not self.ended:
+                    self._advance_to_sample()
+                    self._sample()
+                    self._guard()
+                    self.sampled()
+                    for hook in hooks:
+                        hook(self)
+        except UnstableError:
+            self.reason = NOT_FINITE
+            raise
         return self
 
     @contextmanager
@@ -307,8 +311,7 @@ class ExplicitSolver:
             self.stop(f"the energy balance is off by {100 * error:.2g} % of the strike energy", self.where(*place))
 
     def stop(self, message, where, when=None):
-        """End the run as unstable: raises UnstableError."""
-        self.reason = NOT_FINITE
+        """End the run: raises UnstableError."""
         raise UnstableError(message, where=where, when=when or self.when)
 
 

@@ -179,6 +179,19 @@ def test_a_guard_ends_the_run_and_says_where(name):
     assert sum(map(len, solver.step_history)) == solver.steps  # what was computed is kept
 
 
+def test_what_a_part_of_the_model_raises_makes_the_run_unstable():
+    def broken(history):
+        if len(history):
+            raise UnstableError("a brick is turned inside out")
+        return 0, RUNNING
+
+    solver = Oscillator(10e-3)
+    solver.advance = broken
+    with pytest.raises(UnstableError, match="inside out"):
+        solver.run()
+    assert solver.outcome == "unstable"
+
+
 @pytest.mark.parametrize(
     "change",
     [
