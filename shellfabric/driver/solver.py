@@ -46,7 +46,7 @@ class ExplicitSolver:
     ----------
     sample_names : of the columns of a sample: "t", those of `observe`, energy_names
     energy_names : of the energies; the last is the energy error
-    contacts : {name of an energy: name in messages} of contacts, which can store and lose energy but not give any
+    contacts : ((energy, name in messages), ...) of contacts, which can store and lose energy but not give any
     history_columns : number of columns of step_history
     counters : names of the numbers that a checkpoint keeps
     share : modelled part of the whole [-]
@@ -66,7 +66,7 @@ class ExplicitSolver:
 
     sample_names: tuple[str, ...] = ()
     energy_names: tuple[str, ...] = ()
-    contacts: dict[str, str] = {"contact": "the contact"}  # noqa: RUF012
+    contacts: tuple[tuple[str, str], ...] = (("contact", "the contact"),)
     counters: tuple[str, ...] = ("reason", "wall_time")
     history_columns = 0
 
@@ -299,7 +299,7 @@ class ExplicitSolver:
         excess, speed, *place = max(fastest)
         if self.reason == NOT_FINITE or not np.isfinite(self.samples[-1]).all():
             self.stop("a number is not finite", self.where(*place))
-        for name, contact in self.contacts.items():
+        for name, contact in self.contacts:
             message = energy_gain_message(row[name], self.strike_energy)
             if message:
                 self.stop(f"{contact} {message}", self.where(*place))

@@ -38,7 +38,7 @@ class PackSolver(ClothSolver):
     """
 
     sample_names, energy_names = PACK_SAMPLES, PACK_ENERGIES
-    contacts = {"contact": "the contact with the nose", "plies": "the contact between plies"}  # noqa: RUF012
+    contacts = ("contact", "the contact with the nose"), ("plies", "the contact between plies")
     module = "shellfabric.impact.pack"
 
     def __init__(self, pack: Pack, strike_velocity, end_time, *, interval=2e-6, energy_error_limit=0.05):
