@@ -38,7 +38,7 @@ class Oscillator(ExplicitSolver):
         self.const, self.ends, self.disturb = SimpleNamespace(dt=DT), ends, disturb or (lambda solver: None)
         self.x, self.v, self.counter = np.zeros(1), np.array([V0]), np.zeros(1, np.int64)
         self.contact, self.stiffness = np.zeros(1), stiffness
-        self.state = SimpleNamespace(speed=np.zeros(3))
+        self.state = SimpleNamespace(projectile_velocity=np.zeros(3))
         self.node_limit = np.inf
         self._begin(DT)
 

@@ -15,7 +15,7 @@ ZONES = ((6, 1), (inf, 2))
 
 def grid(const, flat):
     """(ni+1, nj+1) view of an array of the state."""
-    return flat[: (const.ni + 1) * const.s].reshape(const.ni + 1, const.s)
+    return flat[: (const.ni + 1) * const.row_stride].reshape(const.ni + 1, const.row_stride)
 
 
 @pytest.mark.parametrize("symmetry", ["quarter", "half", "whole"])
@@ -54,7 +54,7 @@ def test_reactions_are_the_tension_of_the_yarn_nearest_the_impact_point(small):
         const, state = panel.constants(), panel.state(100.0)
         (i, j), _ = ends = boundary.ends(panel)
         share = 0.5 if const.mirror_y else 1.0  # of the yarn that is modelled
-        state.g0[0][i * const.s + j] = -30.0 * share
+        state.f_int[0][i * const.row_stride + j] = -30.0 * share
         assert ply_audit.edge_reactions(panel, const, state, ends) == pytest.approx((30.0, 0.0))
 
 
