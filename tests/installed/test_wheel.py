@@ -163,7 +163,7 @@ COMMANDS = (
     "critical-velocity ply.toml --tolerance 20m/s --residual-shots 0 --jobs 1 --out limit",
     "v50 S-720 --shots 8 --batch 4 --jobs 1 --opening 30.6mm --seed 2 --out v50",
     "sensitivity S-720 --velocity 60m/s --samples 2 --jobs 1 --opening 20mm --out sobol",
-    "chart --scene struck-yarn --quick --out chart",
+    "cost-accuracy --scene struck-yarn --quick --out chart",
     "stability --map printed-law --quick --out stability",
     "validate --topic geom --jobs 1 --out validate",
     "mesh S-720 --mesh coarse --format msh,vtu,k,inp,rad --out mesh",

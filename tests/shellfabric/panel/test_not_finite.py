@@ -17,7 +17,7 @@ CODE = """
     march = PackSolver(PackSetup(ply, 2, gap=1e-4).pack(), 91.0, 50e-6)
     state, const = march.states[1], march.pack.plies[1].constants()
     for place in ((np.nan, np.nan), (np.nan, 3.0), (3.0, np.nan), (-0.5, -0.5), (float(const.ni), float(const.nj))):
-        assert ply_surface_kernels.whole_about(state, const, *place)
+        assert ply_surface_kernels.intact_about(state, const, *place)
 """
 
 
