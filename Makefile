@@ -20,7 +20,8 @@ test: setup lint  ## everything but the long validation runs
 	$(QUICK) $(APART:%=--ignore=%)
 	$(QUICK) tests/meshing
 	$(QUICK) tests/validation
-	$(QUICK) tests/weavecell
+	$(QUICK) tests/weavecell --ignore=tests/weavecell/commands
+	$(QUICK) tests/weavecell/commands
 
 test-slow: setup  ## the long tests, the published outcomes among them; each process takes the next as it gets free
 	$(RUN) pytest -n $(JOBS) --dist load --maxschedchunk 1 -m slow

@@ -64,7 +64,8 @@ def test_the_section_of_the_report():
 @pytest.mark.parametrize("plies", [1, 2])
 def test_a_run_with_an_edge_that_no_point_of_contact_resolves(tmp_path, capsys, plies):
     path = tmp_path / "scene.toml"
-    path.write_text(SCENE.format(edge="0.05 mm", plies=plies), encoding="utf-8")
+    few = "\n[numerics]\ncontact_points = 8\n"  # those of the default follow the edge
+    path.write_text(SCENE.format(edge="0.05 mm", plies=plies) + few, encoding="utf-8")
     with pytest.raises(DoubtfulError, match="contact point spacing"):
         impact(path, tmp_path / "out", strict=True)
     summary = json.loads((tmp_path / "out" / "summary.json").read_text())
