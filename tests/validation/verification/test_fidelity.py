@@ -194,7 +194,7 @@ class TestCheck:
                 raise found
             return found
 
-        monkeypatch.setattr(select.impact, "run", run)
+        monkeypatch.setattr(select.single_ply, "run", run)
         return select.answer(setup, asked, book=cls.known, fixed=fixed), calls
 
     def test_a_promise_that_holds(self, monkeypatch):
