@@ -17,7 +17,7 @@ def made(points):
 
 
 @pytest.mark.parametrize("points", POINTS)
-@pytest.mark.parametrize("quadratic", (False, True))
+@pytest.mark.parametrize("quadratic", [False, True])
 def test_shape_functions_reproduce_a_plane(points, quadratic):
     """They sum to one and interpolate the places -1, 0, 1, 2 of the nodes to a point's own, (a + 1/2) / points."""
     found = made(points)["shape_functions"][int(quadratic), :, : points**2]
@@ -32,7 +32,8 @@ def test_shape_functions_reproduce_a_plane(points, quadratic):
 def test_shape_functions_fill_whole_vectors_with_nothing(points):
     found = made(points)["shape_functions"]
     assert found.shape[:2] == (2, 8)
-    assert found.shape[2] % WIDTH == 0 and 0 <= found.shape[2] - points**2 < WIDTH
+    assert found.shape[2] % WIDTH == 0
+    assert 0 <= found.shape[2] - points**2 < WIDTH
     assert not found[:, :, points**2 :].any()
 
 
@@ -40,18 +41,20 @@ def test_shape_functions_fill_whole_vectors_with_nothing(points):
 def test_an_element_is_as_stiff_and_heavy_whatever_its_points(points):
     found = made(points)
     stiffness, damping, mass = (points**2 * found[f"point_{name}"] for name in ("stiffness", "damping", "mass"))
-    assert found["points_per_side"] == points and found["implicit_factor"] == 0
+    assert found["points_per_side"] == points
+    assert found["implicit_factor"] == 0
     assert mass == pytest.approx(MASS, rel=1e-14)
     assert stiffness == pytest.approx(PENALTY * MASS / DT**2, rel=1e-14)
     assert damping / (2 * np.sqrt(stiffness * mass)) == pytest.approx(DAMPING, rel=1e-14)  # of critical
 
 
-@pytest.mark.parametrize("friction, shape", [(0.0, (0, 0, 6)), (0.2, (12, 9, 6))])
+@pytest.mark.parametrize(("friction", "shape"), [(0.0, (0, 0, 6)), (0.2, (12, 9, 6))])
 def test_state_has_a_place_for_each_element_and_point(friction, shape):
     shares = made(3)["shape_functions"]
     state = contact.contact_state((2, 5, 1, 5), 3, shares, friction)
     assert state["last_contact_force"].shape == (3 * 4, 4, shares.shape[2])
-    assert state["in_contact"].shape == (12,) and not state["in_contact"].any()
+    assert state["in_contact"].shape == (12,)
+    assert not state["in_contact"].any()
     assert state["friction_state"].shape == shape
     assert state["force_scale"].tolist() == [contact_kernels.MIN_FORCE_SCALE]
     for name in contact.PREDICTED:
@@ -70,5 +73,6 @@ def test_scratch_has_room_for_the_widest_of_several_panels():
     assert scratch.torn_shape_functions.shape == (8, 64)
     assert scratch.point_data.shape == (13, WIDTH)
     assert scratch.node_position.shape == scratch.node_velocity.shape == (16, 3)
-    assert scratch.node_dv.shape == (2, 16, 3) and scratch.node_force.shape == (3, 16)
+    assert scratch.node_dv.shape == (2, 16, 3)
+    assert scratch.node_force.shape == (3, 16)
     assert not any(part.any() for part in scratch)
