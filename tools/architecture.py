@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import argparse
 import ast
+import inspect
 import sys
 import tempfile
 from collections import Counter
@@ -54,7 +55,7 @@ class Record:
         self.calls, self.first = Counter(), {}
 
     def __call__(self, frame, event, _):
-        if event != "call" or frame.f_code.co_name in ("<module>", "<lambda>"):
+        if event != "call" or not frame.f_code.co_flags & inspect.CO_OPTIMIZED:  # bodies of modules and classes
             return
         callee = self.name(frame.f_code.co_filename)
         if callee is None:
@@ -107,7 +108,7 @@ def diagram():
     from matplotlib.patches import FancyBboxPatch
 
     figure, axes = pyplot.subplots(figsize=(11, 8.2))
-    axes.set(xlim=(0, 110), ylim=(0, 82))
+    axes.set(xlim=(0, 114), ylim=(0, 82))
     axes.axis("off")
 
     def box(x, y, w, h, title, rows, colour):
@@ -159,8 +160,8 @@ def diagram():
         ["yarn, weave, laws, response surface, catalogue, units, errors, result and kernel caches"],
         COLOURS[0],
     )
-    axes.annotate("", (108.2, 3), (108.2, 79), arrowprops={"arrowstyle": "->", "color": "#334", "lw": 1.4})
-    axes.text(107.2, 64.5, "imports", rotation=90, va="center", ha="right", fontsize=8, color="#334")
+    axes.annotate("", (111.8, 2), (111.8, 80), arrowprops={"arrowstyle": "->", "color": "#334", "lw": 1.4})
+    axes.text(112.4, 41, "imports", rotation=90, va="center", ha="left", fontsize=8, color="#334")
     figure.savefig(FIGURE, bbox_inches="tight", metadata={"Date": None})
     pyplot.close(figure)
 
@@ -191,9 +192,9 @@ def text(scene, record):
         "",
         "## Data flow of one shot",
         "",
-        f"`weavecell impact {scene}` calls functions of {len(files)} files, in this order of their first call. "
-        f"{len(up)} pairs of files call\nfrom a lower layer to a higher one; each is a function that was handed down "
-        "(a hook, a callback of the progress bar), since\nimports run downwards only.",
+        f"`weavecell impact {scene}` calls functions of {len(files)} files, in this order of their first call.\n"
+        f"{len(up)} pairs of files call from a lower layer to a higher one: a hook or a callback that was handed down, or "
+        "a method of a\nderived class, since imports run downwards only.",
         "",
         "| file | called first by |",
         "| --- | --- |",
