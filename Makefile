@@ -20,7 +20,8 @@ test: setup lint  ## everything but the long validation runs
 	$(QUICK) $(APART:%=--ignore=%)
 	$(QUICK) tests/meshing
 	$(QUICK) tests/validation
-	$(QUICK) tests/weavecell
+	$(QUICK) tests/weavecell --ignore=tests/weavecell/commands
+	$(QUICK) tests/weavecell/commands
 
 test-slow: setup  ## the long tests, the published outcomes among them; each process takes the next as it gets free
 	$(RUN) pytest -n $(JOBS) --dist load --maxschedchunk 1 -m slow
@@ -36,9 +37,9 @@ figures: demo  ## the figures of README and docs
 	$(RUN:-m=) tools/figures.py $(RESULTS)/demo
 
 charts: setup  ## docs/charts.md, stability.md and crossover.md with their figures: a quarter of an hour of one core
-	$(RUN) weavecell chart --all --out $(RESULTS)/charts --page docs/charts.md
+	$(RUN) weavecell cost-accuracy --all --out $(RESULTS)/charts --page docs/charts.md
 	$(RUN) weavecell stability --all --out $(RESULTS)/stability --page docs/stability.md
-	$(RUN) weavecell chart --scene crossover --out $(RESULTS)/chart-crossover
+	$(RUN) weavecell cost-accuracy --scene crossover --out $(RESULTS)/chart-crossover
 	cp $(RESULTS)/chart-crossover/crossover.md docs/
 	cp $(RESULTS)/chart-crossover/figures/crossover-*.png docs/figures/
 

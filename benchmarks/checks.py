@@ -13,38 +13,39 @@ import statistics
 import time
 
 from fabrics import catalogue
-from shellfabric import contact_kernels, march_kernels
-from shellfabric.cell import CellModel
-from shellfabric.compiled import entry
-from shellfabric.march import March
-from shellfabric.panel import Numerics, Panel
+from shellfabric.cell.model import CellModel
+from shellfabric.jit.compile import entry
+from shellfabric.panel import step_kernels as panel_step_kernels
+from shellfabric.panel.model import Numerics, Panel
+from shellfabric.panel.solver import PanelSolver
+from shellfabric.projectile import contact_kernels
 
 
 @entry()
 def many(state, times):
-    """What `march_kernels.lead` adds to a step, so many times."""
+    """What `panel.step_kernels.run_steps_main` adds to a step, so many times."""
     exchanged, before = 0.0, 0.0
     for _ in range(times):
         state.contact_energy[contact_kernels.CONTACT] += 1.0
-        now = march_kernels.worked(state)
+        now = panel_step_kernels.internal_work(state)
         exchanged, before = exchanged + abs(now - before), now
     return exchanged
 
 
 def shares(panel, velocity, interval):
     """(monitor, checks, kernel) as shares of the CPU time of one run [-], and how many checks there were."""
-    march, spent = March(panel, velocity, 250e-6, interval=interval), {"audited": 0.0, "_check": 0.0}
-    for owner, name in ((march.monitor, "audited"), (march, "_check")):
+    march, spent = PanelSolver(panel, velocity, 250e-6, interval=interval), {"sampled": 0.0, "_check_energy": 0.0}
+    for owner, name in ((march.monitor, "sampled"), (march, "_check_energy")):
         setattr(owner, name, _timed(getattr(owner, name), spent, name))
     start = time.process_time()
     march.run()
     total = time.process_time() - start
-    march_kernels.worked(march.state)
+    panel_step_kernels.internal_work(march.state)
     many(march.state, 1)
     start = time.process_time()
     many(march.state, 100_000)
     kernel = (time.process_time() - start) / 100_000 * march.steps
-    return spent["audited"] / total, spent["_check"] / total, kernel / total, march.checks
+    return spent["sampled"] / total, spent["_check_energy"] / total, kernel / total, march.checks
 
 
 def _timed(function, spent, name):
@@ -60,7 +61,7 @@ def main():
     arguments = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     arguments.add_argument("--repeats", type=int, default=20)
     repeats = arguments.parse_args().repeats
-    panel = Panel(CellModel(catalogue.load("S-720").effective()).table(201), numerics=Numerics(threads=1))
+    panel = Panel(CellModel(catalogue.load("S-720").with_effective_density()).table(201), numerics=Numerics(threads=1))
     for velocity, interval in ((92.5, 2e-6), (155.0, 2e-6), (92.5, 10e-6), (300.0, 10e-6)):
         found = [shares(panel, velocity, interval) for _ in range(repeats)]
         monitor, checks, kernel = (100 * statistics.median(row[k] for row in found) for k in range(3))

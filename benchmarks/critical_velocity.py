@@ -2,7 +2,7 @@
 
 Run with nothing else on the machine:
 
-    taskset -c 0 python benchmarks/critical_velocity.py [FABRIC ...] [--workers 1] [--repeats 3] [--out FILE.json]
+    taskset -c 0 python benchmarks/critical_velocity.py [FABRIC ...] [--jobs 1] [--repeats 3] [--out FILE.json]
 
 Reported are medians of the time from a fabric to its bracket: one table, then shots. The kernels are compiled before
 (warm), by one shot that is not counted. CPU time stands beside wall time: where it is the smaller, at one worker, the
@@ -21,24 +21,24 @@ from pathlib import Path
 from shell import machine
 
 from fabrics import catalogue
-from shellfabric import limit
-from shellfabric.impact import ImpactSetup
+from shellfabric.impact import ballistic_limit
+from shellfabric.impact.single_ply import ImpactSetup
 
 FABRICS = ("S-720", "S-726", "S-727", "S-728", "S-731", "S-745")
 
 
-def bisect(fabric, workers):
+def bisect(fabric, jobs):
     """(Limit, times) of one search; times in s: table, wall and CPU of all of it."""
     wall, cpu = time.perf_counter(), time.process_time()
     panel = ImpactSetup(fabric, 1.0).panel()
     table = time.perf_counter() - wall
-    found = limit.critical_velocity(panel, workers=workers)
+    found = ballistic_limit.critical_velocity(panel, jobs=jobs)
     return found, (table, time.perf_counter() - wall, time.process_time() - cpu)
 
 
-def measure(name, workers, repeats):
+def measure(name, jobs, repeats):
     """The limit of a fabric and the medians of its cost."""
-    runs = [bisect(catalogue.load(name).effective(), workers) for _ in range(repeats)]
+    runs = [bisect(catalogue.load(name).with_effective_density(), jobs) for _ in range(repeats)]
     found = runs[0][0]
     table, wall, cpu = (round(statistics.median(column), 3) for column in zip(*(times for _, times in runs)))
     return {
@@ -54,14 +54,14 @@ def measure(name, workers, repeats):
 def main():
     arguments = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     arguments.add_argument("fabrics", nargs="*", default=FABRICS, metavar="FABRIC")
-    arguments.add_argument("--workers", type=int, default=1)
+    arguments.add_argument("--jobs", type=int, default=1)
     arguments.add_argument("--repeats", type=int, default=3)
     arguments.add_argument("--out", type=Path)
     chosen = arguments.parse_args()
-    limit.shoot(ImpactSetup(catalogue.load("S-720").effective(), 1.0).panel(), [200.0])
-    report = {"machine": machine() | {"cores_used": chosen.workers}, "fabrics": {}}
+    ballistic_limit.shoot(ImpactSetup(catalogue.load("S-720").with_effective_density(), 1.0).panel(), [200.0])
+    report = {"machine": machine() | {"cores_used": chosen.jobs}, "fabrics": {}}
     for name in chosen.fabrics:
-        report["fabrics"][name] = measure(name, chosen.workers, chosen.repeats)
+        report["fabrics"][name] = measure(name, chosen.jobs, chosen.repeats)
     report["machine"]["load_average_after"] = os.getloadavg()[0]
     text = json.dumps(report, indent=2)
     print(text)

@@ -18,12 +18,12 @@ from pathlib import Path
 
 from fabrics import catalogue
 from meshing import crossover as mesher
-from unitcell3d import cases
-from unitcell3d.linear import DirectSolver
-from unitcell3d.model import CrossoverModel, Load
-from unitcell3d.newton import Newton
-from unitcell3d.stepping import at_rest, visit
-from unitcell3d.surface import sample
+from unitcell3d.assembly.linear_solver import DirectSolver
+from unitcell3d.cases import biaxial_and_platens
+from unitcell3d.identify.response_surface import sample
+from unitcell3d.model.crossover import CrossoverModel, Load
+from unitcell3d.solver.load_stepping import continue_to, rest_state
+from unitcell3d.solver.newton import Newton
 
 RATIOS = ((1, 1), (1, 0), (0, 1))
 SWEEP = 50  # solves up a path and down again in the measurement of memory
@@ -35,12 +35,12 @@ def paths(fabric, size):
     factor = DirectSolver.factor
     DirectSolver.factor = lambda solver: (taken.append(1), factor(solver))
     mesh = mesher.build(fabric, size=size)
-    cases.biaxial(mesh, fabric, (1, 1), reach=1e-6)  # compiled before the clock starts
+    biaxial_and_platens.biaxial(mesh, fabric, (1, 1), max_displacement=1e-6)  # compiled before the clock starts
     rows = []
     for ratio in RATIOS:
         taken.clear()
         wall, cpu = time.perf_counter(), time.process_time()
-        history = cases.biaxial(mesh, fabric, ratio)
+        history = biaxial_and_platens.biaxial(mesh, fabric, ratio)
         rows.append(
             {
                 "ratio": ratio,
@@ -56,14 +56,14 @@ def paths(fabric, size):
     return rows
 
 
-def surface(fabric, size, processes):
+def surface(fabric, size, jobs):
     """The surface of 21 x 21 points: wall time [s], equilibria, tangents, errors of left-out lines."""
     wall = time.perf_counter()
-    found = sample(fabric, size=size, processes=processes)
+    found = sample(fabric, size=size, jobs=jobs)
     return {
         "wall_s": time.perf_counter() - wall,
         "lines_s": sum(found.seconds.values()),
-        "processes": processes,
+        "processes": jobs,
         "equilibria": found.solves,
         "tangents": found.iterations,
         "left_out_rms": {name: error.rms for name, error in found.errors.items()},
@@ -78,13 +78,13 @@ def memory(fabric, solves):
     shares = [(i + 1) / SWEEP for i in range(SWEEP)]
     seen, done = [], 0
     solver = Newton(model)
-    q = at_rest(model, solver, Load()).q
-    q = [found for _, found in visit(model, solver, q, Load(), low, [0.1 * i for i in range(1, 11)])][-1].q
+    q = rest_state(model, solver, Load()).q
+    q = [found for _, found in continue_to(model, solver, q, Load(), low, [0.1 * i for i in range(1, 11)])][-1].q
     while done < solves:
         solver.close()
         solver = Newton(model)
         for start, end in ((low, high), (high, low)):
-            for _, found in visit(model, solver, q, start, end, shares):
+            for _, found in continue_to(model, solver, q, start, end, shares):
                 q, done = found.q, done + 1
         seen.append(resident())
     solver.close()
@@ -101,14 +101,14 @@ def main():
     """Measure, print and write."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--size", default="medium")
-    parser.add_argument("--processes", type=int, default=2)
+    parser.add_argument("--jobs", type=int, default=2)
     parser.add_argument("--only", choices=("paths", "surface", "memory"), help="one of the three")
     parser.add_argument("--out", type=Path)
     asked = parser.parse_args()
     fabric = catalogue.load("S-720")
     parts = {
         "paths": lambda: paths(fabric, asked.size),
-        "surface": lambda: surface(fabric, asked.size, asked.processes),
+        "surface": lambda: surface(fabric, asked.size, asked.jobs),
         "memory": lambda: memory(fabric, 1000),
     }
     found = {"size": asked.size, "cores": os.cpu_count(), "load_average": os.getloadavg()[0]}

@@ -23,11 +23,11 @@ from shell import machine
 
 from fabrics import catalogue
 from fabrics.errors import InputError
-from shellfabric import march_kernels
-from shellfabric.cell import CellModel
-from shellfabric.limit import critical_velocity
-from shellfabric.march import March
-from shellfabric.panel import Numerics, Panel
+from shellfabric.cell.model import CellModel
+from shellfabric.impact.ballistic_limit import critical_velocity
+from shellfabric.panel import step_kernels as panel_step_kernels
+from shellfabric.panel.model import Numerics, Panel
+from shellfabric.panel.solver import PanelSolver
 
 ZONES = {
     "1": None,
@@ -54,14 +54,14 @@ def shot(panel, strike_velocity):
     costs = []
     for _ in range(2):
         begun = time.process_time()
-        march = March(panel, strike_velocity, 1.5e-3).run()
+        march = PanelSolver(panel, strike_velocity, 1.5e-3).run()
         costs.append(time.process_time() - begun)
     return {
         "outcome": march.outcome,
         "time_us": 1e6 * march.time,
         "residual_velocity": float(march.sample("v")[-1]),
         "deflection_mm": 1e3 * float(march.sample("z").max()),
-        "peak_N": [float(peak) for peak in march.state.peak],
+        "peak_N": [float(peak) for peak in march.state.peak_tension],
         "balance": float(np.abs(march.sample("balance")).max() / march.strike_energy),
         "cpu_s": min(costs),
     }
@@ -84,7 +84,7 @@ def shots(panel, velocities):
     found = {}
     for name, zones in fitting(panel):
         graded = replace(panel, grading=zones)
-        March(graded, velocities[0], 1e-6).run()  # compiled before
+        PanelSolver(graded, velocities[0], 1e-6).run()  # compiled before
         found[name] = {"elements": graded.elements, "shots": [shot(graded, v) for v in velocities]}
         print(name, json.dumps(found[name]), flush=True)
     return found
@@ -114,16 +114,16 @@ def behind(table, zones, crossovers):
     edge, knobs = ("clamped", "free"), Numerics(stretch_viscosity=0.0, threads=1)
     panel = Panel(table, (0.8, 0.0203), edge=edge, failure=False, grading=zones, numerics=knobs)
     state, const, work = panel.state(1.0), panel.constants(), panel.work()
-    state.position[2], state.rows[:] = -1.0, (0, const.ni)
+    state.projectile_position[2], state.active_rows[:] = -1.0, (0, const.ni)
     X, weave, d = panel.coordinates()[0], panel.weave, panel.spacing[0]
     speed = (weave.warp.EA * weave.warp_count / weave.areal_density) ** 0.5
     start, half, k = 50 * d, 0.5 * crossovers * d, np.pi / (crossovers * d)
     at = lambda x: np.clip(x - start, -half, half)  # noqa: E731
     state.u[0][: X.size] = (0.01 * X + 1e-6 * np.cos(k * at(X)) ** 2).ravel()
     state.v[0][: X.size] = (speed * 1e-6 * k * np.sin(2 * k * at(X + 0.5 * speed * const.dt))).ravel()
-    march_kernels.first_forces(state, const, work)
+    panel_step_kernels.initial_forces(state, const, work)
     steps = int((100 + crossovers) * d / speed / const.dt)
-    march_kernels.advance(state, const, work, steps, np.empty((steps, 3)))
+    panel_step_kernels.run_steps(state, const, work, steps, np.empty((steps, 3)))
     kinetic = (state.mass[: X.size] * state.v[0][: X.size] ** 2).reshape(X.shape).sum(axis=1)
     return float(kinetic[X[:, 0] < 99 * d].sum() / kinetic.sum())
 
@@ -135,7 +135,7 @@ def main():
     arguments.add_argument("--parts", nargs="+", choices=parts, default=parts)
     arguments.add_argument("--out", type=Path)
     chosen = arguments.parse_args()
-    fabric = catalogue.load(chosen.fabric).effective()
+    fabric = catalogue.load(chosen.fabric).with_effective_density()
     panel = Panel(CellModel(fabric).table(201), numerics=Numerics(threads=1))
     report = {"machine": machine(), "fabric": chosen.fabric}
     if "waves" in chosen.parts:

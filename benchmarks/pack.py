@@ -24,10 +24,10 @@ from shell import END, machine, one_core
 from shell import march as march_single
 
 from fabrics import catalogue
-from shellfabric.cell import CellModel
-from shellfabric.pack import Pack, lists
-from shellfabric.pack_march import PackMarch
-from shellfabric.panel import Numerics, Panel
+from shellfabric.cell.model import CellModel
+from shellfabric.panel.model import Numerics, Panel
+from shellfabric.plies.model import Pack, lists
+from shellfabric.plies.solver import PackSolver
 
 LONG = 400e-6
 
@@ -42,14 +42,15 @@ def clocked(march, steps):
 
 def whole(pack, velocity, end):
     """One run for `end` [s], at the end of which a projectile that has stopped is still held where it is."""
-    march = PackMarch(pack, velocity, end)
+    march = PackSolver(pack, velocity, end)
     march.exchange = np.inf
     march.advance(np.empty((0, 3)))
     steps, wall, cpu = round(end / pack.time_step), 0.0, 0.0
     while march.steps < steps:
         one, two, made = clocked(march, steps - march.steps)
         wall, cpu = wall + one, cpu + two
-        if march.stack.speed[2] <= 0:  # it would end here; what is asked for is the cost of the whole time
+        # it would end here; what is asked for is the cost of the whole time
+        if march.stack.projectile_velocity[2] <= 0:
             hold(march)
         elif made == 0:
             break
@@ -59,21 +60,21 @@ def whole(pack, velocity, end):
 def hold(march):
     """Let the projectile go on at a crawl, with a mass that nothing stops. One that is stopped anew in every step ends
     the march in every step, and at each end all tensions are looked up that no step has needed."""
-    march.stack.speed[2] = 1e-3
+    march.stack.projectile_velocity[2] = 1e-3
     consts = lists([const._replace(projectile_mass=1e9) for const in march.consts])
     march._lists = march._lists[0], consts, march._lists[2]
 
 
 def pressed(pack, steps):
     """Cost of the first steps of plies that touch everywhere: all are deflected, and 0.02 mm into each other."""
-    march = PackMarch(pack, 1e-3, 1.0)
+    march = PackSolver(pack, 1e-3, 1.0)
     march.exchange = np.inf
     march.advance(np.empty((0, 3)))
-    march.stack.places[:, 2] -= 1.0
+    march.stack.projectile_position[:, 2] -= 1.0
     march.stack.awake[:] = True
     for p, (state, const) in enumerate(zip(march.states, march.consts)):
-        state.rows[:] = 0, const.ni
-        state.u[2][: (const.ni + 1) * const.s] = 5e-3 - p * (pack.gaps[0] + 2e-5)
+        state.active_rows[:] = 0, const.ni
+        state.u[2][: (const.ni + 1) * const.row_stride] = 5e-3 - p * (pack.gaps[0] + 2e-5)
     clocked(march, 2)
     return clocked(march, steps)
 
@@ -85,7 +86,7 @@ def main():
     arguments.add_argument("--velocity", type=float, default=170.0)
     arguments.add_argument("--out", type=Path)
     chosen = arguments.parse_args()
-    panel = Panel(CellModel(catalogue.load("S-720").effective()).table(201), numerics=Numerics(threads=1))
+    panel = Panel(CellModel(catalogue.load("S-720").with_effective_density()).table(201), numerics=Numerics(threads=1))
     report = {"machine": machine(), "plies": chosen.plies, "elements_of_a_ply": panel.elements}
     with one_core():
         single = [march_single(panel, 92.5, round(END / panel.time_step), True)[1] for _ in range(chosen.repeats)]

@@ -28,11 +28,11 @@ import numba
 import numpy as np
 
 from fabrics import catalogue
-from shellfabric import march_kernels
-from shellfabric.cell import CellModel
-from shellfabric.limit import critical_velocity, shoot
-from shellfabric.march import March
-from shellfabric.panel import Numerics, Panel
+from shellfabric.cell.model import CellModel
+from shellfabric.impact.ballistic_limit import critical_velocity, shoot
+from shellfabric.panel import step_kernels as panel_step_kernels
+from shellfabric.panel.model import Numerics, Panel
+from shellfabric.panel.solver import PanelSolver
 
 END = 250e-6
 FORMS = ("equilibrium", "variational")
@@ -71,11 +71,11 @@ def march(panel, strike_velocity, steps, everywhere):
     """(wall, cpu) [s] of marching a fresh panel."""
     state, const, work = panel.state(strike_velocity), panel.constants(), panel.work()
     if everywhere:
-        state.rows[:] = 0, const.ni
+        state.active_rows[:] = 0, const.ni
     fine = np.empty((max(steps, FIRST), 3))
-    march_kernels.advance(state, const, work, FIRST if everywhere else 0, fine)
+    panel_step_kernels.run_steps(state, const, work, FIRST if everywhere else 0, fine)
     wall, cpu = time.perf_counter(), time.process_time()
-    made, _ = march_kernels.advance(state, const, work, steps, fine)
+    made, _ = panel_step_kernels.run_steps(state, const, work, steps, fine)
     return (time.perf_counter() - wall) / made * steps, (time.process_time() - cpu) / made * steps
 
 
@@ -99,10 +99,10 @@ def measure(panel, repeats, steps=None, everywhere=False):
 def audit(panel, repeats=50):
     """ns per element of the energies of one audit, of which a run has one every 2 us."""
     state, const, out = panel.state(92.5), panel.constants(), np.empty(5)
-    march_kernels.energies(state, const, out)
+    panel_step_kernels.energies(state, const, out)
     cpu = time.process_time()
     for _ in range(repeats):
-        march_kernels.energies(state, const, out)
+        panel_step_kernels.energies(state, const, out)
     return round((time.process_time() - cpu) / repeats * 1e9 / panel.elements, 1)
 
 
@@ -123,7 +123,7 @@ def threads(table, repeats):
     walls, ends = {1: [], 2: []}, {}
     for _ in range(repeats):
         for count in walls:
-            run = March(with_knobs(panel, threads=count), 92.5, END).run()
+            run = PanelSolver(with_knobs(panel, threads=count), 92.5, END).run()
             walls[count].append(run.wall_time)
             ends[count] = run.state
     same = all(np.array_equal(one, two) for one, two in zip(ends[1], ends[2]))
@@ -141,7 +141,7 @@ def precision(repeats):
     """What keeping forces in single precision changes, and what it saves."""
     found = {}
     for name, slow, fast in PRECISION:
-        panel = Panel(CellModel(catalogue.load(name).effective()).table(201))
+        panel = Panel(CellModel(catalogue.load(name).with_effective_density()).table(201))
         found[name] = {}
         for kind in ("double", "single"):
             chosen = with_knobs(panel, precision=kind, threads=1)
@@ -170,7 +170,7 @@ def main():
     arguments.add_argument("--parts", nargs="+", choices=parts, default=parts)
     arguments.add_argument("--out", type=Path)
     chosen = arguments.parse_args()
-    fabric = catalogue.load("S-720").effective()
+    fabric = catalogue.load("S-720").with_effective_density()
     tables = {form: CellModel(fabric, form=form).table(201) for form in FORMS}
     report = {"machine": machine()}
     with one_core():

@@ -29,7 +29,7 @@ def _read():
     numbers = {f"yarns.{name}_{end}": unit for name, (_, unit, *_) in _RANGE.items() for end in ("least", "most")}
     name, shear, solids, values, sources = catalogue.tables(_FILE, numbers)
     limits = {quantity: [values[f"yarns.{quantity}_{end}"] for end in ("least", "most")] for quantity in _RANGE}
-    return name, {"shear": ("shear", shear), "solid": ("solids", solids)}, limits, sources
+    return name, {"shear": ("shear", shear), "solid": ("solid_laws", solids)}, limits, sources
 
 
 def with_shear(fabric: Fabric) -> Fabric:
@@ -42,14 +42,14 @@ def with_shear(fabric: Fabric) -> Fabric:
     return fabric if fabric.shear is not None else _completed(fabric, "shear")
 
 
-def with_solids(fabric: Fabric) -> Fabric:
+def with_solid_laws(fabric: Fabric) -> Fabric:
     """The fabric with solid laws of its yarns, the assumed ones where its file gives none.
 
     Raises
     ------
     InputError : it has none, and its yarns are not para-aramid
     """
-    return fabric if fabric.solids is not None else _completed(fabric, "solid")
+    return fabric if fabric.solid_laws is not None else _completed(fabric, "solid")
 
 
 def lines(fabric: Fabric) -> list[str]:

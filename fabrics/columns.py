@@ -9,15 +9,26 @@ from __future__ import annotations
 
 import csv
 import re
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
 
+from fabrics.checks import FilePath, FloatArray
 from fabrics.errors import InputError
 from fabrics.units import si
 
 
-def read(path, units, *, what, content, heading, accepts, columns):
+def read(
+    path: FilePath,
+    units: Mapping[str, str],
+    *,
+    what: str,
+    content: str,
+    heading: str,
+    accepts: Callable[[Sequence[str]], bool],
+    columns: str,
+) -> dict[str, FloatArray]:
     """The columns of a file: {name: (n,) [SI]}.
 
     Parameters
@@ -60,6 +71,6 @@ def _row(number, line, count, path):
     except ValueError:
         values = []
     if len(values) != count:
-        told = "two numbers" if count == 2 else f"{count} numbers"
-        raise InputError(file=path, key=f"line {number}", value=line.strip(), allowed=told)
+        allowed_text = "two numbers" if count == 2 else f"{count} numbers"
+        raise InputError(file=path, key=f"line {number}", value=line.strip(), allowed=allowed_text)
     return values

@@ -1,6 +1,6 @@
 """Transverse compression of a yarn at a crossover: thickness lost, d_c, against contact force, F.
 
-    printed       d_c = a - b / F^(1/3)                            (source thesis eqs. 2-7, 4-12)
+    printed       d_c = a - b / F^(1/3)                            (thesis eqs. 2-7, 4-12)
     regularised   d_c = a - b / (F + F0)^(1/3),  F0 = (b / a)^3    (erratum E-05)
 
 The printed form falls to minus infinity as the force goes to zero, so that yarns at rest would push each other
@@ -15,8 +15,9 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from fabrics.checks import not_negative
+from fabrics.checks import FilePath, FloatArray, not_negative
 from fabrics.errors import InputError
 from fabrics.files import write_whole
 from fabrics.units import si
@@ -74,7 +75,7 @@ class CompressionLaw:
     def _shift(self):
         return self.F0 if self.form == "regularised" else 0.0
 
-    def d(self, F):
+    def d(self, F: ArrayLike) -> FloatArray:
         """Compression [m] at the contact force `F` [N]; no force, no compression (regularised form)."""
         F = np.asarray(F, float)
         if self.a == 0:
@@ -84,14 +85,14 @@ class CompressionLaw:
         with np.errstate(divide="ignore"):
             return self.a - self.b / np.cbrt(np.maximum(F, 0))
 
-    def F(self, d):
+    def F(self, d: ArrayLike) -> FloatArray:
         """Contact force [N] at the compression `d` [m]; infinite from d = a on."""
         d = np.asarray(d, float)
         with np.errstate(divide="ignore", invalid="ignore"):
             force = np.where(d < self.a, (self.b / (self.a - d)) ** 3 - self._shift, np.inf)
         return np.where(d > 0, force, 0.0) if self.form == "regularised" else force
 
-    def dd_dF(self, F):
+    def dd_dF(self, F: ArrayLike) -> FloatArray:
         """Compliance [m/N] at the contact force `F` [N] (eq. 4-28)."""
         F = np.asarray(F, float)
         if self.a == 0:
@@ -99,13 +100,13 @@ class CompressionLaw:
         with np.errstate(divide="ignore"):
             return self.b / 3 * (np.maximum(F, 0) + self._shift) ** (-4 / 3)
 
-    def energy(self, d):
+    def energy(self, d: ArrayLike) -> FloatArray:
         """Work [J] of the contact force from zero compression to `d` [m], 0 <= d < a (regularised form)."""
         d = np.asarray(d, float)
         return self.b**3 / 2 * ((self.a - d) ** -2 - self.a**-2) - self._shift * d
 
     @classmethod
-    def fit(cls, F, d, *, provenance="", confidence=0.95) -> CompressionLaw:
+    def fit(cls, F: ArrayLike, d: ArrayLike, *, provenance: str = "", confidence: float = 0.95) -> CompressionLaw:
         """Fit the regularised form to samples by least squares in d.
 
         Parameters
@@ -150,7 +151,7 @@ class CompressionLaw:
             b_interval=(float(b * np.exp(-db)), float(b * np.exp(db))),
         )
 
-    def to_json(self, path):
+    def to_json(self, path: FilePath) -> None:
         """Write the law, its fit and its provenance."""
         content = {
             "format": _FORMAT,
@@ -170,7 +171,7 @@ class CompressionLaw:
             file.write("\n")
 
     @classmethod
-    def from_json(cls, path) -> CompressionLaw:
+    def from_json(cls, path: FilePath) -> CompressionLaw:
         """Read what `to_json` wrote.
 
         Raises

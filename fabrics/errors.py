@@ -26,17 +26,25 @@ class InputError(WeavecellError):
 
     exit_code = 2
 
-    def __init__(self, message=None, *, file=None, key=None, value=None, allowed=None):
+    def __init__(
+        self,
+        message: str | None = None,
+        *,
+        file: object = None,
+        key: str | None = None,
+        value: object = None,
+        allowed: str | None = None,
+    ) -> None:
         self.file, self.key, self.value, self.allowed = file, key, value, allowed
         parts = []
         if file is not None:
             parts.append(f"{file}:")
         if key is not None:
             parts.append(f"{key} = {value!r}:" if value is not None else f"{key}:")
-        told = [message] if message is not None else []
+        allowed_text = [message] if message is not None else []
         if allowed is not None:
-            told.append(f"must be {allowed}")
-        parts.append("; ".join(told))
+            allowed_text.append(f"must be {allowed}")
+        parts.append("; ".join(allowed_text))
         super().__init__(" ".join(" ".join(parts).split()))
 
 
@@ -52,7 +60,7 @@ class UnstableError(WeavecellError):
 
     exit_code = 3
 
-    def __init__(self, message, *, where=None, when=None):
+    def __init__(self, message: str, *, where: str | None = None, when: str | None = None) -> None:
         self.where, self.when = where, when
         text = message
         if where is not None:

@@ -24,11 +24,11 @@ class Fabric:
     weave : Weave
     laws : (CompressionLaw, CompressionLaw) or None, published compression laws of warp and weft
     shear : TrellisShear or None
-    solids : (SolidLaw, SolidLaw) or None, of warp and weft in the 3D crossover
+    solid_laws : (SolidLaw, SolidLaw) or None, of warp and weft in the 3D crossover
     section : "sine", "ellipse" or "conforming", the yarn section of the 3D crossover
     areal_density_measured : [kg/m2] or None
     interlayer_gap : [m] play between plies of a pack, or None
-    effective_linear_density : (warp, weft) [kg/m] that the source's runs really used (erratum E-07), or None
+    effective_linear_density : (warp, weft) [kg/m] that the runs of the thesis really used (erratum E-07), or None
     micrograph : {"warp": {...}, "weft": {...}} [SI] values read from section pictures
     sources : {dotted key: {"value", "source", "status"}} as written in the data file
     assumed : names of the tables, "shear" or "solid", that the data file does not give (see `fabrics.assumed`)
@@ -38,7 +38,7 @@ class Fabric:
     weave: Weave
     laws: tuple[CompressionLaw, CompressionLaw] | None = None
     shear: TrellisShear | None = None
-    solids: tuple[SolidLaw, SolidLaw] | None = None
+    solid_laws: tuple[SolidLaw, SolidLaw] | None = None
     section: str = "sine"
     areal_density_measured: float | None = None
     interlayer_gap: float | None = None
@@ -53,8 +53,8 @@ class Fabric:
                 key="section", value=self.section, allowed=", ".join(SECTIONS[:-1]) + f" or {SECTIONS[-1]}"
             )
 
-    def effective(self) -> Fabric:
-        """This fabric with the linear densities that the source's shell runs used (erratum E-07).
+    def with_effective_density(self) -> Fabric:
+        """This fabric with the linear densities that the shell runs of the thesis used (erratum E-07).
 
         Raises
         ------

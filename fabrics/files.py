@@ -4,12 +4,16 @@ from __future__ import annotations
 
 import os
 import tempfile
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import IO
+
+from fabrics.checks import FilePath
 
 
 @contextmanager
-def replace_whole(path):
+def replace_whole(path: FilePath) -> Iterator[Path]:
     """Yield a temporary path beside `path`; rename it to `path` if the block succeeds, remove it if not.
 
     For libraries that open a file by its name. The temporary name keeps the suffix, by which many of them choose
@@ -31,7 +35,7 @@ def replace_whole(path):
 
 
 @contextmanager
-def write_whole(path, mode="w"):
+def write_whole(path: FilePath, mode: str = "w") -> Iterator[IO]:
     """Open a file for writing that appears under `path` complete, or not at all."""
     encoding = None if "b" in mode else "utf-8"
     with replace_whole(path) as beside, open(beside, mode, encoding=encoding) as file:

@@ -8,14 +8,21 @@ the wrong arrays. Here the folder's name holds a digest of both, and a change in
 
 from __future__ import annotations
 
-from contextlib import contextmanager
+import os
+import tempfile
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from functools import cache
 from pathlib import Path
+from typing import Any
 
 from fabrics import source_code
+from fabrics.checks import FilePath
 
 
 @contextmanager
-def kernel_cache(package_file):
+def kernel_cache(package_file: FilePath) -> Iterator[None]:
     """Import the kernels of the package whose `__init__.py` is `package_file` inside this block.
 
     numba reads the folder when a function is decorated. A folder that the user has chosen (NUMBA_CACHE_DIR) is used as
@@ -25,15 +32,54 @@ def kernel_cache(package_file):
 
     folder = Path(package_file).parent
     digest = source_code.digest(kernel_sources(folder))[:16]
-    before = numba.config.CACHE_DIR
-    numba.config.CACHE_DIR = str(Path(before or folder / "__pycache__") / f"kernels-{digest}")
+    config: Any = numba.config
+    before = config.CACHE_DIR
+    config.CACHE_DIR = str(Path(before or folder / "__pycache__") / f"kernels-{digest}")
     try:
         yield
     finally:
-        numba.config.CACHE_DIR = before
+        config.CACHE_DIR = before
 
 
-def kernel_sources(folder):
+@cache
+def one_compiler_a_node() -> None:
+    """From now on this process looks for kernels in the cache, and compiles those that are not there, under a lock.
+
+    All processes of a user on a node share the lock, so that each kernel is compiled by one of them and loaded by the
+    others. Where files cannot be locked, nothing is.
+    """
+    try:
+        import fcntl
+    except ImportError:
+        return
+    from numba.core import event
+
+    path = Path(tempfile.gettempdir()) / f"weavecell-compiler-{os.getuid()}.lock"
+
+    class Lock(event.Listener):
+        """Held by one thread of one process while numba holds its own lock, which is that of a process."""
+
+        thread, depth, file = threading.RLock(), 0, None
+
+        def on_start(self, _):
+            self.thread.acquire()
+            if self.depth == 0:
+                with suppress(OSError):
+                    self.file = os.open(path, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW, 0o600)
+                    fcntl.flock(self.file, fcntl.LOCK_EX)
+            self.depth += 1
+
+        def on_end(self, _):
+            self.depth -= 1
+            if self.depth == 0 and self.file is not None:
+                os.close(self.file)  # which unlocks it
+                self.file = None
+            self.thread.release()
+
+    event.register("numba:compiler_lock", Lock())
+
+
+def kernel_sources(folder: Path) -> list[tuple[str, bytes]]:
     """[(file, bytes)] that the machine code of the kernels in a package's folder and its sub-packages depends on.
 
     Whole: every file called *_kernels.py or importing from numba, and what these import from our packages. Of all

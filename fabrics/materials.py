@@ -1,4 +1,4 @@
-"""Isotropic elastic-plastic materials: the projectile's steel and the backing block (source thesis Tables 4-2, 6-1)."""
+"""Isotropic elastic-plastic materials: the projectile's steel and the backing block (thesis Tables 4-2, 6-1)."""
 
 from __future__ import annotations
 
@@ -81,8 +81,13 @@ def _table(name):
     return tomllib.loads(_FILE.read_text(encoding="utf-8"))[name]
 
 
-def load(name) -> Isotropic:
-    """The material "steel" or "backing" of `materials.toml`."""
+def load(name: str) -> Isotropic:
+    """The material "steel" or "backing" of `materials.toml`.
+
+    Raises
+    ------
+    InputError : another name
+    """
     if name not in ("steel", "backing"):
         raise InputError(key="material", value=name, allowed="steel or backing")
     found = _table(name)
@@ -100,6 +105,6 @@ def _plain(text):
 
 
 def round_projectile() -> dict:
-    """diameter, length, mass and bore [m, kg] of the source's right circular cylinder."""
+    """diameter, length, mass and bore [m, kg] of the right circular cylinder of the thesis."""
     found = _table("rcc")
     return {key: si(found[key]["value"], unit, file=_FILE, key=key) for key, unit in _ROUND.items()}

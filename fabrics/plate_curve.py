@@ -1,6 +1,6 @@
 """Compression of one ply between flat platens: pressure against what the platens have closed since a first pressure.
 
-Built in, the law of the source (thesis eqs. 2-5, 2-6; errata E-02 .. E-04), in thickness t for volume:
+Built in, the law of the thesis (eqs. 2-5, 2-6; errata E-02 .. E-04), in thickness t for volume:
 
     P = K'' / (t - t_min)^3,  K'' = c1 A_d^3 + c2    ->    closure = K''^(1/3) (P_start^(-1/3) - P^(-1/3))
 
@@ -21,8 +21,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from fabrics import columns
+from fabrics.checks import FilePath, FloatArray
 from fabrics.errors import InputError
 from fabrics.units import si
 
@@ -62,13 +64,13 @@ class PlateCurve:
         if not self.pressure[0] > 0:
             raise InputError(key="pressure", value=float(self.pressure[0]), allowed="positive")
 
-    def at(self, pressure):
+    def at(self, pressure: ArrayLike) -> FloatArray:
         """Closure [m] at pressures [Pa] inside the curve."""
         return np.interp(np.log(pressure), np.log(self.pressure), self.closure)
 
     @classmethod
-    def pressure_law(cls, areal_density, plies=1) -> PlateCurve:
-        """The source's law for a Kevlar 129 plain weave: one ply, or a pack of 4, 8 or 16 (Table 2-2, erratum E-02).
+    def pressure_law(cls, areal_density: float, plies: int = 1) -> PlateCurve:
+        """The law of the thesis for a Kevlar 129 plain weave: a ply, or a pack of 4, 8 or 16 (Table 2-2, erratum E-02).
 
         Parameters
         ----------
@@ -100,7 +102,7 @@ class PlateCurve:
         return cls(pressure, closure, f"pressure law of thesis eq. 2-6 at {1e3 * areal_density:.1f} g/m2{pack}")
 
     @classmethod
-    def read(cls, path) -> PlateCurve:
+    def read(cls, path: FilePath) -> PlateCurve:
         """Read a user's CSV file.
 
         Raises

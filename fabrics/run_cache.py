@@ -9,7 +9,9 @@ single unfinished run, which cannot be computed again on its own, carries both d
 refused with a message where either differs (`check_stamp`).
 
 The results are plain files, written whole or not at all, since a folder of results is what the user keeps, copies and
-resumes from, and what several processes write to; a data base in its place (diskcache, joblib.Memory) would hide them.
+resumes from, and what several processes write to. joblib.Memory keys by the source of the function alone: after a
+change in a module that the function imports it hands out the old result. diskcache has no rule for keys, and keeps a
+data base, which hides the results.
 """
 
 from __future__ import annotations
@@ -18,14 +20,17 @@ import hashlib
 import json
 import pickle
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import Executor
 from dataclasses import dataclass, fields, is_dataclass
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
-from fabrics import __version__, source_code
+from fabrics import __version__, executors, source_code
+from fabrics.checks import FilePath
 from fabrics.errors import InputError
 from fabrics.files import write_whole
 
@@ -34,24 +39,24 @@ _SHORT = 12  # digits of the code's digest that messages show
 
 
 @cache
-def code(*modules):
+def code(*modules: str) -> str:
     """Digest of the source that the modules (dotted names) consist of, with the data files that it reads.
 
     A module that is not one of ours, as a user's own function has, must have been imported.
     """
     named = [(str(file.relative_to(source_code.ROOT)), file) for file in files_of(*modules)]
-    named += [(name, Path(sys.modules[name].__file__)) for name in modules if source_code.file_of(name) is None]
+    named += [(name, Path(str(sys.modules[name].__file__))) for name in modules if source_code.file_of(name) is None]
     return source_code.digest((name, file.read_bytes()) for name, file in sorted(named))
 
 
-def files_of(*modules):
+def files_of(*modules: str) -> list[Path]:
     """Our files that count as the code of some modules, sorted.
 
     Their imports, in and out of functions; and, of each of `LIBRARIES` that is among these, all files but pictures,
     since a module can use the methods of an object whose class it does not import.
     """
     ours = [name for name in modules if source_code.file_of(name) is not None]
-    others = [Path(sys.modules[name].__file__) for name in modules if name not in ours]
+    others = [Path(str(sys.modules[name].__file__)) for name in modules if name not in ours]
     used = {name for file in others for name in source_code.imports(file)}
     files = source_code.closure([*ours, *(name for name in used if source_code.file_of(name) is not None)])
     reached = {file.relative_to(source_code.ROOT).parts[0] for file in files} & set(LIBRARIES)
@@ -60,17 +65,17 @@ def files_of(*modules):
     return sorted({*files, *source_code.data_of(files)})
 
 
-def version(*modules):
+def version(*modules: str) -> str:
     """Version of weavecell and of the code of some modules, as text: "0.1.0 (code 0123456789ab)"."""
     return f"{__version__} (code {code(*modules)[:_SHORT]})"
 
 
-def key(inputs, *modules):
+def key(inputs: object, *modules: str) -> str:
     """Name of a result: digest of the inputs, of the version and of the code of the modules that compute it."""
     return hashlib.sha256(f"{inputs_digest(inputs)} {__version__} {code(*modules)}".encode()).hexdigest()[:32]
 
 
-def inputs_digest(inputs):
+def inputs_digest(inputs: object) -> str:
     """Digest of a value.
 
     Raises
@@ -158,29 +163,65 @@ class RunCache:
     form : Format of the files
     """
 
-    def __init__(self, folder, form=PICKLE):
+    def __init__(self, folder: FilePath, form: Format = PICKLE) -> None:
         self.folder, self._form = Path(folder), form
 
-    def file(self, key):
+    def file(self, key: str) -> Path:
         """File of a result."""
         return self.folder / f"{key}.{self._form.suffix}"
 
-    def __contains__(self, key):
+    def __contains__(self, key: str) -> bool:
         return self.file(key).exists()
 
-    def __getitem__(self, key):
+    def __getitem__(self, key: str) -> Any:
         return self._form.read(self.file(key))
 
-    def __setitem__(self, key, content):
+    def __setitem__(self, key: str, content: Any) -> None:
         self._form.write(self.file(key), content)
 
 
-def stamp(inputs, *modules):
+def results(
+    function: Callable, arguments: Sequence[tuple], *, folder: FilePath, executor: str | Executor = "local",
+    jobs: int = 1, batches: bool = True, fresh: bool = False, report: Callable[[int, int], object] | None = None,
+) -> list:  # fmt: skip
+    """function(*one) for each one of `arguments`, in their order; each is kept as soon as its task is done.
+
+    Nothing depends on how many runs are under way, or in which order they end.
+
+    Parameters
+    ----------
+    function : of a module, to be found again in another process
+    arguments : list of tuples of plain numbers, texts and frozen dataclasses
+    folder : Path where results are kept, and taken from
+    executor, jobs, fresh : as of `executors.open_executor`
+    batches : whether several runs may be one task, as where they are many and short
+    report : called as report(number done, number of all)
+
+    Raises
+    ------
+    WeavecellError : as the function; what had ended has been kept
+    """
+    names = [key((function.__qualname__, one), function.__module__) for one in arguments]
+    kept = RunCache(folder)
+    missing = [k for k, name in enumerate(names) if name not in kept]
+    report = report or (lambda done, total: None)
+    report(len(names) - len(missing), len(names))
+    if missing:
+        with executors.open_executor(executor, jobs, fresh=fresh) as pool:
+            waiting = [arguments[k] for k in missing]
+            found = executors.as_done(pool, function, waiting, jobs=jobs if batches else None)
+            for done, (k, content) in enumerate(found, 1):
+                kept[names[missing[k]]] = content
+                report(len(names) - len(missing) + done, len(names))
+    return [kept[name] for name in names]
+
+
+def stamp(inputs: object, *modules: str) -> dict[str, str]:
     """{name: text} that a file with the state of one run carries as attributes."""
     return {"identity": inputs_digest(inputs), "code": version(*modules)}
 
 
-def check_stamp(found, wanted, file, of="run"):
+def check_stamp(found: Mapping, wanted: Mapping[str, str], file: FilePath, of: str = "run") -> None:
     """Refuse a file whose attributes `found` are not those of `wanted`, a `stamp`.
 
     Raises

@@ -1,4 +1,4 @@
-"""The yarn as a solid: a transverse modulus that rises with the fibre volume fraction (source thesis section 3.4.2).
+"""The yarn as a solid: a transverse modulus that rises with the fibre volume fraction (thesis section 3.4.2).
 
 V_f <= Vf0          K_r E_c                  (eq. 3-10)
 Vf0 < V_f < V_c     a_E / (b_E - V_f)        (eqs. 3-11 .. 3-13)
@@ -10,8 +10,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from fabrics.checks import positive
+from fabrics.checks import FloatArray, positive
 from fabrics.errors import InputError
 
 
@@ -62,6 +63,6 @@ class SolidLaw:
         """[Pa] eq. 3-16."""
         return self.K_G * self.E_c / 2
 
-    def transverse_modulus(self, V_f):
+    def transverse_modulus(self, V_f: ArrayLike) -> FloatArray:
         """Secant modulus E_2 = E_3 [Pa] at the fibre volume fraction `V_f` (eqs. 3-10 .. 3-14)."""
         return self.a_E / (self.b_E - np.clip(V_f, self.Vf0, self.V_c))

@@ -10,6 +10,7 @@ from __future__ import annotations
 import ast
 import hashlib
 import re
+from collections.abc import Container, Iterable, Iterator
 from pathlib import Path
 
 PACKAGES = ("fabrics", "meshing", "unitcell3d", "shellfabric", "validation", "weavecell")
@@ -19,7 +20,7 @@ _READS = ("resources.files(", "__file__")  # how a module finds data that lie in
 _NAMED = re.compile(r'resources\.files\("([\w.]+)"\)')
 
 
-def file_of(module, root=ROOT):
+def file_of(module: str, root: Path = ROOT) -> Path | None:
     """File of a module by its dotted name, or None where it is none of the folder `root`."""
     path = root.joinpath(*module.split("."))
     for file in (path / "__init__.py", path.with_suffix(".py")):
@@ -28,13 +29,13 @@ def file_of(module, root=ROOT):
     return None
 
 
-def name_of(file, root=ROOT):
+def name_of(file: Path, root: Path = ROOT) -> str:
     """Dotted name of the module in a file."""
     parts = file.relative_to(root).with_suffix("").parts
     return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
 
 
-def imports(file, root=ROOT, lazy=True):
+def imports(file: Path, root: Path = ROOT, lazy: bool = True) -> Iterator[str]:
     """Dotted names that a file imports; of `from a import b` both a and a.b.
 
     A relative import is given by its full name. A module that imports by computed names (`importlib.import_module`)
@@ -63,7 +64,9 @@ def _nodes(node, lazy):
             yield from _nodes(child, lazy)
 
 
-def closure(modules, root=ROOT, packages=PACKAGES, ends=()):
+def closure(
+    modules: Iterable[str], root: Path = ROOT, packages: Container[str] = PACKAGES, ends: Container[Path] = ()
+) -> list[Path]:
     """Files of the modules and of all that they import from `packages`, directly or not, sorted.
 
     The `__init__.py` of every package on the way counts, since importing a module runs it. Of the files `ends` the
@@ -89,7 +92,7 @@ def closure(modules, root=ROOT, packages=PACKAGES, ends=()):
     return sorted(found)
 
 
-def data_of(files, root=ROOT):
+def data_of(files: Iterable[Path], root: Path = ROOT) -> list[Path]:
     """Data files (*.toml, *.json, *.csv) that files can read from packages, sorted.
 
     All of a package's folder (without its sub-folders) count where one of the files of this package, or of another by
@@ -104,7 +107,7 @@ def data_of(files, root=ROOT):
     return sorted({path for folder in folders for path in folder.glob("*") if path.suffix in DATA})
 
 
-def named_tuples(file):
+def named_tuples(file: Path) -> bytes:
     """Definitions of the named tuples of a file, as bytes without the layout of the text; empty if there are none.
 
     A definition with fields that are not literals depends on the rest of the file: then it is the whole file.
@@ -141,7 +144,7 @@ def _literal(node):
     return True
 
 
-def digest(parts):
+def digest(parts: Iterable[tuple[str, bytes]]) -> str:
     """Hexadecimal SHA-256 of pairs (name, bytes)."""
     found = hashlib.sha256()
     for name, content in parts:

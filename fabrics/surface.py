@@ -9,6 +9,7 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
+from fabrics.checks import FilePath
 from fabrics.errors import InputError
 from fabrics.files import replace_whole
 
@@ -18,7 +19,7 @@ _FORMAT = "weavecell response surface 1"
 
 @dataclass(frozen=True)
 class ResponseSurface:
-    """Sampled response of one crossover (source thesis Figure 3-11).
+    """Sampled response of one crossover (thesis Figure 3-11).
 
     Parameters
     ----------
@@ -56,7 +57,7 @@ class ResponseSurface:
             if values.shape != shape or not np.all(np.isfinite(values)):
                 raise InputError(key=name, allowed=f"finite, of shape {shape}")
 
-    def write(self, path):
+    def write(self, path: FilePath) -> None:
         """Write the surface as HDF5, whole or not at all."""
         import h5py
 
@@ -66,7 +67,7 @@ class ResponseSurface:
                 file.create_dataset(name, data=getattr(self, name)).attrs["unit"] = unit
 
     @classmethod
-    def read(cls, path) -> ResponseSurface:
+    def read(cls, path: FilePath) -> ResponseSurface:
         """Read what `write` wrote.
 
         Raises

@@ -1,4 +1,4 @@
-"""Trellis shear of a plain weave: three zones of the angle between the yarns (source thesis section 4.3.2).
+"""Trellis shear of a plain weave: three zones of the angle between the yarns (thesis section 4.3.2).
 
 The tangent modulus is G1 up to gamma1, rises linearly to G2 at gamma2, and stays G2 (eq. 4-35). The stress is its
 integral, a total and odd function of the shear angle (erratum E-11: eq. 4-35 is a tangent, not a secant).
@@ -10,8 +10,9 @@ from dataclasses import dataclass
 from math import acos, pi
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from fabrics.checks import positive
+from fabrics.checks import FloatArray, positive
 from fabrics.errors import InputError
 
 
@@ -39,7 +40,7 @@ class TrellisShear:
         if not self.gamma1 < self.gamma2 < pi / 2:
             raise InputError(key="gamma2", value=self.gamma2, allowed=f"above gamma1 = {self.gamma1:g} and below pi/2")
 
-    def stress(self, gamma):
+    def stress(self, gamma: ArrayLike) -> FloatArray:
         """Shear stress [Pa] at the shear angle `gamma` [rad], odd in gamma (eq. 4-35 integrated)."""
         gamma = np.asarray(gamma, float)
         g = np.abs(gamma)
@@ -49,22 +50,27 @@ class TrellisShear:
         return np.sign(gamma) * (self.G1 * g + rise * middle**2 / 2 + (self.G2 - self.G1) * beyond)
 
 
-def locking_modulus(E, A_s, thickness, length):
+def locking_modulus(E: float, A_s: float, thickness: float, length: float) -> float:
     """G2 [Pa]: half the fibre modulus, smeared over the shell section thickness x length (eq. 4-49).
 
-    The source took the cell length along the warp for the section (erratum E-07).
+    The thesis took the cell length along the warp for the section (erratum E-07).
     """
     return E / 2 * A_s / (thickness * length)
 
 
-def touching_angle(width, spacing):
-    """gamma1 [rad] from yarn width and spacing (eq. 4-32); InputError where the yarns already touch."""
+def touching_angle(width: float, spacing: float) -> float:
+    """gamma1 [rad] from yarn width and spacing (eq. 4-32).
+
+    Raises
+    ------
+    InputError : the yarns touch already, or the width is not positive
+    """
     if not 0 < width < spacing:
         raise InputError(key="yarn width", value=width, allowed=f"above zero and below the spacing {spacing:g} m")
     return acos(width / spacing)
 
 
-def locking_angle(A_s, K_s, thickness, spacing):
+def locking_angle(A_s: float, K_s: float, thickness: float, spacing: float) -> float:
     """gamma2 [rad] from a packed ellipse of area A_s / K_s and axes u2, thickness / 2 (eqs. 4-33, 4-34, erratum E-08).
 
     Raises

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from functools import cache
 from math import isfinite
+from typing import Any
 
+from fabrics.checks import FilePath
 from fabrics.errors import InputError
 
 
@@ -17,7 +19,7 @@ def _registry():
     return registry
 
 
-def si(value, unit, *, file=None, key=None):
+def si(value: Any, unit: str, *, file: FilePath | None = None, key: str | None = None) -> float:
     """Return `value` as a float in the SI unit `unit`.
 
     Parameters

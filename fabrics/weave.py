@@ -1,6 +1,6 @@
 """The plain weave: two crimped yarn families on a rectangular cell, one crossover a cell.
 
-The centreline of yarn i is z = h_i cos(pi x / 2 w_i) (source thesis eq. 4-1) over the cell 2 w_i, which is the
+The centreline of yarn i is z = h_i cos(pi x / 2 w_i) (thesis eq. 4-1) over the cell 2 w_i, which is the
 spacing of the family that crosses (eq. 4-2). Its length S (eq. 4-3) has the closed form
 
     S = (4 w / pi) E(m = -k^2),   k = pi h / 2 w,
@@ -13,14 +13,15 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
 from scipy.special import ellipe, ellipk
 
-from fabrics.checks import positive
+from fabrics.checks import FloatArray, positive
 from fabrics.errors import InputError
 from fabrics.yarn import Yarn
 
 
-def arc_length(w, h):
+def arc_length(w: ArrayLike, h: ArrayLike) -> FloatArray:
     """Length of a yarn of height `h` over the whole cell 2 w (eq. 4-3).
 
     Parameters
@@ -35,7 +36,7 @@ def arc_length(w, h):
     return 4 * np.asarray(w, float) / np.pi * ellipe(-(k**2))
 
 
-def height_from_length(w, S):
+def height_from_length(w: float, S: float) -> float:
     """Height of the centreline of a yarn of length `S` over the cell 2 w: the inverse of `arc_length` (eq. 4-5).
 
     Newton's method on k = pi h / 2 w. The length is convex and rising in k, so every step after the first comes
@@ -84,6 +85,7 @@ class Weave:
 
     @property
     def yarns(self) -> tuple[Yarn, Yarn]:
+        """(warp, weft)"""
         return self.warp, self.weft
 
     @property
@@ -98,6 +100,7 @@ class Weave:
 
     @property
     def w(self) -> tuple[float, float]:
+        """(w1, w2) [m] half cell lengths along warp and weft."""
         return self.w1, self.w2
 
     @property
@@ -107,10 +110,12 @@ class Weave:
 
     @property
     def S01(self) -> float:
+        """[m] length of the warp in one cell."""
         return self.S0[0]
 
     @property
     def S02(self) -> float:
+        """[m] length of the weft in one cell."""
         return self.S0[1]
 
     @property
@@ -120,10 +125,12 @@ class Weave:
 
     @property
     def h01(self) -> float:
+        """[m] initial height of the centreline of the warp."""
         return self.h0[0]
 
     @property
     def h02(self) -> float:
+        """[m] initial height of the centreline of the weft."""
         return self.h0[1]
 
     @property

@@ -1,6 +1,6 @@
 """One yarn: a bundle of straight elastic fibres, woven in with a crimp. Linear elastic to its failure strain.
 
-Equations (source thesis): T = E A_s strain (eq. 4-7), strength T_u = failure_strain E A_s (erratum E-39).
+Equations (thesis): T = E A_s strain (eq. 4-7), strength T_u = failure_strain E A_s (erratum E-39).
 """
 
 from __future__ import annotations

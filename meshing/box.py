@@ -10,19 +10,24 @@ from functools import lru_cache
 
 import numpy as np
 
+from fabrics.checks import IntArray
 from meshing.session import gmsh_session
 
 HEXAHEDRON = 5  # gmsh's number of the 8-node brick
 
 
 @lru_cache(maxsize=16)
-def transfinite_box(nx, ny, nz):
+def transfinite_box(nx: int, ny: int, nz: int) -> IntArray:
     """Mesh the box and return the grid places of the eight nodes of every brick.
 
     Returns
     -------
     corners : (nx ny nz, 8, 3) int, read only; (i, j, k) of the nodes of each brick, in the VTK order of a brick
         whose local axes run along i, j and k
+
+    Raises
+    ------
+    RuntimeError : gmsh did not mesh the box as a grid
     """
     with gmsh_session("box") as gmsh:
         _box(gmsh, nx, ny, nz)

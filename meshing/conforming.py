@@ -1,8 +1,8 @@
 """Sections that conform: the face of each yarn that meets the other is the other's arch, so the yarns touch everywhere.
 
-With the centrelines of eq. 4-1 of the source thesis, and sections that move along them without change, the gap between
-warp and weft is [h_1 cos(pi x / 2 w_1) - q_2(x)] + [h_2 cos(pi y / 2 w_2) - q_1(y)] (`meshing.closing`). It is zero at
-every point if, and only if,
+With the centrelines of eq. 4-1 of the thesis, and sections that move along them without change, the gap between
+warp and weft is [h_1 cos(pi x / 2 w_1) - q_2(x)] + [h_2 cos(pi y / 2 w_2) - q_1(y)] (`meshing.section_fit`). It is zero
+at every point if, and only if,
 
     q_1(y) = h_2 cos(pi y / 2 w_2) + kappa,    q_2(x) = h_1 cos(pi x / 2 w_1) - kappa,
 
@@ -18,12 +18,16 @@ edges are blunt, as wide as the cell allows; the other one is narrower than its 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
 from scipy.optimize import brentq
 
+from fabrics.checks import FloatArray
 from fabrics.errors import InputError
+from fabrics.weave import Weave
 
 KIND = "conforming"
 
@@ -37,14 +41,14 @@ class ConformingSection:
     width : [m] asked for: no wider than this
     arch, span : [m] height and cell length of the crossing yarn
     offset : [m] kappa, or minus kappa
-    bluntness : [-] least thickness at the cut over that of the middle
+    tip_thickness_ratio : [-] least thickness at the cut over that of the middle
     """
 
     width: float
     arch: float
     span: float
     offset: float
-    bluntness: float
+    tip_thickness_ratio: float
 
     kind = KIND
 
@@ -55,8 +59,8 @@ class ConformingSection:
 
     @property
     def half_width(self) -> float:
-        """[m] from the middle to the cut: half of the width asked for, or to where bluntness ends the tip."""
-        cosine = (self.bluntness * self.thickness / 2 - self.offset) / self.arch
+        """[m] from the middle to the cut: half of the width asked for, or to where the tip is cut."""
+        cosine = (self.tip_thickness_ratio * self.thickness / 2 - self.offset) / self.arch
         tip = self.span / np.pi * np.arccos(np.clip(cosine, -1, 1))
         return float(min(tip, self.width / 2))
 
@@ -66,16 +70,18 @@ class ConformingSection:
         y = self.half_width
         return 4 * (self.arch * self.span / np.pi * np.sin(np.pi * y / self.span) + self.offset * y)
 
-    def half_thickness(self, y):
+    def half_thickness(self, y: ArrayLike) -> FloatArray:
         """q(y) [m] at the distances `y` [m] from the middle, |y| up to the half width."""
         return self.arch * np.cos(np.pi * np.asarray(y, float) / self.span) + self.offset
 
-    def stations(self, n):
+    def stations(self, n: int) -> FloatArray:
         """y [m] of the n + 1 mesh lines from the middle to the cut, in equal steps."""
         return np.linspace(0, self.half_width, n + 1)
 
 
-def conform(widths, areas, weave, bluntness):
+def conform(
+    widths: Sequence[float], areas: Sequence[float], weave: Weave, tip_thickness_ratio: float
+) -> tuple[ConformingSection, ConformingSection]:
     """The two sections that touch everywhere, with areas in the ratio of `areas`.
 
     Parameters
@@ -83,7 +89,7 @@ def conform(widths, areas, weave, bluntness):
     widths : (warp, weft) [m] greatest widths
     areas : (warp, weft) [m2] asked for; the sections have these times one common factor
     weave : Weave
-    bluntness : [-]
+    tip_thickness_ratio : [-]
 
     Returns
     -------
@@ -99,8 +105,8 @@ def conform(widths, areas, weave, bluntness):
 
     def at(kappa):
         return (
-            ConformingSection(widths[0], h2, 2 * w2, kappa, bluntness),
-            ConformingSection(widths[1], h1, 2 * w1, -kappa, bluntness),
+            ConformingSection(widths[0], h2, 2 * w2, kappa, tip_thickness_ratio),
+            ConformingSection(widths[1], h1, 2 * w1, -kappa, tip_thickness_ratio),
         )
 
     def excess(kappa):

@@ -1,6 +1,6 @@
 """One crossover of a plain weave in hexahedra: the warp along x over the weft along y, the crossing at the origin.
 
-Centrelines (source thesis eq. 4-1), moved apart by the shift that closes the sections (`meshing.closing`):
+Centrelines (thesis eq. 4-1), moved apart by the shift that closes the sections (`meshing.section_fit`):
 
     warp   z =   h_1 cos(pi x / 2 w_1) + shift/2
     weft   z = -(h_2 cos(pi y / 2 w_2) + shift/2)
@@ -10,14 +10,16 @@ Centrelines (source thesis eq. 4-1), moved apart by the shift that closes the se
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
+from fabrics.fabric import Fabric
 from meshing import inputs
-from meshing.inputs import YARNS
+from meshing.inputs import YARNS, Size
 from meshing.mesh import Strand, YarnMesh, assemble, place
-from meshing.plan import Plan, mirrored
+from meshing.mesh_plan import Plan, mirrored
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,17 +40,17 @@ class Crossover(YarnMesh):
 
 
 def build(
-    fabric,
+    fabric: Fabric,
     *,
-    domain="quarter",
-    size="medium",
-    section=None,
-    gap=0.0,
-    width=None,
-    bluntness=0.075,
-    overlap="solve",
-    crimp="hand",
-    end_shells=None,
+    domain: str = "quarter",
+    size: Size = "medium",
+    section: str | None = None,
+    gap: float = 0.0,
+    width: Sequence[float] | None = None,
+    tip_thickness_ratio: float = 0.075,
+    overlap: str = "solve",
+    crimp: str | Sequence[float] = "hand",
+    end_shells: float | None = None,
 ) -> Crossover:
     """Mesh one crossover of a fabric.
 
@@ -61,10 +63,10 @@ def build(
     section : "sine", "ellipse", "conforming" (`meshing.conforming`), or None for the fabric's
     gap : [m] between parallel yarns; the widths are the spacings less the gap
     width : (warp, weft) [m] instead of a gap; these widths are kept whatever the overlap (conforming: not exceeded)
-    bluntness : [-] thickness of the cut tips over that of the middle
-    overlap : "solve" or "refuse" an overlap too large for a shift (`meshing.closing`)
-    crimp : "hand" measured, "micrograph" (source thesis Tables 2-1 and A-2), or (warp, weft) [-]
-    end_shells : [m] thickness of shells on the yarn ends (source thesis Figure A-8), or None
+    tip_thickness_ratio : [-] thickness of the cut tips over that of the middle
+    overlap : "solve" or "refuse" an overlap too large for a shift (`meshing.section_fit`)
+    crimp : "hand" measured, "micrograph" (thesis Tables 2-1 and A-2), or (warp, weft) [-]
+    end_shells : [m] thickness of shells on the yarn ends (thesis Figure A-8), or None
 
     Raises
     ------
@@ -77,7 +79,7 @@ def build(
         section=section,
         gap=gap,
         width=width,
-        bluntness=bluntness,
+        tip_thickness_ratio=tip_thickness_ratio,
         overlap=overlap,
         crimp=crimp,
         end_shells=end_shells,
@@ -93,7 +95,7 @@ def _strand(plan, family, whole):
     y, heights, areas = plan.across(family, whole)
     w, h = plan.weave.w[family], plan.weave.h0[family]
     sign = 1 if family == 0 else -1
-    centre = sign * (h * np.cos(np.pi * s / (2 * w)) + plan.closing.shift / 2)
+    centre = sign * (h * np.cos(np.pi * s / (2 * w)) + plan.section_fit.shift / 2)
     return Strand(YARNS[family], family, place(family, s, centre, y, heights), areas, np.full(len(s) - 1, family == 0))
 
 

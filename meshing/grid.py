@@ -8,8 +8,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from fabrics.checks import FloatArray, IntArray
 
-def bricks(nodes, corners, right):
+
+def bricks(nodes: IntArray, corners: IntArray, right: bool) -> IntArray:
     """Bricks in VTK order, edges 0-1, 3-2, 4-5 and 7-6 along the fibre towards growing i.
 
     Parameters
@@ -28,13 +30,13 @@ def bricks(nodes, corners, right):
     return hexes[:, [0, 1, 5, 4, 3, 2, 6, 7]]  # local axes i, k, j
 
 
-def quads(sheet, flip):
+def quads(sheet: IntArray, flip: bool) -> IntArray:
     """Quadrilaterals of a sheet of nodes (p+1, q+1), normals along p x q, or against it with `flip`."""
     cells = np.stack([sheet[:-1, :-1], sheet[1:, :-1], sheet[1:, 1:], sheet[:-1, 1:]], axis=-1).reshape(-1, 4)
     return cells[:, ::-1] if flip else cells
 
 
-def faces(nodes, right):
+def faces(nodes: IntArray, right: bool) -> dict[str, IntArray]:
     """The six outer faces, each (m, 4) with outward normals, by the names "i0", "i1", "j0", "j1", "k0", "k1"."""
     left = not right
     return {
@@ -47,12 +49,12 @@ def faces(nodes, right):
     }
 
 
-def bars(nodes):
+def bars(nodes: IntArray) -> IntArray:
     """Node pairs (nx, ny+1, nz+1, 2) of the mesh edges along the fibre."""
     return np.stack([nodes[:-1], nodes[1:]], axis=-1)
 
 
-def tributary_areas(y, z):
+def tributary_areas(y: FloatArray, z: FloatArray) -> FloatArray:
     """Share of each node of a section in its area: each quadrilateral gives the part nearest to a corner to that node.
 
     Parameters

@@ -2,24 +2,30 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from math import ceil, isfinite
 from numbers import Real
+from typing import Any, TypeAlias
 
 from fabrics.errors import InputError
+from fabrics.fabric import Fabric
+from fabrics.weave import Weave
+from meshing.section import YarnSection
 
 YARNS = ("warp", "weft")
+Size: TypeAlias = str | float | Sequence[int]
 AUTO_LAYERS, AUTO_ASPECT = 2, 1.5
 SIZES = {"coarse": (8, 6, 2), "medium": (16, 12, 4), "fine": (24, 18, 6)}
 
 
-def one_of(key, value, allowed):
+def one_of(key: str, value: Any, allowed: Sequence[str]) -> None:
     """Raise InputError unless `value` is one of the words `allowed`."""
     if value not in allowed:
         raise InputError(key=key, value=value, allowed=" or ".join(allowed))
 
 
-def size(value, w, sections):
+def size(value: Any, w: Sequence[float], sections: Sequence[YarnSection]) -> tuple[int, int, int]:
     """(nx, ny, nz), hexahedra along, across and through a quarter yarn.
 
     Parameters
@@ -52,7 +58,8 @@ def size(value, w, sections):
             "at least 2 along, 2 across and 1 through"
         )
         raise InputError(key="size", value=value, allowed=wanted)
-    return numbers
+    nx, ny, nz = numbers
+    return nx, ny, nz
 
 
 def _parts(length, w, sections):
@@ -64,8 +71,13 @@ def _ceil(ratio):
     return ceil(ratio - 1e-9)  # a length that divides the cell is not spoilt by rounding
 
 
-def counts(value):
-    """(n, m) whole numbers of warp and weft yarns, at least 1 each."""
+def counts(value: Sequence[int]) -> tuple[int, int]:
+    """(n, m) whole numbers of warp and weft yarns, at least 1 each.
+
+    Raises
+    ------
+    InputError : they are not
+    """
     try:
         numbers = tuple(int(n) for n in value)
         good = numbers == tuple(value) and len(numbers) == 2 and min(numbers) >= 1
@@ -73,13 +85,14 @@ def counts(value):
         good = False
     if not good:
         raise InputError(key="count", value=value, allowed="two whole numbers from 1, of warp and of weft yarns")
-    return numbers
+    warp, weft = numbers
+    return warp, weft
 
 
-def crimped(fabric, crimp):
-    """The fabric with its crimp measured by hand, read from micrographs (source thesis Tables 2-1 and A-2), or given.
+def crimped(fabric: Fabric, crimp: str | Sequence[float]) -> Fabric:
+    """The fabric with its crimp measured by hand, read from micrographs (thesis Tables 2-1 and A-2), or given.
 
-    The source's own crossover of S-720 uses both: by hand in Figure 3-7, from micrographs in Table A-3 (erratum E-27).
+    The crossover of S-720 in the thesis uses both: by hand in Figure 3-7, from micrographs in Table A-3 (erratum E-27).
 
     Parameters
     ----------
@@ -115,13 +128,13 @@ def _two(key, value, allowed):
     return warp, weft
 
 
-def thickness(key, value):
+def thickness(key: str, value: float | None) -> None:
     """Raise InputError unless `value` is None or a positive length."""
     if value is not None and not (_number(value) and value > 0):
         raise InputError(key=key, value=value, allowed="a positive thickness in m, or none")
 
 
-def widths(weave, gap, width):
+def widths(weave: Weave, gap: float, width: Sequence[float] | None) -> list[float]:
     """(warp, weft) [m] widths of the lenses; the spacing of one family is the cell length of the other.
 
     Parameters
@@ -149,16 +162,16 @@ def widths(weave, gap, width):
     return [warp, weft]
 
 
-def fractions(fabric):
+def fractions(fabric: Fabric) -> list[float]:
     """(warp, weft) initial fibre volume fractions of the fabric's solid laws, without which its yarns have no area.
 
     Raises
     ------
     InputError : the fabric has none
     """
-    if fabric.solids is None:
+    if fabric.solid_laws is None:
         raise InputError(f"fabric {fabric.name} has no solid laws: a 3D crossover needs Vf0 of warp and weft")
-    return [solid.Vf0 for solid in fabric.solids]
+    return [solid.Vf0 for solid in fabric.solid_laws]
 
 
 def _number(value):

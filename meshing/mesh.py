@@ -5,7 +5,7 @@ A vertical section (`meshing.section`) is carried along the centreline by pure t
     warp   (s, p, q) -> (s, p, z(s) + q)
     weft   (s, p, q) -> (p, s, z(s) + q)
 
-so every fibre is the centreline moved sideways, all have the length S0 of eq. 4-4 of the source thesis, and with the
+so every fibre is the centreline moved sideways, all have the length S0 of eq. 4-4 of the thesis, and with the
 vertical area A_s (1 + crimp) / Vf0 the yarn's volume is S0 A_s / Vf0 exactly. gmsh meshes a box (`meshing.box`); the
 nodes are placed by this map. Mesh lines along the box are fibre lines. Each carries a bar whose area is the share of
 its node in the section, scaled so that all bars of a section together are the fibre area: the bars lie along the fibre,
@@ -14,18 +14,21 @@ so a straightened yarn has the stiffness E A_s exactly.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
 
+from fabrics.checks import FloatArray, IntArray
 from meshing import grid
 from meshing.box import transfinite_box
-from meshing.closing import Closing
 from meshing.inputs import YARNS
+from meshing.linear_material import RestMaterial
 from meshing.overlap import least_gap
 from meshing.quality import scaled_jacobian
-from meshing.rest import RestMaterial
+from meshing.section import YarnSection
+from meshing.section_fit import SectionFit
 
 SURFACES = ("contact", "plate", "tip")  # the other named faces are ends and symmetry planes: groups of nodes
 
@@ -69,7 +72,7 @@ class YarnMesh:
     faces : name -> (q, 4) int, outward quadrilaterals (see `groups`)
     w, h0, S0 : (warp, weft) [m] half cell lengths, heights and lengths of the centrelines
     fibre_area : (warp, weft) [m2] A_s of a whole yarn
-    closing : Closing, the sections, the overlap they had, and how it was removed
+    section_fit : SectionFit, the sections, the overlap they had, and how it was removed
     materials : (RestMaterial, RestMaterial) of warp and weft
     end_shells : [m] thickness of shells on the yarn ends, or None
     """
@@ -88,29 +91,29 @@ class YarnMesh:
     h0: tuple[float, float]
     S0: tuple[float, float]
     fibre_area: tuple[float, float]
-    closing: Closing
+    section_fit: SectionFit
     materials: tuple[RestMaterial, RestMaterial]
     end_shells: float | None
 
     @property
     def shift(self) -> float:
         """[m] by which warp and weft are moved apart."""
-        return self.closing.shift
+        return self.section_fit.shift
 
     @property
-    def sections(self):
+    def sections(self) -> tuple[YarnSection, YarnSection]:
         """(Section, Section) of warp and weft."""
-        return self.closing.sections
+        return self.section_fit.sections
 
     @property
     def Vf0(self) -> tuple[float, float]:
         """[-] initial fibre volume fractions of the meshed yarns; above the fabric's where the overlap asked for it."""
-        return self.closing.Vf0
+        return self.section_fit.Vf0
 
     @property
     def collected(self) -> dict:
         """ "warp_..." and "weft_...": for each part the names in `faces` of all yarns of the family."""
-        found = {}
+        found: dict[str, list[str]] = {}
         for name in self.faces:
             yarn, part = name.rsplit("_", 1)
             found.setdefault(f"{YARNS[self.families[self.names.index(yarn)]]}_{part}", []).append(name)
@@ -149,6 +152,7 @@ class YarnMesh:
 
     @property
     def min_scaled_jacobian(self) -> float:
+        """[-] quality of the worst hexahedron."""
         return float(self.scaled_jacobian.min())
 
     @cached_property
@@ -157,7 +161,9 @@ class YarnMesh:
         return least_gap(self)
 
 
-def place(family, s, centre, y, heights, across=0.0):
+def place(
+    family: int, s: FloatArray, centre: FloatArray, y: FloatArray, heights: FloatArray, across: float = 0.0
+) -> FloatArray:
     """Node positions of a yarn.
 
     Parameters
@@ -177,7 +183,7 @@ def place(family, s, centre, y, heights, across=0.0):
     return np.stack([along, side, z] if family == 0 else [side, along, z], axis=-1)
 
 
-def assemble(strands):
+def assemble(strands: Sequence[Strand]) -> tuple[dict, dict[str, dict[str, IntArray]]]:
     """Number the nodes of all yarns one after another and join their bricks, bars and faces: fields of a `YarnMesh`.
 
     Faces are named with the yarn and i0, i1, j0, j1 or contact and plate.

@@ -1,18 +1,21 @@
 """What the meshed surfaces of crossing yarns leave between them: the least gap of their facets, negative where they
 overlap.
 
-`meshing.closing` makes the smooth sections touch. The mesh has flat facets between nodes on them, whose sag is of order
-two in the element size. Seen from above, the nodes of both surfaces stand on lines along x and y: on the grid of all
-these lines both surfaces are bilinear between the same lines, so their least distance in z is found at a grid point.
+`meshing.section_fit` makes the smooth sections touch. The mesh has flat facets between nodes on them, whose sag is of
+order two in the element size. Seen from above, the nodes of both surfaces stand on lines along x and y: on the grid of
+all these lines both surfaces are bilinear between the same lines, so their least distance in z is found at a grid
+point.
 """
 
 from __future__ import annotations
+
+from typing import Any
 
 import numpy as np
 from scipy.interpolate import RegularGridInterpolator
 
 
-def least_gap(mesh):
+def least_gap(mesh: Any) -> float:
     """Least vertical gap [m] of the facets of any warp and any weft yarn that cross in a `YarnMesh`."""
     families = np.array(mesh.families)
     yarns = [[mesh.points[mesh.grids[n]] for n in np.flatnonzero(families == family)] for family in (0, 1)]

@@ -1,7 +1,7 @@
 """A woven patch of n warp and m weft yarns in hexahedra, whole yarns over and under: a plain weave's chequerboard.
 
 Warp i lies at y_i, weft j at x_j, centred on the origin, i and j counted from 1. The warp is over the weft where i + j
-is even. Each centreline is one cosine from end to end (source thesis eq. 4-1):
+is even. Each centreline is one cosine from end to end (thesis eq. 4-1):
 
     warp i   z =  (-1)^(i+1) h_1 cos(pi (x - x_1) / 2 w_1)
     weft j   z = -(-1)^(j+1) h_2 cos(pi (y - y_1) / 2 w_2)
@@ -10,19 +10,21 @@ The patch ends between crossings, on the plane z = 0 where the centrelines turn.
 each other: 2 x 2 is the unit cell of four crossovers.
 
 A yarn that is over here and under there cannot be moved away from both neighbours as a rigid body, so an overlap is
-removed from the sections alone, and a gap is left open (`meshing.closing`).
+removed from the sections alone, and a gap is left open (`meshing.section_fit`).
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
+from fabrics.fabric import Fabric
 from meshing import inputs
-from meshing.inputs import YARNS
+from meshing.inputs import YARNS, Size
 from meshing.mesh import Strand, YarnMesh, assemble, place
-from meshing.plan import Plan, mirrored
+from meshing.mesh_plan import Plan, mirrored
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,17 +45,17 @@ class Patch(YarnMesh):
 
 
 def build(
-    fabric,
-    count=(2, 2),
+    fabric: Fabric,
+    count: Sequence[int] = (2, 2),
     *,
-    size="coarse",
-    section=None,
-    gap=0.0,
-    width=None,
-    bluntness=0.075,
-    overlap="solve",
-    crimp="hand",
-    end_shells=None,
+    size: Size = "coarse",
+    section: str | None = None,
+    gap: float = 0.0,
+    width: Sequence[float] | None = None,
+    tip_thickness_ratio: float = 0.075,
+    overlap: str = "solve",
+    crimp: str | Sequence[float] = "hand",
+    end_shells: float | None = None,
 ) -> Patch:
     """Mesh a patch of a plain weave.
 
@@ -61,9 +63,9 @@ def build(
     ----------
     fabric : Fabric, with solid laws (for the fibre volume fractions)
     count : (n, m) numbers of warp and of weft yarns; (2, 2) is the unit cell of four crossovers
-    size, section, gap, width, bluntness, overlap, crimp, end_shells : as in `meshing.crossover.build`; nx, ny, nz of
-        `size` count a quarter of a yarn in one crossing, so a crossing has 8 nx ny nz hexahedra. No shift is made:
-        "refuse" refuses any overlap
+    size, section, gap, width, tip_thickness_ratio, overlap, crimp, end_shells : as in `meshing.crossover.build`; nx,
+        ny, nz of `size` count a quarter of a yarn in one crossing, so a crossing has 8 nx ny nz hexahedra. No shift is
+        made: "refuse" refuses any overlap
 
     Raises
     ------
@@ -76,7 +78,7 @@ def build(
         section=section,
         gap=gap,
         width=width,
-        bluntness=bluntness,
+        tip_thickness_ratio=tip_thickness_ratio,
         overlap=overlap,
         crimp=crimp,
         end_shells=end_shells,

@@ -2,23 +2,27 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from typing import Any
+
 import numpy as np
 import pyvista
 from vtkmodules.vtkCommonCore import vtkLogger
 
+from fabrics.checks import FilePath, FloatArray
 from fabrics.files import replace_whole
+from meshing.crossover import Crossover
 from meshing.inputs import YARNS
+from meshing.pictures_style import INK
+from meshing.pictures_style import TINTS as COLOURS
 
-# Tints of the blue and vermilion that colour-blind readers can tell apart (Okabe and Ito, 2008).
-COLOURS = {"warp": "#3d93c8", "weft": "#e27a3a"}
-INK = "#1d2733"
 WINDOW = (1600, 1000)
 FOOT, MARGIN = 0.15, 0.05  # of the window's height: kept for the caption, and free around the crossover
 # Direction from the crossing to the camera. A quarter is seen from its cut faces, which show both sections.
 VIEWS = {"quarter": (-1.0, -0.75, 0.62), "whole": (-0.75, -1.0, 0.8)}
 
 
-def picture(crossover, path):
+def picture(crossover: Crossover, path: FilePath) -> None:
     """Draw the crossover as a PNG.
 
     Parameters
@@ -46,10 +50,10 @@ def picture(crossover, path):
         scene.close()
 
 
-def plotter(window, lights="light kit"):
+def plotter(window: Sequence[int], lights: Any = "light kit") -> Any:
     """An off-screen scene on white."""
     vtkLogger.SetStderrVerbosity(vtkLogger.VERBOSITY_ERROR)  # else a warning for each kind of screen that is missing
-    scene = pyvista.Plotter(off_screen=True, window_size=list(window), lighting=lights)
+    scene: Any = pyvista.Plotter(off_screen=True, window_size=list(window), lighting=lights)
     scene.set_background("white")
     scene.enable_anti_aliasing("ssaa")
     return scene
@@ -61,7 +65,7 @@ def _solid(crossover, index):
     return pyvista.UnstructuredGrid({pyvista.CellType.HEXAHEDRON: hexes}, crossover.points * 1e3)
 
 
-def aim(scene, points, view, window, foot=FOOT):
+def aim(scene: Any, points: FloatArray, view: Sequence[float], window: Sequence[int], foot: float = FOOT) -> None:
     """Parallel projection along a view; the points [mm] fill the window above a foot kept free."""
     toward = np.array(view) / np.linalg.norm(view)
     right = np.cross((0, 0, 1), toward)

@@ -7,8 +7,10 @@ import sys
 import numpy as np
 import pyvista
 
+from fabrics.checks import FilePath
 from fabrics.files import replace_whole
 from meshing.inputs import YARNS
+from meshing.patch import Patch
 from meshing.pictures import COLOURS, INK, plotter
 
 WINDOW = (1600, 900)
@@ -18,7 +20,7 @@ SHARP = 40.0  # degrees: an edge sharper than this is drawn sharp
 EDGES_UP_TO = 20_000  # hexahedra: beyond, mesh lines only darken the picture
 
 
-def picture(patch, path):
+def picture(patch: Patch, path: FilePath) -> None:
     """Draw the patch as a PNG, 1600 x 900.
 
     Parameters

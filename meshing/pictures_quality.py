@@ -12,8 +12,10 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
+from fabrics.checks import FilePath
 from fabrics.files import replace_whole
 from meshing.inputs import YARNS
+from meshing.mesh import YarnMesh
 from meshing.pictures import COLOURS, INK, VIEWS, aim, plotter
 
 MAP = "cividis"  # to be told apart by colour-blind readers, and in grey
@@ -22,7 +24,7 @@ BARS = 12
 SCENE = (1500, 1000)
 
 
-def picture(mesh, path):
+def picture(mesh: YarnMesh, path: FilePath) -> None:
     """Draw the quality of a `Crossover` or `Patch` as a PNG.
 
     Parameters

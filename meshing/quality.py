@@ -7,6 +7,9 @@ worst of its corners counts (P. M. Knupp, Int. J. Numer. Meth. Engng 48, 2000).
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import ArrayLike
+
+from fabrics.checks import FloatArray
 
 # For each corner of a VTK hexahedron its three neighbours, in right-handed order.
 NEIGHBOURS = np.array(
@@ -14,7 +17,7 @@ NEIGHBOURS = np.array(
 )
 
 
-def scaled_jacobian(points, hexes):
+def scaled_jacobian(points: ArrayLike, hexes: ArrayLike) -> FloatArray:
     """Worst corner of each element.
 
     Parameters
@@ -33,7 +36,7 @@ def scaled_jacobian(points, hexes):
     return np.linalg.det(unit).min(axis=1)
 
 
-def volumes(points, hexes):
+def volumes(points: ArrayLike, hexes: ArrayLike) -> FloatArray:
     """Volume [m3] of each trilinear element, exact: two-point Gauss rule of the Jacobian in each direction."""
     corners = np.asarray(points, float)[np.asarray(hexes)]
     signs = np.array(

@@ -1,10 +1,10 @@
 """The section of a yarn: a lens that is symmetric about both axes, with its two sharp tips cut off.
 
-    half thickness   q(y) = (t/2) cos(pi y / W)          "sine"     (source thesis Figure A-7, left)
+    half thickness   q(y) = (t/2) cos(pi y / W)          "sine"     (thesis Figure A-7, left)
                      q(y) = (t/2) sqrt(1 - (2y/W)^2)     "ellipse"  (Figure A-7, right)
 
-over |y| <= c W/2. The cut c is where q has fallen to the bluntness times t/2, so that the outermost element has a
-height; W is the width of the lens before the cut, t its thickness. The area between the cuts is
+over |y| <= c W/2. The cut c is where q has fallen to the tip thickness ratio times t/2, so that the outermost element
+has a height; W is the width of the lens before the cut, t its thickness. The area between the cuts is
 
     A = t W a(c),   a = (2/pi) sin(pi c/2)   or   (c sqrt(1 - c^2) + arcsin c) / 2.
 """
@@ -12,14 +12,50 @@ height; W is the width of the lens before the cut, t its thickness. The area bet
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from fabrics.checks import positive
+from fabrics.checks import FloatArray, positive
 from fabrics.errors import InputError
 
 KINDS = ("sine", "ellipse")
-BLUNTNESS = (0.01, 0.5)
+TIP_THICKNESS_RATIO = (0.01, 0.5)
+
+
+class YarnSection(Protocol):
+    """A section as the mesher asks it: `Section`, `meshing.conforming.ConformingSection`."""
+
+    @property
+    def kind(self) -> str:
+        """Name of its shape."""
+
+    @property
+    def width(self) -> float:
+        """[m] of the lens before its tips are cut."""
+
+    @property
+    def thickness(self) -> float:
+        """[m] in the middle."""
+
+    @property
+    def tip_thickness_ratio(self) -> float:
+        """[-] thickness at the cut over that of the middle."""
+
+    @property
+    def half_width(self) -> float:
+        """[m] from the middle to the cut."""
+
+    @property
+    def area(self) -> float:
+        """[m2] between the cuts."""
+
+    def half_thickness(self, y: ArrayLike) -> FloatArray:
+        """q(y) [m] at the distances `y` [m] from the middle."""
+
+    def stations(self, n: int) -> FloatArray:
+        """y [m] of the n + 1 mesh lines from the middle to the cut."""
 
 
 @dataclass(frozen=True)
@@ -31,38 +67,40 @@ class Section:
     kind : "sine" or "ellipse"
     width : [m] W of the lens before its tips are cut
     thickness : [m] t in the middle
-    bluntness : [-] thickness at the cut over t
+    tip_thickness_ratio : [-] thickness at the cut over t
 
     Raises
     ------
-    InputError : unknown kind, a dimension that is not positive, a bluntness outside 0.01 .. 0.5
+    InputError : unknown kind, a dimension that is not positive, a tip thickness ratio outside 0.01 .. 0.5
     """
 
     kind: str
     width: float
     thickness: float
-    bluntness: float
+    tip_thickness_ratio: float
 
     def __post_init__(self):
         if self.kind not in KINDS:
             raise InputError(key="section", value=self.kind, allowed=" or ".join(KINDS))
-        positive(self, "width", "thickness", "bluntness")
-        low, high = BLUNTNESS
-        if not low <= self.bluntness <= high:
-            raise InputError(key="bluntness", value=self.bluntness, allowed=f"from {low:g} to {high:g}")
+        positive(self, "width", "thickness", "tip_thickness_ratio")
+        low, high = TIP_THICKNESS_RATIO
+        if not low <= self.tip_thickness_ratio <= high:
+            raise InputError(
+                key="tip_thickness_ratio", value=self.tip_thickness_ratio, allowed=f"from {low:g} to {high:g}"
+            )
 
     @classmethod
-    def of_area(cls, kind, width, area, bluntness) -> Section:
+    def of_area(cls, kind: str, width: float, area: float, tip_thickness_ratio: float) -> Section:
         """The section of this width whose area [m2] between the cuts is `area`."""
-        unit = cls(kind, width, 1.0, bluntness)
-        return cls(kind, width, area / unit.area, bluntness)
+        unit = cls(kind, width, 1.0, tip_thickness_ratio)
+        return cls(kind, width, area / unit.area, tip_thickness_ratio)
 
     @property
     def cut(self) -> float:
         """[-] place of the cut, as a fraction of the half width."""
         if self.kind == "sine":
-            return 2 / np.pi * np.arccos(self.bluntness)
-        return float(np.sqrt(1 - self.bluntness**2))
+            return 2 / np.pi * np.arccos(self.tip_thickness_ratio)
+        return float(np.sqrt(1 - self.tip_thickness_ratio**2))
 
     @property
     def half_width(self) -> float:
@@ -77,13 +115,13 @@ class Section:
             return self.thickness * self.width * 2 / np.pi * np.sin(np.pi * c / 2)
         return self.thickness * self.width * (c * np.sqrt(1 - c * c) + np.arcsin(c)) / 2
 
-    def half_thickness(self, y):
+    def half_thickness(self, y: ArrayLike) -> FloatArray:
         """q(y) [m] at the distances `y` [m] from the middle, |y| up to the half width."""
         eta = np.clip(2 * np.abs(np.asarray(y, float)) / self.width, 0, 1)
         shape = np.cos(np.pi / 2 * eta) if self.kind == "sine" else np.sqrt(1 - eta**2)
         return self.thickness / 2 * shape
 
-    def stations(self, n):
+    def stations(self, n: int) -> FloatArray:
         """y [m] of the n + 1 mesh lines from the middle to the cut: equal steps of y, or of the angle of the ellipse.
 
         Equal angles keep the steep end of the ellipse in many short steps; its trapezoid area is then of order 2.

@@ -9,7 +9,9 @@ from __future__ import annotations
 import inspect
 import signal
 import threading
+from collections.abc import Iterator
 from contextlib import contextmanager
+from typing import Any
 
 _handler = signal.getsignal(signal.SIGINT)
 import gmsh  # noqa: E402
@@ -25,7 +27,7 @@ if "interruptible" in inspect.signature(gmsh.initialize).parameters:
 
 
 @contextmanager
-def gmsh_session(name):
+def gmsh_session(name: str) -> Iterator[Any]:
     """Yield the gmsh module with one empty model called `name`; finalize gmsh whatever happens."""
     with _LOCK:
         gmsh.initialize(**_QUIET)

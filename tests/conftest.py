@@ -1,4 +1,4 @@
-"""A guard on the memory of a test process.
+"""A guard on the memory of a test process, and the command line as a fixture.
 
 What makes a process grow are results held by fixtures, caches without a bound, and code compiled in it.
 """
@@ -36,6 +36,22 @@ def memory():
     most = sorted(_growth, key=_growth.get, reverse=True)[:10]
     told = "\n".join(f"  {_growth[name]:5.0f} MiB  {name}" for name in most)
     assert peak() < LIMIT, f"this process grew to {peak():.0f} MiB, above {LIMIT}; most of it in\n{told}"
+
+
+@pytest.fixture
+def command(capsys, tmp_path, monkeypatch):
+    """Run `weavecell ...` in this process and an empty folder; returns (exit code, stdout, stderr)."""
+    from weavecell.cli import app
+
+    monkeypatch.chdir(tmp_path)
+
+    def run(*words):
+        with pytest.raises(SystemExit) as leaving:
+            app.main([str(word) for word in words])
+        out, err = capsys.readouterr()
+        return leaving.value.code, out, err
+
+    return run
 
 
 def pytest_collection_modifyitems(items):

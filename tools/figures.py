@@ -1,7 +1,8 @@
 """Make the figures of README and docs from the code: python tools/figures.py [results/demo]  (make figures).
 
 Takes the pictures of a demonstration that has been run into the given folder, and computes the others. Everything goes
-to docs/figures/. Those of the study of convergence, which takes long, come from `python -m validation.convergence`.
+to docs/figures/. Those of the study of convergence, which takes long, come from `python -m
+validation.verification.mesh_convergence`.
 """
 
 import sys
@@ -15,10 +16,10 @@ from fabrics import catalogue
 from fabrics.errors import UnstableError
 from fabrics.files import replace_whole, write_whole
 from meshing import patch, pictures_patch
-from validation.buet_gautier import options, sides
-from validation.buet_gautier import pictures as biaxial_pictures
-from validation.buet_gautier.curves import curves
-from weavecell import biaxial, coupon
+from validation.published.biaxial_glass import model_comparison, options
+from validation.published.biaxial_glass import pictures as biaxial_pictures
+from weavecell.analysis.biaxial_test.curves import curves
+from weavecell.commands import biaxial, coupon
 
 FIGURES = Path(__file__).parents[1] / "docs" / "figures"
 COUPONS = Path(__file__).parents[1] / "examples" / "coupons"
@@ -38,7 +39,7 @@ def main(demo):
         weave = catalogue.load(name)
         biaxial_pictures.picture(weave, curves(weave), FIGURES / f"biaxial-{name}.png")
         biaxial_pictures.options(weave, options.same_constants(weave), FIGURES / f"biaxial-options-{name}.png")
-        biaxial_pictures.sides(weave, sides.compare(weave)[0], FIGURES / f"biaxial-sides-{name}.png")
+        biaxial_pictures.sides(weave, model_comparison.compare(weave)[0], FIGURES / f"biaxial-sides-{name}.png")
     coupons()
     for path in FIGURES.glob("*.png"):
         shrink(path)

@@ -3,4 +3,12 @@
 from fabrics.kernel_cache import kernel_cache
 
 with kernel_cache(__file__):  # kernels call each other across files: one cache, emptied when any of them changes
-    from unitcell3d import bars_kernels, contact_kernels, edges_kernels, pattern_kernels, surface_kernels  # noqa: F401
+    from unitcell3d.assembly import sparsity_kernels  # noqa: F401
+    from unitcell3d.contact import (  # noqa: F401
+        edge_contact_kernels,
+        plate_contact_kernels,
+        surface_contact_kernels,
+        surface_kernels,
+        surface_tangent_kernels,
+    )
+    from unitcell3d.material import fibre_kernels  # noqa: F401

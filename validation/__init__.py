@@ -1,1 +1,1 @@
-"""Published cases, each a folder: input, reference with its provenance, comparison, stated difference."""
+"""Published cases (`published`), verification of the methods (`verification`), and the ledger of claims (`claims`)."""

@@ -1,6 +1,6 @@
 """`python -m weavecell` is the same as the `weavecell` command."""
 
-from weavecell.cli import main
+from weavecell.cli.app import main
 
 if __name__ == "__main__":
     main()

@@ -1,15 +1,17 @@
 """The catalogue: fabrics as data files, one TOML file each, every number with its unit, source and status.
 
 A number is written `{ value = "1420 denier", source = "...", status = "measured" }`, or just `"1420 denier"` in a
-user's own file. Statuses: measured, fitted, derived, assumed, corrected (a misprint of the source, put right).
+user's own file. Statuses: measured, fitted, derived, assumed, corrected (a misprint of the thesis, put right).
 """
 
 from __future__ import annotations
 
 import tomllib
+from collections.abc import Mapping
 from functools import cache
 from pathlib import Path
 
+from fabrics.checks import FilePath
 from fabrics.compression import CompressionLaw
 from fabrics.errors import InputError
 from fabrics.fabric import Fabric
@@ -38,12 +40,12 @@ _MICROGRAPH = {
 
 
 @cache
-def names() -> tuple[str, ...]:
+def list_names() -> tuple[str, ...]:
     """Names of the fabrics in the catalogue, sorted."""
     return tuple(sorted(path.stem for path in _FOLDER.glob("*.toml")))
 
 
-def load(name_or_path) -> Fabric:
+def load(name_or_path: FilePath) -> Fabric:
     """Load a fabric of the catalogue by name, or a user's fabric file by path (it ends in .toml).
 
     Raises
@@ -51,19 +53,23 @@ def load(name_or_path) -> Fabric:
     InputError : no such fabric or file, or the file is wrong: one line naming the file, key, value and what is allowed
     """
     text = str(name_or_path)
-    if text in names():
+    if text in list_names():
         return read(_FOLDER / f"{text}.toml")
     if not text.endswith(".toml"):
-        raise InputError(key="fabric", value=text, allowed=f"one of {', '.join(names())}, or the path of a .toml file")
+        raise InputError(
+            key="fabric", value=text, allowed=f"one of {', '.join(list_names())}, or the path of a .toml file"
+        )
     return read(Path(text))
 
 
-def read(path) -> Fabric:
+def read(path: FilePath) -> Fabric:
     """Read one fabric file."""
     return _Reader(Path(path)).fabric()
 
 
-def tables(path, numbers):
+def tables(
+    path: FilePath, numbers: Mapping[str, str]
+) -> tuple[str, TrellisShear | None, tuple[SolidLaw, SolidLaw] | None, dict[str, float], dict]:
     """What a file with the laws of yarns holds, that is no fabric (see `fabrics.assumed`).
 
     Parameters
@@ -75,7 +81,7 @@ def tables(path, numbers):
     -------
     name : text
     shear : TrellisShear, or None
-    solids : (SolidLaw, SolidLaw), or None
+    solid_laws : (SolidLaw, SolidLaw), or None
     values : {dotted key: number [SI]}
     sources : {dotted key: {"value", "source", "status"}}
     """
@@ -118,7 +124,7 @@ class _Reader:
             weave=weave,
             laws=self._pair("compression", _LAW, self._law),
             shear=self._shear(),
-            solids=self._solids(),
+            solid_laws=self._solids(),
             section=self._text("section", "sine"),
             areal_density_measured=self._number("areal_density_measured", "kg/m^2", True),
             interlayer_gap=self._number("interlayer_gap", "m", True),

@@ -13,8 +13,8 @@ GOOD = (catalogue._FOLDER / "S-720.toml").read_text()
 
 
 def test_every_number_of_the_catalogue_has_a_source():
-    assert len(catalogue.names()) == 8
-    for name in catalogue.names():
+    assert len(catalogue.list_names()) == 8
+    for name in catalogue.list_names():
         fabric = catalogue.load(name)
         assert fabric.name == name
         assert len(fabric.sources) >= 14
@@ -32,7 +32,7 @@ def test_errata_are_in_the_data():
 
 def test_effective_linear_density_only_where_known():
     with pytest.raises(InputError, match="glass-balanced has no effective"):
-        catalogue.load("glass-balanced").effective()
+        catalogue.load("glass-balanced").with_effective_density()
 
 
 def test_a_users_file_needs_no_sources(tmp_path):

@@ -69,7 +69,7 @@ def test_areal_density(name):
     fabric = catalogue.load(name)
     printed = TABLE_5_1[name][3]
     assert fabric.weave.areal_density * 1e3 == pytest.approx(printed, rel=0.03)
-    assert fabric.effective().weave.areal_density * 1e3 == pytest.approx(printed, rel=0.003)
+    assert fabric.with_effective_density().weave.areal_density * 1e3 == pytest.approx(printed, rel=0.003)
 
 
 @pytest.mark.parametrize("name", KEVLAR)
@@ -79,7 +79,7 @@ def test_strengths(name):
 
 @pytest.mark.parametrize("name", KEVLAR)
 def test_locking_modulus_of_table_4_1(name):
-    fabric = catalogue.load(name).effective()
+    fabric = catalogue.load(name).with_effective_density()
     weave = fabric.weave
     G2 = locking_modulus(weave.warp.E, weave.warp.A_s, weave.thickness, 2 * weave.w1)
     assert G2 == pytest.approx(fabric.shear.G2, rel=0.01)

@@ -137,7 +137,7 @@ def test_trellis_angles_are_ordered():
 
 def test_solid_law_is_continuous_and_capped():
     """Eqs. 3-10 .. 3-14 with the values of erratum section 7 and the cap of E-20."""
-    warp, weft = catalogue.load("S-720").solids
+    warp, weft = catalogue.load("S-720").solid_laws
     assert (warp.a_E, warp.b_E) == pytest.approx((1.2245e7, 1.00612), rel=1e-4)
     assert (weft.a_E, weft.b_E) == pytest.approx((1.5510e7, 1.00776), rel=1e-4)
     assert warp.G == pytest.approx(1e6)

@@ -1,4 +1,4 @@
-"""What the quality indicators (`shellfabric.quality`) flag: of the maps' points, of the examples, of random scenes.
+"""What the quality indicators (`shellfabric.panel.quality`) flag: of maps, examples and random scenes.
 
     python -m tests.fuzz.flags --page docs/checks.md [--map NAME ...] [--scenes 200] [--seed checks]
 
@@ -17,13 +17,15 @@ from pathlib import Path
 
 from fabrics.errors import UnstableError, WeavecellError
 from fabrics.files import write_whole
-from shellfabric import impact, pack_impact
-from shellfabric.quality import LIMITS
+from shellfabric.impact import pack as impact_pack
+from shellfabric.impact import single_ply
+from shellfabric.panel.quality import LIMITS
 from tests.fuzz import scenes
-from validation.charts.tables import markdown
-from validation.stability import study
-from validation.stability.core import STABLE, WRONG
-from weavecell import case, scene
+from validation.verification.cost_accuracy.tables import markdown
+from validation.verification.stability import study
+from validation.verification.stability.core import STABLE, WRONG
+from weavecell.scenes import build
+from weavecell.scenes import impact as scenes_impact
 
 # maps with points that end quietly wrong; the product has no way to what OUTSIDE names
 MAPS = ("time-step", "viscosity", "hourglass", "penalty", "edge-radius", "newton", "printed-law", "bars", "plies")
@@ -32,13 +34,19 @@ SLOW = 60.0  # [s] of CPU time after which a random scene is given up
 HEAD = """# What the quality checks flag
 
 Impacts, coupons, searches of a critical velocity and pulled yarns evaluate quality indicators, each with a limit
-(`shellfabric/quality.py`), and are "doubtful" if one of them is beyond it. Here they are put to the test: on every
-point of the maps of [stability.md](stability.md) that end quietly with a wrong answer, which they should flag, and on
-examples and random scenes at default settings, which they should not. A stable point that is flagged lies beyond a
-limit of the indicators that is narrower than the map's.
+(`shellfabric/panel/quality.py`), and are "doubtful" if one of them is beyond it. Here they are put to the test: on
+every point of the maps of [stability.md](stability.md) that end quietly with a wrong answer, which they should flag,
+and on examples and random scenes at default settings, which they should not. A stable point that is flagged lies beyond
+a limit of the indicators that is narrower than the map's.
 
-The limits were last changed after a look at the random scenes of the seed `checks`; scenes of other seeds were drawn
-afterwards. The target is at most 2 % of examples and random scenes."""
+The limits were last changed after a look at the random scenes of the seed `checks`. Those of the seed 2026 (10 %
+flagged) led to defaults that follow the projectile, the number of contact points and of elements per crossover, and to
+a ply penetration that counts only what loads the contact; scenes of other seeds were drawn afterwards. The target is
+at most 2 % of examples and random scenes.
+
+That a scene is not flagged does not mean that its peak tension has converged. At default settings most random scenes
+(coarse cloth, up to 700 m/s, free edges, yarns that fail) change it by more than 10 % when elements are halved; their
+residual velocity changes less. No indicator measures that: a second mesh does."""
 
 
 REASONS = """Each limit lies between the values at points of a map that are right and at points that are wrong:
@@ -53,10 +61,14 @@ REASONS = """Each limit lies between the values at points of a map that are righ
 - Formulation energy: 3 % in the equilibrium form, which the maps call right; 10 % is what peaks may be off by.
 - Tension oscillation: at most 0.043 where peaks are right, at least 0.079 where they are off by more than 10 %.
 - Nose penetration: 1.4 where peaks are off by 6 %, 2.4 where they are by 14 % and more; 10 % is at about 1.8.
-- Contact point spacing: 0.79 where the edge is resolved, 1.41 and more where yarns fail on one mesh alone.
-- Element side: the projectile's radius. It lets two wrong points of the edge map through, at 0.92, since scenes of
-  coarse cloth and small projectiles come that close.
-- Ply penetration: at most 0.46 where peaks are right, at least 0.77 where smooth plies are too soft.
+- Contact point spacing: 0.79 where the edge is resolved, 1.41 and more where yarns fail on one mesh alone. The default
+  number of points keeps it at 0.8; a given number, and a nose that would need more than 32 along an element, may not.
+- Element side: the projectile's radius. The residual velocity of narrow flat projectiles through S-720, 160 to 380 m/s,
+  is off by at most 3.2 % of the strike velocity up to 0.8, where the default number of elements keeps it, and by up to
+  9.8 % from 0.9 on. The limit lets two wrong points of the edge map through, at 0.92.
+- Ply penetration: at most 0.46 where peaks are right, at least 0.77 where smooth plies are too soft. It is the depth
+  that has loaded the contact's springs. Points that are found inside another fold of loose cloth, up to 0.85
+  thicknesses deep, load none, and do not count (`deepest_over_thickness` in summary.json has them).
 - Ply contact direction, swelling: both are zero in the forms that are right.
 - Hourglass energy and amplitude, node alternation: the criteria of the maps themselves.
 - Relaxation residual, tensions and forces over what was sampled, fitted or tabulated: 1 is where extrapolation begins.
@@ -80,14 +92,14 @@ def of_scene(path):
         if time.process_time() - began > SLOW:
             raise TimeoutError
 
-    asked, _ = scene.load(path)
-    setup = case.setup(case.build(asked, path, path.stem), path)
+    asked, _ = scenes_impact.load(path)
+    setup = build.setup(build.build(asked, path, path.stem), path)
     setup = replace(setup, numerics=replace(setup.numerics, threads=1), snapshot_interval=None)
     if asked.panel.plies > 1:
-        pack = pack_impact.PackSetup(setup, asked.panel.plies, asked.panel.stacking, asked.panel.gap)
-        result = pack_impact.run(pack, hooks=(watch,))
+        pack = impact_pack.PackSetup(setup, asked.panel.plies, asked.panel.stacking, asked.panel.ply_gap)
+        result = impact_pack.run(pack, hooks=(watch,))
     else:
-        result = impact.run(setup, hooks=(watch,))
+        result = single_ply.run(setup, hooks=(watch,))
     return [path.stem, result.outcome, [str(one) for one in result.checks if not one.ok]]
 
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 import time
 from multiprocessing.connection import wait
 
-from fabrics.workers import CONTEXT, one_thread_each
+from fabrics.executors import CONTEXT, one_thread_each
 
 WALL_LIMIT = 300.0  # [s] a scene, kernels compiled in its time
 _SCENES_A_PROCESS = 100  # then a fresh one starts, so that memory cannot pile up

@@ -20,8 +20,8 @@ from pathlib import Path
 
 from fabrics.errors import InputError, UnstableError
 from tests.fuzz import scenes
-from weavecell import case
-from weavecell import scene as scene_files
+from weavecell.scenes import build
+from weavecell.scenes import impact as scene_files
 
 TIME_LIMIT = 60.0  # [s] of CPU time
 
@@ -80,19 +80,20 @@ def compile_kernels():
 
 def run(path, hooks=()):
     """The result of `shellfabric` for the scene at `path`, on one thread."""
-    from shellfabric import impact, pack_impact
+    from shellfabric.impact import pack as impact_pack
+    from shellfabric.impact import single_ply
 
     asked, setup = setup_of(path)
     panel = asked.panel
     if panel.plies > 1:
-        return pack_impact.run(pack_impact.PackSetup(setup, panel.plies, panel.stacking, panel.gap), hooks=hooks)
-    return impact.run(setup, hooks=hooks)
+        return impact_pack.run(impact_pack.PackSetup(setup, panel.plies, panel.stacking, panel.ply_gap), hooks=hooks)
+    return single_ply.run(setup, hooks=hooks)
 
 
 def setup_of(path):
     """(Scene, ImpactSetup of one ply) of the scene at `path`, on one thread."""
     asked, _ = scene_files.load(path)
-    setup = case.setup(case.build(asked, path, path.stem), path)
+    setup = build.setup(build.build(asked, path, path.stem), path)
     return asked, replace(setup, numerics=replace(setup.numerics, threads=1), snapshot_interval=None)
 
 

@@ -155,13 +155,13 @@ def sample_cell(draw, fabric, thickness) -> dict:
     if draw.chance(0.2):
         found["cell_profile"] = "straight"
     if draw.chance(0.1):
-        found["cell_form"] = "equilibrium"
+        found["cell_formulation"] = "equilibrium"
     heights = sum(_height(fabric[family], fabric[other]) for family, other in (("warp", "weft"), ("weft", "warp")))
     if found["cell_model"] == "compressible" and draw.chance(0.4):
         law = _law(draw, thickness)
         found["law"] = {"a": law["a"], "b": law["b"].replace(" * ", " ")}
     if found["cell_model"] != "decoupled" and draw.chance(0.3):
-        found["gap"] = _text(draw.uniform(0, 0.5) * heights, "mm")
+        found["crossover_gap"] = _text(draw.uniform(0, 0.5) * heights, "mm")
     return found
 
 
@@ -216,7 +216,7 @@ def sample_panel(draw, shot, thickness) -> dict:
     oblique_weave = found["boundary"] == "clamped" and draw.chance(0.15)
     found["symmetry"] = "whole" if "obliquity" in shot or oblique_weave else "quarter"
     if plies > 1:
-        found |= {"plies": plies, "gap": _text(thickness * draw.uniform(0, 0.8), "mm")}
+        found |= {"plies": plies, "ply_gap": _text(thickness * draw.uniform(0, 0.8), "mm")}
         if not oblique_weave and draw.chance(0.5):
             found["stacking"] = "alternating"
     if oblique_weave:

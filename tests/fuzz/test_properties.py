@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given, note
 from hypothesis import strategies as st
 
-from shellfabric.cell import CellModel
+from shellfabric.cell.model import CellModel
 from tests.fuzz import runs, scenes
 
 SHARE = st.floats(0, 1)

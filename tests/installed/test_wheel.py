@@ -160,13 +160,13 @@ COMMANDS = (
     "view ply --screenshot ply.png",
     "coupon coupon.toml --out coupon",
     "biaxial S-720 --out biaxial",
-    "critical-velocity ply.toml --tolerance 20m/s --curve 0 --workers 1 --out limit",
+    "critical-velocity ply.toml --tolerance 20m/s --residual-shots 0 --jobs 1 --out limit",
     "v50 S-720 --shots 8 --batch 4 --jobs 1 --opening 30.6mm --seed 2 --out v50",
     "sensitivity S-720 --velocity 60m/s --samples 2 --jobs 1 --opening 20mm --out sobol",
-    "chart --scene struck-yarn --quick --out chart",
+    "cost-accuracy --scene struck-yarn --quick --out chart",
     "stability --map printed-law --quick --out stability",
     "validate --topic geom --jobs 1 --out validate",
-    "mesh S-720 --size coarse --format msh,vtu,k,inp,rad --out mesh",
+    "mesh S-720 --mesh coarse --format msh,vtu,k,inp,rad --out mesh",
     "view mesh --screenshot mesh.png",
 )
 NEED_PETSC = {"demo", "calibrate", "surface", "crossover"}
@@ -176,7 +176,7 @@ def test_every_command_is_run_here():
     """The list above is complete: a new command goes into it, or needs PETSc."""
     from typer.main import get_command
 
-    from weavecell.cli import app
+    from weavecell.cli.app import app
 
     assert set(get_command(app).commands) == {line.split()[0] for line in COMMANDS[1:]} | NEED_PETSC
 

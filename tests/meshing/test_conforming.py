@@ -8,16 +8,18 @@ import pytest
 from fabrics import catalogue
 from fabrics.errors import InputError
 from meshing import crossover as mesher
-from meshing.closing import CLOSEST_PACKING, close
 from meshing.conforming import conform
+from meshing.section_fit import CLOSEST_PACKING, fit_sections
 
-NAMES = catalogue.names()
+NAMES = catalogue.list_names()
 
 
-def closed(name, bluntness=0.075, **choices):
+def closed(name, tip_thickness_ratio=0.075, **choices):
     fabric = catalogue.load(name)
     spacing = [2 * w for w in fabric.weave.w][::-1]
-    return close("conforming", spacing, [s.Vf0 for s in fabric.solids], fabric.weave, bluntness, **choices)
+    return fit_sections(
+        "conforming", spacing, [s.Vf0 for s in fabric.solid_laws], fabric.weave, tip_thickness_ratio, **choices
+    )
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -33,10 +35,10 @@ def test_the_yarns_touch_everywhere(name):
 
 @pytest.mark.parametrize("name", NAMES)
 def test_areas_keep_the_ratio_of_the_fibre_fractions(name):
-    fabric, closing = catalogue.load(name), closed(name)
-    factors = [Vf0 / solid.Vf0 for Vf0, solid in zip(closing.Vf0, fabric.solids)]
+    fabric, section_fit = catalogue.load(name), closed(name)
+    factors = [Vf0 / solid.Vf0 for Vf0, solid in zip(section_fit.Vf0, fabric.solid_laws)]
     assert factors[0] == pytest.approx(factors[1], rel=1e-9)
-    for section, Vf0, yarn in zip(closing.sections, closing.Vf0, fabric.weave.yarns):
+    for section, Vf0, yarn in zip(section_fit.sections, section_fit.Vf0, fabric.weave.yarns):
         y = np.linspace(0, section.half_width, 20001)
         q = section.half_thickness(y)
         assert section.area == pytest.approx(4 * np.sum((q[1:] + q[:-1]) / 2) * (y[1] - y[0]), rel=1e-7)
@@ -81,4 +83,4 @@ def test_bad_weaves_are_input_errors():
         fabric.weave, warp=replace(fabric.weave.warp, crimp=1e-3), weft=replace(fabric.weave.weft, crimp=1e-3)
     )
     with pytest.raises(InputError, match="denser than the closest packing"):
-        close("conforming", [1.27e-3, 1.27e-3], [0.7, 0.62], thin, 0.075)
+        fit_sections("conforming", [1.27e-3, 1.27e-3], [0.7, 0.62], thin, 0.075)

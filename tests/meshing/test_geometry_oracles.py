@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 from fabrics import catalogue
-from meshing import crossover, export
+from meshing import crossover
+from meshing.formats import export
 
 pyvista = pytest.importorskip("pyvista")
 CASES = [("S-720", "sine"), ("S-720", "ellipse"), ("S-731", "conforming")]

@@ -6,8 +6,9 @@ import pytest
 
 from fabrics import catalogue
 from fabrics.errors import InputError
-from meshing import export, patch
+from meshing import patch
 from meshing.crossover import build
+from meshing.formats import export
 from meshing.quality import volumes
 from meshing.session import gmsh_session
 

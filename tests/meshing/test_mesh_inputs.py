@@ -36,8 +36,8 @@ SIZES = (
         ({"width": (0.0, 1.2e-3)}, f"warp width = 0.0: must be {WIDE}"),
         ({"width": 1.2e-3}, "width = 0.0012: must be two lengths, of warp and weft"),
         ({"width": (1.2e-3, 1.2e-3), "gap": 1e-5}, "gap = 1e-05: must be 0 where the widths are given"),
-        ({"bluntness": 0.7}, "bluntness = 0.7: must be from 0.01 to 0.5"),
-        ({"bluntness": 0.001}, "bluntness = 0.001: must be from 0.01 to 0.5"),
+        ({"tip_thickness_ratio": 0.7}, "tip_thickness_ratio = 0.7: must be from 0.01 to 0.5"),
+        ({"tip_thickness_ratio": 0.001}, "tip_thickness_ratio = 0.001: must be from 0.01 to 0.5"),
     ],
 )
 def test_bad_choices(choices, message):
@@ -48,7 +48,7 @@ def test_bad_choices(choices, message):
 
 def test_a_fabric_without_solid_laws_has_no_yarn_area():
     with pytest.raises(InputError) as caught:
-        build(replace(catalogue.load("S-720"), solids=None))
+        build(replace(catalogue.load("S-720"), solid_laws=None))
     assert str(caught.value) == ("fabric S-720 has no solid laws: a 3D crossover needs Vf0 of warp and weft")
 
 

@@ -105,7 +105,7 @@ def test_crossing_yarns_do_not_overlap(name):
     upper = weft.half_thickness(x) - h2 * np.cos(np.pi * y / (2 * w2))
     assert patch.shift == 0
     assert (lower - upper).min() > -1e-11
-    assert patch.closing.report.endswith("left open") == (patch.closing.overlap < 0)
+    assert patch.section_fit.report.endswith("left open") == (patch.section_fit.overlap < 0)
 
 
 def test_one_crossing_is_the_whole_crossover():

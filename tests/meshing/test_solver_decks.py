@@ -15,8 +15,9 @@ import numpy as np
 import pytest
 
 from fabrics import catalogue
-from meshing import crossover, export, patch
-from meshing.abaqus import SIDES
+from meshing import crossover, patch
+from meshing.formats import export
+from meshing.formats.abaqus import SIDES
 from meshing.quality import volumes
 
 WOVEN = ("S-720", "S-726", "S-727", "S-728", "S-731", "S-745")

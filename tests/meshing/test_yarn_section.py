@@ -10,17 +10,17 @@ from meshing.section import KINDS, Section
 WIDTH, AREA = 1.27e-3, 1.6e-7
 
 
-@pytest.mark.parametrize("bluntness", [0.02, 0.1, 0.5])
+@pytest.mark.parametrize("tip_thickness_ratio", [0.02, 0.1, 0.5])
 @pytest.mark.parametrize("kind", KINDS)
-def test_area_is_the_integral_of_the_thickness(kind, bluntness):
-    section = Section.of_area(kind, WIDTH, AREA, bluntness)
+def test_area_is_the_integral_of_the_thickness(kind, tip_thickness_ratio):
+    section = Section.of_area(kind, WIDTH, AREA, tip_thickness_ratio)
     integral, _ = quad(lambda y: 2e6 * section.half_thickness(y), -section.half_width, section.half_width)
     assert section.area == pytest.approx(AREA, rel=1e-14)
     assert integral * 1e-6 == pytest.approx(AREA, rel=1e-9)
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_the_cut_has_the_thickness_of_the_bluntness(kind):
+def test_the_cut_has_the_asked_share_of_the_thickness(kind):
     section = Section(kind, WIDTH, 2e-4, 0.08)
     assert 2 * section.half_thickness(section.half_width) == pytest.approx(0.08 * 2e-4, rel=1e-12)
     assert 2 * section.half_thickness(0.0) == 2e-4
@@ -48,12 +48,12 @@ def test_meshed_area_converges_with_order_two(kind):
         ({"kind": "round"}, "section = 'round': must be sine or ellipse"),
         ({"width": 0.0}, "width = 0.0: must be a positive number"),
         ({"thickness": -1e-4}, "thickness = -0.0001: must be a positive number"),
-        ({"bluntness": 0.6}, "bluntness = 0.6: must be from 0.01 to 0.5"),
-        ({"bluntness": 0.0}, "bluntness = 0.0: must be a positive number"),
+        ({"tip_thickness_ratio": 0.6}, "tip_thickness_ratio = 0.6: must be from 0.01 to 0.5"),
+        ({"tip_thickness_ratio": 0.0}, "tip_thickness_ratio = 0.0: must be a positive number"),
     ],
 )
 def test_bad_sections_are_refused_in_one_line(change, message):
-    good = {"kind": "sine", "width": WIDTH, "thickness": 2e-4, "bluntness": 0.1}
+    good = {"kind": "sine", "width": WIDTH, "thickness": 2e-4, "tip_thickness_ratio": 0.1}
     with pytest.raises(InputError) as caught:
         Section(**good | change)
     assert str(caught.value) == message

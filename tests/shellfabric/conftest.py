@@ -5,13 +5,13 @@ from dataclasses import replace
 import pytest
 
 from fabrics import catalogue
-from shellfabric.cell import CellModel
-from shellfabric.panel import Panel
+from shellfabric.cell.model import CellModel
+from shellfabric.panel.model import Panel
 
 
 @pytest.fixture(scope="session")
 def fabric():
-    return catalogue.load("S-720").effective()
+    return catalogue.load("S-720").with_effective_density()
 
 
 @pytest.fixture(scope="session")

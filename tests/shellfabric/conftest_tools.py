@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from shellfabric import march_kernels
+from shellfabric.panel import step_kernels as panel_step_kernels
 
 
 def bring(panel, state, x):
@@ -11,12 +11,12 @@ def bring(panel, state, x):
     rest = np.stack([X, Y, np.zeros_like(X)], axis=-1)
     for c in range(3):
         state.u[c][: X.size] = (x - rest)[..., c].ravel()
-    march_kernels.first_forces(state, panel.constants(), panel.work())
+    panel_step_kernels.initial_forces(state, panel.constants(), panel.work())
     return state
 
 
 def node_forces(panel, state):
     """(ni+1, nj+1, 3) [N] forces of the cloth on its nodes."""
     ni, nj = panel.counts
-    f = np.array(state.g0) + np.array(state.g1)
+    f = np.array(state.f_int) + np.array(state.f_int_above)
     return np.moveaxis(f[:, : (ni + 1) * (nj + 1)].reshape(3, ni + 1, nj + 1), 0, -1)

@@ -9,9 +9,9 @@ import ufl
 from scipy import sparse
 from scipy.sparse.linalg import splu
 
-from unitcell3d.compat import Assembler, HexSpace
-from unitcell3d.contact import FacingSurfaces
-from unitcell3d.model import Numerics
+from unitcell3d.assembly.compat import Assembler, HexSpace
+from unitcell3d.contact.surfaces import FacingSurfaces
+from unitcell3d.model.crossover import Numerics
 
 SOFTENINGS = (1e-3, 1e-2, 0.1, 1.0)
 
@@ -95,11 +95,11 @@ class Blocks:
     def _touch(self, x):
         """Contact forces (n, 3) and their tangent as a sparse matrix."""
         forces, n = np.zeros_like(x), x.size
-        self.lift = self.surfaces.touch(x, self.numerics, forces)
-        places = Places(len(x), self.surfaces.expected())
-        self.surfaces.lay_out(places)
+        self.lift = self.surfaces.assemble(x, self.numerics, forces)
+        places = Places(len(x), self.surfaces.expected_stencils())
+        self.surfaces.build_pattern(places)
         values = np.zeros((len(places.keys), 3, 3))
-        self.surfaces.touch(x, self.numerics, np.zeros_like(x), values)
+        self.surfaces.assemble(x, self.numerics, np.zeros_like(x), values)
         component = np.arange(3)
         i = (3 * places.rows[:, None, None] + component[:, None] + 0 * component).ravel()
         j = (3 * places.columns[:, None, None] + component + 0 * component[:, None]).ravel()
@@ -107,7 +107,7 @@ class Blocks:
 
     def pressures(self, yarn):
         """Positions (s, 2) and contact pressure (s,) [Pa] at the nodes of one face: both passes, over their areas."""
-        from unitcell3d.contact import tributary_areas
+        from unitcell3d.contact.surfaces import tributary_areas
 
         grid = self.grids[0][:, :, 0] if yarn == 0 else self.grids[1][:, :, -1]
         areas = tributary_areas(self.points, grid).ravel()
@@ -116,7 +116,7 @@ class Blocks:
 
 
 class Places:
-    """Stands for `pattern.Pattern`: a block for each pair of nodes of the stencils (m, s) among n nodes."""
+    """Stands for `sparsity.Pattern`: a block for each pair of nodes of the stencils (m, s) among n nodes."""
 
     def __init__(self, n, stencils):
         self._n = n

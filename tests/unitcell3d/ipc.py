@@ -10,7 +10,7 @@ import numpy as np
 from scipy import sparse
 from scipy.sparse.linalg import splu
 
-from unitcell3d.model import CrossoverModel, Load
+from unitcell3d.model.crossover import CrossoverModel, Load
 
 UNIT = 1e-4  # m
 # Sums over threads come in any order, and in one run of several on a busy machine the iteration found no equilibrium.
@@ -22,16 +22,16 @@ class NoContact:
 
     gaps = ()
 
-    def expected(self):
+    def expected_stencils(self):
         return []
 
-    def lay_out(self, pattern):
+    def build_pattern(self, pattern):
         pass
 
-    def outgrown(self):
+    def pattern_outdated(self):
         return False
 
-    def touch(self, x, numerics, forces, values=None):
+    def assemble(self, x, numerics, forces, values=None):
         return 0.0
 
 

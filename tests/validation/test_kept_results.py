@@ -13,11 +13,10 @@ import pytest
 
 from fabrics import catalogue, run_cache
 from fabrics.errors import InputError
-from validation.ledger import runner
-from validation.ledger.cache import Run
-from validation.ledger.checks import CHECKS, Check
-from validation.ledger.claims import Claim, Condition
-from validation.scatter import pool
+from validation.claims import runner
+from validation.claims.checks import CHECKS, Check
+from validation.claims.claims import Claim, Condition
+from validation.claims.run import Run
 
 ROOT = Path(__file__).parents[2]
 made = []
@@ -53,7 +52,7 @@ def row(number):
 
 def the_pool(folder, monkeypatch):
     """Of sensitivity, v50, chart, stability and the survey and trials of fidelity."""
-    assert pool.results(row, [(1,), (2,)], folder=folder) == [{"number": 1}, {"number": 2}]
+    assert run_cache.results(row, [(1,), (2,)], folder=folder) == [{"number": 1}, {"number": 2}]
 
 
 def the_ledger(folder, monkeypatch):
@@ -69,7 +68,7 @@ def the_ledger(folder, monkeypatch):
 
 
 def the_crossover_study(folder, monkeypatch):
-    from validation.crossover_study import study
+    from validation.verification.crossover_convergence import study
 
     monkeypatch.setattr(study, "solve", lambda fabric, paths, case: row(case.size[0]))
     monkeypatch.setattr(study, "judge", lambda name, paths, chosen, results: results)
@@ -77,18 +76,18 @@ def the_crossover_study(folder, monkeypatch):
 
 
 def the_packs(folder, monkeypatch):
-    from validation.packs.study import Case, Results
+    from validation.published.packs.study import Case, Results
 
     def fire(case):
         made.append(case)
         return {"outcome": "stopped", "time": 1.0, "failed": [0]}
 
-    monkeypatch.setattr(fire, "__module__", "validation.packs.study", raising=False)
+    monkeypatch.setattr(fire, "__module__", "validation.published.packs.study", raising=False)
     Results(folder, report=lambda *_, **__: None)(Case("S-720", 2, 50.0), fire)
 
 
 def the_pencilling_study(folder, monkeypatch):
-    from validation.pencilling import __main__ as command
+    from validation.published.pencilling import __main__ as command
 
     shot = SimpleNamespace(outcome="stopped", depth=0.0, t=np.zeros(1), balance=0.0)
     monkeypatch.setattr(command, "shoot", lambda case, **_: row(case.plies) and shot)
@@ -101,7 +100,7 @@ def the_pencilling_study(folder, monkeypatch):
 
 
 def the_convergence_study(folder, monkeypatch):
-    from validation.convergence import __main__ as command
+    from validation.verification.mesh_convergence import __main__ as command
 
     def study(fabric, velocity, *, elements, known, keep, **_):
         for n in sorted(set(elements) - {one.elements for one in known}):
@@ -118,13 +117,13 @@ def the_convergence_study(folder, monkeypatch):
 
 
 def a_history():
-    from unitcell3d.history import History
+    from unitcell3d.solver.history import History
 
     return History({"F_plate": np.ones((2, 2))}, {}, np.zeros(1))
 
 
 def the_calibration(folder, monkeypatch):
-    from unitcell3d import calibrate
+    from unitcell3d.identify import calibrate
 
     monkeypatch.setattr(calibrate, "run_job", lambda job: (row(job.name) and a_history(), 1.0))
     found = SimpleNamespace(write=lambda folder: None)
@@ -134,12 +133,12 @@ def the_calibration(folder, monkeypatch):
 
 
 def the_fit_of_the_solid(folder, monkeypatch):
-    from unitcell3d import fit_solid
+    from unitcell3d.identify import solid_fit
 
-    monkeypatch.setattr(fit_solid, "press", lambda fabric, size, pressure: row(size) and a_history())
-    monkeypatch.setattr(fit_solid, "closures", lambda *_: np.zeros(3))
+    monkeypatch.setattr(solid_fit, "press", lambda fabric, size, pressure: row(size) and a_history())
+    monkeypatch.setattr(solid_fit, "closures", lambda *_: np.zeros(3))
     fabric, pressure = catalogue.load("S-720"), np.array([1e5, 2e5, 4e5])
-    presses = fit_solid._Presses(Here(), fabric, (2, 2, 2), 0.7, pressure, np.zeros(3), None, folder, True)
+    presses = solid_fit._Presses(Here(), fabric, (2, 2, 2), 0.7, pressure, np.zeros(3), None, folder, True)
     presses.many([np.log([1e9, 0.1, 0.01])])
 
 
@@ -170,52 +169,54 @@ def test_results_of_other_code_are_computed_again(name, tmp_path, monkeypatch, o
 
 
 def panel():
-    from shellfabric.cell import CellModel
-    from shellfabric.panel import Panel
+    from shellfabric.cell.model import CellModel
+    from shellfabric.panel.model import Panel
 
-    return Panel(CellModel(catalogue.load("S-720").effective()).table(61), (0.0306, 0.0306))
+    return Panel(CellModel(catalogue.load("S-720").with_effective_density()).table(61), (0.0306, 0.0306))
 
 
 def an_impact(path):
-    from shellfabric import checkpoint
-    from shellfabric.march import March
+    from shellfabric.output import checkpoint
+    from shellfabric.panel.solver import PanelSolver
 
     this = panel()
-    checkpoint.write(March(this, 50.0, 2e-6), path)
-    return lambda: checkpoint.read(March(this, 50.0, 2e-6), path)
+    checkpoint.write(PanelSolver(this, 50.0, 2e-6), path)
+    return lambda: checkpoint.read(PanelSolver(this, 50.0, 2e-6), path)
 
 
 def a_pack(path):
-    from shellfabric import pack_checkpoint
-    from shellfabric.pack import Pack
-    from shellfabric.pack_march import PackMarch
+    from shellfabric.output import checkpoint
+    from shellfabric.plies.model import Pack
+    from shellfabric.plies.solver import PackSolver
 
     pack = Pack.stacked(panel(), 2)
-    pack_checkpoint.write(PackMarch(pack, 50.0, 2e-6), path)
-    return lambda: pack_checkpoint.read(PackMarch(pack, 50.0, 2e-6), path)
+    checkpoint.write(PackSolver(pack, 50.0, 2e-6), path)
+    return lambda: checkpoint.read(PackSolver(pack, 50.0, 2e-6), path)
 
 
 def a_solid_patch(path):
     pytest.importorskip("gmsh")
-    from shellfabric import solid_checkpoint
-    from validation.solid_patch.study import march
+    from shellfabric.output import checkpoint
+    from validation.published.solid_patch.study import march
 
     begun = march(count=4, size=(2, 2, 2), threads=1)
-    solid_checkpoint.write(begun, path)
-    return lambda: solid_checkpoint.read(begun, path)
+    checkpoint.write(begun, path)
+    return lambda: checkpoint.read(begun, path)
 
 
 def a_coupon(path):
-    from shellfabric.cell import CellModel
-    from shellfabric.relax import State
-    from weavecell import coupon, coupon_record, coupon_scene
+    from shellfabric.cell.model import CellModel
+    from shellfabric.coupon.dynamic_relaxation import State
+    from weavecell.commands import coupon
+    from weavecell.results import coupon as results_coupon
+    from weavecell.scenes import coupon as scenes_coupon
 
-    scene, _ = coupon_scene.load(ROOT / "examples" / "coupons" / "S-728-bias.toml")
-    table = CellModel(catalogue.load("S-728").effective()).table(21)
+    scene, _ = scenes_coupon.load(ROOT / "examples" / "coupons" / "S-728-bias.toml")
+    table = CellModel(catalogue.load("S-728").with_effective_density()).table(21)
     state = State(0.5, np.zeros((3, 2)), np.zeros((3, 2)), (0.0, 0.0), np.zeros((1, 2)), 1e-6, True)
-    coupon_record.write_states(path, coupon._stamp(table, scene), [state])
+    results_coupon.write_states(path, coupon._stamp(table, scene), [state])
     assert coupon._stamp(table, replace_run(scene)) != coupon._stamp(table, scene)
-    return lambda: coupon_record.read_states(path, coupon._stamp(table, scene))
+    return lambda: results_coupon.read_states(path, coupon._stamp(table, scene))
 
 
 def replace_run(scene):
@@ -224,10 +225,10 @@ def replace_run(scene):
 
 
 def the_surface(path):
-    from unitcell3d.partial import Line, Partial
+    from unitcell3d.identify.surface_cache import Line, Partial
 
     def stamp():
-        return run_cache.stamp((replace(catalogue.load("S-720")), 5), "unitcell3d.surface")
+        return run_cache.stamp((replace(catalogue.load("S-720")), 5), "unitcell3d.identify.response_surface")
 
     line = Line(0, 1e-6, np.arange(3.0), np.ones((3, 5)), np.empty((0, 0)), np.empty((0, 0)), 1.5, 7)
     Partial(path, stamp(), False).add("a line", line)
@@ -254,30 +255,65 @@ def test_the_state_of_a_run_of_other_code_is_refused(name, tmp_path, other_code)
     assert message.count(f"{before} (code ") == 2  # and that of the file
 
 
-SHELL = ("shellfabric/march.py", "shellfabric/march_kernels.py", "shellfabric/cell.py", "fabrics/compression.py")
-SOLID = ("unitcell3d/newton.py", "unitcell3d/contact_kernels.py", "meshing/crossover.py", "fabrics/solid.py")
+ANALYSES = ("weavecell/__init__.py", "weavecell/analysis/")
+SHELL = (
+    "shellfabric/panel/solver.py",
+    "shellfabric/panel/step_kernels.py",
+    "shellfabric/cell/model.py",
+    "fabrics/compression.py",
+)
+SOLID = (
+    "unitcell3d/solver/newton.py",
+    "unitcell3d/contact/surface_contact_kernels.py",
+    "meshing/crossover.py",
+    "fabrics/solid.py",
+)
 CODE = {
-    "shellfabric.impact": SHELL,
-    "shellfabric.pack_impact": (*SHELL, "shellfabric/ply_contact_kernels.py", "shellfabric/pack.py"),
-    "shellfabric.quasistatic": ("shellfabric/relax_kernels.py", "shellfabric/cell.py", "shellfabric/coupon.py"),
-    "shellfabric.solid_march": ("shellfabric/solid_kernels.py", "shellfabric/solid_patch.py"),
-    "unitcell3d.calibrate": SOLID,
-    "unitcell3d.fit_solid": SOLID,
-    "unitcell3d.surface": (*SOLID, "unitcell3d/surface_line.py"),
-    "validation.crossover_study.cases": (*SOLID, "validation/crossover_study/ends.py"),
-    "validation.charts.study": (*SHELL, *SOLID, "validation/charts/shots.py", "validation/charts/scenes.toml"),
-    "validation.stability.study": (*SHELL, *SOLID, "validation/stability/bars.py"),
-    "validation.scatter.sobol": (*SHELL, "validation/scatter/inputs.toml", "fabrics/catalogue/S-720.toml"),
-    "validation.scatter.v50": (*SHELL, "validation/scatter/inputs.py"),
-    "validation.fidelity.survey": (*SHELL, "validation/fidelity/models.py"),
-    "validation.fidelity.trial": (*SHELL, "validation/fidelity/errors.json", "validation/fidelity/choose.py"),
-    "validation.packs.study": (*SHELL, "shellfabric/ply_stop_kernels.py"),
-    "validation.pencilling.study": (*SHELL, "shellfabric/backing.py"),
-    "validation.convergence.study": (*SHELL, "shellfabric/limit.py"),
-    "validation.ledger.runs": (*SHELL, "validation/bias_extension/cases.py"),
-    "validation.ledger.runs_studies": (*SHELL, "validation/pencilling/study.py", "validation/solid_patch/study.py"),
-    "validation.ledger.runs3d": SOLID,
-    "validation.ledger.runner": (*SHELL, *SOLID, "validation/ledger/checks/impact.py"),
+    "shellfabric.impact.single_ply": SHELL,
+    "shellfabric.impact.pack": (*SHELL, "shellfabric/plies/contact_kernels.py", "shellfabric/plies/model.py"),
+    "shellfabric.coupon.quasistatic": (
+        "shellfabric/coupon/relaxation_kernels.py",
+        "shellfabric/cell/model.py",
+        "shellfabric/coupon/model.py",
+    ),
+    "shellfabric.solid.solver": ("shellfabric/solid/solid_kernels.py", "shellfabric/solid/model.py"),
+    "unitcell3d.identify.calibrate": SOLID,
+    "unitcell3d.identify.solid_fit": SOLID,
+    "unitcell3d.identify.response_surface": (*SOLID, "unitcell3d/identify/surface_line.py"),
+    "validation.verification.crossover_convergence.cases": (
+        *SOLID,
+        "validation/verification/crossover_convergence/ends.py",
+    ),
+    "validation.verification.cost_accuracy.study": (
+        *SHELL,
+        *SOLID,
+        "validation/verification/cost_accuracy/shots.py",
+        "validation/verification/cost_accuracy/scenes.toml",
+    ),
+    "validation.verification.stability.study": (*SHELL, *SOLID, "validation/verification/stability/bars.py"),
+    "weavecell.analysis.uncertainty.sobol": (
+        *SHELL,
+        "weavecell/analysis/uncertainty/inputs.toml",
+        "fabrics/catalogue/S-720.toml",
+    ),
+    "weavecell.analysis.uncertainty.v50": (*SHELL, "weavecell/analysis/uncertainty/inputs.py"),
+    "validation.verification.fidelity.survey": (*SHELL, "weavecell/analysis/fidelity/ladder.py"),
+    "validation.verification.fidelity.trial": (
+        *SHELL,
+        "weavecell/analysis/fidelity/errors.json",
+        "weavecell/analysis/fidelity/select.py",
+    ),
+    "validation.published.packs.study": (*SHELL, "shellfabric/plies/torn_contact_kernels.py"),
+    "validation.published.pencilling.study": (*SHELL, "shellfabric/backing/block.py"),
+    "validation.verification.mesh_convergence.study": (*SHELL, "shellfabric/impact/ballistic_limit.py"),
+    "validation.claims.runs": (*SHELL, "validation/published/bias_extension/cases.py"),
+    "validation.claims.runs_studies": (
+        *SHELL,
+        "validation/published/pencilling/study.py",
+        "validation/published/solid_patch/study.py",
+    ),
+    "validation.claims.runs3d": SOLID,
+    "validation.claims.runner": (*SHELL, *SOLID, "validation/claims/checks/impact.py"),
 }
 
 
@@ -287,8 +323,9 @@ def test_the_code_of_a_result_is_what_computes_it(module):
     assert set(CODE[module]) <= found
     assert "fabrics/solid.py" in found  # whose methods are used without an import
     packages = {name.split("/")[0] for name in found}
-    assert "weavecell" not in packages  # a report or a picture more, and nothing is computed again
-    if module.startswith(("shellfabric", "validation.scatter", "validation.fidelity")):
+    # a report or a picture more, and nothing is computed again
+    assert not any(name.startswith("weavecell/") and not name.startswith(ANALYSES) for name in found)
+    if module.startswith(("shellfabric", "weavecell.analysis.uncertainty", "weavecell.analysis.fidelity")):
         assert "unitcell3d" not in packages
 
 
@@ -300,4 +337,4 @@ def test_all_that_resumes_is_here():
         for path in (ROOT / package).rglob("*.py")
         if any(word in path.read_text("utf-8") for word in ("hashlib", "pickle", "joblib", "diskcache"))
     ]
-    assert own == ["shellfabric/compile_apart.py"]  # it keeps nothing: pickle takes a request to a child process
+    assert own == ["shellfabric/jit/compile_in_child.py"]  # it keeps nothing: pickle takes a request to a child process

@@ -1,0 +1,1 @@
+"""Mesh files: the formats of solvers and of ParaView."""

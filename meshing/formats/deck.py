@@ -1,0 +1,153 @@
+"""What the input files of LS-DYNA, Abaqus and OpenRadioss have in common: numbered parts, sets and sections of a mesh.
+
+Nodes, elements, parts and sets are numbered from 1. Elements: all hexahedra, then all bars, then the end shells. A yarn
+is one part of hexahedra. The bars of a family with the same area are one part, so that the area is a property of the
+part; the bars of each yarn are a set. Node 1 to node 2 of a hexahedron is the fibre direction, exactly: its four edges
+along the fibre are parallel.
+
+Units are SI: m, kg, s, N, Pa.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from meshing.inputs import YARNS
+from meshing.mesh import SURFACES, YarnMesh
+
+SAME_AREA = 9  # digits: bars whose areas differ only by rounding are one part
+
+
+@dataclass(frozen=True)
+class Part:
+    """Elements with one section and one material.
+
+    Parameters
+    ----------
+    number, name : of the part
+    kind : "hex", "bar" or "shell"
+    family : 0 of warp, 1 of weft
+    elements : (m,) int
+    nodes : (m, k) int
+    size : area [m2] of bars, thickness [m] of shells, else None
+    """
+
+    number: int
+    name: str
+    kind: str
+    family: int
+    elements: np.ndarray
+    nodes: np.ndarray
+    size: float | None = None
+
+
+@dataclass(frozen=True)
+class Deck:
+    """A mesh, ready to be written.
+
+    Parameters
+    ----------
+    header : lines of text, what is in the file
+    points : (n, 3) [m]
+    parts : of Part
+    bar_sets : yarn name -> (b,) int, its bars
+    node_sets, surfaces : name -> (k,) int, or (q, 4) int outward quadrilaterals
+    node_unions, surface_unions : name -> names of the sets in it: the same part of all yarns of a family
+    materials : (RestMaterial, RestMaterial)
+    """
+
+    header: list
+    points: np.ndarray
+    parts: list
+    bar_sets: dict
+    node_sets: dict
+    surfaces: dict
+    node_unions: dict
+    surface_unions: dict
+    materials: tuple
+
+    def of_kind(self, kind: str) -> list[Part]:
+        """The parts of one kind."""
+        return [part for part in self.parts if part.kind == kind]
+
+
+def deck(mesh: YarnMesh) -> Deck:
+    """Number the parts, elements and sets of a mesh."""
+    groups = {name: nodes + 1 for name, nodes in mesh.groups.items() if name in mesh.faces}
+    unions = {name: members for name, members in mesh.collected.items() if name not in mesh.faces}
+    surfaces = {name: quads for name, quads in groups.items() if _is_surface(name)}
+    hexes, bars = _hexes(mesh), _bars(mesh)
+    parts = [*hexes, *bars, *_shells(mesh)]
+    first = 1 + len(mesh.hexes)
+    bounds = np.cumsum([first, *(len(b) for b in mesh.bars)])
+    return Deck(
+        header=_header(mesh),
+        points=mesh.points,
+        parts=[Part(number, *part) for number, part in enumerate(parts, 1)],
+        bar_sets={f"{yarn}_fibre": np.arange(a, b) for yarn, a, b in zip(mesh.names, bounds, bounds[1:])},
+        node_sets={name: nodes for name, nodes in groups.items() if name not in surfaces},
+        surfaces=surfaces,
+        node_unions={name: members for name, members in unions.items() if not _is_surface(name)},
+        surface_unions={name: members for name, members in unions.items() if _is_surface(name)},
+        materials=mesh.materials,
+    )
+
+
+def _is_surface(name):
+    return name.rsplit("_", 1)[1] in SURFACES
+
+
+def _header(mesh):
+    return [
+        f"weavecell: {mesh.fabric}, {len(mesh.names)} yarns, {len(mesh.hexes)} hexahedra",
+        "Units: m, kg, s, N, Pa",
+        "Fibre direction: from node 1 to node 2 of each hexahedron",
+        "Materials: linear, the yarn at rest (V_f = Vf0); put the yarn law in their place",
+        "Mass: half of the fibres' in the bars, half in the hexahedra",
+    ]
+
+
+def _hexes(mesh):
+    for number, (name, family) in enumerate(zip(mesh.names, mesh.families)):
+        elements = np.flatnonzero(mesh.yarn == number)
+        yield name, "hex", family, elements + 1, mesh.hexes[elements] + 1
+
+
+def _bars(mesh):
+    """One part for each area in each family, the largest areas first."""
+    pairs, areas = np.concatenate(mesh.bars) + 1, np.concatenate(mesh.bar_area)
+    of = np.repeat(mesh.families, [len(b) for b in mesh.bars])
+    elements = np.arange(len(pairs)) + 1 + len(mesh.hexes)
+    for family, yarn in enumerate(YARNS):
+        mine = np.flatnonzero(of == family)
+        largest = areas[mine].max()
+        _, group = np.unique(-np.round(areas[mine] / largest, SAME_AREA), return_inverse=True)
+        for number in range(group.max() + 1):
+            chosen = mine[group == number]
+            yield f"{yarn}_bars_{number + 1}", "bar", family, elements[chosen], pairs[chosen], areas[chosen].mean()
+
+
+def _shells(mesh):
+    first = 1 + len(mesh.hexes) + sum(len(b) for b in mesh.bars)
+    for name, quads in mesh.shells.items():
+        family = mesh.families[mesh.names.index(name.rsplit("_", 1)[0])]
+        yield f"{name}_shell", "shell", family, np.arange(len(quads)) + first, quads + 1, mesh.end_shells
+        first += len(quads)
+
+
+def lines(template: str, *columns: ArrayLike) -> str:
+    """Text with one line of the %-template for each row of the columns side by side."""
+    arrays = [np.asarray(column) for column in columns]
+    flat = [c.reshape(len(c), -1) for c in arrays]
+    rows = zip(*(part for c in flat for part in c.T.tolist()))
+    return "".join(template % row + "\n" for row in rows)
+
+
+def wrapped(numbers: Iterable, per_line: int, template: str = "%10d", between: str = "") -> str:
+    """Numbers in lines of at most `per_line`."""
+    texts = [template % n for n in numbers]
+    return "".join(between.join(texts[i : i + per_line]) + "\n" for i in range(0, len(texts), per_line))

@@ -1,0 +1,97 @@
+"""OpenRadioss starter file (NAME_0000.rad), block format 2022, of a numbered mesh.
+
+Material axes follow the element: /PROP/TYPE6 with Ip 20, axis 1 from node 1 to node 2, the fibre, axis 2 to node 4.
+Solids are Isolid 17, fully integrated. Bars are /TRUSS. Groups of nodes are /GRNOD, faces /SURF/SEG, bars /GRTRUS.
+"""
+
+from __future__ import annotations
+
+from fabrics.checks import FilePath
+from meshing.formats.deck import deck, lines, wrapped
+from meshing.inputs import YARNS
+from meshing.mesh import YarnMesh
+
+ELEMENTS = {"hex": "BRICK", "bar": "TRUSS", "shell": "SHELL"}
+MATERIALS = ("hex", "bar", "shell")  # of each family, numbered in this order
+FULL, FULL_PRESSURE, COROTATIONAL, EDGE_12 = 17, 3, 2, 20  # Isolid, Icpre, Iframe, Ip
+
+
+def write(mesh: YarnMesh, path: FilePath) -> None:
+    """Write the starter file."""
+    numbered = deck(mesh)
+    with open(path, "w", encoding="ascii") as file:
+        file.write("#RADIOSS STARTER\n" + "".join(f"# {line}\n" for line in numbered.header))
+        file.write(f"/BEGIN\n{mesh.fabric}\n" + _ids(2022, 0) + 2 * _texts("kg", "m", "s"))
+        file.write(f"/TITLE\n{numbered.header[0]}\n")
+        file.writelines(_materials(numbered))
+        file.writelines(_parts(numbered))
+        file.write("/NODE\n" + lines("%10d%20.12E%20.12E%20.12E", range(1, len(mesh.points) + 1), mesh.points))
+        for part in numbered.parts:
+            file.write(f"/{ELEMENTS[part.kind]}/{part.number}\n")
+            file.write(lines("%10d" * (1 + part.nodes.shape[1]), part.elements, part.nodes))
+        file.writelines(_groups(numbered))
+        file.write("/END\n")
+
+
+def _material(family, kind):
+    return 1 + len(MATERIALS) * family + MATERIALS.index(kind)
+
+
+def _materials(numbered):
+    """Orthotropic solids (law 12, whose strengths left at 0 are infinite), elastic bars and shells (law 1)."""
+    for family, (yarn, m) in enumerate(zip(YARNS, numbered.materials)):
+        yield f"/MAT/LAW12/{_material(family, 'hex')}\n{yarn}\n" + _reals(m.solid_density)
+        yield _reals(m.axial, m.transverse, m.transverse) + _reals(0, 0, 0) + _reals(m.shear, m.shear, m.shear)
+        yield _reals(0, 0, 0, 0) * 6
+        yield f"/MAT/LAW1/{_material(family, 'bar')}\n{yarn} fibres\n" + _reals(m.bar_density) + _reals(m.fibre, 0)
+        if numbered.of_kind("shell"):
+            yield f"/MAT/LAW1/{_material(family, 'shell')}\n{yarn} end shells\n" + _reals(m.solid_density)
+            yield _reals(m.packed, 0)
+
+
+def _parts(numbered):
+    """Parts and properties: one property for all solids, one for each area or thickness."""
+    # Isolid, Ismstr, -, Icpre, Itetra10, Inpts, Itetra4, Iframe; viscosities; vector, skew, Ip, Iorth; angle, point;
+    # time step.
+    yield "/PROP/TYPE6/1\nyarns, fibre from node 1 to node 2\n" + _ids(FULL, 0, 0, FULL_PRESSURE, 0, 0, 0, COROTATIONAL)
+    yield _reals(0, 0, 0) + _reals(0, 0, 0)[:-1] + _ids(0, EDGE_12, 0) + _reals(0, 0, 0, 0) + _reals(0)
+    for part in numbered.parts:
+        number = 1 if part.kind == "hex" else part.number
+        if part.kind == "bar":
+            yield f"/PROP/TYPE2/{number}\n{part.name}\n" + _reals(part.size, 0)
+        elif part.kind == "shell":
+            # Flags; hourglass and damping; N, Istrain, thickness: defaults but one point through the thickness.
+            yield f"/PROP/TYPE1/{number}\n{part.name}\n" + _ids(0, 0, 0, 0) + _reals(0, 0, 0, 0, 0)
+            yield _ids(1, 0)[:-1] + _reals(part.size)
+        yield f"/PART/{part.number}\n{part.name}\n" + _ids(number, _material(part.family, part.kind))
+
+
+def _groups(numbered):
+    yield from _group("GRTRUS/TRUS", numbered.bar_sets, lambda bars: wrapped(bars, 10))
+    yield from _group("GRNOD/NODE", numbered.node_sets, lambda nodes: wrapped(nodes, 10))
+    yield from _union("GRNOD/GRNOD", numbered.node_unions, numbered.node_sets)
+    yield from _group("SURF/SEG", numbered.surfaces, lambda q: lines("%10d" * 5, range(1, len(q) + 1), q))
+    yield from _union("SURF/SURF", numbered.surface_unions, numbered.surfaces)
+
+
+def _group(keyword, groups, content):
+    for number, (name, members) in enumerate(groups.items(), 1):
+        yield f"/{keyword}/{number}\n{name}\n" + content(members)
+
+
+def _union(keyword, unions, groups):
+    number = {name: n for n, name in enumerate(groups, 1)}
+    for n, (name, members) in enumerate(unions.items(), 1 + len(groups)):
+        yield f"/{keyword}/{n}\n{name}\n" + wrapped([number[m] for m in members], 10)
+
+
+def _ids(*numbers):
+    return "".join(f"{n:10d}" for n in numbers) + "\n"
+
+
+def _texts(*words):
+    return "".join(f"{word:>20}" for word in words) + "\n"
+
+
+def _reals(*values):
+    return "".join(f"{v:20.12E}" for v in values) + "\n"

@@ -1,0 +1,54 @@
+"""Yarn materials at rest, for the files of other solvers: linear, and no more than a first state of the real laws.
+
+The solid is orthotropic without Poisson effects (thesis section 3.4.2):
+
+    axial E_a Vf0 (eq. 3-2),   transverse K_r E_c (eq. 3-10),   shear K_G E_c / 2 (eq. 3-16).
+
+Fibre bars are elastic. An explicit code needs mass in both: each carries half of the fibres' mass, so that the whole is
+linear density times length and neither time step collapses.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from fabrics.solid import SolidLaw
+from fabrics.yarn import Yarn
+
+BAR_SHARE = 0.5  # of the mass
+
+
+@dataclass(frozen=True)
+class RestMaterial:
+    """Moduli [Pa] and densities [kg/m3] of one yarn at rest.
+
+    Parameters
+    ----------
+    fibre, axial, transverse, shear : [Pa] of the bars and of the solid
+    packed : [Pa] E_c, transverse modulus of the packed yarn; that of the end shells
+    bar_density, solid_density : [kg/m3] over the volumes of bars and of hexahedra
+    failure_strain : [-] of the fibres
+    """
+
+    fibre: float
+    axial: float
+    transverse: float
+    shear: float
+    packed: float
+    bar_density: float
+    solid_density: float
+    failure_strain: float
+
+
+def linearise(yarn: Yarn, solid: SolidLaw, Vf0: float) -> RestMaterial:
+    """Material of a yarn meshed with the fibre volume fraction `Vf0`."""
+    return RestMaterial(
+        fibre=yarn.E,
+        axial=solid.E_a * Vf0,
+        transverse=solid.K_r * solid.E_c,
+        shear=solid.G,
+        packed=solid.E_c,
+        bar_density=BAR_SHARE * yarn.fibre_density,
+        solid_density=(1 - BAR_SHARE) * yarn.fibre_density * Vf0,
+        failure_strain=yarn.failure_strain,
+    )

@@ -1,0 +1,109 @@
+"""From what is asked to what is meshed: crimp, closed sections, element numbers. The same for crossover and patch."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from fabrics.checks import FloatArray
+from fabrics.fabric import Fabric
+from fabrics.weave import Weave
+from meshing import grid, inputs
+from meshing.inputs import Size
+from meshing.linear_material import linearise
+from meshing.section_fit import SectionFit, fit_sections
+
+
+@dataclass(frozen=True)
+class Plan:
+    """What both kinds of mesh are built from.
+
+    Parameters
+    ----------
+    fabric : str
+    weave : Weave, with the crimp asked for
+    section_fit : SectionFit
+    size : (nx, ny, nz) hexahedra along, across and through a quarter of each yarn
+    materials : (RestMaterial, RestMaterial)
+    end_shells : [m] or None
+    """
+
+    fabric: str
+    weave: Weave
+    section_fit: SectionFit
+    size: tuple[int, int, int]
+    materials: tuple
+    end_shells: float | None
+
+    @classmethod
+    def of(
+        cls,
+        fabric: Fabric,
+        *,
+        size: Size,
+        section: str | None,
+        gap: float,
+        width: Sequence[float] | None,
+        tip_thickness_ratio: float,
+        overlap: str,
+        crimp: str | Sequence[float],
+        end_shells: float | None,
+        shift: bool,
+    ) -> Plan:
+        """Check and resolve a request (the keywords of `crossover.build`); `shift`: a rigid shift is possible.
+
+        Raises
+        ------
+        InputError : a value is not allowed, or the sections overlap and this is refused or cannot be solved
+        """
+        inputs.one_of("overlap", overlap, ("solve", "refuse"))
+        inputs.thickness("end_shells", end_shells)
+        weave = inputs.crimped(fabric, crimp).weave
+        section_fit = fit_sections(
+            fabric.section if section is None else section,
+            inputs.widths(weave, gap, width),
+            inputs.fractions(fabric),
+            weave,
+            tip_thickness_ratio,
+            prescribed=width is not None,
+            overlap=overlap,
+            shift=shift,
+        )
+        assert fabric.solid_laws is not None  # else `inputs.fractions` has refused it
+        elements = inputs.size(size, weave.w, section_fit.sections)
+        materials = tuple(linearise(*parts) for parts in zip(weave.yarns, fabric.solid_laws, section_fit.Vf0))
+        return cls(fabric.name, weave, section_fit, elements, materials, end_shells)
+
+    def along(self, family: int) -> FloatArray:
+        """(nx+1,) [m] places of the mesh planes from the crossing to the end of the cell."""
+        return np.linspace(0, self.weave.w[family], self.size[0] + 1)
+
+    def across(self, family: int, whole: bool) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Places across (ny+1,) [m], heights (ny+1, nz+1) [m] and bar areas (ny+1, nz+1) [m2] of a section."""
+        y = self.section_fit.sections[family].stations(self.size[1])
+        if whole:
+            y = mirrored(y)
+        heights = self.section_fit.sections[family].half_thickness(y)[:, None] * np.linspace(-1, 1, self.size[2] + 1)
+        weight = grid.tributary_areas(y, heights)
+        return y, heights, weight / weight.sum() * (1.0 if whole else 0.5) * self.weave.yarns[family].A_s
+
+    def fields(self) -> dict:
+        """Those fields of a `YarnMesh` that do not depend on its extent."""
+        weave = self.weave
+        return {
+            "fabric": self.fabric,
+            "w": weave.w,
+            "h0": weave.h0,
+            "S0": weave.S0,
+            "fibre_area": tuple(yarn.A_s for yarn in weave.yarns),
+            "section_fit": self.section_fit,
+            "materials": self.materials,
+            "end_shells": self.end_shells,
+        }
+
+
+def mirrored(half: FloatArray) -> FloatArray:
+    """Places (2 n + 1,) on both sides of zero, from those (n + 1,) on one."""
+    return np.concatenate([-half[:0:-1], half])

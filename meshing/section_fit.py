@@ -1,0 +1,233 @@
+"""Sections for warp and weft that just touch: the overlap of the two yarns measured, removed, and reported.
+
+Warp lies over weft. With sections q_i and centrelines z_1 = h_1 cos(pi x / 2 w_1), z_2 = -h_2 cos(pi y / 2 w_2) the
+gap between the lower face of the warp and the upper face of the weft is
+
+    g(x, y) = [h_1 cos(pi x / 2 w_1) - q_2(x)] + [h_2 cos(pi y / 2 w_2) - q_1(y)],
+
+a sum of one function of x (weft section under the warp's arch) and one of y, so its least value is the sum of two
+one-dimensional minima, the *clearances* of the two yarns. The overlap is minus that sum. It is removed by the first of
+these that suffices:
+
+1. shift      the yarns are moved apart in z as rigid bodies, by at most 2 % of h_1 + h_2;
+2. narrow     the sections are made narrower at the same area, no more than needed (not if the widths are prescribed);
+3. densify    the areas are reduced by one factor, no more than needed: the yarn area of the mesh is then limited by the
+              crossing yarn, as in the thesis, section A.2, and Vf0 = A_s / A_yarn rises, at most to the closest
+              packing of round fibres.
+
+After 2 or 3 no shift is left. A gap that is positive everywhere is closed by a shift too, which is then negative. Where
+the yarns cannot be shifted (a woven patch) the first step is left out, and a gap stays open. "conforming" sections
+(`meshing.conforming`) have no gap and no overlap anywhere; their areas are what the crimp leaves room for, more or less
+than asked for.
+
+These are the smooth surfaces. The flat facets of a mesh between nodes on them still overlap by their sag, of order two
+in the mesh size.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import pi, sqrt
+
+import numpy as np
+from scipy.optimize import brentq, minimize_scalar
+
+from fabrics.errors import InputError
+from fabrics.weave import Weave
+from meshing.conforming import KIND as CONFORMING
+from meshing.conforming import conform
+from meshing.section import Section, YarnSection
+
+SHIFT_LIMIT = 0.02  # of h_1 + h_2: keeps the end levels of the yarns, which symmetry wants equal, equal in all but name
+CLOSEST_PACKING = pi / (2 * sqrt(3))
+NARROWEST = 0.4  # of the width requested: the search for the best width ends here
+SAMPLES = 4000
+
+
+def clearance(section: YarnSection, w: float, h: float) -> float:
+    """Least of h cos(pi s / 2 w) - q(s) over the section: its room [m] under the arch of the yarn that crosses it.
+
+    Sampled at intervals of width / 8000: right to 1e-11 m in a yarn 1 mm wide.
+
+    Parameters
+    ----------
+    section : Section of one yarn, at most 2 w wide
+    w, h : [m] half cell length and height of the other yarn
+    """
+    s = section.stations(SAMPLES)
+    return float(np.min(h * np.cos(pi * s / (2 * w)) - section.half_thickness(s)))
+
+
+@dataclass(frozen=True)
+class SectionFit:
+    """The two sections, the shift that closes them, and what had to be changed.
+
+    Parameters
+    ----------
+    sections : (Section, Section) of warp and weft
+    overlap : [m] of the sections as asked for; negative where they had a gap everywhere
+    shift : [m] of warp against weft in z, positive apart; warp and weft move by half of it each; 0 if not allowed
+    Vf0 : (warp, weft) [-] fibre volume fractions of the mesh
+    requested : (Section, Section) before anything was narrowed or densified
+    """
+
+    sections: tuple[Section, Section]
+    overlap: float
+    shift: float
+    Vf0: tuple[float, float]
+    requested: tuple[Section, Section]
+
+    @property
+    def changed(self) -> bool:
+        """True if a section differs from the one asked for."""
+        return self.sections != self.requested
+
+    @property
+    def report(self) -> str:
+        """One line for the user."""
+        if self.sections[0].kind == CONFORMING:
+            Vf0 = " / ".join(f"{value:.3f}" for value in self.Vf0)
+            return f"conforming sections that touch everywhere (Vf0 {Vf0})"
+        what = "overlap" if self.overlap >= 0 else "gap"
+        text = f"{what} of the sections {abs(self.overlap) * 1e6:.2f} um"
+        if self.changed:
+            width = " / ".join(f"{s.width / a.width:.3f}" for s, a in zip(self.sections, self.requested))
+            area = " / ".join(f"{s.area / a.area:.3f}" for s, a in zip(self.sections, self.requested))
+            Vf0 = " / ".join(f"{value:.3f}" for value in self.Vf0)
+            return f"{text}, solved: widths times {width}, areas times {area} (Vf0 {Vf0})"
+        return f"{text}, closed by a shift of {self.shift * 1e6:+.2f} um" if self.shift else f"{text}, left open"
+
+
+def fit_sections(
+    kind: str,
+    widths: Sequence[float],
+    fractions: Sequence[float],
+    weave: Weave,
+    tip_thickness_ratio: float,
+    *,
+    prescribed: bool = False,
+    overlap: str = "solve",
+    shift: bool = True,
+) -> SectionFit:
+    """Find sections of the two yarns that touch without overlapping.
+
+    Parameters
+    ----------
+    kind : "sine", "ellipse" or "conforming"
+    widths : (warp, weft) [m] asked for
+    fractions : (warp, weft) [-] fibre volume fractions asked for
+    weave : Weave
+    tip_thickness_ratio : [-] of both sections
+    prescribed : the widths may not be narrowed
+    overlap : "solve", or "refuse" to change any section (a shift within its limit is still made)
+    shift : the yarns may be moved apart
+
+    Raises
+    ------
+    InputError : the overlap is larger than a shift may remove and is refused, or cannot be removed
+    """
+    if kind == CONFORMING:
+        return _conforming(widths, fractions, weave, tip_thickness_ratio)
+    crossing = [(w, h) for w, h in zip(weave.w, weave.h0)][::-1]  # of each yarn, the arch over it
+    requested = _sections(kind, widths, _areas(weave, fractions), tip_thickness_ratio)
+    first = _overlap(requested, crossing)
+    free = sum(weave.h0) * SHIFT_LIMIT if shift else 0.0
+    sections, Vf0 = requested, (float(fractions[0]), float(fractions[1]))
+    if first > free:
+        if overlap == "refuse":
+            limit = f", more than the {free * 1e6:.1f} um that a shift may remove" if shift else ""
+            raise InputError(
+                f"the {kind} sections of warp and weft overlap by {first * 1e6:.1f} um{limit}: narrow them, or let the "
+                "overlap be solved"
+            )
+        sections = None if prescribed else _narrow(requested, crossing)
+        if sections is None:
+            sections, factor = _densify(requested, crossing, fractions, prescribed)
+            Vf0 = _denser(fractions, factor)
+    return SectionFit(sections, first, _overlap(sections, crossing) if shift else 0.0, Vf0, requested)
+
+
+def _conforming(widths, fractions, weave, tip_thickness_ratio):
+    areas = _areas(weave, fractions)
+    sections = conform(widths, areas, weave, tip_thickness_ratio)
+    Vf0 = tuple(float(old * area / section.area) for old, area, section in zip(fractions, areas, sections))
+    if max(Vf0) > CLOSEST_PACKING:
+        raise InputError(
+            f"conforming sections leave room for fibre fractions of {Vf0[0]:.3f} and {Vf0[1]:.3f}, denser than the "
+            f"closest packing ({CLOSEST_PACKING:.3f}): the crimp is too low for these yarns"
+        )
+    return SectionFit(sections, 0.0, 0.0, Vf0, sections)
+
+
+def _areas(weave, fractions):
+    """Areas of the vertical sections, A_s (1 + crimp) / Vf0, with which the yarn volume is A_s S0 / Vf0."""
+    return [yarn.A_s * (1 + yarn.crimp) / Vf0 for yarn, Vf0 in zip(weave.yarns, fractions)]
+
+
+def _sections(kind, widths, areas, tip_thickness_ratio):
+    return tuple(Section.of_area(kind, width, area, tip_thickness_ratio) for width, area in zip(widths, areas))
+
+
+def _overlap(sections, crossing):
+    return -sum(clearance(section, *arch) for section, arch in zip(sections, crossing))
+
+
+def _resized(section, width, area=None):
+    return Section.of_area(section.kind, width, section.area if area is None else area, section.tip_thickness_ratio)
+
+
+def _best(section, arch):
+    """The section of the same area, not wider, whose clearance under the arch (w, h) is largest.
+
+    The centre loses clearance as a section gets narrower and thicker, its shoulders gain it: one maximum.
+    """
+    found = minimize_scalar(
+        lambda width: -clearance(_resized(section, width), *arch),
+        bounds=(NARROWEST * section.width, section.width),
+        method="bounded",
+        options={"xatol": 1e-5 * section.width},
+    )
+    best = _resized(section, found.x)
+    return best if clearance(best, *arch) > clearance(section, *arch) else section
+
+
+def _narrow(requested, crossing):
+    """The requested areas, narrowed towards the best widths until nothing overlaps; None if the best still overlap."""
+    best = [_best(section, arch) for section, arch in zip(requested, crossing)]
+
+    def at(part):
+        return tuple(_resized(s, s.width + part * (b.width - s.width)) for s, b in zip(requested, best))
+
+    if _overlap(at(1.0), crossing) > 0:
+        return None
+    return at(brentq(lambda part: _overlap(at(part), crossing), 0.0, 1.0, xtol=1e-12))
+
+
+def _denser(fractions, factor):
+    return tuple(max(Vf0, min(Vf0 * factor, CLOSEST_PACKING)) for Vf0 in map(float, fractions))
+
+
+def _densify(requested, crossing, fractions, prescribed):
+    """Sections, and the least common factor on the fibre fractions, that leave no overlap.
+
+    Raises
+    ------
+    InputError : the sections overlap even at the closest packing
+    """
+
+    def at(factor):
+        areas = [s.area * old / new for s, old, new in zip(requested, fractions, _denser(fractions, factor))]
+        sections = tuple(_resized(s, s.width, area) for s, area in zip(requested, areas))
+        return sections if prescribed else tuple(_best(s, arch) for s, arch in zip(sections, crossing))
+
+    highest = max(1.0, CLOSEST_PACKING / min(fractions))
+    left = _overlap(at(highest), crossing)
+    if left > 0:
+        raise InputError(
+            f"the {requested[0].kind} sections of warp and weft overlap by {left * 1e6:.1f} um even at the closest "
+            f"packing of the fibres (Vf0 = {CLOSEST_PACKING:.3f}): try {'other widths or ' if prescribed else ''}"
+            "another section"
+        )
+    factor = brentq(lambda factor: _overlap(at(factor), crossing), 1.0, highest, xtol=1e-9)
+    return at(factor), factor

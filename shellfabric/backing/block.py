@@ -1,0 +1,401 @@
+"""The block behind the fabric: an elastic-plastic solid with erosion (source thesis section 6.5, Table 6-1).
+
+A quarter of it, x and y from the axis of the shot, its face at z = 0, or wherever it is put, z into it: the way the
+shot flies. The grid is finest under the shot and grows outwards by equal factors. The source tells the size, modulus,
+density, yield and erosion strain, and neither Poisson's ratio, hardening, mesh nor far faces (`materials.toml`). The
+far faces stand still, or take waves in (dashpots rho c A, Lysmer and Kuhlemeyer 1969).
+
+One narrow door for a march, each step:
+
+    block = Backing().block(dt)
+    forces = block.press(places, velocities, stiffness)      # forces on points of the last ply [N]
+    push = block.strike(position, speed)                     # force on a rigid projectile [N]
+    block.advance()
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from scipy.optimize import brentq
+
+from fabrics.errors import InputError, UnstableError
+from fabrics.materials import Isotropic, load
+from shellfabric.backing import block_kernels as kernels
+from shellfabric.backing import contact_kernels as touch
+from shellfabric.projectile.projectile import Projectile
+from shellfabric.solid.hex8 import Bricks
+
+ENERGIES = ("kinetic", "elastic", "plastic", "hourglass", "viscous", "absorbed", "eroded", "contact", "damped")
+FAR = ("fixed", "absorbing", "free")
+_KEPT = (
+    "x", "v", "metric", "alpha", "last", "past", "gone", "energy", "_work", "_own", "_outer", "_drags", "_shot",
+    "_held", "_points",
+)  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Backing:
+    """A block, its mesh and its contacts.
+
+    Parameters
+    ----------
+    material : Isotropic
+    size : (x, y, z) [m] of the whole block
+    finest : [m] edge of the bricks under the shot
+    fine : [m] reach of these from the axis, and from the face
+    growth : factor from brick to brick beyond, at most
+    far : "fixed", "absorbing" or "free" far faces
+    face : [m] where the face stands; behind a panel (`backing.coupling`), how far behind the back of its last ply
+    hourglass : factor on the hourglass stiffness of the full rule. In plastic flow the full one would stand in for the
+        strength that is gone; less than 0.1 lets the modes grow. Of the energy of a ball 0.05, 0.1, 0.2, 0.4 and 0.8
+        take 12, 5, 6, 5 and 8 % at most, and the ball goes 7.31, 7.22, 6.98 and 6.59 mm deep from 0.1 on
+    viscosity : damping ratio of the highest mode
+    penalty : stiffness of the contact with a projectile, in units of the bricks' own K A / h
+    contact_damping : ratio to critical of a node on that spring, and of a point of the cloth on its own
+    ply_penalty : stiffness of the contact with cloth, in units of the cloth's mass / dt^2
+    points : of contact along each side of an element of cloth
+
+    Raises
+    ------
+    InputError : a value out of its range
+    """
+
+    material: Isotropic = field(default_factory=lambda: load("backing"))
+    size: tuple[float, float, float] = (0.3, 0.3, 0.18)
+    finest: float = 1.0e-3
+    fine: float = 8e-3
+    growth: float = 1.2
+    far: str = "fixed"
+    face: float = 0.0
+    hourglass: float = 0.1
+    viscosity: float = 0.1
+    penalty: float = 10.0
+    contact_damping: float = 0.2
+    ply_penalty: float = 0.1
+    points: int = 2
+
+    def __post_init__(self):
+        if self.far not in FAR:
+            raise InputError(key="far", value=self.far, allowed=" or ".join(FAR))
+        if len(self.size) != 3 or not all(0 < 2 * self.finest <= length for length in self.size):
+            raise InputError(key="size", value=self.size, allowed=f"three lengths of at least {2 * self.finest:g} m")
+        for key in ("finest", "fine", "penalty", "ply_penalty", "points"):
+            if not 0 < getattr(self, key) < np.inf:
+                raise InputError(key=key, value=getattr(self, key), allowed="above 0")
+        if not self.growth >= 1:
+            raise InputError(key="growth", value=self.growth, allowed="at least 1")
+        for key in ("hourglass", "viscosity", "contact_damping"):
+            if not 0 <= getattr(self, key) < np.inf:
+                raise InputError(key=key, value=getattr(self, key), allowed="at least 0")
+
+    @property
+    def lines(self):
+        """x, y, z [m] of the mesh planes of the quarter."""
+        half = (0.5 * self.size[0], 0.5 * self.size[1], self.size[2])
+        return tuple(graded(length, self.finest, self.fine, self.growth) for length in half)
+
+    @property
+    def count(self):
+        """(nx, ny, nz) bricks of the quarter."""
+        return tuple(len(line) - 1 for line in self.lines)
+
+    @property
+    def longest_step(self) -> float:
+        """[s] bound of the step at rest, 1 / c (sum over the finest edges of 1 / h^2)^(1/2), and less for viscosity."""
+        least = np.array([np.diff(line).min() for line in self.lines])
+        damped = np.sqrt(1 + self.viscosity**2) - self.viscosity
+        return float(damped / self.material.wave_speed / np.sqrt(np.sum(1 / least**2)))
+
+    def block(self, dt) -> Block:
+        """The block at rest, to be moved in steps of `dt` [s].
+
+        Raises
+        ------
+        InputError : the step is longer than the mesh allows
+        """
+        return Block(self, dt)
+
+
+def graded(length, finest, fine, growth):
+    """Places (n + 1,) [m] from 0 to `length`: equal steps up to `fine`, then growing by a factor, `growth` at most."""
+    even = min(max(1, round(fine / finest)), max(1, round(length / finest)))
+    places = np.linspace(0, even * finest, even + 1)
+    left = length - places[-1]
+    if left < 0.5 * finest:
+        return places * (length / places[-1])
+    steps = 1
+    while finest * np.sum(growth ** np.arange(1, steps + 1)) < left:
+        steps += 1
+    if finest * steps >= left:  # too little is left to grow
+        return np.concatenate([places, places[-1] + left * np.arange(1, steps + 1) / steps])
+    factor = brentq(lambda g: finest * np.sum(g ** np.arange(1, steps + 1)) - left, 1.0, growth + 1e-9)
+    return np.concatenate([places, places[-1] + finest * np.cumsum(factor ** np.arange(1, steps + 1))])
+
+
+class Block:
+    """A block in motion.
+
+    Parameters
+    ----------
+    backing : Backing
+    dt : [s] of a step
+
+    Attributes
+    ----------
+    x, v : (n, 3) [m], [m/s] places, and velocities of half a step ago
+    metric, alpha, last, past, gone, energy : of the bricks, see `block_kernels.forces`; alpha is effective plastic
+        strain
+    time : [s]
+    """
+
+    def __init__(self, backing, dt):
+        if not 0 < dt <= backing.longest_step:
+            raise InputError(key="dt", value=dt, allowed=f"above 0 and at most {backing.longest_step:.3g} s")
+        self.backing, self.dt, self.time = backing, float(dt), 0.0
+        self.shape = nx, ny, nz = backing.count
+        grid = np.stack(np.meshgrid(*backing.lines, indexing="ij"), axis=-1)
+        grid[..., 2] += backing.face
+        self.rest = grid.reshape(-1, 3)
+        nodes = np.arange(len(self.rest)).reshape(grid.shape[:3])
+        self.nodes = nodes
+        bricks = Bricks.of(self.rest[_corners(nodes)])
+        material = backing.material
+        self._gradient, self._volume = bricks.gradient, bricks.volume
+        self._twist = np.ascontiguousarray(bricks.twist)
+        self._control = backing.hourglass * bricks.control(3 * (material.modulus,), material.shear)
+        least = bricks.edges.min(axis=1)
+        self._damping = backing.viscosity * material.density * material.wave_speed * least
+        self._law = np.array(
+            [material.bulk, material.shear, material.yield_stress, material.hardening, material.erosion_strain]
+        )
+        self._boundaries(nodes, bricks)
+        n, m = len(self.rest), nx * ny * nz
+        self.x, self.v = self.rest.copy(), np.zeros((n, 3))
+        self._outer, self._own = np.zeros((n, 3)), np.zeros((m, 8, 3))
+        self.metric = np.tile(np.eye(3), (m, 1, 1))
+        self.alpha, self.last, self.gone = np.zeros(m), np.zeros(m), np.zeros(m, bool)
+        self.past, self._held = np.zeros((m, 2)), np.zeros(n)
+        self.energy, self._work = np.zeros((m, 5)), np.zeros((nx + 1, 3))
+        self._drags, self._shot, self._points = np.zeros((n, 3)), np.zeros(7), np.zeros(7)
+        self._columns = self._memory = None  # of the points of `press`
+        # what contact damping takes from projectile and points: known when their next velocities are
+        self._damped, self._before = 0.0, {}
+        self._kick = 0.0
+
+    def _boundaries(self, nodes, bricks):
+        """Masses, supports, dashpots and contact springs of the nodes."""
+        backing, material = self.backing, self.backing.material
+        share = np.repeat(bricks.volume / 8, 8)
+        corners = _corners(nodes).ravel()
+        self.mass = np.bincount(corners, material.density * share)
+        self.free, self._dashpot = np.ones((len(self.rest), 3)), np.zeros((len(self.rest), 3))
+        self.free[nodes[0], 0] = self.free[nodes[:, 0], 1] = 0.0
+        for axis, face in ((0, nodes[-1]), (1, nodes[:, -1]), (2, nodes[:, :, -1])):
+            if backing.far == "fixed":
+                self.free[face] = 0.0
+            elif backing.far == "absorbing":
+                places = self.rest[face]
+                edges = np.cross(places[1:, 1:] - places[:-1, :-1], places[:-1, 1:] - places[1:, :-1])
+                quads = 0.125 * np.linalg.norm(edges, axis=-1)
+                area = np.zeros(face.shape)
+                for i in (0, 1):
+                    for j in (0, 1):
+                        area[i : i + quads.shape[0], j : j + quads.shape[1]] += quads
+                speeds = np.full(3, material.shear_speed)
+                speeds[axis] = material.wave_speed
+                self._dashpot[face] += material.density * area[..., None] * speeds
+        own = backing.penalty * material.bulk * bricks.volume / bricks.edges.min(axis=1) ** 2 / 8
+        self._stiffness = np.minimum(np.bincount(corners, np.repeat(own, 8)), 0.5 * self.mass / self.dt**2)
+        self._springs = 2 * backing.contact_damping * np.sqrt(self._stiffness * self.mass)
+
+    def strike(self, position, speed, projectile) -> np.ndarray:
+        """Contact with a rigid projectile in this step; force (3,) [N] on the quarter of it that is modelled.
+
+        Parameters
+        ----------
+        position, speed : (3,) [m], [m/s] of the nose
+        projectile : Projectile, along z
+        """
+        shot = projectile
+        numbers = np.array([shot.number, shot.radius, shot.edge_radius, np.inf if shot.length is None else shot.length])
+        self._damped += touch.nose_forces(
+            *self.shape, self.x, self.v, self.gone, self._stiffness, self._springs, np.asarray(position, float),
+            np.asarray(speed, float), shot.form, numbers, self._held, self._outer, self._drags, self._shot,
+        )  # fmt: skip
+        push, drag = self._shot[touch.ELASTIC_FORCE : touch.DAMPING_FORCE], self._shot[touch.DAMPING_FORCE :]
+        self._damp("shot", drag, np.asarray(speed, float))
+        return push + drag
+
+    def press(self, places, velocities, stiffness, *, damping=None, thickness=0.0) -> np.ndarray:
+        """Contact with points in this step; forces (s, 3) [N] on them. Always the same points, in the same order.
+
+        Parameters
+        ----------
+        places, velocities : (s, 3) [m], [m/s] in the quarter
+        stiffness, damping : (s,) [N/m], [N s/m] of each point's spring
+        thickness : [m] distance that they keep from the face
+        """
+        places = np.ascontiguousarray(places, float)
+        if self._columns is None:
+            lines = self.backing.lines
+            self._columns = np.stack(
+                [np.clip(np.searchsorted(lines[c], places[:, c]) - 1, 0, self.shape[c] - 1) for c in (0, 1)], axis=1
+            )
+            self._memory = np.zeros((len(places), 2))
+            self._memory[:, 0] = places[:, 2] + thickness - self.backing.face  # as against the face at rest
+        forces, drags, none = np.empty_like(places), np.empty_like(places), np.zeros(len(places))
+        touch.point_forces(
+            *self.shape, self.x, self.v, self.gone, places, np.ascontiguousarray(velocities, float),
+            np.ascontiguousarray(stiffness, float), none if damping is None else np.ascontiguousarray(damping, float),
+            float(thickness), self.dt, self._columns, self._memory, self._outer, self._drags, forces, drags,
+            self._points,
+        )  # fmt: skip
+        self._damped += float(self._points[touch.LOST])
+        self._damp("points", drags, np.asarray(velocities, float))
+        return forces + drags
+
+    def _damp(self, who, drag, speed):
+        """Add what damping took in the last step from a partner that now moves at `speed`, at its mean velocity."""
+        if who in self._before:
+            last_drag, last_speed = self._before[who]
+            self._damped -= 0.5 * self.dt * float(np.sum(last_drag * (last_speed + speed)))
+        self._before[who] = drag.copy(), speed.copy()
+
+    def advance(self):
+        """One step, under the contacts of this step.
+
+        Raises
+        ------
+        UnstableError : a brick is turned inside out
+        """
+        kernels.forces(
+            *self.shape, self.x, self._gradient, self._volume, self._twist, self._control, self._damping, self._law,
+            self._kick, self.metric, self.alpha, self.last, self.past, self.gone, self._own, self.energy,
+        )  # fmt: skip
+        if np.isnan(self.energy[:, kernels.ELASTIC]).any():
+            brick = int(np.argmax(np.isnan(self.energy[:, kernels.ELASTIC])))
+            places = 1e3 * self.x[_corners(self.nodes)[brick]].mean(axis=0)
+            where = "the block's brick at ({:.3g}, {:.3g}, {:.3g}) mm".format(*places)
+            raise UnstableError("a brick is turned inside out", where=where, when=f"after {1e6 * self.time:.4g} us")
+        kick = 0.5 * (self._kick + self.dt)
+        kernels.move(
+            *self.shape, self.x, self.v, self._own, self._outer, self._drags, self.mass, self._dashpot, self.free, kick,
+            self.dt, self.gone, self._work,
+        )  # fmt: skip
+        self._outer[:] = self._drags[:] = 0.0
+        self._kick = self.dt
+        self.time += self.dt
+
+    def energies(self) -> dict:
+        """ENERGIES [J] of the quarter, at the instant of the last forces; of the last damping, the block's share."""
+        bricks = self.energy.sum(axis=0)
+        values = (
+            self._work[:, 0].sum(), bricks[kernels.ELASTIC], bricks[kernels.PLASTIC], bricks[kernels.HOURGLASS],
+            bricks[kernels.VISCOUS], self._work[:, 1].sum(), bricks[kernels.ERODED],
+            self._shot[touch.CONTACT] + self._points[touch.CONTACT],
+            self._damped + self._work[:, 2].sum(),
+        )  # fmt: skip
+        return dict(zip(ENERGIES, map(float, values)))
+
+    @property
+    def bricks(self):
+        """(m, 8) nodes of each brick, in VTK's order."""
+        return _corners(self.nodes)
+
+    def crater(self, axis=0):
+        """Depth and shape: places (k, 2) [m] of radius and depth of what is left of the face, along x (axis 0) or y.
+
+        The depth at a node is that of the first brick beside it below all that are gone, from where the face was.
+        """
+        nz = self.shape[2]
+        gone, nodes = self.gone.reshape(self.shape), self.nodes
+        gone, nodes = (gone[:, 0], nodes[:, 0]) if axis == 0 else (gone[0], nodes[0])
+        layers = np.where(gone.any(axis=1), nz - np.argmax(gone[:, ::-1], axis=1), 0)
+        beside = np.minimum(np.append(layers, layers[-1]), np.append(layers[0], layers))
+        edge = nodes[np.arange(len(nodes)), beside]
+        return np.stack([self.x[edge, axis], self.x[edge, 2] - self.backing.face], axis=1)
+
+    def arrays(self):
+        """{name: array} of all that its motion goes on from; `restore` takes it back."""
+        found = {name: getattr(self, name) for name in _KEPT}
+        found["clock"] = np.array([self.time, self._kick, self._damped])
+        if self._columns is not None:
+            found["columns"], found["memory"] = self._columns, self._memory
+        for who, (drag, speed) in self._before.items():
+            found[f"{who}_drag"], found[f"{who}_speed"] = drag, speed
+        return found
+
+    def restore(self, arrays):
+        """Go on from `arrays` of a block of the same backing and step."""
+        for name in _KEPT:
+            getattr(self, name)[...] = arrays[name]
+        self.time, self._kick, self._damped = map(float, arrays["clock"])
+        if "columns" in arrays:
+            self._columns, self._memory = np.array(arrays["columns"]), np.array(arrays["memory"])
+        self._before = {
+            who: (np.array(arrays[f"{who}_drag"]), np.array(arrays[f"{who}_speed"]))
+            for who in ("shot", "points")
+            if f"{who}_drag" in arrays
+        }
+
+
+@dataclass(frozen=True)
+class Strike:
+    """What a projectile without fabric does to a block: t, v, z [s, m/s, m] of its nose, energies {name: (n,)} [J] of
+    the whole, and the crater at the end (k, 2) [m]."""
+
+    t: np.ndarray
+    v: np.ndarray
+    z: np.ndarray
+    energies: dict
+    crater: np.ndarray
+    eroded: int
+
+
+def strike(backing, projectile: Projectile, velocity, end_time, *, dt=None, every=20) -> Strike:
+    """A rigid projectile strikes the bare block ("backing only" of source thesis Figure 6-45), until it turns back.
+
+    Parameters
+    ----------
+    velocity : [m/s]
+    end_time : [s] at the latest
+    dt : [s]; None: the projectile crosses at most a twentieth of the finest brick, at half of what the block allows
+    every : steps between records
+
+    Raises
+    ------
+    InputError, UnstableError : as Block
+    """
+    if dt is None:
+        dt = min(0.05 * backing.finest / velocity, 0.5 * backing.longest_step)
+    block, quarter = backing.block(dt), 0.25 * projectile.mass
+    position, speed = np.array([0.0, 0.0, backing.face]), np.array([0.0, 0.0, float(velocity)])
+    rows, energies = [], []
+    for n in range(int(np.ceil(end_time / dt))):
+        push = block.strike(position, speed, projectile)
+        block.advance()
+        kick = 0.5 * dt if n == 0 else dt
+        before, speed[2] = speed[2], speed[2] + kick * push[2] / quarter
+        mean = 0.5 * (before + speed[2])
+        stop = speed[2] <= 0
+        if n % every == 0 or stop:
+            own = block.energies()
+            own["projectile"] = 0.5 * quarter * mean**2
+            own["balance"] = sum(own.values()) - 0.5 * quarter * velocity**2
+            rows.append((n * dt, mean, position[2] - backing.face))
+            energies.append(4 * np.array(list(own.values())))
+        position[2] += dt * speed[2]
+        if stop:
+            break
+    t, v, z = np.array(rows).T
+    named = {name: np.array(energies)[:, k] for k, name in enumerate(own)}
+    return Strike(t, v, z, named, block.crater(), int(np.count_nonzero(block.gone)))
+
+
+def _corners(grid):
+    """(m, 8) nodes of the bricks of a grid, the last index fastest."""
+    a, b = slice(None, -1), slice(1, None)
+    parts = [(a, a, a), (b, a, a), (b, b, a), (a, b, a), (a, a, b), (b, a, b), (b, b, b), (a, b, b)]
+    return np.stack([grid[part] for part in parts], axis=-1).reshape(-1, 8)

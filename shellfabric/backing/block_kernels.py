@@ -1,0 +1,262 @@
+"""A block of eight-node bricks with one point, elastic-plastic with erosion, in explicit dynamics.
+
+Elasticity is Hencky's, so that what is stored is a function of the state at any strain: with F the mean deformation of
+a brick (`hex8.py`), C the inverse of the plastic metric, and e_i the principal logarithmic strains,
+
+    b = F C F^T = sum exp(2 e_i) n_i n_i^T,     tau_i = K tr e + 2 G dev e_i,     W = K/2 (tr e)^2 + G |dev e|^2
+    P = tau F^-T,     q = (3/2)^(1/2) |dev tau| <= sigma_y + H alpha     (J2, radial return, associative)
+
+(e.g. Simo and Hughes, Computational Inelasticity, chapter 9). The return is exact along the trial. A brick whose
+effective plastic strain alpha reaches the erosion strain is taken out; its mass stays on its nodes, what it had stored
+goes to a term of its own. Hourglass control is that of `solid_kernels`: a potential, blind to rotation. A linear bulk
+viscosity, xi rho c L d(ln J)/dt, damps the highest mode.
+
+Plastic and viscous work of a step are those of the mean of the stresses before and after it, which is what its forces
+do: a brick that begins to flow in it was below its strength before.
+
+Forces are written for each brick and gathered at each node in a fixed order: threads change no bit of the result.
+"""
+
+import math
+
+import numpy as np
+from numba import prange
+
+from shellfabric.jit.compile import entry, kernel
+from shellfabric.solid.solid_kernels import brick_nodes, hourglass, mean_deformation
+
+ELASTIC, PLASTIC, HOURGLASS, VISCOUS, ERODED = 0, 1, 2, 3, 4  # of the energies of each brick [J]
+# of the sums of a contact: stored [J], forces [N] in three components each
+CONTACT, ELASTIC_FORCE, DAMPING_FORCE = 0, 1, 4
+SWEEPS = 12  # of Jacobi's rotations; three or four are enough
+# corners
+CORNER_OFFSETS = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]])
+
+
+@kernel()
+def principal(A, n):
+    """Eigenvectors of the symmetric A : (3, 3) as columns of n, by Jacobi's rotations; A becomes diagonal."""
+    for c in range(3):
+        for d in range(3):
+            n[c, d] = 1.0 if c == d else 0.0
+    for _ in range(SWEEPS):
+        off = A[0, 1] ** 2 + A[0, 2] ** 2 + A[1, 2] ** 2
+        if off <= 1e-30 * (A[0, 0] ** 2 + A[1, 1] ** 2 + A[2, 2] ** 2):
+            return
+        for p in range(2):
+            for q in range(p + 1, 3):
+                if A[p, q] == 0.0:
+                    continue
+                theta = 0.5 * (A[q, q] - A[p, p]) / A[p, q]
+                t = math.copysign(1.0, theta) / (abs(theta) + math.sqrt(theta * theta + 1.0))
+                cos = 1.0 / math.sqrt(t * t + 1.0)
+                sin = t * cos
+                for k in range(3):
+                    a, b = A[k, p], A[k, q]
+                    A[k, p], A[k, q] = cos * a - sin * b, sin * a + cos * b
+                for k in range(3):
+                    a, b = A[p, k], A[q, k]
+                    A[p, k], A[q, k] = cos * a - sin * b, sin * a + cos * b
+                for k in range(3):
+                    a, b = n[k, p], n[k, q]
+                    n[k, p], n[k, q] = cos * a - sin * b, sin * a + cos * b
+
+
+@kernel()
+def inverse(F, G):
+    """G = F^-1 of (3, 3); returns det F."""
+    for c in range(3):
+        d, e = (c + 1) % 3, (c + 2) % 3
+        for r in range(3):
+            s, t = (r + 1) % 3, (r + 2) % 3
+            G[r, c] = F[d, s] * F[e, t] - F[d, t] * F[e, s]
+    J = F[0, 0] * G[0, 0] + F[0, 1] * G[1, 0] + F[0, 2] * G[2, 0]
+    for c in range(3):
+        for r in range(3):
+            G[r, c] /= J
+    return J
+
+
+@kernel()
+def hencky(F, C, alpha, law, viscous, P):
+    """First Piola-Kirchhoff stress, with plastic flow where the trial is outside the yield surface.
+
+    Parameters
+    ----------
+    F : (3, 3)
+    C : (3, 3) inverse plastic metric, overwritten
+    alpha : effective plastic strain before
+    law : (5,) K, G, sigma_y, H [Pa], erosion strain
+    viscous : [Pa] pressure to be added to the Kirchhoff stress, positive in tension
+    P : (3, 3) [Pa] filled
+
+    Returns
+    -------
+    stored, work : [J/m3] elastic energy, and plastic work of this call
+    alpha : after
+    """
+    K, G, yields, H = law[0], law[1], law[2], law[3]
+    b, n, Fi = np.zeros((3, 3)), np.empty((3, 3)), np.empty((3, 3))
+    for c in range(3):
+        for d in range(3):
+            for r in range(3):
+                for s in range(3):
+                    b[c, d] += F[c, r] * C[r, s] * F[d, s]
+    principal(b, n)
+    e0, e1, e2 = 0.5 * math.log(b[0, 0]), 0.5 * math.log(b[1, 1]), 0.5 * math.log(b[2, 2])
+    trace = e0 + e1 + e2
+    d0, d1, d2 = e0 - trace / 3.0, e1 - trace / 3.0, e2 - trace / 3.0
+    size = math.sqrt(d0 * d0 + d1 * d1 + d2 * d2)
+    q = 2.0 * G * math.sqrt(1.5) * size
+    work = 0.0
+    inverse(F, Fi)
+    if q > yields + H * alpha:
+        step = (q - yields - H * alpha) / (3.0 * G + H)
+        work = (yields + H * (alpha + 0.5 * step)) * step
+        alpha += step
+        keep = 1.0 - 3.0 * G * step / q
+        d0, d1, d2, size = keep * d0, keep * d1, keep * d2, keep * size
+        m0, m1, m2 = (
+            math.exp(2.0 * (d0 + trace / 3.0)),
+            math.exp(2.0 * (d1 + trace / 3.0)),
+            math.exp(2.0 * (d2 + trace / 3.0)),
+        )
+        for c in range(3):
+            for d in range(3):
+                b[c, d] = m0 * n[c, 0] * n[d, 0] + m1 * n[c, 1] * n[d, 1] + m2 * n[c, 2] * n[d, 2]
+        for r in range(3):
+            for s in range(3):
+                C[r, s] = 0.0
+                for c in range(3):
+                    for d in range(3):
+                        C[r, s] += Fi[r, c] * b[c, d] * Fi[s, d]
+    p = K * trace + viscous
+    t0, t1, t2 = p + 2.0 * G * d0, p + 2.0 * G * d1, p + 2.0 * G * d2
+    for c in range(3):
+        for d in range(3):
+            b[c, d] = t0 * n[c, 0] * n[d, 0] + t1 * n[c, 1] * n[d, 1] + t2 * n[c, 2] * n[d, 2]
+    for c in range(3):
+        for r in range(3):
+            P[c, r] = b[c, 0] * Fi[r, 0] + b[c, 1] * Fi[r, 1] + b[c, 2] * Fi[r, 2]
+    return 0.5 * K * trace * trace + G * size * size, work, alpha
+
+
+@kernel()
+def forces_slice(
+    i, ny, nz, x, gradient, volume, twist, control, damping, law, dt, metric, alpha, last, past, gone, own, energy
+):
+    """Forces of the bricks i along x: see `forces`."""
+    nodes, places = np.empty(8, np.int64), np.empty((8, 3))
+    F, P, D, H = np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3)), np.empty((4, 3))
+    per_time = 1.0 / dt if dt > 0.0 else 0.0
+    for j in range(ny):
+        for k in range(nz):
+            m = (i * ny + j) * nz + k
+            if gone[m]:
+                continue
+            brick_nodes(0, i, j, k, ny, nz, nodes)
+            for a in range(8):
+                for c in range(3):
+                    places[a, c] = x[nodes[a], c]
+                    own[m, a, c] = 0.0
+            mean_deformation(places, gradient[m], F)
+            J = inverse(F, P)
+            if not J > 0.0:
+                energy[m, ELASTIC] = np.nan
+                continue
+            swell = math.log(J)
+            rate = (swell - last[m]) * per_time
+            before = alpha[m]
+            stored, work, alpha[m] = hencky(F, metric[m], before, law, damping[m] * rate, P)
+            # the distortion's share of what is stored gives the stress: q^2 / 6 G
+            mises = math.sqrt(6.0 * law[1] * max(stored - 0.5 * law[0] * swell * swell, 0.0))
+            if alpha[m] > before:
+                work = 0.5 * (min(past[m, 1], mises) + mises) * (alpha[m] - before)
+            damped = damping[m] * 0.5 * (past[m, 0] + rate) * rate * dt
+            last[m], past[m, 0], past[m, 1] = swell, rate, mises
+            held = hourglass(F, places, twist[m], control[m], H, D, own[m])
+            energy[m, PLASTIC] += volume[m] * work
+            energy[m, VISCOUS] += volume[m] * damped
+            if alpha[m] >= law[4]:
+                gone[m] = True
+                # its stress does no work any more, so half of the last step's was never done
+                rise = volume[m] * (stored + work + damped) + held - energy[m, ELASTIC] - energy[m, HOURGLASS]
+                energy[m, ERODED] = volume[m] * stored + held - 0.5 * rise
+                energy[m, ELASTIC] = energy[m, HOURGLASS] = 0.0
+                own[m] = 0.0
+                continue
+            energy[m, ELASTIC], energy[m, HOURGLASS] = volume[m] * stored, held
+            for a in range(8):
+                for c in range(3):
+                    for r in range(3):
+                        own[m, a, c] += (volume[m] * P[c, r] + D[c, r]) * gradient[m, a, r]
+
+
+@entry(parallel=True)
+def forces(
+    nx, ny, nz, x, gradient, volume, twist, control, damping, law, dt, metric, alpha, last, past, gone, own, energy
+):
+    """Internal forces of every brick, own : (m, 8, 3) [N].
+
+    Parameters
+    ----------
+    nx, ny, nz : bricks along x, y and z; nodes and bricks are numbered with the last fastest
+    x : (n, 3) [m]
+    gradient, volume, twist, control : of the bricks at rest, as `hex8.Bricks` has them
+    damping : (m,) [Pa s] bulk viscosity
+    law : (5,) as for `hencky`
+    dt : [s] since the last call
+    metric, alpha, last, gone : (m, 3, 3), (m,), (m,) ln J, (m,) bool; overwritten
+    past : (m, 2) [1/s], [Pa] rate of ln J and stress q of the last call; overwritten
+    energy : (m, 5) [J] of each brick, overwritten or added to
+    """
+    for i in prange(nx):
+        forces_slice(
+            i, ny, nz, x, gradient, volume, twist, control, damping, law, dt, metric, alpha, last, past, gone, own,
+            energy,
+        )  # fmt: skip
+
+
+@kernel()
+def move_slice(i, nx, ny, nz, x, v, own, outer, drags, mass, dashpot, free, kick, dt, gone, work):
+    """Step of the nodes i along x: see `move`."""
+    kinetic = lost = damped = 0.0
+    for j in range(ny + 1):
+        for k in range(nz + 1):
+            n = (i * (ny + 1) + j) * (nz + 1) + k
+            for c in range(3):
+                total = outer[n, c] + drags[n, c]
+                for a in range(8):
+                    # the brick of which this node is the corner a
+                    p, q, r = i - CORNER_OFFSETS[a, 0], j - CORNER_OFFSETS[a, 1], k - CORNER_OFFSETS[a, 2]
+                    if 0 <= p < nx and 0 <= q < ny and 0 <= r < nz:
+                        m = (p * ny + q) * nz + r
+                        if not gone[m]:
+                            total += own[m, a, c]
+                lag = 0.5 * kick * dashpot[n, c] / mass[n]
+                before = v[n, c]
+                after = free[n, c] * ((1.0 - lag) * before - kick * total / mass[n]) / (1.0 + lag)
+                mean = 0.5 * (before + after)
+                kinetic += 0.5 * mass[n] * mean * mean
+                lost += kick * dashpot[n, c] * mean * mean
+                damped += kick * drags[n, c] * mean
+                v[n, c] = after
+                x[n, c] += dt * after
+    work[i, 0] = kinetic
+    work[i, 1] += lost
+    work[i, 2] += damped
+
+
+@entry(parallel=True)
+def move(nx, ny, nz, x, v, own, outer, drags, mass, dashpot, free, kick, dt, gone, work):
+    """Velocities over `kick` [s], places over `dt` [s].
+
+    Parameters
+    ----------
+    own, outer, drags : (m, 8, 3), (n, 3), (n, 3) [N] internal forces of the bricks, of contacts, and of their damping
+    mass, dashpot, free : (n,) [kg], (n, 3) [N s/m], (n, 3) 1 or 0
+    work : (nx + 1, 3) [J] kinetic energy at the instant of the forces, overwritten; what dashpots, and what the damping
+        of contacts, took from the nodes, added to
+    """
+    for i in prange(nx + 1):
+        move_slice(i, nx, ny, nz, x, v, own, outer, drags, mass, dashpot, free, kick, dt, gone, work)

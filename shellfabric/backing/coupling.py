@@ -1,0 +1,182 @@
+"""The block behind the last ply, in step with a march: who pushes whom, and what is kept of it.
+
+After every step of the cloth the block takes its contacts with cloth and projectile at the same instant and then its
+own step, so that it is one step ahead and its energies are those of the cloth's instant. What the contacts give to
+cloth and projectile waits in state.f_block_cloth and state.f_block_nose for the cloth's next step
+(`panel.step_kernels.apply_backing_impulse`).
+
+The cloth bears on the block at p x p points of each element, like on a projectile: x = sum N_i x_i, with the penalty
+and damping of the point's own mass. They keep half of the ply's thickness from the face. Points of eroded elements do
+not touch; where single yarns have failed the rest bears whole.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from fabrics.errors import InputError
+from shellfabric.backing.block import ENERGIES
+from shellfabric.cloth.membrane_kernels import ERODED
+
+NAMES = tuple(f"backing_{name}" for name in ENERGIES)  # of the energies in the audit of a march
+
+
+@dataclass(frozen=True)
+class BackingResult:
+    """The block at the end of a run, as the quarter that is modelled.
+
+    Parameters
+    ----------
+    face : [m] where the face stood
+    crater : (k, 2) [m] radius and depth of what is left of the face, along the warp
+    crater_weft : (k, 2) [m] the same along the weft
+    nodes, bricks : (n, 3) [m], (m, 8) in VTK's order
+    plastic : (m,) effective plastic strain
+    gone : (m,) bool, eroded
+    """
+
+    face: float
+    crater: np.ndarray
+    crater_weft: np.ndarray
+    nodes: np.ndarray
+    bricks: np.ndarray
+    plastic: np.ndarray
+    gone: np.ndarray
+
+    @property
+    def depth(self):
+        """[m] of the crater."""
+        return float(self.crater[:, 1].max())
+
+    @property
+    def steepness(self):
+        """[rad] angle of the crater's wall against the face, as a mean along both yarns; see `wall_angle`."""
+        return 0.5 * (wall_angle(self.crater) + wall_angle(self.crater_weft))
+
+    @property
+    def half_width(self):
+        """[m] radius at which the crater is half as deep as it is, as a mean along both yarns."""
+        return 0.5 * (radius_at(self.crater, 0.5) + radius_at(self.crater_weft, 0.5))
+
+
+def radius_at(crater, share):
+    """[m] outermost radius at which a crater (k, 2) is as deep as a share of its depth."""
+    r, z = crater[np.argsort(crater[:, 0])].T
+    level = share * z.max()
+    k = int(np.flatnonzero(z >= level)[-1])
+    if k == r.size - 1:
+        return float(r[-1])
+    return float(np.interp(-level, [-z[k], -z[k + 1]], [r[k], r[k + 1]]))
+
+
+def wall_angle(crater):
+    """[rad] against the face, of the chord of a crater's wall between a fifth and four fifths of its depth."""
+    inner, outer = radius_at(crater, 0.8), radius_at(crater, 0.2)
+    return float(np.arctan2(0.6 * crater[:, 1].max(), outer - inner))
+
+
+def check(panel):
+    """InputError where a panel does not go with the block behind it."""
+    backing, shot = panel.backing, panel.projectile
+    if backing is None:
+        return
+    if panel.symmetry != "quarter":
+        raise InputError(key="symmetry", value=panel.symmetry, allowed="quarter in front of a backing")
+    if shot.roaming or shot.tilted:
+        raise InputError(key="obliquity", value=shot.obliquity, allowed="0, and no yaw or roll, before a backing")
+    if any(side < length for side, length in zip(backing.size, panel.opening)):
+        raise InputError(key="size", value=backing.size, allowed="a face at least as wide as the panel's opening")
+
+
+class Behind:
+    """The block of a march.
+
+    Parameters
+    ----------
+    backing : Backing; its face is the room left behind the cloth's back at rest
+    panel : Panel
+    const : its Constants
+    place : [m] of the middle of the last ply at rest
+
+    Attributes
+    ----------
+    block : block.Block, one step ahead of the cloth
+
+    Raises
+    ------
+    InputError : a step that is too long for the block
+    """
+
+    def __init__(self, backing, panel, const, place=0.0):
+        self.projectile, self.const, self.p = panel.projectile, const, backing.points
+        self.thickness = 0.5 * panel.weave.thickness
+        self.block = replace(backing, face=place + self.thickness + backing.face).block(const.dt)
+        point = panel.weave.areal_density * const.dx * const.dy / self.p**2
+        count = const.ni * const.nj * self.p**2
+        self._stiffness = np.full(count, backing.ply_penalty * point / const.dt**2)
+        self._damping = np.full(count, 2 * backing.contact_damping * backing.ply_penalty**0.5 * point / const.dt)
+        self._loose = np.ones(count)
+        self._rest = (*panel.coordinates(), np.full((const.ni + 1, const.nj + 1), float(place)))
+        at = (np.arange(self.p) + 0.5) / self.p
+        self._weights = [
+            (a, b, ((1 - s) * (1 - t), s * (1 - t), (1 - s) * t, s * t))
+            for a, s in enumerate(at)
+            for b, t in enumerate(at)
+        ]
+
+    def follow(self, state):
+        """Bring the block up to the cloth and a step further; leave its forces in state.f_block_cloth and
+        state.f_block_nose."""
+        const, block = self.const, self.block
+        state.f_block_nose[:] = block.strike(state.projectile_position, state.projectile_velocity, self.projectile)
+        if state.counter[2] > 0:  # yarns have failed
+            eroded = (self._nodal(state.element_flag)[:-1, :-1] & ERODED) != 0
+            self._loose[:] = np.broadcast_to(~eroded[..., None], (const.ni, const.nj, self.p**2)).ravel()
+        places = np.stack([self._at_points(self._nodal(u) + at) for u, at in zip(state.u, self._rest)], axis=-1)
+        speeds = np.stack([self._at_points(self._nodal(v)) for v in state.v], axis=-1)
+        forces = block.press(
+            places.reshape(-1, 3), speeds.reshape(-1, 3), self._loose * self._stiffness,
+            damping=self._loose * self._damping, thickness=self.thickness,
+        )  # fmt: skip
+        self._spread(forces.reshape(const.ni, const.nj, self.p**2, 3), state)
+        block.advance()
+
+    def _nodal(self, values):
+        """(ni+1, nj+1) view of an array of the march."""
+        const = self.const
+        return values[: (const.ni + 1) * const.row_stride].reshape(const.ni + 1, const.row_stride)
+
+    def _at_points(self, nodal):
+        """(ni, nj, p p) values at the points of every element."""
+        corners = nodal[:-1, :-1], nodal[1:, :-1], nodal[:-1, 1:], nodal[1:, 1:]
+        return np.stack([sum(n * c for n, c in zip(weights, corners)) for _, _, weights in self._weights], axis=-1)
+
+    def _spread(self, forces, state):
+        """Forces at points to the nodes, each by its weights; none across planes of symmetry."""
+        touched = np.flatnonzero(forces.any(axis=(1, 2, 3)))
+        if touched.size:  # where nothing has moved yet, nothing is worked on
+            state.active_rows[0] = min(state.active_rows[0], max(touched[0] - 1, 0))
+            state.active_rows[1] = max(state.active_rows[1], min(touched[-1] + 2, self.const.ni))
+        for c in range(3):
+            nodal = self._nodal(state.f_block_cloth[c])
+            nodal[:] = 0.0
+            for m, (_, _, weights) in enumerate(self._weights):
+                part = forces[:, :, m, c]
+                for n, place in zip(weights, (nodal[:-1, :-1], nodal[1:, :-1], nodal[:-1, 1:], nodal[1:, 1:])):
+                    place += n * part
+        self._nodal(state.f_block_cloth[0])[0] = 0.0
+        self._nodal(state.f_block_cloth[1])[:, 0] = 0.0
+
+    def energies(self):
+        """(n,) [J] of NAMES, of the modelled quarter."""
+        return list(self.block.energies().values())
+
+    def result(self) -> BackingResult:
+        """The block as it is."""
+        block = self.block
+        return BackingResult(
+            block.backing.face, block.crater(0), block.crater(1), block.x.copy(), block.bricks, block.alpha.copy(),
+            block.gone.copy(),
+        )  # fmt: skip

@@ -1,0 +1,158 @@
+"""The explicit solver of the pin-jointed cable net (`cable.model`), and the result of an impact on it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from shellfabric.cable import step_kernels as kernels
+from shellfabric.cable.contact_kernels import CONTACT
+from shellfabric.cable.model import CableNet
+from shellfabric.driver.solver import ExplicitSolver, run_to_end, speed_limit
+
+ENERGIES = ("kinetic_fabric", "kinetic_projectile", "stored", "viscous", "contact", "failed", "external", "balance")
+SAMPLES = ("t", "v", "z", *ENERGIES)
+
+
+@dataclass(frozen=True)
+class CableResult:
+    """What an impact on a net came to; names as in `single_ply.ImpactResult`. Energies and forces are of the whole net.
+
+    Parameters
+    ----------
+    net : what was struck
+    outcome : "stopped", "perforated" or "in flight"
+    residual_velocity : [m/s] of the projectile at the end
+    t, v, z : (n,) [s, m/s, m] instants of the audit; velocity and nose position of the projectile
+    energies : {name: (n,)} [J] with the names of ENERGIES; balance is the sum less the energy at the start
+    peak_tension : (warp, weft) [N] over the run
+    fine : (steps, 4) time [s], nose position [m], velocity [m/s] at half steps, force on the projectile [N]
+    reactions : {"warp", "weft", "edges": (steps,)} [N] after each step: pulls of the middle yarns on a clamp, along the
+        yarns at rest, and the force of all clamps on the net, along z
+    nodes : (ni+1, nj+1, 3) [m] at the end
+    broken : (2, ni+1, nj+1) bool at the end: bars that have failed, from each node along warp and weft
+    steps, wall_time, ns_per_bar_step : cost of marching, [s] and [ns]
+    """
+
+    net: CableNet
+    outcome: str
+    residual_velocity: float
+    t: np.ndarray
+    v: np.ndarray
+    z: np.ndarray
+    energies: dict
+    peak_tension: tuple[float, float]
+    fine: np.ndarray
+    reactions: dict
+    nodes: np.ndarray
+    broken: np.ndarray
+    steps: int
+    wall_time: float
+    ns_per_bar_step: float
+
+    @property
+    def worst_balance(self):
+        """[-] largest error of the energy balance over the strike energy."""
+        return float(np.max(np.abs(self.energies["balance"])) / self.energies["kinetic_projectile"][0])
+
+
+class CableSolver(ExplicitSolver):
+    """One run of a net. Columns of step_history are those of `cable.step_kernels`.
+
+    Parameters
+    ----------
+    net : CableNet
+    strike_velocity, end_time, interval : as ExplicitSolver
+
+    Raises
+    ------
+    InputError : a strike velocity, end time or interval that is not positive
+    """
+
+    sample_names, energy_names, history_columns = SAMPLES, ENERGIES, kernels.COLUMNS
+
+    def __init__(self, net: CableNet, strike_velocity, end_time, *, interval=2e-6):
+        limit = net.numerics.energy_error_limit
+        super().__init__(net.projectile, strike_velocity, end_time, interval=interval, energy_error_limit=limit)
+        self.net, self.share = net, net.share
+        self.const, self.state = net.constants(), net.state(strike_velocity)
+        self._begin(self.const.dt)
+
+    @property
+    def steps(self):
+        """Steps made."""
+        return int(self.state.counter[kernels.STEP])
+
+    def advance(self, history):
+        """See ExplicitSolver."""
+        return kernels.run_steps(self.state, self.const, len(history), history)
+
+    def observe(self):
+        """See ExplicitSolver. What is stored follows from the lengths of the bars, not from the work done on them."""
+        state, const = self.state, self.const
+        cloth, projectile, stored = kernels.energies(state, const)
+        speed = state.projectile_velocity[2] + 0.5 * const.dt * state.f_contact_nose[2] / const.projectile_mass
+        spent = state.energy_sums[kernels.VISCOUS], state.energy_sums[CONTACT], state.energy_sums[kernels.LOST]
+        return [speed, state.projectile_position[2]], [cloth, projectile, stored, *spent, 0.0]  # clamps do no work
+
+    def node_speeds(self):
+        """See ExplicitSolver."""
+        return [(np.sqrt((self.state.v**2).sum(axis=0)), speed_limit(self.const))]
+
+    def where(self, part, node):
+        """See ExplicitSolver."""
+        return f"node ({int(node) // self.const.row_stride}, {int(node) % self.const.row_stride}) of the cable net"
+
+    def checkpoint_identity(self):
+        """See ExplicitSolver."""
+        known = self.strike_velocity, self.steps_per_sample, self.const._asdict(), self.state.mass
+        return known, "shellfabric.cable.solver"
+
+    def checkpoint_arrays(self):
+        """See ExplicitSolver."""
+        return {"state": self.state}
+
+
+def run(net: CableNet, strike_velocity, end_time=800e-6, *, audit_interval=2e-6, hooks=()) -> CableResult:
+    """Run an impact on a net until the projectile stops or is through, or `end_time` [s] has passed.
+
+    Raises
+    ------
+    InputError : a time or velocity that is not positive
+    UnstableError : as ExplicitSolver.run; its attribute `result` holds what was computed
+    """
+    solver = CableSolver(net, strike_velocity, end_time, interval=audit_interval)
+    return run_to_end(solver, hooks, lambda: collect_result(solver))
+
+
+def collect_result(solver: CableSolver) -> CableResult:
+    """Gather what a run has recorded."""
+    net, const, state = solver.net, solver.const, solver.state
+    shape, share = (2, const.ni + 1, const.row_stride), net.share
+    size = shape[1] * shape[2]
+    whole = net.state(1.0).stiffness[:, :size].reshape(shape)
+    history = np.concatenate([np.empty((0, kernels.COLUMNS)), *solver.step_history])
+    clock = const.dt * np.arange(1, len(history) + 1)
+    moved = state.u[:, :size].reshape(3, *shape[1:])
+    return CableResult(
+        net=net,
+        outcome=solver.outcome,
+        residual_velocity=float(solver.sample("v")[-1]),
+        t=solver.sample("t"),
+        v=solver.sample("v"),
+        z=solver.sample("z"),
+        energies={name: solver.sample(name) for name in ENERGIES},
+        peak_tension=tuple(float(e * k) for e, k in zip(state.peak_elongation, net.stiffness)),
+        fine=np.column_stack([clock, history[:, [kernels.Z, kernels.V_Z]], history[:, kernels.NOSE_FORCE] / share]),
+        reactions={
+            "warp": history[:, kernels.MIDDLE].copy(),
+            "weft": history[:, kernels.MIDDLE + 1].copy(),
+            "edges": history[:, kernels.CLAMP_FORCE] / share,
+        },
+        nodes=np.stack([*net.coordinates(), np.zeros(shape[1:])], axis=-1) + np.moveaxis(moved, 0, 2),
+        broken=(whole > 0) & (state.stiffness[:, :size].reshape(shape) == 0),
+        steps=solver.steps,
+        wall_time=solver.wall_time,
+        ns_per_bar_step=1e9 * solver.wall_time / max(1, solver.steps * net.bars),
+    )

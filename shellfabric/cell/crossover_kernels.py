@@ -1,0 +1,201 @@
+"""The biaxial crossover, solved as one monotone equation in the contact force (source thesis section 4.3.1).
+
+Yarn i keeps a cosine centreline of height h_i over the half length w_i = Lambda_i w0_i (eq. 4-1), or two straight
+segments (`yarn_kernels`). With k = pi h / 2 w,
+
+    S(w, h)  = (4 w / pi) E(-k^2)                                    length of the yarn (eq. 4-3)
+    T        = EA (S - S0) / S0,  S >= S0                            tension (eq. 4-7), or with a toe (`yarn_kernels`)
+    F        = 2 T sin(alpha), sin(alpha) = k / sqrt(1 + k^2)        equilibrium form (eqs. 4-8, 4-10)
+    F        = T dS/dh                                               variational form: the gradient of the energy
+
+Both forms make h_i a rising function of F, and so is the compression d_i(F). The crossover closes where
+
+    r(F) = h_1(F) + h_2(F) + d_1(F) + d_2(F) + g - h_01 - h_02 = 0   (eq. 4-13)
+
+which has one root at most. Contact is lost exactly where r(0) >= 0 at the free heights (errata E-05, E-06, E-09, E-10).
+
+A yarn is passed as the tuple (w0, S0, EA, h0, a, b, shift, toe, profile): half length, length, stiffness, height at
+rest, its law of compression d = a - b (F + shift)^(-1/3) (eq. 4-12; shift = (b/a)^3 regularised, 0 printed; a = 0:
+none), the strain of its toe and its profile.
+"""
+
+import math
+
+from shellfabric.cell.yarn_kernels import COSINE, STRAIGHT, arc, arc_curvature, energy, free_height, tension, yarn_alone
+from shellfabric.jit.compile import entry, kernel
+
+EQUILIBRIUM, VARIATIONAL = 0, 1
+_MAX_STEPS = 200
+
+
+@kernel()
+def contact_force(w, h, S0, EA, form, toe=0.0, profile=COSINE):
+    """Contact force of one yarn at height h, its slope dF/dh, and the tension."""
+    S, dS = arc(w, h, profile)
+    T, dT = tension(S, dS, S0, EA, toe)
+    if form == EQUILIBRIUM and profile != STRAIGHT:
+        k = 0.5 * math.pi * h / w
+        root = math.sqrt(1.0 + k * k)
+        sine = k / root
+        return 2.0 * T * sine, 2.0 * (dT * sine + T * 0.5 * math.pi / (w * root**3)), T
+    return T * dS, dT * dS + T * arc_curvature(w, h, profile), T
+
+
+@kernel()
+def height(w, F, yarn, lowest, form):
+    """Height at which the yarn carries the contact force F > 0, from its free height `lowest`, and the slope dh/dF.
+
+    Newton's method kept within a bracket; the force rises with the height from zero at `lowest`.
+    """
+    S0, EA, toe, profile = yarn[1], yarn[2], yarn[7], yarn[8]
+    low, high = lowest, lowest + 0.05 * w
+    while contact_force(w, high, S0, EA, form, toe, profile)[0] < F:
+        low, high = high, 2.0 * high
+    h = high
+    for _ in range(_MAX_STEPS):
+        force, slope, _ = contact_force(w, h, S0, EA, form, toe, profile)
+        if force > F:
+            high = h
+        else:
+            low = h
+        step = (force - F) / slope
+        h -= step
+        if not low <= h <= high:
+            h = 0.5 * (low + high)
+        if abs(step) <= 1e-14 * w or high - low <= 1e-15 * w:
+            break
+    return h, 1.0 / contact_force(w, h, S0, EA, form, toe, profile)[1]
+
+
+@kernel()
+def compression(F, a, b, shift):
+    """d_c and its slope dd_c/dF at the contact force F > 0 (eqs. 4-12, 4-28)."""
+    if a == 0.0:
+        return 0.0, 0.0
+    root = (F + shift) ** (-1.0 / 3.0)
+    return a - b * root, b / 3.0 * root / (F + shift)
+
+
+@kernel()
+def compression_energy(F, a, b, shift):
+    """Work of the contact force up to F: the integral of F dd_c."""
+    if a == 0.0:
+        return 0.0
+    d = a - b * (F + shift) ** (-1.0 / 3.0)
+    return F * d - (a * F - 1.5 * b * ((F + shift) ** (2.0 / 3.0) - shift ** (2.0 / 3.0)))
+
+
+@kernel()
+def residual(F, w1, w2, free1, free2, warp, weft, gap, form):
+    """r(F) and its slope."""
+    h1, c1 = height(w1, F, warp, free1, form)
+    h2, c2 = height(w2, F, weft, free2, form)
+    d1, e1 = compression(F, warp[4], warp[5], warp[6])
+    d2, e2 = compression(F, weft[4], weft[5], weft[6])
+    return h1 + h2 + d1 + d2 + gap - warp[3] - weft[3], c1 + c2 + e1 + e2
+
+
+@kernel()
+def closing_force(w1, w2, free1, free2, warp, weft, gap, form, guess):
+    """The root of r(F); 0 where contact is lost; -1 if none was found.
+
+    r(0) is the gap at the free heights when the law of compression starts from zero. The printed law has
+    d(0) = -infinity, so that r(0) < 0 always and contact is never lost (erratum E-05).
+    """
+    printed = (warp[4] > 0.0 and warp[6] == 0.0) or (weft[4] > 0.0 and weft[6] == 0.0)
+    if not printed and free1 + free2 + gap >= warp[3] + weft[3]:
+        return 0.0
+    low, high = 0.0, max(guess, 1e-6)
+    while residual(high, w1, w2, free1, free2, warp, weft, gap, form)[0] < 0.0:
+        low, high = high, 4.0 * high
+        if high > 1e12:
+            return -1.0
+    F = high
+    for _ in range(_MAX_STEPS):
+        r, slope = residual(F, w1, w2, free1, free2, warp, weft, gap, form)
+        if r > 0.0:
+            high = F
+        else:
+            low = F
+        if abs(r) <= 1e-14 * (warp[0] + weft[0]):
+            return F
+        step = r / slope
+        F -= step
+        if not low < F < high:
+            F = math.sqrt(low * high) if low > 0.0 else 0.125 * high
+        if abs(step) <= 1e-14 * F or high - low <= 1e-15 * high or high < 1e-14:
+            return F
+    return -1.0
+
+
+@kernel()
+def cell(stretch1, stretch2, warp, weft, gap, form, coupled, guess):
+    """One crossover at given stretches: (T1, T2, N1, N2, F, h1, h2, W).
+
+    T are the yarn tensions, N the forces conjugate to the cell lengths: T in the equilibrium form (erratum E-15), and
+    the gradient of W, N = T dS/d(2w), in the variational form. W is the energy of the yarns and of their compression.
+    """
+    alone1, energy1 = yarn_alone(stretch1, warp[0], warp[1], warp[2], warp[7])
+    alone2, energy2 = yarn_alone(stretch2, weft[0], weft[1], weft[2], weft[7])
+    w1, w2 = stretch1 * warp[0], stretch2 * weft[0]
+    free1, free2 = free_height(w1, warp[1], warp[8]), free_height(w2, weft[1], weft[8])
+    F = closing_force(w1, w2, free1, free2, warp, weft, gap, form, guess) if coupled else 0.0
+    if F == 0.0:
+        return alone1, alone2, alone1, alone2, 0.0, free1, free2, energy1 + energy2
+    h1, h2 = height(w1, F, warp, free1, form)[0], height(w2, F, weft, free2, form)[0]
+    S1, dS1 = arc(w1, h1, warp[8])
+    S2, dS2 = arc(w2, h2, weft[8])
+    T1, T2 = tension(S1, dS1, warp[1], warp[2], warp[7])[0], tension(S2, dS2, weft[1], weft[2], weft[7])[0]
+    W = energy(S1, warp[1], warp[2], warp[7], T1) + energy(S2, weft[1], weft[2], weft[7], T2)
+    W += compression_energy(F, warp[4], warp[5], warp[6]) + compression_energy(F, weft[4], weft[5], weft[6])
+    if form == EQUILIBRIUM:
+        return T1, T2, T1, T2, F, h1, h2, W
+    # S is homogeneous of degree one in (w, h), so that dS/d(2w) = (S - h dS/dh) / 2w
+    return T1, T2, T1 * (S1 - h1 * dS1) / (2.0 * w1), T2 * (S2 - h2 * dS2) / (2.0 * w2), F, h1, h2, W
+
+
+@entry(nogil=True)
+def fill(stretches1, stretches2, warp, weft, gap, form, coupled, out):
+    """Fill out (8, n1, n2) with `cell` on a grid; each row starts from the last force found. False if a cell failed."""
+    for i in range(stretches1.size):
+        guess = 1.0
+        for j in range(stretches2.size):
+            values = cell(stretches1[i], stretches2[j], warp, weft, gap, form, coupled, guess)
+            for c in range(8):
+                out[c, i, j] = values[c]
+            if values[4] < 0.0:
+                return False
+            guess = values[4]
+    return True
+
+
+@entry(nogil=True)
+def solve_many(stretch1, stretch2, warp, weft, gap, form, coupled, out):
+    """Fill out (8, n) with `cell` at n pairs of stretches. False if a cell failed."""
+    for i in range(stretch1.size):
+        values = cell(stretch1[i], stretch2[i], warp, weft, gap, form, coupled, 1.0)
+        for c in range(8):
+            out[c, i] = values[c]
+        if values[4] < 0.0:
+            return False
+    return True
+
+
+@entry()
+def tension_bound_table(low, high, over, top, unit, out):
+    """Table of tension bounds where forces do not exceed N, row N / unit of out (n, 2): max(out[0], N + out[1]).
+
+    low, high (cells,) [N] : between which the forces of a cell of the table lie; over, top (cells,) [N] : by which a
+    tension is at most above the force beside it, and its own most. Of cells that a step cuts, the tension is at most N
+    and what it is above its force; of those that lie below it, their own.
+    """
+    last = out.shape[0] - 1
+    out[:] = 0.0
+    for m in range(low.size):
+        begin, end = min(max(int(low[m] / unit), 0), last), min(max(int(high[m] / unit), 0), last)
+        for step in range(begin, end + 1):
+            out[step, 1] = max(out[step, 1], over[m])
+        if end < last:
+            out[end + 1, 0] = max(out[end + 1, 0], top[m])
+    for step in range(last):
+        out[step + 1, 0] = max(out[step + 1, 0], out[step, 0])

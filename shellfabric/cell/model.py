@@ -1,0 +1,364 @@
+"""The crossover as an object, and its table: tensions of the two yarns over a uniform grid of their stretches.
+
+Range of the table. Below Lambda_lo the free height of a yarn alone fills the cell, h_free >= h01 + h02 - g: contact
+is lost whatever the other yarn does, its tension is zero and the other's does not depend on it, so that looking up
+at Lambda_lo is exact. A yarn of the length S0 is never higher than S0 / 2, however narrow its cell. Where that does not
+fill the cell (yarns crimped by about 9 % and more, and one of them far higher than the other), a crossing yarn that is
+pulled straight stays in contact at every stretch. The table then ends where the crossing yarns would lie side by side
+as round solid rods, closer than which no cloth can be: 2 w Lambda = sqrt(4 A_s / pi). Below that stretch the energy is
+that at the table's edge, and the force conjugate to it zero. Above Lambda_hi the yarn has failed, since even alone it
+is past its strength; the forces of a yarn that is not allowed to fail go on from there linearly. The stretch 1 is a
+node: cloth at rest has the very forces of the cell at rest.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+from scipy.optimize import brentq
+
+from fabrics.compression import CompressionLaw
+from fabrics.errors import InputError, UnstableError
+from fabrics.fabric import Fabric
+from fabrics.weave import arc_length
+from shellfabric.cell import crossover_kernels as kernels
+
+FORMS = {"equilibrium": kernels.EQUILIBRIUM, "variational": kernels.VARIATIONAL}
+PROFILES = {"cosine": kernels.COSINE, "straight": kernels.STRAIGHT}
+MODELS = ("compressible", "incompressible", "decoupled")
+_LONGEST_TOE = 0.1
+_CLOSED = 1e-3  # stretch of a cell that has closed up
+COLUMNS = ("T1", "T2", "N1", "N2", "F", "h1", "h2", "W")
+
+
+@dataclass(frozen=True)
+class CellModel:
+    """One crossover of a fabric (source thesis section 4.3.1).
+
+    Parameters
+    ----------
+    fabric : Fabric
+    laws : (CompressionLaw, CompressionLaw) of warp and weft; None takes the fabric's published ones
+    gap : [m] play g between the yarns, closed before they touch (erratum E-16)
+    model : "compressible", "incompressible" (d_c = 0) or "decoupled" (the yarns never touch)
+    form : "variational" (forces are the gradient of W) or "equilibrium" (the source's F = 2 T sin alpha; forces T).
+        The default is the variational one for its energy: what its forces do is what the cell stores. The equilibrium
+        form's forces are no gradient, and do work that nothing stores: 4 % of the strike energy of S-720 at 92.5 m/s
+    profile : "cosine" (the source's), or "straight" segments from crossing to crossing (Kawabata's)
+    toe : [-] mean slack of a yarn's fibres, or that of (warp, weft): the strain that their straightening takes; 0 is
+        the source's linear yarn. See `yarn_kernels`
+    reach : how far a table goes beyond straight yarns, in units of the strain at their strength; above 1 where yarns do
+        not fail, since forces beyond a table follow its last cell and may grow without bound
+
+    Raises
+    ------
+    InputError : unknown model, form or profile, negative gap, a toe outside [0, 0.1], or a compressible cell without
+        laws
+    """
+
+    fabric: Fabric
+    laws: tuple[CompressionLaw, CompressionLaw] | None = None
+    gap: float = 0.0
+    model: str = "compressible"
+    form: str = "variational"
+    profile: str = "cosine"
+    toe: float | tuple[float, float] = 0.0
+    reach: float = 1.0
+
+    def __post_init__(self):
+        for key, known in (("model", MODELS), ("form", FORMS), ("profile", PROFILES)):
+            if getattr(self, key) not in known:
+                raise InputError(key=key, value=getattr(self, key), allowed=" or ".join(known))
+        if np.shape(self.toe) not in ((), (2,)) or not all(0 <= toe <= _LONGEST_TOE for toe in self.toes):
+            allowed = f"a strain from 0 to {_LONGEST_TOE:g}, or two, of warp and weft"
+            raise InputError(key="toe", value=self.toe, allowed=allowed)
+        if not 1 <= self.reach < np.inf:
+            raise InputError(key="reach", value=self.reach, allowed="at least 1")
+        if not 0 <= self.gap <= sum(self.h0):
+            raise InputError(key="gap", value=self.gap, allowed="at least 0 and at most h01 + h02")
+        if self.laws is None and self.fabric.laws is None and self.model == "compressible":
+            raise InputError(f"fabric {self.fabric.name} has no compression law", allowed="given one")
+
+    @property
+    def used_laws(self) -> tuple[CompressionLaw, CompressionLaw]:
+        """The laws that the cell is solved with."""
+        if self.model != "compressible":
+            return CompressionLaw.incompressible(), CompressionLaw.incompressible()
+        return self.laws or self.fabric.laws
+
+    @property
+    def toes(self) -> tuple[float, float]:
+        """[-] of warp and weft."""
+        return tuple(map(float, self.toe if np.ndim(self.toe) else (self.toe, self.toe)))
+
+    @property
+    def h0(self) -> tuple[float, float]:
+        """[m] heights at rest of warp and weft, of the profile."""
+        weave = self.fabric.weave
+        if self.profile == "cosine":
+            return weave.h0
+        return tuple(kernels.free_height(w, S0, PROFILES[self.profile]) for w, S0 in zip(weave.w, weave.S0))
+
+    @property
+    def ultimate_strains(self) -> tuple[float, float]:
+        """[-] of warp and weft, alone, at their strength: the toe comes beyond the failure strain of the fibres."""
+        found = []
+        for yarn, toe in zip(self.fabric.weave.yarns, self.toes):
+            short = lambda e, last=yarn.failure_strain, toe=toe: e + toe * np.expm1(-e / toe) - last  # noqa: E731
+            e = yarn.failure_strain
+            found.append(brentq(short, e, e + toe, xtol=1e-15) if toe else e)
+        return tuple(found)
+
+    @property
+    def yarn_tuples(self):
+        """The two yarns as `crossover_kernels` takes them."""
+        weave, profile = self.fabric.weave, PROFILES[self.profile]
+        rows = zip(weave.w, weave.S0, weave.yarns, self.h0, self.used_laws, self.toes)
+        return tuple(
+            (w, S0, yarn.EA, h0, law.a, law.b, law.F0 if law.form == "regularised" else 0.0, toe, profile)
+            for w, S0, yarn, h0, law, toe in rows
+        )
+
+    def alone(self, family, stretch):
+        """[N] tension of a yarn of the family 0 (warp) or 1 (weft) that crosses nothing, at stretches of the cell."""
+        w, S0, EA, *_, toe, _ = self.yarn_tuples[family]
+        slack = np.maximum(2 * w * np.asarray(stretch, float) - S0, 0)
+        return EA * (slack / S0 + toe * np.expm1(-slack / S0 / toe)) if toe else EA * slack / S0
+
+    def solve(self, stretch1, stretch2) -> dict:
+        """The cell at given stretches.
+
+        Parameters
+        ----------
+        stretch1, stretch2 : array_like [-] current over initial cell length, along warp and weft
+
+        Returns
+        -------
+        dict of arrays: T1, T2 [N] tensions, N1, N2 [N] forces conjugate to the cell lengths, F [N] contact force,
+        h1, h2 [m] heights, W [J] stored energy
+
+        Raises
+        ------
+        UnstableError : the closing force was not found
+        """
+        stretch1, stretch2 = np.broadcast_arrays(np.asarray(stretch1, float), np.asarray(stretch2, float))
+        out = np.empty((8, stretch1.size))
+        if not kernels.solve_many(stretch1.ravel(), stretch2.ravel(), *self._arguments(), out):
+            raise UnstableError("the crossover did not close", where=f"fabric {self.fabric.name}")
+        return {name: column.reshape(stretch1.shape) for name, column in zip(COLUMNS, out)}
+
+    def range(self):
+        """((lowest, highest), (lowest, highest)) stretches of the table, of warp and weft."""
+        weave, bounds = self.fabric.weave, []
+        for w, S0, crossing, ultimate in zip(weave.w, weave.S0, weave.yarns[::-1], self.ultimate_strains):
+            lowest = max(self._contact_loss(w, S0), _dense_packing(w, crossing))
+            # 2 % beyond the stretch at which the yarn alone is at its strength, so that the failure test is inside
+            bounds.append((lowest, S0 / (2 * w) * (1 + 1.02 * self.reach * ultimate)))
+        return tuple(bounds)
+
+    def _contact_loss(self, w, S0):
+        """Stretch below which a yarn's free height fills the cell; 0 where it cannot.
+
+        A yarn of the length S0 has the height S0 / 2 when the cell has closed up to nothing, and no greater one.
+        """
+        full = sum(self.h0) - self.gap
+        if not full > 0:
+            return 1.0
+        if full >= S0 / 2:
+            return 0.0
+        if self.profile == "straight":
+            return np.sqrt((S0 / 2) ** 2 - full**2) / w
+        straight = S0 / (2 * w)
+        too_long = lambda stretch: arc_length(stretch * w, full) - S0  # noqa: E731
+        if too_long(_CLOSED) >= 0:
+            return 0.0
+        return brentq(too_long, _CLOSED, straight) if too_long(straight) > 0 else straight
+
+    def table(self, n=201) -> CellTable:
+        """Fill a table of n x n stretches."""
+        return CellTable.fill(self, n)
+
+    def _arguments(self):
+        warp, weft = self.yarn_tuples
+        return warp, weft, self.gap, FORMS[self.form], self.model != "decoupled"
+
+
+@dataclass(frozen=True)
+class CellTable:
+    """Forces of a crossover on a uniform grid of stretches.
+
+    Parameters
+    ----------
+    model : CellModel, or surface_cell.SurfaceCell
+    stretch1, stretch2 : (n1,), (n2,) [-] uniform
+    values : dict of (n1, n2) arrays T1, T2, N1, N2, W, and what else `CellModel.solve` gives
+    tension1, tension2 : (n1-1, n2-1, 4) [N] bilinear coefficients of T1 and T2 in each cell of the grid
+    potential : (n1-1, n2-1, 16) [J] bicubic coefficients of W; its slopes are N (variational form), or differences
+    spline : (n1-1, n2-1, 9) [J] biquadratic coefficients of W, of its B-spline (`_spline`), which the march reads: half
+        as dear as the bicubic. With 201 stretches its forces are within 0.2 % of the strength of the cell's, and
+        within 3e-5 in the mean
+    residual : [-] rms of the part of a sampled surface's forces that no potential has, over the rms force
+    """
+
+    model: object
+    stretch1: np.ndarray
+    stretch2: np.ndarray
+    values: dict
+    tension1: np.ndarray = field(repr=False)
+    tension2: np.ndarray = field(repr=False)
+    potential: np.ndarray = field(repr=False)
+    spline: np.ndarray = field(repr=False)
+    residual: float = 0.0
+
+    @classmethod
+    def fill(cls, model: CellModel, n=201) -> CellTable:
+        """Solve the cell on n x n stretches over its range.
+
+        Raises
+        ------
+        InputError : n below 8
+        UnstableError : a cell that did not close
+        """
+        if n < 8:
+            raise InputError(key="table_size", value=n, allowed="at least 8")
+        x, y = (grid(lowest, highest, n) for lowest, highest in model.range())
+        out = np.empty((8, n, n))
+        if not kernels.fill(x, y, *model._arguments(), out):
+            raise UnstableError("the crossover did not close", where=f"the table of fabric {model.fabric.name}")
+        values = dict(zip(COLUMNS, out))
+        w1, w2 = model.fabric.weave.w
+        if model.form == "variational":
+            fx, fy = values["N1"] * 2 * w1 * (x[1] - x[0]), values["N2"] * 2 * w2 * (y[1] - y[0])
+        else:
+            fx, fy = np.gradient(values["W"], edge_order=2)
+        return cls.of(model, x, y, values, fx, fy)
+
+    @classmethod
+    def of(cls, model, x, y, values, fx, fy, residual=0.0) -> CellTable:
+        """The table with the stretches x, y, the values at them, and the slopes fx, fy of W per cell of the grid."""
+        W, fx, fy = values["W"].copy(), fx.copy(), fy.copy()
+        # the mixed slope from both sides; it is the same function where W is smooth
+        fxy = 0.5 * (np.gradient(fx, axis=1) + np.gradient(fy, axis=0))
+        # where a yarn goes slack its force is zero along the whole edge, and stays zero below it
+        fxy[0, :] = fxy[:, 0] = fx[0, :] = fy[:, 0] = 0.0
+        rest = int(np.argmin(np.abs(x - 1))), int(np.argmin(np.abs(y - 1)))
+        about = tuple(slice(max(i - 1, 0), i + 2) for i in rest)
+        for part, limited in zip((W, fx, fy, fxy), _positive(*(part[about] for part in (W, fx, fy, fxy)))):
+            part[about] = limited
+        potential, spline = _bicubic(W, fx, fy, fxy), _spline(W, fx, fy, fxy, rest)
+        return cls(model, x, y, values, _bilinear(values["T1"]), _bilinear(values["T2"]), potential, spline, residual)
+
+    @property
+    def steps(self):
+        """[-] grid spacings along the two stretches."""
+        return self.stretch1[1] - self.stretch1[0], self.stretch2[1] - self.stretch2[0]
+
+    def stiffness(self):
+        """[N/m] largest eigenvalue of the membrane tangent dN_i/dLambda_j (per width of cloth) over the table."""
+        return self._stiffness[0]
+
+    def tautness(self):
+        """[-] that eigenvalue at rest, where cloth begins to be stretched, over its largest."""
+        return self._stiffness[1] / self._stiffness[0]
+
+    @cached_property
+    def _stiffness(self):
+        """(largest, at rest) [N/m]."""
+        weave = self.model.fabric.weave
+        m1, m2 = weave.warp_count, weave.weft_count
+        d1, d2 = self.steps
+        N1, N2 = self.values["N1"] * m1, self.values["N2"] * m2
+        k11, k22 = np.diff(N1, axis=0)[:, :-1] / d1, np.diff(N2, axis=1)[:-1, :] / d2
+        k12 = 0.5 * (np.diff(N1, axis=1)[:-1, :] / d2 + np.diff(N2, axis=0)[:, :-1] / d1)
+        found = 0.5 * (k11 + k22) + np.hypot(0.5 * (k11 - k22), k12)
+        rest = tuple(int(np.argmin(np.abs(x - 1))) for x in (self.stretch1, self.stretch2))
+        return float(np.max(found)), float(found[rest])
+
+
+def _dense_packing(w, crossing):
+    """Stretch of a cell of the half length w at which the yarns that cross it lie side by side, as round solid rods.
+
+    At most 1: cloth that is denser than that does not become denser.
+    """
+    return min(np.sqrt(crossing.A_s / np.pi) / w, 1.0)
+
+
+def grid(lowest, highest, n):
+    """(n,) uniform, one of them 1, from `lowest` or a step below it to at least `highest`; lowest <= 1 < highest."""
+    below = int((1 - lowest) / (highest - lowest) * (n - 1))
+    step = (1 - lowest) / below if below else (highest - 1) / (n - 2)
+    below = below or int(lowest < 1)
+    return 1 + step * (np.arange(n) - below)
+
+
+def _bilinear(f):
+    """(n1-1, n2-1, 4): c with f = c0 + c1 s + c2 t + c3 s t in the local coordinates 0 <= s, t <= 1 of each cell."""
+    f00, f10, f01, f11 = f[:-1, :-1], f[1:, :-1], f[:-1, 1:], f[1:, 1:]
+    return np.stack([f00, f10 - f00, f01 - f00, f11 - f10 - f01 + f00], axis=2)
+
+
+def _positive(f, fx, fy, fxy):
+    """Nodal values and slopes per cell of the grid, limited so that the bicubic between them is nowhere negative.
+
+    Where yarns come into contact the potential rises from zero as a parabola, and a cubic through it dips below zero:
+    cloth would creep away from its rest. A bicubic is not negative where its Bernstein coefficients are not: those
+    about a node are f +- fx / 3 +- fy / 3 +- fxy / 9, with the signs of the four cells there. Beside rest alone, since
+    it costs accuracy: everywhere it would double the table's rms error, 5e-6 of the strength at 201.
+    """
+    f = np.maximum(f, 0.0)
+    fx, fy = np.clip(fx, -3 * f, 3 * f), np.clip(fy, -3 * f, 3 * f)
+    lowest = 3 * np.abs(fx + fy) - 9 * f
+    highest = 9 * f - 3 * np.abs(fx - fy)
+    return f, fx, fy, np.clip(fxy, lowest, highest)
+
+
+def _bicubic(f, fx, fy, fxy):
+    """(n1-1, n2-1, 16): c with f = sum c[4 p + q] s^p t^q, from nodal values and slopes per cell of the grid.
+
+    Neighbouring cells share values and slopes, so that f is continuous with its first derivatives.
+    """
+    M = np.array([[1, 0, 0, 0], [0, 0, 1, 0], [-3, 3, -2, -1], [2, -2, 1, 1]], float)
+    n1, n2 = f.shape[0] - 1, f.shape[1] - 1
+    G = np.empty((n1, n2, 4, 4))
+    for p in range(2):
+        for q in range(2):
+            part = slice(p, n1 + p), slice(q, n2 + q)
+            G[:, :, p, q], G[:, :, p + 2, q] = f[part], fx[part]
+            G[:, :, p, q + 2], G[:, :, p + 2, q + 2] = fy[part], fxy[part]
+    return np.ascontiguousarray((M @ G @ M.T).reshape(n1, n2, 16))
+
+
+def _spline(f, fx, fy, fxy, rest):
+    """(n1-1, n2-1, 9): c with f = sum c[3 p + q] s^p t^q, the quadratic B-spline next to nodal values and slopes.
+
+    A quadratic from node 0 to node 1 has the control (f0 + f1) / 2 + (f0' - f1') / 4 in between, where the tangents at
+    its ends meet; of what is no quadratic it is the mean of the two tangents. Pieces joined so share values and first
+    derivatives. Forces are linear along their own stretch, and off by a twelfth of the spacing's square times their
+    curvature at the nodes, by half as much and the other way in between.
+
+    rest : node of the stretches 1. Controls about it are not negative, and so neither is f; and those next to it are
+    zero where f and its slopes are, so that cloth at rest has no forces.
+    """
+    still = abs(f[rest]) + abs(fx[rest]) + abs(fy[rest]) < 1e-9 * np.abs(f).max()
+    d = _controls(_controls(f, fx, 0), _controls(fy, fxy, 0), 1)
+    i, j = rest  # the controls before and behind it are i and i + 1
+    about = slice(max(i - 1, 0), i + 3), slice(max(j - 1, 0), j + 3)
+    d[about] = np.maximum(d[about], 0.0)
+    if still:
+        d[i : i + 2, j : j + 2] = 0.0
+    M = 0.5 * np.array([[1, 1, 0], [-2, 2, 0], [1, -2, 1]], float)
+    n1, n2 = d.shape[0] - 2, d.shape[1] - 2
+    G = np.stack([np.stack([d[p : p + n1, q : q + n2] for q in range(3)], -1) for p in range(3)], -2)
+    c = np.ascontiguousarray((M @ G @ M.T).reshape(n1, n2, 9))
+    if still:
+        c[i, j, [0, 1, 3]] = 0.0  # to the last digit
+    return c
+
+
+def _controls(f, slope, axis):
+    """Controls between the nodes along an axis, and one beyond each end, from values and slopes at the nodes."""
+    f, slope = np.moveaxis(f, axis, 0), np.moveaxis(slope, axis, 0)
+    inner = 0.5 * (f[:-1] + f[1:]) + 0.25 * (slope[:-1] - slope[1:])
+    return np.moveaxis(np.concatenate([inner[:1] - slope[:1], inner, inner[-1:] + slope[-1:]]), 0, axis)

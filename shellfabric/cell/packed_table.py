@@ -1,0 +1,50 @@
+"""What the march reads of a cell's table, laid out for it: rows that begin with a cache line."""
+
+import numpy as np
+
+from shellfabric.cell import crossover_kernels
+from shellfabric.jit.aligned import aligned_zeros
+
+_STEPS = 256  # of the force, in what it tells of the tension
+
+
+def potential(table):
+    """(cells, 8), (cells,) [J] the table's potential but for its constants, each row a cache line, and these."""
+    columns = table.spline.reshape(-1, 9)
+    rows = aligned_zeros(1, 8 * len(columns))[0].reshape(-1, 8)
+    rows[:] = columns[:, [3, 6, 1, 2, 4, 7, 5, 8]]  # of p, p p, q, q q, p q, p p q, p q q, p p q q
+    return rows, columns[:, 0].copy()
+
+
+def ceilings(table):
+    """Of warp and weft: what the forces of the variational form tell of the tensions (`_ceiling`)."""
+    found, weave = [], table.model.fabric.weave
+    spline = np.moveaxis(table.spline.reshape(-1, 3, 3), 0, -1)  # of p^a q^b at [a, b]
+    for family, values in enumerate((table.tension1, table.tension2)):
+        W = spline if family == 0 else spline.swapaxes(0, 1)
+        T = np.moveaxis(values.reshape(-1, 4), 0, -1)[[0, 1, 2, 3] if family == 0 else [0, 2, 1, 3]]
+        force = np.stack([W[1], W[1] + 2 * W[2]]) / (2 * weave.w[family] * table.steps[family])
+        none = np.zeros_like(T[0])
+        tension = np.array([[T[0], T[2], none], [T[0] + T[1], T[2] + T[3], none]])
+        found.append(_ceiling(force, tension))
+    return found
+
+
+def _ceiling(force, tension):
+    """((steps, 2) [N], [N]) see `crossover_kernels.tension_bound_table`, and the width of its steps.
+
+    force, tension (2, 3, cells) [N] : of one family, coefficients over the other's local coordinate, at both ends of
+    its own, along which both are linear. A quadratic lies between the least and most of its Bernstein coefficients.
+    """
+    found, excess, tensions = map(_bernstein, (force, tension - force, tension))
+    low, high, over, top = found.min((0, 1)), found.max((0, 1)), excess.max((0, 1)), tensions.max((0, 1))
+    most = max(high.max(), top.max())
+    unit, rounding, steps = most / _STEPS, 1e-9 * most, np.empty((_STEPS + 1, 2))
+    crossover_kernels.tension_bound_table(low - rounding, high + rounding, over + rounding, top + rounding, unit, steps)
+    return steps, unit
+
+
+def _bernstein(quadratics):
+    """(2, 3, n) coefficients of Bernstein from those of 1, x, x x, on 0 <= x <= 1."""
+    a, b, c = quadratics[:, 0], quadratics[:, 1], quadratics[:, 2]
+    return np.stack([a, a + 0.5 * b, a + b + c], axis=1)

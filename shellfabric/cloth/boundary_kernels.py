@@ -1,0 +1,47 @@
+"""Slipping edges of the panel: nodes with prescribed slip, and yarn ends that a clamp holds by friction.
+
+Such a node moves along its yarn alone, by the velocity that is set here at the end of a step for the next; being
+without inverse mass it takes no other. f is the force of the cloth on it along the yarn, v its velocity.
+
+    led in      u = pull-in x (t - start) / (end - start), from 0 to the whole of it
+    gripped     Coulomb's law without regularisation: the clamp takes of m v + dt f what it can, dt F at most, and the
+                node keeps the rest. So it is at rest unless f exceeds the grip F, and F resists it while it slips
+
+The energy audit gets the work of the cloth on led nodes, that on the grips, and the kinetic energy of gripped nodes,
+all in the form in which central differences balance them: forces at whole steps over the motion between.
+"""
+
+from shellfabric.jit.compile import entry, kernel
+
+BOUNDARY_WORK, CLAMP_FRICTION, KINETIC = 0, 1, 2  # of state.slip_energy
+
+
+@kernel()
+def slip_fraction(time, start, end):
+    """Ramp of the prescribed slip: 0 at `start`, 1 at `end`."""
+    return min(max((time - start) / (end - start), 0.0), 1.0)
+
+
+@entry(_nrt=False)
+def update_slip_nodes(state, const, time):
+    """Set the velocities of the slipping nodes for the step that begins at `time` [s]; add up the work of the last."""
+    kinetic = 0.0
+    for m in range(const.slip_node.size):
+        k, c = const.slip_node[m], const.slip_axis[m]
+        pull, start, end = const.slip_data[m, 0], const.slip_data[m, 1], const.slip_data[m, 2]
+        grip, mass = const.slip_data[m, 3], const.slip_data[m, 4]
+        force = state.f_int[c][k] + state.f_int_above[c][k]
+        before = state.v[c][k]
+        if grip > 0.0:
+            free = before + const.dt * force / mass
+            most = const.dt * grip / mass
+            after = max(free - most, 0.0) if free > 0.0 else min(free + most, 0.0)
+            force = mass * (free - after) / const.dt
+            kinetic += 0.5 * mass * before * after
+            state.slip_energy[CLAMP_FRICTION] += 0.5 * const.dt * before * (state.slip_force[m] + force)
+        else:
+            after = (pull * slip_fraction(time + const.dt, start, end) - state.u[c][k]) / const.dt
+            state.slip_energy[BOUNDARY_WORK] += 0.5 * const.dt * before * (state.slip_force[m] + force)
+        state.slip_force[m] = force
+        state.v[c][k] = after
+    state.slip_energy[KINETIC] = kinetic

@@ -1,0 +1,340 @@
+"""Failure of yarns, and forces of damaged elements. Runs only where yarns fail or have failed.
+
+What fails is a segment of a yarn between two crossovers. With n elements along a crossover it is n edges long and n
+lines wide (the outer two shared with its neighbours where n is even); its tension is the mean over them, so that what
+it takes to break a yarn does not depend on the mesh. It is compared with the strength as it is, or low-passed over a
+time tau:
+
+    dT_f/dt = (T - T_f) / tau
+
+A failed segment is gone for good, its mass stays. Its crossing yarns lose the contact with it: see `membrane_kernels`
+for alpha and kappa. What it stored is booked as lost, with the half step in which its old force has acted.
+"""
+
+import numpy as np
+from numba import types
+from numba.extending import overload
+
+from shellfabric.cell.crossover_kernels import yarn_alone
+from shellfabric.cloth import energy_kernels
+from shellfabric.cloth.membrane_kernels import (
+    ONE,
+    WARP_FAILED,
+    WEFT_FAILED,
+    potential,
+    regularized_stretch_scalar,
+    shear_energy,
+)
+from shellfabric.jit.compile import kernel
+from shellfabric.jit.simd import item_or_scalar
+
+WARP, WEFT = 0, 1
+
+
+def crossing_weight(split, k, before, alone):
+    """Weight of the piece of a crossing line before (or behind) the node k, relative to the mean of the two."""
+
+
+@overload(crossing_weight, inline="always")
+def _crossing_weight(split, k, before, alone):
+    if isinstance(split, types.Float):
+        return lambda split, k, before, alone: 1.0
+    return lambda split, k, before, alone: 1.0 if alone else 2.0 * (split[k] if before else 1.0 - split[k])
+
+
+@kernel()
+def sum_crossing(const, family, i, j, alpha, x, shift):
+    """Of the edges of the other family that cross edge (i, j): sum of their weights w, sum w alpha, and sum w alpha x.
+
+    alpha has the panel's slots, x scratch that lies `shift` slots behind them. A weight is one but on graded panels.
+    """
+    count, present, total = 0.0, 0.0, 0.0
+    split = const.mean_weight2 if family == WARP else const.mean_weight1
+    s, back = const.row_stride, 1 if family == WARP else const.row_stride
+    k = i * s + j
+    inner = j > 0 if family == WARP else i > 0
+    outer = j < const.nj if family == WARP else i < const.ni
+    for end in range(2):
+        m = k + end * (s if family == WARP else 1)
+        for side in range(2):
+            if (side == 0 and inner) or (side == 1 and outer):
+                at = np.uint64(m - back if side == 0 else m)
+                w = crossing_weight(split, np.uint64(m), side == 0, not (inner and outer))
+                count += w
+                present += w * alpha[at]
+                total += w * alpha[at] * x[np.uint64(np.int64(at) - shift)]
+    return count, present, total
+
+
+@kernel(_nrt=False)
+def damaged_means(const, state, family, first, last, shift, x, mean):
+    """Mean of x over the crossing edges, weighted by their intact fraction, for the edges of rows first .. last - 1."""
+    for i in range(first, last):
+        for j in range(const.row_stride if family == WARP else const.nj):
+            _, present, total = sum_crossing(const, family, i, j, state.intact_fraction[1 - family], x, shift)
+            if present > 0.0:
+                mean[np.uint64(i * const.row_stride + j - shift)] = total / present
+
+
+@kernel(_nrt=False)
+def damaged_forces(const, state, family, first, last, shift, L, F):
+    """F = kappa F + (1 - kappa) T_alone of damaged edges; 0 where the yarns themselves have failed."""
+    w, S0, EA = yarn_properties(const, family)
+    for i in range(first, last):
+        for j in range(const.row_stride if family == WARP else const.nj):
+            m = np.uint64(i * const.row_stride + j - shift)
+            if state.intact_fraction[family][np.uint64(i * const.row_stride + j)] == 0.0:
+                F[m] = 0.0
+                continue
+            count, present, _ = sum_crossing(const, family, i, j, state.intact_fraction[1 - family], L, shift)
+            if present < count:
+                crossed = present / count
+                alone = yarn_alone(L[m], w, S0, EA)[0]
+                F[m] = crossed * F[m] + (1.0 - crossed) * alone
+
+
+@kernel(_nrt=False)
+def damaged_gradient(const, state, family, first, last, shift, L, own, shared, N, K):
+    """The variational force: own share, of slope K, and, of each crossing edge, the share `shared` that it gives."""
+    w, S0, EA = yarn_properties(const, family)
+    other = state.intact_fraction[1 - family]
+    for i in range(first, last):
+        for j in range(const.row_stride if family == WARP else const.nj):
+            m = np.uint64(i * const.row_stride + j - shift)
+            if state.intact_fraction[family][np.uint64(i * const.row_stride + j)] == 0.0:
+                N[m] = 0.0
+                continue
+            count, present, total = sum_crossing(const, family, i, j, other, shared, shift)
+            crossed = present / count
+            alone = yarn_alone(L[m], w, S0, EA)[0] if present < count else 0.0
+            K[m] *= crossed
+            N[m] = 0.5 * (crossed * own[m] + total / count) + (1.0 - crossed) * alone
+
+
+@kernel(_nrt=False)
+def damaged_trellis(const, state, first, last, shift, turn1, turn2, cross):
+    """Shear forces of damaged elements, scaled by the intact fractions of both families."""
+    for i in range(first, last):
+        for j in range(const.nj):
+            m, left = (
+                i * const.row_stride + j - shift,
+                trellis_intact_fraction(const, state, np.uint64(i * const.row_stride + j)),
+            )
+            turn1[m] *= left
+            turn2[m] *= left
+            cross[m] *= left
+
+
+@kernel()
+def trellis_intact_fraction(const, state, k):
+    """Intact fraction of the trellis of element k."""
+    warp, weft = state.intact_fraction[WARP], state.intact_fraction[WEFT]
+    return 0.25 * (warp[k] + warp[k + ONE]) * (weft[k] + weft[k + np.uint64(const.row_stride)])
+
+
+@kernel()
+def yarn_properties(const, family):
+    """(w, S0, EA) of a family."""
+    return (const.w1, const.S01, const.EA1) if family == WARP else (const.w2, const.S02, const.EA2)
+
+
+@kernel()
+def line_fraction(n, offset):
+    """Fraction of the line `offset` beside a yarn that belongs to it, with n lines a crossover."""
+    return 0.5 if 2 * abs(offset) == n else 1.0
+
+
+@kernel()
+def yarn_tension(const, state, family, row, column):
+    """Mean tension of the yarn segment that begins at node (row, column)."""
+    n, half, total, weight = const.n_per_crossover, const.n_per_crossover // 2, 0.0, 0.0
+    line, lines = (column, const.nj) if family == WARP else (row, const.ni)
+    for offset in range(-half, half + 1):
+        if not 0 <= line + offset <= lines:
+            continue
+        part = line_fraction(n, offset) * (0.5 if line + offset in (0, lines) else 1.0)
+        for along in range(n):
+            i, j = (row + along, column + offset) if family == WARP else (row + offset, column + along)
+            total += part * state.T[family][np.uint64(i * const.row_stride + j)]
+            weight += part
+    return total / weight
+
+
+@kernel()
+def yarn_strength(const, family, row, column):
+    """Strength of the yarn that runs through node (row, column)."""
+    return (
+        const.yarn_strengths1[column // const.n_per_crossover]
+        if family == WARP
+        else const.yarn_strengths2[row // const.n_per_crossover]
+    )
+
+
+@kernel(_nrt=False)
+def any_past_strength(const, state, family, first, last):
+    """Whether a yarn segment that begins in the node rows first .. last exceeds its yarn's strength."""
+    n = const.n_per_crossover
+    rows = last - 1 if family == WARP else last
+    columns = const.nj if family == WARP else const.nj - 1
+    for i in range((first + n - 1) // n * n, rows + 1, n):
+        for j in range(0, columns + 1, n):
+            if not state.failed[family][np.uint64(i * const.row_stride + j)]:
+                T = yarn_tension(const, state, family, i, j)
+                if T > yarn_strength(const, family, i, j):
+                    return True
+    return False
+
+
+@kernel(_nrt=False)
+def detect_failures(const, state, family, first, last):
+    """Break the yarn segments that exceed their strength, among those that begin in the node rows first .. last.
+
+    Filters the tensions where that is asked for, and keeps the peak. Returns how many have failed.
+    """
+    n, failures = const.n_per_crossover, 0
+    # a segment of one edge that is below the peak and the lowest strength needs no closer look
+    lowest = const.min_strength1 if family == WARP else const.min_strength2
+    bound = min(state.peak_tension[family], lowest) if n == 1 and const.filter_alpha == 0.0 else -1.0
+    rows = last - 1 if family == WARP else last
+    columns = const.nj if family == WARP else const.nj - 1
+    for i in range((first + n - 1) // n * n, rows + 1, n):
+        for j in range(0, columns + 1, n):
+            k = np.uint64(i * const.row_stride + j)
+            if state.T[family][k] <= bound or state.failed[family][k]:
+                continue
+            T = yarn_tension(const, state, family, i, j)
+            state.peak_tension[family] = max(state.peak_tension[family], T)
+            if const.filter_alpha > 0.0:
+                state.filtered_tension[family][k] += const.filter_alpha * (T - state.filtered_tension[family][k])
+                T = state.filtered_tension[family][k]
+            if T > yarn_strength(const, family, i, j):
+                state.failed[family][k] = 1
+                break_segment(const, state, family, i, j)
+                failures += 1
+    return failures
+
+
+@kernel(_nrt=False)
+def break_segment(const, state, family, row, column):
+    """Break the yarn segment that begins at node (row, column): reduce its edges' intact fraction and yarn length."""
+    n, half = const.n_per_crossover, const.n_per_crossover // 2
+    line, lines = (column, const.nj) if family == WARP else (row, const.ni)
+    for offset in range(-half, half + 1):
+        if not 0 <= line + offset <= lines:
+            continue
+        for along in range(n):
+            i, j = (row + along, column + offset) if family == WARP else (row + offset, column + along)
+            k = np.uint64(i * const.row_stride + j)
+            before = state.intact_fraction[family][k]
+            after = before - line_fraction(n, offset)
+            state.intact_fraction[family][k] = after
+            state.yarn_length[family][k] *= after / before
+            flag_elements(const, state, family, i, j)
+
+
+@kernel(_nrt=False)
+def flag_elements(const, state, family, i, j):
+    """Set the damage flags of the elements beside a failed edge, and of the blocks whose forces depend on it."""
+    bit = WARP_FAILED if family == WARP else WEFT_FAILED
+    for side in range(2):
+        p, q = (i, j - side) if family == WARP else (i - side, j)
+        if 0 <= p < const.ni and 0 <= q < const.nj:
+            state.element_flag[np.uint64(p * const.row_stride + q)] |= bit
+    for row in range(max(i - 2, 0), min(i + 2, const.ni - 1) + 1):
+        state.block_damage[row // const.rows_per_block] = 2
+
+
+@kernel(_nrt=False)
+def stored_energy(const, state, first, last):
+    """(energy of the yarns, of the trellis) of the element rows first .. last - 1 and the weft at their far end.
+
+    From the stretches alone. In the equilibrium form, whose forces are no gradient, it is what the cells store.
+    """
+    cells, trellis = 0.0, 0.0
+    for family in range(2):
+        for i in range(first, last if family == WARP else last + 1):
+            lines = const.row_stride if family == WARP else const.nj
+            begin, end = lines, lines  # of what is whole, and has four crossing edges
+            if row_intact(const, state, i) and family == WARP:
+                begin, end = 1, const.nj
+            elif row_intact(const, state, i) and 0 < i < const.ni:
+                begin, end = 0, const.nj
+            for j in range(begin):
+                cells += edge_energy(const, state, family, i, j)
+            for j in range(end, lines):
+                cells += edge_energy(const, state, family, i, j)
+            cells += energy_kernels.yarn_energy(const, state, family, i, begin, end)
+    for i in range(first, last):
+        if row_intact(const, state, i):
+            trellis += energy_kernels.trellis_energy(const, state, i)
+            continue
+        for j in range(const.nj):
+            k = np.uint64(i * const.row_stride + j)
+            left = trellis_intact_fraction(const, state, k)
+            if left > 0.0:
+                sine = shear_sine(const, state, k)
+                V = item_or_scalar(const.trellis_volume, k)
+                trellis += left * shear_energy(sine, V, const.G1, const.G2, const.gamma1, const.gamma2)
+    return cells, trellis
+
+
+@kernel(_nrt=False)
+def row_intact(const, state, i):
+    """Whether no failed yarn has a part in the energy of row i."""
+    return state.block_damage[min(i, const.ni - 1) // const.rows_per_block] == 0
+
+
+@kernel(_nrt=False)
+def edge_energy(const, state, family, i, j):
+    """[J] of the edge (i, j), of which yarns may have failed, as those that cross it may."""
+    w, S0, EA = yarn_properties(const, family)
+    k = np.uint64(i * const.row_stride + j)
+    y = state.yarn_length[family][k]
+    if y == 0.0:
+        return 0.0
+    L = state.stretch[family][k]
+    count, present, total = sum_crossing(
+        const, family, i, j, state.intact_fraction[1 - family], state.stretch[1 - family], 0
+    )
+    crossed, found = present / count, 0.0
+    if crossed > 0.0:
+        pair = (L, total / present) if family == WARP else (total / present, L)
+        found += (
+            0.5
+            * y
+            / (2.0 * w)
+            * crossed
+            * potential(*pair, const.table_grid, const.potential_coefficients, const.potential_constant)
+        )
+    if crossed < 1.0:
+        found += y / (2.0 * w) * (1.0 - crossed) * yarn_alone(L, w, S0, EA)[1]
+    return found
+
+
+@kernel()
+def half_step_work(const, state, first, last):
+    """Half of the present forces times the last changes of stretch: (of the yarns, viscous), in the same rows."""
+    work, viscous = 0.0, 0.0
+    for family in range(2):
+        cv = const.cv1 if family == WARP else const.cv2
+        for i in range(first, last if family == WARP else last + 1):
+            for j in range(const.row_stride):
+                k = np.uint64(i * const.row_stride + j)
+                d = state.dstretch[family][k]
+                work += 0.5 * state.yarn_length[family][k] * state.N[family][k] * d
+                viscous += 0.5 * state.yarn_length[family][k] * item_or_scalar(cv, k) * d * d
+    return work, viscous
+
+
+@kernel()
+def shear_sine(const, state, k):
+    """sin(gamma) of the quadrilateral in slot k, as `membrane_kernels.trellis_forces` has it."""
+    s, L1, L2 = np.uint64(const.row_stride), state.stretch[WARP], state.stretch[WEFT]
+    dot = 0.0
+    for c in range(3):
+        u = state.u[c]
+        u00, u01, u10, u11 = u[k], u[k + ONE], u[k + s], u[k + s + ONE]
+        a = item_or_scalar(const.inv_dx, k) * (u10 - u00 + u11 - u01) + (2.0 if c == 0 else 0.0)
+        b = item_or_scalar(const.inv_dy, k) * (u01 - u00 + u11 - u10) + (2.0 if c == 1 else 0.0)
+        dot += a * b
+    return dot / (regularized_stretch_scalar(L1[k] + L1[k + ONE]) * regularized_stretch_scalar(L2[k] + L2[k + s]))

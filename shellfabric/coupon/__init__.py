@@ -1,0 +1,1 @@
+"""Quasi-static coupons by dynamic relaxation: uniaxial, biaxial, bias extension, picture frame."""

@@ -1,0 +1,186 @@
+"""Dynamic relaxation: a body finds its equilibrium by swinging, and being stopped wherever it is fastest.
+
+Kinetic damping: the nodes move without damping under the out-of-balance forces f,
+
+    v <- v + f / m,    x <- x + v        (time step 1, fictitious masses m)
+
+and when the kinetic energy has passed a peak, all velocities are set to zero and the body starts again from there.
+The masses are m = (1 + margin) b / 4 with b the largest value so far of the bounds on the row sums of the stiffness,
+which the body gives together with its forces: the highest frequency is then below 2 (Gershgorin), and every node moves
+as fast as its own stiffness lets it. The largest so far, because a yarn that has just gone slack has a node without
+stiffness, which a small force would throw across its neighbours. There is no damping coefficient to choose.
+
+At rest counts what meets |f on free nodes| <= tolerance x max(|f on held nodes|, floor), in Euclidean norms.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from fabrics.errors import UnstableError
+
+MARGIN = 0.05  # for the growth of the stiffness within one step
+
+
+@dataclass(frozen=True)
+class State:
+    """A body after relaxation.
+
+    Parameters
+    ----------
+    load : [-] share of the path of the supports
+    x : (n, d) [m] nodes
+    reaction : (n, d) [N] force of the supports on the body, zero on free nodes
+    energies : whatever the body gives beside its forces
+    history : (iterations, 2) [N] norms of the out-of-balance force and of the reaction
+    residual : [-] the first over the greater of the second and the floor, at the end
+    settled : whether the residual is within the tolerance
+    """
+
+    load: float
+    x: np.ndarray
+    reaction: np.ndarray
+    energies: tuple
+    history: np.ndarray
+    residual: float
+    settled: bool
+
+    @property
+    def iterations(self):
+        return len(self.history)
+
+
+def settle(forces: Callable, x, held, *, tolerance=1e-4, floor=0.0, max_iterations=50_000, load=1.0) -> State:
+    """Relax a body from x.
+
+    Parameters
+    ----------
+    forces : forces(x) -> f (n, d) [N], b (n,) [N/m] bound on the block row sums of the stiffness, energies
+    x : (n, d) [m] start, the held nodes where they shall be
+    held : (n,) bool
+    tolerance : [-] of the out-of-balance force against the reaction
+    floor : [N] reaction below which a body counts as unloaded
+    max_iterations : after which it is given back unsettled
+    load : [-] what to call the state
+    """
+    x, free, heaviest = np.array(x, float), ~held, 0.0
+    v, energy, history = np.zeros_like(x), 0.0, []
+    settled = False
+    while True:
+        f, bound, energies = forces(x)
+        out, reaction = float(np.linalg.norm(f[free])), float(np.linalg.norm(f[held]))
+        history.append((out, reaction))
+        settled = out <= tolerance * max(reaction, floor)
+        if settled or len(history) >= max_iterations or not np.isfinite(out + reaction):
+            break
+        heaviest = np.maximum(heaviest, bound)
+        mass = 0.25 * (1 + MARGIN) * heaviest
+        kick = np.divide(1.0, mass, out=np.zeros_like(mass), where=free & (mass > 0))[:, None] * f
+        if energy == 0.0:
+            v = 0.5 * kick
+            energy = float(np.sum(mass[:, None] * v * v))
+        else:
+            faster = v + kick
+            now = float(np.sum(mass[:, None] * faster * faster))
+            if now < energy:
+                # the peak lies about half a step back
+                x -= 0.5 * v
+                energy = 0.0
+                continue
+            v, energy = faster, now
+        x += v
+    scale = max(reaction, floor)
+    residual = out / scale if scale > 0 or np.isnan(scale) else float(out > 0)
+    return State(load, x, np.where(held[:, None], -f, 0.0), energies, np.array(history), residual, settled)
+
+
+def pull(
+    body,
+    x,
+    held,
+    path: Callable,
+    loads: Sequence[float],
+    *,
+    tolerance=1e-4,
+    floor=0.0,
+    max_iterations=50_000,
+    hooks=(),
+    progress=None,
+    done=(),
+) -> tuple[tuple[State, ...], bool]:
+    """Move the supports of a body step by step and relax it at each.
+
+    Each step starts from the last two states, extrapolated; the first, and one after a body that carried nothing and so
+    had no definite shape, from the last state with the supports' motion spread over the body.
+
+    Parameters
+    ----------
+    body : has forces(x) as in `settle`, and spread(u, held) -> (n, d) [m], a smooth motion with u on the held nodes
+    x : (n, d) [m] nodes at rest
+    held : (n,) bool
+    path : path(load) -> (n, d) [m] where the held nodes shall be; other rows are not read
+    loads : rising shares of the path
+    tolerance, floor, max_iterations : as in `settle`
+    hooks : called as hook(state) after every step; one may end the run by an UnstableError, or by returning True
+    progress : called as progress(state) after every step that the run goes on from
+    done : states of the first loads, from an interrupted run: the others come out as they would have, bit for bit
+
+    Returns
+    -------
+    the states, one a step, and whether a hook ended the run
+
+    Raises
+    ------
+    UnstableError : a step did not settle, or a hook's; its attribute `states` holds what was computed, the state that
+        was refused last
+    """
+    states, last, before, ended = [], (0.0, np.array(x, float)), None, False
+
+    def go_on(state):
+        nonlocal last, before
+        loaded = state.history[-1, 1] > floor
+        before, last = (last if loaded else None), (state.load, state.x)
+        states.append(state)
+
+    for state in done:
+        go_on(state)
+    for load in loads[len(states) :]:
+        target = path(load)
+        if before is None:
+            start = last[1] + body.spread(np.where(held[:, None], target - last[1], 0.0), held)
+        else:
+            start = last[1] + (load - last[0]) / (last[0] - before[0]) * (last[1] - before[1])
+        start[held] = target[held]
+        state = settle(
+            body.forces, start, held, tolerance=tolerance, floor=floor, max_iterations=max_iterations, load=load
+        )
+        try:
+            if not np.isfinite(state.residual):
+                raise UnstableError("the forces are no longer finite", when=f"at {load:.3g} of the load")
+            answers = [hook(state) for hook in hooks]
+            ended = any(answers)
+            if not state.settled:
+                raise UnstableError(
+                    f"no equilibrium was found: after {state.iterations} iterations the out-of-balance force is "
+                    f"{state.residual:.2g} of the reaction, {tolerance:g} is asked",
+                    where=f"node {_worst(body, state, held)}",
+                    when=f"at {load:.3g} of the load",
+                )
+        except UnstableError as problem:
+            problem.states = (*states, state)
+            raise
+        go_on(state)
+        if ended:
+            break
+        if progress is not None:
+            progress(state)
+    return tuple(states), ended
+
+
+def _worst(body, state, held):
+    """Number of the free node that is farthest out of balance."""
+    out = np.linalg.norm(body.forces(state.x)[0], axis=1)
+    return int(np.argmax(np.where(held, 0.0, out)))

@@ -1,0 +1,201 @@
+"""A piece of cloth cut from a weave for a quasi-static test: its yarns as a grid, whatever the outline.
+
+The grid always runs along the yarns, also in a coupon that is cut on the bias: an element across the yarns would be
+kept from shearing by the stiffness of the yarns themselves (tension locking), which here is a thousand times that of
+the trellis. A cut across the yarns is then a staircase, as it is in the cloth.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+from scipy import sparse
+from scipy.sparse.linalg import splu
+
+from fabrics.errors import InputError
+from shellfabric.cell.model import CellTable
+from shellfabric.coupon import relaxation_kernels as kernels
+
+
+@dataclass(frozen=True)
+class Coupon:
+    """Cloth in its plane, as lists of yarn segments and of the quadrilaterals between them.
+
+    Parameters
+    ----------
+    table : CellTable of the fabric, in the variational form (forces are the gradient of an energy)
+    points : (n, 2) [m] nodes at rest
+    edges : ((e1, 2), (e2, 2)) node numbers of the warp and of the weft segments
+    cells : ((e1,), (e2,)) crossovers that a segment stands for; 1 inside, 1/2 on the outline, over the number of
+        elements in a crossover
+    across : ((e1, 4), (e2, 4)) segments of the other family that meet a segment's ends; -1 where there is none
+    quads : (q, 4) node numbers of the woven quadrilaterals: origin, along warp, opposite, along weft
+    spacing : (dX, dY) [m] lengths of a segment at rest
+    trellis : whether the fabric's shear law acts; a fabric without one has none
+
+    Raises
+    ------
+    InputError : a table in another form
+    """
+
+    table: CellTable
+    points: np.ndarray
+    edges: tuple[np.ndarray, np.ndarray]
+    cells: tuple[np.ndarray, np.ndarray]
+    across: tuple[np.ndarray, np.ndarray]
+    quads: np.ndarray
+    spacing: tuple[float, float]
+    trellis: bool = True
+    _scratch: np.ndarray = field(init=False, repr=False, compare=False)
+
+    def __post_init__(self):
+        if self.table.model.form != "variational":
+            raise InputError(key="form", value=self.table.model.form, allowed="variational in a quasi-static run")
+        object.__setattr__(self, "_scratch", np.empty((2, 5, max(len(edges) for edges in self.edges))))
+
+    @property
+    def weave(self):
+        return self.table.model.fabric.weave
+
+    @cached_property
+    def _arguments(self):
+        table, weave = self.table, self.weave
+        (rx, ry), shear = (1 / step for step in table.steps), self.table.model.fabric.shear
+        grid = table.stretch1[0], rx, table.stretch1.size - 2, table.stretch2[0], ry, table.stretch2.size - 2
+        rows = zip(weave.w, weave.S0, weave.yarns, table.model.toes)
+        yarns = [(w, S0, yarn.EA, toe) for w, S0, yarn, toe in rows]
+        V = self.spacing[0] * self.spacing[1] * weave.thickness
+        law = (
+            (V, shear.G1, shear.G2, shear.gamma1, shear.gamma2) if self.trellis and shear else (0.0, 0.0, 0.0, 0.5, 1.0)
+        )
+        potential = table.potential.reshape(-1, 16)
+        return (*self.edges, *self.cells, *self.across, self.quads, *self.spacing, potential, grid, *yarns, law)
+
+    def forces(self, x):
+        """Forces (n, 2) [N], bounds (n,) [N/m] on rows of the stiffness, energies (yarns, trellis) [J] at x (n, 2)."""
+        f, bound, stored, sheared = kernels.forces(x, *self._arguments, self._scratch)
+        return f, bound, (stored, sheared)
+
+    def spread(self, u, held):
+        """A motion (n, 2) [m] of all nodes that is u on the held ones; each free node moves as its neighbours' mean."""
+        n, pairs = len(self.points), np.concatenate(self.edges)
+        joined = sparse.coo_matrix((np.ones(len(pairs)), pairs.T), shape=(n, n))
+        joined = (joined + joined.T).tocsr()
+        laplace = (sparse.diags(np.asarray(joined.sum(axis=1)).ravel()) - joined).tocsr()
+        out, free = np.array(u, float), np.flatnonzero(~held)
+        out[free] = splu(laplace[free][:, free].tocsc()).solve(joined[free][:, np.flatnonzero(held)] @ out[held])
+        return out
+
+    def shear_angles(self, x):
+        """(q,) [rad] of the quadrilaterals, positive where the angle between warp and weft has closed."""
+        return kernels.angles(x, self.quads, *self.spacing)
+
+    def stretches(self, x):
+        """((e1,), (e2,)) [-] of the warp and the weft segments."""
+        return tuple(
+            np.linalg.norm(x[edges[:, 1]] - x[edges[:, 0]], axis=1) / length
+            for edges, length in zip(self.edges, self.spacing)
+        )
+
+    def tensions(self, x):
+        """((e1,), (e2,)) [N] tensions of the yarns in the warp and the weft segments."""
+        stretches, model, found = self.stretches(x), self.table.model, []
+        for m, (own, other) in enumerate(zip(stretches, stretches[::-1])):
+            there = self.across[m] >= 0
+            count = there.sum(axis=1)
+            mean = np.where(there, other[self.across[m]], 0.0).sum(axis=1) / np.maximum(count, 1)
+            alone = model.alone(m, own)
+            pair = (own, mean) if m == 0 else (mean, own)
+            crossed = model.solve(*(np.where(count > 0, part, 1.0) for part in pair))[("T1", "T2")[m]]
+            found.append(np.where(count > 0, crossed, alone))
+        return tuple(found)
+
+
+def cut(
+    table: CellTable,
+    outline: Callable,
+    reach: float,
+    *,
+    angle: float = 0.0,
+    elements_per_crossover: int = 1,
+    offset: tuple[float, float] = (0.0, 0.0),
+    woven: Callable | None = None,
+    trellis: bool = True,
+) -> Coupon:
+    """Cut a coupon about the origin out of the weave.
+
+    Parameters
+    ----------
+    table : CellTable in the variational form
+    outline : outline(x, y) -> bool array, which points [m] lie in the coupon, its edge included
+    reach : [m] of the farthest point of the coupon from the origin
+    angle : [rad] from the x axis to the warp
+    elements_per_crossover : along each side
+    offset : (along warp, along weft) [elements] of the grid's origin; 0.5 puts the middle of an element on the origin
+    woven : woven(x, y) -> (bool array, bool array), whether warp and weft are present at points [m]; None: everywhere.
+        Yarns that have been drawn out leave the others alone
+    trellis : see Coupon
+
+    Raises
+    ------
+    InputError : nothing is left inside the outline
+    """
+    m = elements_per_crossover
+    if m < 1 or m != int(m):
+        raise InputError(key="elements_per_crossover", value=m, allowed="1, 2, 3, ...")
+    dX, dY = (2 * w / m for w in table.model.fabric.weave.w)
+    half1, half2 = int(reach / dX) + 2, int(reach / dY) + 2
+    X, Y = np.meshgrid(
+        dX * (np.arange(-half1, half1 + 1) + offset[0]), dY * (np.arange(-half2, half2 + 1) + offset[1]), indexing="ij"
+    )
+    c, s = np.cos(angle), np.sin(angle)
+    x, y = c * X - s * Y, s * X + c * Y
+    inside = outline(x, y)
+    full = inside[:-1, :-1] & inside[1:, :-1] & inside[1:, 1:] & inside[:-1, 1:]
+    centre = [0.25 * (v[:-1, :-1] + v[1:, :-1] + v[1:, 1:] + v[:-1, 1:]) for v in (x, y)]
+    present = [full & part for part in (woven(*centre) if woven else (True, True))]
+    # an edge stands for half of each element beside it in which its yarn is present
+    count = [np.zeros((2 * half1, 2 * half2 + 1), int), np.zeros((2 * half1 + 1, 2 * half2), int)]
+    count[0][:, :-1] += present[0]
+    count[0][:, 1:] += present[0]
+    count[1][:-1, :] += present[1]
+    count[1][1:, :] += present[1]
+    number = -np.ones(X.shape, int)
+    used = np.zeros(X.shape, bool)
+    edges = []
+    for part, (di, dj) in zip(count, ((1, 0), (0, 1))):
+        i, j = np.nonzero(part)
+        edges.append((i, j, i + di, j + dj))
+        used[i, j] = used[i + di, j + dj] = True
+    if not used.any():
+        raise InputError(key="coupon", allowed="at least one crossover large")
+    number[used] = np.arange(used.sum())
+    lines = [np.stack([number[i, j], number[k, l]], axis=1) for i, j, k, l in edges]
+    # a yarn is crossed where an element beside it holds the other family too
+    both = present[0] & present[1]
+    crossed = [np.zeros(part.shape, bool) for part in count]
+    crossed[0][:, :-1] |= both
+    crossed[0][:, 1:] |= both
+    crossed[1][:-1, :] |= both
+    crossed[1][1:, :] |= both
+    is_crossed = [part[edge[:2]] for part, edge in zip(crossed, edges)]
+    across = tuple(_meeting(lines[m], is_crossed[m], lines[1 - m], is_crossed[1 - m], used.sum()) for m in (0, 1))
+    i, j = np.nonzero(both)
+    quads = np.stack([number[i, j], number[i + 1, j], number[i + 1, j + 1], number[i, j + 1]], axis=1)
+    points = np.stack([x[used], y[used]], axis=1)
+    cells = tuple(part[part > 0] / (2 * m * m) for part in count)
+    return Coupon(table, points, tuple(lines), cells, across, quads, (dX, dY), trellis)
+
+
+def _meeting(edges, crossed, others, others_crossed, nodes):
+    """(e, 4): edges of the other family at the ends of each edge, where both are crossed; -1 where there is none."""
+    at = -np.ones((nodes, 2), int)
+    numbers = np.flatnonzero(others_crossed)
+    at[others[numbers, 0], 1] = numbers
+    at[others[numbers, 1], 0] = numbers
+    found = at[edges].reshape(-1, 4)
+    found[~crossed] = -1
+    return found

@@ -1,0 +1,247 @@
+"""Quasi-static tests on coupons: bias extension, picture frame, uniaxial and biaxial tension.
+
+Each test cuts a coupon (`coupon`), holds some of its nodes, moves them step by step and relaxes the rest
+(`coupon.solver`). A run names what has gone wrong with it: yarns that have passed one another, shear that has run into
+bands (source thesis section 4.4.3, Figure 4-27), no equilibrium. Keywords `relaxing` go to `coupon.solver.run`.
+"""
+
+from __future__ import annotations
+
+from math import asin, pi, sqrt
+
+import numpy as np
+
+from fabrics.errors import InputError, UnstableError
+from shellfabric.cell.model import CellTable
+from shellfabric.coupon.model import Coupon, cut
+from shellfabric.coupon.solver import Result, at_strength, no_fold, run
+
+ZONES = ("A", "B", "C")
+BANDS = 3.0  # `concentration` above which shear is in bands; a coupon that shears as one stays below 1.5
+
+
+def bias_extension(
+    table: CellTable, *, length=0.1435, width=0.074, elongation=0.010, steps=20, elements_per_crossover=1,
+    trellis=True, **relaxing,
+) -> Result:  # fmt: skip
+    """Pull a coupon whose yarns run at 45 degrees to the load; yarns do not fail (source thesis section 4.4.3).
+
+    The load runs along y. In a weave with equal counts length and width are rounded to whole diagonals of an element,
+    and the grid is laid so that the corners of the clamps are crossovers.
+
+    Parameters
+    ----------
+    table : CellTable in the variational form
+    length, width : [m] between the clamps, and across
+    elongation : [m] of the coupon as a whole
+    steps : load steps
+    elements_per_crossover, trellis : see `coupon.model.cut`
+
+    Raises
+    ------
+    InputError : a coupon that is not longer than wide
+    UnstableError : shear in bands, yarns that passed one another, no equilibrium; its attribute `result` holds the run
+    """
+    coupon, grips, (length, width) = bias_coupon(table, length, width, elements_per_crossover, trellis)
+    inextensible_shear(length, width, elongation)  # refuses what aligned yarns would not allow
+    y, centre = coupon.points[:, 1], zones(coupon, length, width) == ZONES.index("C")
+
+    def no_bands(state):
+        gamma = np.abs(coupon.shear_angles(state.x))
+        ratio = concentration(gamma, centre)
+        if ratio > BANDS:
+            worst, load = int(np.argmax(gamma)), abs(state.reaction[grips == 1, 1].sum())
+            raise UnstableError(
+                f"the shear has run into bands: one element in a hundred shears {ratio:.3g} times as far as the middle "
+                f"of the central zone, up to {np.degrees(gamma[worst]):.0f} degrees, under a load of {load:.2g} N",
+                where=f"element {worst}",
+                when=f"at an elongation of {1e3 * state.load * elongation:.3g} mm",
+            )
+
+    def path(load):
+        return coupon.points + 0.5 * load * elongation * np.stack([0 * y, np.sign(y)], axis=1)
+
+    return run(coupon, grips, path, elongation, steps, (no_bands, no_fold(coupon)), **relaxing)
+
+
+def bias_coupon(table, length, width, elements_per_crossover=1, trellis=True):
+    """(Coupon, (n,) its grips, (length, width) [m] as meshed) of a bias test; arguments as of `bias_extension`."""
+    if not length > width > 0:
+        raise InputError(key="length", value=length, allowed=f"above the width, {width:g} m")
+    length, width, offset = _fit_diagonals(table, length, width, elements_per_crossover)
+    slack, row = 1e-6 * width, 1.01 * sum(table.model.fabric.weave.w) * sqrt(2) / elements_per_crossover
+    coupon = cut(
+        table,
+        lambda x, y: (np.abs(y) < length / 2 + row / 2 + slack) & (np.abs(x) < width / 2 + slack),
+        length,
+        angle=pi / 4,
+        offset=offset,
+        elements_per_crossover=elements_per_crossover,
+        trellis=trellis,
+    )
+    y = coupon.points[:, 1]
+    return coupon, np.where(y > length / 2 - slack, 1, np.where(y < -length / 2 + slack, 2, 0)), (length, width)
+
+
+def zones(coupon: Coupon, length, width):
+    """(q,) index into ZONES of the elements of a bias coupon: 2, 1, 0 of their yarns lead to a clamp (Fig. 4-25)."""
+    x, y = coupon.points[coupon.quads].mean(axis=1).T
+    reach = (length - width) / 2
+    return 2 - (np.abs(y - x) > reach).astype(int) - (np.abs(y + x) > reach)
+
+
+def concentration(gamma, centre):
+    """[-] shear angle that one element in a hundred exceeds, over the median of the elements `centre`.
+
+    A hundredth is about one row of elements, the narrowest band there is.
+    """
+    return float(np.quantile(np.abs(gamma), 0.99) / np.median(np.abs(gamma[centre])))
+
+
+def bias_size(result: Result):
+    """(length, width) [m] of the coupon of a bias test, as it was meshed."""
+    top = result.coupon.points[result.grips == 1]
+    return 2 * float(top[:, 1].min()), float(np.ptp(result.coupon.points[:, 0]))
+
+
+def inextensible_shear(length, width, elongation):
+    """Shear angle [rad] of zone C if yarns do not stretch: the zone's diagonal, length - width, takes all of it.
+
+    With the angle between the yarns at 90 degrees - gamma a cell's diagonal grows by sqrt(1 + sin gamma), so that
+    sin gamma = (1 + elongation / (length - width))^2 - 1 (erratum E-31).
+    """
+    sine = (1 + elongation / (length - width)) ** 2 - 1
+    if not 0 <= sine <= 1:
+        raise InputError(key="elongation", value=elongation, allowed="within what aligned yarns allow")
+    return asin(sine)
+
+
+def picture_frame(
+    table: CellTable, *, cells=8, shear_angle=0.6, steps=12, elements_per_crossover=1, **relaxing
+) -> Result:
+    """Shear a square in a hinged frame that keeps the yarns' lengths, to `shear_angle` [rad] (Figure 4-24)."""
+    if not 0 < shear_angle < pi / 2:
+        raise InputError(key="shear_angle", value=shear_angle, allowed="above 0 and below pi/2")
+    half = [cells * w for w in table.model.fabric.weave.w]
+    slack = 1e-6 * min(half)
+    coupon = cut(
+        table, lambda x, y: (np.abs(x) < half[0] + slack) & (np.abs(y) < half[1] + slack), max(half),
+        elements_per_crossover=elements_per_crossover, offset=_about((cells, cells), elements_per_crossover),
+    )  # fmt: skip
+    x, y = coupon.points.T
+    grips = ((np.abs(x) > half[0] - slack) | (np.abs(y) > half[1] - slack)).astype(int)
+
+    def path(load):
+        c, s = np.cos(0.5 * load * shear_angle), np.sin(0.5 * load * shear_angle)
+        return np.stack([c * x + s * y, s * x + c * y], axis=1)
+
+    return run(coupon, grips, path, shear_angle, steps, (no_fold(coupon),), **relaxing)
+
+
+def frame_stress(result: Result):
+    """(steps,) [Pa] shear stress of a picture frame test: work of the frame for a change of angle, over the volume."""
+    x, y = result.coupon.points.T
+    volume = len(result.coupon.quads) * np.prod(result.coupon.spacing) * result.coupon.weave.thickness
+    stress = []
+    for gamma, state in zip(result.moved, result.states):
+        c, s = 0.5 * np.cos(0.5 * gamma), 0.5 * np.sin(0.5 * gamma)
+        stress.append(np.sum(state.reaction * np.stack([-s * x + c * y, c * x - s * y], axis=1)) / volume)
+    return np.array(stress)
+
+
+def uniaxial(
+    table: CellTable, *, direction="warp", length=0.10, width=0.03, strain=0.03, steps=15, failure=True,
+    elements_per_crossover=1, **relaxing,
+) -> Result:  # fmt: skip
+    """Pull a strip along x, the direction of its warp or weft yarns, between clamps, with free sides.
+
+    Ends where a yarn reaches its strength, unless `failure` is False. Sizes are rounded to whole crossovers.
+    """
+    turn = {"warp": 0.0, "weft": pi / 2}
+    if direction not in turn:
+        raise InputError(key="direction", value=direction, allowed=" or ".join(turn))
+    pitch = table.model.fabric.weave.w if direction == "warp" else table.model.fabric.weave.w[::-1]
+    many = [max(2, round(size / (2 * w))) for size, w in zip((length, width), pitch)]
+    half = [n * w for n, w in zip(many, pitch)]
+    slack = 1e-6 * min(half)
+    coupon = cut(
+        table, lambda x, y: (np.abs(x) < half[0] + slack) & (np.abs(y) < half[1] + slack), max(half),
+        angle=turn[direction], elements_per_crossover=elements_per_crossover,
+        offset=_about(many if direction == "warp" else many[::-1], elements_per_crossover),
+    )  # fmt: skip
+    x, y = coupon.points.T
+    grips = np.where(x > half[0] - slack, 1, np.where(x < -half[0] + slack, 2, 0))
+
+    def path(load):
+        return np.stack([x * (1 + load * strain), y], axis=1)
+
+    hooks = (no_fold(coupon), at_strength(coupon)) if failure else (no_fold(coupon),)
+    return run(coupon, grips, path, strain, steps, hooks, **relaxing)
+
+
+def biaxial(
+    table: CellTable, *, strain=(0.01, 0.01), centre=12, arm=8, cross_yarns_removed=True, steps=12, failure=True,
+    elements_per_crossover=1, **relaxing,
+) -> Result:  # fmt: skip
+    """Pull a cross-shaped specimen by its four arms, the warp along x (source thesis section 5.3, Figure 5-58).
+
+    The grips are moved as if the whole specimen stretched by `strain` (warp, weft), or along a path of such strains,
+    strain(load) with load from 0 to 1, and carry their yarn ends without turning; read the strain of the middle from
+    `middle_strain`. Grips: 1 and 2 at +x and -x, 3 and 4 at +y and -y.
+
+    Parameters
+    ----------
+    centre, arm : [crossovers] side of the central square, length of an arm; Figure 5-58 with the sizes is missing
+    cross_yarns_removed : from the arms, so that the middle is pulled by single yarns
+    """
+    weave = table.model.fabric.weave
+    half, full = [centre * w for w in weave.w], [(centre + 2 * arm) * w for w in weave.w]
+    slack = 1e-6 * min(half)
+
+    def outline(x, y):
+        across, along = np.abs(x) < half[0] + slack, np.abs(y) < half[1] + slack
+        return (along & (np.abs(x) < full[0] + slack)) | (across & (np.abs(y) < full[1] + slack))
+
+    def woven(x, y):
+        return np.abs(y) < half[1], np.abs(x) < half[0]
+
+    coupon = cut(
+        table, outline, max(full), woven=woven if cross_yarns_removed else None,
+        elements_per_crossover=elements_per_crossover, offset=_about((centre, centre), elements_per_crossover),
+    )  # fmt: skip
+    x, y = coupon.points.T
+    grips = np.select(
+        [x > full[0] - slack, x < -full[0] + slack, y > full[1] - slack, y < -full[1] + slack], [1, 2, 3, 4]
+    )
+
+    along = strain if callable(strain) else lambda load: load * np.asarray(strain)
+
+    def path(load):
+        return coupon.points * (1 + np.asarray(along(load)) * np.stack([grips < 3, grips > 2], axis=1))
+
+    hooks = (no_fold(coupon), at_strength(coupon)) if failure else (no_fold(coupon),)
+    return run(coupon, grips, path, max(along(1.0)), steps, hooks, **relaxing)
+
+
+def middle_strain(result: Result, half):
+    """(steps, 2) [-] strains along warp and weft of the part |X| < half[0], |Y| < half[1] [m] of a coupon."""
+    coupon, found = result.coupon, []
+    inside = [np.all(np.abs(coupon.points[edges].mean(axis=1)) < np.asarray(half), axis=1) for edges in coupon.edges]
+    for state in result.states:
+        found.append([L[part].mean() - 1 for L, part in zip(coupon.stretches(state.x), inside)])
+    return np.array(found)
+
+
+def _fit_diagonals(table, length, width, m):
+    """Length and width as whole diagonals of a square element, and the offset that puts clamp corners on nodes."""
+    (dX, dY) = (2 * w / m for w in table.model.fabric.weave.w)
+    if abs(dX - dY) > 1e-9 * dX:
+        return length, width, (0.0, 0.0)
+    step = dX / sqrt(2)
+    rows, columns = round(length / (2 * step)), round(width / (2 * step))
+    return 2 * rows * step, 2 * columns * step, ((rows + columns) % 2 / 2,) * 2
+
+
+def _about(crossovers, elements_per_crossover):
+    """Offset that centres a coupon of so many crossovers on the origin."""
+    return tuple(0.5 * (many * elements_per_crossover % 2) for many in crossovers)

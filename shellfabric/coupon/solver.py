@@ -1,0 +1,111 @@
+"""A run of a coupon: its grips are moved step by step, the rest relaxes (`dynamic_relaxation`), and what goes wrong is
+named.
+
+Yarns that have passed one another and a yarn at its strength are looked for here; what one test alone can suffer
+(shear in bands) is handed in by that test (`quasistatic`).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import pi, sqrt
+
+import numpy as np
+
+from fabrics.errors import UnstableError
+from shellfabric.coupon import dynamic_relaxation
+from shellfabric.coupon.model import Coupon
+
+FLOOR = 1e-4  # of a yarn's strength, for each held node: the reaction below which a coupon counts as unloaded
+
+
+@dataclass(frozen=True)
+class Result:
+    """A test that has been run.
+
+    Parameters
+    ----------
+    coupon : Coupon
+    grips : (n,) int, number of the grip that holds a node, from 1; 0 is free
+    states : of `dynamic_relaxation.pull`, one a load step
+    moved : (steps,) what was prescribed: elongation [m], shear angle [rad] or strain [-]
+    outcome : "complete", "yarn at its strength" or "unstable"
+    floor : [N] norm of the reaction below which the coupon counts as unloaded
+    """
+
+    coupon: Coupon
+    grips: np.ndarray
+    states: tuple[dynamic_relaxation.State, ...]
+    moved: np.ndarray
+    outcome: str
+    floor: float
+
+    def force(self, grip, axis):
+        """(steps,) [N] of a grip on the coupon, along axis 0 or 1."""
+        return np.array([state.reaction[self.grips == grip, axis].sum() for state in self.states])
+
+    def shear(self, step=-1):
+        """(q,) [rad] shear angles after a step."""
+        return self.coupon.shear_angles(self.states[step].x)
+
+
+def run(coupon, grips, path, size, steps, hooks, *, tolerance=1e-4, max_iterations=50_000, progress=None, done=()):
+    """Pull a coupon and pack the result.
+
+    Parameters
+    ----------
+    coupon : Coupon
+    grips : (n,) int, see Result
+    path : path(load) -> (n, 2) [m] where the held nodes shall be at a share of the whole
+    size : of what is prescribed, at the end of the path
+    steps : of load, all alike
+    hooks, tolerance, max_iterations : see `dynamic_relaxation.pull`
+    progress : called as progress(state) after every step that the run goes on from
+    done : states of an interrupted run to go on from
+
+    Raises
+    ------
+    UnstableError : as `dynamic_relaxation.pull`; its attribute `result` holds the run
+    """
+    held = grips > 0
+    strength = max(yarn.strength for yarn in coupon.weave.yarns)
+    floor = FLOOR * strength * sqrt(held.sum())
+
+    def pack(states, outcome):
+        return Result(coupon, grips, states, size * np.array([state.load for state in states]), outcome, floor)
+
+    try:
+        states, ended = dynamic_relaxation.pull(
+            coupon, coupon.points, held, path, np.arange(1, steps + 1) / steps, tolerance=tolerance, floor=floor,
+            max_iterations=max_iterations, hooks=hooks, progress=progress, done=done,
+        )  # fmt: skip
+    except UnstableError as problem:
+        problem.result = pack(problem.states, "unstable")
+        raise
+    return pack(states, "yarn at its strength" if ended else "complete")
+
+
+def no_fold(coupon):
+    """A hook that ends a run in which an element has folded."""
+
+    def hook(state):
+        gamma = coupon.shear_angles(state.x)
+        worst = int(np.argmax(np.abs(gamma)))
+        if abs(gamma[worst]) >= pi / 2:
+            raise UnstableError(
+                "an element has folded: its yarns have passed one another",
+                where=f"element {worst}",
+                when=f"at {state.load:.3g} of the load",
+            )
+
+    return hook
+
+
+def at_strength(coupon):
+    """A hook that ends a run once a yarn has reached its strength."""
+
+    def hook(state):
+        tensions, yarns = coupon.tensions(state.x), coupon.weave.yarns
+        return any(T.max() >= yarn.strength for T, yarn in zip(tensions, yarns))
+
+    return hook

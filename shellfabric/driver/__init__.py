@@ -1,0 +1,1 @@
+"""Explicit time integration: the loop, samples, energy audit and guards that all models share."""

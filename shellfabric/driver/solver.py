@@ -1,0 +1,349 @@
+"""Explicit time integration: one driver for panel, pack of plies, cable net and solid patch.
+
+The driver makes the steps of a model up to the next sample, takes the sample, audits the energy, guards the run and
+calls the hooks, as hook(solver), until the run is over. It knows no physics: a model derives from `ExplicitSolver`, and
+its kernels make the steps.
+
+Energy audit. Each energy is computed on its own, not from the others. The energy error, the last of the energies, is
+their sum less the sum at the start.
+
+Threads. Some kernels make their steps with several threads, which wait for each other at a barrier (`jit.barrier`). The
+worker threads wait in their kernel while the main thread samples: waking takes them longer than a step.
+"""
+
+from __future__ import annotations
+
+import time
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
+
+import numpy as np
+
+from fabrics.errors import InputError, UnstableError
+from shellfabric.jit import barrier
+
+RUNNING, STOPPED, PERFORATED, NOT_FINITE, CHECK = range(5)  # why a kernel ends its steps; as the step kernels have it
+OUTCOMES = {RUNNING: "in flight", STOPPED: "stopped", PERFORATED: "perforated"}
+ENERGY_CHECK_SHARE = 0.05  # of the strike energy that may be exchanged from one check of the energy to the next
+ENERGY_GAIN_LIMIT = 0.01  # share of the strike energy that a contact may seem to have given
+
+
+class ExplicitSolver:
+    """One run of a model; the base class of the solvers.
+
+    A model provides `steps`, `advance`, `observe`, `node_speeds`, `where` and, for checkpoints, `checkpoint_identity`
+    and `checkpoint_arrays`. It sets `share` and `threads` and calls `_begin` when its state is made.
+
+    Parameters
+    ----------
+    projectile : with energy(velocity) [J]
+    strike_velocity : [m/s]
+    end_time : [s]
+    interval : [s] between samples
+    energy_error_limit : share of the strike energy that the energy error may reach before the run counts as unstable
+
+    Attributes
+    ----------
+    sample_names : of the columns of a sample: "t", those of `observe`, energy_names
+    energy_names : of the energies; the last is the energy error
+    contacts : ((energy, name in messages), ...) of contacts, which can store and lose energy but not give any
+    history_columns : number of columns of step_history
+    counters : names of the numbers that a checkpoint keeps
+    share : modelled part of the whole [-]
+    samples : list of rows in the order of sample_names; energies are those of the whole
+    step_history : list of (steps, history_columns) arrays, a row a step
+    snapshots : list of what a hook takes
+    steps_per_sample, last_step : steps from one sample to the next, and in all
+    reason : why the kernels have ended, RUNNING where they have not
+    checks : number of energy checks between samples
+    exchange : share of the strike energy that may be exchanged between two checks; infinite for no checks
+    wall_time : [s] spent in the kernels
+
+    Raises
+    ------
+    InputError : a strike velocity, end time or interval that is not positive
+    """
+
+    sample_names: tuple[str, ...] = ()
+    energy_names: tuple[str, ...] = ()
+    contacts: tuple[tuple[str, str], ...] = (("contact", "the contact"),)
+    counters: tuple[str, ...] = ("reason", "wall_time")
+    history_columns = 0
+
+    def __init__(self, projectile, strike_velocity, end_time, *, interval, energy_error_limit):
+        for key, value in (("strike_velocity", strike_velocity), ("end_time", end_time), ("interval", interval)):
+            if not 0 < value < np.inf:
+                raise InputError(key=key, value=value, allowed="above 0")
+        self.projectile, self.strike_velocity, self.end_time = projectile, float(strike_velocity), float(end_time)
+        self.interval, self.energy_error_limit = float(interval), energy_error_limit
+        self.samples, self.step_history, self.snapshots = [], [], []
+        self.reason, self.wall_time, self.share, self.threads = RUNNING, 0.0, 1.0, 1
+        self.checks, self.exchange, self.energy_at_start = 0, ENERGY_CHECK_SHARE, None
+        self._shared = np.zeros(barrier.SLOTS, np.int64)
+
+    def _begin(self, dt):
+        """Set how many steps of `dt` [s] there are, and take the first sample."""
+        self.steps_per_sample = max(1, round(self.interval / dt))
+        self.last_step = int(np.ceil(self.end_time / dt))
+        self._sample()
+
+    # what a model provides
+
+    @property
+    def steps(self):
+        """Steps made."""
+        raise NotImplementedError
+
+    @property
+    def time(self):
+        """[s]"""
+        return self.steps * self.const.dt
+
+    def advance(self, history):
+        """Make as many steps as there are rows in `history`, or fewer where the run ends or an energy check is due.
+
+        Parameters
+        ----------
+        history : (steps, history_columns), filled; without rows the kernels are compiled and workers released
+
+        Returns
+        -------
+        steps made, and why no more were: RUNNING, STOPPED, PERFORATED, NOT_FINITE or CHECK
+        """
+        raise NotImplementedError
+
+    def observe(self):
+        """([...], [...]): the columns of a sample between time and energies; energies [J] of the modelled part, in the
+        order of energy_names but for the error."""
+        raise NotImplementedError
+
+    def node_speeds(self):
+        """[((n,) speeds [m/s] of the nodes, the highest that a run goes on with)] of each part."""
+        raise NotImplementedError
+
+    def where(self, part, node):
+        """Text that says where the node of a part is."""
+        raise NotImplementedError
+
+    def run_worker(self, shared, me):
+        """The share of thread number `me` in the steps of one call of `advance`."""
+
+    def sampled(self):
+        """What a model does after a sample that the guards have passed."""
+
+    def guard_model(self):
+        """Guards of the model's own."""
+
+    def checkpoint_identity(self):
+        """(what determines the run and its records, name of the module whose code does)."""
+        raise NotImplementedError
+
+    def checkpoint_arrays(self):
+        """{name: array, or named tuple of arrays} of the state, into which a checkpoint puts back what it has kept."""
+        raise NotImplementedError
+
+    def checkpoint_records(self):
+        """{name: list of equal rows} of what has been recorded."""
+        return {"samples": self.samples}
+
+    def checkpoint_extra(self):
+        """{name: array} of what is not restored in place; see `restore_extra`."""
+        return {}
+
+    def restore_extra(self, arrays):
+        """Go on from what `checkpoint_extra` has returned."""
+
+    # the driver
+
+    @property
+    def ended(self):
+        """Whether the run is over."""
+        return self.reason != RUNNING or self.steps >= self.last_step
+
+    @property
+    def outcome(self):
+        """How it ended: "in flight", "stopped", "perforated" or "unstable"."""
+        return OUTCOMES.get(self.reason, "unstable")
+
+    @property
+    def strike_energy(self):
+        """[J] of the whole projectile."""
+        return self.projectile.energy(self.strike_velocity)
+
+    @property
+    def workers(self):
+        """Number of threads besides the main one."""
+        return self.threads - 1
+
+    @property
+    def allowed_exchange(self):
+        """[J] energy that the modelled part may exchange between two checks of the energy."""
+        return self.exchange * self.strike_energy * self.share
+
+    @property
+    def when(self):
+        """Text that says how far the run has come."""
+        return f"after {self.time * 1e6:.3g} us (step {self.steps})"
+
+    @property
+    def sample_spacing(self):
+        """[s] from one sample to the next."""
+        return self.steps_per_sample * self.const.dt
+
+    def sample(self, name):
+        """(n,) one column of the samples."""
+        return np.array([row[self.sample_names.index(name)] for row in self.samples])
+
+    def run(self, hooks=()):
+        """Integrate to the end, or to where the run goes wrong.
+
+        Raises
+        ------
+        UnstableError : a number that is not finite, an energy error beyond its limit, a contact that gains energy, or
+            a node that is too fast (`speed_limit`); samples and state stay as they are
+        """
+        try:
+            with self._workers():
+                while not self.ended:
+                    self._advance_to_sample()
+                    self._sample()
+                    self._guard()
+                    self.sampled()
+                    for hook in hooks:
+                        hook(self)
+        except UnstableError:
+            self.reason = NOT_FINITE
+            raise
+        return self
+
+    @contextmanager
+    def _workers(self):
+        """Worker threads, released at the end whatever happens; all kernels are compiled before the steps begin."""
+        with ThreadPoolExecutor(max(1, self.workers)) as self._pool:
+            self._start_workers()
+            try:
+                self.advance(self._rows(0))
+                self._start_workers()
+                yield
+            finally:
+                self.advance(self._rows(0))
+
+    def _start_workers(self):
+        """Have the workers wait for the next steps. They meet in new memory: some may not have left the old yet."""
+        self._shared = np.zeros(barrier.SLOTS, np.int64)
+        for me in range(1, self.workers + 1):
+            self._pool.submit(self.run_worker, self._shared, me)
+
+    def _rows(self, count):
+        return np.empty((count, self.history_columns))
+
+    @contextmanager
+    def _clock(self):
+        """Adds to the wall time."""
+        start = time.perf_counter()
+        yield
+        self.wall_time += time.perf_counter() - start
+
+    def _advance_to_sample(self):
+        """Make the steps up to the next sample, or fewer where the run ends.
+
+        On the way the energy is checked as often as `allowed_exchange` has been exchanged.
+        """
+        history, made = self._rows(min(self.steps_per_sample, self.last_step - self.steps)), 0
+        try:
+            while made < len(history):
+                with self._clock():
+                    steps, self.reason = self.advance(history[made:])
+                made += steps
+                self._start_workers()
+                if self.reason != CHECK:
+                    break
+                self.reason = RUNNING
+                if made < len(history):
+                    self._check_energy()
+        finally:
+            self.step_history.append(history[:made])  # what was computed is kept
+
+    def _check_energy(self):
+        """Guard the run without recording a sample, unless a guard stops it."""
+        self.checks += 1
+        self._sample()
+        self._guard()
+        self._drop_sample()
+
+    def _sample(self):
+        """Take a sample."""
+        observed, energies = self.observe()
+        energies = np.array([*energies, 0.0])
+        total = self._sum(energies)
+        if self.energy_at_start is None:
+            self.energy_at_start = total
+        energies[-1] = total - self.energy_at_start
+        self.samples.append(np.array([self.time, *observed, *(energies / self.share)]))
+
+    _sum = staticmethod(sum)  # one after the other
+
+    def _drop_sample(self):
+        """Forget the last sample."""
+        self.samples.pop()
+
+    def _guard(self):
+        """Stop a run that has become unphysical, and say where."""
+        row, parts, fastest = dict(zip(self.sample_names, self.samples[-1])), self.node_speeds(), []
+        for part, (speed, limit) in enumerate(parts):
+            finite = np.isfinite(speed)
+            if not finite.all():
+                self.stop("a number is not finite", self.where(part, np.argmin(finite)))
+            node = int(np.argmax(speed))
+            fastest.append((speed[node] / limit, speed[node], part, node))
+        excess, speed, *place = max(fastest)
+        if self.reason == NOT_FINITE or not np.isfinite(self.samples[-1]).all():
+            self.stop("a number is not finite", self.where(*place))
+        for name, contact in self.contacts:
+            message = energy_gain_message(row[name], self.strike_energy)
+            if message:
+                self.stop(f"{contact} {message}", self.where(*place))
+        if excess > 1:
+            self.stop(f"a node moves at {speed:.3g} m/s", self.where(*place))
+        self.guard_model()
+        error = abs(row[self.energy_names[-1]]) / self.strike_energy
+        if error > self.energy_error_limit:
+            self.stop(f"the energy balance is off by {100 * error:.2g} % of the strike energy", self.where(*place))
+
+    def stop(self, message, where, when=None):
+        """End the run: raises UnstableError."""
+        raise UnstableError(message, where=where, when=when or self.when)
+
+
+def speed_limit(const):
+    """[m/s] the highest speed of a node that a run goes on with: one shorter side of an element in a step.
+
+    Nodes are fast without any instability. The nose throws light ones at twice its own velocity and more, a yarn that
+    breaks at the strain e lets go of its free end at 2 e c, with c the wave speed of the cloth, and the free corner of
+    a panel that is drawn in cracks as a whip does. None of this is bounded by the strike velocity alone. What central
+    differences cannot follow is a change of shape within a step: their bound takes the stiffness as constant over it,
+    while one end of a segment that moves by the segment's length has turned it over. As the step is a share of the time
+    that a wave takes over an element, such a node is faster than sound in the cloth. Below the bound the energy error
+    tells whether a run is good, and ends it if not.
+
+    Parameters
+    ----------
+    const : with dx, dy [m], the sides of the smallest element, and dt [s]
+    """
+    return min(const.dx, const.dy) / const.dt
+
+
+def energy_gain_message(taken, strike_energy):
+    """Message for a contact that has taken in `taken` [J]; "" unless it has given more than ENERGY_GAIN_LIMIT."""
+    share = -taken / strike_energy
+    return f"has given {100 * share:.2g} % of the strike energy that it never took" if share > ENERGY_GAIN_LIMIT else ""
+
+
+def run_to_end(solver, hooks, collect_result):
+    """Run to the end and return collect_result(); an UnstableError carries it as `error.result`."""
+    try:
+        solver.run(hooks)
+    except UnstableError as problem:
+        problem.result = collect_result()
+        raise
+    return collect_result()

@@ -1,0 +1,312 @@
+"""Critical velocity (ballistic limit) of a panel: the strike velocity between the last stop and the first perforation.
+
+A shot of a deterministic model either stops or perforates, so that two shots with different outcomes bracket the
+critical velocity (source thesis section 5.2.3, Figure 5-51). The bracket is found from a first guess by steps that
+grow, then halved until it is as narrow as asked. Panel and table of the cell are made once for all shots, a shot
+ends as soon as its outcome is known, and the residual velocities of those that perforate are kept for a
+Lambert-Jonas fit (`lambert_jonas`).
+
+Shots can be fired beside each other: while one is under way, those that would follow from either of its outcomes are
+begun, and given up if they turn out not to be needed. The shots that count, and the result, are the same with any
+executor and number of workers.
+"""
+
+from __future__ import annotations
+
+import threading
+from collections import deque
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, replace
+from math import inf, log
+
+from fabrics.errors import InputError, UnstableError
+from fabrics.executors import cancel, open_executor
+from shellfabric.cable.smith import striking_velocity
+from shellfabric.panel import quality
+from shellfabric.panel.model import Panel
+from shellfabric.panel.solver import PanelSolver
+
+UNDECIDED = 5e-3  # [s] after which a shot that has neither stopped nor perforated is given up
+_AUDIT = 10e-6  # [s] between audits: nothing but the guards of the march looks at them
+_GUESS = 0.17  # of the velocity that fails a lone yarn at once; only the number of shots depends on it
+_STEP = 1.2  # first factor from the guess towards the other outcome; squared with every step
+
+
+@dataclass(frozen=True)
+class Shot:
+    """One shot.
+
+    Parameters
+    ----------
+    strike_velocity, residual_velocity : [m/s]; the residual velocity of a projectile that stops is 0
+    outcome : "stopped" or "perforated"
+    time : [s] from strike to stop or perforation
+    failed : number of failed yarn segments of the whole panel
+    peak_tension : (warp, weft) [N]
+    balance : [-] error of the energy balance over the strike energy, the worst of the run
+    wall_time : [s] of marching
+    checks : tuple of quality.Indicator
+    """
+
+    strike_velocity: float
+    residual_velocity: float
+    outcome: str
+    time: float
+    failed: int
+    peak_tension: tuple[float, float]
+    balance: float
+    wall_time: float
+    checks: tuple = ()
+
+    @property
+    def perforated(self):
+        return self.outcome == "perforated"
+
+
+@dataclass(frozen=True)
+class Limit:
+    """The critical velocity, in a bracket.
+
+    Parameters
+    ----------
+    low, high : [m/s] the fastest shot that stopped and the slowest that perforated, of the bisection
+    shots : tuple of Shot, in the order in which they were asked for
+    """
+
+    low: float
+    high: float
+    shots: tuple[Shot, ...]
+
+    @property
+    def velocity(self):
+        """[m/s] middle of the bracket."""
+        return 0.5 * (self.low + self.high)
+
+    @property
+    def half_width(self):
+        """[m/s] of the bracket."""
+        return 0.5 * (self.high - self.low)
+
+    @property
+    def single(self):
+        """Whether the shots know of one limit only: none stopped that was faster than one that perforated."""
+        return all(shot.strike_velocity <= self.low for shot in self.shots if not shot.perforated)
+
+
+@dataclass(frozen=True)
+class Bracket:
+    """What is known of the limit, and hence which velocity is to be tried next.
+
+    Parameters
+    ----------
+    guess : [m/s] where to begin
+    lowest, highest : [m/s] between which to look
+    low, high : [m/s] stops, perforates; 0 and infinity where unknown
+    factor : of the next step while one end is unknown
+    """
+
+    guess: float
+    lowest: float
+    highest: float
+    low: float = 0.0
+    high: float = inf
+    factor: float = _STEP
+
+    @property
+    def width(self):
+        """[m/s]; infinite while one end is unknown."""
+        return self.high - self.low if self.closed else inf
+
+    @property
+    def closed(self):
+        """Whether both ends are known."""
+        return self.low > 0 and self.high < inf
+
+    @property
+    def exhausted(self):
+        """Whether one end is unknown and there is no more room to look for it."""
+        return not self.closed and (self.low >= self.highest or self.high <= self.lowest)
+
+    def next(self):
+        """[m/s] velocity to try."""
+        if self.closed:
+            return 0.5 * (self.low + self.high)
+        if self.low > 0:
+            return min(self.low * self.factor, self.highest)
+        return max(self.high / self.factor, self.lowest) if self.high < inf else self.guess
+
+    def after(self, perforated):
+        """The bracket once the outcome of the next velocity is known."""
+        end = {"high" if perforated else "low": self.next()}
+        stepping = not self.closed and (self.low > 0 or self.high < inf)
+        return replace(self, **end, factor=self.factor**2 if stepping else self.factor)
+
+    def ahead(self, count, tolerance):
+        """The next velocity and those that may follow it, the most likely first; at most `count`."""
+        wanted, open_ends = [], deque([self])
+        while open_ends and len(wanted) < count:
+            bracket = open_ends.popleft()
+            if bracket.width > tolerance and not bracket.exhausted:
+                wanted.append(bracket.next())
+                open_ends.extend((bracket.after(False), bracket.after(True)))
+        return wanted
+
+
+def first_guess(fabric):
+    """[m/s] a velocity to begin with: a share of that which fails the weaker yarn at once, by Smith's theory."""
+    return _GUESS * min(striking_velocity(yarn.wave_speed, yarn.failure_strain) for yarn in fabric.weave.yarns)
+
+
+def critical_velocity(
+    panel: Panel, *, tolerance=1.0, guess=None, step=_STEP, highest=1000.0, executor="local", jobs=1, report=None
+):
+    """Bisect for the critical velocity of a panel.
+
+    Parameters
+    ----------
+    panel : Panel; its table of the cell serves all shots
+    tolerance : [m/s] at most between a stop and a perforation
+    guess : [m/s] where to begin; `first_guess` if None
+    step : first factor from the guess towards the other outcome: the better the guess, the nearer to 1
+    highest : [m/s] beyond which no shot is fired; nor is one below the tolerance
+    executor : as of `fabrics.executors.open_executor`; "local": threads of this process
+    jobs : shots that are under way beside each other
+    report : called as report(share of the work done, Shot) after each shot
+
+    Returns
+    -------
+    Limit
+
+    Raises
+    ------
+    InputError : a panel with no limit between `tolerance` and `highest`, or on which a shot has no outcome
+    UnstableError : a shot became unphysical; its attribute `shots` holds those that had ended
+    """
+    guess = guess or first_guess(panel.fabric)
+    _check(tolerance=tolerance, highest=highest, jobs=jobs, guess=guess)
+    if not step > 1:
+        raise InputError(key="step", value=step, allowed="above 1")
+    bracket = Bracket(min(max(guess, tolerance), highest), tolerance, highest, factor=step)
+    shots = []
+    with _Range(panel, executor, jobs) as shooting:
+        while bracket.width > tolerance:
+            if bracket.exhausted:
+                told = "stops the projectile" if bracket.low > 0 else "lets the projectile through"
+                raise InputError(f"the panel {told} at any velocity from {tolerance:g} to {highest:g} m/s")
+            wanted = bracket.ahead(jobs, tolerance)
+            shooting.only(wanted)
+            shots.append(_result(shooting, wanted[0], shots))
+            bracket = bracket.after(shots[-1].perforated)
+            if report is not None:
+                report(_done(bracket, tolerance), shots[-1])
+    return Limit(bracket.low, bracket.high, tuple(shots))
+
+
+def shoot(panel: Panel, velocities, *, executor="local", jobs=1, report=None):
+    """Fire shots at given velocities [m/s], such as for a curve of residual velocity; a tuple of Shot, in their order.
+
+    executor, jobs, and what is raised: as of `critical_velocity`.
+    """
+    _check(jobs=jobs, **{f"velocities[{i}]": v for i, v in enumerate(velocities)})
+    shots = []
+    with _Range(panel, executor, jobs) as shooting:
+        shooting.only(velocities)
+        for number, velocity in enumerate(velocities, 1):
+            shots.append(_result(shooting, velocity, shots))
+            if report is not None:
+                report(number / len(velocities), shots[-1])
+    return tuple(shots)
+
+
+def _check(**values):
+    for key, value in values.items():
+        if not 0 < value < inf:
+            raise InputError(key=key, value=value, allowed="above 0")
+
+
+def _done(bracket, tolerance):
+    """Share of the bisection that is done; one whose bracket is open has hardly begun."""
+    if not bracket.closed:
+        return 0.05
+    first = bracket.guess * (_STEP - 1)
+    return min(1.0, max(0.1, 1 - log(max(bracket.width / tolerance, 1.0)) / log(max(first / tolerance, 2.0))))
+
+
+def _result(shooting, velocity, before):
+    """The shot at a velocity; one that went wrong tells its velocity and carries the shots before it."""
+    try:
+        return shooting.result(velocity)
+    except UnstableError as problem:
+        told = UnstableError(str(problem), when=f"of the shot at {velocity:.4g} m/s")
+        told.shots = tuple(before)
+        raise told from None
+
+
+class _GivenUp(Exception):
+    """Ends a shot that is no longer wanted."""
+
+
+class _Range:
+    """Shots at one panel, each begun when it is first wanted and kept until it is asked for.
+
+    Locally threads suffice: the kernels that march hold no lock. Shots that are fired beside each other have one thread
+    each, unless the panel asks for more. A shot of another process cannot be given up: one that is no longer wanted
+    goes on to its end.
+    """
+
+    def __init__(self, panel, executor, jobs):
+        self.threads = executor == "local"
+        if (jobs > 1 or not self.threads) and panel.numerics.threads is None:
+            panel = replace(panel, numerics=replace(panel.numerics, threads=1))
+        self.panel = panel
+        self.opened = ThreadPoolExecutor(jobs) if self.threads else open_executor(executor, jobs)
+        self.pending = {}  # velocity -> (future, event that gives it up or None)
+
+    def __enter__(self):
+        self.pool = self.opened.__enter__()
+        return self
+
+    def __exit__(self, *problem):
+        self.only(())
+        return self.opened.__exit__(*problem)
+
+    def only(self, velocities):
+        """Begin the shots that are wanted and not under way; give up those that are under way and not wanted."""
+        for velocity in set(self.pending) - set(velocities):
+            future, give_up = self.pending.pop(velocity)
+            if give_up is not None:
+                give_up.set()
+            cancel(future)
+        for velocity in velocities:
+            if velocity not in self.pending:
+                give_up = threading.Event() if self.threads else None
+                self.pending[velocity] = self.pool.submit(_fire, self.panel, velocity, give_up), give_up
+
+    def result(self, velocity):
+        """Wait for a shot."""
+        shot = self.pending[velocity][0].result()
+        del self.pending[velocity]
+        return shot
+
+
+def _fire(panel, velocity, give_up):
+    def hook(_):
+        if give_up is not None and give_up.is_set():
+            raise _GivenUp
+
+    march = PanelSolver(panel, velocity, UNDECIDED, interval=_AUDIT)
+    march.run((hook,))
+    if march.outcome == "in flight":
+        told = f"the projectile struck at {velocity:.4g} m/s has neither stopped nor perforated"
+        raise InputError(f"{told} after {1e3 * UNDECIDED:g} ms; such a panel has no critical velocity")
+    return Shot(
+        strike_velocity=float(velocity),
+        residual_velocity=0.0 if march.outcome == "stopped" else float(march.sample("v")[-1]),
+        outcome=march.outcome,
+        time=march.time,
+        failed=int(march.sample("failed_yarns")[-1]),
+        peak_tension=(float(march.state.peak_tension[0]), float(march.state.peak_tension[1])),
+        balance=float(abs(march.sample("balance")).max()) / march.strike_energy,
+        wall_time=march.wall_time,
+        checks=quality.of_solver(march),
+    )

@@ -1,0 +1,140 @@
+"""One impact on a pack of plies: set-up, run, result."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from shellfabric.backing.coupling import BackingResult
+from shellfabric.driver.solver import run_to_end
+from shellfabric.impact import single_ply
+from shellfabric.impact.single_ply import ImpactSetup
+from shellfabric.output import checkpoint, histories
+from shellfabric.output import snapshots as output_snapshots
+from shellfabric.panel.solver import PLY_SAMPLES
+from shellfabric.plies.model import Pack, PlyContact
+from shellfabric.plies.solver import PACK_ENERGIES, PackSolver
+from shellfabric.projectile import dynamics
+
+
+@dataclass(frozen=True)
+class PackSetup:
+    """A projectile that strikes the middle of a pack.
+
+    Parameters
+    ----------
+    ply : ImpactSetup of the first ply
+    plies : number of plies
+    stacking : "aligned" or "alternating"
+    gap : [m] between plies at rest; None takes the fabric's (see `plies.model.fabric_gap`)
+    contact : PlyContact, numerical knobs of the contact between plies
+    """
+
+    ply: ImpactSetup
+    plies: int
+    stacking: str = "aligned"
+    gap: float | None = None
+    contact: PlyContact = field(default_factory=PlyContact)
+
+    def pack(self) -> Pack:
+        """The pack that this set-up describes; fills the cells' tables.
+
+        Raises
+        ------
+        InputError : as ImpactSetup.panel and Pack.stacked
+        """
+        panel = self.ply.panel()
+        return Pack.stacked(panel, self.plies, stacking=self.stacking, gap=self.gap, contact=self.contact)
+
+
+@dataclass(frozen=True)
+class PackResult(single_ply.Outcome):
+    """What an impact on a pack came to. Energies, forces and counts are those of the whole plies.
+
+    Parameters
+    ----------
+    setup, pack : what was run
+    outcome, residual_velocity, velocity, t, v, z, fine, bar, backing, nose, steps, wall_time, ns_per_element_step,
+        max_deflection, checks : as ImpactResult
+    energies : {name: (n,)} [J] with the names of plies.solver.PACK_ENERGIES
+    plies : {name: (n, plies)} with the names of panel.solver.PLY_SAMPLES
+    peak_tension : (plies, 2) [N] over the run, of each ply's own warp and weft
+    deepest, held_apart : (plies - 1,) and (2,) [-] see PackSolver
+    last : (plies,) snapshots.Snapshot at the end, each from its own plane at rest
+    snapshots : tuple of such tuples
+    histories : tuple of histories.Histories of each ply that has been followed, empty where none has
+    """
+
+    setup: PackSetup
+    pack: Pack
+    outcome: str
+    residual_velocity: float
+    velocity: np.ndarray
+    t: np.ndarray
+    v: np.ndarray
+    z: np.ndarray
+    energies: dict
+    plies: dict
+    peak_tension: np.ndarray
+    deepest: np.ndarray
+    held_apart: np.ndarray
+    fine: np.ndarray
+    bar: dynamics.BarHistory | None
+    backing: BackingResult | None
+    nose: np.ndarray
+    last: tuple
+    snapshots: tuple
+    histories: tuple
+    steps: int
+    wall_time: float
+    ns_per_element_step: float
+    max_deflection: float
+    checks: tuple
+
+    @property
+    def struck(self):
+        return self.setup.ply
+
+    @property
+    def failed(self):
+        """(n,) failed yarn segments of all plies."""
+        return self.plies["failed_yarns"].sum(axis=1)
+
+
+def shots(solver):
+    """(plies,) snapshots.Snapshot of the present, counted from the plane of the first ply at rest."""
+    found = []
+    for ply, state, z in zip(solver.pack.plies, solver.states, solver.pack.places):
+        shot = output_snapshots.snapshot(ply, state, solver.time)
+        shot.nodes[..., 2] += z
+        found.append(replace(shot, z=shot.z + z, nose=solver.stack.projectile_position[0].copy()))
+    return tuple(found)
+
+
+def run(setup: PackSetup, *, hooks=(), resume=None) -> PackResult:
+    """Run an impact on a pack; parameters, exceptions and resuming as `single_ply.run`."""
+    ply = setup.ply
+    solver = PackSolver(setup.pack(), ply.strike_velocity, ply.end_time, interval=ply.sample_interval)
+    own = (*single_ply.recorder(solver, ply), *single_ply.snapshot_hooks(ply, shots))
+    if resume is not None:
+        checkpoint.read(solver, resume)
+    return run_to_end(solver, (*own, *hooks), lambda: collect_result(setup, solver))
+
+
+def collect_result(setup: PackSetup, solver: PackSolver) -> PackResult:
+    """Gather what a run has recorded."""
+    plies = solver.pack.plies
+    return PackResult(
+        setup=setup,
+        pack=solver.pack,
+        energies={name: solver.sample(name) for name in PACK_ENERGIES},
+        plies={name: solver.ply_sample(name) for name in PLY_SAMPLES},
+        peak_tension=solver.peaks,
+        deepest=solver.deepest,
+        held_apart=solver.held_apart,
+        nose=solver.stack.projectile_position[0].copy(),
+        last=shots(solver),
+        histories=histories.unpack(solver.histories, plies, setup.ply.measure) if solver.histories else (),
+        **single_ply.projectile_result(solver, solver.pack.elements),
+    )

@@ -1,0 +1,323 @@
+"""One impact on one ply: set-up, run, result."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from math import ceil
+
+import numpy as np
+
+from fabrics.compression import CompressionLaw
+from fabrics.errors import InputError
+from fabrics.fabric import Fabric
+from fabrics.surface import ResponseSurface
+from shellfabric.backing.block import Backing
+from shellfabric.backing.coupling import BackingResult
+from shellfabric.cell.model import CellModel, CellTable
+from shellfabric.cell.surface_cell import SurfaceCell
+from shellfabric.driver.solver import run_to_end
+from shellfabric.output import checkpoint, histories
+from shellfabric.output import snapshots as output_snapshots
+from shellfabric.output.hooks import Snapshots
+from shellfabric.panel import quality
+from shellfabric.panel.boundary import Grip, PullIn
+from shellfabric.panel.model import SYMMETRIES, Numerics, Panel
+from shellfabric.panel.solver import ENERGIES, PanelSolver
+from shellfabric.projectile import dynamics
+from shellfabric.projectile.bar import Rigidity, contact_time, held_force, rigid_is_enough
+from shellfabric.projectile.projectile import Projectile
+
+ELEMENT_SIDE = 0.8  # [projectile radii] of an element at most, by default: longer ones miss what a narrow nose cuts
+MOST_ELEMENTS = 8  # a crossover, by default
+UNFAILING = 20.0  # reach of the table, see CellModel, of yarns that do not fail: 60 % of strain in Kevlar
+
+
+@dataclass(frozen=True)
+class ImpactSetup:
+    """A projectile that strikes the middle of a panel.
+
+    Parameters
+    ----------
+    fabric : Fabric; its linear densities are used as they are (see Fabric.effective)
+    strike_velocity : [m/s] along the projectile's line of flight
+    laws : (CompressionLaw, CompressionLaw) of warp and weft; None takes the fabric's published ones
+    projectile : Projectile
+    opening : [m] side of the square opening, or both sides: along warp and weft, but for an oblique weave
+    edge : "clamped", "free" or a slipping side, for all sides or each on its own (see `boundary`)
+    weave_angle : [rad] of the warp against the first side of the opening
+    symmetry : "quarter", "half" or "whole"
+    grading : ((until, side), ...) [crossovers] longer elements further from the impact point, or None (see `grading`)
+    end_time : [s] at the latest; a run ends when the projectile stops or has passed
+    elements_per_crossover : along each side; None takes 1, or as many as put an element's longer side within
+        ELEMENT_SIDE of the projectile's radius, at most MOST_ELEMENTS. Longer ones absorb less than shorter
+        ones do
+    cell_model, form, gap, profile : see CellModel
+    bending : [N m2] bending stiffness of a yarn, or of (warp, weft); see Panel
+    jam : (stiffness [N], stretch) of yarns that are bunched up; see Panel
+    surface : ResponseSurface to make the cell from instead of laws, or None; see surface_cell.SurfaceCell
+    table_size : stretches along each side of the cell's table; 201 puts its tensions within 0.2 % of the yarn's
+        strength of the cell's
+    audit_interval, snapshot_interval : [s]; no snapshots where None
+    failure : whether yarns fail. Where they do not, the table goes to UNFAILING times their failure strain
+    backing : Backing, the block behind the cloth, or None
+    measure : histories.Measure, what to record along yarns and at the edges; None for nothing
+    numerics : Numerics
+    """
+
+    fabric: Fabric
+    strike_velocity: float
+    laws: tuple[CompressionLaw, CompressionLaw] | None = None
+    projectile: Projectile = field(default_factory=Projectile)
+    opening: float | tuple[float, float] = 0.203
+    edge: str | PullIn | Grip | tuple = "clamped"
+    weave_angle: float = 0.0
+    symmetry: str = "quarter"
+    end_time: float = 800e-6
+    elements_per_crossover: int | None = None
+    cell_model: str = "compressible"
+    form: str = "variational"
+    gap: float = 0.0
+    profile: str = "cosine"
+    bending: float | tuple[float, float] = 0.0
+    jam: tuple[float, float] = (0.0, 1.0)
+    surface: ResponseSurface | None = None
+    table_size: int = 201
+    audit_interval: float = 2e-6
+    snapshot_interval: float | None = None
+    failure: bool = True
+    backing: Backing | None = None
+    measure: histories.Measure | None = None
+    numerics: Numerics = field(default_factory=Numerics)
+    grading: tuple | None = None
+
+    def _elements_per_crossover(self):
+        """Those given, or those of the default."""
+        if self.elements_per_crossover is not None:
+            return self.elements_per_crossover
+        needed = 2 * max(self.fabric.weave.w) / (ELEMENT_SIDE * self.projectile.radius)
+        return 1 if self.grading is not None else min(max(1, ceil(needed)), MOST_ELEMENTS)
+
+    @property
+    def sample_interval(self):
+        """[s] between samples, which are as frequent as what is recorded."""
+        return min(self.audit_interval, self.measure.interval) if self.measure else self.audit_interval
+
+    def table(self) -> CellTable:
+        """The cell's table, filled. Set-ups that differ in panel, shot or mesh alone can share it.
+
+        Raises
+        ------
+        InputError : as CellModel, SurfaceCell and CellTable
+        """
+        if self.surface is None:
+            reach = 1.0 if self.failure else UNFAILING
+            model = CellModel(self.fabric, self.laws, self.gap, self.cell_model, self.form, self.profile, reach=reach)
+        else:
+            model = SurfaceCell(self.fabric, self.surface, self.form)
+        return model.table(self.table_size)
+
+    def panel(self, table: CellTable | None = None) -> Panel:
+        """The panel that this set-up describes, with its own table or one that a like set-up has filled.
+
+        Raises
+        ------
+        InputError : as `table` and Panel
+        """
+        opening = self.opening if np.ndim(self.opening) else (self.opening, self.opening)
+        return Panel(
+            table or self.table(),
+            tuple(opening),
+            self.projectile,
+            self.symmetry,
+            self._elements_per_crossover(),
+            self.edge,
+            self.numerics,
+            failure=self.failure,
+            backing=self.backing,
+            jam=self.jam,
+            weave_angle=self.weave_angle,
+            bending=tuple(self.bending) if np.ndim(self.bending) else (self.bending, self.bending),
+            grading=self.grading,
+        )
+
+
+class Outcome:
+    """What follows from an impact's set-up and energies, on one ply or a pack of plies like it.
+
+    `energies` are those of the result, `struck` is the ImpactSetup of the ply that is struck.
+    """
+
+    @property
+    def strike_energy(self):
+        """[J]"""
+        return self.struck.projectile.energy(self.struck.strike_velocity)
+
+    @property
+    def worst_balance(self):
+        """[-] largest error of the energy balance over the strike energy."""
+        return float(np.max(np.abs(self.energies["balance"]))) / self.strike_energy
+
+    @property
+    def mirrored(self):
+        """(x, y) whether the modelled part continues mirrored beyond x = 0 and y = 0."""
+        return SYMMETRIES[self.struck.symmetry]
+
+
+@dataclass(frozen=True)
+class ImpactResult(Outcome):
+    """What an impact came to. Energies, forces and counts are those of the whole panel, whatever the symmetry.
+
+    Parameters
+    ----------
+    setup, panel : what was run
+    outcome : "stopped", "perforated", "in flight" (end time reached) or "unstable"; a projectile has stopped when it no
+        longer moves along the panel's normal, though it may slide on
+    residual_velocity : [m/s] of the projectile at the end, along the normal
+    velocity : (3,) [m/s] of the projectile at the end, along warp, weft and normal
+    t, v, z : (n,) [s, m/s, m] of the samples; the projectile's velocity along the normal and its foremost point
+    energies : {name: (n,)} [J] with the names of panel.solver.ENERGIES; balance is the sum less the energy at the start
+    reactions : {"warp", "weft": (n,)} [N] tension at the clamped end of the yarn nearest the impact point
+    failed : (n,) number of failed yarn segments
+    peak_tension : (warp, weft) [N] over the run
+    fine : (steps, 4) time [s], foremost point [m], velocity [m/s] at half steps, force on the projectile [N]
+    bar : dynamics.BarHistory of tip, tail and centre of mass; None of a rigid projectile
+    backing : backing.coupling.BackingResult, the block behind the cloth at the end, or None
+    nose : (3,) [m] place of the projectile's nose at the end
+    nodes, quads : (k, 3) [m], (m, 4) the panel (or its modelled part) at the end
+    tension : (m, 2) [N] of warp and weft at the end
+    broken : (m, 3) bool at the end: warp failed, weft failed, element eroded
+    snapshots : tuple of snapshots.Snapshot
+    histories : histories.Histories, or None where nothing was to be recorded
+    steps, wall_time, ns_per_element_step : cost of the run, [s] and [ns]
+    max_deflection : [m] of whole cloth, over the run
+    checks : tuple of quality.Indicator
+    """
+
+    setup: ImpactSetup
+    panel: Panel
+    outcome: str
+    residual_velocity: float
+    velocity: np.ndarray
+    t: np.ndarray
+    v: np.ndarray
+    z: np.ndarray
+    energies: dict
+    reactions: dict
+    failed: np.ndarray
+    peak_tension: tuple[float, float]
+    fine: np.ndarray
+    bar: dynamics.BarHistory | None
+    backing: BackingResult | None
+    nose: np.ndarray
+    nodes: np.ndarray
+    quads: np.ndarray
+    tension: np.ndarray
+    broken: np.ndarray
+    snapshots: tuple
+    histories: histories.Histories | None
+    steps: int
+    wall_time: float
+    ns_per_element_step: float
+    max_deflection: float
+    checks: tuple
+
+    @property
+    def struck(self):
+        return self.setup
+
+    @property
+    def rigidity(self) -> Rigidity | None:
+        """Whether a rigid projectile is enough, its contact held against the period of the bar that it is, or would be
+        if it were of steel; None where it is no flat cylinder of steel, or where it was never touched."""
+        shot = self.setup.projectile
+        try:
+            bar = shot.bar or (shot.steel_bar() if shot.shape == "flat" else None)
+            if bar is None:
+                return None
+            t, force = self.fine[:, 0], self.fine[:, 3]
+            held = held_force(t, force, 0.5 * bar.period)
+            return rigid_is_enough(contact_time(t, force, bar.period), bar.period, held, bar.yield_force)
+        except InputError:
+            return None
+
+
+def run(setup: ImpactSetup, *, hooks=(), resume=None, table=None) -> ImpactResult:
+    """Run an impact.
+
+    Parameters
+    ----------
+    setup : ImpactSetup
+    hooks : called as hook(solver) after every audit
+    resume : path of a checkpoint of the same set-up to go on from; the result is that of the uninterrupted run, bit
+        for bit
+    table : CellTable that a set-up of the same cell has filled, or None
+
+    Raises
+    ------
+    InputError : a set-up or checkpoint that cannot be used
+    UnstableError : the run became unphysical; its attribute `result` holds what was computed
+    """
+    solver = PanelSolver(setup.panel(table), setup.strike_velocity, setup.end_time, interval=setup.sample_interval)
+    own = (*recorder(solver, setup), *snapshot_hooks(setup))
+    if resume is not None:
+        checkpoint.read(solver, resume)
+    return run_to_end(solver, (*own, *hooks), lambda: collect_result(setup, solver))
+
+
+def recorder(solver, setup: ImpactSetup):
+    """The hook that records along yarns and at edges, in a tuple; none where nothing is to be recorded."""
+    solver.measure = setup.measure
+    plies = [panel for panel, _, _ in solver.parts]
+    return (histories.Recorder(plies, setup.measure),) if setup.measure else ()
+
+
+def snapshot_hooks(setup: ImpactSetup, take=None):
+    """The hook that takes the set-up's snapshots, in a tuple; see hooks.Snapshots. InputError for a bad interval."""
+    if setup.snapshot_interval is None:
+        return ()
+    if not setup.snapshot_interval > 0:
+        raise InputError(key="snapshot_interval", value=setup.snapshot_interval, allowed="above 0")
+    return (Snapshots(setup.snapshot_interval, take),)
+
+
+def collect_result(setup: ImpactSetup, solver: PanelSolver) -> ImpactResult:
+    """Gather what a run has recorded."""
+    last = output_snapshots.snapshot(solver.panel, solver.state, solver.time)
+    return ImpactResult(
+        setup=setup,
+        panel=solver.panel,
+        energies={name: solver.sample(name) for name in ENERGIES},
+        reactions={"warp": solver.sample("reaction_warp"), "weft": solver.sample("reaction_weft")},
+        failed=solver.sample("failed_yarns"),
+        peak_tension=(float(solver.state.peak_tension[0]), float(solver.state.peak_tension[1])),
+        nose=last.nose,
+        nodes=last.nodes.reshape(-1, 3),
+        quads=output_snapshots.quads(solver.panel),
+        tension=last.tension.reshape(-1, 2),
+        broken=last.broken.reshape(-1, 3),
+        histories=histories.unpack(solver.histories, (solver.panel,), setup.measure)[0] if solver.histories else None,
+        **projectile_result(solver, solver.panel.elements),
+    )
+
+
+def projectile_result(solver, elements):
+    """Entries of a result that are the same for one ply and a pack: the projectile's, the block's, and the cost."""
+    fine = np.concatenate([np.empty((0, solver.history_columns)), *solver.step_history])
+    clock, bar = solver.const.dt * np.arange(1, len(fine) + 1), solver.panel.projectile.bar
+    return {
+        "outcome": solver.outcome,
+        "residual_velocity": float(solver.sample("v")[-1]),
+        "velocity": dynamics.velocity(solver.state, solver.const),
+        "t": solver.sample("t"),
+        "v": solver.sample("v"),
+        "z": solver.sample("z"),
+        "fine": np.column_stack([clock, fine[:, :2], fine[:, 2] / solver.panel.share]),
+        "bar": None if bar is None else dynamics.history(clock, fine, solver.state, bar),
+        "backing": solver.behind.result() if solver.behind else None,
+        "snapshots": tuple(solver.snapshots),
+        "max_deflection": solver.monitor.deflection,
+        "checks": quality.of_solver(solver),
+        "steps": solver.steps,
+        "wall_time": solver.wall_time,
+        "ns_per_element_step": 1e9 * solver.wall_time / max(1, solver.steps * elements),
+    }

@@ -1,0 +1,1 @@
+"""What compiled code needs: compilation options, SIMD type, thread barrier, borrowed references, aligned arrays."""

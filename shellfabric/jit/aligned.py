@@ -1,0 +1,11 @@
+"""Cache-line-aligned arrays."""
+
+import numpy as np
+
+
+def aligned_zeros(count, slots, kind=float):
+    """`count` flat arrays of `slots` zeros, each aligned to a cache line, in different cache sets."""
+    width = (-(-slots // 16) | 1) * 16
+    whole = np.zeros(count * width + 16, kind)
+    start = -whole.ctypes.data % 64 // whole.itemsize
+    return tuple(whole[start + m * width : start + m * width + slots] for m in range(count))

@@ -1,0 +1,539 @@
+"""8-wide SIMD type of doubles for numba, and its operations.
+
+    x = load(array, k)          array[k], ..., array[k + 7]
+    store(array, k, 2.0 * x)
+    fma(x, y, z)                x y + z, rounded once where the processor can
+    gather_rows4(table, cell)   c0, ..., c3 with c_m = table[cell, m] of eight cells
+    load_or_broadcast(x, k)     load(x, k) of an array, x itself of a float
+
++, -, * and / take two of these or one and a float. numba leaves it to the compiler to turn a loop into vector
+instructions, which it gives up on where a loop has many arrays or a look-up in it. With this type a loop is written as
+it is to run: one pass with many inputs, no checks whether arrays overlap, and every element treated alike wherever it
+stands in a loop, so that results do not depend on how work is cut. Processors with narrower registers do the same in
+several instructions.
+"""
+
+import operator
+
+from llvmlite import ir
+from numba import types
+from numba.core import cgutils
+from numba.extending import intrinsic, models, overload, register_model
+
+from shellfabric.jit.compile import kernel
+
+WIDTH = 8
+_DOUBLE, _INT = ir.DoubleType(), ir.IntType(64)
+_FLOAT64X8 = ir.VectorType(_DOUBLE, WIDTH)
+_INT64X8 = ir.VectorType(_INT, WIDTH)
+_INT32X8 = ir.VectorType(ir.IntType(32), WIDTH)
+
+
+class Float64x8Type(types.Type):
+    """Vector of eight doubles."""
+
+    def __init__(self):
+        super().__init__(name="Lanes")
+
+
+class Int32x8Type(types.Type):
+    """Vector of eight int32, row numbers of a table."""
+
+    def __init__(self):
+        super().__init__(name="Cells")
+
+
+class MaskType(types.Type):
+    """Vector of eight booleans."""
+
+    def __init__(self):
+        super().__init__(name="Mask")
+
+
+FLOAT64X8, INT32X8, MASK = Float64x8Type(), Int32x8Type(), MaskType()
+
+
+@register_model(Float64x8Type)
+class _Float64x8Model(models.PrimitiveModel):
+    def __init__(self, manager, kind):
+        super().__init__(manager, kind, _FLOAT64X8)
+
+
+@register_model(Int32x8Type)
+class _Int32x8Model(models.PrimitiveModel):
+    def __init__(self, manager, kind):
+        super().__init__(manager, kind, _INT32X8)
+
+
+@register_model(MaskType)
+class _MaskModel(models.PrimitiveModel):
+    def __init__(self, manager, kind):
+        super().__init__(manager, kind, ir.VectorType(ir.IntType(1), WIDTH))
+
+
+def _broadcast(builder, value, kind):
+    """Broadcast a float to all lanes; a vector as it is."""
+    if kind is FLOAT64X8:
+        return value
+    one = builder.insert_element(ir.Constant(_FLOAT64X8, ir.Undefined), value, ir.Constant(ir.IntType(32), 0))
+    return builder.shuffle_vector(one, one, ir.Constant(_INT32X8, [0] * WIDTH))
+
+
+def _operator(symbol, instruction):
+    @intrinsic
+    def both(typing, a, b):
+        def codegen(context, builder, signature, arguments):
+            a, b = (_broadcast(builder, value, kind) for value, kind in zip(arguments, signature.args))
+            return getattr(builder, instruction)(a, b)
+
+        return FLOAT64X8(a, b), codegen
+
+    @overload(symbol, inline="always")
+    def typed(a, b):
+        if FLOAT64X8 in (a, b) and {a, b} <= {FLOAT64X8, types.float64}:
+            return lambda a, b: both(a, b)
+
+
+for _symbol, _instruction in (
+    (operator.add, "fadd"),
+    (operator.sub, "fsub"),
+    (operator.mul, "fmul"),
+    (operator.truediv, "fdiv"),
+):
+    _operator(_symbol, _instruction)
+
+
+def _function(name, count):
+    """An LLVM function of `count` numbers that works lane by lane."""
+
+    def codegen(context, builder, signature, arguments):
+        values = [_broadcast(builder, value, kind) for value, kind in zip(arguments, signature.args)]
+        kind = ir.FunctionType(_FLOAT64X8, [_FLOAT64X8] * count)
+        return builder.call(cgutils.get_or_insert_function(builder.module, kind, f"llvm.{name}.v{WIDTH}f64"), values)
+
+    return codegen
+
+
+@intrinsic
+def fma(typing, a, b, c):
+    """a b + c"""
+    return FLOAT64X8(a, b, c), _function("fmuladd", 3)
+
+
+@intrinsic
+def sqrt(typing, a):
+    """Square root."""
+    return FLOAT64X8(a), _function("sqrt", 1)
+
+
+@intrinsic
+def rsqrt(typing, a):
+    """1 / sqrt(a), for numbers between 1e-38 and 1e38: the root of seven digits, and one step of third order from it.
+
+    That is exact but for the last digit, and half as dear as a root and a division of sixteen digits.
+    """
+
+    def codegen(context, builder, signature, arguments):
+        (a,) = arguments
+        small = ir.VectorType(ir.FloatType(), WIDTH)
+        root = cgutils.get_or_insert_function(builder.module, ir.FunctionType(small, [small]), f"llvm.sqrt.v{WIDTH}f32")
+        guess = builder.fdiv(ir.Constant(small, [1.0] * WIDTH), builder.call(root, [builder.fptrunc(a, small)]))
+        guess = builder.fpext(guess, _FLOAT64X8)
+        kind = ir.FunctionType(_FLOAT64X8, [_FLOAT64X8] * 3)
+        fuse = cgutils.get_or_insert_function(builder.module, kind, f"llvm.fmuladd.v{WIDTH}f64")
+        number = lambda value: ir.Constant(_FLOAT64X8, [value] * WIDTH)  # noqa: E731
+        off = builder.call(fuse, [builder.fneg(builder.fmul(a, guess)), guess, number(1.0)])
+        step = builder.call(fuse, [off, number(0.375), number(0.5)])
+        return builder.call(fuse, [builder.fmul(guess, off), step, guess])
+
+    return FLOAT64X8(a), codegen
+
+
+@intrinsic
+def floor(typing, a):
+    """Floor."""
+    return FLOAT64X8(a), _function("floor", 1)
+
+
+@intrinsic
+def fabs(typing, a):
+    """Absolute value."""
+    return FLOAT64X8(a), _function("fabs", 1)
+
+
+@intrinsic
+def copysign(typing, a, b):
+    """Size of a, sign of b."""
+    return FLOAT64X8(a, b), _function("copysign", 2)
+
+
+def _select(symbol):
+    def codegen(context, builder, signature, arguments):
+        a, b = (_broadcast(builder, value, kind) for value, kind in zip(arguments, signature.args))
+        return builder.select(builder.fcmp_ordered(symbol, a, b), a, b)
+
+    return codegen
+
+
+@intrinsic
+def minimum(typing, a, b):
+    """Minimum of two, lane by lane."""
+    return FLOAT64X8(a, b), _select("<")
+
+
+@intrinsic
+def maximum(typing, a, b):
+    """Maximum of two, lane by lane."""
+    return FLOAT64X8(a, b), _select(">")
+
+
+@intrinsic
+def greater(typing, a, b):
+    """Mask of a > b."""
+
+    def codegen(context, builder, signature, arguments):
+        a, b = (_broadcast(builder, value, kind) for value, kind in zip(arguments, signature.args))
+        return builder.fcmp_ordered(">", a, b)
+
+    return MASK(a, b), codegen
+
+
+@intrinsic
+def any_lane(typing, mask):
+    """Whether any lane of a mask is set."""
+
+    def codegen(context, builder, signature, arguments):
+        return builder.icmp_unsigned("!=", builder.bitcast(arguments[0], ir.IntType(8)), ir.Constant(ir.IntType(8), 0))
+
+    return types.boolean(mask), codegen
+
+
+@intrinsic
+def movemask(typing, mask):
+    """The mask as bits of an integer, lane 0 lowest."""
+
+    def codegen(context, builder, signature, arguments):
+        return builder.zext(builder.bitcast(arguments[0], ir.IntType(8)), _INT)
+
+    return types.int64(mask), codegen
+
+
+@intrinsic
+def mask_from_bits(typing, number):
+    """Mask from the bits of an integer, lane 0 lowest."""
+
+    def codegen(context, builder, signature, arguments):
+        eight = builder.trunc(arguments[0], ir.IntType(8))
+        return builder.bitcast(eight, ir.VectorType(ir.IntType(1), WIDTH))
+
+    return MASK(types.int64), codegen
+
+
+@intrinsic
+def equal_bytes(typing, array, k, value):
+    """Mask of array[k : k + 8] == value; array of bytes."""
+
+    def codegen(context, builder, signature, arguments):
+        part = ir.VectorType(ir.IntType(8), WIDTH)
+        array, k, value = arguments
+        found = builder.load(_pointer(context, builder, signature.args[0], array, k, part), align=1, **_load_type(part))
+        one = builder.insert_element(
+            ir.Constant(part, ir.Undefined), builder.trunc(value, ir.IntType(8)), ir.Constant(ir.IntType(32), 0)
+        )
+        every = builder.shuffle_vector(one, one, ir.Constant(_INT32X8, [0] * WIDTH))
+        return builder.icmp_unsigned("==", found, every)
+
+    return MASK(array, k, types.int64), codegen
+
+
+@intrinsic
+def head_mask(typing, count):
+    """Mask of the first `count` lanes."""
+
+    def codegen(context, builder, signature, arguments):
+        one = builder.insert_element(
+            ir.Constant(_INT64X8, ir.Undefined), builder.sext(arguments[0], _INT), ir.Constant(ir.IntType(32), 0)
+        )
+        every = builder.shuffle_vector(one, one, ir.Constant(_INT32X8, [0] * WIDTH))
+        return builder.icmp_signed("<", ir.Constant(_INT64X8, list(range(WIDTH))), every)
+
+    return MASK(types.int64), codegen
+
+
+@intrinsic
+def where(typing, mask, a, b):
+    """a where the mask holds, else b."""
+
+    def codegen(context, builder, signature, arguments):
+        a, b = (_broadcast(builder, value, kind) for value, kind in zip(arguments[1:], signature.args[1:]))
+        return builder.select(arguments[0], a, b)
+
+    return FLOAT64X8(mask, a, b), codegen
+
+
+@intrinsic
+def broadcast(typing, a):
+    """Broadcast a float to all lanes."""
+
+    def codegen(context, builder, signature, arguments):
+        return _broadcast(builder, arguments[0], types.float64)
+
+    return FLOAT64X8(types.float64), codegen
+
+
+def _pointer(context, builder, kind, array, index, part):
+    """Pointer to array[index], as one to `part`."""
+    data = context.make_array(kind)(context, builder, array).data
+    return builder.bitcast(builder.gep(data, [index]), ir.PointerType(part))
+
+
+@intrinsic
+def load(typing, array, k):
+    """array[k : k + 8] of a flat array of floats; float32 is widened."""
+
+    def codegen(context, builder, signature, arguments):
+        kind = signature.args[0]
+        small = kind.dtype == types.float32
+        part = ir.VectorType(ir.FloatType(), WIDTH) if small else _FLOAT64X8
+        pointer = _pointer(context, builder, kind, *arguments, part)
+        found = builder.load(pointer, align=4 if small else 8, **_load_type(part))
+        return builder.fpext(found, _FLOAT64X8) if small else found
+
+    return FLOAT64X8(array, k), codegen
+
+
+def _load_type(part):
+    """llvmlite of late wants the type of what is loaded."""
+    return {"typ": part} if "typ" in ir.IRBuilder.load.__code__.co_varnames else {}
+
+
+@intrinsic
+def store(typing, array, k, value):
+    """array[k : k + 8] = value; float32 arrays take it rounded."""
+
+    def codegen(context, builder, signature, arguments):
+        kind, (array, k, value) = signature.args[0], arguments
+        value = _broadcast(builder, value, signature.args[2])
+        small = kind.dtype == types.float32
+        part = ir.VectorType(ir.FloatType(), WIDTH) if small else _FLOAT64X8
+        value = builder.fptrunc(value, part) if small else value
+        builder.store(value, _pointer(context, builder, kind, array, k, part), align=4 if small else 8)
+        return context.get_dummy_value()
+
+    return types.void(array, k, value), codegen
+
+
+@intrinsic
+def shift_in_prev(typing, last, x):
+    """Shift by one lane towards higher lanes: lane 0 comes from lane 7 of `last`, the vector before x."""
+
+    def codegen(context, builder, signature, arguments):
+        return builder.shuffle_vector(*arguments, ir.Constant(_INT32X8, list(range(WIDTH - 1, 2 * WIDTH - 1))))
+
+    return FLOAT64X8(last, x), codegen
+
+
+@intrinsic
+def shift_in_next(typing, x, following):
+    """Shift by one lane towards lower lanes: lane 7 comes from lane 0 of `following`, the vector after x."""
+
+    def codegen(context, builder, signature, arguments):
+        return builder.shuffle_vector(*arguments, ir.Constant(_INT32X8, list(range(1, WIDTH + 1))))
+
+    return FLOAT64X8(x, following), codegen
+
+
+def load_or_broadcast(values, k):
+    """Load values[k : k + 8] of an array; a float is broadcast."""
+
+
+@overload(load_or_broadcast, inline="always")
+def _load_or_broadcast(values, k):
+    if isinstance(values, types.Float):
+        return lambda values, k: values
+    return lambda values, k: load(values, k)
+
+
+def item_or_scalar(values, k):
+    """values[k] of an array; a float as it is."""
+
+
+@overload(item_or_scalar, inline="always")
+def _item_or_scalar(values, k):
+    if isinstance(values, types.Float):
+        return lambda values, k: values
+    return lambda values, k: values[k]
+
+
+@intrinsic
+def _lane(typing, value, number):
+    """One lane of eight."""
+
+    def codegen(context, builder, signature, arguments):
+        return builder.extract_element(arguments[0], builder.trunc(arguments[1], ir.IntType(32)))
+
+    return types.float64(value, types.int64), codegen
+
+
+@kernel()
+def masked_store(array, k, value, count):
+    """Masked store: array[k : k + count] = value, for the last, incomplete vector of an array."""
+    if count >= WIDTH:
+        store(array, k, value)
+    else:
+        for number in range(count):
+            array[k + number] = _lane(value, number)
+
+
+@intrinsic
+def to_int32(typing, a):
+    """Convert doubles to int32."""
+
+    def codegen(context, builder, signature, arguments):
+        return builder.fptosi(arguments[0], _INT32X8)
+
+    return INT32X8(a), codegen
+
+
+@intrinsic
+def store_int32(typing, array, k, cell):
+    """Store eight int32: array[k : k + 8] = cell."""
+
+    def codegen(context, builder, signature, arguments):
+        array, k, cell = arguments
+        builder.store(cell, _pointer(context, builder, signature.args[0], array, k, _INT32X8), align=4)
+        return context.get_dummy_value()
+
+    return types.void(array, k, cell), codegen
+
+
+@intrinsic
+def gather8_indexed(typing, table, array, k):
+    """As `gather_rows8`, with the row numbers in array[k : k + 8]."""
+
+    def codegen(context, builder, signature, arguments):
+        table, array, k = arguments
+        data = context.make_array(signature.args[1])(context, builder, array).data
+        numbers = [
+            builder.load(builder.gep(data, [builder.add(k, ir.Constant(_INT, lane))]), **_load_type(ir.IntType(32)))
+            for lane in range(WIDTH)
+        ]
+        found = _numbered_rows(context, builder, signature.args[0], table, numbers, 8)
+        return context.make_tuple(builder, signature.return_type, _transposed(builder, found, 8))
+
+    return types.UniTuple(FLOAT64X8, 8)(table, array, k), codegen
+
+
+@intrinsic
+def gather(typing, array, cell):
+    """Gather: array[cell] of eight indices into a flat array."""
+
+    def codegen(context, builder, signature, arguments):
+        array, cell = arguments
+        data = context.make_array(signature.args[0])(context, builder, array).data
+        found = ir.Constant(_FLOAT64X8, ir.Undefined)
+        for lane in range(WIDTH):
+            number = ir.Constant(ir.IntType(32), lane)
+            place = builder.gep(data, [builder.zext(builder.extract_element(cell, number), _INT)])
+            found = builder.insert_element(found, builder.load(place, **_load_type(_DOUBLE)), number)
+        return found
+
+    return FLOAT64X8(array, cell), codegen
+
+
+@intrinsic
+def gather_rows4(typing, table, cell):
+    """Gather the rows `cell` of a table (n, 4), transposed: four vectors."""
+
+    def codegen(context, builder, signature, arguments):
+        found = _table_rows(context, builder, signature.args[0], arguments, 4)
+        return context.make_tuple(builder, signature.return_type, _transposed(builder, found, 4))
+
+    return types.UniTuple(FLOAT64X8, 4)(table, cell), codegen
+
+
+@intrinsic
+def gather_rows8(typing, table, cell):
+    """Gather the rows `cell` of a table (n, 8), transposed: eight vectors."""
+
+    def codegen(context, builder, signature, arguments):
+        found = _table_rows(context, builder, signature.args[0], arguments, 8)
+        return context.make_tuple(builder, signature.return_type, _transposed(builder, found, 8))
+
+    return types.UniTuple(FLOAT64X8, 8)(table, cell), codegen
+
+
+def _table_rows(context, builder, kind, arguments, count):
+    """The rows of a table of `count` columns, each as a vector."""
+    table, cell = arguments
+    numbers = [builder.extract_element(cell, ir.Constant(ir.IntType(32), lane)) for lane in range(WIDTH)]
+    return _numbered_rows(context, builder, kind, table, numbers, count)
+
+
+def _numbered_rows(context, builder, kind, table, numbers, count):
+    """The rows of given numbers."""
+    array = context.make_array(kind)(context, builder, table)
+    part = ir.VectorType(_DOUBLE, count)
+    found = []
+    for number in numbers:
+        row = builder.zext(number, _INT)
+        place = builder.gep(array.data, [builder.mul(row, ir.Constant(_INT, count))])
+        pointer = builder.bitcast(place, ir.PointerType(part))
+        found.append(builder.load(pointer, align=8, **_load_type(part)))
+    return found
+
+
+def _transposed(builder, rows, count):
+    """Eight rows of `count` numbers as `count` columns of eight."""
+    if count == 4:  # rows r and r + 4 side by side
+        mask = ir.Constant(_INT32X8, list(range(8)))
+        rows = [builder.shuffle_vector(rows[r], rows[r + 4], mask) for r in range(4)]
+        # each holds (c0 c1 c2 c3) of r, then of r + 4
+        pairs = [
+            builder.shuffle_vector(rows[a], rows[b], ir.Constant(_INT32X8, m))
+            for a, b in ((0, 1), (2, 3))
+            for m in ([0, 8, 2, 10, 4, 12, 6, 14], [1, 9, 3, 11, 5, 13, 7, 15])
+        ]  # (c0 c2) of 0 1; (c1 c3) of 0 1; the same of 2 3
+        low, high = [0, 1, 8, 9, 4, 5, 12, 13], [2, 3, 10, 11, 6, 7, 14, 15]
+        return [
+            builder.shuffle_vector(pairs[p], pairs[p + 2], ir.Constant(_INT32X8, m))
+            for p, m in ((0, low), (1, low), (0, high), (1, high))
+        ]
+    even, odd = [0, 8, 2, 10, 4, 12, 6, 14], [1, 9, 3, 11, 5, 13, 7, 15]
+    shuffle = lambda a, b, m: builder.shuffle_vector(a, b, ir.Constant(_INT32X8, m))  # noqa: E731
+    first = [shuffle(rows[r], rows[r + 1], m) for r in (0, 2, 4, 6) for m in (even, odd)]
+    low, high = [0, 1, 8, 9, 4, 5, 12, 13], [2, 3, 10, 11, 6, 7, 14, 15]
+    second = {}
+    for g in (0, 4):  # rows g .. g + 3
+        for parity in (0, 1):
+            a, b = first[g + parity], first[g + 2 + parity]
+            second[g, parity], second[g, parity + 2] = shuffle(a, b, low), shuffle(a, b, high)
+    lower, upper = [0, 1, 2, 3, 8, 9, 10, 11], [4, 5, 6, 7, 12, 13, 14, 15]
+    return [shuffle(second[0, m], second[4, m], lower) for m in range(4)] + [
+        shuffle(second[0, m], second[4, m], upper) for m in range(4)
+    ]
+
+
+def _tree_reduction(symbol):
+    @intrinsic
+    def fold(typing, a):
+        def codegen(context, builder, signature, arguments):
+            (vector,) = arguments
+            parts = [builder.extract_element(vector, ir.Constant(ir.IntType(32), lane)) for lane in range(WIDTH)]
+            while len(parts) > 1:
+                half = len(parts) // 2
+                if symbol == "+":
+                    parts = [builder.fadd(a, b) for a, b in zip(parts[:half], parts[half:])]
+                else:
+                    parts = [
+                        builder.select(builder.fcmp_ordered(">", a, b), a, b)
+                        for a, b in zip(parts[:half], parts[half:])
+                    ]
+            return parts[0]
+
+        return types.float64(a), codegen
+
+    return fold
+
+
+reduce_add, reduce_max = _tree_reduction("+"), _tree_reduction(">")

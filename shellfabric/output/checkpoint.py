@@ -1,0 +1,119 @@
+"""Checkpoints of a run as HDF5, written whole or not at all; a resumed run goes on bit for bit. Needs h5py.
+
+What is kept of a solver: `driver.solver.ExplicitSolver.checkpoint_arrays`, `checkpoint_records`, `checkpoint_extra` and
+`counters`, its step history and its snapshots. A checkpoint carries digests of all that determines the run and its
+records, the code among it, and is refused by any other run.
+"""
+
+from __future__ import annotations
+
+from dataclasses import fields, is_dataclass
+
+import numpy as np
+
+from fabrics import run_cache
+from fabrics.errors import InputError
+from fabrics.files import replace_whole
+from shellfabric.output.hooks import Every
+from shellfabric.output.snapshots import Snapshot
+
+FORMAT = "weavecell checkpoint 3"
+
+
+class Checkpoints(Every):
+    """Write a checkpoint every interval [s] of the run's time, over the last one."""
+
+    def __init__(self, path, interval):
+        super().__init__(interval)
+        self.path = path
+
+    def __call__(self, solver):
+        if self.due(solver):
+            write(solver, self.path)
+
+
+def stamp(solver):
+    """Digests of all that determines a run and its records."""
+    known, module = solver.checkpoint_identity()
+    return run_cache.stamp(known, module)
+
+
+def write(solver, path):
+    """Write the state and the records of a solver."""
+    import h5py
+
+    with replace_whole(path) as beside, h5py.File(beside, "w") as file:
+        file.attrs.update(format=FORMAT, **stamp(solver))
+        file.attrs.update({name: getattr(solver, name) for name in solver.counters})
+        for name, array in _arrays(solver):
+            file[f"arrays/{name}"] = np.array(array)
+        for name, rows in solver.checkpoint_records().items():
+            file[f"records/{name}"] = np.array(rows)
+        for name, array in solver.checkpoint_extra().items():
+            file[f"extra/{name}"] = array
+        file["steps"] = np.concatenate([np.empty((0, solver.history_columns)), *solver.step_history])
+        file["chunks"] = np.array([len(part) for part in solver.step_history], np.int64)
+        for number, snapshot in enumerate(solver.snapshots):
+            _store_snapshot(file, f"snapshots/{number:05d}", snapshot)
+
+
+def read(solver, path):
+    """Bring a fresh solver to the state of a checkpoint.
+
+    Raises
+    ------
+    InputError : the file is missing, broken, of another run, or of other code
+    """
+    import h5py
+
+    try:
+        with h5py.File(path, "r") as file:
+            if file.attrs.get("format") != FORMAT:
+                raise InputError(file=path, key="format", value=file.attrs.get("format"), allowed=repr(FORMAT))
+            run_cache.check_stamp(file.attrs, stamp(solver), path)
+            _restore(solver, file)
+    except (OSError, KeyError) as problem:
+        raise InputError(f"is not a readable checkpoint ({problem})", file=path) from None
+
+
+def _restore(solver, file):
+    for name, array in _arrays(solver):
+        array[...] = file[f"arrays/{name}"][()]
+    for name, rows in solver.checkpoint_records().items():
+        rows[:] = list(file[f"records/{name}"][()])
+    solver.restore_extra({name: data[()] for name, data in file.get("extra", {}).items()})
+    for name in solver.counters:
+        setattr(solver, name, file.attrs[name].item())
+    ends = np.cumsum(file["chunks"][()])
+    solver.step_history[:] = np.split(file["steps"][()], ends[:-1]) if ends.size else []
+    solver.snapshots[:] = [_snapshot(part) for _, part in sorted(file.get("snapshots", {}).items())]
+
+
+def _arrays(solver):
+    """(name, array) of all arrays of the state; entries of a named tuple that are numbers follow from the run."""
+    for group, value in solver.checkpoint_arrays().items():
+        for name, entry in zip(value._fields, value) if hasattr(value, "_fields") else (("", value),):
+            for number, array in enumerate(entry if isinstance(entry, tuple) else (entry,)):
+                if isinstance(array, np.ndarray):
+                    yield f"{group}/{name}/{number}", array
+
+
+def _store_snapshot(file, name, snapshot):
+    """Keep a snapshot: a Snapshot, an array or a number, or a tuple of these."""
+    if is_dataclass(snapshot):
+        for entry in fields(snapshot):
+            file[f"{name}/{entry.name}"] = getattr(snapshot, entry.name)
+    elif isinstance(snapshot, tuple):
+        for number, part in enumerate(snapshot):
+            _store_snapshot(file, f"{name}/{number:02d}", part)
+    else:
+        file[name] = snapshot
+
+
+def _snapshot(stored):
+    """The snapshot that a group or a dataset holds."""
+    if not hasattr(stored, "items"):
+        return stored[()]
+    if "nodes" in stored:
+        return Snapshot(*(stored[entry.name][()] for entry in fields(Snapshot)))
+    return tuple(_snapshot(part) for _, part in sorted(stored.items()))

@@ -1,0 +1,255 @@
+"""Histories along chosen yarns and at the edges: recorded while a run goes on, nothing else being kept.
+
+A yarn is one row of elements along warp or weft, chosen by its distance from the impact point. Recorded at every
+instant are the tension in its elements, where its nodes are along its own direction, and how far they are deflected;
+at each edge of the panel the force of the cloth on the nodes there, which where they are held is the reaction; of a ply
+in a pack, with the force of its neighbours on these nodes.
+
+A recording is a list of rows of numbers (`solver.histories`), so that checkpoints can keep it; `unpack` gives it back
+its names. Of a pack the same is recorded of every ply, or of the plies that are named.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import cos, inf, sin
+
+import numpy as np
+
+from fabrics.errors import InputError
+from shellfabric.output.hooks import Every
+from shellfabric.output.snapshots import yarn_tensions
+from shellfabric.panel.boundary import loose
+
+FAMILIES = ("warp", "weft")
+EDGES = ("warp_high", "warp_low", "weft_high", "weft_low")  # at highest and lowest x, at highest and lowest y
+PULL, LIFT = 0, 1
+
+
+@dataclass(frozen=True)
+class Measure:
+    """What to record.
+
+    Parameters
+    ----------
+    interval : [s] between records
+    warp, weft : (n,) [m] distances from the impact point, across the family, of the yarns to follow
+    plies : numbers of the plies of a pack to follow, the first is 1; None for all
+
+    Raises
+    ------
+    InputError : an interval that is not positive, a distance that is not a number, plies that are no numbers of plies
+    """
+
+    interval: float = 1e-6
+    warp: tuple[float, ...] = (0.0,)
+    weft: tuple[float, ...] = (0.0,)
+    plies: tuple[int, ...] | None = None
+
+    def __post_init__(self):
+        if not 0 < self.interval < inf:
+            raise InputError(key="interval", value=self.interval, allowed="above 0")
+        for family in FAMILIES:
+            if not all(abs(distance) < inf for distance in getattr(self, family)):
+                raise InputError(key=family, value=getattr(self, family), allowed="distances in m")
+        if self.plies is not None and (not self.plies or any(ply != int(ply) or ply < 1 for ply in self.plies)):
+            raise InputError(key="plies", value=self.plies, allowed="numbers of plies, the first is 1")
+
+    def chosen(self, count):
+        """Indices of the plies to follow of a pack of `count`; InputError for a ply that it has not."""
+        if self.plies is not None and max(self.plies) > count:
+            raise InputError(key="plies", value=self.plies, allowed=f"1 to {count}")
+        return range(count) if self.plies is None else [ply - 1 for ply in self.plies]
+
+
+@dataclass(frozen=True)
+class YarnHistory:
+    """One yarn through time. Places along it count from the impact point.
+
+    Parameters
+    ----------
+    family : "warp" or "weft"
+    offset : [m] of the middle of its row of elements, across the family
+    EA, strength : [N]
+    crimp : [-]
+    X : (n,) [m] middles of its elements at rest
+    tension : (samples, n) [N]
+    place : (samples, n+1) [m] of its nodes, along the family
+    deflection : (samples, n+1) [m]
+    """
+
+    family: str
+    offset: float
+    EA: float
+    strength: float
+    crimp: float
+    X: np.ndarray
+    tension: np.ndarray
+    place: np.ndarray
+    deflection: np.ndarray
+
+    @property
+    def strain(self):
+        """(samples, n) [-] of the fibre."""
+        return self.tension / self.EA
+
+    def element_at(self, distance):
+        """Number of the element that lies nearest a distance [m] from the impact point."""
+        return int(np.argmin(np.abs(self.X - distance)))
+
+
+@dataclass(frozen=True)
+class Histories:
+    """A recording.
+
+    Parameters
+    ----------
+    t : (samples,) [s]
+    yarns : tuple of YarnHistory
+    edges : {name of EDGES: (samples, 2)} [N] force of the cloth on an edge of the whole panel: pull inwards, and lift
+        along the flight of the projectile
+    """
+
+    t: np.ndarray
+    yarns: tuple[YarnHistory, ...]
+    edges: dict
+
+    def through(self, family) -> YarnHistory | None:
+        """The yarn of a family that is nearest the impact point."""
+        return min((yarn for yarn in self.yarns if yarn.family == family), key=lambda y: abs(y.offset), default=None)
+
+
+class Recorder(Every):
+    """Keep a row every interval, in solver.histories.
+
+    Parameters
+    ----------
+    plies : Panels of the run, the one that is struck first
+    measure : Measure
+
+    Raises
+    ------
+    InputError : a yarn that is not on the panel, a ply that is not in the pack
+    """
+
+    def __init__(self, plies, measure: Measure):
+        super().__init__(measure.interval)
+        self.chosen = measure.chosen(len(plies))
+        self.what = [(rows(plies[p], measure), edge_nodes(plies[p])) for p in self.chosen]
+
+    def __call__(self, solver):
+        if self.due(solver):
+            parts = [
+                _record(*solver.parts[p], *what, solver.neighbour_forces(p)) for p, what in zip(self.chosen, self.what)
+            ]
+            solver.histories.append(np.concatenate([[solver.time], *parts]))
+
+
+def rows(panel, measure):
+    """(family, row of elements, row of nodes) of every yarn to follow.
+
+    On a mirrored panel the yarn at -y is the one at y.
+
+    Raises
+    ------
+    InputError : a yarn that is not on the panel
+    """
+    found = []
+    for family, mirrored, lines in zip(FAMILIES, panel.mirrors[::-1], panel.lines()[::-1]):
+        count, slack = lines.size - 1, 1e-9 * (lines[-1] - lines[0])
+        for distance in getattr(measure, family):
+            place = abs(distance) if mirrored else distance
+            if not lines[0] - slack <= place <= lines[-1] + slack:
+                allowed = f"at most {1e3 * lines[-1]:.4g} mm from the impact point"
+                raise InputError(key=family, value=distance, allowed=allowed)
+            position = float(np.interp(place, lines, np.arange(count + 1)))
+            found.append((family, min(int(position), count - 1), round(position)))
+    return found
+
+
+def _record(panel, c, state, chosen, sides, neighbours):
+    """Numbers of one ply: tension, places and deflections of each yarn, then the edges' forces."""
+    tension = yarn_tensions(c, state)
+    u = [component[: (c.ni + 1) * c.row_stride].reshape(c.ni + 1, c.row_stride) for component in state.u]
+    parts = []
+    for family, element, node in chosen:
+        along = np.s_[:, node] if family == "warp" else np.s_[node, :]
+        pulled = tension[:, element, 0] if family == "warp" else tension[element, :, 1]
+        rest = panel.lines()[FAMILIES.index(family)]
+        parts += [pulled, rest + u[FAMILIES.index(family)][along], u[2][along]]
+    return np.concatenate([*parts, _edge_forces(state, sides, neighbours).ravel()])
+
+
+def _edge_forces(state, sides, neighbours):
+    """(4, 2) [N] pull and lift at the edges, as EDGES names them; neighbours : forces that other plies add there."""
+    forces = np.empty((4, 2))
+    for number, (nodes, weights, normal) in enumerate(sides):
+        nodal = [a[nodes] + b[nodes] for a, b in zip(state.f_int, state.f_int_above)]
+        for others in neighbours:
+            nodal = [total + force[nodes] for total, force in zip(nodal, others)]
+        f = [weights @ force for force in nodal]
+        forces[number] = -normal[0] * f[0] - normal[1] * f[1], f[2]
+    return forces
+
+
+def edge_nodes(panel):
+    """(node numbers, weights, outward normal) of the panel's sides, as EDGES names them.
+
+    A mirrored side is its mirror's. Weights complete the panel by symmetry; a corner counts half to each of its sides.
+    The sides of an oblique weave are the held nodes, each with the side of the opening that it is nearest to.
+    """
+    X, Y = panel.coordinates()
+    numbers, weight = np.arange(X.size).reshape(X.shape), 1 / panel.share
+    if panel.weave_angle:
+        return _oblique_sides(panel, X, Y, numbers)
+    on, lines = np.zeros((4, *X.shape), bool), [np.s_[-1, :], np.s_[0, :], np.s_[:, -1], np.s_[:, 0]]
+    mirrored = [False, panel.mirrors[0], False, panel.mirrors[1]]
+    for side, line, missing in zip(on, lines, mirrored):
+        side[line] = not missing
+    share = np.where(on, weight / np.maximum(on.sum(axis=0), 1), 0.0)
+    # a side whose opposite is its mirror stands for both: half of what its weight completes
+    share *= np.array([0.5 if panel.mirrors[k // 2] else 1.0 for k in range(4)])[:, None, None]
+    sides = [
+        (numbers[side], part[side], np.array(normal))
+        for side, part, normal in zip(on, share, ((1, 0), (-1, 0), (0, 1), (0, -1)))
+    ]
+    return [sides[k - 1] if mirrored[k] else side for k, side in enumerate(sides)]
+
+
+def _oblique_sides(panel, X, Y, numbers):
+    turn = np.array(
+        [[cos(panel.weave_angle), -sin(panel.weave_angle)], [sin(panel.weave_angle), cos(panel.weave_angle)]]
+    )
+    place = np.tensordot(turn, np.stack([X, Y]), 1) / (0.5 * np.array(panel.opening))[:, None, None]
+    nearest = np.where(np.abs(place[0]) >= np.abs(place[1]), np.where(place[0] > 0, 0, 1), np.where(place[1] > 0, 2, 3))
+    held = ~loose(panel)
+    normals = (turn[0], -turn[0], turn[1], -turn[1])
+    return [
+        (numbers[on], np.ones(on.sum()), n) for on, n in ((held & (nearest == k), n) for k, n in enumerate(normals))
+    ]
+
+
+def unpack(recording, plies, measure) -> tuple[Histories, ...]:
+    """Name the numbers of a recording, a list of rows: the Histories of each ply that has been followed."""
+    table = np.array(recording)
+    at = 1
+
+    def take(count):
+        nonlocal at
+        at += count
+        return table[:, at - count : at]
+
+    return tuple(_unpacked(table[:, 0], take, plies[p], measure) for p in measure.chosen(len(plies)))
+
+
+def _unpacked(t, take, panel, measure) -> Histories:
+    """Histories of one ply; take(count) gives the next columns of the recording."""
+    weave, lines, yarns = panel.weave, panel.lines(), []
+    for family, element, _ in rows(panel, measure):
+        yarn = weave.yarns[FAMILIES.index(family)]
+        own, other = lines if family == "warp" else lines[::-1]
+        offset, X = 0.5 * (other[element] + other[element + 1]), 0.5 * (own[:-1] + own[1:])
+        known = family, float(offset), yarn.EA, yarn.strength, yarn.crimp, X
+        yarns.append(YarnHistory(*known, take(own.size - 1), take(own.size), take(own.size)))
+    edges = {name: take(2) for name in EDGES}
+    return Histories(t, tuple(yarns), edges)

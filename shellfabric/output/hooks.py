@@ -1,0 +1,60 @@
+"""Hooks of a run: snapshots, progress, and the clock that decides when they act. See also `checkpoint`."""
+
+from __future__ import annotations
+
+from shellfabric.output.snapshots import snapshot
+
+
+class Every:
+    """True once per interval of the run's time, and at its end.
+
+    Parameters
+    ----------
+    interval : [s]
+    """
+
+    def __init__(self, interval):
+        self.interval = interval
+
+    def due(self, solver):
+        """Whether this sample is the one nearest a multiple of the interval.
+
+        It depends on the run alone, so that a resumed run acts at the same instants.
+        """
+        before = solver.samples[-2][0] if len(solver.samples) > 1 else 0.0
+        numbers = [int((t + 0.5 * solver.sample_spacing) / self.interval) for t in (before, solver.time)]
+        before_end = numbers[1] * self.interval < (1 - 1e-9) * solver.end_time
+        return solver.ended or (numbers[1] > numbers[0] and before_end)
+
+
+class Snapshots(Every):
+    """Keep a snapshot every interval, in solver.snapshots.
+
+    Parameters
+    ----------
+    interval : [s]
+    take : called as take(solver), makes the snapshot; None takes that of a panel
+    """
+
+    def __init__(self, interval, take=None):
+        super().__init__(interval)
+        self.take = take or (lambda solver: snapshot(solver.panel, solver.state, solver.time))
+
+    def __call__(self, solver):
+        if self.due(solver):
+            solver.snapshots.append(self.take(solver))
+
+
+class Progress:
+    """Report progress.
+
+    Parameters
+    ----------
+    report : called as report(share of the end time, projectile velocity [m/s])
+    """
+
+    def __init__(self, report):
+        self.report = report
+
+    def __call__(self, solver):
+        self.report(1.0 if solver.ended else solver.time / solver.end_time, float(solver.state.projectile_velocity[2]))

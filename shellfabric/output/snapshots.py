@@ -1,0 +1,79 @@
+"""What is read off a panel: its shape, its tensions, its failed yarns, the pyramid of its back face."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+
+@dataclass(frozen=True)
+class Snapshot:
+    """The panel at one instant.
+
+    Parameters
+    ----------
+    t : [s]
+    z : [m] foremost point of the projectile
+    nose : (3,) [m] place of its nose
+    nodes : (ni+1, nj+1, 3) [m]
+    tension : (ni, nj, 2) [N] of warp and weft
+    broken : (ni, nj, 3) bool: a warp or a weft at its side failed, element eroded
+    """
+
+    t: float
+    z: float
+    nose: np.ndarray
+    nodes: np.ndarray
+    tension: np.ndarray
+    broken: np.ndarray
+
+
+def snapshot(panel, state, t) -> Snapshot:
+    """Take a snapshot of a panel's state at the time `t` [s]."""
+    ni, nj = panel.counts
+    grid = (ni + 1, nj + 1)
+    X, Y = panel.coordinates()
+    nodes = np.moveaxis(np.array(state.u)[:, : grid[0] * grid[1]].reshape(3, *grid), 0, 2).copy()
+    nodes[..., 0] += X
+    nodes[..., 1] += Y
+    c = panel.constants()
+    broken = failures(c, state)
+    z = float(state.projectile_position[2] + panel.projectile.top)
+    return Snapshot(t, z, state.projectile_position.copy(), nodes, yarn_tensions(c, state), broken)
+
+
+def failures(c, state):
+    """(ni, nj, 3) bool: a warp or a weft at its side failed, element eroded; `c` are the panel's constants."""
+    flag = state.element_flag[: c.ni * c.row_stride].reshape(c.ni, c.row_stride)[:, : c.nj]
+    return np.stack([(flag & bit) != 0 for bit in (1, 2, 4)], axis=2)
+
+
+def yarn_tensions(c, state):
+    """(ni, nj, 2) [N] tension of warp and weft in each element: the mean over its two edges of what is left of them."""
+    warp, weft = (
+        (part * T)[: (c.ni + 1) * c.row_stride].reshape(c.ni + 1, c.row_stride)
+        for part, T in zip(state.intact_fraction, state.T)
+    )
+    return np.stack([0.5 * (warp[:-1, :-1] + warp[:-1, 1:]), 0.5 * (weft[:-1, :-1] + weft[1:, :-1])], axis=2)
+
+
+def deflection_profile(panel, shot):
+    """Deflection along the warp and along the weft through the impact point: ((x, z), (y, z)) [m]."""
+    c = panel.constants()
+    i, j = (0 if c.mirror_x else c.ni // 2), (0 if c.mirror_y else c.nj // 2)
+    return (shot.nodes[:, j, 0], shot.nodes[:, j, 2]), (shot.nodes[i, :, 1], shot.nodes[i, :, 2])
+
+
+def pyramid(panel, shot, share=0.05):
+    """Half-diagonals [m] of the deflected pyramid along warp and weft: as far as z exceeds `share` of the highest."""
+    profiles = deflection_profile(panel, shot)
+    highest = max(float(z.max()) for _, z in profiles)
+    return tuple(float(np.abs(x[z > share * highest]).max(initial=0.0)) if highest > 0 else 0.0 for x, z in profiles)
+
+
+def quads(panel):
+    """(m, 4) node numbers of the elements, in the order of a snapshot's nodes as (n, 3)."""
+    ni, nj = panel.counts
+    first = (np.arange(ni)[:, None] * (nj + 1) + np.arange(nj)[None, :]).ravel()
+    return np.stack([first, first + nj + 1, first + nj + 2, first + 1], axis=1)

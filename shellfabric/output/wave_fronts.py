@@ -1,0 +1,111 @@
+"""Wave fronts along a yarn, read off its recorded history, with the speeds fitted to them.
+
+Longitudinal: in each element, the instant at which the tension passes a threshold, interpolated between records. In a
+woven yarn of no crimp it runs at c / sqrt(1 + mass of the crossing yarn over its own), c / sqrt 2 in a balanced weave
+(source thesis eq. 5-6, erratum E-38). The speed in the cloth at rest, X / t, is less than that along the yarn by the
+crimp, and a crimped yarn's front is a shock: with the tension T behind it and the stretch eps of the cloth there, it
+runs at sqrt(T / (m eps)), m being the mass of the cloth per length and yarn (momentum and mass across the jump).
+
+Transverse: at each instant, the foot of the deflected part: where the chord through the side of the profile at 3/4
+and 1/4 of its height meets the undeflected cloth. On a straight yarn the side is straight and the foot is the kink,
+which runs at U (`smith`).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.stats import linregress
+from scipy.stats import t as student
+
+from shellfabric.output.histories import FAMILIES, Histories, YarnHistory
+
+TOE = 0.01  # of the yarn's strength: the threshold that is called the arrival of the longitudinal front
+WINDOW = (0.15, 0.85)  # part of the yarn, from the impact point to its end, within which speeds are fitted
+_HIGH, _LOW = 0.75, 0.25  # of the height of the profile
+
+
+@dataclass(frozen=True)
+class Front:
+    """A front, and the straight line through it.
+
+    Parameters
+    ----------
+    kind : "longitudinal" or "transverse"
+    family : "warp" or "weft"
+    time, place : (m,) [s, m] of the front; place counts from the impact point
+    speed : [m/s] of the line through those within the window; nan where there are fewer than four
+    interval : (low, high) [m/s] of the speed, at 95 %
+    start : [s] at which the line leaves the impact point
+    """
+
+    kind: str
+    family: str
+    time: np.ndarray
+    place: np.ndarray
+    speed: float
+    interval: tuple[float, float]
+    start: float
+
+
+def fronts(histories: Histories) -> tuple[Front, ...]:
+    """The fronts along the warp and the weft yarn nearest the impact point, where such were recorded."""
+    yarns = [yarn for yarn in map(histories.through, FAMILIES) if yarn is not None]
+    return tuple(front(yarn, histories.t) for yarn in yarns for front in (longitudinal, transverse))
+
+
+def longitudinal(yarn: YarnHistory, t, *, threshold=None, window=WINDOW) -> Front:
+    """Arrivals of the longitudinal front.
+
+    Parameters
+    ----------
+    yarn, t : of Histories
+    threshold : [N] of the tension; TOE of the yarn's strength if None
+    window : shares of the yarn's length within which the speed is fitted
+    """
+    threshold = TOE * yarn.strength if threshold is None else threshold
+    side = yarn.X > 0
+    tension = np.vstack([np.zeros(side.sum()), yarn.tension[:, side]])  # at the strike there is none yet
+    clock = np.concatenate([[0.0], t])
+    reached = (tension >= threshold).any(axis=0)
+    k = np.argmax(tension >= threshold, axis=0)[reached]
+    column = np.flatnonzero(reached)
+    before, after = tension[k - 1, column], tension[k, column]
+    time = clock[k - 1] + (clock[k] - clock[k - 1]) * (threshold - before) / (after - before)
+    return _fitted("longitudinal", yarn, time, yarn.X[side][reached], window)
+
+
+def transverse(yarn: YarnHistory, t, *, window=WINDOW) -> Front:
+    """Feet of the deflected part; left out where its side is not spread over three elements."""
+    spacing = yarn.X[1] - yarn.X[0]
+    time, place = [], []
+    for instant, x, z in zip(t, yarn.place, yarn.deflection):
+        side = x >= 0
+        x, z = x[side], z[side]
+        top = float(z.max(initial=0.0))
+        high, low = _crossing(x, z, _HIGH * top), _crossing(x, z, _LOW * top)
+        if top > 0 and low - high >= 3 * spacing:
+            time.append(instant)
+            place.append(low + (low - high) * _LOW / (_HIGH - _LOW))
+    return _fitted("transverse", yarn, np.array(time), np.array(place), window)
+
+
+def _crossing(x, z, height):
+    """[m] outermost place at which the profile comes down through a height."""
+    above = np.flatnonzero(z > height)
+    if above.size == 0 or above[-1] + 1 == z.size:
+        return np.nan
+    k = above[-1]
+    return x[k] + (x[k + 1] - x[k]) * (z[k] - height) / (z[k] - z[k + 1])
+
+
+def _fitted(kind, yarn, time, place, window):
+    end = float(np.abs(yarn.X).max())
+    inside = (place >= window[0] * end) & (place <= window[1] * end)
+    if np.count_nonzero(inside) < 4 or np.ptp(time[inside]) == 0.0:
+        return Front(kind, yarn.family, time, place, np.nan, (np.nan, np.nan), np.nan)
+    line = linregress(time[inside], place[inside])
+    reach = student.ppf(0.975, np.count_nonzero(inside) - 2) * line.stderr
+    interval = float(line.slope - reach), float(line.slope + reach)
+    return Front(kind, yarn.family, time, place, float(line.slope), interval, float(-line.intercept / line.slope))

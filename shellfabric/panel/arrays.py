@@ -1,0 +1,223 @@
+"""The arrays of a panel that the kernels work on: what they need to know, the state of a march, scratch."""
+
+from collections import namedtuple
+from math import inf
+
+import numpy as np
+
+from shellfabric.cloth import boundary_kernels
+from shellfabric.jit import barrier
+from shellfabric.jit.aligned import aligned_zeros
+from shellfabric.panel import boundary, grading, step_kernels
+from shellfabric.projectile import contact, contact_kernels, dynamics
+
+PRECISIONS = {"double": np.float64, "single": np.float32}
+_PIECE = 256  # slots that loops of two halves go over at a time (see `membrane_kernels`): a whole number of eights
+USUAL_POINTS = 8  # of contact along a crossover, under a nose that they resolve
+SPACING = 0.8  # [nose radii] of contact points at most: peak tensions are within 3 % of those of points much closer
+MOST_POINTS = 32  # along a side of an element: all those of an element are kept in memory, four numbers each
+_ROWS = 6  # of a block at least: with fewer, most of the work would be on the rows about it that two blocks need
+
+Constants = namedtuple(
+    "Constants",
+    "ni nj row_stride rows_per_block n_per_crossover mirror_x mirror_y x0 y0 dx dy inv_dx inv_dy dt tension1 "
+    "tension2 tension_bound_table1 tension_bound_step1 tension_bound_table2 tension_bound_step2 "
+    "potential_coefficients potential_constant table_start1 table_scale1 table_last1 table_start2 table_scale2 "
+    "table_last2 table_grid force_per_slope1 force_per_slope2 variational mean_weight1 mean_weight2 cv1 cv2 "
+    "trellis_volume G1 G2 gamma1 gamma2 w1 S01 EA1 w2 S02 EA2 min_strength1 min_strength2 yarn_strengths1 "
+    "yarn_strengths2 filter_alpha erosion_gap_ratio window_limits points_per_side shape_functions point_stiffness "
+    "point_damping point_mass implicit_factor projectile_radius edge_radius projectile_mass free_dofs "
+    "perforation_delay_steps nose_shape nose_parameters projectile_length frame tilted window_follows body_depth "
+    "draw_in_reach foremost_offset shoulder friction slip_node slip_axis slip_data bending jamming yarn_ends "
+    "bar_mass bar_h bar_area bar_law bar_substeps has_backing",
+)
+State = namedtuple(
+    "State",
+    "u v f_int f_int_above mass inverse_mass dt_over_mass stretch N T dstretch force_slope yarn_length "
+    "intact_fraction failed filtered_tension element_flag block_damage tension_stale block_max_tension "
+    "last_contact_force in_contact dv_other dv_contact force_scale f_contact projectile_position "
+    "projectile_velocity f_contact_nose contact_energy active_rows counter energy_sums peak_tension contact_window "
+    "friction_state slip_force slip_energy f_block_nose f_block_cloth bar_u bar_v bar_plastic bar_stress bar_energy",
+)
+Work = namedtuple(
+    "Work",
+    "A B stretch1 stretch2 inv_stretch1 inv_stretch2 mean_stretch1 mean_stretch2 T1 T2 N1 N2 slope1 slope2 dW_own1 "
+    "dW_own2 dW_crossing1 dW_crossing2 f_over_stretch1 f_over_stretch2 trellis_f1 trellis_f2 trellis_f12 f_next_row "
+    "cell_index barrier contact_scratch",
+)
+
+
+def constants(panel) -> Constants:
+    """What the kernels need to know, as plain numbers and arrays."""
+    (ni, nj), (dx, dy), (mirror_x, mirror_y) = panel.counts, panel.spacing, panel.mirrors
+    weave, table, knobs, dt = panel.weave, panel.table, panel.numerics, panel.time_step
+    (w1, w2), (S01, S02), (warp, weft) = weave.w, weave.S0, weave.yarns
+    rx, ry = (1 / step for step in table.steps)
+    shear = panel.fabric.shear if panel.trellis else None
+    G1, G2, gamma1, gamma2 = (shear.G1, shear.G2, shear.gamma1, shear.gamma2) if shear else (0.0, 0.0, 0.5, 1.0)
+    lag = panel.critical_step / dt
+    mass = weave.areal_density * dx * dy
+    (x0, y0), shot = panel.origin, panel.projectile
+    rim_node, rim_axis, rim = boundary.rim(panel)
+    strengths = _strengths(panel)
+    roaming = shot.roaming or rim_node.size > 0  # over the cloth: it slides, or the cloth is drawn under it
+    cv1, cv2 = (knobs.stretch_viscosity * lag * yarn.EA for yarn in (warp, weft))
+    slots = {"inv_dx": 1 / dx, "inv_dy": 1 / dy, "cv1": cv1, "cv2": cv2, "trellis_volume": dx * dy * weave.thickness}
+    slots |= {"mean_weight1": 0.5, "mean_weight2": 0.5}
+    if panel.sides is not None:
+        slots = grading.slots(panel.sides, panel.spacing, weave.thickness, (cv1, cv2), aligned_zeros)
+    return Constants(
+        ni=ni, nj=nj, row_stride=nj + 1, rows_per_block=_block(panel), mirror_x=mirror_x, mirror_y=mirror_y,
+        x0=x0, y0=y0, dx=dx, dy=dy, dt=dt, n_per_crossover=panel.elements_per_crossover, **slots,
+        tension1=table.tension1.reshape(-1, 4), tension2=table.tension2.reshape(-1, 4),
+        tension_bound_table1=panel.ceilings[0][0], tension_bound_step1=panel.ceilings[0][1],
+        tension_bound_table2=panel.ceilings[1][0], tension_bound_step2=panel.ceilings[1][1],
+        potential_coefficients=panel.potential[0], potential_constant=panel.potential[1],
+        table_start1=table.stretch1[0], table_scale1=rx, table_last1=table.stretch1.size - 2,
+        table_start2=table.stretch2[0], table_scale2=ry, table_last2=table.stretch2.size - 2,
+        table_grid=(
+            table.stretch1[0], rx, table.stretch1.size - 2.0, table.stretch2[0], ry, table.stretch2.size - 2.0,
+            table.stretch2.size - 1.0,
+        ),
+        force_per_slope1=rx / (2 * w1), force_per_slope2=ry / (2 * w2), variational=table.model.form == "variational",
+        G1=G1, G2=G2, gamma1=gamma1, gamma2=gamma2,
+        w1=w1, S01=S01, EA1=warp.EA, w2=w2, S02=S02, EA2=weft.EA,
+        min_strength1=strengths[0].min(), min_strength2=strengths[1].min(),
+        yarn_strengths1=strengths[0], yarn_strengths2=strengths[1],
+        filter_alpha=-np.expm1(-dt / knobs.failure_time) if knobs.failure_time > 0 else 0.0,
+        erosion_gap_ratio=knobs.widest, window_limits=_near(panel, roaming), **_contact(panel, mass),
+        projectile_radius=shot.radius, edge_radius=shot.edge_radius, projectile_mass=shot.mass * panel.share,
+        free_dofs=(0.0 if mirror_x else 1.0, 0.0 if mirror_y else 1.0, 1.0),
+        perforation_delay_steps=max(1, round(knobs.clear_time / dt)),
+        nose_shape=shot.number, nose_parameters=shot.form,
+        projectile_length=inf if shot.length is None else shot.length, frame=shot.frame,
+        tilted=shot.tilted, window_follows=roaming, body_depth=2 * shot.radius, draw_in_reach=panel.reach(),
+        foremost_offset=shot.top,
+        shoulder=shot.shoulder, friction=shot.friction, slip_node=rim_node, slip_axis=rim_axis, slip_data=rim,
+        bending=np.array([n * EI / d for n, EI, d in zip(panel.yarns_a_line, panel.bending, panel.spacing)]),
+        jamming=np.array(panel.jam, float), yarn_ends=boundary.yarn_ends(panel),
+        has_backing=panel.backing is not None, **dynamics.constants(shot, panel.share, dt),
+    )  # fmt: skip
+
+
+def state(panel, strike_velocity) -> State:
+    """The panel at rest, flat at z = 0, touched by the projectile that flies at it at `strike_velocity` [m/s]."""
+    const = constants(panel)
+    ni, s = const.ni, const.row_stride
+    slots = (ni + 2) * s + 16
+    real = PRECISIONS[panel.numerics.precision]
+    mass, inverse, kick = (*aligned_zeros(2, slots), *aligned_zeros(1, slots, real))
+    mass[: (ni + 1) * s] = panel.masses().ravel()
+    loose = np.flatnonzero(boundary.loose(panel))
+    inverse[loose] = 1.0 / mass[loose]
+    kick[:] = const.dt * inverse
+    blocks = -(-ni // const.rows_per_block)
+    three, two = (lambda kind=float: aligned_zeros(3, slots, kind)), (lambda: aligned_zeros(2, slots, real))
+    # the last changes of stretch and slopes enter the audit alone: 7 digits are enough
+    small, slopes = aligned_zeros(2, slots, np.float32), aligned_zeros(2, slots, np.float32)
+    forces, lengths, stretches = two(), two(), aligned_zeros(2, slots)
+    for y, length, L in zip(lengths, _yarn_lengths(panel, const), stretches):
+        y[: length.size], L[:] = length, 1.0
+    i0, i1 = const.window_limits[:2]
+    state = State(
+        u=three(), v=three(), f_int=three(real), f_int_above=three(real), mass=mass, inverse_mass=inverse,
+        dt_over_mass=kick,
+        stretch=stretches, N=forces, T=two() if const.variational else forces, dstretch=small, force_slope=slopes,
+        yarn_length=lengths, intact_fraction=tuple((y > 0).astype(float) for y in lengths),
+        failed=(np.zeros(slots, np.uint8), np.zeros(slots, np.uint8)),
+        filtered_tension=aligned_zeros(2, slots if const.filter_alpha > 0 else 0),
+        block_damage=np.zeros(blocks, np.uint8), tension_stale=np.zeros(blocks, np.bool_),
+        block_max_tension=np.zeros((blocks, 2)), element_flag=np.zeros(slots, np.uint8), f_contact=three(),
+        **contact.contact_state(const.window_limits, const.points_per_side, const.shape_functions, const.friction),
+        projectile_position=panel.projectile.start(), projectile_velocity=strike_velocity * panel.projectile.flight,
+        f_contact_nose=np.zeros(3),
+        contact_energy=np.zeros(5), active_rows=np.array([max(i0 - 2, 0), min(i1 + 2, ni)]),
+        counter=np.zeros(3, np.int64),
+        energy_sums=np.zeros((blocks, 5)), peak_tension=np.zeros(2), contact_window=np.array(const.window_limits),
+        slip_force=np.zeros(const.slip_node.size), slip_energy=np.zeros(3),
+        f_block_nose=np.zeros(3), f_block_cloth=three() if const.has_backing else aligned_zeros(3, 0),
+        **dynamics.state(panel.projectile, strike_velocity),
+    )  # fmt: skip
+    if const.window_follows:
+        contact_kernels.move_window(state, const)
+        state.active_rows[:] = max(state.contact_window[0] - 2, 0), min(state.contact_window[1] + 2, ni)
+    if np.any(const.slip_data[:, 0]):
+        state.active_rows[:] = 0, ni  # led edges move before any wave comes to them
+    step_kernels.initial_forces(state, const, work(panel))
+    boundary_kernels.update_slip_nodes(state, const, 0.0)
+    return state
+
+
+def work(panel) -> Work:
+    """Scratch of one thread, for one block of elements."""
+    const = constants(panel)
+    size = (const.rows_per_block + 4) * const.row_stride + 16
+    rows = {name: aligned_zeros(1, size)[0] for name in Work._fields}
+    rows["A"], rows["B"], rows["barrier"] = (
+        aligned_zeros(3, size),
+        aligned_zeros(3, size),
+        np.zeros(barrier.SLOTS, np.int64),
+    )
+    rows["cell_index"] = np.zeros(_PIECE, np.int32)
+    # what is asked for last takes the room of what is no longer needed then: scratch is to fit into the cache
+    rows["T1"], rows["T2"], rows["f_over_stretch1"], rows["f_over_stretch2"] = (
+        rows[name] for name in ("dW_own1", "dW_own2", "dW_crossing1", "dW_crossing2")
+    )
+    rows["f_next_row"], rows["contact_scratch"] = (
+        (rows["mean_stretch1"], rows["mean_stretch2"], rows["dW_own1"]),
+        contact.scratch(const),
+    )
+    return Work(**rows)
+
+
+def _block(panel):
+    """Element rows of a block: all blocks are of one size, but the last."""
+    ni, nj = panel.counts
+    rows = max(_ROWS, panel.numerics.block / (nj + 1))
+    return -(-ni // max(1, round(ni / rows)))
+
+
+def _contact(panel, mass):
+    """Constants of the contact of elements of a mass [kg]."""
+    knobs, usual = panel.numerics, panel.numerics.contact_points or USUAL_POINTS
+    points = max(2, -(-usual * panel.finest // panel.elements_per_crossover))
+    if knobs.contact_points is None:
+        resolving = np.ceil(max(panel.spacing) / (SPACING * panel.projectile.nose_radius))
+        points = max(points, int(min(resolving, MOST_POINTS)))
+    return contact.constants(points, mass, panel.step_of_bound, knobs.penalty, knobs.contact_damping)
+
+
+def _yarn_lengths(panel, const):
+    """(warp, weft) [m] length of yarn of each edge at its slot: an edge's own times its yarns, half on the rim."""
+    if panel.sides is not None:
+        (a, b), (m, n) = panel.sides, map(grading.tributary, panel.sides)
+        warp, weft = np.zeros((2, const.ni + 1, const.row_stride))
+        warp[:-1], weft[:, :-1] = np.multiply.outer(a, n), np.multiply.outer(m, b)
+        return [(panel.weave.warp_count * warp).ravel(), (panel.weave.weft_count * weft).ravel()]
+    found, area = [], const.dx * const.dy
+    for count, axis in ((panel.weave.warp_count, 0), (panel.weave.weft_count, 1)):
+        y = np.zeros((const.ni + 1, const.row_stride))
+        lines = np.moveaxis(y, axis, 0)[:-1]
+        lines[:] = area * count
+        lines[:, [0, -1]] *= 0.5
+        found.append(y.ravel())
+    return found
+
+
+def _strengths(panel):
+    """(warp, weft) [N] strength of each yarn of the modelled part."""
+    factors = panel.strength_factors or tuple(np.ones(count) for count in panel.yarn_counts)
+    return tuple(
+        np.asarray(given, float) * (yarn.strength if panel.failure else inf)
+        for given, yarn in zip(factors, panel.weave.yarns)
+    )
+
+
+def _near(panel, roaming):
+    """Element rows and columns (i0, i1, j0, j1) that can come under the projectile: all of them if it roams."""
+    if roaming:
+        return 0, panel.counts[0], 0, panel.counts[1]
+    bounds = []
+    for start, step, count, reach in zip(panel.origin, panel.spacing, panel.counts, panel.reach()):
+        bounds += [max(0, int((-reach - start) / step)), min(count, int((reach - start) / step) + 1)]
+    return tuple(bounds)

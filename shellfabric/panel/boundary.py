@@ -1,0 +1,194 @@
+"""Edges of the panel: clamped, free, led inwards or gripped, each of the four sides on its own.
+
+A side is "clamped", "free", a PullIn or a Grip. Warp yarns end at the two warp sides (lowest and highest x), weft yarns
+at the two weft sides. An edge is given as one side for all four, or as (warp, weft), each one side for both ends or a
+pair (lowest, highest). Nodes of a slipping side move along the yarns that end there and not otherwise; where two sides
+meet that are not free, the corner is held.
+
+Cloth that slips out of the clamp is not added to the panel: as in the source, the edge's nodes move in.
+
+Oblique weave. The grid follows the yarns. With the weave at an angle to the sides of the opening, the grid covers the
+opening turned by that angle, and its nodes on and beyond the sides are held: the cloth out there lies in the clamp.
+The clamped line is thus a staircase of crossovers, nowhere further from the side than the diagonal of one element.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import cos, inf, sin
+
+import numpy as np
+
+from fabrics.errors import InputError
+from shellfabric.cloth.bending_kernels import CLAMPED_END, FREE_END, SYMMETRY_END
+
+
+@dataclass(frozen=True)
+class PullIn:
+    """A side that slips in the clamp by a given amount, from a triangular zone (source thesis section 6.4.3).
+
+    Parameters
+    ----------
+    length : [m] pull-in of the yarn through the impact point, at each end
+    start, end : [s] over which it is made, evenly
+    zone : [m] whole width of the triangle, at whose ends nothing slips
+
+    Raises
+    ------
+    InputError : a value out of its range
+    """
+
+    length: float
+    start: float
+    end: float
+    zone: float = 60e-3
+
+    def __post_init__(self):
+        for key in ("length", "zone"):
+            if not 0 < getattr(self, key) < inf:
+                raise InputError(key=key, value=getattr(self, key), allowed="above 0")
+        if not self.start >= 0:
+            raise InputError(key="start", value=self.start, allowed="at least 0")
+        if not self.start < self.end < inf:
+            raise InputError(key="end", value=self.end, allowed="after the start")
+
+
+@dataclass(frozen=True)
+class Grip:
+    """A side whose clamp holds each yarn by friction, up to a force.
+
+    Parameters
+    ----------
+    force : [N] per yarn
+
+    Raises
+    ------
+    InputError : a force that is not positive
+    """
+
+    force: float
+
+    def __post_init__(self):
+        if not 0 < self.force < inf:
+            raise InputError(key="force", value=self.force, allowed="above 0")
+
+
+def sides(edge):
+    """((lowest, highest) of the warp, (lowest, highest) of the weft) from an edge in any of its forms.
+
+    Raises
+    ------
+    InputError : a side that is none of those above
+    """
+    families = edge if isinstance(edge, tuple) else (edge, edge)
+    pairs = tuple(family if isinstance(family, tuple) else (family, family) for family in families)
+    if [len(pair) for pair in pairs] != [2, 2]:
+        raise InputError(key="edge", value=edge, allowed="one side, or (warp, weft) of one or two sides each")
+    for pair in pairs:
+        for side in pair:
+            if side not in ("clamped", "free") and not isinstance(side, (PullIn, Grip)):
+                raise InputError(key="edge", value=side, allowed="clamped, free, a PullIn or a Grip")
+    return pairs
+
+
+def slips(edge):
+    """Whether a side of it is not simply clamped or free."""
+    return any(not isinstance(side, str) for pair in sides(edge) for side in pair)
+
+
+def check(panel):
+    """InputError where the edges do not go with the panel's symmetry or with its oblique weave."""
+    given = sides(panel.edge)
+    for (low, high), mirrored in zip(given, panel.mirrors):
+        if mirrored and low != high:
+            raise InputError(key="edge", value=panel.edge, allowed="alike at both ends of mirrored yarns")
+    if panel.weave_angle == 0:
+        return
+    if not abs(panel.weave_angle) < 1.5707:
+        raise InputError(key="weave_angle", value=panel.weave_angle, allowed="within a right angle")
+    if any(panel.mirrors):
+        raise InputError(key="symmetry", value=panel.symmetry, allowed="whole where the weave is oblique")
+    if any(side != "clamped" for pair in given for side in pair):
+        raise InputError(key="edge", value=panel.edge, allowed="clamped where the weave is oblique")
+
+
+def extent(panel):
+    """(along warp, along weft) [m] that the grid has to cover."""
+    (a, b), c, s = panel.opening, cos(panel.weave_angle), abs(sin(panel.weave_angle))
+    if s == 0:
+        return a, b
+    return tuple(side + 4 * w for side, w in zip((a * c + b * s, a * s + b * c), panel.weave.w))
+
+
+def loose(panel):
+    """(ni+1, nj+1) bool: which nodes no edge holds or leads."""
+    X, Y = panel.coordinates()
+    free = np.ones(X.shape, bool)
+    for axis, (pair, mirrored) in enumerate(zip(sides(panel.edge), panel.mirrors)):
+        rows = np.moveaxis(free, axis, 0)
+        if pair[1] != "free":
+            rows[-1] = False
+        if pair[0] != "free" and not mirrored:
+            rows[0] = False
+    if panel.weave_angle != 0:
+        c, s, slack = cos(panel.weave_angle), sin(panel.weave_angle), 1e-9 * min(panel.spacing)
+        across, along = np.abs(c * X - s * Y), np.abs(s * X + c * Y)
+        free &= (across < 0.5 * panel.opening[0] - slack) & (along < 0.5 * panel.opening[1] - slack)
+    return free
+
+
+def ends(panel):
+    """Nodes (i, j) where the warp and the weft yarn nearest the impact point end, at high x and at high y."""
+    free, start = loose(panel), [0 if mirrored else n // 2 for n, mirrored in zip(panel.counts, panel.mirrors)]
+    found = []
+    for line, first in ((free[:, start[1]], start[0]), (free[start[0], :], start[1])):
+        held = np.flatnonzero(~line[first:])
+        found.append(first + (int(held[0]) if held.size else line.size - 1 - first))
+    return (found[0], start[1]), (start[0], found[1])
+
+
+def rim(panel):
+    """What `boundary_kernels` needs of the sides that slip.
+
+    Returns
+    -------
+    nodes, axes : (n,) int, flat node number and the direction in which it moves
+    values : (n, 5) pull-in along that axis [m], start and end of it [s], grip [N], mass [kg]
+    """
+    if not slips(panel.edge):
+        return np.zeros(0, np.int64), np.zeros(0, np.int64), np.zeros((0, 5))
+    given, (ni, nj), mass = sides(panel.edge), panel.counts, panel.masses()
+    numbers = np.arange((ni + 1) * (nj + 1)).reshape(ni + 1, nj + 1)
+    nodes, axes, values = [], [], []
+    for axis, pair in enumerate(given):
+        yarns = panel.spacing[1 - axis] * (panel.weave.warp_count, panel.weave.weft_count)[axis]
+        place = np.moveaxis(np.array(panel.coordinates()[1 - axis]), axis, 0)[0]
+        for end, side in zip((0, -1), pair):
+            if isinstance(side, str) or (end == 0 and panel.mirrors[axis]):
+                continue
+            share = np.full(place.size, yarns)
+            share[[0, -1]] *= 0.5
+            keep = np.ones(place.size, bool)
+            keep[0] = panel.mirrors[1 - axis] or given[1 - axis][0] == "free"
+            keep[-1] = given[1 - axis][1] == "free"
+            row = np.zeros((place.size, 5))
+            row[:, 4] = np.moveaxis(mass, axis, 0)[end]
+            if isinstance(side, Grip):
+                row[:, 3] = side.force * share
+            else:
+                inwards = 1.0 if end == 0 else -1.0
+                row[:, 0] = inwards * side.length * np.maximum(1 - np.abs(place) / (0.5 * side.zone), 0)
+                row[:, 1:3] = side.start, side.end
+            nodes.append(np.moveaxis(numbers, axis, 0)[end][keep])
+            axes.append(np.full(keep.sum(), axis))
+            values.append(row[keep])
+    return np.concatenate(nodes), np.concatenate(axes), np.concatenate(values)
+
+
+def yarn_ends(panel):
+    """(2, 2) how warp and weft yarns end at their lowest and highest place, as `bending_kernels` has it."""
+    ends = np.array([[FREE_END if side == "free" else CLAMPED_END for side in pair] for pair in sides(panel.edge)])
+    for family, mirrored in enumerate(panel.mirrors):
+        if mirrored:
+            ends[family, 0] = SYMMETRY_END
+    return ends

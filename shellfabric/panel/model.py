@@ -1,0 +1,391 @@
+"""A fabric panel with its projectile: grid, masses, supports, time step (for the arrays of it see `panel.arrays`).
+
+Time step. The highest frequency of the cloth is bounded by w^2 = 4 D / (m d^2), with d the shorter side, m the areal
+density, and D the largest over 0 <= a <= 1 of lambda a + 2 G2 t a (1 - a): that of the mode whose phase turns by
+2 arcsin(sqrt a) from node to node along both yarns. lambda is the largest eigenvalue of the table's membrane tangent,
+G2 t that of the trellis, which has one point in each element and so is blind to a = 1. Along a straight yarn this is
+d / c with the wave speed c = sqrt(E / rho) / sqrt(1 + mass of the crossing yarn over its own): the factor sqrt 2 of
+woven yarn (erratum E-38). Viscous forces act on the velocity of half a step ago, which limits the step to
+(2 / w) (sqrt(1 + xi^2) - xi) at damping ratio xi. How much of that is taken depends on the cell: see `time_step`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+from math import inf
+
+import numpy as np
+
+from fabrics.errors import InputError
+from shellfabric.backing import coupling
+from shellfabric.backing.block import Backing
+from shellfabric.cell import packed_table
+from shellfabric.cell.model import CellTable
+from shellfabric.panel import arrays, boundary, grading
+from shellfabric.panel import time_step as panel_time_step
+from shellfabric.projectile.projectile import Projectile
+
+SYMMETRIES = {"quarter": (True, True), "half": (True, False), "whole": (False, False)}
+
+
+@dataclass(frozen=True)
+class Numerics:
+    """Numerical knobs, set by stability and convergence; none is fitted to an outcome.
+
+    The figures below are of S-720, at 92.5 m/s after 250 us: peak tension 135 N in the warp and 154 N in the weft.
+
+    Parameters
+    ----------
+    safety : of the time step against its bound; 0.9 leaves room for shear stiffening in distorted elements. Where yarns
+        snap taut a step loses energy, with its square, whatever the mesh, since a snap is a few elements wide: for
+        S-731 at 116 m/s 0.17 % of the strike energy, at 0.45 0.04. It is booked as "cell" (see `panel.solver`). Giving
+        it back to the front (a viscosity that is less by dK dL / 12) was tried: the peak of the first front along S-745
+        at 215 m/s, 658 N at 0.9 and 648 at 0.1, is 693 then
+    stretch_viscosity : damping ratio of the highest mode along a straight yarn, which costs as much of the time step.
+        Without it crimped yarns that snap taut ring, and the peak is 190 and 380 N; from 0.05 to 0.2 it moves by 1 %.
+        In a yarn that stiffens as its crimp goes, fronts are shocks, which dissipate whatever the viscosity: from 0.1
+        to 0.02 the loss of S-731 at 110 m/s falls from 13.3 to 11.2 % of the strike energy, and with half the element
+        from 13.3 to 12.9
+    penalty : stiffness of the contact where it covers an element, in units of nodal mass / dt^2, with the dt that
+        `safety` would make of the bound (see `time_step`). From 0.3 to 1 the peak moves by 2 %, and the critical
+        velocity, which feels how deep the rim of the nose presses itself in, by 3 to 6 %, from 0.6 to 1 by 1 to 2 %; at
+        1 and above yarns bounce off the nose. The bound is 1.5 at the damping below
+    contact_damping : ratio to critical of that mass on that spring; from 0.25 to 0.7 the peak stays
+    contact_points : along each side of a crossover, and at least 2 along that of an element (see `contact_kernels`).
+        None takes 8, and more under a sharp nose: as many as put them panel_arrays.SPACING nose radii apart, at most
+        panel_arrays.MOST_POINTS along an element. Points further apart miss the edge: it acts as a rounder or a sharper
+        one, as it lies among them
+    failure_time : [s] over which a yarn's tension is low-passed before it is held against its strength; 0: not at all
+    widest : stretch of the gap left by failed yarns at which its element loses contact: two neighbours' worth
+    clear_time : [s] without a push and with nothing ahead, after which the panel counts as perforated
+    block : elements worked on together, six rows at least: more share the cost of a block and of the rows about it,
+        fewer keep its scratch in cache
+    precision : "double" or "single", in which forces are kept from step to step, and the constants of nodes and edges;
+        all is computed in double precision, and places, velocities and stretches are kept in it
+    threads : that march; None takes all that the process may use where it pays (`barrier`). No result depends on it
+    """
+
+    safety: float = 0.9
+    stretch_viscosity: float = 0.1
+    penalty: float = 0.6
+    contact_damping: float = 0.5
+    contact_points: int | None = None
+    failure_time: float = 0.0
+    widest: float = 3.0
+    clear_time: float = 2e-6
+    block: int = 2000
+    precision: str = "double"
+    threads: int | None = None
+
+    def __post_init__(self):
+        for key in ("safety", "penalty", "widest", "clear_time", "block"):
+            if not getattr(self, key) > 0:
+                raise InputError(key=key, value=getattr(self, key), allowed="above 0")
+        if self.contact_points is not None and self.contact_points < 1:
+            raise InputError(key="contact_points", value=self.contact_points, allowed="at least 1")
+        for key in ("stretch_viscosity", "contact_damping", "failure_time"):
+            if not getattr(self, key) >= 0:
+                raise InputError(key=key, value=getattr(self, key), allowed="at least 0")
+        if self.precision not in arrays.PRECISIONS:
+            raise InputError(key="precision", value=self.precision, allowed=" or ".join(arrays.PRECISIONS))
+        if self.threads is not None and self.threads < 1:
+            raise InputError(key="threads", value=self.threads, allowed="at least 1")
+        if self.safety > 1:
+            raise InputError(key="safety", value=self.safety, allowed="at most 1")
+
+
+@dataclass(frozen=True)
+class Panel:
+    """A rectangle of whole crossovers about the impact point, and the projectile before it.
+
+    Parameters
+    ----------
+    table : CellTable of the fabric
+    opening : (along warp, along weft) [m], but for an oblique weave; as many whole crossovers as fit from the centre to
+        an edge are meshed, as in the source (erratum E-34: 79 of 79.9 for S-720)
+    projectile : Projectile
+    symmetry : "quarter", "half" (x >= 0) or "whole"
+    elements_per_crossover : along each side
+    edge : "clamped", "free" or a slipping side, for all sides or each on its own (see `boundary`)
+    numerics : Numerics
+    trellis : whether the fabric's shear law acts; a fabric without one has none
+    failure : whether yarns fail
+    weave_angle : [rad] of the warp against the first side of the opening, towards the second (see `boundary`)
+    bending : (warp, weft) [N m2] bending stiffness of a yarn; none as in the source. It lies between the sum over its
+        fibres, n E pi d^4 / 64, when they slide, and that of a solid section of its fibre area, E A^2 / 4 pi: for
+        S-720 with fibres of 12 um 9.5e-8 and 9.3e-5 (see `bending_kernels`)
+    strength_factors : (warp, weft) factors on the strength of each yarn, as many as `yarn_counts`, or None where all
+        are alike. They are those of the modelled part: across a plane of symmetry a yarn has that of its image
+    backing : Backing, the block behind the cloth, or None (see `backing.coupling`)
+    jam : stiffness [N] of a yarn against being bunched up, and the stretch at which it begins; none as in the source
+        (see `jamming_kernels`)
+    grading : ((until, side), ...) [crossovers] elements that are longer the further they are from the impact point, or
+        None (see `grading`); for straight shots at cloth that is held or free at its edges
+
+    Raises
+    ------
+    InputError : unknown symmetry or edge, an opening smaller than the projectile needs, or a symmetry that shot, edges
+        or weave do not have
+    """
+
+    table: CellTable
+    opening: tuple[float, float] = (0.203, 0.203)
+    projectile: Projectile = field(default_factory=Projectile)
+    symmetry: str = "quarter"
+    elements_per_crossover: int = 1
+    edge: str | boundary.PullIn | boundary.Grip | tuple = "clamped"
+    numerics: Numerics = field(default_factory=Numerics)
+    trellis: bool = True
+    failure: bool = True
+    weave_angle: float = 0.0
+    bending: tuple[float, float] = (0.0, 0.0)
+    strength_factors: tuple | None = None
+    backing: Backing | None = None
+    jam: tuple[float, float] = (0.0, 1.0)
+    grading: tuple | None = None
+
+    def __post_init__(self):
+        if self.symmetry not in SYMMETRIES:
+            raise InputError(key="symmetry", value=self.symmetry, allowed=" or ".join(SYMMETRIES))
+        boundary.check(self)
+        coupling.check(self)
+        if self.failure and any(self.table.model.toes):  # a yarn whose crossings have failed is linear in the march
+            raise InputError(key="toe", value=self.table.model.toe, allowed="0 in a panel whose yarns fail")
+        for axis, mirrored in enumerate(self.mirrors):
+            if mirrored and not self.projectile.mirrored(axis):
+                raise InputError(key="symmetry", value=self.symmetry, allowed="one that the oblique shot has, or whole")
+        if self.grading is not None:
+            grading.check(self.grading)
+        if self.elements_per_crossover < 1:
+            raise InputError(key="elements_per_crossover", value=self.elements_per_crossover, allowed="1, 2, 3, ...")
+        if not all(0 <= EI < inf for EI in self.bending):
+            raise InputError(key="bending", value=self.bending, allowed="at least 0")
+        if len(self.jam) != 2 or not (0 <= self.jam[0] < inf and 0 < self.jam[1] <= 1):
+            raise InputError(key="jam", value=self.jam, allowed="a force of at least 0 and a stretch of at most 1")
+        for family, given, count in zip(("warp", "weft"), self.strength_factors or (), self.yarn_counts):
+            if np.shape(given) != (count,) or not np.all(np.isfinite(given) & (np.asarray(given) > 0)):
+                raise InputError(key=f"strength_factors of the {family}", allowed=f"{count} numbers above 0")
+        for length, w in zip(self.opening, self.weave.w):
+            if not length / 2 >= max(2 * self.projectile.radius, 4 * w):
+                raise InputError(key="opening", value=length, allowed="wider than two projectiles and four crossovers")
+        if self.grading is not None:
+            self._check_grading()
+
+    def _check_grading(self):
+        for key, value, plain in (
+            ("elements_per_crossover", self.elements_per_crossover, 1),
+            ("weave_angle", self.weave_angle, 0.0),
+            ("bending", tuple(self.bending), (0.0, 0.0)),
+            ("backing", self.backing, None),
+            ("jam", tuple(self.jam), (0.0, 1.0)),
+        ):
+            if value != plain:
+                raise InputError(key=key, value=value, allowed=f"{plain} on a graded panel")
+        if boundary.slips(self.edge):
+            raise InputError(key="edge", value=self.edge, allowed="clamped or free on a graded panel")
+        if self.projectile.roaming:
+            raise InputError(key="grading", value=self.grading, allowed="none where the projectile moves sideways")
+        fine = self._fine
+        for place, step, reach in zip((fine[1], fine[3]), self.spacing, self.reach()):
+            least = int(np.ceil(reach / step)) + 1  # and what the smooth surface of the last element has beside it
+            if self.sides is not None and place < least:
+                allowed = f"a first zone of {least * self.finest} crossovers or more"
+                raise InputError(key="grading", value=self.grading, allowed=f"{allowed}, all that comes under the nose")
+
+    @property
+    def fabric(self):
+        return self.table.model.fabric
+
+    @property
+    def weave(self):
+        return self.fabric.weave
+
+    @property
+    def mirrors(self):
+        """(x, y) whether x = 0 and y = 0 are planes of symmetry that bound the modelled part."""
+        return SYMMETRIES[self.symmetry]
+
+    @property
+    def finest(self):
+        """Crossovers along a side of an element at the impact point."""
+        return 1 if self.grading is None else int(self.grading[0][1])
+
+    @property
+    def spacing(self):
+        """(dx, dy) [m] sides of an element, of the smallest on a graded panel."""
+        return tuple(2 * w * self.finest / self.elements_per_crossover for w in self.weave.w)
+
+    @property
+    def _half(self):
+        """(along warp, along weft) crossovers from the impact point to an edge."""
+        return tuple(int(length / 2 / (2 * w) + 1e-9) for length, w in zip(boundary.extent(self), self.weave.w))
+
+    @cached_property
+    def sides(self):
+        """((ni,), (nj,)) [m] sides of the elements along warp and weft; None where all are alike."""
+        if self.grading is None or len({side for _, side in self.grading}) == 1:
+            return None
+        found = []
+        for length, w, mirrored in zip(self._half, self.weave.w, self.mirrors):
+            outward = 2 * w * grading.sides(self.grading, length)
+            found.append(outward if mirrored else np.concatenate([outward[::-1], outward]))
+        return tuple(found)
+
+    @property
+    def _fine(self):
+        """Rows and columns (i0, i1, j0, j1) of the smallest elements, counted from the impact point."""
+        bounds = []
+        for n, step, half in zip(range(2), self.spacing, self._half):
+            if self.sides is None:
+                count = half * self.elements_per_crossover // self.finest
+            else:
+                alike = np.abs(self.sides[n] - step) < 1e-9 * step
+                count = int(alike.sum()) // (1 if self.mirrors[n] else 2)
+            bounds += [0 if self.mirrors[n] else -count, count]
+        return tuple(bounds)
+
+    @property
+    def counts(self):
+        """(ni, nj) elements along warp and weft."""
+        if self.sides is not None:
+            return tuple(part.size for part in self.sides)
+        half = [n * self.elements_per_crossover // self.finest for n in self._half]
+        return tuple(n if mirrored else 2 * n for n, mirrored in zip(half, self.mirrors))
+
+    @property
+    def yarn_counts(self):
+        """(warp, weft) yarns of the modelled part, with those on its rims; lines on a graded panel."""
+        return tuple(count // self.elements_per_crossover + 1 for count in self.counts[::-1])
+
+    @property
+    def elements(self):
+        """Number of elements."""
+        return self.counts[0] * self.counts[1]
+
+    @property
+    def share(self):
+        """Part of the whole panel, and of the projectile, that is modelled."""
+        return 0.5 ** sum(self.mirrors)
+
+    @property
+    def membrane_stiffness(self):
+        """[N/m] the D of the time step's bound."""
+        stiffness, shear = self.table.stiffness(), self.fabric.shear
+        locked = 2 * shear.G2 * self.weave.thickness if self.trellis and shear is not None else 0.0
+        return stiffness if locked <= stiffness else (stiffness + locked) ** 2 / (4 * locked)
+
+    @property
+    def critical_step(self):
+        """[s] 2 / w of the undamped cloth."""
+        m, shares = self.weave.areal_density, zip(self.yarns_a_line, self.bending, self.spacing, self.spacing[::-1])
+        membrane = self.membrane_stiffness / (m * min(self.spacing) ** 2)
+        # a yarn that turns to and fro at every node has the energy 1/2 n EI / L (4 w / L)^2 a node
+        return (membrane + sum(4 * n * EI / (m * d**4 * across) for n, EI, d, across in shares)) ** -0.5
+
+    @property
+    def yarns_a_line(self):
+        """(warp, weft) yarns that a grid line stands for at the impact point."""
+        return tuple(count * d for count, d in zip((self.weave.warp_count, self.weave.weft_count), self.spacing[::-1]))
+
+    @property
+    def time_step(self):
+        """[s] the step that is taken."""
+        return self.step_of_bound * self._pace
+
+    @property
+    def step_of_bound(self):
+        """[s] share `safety` of the bound; what the contact is as stiff as, whatever is taken of it."""
+        xi = self.numerics.stretch_viscosity
+        return self.numerics.safety * self.critical_step * ((1 + xi**2) ** 0.5 - xi)
+
+    @cached_property
+    def _pace(self):
+        return panel_time_step.share(self.table, self.numerics.stretch_viscosity)
+
+    def coordinates(self):
+        """(X, Y) [m] of the nodes at rest, each (ni+1, nj+1); the impact point is the origin."""
+        return np.meshgrid(*self.lines(), indexing="ij")
+
+    def lines(self):
+        """((ni+1,), (nj+1,)) [m] places x and y of the lines of the grid at rest."""
+        if self.sides is None:
+            return tuple(x0 + d * np.arange(n + 1) for x0, d, n in zip(self.origin, self.spacing, self.counts))
+        found = []
+        for sides, mirrored in zip(self.sides, self.mirrors):
+            x = np.insert(np.cumsum(sides), 0, 0.0)
+            found.append(x if mirrored else x - x[sides.size // 2])
+        return tuple(found)
+
+    @property
+    def origin(self):
+        """(x0, y0) [m] of the first node at rest; on a graded panel as if all elements were the smallest.
+
+        There the smallest are where they would be then, and nothing else is looked for by its place.
+        """
+        return tuple(0.0 if m else -0.5 * n * d for m, n, d in zip(self.mirrors, self.counts, self.spacing))
+
+    @cached_property
+    def potential(self):
+        """See `packed_table.potential`."""
+        return packed_table.potential(self.table)
+
+    @cached_property
+    def ceilings(self):
+        """See `packed_table.ceilings`."""
+        return packed_table.ceilings(self.table)
+
+    def constants(self) -> arrays.Constants:
+        """What the kernels need to know, as plain numbers and arrays."""
+        return arrays.constants(self)
+
+    def state(self, strike_velocity) -> arrays.State:
+        """The panel at rest, flat at z = 0, touched by the projectile that flies at it at `strike_velocity` [m/s]."""
+        return arrays.state(self, strike_velocity)
+
+    def work(self) -> arrays.Work:
+        """Scratch of one thread, for one block of elements."""
+        return arrays.work(self)
+
+    def segments(self):
+        """(warp, weft) each (ni+1, nj+1): yarn segments that an edge stands for; half of one on a plane of symmetry."""
+        shape, found = (self.counts[0] + 1, self.counts[1] + 1), []
+        for family, mirrored in enumerate(self.mirrors[::-1]):
+            n = np.ones(shape)
+            if self.sides is not None:
+                along, across = (2 * w for w in (self.weave.w[family], self.weave.w[1 - family]))
+                own, other = self.sides[family] / along, self.sides[1 - family] / across
+                lines = grading.tributary(other)
+                lines[-1] = other[-1]  # the yarns at the rim break as whole ones
+                n = np.multiply.outer(np.append(own, 0.0), lines)
+                n = n if family == 0 else n.T
+            elif mirrored:
+                np.moveaxis(n, 1 - family, 0)[0] *= 0.5
+            found.append(n)
+        return found
+
+    def masses(self):
+        """(ni+1, nj+1) [kg] of the nodes."""
+        (ni, nj), (dx, dy) = self.counts, self.spacing
+        corner = 0.25 * self.weave.areal_density * (dx if self.sides is None else self.sides[0][:, None])
+        corner = corner * (dy if self.sides is None else self.sides[1])
+        mass = np.zeros((ni + 1, nj + 1))
+        for i in (slice(None, -1), slice(1, None)):
+            for j in (slice(None, -1), slice(1, None)):
+                mass[i, j] += corner
+        return mass
+
+    def reach(self):
+        """(along warp, along weft) [m] from the projectile's middle that cloth can come from to be under it.
+
+        A straightened, stretched yarn that is held at its end draws cloth in by at most its crimp and strain times its
+        length; a leaning projectile is wider in the panel's plane. Yarns with a free end follow the projectile from
+        anywhere, over the whole panel; on a graded one contact stays in the first zone.
+        """
+        wide, found = self.projectile.radius / self.projectile.frame[2, 2], []
+        for x, step, yarn, ends in zip(self.lines(), self.spacing, self.weave.yarns, boundary.sides(self.edge)):
+            drawn = (yarn.crimp + yarn.failure_strain) * max(x[-1], -x[0])
+            if "free" in ends and self.sides is None:
+                drawn = x[-1] - x[0]
+            found.append(wide + drawn + 2 * step)
+        return tuple(found)

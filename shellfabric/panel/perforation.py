@@ -1,0 +1,44 @@
+"""Has the projectile left the held cloth behind? A plug that is cut out may fly on before it.
+
+The kernels call a panel perforated when nothing pushes and nothing is left ahead of the nose. Cut-out cloth can stay
+there for good, ridden by the projectile or faster than it, so that the march asks at its audits what holds what: nodes
+that unbroken yarn joins to an edge of the panel are held, and the elements between them; the rest is a plug, and does
+not count.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import connected_components
+
+from shellfabric.cloth.membrane_kernels import ERODED
+from shellfabric.projectile.contact_kernels import cloth_ahead_of_nose
+
+
+def held(state, const):
+    """(ni, nj) bool: elements that have not eroded and whose nodes unbroken yarn joins to an edge of the panel."""
+    ni, s = const.ni, const.row_stride
+    node = np.arange((ni + 1) * s).reshape(ni + 1, s)
+    warp, weft = ((intact[: node.size] > 0).reshape(ni + 1, s) for intact in state.intact_fraction)
+    near = np.concatenate([node[:-1][warp[:-1]], node[:, :-1][weft[:, :-1]]])
+    far = np.concatenate([node[1:][warp[:-1]], node[:, 1:][weft[:, :-1]]])
+    joined = coo_matrix((np.ones(near.size, bool), (near, far)), shape=(node.size, node.size))
+    piece = connected_components(joined, directed=False)[1].reshape(ni + 1, s)
+    outer = [piece[-1], piece[:, -1]]
+    outer += [] if const.mirror_x else [piece[0]]
+    outer += [] if const.mirror_y else [piece[:, 0]]
+    fast = np.isin(piece, np.unique(np.concatenate(outer)))
+    cloth = (_by_element(state.element_flag, const) & ERODED) == 0
+    return cloth & fast[:-1, :-1] & fast[1:, :-1] & fast[:-1, 1:] & fast[1:, 1:]
+
+
+def passed(state, const):
+    """Whether no held element is ahead of the nose."""
+    flag = state.element_flag.copy()
+    _by_element(flag, const)[~held(state, const)] |= ERODED
+    return not cloth_ahead_of_nose(state._replace(element_flag=flag), const)
+
+
+def _by_element(flag, const):
+    return flag[: const.ni * const.row_stride].reshape(const.ni, const.row_stride)[:, :-1]

@@ -1,0 +1,78 @@
+"""What is sampled of one ply: its energies, failed yarn segments, edge reactions and deflection.
+
+A panel is one ply, a pack several; both are audited here. The energy that the yarns store follows from their stretches.
+In the equilibrium form, whose forces are no gradient, the work done on the yarns differs from it: the difference is the
+energy "cell". In the variational form "cell" is what a step loses where yarns stiffen (`membrane_kernels.yarn_forces`),
+which is computed from the slopes of their forces: a force that is wrong stays in the energy error.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from shellfabric.cloth import boundary_kernels
+from shellfabric.panel import step_kernels as kernels
+from shellfabric.projectile import contact_kernels
+
+ENERGIES = (
+    "kinetic_fabric", "stored", "cell", "shear", "bending", "jam", "viscous", "contact", "friction", "failed", "grip",
+    "external",
+)  # fmt: skip
+
+
+def energies(const, state, rest):
+    """(12,) [J] of the modelled part of a ply, in the order of ENERGIES.
+
+    Parameters
+    ----------
+    state : State whose contact forces are those of all that touches the ply
+    rest : [J] stored at rest
+    """
+    out, sums = np.empty(5), state.energy_sums.sum(axis=0)
+    kernels.energies(state, const, out)
+    # work of the forces that is neither stored nor lost; where the forces are a gradient, that of the steps alone
+    cell = sums[kernels.WORK] - (out[kernels.STORED] - rest) - sums[kernels.LOST_YARN]
+    return np.array(
+        [
+            out[kernels.KINETIC] + state.slip_energy[boundary_kernels.KINETIC],
+            out[kernels.STORED],
+            sums[kernels.QUADRATURE] if const.variational else cell,
+            out[kernels.SHEAR],
+            out[kernels.BENDING],
+            out[kernels.JAMMING],
+            sums[kernels.VISCOUS],
+            state.contact_energy[contact_kernels.CONTACT],
+            state.contact_energy[contact_kernels.FRICTION],
+            sums[kernels.LOST_YARN] + sums[kernels.LOST_TRELLIS],
+            state.slip_energy[boundary_kernels.CLAMP_FRICTION],
+            state.slip_energy[boundary_kernels.BOUNDARY_WORK],
+        ]
+    )
+
+
+def stored_energy(const, state):
+    """[J] that the yarns of the modelled part store."""
+    out = np.empty(5)
+    kernels.energies(state, const, out)
+    return out[kernels.STORED]
+
+
+def failed_segments(panel, const, state):
+    """Failed yarn segments of the modelled part; those on a plane of symmetry belong to it by half."""
+    shape = const.ni + 1, const.row_stride
+    families = zip(state.failed, panel.segments())
+    return float(sum(np.sum(failed[: shape[0] * shape[1]].reshape(shape) * n) for failed, n in families))
+
+
+def edge_reactions(panel, const, state, ends):
+    """(warp, weft) [N] tension at the edge of the yarns nearest the impact point; ends : `boundary.ends`."""
+    warp_node, weft_node = (i * const.row_stride + j for i, j in ends)
+    warp = -(state.f_int[0][warp_node] + state.f_int_above[0][warp_node]) * panel.weave.w2 * 2
+    weft = -(state.f_int[1][weft_node] + state.f_int_above[1][weft_node]) * panel.weave.w1 * 2
+    return warp / (const.dy * (0.5 if const.mirror_y else 1)), weft / (const.dx * (0.5 if const.mirror_x else 1))
+
+
+def deflection(const, state):
+    """[m] of the node at the impact point."""
+    i, j = 0 if const.mirror_x else const.ni // 2, 0 if const.mirror_y else const.nj // 2
+    return state.u[2][i * const.row_stride + j]

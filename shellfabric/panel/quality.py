@@ -1,0 +1,279 @@
+"""Quality indicators: is the result of a run to be trusted? Each is a number with a stated limit.
+
+A `Monitor` samples of a run what its result does not keep; `of_solver` computes the indicators of a run. A run is
+"doubtful" if one of them is beyond its limit. The limits follow from where the methods were found to fail
+(docs/stability.md); docs/checks.md says how many of those points they flag, and how many scenes at default settings.
+"""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+from math import isfinite
+
+import numpy as np
+
+from shellfabric.panel import quality_kernels as kernels
+from shellfabric.panel.quality_kernels import DEFLECTION, DEPTH
+from shellfabric.panel.step_kernels import FAILURES
+from shellfabric.projectile.contact_kernels import MAX_PENETRATION
+from shellfabric.solid.hex8 import PATTERNS, Bricks
+
+OK, DOUBTFUL = "ok", "doubtful"
+_T = ("T1", "T2")
+EVERY = 4  # samples of the solver from one sample to the next: a sample costs a third of a step
+LIGHT = 0.03  # of the strength: tensions below it count as it
+
+
+@dataclass(frozen=True)
+class Indicator:
+    """One number that tells whether a run went well.
+
+    Parameters
+    ----------
+    name : for the reader and as the key in summary.json
+    value, limit : value <= limit where all is well; a value that is not finite is not well
+    unit : of both; "" where it is a ratio
+    meaning : what a larger value stands for, in one sentence
+    """
+
+    name: str
+    value: float
+    limit: float
+    unit: str = ""
+    meaning: str = ""
+
+    @property
+    def ok(self):
+        """Whether the value is within the limit."""
+        return isfinite(self.value) and self.value <= self.limit
+
+    @property
+    def excess(self):
+        """[-] value over limit."""
+        if not isfinite(self.value):
+            return float("inf")
+        return self.value / self.limit if self.limit > 0 else (float("inf") if self.value > self.limit else 0.0)
+
+    def __str__(self):
+        unit = f" {self.unit}" if self.unit else ""
+        return f"{self.name} {self.value:.3g}{unit} (limit {self.limit:g}{unit})"
+
+    def entry(self):
+        """As a dict, for summary.json."""
+        return asdict(self) | {"ok": self.ok}
+
+
+# name: (limit, unit, meaning)
+LIMITS = {
+    "time step": (1.0, "", "the explicit step over its stability bound"),
+    "energy error": (0.005, "", "largest error of the energy balance over the strike energy"),
+    "energy gained in contact": (0.008, "", "energy that a contact gave but never took, over the strike energy"),
+    "viscous energy": (0.8, "", "viscous energy over the energy absorbed"),
+    "formulation energy": (0.1, "", "work of the cell's forces that no potential stores, over the energy absorbed"),
+    "tension oscillation": (0.07, "", "node-to-node alternation of the tension over the tension, rms along the yarns"),
+    "nose penetration": (1.8, "", "depth of the nose in the cloth over the radius of its edge"),
+    "contact point spacing": (1.2, "", "spacing of the contact points over the radius of the nose's edge"),
+    "element side": (1.0, "", "longest side of an element over the projectile's radius"),
+    "yarns an element": (1.0, "", "yarns that an element under the nose stands for, along each side"),
+    "tension over cell table": (1.0, "", "peak tension over the largest of the cell's table"),
+    "tension over sampled surface": (1.0, "", "peak tension over the largest that the response surface was sampled at"),
+    "contact force over fitted range": (1.0, "", "force between yarns over the largest that the law was fitted to"),
+    "swelling under contact": (1e-3, "", "growth of a yarn under a light contact force over its height"),
+    "relaxation residual": (1.0, "", "out-of-balance force over what relaxation was to reach"),
+    "hourglass energy": (0.1, "", "energy of the hourglass control over that of the solids"),
+    "hourglass amplitude": (0.5, "", "amplitude of a brick's zero-energy modes over its size"),
+    "node alternation": (0.01, "", "displacements that alternate from node to node over the yarn's thickness"),
+    "ply penetration": (0.75, "", "depth that a ply is pressed into the next over the thickness"),
+    "ply contact direction": (0.1, "", "sine of the angle between the force between plies and the normal of the cloth"),
+}
+
+
+def _make(name, value):
+    limit, unit, meaning = LIMITS[name]
+    return Indicator(name, float(value), limit, unit, meaning)
+
+
+class Monitor:
+    """Samples of a run, taken with the solver's own, reduced to sums and maxima.
+
+    Tension oscillation and ply penetration are sampled until the first yarn fails: what unloads then rings, and torn
+    cloth hangs in other cloth, without an error.
+
+    Parameters
+    ----------
+    solver : panel.solver.PanelSolver or plies.solver.PackSolver
+
+    Attributes
+    ----------
+    found : (plies, 4) sums over samples, nodes and the band of yarns about the impact point of the squares of the
+        node-to-node alternation of the tension and of the tension [N2]; largest deflection of whole cloth [m]; furthest
+        that the ply's contact with the next has given way, over the thickness [-]
+    """
+
+    def __init__(self, solver):
+        self.solver = solver
+        self.found = np.zeros((len(solver.parts), 4))
+        plies = [panel for panel, _, _ in solver.parts]
+        self._places = [tuple(0 if m else n // 2 for m, n in zip(ply.mirrors, ply.counts)) for ply in plies]
+        self._light = [tuple(LIGHT * yarn.strength for yarn in ply.weave.yarns) for ply in plies]
+
+    def sampled(self):
+        """Take a sample at every EVERY-th sample of the solver, and at the end of the run of the deflection alone: a
+        run that is gone on with beyond that end is to have the sums of one that was not interrupted."""
+        due = len(self.solver.samples) % EVERY == 0
+        if due or self.solver.ended:
+            self.sample(due)
+
+    def sample(self, summed=True):
+        """Take a sample of the present state, of what is `summed` too or of the deflection alone."""
+        found, parts = self.found, self.solver.parts
+        whole = summed and not any(state.counter[FAILURES] for _, _, state in parts)
+        for (_, const, state), row, (i, j), light in zip(parts, found, self._places, self._light):
+            kernels.sample(state, const, i, j, whole, *light, row)
+        if whole and len(parts) > 1:
+            found[:-1, DEPTH] = self.solver.squeezed
+
+    @property
+    def deflection(self):
+        """[m] largest deflection of whole cloth, of any ply from its own plane, at the samples."""
+        return float(self.found[:, DEFLECTION].max())
+
+    @property
+    def oscillation(self):
+        """[-] root of the ratio of the two sums of squares."""
+        alternation, squares = self.found[:, :DEFLECTION].sum(axis=0)
+        return float(np.sqrt(alternation / squares)) if squares > 0 else 0.0
+
+
+def of_solver(solver):
+    """Tuple of Indicator of a run of one ply or a pack, a `panel.solver.PanelSolver` or `plies.solver.PackSolver`."""
+    panel, shot = solver.panel, solver.panel.projectile
+    strike = solver.strike_energy
+    energies = {name: solver.sample(name) for name in solver.energy_names}
+    absorbed = max(strike - float(energies["kinetic_projectile"][-1]), 1e-3 * strike)
+    depth = max(float(state.contact_energy[MAX_PENETRATION]) for _, _, state in solver.parts)
+    nose = shot.nose_radius
+    bound = panel.time_step / panel.numerics.safety
+    given = max(float(np.max(-energies[name])) for name in ("contact", "plies") if name in energies)
+    found = [
+        _make("time step", solver.const.dt / bound),
+        _make("energy error", float(np.max(np.abs(energies["balance"]))) / strike),
+        _make("energy gained in contact", max(given, 0.0) / strike),
+        _make("viscous energy", float(energies["viscous"][-1]) / absorbed),
+        _make("formulation energy", float(np.max(np.abs(energies["cell"]))) / absorbed),
+        _make("tension oscillation", solver.monitor.oscillation),
+        _make("nose penetration", depth / nose),
+        _make("contact point spacing", _spacing(solver.const) / nose),
+        _make("element side", max(panel.spacing) / shot.radius),
+        _make("yarns an element", float(panel.finest)),
+        *_extrapolation(solver),
+    ]
+    if len(solver.parts) > 1:
+        found.append(_make("ply penetration", solver.monitor.found[:, DEPTH].max()))
+        found.append(_make("ply contact direction", _tilt(solver)))
+    return tuple(found)
+
+
+def _tilt(solver):
+    """[-] sine of the steepest slope of the first ply where plies push along z alone (form "nodes"), else 0."""
+    if solver.pack.contact.form != "nodes":
+        return 0.0
+    _, const, state = solver.parts[0]
+    u = state.u[2][: (const.ni + 1) * const.row_stride].reshape(const.ni + 1, const.row_stride)
+    slope = max(float(np.abs(np.diff(u, axis=axis)).max()) / d for axis, d in enumerate((const.dx, const.dy)))
+    return slope / np.hypot(1.0, slope)
+
+
+def _spacing(const):
+    """[m] between the points of contact of the smallest elements."""
+    return max(const.dx, const.dy) / const.points_per_side
+
+
+def _extrapolation(solver):
+    """Indicators of a cell that is used beyond where it is known."""
+    peaks = np.max([state.peak_tension for _, _, state in solver.parts], axis=0)
+    table, found = solver.panel.table, []
+    if not solver.panel.failure:
+        found.append(_make("tension over cell table", max(p / table.values[T].max() for p, T in zip(peaks, _T))))
+    else:  # the step in which a yarn fails may go beyond its strength, and no further
+        peaks = np.minimum(peaks, [yarn.strength for yarn in solver.panel.weave.yarns])
+    return (*found, *of_cell(table, peaks))
+
+
+def of_cell(table, peaks):
+    """Indicators of a CellTable in which the tensions (warp, weft) [N] have come as far as `peaks`."""
+    model, values, found = table.model, table.values, []
+    if hasattr(model, "surface"):
+        sampled = (model.surface.T1, model.surface.T2)
+        reached = max(peak / float(np.max(T)) for peak, T in zip(peaks, sampled))
+        return (_make("tension over sampled surface", reached),)
+    if model.model != "compressible":
+        return ()
+    inside = np.logical_and(*(values[T] <= max(peak, 0.0) for peak, T in zip(peaks, _T)))
+    force = float(np.max(values["F"], where=inside, initial=0.0))
+    known = [law.F_range[1] for law in model.used_laws if law.F_range is not None]
+    if known:
+        found.append(_make("contact force over fitted range", force / min(known)))
+    light = values["F"][values["F"] > 0]
+    least = float(light.min()) if light.size else 0.0
+    found.append(
+        _make("swelling under contact", max(_swelling(law, least, h) for law, h in zip(model.used_laws, model.h0)))
+    )
+    return tuple(found)
+
+
+def _swelling(law, force, height):
+    """[-] by which a yarn grows thicker under a light contact force, over its height."""
+    shift = law.F0 if law.form == "regularised" else 0.0
+    return max(0.0, law.b / np.cbrt(force + shift) - law.a) / height if force + shift > 0 else 0.0
+
+
+def of_coupon(table, tensions, residual, tolerance):
+    """Tuple of Indicator of a quasi-static test.
+
+    Parameters
+    ----------
+    table : CellTable
+    tensions : (warp, weft) [N] largest of each family
+    residual, tolerance : [-] largest out-of-balance force over the reaction, and what relaxation was to reach
+    """
+    over = max(peak / float(table.values[T].max()) for peak, T in zip(tensions, _T))
+    found = (_make("relaxation residual", residual / tolerance), _make("tension over cell table", over))
+    return (*found, *of_cell(table, tensions))
+
+
+def of_patch(solver):
+    """Tuple of Indicator of a solid.solver.SolidSolver."""
+    strike = solver.strike_energy
+    solids, held = (float(solver.sample(name)[-1]) for name in ("solids", "hourglass"))
+    return (
+        _make("time step", solver.patch.numerics.safety),
+        _make("energy error", float(np.max(np.abs(solver.sample("balance")))) / strike),
+        _make("hourglass energy", held / solids if solids > 0 else 0.0),
+        _make("hourglass amplitude", hourglass_amplitude(solver.patch.mesh, solver.state.x)),
+    )
+
+
+def hourglass_amplitude(mesh, x):
+    """[-] largest amplitude of a brick's hourglass modes over the cube root of its volume, at the places x (n, 3).
+
+    The modes h are freed of their linear part, gamma = h - (h . X) B, so that stretch and turning leave them alone.
+    """
+    made = Bricks.of(mesh.points[mesh.hexes])
+    modes = PATTERNS - np.einsum("mhi,mai->mha", made.twist, made.gradient)
+    moved = np.einsum("mha,mai->mhi", modes, (x - mesh.points)[mesh.hexes]) / 8
+    return float((np.linalg.norm(moved, axis=2).max(axis=1) / np.cbrt(made.volume)).max())
+
+
+def of_yarn(astray, thickness):
+    """Tuple of Indicator of a yarn of solids whose nodes alternate along it by `astray` (n,) [m]."""
+    return (_make("node alternation", float(np.max(astray)) / thickness),)
+
+
+def worst(runs):
+    """Of several runs' tuples of Indicator, each indicator where it is furthest beyond its limit."""
+    found = {}
+    for one in (one for indicators in runs for one in indicators):
+        if one.name not in found or one.excess > found[one.name].excess:
+            found[one.name] = one
+    return tuple(found.values())

@@ -1,0 +1,230 @@
+"""Explicit solvers of cloth: what panel and pack have in common, and the solver of one panel.
+
+A panel is a pack of one ply. The energies of the plies add up (`ply_audit`); projectile and backing block, where there
+is one behind the last ply, have theirs. The results are the same to the last bit with any number of threads: each has
+the nodes and elements of some blocks, in each step the same for all.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from shellfabric.backing import coupling
+from shellfabric.driver.solver import PERFORATED, RUNNING, ExplicitSolver, speed_limit
+from shellfabric.jit import barrier
+from shellfabric.panel import boundary, ply_audit, quality
+from shellfabric.panel import step_kernels as kernels
+from shellfabric.panel.model import Panel
+from shellfabric.panel.perforation import passed
+from shellfabric.projectile import dynamics
+
+_OF_PROJECTILE = ("kinetic_projectile", "elastic_projectile", "plastic_projectile")
+ENERGIES = (ply_audit.ENERGIES[0], *_OF_PROJECTILE, *ply_audit.ENERGIES[1:], *coupling.NAMES, "balance")
+OBSERVED = ("t", "v", "z", "failed_yarns", "reaction_warp", "reaction_weft")
+SAMPLES = (*OBSERVED, *ENERGIES)
+PLY_SAMPLES = ("failed_yarns", "reaction_warp", "reaction_weft", "push", "deflection", "energy")
+
+
+class ClothSolver(ExplicitSolver):
+    """One run of one ply or several; base of PanelSolver and PackSolver, which have the kernels.
+
+    Parameters as ExplicitSolver; the plies are handed to `_start`.
+
+    Attributes
+    ----------
+    parts : ((Panel, Constants, State), ...) of the plies, in the order in which the projectile meets them
+    panel, const, state : of the first ply
+    behind : backing.coupling.Behind, the block behind the last ply, or None
+    ply_samples : list of (plies, 6), one a sample, in the order of PLY_SAMPLES: of the whole ply; `push` is the force
+        of the nose on it, `deflection` that at the impact point, `energy` what it moves with, stores and has lost
+    step_history : `dynamics.columns` of the projectile: z [m], velocity [m/s] and force [N] (of the modelled part), and
+        of a bar velocities [m/s] and places [m] of tip, tail and centre of mass
+    measure, histories : what a histories.Recorder records, where there is one, and its rows
+    monitor : quality.Monitor, what the quality indicators need besides the result
+    perforated_samples : in a row, that found no held cloth ahead of the nose; the second ends the run
+    """
+
+    sample_names, energy_names = SAMPLES, ENERGIES
+    counters = (*ExplicitSolver.counters, "perforated_samples")
+    module = "shellfabric.impact.single_ply"  # whose code determines a run
+
+    def _start(self, parts, elements, most_threads=np.inf):
+        """Take the first sample of the plies at rest, of all `elements`; at most so many threads can share them."""
+        self.parts, (self.panel, self.const, self.state) = parts, parts[0]
+        self.share = self.panel.share
+        self.threads = min(barrier.threads_for(self.panel.numerics.threads, elements), most_threads)
+        self.history_columns = len(dynamics.columns(self.panel.projectile))
+        self.ply_samples, self.measure, self.histories = [], None, []
+        self.behind, self.perforated_samples = None, 0
+        if self.panel.backing is not None:
+            last, const, state = self.parts[-1]
+            self.behind = coupling.Behind(self.panel.backing, last, const)
+            self.behind.follow(state)
+        self._ends = [boundary.ends(panel) for panel, _, _ in self.parts]
+        self._rest = [ply_audit.stored_energy(const, state) for _, const, state in self.parts]
+        self.monitor = quality.Monitor(self)
+        self._begin(self.const.dt)
+
+    @property
+    def steps(self):
+        """Steps made."""
+        return int(self.state.counter[kernels.STEP])
+
+    @property
+    def workers(self):
+        """Number of threads besides the main one; a block is in step with one thread alone."""
+        return self.threads - 1 if self.behind is None else 0
+
+    def run_steps(self, history, shared, count, allowed):
+        """The kernel's steps, with `count` - 1 workers: (steps made, why no more)."""
+        raise NotImplementedError
+
+    def neighbour_forces(self, ply):
+        """[forces [N] on the nodes of a ply, by component] of what touches it besides the nose."""
+        return []
+
+    def _loaded_state(self, ply):
+        """State of a ply, its contact forces those of all that touches it."""
+        state, neighbours = self.parts[ply][2], self.neighbour_forces(ply)
+        if not neighbours:
+            return state
+        total = [force.copy() for force in state.f_contact]
+        for forces in neighbours:
+            for whole, force in zip(total, forces):
+                whole += force[: whole.size]  # that of torn cloth is as wide as the largest ply
+        return state._replace(f_contact=tuple(total))
+
+    def contact_energies(self):
+        """[J] of contacts but for those of the plies with the nose, in the order of energy_names."""
+        return ()
+
+    def block_moves(self):
+        """Whether the block has to be followed: it is at rest while the last ply is."""
+        return True
+
+    def advance(self, history):
+        """See ExplicitSolver. Before a block, one step at a time, each followed by the block's."""
+        if self.behind is None:
+            return self.run_steps(history, self._shared, self.threads, self.allowed_exchange)
+        made, reason = 0, RUNNING
+        while made < len(history) and reason == RUNNING:
+            allowed = self.allowed_exchange / self.steps_per_sample
+            _, reason = self.run_steps(history[made : made + 1], self._shared, 1, allowed)
+            made += 1
+            if self.block_moves():
+                self.behind.follow(self.parts[-1][2])
+        return made, reason
+
+    def observe(self):
+        """See ExplicitSolver."""
+        plies = np.array([
+            ply_audit.energies(const, self._loaded_state(ply), rest)
+            for ply, ((_, const, _), rest) in enumerate(zip(self.parts, self._rest))
+        ])  # fmt: skip
+        pushes = np.array([state.f_contact_nose for _, _, state in self.parts])
+        force = pushes.sum(axis=0) + self.parts[-1][2].f_block_nose
+        *projectile, speed = dynamics.audit(self.state, self.const, force)
+        total = plies.sum(axis=0)
+        block = self.behind.energies() if self.behind else np.zeros(len(coupling.NAMES))
+        own = self._observe_plies(plies.sum(axis=1), pushes[:, 2])
+        self.ply_samples.append(own)
+        z = self.state.projectile_position[2] + self.const.foremost_offset
+        energies = [total[0], *projectile, *total[1:], *block, *self.contact_energies()]
+        return [speed, z, *own[:, :3].sum(axis=0)], energies
+
+    def _observe_plies(self, energies, pushes):
+        """(plies, 6) in the order of PLY_SAMPLES, from the plies' energies [J] and the forces on the nose [N]."""
+        rows = []
+        for (panel, const, state), ends, energy, push in zip(self.parts, self._ends, energies, pushes):
+            failed = ply_audit.failed_segments(panel, const, state) / self.share
+            reactions = ply_audit.edge_reactions(panel, const, state, ends)
+            rows.append(
+                [failed, *reactions, -push / self.share, ply_audit.deflection(const, state), energy / self.share]
+            )
+        return np.array(rows)
+
+    def _drop_sample(self):
+        super()._drop_sample()
+        self.ply_samples.pop()
+
+    def ply_sample(self, name):
+        """(n, plies) one column of the plies' samples."""
+        return np.array([rows[:, PLY_SAMPLES.index(name)] for rows in self.ply_samples])
+
+    def node_speeds(self):
+        """See ExplicitSolver."""
+        return [(np.sqrt((np.array(state.v) ** 2).sum(axis=0)), speed_limit(const)) for _, const, state in self.parts]
+
+    def where(self, part, node):
+        """See ExplicitSolver."""
+        row = self.parts[part][1].row_stride
+        place = f"node ({int(node) // row}, {int(node) % row})"
+        return place if len(self.parts) == 1 else f"ply {part + 1}, {place}"
+
+    def sampled(self):
+        """Sample the quality indicators, and end a run in which cut-out cloth is all that is left ahead of the nose."""
+        self.monitor.sampled()
+        failed = any(state.counter[kernels.FAILURES] for _, _, state in self.parts)
+        if self.reason != RUNNING or not failed or self.behind is not None:
+            return
+        through = all(passed(state, const) for _, const, state in self.parts)
+        self.perforated_samples = self.perforated_samples + 1 if through else 0
+        if self.perforated_samples == 2:
+            self.reason = PERFORATED
+
+    def checkpoint_identity(self):
+        """See ExplicitSolver."""
+        known = self.strike_velocity, self.steps_per_sample, self.measure
+        known += self.panel.numerics.precision, self.panel.backing
+        for _, const, state in self.parts:
+            known += const._asdict(), state.mass, state.inverse_mass
+        return known, self.module
+
+    def checkpoint_arrays(self):
+        """See ExplicitSolver."""
+        plies = {f"plies/{p:02d}": state for p, (_, _, state) in enumerate(self.parts)}
+        return plies | {"monitor": self.monitor.found}
+
+    def checkpoint_records(self):
+        """See ExplicitSolver."""
+        return super().checkpoint_records() | {"ply_samples": self.ply_samples, "histories": self.histories}
+
+    def checkpoint_extra(self):
+        """See ExplicitSolver."""
+        return self.behind.block.arrays() if self.behind else {}
+
+    def restore_extra(self, arrays):
+        """See ExplicitSolver."""
+        if self.behind:
+            self.behind.block.restore(arrays)
+
+
+class PanelSolver(ClothSolver):
+    """One run of a panel.
+
+    Parameters
+    ----------
+    panel : Panel
+    strike_velocity, end_time, interval, energy_error_limit : as ExplicitSolver
+
+    Raises
+    ------
+    InputError : a strike velocity, end time or interval that is not positive
+    """
+
+    def __init__(self, panel: Panel, strike_velocity, end_time, *, interval=2e-6, energy_error_limit=0.05):
+        super().__init__(
+            panel.projectile, strike_velocity, end_time, interval=interval, energy_error_limit=energy_error_limit
+        )
+        self._start(((panel, panel.constants(), panel.state(strike_velocity)),), panel.elements)
+        self._works = [panel.work() for _ in range(self.threads)]
+
+    def run_steps(self, history, shared, count, allowed):
+        """See ClothSolver."""
+        return kernels.run_steps_main(
+            self.state, self.const, self._works[0], len(history), history, shared, count, allowed
+        )
+
+    def run_worker(self, shared, me):
+        """See ExplicitSolver."""
+        kernels.run_steps_worker(self.state, self.const, self._works[me], shared, me, self.threads)

@@ -1,0 +1,226 @@
+"""Contact of plies, eight points at once: most of what `plies.contact_kernels.contact_point` is asked for.
+
+Points of neighbouring elements are side by side, and so are their feet, to within a node: eight of them lie over four
+rows of four nodes each, that of the next a slot further. Each has its weights at three of the four and none at the
+other, since in aligned plies the feet are where two segments of the spline meet, some on this side of it and some on
+that. What is found is the same as of one point at a time, to round-off. All that asks for more than a formula is left
+to `touch`: torn cloth, rims, planes of symmetry, folds, lost feet, and what is so deep that it might have come through.
+"""
+
+from shellfabric.jit.compile import kernel
+from shellfabric.jit.simd import (
+    WIDTH,
+    any_lane,
+    broadcast,
+    equal_bytes,
+    fabs,
+    floor,
+    greater,
+    head_mask,
+    load,
+    mask_from_bits,
+    masked_store,
+    maximum,
+    minimum,
+    movemask,
+    reduce_add,
+    reduce_max,
+    sqrt,
+    where,
+)
+from shellfabric.panel.step_kernels import FAILURES
+from shellfabric.plies.surface_kernels import (
+    element_mean8,
+    intact_about,
+    interpolate8,
+    scatter_to_element8,
+    scatter_weighted8,
+    second_derivatives8,
+    spline_weights8,
+    surface_patch8,
+)
+
+# of pair.energy
+WORK, SPRING, MAX_DEPTH, MAX_DEPTH_POINT, PASSED_COUNT, PASSED_POINT, PASSED_STEP, MAX_COMPRESSION = range(8)
+# of pair.status; a point whose foot leaps or lies aside is lost until it has one again
+CLEAR, IN_CONTACT, LOST = 0, 1, 2
+# [thicknesses] where a point may come through; most that a spring is stiffened
+AMBIGUOUS_DEPTH, MAX_STIFFNESS_FACTOR = 0.15, 3.0
+# [thicknesses] that a depth may change beside the motion: sliding by a tenth of an element over a bend as narrow as an
+# element makes a few hundredths (second order), another fold or side several tenths
+MAX_DEPTH_JUMP = 0.1
+MAX_CP_STEP, CP_JUMP = 0.25, 0.2  # [elements] longest step of a foot; one so long has none
+MAX_STEPS_SKIPPED = 8  # most steps that a point is left alone
+
+
+@kernel(_nrt=False, forceinline=True)
+def contact_points8(front, fc, rear, rc, pair, q, i, j, count, nearer, now, due):
+    """`touch` for those of the points in the middles of the elements (i, j) .. (i, j + count) with which nothing is
+    the matter, eight at once: whole cloth on whole cloth, feet side by side and away from rims and planes of symmetry,
+    not lost, in no fold, not so deep that it might come through, and not deeper at once than motion may have made it.
+
+    due : the points that are to be looked at, as bits. Returns (those that are left for `touch`, energy in the springs
+    of the others).
+    """
+    k, own = i * fc.row_stride + j, movemask(head_mask(count))
+    held = own & movemask(equal_bytes(pair.status, q, IN_CONTACT))
+    fit = (own & movemask(equal_bytes(pair.status, q, CLEAR)) | held) & movemask(equal_bytes(front.element_flag, k, 0))
+    A, B = (
+        load(pair.closest_point[0], q) + load(pair.cp_rate[0], q),
+        load(pair.closest_point[1], q) + load(pair.cp_rate[1], q),
+    )
+    rank = load(pair.lane_index, 0)
+    fit = intact8(rear, rc, pair, q, count, fit)
+    I, J = floor(minimum(maximum(A + 0.5, 1.0), rc.ni - 1.0)), floor(minimum(maximum(B + 0.5, 1.0), rc.nj - 1.0))
+    r, t = A - I, B - J
+    fit &= ~movemask(greater(maximum(fabs(r), fabs(t)), 0.5))
+    chosen = mask_from_bits(fit)
+    I0, J0 = -reduce_max(where(chosen, 0.0 - I, -1e9)), -reduce_max(where(chosen, rank - J, -1e9))
+    slot = (I0 - 1.0) * rc.row_stride + (J0 - 1.0)
+    if fit == 0 or slot < 0.0:
+        return due, 0.0
+    K = int(slot)
+    I, J = I - I0, J - rank - J0  # from the first of all nodes
+    fit &= ~movemask(greater(maximum(I, J), 1.5))
+    tall = any_lane(greater(where(mask_from_bits(fit), I, 0.0), 0.5))
+    (wa, da, ca), (wb, db, cb) = spline_weights8(r, greater(I, 0.5)), spline_weights8(t, greater(J, 0.5))
+    X, Xa, Xb = surface_patch8(rear.u[0], K, rc.row_stride, wa, wb, da, db, tall)
+    Y, Ya, Yb = surface_patch8(rear.u[1], K, rc.row_stride, wa, wb, da, db, tall)
+    Z, Za, Zb = surface_patch8(rear.u[2], K, rc.row_stride, wa, wb, da, db, tall)
+    Xa, Yb = Xa + rc.dx, Yb + rc.dy
+    x = element_mean8(front.u[0], k, fc.row_stride) - X - A * rc.dx + (fc.x0 + (i + 0.5) * fc.dx - rc.x0)
+    y = element_mean8(front.u[1], k, fc.row_stride) - Y - B * rc.dy + (fc.y0 + (j + 0.5) * fc.dy - rc.y0) + rank * fc.dy
+    z = element_mean8(front.u[2], k, fc.row_stride) - Z - pair.rest_distance
+    n_x, n_y, n_z = Ya * Zb - Za * Yb, Za * Xb - Xa * Zb, Xa * Yb - Ya * Xb
+    square, tiny, thick = n_x * n_x + n_y * n_y + n_z * n_z, 1e-6 * rc.dx * rc.dy, pair.thickness
+    size = sqrt(square)
+    along, far = (n_x * x + n_y * y + n_z * z) / size, x * x + y * y + z * z
+    depth = thick + along
+    slant = movemask(greater(far, 0.09 * thick * thick)) & movemask(greater(0.49 * far, along * along))
+    was = load(pair.last_depth, q)
+    deep = movemask(greater(was, (1.0 - AMBIGUOUS_DEPTH) * thick))
+    slow = movemask(greater(MAX_DEPTH_JUMP * thick, fabs(depth - where(mask_from_bits(held), was, 0.0))))
+    fit &= movemask(greater(square, tiny * tiny)) & ~(held & (slant | deep))
+    clear, inside = fit & movemask(greater(0.0, depth)), fit & movemask(greater(depth, 0.0))
+    pressed = inside & ~slant & movemask(greater((1.0 - AMBIGUOUS_DEPTH) * thick, depth)) & slow
+    aa, ab, bb = Xa * Xa + Ya * Ya + Za * Za, Xa * Xb + Ya * Yb + Za * Zb, Xb * Xb + Yb * Yb + Zb * Zb
+    ra, rb = Xa * x + Ya * y + Za * z, Xb * x + Yb * y + Zb * z
+    area, near = maximum(Xa * Yb - Xb * Ya, 0.01 * rc.dx * rc.dy), greater(depth, -0.5 * thick)
+    over = 1.0 / where(near, square, area)
+    go = where(near, bb * ra - ab * rb, Yb * x - Xb * y) * over
+    turn = where(near, aa * rb - ab * ra, Xa * y - Ya * x) * over
+    sure = 0
+    if pressed != 0:
+        Xaa, Xab, Xbb = second_derivatives8(rear.u[0], K, rc.row_stride, wa, wb, da, db, ca, cb, tall)
+        Yaa, Yab, Ybb = second_derivatives8(rear.u[1], K, rc.row_stride, wa, wb, da, db, ca, cb, tall)
+        Zaa, Zab, Zbb = second_derivatives8(rear.u[2], K, rc.row_stride, wa, wb, da, db, ca, cb, tall)
+        aa = aa - (x * Xaa + y * Yaa + z * Zaa)
+        ab = ab - (x * Xab + y * Yab + z * Zab)
+        bb = bb - (x * Xbb + y * Ybb + z * Zbb)
+        det = aa * bb - ab * ab
+        sure = pressed & movemask(greater(det, 0.1 * square)) & movemask(greater(aa, 0.0))
+        go = where(mask_from_bits(sure), (bb * ra - ab * rb) / det, go)
+        turn = where(mask_from_bits(sure), (aa * rb - ab * ra) / det, turn)
+        pressed &= ~movemask(greater(maximum(fabs(go), fabs(turn)), CP_JUMP))
+    done, before_a, before_b = clear | pressed, load(pair.closest_point[0], q), load(pair.closest_point[1], q)
+    low_a, low_b = -0.5 if rc.mirror_x else 0.0, -0.5 if rc.mirror_y else 0.0
+    A2 = maximum(minimum(A + maximum(minimum(go, MAX_CP_STEP), -MAX_CP_STEP), float(rc.ni)), low_a)
+    B2 = maximum(minimum(B + maximum(minimum(turn, MAX_CP_STEP), -MAX_CP_STEP), float(rc.nj)), low_b)
+    masked_store(pair.closest_point[0], q, where(mask_from_bits(done), A2, before_a), count)
+    masked_store(pair.closest_point[1], q, where(mask_from_bits(done), B2, before_b), count)
+    later = now + 1.0 + minimum(floor(depth * (-1.0 / nearer)), float(MAX_STEPS_SKIPPED))
+    masked_store(
+        pair.recheck_step,
+        q,
+        where(mask_from_bits(clear), later, where(mask_from_bits(inside), now, load(pair.recheck_step, q))),
+        count,
+    )
+    energy = 0.0
+    if pressed | (held & clear) != 0:
+        steady = mask_from_bits(pressed & held & sure)
+        masked_update(
+            pair.cp_rate[0], q, where(steady, maximum(minimum(A2 - before_a, MAX_CP_STEP), -MAX_CP_STEP), 0.0), done,
+            count,
+        )  # fmt: skip
+        masked_update(
+            pair.cp_rate[1], q, where(steady, maximum(minimum(B2 - before_b, MAX_CP_STEP), -MAX_CP_STEP), 0.0), done,
+            count,
+        )  # fmt: skip
+        for m in range(count):
+            if (done >> m) & 1:
+                pair.status[q + m], pair.on_facet[q + m] = IN_CONTACT if (pressed >> m) & 1 else CLEAR, 0
+    if pressed != 0:
+        n, at = (n_x / size, n_y / size, n_z / size), (i, j, int(I0) - 1, int(J0) - 1)
+        energy = apply_forces8(front, fc, rear, rc, pair, q, at, count, pressed, held, depth, n, wa, wb, tall)
+    return (due & ~done) | (inside & ~pressed), energy
+
+
+@kernel(_nrt=False, forceinline=True)
+def intact8(rear, rc, pair, q, count, fit):
+    """Those of eight points that are not beside torn cloth, of either ply."""
+    if pair.torn_counts[1] > 0 or rear.counter[FAILURES] > 0:
+        for m in range(count):
+            a, b = (
+                pair.closest_point[0][q + m] + pair.cp_rate[0][q + m],
+                pair.closest_point[1][q + m] + pair.cp_rate[1][q + m],
+            )
+            if (fit >> m) & 1 and (pair.near_torn[q + m] or not intact_about(rear, rc, max(a, 0.0), max(b, 0.0))):
+                fit &= ~(1 << m)
+    return fit
+
+
+@kernel(_nrt=False, forceinline=True)
+def apply_forces8(front, fc, rear, rc, pair, q, at, count, pressed, held, depth, n, wa, wb, tall):
+    """Let those of eight points push whose bits are set in `pressed`; the energy in their springs.
+
+    at : where the nodes begin, (i, j) of the front ply's and of the rear one's; n : the normals; wa, wb : the weights
+    of the feet, `tall` where they are over four lines of nodes
+    """
+    (i, j, I, J), thick = at, pair.thickness
+    slack = minimum(where(mask_from_bits(held), load(pair.depth_offset, q), 0.0), depth)
+    masked_update(pair.last_depth, q, depth, pressed, count)
+    masked_update(pair.depth_offset, q, slack, pressed, count)
+    for c in range(3):
+        masked_update(pair.normal[c], q, n[c], pressed, count)
+    if reduce_max(where(mask_from_bits(pressed), depth, 0.0)) > pair.energy[MAX_DEPTH]:
+        for m in range(count):
+            if (pressed >> m) & 1 and pair.last_depth[q + m] > pair.energy[MAX_DEPTH]:
+                pair.energy[MAX_DEPTH], pair.energy[MAX_DEPTH_POINT] = pair.last_depth[q + m], q + m
+    k, K, closing = i * fc.row_stride + j, I * rc.row_stride + J, broadcast(0.0)
+    for c in range(3):
+        closing = closing + n[c] * (
+            element_mean8(front.v[c], k, fc.row_stride) - interpolate8(rear.v[c], K, rc.row_stride, wa, wb, tall)
+        )
+    # what is left of the thickness has to hold as much
+    stiffer = minimum(thick / maximum(thick - slack, 0.1 * thick), MAX_STIFFNESS_FACTOR)
+    part, squeezed = where(greater(slack, 0.0), stiffer, 1.0), depth - slack
+    pair.energy[MAX_COMPRESSION] = max(
+        pair.energy[MAX_COMPRESSION], reduce_max(where(mask_from_bits(pressed), squeezed, 0.0))
+    )
+    f = where(mask_from_bits(pressed), maximum(penalty_force(pair, part, squeezed, pair.damping, closing), 0.0), 0.0)
+    if movemask(greater(f, 0.0)) != 0:
+        extend_window(pair.front_window, i, i + 2, j, min(j + WIDTH + 1, fc.row_stride))
+        extend_window(pair.rear_window, I, I + (4 if tall else 3), max(J, 0), min(J + WIDTH + 3, rc.row_stride))
+        for c in range(3):
+            scatter_to_element8(pair.f_front[c], k, fc.row_stride, 0.0 - f * n[c])
+            scatter_weighted8(pair.f_rear[c], K, rc.row_stride, f * n[c], wa, wb, tall)
+    return reduce_add(where(mask_from_bits(pressed), 0.5 * part * pair.stiffness * squeezed * squeezed, 0.0))
+
+
+@kernel(_nrt=False, forceinline=True)
+def extend_window(touched, i0, i1, j0, j1):
+    """Widen the window of nodes with forces to i0 .. i1 - 1, j0 .. j1 - 1."""
+    touched[0], touched[1] = min(touched[0], i0), max(touched[1], i1)
+    touched[2], touched[3] = min(touched[2], j0), max(touched[3], j1)
+
+
+@kernel(_nrt=False, forceinline=True)
+def masked_update(array, q, value, which, count):
+    """Write those of eight numbers whose bits are set."""
+    masked_store(array, q, where(mask_from_bits(which), value, load(array, q)), count)
+
+
+@kernel(_nrt=False, forceinline=True)
+def penalty_force(pair, part, squeezed, drag, closing):
+    """[N] of the springs and dampers of points that are squeezed, and come nearer at the speed `closing`."""
+    return part * pair.stiffness * squeezed + drag * closing

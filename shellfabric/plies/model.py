@@ -1,0 +1,419 @@
+"""A pack: plies behind each other in one opening, with a gap between each two.
+
+Stacking. "aligned" plies are all alike; in an "alternating" pack every other one is turned by a right angle (thesis
+section 5.2.3, Figure 5-55). A turned ply is the panel of the fabric with its warp called weft: the shell does not see
+which yarn is on top, and each ply has its own grid.
+
+Gap. Play between the faces of plies at rest; their middle surfaces are the mean thickness and the gap apart (erratum
+E-35). `compression_gap` has it from the pressure law of packs: with closures d of a pack of N plies and of one ply
+between the same loads, (d_N - d_1) / (N - 1) (thesis eqs. 5-1 to 5-4, constants by erratum E-02).
+
+Time step. All plies share the shortest of their steps, or a shorter one where the approach is fast for their thickness
+(`Pack.in_step_with`).
+"""
+
+from __future__ import annotations
+
+from collections import namedtuple
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from math import inf
+
+import numpy as np
+
+from fabrics.errors import InputError
+from fabrics.fabric import Fabric
+from fabrics.plate_curve import PlateCurve
+from shellfabric.cell.model import CellModel, CellTable
+from shellfabric.jit.simd import WIDTH
+from shellfabric.panel.model import Panel
+from shellfabric.plies import step_kernels, surface_kernels, torn_contact_kernels
+from shellfabric.plies.contact_simd_kernels import AMBIGUOUS_DEPTH
+from shellfabric.projectile import dynamics
+from shellfabric.projectile.contact import PREDICTED
+
+STACKINGS = ("aligned", "alternating")
+FORMS = {
+    "smooth": surface_kernels.SMOOTH,
+    "facets": surface_kernels.FACETS,
+    "nodes": surface_kernels.NODES,
+}
+TESTED = 4  # plies of the packs that the source takes its gaps from (section 5.2.2)
+_FASTER = 1.5  # than the projectile cloth before its nose may become
+_NEAREST = 0.05  # [thicknesses] that torn cloth comes to other cloth
+_ENTRIES, _NEAR = 9, 20_000  # of an element in the raster of facets, in the mean; of a ply in the list of what is near
+_LEAST = (0.25, 1e-3)  # deflections that are looked at: of the gap, of the thickness
+
+Pair = namedtuple(
+    "Pair",
+    "closest_point cp_rate normal last_depth depth_offset status on_facet recheck_step max_speed f_front f_rear "
+    "front_window rear_window front_box rear_box energy near_torn torn_elements torn_counts lane_index surface_form "
+    "points_per_side point_offset stiffness damping thickness rest_distance min_deflection",
+)
+TornContact = namedtuple(
+    "TornContact",
+    "f window x x_next dt_over_mass z_rest min_distance ply_grid ply_shape dt zone_mark intact_quadrants elements "
+    "nodes counts failures box_low box_high cell_head entry_element entry_cell entry_next candidates "
+    "candidate_normal deep_points deep_point_data in_node_list last_moved sweep energy",
+)
+Stack = namedtuple(
+    "Stack", "awake waits_for_plies counter projectile_position f_contact_nose ply_counters projectile_velocity"
+)
+
+
+@dataclass(frozen=True)
+class PlyContact:
+    """Numerical knobs of the contact between plies, set by stability and convergence.
+
+    Stability: in a stack of masses m on springs k with dampers c the highest mode asks for k dt^2 / m + 2 c dt / m < 1;
+    the defaults stand at 0.83. The damper leaves a ninth of the speed at which two free plies meet: cloth does not
+    bounce. No spring that looks at its own two plies alone can be much stiffer: modes of the stack
+    from the lowest to the highest feel it, and one that holds firmer at rest than against the highest lags behind it,
+    which gives energy to the others. The nose's is stable whatever its stiffness (see `contact_kernels`).
+
+    Convergence: the velocity at which the first yarn of four plies fails moves by less than 5 % when penalty or nose
+    are halved (docs/packs.md); damping 0.4 in place of 0.7 leaves it where it is.
+    Stiffer plies that are drawn into folds bring energy from nothing (0.25: 0.6 % of a shot's, 0.3: 1.1 %).
+
+    Parameters
+    ----------
+    penalty : stiffness of a point, in units of the mass that it stands for / dt^2
+    damping : ratio to critical of that mass on that spring
+    points : along each side of an element
+    nose : stiffness of the nose's contact, times that of a single ply (`panel.model.Numerics`), whose explicit spring
+        None leaves. Under the rim of the nose a pack presses the first ply on it, by more than a single ply ever is
+    form : "smooth"; for comparison the naive "facets" and "nodes" (see `plies.contact_kernels`)
+
+    Raises
+    ------
+    InputError : a value out of its range, unknown form
+    """
+
+    penalty: float = 0.2
+    damping: float = 0.7
+    points: int = 1
+    nose: float | None = 6.0
+    form: str = "smooth"
+
+    def __post_init__(self):
+        if not 0 < self.penalty < inf:
+            raise InputError(key="penalty", value=self.penalty, allowed="above 0")
+        if not 0 <= self.damping < inf:
+            raise InputError(key="damping", value=self.damping, allowed="at least 0")
+        if not 1 <= self.points <= 8:
+            raise InputError(key="points", value=self.points, allowed="1 to 8")
+        if self.nose is not None and not 0 < self.nose < inf:
+            raise InputError(key="nose", value=self.nose, allowed="above 0, or None")
+        if self.form not in FORMS:
+            raise InputError(key="form", value=self.form, allowed=" or ".join(FORMS))
+
+
+@dataclass(frozen=True)
+class Pack:
+    """Plies in the order in which the projectile meets them.
+
+    Parameters
+    ----------
+    plies : tuple of Panel, alike in opening, symmetry, projectile and numerics; see `stacked`
+    gaps : (plies - 1,) [m] at rest
+    contact : PlyContact
+
+    Raises
+    ------
+    InputError : no ply, a wrong number of gaps, a negative gap, or plies that do not go together
+    """
+
+    plies: tuple[Panel, ...]
+    gaps: tuple[float, ...] = ()
+    contact: PlyContact = field(default_factory=PlyContact)
+
+    def __post_init__(self):
+        if not self.plies:
+            raise InputError(key="plies", value=0, allowed="at least 1")
+        if len(self.gaps) != len(self.plies) - 1:
+            raise InputError(key="gaps", value=len(self.gaps), allowed=f"{len(self.plies) - 1} of them")
+        for gap in self.gaps:
+            if not 0 <= gap < inf:
+                raise InputError(key="gap", value=gap, allowed="at least 0")
+        first = self.plies[0]
+        for key in ("symmetry", "projectile", "opening"):
+            if any(getattr(ply, key) != getattr(first, key) for ply in self.plies):
+                raise InputError(f"the plies of a pack must have one {key}")
+        if any(ply.sides is not None for ply in self.plies):
+            raise InputError(key="grading", value=first.grading, allowed="none in a pack")
+        if len({ply.table.model.form for ply in self.plies}) > 1 or len({ply.trellis for ply in self.plies}) > 1:
+            raise InputError("the plies of a pack must have cells of one form")
+
+    @classmethod
+    def stacked(cls, ply: Panel, plies, *, stacking="aligned", gap=None, contact=None) -> Pack:
+        """A pack of one fabric.
+
+        Parameters
+        ----------
+        ply : Panel, the first
+        plies : their number
+        stacking : "aligned" or "alternating"
+        gap : [m] between all plies; None takes the fabric's own, or that of `compression_gap`
+        contact : PlyContact
+
+        Raises
+        ------
+        InputError : no ply, unknown stacking, a weave that cannot be turned, or no gap to be found
+        """
+        if not plies >= 1:
+            raise InputError(key="plies", value=plies, allowed="at least 1")
+        if stacking not in STACKINGS:
+            raise InputError(key="stacking", value=stacking, allowed=" or ".join(STACKINGS))
+        if gap is None:
+            gap = fabric_gap(ply.fabric) if plies > 1 else 0.0
+        both = (ply, turned(ply) if stacking == "alternating" and plies > 1 else ply)
+        return cls(tuple(both[n % 2] for n in range(plies)), (gap,) * (plies - 1), contact or PlyContact())
+
+    @property
+    def elements(self):
+        """Number of elements of all plies."""
+        return sum(ply.elements for ply in self.plies)
+
+    @cached_property
+    def time_step(self):
+        """[s] the shortest of the plies' steps."""
+        return min(ply.time_step for ply in self.plies)
+
+    def in_step_with(self, strike_velocity) -> Pack:
+        """The same pack with a time step in which contact can stop the strike velocity within a ply's thickness.
+
+        In a row of equal masses m on springs k = penalty m / dt^2 that is driven from one end at the speed w, a
+        compression wave passes sqrt(penalty) masses a step, and behind it neighbours are w dt / sqrt(penalty) nearer to
+        each other, whatever their number; the damper keeps them from swinging beyond that. At the first step in which
+        contact sees them they can be w dt nearer already. It has lost if they come nearer by the thickness t. w is the
+        strike velocity times _FASTER, as cloth before a nose may outrun it, and the depth must stay out of the last
+        CLOSE of the thickness, where sides are in question:
+
+            dt <= (1 - CLOSE) t min(sqrt(penalty), 1) / (_FASTER strike_velocity)
+
+        The step is shorter than that of the plies only in thin cloth of coarse elements at high velocities. A penalty
+        below the default counts as the default: what is softer on purpose stays softer.
+        """
+        if len(self.plies) == 1:
+            return self
+        thin = min(0.5 * (a.weave.thickness + b.weave.thickness) for a, b in zip(self.plies, self.plies[1:]))
+        nearer = min(max(self.contact.penalty, PlyContact.penalty), 1.0) ** -0.5  # [w dt]
+        step = (1.0 - AMBIGUOUS_DEPTH) * thin / (_FASTER * nearer * strike_velocity)
+        if step >= self.time_step:
+            return self
+        found = {id(ply): _slower(ply, step) for ply in self.plies}
+        return replace(self, plies=tuple(found[id(ply)] for ply in self.plies))
+
+    @property
+    def _firmer(self):
+        """Of the nose's contact; 0 where it is that of a single ply, as a pack of one is."""
+        return float(self.contact.nose or 0.0) if len(self.plies) > 1 else 0.0
+
+    def _foreseen(self, slots):
+        """Room for what firm springs foresee; a nose of explicit ones has none."""
+        slots = slots if self._firmer else 0
+        return {name: tuple(np.zeros(slots) for _ in range(3)) for name in PREDICTED}
+
+    @cached_property
+    def places(self):
+        """(plies,) [m] where the middle surfaces stand at rest, the first at 0."""
+        return np.concatenate([[0.0], np.cumsum([self._apart(p) for p in range(len(self.gaps))])])
+
+    def constants(self):
+        """(plies,) what the kernels need to know of each ply, all at one time step."""
+        found = {}
+        for ply in self.plies:
+            if id(ply) not in found:
+                found[id(ply)] = (
+                    self._in_step(ply).constants()._replace(dt=self.time_step, implicit_factor=self._firmer)
+                )
+        return tuple(found[id(ply)] for ply in self.plies)
+
+    def states(self, strike_velocity):
+        """The plies at rest, with what they share: (tuple of State, Stack)."""
+        count, shot = len(self.plies), self.plies[0].projectile
+        stack = Stack(
+            awake=np.zeros(count, np.bool_), waits_for_plies=np.zeros(count, np.bool_), counter=np.zeros(2, np.int64),
+            projectile_position=np.zeros((count, 3)), f_contact_nose=np.zeros((count, 3)),
+            ply_counters=np.zeros((count, 3), np.int64), projectile_velocity=strike_velocity * shot.flight,
+        )  # fmt: skip
+        states = []
+        for p, ply in enumerate(self.plies):
+            state = self._in_step(ply).state(strike_velocity)
+            stack.projectile_position[p] = state.projectile_position
+            stack.projectile_position[p, 2] -= self.places[p]
+            # rims move from the start, whether anything touches them or not
+            stack.awake[p] = p == 0 or state.slip_force.size > 0
+            states.append(
+                state._replace(
+                    projectile_position=stack.projectile_position[p],
+                    f_contact_nose=stack.f_contact_nose[p],
+                    counter=stack.ply_counters[p],
+                    projectile_velocity=stack.projectile_velocity,
+                    **self._foreseen(state.mass.size),
+                )
+            )
+            states[p] = states[p]._replace(**{name: getattr(states[0], name) for name in dynamics.STATE})
+        return tuple(states), stack
+
+    def works(self):
+        """(plies,) scratch of one thread; plies of one grid share theirs."""
+        found = {}
+        for ply in self.plies:
+            if id(ply) not in found:
+                found[id(ply)] = ply.work()
+        return tuple(found[id(ply)] for ply in self.plies)
+
+    def pairs(self, consts, states):
+        """The contact of each two neighbouring plies, at rest, first of the one in front on the one behind, then of all
+        those behind on the one in front; a pack of one ply has one of each that nobody looks at."""
+        count = len(self.plies)
+        both = [(p, min(p + 1, count - 1)) for p in range(max(1, count - 1))]
+        on_next = [self._pair(p, q, self._between(p), consts, states) for p, q in both]
+        return (*on_next, *(self._pair(q, p, -self._between(p), consts, states) for p, q in both))
+
+    def stops(self, consts, states):
+        """What keeps torn cloth apart, at rest: of all plies, as wide as the largest."""
+        count, n = len(self.plies), max(state.mass.size for state in states)
+        pad = 2 * torn_contact_kernels.PAD
+        cells, room = max((c.ni + pad) * (c.nj + pad) for c in consts), _ENTRIES * max(n, 100)
+        kick = np.zeros((count, n))
+        for row, state in zip(kick, states):
+            row[: state.dt_over_mass.size] = state.dt_over_mass
+        nodal = lambda: np.zeros((count, 3, n))  # noqa: E731
+        return TornContact(
+            f=nodal(), window=np.array([[c.ni + 1, 0, c.row_stride, 0] for c in consts]), x=nodal(), x_next=nodal(),
+            dt_over_mass=kick,
+            z_rest=self.places, min_distance=np.array([_NEAREST * ply.weave.thickness for ply in self.plies]),
+            ply_grid=np.array([(c.x0, c.y0, c.dx, c.dy) for c in consts]), dt=self.time_step,
+            ply_shape=np.array([(c.row_stride, c.ni, c.nj, c.mirror_x, c.mirror_y) for c in consts]), box_low=nodal(),
+            box_high=nodal(),
+            intact_quadrants=np.zeros((count, n), np.uint8), candidates=np.zeros((_NEAR * count, 4), np.int64),
+            candidate_normal=np.zeros((_NEAR * count, 3)), deep_points=np.zeros((2 * n, 4), np.int64),
+            deep_point_data=np.zeros((2 * n, 12)),
+            in_node_list=np.zeros((count, n), np.bool_), last_moved=np.zeros((count, n), np.int64),
+            sweep=np.zeros(1, np.int64),
+            zone_mark=np.zeros((count, n), np.uint8), elements=np.zeros((count, n), np.int64),
+            nodes=np.zeros((count, n), np.int64), counts=np.zeros((count, 4), np.int64), failures=np.zeros(1, np.int64),
+            cell_head=np.full((count, cells), -1, np.int32), entry_element=np.zeros((count, room), np.int32),
+            entry_cell=np.zeros((count, room), np.int32), entry_next=np.zeros((count, room), np.int32),
+            energy=np.zeros(3),
+        )  # fmt: skip
+
+    def _apart(self, p):
+        """[m] between the middle surfaces of plies p and p + 1 at rest."""
+        return 0.5 * sum(ply.weave.thickness for ply in self.plies[p : p + 2]) + self.gaps[p]
+
+    def _between(self, p):
+        """[m] `_apart`, and something for the ply that is alone."""
+        return self._apart(p) if p < len(self.gaps) else self.plies[p].weave.thickness
+
+    def _in_step(self, ply):
+        """A ply with the safety that gives it the pack's time step."""
+        return ply if ply.time_step == self.time_step else _slower(ply, self.time_step)
+
+    def _pair(self, p, q, apart, consts, states):
+        front, rear, knobs = consts[p], consts[q], self.contact
+        n, form = knobs.points, FORMS[knobs.form]
+        start = 0.5 if form == surface_kernels.SMOOTH else 0.0
+        thickness = 0.5 * (self.plies[p].weave.thickness + self.plies[q].weave.thickness)
+        # the lighter ply bounds the step
+        mass = min(ply.weave.areal_density for ply in (self.plies[p], self.plies[q])) * front.dx * front.dy / n**2
+        nothing = lambda c: np.array([c.ni + 1, 0, c.row_stride, 0])  # noqa: E731
+        nodal = lambda state: tuple(np.zeros(state.mass.size) for _ in range(3))  # noqa: E731
+        sub = (np.arange(n) + start) / n
+        foot = np.zeros((2, front.ni, front.nj, n, n))
+        along, across = (np.arange(front.ni)[:, None] + sub) * front.dx, (np.arange(front.nj)[:, None] + sub) * front.dy
+        foot[0] = ((front.x0 - rear.x0 + along) / rear.dx)[:, None, :, None]
+        foot[1] = ((front.y0 - rear.y0 + across) / rear.dy)[None, :, None, :]
+        elements = front.ni * front.nj
+        padded = lambda kind=float: np.zeros(foot[0].size + WIDTH, kind)  # noqa: E731
+        return Pair(
+            closest_point=tuple(np.pad(part.ravel(), (0, WIDTH)) for part in foot), cp_rate=(padded(), padded()),
+            normal=(padded(), padded(), padded()), last_depth=padded(), depth_offset=padded(),
+            status=padded(np.uint8), on_facet=padded(np.uint8), recheck_step=padded(),
+            near_torn=np.zeros(elements, np.uint8),
+            torn_elements=np.zeros(elements, np.int64), torn_counts=np.zeros(3, np.int64),
+            lane_index=np.arange(float(WIDTH)), max_speed=np.zeros(2),
+            f_front=nodal(states[p]), f_rear=nodal(states[q]), front_window=nothing(front),
+            rear_window=nothing(rear), front_box=np.array(states[p].contact_window),
+            rear_box=np.array([rear.ni + 1, -1, rear.row_stride, -1]), energy=np.zeros(8), surface_form=form,
+            points_per_side=n, point_offset=start, stiffness=knobs.penalty * mass / self.time_step**2,
+            damping=knobs.damping * knobs.penalty**0.5 * mass / self.time_step,
+            thickness=thickness, rest_distance=apart,
+            min_deflection=max(_LEAST[0] * (abs(apart) - thickness), _LEAST[1] * thickness),
+        )  # fmt: skip
+
+
+def _slower(ply, step):
+    """A ply with the safety that gives it a time step [s]."""
+    safety = ply.numerics.safety * step / ply.time_step
+    return replace(ply, numerics=replace(ply.numerics, safety=safety))
+
+
+def lists(items):
+    """A sequence of named tuples as the list that the kernels take."""
+    found = step_kernels.new_list(items[0])
+    for item in items[1:]:
+        step_kernels.append(found, item)
+    return found
+
+
+def turned_fabric(fabric: Fabric) -> Fabric:
+    """A fabric with its warp called weft."""
+    weave = fabric.weave
+    weave = replace(weave, warp=weave.weft, weft=weave.warp, warp_count=weave.weft_count, weft_count=weave.warp_count)
+    return replace(fabric, weave=weave, laws=fabric.laws and fabric.laws[::-1])
+
+
+def turned(panel: Panel) -> Panel:
+    """The same panel with its cloth turned by a right angle; opening and edges stay where they are.
+
+    Raises
+    ------
+    InputError : an oblique weave, or a cell that comes from a response surface
+    """
+    if panel.weave_angle:
+        raise InputError(key="stacking", value="alternating", allowed="aligned where the weave is oblique")
+    model = panel.table.model
+    if not isinstance(model, CellModel):
+        raise InputError(key="stacking", value="alternating", allowed="aligned where the cell is a response surface")
+    model = replace(
+        model, fabric=turned_fabric(model.fabric), laws=model.laws and model.laws[::-1], toe=model.toes[::-1]
+    )
+    factors = panel.strength_factors
+    return replace(
+        panel, table=CellTable.fill(model, panel.table.stretch1.size), bending=panel.bending[::-1],
+        strength_factors=factors and factors[::-1],
+    )  # fmt: skip
+
+
+def compression_gap(areal_density, plies=TESTED):
+    """[m] gap between plies from the source's pressure law of packs (thesis eqs. 5-1 to 5-4, erratum E-02).
+
+    Parameters
+    ----------
+    areal_density : [kg/m2] of one ply, measured
+    plies : of the pack that was pressed: 4, 8 or 16
+
+    Raises
+    ------
+    InputError : as fabrics.plate_curve.PlateCurve.pressure_law
+    """
+    pack, one = (PlateCurve.pressure_law(areal_density, count).closure[-1] for count in (plies, 1))
+    return float(pack - one) / (plies - 1)
+
+
+def fabric_gap(fabric: Fabric):
+    """[m] a fabric's own gap, or that of the pressure law where its file has none.
+
+    Raises
+    ------
+    InputError : a fabric with neither a gap nor a measured areal density
+    """
+    if fabric.interlayer_gap is not None:
+        return fabric.interlayer_gap
+    if fabric.areal_density_measured is None:
+        told = f"fabric {fabric.name} has neither an interlayer gap nor a measured areal density"
+        raise InputError(told, key="gap", allowed="given")
+    return compression_gap(fabric.areal_density_measured)

@@ -1,0 +1,145 @@
+"""The explicit solver of a pack of plies; see `panel.solver`, whose ClothSolver a panel and a pack have in common.
+
+The energies have one entry more than those of a panel: "plies", what the contact between plies has taken in.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from shellfabric.panel.solver import ENERGIES, OBSERVED, ClothSolver
+from shellfabric.panel.step_kernels import STEP
+from shellfabric.plies import contact_kernels, step_kernels, torn_contact_kernels
+from shellfabric.plies.model import Pack, lists
+
+PACK_ENERGIES = (*ENERGIES[:-1], "plies", ENERGIES[-1])
+PACK_SAMPLES = (*OBSERVED, *PACK_ENERGIES)
+
+
+class PackSolver(ClothSolver):
+    """One run of a pack.
+
+    Parameters
+    ----------
+    pack : Pack
+    strike_velocity, end_time, interval, energy_error_limit : as ExplicitSolver
+
+    Attributes
+    ----------
+    states, consts, stack, pairs, stops : what the kernels work on
+    samples : in the order of PACK_SAMPLES; of the whole pack, forces summed over plies
+    snapshots : list of tuples of Snapshot, one a ply, where a hook takes them
+
+    The others are those of ClothSolver.
+
+    Raises
+    ------
+    InputError : a strike velocity, end time or interval that is not positive
+    """
+
+    sample_names, energy_names = PACK_SAMPLES, PACK_ENERGIES
+    contacts = ("contact", "the contact with the nose"), ("plies", "the contact between plies")
+    module = "shellfabric.impact.pack"
+
+    def __init__(self, pack: Pack, strike_velocity, end_time, *, interval=2e-6, energy_error_limit=0.05):
+        super().__init__(
+            pack.plies[0].projectile, strike_velocity, end_time, interval=interval,
+            energy_error_limit=energy_error_limit,
+        )  # fmt: skip
+        self.pack = pack = pack.in_step_with(strike_velocity)
+        self.consts, (self.states, self.stack) = pack.constants(), pack.states(strike_velocity)
+        self.pairs = pack.pairs(self.consts, self.states)
+        self.stops = pack.stops(self.consts, self.states)
+        self._lists = tuple(lists(items) for items in (self.states, self.consts, self.pairs))
+        self._start(tuple(zip(pack.plies, self.consts, self.states)), pack.elements, len(pack.plies))
+        self._works = [lists(pack.works()) for _ in range(self.threads)]
+
+    _sum = staticmethod(np.sum)  # in numpy's order, which differs from `sum` in the last digit
+
+    @property
+    def steps(self):
+        """Steps made."""
+        return int(self.stack.counter[STEP])
+
+    @property
+    def peaks(self):
+        """(plies, 2) [N] highest tension of warp and weft so far, each in the ply's own weave."""
+        return np.array([state.peak_tension for state in self.states])
+
+    @property
+    def deepest(self):
+        """(plies - 1,) [-] deepest that a ply has come into the next, over the thickness: at 1 it would be through."""
+        return self._of_pairs(contact_kernels.MAX_DEPTH)
+
+    @property
+    def squeezed(self):
+        """(plies - 1,) [-] furthest that the contact of a ply with the next has given way, over the thickness.
+
+        `deepest` without what is found inside another fold of loose cloth, which loads no spring.
+        """
+        return self._of_pairs(contact_kernels.MAX_COMPRESSION)
+
+    def _of_pairs(self, entry):
+        both = np.array([pair.energy[entry] / pair.thickness for pair in self.pairs])
+        return both.reshape(2, -1).max(axis=0)[: len(self.states) - 1]
+
+    @property
+    def held_apart(self):
+        """(2,) [-] how often torn cloth was kept off other cloth, and how often that did not succeed."""
+        return self.stops.energy[[torn_contact_kernels.CORRECTIONS, torn_contact_kernels.UNRESOLVED]]
+
+    def run_steps(self, history, shared, count, allowed):
+        """See ClothSolver."""
+        states, consts, pairs = self._lists
+        return step_kernels.run_steps_main(
+            states, consts, pairs, self.stack, self.stops, self._works[0], len(history), history, shared, count,
+            allowed,
+        )  # fmt: skip
+
+    def run_worker(self, shared, me):
+        """See ExplicitSolver."""
+        states, consts, pairs = self._lists
+        step_kernels.run_steps_worker(
+            states, consts, pairs, self.stack, self.stops, self._works[me], shared, me, self.threads
+        )
+
+    def block_moves(self):
+        """See ClothSolver."""
+        return bool(self.stack.awake[-1])
+
+    def contact_energies(self):
+        """[J] (1,) taken in by the contact between plies."""
+        taken = sum(pair.energy[contact_kernels.WORK] for pair in self.pairs)
+        return (taken + self.stops.energy[torn_contact_kernels.WORK],)
+
+    def neighbour_forces(self, ply):
+        """See ClothSolver: of both neighbours, and of torn cloth."""
+        near, back = self.pairs[: len(self.pairs) // 2], self.pairs[len(self.pairs) // 2 :]
+        found = [near[ply - 1].f_rear, back[ply - 1].f_front] if ply > 0 else []
+        found += [near[ply].f_front, back[ply].f_rear] if ply < len(self.states) - 1 else []
+        return [*found, self.stops.f[ply]]
+
+    def guard_model(self):
+        """Stop a run in which whole cloth has come through whole cloth."""
+        half = len(self.pairs) // 2
+        for p, pair in enumerate(self.pairs):
+            if pair.energy[contact_kernels.PASSED_COUNT]:
+                one, other = (p, p + 1) if p < half else (p - half + 1, p - half)
+                element = int(pair.energy[contact_kernels.PASSED_POINT]) // pair.points_per_side**2
+                i, j = divmod(element, self.consts[one].nj)
+                step = int(pair.energy[contact_kernels.PASSED_STEP])
+                self.stop(
+                    f"ply {one + 1} has come through ply {other + 1}", f"ply {one + 1}, element ({i}, {j})",
+                    f"after {step * self.const.dt * 1e6:.3g} us (step {step})",
+                )  # fmt: skip
+
+    def checkpoint_identity(self):
+        """See ExplicitSolver."""
+        known, module = super().checkpoint_identity()
+        return (*known, self.pack.gaps, self.pack.contact), module
+
+    def checkpoint_arrays(self):
+        """See ExplicitSolver. Of what holds torn cloth apart, the rest follows from the plies."""
+        pairs = {f"pairs/{p:02d}": pair for p, pair in enumerate(self.pairs)}
+        stops = {f"stops/{name}": getattr(self.stops, name) for name in ("f", "window", "energy")}
+        return super().checkpoint_arrays() | pairs | stops | {"stack": self.stack}

@@ -1,0 +1,61 @@
+"""Constants, state and scratch of the contact of cloth and projectile (see `contact_kernels`)."""
+
+from __future__ import annotations
+
+from collections import namedtuple
+
+import numpy as np
+
+from shellfabric.cloth import spline_kernels
+from shellfabric.jit.simd import WIDTH
+from shellfabric.projectile import contact_kernels
+
+PREDICTED = ("dv_other", "dv_contact")  # of the nodes, where the nose foresees what the other forces will do
+Scratch = namedtuple(
+    "Scratch",
+    "node_rows box_low box_high node_position node_velocity node_dv point_data node_force torn_shape_functions",
+)
+
+
+def constants(points, mass, dt, penalty, damping):
+    """Constants of the points, by the names that the kernels know; an explicit spring (`implicit_factor` 0).
+
+    Parameters
+    ----------
+    points : along each side of an element
+    mass : [kg] of an element
+    dt : [s] time step that the stiffness is a matter of
+    penalty : stiffness of an element's points in units of mass / dt^2
+    damping : ratio to critical of that mass on that spring
+    """
+    room = -(-(points**2) // WIDTH) * WIDTH
+    return {
+        "points_per_side": points,
+        "shape_functions": spline_kernels.shape_functions(points, room),
+        "point_stiffness": penalty * mass / points**2 / dt**2,
+        "point_damping": 2 * damping * penalty**0.5 * mass / points**2 / dt,
+        "point_mass": mass / points**2,
+        "implicit_factor": 0.0,
+    }
+
+
+def contact_state(near, points, shares, friction):
+    """What is kept from step to step of the elements near = (i0, i1, j0, j1), by the names that the kernels know."""
+    count = (near[1] - near[0]) * (near[3] - near[2])
+    return {
+        "last_contact_force": np.zeros((count, 4, shares.shape[2])),
+        "in_contact": np.zeros(count, np.bool_),
+        "friction_state": np.zeros((count, points**2, 6) if friction > 0 else (0, 0, 6)),
+        **{name: tuple(np.zeros((3, 0))) for name in PREDICTED},
+        "force_scale": np.array([contact_kernels.MIN_FORCE_SCALE]),
+    }
+
+
+def scratch(*consts) -> Scratch:
+    """Room for one call, of any of several panels: four lines of nodes, the boxes of their columns, one element and
+    eight of its points."""
+    columns = max(const.window_limits[3] - const.window_limits[2] for const in consts) + 3
+    room = max(const.shape_functions.shape[2] for const in consts)
+    shapes = [(4, 3, columns), (3, columns), (3, columns), (16, 3), (16, 3), (2, 16, 3)]
+    shapes += [(13, WIDTH), (3, 16), (8, room)]
+    return Scratch(*(np.zeros(shape) for shape in shapes))

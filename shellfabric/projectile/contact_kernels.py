@@ -1,0 +1,387 @@
+"""Contact of the cloth with a rigid projectile: penalty on a signed distance, over points of a smooth surface.
+
+The distance is that of `sdf_kernels`, in the frame of the projectile: its nose at the origin, its axis along z. A
+projectile whose axis is tilted has a frame of its own, into which places are turned, and normals back out of it.
+
+Every element carries p x p points x = sum N_i x_i of the surface of `spline_kernels`. One with distance < 0 feels f n,
+f = max(0, -k distance - c n.(v - v_p)), and the friction of `friction_kernels`; its nodes share the force by their N_i,
+and the projectile gets its opposite, so that momentum is kept. Where yarns have failed, k and c are those of what is
+left of the two next to a point.
+
+Firm springs. Between the nose and a pack that resists, a spring that is stable at the usual step is too soft: the rim
+sinks in. So in packs it is const.implicit_factor times as stiff, and its force is that of the end of the step to come.
+With the depth d and the velocity v at which the point will approach if the nose lets it, that is by all other forces,
+
+    f = max(0, k d + (c + k dt) v) / (1 + (c + k dt) dt / m)
+
+m is the mass that a point moves. Points share nodes. Let forces f speed points up by A f, and m = s / (A s) for some
+s > 0: as m A keeps this positive vector, its largest eigenvalue is 1 (Perron), and up to 4/3 is stable, whatever k.
+That holds with the cloth at the bound of its own step, since v foresees its forces; with v as it was a quarter of that
+bound would be left. s is the force of a step ago, for which m is right and f at rest is k d; and besides, on every
+point, the nose's force on the ply over the points of an element, as if the cloth lay flat under it. Where that is most
+of s, f at rest is less than k d, though more than on a spring of m / dt^2. Without it the load of a very firm nose hops
+from point to point as cloth slides round the rim, and points of changing m give back more than they took.
+
+Why a smooth surface. A lone node that carries a yarn round the edge slides off it down the side of the cylinder, and a
+sharp edge snaps it up by its whole depth. Points inside flat elements meet the edge quietly, but the normals of these
+jump at nodes, so that the rim bends a yarn at one node or another, and the peak tension goes with where the rim lies in
+an element and does not settle with the mesh. With 1 and 2 elements a crossover it was 215 and 250 N in the warp of
+S-745, 116 and 127 N in that of S-726; the smooth surface has 217 and 223, 118.7 and 118.8 N. With eight points a
+crossover it has converged in their number (S-720, equilibrium form, 92.5 m/s: 134.7 and 153.9 N; four points 131.4 and
+149.5, sixteen 134.3 and 153.7). An edge radius of 3 um in place of 0.3 mm takes a tenth off it (120.6 and 139.8 N), a
+thirtieth with sixteen points (129.5 and 150.8).
+"""
+
+import math
+
+import numpy as np
+
+from shellfabric.cloth import spline_kernels
+from shellfabric.cloth.membrane_kernels import ERODED
+from shellfabric.jit.compile import entry, kernel
+from shellfabric.jit.simd import WIDTH, any_lane, fma, greater, load, maximum, store
+from shellfabric.projectile import friction_kernels, sdf_kernels
+
+# of state.contact_energy: energies [J], and last the largest penetration [m] of a point of whole cloth so far
+CONTACT, SPRING, FRICTION, FRICTION_SPRING, MAX_PENETRATION = 0, 1, 2, 3, 4
+MIN_FORCE_SCALE = 1e-30  # [N] force of a point of a nose that does not push yet
+
+
+@kernel()
+def window_bounds(state):
+    """Contact window: first and end row, and column, of elements."""
+    return state.contact_window[0], state.contact_window[1], state.contact_window[2], state.contact_window[3]
+
+
+@kernel()
+def reachable_nodes(state, const):
+    """First and last row, and column, of the nodes that contact forces can reach: one beyond those of the elements."""
+    i0, i1, j0, j1 = window_bounds(state)
+    return max(i0 - 1, 0), min(i1 + 1, const.ni), max(j0 - 1, 0), min(j1 + 1, const.nj)
+
+
+@entry()
+def move_window(state, const):
+    """Move the contact window, state.contact_window, with a projectile that moves sideways.
+
+    The body lies between its nose and the place where its axis is at const.body_depth below the panel; about that the
+    window leaves const.draw_in_reach, by which cloth may be drawn in besides the body's own width, and what the edges
+    have slipped. Nothing bounds how far a yarn that has failed is drawn in: then the window is the whole panel. Cloth
+    from beyond would be found by the window's next row when it is an edge radius deep, on springs that nobody has
+    squeezed.
+    """
+    torn, slip = False, 0.0
+    for block in range(state.block_damage.size):
+        torn = torn or state.block_damage[block] != 0
+    for m in range(const.slip_node.size):
+        slip = max(slip, abs(state.u[const.slip_axis[m]][const.slip_node[m]]))
+    back = min((state.projectile_position[2] + const.body_depth) / const.frame[2, 2], const.projectile_length)
+    for c, start, step in ((0, const.x0, const.dx), (1, const.y0, const.dy)):
+        nose, foot = state.projectile_position[c], state.projectile_position[c] - back * const.frame[2, c]
+        low, high = min(nose, foot) - start, max(nose, foot) - start
+        low, high = low - const.draw_in_reach[c] - slip, high + const.draw_in_reach[c] + slip
+        count = const.window_limits[2 * c + 1]
+        state.contact_window[2 * c] = 0 if torn else min(max(int(low / step), 0), count)
+        state.contact_window[2 * c + 1] = (
+            count if torn else min(max(int(high / step) + 1, state.contact_window[2 * c]), count)
+        )
+    state.active_rows[0] = min(state.active_rows[0], max(state.contact_window[0] - 2, 0))
+    state.active_rows[1] = max(state.active_rows[1], min(state.contact_window[1] + 2, const.ni))
+
+
+@kernel(_nrt=False)
+def contact_forces(state, const, work):
+    """Contact forces at the present positions, into state.f_contact; the force on the projectile into
+    state.f_contact_nose.
+
+    The elements of the block of rows and columns state.contact_window, which lies in const.window_limits, are looked
+    at, unless eroded: what no yarn holds is out of contact. Returns the work that the contact has taken in since the
+    last call (spring and damper, by the trapezoid rule) and the energy in its springs.
+    """
+    clear_forces(state, const)
+    if const.window_follows:
+        move_window(state, const)
+    return contact_window(state, const, work)
+
+
+@kernel(_nrt=False)
+def contact_window(state, const, work):
+    """Contact of the elements in the window, as `contact_forces` has it."""
+    i0, i1, j0, j1 = window_bounds(state)
+    state.contact_energy[FRICTION_SPRING] = 0.0
+    taken, spring = 0.0, 0.0
+    for i in range(i0 - 1, i0 + 2):
+        spline_kernels.row_positions(state, const, i, j0 - 1, j1 + 1, work.node_rows[i & 3])
+    for i in range(i0, i1):
+        spline_kernels.row_positions(state, const, i + 2, j0 - 1, j1 + 1, work.node_rows[(i + 2) & 3])
+        spline_kernels.column_boxes(work.node_rows, j1 - j0 + 3, work.box_low, work.box_high)
+        for j in range(j0, j1):
+            e = (
+                (i - const.window_limits[0]) * (const.window_limits[3] - const.window_limits[2])
+                + j
+                - const.window_limits[2]
+            )
+            if state.element_flag[i * const.row_stride + j] and erode(state, const, i, j):
+                reset_element(state, const, e)
+            elif state.in_contact[e] or not spline_kernels.box_misses_nose(
+                work.box_low, work.box_high, j - j0, const.projectile_radius
+            ):
+                element_taken, element_spring = contact_element(state, const, i, j, e, work)
+                taken += element_taken
+                spring += element_spring
+    # nodes on a plane of symmetry keep to it
+    i0, i1, j0, j1 = reachable_nodes(state, const)
+    if const.mirror_x and i0 == 0:
+        for j in range(j0, j1 + 1):
+            state.f_contact[0][j] = 0.0
+    if const.mirror_y and j0 == 0:
+        for i in range(i0, i1 + 1):
+            state.f_contact[1][i * const.row_stride] = 0.0
+    return taken, spring
+
+
+@kernel(_nrt=False)
+def clear_forces(state, const):
+    """Zero the contact forces of the last step."""
+    i0, i1, j0, j1 = reachable_nodes(state, const)
+    for c in range(3):
+        state.f_contact_nose[c] = 0.0
+        for i in range(i0, i1 + 1):
+            for k in range(np.uint64(i * const.row_stride + j0), np.uint64(i * const.row_stride + j1 + 1)):
+                state.f_contact[c][k] = 0.0
+
+
+@kernel(_nrt=False)
+def reset_element(state, const, e):
+    """Reset the contact history of element number e."""
+    state.in_contact[e] = False
+    state.last_contact_force[e] = 0.0
+    if const.friction > 0.0:
+        state.friction_state[e] = 0.0
+
+
+@kernel()
+def erode(state, const, i, j):
+    """Erosion criterion: all yarns of the element have failed, or those of one family and the gap that they left is
+    wider than const.erosion_gap_ratio. Erosion is permanent."""
+    k, row, one = np.uint64(i * const.row_stride + j), np.uint64(const.row_stride), np.uint64(1)
+    if state.element_flag[k] & ERODED:
+        return True
+    warp = state.intact_fraction[0][k] + state.intact_fraction[0][k + one]
+    weft = state.intact_fraction[1][k] + state.intact_fraction[1][k + row]
+    a, b = 0.0, 0.0
+    for c in range(3):
+        u = state.u[c]
+        u0, u1, u2, u3 = u[k], u[k + row], u[k + one], u[k + row + one]
+        a += ((2.0 * const.dx if c == 0 else 0.0) + u1 - u0 + u3 - u2) ** 2
+        b += ((2.0 * const.dy if c == 1 else 0.0) + u2 - u0 + u3 - u1) ** 2
+    open1, open2 = (
+        a > (2.0 * const.erosion_gap_ratio * const.dx) ** 2,
+        b > (2.0 * const.erosion_gap_ratio * const.dy) ** 2,
+    )
+    if (warp == 0.0 and (weft == 0.0 or open1)) or (weft == 0.0 and open2):
+        state.element_flag[k] |= ERODED
+        return True
+    return False
+
+
+@kernel()
+def intact_at_point(state, const, k, s, t):
+    """Intact fraction at the point (s, t) of element k: the mean of the warp and the weft next to it."""
+    warp, weft, row = state.intact_fraction[0], state.intact_fraction[1], np.uint64(const.row_stride)
+    near = warp[k] if t < 0.5 else warp[k + np.uint64(1)]
+    other = weft[k] if s < 0.5 else weft[k + row]
+    if t == 0.5:
+        near = 0.5 * (warp[k] + warp[k + np.uint64(1)])
+    if s == 0.5:
+        other = 0.5 * (weft[k] + weft[k + row])
+    return 0.5 * (near + other)
+
+
+@kernel(_nrt=False)
+def contact_element(state, const, i, j, e, work):
+    """Contact of the points of one element: (work taken, spring energy) [J]; scatters the forces.
+
+    Eight points are looked at together; those that touch, or did a step ago, are few and dealt with one by one.
+    """
+    taken, spring, hit, x, v, at = 0.0, 0.0, False, work.node_position, work.node_velocity, work.point_data
+    column = j - state.contact_window[2]
+    for m in range(4):
+        slot = (i - 1 + m) & 3
+        for n in range(4):
+            for c in range(3):
+                x[4 * m + n, c] = work.node_rows[slot, c, column + n]
+    shares, last = const.shape_functions[1], state.last_contact_force[e]
+    if not spline_kernels.neighbourhood_intact(state, const, i, j):
+        shares = work.torn_shape_functions
+        spline_kernels.torn_shape_functions(state, const, i, j, shares)
+    state.in_contact[e] = False
+    for first in range(0, last.shape[1], WIDTH):
+        p_x, p_y, p_z = spline_kernels.interpolate(shares, first, x)
+        # below 0 within the cylinder's radius and behind the foremost point
+        outside = maximum(p_z, fma(p_x, p_x, fma(p_y, p_y, 0.0 - const.projectile_radius * const.projectile_radius)))
+        if not any_lane(greater(maximum(load(last[0], first), 0.0 - outside), 0.0)):
+            continue
+        if not hit:
+            gather_velocities(state, const, i, j, work)
+        hit = True
+        store(at[0], 0, p_x)
+        store(at[1], 0, p_y)
+        store(at[2], 0, p_z)
+        store(at[6], 0, outside)
+        v_x, v_y, v_z = spline_kernels.interpolate(shares, first, v)
+        store(at[3], 0, v_x)
+        store(at[4], 0, v_y)
+        store(at[5], 0, v_z)
+        if const.implicit_factor > 0.0:
+            for n in range(2):
+                v_x, v_y, v_z = spline_kernels.interpolate(shares, first, work.node_dv[n])
+                store(at[7 + 3 * n], 0, v_x)
+                store(at[8 + 3 * n], 0, v_y)
+                store(at[9 + 3 * n], 0, v_z)
+        for m in range(WIDTH):
+            if at[6, m] < 0.0 or last[0, first + m] != 0.0:
+                point_taken, point_spring = contact_point(state, const, i, j, e, first + m, m, shares, work)
+                taken += point_taken
+                spring += point_spring
+    if hit:
+        scatter_element_force(state, const, i - 1, j - 1, work.node_force)
+    return taken, spring
+
+
+@kernel(_nrt=False)
+def gather_velocities(state, const, i, j, work):
+    """Gather the velocities of the nodes about element (i, j) into work.node_velocity; zero the forces on them,
+    work.node_force."""
+    for m in range(4):
+        for n in range(4):
+            k = 4 * m + n
+            v = work.node_velocity[k]
+            v[0], v[1], v[2] = spline_kernels.relative_velocity(state, const, i - 1 + m, j - 1 + n)
+            work.node_force[0, k] = work.node_force[1, k] = work.node_force[2, k] = 0.0
+            if const.implicit_factor > 0.0:
+                ahead = work.node_dv
+                x, y, z = spline_kernels.nodal_vector(state.dv_other, const, i - 1 + m, j - 1 + n)
+                ahead[0, k, 0], ahead[0, k, 1], ahead[0, k, 2] = x, y, z
+                x, y, z = spline_kernels.nodal_vector(state.dv_contact, const, i - 1 + m, j - 1 + n)
+                ahead[1, k, 0], ahead[1, k, 1], ahead[1, k, 2] = x, y, z
+
+
+@kernel(_nrt=False)
+def contact_point(state, const, i, j, e, number, m, shares, work):
+    """Contact of one point of an element, whose position and velocity are in column m of work.point_data."""
+    at, last, k = work.point_data, state.last_contact_force[e], np.uint64(i * const.row_stride + j)
+    before = last[0, number]  # size of the last step's force; its three components come behind it
+    depth, n_x, n_y, n_z = sdf_kernels.distance(
+        const.nose_shape, at[0, m], at[1, m], at[2, m], const.projectile_radius, const.edge_radius,
+        const.projectile_length, const.nose_parameters,
+    )  # fmt: skip
+    if depth >= 0.0 and before == 0.0:
+        return 0.0, 0.0
+    part = 1.0
+    if state.element_flag[k] != 0:
+        part = intact_at_point(state, const, k, (number // const.points_per_side + 0.5) / const.points_per_side,
+                     (number % const.points_per_side + 0.5) / const.points_per_side)  # fmt: skip
+    if part == 0.0:
+        last[0, number] = last[1, number] = last[2, number] = last[3, number] = 0.0
+        if const.friction > 0.0:
+            state.friction_state[e, number] = 0.0
+        return 0.0, 0.0
+    stiffness, damping = part * const.point_stiffness, part * const.point_damping
+    if const.tilted:
+        n_x, n_y, n_z = to_panel_frame(const.frame, n_x, n_y, n_z)
+    v_x, v_y, v_z, f, spring = at[3, m], at[4, m], at[5, m], 0.0, 0.0
+    if depth < 0.0:
+        if const.implicit_factor > 0.0:
+            hard, drag = const.implicit_factor * stiffness, math.sqrt(const.implicit_factor) * damping
+            away = n_x * (v_x + at[7, m]) + n_y * (v_y + at[8, m]) + n_z * (v_z + at[9, m])
+            gave = n_x * at[10, m] + n_y * at[11, m] + n_z * at[12, m]
+            f = implicit_penalty_force(const, hard, drag, depth, away, gave, before, state.force_scale[0])
+            spring = -0.5 * depth * min(f, -hard * depth)
+        else:
+            f = max(0.0, -damping * (n_x * v_x + n_y * v_y + n_z * v_z) - stiffness * depth)
+            spring = 0.5 * stiffness * depth * depth
+        state.in_contact[e] = True
+        if part == 1.0:
+            state.contact_energy[MAX_PENETRATION] = max(state.contact_energy[MAX_PENETRATION], -depth)
+    f_x, f_y, f_z = f * n_x, f * n_y, f * n_z
+    both_x, both_y, both_z = f_x + last[1, number], f_y + last[2, number], f_z + last[3, number]
+    taken = -0.5 * const.dt * (both_x * v_x + both_y * v_y + both_z * v_z)
+    last[0, number], last[1, number], last[2, number], last[3, number] = f, f_x, f_y, f_z
+    if const.friction > 0.0:
+        t_x, t_y, t_z, rubbed, held = friction_kernels.friction_force(
+            state.friction_state[e, number], const.friction * f, stiffness, damping, const.dt, n_x, n_y, n_z, v_x, v_y,
+            v_z,
+        )  # fmt: skip
+        state.contact_energy[FRICTION] += rubbed
+        state.contact_energy[FRICTION_SPRING] += held
+        f_x, f_y, f_z = f_x + t_x, f_y + t_y, f_z + t_z
+    spline_kernels.scatter_force(shares, number, work.node_force, f_x, f_y, f_z)
+    state.f_contact_nose[0] -= f_x
+    state.f_contact_nose[1] -= f_y
+    state.f_contact_nose[2] -= f_z
+    return taken, spring
+
+
+@kernel(forceinline=True)
+def implicit_penalty_force(const, stiffness, damping, depth, away, gave, before, usual):
+    """Implicit penalty force [N] on a point at the distance `depth` [m] with predicted opening velocity `away` [m/s].
+
+    before, gave : force on the point a step ago, and by what that and those on its neighbours have sped it up
+    usual : force that every point is taken to have besides
+    """
+    both = damping + stiffness * const.dt
+    mobility = (max(gave, 0.0) + usual * const.dt / const.point_mass) / (before + usual)
+    return max(0.0, (-stiffness * depth - both * away) / (1.0 + both * mobility))
+
+
+@kernel(_nrt=False)
+def scatter_element_force(state, const, i, j, push):
+    """Scatter the forces on the nodes (i, j) .. (i + 3, j + 3), or on those that they mirror."""
+    for m in range(4):
+        row, sign_x = spline_kernels.mirror_index(i + m, const.ni, const.mirror_x)
+        for n in range(4):
+            column, sign_y = spline_kernels.mirror_index(j + n, const.nj, const.mirror_y)
+            k = np.uint64(row * const.row_stride + column)
+            state.f_contact[0][k] += sign_x * push[0, 4 * m + n]
+            state.f_contact[1][k] += sign_y * push[1, 4 * m + n]
+            state.f_contact[2][k] += push[2, 4 * m + n]
+
+
+@kernel()
+def to_panel_frame(frame, x, y, z):
+    """Rotate a vector from the frame of the projectile to that of the panel."""
+    return (
+        frame[0, 0] * x + frame[1, 0] * y + frame[2, 0] * z,
+        frame[0, 1] * x + frame[1, 1] * y + frame[2, 1] * z,
+        frame[0, 2] * x + frame[1, 2] * y + frame[2, 2] * z,
+    )
+
+
+@kernel()
+def apply_contact_impulse(state, const):
+    """v += dt f / m of nodes and projectile, with the contact forces, equal and opposite."""
+    i0, i1, j0, j1 = reachable_nodes(state, const)
+    for c in range(3):
+        for i in range(i0, i1 + 1):
+            for m in range(i * const.row_stride + j0, i * const.row_stride + j1 + 1):
+                k = np.uint64(m)
+                state.v[c][k] += state.dt_over_mass[k] * state.f_contact[c][k]
+        state.projectile_velocity[c] += const.dt * const.free_dofs[c] * state.f_contact_nose[c] / const.projectile_mass
+
+
+@entry()
+def cloth_ahead_of_nose(state, const):
+    """Whether an element that is not eroded lies ahead of the shoulder, within the projectile's radius."""
+    i0, i1, j0, j1 = window_bounds(state)
+    for i in range(i0, i1):
+        for j in range(j0, j1):
+            if state.element_flag[i * const.row_stride + j] & ERODED:
+                continue
+            p_x, p_y, p_z = 0.0, 0.0, 0.0
+            for m in range(4):
+                x, y, z = spline_kernels.node_position(state, const, i + (m & 1), j + (m >> 1))
+                p_x, p_y, p_z = p_x + 0.25 * x, p_y + 0.25 * y, p_z + 0.25 * z
+            if p_z > -const.shoulder and p_x * p_x + p_y * p_y < const.projectile_radius * const.projectile_radius:
+                return True
+    return False

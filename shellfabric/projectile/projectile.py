@@ -1,0 +1,295 @@
+"""The projectile: a body of a given shape, moving without turning, at any obliquity.
+
+It is rigid, or along its axis an elastic-plastic bar (`bar`) whose tip has the shape; across its axis it moves rigidly.
+
+Directions. A shot comes at an angle of obliquity to the panel's normal, towards an azimuth in the panel's plane counted
+from the warp to the weft. The projectile's axis lies along its flight but for a yaw, by which it leans further over in
+the plane of flight and normal; the roll turns it about its axis. The body keeps this attitude: nothing turns it.
+
+Line of flight. The point of the axis one radius behind the nose flies towards the impact point: of a sphere or
+hemisphere, the centre, so that a sphere flies alike whatever its attitude.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from math import cos, inf, pi, radians, sin, tan
+
+import numpy as np
+
+from fabrics.errors import InputError
+from shellfabric.projectile import sdf_kernels
+from shellfabric.projectile.bar import Bar
+
+STEEPEST = radians(75)  # of flight and axis against the normal: beyond, the shot passes along the panel
+
+
+def _no_form(shot):
+    return ()
+
+
+def _cone(shot):
+    """The shoulder's centre lies where the flank is tangent to tip and shoulder."""
+    tip, rho, angle = shot.tip_radius, shot.edge_radius, shot.half_angle
+    shoulder = (tip - rho - (shot.radius - rho) * cos(angle)) / sin(angle) - tip
+    return tip, sin(angle), cos(angle), shoulder
+
+
+def _chisel(shot):
+    """Half the strip of the body K within, whose flats are set back by the edge radius."""
+    return (
+        0.5 * shot.flat_width - shot.edge_radius * tan(0.5 * shot.flat_angle),
+        sin(shot.flat_angle),
+        cos(shot.flat_angle),
+    )
+
+
+# name: (number in the kernels, form there, depth behind the nose from which it has its full width, keys of its own)
+SHAPES = {
+    "flat": (sdf_kernels.FLAT, _no_form, lambda shot: shot.edge_radius, ()),
+    "hemisphere": (sdf_kernels.HEMISPHERE, _no_form, lambda shot: shot.radius, ()),
+    "cone": (sdf_kernels.CONE, _cone, lambda shot: -_cone(shot)[3], ("half_angle", "tip_radius")),
+    "sphere": (sdf_kernels.SPHERE, _no_form, lambda shot: shot.radius, ()),
+    "chisel": (
+        sdf_kernels.CHISEL,
+        _chisel,
+        lambda shot: shot.edge_radius + (shot.radius - shot.edge_radius - _chisel(shot)[0]) * tan(shot.flat_angle),
+        ("flat_width", "flat_angle"),
+    ),
+}
+
+
+@dataclass(frozen=True)
+class Projectile:
+    """Projectile; by default a rigid right circular cylinder (source thesis section 2.3: 3 g, 5.5 mm, flat).
+
+    Parameters
+    ----------
+    mass : [kg]
+    radius : [m]
+    edge_radius : [m] rounding of all edges; the contact needs one, see `contact_kernels`. Hemisphere and sphere have no
+        edge, but for the hemisphere's at the rear
+    shape : one of SHAPES; "chisel" is the fragment simulator, a cylinder with a flat strip across its nose and two
+        flats beside it
+    length : [m] over all; None for a cylinder without an end. A sphere has none
+    half_angle : [rad] of a cone, between axis and flank
+    tip_radius : [m] of a cone
+    flat_width : [m] of the strip across a chisel's nose; it lies along the weft at no obliquity and roll
+    flat_angle : [rad] of a chisel's flats against the plane of its nose
+    obliquity, azimuth, yaw, roll : [rad], see above; the axis may lean by 75 degrees at most
+    friction : Coulomb's coefficient between projectile and fabric; none in the source
+    body : "rigid", "bar", or the Bar itself, of this mass. "bar" is a flat cylinder of steel (thesis Table 4-2), bored
+        from its tail to its mass (erratum E-37), as long as the source's where no length is given
+    bore : [m] width of the bore of that cylinder; None takes 4.5 mm. The source tells neither width nor depth
+
+    Raises
+    ------
+    InputError : a value out of its range, one that the shape needs missing, or one that it has not
+    """
+
+    mass: float = 3.0e-3
+    radius: float = 2.75e-3
+    edge_radius: float = 0.3e-3
+    shape: str = "flat"
+    length: float | None = None
+    half_angle: float | None = None
+    tip_radius: float | None = None
+    flat_width: float | None = None
+    flat_angle: float | None = None
+    obliquity: float = 0.0
+    azimuth: float = 0.0
+    yaw: float = 0.0
+    roll: float = 0.0
+    friction: float = 0.0
+    body: str | Bar = "rigid"
+    bore: float | None = None
+
+    def __post_init__(self):
+        if self.shape not in SHAPES:
+            raise InputError(key="shape", value=self.shape, allowed=" or ".join(SHAPES))
+        self._check_lengths()
+        self._check_form()
+        if not 0 <= self.friction < inf:
+            raise InputError(key="friction", value=self.friction, allowed="at least 0")
+        for key in ("azimuth", "roll"):
+            if not abs(getattr(self, key)) <= 2 * pi:
+                raise InputError(key=key, value=getattr(self, key), allowed="at most a full turn")
+        if not 0 <= self.obliquity <= STEEPEST:
+            raise InputError(key="obliquity", value=self.obliquity, allowed=f"from 0 to {STEEPEST:.4g} rad")
+        if not abs(self.obliquity + self.yaw) <= STEEPEST:
+            raise InputError(key="yaw", value=self.yaw, allowed=f"with the obliquity within {STEEPEST:.4g} rad")
+        self._check_body()
+
+    def _check_body(self):
+        if not isinstance(self.body, Bar) and self.body not in ("rigid", "bar"):
+            raise InputError(key="body", value=self.body, allowed="rigid, bar or a Bar")
+        if self.bore is not None and (self.body != "bar" or not 0 < self.bore < 2 * self.radius):
+            raise InputError(key="bore", value=self.bore, allowed="below the diameter, and with the body bar")
+        if self.body == "bar" and self.shape != "flat":
+            raise InputError(
+                key="body", value=self.body, allowed=f"rigid, or a Bar of its own sections, for a {self.shape}"
+            )
+        bar = self.bar
+        if bar is not None and not abs(bar.mass / self.mass - 1) < 1e-9:
+            raise InputError(key="mass", value=self.mass, allowed=f"that of the bar, {bar.mass:.6g} kg")
+
+    @cached_property
+    def bar(self) -> Bar | None:
+        """The bar along the axis; None for a rigid body."""
+        if isinstance(self.body, Bar):
+            return self.body
+        return self.steel_bar() if self.body == "bar" else None
+
+    def steel_bar(self) -> Bar:
+        """The bored steel cylinder of this mass, diameter and length.
+
+        Raises
+        ------
+        InputError : a mass that the solid cylinder has not, or that the bore cannot leave
+        """
+        return Bar.cylinder(self.mass, diameter=2 * self.radius, length=self.length, bore=self.bore)
+
+    def _check_lengths(self):
+        for key in ("mass", "radius", "edge_radius"):
+            if not 0 < getattr(self, key) < inf:
+                raise InputError(key=key, value=getattr(self, key), allowed="above 0")
+        if self.shape != "sphere" and self.edge_radius > self.radius:
+            raise InputError(key="edge_radius", value=self.edge_radius, allowed=f"at most the radius {self.radius:g}")
+
+    def _check_form(self):
+        for shape, (_, _, _, keys) in SHAPES.items():
+            for key in keys:
+                value = getattr(self, key)
+                if shape == self.shape and (value is None or not 0 < value < inf):
+                    raise InputError(key=key, value=value, allowed=f"above 0 for a {shape}")
+                if shape != self.shape and value is not None:
+                    raise InputError(key=key, value=value, allowed=f"left out, being of a {shape}")
+        if self.shape == "cone":
+            if not self.half_angle < 0.5 * pi:
+                raise InputError(key="half_angle", value=self.half_angle, allowed="below a right angle")
+            most = (self.radius - self.edge_radius * (1 - cos(self.half_angle))) / cos(self.half_angle)
+            if not self.tip_radius < most:
+                raise InputError(key="tip_radius", value=self.tip_radius, allowed=f"below {most:.4g}, to leave a flank")
+        if self.shape == "chisel":
+            if not self.flat_angle < 0.5 * pi:
+                raise InputError(key="flat_angle", value=self.flat_angle, allowed="below a right angle")
+            if not 0 < _chisel(self)[0] < self.radius - self.edge_radius:
+                allowed = "above the rounding of its edges and below the diameter"
+                raise InputError(key="flat_width", value=self.flat_width, allowed=allowed)
+        if self.length is not None:
+            least = self.shoulder + self.edge_radius
+            if self.shape == "sphere":
+                raise InputError(key="length", value=self.length, allowed="left out for a sphere")
+            if not least <= self.length < inf:
+                raise InputError(key="length", value=self.length, allowed=f"at least nose and rear edge, {least:.4g}")
+
+    def energy(self, speed):
+        """[J] kinetic energy at a speed [m/s]."""
+        return 0.5 * self.mass * speed**2
+
+    @property
+    def number(self):
+        """Of the shape in `sdf_kernels`."""
+        return SHAPES[self.shape][0]
+
+    @property
+    def form(self):
+        """(4,) the numbers that `sdf_kernels` needs of the shape."""
+        values = SHAPES[self.shape][1](self)
+        return np.array([*values, *[0.0] * (4 - len(values))])
+
+    @property
+    def shoulder(self):
+        """[m] depth behind the nose from which it has its full width."""
+        return SHAPES[self.shape][2](self)
+
+    @property
+    def nose_radius(self):
+        """[m] smallest radius that cloth is bent round by the nose."""
+        if self.shape in ("sphere", "hemisphere"):
+            return self.radius
+        return min(self.edge_radius, self.tip_radius) if self.shape == "cone" else self.edge_radius
+
+    @property
+    def tilted(self):
+        """Whether the frame of the projectile is not that of the panel."""
+        return self.obliquity + self.yaw != 0 or self.roll != 0
+
+    @property
+    def roaming(self):
+        """Whether its shadow on the panel moves."""
+        return self.obliquity != 0 or self.obliquity + self.yaw != 0
+
+    @property
+    def flight(self):
+        """(3,) unit vector along which it flies."""
+        return _towards(self.obliquity, self.azimuth)
+
+    @property
+    def frame(self):
+        """(3, 3) its x, y and z axes as rows: z along its axis, x and y the panel's turned with it, and rolled."""
+        lean, (c, s) = self.obliquity + self.yaw, (cos(self.azimuth), sin(self.azimuth))
+        away, beside = np.array([cos(lean) * c, cos(lean) * s, -sin(lean)]), np.array([-s, c, 0.0])
+        turn = self.roll - self.azimuth
+        x = cos(turn) * away + sin(turn) * beside
+        y = cos(turn) * beside - sin(turn) * away
+        return np.array([x, y, _towards(lean, self.azimuth)])
+
+    def distance(self, point):
+        """[m] signed distance to a point (3,) of the panel's frame when the nose is at the origin; and its gradient."""
+        frame = self.frame
+        length = inf if self.length is None else self.length
+        depth, *normal = sdf_kernels.distance(
+            self.number, *(frame @ point), self.radius, self.edge_radius, length, self.form
+        )
+        return depth, frame.T @ normal
+
+    @property
+    def top(self):
+        """[m] how far the body reaches ahead of its nose, along the panel's normal.
+
+        Seen from a point far ahead the distance to a convex body is that to the plane that touches it; at 10 km, it
+        is wrong by a nanometre at most, without being too large.
+        """
+        if not self.tilted or self.obliquity + self.yaw == 0:
+            return 0.0
+        far = 1e4
+        return max(0.0, far - self.distance(np.array([0.0, 0.0, far]))[0])
+
+    def start(self):
+        """(3,) [m] where the nose is when the body first touches the panel z = 0, on its way to the origin."""
+        if self.obliquity == 0 and not self.tilted:
+            return np.zeros(3)
+        flight, nose = self.flight, self.radius * self.frame[2]
+        return nose - flight * (nose[2] + self.top) / flight[2]
+
+    def surface(self, set_back=0.0):
+        """(n, m, 3) [m] the body's surface about its nose, m points a ring, for pictures; six radii of an endless one.
+
+        set_back : [m] along the axis
+        """
+        end = 2 * self.radius if self.shape == "sphere" else min(self.length or inf, 6 * self.radius)
+        length = inf if self.shape == "sphere" else end
+        rise, depths = np.linspace(0, 0.5 * pi, 61), np.linspace(self.radius, end - self.radius, 12)
+        # rings of rays: from the point one radius deep forwards, across the axis, and from as far before the end back
+        origin = np.concatenate([np.full(61, -self.radius), -depths, np.full(61, self.radius - end)])
+        slope = np.concatenate([rise[::-1], np.zeros(12), -rise])
+        around = np.linspace(0, 2 * pi, 73)
+        away = np.cos(slope)[:, None] * np.array([np.cos(around), np.sin(around)])[:, None, :]
+        rays = np.stack([*away, np.broadcast_to(np.sin(slope)[:, None], away[0].shape)], axis=-1).reshape(-1, 3)
+        points = np.zeros_like(rays)
+        points[:, 2] = np.repeat(origin, around.size)
+        sdf_kernels.trace(self.number, self.radius, self.edge_radius, length, self.form, points, rays)
+        return ((points - [0, 0, set_back]) @ self.frame).reshape(slope.size, around.size, 3)
+
+    def mirrored(self, axis):
+        """Whether the shot is its own mirror image in the plane x = 0 (axis 0) or y = 0 (axis 1)."""
+        frame, flight = self.frame, self.flight
+        if abs(flight[axis]) > 1e-12 or abs(frame[2][axis]) > 1e-12:
+            return False
+        return self.shape != "chisel" or min(abs(frame[0][axis]), abs(frame[1][axis])) < 1e-12
+
+
+def _towards(angle, azimuth):
+    return np.array([sin(angle) * cos(azimuth), sin(angle) * sin(azimuth), cos(angle)])

@@ -1,0 +1,196 @@
+"""Shapes of the projectile: exact signed distances with their gradients, in the frame of the projectile.
+
+The axis is z, the nose's foremost point on the axis is the origin, the body lies at z <= 0; it is a cylinder of radius
+R behind its nose, without an end or, where a length L is given, with a flat end whose edge is rounded by rho. All
+shapes are convex. Each is written as a body K grown by a ball of radius rho, which is what rounds its edges, so that
+
+    distance(p) = dist(p, K) - rho outside K,   -dist(p, boundary of K) - rho inside it,
+
+is exact on both sides: where contact acts, inside, it is the distance to the nearest face. The gradient is of length 1.
+
+    FLAT        disc with a rounded edge
+    HEMISPHERE  ball of radius R in front of the cylinder
+    CONE        half angle and rounded tip; the shoulder rounded by rho
+    SPHERE      ball of radius R, nothing behind it
+    CHISEL      fragment simulator: flat strip of a width across the nose, along y, and two flats that fall off from it
+                by an angle to the nose's plane
+
+A new shape is one function here and one line in `distance` and in `projectile.SHAPES`.
+
+form, the numbers that a shape needs beside R and rho:
+    CONE   (tip radius, sine and cosine of the half angle, height of the shoulder's centre)
+    CHISEL (half the width of the strip of K, sine and cosine of the angle of the flats)
+"""
+
+import math
+
+import numpy as np
+
+from shellfabric.jit.compile import entry, kernel
+
+FLAT, HEMISPHERE, CONE, SPHERE, CHISEL = 0, 1, 2, 3, 4
+
+
+@kernel()
+def flat(r, z, R, rho):
+    """Signed distance to the flat nose and its gradient (n_r, n_z)."""
+    q_r, q_z = r - R + rho, z + rho
+    if q_r > 0.0 and q_z > 0.0:
+        length = math.sqrt(q_r * q_r + q_z * q_z)
+        return length - rho, q_r / length, q_z / length
+    if q_r > q_z:
+        return q_r - rho, 1.0, 0.0
+    return q_z - rho, 0.0, 1.0
+
+
+@kernel()
+def ball(r, z, radius):
+    """Signed distance to a ball about (0, z = 0) and its gradient; at its centre the axis."""
+    length = math.sqrt(r * r + z * z)
+    if length == 0.0:
+        return -radius, 0.0, 1.0
+    return length - radius, r / length, z / length
+
+
+@kernel()
+def hemisphere(r, z, R):
+    """Signed distance to a cylinder with a ball for a nose, and its gradient."""
+    if z + R > 0.0:
+        return ball(r, z + R, R)
+    return r - R, 1.0, 0.0
+
+
+@kernel()
+def cone(r, z, R, rho, form):
+    """Signed distance to a cone with a rounded tip and shoulder before a cylinder, and its gradient.
+
+    The outline is arc, line, arc, line, each tangent to the next; the normals where they meet part the plane.
+    """
+    tip, sine, cosine, shoulder = form[0], form[1], form[2], form[3]
+    back = r * sine - (z + tip) * cosine  # along the flank, from where the tip ends
+    if back < 0.0:
+        return ball(r, z + tip, tip)
+    q_r, q_z = r - R + rho, z - shoulder
+    if q_z > 0.0 and q_r * sine - q_z * cosine > 0.0:
+        return ball(q_r, q_z, rho)
+    flank, side = r * cosine + (z + tip) * sine - tip, q_r - rho
+    if flank > side:
+        return flank, cosine, sine
+    return side, 1.0, 0.0
+
+
+@kernel()
+def on_ellipse(t, y, a, b):
+    """Point of the ellipse (t / a)^2 + (y / b)^2 = 1, a >= b, nearest to (t, y), both at least 0.
+
+    Its Lagrange multiplier is the one root above -b^2 of a function that falls and is convex there: Newton's method
+    from its left climbs to it without overshooting.
+    """
+    y = max(y, 1e-12 * b)  # on the long axis inside the evolute the nearest point is no more unique
+    low = max(-b * b + b * y, -a * a + a * t)
+    for _ in range(60):
+        p, q = a * t / (low + a * a), b * y / (low + b * b)
+        slope = -2.0 * (p * p / (low + a * a) + q * q / (low + b * b))
+        rise = (p * p + q * q - 1.0) / -slope
+        low += rise
+        if not rise > 1e-15 * a * a:
+            break
+    return a * a * t / (low + a * a), b * b * y / (low + b * b)
+
+
+@kernel()
+def nearest_rim(x, y, z, radius, strip, sine, cosine):
+    """Point nearest to (x, y, z), x and y at least 0, on the rim where the cylinder cuts strip and flat of a chisel."""
+    # rim of the strip: an arc of a circle at z = 0, from x = strip to x = 0
+    r = math.sqrt(x * x + y * y)
+    e_x = min(radius * x / r if r > 0.0 else 0.0, strip)
+    e_y = math.sqrt(radius * radius - e_x * e_x)
+    arc = (x - e_x) ** 2 + (y - e_y) ** 2 + z * z
+    # rim of the flat: an arc of an ellipse in its plane, t along the slope from the axis of the cylinder
+    t = max(cosine * x - sine * (z - strip * sine / cosine), 0.0)
+    f_t, f_y = on_ellipse(t, y, radius / cosine, radius)
+    f_x = max(f_t * cosine, strip)
+    f_y = math.sqrt(max(radius * radius - f_x * f_x, 0.0))
+    f_z = (strip - f_x) * sine / cosine
+    slope = (x - f_x) ** 2 + (y - f_y) ** 2 + (z - f_z) ** 2
+    if arc <= slope:
+        return e_x, e_y, 0.0
+    return f_x, f_y, f_z
+
+
+@kernel()
+def chisel(x, y, z, R, rho, form):
+    """Signed distance to a chisel nose and its gradient (n_x, n_y, n_z).
+
+    K is the cylinder R - rho cut by the strip's plane and by the two flats. Outside it the nearest point is that of the
+    prism between the planes, if the cylinder holds it; or that of the cylinder, if the planes hold it; or on the rim.
+    """
+    strip, sine, cosine, radius = form[0], form[1], form[2], R - rho
+    p_x, p_y, p_z = abs(x), abs(y), z + rho
+    r = math.sqrt(p_x * p_x + p_y * p_y)
+    side, off = r - radius, (p_x - strip) * sine + p_z * cosine
+    if side <= 0.0 and off <= 0.0 and p_z <= 0.0:
+        if side >= off and side >= p_z:
+            return side - rho, x / r if r > 0.0 else 0.0, y / r if r > 0.0 else 0.0, 0.0
+        if off > p_z:
+            return off - rho, math.copysign(sine, x), 0.0, cosine
+        return p_z - rho, 0.0, 0.0, 1.0
+    # nearest point of the prism: on the strip, at its corner, on the flat, or the point itself
+    e_x, e_z = p_x, p_z
+    if p_z > 0.0 and p_x <= strip:
+        e_z = 0.0
+    elif off > 0.0 and (p_x - strip) * cosine - p_z * sine <= 0.0:
+        e_x, e_z = strip, 0.0
+    elif off > 0.0:
+        e_x, e_z = p_x - off * sine, p_z - off * cosine
+    e_y = p_y
+    if e_x * e_x + e_y * e_y > radius * radius:
+        e_x, e_y, e_z = p_x * radius / r, p_y * radius / r, p_z
+        if e_z > 0.0 or (e_x - strip) * sine + e_z * cosine > 0.0:
+            e_x, e_y, e_z = nearest_rim(p_x, p_y, p_z, radius, strip, sine, cosine)
+    n_x, n_y, n_z = p_x - e_x, p_y - e_y, p_z - e_z
+    length = math.sqrt(n_x * n_x + n_y * n_y + n_z * n_z)
+    if length == 0.0:  # on the boundary of K but for rounding
+        return -rho, 0.0, 0.0, 1.0
+    return length - rho, math.copysign(n_x / length, x), math.copysign(n_y / length, y), n_z / length
+
+
+@entry()
+def distance(shape, x, y, z, R, rho, length, form):
+    """Signed distance of a point to a projectile and its gradient (n_x, n_y, n_z).
+
+    The body that ends is the one without an end cut by a flat nose that faces back. Of two distances to convex bodies
+    on one cylinder the larger is exact.
+    """
+    r = math.sqrt(x * x + y * y)
+    if shape == CHISEL:
+        depth, n_x, n_y, n_z = chisel(x, y, z, R, rho, form)
+    else:
+        if shape == FLAT:
+            depth, n_r, n_z = flat(r, z, R, rho)
+        elif shape == HEMISPHERE:
+            depth, n_r, n_z = hemisphere(r, z, R)
+        elif shape == CONE:
+            depth, n_r, n_z = cone(r, z, R, rho, form)
+        else:
+            depth, n_r, n_z = ball(r, z + R, R)
+        n_x, n_y = (n_r * x / r, n_r * y / r) if r > 0.0 else (0.0, 0.0)
+    if length < np.inf:
+        end, e_r, e_z = flat(r, -length - z, R, rho)
+        if end > depth:
+            n_x, n_y = (e_r * x / r, e_r * y / r) if r > 0.0 else (0.0, 0.0)
+            return end, n_x, n_y, -e_z
+    return depth, n_x, n_y, n_z
+
+
+@entry()
+def trace(shape, R, rho, length, form, points, directions):
+    """Move points (n, 3) inside a projectile along unit directions (n, 3) to its surface, by its distance each time."""
+    for m in range(points.shape[0]):
+        for _ in range(200):
+            x, y, z = points[m, 0], points[m, 1], points[m, 2]
+            depth = distance(shape, x, y, z, R, rho, length, form)[0]
+            for c in range(3):
+                points[m, c] -= depth * directions[m, c]
+            if depth > -1e-6 * R:
+                break

@@ -1,0 +1,188 @@
+"""The block behind a panel: momentum and energy of all three, steps of its face, bunched cloth, resumption."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from fabrics.errors import InputError
+from fabrics.materials import Isotropic, load
+from shellfabric.backing.block import Backing
+from shellfabric.backing.coupling import Behind, radius_at, wall_angle
+from shellfabric.cloth import jamming_kernels
+from shellfabric.impact.single_ply import UNFAILING, ImpactSetup, collect_result, run
+from shellfabric.output import checkpoint
+from shellfabric.panel.solver import PanelSolver
+from shellfabric.projectile.projectile import Projectile
+
+BACKING = load("backing")
+ELASTIC = Isotropic(BACKING.density, BACKING.modulus, BACKING.poisson)
+BLOCK = Backing(size=(0.06, 0.06, 0.03), finest=3e-3, fine=6e-3, growth=1.5)
+QUICK = {"opening": 0.0508, "table_size": 61, "end_time": 40e-6, "backing": BLOCK}
+
+
+@pytest.fixture(scope="module")
+def struck(fabric):
+    return run(ImpactSetup(fabric, 100.0, **QUICK))
+
+
+def test_energy_balance(struck):
+    assert struck.worst_balance < 5e-3
+    for name in ("backing_kinetic", "backing_elastic", "backing_damped"):
+        assert struck.energies[name][-1] > 0
+    bare = run(replace(struck.setup, backing=None))
+    assert bare.backing is None
+    assert struck.v[-1] < bare.v[-1] - 1.0  # the block helps to stop the shot
+    assert struck.backing.crater[0, 1] > 0.8 * struck.z[-1]
+
+
+def test_momentum_of_all_three_is_kept(fabric):
+    """Free cloth before a free block: what the projectile loses they have, along its flight."""
+    setup = ImpactSetup(fabric, 100.0, **QUICK | {"backing": replace(BLOCK, far="free"), "edge": "free"})
+    march = PanelSolver(setup.panel(), 100.0, 20e-6)
+    start = march.const.projectile_mass * 100.0
+    march.run()
+    state, const, block = march.state, march.const, march.behind.block
+    # the block is a step ahead: what it was given last still waits in state.f_block_cloth and state.f_block_nose
+    waiting = sum(b.sum() for b in state.f_block_cloth[2:]) + state.f_block_nose[2]
+    cloth = float(state.mass @ state.v[2]) + const.projectile_mass * state.projectile_velocity[2]
+    found = cloth + const.dt * waiting + float(block.mass @ block.v[:, 2])
+    assert float(block.mass @ block.v[:, 2]) > 0.02 * start
+    assert found == pytest.approx(start, rel=1e-9)
+
+
+def test_forces_on_points_are_given_to_nodes_by_their_weights(fabric):
+    setup = ImpactSetup(fabric, 100.0, **QUICK)
+    panel = setup.panel()
+    const, state = panel.constants(), panel.state(100.0)
+    behind, random = Behind(BLOCK, panel, const), np.random.default_rng(0)
+    forces = random.normal(size=(const.ni, const.nj, 4, 3))
+    forces[0] = forces[:, 0] = 0.0  # nothing is taken out on the planes of symmetry
+    behind._spread(forces, state)
+    nodal = np.array([behind._nodal(b) for b in state.f_block_cloth])
+    assert nodal.sum(axis=(1, 2)) == pytest.approx(forces.sum(axis=(0, 1, 2)), rel=1e-9)
+    for at, given in zip(behind._rest[:2], (nodal, nodal)):
+        places = behind._at_points(at)
+        assert (given[2] * at).sum() == pytest.approx((forces[..., 2] * places).sum(), rel=1e-9)
+    assert tuple(state.active_rows) == (0, const.ni)
+
+
+def test_a_step_of_the_face_throws_no_point_out():
+    """A point that comes over a higher column is inside it at once by the step, which pushes it by nothing; going
+    further in by motion it is pushed by that, and after it has come out the step is forgotten."""
+    block = replace(BLOCK, material=ELASTIC).block(1e-7)
+    block.gone.reshape(block.shape)[:2, :, 0] = True  # the two columns nearest the axis are a brick lower
+    push = lambda x, z, v=0.0: block.press(np.array([[x, 1e-3, z]]), np.array([[0, 0, v]]), np.ones(1))[0, 2]  # noqa: E731
+    assert push(5.9e-3, 2e-3) == 0.0  # above the lower column
+    assert push(6.1e-3, 2e-3) == 0.0  # 2 mm inside the higher one
+    assert push(6.1e-3, 2.01e-3, 100.0) == pytest.approx(-1e-5, rel=1e-6)
+    assert push(6.1e-3, 2.0e-3, -100.0) == pytest.approx(0.0, abs=1e-12)
+    push(6.1e-3, -1e-5, -2e4)
+    assert push(6.1e-3, 1e-5, 200.0) == pytest.approx(-1e-5, rel=1e-6)
+    # the face drops away under a point that bears on it: what its spring held is lost, and told
+    before = block.energies()["damped"]
+    block.gone.reshape(block.shape)[2, :, 0] = True
+    assert push(6.1e-3, 1e-5) == 0.0
+    assert block.energies()["damped"] - before == pytest.approx(0.5e-10, rel=1e-6)
+
+
+def test_shots_without_failure_have_a_table_that_goes_far(fabric):
+    """Forces beyond a table follow its last cell; yarns that do not fail are stretched far beyond their strength."""
+    setup = ImpactSetup(fabric, 100.0, failure=False, table_size=61)
+    reached = setup.table().stretch1[-1]
+    assert reached > 1 + UNFAILING * fabric.weave.warp.failure_strain
+    assert replace(setup, failure=True).table().stretch1[-1] < 1.06
+    assert not setup.panel().failure
+
+
+def plain_jam(panel, state, const):
+    """Energy of bunched segments, by numpy."""
+    K, limit = const.jamming
+    total, shape = 0.0, (const.ni + 1, const.row_stride)
+    rest = (*panel.coordinates(), np.zeros(shape))
+    x = np.stack([np.asarray(u)[: shape[0] * shape[1]].reshape(shape) + r for u, r in zip(state.u, rest)], axis=-1)
+    for axis, d in ((0, const.dx), (1, const.dy)):
+        stretch = np.linalg.norm(np.diff(x, axis=axis), axis=2) / d
+        y = np.asarray(state.yarn_length[axis])[: shape[0] * shape[1]].reshape(shape)
+        y = y[:-1] if axis == 0 else y[:, :-1]
+        total += np.sum(np.where(stretch < limit, 0.5 * K * y * np.log(stretch / limit) ** 2, 0.0))
+    return total
+
+
+def test_bunched_yarns_push_back_by_the_slope_of_their_energy(fabric):
+    panel = ImpactSetup(fabric, 100.0, opening=0.04, table_size=61, jam=(1000.0, 0.8)).panel()
+    const, state = panel.constants(), panel.state(100.0)
+    random, n = np.random.default_rng(1), (const.ni + 1) * const.row_stride
+    for u in state.u:
+        u[:n] += 0.35 * const.dx * random.uniform(-1, 1, n)
+    assert jamming_kernels.jamming_forces(state, const, 0, const.ni, False) == pytest.approx(
+        plain_jam(panel, state, const), rel=1e-12
+    )
+    for g in state.f_int:
+        g[:] = 0.0
+    jamming_kernels.jamming_forces(state, const, 0, const.ni, True)
+    way = [random.normal(size=n) for _ in range(3)]
+    work = sum(float(g[:n] @ w) for g, w in zip(state.f_int, way))
+    ends = []
+    for s in (1e-10, -2e-10):
+        for u, w in zip(state.u, way):
+            u[:n] += s * w
+        ends.append(jamming_kernels.jamming_forces(state, const, 0, const.ni, False))
+    assert work == pytest.approx(-(ends[0] - ends[1]) / 2e-10, rel=1e-5)
+    assert (
+        jamming_kernels.jamming_forces(
+            state, panel.constants()._replace(jamming=np.array([0.0, 1.0])), 0, const.ni, True
+        )
+        == 0.0
+    )
+
+
+def test_cloth_that_does_not_fail_bunches_up_and_stays_whole(fabric):
+    """Without the term a segment is pressed flat, and the trellis throws its nodes away: 63 us on S-728 at 150 m/s."""
+    setup = ImpactSetup(
+        fabric, 200.0, opening=0.1, table_size=101, failure=False, jam=(1000.0, 0.6), end_time=80e-6,
+        projectile=Projectile(mass=8.1e-3),
+        backing=Backing(size=(0.12, 0.12, 0.06), finest=3e-3, fine=9e-3, growth=1.5),
+    )  # fmt: skip
+    result = run(setup)
+    x = result.nodes.reshape(result.panel.counts[0] + 1, -1, 3)
+    shortest = np.linalg.norm(np.diff(x, axis=0), axis=2).min() / result.panel.spacing[0]
+    assert shortest > 0.4
+    assert result.worst_balance < 0.01
+    assert result.energies["jam"].max() < 0.01 * result.strike_energy
+
+
+def test_resumes_bit_for_bit(struck, tmp_path):
+    path = tmp_path / "checkpoint.h5"
+    run(replace(struck.setup, end_time=20e-6), hooks=(checkpoint.Checkpoints(path, 10e-6),))
+    march = PanelSolver(struck.setup.panel(), 100.0, struck.setup.end_time)
+    checkpoint.read(march, path)
+    resumed = collect_result(struck.setup, march.run())
+    np.testing.assert_array_equal(resumed.fine, struck.fine)
+    np.testing.assert_array_equal(resumed.backing.nodes, struck.backing.nodes)
+    for name, values in struck.energies.items():
+        np.testing.assert_array_equal(resumed.energies[name], values)
+
+
+def test_measures_of_a_crater():
+    cone = np.stack([np.linspace(0, 0.02, 41), np.maximum(0.01 - 2 * np.linspace(0, 0.02, 41), 0)], axis=1)
+    assert radius_at(cone, 0.5) == pytest.approx(2.5e-3)
+    assert wall_angle(cone) == pytest.approx(np.arctan(2))
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"symmetry": "half"},
+        {"projectile": Projectile(yaw=0.1)},
+        {"backing": replace(BLOCK, size=(0.03, 0.06, 0.03))},
+        {"jam": (-1.0, 0.5)},
+        {"jam": (1.0, 1.5)},
+    ],
+)
+def test_bad_input_is_refused(fabric, changes):
+    setup = ImpactSetup(
+        fabric, 100.0, **QUICK | {"symmetry": "whole" if "projectile" in changes else "quarter"} | changes
+    )
+    with pytest.raises(InputError):
+        PanelSolver(setup.panel(), 100.0, 1e-5)

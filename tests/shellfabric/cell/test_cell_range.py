@@ -1,0 +1,138 @@
+"""The range of the cell's table, in fabrics of high crimp and of cells far from square."""
+
+import itertools
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from fabrics import catalogue
+from fabrics.fabric import Fabric
+from fabrics.surface import ResponseSurface
+from fabrics.weave import Weave, arc_length, height_from_length
+from fabrics.yarn import Yarn
+from shellfabric.cell.crossover_kernels import free_height
+from shellfabric.cell.model import FORMS, MODELS, PROFILES, CellModel
+from shellfabric.cell.surface_cell import SurfaceCell
+from shellfabric.cell.yarn_kernels import COSINE
+
+LAWS = catalogue.load("S-728").laws
+# crimps of warp and weft [-], counts of warp and weft [1/m] of 100 tex: even and uneven cells; the warp
+# of the last two cannot fill the cell
+WEAVES = {
+    "even": (0.15, 0.15, 1200, 1200),
+    "one yarn": (0.15, 0.0005, 900, 1500),
+    "uneven": (0.13, 0.14, 750, 1500),
+    "most uneven": (0.0005, 0.15, 750, 1500),
+}
+FOLDED = ("uneven", "most uneven")
+
+
+def fabric(name):
+    crimp1, crimp2, count1, count2 = WEAVES[name]
+    warp, weft = (Yarn(100e-6, 1440.0, 90e9, 0.03, crimp) for crimp in (crimp1, crimp2))
+    return Fabric("crimped", Weave(warp, weft, count1, count2), laws=LAWS)
+
+
+def cases():
+    for name, model, profile in itertools.product(WEAVES, MODELS, PROFILES):
+        for form in FORMS:
+            yield pytest.param(name, model, profile, form, id=f"{name}-{model}-{profile}-{form}")
+
+
+@pytest.mark.parametrize(("name", "model", "profile", "form"), list(cases()))
+def test_table_of_a_highly_crimped_fabric_is_filled(name, model, profile, form):
+    cell = CellModel(fabric(name), LAWS, model=model, profile=profile, form=form)
+    table = cell.table(41)
+    for (lowest, highest), yarn in zip(cell.range(), cell.fabric.weave.yarns):
+        assert 0.1 < lowest < 1 < 1 + yarn.crimp < highest
+    for values in table.values.values():
+        assert np.isfinite(values).all()
+    for key, yarn in zip(("T1", "T2"), cell.fabric.weave.yarns):
+        assert table.values[key].min() >= -1e-12 * yarn.strength
+
+
+@pytest.mark.parametrize("profile", PROFILES)
+@pytest.mark.parametrize("name", WEAVES)
+def test_contact_is_lost_where_the_free_height_fills_the_cell(name, profile):
+    """With closed forms: the height of a free yarn against that of the cell; half its length where the cell is shut."""
+    weave, cell = fabric(name).weave, CellModel(fabric(name), model="incompressible", profile=profile)
+    number = PROFILES[profile]
+    for family, (w, S0) in enumerate(zip(weave.w, weave.S0)):
+        full, lowest = sum(cell.h0), cell.range()[family][0]
+        assert free_height(1e-9 * w, S0, number) == pytest.approx(S0 / 2, rel=1e-6)
+        dense = np.sqrt(4 * weave.yarns[1 - family].A_s / np.pi) / (2 * w)
+        if name in FOLDED and family == 0:
+            assert S0 / 2 < full
+        if free_height(dense * w, S0, number) < full:
+            assert lowest == pytest.approx(dense)
+        else:
+            assert lowest > dense
+            assert free_height(lowest * w, S0, number) == pytest.approx(full, rel=1e-9)
+
+
+@pytest.mark.parametrize("name", WEAVES)
+def test_decoupled_yarns_follow_the_length_of_their_arc(name):
+    weave, cell = fabric(name).weave, CellModel(fabric(name), model="decoupled")
+    table = cell.table(61)
+    for family, stretch in enumerate((table.stretch1, table.stretch2)):
+        w, S0, yarn = weave.w[family], weave.S0[family], weave.yarns[family]
+        T, h = (np.take(table.values[f"{key}{family + 1}"], 7, axis=1 - family) for key in "Th")
+        assert T == pytest.approx(yarn.EA * np.maximum(2 * w * stretch / S0 - 1, 0), rel=1e-12, abs=1e-12)
+        assert arc_length(stretch * w, h) == pytest.approx(np.maximum(S0, 2 * w * stretch), rel=1e-12)
+        slack = 2 * w * stretch < S0
+        assert h[slack] == pytest.approx([height_from_length(x * w, S0) for x in stretch[slack]], rel=1e-9)
+
+
+@pytest.mark.parametrize(("profile", "number"), PROFILES.items())
+@pytest.mark.parametrize("name", FOLDED)
+def test_a_folded_yarn_stays_in_contact(name, profile, number):
+    """Of a crossing yarn pulled straight the folded one has the height of the cell, and the tension of that arc."""
+    weave, cell = fabric(name).weave, CellModel(fabric(name), model="incompressible", profile=profile)
+    full, w, S0 = sum(cell.h0), weave.w1, weave.S01
+    straight = weave.S02 / (2 * weave.w2)
+    for stretch in (0.01, 0.1, cell.range()[0][0], 0.9):
+        found = cell.solve(stretch, straight * 1.02)
+        assert found["F"] > 0
+        h = found["h1"]
+        assert h + found["h2"] == pytest.approx(full, rel=1e-9)
+        length = arc_length(stretch * w, h) if number == COSINE else 2 * np.hypot(stretch * w, h)
+        assert found["T1"] == pytest.approx(weave.warp.EA * (length / S0 - 1), rel=1e-9)
+
+
+def test_forces_are_continuous_where_the_folded_yarn_begins():
+    """From fabrics whose free warp just fills the cell to those whose warp cannot, the range does not jump."""
+    ranges = []
+    for crimp in np.linspace(0.02, 0.15, 60):
+        base = fabric("uneven")
+        weave = replace(base.weave, weft=replace(base.weave.weft, crimp=crimp))
+        ranges.append(CellModel(replace(base, weave=weave), model="incompressible").range()[0][0])
+    assert np.all(np.diff(ranges) <= 0)
+    assert np.max(-np.diff(ranges)) < 0.1
+    assert ranges[0] > 0.6
+    assert ranges[-1] == pytest.approx(np.sqrt(4 * base.weave.weft.A_s / np.pi) / (2 * base.weave.w1))
+
+
+def test_range_where_heights_vanish_in_rounding():
+    """A gap that leaves the yarns a height of a rounding error: contact begins where the yarn is straight."""
+    for crimp in np.linspace(0.0005, 0.15, 40):
+        base = fabric("even")
+        weave = replace(base.weave, warp=replace(base.weave.warp, crimp=crimp))
+        base = replace(base, weave=weave)
+        cell = CellModel(base, LAWS, gap=sum(weave.h0) * (1 - 3e-16))
+        assert sum(weave.h0) > cell.gap
+        for (lowest, _), yarn in zip(cell.range(), weave.yarns):
+            assert lowest == pytest.approx(1 + yarn.crimp)
+    assert np.isfinite(cell.table(21).values["T1"]).all()
+
+
+def test_surface_cell_of_a_highly_crimped_fabric():
+    base = fabric("uneven")
+    flat = CellModel(base, LAWS)
+    d = [np.linspace(-0.01 * 2 * w, 0.1 * 2 * w, 9) for w in base.weave.w]
+    found = flat.solve(*np.meshgrid(*(1 + part / w for part, w in zip(d, base.weave.w)), indexing="ij"))
+    surface = ResponseSurface(*d, *(found[name] for name in ("T1", "T2", "F", "h1", "h2")))
+    table = SurfaceCell(base, surface).table(41)
+    assert np.isfinite(table.values["N1"]).all()
+    assert table.values["T1"].min() >= 0
+    assert table.stretch1[0] < 0.5

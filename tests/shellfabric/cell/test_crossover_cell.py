@@ -1,0 +1,331 @@
+"""The crossover: closed forms, its plain twin, its limits, its potential, and the table against the cell."""
+
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq
+
+from fabrics import catalogue
+from fabrics.compression import CompressionLaw
+from fabrics.errors import InputError
+from fabrics.weave import arc_length, height_from_length
+from shellfabric.cell import crossover_kernels as kernels
+from shellfabric.cell.model import CellModel, CellTable
+from shellfabric.cloth import membrane_kernels
+from shellfabric.coupon import relaxation_kernels
+from shellfabric.panel import step_kernels as panel_step_kernels
+from shellfabric.panel.model import Panel
+
+PAIRS = [(1.0, 1.0), (1.01, 1.0), (1.0, 1.01), (1.02, 1.02), (1.03, 0.985), (0.98, 1.03), (1.04, 1.03)]
+
+
+def plain_cell(model, stretch1, stretch2):
+    """The crossover by nested bisection, straight from eqs. 4-7 to 4-13: (T1, T2, F)."""
+    weave = model.fabric.weave
+    w = [stretch * half for stretch, half in zip((stretch1, stretch2), weave.w)]
+    lowest = [height_from_length(w[m], weave.S0[m]) if weave.S0[m] > 2 * w[m] else 0.0 for m in range(2)]
+
+    def tension(m, h):
+        return weave.yarns[m].EA * (arc_length(w[m], h) - weave.S0[m]) / weave.S0[m]
+
+    def force(m, h):
+        return 2 * tension(m, h) * np.pi * h / np.hypot(2 * w[m], np.pi * h)
+
+    def height(m, F):
+        return brentq(lambda h: force(m, h) - F, lowest[m], 2 * w[m], xtol=1e-16, rtol=1e-14)
+
+    def gap(F):
+        squeezed = sum(float(law.d(F)) for law in model.used_laws)
+        return height(0, F) + height(1, F) + squeezed + model.gap - sum(weave.h0)
+
+    printed = model.used_laws[0].form == "printed"
+    if not printed and sum(lowest) + model.gap >= sum(weave.h0):
+        return *(max(tension(m, 0.0), 0.0) for m in range(2)), 0.0
+    F = brentq(gap, 1e-9, 1e4, rtol=1e-13)
+    return tension(0, height(0, F)), tension(1, height(1, F)), F
+
+
+def test_arc_and_its_slope(fabric):
+    w = fabric.weave.w1
+    for h in (0.0, 1e-7, 1e-4, 3e-4, 2e-3):
+        S, slope = kernels.arc(w, h)
+        assert S == pytest.approx(float(arc_length(w, h)), rel=1e-14)
+        step = 1e-8
+        assert slope == pytest.approx((arc_length(w, h + step) - arc_length(w, h - step)) / (2 * step), abs=2e-7)
+
+
+@pytest.mark.parametrize("form", ["regularised", "printed"])
+@pytest.mark.parametrize("gap", [0.0, 2e-5])
+def test_kernel_against_plain_twin(fabric, form, gap):
+    laws = tuple(replace(law, form=form) for law in fabric.laws)
+    model = CellModel(fabric, laws, gap, form="equilibrium")
+    for pair in PAIRS:
+        solved = model.solve(*pair)
+        expected = plain_cell(model, *pair)
+        got = [float(solved[name]) for name in ("T1", "T2", "F")]
+        np.testing.assert_allclose(got, expected, rtol=1e-7, atol=1e-7, err_msg=str(pair))
+
+
+@pytest.mark.parametrize(
+    ("name", "F", "T1", "T2"),
+    [
+        ("S-720", 1.982, 3.45, 4.24),
+        ("S-726", 0.927, 1.31, 3.15),
+        ("S-728", 4.357, 8.28, 10.87),
+        ("S-745", 1.306, 1.54, 2.83),
+    ],
+)
+def test_printed_law_at_rest(name, F, T1, T2):
+    """Forces that the printed law leaves in cloth at rest (erratum E-05, nominal denier)."""
+    fabric = catalogue.load(name)
+    laws = tuple(replace(law, form="printed") for law in fabric.laws)
+    rest = CellModel(fabric, laws, form="equilibrium").solve(1.0, 1.0)
+    assert float(rest["F"]) == pytest.approx(F, rel=2e-3)
+    assert (float(rest["T1"]), float(rest["T2"])) == pytest.approx((T1, T2), rel=4e-3)
+
+
+def test_regularised_law_rests_without_force(fabric):
+    rest = CellModel(fabric).solve(1.0, 1.0)
+    assert all(rest[name] == 0.0 for name in ("T1", "T2", "F", "W"))
+
+
+def test_contact_is_lost_exactly_at_the_free_heights(fabric):
+    """Along warp stretch against weft contraction, force vanishes where the free heights fill the cell."""
+    model, weave = CellModel(fabric), fabric.weave
+
+    def free(stretch2):
+        heights = (height_from_length(w * s, S) for w, s, S in zip(weave.w, (1.01, stretch2), weave.S0))
+        return sum(heights) - sum(weave.h0)
+
+    edge = brentq(free, 0.95, 1.0, xtol=1e-15)
+    assert model.solve(1.01, edge * (1 - 1e-9))["F"] == 0.0
+    assert 0.0 < model.solve(1.01, edge * (1 + 1e-7))["F"] < 1e-3
+
+
+def test_limits(fabric):
+    stiff = CellModel(fabric, model="incompressible").solve(1.02, 1.01)
+    assert stiff["h1"] + stiff["h2"] == pytest.approx(sum(fabric.weave.h0), rel=1e-12)
+    loose = CellModel(fabric, model="decoupled").solve(1.04, 1.01)
+    weave = fabric.weave
+    assert loose["T1"] == pytest.approx(weave.warp.EA * (2.08 * weave.w1 - weave.S01) / weave.S01)  # erratum E-14
+    assert loose["T2"] == 0.0
+    middle = CellModel(fabric).solve(1.02, 1.01)
+    assert CellModel(fabric, model="decoupled").solve(1.02, 1.01)["T1"] < middle["T1"] < stiff["T1"]
+
+
+def test_laws_differ_per_yarn(fabric):
+    """Only the sum of the compressions counts: swapping the laws changes nothing, mixing them lies in between."""
+    soft, hard = fabric.laws[0], CompressionLaw.incompressible()
+    T = {
+        pair: float(CellModel(fabric, pair).solve(1.02, 1.02)["T1"])
+        for pair in [(soft, soft), (soft, hard), (hard, soft), (hard, hard)]
+    }
+    assert T[soft, hard] == pytest.approx(T[hard, soft], rel=1e-12)
+    assert T[soft, soft] < T[soft, hard] < T[hard, hard]
+
+
+@pytest.mark.parametrize("form", ["regularised", "printed"])
+def test_variational_forces_are_the_gradient(fabric, form):
+    laws = tuple(replace(law, form=form) for law in fabric.laws)
+    model, step = CellModel(fabric, laws, form="variational"), 1e-5
+    for x, y in PAIRS[1:]:
+        here = model.solve(x, y)
+        slope1 = (model.solve(x + step, y)["W"] - model.solve(x - step, y)["W"]) / (4 * step * fabric.weave.w1)
+        slope2 = (model.solve(x, y + step)["W"] - model.solve(x, y - step)["W"]) / (4 * step * fabric.weave.w2)
+        assert float(here["N1"]) == pytest.approx(slope1, rel=1e-6, abs=1e-4)
+        assert float(here["N2"]) == pytest.approx(slope2, rel=1e-6, abs=1e-4)
+
+
+def loop_work(force, half_lengths, n=400):
+    """Work round the square 1 .. 1.02 of stretches, over the length of its path, by Gauss points on each side."""
+    x = 1.01 + 0.01 * np.polynomial.legendre.leggauss(n)[0]
+    weight = 0.01 * np.polynomial.legendre.leggauss(n)[1]
+    bottom, top = force(x, np.full(n, 1.0))[0], force(x, np.full(n, 1.02))[0]
+    left, right = force(np.full(n, 1.0), x)[1], force(np.full(n, 1.02), x)[1]
+    w1, w2 = half_lengths
+    return float(2 * w1 * weight @ (bottom - top) + 2 * w2 * weight @ (right - left))
+
+
+def test_closed_square_of_strains(fabric):
+    """The variational form returns no work, the equilibrium form next to none: 0.38 % of the stored energy."""
+    work = {}
+    for form in ("equilibrium", "variational"):
+        model = CellModel(fabric, form=form)
+        solve = lambda x, y, model=model: (model.solve(x, y)["N1"], model.solve(x, y)["N2"])  # noqa: E731
+        work[form] = loop_work(solve, fabric.weave.w) / float(model.solve(1.02, 1.02)["W"])
+    assert abs(work["variational"]) < 1e-5
+    assert 1e-4 < abs(work["equilibrium"]) < 5e-3
+
+
+def spline(table):
+    """The table's potential as the march reads it: all but the constants, and these."""
+    return Panel(table).potential
+
+
+def table_potential(table, x, y):
+    """[J] the potential as the march reads it, at one pair of stretches."""
+    (rx, ry), (top1, top2) = (1 / np.array(table.steps)), (axis.size - 2.0 for axis in (table.stretch1, table.stretch2))
+    grid = table.stretch1[0], rx, top1, table.stretch2[0], ry, top2, top2 + 1
+    return membrane_kernels.potential(x, y, grid, *spline(table))
+
+
+def table_forces(table, x, y):
+    """Forces as the element reads them."""
+    w1, w2 = table.model.fabric.weave.w
+    rx, ry = (1 / step for step in table.steps)
+    x0, y0, top1, top2 = table.stretch1[0], table.stretch2[0], table.stretch1.size - 2.0, table.stretch2.size - 2.0
+    grid, room = (x0, rx, top1, y0, ry, top2, top2 + 1), np.zeros((2, x.size + 8))
+    at, (N1, N2) = (0, x.size, *(np.append(part, np.ones(8)) for part in (x, y)), grid), room
+    if table.model.form == "variational":
+        per = rx / (2 * w1), ry / (2 * w2)
+        *_, high1, high2 = membrane_kernels.potential_forces(
+            *at, spline(table)[0], *per, 1.0, 0.0, np.zeros(16, np.int32), N1, N2, np.zeros(x.size + 8)
+        )
+        assert (high1, high2) == (max(N1[: x.size].max(), 0.0), max(N2[: x.size].max(), 0.0))
+    else:
+        largest = membrane_kernels.bilinear_tensions(*at, table.tension1.reshape(-1, 4), N1)
+        assert largest == N1[: x.size].max()
+        membrane_kernels.bilinear_tensions(*at, table.tension2.reshape(-1, 4), N2)
+    N1, N2 = room[:, : x.size]
+    return N1, N2
+
+
+@pytest.mark.parametrize("form", ["equilibrium", "variational"])
+def test_table_against_cell(fabric, form):
+    """Errors of the table fall with the square of its spacing; at 201 they are below 0.2 % of the strength."""
+    model, rng = CellModel(fabric, form=form), np.random.default_rng(1)
+    x, y = rng.uniform(0.97, 1.04, 4000), rng.uniform(0.97, 1.04, 4000)
+    exact = model.solve(x, y)
+    errors = []
+    for n in (101, 201):
+        N = table_forces(model.table(n), x, y)
+        off = [np.abs(got - exact[name]) for got, name in zip(N, ("N1", "N2"))]
+        errors.append((np.max(off), np.sqrt(np.mean(np.square(off)))))
+    strength = fabric.weave.warp.strength
+    assert errors[1][0] < 2e-3 * strength
+    assert errors[1][1] < 0.36 * errors[0][1]
+
+
+@pytest.mark.parametrize("name", ["S-720", "S-731", "S-745"])
+def test_forces_tell_what_tensions_cannot_exceed(name):
+    """No tension is above the ceiling that the force beside it sets, anywhere; and the ceiling is close."""
+    table = CellModel(catalogue.load(name).with_effective_density()).table(81)
+    rng, n, panel = np.random.default_rng(2), 20000, Panel(table)
+    const = panel.constants()
+    x, y = (rng.uniform(axis[0], axis[-1], n) for axis in (table.stretch1, table.stretch2))
+    forces = table_forces(table, x, y)
+    at, T = (0, n, np.append(x, np.ones(8)), np.append(y, np.ones(8)), const.table_grid), np.zeros(n + 8)
+    for N, tension, unit, ceiling, yarn in (
+        (forces[0], const.tension1, const.tension_bound_step1, const.tension_bound_table1, panel.weave.warp),
+        (forces[1], const.tension2, const.tension_bound_step2, const.tension_bound_table2, panel.weave.weft),
+    ):
+        membrane_kernels.bilinear_tensions(*at, tension, T)
+        bounds = np.array(
+            [panel_step_kernels.tension_bound(const, 0.0, 0.0, max(force, 0.0), unit, ceiling) for force in N]
+        )
+        assert np.all(T[:n] <= bounds)
+        taut = (N > 0.2 * yarn.strength) & (N < yarn.strength)
+        assert np.all(bounds[taut] < 1.06 * N[taut] + 0.01 * yarn.strength)
+        top = const.table_last1 + 1.0
+        assert panel_step_kernels.tension_bound(const, top + 0.1, 0.0, 0.0, unit, ceiling) == np.inf
+        assert panel_step_kernels.tension_bound(const, 0.0, top + 0.1, 0.0, unit, ceiling) == np.inf
+        assert panel_step_kernels.tension_bound(const, 0.0, 0.0, np.inf, unit, ceiling) == np.inf
+
+
+def test_tabulated_potential_conserves(tables, fabric):
+    """Round a closed square the tabulated variational forces do no work at all: they are one function's gradient."""
+    table = tables["variational"]
+    w1, w2 = fabric.weave.w
+    # sides on grid lines, Gauss points in every cell: the quadrature is exact for a biquadratic
+    i, j = np.searchsorted(table.stretch1, [1.0, 1.03]), np.searchsorted(table.stretch2, [1.0, 1.03])
+    points, weights = np.polynomial.legendre.leggauss(4)
+
+    def side(grid, fixed, first):
+        total = 0.0
+        for a, b in pairwise(grid):
+            moving = 0.5 * (a + b) + 0.5 * (b - a) * points
+            x, y = (moving, np.full(4, fixed)) if first else (np.full(4, fixed), moving)
+            total += 0.5 * (b - a) * (weights @ table_forces(table, x, y)[0 if first else 1])
+        return 2 * (w1 if first else w2) * total
+
+    xs, ys = table.stretch1[i[0] : i[1] + 1], table.stretch2[j[0] : j[1] + 1]
+    eps = 1e-9
+    loop = (
+        side(xs, ys[0] + eps, True)
+        + side(ys, xs[-1] - eps, False)
+        - side(xs, ys[-1] - eps, True)
+        - side(ys, xs[0] + eps, False)
+    )
+    assert abs(loop) < 1e-6 * float(table.model.solve(1.03, 1.03)["W"])
+
+
+@pytest.mark.parametrize("name", ["S-720", "S-728", "S-731"])
+def test_rest_is_the_lowest_energy(name):
+    """A bicubic through the parabola that begins at first contact would dip below zero, and cloth at rest creep."""
+    table = CellModel(catalogue.load(name)).table(61)
+    grid = table.potential.reshape(-1, 16), table.stretch1[0], 1 / table.steps[0], 59, table.stretch2[0]
+    for x, y in np.random.default_rng(5).uniform(-1, 1, (4000, 2)) * table.steps + 1:
+        assert relaxation_kernels.potential(x, y, *grid, 1 / table.steps[1], 59)[0] >= -1e-18
+        assert table_potential(table, x, y) >= -1e-18
+    # at the node itself there is none; a place is in a table to the last digit
+    np.testing.assert_allclose(table_forces(table, np.ones(1), np.ones(1)), 0.0, atol=1e-11)
+
+
+def test_the_spline_is_smooth_and_next_to_the_bicubic(tables):
+    """Values and first derivatives meet where cells do; the plain B-spline of the table's own bicubic, at the nodes."""
+    table = tables["variational"]
+    c, cubic = (
+        table.spline.reshape(*table.spline.shape[:2], 3, 3),
+        table.potential.reshape(*table.spline.shape[:2], 4, 4),
+    )
+    close = {"rtol": 0, "atol": 1e-13 * np.abs(c).max()}
+    # at the far end of a cell, and at the near end of the next: the polynomials of the other stretch
+    np.testing.assert_allclose(c[:-1].sum(axis=2), c[1:, :, 0], **close)
+    slope = c[:-1, :, 1] + 2 * c[:-1, :, 2]
+    np.testing.assert_allclose(slope, c[1:, :, 1], **close)
+    # the slope at a node is that of the bicubic but for a twelfth of its curvature and of that across (see `_spline`)
+    off = c[2:-2, 2:-2, 1, 0] - cubic[2:-2, 2:-2, 1, 0]
+    curved = np.diff(cubic[..., 1, 0], 2, axis=0)[1:-1, 2:-2]
+    assert np.sqrt(np.mean(off**2)) < 0.2 * np.sqrt(np.mean(curved**2))
+
+
+@pytest.mark.parametrize("pair", [(1.06, 1.01), (1.01, 1.06), (1.06, 1.06), (1.2, 0.97)])
+def test_forces_above_the_table_are_a_gradient(tables, pair):
+    """Where yarns may not fail the potential goes on as a parabola, and the forces with it."""
+    table, step = tables["variational"], 1e-7
+    w1, w2 = table.model.fabric.weave.w
+
+    def W(x, y):
+        return table_potential(table, x, y)
+
+    x, y = pair
+    N1, N2 = table_forces(table, np.array([x]), np.array([y]))
+    assert N1[0] == pytest.approx((W(x + step, y) - W(x - step, y)) / (4 * step * w1), rel=1e-6, abs=1e-5)
+    assert N2[0] == pytest.approx((W(x, y + step) - W(x, y - step)) / (4 * step * w2), rel=1e-6, abs=1e-5)
+
+
+def test_out_of_range(tables, fabric):
+    """Below the table its edge is exact; above it tension goes on linearly, past the strength."""
+    table = tables["equilibrium"]
+    x, y = np.array([0.5, 0.9, table.stretch1[0] - 1e-3]), np.full(3, 1.03)
+    T1, T2 = table_forces(table, x, y)
+    exact = table.model.solve(x, y)
+    assert np.all(T1 == 0.0)
+    np.testing.assert_array_equal(exact["T1"], 0.0)
+    np.testing.assert_allclose(T2, exact["T2"], atol=1e-3 * fabric.weave.weft.strength)
+    top = table.stretch1[-1] + np.array([0.0, 0.1, 0.2])
+    T1, _ = table_forces(table, top, np.ones(3))
+    assert np.all(T1 > fabric.weave.warp.strength)
+    assert T1[2] - T1[1] == pytest.approx(T1[1] - T1[0], rel=1e-9)
+
+
+def test_bad_cells(fabric):
+    for bad in ({"model": "soft"}, {"form": "exact"}, {"gap": -1e-6}, {"gap": 1.0}):
+        with pytest.raises(InputError):
+            CellModel(fabric, **bad)
+    with pytest.raises(InputError, match="compression law"):
+        CellModel(replace(fabric, laws=None))
+    with pytest.raises(InputError, match="table_size"):
+        CellTable.fill(CellModel(fabric), 4)

@@ -1,0 +1,104 @@
+"""The packed table against the plain one: its potential and slopes, its continuity, and its bounds of the tension."""
+
+import numpy as np
+import pytest
+
+from shellfabric.cell import packed_table
+
+FORMS = ["equilibrium", "variational"]
+
+
+def packed_potential(table, cells, p, q):
+    """(W, dW/dp, dW/dq) [J] of the packed rows at local coordinates p, q of cells, numbered along the weft first."""
+    rows, constant = packed_table.potential(table)
+    c1, c11, c2, c22, c12, c112, c122, c1122 = rows[cells].T
+    W = constant[cells] + c1 * p + c11 * p**2 + c2 * q + c22 * q**2
+    W += c12 * p * q + c112 * p**2 * q + c122 * p * q**2 + c1122 * p**2 * q**2
+    slope1 = c1 + 2 * c11 * p + c12 * q + 2 * c112 * p * q + c122 * q**2 + 2 * c1122 * p * q**2
+    slope2 = c2 + 2 * c22 * q + c12 * p + c112 * p**2 + 2 * c122 * p * q + 2 * c1122 * p**2 * q
+    return np.stack([W, slope1, slope2])
+
+
+def plain_potential(table, i, j, p, q):
+    """(W, dW/dp, dW/dq) [J] of the plain table's spline in the cells (i, j)."""
+    c = table.spline[i, j].reshape(-1, 3, 3)
+    P, Q = np.stack([p**0, p, p**2], 1), np.stack([q**0, q, q**2], 1)
+    dP, dQ = np.stack([0 * p, p**0, 2 * p], 1), np.stack([0 * q, q**0, 2 * q], 1)
+    return np.stack([np.einsum("mab,ma,mb->m", c, *pair) for pair in ((P, Q), (dP, Q), (P, dQ))])
+
+
+@pytest.mark.parametrize("form", FORMS)
+def test_rows_have_the_values_and_slopes_of_the_spline(tables, form):
+    table, rng = tables[form], np.random.default_rng(1)
+    n1, n2 = table.spline.shape[:2]
+    i, j = rng.integers(0, n1, 5000), rng.integers(0, n2, 5000)
+    p, q = rng.uniform(0, 1, (2, 5000))
+    found, expected = packed_potential(table, i * n2 + j, p, q), plain_potential(table, i, j, p, q)
+    for one, other in zip(found, expected):
+        np.testing.assert_allclose(one, other, rtol=0, atol=1e-13 * np.abs(other).max())
+
+
+@pytest.mark.parametrize("form", FORMS)
+def test_values_and_slopes_are_continuous_from_cell_to_cell(tables, form):
+    table, across = tables[form], np.linspace(0, 1, 5)
+    n1, n2 = table.spline.shape[:2]
+    cells = np.arange(n1 * n2).reshape(n1, n2)
+    for before, behind, along in ((cells[:-1], cells[1:], 0), (cells[:, :-1], cells[:, 1:], 1)):
+        for a in across:
+            ends = [(1.0, a), (0.0, a)] if along == 0 else [(a, 1.0), (a, 0.0)]
+            here, there = (packed_potential(table, n.ravel(), *end) for n, end in zip((before, behind), ends))
+            for one, other in zip(here, there):
+                np.testing.assert_allclose(one, other, rtol=0, atol=1e-12 * np.abs(other).max())
+
+
+def test_each_row_is_a_cache_line(tables):
+    rows, constant = packed_table.potential(tables["variational"])
+    assert rows.strides == (64, 8)
+    assert rows.ctypes.data % 64 == 0
+    assert len(rows) == len(constant) == tables["variational"].spline[..., 0].size
+
+
+@pytest.mark.parametrize("form", FORMS)
+def test_no_tension_is_above_its_bound(tables, form):
+    """At all places of all cells, also at their corners: T <= max(steps[m, 0], N + steps[m, 1]), m = N / unit."""
+    table = tables[form]
+    n1, n2 = table.spline.shape[:2]
+    i, j = (part.ravel() for part in np.indices((n1, n2)))
+    for family, (steps, unit) in enumerate(packed_table.ceilings(table)):
+        c = (table.tension1, table.tension2)[family].reshape(-1, 4)
+        for p in (0.0, 0.3, 0.8, 1.0):
+            for q in (0.0, 0.5, 0.9, 1.0):
+                slope = packed_potential(table, i * n2 + j, p, q)[1 + family]
+                N = slope / (2 * table.model.fabric.weave.w[family] * table.steps[family])
+                T = c[:, 0] + c[:, 1] * p + c[:, 2] * q + c[:, 3] * p * q
+                m = np.clip((N / unit).astype(int), 0, len(steps) - 1)
+                assert np.all(T <= np.maximum(steps[m, 0], N + steps[m, 1]))
+
+
+def test_bounds_are_no_wider_than_the_table(tables):
+    table = tables["variational"]
+    for (steps, unit), T in zip(packed_table.ceilings(table), (table.values["T1"], table.values["T2"])):
+        assert np.all(np.diff(steps[:, 0]) >= 0)  # of more cells, the more force there is
+        assert steps[:, 0].max() <= T.max() + 2e-9 * unit * len(steps)
+        assert steps.shape == (257, 2)
+
+
+def test_bound_of_a_single_cell_of_constant_tension():
+    """Below its force nothing is known of it; at its force the tension is what it is above that; beyond, its own."""
+    N, T = 3.0, 4.0
+    plain = np.zeros((2, 3, 1))
+    force, tension = plain.copy(), plain.copy()
+    force[:, 0], tension[:, 0] = N, T
+    steps, unit = packed_table._ceiling(force, tension)
+    assert unit == pytest.approx(T / 256, rel=1e-12)
+    first = round(N / unit)  # N lies where two steps meet, so that rounding puts it into both
+    np.testing.assert_array_equal(steps[: first - 1], 0.0)
+    np.testing.assert_allclose(steps[first - 1 : first + 1, 1], T - N, rtol=1e-8)
+    np.testing.assert_allclose(steps[first + 1 :], np.tile([T, 0.0], (256 - first, 1)), rtol=1e-8)
+
+
+def test_bernstein_coefficients_of_a_quadratic():
+    """Those of (1 - x)^2, 2 x (1 - x) and x^2 are unit vectors."""
+    basis = np.array([[1.0, -2.0, 1.0], [0.0, 2.0, -2.0], [0.0, 0.0, 1.0]])
+    found = packed_table._bernstein(np.stack([basis.T, 2 * basis.T]))
+    np.testing.assert_allclose(found, [np.eye(3), 2 * np.eye(3)], rtol=0, atol=1e-15)

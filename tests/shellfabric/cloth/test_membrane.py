@@ -1,0 +1,275 @@
+"""The element: forces against the energy they derive from, patch test, invariance, trellis, waves."""
+
+import numpy as np
+import pytest
+from conftest_tools import bring, node_forces
+from numba import njit
+
+from fabrics.trellis import TrellisShear
+from shellfabric.cell.model import CellModel
+from shellfabric.cloth import membrane_kernels
+from shellfabric.jit.simd import load, store
+from shellfabric.panel import step_kernels as panel_step_kernels
+from shellfabric.panel.model import Numerics, Panel
+
+
+def plain_energy(panel, x):
+    """Energy of the cloth with nodes x (ni+1, nj+1, 3), written from the definitions alone."""
+    (dx, dy), weave, shear, model = panel.spacing, panel.weave, panel.fabric.shear, panel.table.model
+    (ni, nj), warp, weft = panel.counts, np.diff(x, axis=0) / dx, np.diff(x, axis=1) / dy
+    l1, l2 = np.linalg.norm(warp, axis=-1), np.linalg.norm(weft, axis=-1)
+    cells = 0.0
+    for i in range(ni):
+        for j in range(nj + 1):
+            met = [l2[p, q] for p in (i, i + 1) for q in (j - 1, j) if 0 <= q < nj]
+            n = dx * dy / weave.cell_area * len(met) / 4
+            cells += 0.5 * n * float(model.solve(l1[i, j], np.mean(met))["W"])
+    for i in range(ni + 1):
+        for j in range(nj):
+            met = [l1[p, q] for p in (i - 1, i) for q in (j, j + 1) if 0 <= p < ni]
+            n = dx * dy / weave.cell_area * len(met) / 4
+            cells += 0.5 * n * float(model.solve(np.mean(met), l2[i, j])["W"])
+    a, b = 0.5 * (warp[:, 1:] + warp[:, :-1]), 0.5 * (weft[1:] + weft[:-1])
+    mean = 0.25 * (l1[:, 1:] + l1[:, :-1]) * (l2[1:] + l2[:-1])
+    gamma = np.arcsin(np.sum(a * b, axis=-1) / mean)
+    points, weights = np.polynomial.legendre.leggauss(40)
+    trellis = sum(
+        0.5 * np.abs(gamma) * w * shear.stress(0.5 * np.abs(gamma) * (1 + p)) for p, w in zip(points, weights)
+    )
+    return cells + dx * dy * weave.thickness * float(trellis.sum())
+
+
+@njit
+def shear_slopes(n, sine, G1, G2, gamma1, gamma2, slope):
+    for j in range(0, n, 8):
+        store(slope, j, membrane_kernels.shear_slope(load(sine, j), G1, G2, gamma1, gamma2))
+
+
+@pytest.fixture
+def crumpled(small, tables):
+    """A stretched, sheared, crumpled panel without viscosity, with its node positions."""
+    panel = small(
+        table=tables["variational"].model.table(401),
+        failure=False,
+        edge="free",
+        symmetry="whole",
+        numerics=Numerics(stretch_viscosity=0.0),
+    )
+    X, Y = panel.coordinates()
+    rng = np.random.default_rng(3)
+    x = np.stack([1.015 * X + 0.1 * Y, 1.012 * Y, 0.0005 * np.sin(200 * X)], axis=-1)
+    return panel, x + rng.normal(scale=5e-6, size=x.shape)
+
+
+def test_nodal_forces_against_the_energy(crumpled):
+    """Each force is minus the derivative of the energy, to the table's error."""
+    panel, x = crumpled
+    state = panel.state(1.0)
+    f = node_forces(panel, bring(panel, state, x))
+    for node in [(3, 4), (0, 0), (10, 24), (24, 24), (7, 12)]:
+        for c in range(3):
+            step, energies = 1e-8, []
+            for sign in (1, -1):
+                moved = x.copy()
+                moved[(*node, c)] += sign * step
+                energies.append(plain_energy(panel, moved))
+            expected = -(energies[0] - energies[1]) / (2 * step)
+            assert f[(*node, c)] == pytest.approx(expected, abs=0.02 * np.abs(f).max()), (node, c)
+
+
+def test_forces_balance(crumpled):
+    """The cloth's own forces add up to nothing, and have no moment."""
+    panel, x = crumpled
+    f = node_forces(panel, bring(panel, panel.state(1.0), x))
+    scale = np.abs(f).sum()
+    assert np.abs(f.sum(axis=(0, 1))).max() < 1e-14 * scale
+    assert np.abs(np.cross(x, f).sum(axis=(0, 1))).max() < 1e-14 * scale * np.abs(x).max()
+
+
+def test_patch(small):
+    """Under any uniform strain all stretches are the same and no inner node feels a force."""
+    panel = small(edge="free", symmetry="whole", failure=False)
+    X, Y = panel.coordinates()
+    F = np.array([[1.02, 0.15], [0.03, 1.015], [0.2, -0.1]])
+    state = bring(panel, panel.state(1.0), np.stack([X, Y], axis=-1) @ F.T)
+    for L, y, column in zip(state.stretch, state.yarn_length, F.T):
+        np.testing.assert_allclose(L[y > 0], np.linalg.norm(column), rtol=1e-13)
+    f = node_forces(panel, state)
+    assert np.abs(f[1:-1, 1:-1]).max() < 1e-11 * np.abs(f).max()
+    assert np.abs(f).max() > 1.0
+
+
+def plain_gather(rows, s, rx, ry, A, B, on1, on2, cross):
+    """(3, rows + 1, s) what edges and quadrilaterals give to their nodes, each on its own."""
+    g = np.zeros((3, rows + 1, s))
+    for c in range(3):
+        for i in range(rows):
+            for j in range(s):
+                k, up = i * s + j, (i + 1) * s + j
+                pull = on1[k] * A[c][k]
+                g[c, i, j] += pull
+                g[c, i + 1, j] -= pull
+                if j == s - 1:
+                    continue
+                pull = on2[k] * B[c][k]
+                g[c, i, j] += pull
+                g[c, i, j + 1] -= pull
+                turned, over = rx * cross[k] * (B[c][k] + B[c][up]), ry * cross[k] * (A[c][k] + A[c][k + 1])
+                for m, n in ((0, 0), (0, 1), (1, 0), (1, 1)):
+                    g[c, i + m, j + n] += (turned if m == 0 else -turned) + (over if n == 0 else -over)
+    return g
+
+
+@pytest.mark.parametrize("s", [5, 8, 21])
+def test_gather_against_its_plain_twin(s):
+    """Rows shorter than eight slots, of eight, and of more; neighbours come from the eight slots before."""
+    rng, rows, m0, rx, ry = np.random.default_rng(4), 4, 2 * s, 3.0, 5.0
+    A, B, up = (tuple(rng.normal(size=(3, (rows + 4) * s + 16))) for _ in range(3))
+    on1, on2, cross = rng.normal(size=(3, (rows + 4) * s + 16))
+    for idle in (on2, cross):
+        idle[s - 1 :: s] = 0.0
+    g, n = tuple(np.zeros((3, rows * s))), rows * s
+    membrane_kernels.scatter_forces(0, m0, n, s, rx, ry, A, B, on1, on2, cross, up, g)
+    own = [[x[m0:] for x in part] for part in (A, B)]
+    plain = plain_gather(rows, s, rx, ry, *own, on1[m0:], on2[m0:], cross[m0:])
+    found = np.array([[*g[c], *up[c][m0 + n : m0 + n + s]] for c in range(3)]).reshape(plain.shape)
+    np.testing.assert_allclose(found, plain, rtol=0, atol=1e-13)
+
+
+@pytest.mark.parametrize("again", [False, True])
+def test_edges_of_a_step_against_their_plain_twin(again):
+    """Pulls, what is kept for the next step, and the works: of N, of cv dL, and of N beyond what its slopes explain."""
+    rng, n, room, cv = np.random.default_rng(5), 11, 24, 40.0
+    stretch, inverse, turned, N, K, y, L, P = 1.0 + 0.02 * rng.normal(size=(8, room))
+    K, S, D = 1000.0 * K, (1000.0 * rng.uniform(0.9, 1.1, room)).astype(np.float32), rng.normal(size=room)
+    D, N, P, on = D.astype(np.float32), 50.0 * N, 50.0 * P, np.zeros(room)
+    was = [x.astype(float) for x in (L, P, D, S)]
+    found = membrane_kernels.yarn_forces(0, 1, n, 1, again, 3.0, cv, stretch, inverse, turned, N, K, y, L, P, D, S, on)
+    works = np.zeros(3)
+    for k in range(n):
+        m, (before, force, last, slope) = k + 1, (x[k] for x in was)
+        d = last if again else stretch[m] - before
+        assert on[m] == pytest.approx(3.0 * inverse[m] * (y[k] * (N[m] + cv * d) - turned[m] - turned[m - 1]))
+        assert (L[k], P[k], D[k], S[k]) == (stretch[m], N[m], np.float32(d), np.float32(K[m]))
+        works += y[k] * d * np.array([0.5 * (force + N[m]), 0.5 * cv * (last + d), (K[m] - slope) * d / 12])
+    np.testing.assert_allclose(found, works, rtol=1e-12)
+    assert (L[n], P[n], D[n], S[n]) == tuple(x[n] for x in was)
+
+
+def test_uniform_tension_cancels_exactly(small):
+    """Cloth that is stretched evenly stays still to the last digit: no noise grows from rounding."""
+    panel = small(edge="free", symmetry="whole", failure=False)
+    state = panel.state(1.0)
+    for c in range(3):
+        state.f_int[c][:] = state.f_int_above[c][:] = 0.0
+    # displacements whose differences are exact in binary
+    s, k = panel.constants().row_stride, np.arange(state.u[0].size)
+    state.u[0][:] = (k // s) * 2.0**-16
+    state.u[1][:] = (k % s) * 2.0**-16
+    panel_step_kernels.initial_forces(state, panel.constants(), panel.work())
+    f = node_forces(panel, state)
+    assert np.abs(f).max() > 0.1
+    assert np.abs(f[1:-1, 1:-1]).max() == 0.0
+
+
+def test_scratch_may_hold_anything(crumpled, small):
+    """Panels of different widths can share it, one after the other."""
+    panel, x = crumpled
+    state = bring(panel, panel.state(1.0), x)
+    expected, work = node_forces(panel, state), Panel(panel.table, (0.05, 0.06), symmetry="whole").work()
+    rng = np.random.default_rng(0)
+    for part in work:
+        for array in part if isinstance(part, tuple) else (part,):
+            if array.dtype == float:
+                array[:] = rng.uniform(0.5, 2.0, array.shape)
+    panel_step_kernels.initial_forces(state, panel.constants(), work)
+    np.testing.assert_array_equal(node_forces(panel, state), expected)
+
+
+@pytest.mark.parametrize("angle", [0.3, 2.5])
+def test_invariance(crumpled, angle):
+    """Turned and shifted cloth has turned forces and the same stretches."""
+    panel, x = crumpled
+    axis = np.array([0.36, 0.48, 0.8])
+    K = np.array([[0, -axis[2], axis[1]], [axis[2], 0, -axis[0]], [-axis[1], axis[0], 0]])
+    Q = np.eye(3) + np.sin(angle) * K + (1 - np.cos(angle)) * K @ K
+    f = node_forces(panel, bring(panel, panel.state(1.0), x))
+    turned = node_forces(panel, bring(panel, panel.state(1.0), x @ Q.T + [0.1, -0.2, 0.3]))
+    np.testing.assert_allclose(turned, f @ Q.T, atol=1e-8 * np.abs(f).max())
+
+
+def test_trellis_against_the_law(fabric):
+    """The kernels' shear, with and without branches, against fabrics.trellis; odd in the angle."""
+    law = fabric.shear
+    gamma = np.linspace(-1.4, 1.4, 281)
+    slope = np.empty(gamma.size + 8)
+    shear_slopes(gamma.size, np.append(np.sin(gamma), np.zeros(8)), law.G1, law.G2, law.gamma1, law.gamma2, slope)
+    slope = 2 * slope[: gamma.size]
+    np.testing.assert_allclose(slope * np.cos(gamma) / 2, law.stress(gamma), rtol=1e-11, atol=1e-6)
+    energies = [membrane_kernels.trellis_law(g, law.G1, law.G2, law.gamma1, law.gamma2) for g in gamma]
+    np.testing.assert_allclose([stress for stress, _ in energies], law.stress(gamma), rtol=1e-12, atol=1e-9)
+    assert TrellisShear(law.G1, law.G2, law.gamma1, law.gamma2).stress(-0.3) == -law.stress(0.3)
+
+
+@pytest.mark.parametrize(("weft_mass", "share"), [(1e-6, 1.0), (1.0, 0.5**0.5)], ids=["straight yarn", "woven yarn"])
+def test_longitudinal_wave_speed(straight, weft_mass, share):
+    """A straight yarn carries sqrt(E / rho); with a crossing yarn of its own mass to move, that over sqrt 2 (E-38)."""
+    fabric = straight(weft_mass)
+    model = CellModel(fabric, model="decoupled")
+    panel = Panel(model.table(201), (0.6, 0.0203), edge="free", failure=False)
+    state, const, work = panel.state(1.0), panel.constants(), panel.work()
+    state.projectile_position[2] = -1.0  # the projectile is far away
+    state.active_rows[:] = 0, const.ni
+    ni, s = const.ni, const.row_stride
+    # all cloth runs away from the plane of symmetry, which holds its end: a front of tension sets out from there
+    state.v[0][: (ni + 1) * s] = 10.0
+    state.v[0][:s] = 0.0
+    stations, arrivals = (ni // 5, 4 * ni // 5), {}
+    full = fabric.weave.warp.EA * 10.0 / (share * fabric.weave.warp.wave_speed)
+    while len(arrivals) < 2:
+        panel_step_kernels.run_steps(state, const, work, 1, np.empty((1, 3)))
+        assert state.counter[0] < 5 * ni
+        for i in stations:
+            if i not in arrivals and state.N[0][i * s] > 0.5 * full:
+                arrivals[i] = state.counter[0] * const.dt
+    speed = (stations[1] - stations[0]) * const.dx / (arrivals[stations[1]] - arrivals[stations[0]])
+    assert speed == pytest.approx(share * (fabric.weave.warp.E / fabric.weave.warp.fibre_density) ** 0.5, rel=0.01)
+
+
+@pytest.mark.parametrize(("factor", "holds"), [(0.99, True), (1.02, False)])
+def test_time_step_bound(straight, factor, holds):
+    """Straight yarns are as stiff as the bound supposes: above it a taut panel blows up, below it does not.
+
+    In the equilibrium form; in the variational one half of a yarn's force follows from means, which are softer.
+    """
+    table = CellModel(straight(1.0), model="decoupled", form="equilibrium").table(51)
+    knobs = Numerics(safety=1.0, stretch_viscosity=0.0)
+    panel = Panel(table, (0.0306, 0.0306), edge="free", failure=False, symmetry="whole", numerics=knobs)
+    const, state, work = panel.constants(), panel.state(1.0), panel.work()
+    const = const._replace(dt=factor * panel.critical_step)
+    state.projectile_position[2] = -1.0
+    rng, ni = np.random.default_rng(0), panel.counts[0]
+    X, Y = panel.coordinates()
+    inside = np.zeros(X.shape, bool)
+    inside[1:-1, 1:-1] = True
+    state.dt_over_mass[: X.size] = const.dt * (state.inverse_mass[: X.size] * inside.ravel())
+    for c, taut in enumerate((0.02 * X, 0.02 * Y, 0 * X)):
+        state.u[c][: X.size] = taut.ravel()
+        state.v[c][: X.size] = rng.normal(scale=1e-3, size=X.size) * inside.ravel()
+    state.active_rows[:] = 0, ni
+    panel_step_kernels.initial_forces(state, const, work)
+    panel_step_kernels.run_steps(state, const, work, 400, np.empty((400, 3)))
+    # what is no number any more is at rest
+    assert (0.0 < max(np.abs(v).max() for v in state.v) < 0.02) == holds
+
+
+@pytest.mark.parametrize("gamma", [0.05, 0.24, 0.4, 0.49, 0.8])
+def test_trellis_energy_is_the_integral_of_its_stress(fabric, gamma):
+    """In each zone to six digits, the soft one included (eq. 4-35, erratum E-11): Simpson's rule on the plain law."""
+    law = fabric.shear
+    constants = (law.G1, law.G2, law.gamma1, law.gamma2)
+    stress, energy = membrane_kernels.trellis_law(gamma, *constants)
+    g = np.linspace(0, gamma, 4001)
+    weights = np.r_[1, np.tile([4, 2], 1999), 4, 1] * gamma / 4000 / 3
+    assert energy == pytest.approx(weights @ law.stress(g), rel=1e-6)
+    assert membrane_kernels.trellis_law(-gamma, *constants) == (-stress, energy)

@@ -1,0 +1,284 @@
+"""The smooth surface of contact: against scipy's B-splines, at borders and gaps, and what it does to tensions."""
+
+import numpy as np
+import pytest
+from scipy.interpolate import BSpline
+
+from fabrics import catalogue
+from shellfabric.cloth import spline_kernels
+from shellfabric.cloth.membrane_kernels import ERODED, WARP_FAILED
+from shellfabric.impact.single_ply import ImpactSetup
+from shellfabric.panel import step_kernels as panel_step_kernels
+from shellfabric.projectile import contact_kernels, sdf_kernels
+from shellfabric.projectile.projectile import Projectile
+
+
+def shaken(panel, seed=0, depth=0.4e-3):
+    """A panel with its nodes out of place, a projectile that has gone a little into it, and all that moving."""
+    rng, state, const = np.random.default_rng(seed), panel.state(100.0), panel.constants()
+    n = (const.ni + 1) * const.row_stride
+    for c in range(3):
+        state.u[c][:n] = 0.05 * const.dx * rng.normal(size=n)
+        state.v[c][:n] = rng.normal(size=n)
+    for axis, mirrored in enumerate((const.mirror_x, const.mirror_y)):
+        if mirrored:
+            edge = np.moveaxis(np.arange(n).reshape(-1, const.row_stride), axis, 0)[0]
+            state.u[axis][edge] = state.v[axis][edge] = 0.0
+    state.projectile_position[2] += depth
+    return state, const
+
+
+def firmly(state, const, seed=1):
+    """State and constants with firm springs: what they foresee, and by what they sped up the nodes a step ago."""
+    rng, n = np.random.default_rng(seed), (const.ni + 1) * const.row_stride
+    ahead = {name: tuple(np.zeros_like(u) for u in state.u) for name in ("dv_other", "dv_contact")}
+    for c in range(3):
+        ahead["dv_other"][c][:n] = 3.0 * rng.normal(size=n)
+        ahead["dv_contact"][c][:n] = 5.0 * rng.normal(size=n)
+    for axis, mirrored in enumerate((const.mirror_x, const.mirror_y)):
+        if mirrored:
+            edge = np.moveaxis(np.arange(n).reshape(-1, const.row_stride), axis, 0)[0]
+            ahead["dv_other"][axis][edge] = ahead["dv_contact"][axis][edge] = 0.0
+    return state._replace(**ahead, force_scale=np.array([0.02])), const._replace(implicit_factor=16.0)
+
+
+def pressed(panel, state, const):
+    """Contact forces (ni+1, nj+1, 3) of the kernel, with its work and the energy of its springs."""
+    scratch = panel.work()
+    made = contact_kernels.contact_forces(state, const, scratch.contact_scratch)
+    n = (const.ni + 1) * const.row_stride
+    return np.stack([f[:n].reshape(-1, const.row_stride) for f in state.f_contact], axis=-1), *made
+
+
+def whole_edge(state, const, family, i, j):
+    """Whether an edge is there; planes of symmetry are not asked for here."""
+    inside = 0 <= i <= const.ni and 0 <= j <= const.nj
+    return inside and state.intact_fraction[family][i * const.row_stride + j] > 0
+
+
+def plain_weights(state, const, i, j, s, t):
+    """{node: weight} of the point (s, t) of element (i, j), by ghost nodes that go straight on beyond a yarn's end."""
+    q, r = int(s > 0.5), int(t > 0.5)
+    m, n = i + q, j + r
+    knots = np.arange(-1.5, 2.0)
+    basis = [[float(BSpline.basis_element(knots[:4] + k)(z)) if abs(z - k) < 1.5 else 0.0 for k in (-1, 0, 1)]
+             for z in (s - q, t - r)]  # fmt: skip
+    along = [
+        whole_edge(state, const, 0, m - 1, n) and whole_edge(state, const, 0, m, n),
+        whole_edge(state, const, 1, m, n - 1) and whole_edge(state, const, 1, m, n),
+    ]
+    own = (1 - 2 * q, 1 - 2 * r)
+    for a in (-1, 1):
+        for b in (-1, 1):
+            if (a, b) == own or (a != own[0] and not along[0]) or (b != own[1] and not along[1]):
+                continue
+            warp = whole_edge(state, const, 0, min(m, m + a), n + b)
+            weft = whole_edge(state, const, 1, m + a, min(n, n + b))
+            if not (warp or weft):
+                along = [False, False]
+    for weights, runs_on, side in zip(basis, along, own):
+        if not runs_on:  # 2 x(0) - x(side) in place of x(-side)
+            ghost = weights[1 - side]
+            weights[1 - side] = 0.0
+            weights[1] += 2 * ghost
+            weights[1 + side] -= ghost
+    return {(m + a - 1, n + b - 1): basis[0][a] * basis[1][b] for a in range(3) for b in range(3)
+            if basis[0][a] * basis[1][b] != 0.0}  # fmt: skip
+
+
+def plain_contact(panel, state, const):
+    """What the kernel does without friction, point by point, on a panel without mirrors. A state that foresees other
+    forces has firm springs; the sizes of those of a step ago count in them alone."""
+    force, work, spring = np.zeros((const.ni + 1, const.nj + 1, 3)), 0.0, 0.0
+    X, Y = panel.coordinates()
+    n = (const.ni + 1) * const.row_stride
+    rest = np.stack([X, Y, np.zeros_like(X)], axis=-1)
+    x = rest + np.stack([u[:n].reshape(X.shape) for u in state.u], axis=-1) - state.projectile_position
+    v = np.stack([v[:n].reshape(X.shape) for v in state.v], axis=-1) - state.projectile_velocity
+    due, pushed = (np.stack([a[:n].reshape(X.shape) for a in name], axis=-1) if const.implicit_factor else 0 * v
+                   for name in (state.dv_other, state.dv_contact))  # fmt: skip
+    hard, i_near, columns = (
+        const.implicit_factor or 1.0,
+        const.window_limits[0],
+        const.window_limits[3] - const.window_limits[2],
+    )
+    i0, i1, j0, j1 = state.contact_window
+    for i in range(i0, i1):
+        for j in range(j0, j1):
+            for a in range(const.points_per_side):
+                for b in range(const.points_per_side):
+                    s, t = (a + 0.5) / const.points_per_side, (b + 0.5) / const.points_per_side
+                    shares = plain_weights(state, const, i, j, s, t)
+                    assert min(shares.values()) > 0
+                    assert sum(shares.values()) == pytest.approx(1.0)
+                    p = sum(w * x[k] for k, w in shares.items())
+                    moving = sum(w * v[k] for k, w in shares.items())
+                    depth, *normal = sdf_kernels.distance(
+                        const.nose_shape,
+                        *(const.frame @ p),
+                        const.projectile_radius,
+                        const.edge_radius,
+                        const.projectile_length,
+                        const.nose_parameters,
+                    )
+                    if depth >= 0 or p[2] >= 0:
+                        continue
+                    near = [
+                        state.intact_fraction[0][i * const.row_stride + j + (t > 0.5)],
+                        state.intact_fraction[1][(i + (s > 0.5)) * const.row_stride + j],
+                    ]
+                    part, normal = np.mean(near), np.array(normal) @ const.frame
+                    k, c = part * hard * const.point_stiffness, part * hard**0.5 * const.point_damping
+                    if const.implicit_factor:
+                        c += k * const.dt
+                        e = (i - i_near) * columns + j - const.window_limits[2]
+                        before = state.last_contact_force[e, 0, a * const.points_per_side + b] + state.force_scale[0]
+                        speeding = max(normal @ sum(w * pushed[m] for m, w in shares.items()), 0.0)
+                        speeding += state.force_scale[0] * const.dt / const.point_mass
+                        moving_on = moving + sum(w * due[m] for m, w in shares.items())
+                        f = max(-c * normal @ moving_on - k * depth, 0.0) / (1.0 + c * speeding / before)
+                    else:
+                        f = max(-c * normal @ moving - k * depth, 0.0)
+                    spring += 0.5 * -depth * (min(f, -k * depth) if const.implicit_factor else -k * depth)
+                    f = f * normal
+                    work -= 0.5 * const.dt * f @ moving
+                    for k, w in shares.items():
+                        force[k] += w * f
+    return force, work, spring
+
+
+CUTS = {
+    "whole": [],
+    "a warp yarn": [(0, 12, 12)],
+    "both at a crossover": [(0, 12, 12), (1, 12, 11)],
+    "a node on no yarn": [(0, 11, 11), (0, 10, 11), (1, 11, 10), (1, 11, 11)],
+}
+
+
+@pytest.mark.parametrize("cuts", CUTS.values(), ids=CUTS)
+@pytest.mark.parametrize("shape", ["flat", "hemisphere"])
+@pytest.mark.parametrize("firm", [False, True])
+def test_kernel_is_its_plain_twin(small, cuts, shape, firm):
+    panel = small(symmetry="whole", projectile=Projectile(shape=shape))
+    state, const = shaken(panel)
+    if firm:
+        state, const = firmly(state, const)
+        state.last_contact_force[:, 0] = np.random.default_rng(3).random(state.last_contact_force[:, 0].shape)
+    for family, i, j in cuts:
+        state.intact_fraction[family][i * const.row_stride + j] = 0.0
+        for a, b in ((i, j), (i, j - 1) if family == 0 else (i - 1, j)):
+            state.element_flag[a * const.row_stride + b] |= 1 + family
+    expected, work, spring = plain_contact(panel, state, const)
+    force, taken, held = pressed(panel, state, const)
+    assert np.abs(expected).max() > 0
+    np.testing.assert_allclose(force, expected, atol=1e-12 * np.abs(expected).max())
+    np.testing.assert_allclose(state.f_contact_nose, -force.sum((0, 1)), rtol=1e-12, atol=1e-12 * np.abs(force).sum())
+    assert (taken, held) == pytest.approx((work, spring), rel=1e-12)
+
+
+@pytest.mark.parametrize(("elements", "firm"), [(1, False), (2, False), (3, False), (1, True)])
+def test_a_quarter_is_pressed_like_a_whole(small, elements, firm):
+    """Ghost nodes: a quarter's forces are those of the whole whose other parts are its images, halved on the planes."""
+    quarter, whole = (small(symmetry=part, elements_per_crossover=elements) for part in ("quarter", "whole"))
+    state, const = shaken(quarter)
+    other, big = whole.state(100.0), whole.constants()
+    if firm:
+        state, const = firmly(state, const)
+        other, big = firmly(other, big)
+    other.projectile_position[:] = state.projectile_position
+    shape = (const.ni + 1, const.nj + 1)
+    for name in ("u", "v", "dv_other", "dv_contact") if firm else ("u", "v"):
+        for c in range(3):
+            part = getattr(state, name)[c][: shape[0] * shape[1]].reshape(shape)
+            signs = [-1.0 if c == axis else 1.0 for axis in range(2)]
+            half = np.concatenate([signs[0] * part[:0:-1], part])
+            full = np.concatenate([signs[1] * half[:, :0:-1], half], axis=1)
+            getattr(other, name)[c][: full.size] = full.ravel()
+    force, taken, held = pressed(quarter, state, const)
+    full, whole_taken, whole_held = pressed(whole, other, big)
+    expected = full[const.ni :, const.nj :].copy()
+    expected[0] *= 0.5
+    expected[:, 0] *= 0.5
+    expected[0, :, 0] = expected[:, 0, 1] = 0.0
+    np.testing.assert_allclose(force, expected, atol=1e-10 * np.abs(expected).max())
+    assert (4 * taken, 4 * held) == pytest.approx((whole_taken, whole_held), rel=1e-10)
+
+
+def test_slope_is_continuous():
+    """Over the middle of an element and over a node, where that of the elements themselves jumps."""
+    y = np.random.default_rng(1).normal(size=6)
+
+    def height(z, bent=True):
+        k = int(np.floor(z + 0.5))
+        return np.dot(spline_kernels.node_weights(z - k, bent), y[k - 1 : k + 2])
+
+    def jump(z, bent, h=1e-7):
+        return (height(z + 2 * h, bent) - height(z + h, bent) - height(z - h, bent) + height(z - 2 * h, bent)) / h
+
+    for z in (1.5, 2.0, 2.5, 3.0):
+        assert abs(jump(z, True)) < 1e-5
+    assert abs(jump(2.0, False)) > 0.1  # a yarn's end
+
+
+def test_an_element_that_is_apart_touches_nothing():
+    rng = np.random.default_rng(2)
+    found, low, high = 0, np.empty((3, 6)), np.empty((3, 6))
+    for _ in range(600):
+        x = rng.normal(size=(4, 6, 3)) + rng.uniform(-3, 3, 3)
+        spline_kernels.column_boxes(np.ascontiguousarray(x.transpose(0, 2, 1)), 6, low, high)
+        for m in range(3):
+            if not spline_kernels.box_misses_nose(low, high, m, 1.0):
+                continue
+            found += 1
+            for s, t in rng.uniform(0, 1, (50, 2)):
+                q, r = int(s > 0.5), int(t > 0.5)
+                for bent in (True, False):
+                    A, B = spline_kernels.node_weights(s - q, bent), spline_kernels.node_weights(t - r, True)
+                    p = np.einsum("a,b,abc", A, B, x[q : q + 3, m + r : m + r + 3])
+                    assert p[2] > 0 or np.hypot(p[0], p[1]) > 1.0
+    assert found > 50
+
+
+@pytest.mark.parametrize("p", [2, 3, 4, 8, 16])
+def test_shares_are_the_weights_of_the_points(p):
+    """Of points in eights, those beyond the last having none."""
+    room = -(-(p * p) // 8) * 8
+    found = spline_kernels.shape_functions(p, room)
+    for bent in range(2):
+        for a in range(p):
+            for b in range(p):
+                for row, z in ((0, (a + 0.5) / p), (4, (b + 0.5) / p)):
+                    q = int(z > 0.5)
+                    expected = np.zeros(4)
+                    expected[q : q + 3] = spline_kernels.node_weights(z - q, bent == 1)
+                    np.testing.assert_allclose(found[bent, row : row + 4, a * p + b], expected, atol=1e-15)
+    assert not found[:, :, p * p :].any()
+
+
+def test_nothing_is_handed_across_a_gap(small):
+    """What lies beyond a cut yarn may fly anywhere: neither is the cloth on this side moved, nor that one pushed."""
+    panel = small(symmetry="whole")
+    forces = []
+    for far in (0.0, 0.05):
+        state, const = shaken(panel)
+        s = const.row_stride
+        for j in range(const.nj + 1):  # all warp yarns are cut between the rows 10 and 11
+            state.intact_fraction[0][10 * s + j] = 0.0
+        state.element_flag[10 * s : 10 * s + const.nj] |= WARP_FAILED | ERODED
+        state.u[2][: 11 * s] -= far
+        forces.append(pressed(panel, state, const)[0])
+    np.testing.assert_array_equal(forces[0][11:], forces[1][11:])
+    assert np.abs(forces[0][11:]).max() > 0
+
+
+def test_peak_tension_settles_with_the_mesh():
+    """Of the warp of S-745, at 1 and 2 elements a crossover: 217 and 223 N; on bilinear elements 215 and 250."""
+    peaks = []
+    for elements in (1, 2):
+        setup = ImpactSetup(catalogue.load("S-745").with_effective_density(), 110.0, elements_per_crossover=elements)
+        panel = setup.panel()
+        state, const = panel.state(110.0), panel.constants()
+        steps = int(310e-6 / const.dt)
+        panel_step_kernels.run_steps(state, const, panel.work(), steps, np.empty((steps, 3)))
+        peaks.append(state.peak_tension[0])
+    assert peaks[1] == pytest.approx(peaks[0], rel=0.05)

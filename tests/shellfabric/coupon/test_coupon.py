@@ -1,0 +1,184 @@
+"""Coupons: forces against a plain twin and its derivative, the bound on the stiffness, cutting."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from fabrics import catalogue
+from fabrics.errors import InputError
+from shellfabric.cell.model import CellModel
+from shellfabric.coupon import relaxation_kernels
+from shellfabric.coupon.model import cut
+
+
+@pytest.fixture(scope="module")
+def table():
+    return CellModel(catalogue.load("S-728"), form="variational").table(61)
+
+
+def disc(x, y):
+    return np.hypot(x, y) < 0.0071
+
+
+@pytest.fixture(params=["bias", "cross", "fine"])
+def coupon(request, table):
+    """A disc cut on the bias; a cross whose arms have lost their cross yarns; a disc of two elements a crossover."""
+    if request.param == "bias":
+        return cut(table, disc, 0.0071, angle=np.pi / 4)
+    if request.param == "fine":
+        return cut(table, disc, 0.0071, angle=0.3, elements_per_crossover=2)
+    w = table.model.fabric.weave.w1
+
+    def cross(x, y):
+        return ((np.abs(x) < 4.1 * w) | (np.abs(y) < 4.1 * w)) & (np.maximum(np.abs(x), np.abs(y)) < 8.1 * w)
+
+    return cut(table, cross, 8.1 * w, woven=lambda x, y: (np.abs(y) < 4 * w, np.abs(x) < 4 * w))
+
+
+def crumpled(coupon, seed=1):
+    """Stretched beyond the table, sheared and shaken."""
+    rng = np.random.default_rng(seed)
+    x = coupon.points @ np.array([[1.03, 0.12], [0.05, 1.01]])
+    return x + rng.normal(scale=1.5e-5, size=x.shape)
+
+
+def twin(coupon, x):
+    """Energy from the definitions: the potential by its coefficients, every mean by a search of the edges."""
+    table, weave, shear, energy = coupon.table, coupon.weave, coupon.table.model.fabric.shear, 0.0
+    lengths = [np.linalg.norm(x[e[:, 1]] - x[e[:, 0]], axis=1) / d for e, d in zip(coupon.edges, coupon.spacing)]
+    sides = set()
+    for p, q, r, s in coupon.quads:
+        sides |= {frozenset(side) for side in ((p, q), (s, r), (p, s), (q, r))}
+    woven = [[frozenset(e) in sides for e in edges] for edges in coupon.edges]
+
+    def potential(l1, l2):
+        p, q = ((l - g[0]) / (g[1] - g[0]) for l, g in zip((l1, l2), (table.stretch1, table.stretch2)))
+        p, q = max(p, 0), max(q, 0)
+        i, j = (min(int(v), g.size - 2) for v, g in zip((p, q), (table.stretch1, table.stretch2)))
+        basis = []
+        for v in (p - i, q - j):
+            e = v - 1
+            basis.append([1, v, v * v, v**3 if e < 0 else 1 + 3 * e + 3 * e * e])
+        return basis[0] @ table.potential[i, j].reshape(4, 4) @ basis[1]
+
+    for m in (0, 1):
+        yarn, w, S0 = weave.yarns[m], weave.w[m], weave.S0[m]
+        for e, ends in enumerate(coupon.edges[m]):
+            own, n = lengths[m][e], coupon.cells[m][e]
+            if not woven[m][e]:
+                energy += n * 0.5 * yarn.EA * max(2 * w * own - S0, 0) ** 2 / S0
+                continue
+            others = [k for k, o in enumerate(coupon.edges[1 - m]) if woven[1 - m][k] and set(o) & set(ends)]
+            mean = np.mean(lengths[1 - m][others])
+            energy += 0.5 * n * (potential(own, mean) if m == 0 else potential(mean, own))
+    dX, dY = coupon.spacing
+    for p, q, r, s in coupon.quads:
+        a, b = x[q] - x[p] + x[r] - x[s], x[s] - x[p] + x[r] - x[q]
+        gamma = np.arcsin(a @ b / np.linalg.norm(a) / np.linalg.norm(b))
+        points, weights = np.polynomial.legendre.leggauss(30)
+        energy += dX * dY * weave.thickness * np.sum(
+            0.5 * gamma * weights * shear.stress(0.5 * gamma * (1 + points))
+        )  # fmt: skip
+    return energy
+
+
+def test_energy_against_the_plain_twin(coupon):
+    x = crumpled(coupon)
+    assert sum(coupon.forces(x)[2]) == pytest.approx(twin(coupon, x), rel=1e-6)
+
+
+def test_forces_are_the_gradient(coupon):
+    x = crumpled(coupon)
+    f = coupon.forces(x)[0]
+    rng = np.random.default_rng(2)
+    for node in rng.choice(len(x), 12, replace=False):
+        for c in range(2):
+            energies = []
+            for sign in (1, -1):
+                moved = x.copy()
+                moved[node, c] += sign * 1e-9
+                energies.append(sum(coupon.forces(moved)[2]))
+            assert f[node, c] == pytest.approx((energies[1] - energies[0]) / 2e-9, abs=2e-5 * np.abs(f).max())
+
+
+def test_forces_turn_with_the_cloth(coupon):
+    x = crumpled(coupon)
+    c, s = np.cos(2.0), np.sin(2.0)
+    turn = np.array([[c, -s], [s, c]])
+    f = coupon.forces(x)[0]
+    assert np.allclose(coupon.forces(x @ turn.T + 3.0)[0], f @ turn.T, atol=1e-7 * np.abs(f).max())
+    assert np.abs(f.sum(axis=0)).max() < 1e-12 * np.abs(f).sum()
+
+
+def test_the_bound_covers_the_stiffness(coupon):
+    """No eigenvalue of the stiffness over the bound exceeds one, and it is not wasteful."""
+    x = crumpled(coupon)
+    bound, n = coupon.forces(x)[1], len(x)
+    K = np.empty((2 * n, 2 * n))
+    for k in range(2 * n):
+        f = []
+        for sign in (1, -1):
+            moved = x.copy()
+            moved.ravel()[k] += sign * 1e-9
+            f.append(coupon.forces(moved)[0].ravel())
+        K[:, k] = (f[1] - f[0]) / 2e-9
+    held = bound > 0  # a node between slack yarns has no stiffness
+    assert not K[~np.repeat(held, 2)].any()
+    part = np.repeat(held, 2)
+    K, root = K[np.ix_(part, part)], np.repeat(bound[held], 2) ** -0.5
+    highest = np.linalg.eigvalsh(root[:, None] * 0.5 * (K + K.T) * root)[-1]
+    assert 0.2 < highest < 1.0
+
+
+def test_uniform_stretch_is_one_cell(table):
+    """The energy of any coupon is that of its cells, whatever its outline and refinement; cross stretch is felt."""
+    W = float(CellModel(table.model.fabric, form="variational").solve(1.02, 1.01)["W"])
+    for m in (1, 2):
+        coupon = cut(table, disc, 0.0071, elements_per_crossover=m)
+        energy = coupon.forces(coupon.points * [1.02, 1.01])[2][0]
+        assert energy == pytest.approx(len(coupon.quads) / m**2 * W, rel=1e-3)
+
+
+def test_angles_beyond_a_right_angle(table):
+    """Yarns that have passed one another are seen as such."""
+    coupon = cut(table, lambda x, y: np.maximum(np.abs(x), np.abs(y)) < 0.003, 0.003)
+    for gamma in (-0.3, 0.0, 1.2, 2.0):
+        x, y = coupon.points.T
+        sheared = np.stack([x + y * np.sin(gamma), y * np.cos(gamma)], axis=1)
+        assert coupon.shear_angles(sheared) == pytest.approx(gamma, abs=1e-12)
+
+
+def test_no_trellis(table):
+    x = cut(table, disc, 0.0071).points @ np.array([[1, 0.1], [0.1, 1]])
+    assert cut(table, disc, 0.0071, trellis=False).forces(x)[2][1] == 0.0
+    assert cut(table, disc, 0.0071).forces(x)[2][1] > 0.0
+
+
+def test_the_potential_goes_on_above_its_table(table):
+    """Tension goes on with the slope that it has at the edge."""
+    args = table.potential.reshape(-1, 16), table.stretch1[0], 1 / table.steps[0], 59, table.stretch2[0]
+    args += 1 / table.steps[1], 59
+    top, step = table.stretch1[-1], 1e-3
+    edge, near, far = (relaxation_kernels.potential(top + k * step, 1.01, *args)[1] for k in (0, 1, 50))
+    assert near > edge > 0
+    assert far - edge == pytest.approx(50 * (near - edge), rel=1e-9)
+
+
+def test_slack_yarns_carry_nothing(table):
+    """Below the table the tension is zero whatever the other yarn does, and so it is at the table's lowest edge."""
+    args = table.potential.reshape(-1, 16), table.stretch1[0], 1 / table.steps[0], 59, table.stretch2[0]
+    args += 1 / table.steps[1], 59
+    for other in np.linspace(0.95, 1.2, 40):
+        assert abs(relaxation_kernels.potential(table.stretch1[0] - 0.01, other, *args)[1]) < 1e-12
+        assert abs(relaxation_kernels.potential(other, table.stretch2[0], *args)[2]) < 1e-12
+
+
+def test_bad_coupons(table):
+    with pytest.raises(InputError, match="elements_per_crossover"):
+        cut(table, disc, 0.0071, elements_per_crossover=0)
+    with pytest.raises(InputError, match="at least one crossover"):
+        cut(table, lambda x, y: np.hypot(x, y) < 1e-4, 1e-4)
+    equilibrium = replace(table, model=replace(table.model, form="equilibrium"))
+    with pytest.raises(InputError, match="variational in a quasi-static run"):
+        cut(equilibrium, disc, 0.0071)

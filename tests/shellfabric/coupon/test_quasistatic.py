@@ -1,0 +1,211 @@
+"""Quasi-static runs: closed forms of each test, and the instabilities that a run has to name."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from fabrics import catalogue
+from fabrics.errors import InputError, UnstableError
+from fabrics.trellis import TrellisShear
+from fabrics.weave import arc_length
+from shellfabric.cell.model import CellModel
+from shellfabric.coupon import dynamic_relaxation, quasistatic
+from shellfabric.coupon.solver import no_fold
+
+
+class Chain:
+    """Equal springs in a row, [N/m] and [m], or none at all."""
+
+    def __init__(self, stiffness=100.0):
+        self.stiffness = stiffness
+
+    def forces(self, x):
+        pull = self.stiffness * (np.diff(x, axis=0) - 1)
+        f = np.zeros_like(x)
+        f[:-1] += pull
+        f[1:] -= pull
+        return f, np.full(len(x), 4 * self.stiffness), (float(0.5 * self.stiffness * np.sum(np.diff(x) ** 2)),)
+
+    def spread(self, u, held):
+        return u
+
+
+def test_a_chain_finds_its_equilibrium():
+    x, held = np.arange(20.0)[:, None], np.arange(20) % 19 == 0
+    states, ended = dynamic_relaxation.pull(Chain(), x, held, lambda load: x * (1 + load), [0.5, 1.0], tolerance=1e-9)
+    assert not ended
+    assert states[-1].x.ravel() == pytest.approx(2 * np.arange(20), abs=1e-7)
+    assert states[-1].reaction[[0, -1], 0] == pytest.approx([-100, 100], rel=1e-7)
+    assert states[-1].history[-1, 0] <= 1e-9 * states[-1].history[-1, 1]
+    assert states[-1].residual <= 1e-9
+
+
+def test_what_does_not_settle_is_told_and_kept():
+    x, held = np.arange(20.0)[:, None], np.arange(20) % 19 == 0
+    with pytest.raises(
+        UnstableError, match=r"no equilibrium was found: after 10 iterations .* node .* 0.5 of the load"
+    ) as e:
+        dynamic_relaxation.pull(Chain(), x, held, lambda load: x * (1 + load), [0.5, 1.0], max_iterations=10)
+    assert e.value.exit_code == 3
+    assert len(e.value.states) == 1
+    assert not e.value.states[0].settled
+    with pytest.raises(UnstableError, match="no longer finite"):
+        dynamic_relaxation.pull(Chain(np.nan), x, held, lambda load: x, [1.0])
+
+
+def test_a_pull_goes_on_from_its_states_bit_for_bit():
+    x, held = np.arange(20.0)[:, None], np.arange(20) % 19 == 0
+    loads = [0.25, 0.5, 0.75, 1.0]
+    seen = []
+    whole, _ = dynamic_relaxation.pull(Chain(), x, held, lambda load: x * (1 + load**2), loads, progress=seen.append)
+    assert [state.load for state in seen] == loads
+    for k in (1, 2, 3):
+        rest, _ = dynamic_relaxation.pull(Chain(), x, held, lambda load: x * (1 + load**2), loads, done=whole[:k])
+        assert len(rest) == 4
+        for one, other in zip(whole[k:], rest[k:]):
+            assert one.x.tobytes() == other.x.tobytes()
+            assert one.history.tobytes() == other.history.tobytes()
+
+
+@pytest.fixture(scope="module")
+def table():
+    return CellModel(catalogue.load("S-728").with_effective_density(), form="variational").table(121)
+
+
+def test_picture_frame_gives_the_trellis_law(table):
+    run = quasistatic.picture_frame(table, cells=5, steps=6)
+    assert quasistatic.frame_stress(run) == pytest.approx(table.model.fabric.shear.stress(run.moved), rel=1e-3)
+    assert run.shear() == pytest.approx(0.6, abs=0.01)
+
+
+def test_every_test_takes_any_number_of_elements(table):
+    """Finer elements, the same cloth: size, load and stress stay."""
+    frames = [quasistatic.picture_frame(table, cells=3, steps=3, elements_per_crossover=m) for m in (1, 3)]
+    stresses = [quasistatic.frame_stress(run) for run in frames]
+    assert stresses[1] == pytest.approx(stresses[0], rel=1e-3)
+    strips = [
+        quasistatic.uniaxial(table, length=0.015, width=0.0075, strain=0.04, steps=2, elements_per_crossover=m)
+        for m in (1, 2)
+    ]
+    assert np.ptp(strips[0].coupon.points, axis=0) == pytest.approx(np.ptp(strips[1].coupon.points, axis=0))
+    assert len(strips[1].coupon.quads) == 4 * len(strips[0].coupon.quads)
+    assert strips[1].force(1, 0)[-1] == pytest.approx(strips[0].force(1, 0)[-1], rel=0.03)
+    crosses = [
+        quasistatic.biaxial(table, strain=(0.02, 0.02), centre=3, arm=1, steps=2, elements_per_crossover=m)
+        for m in (1, 2)
+    ]
+    assert crosses[1].force(1, 0)[-1] == pytest.approx(crosses[0].force(1, 0)[-1], rel=0.05)
+
+
+@pytest.mark.parametrize("direction", ["warp", "weft"])
+def test_free_sides_give_up_their_crimp(table, direction):
+    """The strip pulls its own yarns straight, then stretches them; the others take the crimp and draw the sides in.
+
+    Once straight, the yarns that cross carry all the height, h01 + h02, at their own length: a closed form.
+    """
+    k, weave = ("warp", "weft").index(direction), table.model.fabric.weave
+    run = quasistatic.uniaxial(table, direction=direction, length=0.05, width=0.015, strain=0.03, steps=6)
+    assert run.outcome == "complete"
+    strain = quasistatic.middle_strain(run, (0.005, 0.005) if k == 0 else (0.003, 0.005))
+    yarn, yarns = weave.yarns[k], 10
+    own, crossing = strain[-1, k], strain[-1, 1 - k]
+    assert run.force(1, 0)[-1] / yarns == pytest.approx(yarn.EA * ((1 + own) / (1 + yarn.crimp) - 1), rel=0.02)
+    assert run.force(1, 0)[0] / yarns < 0.001 * yarn.strength
+    length = arc_length((1 + crossing) * weave.w[1 - k], sum(weave.h0))
+    assert length == pytest.approx(weave.S0[1 - k], rel=1e-3)
+
+
+def test_a_run_ends_at_the_strength(table):
+    run = quasistatic.uniaxial(table, length=0.03, width=0.009, strain=0.08, steps=8)
+    assert run.outcome == "yarn at its strength"
+    assert 0.04 < run.moved[-1] < 0.08
+    assert (
+        quasistatic.uniaxial(table, length=0.03, width=0.009, strain=0.08, steps=2, failure=False).outcome == "complete"
+    )
+
+
+@pytest.mark.parametrize("strain", [(0.012, 0.012), (0.012, 0.006)])
+def test_the_middle_of_a_cross_is_the_cell(strain):
+    """Arms of single yarns load the middle as the cell: load per yarn against the middle's strains, within 0.5 %."""
+    table = CellModel(catalogue.load("glass-balanced"), form="variational").table(121)
+    run = quasistatic.biaxial(table, strain=strain, centre=8, arm=4, steps=5)
+    w = table.model.fabric.weave.w1
+    middle = quasistatic.middle_strain(run, (3 * w, 3 * w))
+    cell = table.model.solve(1 + middle[:, 0], 1 + middle[:, 1])
+    loaded = cell["N2"] > 10
+    assert loaded.sum() >= 2
+    assert run.force(1, 0)[loaded] / 8 == pytest.approx(cell["N1"][loaded], rel=5e-3)
+    assert run.force(3, 1)[loaded] / 8 == pytest.approx(cell["N2"][loaded], rel=5e-3)
+    woven = quasistatic.biaxial(table, strain=strain, centre=8, arm=4, steps=5, cross_yarns_removed=False)
+    assert woven.force(1, 0)[2] > 1.01 * run.force(1, 0)[2], "woven arms carry more than the yarns of the middle"
+
+
+def straight(trellis=True):
+    """Straight yarns with a soft trellis: what the closed form of the bias test is for."""
+    fabric = catalogue.load("S-728").with_effective_density()
+    weave, shear = fabric.weave, fabric.shear
+    yarns = {name: replace(yarn, crimp=1e-6) for name, yarn in zip(("warp", "weft"), weave.yarns)}
+    thin = replace(weave, **yarns)
+    G = 0.3 * shear.G1 * weave.thickness / thin.thickness
+    fabric = replace(fabric, weave=thin, shear=TrellisShear(G, G, 0.12, 0.7))
+    return CellModel(fabric, model="decoupled", form="variational").table(61)
+
+
+SMALL = {"length": 0.0570, "width": 0.0296, "elongation": 0.004, "steps": 3}
+
+
+def test_bias_extension_has_three_zones():
+    """A stands still, C shears as yarns must that do not stretch, B by half of it; mirror images agree."""
+    run = quasistatic.bias_extension(straight(), **SMALL)
+    size = quasistatic.bias_size(run)
+    assert size == pytest.approx((SMALL["length"], SMALL["width"]), rel=0.02)
+    expected = quasistatic.inextensible_shear(*size, run.moved[-1])
+    centre, zone = run.coupon.points[run.coupon.quads].mean(axis=1), quasistatic.zones(run.coupon, *size)
+    gamma = np.degrees(run.shear())
+    A, B, C = (gamma[zone == k].mean() for k in range(3))
+    assert C == pytest.approx(np.degrees(expected), abs=1.0)
+    assert abs(B - 0.5 * (A + C)) < 0.5
+    assert abs(A) < 1.0
+    assert 3 < B - A
+    assert 3 < C - B
+    assert quasistatic.concentration(run.shear(), zone == 2) < 1.1
+    order = {tuple(key): k for k, key in enumerate(np.round(1e7 * centre).astype(int))}
+    for sign in ((-1, 1), (1, -1)):
+        image = [order[tuple(key)] for key in np.round(1e7 * centre * sign).astype(int)]
+        assert np.abs(gamma - gamma[image]).max() < 1e-3
+
+
+def test_no_trellis_is_named(table):
+    """Figure 4-27: nothing resists shear, it runs into bands, and the run says so and keeps what it has."""
+    with pytest.raises(UnstableError, match=r"the shear has run into bands: .* element \d+, at an elongation of") as e:
+        quasistatic.bias_extension(table, trellis=False, max_iterations=4000, **(SMALL | {"steps": 2}))
+    assert e.value.exit_code == 3
+    run = e.value.result
+    assert run.outcome == "unstable"
+    centre = quasistatic.zones(run.coupon, *quasistatic.bias_size(run)) == 2
+    assert quasistatic.concentration(run.shear(), centre) > quasistatic.BANDS
+    assert abs(run.force(1, 1)[-1]) < 1.0
+
+
+def test_yarns_that_pass_one_another_are_named():
+    """A grip that is turned over folds the elements beside it."""
+    table = straight()
+    run = quasistatic.picture_frame(table, cells=3, shear_angle=0.3, steps=1)
+    coupon, hook = run.coupon, no_fold(run.coupon)
+    state = run.states[-1]
+    assert hook(state) is None
+    turned = coupon.points @ np.array([[1, 0], [-1.2, -0.3]])
+    with pytest.raises(UnstableError, match=r"an element has folded: its yarns have passed one another, at element"):
+        hook(replace(state, x=turned))
+
+
+def test_bad_tests(table):
+    with pytest.raises(InputError, match="above the width"):
+        quasistatic.bias_extension(table, length=0.05, width=0.06)
+    with pytest.raises(InputError, match="warp or weft"):
+        quasistatic.uniaxial(table, direction="bias")
+    with pytest.raises(InputError, match="below pi/2"):
+        quasistatic.picture_frame(table, shear_angle=2.0)
+    with pytest.raises(InputError, match="aligned yarns"):
+        quasistatic.inextensible_shear(0.1, 0.05, 0.03)

@@ -1,0 +1,342 @@
+"""The driver on a model with a closed form: a mass on a spring, shot off at its rest position.
+
+Central differences put it at x(n) = v0 dt sin(n a) / sin(a), with cos(a) = 1 - (w dt)^2 / 2, and conserve the energy
+m v(n-1/2) v(n+1/2) / 2 + k x(n)^2 / 2 exactly.
+"""
+
+import threading
+import time
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from fabrics.errors import InputError, UnstableError
+from shellfabric.cable import step_kernels as cable_step_kernels
+from shellfabric.driver import solver as driver
+from shellfabric.driver.solver import CHECK, NOT_FINITE, RUNNING, STOPPED, ExplicitSolver, run_to_end
+from shellfabric.jit.barrier import STOP
+from shellfabric.output import checkpoint
+from shellfabric.output.hooks import Every, Progress, Snapshots
+from shellfabric.panel import step_kernels as panel_step_kernels
+
+MASS, STIFFNESS, V0, DT = 2e-3, 80.0, 50.0, 1e-4  # w = 200 / s: 157 steps of a half period
+W = (STIFFNESS / MASS) ** 0.5
+ENERGY = 0.5 * MASS * V0**2
+
+
+class Oscillator(ExplicitSolver):
+    """A mass on a spring; `disturb` is called before every step with the solver."""
+
+    energy_names = ("kinetic", "spring", "contact", "balance")
+    sample_names = ("t", "v", "z", *energy_names)
+    history_columns = 2
+
+    def __init__(self, end_time=0.1, *, interval=1e-3, disturb=None, ends=True, error_limit=0.05, stiffness=STIFFNESS):
+        shot = SimpleNamespace(energy=lambda v: 0.5 * MASS * v**2)
+        super().__init__(shot, V0, end_time, interval=interval, energy_error_limit=error_limit)
+        self.const, self.ends, self.disturb = SimpleNamespace(dt=DT), ends, disturb or (lambda solver: None)
+        self.x, self.v, self.counter = np.zeros(1), np.array([V0]), np.zeros(1, np.int64)
+        self.contact, self.stiffness = np.zeros(1), stiffness
+        self.state = SimpleNamespace(projectile_velocity=np.zeros(3))
+        self.node_limit = np.inf
+        self._begin(DT)
+
+    steps = property(lambda self: int(self.counter[0]))
+
+    def advance(self, history):
+        self._shared[STOP] = len(history) == 0 or self._shared[STOP]
+        exchanged = 0.0
+        for made, row in enumerate(history, 1):
+            self.disturb(self)
+            before = self.spring
+            self.v -= DT * self.stiffness / MASS * self.x
+            self.x += DT * self.v
+            self.counter += 1
+            row[:] = self.x[0], self.v[0]
+            exchanged += abs(self.spring - before)
+            if self.ends and self.v[0] <= 0:
+                return made, STOPPED
+            if exchanged > self.allowed_exchange:
+                return made, CHECK
+        return len(history), RUNNING
+
+    @property
+    def spring(self):
+        return 0.5 * self.stiffness * self.x[0] ** 2
+
+    def observe(self):
+        after = self.v[0] - DT * self.stiffness / MASS * self.x[0]
+        energies = [0.5 * MASS * self.v[0] * after, self.spring, self.contact[0]]
+        return [0.5 * (self.v[0] + after), self.x[0]], energies
+
+    def node_speeds(self):
+        return [(np.abs(self.v), self.node_limit)]
+
+    def where(self, part, node):
+        return f"mass {node} of part {part}"
+
+    def checkpoint_identity(self):
+        return (self.strike_velocity, self.steps_per_sample, self.stiffness), "shellfabric.driver.solver"
+
+    def checkpoint_arrays(self):
+        return {"x": self.x, "v": self.v, "counter": self.counter, "contact": self.contact}
+
+
+def position(step):
+    a = np.arccos(1 - (W * DT) ** 2 / 2)
+    return V0 * DT * np.sin(step * a) / np.sin(a)
+
+
+def at(step, change):
+    """A disturbance before one step."""
+
+    def disturb(solver):
+        if solver.steps == step:
+            change(solver)
+
+    return disturb
+
+
+# the loop
+
+
+def test_the_run_is_that_of_the_closed_form():
+    solver = Oscillator().run()
+    steps = np.round(solver.sample("t") / DT)
+    assert solver.outcome == "stopped"
+    assert solver.time == pytest.approx(0.5 * np.pi / W, abs=2 * DT)
+    assert solver.sample("z") == pytest.approx(position(steps), rel=1e-12)
+    history = np.concatenate(solver.step_history)
+    assert history[:, 0] == pytest.approx(position(np.arange(1, solver.steps + 1)), rel=1e-12)
+    assert np.abs(solver.sample("balance")).max() < 1e-12 * ENERGY
+    assert solver.sample("kinetic")[0] == pytest.approx(ENERGY, rel=1e-12)
+    assert solver.wall_time > 0
+
+
+def test_samples_are_a_whole_number_of_steps_apart_and_one_is_at_the_end():
+    solver = Oscillator(4.25e-3, interval=1.04e-3).run()
+    assert solver.steps_per_sample == 10
+    assert np.round(solver.sample("t") / DT).tolist() == [0, 10, 20, 30, 40, 43]
+    assert [len(part) for part in solver.step_history] == [10, 10, 10, 10, 3]
+    assert solver.outcome == "in flight"
+    assert solver.ended
+
+
+def test_energies_are_those_of_the_whole():
+    class Half(Oscillator):
+        """The modelled half of two such masses."""
+
+        def _begin(self, dt):
+            self.share = 0.5
+            super()._begin(dt)
+
+    assert Half(5e-3).run().sample("spring") == pytest.approx(2 * Oscillator(5e-3).run().sample("spring"), rel=1e-12)
+
+
+@pytest.mark.parametrize("bad", [{"end_time": 0.0}, {"end_time": np.nan}, {"interval": -1e-6}])
+def test_bad_times_are_refused(bad):
+    with pytest.raises(InputError, match="above 0"):
+        Oscillator(**bad)
+
+
+def test_kernels_and_driver_have_the_same_reasons():
+    for name in ("RUNNING", "STOPPED", "PERFORATED", "NOT_FINITE"):
+        assert getattr(driver, name) == getattr(panel_step_kernels, name) == getattr(cable_step_kernels, name)
+    assert panel_step_kernels.CHECK == CHECK
+
+
+# guards
+
+
+def push(solver, factor):
+    solver.v *= factor
+
+
+DISTURBED = {
+    "not finite": (lambda solver: push(solver, np.nan), "a number is not finite"),
+    "a node": (
+        lambda solver: setattr(solver, "node_speeds", lambda: [(np.array([np.nan, 1.0]), np.inf)]),
+        "a number is not finite",
+    ),
+    "energy": (lambda solver: push(solver, 1.1), "the energy balance is off by .* % of the strike energy"),
+    "contact": (lambda solver: solver.contact.__isub__(0.02 * ENERGY), "the contact has given 2 % .* never took"),
+    "node": (lambda solver: setattr(solver, "node_limit", 0.5 * V0), "a node moves at"),
+    "kernel": (lambda solver: setattr(solver, "advance", lambda history: (0, NOT_FINITE)), "not finite"),
+}
+
+
+@pytest.mark.parametrize("name", DISTURBED)
+def test_a_guard_ends_the_run_and_says_where(name):
+    change, message = DISTURBED[name]
+    solver = Oscillator(10e-3, disturb=at(15, change))
+    with pytest.raises(UnstableError, match=message) as caught:
+        solver.run()
+    assert solver.outcome == "unstable"
+    assert "mass 0 of part 0" in str(caught.value)
+    assert "after" in str(caught.value)
+    assert 15 < solver.steps <= 30
+    assert sum(map(len, solver.step_history)) == solver.steps  # what was computed is kept
+
+
+def test_what_a_part_of_the_model_raises_makes_the_run_unstable():
+    def broken(history):
+        if len(history):
+            raise UnstableError("a brick is turned inside out")
+        return 0, RUNNING
+
+    solver = Oscillator(10e-3)
+    solver.advance = broken
+    with pytest.raises(UnstableError, match="inside out"):
+        solver.run()
+    assert solver.outcome == "unstable"
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda solver: push(solver, 1.005),
+        lambda solver: solver.contact.__isub__(0.009 * ENERGY),
+        lambda solver: setattr(solver, "node_limit", 1.1 * V0),
+    ],
+)
+def test_no_guard_minds_what_is_within_its_limit(change):
+    assert Oscillator(10e-3, disturb=at(15, change)).run().outcome == "stopped"
+
+
+def test_an_energy_error_is_found_between_samples():
+    """The next sample is the end; with checks off it is found there."""
+    seldom = {"end_time": 7e-3, "interval": 7e-3, "disturb": at(20, lambda solver: push(solver, 1.2))}
+    solver = Oscillator(**seldom)
+    with pytest.raises(UnstableError, match="energy balance"):
+        solver.run()
+    assert solver.checks > 0
+    assert 20 < solver.steps < 50
+    assert len(solver.samples) == 2  # the start, and the check that has found it
+    late = Oscillator(**seldom)
+    late.exchange = np.inf
+    with pytest.raises(UnstableError, match="energy balance"):
+        late.run()
+    assert (late.steps, late.checks) == (70, 0)
+
+
+def test_checks_leave_no_trace():
+    often, never = Oscillator(), Oscillator()
+    often.exchange, never.exchange = 1e-3, np.inf
+    assert often.run().checks > 10
+    assert never.run().checks == 0
+    np.testing.assert_array_equal(often.samples, never.samples)
+    np.testing.assert_array_equal(np.concatenate(often.step_history), np.concatenate(never.step_history))
+
+
+def test_a_failed_run_hands_on_its_result():
+    solver = Oscillator(disturb=at(15, lambda solver: push(solver, 2.0)))
+    with pytest.raises(UnstableError) as caught:
+        run_to_end(solver, (), lambda: len(solver.samples))
+    assert caught.value.result == len(solver.samples) > 1
+    whole = Oscillator()
+    assert run_to_end(whole, (), lambda: whole.outcome) == "stopped"
+
+
+# hooks
+
+
+def test_hooks_see_every_sample_after_the_guards():
+    seen = []
+    solver = Oscillator(5e-3).run((lambda solver: seen.append((1, len(solver.samples))), lambda s: seen.append((2, s))))
+    assert [count for who, count in seen if who == 1] == [2, 3, 4, 5, 6]
+    assert [who for who, _ in seen[:4]] == [1, 2, 1, 2]
+    assert all(s is solver for who, s in seen if who == 2)
+
+
+@pytest.mark.parametrize(("interval", "steps"), [(2e-3, [20, 40, 50]), (1e-4, [10, 20, 30, 40, 50]), (1, [50])])
+def test_snapshots_are_at_the_samples_nearest_the_multiples(interval, steps):
+    solver = Oscillator(5e-3).run((Snapshots(interval, lambda solver: solver.steps),))
+    assert solver.snapshots == steps
+
+
+def test_progress():
+    told = []
+    Oscillator(5e-3).run((Progress(lambda share, velocity: told.append(share)),))
+    assert told == pytest.approx([0.2, 0.4, 0.6, 0.8, 1.0])
+
+
+# threads
+
+
+class Threaded(Oscillator):
+    def __init__(self, *args, **kwargs):
+        super().__init__(*args, **kwargs)
+        self.threads, self.begun, self.released = 3, [], 0
+
+    def run_worker(self, shared, me):
+        self.begun.append(me)
+        deadline = time.monotonic() + 60
+        while not shared[STOP] and time.monotonic() < deadline:
+            time.sleep(1e-4)
+        self.released += bool(shared[STOP])
+
+    def advance(self, history):
+        try:
+            return super().advance(history)
+        finally:
+            self._shared[STOP] = 1
+
+
+def test_workers_wait_for_every_call_of_the_kernel_and_are_released():
+    solver = Threaded(5e-3)
+    solver.exchange = np.inf
+    solver.run()
+    assert sorted(solver.begun) == sorted(7 * [1, 2])  # to compile, for the first of five intervals, after each
+    assert solver.released == 14
+
+
+def test_workers_are_released_where_a_hook_fails():
+    def wrong(solver):
+        raise LookupError
+
+    solver, before = Threaded(5e-3), threading.active_count()
+    with pytest.raises(LookupError):
+        solver.run((wrong,))
+    assert threading.active_count() == before
+    assert solver.released == len(solver.begun)
+
+
+# checkpoints
+
+
+def test_a_resumed_run_is_the_uninterrupted_one_to_the_last_bit(tmp_path):
+    path = tmp_path / "run.h5"
+    hooks = (Snapshots(2e-3, lambda solver: (solver.time, solver.x.copy())),)
+    whole, part, rest = Oscillator(), Oscillator(), Oscillator()
+    whole.run(hooks)
+
+    def interrupt(solver):
+        if solver.steps >= 40:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        part.run((*hooks, checkpoint.Checkpoints(path, 2.5e-3), interrupt))
+    checkpoint.read(rest, path)
+    assert 0 < rest.steps < 40
+    assert rest.wall_time > 0
+    rest.run(hooks)
+    np.testing.assert_array_equal(rest.samples, whole.samples)
+    np.testing.assert_array_equal(np.concatenate(rest.step_history), np.concatenate(whole.step_history))
+    assert rest.snapshots == whole.snapshots
+    assert rest.outcome == "stopped"
+
+
+def test_a_checkpoint_of_another_run_is_refused(tmp_path):
+    checkpoint.write(Oscillator(), tmp_path / "run.h5")
+    with pytest.raises(InputError, match="another run"):
+        checkpoint.read(Oscillator(stiffness=81.0), tmp_path / "run.h5")
+
+
+def test_an_ended_run_stays_ended_when_it_is_read_again(tmp_path):
+    checkpoint.write(Oscillator().run(), tmp_path / "run.h5")
+    again = Oscillator()
+    checkpoint.read(again, tmp_path / "run.h5")
+    assert again.ended
+    assert again.run().steps == again.steps
+    assert Every(1e-3).due(again)

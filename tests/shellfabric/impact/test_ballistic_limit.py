@@ -1,0 +1,163 @@
+"""Critical velocity: the bisection on made-up outcomes and on a panel, the same with any number of workers."""
+
+import threading
+from math import inf
+
+import numpy as np
+import pytest
+
+from fabrics.errors import InputError, UnstableError
+from shellfabric.cable.smith import smith, striking_velocity
+from shellfabric.impact import ballistic_limit
+from shellfabric.impact.ballistic_limit import Bracket, Limit, Shot
+from shellfabric.panel.model import Numerics
+
+
+def made_up(velocity, outcome):
+    perforated = outcome == "perforated"
+    return Shot(velocity, 50.0 if perforated else 0.0, outcome, 1e-4, 0, (1.0, 1.0), 0.0, 0.0)
+
+
+@pytest.fixture
+def pretend(monkeypatch):
+    """Let shots perforate above a given velocity; returns the list of velocities that were begun."""
+
+    def make(truth):
+        begun = []
+
+        def fire(_, velocity, __):
+            begun.append(velocity)
+            return made_up(velocity, "perforated" if velocity > truth else "stopped")
+
+        monkeypatch.setattr(ballistic_limit, "_fire", fire)
+        return begun
+
+    return make
+
+
+@pytest.mark.parametrize("truth", [3.0, 99.9, 100.0, 140.0, 777.7])
+@pytest.mark.parametrize("tolerance", [1.0, 0.01])
+def test_bisection_finds_the_limit(pretend, truth, tolerance):
+    begun = pretend(truth)
+    found = ballistic_limit.critical_velocity(None, tolerance=tolerance, guess=100.0)
+    assert found.low <= truth <= found.high
+    assert 0 < found.high - found.low <= tolerance
+    assert found.velocity == pytest.approx(truth, abs=tolerance / 2)
+    assert found.half_width <= tolerance / 2
+    assert found.single
+    assert [shot.strike_velocity for shot in found.shots] == begun  # one worker begins nothing in vain
+    # steps to bracket it grow, then every shot halves the bracket
+    assert len(begun) <= 8 + np.log2(max(truth, 100.0) / tolerance)
+
+
+def test_number_of_workers_does_not_matter(pretend, small):
+    results, panel = [], small()
+    for workers in (1, 2, 3, 7):
+        begun = pretend(131.0)
+        results.append(ballistic_limit.critical_velocity(panel, guess=100.0, jobs=workers))
+        assert len(begun) >= len(results[-1].shots)
+    assert all(result == results[0] for result in results)
+
+
+def test_what_may_follow_is_begun_first(pretend):
+    """With three workers both next velocities are under way with the first: two halvings a round."""
+    bracket = Bracket(100.0, 1.0, 1000.0, 100.0, 116.0)
+    assert bracket.ahead(3, 1.0) == [108.0, 112.0, 104.0]
+    assert bracket.ahead(1, 1.0) == [108.0]
+    assert bracket.ahead(99, 8.0) == [108.0]
+    assert Bracket(100.0, 1.0, 1000.0, 100.0, 101.0).ahead(3, 1.0) == []
+
+
+def test_shots_in_vain_are_given_up(pretend, monkeypatch, small):
+    """A shot that turns out not to be needed ends at its next audit, and its errors do not matter."""
+    given_up, begun = [], threading.Event()
+
+    def fire(_, velocity, give_up):
+        if velocity > 100.0:  # would follow a stop at 100 m/s, which perforates
+            begun.set()
+            assert give_up.wait(10)
+            given_up.append(velocity)
+            raise UnstableError("of no interest")
+        assert begun.wait(10)
+        return made_up(velocity, "perforated" if velocity > 90.0 else "stopped")
+
+    monkeypatch.setattr(ballistic_limit, "_fire", fire)
+    found = ballistic_limit.critical_velocity(small(), guess=100.0, jobs=2)
+    assert found.low <= 90.0 <= found.high
+    assert given_up == [120.0]
+
+
+def test_two_limits_are_told():
+    shots = (made_up(100.0, "stopped"), made_up(110.0, "perforated"), made_up(130.0, "stopped"))
+    assert not Limit(100.0, 110.0, shots).single
+    assert Limit(100.0, 110.0, shots[:2]).single
+
+
+def test_no_limit(pretend):
+    pretend(inf)
+    with pytest.raises(InputError, match="stops the projectile at any"):
+        ballistic_limit.critical_velocity(None, guess=100.0)
+    pretend(0.0)
+    with pytest.raises(InputError, match="lets the projectile through at any"):
+        ballistic_limit.critical_velocity(None, guess=100.0)
+
+
+@pytest.mark.parametrize("bad", [{"tolerance": 0.0}, {"guess": -1.0}, {"highest": inf}, {"jobs": 0}, {"step": 1.0}])
+def test_bad_input(pretend, bad):
+    begun = pretend(100.0)
+    with pytest.raises(InputError, match=next(iter(bad))):
+        ballistic_limit.critical_velocity(None, **{"guess": 100.0, **bad})
+    assert begun == []
+
+
+def test_a_good_guess_with_a_small_step_saves_shots(pretend):
+    """From a good guess a small first step leaves little to halve: fewer shots, none of them far off."""
+    begun = pretend(102.3)
+    found = ballistic_limit.critical_velocity(None, guess=101.0, step=1.02, tolerance=0.5)
+    assert abs(found.velocity - 102.3) <= 0.25
+    assert max(begun) < 1.0201 * 101.0
+    assert len(found.shots) < len(ballistic_limit.critical_velocity(None, guess=101.0, tolerance=0.5).shots)
+
+
+def test_first_guess_is_a_share_of_smiths(fabric):
+    yarn = fabric.weave.warp
+    at_once = striking_velocity(yarn.wave_speed, yarn.failure_strain)
+    assert smith(yarn, at_once).strain == pytest.approx(yarn.failure_strain, rel=1e-9)
+    assert 0 < ballistic_limit.first_guess(fabric) < at_once
+
+
+def test_a_panel(small):
+    """The bracket's ends are what single shots at them come to, and residual velocities rise with the strike's."""
+    panel = small()
+    seen = []
+    found = ballistic_limit.critical_velocity(panel, report=lambda share, shot: seen.append((share, shot)))
+    assert found.high - found.low <= 1.0
+    assert [shot for _, shot in seen] == list(found.shots)
+    assert [share for share, _ in seen] == sorted(share for share, _ in seen)
+    assert seen[-1][0] == 1.0
+    again = ballistic_limit.shoot(panel, [found.low, found.high, 1.5 * found.high, 2 * found.high], jobs=2)
+    assert [shot.outcome for shot in again] == ["stopped", *["perforated"] * 3]
+    assert again[0].residual_velocity == 0.0
+    assert 0 < again[1].residual_velocity < again[2].residual_velocity < again[3].residual_velocity
+    assert again[3].residual_velocity < 2 * found.high
+    known = {shot.strike_velocity: shot for shot in found.shots}
+    for shot in again[:2]:
+        same = known[shot.strike_velocity]
+        assert (shot.residual_velocity, shot.time, shot.peak_tension) == (
+            same.residual_velocity, same.time, same.peak_tension
+        )  # fmt: skip
+    assert again[1].failed > 0
+
+
+def test_cloth_that_nothing_holds_has_no_limit(small):
+    """With free edges the projectile carries the cloth along: neither stop nor perforation."""
+    with pytest.raises(InputError, match="no critical velocity"):
+        ballistic_limit.shoot(small(edge="free"), [5.0])
+
+
+def test_a_shot_gone_wrong(small):
+    panel = small(numerics=Numerics(penalty=60.0, contact_damping=0.0))
+    with pytest.raises(UnstableError, match="of the shot at 100 m/s") as caught:
+        ballistic_limit.critical_velocity(panel, guess=100.0)
+    assert caught.value.shots == ()
+    assert threading.active_count() < 20

@@ -1,0 +1,71 @@
+"""The Lambert-Jonas curve: closed forms, exact and noisy data, and what cannot be fitted."""
+
+import numpy as np
+import pytest
+
+from fabrics.errors import InputError
+from shellfabric.impact.lambert_jonas import curve, fit
+
+STRIKE = np.linspace(101.0, 300.0, 15)
+
+
+def test_curve_in_closed_form():
+    """p = 2: V_r^2 = a^2 (V_s^2 - V_bl^2); nothing below the limit; a V_s far above it; a V_s at p -> infinity."""
+    np.testing.assert_allclose(curve(STRIKE, 0.8, 2.0, 100.0), 0.8 * np.sqrt(STRIKE**2 - 1e4), rtol=1e-13)
+    assert np.all(curve(np.array([1.0, 50.0, 100.0]), 0.9, 2.6, 100.0) == 0.0)
+    assert curve(1e6, 0.9, 2.6, 100.0) == pytest.approx(0.9e6, rel=1e-9)
+    assert curve(150.0, 0.9, 200.0, 100.0) == pytest.approx(135.0, rel=1e-9)
+
+
+@pytest.mark.parametrize("p", [1.3, 2.0, 2.6, 5.0, 12.0])
+@pytest.mark.parametrize("stopped", [(), (60.0, 80.0, 99.0)])
+def test_exact_data_come_back(p, stopped):
+    """Parameters of the curve that made the data, with intervals of no width; stopped shots take part."""
+    strike = np.array([*stopped, *STRIKE])
+    residual = curve(strike, 0.9, p, 100.0)
+    for known in (None, 100.0):
+        found = fit(strike, residual, limit=known)
+        assert (found.a, found.p, found.limit) == pytest.approx((0.9, p, 100.0), rel=1e-6)
+        assert set(found.intervals) == ({"a", "p"} if known else {"a", "p", "limit"})
+        for name, (low, high) in found.intervals.items():
+            assert low <= getattr(found, name) <= high
+            assert high - low < 1e-4 * getattr(found, name)
+        assert found.residual_rms < 1e-5
+        np.testing.assert_allclose(found.residual_velocity(strike), residual, atol=1e-4)
+
+
+def test_intervals_hold_what_they_promise():
+    """Of 150 noisy sets, 90 % intervals cover the truth in 90 % (binomial: 82 to 98 % at three sigma)."""
+    draw, clean = np.random.default_rng(1), curve(STRIKE, 0.9, 2.6, 100.0)
+    covered = np.zeros(2)
+    for _ in range(150):
+        found = fit(STRIKE, np.maximum(clean + draw.normal(0, 2.0, STRIKE.size), 0.1), limit=100.0, confidence=0.9)
+        for k, (name, truth) in enumerate((("a", 0.9), ("p", 2.6))):
+            low, high = found.intervals[name]
+            covered[k] += low < truth < high
+    assert np.all(np.abs(covered / 150 - 0.9) < 0.074)
+
+
+def test_no_projectile_leaves_faster_than_it_came():
+    """Data that would want a > 1 end at 1, without an interval for it and with one for the others."""
+    found = fit(STRIKE, 1.2 * curve(STRIKE, 0.9, 2.0, 100.0), limit=100.0)
+    assert found.a == pytest.approx(1.0, abs=1e-6)
+    assert found.intervals["a"] is None
+    assert found.intervals["p"] is not None
+
+
+@pytest.mark.parametrize(
+    ("strike", "residual", "options", "told"),
+    [
+        ([110.0, 120.0, 130.0], [50.0, 60.0, 70.0], {}, "3 perforations do not determine 3"),
+        ([90.0, 110.0, 120.0], [0.0, 60.0, 70.0], {"limit": 100.0}, "2 perforations do not determine 2"),
+        ([110.0, 120.0], [50.0], {}, "same length"),
+        ([110.0, np.nan, 1.0], [50.0, 60.0, 0.0], {}, "above 0"),
+        ([110.0, 120.0, 130.0], [50.0, -60.0, 1.0], {}, "above 0"),
+        (STRIKE, 0.8 * STRIKE, {"limit": 120.0}, "below the slowest perforation, 101 m/s"),
+        (STRIKE, 0.8 * STRIKE, {"confidence": 95.0}, "confidence = 95.0"),
+    ],
+)
+def test_what_cannot_be_fitted(strike, residual, options, told):
+    with pytest.raises(InputError, match=told):
+        fit(strike, residual, **options)

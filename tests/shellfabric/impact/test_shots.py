@@ -1,0 +1,257 @@
+"""Shots with every shape, oblique shots, friction: momentum, energy, symmetry, and what must not change."""
+
+from collections import namedtuple
+from dataclasses import replace
+from math import radians
+
+import numpy as np
+import pytest
+
+from fabrics.errors import InputError
+from shellfabric.cable.model import CableNet
+from shellfabric.panel import step_kernels as panel_step_kernels
+from shellfabric.panel.model import Numerics, Panel
+from shellfabric.panel.solver import PanelSolver
+from shellfabric.projectile import friction_kernels
+from shellfabric.projectile.contact_kernels import FRICTION, FRICTION_SPRING
+from shellfabric.projectile.projectile import SHAPES, Projectile
+
+Run = namedtuple("Run", "state const fine panel")
+FORMS = {
+    "cone": {"half_angle": radians(45), "tip_radius": 0.8e-3},
+    "chisel": {"flat_width": 2.5e-3, "flat_angle": radians(35)},
+}
+
+
+def shot(shape="flat", **changes):
+    return Projectile(shape=shape, **(FORMS.get(shape, {}) | changes))
+
+
+def fire(panel, speed=150.0, steps=250):
+    state, const, fine = panel.state(speed), panel.constants(), np.empty((steps, 3))
+    made, _ = panel_step_kernels.run_steps(state, const, panel.work(), steps, fine)
+    return Run(state, const, fine[:made], panel)
+
+
+def momentum(run):
+    return (
+        np.array([run.state.mass @ v for v in run.state.v]) + run.panel.projectile.mass * run.state.projectile_velocity
+    )
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+@pytest.mark.parametrize("attitude", [{}, {"obliquity": 0.6, "azimuth": 0.3, "yaw": 0.1, "roll": 0.2}])
+@pytest.mark.parametrize("friction", [0.0, 0.3])
+def test_every_shot_keeps_momentum(small, shape, attitude, friction):
+    """Without supports, cloth and projectile keep all three components to rounding, with yarns failing.
+
+    What the nose drives before it moves along its normal n at V n.f or faster, f being the direction of flight, so that
+    the projectile loses at least the cloth's share V (n.f)^2 rho of its momentum per area that it sweeps: over a
+    hemisphere half of what a plug of its section would take, the least of these noses. Measured: 1.18 plugs and more.
+    """
+    thrown = shot(shape, friction=friction, **attitude)
+    panel = small(edge="free", symmetry="whole", projectile=thrown)
+    state, const, fine = panel.state(400.0), panel.constants(), np.empty((300, 3))
+    panel_step_kernels.run_steps(state, const, panel.work(), 300, fine)
+    run = Run(state, const, fine, panel)
+    expected = thrown.mass * 400.0 * thrown.flight
+    plug = np.pi * thrown.radius**2 * panel.weave.areal_density
+    assert thrown.mass * (400.0 - np.linalg.norm(run.state.projectile_velocity)) > 0.5 * plug * 400.0
+    np.testing.assert_allclose(momentum(run), expected, atol=2e-13 * thrown.mass * 400.0)
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+@pytest.mark.parametrize(
+    "attitude", [{}, {"obliquity": 0.6, "azimuth": 0.3, "friction": 0.3}, {"obliquity": 0.5, "yaw": -0.2}]
+)
+def test_energy_of_every_shot_balances(small, shape, attitude):
+    """Also where points slide: over a step the last force does work in its own direction, not in the present one."""
+    knobs = Numerics(safety=0.5)  # the error of the time integration, four times less, is not what is asked after
+    panel = small(symmetry="whole", projectile=shot(shape, **attitude), failure=False, numerics=knobs)
+    march = PanelSolver(panel, 110.0, 50e-6).run()
+    assert np.abs(march.sample("balance")).max() < 1e-4 * march.strike_energy
+    assert march.sample("kinetic_projectile")[-1] < 0.97 * march.strike_energy
+    assert np.all(np.diff(march.sample("z")) > 0)
+    assert march.sample("z")[0] == pytest.approx(0.0, abs=1e-9)  # the foremost point touches the panel
+
+
+def test_hemisphere_is_a_sphere_until_its_sides_touch(small):
+    one, other = (fire(small(projectile=shot(shape))) for shape in ("hemisphere", "sphere"))
+    np.testing.assert_array_equal(one.fine, other.fine)
+    sharper = fire(small(projectile=shot("hemisphere", radius=2e-3)), steps=150)
+    assert np.abs(sharper.fine[:, 1] - one.fine[:150, 1]).max() > 0.1
+
+
+def test_a_blunter_nose_is_slowed_sooner(small):
+    speeds = [
+        fire(small(projectile=projectile), 100.0, 150).fine[-1, 1]
+        for projectile in (
+            shot("flat"),
+            shot("chisel"),
+            shot("hemisphere"),
+            shot("cone", half_angle=radians(20), tip_radius=0.4e-3),
+        )
+    ]
+    assert np.all(np.diff(speeds) > 0.02)
+
+
+def test_no_obliquity_is_the_axial_shot(small):
+    """Bit for bit, whatever the azimuth; and a lean of a nanoradian changes next to nothing."""
+    axial = fire(small(symmetry="whole"))
+    for attitude in ({"azimuth": 1.0}, {"roll": 0.7}):
+        other = fire(small(symmetry="whole", projectile=shot(**attitude)))
+        np.testing.assert_allclose(other.fine, axial.fine, rtol=1e-9, atol=1e-9)
+    leaning = fire(small(symmetry="whole", projectile=shot(obliquity=1e-9)))
+    np.testing.assert_allclose(leaning.fine, axial.fine, rtol=1e-5, atol=1e-4)
+
+
+@pytest.mark.parametrize("shape", ["flat", "chisel"])
+def test_mirrored_shots_are_mirror_images(small, shape):
+    """From the left and from the right, and from the front."""
+    runs = [
+        fire(small(symmetry="whole", projectile=shot(shape, obliquity=0.5, azimuth=azimuth, friction=0.2)))
+        for azimuth in (0.0, np.pi)
+    ]
+    left, right = runs
+    np.testing.assert_allclose(left.fine, right.fine, rtol=1e-8, atol=1e-8)
+    np.testing.assert_allclose(left.state.projectile_velocity, right.state.projectile_velocity * [-1, 1, 1], atol=1e-9)
+    assert abs(left.state.projectile_velocity[1]) < 1e-9
+    n = (left.const.ni + 1) * left.const.row_stride
+    deflection = [run.state.u[2][:n].reshape(left.const.ni + 1, left.const.row_stride) for run in runs]
+    np.testing.assert_allclose(deflection[0], deflection[1][::-1], atol=1e-11)
+    assert np.abs(deflection[0] - deflection[0][::-1]).max() > 1e-4
+
+
+def test_half_a_panel_does_for_an_oblique_shot_across_it(small):
+    whole, half = (
+        fire(small(symmetry=symmetry, projectile=shot("hemisphere", obliquity=0.5, azimuth=np.pi / 2)))
+        for symmetry in ("whole", "half")
+    )
+    np.testing.assert_allclose(half.fine[:, :2], whole.fine[:, :2], rtol=1e-7)
+    np.testing.assert_allclose(half.state.projectile_velocity[1:], whole.state.projectile_velocity[1:], rtol=1e-7)
+
+
+def test_symmetry_that_a_shot_has_not_is_refused(small):
+    for bad in (
+        {"symmetry": "half", "projectile": shot(obliquity=0.3)},
+        {"symmetry": "quarter", "projectile": shot("sphere", obliquity=0.3, azimuth=np.pi / 2)},
+        {"symmetry": "quarter", "projectile": shot("chisel", roll=0.3)},
+    ):
+        with pytest.raises(InputError, match="symmetry"):
+            small(**bad)
+    small(symmetry="quarter", projectile=shot("chisel", roll=np.pi / 2))
+
+
+def test_the_cable_net_takes_flat_axial_shots_alone(fabric):
+    for bad in (shot("sphere"), shot(obliquity=0.1), shot(friction=0.1), shot(length=6e-3)):
+        with pytest.raises(InputError, match="projectile"):
+            CableNet(fabric, projectile=bad)
+
+
+@pytest.mark.parametrize(("velocity", "torn"), [(75.0, False), (150.0, True)])
+def test_a_window_that_follows_the_projectile_misses_nothing(small, velocity, torn):
+    """An oblique shot wanders over the panel; looking at all of it makes no difference.
+
+    It has to be all once a yarn has failed: nothing bounds how far a yarn without an end is drawn in. Cloth from beyond
+    the window was found an edge radius deep when the window moved on, and contact gave 5 % of the strike energy.
+    """
+    panel = small(symmetry="whole", projectile=shot("sphere", obliquity=radians(45)))
+    followed = fire(panel, velocity, 400)
+    everywhere = panel.constants()._replace(draw_in_reach=(1.0, 1.0))
+    state, fine = panel.state(velocity), np.empty((400, 3))
+    made, _ = panel_step_kernels.run_steps(state, everywhere, panel.work(), 400, fine)
+    np.testing.assert_array_equal(state.contact_window, [0, 24, 0, 24])
+    np.testing.assert_array_equal(followed.fine, fine[:made])
+    assert (followed.state.counter[panel_step_kernels.FAILURES] > 0) == torn
+    if torn:
+        np.testing.assert_array_equal(followed.state.contact_window, state.contact_window)
+    else:
+        assert followed.state.contact_window[0] > panel.state(velocity).contact_window[0]
+
+
+# friction
+
+
+def slide(k, c, limit, mass, belt, steps, dt, pull=0.0):
+    """A block, at rest at first, on a belt that moves at `belt`, pulled by a force: velocities and energies."""
+    stuck, v, taken, held, path = np.zeros(6), 0.0, 0.0, 0.0, []
+    force = pull
+    for _ in range(steps):
+        v += dt * force / mass
+        t_x, _, _, work, held = friction_kernels.friction_force(
+            stuck, limit, k, c, dt, 0.0, 0.0, 1.0, v - belt, 0.0, 0.3
+        )
+        taken, force = taken + work, t_x + pull
+        path.append(v)
+    return np.array(path), taken, held
+
+
+def test_block_on_a_belt_slips_then_sticks():
+    """It gains mu N / m until it goes with the belt, which costs m V^2 / 2, whatever the friction."""
+    mass, belt, dt = 2e-3, 3.0, 1e-6
+    k = 0.05 * mass / dt**2
+    for limit in (0.5, 2.0):
+        slip = mass * belt / limit
+        steps = round(1.3 * slip / dt)
+        v, taken, held = slide(k, 0.0, limit, mass, belt, steps, dt)
+        time = dt * np.arange(steps)
+        slipping = time < 0.97 * slip
+        np.testing.assert_allclose(v[slipping], limit / mass * time[slipping], atol=0.02 * belt)
+        assert taken - held == pytest.approx(0.5 * mass * belt**2, rel=0.01)
+        damped, _, held = slide(k, 0.3 * mass / dt, limit, mass, belt, steps, dt)
+        assert damped[-1] == pytest.approx(belt, rel=1e-9)
+        assert held < 1e-12
+
+
+def test_block_sticks_up_to_its_friction():
+    """Pulled by half of mu N it gives by the elastic slip alone; by 1.5 mu N it speeds up by the rest."""
+    mass, limit, dt, steps = 2e-3, 1.0, 1e-6, 2000
+    k, c = 0.05 * mass / dt**2, 0.2 * mass / dt
+    held = slide(k, c, limit, mass, 0.0, steps, dt, pull=0.5)[0]
+    assert abs(held[-1]) < 1e-12
+    assert dt * held.sum() == pytest.approx(0.5 / k, rel=1e-6)
+    slips = slide(k, c, limit, mass, 0.0, steps, dt, pull=1.5)[0]
+    assert slips[-1] == pytest.approx(0.5 / mass * steps * dt, rel=0.01)
+
+
+def test_friction_never_exceeds_its_limit_nor_leaves_the_surface():
+    rng, stuck = np.random.default_rng(0), np.zeros(6)
+    for limit in rng.uniform(0, 2, 300):
+        n = rng.normal(size=3)
+        n /= np.linalg.norm(n)
+        *t, _, held = friction_kernels.friction_force(stuck, limit, 1e6, 1.0, 1e-6, *n, *rng.normal(size=3))
+        assert np.linalg.norm(t) <= limit * (1 + 1e-12)
+        assert abs(np.dot(t, n)) < 1e-12
+        assert held <= limit**2 / 2e6 * (1 + 1e-12) + 1e-30
+
+
+def test_friction_takes_energy_and_gives_none_back(small):
+    panel = small(symmetry="whole", projectile=shot("hemisphere", obliquity=0.7, friction=0.3))
+    state, const, work = panel.state(120.0), panel.constants(), panel.work()
+    spent = []
+    for _ in range(60):
+        panel_step_kernels.run_steps(state, const, work, 5, np.empty((5, 3)))
+        spent.append(state.contact_energy[FRICTION] - state.contact_energy[FRICTION_SPRING])
+    assert spent[-1] > 0.003 * panel.projectile.energy(120.0)
+    assert np.diff(spent).min() > -1e-4 * spent[-1]
+
+
+def test_friction_drags_a_sliding_projectile(small):
+    """The more friction, the less of its speed along the panel is left; without it, a flat loses next to none of it."""
+    left = [
+        fire(
+            small(symmetry="whole", projectile=shot("flat", obliquity=0.3, yaw=-0.3, friction=friction))
+        ).state.projectile_velocity
+        for friction in (0.0, 0.1, 0.3)
+    ]
+    along = [speed[0] for speed in left]
+    assert along[0] > along[1] > along[2]
+
+
+def test_without_friction_nothing_is_rubbed(tables):
+    panel = Panel(tables["equilibrium"], (0.0306, 0.0306), numerics=Numerics())
+    run = fire(panel)
+    assert run.state.friction_state.size == 0
+    assert not run.state.contact_energy[FRICTION : FRICTION_SPRING + 1].any()
+    tiny = fire(replace(panel, projectile=shot(friction=1e-12)))
+    np.testing.assert_allclose(tiny.fine, run.fine, rtol=1e-6)

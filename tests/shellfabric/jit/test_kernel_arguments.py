@@ -1,0 +1,148 @@
+"""Machine code in the cache is that of the named tuples as they are now: numba alone does not look at their fields."""
+
+import ast
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from fabrics.kernel_cache import kernel_sources
+
+numba = pytest.importorskip("numba")
+ROOT = Path(__file__).parents[3]
+FOLDER = ROOT / "shellfabric"
+# two fields of each that hold arrays of one type, of everything that kernels are called with
+LIKE = {
+    ("plies.model", "Pair"): ("normal", "last_depth"),
+    ("plies.model", "TornContact"): ("box_low", "box_high"),
+    ("plies.model", "Stack"): ("projectile_position", "f_contact_nose"),
+    ("projectile.contact", "Scratch"): ("box_low", "box_high"),
+    ("cable.model", "State"): ("u", "v"),
+    ("cable.model", "Constants"): ("x0", "y0"),
+    ("solid.model", "State"): ("x", "v"),
+    ("solid.model", "Constants"): ("mass", "inverse_mass"),
+    ("panel.arrays", "State"): ("u", "v"),
+    ("panel.arrays", "Constants"): ("S01", "EA1"),
+    ("panel.arrays", "Work"): ("stretch1", "stretch2"),
+}
+PROBE = """
+
+@entry()
+def probe_{file}_{name}(given):
+    return given.{field}[0]
+"""
+READ = """
+import importlib, json, sys
+import numpy as np
+from shellfabric.projectile import friction_kernels
+assert friction_kernels.__file__.startswith(sys.argv[2]), friction_kernels.__file__
+found = {}
+for file, name in json.loads(sys.argv[1]):
+    kind = getattr(importlib.import_module(f"shellfabric.{file}"), name)
+    given = kind(**{field: np.array([float(sum(map(ord, field)))]) for field in kind._fields})
+    found[f"{file}.{name}"] = getattr(friction_kernels, f"probe_{file.replace('.', '_')}_{name}")(given)
+print(json.dumps(found))
+"""
+
+
+def fields_of(text, name):
+    """(the expression that lists the fields of a named tuple as it is in the text, the fields)"""
+    for node in ast.walk(ast.parse(text)):
+        if isinstance(node, ast.Call) and getattr(node.func, "id", "") == "namedtuple" and node.args[0].value == name:
+            return ast.get_source_segment(text, node.args[1]), node.args[1].value.split()
+    raise AssertionError(name)
+
+
+def source(root, module):
+    """File of a module of shellfabric."""
+    return root.joinpath("shellfabric", *module.split(".")).with_suffix(".py")
+
+
+def swap(path, name, pair):
+    """Exchange two fields of a named tuple in a file."""
+    text = path.read_text()
+    written, fields = fields_of(text, name)
+    exchanged = [dict(zip(pair, pair[::-1])).get(field, field) for field in fields]
+    assert sorted(exchanged) == sorted(fields) != exchanged != fields
+    path.write_text(text.replace(written, repr(" ".join(exchanged))))
+
+
+def test_swapped_fields_reach_the_machine_code(tmp_path):
+    """A kernel reads a field by its name; after two fields have changed places it reads the field of that name still.
+
+    Machine code of the old order would read the other one.
+    """
+    for package in ("fabrics", "shellfabric"):
+        shutil.copytree(ROOT / package, tmp_path / package, ignore=shutil.ignore_patterns("__pycache__"))
+    with open(tmp_path / "shellfabric" / "projectile" / "friction_kernels.py", "a") as file:
+        file.write("\n\nfrom shellfabric.jit.compile import entry\n")
+        file.write(
+            "".join(PROBE.format(file=f.replace(".", "_"), name=n, field=pair[0]) for (f, n), pair in LIKE.items())
+        )
+
+    def read():
+        asked = re.sub("'", '"', str([list(key) for key in LIKE]))
+        path = {"PYTHONPATH": str(tmp_path), "PATH": "/usr/bin", "PYTHONDONTWRITEBYTECODE": "1"}
+        path["NUMBA_CACHE_DIR"] = str(tmp_path / "kept")
+        command = [sys.executable, "-c", READ, asked, str(tmp_path)]
+        return ast.literal_eval(
+            subprocess.run(command, env=path, cwd=tmp_path, check=True, capture_output=True, text=True).stdout
+        )
+
+    before = read()
+    assert before == {f"{f}.{n}": float(sum(map(ord, pair[0]))) for (f, n), pair in LIKE.items()}
+    assert read() == before  # from the cache
+    for (file, name), pair in LIKE.items():
+        swap(source(tmp_path, file), name, pair)
+    assert read() == before
+
+
+@pytest.mark.parametrize(("file", "name"), LIKE)
+def test_the_digest_covers_the_named_tuple(file, name):
+    """Of each alone, which the test above, where all change at once, does not tell."""
+    covered = dict(kernel_sources(FOLDER))
+    assert f"{name!r}" in covered[str(source(Path(), file))].decode()
+
+
+def test_the_digest_is_narrow():
+    """What prepares arrays, or drives kernels, is not compiled; of those files the named tuples alone count."""
+    covered = dict(kernel_sources(FOLDER))
+    for name in ("cable/model.py", "projectile/contact.py", "plies/model.py", "panel/arrays.py", "solid/model.py"):
+        assert len(covered[f"shellfabric/{name}"]) < 3000, name
+    for name in (
+        "impact/single_ply.py", "panel/solver.py", "solid/solver.py", "output/checkpoint.py", "cell/model.py",
+        "projectile/projectile.py",
+    ):  # fmt: skip
+        assert f"shellfabric/{name}" not in covered
+
+
+def test_every_kernel_file_is_compiled_into_the_cache():
+    """A kernel file that the package does not import in the block of `kernel_cache` would be cached by numba alone."""
+    code = "import shellfabric, sys; print(*(name for name in sys.modules if name.endswith('_kernels')))"
+    done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, check=True, capture_output=True, text=True)
+    wanted = {".".join(path.relative_to(ROOT).with_suffix("").parts) for path in FOLDER.rglob("*_kernels.py")}
+    assert wanted == {name for name in done.stdout.split() if name.startswith("shellfabric.")}
+
+
+def test_named_tuples_of_called_kernels_are_covered(small):
+    """Those that kernels have in fact been compiled for, in this process."""
+    from numba.core import types
+    from numba.core.registry import CPUDispatcher
+
+    from shellfabric.panel.solver import PanelSolver
+
+    PanelSolver(small(), 50.0, 2e-6).run()
+    covered, seen = dict(kernel_sources(FOLDER)), set()
+    for name, module in list(sys.modules.items()):
+        if not name.startswith("shellfabric"):
+            continue
+        for one in vars(module).values():
+            if isinstance(one, CPUDispatcher):
+                seen |= {t.instance_class for given in one.signatures for t in given if isinstance(t, types.NamedTuple)}
+    assert {"Constants", "State"} <= {kind.__name__ for kind in seen}
+    for kind in seen:
+        file = kind.__module__.replace(".", "/") + ".py"
+        assert kind.__name__.encode() in covered.get(file, b""), kind

@@ -1,0 +1,216 @@
+"""Graded panels: what they are made of, equal gradings against the plain panel, forces, waves, shots."""
+
+import numpy as np
+import pytest
+from conftest_tools import bring, node_forces
+
+from fabrics.errors import InputError
+from shellfabric.cell.model import CellModel
+from shellfabric.panel import grading
+from shellfabric.panel import step_kernels as panel_step_kernels
+from shellfabric.panel.model import Numerics, Panel
+from shellfabric.panel.solver import PanelSolver
+
+INF = np.inf
+PLAIN = Numerics(threads=1)
+
+
+def forced(panel):
+    """The same panel, all of whose elements are alike, by way of the arrays that graded ones have."""
+    panel.__dict__["sides"] = tuple(np.full(n, d) for n, d in zip(panel.counts, panel.spacing))
+    return panel
+
+
+@pytest.fixture
+def graded(tables):
+    def make(zones=((9, 1), (13, 2), (INF, 4)), **changes):
+        return Panel(changes.pop("table", tables["variational"]), (0.06, 0.06), grading=zones, **changes)
+
+    return make
+
+
+@pytest.mark.parametrize("length", [16, 23, 31, 79, 80])
+@pytest.mark.parametrize("zones", [((9, 1), (13, 2), (INF, 4)), ((4, 1), (INF, 8)), ((5, 2), (INF, 4)), ((INF, 1),)])
+def test_elements_fill_the_panel(zones, length):
+    """No side is missing, none shrinks outwards, zones reach at least as far as they were asked to."""
+    sides = grading.sides(zones, length)
+    places = np.cumsum(sides)
+    assert places[-1] == length - length % zones[0][1]
+    assert np.all(np.diff(sides) >= 0)
+    for until, side in zones:
+        inside = places <= min(until, length)
+        assert np.all(sides[inside] <= side)
+    assert grading.tributary(sides).sum() == sides.sum()
+
+
+@pytest.mark.parametrize("symmetry", ["quarter", "whole"])
+def test_mass_and_yarn_are_those_of_the_plain_panel(graded, symmetry):
+    panel = graded(symmetry=symmetry)
+    plain = Panel(panel.table, panel.opening, symmetry=symmetry)
+    assert panel.elements < 0.5 * plain.elements
+    np.testing.assert_allclose(panel.lines()[0][[0, -1]], plain.lines()[0][[0, -1]], rtol=1e-12)
+    assert panel.masses().sum() == pytest.approx(plain.masses().sum(), rel=1e-12)
+    for mine, other in zip(panel.state(1.0).yarn_length, plain.state(1.0).yarn_length):
+        assert mine.sum() == pytest.approx(other.sum(), rel=1e-12)
+
+
+@pytest.mark.parametrize("strike_velocity", [60.0, 155.0])
+def test_equal_elements_are_the_plain_panel(tables, strike_velocity):
+    """Also where yarns fail. Arrays of equal entries change the last digit at most; a grading of one zone has none."""
+    panels = [
+        Panel(tables["variational"], (0.04, 0.04), numerics=PLAIN, grading=zones) for zones in (None, ((INF, 1),))
+    ]
+    panels.append(forced(Panel(tables["variational"], (0.04, 0.04), numerics=PLAIN)))
+    one, same, other = (PanelSolver(panel, strike_velocity, 60e-6).run() for panel in panels)
+    assert (one.state.counter[panel_step_kernels.FAILURES] > 0) == (strike_velocity > 100)
+    for name in ("u", "v", "stretch", "N", "f_int", "failed", "intact_fraction"):
+        for a, b, c in zip(*(getattr(march.state, name) for march in (one, same, other))):
+            np.testing.assert_array_equal(a, b)
+            np.testing.assert_allclose(c, a, rtol=0, atol=1e-9 * max(np.abs(a).max(), 1e-12))
+    np.testing.assert_allclose(one.samples[-1], other.samples[-1], rtol=1e-9, atol=1e-12)
+
+
+def plain_energy(panel, x):
+    """Energy of the yarns and the trellis of a graded panel with nodes x, from the definitions alone."""
+    (a, b), weave, shear, model = panel.sides, panel.weave, panel.fabric.shear, panel.table.model
+    (ni, nj), (w1, w2) = panel.counts, weave.w
+    m, n = grading.tributary(a), grading.tributary(b)
+    warp, weft = np.diff(x, axis=0) / a[:, None, None], np.diff(x, axis=1) / b[None, :, None]
+    l1, l2 = np.linalg.norm(warp, axis=-1), np.linalg.norm(weft, axis=-1)
+    total = 0.0
+    for i in range(ni):
+        for j in range(nj + 1):
+            met = [(l2[p, q], b[q]) for p in (i, i + 1) for q in (j - 1, j) if 0 <= q < nj]
+            mean = np.average([s for s, _ in met], weights=[length for _, length in met])
+            total += 0.5 * a[i] * n[j] / (4 * w1 * w2) * float(model.solve(l1[i, j], mean)["W"])
+    for i in range(ni + 1):
+        for j in range(nj):
+            met = [(l1[p, q], a[p]) for p in (i - 1, i) for q in (j, j + 1) if 0 <= p < ni]
+            mean = np.average([s for s, _ in met], weights=[length for _, length in met])
+            total += 0.5 * m[i] * b[j] / (4 * w1 * w2) * float(model.solve(mean, l2[i, j])["W"])
+    edge1, edge2 = 0.5 * (warp[:, 1:] + warp[:, :-1]), 0.5 * (weft[1:] + weft[:-1])
+    mean = 0.25 * (l1[:, 1:] + l1[:, :-1]) * (l2[1:] + l2[:-1])
+    gamma = np.abs(np.arcsin(np.sum(edge1 * edge2, axis=-1) / mean))
+    points, weights = np.polynomial.legendre.leggauss(40)
+    trellis = sum(0.5 * gamma * w * shear.stress(0.5 * gamma * (1 + p)) for p, w in zip(points, weights))
+    return total + weave.thickness * float(np.sum(np.multiply.outer(a, b) * trellis))
+
+
+@pytest.fixture
+def crumpled(graded, tables):
+    """A stretched, sheared, crumpled graded panel without viscosity, with its node positions."""
+    panel = graded(
+        table=tables["variational"].model.table(401), failure=False, edge="free", symmetry="whole",
+        numerics=Numerics(stretch_viscosity=0.0),
+    )  # fmt: skip
+    X, Y = panel.coordinates()
+    x = np.stack([1.015 * X + 0.1 * Y, 1.012 * Y, 0.0005 * np.sin(200 * X)], axis=-1)
+    return panel, x + np.random.default_rng(3).normal(scale=5e-6, size=x.shape)
+
+
+def test_nodal_forces_are_the_slopes_of_the_energy(crumpled):
+    """In every zone, where zones meet, on the rim and at a corner."""
+    panel, x = crumpled
+    f = node_forces(panel, bring(panel, panel.state(1.0), x))
+    last, change = panel.counts[0], np.flatnonzero(np.diff(panel.sides[0])) + 1
+    for node in [
+        (0, 0),
+        (1, 2),
+        (change[0], change[1]),
+        (change[0] + 1, 6),
+        (last // 2, last // 2),
+        (last, change[-1]),
+    ]:
+        for c in range(3):
+            step, energies = 1e-8, []
+            for sign in (1, -1):
+                moved = x.copy()
+                moved[(*node, c)] += sign * step
+                energies.append(plain_energy(panel, moved))
+            expected = -(energies[0] - energies[1]) / (2 * step)
+            assert f[(*node, c)] == pytest.approx(expected, abs=0.02 * np.abs(f).max()), (node, c)
+
+
+def test_forces_balance(crumpled):
+    """They add up to nothing and have no moment."""
+    panel, x = crumpled
+    f = node_forces(panel, bring(panel, panel.state(1.0), x))
+    scale = np.abs(f).sum()
+    assert np.abs(f.sum(axis=(0, 1))).max() < 1e-14 * scale
+    assert np.abs(np.cross(x, f).sum(axis=(0, 1))).max() < 1e-14 * scale * np.abs(x).max()
+
+
+def test_patch(graded):
+    """Under any uniform strain no inner node feels a force, nor any where zones meet."""
+    panel = graded(edge="free", symmetry="whole", failure=False, numerics=Numerics(stretch_viscosity=0.0))
+    X, Y = panel.coordinates()
+    F = np.array([[1.02, 0.15], [0.03, 1.015], [0.2, -0.1]])
+    f = node_forces(panel, bring(panel, panel.state(1.0), np.stack([X, Y], axis=-1) @ F.T))
+    assert np.abs(f[1:-1, 1:-1]).max() < 1e-10 * np.abs(f).max()
+
+
+def test_whole_against_quarter(graded):
+    quarter, whole = (
+        PanelSolver(graded(symmetry=kind, numerics=PLAIN), 90.0, 60e-6).run() for kind in ("quarter", "whole")
+    )
+    assert quarter.sample("v")[-1] == pytest.approx(whole.sample("v")[-1], rel=1e-9)
+
+
+def test_shot_against_the_plain_panel(tables):
+    """A coarse rim changes the shot little, and loses no energy: 0.05 % with no failure."""
+    found = []
+    for zones in (None, ((10, 1), (14, 2), (INF, 4))):
+        march = PanelSolver(
+            Panel(tables["variational"], (0.0762, 0.0762), numerics=PLAIN, grading=zones), 70.0, 150e-6
+        ).run()
+        assert np.abs(march.sample("balance")).max() < 5e-4 * march.strike_energy
+        found.append((march.sample("v")[-1], march.sample("z")[-1], *march.state.peak_tension))
+    (v, z, *peak), (v_g, z_g, *peak_g) = found
+    assert abs(v_g - v) < 0.01 * 70.0
+    assert z_g == pytest.approx(z, rel=0.01)
+    np.testing.assert_allclose(peak_g, peak, rtol=0.05)
+
+
+def reflected(table, zones, wavelength):
+    """Share of a pulse's kinetic energy that is behind it once it is through; its length is in crossovers."""
+    edge, knobs = ("clamped", "free"), Numerics(stretch_viscosity=0.0)
+    panel = Panel(table, (0.6, 0.0203), edge=edge, failure=False, grading=zones, numerics=knobs)
+    state, const, work = panel.state(1.0), panel.constants(), panel.work()
+    state.projectile_position[2], state.active_rows[:] = -1.0, (0, const.ni)
+    X, weave, d = panel.coordinates()[0], panel.weave, panel.spacing[0]
+    speed = (weave.warp.EA * weave.warp_count / weave.areal_density) ** 0.5
+    start, length, k = 40 * d, wavelength * d, np.pi / (wavelength * d)
+
+    def at(x):
+        return np.clip(x - start, -0.5 * length, 0.5 * length)
+
+    # taut cloth, and a pulse u = f(X - c t) on it
+    state.u[0][: X.size] = (0.01 * X + 1e-6 * np.cos(k * at(X)) ** 2).ravel()
+    state.v[0][: X.size] = (speed * 1e-6 * k * np.sin(2 * k * at(X + 0.5 * speed * const.dt))).ravel()
+    panel_step_kernels.initial_forces(state, const, work)
+    steps = int(150 * d / speed / const.dt)
+    panel_step_kernels.run_steps(state, const, work, steps, np.empty((steps, 3)))
+    kinetic = (state.mass[: X.size] * state.v[0][: X.size] ** 2).reshape(X.shape).sum(axis=1)
+    return float(kinetic[X[:, 0] < 95 * d].sum() / kinetic.sum())
+
+
+@pytest.mark.parametrize(("zones", "wavelength", "most"), [
+    (None, 16, 1e-3),
+    (((100, 1), (INF, 2)), 32, 1.5e-3),
+    (((100, 1), (110, 2), (INF, 4)), 32, 2e-2),
+])  # fmt: skip
+def test_waves_pass_where_zones_meet(straight, zones, wavelength, most):
+    """A pulse along the warp: a hundredth comes back from elements eight to its length, a thousandth from sixteen."""
+    table = CellModel(straight(1e-6), model="decoupled").table(201)
+    assert reflected(table, zones, wavelength) < most
+
+
+@pytest.mark.parametrize("changes", [
+    {"zones": ((9, 1), (13, 2))}, {"zones": ((9, 1), (5, 2), (INF, 4))}, {"zones": ((9, 2), (INF, 3))},
+    {"zones": ((9, 0.5), (INF, 1))}, {"zones": ()}, {"zones": "coarse"}, {"zones": ((2, 1), (INF, 2))},
+    {"elements_per_crossover": 2}, {"bending": (1e-8, 1e-8)}, {"weave_angle": 0.3, "symmetry": "whole"},
+])  # fmt: skip
+def test_bad_gradings(graded, changes):
+    with pytest.raises(InputError) as told:
+        graded(**changes)
+    assert len(str(told.value).splitlines()) == 1

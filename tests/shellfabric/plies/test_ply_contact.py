@@ -1,0 +1,504 @@
+"""Contact of two plies: the spline, forces against a slow plain twin, momentum, and what torn cloth may do."""
+
+from copy import deepcopy
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.optimize import minimize
+
+from fabrics import catalogue
+from shellfabric.cell.model import CellModel
+from shellfabric.panel.model import Numerics, Panel
+from shellfabric.panel.step_kernels import FAILURES
+from shellfabric.plies import contact_kernels as kernels
+from shellfabric.plies import contact_simd_kernels as lanes
+from shellfabric.plies import surface_kernels as surface
+from shellfabric.plies.model import Pack, PlyContact
+
+
+@pytest.fixture(scope="module")
+def ply():
+    """S-726, whose warp and weft are far from alike, on 20 mm."""
+    fabric = catalogue.load("S-726").with_effective_density()
+    return Panel(CellModel(fabric).table(41), (0.02, 0.02), numerics=Numerics(threads=1))
+
+
+def controls(state, const, component):
+    """Control points (ni + 3, nj + 3) of a ply: its nodes, images and continuations."""
+    rest = (
+        const.x0 + const.dx * np.arange(const.ni + 1)[:, None] + np.zeros(const.row_stride),
+        const.y0 + const.dy * np.arange(const.row_stride) + np.zeros((const.ni + 1, 1)),
+        np.zeros((const.ni + 1, const.row_stride)),
+    )[component]
+    x = np.pad(rest + state.u[component][: rest.size].reshape(rest.shape), 1)
+    for axis, mirrored in enumerate((const.mirror_x, const.mirror_y)):
+        rows = np.moveaxis(x, axis, 0)
+        rows[0] = (-rows[2] if axis == component else rows[2]) if mirrored else 2 * rows[1] - rows[2]
+        rows[-1] = 2 * rows[-2] - rows[-3]
+    return x
+
+
+def spline(x, a, b):
+    """The biquadratic B-spline of control points x that begin at -1, by the textbook's bumps."""
+
+    def bump(t):
+        t = np.abs(t)
+        return np.where(t < 0.5, 0.75 - t**2, np.where(t < 1.5, 0.5 * (1.5 - t) ** 2, 0.0))
+
+    wa, wb = (bump(at - np.arange(-1, n - 1)) for at, n in zip((a, b), x.shape))
+    return wa @ x @ wb, wa, wb
+
+
+def unpad(force, const, component):
+    """Forces on control points, handed to the nodes that they hang on."""
+    f = force.copy()
+    for axis, mirrored in enumerate((const.mirror_x, const.mirror_y)):
+        rows = np.moveaxis(f, axis, 0)
+        if mirrored:
+            rows[2] += (-1 if axis == component else 1) * rows[0]
+        else:
+            rows[1] += 2 * rows[0]
+            rows[2] -= rows[0]
+        rows[-2] += 2 * rows[-1]
+        rows[-3] -= rows[-1]
+    f = f[1:-1, 1:-1]
+    for axis, mirrored in enumerate((const.mirror_x, const.mirror_y)):
+        if mirrored and axis == component:
+            np.moveaxis(f, axis, 0)[0] = 0.0
+    return f
+
+
+def plain(front, fc, rear, rc, pair):
+    """Forces (3, nodes) on front and rear, and the spring energy, point by point: the foot by minimising a distance."""
+    X, Y = ([controls(state, c, m) for m in range(3)] for state, c in ((front, fc), (rear, rc)))
+    VX, VY = ([controls(state._replace(u=state.v), c._replace(x0=0, dx=0, y0=0, dy=0), m) for m in range(3)]
+              for state, c in ((front, fc), (rear, rc)))  # fmt: skip
+    F, G, energy = [np.zeros_like(x) for x in X], [np.zeros_like(y) for y in Y], 0.0
+    shift = np.array([0.0, 0.0, pair.rest_distance])
+    n = pair.points_per_side
+    for i in range(fc.ni * n):
+        for j in range(fc.nj * n):
+            a, b = (i + 0.5) / n, (j + 0.5) / n
+            x = np.array([spline(c, a, b)[0] for c in X])
+            at = lambda p: np.array([spline(c, *p)[0] for c in Y]) + shift  # noqa: E731
+            guess = (a * fc.dx + fc.x0 - rc.x0) / rc.dx, (b * fc.dy + fc.y0 - rc.y0) / rc.dy
+            foot = minimize(lambda p: 1e6 * np.sum((x - at(p)) ** 2), guess, tol=1e-14, method="Nelder-Mead").x  # noqa: B023
+            y, steps = at(foot), 1e-5 * np.eye(2)
+            normal = np.cross(*(at(foot + step) - at(foot - step) for step in steps))
+            normal /= np.linalg.norm(normal)
+            depth = pair.thickness - normal @ (y - x)
+            if depth <= 0:
+                continue
+            (_, wa, wb), (_, za, zb) = spline(X[0], a, b), spline(Y[0], *foot)
+            v = np.array([wa @ c @ wb for c in VX]) - np.array([za @ c @ zb for c in VY])
+            f = max(0.0, pair.stiffness * depth + pair.damping * normal @ v)
+            energy += 0.5 * pair.stiffness * depth**2
+            for m in range(3):
+                F[m] -= f * normal[m] * np.outer(wa, wb)
+                G[m] += f * normal[m] * np.outer(za, zb)
+    return [unpad(f, fc, m) for m, f in enumerate(F)], [unpad(g, rc, m) for m, g in enumerate(G)], energy
+
+
+def bulging(pack, rng, together):
+    """States of two plies that bulge into each other, with feet that have settled."""
+    states, _ = pack.states(1.0)
+    consts = pack.constants()
+    pairs = pack.pairs(consts, states)
+    for p, (state, const) in enumerate(zip(states, consts)):
+        X = const.x0 + const.dx * np.arange(const.ni + 1)[:, None] + np.zeros(const.row_stride)
+        Y = const.y0 + const.dy * np.arange(const.row_stride) + np.zeros((const.ni + 1, 1))
+        bulge = (3e-3 + (1 - p) * together) * np.exp(-(X**2 + 1.3 * Y**2) / 4e-3**2)
+        for c, size in enumerate((-0.05 * X * bulge / 1e-3, -0.03 * Y * bulge / 1e-3, bulge)):
+            state.u[c][: X.size] = size.ravel()
+            state.v[c][: X.size] = rng.normal(0, 5, X.size)
+        if const.mirror_x:
+            state.u[0][: const.row_stride] = state.v[0][: const.row_stride] = 0.0
+            state.u[1][0 :: const.row_stride][: const.ni + 1] = state.v[1][0 :: const.row_stride][: const.ni + 1] = 0.0
+    return states, consts, pairs[0]
+
+
+def settled(states, consts, pair, times=200):
+    """The contact with its feet found: from flat cloth they take steps of a quarter of an element."""
+    for step in range(times):
+        pair.status[:], pair.recheck_step[:] = kernels.CLEAR, 0
+        kernels.contact_forces(states[0], consts[0], states[1], consts[1], pair, 8 * step)
+    # as if motion had brought the plies here: springs that are loaded by all of the depth
+    pair.depth_offset[:], pair.recheck_step[:] = 0, 0
+    kernels.contact_forces(states[0], consts[0], states[1], consts[1], pair, 8 * times)
+    pair.recheck_step[:] = 0
+
+
+def test_spline_is_smooth_and_goes_through_flat_cloth():
+    for mirrored in (True, False):
+        for n in (3, 9):
+            places = np.linspace(0, n, 401)
+            for a in places:
+                i, *w, d0, d1, d2, _, _ = surface.spline_weights(a, n, mirrored)
+                assert 0 <= i <= n - 2
+                assert sum(w) == pytest.approx(1, abs=1e-14)
+                assert d0 + d1 + d2 == pytest.approx(0, abs=1e-14)
+                inside = a > 0.5 or not mirrored
+                assert not inside or w @ (i + np.arange(3)) == pytest.approx(a, abs=1e-13)
+    for edge in (0.5, 1.5, 2.5):
+        values = np.zeros((2, 5, 2))
+        for side, a in enumerate((edge - 1e-9, edge + 1e-9)):
+            i, w0, w1, w2, d0, d1, d2, _, _ = surface.spline_weights(a, 9, False)
+            values[side, i : i + 3] = np.array([[w0, d0], [w1, d1], [w2, d2]])
+        np.testing.assert_allclose(values[0], values[1], atol=1e-8)
+
+
+@pytest.mark.parametrize("stacking", ["aligned", "alternating"])
+@pytest.mark.parametrize("symmetry", ["quarter", "whole"])
+def test_forces_against_a_plain_twin(ply, stacking, symmetry):
+    opening = (0.02, 0.02) if symmetry == "quarter" else (0.012, 0.012)
+    pack = Pack.stacked(replace(ply, symmetry=symmetry, opening=opening), 2, stacking=stacking, gap=0.1e-3)
+    states, consts, pair = bulging(pack, np.random.default_rng(1), 0.25e-3)
+    settled(states, consts, pair)
+    on_front, on_rear, energy = plain(states[0], consts[0], states[1], consts[1], pair)
+    size = max(np.abs(f).max() for f in on_front)
+    assert size > 0
+    assert pair.energy[kernels.MAX_DEPTH] > 0.1 * pair.thickness
+    for found, expected in ((pair.f_front, on_front), (pair.f_rear, on_rear)):
+        for one, other in zip(found, expected):
+            np.testing.assert_allclose(one[: other.size].reshape(other.shape), other, atol=1e-5 * size)
+            assert not one[other.size :].any()
+    assert pair.energy[kernels.SPRING] == pytest.approx(energy, rel=1e-6)
+
+
+def one_at_a_time(front, fc, rear, rc, pair):
+    """What the contact does of its points, by `touch` alone: (energy in the springs, deepest)."""
+    for force in (*pair.f_front, *pair.f_rear):
+        force[:] = 0.0
+    found = np.zeros((fc.ni * fc.nj, 2))
+    for q in range(fc.ni * fc.nj):
+        i, j = divmod(q, fc.nj)
+        found[q] = kernels.contact_point(front, fc, rear, rc, pair, q, i + 0.5, j + 0.5, False)
+    return found[:, 0].sum(), found[:, 1].max()
+
+
+@pytest.mark.parametrize("stacking", ["aligned", "alternating"])
+def test_eight_at_once_are_one_at_a_time(ply, stacking):
+    """Feet, sides, springs and forces, while plies that bulge into each other slide, come nearer and part."""
+    panel = replace(ply, symmetry="whole", opening=(0.013, 0.012))  # 11 elements and a part of eight in a row
+    pack = Pack.stacked(panel, 2, stacking=stacking, gap=0.1e-3)
+    states, consts, pair = bulging(pack, np.random.default_rng(4), 0.2e-3)
+    settled(states, consts, pair, 60)
+    (front, rear), (fc, rc) = states, consts
+    twin, seen, n = deepcopy(pair), [], (fc.ni + 1) * fc.row_stride
+    for step, lift in enumerate((0.0, 1e-5, 2e-5, -1e-5, -6e-5, 3e-5, 9e-5, -2e-4, 1e-4, 2e-5), 1):
+        front.u[2][:n] += lift
+        front.u[0][:n] += 2e-5
+        pair.recheck_step[:] = 0
+        kernels.contact_forces(front, fc, rear, rc, pair, 8 * step)
+        spring, deepest = one_at_a_time(front, fc, rear, rc, twin)
+        assert pair.energy[kernels.SPRING] == pytest.approx(spring, rel=1e-9)
+        twin.energy[kernels.MAX_DEPTH] = max(twin.energy[kernels.MAX_DEPTH], deepest)
+        assert pair.energy[kernels.MAX_DEPTH] == pytest.approx(twin.energy[kernels.MAX_DEPTH], rel=1e-9)
+        assert pair.energy[kernels.MAX_COMPRESSION] == pytest.approx(twin.energy[kernels.MAX_COMPRESSION], rel=1e-9)
+        np.testing.assert_array_equal(pair.status, twin.status)
+        touching = pair.status == kernels.IN_CONTACT
+        size = max(np.abs(f).max() for f in twin.f_front)
+        for name, scale in (("closest_point", 1.0), ("cp_rate", 1.0), ("f_front", size), ("f_rear", size)):
+            for one, other in zip(getattr(pair, name), getattr(twin, name)):
+                np.testing.assert_allclose(one, other, atol=1e-9 * scale, rtol=0, err_msg=name)
+        for one, other in zip(
+            (*pair.normal, pair.last_depth, pair.depth_offset), (*twin.normal, twin.last_depth, twin.depth_offset)
+        ):
+            np.testing.assert_allclose(one[touching], other[touching], rtol=1e-7, atol=1e-10)
+        seen.append(touching.sum())
+    assert min(seen) < 0.5 * max(seen)
+    assert max(seen) > 16
+
+
+def test_eight_at_once_are_asked_for(ply):
+    """Of whole cloth none but rims and planes of symmetry are left to be looked at one at a time."""
+    states, consts, pair = flat(replace(ply, symmetry="quarter"))
+    (front, rear), (fc, rc) = states, consts
+    pair.energy[kernels.MAX_DEPTH] = 0.0
+    left = np.zeros((fc.ni, fc.nj), int)
+    for i in range(fc.ni):
+        for j in range(0, fc.nj, 8):
+            count = min(8, fc.nj - j)
+            bits, _ = lanes.contact_points8(
+                front, fc, rear, rc, pair, i * fc.nj + j, i, j, count, 1e-6, 1.0, (1 << count) - 1
+            )  # fmt: skip
+            left[i, j : j + count] = [(bits >> m) & 1 for m in range(count)]
+    assert not left[1:-1, 1:-1].any()
+
+
+def test_a_point_that_touches_does_not_wait(ply):
+    """Not even one that was thought to be far away, next to one that was not."""
+    states, consts, pair = flat(ply)
+    force = placed(states, consts, pair, 0.2 * pair.thickness, 1)
+    pair.status[:] = kernels.CLEAR
+    wait = pair.recheck_step[: pair.near_torn.size].reshape(consts[0].ni, consts[0].nj)
+    wait[1:-1, 1:-1] = 1e6
+    wait[:, ::8] = 0.0
+    states[0].u[2][:] = 0.0  # from where it comes
+    assert placed(states, consts, pair, 0.2 * pair.thickness, 2) == pytest.approx(force, rel=1e-9)
+    assert placed(states, consts, pair, 0.2 * pair.thickness, 3) == pytest.approx(force, rel=1e-9)
+    assert wait.max() <= 3
+
+
+@pytest.mark.parametrize("points", [1, 2])
+def test_forces_add_up_to_nothing(ply, points):
+    pack = Pack.stacked(
+        replace(ply, symmetry="whole"), 2, stacking="alternating", gap=50e-6, contact=PlyContact(points=points)
+    )
+    states, consts, pair = bulging(pack, np.random.default_rng(2), 0.2e-3)
+    settled(states, consts, pair)
+    moment, size = np.zeros(3), 0.0
+    for c in range(3):
+        total = pair.f_front[c].sum() + pair.f_rear[c].sum()
+        size = max(size, np.abs(pair.f_front[c]).sum())
+        assert abs(total) < 1e-12 * size
+    for forces, state, const, z in (
+        (pair.f_front, states[0], consts[0], 0.0),
+        (pair.f_rear, states[1], consts[1], 1),
+    ):
+        count = (const.ni + 1) * const.row_stride
+        i, j = np.divmod(np.arange(count), const.row_stride)
+        place = np.array([const.x0 + i * const.dx, const.y0 + j * const.dy, 0.0 * i + z * pair.rest_distance])
+        place += np.array([u[:count] for u in state.u])
+        moment += np.cross(place, np.array([f[:count] for f in forces]), axis=0).sum(axis=1)
+    assert np.abs(moment).max() < 1e-9 * size * 0.01  # forces act along the line from foot to point
+
+
+@pytest.mark.parametrize("points", [1, 2])
+def test_plies_that_slide_on_each_other_make_no_energy(ply, points):
+    """A bulging ply that is drawn over another: what its springs hold is what it was pushed by. With a foot that is a
+    step behind, forces would lean the way of the sliding and do a work that nothing gives."""
+    knobs = PlyContact(points=points, damping=0.0)
+    pack = Pack.stacked(replace(ply, symmetry="whole"), 2, gap=50e-6, contact=knobs)
+    states, consts, pair = bulging(pack, np.random.default_rng(2), 0.2e-3)
+    for state in states:
+        for v in state.v:
+            v[:] = 0.0
+    settled(states, consts, pair)
+    front, const, speed = states[0], consts[0], 150.0
+    front.v[0][: (const.ni + 1) * const.row_stride] = speed
+    contact = lambda step: kernels.contact_forces(states[0], consts[0], states[1], consts[1], pair, step)  # noqa: E731
+    contact(0)
+    pair.energy[kernels.WORK], held = 0.0, pair.energy[kernels.SPRING]
+    off, largest, most = 0.0, 0.0, 0.0
+    for step in range(1, 41):  # 1.1 mm, an element and a half
+        front.u[0][: (const.ni + 1) * const.row_stride] += const.dt * speed
+        contact(step)
+        now = pair.energy[kernels.SPRING]
+        off, largest = max(off, abs(now - held - pair.energy[kernels.WORK])), max(largest, now)
+        most = max(most, abs(now - held))
+    assert most > 0.2 * largest
+    assert off < 2e-3 * largest
+
+
+def test_what_no_yarn_holds_does_not_push(ply):
+    """One family that is left pushes as both do, since the mass is the same; none does not, on either side."""
+    pack = Pack.stacked(ply, 2, gap=0.0)
+    states, consts, pair = bulging(pack, np.random.default_rng(3), 0.1e-3)
+    settled(states, consts, pair)
+    whole = sum(pair.f_rear[2])
+    front = states[0]
+    front.element_flag[: consts[0].ni * consts[0].row_stride] |= 1
+    front.intact_fraction[0][:] = 0.0
+    settled(states, consts, pair, 1)
+    assert sum(pair.f_rear[2]) == pytest.approx(whole, rel=1e-9)
+    front.intact_fraction[1][:] = 0.0
+    kernels.contact_forces(states[0], consts[0], states[1], consts[1], pair, 0)
+    assert sum(pair.f_rear[2]) == 0.0
+    assert not (pair.status == kernels.IN_CONTACT).any()
+
+
+def placed(states, consts, pair, height, step, moved=True):
+    """The contact with the front ply's nodes at a height [m] above its place at rest; the force on it along z.
+
+    moved : whether it has been brought there by motion, in a step, or stands there at once
+    """
+    nodes = (consts[0].ni + 1) * consts[0].row_stride
+    states[0].v[2][:nodes] = (height - states[0].u[2][:nodes]) / consts[0].dt if moved else 0.0
+    states[0].u[2][:nodes] = height
+    kernels.contact_forces(states[0], consts[0], states[1], consts[1], pair, step)
+    return sum(pair.f_front[2])
+
+
+def flat(ply, **knobs):
+    """Two flat plies at rest, the front one in touch by a tenth of its thickness."""
+    pack = Pack.stacked(ply, 2, gap=0.0, contact=PlyContact(damping=0.0, **knobs))
+    states, _ = pack.states(1.0)
+    consts = pack.constants()
+    pair = pack.pairs(consts, states)[0]
+    pair.front_box[:] = 0, consts[0].ni, 0, consts[0].nj
+    placed(states, consts, pair, 0.1 * pair.thickness, 0)
+    assert (pair.status[: pair.near_torn.size] == kernels.IN_CONTACT).all()
+    return states, consts, pair
+
+
+def test_a_normal_that_turns_over_throws_nothing(ply):
+    """Cloth that is drawn in until an element lies upside down: what touched it is on the same side as before. Told by
+    the normal alone it would be nearly two thicknesses deep, on the wrong side of it."""
+    states, consts, pair = flat(ply)
+    i, j = 4, 5
+    before, k = pair.energy[kernels.SPRING], i * consts[1].row_stride + j
+    states[1].u[0][[k, k + 1]] += 0.9 * consts[1].dx
+    states[1].u[0][[k + consts[1].row_stride, k + consts[1].row_stride + 1]] -= 0.9 * consts[1].dx
+    force = placed(states, consts, pair, 0.1 * pair.thickness, 1)
+    for step in range(2, 40):
+        force = placed(states, consts, pair, 0.1 * pair.thickness, step)
+    assert force < 0.0
+    assert pair.energy[kernels.MAX_DEPTH] < 0.3 * pair.thickness
+    assert pair.energy[kernels.SPRING] < 1.5 * before
+    assert pair.energy[kernels.PASSED_COUNT] == 0
+
+
+def test_a_point_keeps_its_side_where_the_surface_changes_its_form(ply):
+    """A foot goes over from facets, beside torn cloth, to the spline, on whose other side its point lies. It was held
+    from behind, and a ply came through."""
+    states, consts, pair = flat(ply)
+    n = pair.near_torn.size
+    side = pair.normal[2][:n].copy()
+    states[1].block_damage[:], states[1].element_flag[:] = 1, 1
+    placed(states, consts, pair, 0.3 * pair.thickness, 1)
+    np.testing.assert_allclose(pair.normal[2][:n], side)
+    states[1].block_damage[:], states[1].element_flag[:] = 0, 0
+    placed(states, consts, pair, 1.3 * pair.thickness, 2, moved=False)
+    assert (pair.status[:n] == kernels.IN_CONTACT).all()
+    np.testing.assert_allclose(pair.normal[2][:n], side)
+    assert pair.energy[kernels.PASSED_COUNT] == 0
+
+
+def test_what_is_found_deep_is_not_thrown_but_held(ply):
+    """A point that is found inside the thickness, beside a hole, begins without a force; none is let deeper."""
+    states, consts, pair = flat(ply)
+    stiffness = -placed(states, consts, pair, 0.1 * pair.thickness, 1) / (0.1 * pair.thickness)
+    pair.status[:] = kernels.CLEAR
+    assert placed(states, consts, pair, 0.6 * pair.thickness, 2, moved=False) == 0.0
+    assert pair.energy[kernels.SPRING] == 0.0
+    force = -placed(states, consts, pair, 0.7 * pair.thickness, 3)
+    assert force == pytest.approx(stiffness / 0.4 * 0.1 * pair.thickness, rel=0.02)  # 0.4 are left of its thickness
+    assert placed(states, consts, pair, 0.5 * pair.thickness, 4) == 0.0
+    assert -placed(states, consts, pair, 0.6 * pair.thickness, 5) > 0.0  # from where it has been let to
+
+
+def test_a_foot_that_leaps_brings_no_energy(ply):
+    """Where the foot of a point that touches leaps, as in folds, it is let go; it goes on with its spring as it was."""
+    states, consts, pair = flat(ply)
+    force, stored = placed(states, consts, pair, 0.2 * pair.thickness, 1), pair.energy[kernels.SPRING]
+    assert force < 0.0
+    n, middle = pair.near_torn.size, consts[1].ni / 2
+    pair.closest_point[0][:n] += np.where(pair.closest_point[0][:n] < middle, 0.5, -0.5)
+    assert placed(states, consts, pair, 0.3 * pair.thickness, 2) == 0.0
+    assert (pair.status[:n] == kernels.LOST).all()
+    for step in range(3, 8):
+        found = placed(states, consts, pair, 0.4 * pair.thickness, step)
+    assert (pair.status[:n] == kernels.IN_CONTACT).all()
+    assert found == pytest.approx(force, rel=0.3)  # of a spring that is stiffer, where less of the thickness is left
+    assert pair.energy[kernels.SPRING] < 1.3 * stored
+
+
+@pytest.mark.parametrize("begins", [True, False])
+@pytest.mark.parametrize("depth", [0.3, 0.8])
+def test_a_depth_that_no_motion_has_made_loads_no_spring(ply, begins, depth):
+    """The foot on another fold, or the normal turned over: several tenths of the thickness in a step without motion."""
+    states, consts, pair = flat(ply)
+    stored = pair.energy[kernels.SPRING]
+    if begins:
+        pair.status[:], stored = kernels.CLEAR, 0.0
+    placed(states, consts, pair, depth * pair.thickness, 1, moved=False)
+    assert pair.energy[kernels.MAX_DEPTH] == pytest.approx(depth * pair.thickness, rel=1e-6)
+    assert pair.energy[kernels.SPRING] == pytest.approx(stored, rel=0.05, abs=1e-30)
+    assert pair.energy[kernels.MAX_COMPRESSION] < 0.15 * pair.thickness  # that of `flat`
+    forces = [
+        -placed(states, consts, pair, (depth + part) * pair.thickness, 2 + n) for n, part in enumerate((0.05, 0.1))
+    ]
+    assert 0 < forces[0] < forces[1]  # and is let no deeper
+
+
+def test_what_comes_round_a_rim_is_on_no_side_yet(ply):
+    """Cloth that comes round the rim of a free panel, edge on: found in the middle of the thickness, where no motion
+    through the face has brought it. It was taken as touching, and as having come through in the next step."""
+    states, consts, pair = flat(ply)
+    for moved, passed in ((False, False), (True, True)):
+        placed(states, consts, pair, -0.1 * pair.thickness, 1)
+        pair.status[:], pair.recheck_step[:], pair.energy[kernels.PASSED_COUNT] = kernels.CLEAR, 0, 0
+        placed(states, consts, pair, 0.95 * pair.thickness, 2, moved=moved)
+        assert (pair.status[: pair.near_torn.size] == (kernels.IN_CONTACT if moved else kernels.CLEAR)).all()
+        placed(states, consts, pair, 1.05 * pair.thickness, 3)
+        assert (pair.energy[kernels.PASSED_COUNT] > 0) == passed
+
+
+def test_a_side_that_another_fold_has_is_not_the_point_s_own(ply):
+    """A point that is found in the middle of another fold is let go: it did not come through, and is held from the side
+    on which it leaves the middle. Points so deep were counted as passages in the next step."""
+    states, consts, pair = flat(ply)
+    placed(states, consts, pair, 0.2 * pair.thickness, 1)
+    placed(states, consts, pair, 0.95 * pair.thickness, 2, moved=False)
+    assert (pair.status[: pair.near_torn.size] == kernels.CLEAR).all()
+    placed(states, consts, pair, 1.05 * pair.thickness, 3)
+    placed(states, consts, pair, 1.05 * pair.thickness, 4)
+    assert pair.energy[kernels.PASSED_COUNT] == 0
+    force = placed(states, consts, pair, 1.3 * pair.thickness, 5)  # 0.7 deep, from behind
+    force = placed(states, consts, pair, 1.25 * pair.thickness, 6)
+    assert force > 0.0
+
+
+def test_whole_cloth_that_comes_through_is_pushed_back_and_counted(ply):
+    states, consts, pair = flat(ply)
+    parts = np.arange(0.25, 1.5, 0.1)
+    forces = [-placed(states, consts, pair, part * pair.thickness, n) for n, part in enumerate(parts)]
+    assert np.all(np.diff(forces) > 0)
+    assert pair.energy[kernels.PASSED_COUNT] > 0
+    assert pair.energy[kernels.MAX_DEPTH] > 1.3 * pair.thickness
+    assert pair.energy[kernels.PASSED_STEP] == 8  # the first step past a thickness
+
+
+def test_beside_torn_cloth_both_plies_have_points(ply):
+    """The middle of an element behind pushes on what hangs before it, and each way has half of the stiffness."""
+    pack = Pack.stacked(ply, 2, gap=0.0, contact=PlyContact(damping=0.0))
+    states, _ = pack.states(1.0)
+    consts = pack.constants()
+    near, back = pack.pairs(consts, states)
+    n = (consts[0].ni + 1) * consts[0].row_stride
+    states[0].u[2][:n] = 0.1 * near.thickness
+    near.front_box[:] = 0, consts[0].ni, 0, consts[0].nj
+
+    def step(number):
+        kernels.contact_forces(states[0], consts[0], states[1], consts[1], near, number)
+        kernels.contact_forces_back(states[1], consts[1], states[0], consts[0], back, number)
+        return sum(near.f_rear[2][:n]), sum(back.f_front[2][:n])
+
+    whole, none = step(0)
+    assert whole > 0
+    assert none == 0
+    states[0].element_flag[0] |= 1
+    states[0].block_damage[:] = 1
+    states[0].intact_fraction[0][0] = 0.0
+    states[0].counter[2] += 1
+    forwards, backwards = step(1)
+    assert backwards > 0
+    assert forwards + backwards == pytest.approx(whole, rel=1e-9)
+    far = np.arange(n)[(np.arange(n) // consts[0].row_stride > 6) | (np.arange(n) % consts[0].row_stride > 6)]
+    assert not back.f_front[2][far].any()
+
+
+def test_a_point_keeps_its_side_when_the_cloth_before_it_tears(ply):
+    """On the outside of a bend facets lie before the spline: a yarn that fails there leaves the point behind them."""
+    pack = Pack.stacked(replace(ply, symmetry="whole"), 2, gap=0.0)
+    consts, (states, stack) = pack.constants(), pack.states(1.0)
+    pair, const, apart = pack.pairs(consts, states)[0], consts[0], pack.places[1]
+    node = 6 * const.row_stride + 5
+    corners = node + np.array([0, 1, const.row_stride, const.row_stride + 1])
+    states[1].u[2][node] = -0.8 * apart
+    for c, moved in enumerate((-0.5 * const.dx, -0.5 * const.dy, 0.25 * apart)):
+        states[0].u[c][corners] = moved
+    number, pushed = 6 * const.nj + 5, []
+    pair.front_box[:] = pair.rear_box[:] = 0, const.ni, 0, const.nj
+    for step in range(12):
+        if step == 9:
+            states[1].element_flag[node] = 1
+            states[1].block_damage[:] = 1
+            stack.ply_counters[1, FAILURES] = 1
+        kernels.contact_forces(states[0], consts[0], states[1], consts[1], pair, 8 * step + 1)
+        pushed.append((pair.status[number], pair.last_depth[number] / pair.thickness, pair.f_front[2][corners].sum()))
+    assert all(status == kernels.IN_CONTACT and push < 0 for status, _, push in pushed[3:])
+    assert 0.5 < pushed[8][1] < 1 - kernels.AMBIGUOUS_DEPTH
+    assert 1 < pushed[9][1] < 1.3

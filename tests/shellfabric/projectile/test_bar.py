@@ -1,0 +1,257 @@
+"""The projectile as a bar: waves, momentum, energy and plasticity in closed form."""
+
+import numpy as np
+import pytest
+
+from fabrics.errors import InputError
+from fabrics.materials import Isotropic, load, round_projectile
+from shellfabric.projectile.bar import ENOUGH, Bar, contact_time, rigid_is_enough, split
+
+STEEL = load("steel")
+ELASTIC = Isotropic(STEEL.density, STEEL.modulus, STEEL.poisson)
+AREA, LENGTH = 2.4e-5, 0.042
+UNIFORM = Bar(((LENGTH, AREA),), ELASTIC)
+C = ELASTIC.bar_speed
+
+
+def test_the_source_projectile():
+    """Erratum E-37: a bore of 4.5 by 38.9 mm leaves 3 g; bar speed 4936 m/s, 2 L / c = 17.0 us."""
+    bar = Bar.cylinder()
+    assert bar.mass == pytest.approx(3.0e-3, rel=1e-12)
+    assert bar.sections[1][0] == pytest.approx(38.9e-3, abs=0.05e-3)
+    assert C == pytest.approx(4936, abs=0.5)
+    assert Bar.cylinder(mass=7.9e-3).period == pytest.approx(17.0e-6, abs=0.1e-6)
+    # the solid tip slows the bored one's first mode
+    assert bar.period == pytest.approx(19.2e-6, abs=0.1e-6)
+
+
+def test_the_source_projectile_without_a_bore():
+    """Erratum E-37: as light as it is, at the wave speed of steel, so that it swings in 2 L / c."""
+    bar = Bar.full()
+    assert bar.mass == pytest.approx(3.0e-3, rel=1e-12)
+    assert bar.material.density == pytest.approx(3006, abs=1)
+    assert bar.material.bar_speed == pytest.approx(C, rel=1e-12)
+    assert bar.period == pytest.approx(17.0e-6, abs=0.05e-6)
+
+
+def test_materials_are_those_of_the_tables():
+    assert (STEEL.density, STEEL.modulus, STEEL.poisson, STEEL.yield_stress) == pytest.approx((7922, 193e9, 0.3, 220e6))
+    backing = load("backing")
+    assert (backing.density, backing.modulus, backing.yield_stress) == pytest.approx((3000, 1e8, 2e7))
+    assert backing.erosion_strain == 0.95
+    assert round_projectile()["length"] == pytest.approx(0.042)
+
+
+def test_period_converges_to_2L_over_c():
+    off = [Bar(((LENGTH, AREA),), ELASTIC, elements=n).period / (2 * LENGTH / C) - 1 for n in (21, 42, 84)]
+    assert abs(off[2]) < 1e-4
+    assert np.log2(off[0] / off[1]) == pytest.approx(2, abs=0.05)
+    assert np.log2(off[1] / off[2]) == pytest.approx(2, abs=0.05)
+
+
+def test_tip_and_tail_swing_about_the_centre_with_the_period():
+    """After a short push: crossings of tip minus tail velocity are half a period apart."""
+    motion, dt = UNIFORM.motion(100.0), 2e-7
+    x = np.cumsum(np.append(0, motion.h))
+    motion.v += 0.5 * np.cos(np.pi * x / LENGTH)  # the first mode
+    apart, t = [], np.arange(1, 600) * dt
+    for _ in t:
+        motion.push(0.0, dt)
+        apart.append(motion.v[0] - motion.v[-1])
+    apart = np.array(apart)
+    k = np.flatnonzero(apart[1:] * apart[:-1] < 0)
+    zeros = t[k] - dt * apart[k] / (apart[k + 1] - apart[k])
+    assert 2 * np.diff(zeros).mean() == pytest.approx(2 * LENGTH / C, rel=2e-3)
+    assert motion.centre(motion.v) == pytest.approx(100.0, rel=1e-12)
+    # tip and tail swing equally far to either side
+    assert apart.max() == pytest.approx(-apart.min(), rel=2e-2)
+
+
+def test_a_step_of_force_sends_a_wave():
+    """Tip velocity F / rho c A until the wave is back at 2 L / c; the tail is still until L / c, then twice as fast."""
+    bar = Bar(((LENGTH, AREA),), ELASTIC, elements=400)
+    motion, dt, force = bar.motion(0.0), 2e-8, 1000.0
+    jump = force / (ELASTIC.density * C * AREA)
+    tip, tail, t = [], [], np.arange(1, int(1.8 * LENGTH / C / dt)) * dt
+    for _ in t:
+        _, velocity = motion.push(force, dt)
+        tip.append(velocity)
+        tail.append(motion.v[-1])
+    tip, tail, arrival = np.array(tip), np.array(tail), LENGTH / C
+    assert tip[t > 0.2 * arrival].mean() == pytest.approx(jump, rel=5e-3)
+    assert np.abs(tail[t < 0.9 * arrival]).max() < 0.02 * jump
+    assert tail[t > 1.2 * arrival].mean() == pytest.approx(2 * jump, rel=1e-2)
+
+
+def shaken(bar, steps=400, dt=1e-7, size=2000.0):
+    """A bar under a rough force."""
+    motion, random, impulse = bar.motion(50.0), np.random.default_rng(0), 0.0
+    for _ in range(steps):
+        force = size * random.normal()
+        motion.push(force, dt)
+        impulse += force * dt
+    return motion, impulse
+
+
+@pytest.mark.parametrize("bar", [UNIFORM, Bar.cylinder()])
+def test_momentum_is_that_of_the_force(bar):
+    motion, impulse = shaken(bar)
+    assert motion.mass @ motion.v == pytest.approx(bar.mass * 50.0 + impulse, rel=1e-12)
+
+
+def test_energy_balances_and_as_the_square_of_the_step():
+    """Under a smooth push, elastic and plastic alike."""
+    off = {}
+    for name, material in (("elastic", ELASTIC), ("plastic", STEEL)):
+        for safety in (0.8, 0.4):
+            bar = Bar.cylinder(material=material, safety=safety)
+            motion, dt = bar.motion(100.0), 4e-7
+            for n in range(60):
+                motion.push(-3000.0 * np.sin(np.pi * min(n / 40, 1)) ** 2, dt)
+            energy = motion.energies()
+            off[name, safety] = abs(energy["balance"]) / abs(energy["work"])
+            assert off[name, safety] < 2e-4
+            assert (energy["plastic"] > 0) == (name == "plastic")
+    assert off["elastic", 0.4] < 0.35 * off["elastic", 0.8] + 1e-9
+
+
+def test_return_to_the_yield_surface():
+    """A push slowly through yield and back: kinematic hardening, of the closed loop's width 2 sigma_y."""
+    from shellfabric.projectile.bar_kernels import update_stress
+
+    E, yields, H, plastic, stress = 200e9, 200e6, 20e9, np.zeros(1), np.zeros(1)
+    work = 0.0
+    found = []
+    for strain in (0.0005, 0.002, 0.003, 0.0015, -0.001):
+        work += update_stress(np.array([np.expm1(strain), 0.0]), np.ones(1), np.ones(1), E, yields, H, plastic, stress)
+        found.append(stress[0])
+    slope = E * H / (E + H)
+    up = yields + slope * (0.003 - 0.001)  # on the plastic line at 0.003
+    back = up - E * 0.0015
+    turn = 0.003 - 2 * yields / E  # reverse yield
+    down = up - 2 * yields + slope * (-0.001 - turn)
+    assert found == pytest.approx([1e8, yields + slope * 0.001, up, back, down], rel=1e-12)
+    assert work > 0
+
+
+def test_a_plastic_wave_in_closed_form():
+    """Force beyond yield on a bilinear bar: sigma_y / rho c + (sigma - sigma_y) / rho c_p behind the plastic wave.
+
+    Of small strains: the section hardly grows.
+    """
+    H = 20e9
+    material = Isotropic(STEEL.density, STEEL.modulus, STEEL.poisson, 22e6, H)
+    bar = Bar(((LENGTH, AREA),), material, elements=600)
+    slow = np.sqrt(material.modulus * H / (material.modulus + H) / material.density)
+    motion, stress, dt, time = bar.motion(0.0), 33e6, 1e-8, 0.8 * LENGTH / C
+    for _ in range(int(time / dt)):
+        motion.push(-stress * AREA, dt)
+    expected = (22e6 / C + 11e6 / slow) / material.density
+    places = np.cumsum(motion.h)
+    behind = motion.v[1:][places < 0.6 * slow * time]
+    assert -behind.mean() == pytest.approx(expected, rel=1e-2)
+    strained = places[motion.plastic < -0.5 * 11e6 * (1 / H)].max()
+    assert strained == pytest.approx(slow * time, rel=3e-2)
+    assert motion.shortening() == pytest.approx(11e6 / H * slow * time, rel=3e-2)
+
+
+def test_a_squeezed_wall_spreads_its_flow():
+    """Perfectly plastic, a wall loaded past its yield force squeezes at the same place, over the same length and by the
+    same strain, with elements of any length."""
+    strains = []
+    for elements in (84, 168, 336):
+        bar = Bar.cylinder(elements=elements)
+        motion, dt = bar.motion(150.0), 1e-7
+        for _ in range(600):
+            motion.push(-2600.0, dt)
+        strains.append((motion.plastic.min(), motion.shortening()))
+        assert motion.energies()["balance"] == pytest.approx(0.0, abs=2e-3 * motion.energies()["plastic"])
+    (_, first), (middle, second), (fine, third) = strains
+    assert -0.6 < fine < -0.05
+    assert middle == pytest.approx(fine, rel=0.1)
+    assert second == pytest.approx(third, rel=0.01)
+    assert first == pytest.approx(third, rel=0.03)
+
+
+def test_kernel_equals_its_plain_twin():
+    bar = Bar.cylinder(elements=12)
+    motion, steps, force = bar.motion(10.0), 37, -3500.0
+    motion.push(force, steps * 0.5 * bar.longest_step)
+    E, yields, h, area, mass = bar.material.modulus, bar.material.yield_stress, *bar.mesh, bar.nodal_mass
+    n = bar.substeps(steps * 0.5 * bar.longest_step)
+    dt = steps * 0.5 * bar.longest_step / n
+    u, v, plastic = np.zeros(len(mass)), np.full(len(mass), 10.0), np.zeros(len(h))
+
+    def pull():
+        stretches = 1 - np.diff(u) / h
+        pulls = np.diff(np.concatenate([[0], area * E * (np.log(stretches) - plastic) / stretches, [0]])) * -1
+        pulls[0] += force
+        return pulls / mass
+
+    for _ in range(n):
+        v += 0.5 * dt * pull()
+        u += dt * v
+        trial = E * (np.log(1 - np.diff(u) / h) - plastic)
+        plastic += np.sign(trial) * np.maximum(np.abs(trial) - yields, 0) / E
+        v += 0.5 * dt * pull()
+    assert np.abs(plastic).max() > 0
+    assert motion.u == pytest.approx(u, rel=1e-10)
+    assert motion.v == pytest.approx(v, rel=1e-9)
+
+
+def test_the_step_of_the_bar_is_stable_and_bounded():
+    bar = Bar(((LENGTH, AREA),), ELASTIC)
+    assert bar.longest_step == pytest.approx(LENGTH / 84 / C, rel=1e-6)
+    assert bar.substeps(2.0e-7) == int(np.ceil(2.0e-7 / (0.9 * bar.longest_step)))
+    motion, _ = shaken(bar, steps=3000)
+    assert np.abs(motion.v).max() < 200
+
+
+def test_when_rigid_is_enough():
+    """At the verdict's edge a half sine splits tip and tail by less than 5 %, at a third of it by more."""
+    bar = Bar.cylinder()
+    edge = ENOUGH * bar.period * np.pi / 2
+    assert max(split(bar, edge, 1e-3)) < 0.05
+    assert max(split(bar, edge / 3, 1e-3)) > 0.3
+    assert rigid_is_enough(100e-6, bar.period).enough
+    assert not rigid_is_enough(10e-6, bar.period).enough
+    assert "use the elastic projectile" in str(rigid_is_enough(10e-6, bar.period))
+
+
+@pytest.mark.parametrize("duration", [1e-4, 3e-5, 1e-5])
+def test_contact_time_of_a_half_sine(duration):
+    """(2 T / pi) x / sin x, x = pi P / (2 T), and the period itself for what is shorter."""
+    period, t = 2e-5, np.linspace(0, 2e-4, 20001)
+    x = np.pi * period / (2 * duration)
+    force = np.where(t < duration, np.sin(np.pi * t / duration), 0.0)
+    expected = 2 * duration / np.pi * x / np.sin(x) if duration > period else period
+    assert contact_time(t, force, period) == pytest.approx(expected, rel=1e-3)
+
+
+def test_contact_time_does_not_know_how_sharp_the_first_peak_is():
+    """A finer mesh begins with a higher and shorter peak of the same impulse; the momentary maximum follows it."""
+    t = np.linspace(0, 1e-4, 10001)
+    found = []
+    for width in (2e-6, 1e-6, 0.5e-6):
+        force = 1e3 + np.where(t < width, 2e-3 / width, 0.0)
+        found.append(contact_time(t, force, 2e-5))
+    assert found == pytest.approx([found[0]] * 3, rel=0.01)
+
+
+@pytest.mark.parametrize(
+    "make",
+    [
+        lambda: Bar(()),
+        lambda: Bar(((LENGTH, -1.0),)),
+        lambda: Bar(((LENGTH, AREA),), elements=1),
+        lambda: Bar.cylinder(mass=1e-3),
+        lambda: Bar.cylinder(mass=9e-3),
+        lambda: rigid_is_enough(0.0, 1e-5),
+        lambda: contact_time([0, 1], [0, 0], 1e-5),
+        lambda: Isotropic(1, 1, 0.5),
+        lambda: load("wood"),
+    ],
+)
+def test_bad_input_is_told(make):
+    with pytest.raises(InputError):
+        make()

@@ -1,0 +1,85 @@
+"""Fibre bars: law, force and tangent against plain twins."""
+
+import numpy as np
+import pytest
+
+from unitcell3d.material.fibre_kernels import bar_forces, bar_strains, bar_tangent, fibre_law
+
+R, D = 1e-3, 1e-4
+
+
+def plain_law(e):
+    if e <= 0:
+        return R * e
+    if e >= D:
+        return e
+    t = e / D
+    return R * e * (1 - t) ** 2 + e * t * (2 - t)
+
+
+def test_law_and_slope():
+    for e in (-0.01, -1e-6, 0.2 * D, 0.7 * D, D, 2 * D, 0.03):
+        value, slope = fibre_law(e, R, D)
+        assert value == pytest.approx(plain_law(e), rel=1e-14)
+        step = 1e-5 * D
+        assert slope == pytest.approx((plain_law(e + step) - plain_law(e - step)) / (2 * step), rel=1e-5)
+    assert fibre_law(0.0, R, D) == (0.0, R)
+
+
+def test_slope_is_continuous_where_the_kink_was():
+    for join in (0.0, D):
+        below, above = fibre_law(join - 1e-12, R, D)[1], fibre_law(join + 1e-12, R, D)[1]
+        assert above == pytest.approx(below, abs=1e-6)
+
+
+@pytest.fixture
+def bundle():
+    rng = np.random.default_rng(0)
+    X = rng.standard_normal((6, 3))
+    pairs = np.array([[0, 1], [1, 2], [2, 3], [3, 4], [4, 5], [0, 5]])
+    length = np.linalg.norm(X[pairs[:, 1]] - X[pairs[:, 0]], axis=1) / np.array([1.02, 0.99, 1.00005, 1.0, 1.03, 0.9])
+    return X, pairs, length, np.array([3.0, 5.0, 2.0, 4.0, 1.0, 6.0])
+
+
+def forces_of(X, pairs, length, stiffness):
+    forces = np.zeros_like(X)
+    bar_forces(X, pairs, length, stiffness, R, D, forces)
+    return forces
+
+
+def test_forces_equal_the_plain_twin(bundle):
+    X, pairs, length, stiffness = bundle
+    plain = np.zeros_like(X)
+    for (p, q), L, EA in zip(pairs, length, stiffness):
+        edge = X[q] - X[p]
+        l = np.linalg.norm(edge)
+        N = EA * plain_law(l / L - 1)
+        plain[q] += N * edge / l
+        plain[p] -= N * edge / l
+    assert np.allclose(forces_of(*bundle), plain, rtol=1e-13)
+    strain = np.empty(len(pairs))
+    bar_strains(X, pairs, length, strain)
+    assert np.allclose(strain, [0.02, -0.01, 0.00005, 0, 0.03, -0.1])
+
+
+def test_tangent_is_the_derivative(bundle):
+    X, pairs, length, stiffness = bundle
+    n = len(X)
+    values = np.zeros((n * n, 3, 3))
+    places = pairs[:, :, None] * n + pairs[:, None, :]
+    bar_tangent(X, pairs, length, stiffness, R, D, places, values)
+    K = values.reshape(n, n, 3, 3).transpose(0, 2, 1, 3).reshape(3 * n, 3 * n)
+    assert np.allclose(K, K.T)
+    direction = np.random.default_rng(1).standard_normal(X.shape)
+    step = 1e-7
+    shifted = [forces_of(X + s * step * direction, pairs, length, stiffness) for s in (1, -1)]
+    difference = (shifted[0] - shifted[1]).ravel() / (2 * step)
+    # the bar at zero strain stands on its kink of second order: the difference is good to the step
+    assert np.allclose(K @ direction.ravel(), difference, rtol=0, atol=1e-2)
+    taut = np.delete(np.arange(len(pairs)), [2, 3])
+    values[:] = 0
+    bar_tangent(X, pairs[taut], length[taut], stiffness[taut], R, D, places[taut], values)
+    K = values.reshape(n, n, 3, 3).transpose(0, 2, 1, 3).reshape(3 * n, 3 * n)
+    shifted = [forces_of(X + s * step * direction, pairs[taut], length[taut], stiffness[taut]) for s in (1, -1)]
+    difference = (shifted[0] - shifted[1]).ravel() / (2 * step)
+    assert np.allclose(K @ direction.ravel(), difference, rtol=0, atol=1e-7)

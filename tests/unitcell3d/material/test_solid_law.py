@@ -1,0 +1,106 @@
+"""The solid yarn law against its closed forms, one hexahedron at a time."""
+
+import numpy as np
+import pytest
+import ufl
+
+from fabrics.solid import SolidLaw
+from unitcell3d.assembly.compat import Assembler, HexSpace
+from unitcell3d.material.solid_law import LOOSE_WIDTH, PACKED_WIDTH, forms, transverse_modulus
+
+LAW = SolidLaw(E_a=1e6, E_c=2e9, K_r=0.02, K_G=1e-3, V_c=1.0, Vf0=0.7)
+PARAMETERS = np.array([[LAW.E_a, LAW.a_E, LAW.b_E, LAW.Vf0, LAW.V_c, LAW.G]])
+CUBE = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]], float)
+
+
+@pytest.fixture(scope="module")
+def cube():
+    space = HexSpace.build(CUBE, np.arange(8)[None])
+    return space, Assembler(space, *forms(space, PARAMETERS))
+
+
+def stress(cube, F):
+    """First Piola-Kirchhoff stress of the unit cube under the uniform gradient F, from its nodal forces."""
+    space, solid = cube
+    space.set_displacement(CUBE @ (F - np.eye(3)).T)
+    return solid.residual().T @ CUBE
+
+
+def rotation(axis, angle):
+    axis = np.asarray(axis) / np.linalg.norm(axis)
+    K = np.array([[0, -axis[2], axis[1]], [axis[2], 0, -axis[0]], [-axis[1], axis[0], 0]])
+    return np.eye(3) + np.sin(angle) * K + (1 - np.cos(angle)) * K @ K
+
+
+def modulus(V_f):
+    """The rounded law evaluated through UFL, as numbers."""
+    return float(transverse_modulus(ufl.as_ufl(V_f), LAW.Vf0, LAW.V_c, LAW.a_E, LAW.b_E)(()))
+
+
+def test_modulus_is_the_published_one_away_from_its_corners():
+    for V_f in (0.5, 0.65, 0.72, 0.8, 0.9, 0.99, 1.01, 1.3):
+        assert modulus(V_f) == pytest.approx(float(LAW.transverse_modulus(V_f)), rel=1e-12)
+
+
+def test_modulus_and_its_slope_are_continuous_at_the_rounded_corners():
+    """Across each join the value changes by no more than slope times distance; unrounded, the slope at V_c jumps."""
+    for corner, width in ((LAW.Vf0, LOOSE_WIDTH), (LAW.V_c, PACKED_WIDTH)):
+        for join in (corner - width, corner + width):
+            step = 1e-7
+            below, at, above = modulus(join - step), modulus(join), modulus(join + step)
+            assert above - at == pytest.approx(at - below, abs=2e-3 * LAW.E_c * step / width)
+
+
+def test_modulus_is_capped_beyond_packing():
+    """Erratum E-20: the hyperbola alone diverges at b_E."""
+    assert modulus(LAW.b_E) == pytest.approx(LAW.E_c, rel=1e-12)
+
+
+@pytest.mark.parametrize("stretch", [(1.02, 1, 1), (1, 0.8, 1), (1, 1, 0.75), (1.03, 0.9, 0.85), (0.99, 1.2, 1.1)])
+def test_stretches_give_secant_stress_of_logarithmic_strain(cube, stretch):
+    """Eqs. 3-2, 3-10 .. 3-15: Cauchy stress E_i ln(stretch_i), Poisson's ratios zero."""
+    a, b, c = stretch
+    V_f = LAW.Vf0 / (b * c)
+    E_2 = modulus(V_f)
+    cauchy = np.array([LAW.E_a * V_f * np.log(a), E_2 * np.log(b), E_2 * np.log(c)])
+    expected = a * b * c * cauchy / np.array(stretch)
+    assert np.allclose(stress(cube, np.diag(stretch)), np.diag(expected), rtol=1e-10, atol=1e-3)
+
+
+def test_shear_is_elastic_with_G(cube):
+    """Simple shear of the layers: sigma_12 = G gamma (eq. 3-16)."""
+    for i, j in ((0, 1), (0, 2), (1, 2)):
+        F = np.eye(3)
+        F[i, j] = 0.2
+        P = stress(cube, F)
+        assert (P @ F.T)[i, j] == pytest.approx(LAW.G * 0.2, rel=1e-10)
+
+
+def test_rotation_turns_the_stress_and_makes_none(cube):
+    F = np.array([[1.01, 0.1, 0.05], [0.02, 0.85, 0.1], [0.03, -0.04, 0.9]])
+    Q = rotation((1, 2, -1), 1.1)
+    assert np.abs(stress(cube, Q)).max() < 1e-6  # Pa, against moduli of 1e6 .. 2e9
+    assert np.allclose(stress(cube, Q @ F), Q @ stress(cube, F), rtol=1e-9, atol=1e-3)
+
+
+def test_cauchy_stress_is_symmetric(cube):
+    F = np.array([[1.01, 0.3, 0.05], [0.02, 0.85, 0.1], [0.1, -0.04, 0.9]])
+    tau = stress(cube, F) @ F.T
+    assert np.allclose(tau, tau.T, rtol=1e-10)
+
+
+def test_tangent_is_the_derivative_and_unsymmetric(cube):
+    space, solid = cube
+    rng = np.random.default_rng(4)
+    u = CUBE @ np.diag([0.02, -0.1, -0.15]) + 0.02 * rng.standard_normal((8, 3))
+    direction = rng.standard_normal((8, 3))
+    space.set_displacement(u)
+    K = np.zeros((24, 24))
+    np.add.at(K, (solid.rows, solid.columns), solid.tangent())
+    step = 1e-6
+    space.set_displacement(u + step * direction)
+    ahead = solid.residual()
+    space.set_displacement(u - step * direction)
+    difference = (ahead - solid.residual()).ravel() / (2 * step)
+    assert np.allclose(K @ direction.ravel(), difference, rtol=0, atol=1e-8 * np.abs(difference).max())
+    assert np.abs(K - K.T).max() > 1e-3 * np.abs(K).max()

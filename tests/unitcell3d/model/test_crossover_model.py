@@ -1,0 +1,163 @@
+"""The assembled crossover: constraints, tangent, symmetry, balance."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy import sparse
+
+from fabrics.errors import InputError
+from meshing import crossover as mesher
+from unitcell3d.assembly import constraints
+from unitcell3d.model.crossover import CrossoverModel, Load, Numerics
+from unitcell3d.solver.newton import Newton
+
+
+@pytest.fixture(scope="module")
+def model(tiny, s720):
+    return CrossoverModel(tiny, s720)
+
+
+@pytest.fixture(scope="module")
+def pressed(model):
+    """Unknowns and a load with contact, taut and slack fibres, and both plates at work."""
+    load = Load((4e-6, 6e-6), 0.97 * model.plates.at_rest)
+    rng = np.random.default_rng(7)
+    q = 2e-7 * rng.standard_normal(model.size)
+    lower = np.concatenate([model.constraints.unknown[3 * model.crossover.grids[0].ravel() + 2]])
+    q[np.unique(lower[lower >= 0])] -= 4e-6  # the warp onto the weft
+    return q, load
+
+
+def test_end_face_turns_about_the_two_fold_axis(tiny, s720):
+    fixed = constraints.build(tiny.grids, len(tiny.points), quarter=True)
+    q = np.random.default_rng(0).standard_normal(fixed.size)
+    d = (0.3, -0.2)
+    u = fixed.displacement(q, d)
+    for yarn, grid in enumerate(tiny.grids):
+        face = u[grid[-1]]
+        axial, width = constraints.AXIAL[yarn], constraints.WIDTH[yarn]
+        assert np.allclose(face[..., axial] - d[yarn], -(face[:, ::-1, axial] - d[yarn]))
+        assert np.allclose(face[..., 2], -face[:, ::-1, 2])
+        assert np.allclose(face[..., width], face[:, ::-1, width])
+        assert np.all(u[grid[0], axial] == 0)
+        assert np.all(u[grid[:, 0], width] == 0)
+
+
+def test_reduction_is_the_transpose_of_the_expansion(tiny):
+    """Virtual work: forces . displacement = reduced forces . unknowns, and the end force is conjugate to d."""
+    fixed = constraints.build(tiny.grids, len(tiny.points), quarter=True)
+    rng = np.random.default_rng(1)
+    q, f = rng.standard_normal(fixed.size), rng.standard_normal(tiny.points.shape)
+    work = np.sum(f * fixed.displacement(q, (0, 0)))
+    assert fixed.reduce(f) @ q == pytest.approx(work, rel=1e-12)
+    for yarn in (0, 1):
+        d = np.eye(2)[yarn]
+        moved = np.sum(f * fixed.displacement(np.zeros(fixed.size), d))
+        assert fixed.end_force(f, yarn) == pytest.approx(moved, rel=1e-12)
+
+
+def test_tangent_is_the_derivative(model, pressed):
+    q, load = pressed
+    _, contact, plates = model.forces(q, load)
+    assert contact > 0
+    assert plates.max() > 0
+    model.system(q, load)
+    pattern = model.pattern
+    K = sparse.csr_matrix((pattern.entries, pattern.columns, pattern.starts))
+    direction = np.random.default_rng(2).standard_normal(model.size)
+    step = 3e-12  # m: fourth-order differences, between rounding and the kinks of the contact's toe
+    at = {s: model.constraints.reduce(model.forces(q + s * step * direction, load)[0]) for s in (-2, -1, 1, 2)}
+    difference = (8 * (at[1] - at[-1]) - (at[2] - at[-2])) / (12 * step)
+    assert np.abs(K @ direction - difference).max() < 1e-7 * np.abs(difference).max()
+
+
+def test_a_rigid_turn_of_the_yarns_makes_no_force(s720, tiny):
+    model = CrossoverModel(tiny, s720)
+    turn = np.array([[0.6, -0.8, 0], [0.8, 0.6, 0], [0, 0, 1]])
+    x = model.points @ turn.T
+    model._space.set_displacement(x - model.points)
+    forces = model._solids.residual()
+    assert np.abs(forces).max() < 1e-12  # N
+
+
+def test_contact_forces_of_the_two_passes_balance(s720):
+    """On the whole crossover nothing is mirrored, so contact makes no net force and no net moment."""
+    whole = mesher.build(s720, domain="whole", size=(3, 3, 2))
+    model = CrossoverModel(whole, s720)
+    x = model.points.copy()
+    x[whole.grids[0].ravel(), 2] -= 6e-6
+    forces = np.zeros_like(x)
+    contact = model.surfaces.assemble(x, model.numerics, forces)
+    assert contact > 1e-2
+    assert np.abs(forces.sum(axis=0)).max() < 1e-12 * contact
+    assert np.abs(np.cross(x, forces).sum(axis=0)).max() < 1e-12 * contact * np.abs(x).max()
+    assert forces[whole.grids[0].ravel(), 2].sum() == pytest.approx(-contact, rel=1e-12)
+
+
+def test_a_taut_straight_yarn_has_the_stiffness_of_its_fibres(s720):
+    """T = E A_s strain within 0.1 % (the solid adds E_a V_f A), for a yarn woven without crimp."""
+    straight = replace(
+        s720,
+        weave=replace(
+            s720.weave,
+            warp=replace(s720.weave.warp, crimp=1e-7),
+            weft=replace(s720.weave.weft, crimp=1e-7),
+        ),
+    )
+    mesh = mesher.build(s720, size=(4, 3, 2))
+    points = mesh.points.copy()
+    for yarn, grid in enumerate(mesh.grids):
+        # flattened yarns, far apart
+        middle = points[grid[:, :, 1], 2]
+        points[grid, 2] += (1e-3 if yarn == 0 else -1e-3) - middle[:, :, None]
+    model = CrossoverModel(replace(mesh, points=points), straight)
+    solver = Newton(model)
+    tensions = []
+    strains = (0.01, 0.03)
+    for strain in strains:
+        load = Load(tuple(strain * w for w in mesh.w))
+        q = np.zeros(model.size)
+        free = model.constraints.unknown >= 0
+        stretched = strain * points * [1, 1, 0]
+        for yarn, grid in enumerate(mesh.grids):
+            stretched[grid, constraints.WIDTH[yarn]] = 0
+        q[model.constraints.unknown[free]] = (
+            model.constraints.sign[free] * (stretched.ravel() - model.constraints.drive @ load.d)[free]
+        )
+        found = solver.solve(q, load)
+        tensions.append(model.tensions(found.forces))
+        assert found.contact == 0
+    solver.close()
+    for yarn, thread in enumerate(straight.weave.yarns):
+        for strain, tension in zip(strains, tensions):
+            assert tension[yarn] == pytest.approx(thread.EA * strain, rel=1e-3)
+
+
+def test_pattern_grows_only_where_contact_moves_far(s720, coarse):
+    model = CrossoverModel(coarse, s720)
+    grid, fixed = coarse.grids[0], model.constraints
+    q = np.zeros(model.size)
+    lower = fixed.unknown[3 * grid.ravel() + 2]
+    q[np.unique(lower[lower >= 0])] -= 5e-6
+    model.forces(q, Load())
+    rows = len(model.pattern.values)
+    assert not model.system(q, Load())
+    q[fixed.unknown[3 * grid[1:-1].ravel()]] -= 0.06e-3  # more than half a cell of the weft
+    model.forces(q, Load())
+    assert model.system(q, Load())
+    assert len(model.pattern.values) > rows
+    assert not model.system(q, Load())
+
+
+def test_bad_input_is_one_line(s720, tiny):
+    for make, word in (
+        (lambda: CrossoverModel(tiny, replace(s720, solid_laws=None)), "solid"),
+        (lambda: CrossoverModel(tiny, replace(s720, name="S-999")), "S-999"),
+        (lambda: Numerics(penalty=-1.0), "penalty"),
+        (lambda: Numerics(toe=0.0), "toe"),
+    ):
+        with pytest.raises(InputError, match=word) as caught:
+            make()
+        assert "\n" not in str(caught.value)
+        assert caught.value.exit_code == 2

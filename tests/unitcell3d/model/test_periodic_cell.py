@@ -1,0 +1,278 @@
+"""The weave in its own cell: the quarter's answer, four crossovers, rigid turns, tangent, edges, and shear."""
+
+import os
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+from scipy import sparse
+
+from fabrics.errors import InputError
+from fabrics.trellis import TrellisShear
+from meshing import crossover as mesher
+from meshing import patch
+from unitcell3d.cases import biaxial_and_platens, periodic_cell
+from unitcell3d.contact.edge_contact_kernels import edge_pass
+from unitcell3d.identify import shear_fit
+from unitcell3d.model.periodic_cell import CellLoad, CellModel
+from unitcell3d.solver.newton import Newton
+
+SIZE, REACH = (3, 2, 2), 10e-6
+
+
+@pytest.fixture(scope="module")
+def whole(s720):
+    """Conforming sections need no shift, so that crossover and patch are the same geometry."""
+    return mesher.build(s720, size=SIZE, domain="whole", section="conforming")
+
+
+@pytest.fixture(scope="module")
+def four(s720):
+    return patch.build(s720, (2, 2), size=SIZE, section="conforming")
+
+
+@pytest.fixture(scope="module")
+def model(whole, s720):
+    return CellModel(whole, s720)
+
+
+def test_one_with_glides_and_four_with_repetition_equal_the_quarter(whole, four, s720):
+    """Biaxial tensions and contact force within 1e-6 (found 3e-9): the end conditions say the same."""
+    quarter = mesher.build(s720, size=SIZE, section="conforming")
+    history = biaxial_and_platens.biaxial(quarter, s720, (1, 1), max_displacement=REACH)
+    expected = [history.T1[-1], history.T2[-1], history.F_c[-1]]
+    for mesh in (whole, four):
+        record = periodic_cell.biaxial(mesh, s720, (REACH, REACH), rows=4)
+        assert record.failed == ""
+        assert [record[key][-1] for key in ("T1", "T2", "F_c")] == pytest.approx(expected, rel=1e-6)
+        assert abs(record["moment"][-1]) < 1e-9
+
+
+def test_load_drives_the_weave_as_a_trellis():
+    """Yarns keep their lengths, enclose 90 degrees less gamma, and the derivatives are those of the parameters."""
+    w = (0.6e-3, 0.5e-3)
+    load = CellLoad(w, (6e-6, -5e-6), 0.4)
+    lengths = np.linalg.norm(load.F, axis=0)
+    assert lengths == pytest.approx([1.01, 0.99])
+    assert load.F[:, 0] @ load.F[:, 1] / lengths.prod() == pytest.approx(np.sin(0.4))
+    step = 1e-6
+    turned = [CellLoad(w, load.d, 0.4 + s * step).drive for s in (1, -1)]
+    assert (turned[0] - turned[1]) / (2 * step) == pytest.approx(load.by_gamma, abs=1e-9)
+    for yarn in (0, 1):
+        move = 1e-9 * np.eye(2)[yarn]
+        moved = [CellLoad(w, tuple(np.add(load.d, s * move)), 0.4).drive for s in (1, -1)]
+        assert (moved[0] - moved[1]) / 2e-9 == pytest.approx(load.by_d[yarn], rel=1e-6, abs=1e-6)
+
+
+def test_a_yarn_that_the_trellis_turns_bears_no_force(model):
+    """The drive turns each yarn as a rigid body: without contact nothing resists."""
+    load = CellLoad(model.w, gamma=0.5)
+    x = model.positions(np.zeros(model.size), load)
+    model._deform(x)
+    assert np.abs(model._solids.residual()).max() < 1e-12
+    bars = np.zeros_like(x)
+    model.fibres.forces(x, model.numerics, bars)
+    assert np.abs(bars).max() < 1e-9
+
+
+def test_tangent_is_the_derivative(model):
+    """Crossing, edges and ties together, in a sheared state where all of them act."""
+    load = CellLoad(model.w, (4e-6, 4e-6), 0.35)
+    rng = np.random.default_rng(3)
+    q = 2e-7 * rng.standard_normal(model.size)
+    warp = np.unique(model.constraints.unknown[3 * model.crossover.grids[0].ravel() + 2])
+    q[warp[warp >= 0]] -= 2e-6
+    model.forces(q, load)
+    assert np.all(model.surfaces.forces[: model.surfaces.crossings] != 0)
+    model.system(q, load)
+    model.forces(q, load)
+    model.system(q, load)
+    pattern = model.pattern
+    K = sparse.csr_matrix((pattern.entries, pattern.columns, pattern.starts)).copy()
+    direction = rng.standard_normal(model.size)
+    step = 3e-12
+    at = {s: model.constraints.reduce(model.forces(q + s * step * direction, load)[0]) for s in (-2, -1, 1, 2)}
+    difference = (8 * (at[1] - at[-1]) - (at[2] - at[-2])) / (12 * step)
+    assert np.abs(K @ direction - difference).max() < 1e-7 * np.abs(difference).max()
+
+
+def test_moment_and_tensions_are_the_work_of_the_load(model):
+    """On a state that is no equilibrium too: internal forces . d(positions) by gamma, d1 and d2."""
+    load = CellLoad(model.w, (5e-6, 3e-6), 0.2)
+    q = 1e-7 * np.random.default_rng(4).standard_normal(model.size)
+    forces = model.forces(q, load)[0]
+    step = 1e-7
+    moved = [model.positions(q, CellLoad(model.w, load.d, 0.2 + s * step)) for s in (1, -1)]
+    assert model.moment(forces, load) == pytest.approx(np.sum(forces * (moved[0] - moved[1])) / (2 * step), rel=1e-6)
+    moved = [model.positions(q, CellLoad(model.w, (5e-6 + s * 1e-9, 3e-6), 0.2)) for s in (1, -1)]
+    work = np.sum(forces * (moved[0] - moved[1])) / 2e-9
+    assert 2 * model.tensions(forces, load)[0] == pytest.approx(work, rel=1e-6)
+
+
+def test_stick_state_is_that_of_the_crossings_alone(model):
+    """Edges slide without friction: they keep no anchors."""
+    before = model.stick_state
+    assert before.size == sum(anchors.size for pair in model.pairs.pairs[: model.crossings] for anchors in pair.anchors)
+    model.stick_state = before + 0.25
+    assert np.array_equal(model.stick_state, before + 0.25)
+    model.stick_state = before
+
+
+# --- edges ----------------------------------------------------------------------------------------------------------
+
+NODES = 6
+TOWARD, AREA, PENALTY, TOE = np.array([0.0, 1.0, 0.0]), 0.7, 10.0, 0.01
+FIRST, SECOND = np.arange(NODES), np.arange(NODES, 2 * NODES)
+
+
+@pytest.fixture
+def crossing():
+    """Two wavy edges that cross at 33 degrees, 0.1 through each other."""
+    rng = np.random.default_rng(0)
+    s = np.linspace(-2.5, 2.5, NODES)
+    edges = [
+        np.stack([s, y + 0.02 * rng.standard_normal(NODES), slope * s + 0.02 * rng.standard_normal(NODES)], axis=1)
+        for y, slope in ((0.05, 0.3), (-0.05, -0.3))
+    ]
+    return np.concatenate(edges)
+
+
+def touch(x, places=None, values=None):
+    forces, nodes = np.zeros_like(x), np.full(8, -1)
+    none = np.empty((0, 0), np.int64)
+    found = edge_pass(
+        x, FIRST, SECOND, TOWARD, AREA, PENALTY, TOE, nodes, forces,
+        none if places is None else places, np.zeros((1, 3, 3)) if values is None else values,
+    )  # fmt: skip
+    return forces, nodes, *found
+
+
+def test_edges_push_each_other_apart_in_balance(crossing):
+    forces, nodes, gap, force = touch(crossing)
+    assert gap == pytest.approx(-0.1, abs=0.05)
+    assert force == pytest.approx(PENALTY * AREA * (-gap - TOE / 2))
+    assert set(nodes[:4]) <= set(FIRST)
+    assert set(nodes[4:]) <= set(SECOND)
+    assert np.abs(forces.sum(axis=0)).max() < 1e-14
+    assert np.abs(np.cross(crossing, forces).sum(axis=0)).max() < 1e-13
+    assert forces[FIRST, 1].sum() == pytest.approx(force, rel=0.01)  # internal: the first is held back from the second
+    apart = crossing + np.where(np.arange(2 * NODES)[:, None] < NODES, 0, 1) * [0, 0.3, 0]
+    assert touch(apart)[3] == 0
+
+
+def test_tangent_of_edges_is_the_derivative_and_symmetric(crossing):
+    n = len(crossing)
+    nodes, values = touch(crossing)[1], np.zeros((n * n, 3, 3))
+    touch(crossing, nodes[:, None] * n + nodes[None], values)
+    K = values.reshape(n, n, 3, 3).transpose(0, 2, 1, 3).reshape(3 * n, 3 * n)
+    assert np.allclose(K, K.T, atol=1e-12)
+    direction, step = np.random.default_rng(1).standard_normal(crossing.shape), 1e-4
+    at = {s: touch(crossing + s * step * direction)[0].ravel() for s in (-2, -1, 1, 2)}
+    difference = (8 * (at[1] - at[-1]) - (at[2] - at[-2])) / (12 * step)
+    assert np.abs(K @ direction.ravel() - difference).max() < 1e-7 * np.abs(difference).max()
+
+
+# --- shear ----------------------------------------------------------------------------------------------------------
+
+
+def test_fit_finds_the_law_that_made_the_curve():
+    law = TrellisShear(2e5, 6e7, 0.25, 0.6)
+    gamma = np.linspace(0, 0.9, 30)
+    found = shear_fit.fit(gamma, law.stress(gamma))
+    assert found.locked
+    assert found.rms < 1e-3 * law.stress(0.9)
+    for key in ("G1", "G2", "gamma1", "gamma2"):
+        assert getattr(found.law, key) == pytest.approx(getattr(law, key), rel=0.05), key
+    with pytest.raises(InputError, match="does not stiffen"):
+        shear_fit.fit(gamma, 1e6 * gamma)
+    with pytest.raises(InputError, match="shear angles = 3"):
+        shear_fit.fit(gamma[:3], gamma[:3])
+
+
+def test_sheared_weave_stiffens_and_its_work_is_its_moment(whole, s720):
+    """Under some tension to 0.2 rad: the moment rises from 0, and with it the contact force."""
+    record = periodic_cell.shear(whole, s720, 0.2, stretch=(4e-6, 4e-6), rows=4)
+    assert record.failed == ""
+    turned = record["gamma"] > 0
+    assert abs(record["moment"][~turned]).max() < 1e-9
+    assert np.all(np.diff(record["moment"][turned]) > 0)
+    assert record["F_c"][-1] > record["F_c"][~turned][-1]
+    assert record["tau"][-1] == pytest.approx(record["moment"][-1] / s720.weave.cell_area / s720.weave.thickness)
+
+
+def test_shear_is_the_same_to_both_sides(model):
+    """The weave sheared the other way is its mirror image: the moment changes its sign alone."""
+    solver = Newton(model)
+    found = []
+    for sign in (1, -1):
+        q = np.zeros(model.size)
+        for share in np.linspace(0.1, 1, 6):
+            load = CellLoad(model.w, (5e-6 * share, 5e-6 * share), sign * 0.05 * share)
+            state = solver.solve(q, load)
+            q = state.q
+        found.append((model.moment(state.forces, load), *model.tensions(state.forces, load)))
+    solver.close()
+    assert found[0][0] == pytest.approx(-found[1][0], rel=1e-4)
+    assert found[0][1:] == pytest.approx(found[1][1:], rel=1e-6)
+
+
+PARALLEL = """
+import sys
+from mpi4py import MPI
+from fabrics import catalogue
+from meshing import crossover
+from unitcell3d.cases import periodic_cell
+fabric = catalogue.load("S-720")
+mesh = crossover.build(fabric, size=(3, 2, 2), domain="whole", section="conforming")
+record = periodic_cell.shear(mesh, fabric, 0.1, stretch=(4e-6, 4e-6), rows=2, comm=MPI.COMM_WORLD)
+line = " ".join(float(record[key][-1]).hex() for key in ("T1", "T2", "F_c", "moment"))
+sys.stdout.write(f"forces {MPI.COMM_WORLD.size} {line}\\n")
+"""
+
+
+def test_two_processes_give_the_same_numbers(whole, s720):
+    """Factorised together under mpirun, the sheared weave has the forces that one process finds, to 1e-8."""
+    launch = ["mpirun", "--allow-run-as-root", "--oversubscribe", "-n", "2", sys.executable, "-c", PARALLEL]
+    # this process may be an MPI process already, whose children are not to take its place
+    alone = {key: value for key, value in os.environ.items() if not key.startswith(("OMPI", "PMIX"))}
+    try:
+        done = subprocess.run(launch, capture_output=True, text=True, timeout=300, env=alone)
+    except FileNotFoundError:
+        pytest.skip("no mpirun")
+    assert done.returncode == 0, done.stderr
+    said = [line.split()[1:] for line in done.stdout.splitlines() if line.startswith("forces")]
+    assert len(said) == 2
+    assert said[0] == said[1]
+    one = periodic_cell.shear(whole, s720, 0.1, stretch=(4e-6, 4e-6), rows=2)
+    numbers = [one[key][-1] for key in ("T1", "T2", "F_c", "moment")]
+    assert [float.fromhex(word) for word in said[0][1:]] == pytest.approx(numbers, rel=1e-8)
+
+
+@pytest.mark.slow
+def test_four_sheared_crossovers_equal_one_with_glides(whole, four, s720):
+    records = [periodic_cell.shear(mesh, s720, 0.1, stretch=(4e-6, 4e-6), rows=2) for mesh in (whole, four)]
+    for key in ("moment", "T1", "T2", "F_c"):
+        assert records[1][key][-1] == pytest.approx(records[0][key][-1], rel=1e-6), key
+
+
+@pytest.mark.slow
+def test_shear_to_locking(s720):
+    """S-720 slack: no stiffness worth the name at first, 50 times as much at 0.8 rad; neighbours meet on the way."""
+    mesh = mesher.build(s720, size=(4, 3, 2), domain="whole")
+    record = periodic_cell.shear(mesh, s720, 0.8)
+    assert record.failed == "" or record["gamma"][-1] > 0.6
+    slope = np.gradient(record["tau"], record["gamma"])
+    assert slope[-1] > 50 * slope[1]
+    assert record["F_side"][-1].min() > 0
+    fit = shear_fit.fit(record["gamma"], record["tau"])
+    assert 0.2 < fit.law.gamma1 < fit.law.gamma2
+
+
+def test_bad_input_is_one_line(whole, s720, tiny):
+    for run, line in (
+        (lambda: periodic_cell.shear(whole, s720, 2.0), r"gamma = 2.0: must be above 0 and at most 1.2 rad"),
+        (lambda: periodic_cell.shear(tiny, s720, 0.2), "whole crossover or a patch of 2 x 2"),
+    ):
+        with pytest.raises(InputError, match=line):
+            run()

@@ -1,0 +1,183 @@
+"""Newton's method with updates between factorisations: the same states, fewer tangents, no cycles, MPI."""
+
+import os
+import subprocess
+import sys
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from fabrics.errors import UnstableError
+from unitcell3d.assembly.linear_solver import DirectSolver
+from unitcell3d.model.crossover import CrossoverModel, Load
+from unitcell3d.solver import newton
+from unitcell3d.solver.load_stepping import continue_to, march
+
+
+@pytest.fixture
+def tangents(monkeypatch):
+    """Counts factorisations, those of steps that fail included."""
+    taken = []
+    factor = DirectSolver.factor
+    monkeypatch.setattr(DirectSolver, "factor", lambda solver: (taken.append(1), factor(solver)))
+    return taken
+
+
+def _loaded(tiny, s720, monkeypatch, near):
+    """Forces (T1, T2, F_c) at four loads from taut to tauter."""
+    monkeypatch.setattr(newton, "NEAR", near)
+    model = CrossoverModel(tiny, s720)
+    solver = newton.Newton(model)
+    first, last = Load((8e-6, 8e-6)), Load((20e-6, 20e-6))
+    q = np.zeros(model.size)
+    for share in np.linspace(0.1, 1, 10):
+        q = solver.solve(q, Load().towards(first, share)).q
+    found = [state for _, state in continue_to(model, solver, q, first, last, np.linspace(0, 1, 9))]
+    solver.close()
+    return np.array([[*model.tensions(state.forces), 4 * state.contact] for state in found])
+
+
+def test_updates_change_no_state_and_save_tangents(tiny, s720, monkeypatch, tangents):
+    """Both ways end at |r| <= 1e-8 of the forces."""
+    plain = _loaded(tiny, s720, monkeypatch, near=0.0)
+    without = len(tangents)
+    tangents.clear()
+    updated = _loaded(tiny, s720, monkeypatch, near=1e-2)
+    assert np.allclose(updated, plain, rtol=1e-7)
+    assert len(tangents) < 0.8 * without
+
+
+def test_broyden_update_is_the_secant_one():
+    """The step from stored steps is -B^-1 r with B built up by Broyden's rank-one updates as matrices."""
+    random = np.random.default_rng(1)
+    B = np.eye(6) + 0.2 * random.normal(size=(6, 6))
+    first, x, taken = B.copy(), random.normal(size=6), []
+
+    def residual(x):
+        return x + 0.3 * np.sin(x) + 0.1 * x[::-1] ** 2
+
+    r = residual(x)
+    for _ in range(4):
+        step = newton._corrected(-np.linalg.solve(first, r), taken)
+        assert np.allclose(step, -np.linalg.solve(B, r))
+        after = residual(x + step)
+        B = B + np.outer(after - r - B @ step, step) / (step @ step)
+        taken.append(step)
+        x, r = x + step, after
+
+
+def test_a_step_that_overshoots_is_shortened(tiny, s720):
+    """To where the residual no longer pulls back; whole steps across a slack kink went round in cycles."""
+    model = CrossoverModel(tiny, s720)
+    solver = newton.Newton(model)
+    load = Load((2e-6, 8e-6))
+    q = np.zeros(model.size)
+    for share in np.linspace(0.1, 1, 10):
+        q = solver.solve(q, Load().towards(load, share)).q
+    astray = 1e-11 * np.random.default_rng(0).normal(size=model.size)
+    for times, share in ((-8.0, 1 / 8), (-0.5, 1.0), (8.0, 1.0)):  # beyond equilibrium, on this side, and away from it
+        state = solver._evaluate(q + astray, load)
+        pull = -(state.residual @ (times * astray))
+        found, kept = solver._move(state, times * astray, load)
+        assert kept == pytest.approx(share, rel=0.6 if share < 1 else 0)
+        left = found.residual @ (times * astray)
+        assert times > 0 or left <= newton.OVERSHOT * pull
+    solver.close()
+
+
+def test_a_kink_met_from_its_soft_side_is_found():
+    """1 N/m up to 0.9 of the step, 1e4 N/m from there on: false position alone creeps along the soft side."""
+
+    class Kinked(newton.Newton):
+        def _evaluate(self, q, load):
+            r = np.array([q[0] - 1.0 + 1e4 * max(q[0] - 0.9, 0.0)])
+            return newton._State(q, None, r, 0.0, np.zeros(2), abs(r[0]), 1.0)
+
+    solver = Kinked(model=None)
+    state = solver._evaluate(np.zeros(1), None)
+    step = np.ones(1)
+    found, share = solver._along(state, step, solver._evaluate(step, None), None)
+    assert abs(found.residual[0]) < newton.OVERSHOT
+    assert 0.5 < share < 0.91
+
+
+def test_linear_guess_follows_the_load(tiny, s720):
+    """Halving the load's step divides what the guess leaves by four."""
+    model = CrossoverModel(tiny, s720)
+    solver = newton.Newton(model)
+    here, there = Load((15e-6, 15e-6)), Load((15.4e-6, 15.4e-6))
+    assert solver.linear_guess(np.zeros(model.size), Load(), here) is None
+    q = np.zeros(model.size)
+    for share in np.linspace(0.1, 1, 10):
+        q = solver.solve(q, Load().towards(here, share)).q
+    model.forces(q, here)
+    model.system(q, here)
+    solver._solver.factor()
+    left = []
+    for share in (1.0, 0.5):
+        load = here.towards(there, share)
+        left.append(solver._evaluate(solver.linear_guess(q, here, load), load).norm)
+    held = solver._evaluate(q, there).norm
+    solver.close()
+    assert left[0] < 0.05 * held
+    assert left[0] / left[1] == pytest.approx(4, rel=0.3)
+
+
+def test_visit_says_where_there_is_no_equilibrium(tiny, s720):
+    model = CrossoverModel(tiny, s720)
+    solver = newton.Newton(model)
+    q = solver.solve(np.zeros(model.size), Load()).q
+    with pytest.raises(UnstableError, match="d2 = -"):
+        list(continue_to(model, solver, q, Load(), Load((0.0, -0.4e-3)), [1.0]))
+    solver.close()
+
+
+def test_the_yarn_that_gives_way_is_named():
+    """By its own name, wherever there are more than one warp and one weft."""
+
+    class Model:
+        crossover = SimpleNamespace(yarn=np.array([0, 1, 2]), names=("warp_1", "warp_2", "weft_1"))
+
+        def positions(self, q, load):
+            return q
+
+        def worst_element(self, x):
+            return 1, 0.5
+
+    with pytest.raises(UnstableError, match="warp_2 element 1"):
+        newton.Newton(Model())._refuse("no way", None, Load())
+
+
+PARALLEL = """
+import sys
+from mpi4py import MPI
+from fabrics import catalogue
+from meshing import crossover
+from unitcell3d.model.crossover import CrossoverModel, Load
+from unitcell3d.solver.load_stepping import march
+fabric = catalogue.load("S-720")
+model = CrossoverModel(crossover.build(fabric, size=(4, 3, 2)), fabric)
+h = march(model, Load(), Load((12e-6, 12e-6)), comm=MPI.COMM_WORLD)
+line = " ".join(float(value).hex() for value in (h.T1[-1], h.T2[-1], h.F_c[-1], h.h1[-1], h.h2[-1]))
+sys.stdout.write(f"forces {MPI.COMM_WORLD.size} {line}\\n")
+"""
+
+
+def test_two_processes_give_the_same_numbers(tiny, s720):
+    """Factorised together under mpirun, the path ends where one process ends it, to 1e-8; both say so alike."""
+    launch = ["mpirun", "--allow-run-as-root", "--oversubscribe", "-n", "2", sys.executable, "-c", PARALLEL]
+    # this process may be an MPI process already, whose children are not to take its place
+    alone = {key: value for key, value in os.environ.items() if not key.startswith(("OMPI", "PMIX"))}
+    try:
+        done = subprocess.run(launch, capture_output=True, text=True, timeout=300, env=alone)
+    except FileNotFoundError:
+        pytest.skip("no mpirun")
+    assert done.returncode == 0, done.stderr
+    said = [line.split()[1:] for line in done.stdout.splitlines() if line.startswith("forces")]
+    assert len(said) == 2
+    assert said[0] == said[1]
+    assert said[0][0] == "2"
+    one = march(CrossoverModel(tiny, s720), Load(), Load((12e-6, 12e-6)))
+    numbers = [getattr(one, name)[-1] for name in ("T1", "T2", "F_c", "h1", "h2")]
+    assert [float.fromhex(word) for word in said[0][1:]] == pytest.approx(numbers, rel=1e-8)

@@ -1,0 +1,63 @@
+"""The pencilling study: its cases are those of Table 6-2, a small one runs, a table and pictures come of it."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from fabrics.errors import UnstableError
+from shellfabric.backing.block import Backing
+from shellfabric.panel.model import Numerics
+from validation.published.pencilling import __main__ as command
+from validation.published.pencilling import pictures
+from validation.published.pencilling.__main__ import name_of, table
+from validation.published.pencilling.study import CASES, LIGHT, Case, march, shoot
+
+
+def test_cases_are_those_of_the_table():
+    assert [(c.plies, 96 * c.modulus, 1e3 * c.mass) for c in CASES.values()] == [
+        (1, 480, 1155), (1, 96, 1155), (1, 480, 231), (1, 96, 231), (4, 96, 1155)
+    ]  # fmt: skip
+    assert pytest.approx(5 * LIGHT) == CASES[1].mass
+    assert name_of(5) == "5: 4 plies, 96 GPa, 1155 g/m2"
+
+
+def test_a_target_has_the_mass_and_modulus_of_its_case():
+    small = Backing(size=(0.06, 0.06, 0.03), finest=3e-3, fine=6e-3, growth=1.5)
+    for case in (CASES[1], CASES[5]):
+        run = march(case, block=small, elements=1, opening=0.05)
+        weaves = [ply.weave for ply in run.pack.plies]
+        assert len(weaves) == case.plies
+        assert sum(weave.areal_density for weave in weaves) == pytest.approx(case.mass, rel=1e-9)
+        # E A of a yarn is that of S-728 times the factor, whatever the mass
+        assert weaves[0].warp.EA == pytest.approx(case.modulus * 96e9 * 1.7039e-4 / 1440, rel=1e-3)
+        assert not run.pack.plies[0].failure
+        # stiff yarns that snap taut take half the usual step
+        usual = replace(run.pack.plies[0], numerics=Numerics())
+        assert run.const.dt == pytest.approx(0.5 * usual.time_step, rel=1e-12)
+
+
+def test_a_command_without_a_shot_says_why(monkeypatch, tmp_path):
+    def breaks(*_, **__):
+        raise UnstableError("plies come through each other", where="4 plies", when="after 71 us")
+
+    monkeypatch.setattr(command, "shoot", breaks)
+    monkeypatch.setattr("sys.argv", ["pencilling", "5", "--no-bare", "--out", str(tmp_path)])
+    with pytest.raises(UnstableError, match="come through"):
+        command.main()
+    assert not any(tmp_path.iterdir())
+
+
+@pytest.mark.slow
+def test_a_shot_and_its_pictures(tmp_path):
+    small = Backing(size=(0.1, 0.1, 0.05), finest=3e-3, fine=6e-3, growth=1.5, points=1)
+    shot = shoot(replace(CASES[4]), block=small, elements=1, opening=0.08, velocity=100.0, end_time=60e-6)
+    assert shot.balance < 0.005
+    assert shot.depth > 2e-3
+    assert np.isfinite(shot.steepness)
+    rows = table({"a": shot})
+    assert len(rows[0]) == len(rows[1])
+    pictures.depths({"a": shot}, tmp_path / "d.png")
+    pictures.craters({"a": shot, "b": shot}, tmp_path / "c.png")
+    assert (tmp_path / "c.png").stat().st_size > 1000
+    assert Case(1, 1.0, 0.2) != CASES[4]

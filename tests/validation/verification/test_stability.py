@@ -1,0 +1,219 @@
+"""Stability maps: edges on made-up methods; of each real one, that its guard speaks outside and the default is in."""
+
+from dataclasses import replace
+
+import pytest
+
+from fabrics.errors import UnstableError
+from validation.verification.stability import core, edge_radius, penalty, plies, shots, study, time_step, viscosity
+from validation.verification.stability.core import ABOVE, BELOW, FAILED, STABLE, WRONG, Axis, Map, Outcome
+
+
+def made_up(**changes):
+    """A method that is wrong below 0.1, fails above 3, and has its default at 1."""
+
+    def point(x, y):
+        def run():
+            if x > 3:
+                raise UnstableError("it broke", where="everywhere", when="at once")
+            return Outcome(STABLE if x >= 0.1 else WRONG, x)
+
+        return core.guarded(run)
+
+    given = {
+        "x": Axis("x", (0.0, 0.05, 0.5, 1.0, 2.0, 8.0)), "y": Axis("y", ("only",)), "point": point,
+        "default": (1.0, "only"), "sides": (ABOVE, BELOW),
+    }  # fmt: skip
+    return Map("made", "Made up", "", **(given | changes))
+
+
+def explored(chart, halvings=8):
+    return core.explore(chart, lambda points: [chart.point(*point) for point in points], halvings)
+
+
+def test_edges_are_found_and_margins_are_ratios():
+    found = explored(made_up())
+    above, below = found.edges
+    assert above.value == pytest.approx(3, rel=0.01)
+    assert above.margin == pytest.approx(3, rel=0.01)
+    assert above.beyond.kind == FAILED
+    assert above.beyond.told == "it broke, at everywhere, at once"
+    assert below.value == pytest.approx(0.1, rel=0.01)
+    assert below.margin == pytest.approx(10, rel=0.01)
+    assert found.count(WRONG) == 2
+    assert above.enough
+
+
+def test_a_default_near_the_edge_and_one_outside_are_told():
+    near = explored(made_up(default=(2.5, "only"), x=Axis("x", (1.0, 2.5, 8.0)), sides=(ABOVE,))).edges[0]
+    assert near.margin == pytest.approx(1.2, rel=0.01)
+    assert not near.enough
+    outside = explored(made_up(default=(8.0, "only"), sides=(ABOVE,))).edges[0]
+    assert outside.margin == 1.0
+    assert not outside.enough
+
+
+def test_an_edge_that_is_not_met_is_at_least_the_end_of_the_axis():
+    edge = explored(made_up(x=Axis("x", (1.0, 2.0)), sides=(ABOVE,))).edges[0]
+    assert not edge.met
+    assert edge.margin == 2.0
+
+
+def test_margins_are_told_in_the_unit_that_the_axis_names():
+    from validation.verification.stability import page
+
+    found = explored(made_up(x=Axis("x [mm]", (0.0, 0.05, 0.5, 1.0, 2.0, 8.0), unit=1e-3)))
+    rows = [line.split(" | ") for line in page.margins([found]).splitlines()[2:]]
+    assert [row[1] for row in rows] == ["1000", "1000"]
+    assert float(rows[0][3]) == pytest.approx(3000, rel=0.01)
+    assert float(rows[1][3]) == pytest.approx(100, rel=0.01)
+
+
+# the maps, with the guard of each outside its stable region
+
+
+def failed(outcome, text):
+    """Whether a guard has stopped a point and said why, where and when."""
+    return outcome.kind == FAILED and text in outcome.told and ", at " in outcome.told
+
+
+def test_time_step():
+    assert time_step.point(0.9, "S-720, default").kind == STABLE
+    outcome = time_step.point(2.0, "S-720, default")
+    assert failed(outcome, "a node moves at") or failed(outcome, "the energy balance is off by")
+    with pytest.raises(UnstableError) as caught:
+        time_step.shot(2.0, "straight yarns")
+    assert caught.value.exit_code == 3
+
+
+@pytest.mark.parametrize("cloth", time_step.CLOTHS)
+def test_the_default_step_has_a_margin_on_every_cloth(cloth):
+    """One and a half of the default is stable: of the equilibrium form, of taut cloth and of one that rings too."""
+    assert time_step.point(core.ASKED * time_step.Numerics.safety, cloth).kind == STABLE
+
+
+def test_the_step_leaves_the_contact_as_it_is():
+    """Half the step has the same contact: peaks stay within 1 %, where one four times as stiff moves them by more."""
+    usual, half = time_step.shot(0.9, "S-720, default"), time_step.shot(0.45, "S-720, default")
+    assert half.off(usual) < 0.01
+    assert shots.fire(failure=False, safety=0.45).off(shots.fire(failure=False)) > 0.01
+
+
+def test_viscosity():
+    assert viscosity.point(0.1, 92.5).kind == STABLE
+    assert viscosity.point(0.0, 92.5).kind == WRONG  # it rings, which nothing but a comparison shows
+
+
+def test_penalty_of_the_nose():
+    """Beyond the bound the contact gives energy: without the guard the run ends quietly, its peaks 65 % too high."""
+    assert penalty.point(0.6, 0.5).kind == STABLE
+    assert failed(penalty.point(4.0, 0.5), "the contact has given")
+
+
+def test_contact_between_plies():
+    assert plies.point(0.2, "smooth").kind == STABLE
+    assert failed(plies.point(2.0, "smooth"), "the contact between plies has given")
+    assert plies.point(0.2, "nodes").kind == WRONG
+    soft = plies.point(0.02, "smooth")
+    assert soft.kind == WRONG
+    assert "ply penetration" in {check.name for check in soft.checks if not check.ok}
+
+
+def test_edge_radius():
+    assert edge_radius.point(0.3e-3, "1 a crossover").kind == STABLE
+    coarse = edge_radius.point(0.3e-3, "1/4 a crossover")
+    assert coarse.kind == WRONG
+    assert "failed segments, 0 on the finest mesh" in coarse.told
+
+
+def test_hourglass():
+    pytest.importorskip("gmsh")
+    from validation.verification.stability import hourglass
+
+    assert hourglass.point(1.0, 0.8).kind == STABLE
+    assert hourglass.point(0.0, 0.8).kind == WRONG
+    assert failed(hourglass.point(1.0, 4.0), "")
+
+
+def test_newton_on_two_heights_and_the_bracket():
+    from validation.verification.stability import bracket, newton
+
+    assert newton.point(16e-6, 16e-6).kind == STABLE
+    assert newton.point(-10e-6, -10e-6).kind == WRONG  # a root of negative force
+    assert newton.point(0.0, 0.0).kind == FAILED  # it divides by nothing
+    for place in ((16e-6, 16e-6), (-10e-6, -10e-6), (0.0, 0.0), (10e-6, -10e-6), (-4e-6, 8e-6)):
+        outcome = bracket.point(*place)
+        assert outcome.kind == STABLE
+        assert outcome.value < 30
+
+
+def test_printed_law():
+    from validation.verification.stability import printed_law
+
+    outcome = printed_law.point(0.0, 0.0)
+    assert outcome.kind == WRONG
+    assert "where there is none" in outcome.told
+    assert printed_law.point(20e-6, 20e-6).kind == STABLE
+
+
+def test_load_step():
+    pytest.importorskip("dolfinx")
+    from validation.verification.stability import load_step
+
+    assert load_step.point(0.1, "warp only").kind == STABLE
+    assert failed(load_step.point(1.0, "warp only"), "the crossover found no equilibrium: no convergence")
+
+
+def test_bars():
+    pytest.importorskip("dolfinx")
+    from validation.verification.stability import bars
+
+    assert bars.point(44, "2 x 2 x 2 points").kind == STABLE
+
+
+def test_bias():
+    from validation.verification.stability import bias
+
+    assert bias.point(1.0, bias.LAWS[0]).kind == STABLE
+    assert failed(bias.point(0.0, bias.LAWS[0]), "the shear has run into bands")
+
+
+def test_every_map_has_its_default_on_it():
+    for key in study.MAPS:
+        if key in ("load-step", "bars"):
+            pytest.importorskip("dolfinx")
+        chart = study.load(key)
+        assert chart.key == key
+        if chart.default is not None:
+            assert chart.default in chart.points
+            assert chart.default[0] in chart.x.values
+        assert not chart.sides or chart.default is not None
+
+
+def test_a_map_from_end_to_end_and_resumed(tmp_path, monkeypatch):
+    from validation.verification.stability import page, pictures, tables
+
+    found = study.run("penalty", tmp_path / "points", quick=True)
+    assert {edge.side for edge in found.edges} == {ABOVE, BELOW}
+    assert all(edge.enough for edge in found.edges)
+    pictures.draw(found, tmp_path / "map.png")
+    assert (tmp_path / "map.png").read_bytes()[:4] == b"\x89PNG"
+    tables.write(found, tmp_path, "here and now")
+    read, made = tables.read(study.load("penalty", quick=True), tmp_path)
+    assert made == "here and now"
+    assert read.outcomes == found.outcomes
+    assert [edge.margin for edge in read.edges] == [edge.margin for edge in found.edges]
+    page.write([(read, made)], tmp_path / "stability.md", "weavecell stability")
+    assert "the contact has given" in (tmp_path / "stability.md").read_text()
+    monkeypatch.setattr(shots, "fire", None)  # nothing is run again
+    again = study.run("penalty", tmp_path / "points", quick=True, resume=True)
+    assert again.outcomes == found.outcomes
+
+
+def test_knobs_out_of_their_range_are_refused_where_a_user_gives_them():
+    from fabrics.errors import InputError
+    from shellfabric.panel.model import Numerics
+
+    with pytest.raises(InputError, match="safety"):
+        Numerics(safety=1.5)
+    assert replace(shots.Beyond(), safety=1.5).safety == 1.5

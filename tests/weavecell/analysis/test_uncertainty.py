@@ -1,0 +1,183 @@
+"""Scatter: indices and likelihoods against closed forms, draws, rounds, and the limit without scatter."""
+
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
+from math import gamma
+
+import numpy as np
+import pytest
+
+from fabrics import catalogue
+from fabrics.errors import InputError
+from shellfabric.cell.model import CellModel
+from shellfabric.cloth import failure_kernels
+from shellfabric.impact import ballistic_limit
+from shellfabric.impact.single_ply import ImpactSetup
+from shellfabric.panel.model import Numerics, Panel
+from weavecell.analysis.uncertainty import inputs, probit, sobol, v50
+
+OPENING = 0.0306
+
+
+@pytest.fixture(scope="module")
+def fabric():
+    return catalogue.load("S-720").with_effective_density()
+
+
+@pytest.fixture(scope="module")
+def panel(fabric):
+    return Panel(CellModel(fabric).table(21), (OPENING, OPENING), symmetry="whole")
+
+
+def test_ishigami_has_its_known_indices():
+    """y = sin x1 + 7 sin^2 x2 + 0.1 x3^4 sin x1 over -pi .. pi."""
+    given = {"num_vars": 3, "names": ["x1", "x2", "x3"], "bounds": [[-np.pi, np.pi]] * 3}
+    x = sobol.sample(given, 2048, seed=1)
+    y = np.sin(x[:, 0]) + 7 * np.sin(x[:, 1]) ** 2 + 0.1 * x[:, 2] ** 4 * np.sin(x[:, 0])
+    first, first_half, total, total_half = sobol.estimate(given, y, seed=1)
+    np.testing.assert_allclose(first, [0.3139, 0.4424, 0.0], atol=0.03)
+    np.testing.assert_allclose(total, [0.5576, 0.4424, 0.2437], atol=0.03)
+    assert np.all(first_half < 0.1)
+    assert np.all(total_half < 0.1)
+
+
+def test_what_does_not_vary_has_no_indices():
+    given = sobol.problem(inputs.table("range"))
+    assert np.isnan(sobol.estimate(given, np.ones(2 * 11), seed=1)[0]).all()
+    with pytest.raises(InputError, match="power of 2"):
+        sobol.sample(given, 12, seed=1)
+
+
+def test_changed_fabric(fabric):
+    heavy = inputs.changed(fabric, areal_density=1.04, crimp_warp=0.8, failure_strain=1.2, trellis_stiffness=1.2)
+    warp, old = heavy.weave.warp, fabric.weave.warp
+    assert warp.EA == pytest.approx(old.EA, rel=1e-12)
+    assert warp.linear_density == pytest.approx(1.04 * old.linear_density, rel=1e-12)
+    assert warp.strength == pytest.approx(1.2 * old.strength, rel=1e-12)
+    assert (warp.crimp, heavy.weave.weft.crimp) == pytest.approx((0.8 * old.crimp, fabric.weave.weft.crimp))
+    assert heavy.shear.G2 == pytest.approx(1.2 * fabric.shear.G2)
+    with pytest.raises(InputError, match="stiffnes"):
+        inputs.changed(fabric, stiffnes=1.0)
+
+
+def test_likelihood_of_repeated_shots_at_two_velocities():
+    """With two velocities the curve goes through both shares: V50 and s in closed form."""
+    V = np.repeat([100.0, 120.0], 10)
+    hit = np.tile(np.arange(10), 2) < np.repeat([2, 7], 10)
+    for link, law in probit.LINKS.items():
+        curve = probit.fit(V, hit, link=link)
+        s = 20 / (law.ppf(0.7) - law.ppf(0.2))
+        assert curve.s == pytest.approx(s, rel=1e-5)
+        assert curve.V50 == pytest.approx(100 - s * law.ppf(0.2), rel=1e-6)
+        low, high = curve.intervals["V50"]
+        assert low < curve.V50 < high
+
+
+def test_separated_shots():
+    curve = probit.fit([90, 95, 100, 105, 110], [False, False, False, True, True])
+    assert (curve.V50, curve.s, curve.separated) == (102.5, 0.0, True)
+    low, high = curve.intervals["V50"]
+    assert low < 100
+    assert 105 < high
+    with pytest.raises(InputError, match="stopped and shots"):
+        probit.fit([90, 95], [True, True])
+
+
+def test_drawn_strengths(fabric):
+    """Mean of the fabric's strength at the gauge length, the known deviation, and weaker by length^(-1/m)."""
+    scatter, n = v50.Scatter(shape=14.3, gauge_length=0.2), 200_000
+    _, (short, long) = v50.draw(fabric, scatter, 1, 0, (n, n), (0.2, 0.4))
+    m = scatter.shape
+    deviation = (gamma(1 + 2 / m) / gamma(1 + 1 / m) ** 2 - 1) ** 0.5
+    assert short.mean() == pytest.approx(1.0, abs=1e-3)
+    assert short.std() == pytest.approx(deviation, rel=0.01)
+    assert long.mean() == pytest.approx(0.5 ** (1 / m), abs=1e-3)
+    factors, plain = v50.draw(fabric, v50.Scatter(), 1, 0, (3, 4), (0.2, 0.2))
+    assert factors == {"modulus": 1.0, "crimp_warp": 1.0, "crimp_weft": 1.0}
+    assert all((part == 1).all() for part in plain)
+
+
+@pytest.mark.parametrize("per", [1, 2])
+def test_each_yarn_has_its_own_strength(panel, per):
+    """Against a plain loop over yarns; the weakest decides from where on failures are looked for."""
+    random, panel = np.random.default_rng(2), replace(panel, elements_per_crossover=per)
+    factors = tuple(random.uniform(0.5, 1.5, count) for count in panel.yarn_counts)
+    panel = replace(panel, strength_factors=factors)
+    const, state = panel.constants(), panel.state(1.0)
+    strengths = tuple(yarn.strength * part for yarn, part in zip(panel.weave.yarns, factors))
+    assert (const.min_strength1, const.min_strength2) == (strengths[0].min(), strengths[1].min())
+    for family in (0, 1):
+        state.T[family][:] = panel.weave.yarns[family].strength
+        wanted = np.count_nonzero(factors[family] < 1) * panel.counts[family] // per
+        assert failure_kernels.any_past_strength(const, state, family, 0, const.ni)
+        assert failure_kernels.detect_failures(const, state, family, 0, const.ni) == wanted
+        assert not failure_kernels.any_past_strength(const, state, family, 0, const.ni)
+        failed = state.failed[family][: (const.ni + 1) * const.row_stride].reshape(-1, const.row_stride)
+        lines = np.flatnonzero(failed.any(axis=family))
+        np.testing.assert_array_equal(lines, per * np.flatnonzero(factors[family] < 1))
+
+
+def test_wrong_factors_are_refused(panel):
+    for wrong in (np.ones(3), np.zeros(panel.yarn_counts[0])):
+        with pytest.raises(InputError, match="strength_factors of the warp"):
+            replace(panel, strength_factors=(wrong, np.ones(panel.yarn_counts[1])))
+
+
+def test_without_scatter_it_is_the_deterministic_limit(fabric, tmp_path):
+    """On a panel with one limit: 30.6 mm has stops above perforations without any scatter, and so no sharp one."""
+    found = v50.study(fabric, v50.Scatter(), shots=16, batch=8, folder=tmp_path, opening=0.08)
+    panel = ImpactSetup(fabric, 1.0, opening=0.08, numerics=Numerics(threads=1)).panel()
+    known = ballistic_limit.critical_velocity(panel, tolerance=1.0)
+    assert found.deterministic == (known.low, known.high)
+    curve = found.curves["probit"]
+    assert curve.separated
+    gap = [s.velocity for s in found.shots if s.perforated], [s.velocity for s in found.shots if not s.perforated]
+    width = min(gap[0]) - max(gap[1])
+    assert abs(curve.V50 - known.velocity) <= known.half_width + 0.5 * width
+    assert width < 2.0
+
+
+@pytest.mark.parametrize("link", probit.LINKS)
+def test_the_curve_is_that_of_statsmodels(link):
+    """The same likelihood and its maximum; and intervals of V50 like its normal ones, where shots are many."""
+    models = pytest.importorskip("statsmodels.api")
+    random = np.random.default_rng(1)
+    V = random.uniform(80.0, 120.0, 200)
+    hit = random.uniform(size=V.size) < probit.LINKS[link].cdf((V - 100.0) / 3.0)
+    ours = probit.fit(V, hit, link=link)
+    model = {"probit": models.Probit, "logit": models.Logit}[link]
+    found = model(hit.astype(float), models.add_constant(V - 100.0)).fit(disp=0, tol=1e-12)
+    b0, b1 = found.params
+    assert (ours.V50, ours.s, ours.likelihood) == pytest.approx((100.0 - b0 / b1, 1 / b1, found.llf), rel=1e-5)
+    slope = np.array([-1 / b1, b0 / b1**2])
+    half = 1.96 * np.sqrt(slope @ found.cov_params() @ slope)
+    assert ours.intervals["V50"] == pytest.approx((ours.V50 - half, ours.V50 + half), abs=0.1)
+
+
+def test_shots_are_those_of_their_numbers_whatever_the_workers(fabric, tmp_path):
+    scatter = inputs.published()
+    arguments = {"shots": 8, "batch": 4, "opening": OPENING, "tolerance": 10.0}
+    alone = v50.study(fabric, scatter, folder=tmp_path / "a", **arguments)
+    with ThreadPoolExecutor(3) as workers:
+        beside = v50.study(fabric, scatter, folder=tmp_path / "b", executor=workers, **arguments)
+    assert alone == beside
+    told = []
+    again = v50.study(
+        fabric, scatter, folder=tmp_path / "a", report=lambda share, text: told.append(share), **arguments
+    )
+    assert again == alone
+    assert told == [0.5, 1.0]  # nothing was run again: a report of each round as it is found on disk
+
+
+def test_a_small_study_and_what_it_resumes_from(fabric, tmp_path):
+    arguments = {"samples": 2, "folder": tmp_path, "opening": OPENING, "names": ("modulus", "failure_strain")}
+    found = sobol.study(fabric, (60.0, 170.0), **arguments)
+    assert [(one.velocity, one.quantity) for one in found] == [
+        (v, name) for v in (60.0, 170.0) for name in sobol.QUANTITIES
+    ]
+    assert found[2].perforated == 1.0
+    assert found[3].deviation > 0
+    counts = []
+    again = sobol.study(fabric, (60.0, 170.0), report=lambda done, total: counts.append((done, total)), **arguments)
+    assert counts == [(8, 8)]
+    np.testing.assert_array_equal([one.total for one in again], [one.total for one in found])

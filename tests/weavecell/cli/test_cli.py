@@ -1,0 +1,118 @@
+"""The command line: help with an example on every command, a fast start, version, exit codes, the catalogue."""
+
+import csv
+import re
+import subprocess
+import sys
+
+import pytest
+import typer
+
+import weavecell
+from fabrics import catalogue
+from weavecell.cli import app
+
+COMMANDS = (
+    "",
+    "demo",
+    "mesh",
+    "calibrate",
+    "surface",
+    "biaxial",
+    "coupon",
+    "impact",
+    "critical-velocity",
+    "view",
+    "fabrics",
+    "fabrics list",
+    "fabrics show",
+)
+
+
+@pytest.mark.parametrize("words", COMMANDS)
+def test_help_has_an_example(command, words):
+    code, out, _ = command(*words.split(), "--help")
+    assert code == 0
+    assert "Example: weavecell" in out
+
+
+def commands(group, words=()):
+    """(words, click command) of a group and of all below it."""
+    yield words, group
+    for name, below in getattr(group, "commands", {}).items():
+        yield from commands(below, (*words, name))
+
+
+def test_help_keeps_its_brackets(command, monkeypatch):
+    """Rich takes [word] for a style; each one of a help text must be one, or be escaped and so be shown."""
+    monkeypatch.setenv("COLUMNS", "200")
+    found = 0
+    for words, one in commands(typer.main.get_command(app.app)):
+        shown = " ".join(command(*words, "--help")[1].split())
+        texts = [one.help, one.epilog, *(getattr(entry, "help", None) for entry in one.params)]
+        for text in filter(None, texts):
+            for escape, inside in re.findall(r"(\\?)\[([^\]]*)\]", text):
+                assert escape or inside in ("bold", "/bold"), f"{' '.join(words)}: [{inside}]"
+                if escape:
+                    assert f"[{inside}]" in shown, f"{' '.join(words)}: [{inside}]"
+                    found += 1
+    assert found >= 6
+    assert "[accuracy]" in command("impact", "--help")[1]
+
+
+def test_version(command):
+    assert command("--version")[:2] == (0, f"weavecell {weavecell.__version__}\n")
+
+
+def test_as_module_and_without_heavy_imports():
+    """`python -m weavecell --help` works, and help must not wait for a solver or a plotter to load."""
+    done = subprocess.run([sys.executable, "-m", "weavecell", "--help"], capture_output=True, text=True, check=True)
+    assert "unit cell, calibration, impact" in done.stdout
+    script = (
+        "import sys\nfrom weavecell.cli import app\n"
+        "try: app.main(['--help'])\nexcept SystemExit: pass\n"
+        "heavy = {'numpy', 'numba', 'pydantic', 'pyvista', 'matplotlib', 'pint'}\n"
+        "print(sorted(heavy & set(sys.modules)))"
+    )
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
+    assert done.stdout.strip().endswith("[]")
+
+
+def test_unknown_command(command):
+    code, _, err = command("shoot")
+    assert code == 2
+    assert err == "error: No such command 'shoot'.\n"
+
+
+def test_list_shows_every_fabric(command, tmp_path):
+    code, out, _ = command("fabrics", "list", "--out", "fabrics.csv")
+    assert code == 0
+    rows = list(csv.DictReader((tmp_path / "fabrics.csv").open(encoding="utf-8")))
+    assert tuple(row["fabric"] for row in rows) == catalogue.list_names()
+    assert all(name in out for name in catalogue.list_names())
+    assert next(row for row in rows if row["fabric"] == "S-720")["mass [g/m²]"] == "252.9"
+
+
+def test_show_gives_every_number_its_source(command, monkeypatch):
+    monkeypatch.setenv("COLUMNS", "200")
+    code, out, _ = command("fabrics", "show", "S-720")
+    assert code == 0
+    for key, entry in catalogue.load("S-720").sources.items():
+        line = next(line for line in out.splitlines() if line.split()[:1] == [key])
+        assert entry["value"] in line
+        assert entry["status"] in line
+        assert entry["source"].split(",")[0][:30] in line
+
+
+def test_show_copies_the_data_file_and_never_over_another(command, tmp_path):
+    assert command("fabrics", "show", "S-728", "--out", ".")[0] == 0
+    assert catalogue.read(tmp_path / "S-728.toml").weave == catalogue.load("S-728").weave
+    code, _, err = command("fabrics", "show", "S-728", "--out", ".")
+    assert (code, err) == (2, "error: S-728.toml: exists already\n")
+
+
+def test_show_of_a_copied_file_is_a_fabric_file(command, tmp_path):
+    command("fabrics", "show", "S-728", "--out", ".")
+    code, out, _ = command("fabrics", "show", "S-728.toml")
+    assert code == 0
+    assert "0.4391 mm" in out

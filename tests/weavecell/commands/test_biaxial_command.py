@@ -1,0 +1,89 @@
+"""`weavecell biaxial`: the cell at a ratio of strains to the strength of a yarn, alone and beside the 3D crossover."""
+
+import csv
+import json
+
+import numpy as np
+import pytest
+
+from fabrics import catalogue
+from fabrics.errors import InputError
+from shellfabric.cell.biaxial_path import to_strength
+from shellfabric.cell.model import CellModel
+
+
+@pytest.mark.parametrize("ratio", [(1, 1), (2, 1), (1, 0), (0, 3)])
+def test_a_path_ends_at_the_strength(ratio):
+    model = CellModel(catalogue.load("S-731"), form="variational")
+    path = to_strength(model, ratio, 11)
+    yarns = model.fabric.weave.yarns
+    k = ("warp", "weft").index(path.failed)
+    assert path.tension[-1, k] == pytest.approx(yarns[k].strength, rel=1e-6)
+    assert path.tension[-1, 1 - k] <= yarns[1 - k].strength
+    assert path.strain[:, 0] * ratio[1] == pytest.approx(path.strain[:, 1] * ratio[0], abs=1e-15)
+    assert path.strain[0].max() == 0
+    alone = model.solve(*(1 + path.strain[5]))
+    assert path.response["F"][5] == pytest.approx(alone["F"])
+
+
+@pytest.mark.parametrize("ratio", [(0, 0), (1, -1), (1, np.nan), (1,)])
+def test_paths_that_lead_nowhere(ratio):
+    with pytest.raises(InputError, match="ratio"):
+        to_strength(CellModel(catalogue.load("S-720"), form="variational"), ratio)
+
+
+def test_command(command, tmp_path):
+    code, out, err = command("biaxial", "S-731", "--ratio", "1:1", "--ratio", "1:0", "--out", "b")
+    assert code == 0, err
+    folder = tmp_path / "b"
+    assert sorted(p.name for p in folder.iterdir()) == ["biaxial.csv", "biaxial.json", "pictures", "report.html"]
+    rows = list(csv.DictReader((folder / "biaxial.csv").open(encoding="utf-8")))
+    assert {row["ratio"] for row in rows} == {"1:1", "1:0"}
+    told = json.loads((folder / "biaxial.json").read_text())["paths"]
+    strength = catalogue.load("S-731").with_effective_density().weave.warp.strength
+    assert told["1:0"]["failed"] == "warp"
+    assert told["1:0"]["tension"][0] == pytest.approx(strength, rel=1e-6)
+    assert told["1:0"]["strain"][0] > 3 * told["1:1"]["strain"][0], "8 % of crimp goes first"
+    assert f"tensions {told['1:1']['tension'][0]:.1f}" in out
+    assert (folder / "report.html").read_text().count("<img") == 1
+
+
+def test_options_of_the_cell(command, tmp_path):
+    options = ("--ratio", "1:1", "--profile", "straight", "--fibre-slack", "0.1 %,0.05 %")
+    code, _, err = command("biaxial", "glass-unbalanced", *options, "--out", "b")
+    assert code == 0, err
+    told = json.loads((tmp_path / "b" / "biaxial.json").read_text())
+    assert (told["profile"], told["toe"]) == ("straight", [1e-3, 5e-4])
+    model = CellModel(catalogue.load("glass-unbalanced"), profile="straight", toe=(1e-3, 5e-4))
+    expected = to_strength(model, (1, 1))
+    assert told["paths"]["1:1"]["strain"] == pytest.approx(expected.strain[-1].tolist(), rel=1e-9)
+    linear = to_strength(CellModel(catalogue.load("glass-unbalanced")), (1, 1))
+    assert abs(expected.strain[-1, 0] - linear.strain[-1, 0]) > 1e-4
+
+
+@pytest.mark.parametrize(
+    ("toe", "line"), [("20 %", "toe = 0.2: must be a strain"), ("soft", "--fibre-slack = 'soft': must")]
+)
+def test_bad_toes_write_nothing(command, tmp_path, toe, line):
+    code, out, err = command("biaxial", "S-720", "--fibre-slack", toe, "--out", "b")
+    assert (code, out) == (2, "")
+    assert err.startswith(f"error: {line}")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_beside_the_3d_crossover(command, tmp_path):
+    pytest.importorskip("dolfinx")
+    code, _, err = command("biaxial", "S-720", "--ratio", "1:1", "--compare-3d", "coarse", "--out", "b")
+    assert code == 0, err
+    assert (tmp_path / "b" / "1-1.h5").exists()
+    rms = json.loads((tmp_path / "b" / "biaxial.json").read_text())["paths"]["1:1"]["rms_from_3d"]
+    # another model of the same crossover, with the law that the source fitted to its own: near, and not the same
+    assert 0 < max(rms) < 0.1 * catalogue.load("S-720").weave.warp.strength
+
+
+@pytest.mark.parametrize("ratio", ["1", "1:-1", "0:0", "a:b", "1:1:1"])
+def test_bad_ratios_write_nothing(command, tmp_path, ratio):
+    code, out, err = command("biaxial", "S-720", "--ratio", ratio, "--out", "b")
+    line = f"error: --ratio = '{ratio}': must be two numbers of at least 0, one of them above, such as \"2:1\"\n"
+    assert (code, out, err) == (2, "", line)
+    assert list(tmp_path.iterdir()) == []

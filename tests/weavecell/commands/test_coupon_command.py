@@ -1,0 +1,239 @@
+"""`weavecell coupon`: its folder and numbers, resuming to the bit, an instability that names itself, bad scenes."""
+
+import json
+import math
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+
+from fabrics import catalogue
+from weavecell.commands import coupon
+from weavecell.scenes import build
+from weavecell.scenes import coupon as scenes_coupon
+
+ROOT = Path(__file__).parents[3]
+EXAMPLES = sorted((ROOT / "examples" / "coupons").glob("*.toml"))
+LONG, UNSTABLE = {"S-728-bias"}, {"S-728-no-trellis"}
+FRAME = """
+[fabric]
+name = "S-720"
+[picture_frame]
+shear_angle = "24 deg"
+crossovers = 4
+[run]
+steps = 4
+outputs = OUTPUTS
+"""
+BIAS = """
+[fabric]
+file = "EXAMPLES/fabrics/S-728-balanced.toml"
+[bias_extension]
+length = "57 mm"
+width = "29.6 mm"
+elongation = "4 mm"
+trellis = false
+[run]
+steps = 2
+max_iterations = 4000
+outputs = ["report"]
+""".replace("EXAMPLES", str(ROOT / "examples"))
+
+
+@pytest.fixture
+def scene(tmp_path):
+    def write(text=FRAME, outputs="[]"):
+        path = tmp_path / "scene.toml"
+        path.write_text(text.replace("OUTPUTS", outputs))
+        return path
+
+    return write
+
+
+def datasets(path):
+    with h5py.File(path) as file:
+        found = {}
+        file.visititems(
+            lambda name, item: found.update({name: item[()].tobytes()}) if isinstance(item, h5py.Dataset) else None
+        )
+        assert all("unit" in file[name].attrs for name in found)
+    return found
+
+
+def test_a_frame_gives_back_the_shear_law(command, scene, tmp_path):
+    code, out, err = command("coupon", scene(outputs='["pictures", "report"]'), "--out", "r")
+    assert code == 0, err
+    folder = tmp_path / "r"
+    everything = ["histories.h5", "pictures", "report.html", "scene.toml", "summary.json"]
+    assert sorted(path.name for path in folder.iterdir()) == everything
+    assert sorted(path.stem for path in (folder / "pictures").iterdir()) == ["coupon", "relaxation", "stress"]
+    assert (folder / "report.html").read_text().count("<img") == 4
+    told = json.loads((folder / "summary.json").read_text())
+    law = catalogue.load("S-720").shear.stress(math.radians(24))
+    assert told["at_end"]["shear stress"] == {"value": pytest.approx(law, rel=2e-3), "unit": "Pa"}
+    assert told["outcome"] == "complete"
+    assert told["provenance"]["commit"]
+    assert "shear stress" in out
+    with h5py.File(folder / "histories.h5") as file:
+        assert file["states/x"].shape == (4, 25, 2)
+        assert file["histories/shear angle"][-1] == pytest.approx(math.radians(24))
+        assert file["histories/iterations"][()].sum() == len(file["relaxation"])
+
+
+def test_an_interrupted_run_goes_on_bit_for_bit(command, scene, tmp_path, monkeypatch):
+    path = scene()
+    assert command("coupon", path, "--out", "whole")[0] == 0
+    keep, calls = coupon.write_states, []
+
+    def interrupted(*arguments):
+        keep(*arguments)
+        calls.append(1)
+        if len(calls) == 2:
+            raise KeyboardInterrupt
+
+    monkeypatch.setattr(coupon, "write_states", interrupted)
+    code, _, err = command("coupon", path, "--out", "parts")
+    assert (code, err.splitlines()[-1]) == (130, "error: interrupted; --resume goes on from its last step")
+    assert [p.name for p in (tmp_path / "parts").iterdir()] == ["checkpoint.h5"]
+    assert command("coupon", path, "--out", "parts", "--resume")[0] == 0
+    assert datasets(tmp_path / "parts" / "histories.h5") == datasets(tmp_path / "whole" / "histories.h5")
+    assert not (tmp_path / "parts" / "checkpoint.h5").exists()
+
+
+def test_only_its_own_checkpoint_is_gone_on_with(command, scene, tmp_path, monkeypatch):
+    path = scene()
+    code, _, err = command("coupon", path, "--out", "r", "--resume")
+    assert (code, err) == (2, "error: r/checkpoint.h5: there is no checkpoint to resume from\n")
+    keep = coupon.write_states
+
+    def interrupted(*arguments):
+        keep(*arguments)
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(coupon, "write_states", interrupted)
+    command("coupon", path, "--out", "r")
+    path.write_text(path.read_text().replace("24 deg", "25 deg"))
+    code, _, err = command("coupon", path, "--out", "r", "--resume")
+    assert (code, err.splitlines()[-1]) == (2, "error: r/checkpoint.h5: is the checkpoint of another scene")
+
+
+def test_bands_end_the_run_and_are_reported(command, scene, tmp_path):
+    """Figure 4-27: without the trellis the shear runs into bands; exit code 3, and what was computed is kept."""
+    code, out, err = command("coupon", scene(BIAS), "--out", "r")
+    assert code == 3
+    assert "error: the shear has run into bands" in err
+    assert "unstable" in out
+    told = json.loads((tmp_path / "r" / "summary.json").read_text())
+    assert told["outcome"] == "unstable"
+    assert told["at_end"]["shear concentration"]["value"] > 3
+    assert told["failure_message"] in (tmp_path / "r" / "report.html").read_text()
+    assert len(datasets(tmp_path / "r" / "histories.h5")) > 20
+
+
+def test_options_of_the_cell(command, scene, tmp_path):
+    """The load of a strip whose yarns have a toe is EA e_t less, once they are straight."""
+    text = """
+[fabric]
+name = "glass-balanced"
+cell_profile = "straight"
+fibre_slack = TOE
+[uniaxial]
+direction = "warp"
+length = "37 mm"
+width = "14 mm"
+strain = "1.2 %"
+[run]
+steps = 2
+outputs = []
+"""
+    loads = []
+    for toe in ("0", '["0.1 %", "0 %"]'):
+        code, _, err = command("coupon", scene(text.replace("TOE", toe)), "--out", f"r{len(loads)}")
+        assert code == 0, err
+        with h5py.File(tmp_path / f"r{len(loads)}" / "histories.h5") as file:
+            loads.append(next(v for k, v in _datasets(file) if "load of a yarn" in k)[-1])
+    assert loads[0] - loads[1] == pytest.approx(38000 * 1e-3, rel=0.05)
+
+
+def _datasets(group):
+    found = []
+    group.visititems(lambda name, item: found.append((name, item[()])) if isinstance(item, h5py.Dataset) else None)
+    return found
+
+
+BAD = {
+    "two tests": (
+        FRAME + '[uniaxial]\ndirection = "warp"\nlength = "1 cm"\nwidth = "1 cm"\nstrain = "1 %"\n',
+        "give exactly one of bias_extension, picture_frame, uniaxial and biaxial",
+    ),
+    "no test": (
+        '[fabric]\nname = "S-720"\n',
+        "give exactly one of bias_extension, picture_frame, uniaxial and biaxial",
+    ),
+    "wrong unit": (
+        FRAME.replace("24 deg", "24 mm"),
+        """picture_frame.shear_angle = '24 mm': must be an angle from 0.1 to 89 deg, such as "35 deg\"""",
+    ),
+    "unknown key": (
+        FRAME.replace("crossovers", "crossover"),
+        'picture_frame.crossover: unknown key, did you mean "crossovers"? allowed here: shear_angle, crossovers',
+    ),
+    "no fabric": (FRAME.replace('name = "S-720"', ""), "fabric: give exactly one of fabric.name and fabric.file"),
+    "too short": (
+        BIAS.replace("57 mm", "20 mm"),
+        "bias_extension.length = '20 mm': must be above the width, 29.6 mm",
+    ),
+    "too far": (BIAS.replace("4 mm", "20 mm"), "bias_extension.elongation = 0.02: must be within what aligned yarns"),
+    "held": (
+        '[fabric]\nname = "S-720"\n[biaxial]\nstrain = ["0 %", "0 %"]\n',
+        "biaxial.strain = ['0 %', '0 %']: must be a list of two strains",
+    ),
+    "form": (
+        FRAME.replace('name = "S-720"', 'name = "S-720"\ncell_formulation = "equilibrium"'),
+        "fabric.cell_formulation = 'equilibrium': must be variational in a quasi-static run",
+    ),
+    "steps": (FRAME.replace("steps = 4", "steps = 0"), "run.steps = 0: must be a whole number from 1 to 1000"),
+}
+
+
+@pytest.mark.parametrize("name", BAD)
+def test_bad_scene_is_one_line(command, scene, tmp_path, name):
+    text, line = BAD[name]
+    path = scene(text)
+    code, out, err = command("coupon", path, "--out", "r")
+    assert (code, out) == (2, "")
+    assert err.splitlines()[-1].startswith(f"error: {path}: {line}")
+    assert not (tmp_path / "r").exists()
+
+
+@pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
+def test_examples_are_good_scenes(path):
+    got, text = scenes_coupon.load(path)
+    build.build(got, path, path.stem)
+    assert f"weavecell coupon examples/coupons/{path.name}" in text
+
+
+@pytest.mark.parametrize(
+    "path",
+    [pytest.param(p, marks=pytest.mark.slow(30) if p.stem in LONG else (), id=p.stem) for p in EXAMPLES],
+)
+def test_examples_run(command, tmp_path, path):
+    code, _, err = command("coupon", path, "--out", "r")
+    told = json.loads((tmp_path / "r" / "summary.json").read_text())
+    assert (code == 3) == (told["outcome"] == "unstable") == (path.stem in UNSTABLE), err
+    assert code or told["residual_max"] <= 1e-4
+
+
+def test_a_cross_carries_what_its_cell_does(command, scene, tmp_path):
+    """The record's closed form is that of the solver: the cell at the strains of the middle, within 1 %."""
+    text = '[fabric]\nname = "glass-balanced"\n[biaxial]\nstrain = ["1 %", "1 %"]\ncentre = 6\narm = 3\n'
+    assert command("coupon", scene(text + "[run]\nsteps = 4\noutputs = []\n"), "--out", "r")[0] == 0
+    with h5py.File(tmp_path / "r" / "histories.h5") as file:
+        for family in ("warp", "weft"):
+            found, cell = (
+                file[f"histories/{name}"][-1]
+                for name in (f"load of a {family} yarn", f"cell at these strains, {family}")
+            )
+            assert found == pytest.approx(cell, rel=0.01)
+        assert np.all(np.diff(file["histories/load of a warp yarn"][()]) >= 0)

@@ -1,0 +1,166 @@
+"""`weavecell critical-velocity`: its folder, from a scene or a fabric, whatever the workers; errors and kept shots."""
+
+import csv
+import json
+
+import numpy as np
+import pytest
+
+from fabrics.errors import UnstableError
+from weavecell.commands import critical_velocity
+from weavecell.scenes import impact as scenes_impact
+
+SCENE = """
+[fabric]
+name = "S-720"
+
+[projectile]
+mass = "3 g"
+diameter = "5.5 mm"
+edge_radius = "0.3 mm"
+strike_velocity = "155 m/s"
+
+[panel]
+opening = "50 mm"
+BOUNDARY
+
+[run]
+end_time = "10 us"
+snapshot_interval = "10 us"
+checkpoint_interval = "10 us"
+"""
+FILES = ["critical-velocity.json", "residual-velocity.svg", "scene.toml", "shots.csv"]
+
+
+@pytest.fixture
+def written(tmp_path):
+    def write(extra="", boundary="", name="small.toml"):
+        path = tmp_path / name
+        path.write_text(SCENE.replace("BOUNDARY", boundary) + extra)
+        return path
+
+    return write
+
+
+def read(folder):
+    summary = json.loads((folder / "critical-velocity.json").read_text())
+    return summary, list(csv.DictReader((folder / "shots.csv").open(encoding="utf-8")))
+
+
+def test_scene(command, written, tmp_path):
+    code, out, err = command("critical-velocity", written(), "--out", "results", "--residual-shots", 4, "--jobs", 1)
+    assert code == 0
+    assert not [line for line in err.splitlines() if "error" in line]
+    folder = tmp_path / "results"
+    assert sorted(path.name for path in folder.iterdir()) == FILES
+    summary, rows = read(folder)
+    low, high = summary["bracket_m_s"]
+    assert 0 < high - low <= 1.0
+    assert summary["critical_velocity_m_s"] == pytest.approx((low + high) / 2)
+    assert f"critical velocity {summary['critical_velocity_m_s']:.1f} m/s" in out
+    strike = [float(row["strike velocity [m/s]"]) for row in rows]
+    assert strike == sorted(strike)
+    assert len(strike) == len(summary["shots"]) > 4
+    for row, velocity in zip(rows, strike):
+        assert row["outcome"] == ("perforated" if velocity >= high - 1e-3 else "stopped")
+        assert (float(row["residual velocity [m/s]"]) > 0) == (row["outcome"] == "perforated")
+        assert float(row["energy error [-]"]) < 0.01
+    assert min(abs(np.array(strike) - 2 * high)) < 1e-3
+    fit = summary["lambert_jonas"]
+    assert fit["limit"] == summary["critical_velocity_m_s"]
+    assert 0 < fit["a"] <= 1
+    assert "Lambert-Jonas: a = " in out
+    assert (folder / "scene.toml").read_text() == written().read_text()
+    assert b"<svg" in (folder / "residual-velocity.svg").read_bytes()
+    assert summary["provenance"]["scene"] == written().read_text()
+
+
+def test_workers_change_nothing(command, written, tmp_path):
+    path = written()
+    for workers in (1, 2, 3):
+        words = ("--residual-shots", 3, "--tolerance", "4 m/s", "--jobs", workers, "--out", f"results-{workers}")
+        assert command("critical-velocity", path, *words)[0] == 0
+    one, *others = (tmp_path / f"results-{workers}" for workers in (1, 2, 3))
+    for other in others:
+        for name in ("shots.csv", "residual-velocity.svg"):
+            assert (other / name).read_bytes() == (one / name).read_bytes()
+
+
+def test_fabric_is_shot_at_in_the_standard_way(tmp_path):
+    """A fabric's name or file becomes the standard scene, which can be run again from where it is written."""
+    this, text = critical_velocity._case("S-726", tmp_path)
+    assert (this.fabric.name, this.scene.panel.opening, this.scene.projectile.mass) == ("S-726", 0.203, 3e-3)
+    file = tmp_path / "mine.toml"
+    file.write_text((critical_velocity.resources.files("fabrics.catalogue") / "S-731.toml").read_text())
+    out = tmp_path / "deep" / "results"
+    out.mkdir(parents=True)
+    this, text = critical_velocity._case(str(file), out)
+    assert this.fabric.name == "S-731"
+    (out / "scene.toml").write_text(text)
+    again, _ = scenes_impact.load(out / "scene.toml")
+    assert np.isclose(again.panel.opening, 0.203)
+    assert critical_velocity._case(str(out / "scene.toml"), out)[0].fabric == this.fabric
+
+
+@pytest.mark.parametrize(
+    ("words", "line"),
+    [
+        (["S-702"], "TARGET = 'S-702': must be a scene or fabric file (*.toml), or one of S-720, "),
+        (["nowhere.toml"], "nowhere.toml: the scene or fabric file cannot be read (No such file or directory)"),
+        (["S-720", "--tolerance", "1 mm"], "--tolerance = '1 mm': must be a text with a unit that converts to m/s"),
+        (["S-720", "--tolerance", "0 m/s"], "--tolerance = '0 m/s': must be above 0"),
+        (["S-720", "--jobs", "0"], "Invalid value for '--jobs': "),
+    ],
+)
+def test_bad_input_is_one_line(command, tmp_path, words, line):
+    code, out, err = command("critical-velocity", *words)
+    assert code == 2
+    last = err.splitlines()[-1]
+    assert last.startswith(f"error: {line}")
+    assert out == ""
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_bad_scene_and_bad_fabric_name_their_file(command, written):
+    path = written(boundary='boundary = "glued"')
+    code, _, err = command("critical-velocity", path)
+    assert code == 2
+    assert err.startswith(f"error: {path}: panel.boundary = 'glued': must be ")
+    assert len(err.splitlines()) == 1
+    path.write_text('name = "x"\ncolour = "red"\n')
+    code, _, err = command("critical-velocity", path)
+    assert code == 2
+    assert err.startswith(f"error: {path}: ")
+    assert len(err.splitlines()) == 1
+
+
+def test_panel_without_a_limit(command, written, tmp_path, monkeypatch):
+    monkeypatch.setattr("shellfabric.impact.ballistic_limit.UNDECIDED", 2e-5)
+    path = written()
+    code, _, err = command("critical-velocity", path, "--out", "results")
+    assert code == 2
+    assert err.splitlines()[-1].startswith(f"error: {path}: the projectile struck at 136.3 m/s has neither stopped nor")
+    assert "no critical velocity" in err.splitlines()[-1]
+    assert not (tmp_path / "results").exists()
+
+
+def test_unstable_shot_keeps_those_before(command, written, tmp_path, monkeypatch):
+    from shellfabric.impact import ballistic_limit
+
+    real = ballistic_limit._fire
+
+    def fire(panel, velocity, give_up):
+        if velocity < 130.0:
+            raise UnstableError("a number is not finite", where="node (1, 2)", when="after 3 us (step 4)")
+        return real(panel, velocity, give_up)
+
+    monkeypatch.setattr(ballistic_limit, "_fire", fire)
+    code, _, err = command("critical-velocity", written(), "--out", "results", "--jobs", 1)
+    assert code == 3
+    line = err.splitlines()[-1]
+    assert line.startswith("error: a number is not finite, at node (1, 2), after 3 us (step 4), of the shot at 1")
+    folder = tmp_path / "results"
+    assert sorted(path.name for path in folder.iterdir()) == ["scene.toml", "shots.csv"]
+    rows = list(csv.DictReader((folder / "shots.csv").open(encoding="utf-8")))
+    assert rows
+    assert {row["outcome"] for row in rows} == {"perforated"}

@@ -1,0 +1,88 @@
+"""`--executor`: the same runs, to the bit, wherever they are made, and one line for one that there is none of."""
+
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[3]
+WORDS = ("v50", "S-720", "--shots", "4", "--batch", "4", "--opening", "30.6 mm", "--seed", "2")
+OWN = """
+from concurrent.futures import ThreadPoolExecutor
+
+
+def threads():
+    return ThreadPoolExecutor(2)
+
+
+number = 3
+"""
+
+
+def table(folder):
+    """{file: bytes} of a study's runs, and its table."""
+    runs = {path.name: path.read_bytes() for path in (folder / "runs").iterdir()}
+    assert len(runs) == 5  # four shots, and the bracket without scatter
+    return runs | {"shots.csv": (folder / "shots.csv").read_bytes()}
+
+
+@pytest.fixture(scope="module")
+def here(tmp_path_factory):
+    """The table of one process, this one."""
+    from weavecell.cli import app
+
+    folder = tmp_path_factory.mktemp("here")
+    with pytest.raises(SystemExit):
+        app.main([*WORDS, "--jobs", "1", "--out", str(folder)])
+    return table(folder)
+
+
+@pytest.mark.parametrize(
+    ("executor", "library"), [("local", None), ("parsl", "parsl"), ("dask", "distributed"), ("own:threads", None)]
+)
+def test_the_table_is_the_same_to_the_bit(executor, library, here, command, tmp_path):
+    if library is not None:
+        pytest.importorskip(library)
+    (tmp_path / "own.py").write_text(OWN)
+    code, _, err = command(*WORDS, "--jobs", "2", "--executor", executor, "--out", "out")
+    assert code == 0, err
+    assert table(tmp_path / "out") == here
+
+
+def test_the_table_of_ranks_of_mpi_is_the_same_to_the_bit(here, tmp_path):
+    pytest.importorskip("mpi4py.futures")
+    if shutil.which("mpiexec") is None:
+        pytest.skip("no mpiexec")
+    start = ["mpiexec", "-n", "3", "--allow-run-as-root", "--oversubscribe", sys.executable, "-m", "mpi4py.futures"]
+    done = subprocess.run(
+        [*start, "-m", "weavecell", *WORDS, "--executor", "mpi", "--out", "out"], cwd=tmp_path, text=True,
+        env=os.environ | {"PYTHONPATH": str(ROOT)}, capture_output=True,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.count("written to") == 1  # one rank is the command, the others run tasks
+    assert table(tmp_path / "out") == here
+
+
+@pytest.mark.parametrize(
+    ("executor", "told"),
+    [
+        ("threads", "must be local, mpi, parsl, dask or MODULE:FUNCTION"),
+        ("own:nothing", "cannot be imported"),
+        ("nowhere:threads", "cannot be imported"),
+        ("own:number", "must be a function that returns a concurrent.futures.Executor"),
+        ("mpi", "mpiexec -n RANKS"),
+        ("dask", "needs the Python package distributed, which is not installed"),
+    ],
+)
+def test_an_executor_that_there_is_none_of_is_one_line(executor, told, command, tmp_path, monkeypatch):
+    (tmp_path / "own.py").write_text(OWN)
+    monkeypatch.setitem(sys.modules, "distributed", None)
+    code, _, err = command(*WORDS, "--jobs", "2", "--executor", executor, "--out", "out")
+    assert code == 2
+    [line] = err.strip().splitlines()
+    assert line.startswith(f"error: --executor = '{executor}':")
+    assert told in line
+    assert not (tmp_path / "out").exists()

@@ -1,0 +1,188 @@
+"""`weavecell impact`: its folder, resuming to the bit, instability with what was computed, nothing half-written."""
+
+import json
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+
+from weavecell.commands import impact as commands_impact
+from weavecell.results import paraview, progress
+from weavecell.results.impact import ImpactRecord
+
+SCENE = """
+title = "a small panel"
+
+[fabric]
+name = "S-720"
+
+[projectile]
+mass = "3 g"
+diameter = "5.5 mm"
+edge_radius = "0.3 mm"
+strike_velocity = "155 m/s"
+
+[panel]
+opening = "50 mm"
+
+[run]
+end_time = "60 us"
+snapshot_interval = "20 us"
+checkpoint_interval = "10 us"
+outputs = OUTPUTS
+"""
+EXAMPLES = sorted((Path(__file__).parents[3] / "examples").glob("*.toml"))
+EVERYTHING = ["histories.h5", "panel", "panel.pvd", "pictures", "report.html", "scene.toml", "summary.json"]
+
+
+@pytest.fixture
+def scene(tmp_path):
+    def write(name="scene.toml", outputs="[]", extra=""):
+        path = tmp_path / name
+        path.write_text(SCENE.replace("OUTPUTS", outputs) + extra)
+        return path
+
+    return write
+
+
+def names(folder):
+    return sorted(path.name for path in folder.iterdir())
+
+
+def datasets(path):
+    """Every dataset of an HDF5 file, as bytes."""
+    found = {}
+    with h5py.File(path) as file:
+        file.visititems(
+            lambda name, item: found.update({name: item[()].tobytes()}) if isinstance(item, h5py.Dataset) else None
+        )
+    return found
+
+
+def interrupt_at(monkeypatch, share):
+    """From now on the user presses Ctrl-C when `share` of a run is done."""
+    from contextlib import contextmanager
+
+    @contextmanager
+    def bar(_title):
+        def advance(done, _text=""):
+            if done >= share:
+                raise KeyboardInterrupt
+
+        yield advance
+
+    monkeypatch.setattr(progress, "bar", bar)
+
+
+def test_everything_asked_for_is_written(command, scene, tmp_path):
+    path = scene(outputs='["paraview", "pictures", "report"]')
+    code, out, _ = command("impact", path, "--out", "results")
+    folder = tmp_path / "results"
+    assert code == 0
+    assert names(folder) == EVERYTHING
+    assert names(folder / "pictures") == ["energies.svg", "panel.png", "reactions.svg", "velocity.svg"]
+    assert (folder / "scene.toml").read_text() == path.read_text()
+    record = ImpactRecord.read(folder / "histories.h5")
+    assert record.energy_error_max < 0.01
+    assert record.velocity[0] == 155.0
+    series = paraview.read_series(folder / "panel.pvd")
+    assert [file.exists() for file, _ in series] == [True] * len(series)
+    assert [time for _, time in series] == sorted(time for _, time in series)
+    assert series[-1][1] == pytest.approx(record.time[-1], rel=1e-8)
+    summary = json.loads((folder / "summary.json").read_text())
+    assert summary["outcome"] == record.outcome
+    assert summary["outcome"] in out
+    assert summary["provenance"]["scene"] == path.read_text()
+    assert "numpy" in summary["provenance"]["packages"]
+
+
+def test_view_draws_the_result(command, scene, tmp_path):
+    command("impact", scene(outputs='["paraview"]'), "--out", "results")
+    code, _, _ = command("view", "results", "--screenshot", "panel.png")
+    assert code == 0
+    assert (tmp_path / "panel.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_resumed_run_is_the_uninterrupted_one(command, scene, tmp_path, monkeypatch):
+    path = scene(outputs='["paraview"]')
+    assert command("impact", path, "--out", "whole")[0] == 0
+    with monkeypatch.context() as patch:
+        interrupt_at(patch, 0.45)
+        code, _, err = command("impact", path, "--out", "resumed")
+    assert code == 130
+    assert err == "error: interrupted; --resume goes on from its last checkpoint\n"
+    assert names(tmp_path / "resumed") == ["checkpoint.h5"]
+    assert command("impact", path, "--out", "resumed", "--resume")[0] == 0
+    one, other = tmp_path / "whole", tmp_path / "resumed"
+    assert names(other) == names(one)
+    assert datasets(other / "histories.h5") == datasets(one / "histories.h5")
+    for file in ("panel.pvd", *(f"panel/{name}" for name in names(one / "panel"))):
+        assert (other / file).read_bytes() == (one / file).read_bytes()
+
+
+def test_resume_of_another_scene_is_refused(command, scene, tmp_path, monkeypatch):
+    with monkeypatch.context() as patch:
+        interrupt_at(patch, 0.45)
+        command("impact", scene(), "--out", "results")
+    other = scene("other.toml", extra="\n[numerics]\npenalty = 0.02\n")
+    code, _, err = command("impact", other, "--out", "results", "--resume")
+    assert code == 2
+    assert err == "error: results/checkpoint.h5: is the checkpoint of another run\n"
+    assert names(tmp_path / "results") == ["checkpoint.h5"]
+
+
+def test_nothing_to_resume(command, scene, tmp_path):
+    code, _, err = command("impact", scene(), "--out", "results", "--resume")
+    assert (code, err) == (2, "error: results/checkpoint.h5: there is no checkpoint to resume from\n")
+    assert names(tmp_path) == ["scene.toml"]
+
+
+def test_unstable_run_keeps_what_it_computed(command, scene, tmp_path):
+    path = scene(outputs='["paraview", "pictures", "report"]', extra="\n[numerics]\ncontact_damping = 30.0\n")
+    code, out, err = command("impact", path, "--out", "results")
+    folder = tmp_path / "results"
+    assert code == 3
+    line = next(line for line in err.splitlines() if line.startswith("error: "))
+    assert "at node" in line
+    assert " us (step " in line
+    assert "unstable" in out
+    assert names(folder) == EVERYTHING
+    record = ImpactRecord.read(folder / "histories.h5")
+    assert record.outcome == "unstable"
+    assert line == f"error: {record.failure_message}"
+    assert len(record.time) >= 2
+    assert np.isfinite(record.velocity).all()
+    assert 'class="card unstable"' in (folder / "report.html").read_text()
+    assert record.failure_message in (folder / "report.html").read_text()
+
+
+def test_shorter_run_leaves_nothing_of_a_longer_one(command, scene, tmp_path):
+    command("impact", scene(outputs='["paraview"]'), "--out", "results")
+    before = names(tmp_path / "results" / "panel")
+    short = scene("short.toml", outputs='["paraview"]')
+    short.write_text(short.read_text().replace('end_time = "60 us"', 'end_time = "20 us"'))
+    command("impact", short, "--out", "results")
+    assert len(names(tmp_path / "results" / "panel")) < len(before)
+
+
+def test_failure_while_writing_leaves_whole_files_only(command, scene, tmp_path, monkeypatch):
+    def full(*_):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(commands_impact.report_page, "render", full)
+    path = scene(outputs='["report"]')
+    with pytest.raises(OSError, match="No space"):
+        commands_impact.impact(path, tmp_path / "results")
+    kept = names(tmp_path / "results")
+    assert "checkpoint.h5" in kept
+    assert not [name for name in kept if name.startswith(".") or name == "report.html"]
+    ImpactRecord.read(tmp_path / "results" / "histories.h5")
+
+
+@pytest.mark.parametrize("example", [pytest.param(p, id=p.stem) for p in EXAMPLES])
+def test_examples_run(command, tmp_path, example):
+    assert command("impact", example, "--out", "results")[0] == 0
+    told = json.loads((tmp_path / "results" / "summary.json").read_text())
+    assert told["outcome"] in ("stopped", "perforated")
+    assert told["energy_error_max"] < 0.01

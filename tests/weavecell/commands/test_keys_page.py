@@ -1,0 +1,36 @@
+"""docs/keys.md is what its command writes, and names every key of every schema."""
+
+import sys
+from pathlib import Path
+
+from weavecell.commands import keys_page
+from weavecell.scenes import coupon, impact, renamed_keys, supported
+
+DOCS = Path(__file__).parents[3] / "docs"
+
+
+def test_the_page_is_up_to_date():
+    told = "python -m weavecell.commands.keys_page docs/keys.md"
+    assert (DOCS / "keys.md").read_text(encoding="utf-8") == keys_page.page(), f"to renew it: {told}"
+
+
+def test_every_key_has_a_row():
+    page = keys_page.page()
+    for model in (impact.Scene, coupon.CouponScene):
+        assert [key for key in supported.keys(model) if f"| `{key}` |" not in page] == []
+    for old, new in renamed_keys.SCENE_KEYS.items():
+        assert f"| `{old}` | `{new}` |" in page
+
+
+def test_what_a_row_says():
+    rows = {row.split("`")[1]: row.split(" | ") for row in keys_page.page().splitlines() if row.startswith("| `")}
+    assert rows["numerics.cfl"][1:3] == ["", "0.9"]
+    assert rows["backing.standoff"][1:3] == ["m", "0"]
+    assert rows["panel.ply_gap"][4:] == ["no", "yes", "no", "no |"]
+    assert rows["run.end_time"][2] == "required"
+
+
+def test_the_command_writes_it(tmp_path, monkeypatch):
+    monkeypatch.setattr(sys, "argv", ["keys_page", str(tmp_path / "keys.md")])
+    keys_page.main()
+    assert (tmp_path / "keys.md").read_text(encoding="utf-8") == keys_page.page()

@@ -1,0 +1,134 @@
+"""Scenes of packs: their folder, resuming to the bit, and one clear line for what does not go together."""
+
+import json
+
+import h5py
+import numpy as np
+import pytest
+from test_impact import datasets, interrupt_at, names
+
+from weavecell.results import progress
+from weavecell.results.pack import PackRecord
+
+SCENE = """
+[fabric]
+name = "S-728"
+
+[projectile]
+mass = "3 g"
+diameter = "5.5 mm"
+edge_radius = "0.3 mm"
+strike_velocity = "200 m/s"
+
+[panel]
+opening = "45 mm"
+plies = 3
+PANEL
+
+[run]
+end_time = "24 us"
+snapshot_interval = "8 us"
+checkpoint_interval = "4 us"
+outputs = OUTPUTS
+"""
+EVERYTHING = ["histories.h5", "pack", "pack.pvd", "pictures", "report.html", "scene.toml", "summary.json"]
+
+
+@pytest.fixture
+def scene(tmp_path):
+    def write(panel='stacking = "alternating"\nply_gap = "0.1 mm"', outputs="[]", extra=""):
+        path = tmp_path / "scene.toml"
+        path.write_text(SCENE.replace("PANEL", panel).replace("OUTPUTS", outputs) + extra)
+        return path
+
+    return write
+
+
+def test_everything_asked_for_is_written(command, scene, tmp_path):
+    path = scene(outputs='["paraview", "pictures", "report"]')
+    code, out, _ = command("impact", path, "--out", "results")
+    folder = tmp_path / "results"
+    assert code == 0
+    assert names(folder) == EVERYTHING
+    assert "3 x S-728, 200 m/s: in flight" in out
+    told = json.loads((folder / "summary.json").read_text())
+    assert told["plies"] == 3
+    assert told["stacking"] == "alternating"
+    assert told["energy_error_max"] < 5e-3
+    assert len(told["failed_yarn_segments"]) == 3
+    record = PackRecord.read(folder / "histories.h5")
+    assert record.count == 3
+    assert len(record.cuts) == 3
+    assert record.z_rest[1] == pytest.approx(record.thickness[0] + 0.1e-3)
+    assert names(folder / "pictures") == [
+        "cuts.svg", "energies.svg", "panel.png", "plies.svg", "pushes.svg", "velocity.svg",
+    ]  # fmt: skip
+    page = (folder / "report.html").read_text()
+    assert "3 plies of S-728, alternating, 0.1 mm apart" in page
+    with h5py.File(folder / "histories.h5") as file:
+        assert file["plies/histories/push"].attrs["unit"] == "N"
+        assert file["plies/histories/push"].shape == (len(record.time), 3)
+    import pyvista
+
+    grid = pyvista.read(sorted((folder / "pack").iterdir())[-1])
+    assert set(np.unique(grid.cell_data["ply"])) == {1, 2, 3}
+
+
+def test_histories_of_every_ply_are_written_and_drawn_of_the_first_and_the_last(command, scene, tmp_path):
+    path = scene(outputs='["pictures"]', extra='[history]\ninterval = "2 us"\nwarp = ["0 mm", "5 mm"]\n')
+    assert command("impact", path, "--out", "results")[0] == 0
+    record = PackRecord.read(tmp_path / "results" / "histories.h5")
+    assert len(record.measured) == 3
+    for ply, found in enumerate(record.measured):
+        assert [yarn.family for yarn in found.yarns] == ["warp", "warp", "weft"]
+        assert found.yarns[0].strength == pytest.approx(record.strength[ply, 0])
+        assert found.t[-1] == pytest.approx(record.time[-1])
+    assert record.measured[0].yarns[0].deflection.max() > record.measured[2].yarns[0].deflection.max()
+    drawn = names(tmp_path / "results" / "pictures")
+    assert {f"{name}-ply-{ply}.svg" for name in ("tensions", "fronts", "profiles", "edges") for ply in (1, 3)} <= set(
+        drawn
+    )
+
+
+def test_resuming_gives_the_same_bytes(command, scene, tmp_path, monkeypatch):
+    path = scene()
+    assert command("impact", path, "--out", "whole")[0] == 0
+    original = progress.bar
+    interrupt_at(monkeypatch, 0.5)
+    code, _, err = command("impact", path, "--out", "again")
+    assert code == 130
+    assert "--resume" in err
+    monkeypatch.setattr(progress, "bar", original)
+    assert command("impact", path, "--out", "again", "--resume")[0] == 0
+    assert datasets(tmp_path / "whole" / "histories.h5") == datasets(tmp_path / "again" / "histories.h5")
+    assert names(tmp_path / "again") == ["histories.h5", "scene.toml", "summary.json"]
+
+
+def test_the_gap_may_come_from_the_fabric(command, scene, tmp_path):
+    assert command("impact", scene(""), "--out", "r")[0] == 0
+    assert json.loads((tmp_path / "r" / "summary.json").read_text())["ply_gap_m"] == 0.12e-3
+
+
+@pytest.mark.parametrize(
+    ("panel", "extra", "told"),
+    [
+        ("plies = 3.5", "", "panel.plies"),
+        ("plies = 40", "", "panel.plies"),
+        ('plies = 2\nstacking = "crossed"', "", "panel.stacking"),
+        ('plies = 2\nply_gap = "-1 mm"', "", "panel.ply_gap"),
+        ('plies = 1\nply_gap = "1 mm"', "", "panel.ply_gap"),
+        ('plies = 1\nstacking = "alternating"', "", "panel.stacking"),
+        ("plies = 2", '[accuracy]\ndeflection = "5 %"\n', "accuracy"),
+        (
+            'plies = 2\nstacking = "alternating"\nsymmetry = "whole"\nweave_angle = "45 deg"', "", "panel.stacking",
+        ),
+    ],
+)  # fmt: skip
+def test_bad_packs_are_told_in_one_line(command, scene, tmp_path, panel, extra, told):
+    path = scene(panel, extra=extra)
+    path.write_text(path.read_text().replace("plies = 3\n", ""))
+    code, _, err = command("impact", path, "--out", "r")
+    assert code == 2
+    assert told in err
+    assert len(err.strip().splitlines()) == 1
+    assert not (tmp_path / "r").exists()

@@ -1,0 +1,86 @@
+"""Quality checks as users meet them: summary.json, report, printed line, exit code."""
+
+import json
+
+import pytest
+
+from fabrics.errors import DoubtfulError
+from shellfabric.panel.quality import Indicator
+from weavecell.commands.impact import impact
+from weavecell.report import checks
+
+GOOD, BAD, WORSE = Indicator("a", 0.5, 1.0), Indicator("b", 2.0, 1.0), Indicator("c", 9.0, 1.0, "m")
+SCENE = """
+[fabric]
+name = "S-720"
+
+[projectile]
+mass = "3 g"
+diameter = "5.5 mm"
+edge_radius = "{edge}"
+strike_velocity = "92.5 m/s"
+
+[panel]
+opening = "50 mm"
+plies = {plies}
+
+[run]
+end_time = "30 us"
+outputs = ["report"]
+"""
+
+
+def test_status_and_line():
+    assert checks.status((GOOD,)) == "ok"
+    assert checks.line((GOOD,)) == ""
+    assert checks.status((GOOD, BAD)) == "doubtful"
+    assert checks.line((GOOD, BAD, WORSE)) == "c 9 m (limit 1 m); b 2 (limit 1)"
+    assert checks.line((BAD,) * 5).endswith("2 more in the summary")
+
+
+def test_the_summary_tells_each_indicator():
+    found = checks.summary((GOOD, BAD))["checks"]
+    assert found["status"] == "doubtful"
+    assert [one["ok"] for one in found["indicators"]] == [True, False]
+    assert {"name", "value", "limit", "unit", "meaning", "ok"} <= set(found["indicators"][0])
+
+
+def test_a_doubtful_result_is_an_error_where_that_is_wanted(capsys):
+    checks.report((GOOD,), strict=True)
+    assert capsys.readouterr().out == ""
+    checks.report((BAD,))
+    assert capsys.readouterr().out == "checks: doubtful: b 2 (limit 1)\n"
+    with pytest.raises(DoubtfulError) as problem:
+        checks.report((BAD,), strict=True)
+    assert problem.value.exit_code == 3
+
+
+def test_the_section_of_the_report():
+    section = checks.section((GOOD, BAD))
+    assert "b 2 (limit 1)" in section.lead
+    assert [row[3] for row in section.tables[0].rows] == ["ok", "beyond"]
+
+
+@pytest.mark.parametrize("plies", [1, 2])
+def test_a_run_with_an_edge_that_no_point_of_contact_resolves(tmp_path, capsys, plies):
+    path = tmp_path / "scene.toml"
+    few = "\n[numerics]\ncontact_points = 8\n"  # those of the default follow the edge
+    path.write_text(SCENE.format(edge="0.05 mm", plies=plies) + few, encoding="utf-8")
+    with pytest.raises(DoubtfulError, match="contact point spacing"):
+        impact(path, tmp_path / "out", strict=True)
+    summary = json.loads((tmp_path / "out" / "summary.json").read_text())
+    assert summary["checks"]["status"] == "doubtful"
+    assert summary["stop_time_s"] is None
+    assert 0 < summary["max_deflection_m"] < 92.5 * 30e-6 * 1.1
+    assert 0 < summary["peak_tension_warp_over_strength"] < 1
+    assert summary["peak_tension_weft_N"] > 0
+    assert "Quality checks" in (tmp_path / "out" / "report.html").read_text()
+    assert "checks: doubtful" in capsys.readouterr().out
+
+
+def test_a_good_run_says_nothing(tmp_path, capsys):
+    path = tmp_path / "scene.toml"
+    path.write_text(SCENE.format(edge="0.3 mm", plies=1), encoding="utf-8")
+    impact(path, tmp_path / "out", strict=True)
+    assert json.loads((tmp_path / "out" / "summary.json").read_text())["checks"]["status"] == "ok"
+    assert "doubtful" not in capsys.readouterr().out

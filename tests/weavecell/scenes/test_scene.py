@@ -1,0 +1,211 @@
+"""Scenes: units as text become SI, defaults, relative paths, and what the examples say."""
+
+import dataclasses
+import math
+import tomllib
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from fabrics.compression import CompressionLaw
+from weavecell.scenes import build, toml_writer
+from weavecell.scenes import impact as scenes_impact
+
+EXAMPLES = sorted((Path(__file__).parents[3] / "examples").glob("*.toml"))
+TABLE = {
+    "fabric": {"name": "S-720"},
+    "projectile": {"mass": "3 g", "diameter": "5.5 mm", "edge_radius": "0.3 mm", "strike_velocity": "92.5 m/s"},
+    "panel": {"opening": "203 mm"},
+    "run": {"end_time": "250 us"},
+}
+
+
+def with_change(table, key, value):
+    return TABLE | {table: TABLE[table] | {key: value}}
+
+
+def test_units_become_si():
+    got = scenes_impact.check(TABLE, "scene.toml")
+    assert got.projectile.mass == pytest.approx(3e-3, rel=1e-15)
+    assert got.projectile.diameter == pytest.approx(5.5e-3, rel=1e-15)
+    assert got.projectile.strike_velocity == 92.5
+    assert got.panel.opening == pytest.approx(0.203, rel=1e-15)
+    assert got.run.end_time == pytest.approx(2.5e-4, rel=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("table", "key", "text", "expected"),
+    [
+        ("projectile", "strike_velocity", "333 km/h", 92.5),
+        ("projectile", "strike_velocity", "303.4776902887139 ft/s", 92.5),
+        ("projectile", "mass", "0.003 kg", 3e-3),
+        ("panel", "opening", "8 inch", 0.2032),
+        ("run", "end_time", "0.25 ms", 2.5e-4),
+        ("run", "end_time", "250 µs", 2.5e-4),
+    ],
+)
+def test_any_unit_of_the_right_dimension(table, key, text, expected):
+    got = scenes_impact.check(with_change(table, key, text), "scene.toml")
+    assert getattr(getattr(got, table), key) == pytest.approx(expected, rel=1e-12)
+
+
+def test_unit_of_the_law():
+    law = {"a": "45 um", "b": "58 um N^(1/3)"}
+    got = build.build(scenes_impact.check(with_change("fabric", "law", law), "s.toml"), "s.toml", "s")
+    assert got.laws[0].a == pytest.approx(4.5e-5)
+    assert got.laws[1].b == pytest.approx(5.8e-5)
+    micro = scenes_impact.check(with_change("fabric", "law", {"a": "45 um", "b": "5.8 mm uN^(1/3)"}), "s.toml")
+    assert micro.fabric.law.b == pytest.approx(5.8e-5)  # 1 mm uN^(1/3) = 1e-5 m N^(1/3) (erratum E-03)
+
+
+def test_law_file_is_found_beside_the_scene(tmp_path):
+    CompressionLaw(4.45e-5, 6.47e-5).to_json(tmp_path / "law.json")
+    path = tmp_path / "scene.toml"
+    got = build.build(scenes_impact.check(with_change("fabric", "law", "law.json"), path), path, "s")
+    assert got.laws[0].b == pytest.approx(6.47e-5)
+    assert "fitted" in got.law_name
+
+
+def test_cell_from_a_surface():
+    """A surface takes the place of the laws, in either form; the path is the scene's."""
+    data = Path(__file__).parents[2] / "shellfabric" / "cell" / "data"
+    for form in ("variational", "direct"):
+        table = with_change("fabric", "surface", "S-720-coarse-9x9.h5")
+        table["fabric"]["cell_formulation"] = form
+        path = data / "scene.toml"
+        panel = build.setup(build.build(scenes_impact.check(table, path), path, "s"), path).panel()
+        assert panel.table.model.form == form
+        assert panel.table.model.region[0][1] == pytest.approx(1.0567, abs=1e-4)
+
+
+def test_profile_of_the_cell():
+    table = with_change("fabric", "cell_profile", "straight")
+    panel = build.setup(build.build(scenes_impact.check(table, "s"), "s", "s"), "s").panel()
+    assert panel.table.model.profile == "straight"
+
+
+def test_linear_density_is_a_choice():
+    nominal = build.build(scenes_impact.check(with_change("fabric", "linear_density", "nominal"), "s"), "s", "s")
+    effective = build.build(scenes_impact.check(TABLE, "s"), "s", "s")
+    ratio = effective.fabric.weave.warp.linear_density / nominal.fabric.weave.warp.linear_density
+    assert ratio == pytest.approx(1433 / 1420, rel=1e-12)
+
+
+@pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
+def test_examples_are_good_scenes(path):
+    got, text = scenes_impact.load(path)
+    build.build(got, path, path.stem)
+    assert "weavecell impact examples/" + path.name in text
+
+
+def test_scene_as_text_reads_back():
+    table = {"title": 'a "quoted" µ', **TABLE}
+    table["run"] = TABLE["run"] | {"outputs": ["report"], "elements_per_crossover": 2}
+    assert tomllib.loads(toml_writer.dumps(table)) == table
+
+
+def test_numerical_knobs_are_those_of_the_shell():
+    from shellfabric.panel.model import Numerics
+
+    known = {entry.name for entry in dataclasses.fields(Numerics)}
+    fields = {"cfl": "safety"}
+    assert {fields.get(key, key) for key in scenes_impact.NumericsTable.model_fields} <= known
+    knobs = {"penalty": 0.02, "cfl": 0.5}
+    asked = scenes_impact.check(TABLE | {"numerics": knobs}, "s")
+    numerics = build.setup(build.build(asked, "s", "s"), "s").numerics
+    assert (numerics.penalty, numerics.safety) == (0.02, 0.5)
+    assert numerics.stretch_viscosity == Numerics().stretch_viscosity
+
+
+def test_setup_is_what_the_scene_says():
+    asked = scenes_impact.check(with_change("panel", "symmetry", "whole"), "s")
+    setup = build.setup(build.build(asked, "s", "s"), "s")
+    assert setup.symmetry == "whole"
+    assert setup.projectile.radius == pytest.approx(2.75e-3)
+    assert setup.opening == pytest.approx(0.203)
+    assert setup.snapshot_interval == pytest.approx(1e-5)
+
+
+def test_an_elastic_projectile_and_a_block_are_what_the_scene_says():
+    changed = with_change("projectile", "body", "elastic_bar") | {
+        "backing": {"modulus": "50 MPa", "standoff": "1 mm", "outer_boundary": "free"}
+    }
+    changed["projectile"]["bore_diameter"] = "4.8 mm"
+    changed["panel"] = changed["panel"] | {"yarn_failure": False}
+    setup = build.setup(build.build(scenes_impact.check(changed, "s"), "s", "s"), "s")
+    assert setup.projectile.bar.mass == pytest.approx(3e-3)
+    assert setup.projectile.bar.sections[1][1] == pytest.approx(np.pi / 4 * (5.5e-3**2 - 4.8e-3**2))
+    assert (setup.backing.material.modulus, setup.backing.face, setup.backing.far) == (5e7, 1e-3, "free")
+    assert setup.backing.material.density == pytest.approx(3000)  # of Table 6-1, as all that is left out
+    assert not setup.failure
+    plain = build.setup(build.build(scenes_impact.check(TABLE, "s"), "s", "s"), "s")
+    assert plain.projectile.bar is None
+    assert plain.backing is None
+    assert plain.failure
+
+
+def setup_of(changes):
+    table = {name: TABLE[name] | changes.get(name, {}) for name in TABLE}
+    asked = scenes_impact.check(table, "s")
+    return build.setup(build.build(asked, "s", "s"), "s"), asked
+
+
+def test_shape_and_attitude_of_the_shot():
+    chisel = {"shape": "chisel", "flat_width": "2.5 mm", "flat_angle": "35 deg", "length": "6.3 mm", "friction": 0.2}
+    attitude = {"obliquity": "30 deg", "azimuth": "90 deg", "yaw": "-5 deg", "roll": "10 deg"}
+    setup, asked = setup_of({"projectile": chisel | attitude, "panel": {"symmetry": "whole"}})
+    shot = setup.projectile
+    assert (shot.shape, shot.friction) == ("chisel", 0.2)
+    assert (shot.radius, shot.flat_width, shot.length) == pytest.approx((2.75e-3, 2.5e-3, 6.3e-3))
+    assert (shot.flat_angle, shot.obliquity, shot.azimuth, shot.yaw, shot.roll) == pytest.approx(
+        tuple(math.radians(angle) for angle in (35, 30, 90, -5, 10))
+    )
+    told = build.shot_in_words(asked.projectile)
+    assert told == "a chisel-nosed fragment simulator of 3 g and 5.5 mm, 30° off the normal, with friction 0.2"
+
+
+def test_an_elastic_projectile_in_words():
+    setup, asked = setup_of({"projectile": {"body": "elastic_bar"}})
+    assert setup.projectile.bar is not None
+    assert build.shot_in_words(asked.projectile).endswith("elastic-plastic along its axis")
+
+
+def test_every_shape_of_the_solver_is_a_shape_of_scenes():
+    from shellfabric.projectile.projectile import SHAPES
+
+    assert list(scenes_impact.SHAPES) == list(SHAPES)
+
+
+def test_a_sphere_has_no_edge():
+    ball = {key: value for key, value in TABLE["projectile"].items() if key != "edge_radius"} | {"shape": "sphere"}
+    asked = scenes_impact.check(TABLE | {"projectile": ball}, "s")
+    assert build.setup(build.build(asked, "s", "s"), "s").projectile.shape == "sphere"
+
+
+def test_sides_and_weave_of_the_panel():
+    from shellfabric.panel.boundary import Grip, PullIn
+
+    pull = {"pull_in": "5 mm", "start": "200 us", "end": "650 us"}
+    boundary = {"warp": ["clamped", {"clamp_force": "20 N"}], "weft": pull}
+    setup, asked = setup_of({"panel": {"opening": ["203 mm", "100 mm"], "boundary": boundary, "symmetry": "whole"}})
+    assert setup.opening == pytest.approx((0.203, 0.1))
+    (low, high), weft = setup.edge
+    assert (low, high) == ("clamped", Grip(20.0))
+    assert isinstance(weft, PullIn)
+    assert dataclasses.astuple(weft) == pytest.approx((5e-3, 200e-6, 650e-6, 60e-3))  # zone of the source
+    told = build.panel_in_words(asked.panel)
+    assert told == "203 mm by 100 mm, warp ends clamped / clamped with 20 N a yarn and weft ends slipping by 5 mm"
+    setup, asked = setup_of({"panel": {"weave_angle": "45 deg", "symmetry": "whole"}})
+    assert setup.weave_angle == pytest.approx(math.pi / 4)
+    assert build.panel_in_words(asked.panel) == "203 mm square, its weave turned by 45° and clamped"
+
+
+def test_nothing_is_measured_unless_asked():
+    assert build.setup(build.build(scenes_impact.check(TABLE, "s"), "s", "s"), "s").measure is None
+    asked = scenes_impact.check(TABLE | {"history": {"interval": "0.5 us", "warp": ["0 mm", "1 cm"]}}, "s")
+    measure = build.setup(build.build(asked, "s", "s"), "s").measure
+    assert measure.interval == pytest.approx(5e-7)
+    assert measure.warp == pytest.approx((0.0, 0.01))
+    assert measure.weft == (0.0,)
+    assert asked.history.report_positions == (5e-3, 20e-3, 50e-3, 80e-3)

@@ -1,0 +1,359 @@
+"""Every command on every kind of scene: the key changes what it should, or is rejected in one line with code 2."""
+
+import copy
+import json
+import tomllib
+from dataclasses import dataclass, field
+from types import SimpleNamespace
+
+import h5py
+import numpy as np
+import pytest
+from test_supported import CHISEL, LAW, SURFACE, merged
+
+from shellfabric.impact.ballistic_limit import Shot
+from shellfabric.impact.pack import PackSetup
+from shellfabric.panel.solver import ENERGIES, PanelSolver
+from weavecell.cli import app
+from weavecell.commands import impact as commands_impact
+from weavecell.results.impact import named
+from weavecell.results.paraview import read_series
+from weavecell.scenes import build
+from weavecell.scenes import impact as scenes_impact
+
+SHOT = {
+    "fabric": {"name": "S-720"},
+    "projectile": {"mass": "3 g", "diameter": "5.5 mm", "edge_radius": "0.3 mm", "strike_velocity": "400 m/s"},
+    "panel": {"opening": "26 mm"},
+    "run": {"end_time": "12 us", "snapshot_interval": "4 us", "checkpoint_interval": "6 us", "outputs": []},
+}
+PACK = {"panel": {"plies": 2, "ply_gap": "0.05 mm"}}
+ACCURACY = {"accuracy": {"residual_velocity": "50 %"}}
+BLOCK = {"size": ["60 mm", "60 mm", "30 mm"], "min_size": "2 mm", "growth": 1.5}
+
+
+def energy(name):
+    return lambda got: sum(value for key, value in got.energies.items() if key.startswith(name))
+
+
+def rises(measure, least=0.0):
+    """Whether the kind of scene has more of something than the plain one, by more than `least`."""
+    return lambda got, plain: measure(got) > measure(plain) + least
+
+
+def ratio(measure, value, within):
+    return lambda got, plain: abs(measure(got) / measure(plain) - value) < within
+
+
+def moved(got, plain):
+    """The projectile ends with another velocity, by more than rounding."""
+    return abs(got.residual_velocity_m_s / plain.residual_velocity_m_s - 1) > 1e-6
+
+
+def same_but_rounded(got, plain):
+    change = abs(got.residual_velocity_m_s / plain.residual_velocity_m_s - 1)
+    return 0 < change < 1e-4
+
+
+def every_four_microseconds(got, plain):
+    """The ParaView series is written, at the snapshot interval; the plain scene has none."""
+    return [round(2.5e5 * time) for _, time in got.series] == [1, 2, 3] and not plain.series
+
+
+@dataclass(frozen=True)
+class Kind:
+    """A kind of scene: what it changes, how a shot shows it, and {command that rejects it: what it says}."""
+
+    changes: dict
+    shows: object = moved
+    rejected: dict = field(default_factory=dict)
+
+
+ALL = ("impact", "pack", "accuracy", "explain", "critical-velocity")
+
+
+def all_say(told):
+    return dict.fromkeys(ALL, told)
+
+
+NO_SLACK = all_say("fabric.fibre_slack = '0.1 %': must be left out in an impact")
+ONE_PLY = "must be left out where panel.plies is above 1"
+MESH = "must be left out in a scene with [accuracy], whose mesh is chosen"
+KINDS = {
+    "pack": Kind(
+        PACK, lambda got, plain: got.plies == 2 and got.ply_gap_m == pytest.approx(5e-5)
+        and got.absorbed_energy_J > plain.absorbed_energy_J,
+        {
+            "critical-velocity": "panel.plies = 2: must be 1: the ballistic limit of one ply is computed; that of a "
+            "pack is not available",
+            "accuracy": "accuracy: " + ONE_PLY,
+            "explain": "panel.plies = 2: must be 1 in a scene with [accuracy]",
+        },
+    ),
+    "alternating": Kind(
+        merged(PACK, {"panel": {"stacking": "alternating"}}), lambda got, plain: got.stacking == "alternating",
+        {"critical-velocity": "panel.plies = 2: must be 1", "accuracy": "accuracy: " + ONE_PLY,
+         "explain": "panel.plies = 2: must be 1"},
+    ),
+    "backing": Kind({"backing": BLOCK}, rises(energy("backing"), 1e-6)),
+    "oblique": Kind(
+        {"projectile": {"obliquity": "30 deg"}, "panel": {"symmetry": "whole"}},
+        lambda got, plain: got.v[0] == pytest.approx(plain.v[0] * np.cos(np.radians(30))),
+    ),
+    "chisel": Kind({"projectile": CHISEL}),
+    "elastic bar": Kind({"projectile": {"body": "elastic_bar"}}, rises(energy("elastic_projectile"), 1e-6)),
+    "bored bar": Kind(
+        {"projectile": {"bore_diameter": "4.5 mm"}},
+        rejected=all_say("projectile.bore_diameter = '4.5 mm': must be left out for"),
+    ),
+    "nose friction": Kind(
+        {"projectile": {"friction": 0.3, "shape": "hemisphere"}}, rises(energy("friction"), 1e-9)
+    ),
+    "grip": Kind({"panel": {"boundary": {"weft": {"clamp_force": "2 N"}}}}, rises(energy("clamp_friction"), 1e-9)),
+    "pull_in": Kind(
+        {"panel": {"boundary": {"weft": {"pull_in": "0.2 mm", "start": "0 us", "end": "10 us"}}}},
+        lambda got, plain: abs(energy("boundary_work")(got)) > 1e-9,
+    ),
+    "free": Kind({"panel": {"boundary": "free"}}, lambda got, plain: got.reactions.max() < plain.reactions.max()),
+    "weave angle": Kind(
+        {"panel": {"weave_angle": "30 deg", "symmetry": "whole"}}, lambda got, plain: got.elements > 4 * plain.elements
+    ),
+    "whole": Kind({"panel": {"symmetry": "whole"}}, ratio(lambda got: got.elements, 4, 1e-9)),
+    "yarns hold": Kind({"panel": {"yarn_failure": False}}, lambda got, plain: got.failed == 0 < plain.failed),
+    "grading": Kind(
+        {"panel": {"grading": [[8, 1], [float("inf"), 2]], "opening": "60 mm"}},
+        lambda got, plain: got.elements < 23**2,
+        {"pack": "panel.grading = [[8, 1], [inf, 2]]: " + ONE_PLY,
+         "accuracy": "panel.grading = [[8, 1], [inf, 2]]: " + MESH,
+         "explain": "panel.grading = [[8, 1], [inf, 2]]: " + MESH},
+    ),
+    "elements": Kind({"run": {"elements_per_crossover": 2}}, ratio(lambda got: got.elements, 4, 1e-9)),
+    "accuracy": Kind(
+        ACCURACY, lambda got, plain: got.accuracy["targets"] == {"residual_velocity": 0.5},
+        {"pack": "accuracy: " + ONE_PLY, "critical-velocity": "accuracy: must be left out: the ballistic limit"},
+    ),
+    "measure": Kind(
+        {"history": {"warp": ["0 mm", "2.6 mm"]}}, lambda got, plain: got.followed == 3,
+        {"critical-velocity": "history: must be left out: the shots record nothing"},
+    ),
+    "safety": Kind({"numerics": {"cfl": 0.45}}, ratio(lambda got: got.steps, 2, 0.05)),
+    "viscosity": Kind({"numerics": {"stretch_viscosity": 0.2}}, rises(energy("viscous"))),
+    "penalty": Kind({"numerics": {"penalty": 0.3, "contact_damping": 0.4}}),
+    "contact points": Kind({"numerics": {"contact_points": 4}}),
+    "single precision": Kind({"numerics": {"precision": "single"}}, same_but_rounded),
+    "surface": Kind({"fabric": {"surface": SURFACE}}),
+    "surface and law": Kind(
+        {"fabric": {"surface": SURFACE, "law": LAW}},
+        rejected=all_say("fabric.law: must be left out with fabric.surface"),
+    ),
+    "law": Kind({"fabric": {"law": LAW}}, lambda got, plain: moved(got, plain) and "scene" in got.law_name),
+    "incompressible": Kind({"fabric": {"cell_model": "incompressible"}}),
+    "decoupled": Kind({"fabric": {"cell_model": "decoupled"}}),
+    "incompressible with a law": Kind(
+        {"fabric": {"cell_model": "incompressible", "law": LAW}},
+        rejected=all_say("fabric.law: must be left out where fabric.cell_model is"),
+    ),
+    "decoupled with a gap": Kind(
+        {"fabric": {"cell_model": "decoupled", "crossover_gap": "0.01 mm"}},
+        rejected=all_say("fabric.crossover_gap = '0.01 mm': must be left out where fabric.cell_model is"),
+    ),
+    "equilibrium form": Kind({"fabric": {"cell_formulation": "equilibrium"}}),
+    "straight yarns": Kind({"fabric": {"cell_profile": "straight"}}),
+    "play": Kind({"fabric": {"crossover_gap": "0.02 mm"}}),
+    "bending": Kind({"fabric": {"bending": "1e-6 N m^2"}}, rises(energy("bending"), 1e-9)),
+    "yarn toe": Kind({"fabric": {"fibre_slack": "0.1 %"}}, rejected=NO_SLACK),
+    "nominal": Kind({"fabric": {"linear_density": "nominal"}}),
+    "stacked alone": Kind(
+        {"panel": {"stacking": "alternating"}},
+        rejected=dict.fromkeys(
+            (name for name in ALL if name != "pack"),
+            "panel.stacking = 'alternating': must be left out for a single ply",
+        ),
+        shows=lambda got, plain: got.stacking == "alternating",
+    ),
+    "title": Kind({"title": "mine"}, lambda got, plain: got.title == "mine" != plain.title),
+    "outputs": Kind({"run": {"outputs": ["paraview"]}}, every_four_microseconds),
+}  # fmt: skip
+OF_ITSELF = {"pack": ("pack", "alternating"), "accuracy": ("accuracy",)}  # kinds that are the command's own
+# of the others [accuracy] leaves the mesh, the table of the cell and the part of the panel open; these it cannot
+OF_ACCURACY = {
+    "grip": energy("clamp_friction"), "bending": energy("bending"), "measure": lambda got: got.followed,
+    "elastic bar": lambda got: "as set" in got.accuracy["projectile"], "safety": lambda got: got.steps / got.elements,
+}  # fmt: skip
+
+
+def call(capsys, *words):
+    with pytest.raises(SystemExit) as leaving:
+        app.main([str(word) for word in words])
+    return (leaving.value.code, *capsys.readouterr())
+
+
+def inline(value):
+    """TOML of a value, tables in one line."""
+    if isinstance(value, dict):
+        return "{ " + ", ".join(f"{key} = {inline(part)}" for key, part in value.items()) + " }"
+    if isinstance(value, list):
+        return "[" + ", ".join(inline(part) for part in value) + "]"
+    return "inf" if value == float("inf") else json.dumps(value)
+
+
+def written(folder, table):
+    path = folder / "scene.toml"
+    path.write_text("".join(f"{key} = {inline(value)}\n" for key, value in table.items()))
+    assert tomllib.loads(path.read_text()) == table
+    return path
+
+
+@pytest.fixture(scope="module")
+def known():
+    """Results of the scenes that others are compared with."""
+    return {}
+
+
+def shot(capsys, folder, table):
+    """The results of `weavecell impact`, by name."""
+    code, _, err = call(capsys, "impact", written(folder, table), "--out", folder / "r")
+    assert code == 0, err
+    told = json.loads((folder / "r/summary.json").read_text())
+    with h5py.File(folder / "r/histories.h5") as file:
+        v = file["histories/velocity"][()]
+        group = file["reactions"] if "reactions" in file else file["plies/histories"]
+        reactions = np.array([group[key][()].max() for key in group if "warp" in key or "weft" in key])
+        recorded = file.get("measured", {})
+        recorded = recorded.get("00", recorded)  # that of the first ply of a pack
+        followed = len(recorded["yarns"]) if recorded else 0
+    name = next((name for name in ("panel.pvd", "pack.pvd") if (folder / "r" / name).exists()), None)
+    series = read_series(folder / "r" / name) if name else []
+    return SimpleNamespace(
+        **{"stacking": "", **told}, v=v, reactions=reactions, followed=followed, series=series,
+        energies=told["energies_at_end_J"], failed=np.sum(told["failed_yarn_segments"]),
+    )  # fmt: skip
+
+
+def scene_of(command, changes):
+    added = {"pack": PACK, "accuracy": ACCURACY, "explain": ACCURACY}.get(command, {})
+    return merged(merged(copy.deepcopy(SHOT), added), changes)
+
+
+def rejected(capsys, folder, words, told):
+    """One line, exit code 2, and nothing written."""
+    before = sorted(folder.rglob("*"))
+    code, out, err = call(capsys, *words)
+    assert code == 2
+    assert out == ""
+    assert len(err.splitlines()) == 1
+    assert err.startswith(f"error: {folder / 'scene.toml'}: {told}")
+    assert sorted(folder.rglob("*")) == before
+
+
+REJECTED = [(name, command) for name, kind in KINDS.items() for command in kind.rejected]
+SHOWN = [
+    (name, command)
+    for command in ("impact", "pack")
+    for name, kind in KINDS.items()
+    if command not in kind.rejected and name not in OF_ITSELF.get(command, ())
+    if (name, command) != ("single precision", "pack")  # kernels of their own, minutes to compile: see below
+]
+
+
+@pytest.mark.parametrize(("name", "command"), REJECTED)
+def test_rejected(capsys, tmp_path, name, command):
+    path = written(tmp_path, scene_of(command, KINDS[name].changes))
+    words = {"explain": ("impact", path, "--explain"), "critical-velocity": ("critical-velocity", path)}
+    rejected(
+        capsys, tmp_path, words.get(command, ("impact", path, "--out", tmp_path / "r")), KINDS[name].rejected[command]
+    )
+
+
+@pytest.mark.parametrize(("name", "command"), SHOWN)
+def test_honoured_by_impacts(capsys, tmp_path, known, name, command):
+    if command not in known:
+        (tmp_path / "plain").mkdir()
+        known[command] = shot(capsys, tmp_path / "plain", scene_of(command, {}))
+    got = shot(capsys, tmp_path, scene_of(command, KINDS[name].changes))
+    assert KINDS[name].shows(got, known[command])
+
+
+def test_a_pack_of_single_precision_keeps_its_forces_in_it():
+    asked = scenes_impact.check(scene_of("pack", KINDS["single precision"].changes), "s", commands_impact.support)
+    setup = build.setup(build.build(asked, "s", "s"), "s")
+    states, _ = PackSetup(setup, asked.panel.plies, asked.panel.stacking, asked.panel.ply_gap).pack().states(400.0)
+    assert [state.T[0].dtype for state in states] == [np.float32] * 2
+
+
+ACCURATE = [name for name in OF_ACCURACY if "accuracy" not in KINDS[name].rejected]
+
+
+@pytest.mark.parametrize("name", ACCURATE)
+def test_honoured_with_accuracy(capsys, tmp_path, known, name):
+    if "accuracy" not in known:
+        (tmp_path / "plain").mkdir()
+        known["accuracy"] = shot(capsys, tmp_path / "plain", scene_of("accuracy", {}))
+    got = shot(capsys, tmp_path, scene_of("accuracy", KINDS[name].changes))
+    assert got.accuracy["targets"] == {"residual_velocity": 0.5}
+    assert OF_ACCURACY[name](got) > OF_ACCURACY[name](known["accuracy"])
+
+
+def options(capsys, folder, changes):
+    """What `weavecell impact --explain` prints of the models, as (name, part, elements)."""
+    code, out, err = call(capsys, "impact", written(folder, scene_of("explain", changes)), "--explain")
+    assert code == 0, err
+    assert [path.name for path in folder.iterdir()] == ["scene.toml"]
+    return [line.split() for line in out.splitlines() if "element" in line or "by hand" in line], out
+
+
+@pytest.mark.parametrize("name", [name for name, kind in KINDS.items() if "explain" not in kind.rejected])
+def test_honoured_by_explain(capsys, tmp_path, monkeypatch, name):
+    """It runs nothing; what it prints follows from the set-up, which is that of the scene."""
+    monkeypatch.setenv("COLUMNS", "200")
+    _, out = options(capsys, tmp_path, KINDS[name].changes)
+    assert "->" in out
+    if name == "elements":
+        assert "2 elements" in out
+        assert "3 elements" not in out
+    if name in ("oblique", "weave angle", "whole"):
+        assert " whole " in out
+    if name == "elastic bar":
+        assert "projectile: elastic_bar, as the scene says" in out
+    if name in ("incompressible", "decoupled"):
+        assert ("1 element, decoupled" in out) == (name == "decoupled")
+
+
+def limit(capsys, folder, monkeypatch, changes):
+    """The panel that `weavecell critical-velocity` shoots at, struck as in SHOT; its outcomes are made up."""
+    marches = []
+
+    def fire(panel, velocity, _):
+        if not marches:
+            marches.append(PanelSolver(panel, 400.0, 12e-6).run(()))
+        through = velocity > 130.0
+        return Shot(velocity, 50.0 * through, "perforated" if through else "stopped", 1e-4, 0, (1.0, 1.0), 0.0, 0.0)
+
+    monkeypatch.setattr("shellfabric.impact.ballistic_limit._fire", fire)
+    path = written(folder, merged(SHOT, changes))
+    words = ("--tolerance", "100 m/s", "--residual-shots", 0, "--jobs", 1, "--out", folder / "r")
+    code, _, err = call(capsys, "critical-velocity", path, *words)
+    assert code == 0, err
+    march, found = marches[0], json.loads((folder / "r/critical-velocity.json").read_text())
+    return SimpleNamespace(
+        energies=named({name: march.sample(name)[-1] for name in ENERGIES}), v=march.sample("v"),
+        residual_velocity_m_s=march.sample("v")[-1], failed=march.sample("failed_yarns")[-1],
+        law_name=found["law_name"],
+        reactions=np.array([march.sample(f"reaction_{side}").max() for side in ("warp", "weft")]),
+        elements=march.panel.elements, steps=march.steps, numbers=found | {"wall_time_s": 0, "provenance": ""},
+    )  # fmt: skip
+
+
+IGNORED = ("title", "outputs")
+
+
+@pytest.mark.parametrize("name", [name for name, kind in KINDS.items() if "critical-velocity" not in kind.rejected])
+def test_honoured_by_the_ballistic_limit(capsys, tmp_path, known, monkeypatch, name):
+    if "limit" not in known:
+        (tmp_path / "plain").mkdir()
+        known["limit"] = limit(capsys, tmp_path / "plain", monkeypatch, {})
+    got = limit(capsys, tmp_path, monkeypatch, KINDS[name].changes)
+    if name in IGNORED:
+        assert got.numbers == known["limit"].numbers
+    else:
+        assert KINDS[name].shows(got, known["limit"])

@@ -1,0 +1,157 @@
+"""The one file that knows dolfinx has versions: 0.5 (Debian 12) and 0.9 (Debian 13).
+
+It turns arrays of hexahedra into a vector Q1 space and compiled forms, and speaks outwards only in plain arrays that
+are numbered as the caller numbered its points and cells.
+"""
+
+from __future__ import annotations
+
+import logging
+from contextlib import contextmanager
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import ufl
+from dolfinx import fem, la
+from dolfinx import mesh as dolfinx_mesh
+from dolfinx.fem import petsc
+from mpi4py import MPI
+from petsc4py import PETSc
+
+from fabrics.checks import FloatArray, IntArray
+
+# dolfinx orders the corners of a hexahedron as a tensor product, VTK runs round each face
+VTK_TO_DOLFINX = np.array([0, 1, 3, 2, 4, 5, 7, 6])
+# the law's loops are short and its arithmetic long: vector instructions pay, and reassociation lets them be used
+COMPILE_ARGUMENTS = ["-O3", "-march=native", "-ffast-math", "-fno-finite-math-only", "-g0"]
+
+
+def _old():
+    return not hasattr(fem, "functionspace")
+
+
+@dataclass(frozen=True)
+class HexSpace:
+    """Vector Q1 displacements and cell constants on one serial mesh of hexahedra.
+
+    node : (n,) number of the caller's point that carries block i of the displacement
+    cell : (m,) number of the caller's cell that dolfinx keeps as its cell i
+    """
+
+    mesh: Any
+    displacements: Any
+    node: np.ndarray
+    cell: np.ndarray
+
+    @classmethod
+    def build(cls, points: FloatArray, hexes: IntArray) -> HexSpace:
+        """Build the space.
+
+        Parameters
+        ----------
+        points : (n, 3) [m]
+        hexes : (m, 8) point numbers in VTK order; the cell's first local axis runs from corner 0 to corner 1
+        """
+        cells = np.ascontiguousarray(np.asarray(hexes, np.int64)[:, VTK_TO_DOLFINX])
+        if _old():
+            domain = ufl.Mesh(ufl.VectorElement("Lagrange", "hexahedron", 1))
+        else:
+            import basix.ufl
+
+            domain = ufl.Mesh(basix.ufl.element("Lagrange", "hexahedron", 1, shape=(3,)))
+        # one process owns a crossover: several crossovers run beside each other in processes of their own
+        mesh = dolfinx_mesh.create_mesh(MPI.COMM_SELF, cells, np.asarray(points, float), domain)
+        space = _vector_space(mesh, "Lagrange", 1, 3)
+        node = np.empty(len(points), np.int64)
+        dofs = _rows(space.dofmap.list, 8)
+        node[dofs] = np.asarray(mesh.geometry.input_global_indices)[_rows(mesh.geometry.dofmap, 8)]
+        return cls(mesh, space, node, np.asarray(mesh.topology.original_cell_index))
+
+    @cached_property
+    def displacement(self) -> Any:
+        """The displacement as a UFL coefficient."""
+        return fem.Function(self.displacements)
+
+    def set_displacement(self, u: FloatArray) -> None:
+        """Give the coefficient the values `u` : (n, 3) [m] at the caller's points."""
+        self.displacement.x.array[:] = u[self.node].ravel()
+
+    def cell_constants(self, values: FloatArray) -> Any:
+        """A UFL coefficient that is constant in each cell, from `values` : (m, c) by the caller's cells."""
+        size = values.shape[1]
+        space = _vector_space(self.mesh, "DG", 0, size)
+        function = fem.Function(space)
+        dofs = _rows(space.dofmap.list, 1)[:, 0]
+        function.x.array.reshape(-1, size)[dofs] = values[self.cell]
+        return function
+
+
+class Assembler:
+    """Compiled residual and tangent of a form, assembled into plain arrays in the caller's numbering.
+
+    rows, columns : (nnz,) unknown (3 point + component) of each entry of the values that `tangent` returns
+    """
+
+    def __init__(self, space: HexSpace, residual: Any, tangent: Any) -> None:
+        self._space = space
+        self._residual, self._tangent = _form(residual), _form(tangent)
+        dofmap = space.displacements.dofmap
+        self._vector = la.vector(dofmap.index_map, dofmap.index_map_bs)
+        # by blocks of 3 x 3: to find the places of single entries takes as long as the bricks' tangents themselves
+        self._matrix, self._plain = petsc.create_matrix(self._tangent, "baij"), PETSc.Mat()
+        self.rows, self.columns = self._pattern()
+
+    def _pattern(self):
+        self.tangent()  # PETSc drops entries that have never been set
+        starts, columns, _ = self._entries()
+        rows = np.repeat(np.arange(len(starts) - 1), np.diff(starts))
+        return tuple(3 * self._space.node[index // 3] + index % 3 for index in (rows, columns))
+
+    def residual(self) -> FloatArray:
+        """(n, 3) [N] forces at the caller's points for the current displacement."""
+        array = self._vector.array
+        array[:] = 0
+        fem.assemble_vector(array, self._residual)
+        forces = np.empty((len(self._space.node), 3))
+        forces[self._space.node] = array.reshape(-1, 3)
+        return forces
+
+    def tangent(self) -> FloatArray:
+        """(nnz,) [N/m] values in the order of `rows` and `columns`."""
+        self._matrix.zeroEntries()
+        petsc.assemble_matrix(self._matrix, self._tangent)
+        self._matrix.assemble()
+        return self._entries()[2]
+
+    def _entries(self):
+        self._matrix.convert("aij", out=self._plain)
+        return self._plain.getValuesCSR()
+
+
+@contextmanager
+def _quiet_compiler():
+    """Keep the C compiler's command lines out of the user's log."""
+    logging.disable(logging.INFO)
+    try:
+        yield
+    finally:
+        logging.disable(logging.NOTSET)
+
+
+@_quiet_compiler()
+def _vector_space(mesh, family, degree, size):
+    if _old():
+        return fem.VectorFunctionSpace(mesh, (family, degree), dim=size)
+    return fem.functionspace(mesh, (family, degree, (size,)))
+
+
+@_quiet_compiler()
+def _form(expression):
+    options = {"cffi_extra_compile_args": COMPILE_ARGUMENTS, "timeout": 300}
+    return fem.form(expression, jit_params=options) if _old() else fem.form(expression, jit_options=options)
+
+
+def _rows(table, width):
+    return np.asarray(table.array if hasattr(table, "array") else table).reshape(-1, width)

@@ -1,0 +1,89 @@
+"""Images of yarns beyond the cell: nodes that follow those of the cell, for contact alone.
+
+The image of a yarn under the lattice vector a (m periods along x, n along y) stands at X + a, and upside down about the
+level of its ends where m + n is odd and the weave repeats by a glide: its node (i, j, k) is then that of (i, j, -k).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from fabrics.checks import FloatArray, IntArray
+from meshing.mesh import YarnMesh
+
+
+class Images:
+    """Nodes of a cell, and of the images that are asked for.
+
+    Parameters
+    ----------
+    mesh : meshing.mesh.YarnMesh
+    period : crossings after which the weave repeats
+    parity : +1 as it is, -1 upside down
+
+    Attributes
+    ----------
+    points : (n, 3) [m] of the cell's nodes and the images' so far
+    """
+
+    def __init__(self, mesh: YarnMesh, period: int, parity: float) -> None:
+        self._mesh, self._parity = mesh, parity
+        self._step = [2 * w * period for w in mesh.w]
+        self._level = [float(mesh.points[grid[-1], 2].mean()) for grid in mesh.grids]
+        self.points = np.asarray(mesh.points, float)
+        self._found: dict[tuple[int, int, int], IntArray] = {}
+        self._followers: list[tuple[IntArray, IntArray, bool]] = []
+        self._of = [(yarn, 0, 0) for yarn in range(len(mesh.grids))]
+
+    def extended(self, yarn: int, m: int = 0, n: int = 0, margin: int = 0) -> IntArray:
+        """Node numbers (i, j, k) of a yarn's image, with `margin` columns of its own next images at each end."""
+        family = self._mesh.families[yarn]
+        grid = self.image(yarn, m, n)
+        if not margin:
+            return grid
+        before, after = ((m - 1, n), (m + 1, n)) if family == 0 else ((m, n - 1), (m, n + 1))
+        return np.concatenate(
+            [self.image(yarn, *before)[-1 - margin : -1], grid, self.image(yarn, *after)[1 : 1 + margin]]
+        )
+
+    def image(self, yarn: int, m: int, n: int) -> IntArray:
+        """Node numbers (i, j, k) of the image of a yarn, new ones where it is asked for the first time."""
+        if (m, n) == (0, 0):
+            return self._mesh.grids[yarn]
+        if (yarn, m, n) not in self._found:
+            base = self._mesh.grids[yarn]
+            flips = self._parity < 0 and (m + n) % 2 != 0
+            base = base[:, :, ::-1] if flips else base
+            points = self.points[base]
+            points[..., :2] += (m * self._step[0], n * self._step[1])
+            if flips:
+                points[..., 2] = 2 * self._level[yarn] - points[..., 2]
+            nodes = np.arange(base.size).reshape(base.shape) + len(self.points)
+            self.points = np.concatenate([self.points, points.reshape(-1, 3)])
+            self._found[yarn, m, n] = nodes
+            self._followers.append((nodes.ravel(), base.ravel(), flips))
+            self._of.append((yarn, m, n))
+        return self._found[yarn, m, n]
+
+    def followers(self) -> Iterator[tuple[IntArray, IntArray, bool]]:
+        """Yields (nodes, the cell's nodes that they follow, whether upside down)."""
+        yield from self._followers
+
+    def drive(self) -> FloatArray:
+        """(3 n, 12) displacement by the entries of H_warp, H_weft and F - I: u = H (X - c) + (F - I) c.
+
+        c is a point of the yarn's axis: each yarn turns about it, and it goes with the weave.
+        """
+        drive = np.zeros((len(self.points), 3, 12))
+        for yarn, m, n in self._of:
+            family, nodes = self._mesh.families[yarn], self.image(yarn, m, n).ravel()
+            points = self.points[nodes]
+            centre = np.zeros_like(points[:, :2])
+            centre[:, 1 - family] = points[:, 1 - family].mean()
+            for a in (0, 1):
+                for b in (0, 1):
+                    drive[nodes, a, 4 * family + 2 * a + b] = points[:, b] - centre[:, b]
+                    drive[nodes, a, 8 + 2 * a + b] = centre[:, b]
+        return drive.reshape(-1, 12)

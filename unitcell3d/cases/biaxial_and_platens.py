@@ -1,0 +1,148 @@
+"""The two loadings of a crossover: biaxial extension to fibre failure, and compression between rigid plates.
+
+Two readings of "the fibres fail at 3 %" differ, because a yarn that is bent over the other strains its fibres unevenly:
+the worst bar, and the mean over the fibres of a yarn. A path ends at the mean; `failure` reports both.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from fabrics.errors import InputError
+from fabrics.fabric import Fabric
+from meshing.crossover import Crossover
+from unitcell3d.model.crossover import CrossoverModel, Load, Numerics
+from unitcell3d.solver.history import History
+from unitcell3d.solver.load_stepping import Steps, march
+from unitcell3d.solver.record import Hook
+
+# one-ply platen test of the thesis: 7000 N on 0.019 m x 0.019 m (chapter 2)
+PLATEN_PRESSURE = 7000 / 0.019**2
+MIN_PLATE_GAP = 0.5  # of the plates' distance at rest
+
+
+def biaxial(
+    crossover: Crossover,
+    fabric: Fabric,
+    ratio: Sequence[float] = (1.0, 1.0),
+    *,
+    max_displacement: float | None = None,
+    numerics: Numerics | None = None,
+    steps: Steps | None = None,
+    hooks: Sequence[Hook] = (),
+) -> History:
+    """Stretch a crossover along d1 : d2 = `ratio` until the mean fibre strain of a yarn is its failure strain.
+
+    Parameters
+    ----------
+    crossover : meshing.crossover.Crossover
+    fabric : Fabric
+    ratio : (d1, d2) [-] proportions of the end displacements; 0 holds a yarn's ends
+    max_displacement : [m] larger of the two end displacements at the end of the path, instead of fibre failure
+    numerics, steps, hooks : see `model.crossover.Numerics`, `load_stepping.Steps`, `load_stepping.march`
+
+    Returns
+    -------
+    History
+
+    Raises
+    ------
+    InputError : the ratio stretches no yarn, or `max_displacement` is not positive
+    """
+    try:
+        shares = np.array([float(part) for part in ratio])
+    except (TypeError, ValueError):
+        shares = np.array([])
+    if shares.shape != (2,) or not np.all(np.isfinite(shares)) or shares.max() <= 0:
+        raise InputError(key="ratio", value=tuple(shares), allowed="two numbers, one of them at least above 0")
+    shares = shares / np.abs(shares).max()
+    if max_displacement is not None and not max_displacement > 0:
+        raise InputError(key="max_displacement", value=max_displacement, allowed="positive")
+    yarns = fabric.weave.yarns
+    if max_displacement is None:
+        # a yarn whose ends are this far apart is straight and at its failure strain: no path goes on longer
+        max_displacement = min(
+            w * ((1 + yarn.crimp) * (1 + yarn.failure_strain) - 1) / part
+            for w, yarn, part in zip(fabric.weave.w, yarns, shares)
+            if part > 0
+        )
+        stop = _worst_yarn([yarn.failure_strain for yarn in yarns])
+    else:
+        stop = None
+    model = CrossoverModel(crossover, fabric, numerics)
+    end = Load((float(shares[0] * max_displacement), float(shares[1] * max_displacement)))
+    case = f"biaxial {shares[0]:g} : {shares[1]:g}"
+    return march(model, Load(), end, case=case, stop=stop, steps=steps, hooks=hooks)
+
+
+def _worst_yarn(limits):
+    return lambda row: float(np.max(row["fibre_strain_mean"] / limits))
+
+
+def plate_compression(
+    crossover: Crossover,
+    fabric: Fabric,
+    *,
+    pressure: float = PLATEN_PRESSURE,
+    min_plate_gap: float = MIN_PLATE_GAP,
+    numerics: Numerics | None = None,
+    steps: Steps | None = None,
+    hooks: Sequence[Hook] = (),
+) -> History:
+    """Press a crossover between two rigid plates, the yarns' ends held in the plane at their spacing.
+
+    The plates stand at equal distances above and below the middle plane, as the two-fold axis of the weave asks, so
+    that the higher yarn is touched first. The path ends at the mean `pressure` [Pa] on the area of the cell, the
+    source's greatest by default, or with the plates at the share `min_plate_gap` of their first distance.
+
+    Raises
+    ------
+    InputError : the pressure is not positive, or the share is not between 0 and 1
+    """
+    if not pressure > 0:
+        raise InputError(key="pressure", value=pressure, allowed="positive")
+    if not 0 < min_plate_gap < 1:
+        raise InputError(key="min_plate_gap", value=min_plate_gap, allowed="between 0 and 1")
+    model = CrossoverModel(crossover, fabric, numerics)
+    rest = model.plates.at_rest
+    force = pressure * fabric.weave.cell_area
+    return march(
+        model,
+        Load(plates=rest),
+        Load(plates=min_plate_gap * rest),
+        case="plates",
+        stop=lambda row: float(np.mean(row["F_plate"])) / force,
+        steps=steps,
+        hooks=hooks,
+    )
+
+
+@dataclass(frozen=True)
+class Failure:
+    """Where a biaxial path first meets a criterion: yarn (0 warp, 1 weft), d1, d2 [m], T1, T2 and F_c [N]."""
+
+    criterion: str
+    yarn: int
+    d: tuple
+    T: tuple
+    F_c: float
+
+
+def failure(history: History, fabric: Fabric) -> list[Failure]:
+    """Failure by the worst bar and by the mean of the bars, without those that the path did not reach."""
+    found = []
+    for criterion, strains in (("worst bar", history.fibre_strain_max), ("mean of bars", history.fibre_strain_mean)):
+        limits = np.array([yarn.failure_strain for yarn in fabric.weave.yarns])
+        ratio = (strains / limits).max(axis=1)
+        # the path ends within a tolerance of the mean's limit
+        limit = 1.0 if criterion == "worst bar" else min(1.0, max(ratio[-1], 0.998))
+        there = [history.at(c, ratio, limit) for c in (history.d1, history.d2, history.T1, history.T2, history.F_c)]
+        columns = [value for value in there if value is not None]
+        if columns:
+            row = int(np.argmax(ratio >= limit))
+            yarn = int(np.argmax(strains[row] / limits))
+            found.append(Failure(criterion, yarn, tuple(columns[:2]), tuple(columns[2:4]), columns[4]))
+    return found

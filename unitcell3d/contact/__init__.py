@@ -1,0 +1,1 @@
+"""Yarn-yarn contact on smooth surfaces and at edges."""

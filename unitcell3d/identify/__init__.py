@@ -1,0 +1,1 @@
+"""Parameter identification: compression law, solid constants, response surfaces."""

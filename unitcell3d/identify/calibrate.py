@@ -1,0 +1,240 @@
+"""From a fabric's data to its compression law, by way of the 3D crossover: paths and plates solved, kept, evaluated.
+
+Every path of every fabric is a case of its own, in a process with one thread, so that it comes out the same to the last
+bit whichever process solves it, and when. A finished case is kept as a file at once; a run that is taken up again
+begins with those whose inputs and code are the same (`fabrics.run_cache`).
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import FIRST_COMPLETED, Executor, wait
+from dataclasses import dataclass, replace
+from pathlib import Path
+from queue import Empty
+from typing import Any
+
+from fabrics import run_cache
+from fabrics.checks import FilePath
+from fabrics.errors import InputError, UnstableError
+from fabrics.executors import CONTEXT, cancel, open_executor
+from fabrics.fabric import Fabric
+from meshing import crossover as mesher
+from meshing.inputs import Size
+from unitcell3d.cases import biaxial_and_platens
+from unitcell3d.identify.calibration import PLATES, Calibration, evaluate
+from unitcell3d.model.crossover import Numerics
+from unitcell3d.solver.history import History
+from unitcell3d.solver.load_stepping import Steps
+
+PATHS = {"warp only": (1.0, 0.0), "weft only": (0.0, 1.0), "equibiaxial": (1.0, 1.0)}
+
+
+@dataclass(frozen=True)
+class Job:
+    """One path of one fabric; `ratio` (d1, d2), or None between plates; `friction` Coulomb's coefficient."""
+
+    name: str
+    fabric: Fabric
+    size: Size
+    ratio: tuple | None
+    friction: float = 0.0
+
+    @property
+    def numerics(self) -> Numerics:
+        """What it is solved with."""
+        return Numerics(friction=self.friction)
+
+    @property
+    def key(self) -> str:
+        """Key of its result: of what it is solved with, and of the code."""
+        return run_cache.key((self.fabric, self.size, self.ratio, self.numerics, Steps()), __name__)
+
+    def file(self, folder: FilePath) -> Path:
+        """Its file in the folder of its fabric."""
+        return Path(folder) / f"{self.name.replace(' ', '-')}.h5"
+
+
+def calibrate(fabric: Fabric, *, out: FilePath | None = None, **choices: Any) -> Calibration:
+    """Calibrate the compression law of one fabric; returns its `calibration.Calibration`.
+
+    Parameters
+    ----------
+    out : directory for what is found, or None
+    choices : as of `calibrate_all`
+
+    Raises
+    ------
+    InputError : the fabric cannot be meshed, or a size or path is not allowed
+    UnstableError : no path got far enough for a fit
+    """
+    found = calibrate_all([fabric], folder=lambda name: out, **choices)[fabric.name]
+    if isinstance(found, Exception):
+        raise found
+    return found
+
+
+def calibrate_all(
+    fabrics: Sequence[Fabric], *, size: Size = "medium", plates_size: Size = "coarse", friction: float = 0.0,
+    paths: Mapping[str, Sequence[float]] | None = None, folder: Callable[[str], FilePath | None] = lambda name: None,
+    resume: bool = False, executor: str | Executor = "local", jobs: int = 1,
+    on_progress: Callable[[str, str, float], object] | None = None,
+) -> dict[str, Calibration | Exception]:  # fmt: skip
+    """Calibrate several fabrics, their paths beside each other; one that fails does not end the others.
+
+    Parameters
+    ----------
+    fabrics : of Fabric, with solid laws
+    size, plates_size : mesh sizes of the biaxial paths and of the plate compression (`meshing.crossover.build`)
+    friction : [-] Coulomb's coefficient between the yarns, and between yarns and plates
+    paths : {name: (d1, d2) ratio}, by default warp only, weft only and equibiaxial
+    folder : function of a fabric's name giving the directory for its histories and laws, or None
+    resume : take finished paths from their files, unless these are of other inputs or of other code
+    executor, jobs : as of `fabrics.executors.open_executor`; local processes also tell of each step
+    on_progress : called as on_progress(fabric name, path name, share of that path)
+
+    Returns
+    -------
+    {fabric name: Calibration, or the InputError or UnstableError that ended it}
+
+    Raises
+    ------
+    InputError : a choice that is wrong for all of them
+    """
+    paths = dict(PATHS if paths is None else paths)
+    if not paths or PLATES in paths:
+        raise InputError(key="paths", value=sorted(paths), allowed=f"at least one, none of them called {PLATES!r}")
+    if jobs < 1:
+        raise InputError(key="jobs", value=jobs, allowed="at least 1")
+    Numerics(friction=friction)  # refuses what is not allowed
+    begun = time.perf_counter()
+    run = _Run(folder, resume, on_progress if on_progress is not None else _silent)
+    for fabric in fabrics:
+        # the longest first: plates take the most steps
+        first = [Job(PLATES, fabric, plates_size, None, friction)]
+        first += [Job(name, fabric, size, tuple(map(float, ratio)), friction) for name, ratio in paths.items()]
+        run.add(fabric, first)
+    run.solve(executor, jobs)
+    for fabric in fabrics:
+        run.finish(fabric, [*paths, PLATES], (str(size), str(plates_size)), friction, begun)
+    return {fabric.name: run.outcomes[fabric.name] for fabric in fabrics}
+
+
+def _silent(fabric, path, share):
+    pass
+
+
+class _Run:
+    """Jobs to do, histories done, and what ended a fabric."""
+
+    def __init__(self, folder, resume, on_progress):
+        self._folder, self._resume, self._on_progress = folder, resume, on_progress
+        self._open, self._done = [], {}
+        self.outcomes = {}
+
+    def add(self, fabric, jobs):
+        """Take in the jobs of a fabric; those that are done come from their files."""
+        try:
+            for size in dict.fromkeys(job.size for job in jobs):
+                mesher.build(fabric, size=size)  # bad input ends here, in this process
+        except InputError as problem:
+            self.outcomes[fabric.name] = problem
+            return
+        for job in jobs:
+            kept = self._kept(job)
+            if kept is None:
+                self._open.append(job)
+            else:
+                self._done[fabric.name, job.name] = kept
+                self._on_progress(fabric.name, job.name, 1.0)
+
+    def _kept(self, job):
+        folder = self._folder(job.fabric.name)
+        if not self._resume or folder is None or not job.file(folder).exists():
+            return None
+        notes = History.notes(job.file(folder))
+        return (History.read(job.file(folder)), notes["seconds"]) if notes.get("key") == job.key else None
+
+    def solve(self, executor, jobs):
+        """Solve the open jobs, plates first, and keep each as it comes."""
+        if not self._open:
+            return
+        queue = CONTEXT.Queue() if executor == "local" else None
+        options = {} if queue is None else {"initializer": _take_queue, "initargs": (queue,)}
+        waiting = sorted(self._open, key=lambda job: job.ratio is not None)
+        with open_executor(executor, min(jobs, len(waiting)), fresh=True, **options) as pool:
+            futures = {pool.submit(run_job, job): job for job in waiting}
+            pending = set(futures)
+            try:
+                while pending:
+                    finished, pending = wait(pending, timeout=0.2, return_when=FIRST_COMPLETED)
+                    self._forward_progress(queue)
+                    for future in finished:
+                        self._take(futures[future], future)
+            finally:
+                for future in pending:
+                    cancel(future)
+
+    def _forward_progress(self, queue):
+        try:
+            while queue is not None:
+                fabric, path, share = queue.get_nowait()
+                if (fabric, path) not in self._done:  # what a path says of itself may come after its result
+                    self._on_progress(fabric, path, share)
+        except Empty:
+            pass
+
+    def _take(self, job, future):
+        try:
+            history, seconds = future.result()
+        except UnstableError as problem:
+            self.outcomes[job.fabric.name] = problem
+            return
+        folder = self._folder(job.fabric.name)
+        if folder is not None:
+            history.write(job.file(folder), key=job.key, seconds=seconds)
+        self._done[job.fabric.name, job.name] = history, seconds
+        self._on_progress(job.fabric.name, job.name, 1.0)
+
+    def finish(self, fabric, names, sizes, friction, begun):
+        """Evaluate a fabric's histories and write what they give."""
+        if fabric.name in self.outcomes:
+            return
+        done = {name: self._done[fabric.name, name] for name in names}
+        seconds = {name: elapsed for name, (_, elapsed) in done.items()}
+        try:
+            found = evaluate(
+                fabric, {name: history for name, (history, _) in done.items()}, sizes,
+                seconds | {"all": time.perf_counter() - begun}, friction,
+            )  # fmt: skip
+        except UnstableError as problem:
+            self.outcomes[fabric.name] = problem
+            return
+        if self._folder(fabric.name) is not None:
+            found.write(self._folder(fabric.name))
+        self.outcomes[fabric.name] = found
+
+
+def run_job(job: Job) -> tuple[History, float]:
+    """One job: (History, wall time [s])."""
+    begun = time.perf_counter()
+    mesh = mesher.build(job.fabric, size=job.size)
+
+    def on_progress(share, row):
+        if _queue is not None:
+            _queue.put((job.fabric.name, job.name, share))
+
+    if job.ratio is None:
+        history = biaxial_and_platens.plate_compression(mesh, job.fabric, numerics=job.numerics, hooks=(on_progress,))
+    else:
+        history = biaxial_and_platens.biaxial(mesh, job.fabric, job.ratio, numerics=job.numerics, hooks=(on_progress,))
+    return replace(history, case=job.name), time.perf_counter() - begun
+
+
+_queue = None  # of a worker process, set once when it starts
+
+
+def _take_queue(queue):
+    global _queue
+    _queue = queue

@@ -1,0 +1,111 @@
+"""One line of a response surface: a path of continuation at a fixed end displacement of one yarn.
+
+Each line is a case of its own, with a model of its own, so that it comes out the same to the last bit whichever process
+solves it, and when. With friction an equilibrium hangs on where the yarns stuck before: a line then takes that over
+from the state it starts from, and goes on from every place it has come to.
+"""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass
+
+import numpy as np
+
+from fabrics.fabric import Fabric
+from meshing import crossover as mesher
+from meshing.inputs import Size
+from unitcell3d.identify.surface_cache import Line
+from unitcell3d.model.crossover import CrossoverModel, Load, Numerics
+from unitcell3d.solver.load_stepping import continue_to, rest_state
+from unitcell3d.solver.newton import Newton
+
+FROM_REST = 0.02  # share of the way from rest to the first place of a line in one step
+
+
+@dataclass(frozen=True)
+class Case:
+    """A line to be solved, along `axis` (0: d1, 1: d2) at `fixed` of the other [m], at the places `along` [m].
+
+    start : (d1, d2) [m] on the edge, where the line begins; None: at rest
+    q, stick_state : (size,) [m] unknowns, and (s,) where the points of contact stick
+        (`model.crossover.YarnsModel.stick_state`), in the equilibrium at `start`
+    keep : whether other lines will start from its states
+    friction : [-] Coulomb's coefficient
+    """
+
+    axis: int
+    fixed: float
+    along: np.ndarray
+    start: tuple | None = None
+    q: np.ndarray | None = None
+    stick_state: np.ndarray | None = None
+    keep: bool = False
+    friction: float = 0.0
+
+    @property
+    def name(self) -> str:
+        """Name of the line."""
+        return f"d{2 - self.axis} = {1e6 * self.fixed:.6f} um"
+
+    def at(self, place: float) -> tuple[float, float]:
+        """(d1, d2) [m] of a place on the line."""
+        place, fixed = float(place), float(self.fixed)
+        return (place, fixed) if self.axis == 0 else (fixed, place)
+
+
+def solve_line(fabric: Fabric, size: Size, case: Case) -> Line:
+    """Solve one line; returns surface_cache.Line.
+
+    Raises
+    ------
+    UnstableError : no equilibrium at a place
+    """
+    begun = time.perf_counter()
+    model = CrossoverModel(mesher.build(fabric, size=size), fabric, Numerics(friction=case.friction))
+    solver = Newton(model)
+    values, states, stick_states, iterations = [], [], [], 0
+    try:
+        q, spent = _begin(model, solver, case)
+        first, last = (Load(case.at(case.along[i])) for i in (0, -1))
+        shares = (case.along - case.along[0]) / (case.along[-1] - case.along[0])
+        for share, found in continue_to(model, solver, q, first, last, shares):
+            iterations += found.iterations
+            model.commit(found.q, first.towards(last, share))
+            heights = model.heights(model.positions(found.q, first.towards(last, share)))
+            T1, T2 = model.tensions(found.forces)
+            values.append((T1, T2, model.copies[1] * found.contact, *heights))
+            states.append(found.q)
+            stick_states.append(model.stick_state)
+    finally:
+        solver.close()
+    return Line(
+        case.axis,
+        float(case.fixed),
+        np.asarray(case.along, float),
+        np.array(values),
+        np.array(states) if case.keep else np.empty((0, 0)),
+        np.array(stick_states) if case.keep and case.friction else np.empty((0, 0)),
+        time.perf_counter() - begun,
+        iterations + spent,
+    )
+
+
+def _begin(model, solver, case):
+    """Unknowns at the first place of a line, and the tangents factorised on the way to it."""
+    corner = Load(case.at(case.along[0]))
+    if case.q is None:
+        start = Load()
+        found = rest_state(model, solver, start)
+        q, spent = found.q, found.iterations
+        model.commit(q, start)
+        steps = np.linspace(FROM_REST, 1, round(1 / FROM_REST))
+    else:
+        start, q, spent, steps = Load(tuple(map(float, case.start))), case.q, 0, (1.0,)
+        if case.stick_state is not None:
+            model.stick_state = case.stick_state
+    if start.d != corner.d:
+        for share, found in continue_to(model, solver, q, start, corner, steps):
+            q, spent = found.q, spent + found.iterations
+            model.commit(q, start.towards(corner, share))
+    return q, spent

@@ -1,0 +1,1 @@
+"""The solid law of a yarn and its fibre bars."""

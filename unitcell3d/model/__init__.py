@@ -1,0 +1,1 @@
+"""The assembled models: crossover, periodic cell, stack."""

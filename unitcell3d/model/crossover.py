@@ -1,0 +1,309 @@
+"""Quasi-static yarns: solids, fibre bars and contact as residual and tangent of one set of unknowns.
+
+    r(q, load) = C^T [ solid(u) + bars(u) + contact(u) + plates(u) ] = 0,   u = C q + drive d
+
+(thesis chapter 3; `material.solid_law`, `material.fibre_kernels`, `contact.surface_contact_kernels` and
+`assembly.constraints` hold the equations).
+Any set of yarns is a `YarnsModel`; the crossover is one of them. A quarter crossover is half of each yarn's width and
+length: its axial end forces count twice, its vertical forces four times.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from fabrics.checks import FloatArray, IntArray
+from fabrics.errors import InputError
+from fabrics.fabric import Fabric
+from meshing.crossover import Crossover
+from meshing.mesh import YarnMesh
+from unitcell3d.assembly import constraints
+from unitcell3d.assembly.compat import Assembler, HexSpace
+from unitcell3d.assembly.constraints import Constraints
+from unitcell3d.assembly.sparsity import Pattern
+from unitcell3d.contact.interface import ContactSurfaces
+from unitcell3d.contact.surfaces import FacingSurfaces, Plates
+from unitcell3d.material import solid_law
+from unitcell3d.material.fibres import Fibres
+
+# a weft brick's local axes run along i, k, j; the law wants the fibre, across, through in both yarns
+ACROSS_BEFORE_THROUGH = ([0, 1, 2, 3, 4, 5, 6, 7], [4, 5, 1, 0, 7, 6, 2, 3])
+
+
+@dataclass(frozen=True)
+class Numerics:
+    """Numbers that belong to the method, not to the fabric; how results converge with them: docs/crossover.md.
+
+    Parameters
+    ----------
+    penalty : [Pa/m] contact stiffness, both passes together
+    toe : [m] penetration over which the contact stiffness sets in; a shorter one costs more tangents
+    slack_width : [-] fibre strain over which a fibre becomes taut
+    slack_stiffness : [-] fraction of its stiffness left to a slack fibre, which keeps slack yarns from collapsing;
+        where it is large, slack yarn tips buckle
+    friction : [-] Coulomb's coefficient between yarns, and between yarns and plates
+    slip : [m] over which friction sets in
+    """
+
+    penalty: float = 1e15
+    toe: float = 0.5e-6
+    slack_width: float = 1e-4
+    slack_stiffness: float = 1e-3
+    friction: float = 0.0
+    slip: float = 0.5e-6
+
+    def __post_init__(self):
+        for key in ("penalty", "toe", "slack_width", "slack_stiffness", "slip"):
+            if not getattr(self, key) > 0:
+                raise InputError(key=key, value=getattr(self, key), allowed="positive")
+        if not 0 <= self.friction < np.inf:
+            raise InputError(key="friction", value=self.friction, allowed="0 or positive")
+
+    def softened(self, factor: float) -> Numerics:
+        """With a softer contact: `factor` of the penalty, the toe deeper by its inverse root."""
+        return replace(self, penalty=self.penalty * factor, toe=self.toe / factor**0.5)
+
+
+@dataclass(frozen=True)
+class Load:
+    """End displacements d1, d2 [m] per end, and half the distance of two plates [m] (infinite: none)."""
+
+    d: tuple = (0.0, 0.0)
+    plates: float = np.inf
+
+    @property
+    def drive(self) -> tuple:
+        """(2,) what the prescribed displacements are proportional to."""
+        return self.d
+
+    def towards(self, other: Load, share: float) -> Load:
+        """The load at `share` of the way to another."""
+        d = tuple(a + share * (b - a) for a, b in zip(self.d, other.d))
+        plates = self.plates + share * (other.plates - self.plates) if np.isfinite(self.plates) else self.plates
+        return Load(d, plates)
+
+
+class YarnsModel:
+    """Meshed yarns with their laws; holds scratch arrays, and no history but the damage of fibres that may fail.
+
+    Parameters
+    ----------
+    mesh : meshing.mesh.YarnMesh
+    fabric : Fabric, with solid laws
+    numerics : Numerics
+    held : constraints.Constraints
+    surfaces : surfaces.FacingSurfaces, or pairs.SurfacePairs
+    plates : surfaces.Plates, or None
+    points : (n, 3) [m] nodes, the mesh's first; more where contact has images of yarns
+    copies : of axial and of vertical forces, that the domain stands for
+    integration : solid_law.FULL or solid_law.ONE_POINT
+    failure : fibres fail
+
+    Raises
+    ------
+    InputError : the fabric has no solid laws, or is not the one that was meshed
+    """
+
+    def __init__(
+        self, mesh: YarnMesh, fabric: Fabric, numerics: Numerics | None, held: Constraints,
+        surfaces: ContactSurfaces, plates: Plates | None, *, points: FloatArray | None = None,
+        copies: tuple[float, float] = (1.0, 1.0), integration: int = solid_law.FULL, failure: bool = False,
+    ) -> None:  # fmt: skip
+        check(mesh, fabric)
+        self.crossover, self.fabric = mesh, fabric
+        self.numerics = Numerics() if numerics is None else numerics
+        self.points = np.ascontiguousarray(mesh.points if points is None else points, float)
+        self.copies, self.constraints, self.surfaces, self.plates = copies, held, surfaces, plates
+        self.fibres = Fibres(mesh, fabric, failure)
+        self._solid(mesh, fabric, integration)
+        self._build_pattern()
+
+    @property
+    def size(self) -> int:
+        """Number of unknowns."""
+        return self.constraints.size
+
+    @property
+    def bar_yarn(self) -> IntArray:
+        """(b,) number of the yarn of each bar."""
+        return self.fibres.yarn
+
+    def _solid(self, mesh, fabric, integration):
+        family = np.asarray(mesh.families)[mesh.yarn]
+        self.hexes = np.where(
+            family[:, None] == 0, mesh.hexes[:, ACROSS_BEFORE_THROUGH[0]], mesh.hexes[:, ACROSS_BEFORE_THROUGH[1]]
+        )
+        # the mesher may have had to densify a yarn to make room for the other (YarnMesh.Vf0)
+        laws = [replace(law, Vf0=Vf0) for law, Vf0 in zip(fabric.solid_laws, mesh.Vf0)]
+        parameters = np.array([(law.E_a, law.a_E, law.b_E, law.Vf0, law.V_c, law.G) for law in laws])
+        self._real = len(mesh.points)
+        self._space = HexSpace.build(mesh.points, self.hexes)
+        self._solids = Assembler(self._space, *solid_law.forms(self._space, parameters[family], integration))
+
+    def _build_pattern(self):
+        """Lay out the tangent for the solids and the contact that is expected or has been met."""
+        self.pattern = Pattern(len(self.points), [self.hexes, *self.surfaces.expected_stencils()], self.constraints)
+        self.surfaces.build_pattern(self.pattern)
+        self._solid_places = self.pattern.scalar_places(self._solids.rows, self._solids.columns)
+        self._bar_places = self.pattern.places(self.fibres.pairs)
+        faces = () if self.plates is None else self.plates.faces
+        self._plate_places = [self.pattern.places(face.nodes[:, None])[:, 0, 0] for face in faces]
+
+    def positions(self, q: FloatArray, load: Any) -> FloatArray:
+        """(n, 3) [m] deformed positions."""
+        return self.points + self.constraints.displacement(q, load.drive)
+
+    def forces(self, q: FloatArray, load: Any) -> tuple[FloatArray, float, FloatArray]:
+        """Internal forces (n, 3) [N] and the vertical forces of contact and plates.
+
+        Returns
+        -------
+        forces : (n, 3) [N]; not finite where an element is inverted
+        contact : [N] of the meshed part: upwards on the warp
+        plates : (2,) [N] on the upper and the lower plate
+        """
+        x = self.positions(q, load)
+        self._deform(x)
+        forces = np.zeros_like(x)
+        forces[: self._real] = self._solids.residual()
+        self.fibres.forces(x, self.numerics, forces)
+        contact = self.surfaces.assemble(x, self.numerics, forces)
+        return forces, contact, self._press(x, load, forces)
+
+    def system(self, q: FloatArray, load: Any) -> bool:
+        """Assemble the tangent into `pattern`; returns True where its pattern had to grow."""
+        grown = self.surfaces.pattern_outdated()
+        if grown:
+            self._build_pattern()
+        x, n, pattern = self.positions(q, load), self.numerics, self.pattern
+        self._deform(x)
+        pattern.values[:] = 0
+        pattern.values.reshape(-1)[self._solid_places] += self._solids.tangent()
+        self.fibres.tangent(x, n, self._bar_places, pattern.values)
+        discarded = np.zeros_like(x)
+        self.surfaces.assemble(x, n, discarded, pattern.values)
+        self._press(x, load, discarded, self._plate_places)
+        pattern.reduce()
+        return grown
+
+    def _deform(self, x):
+        self._space.set_displacement((x - self.points)[: self._real])
+
+    def _press(self, x, load, forces, places=None):
+        if self.plates is None:
+            return np.zeros(2)
+        return self.plates.press(x, load.plates, self.numerics, forces, places, self.pattern.values)
+
+    def commit(self, q: FloatArray, load: Any) -> None:
+        """Let friction go on from this state, an equilibrium; nothing happens without friction."""
+        if self.numerics.friction > 0:
+            self.forces(q, load)  # the state that the contact search belongs to may be a trial
+            x = self.positions(q, load)
+            self.surfaces.commit(x, self.numerics)
+            if self.plates is not None:
+                self.plates.commit(x, load.plates, self.numerics)
+
+    @property
+    def stick_state(self) -> FloatArray:
+        """(s,) where the points of contact stick: what friction keeps of the past, see `commit`."""
+        return np.concatenate([anchors.ravel() for anchors in self._anchors()])
+
+    @stick_state.setter
+    def stick_state(self, values: FloatArray) -> None:
+        for anchors in self._anchors():
+            anchors[:], values = values[: anchors.size].reshape(anchors.shape), values[anchors.size :]
+
+    def _anchors(self):
+        return [*self.surfaces.anchors, *(() if self.plates is None else self.plates.anchors)]
+
+    def tensions(self, forces: FloatArray) -> FloatArray:
+        """(2,) [N] tensions of the whole warp and weft yarn, from the reactions at their ends."""
+        return np.array([self.copies[0] * self.constraints.end_force(forces, yarn) for yarn in (0, 1)])
+
+    def fibre_strains(self, x: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Strain of every bar (b,), and its mean over the fibres of each yarn."""
+        strain = self.fibres.strains(x)
+        return strain, self.fibres.means(strain)
+
+    def worst_element(self, x: FloatArray) -> tuple[int, float]:
+        """Number of the hexahedron with the least corner volume ratio to the undeformed, and that ratio."""
+        ratio = _corner_volumes(x[self.hexes]) / _corner_volumes(self.points[self.hexes])
+        cell = int(np.argmin(ratio.min(axis=1)))
+        return cell, float(ratio[cell].min())
+
+
+class CrossoverModel(YarnsModel):
+    """A meshed crossover of one warp and one weft.
+
+    Parameters
+    ----------
+    crossover : meshing.crossover.Crossover
+    fabric, numerics, integration, failure : as of a `YarnsModel`
+
+    Raises
+    ------
+    InputError : the fabric has no solid laws, or is not the one that was meshed
+    """
+
+    plates: Plates
+
+    def __init__(self, crossover: Crossover, fabric: Fabric, numerics: Numerics | None = None, **choices: Any) -> None:
+        check(crossover, fabric)
+        quarter = crossover.domain == "quarter"
+        points = np.ascontiguousarray(crossover.points, float)
+        super().__init__(
+            crossover,
+            fabric,
+            numerics,
+            constraints.build(crossover.grids, len(points), quarter=quarter),
+            FacingSurfaces(points, crossover.grids, quarter),
+            Plates(points, crossover.grids),
+            copies=(2.0, 4.0) if quarter else (1.0, 1.0),
+            **choices,
+        )
+
+    def heights(self, x: FloatArray) -> FloatArray:
+        """(2,) [m] heights h1, h2 of the centrelines: middle of the yarn's axis above (warp), below (weft) its end."""
+        ends = [axis_height(x, grid[-1, self._crossing(grid)[1]]) for grid in self.crossover.grids]
+        middles = [axis_height(x, grid[self._crossing(grid)]) for grid in self.crossover.grids]
+        return np.array([middles[0] - ends[0], ends[1] - middles[1]])
+
+    def half_thicknesses(self, x: FloatArray) -> FloatArray:
+        """(2,) [m] distances of the axis of warp and weft from the face that meets the other, at the crossing."""
+        warp, weft = (grid[self._crossing(grid)] for grid in self.crossover.grids)
+        return np.array([axis_height(x, warp) - x[warp[0], 2], x[weft[-1], 2] - axis_height(x, weft)])
+
+    def _crossing(self, grid):
+        """Place (i, j) of the crossing in the grid of a yarn."""
+        return (0, 0) if self.crossover.domain == "quarter" else (grid.shape[0] // 2, grid.shape[1] // 2)
+
+
+def check(mesh: YarnMesh, fabric: Fabric) -> None:
+    """Refuse a fabric without solid laws, or a mesh of another fabric.
+
+    Raises
+    ------
+    InputError : either
+    """
+    if fabric.solid_laws is None:
+        raise InputError(f"fabric {fabric.name} has no [solid] tables, which a 3D crossover needs")
+    if mesh.fabric != fabric.name:
+        raise InputError(key="fabric", value=fabric.name, allowed=f"the meshed one, {mesh.fabric}")
+
+
+def axis_height(x: FloatArray, column: IntArray) -> float:
+    """Height [m] of the middle of a column of nodes through the thickness."""
+    return 0.5 * (x[column[(len(column) - 1) // 2], 2] + x[column[len(column) // 2], 2])
+
+
+def _corner_volumes(corners):
+    """(m, 8) [m3] triple products of the edges at the corners of hexahedra (m, 8, 3) in VTK order."""
+    neighbours = ((1, 3, 4), (2, 0, 5), (3, 1, 6), (0, 2, 7), (7, 5, 0), (4, 6, 1), (5, 7, 2), (6, 4, 3))
+    volumes = []
+    for corner, (a, b, c) in enumerate(neighbours):
+        ea, eb, ec = (corners[:, k] - corners[:, corner] for k in (a, b, c))
+        volumes.append(np.einsum("mi,mi->m", np.cross(ea, eb), ec))
+    return np.stack(volumes, axis=1)

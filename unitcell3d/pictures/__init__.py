@@ -1,0 +1,1 @@
+"""Pictures of calibrations and of the deformed crossover."""

@@ -1,0 +1,1 @@
+"""Newton's method, load stepping, path following, records."""

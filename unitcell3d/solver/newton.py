@@ -1,0 +1,297 @@
+"""Equilibrium at one load: Newton's method in pseudo-time, with Broyden's updates between factorisations.
+
+    (K + mu I) dq = -r,   mu <- mu |r_new| / |r_old|
+
+Slack fibres leave soft modes (below 1 N/m against 1e5 N/m of the contact): the tip of a slack yarn buckles and snaps. A
+plain Newton step then throws nodes by a tenth of a millimetre, and a line search that insists on a falling residual
+stalls, because the residual is that of the stiff contact. The shift mu (backward Euler in a pseudo-time, Kelley and
+Keyes 1998) holds the soft modes while the stiff ones settle and dies out with the residual, so the last iterations are
+quadratic; no node moves by more than `LARGEST_STEP` in one iteration, and where a step is cut to that the shift grows
+by as much. Where a guess is far from equilibrium the contact is soft at first (`Newton.approach`).
+
+A step is shortened where it overshoots: where the residual's pull along it has turned round,
+r(q + dq) . dq > -1/2 r . dq, to where that has gone (false position and bisection in turn). The law is all but a
+potential (its tangent is unsymmetric by 4e-4 at most), so that this is nearly the least energy on the line; a residual
+that grows on the way, as it does where yarns swing taut, does not stop it. Fibres at their slack kink and contact that
+closes otherwise send Newton's method round in cycles. The shift grows with the inverse root of what is left of a step.
+
+A factorisation costs as much as thirty of its back substitutions. Once the residual is below `NEAR` of the forces, the
+last factorisation, of an earlier load even, is used on and corrected by the steps taken since (Broyden's update in the
+form that stores steps alone: Kelley, Iterative Methods for Linear and Nonlinear Equations, 1995, section 7.3), until
+`MOST_SLOW` steps have taken off less than 1 - `SLOW` of the residual. The state that is found is the same: only the way
+to it is cheaper.
+
+Converged when |r| <= 1e-8 of the largest of the forces that hold the crossover together (end tensions, contact,
+plates), each taken on the meshed part: without tension the plate force is the measure.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+
+from fabrics.checks import FloatArray
+from fabrics.errors import UnstableError
+from unitcell3d.assembly.linear_solver import DirectSolver
+from unitcell3d.model.crossover import YarnsModel
+
+TOLERANCE = 1e-8
+LEAST_FORCE = 1e-2  # N: scale of the convergence test where nothing is loaded yet
+MAX_ITERATIONS = 40  # factorisations
+LARGEST_STEP = 5e-6  # m
+FAR = 0.1  # of the forces: residual from which the shift starts at its full size, and the contact soft
+SOFTER, ROUGH = 0.2, 1e-2  # factor of the penalty on the way, and how far it is followed
+SHIFT = 300.0  # N/m at the first iteration; 30 to 1000 take the same number of iterations within a tenth
+MOST_SHIFT = 1e5  # N/m: as stiff as the contact
+LEAST_SHIFT = 1e-3  # N/m: none below
+NEAR = 1e-2  # of the forces; 1e-3 to 1e-2 take the same time within a tenth
+SLOW = 0.8  # thirty steps at this rate do what one good Newton step does
+MOST_SLOW = 2  # such steps, or steps that let the residual grow: at a slack kink it does before it falls
+LINE, OVERSHOT = 5, 0.5  # evaluations along a step, and share of the pull at its start that may be left at its end
+GROWTH = 2.0  # of the residual in a step with an old factorisation
+MOST_UPDATES = 20
+
+
+@dataclass(frozen=True)
+class Equilibrium:
+    """A converged state: unknowns `q`, nodal forces, contact force and plate forces [N] of the meshed part.
+
+    iterations : tangents that were factorised
+    """
+
+    q: np.ndarray
+    forces: np.ndarray
+    contact: float
+    plates: np.ndarray
+    iterations: int
+
+
+class Newton:
+    """Solves one model's equilibrium; keeps its linear solver and last factorisation from one load to the next.
+
+    Parameters
+    ----------
+    model : model.crossover.CrossoverModel
+    comm : MPI communicator whose processes share each factorisation, all of them making the same calls; None: alone
+    """
+
+    def __init__(self, model: YarnsModel, comm: Any = None) -> None:
+        self.model = model
+        self._comm = comm
+        self._solver: DirectSolver | None = None
+        self._taken: list[FloatArray] = []  # steps since the last factorisation
+        self._latest = None  # the state that the model's contact search belongs to
+
+    def solve(self, q: FloatArray, load: Any, tolerance: float = TOLERANCE) -> Equilibrium:
+        """Equilibrium at `load` from the guess `q` : (size,), to a residual of `tolerance` times the forces.
+
+        Raises
+        ------
+        UnstableError : no convergence, a singular tangent, or an element that inverts
+        """
+        state, iterations = self._evaluate(q, load), 0
+        if not np.isfinite(state.norm):
+            self._refuse("the first guess", q, load)
+        shift = SHIFT * min(1.0, state.norm / state.scale / FAR)
+        self._taken = []
+        while True:
+            before = state.norm
+            if state.norm < NEAR * state.scale and self._solver is not None:
+                state = self._reuse(state, load, tolerance)
+            if state.norm <= tolerance * state.scale:
+                return Equilibrium(state.q, state.forces, state.contact, state.plates, iterations)
+            if iterations == MAX_ITERATIONS:
+                self._refuse(f"no convergence in {MAX_ITERATIONS} iterations", state.q, load)
+            step = self._factor(state, load, shift).solve(-state.residual)
+            iterations += 1
+            if step is None:
+                self._refuse("a singular tangent", state.q, load)
+            found, share = self._move(state, step, load)
+            if found is None:
+                self._refuse("forces that are not finite", state.q + step, load)
+            cut = LARGEST_STEP / np.abs(step).max()
+            if cut < 1:
+                shift = min(shift / cut, MOST_SHIFT)
+            elif share < 1:
+                shift = min(shift / share**0.5, MOST_SHIFT)
+            else:
+                shift = _next_shift(shift, found.norm / before)
+            state = found
+
+    def approach(self, q: FloatArray, load: Any) -> Equilibrium:
+        """Equilibrium at `load` from a guess that may be far from it: by way of a softer contact, taken roughly.
+
+        Slack yarns that a guess presses into each other are thrown apart by the full contact and come back to it
+        several times over.
+
+        Raises
+        ------
+        UnstableError : as `solve`
+        """
+        full, state, spent = self.model.numerics, self._evaluate(q, load), 0
+        if state.norm > FAR * state.scale:
+            try:
+                self.model.numerics = full.softened(SOFTER)
+                found = self.solve(q, load, ROUGH)
+                q, spent = found.q, found.iterations
+            finally:
+                self.model.numerics = full
+        found = self.solve(q, load)
+        return replace(found, iterations=found.iterations + spent)
+
+    def best(self, guesses: Sequence[FloatArray], load: Any) -> FloatArray:
+        """The guess : (size,) that leaves the least residual at `load`."""
+        norms = np.array([self._evaluate(q, load).norm for q in guesses])
+        return guesses[int(np.argmin(np.where(np.isfinite(norms), norms, np.inf)))]
+
+    def linear_guess(self, q: FloatArray, before: Any, load: Any) -> FloatArray | None:
+        """Unknowns at `load` from those `q` in equilibrium at `before`, by the last factorisation; None without one.
+
+        The load's part of the tangent is a difference over a thousandth of the load's step.
+        """
+        if self._solver is None:
+            return None
+        part = 1e-3
+        rest, moved = (self._evaluate(q, at).residual for at in (before, before.towards(load, part)))
+        step = self._solver.solve((rest - moved) / part)
+        return None if step is None else q + step
+
+    def close(self) -> None:
+        """Give the factorisation back."""
+        if self._solver is not None:
+            self._solver.close()
+            self._solver = None
+        self._taken = []
+
+    def _evaluate(self, q, load):
+        model = self.model
+        forces, contact, plates = model.forces(q, load)
+        residual = model.constraints.reduce(forces)
+        norm = np.linalg.norm(residual)
+        ends = [abs(model.constraints.end_force(forces, yarn)) for yarn in (0, 1)]
+        scale = max(*ends, abs(contact), *plates, LEAST_FORCE)
+        self._latest = _State(q, forces, residual, contact, plates, norm, scale)
+        return self._latest
+
+    def _factor(self, state, load, shift):
+        model = self.model
+        if state is not self._latest:  # the tangent is laid out for the contact met last
+            self._evaluate(state.q, load)
+        if model.system(state.q, load) or self._solver is None:
+            self.close()
+            pattern = model.pattern
+            self._solver = DirectSolver(pattern.starts, pattern.columns, pattern.entries, self._comm)
+        model.pattern.entries[model.pattern.diagonal] += shift
+        self._solver.factor()
+        self._taken = []
+        return self._solver
+
+    def _reuse(self, state, load, tolerance):
+        """The best state that steps with the last factorisation and Broyden's updates reach from `state`."""
+        best, slow = state, 0
+        while len(self._taken) < MOST_UPDATES and best.norm > tolerance * best.scale:
+            step = self._solver.solve(-state.residual)
+            step = None if step is None else _corrected(step, self._taken)
+            if step is None or np.abs(step).max() > LARGEST_STEP:
+                break
+            found = self._evaluate(state.q + step, load)
+            if not found.norm < GROWTH * state.norm:
+                break
+            self._taken.append(step)
+            ratio, state = found.norm / state.norm, found
+            if found.norm < best.norm:
+                best = found
+            slow += ratio > SLOW
+            if slow > MOST_SLOW:
+                break
+        return best
+
+    def _move(self, state, step, load):
+        """The state after a step, shortened to the largest allowed, while an element inverts, and if it overshoots.
+
+        Returns
+        -------
+        state : None where none is finite
+        share : of the step that an overshoot has left
+        """
+        share = min(1.0, LARGEST_STEP / np.abs(step).max())
+        for _ in range(5):
+            found = self._evaluate(state.q + share * step, load)
+            if np.isfinite(found.norm):
+                break
+            share *= 0.3
+        else:
+            return None, share
+        left, kept = self._along(state, share * step, found, load)
+        if share == kept == 1 and found.norm < state.norm:
+            self._taken = [step]
+        return left, kept
+
+    def _along(self, state, step, found, load):
+        """The state on the way from `state` to `found`, a `step` further, where the pull along it is gone; its share.
+
+        `found` itself where the pull has not turned round by much, or where the step went uphill.
+        """
+        pull, end = -(state.residual @ step), found.residual @ step
+        if pull <= 0 or end <= OVERSHOT * pull:
+            return found, 1.0
+        low, high, share = (0.0, -pull), (1.0, end), 1.0
+        for turn in range(LINE):
+            # every other time in the middle: false position alone creeps up to a kink
+            part = 0.5 if turn % 2 else np.clip(low[1] / (low[1] - high[1]), 0.1, 0.9)
+            at = low[0] + (high[0] - low[0]) * part
+            trial = self._evaluate(state.q + at * step, load)
+            there = np.inf
+            if np.isfinite(trial.norm):
+                found, share, there = trial, at, trial.residual @ step
+            low, high = (low, (at, there)) if there > 0 else ((at, there), high)
+            if abs(there) <= OVERSHOT * pull:
+                break
+        return found, share
+
+    def _refuse(self, what, q, load):
+        x = self.model.positions(q, load)
+        cell, ratio = self.model.worst_element(x)
+        mesh = self.model.crossover
+        yarn = mesh.names[mesh.yarn[cell]]
+        inverted = ", inverted" if ratio <= 0 else ""
+        raise UnstableError(
+            f"the crossover found no equilibrium: {what}",
+            where=f"{yarn} element {cell} (least volume ratio {ratio:.3g}{inverted})",
+            when=f"d1 = {load.d[0] * 1e3:.5g} mm, d2 = {load.d[1] * 1e3:.5g} mm"
+            + (f", plates {2e3 * load.plates:.5g} mm apart" if np.isfinite(load.plates) else ""),
+        )
+
+
+def _next_shift(shift, ratio):
+    """The shift after the residual has changed by `ratio`."""
+    shift = min(shift * np.clip(ratio, 0.05, 2.0), 30 * SHIFT)
+    return shift if shift > LEAST_SHIFT else 0.0
+
+
+def _corrected(step, taken):
+    """Broyden's step from the step of the factorised tangent and those `taken` since; None where it is singular."""
+    for before, after in pairwise(taken):
+        step = step + after * (before @ step) / (before @ before)
+    if taken:
+        last = taken[-1]
+        share = 1 - (last @ step) / (last @ last)
+        if abs(share) < 0.1:
+            return None
+        step = step / share
+    return step
+
+
+@dataclass(frozen=True, eq=False)
+class _State:
+    q: np.ndarray
+    forces: np.ndarray
+    residual: np.ndarray
+    contact: float
+    plates: np.ndarray
+    norm: float
+    scale: float

@@ -1,0 +1,283 @@
+"""The unit cell of section 4.3, alone and between its bounds. Equations are the source's: the equilibrium form.
+
+Where the printed compression law is meant, it is used; else the regularised one (erratum E-05).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.integrate import quad
+
+from fabrics import catalogue
+from fabrics.compression import CompressionLaw
+from fabrics.weave import arc_length
+from shellfabric.cell import crossover_kernels
+from shellfabric.cell.model import CellModel
+from validation.claims.checks.geometry import KEVLAR
+from validation.claims.registry import check
+
+_N = 161
+
+
+def cell(name, model="compressible", **changes):
+    return CellModel(catalogue.load(name), model=model, form="equilibrium", **changes)
+
+
+def printed(name, a=None):
+    """The cell with the law as printed."""
+    given = catalogue.load(name)
+    laws = tuple(CompressionLaw(a or law.a, law.b, form="printed") for law in given.laws)
+    return CellModel(given, laws, form="equilibrium")
+
+
+def end(yarn):
+    """Stretch of the cell at which a yarn alone is at its strength."""
+    return (1 + yarn.crimp) * (1 + yarn.failure_strain)
+
+
+def warp_pull(model, n=_N):
+    """(strain, solution) along warp extension with the weft held, to the failure of the first yarn."""
+    weave = model.fabric.weave
+    strain = np.linspace(0, end(weave.warp) - 1, n)
+    found = model.solve(1 + strain, 1.0)
+    safe = (found["T1"] <= weave.warp.strength) & (found["T2"] <= weave.weft.strength)
+    last = n if safe.all() else int(np.argmin(safe))
+    return strain[:last], {name: values[:last] for name, values in found.items()}
+
+
+def random_states(name, n=400, seed=3):
+    """Stretches between rest and failure at which the yarns touch."""
+    weave = catalogue.load(name).weave
+    rng = np.random.default_rng(seed)
+    return tuple(1 + rng.uniform(0, 1, n) * (end(yarn) - 1) for yarn in weave.yarns)
+
+
+@check()
+def knees(fabric):
+    """A lone yarn: where the taut line meets no load, and its slope on the strain of the yarn's own length."""
+    model = cell(fabric, "decoupled")
+    weave, found = model.fabric.weave, {}
+    for name, family, yarn in zip(("warp", "weft"), (0, 1), weave.yarns):
+        stretch = np.linspace(1, end(yarn), 400)
+        T = model.solve(*((stretch, 1.0) if family == 0 else (1.0, stretch)))[f"T{family + 1}"]
+        taut = T > 0.01 * yarn.strength
+        slope, start = np.polyfit(stretch[taut] - 1, T[taut], 1)
+        found |= {
+            f"knee {name}": -start / slope,
+            f"stiffness {name}": slope * (1 + yarn.crimp),
+            f"slack load {name}": T[stretch - 1 < yarn.crimp - 1e-9].max(),
+        }
+    return found | {"order": sorted(("warp", "weft"), key=lambda name: found[f"knee {name}"])}
+
+
+@check()
+def strengths(failure_strain):
+    found = {name: catalogue.load(name).weave.warp for name in KEVLAR}
+    assert all(yarn.failure_strain == failure_strain for yarn in found.values())
+    return {name: yarn.strength for name, yarn in found.items()}
+
+
+@check()
+def failure_extensions():
+    """Cell strain at which the tension of a lone crimped yarn reaches its strength."""
+    found = {}
+    for fabric in KEVLAR:
+        model = cell(fabric, "decoupled")
+        for family, (name, yarn) in enumerate(zip(("warp", "weft"), model.fabric.weave.yarns)):
+            low, high = 1.0, 1.5
+            while high - low > 1e-10:
+                middle = 0.5 * (low + high)
+                pair = (middle, 1.0) if family == 0 else (1.0, middle)
+                low, high = (low, middle) if model.solve(*pair)[f"T{family + 1}"] >= yarn.strength else (middle, high)
+            found[f"{fabric} {name}"] = high - 1
+    return found
+
+
+@check()
+def no_compression():
+    worst = 0.0
+    for fabric in KEVLAR:
+        model = cell(fabric, "decoupled")
+        for strain in (0.005, 0.02, 0.05):
+            found = model.solve(1 - strain, 1 - strain)
+            worst = max(
+                worst,
+                *(float(abs(found[T])) / (yarn.EA * strain) for T, yarn in zip(("T1", "T2"), model.fabric.weave.yarns)),
+            )
+    return {"compression over tension": worst}
+
+
+@check()
+def equilibrium():
+    force = closing = 0.0
+    for name in catalogue.list_names():
+        model = cell(name)
+        s1, s2 = random_states(name)
+        found, weave = model.solve(s1, s2), model.fabric.weave
+        contact = found["F"] > 0
+        for T, h, w, s in zip(("T1", "T2"), ("h1", "h2"), weave.w, (s1, s2)):
+            k = np.pi * found[h] / (2 * w * s)
+            F = 2 * found[T] * k / np.sqrt(1 + k * k)
+            force = max(force, np.abs(F / found["F"] - 1)[contact].max())
+        law = model.fabric.laws[0]
+        sum_h = found["h1"] + found["h2"]
+        closing = max(closing, np.abs((sum_h + 2 * law.d(found["F"]) - sum(weave.h0)) / sum_h)[contact].max())
+    return {"equilibrium": force, "compatibility": closing}
+
+
+@check()
+def jacobian():
+    """dS/dh by differences of the arc length, over eq. 4-24 as printed."""
+    ratios = []
+    for name in KEVLAR:
+        weave = catalogue.load(name).weave
+        for w, h in zip(weave.w, weave.h0):
+            step = 1e-4 * h
+            S = [arc_length(w, h + k * step) for k in (-2, -1, 1, 2)]
+            slope = (S[0] - 8 * S[1] + 8 * S[2] - S[3]) / (12 * step)
+            k = np.pi / (2 * w)
+            part = quad(
+                lambda x, k=k, h=h: np.sin(k * x) ** 2 / np.sqrt(1 + (k * h * np.sin(k * x)) ** 2),
+                0,
+                w,
+                epsabs=0,
+                epsrel=1e-12,
+            )[0]
+            ratios.append(slope / (k * k * h * part))
+            assert abs(crossover_kernels.arc(w, h)[1] / slope - 1) < 1e-6
+    return {"numerical over printed": max(ratios, key=lambda ratio: abs(ratio - 2))}
+
+
+@check()
+def slope_derivative():
+    worst = 0.0
+    for name in KEVLAR:
+        weave = catalogue.load(name).weave
+        for w, h in zip(weave.w, weave.h0):
+
+            def sine(h, w=w):
+                return np.pi * h / np.hypot(2 * w, np.pi * h)
+
+            step = 1e-2 * h
+            s = [sine(h + k * step) for k in (-3, -2, -1, 1, 2, 3)]
+            slope = (-s[0] + 9 * s[1] - 45 * s[2] + 45 * s[3] - 9 * s[4] + s[5]) / (60 * step)
+            worst = max(worst, abs(slope / (4 * np.pi * w * w / np.hypot(2 * w, np.pi * h) ** 3) - 1))
+    return {"relative difference": worst}
+
+
+@check()
+def printed_at_rest():
+    found = {}
+    for name in catalogue.list_names():
+        rest = printed(name).solve(1.0, 1.0)
+        found[f"F {name}"] = rest["F"]
+        if name in KEVLAR:
+            found |= {f"T warp {name}": rest["T1"], f"T weft {name}": rest["T2"]}
+    return {name: float(value) for name, value in found.items()}
+
+
+@check()
+def printed_start():
+    return {name: catalogue.load(name).laws[0].F0 for name in catalogue.list_names()}
+
+
+@check()
+def warp_in_weave(fabric):
+    strain, woven = warp_pull(cell(fabric))
+    alone = cell(fabric, "decoupled").solve(1 + strain, 1.0)
+    crimp = catalogue.load(fabric).weave.warp.crimp
+    before = (strain > 0.1 * crimp) & (strain < crimp)
+    ratio = woven["T2"][before] / woven["T1"][before]
+    return {
+        "least lead of the woven yarn": (woven["T1"] - alone["T1"]).min(),
+        "least lead before it is straight": (woven["T1"] - alone["T1"])[before].min(),
+        "least growth of the weft": np.diff(woven["T2"]).min(),
+        "least of weft over warp": ratio.min(),
+        "greatest of weft over warp": ratio.max(),
+    }
+
+
+@check()
+def tension_surface(fabric):
+    model = cell(fabric)
+    s1, s2 = (np.linspace(1, end(yarn), 61) for yarn in model.fabric.weave.yarns)
+    found = model.solve(*np.meshgrid(s1, s2, indexing="ij"))
+    touching = (found["F"][:, 1:] > 0) & (found["F"][:, :-1] > 0) & (found["h1"][:, 1:] > 0)
+    return {"least slope": (np.diff(found["T1"], axis=1) / np.diff(s2))[touching].min()}
+
+
+@check()
+def exchange(fabric):
+    _, found = warp_pull(cell(fabric))
+    return {
+        "greatest growth of h1": np.diff(found["h1"]).max(),
+        "least growth of h2": np.diff(found["h2"]).min(),
+        "note": f"h1 {1e3 * found['h1'][0]:.4f} to {1e3 * found['h1'][-1]:.4f} mm, "
+        f"h2 {1e3 * found['h2'][0]:.4f} to {1e3 * found['h2'][-1]:.4f} mm",
+    }
+
+
+@check()
+def incompressible_exchange():
+    worst = 0.0
+    for name in catalogue.list_names():
+        model = cell(name, "incompressible")
+        found = model.solve(*random_states(name))
+        full = sum(model.fabric.weave.h0)
+        worst = max(worst, np.abs((found["h1"] + found["h2"])[found["F"] > 0] / full - 1).max())
+    return {"relative change": worst}
+
+
+@check()
+def decoupled_limit():
+    worst = soft = 0.0
+    for name in catalogue.list_names():
+        stretches = random_states(name)
+        model = cell(name, "decoupled")
+        yielding = CompressionLaw(1.0, 1e-5)  # gives way by a metre under a force that no tension notices
+        found = [given.solve(*stretches) for given in (model, cell(name, laws=(yielding, yielding)))]
+        for T, s, w, S0, yarn in zip(
+            ("T1", "T2"), stretches, model.fabric.weave.w, model.fabric.weave.S0, model.fabric.weave.yarns
+        ):
+            alone = yarn.EA * np.maximum(2 * w * s / S0 - 1, 0)
+            worst, soft = (max(old, np.abs(f[T] - alone).max() / yarn.EA) for old, f in zip((worst, soft), found))
+    return {"decoupled": worst, "very soft law": soft}
+
+
+@check()
+def stress_resultant():
+    """Tensions back from the stresses of two half layers (eqs. 4-46 to 4-48)."""
+    worst = 0.0
+    for name in KEVLAR:
+        weave = catalogue.load(name).weave
+        t, T = weave.thickness, np.array([weave.warp.strength, 0.3 * weave.weft.strength])
+        width = 2 * np.array(weave.w[::-1])
+        stress = T / (0.5 * t * width)  # in the half layer of each yarn
+        worst = max(worst, np.abs(0.5 * stress * t * width / T - 1).max())
+    return {"relative difference": worst}
+
+
+@check()
+def lone_yarn():
+    """A yarn whose partner is gone, in a coupon of warp alone."""
+    from shellfabric.coupon.model import cut
+
+    worst = 0.0
+    for name in ("S-720", "S-731"):
+        model = CellModel(catalogue.load(name), form="variational")
+        weave = model.fabric.weave
+        # the weft has been drawn out of the right half, as it has to be somewhere in a coupon
+        coupon = cut(
+            model.table(51),
+            lambda x, y: (np.abs(x) < 0.01) & (np.abs(y) < 0.01),
+            0.01,
+            woven=lambda x, y: (np.ones(x.shape, bool), x < 0),
+        )
+        lone = coupon.points[coupon.edges[0]][:, :, 0].min(axis=1) > 2 * weave.w1
+        for stretch in (1.01, end(weave.warp) - 0.005):
+            T = coupon.tensions(coupon.points * [stretch, 1.0])[0][lone]
+            alone = weave.warp.EA * max(2 * weave.w1 * stretch - weave.S01, 0) / weave.S01
+            worst = max(worst, np.abs(T - alone).max() / weave.warp.strength)
+        # the printed w for 2w leaves it slack whatever the stretch
+        as_printed = max(weave.w1 * end(weave.warp) - weave.S01, 0)
+    return {"difference over strength": worst, "as printed, at failure": as_printed}

@@ -1,0 +1,239 @@
+"""Transverse compression: pressure law (chapter 2), law of the cell, solids (chapter 3), gaps of plies (chapter 5)."""
+
+from __future__ import annotations
+
+import tomllib
+from functools import cache
+from importlib import resources
+
+import numpy as np
+from scipy.optimize import brentq, curve_fit
+
+from fabrics import catalogue
+from fabrics.compression import CompressionLaw
+from fabrics.errors import InputError
+from fabrics.plate_curve import PlateCurve
+from fabrics.units import si
+from shellfabric.cell.model import CellModel
+from validation.claims.checks.geometry import KEVLAR, ranked
+from validation.claims.registry import check
+
+
+@cache
+def pressure_law():
+    """{"c1", "c2", "start", "peak", "platen"} in SI, of the built-in one-ply law."""
+    content = tomllib.loads((resources.files("fabrics") / "pressure_law.toml").read_text("utf-8"))
+    units = {"c1": "Pa * m^3 / (kg/m^2)^3", "c2": "Pa * m^3", "start": "N", "peak": "N", "platen": "m"}
+    return {key: si(content[key]["value"], unit) for key, unit in units.items()}
+
+
+@cache
+def stiffness(name, plies=1):
+    """K'' [Pa m3] of a fabric or of a pack of it, read off its plate curve."""
+    curve = PlateCurve.pressure_law(catalogue.load(name).areal_density_measured, plies)
+    P = curve.pressure
+    return float((curve.closure[-1] / (P[0] ** (-1 / 3) - P[-1] ** (-1 / 3))) ** 3)
+
+
+def packs(fabric, plies):
+    """(n,) K'' [Pa m3] of packs of each number of plies (erratum E-02)."""
+    return np.array([stiffness(fabric, n) for n in plies])
+
+
+def closures(K, start, law=None):
+    """(n,) [m] what a pack closes by between a start load [N] and the peak load of the platen."""
+    law = law or pressure_law()
+    P = np.array([start, law["peak"]]) / law["platen"] ** 2
+    return np.cbrt(K) * (P[0] ** (-1 / 3) - P[1] ** (-1 / 3))
+
+
+def gap(fabric, start, plies=4):
+    """[m] of an interface in a pack (eqs. 5-1 to 5-4)."""
+    K = packs(fabric, (1, plies))
+    one, many = closures(K, start)
+    return (many - one) / (plies - 1)
+
+
+@check()
+def exponent(noise, seed):
+    """Refit of the exponent to a curve of the law with noise on it."""
+    curve = PlateCurve.pressure_law(catalogue.load("S-720").areal_density_measured)
+    P0, scale = curve.pressure[0], curve.closure[-1]
+    measured = curve.closure / scale + noise * np.random.default_rng(seed).standard_normal(curve.closure.size)
+
+    def law(P, k, n):
+        return k * (1 - (P / P0) ** (-1 / n))
+
+    (_, n), _ = curve_fit(law, curve.pressure, measured, p0=(1.0, 2.0))
+    return {"exponent": n}
+
+
+@check()
+def fit_constant(fabric):
+    return {"K": stiffness(fabric)}
+
+
+@check()
+def fit_constant_trend():
+    K = {name: stiffness(name) for name in KEVLAR}
+    cubes = np.array([catalogue.load(name).areal_density_measured ** 3 for name in KEVLAR])
+    values, order = np.array(list(K.values())), ranked(K)
+    return {
+        "correlation with the cube": np.corrcoef(cubes, values)[0, 1],
+        "slope": np.polyfit(cubes, values, 1)[0],
+        "largest": order[0],
+        "smallest": order[-1],
+    }
+
+
+@check()
+def areal_density_floor():
+    low, high = 0.05, 0.3
+    while high - low > 1e-9:
+        middle = 0.5 * (low + high)
+        try:
+            PlateCurve.pressure_law(middle)
+            high = middle
+        except InputError:
+            low = middle
+    return {"floor": high}
+
+
+@check()
+def b_from_pressure_law(fabric):
+    def b(name):
+        return np.cbrt(stiffness(name) * catalogue.load(name).weave.cell_area)
+
+    ratios = [catalogue.load(name).laws[0].b / b(name) for name in KEVLAR]
+    return {"b": b(fabric), "least of table over computed": min(ratios), "greatest of table over computed": max(ratios)}
+
+
+@check()
+def law_asymptote():
+    F, ok, worst = np.geomspace(1e-3, 1e3, 400), True, 0.0
+    for name in catalogue.list_names():
+        law = catalogue.load(name).laws[0]
+        slope = np.diff(law.d(F)) / np.diff(F)
+        ok = ok and bool(np.all(slope > 0) and np.all(np.diff(slope) < 0))
+        worst = max(worst, abs(float(law.d(1e12 * law.F0)) / law.a - 1))
+    return {"rises ever more slowly": ok, "distance from a": worst}
+
+
+@check()
+def compliance():
+    worst = 0.0
+    for name in KEVLAR:
+        given = catalogue.load(name).laws[0]
+        for law in (given, CompressionLaw(given.a, given.b, form="printed")):
+            for F in (1.0, 10.0, 100.0):
+                h = 3e-3 * F  # central differences of four points: the error falls with h^4
+                d = [float(law.d(F + k * h)) for k in (-2, -1, 1, 2)]
+                slope = (d[0] - 8 * d[1] + 8 * d[2] - d[3]) / (12 * h)
+                worst = max(worst, abs(slope / float(law.dd_dF(F)) - 1))
+    return {"relative difference": worst}
+
+
+@check()
+def van_wyk():
+    law = catalogue.load("S-720").laws[0]
+    room = law.a * np.geomspace(0.02, 0.9, 50)
+    pressure = law.F(law.a - room) + law.F0
+    return {"exponent": -np.polyfit(np.log(room), np.log(pressure), 1)[0]}
+
+
+@check()
+def gutowski(V0, Va):
+    def stress(V):
+        return (np.sqrt(V / V0) - 1) / (np.sqrt(Va / V) - 1) ** 4
+
+    return {
+        "at the initial fraction": stress(V0),
+        "near the greatest, over that midway": stress(Va * (1 - 1e-9)) / stress(0.5 * (V0 + Va)),
+    }
+
+
+@check()
+def packs_softer(fabric, plies):
+    K = packs(fabric, plies)
+    closed = dict(zip(map(str, plies), closures(K, pressure_law()["start"])))
+    return {"order": ranked(closed), "note": ", ".join(f"{n}: {1e6 * d:.0f} um" for n, d in closed.items())}
+
+
+@check()
+def peak_pressure():
+    law = pressure_law()
+    return {"pressure": law["peak"] / law["platen"] ** 2}
+
+
+@check()
+def table_columns(c1, c2):
+    law = pressure_law()
+    # MPa um3, with the areal density in 100 g/m2
+    ours = law["c1"] * 0.1**3 / 1e-12, law["c2"] / 1e-12
+    return {"c1 over that of eq. 2-6": c1 / ours[0], "c2 over that of eq. 2-6": c2 / ours[1]}
+
+
+@check()
+def pack_series(fabric, plies):
+    b = np.cbrt(packs(fabric, plies))
+    return {f"{n} plies": b[k] / (n * b[0]) for k, n in enumerate(plies)}
+
+
+@check()
+def gap_algebra():
+    rng = np.random.default_rng(1)
+    worst = 0.0
+    for N in (2, 4, 8, 16):
+        one, between = rng.uniform(1, 2, 2)
+        pack = one + (N - 1) * between
+        worst = max(worst, abs((pack - one) / (N - 1) - between))
+    return {"difference": worst}
+
+
+@check()
+def gap_size(fabric, start):
+    return {"gap": gap(fabric, start)}
+
+
+@check()
+def gap_start_load(gaps):
+    def misfit(start):
+        return [gap(name, start) / printed - 1 for name, printed in gaps.items()]
+
+    loads = np.geomspace(2, 50, 2000)
+    best = loads[np.argmin([np.sum(np.square(misfit(load))) for load in loads])]
+    own = [brentq(lambda load, n=n, g=g: gap(n, load) - g, 1, 100) for n, g in gaps.items()]
+    return {"start load": best, "note": ", ".join(f"{n} alone {load:.1f} N" for n, load in zip(gaps, own))}
+
+
+@check()
+def gap_trend(fabric):
+    gaps = [gap(fabric, load) for load in (20, 10, 5, 2)]
+    return {"least growth": min(np.diff(gaps))}
+
+
+@check()
+def gap_range():
+    gaps = [g for g in (catalogue.load(name).interlayer_gap for name in KEVLAR) if g is not None]
+    return {"least": min(gaps), "greatest": max(gaps), "fabrics": len(gaps)}
+
+
+@check()
+def one_law_for_both():
+    return {
+        "alike": all(catalogue.load(name).laws[0] == catalogue.load(name).laws[1] for name in catalogue.list_names())
+    }
+
+
+@check()
+def misprinted_a(fabric, printed_a):
+    found = {}
+    given = catalogue.load(fabric)
+    for name, a in (("used", given.laws[0].a), ("as printed", printed_a)):
+        law = CompressionLaw(a, given.laws[0].b, form="printed")
+        rest = CellModel(given, (law, law), form="equilibrium").solve(1.0, 1.0)
+        found |= {
+            f"force at rest, a {name}": rest["F"],
+            f"weft at rest over its strength, a {name}": rest["T2"] / given.weave.weft.strength,
+        }
+    return {name: float(value) for name, value in found.items()}

@@ -1,0 +1,195 @@
+"""Geometry of the weave: heights, thickness, areal density, crimp, micrographs (source thesis chapters 2, 5, A)."""
+
+from __future__ import annotations
+
+from math import pi
+
+import numpy as np
+from scipy.integrate import quad
+
+from fabrics import catalogue
+from fabrics.weave import arc_length, height_from_length
+from validation.claims.registry import check
+from validation.claims.run import Run
+
+KEVLAR = ("S-720", "S-726", "S-727", "S-728", "S-731", "S-745")
+FAMILIES = ("warp", "weft")
+
+
+def micrographs():
+    """(fabric, family, yarn, values) of the twelve rows of Tables A-1 and A-2."""
+    for name in KEVLAR:
+        fabric = catalogue.load(name)
+        for family, yarn in zip(FAMILIES, fabric.weave.yarns):
+            yield fabric, family, yarn, fabric.micrograph[family]
+
+
+def ranked(values):
+    """Names from the largest value to the smallest."""
+    return sorted(values, key=lambda name: -values[name])
+
+
+@check()
+def heights(fabric):
+    h01, h02 = catalogue.load(fabric).weave.h0
+    return {"h01": h01, "h02": h02}
+
+
+@check()
+def thickness(fabric):
+    return {"thickness": catalogue.load(fabric).weave.thickness}
+
+
+@check()
+def areal_density(fabric):
+    found = catalogue.load(fabric)
+    return {"nominal": found.weave.areal_density, "effective": found.with_effective_density().weave.areal_density}
+
+
+@check()
+def areal_density_agreement():
+    found = [catalogue.load(name) for name in KEVLAR]
+    off = {f.name: 1 - f.with_effective_density().weave.areal_density / f.areal_density_measured for f in found}
+    return {"largest difference": max(off.values(), key=abs), "fabric": max(off, key=lambda name: abs(off[name]))}
+
+
+@check()
+def cell_length(fabric):
+    w1, w2 = catalogue.load(fabric).weave.w
+    return {"along warp": 2 * w1, "along weft": 2 * w2}
+
+
+@check()
+def arc_length_quadrature():
+    worst = 0.0
+    for name in catalogue.list_names():
+        weave = catalogue.load(name).weave
+        for w, h in zip(weave.w, weave.h0):
+            k = pi * h / (2 * w)
+            S = 2 * quad(lambda x, k=k, w=w: np.sqrt(1 + (k * np.sin(pi * x / (2 * w))) ** 2), 0, w, epsrel=1e-13)[0]
+            worst = max(worst, abs(arc_length(w, h) / S - 1))
+    return {"relative difference": worst}
+
+
+@check()
+def small_crimp(length, crimp):
+    return {"height": height_from_length(length / 2, length * (1 + crimp))}
+
+
+@check()
+def fibre_area(fabric, bars):
+    area = catalogue.load(fabric).weave.warp.A_s
+    return {"area": area, "warp bar": area / bars[0], "weft bar": area / bars[1]}
+
+
+@check()
+def voided_area(fabric):
+    found = catalogue.load(fabric)
+    areas = [yarn.A_s / solid.Vf0 for yarn, solid in zip(found.weave.yarns, found.solid_laws)]
+    return {"warp": areas[0], "weft": areas[1]}
+
+
+@check()
+def total_crimp_order():
+    return {"order": ranked({name: sum(y.crimp for y in catalogue.load(name).weave.yarns) for name in KEVLAR})}
+
+
+@check()
+def crimp_ratio_order():
+    return {"order": ranked(_crimp_ratios())}
+
+
+@check()
+def balance_classes(threshold):
+    ratios = _crimp_ratios()
+    return {
+        "balanced": [n for n in KEVLAR if ratios[n] < threshold],
+        "imbalanced": [n for n in KEVLAR if ratios[n] >= threshold],
+    }
+
+
+def _crimp_ratios():
+    weaves = {name: catalogue.load(name).weave for name in KEVLAR}
+    return {name: weave.warp.crimp / weave.weft.crimp for name, weave in weaves.items()}
+
+
+@check()
+def void_range():
+    voids = [row["void"] for *_, row in micrographs()]
+    # the formula as printed, of the share of fibres that these voids leave
+    printed = [(1 - (1 - void)) - 1 for void in voids]
+    return {"lowest": min(voids), "highest": max(voids), "highest as printed": max(printed)}
+
+
+@check()
+def micrograph_crimp():
+    rows = list(micrographs())
+    smaller = [f"{fabric.name} {family}" for fabric, family, yarn, row in rows if row["crimp"] <= yarn.crimp]
+    return {"larger": len(rows) - len(smaller), "exception": ", ".join(smaller)}
+
+
+@check()
+def micrograph_thickness():
+    return {
+        "largest difference": max(
+            abs(row["thickness"] + row["crossing_thickness"] - row["total_thickness"]) for *_, row in micrographs()
+        )
+    }
+
+
+@check()
+def overlay():
+    wide = [
+        f"{fabric.name} {family} {row['width'] * row['count']:.3f}"
+        for fabric, family, _, row in micrographs()
+        if row["width"] * row["count"] > 1
+    ]
+    return {"wider than spacing": len(wide), "note": ", ".join(wide)}
+
+
+@check()
+def section_shape():
+    shape = [yarn.A_s / (1 - row["void"]) / (row["width"] * row["thickness"]) for _, _, yarn, row in micrographs()]
+    return {"least": min(shape), "greatest": max(shape)}
+
+
+@check()
+def projectile_mass(diameter, length, bore, depth, density):
+    solid = pi / 4 * diameter**2 * length * density
+    return {"solid": solid, "bored": solid - pi / 4 * bore**2 * depth * density}
+
+
+@check()
+def shell_density(fabric, thickness):
+    return {"density": catalogue.load(fabric).with_effective_density().weave.areal_density / thickness}
+
+
+@check(lambda fabric, sections: {"made": Run.of("meshes", fabric=fabric, sections=sections)})
+def sections_offered(made, fabric, sections):
+    return {
+        "sections": sorted(made["sections"]),
+        "axis off a cosine": max(part["cosine"] for part in made["sections"].values()),
+    }
+
+
+@check(lambda fabric: {"made": Run.of("meshes", fabric=fabric, sections=["ellipse", "sine"])})
+def mesh_sections(made, fabric):
+    part = made["sections"]["sine"]
+    return {
+        "overlap": part["overlap"],
+        "change of section": part["spread"],
+        "yarns of four crossovers": made["yarns"]["four"],
+    }
+
+
+@check()
+def recipe():
+    from shellfabric.cell.model import CellModel
+    from shellfabric.panel.model import Panel
+
+    built = []
+    for name in KEVLAR:
+        panel = Panel(CellModel(catalogue.load(name)).table(21))
+        if panel.elements > 0 and panel.time_step > 0:
+            built.append(name)
+    return {"built": built}

@@ -1,0 +1,202 @@
+"""Impacts on one ply (source thesis chapters 2, 4, 5 and 6) with nothing fitted to them."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from validation.claims.checks import series
+from validation.claims.checks.geometry import KEVLAR, ranked
+from validation.claims.checks.waves import shot as bare_shot
+from validation.claims.checks.waves import six
+from validation.claims.registry import check
+from validation.claims.run import Run
+
+PERFORATED, STOPPED = "perforates", "stops"
+
+
+def shot(fabric, velocity=100.0, **changes):
+    """Run of a shot; those at 100 m/s are shared by most checks."""
+    return bare_shot(fabric, velocity, snapshots=25e-6, **changes)
+
+
+def told(run):
+    """ "stops" or "perforates", as the source says it."""
+    return {"stopped": STOPPED, "perforated": PERFORATED}.get(run["outcome"], run["outcome"])
+
+
+def _captions(fabric, velocity, margin=0.0):
+    runs = {"run": bare_shot(fabric, velocity)}
+    return runs | ({"faster": bare_shot(fabric, velocity + margin)} if margin else {})
+
+
+@check(_captions)
+def outcome(run, fabric, velocity, margin=0.0, faster=None):
+    """Outcome at a velocity, and within a margin above it."""
+    found = {"outcome": told(run), "residual velocity": run["residual"]}
+    if faster is not None:
+        found["outcome within the margin"] = PERFORATED if PERFORATED in (told(run), told(faster)) else told(faster)
+    share = run["peak"] / run["strength"]
+    found["note"] = (
+        f"{told(run)} at {velocity:g} m/s, {run['residual']:.1f} m/s left"
+        if told(run) == PERFORATED
+        else f"stops after {1e6 * run['t'][-1]:.0f} us and {1e3 * run['z'][-1]:.1f} mm, yarns at "
+        f"{share[0]:.2f} and {share[1]:.2f} of their strength"
+    )
+    return found
+
+
+def _curve(fabric, velocities):
+    return {"curve": Run.of("shots", fabric=fabric, velocities=velocities), "found": Run.of("limit", fabric=fabric)}
+
+
+@check(_curve)
+def residual_curve(curve, found, fabric, velocities):
+    Vs, Vr, below = curve["strike"], np.maximum(curve["residual"], 0), curve["stopped"]
+    absorbed = 1 - (Vr / Vs) ** 2
+    above = ~below
+    return {
+        "residual below the limit": Vr[below].max(initial=0.0),
+        "absorbed below the limit": absorbed[below].min(),
+        "least growth above": np.diff(Vr[above]).min(),
+        "residual over strike, fastest": Vr[-1] / Vs[-1],
+        "note": f"limit {found['velocity']:.1f} m/s",
+    }
+
+
+@check(six)
+def all_stop(**runs):
+    return {"stops": [name for name in KEVLAR if runs[name.replace("-", "")]["outcome"] == "stopped"]}
+
+
+@check(six)
+def back_face(**runs):
+    z = {name: runs[name.replace("-", "")]["z"][-1] for name in KEVLAR}
+    order = ranked(z)
+    return {
+        "largest": order[0],
+        "smallest": order[-1],
+        "S-728 over the smallest": z["S-728"] / z[order[-1]],
+        "note": ", ".join(f"{name} {1e3 * z[name]:.1f} mm" for name in order),
+    }
+
+
+@check(six)
+def kinetic_share(**runs):
+    means, later = {}, {}
+    for name in KEVLAR:
+        run = runs[name.replace("-", "")]
+        share, some = series.ratio(run)
+        means[name] = series.over_displacement(run, share, some)
+        second = some & (run["z"] > 0.5 * run["z"][-1])
+        later[name] = share[second]
+    high = min(means[name] for name in ("S-745", "S-731"))
+    rest = max(value for name, value in means.items() if name not in ("S-745", "S-731"))
+    low = np.concatenate([later[name] for name in ("S-720", "S-728")])
+    return {
+        "least of S-745, S-731 over most of the rest": high / rest,
+        "low crimp, later, mean": low.mean(),
+        "low crimp, later, least": low.min(),
+        "low crimp, later, most": low.max(),
+        "note": ", ".join(f"{name} {means[name]:.2f}" for name in ranked(means)),
+    }
+
+
+@check(lambda fabric, velocity: {"run": bare_shot(fabric, velocity)})
+def first_to_fail(run, fabric, velocity):
+    warp, weft = run["first_failure"]
+    order = ["weft", "warp"] if np.nan_to_num(weft, nan=np.inf) < np.nan_to_num(warp, nan=np.inf) else ["warp", "weft"]
+    return {"order": order, "note": f"warp after {1e6 * warp:.0f} us, weft after {1e6 * weft:.0f} us"}
+
+
+def limits(**_):
+    return {name.replace("-", ""): Run.of("limit", fabric=name) for name in KEVLAR}
+
+
+@check(lambda fabric, brackets=None: {"found": Run.of("limit", fabric=fabric)})
+def limit_of(found, fabric):
+    return {"velocity": found["velocity"]}
+
+
+@check(limits)
+def limit_brackets(brackets, **runs):
+    inside, told_ = [], []
+    for name, (low, high) in brackets.items():
+        V = runs[name.replace("-", "")]["velocity"]
+        inside.append(min(V - low, high - V))
+        told_.append(f"{name} {V:.1f}")
+    return {"least distance inside": min(inside), "note": ", ".join(told_)}
+
+
+@check(
+    lambda fabric, guess: {"one": Run.of("limit", fabric=fabric), "other": Run.of("limit", fabric=fabric, guess=guess)}
+)
+def repeatable(one, other, fabric, guess):
+    return {
+        "difference": abs(one["velocity"] - other["velocity"]),
+        "one limit": bool(one["single"] and other["single"]),
+    }
+
+
+@check(six)
+def margins(**runs):
+    share = {name: runs[name.replace("-", "")]["peak"] / runs[name.replace("-", "")]["strength"] for name in KEVLAR}
+    return {
+        "S-731 weft": share["S-731"][1],
+        "S-745": share["S-745"].max(),
+        "note": ", ".join(f"{n} {s[0]:.2f}/{s[1]:.2f}" for n, s in share.items()),
+    }
+
+
+@check(six)
+def both_families(**runs):
+    uneven = {}
+    for name in KEVLAR:
+        run = runs[name.replace("-", "")]
+        uneven[name] = abs(np.log(run["peak"][0] / run["peak"][1]))
+    return {
+        "balanced over unbalanced": max(uneven["S-720"], uneven["S-728"]) / min(uneven["S-726"], uneven["S-731"]),
+        "note": "|ln of warp over weft|: " + ", ".join(f"{n} {u:.2f}" for n, u in uneven.items()),
+    }
+
+
+@check(
+    lambda fabric, velocities: {f"v{v:g}".replace(".", "_"): bare_shot(fabric, v, interval=0.2e-6) for v in velocities}
+)
+def failure_by_speed(fabric, velocities, **runs):
+    times = [np.nanmin(runs[f"v{v:g}".replace(".", "_")]["first_failure"]) for v in velocities]
+    drops = np.diff(times)
+    return {
+        "greatest growth": drops.max(),
+        "fastest": times[-1],
+        "note": ", ".join(f"{v:g} m/s {1e6 * t:.1f} us" for v, t in zip(velocities, times)),
+    }
+
+
+@check(
+    lambda fabric: {
+        "quarter": bare_shot(fabric, end_time=150e-6),
+        "whole": bare_shot(fabric, end_time=150e-6, symmetry="whole"),
+    }
+)
+def quarter(quarter, whole, fabric):
+    n = min(len(quarter["fine"]), len(whole["fine"]))
+    return {
+        "velocity": np.abs(quarter["fine"][:n, 2] - whole["fine"][:n, 2]).max() / 100.0,
+        "peak tension": np.abs(quarter["peak"] / whole["peak"] - 1).max(),
+    }
+
+
+@check(lambda fabric, velocity: {"run": bare_shot(fabric, velocity)})
+def erosion(run, fabric, velocity):
+    return {"eroded elements": run["eroded"] > 0, "note": f"{run['eroded']} elements of the quarter"}
+
+
+@check(lambda fabric, velocity: {"run": bare_shot(fabric, velocity)})
+def failed_yarns(run, fabric, velocity):
+    """After a perforation: what a yarn that failed still carries, and the balance of energy with all masses left."""
+    T = run["yarns"]["weft"]["tension"]
+    return {
+        "tension of the struck weft at the middle, end": float(np.abs(T[-1, 0])),
+        "failed": run["failed"][-1] > 0,
+        "energy balance": run["balance"],
+    }

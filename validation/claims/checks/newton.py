@@ -1,0 +1,120 @@
+"""The source's own iteration for the cell (App. B.3), as it is printed and as corrected, to show what it does.
+
+Two unknown heights; f1 = F_c1 - F_c2 (eq. 4-14), f2 = h1 + h2 + d_c1 + d_c2 - h01 - h02 (eq. 4-15); Newton from the
+heights at rest. Nothing of weavecell uses it: `shellfabric.cell.crossover_kernels` solves one equation in a bracket.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from fabrics import catalogue
+from shellfabric.cell import crossover_kernels
+from shellfabric.cell.model import CellModel
+from validation.claims.registry import check
+
+TOLERANCE = 1e-3  # K_tol of App. B.3
+MOST = 500
+
+
+@dataclass(frozen=True)
+class Iteration:
+    """How an iteration ended: force [N], steps made, whether it converged."""
+
+    F: float
+    steps: int
+    converged: bool
+
+
+def iterate(fabric, d1, d2, *, invert=True, below=0.0) -> Iteration:
+    """Newton with the exact Jacobian from the heights at rest; `invert` False multiplies by the Jacobian instead.
+
+    `below` : share by which it starts below them, for what rounding can do
+    """
+    weave, law = catalogue.load(fabric).weave, catalogue.load(fabric).laws[0]
+    w, h = [w0 + d for w0, d in zip(weave.w, (d1, d2))], np.array(weave.h0) * (1 - below)
+    full = sum(weave.h0)
+    with np.errstate(all="ignore"):
+        for step in range(1, MOST + 1):
+            F, slope = zip(*(_force(*row) for row in zip(w, h, weave.S0, weave.yarns)))
+            F, slope = np.array(F), np.array(slope)
+            d = law.a - law.b / np.cbrt(F)
+            compliance = law.b / 3 / np.cbrt(F) ** 4
+            f = np.array([F[0] - F[1], h.sum() + d.sum() - full])
+            if not np.all(np.isfinite(f)):
+                return Iteration(float("nan"), step, False)
+            if abs(f[0]) <= TOLERANCE * np.abs(F).mean() and abs(f[1]) <= TOLERANCE * abs(h.sum()):
+                return Iteration(float(F.mean()), step, True)
+            J = np.array([[slope[0], -slope[1]], 1 + compliance * slope])
+            h = h - (np.linalg.solve(J, f) if invert else J @ f)
+            if np.abs(h).max() > 1e3 * full:
+                return Iteration(float("nan"), step, False)
+    return Iteration(float(F.mean()), MOST, False)
+
+
+def _force(w, h, S0, yarn):
+    """F = 2 T sin(alpha) and its slope, with the sign that T has."""
+    F, slope, _ = crossover_kernels.contact_force(w, h, S0, yarn.EA, crossover_kernels.EQUILIBRIUM)
+    return F, slope
+
+
+@check()
+def iterations_inside(fabric, least, most):
+    counts = [iterate(fabric, d1, d2).steps for d1 in np.linspace(least, most, 9) for d2 in np.linspace(least, most, 9)]
+    return {"most": max(counts), "note": f"{min(counts)} to {max(counts)} steps"}
+
+
+@check()
+def iterations_at_edge(fabric, reach):
+    d = np.linspace(-reach, reach, 41)
+    ends = {(a, b): iterate(fabric, a, b) for a in d for b in d if a > 0 or b > 0}
+    inside = np.median([e.steps for (a, b), e in ends.items() if a >= 0.01e-3 and b >= 0.01e-3])
+    cell = CellModel(catalogue.load(fabric), form="equilibrium")
+    w = cell.fabric.weave.w
+    weak = {}
+    for (a, b), e in ends.items():
+        F = float(cell.solve(1 + a / w[0], 1 + b / w[1])["F"])
+        if F < 1.0:
+            weak[a, b] = e.steps
+    edge = max(weak.values())
+    lost = sum(not e.converged for e in ends.values())
+    return {
+        "edge over interior": edge / inside,
+        "note": f"{inside:.0f} steps inside, up to {edge} where the force is below "
+        f"1 N; {lost} of {len(ends)} pairs do not converge in {MOST} or run off",
+    }
+
+
+@check()
+def zero_start(fabric):
+    ours = CellModel(catalogue.load(fabric), form="equilibrium").solve(1.0, 1.0)
+    return {
+        "printed is finite": bool(np.isfinite(iterate(fabric, 0.0, 0.0).F)),
+        "ours is finite": bool(np.isfinite(float(ours["F"]))),
+    }
+
+
+@check()
+def no_inverse(fabric):
+    found = iterate(fabric, 0.02e-3, 0.01e-3, invert=False)
+    return {"converged": found.converged, "steps": found.steps}
+
+
+@check()
+def wrong_root(fabric, d1, d2, below):
+    from validation.claims.checks.cell import printed
+
+    w = catalogue.load(fabric).weave.w
+    ours = printed(fabric).solve(1 + d1 / w[0], 1 + d2 / w[1])
+    return {"Newton": iterate(fabric, d1, d2, below=below).F, "bracketed": float(ours["F"])}
+
+
+@check()
+def skipped(fabric, reach):
+    """Iterations that are left where pairs with both displacements negative are skipped, and what that changes."""
+    cell = CellModel(catalogue.load(fabric), form="equilibrium")
+    s = [1 + np.linspace(-reach, 0, 41)[:-1] / w for w in cell.fabric.weave.w]
+    found = cell.solve(*np.meshgrid(*s, indexing="ij"))
+    return {"pairs in contact": int((found["F"] > 0).sum())}

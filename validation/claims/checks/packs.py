@@ -1,0 +1,178 @@
+"""Impact on packs: outcomes, gaps, stacking, the elastic projectile (source thesis sections 5.2.2, 5.2.4.2, 6.4.4)."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from validation.claims.checks import series
+from validation.claims.checks.impact import PERFORATED, STOPPED, told
+from validation.claims.registry import check
+from validation.claims.run import Run
+
+
+def pack(fabric, velocity, plies, **changes):
+    """A shot at a pack."""
+    return Run.of("pack", fabric=fabric, velocity=velocity, plies=plies, **changes)
+
+
+@check(lambda fabric, velocity, plies: {"run": pack(fabric, velocity, plies)})
+def outcome(run, fabric, velocity, plies):
+    failed = run["plies"]["failed_yarns"][-1]
+    return {
+        "outcome": told(run),
+        "decided": told(run) in (STOPPED, PERFORATED),
+        "note": f"residual velocity {max(run['residual'], 0):.0f} m/s, {1e3 * run['z'].max():.1f} mm deep after "
+        f"{1e6 * run['t'][-1]:.0f} us; yarns failed by ply: {', '.join(f'{n:.0f}' for n in failed)}; deepest contact "
+        f"{100 * run['deepest'].max():.0f} % of a ply; balance {100 * run['balance']:.2f} %",
+    }
+
+
+@check(lambda fabric, velocity, plies: {name: pack(fabric, velocity, plies, stacking=name) for name in _STACKS})
+def stacking(aligned, alternating, fabric, velocity, plies):
+    """Velocity after 60 us, shape of the last ply but one, and what the contact between plies takes."""
+    t = np.linspace(60e-6, min(run["t"][-1] for run in (aligned, alternating)), 60)
+    lead = np.interp(t, aligned["t"], aligned["v"]) - np.interp(t, alternating["t"], alternating["v"])
+    shapes = []
+    for run in (aligned, alternating):
+        _, cones = min(run["cones"], key=lambda entry: abs(entry[0] - 100e-6))
+        warp, weft = cones[2]
+        shapes.append(abs(weft / warp - 1))
+    pushed = [run["energies"]["plies"][-1] for run in (aligned, alternating)]
+    return {
+        "mean lead of the aligned": lead.mean(),
+        "least lead of the aligned": lead.min(),
+        "asymmetry, alternating over aligned": shapes[1] / shapes[0],
+        "contact between plies, alternating over aligned": pushed[1] / pushed[0],
+        "note": f"lead {lead.min():.2f} to {lead.max():.2f} m/s; after 100 us the third ply's cone is off square by "
+        f"{shapes[0]:.3f} aligned, {shapes[1]:.3f} alternating; contact took {pushed[0]:.3f} and {pushed[1]:.3f} J",
+    }
+
+
+_STACKS = ("aligned", "alternating")
+
+
+@check(
+    lambda fabrics, velocities, plies: {
+        f"run{n}": pack(f, v, plies) for n, (f, v) in enumerate(zip(fabrics, velocities))
+    }
+)
+def cones(fabrics, velocities, plies, **runs):
+    """How far the cone of the last ply is from square, after 100 us."""
+    off = {}
+    for n, fabric in enumerate(fabrics):
+        _, shapes = min(runs[f"run{n}"]["cones"], key=lambda entry: abs(entry[0] - 100e-6))
+        warp, weft = shapes[-1]
+        off[fabric] = max(weft / warp, warp / weft) - 1
+    return {
+        "most even": min(off, key=off.get),
+        "note": ", ".join(f"{fabric} {value:.3f}" for fabric, value in off.items()),
+    }
+
+
+@check(lambda fabric, velocity, plies: {"many": pack(fabric, velocity, plies), "one": pack(fabric, velocity, 1)})
+def noise(many, one, fabric, velocity, plies):
+    """RMS of the weft's tension beside the projectile above 30 kHz, of the first ply of a pack and of a lone one."""
+    found = []
+    for run in (many, one):
+        t, T = run["t"][1:], run["tension"]
+        window = (t > 10e-6) & (t < 100e-6)
+        found.append(series.noise(t[window], T[window]))
+    return {"ratio": found[0] / found[1], "note": f"{found[0]:.2f} N in the pack, {found[1]:.2f} N alone"}
+
+
+def _gaps(fabric, velocity, plies, added):
+    scenes = {"body": "full", "end_time": 100e-6}  # whose waves do not end in plastic flow
+    return {f"run{n}": pack(fabric, velocity, plies, added=a, **scenes) for n, a in enumerate(added)}
+
+
+@check(_gaps)
+def gaps(fabric, velocity, plies, added, **runs):
+    """How far the tip's velocity jumps about that of the centre of mass, and the early response, with wider gaps."""
+    rough, early = [], []
+    for n in range(len(added)):
+        run = runs[f"run{n}"]
+        t, v = series.even(run["fine"][:, 0], run["fine"][:, 2], 2e-7)
+        rough.append(np.sqrt(np.mean((run["fine"][:, 4] - run["fine"][:, 2]) ** 2)))
+        early.append(np.interp(np.linspace(20e-6, 100e-6, 81), t, v))
+    steps = np.diff(early, axis=0)
+    return {
+        "noise, second over first": rough[1] / rough[0],
+        "least rise of the velocity": steps.min(),
+        "least mean rise of the velocity": steps.mean(axis=1).min(),
+        "note": "RMS of tip less centre "
+        + ", ".join(f"{value:.2f}" for value in rough)
+        + " m/s; mean velocity to 100 us "
+        + ", ".join(f"{value.mean():.2f}" for value in early)
+        + " m/s",
+    }
+
+
+@check(
+    lambda fabric, velocity, plies: {
+        "smooth": pack(fabric, velocity, plies),
+        "nodes": pack(fabric, velocity, plies, form="nodes"),
+    }
+)
+def naive(smooth, nodes, fabric, velocity, plies):
+    """Failures with nodes held against facets, and with smooth surfaces."""
+    failed = [run["plies"]["failed_yarns"][-1].sum() for run in (smooth, nodes)]
+    return {
+        "yarns failed more with nodes against facets": failed[1] - failed[0],
+        "outcome of the smooth contact": told(smooth),
+        "note": f"smooth: {told(smooth)}, {failed[0]:.0f} failed; nodes: {told(nodes)}, {failed[1]:.0f} failed",
+    }
+
+
+@check(
+    lambda fabric, velocity, plies: {
+        body: pack(fabric, velocity, plies, body=body, end_time=100e-6) for body in ("full", "bar")
+    }
+)
+def swing(full, bar, fabric, velocity, plies):
+    """Period in which tip and tail of the elastic projectile swing, and how far apart their velocities are.
+
+    The bore is not told, and only a cylinder without one stays elastic and swings in 2 L / c (erratum E-37).
+    """
+    split, bored = (np.abs(run["fine"][:, 4] - run["fine"][:, 5]).max() for run in (full, bar))
+    return {
+        "period": full["swing"],
+        "largest split": split,
+        "note": f"velocities of tip and tail up to {split:.1f} m/s apart; balance {100 * full['balance']:.2f} %; bored "
+        f"to 3 g it yields: {bored:.1f} m/s apart, strongest after {1e6 * bar['swing']:.1f} us",
+    }
+
+
+@check(
+    lambda fabric, velocity, plies: {
+        "bar": pack(fabric, velocity, plies, body="bar", end_time=100e-6),
+        "rigid": pack(fabric, velocity, plies, end_time=100e-6),
+    }
+)
+def rigid_has_no_swing(bar, rigid, fabric, velocity, plies):
+    """A rigid body has one velocity: the columns of tip and tail are those of a bar alone."""
+    split = np.abs(bar["fine"][:, 4] - bar["fine"][:, 5]).max()
+    columns = rigid["fine"].shape[1]
+    return {
+        "split of the rigid": 0.0 if columns == 4 else float(np.ptp(rigid["fine"][:, 4:6], axis=1).max()),
+        "split of the bar": split,
+    }
+
+
+@check(
+    lambda fabric, velocity, plies: {
+        "same": pack(fabric, velocity, plies),
+        "cheap": pack(fabric, velocity, plies, face={"modulus": 0.5, "strain": 1.0}),
+    }
+)
+def cheap_face(same, cheap, fabric, velocity, plies):
+    """Velocity in zone I with a struck ply of half the modulus and strength."""
+    t = np.linspace(0, 60e-6, 61)
+    off = np.interp(t, cheap["t"], cheap["v"]) - np.interp(t, same["t"], same["v"])
+    return {"largest change": np.abs(off).max()}
+
+
+@check(lambda cases: {f"run{n}": pack(*case, failure_time=2e-6) for n, case in enumerate(cases)})
+def filtered(cases, **runs):
+    """Outcomes with tensions that are low-passed over 2 us before they are held against the strength."""
+    found = [told(runs[f"run{n}"]) for n in range(len(cases))]
+    return {"outcomes": found, "all stop": all(one == "stops" for one in found)}

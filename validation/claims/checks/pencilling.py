@@ -1,0 +1,68 @@
+"""Pencilling: depth and shape of the crater behind light and heavy targets (source thesis section 6.5, Table 6-2)."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from validation.claims.registry import check
+from validation.claims.run import Run
+
+CASES = {1: (1, 5.0, 1.155), 2: (1, 1.0, 1.155), 3: (1, 5.0, 0.231), 4: (1, 1.0, 0.231), 5: (4, 1.0, 1.155)}
+
+
+def case(number):
+    """A run of Table 6-2; 0 is the bare block."""
+    plies, modulus, mass = CASES.get(number, (0, 1.0, 0.0))
+    return Run.of("pencil", plies=plies, modulus=modulus, mass=mass)
+
+
+def _cases(*numbers):
+    return lambda **_: {f"case{n}": case(n) for n in numbers}
+
+
+@check(lambda number: {"run": case(number)})
+def completes(run, number):
+    return {
+        "completes": run["outcome"] == "stopped",
+        "note": f"{1e3 * run['depth']:.1f} mm deep after {1e6 * run['t'][-1]:.0f} us; wall at "
+        f"{np.degrees(run['steepness']):.0f} degrees; balance {100 * run['balance']:.2f} %",
+    }
+
+
+@check(_cases(0, 1, 2, 5))
+def equal_mass(case0, case1, case2, case5):
+    depth = {n: run["depth"] for n, run in ((0, case0), (1, case1), (2, case2), (5, case5))}
+    return {
+        "one ply over four, stiff": depth[1] / depth[5],
+        "one ply over four": depth[2] / depth[5],
+        "bare over one ply": depth[0] / depth[2],
+        "note": "bare, 1, 2, 5: " + ", ".join(f"{1e3 * value:.1f}" for value in depth.values()) + " mm",
+    }
+
+
+@check(_cases(3, 4, 5))
+def light(case3, case4, case5):
+    depth = [run["depth"] for run in (case3, case4, case5)]
+    return {
+        "light, stiff, over four plies": depth[0] / depth[2],
+        "light over four plies": depth[1] / depth[2],
+        "note": "3, 4, 5: " + ", ".join(f"{1e3 * value:.1f}" for value in depth) + " mm",
+    }
+
+
+@check(_cases(1, 2, 4))
+def mass_over_modulus(case1, case2, case4):
+    mass, modulus = abs(case4["depth"] - case2["depth"]), abs(case2["depth"] - case1["depth"])
+    return {
+        "mass less modulus": mass - modulus,
+        "note": f"{1e3 * mass:.1f} mm by the mass, {1e3 * modulus:.1f} mm by the modulus",
+    }
+
+
+@check(_cases(4, 5))
+def steeper(case4, case5):
+    return {
+        "difference of the walls": case4["steepness"] - case5["steepness"],
+        "note": f"walls at {np.degrees(case4['steepness']):.0f} and {np.degrees(case5['steepness']):.0f} degrees; "
+        f"{1e3 * case4['half_width']:.1f} and {1e3 * case5['half_width']:.1f} mm to half depth",
+    }

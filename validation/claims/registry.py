@@ -1,0 +1,37 @@
+"""The register of the checks, by name: what each needs of the shared runs, and the function that finds our numbers.
+
+A check is called with the runs that it needs and the arguments of its claim, and returns {name: found} in SI; a "note"
+among them is a remark.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+CHECKS: dict[str, Check] = {}
+
+
+@dataclass(frozen=True)
+class Check:
+    """A check.
+
+    Parameters
+    ----------
+    function : called with runs and arguments
+    needs : arguments -> {name: run.Run}
+    """
+
+    function: Callable
+    needs: Callable
+
+
+def check(needs=None):
+    """Register the function under "module.name"; `needs` gives the runs for the same arguments."""
+
+    def register(function):
+        name = f"{function.__module__.rsplit('.', 1)[-1]}.{function.__name__}"
+        CHECKS[name] = Check(function, needs or (lambda **arguments: {}))
+        return function
+
+    return register

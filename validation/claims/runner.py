@@ -1,0 +1,179 @@
+"""Runs the ledger: first the computations that the checks share, each once, then the checks, side by side.
+
+Any executor of concurrent.futures will do; processes are the default. What is done is on disk before the next begins,
+so that an interrupted run goes on where it was.
+
+The folder: runs/ what the shared computations left, records/ one JSON file a claim.
+"""
+
+from __future__ import annotations
+
+import json
+import shutil
+import time
+import traceback
+from pathlib import Path
+
+from fabrics import run_cache
+from fabrics.errors import WeavecellError
+from fabrics.executors import as_done, open_executor
+from fabrics.files import write_whole
+from validation.claims import judge
+from validation.claims.checks import CHECKS
+from validation.claims.claims import Claim
+from validation.claims.judge import BROKEN, LEFT_OUT, MISSED, NOT_TESTABLE, Record
+
+RUNS_FOLDER, RECORDS_FOLDER = "runs", "records"
+
+
+def validate(claims, out, *, left_out=(), executor="local", jobs=1, resume=False, report=None) -> tuple[Record, ...]:
+    """Run the checks of the claims.
+
+    Parameters
+    ----------
+    claims : of `claims.load`
+    out : folder
+    left_out : claims that get a record of their own as being left out
+    executor, jobs : as of `fabrics.executors.open_executor`
+    resume : keep what is in the folder and still holds; else it is emptied
+    report : called as report(share of the work done, text)
+
+    Returns
+    -------
+    One record a claim, in the order of the claims, those left out at the end.
+    """
+    out, report = Path(out), report or (lambda share, text: None)
+    if not resume:
+        for part in (RUNS_FOLDER, RECORDS_FOLDER):
+            shutil.rmtree(out / part, ignore_errors=True)
+    for part in (RUNS_FOLDER, RECORDS_FOLDER):
+        (out / part).mkdir(parents=True, exist_ok=True)
+    records = {claim.id: record for claim in claims if (record := _kept(claim, out)) is not None}
+    waiting = [claim for claim in claims if claim.id not in records]
+    for claim in (claim for claim in waiting if not claim.check):
+        records[claim.id] = _keep(claim, judge.unchecked(claim), out)
+    waiting = [claim for claim in waiting if claim.check]
+    runs = wanted(waiting, out)
+    total, done = sum(cost(run) for run in runs) + len(waiting), 0.0
+    with open_executor(executor, jobs) as pool:
+        for index, _ in as_done(pool, _make, [(run, str(out), digest(run)) for run in runs]):
+            run = runs[index]
+            done += cost(run)
+            report(done / total, f"{run.name} {_brief(run)}")
+        for index, record in as_done(pool, check, [(claim, str(out), _names(claim)) for claim in waiting]):
+            claim = waiting[index]
+            done += 1
+            records[claim.id] = _keep(claim, record, out)
+            report(done / total, claim.id)
+    for claim in left_out:
+        records[claim.id] = Record(claim.id, LEFT_OUT, note="slow: run with --slow")
+    return tuple(records[claim.id] for claim in (*claims, *left_out))
+
+
+def wanted(claims, out):
+    """Runs that the checks of the claims read and that the folder does not hold; the longest first."""
+    runs = {run for claim in claims for run in CHECKS[claim.check].needs(**(claim.arguments or {})).values()}
+    missing = [run for run in runs if not _holds(run, out)]
+    return sorted(missing, key=lambda run: (-cost(run), run))
+
+
+def _holds(run, out):
+    """Whether the folder has a run that came to an end; one that broke, or lacked a package, is tried again."""
+    return digest(run) in _runs(out) and load(run, out).get("kind", "unstable") == "unstable"
+
+
+def _names(claim):
+    """{run: name of its file} of the runs that the check of a claim reads.
+
+    Names are settled in one process, at the start: were a package edited meanwhile, another's would differ.
+    """
+    return {run: digest(run) for run in CHECKS[claim.check].needs(**(claim.arguments or {})).values()}
+
+
+def check(claim: Claim, out, names=None) -> Record:
+    """Do the check of one claim, with the runs of the folder; `names` of their files, if settled before."""
+    entry, arguments, begun = CHECKS[claim.check], claim.arguments or {}, time.perf_counter()
+    try:
+        names = names or _names(claim)
+        runs = {name: _runs(out)[names[run]] for name, run in entry.needs(**arguments).items()}
+        for run in runs.values():
+            if "error" in run:
+                verdict = {"missing": NOT_TESTABLE, "unstable": MISSED}.get(run["kind"], BROKEN)
+                return Record(
+                    claim.id,
+                    verdict,
+                    told=run["error"],
+                    miss=run["error"] if verdict == MISSED else "",
+                    note=run["error"],
+                )
+        found = entry.function(**runs, **arguments)
+        note = found.pop("note", "")
+    except WeavecellError as problem:
+        return Record(claim.id, MISSED, told=str(problem), miss=str(problem))
+    except Exception:
+        return Record(claim.id, BROKEN, note=traceback.format_exc(limit=-3))
+    return judge.judge(claim, found, note, time.perf_counter() - begun)
+
+
+def load(run, out):
+    """What a run left in the folder."""
+    return _runs(out)[digest(run)]
+
+
+def _runs(out):
+    return run_cache.RunCache(Path(out) / RUNS_FOLDER)
+
+
+def cost(run):
+    """Rough cost of a run, only for order and progress."""
+    return _registry()[run.name][1]
+
+
+def digest(run):
+    """Key of a run: of what is run with what, and of the code."""
+    return run_cache.key((run.name, run.keywords), _registry()[run.name][0].__module__)
+
+
+def _registry():
+    from validation.claims import runs, runs3d, runs_studies
+
+    return runs.RUNS | runs_studies.RUNS | runs3d.RUNS
+
+
+def _make(run, out, name):
+    """Do a run and keep what it leaves; what goes wrong is kept too, for the checks to tell."""
+    function, _ = _registry()[run.name]
+    try:
+        content = function(**run.keywords)
+    except ModuleNotFoundError as problem:
+        content = {"error": f"{problem.name} is not installed", "kind": "missing"}
+    except WeavecellError as problem:
+        content = {"error": f"{run.name} {_brief(run)}: {problem}", "kind": "unstable"}
+    except Exception:
+        content = {"error": f"{run.name} {_brief(run)}: {traceback.format_exc(limit=-3)}", "kind": "broken"}
+    _runs(out)[name] = content
+
+
+def _brief(run):
+    return " ".join(str(value) for value in run.keywords.values() if not isinstance(value, (list, dict)))
+
+
+def _stamp(claim):
+    """Key of a claim's record: of the claim and of the program that checks it."""
+    return run_cache.key(claim, __name__)
+
+
+def _keep(claim, record, out):
+    with write_whole(out / RECORDS_FOLDER / f"{claim.id}.json") as file:
+        json.dump({"stamp": _stamp(claim), **record.as_dict()}, file, indent=1)
+        file.write("\n")
+    return record
+
+
+def _kept(claim, out):
+    """The record of a claim, if it is in the folder and neither claim nor program has changed since."""
+    try:
+        content = json.loads((out / RECORDS_FOLDER / f"{claim.id}.json").read_text("utf-8"))
+    except (OSError, ValueError):
+        return None
+    return Record(**content) if content.pop("stamp", None) == _stamp(claim) and content["verdict"] != BROKEN else None

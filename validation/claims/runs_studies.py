@@ -1,0 +1,43 @@
+"""The computations that checks share and that are runs of other studies, as `runs` has them."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from validation.published.pencilling.study import Case, bare, shoot
+from validation.published.solid_patch.study import march as solid_march
+
+
+def pencil(*, plies, modulus, mass, elements=2):
+    """One run of Table 6-2 before its block; without plies the block alone."""
+    found = bare() if plies == 0 else shoot(Case(plies, modulus, mass), elements=elements)
+    return {
+        "outcome": found.outcome,
+        "depth": found.depth,
+        "crater": found.crater,
+        "steepness": found.steepness,
+        "half_width": found.half_width,
+        "balance": found.balance,
+        "t": found.t,
+        "z": found.z,
+    }
+
+
+def solids(*, fabric, velocity, count, time):
+    """A patch of solid yarns under impact: seconds of marching, its mass before and after, and what has failed."""
+    run = solid_march(fabric, count, (5, 5, 2), velocity, time, threads=1)
+    before = float(run.const.mass.sum())
+    run.run()
+    after = float(run.const.mass.sum())
+    side = count / run.patch.fabric.weave.warp_count
+    return {
+        "seconds": run.wall_time,
+        "time": run.time,
+        "side": side,
+        "mass": np.array([before, after]),
+        "failed_bars": float(run.sample("failed_bars")[-1]),
+    }
+
+
+# name: (function, rough cost, to begin with the longest)
+RUNS = {"solids": (solids, 15), "pencil": (pencil, 90)}

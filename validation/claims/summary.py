@@ -1,0 +1,81 @@
+"""The ledger in short: verdicts by topic, the share that is reproduced, and the table as CSV."""
+
+from __future__ import annotations
+
+import csv
+from dataclasses import dataclass
+
+from fabrics.files import write_whole
+from validation.claims.claims import KINDS, TOPICS
+from validation.claims.judge import MISSED, REPRODUCED, VERDICTS, expected
+
+COLUMNS = ("id", "topic", "kind", "basis", "origin", "source", "quantity", "verdict", "ours against asked",
+           "missed by", "cause", "why", "erratum", "reason of the tolerance", "remark", "seconds")  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Share:
+    """Verdicts of one topic or kind, or of all.
+
+    Parameters
+    ----------
+    topic : of TOPICS (or of KINDS), or "" for all
+    counts : {verdict: number}
+    """
+
+    topic: str
+    counts: dict
+
+    @property
+    def compared(self):
+        """Claims of which our number says whether they hold here."""
+        return self.counts[REPRODUCED] + self.counts[MISSED]
+
+    @property
+    def reproduced(self):
+        """[-] of those, or None where there are none."""
+        return self.counts[REPRODUCED] / self.compared if self.compared else None
+
+    @property
+    def total(self):
+        return sum(self.counts.values())
+
+
+def shares(claims, records, by="topic") -> list[Share]:
+    """Of all claims, then of each topic (or kind, `by`) that has some."""
+    verdicts = {record.id: record.verdict for record in records}
+    chosen = [claim for claim in claims if claim.id in verdicts]
+    found = []
+    for name in ("", *(TOPICS if by == "topic" else KINDS)):
+        own = [verdicts[claim.id] for claim in chosen if not name or getattr(claim, by) == name]
+        if own:
+            found.append(Share(name, {verdict: own.count(verdict) for verdict in VERDICTS}))
+    return found
+
+
+def asked(claim):
+    """What would bear a claim out, in words."""
+    return "; ".join(f"{condition.name} {expected(condition)}" for condition in claim.conditions)
+
+
+def rows(claims, records):
+    """One row of texts a claim, in the order of COLUMNS."""
+    by_id = {record.id: record for record in records}
+    for claim in claims:
+        record = by_id.get(claim.id)
+        if record is None:
+            continue
+        yield (
+            claim.id, claim.topic, claim.kind, claim.basis, claim.origin, claim.source, claim.quantity, record.verdict,
+            record.told or asked(claim), record.miss, claim.cause if record.verdict == MISSED else "",
+            claim.against or claim.untestable or claim.unbuilt, claim.erratum, claim.reason, record.note,
+            f"{record.seconds:.2f}",
+        )  # fmt: skip
+
+
+def write_csv(claims, records, path):
+    """Write the ledger as a table, whole or not at all."""
+    with write_whole(path) as file:
+        table = csv.writer(file)
+        table.writerow(COLUMNS)
+        table.writerows(rows(claims, records))

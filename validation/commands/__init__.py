@@ -1,0 +1,1 @@
+"""The commands that need `validation`: cost-accuracy charts, stability maps, claims ledger."""

@@ -1,0 +1,150 @@
+"""The ledger of the source's claims from the command line: run, table, page.
+
+The folder of `weavecell validate`
+    ledger.html    every claim with its verdict, our number beside the source's, and pictures
+    ledger.csv     the same as a table
+    ledger.json    shares by topic, provenance
+    runs/, records/  what is done, from which --resume goes on
+"""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass, field
+from importlib import resources
+
+from fabrics.files import write_whole
+from validation.claims import claims as data
+from validation.claims import runner, summary
+from validation.claims.judge import BROKEN, MISSED, VERDICTS
+from weavecell.report import pictures
+from weavecell.report.page import Figure
+from weavecell.results import json_file, progress, provenance
+
+_SUBTITLE = (
+    "Every claim of the source thesis that is a number, an order, a trend, a shape or an outcome, with our number "
+    "beside it. Tolerances come from the printed digits or were set before the comparison, and none has been widened "
+    "to turn a miss; nothing is fitted to a claim."
+)
+
+
+def validate(out, *, topics, slow, jobs, resume, executor="local"):
+    """Run the ledger; returns the exit code: 1 where a check broke, else 0, for a miss is a result.
+
+    Parameters
+    ----------
+    out : Path of the folder to write to
+    topics : of claims.TOPICS; all where there are none
+    slow : also do the slow checks
+    jobs, executor : as of `fabrics.executors.open_executor`
+    resume : go on from what is in the folder
+
+    Raises
+    ------
+    InputError : an unknown topic; nothing has been written
+    """
+    chosen, left_out = data.select(data.load(), topics, slow)
+    began = time.perf_counter()
+    with progress.bar(f"{len(chosen)} claims") as advance:
+        records = runner.validate(
+            chosen, out, left_out=left_out, jobs=jobs, executor=executor, resume=resume, report=advance
+        )
+    seconds = time.perf_counter() - began
+    claims = [claim for claim in data.load() if claim in chosen or claim in left_out]
+    shares, stamp = summary.shares(claims, records), provenance.stamp()
+    summary.write_csv(claims, records, out / "ledger.csv")
+    json_file.write(out / "ledger.json", _summary(claims, records, shares, stamp, seconds))
+    with progress.bar("Page") as advance:
+        _write_page(out, claims, records, shares, stamp)
+    _tell(shares, out)
+    broken = [record.id for record in records if record.verdict == BROKEN]
+    if broken:
+        print(f"{len(broken)} checks did not come to an end: {', '.join(broken)}")
+    return 1 if broken else 0
+
+
+def _summary(claims, records, shares, stamp, seconds):
+    causes = {claim.id: claim.cause for claim in claims}
+
+    def table(rows):
+        return {
+            share.topic or "all": {**share.counts, "compared": share.compared, "share reproduced": share.reproduced}
+            for share in rows
+        }
+
+    return {
+        "topics": table(shares),
+        "kinds": table(summary.shares(claims, records, by="kind")),
+        "missed": [
+            {"id": record.id, "by": record.miss, "cause": causes[record.id]}
+            for record in records
+            if record.verdict == MISSED
+        ],
+        "wall_time": seconds,
+        "provenance": stamp,
+    }
+
+
+@dataclass(frozen=True)
+class _Part:
+    """One topic on the page."""
+
+    key: str
+    title: str
+    lead: str
+    rows: tuple
+    figures: tuple = field(default_factory=tuple)
+
+
+def _write_page(out, claims, records, shares, stamp):
+    import jinja2
+
+    by_id = {record.id: record for record in records}
+    parts = []
+    for share in shares[1:]:
+        rows = tuple((claim, by_id[claim.id]) for claim in claims if claim.topic == share.topic)
+        told = ", ".join(f"{count} {verdict}" for verdict, count in share.counts.items() if count)
+        parts.append(_Part(share.topic, data.TOPICS[share.topic], f"{told}.", rows, _figures(share.topic, out)))
+    folder = resources.files("weavecell.report") / "templates"
+    loader = jinja2.FunctionLoader(lambda name: (folder / name).read_text("utf-8"))
+    environment = jinja2.Environment(
+        loader=loader, autoescape=True, trim_blocks=True, lstrip_blocks=True, undefined=jinja2.StrictUndefined
+    )
+    page = environment.get_template("ledger.html.j2").render(
+        title="The claims of the source, put to the test",
+        subtitle=_SUBTITLE,
+        shares=shares,
+        parts=parts,
+        topics=data.TOPICS,
+        verdicts=VERDICTS,
+        footer=f"weavecell {stamp['weavecell']}, commit {stamp['commit']}, {stamp['date']}; {stamp['processor']}; "
+        f"{stamp['packages']}.",
+    )
+    with write_whole(out / "ledger.html") as file:
+        file.write(page)
+
+
+def _figures(topic, out):
+    """Pictures of a topic whose runs are in the folder."""
+    from validation.claims import pictures as claims_pictures
+
+    found = []
+    for draw, needed, caption, wide in claims_pictures.PICTURES.get(topic, ()):
+        try:
+            runs = {name: runner.load(run, out) for name, run in needed().items()}
+        except FileNotFoundError:
+            continue
+        if not any("error" in run for run in runs.values()):
+            found.append(Figure(pictures.render(draw, runs), "svg", caption, draw.__name__, wide))
+    return tuple(found)
+
+
+def _tell(shares, out):
+    """The shares on the terminal."""
+    print(f"{'':26} reproduced   missed   source wrong   not built   not testable")
+    for share in (*shares[1:], shares[0]):
+        name = data.TOPICS[share.topic] if share.topic else "all"
+        of = f"{share.counts['reproduced']:3d} of {share.compared:<3d}"
+        rest = [share.counts[verdict] for verdict in ("missed", "source is wrong", "not built", "not testable")]
+        print(f"{name:26} {of}   {rest[0]:6d}   {rest[1]:12d}   {rest[2]:9d}   {rest[3]:12d}")
+    print(f"written to {out}/ledger.html", flush=True)

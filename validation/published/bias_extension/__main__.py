@@ -1,0 +1,87 @@
+"""python -m validation.published.bias_extension [--out results/bias_extension] [--steps 20] [--elements 1] [--dynamic]
+
+Zones as CSV and PNG, with so many elements a crossover. With --dynamic the test is run as the source ran it as well:
+explicit, with our element and with the source's.
+"""
+
+import argparse
+import csv
+import sys
+from pathlib import Path
+
+import numpy as np
+
+from fabrics.errors import WeavecellError
+from fabrics.files import write_whole
+from validation.published.bias_extension import dynamic
+from validation.published.bias_extension.cases import CLOTHS, asymmetry, run
+from validation.published.bias_extension.pictures import picture
+
+COLUMNS = ["cloth", "elongation mm", "load N", "angle A deg", "angle B deg", "angle C deg", "not stretching C deg",
+           "B less mean of A and C deg", "shear concentration", "residual", "iterations"]  # fmt: skip
+
+
+def rows(case):
+    """One row a load step."""
+    for k, (state, moved, load) in enumerate(zip(case.result.states, case.result.moved, case.result.force(1, 1))):
+        A, B, C = case.means(k)
+        values = (1e3 * moved, abs(load), A, B, C, case.inextensible(k), B - 0.5 * (A + C), case.concentration(k))
+        yield [case.name, *(f"{value:.5g}" for value in values), f"{state.residual:.2g}", state.iterations]
+
+
+def pulled():
+    """Rows of the dynamic runs, told as they come."""
+    for element in ("yarns", "one point"):
+        for name in ("locking", "soft", "none"):
+            run = dynamic.pull(name, element=element)
+            for k, moved in enumerate(run.elongation):
+                A, B, C = np.degrees(run.angles[k])
+                row = [f"{value:.5g}" for value in (1e3 * moved, A, B, C, B - 0.5 * (A + C), run.concentration[k])]
+                yield [element, name, *row]
+            print(
+                f"explicit, {element:9} {CLOTHS[name]:27} {1e3 * moved:5.2f} mm: A {A:.1f}, B {B:.1f}, C {C:.1f} deg; "
+                f"concentration {run.concentration[-1]:.2f}",
+                flush=True,
+            )
+
+
+def main():
+    parser = argparse.ArgumentParser(prog="python -m validation.published.bias_extension", description=__doc__)
+    parser.add_argument("--out", type=Path, default=Path("results/bias_extension"))
+    parser.add_argument("--steps", type=int, default=20)
+    parser.add_argument("--elements", type=int, default=1, help="a crossover, along each side")
+    parser.add_argument("--dynamic", action="store_true", help="explicit as well, with two elements")
+    options = parser.parse_args()
+    cases = [run(name, steps=options.steps, elements_per_crossover=options.elements) for name in CLOTHS]
+    with write_whole(options.out / "zones.csv") as file:
+        table = csv.writer(file)
+        table.writerow(COLUMNS)
+        for case in cases:
+            table.writerows(rows(case))
+    picture(cases, options.out / "coupons.png")
+    for case in cases:
+        if case.problem is not None:
+            print(f"{CLOTHS[case.name]}: {case.problem}")
+            continue
+        for moved in (0.005, 0.010):
+            k = int(np.argmin(np.abs(case.result.moved - moved)))
+            A, B, C = case.means(k)
+            print(
+                f"{CLOTHS[case.name]:27} {1e3 * case.result.moved[k]:5.2f} mm: A {A:.1f}, B {B:.1f}, C {C:.1f} deg; "
+                f"not stretching C {case.inextensible(k):.1f}; B less mean {B - 0.5 * (A + C):+.2f}; "
+                f"concentration {case.concentration(k):.2f}"
+            )
+        print(f"{'':27} asymmetry {asymmetry(case.result):.1e} of the width")
+    if options.dynamic:
+        with write_whole(options.out / "dynamic.csv") as file:
+            table = csv.writer(file)
+            table.writerow(["element", "cloth", *COLUMNS[1:2], *COLUMNS[3:6], *COLUMNS[7:9]])
+            table.writerows(pulled())
+
+
+if __name__ == "__main__":
+    try:
+        main()
+    except WeavecellError as problem:
+        print(f"error: {problem}", file=sys.stderr)
+        sys.exit(problem.exit_code)

@@ -1,0 +1,103 @@
+"""The four cloths of the bias extension test, and what is measured on them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from fabrics import catalogue
+from fabrics.errors import UnstableError
+from fabrics.trellis import TrellisShear
+from shellfabric.cell.model import CellModel
+from shellfabric.coupon import quasistatic
+
+CLOTHS = {
+    "locking": "trellis law as published",
+    "soft": "modulus G1 at all angles",
+    "none": "no trellis",
+    "straight": "straight yarns, modulus G1",
+}
+NEARLY_STRAIGHT = 1e-6  # crimp: the shell's thickness is that of the crimp, and must not be zero
+
+
+@dataclass(frozen=True)
+class Case:
+    """One cloth, tested.
+
+    Parameters
+    ----------
+    name : of CLOTHS
+    result : quasistatic.Result
+    zone : (q,) index into quasistatic.ZONES
+    problem : what the run found wrong, or None
+    """
+
+    name: str
+    result: quasistatic.Result
+    zone: np.ndarray
+    problem: str | None
+
+    def means(self, step=-1):
+        """(3,) [deg] mean angle between warp and weft in the zones A, B, C."""
+        gamma = np.degrees(self.result.shear(step))
+        return np.array([90 - gamma[self.zone == k].mean() for k in range(3)])
+
+    def inextensible(self, step=-1):
+        """[deg] angle in zone C of yarns that do not stretch."""
+        size = quasistatic.bias_size(self.result)
+        return 90 - np.degrees(quasistatic.inextensible_shear(*size, self.result.moved[step]))
+
+    def concentration(self, step=-1):
+        """[-] see quasistatic.concentration"""
+        return quasistatic.concentration(self.result.shear(step), self.zone == 2)
+
+
+def cloth(name):
+    """(fabric, cell model's name, whether the trellis acts) of one of CLOTHS."""
+    fabric = catalogue.load("S-728").with_effective_density()
+    crimp = 0.5 * sum(yarn.crimp for yarn in fabric.weave.yarns)
+    fabric, shear = _crimped(fabric, crimp), fabric.shear
+    if name == "straight":
+        thickness = fabric.weave.thickness
+        fabric = _crimped(fabric, NEARLY_STRAIGHT)
+        modulus = shear.G1 * thickness / fabric.weave.thickness
+        return replace(fabric, shear=TrellisShear(modulus, modulus, shear.gamma1, shear.gamma2)), "decoupled", True
+    if name == "soft":
+        return replace(fabric, shear=TrellisShear(shear.G1, shear.G1, shear.gamma1, shear.gamma2)), "compressible", True
+    return fabric, "compressible", name == "locking"
+
+
+def run(name, *, steps=20, table_size=201, **changes) -> Case:
+    """Test one of CLOTHS; `changes` go to quasistatic.bias_extension.
+
+    At rest is what is within 1e-5 of the load: at 1e-4 the halves of the cloth still differ by 2e-6 of its width. A
+    cloth without trellis is pulled in two steps of 6000 iterations at most: there is no equilibrium to be found.
+    """
+    fabric, model, trellis = cloth(name)
+    table = CellModel(fabric, model=model).table(table_size)
+    options = {"trellis": trellis, "steps": steps, "tolerance": 1e-5} | changes
+    problem = None
+    if name == "none":
+        options |= {"steps": 2, "max_iterations": 6000}
+    try:
+        result = quasistatic.bias_extension(table, **options)
+    except UnstableError as found:
+        result, problem = found.result, str(found)
+    return Case(name, result, quasistatic.zones(result.coupon, *quasistatic.bias_size(result)), problem)
+
+
+def asymmetry(result):
+    """[-] largest distance of a node from its mirror image, left to right and end to end, over the width."""
+    rest, x = result.coupon.points, result.states[-1].x
+    width, worst = np.ptp(rest[:, 0]), 0.0
+    keys = {tuple(key): k for k, key in enumerate(np.round(1e7 * rest).astype(int))}
+    for sign in ((-1, 1), (1, -1)):
+        image = [keys[tuple(key)] for key in np.round(1e7 * rest * sign).astype(int)]
+        worst = max(worst, float(np.abs(x[image] - x * sign).max()))
+    return worst / width
+
+
+def _crimped(fabric, crimp):
+    warp, weft = (replace(yarn, crimp=crimp) for yarn in fabric.weave.yarns)
+    return replace(fabric, weave=replace(fabric.weave, warp=warp, weft=weft))

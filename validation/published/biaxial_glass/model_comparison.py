@@ -1,0 +1,161 @@
+"""python -m validation.published.biaxial_glass.model_comparison [--out FOLDER] [FABRIC ...]: one weave in three models.
+
+Tension per yarn at k = 1, and with the cross yarns free, of
+- the crossover's cell, in the source's form and in the variational one;
+- the shell coupon: the cross-shaped specimen (`specimen`), its load per yarn against the strain of its middle. Its arms
+  are yarns that have lost their cross yarns, longer than the cloth they came from and softer, so that grips that move
+  alike would not stretch the middle alike: they are moved by what its arms need at the middle's loads. With the cross
+  yarns free, a strip whose sides are free;
+- the 3D crossover; with the cross yarns free a yarn of it that crosses nothing. Its solid is assumed
+  for glass. It knows nothing of the published a and b: the cell is also given the law that is fitted to the contact
+  forces and compressions of the 3D crossover itself along this path.
+
+Needs dolfinx. Writes a table (CSV) and a picture a weave, and prints the differences from the source's form.
+"""
+
+from __future__ import annotations
+
+import argparse
+import csv
+import sys
+from pathlib import Path
+
+import numpy as np
+
+from fabrics import catalogue
+from fabrics.compression import CompressionLaw
+from fabrics.errors import WeavecellError
+from fabrics.files import write_whole
+from shellfabric.cell.model import CellModel
+from shellfabric.coupon import quasistatic
+from validation.published.biaxial_glass import pictures
+from validation.published.biaxial_glass.specimen import ARM, CENTRE, MIDDLE
+from weavecell.analysis.biaxial_test.curves import at_ratio, free_edge
+
+MODELS = ("cell, source's form", "cell, variational", "shell coupon", "3D crossover", "cell, law of the 3D crossover")
+YARNS = ("warp", "weft")
+REACH, STEPS = 0.98, 12  # of the cell's curve, load steps
+STRIP = (16, 6)  # crossovers: length and width of the strip with free sides
+TOLERANCE = 1e-4  # out-of-balance force over the reaction
+
+
+def equal_strains(fabric, crossover):
+    """({model: (strain (n, 2), tension (n, 2))} at k = 1, the law that is fitted to the 3D crossover)."""
+    from unitcell3d.cases import biaxial_and_platens
+
+    found = {}
+    for name, form in zip(MODELS, ("equilibrium", "variational")):
+        curve = at_ratio(CellModel(fabric, form=form), 1.0)
+        found[name] = curve.strain, curve.tension
+    found[MODELS[2]] = middle_alike(fabric)
+    solid = biaxial_and_platens.biaxial(crossover, fabric, fabric.weave.w)
+    found[MODELS[3]] = np.stack([solid.d1, solid.d2], axis=1) / fabric.weave.w, np.stack([solid.T1, solid.T2], axis=1)
+    touching = solid.F_c > 0
+    law = CompressionLaw.fit(solid.F_c[touching], solid.d_c[touching], provenance="3D crossover, k = 1")
+    curve = at_ratio(CellModel(fabric, (law, law), form="equilibrium"), 1.0)
+    found[MODELS[4]] = curve.strain, curve.tension
+    return found, law
+
+
+def middle_alike(fabric):
+    """(strain of the middle (n, 2), load per yarn (n, 2)) of the cross-shaped specimen, its middle stretched alike."""
+    table, weave = CellModel(fabric).table(201), fabric.weave
+    end = REACH * at_ratio(table.model, 1.0).strain[-1, 0]
+
+    def grips(load):
+        cell = table.model.solve(1 + load * end, 1 + load * end)
+        arms = [(1 + yarn.crimp) * (1 + float(cell[N]) / yarn.EA) - 1 for N, yarn in zip(("N1", "N2"), weave.yarns)]
+        return (CENTRE * load * end + 2 * ARM * np.array(arms) * (load > 0)) / (CENTRE + 2 * ARM)
+
+    run = quasistatic.biaxial(table, strain=grips, centre=CENTRE, arm=ARM, steps=STEPS, tolerance=TOLERANCE)
+    strain = quasistatic.middle_strain(run, [MIDDLE * w for w in weave.w])
+    return strain, np.stack([run.force(1, 0), run.force(3, 1)], axis=1) / CENTRE
+
+
+def cross_yarns_free(fabric, crossover, family):
+    """{model: (strain (n,), tension (n,))} of one yarn family, 0 warp or 1 weft, the other free."""
+    from unitcell3d.cases import single_yarn as cases_single_yarn
+
+    yarn, found = YARNS[family], {}
+    curve = free_edge(CellModel(fabric, form="equilibrium"), yarn)
+    found[MODELS[0]] = curve.strain[:, family], curve.tension[:, family]
+    pitch = [2 * w for w in (fabric.weave.w if family == 0 else fabric.weave.w[::-1])]
+    end = curve.strain[-1, family]
+    strip = quasistatic.uniaxial(
+        CellModel(fabric).table(201), direction=yarn, length=STRIP[0] * pitch[0], width=STRIP[1] * pitch[1],
+        strain=end, steps=STEPS, tolerance=TOLERANCE,
+    )  # fmt: skip
+    found[MODELS[2]] = strip.moved, strip.force(1, 0) / STRIP[1]
+    alone = cases_single_yarn.pull(crossover, fabric, family)
+    found[MODELS[3]] = alone["strain"], alone["T"]
+    return found
+
+
+def compare(fabric, size="coarse"):
+    """({title: (yarn, {model: (strain, tension)})}, law): warp and weft at k = 1, then each with the other free."""
+    from meshing import crossover
+
+    built = crossover.build(fabric, size=size)
+    equal, law = equal_strains(fabric, built)
+    tests = {
+        f"{yarn}, k = 1": (yarn, {name: (e[:, family], T[:, family]) for name, (e, T) in equal.items()})
+        for family, yarn in enumerate(YARNS)
+    }
+    for family, yarn in enumerate(YARNS):
+        tests[f"{yarn}, cross yarns free"] = yarn, cross_yarns_free(fabric, built, family)
+    return tests, law
+
+
+def differences(models, strength):
+    """{model: (rms [N], rms over strength, largest [N])} from the first model, at the samples of each."""
+    names = list(models)
+    e0, T0 = models[names[0]]
+    found = {}
+    for name in names[1:]:
+        e, T = models[name]
+        common = (e >= 0) & (e <= e0[-1])
+        off = T[common] - np.interp(e[common], e0, T0)
+        rms = float(np.sqrt(np.mean(off**2)))
+        found[name] = rms, rms / strength, float(off[np.argmax(np.abs(off))])
+    return found
+
+
+def main():
+    parser = argparse.ArgumentParser(
+        prog="python -m validation.published.biaxial_glass.model_comparison", description=__doc__.splitlines()[0]
+    )
+    parser.add_argument("fabrics", nargs="*", default=["glass-balanced", "glass-unbalanced"], metavar="FABRIC")
+    parser.add_argument("--size", choices=["coarse", "medium", "fine"], default="coarse", help="of the 3D mesh")
+    parser.add_argument("--out", type=Path, default=Path("results/biaxial"))
+    options = parser.parse_args()
+    for name in options.fabrics:
+        fabric = catalogue.load(name)
+        tests, law = compare(fabric, options.size)
+        with write_whole(options.out / f"{name}-sides.csv") as file:
+            rows = csv.writer(file)
+            rows.writerow(["test", "model", "strain", "tension N"])
+            for title, (_, models) in tests.items():
+                for model, (strain, tension) in models.items():
+                    rows.writerows([title, model, f"{e:.6g}", f"{T:.6g}"] for e, T in zip(strain, tension))
+        pictures.sides(fabric, tests, options.out / f"{name}-sides.png")
+        print(f"\n{name}; law of the 3D crossover: a = {1e3 * law.a:.4f} mm, b = {1e5 * law.b:.2f} mm uN^(1/3)\n")
+        print("| test | " + " | ".join(MODELS[1:]) + " |\n" + "|---" * len(MODELS) + "|")
+        within = []
+        for title, (yarn, models) in tests.items():
+            found = differences(models, fabric.weave.yarns[YARNS.index(yarn)].strength)
+            told = [found.get(model) for model in MODELS[1:]]
+            cells = (f"{rms:.1f} ({100 * share:.1f} %), {most:+.1f}" for rms, share, most in filter(None, told))
+            texts = iter(cells)
+            if MODELS[4] in models:
+                own = differences({name: models[name] for name in (MODELS[4], MODELS[3])}, 1.0)[MODELS[3]]
+                within.append(f"{title}: {own[0]:.1f} N rms, {own[2]:+.1f} N at most")
+            print(f"| {title} | " + " | ".join(next(texts) if one else "" for one in told) + " |")
+        print("\n3D crossover from the cell with its own law: " + "; ".join(within))
+
+
+if __name__ == "__main__":
+    try:
+        main()
+    except WeavecellError as problem:
+        print(f"error: {problem}", file=sys.stderr)
+        sys.exit(problem.exit_code)

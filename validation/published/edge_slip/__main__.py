@@ -1,0 +1,96 @@
+"""python -m validation.published.edge_slip [--out results/edges_study] [--page docs/edges.md] [--no-limits]
+
+Slip of S-728 in its clamps: edges that are led in (thesis section 6.4.3), and edges that a friction clamp grips. Writes
+edges.csv, led.png, gripped.png. With --page the tables go into that page, between its marks, the pictures beside it.
+"""
+
+import argparse
+import csv
+import sys
+from pathlib import Path
+
+import numpy as np
+
+from fabrics.errors import WeavecellError
+from fabrics.files import write_whole
+from validation.published.edge_slip import pictures
+from validation.published.edge_slip.study import VELOCITY, ZONE_I, departs, gripped, led, limits, slow
+from weavecell.report.marked_page import markdown, put
+
+MARKS = "<!-- tables of validation.published.edge_slip -->", "<!-- end of the tables -->"
+LATE = 200e-6
+_PICTURES = {"led": "edges that are led in", "gripped": "edges that are gripped"}
+
+
+def led_rows(shots):
+    """A header, and a row a shot."""
+    clamped = shots["clamped"]
+    rows = [("weft ends", "outcome", "after, us", "depth, mm", "lead in zone I, m/s", "lead after 200 us, m/s",
+             "departs, us", "work on the edges, J", "balance, %")]  # fmt: skip
+    early = np.linspace(0, ZONE_I, 61)
+    for name, shot in shots.items():
+        rows.append((
+            name, shot.outcome, f"{1e6 * shot.end:.0f}", f"{1e3 * shot.depth:.2f}",
+            f"{np.abs(shot.lead(clamped, early)).max():.2f}", f"{float(shot.lead(clamped, LATE)):.2f}",
+            "-" if np.isnan(departs(shot, clamped)) else f"{1e6 * departs(shot, clamped):.0f}",
+            f"{shot.external:.3f}", f"{100 * shot.balance:.3f}",
+        ))  # fmt: skip
+    return rows
+
+
+def gripped_rows(shots, velocities):
+    """A header, and a row a grip."""
+    rows = [("grip per yarn", "outcome", "after, us", "depth, mm", "slip of warp / weft, mm",
+             "slipped width at the warp / weft ends, mm", "work on the grips, J", "of the strike energy, %",
+             "balance, %", "critical velocity, m/s")]  # fmt: skip
+    for name, shot in shots.items():
+        rows.append((
+            name, shot.outcome, f"{1e6 * shot.end:.0f}", f"{1e3 * shot.depth:.2f}",
+            f"{1e3 * shot.pulled('warp'):.2f} / {1e3 * shot.pulled('weft'):.2f}",
+            f"{1e3 * shot.width('warp'):.0f} / {1e3 * shot.width('weft'):.0f}", f"{shot.gripped:.2f}",
+            f"{100 * shot.gripped / shot.strike:.1f}", f"{100 * shot.balance:.3f}",
+            f"{velocities[name]:.1f}" if name in velocities else "-",
+        ))  # fmt: skip
+    return rows
+
+
+def write_page(tables, page):
+    """Put tables between the marks of a page."""
+    parts = [f"{title}\n\n{markdown(rows)}" for title, rows in tables.items()]
+    content = "\n".join([*parts, *(f"![{told}](figures/edges-{name}.png)\n" for name, told in _PICTURES.items())])
+    put(page, *MARKS, f"\n\n{content}\n")
+
+
+def main():
+    parser = argparse.ArgumentParser(
+        prog="python -m validation.published.edge_slip", description=__doc__.split("\n\n")[1]
+    )
+    parser.add_argument("--out", type=Path, default=Path("results/edges_study"))
+    parser.add_argument("--page", type=Path, help="put tables and pictures into this page")
+    parser.add_argument("--no-limits", action="store_true", help="leave the critical velocities out")
+    options = parser.parse_args()
+    fast, late, held = led(), slow(), gripped(VELOCITY)
+    velocities = {} if options.no_limits else limits()
+    tables = {
+        "**Led, 100 m/s.**": led_rows(fast),
+        "**Led, 36 m/s.**": led_rows(late),
+        "**Gripped, 100 m/s.**": gripped_rows(held, velocities),
+    }
+    with write_whole(options.out / "edges.csv") as file:
+        for title, rows in tables.items():
+            csv.writer(file).writerows([(title.strip("*."),), *rows, ()])
+    folders = [options.out] + ([options.page.parent / "figures"] if options.page else [])
+    for folder in folders:
+        prefix = "" if folder == options.out else "edges-"
+        pictures.led(fast, late, folder / f"{prefix}led.png")
+        pictures.gripped(held, folder / f"{prefix}gripped.png")
+    if options.page is not None:
+        write_page(tables, options.page)
+
+
+if __name__ == "__main__":
+    try:
+        main()
+    except WeavecellError as problem:
+        print(f"error: {problem}", file=sys.stderr)
+        sys.exit(problem.exit_code)

@@ -1,0 +1,59 @@
+"""python -m validation.published.packs [--out results/packs] [--page docs/packs.md]
+
+Fires the shots of the study, each kept in the folder as soon as it is done, so that an interrupted study goes on where
+it was. With --page the page is written, and its pictures into figures/ beside it.
+"""
+
+import argparse
+import sys
+from pathlib import Path
+
+from fabrics.errors import WeavecellError
+from fabrics.files import write_whole
+from validation.published.packs import pictures, study
+from validation.published.packs.page import page
+
+
+def gather(results):
+    """All results of the study."""
+    return {
+        "outcomes": study.outcomes(results),
+        "torn": study.torn(results),
+        "stackings": study.stackings(results),
+        "gaps": study.gaps(results),
+        "halved": study.halved(results),
+        "formulations": study.formulations(results),
+        "noses": study.noses(results),
+        "stiffer": study.stiffer(results),
+    }
+
+
+def draw(found, folder):
+    """All pictures of the page."""
+    stops = {row[0]: row[2] for row in study.PUBLISHED if row[1] == 4}
+    pictures.formulations(found["formulations"], stops, folder / "packs-formulations.png")
+    gaps = {f"gap {1e3 * gap:.2f} mm": one for gap, one in found["gaps"].items()}
+    pictures.velocities(gaps, folder / "packs-gaps.png")
+    pictures.forces(gaps, folder / "packs-gap-forces.png")
+    pictures.velocities(found["stackings"], folder / "packs-stacking.png")
+
+
+def main():
+    arguments = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    arguments.add_argument("--out", type=Path, default=Path("results/packs"))
+    arguments.add_argument("--page", type=Path)
+    chosen = arguments.parse_args()
+    found = gather(study.Results(chosen.out / "shots"))
+    draw(found, chosen.out)
+    if chosen.page:
+        draw(found, chosen.page.parent / "figures")
+        with write_whole(chosen.page) as file:
+            file.write(page(found))
+
+
+if __name__ == "__main__":
+    try:
+        main()
+    except WeavecellError as problem:
+        print(problem, file=sys.stderr)
+        sys.exit(problem.exit_code)

@@ -1,0 +1,293 @@
+"""The runs of the study: what the source says of packs, what the model gives (thesis sections 5.2.2, 5.2.3, 6.4.4).
+
+Published. 4 plies stop S-726 at 158, S-728 at 91 and S-731 at 136 m/s, 8 plies of S-726 stop 204. The captions of five
+more say "perforating"; erratum E-21 calls one of them certainly an artefact of contact noise, three very unlikely in a
+test, and 16 plies of S-726 at 243 m/s undecided.
+
+Failure onset. The lowest strike velocity at which some yarn of a pack of four fails, by bisection; each shot is given
+up at its first failure. A formulation of contact that makes yarns fail below that of the converged one does so falsely.
+"""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass, replace
+from functools import cache
+
+import numpy as np
+
+from fabrics import catalogue, run_cache
+from fabrics.errors import UnstableError
+from shellfabric.cell.model import CellModel
+from shellfabric.panel.model import Numerics, Panel
+from shellfabric.plies import torn_contact_kernels
+from shellfabric.plies.model import Pack, PlyContact
+from shellfabric.plies.solver import PackSolver
+from validation.published.packs.passages import count
+
+STOPS, ARTEFACT = "stops", "perforates (certainly an artefact, E-21)"
+UNLIKELY, OPEN = "perforates (very unlikely, E-21)", "perforates (undecided, E-21)"
+PUBLISHED = (
+    ("S-726", 4, 158.0, STOPS),
+    ("S-728", 4, 91.0, STOPS),
+    ("S-731", 4, 136.0, STOPS),
+    ("S-726", 8, 204.0, STOPS),
+    ("S-728", 8, 162.0, UNLIKELY),
+    ("S-731", 8, 142.0, UNLIKELY),
+    ("S-728", 16, 170.0, UNLIKELY),
+    ("S-731", 16, 120.0, ARTEFACT),
+    ("S-726", 16, 243.0, OPEN),
+)
+# shots that tear cloth, in which passages of plies are counted; [m/s, s]
+TORN = (
+    ("S-726", 4, 243.0, 100e-6),
+    ("S-726", 4, 300.0, 100e-6),
+    ("S-726", 8, 204.0, 500e-6),
+    ("S-728", 8, 250.0, 150e-6),
+    ("S-726", 16, 243.0, 500e-6),
+)
+_NEAR_THE_NOSE = 14  # elements from the middle in which they are counted
+FABRICS = ("S-726", "S-728", "S-731")
+FORMS = ("smooth", "facets", "nodes")
+# the same contacts as they stand: in units of mass / dt^2 stiffness goes with the step's square
+_HALF = {"safety": 0.45, "penalty": PlyContact.penalty / 4, "nose": PlyContact.nose / 4}
+HALVED = {
+    "as it stands": {},
+    "half the time step": _HALF,
+    "half the penalty between plies": {"penalty": 0.5 * PlyContact.penalty},
+    "half the distance of points": {"points": 2},
+    "half the penalty of the nose": {"nose": 0.5 * PlyContact.nose},
+}
+NOSES = (1.0, 2.0, 3.0, 4.0, 6.0, 12.0)  # stiffness of the nose, times a single ply's
+# what the onset hangs on: stiffness of contacts, and elements along a crossover, whose contacts are as stiff as their
+# mass / dt^2, so that half the element is four times as stiff on the area
+STIFFER = {
+    "smooth, as it stands": {},
+    "smooth, plies 4 x": _HALF | {"penalty": PlyContact.penalty},
+    "smooth, plies and nose 4 x": _HALF | {"penalty": PlyContact.penalty, "nose": PlyContact.nose},
+    "smooth, 2 elements": {"elements": 2},
+    "facets, as it stands": {"form": "facets"},
+    "facets, plies 1/4": {"penalty": PlyContact.penalty / 4, "form": "facets"},
+    "facets, 2 elements": {"form": "facets", "elements": 2},
+}
+GAPS = (0.12e-3, 0.62e-3, 1.12e-3)  # section 6.4.4: S-728, 16 plies, 170 m/s
+STACKED = ("S-726", 4, 100.0)  # Figures 5-55 to 5-57
+STACKINGS = ("aligned", "alternating")
+TOLERANCE = 1.0  # [m/s] of a bisection
+_NEAR = 0.05  # of a guess on both sides
+_ONSET_END, _END = 150e-6, 500e-6
+_RANGE = (30.0, 330.0)
+
+
+@dataclass(frozen=True)
+class Case:
+    """One shot at a pack.
+
+    Parameters
+    ----------
+    fabric, plies, velocity, stacking, gap : [-, -, m/s, -, m]; the fabric's own gap where None
+    form, points, penalty, damping, nose : of the pack's contact (`PlyContact`); None as they stand
+    safety : of the time step; None as it stands
+    elements : along each side of a crossover
+    end_time : [s]
+    until_failure : whether the shot is given up when the first yarn fails
+    """
+
+    fabric: str
+    plies: int
+    velocity: float
+    stacking: str = "aligned"
+    gap: float | None = None
+    form: str = "smooth"
+    points: int | None = None
+    penalty: float | None = None
+    damping: float | None = None
+    nose: float | None = None
+    safety: float | None = None
+    elements: int = 1
+    end_time: float = _END
+    until_failure: bool = False
+
+
+class _Failed(Exception):
+    """A yarn has failed, which is all that was asked."""
+
+
+@cache
+def panel(fabric, safety=None, elements=1):
+    """The 203 mm panel of one fabric."""
+    knobs = {} if safety is None else {"safety": safety}
+    return Panel(_table(fabric), numerics=Numerics(threads=1, **knobs), elements_per_crossover=elements)
+
+
+@cache
+def _table(fabric):
+    return CellModel(catalogue.load(fabric).with_effective_density()).table(201)
+
+
+def pack(case: Case) -> Pack:
+    """The pack of a case."""
+    knobs = ("points", "penalty", "damping", "nose")
+    given = {key: getattr(case, key) for key in knobs if getattr(case, key) is not None}
+    contact = PlyContact(form=case.form, **given)
+    ply = panel(case.fabric, case.safety, case.elements)
+    return Pack.stacked(ply, case.plies, stacking=case.stacking, gap=case.gap, contact=contact)
+
+
+def shoot(case: Case):
+    """One shot: a dict of numbers and lists, for a file."""
+    march, told = PackSolver(pack(case), case.velocity, case.end_time), ""
+
+    def watch(march):
+        if case.until_failure and march.ply_samples[-1][:, 0].any():
+            raise _Failed
+
+    try:
+        march.run((watch,))
+    except _Failed:
+        told = "failure"
+    except UnstableError as problem:
+        told = str(problem)
+    strength = np.array([yarn.strength for yarn in march.panel.weave.yarns])
+    turned = [1 if case.stacking == "alternating" and p % 2 else 0 for p in range(case.plies)]
+    peaks = np.array([peak / (strength[::-1] if t else strength) for peak, t in zip(march.peaks, turned)])
+    fine = np.concatenate(march.step_history) if march.step_history else np.empty((0, 3))
+    every = max(1, len(fine) // 4000)
+    return {
+        "case": asdict(case),
+        "outcome": "unstable" if told not in ("", "failure") else march.outcome,
+        "message": told,
+        "time": march.time,
+        "residual_velocity": float(march.sample("v")[-1]),
+        "deflection": float(march.sample("z").max()),
+        "failed": march.ply_samples[-1][:, 0].tolist(),
+        "peaks": peaks.max(axis=1).tolist(),
+        "balance": float(np.abs(march.sample("balance")).max() / march.strike_energy),
+        "deepest": float(march.deepest.max(initial=0.0)),
+        "wall": march.wall_time,
+        "ns": 1e9 * march.wall_time / max(1, march.steps) / march.pack.elements,
+        "t": (march.const.dt * np.arange(1, len(fine) + 1))[::every].tolist(),
+        "v": fine[::every, 1].tolist(),
+        "force": (fine[::every, 2] / march.panel.share).tolist(),
+        "absorbed": (march.strike_energy - march.sample("kinetic_projectile")).tolist(),
+        "instants": march.sample("t").tolist(),
+        "energy": march.ply_sample("energy").tolist(),
+    }
+
+
+def passages(case: Case):
+    """What passes through what in a shot, and how often torn cloth was held apart: a dict, for a file."""
+    march = PackSolver(pack(case), case.velocity, case.end_time)
+    found, back = count(march, case.end_time, _NEAR_THE_NOSE)
+    held, missed = march.held_apart
+    taken = march.stops.energy[torn_contact_kernels.WORK] / (march.panel.share * march.strike_energy)
+    torn = sum(int(np.count_nonzero(family)) for state in march.states for family in state.failed)
+    return {
+        "case": asdict(case),
+        "outcome": march.outcome,
+        "time": march.time,
+        "failed": [torn],
+        "passages": [one._asdict() for one in found],
+        "back": [one._asdict() for one in back],
+        "held": held,
+        "missed": missed,
+        "taken": taken,
+    }
+
+
+class Results:
+    """Shots on disk, each under the key of its case and of the code (`fabrics.run_cache`); made where there is none."""
+
+    def __init__(self, folder, report=print):
+        self.kept, self.report = run_cache.RunCache(folder, run_cache.JSON), report
+
+    def __call__(self, case: Case, fire=None):
+        fire = fire or shoot
+        name = run_cache.key((fire.__name__, case), fire.__module__)
+        if name not in self.kept:
+            self.kept[name] = found = fire(case)
+            failed = sum(found["failed"])
+            self.report(f"{case}: {found['outcome']} {found['time'] * 1e6:.0f} us, {failed:g} failed", flush=True)
+        return self.kept[name]
+
+
+def failed(found):
+    """Whether some yarn failed, or the run broke down."""
+    return sum(found["failed"]) > 0 or found["outcome"] == "unstable"
+
+
+def onset(results, case: Case, guess=None, tolerance=TOLERANCE):
+    """[m/s] middle of the bracket in which the first yarn fails; looked for about a guess, where there is one."""
+
+    def fails(velocity):
+        return failed(results(replace(case, velocity=velocity, end_time=_ONSET_END, until_failure=True)))
+
+    low, high = _RANGE
+    if guess is not None:
+        ends = [round(guess * (1 + sign * _NEAR), 1) for sign in (-1, 1)]
+        high = ends[1] if fails(ends[1]) else high
+        low = ends[1] if high == _RANGE[1] else low
+        if low == _RANGE[0]:
+            low, high = (low, ends[0]) if fails(ends[0]) else (ends[0], high)
+    while high - low > tolerance:
+        middle = round((low * high) ** 0.5 if high > 1.5 * low else 0.5 * (low + high), 1)
+        low, high = (low, middle) if fails(middle) else (middle, high)
+    return 0.5 * (low + high)
+
+
+def outcomes(results):
+    """[(fabric, plies, velocity, published, found), ...]"""
+    return [(*row, results(Case(*row[:3]))) for row in PUBLISHED]
+
+
+def torn(results):
+    """[found, ...] of the shots that tear cloth."""
+    return [results(Case(*row[:3], end_time=row[3]), passages) for row in TORN]
+
+
+def formulations(results, plies=4):
+    """{fabric: {form: onset}} [m/s]."""
+    found = {}
+    for fabric in FABRICS:
+        found[fabric] = {"smooth": onset(results, Case(fabric, plies, 0.0))}
+        for form in FORMS[1:]:
+            found[fabric][form] = onset(results, Case(fabric, plies, 0.0, form=form))
+    return found
+
+
+def halved(results, plies=4):
+    """{fabric: {what is halved: onset}} [m/s]."""
+    found = {}
+    for fabric in FABRICS:
+        first = onset(results, Case(fabric, plies, 0.0))
+        others = list(HALVED.items())[1:]
+        found[fabric] = {next(iter(HALVED)): first} | {
+            name: onset(results, Case(fabric, plies, 0.0, **knobs), guess=first) for name, knobs in others
+        }
+    return found
+
+
+def noses(results, plies=4):
+    """{fabric: {factor: onset}} [m/s] against the stiffness of the nose."""
+    found = {}
+    for fabric in FABRICS:
+        guess = onset(results, Case(fabric, plies, 0.0))
+        found[fabric] = {factor: onset(results, Case(fabric, plies, 0.0, nose=factor), guess=guess) for factor in NOSES}
+    return found
+
+
+def stiffer(results, fabrics=("S-728", "S-726"), plies=4):
+    """{fabric: {what is changed: onset}} [m/s]."""
+    return {
+        fabric: {name: onset(results, Case(fabric, plies, 0.0, **changes)) for name, changes in STIFFER.items()}
+        for fabric in fabrics
+    }
+
+
+def gaps(results):
+    """{gap: found} of section 6.4.4."""
+    return {gap: results(Case("S-728", 16, 170.0, gap=gap)) for gap in GAPS}
+
+
+def stackings(results):
+    """{stacking: found} of Figure 5-57."""
+    return {stacking: results(Case(*STACKED, stacking=stacking)) for stacking in STACKINGS}

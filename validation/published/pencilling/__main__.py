@@ -1,0 +1,127 @@
+"""python -m validation.published.pencilling [CASE ...] [--edge free] [--out FOLDER] [--page docs/pencilling.md]
+
+The runs of thesis Table 6-2 before the block of Table 6-1, and the bare block. Writes pencilling.csv, depths.png and
+craters.png, and keeps each shot in shots/, so that --resume goes on with those that are missing. With --page the
+table goes into that page, between the marks of its edges, the pictures beside it.
+"""
+
+import argparse
+import csv
+import shutil
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+
+from fabrics import run_cache
+from fabrics.errors import InputError, UnstableError, WeavecellError
+from fabrics.files import write_whole
+from validation.published.pencilling import pictures
+from validation.published.pencilling.study import CASES, Case, bare, shoot
+from weavecell.report.marked_page import markdown, put
+
+END = "<!-- end of the table -->"
+BARE, TEXT = "bare block", "4 plies, 924 g/m2"
+SHOTS = "shots"
+
+
+def name_of(number):
+    """A case in words."""
+    case = CASES[number]
+    plies = "1 ply" if case.plies == 1 else f"{case.plies} plies"
+    return f"{number}: {plies}, {96 * case.modulus:.0f} GPa, {1e3 * case.mass:.0f} g/m2"
+
+
+def key_of(case, options):
+    """Key of a shot; `case` None is the bare block, whose shot does not depend on the options."""
+    inputs = "bare" if case is None else (case, options.edge, options.elements)
+    return run_cache.key(inputs, "validation.published.pencilling.study")
+
+
+def table(shots):
+    """A header, and a row a shot."""
+    rows = [("target", "outcome", "after, us", "depth of the projectile, mm", "crater, mm", "half-width, mm",
+             "wall against the face, deg", "bricks eroded", "balance, %", "hourglass of the block, %")]  # fmt: skip
+    for name, shot in shots.items():
+        eroded = "-" if shot.block is None else str(int(shot.block.gone.sum()))
+        glass = shot.energies.get("backing_hourglass", shot.energies.get("hourglass"))
+        lost = shot.energies.get("kinetic_projectile", shot.energies.get("projectile"))
+        rows.append((
+            name, shot.outcome, f"{1e6 * shot.t[-1]:.0f}", f"{1e3 * shot.depth:.1f}", f"{1e3 * shot.crater_depth:.1f}",
+            f"{1e3 * shot.half_width:.1f}", f"{np.degrees(shot.steepness):.0f}", eroded, f"{100 * shot.balance:.2f}",
+            f"{100 * float(glass[-1]) / float(lost[0] - lost[-1]):.1f}",
+        ))  # fmt: skip
+    return rows
+
+
+def write_page(rows, page, edge):
+    """Put the table between its marks of a page."""
+    put(page, f"<!-- table of validation.published.pencilling, {edge} edges -->", END, f"\n\n{markdown(rows)}\n")
+
+
+def main():
+    parser = argparse.ArgumentParser(
+        prog="python -m validation.published.pencilling", description=__doc__.split("\n\n")[1]
+    )
+    parser.add_argument("cases", nargs="*", type=int, default=[4, 5, 2, 1, 3], metavar="CASE")
+    parser.add_argument("--edge", choices=("clamped", "free"), default="clamped")
+    parser.add_argument("--elements", type=int, default=2, help="along each side of a crossover")
+    parser.add_argument("--no-bare", action="store_true", help="leave the bare block out")
+    parser.add_argument("--text", action="store_true", help="also four plies of 924 g/m2, as the text has it")
+    parser.add_argument("--resume", action="store_true", help="take shots of this code that are done from the folder")
+    parser.add_argument("--out", type=Path, default=Path("results/pencilling"))
+    parser.add_argument("--page", type=Path)
+    options = parser.parse_args()
+    if unknown := [number for number in options.cases if number not in CASES]:
+        raise InputError(key="CASE", value=unknown[0], allowed=f"one of {', '.join(map(str, CASES))}")
+    if not options.resume:
+        shutil.rmtree(options.out / SHOTS, ignore_errors=True)
+    kept = run_cache.RunCache(options.out / SHOTS)
+    wanted = {name_of(n): CASES[n] for n in options.cases}
+    if options.text:
+        wanted[TEXT] = Case(4, 1.0, 0.924)
+    if not options.no_bare:
+        wanted[BARE] = None
+    shots, problem = {}, None
+    for name, case in wanted.items():
+        key = key_of(case, options)
+        if key in kept:
+            shots[name] = kept[key]
+            continue
+        begun = time.perf_counter()
+        try:
+            shots[name] = bare() if case is None else shoot(case, edge=options.edge, elements=options.elements)
+        except UnstableError as found:
+            problem = found
+            print(f"{name}: {found}", flush=True)
+            continue
+        shot = shots[name]
+        print(
+            f"{name}: {shot.outcome}, {1e3 * shot.depth:.1f} mm after {1e6 * shot.t[-1]:.0f} us, "
+            f"balance {100 * shot.balance:.2f} %, {time.perf_counter() - begun:.0f} s",
+            flush=True,
+        )
+        kept[key] = shot
+    if not shots:
+        raise problem
+    shots = {name: shots[name] for name in sorted(shots)}
+    rows = table(shots)
+    with write_whole(options.out / "pencilling.csv") as file:
+        csv.writer(file).writerows(rows)
+    for folder in [options.out] + ([options.page.parent / "figures"] if options.page else []):
+        prefix = "" if folder == options.out else {"clamped": "pencilling-", "free": "pencilling-free-"}[options.edge]
+        pictures.depths(shots, folder / f"{prefix}depths.png")
+        pictures.craters(shots, folder / f"{prefix}craters.png")
+    if options.page is not None:
+        write_page(rows, options.page, options.edge)
+    if problem is not None:
+        raise problem
+
+
+if __name__ == "__main__":
+    try:
+        main()
+    except WeavecellError as problem:
+        print(f"error: {problem}", file=sys.stderr)
+        sys.exit(problem.exit_code)

@@ -1,0 +1,214 @@
+"""The judge of all charts: what a method costs, how far it is from the limit of the finest, and which none beats.
+
+A scene's reference is not a run but the limit that its meshes extrapolate to (`weavecell.analysis.richardson`).
+What it is unsure of is told with it: the scatter of the extrapolation, a quarter of its step beyond the finest mesh,
+and by how much finer choices of everything else (time step, table, tolerance) move the value.
+
+Cost is CPU time of the process from the scene's data to its answer, filling of tables included: on a machine that is
+shared, wall time says more about the others. Kernels are compiled before the clock starts.
+"""
+
+from __future__ import annotations
+
+import statistics
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from math import isnan, nan
+
+from fabrics.errors import UnstableError
+from weavecell.analysis.pareto import non_dominated
+from weavecell.analysis.richardson import Extrapolation, extrapolate
+
+MARGIN = 0.1  # a dearer method is named if it takes a tenth off the error: times are no better known
+ALIKE = 1e-4  # [-] of a value: errors below are all alike
+ENOUGH = 0.6  # [s] of CPU time after which a run is not repeated
+MOST = 5  # repeats
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """What is asked of a scene; errors of one group share a panel of its chart."""
+
+    name: str
+    unit: str
+    group: str
+
+
+@dataclass(frozen=True)
+class Method:
+    """One way to solve a scene: `choice` is what it varies, `name` what a reader calls it, `case` what is run."""
+
+    choice: str
+    name: str
+    case: object
+
+
+@dataclass(frozen=True)
+class Scene:
+    """A standard scene.
+
+    Parameters
+    ----------
+    key, title, text : of the command line, of the chart, and of the page
+    quantities : of Quantity
+    methods : of Method; the first is the one that the code takes if told nothing
+    meshes : pairs (element size, case) of falling size, whose limit is the reference; none where `exact` is given
+    finer : pairs (case, the same case with something else finer), which tell what else the reference is unsure of
+    run : run(case) -> ({quantity: value}, {part: CPU time [s]}); raises UnstableError where a method fails
+    warm : warm(case) -> a short case that compiles what the given one needs
+    exact : {quantity: value} where there is a closed form
+    """
+
+    key: str
+    title: str
+    text: str
+    quantities: tuple
+    methods: tuple
+    run: Callable
+    warm: Callable
+    meshes: tuple = ()
+    finer: tuple = ()
+    exact: dict | None = None
+
+    @property
+    def groups(self):
+        """{group: [its quantities]} in their order."""
+        found = {}
+        for quantity in self.quantities:
+            found.setdefault(quantity.group, []).append(quantity)
+        return found
+
+    @property
+    def cases(self):
+        """All cases once, cheapest kinds first."""
+        found = (
+            [m.case for m in self.methods] + [case for _, case in self.meshes] + [c for two in self.finer for c in two]
+        )
+        return list(dict.fromkeys(found))
+
+
+@dataclass(frozen=True)
+class Sample:
+    """What one case came to: values or why it failed, and its cost.
+
+    Parameters
+    ----------
+    values : {quantity: value}, empty where it failed
+    cpu, wall : [s] medians
+    parts : {part: CPU time [s]} of the last run
+    repeats : runs that the medians are of
+    failed : why, or empty
+    """
+
+    values: dict
+    cpu: float
+    wall: float
+    parts: dict
+    repeats: int
+    failed: str = ""
+
+
+@dataclass(frozen=True)
+class Entry:
+    """A method with its sample and its errors {quantity: [-]} in what it found."""
+
+    method: Method
+    sample: Sample
+    errors: dict
+
+    def worst(self, quantities):
+        """[-] largest error in some quantities; nan where one of them was not found."""
+        found = [self.errors.get(q.name, nan) for q in quantities]
+        return nan if any(map(isnan, found)) else max(found)
+
+
+@dataclass(frozen=True)
+class Reference:
+    """The limit of a quantity: value, half width, and the extrapolation it comes from (None of a closed form)."""
+
+    value: float
+    half_width: float
+    basis: Extrapolation | None
+
+    @property
+    def share(self):
+        """[-] half width over value."""
+        return self.half_width / abs(self.value)
+
+
+@dataclass(frozen=True)
+class Chart:
+    """A judged scene.
+
+    Parameters
+    ----------
+    scene : Scene
+    references : {quantity: Reference}
+    entries : of Entry, one a method
+    fronts : {group: [entries that none other beats, cheapest first]}
+    """
+
+    scene: Scene
+    references: dict
+    entries: list
+    fronts: dict
+
+    def unsure(self, group):
+        """[-] largest half width of the references of a group."""
+        return max(self.references[q.name].share for q in self.scene.groups[group])
+
+
+_warm = set()
+
+
+def timed(run, warm, case, most=MOST) -> Sample:
+    """Solve a case, over again while it is short; warm(case) before it, once for each case that it gives."""
+    short = warm(case)
+    if short not in _warm:
+        run(short)
+        _warm.add(short)
+    cpu, wall, values, parts, failed = [], [], {}, {}, ""
+    while len(cpu) < most and sum(cpu) < ENOUGH:
+        clocks = time.process_time(), time.perf_counter()
+        try:
+            values, parts = run(case)
+        except UnstableError as problem:
+            failed = str(problem)
+        cpu.append(time.process_time() - clocks[0])
+        wall.append(time.perf_counter() - clocks[1])
+        if failed:
+            break
+    return Sample(values, statistics.median(cpu), statistics.median(wall), parts, len(cpu), failed)
+
+
+def judge(scene: Scene, samples: dict) -> Chart:
+    """Hold solved cases {case: Sample} against the scene's reference."""
+    references = {q.name: _reference(scene, samples, q.name) for q in scene.quantities}
+    entries = []
+    for method in scene.methods:
+        values = samples[method.case].values
+        errors = {name: abs(values[name] / found.value - 1) for name, found in references.items() if name in values}
+        entries.append(Entry(method, samples[method.case], errors))
+    return Chart(scene, references, entries, fronts(scene, references, entries))
+
+
+def fronts(scene, references, entries):
+    """{group: [entries that none other beats, cheapest first]}; within what is known of the reference all are alike."""
+    cost, found = [entry.sample.cpu for entry in entries], {}
+    for group, asked in scene.groups.items():
+        known = max(ALIKE, *(references[q.name].share for q in asked))
+        errors = [max(entry.worst(asked), known) for entry in entries]
+        found[group] = [entries[i] for i in non_dominated(cost, errors, MARGIN)]
+    return found
+
+
+def _reference(scene, samples, name):
+    if scene.exact is not None:
+        return Reference(scene.exact[name], 0.0, None)
+    sizes = [size for size, _ in scene.meshes]
+    values = [samples[case].values[name] for _, case in scene.meshes]
+    found = extrapolate(sizes, values)
+    moved = sum(abs(samples[fine].values[name] - samples[case].values[name]) for case, fine in scene.finer)
+    half = found.scatter + 0.25 * abs(found.limit - values[-1]) + moved
+    return Reference(float(found.limit), float(half), found)

@@ -1,0 +1,75 @@
+"""Errors of the default model in the standard shots, computed anew against the references of docs/charts.md.
+
+    python -m validation.verification.cost_accuracy.defaults [--out results/defaults] [--page README.md]
+
+Writes default-errors.csv: one row a shot and group of quantities, the largest error of the group and what its reference
+is known to. With --page the table goes into that page, between its marks, and the file into docs/data/ beside it.
+"""
+
+from __future__ import annotations
+
+import argparse
+import csv
+import sys
+from importlib import resources
+from pathlib import Path
+
+from fabrics.errors import WeavecellError
+from fabrics.files import write_whole
+from validation.verification.cost_accuracy import study, tables
+from weavecell.report.marked_page import markdown, put
+
+SHOTS = {"ply-stopped": "one ply, stopped", "ply-perforated": "one ply, perforated", "four-ply-pack": "four plies"}
+MARKS = "<!-- table of validation.verification.cost_accuracy.defaults -->", "<!-- end of the table -->"
+HEAD = ("shot", "quantity", "error of the default, %", "reference known to, %")
+FILE = "default-errors.csv"
+
+
+def errors(key):
+    """Rows of one standard shot, as texts: its default is run, and compared with the stored references."""
+    scene = study.scene(key)
+    chart, _ = tables.read(scene, Path(str(resources.files("validation.verification.cost_accuracy"))) / "measured")
+    values, _ = scene.run(scene.methods[0].case)
+    rows = []
+    for group, asked in scene.groups.items():
+        worst = max(abs(values[q.name] / chart.references[q.name].value - 1) for q in asked)
+        told = ", ".join(dict.fromkeys(q.name for q in asked)) if group == "motion" else group
+        title = f"{SHOTS[key]}: {scene.title.split(': ', 1)[1]}"
+        rows.append((title, told, f"{100 * worst:.2g}", f"± {100 * chart.unsure(group):.2g}"))
+    return rows
+
+
+def read(path):
+    """Rows of a table written by `main`, without its head."""
+    with open(path, encoding="utf-8", newline="") as file:
+        return [tuple(row) for row in csv.reader(file)][1:]
+
+
+def table(rows):
+    """The rows in Markdown."""
+    return markdown([list(HEAD), *map(list, rows)])
+
+
+def main():
+    parser = argparse.ArgumentParser(
+        prog="python -m validation.verification.cost_accuracy.defaults", description=__doc__.splitlines()[0]
+    )
+    parser.add_argument("--out", type=Path, default=Path("results/defaults"))
+    parser.add_argument("--page", type=Path, help="put the table into this page")
+    options = parser.parse_args()
+    rows = [row for key in SHOTS for row in errors(key)]
+    folders = [options.out] if options.page is None else [options.out, options.page.parent / "docs" / "data"]
+    for folder in folders:
+        with write_whole(folder / FILE) as file:
+            csv.writer(file, lineterminator="\n").writerows([HEAD, *rows])
+    print(table(rows))
+    if options.page is not None:
+        put(options.page, *MARKS, f"\n\n{table(rows)}\n")
+
+
+if __name__ == "__main__":
+    try:
+        main()
+    except WeavecellError as problem:
+        print(f"error: {problem}", file=sys.stderr)
+        sys.exit(problem.exit_code)

@@ -1,0 +1,70 @@
+"""The charts as a page of the documentation, every number and judgement in it from what was run."""
+
+from __future__ import annotations
+
+from fabrics.files import write_whole
+from validation.verification.cost_accuracy import tables
+
+HEAD = """# Speed against accuracy
+
+Each standard scene, solved by every method that the project has for it. The error of a method is the largest of those
+in the quantities asked, against the limit that the scene's own meshes extrapolate to; beside it stands what that
+limit is unsure of (scatter of the extrapolation, a quarter of its step beyond the finest mesh, and what a finer
+table, time step or tolerance moves). Errors inside that band are all alike: of those the cheapest counts. Cost is CPU
+time of one thread from the data of the scene to the answer, with the filling of the cell's table, after compilation;
+the median of up to five runs, one where it took more than 0.6 s. A dearer method is named only if it takes a tenth
+off the error.
+
+An error is that of the answer, not of the physics: the reference is the compressible cell in its variational form
+with the regularised law, and another cell or form is another model, whose distance from it is what the chart shows."""
+
+
+def write(charts, path, command):
+    """Write the page; its pictures are in figures/ beside it.
+
+    Parameters
+    ----------
+    charts : pairs (core.Chart, when, where and by which version it was run)
+    command : that makes it
+    """
+    made = f"Made by `{command}`, or scene by scene; not to be edited by hand."
+    parts = [HEAD, made, "## In short", summary([chart for chart, _ in charts])]
+    for chart, made in charts:
+        parts += [*_section(chart), f"Run: {made}"]
+    with write_whole(path) as file:
+        file.write("\n\n".join(parts) + "\n")
+
+
+def summary(charts):
+    """One row a scene and group: default, cheapest within 5 %, and most exact."""
+    rows = []
+    for chart in charts:
+        for group, asked in chart.scene.groups.items():
+            front, first = chart.fronts[group], chart.entries[0]
+            good = [entry for entry in front if entry.worst(asked) <= 0.05]
+            rows.append([
+                chart.scene.title, group, _told(first, asked, name=False), _told(good[0], asked) if good else "none",
+                _told(front[-1], asked), f"{100 * chart.unsure(group):.2g}",
+            ])  # fmt: skip
+    return tables.markdown(
+        ["scene", "asked", "the default", "cheapest within 5 %", "most exact", "reference known to ± [%]"], rows
+    )
+
+
+def _told(entry, asked, name=True):
+    cost = f"{entry.sample.cpu:.2g} s, {100 * entry.worst(asked):.2g} %"
+    return f"{entry.method.name} ({cost})" if name else cost
+
+
+def _section(chart):
+    scene = chart.scene
+    fronts = "\n".join(
+        f"- **{group}**: beaten by none, from the cheapest to the most exact: "
+        + "; ".join(_told(entry, scene.groups[group]) for entry in front)
+        + "."
+        for group, front in chart.fronts.items()
+    )
+    return [
+        f"## {scene.title}", scene.text, f"![{scene.title}](figures/chart-{scene.key}.png)", fronts,
+        tables.reference_table(chart), tables.method_table(chart),
+    ]  # fmt: skip

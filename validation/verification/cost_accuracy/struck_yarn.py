@@ -1,0 +1,75 @@
+"""A lone straight yarn struck across at constant velocity: the cable model beside Smith's closed form."""
+
+import time
+import tomllib
+from dataclasses import dataclass
+from importlib import resources
+
+from fabrics import catalogue
+from fabrics.units import si
+from shellfabric.cable import smith
+from shellfabric.cable.model import CableNumerics
+from validation.verification.cost_accuracy.core import Method, Quantity, Scene
+
+QUANTITIES = (
+    Quantity("tension", "N", "tension and force"),
+    Quantity("force", "N", "tension and force"),
+    Quantity("kink speed", "m/s", "wave speeds"),
+    Quantity("front speed", "m/s", "wave speeds"),
+)
+
+
+@dataclass(frozen=True)
+class Yarn:
+    """A yarn by `smith.strike`: bars along its half, share of the time step's bound, viscosity."""
+
+    fabric: str
+    velocity: float
+    length: float
+    bars: int = 2000
+    safety: float = CableNumerics.safety
+    viscosity: float = CableNumerics.viscosity
+
+
+def run(case):
+    """({quantity: value}, {part: CPU time [s]})."""
+    begun = time.process_time()
+    numerics = CableNumerics(safety=case.safety, viscosity=case.viscosity)
+    yarn = catalogue.load(case.fabric).weave.warp
+    found = smith.strike(yarn, case.velocity, length=case.length, bars=case.bars, numerics=numerics).measured
+    return _values(found), {"march": time.process_time() - begun}
+
+
+def _values(wave):
+    return {"tension": wave.tension, "force": wave.force, "kink speed": wave.U, "front speed": wave.c}
+
+
+def scene(quick=False):
+    """The scene; `quick` has none but short runs."""
+    content = tomllib.loads(
+        (resources.files("validation.verification.cost_accuracy") / "scenes.toml").read_text("utf-8")
+    )["yarn"]
+    fabric, velocity = content["fabric"], si(content["velocity"], "m/s", key="velocity")
+    given = fabric, velocity, si(content["length"], "m", key="length")
+    numbers = (125, 250, 500, 1000) if quick else (125, 250, 500, 1000, 4000)
+    methods = [Method("default", "default: 2000 bars", Yarn(*given))]
+    methods += [Method("elements", f"{n} bars", Yarn(*given, bars=n)) for n in numbers]
+    methods += [
+        Method("time step", f"{n} bars, safety {s:g}", Yarn(*given, bars=n, safety=s))
+        for n in (500, 2000)
+        for s in (0.2, 0.8)
+    ]
+    methods += [
+        Method("viscosity", f"{n} bars, viscosity {x:g}", Yarn(*given, bars=n, viscosity=x))
+        for n in (500, 2000)
+        for x in (0.0, 0.03)
+    ]
+    exact = _values(smith.smith(catalogue.load(fabric).weave.warp, velocity))
+    text = (
+        f"Half of a straight warp of {fabric}, {1e3 * given[2]:g} mm long, is struck across at {velocity:g} m/s by the "
+        "cable model. The reference is the closed form of Smith, McCrackin and Schiefer, which is exact."
+    )
+    return Scene(
+        "struck-yarn", f"Struck yarn: {fabric} at {velocity:g} m/s", text, QUANTITIES, tuple(methods), run,
+        lambda case: Yarn(*given, bars=60), exact=exact,
+    )  # fmt: skip

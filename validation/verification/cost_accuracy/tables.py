@@ -1,0 +1,146 @@
+"""A judged scene as tables: CSV for programs and readers, and rows for the page."""
+
+from __future__ import annotations
+
+import csv
+
+from fabrics.errors import InputError
+from fabrics.files import write_whole
+from validation.verification.cost_accuracy.core import Chart, Entry, Reference, Sample, fronts
+from weavecell.analysis.richardson import Extrapolation
+
+SCALES = {"s": (1e6, "µs"), "m": (1e3, "mm"), "-": (1e2, "%"), "deg": (1.0, "°")}
+
+
+def shown(quantity, value):
+    """A value as a reader wants it."""
+    scale, _ = SCALES.get(quantity.unit, (1.0, quantity.unit))
+    return f"{scale * value:.4g}"
+
+
+def heading(quantity):
+    """Name and unit of a quantity, as `shown`."""
+    return f"{quantity.name} [{SCALES.get(quantity.unit, (1.0, quantity.unit))[1]}]"
+
+
+def write_methods(chart, path):
+    """One row a method: cost, values (SI), errors [-], and on which fronts it is."""
+    quantities = chart.scene.quantities
+    with write_whole(path) as file:
+        rows = csv.writer(file, lineterminator="\n")
+        rows.writerow([
+            "scene", "choice", "method", "cpu [s]", "wall [s]", "repeats", "table [s]", "march [s]",
+            *(f"{q.name} [{q.unit}]" for q in quantities), *(f"error of {q.name} [-]" for q in quantities),
+            "beaten by none in", "failed",
+        ])  # fmt: skip
+        for entry in chart.entries:
+            sample, method = entry.sample, entry.method
+            rows.writerow([
+                chart.scene.key, method.choice, method.name, f"{sample.cpu:.4g}", f"{sample.wall:.4g}", sample.repeats,
+                *(f"{sample.parts[part]:.4g}" if part in sample.parts else "" for part in ("table", "march")),
+                *(f"{sample.values[q.name]:.7g}" if q.name in sample.values else "" for q in quantities),
+                *(f"{entry.errors[q.name]:.3g}" if q.name in entry.errors else "" for q in quantities),
+                "; ".join(group for group, front in chart.fronts.items() if entry in front), sample.failed,
+            ])  # fmt: skip
+
+
+def write_references(chart, path, made=""):
+    """One row a quantity: reference (SI), half width, where from; `made` says when, where and by which version."""
+    with write_whole(path) as file:
+        rows = csv.writer(file, lineterminator="\n")
+        rows.writerow(
+            ["scene", "quantity", "unit", "group", "reference", "half width", "basis", "order", "remark", "made"]
+        )
+        for quantity in chart.scene.quantities:
+            found = chart.references[quantity.name]
+            basis = found.basis
+            told = ("closed form", "", "") if basis is None else (basis.basis, _order(basis), basis.remark)
+            rows.writerow([
+                chart.scene.key, quantity.name, quantity.unit, quantity.group, f"{found.value:.7g}",
+                f"{found.half_width:.3g}", *told, made,
+            ])  # fmt: skip
+
+
+def kept(key, folder):
+    """Whether the tables of a scene are in a folder."""
+    return all((folder / f"{key}{part}.csv").exists() for part in ("", "-references"))
+
+
+def read(scene, folder):
+    """(Chart, made) from the tables of a scene in a folder; methods that the scene no longer has are left out.
+
+    Raises
+    ------
+    InputError : tables of other quantities
+    """
+    path = folder / f"{scene.key}-references.csv"
+    with path.open(encoding="utf-8") as file:
+        rows = {row["quantity"]: row for row in csv.DictReader(file)}
+    if rows.keys() != {q.name for q in scene.quantities}:
+        raise InputError(file=path, key="quantity", value=", ".join(rows), allowed="those of the scene: run it again")
+    references = {name: _reference(row) for name, row in rows.items()}
+    entries, there = [], {method.name: method for method in scene.methods}
+    with (folder / f"{scene.key}.csv").open(encoding="utf-8") as file:
+        for row in csv.DictReader(file):
+            if row["method"] in there:
+                entries.append(_entry(scene, there[row["method"]], row))
+    return Chart(scene, references, entries, fronts(scene, references, entries)), next(iter(rows.values()))["made"]
+
+
+def _reference(row):
+    basis = None
+    if row["basis"] != "closed form":
+        order = float(row["order"]) if row["order"] else None
+        basis = Extrapolation(float(row["reference"]), order, row["basis"], row["remark"], float("nan"))
+    return Reference(float(row["reference"]), float(row["half width"]), basis)
+
+
+def _entry(scene, method, row):
+    values = {q.name: row[f"{q.name} [{q.unit}]"] for q in scene.quantities}
+    errors = {q.name: row[f"error of {q.name} [-]"] for q in scene.quantities}
+    parts = {part: row[f"{part} [s]"] for part in ("table", "march")}
+    found = [{name: float(text) for name, text in column.items() if text} for column in (values, errors, parts)]
+    sample = Sample(
+        found[0], float(row["cpu [s]"]), float(row["wall [s]"]), found[2], int(row["repeats"]), row["failed"]
+    )
+    return Entry(method, sample, found[1])
+
+
+def _order(basis):
+    return "" if basis.order is None else f"{basis.order:.2f}"
+
+
+def markdown(columns, rows):
+    """A Markdown table; the first column flush left, the others flush right."""
+    lines = [columns, ["---", *["---:"] * (len(columns) - 1)], *rows]
+    return "\n".join("| " + " | ".join(map(str, line)) + " |" for line in lines)
+
+
+def reference_table(chart):
+    """References with what they are unsure of."""
+    rows = []
+    for quantity in chart.scene.quantities:
+        found = chart.references[quantity.name]
+        if found.basis is None:
+            told = "closed form"
+        elif found.basis.basis == "Richardson":
+            told = f"Richardson, order {found.basis.order:.1f}"
+        else:
+            told = f"{found.basis.basis}: {found.basis.remark}"
+        rows.append([heading(quantity), shown(quantity, found.value), f"{100 * found.share:.2f}", told])
+    return markdown(["quantity", "reference", "± [%]", "from"], rows)
+
+
+def method_table(chart):
+    """Every method with its cost and its errors in per cent; in bold where none beats it."""
+    quantities = chart.scene.quantities
+    best = [entry for front in chart.fronts.values() for entry in front]
+    rows = []
+    for entry in chart.entries:
+        name = f"**{entry.method.name}**" if entry in best else entry.method.name
+        errors = [f"{100 * entry.errors[q.name]:.2g}" if q.name in entry.errors else "–" for q in quantities]
+        rows.append([name, f"{entry.sample.cpu:.3g}", *errors, entry.sample.failed.split(":")[0]])
+    if not any(row[-1] for row in rows):
+        rows = [row[:-1] for row in rows]
+    columns = ["method", "CPU [s]", *(f"{q.name} [%]" for q in quantities)]
+    return markdown(columns + ["failed"] * (len(rows[0]) > len(columns)), rows)

@@ -1,0 +1,118 @@
+"""The study as a page of the documentation, every number and every judgement in it from the entries."""
+
+from __future__ import annotations
+
+from fabrics.files import write_whole
+from validation.verification.crossover_convergence import tables
+from validation.verification.crossover_convergence.axes import METHOD
+from validation.verification.crossover_convergence.study import MEASURED, measured, name
+
+LEADS = {
+    "mesh": "All three directions refined together; the section, the bars and the contact surfaces get finer with it.",
+    "mesh and penalty": "Both refined: how far a reference that adds up one choice at a time can be trusted.",
+    "elements along": "One direction alone, to see which of them the errors of the base come from.",
+    "penalty": "The contact stiffness of both passes together. A penetration that stays inside the toe grows with the "
+    "root of toe over penalty.",
+    "toe": "The penetration over which the contact stiffness sets in. Its error is that of the penalty seen from the "
+    "other side, so the reference counts the penalty's alone; that both have nearly one limit is a check of either.",
+    "slack stiffness": "What a slack fibre keeps of its stiffness.",
+    "slack width": "The strain over which a fibre becomes taut.",
+    "load step": "The state at the end of a path does not depend on the way: steps change the time, and a, b by the "
+    "samples between them.",
+    "domain": "The whole crossover has the same answer as its quarter.",
+    "integration": "One-point integration leaves modes without energy.",
+    "end condition": "The plain weave has a two-fold axis at the inflection point of each yarn. A pin holds one row of "
+    "the end face; an upright face is held along the yarn, its middle row in height; a clamped face is held in both.",
+    "section": "All with the same yarn volume, or what the overlap leaves of it.",
+    "tip bluntness": "Height of the cut tips over that of the middle.",
+    "bars": "How the fibre area is shared out among the bars of a section: by the area that is nearest, or equally.",
+    "friction": "Coulomb's coefficient between the yarns.",
+    "shear modulus G": "Of the solid, with E_c kept.",
+    "axial modulus E_a": "Of the solid; the fibre bars carry the tension.",
+}
+
+
+def write(study, path, stamp, command, drawn):
+    """Write the page; its pictures are in figures/ beside it.
+
+    Parameters
+    ----------
+    stamp : one line that says when, where and by which version
+    command : that makes it
+    drawn : names of the pictures there are
+    """
+    methods, models = ([axis for axis in study.axes if (axis.kind == METHOD) == of] for of in (True, False))
+    parts = [
+        f"# The 3D crossover: what its numbers hang on\n\nMade by `{command}`; not to be edited by hand. {stamp}",
+        _scene(study),
+        _reference(study),
+        _summary(study),
+        "## Choices of the method",
+        *(["![convergence](figures/crossover-convergence.png)"] if "convergence" in drawn else []),
+        *(_axis(study, axis) for axis in methods),
+    ]
+    if models:
+        parts += [
+            "## Choices of the model\n\nThese ask another question, so they have an effect and no error.",
+            "![effects](figures/crossover-effects.png)",
+            *(_axis(study, axis) for axis in models),
+        ]
+    with write_whole(path) as file:
+        file.write("\n\n".join(parts) + "\n")
+
+
+def _scene(study):
+    ends = ", ".join(f"{name} ({1e6 * d1:g}, {1e6 * d2:g}) µm" for name, (d1, d2) in study.paths.items())
+    base = " x ".join(map(str, study.base.case.size))
+    return (
+        f"{study.fabric} is pulled along three paths to fixed end displacements (d1, d2) per end: {ends}. T1, T2 and "
+        "F_c are those at the end of a path; a and b are the law d_c = a - b / (F_c + F0)^(1/3) fitted to all three. "
+        f"One choice at a time is varied about a base: the quarter crossover, {base} hexahedra a yarn, all defaults. "
+        "In bold: the base. CPU times are of the three paths together, in a process of its own with one thread."
+    )
+
+
+def _reference(study):
+    rows = [
+        [
+            tables.heading(quantity),
+            tables.text(quantity, value),
+            tables.text(quantity, half),
+            f"{100 * half / abs(value):.2f}",
+        ]
+        for quantity, (value, half) in study.reference.items()
+        if measured(quantity) or quantity in tables.LAW
+    ]
+    used = [axis.name for axis in study.axes if axis.counted and study.limits.get(axis.name)]
+    return (
+        "## Reference\n\nThe base, moved by the distance to the limit of each choice that has one: "
+        f"{', '.join(used)}. Its half width adds up the scatter of each extrapolation and a quarter of its step beyond "
+        "the last value.\n\n" + tables.table(["quantity", "reference", "+-", "+- [%]"], rows)
+    )
+
+
+def _summary(study):
+    best = ", then ".join(
+        f"{name(study, entry)} ({entry.result['cpu']:.1f} s, {100 * entry.error:.2f} %)" for entry in study.best
+    )
+    return (
+        "## Time against error\n\n![time against error](figures/crossover-pareto.png)\n\n"
+        f"The error is the largest of those in T1, T2 and F_c at the ends of {' and '.join(MEASURED)}. "
+        f"None beats {best}. A dearer one is named only if it takes a tenth off the error."
+    )
+
+
+def _axis(study, axis):
+    text = f"### {axis.name[0].upper()}{axis.name[1:]}\n\n"
+    if axis.name in LEADS:
+        text += f"{LEADS[axis.name]}\n\n"
+    text += tables.table(tables.columns(study, axis.name), tables.rows(study, axis.name))
+    failed = [
+        f"{entry.label}, {path}: {why}" for entry in study.of(axis.name) for path, why in entry.result["failed"].items()
+    ]
+    if failed:
+        text += "\n\nFailed: " + "; ".join(failed) + "."
+    orders = list(tables.order_rows(study, axis.name))
+    if orders:
+        text += f"\n\nTo the limit ({axis.unit} to zero):\n\n" + tables.table(tables.ORDERS, orders)
+    return text

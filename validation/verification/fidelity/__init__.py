@@ -1,0 +1,1 @@
+"""The survey behind the error database of `weavecell.analysis.fidelity`."""

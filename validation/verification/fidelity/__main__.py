@@ -1,0 +1,95 @@
+"""python -m validation.verification.fidelity survey|trial [--trial NAME] [--out FOLDER] [--page docs/fidelity.md]
+
+survey   every model of the ladder on standard and drawn scenes; --keep puts errors.json into the package
+trial    20 random scenes of a trial, each answered as it asks and held against the full model
+
+With --page the tables go into that page, between its marks. Runs are kept in the folder and not made twice;
+--jobs and --executor say where they are made.
+"""
+
+from __future__ import annotations
+
+import argparse
+import csv
+import json
+import sys
+from dataclasses import fields
+from datetime import date
+from importlib import resources
+from pathlib import Path
+
+from fabrics import run_cache
+from fabrics.errors import WeavecellError
+from fabrics.files import write_whole
+from validation.verification.fidelity import cable_net, fit_error_database, page, survey, trial
+from weavecell.analysis.fidelity import error_database
+
+
+def _runs(function, arguments, options):
+    def report(done, total):
+        print(f"\r{done} of {total}", end="\n" if done == total else "", file=sys.stderr, flush=True)
+
+    return run_cache.results(
+        function, arguments, folder=options.out, executor=options.executor, jobs=options.jobs, report=report
+    )
+
+
+def survey_command(options):
+    """Run the survey, print what it found, and keep it."""
+    places = survey.places()
+    found = dict(zip(places, _runs(survey.row, places, options)))
+    rows = [row for row in found.values() if row is not None]
+    standard = [place for place in places if place[0]]
+    cable = [found[place] | row for place, row in zip(standard, _runs(cable_net.row, standard, options))]
+    made = {"date": date.today().isoformat(), "scenes": len(rows)}
+    content = {"made": made} | fit_error_database.of(rows) | {"others": {cable_net.NAME: cable_net.errors(cable)}}
+    text = json.dumps(content, indent=1) + "\n"
+    with write_whole(options.out / error_database.FILE) as file:
+        file.write(text)
+    if options.keep:
+        with write_whole(Path(str(resources.files("weavecell.analysis.fidelity"))) / error_database.FILE) as file:
+            file.write(text)
+    lines = page.survey_table(error_database.Book(**content))
+    print("\n".join(lines))
+    page.put(options.page, "survey", lines)
+
+
+def trial_command(options):
+    """Run a trial and print what it found."""
+    places = [(options.trial, number) for number in range(trial.COUNT)]
+    full = _runs(trial.truth, places, options)
+    answers = _runs(trial.answer, places, options)
+    rows = [trial.row(*given) for given in zip(*zip(*places), full, answers)]
+    with write_whole(options.out / f"trial-{options.trial}.csv") as file:
+        table = csv.writer(file)
+        table.writerow([entry.name for entry in fields(trial.Row)] + ["met"])
+        for row in rows:
+            table.writerow([getattr(row, entry.name) for entry in fields(trial.Row)] + [row.met])
+    lines = page.trial_table(rows)
+    print("\n".join(lines))
+    page.put(options.page, f"trial {options.trial}", lines)
+
+
+def main():
+    parser = argparse.ArgumentParser(
+        prog="python -m validation.verification.fidelity", description=__doc__.splitlines()[0]
+    )
+    parser.add_argument("command", choices=("survey", "trial"))
+    parser.add_argument("--trial", choices=tuple(trial.TRIALS), default="everything")
+    parser.add_argument("--out", type=Path, default=Path("results/fidelity"))
+    parser.add_argument("--jobs", type=int, default=1)
+    parser.add_argument("--executor", default="local", help="local, mpi, parsl, dask or MODULE:FUNCTION")
+    parser.add_argument("--keep", action="store_true", help="make the survey's errors those that models are chosen by")
+    parser.add_argument("--page", type=Path)
+    options = parser.parse_args()
+    options.out.mkdir(parents=True, exist_ok=True)
+    try:
+        (survey_command if options.command == "survey" else trial_command)(options)
+    except WeavecellError as problem:
+        print(f"error: {problem}", file=sys.stderr)
+        return problem.exit_code
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

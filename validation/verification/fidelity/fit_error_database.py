@@ -1,0 +1,99 @@
+"""What the survey teaches: errors.json from its rows.
+
+An error is taken as a factor times how hard the scene is (`quantities.scale`, from two scouts). A factor that is kept
+is one that fifteen scenes of sixteen stay below. Peak tensions are mixed with those of the partner, in the
+proportion for which that factor is least.
+"""
+
+from __future__ import annotations
+
+from math import inf, isfinite
+
+import numpy as np
+
+from weavecell.analysis.fidelity import quantities
+from weavecell.analysis.fidelity.ladder import BY_NAME, FULL, LADDER, partner, scouts
+
+SURE, OFTEN = 0.9375, 0.8  # SURE: leaving out one scene at a time, the least at which 19 of 20 are met
+WEIGHTS = tuple(0.05 * n for n in range(9))  # of the partner's peak tensions, that are tried
+LEAST = 1e-4  # [-] of any error or scale: less says nothing
+OTHER = 1.0  # error of a model that does not agree on the outcome
+
+
+def of(rows):
+    """{"models", "regimes", "finest"} for `error_database.Book` from the rows of all scenes."""
+    found = {"models": {model.name: {"cost": _cost(model, rows)} for model in LADDER}, "regimes": {}, "finest": {}}
+    for regime in (quantities.HELD, quantities.THROUGH):
+        alike = [row for row in rows if quantities.regime(_seen(row)[0]) == regime]
+        names = [name for name in quantities.NAMES if quantities.asked_of(name, regime)]
+        found["regimes"][regime] = {name: _quantity(name, alike) for name in names}
+        found["finest"][regime] = {name: _finest(name, alike) for name in names}
+    return found
+
+
+def _seen(row):
+    """What the two scouts of a row found, the finer first."""
+    return tuple(row[model.name]["values"] for model in reversed(scouts(row)))
+
+
+def _cost(model, rows):
+    shares = [row[model.name]["seconds"] / row[FULL]["seconds"] for row in rows if model.name in row]
+    return float(np.median(shares)) if shares else inf
+
+
+def _quantity(name, rows):
+    """{"scenes", "usual", "models": {model: {"factor", "apart", "expected", "weight"}}}."""
+    apart = [quantities.differences(*_seen(row))[name] for row in rows]
+    usual = max(LEAST, float(np.nanmedian(apart)) if np.any(np.isfinite(apart)) else LEAST)
+    scales = [quantities.scale(name, *_seen(row), usual) for row in rows]
+    told = [(row, scale) for row, scale in zip(rows, scales) if isfinite(scale)]
+    models = {model.name: _model(model, name, told) for model in LADDER}
+    return {"scenes": len(told), "usual": usual, "models": {key: found for key, found in models.items() if found}}
+
+
+def _model(model, name, told):
+    told = [(row, scale) for row, scale in told if model.name in row]
+    weights = WEIGHTS if name == "peak_tension" and model.name != FULL else (0.0,)
+    tried = [(_errors(model, name, told, weight), weight) for weight in weights]
+    if not tried[0][0]:
+        return None
+    errors, weight = min(tried, key=lambda one: np.quantile([off / scale for off, scale in one[0]], SURE))
+    moved = [(error(row[model.name]["values"], _partner(model, row), name), scale) for row, scale in told]
+    return {
+        "factor": float(np.quantile([off / scale for off, scale in errors], SURE)),
+        "apart": max(off / scale for off, scale in moved if isfinite(off)),
+        "expected": float(np.quantile([off for off, _ in errors], OFTEN)),
+        "weight": weight,
+    }
+
+
+def _errors(model, name, told, weight):
+    """[(error, scale)] of the rows that have it."""
+    found = [
+        (error(quantities.mixed(row[model.name]["values"], _partner(model, row), weight), row[FULL]["values"], name), s)
+        for row, s in told
+    ]
+    return [(off, scale) for off, scale in found if isfinite(off)]
+
+
+def _partner(model, row):
+    return row[partner(model, scouts(row)).name]["values"]
+
+
+def error(values, others, name):
+    """[-] of a quantity; OTHER where the outcome is another; nan where there is none."""
+    if quantities.regime(values) != quantities.regime(others):
+        return OTHER
+    return quantities.differences(values, others)[name]
+
+
+def _finest(name, rows):
+    """[-] what the full model is off by: what its difference from 2 elements leaves where errors fall with the side."""
+    off = [error(row["2 elements"]["values"], row[FULL]["values"], name) for row in rows if "2 elements" in row]
+    off = [one for one in off if isfinite(one)]
+    return _left(FULL, "2 elements") * float(np.quantile(off, OFTEN)) if off else 0.0
+
+
+def _left(*names):
+    fine, coarse = (1 / dict(BY_NAME[name].changes)["elements_per_crossover"] for name in names)
+    return fine / (coarse - fine)

@@ -1,0 +1,59 @@
+"""Scenes of the survey and of the trials.
+
+Standard ones: each Kevlar fabric of the catalogue, the projectile and panel of the source, at fixed shares of the
+fabric's own critical velocity on the simplest mesh. Drawn ones: another fabric, shot and panel each time; survey and
+trials have seeds of their own.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+
+from fabrics import catalogue
+from shellfabric.impact import ballistic_limit
+from shellfabric.impact.single_ply import ImpactSetup
+from shellfabric.projectile.projectile import Projectile
+from weavecell.analysis.uncertainty import inputs
+
+SHARES = (0.5, 0.85, 1.1, 1.5)  # of the critical velocity
+END = 600e-6
+KEVLAR = ("S-720", "S-726", "S-727", "S-728", "S-731", "S-745")
+
+# how far a drawn scene goes from the source's: factors on a fabric's numbers, and ranges
+FACTORS = {
+    "modulus": 0.2, "areal_density": 0.2, "crimp_warp": 0.3, "crimp_weft": 0.3, "failure_strain": 0.15,
+    "compression_a": 0.3, "compression_b": 0.3, "trellis_stiffness": 0.3, "trellis_angles": 0.2,
+}  # fmt: skip
+VELOCITY, OPENING, MASS, RADIUS = (40.0, 300.0), (0.1, 0.25), (1e-3, 8e-3), (2.2e-3, 4.5e-3)
+
+
+def base(name):
+    """A fabric of the catalogue with the linear densities that the source's runs used, where there are such."""
+    fabric = catalogue.load(name)
+    return fabric if fabric.effective_linear_density is None else fabric.with_effective_density()
+
+
+@cache
+def standard(name):
+    """ImpactSetups of one fabric, at SHARES of its critical velocity."""
+    setup = ImpactSetup(base(name), 100.0, end_time=END)
+    critical = ballistic_limit.critical_velocity(setup.panel(), tolerance=2.0).velocity
+    return [replace(setup, strike_velocity=round(share * critical, 1)) for share in SHARES]
+
+
+def drawn(number, seed):
+    """The random scene of a number and a seed."""
+    draw = np.random.default_rng((seed, number))
+    name = str(draw.choice(KEVLAR))
+    factors = {key: float(1 + draw.uniform(-wide, wide)) for key, wide in FACTORS.items()}
+    fabric = replace(inputs.changed(base(name), **factors), name=f"{name}, changed")
+    shape = str(draw.choice(["flat", "hemisphere", "sphere"]))
+    radius = float(draw.uniform(*RADIUS))
+    shot = Projectile(float(draw.uniform(*MASS)), radius, radius if shape == "sphere" else 3e-4, shape)
+    low, high = np.log(VELOCITY)
+    velocity = round(float(np.exp(draw.uniform(low, high))), 1)
+    opening = tuple(float(side) for side in draw.uniform(*OPENING, 2))
+    return ImpactSetup(fabric, velocity, projectile=shot, opening=opening, end_time=END, symmetry="whole")

@@ -1,0 +1,129 @@
+"""Two trials: random scenes that the survey has not seen, each answered as it asks and held against the full model.
+
+everything   all four quantities of every scene, to 2, 5 or 10 %
+again        the same of other scenes, after what the first trial told of the fastest shots (`quantities.hasty`)
+scene        what a scene may really ask: one or two quantities, drawn, each to 2, 5 or 10 %, drawn
+
+Costs are process time, of one thread, with all scouts, repeated runs and tables, over that of the full model: on the
+same part of the panel, and on the whole panel, which is run where that does not take too long. The projectile is rigid.
+"""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass, replace
+from math import inf, nan
+
+import numpy as np
+
+from shellfabric.impact import single_ply
+from validation.verification.fidelity import fit_error_database, scenes
+from weavecell.analysis.fidelity import quantities, select
+from weavecell.analysis.fidelity.ladder import BY_NAME, FULL, Tables, simplest
+
+TRIALS = {"everything": 101, "again": 303, "scene": 202}  # their seeds
+COUNT = 20
+ASKED = (0.02, 0.05, 0.1)
+LONGEST = 2.5  # [s] of the full model on its part of the panel, beyond which the whole panel is not run
+
+
+@dataclass(frozen=True)
+class Row:
+    """One scene of a trial.
+
+    Parameters
+    ----------
+    number, fabric, velocity [m/s], shape : of the scene
+    asked : {quantity: [-]}
+    model : that was chosen in the end
+    tried : how many answers it took
+    confirmed : whether the code said that the promise holds
+    outcome : of the full model
+    promised, found : {quantity: [-]} errors, estimated and against the full model
+    seconds, full_seconds, whole_seconds : process time with all that it took; of the full model with its table, on the
+        same part of the panel, and on the whole (nan where it was not run)
+    """
+
+    number: int
+    fabric: str
+    velocity: float
+    shape: str
+    asked: dict
+    model: str
+    tried: int
+    confirmed: bool
+    outcome: str
+    promised: dict
+    found: dict
+    seconds: float
+    full_seconds: float
+    whole_seconds: float
+
+    @property
+    def met(self):
+        """Whether every error is within what was asked, whatever the code said."""
+        return all(not error > self.asked[name] for name, error in self.found.items())
+
+    @property
+    def cost(self):
+        """[-] over the full model on the same part of the panel."""
+        return self.seconds / self.full_seconds
+
+    @property
+    def whole_cost(self):
+        """[-] over the full model on the whole panel; nan where that was not run."""
+        return self.seconds / self.whole_seconds
+
+
+def asked(trial, number):
+    """{quantity: [-]} that the scene of a number asks."""
+    if trial != "scene":
+        return dict.fromkeys(quantities.NAMES, ASKED[number % len(ASKED)])
+    draw = np.random.default_rng((TRIALS[trial], number, 1))
+    names = draw.choice(quantities.NAMES, int(draw.integers(1, 3)), replace=False)
+    return {str(name): float(draw.choice(ASKED)) for name in names}
+
+
+def truth(trial, number):
+    """What the full model finds of a scene: values, and process times [s] on the part of the panel and the whole."""
+    setup = _setup(trial, number)
+    values, seconds = _full(simplest(setup, Tables()))
+    return {"values": values, "seconds": seconds, "whole": _full(setup)[1] if seconds <= LONGEST else nan}
+
+
+def answer(trial, number):
+    """What the code answers as the scene asks: (select.Answer without its runs, process time [s])."""
+    setup, wanted = _setup(trial, number), asked(trial, number)
+    began = time.process_time()
+    found = select.answer(setup, wanted, fixed=frozenset({"projectile"}))
+    seconds = time.process_time() - began
+    attempts = tuple(replace(attempt, result=None) for attempt in found.attempts)
+    return replace(found, options=(), attempts=attempts), seconds
+
+
+def row(trial, number, known_full, answered):
+    """The Row of a scene from its `truth` and its `answer`."""
+    setup, wanted = _setup(trial, number), asked(trial, number)
+    (found, seconds), full = answered, known_full["values"]
+    final = found.final
+    errors = {name: fit_error_database.error(final.values, full, name) for name in wanted}
+    if final.values["outcome"] != full["outcome"]:
+        errors = dict.fromkeys(wanted, inf)
+    return Row(
+        number, setup.fabric.name, setup.strike_velocity, setup.projectile.shape, wanted, final.option.model.name,
+        len(found.attempts), found.confirmed, full["outcome"], final.errors, errors, seconds, known_full["seconds"],
+        known_full["whole"],
+    )  # fmt: skip
+
+
+def _setup(trial, number):
+    setup = scenes.drawn(number, TRIALS[trial])
+    return replace(setup, numerics=replace(setup.numerics, threads=1))
+
+
+def _full(setup):
+    """(quantities, process time [s]) of the full model on the panel of a set-up."""
+    began = time.process_time()
+    this = BY_NAME[FULL].of(setup)
+    result = single_ply.run(this, table=this.table())
+    return quantities.of(result), time.process_time() - began

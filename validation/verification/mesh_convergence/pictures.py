@@ -1,0 +1,78 @@
+"""Picture of the study: each quantity over its limit against the size of the elements, one panel a quantity."""
+
+from __future__ import annotations
+
+import matplotlib
+
+matplotlib.use("Agg")
+import matplotlib.pyplot as plt
+import numpy as np
+
+from fabrics.files import replace_whole
+from meshing.pictures_style import COLOURS
+from validation.verification.mesh_convergence.study import ALLOWED
+
+MARKERS = ("o", "s", "^", "D", "v", "P")
+
+
+def picture(quantities, path):
+    """Deviation of every fabric from its own limit; hollow where the limit is no Richardson extrapolation."""
+    names = list(dict.fromkeys(entry.name for entry in quantities))
+    fabrics = list(dict.fromkeys(entry.fabric for entry in quantities))
+    figure, row = plt.subplots(1, len(names), figsize=(4.2 * len(names), 4.6), sharey=True, squeeze=False)
+    for axes, name in zip(row[0], names):
+        for n, allowed in ALLOWED.items():
+            axes.plot([1 / n - 0.07, 1 / n + 0.07], [[100 * allowed, -100 * allowed]] * 2, color="#555555", lw=1.4)
+        for entry in (entry for entry in quantities if entry.name == name):
+            k = fabrics.index(entry.fabric)
+            h, deviation = 1 / np.array(entry.elements), 100 * np.array(entry.deviations)
+            sure = entry.extrapolation.basis in ("Richardson", "no change")
+            colour = COLOURS[k % 6]
+            looks = {"ls": "-", "mfc": colour} if sure else {"ls": "--", "mfc": "white"}
+            axes.plot(
+                [*h, 0], [*deviation, 0], color=colour, marker=MARKERS[k % 6], ms=6.5, lw=1.6, mec=colour,
+                label=entry.fabric, clip_on=False, **looks,
+            )  # fmt: skip
+        axes.axhline(0, color="#9aa3ad", lw=0.8)
+        axes.set(title=name, xlabel="elements a crossover", xlim=(0, 1.09))
+        axes.set_xticks([0, *(1 / n for n in quantities[0].elements)], ["∞", *map(str, quantities[0].elements)])
+        axes.grid(axis="y", alpha=0.3)
+        for side in ("top", "right"):
+            axes.spines[side].set_visible(False)
+    row[0][0].set_ylabel("deviation from the limit [%]")
+    handles, labels = row[0][0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="lower center", ncols=len(fabrics), frameon=False)
+    figure.text(
+        0.995, 0.985, "bars: asked; dashed and hollow: limit from a least-squares fit, the order being irregular",
+        ha="right", va="top", fontsize=9, color="#555555",
+    )  # fmt: skip
+    figure.tight_layout(rect=(0, 0.06, 1, 0.965))
+    with replace_whole(path) as beside:
+        figure.savefig(beside, dpi=150, metadata={"Date": None} if str(path).endswith(".svg") else None)
+    plt.close(figure)
+
+
+def yarns(found, path):
+    """Tension across the weft yarns beside the nose's edge, one panel a fabric, one line a mesh (see `yarn`)."""
+    names = list(dict.fromkeys(entry.fabric for entry in found))
+    figure, row = plt.subplots(1, len(names), figsize=(4.6 * len(names), 4.4), sharey=True, squeeze=False)
+    for axes, name in zip(row[0], names):
+        below = {"va": "bottom", "fontsize": 9, "transform": axes.get_xaxis_transform()}
+        entries = [entry for entry in found if entry.fabric == name]
+        first = entries[0].number
+        axes.axvspan(first - 0.5, first + 0.5, color="#e8eef4", lw=0)
+        axes.text(first - 0.55, 0.02, "yarn that\nfails first", ha="right", **below)
+        axes.axvspan(*entries[0].edge, color="#f3d9b8", lw=0, alpha=0.7)
+        axes.text(max(entries[0].edge[1], first + 0.5) + 0.05, 0.02, "edge of\nthe nose", **below)
+        for k, entry in enumerate(entries):
+            label = f"{entry.elements} a crossover: yarn {entry.yarn:.0f} N"
+            axes.plot(entry.place, entry.tension, color=COLOURS[k], marker=MARKERS[k], ms=5, lw=1.5, label=label)
+        axes.set(title=name, xlabel="crossovers from the middle", xlim=(0, entries[0].place[-1]))
+        axes.legend(frameon=False, loc="upper left", fontsize=9)
+        for side in ("top", "right"):
+            axes.spines[side].set_visible(False)
+    row[0][0].set(ylabel="tension of the weft's lines [N]", ylim=(0, 330))
+    figure.tight_layout()
+    with replace_whole(path) as beside:
+        figure.savefig(beside, dpi=150)
+    plt.close(figure)

@@ -1,0 +1,72 @@
+"""The maps as a page of the documentation, every number and judgement in it from what was run."""
+
+from __future__ import annotations
+
+from fabrics.files import write_whole
+from validation.verification.cost_accuracy.tables import markdown
+from validation.verification.stability.core import ASKED, FAILED, WRONG
+
+HEAD = f"""# Where methods fail
+
+Each map is made by running the method at every point of it. **Stable**: the run ends and its answer is good. **Wrong**:
+it ends quietly, with an answer that is off by more than the map allows. **Failed**: a guard stopped it with a message
+that says what happened, where and when (exit code 3). The default's margin is the ratio between it and the edge of the
+stable region, looked for by bisection along the axis; {ASKED:g} is asked."""
+
+
+def write(maps, path, command):
+    """Write the page; its pictures are in figures/ beside it.
+
+    Parameters
+    ----------
+    maps : pairs (core.Found, when, where and by which version it was run)
+    command : that makes it
+    """
+    told = f"Made by `{command}`, or map by map; not to be edited by hand."
+    parts = [HEAD, told, "## Margins of the defaults", margins([found for found, _ in maps])]
+    for found, made in maps:
+        parts += [*_section(found), f"Run: {made}"]
+    with write_whole(path) as file:
+        file.write("\n\n".join(parts) + "\n")
+
+
+def margins(maps):
+    """One row an edge of a default."""
+    rows = []
+    for found in maps:
+        chart = found.map
+        for edge in found.edges:
+            named = chart.x.name if edge.y == chart.default[1] else f"{chart.x.name}; {chart.y.label(edge.y)}"
+            rows.append([
+                f"{chart.title}: {named}", f"{chart.default[0] / chart.x.unit:g}", edge.side, _edge(edge, chart.x.unit),
+                f"{'' if edge.met else 'at least '}{edge.margin:.3g}", "yes" if edge.enough else "**no**",
+                "" if edge.beyond is None else _beyond(edge.beyond),
+            ])  # fmt: skip
+    return markdown(["number", "default", "side", "edge", "margin", f"at least {ASKED:g}", "beyond it"], rows)
+
+
+def _edge(edge, unit):
+    return f"{edge.value / unit:.3g}" if edge.met else "none met"
+
+
+def _beyond(outcome):
+    if outcome.kind == FAILED:
+        return f"stopped: {outcome.told.split(', at node')[0].split(':')[0]}"
+    return "wrong" + (f": {outcome.told}" if outcome.told else "")
+
+
+def _section(found):
+    chart = found.map
+    lines = []
+    if chart.wrong:
+        lines.append(f"- Wrong: {chart.wrong}; {found.count(WRONG)} of {len(found.outcomes)} points.")
+    if chart.guard:
+        lines.append(f"- Guard: {chart.guard}. Failed: {found.count(FAILED)} of {len(found.outcomes)} points.")
+    messages = list(dict.fromkeys(_short(o.told) for o in found.outcomes.values() if o.kind == FAILED and o.told))
+    if messages:
+        lines.append("- Messages, for instance: " + "; ".join(f'"{text}"' for text in messages[:2]) + ".")
+    return [f"## {chart.title}", chart.text, f"![{chart.title}](figures/stability-{chart.key}.png)", "\n".join(lines)]
+
+
+def _short(text):
+    return text if len(text) < 200 else text[:197] + "..."

@@ -1,0 +1,62 @@
+"""A shot at a small panel of S-720, with numerical knobs that are allowed to be out of their range."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cache
+
+from fabrics import catalogue
+from shellfabric.cell.model import CellModel
+from shellfabric.panel import quality
+from shellfabric.panel.model import Numerics, Panel
+from shellfabric.panel.solver import PanelSolver
+from shellfabric.projectile.projectile import Projectile
+
+FABRIC, OPENING, VELOCITY, END = "S-720", 0.1, 92.5, 100e-6
+TABLE = 51  # stretches: the peaks differ from those of 201 by 0.1 %
+
+
+@dataclass(frozen=True)
+class Beyond(Numerics):
+    """Numerics that nobody checks: a map has to go where the code refuses to."""
+
+    def __post_init__(self):
+        pass
+
+
+@dataclass(frozen=True)
+class Answer:
+    """What is read off a shot: peak tension (warp, weft) [N], velocity left [m/s], failed yarn segments, quality
+    indicators."""
+
+    peak: tuple
+    velocity: float
+    failed: int
+    checks: tuple = ()
+
+    def off(self, other):
+        """[-] largest difference from another shot, peaks over the peaks and velocities over the strike velocity."""
+        peaks = [abs(a / b - 1) for a, b in zip(self.peak, other.peak)]
+        return max(*peaks, abs(self.velocity - other.velocity) / VELOCITY)
+
+
+@cache
+def table(form="variational", straight=False):
+    """Table of the cell; of straight yarns: neither crimp nor coupling."""
+    fabric = catalogue.load(FABRIC).with_effective_density()
+    if not straight:
+        return CellModel(fabric, form=form).table(TABLE)
+    weave = fabric.weave
+    yarns = {name: replace(getattr(weave, name), crimp=1e-6) for name in ("warp", "weft")}
+    return CellModel(replace(fabric, weave=replace(weave, **yarns)), form=form, model="decoupled").table(TABLE)
+
+
+def fire(cell=None, *, elements=1, edge_radius=0.3e-3, end=END, velocity=VELOCITY, failure=True, **knobs) -> Answer:
+    """Shoot; raises UnstableError as `PanelSolver`."""
+    panel = Panel(
+        cell or table(), (OPENING, OPENING), Projectile(edge_radius=edge_radius), elements_per_crossover=elements,
+        numerics=Beyond(threads=1, **knobs), failure=failure,
+    )  # fmt: skip
+    march = PanelSolver(panel, velocity, end).run()
+    peak = tuple(float(tension) for tension in march.state.peak_tension)
+    return Answer(peak, float(march.sample("v")[-1]), int(march.sample("failed_yarns")[-1]), quality.of_solver(march))

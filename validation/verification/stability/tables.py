@@ -1,0 +1,62 @@
+"""A map as tables: one CSV of its points, one of its edges; written, and read again."""
+
+from __future__ import annotations
+
+import csv
+
+from fabrics.files import write_whole
+from validation.verification.stability.core import Edge, Found, Outcome
+
+
+def write(found, folder, made=""):
+    """NAME.csv, one row a point, and NAME-edges.csv, one row an edge; `made` says when, where and by which version."""
+    chart = found.map
+    with write_whole(folder / f"{chart.key}.csv") as file:
+        rows = csv.writer(file, lineterminator="\n")
+        rows.writerow([chart.x.name, chart.y.name, "outcome", chart.number or "number", "told", "made"])
+        for (x, y), outcome in found.outcomes.items():
+            value = "" if outcome.value is None else repr(outcome.value)
+            rows.writerow([x, y, outcome.kind, value, outcome.told, made])
+    with write_whole(folder / f"{chart.key}-edges.csv") as file:
+        rows = csv.writer(file, lineterminator="\n")
+        rows.writerow(["y", "side", "default", "edge", "edge met", "margin", "beyond", "told"])
+        for edge in found.edges:
+            beyond = ("", "") if edge.beyond is None else (edge.beyond.kind, edge.beyond.told)
+            row = [edge.y, edge.side, chart.default[0], repr(edge.value), edge.met, repr(edge.margin), *beyond]
+            rows.writerow(row)
+
+
+def kept(key, folder):
+    """Whether the tables of a map are in a folder."""
+    return all((folder / f"{key}{part}.csv").exists() for part in ("", "-edges"))
+
+
+def read(chart, folder):
+    """(Found, made) from the tables of a map in a folder."""
+    outcomes, made = {}, ""
+    places = {str(x): x for x in chart.x.values}, {str(y): y for y in chart.y.values}
+    with (folder / f"{chart.key}.csv").open(encoding="utf-8") as file:
+        rows = csv.reader(file)
+        next(rows)
+        for x, y, kind, value, told, stamp in rows:
+            outcomes[_place(places[0], x), _place(places[1], y)] = Outcome(kind, _number(value), told)
+            made = stamp
+    edges = []
+    with (folder / f"{chart.key}-edges.csv").open(encoding="utf-8") as file:
+        for row in csv.DictReader(file):
+            beyond = Outcome(row["beyond"], None, row["told"]) if row["beyond"] else None
+            edges.append(
+                Edge(_place(places[1], row["y"]), row["side"], float(row["edge"]), row["edge met"] == "True",
+                     float(row["margin"]), beyond)
+            )  # fmt: skip
+    return Found(chart, outcomes, tuple(edges)), made
+
+
+def _place(known, text):
+    return known[text] if text in known else float(text)
+
+
+def _number(text):
+    if not text:
+        return None
+    return int(text) if text.lstrip("-").isdigit() else float(text)

@@ -1,0 +1,1 @@
+"""Analyses of the product: model choice by accuracy, uncertainty, biaxial tests, displacement records."""

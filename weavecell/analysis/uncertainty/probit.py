@@ -1,0 +1,184 @@
+"""Probability of perforation against strike velocity, fitted to shots that stopped or perforated.
+
+    P(V) = F((V - V50) / s)   with F of the standard normal (probit) or logistic (logit) distribution
+
+V50 and s have the largest likelihood, intervals those values at which the profile likelihood has fallen by half the
+quantile of chi^2 (1): they hold for few shots too, unsymmetric. With beta = 1 / s, and any V_P = V50 + z_P s in
+the place of V50, the logarithm of the likelihood is concave in beta, so that every profile has one top. Since P reaches
+0 and 1 nowhere, V0 and V100 are taken where it is `LOW` and `HIGH`.
+
+Where no shot that stopped was faster than one that perforated, the likelihood is largest for s = 0 with V50 anywhere
+between them: the middle is given, and the intervals are those of the profile as ever, too narrow for V0 and V100 then.
+
+statsmodels finds the same curves (a test holds them against each other). It is not used here: where shots are
+separated it does not converge, and its intervals are those of a normal distribution, too narrow for few shots.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import exp, inf, log
+
+import numpy as np
+from scipy.optimize import brentq, minimize_scalar
+from scipy.stats import chi2, logistic, norm
+
+from fabrics.errors import InputError
+
+LOW, HIGH = 0.01, 0.99
+LINKS = {"probit": norm, "logit": logistic}
+_FLATTEST, _STEEPEST = 1e-3, 1e5  # beta times the range of the velocities
+
+
+@dataclass(frozen=True)
+class Curve:
+    """A fitted curve.
+
+    Parameters
+    ----------
+    link : a name of LINKS
+    V50, s : [m/s]
+    deviation : [m/s] standard deviation of the velocity at which a panel fails
+    intervals : {"V0", "V50", "V100": (low, high) [m/s], "s": (low, high) [m/s]}; infinite where the shots set no bound
+    likelihood : its logarithm
+    separated : whether no stop was faster than a perforation
+    confidence : [-] of the intervals
+    """
+
+    link: str
+    V50: float
+    s: float
+    deviation: float
+    intervals: dict
+    likelihood: float
+    separated: bool
+    confidence: float
+
+    def velocity(self, probability):
+        """[m/s] at which a share `probability` perforates."""
+        return self.V50 + self.s * LINKS[self.link].ppf(probability)
+
+    def probability(self, velocity):
+        """[-] of perforation at strike velocities [m/s] of any shape."""
+        if self.s == 0:
+            return np.heaviside(np.asarray(velocity, float) - self.V50, 0.5)
+        return LINKS[self.link].cdf((np.asarray(velocity, float) - self.V50) / self.s)
+
+    @property
+    def V0(self):
+        return self.velocity(LOW)
+
+    @property
+    def V100(self):
+        return self.velocity(HIGH)
+
+
+class _Likelihood:
+    """Logarithm of the likelihood of some shots, and its profiles."""
+
+    def __init__(self, velocity, perforated, link):
+        self.V, self.hit, self.law = velocity, perforated, LINKS[link]
+        self.range = float(np.ptp(velocity))
+        self.betas = log(_FLATTEST / self.range), log(_STEEPEST / self.range)
+
+    def __call__(self, at, beta, z=0.0):
+        """Of P(at) = F(z) and slope beta."""
+        eta = z + beta * (self.V - at)
+        return float(self.law.logcdf(eta[self.hit]).sum() + self.law.logsf(eta[~self.hit]).sum())
+
+    def over_slope(self, at, z=0.0):
+        """(largest likelihood, its beta) with P(at) = F(z)."""
+        top = minimize_scalar(lambda t: -self(at, exp(t), z), bounds=self.betas, method="bounded",
+                              options={"xatol": 1e-9})  # fmt: skip
+        return -top.fun, exp(top.x)
+
+    def over_place(self, beta):
+        """(largest likelihood, its V50) with slope beta."""
+        reach = 10 * self.range + 10 / beta
+        bounds = float(self.V.min()) - reach, float(self.V.max()) + reach
+        top = minimize_scalar(lambda at: -self(at, beta), bounds=bounds, method="bounded",
+                              options={"xatol": 1e-9 * self.range})  # fmt: skip
+        return -top.fun, top.x
+
+
+def fit(velocity, perforated, *, link="probit", confidence=0.95) -> Curve:
+    """Fit a curve to shots.
+
+    Parameters
+    ----------
+    velocity : (n,) [m/s]
+    perforated : (n,) bool
+    link : a name of LINKS
+    confidence : [-] of the intervals
+
+    Raises
+    ------
+    InputError : shots that all stopped or all perforated, unknown link, or a confidence that is no share
+    """
+    V, hit = np.asarray(velocity, float), np.asarray(perforated, bool)
+    if link not in LINKS:
+        raise InputError(key="link", value=link, allowed=" or ".join(LINKS))
+    if V.ndim != 1 or V.shape != hit.shape or not np.isfinite(V).all():
+        raise InputError("velocities and outcomes must be two rows of the same length, and finite")
+    if not 0 < np.count_nonzero(hit) < hit.size or not np.ptp(V) > 0:
+        raise InputError("a curve of perforation needs shots that stopped and shots that perforated")
+    if not 0 < confidence < 1:
+        raise InputError(key="confidence", value=confidence, allowed="above 0 and below 1")
+    likelihood, separated = _Likelihood(V, hit, link), V[hit].min() > V[~hit].max()
+    if separated:
+        V50, s, best = 0.5 * float(V[hit].min() + V[~hit].max()), 0.0, 0.0
+    else:
+        V50, s, best = _top(likelihood)
+    floor = best - 0.5 * chi2.ppf(confidence, 1)
+    intervals = {
+        name: interval(likelihood, P, V50 + s * LINKS[link].ppf(P), floor)
+        for name, P in (("V0", LOW), ("V50", 0.5), ("V100", HIGH))
+    }
+    intervals["s"] = _spread(likelihood, s, floor)
+    deviation = s * float(LINKS[link].std())
+    return Curve(link, V50, s, deviation, intervals, best, bool(separated), confidence)
+
+
+def band(velocity, perforated, curve, probabilities):
+    """(k, 2) [m/s] intervals of the velocities at which the shares `probabilities` perforate."""
+    likelihood = _Likelihood(np.asarray(velocity, float), np.asarray(perforated, bool), curve.link)
+    floor = curve.likelihood - 0.5 * chi2.ppf(curve.confidence, 1)
+    return np.array([interval(likelihood, P, curve.velocity(P), floor) for P in probabilities])
+
+
+def interval(likelihood, P, at, floor):
+    """(low, high) [m/s] between which the profile likelihood of V_P, the largest at `at`, stays above the floor."""
+    z = likelihood.law.ppf(P)
+    below = lambda V: likelihood.over_slope(V, z)[0] - floor  # noqa: E731
+    return tuple(_edge(below, at, sign * likelihood.range) for sign in (-1, 1))
+
+
+def _edge(above, inside, step):
+    """Where a function that is above 0 at `inside` and has one top crosses 0; infinite if it does nowhere near."""
+    near, far = inside, inside + 0.05 * step
+    while above(far) > 0:
+        near, far = far, inside + 2 * (far - inside)
+        if abs(far - inside) > 100 * abs(step):
+            return inf if step > 0 else -inf
+    return brentq(above, near, far, xtol=1e-6 * abs(step))
+
+
+def _top(likelihood):
+    """(V50, s, likelihood) where it is largest."""
+    top = minimize_scalar(
+        lambda t: -likelihood.over_place(exp(t))[0], bounds=likelihood.betas, method="bounded", options={"xatol": 1e-9}
+    )
+    best, V50 = likelihood.over_place(exp(top.x))
+    if exp(top.x) < 2 * _FLATTEST / likelihood.range:
+        raise InputError("the shots do not perforate the more the faster they are: no curve can be fitted")
+    return float(V50), exp(-top.x), best
+
+
+def _spread(likelihood, s, floor):
+    """(low, high) [m/s] of s, from the profile likelihood of its logarithm; 0 and infinity where there is no bound."""
+    above = lambda t: likelihood.over_place(exp(t))[0] - floor  # noqa: E731
+    flattest, steepest = likelihood.betas
+    middle = steepest if s == 0 else -log(s)
+    high = exp(-brentq(above, flattest, middle)) if above(flattest) < 0 else inf
+    low = exp(-brentq(above, middle, steepest)) if s > 0 and above(steepest) < 0 else 0.0
+    return low, high

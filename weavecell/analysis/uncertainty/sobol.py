@@ -1,0 +1,150 @@
+"""Global sensitivity of an impact: Sobol indices of velocity and peak tension over the uncertainties of the input.
+
+First order, the share of the variance that an input explains on its own, S_i = Var(E(y | x_i)) / Var(y); total order,
+the share that is gone when it alone is known last, S_Ti = 1 - Var(E(y | x_not i)) / Var(y). Samples after Saltelli
+(Computer Physics Communications 181 (2010) 259), N (D + 2) of them, estimates and bootstrap intervals by SALib.
+
+What is looked at, at each strike velocity:
+- the projectile's velocity `INSTANT` after the strike. Of a shot that has perforated by then it is the residual
+  velocity; of one that is stopped, whose residual velocity is always 0, it is a smooth measure of the energy absorbed,
+  and the one by which the source's runs at +-20 % are compared;
+- the peak tension of any yarn of the panel, over the run.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from fabrics import run_cache
+from fabrics.errors import InputError, UnstableError
+from shellfabric.impact.single_ply import ImpactSetup, run
+from shellfabric.panel.model import Numerics
+from weavecell.analysis.uncertainty import inputs
+
+INSTANT = 200e-6
+QUANTITIES = {"velocity": "m/s", "peak tension": "N"}
+TABLE = 101  # stretches a side of the cell's table: S-720's peaks and velocities are within 0.05 % of those with 201
+_DIGITS = 12  # of a factor: what names a run
+
+
+@dataclass(frozen=True)
+class Indices:
+    """Sobol indices of one quantity.
+
+    Parameters
+    ----------
+    velocity : [m/s] strike velocity
+    quantity : a name of QUANTITIES
+    names : (D,) of the inputs
+    first, first_half, total, total_half : (D,) indices and half widths of their intervals; NaN if nothing varies
+    mean, deviation : of the quantity over the sample, in its unit
+    perforated : [-] share of the sample that perforated
+    """
+
+    velocity: float
+    quantity: str
+    names: tuple
+    first: np.ndarray
+    first_half: np.ndarray
+    total: np.ndarray
+    total_half: np.ndarray
+    mean: float
+    deviation: float
+    perforated: float
+
+
+def problem(entries):
+    """What SALib calls the problem: names and bounds of the factors."""
+    bounds = [[1 - entry.value, 1 + entry.value] for entry in entries.values()]
+    return {"num_vars": len(bounds), "names": list(entries), "bounds": bounds}
+
+
+def sample(given, samples, seed):
+    """(N (D + 2), D) of a problem; `samples` N is a power of 2."""
+    from SALib.sample import sobol
+
+    if samples < 2 or samples & (samples - 1):
+        raise InputError(key="samples", value=samples, allowed="a power of 2: 2, 4, 8, ...")
+    return sobol.sample(given, samples, calc_second_order=False, seed=seed)
+
+
+def estimate(given, y, seed, confidence=0.95):
+    """(first, its half width, total, its half width) of a quantity y (N (D + 2),) on a sample."""
+    from SALib.analyze import sobol
+
+    if not np.ptp(y) > 1e-12 * np.abs(y).max():
+        return (np.full(given["num_vars"], np.nan),) * 4
+    found = sobol.analyze(given, y, calc_second_order=False, num_resamples=1000, conf_level=confidence, seed=seed)
+    return tuple(np.asarray(found[key]) for key in ("S1", "S1_conf", "ST", "ST_conf"))
+
+
+def shots(fabric, factors, velocities, opening):
+    """One row of the sample: {(velocity, quantity): value} and, by (velocity, "perforated"), whether it did.
+
+    Parameters
+    ----------
+    fabric : Fabric
+    factors : tuple of (name, factor)
+    velocities : tuple of [m/s]
+    opening : [m]
+    """
+    cloth, found = inputs.changed(fabric, **dict(factors)), {}
+    setups = [
+        ImpactSetup(cloth, velocity, opening=opening, numerics=Numerics(threads=1), table_size=TABLE)
+        for velocity in velocities
+    ]
+    table = setups[0].table()  # of the cell, whatever the velocity
+    for velocity, setup in zip(velocities, setups):
+        try:
+            result = run(setup, table=table)
+        except UnstableError as trouble:
+            told = ", ".join(f"{name} x {factor:.3g}" for name, factor in factors)
+            raise UnstableError(str(trouble), when=f"of the shot at {velocity:g} m/s with {told}") from None
+        found[velocity, "velocity"] = float(np.interp(INSTANT, result.t, np.maximum(result.v, 0.0)))
+        found[velocity, "peak tension"] = max(result.peak_tension)
+        found[velocity, "perforated"] = result.outcome == "perforated"
+    return found
+
+
+def study(
+    fabric, velocities, *, samples, folder, seed=1, opening=0.203, names=None, executor="local", jobs=1, report=None
+):
+    """Sobol indices of all quantities at the strike velocities; a tuple of Indices.
+
+    Parameters
+    ----------
+    fabric : Fabric
+    velocities : [m/s]
+    samples : N, a power of 2
+    folder : Path of the runs
+    seed : of the sample and of the bootstrap
+    opening : [m]
+    names : inputs to vary; all of inputs.toml if None
+    executor, jobs, report : as of `run_cache.results`
+
+    Raises
+    ------
+    InputError, UnstableError : as `single_ply.run`, or an unknown input
+    """
+    entries = inputs.table("range")
+    if names is not None:
+        for name in set(names) - set(entries):
+            raise InputError(key="names", value=name, allowed=f"one of {', '.join(entries)}")
+        entries = {name: entries[name] for name in names}
+    given = problem(entries)
+    rows = sample(given, samples, seed)
+    runs = [
+        (fabric, tuple((name, round(float(x), _DIGITS)) for name, x in zip(entries, row)), tuple(velocities), opening)
+        for row in rows
+    ]
+    found = run_cache.results(shots, runs, folder=folder, executor=executor, jobs=jobs, report=report)
+    return tuple(_indices(given, found, v, name, seed) for v in velocities for name in QUANTITIES)
+
+
+def _indices(given, found, velocity, name, seed):
+    y = np.array([one[velocity, name] for one in found])
+    through = float(np.mean([one[velocity, "perforated"] for one in found]))
+    values = estimate(given, y, seed)
+    return Indices(velocity, name, tuple(given["names"]), *values, float(y.mean()), float(y.std()), through)

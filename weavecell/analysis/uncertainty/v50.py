@@ -1,0 +1,216 @@
+"""A ballistic limit that is a probability: repeated shots at panels of yarns that differ in strength.
+
+Each panel is drawn anew. A yarn has one strength T_u all along, of a Weibull distribution of shape m,
+
+    F(T) = 1 - exp(-(L / L0) (T / T0)^m)
+
+over its length L in the panel; at the gauge length L0 its mean T0 Gamma(1 + 1/m) is the strength of the fabric's yarn,
+so that a longer yarn is weaker by (L0 / L)^(1/m). Since the drawn value, that of the weakest place of the whole yarn,
+is held against its tension everywhere, the yarn is taken as weak where the projectile strikes: the limit is on the safe
+side. Modulus, and the crimp of either family, are one log-normal value a panel. Every yarn is drawn: panels are whole.
+
+A panel is drawn from (seed, number of the shot) alone, and velocities are chosen in rounds of a given size from the
+outcomes of all rounds before: nothing depends on the number of workers. The first round covers the deterministic limit
+by `FIRST` either way; then velocities are spread evenly over the probabilities of the curve fitted so far, or, where no
+stop is faster than a perforation, over the gap between them. Without scatter that is a search of the gap, and V50
+goes to the deterministic limit.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from math import gamma, inf, log, sqrt
+
+import numpy as np
+
+from fabrics import run_cache
+from fabrics.errors import InputError, UnstableError
+from fabrics.executors import open_executor
+from shellfabric.impact import ballistic_limit
+from shellfabric.impact.single_ply import ImpactSetup
+from shellfabric.panel.model import Numerics, Panel
+from weavecell.analysis.uncertainty import probit
+from weavecell.analysis.uncertainty.inputs import Scatter, changed
+
+FIRST = 0.25  # of the deterministic limit, either way
+SPREAD = 0.05, 0.95  # probabilities between which the later shots are placed
+WIDER = 0.5  # of the gap between stops and perforations, beyond either end, where yarns scatter
+
+
+@dataclass(frozen=True)
+class Shot:
+    """One shot at one drawn panel.
+
+    Parameters
+    ----------
+    number : from 0; with the seed it determines the panel
+    velocity, residual : [m/s]
+    perforated : bool
+    modulus, crimp_warp, crimp_weft : [-] factors of the panel
+    weakest : (warp, weft) [-] factor on the strength of the weakest yarn
+    balance : [-] error of the energy balance over the strike energy
+    """
+
+    number: int
+    velocity: float
+    residual: float
+    perforated: bool
+    modulus: float
+    crimp_warp: float
+    crimp_weft: float
+    weakest: tuple[float, float]
+    balance: float
+
+
+@dataclass(frozen=True)
+class Study:
+    """Shots, the curves fitted to them, and the deterministic limit.
+
+    Parameters
+    ----------
+    deterministic : (low, high) [m/s] bracket of the limit without scatter
+    shots : tuple of Shot, by number
+    curves : {link: probit.Curve}
+    scatter : Scatter
+    """
+
+    deterministic: tuple[float, float]
+    shots: tuple
+    curves: dict
+    scatter: Scatter
+
+
+def draw(fabric, scatter: Scatter, seed, number, counts, lengths):
+    """A panel's factors, from its number alone.
+
+    Parameters
+    ----------
+    fabric : Fabric, whose crimp bounds what is drawn
+    counts : (warp, weft) yarns
+    lengths : (warp, weft) [m] of a yarn in the panel
+
+    Returns
+    -------
+    ({"modulus", "crimp_warp", "crimp_weft": factor}, (warp, weft) (n,) factors on the strength of each yarn)
+    """
+    random = np.random.default_rng([seed, number])
+    normal = random.standard_normal(3)
+    factors = {
+        name: _log_normal(spread, z)
+        for name, spread, z in zip(
+            ("modulus", "crimp_warp", "crimp_weft"), (scatter.modulus, scatter.crimp, scatter.crimp), normal
+        )
+    }
+    uniform = tuple(random.uniform(size=count) for count in counts)
+    m = scatter.shape
+    if m == inf:
+        return factors, tuple(np.ones(count) for count in counts)
+    return factors, tuple(
+        (scatter.gauge_length / L) ** (1 / m) / gamma(1 + 1 / m) * (-np.log1p(-u)) ** (1 / m)
+        for L, u in zip(lengths, uniform)
+    )
+
+
+def _log_normal(spread, z):
+    """Mean 1, standard deviation `spread`, from a standard normal z."""
+    variance = log(1 + spread**2)
+    return float(np.exp(sqrt(variance) * z - 0.5 * variance))
+
+
+def drawn_panel(fabric, scatter, seed, number, opening) -> tuple[Panel, dict, tuple]:
+    """(whole panel of the number, its factors, strength factors of its yarns)."""
+    plain = ImpactSetup(fabric, 1.0, opening=opening, symmetry="whole", numerics=Numerics(threads=1), table_size=11)
+    shape = plain.panel()
+    lengths = tuple(count * step for count, step in zip(shape.counts, shape.spacing))
+    factors, strengths = draw(fabric, scatter, seed, number, shape.yarn_counts, lengths)
+    panel = replace(plain, fabric=changed(fabric, **factors), table_size=201).panel()
+    return replace(panel, strength_factors=strengths), factors, strengths
+
+
+def fire(fabric, scatter, seed, number, velocity, opening) -> Shot:
+    """The shot of a number."""
+    panel, factors, strengths = drawn_panel(fabric, scatter, seed, number, opening)
+    try:
+        (shot,) = ballistic_limit.shoot(panel, (velocity,))
+    except UnstableError as problem:
+        raise UnstableError(str(problem), when=f"shot {number} of seed {seed}") from None
+    return Shot(
+        number, velocity, shot.residual_velocity, shot.perforated, **factors,
+        weakest=tuple(float(values.min()) for values in strengths), balance=shot.balance,
+    )  # fmt: skip
+
+
+def deterministic(fabric, opening, tolerance):
+    """(low, high) [m/s] of `ballistic_limit.critical_velocity` without scatter; yarns and shot have a quarter's
+    symmetry."""
+    panel = ImpactSetup(fabric, 1.0, opening=opening, numerics=Numerics(threads=1)).panel()
+    found = ballistic_limit.critical_velocity(panel, tolerance=tolerance)
+    return found.low, found.high
+
+
+def plan(velocity, perforated, count, scatters):
+    """(count,) [m/s] velocities of the next round, from those of the shots so far and their outcomes."""
+    V, hit = np.asarray(velocity, float), np.asarray(perforated, bool)
+    if hit.all():
+        return np.linspace(0.5, 1.0, count, endpoint=False) * V.min()
+    if not hit.any():
+        return np.linspace(1.5, 1.0, count, endpoint=False)[::-1] * V.max()
+    low, high = V[~hit].max(), V[hit].min()
+    if low < high:
+        wider = WIDER * (high - low) if scatters else 0.0
+        return np.linspace(low - wider, high + wider, count + 2)[1:-1]
+    return _curve(V, hit).velocity(np.linspace(*SPREAD, count))
+
+
+def _curve(V, hit):
+    return probit.fit(V, hit)
+
+
+def study(
+    fabric, scatter, *, shots, folder, batch=10, seed=1, opening=0.203, tolerance=1.0, executor="local", jobs=1,
+    report=None,
+):  # fmt: skip
+    """Fire shots, in rounds of `batch`, and fit the curves.
+
+    Parameters
+    ----------
+    fabric : Fabric
+    scatter : Scatter
+    shots : how many
+    folder : Path of the runs
+    batch : shots of a round
+    seed : of all that is drawn
+    opening : [m]
+    tolerance : [m/s] of the deterministic limit
+    executor, jobs : as of `fabrics.executors.open_executor`
+    report : called as report(share of the work done, text)
+
+    Raises
+    ------
+    InputError, UnstableError : as `ballistic_limit.critical_velocity`, or too few shots
+    """
+    for key, value in (("shots", shots), ("batch", batch)):
+        if value < 4:
+            raise InputError(key=key, value=value, allowed="at least 4")
+    report = report or (lambda share, text: None)
+    with open_executor(executor, jobs) as pool:
+        runs = {"folder": folder, "executor": pool, "jobs": jobs}
+        (bracket,) = run_cache.results(deterministic, [(fabric, opening, tolerance)], **runs)
+        middle, found = 0.5 * sum(bracket), []
+        scatters = scatter != Scatter(gauge_length=scatter.gauge_length)
+        while len(found) < shots:
+            count = min(batch, shots - len(found))
+            if found:
+                velocities = plan([s.velocity for s in found], [s.perforated for s in found], count, scatters)
+            else:
+                velocities = middle * np.linspace(1 - FIRST, 1 + FIRST, count)
+            begun = len(found)
+            found += run_cache.results(
+                fire,
+                [(fabric, scatter, seed, begun + k, round(float(V), 6), opening) for k, V in enumerate(velocities)],
+                report=lambda done, total, begun=begun: report((begun + done) / shots, f"{begun + done} shots"),
+                **runs,
+            )
+    V, hit = [s.velocity for s in found], [s.perforated for s in found]
+    curves = {link: probit.fit(V, hit, link=link) for link in probit.LINKS}
+    return Study(bracket, tuple(found), curves, scatter)

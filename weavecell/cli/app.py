@@ -1,0 +1,155 @@
+"""The `weavecell` command. Nothing heavy is imported before a command needs it, so that help comes at once.
+
+Exit codes: 0 done; 2 bad input (one line on stderr, nothing written); 3 a run became unstable (what it had computed is
+kept); 130 interrupted.
+"""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from fabrics.errors import InputError, WeavecellError
+from weavecell.cli import crossover, mesh_calibrate_surface, renamed_options, shell, uncertainty, validation
+from weavecell.cli.options import (
+    CORES,
+    RESULTS,
+    ExecutorOption,
+    FabricArgument,
+    JobsOption,
+    MeshOption,
+    OutOption,
+    Size,
+)
+
+app = typer.Typer(
+    name="weavecell",
+    no_args_is_help=True,
+    add_completion=False,
+    rich_markup_mode="rich",
+    pretty_exceptions_enable=False,
+    context_settings={"help_option_names": ["-h", "--help"]},
+    help="Woven ballistic fabrics: unit cell, calibration, impact.",
+    epilog="Example: [bold]weavecell demo[/bold], then open results/demo/report.html",
+)
+fabrics_app = typer.Typer(no_args_is_help=True, help="The fabrics of the catalogue.", rich_markup_mode="rich")
+app.add_typer(fabrics_app, name="fabrics", epilog="Example: [bold]weavecell fabrics list[/bold]")
+
+INTERRUPTED = 130
+
+
+def _version(wanted: bool):
+    if wanted:
+        import weavecell
+
+        typer.echo(f"weavecell {weavecell.__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def _root(
+    version: Annotated[
+        bool | None, typer.Option("--version", callback=_version, is_eager=True, help="Print the version.")
+    ] = None,
+):
+    pass
+
+
+@app.command(epilog="Example: [bold]weavecell demo --out results/demo[/bold]")
+def demo(
+    out: OutOption = None,
+    size: MeshOption = Size.medium,
+    jobs: JobsOption = CORES,
+    executor: ExecutorOption = "local",
+):
+    """S-720 of the catalogue: mesh, calibration, and four impacts, with a summary and one HTML page."""
+    from weavecell.commands.demo import demonstrate
+
+    demonstrate(out or RESULTS / "demo", size=size.value, jobs=jobs, executor=executor)
+
+
+app.command(epilog=mesh_calibrate_surface.MESH)(mesh_calibrate_surface.mesh)
+app.command(epilog=mesh_calibrate_surface.CALIBRATE)(mesh_calibrate_surface.calibrate)
+app.command(epilog=mesh_calibrate_surface.SURFACE)(mesh_calibrate_surface.surface)
+app.command(epilog=shell.IMPACT)(shell.impact)
+app.command(epilog=shell.BIAXIAL)(shell.biaxial)
+app.command(epilog=shell.COUPON)(shell.coupon)
+app.command("critical-velocity", epilog=shell.CRITICAL_VELOCITY)(shell.critical_velocity)
+
+
+app.command(epilog=validation.VALIDATE)(validation.validate)
+app.command("cost-accuracy", epilog=validation.COST_ACCURACY)(validation.cost_accuracy)
+app.command(epilog=validation.STABILITY)(validation.stability)
+app.command(epilog=crossover.EPILOG)(crossover.crossover)
+app.command(epilog=uncertainty.SENSITIVITY)(uncertainty.sensitivity)
+app.command(epilog=uncertainty.V50)(uncertainty.v50)
+
+
+@app.command(epilog="Example: [bold]weavecell view results/S-720-stops --screenshot panel.png[/bold]")
+def view(
+    path: Annotated[
+        Path, typer.Argument(metavar="PATH", help="A folder of results, or a .vtu, .pvd or .msh file.", exists=False)
+    ],
+    screenshot: Annotated[
+        Path | None, typer.Option(help="Write a picture instead of opening a window.", metavar="FILE.png")
+    ] = None,
+):
+    """Look at a mesh or a result in a window, or write a picture of it."""
+    from weavecell.commands import view as commands_view
+
+    commands_view.view(path, screenshot)
+
+
+@fabrics_app.command("list", epilog="Example: [bold]weavecell fabrics list[/bold]")
+def fabrics_list(
+    out: Annotated[Path | None, typer.Option("--out", "-o", help="Also write it as CSV.", metavar="FILE.csv")] = None,
+):
+    """The catalogue, one line a fabric."""
+    from weavecell.commands import fabrics as commands_fabrics
+
+    commands_fabrics.show_all(out)
+
+
+@fabrics_app.command("show", epilog="Example: [bold]weavecell fabrics show S-720 --out .[/bold]")
+def fabrics_show(
+    fabric: FabricArgument,
+    out: Annotated[
+        Path | None,
+        typer.Option("--out", "-o", help="Also copy its data file here, to start your own from.", metavar="FOLDER"),
+    ] = None,
+):
+    """One fabric: what follows from its data, and where each number comes from."""
+    from weavecell.commands import fabrics as commands_fabrics
+
+    commands_fabrics.show(fabric, out)
+
+
+def main(arguments=None):
+    """Run the command line; never returns."""
+    # click's own class, wherever this typer keeps its click
+    usage_error = next(base for base in typer.BadParameter.__mro__ if base.__name__ == "ClickException")
+    try:
+        words = sys.argv[1:] if arguments is None else list(arguments)
+        code = app(args=renamed_options.upgraded(words), standalone_mode=False)
+    except WeavecellError as problem:
+        _fail(str(problem), problem.exit_code)
+    except usage_error as problem:
+        _fail(" ".join(problem.format_message().split()), InputError.exit_code)
+    except ModuleNotFoundError as problem:
+        _fail(f"this command needs the Python package {problem.name}, which is not installed", 1)
+    except OSError as problem:  # a full disk, a folder that may not be written to
+        _fail(f"{problem.filename}: {problem.strerror}" if problem.filename else str(problem), 1)
+    except (typer.Abort, KeyboardInterrupt):
+        code = INTERRUPTED
+    if code == INTERRUPTED:
+        _fail("interrupted", INTERRUPTED)
+    sys.exit(code if isinstance(code, int) else 0)
+
+
+def _fail(line, code):
+    if line:  # a command without its sub-command has printed its help and has nothing to add
+        print(f"error: {line}", file=sys.stderr)
+    sys.exit(code)

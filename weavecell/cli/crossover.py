@@ -1,0 +1,136 @@
+"""`weavecell crossover`: its options, as texts and numbers for `weavecell.commands.crossover`."""
+
+from __future__ import annotations
+
+from enum import StrEnum
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from weavecell.cli.options import (
+    RESULTS,
+    FabricArgument,
+    FinenessOption,
+    FrictionOption,
+    GapOption,
+    OutOption,
+    SectionOption,
+    refuse_others,
+)
+
+EPILOG = "Example: [bold]weavecell crossover S-720 --case shear --shear-angle '50 deg' --mesh coarse[/bold]"
+
+
+class Case(StrEnum):
+    """What is done to the yarns."""
+
+    yarn = "yarn"
+    platens = "platens"
+    stack = "stack"
+    biaxial = "biaxial"
+    path = "path"
+    shear = "shear"
+
+
+class Part(StrEnum):
+    """How much of the weave is meshed."""
+
+    quarter = "quarter"
+    whole = "whole"
+    periodic = "periodic"
+
+
+class Family(StrEnum):
+    """Yarn families."""
+
+    warp = "warp"
+    weft = "weft"
+
+
+_OF_ALL = ("fabric", "case", "size", "domain", "section", "gap", "out")
+_OF_CASE = {
+    Case.yarn: ("failure", "yarn", "bars", "one_point"),
+    Case.platens: ("friction", "pressure"),
+    Case.stack: ("friction", "plies", "shift", "pressure"),
+    Case.biaxial: ("failure", "friction", "stretch"),
+    Case.path: ("failure", "friction", "path"),
+    Case.shear: ("failure", "friction", "stretch", "gamma"),
+}
+
+
+def crossover(
+    context: typer.Context,
+    fabric: FabricArgument,
+    case: Annotated[
+        Case, typer.Option(help="One yarn pulled, plies between platens, or the weave stretched, sheared.")
+    ],
+    size: FinenessOption = "coarse",
+    domain: Annotated[
+        Part | None,
+        typer.Option(
+            help="yarn, path: a quarter (default) or whole; biaxial, shear: whole (default) or periodic (2 x 2)."
+        ),
+    ] = None,
+    section: SectionOption = None,
+    gap: GapOption = "0 mm",
+    failure: Annotated[bool, typer.Option("--failure", help="Fibres fail at their failure strain.")] = False,
+    friction: FrictionOption = 0.0,
+    yarn: Annotated[Family, typer.Option(help="yarn: which.")] = Family.warp,
+    bars: Annotated[
+        int | None, typer.Option(help="yarn: fibre lines that carry bars; all if not given.", metavar="N")
+    ] = None,
+    one_point: Annotated[
+        bool,
+        typer.Option("--reduced-integration", help="yarn: one integration point, to see the zero-energy modes."),
+    ] = False,
+    plies: Annotated[int, typer.Option(help="stack: number.")] = 2,
+    shift: Annotated[
+        str, typer.Option(help="stack: of each ply on the one under it, in crossings along x and y.", metavar="X,Y")
+    ] = "0,0",
+    pressure: Annotated[
+        str | None,
+        typer.Option(help="platens, stack: at the end; the source's greatest by default.", metavar="PRESSURE"),
+    ] = None,
+    stretch: Annotated[
+        str,
+        typer.Option(
+            "--end-displacement",
+            help="biaxial, shear: of each yarn end, both or warp and weft.",
+            metavar="LENGTH[,LENGTH]",
+        ),
+    ] = "0 mm",
+    gamma: Annotated[str, typer.Option("--shear-angle", help="shear: angle at the end.", metavar="ANGLE")] = "0.6 rad",
+    path: Annotated[
+        Path | None, typer.Option(help='path: CSV file of corners, headed "d1 \\[um], d2 \\[um]".', metavar="FILE.csv")
+    ] = None,
+    out: OutOption = None,
+):
+    """Load the 3D crossover: one yarn pulled straight, plies between platens, biaxial stretch, any path, or shear.
+
+    The folder then holds case.h5 (every converged state), case.json and pictures/. A case that finds no equilibrium
+    keeps what it has computed and ends with exit code 3.
+    """
+    from weavecell.commands import crossover as commands_crossover
+
+    refuse_others(context, (*_OF_ALL, *_OF_CASE[case]), f"with --case {case.value}")
+    commands_crossover.command(
+        fabric,
+        case.value,
+        out or RESULTS / f"crossover-{case.value}-{Path(fabric).stem}",
+        domain=domain and domain.value,
+        size=size,
+        section=section and section.value,
+        gap=gap,
+        failure=failure,
+        friction=friction,
+        family=("warp", "weft").index(yarn.value),
+        bars=bars,
+        one_point=one_point,
+        plies=plies,
+        shift=shift,
+        pressure=pressure,
+        stretch=stretch,
+        gamma=gamma,
+        path=path,
+    )

@@ -1,0 +1,197 @@
+"""`weavecell mesh`, `calibrate` and `surface`: their options, as texts and numbers for the modules of these names."""
+
+from __future__ import annotations
+
+from enum import StrEnum
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from fabrics.errors import InputError
+from weavecell.cli.options import (
+    CORES,
+    RESULTS,
+    ExecutorOption,
+    FabricArgument,
+    FinenessOption,
+    FrictionOption,
+    GapOption,
+    JobsOption,
+    MeshOption,
+    OutOption,
+    ResumeOption,
+    SectionOption,
+    Size,
+)
+
+MESH = "Example: [bold]weavecell mesh S-720 --patch 3x4 --mesh coarse --format vtu,k[/bold]"
+CALIBRATE = "Example: [bold]weavecell calibrate S-720 --mesh coarse[/bold]"
+SURFACE = "Example: [bold]weavecell surface S-720 --mesh coarse --points 11[/bold]"
+
+
+class Domain(StrEnum):
+    """How much of a crossover is meshed."""
+
+    quarter = "quarter"
+    whole = "whole"
+    periodic = "periodic"
+
+
+class Overlap(StrEnum):
+    """What to do with sections that overlap."""
+
+    solve = "solve"
+    refuse = "refuse"
+
+
+def mesh(
+    fabric: FabricArgument,
+    size: FinenessOption = "medium",
+    domain: Annotated[
+        Domain | None,
+        typer.Option(help="A quarter by symmetry (default), one whole, or a periodic cell of 2 x 2."),
+    ] = None,
+    patch: Annotated[
+        str | None, typer.Option(help="A woven patch of N warp and M weft yarns instead.", metavar="NxM")
+    ] = None,
+    section: SectionOption = None,
+    gap: GapOption = "0 mm",
+    width: Annotated[
+        str | None,
+        typer.Option(help="Width of the yarns instead, of both or warp and weft.", metavar="LENGTH[,LENGTH]"),
+    ] = None,
+    crimp: Annotated[
+        str,
+        typer.Option(
+            help="Measured by hand, from micrographs, or of both yarns or warp and weft.",
+            metavar="hand|micrograph|CRIMP[,CRIMP]",
+        ),
+    ] = "hand",
+    tip_thickness_ratio: Annotated[
+        float,
+        typer.Option("--tip-thickness-ratio", "--bluntness", help="Thickness of the cut tips over that of the middle."),
+    ] = 0.075,
+    overlap: Annotated[
+        Overlap, typer.Option(help="What to do where the two sections overlap by more than a shift removes.")
+    ] = Overlap.solve,
+    end_shells: Annotated[
+        str | None, typer.Option(help="Close the yarn ends with shells of this thickness.", metavar="LENGTH")
+    ] = None,
+    format: Annotated[
+        str, typer.Option(help="Files to write, separated by commas.", metavar="msh|vtu|k|inp|rad,...")
+    ] = "msh,vtu",
+    out: OutOption = None,
+):
+    """Mesh a crossover or a woven patch in hexahedra, with a picture of it and one of its quality.
+
+    A gmsh mesh (msh), ParaView (vtu), LS-DYNA (k), Abaqus (inp), OpenRadioss (rad).
+    """
+    from weavecell.commands import mesh as module
+
+    module.mesh_command(
+        fabric,
+        out or RESULTS / f"mesh-{Path(fabric).stem}",
+        domain=domain and domain.value,
+        patch=patch,
+        formats=format,
+        size=size,
+        crimp=crimp,
+        width=width,
+        end_shells=end_shells,
+        gap=gap,
+        section=section and section.value,
+        tip_thickness_ratio=tip_thickness_ratio,
+        overlap=overlap.value,
+    )
+
+
+def calibrate(
+    fabric: Annotated[
+        str | None, typer.Argument(metavar="[FABRIC]", help="A name of the catalogue, or the path of a fabric file.")
+    ] = None,
+    all: Annotated[
+        bool, typer.Option("--all", help="Every fabric of the catalogue, side by side in one table.")
+    ] = False,
+    size: MeshOption = Size.medium,
+    jobs: JobsOption = CORES,
+    executor: ExecutorOption = "local",
+    plates: Annotated[
+        Path | None,
+        typer.Option(
+            "--platen-curve",
+            help="First fit E_c, V_c and K_r to this curve: pressure and thickness.",
+            metavar="CURVE.csv",
+        ),
+    ] = None,
+    fit_solid: Annotated[
+        bool, typer.Option("--fit-solid", help="The same, to the built-in pressure law of Kevlar plain weaves.")
+    ] = False,
+    friction: FrictionOption = 0.0,
+    out: OutOption = None,
+    resume: ResumeOption = False,
+):
+    """Solve the 3D crossover and fit its compression law: law.json, histories and a report.
+
+    The curve of --platen-curve is a CSV file headed, for example, "pressure \\[MPa], thickness \\[mm]": one ply between
+    flat platens, loading only, at least five rows. A finished path is kept at once, for --resume.
+    """
+    from weavecell.commands import calibrate as commands_calibrate
+
+    if all == (fabric is not None):
+        raise InputError("give either a fabric or --all")
+    if all:
+        if plates is not None or fit_solid:
+            raise InputError("--platen-curve and --fit-solid go with one fabric")
+        from weavecell.commands import calibrate_all
+
+        calibrate_all.command(
+            out or RESULTS / "calibrate-all", size=size.value, jobs=jobs, executor=executor, resume=resume,
+            friction=friction,
+        )  # fmt: skip
+        return
+    commands_calibrate.calibrate_command(
+        fabric,
+        out or RESULTS / f"calibrate-{Path(fabric).stem}",
+        size=size.value,
+        jobs=jobs,
+        executor=executor,
+        friction=friction,
+        plates=plates,
+        fit_solid=fit_solid,
+        resume=resume,
+    )
+
+
+def surface(
+    fabric: FabricArgument,
+    size: MeshOption = Size.medium,
+    d1: Annotated[
+        str, typer.Option("--d1", help="End displacements of the warp, per end.", metavar="'LOW .. HIGH'")
+    ] = "0 mm .. 0.03 mm",
+    d2: Annotated[str, typer.Option("--d2", help="The same of the weft.", metavar="'LOW .. HIGH'")] = "0 mm .. 0.03 mm",
+    points: Annotated[int, typer.Option(help="Lines in each direction, to begin with.")] = 21,
+    tolerance: Annotated[
+        float | None,
+        typer.Option(
+            help="Add lines until none is missed by more, of the largest force, when left out.", metavar="SHARE"
+        ),
+    ] = None,
+    friction: FrictionOption = 0.0,
+    jobs: JobsOption = CORES,
+    executor: ExecutorOption = "local",
+    out: OutOption = None,
+    resume: ResumeOption = False,
+):
+    """Sample the response surface of the 3D crossover: tensions, contact force and heights over (d1, d2).
+
+    The folder then holds surface.h5, surface.json, pictures/ and report.html; while the run goes on, partial.h5. With
+    friction the response depends on the path: the surface is that of stretching the weft first and the warp then.
+    """
+    from weavecell.commands import response_surface as module
+
+    folder = out or RESULTS / f"surface-{Path(fabric).stem}"
+    module.surface_command(
+        fabric, folder, d1=d1, d2=d2, points=points, tolerance=tolerance, size=size.value, jobs=jobs,
+        executor=executor, resume=resume, friction=friction,
+    )  # fmt: skip

@@ -1,0 +1,157 @@
+"""`weavecell impact`, `biaxial`, `coupon` and `critical-velocity`: their options, for the modules of these names."""
+
+from __future__ import annotations
+
+from enum import StrEnum
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from fabrics.errors import InputError
+from weavecell.cli.options import (
+    CORES,
+    RESULTS,
+    ExecutorOption,
+    FabricArgument,
+    JobsOption,
+    OutOption,
+    ResumeOption,
+    Size,
+    StrictOption,
+    refuse_others,
+)
+
+IMPACT = "Example: [bold]weavecell impact examples/S-720-stops.toml[/bold]"
+BIAXIAL = "Example: [bold]weavecell biaxial S-720 --ratio 1:1 --ratio 2:1 --compare-3d coarse[/bold]"
+COUPON = "Example: [bold]weavecell coupon examples/coupons/S-728-bias.toml[/bold]"
+CRITICAL_VELOCITY = "Example: [bold]weavecell critical-velocity S-720 --tolerance '1 m/s'[/bold]"
+
+
+class Profile(StrEnum):
+    """Profiles of the yarns of the shell's cell."""
+
+    cosine = "cosine"
+    straight = "straight"
+
+
+def impact(
+    context: typer.Context,
+    scene: Annotated[Path, typer.Argument(metavar="SCENE", help="A scene file (*.toml).")],
+    out: OutOption = None,
+    resume: ResumeOption = False,
+    strict: StrictOption = False,
+    explain: Annotated[
+        bool, typer.Option("--explain", help="Run nothing: show the models that would do for the scene's \\[accuracy].")
+    ] = False,
+):
+    """Fire the projectile of a scene at its panel: histories, ParaView series, pictures and a report.
+
+    The folder then holds report.html, summary.json, histories.h5, panel.pvd with panel/*.vtu, pictures/ and scene.toml;
+    while the run goes on, checkpoint.h5. A scene with a table \\[accuracy] says how well it wants to know something:
+    the cheapest model that will do is chosen and checked. A key of the scene that cannot be honoured is rejected.
+
+    --explain ignores title, run.snapshot_interval, run.checkpoint_interval, run.outputs, history.interval,
+    history.warp, history.weft and history.report_positions.
+    """
+    from weavecell.commands import fidelity
+    from weavecell.commands import impact as commands_impact
+
+    if explain:
+        refuse_others(context, ("scene", "explain"), "with --explain, which runs and writes nothing")
+        fidelity.explain(scene)
+        return
+
+    commands_impact.impact(scene, out or RESULTS / scene.stem, resume=resume, strict=strict)
+
+
+def biaxial(
+    fabric: FabricArgument,
+    ratio: Annotated[
+        list[str] | None,
+        typer.Option(help="Warp strain to weft strain; may be given again. 0 holds a yarn.", metavar="WARP:WEFT"),
+    ] = None,
+    crossover: Annotated[
+        Size | None, typer.Option("--compare-3d", help="Solve the 3D crossover too, with this mesh, and compare.")
+    ] = None,
+    profile: Annotated[
+        Profile, typer.Option(help="Of the yarns: the source's cosine, or Kawabata's straight segments.")
+    ] = Profile.cosine,
+    toe: Annotated[
+        str,
+        typer.Option(
+            "--fibre-slack", help="Strain that straightens the fibres, of both or of each.", metavar="WARP[,WEFT]"
+        ),
+    ] = "0",
+    out: OutOption = None,
+):
+    """Stretch a crossover at fixed ratios of strains to the strength of a yarn: 1:1, 1:0 and 0:1 if none is given.
+
+    The folder then holds biaxial.csv, biaxial.json, pictures/ and report.html. A whole specimen: `weavecell coupon`.
+    """
+    from weavecell.commands import biaxial as module
+
+    module.biaxial_command(
+        fabric,
+        out or RESULTS / f"biaxial-{Path(fabric).stem}",
+        ratios=ratio or ("1:1", "1:0", "0:1"),
+        size=crossover and crossover.value,
+        profile=profile.value,
+        toe=module.toes(toe),
+    )
+
+
+def coupon(
+    scene: Annotated[Path, typer.Argument(metavar="SCENE", help="The scene file of a coupon (*.toml).")],
+    out: OutOption = None,
+    resume: ResumeOption = False,
+    strict: StrictOption = False,
+):
+    """Test a piece of cloth quasi-statically: bias extension, picture frame, uniaxial or biaxial tension.
+
+    The folder then holds report.html, summary.json, histories.h5, pictures/ and scene.toml; while the run goes on,
+    checkpoint.h5.
+    """
+    from weavecell.commands import coupon as module
+
+    module.coupon(scene, out or RESULTS / scene.stem, resume=resume, strict=strict)
+
+
+def critical_velocity(
+    target: Annotated[
+        str, typer.Argument(metavar="SCENE|FABRIC", help="A scene, a fabric of the catalogue, or a fabric file.")
+    ],
+    tolerance: Annotated[
+        str, typer.Option(help="At most between a stop and a perforation.", metavar="VELOCITY")
+    ] = "1 m/s",
+    curve: Annotated[
+        int, typer.Option("--residual-shots", min=0, max=100, help="Shots above the limit, for residual velocities.")
+    ] = 8,
+    jobs: JobsOption = CORES,
+    executor: ExecutorOption = "local",
+    strict: StrictOption = False,
+    out: OutOption = None,
+):
+    """Bisect for the velocity between stop and perforation, and fit residual velocities (Lambert-Jonas).
+
+    A fabric is shot at as in the tests of the thesis. Of a scene these keys are ignored: title,
+    projectile.strike_velocity, run.end_time, run.snapshot_interval, run.checkpoint_interval, run.outputs. Packs,
+    \\[history] and \\[accuracy] are rejected.
+
+    The folder then holds critical-velocity.json, shots.csv, residual-velocity.svg and scene.toml.
+    """
+    from fabrics.units import si
+    from weavecell.commands import critical_velocity as command
+
+    width = si(tolerance, "m/s", key="--tolerance")
+    if not width > 0:
+        raise InputError(key="--tolerance", value=tolerance, allowed="above 0")
+    command.critical_velocity(
+        target,
+        out or RESULTS / f"critical-velocity-{Path(target).stem}",
+        tolerance=width,
+        curve=curve,
+        jobs=jobs,
+        executor=executor,
+        strict=strict,
+    )

@@ -1,0 +1,120 @@
+"""`weavecell validate`, `cost-accuracy` and `stability`: their options, for `validation.commands`."""
+
+from __future__ import annotations
+
+from enum import StrEnum
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from weavecell.cli.options import CORES, RESULTS, ExecutorOption, JobsOption, OutOption, ResumeOption, refuse_others
+
+COST_ACCURACY = "Example: [bold]weavecell cost-accuracy --scene ply-stopped[/bold]"
+VALIDATE = "Example: [bold]weavecell validate --topic impact1 --topic cell[/bold]"
+STABILITY = "Example: [bold]weavecell stability --map time-step[/bold]"
+
+
+class Level(StrEnum):
+    """How fine a study's finest case is."""
+
+    quick = "quick"
+    full = "full"
+    fine = "fine"
+
+
+QuickOption = Annotated[bool, typer.Option("--quick", help="Coarser references: to see whether all runs.")]
+PageOption = Annotated[
+    Path | None, typer.Option(help="Also write this page, with its figures beside it in figures/.", metavar="FILE.md")
+]
+AllOption = Annotated[bool, typer.Option("--all", help="All of them.")]
+
+
+def cost_accuracy(
+    context: typer.Context,
+    scene: Annotated[
+        list[str] | None, typer.Option(help="Standard scene; an unknown one lists them.", metavar="NAME")
+    ] = None,
+    everything: AllOption = False,
+    quick: QuickOption = False,
+    page: PageOption = None,
+    level: Annotated[Level, typer.Option(help="crossover: how fine the finest reference is.")] = Level.full,
+    only: Annotated[
+        str, typer.Option(help="crossover: choices to vary, by commas; all if not given.", metavar="CHOICE,...")
+    ] = "",
+    jobs: JobsOption = CORES,
+    executor: ExecutorOption = "local",
+    out: OutOption = None,
+    resume: ResumeOption = False,
+):
+    """Run standard scenes by every method there is: time against error, and the methods that none other beats.
+
+    The folder then holds tables (CSV) and pictures; while the run goes on, cases/. The scene "crossover" is the long
+    study of the 3D crossover, with orders of convergence and a page of its own; --jobs and --executor are for it, since
+    the cases of other scenes are timed, one after the other.
+    """
+    from validation.commands import cost_accuracy as module
+
+    of_crossover = (scene or []) == [module.LONG]
+    options = ("level", "only", "jobs", "executor") if of_crossover else ("everything", "quick", "page")
+    where = f"{'with' if of_crossover else 'without'} --scene {module.LONG}"
+    refuse_others(context, ("scene", "out", "resume", *options), where)
+    module.chart_command(
+        scene or [],
+        out,
+        everything=everything,
+        quick=quick,
+        page=page,
+        level=level.value,
+        only=[part.strip() for part in only.split(",") if part.strip()],
+        jobs=jobs,
+        executor=executor,
+        resume=resume,
+    )
+
+
+def stability(
+    maps: Annotated[
+        list[str] | None, typer.Option("--map", help="Which map; an unknown one lists them.", metavar="NAME")
+    ] = None,
+    everything: AllOption = False,
+    quick: Annotated[bool, typer.Option("--quick", help="Few points: to see whether all runs.")] = False,
+    page: PageOption = None,
+    jobs: JobsOption = CORES,
+    executor: ExecutorOption = "local",
+    out: OutOption = None,
+    resume: ResumeOption = False,
+):
+    """Maps of where each method fails, found by running it, with the margins of the defaults.
+
+    The folder then holds a picture for each map and tables (CSV) of points and edges; while it goes on, points/.
+    """
+    from validation.commands import stability as module
+
+    module.stability_command(
+        maps or [], out, everything=everything, quick=quick, page=page, jobs=jobs, executor=executor, resume=resume
+    )
+
+
+def validate(
+    topic: Annotated[
+        list[str] | None, typer.Option(help="Only the claims of this topic; may be given again.", metavar="TOPIC")
+    ] = None,
+    slow: Annotated[bool, typer.Option("--slow", help="Also the checks that take minutes each.")] = False,
+    jobs: JobsOption = CORES,
+    executor: ExecutorOption = "local",
+    resume: ResumeOption = False,
+    out: OutOption = None,
+):
+    """Put the claims of the source thesis to the test: each with our number, its verdict and, if missed, the cause.
+
+    A missed claim is a result, not an error. The folder then holds ledger.html, ledger.csv and ledger.json.
+
+    Topics: geom, compr, yarn, cell, shear, wave, impact1, impactN, gap, biaxial, bias, sens, slip, pencil, cost,
+    failmode, future.
+    """
+    from validation.commands import claims as module
+
+    return module.validate(
+        out or RESULTS / "validate", topics=topic or (), slow=slow, jobs=jobs, executor=executor, resume=resume
+    )

@@ -1,0 +1,155 @@
+"""The biaxial response of a fabric's crossover from the command line, at ratios of strains, to the strength of a yarn.
+
+Folder of `weavecell biaxial`
+    biaxial.csv     strains, tensions, contact force and heights of the shell's cell, one row a state
+    <ratio>.h5      with --compare-3d: history of the 3D crossover along the same path
+    biaxial.json    where each path ends, differences from the 3D crossover, provenance
+    pictures/cell.svg
+    report.html
+"""
+
+from __future__ import annotations
+
+import csv
+import time
+
+import numpy as np
+
+import weavecell
+from fabrics import catalogue
+from fabrics.errors import InputError
+from fabrics.files import write_whole
+from fabrics.units import si
+from weavecell.commands.calibrate import with_3d_data
+from weavecell.report import chapters
+from weavecell.report import page as report_page
+from weavecell.report.page import Section, Table
+from weavecell.results import json_file, progress, provenance
+from weavecell.scenes import build
+
+STATES = 241
+_COLUMNS = {"T1": "warp tension [N]", "T2": "weft tension [N]", "F": "contact force [N]", "h1": "warp height [m]",
+            "h2": "weft height [m]", "W": "stored energy [J]"}  # fmt: skip
+
+
+def biaxial_command(name, out, *, ratios, size=None, form="variational", profile="cosine", toe=0.0):
+    """Stretch the crossover of one fabric along each of `ratios`, write it and print where each path ends.
+
+    Parameters
+    ----------
+    ratios : texts such as "2:1", warp strain to weft strain
+    size : of the mesh of the 3D crossover that is solved beside the cell; None for the cell alone
+    form, profile, toe : of the cell
+    """
+    from shellfabric.cell.biaxial_path import to_strength
+    from shellfabric.cell.model import CellModel
+
+    wanted = {text: _ratio(text) for text in ratios}
+    fabric = build.with_density(catalogue.load(name) if size is None else with_3d_data(name), "effective")
+    options = {"profile": profile, "toe": toe}
+    model, began = CellModel(fabric, form=form, **options), time.perf_counter()
+    found = {text: to_strength(model, ratio, STATES) for text, ratio in wanted.items()}
+    solved = {} if size is None else _crossovers(fabric, found, size, out)
+    stamp = provenance.stamp(fabric=fabric)
+    ends = {text: _end(path) | _misses(model, solved.get(text)) for text, path in found.items()}
+    with write_whole(out / "biaxial.csv") as file:
+        rows = csv.writer(file)
+        rows.writerow(["ratio", "warp strain [-]", "weft strain [-]", *_COLUMNS.values()])
+        for text, path in found.items():
+            columns = (*path.strain.T, *(path.response[key] for key in _COLUMNS))
+            rows.writerows([text, *(f"{value:.8g}" for value in row)] for row in zip(*columns))
+    content = {"fabric": fabric.name, "form": form, **options, "mesh": size, "paths": ends, "provenance": stamp}
+    json_file.write(out / "biaxial.json", content)
+    section = _chapter(fabric, found, solved, ends, options)
+    report_page.write_pictures([section], out / "pictures")
+    page = report_page.Report(
+        f"{fabric.name}: biaxial response",
+        "One crossover, stretched in both directions at fixed ratios of strains to the strength of its first yarn.",
+        ((chapters.fabric_card(fabric), chapters.law_card(fabric.laws[0], source="published")),),
+        (section, chapters.sources(fabric), chapters.making(stamp, {"all of it": time.perf_counter() - began})),
+        f"weavecell {weavecell.__version__}, {stamp['date']}",
+    )
+    report_page.write(page, out / "report.html")
+    for text, end in ends.items():
+        print(
+            f"{text:<8}{end['failed']} at its strength at strains {100 * end['strain'][0]:.2f} / "
+            f"{100 * end['strain'][1]:.2f} %, tensions {end['tension'][0]:.1f} / {end['tension'][1]:.1f} N, "
+            f"contact {end['contact_force']:.1f} N"
+        )
+    print(f"written to {out}")
+
+
+def toes(text):
+    """A toe from "0.1 %", or those of warp and weft from "0.1 %, 0.2 %"."""
+    values = tuple(si(part.strip(), "", key="--fibre-slack") for part in text.split(","))
+    return values[0] if len(values) == 1 else values
+
+
+def _ratio(text):
+    """(warp, weft) from "2:1"."""
+    bad = InputError(key="--ratio", value=text, allowed='two numbers of at least 0, one of them above, such as "2:1"')
+    try:
+        ratio = tuple(float(part) for part in text.split(":"))
+    except ValueError:
+        raise bad from None
+    if len(ratio) != 2 or not np.isfinite(ratio).all() or not min(ratio) >= 0 < max(ratio):
+        raise bad
+    return ratio
+
+
+def _crossovers(fabric, found, size, out):
+    """{ratio: History} of the 3D crossover along the same paths."""
+    from meshing import crossover
+    from unitcell3d.cases import biaxial_and_platens
+
+    built, solved, (w1, w2) = crossover.build(fabric, size=size), {}, fabric.weave.w
+    with progress.bar(f"3D crossover of {fabric.name}") as advance:
+        for number, (text, path) in enumerate(found.items()):
+            advance(number / len(found), text)
+            solved[text] = biaxial_and_platens.biaxial(built, fabric, (path.ratio[0] * w1, path.ratio[1] * w2))
+            solved[text].write(out / f"{text.replace(':', '-')}.h5")
+    return solved
+
+
+def _end(path):
+    return {
+        "failed": path.failed, "strain": path.strain[-1], "tension": path.tension[-1],
+        "contact_force": float(path.response["F"][-1]),
+    }  # fmt: skip
+
+
+def _misses(model, history):
+    """rms difference of the cell's tensions from those of the 3D crossover, at its states."""
+    if history is None:
+        return {}
+    w1, w2 = model.fabric.weave.w
+    cell = model.solve(1 + history.d1 / w1, 1 + history.d2 / w2)
+    pairs = ((cell["T1"], history.T1), (cell["T2"], history.T2))
+    return {"rms_from_3d": [float(np.sqrt(np.mean((own - other) ** 2))) for own, other in pairs]}
+
+
+def _chapter(fabric, found, solved, ends, options):
+    paths = {}
+    for text, path in found.items():
+        title = f"strains {text}"
+        if text in solved:
+            history, (w1, w2) = solved[text], fabric.weave.w
+            paths[title] = history.d1 / w1, history.d2 / w2, history.T1, history.T2
+        else:
+            paths[title] = tuple(path.strain.T)
+    drawn = chapters.cell(fabric, {"published law": fabric.laws}, paths=paths, **options)
+    columns = ("strains, warp : weft", "first at its strength", "strain [%]", "tension [N]", "contact force [N]")
+    columns += ("rms from 3D [N]",) if solved else ()
+    rows = tuple(
+        (
+            text, end["failed"], _pair(100 * end["strain"], ".2f"), _pair(end["tension"], ".1f"),
+            f"{end['contact_force']:.1f}", *((_pair(end["rms_from_3d"], ".2f"),) if solved else ()),
+        )
+        for text, end in ends.items()
+    )  # fmt: skip
+    table = Table(columns, rows, "Where each path ends, warp / weft", numeric=columns[2:])
+    return Section("cell", drawn.title, drawn.lead, drawn.figures, (table,))
+
+
+def _pair(values, form):
+    return " / ".join(format(value, form) for value in values)

@@ -1,0 +1,200 @@
+"""The calibration of the 3D crossover from the command line.
+
+Folder of `weavecell calibrate`
+    solid.json          with --platen-curve or --fit-solid: E_c, V_c, K_r and what the plate curve determines
+    law.json            the fitted law, for `law = ".../law.json"` in a scene
+    calibration.json    all numbers of the calibration, and provenance.json where they come from
+    <path>.h5           histories of the loading paths and of the compression between plates
+    crossover.*         the mesh, as `weavecell.commands.mesh` writes it, with quality.png and mesh.json
+    report.html
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import weavecell
+from weavecell.commands import calibrate_solid, mesh
+from weavecell.commands.mesh import with_3d_data
+from weavecell.report import chapters
+from weavecell.report import page as report_page
+from weavecell.report.page import Table
+from weavecell.results import json_file, progress, provenance
+
+
+def calibrate_command(name, out, *, size, jobs, executor, friction=0.0, plates=None, fit_solid=False, resume=False):
+    """Calibrate one fabric, its solid first if asked, write what came of it and print the law."""
+    fabric = with_3d_data(name)
+    solid = None
+    if plates is not None or fit_solid:
+        solid = calibrate_solid.fit(
+            fabric, calibrate_solid.curve_for(fabric, plates), out, jobs=jobs, executor=executor, resume=resume
+        )
+        fabric = solid.fabric
+    built = mesh.build(fabric, size=size, domain="whole")
+    mesh.write(built, out, fabric=fabric)
+    done = calibrate(fabric, out, size=size, jobs=jobs, executor=executor, friction=friction, resume=resume)
+    tell(fabric, done, out)
+    page(fabric, done, solid, built, out)
+    print(f"written to {out}")
+
+
+def page(fabric, done, solid, built, out):
+    """Write the report of a calibration."""
+    laws = {"fitted": done.law}
+    if done.published is not None:
+        laws["published"] = done.published
+    stamp = provenance.stamp(fabric=fabric)
+    json_file.write(out / "provenance.json", stamp)
+    sections = (
+        fit_chapter(done, laws),
+        *([] if solid is None else [calibrate_solid.chapter(solid)]),
+        chapters.cell(fabric, {label: (law, law) for label, law in laws.items()}, paths=paths(done, fabric)),
+        chapters.mesh(mesh.facts(built), (out / "crossover.png").read_bytes()),
+        chapters.sources(fabric),
+        chapters.making(stamp, done.seconds),
+    )
+    content = report_page.Report(
+        f"{fabric.name}: compression law from the 3D crossover",
+        "The crossover is stretched along several biaxial paths until its fibres fail; one law is fitted to the "
+        "thickness that its yarns lose under their contact force."
+        + (f" Coulomb friction between the yarns: {done.friction:g}." if done.friction else ""),
+        ((chapters.fabric_card(fabric), chapters.law_card(done.law, done.published, "fitted to the 3D crossover")),),
+        sections,
+        f"weavecell {weavecell.__version__}, {stamp['date']}",
+    )
+    report_page.write(content, out / "report.html")
+
+
+def tell(fabric, done, out):
+    """Print the law of a Calibration: intervals, published values, residual, spread between paths, the law chosen."""
+    law = done.law
+    if done.friction:
+        print(f"{'friction':<12}{done.friction:g}")
+    a, b = (f"{1e3 * value:.4f}" for value in (law.a, law.b))
+    print(f"{'fitted':<12}a = {a} mm ({_mm(law.a_interval)}), b = {b} mm N^(1/3) ({_mm(law.b_interval)}), 95 %")
+    if done.published is not None:
+        print(f"{'published':<12}a = {1e3 * done.published.a:.4f} mm, b = {1e3 * done.published.b:.4f} mm N^(1/3)")
+    print(
+        f"{'residual':<12}{1e6 * law.residual_rms:.2f} um rms over F = {law.F_range[0]:.2g} to {law.F_range[1]:.3g} N"
+    )
+    if done.spread:
+        print(f"{'each path':<12}a = {_mm(done.spread['a'])} mm, b = {_mm(done.spread['b'])} mm N^(1/3)")
+    for name, own in zip(("warp", "weft"), done.yarn_laws):
+        if own is not None:
+            print(f"{name + ' alone':<12}a = {1e3 * own.a:.4f} mm, b = {1e3 * own.b:.4f} mm N^(1/3)")
+    if done.ratio_law is not None:
+        print(
+            f"{'by tension':<12}a law that sees the tension ratio leaves {1e6 * done.ratio_law.residual_rms:.2f} um rms"
+        )
+    print(f"{'chosen':<12}{done.chosen}" + ("" if done.chosen == "one law" else " (the shell takes the one law)"))
+    for name, history in done.histories.items():
+        if history.failed:
+            print(f"{name:<12}ended at {100 * history.path[-1]:.1f} % of its path: {history.failed}")
+
+
+def _mm(pair):
+    return " .. ".join(f"{1e3 * value:.4f}" for value in pair)
+
+
+def calibrate(fabric, out, *, size, jobs, executor, friction=0.0, resume=False):
+    """Solve the crossover, fit its law and write both to the folder `out`; returns the Calibration."""
+    from unitcell3d.identify import calibrate as solver
+
+    with progress.bar(f"Calibration of {fabric.name}") as advance:
+        told = told_by_paths(advance, 1 + len(solver.PATHS))
+        return solver.calibrate(
+            fabric, size=size, friction=friction, out=out, on_progress=told, jobs=jobs, executor=executor, resume=resume
+        )
+
+
+def told_by_paths(advance, count):
+    """Progress of `count` paths, as `unitcell3d.identify.calibrate` tells it, shown on one bar."""
+    shares = {}
+
+    def report_path(fabric, path, share):
+        shares[fabric, path] = share
+        told = ", ".join(f"{name} {100 * done:.0f} %" for (_, name), done in shares.items() if done < 1)
+        advance(sum(shares.values()) / count, told)
+
+    return report_path
+
+
+def fit_chapter(done, laws):
+    """The chapter of a Calibration: its samples and laws, each path alone, and fibre failure."""
+    from unitcell3d.identify.calibration import samples
+
+    biaxial = {name: samples(history) for name, history in stretched(done).items()}
+    chapter = chapters.fit(biaxial, laws, (done.plates.F_c, done.plates.d_c))
+    columns = ("path", "a [mm]", "b [mm N^(1/3)]", "rms from the joint law [µm]", "ended", "wall time [s]")
+    rows = tuple(
+        (
+            name,
+            *_parameters(done.path_laws.get(name)),
+            "-" if name not in done.residuals else f"{1e6 * done.residuals[name]:.2f}",
+            ended(name, history),
+            f"{done.seconds[name]:.1f}",
+        )
+        for name, history in done.histories.items()
+    )
+    alone = Table(columns, rows, "Each path", numeric=(*columns[1:4], columns[5]))
+    columns = ("path", "criterion", "yarn", "d1 [µm]", "d2 [µm]", "T1 [N]", "T2 [N]", "F_c [N]")
+    rows = tuple(
+        (
+            name,
+            item.criterion,
+            ("warp", "weft")[item.yarn],
+            *(f"{1e6 * value:.2f}" for value in item.d),
+            *(f"{value:.1f}" for value in (*item.T, item.F_c)),
+        )
+        for name, found in done.failures.items()
+        for item in found
+    )
+    failure = Table(columns, rows, "Where the fibre strain first reaches the failure strain", numeric=columns[3:])
+    return replace(chapter, tables=(*chapter.tables, _laws(done), alone, failure))
+
+
+def ended(name, history):
+    """Why a path ended."""
+    if history.failed:
+        return history.failed
+    if name != "plates":
+        return "at fibre failure"
+    return "at the test's pressure" if history.path[-1] < 1 else "with the plates at half their distance"
+
+
+def _laws(done):
+    """The joint law with its intervals and the spread between paths, and what it leaves out."""
+    columns = ("law", "a [mm]", "b [mm N^(1/3)]", "rms [µm]")
+    law, ratio = done.law, done.ratio_law
+    rows = [("joint", *_parameters(law), _um(law.residual_rms))]
+    rows.append(("joint, 95 % intervals", _mm(law.a_interval), _mm(law.b_interval), ""))
+    if done.spread:
+        rows.append(("spread of the paths alone", _mm(done.spread["a"]), _mm(done.spread["b"]), ""))
+    for name, own in zip(("warp", "weft"), done.yarn_laws):
+        if own is not None:
+            rows.append((f"{name}, its own compression", *_parameters(own), _um(own.residual_rms)))
+    if ratio is not None:
+        c = " .. ".join(f"{1e6 * ratio.compliance(m):.3f}" for m in ratio.m_range)
+        name = f"c F / (1 + F / {ratio.F0:.3g} N), c = {c} µm/N, all weft .. all warp"
+        rows.append((name, "-", "-", _um(ratio.residual_rms)))
+    return Table(columns, tuple(rows), f"Laws; chosen: {done.chosen}", numeric=columns[1:])
+
+
+def _um(value):
+    return f"{1e6 * value:.2f}"
+
+
+def _parameters(law):
+    return ("-", "-") if law is None else (f"{1e3 * law.a:.4f}", f"{1e3 * law.b:.4f}")
+
+
+def stretched(done):
+    """{path: History} of a Calibration without the plates."""
+    return {name: history for name, history in done.histories.items() if history is not done.plates}
+
+
+def paths(done, fabric):
+    """{path: (strain1, strain2, T1, T2)} [-, N] of a Calibration: end displacements over half cell lengths."""
+    w1, w2 = fabric.weave.w
+    return {name: (path.d1 / w1, path.d2 / w2, path.T1, path.T2) for name, path in stretched(done).items()}

@@ -1,0 +1,301 @@
+"""One test on one coupon from its scene to its folder of results.
+
+The folder of `weavecell coupon`
+    scene.toml      the scene as it was given
+    histories.h5    measures, nodes and shear after every step, tensions at the end (`results.coupon.CouponRecord`)
+    summary.json    outcome, measures at the end, provenance
+    pictures/       coupon.png, and curves (.svg)
+    report.html     all of it on one page
+    checkpoint.h5   only while the run goes on, or after it was interrupted: `--resume` goes on from it
+
+Everything but the checkpoint is written when the run has ended, also if it ended by becoming unstable.
+"""
+
+from __future__ import annotations
+
+import time
+
+import weavecell
+from fabrics import run_cache
+from fabrics.errors import InputError, UnstableError
+from fabrics.files import write_whole
+from weavecell.commands.impact import Interrupted
+from weavecell.report import chapters, checks, pictures, pictures_coupon
+from weavecell.report import page as report_page
+from weavecell.report.page import Card, Figure, Section, Table
+from weavecell.results import json_file, progress, provenance
+from weavecell.results.coupon import CouponRecord, read_states, write_states
+from weavecell.results.coupon_measures import PRESCRIBED, measures
+from weavecell.scenes import build
+from weavecell.scenes import coupon as scenes_coupon
+from weavecell.scenes.supported import Support, of
+
+TABLE_SIZE = 201  # stretches along each side of the cell's table, as in impacts
+WORDS = {
+    "bias_extension": "bias extension", "picture_frame": "picture frame", "uniaxial": "uniaxial tension",
+    "biaxial": "biaxial tension",
+}  # fmt: skip
+SUPPORT = Support(
+    "weavecell coupon",
+    scenes_coupon.CouponScene,
+    (
+        "format", "title", *build.CLOTH, "fabric.fibre_slack",
+        *of("bias_extension", "length width elongation trellis"),
+        *of("picture_frame", "shear_angle crossovers"),
+        *of("uniaxial", "direction length width strain failure"),
+        *of("biaxial", "strain centre arm cross_yarns_removed failure"),
+        *of("run", "steps elements_per_crossover tolerance max_iterations outputs"),
+    ),
+    rejected={
+        "fabric.surface": "left out: the cell of a coupon is made from laws",
+        "fabric.bending": "left out: the yarns of a coupon have no bending stiffness",
+    },
+    rules=build.CELL_RULES,
+)  # fmt: skip
+# figures of each test: file, measures, label of the axis, caption
+DRAWN = {
+    "bias_extension": (
+        ("load", ("load",), "load", "Load on a clamp."),
+        (
+            "angles",
+            ("angle in zone A", "angle in zone B", "angle in zone C", "zone C, yarns that do not stretch"),
+            "angle between warp and weft",
+            "Mean angle in the three zones: of zone A both yarns lead to a clamp, of B one, of C none.",
+        ),
+    ),
+    "picture_frame": (("stress", ("shear stress", "trellis law"), "shear stress", "Work of the frame, by volume."),),
+    "uniaxial": (
+        ("load", ("load of a yarn",), "load of a yarn", "Load over the yarns that carry it."),
+        (
+            "strains",
+            ("strain in the middle, along", "strain in the middle, across"),
+            "strain",
+            "Strain of the middle of the strip along the load and across.",
+        ),
+    ),
+    "biaxial": (
+        (
+            "load",
+            (
+                "load of a warp yarn", "load of a weft yarn", "cell at these strains, warp",
+                "cell at these strains, weft",
+            ),
+            "load of a yarn",
+            "Load of an arm over its yarns; dashed: the cell alone, at the strains of the middle.",
+        ),
+    ),
+}  # fmt: skip
+
+
+def coupon(path, out, *, resume=False, strict=False):
+    """Run the test of the scene at `path` and write its results to the folder `out`.
+
+    Parameters
+    ----------
+    path, out : Path
+    resume : whether to go on from a checkpoint
+    strict : whether a doubtful result is an error
+
+    Raises
+    ------
+    InputError : the scene or what it names is wrong, or there is nothing to resume; nothing has been written
+    UnstableError : the run became unstable; what it had computed has been written
+    DoubtfulError : a quality indicator is beyond its limit, and `strict`; all results have been written
+    Interrupted : by the user; the states of the steps done have been kept
+    """
+    asked, text = scenes_coupon.load(path, SUPPORT)
+    this = build.build(asked, path, path.stem)
+    checkpoint = out / "checkpoint.h5"
+    if resume and not checkpoint.exists():
+        raise InputError("there is no checkpoint to resume from", file=checkpoint)
+    title = asked.title or f"{this.fabric.name}, {WORDS[asked.test]}"
+    began = time.perf_counter()
+    try:
+        result, table, failure = _pull(this, title, checkpoint, resume)
+    except InputError as problem:
+        raise _in_file(problem, asked, path) from None
+    except KeyboardInterrupt:
+        hint = "; --resume goes on from its last step" if checkpoint.exists() else ""
+        raise Interrupted(f"interrupted{hint}") from None
+    record = CouponRecord.of(
+        result, measures(asked.test, asked.asked, result), PRESCRIBED[asked.test], title=title, fabric=this.fabric.name,
+        law_name=this.law_name, test=asked.test, failure_message=str(failure or ""),
+        wall_time=time.perf_counter() - began, checks=_indicators(result, table, asked.run.tolerance),
+    )  # fmt: skip
+    with progress.bar("Writing results") as advance:
+        _write(out, this, record, text, advance)
+    checkpoint.unlink(missing_ok=True)
+    print(f"{record.title}: {record.outcome}")
+    for line in lines(record):
+        print(line)
+    print(f"written to {out}", flush=True)
+    if failure is not None:
+        raise failure
+    checks.report(record.checks, strict)
+
+
+def _indicators(result, table, tolerance):
+    """Quality indicators of a test; the load step in which a yarn fails may go beyond its strength."""
+    from shellfabric.panel import quality
+
+    reached = [float(tension.max()) for tension in result.coupon.tensions(result.states[-1].x)]
+    if result.outcome == "yarn at its strength":
+        reached = [min(one, yarn.strength) for one, yarn in zip(reached, table.model.fabric.weave.yarns)]
+    return quality.of_coupon(table, reached, max(state.residual for state in result.states), tolerance)
+
+
+def _pull(this, title, checkpoint, resume):
+    """(Result, its CellTable, the UnstableError that ended it or None), with a bar and checkpoints."""
+    from shellfabric.cell.model import CellModel
+    from shellfabric.coupon import quasistatic
+
+    scene, cloth, failure = this.scene, this.scene.fabric, None
+    cell = (cloth.crossover_gap, cloth.cell_model, cloth.cell_formulation, cloth.cell_profile, cloth.fibre_slack)
+    table = CellModel(this.fabric, this.laws, *cell).table(TABLE_SIZE)
+    options = dict(scene.asked)
+    if scene.test == "picture_frame":
+        options["cells"] = options.pop("crossovers")
+    stamp = _stamp(table, scene)
+    states = list(read_states(checkpoint, stamp)) if resume else []
+    with progress.bar(title) as advance:
+
+        def keep(state):
+            states.append(state)
+            write_states(checkpoint, stamp, states)
+            advance(state.load, f"{state.iterations} iterations")
+
+        try:
+            result = getattr(quasistatic, scene.test)(
+                table, **options, **scene.run.model_dump(exclude={"outputs"}), progress=keep, done=tuple(states)
+            )
+        except UnstableError as problem:
+            failure, result = problem, problem.result
+    return result, table, failure
+
+
+def _stamp(table, scene):
+    """Digests of all that the states of a run depend on, the code among it."""
+    fabric = table.model.fabric
+    inputs = (scene.test, scene.asked.model_dump(), scene.run.model_dump(exclude={"outputs"}))
+    inputs += (fabric.weave, fabric.shear, table.model.toes, table.potential)
+    return run_cache.stamp(inputs, "shellfabric.coupon.quasistatic")
+
+
+def _in_file(problem, scene, file):
+    """An InputError of an object that does not know its file, with the scene's file and key in it."""
+    if problem.file is not None:
+        return problem
+    keys = {
+        "form": "fabric.cell_formulation",
+        "gap": "fabric.crossover_gap",
+        "model": "fabric.cell_model",
+        "cells": "crossovers",
+    }
+    key = keys.get(problem.key, problem.key)
+    if key in type(scene.asked).model_fields:
+        key = f"{scene.test}.{key}"
+    if key is None:
+        return InputError(str(problem), file=file)
+    return InputError(file=file, key=key, value=problem.value, allowed=problem.allowed)
+
+
+def _write(out, this, record, text, advance):
+    """Write everything but the checkpoint."""
+    outputs = this.scene.run.outputs
+    stamp = provenance.stamp(text, this.fabric)
+    with write_whole(out / "scene.toml") as file:
+        file.write(text)
+    record.write(out / "histories.h5")
+    json_file.write_summary(
+        out / "summary.json", record.summary() | checks.summary(record.checks) | {"provenance": stamp}
+    )
+    advance(0.2)
+    if not outputs:
+        return
+    told = chapter(record, this.scene.run.tolerance)
+    advance(0.7)
+    if "pictures" in outputs:
+        report_page.write_pictures([told], out / "pictures")
+    if "report" in outputs:
+        report_page.write(_page(this, record, told, stamp), out / "report.html")
+
+
+def chapter(record, tolerance):
+    """The chapter of one test: the coupon, its curves, and a table of all steps."""
+    figures = [
+        Figure(
+            pictures.render(pictures_coupon.cloth, record, kind="png"), "png",
+            "The coupon at the end, to scale. Left: shear of the elements. Right: tension of the yarns.", "coupon",
+        )
+    ]  # fmt: skip
+    for name, chosen, label, caption in DRAWN[record.test]:
+        drawn = tuple(measure for measure in chosen if measure in record.measures)
+        content = pictures.render(pictures_coupon.curves, record, drawn, label)
+        figures.append(Figure(content, "svg", caption, name))
+    content = pictures.render(pictures_coupon.relaxation, record, tolerance)
+    caption = "Dynamic relaxation: out-of-balance force on the free nodes over the reaction; lines end the load steps."
+    figures.append(Figure(content, "svg", caption, "relaxation"))
+    columns = (
+        _headed(record.prescribed_name, record.prescribed_unit),
+        *(_headed(n, u) for n, (u, _) in record.measures.items()),
+    )
+    columns += ("residual", "iterations")
+    rows = tuple(
+        (
+            _told(record.prescribed_name, record.prescribed_unit, record.prescribed[k]),
+            *(_told(name, unit, values[k]) for name, (unit, values) in record.measures.items()),
+            f"{record.residual[k]:.1e}",
+            f"{record.iterations[k]}",
+        )
+        for k in range(len(record.prescribed))
+    )
+    lead = f"The run was stopped: {record.failure_message}." if record.failure_message else ""
+    table = Table(columns, rows, "After each load step", numeric=columns)
+    return Section("coupon", WORDS[record.test].capitalize(), lead, tuple(figures), (table,))
+
+
+def _headed(name, unit):
+    told = pictures_coupon.axis(name, unit)[1]
+    return f"{name} [{told}]" if told else name
+
+
+def _told(name, unit, value):
+    """A value as text, without its unit."""
+    return f"{pictures_coupon.axis(name, unit)[0] * value:.4g}"
+
+
+def lines(record):
+    """What a test came to, in a few lines."""
+    told, moved = [], (record.prescribed_unit, record.prescribed)
+    for name, (unit, values) in {record.prescribed_name: moved, **record.measures}.items():
+        told.append(f"{name:<34}{_told(name, unit, values[-1])} {pictures_coupon.axis(name, unit)[1]}".rstrip())
+    told.append(
+        f"{record.elements} elements, {int(record.iterations.sum())} iterations, residual {record.residual.max():.1e} "
+        f"at most, {record.wall_time:.1f} s"
+    )
+    return told
+
+
+def _page(this, record, told, stamp):
+    """The report of one test."""
+    model = this.scene.fabric.cell_model
+    tone = "unstable" if record.outcome == "unstable" else "stopped"
+    cards = (
+        chapters.fabric_card(this.fabric),
+        chapters.law_card(this.laws[0], source=this.law_name if model == "compressible" else model),
+        Card(WORDS[record.test], record.outcome, tuple(" ".join(line.split()) for line in lines(record)[:-1]), tone),
+    )
+    return report_page.Report(
+        record.title,
+        f"A coupon of {record.fabric}, {record.elements} elements, in {len(record.prescribed)} load steps, each "
+        f"relaxed to {this.scene.run.tolerance:g} of the reaction.",
+        (cards,),
+        (
+            told,
+            chapters.cell(this.fabric, {this.law_name: this.laws}, model, **chapters.options(this.scene.fabric)),
+            checks.section(record.checks),
+            chapters.sources(this.fabric),
+            chapters.making(stamp, {"test": record.wall_time}),
+        ),
+        f"weavecell {weavecell.__version__}, {stamp['date']}",
+    )

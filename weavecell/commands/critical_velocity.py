@@ -1,0 +1,199 @@
+"""The critical velocity of a panel, and its residual velocities with a Lambert-Jonas fit, from a scene or a fabric.
+
+The folder of `weavecell critical-velocity`
+    scene.toml               the scene; that of a fabric is the standard one, and can be run again or changed
+    critical-velocity.json   bracket, fit, shots, provenance
+    shots.csv                one row a shot, by strike velocity
+    residual-velocity.svg    residual against strike velocity
+
+All of it is written at the end; after an unstable shot only the scene and the shots before it.
+"""
+
+from __future__ import annotations
+
+import csv
+import os
+import time
+from dataclasses import asdict
+from importlib import resources
+from pathlib import Path
+
+import numpy as np
+
+from fabrics import catalogue
+from fabrics.errors import InputError, UnstableError
+from fabrics.files import write_whole
+from weavecell.report import checks, pictures
+from weavecell.results import json_file, progress, provenance
+from weavecell.scenes import build, toml_writer
+from weavecell.scenes import impact as scenes_impact
+from weavecell.scenes.supported import Support, of
+
+SUPPORT = Support(
+    "weavecell critical-velocity",
+    scenes_impact.Scene,
+    ("format", *build.SHOT, "panel.grading"),
+    ignored=(
+        "title", "projectile.strike_velocity",
+        *of("run", "end_time snapshot_interval checkpoint_interval outputs"),
+    ),
+    rejected=build.NO_SLACK
+    | {"panel.plies": "1: the ballistic limit of one ply is computed; that of a pack is not available"}
+    | dict.fromkeys(("panel.stacking", "panel.ply_gap"), "left out for a single ply")
+    | {"history": "left out: the shots record nothing along yarns; `weavecell impact` does"}
+    | {"accuracy": "left out: the ballistic limit is computed on the mesh of the scene"},
+    rules=build.SHOT_RULES,
+)  # fmt: skip
+_CURVE = (1.03, 2.0)  # first and last shot of the curve, times the velocity that perforates
+_COLUMNS = {
+    "strike velocity [m/s]": lambda shot: f"{shot.strike_velocity:.4f}",
+    "outcome": lambda shot: shot.outcome,
+    "residual velocity [m/s]": lambda shot: f"{shot.residual_velocity:.4f}",
+    "time [s]": lambda shot: f"{shot.time:.6e}",
+    "failed yarn segments": lambda shot: f"{shot.failed}",
+    "peak warp tension [N]": lambda shot: f"{shot.peak_tension[0]:.3f}",
+    "peak weft tension [N]": lambda shot: f"{shot.peak_tension[1]:.3f}",
+    "energy error [-]": lambda shot: f"{shot.balance:.3e}",
+    "checks": lambda shot: checks.status(shot.checks),
+}
+
+
+def critical_velocity(target, out, *, tolerance, curve, jobs, executor, strict=False):
+    """Find the critical velocity of `target`, a scene file, a fabric of the catalogue or a fabric file.
+
+    Parameters
+    ----------
+    target : text
+    out : Path of the folder to write to
+    tolerance : [m/s]
+    curve : number of shots above the limit for the curve of residual velocity
+    jobs, executor : as of `ballistic_limit.critical_velocity`
+    strict : whether a doubtful shot is an error
+
+    Raises
+    ------
+    InputError : the scene or fabric is wrong, or its panel has no critical velocity; nothing has been written
+    UnstableError : a shot became unphysical; those before it have been written
+    DoubtfulError : a shot has a quality indicator beyond its limit, and `strict`; all results have been written
+    """
+    from shellfabric.impact import ballistic_limit, lambert_jonas
+    from shellfabric.panel import quality
+
+    this, text = _case(target, out)
+    began, shots = time.perf_counter(), []
+
+    def keep(share, shot):
+        shots.append(shot)
+        advance(share, f"{shot.outcome} at {shot.strike_velocity:.1f} m/s")
+
+    beside = {"jobs": jobs, "executor": executor, "report": keep}
+    try:
+        panel = build.setup(this, target).panel()
+        with progress.bar(f"{this.fabric.name}, critical velocity") as advance:
+            found = ballistic_limit.critical_velocity(panel, tolerance=tolerance, **beside)
+        if curve:
+            with progress.bar("Residual velocities") as advance:
+                ballistic_limit.shoot(panel, found.high * np.geomspace(*_CURVE, curve), **beside)
+    except InputError as problem:
+        raise build.in_file(problem, target) from None
+    except UnstableError:
+        _write_shots(out, text, shots)
+        raise
+    shots.sort(key=lambda shot: shot.strike_velocity)
+    through = [shot for shot in shots if shot.perforated]
+    fit = None
+    if len(through) > 2:
+        velocities = zip(*((shot.strike_velocity, shot.residual_velocity) for shot in through))
+        fit = lambert_jonas.fit(*velocities, limit=found.velocity)
+    _write_shots(out, text, shots)
+    _write(out, this, found, fit, shots, time.perf_counter() - began, text)
+    _tell(this, found, fit, shots, out)
+    checks.report(quality.worst(shot.checks for shot in shots), strict)
+
+
+def _case(target, out):
+    """(Case, text of its scene)"""
+    name = Path(target).stem
+    if target in catalogue.list_names():
+        table = {"name": target}
+    elif target.endswith(".toml"):
+        text, found = scenes_impact.read_toml(target, what="scene or fabric")
+        if {"fabric", "projectile", "panel", "run"} & set(found):
+            return build.build(scenes_impact.check(found, target, SUPPORT), target, name), text
+        catalogue.read(target)
+        table = {"file": os.path.relpath(target, out)}
+    else:
+        raise InputError(
+            key="TARGET", value=target,
+            allowed=f"a scene or fabric file (*.toml), or one of {', '.join(catalogue.list_names())}",
+        )  # fmt: skip
+    standard = scenes_impact.read_toml(resources.files("weavecell") / "scenes" / "demo.toml", what="demonstration")[1][
+        "scene"
+    ]
+    table = {**standard, "fabric": standard["fabric"] | {"name": None} | table}
+    table["fabric"] = {key: value for key, value in table["fabric"].items() if value is not None}
+    return build.build(scenes_impact.check(table, out / "scene.toml", SUPPORT), target, name), toml_writer.dumps(table)
+
+
+def _write_shots(out, text, shots):
+    with write_whole(out / "scene.toml") as file:
+        file.write(text)
+    with write_whole(out / "shots.csv") as file:
+        rows = csv.writer(file)
+        rows.writerow(_COLUMNS)
+        rows.writerows([column(shot) for column in _COLUMNS.values()] for shot in shots)
+
+
+def _write(out, this, found, fit, shots, wall_time, text):
+    from shellfabric.panel import quality
+
+    summary = {
+        "format": "weavecell critical velocity 2",
+        "fabric": this.fabric.name,
+        "law_name": this.law_name,
+        "critical_velocity_m_s": found.velocity,
+        "bracket_m_s": [found.low, found.high],
+        "single_limit": found.single,
+        "lambert_jonas": asdict(fit) if fit else None,
+        "shots": [_entry(shot) for shot in shots],
+        **checks.summary(quality.worst(shot.checks for shot in shots)),
+        "wall_time_s": wall_time,
+        "provenance": provenance.stamp(text, this.fabric),
+    }
+    json_file.write(out / "critical-velocity.json", summary)
+    with write_whole(out / "residual-velocity.svg", "wb") as file:
+        file.write(pictures.render(pictures.residual_velocity, this.fabric.name, found, fit, shots))
+
+
+def _entry(shot):
+    """A shot for critical-velocity.json."""
+    return {
+        "strike_velocity_m_s": shot.strike_velocity,
+        "residual_velocity_m_s": shot.residual_velocity,
+        "outcome": shot.outcome,
+        "end_time_s": shot.time,
+        "failed_yarn_segments": shot.failed,
+        "peak_tension_N": shot.peak_tension,
+        "energy_error_max": shot.balance,
+        "wall_time_s": shot.wall_time,
+        "checks": checks.status(shot.checks),
+    }
+
+
+def _tell(this, found, fit, shots, out):
+    print(f"{this.fabric.name}: critical velocity {found.velocity:.1f} m/s")
+    print(f"stops at {found.low:.2f} m/s, perforates at {found.high:.2f} m/s; {len(shots)} shots")
+    if not found.single:
+        print("a faster shot was stopped: there is more than one limit")
+    if fit is not None:
+        print(f"Lambert-Jonas: {parameters(fit)}, rms {fit.residual_rms:.1f} m/s")
+    print(f"written to {out}", flush=True)
+
+
+def parameters(fit):
+    """The fitted parameters as text, each with its interval."""
+    texts = []
+    for name, interval in fit.intervals.items():
+        told = f"({interval[0]:.3g} to {interval[1]:.3g})" if interval else "(at its bound)"
+        texts.append(f"{name} = {getattr(fit, name):.3g} {told}")
+    return ", ".join(texts)

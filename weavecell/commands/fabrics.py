@@ -1,0 +1,74 @@
+"""The catalogue on the terminal: all fabrics in one table, or one with everything known about it."""
+
+from __future__ import annotations
+
+import csv
+import shutil
+from pathlib import Path
+
+from fabrics import catalogue
+from fabrics.errors import InputError
+from fabrics.files import replace_whole, write_whole
+from weavecell.report.derived import derived
+
+# heading, unit, and what stands in the column
+_COLUMNS = (
+    ("fabric", "", lambda f: f.name),
+    ("count", "1/cm", lambda f: f"{f.weave.warp_count / 100:.1f}/{f.weave.weft_count / 100:.1f}"),
+    ("crimp", "%", lambda f: "/".join(f"{100 * yarn.crimp:.2f}" for yarn in f.weave.yarns)),
+    ("mass", "g/m²", lambda f: f"{1000 * f.weave.areal_density:.1f}"),
+    ("thick", "mm", lambda f: f"{1000 * f.weave.thickness:.3f}"),
+    ("strength", "N/yarn", lambda f: "/".join(f"{yarn.strength:.0f}" for yarn in f.weave.yarns)),
+    ("a", "mm", lambda f: f"{1000 * f.laws[0].a:.4f}" if f.laws else "-"),
+    ("b", "mm N^⅓", lambda f: f"{1000 * f.laws[0].b:.3f}" if f.laws else "-"),
+)
+
+
+def show_all(out=None):
+    """Print the catalogue, one line a fabric; with `out`, also write it as CSV."""
+    rows = [[column(fabric) for _, _, column in _COLUMNS] for fabric in map(catalogue.load, catalogue.list_names())]
+    if out is not None:
+        with write_whole(out) as file:
+            csv.writer(file).writerows([[f"{name} [{unit}]" if unit else name for name, unit, _ in _COLUMNS], *rows])
+    heads = [f"{name}\n[dim]{unit}[/]" for name, unit, _ in _COLUMNS]
+    _print_table("Fabrics of the catalogue (warp / weft)", heads, rows)
+
+
+def show(name, out=None):
+    """Print one fabric: what follows from its data, then each number with its source."""
+    fabric = catalogue.load(name)
+    if out is not None:
+        _copy(name, Path(out))
+    _print_table(f"{fabric.name}: what follows", ["quantity", "value"], derived(fabric))
+    rows = [(key, entry["value"], entry["status"], entry["source"]) for key, entry in fabric.sources.items()]
+    _print_table(
+        f"{fabric.name}: where each number comes from", ["key", "value", "status", "source"], rows, numeric=False
+    )
+
+
+def _copy(name, folder):
+    """Copy the data file of a fabric of the catalogue into `folder`; never over a file that is there."""
+    target = folder / f"{name}.toml"
+    if target.exists():
+        raise InputError("exists already", file=target)
+    source = Path(catalogue.__file__).parent / f"{name}.toml"
+    if not source.exists():
+        raise InputError(key="FABRIC", value=name, allowed=f"one of {', '.join(catalogue.list_names())} to be copied")
+    with replace_whole(target) as beside:
+        shutil.copyfile(source, beside)
+
+
+def _print_table(title, heads, rows, numeric=True):
+    from rich import box
+    from rich.console import Console
+    from rich.table import Table
+
+    table = Table(
+        title=title, title_justify="left", title_style="bold", header_style="bold",
+        box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False,
+    )  # fmt: skip
+    for position, head in enumerate(heads):
+        table.add_column(head, justify="right" if numeric and position else "left", overflow="fold", no_wrap=numeric)
+    for row in rows:
+        table.add_row(*row)
+    Console().print(table)

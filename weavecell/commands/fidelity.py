@@ -1,0 +1,226 @@
+"""A scene that says what it wants to know, and how well: the model chosen for it, in words, tables and files."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from fabrics.errors import InputError, UnstableError
+from weavecell.report.page import Section, Table
+from weavecell.scenes import build
+from weavecell.scenes import impact as scenes_impact
+from weavecell.scenes.supported import Support, of
+
+_CHOSEN = "left out in a scene with [accuracy], whose mesh is chosen"
+SUPPORT = Support(
+    "weavecell impact",
+    scenes_impact.Scene,
+    (
+        "format", "title", *build.SHOT, "projectile.strike_velocity",
+        *of("run", "end_time snapshot_interval checkpoint_interval outputs"),
+        *of("history", "interval warp weft report_positions"),
+        *of("accuracy", "residual_velocity absorbed_energy deflection peak_tension"),
+    ),
+    rejected=build.NO_SLACK
+    | {"panel.grading": _CHOSEN, "panel.plies": "1 in a scene with [accuracy]"}
+    | dict.fromkeys(("panel.stacking", "panel.ply_gap"), "left out for a single ply"),
+    rules=build.SHOT_RULES,
+)  # fmt: skip
+_OF_A_RUN = (
+    "title", *of("run", "snapshot_interval checkpoint_interval outputs"),
+    *of("history", "interval warp weft report_positions"),
+)  # fmt: skip
+EXPLAIN = replace(
+    SUPPORT,
+    command="weavecell impact --explain",
+    supported=tuple(key for key in SUPPORT.supported if key not in _OF_A_RUN),
+    ignored=_OF_A_RUN,
+)
+
+# keys of a scene that a model of the ladder would change; what is given there stays
+_BY_HAND = {
+    ("panel", "symmetry"): "symmetry",
+    ("run", "elements_per_crossover"): "elements_per_crossover",
+    ("fabric", "cell_model"): "cell_model",
+    ("projectile", "body"): "projectile",
+}
+
+
+def by_hand(asked):
+    """Names of the fields of ImpactSetup that the scene sets itself."""
+    return frozenset(field for (table, key), field in _BY_HAND.items() if key in getattr(asked, table).model_fields_set)
+
+
+def answer(asked, setup, shoot):
+    """Choose, run and check.
+
+    Parameters
+    ----------
+    asked : Scene with a table [accuracy]
+    setup : ImpactSetup as the scene has it
+    shoot : called as shoot(setup, table, name of the model) for a run with all its records; gives
+        (ImpactRecord, snapshots, failure, ImpactResult)
+
+    Returns
+    -------
+    shot : (ImpactRecord, snapshots, failure) of the run that counts
+    choice : select.Answer, or None where that run became unstable
+    """
+    from weavecell.analysis.fidelity import select
+
+    last = None
+
+    def fire(option, table):
+        nonlocal last
+        this = replace(option.setup, audit_interval=setup.audit_interval)  # its histories are drawn
+        *last, result = shoot(this, table, option.model.name)
+        if last[2] is not None:
+            raise last[2]
+        return result
+
+    try:
+        choice = select.answer(setup, asked.accuracy.targets, fixed=by_hand(asked), fire=fire, told=print)
+    except UnstableError:
+        if last is None:
+            raise
+        choice = None
+    return last, choice
+
+
+def explain(path):
+    """Print what the scene at `path` could be answered with, what each is expected to be off by, and what is chosen.
+
+    Raises
+    ------
+    InputError : the scene or what it names is wrong, or it asks for no accuracy
+    """
+    import rich
+    from rich import box, table
+
+    from weavecell.analysis.fidelity import error_database, select
+
+    asked, _ = scenes_impact.load(path, EXPLAIN)
+    if asked.accuracy is None:
+        raise InputError("is missing, so there is nothing to choose", file=path, key="accuracy")
+    this = build.build(asked, path, path.stem)
+    options = select.options(build.setup(this, path), asked.accuracy.targets, fixed=by_hand(asked))
+    chosen = select.pick(options)
+    shown = table.Table(box=box.SIMPLE_HEAD, title="Models, the cheapest first; likely errors", title_justify="left")
+    for column in ("", "model", "part", "elements", "cost", *asked.accuracy.targets):
+        shown.add_column(column.replace("_", " "))
+    for option in options:
+        shown.add_row("->" if option is chosen else "", *_row(option, asked.accuracy.targets))
+    known_errors = error_database.load()
+    for name, known in known_errors.others.items():
+        errors = (_percent(known["expected"][quantity]) for quantity in asked.accuracy.targets)
+        shown.add_row("", name, "-", "-", f"{known['cost']:.3f}", *errors)
+    rich.print(shown)
+    print("asked: " + ", ".join(f"{_plain(name)} {_percent(share)}" for name, share in asked.accuracy.targets.items()))
+    print("cost: process time over that of the full model, as the survey found it (docs/fidelity.md)")
+    print(
+        "errors: four scenes in five of the survey stay below. A run looks at its own scene first, by two scouts, and"
+    )
+    print("may choose a cheaper or a dearer model; the cable net is there to compare with, and never chosen")
+    told = ", ".join(f"{_plain(name)} {_percent(known_errors.own(name))}" for name in asked.accuracy.targets)
+    print(f"the full model itself is only known to about: {told}")
+    print(f"projectile: {_projectile(asked)}")
+
+
+def _projectile(asked):
+    if "body" in asked.projectile.model_fields_set:
+        return f"{asked.projectile.body}, as the scene says"
+    if asked.projectile.shape != "flat":
+        return "rigid; only a flat cylinder of steel could be elastic"
+    return "rigid if a scout's contact lasts long enough against its period, and an elastic bar if not"
+
+
+def _row(option, asked):
+    panel_elements = f"{option.elements:,}"
+    expected = (_percent(option.expected[name]) if name in option.expected else "-" for name in asked)
+    return option.model.name, option.setup.symmetry, panel_elements, f"{option.cost:.3f}", *expected
+
+
+def _percent(share):
+    return "not known" if share == float("inf") else f"{100 * share:.2g} %"
+
+
+def _plain(name):
+    return name.replace("_", " ")
+
+
+def summary(choice):
+    """For summary.json."""
+    if choice is None:
+        return {}
+    final = choice.final
+    return {
+        "accuracy": {
+            "targets": choice.asked,
+            "model": final.option.model.name,
+            "symmetry": final.option.setup.symmetry,
+            "compared_with": final.against,
+            "values": {name: _number(final.values[name]) for name in choice.asked},
+            "estimated_errors": {
+                name: None if error == float("inf") else error for name, error in final.errors.items()
+            },
+            "reference_error": choice.own,
+            "projectile": choice.body,
+            "confirmed": choice.confirmed,
+            "models_run": [attempt.option.model.name for attempt in choice.attempts],
+        }
+    }
+
+
+def tell(choice):
+    """Print whether the promise holds, and what the numbers asked for are."""
+    final = choice.final
+    found = ", ".join(f"{_plain(name)} {_percent(error)}" for name, error in final.errors.items())
+    print(
+        f"accuracy {_verdict(choice)}: {final.option.model.name}, {final.option.setup.symmetry} panel; errors {found}"
+    )
+    if "peak_tension" in choice.asked and choice.regime == "held" and final.against:
+        warp, weft = final.values["peak_tension"]
+        print(f"peak tension from this mesh and that of {final.partner}: warp {warp:.4g} N, weft {weft:.4g} N")
+    for name, share in choice.asked.items():
+        if choice.own[name] > share:
+            print(f"{_plain(name)}: the full model itself is only known to about {_percent(choice.own[name])}")
+
+
+def _verdict(choice):
+    if not choice.confirmed:
+        return "NOT confirmed: no model is known to do better"
+    return "confirmed" if choice.final.against else "by definition: the full model, which all others are held against"
+
+
+def _number(value):
+    """For summary.json: shares, metres, newtons; None of what is not there."""
+    if isinstance(value, tuple):
+        return [_number(part) for part in value]
+    return None if value != value else value
+
+
+def chapter(choice):
+    """For the report."""
+    final, asked = choice.final, choice.asked
+    rows = tuple(
+        (
+            attempt.option.model.name,
+            attempt.against or "-",
+            *(_percent(attempt.errors[name]) for name in asked),
+            "yes" if attempt.holds else "no",
+        )
+        for attempt in choice.attempts
+    )
+    options = tuple(_row(option, asked) for option in choice.options)
+    names = tuple(_plain(name) for name in asked)
+    wanted = ", ".join(f"{_plain(name)} within {_percent(share)}" for name, share in asked.items())
+    return Section(
+        "accuracy",
+        "The model that was chosen",
+        f"The scene asks for {wanted}. Accuracy {_verdict(choice)}; {final.option.model.name}, "
+        f"{final.option.setup.symmetry} panel; {choice.body}.",
+        (),
+        (
+            Table(("model", "held against", *names, "within"), rows, "Errors that the answers stay below"),
+            Table(("model", "part", "elements", "cost", *names), options, "What could have been chosen", ("elements",)),
+        ),
+    )

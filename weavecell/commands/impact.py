@@ -1,0 +1,215 @@
+"""One impact from its scene to its folder of results.
+
+The folder of `weavecell impact`
+    scene.toml      the scene as it was given
+    histories.h5    scalars, histories and the panel at the end (`results.impact.ImpactRecord`)
+    summary.json    outcome, energies, provenance
+    panel.pvd       the ParaView series of panel/panel-*.vtu
+    pictures/       velocity, energies and reactions (.svg), panel.png
+    report.html     all of it on one page
+    checkpoint.h5   only while the run goes on, or after it was interrupted: `--resume` goes on from it
+
+A pack of several plies has a folder much like it (`pack_run`).
+
+Where the scene says how accurate its answer is to be, the model is chosen (`fidelity`): summary.json and the report
+then tell which, why, and whether the promise was confirmed.
+
+Everything but the checkpoint is written when the run has ended, also if it ended by becoming unstable.
+"""
+
+from __future__ import annotations
+
+import shutil
+
+import weavecell
+from fabrics.errors import InputError, WeavecellError
+from fabrics.files import write_whole
+from weavecell.commands import fidelity, impact_pack
+from weavecell.report import chapters, chapters_impact, checks
+from weavecell.report import page as report_page
+from weavecell.results import json_file, paraview, progress, provenance
+from weavecell.results.impact import ImpactRecord, Shape
+from weavecell.scenes import build
+from weavecell.scenes import impact as scenes_impact
+from weavecell.scenes.supported import Support, of
+
+SUPPORT = Support(
+    "weavecell impact",
+    scenes_impact.Scene,
+    (
+        "format", "title", *build.SHOT, "projectile.strike_velocity", "panel.plies", "panel.grading",
+        *of("run", "end_time snapshot_interval checkpoint_interval outputs"),
+        *of("history", "interval warp weft report_positions"),
+        *of("accuracy", "residual_velocity absorbed_energy deflection peak_tension"),
+    ),
+    rejected=build.NO_SLACK | dict.fromkeys(("panel.stacking", "panel.ply_gap"), "left out for a single ply"),
+    rules=build.SHOT_RULES,
+)  # fmt: skip
+
+
+def support(asked):
+    """The declaration that holds for a scene: packs and scenes with [accuracy] have their own."""
+    if asked.panel.plies > 1:
+        return impact_pack.SUPPORT
+    return SUPPORT if asked.accuracy is None else fidelity.SUPPORT
+
+
+class Interrupted(WeavecellError):
+    """The user stopped a run that can be gone on with."""
+
+    exit_code = 130
+
+
+def impact(path, out, *, resume=False, strict=False):
+    """Run the scene at `path` and write its results to the folder `out`.
+
+    Parameters
+    ----------
+    path, out : Path
+    resume : whether to go on from a checkpoint
+    strict : whether a doubtful result is an error
+
+    Raises
+    ------
+    InputError : the scene or what it names is wrong, or there is nothing to resume; nothing has been written
+    UnstableError : the run became unstable; what it had computed has been written
+    DoubtfulError : a quality indicator is beyond its limit, and `strict`; all results have been written
+    Interrupted : by the user; the last checkpoint has been kept
+    """
+    asked, text = scenes_impact.load(path, support)
+    this = build.build(asked, path, path.stem)
+    setup = build.setup(this, path)
+    if resume and not checkpoints(out):
+        raise InputError("there is no checkpoint to resume from", file=out / "checkpoint.h5")
+    if asked.panel.plies > 1:
+        try:
+            return impact_pack.impact(this, setup, path, text, out, resume=resume, strict=strict)
+        except KeyboardInterrupt:
+            raise _interrupted(out) from None
+    title = asked.title or f"{this.fabric.name}, {asked.projectile.strike_velocity:g} m/s"
+    choice = None
+
+    def shoot(setup, table=None, model=""):
+        checkpoint = out / f"checkpoint{'-' + model.replace(' ', '-') if model else ''}.h5"
+        every, again = asked.run.checkpoint_interval, resume and checkpoint.exists()
+        return fire(this, setup, title, checkpoint=checkpoint, every=every, resume=again, table=table)
+
+    try:
+        if asked.accuracy is None:
+            record, snapshots, failure, _ = shoot(setup)
+        else:
+            (record, snapshots, failure), choice = fidelity.answer(asked, setup, shoot)
+    except InputError as problem:
+        raise build.in_file(problem, path) from None
+    except KeyboardInterrupt:
+        raise _interrupted(out) from None
+    with progress.bar("Writing results") as advance:
+        write(out, this, record, snapshots, text, advance, choice)
+    for checkpoint in checkpoints(out):
+        checkpoint.unlink()
+    _tell(record, out)
+    if choice is not None:
+        fidelity.tell(choice)
+    if failure is not None:
+        raise failure
+    checks.report(record.checks, strict)
+
+
+def _interrupted(out):
+    hint = "; --resume goes on from its last checkpoint" if checkpoints(out) else ""
+    return Interrupted(f"interrupted{hint}")
+
+
+def checkpoints(out):
+    """The checkpoints in a folder: one, or one for each model that has been tried."""
+    return sorted(out.glob("checkpoint*.h5"))
+
+
+def fire(this, setup, title, *, checkpoint=None, every=None, resume=False, table=None):
+    """Run an impact under a progress bar, with checkpoints if a path for them is given.
+
+    Returns
+    -------
+    record : ImpactRecord
+    snapshots : tuple of shellfabric.output.snapshots.Snapshot
+    failure : the UnstableError that ended the run, or None
+    result : ImpactResult
+    """
+    from shellfabric.impact import single_ply as solver
+    from shellfabric.output.checkpoint import Checkpoints
+
+    hooks = () if checkpoint is None else (Checkpoints(checkpoint, every),)
+    result, failure = progress.watched(
+        lambda hooks: solver.run(setup, hooks=hooks, resume=checkpoint if resume else None, table=table), title, hooks
+    )
+    return ImpactRecord.of(result, title, this.law_name, str(failure or "")), result.snapshots, failure, result
+
+
+def write(out, this, record, snapshots, text, advance, choice=None):
+    """Write everything but the checkpoint."""
+    outputs = this.scene.run.outputs
+    stamp = provenance.stamp(text, this.fabric)
+    with write_whole(out / "scene.toml") as file:
+        file.write(text)
+    record.write(out / "histories.h5")
+    content = record.summary() | checks.summary(record.checks) | fidelity.summary(choice)
+    json_file.write_summary(out / "summary.json", content | {"provenance": stamp})
+    advance(0.1)
+    shutil.rmtree(out / "panel", ignore_errors=True)  # of an earlier run, whose series may have been longer
+    if "paraview" in outputs:
+        shapes = [Shape.of(shot) for shot in snapshots if shot.t < record.final.t]
+        paraview.write_panel(out, [*shapes, record.final], record.quads)
+    advance(0.4)
+    if not {"pictures", "report"} & set(outputs):
+        return
+    told = [chapters.impact([record])]
+    if choice is not None:
+        told.append(fidelity.chapter(choice))
+    if record.measured is not None:
+        told.append(chapters_impact.measures(record.measured, this.scene.history.report_positions))
+    told += chapters_impact.body(record)
+    if "pictures" in outputs:
+        report_page.write_pictures(told, out / "pictures")
+    advance(0.9)
+    if "report" in outputs:
+        report_page.write(page(this, record, told, stamp), out / "report.html")
+
+
+def page(this, record, told, stamp):
+    """The report of one impact; `told` are its chapters."""
+    model = this.scene.fabric.cell_model
+    shot, panel = this.scene.projectile, this.scene.panel
+    if this.surface is None:
+        source = this.law_name if model == "compressible" else model
+        laws, cell = (
+            (chapters.law_card(this.laws[0], source=source),),
+            (chapters.cell(this.fabric, {this.law_name: this.laws}, model, **chapters.options(this.scene.fabric)),),
+        )
+    else:
+        laws, cell = (), ()
+    cards = (chapters.fabric_card(this.fabric), *laws, chapters.impact_card(record))
+    return report_page.Report(
+        record.title,
+        f"One ply of {record.fabric}, {build.panel_in_words(panel)}, struck at {shot.strike_velocity:g} m/s by "
+        f"{build.shot_in_words(shot)}.",
+        (cards,),
+        (
+            *told,
+            *cell,
+            checks.section(record.checks),
+            chapters.sources(this.fabric),
+            chapters.making(stamp, {"marching": record.wall_time}),
+        ),
+        f"weavecell {weavecell.__version__}, {stamp['date']}",
+    )
+
+
+def _tell(record, out):
+    print(f"{record.title}: {record.outcome}, {chapters.residual(record)}")
+    print(
+        f"energy error at most {100 * record.energy_error_max:.3f} % of the strike energy, {record.strike_energy:.2f} J"
+    )
+    if record.rigid_check:
+        print(record.rigid_check)
+    print(f"viscous energy {100 * record.viscous_energy_fraction:.1f} % of the {record.absorbed_energy:.2f} J absorbed")
+    print(f"written to {out}", flush=True)

@@ -1,0 +1,259 @@
+"""One impact on a pack of plies, from its scene to its folder of results.
+
+The folder of `weavecell impact` where panel.plies is above 1
+    scene.toml      the scene as it was given
+    histories.h5    scalars, histories, every ply at the end (`results.pack.PackRecord`)
+    summary.json    outcome, energies, what each ply bore, provenance
+    pack.pvd        the ParaView series of pack/pack-*.vtu: all plies, told apart by "ply"
+    pictures/       velocity, energies, cuts, plies and pushes (.svg), rear ply (.png)
+    report.html     all of it on one page
+    checkpoint.h5   only while the run goes on, or after it was interrupted
+"""
+
+from __future__ import annotations
+
+import shutil
+
+import numpy as np
+
+import weavecell
+from fabrics.errors import InputError
+from fabrics.files import replace_whole, write_whole
+from weavecell.report import chapters, chapters_impact, checks, pictures, pictures3d, pictures_pack
+from weavecell.report import page as report_page
+from weavecell.results import json_file, paraview, progress, provenance
+from weavecell.results.pack import PackRecord
+from weavecell.scenes import build
+from weavecell.scenes.impact import Scene
+from weavecell.scenes.supported import Rule, Support, of
+
+_OF_ONE_PLY = "left out where panel.plies is above 1"
+SUPPORT = Support(
+    "weavecell impact",
+    Scene,
+    (
+        "format", "title", *build.SHOT, "projectile.strike_velocity", *of("panel", "plies stacking ply_gap"),
+        *of("history", "interval warp weft report_positions"),
+        *of("run", "end_time snapshot_interval checkpoint_interval outputs"),
+    ),
+    rejected=build.NO_SLACK | dict.fromkeys(("accuracy", "panel.grading"), _OF_ONE_PLY),
+    rules=(
+        *build.SHOT_RULES,
+        Rule("panel.stacking", lambda scene: scene.panel.weave_angle != 0, "aligned where the weave is oblique"),
+        Rule(
+            "panel.stacking", lambda scene: scene.fabric.surface is not None,
+            "aligned where the cell is a response surface",
+        ),
+    ),
+)  # fmt: skip
+_OF_PANEL = ("plies", "stacking", "gap")
+
+
+def impact(this, setup, path, text, out, *, resume=False, strict=False):
+    """Run the scene and write its results to the folder `out`.
+
+    Parameters
+    ----------
+    this : build.Case of the scene
+    setup : shellfabric.impact.single_ply.ImpactSetup of one ply
+    path, text : of the scene file
+    resume : whether to go on from the checkpoint in `out`
+    strict : whether a doubtful result is an error
+
+    Raises
+    ------
+    InputError : what the scene asks for cannot be had; nothing has been written
+    UnstableError : the run became unstable; what it had computed has been written
+    DoubtfulError : a quality indicator is beyond its limit, and `strict`; all results have been written
+    """
+    from shellfabric.impact.pack import PackSetup
+
+    asked, checkpoint = this.scene, out / "checkpoint.h5"
+    title = asked.title or f"{asked.panel.plies} x {this.fabric.name}, {asked.projectile.strike_velocity:g} m/s"
+    try:
+        pack = PackSetup(setup, asked.panel.plies, asked.panel.stacking, asked.panel.ply_gap)
+        record, snapshots, failure = fire(this, pack, title, checkpoint=checkpoint, resume=resume)
+    except InputError as problem:
+        raise _in_file(problem, path) from None
+    with progress.bar("Writing results") as advance:
+        write(out, this, record, snapshots, text, advance)
+    checkpoint.unlink(missing_ok=True)
+    _tell(record, out)
+    if failure is not None:
+        raise failure
+    checks.report(record.checks, strict)
+
+
+def fire(this, setup, title, *, checkpoint, resume=False):
+    """Run it under a progress bar: (PackRecord, snapshots, the UnstableError that ended it or None)."""
+    from shellfabric.impact import pack as impact_pack
+    from shellfabric.output.checkpoint import Checkpoints
+
+    hooks = (Checkpoints(checkpoint, this.scene.run.checkpoint_interval),)
+    result, failure = progress.watched(
+        lambda hooks: impact_pack.run(setup, hooks=hooks, resume=checkpoint if resume else None), title, hooks
+    )
+    return PackRecord.of(result, title, this.law_name, str(failure or "")), result.snapshots, failure
+
+
+def _in_file(problem, path):
+    """An InputError of the pack, with the scene's file and key in it."""
+    if problem.file is None and problem.key in _OF_PANEL:
+        key = {"gap": "ply_gap"}.get(problem.key, problem.key)
+        return InputError(file=path, key=f"panel.{key}", value=problem.value, allowed=problem.allowed)
+    return build.in_file(problem, path)
+
+
+def write(out, this, record, snapshots, text, advance):
+    """Write everything but the checkpoint."""
+    outputs, stamp = this.scene.run.outputs, provenance.stamp(text, this.fabric)
+    with write_whole(out / "scene.toml") as file:
+        file.write(text)
+    record.write(out / "histories.h5")
+    json_file.write_summary(
+        out / "summary.json", record.summary() | checks.summary(record.checks) | {"provenance": stamp}
+    )
+    advance(0.1)
+    shutil.rmtree(out / "pack", ignore_errors=True)
+    if "paraview" in outputs:
+        write_series(out, record, snapshots)
+    advance(0.4)
+    if not {"pictures", "report"} & set(outputs):
+        return
+    told = [chapter(record)]
+    ends = dict.fromkeys((0, record.count - 1)) if record.measured else ()  # the ply that is struck, and the rear one
+    told += [
+        chapters_impact.measures(record.measured[ply], this.scene.history.report_positions, ply + 1) for ply in ends
+    ]
+    if "pictures" in outputs:
+        report_page.write_pictures(told, out / "pictures")
+    advance(0.9)
+    if "report" in outputs:
+        report_page.write(page(this, record, told, stamp), out / "report.html")
+
+
+def write_series(out, record, snapshots):
+    """Write the plies' shapes as pack.pvd and pack/*.vtu in the folder `out`."""
+    times = {}
+    instants = [shots for shots in snapshots if shots[0].t < record.shapes[0].t]
+    for number, shots in enumerate([*instants, record.shapes]):
+        parts = []
+        for ply, (shot, quads) in enumerate(zip(shots, record.quads), 1):
+            grid = paraview.panel_grid(shot.nodes.reshape(-1, 3), quads)
+            tension, broken = shot.tension.reshape(-1, 2), shot.broken.reshape(-1, 3)
+            grid.cell_data["tension_warp_N"], grid.cell_data["tension_weft_N"] = tension[:, 0], tension[:, 1]
+            grid.cell_data["failed_yarns"] = paraview.failed_yarns(broken)
+            grid.cell_data["ply"] = np.full(len(quads), ply, np.int8)
+            parts.append(grid)
+        whole = parts[0].merge(parts[1:], merge_points=False)
+        whole.field_data["projectile_z_m"] = [shots[0].z]
+        name = f"pack/pack-{number:04d}.vtu"
+        with replace_whole(out / name) as beside:
+            whole.save(beside)
+        times[name] = float(shots[0].t)
+    paraview.write_series(out / "pack.pvd", times)
+
+
+def chapter(record):
+    """The impact: velocity, cuts, what the plies bear, energies, and the rear ply."""
+    figure, render = report_page.Figure, pictures.render
+    energies = record.energies | {
+        "yarn_strain": record.energies["yarn_strain"] + record.energies["formulation_residual"],
+        "contact": record.energies["contact"] + record.energies["ply_contact"],
+    }
+    last, rear = record.shapes[-1], record.quads[-1]
+    share = np.max(last.tension / record.strength[-1], axis=1)
+    body, mirrors = last.nose + record.projectile, (record.mirror_x, record.mirror_y)
+    failed = paraview.failed_yarns(last.broken)
+    images = [(f"at {1e6 * last.t:.0f} µs", pictures3d.panel(last.nodes, rear, share, failed, body, mirrors, reach))
+              for reach in (None, chapters.CLOSE_UP)]  # fmt: skip
+    figures = (
+        figure(render(pictures.velocity, {record.title: (record.time, record.velocity)}), "svg",
+               "Velocity of the projectile from strike to the end of the run.", "velocity"),
+        figure(render(pictures_pack.cuts, _chosen(record.cuts), record.thickness, record.mirror_x, _outline(record),
+                      chapters.CLOSE_UP), "svg",
+               "The pack cut open along x through the impact point, plies dark at the front to light at the rear. "
+               "Left: the whole width, heights stretched. Right: to scale, plies as bands of their thickness.", "cuts"),
+        figure(render(pictures_pack.shares, record.peak_tension / record.strength, record.plies["failed_yarns"][-1],
+                      record.plies["energy"][-1]), "svg",
+               "What each ply bears; a ply's energy is what it moves with, stores and has lost.", "plies"),
+        figure(render(pictures_pack.pushes, record.time, record.plies["push"], record.plies["deflection"]), "svg",
+               "Left: the nose pushes on the plies that it touches; the others are pushed by the one before them.",
+               "pushes"),
+        figure(render(pictures.energies, record.time, energies, record.strike_energy, record.energies["error"],
+                      record.title), "svg",
+               "Where the strike energy is; below, what the balance misses (green band: 1 %). Contact is that of the "
+               "nose and that between plies.", "energies", wide=False),
+        figure(render(pictures.panels, {"rear ply": tuple(images)}, kind="png"), "png",
+               "The rear ply, seen from behind, to scale; right, the impact point.", "panel"),
+    )  # fmt: skip
+    lead = (
+        f"{record.title} became unstable and was stopped: {record.failure_message}." if record.failure_message else ""
+    )
+    return report_page.Section("impact", "Impact", lead, figures, (chapters.impact_table([record]), _ply_table(record)))
+
+
+def _chosen(cuts):
+    """Three instants: the snapshots nearest to a fifth and a half of the time, and the end."""
+    end = cuts[-1].t
+    return [min(cuts, key=lambda cut, at=at: abs(cut.t - at * end)) for at in (0.2, 0.5)] + [cuts[-1]]
+
+
+def _outline(record):
+    """(n, 2) [m] of the projectile's surface as it is seen from the side, the foremost point at height 0."""
+    x, z = record.projectile[..., 0].ravel(), record.projectile[..., 2].ravel()
+    heights = np.unique(np.round(z, 7))
+    low = [x[np.abs(z - height) < 1e-6].min() for height in heights]
+    high = [x[np.abs(z - height) < 1e-6].max() for height in heights]
+    outline = np.concatenate([np.column_stack([low, heights]), np.column_stack([high, heights])[::-1]])
+    outline[:, 1] -= outline[:, 1].max()
+    return outline
+
+
+def _ply_table(record):
+    """One row a ply."""
+    columns = ("ply", "failed yarn segments", "highest tension / strength, warp", "weft", "energy at the end [J]")
+    peaks = record.peak_tension / record.strength
+    rows = tuple(
+        (str(p + 1), f"{record.plies['failed_yarns'][-1, p]:g}", f"{peaks[p, 0]:.2f}", f"{peaks[p, 1]:.2f}",
+         f"{record.plies['energy'][-1, p]:.2f}")
+        for p in range(record.count)
+    )  # fmt: skip
+    deepest = 100 * record.max_penetration_ratio.max()
+    caption = f"Warp and weft are each ply's own. Deepest contact: {deepest:.0f} % of a thickness."
+    held, missed = record.torn_contact
+    if held or missed:
+        caption += f" Torn cloth was kept from going through other plies {held:g} times, {missed:g} times in vain."
+    return report_page.Table(columns, rows, caption=caption, numeric=columns[1:])
+
+
+def page(this, record, told, stamp):
+    """The report of one impact on a pack; told : sections of what was found."""
+    model, panel = this.scene.fabric.cell_model, this.scene.panel
+    source = this.law_name if model == "compressible" else model
+    laws = (chapters.law_card(this.laws[0], source=source),) if this.surface is None else ()
+    cards = (chapters.fabric_card(this.fabric), *laws, chapters.impact_card(record))
+    shot = this.scene.projectile
+    return report_page.Report(
+        record.title,
+        f"{record.count} plies of {record.fabric}, {record.stacking}, {1e3 * record.gaps[0]:.3g} mm apart, "
+        f"{build.panel_in_words(panel)}, struck at {shot.strike_velocity:g} m/s by {build.shot_in_words(shot)}.",
+        (cards,),
+        (
+            *told,
+            checks.section(record.checks),
+            chapters.sources(this.fabric),
+            chapters.making(stamp, {"marching": record.wall_time}),
+        ),
+        f"weavecell {weavecell.__version__}, {stamp['date']}",
+    )
+
+
+def _tell(record, out):
+    print(f"{record.title}: {record.outcome}, {chapters.residual(record)}")
+    failed = ", ".join(f"{count:g}" for count in record.plies["failed_yarns"][-1])
+    print(f"failed yarn segments by ply: {failed}")
+    print(
+        f"energy error at most {100 * record.energy_error_max:.3f} % of the strike energy, {record.strike_energy:.2f} J"
+    )
+    print(f"written to {out}", flush=True)

@@ -1,0 +1,1 @@
+"""The HTML report: chapters, pictures, tables, printed pages."""

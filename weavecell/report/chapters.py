@@ -1,0 +1,296 @@
+"""The chapters of a report, each from results to a Section: what to say, which picture, which table."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from weavecell.report import pictures, pictures3d
+from weavecell.report.derived import derived
+from weavecell.report.page import Card, Figure, Section, Table
+from weavecell.results.paraview import failed_yarns
+
+CLOSE_UP = 0.014  # [m] half the width of the close-up: five radii of the RCC projectile
+STRAINS = np.linspace(0.0, 0.032, 97)  # [-] of the cell, to past the yarns' failure strain
+
+
+def fabric_card(fabric):
+    """Which fabric."""
+    weave = fabric.weave
+    denier = " / ".join(f"{9e6 * yarn.linear_density:.0f}" for yarn in weave.yarns)
+    return Card(
+        "Fabric",
+        fabric.name,
+        (
+            f"{denier} denier, warp / weft",
+            f"{1e3 * weave.areal_density:.1f} g/m², {1e3 * weave.thickness:.3f} mm thick",
+            f"crimp {100 * weave.warp.crimp:.2f} / {100 * weave.weft.crimp:.2f} %",
+            f"yarn strength {weave.warp.strength:.0f} / {weave.weft.strength:.0f} N",
+        ),
+    )
+
+
+def law_card(law, published=None, source=""):
+    """Which compression law, beside the published one."""
+    if law.a == law.b == 0:  # of a cell whose yarns are not compressed
+        return Card("Compression law", source or "none", ("none: the yarns keep their thickness",))
+    shift = " + F0" if law.form == "regularised" else ""
+    lines = [f"a = {1e3 * law.a:.4f} mm, b = {1e3 * law.b:.4f} mm N^(1/3)", f"d_c = a - b / (F{shift})^(1/3)"]
+    if published is not None:
+        lines.append(f"published: {1e3 * published.a:.4f} mm, {1e3 * published.b:.4f} mm N^(1/3)")
+    if law.residual_rms is not None:
+        lines.append(f"residual of the fit {1e6 * law.residual_rms:.2f} µm rms")
+    return Card("Compression law", source or "given", tuple(lines))
+
+
+def impact_card(record):
+    """What one impact came to."""
+    headline = {"stopped": "stopped", "perforated": "perforated", "in flight": "still moving", "unstable": "unstable"}
+    tone = record.outcome if record.outcome in ("stopped", "perforated", "unstable") else "plain"
+    return Card(
+        record.title,
+        headline[record.outcome],
+        (
+            residual(record),
+            f"energy balance {percent(record.energy_error_max)}",
+            f"viscous {percent(record.viscous_energy_fraction)}",
+        ),
+        tone,
+    )
+
+
+def percent(share):
+    """A share as text, to two digits."""
+    return f"{100 * share:.2g} %"
+
+
+def residual(record):
+    """Velocity at the end, as text; a stopped projectile has none, though it may have begun to rebound."""
+    if record.outcome == "stopped":
+        return "residual velocity 0 m/s"
+    name = "residual velocity" if record.outcome == "perforated" else "velocity at the end"
+    return f"{name} {record.residual_velocity:.1f} m/s"
+
+
+def mesh(facts, picture):
+    """The meshed crossover."""
+    return Section(
+        "mesh",
+        "The crossover in hexahedra",
+        "One crossing of warp (blue) and weft (orange). Mesh lines along the yarns are fibre lines and carry the bars.",
+        (Figure(picture, "png", "The whole crossover; by symmetry a quarter of it is solved.", "mesh"),),
+        (Table(("quantity", "value"), tuple(facts.items())),),
+        beside=True,
+    )
+
+
+def fit(samples, laws, platen=None, lead=""):
+    """The calibration: samples of the 3D crossover, the law fitted to them, the published law."""
+    rows = tuple(
+        (
+            label,
+            f"{1e3 * law.a:.4f}{_interval(law.a_interval)}",
+            f"{1e3 * law.b:.4f}{_interval(law.b_interval)}",
+            "-" if law.residual_rms is None else f"{1e6 * law.residual_rms:.2f}",
+            "-" if law.F_range is None else f"{law.F_range[0]:.2g} to {law.F_range[1]:.3g}",
+        )
+        for label, law in laws.items()
+    )
+    columns = ("law", "a [mm]", "b [mm N^(1/3)]", "residual rms [µm]", "fitted range of F [N]")
+    content = pictures.render(pictures.fit, samples, laws, platen)
+    return Section(
+        "fit",
+        "Transverse compression: the fit",
+        lead or "Each point is a converged state of the 3D crossover, to which d_c = a - b / (F + F0)^(1/3) is fitted.",
+        (Figure(content, "svg", "Compression of one yarn against the contact force.", "fit"),),
+        (Table(columns, rows, numeric=columns[1:]),),
+    )
+
+
+def _interval(interval):
+    if interval is None:
+        return ""
+    return f" ({1e3 * interval[0]:.4f} to {1e3 * interval[1]:.4f})"
+
+
+def cell(fabric, laws, model="compressible", paths=None, **options):
+    """The cell's biaxial response with each law, and the 3D crossover's where it is known.
+
+    Parameters
+    ----------
+    laws : {label: (warp, weft) laws}
+    paths : {title: (strain1, strain2, T1, T2)} [-, N] of straight paths of the 3D crossover, or strains alone where it
+        has not been solved; two plain paths without
+    options : of CellModel
+    """
+    from shellfabric.cell.model import CellModel
+
+    paths = paths or {
+        "both yarns stretched alike": (STRAINS, STRAINS),
+        "warp stretched, weft held": (STRAINS, 0 * STRAINS),
+    }
+    cases = {}
+    for title, (warp, weft, *tensions) in paths.items():
+        share = np.linspace(0, 1, 97)
+        ends = float(warp[-1]), float(weft[-1])
+        main = int(ends[1] > ends[0])  # the strain on the axis is the larger one
+        curves = {}
+        for label, pair in laws.items():
+            state = CellModel(fabric, pair, model=model, **options).solve(1 + share * ends[0], 1 + share * ends[1])
+            curves[label] = (state["N1"], state["N2"])
+        measured = ((warp, weft)[main], *tensions) if tensions else None
+        cases[title] = {"strain": share * ends[main], "curves": curves, "points": measured}
+    content = pictures.render(pictures.cell, cases)
+    return Section(
+        "cell",
+        "Biaxial response of the cell",
+        "Tension of one yarn against the strain of the cell: lines are the shell's cell"
+        + (", circles the 3D crossover." if any(case["points"] for case in cases.values()) else "."),
+        (
+            Figure(
+                content,
+                "svg",
+                "Crimp exchange: each yarn bears on the other and carries load before it is straight.",
+                "cell",
+            ),
+        ),
+    )
+
+
+def options(table):
+    """Options of the cell that a scene's [fabric] table names, as CellModel takes them."""
+    return {"profile": table.cell_profile, "toe": table.fibre_slack}
+
+
+def impact(records):
+    """The impacts: velocity, shape, energies and reactions."""
+    velocities = {record.title: (record.time, record.velocity) for record in records}
+    shapes = {record.title: _shapes(record) for record in records}
+    reactions = {record.title: (record.time, record.reactions["warp"], record.reactions["weft"]) for record in records}
+    figures = [
+        Figure(
+            pictures.render(pictures.velocity, velocities), "svg",
+            "Velocity of the projectile from strike to the end of the run.", "velocity",
+        ),
+        Figure(
+            pictures.render(pictures.panels, shapes, kind="png"), "png",
+            "Seen from behind, to scale. Left: the panel when half of the energy lost had been lost. "
+            "Right: the impact point at the end of the run.",
+            "panel",
+        ),
+    ]  # fmt: skip
+    for number, record in enumerate(records, 1):
+        picture = pictures.render(
+            pictures.energies, record.time, _by_work(record.energies), record.strike_energy, record.energies["error"],
+            record.title,
+        )  # fmt: skip
+        name = f"energies-{number}" if len(records) > 1 else "energies"
+        caption = (
+            "Where the strike energy is; below, what the balance misses (green band: 1 %). Membrane is the work of the "
+            "cell's forces; what the yarns store differs from it by the term 'formulation' of the table."
+        )
+        figures.append(Figure(picture, "svg", caption, name, wide=False))
+    figures.append(
+        Figure(
+            pictures.render(pictures.reactions, reactions), "svg",
+            "Tension at the clamped ends of the warp and the weft yarn through the impact point.", "reactions",
+            wide=len(records) > 1,
+        )
+    )  # fmt: skip
+    return Section(
+        "impact",
+        "Impact" if len(records) == 1 else "Impacts",
+        " ".join(
+            f"{record.title} became unstable and was stopped: {record.failure_message}."
+            for record in records
+            if record.failure_message
+        ),
+        tuple(figures),
+        (impact_table(records),),
+    )
+
+
+def _by_work(energies):
+    """The energies with the work of the cell's forces in place of what the yarns store: parts that add up."""
+    return energies | {"yarn_strain": energies["yarn_strain"] + energies.get("formulation_residual", 0.0)}
+
+
+def _shapes(record):
+    """The whole panel half-way through the event, and the impact point at the end."""
+    drawn = []
+    for shape, reach in ((record.half_energy, None), (record.final, CLOSE_UP)):
+        share = np.max(shape.tension / record.strength, axis=1)
+        body = shape.nose + record.projectile
+        mirrors = (record.mirror_x, record.mirror_y)
+        image = pictures3d.panel(shape.nodes, record.quads, share, failed_yarns(shape.broken), body, mirrors, reach)
+        drawn.append((f"at {1e6 * shape.t:.0f} µs", image))
+    return drawn
+
+
+def impact_table(records):
+    """One row a run."""
+    columns = (
+        "run", "outcome", "residual [m/s]", "absorbed [J]", "failed yarn segments",
+        "balance [% of strike]", "viscous [% of absorbed]", "formulation [% of strike]", "marching [s]",
+        "ns per element and step",
+    )  # fmt: skip
+    rows = tuple(
+        (
+            record.title,
+            record.outcome,
+            residual(record).split()[-2],
+            f"{record.absorbed_energy:.2f}",
+            f"{int(record.failed_segments[-1])}",
+            f"{100 * record.energy_error_max:.3f}",
+            f"{100 * record.viscous_energy_fraction:.2f}",
+            f"{100 * _formulation_residual(record) / record.strike_energy:.2f}",
+            f"{record.wall_time:.2f}",
+            f"{record.ns_per_element_step:.1f}",
+        )
+        for record in records
+    )
+    return Table(columns, rows, numeric=columns[2:])
+
+
+def _formulation_residual(record):
+    """[J] at the end."""
+    return float(np.atleast_1d(record.energies.get("formulation_residual", 0.0))[-1])
+
+
+def comparison(rows):
+    """Targets and values: rows of (quantity, target, value, met)."""
+    missed = [quantity for quantity, _, _, met in rows if met == "no"]
+    lead = f"Not met: {'; '.join(missed)}." if missed else "All of it is met."
+    return Section(
+        "summary", "Targets and values", lead, tables=(Table(("quantity", "target", "value", "met"), tuple(rows)),)
+    )
+
+
+def sources(fabric):
+    """Where each number comes from."""
+    rows = tuple(
+        (key, entry["value"], entry["status"], entry["source"]) for key, entry in sorted(fabric.sources.items())
+    )
+    return Section(
+        "sources",
+        "Where each number comes from",
+        "Every input of the fabric as it stands in its data file. The thesis is the source work; E-nn are its errata.",
+        tables=(
+            Table(("key", "value", "status", "source"), rows, caption="Data of the fabric"),
+            Table(("quantity", "value"), tuple(derived(fabric)), caption="What follows from them"),
+        ),
+    )
+
+
+def making(stamp, timings):
+    """How the page was made: versions, machine, times, scene."""
+    rows = tuple((key, value) for key, value in stamp.items() if key != "scene")
+    times = tuple((name, f"{seconds:.1f}") for name, seconds in timings.items())
+    return Section(
+        "making",
+        "How this was computed",
+        tables=(
+            Table(("stage", "wall time [s]"), times, numeric=("wall time [s]",)),
+            Table(("what", "version or value"), rows),
+        ),
+        details=(("Scene", stamp["scene"]),) if stamp["scene"] else (),
+    )

@@ -1,0 +1,100 @@
+"""One self-contained HTML page from cards, sections, figures and tables: no file beside it, nothing fetched.
+
+This file knows how a report is built and nothing of mechanics; `chapters.py` turns results into its parts.
+"""
+
+from __future__ import annotations
+
+import base64
+from dataclasses import dataclass
+from importlib import resources
+
+from fabrics.files import write_whole
+
+_MIME = {"svg": "image/svg+xml", "png": "image/png"}
+
+
+@dataclass(frozen=True)
+class Card:
+    """One thing the reader must know in the first ten seconds."""
+
+    label: str
+    headline: str
+    lines: tuple[str, ...] = ()
+    tone: str = "plain"  # "stopped", "perforated", "unstable" colour the card; "plain" does not
+
+
+@dataclass(frozen=True)
+class Figure:
+    """A picture held in the page."""
+
+    content: bytes
+    kind: str  # "svg" or "png"
+    caption: str
+    name: str  # of its file, where it is written as one; also told to readers who cannot see it
+    wide: bool = True
+
+    @property
+    def uri(self):
+        return f"data:{_MIME[self.kind]};base64,{base64.b64encode(self.content).decode('ascii')}"
+
+
+@dataclass(frozen=True)
+class Table:
+    """Rows of texts under a heading; columns named in `numeric` are set flush right."""
+
+    columns: tuple[str, ...]
+    rows: tuple[tuple[str, ...], ...]
+    caption: str = ""
+    numeric: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Section:
+    """A chapter of the page: a lead sentence, then figures and tables."""
+
+    key: str
+    title: str
+    lead: str = ""
+    figures: tuple[Figure, ...] = ()
+    tables: tuple[Table, ...] = ()
+    details: tuple[tuple[str, str], ...] = ()  # (title, verbatim text), folded
+    beside: bool = False  # the tables stand beside the figures
+
+
+@dataclass(frozen=True)
+class Report:
+    """The whole page."""
+
+    title: str
+    subtitle: str
+    cards: tuple[tuple[Card, ...], ...]  # in rows
+    sections: tuple[Section, ...]
+    footer: str = ""
+
+
+def render(report):
+    """The page as text."""
+    import jinja2
+
+    folder = resources.files("weavecell.report") / "templates"
+    loader = jinja2.FunctionLoader(lambda name: (folder / name).read_text("utf-8"))
+    environment = jinja2.Environment(
+        loader=loader, autoescape=True, trim_blocks=True, lstrip_blocks=True, undefined=jinja2.StrictUndefined
+    )
+    return environment.get_template("report.html.j2").render(report=report)
+
+
+def write(report, path):
+    """Write the page, whole or not at all."""
+    page = render(report)
+    with write_whole(path) as file:
+        file.write(page)
+
+
+def write_pictures(sections, folder):
+    """Write the pictures of the sections as files of their own, named after what they show."""
+    for section in sections:
+        for figure in section.figures:
+            with write_whole(folder / f"{figure.name}.{figure.kind}", "wb") as file:
+                file.write(figure.content)

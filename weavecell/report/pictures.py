@@ -1,0 +1,247 @@
+"""Plots of the report, from plain arrays in SI units to matplotlib figures. Units are converted here, on the axes."""
+
+from __future__ import annotations
+
+import io
+
+import numpy as np
+
+from meshing.pictures_style import (  # fmt: skip
+    BLUE,
+    COLOURS,
+    DASHES,
+    FAINT,
+    GREEN,
+    INK,
+    ORANGE,
+    PUBLISHED,
+    PURPLE,
+    RED,
+    SKY,
+    WARP,
+    WEFT,
+    plots,
+    tension_map,
+)
+
+US, UM = 1e6, 1e6
+
+# energies from the largest and best known down to the losses: name in the results, name in the plot, colour
+ENERGIES = (
+    ("kinetic_projectile", "projectile, kinetic", "#c9d2db"),
+    ("elastic_projectile", "projectile, elastic", "#97a6b5"),
+    ("plastic_projectile", "projectile, plastic", "#5b6b7b"),
+    ("kinetic_fabric", "fabric, kinetic", SKY),
+    ("yarn_strain", "fabric, membrane", BLUE),
+    ("shear", "fabric, shear", GREEN),
+    ("bending", "fabric, bending", "#7fb8a4"),
+    ("jamming", "fabric, jamming", "#a9cdbd"),
+    ("failure_dissipation", "failure of yarns", RED),
+    ("contact", "contact", ORANGE),
+    ("friction", "friction", "#b5651d"),
+    ("clamp_friction", "friction in the clamps", "#8c8c3f"),
+    ("boundary_work", "work of pull-ins", "#4d6b3c"),
+    ("viscous", "viscous", PURPLE),
+    ("backing_kinetic", "block, kinetic", "#f3dfc1"),
+    ("backing_elastic", "block, elastic", "#e3c08a"),
+    ("backing_plastic", "block, plastic", "#c58f45"),
+    ("backing_eroded", "block, eroded", "#8a5a1f"),
+    ("backing_absorbed", "block, gone through its far faces", "#d9c7ae"),
+    ("backing_viscous", "block, viscous", "#b79bb0"),
+    ("backing_hourglass", "block, hourglass", "#7d6a86"),
+    ("backing_contact", "block, contact springs", "#efc4a0"),
+    ("backing_damped", "block, contact damping", "#d98f63"),
+)
+
+
+def render(draw, *arguments, kind="svg"):
+    """Draw with `draw(pyplot, ...)` in the project's style; returns the picture as bytes, "svg" or "png"."""
+    with plots() as pyplot:
+        figure = draw(pyplot, *arguments)
+        content = io.BytesIO()
+        figure.savefig(content, format=kind, metadata={"Date": None} if kind == "svg" else None)
+    return content.getvalue()
+
+
+def panels(pyplot, images):
+    """Deformed panels, each with a close-up of its impact point, under one scale of tension.
+
+    Parameters
+    ----------
+    images : {title: ((when, whole), (when, close-up))}, images (rows, columns, 3) of `pictures3d.panel`
+    """
+    count = len(images)
+    figure, grid = pyplot.subplots(
+        count, 2, figsize=(10.4, 0.9 + 3.0 * count), squeeze=False, width_ratios=(1.45, 1), layout="constrained"
+    )
+    for row, (title, pair) in zip(grid, images.items()):
+        for axes, (when, image) in zip(row, pair):
+            axes.imshow(image, interpolation="lanczos")
+            axes.axis("off")
+            axes.set_title(when, loc="right", fontweight="normal", color=FAINT)
+        row[0].set_title(title if count > 1 else "panel")
+        row[1].set_title("impact point")
+    scale = pyplot.cm.ScalarMappable(pyplot.Normalize(0, 1), tension_map())
+    bar = figure.colorbar(scale, ax=grid, location="bottom", shrink=0.5, aspect=38, pad=0.02)
+    bar.set_label("yarn tension / strength, the higher of warp and weft (orange: one yarn of the cell has failed)")
+    bar.outline.set_visible(False)
+    return figure
+
+
+def fit(pyplot, samples, laws, platen=None):
+    """Contact force against compression of one yarn: samples of the 3D crossover and the laws.
+
+    Parameters
+    ----------
+    samples : {path name: (F, d_c)} [N, m]
+    laws : {label: CompressionLaw}, the fitted one first
+    platen : (F, d_c) of the compression between plates, or None
+    """
+    figure, axes = pyplot.subplots(figsize=(10.4, 4.6))
+    for (name, (F, d)), colour in zip(samples.items(), COLOURS):
+        axes.plot(F, UM * np.asarray(d), "o", ms=5, color=colour, alpha=0.75, mew=0, label=f"3D crossover, {name}")
+    if platen is not None:
+        F, d = platen
+        axes.plot(F, UM * np.asarray(d), "s", ms=4.5, mfc="none", mec=FAINT, label="3D crossover, between plates")
+    top = max(float(np.max(F)) for F, _ in samples.values())
+    force = np.linspace(0.0, 1.05 * top, 600)
+    for (label, law), colour, dash in zip(laws.items(), (INK, PUBLISHED), DASHES):
+        axes.plot(force, UM * law.d(force), dash, color=colour, label=label, zorder=3)
+    axes.set(xlabel="contact force F [N]", ylabel="compression of one yarn d$_c$ [µm]", xlim=(0, 1.05 * top))
+    axes.set_ylim(bottom=min(0.0, axes.get_ylim()[0]))
+    axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
+    return figure
+
+
+def cell(pyplot, cases):
+    """Yarn tension against strain of the cell, one panel a load case.
+
+    Parameters
+    ----------
+    cases : {title: {"strain": (n,), "curves": {label: (T1, T2)}, "points": (strain, T1, T2) or None}} [-, N]
+    """
+    figure, row = pyplot.subplots(1, len(cases), figsize=(10.4, 4.2), sharey=True, squeeze=False)
+    for axes, (title, case) in zip(row[0], cases.items()):
+        for (label, tensions), dash in zip(case["curves"].items(), DASHES):
+            for family, colour, tension in zip(("warp", "weft"), (WARP, WEFT), tensions):
+                axes.plot(100 * case["strain"], tension, dash, color=colour, label=f"{family}, {label}")
+        if case.get("points") is not None:
+            strain, *tensions = case["points"]
+            for family, colour, tension in zip(("warp", "weft"), (WARP, WEFT), tensions):
+                axes.plot(
+                    100 * strain, tension, "o", ms=5, mfc="white", mec=colour, mew=1.4, label=f"{family}, 3D crossover"
+                )
+        axes.set(title=title, xlabel="strain of the cell [%]")
+        axes.set_xlim(left=0)
+        axes.set_ylim(bottom=0)
+    row[0][0].set_ylabel("yarn tension [N]")
+    row[0][0].legend(loc="upper left")
+    return figure
+
+
+def velocity(pyplot, runs):
+    """Velocity of the projectile against time.
+
+    Parameters
+    ----------
+    runs : {label: (t, v)} [s, m/s]; of runs of one strike velocity, the first is drawn broad, the next dashed over it
+    """
+    figure, axes = pyplot.subplots(figsize=(10.4, 4.2))
+    strikes = list(dict.fromkeys(round(float(v[0]), 6) for _, v in runs.values()))
+    seen = dict.fromkeys(strikes, 0)
+    for label, (t, v) in runs.items():
+        strike = round(float(v[0]), 6)
+        broad = {"lw": 5.5, "alpha": 0.4} if seen[strike] == 0 and len(runs) > len(strikes) else {}
+        axes.plot(US * t, v, DASHES[seen[strike] % 4], color=COLOURS[strikes.index(strike) % 6], label=label, **broad)
+        seen[strike] += 1
+    axes.axhline(0.0, color=FAINT, lw=1)
+    axes.set(xlabel="time after strike [µs]", ylabel="velocity of the projectile [m/s]")
+    axes.set_xlim(left=0)
+    if len(runs) > 1:
+        axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
+    return figure
+
+
+def residual_velocity(pyplot, title, limit, fit, shots):
+    """Residual against strike velocity: shots, the bracket of the critical velocity, and the fitted curve.
+
+    Parameters
+    ----------
+    limit : shellfabric.impact.ballistic_limit.Limit
+    fit : shellfabric.impact.lambert_jonas.LambertJonas, or None
+    shots : sequence of shellfabric.impact.ballistic_limit.Shot
+    """
+    figure, axes = pyplot.subplots(figsize=(10.4, 5.2))
+    strike = np.array([shot.strike_velocity for shot in shots])
+    residual = np.array([shot.residual_velocity for shot in shots])
+    through = np.array([shot.perforated for shot in shots])
+    low, high = 0.94 * min(strike.min(), limit.low), 1.02 * strike.max()
+    axes.plot([low, high], [low, high], color=FAINT, lw=1, ls=":", label="no loss of velocity")
+    if fit is not None:
+        velocities = fit.limit + (high - fit.limit) * np.linspace(0, 1, 400) ** 3  # it rises steeply at the limit
+        a, p = (_with_interval(getattr(fit, name), fit.intervals[name]) for name in ("a", "p"))
+        curve = fit.residual_velocity(velocities)
+        axes.plot(velocities, curve, color=BLUE, label=f"Lambert-Jonas\na = {a}\np = {p}")
+    axes.plot(strike[through], residual[through], "o", ms=7, color=RED, mec="white", label="perforated", zorder=3)
+    axes.plot(
+        strike[~through], residual[~through], "o", ms=7, mfc="white", mec=GREEN, mew=1.8, label="stopped", zorder=3
+    )
+    name = f"critical velocity\n{limit.velocity:.1f} ± {limit.half_width:.1f} m/s"
+    axes.axvspan(limit.low, limit.high, color=ORANGE, alpha=0.8, lw=1, label=name)
+    axes.set(title=title, xlabel="strike velocity [m/s]", ylabel="residual velocity [m/s]", xlim=(low, high))
+    axes.set_ylim(-0.02 * high, high)
+    axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), labelspacing=0.9)
+    return figure
+
+
+def _with_interval(value, interval):
+    return f"{value:.2f} ({interval[0]:.2f} to {interval[1]:.2f})" if interval else f"{value:.2f} (its bound)"
+
+
+def energies(pyplot, t, parts, strike_energy, balance, title=""):
+    """Where the strike energy is at every instant, stacked, and below it what the balance misses.
+
+    Parameters
+    ----------
+    t : (n,) [s]
+    parts : {name: (n,)} [J], names of ENERGIES; those that are absent or zero throughout are left out
+    strike_energy : [J]
+    balance : (n,) [J], energy that the audit cannot place
+    """
+    figure, (top, low) = pyplot.subplots(2, 1, figsize=(5.6, 5.6), sharex=True, height_ratios=(3.4, 1))
+    known = [(parts[name], label, colour) for name, label, colour in ENERGIES if np.any(parts.get(name, 0.0))]
+    top.stackplot(
+        US * t, [np.maximum(values, 0.0) for values, _, _ in known],
+        labels=[label for _, label, _ in known], colors=[colour for _, _, colour in known], lw=0.4, ec="white",
+    )  # fmt: skip
+    top.axhline(strike_energy, color=INK, lw=1, ls=":")
+    top.set(ylabel="energy [J]", title=title, ylim=(0, 1.04 * strike_energy))
+    top.legend(loc="upper center", bbox_to_anchor=(0.5, -0.02), ncols=2, fontsize=10)
+    low.axhspan(-1, 1, color="#e8f5f0", lw=0)
+    low.plot(US * t, 100 * balance / strike_energy, color=INK, lw=1.6)
+    reach = max(1.25, 1.15 * float(np.max(np.abs(100 * balance / strike_energy))))
+    low.set(xlabel="time after strike [µs]", ylabel="balance\n[% of strike]", ylim=(-reach, reach))
+    low.set_xlim(0, US * float(t[-1]))
+    return figure
+
+
+def reactions(pyplot, runs):
+    """Tension at the clamped ends of the two yarns through the impact point, one panel a run.
+
+    Parameters
+    ----------
+    runs : {title: (t, warp, weft)} [s, N, N]
+    """
+    across = min(2, len(runs))
+    down = -(-len(runs) // across)
+    size = (5.6, 5.6) if len(runs) == 1 else (10.4, 0.7 + 2.6 * down)
+    figure, grid = pyplot.subplots(down, across, figsize=size, sharey=True, sharex=True, squeeze=False)
+    for axes, (title, (t, warp, weft)) in zip(grid.flat, runs.items()):
+        axes.plot(US * t, warp, color=WARP, label="warp yarn")
+        axes.plot(US * t, weft, color=WEFT, ls="--", label="weft yarn")
+        axes.set_title(title)
+        axes.set_xlim(left=0)
+    figure.supxlabel("time after strike [µs]", fontsize=12)
+    figure.supylabel("tension at the clamped edge [N]", fontsize=12)
+    grid[0, 0].legend(loc="upper left")
+    return figure

@@ -1,0 +1,72 @@
+"""Plots of an elastic projectile and of the block behind a panel, from results in SI units to matplotlib figures."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from meshing.pictures_style import BLUE, FAINT, INK, RED
+
+US, MM = 1e6, 1e3
+_AT = 24e-3  # [m] least half-width of the cut that is shown
+
+
+def bar(pyplot, history):
+    """Velocities of tip, tail and centre of mass, and how far tip and tail have moved against the centre.
+
+    Parameters
+    ----------
+    history : shellfabric.projectile.dynamics.BarHistory
+    """
+    figure, (top, low) = pyplot.subplots(2, 1, figsize=(10.4, 6.2), sharex=True, height_ratios=(1.5, 1))
+    t = US * history.t
+    top.plot(t, history.tip_velocity, color=RED, lw=1.0, label="tip")
+    top.plot(t, history.tail_velocity, color=BLUE, lw=1.2, label="tail")
+    top.plot(t, history.centre_velocity, color=INK, lw=2.0, label="centre of mass")
+    top.set(ylabel="velocity [m/s]")
+    top.legend(loc="upper right")
+    low.plot(t, US * (history.tip - history.centre), color=RED, lw=1.0, label="tip")
+    low.plot(t, US * (history.tail - history.centre), color=BLUE, lw=1.2, label="tail")
+    low.axhline(0.0, color=FAINT, lw=1)
+    low.set(xlabel="time after strike [µs]", ylabel="from the centre [µm]")
+    low.set_xlim(0, t[-1] if t.size else 1)
+    return figure
+
+
+def crater(pyplot, blocks):
+    """Blocks cut along the warp through the impact point, mirrored, coloured by effective plastic strain.
+
+    Parameters
+    ----------
+    blocks : {title: shellfabric.backing.coupling.BackingResult}
+    """
+    from matplotlib.collections import PolyCollection
+
+    deepest = max(block.depth for block in blocks.values())
+    reach = max(_AT, 1.2 * deepest, 2.5 * max(block.half_width for block in blocks.values()))
+    across = min(3, len(blocks))
+    down = -(-len(blocks) // across)
+    tall = (1.35 * deepest + 0.006) / (2 * reach) * 10.4 / across
+    figure, grid = pyplot.subplots(
+        down, across, figsize=(10.4, 0.8 + down * (0.84 * tall + 0.45)), squeeze=False, layout="constrained"
+    )
+    for axes in grid.flat[len(blocks) :]:
+        axes.set_visible(False)
+    most = max(float(block.plastic[~block.gone].max(initial=0.1)) for block in blocks.values())
+    for axes, (title, block) in zip(grid.flat, blocks.items()):
+        x = block.nodes[block.bricks]
+        cut = ~block.gone & (np.abs(x[:, [0, 1, 4, 5], 1]).max(axis=1) < 1e-9)
+        corners = MM * x[cut][:, [0, 1, 5, 4]][..., [0, 2]] - np.array([0, MM * block.face])
+        for side in (1, -1):
+            faces = PolyCollection(corners * np.array([side, 1]), cmap="YlOrBr", ec="#6b5a45", lw=0.25)
+            faces.set_array(block.plastic[cut])
+            faces.set_clim(0, most)
+            axes.add_collection(faces)
+            axes.plot(side * MM * block.crater[:, 0], MM * block.crater[:, 1], color=INK, lw=1.4)
+        axes.set(xlim=(-MM * reach, MM * reach), ylim=(MM * (1.35 * deepest + 2e-3), -4), title=title, aspect="equal")
+        axes.grid(False)
+    figure.supxlabel("from the impact point [mm]", fontsize=12)
+    figure.supylabel("depth [mm]", fontsize=12)
+    bar_ = figure.colorbar(faces, ax=grid, shrink=0.8, pad=0.01)
+    bar_.set_label("effective plastic strain")
+    bar_.outline.set_visible(False)
+    return figure

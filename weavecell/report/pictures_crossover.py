@@ -1,0 +1,228 @@
+"""Pictures of the cases of `weavecell crossover`: a curve of each, and the deformed yarns.
+
+pyvista draws bodies without scalar bars: VTK's crash a process that has loaded dolfinx.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from fabrics.plate_curve import PlateCurve
+from meshing.pictures_style import FAINT, GREEN, INK, ORANGE, WARP, WEFT
+
+UM, MPA = 1e6, 1e-6
+WINDOW = (1500, 900)
+
+
+def yarn(pyplot, fabric, record, found):
+    """Tension against strain, with the closed form."""
+    figure, axes = pyplot.subplots(figsize=(7.6, 4.8))
+    strain, name = 100 * record["strain"], ("warp", "weft")[record.facts["yarn"]]
+    axes.plot(strain, record["T_taut"], color=FAINT, lw=1.6, ls="--", label="fibres without bending, eq. 4-7")
+    axes.plot(
+        strain, record["T"], "o-", color=(WARP, WEFT)[record.facts["yarn"]], ms=4, label=f"{name}, solid and bars"
+    )
+    axes.axvline(100 * record.facts["crimp"], color=FAINT, lw=1, ls=":")
+    axes.annotate(
+        "crimp", (100 * record.facts["crimp"], 1), xycoords=("data", "axes fraction"), xytext=(4, -4),
+        textcoords="offset points", va="top", color=FAINT,
+    )  # fmt: skip
+    axes.set_xlabel("strain of the end distance [%]")
+    axes.set_ylabel("tension [N]")
+    axes.set_title(f"{fabric.name}, one {name} pulled straight")
+    axes.legend(loc="upper left", bbox_to_anchor=(0, 0.92))
+    return figure
+
+
+def stack(pyplot, fabric, record, found):
+    """Pressure against the closure of a ply, with the pressure law where it knows the pack."""
+    from unitcell3d.cases.stack import law_closure
+
+    figure, axes = pyplot.subplots(figsize=(7.6, 4.8))
+    plies = record.facts["plies"]
+    pressed = record["pressure"] > 0
+    axes.semilogy(
+        UM * record["closure_ply"][pressed], MPA * record["pressure"][pressed], "o-", color=WARP, ms=4, label="3D yarns"
+    )
+    if fabric.areal_density_measured is not None and plies in (1, 4, 8, 16):
+        pressure, _, closure = law_closure(fabric, record)
+        if pressure.size:
+            law = PlateCurve.pressure_law(fabric.areal_density_measured, int(plies))
+            start = record["closure"][np.searchsorted(record["pressure"], pressure[0])] - closure[0]
+            axes.semilogy(
+                UM * (law.closure + start) / plies,
+                MPA * law.pressure,
+                color=ORANGE,
+                ls="--",
+                label="pressure law (eqs. 2-5, 2-6)",
+            )
+    axes.set_ylim(bottom=1e-3)
+    axes.set_xlabel("closure of the plates per ply [µm]")
+    axes.set_ylabel("mean pressure [MPa]")
+    plural = "one ply" if plies == 1 else f"{plies} plies ({record.facts['stacking']})"
+    axes.set_title(f"{fabric.name}, {plural} between plates")
+    axes.legend()
+    return figure
+
+
+def tensions(pyplot, fabric, record, found):
+    """Tensions and contact force along the path."""
+    figure, (upper, lower) = pyplot.subplots(
+        2, 1, figsize=(7.6, 6.0), sharex=True, height_ratios=(2.2, 1), layout="constrained"
+    )
+    share = 100 * record["path"]
+    for key, colour, label in (("T1", WARP, "warp tension"), ("T2", WEFT, "weft tension"), ("F_c", GREEN, "contact")):
+        upper.plot(share, record[key], color=colour, label=label)
+    lower.plot(share, UM * record["d1"], color=WARP, label="d$_1$")
+    lower.plot(share, UM * record["d2"], color=WEFT, ls="--", label="d$_2$")
+    upper.set_ylabel("force [N]")
+    lower.set_ylabel("end displacement [µm]")
+    lower.set_xlabel("share of the path [%]")
+    upper.set_title(f"{fabric.name}, {record.case}")
+    upper.legend()
+    lower.legend()
+    return figure
+
+
+def shear(pyplot, fabric, record, found):
+    """Shear stress against the angle, the fitted law and the fabric's own; forces below."""
+    from fabrics.errors import InputError
+    from unitcell3d.identify import shear_fit
+
+    figure, (upper, lower) = pyplot.subplots(2, 1, figsize=(7.6, 7.0), sharex=True, height_ratios=(1.5, 1))
+    turned = np.arange(np.flatnonzero(record["gamma"] == 0)[-1], len(record["gamma"]))
+    gamma, tau = record["gamma"][turned], record["tau"][turned]
+    upper.plot(gamma, MPA * tau, "o", color=WARP, ms=4.5, mfc="white", label="3D yarns")
+    fine = np.linspace(0, gamma[-1], 300)
+    try:
+        law = shear_fit.fit(gamma, tau).law
+        label = f"fit of eq. 4-35: γ$_1$ {law.gamma1:.2f}, γ$_2$ {law.gamma2:.2f}"
+        upper.plot(fine, MPA * law.stress(fine), color=INK, lw=1.8, label=label)
+    except InputError:
+        pass
+    if fabric.shear is not None:
+        label = f"fabric's data: γ$_1$ {fabric.shear.gamma1:g}, γ$_2$ {fabric.shear.gamma2:g}"
+        upper.plot(fine, MPA * fabric.shear.stress(fine), color=ORANGE, ls="--", lw=1.8, label=label)
+    upper.set_ylim(0, 1.15 * MPA * tau.max())
+    upper.set_xlim(0, 1.02 * gamma[-1])
+    upper.set_ylabel("shear stress [MPa]")
+    upper.set_title(f"{fabric.name}, shear of the weave")
+    upper.legend(loc="upper left", facecolor="w", framealpha=1, frameon=True, edgecolor="w")
+    lower.plot(gamma, record["F_c"][turned], color=GREEN, label="at a crossing")
+    for family, (name, colour) in enumerate((("warps", WARP), ("wefts", WEFT))):
+        lower.plot(gamma, record["F_side"][turned, family], color=colour, ls="--", label=f"between parallel {name}")
+    lower.set_xlabel("shear angle γ [rad]")
+    lower.set_ylabel("contact force [N]")
+    lower.set_ylim(0, 1.45 * record["F_c"].max())
+    lower.legend(loc="upper left")
+    return figure
+
+
+CURVES = {"yarn": yarn, "platens": stack, "stack": stack, "biaxial": tensions, "path": tensions, "shear": shear}
+
+
+def deformed(mesh, record, path):
+    """Draw the last state as a PNG: warps blue, wefts vermilion; mirrored or repeated where that is what the domain is.
+
+    Parameters
+    ----------
+    mesh : meshing.mesh.YarnMesh of the domain
+    record : unitcell3d.solver.record.Record
+    path : of the .png file
+    """
+    import pyvista
+
+    from fabrics.files import replace_whole
+    from meshing.pictures import COLOURS, plotter
+    from unitcell3d.model import submeshes
+
+    bodies, images = _bodies(mesh, record, submeshes)
+    scene = plotter(WINDOW)
+    try:
+        everything = []
+        for family, grid, x in bodies:
+            for image in images(x, grid):
+                for sheet in _sheets(grid):
+                    nodes = 1e3 * image[sheet]
+                    surface = pyvista.StructuredGrid(*(nodes[..., c] for c in range(3)))
+                    scene.add_mesh(
+                        surface,
+                        color=COLOURS[("warp", "weft")[family]],
+                        show_edges=True,
+                        edge_color=INK,
+                        line_width=0.7,
+                        ambient=0.4,
+                        diffuse=0.7,
+                    )
+                    everything.append(nodes.reshape(-1, 3))
+        _aim(scene, np.concatenate(everything))
+        with replace_whole(path) as beside:
+            scene.screenshot(str(beside))
+    finally:
+        scene.close()
+
+
+def _aim(scene, points):
+    """A parallel view from above and before that the points (n, 3) fill."""
+    away = np.array([-5.0, -7.0, 6.0]) / np.linalg.norm([5.0, 7.0, 6.0])
+    right = np.cross((0, 0, 1), away)
+    right /= np.linalg.norm(right)
+    up = np.cross(away, right)
+    spans = [(points @ axis).min() + np.array([0, np.ptp(points @ axis)]) for axis in (right, up, away)]
+    centre = sum(span.mean() * axis for span, axis in zip(spans, (right, up, away)))
+    scene.enable_parallel_projection()
+    scene.camera_position = [centre + 10 * away, centre, (0, 0, 1)]
+    width, height = (np.ptp(span) for span in spans[:2])
+    scene.camera.parallel_scale = 0.53 * max(height, width * WINDOW[1] / WINDOW[0])
+    scene.reset_camera_clipping_range()
+
+
+def _bodies(mesh, record, yarns):
+    """((family, grid, points), ...) of the yarns, and a function that yields the images of a yarn's points."""
+    if len(record.u) == len(mesh.points):
+        of = mesh
+    elif record.case.startswith("yarn"):
+        of = yarns.single_yarn_mesh(mesh, int(record.facts["yarn"]))
+    else:
+        plies, shift = int(record.facts["plies"]), record.facts["shift"]
+        pitch = record["distance"][0] / plies if not any(shift) else _nested(mesh, record)
+        step = [2 * w * part for w, part in zip(mesh.w, shift)]
+        of = yarns.stacked(mesh, [(*(ply * np.array(step)), (ply - (plies - 1) / 2) * pitch) for ply in range(plies)])
+    x = of.points + record.u
+    bodies = [(family, grid, x) for family, grid in zip(of.families, of.grids)]
+    quarter = getattr(mesh, "domain", "") == "quarter"
+    if quarter:
+        return bodies, lambda points, grid: (points * np.array([a, b, 1]) for a in (1, -1) for b in (1, -1))
+    if "crossings" not in record.facts or hasattr(mesh, "count"):
+        return bodies, lambda points, grid: (points,)
+    return bodies, _glides(mesh, x)
+
+
+def _nested(mesh, record):
+    """Pitch [m] of shifted plies at rest, from the distance of the plates."""
+    plies = int(record.facts["plies"])
+    return (record["distance"][0] - np.ptp(mesh.points[:, 2])) / max(plies - 1, 1)
+
+
+def _glides(mesh, x):
+    """Images of a whole crossover's yarns at the next crossings, upside down at every other one."""
+    steps = []
+    for grid in mesh.grids:
+        step = x[grid[-1]].mean(axis=(0, 1)) - x[grid[0]].mean(axis=(0, 1))
+        steps.append(step * [1, 1, 0])
+    levels = {id(grid): x[grid[-1], 2].mean() for grid in mesh.grids}
+
+    def images(points, grid):
+        for m in (0, 1):
+            for n in (0, 1):
+                moved = points + m * steps[0] + n * steps[1]
+                if (m + n) % 2:
+                    moved[:, 2] = 2 * levels[id(grid)] - moved[:, 2]
+                yield moved
+
+    return images
+
+
+def _sheets(grid):
+    """The six faces of a yarn as structured sheets of nodes."""
+    return grid[:, :, 0], grid[:, :, -1], grid[:, 0], grid[:, -1], grid[0], grid[-1]

@@ -1,0 +1,53 @@
+"""Plots of a compression between plates, measured and computed, and of fitted laws beside the published ones."""
+
+from __future__ import annotations
+
+from meshing.pictures_style import FAINT, FITTED, INK
+
+OCTAVES = (0.125, 0.25, 0.5, 1, 2, 4, 8, 16, 32)
+
+
+def plates(pyplot, fit):
+    """Pressure against closure.
+
+    Parameters
+    ----------
+    fit : unitcell3d.identify.solid_fit.SolidFit
+    """
+    figure, axes = pyplot.subplots(figsize=(8.6, 4.6))
+    pressure = 1e-6 * fit.pressure
+    axes.plot(1e6 * fit.measured, pressure, "o", ms=6, mfc="white", mec=INK, mew=1.4, label="measured")
+    axes.plot(1e6 * fit.before, pressure, "--", color=FAINT, lw=2, label="before the fit")
+    axes.plot(1e6 * fit.computed, pressure, color=FITTED, lw=2.4, label="fitted")
+    axes.set(xlabel="closed by the plates [µm]", ylabel="pressure [MPa]", yscale="log")
+    axes.legend(loc="upper left")
+    return figure
+
+
+def laws(pyplot, found):
+    """Fitted over published a and b of several fabrics.
+
+    Parameters
+    ----------
+    found : {fabric: unitcell3d.identify.calibration.Calibration}
+    """
+    compared = {name: each for name, each in found.items() if each.comparison}
+    figure, row = pyplot.subplots(1, 2, figsize=(11.5, 0.9 + 0.55 * max(len(compared), 1)), sharey=True)
+    for axes, key in zip(row, ("a", "b")):
+        for place, each in enumerate(compared.values()):
+            published = getattr(each.published, key)
+            value = getattr(each.law, key) / published
+            low, high = (end / published for end in each.spread.get(key, (value * published,) * 2))
+            axes.plot([low, high], [place, place], color=FITTED, lw=3, alpha=0.35, solid_capstyle="butt")
+            axes.plot([value], [place], "o", ms=8, color=FITTED)
+            label = axes.text(1.08 * max(high, value), place, f"{value:.2f}", va="center", fontsize=11, color=INK)
+            label.set_bbox({"facecolor": "white", "edgecolor": "none", "pad": 1})
+        axes.axvline(1, color=INK, lw=1.2)
+        axes.set(xlabel=f"{key}, fitted over published", xscale="log")
+        low, high = axes.get_xlim()
+        axes.set_xticks(OCTAVES, [f"{octave:g}" for octave in OCTAVES])
+        axes.set_xticks([], minor=True)
+        axes.set_xlim(low / 1.2, 1.5 * high)
+    row[0].set_yticks(range(len(compared)), list(compared))
+    row[0].invert_yaxis()
+    return figure

@@ -1,0 +1,113 @@
+"""Plots of a response surface, from plain arrays in SI units to matplotlib figures."""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.ticker import MaxNLocator
+
+from meshing.pictures_style import COLOURS, DASHES, FAINT, INK, WARP, WEFT
+
+UM = 1e6
+FORCES = (("T1", "warp tension"), ("T2", "weft tension"), ("F_c", "contact force"))
+HEIGHTS = (("h1", "warp height"), ("h2", "weft height"))
+
+
+def surfaces(pyplot, interpolant):
+    """The three forces above the (d1, d2) plane: interpolant as a surface, samples as lines."""
+    surface = interpolant.surface
+    x, y = (np.linspace(*axis[[0, -1]], 61) for axis in (surface.d1, surface.d2))
+    figure = pyplot.figure(figsize=(10.4, 3.7))
+    top = max(np.max(getattr(surface, name)) for name, _ in FORCES[:2])
+    for place, (name, title) in enumerate(FORCES, 1):
+        axes = figure.add_subplot(1, 3, place, projection="3d")
+        values = interpolant(name, x[:, None], y[None, :])
+        axes.plot_surface(
+            UM * x[:, None], UM * y[None, :], values, cmap="cividis", lw=0, rcount=61, ccount=61, antialiased=True
+        )
+        samples = getattr(surface, name)
+        for i in np.unique(np.linspace(0, surface.d1.size - 1, 6).astype(int)):
+            axes.plot(np.full(surface.d2.size, UM * surface.d1[i]), UM * surface.d2, samples[i], color="w", lw=0.8)
+        for j in np.unique(np.linspace(0, surface.d2.size - 1, 6).astype(int)):
+            axes.plot(UM * surface.d1, np.full(surface.d1.size, UM * surface.d2[j]), samples[:, j], color="w", lw=0.8)
+        axes.set_title(f"{title} [N]", y=0.98)
+        axes.set_xlabel("d$_1$ [µm]", fontsize=10)
+        axes.set_ylabel("d$_2$ [µm]", fontsize=10)
+        axes.set_zlim(0, top if name != "F_c" else None)
+        axes.tick_params(labelsize=9, pad=0)
+        axes.locator_params(nbins=4)
+        axes.view_init(24, -128)
+        axes.set_box_aspect((1, 1, 0.8), zoom=0.88)
+    return figure
+
+
+def contours(pyplot, interpolant):
+    """Levels of the forces and heights over (d1, d2), with the samples."""
+    surface = interpolant.surface
+    x, y = (np.linspace(*axis[[0, -1]], 201) for axis in (surface.d1, surface.d2))
+    figure, grid = pyplot.subplots(2, 3, figsize=(10.4, 7.0), sharex=True, sharey=True)
+    for axes, (name, title) in zip(grid.flat, FORCES + HEIGHTS):
+        force = name in dict(FORCES)
+        factor, unit, decimals = (1, "N", 0) if force else (UM, "µm", 0)
+        values = factor * interpolant(name, x[:, None], y[None, :])
+        axes.contourf(UM * x, UM * y, values.T, 24, cmap="cividis")
+        low, high = values.min(), values.max()
+        # lines no nearer than a twentieth to the extremes, which lie in corners, where a label is cut
+        levels = [v for v in MaxNLocator(8).tick_values(low, high) if 0.05 < (v - low) / (high - low) < 0.95]
+        shades = ["w" if v < 0.5 * (low + high) else INK for v in levels]
+        lines = axes.contour(UM * x, UM * y, values.T, levels, colors=shades, linewidths=0.9)
+        axes.clabel(lines, fontsize=9, fmt=f"%.{decimals}f")
+        axes.set_title(f"{title} [{unit}]")
+        axes.grid(False)
+    spare = grid.flat[5]
+    a, b = np.meshgrid(UM * surface.d1, UM * surface.d2)
+    spare.plot(a, b, ".", color=INK, ms=3)
+    spare.set_title(f"samples, {surface.d1.size} × {surface.d2.size}")
+    spare.grid(False)
+    figure.supxlabel("d$_1$, warp end displacement [µm]", fontsize=12)
+    figure.supylabel("d$_2$, weft end displacement [µm]", fontsize=12)
+    return figure
+
+
+def slices(pyplot, surface, cell, label):
+    """Cuts along d1 at three d2 and along d2 at three d1, with the shell's cell beside.
+
+    Parameters
+    ----------
+    cell : {"T1", "T2", "F_c": (n1, n2)} [N] of the cell with a sinusoidal yarn, at the samples
+    label : of that cell
+    """
+    figure, grid = pyplot.subplots(2, 3, figsize=(10.4, 7.0), sharey="col")
+    for row, (along, across, names) in enumerate(
+        ((surface.d1, surface.d2, ("d$_1$", "d$_2$")), (surface.d2, surface.d1, ("d$_2$", "d$_1$")))
+    ):
+        cuts = [0, across.size // 2, across.size - 1]
+        for axes, (name, title) in zip(grid[row], FORCES):
+            for cut, colour in zip(cuts, (COLOURS[0], COLOURS[2], COLOURS[3])):
+                ours, theirs = (
+                    values[:, cut] if row == 0 else values[cut] for values in (getattr(surface, name), cell[name])
+                )
+                axes.plot(
+                    UM * along, ours, "o", ms=4, mfc="white", mec=colour, mew=1.3,
+                    label=f"3D, {names[1]} = {UM * across[cut]:.0f} µm",
+                )  # fmt: skip
+                axes.plot(UM * along, theirs, color=colour, lw=1.8)
+            axes.set(xlabel=f"{names[0]} [µm]", title=title if row == 0 else "")
+            axes.set_xlim(UM * along[0], UM * along[-1])
+        grid[row, 0].set_ylabel("force [N]")
+        grid[row, 2].legend(loc="upper left", fontsize=9.5, title=f"lines: {label}", title_fontsize=9.5)
+    grid[0, 2].set_ylim(top=1.35 * max(np.max(surface.F_c), np.max(cell["F_c"])))
+    return figure
+
+
+def missed(pyplot, surface, errors):
+    """Largest miss on each grid line of the spline through the other lines, of the quantity's largest value."""
+    figure, pair = pyplot.subplots(1, 2, figsize=(10.4, 3.6), sharey=True)
+    for number, (axes, axis) in enumerate(zip(pair, (surface.d1, surface.d2))):
+        for (name, title), colour, dash in zip(FORCES, (WARP, WEFT, INK), DASHES):
+            worst = errors[name].lines[number] / np.abs(getattr(surface, name)).max()
+            axes.semilogy(UM * axis, 100 * worst, dash + "o", color=colour, ms=4, lw=1.5, label=title)
+        axes.set(xlabel=f"left-out line at d$_{number + 1}$ [µm]")
+        axes.plot(UM * axis, np.full(axis.size, 0.03), "|", color=FAINT, ms=8, transform=axes.get_xaxis_transform())
+    pair[0].set_ylabel("largest miss [% of the largest]")
+    pair[0].legend(loc="upper right")
+    return figure

@@ -1,0 +1,85 @@
+"""Pictures of scatter: Sobol indices as bars, and the probability of perforation with its shots."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from fabrics.files import replace_whole
+from meshing.pictures_style import BLUE, FAINT, GREEN, INK, ORANGE, RED, plots
+from weavecell.analysis.uncertainty import probit
+
+LABELS = {
+    "modulus": "yarn modulus",
+    "failure_strain": "failure strain",
+    "crimp_warp": "warp crimp",
+    "crimp_weft": "weft crimp",
+    "areal_density": "areal density",
+    "compression_a": "compression a",
+    "compression_b": "compression b",
+    "trellis_stiffness": "trellis stiffness",
+    "trellis_angles": "trellis angles",
+}
+_PROBABILITIES = np.linspace(0.01, 0.99, 33)
+
+
+def indices(found, path, title):
+    """First and total order of each quantity, a panel each."""
+    with plots() as pyplot:
+        rows = -(-len(found) // 2)
+        figure, axes = pyplot.subplots(rows, 2, figsize=(11, 4.1 * rows), sharey=True, squeeze=False)
+        for axis, one in zip(axes.flat, found):
+            y = np.arange(len(one.names))
+            for values, half, shift, colour, label in (
+                (one.first, one.first_half, -0.19, BLUE, "first order"),
+                (one.total, one.total_half, 0.19, ORANGE, "total order"),
+            ):
+                axis.barh(y + shift, values, 0.36, color=colour, label=label)
+                axis.errorbar(values, y + shift, xerr=half, fmt="none", ecolor=INK, elinewidth=1, capsize=2.5)
+            axis.set_yticks(y, [LABELS.get(name, name) for name in one.names])
+            axis.invert_yaxis() if axis is axes[0, 0] else None
+            axis.grid(axis="y", visible=False)
+            axis.axvline(0, color=FAINT, lw=0.9)
+            axis.set(title=f"{one.quantity}, struck at {one.velocity:g} m/s", xlabel="share of the variance [-]")
+        axes.flat[0].legend(loc="lower right")
+        for axis in axes.flat[len(found) :]:
+            axis.set_visible(False)
+        figure.suptitle(title)
+        _save(figure, path)
+
+
+def perforation(study, path, title):
+    """Fitted curves with the interval of the probit, shots, and the deterministic limit."""
+    V = np.array([shot.velocity for shot in study.shots])
+    hit = np.array([shot.perforated for shot in study.shots])
+    curve = study.curves["probit"]
+    with plots() as pyplot:
+        figure, axis = pyplot.subplots(figsize=(9, 5.4))
+        left, right = V.min() - 2, V.max() + 2
+        edges = probit.band(V, hit, curve, _PROBABILITIES)
+        axis.fill_betweenx(
+            _PROBABILITIES, np.maximum(edges[:, 0], left), np.minimum(edges[:, 1], right), color=BLUE, alpha=0.18,
+            lw=0, label=f"{100 * curve.confidence:g} % of the probit",
+        )  # fmt: skip
+        grid = np.linspace(left, right, 400)
+        axis.plot(grid, curve.probability(grid), color=BLUE, label="probit")
+        axis.plot(grid, study.curves["logit"].probability(grid), color=GREEN, ls="--", label="logit")
+        lift = 0.012 * (np.arange(V.size) % 5)
+        axis.plot(V[~hit], -0.03 - lift[~hit], "o", ms=5, mfc="none", color=INK, label="stopped")
+        axis.plot(V[hit], 1.03 + lift[hit], "s", ms=4.5, color=RED, label="perforated")
+        axis.plot(*_shares(V, hit), "D", ms=6, color=FAINT, label="share of ten shots")
+        axis.axvspan(*study.deterministic, color=ORANGE, alpha=0.8, lw=1, ec=ORANGE, label="limit without scatter")
+        axis.set(xlabel="strike velocity [m/s]", ylabel="probability of perforation [-]", title=title)
+        axis.set(xlim=(left, right), ylim=(-0.12, 1.12), yticks=np.linspace(0, 1, 6))
+        axis.legend(loc="center right")
+        _save(figure, path)
+
+
+def _shares(V, hit):
+    """(mean velocity, share that perforated) of each ten shots in the order of velocity."""
+    parts = np.array_split(np.argsort(V), max(1, V.size // 10))
+    return [V[part].mean() for part in parts], [hit[part].mean() for part in parts]
+
+
+def _save(figure, path):
+    with replace_whole(path) as beside:
+        figure.savefig(beside, dpi=110)

@@ -1,0 +1,1 @@
+"""Records of runs: HDF5, summary.json, ParaView files, provenance."""

@@ -1,0 +1,75 @@
+"""What is read off a test on a coupon, step by step: forces, strains, angles, stresses, with the closed form beside."""
+
+from __future__ import annotations
+
+from math import pi
+
+import numpy as np
+
+from shellfabric.coupon import quasistatic
+
+# what each test prescribes: name, unit
+PRESCRIBED = {
+    "bias_extension": ("elongation", "m"),
+    "picture_frame": ("shear angle", "rad"),
+    "uniaxial": ("strain of the strip", "1"),
+    "biaxial": ("strain of the cross", "1"),
+}
+
+
+def measures(test, asked, result):
+    """{name: (unit, (steps,))} of a `shellfabric.coupon.solver.Result`; `asked` is the scene's table of the test."""
+    return {"bias_extension": _bias, "picture_frame": _frame, "uniaxial": _uniaxial, "biaxial": _biaxial}[test](
+        asked, result
+    )
+
+
+def _bias(asked, result):
+    size, steps = quasistatic.bias_size(result), range(len(result.states))
+    zone = quasistatic.zones(result.coupon, *size)
+    gamma = [result.shear(k) for k in steps]
+    found = {"load": ("N", np.abs(result.force(1, 1)))}
+    for k, name in enumerate(quasistatic.ZONES):
+        found[f"angle in zone {name}"] = "rad", np.array([0.5 * pi - angles[zone == k].mean() for angles in gamma])
+    A, B, C = (found[f"angle in zone {name}"][1] for name in quasistatic.ZONES)
+    found["B less the mean of A and C"] = "rad", B - 0.5 * (A + C)
+    rigid = [0.5 * pi - quasistatic.inextensible_shear(*size, moved) for moved in result.moved]
+    found["zone C, yarns that do not stretch"] = "rad", np.array(rigid)
+    found["shear concentration"] = "1", np.array([quasistatic.concentration(angles, zone == 2) for angles in gamma])
+    return found
+
+
+def _frame(asked, result):
+    shear, fabric = quasistatic.frame_stress(result), result.coupon.table.model.fabric
+    found = {"shear stress": ("Pa", shear)}
+    if fabric.shear is not None:
+        found["trellis law"] = "Pa", fabric.shear.stress(result.moved)
+    return found
+
+
+def _uniaxial(asked, result):
+    weave, along = result.coupon.weave, 0 if asked.direction == "warp" else 1
+    size = np.ptp(result.coupon.points, axis=0)
+    yarns = round(float(size[1]) / (2 * weave.w[1 - along]))
+    middle = quasistatic.middle_strain(result, 0.2 * (size if along == 0 else size[::-1]))
+    load = result.force(1, 0)
+    return {
+        "load": ("N", load),
+        "load of a yarn": ("N", load / yarns),
+        "strain in the middle, along": ("1", middle[:, along]),
+        "strain in the middle, across": ("1", middle[:, 1 - along]),
+    }
+
+
+def _biaxial(asked, result):
+    weave = result.coupon.weave
+    middle = quasistatic.middle_strain(result, [0.6 * asked.centre * w for w in weave.w])
+    loads = [result.force(1, 0), result.force(3, 1)]
+    found = {}
+    for name, load, strain in zip(("warp", "weft"), loads, middle.T):
+        found[f"load of a {name} yarn"] = "N", load / asked.centre
+        found[f"strain in the middle, {name}"] = "1", strain
+    cell = result.coupon.table.model.solve(*(1 + middle.T))
+    for name, force in zip(("warp", "weft"), ("N1", "N2")):
+        found[f"cell at these strains, {name}"] = "N", cell[force]
+    return found

@@ -1,0 +1,66 @@
+"""Groups of histories.h5 that not every impact has: /measured, /bar and /backing."""
+
+from __future__ import annotations
+
+from weavecell.results import keys
+from weavecell.results.hdf5_file import plain, put
+
+_YARN = tuple(keys.units(keys.YARN_DATA))
+_PACKED = {"compression": "gzip", "compression_opts": 1, "shuffle": True}
+# datasets whose attribute in the object that holds them has another name
+_FIELDS = {"time": "t", "position": "place", "eroded": "gone"}
+
+
+def write_group(group, source, table, scalars):
+    """Scalars of an object by name, and arrays by the keys of a table."""
+    for name in scalars:
+        group.attrs[name] = getattr(source, name)
+    for name, unit in keys.units(table).items():
+        put(group, name, getattr(source, _FIELDS.get(name, name)), unit, **_PACKED)
+
+
+def read_group(file, name):
+    """What `write_group` wrote of a bar or a backing; None where the file has none."""
+    from shellfabric.backing.coupling import BackingResult
+    from shellfabric.projectile.dynamics import BarHistory
+
+    if name not in file:
+        return None
+    kind, table = {"bar": (BarHistory, keys.BAR), "backing": (BackingResult, keys.BACKING)}[name]
+    group = file[name]
+    arrays = {_FIELDS.get(key.name, key.name): group[key.name][()] for key in table}
+    return kind(**arrays, **{key: plain(value) for key, value in group.attrs.items()})
+
+
+def write_measured(group, measured):
+    """Histories, and the fronts read off them, which are for the reader alone."""
+    from shellfabric.output.wave_fronts import fronts
+
+    put(group, "time", measured.t, "s")
+    for number, yarn in enumerate(measured.yarns):
+        inner = group.create_group(f"yarns/{number:03d}-{yarn.family}")
+        for name in _YARN:
+            inner.attrs[name] = getattr(yarn, name)
+        for name, unit in keys.units(keys.YARN).items():
+            put(inner, name, getattr(yarn, _FIELDS.get(name, name)), unit, **_PACKED)
+        put(inner, "strain", yarn.strain, "1", **_PACKED)
+    for name, forces in measured.edges.items():
+        put(group, f"edges/{name}", forces, "N")
+    for front in fronts(measured):
+        inner = group.create_group(f"fronts/{front.family}-{front.kind}")
+        inner.attrs["speed"], inner.attrs["interval"], inner.attrs["start"] = front.speed, front.interval, front.start
+        put(inner, "time", front.time, "s")
+        put(inner, "position", front.place, "m")
+
+
+def read_measured(group):
+    from shellfabric.output.histories import EDGES, Histories, YarnHistory
+
+    yarns = tuple(
+        YarnHistory(
+            **{name: plain(inner.attrs[name]) for name in _YARN},
+            **{_FIELDS.get(name, name): inner[name][()] for name in keys.units(keys.YARN)},
+        )
+        for _, inner in sorted(group.get("yarns", {}).items())
+    )
+    return Histories(group["time"][()], yarns, {name: group[f"edges/{name}"][()] for name in EDGES})

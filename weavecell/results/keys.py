@@ -1,0 +1,285 @@
+"""Every key of the result files of impacts and coupons: summary.json and histories.h5; docs/keys.md is made from this.
+
+One convention: name_unit in summary.json and in attributes; a dataset has the attribute "unit". `*` stands for a number
+or a name that the run gives.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+
+class Key(NamedTuple):
+    """A key of a result file, with its unit ("1": a number without) and its meaning."""
+
+    name: str
+    unit: str
+    meaning: str
+
+
+def keys(*rows):
+    """Keys from rows (name, unit, meaning)."""
+    return tuple(Key(*row) for row in rows)
+
+
+ENERGIES = keys(
+    ("kinetic_fabric", "J", "kinetic energy of the cloth"),
+    ("kinetic_projectile", "J", "kinetic energy of the projectile"),
+    ("elastic_projectile", "J", "elastic energy of an elastic projectile"),
+    ("plastic_projectile", "J", "plastic work in an elastic projectile"),
+    ("yarn_strain", "J", "strain energy of the yarns, from their stretches"),
+    ("formulation_residual", "J", "work of the cell's forces less what the yarns store"),
+    ("shear", "J", "trellis shear"),
+    ("bending", "J", "bending of the yarns"),
+    ("jamming", "J", "jamming of bunched yarns"),
+    ("viscous", "J", "dissipated by stretch viscosity"),
+    ("contact", "J", "penalty springs and damping of the contact with the projectile"),
+    ("friction", "J", "friction between projectile and cloth"),
+    ("failure_dissipation", "J", "lost at the failure of yarns"),
+    ("clamp_friction", "J", "friction of yarns that slip in the clamps"),
+    ("boundary_work", "J", "work of prescribed pull-ins, negative where done on the cloth"),
+    ("backing_*", "J", "parts of the backing block: kinetic, elastic, plastic, eroded, absorbed, viscous, hourglass, "
+     "contact, damped"),
+    ("ply_contact", "J", "contact between plies"),
+    ("error", "J", "sum of all entries less the energy at the start"),
+)  # fmt: skip
+SHARED = keys(
+    ("format", "", "format of the file"),
+    ("title", "", "of the scene"),
+    ("fabric", "", "name of the fabric"),
+    ("law_name", "", "origin of the compression law"),
+    ("outcome", "", 'impacts: "stopped", "perforated", "in flight", "unstable"; coupons: "complete", '
+     '"yarn at its strength", "unstable"'),
+    ("failure_message", "", "why an unstable run was ended; empty for others"),
+    ("wall_time_s", "s", "wall time of the run"),
+    ("elements", "1", "number of elements"),
+    ("steps", "1", "number of time steps; of a coupon, of load steps"),
+    ("checks.status", "", '"ok" or "doubtful"'),
+    ("checks.indicators", "", "quality indicators: name, value, limit, ok (docs/checks.md)"),
+    ("provenance.*", "", "versions, commit, date, machine, threads, text of the scene, assumed tables"),
+)  # fmt: skip
+IMPACT = keys(
+    ("strike_velocity_m_s", "m/s", "strike velocity along the line of flight"),
+    ("residual_velocity_m_s", "m/s", "velocity at the end, along the normal of the panel"),
+    ("projectile_mass_kg", "kg", "mass of the projectile"),
+    ("mirror_x", "", "whether the panel of the file continues mirrored at x = 0"),
+    ("mirror_y", "", "whether the panel of the file continues mirrored at y = 0"),
+    ("element_step_time_ns", "ns", "wall time for an element and a step"),
+    ("end_time_s", "s", "time at the end of the run"),
+    ("stop_time_s", "s", "time at which the projectile stopped; null if it did not"),
+    ("max_deflection_m", "m", "maximum deflection of intact cloth"),
+    ("peak_tension_warp_N", "N", "peak tension of a warp yarn"),
+    ("peak_tension_warp_over_strength", "1", "the same over the strength"),
+    ("peak_tension_weft_N", "N", "peak tension of a weft yarn"),
+    ("peak_tension_weft_over_strength", "1", "the same over the strength"),
+    ("failed_yarn_segments", "1", "failed segments of yarns; of a pack, of each ply"),
+    ("strike_energy_J", "J", "kinetic energy of the projectile at the start"),
+    ("absorbed_energy_J", "J", "kinetic energy that the projectile has lost"),
+    ("energy_error_max", "1", "largest error of the energy balance over the strike energy"),
+    ("viscous_energy_fraction", "1", "viscous energy at the end over the energy absorbed"),
+    ("energies_at_end_J.*", "J", "energies of the balance at the end, by name"),
+    ("rigid_check", "", "single ply: whether a rigid projectile is justified, in words"),
+    ("plastic_shortening_m", "m", "elastic projectile: shortening by plastic strain"),
+    ("bar_period_s", "s", "elastic projectile: period of the first axial mode"),
+    ("crater_depth_m", "m", "backing: depth of the crater"),
+    ("crater_wall_angle_rad", "rad", "backing: angle of the crater's wall to the face"),
+    ("plies", "1", "pack: number of plies"),
+    ("stacking", "", 'pack: "aligned" or "alternating"'),
+    ("ply_gap_m", "m", "pack: gap between the first two plies at rest"),
+    ("peak_tension_over_strength", "1", "pack: highest tension over strength in each ply"),
+    ("ply_energies_J", "J", "pack: energy at the end that each ply moves with, stores and has lost"),
+    ("max_penetration_ratio", "1", "pack: deepest penetration of a ply into the next, over the thickness"),
+    ("torn_corrections", "1", "pack: impulses that kept torn cloth from passing through another ply"),
+    ("torn_unresolved", "1", "pack: passages of torn cloth that no impulse prevented"),
+    ("accuracy.targets", "1", "targets of [accuracy]: {quantity: error at most}"),
+    ("accuracy.model", "", "the model that was chosen"),
+    ("accuracy.symmetry", "", "its part of the panel"),
+    ("accuracy.compared_with", "", "the model that it was compared with"),
+    ("accuracy.values", "", "velocities and energies over those of the strike; deflection [m], tensions [N]"),
+    ("accuracy.estimated_errors", "1", "estimated error of each value; null if not known"),
+    ("accuracy.reference_error", "1", "estimated error of the full model itself"),
+    ("accuracy.projectile", "", "choice between rigid and elastic projectile, in words"),
+    ("accuracy.confirmed", "", "whether the estimated errors meet the targets"),
+    ("accuracy.models_run", "", "models that were run, in order"),
+)  # fmt: skip
+COUPON = keys(
+    ("test", "", "name of the test"),
+    ("prescribed_name", "", "name of the prescribed quantity"),
+    ("prescribed_unit", "", "its unit"),
+    ("iterations", "1", "iterations of dynamic relaxation, all load steps"),
+    ("residual_max", "1", "largest residual of a load step: out-of-balance force over the reaction"),
+    ("at_end.*.value", "", "measures of the last load step, by name"),
+    ("at_end.*.unit", "", "their units"),
+)
+CRITICAL_VELOCITY = keys(
+    ("critical_velocity_m_s", "m/s", "middle of the bracket"),
+    ("bracket_m_s", "m/s", "highest velocity that is stopped, lowest that perforates"),
+    ("single_limit", "", "whether no shot above the bracket was stopped"),
+    (
+        "lambert_jonas.*",
+        "",
+        "parameters of the fit of residual velocities, intervals of 95 %; null without a fit",
+    ),
+    ("shots.strike_velocity_m_s", "m/s", "strike velocity of a shot; `shots` is a list"),
+    ("shots.residual_velocity_m_s", "m/s", "residual velocity, 0 of a projectile that stops"),
+    ("shots.outcome", "", '"stopped" or "perforated"'),
+    ("shots.end_time_s", "s", "time from strike to stop or perforation"),
+    ("shots.failed_yarn_segments", "1", "failed segments of yarns of the whole panel"),
+    ("shots.peak_tension_N", "N", "peak tension of warp and weft"),
+    ("shots.energy_error_max", "1", "largest error of the energy balance over the strike energy"),
+    ("shots.wall_time_s", "s", "wall time of the shot"),
+    ("shots.checks", "", '"ok" or "doubtful"'),
+)
+DEMO = keys(
+    ("rows", "", "list of quantity, target, value, met"),
+    ("wall_times_s.*", "s", "wall time of each stage"),
+)
+SHAPE = keys(
+    ("time", "s", "time"),
+    ("nose_position", "m", "foremost point of the projectile, along z"),
+    ("projectile_position", "m", "position of the nose"),
+    ("nodes", "m", "positions of the nodes"),
+    ("tension", "N", "tension of each element's warp and weft"),
+    ("failed", "1", "warp failed, weft failed, element eroded"),
+)
+HISTORIES = keys(
+    ("time", "s", "times of the energy audits"),
+    ("velocity", "m/s", "velocity of the projectile along the normal"),
+    ("nose_position", "m", "foremost point of the projectile"),
+    ("failed_segments", "1", "failed segments of yarns"),
+)
+PANEL = keys(
+    ("quads", "1", "node numbers of the elements"),
+    ("strength", "N", "strength of a warp and a weft yarn"),
+    ("projectile", "m", "surface of the projectile about its nose"),
+    ("peak_tension", "N", "peak tension of warp and weft"),
+)
+BAR = keys(
+    ("time", "s", "time"),
+    *((f"{part}", "m", f"displacement of the {words}") for part, words in (
+        ("tip", "tip"), ("tail", "tail"), ("centre", "centre of mass"))),
+    *((f"{part}_velocity", "m/s", f"velocity of the {words}") for part, words in (
+        ("tip", "tip"), ("tail", "tail"), ("centre", "centre of mass"))),
+)  # fmt: skip
+BACKING = keys(
+    ("crater", "m", "radius and depth of the crater along the warp"),
+    ("crater_weft", "m", "the same along the weft"),
+    ("nodes", "m", "nodes of the quarter that is modelled"),
+    ("bricks", "1", "node numbers of its bricks"),
+    ("plastic", "1", "effective plastic strain"),
+    ("eroded", "1", "whether a brick is eroded"),
+)
+PLY_HISTORIES = keys(
+    ("failed_yarns", "1", "failed segments of yarns"),
+    ("reaction_warp", "N", "tension at the boundary of the warp nearest the impact point"),
+    ("reaction_weft", "N", "the same of the weft"),
+    ("push", "N", "force of the nose on the ply"),
+    ("deflection", "m", "deflection at the impact point"),
+    ("energy", "J", "energy that the ply moves with, stores and has lost"),
+)
+PLIES = keys(
+    ("z_rest", "m", "middle surface of each ply at rest"),
+    ("thickness", "m", "thickness of each ply"),
+    ("gaps", "m", "gaps between neighbouring plies at rest"),
+    ("strength", "N", "strength of each ply's warp and weft"),
+    ("peak_tension", "N", "peak tension of each ply's warp and weft"),
+    ("max_penetration_ratio", "1", "deepest penetration into the next ply, over the thickness"),
+    ("torn_contact", "1", "torn_corrections and torn_unresolved, see summary.json"),
+)
+YARN_DATA = keys(
+    ("family", "", "warp or weft"),
+    ("offset", "", "[m] distance from the impact point, across the family"),
+    ("EA", "", "[N] stiffness"),
+    ("strength", "", "[N]"),
+    ("crimp", "", "[-]"),
+)
+YARN = keys(
+    ("X", "m", "middles of the elements at rest, from the impact point"),
+    ("tension", "N", "tension"),
+    ("position", "m", "positions of the nodes along the family"),
+    ("deflection", "m", "deflection of the nodes"),
+)
+COUPON_MESH = keys(
+    ("points", "m", "nodes at rest"),
+    ("quads", "1", "node numbers of the elements"),
+    ("warp", "1", "node numbers of the warp's edges"),
+    ("weft", "1", "node numbers of the weft's edges"),
+    ("grips", "1", "grip of each node, 0: none"),
+)
+
+
+def _under(group, keys):
+    return tuple(Key(f"{group}/{key.name}", *key[1:]) for key in keys)
+
+
+MEASURED = (
+    *keys(("time", "s", "times of the samples of [history]")),
+    *_under("yarns/*", YARN),
+    *keys(
+        ("yarns/*/strain", "1", "strain of the fibres"),
+        ("edges/*", "N", "in-plane and normal reaction of an edge of the panel"),
+        ("fronts/*/time", "s", "arrival times of a wave front"),
+        ("fronts/*/position", "m", "where it arrived"),
+    ),
+)
+MEASURED_ATTRIBUTES = (
+    *_under("yarns/*", YARN_DATA),
+    *keys(
+        ("fronts/*/speed", "", "[m/s] speed of a wave front in the cloth"),
+        ("fronts/*/interval", "", "[m/s] its interval of 95 %"),
+        ("fronts/*/start", "", "[s] start of the fitted line"),
+    ),
+)
+DATASETS = (
+    *_under("histories", HISTORIES),
+    *_under("energies", ENERGIES),
+    *keys(("reactions/*", "N", "tension at the boundary of the warp and the weft nearest the impact point")),
+    *_under("panel", PANEL),
+    *_under("panel/half_energy", SHAPE),
+    *_under("panel/final", SHAPE),
+    *_under("measured", MEASURED),
+    *_under("measured/*", MEASURED),  # of each ply of a pack
+    *_under("bar", BAR),
+    *_under("backing", BACKING),
+    *_under("plies", PLIES),
+    *_under("plies/histories", PLY_HISTORIES),
+    *keys(("projectile", "m", "pack: surface of the projectile about its nose")),
+    *_under("shapes/*", SHAPE),
+    *keys(
+        ("shapes/*/quads", "1", "node numbers of a ply's elements"),
+        ("cuts/*/time", "s", "time of a section of the pack"),
+        ("cuts/*/nose_position", "m", "foremost point of the projectile"),
+        ("cuts/*/lines/*", "m", "x and z of a ply's middle surface, NaN where its yarn has failed"),
+    ),
+)
+COUPON_DATASETS = (
+    *keys(
+        ("histories/energy of the *", "J", "strain energy of yarns, of trellis shear"),
+        ("histories/residual", "1", "out-of-balance force over the reaction"),
+        ("histories/iterations", "1", "iterations of dynamic relaxation"),
+        ("histories/*", "", "the prescribed quantity and the measures of the test, by name"),
+    ),
+    *_under("coupon", COUPON_MESH),
+    *keys(
+        ("states/x", "m", "nodes after every load step"),
+        ("states/shear", "rad", "shear angles of the elements after every load step"),
+        ("final/tension_*", "N", "tension of each family's edges at the end"),
+        ("relaxation", "N", "out-of-balance force and reaction of every iteration"),
+    ),
+)
+ATTRIBUTES = (
+    *keys(("checks", "", "quality indicators as JSON")),
+    *_under("measured", MEASURED_ATTRIBUTES),
+    *_under("measured/*", MEASURED_ATTRIBUTES),
+    *keys(
+        ("bar/period", "", "[s] period of the first axial mode"),
+        ("bar/shortening", "", "[m] shortening by plastic strain"),
+        ("backing/face", "", "[m] position of the block's face at rest"),
+    ),
+)
+SUMMARY_FORMAT = "weavecell summary 2"
+
+
+def units(table):
+    """{name: unit} of keys."""
+    return {key.name: key.unit for key in table}

@@ -1,0 +1,51 @@
+"""Progress on the terminal: one bar per stage of work, on stderr; a plain line per stage where there is no terminal."""
+
+from __future__ import annotations
+
+import sys
+import time
+from contextlib import contextmanager
+
+from fabrics.errors import UnstableError
+
+
+@contextmanager
+def bar(title):
+    """Show a bar for a stage; yields `advance(fraction, text="")`, to be called with the fraction done, 0 to 1."""
+    from rich.console import Console
+    from rich.progress import BarColumn, Progress, SpinnerColumn, TaskProgressColumn, TextColumn, TimeElapsedColumn
+
+    console = Console(file=sys.stderr)
+    if not console.is_terminal:
+        started = time.perf_counter()
+        yield lambda fraction, text="": None
+        print(f"{title}: {time.perf_counter() - started:.1f} s", file=sys.stderr, flush=True)
+        return
+    columns = (
+        SpinnerColumn(finished_text="[green]\u2713[/]"),
+        TextColumn("{task.description}", justify="left"),
+        BarColumn(bar_width=28),
+        TaskProgressColumn(),
+        TimeElapsedColumn(),
+        TextColumn("[dim]{task.fields[note]}[/]"),
+    )
+    with Progress(*columns, console=console) as progress:
+        task = progress.add_task(f"{title:<34}", total=1.0, note="")
+
+        def advance(fraction, text=""):
+            progress.update(task, completed=min(max(fraction, 0.0), 1.0), note=text)
+
+        yield advance
+        progress.update(task, completed=1.0, note="")
+
+
+def watched(march, title, hooks=()):
+    """march(hooks) of an impact under a bar: (its result, the UnstableError that ended it or None)."""
+    from shellfabric.output.hooks import Progress
+
+    with bar(title) as advance:
+        watching = Progress(lambda share, speed: advance(share, f"{speed:.1f} m/s"))
+        try:
+            return march((watching, *hooks)), None
+        except UnstableError as problem:
+            return problem.result, problem

@@ -1,0 +1,1 @@
+"""Scene files: schema, supported keys, and the set-up that a scene describes."""

@@ -1,0 +1,328 @@
+"""From a checked scene to the objects of the solver: fabric, compression laws, set-up of the impact."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass, fields, replace
+from math import degrees
+
+from fabrics import assumed, catalogue
+from fabrics.compression import CompressionLaw
+from fabrics.errors import InputError
+from fabrics.fabric import Fabric
+from fabrics.materials import Isotropic, load
+from fabrics.surface import ResponseSurface
+from weavecell.scenes.impact import SHAPES, BackingTable, ProjectileTable, SlipTable
+from weavecell.scenes.schema import InlineLaw
+from weavecell.scenes.supported import Rule, of
+
+# keys of a scene that `build` and `setup` put into the fabric, its cell and the ImpactSetup
+CLOTH = of(
+    "fabric", "name file linear_density law law.a law.b law.form cell_model cell_formulation cell_profile crossover_gap"
+)
+PROJECTILE = of(
+    "projectile",
+    "mass diameter edge_radius shape length half_angle tip_radius flat_width flat_angle obliquity azimuth yaw roll "
+    "friction body bore_diameter",
+)
+_SLIPPING = " ".join(f"boundary.{side}.{key}" for side in ("warp", "weft") for key in SlipTable.model_fields)
+PANEL = of("panel", f"opening boundary boundary.warp boundary.weft {_SLIPPING} symmetry weave_angle yarn_failure")
+NUMERICS = of("numerics", "cfl stretch_viscosity penalty contact_damping contact_points precision threads")
+BACKING = of(
+    "backing",
+    "size standoff modulus density poisson yield_stress hardening erosion_strain outer_boundary min_size refined_depth "
+    "growth",
+)
+SHOT = (
+    *CLOTH, "fabric.surface", "fabric.bending", *PROJECTILE, *PANEL, "run.elements_per_crossover", *NUMERICS, *BACKING,
+)  # fmt: skip
+# keys whose field in the objects of shellfabric has another name
+FIELDS = {
+    "fabric.cell_formulation": "form",
+    "fabric.crossover_gap": "gap",
+    "panel.boundary": "edge",
+    "projectile.bore_diameter": "bore",
+    "numerics.cfl": "safety",
+    "backing.standoff": "face",
+    "backing.outer_boundary": "far",
+    "backing.min_size": "finest",
+    "backing.refined_depth": "fine",
+}
+NO_SLACK = {"fabric.fibre_slack": "left out in an impact"}  # a yarn whose crossings have failed is linear in the march
+CELL_RULES = (
+    *(
+        Rule(f"fabric.{key}", lambda scene: scene.fabric.surface is not None, "left out with fabric.surface")
+        for key in ("law", "cell_model", "crossover_gap", "cell_profile", "fibre_slack")
+    ),
+    Rule(
+        "fabric.law",
+        lambda scene: scene.fabric.cell_model != "compressible",
+        'left out where fabric.cell_model is "incompressible" or "decoupled", whose yarns are not compressed',
+    ),
+    Rule(
+        "fabric.crossover_gap",
+        lambda scene: scene.fabric.cell_model == "decoupled",
+        'left out where fabric.cell_model is "decoupled", whose yarns never touch',
+    ),
+)
+SHOT_RULES = (
+    *CELL_RULES,
+    Rule("projectile.bore_diameter", lambda scene: scene.projectile.body == "rigid", "left out for a rigid projectile"),
+)
+
+
+@dataclass(frozen=True)
+class Case:
+    """What a scene asks for.
+
+    Parameters
+    ----------
+    name : short name of the run
+    fabric : Fabric, with the linear densities that the scene chose
+    laws : (warp, weft) CompressionLaw
+    law_name : where the laws come from, in words
+    scene : Scene
+    surface : ResponseSurface that the cell is made from in place of the laws, or None
+    """
+
+    name: str
+    fabric: Fabric
+    laws: tuple[CompressionLaw, CompressionLaw]
+    law_name: str
+    scene: object
+    surface: ResponseSurface | None = None
+
+
+def build(scene, file, name):
+    """Look up everything that a scene names.
+
+    Raises
+    ------
+    InputError : a fabric or law that cannot be found or does not fit, named with the scene's file and key
+    """
+    fabric = _sheared(_fabric(scene.fabric, file), scene, file)
+    surface = _surface(scene.fabric, fabric, file)
+    laws, law_name = _laws(scene.fabric, fabric, file) if surface is None else (fabric.laws, "3D response surface")
+    return Case(name, fabric, laws, law_name, scene, surface)
+
+
+def setup(case, file):
+    """The impact's set-up for `shellfabric`.
+
+    Raises
+    ------
+    InputError : values that fit each on its own but not together, named with the scene's file
+    """
+    from shellfabric.impact.single_ply import ImpactSetup
+    from shellfabric.output.histories import Measure
+    from shellfabric.panel.model import Numerics
+
+    shot, panel, run = case.scene.projectile, case.scene.panel, case.scene.run
+    history = case.scene.history
+    try:
+        return ImpactSetup(
+            fabric=case.fabric,
+            strike_velocity=shot.strike_velocity,
+            laws=case.laws,
+            projectile=_projectile(shot),
+            opening=panel.opening,
+            edge=_edge(panel.boundary),
+            symmetry=panel.symmetry,
+            weave_angle=panel.weave_angle,
+            grading=panel.grading,
+            end_time=run.end_time,
+            elements_per_crossover=run.elements_per_crossover,
+            cell_model=case.scene.fabric.cell_model,
+            form=case.scene.fabric.cell_formulation,
+            gap=case.scene.fabric.crossover_gap,
+            profile=case.scene.fabric.cell_profile,
+            bending=case.scene.fabric.bending,
+            surface=case.surface,
+            snapshot_interval=run.snapshot_interval,
+            failure=panel.yarn_failure,
+            backing=_backing(case.scene.backing),
+            measure=Measure(history.interval, history.warp, history.weft) if history else None,
+            numerics=Numerics(**_given(case.scene.numerics, "numerics")),
+        )
+    except InputError as problem:
+        raise in_file(problem, file) from None
+
+
+def _projectile(table):
+    from shellfabric.projectile.projectile import Projectile
+
+    given = _given(table, "projectile", but=("diameter", "strike_velocity"))
+    body = {"elastic_bar": "bar"}.get(table.body, table.body)
+    return Projectile(radius=table.diameter / 2, **given | {"body": body})
+
+
+def _given(table, name, but=()):
+    """{field: value} of the keys that a table sets."""
+    return {FIELDS.get(f"{name}.{key}", key): value for key, value in table if value is not None and key not in but}
+
+
+def _backing(table):
+    """The block that a scene names; what it leaves out is the source's, or the mesh's default."""
+    if table is None:
+        return None
+    from shellfabric.backing.block import Backing
+
+    given = _given(table, "backing")
+    of_material = {field.name for field in fields(Isotropic)}
+    material = replace(load("backing"), **{key: given.pop(key) for key in tuple(given) if key in of_material})
+    return Backing(material=material, **given)
+
+
+def _edge(boundary):
+    """The panel's edge as the solver has it, from a text or a table of sides."""
+    if isinstance(boundary, str):
+        return boundary
+    return tuple(
+        tuple(_side(end) for end in side) if isinstance(side, tuple) else _side(side)
+        for side in (boundary.warp, boundary.weft)
+    )
+
+
+def _side(side):
+    from shellfabric.panel.boundary import Grip, PullIn
+
+    if isinstance(side, str):
+        return side
+    if side.clamp_force is not None:
+        return Grip(side.clamp_force)
+    return PullIn(side.pull_in, side.start, side.end, **({} if side.zone is None else {"zone": side.zone}))
+
+
+def in_file(problem, file):
+    """An InputError of an object that does not know its file, with the scene's file and key in it."""
+    if problem.file is not None:
+        return problem
+    tables = {"model": "fabric", "bending": "fabric", "elements_per_crossover": "run"}
+    tables |= dict.fromkeys(("opening", "symmetry", "weave_angle", "grading"), "panel")
+    tables |= dict.fromkeys(ProjectileTable.model_fields, "projectile")
+    tables |= dict.fromkeys(("warp", "weft"), "history") | dict.fromkeys(BackingTable.model_fields, "backing")
+    key = f"{tables[problem.key]}.{problem.key}" if problem.key in tables else problem.key
+    key = next((name for name, field in FIELDS.items() if field == problem.key), key)
+    if key is None:
+        return InputError(str(problem), file=file)
+    return InputError(file=file, key=key, value=problem.value, allowed=problem.allowed)
+
+
+def _fabric(table, file):
+    if table.file is not None:
+        fabric = catalogue.read(table.file)
+    elif table.name in catalogue.list_names():
+        fabric = catalogue.load(table.name)
+    else:
+        raise InputError(
+            file=file, key="fabric.name", value=table.name, allowed=f"one of {', '.join(catalogue.list_names())}"
+        )
+    return with_density(fabric, table.linear_density)
+
+
+def _sheared(fabric, scene, file):
+    """The fabric with the trellis law that its cloth needs; prints one line where that is assumed or left out."""
+    need = getattr(scene, "trellis_law", "needed")
+    try:
+        fabric = fabric if need == "unused" else assumed.with_shear(fabric)
+    except InputError as problem:
+        if need == "needed":
+            raise InputError(str(problem), file=file) from None
+        print(f"no [shear] of {fabric.name}: its cloth has no shear stiffness")
+    for line in assumed.lines(fabric):
+        print(line)
+    return fabric
+
+
+def with_density(fabric, choice):
+    """The fabric with its "nominal" linear densities, or the "effective" ones where it has such (erratum E-07)."""
+    if choice == "nominal" or fabric.effective_linear_density is None:
+        return fabric
+    return fabric.with_effective_density()
+
+
+def _surface(table, fabric, file):
+    """The response surface that a scene names, checked against what else it says of the cell."""
+    forms = ("variational", "equilibrium") if table.surface is None else ("variational", "direct")
+    if table.cell_formulation not in forms:
+        words = "without" if table.surface is None else "with"
+        raise InputError(
+            file=file, key="fabric.cell_formulation", value=table.cell_formulation,
+            allowed=f"{' or '.join(forms)} {words} fabric.surface",
+        )  # fmt: skip
+    if table.surface is None:
+        return None
+    if not os.path.exists(table.surface):
+        raise InputError("cannot be read; must be a surface written by `weavecell surface`", file=table.surface)
+    surface = ResponseSurface.read(table.surface)
+    try:
+        from shellfabric.cell.surface_cell import SurfaceCell
+
+        return SurfaceCell(fabric, surface).surface
+    except InputError as problem:
+        raise InputError(file=table.surface, key=problem.key, value=problem.value, allowed=problem.allowed) from None
+
+
+def _laws(table, fabric, file):
+    if table.cell_model != "compressible":
+        law = CompressionLaw.incompressible()
+        return (law, law), f"none, {table.cell_model} yarns"
+    if isinstance(table.law, InlineLaw):
+        try:
+            law = CompressionLaw(table.law.a, table.law.b, table.law.form, provenance=f"scene {file}")
+        except InputError as problem:
+            raise InputError(
+                file=file, key=f"fabric.law.{problem.key}", value=problem.value, allowed=problem.allowed
+            ) from None
+        return (law, law), "given in the scene"
+    if table.law != "published":
+        law = CompressionLaw.from_json(table.law)
+        return (law, law), "fitted to the 3D crossover"
+    if fabric.laws is None:
+        raise InputError(
+            f"fabric {fabric.name} has no published law; calibrate one or give a and b",
+            file=file,
+            key="fabric.law",
+            value=table.law,
+        )
+    return fabric.laws, "published (Table 5-1)" if "Table 5-1" in _source(fabric) else "published"
+
+
+def _source(fabric):
+    return " ".join(entry["source"] for key, entry in fabric.sources.items() if key.startswith("compression"))
+
+
+def shot_in_words(shot):
+    """The projectile and how it comes, for the reader."""
+    words = f"{SHAPES[shot.shape]} of {1e3 * shot.mass:g} g and {1e3 * shot.diameter:g} mm"
+    if shot.obliquity:
+        words += f", {degrees(shot.obliquity):.3g}° off the normal"
+    if shot.body == "elastic_bar":
+        words += ", elastic-plastic along its axis"
+    if shot.friction:
+        words += f", with friction {shot.friction:g}"
+    return words
+
+
+def panel_in_words(panel):
+    """The panel and how it is held, for the reader."""
+    pair = isinstance(panel.opening, tuple)
+    words = (
+        " by ".join(f"{1e3 * side:g} mm" for side in panel.opening) if pair else f"{1e3 * panel.opening:g} mm square"
+    )
+    if panel.weave_angle:
+        words += f", its weave turned by {degrees(panel.weave_angle):.3g}°"
+    if isinstance(panel.boundary, str):
+        return f"{words} and {panel.boundary}"
+    sides = {name: getattr(panel.boundary, name) for name in ("warp", "weft")}
+    return f"{words}, " + " and ".join(f"{name} ends {_side_in_words(side)}" for name, side in sides.items())
+
+
+def _side_in_words(side):
+    if isinstance(side, tuple):
+        return " / ".join(_side_in_words(end) for end in side)
+    if isinstance(side, str):
+        return side
+    if side.clamp_force is not None:
+        return f"clamped with {side.clamp_force:g} N a yarn"
+    return f"slipping by {1e3 * side.pull_in:g} mm"

@@ -1,0 +1,234 @@
+"""What all scenes are made of: tables of quantities with units as text, the fabric's table, the one line of an error.
+
+Each field carries, as its description, what is allowed in it. Whatever is wrong with a value, the user is told in one
+line: the file, the key, the value as written, and that description.
+"""
+
+from __future__ import annotations
+
+import difflib
+import math
+import os
+import tomllib
+from pathlib import Path
+from typing import Annotated, Literal, get_args
+
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Discriminator, Field, Tag, ValidationError
+
+from fabrics.errors import InputError
+from fabrics.units import si
+
+
+class Table(BaseModel):
+    """A table of a scene: nothing but its own keys, each of its own type."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True)
+
+
+def in_unit(unit, description):
+    """A Field whose value is in SI `unit`; the unit is for docs/keys.md."""
+    return Field(description=description, json_schema_extra={"unit": unit or "1"})
+
+
+def quantity(unit, what, example, *, above=None, at_least=None, at_most=None):
+    """A float in SI `unit`, written as text; `what` says in words which values are allowed."""
+
+    def convert(text):
+        try:
+            number = si(text, unit)
+        except InputError as problem:
+            raise ValueError(str(problem)) from None
+        low = (above is not None and number <= above) or (at_least is not None and number < at_least)
+        if low or (at_most is not None and number > at_most):
+            raise ValueError("out of range")
+        return number
+
+    return Annotated[float, BeforeValidator(convert), in_unit(unit, f'{what}, such as "{example}"')]
+
+
+def quantities(unit, what, example):
+    """A tuple of floats in SI `unit`, written as a list of texts."""
+
+    def convert(texts):
+        if not isinstance(texts, list):
+            raise ValueError("not a list")
+        try:
+            return tuple(si(text, unit) for text in texts)
+        except InputError as problem:
+            raise ValueError(str(problem)) from None
+
+    return Annotated[tuple[float, ...], BeforeValidator(convert), in_unit(unit, f"{what}, such as {example}")]
+
+
+def whole(low, high):
+    """A field for a whole number."""
+    return Annotated[int, Field(ge=low, le=high, description=f"a whole number from {low} to {high}")]
+
+
+def one_of(*names):
+    """A field for one of some texts."""
+    return Annotated[Literal[names], Field(description="one of " + ", ".join(f'"{name}"' for name in names))]
+
+
+Format = Annotated[int, Field(description="1, or 2, in which no old name of a key is read")]
+
+
+class InlineLaw(Table):
+    """A compression law given by its two parameters (thesis eq. 4-12; erratum E-05 for the regularised form)."""
+
+    a: quantity("m", "a length of at least 0", "0.045 mm", at_least=0.0)
+    b: quantity("m N^(1/3)", "a value of at least 0 in mm N^(1/3)", "0.058 mm N^(1/3)", at_least=0.0)
+    form: one_of("regularised", "printed") = "regularised"
+
+
+_LAW = '"published", the path of a law written by `weavecell calibrate` (*.json), or a table { a = ..., b = ... }'
+
+
+def _law_kind(value):
+    return "inline" if isinstance(value, (dict, InlineLaw)) else "text"
+
+
+def _law_text(value):
+    if isinstance(value, str) and (value == "published" or value.endswith(".json")):
+        return value
+    raise ValueError("not a law")
+
+
+Law = Annotated[
+    Annotated[str, BeforeValidator(_law_text), Tag("text")] | Annotated[InlineLaw, Tag("inline")],
+    Discriminator(_law_kind),
+]
+
+
+def _toe(value):
+    pair = isinstance(value, (list, tuple))
+    try:
+        toes = [si(part, "") for part in (value if pair else (value,))]
+    except InputError as problem:
+        raise ValueError(str(problem)) from None
+    if len(toes) != 1 + pair or not all(0 <= toe <= 0.1 for toe in toes):
+        raise ValueError("out of range")
+    return tuple(toes) if pair else toes[0]
+
+
+class FabricTable(Table):
+    """Which fabric, with which compression law and which model of its cell."""
+
+    name: Annotated[str | None, Field(description="the name of a fabric of the catalogue")] = None
+    file: Annotated[str | None, Field(description="the path of a fabric file (*.toml)")] = None
+    linear_density: one_of("effective", "nominal") = "effective"
+    law: Annotated[Law, Field(description=_LAW)] = "published"
+    cell_model: one_of("compressible", "incompressible", "decoupled") = "compressible"
+    cell_formulation: one_of("variational", "equilibrium", "direct") = "variational"
+    cell_profile: one_of("cosine", "straight") = "cosine"
+    fibre_slack: Annotated[
+        float | tuple[float, float],
+        BeforeValidator(_toe),
+        in_unit("", 'a strain from 0 to 10 %, such as "0.1 %", or a list of two, of warp and weft'),
+    ] = 0.0
+    surface: Annotated[str | None, Field(description="the path of a surface written by `weavecell surface`")] = None
+    crossover_gap: quantity("m", "a length of at least 0", "0 mm", at_least=0.0) = 0.0
+    bending: quantity("N m^2", "a bending stiffness of at least 0", "1e-6 N m^2", at_least=0.0) = 0.0
+
+
+def angle(low, high, example):
+    """A field for an angle, low to high [deg], written as text."""
+    what = f"an angle from {low} to {high} deg"
+    return quantity("rad", what, example, at_least=math.radians(low), at_most=math.radians(high))
+
+
+def number(what, **limits):
+    """A field for a plain number, or for none."""
+    return Annotated[float | None, Field(description=what, **limits)]
+
+
+def read_toml(path, *, what):
+    """Read a TOML file as (text, table); InputError if it is missing, not text or not TOML."""
+    path = Path(path)
+    try:
+        text = path.read_bytes().decode("utf-8")
+    except OSError as problem:
+        raise InputError(f"the {what} file cannot be read ({problem.strerror})", file=path) from None
+    except UnicodeDecodeError:
+        raise InputError(f"the {what} file is not UTF-8 text", file=path) from None
+    try:
+        return text, tomllib.loads(text)
+    except tomllib.TOMLDecodeError as problem:
+        raise InputError(f"not valid TOML ({problem})", file=path) from None
+
+
+def validated(model, table, file):
+    """The table of a file as a `model`; InputError, one line, where it is none."""
+    try:
+        return model.model_validate(table)
+    except ValidationError as problem:
+        raise one_line(problem, model, file) from None
+
+
+def exactly_one(table, names, key, file):
+    """Check that one of the entries `names` of a table is given and no other."""
+    if sum(getattr(table, name) is not None for name in names) != 1:
+        paths = [f"{key}.{name}" if key else name for name in names]
+        raise InputError(f"give exactly one of {', '.join(paths[:-1])} and {paths[-1]}", file=file, key=key or None)
+
+
+def anchored(scene, folder):
+    """The scene with its relative paths taken from the folder of the scene file."""
+    changes = {}
+    if scene.fabric.file is not None:
+        changes["file"] = os.path.normpath(folder / scene.fabric.file)
+    if isinstance(scene.fabric.law, str) and scene.fabric.law != "published":
+        changes["law"] = os.path.normpath(folder / scene.fabric.law)
+    if scene.fabric.surface is not None:
+        changes["surface"] = os.path.normpath(folder / scene.fabric.surface)
+    return scene.model_copy(update={"fabric": scene.fabric.model_copy(update=changes)})
+
+
+def one_line(problem, model, file):
+    """One error of a pydantic ValidationError as an InputError; the others are counted.
+
+    A key that is not known goes first, since a mistyped name also leaves the right one missing.
+    """
+    errors = sorted(problem.errors(include_url=False), key=lambda error: error["type"] != "extra_forbidden")
+    first = errors[0]
+    names, field, table = _locate(model, first["loc"])
+    more = f" (+{len(errors) - 1} more)" if len(errors) > 1 else ""
+    key = ".".join(names)
+    if first["type"] == "missing":
+        return InputError("is missing", file=file, key=key, allowed=field.description + more)
+    if first["type"] == "extra_forbidden":
+        near = difflib.get_close_matches(names[-1], table.model_fields, n=1, cutoff=0.75)
+        hint = f', did you mean "{near[0]}"?' if near else ";"
+        known = ", ".join(table.model_fields)
+        return InputError(f"unknown key{hint} allowed here: {known}{more}", file=file, key=key)
+    return InputError(file=file, key=key, value=first["input"], allowed=field.description + more)
+
+
+def _locate(model, location):
+    """Follow an error's location to (the key's names, the field it belongs to, the table that holds it)."""
+    names, field, table = [], None, model
+    for step in location:
+        inner = _inner(field) if field is not None else model
+        if isinstance(step, int) or step in ("text", "inline", "pair"):  # list index, tag of a union
+            continue
+        if inner is None:
+            break
+        table = inner
+        names.append(step)
+        field = table.model_fields.get(step)
+        if field is None:
+            break
+    return names, field, table
+
+
+def _inner(field):
+    """The table that a field holds, if it holds one."""
+    return next(tables_in(field.annotation), None)
+
+
+def tables_in(kind):
+    """The tables in a type, through its unions and tuples."""
+    if isinstance(kind, type) and issubclass(kind, Table):
+        yield kind
+    for part in get_args(kind):
+        yield from tables_in(part)

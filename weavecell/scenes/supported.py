@@ -1,0 +1,166 @@
+"""Which keys of a scene a command supports. A key that is set and not supported is rejected; none is passed over.
+
+Each command declares, beside its code, a `Support`: every key of the scene's schema is supported, ignored or rejected.
+Keys are dotted ("panel.boundary.warp.clamp_force"); a table may be rejected as a whole ("history"). `check` runs before
+anything is computed or written. A key that is in no declaration is rejected by every command, so that a key added to
+the schema cannot be passed over; `undeclared` finds it in the tests.
+
+A key at its default value counts as not set: it changes nothing, since every command does what the defaults of the keys
+that it rejects describe (one ply, no block, no [history]).
+
+Ignored are keys that mean nothing to a command by its definition, such as the strike velocity of a scene whose
+ballistic limit is computed. The help of the command names each of them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field
+from types import UnionType
+from typing import Annotated, Any, Union, get_args, get_origin
+
+from pydantic.fields import FieldInfo
+
+from fabrics.errors import InputError
+from weavecell.scenes.schema import Table, tables_in
+
+
+@dataclass(frozen=True)
+class Rule:
+    """A key that is rejected in some scenes.
+
+    Parameters
+    ----------
+    key : dotted
+    applies : called with the scene; whether the key is rejected in it
+    allowed : what is allowed there, completing "must be ..."
+    """
+
+    key: str
+    applies: Callable[[Any], bool]
+    allowed: str
+
+
+@dataclass(frozen=True)
+class Support:
+    """What a command does with each key of a scene.
+
+    Parameters
+    ----------
+    command : as it is called, "weavecell impact"
+    model : the Table of its scenes
+    supported : keys that it honours
+    ignored : keys that mean nothing to it, each named in its help
+    rejected : {key or table: what is allowed}, completing "must be ..."
+    rules : rejections that depend on other keys
+    """
+
+    command: str
+    model: type[Table]
+    supported: tuple[str, ...]
+    ignored: tuple[str, ...] = ()
+    rejected: Mapping[str, str] = field(default_factory=dict)
+    rules: tuple[Rule, ...] = ()
+
+
+def of(table, names):
+    """Dotted keys of a table from their names in one text."""
+    return tuple(f"{table}.{name}" for name in names.split())
+
+
+def check(scene, table, file, support: Support):
+    """Reject what a scene sets and a command does not support.
+
+    Parameters
+    ----------
+    scene : the checked scene
+    table : the same as it is written, for the values in messages
+    file : named in messages
+    support : of the command
+
+    Raises
+    ------
+    InputError : one line naming the file, the first such key, its value and what is allowed
+    """
+    known = {*support.supported, *support.ignored}
+    for key in changed(scene):
+        parts = key.split(".")
+        above = [".".join(parts[: n + 1]) for n in range(len(parts))]
+        for name in above:
+            allowed = support.rejected.get(name) or _ruled(scene, name, support.rules)
+            if allowed:
+                raise InputError(file=file, key=name, value=_written(table, name), allowed=allowed)
+        if key not in known and not any(name.startswith(f"{key}.") for name in known):
+            allowed = f"left out: `{support.command}` does not support it"
+            raise InputError(file=file, key=key, value=_written(table, key), allowed=allowed)
+
+
+def _ruled(scene, key, rules):
+    return next((rule.allowed for rule in rules if rule.key == key and rule.applies(scene)), None)
+
+
+def changed(scene: Table, prefix="") -> Iterator[str]:
+    """The keys that a scene sets to something other than their default, in the order of the schema."""
+    for name, entry in type(scene).model_fields.items():
+        if name not in scene.model_fields_set:
+            continue
+        value, key = getattr(scene, name), prefix + name
+        inner = [part for part in (value if isinstance(value, tuple) else (value,)) if isinstance(part, Table)]
+        found = [below for part in inner for below in changed(part, f"{key}.")]
+        yield from dict.fromkeys(found)
+        differs = entry.is_required() or value != entry.get_default(call_default_factory=True)
+        if not found and differs and not (inner and entry.is_required()):
+            yield key
+
+
+def keys(model: type[Table]) -> tuple[str, ...]:
+    """All keys of a schema, without the tables that hold them."""
+    return tuple(entries(model))
+
+
+def entries(model: type[Table], prefix="") -> dict[str, FieldInfo]:
+    """{key: its field} of all keys of a schema, without the tables that hold them."""
+    found = {}
+    for name, entry in model.model_fields.items():
+        key, inner = prefix + name, list(dict.fromkeys(tables_in(entry.annotation)))
+        if not inner or _plain(entry.annotation):
+            found[key] = entry
+        for kind in inner:
+            found |= entries(kind, f"{key}.")
+    return found
+
+
+def _plain(kind):
+    """Whether a type takes values that are no tables, such as a text."""
+    if get_origin(kind) is Annotated:
+        return _plain(get_args(kind)[0])
+    if get_origin(kind) in (Union, UnionType, tuple):
+        return any(_plain(part) for part in get_args(kind) if part not in (Ellipsis, type(None)))
+    return not (isinstance(kind, type) and issubclass(kind, Table))
+
+
+def undeclared(support: Support):
+    """Keys of the schema that a command's declaration leaves out."""
+    named = {*support.supported, *support.ignored}
+    return [
+        key
+        for key in keys(support.model)
+        if key not in named and not any(key == name or key.startswith(f"{name}.") for name in support.rejected)
+    ]
+
+
+def unknown(support: Support):
+    """Keys of a command's declaration that the schema has not, or that it declares twice."""
+    every = keys(support.model)
+    tables = {key[:n] for key in every for n, letter in enumerate(key) if letter == "."}
+    named = (*support.supported, *support.ignored)
+    wrong = [key for key in named if key not in every]
+    wrong += [key for key in (*support.rejected, *(rule.key for rule in support.rules)) if key not in {*every, *tables}]
+    return wrong + [key for key in named if named.count(key) > 1 or key in support.rejected]
+
+
+def _written(table, key):
+    """The value of a key as it stands in the file; None of a table, and of what cannot be found."""
+    for part in key.split("."):
+        table = table.get(part) if isinstance(table, dict) else None
+    return None if isinstance(table, dict) else table
