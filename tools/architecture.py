@@ -193,8 +193,8 @@ def text(scene, record):
         "## Data flow of one shot",
         "",
         f"`weavecell impact {scene}` calls functions of {len(files)} files, in this order of their first call.\n"
-        f"{len(up)} pairs of files call from a lower layer to a higher one: a hook or a callback that was handed down, or "
-        "a method of a\nderived class, since imports run downwards only.",
+        f"{len(up)} pairs of files call from a lower layer to a higher one: a hook or a callback that was handed "
+        "down, or a method of a\nderived class, since imports run downwards only.",
         "",
         "| file | called first by |",
         "| --- | --- |",
