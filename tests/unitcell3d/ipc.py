@@ -132,23 +132,12 @@ class BarrierModel:
             shift = min(max(shift * np.clip(np.linalg.norm(residual) / old, 0.05, 2.0), 1e-3), 1e4)
         raise NoEquilibriumError("the barrier found no equilibrium")
 
-    def _reach(self, q, start, load, halvings=2):
-        """As `solve`; by way of an equilibrium half-way where rounding keeps the iteration from finding one."""
-        try:
-            return self.solve(q, start, load)
-        except NoEquilibriumError:
-            if halvings == 0:
-                raise
-        middle = start.towards(load, 0.5)
-        q, *_ = self._reach(q, start, middle, halvings - 1)
-        return self._reach(q, middle, load, halvings - 1)
-
     def path(self, end, steps):
         """(T1, T2, F_c) [N] at the end displacements `end` : (2,) [m], in equal steps from rest."""
         q, at = np.zeros(self.model.size), Load()
         for share in np.linspace(0, 1, steps + 1)[1:]:
             goal = Load((share * end[0], share * end[1]))
-            q, forces, contact = self._reach(q, at, goal)
+            q, forces, contact = self.solve(q, at, goal)
             at = goal
         x = self._scaled(self.model.positions(q, at))
         self.distance = UNIT * np.sqrt(self._collisions(x).compute_minimum_distance(self.mesh, x))
