@@ -1,10 +1,12 @@
-"""Files: written whole or not at all, beside the target first and then renamed over it; columns of a user's CSV file.
+"""Files: written whole or not at all, beside the target first and then renamed over it; HDF5 files with a format.
 
-A CSV file has a line with the names of the columns, each with its unit, such as
+Every HDF5 file of the project has the attribute "format" with its kind and version, which is compared when it is read.
+
+Columns of numbers are read from a user's CSV file. Its first line names them with their units, such as
 
     time [us], displacement [mm]
 
-and a row of numbers in every other line. Lines that begin with # are comments.
+and every other line is a row of numbers. Lines that begin with # are comments.
 """
 
 from __future__ import annotations
@@ -16,7 +18,7 @@ import tempfile
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import IO
+from typing import IO, Any
 
 import numpy as np
 
@@ -59,6 +61,47 @@ def _umask():
     mask = os.umask(0)
     os.umask(mask)
     return mask
+
+
+@contextmanager
+def write_hdf5(path: FilePath, format: str, **attributes: Any) -> Iterator[Any]:
+    """Open an HDF5 file for writing that appears under `path` complete, or not at all; needs h5py.
+
+    Parameters
+    ----------
+    format : kind and version of the file, such as "weavecell impact 3"
+    attributes : further attributes of its root
+    """
+    import h5py
+
+    with replace_whole(path) as beside, h5py.File(beside, "w") as file:
+        file.attrs.update(format=format, **attributes)
+        yield file
+
+
+@contextmanager
+def read_hdf5(path: FilePath, *formats: str, what: str = "HDF5 file") -> Iterator[Any]:
+    """Open an HDF5 file for reading; needs h5py.
+
+    Parameters
+    ----------
+    formats : that are accepted, the present one first
+    what : the file in words, for the message
+
+    Raises
+    ------
+    InputError : no such file, not HDF5, another format, or the block asks for an entry that is not there
+    """
+    import h5py
+
+    try:
+        with h5py.File(path, "r") as file:
+            found = file.attrs.get("format")
+            if found not in formats:
+                raise InputError(file=path, key="format", value=found, allowed=repr(formats[0]))
+            yield file
+    except (OSError, KeyError) as problem:
+        raise InputError(f"is not a readable {what} ({problem})", file=path) from problem
 
 
 def read_columns(
