@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 
 from fabrics.compression import CompressionLaw
@@ -53,6 +53,23 @@ class Fabric:
                 key="section", value=self.section, allowed=", ".join(SECTIONS[:-1]) + f" or {SECTIONS[-1]}"
             )
 
+    def with_yarns(self, **values: float | Iterable[float]) -> Fabric:
+        """This fabric with other values of its yarns; further changes are in `fabrics.variants`.
+
+        Parameters
+        ----------
+        values : fields of `Yarn`, each a number for both families or a pair (warp, weft)
+
+        Raises
+        ------
+        InputError : a value that `Yarn` does not allow
+        """
+        pairs = {name: pair(value) for name, value in values.items()}
+        warp, weft = (
+            replace(yarn, **{name: two[k] for name, two in pairs.items()}) for k, yarn in enumerate(self.weave.yarns)
+        )
+        return replace(self, weave=replace(self.weave, warp=warp, weft=weft))
+
     def with_effective_density(self) -> Fabric:
         """This fabric with the linear densities that the shell runs of the thesis used (erratum E-07).
 
@@ -62,8 +79,10 @@ class Fabric:
         """
         if self.effective_linear_density is None:
             raise InputError(f"fabric {self.name} has no effective linear density")
-        warp, weft = (
-            replace(yarn, linear_density=density)
-            for yarn, density in zip(self.weave.yarns, self.effective_linear_density)
-        )
-        return replace(self, weave=replace(self.weave, warp=warp, weft=weft))
+        return self.with_yarns(linear_density=self.effective_linear_density)
+
+
+def pair(value: float | Iterable[float]) -> tuple[float, float]:
+    """(warp, weft) of a number for both families, or of a pair."""
+    warp, weft = value if isinstance(value, Iterable) else (value, value)
+    return warp, weft

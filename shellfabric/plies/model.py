@@ -24,6 +24,7 @@ import numpy as np
 from fabrics.errors import InputError
 from fabrics.fabric import Fabric
 from fabrics.plate_curve import PlateCurve
+from fabrics.variants import rotated_90
 from shellfabric.cell.model import CellModel, CellTable
 from shellfabric.jit.simd import WIDTH
 from shellfabric.panel.model import Panel
@@ -359,13 +360,6 @@ def lists(items):
     return found
 
 
-def turned_fabric(fabric: Fabric) -> Fabric:
-    """A fabric with its warp called weft."""
-    weave = fabric.weave
-    weave = replace(weave, warp=weave.weft, weft=weave.warp, warp_count=weave.weft_count, weft_count=weave.warp_count)
-    return replace(fabric, weave=weave, laws=fabric.laws and fabric.laws[::-1])
-
-
 def turned(panel: Panel) -> Panel:
     """The same panel with its cloth turned by a right angle; opening and edges stay where they are.
 
@@ -378,9 +372,7 @@ def turned(panel: Panel) -> Panel:
     model = panel.table.model
     if not isinstance(model, CellModel):
         raise InputError(key="stacking", value="alternating", allowed="aligned where the cell is a response surface")
-    model = replace(
-        model, fabric=turned_fabric(model.fabric), laws=model.laws and model.laws[::-1], toe=model.toes[::-1]
-    )
+    model = replace(model, fabric=rotated_90(model.fabric), laws=model.laws and model.laws[::-1], toe=model.toes[::-1])
     factors = panel.strength_factors
     return replace(
         panel, table=CellTable.fill(model, panel.table.stretch1.size), bending=panel.bending[::-1],

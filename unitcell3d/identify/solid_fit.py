@@ -42,6 +42,7 @@ from fabrics.executors import open_executor
 from fabrics.fabric import Fabric
 from fabrics.files import write_whole
 from fabrics.plate_curve import PlateCurve
+from fabrics.variants import with_solids
 from meshing import crossover as mesher
 from meshing.inputs import Size
 from unitcell3d.cases import biaxial_and_platens
@@ -284,9 +285,7 @@ def _rms(misfit):
 def with_solid_laws(fabric: Fabric, x: ArrayLike, densest: float) -> Fabric:
     """The fabric whose solids have x = (ln E_c, ln (V_c - densest), ln K_r)."""
     E_c, room, K_r = map(float, np.exp(x))
-    assert fabric.solid_laws is not None
-    warp, weft = (replace(law, E_c=E_c, V_c=float(densest + room), K_r=K_r) for law in fabric.solid_laws)
-    return replace(fabric, solid_laws=(warp, weft))
+    return with_solids(fabric, E_c=E_c, V_c=float(densest + room), K_r=K_r)
 
 
 def identify(jacobian: FloatArray, noise: float, n: int) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:

@@ -18,6 +18,7 @@ import numpy as np
 from fabrics.checks import FloatArray, IntArray
 from fabrics.errors import InputError
 from fabrics.fabric import Fabric
+from fabrics.variants import with_solids
 from meshing.crossover import Crossover
 from meshing.mesh import YarnMesh
 from unitcell3d.assembly import constraints
@@ -137,7 +138,7 @@ class YarnsModel:
             family[:, None] == 0, mesh.hexes[:, ACROSS_BEFORE_THROUGH[0]], mesh.hexes[:, ACROSS_BEFORE_THROUGH[1]]
         )
         # the mesher may have had to densify a yarn to make room for the other (YarnMesh.Vf0)
-        laws = [replace(law, Vf0=Vf0) for law, Vf0 in zip(fabric.solid_laws, mesh.Vf0)]
+        laws = with_solids(fabric, Vf0=mesh.Vf0).solid_laws
         parameters = np.array([(law.E_a, law.a_E, law.b_E, law.Vf0, law.V_c, law.G) for law in laws])
         self._real = len(mesh.points)
         self._space = HexSpace.build(mesh.points, self.hexes)

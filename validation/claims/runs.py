@@ -10,8 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from fabrics import catalogue
-from fabrics.trellis import TrellisShear
+from fabrics import catalogue, variants
 from shellfabric.cable import smith
 from shellfabric.cable.model import CableNet
 from shellfabric.cable.solver import run as run_cable
@@ -31,8 +30,6 @@ from shellfabric.projectile.bar import Bar
 from shellfabric.projectile.projectile import Projectile
 from validation.published.bias_extension import cases as bias_cases
 
-STRAIGHT = 1e-6  # crimp of a "straight" yarn: the shell's thickness is that of its crimp, and must not be zero
-
 
 def cloth(name, *, modulus=1.0, crimp=1.0, mass=1.0, strain=1.0, crimps=None, straight=False, shear=None):
     """A fabric of the catalogue, changed.
@@ -46,25 +43,13 @@ def cloth(name, *, modulus=1.0, crimp=1.0, mass=1.0, strain=1.0, crimps=None, st
     shear : {"G1", "G2", "gamma1", "gamma2": values} that replace those of the fabric
     """
     fabric = catalogue.load(name).with_effective_density()
-    crimps = (STRAIGHT, STRAIGHT) if straight else crimps or [crimp * yarn.crimp for yarn in fabric.weave.yarns]
-    # E / mass: the solid section grows with the linear density, and E A_s is to stay
-    warp, weft = (
-        replace(
-            yarn,
-            crimp=c,
-            E=yarn.E * modulus / mass,
-            linear_density=yarn.linear_density * mass,
-            failure_strain=yarn.failure_strain * strain,
-        )
-        for yarn, c in zip(fabric.weave.yarns, crimps)
-    )
-    weave, law = replace(fabric.weave, warp=warp, weft=weft), fabric.shear
-    if straight and law is not None:
-        thicker = fabric.weave.thickness / weave.thickness
-        law = TrellisShear(law.G1 * thicker, law.G2 * thicker, law.gamma1, law.gamma2)
-    if shear:
-        law = replace(law, **shear)
-    return replace(fabric, weave=weave, shear=law)
+    fabric = variants.scale_yarns(fabric, E=modulus, failure_strain=strain, crimp=crimp)
+    fabric = variants.scale_areal_density(fabric, mass)
+    if straight:
+        fabric = variants.with_straight_yarns(fabric)
+    elif crimps:
+        fabric = variants.with_yarns(fabric, crimp=crimps)
+    return variants.with_shear(fabric, **shear) if shear else fabric
 
 
 class _FirstFailures:

@@ -6,11 +6,10 @@ Areal density changes mass alone; the stiffness of the yarns is kept (section 6.
 from __future__ import annotations
 
 import itertools
-from dataclasses import replace
 
 import numpy as np
 
-from fabrics import catalogue
+from fabrics import catalogue, variants
 from shellfabric.cell.model import CellModel
 from validation.claims.checks import series
 from validation.claims.checks.impact import shot
@@ -53,8 +52,7 @@ def cell(fabric, parameter, strain):
     for factor in FACTORS:
         given = catalogue.load(fabric)
         field = {"modulus": "E", "crimp": "crimp"}[parameter]
-        warp, weft = (replace(yarn, **{field: getattr(yarn, field) * factor}) for yarn in given.weave.yarns)
-        changed = replace(given, weave=replace(given.weave, warp=warp, weft=weft))
+        changed = variants.scale_yarns(given, **{field: factor})
         T.append(float(CellModel(changed, form="equilibrium").solve(1 + strain, 1.0)["T1"]))
     return {
         "less": T[0],
