@@ -28,7 +28,7 @@ from shellfabric.projectile.projectile import Projectile
 from shellfabric.solid.hex8 import Bricks
 
 ENERGIES = ("kinetic", "elastic", "plastic", "hourglass", "viscous", "absorbed", "eroded", "contact", "damped")
-FAR = ("fixed", "absorbing", "free")
+OUTER_BOUNDARIES = ("fixed", "absorbing", "free")
 _KEPT = (
     "x", "v", "metric", "alpha", "last", "past", "gone", "energy", "_work", "_own", "_outer", "_drags", "_shot",
     "_held", "_points",
@@ -43,11 +43,11 @@ class Backing:
     ----------
     material : Isotropic
     size : (x, y, z) [m] of the whole block
-    finest : [m] edge of the bricks under the shot
-    fine : [m] reach of these from the axis, and from the face
+    min_size : [m] edge of the smallest elements, under the shot
+    refined_depth : [m] extent of these from the axis, and from the face
     growth : factor from brick to brick beyond, at most
-    far : "fixed", "absorbing" or "free" far faces
-    face : [m] where the face stands; behind a panel (`backing.coupling`), how far behind the back of its last ply
+    outer_boundary : "fixed", "absorbing" or "free" outer faces
+    standoff : [m] of the face from z = 0; behind a panel (`backing.coupling`) from the back of its last ply
     hourglass : factor on the hourglass stiffness of the full rule. In plastic flow the full one would stand in for the
         strength that is gone; less than 0.1 lets the modes grow. Of the energy of a ball 0.05, 0.1, 0.2, 0.4 and 0.8
         take 12, 5, 6, 5 and 8 % at most, and the ball goes 7.31, 7.22, 6.98 and 6.59 mm deep from 0.1 on
@@ -64,11 +64,11 @@ class Backing:
 
     material: Isotropic = field(default_factory=lambda: load("backing"))
     size: tuple[float, float, float] = (0.3, 0.3, 0.18)
-    finest: float = 1.0e-3
-    fine: float = 8e-3
+    min_size: float = 1.0e-3
+    refined_depth: float = 8e-3
     growth: float = 1.2
-    far: str = "fixed"
-    face: float = 0.0
+    outer_boundary: str = "fixed"
+    standoff: float = 0.0
     hourglass: float = 0.1
     viscosity: float = 0.1
     penalty: float = 10.0
@@ -77,11 +77,11 @@ class Backing:
     points: int = 2
 
     def __post_init__(self):
-        if self.far not in FAR:
-            raise InputError(key="far", value=self.far, allowed=" or ".join(FAR))
-        if len(self.size) != 3 or not all(0 < 2 * self.finest <= length for length in self.size):
-            raise InputError(key="size", value=self.size, allowed=f"three lengths of at least {2 * self.finest:g} m")
-        for key in ("finest", "fine", "penalty", "ply_penalty", "points"):
+        if self.outer_boundary not in OUTER_BOUNDARIES:
+            raise InputError(key="outer_boundary", value=self.outer_boundary, allowed=" or ".join(OUTER_BOUNDARIES))
+        if len(self.size) != 3 or not all(0 < 2 * self.min_size <= length for length in self.size):
+            raise InputError(key="size", value=self.size, allowed=f"three lengths of at least {2 * self.min_size:g} m")
+        for key in ("min_size", "refined_depth", "penalty", "ply_penalty", "points"):
             if not 0 < getattr(self, key) < np.inf:
                 raise InputError(key=key, value=getattr(self, key), allowed="above 0")
         if not self.growth >= 1:
@@ -94,7 +94,7 @@ class Backing:
     def lines(self):
         """x, y, z [m] of the mesh planes of the quarter."""
         half = (0.5 * self.size[0], 0.5 * self.size[1], self.size[2])
-        return tuple(graded(length, self.finest, self.fine, self.growth) for length in half)
+        return tuple(graded(length, self.min_size, self.refined_depth, self.growth) for length in half)
 
     @property
     def count(self):
@@ -118,20 +118,22 @@ class Backing:
         return Block(self, dt)
 
 
-def graded(length, finest, fine, growth):
-    """Places (n + 1,) [m] from 0 to `length`: equal steps up to `fine`, then growing by a factor, `growth` at most."""
-    even = min(max(1, round(fine / finest)), max(1, round(length / finest)))
-    places = np.linspace(0, even * finest, even + 1)
+def graded(length, min_size, refined_depth, growth):
+    """Places (n + 1,) [m] from 0 to `length`: equal steps up to `refined_depth`, then growing by a factor, `growth` at
+    most.
+    """
+    even = min(max(1, round(refined_depth / min_size)), max(1, round(length / min_size)))
+    places = np.linspace(0, even * min_size, even + 1)
     left = length - places[-1]
-    if left < 0.5 * finest:
+    if left < 0.5 * min_size:
         return places * (length / places[-1])
     steps = 1
-    while finest * np.sum(growth ** np.arange(1, steps + 1)) < left:
+    while min_size * np.sum(growth ** np.arange(1, steps + 1)) < left:
         steps += 1
-    if finest * steps >= left:  # too little is left to grow
+    if min_size * steps >= left:  # too little is left to grow
         return np.concatenate([places, places[-1] + left * np.arange(1, steps + 1) / steps])
-    factor = brentq(lambda g: finest * np.sum(g ** np.arange(1, steps + 1)) - left, 1.0, growth + 1e-9)
-    return np.concatenate([places, places[-1] + finest * np.cumsum(factor ** np.arange(1, steps + 1))])
+    factor = brentq(lambda g: min_size * np.sum(g ** np.arange(1, steps + 1)) - left, 1.0, growth + 1e-9)
+    return np.concatenate([places, places[-1] + min_size * np.cumsum(factor ** np.arange(1, steps + 1))])
 
 
 class Block:
@@ -156,7 +158,7 @@ class Block:
         self.backing, self.dt, self.time = backing, float(dt), 0.0
         self.shape = nx, ny, nz = backing.count
         grid = np.stack(np.meshgrid(*backing.lines, indexing="ij"), axis=-1)
-        grid[..., 2] += backing.face
+        grid[..., 2] += backing.standoff
         self.rest = grid.reshape(-1, 3)
         nodes = np.arange(len(self.rest)).reshape(grid.shape[:3])
         self.nodes = nodes
@@ -193,9 +195,9 @@ class Block:
         self.free, self._dashpot = np.ones((len(self.rest), 3)), np.zeros((len(self.rest), 3))
         self.free[nodes[0], 0] = self.free[nodes[:, 0], 1] = 0.0
         for axis, face in ((0, nodes[-1]), (1, nodes[:, -1]), (2, nodes[:, :, -1])):
-            if backing.far == "fixed":
+            if backing.outer_boundary == "fixed":
                 self.free[face] = 0.0
-            elif backing.far == "absorbing":
+            elif backing.outer_boundary == "absorbing":
                 places = self.rest[face]
                 edges = np.cross(places[1:, 1:] - places[:-1, :-1], places[:-1, 1:] - places[1:, :-1])
                 quads = 0.125 * np.linalg.norm(edges, axis=-1)
@@ -244,7 +246,7 @@ class Block:
                 [np.clip(np.searchsorted(lines[c], places[:, c]) - 1, 0, self.shape[c] - 1) for c in (0, 1)], axis=1
             )
             self._memory = np.zeros((len(places), 2))
-            self._memory[:, 0] = places[:, 2] + thickness - self.backing.face  # as against the face at rest
+            self._memory[:, 0] = places[:, 2] + thickness - self.backing.standoff  # as against the face at rest
         forces, drags, none = np.empty_like(places), np.empty_like(places), np.zeros(len(places))
         touch.point_forces(
             *self.shape, self.x, self.v, self.gone, places, np.ascontiguousarray(velocities, float),
@@ -315,7 +317,7 @@ class Block:
         layers = np.where(gone.any(axis=1), nz - np.argmax(gone[:, ::-1], axis=1), 0)
         beside = np.minimum(np.append(layers, layers[-1]), np.append(layers[0], layers))
         edge = nodes[np.arange(len(nodes)), beside]
-        return np.stack([self.x[edge, axis], self.x[edge, 2] - self.backing.face], axis=1)
+        return np.stack([self.x[edge, axis], self.x[edge, 2] - self.backing.standoff], axis=1)
 
     def arrays(self):
         """{name: array} of all that its motion goes on from; `restore` takes it back."""
@@ -369,9 +371,9 @@ def strike(backing, projectile: Projectile, velocity, end_time, *, dt=None, ever
     InputError, UnstableError : as Block
     """
     if dt is None:
-        dt = min(0.05 * backing.finest / velocity, 0.5 * backing.longest_step)
+        dt = min(0.05 * backing.min_size / velocity, 0.5 * backing.longest_step)
     block, quarter = backing.block(dt), 0.25 * projectile.mass
-    position, speed = np.array([0.0, 0.0, backing.face]), np.array([0.0, 0.0, float(velocity)])
+    position, speed = np.array([0.0, 0.0, backing.standoff]), np.array([0.0, 0.0, float(velocity)])
     rows, energies = [], []
     for n in range(int(np.ceil(end_time / dt))):
         push = block.strike(position, speed, projectile)
@@ -384,7 +386,7 @@ def strike(backing, projectile: Projectile, velocity, end_time, *, dt=None, ever
             own = block.energies()
             own["projectile"] = 0.5 * quarter * mean**2
             own["balance"] = sum(own.values()) - 0.5 * quarter * velocity**2
-            rows.append((n * dt, mean, position[2] - backing.face))
+            rows.append((n * dt, mean, position[2] - backing.standoff))
             energies.append(4 * np.array(list(own.values())))
         position[2] += dt * speed[2]
         if stop:

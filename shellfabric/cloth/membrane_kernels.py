@@ -25,7 +25,8 @@ step. So below the stretch c = SHORT, f(Lambda) stands for Lambda in sin(gamma),
 It goes on from Lambda with its slope. c is such that cloth that has locked stays within the time step of `panel` in
 whatever way it is drawn together. The trellis alone adds G2 t (1 / f1^2 + 1 / f2^2) / 4 to the D of that bound, and a
 locked one has 2 G2 t = D (eq. 4-49). As it fades out it unlocks: with both stretches at 0.3 the sine is 0.4 at most,
-near the locking angles of the fabrics, and f = 0.46 makes the sum 1.2 D, what a safety of 0.9 leaves: 1 / 0.9^2.
+near the locking angles of the fabrics, and f = 0.46 makes the sum 1.2 D, what a Courant factor of 0.9 leaves: 1 /
+0.9^2.
 
 Graded panels. Lines may lie closer together in some places than in others, and each stands for the yarns up to halfway
 to its neighbours. All above holds, if of the pieces of a crossing line before and behind a node each counts in the mean

@@ -135,6 +135,6 @@ def collect_result(setup: PackSetup, solver: PackSolver) -> PackResult:
         held_apart=solver.held_apart,
         nose=solver.stack.projectile_position[0].copy(),
         last=shots(solver),
-        histories=histories.unpack(solver.histories, plies, setup.ply.measure) if solver.histories else (),
+        histories=histories.unpack(solver.histories, plies, setup.ply.history) if solver.histories else (),
         **single_ply.projectile_result(solver, solver.pack.elements),
     )

@@ -60,7 +60,7 @@ class ImpactSetup:
     audit_interval, snapshot_interval : [s]; no snapshots where None
     failure : whether yarns fail. Where they do not, the table goes to UNFAILING times their failure strain
     backing : Backing, the block behind the cloth, or None
-    measure : histories.Measure, what to record along yarns and at the edges; None for nothing
+    history : histories.HistoryRequest, what to record along yarns and at the edges; None for nothing
     numerics : Numerics
     """
 
@@ -86,7 +86,7 @@ class ImpactSetup:
     snapshot_interval: float | None = None
     failure: bool = True
     backing: Backing | None = None
-    measure: histories.Measure | None = None
+    history: histories.HistoryRequest | None = None
     numerics: Numerics = field(default_factory=Numerics)
     grading: tuple | None = None
 
@@ -100,7 +100,7 @@ class ImpactSetup:
     @property
     def sample_interval(self):
         """[s] between samples, which are as frequent as what is recorded."""
-        return min(self.audit_interval, self.measure.interval) if self.measure else self.audit_interval
+        return min(self.audit_interval, self.history.interval) if self.history else self.audit_interval
 
     def table(self) -> CellTable:
         """The cell's table, filled. Set-ups that differ in panel, shot or mesh alone can share it.
@@ -266,9 +266,9 @@ def run(setup: ImpactSetup, *, hooks=(), resume=None, table=None) -> ImpactResul
 
 def recorder(solver, setup: ImpactSetup):
     """The hook that records along yarns and at edges, in a tuple; none where nothing is to be recorded."""
-    solver.measure = setup.measure
+    solver.history_request = setup.history
     plies = [panel for panel, _, _ in solver.parts]
-    return (histories.Recorder(plies, setup.measure),) if setup.measure else ()
+    return (histories.Recorder(plies, setup.history),) if setup.history else ()
 
 
 def snapshot_hooks(setup: ImpactSetup, take=None):
@@ -295,7 +295,7 @@ def collect_result(setup: ImpactSetup, solver: PanelSolver) -> ImpactResult:
         quads=output_snapshots.quads(solver.panel),
         tension=last.tension.reshape(-1, 2),
         broken=last.broken.reshape(-1, 3),
-        histories=histories.unpack(solver.histories, (solver.panel,), setup.measure)[0] if solver.histories else None,
+        histories=histories.unpack(solver.histories, (solver.panel,), setup.history)[0] if solver.histories else None,
         **projectile_result(solver, solver.panel.elements),
     )
 
@@ -313,7 +313,7 @@ def projectile_result(solver, elements):
         "z": solver.sample("z"),
         "fine": np.column_stack([clock, fine[:, :2], fine[:, 2] / solver.panel.share]),
         "bar": None if bar is None else dynamics.history(clock, fine, solver.state, bar),
-        "backing": solver.behind.result() if solver.behind else None,
+        "backing": solver.backing.result() if solver.backing else None,
         "snapshots": tuple(solver.snapshots),
         "max_deflection": solver.monitor.deflection,
         "checks": quality.of_solver(solver),

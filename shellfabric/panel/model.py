@@ -37,18 +37,18 @@ class Numerics:
 
     Parameters
     ----------
-    safety : of the time step against its bound; 0.9 leaves room for shear stiffening in distorted elements. Where yarns
-        snap taut a step loses energy, with its square, whatever the mesh, since a snap is a few elements wide: for
-        S-731 at 116 m/s 0.17 % of the strike energy, at 0.45 0.04. It is booked as "cell" (see `panel.solver`). Giving
-        it back to the front (a viscosity that is less by dK dL / 12) was tried: the peak of the first front along S-745
-        at 215 m/s, 658 N at 0.9 and 648 at 0.1, is 693 then
+    cfl : Courant factor, the time step over its stability bound; 0.9 leaves room for shear stiffening in distorted
+        elements. Where yarns snap taut a step loses energy, with its square, whatever the mesh, since a snap is a few
+        elements wide: for S-731 at 116 m/s 0.17 % of the strike energy, at 0.45 0.04. It is booked as "cell" (see
+        `panel.solver`). Giving it back to the front (a viscosity that is less by dK dL / 12) was tried: the peak of the
+        first front along S-745 at 215 m/s, 658 N at 0.9 and 648 at 0.1, is 693 then
     stretch_viscosity : damping ratio of the highest mode along a straight yarn, which costs as much of the time step.
         Without it crimped yarns that snap taut ring, and the peak is 190 and 380 N; from 0.05 to 0.2 it moves by 1 %.
         In a yarn that stiffens as its crimp goes, fronts are shocks, which dissipate whatever the viscosity: from 0.1
         to 0.02 the loss of S-731 at 110 m/s falls from 13.3 to 11.2 % of the strike energy, and with half the element
         from 13.3 to 12.9
     penalty : stiffness of the contact where it covers an element, in units of nodal mass / dt^2, with the dt that
-        `safety` would make of the bound (see `time_step`). From 0.3 to 1 the peak moves by 2 %, and the critical
+        `cfl` would make of the bound (see `time_step`). From 0.3 to 1 the peak moves by 2 %, and the critical
         velocity, which feels how deep the rim of the nose presses itself in, by 3 to 6 %, from 0.6 to 1 by 1 to 2 %; at
         1 and above yarns bounce off the nose. The bound is 1.5 at the damping below
     contact_damping : ratio to critical of that mass on that spring; from 0.25 to 0.7 the peak stays
@@ -66,7 +66,7 @@ class Numerics:
     threads : that march; None takes all that the process may use where it pays (`barrier`). No result depends on it
     """
 
-    safety: float = 0.9
+    cfl: float = 0.9
     stretch_viscosity: float = 0.1
     penalty: float = 0.6
     contact_damping: float = 0.5
@@ -79,7 +79,7 @@ class Numerics:
     threads: int | None = None
 
     def __post_init__(self):
-        for key in ("safety", "penalty", "widest", "clear_time", "block"):
+        for key in ("cfl", "penalty", "widest", "clear_time", "block"):
             if not getattr(self, key) > 0:
                 raise InputError(key=key, value=getattr(self, key), allowed="above 0")
         if self.contact_points is not None and self.contact_points < 1:
@@ -91,8 +91,8 @@ class Numerics:
             raise InputError(key="precision", value=self.precision, allowed=" or ".join(arrays.PRECISIONS))
         if self.threads is not None and self.threads < 1:
             raise InputError(key="threads", value=self.threads, allowed="at least 1")
-        if self.safety > 1:
-            raise InputError(key="safety", value=self.safety, allowed="at most 1")
+        if self.cfl > 1:
+            raise InputError(key="cfl", value=self.cfl, allowed="at most 1")
 
 
 @dataclass(frozen=True)
@@ -295,9 +295,9 @@ class Panel:
 
     @property
     def step_of_bound(self):
-        """[s] share `safety` of the bound; what the contact is as stiff as, whatever is taken of it."""
+        """[s] the stability bound times `cfl`; what the contact is as stiff as, whatever is taken of it."""
         xi = self.numerics.stretch_viscosity
-        return self.numerics.safety * self.critical_step * ((1 + xi**2) ** 0.5 - xi)
+        return self.numerics.cfl * self.critical_step * ((1 + xi**2) ** 0.5 - xi)
 
     @cached_property
     def _pace(self):

@@ -153,7 +153,7 @@ def of_solver(solver):
     absorbed = max(strike - float(energies["kinetic_projectile"][-1]), 1e-3 * strike)
     depth = max(float(state.contact_energy[MAX_PENETRATION]) for _, _, state in solver.parts)
     nose = shot.nose_radius
-    bound = panel.time_step / panel.numerics.safety
+    bound = panel.time_step / panel.numerics.cfl
     given = max(float(np.max(-energies[name])) for name in ("contact", "plies") if name in energies)
     found = [
         _make("time step", solver.const.dt / bound),
@@ -247,7 +247,7 @@ def of_patch(solver):
     strike = solver.strike_energy
     solids, held = (float(solver.sample(name)[-1]) for name in ("solids", "hourglass"))
     return (
-        _make("time step", solver.patch.numerics.safety),
+        _make("time step", solver.patch.numerics.cfl),
         _make("energy error", float(np.max(np.abs(solver.sample("balance")))) / strike),
         _make("hourglass energy", held / solids if solids > 0 else 0.0),
         _make("hourglass amplitude", hourglass_amplitude(solver.patch.mesh, solver.state.x)),

@@ -309,7 +309,7 @@ class Pack:
         return self._apart(p) if p < len(self.gaps) else self.plies[p].weave.thickness
 
     def _in_step(self, ply):
-        """A ply with the safety that gives it the pack's time step."""
+        """A ply with the Courant factor that gives it the pack's time step."""
         return ply if ply.time_step == self.time_step else _slower(ply, self.time_step)
 
     def _pair(self, p, q, apart, consts, states):
@@ -346,9 +346,9 @@ class Pack:
 
 
 def _slower(ply, step):
-    """A ply with the safety that gives it a time step [s]."""
-    safety = ply.numerics.safety * step / ply.time_step
-    return replace(ply, numerics=replace(ply.numerics, safety=safety))
+    """A ply with the Courant factor that gives it a time step [s]."""
+    cfl = ply.numerics.cfl * step / ply.time_step
+    return replace(ply, numerics=replace(ply.numerics, cfl=cfl))
 
 
 def lists(items):

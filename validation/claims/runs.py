@@ -20,7 +20,7 @@ from shellfabric.impact import ballistic_limit as limits
 from shellfabric.impact.single_ply import ImpactSetup
 from shellfabric.impact.single_ply import run as run_impact
 from shellfabric.output import snapshots as output_snapshots
-from shellfabric.output.histories import Measure
+from shellfabric.output.histories import HistoryRequest
 from shellfabric.panel.boundary import PullIn
 from shellfabric.panel.model import Numerics, Panel
 from shellfabric.panel.solver import PLY_SAMPLES
@@ -109,7 +109,7 @@ def setup(
         elements_per_crossover=elements,
         bending=bending,
         snapshot_interval=snapshots,
-        measure=Measure(interval, (0.0,), (0.0, *offsets)),
+        history=HistoryRequest(interval, (0.0,), (0.0, *offsets)),
         **options,
     )
 
@@ -297,7 +297,7 @@ def pack(
     fabric, velocity [m/s], plies, end_time [s]
     stacking : "aligned" or "alternating"
     added : [m] to that gap
-    body : of the projectile, "rigid", "bar" (bored), or "full" (`Bar.full`)
+    body : of the projectile, "rigid", "elastic_bar" (bored), or "full" (`Bar.full`)
     face : {"modulus", "strain": factors} of the ply that is struck, None where all are alike
     form : of the contact between plies
     failure_time : [s] over which tensions are low-passed before they are held against the strength

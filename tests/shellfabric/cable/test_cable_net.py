@@ -90,7 +90,7 @@ def test_energy(fabric, velocity, bound):
 
 
 def test_energy_error_falls_with_the_square_of_the_step():
-    errors = [run(CableNet(S720, numerics=CableNumerics(safety=s)), 100.0, 100e-6).worst_balance for s in (0.8, 0.4)]
+    errors = [run(CableNet(S720, numerics=CableNumerics(cfl=s)), 100.0, 100e-6).worst_balance for s in (0.8, 0.4)]
     assert np.log2(errors[0] / errors[1]) == pytest.approx(2.0, abs=0.3)
 
 
@@ -225,8 +225,8 @@ def test_bad_input():
         CableNet(S720, symmetry="third")
     with pytest.raises(InputError, match="opening"):
         CableNet(S720, (0.05, 0.005))
-    with pytest.raises(InputError, match="safety"):
-        CableNumerics(safety=1.5)
+    with pytest.raises(InputError, match="cfl"):
+        CableNumerics(cfl=1.5)
     with pytest.raises(InputError, match="viscosity"):
         CableNumerics(viscosity=-0.1)
     with pytest.raises(InputError, match="strike_velocity"):
@@ -237,6 +237,6 @@ def test_bad_input():
 
 def test_a_run_that_gains_energy_is_stopped():
     """Without viscosity, near the limit of the step, snapping bars feed on the step: 12 % at 150 us."""
-    net = CableNet(S720, numerics=CableNumerics(viscosity=0.0, safety=0.98), failure=False)
+    net = CableNet(S720, numerics=CableNumerics(viscosity=0.0, cfl=0.98), failure=False)
     with pytest.raises(UnstableError, match="energy balance"):
         run(net, 100.0, 250e-6)

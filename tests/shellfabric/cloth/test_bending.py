@@ -147,7 +147,7 @@ def test_pure_bending_is_a_circle(small):
 def test_step_holds_with_stiff_yarns(straight):
     """The time step's bound knows of bending: yarns a thousand times as stiff as solid ones do not blow up."""
     table = CellModel(straight(1.0), model="decoupled").table(51)
-    knobs = Numerics(safety=0.99, stretch_viscosity=0.0)
+    knobs = Numerics(cfl=0.99, stretch_viscosity=0.0)
     panel = Panel(
         table, (0.0306, 0.0306), edge="free", failure=False, symmetry="whole", numerics=knobs, bending=(0.1, 0.1)
     )

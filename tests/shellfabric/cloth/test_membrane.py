@@ -243,7 +243,7 @@ def test_time_step_bound(straight, factor, holds):
     In the equilibrium form; in the variational one half of a yarn's force follows from means, which are softer.
     """
     table = CellModel(straight(1.0), model="decoupled", form="equilibrium").table(51)
-    knobs = Numerics(safety=1.0, stretch_viscosity=0.0)
+    knobs = Numerics(cfl=1.0, stretch_viscosity=0.0)
     panel = Panel(table, (0.0306, 0.0306), edge="free", failure=False, symmetry="whole", numerics=knobs)
     const, state, work = panel.constants(), panel.state(1.0), panel.work()
     const = const._replace(dt=factor * panel.critical_step)

@@ -66,7 +66,7 @@ def test_every_shot_keeps_momentum(small, shape, attitude, friction):
 )
 def test_energy_of_every_shot_balances(small, shape, attitude):
     """Also where points slide: over a step the last force does work in its own direction, not in the present one."""
-    knobs = Numerics(safety=0.5)  # the error of the time integration, four times less, is not what is asked after
+    knobs = Numerics(cfl=0.5)  # the error of the time integration, four times less, is not what is asked after
     panel = small(symmetry="whole", projectile=shot(shape, **attitude), failure=False, numerics=knobs)
     march = PanelSolver(panel, 110.0, 50e-6).run()
     assert np.abs(march.sample("balance")).max() < 1e-4 * march.strike_energy

@@ -36,7 +36,7 @@ def quick(fabric):
         {},
         {"form": "equilibrium"},
         {"cell_model": "incompressible"},
-        {"cell_model": "decoupled", "numerics": Numerics(safety=0.5)},  # yarns have kinks: see the test of the snap
+        {"cell_model": "decoupled", "numerics": Numerics(cfl=0.5)},  # yarns have kinks: see the test of the snap
         {"elements_per_crossover": 2},
     ],
     ids=lambda changes: next(iter(changes.values()), "default"),
@@ -431,7 +431,7 @@ def test_bad_setups(fabric, bad):
     with pytest.raises(InputError):
         run(ImpactSetup(**{"fabric": fabric, "strike_velocity": 100.0, **QUICK, **bad}))
     with pytest.raises(InputError):
-        Numerics(safety=2.0)
+        Numerics(cfl=2.0)
 
 
 def test_meshed_size_follows_the_source(tables, fabric):

@@ -128,12 +128,12 @@ def test_it_only_takes(ply, nose):
     assert np.abs(march.sample("balance")).max() < 5e-3 * march.strike_energy
 
 
-def highest(ply, safety=0.9, **knobs):
+def highest(ply, cfl=0.9, **knobs):
     """[N] highest tension in 40 us in the weft of the first of three plies, with contacts as stiff at any step."""
-    part = (safety / 0.9) ** 2
+    part = (cfl / 0.9) ** 2
     knobs = {"nose": PlyContact.nose, "penalty": PlyContact.penalty} | knobs
     contact = PlyContact(**{name: part * value for name, value in knobs.items()})
-    chosen = replace(ply, failure=False, numerics=replace(ply.numerics, safety=safety))
+    chosen = replace(ply, failure=False, numerics=replace(ply.numerics, cfl=cfl))
     return PackSolver(Pack.stacked(chosen, 3, gap=GAP, contact=contact), 158.0, 40e-6).run().peaks[0, 1]
 
 
@@ -141,7 +141,7 @@ def test_tension_under_the_nose_hangs_on_no_knob(ply):
     """5 % are asked. In S-726 it is this weft that fails first."""
     usual = highest(ply)
     for other in (
-        highest(ply, safety=0.45),
+        highest(ply, cfl=0.45),
         highest(ply, nose=0.5 * PlyContact.nose),
         highest(ply, penalty=0.5 * PlyContact.penalty),
     ):

@@ -103,14 +103,14 @@ def test_energy_balances_and_as_the_square_of_the_step():
     """Under a smooth push, elastic and plastic alike."""
     off = {}
     for name, material in (("elastic", ELASTIC), ("plastic", STEEL)):
-        for safety in (0.8, 0.4):
-            bar = Bar.cylinder(material=material, safety=safety)
+        for cfl in (0.8, 0.4):
+            bar = Bar.cylinder(material=material, cfl=cfl)
             motion, dt = bar.motion(100.0), 4e-7
             for n in range(60):
                 motion.push(-3000.0 * np.sin(np.pi * min(n / 40, 1)) ** 2, dt)
             energy = motion.energies()
-            off[name, safety] = abs(energy["balance"]) / abs(energy["work"])
-            assert off[name, safety] < 2e-4
+            off[name, cfl] = abs(energy["balance"]) / abs(energy["work"])
+            assert off[name, cfl] < 2e-4
             assert (energy["plastic"] > 0) == (name == "plastic")
     assert off["elastic", 0.4] < 0.35 * off["elastic", 0.8] + 1e-9
 

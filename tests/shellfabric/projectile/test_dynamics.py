@@ -27,7 +27,7 @@ def uniform(stiffer=1.0):
 
 @pytest.fixture(scope="module")
 def struck(fabric):
-    return shoot(fabric, "bar")
+    return shoot(fabric, "elastic_bar")
 
 
 def test_the_bar_of_the_march_is_the_bar_alone(fabric, struck):
@@ -55,7 +55,7 @@ def test_energy_and_momentum_balance(struck):
 
 def test_energy_balance_of_a_wall_that_yields(fabric):
     """At 155 m/s on the whole panel the bored wall of 220 MPa is squeezed: the plastic term is not small."""
-    result = shoot(fabric, "bar", 155.0, opening=0.203, end_time=200e-6)
+    result = shoot(fabric, "elastic_bar", 155.0, opening=0.203, end_time=200e-6)
     assert result.energies["plastic_projectile"][-1] > 0.03 * result.strike_energy
     assert result.bar.shortening > 0.5e-3
     assert result.worst_balance < 5e-3
@@ -87,7 +87,7 @@ def test_tip_and_tail_swing_with_the_period_of_the_bar(fabric):
 
 
 def test_quarter_and_whole_agree(fabric, struck):
-    whole = shoot(fabric, "bar", symmetry="whole", end_time=30e-6)
+    whole = shoot(fabric, "elastic_bar", symmetry="whole", end_time=30e-6)
     n = whole.steps
     assert whole.bar.tip == pytest.approx(struck.bar.tip[:n], rel=1e-9)
     assert whole.bar.tail_velocity == pytest.approx(struck.bar.tail_velocity[:n], rel=1e-6, abs=1e-6)
@@ -152,12 +152,12 @@ def test_the_held_force_is_the_largest_mean():
     "changes",
     [
         {"body": "soft"},
-        {"body": "bar", "shape": "hemisphere"},
-        {"body": "bar", "mass": 1e-3},
-        {"body": "bar", "mass": 9e-3},
+        {"body": "elastic_bar", "shape": "hemisphere"},
+        {"body": "elastic_bar", "mass": 1e-3},
+        {"body": "elastic_bar", "mass": 9e-3},
         {"body": uniform(), "mass": 4e-3},
-        {"bore": 1e-3},
-        {"body": "bar", "bore": 6e-3},
+        {"bore_diameter": 1e-3},
+        {"body": "elastic_bar", "bore_diameter": 6e-3},
     ],
 )
 def test_bad_bodies_are_refused(changes):

@@ -438,8 +438,8 @@ def test_momentum_of_a_free_patch_and_its_projectile_is_kept(mesh):
 
 def test_energy_balances_and_better_with_shorter_steps(mesh):
     off = []
-    for safety in (0.8, 0.4):
-        march = struck(mesh, end_time=4e-6, threads=1, numerics={"safety": safety}).run()
+    for cfl in (0.8, 0.4):
+        march = struck(mesh, end_time=4e-6, threads=1, numerics={"cfl": cfl}).run()
         taken = march.strike_energy - march.sample("kinetic_projectile")[-1]
         assert march.sample("hourglass")[-1] < 0.05 * taken
         off.append(np.abs(march.sample("balance")).max() / taken)
@@ -449,7 +449,7 @@ def test_energy_balances_and_better_with_shorter_steps(mesh):
 
 def test_steps_are_stable_where_the_bound_says_so(mesh):
     """Steps of the bound (2 / w of the row sums) pass, of 2.5 times are lost: it is safe, and near."""
-    struck(mesh, threads=1, numerics={"safety": 1.0}).run()
+    struck(mesh, threads=1, numerics={"cfl": 1.0}).run()
     march = struck(mesh, threads=1)
     pace = march._set_time_step
 
@@ -540,7 +540,7 @@ def test_sums_are_named_once():
     [
         (lambda mesh: SolidPatch(mesh, catalogue.load("S-728")), "solid|meshed"),
         (lambda mesh: SolidPatch(crossover.build(FABRIC, size="coarse"), FABRIC), "whole"),
-        (lambda mesh: PatchNumerics(safety=2), "at most 1"),
+        (lambda mesh: PatchNumerics(cfl=2), "at most 1"),
         (lambda mesh: PatchNumerics(penalty=-1), "above 0"),
         (lambda mesh: SolidSolver(SolidPatch(mesh, FABRIC), 0, 1e-6), "above 0"),
     ],

@@ -284,7 +284,7 @@ class TestProjectile:
         found, calls = self.answer(monkeypatch, self.short, fixed=frozenset({"projectile"}))
         assert "bar" not in calls
         assert found.body == "projectile: rigid, as set"
-        bar = replace(SETUP, projectile=Projectile(body="bar"))
+        bar = replace(SETUP, projectile=Projectile(body="elastic_bar"))
         found, calls = self.answer(monkeypatch, self.long, fixed=frozenset({"projectile"}), setup=bar)
         assert set(calls) == {"bar"}
 

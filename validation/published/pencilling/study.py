@@ -30,7 +30,7 @@ JAM = (1000.0, 0.6)  # [N], [-]: a tenth of a yarn's EA, from three fifths of it
 # half the usual time step: where stiff yarns snap taut a step loses with its square (`panel.model.Numerics`), in the
 # first target with free edges 0.5 % of the shot's energy at the usual one
 SAFETY = 0.45
-BLOCK = Backing(finest=1.5e-3, fine=9e-3, growth=1.25, points=1)
+BLOCK = Backing(min_size=1.5e-3, refined_depth=9e-3, growth=1.25, points=1)
 
 
 @dataclass(frozen=True)
@@ -99,7 +99,7 @@ def march(
     fabric = cloth(FABRIC, modulus=case.modulus, mass=case.mass / case.plies / fabric.weave.areal_density)
     setup = ImpactSetup(
         fabric, velocity, projectile=PROJECTILE, edge=edge, failure=False, elements_per_crossover=elements, jam=jam,
-        backing=block, opening=opening, numerics=Numerics(safety=SAFETY),
+        backing=block, opening=opening, numerics=Numerics(cfl=SAFETY),
     )  # fmt: skip
     return PackSolver(Pack.stacked(setup.panel(), case.plies), velocity, end_time)
 
@@ -112,7 +112,7 @@ def shoot(case: Case, *, report=None, **options) -> Penetration:
     UnstableError : as PackSolver
     """
     run = march(case, **options).run([Progress(report)] if report else [])
-    block = run.behind.result()
+    block = run.backing.result()
     energies = {name: run.sample(name) for name in _names(run)}
     balance = float(np.abs(energies["balance"]).max()) / run.strike_energy
     return Penetration(
