@@ -385,7 +385,7 @@ def strike(backing, projectile: Projectile, velocity, end_time, *, dt=None, ever
         if n % every == 0 or stop:
             own = block.energies()
             own["projectile"] = 0.5 * quarter * mean**2
-            own["balance"] = sum(own.values()) - 0.5 * quarter * velocity**2
+            own["error"] = sum(own.values()) - 0.5 * quarter * velocity**2
             rows.append((n * dt, mean, position[2] - backing.standoff))
             energies.append(4 * np.array(list(own.values())))
         position[2] += dt * speed[2]

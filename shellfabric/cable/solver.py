@@ -11,7 +11,16 @@ from shellfabric.cable.contact_kernels import CONTACT
 from shellfabric.cable.model import CableNet
 from shellfabric.driver.solver import ExplicitSolver, run_to_end, speed_limit
 
-ENERGIES = ("kinetic_fabric", "kinetic_projectile", "stored", "viscous", "contact", "failed", "external", "balance")
+ENERGIES = (
+    "kinetic_fabric",
+    "kinetic_projectile",
+    "yarn_strain",
+    "viscous",
+    "contact",
+    "failure_dissipation",
+    "boundary_work",
+    "error",
+)
 SAMPLES = ("t", "v", "z", *ENERGIES)
 
 
@@ -25,7 +34,7 @@ class CableResult:
     outcome : "stopped", "perforated" or "in flight"
     residual_velocity : [m/s] of the projectile at the end
     t, v, z : (n,) [s, m/s, m] instants of the audit; velocity and nose position of the projectile
-    energies : {name: (n,)} [J] with the names of ENERGIES; balance is the sum less the energy at the start
+    energies : {name: (n,)} [J] with the names of ENERGIES; error is the sum less the energy at the start
     peak_tension : (warp, weft) [N] over the run
     fine : (steps, 4) time [s], nose position [m], velocity [m/s] at half steps, force on the projectile [N]
     reactions : {"warp", "weft", "edges": (steps,)} [N] after each step: pulls of the middle yarns on a clamp, along the
@@ -54,7 +63,7 @@ class CableResult:
     @property
     def worst_balance(self):
         """[-] largest error of the energy balance over the strike energy."""
-        return float(np.max(np.abs(self.energies["balance"])) / self.energies["kinetic_projectile"][0])
+        return float(np.max(np.abs(self.energies["error"])) / self.energies["kinetic_projectile"][0])
 
 
 class CableSolver(ExplicitSolver):

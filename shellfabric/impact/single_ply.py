@@ -155,7 +155,7 @@ class Outcome:
     @property
     def worst_balance(self):
         """[-] largest error of the energy balance over the strike energy."""
-        return float(np.max(np.abs(self.energies["balance"]))) / self.strike_energy
+        return float(np.max(np.abs(self.energies["error"]))) / self.strike_energy
 
     @property
     def mirrored(self):
@@ -175,7 +175,7 @@ class ImpactResult(Outcome):
     residual_velocity : [m/s] of the projectile at the end, along the normal
     velocity : (3,) [m/s] of the projectile at the end, along warp, weft and normal
     t, v, z : (n,) [s, m/s, m] of the samples; the projectile's velocity along the normal and its foremost point
-    energies : {name: (n,)} [J] with the names of panel.solver.ENERGIES; balance is the sum less the energy at the start
+    energies : {name: (n,)} [J] with the names of panel.solver.ENERGIES; error is the sum less the energy at the start
     reactions : {"warp", "weft": (n,)} [N] tension at the clamped end of the yarn nearest the impact point
     failed : (n,) number of failed yarn segments
     peak_tension : (warp, weft) [N] over the run

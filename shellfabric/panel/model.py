@@ -39,9 +39,9 @@ class Numerics:
     ----------
     cfl : Courant factor, the time step over its stability bound; 0.9 leaves room for shear stiffening in distorted
         elements. Where yarns snap taut a step loses energy, with its square, whatever the mesh, since a snap is a few
-        elements wide: for S-731 at 116 m/s 0.17 % of the strike energy, at 0.45 0.04. It is booked as "cell" (see
-        `panel.solver`). Giving it back to the front (a viscosity that is less by dK dL / 12) was tried: the peak of the
-        first front along S-745 at 215 m/s, 658 N at 0.9 and 648 at 0.1, is 693 then
+        elements wide: for S-731 at 116 m/s 0.17 % of the strike energy, at 0.45 0.04. It is booked as
+        "formulation_residual" (see `panel.solver`). Giving it back to the front (a viscosity that is less by dK dL /
+        12) was tried: the peak of the first front along S-745 at 215 m/s, 658 N at 0.9 and 648 at 0.1, is 693 then
     stretch_viscosity : damping ratio of the highest mode along a straight yarn, which costs as much of the time step.
         Without it crimped yarns that snap taut ring, and the peak is 190 and 380 N; from 0.05 to 0.2 it moves by 1 %.
         In a yarn that stiffens as its crimp goes, fronts are shocks, which dissipate whatever the viscosity: from 0.1

@@ -19,7 +19,7 @@ from shellfabric.panel.perforation import passed
 from shellfabric.projectile import dynamics
 
 _OF_PROJECTILE = ("kinetic_projectile", "elastic_projectile", "plastic_projectile")
-ENERGIES = (ply_audit.ENERGIES[0], *_OF_PROJECTILE, *ply_audit.ENERGIES[1:], *coupling.NAMES, "balance")
+ENERGIES = (ply_audit.ENERGIES[0], *_OF_PROJECTILE, *ply_audit.ENERGIES[1:], *coupling.NAMES, "error")
 OBSERVED = ("t", "v", "z", "failed_yarns", "reaction_warp", "reaction_weft")
 SAMPLES = (*OBSERVED, *ENERGIES)
 PLY_SAMPLES = ("failed_yarns", "reaction_warp", "reaction_weft", "push", "deflection", "energy")

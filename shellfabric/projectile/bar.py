@@ -23,7 +23,7 @@ from fabrics.materials import Isotropic, load, round_projectile
 from shellfabric.projectile import bar_kernels as kernels
 
 HISTORY = ("t", "tip", "tail", "centre", "tip_velocity", "tail_velocity", "centre_velocity", "force")
-ENERGIES = ("kinetic", "elastic", "plastic", "work", "balance")
+ENERGIES = ("kinetic", "elastic", "plastic", "work", "error")
 # Periods of contact (`contact_time`) from which on a rigid projectile is enough: a half-sine push is then 4.7 periods
 # long and splits the velocities of tip and tail by 4 % of what it takes, in the bored cylinder, by 5 % in a solid one
 ENOUGH = 3.0
@@ -193,7 +193,7 @@ class Motion:
         )  # fmt: skip
 
     def energies(self):
-        """Dict of ENERGIES [J]; balance is what kinetic, elastic and plastic exceed the start and the tip's work by."""
+        """Dict of ENERGIES [J]; the error is kinetic, elastic and plastic less the start and the work at the tip."""
         out = np.empty(2)
         kernels.energies(self.v, self.mass, self.h, self.area, self.bar.material.modulus, self.stress, out)
         plastic, work = self.sums[kernels.PLASTIC], self.sums[kernels.WORK]

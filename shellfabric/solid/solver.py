@@ -24,8 +24,8 @@ ENERGIES = (
     "hourglass",
     "contact",
     "viscous",
-    "failed",
-    "balance",
+    "failure_dissipation",
+    "error",
 )
 SAMPLES = ("t", "v", "z", "push", "dt", "failed_bars", "warp_peak", "weft_peak", "warp_nose", "weft_nose", *ENERGIES)
 SAME = 16  # steps of one length

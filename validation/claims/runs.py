@@ -338,7 +338,7 @@ def pack(
         "deepest": march.deepest,
         "cones": cones,
         "swing": _swing(fine, march, bar) if bar else np.nan,
-        "balance": float(np.abs(march.sample("balance")).max()) / march.strike_energy,
+        "balance": float(np.abs(march.sample("error")).max()) / march.strike_energy,
         "seconds": march.wall_time,
         "steps": march.steps,
     }

@@ -18,7 +18,6 @@ from fabrics.files import replace_whole
 from weavecell.results import keys
 from weavecell.results.hdf5_file import opened, plain, put
 from weavecell.results.impact_groups import read_group, read_measured, write_group, write_measured
-from weavecell.scenes import renamed_keys
 
 _FORMAT = 3
 # attribute of the record: attribute of the file, and key of summary.json
@@ -108,11 +107,6 @@ class Audited:
         }
 
 
-def named(energies):
-    """{name in result files: (n,) [J]} of the solver's energies."""
-    return {renamed_keys.ENERGIES.get(name, name): values for name, values in energies.items()}
-
-
 @dataclass(frozen=True)
 class ImpactRecord(Audited):
     """One impact, from strike to its end.
@@ -190,7 +184,7 @@ class ImpactRecord(Audited):
             failure_message=message, mirror_x=mirror_x, mirror_y=mirror_y, projectile=drawn(setup.projectile),
             wall_time=result.wall_time, ns_per_element_step=result.ns_per_element_step,
             elements=result.panel.elements, steps=result.steps, time=result.t, velocity=result.v,
-            nose_position=result.z, failed_segments=result.failed, energies=named(result.energies),
+            nose_position=result.z, failed_segments=result.failed, energies=dict(result.energies),
             reactions=dict(result.reactions), quads=result.quads,
             strength=np.array([yarn.strength for yarn in setup.fabric.weave.yarns]),
             half_energy=_half_energy(result, last), final=last, measured=result.histories,

@@ -149,7 +149,7 @@ def test_cloth_that_does_not_fail_bunches_up_and_stays_whole(fabric):
     shortest = np.linalg.norm(np.diff(x, axis=0), axis=2).min() / result.panel.spacing[0]
     assert shortest > 0.4
     assert result.worst_balance < 0.01
-    assert result.energies["jam"].max() < 0.01 * result.strike_energy
+    assert result.energies["jamming"].max() < 0.01 * result.strike_energy
 
 
 def test_resumes_bit_for_bit(struck, tmp_path):

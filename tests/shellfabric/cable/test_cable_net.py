@@ -86,7 +86,7 @@ def test_energy(fabric, velocity, bound):
     result = run(CableNet(fabric), velocity, 250e-6)
     assert result.worst_balance < bound
     assert (result.outcome == "perforated") == (velocity >= 200)
-    assert (result.energies["failed"][-1] > 0) == (velocity >= 200)
+    assert (result.energies["failure_dissipation"][-1] > 0) == (velocity >= 200)
 
 
 def test_energy_error_falls_with_the_square_of_the_step():
@@ -106,7 +106,7 @@ def test_quarter_half_and_whole_agree():
     for other in (half, whole):
         assert other.fine[:, 2] == pytest.approx(quarter.fine[:, 2], rel=1e-9)
         assert other.peak_tension == pytest.approx(quarter.peak_tension, rel=1e-6)
-        for name in ("kinetic_fabric", "stored", "viscous", "contact"):
+        for name in ("kinetic_fabric", "yarn_strain", "viscous", "contact"):
             assert other.energies[name] == pytest.approx(quarter.energies[name], rel=1e-6, abs=1e-9), name
         for yarn in ("warp", "weft", "edges"):
             assert other.reactions[yarn] == pytest.approx(quarter.reactions[yarn], rel=1e-5, abs=1e-4), yarn
@@ -132,9 +132,9 @@ def test_a_resumed_run_goes_on_bit_for_bit(tmp_path):
     rest = CableSolver(SMALL, 300.0, 30e-6)
     checkpoint.read(rest, path)
     assert 0 < rest.steps < whole.steps
-    before = rest.sample("failed")[-1]
+    before = rest.sample("failure_dissipation")[-1]
     one, other = collect_result(rest.run((Snapshots(4e-6, take),))), collect_result(whole)
-    assert one.energies["failed"][-1] > before > 0
+    assert one.energies["failure_dissipation"][-1] > before > 0
     for name in ("t", "v", "z", "fine", "nodes", "broken"):
         assert np.array_equal(getattr(one, name), getattr(other, name)), name
     for name in ENERGIES:

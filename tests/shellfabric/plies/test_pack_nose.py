@@ -125,7 +125,7 @@ def test_it_only_takes(ply, nose):
     taken = march.sample("contact")
     assert taken.max() > 1e-3 * march.strike_energy
     assert taken.min() > -1e-6 * march.strike_energy
-    assert np.abs(march.sample("balance")).max() < 5e-3 * march.strike_energy
+    assert np.abs(march.sample("error")).max() < 5e-3 * march.strike_energy
 
 
 def highest(ply, cfl=0.9, **knobs):

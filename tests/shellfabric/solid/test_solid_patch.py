@@ -442,7 +442,7 @@ def test_energy_balances_and_better_with_shorter_steps(mesh):
         march = struck(mesh, end_time=4e-6, threads=1, numerics={"cfl": cfl}).run()
         taken = march.strike_energy - march.sample("kinetic_projectile")[-1]
         assert march.sample("hourglass")[-1] < 0.05 * taken
-        off.append(np.abs(march.sample("balance")).max() / taken)
+        off.append(np.abs(march.sample("error")).max() / taken)
     assert off[0] < 0.01
     assert off[1] < 0.9 * off[0]
 
@@ -496,7 +496,7 @@ def test_an_overstretched_patch_tears():
     assert march.sample("failed_bars")[-1] > 0
     assert march.state.brick_failed.any()
     taken = march.strike_energy - march.sample("kinetic_projectile")[-1]
-    assert np.abs(march.sample("balance")).max() < 0.02 * taken
+    assert np.abs(march.sample("error")).max() < 0.02 * taken
     assert march.sample("warp_peak").max() < 0.031 * 96e9 * FABRIC.weave.yarns[0].A_s
 
 
@@ -505,7 +505,7 @@ def test_the_loose_end_of_a_cut_yarn_may_fold_up():
     mesh = patch.build(FABRIC, (4, 4), size=(3, 3, 1))
     march = SolidSolver(SolidPatch(mesh, FABRIC, Projectile(radius=1.2e-3)), 500.0, 6e-6, threads=1).run()
     assert np.isfinite(march.state.x).all()
-    assert np.abs(march.sample("balance")).max() < 1e-3 * march.strike_energy
+    assert np.abs(march.sample("error")).max() < 1e-3 * march.strike_energy
 
 
 def test_a_brick_is_folded_by_its_length_or_its_volume():

@@ -37,7 +37,7 @@ def stacking(aligned, alternating, fabric, velocity, plies):
         _, cones = min(run["cones"], key=lambda entry: abs(entry[0] - 100e-6))
         warp, weft = cones[2]
         shapes.append(abs(weft / warp - 1))
-    pushed = [run["energies"]["plies"][-1] for run in (aligned, alternating)]
+    pushed = [run["energies"]["ply_contact"][-1] for run in (aligned, alternating)]
     return {
         "mean lead of the aligned": lead.mean(),
         "least lead of the aligned": lead.min(),

@@ -161,7 +161,7 @@ def shoot(case: Case):
         "deflection": float(march.sample("z").max()),
         "failed": march.ply_samples[-1][:, 0].tolist(),
         "peaks": peaks.max(axis=1).tolist(),
-        "balance": float(np.abs(march.sample("balance")).max() / march.strike_energy),
+        "balance": float(np.abs(march.sample("error")).max() / march.strike_energy),
         "deepest": float(march.deepest.max(initial=0.0)),
         "wall": march.wall_time,
         "ns": 1e9 * march.wall_time / max(1, march.steps) / march.pack.elements,

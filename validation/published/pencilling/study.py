@@ -114,7 +114,7 @@ def shoot(case: Case, *, report=None, **options) -> Penetration:
     run = march(case, **options).run([Progress(report)] if report else [])
     block = run.backing.result()
     energies = {name: run.sample(name) for name in _names(run)}
-    balance = float(np.abs(energies["balance"]).max()) / run.strike_energy
+    balance = float(np.abs(energies["error"]).max()) / run.strike_energy
     return Penetration(
         run.outcome, run.sample("t"), run.sample("z"), run.sample("v"), block.crater, block.steepness, block.half_width,
         energies, balance, run.wall_time, block,
@@ -133,5 +133,5 @@ def bare(block=BLOCK, velocity=VELOCITY, end_time=2e-3) -> Penetration:
     crater, energy = found.crater, PROJECTILE.energy(velocity)
     return Penetration(
         "stopped" if found.v[-1] <= 0 else "in flight", found.t, found.z, found.v, crater, wall_angle(crater),
-        radius_at(crater, 0.5), found.energies, float(np.abs(found.energies["balance"]).max()) / energy, np.nan,
+        radius_at(crater, 0.5), found.energies, float(np.abs(found.energies["error"]).max()) / energy, np.nan,
     )  # fmt: skip

@@ -104,7 +104,7 @@ def summary(march, beside=None, processor_seconds=None):
     """Lines of name and text: what was run, what it cost, what it says."""
     last = dict(zip(SAMPLES, march.samples[-1]))
     taken = march.strike_energy - last["kinetic_projectile"]
-    balance = np.abs(march.sample("balance")).max()
+    balance = np.abs(march.sample("error")).max()
     late = clock(march)
     lines = [
         ("bricks, bars", f"{march.patch.bricks}, {march.state.bar_intact.size}"),
