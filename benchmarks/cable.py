@@ -41,7 +41,7 @@ def main(repetitions=7):
             [r.wall_time for r in results],
             "cable",
         )
-        print(f"    energy balance off by {100 * results[0].worst_balance:.2f} % of the strike energy")
+        print(f"    energy balance off by {100 * results[0].energy_error_max:.2f} % of the strike energy")
     for model in ("decoupled", "compressible"):
         results = [single_ply.run(replace(setup, cell_model=model)) for _ in range(repetitions)]
         cells = results[0].panel.elements

@@ -33,7 +33,7 @@ def digest(*arrays):
 def of_result(result, nodes):
     """(text of the outcome and the last velocity [m/s], digest) of a run."""
     energies = [result.energies[name] for name in sorted(result.energies, key=lambda name: FIRST_NAMES.get(name, name))]
-    found = digest(result.t, result.v, result.z, *energies, result.fine, nodes, result.peak_tension)
+    found = digest(result.t, result.v, result.nose_position, *energies, result.step_history, nodes, result.peak_tension)
     return f"{result.outcome} {result.v[-1]:.6f}", found
 
 

@@ -142,13 +142,13 @@ def shot(**scene):
         "residual": result.residual_velocity,
         "t": result.t,
         "v": result.v,
-        "z": result.z,
+        "z": result.nose_position,
         "energies": result.energies,
         "reactions": result.reactions,
-        "failed": result.failed,
+        "failed": result.failed_segments,
         "peak": np.array(result.peak_tension),
         "strength": np.array([yarn.strength for yarn in weave.yarns]),
-        "fine": result.fine,
+        "fine": result.step_history,
         "first_failure": np.array(hook.times),
         "steps": result.steps,
         "clock": history.t,
@@ -157,8 +157,8 @@ def shot(**scene):
         "edge_tension": np.array([tension for _, tension in edge]),
         "half": np.array([yarns[f]["X"][-1] for f in ("warp", "weft")]),
         "snapshots": [_shape(panel, taken) for taken in result.snapshots],
-        "eroded": int(result.broken[..., 2].sum()),
-        "balance": result.worst_balance,
+        "eroded": int(result.failed[..., 2].sum()),
+        "balance": result.energy_error_max,
     }
 
 
@@ -175,7 +175,7 @@ def _shape(panel, taken):
         "x": panel.coordinates()[0][:, 0],
         "y": panel.coordinates()[1][0],
         "z": taken.nodes[..., 2].astype(np.float32),
-        "whole": ~taken.broken.any(axis=2),
+        "whole": ~taken.failed.any(axis=2),
     }
 
 
@@ -210,8 +210,8 @@ def net(*, fabric, velocity, end_time=800e-6, **changes):
         "outcome": found.outcome,
         "t": found.t,
         "v": found.v,
-        "z": found.z,
-        "fine": found.fine,
+        "z": found.nose_position,
+        "fine": found.step_history,
         "reactions": found.reactions,
         "seconds": found.wall_time,
         "bars": found.net.bars,

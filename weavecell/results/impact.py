@@ -41,7 +41,7 @@ SCALARS = {
 _SCALARS = SCALARS | {"rigid_check": "rigid_check"}
 HISTORIES, _PANEL = keys.units(keys.HISTORIES), keys.units(keys.PANEL)
 # datasets whose attribute in the object that holds them has another name
-_SHAPE_FIELDS = {"time": "t", "nose_position": "z", "projectile_position": "nose", "failed": "broken"}
+_SHAPE_FIELDS = {"time": "t"}
 
 
 @dataclass(frozen=True)
@@ -50,26 +50,26 @@ class Shape:
 
     Parameters
     ----------
-    t, z : [s, m] time, and the foremost point of the projectile
-    nose : (3,) [m] place of its nose
+    t, nose_position : [s, m] time, and the foremost point of the projectile
+    projectile_position : (3,) [m] position of its nose
     nodes : (k, 3) [m]
     tension : (m, 2) [N] of warp and weft
-    broken : (m, 3) bool: warp failed, weft failed, element eroded
+    failed : (m, 3) bool: warp failed, weft failed, element eroded
     """
 
     t: float
-    z: float
-    nose: np.ndarray
+    nose_position: float
+    projectile_position: np.ndarray
     nodes: np.ndarray
     tension: np.ndarray
-    broken: np.ndarray
+    failed: np.ndarray
 
     @classmethod
     def of(cls, shot):
         """The shape of a `shellfabric.output.snapshots.Snapshot`."""
         return cls(
-            float(shot.t), float(shot.z), shot.nose, shot.nodes.reshape(-1, 3), shot.tension.reshape(-1, 2),
-            shot.broken.reshape(-1, 3),
+            float(shot.t), float(shot.nose_position), shot.projectile_position, shot.nodes.reshape(-1, 3), shot.tension.reshape(-1, 2),
+            shot.failed.reshape(-1, 3),
         )  # fmt: skip
 
 
@@ -177,14 +177,21 @@ class ImpactRecord(Audited):
         """The record of a `shellfabric.impact.single_ply.ImpactResult`."""
         setup = result.setup
         mirror_x, mirror_y = result.mirrored
-        last = Shape(float(result.t[-1]), float(result.z[-1]), result.nose, result.nodes, result.tension, result.broken)
+        last = Shape(
+            float(result.t[-1]),
+            float(result.nose_position[-1]),
+            result.projectile_position,
+            result.nodes,
+            result.tension,
+            result.failed,
+        )
         return cls(
             title=title, fabric=setup.fabric.name, law_name=law_name, strike_velocity=setup.strike_velocity,
             outcome=result.outcome, residual_velocity=result.residual_velocity, mass=setup.projectile.mass,
             failure_message=message, mirror_x=mirror_x, mirror_y=mirror_y, projectile=drawn(setup.projectile),
             wall_time=result.wall_time, ns_per_element_step=result.ns_per_element_step,
             elements=result.panel.elements, steps=result.steps, time=result.t, velocity=result.v,
-            nose_position=result.z, failed_segments=result.failed, energies=dict(result.energies),
+            nose_position=result.nose_position, failed_segments=result.failed_segments, energies=dict(result.energies),
             reactions=dict(result.reactions), quads=result.quads,
             strength=np.array([yarn.strength for yarn in setup.fabric.weave.yarns]),
             half_energy=_half_energy(result, last), final=last, measured=result.histories,

@@ -129,8 +129,8 @@ class PackRecord(Audited):
             outcome=result.outcome, residual_velocity=result.residual_velocity, mass=ply.projectile.mass,
             failure_message=message, stacking=result.setup.stacking, mirror_x=mirror_x, mirror_y=mirror_y,
             wall_time=result.wall_time, ns_per_element_step=result.ns_per_element_step, elements=pack.elements,
-            steps=result.steps, time=result.t, velocity=result.v, nose_position=result.z,
-            failed_segments=result.failed, energies=dict(result.energies), plies=dict(result.plies),
+            steps=result.steps, time=result.t, velocity=result.v, nose_position=result.nose_position,
+            failed_segments=result.failed_segments, energies=dict(result.energies), plies=dict(result.plies),
             z_rest=pack.places,
             thickness=np.array([one.weave.thickness for one in pack.plies]), gaps=np.array(pack.gaps),
             strength=np.array([[yarn.strength for yarn in one.weave.yarns] for one in pack.plies]),
@@ -215,6 +215,6 @@ def _cut(shots, mirror_y):
     lines = []
     for shot in shots:
         j = 0 if mirror_y else shot.nodes.shape[1] // 2
-        line, gone = shot.nodes[:, j, [0, 2]], np.flatnonzero(shot.broken[:, j, 0])
+        line, gone = shot.nodes[:, j, [0, 2]], np.flatnonzero(shot.failed[:, j, 0])
         lines.append(np.insert(line, gone + 1, np.nan, axis=0))
-    return Cut(float(shots[0].t), float(shots[0].z), tuple(lines))
+    return Cut(float(shots[0].t), float(shots[0].nose_position), tuple(lines))

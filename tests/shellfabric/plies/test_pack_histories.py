@@ -64,7 +64,7 @@ def test_reactions_of_all_plies_take_up_the_momentum(shoot):
         momentum.append((solver.const.projectile_mass * solver.stack.projectile_velocity[2] + cloth) / solver.share)
 
     result = shoot(2, HistoryRequest(1e-9), hooks=[weigh], end_time=60e-6)
-    start = 120.0 * result.struck.projectile.mass
+    start = 120.0 * result.first_ply_setup.projectile.mass
     t = result.histories[0].t
     lift = sum(ply.edges[name][:, LIFT] for ply in result.histories for name in EDGES)
     taken = t[0] * np.concatenate([[0.0], np.cumsum(lift[:-1])])

@@ -70,7 +70,7 @@ def shell(march):
     times = [shot.t for shot in found.snapshots]
     tensions = np.stack([np.interp(found.t, times, nose[:, k]) for k in (0, 1)], axis=1)
     profiles = np.array([shot.nodes[:, 0][:, [0, 2]] for shot in found.snapshots])
-    return Shell(found.t, found.v, found.z, tensions, np.array(times), profiles)
+    return Shell(found.t, found.v, found.nose_position, tensions, np.array(times), profiles)
 
 
 def clock(march):

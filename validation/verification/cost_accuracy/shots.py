@@ -138,7 +138,7 @@ def _cable(case):
     found = {}
     for velocity in case.shot.velocities:
         result = cable_solver.run(net, velocity, case.shot.end)
-        t, z, v, _ = result.fine.T
+        t, z, v, _ = result.step_history.T
         found |= read_off(case.shot, velocity, result.outcome, z, v, t[0], net.projectile.mass, result.peak_tension)
     return found, {"table": 0.0, "march": time.process_time() - begun}
 
