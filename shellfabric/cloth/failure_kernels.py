@@ -17,14 +17,9 @@ from numba.extending import overload
 
 from shellfabric.cell.crossover_kernels import yarn_alone
 from shellfabric.cloth import energy_kernels
-from shellfabric.cloth.membrane_kernels import (
-    ONE,
-    WARP_FAILED,
-    WEFT_FAILED,
-    potential,
-    regularized_stretch_scalar,
-    shear_energy,
-)
+from shellfabric.cloth.membrane_kernels import ONE, WARP_FAILED, WEFT_FAILED
+from shellfabric.cloth.table_kernels import potential
+from shellfabric.cloth.trellis_kernels import regularized_stretch_scalar, shear_energy
 from shellfabric.jit.compile import kernel
 from shellfabric.jit.simd import item_or_scalar
 
@@ -328,7 +323,7 @@ def half_step_work(const, state, first, last):
 
 @kernel()
 def shear_sine(const, state, k):
-    """sin(gamma) of the quadrilateral in slot k, as `membrane_kernels.trellis_forces` has it."""
+    """sin(gamma) of the quadrilateral in slot k, as `trellis_kernels.trellis_forces` has it."""
     s, L1, L2 = np.uint64(const.row_stride), state.stretch[WARP], state.stretch[WEFT]
     dot = 0.0
     for c in range(3):

@@ -22,7 +22,7 @@ import math
 import numpy as np
 
 from shellfabric.cell.crossover_kernels import yarn_alone
-from shellfabric.cloth.membrane_kernels import trellis_law
+from shellfabric.cloth.trellis_kernels import trellis_law
 from shellfabric.jit.compile import entry, kernel
 
 

@@ -55,8 +55,8 @@ class PackResult(single_ply.Outcome):
     Parameters
     ----------
     setup, pack : what was run
-    outcome, residual_velocity, velocity, t, v, nose_position, step_history, bar, backing, projectile_position, steps, wall_time, ns_per_element_step,
-        max_deflection, checks : as ImpactResult
+    outcome, residual_velocity, velocity, t, v, nose_position, step_history, bar, backing, projectile_position, steps,
+        wall_time, ns_per_element_step, max_deflection, checks : as ImpactResult
     energies : {name: (n,)} [J] with the names of plies.solver.PACK_ENERGIES
     plies : {name: (n, plies)} with the names of panel.solver.PLY_SAMPLES
     peak_tension : (plies, 2) [N] over the run, of each ply's own warp and weft

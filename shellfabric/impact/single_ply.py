@@ -174,7 +174,7 @@ class ImpactResult(Outcome):
         longer moves along the panel's normal, though it may slide on
     residual_velocity : [m/s] of the projectile at the end, along the normal
     velocity : (3,) [m/s] of the projectile at the end, along warp, weft and normal
-    t, v, nose_position : (n,) [s, m/s, m] of the samples; the projectile's velocity along the normal and its foremost point
+    t, v, nose_position : (n,) [s, m/s, m] of the samples; velocity along the normal, foremost point of the projectile
     energies : {name: (n,)} [J] with the names of panel.solver.ENERGIES; error is the sum less the energy at the start
     reactions : {"warp", "weft": (n,)} [N] tension at the clamped end of the yarn nearest the impact point
     failed_segments : (n,) number of failed yarn segments

@@ -12,6 +12,7 @@ from __future__ import annotations
 import numpy as np
 
 from shellfabric.cloth import boundary_kernels
+from shellfabric.panel import element_kernels
 from shellfabric.panel import step_kernels as kernels
 from shellfabric.projectile import contact_kernels
 
@@ -37,7 +38,7 @@ def energies(const, state, rest):
         [
             out[kernels.KINETIC] + state.slip_energy[boundary_kernels.KINETIC],
             out[kernels.STORED],
-            sums[kernels.QUADRATURE] if const.variational else cell,
+            sums[element_kernels.QUADRATURE] if const.variational else cell,
             out[kernels.SHEAR],
             out[kernels.BENDING],
             out[kernels.JAMMING],

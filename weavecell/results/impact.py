@@ -68,8 +68,8 @@ class Shape:
     def of(cls, shot):
         """The shape of a `shellfabric.output.snapshots.Snapshot`."""
         return cls(
-            float(shot.t), float(shot.nose_position), shot.projectile_position, shot.nodes.reshape(-1, 3), shot.tension.reshape(-1, 2),
-            shot.failed.reshape(-1, 3),
+            float(shot.t), float(shot.nose_position), shot.projectile_position, shot.nodes.reshape(-1, 3),
+            shot.tension.reshape(-1, 2), shot.failed.reshape(-1, 3),
         )  # fmt: skip
 
 
