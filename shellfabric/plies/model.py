@@ -27,7 +27,7 @@ from fabrics.plate_curve import PlateCurve
 from shellfabric.cell.model import CellModel, CellTable
 from shellfabric.jit.simd import WIDTH
 from shellfabric.panel.model import Panel
-from shellfabric.plies import step_kernels, surface_kernels, torn_contact_kernels
+from shellfabric.plies import broad_phase_kernels, step_kernels, surface_kernels
 from shellfabric.plies.contact_simd_kernels import AMBIGUOUS_DEPTH
 from shellfabric.projectile import dynamics
 from shellfabric.projectile.contact import PREDICTED
@@ -275,7 +275,7 @@ class Pack:
     def stops(self, consts, states):
         """What keeps torn cloth apart, at rest: of all plies, as wide as the largest."""
         count, n = len(self.plies), max(state.mass.size for state in states)
-        pad = 2 * torn_contact_kernels.PAD
+        pad = 2 * broad_phase_kernels.PAD
         cells, room = max((c.ni + pad) * (c.nj + pad) for c in consts), _ENTRIES * max(n, 100)
         kick = np.zeros((count, n))
         for row, state in zip(kick, states):
