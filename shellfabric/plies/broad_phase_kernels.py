@@ -9,11 +9,13 @@ from shellfabric.jit.compile import kernel
 from shellfabric.plies.contact_simd_kernels import IN_CONTACT
 
 WORK, CORRECTIONS, UNRESOLVED = 0, 1, 2  # of stops.energy; how often something was held, and how often not for good
-# of stops.counts: elements of the zone of a ply, what is in its grid, and which nodes are not those of closest points
-alone ELEMENTS, NODES, ENTRIES, ZONE_NODES = range(4) ROW_STRIDE, NI, NJ, MIRROR_X, MIRROR_Y = range(5)  # of
-stops.ply_shape TORN, WHOLE = 1, 2  # of stops.zone_mark: an element that is looked at, and one of whole cloth PAD = 4
-# cells of the grid beyond the panel's edges _MAX_CELLS = 20  # [cells] of a facet that is entered; a wider one is noted
-as missed _MARGIN = 4  # [gaps] about a facet, in which what it may meet is looked for
+# of stops.counts: elements of the zone, nodes, entries in the grid, and nodes that are not those of closest points alone
+ELEMENTS, NODES, ENTRIES, ZONE_NODES = range(4)
+ROW_STRIDE, NI, NJ, MIRROR_X, MIRROR_Y = range(5)  # of stops.ply_shape
+TORN, WHOLE = 1, 2  # of stops.zone_mark: an element that is looked at, and one of whole cloth
+PAD = 4  # cells of the grid beyond the panel's edges
+_MAX_CELLS = 20  # [cells] of a facet that is entered; a wider one is counted as missed
+_MARGIN = 4  # [gaps] about a facet, in which what it may meet is searched
 
 
 @kernel(_nrt=False, forceinline=True)

@@ -61,8 +61,7 @@ def contact_points8(front, fc, rear, rc, pair, q, i, j, count, nearer, now, due)
     symmetry, not lost, in no fold, not so deep that it might come through, and not deeper at once than motion may have
     made it.
 
-    due : the points that are to be looked at, as bits. Returns (those that are left for `contact_point`, energy in the
-        springs
+    due : the points to be looked at, as bits. Returns (those that are left for `contact_point`, energy in the springs
     of the others).
     """
     k, own = i * fc.row_stride + j, movemask(head_mask(count))

@@ -145,7 +145,7 @@ def brick_forces(x, bricks, control, law):
     """material, force (8, 3) by corner, and sums."""
     material, force, sums = np.zeros((8, 3)), np.zeros((8, 3)), np.zeros(solid_kernels.SUMS)
     solid_kernels.solid_forces(
-        0, 1, 1, 1, x[ORDER], bricks.gradient, bricks.volume, bricks.twist, control, np.zeros((1, 2)), law, 0.0,
+        (0, 1, 1, 1), x[ORDER], (bricks.gradient, bricks.volume, bricks.twist, control, np.zeros((1, 2))), law, 0.0,
         np.ones(4, bool), np.zeros((1, 2)), np.zeros(1, bool), material, force, sums,
     )  # fmt: skip
     back = np.argsort(ORDER)
@@ -290,10 +290,10 @@ def contact_of(const, state, x, settle=True):
         )
     force, out, rest = np.zeros_like(x), np.zeros_like(state.contact_energy), np.zeros_like(state.wait_steps)
     yarn_contact_kernels.crossings(
-        const.crossing_order, const.colour_start, x, np.zeros_like(x), const.inverse_mass, state.brick_failed,
-        const.crossing_node, const.crossing_brick, const.crossing_start, const.warp_over, const.cp_bounds,
-        const.crossing_shape, const.contact_penalty, const.contact_area, const.contact_damping,
-        state.closest_point.copy(), rest, 0.0, 0.0, force, out,
+        const.crossing_order, const.colour_start, (x, np.zeros_like(x), const.inverse_mass), state.brick_failed,
+        (const.crossing_node, const.crossing_brick, const.crossing_start, const.warp_over, const.cp_bounds),
+        const.crossing_shape, const.contact_penalty,
+        (const.contact_area, const.contact_damping, state.closest_point.copy(), rest), (0.0, 0.0), force, out,
     )  # fmt: skip
     return force, out[:, 0].sum()
 
