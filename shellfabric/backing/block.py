@@ -223,8 +223,8 @@ class Block:
         shot = projectile
         numbers = np.array([shot.number, shot.radius, shot.edge_radius, np.inf if shot.length is None else shot.length])
         self._damped += touch.nose_forces(
-            *self.shape, self.x, self.v, self.gone, self._stiffness, self._springs, np.asarray(position, float),
-            np.asarray(speed, float), shot.form, numbers, self._held, self._outer, self._drags, self._shot,
+            self.shape, self.x, self.v, self.gone, (self._stiffness, self._springs), np.asarray(position, float),
+            np.asarray(speed, float), (shot.form, numbers), self._held, (self._outer, self._drags), self._shot,
         )  # fmt: skip
         push, drag = self._shot[touch.ELASTIC_FORCE : touch.DAMPING_FORCE], self._shot[touch.DAMPING_FORCE :]
         self._damp("shot", drag, np.asarray(speed, float))
@@ -248,11 +248,13 @@ class Block:
             self._memory = np.zeros((len(places), 2))
             self._memory[:, 0] = places[:, 2] + thickness - self.backing.standoff  # as against the face at rest
         forces, drags, none = np.empty_like(places), np.empty_like(places), np.zeros(len(places))
+        points = (
+            places, np.ascontiguousarray(velocities, float), np.ascontiguousarray(stiffness, float),
+            none if damping is None else np.ascontiguousarray(damping, float),
+        )  # fmt: skip
         touch.point_forces(
-            *self.shape, self.x, self.v, self.gone, places, np.ascontiguousarray(velocities, float),
-            np.ascontiguousarray(stiffness, float), none if damping is None else np.ascontiguousarray(damping, float),
-            float(thickness), self.dt, self._columns, self._memory, self._outer, self._drags, forces, drags,
-            self._points,
+            self.shape, self.x, self.v, self.gone, points, float(thickness), self.dt, self._columns, self._memory,
+            (self._outer, self._drags), (forces, drags), self._points,
         )  # fmt: skip
         self._damped += float(self._points[touch.LOST])
         self._damp("points", drags, np.asarray(velocities, float))
@@ -273,8 +275,8 @@ class Block:
         UnstableError : a brick is turned inside out
         """
         kernels.forces(
-            *self.shape, self.x, self._gradient, self._volume, self._twist, self._control, self._damping, self._law,
-            self._kick, self.metric, self.alpha, self.last, self.past, self.gone, self._own, self.energy,
+            self.shape, self.x, (self._gradient, self._volume, self._twist, self._control, self._damping), self._law,
+            self._kick, (self.metric, self.alpha, self.last, self.past, self.gone), self._own, self.energy,
         )  # fmt: skip
         if np.isnan(self.energy[:, kernels.ELASTIC]).any():
             brick = int(np.argmax(np.isnan(self.energy[:, kernels.ELASTIC])))
@@ -283,8 +285,8 @@ class Block:
             raise UnstableError("a brick is turned inside out", where=where, when=f"after {1e6 * self.time:.4g} us")
         kick = 0.5 * (self._kick + self.dt)
         kernels.move(
-            *self.shape, self.x, self.v, self._own, self._outer, self._drags, self.mass, self._dashpot, self.free, kick,
-            self.dt, self.gone, self._work,
+            self.shape, self.x, self.v, self._own, self._outer, self._drags, (self.mass, self._dashpot, self.free),
+            kick, self.dt, self.gone, self._work,
         )  # fmt: skip
         self._outer[:] = self._drags[:] = 0.0
         self._kick = self.dt

@@ -66,13 +66,13 @@ class Coupon:
         (rx, ry), shear = (1 / step for step in table.steps), self.table.model.fabric.shear
         grid = table.stretch1[0], rx, table.stretch1.size - 2, table.stretch2[0], ry, table.stretch2.size - 2
         rows = zip(weave.w, weave.S0, weave.yarns, table.model.toes)
-        yarns = [(w, S0, yarn.EA, toe) for w, S0, yarn, toe in rows]
+        yarns = tuple((w, S0, yarn.EA, toe) for w, S0, yarn, toe in rows)
         V = self.spacing[0] * self.spacing[1] * weave.thickness
         law = (
             (V, shear.G1, shear.G2, shear.gamma1, shear.gamma2) if self.trellis and shear else (0.0, 0.0, 0.0, 0.5, 1.0)
         )
         potential = table.potential.reshape(-1, 16)
-        return (*self.edges, *self.cells, *self.across, self.quads, *self.spacing, potential, grid, *yarns, law)
+        return self.edges, self.cells, self.across, self.quads, self.spacing, potential, grid, yarns, law
 
     def forces(self, x):
         """Forces (n, 2) [N], bounds (n,) [N/m] on rows of the stiffness, energies (yarns, trellis) [J] at x (n, 2)."""

@@ -26,7 +26,7 @@ from shellfabric.panel.element_kernels import (
     refresh_tensions,
 )
 from shellfabric.panel.motion_kernels import grow_active_rows, move_rows, thread_range
-from shellfabric.projectile import bar_kernels, contact_kernels
+from shellfabric.projectile import bar_kernels, contact_kernels, window_kernels
 
 RUNNING, STOPPED, PERFORATED, NOT_FINITE, CHECK = 0, 1, 2, 3, 4  # CHECK: energy is to be audited before the next step
 KINETIC, STORED, SHEAR, BENDING, JAMMING = 0, 1, 2, 3, 4  # of `energies`
@@ -179,7 +179,7 @@ def post_step(state, const, work):
         return STOPPED
     # perforated: yarns have failed, nothing pushes, and nothing that is held is left in front, for a while
     alone = state.f_contact_nose[2] == 0.0 and state.f_block_nose[2] == 0.0
-    idle = failures > 0 and alone and not contact_kernels.cloth_ahead_of_nose(state, const)
+    idle = failures > 0 and alone and not window_kernels.cloth_ahead_of_nose(state, const)
     state.counter[IDLE] = state.counter[IDLE] + 1 if idle else 0
     return PERFORATED if state.counter[IDLE] >= const.perforation_delay_steps else RUNNING
 

@@ -9,7 +9,7 @@ from shellfabric.jit.compile import kernel
 from shellfabric.plies.contact_simd_kernels import IN_CONTACT
 
 WORK, CORRECTIONS, UNRESOLVED = 0, 1, 2  # of stops.energy; how often something was held, and how often not for good
-# of stops.counts: elements of the zone, nodes, entries in the grid, and nodes that are not those of closest points alone
+# of stops.counts: elements of the zone, nodes, entries in the grid, nodes that are not those of closest points only
 ELEMENTS, NODES, ENTRIES, ZONE_NODES = range(4)
 ROW_STRIDE, NI, NJ, MIRROR_X, MIRROR_Y = range(5)  # of stops.ply_shape
 TORN, WHOLE = 1, 2  # of stops.zone_mark: an element that is looked at, and one of whole cloth

@@ -96,23 +96,15 @@ def contact_points8(front, fc, rear, rc, pair, q, i, j, count, nearer, now, due)
     along, far = (n_x * x + n_y * y + n_z * z) / size, x * x + y * y + z * z
     depth = thick + along
     slant = movemask(greater(far, 0.09 * thick * thick)) & movemask(greater(0.49 * far, along * along))
-    was = load(pair.last_depth, q)
-    deep = movemask(greater(was, (1.0 - AMBIGUOUS_DEPTH) * thick))
-    slow = movemask(greater(MAX_DEPTH_JUMP * thick, fabs(depth - where(mask_from_bits(held), was, 0.0))))
-    fit &= movemask(greater(square, tiny * tiny)) & ~(held & (slant | deep))
-    clear, inside = fit & movemask(greater(0.0, depth)), fit & movemask(greater(depth, 0.0))
-    pressed = inside & ~slant & movemask(greater((1.0 - AMBIGUOUS_DEPTH) * thick, depth)) & slow
+    fit &= movemask(greater(square, tiny * tiny))
+    clear, inside, pressed = by_depth8(pair, q, fit, held, slant, depth)
     go, turn, sure, pressed = closest_point_step8(
         rear, rc, K, (values, slopes, curves), off, tangents, square, greater(depth, -0.5 * thick), pressed, tall
     )
     done = clear | pressed
     later = now + 1.0 + minimum(floor(depth * (-1.0 / nearer)), float(MAX_STEPS_SKIPPED))
-    masked_store(
-        pair.recheck_step,
-        q,
-        where(mask_from_bits(clear), later, where(mask_from_bits(inside), now, load(pair.recheck_step, q))),
-        count,
-    )
+    now_or_before = where(mask_from_bits(inside), now, load(pair.recheck_step, q))
+    masked_store(pair.recheck_step, q, where(mask_from_bits(clear), later, now_or_before), count)
     changed = pressed | (held & clear) != 0
     move_closest_points8(rc, pair, q, count, (A, B), (go, turn), done, pressed & held & sure, changed)
     for m in range(count if changed else 0):
@@ -123,6 +115,18 @@ def contact_points8(front, fc, rear, rc, pair, q, i, j, count, nearer, now, due)
         n, at = (n_x / size, n_y / size, n_z / size), (i, j, int(I0) - 1, int(J0) - 1)
         energy = apply_forces8(front, fc, rear, rc, pair, q, at, count, (pressed, held), depth, n, (wa, wb, tall))
     return (due & ~done) | (inside & ~pressed), energy
+
+
+@kernel(_nrt=False, forceinline=True)
+def by_depth8(pair, q, fit, held, slant, depth):
+    """Which of the points that are `fit`, as bits, are clear of the rear ply, inside it, and of these in a contact that
+    needs no more than its formula."""
+    thick, was = pair.thickness, load(pair.last_depth, q)
+    deep = movemask(greater(was, (1.0 - AMBIGUOUS_DEPTH) * thick))
+    slow = movemask(greater(MAX_DEPTH_JUMP * thick, fabs(depth - where(mask_from_bits(held), was, 0.0))))
+    fit &= ~(held & (slant | deep))
+    clear, inside = fit & movemask(greater(0.0, depth)), fit & movemask(greater(depth, 0.0))
+    return clear, inside, inside & ~slant & movemask(greater((1.0 - AMBIGUOUS_DEPTH) * thick, depth)) & slow
 
 
 @kernel(_nrt=False, forceinline=True)

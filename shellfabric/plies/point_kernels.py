@@ -164,6 +164,17 @@ def closest_point_step(rear, rc, form, place, K, weights, slopes, off, tangents,
 
 
 @kernel(_nrt=False, forceinline=True)
+def move_closest_point(rc, pair, q, place, step, low):
+    """Move a closest point from `place` by `step`, at rest from then on; whether that takes it beside the rear ply."""
+    A = place[0] + min(max(step[0], -MAX_CP_STEP), MAX_CP_STEP)
+    B = place[1] + min(max(step[1], -MAX_CP_STEP), MAX_CP_STEP)
+    pair.closest_point[0][q] = min(max(A, low[0]), float(rc.ni))
+    pair.closest_point[1][q] = min(max(B, low[1]), float(rc.nj))
+    pair.cp_rate[0][q] = pair.cp_rate[1][q] = 0.0
+    return A > rc.ni or (A < 0.0 and not rc.mirror_x) or B > rc.nj or (B < 0.0 and not rc.mirror_y)
+
+
+@kernel(_nrt=False, forceinline=True)
 def closing_speed(front, fc, rear, rc, pair, k, w_front, K, w_rear, n):
     """[m/s] at which a point and its closest point come nearer, along n."""
     v_x, v_y, v_z = vector_at(rear.v, K, rc.row_stride, w_rear[0], w_rear[1])
@@ -244,10 +255,7 @@ def contact_point(front, fc, rear, rc, pair, q, a, b, often):
     go, turn, sure = closest_point_step(
         rear, rc, form, (A, B), K, w_rear, slopes, off, tangents, size, depth, near
     )  # fmt: skip
-    A2, B2 = A + min(max(go, -MAX_CP_STEP), MAX_CP_STEP), B + min(max(turn, -MAX_CP_STEP), MAX_CP_STEP)
-    pair.closest_point[0][q] = min(max(A2, low_a), float(rc.ni))
-    pair.closest_point[1][q] = min(max(B2, low_b), float(rc.nj))
-    pair.cp_rate[0][q] = pair.cp_rate[1][q] = 0.0
+    beside = move_closest_point(rc, pair, q, (A, B), (go, turn), (low_a, low_b))
     lost, leapt = pair.status[q] == LOST, depth > 0.0 and max(abs(go), abs(turn)) > CP_JUMP
     if not (touches or lost):
         pair.last_depth[q] = pair.depth_offset[q] = 0.0
@@ -257,8 +265,7 @@ def contact_point(front, fc, rear, rc, pair, q, a, b, often):
         search_closest_point(rear, rc, pair.closest_point, q, at_x, at_y, at_z, far)
     if depth <= 0.0:
         return 0.0, 0.0 if torn or slant else depth
-    beside_x, beside_y = A2 > rc.ni or (A2 < 0.0 and not rc.mirror_x), B2 > rc.nj or (B2 < 0.0 and not rc.mirror_y)
-    if beside_x or beside_y or (leapt and pair.surface_form != NODES):
+    if beside or (leapt and pair.surface_form != NODES):
         return 0.0, 0.0
     left_x, left_y = intact_fraction_at(front, fc, a, b), intact_fraction_at(rear, rc, A, B)
     if left_x == 0.0 or left_y == 0.0:

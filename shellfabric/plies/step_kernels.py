@@ -25,7 +25,7 @@ from shellfabric.panel import step_kernels as panel_step_kernels
 from shellfabric.panel.step_kernels import CHECK, FAILURES, IDLE, NOT_FINITE, PERFORATED, RUNNING, STEP, STOPPED
 from shellfabric.plies import contact_kernels as plies_contact_kernels
 from shellfabric.plies import torn_contact_kernels
-from shellfabric.projectile import bar_kernels, contact_kernels
+from shellfabric.projectile import bar_kernels, contact_kernels, window_kernels
 
 
 @entry()
@@ -153,7 +153,7 @@ def predict_increments(state, const, pairs, p, plies):
     """By what all other forces will speed up the nodes of ply p that the nose can push, into state.dv_other, and by
     what the nose's own of a step ago have, into state.dv_contact; the nose's force shared out to one element, into
     state.force_scale."""
-    i0, i1, j0, j1 = contact_kernels.reachable_nodes(state, const)
+    i0, i1, j0, j1 = window_kernels.reachable_nodes(state, const)
     half = len(pairs) // 2
     for c in range(3):
         for i in range(i0, i1 + 1):
@@ -187,7 +187,7 @@ def predict_increments(state, const, pairs, p, plies):
 @kernel(_nrt=False)
 def add_forces(state, const, forces):
     """Add a neighbour's forces to state.dv_other."""
-    i0, i1, j0, j1 = contact_kernels.reachable_nodes(state, const)
+    i0, i1, j0, j1 = window_kernels.reachable_nodes(state, const)
     for c in range(3):
         for i in range(i0, i1 + 1):
             for k in range(np.uint64(i * const.row_stride + j0), np.uint64(i * const.row_stride + j1 + 1)):
@@ -225,7 +225,7 @@ def post_step(states, consts, stack, row):
     idle = failed and not pushed
     if idle:
         for p in range(len(states)):
-            if contact_kernels.cloth_ahead_of_nose(borrowed_item(states, p), borrowed_item(consts, p)):
+            if window_kernels.cloth_ahead_of_nose(borrowed_item(states, p), borrowed_item(consts, p)):
                 idle = False
                 break
     stack.counter[IDLE] = stack.counter[IDLE] + 1 if idle else 0

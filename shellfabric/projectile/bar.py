@@ -174,7 +174,8 @@ class Motion:
     def __init__(self, bar, velocity):
         self.bar = bar
         self.h, self.area = bar.mesh
-        self.mass = bar.nodal_mass
+        self.mass, material = bar.nodal_mass, bar.material
+        self.law = np.array([material.modulus, material.yield_stress, material.hardening])
         self.u, self.v = np.zeros(self.mass.size), np.full(self.mass.size, float(velocity))
         self.plastic, self.stress, self.sums = np.zeros(self.h.size), np.zeros(self.h.size), np.zeros(2)
         self.start, self.history = self.energy_of_motion, []
@@ -186,10 +187,9 @@ class Motion:
 
     def push(self, force, dt):
         """Hold a force [N], positive forwards, for the time dt [s]; displacement [m] and velocity [m/s] of the tip."""
-        material = self.bar.material
         return kernels.advance(
-            self.u, self.v, self.mass, self.h, self.area, material.modulus, material.yield_stress, material.hardening,
-            self.plastic, self.stress, self.sums, float(force), float(dt), self.bar.substeps(dt),
+            self.u, self.v, self.mass, self.h, self.area,
+            self.law, self.plastic, self.stress, self.sums, float(force), float(dt), self.bar.substeps(dt),
         )  # fmt: skip
 
     def energies(self):

@@ -33,8 +33,8 @@ def law_of(material):
 def nodal(block, dt=0.0):
     """Internal forces (n, 3) [N] of the bricks at the places as they are, `dt` [s] after the last call."""
     block_kernels.forces(
-        *block.shape, block.x, block._gradient, block._volume, block._twist, block._control, block._damping, block._law,
-        dt, block.metric, block.alpha, block.last, block.past, block.gone, block._own, block.energy,
+        block.shape, block.x, (block._gradient, block._volume, block._twist, block._control, block._damping),
+        block._law, dt, (block.metric, block.alpha, block.last, block.past, block.gone), block._own, block.energy,
     )  # fmt: skip
     total, corners = np.zeros_like(block.x), _corners(block)
     for a in range(8):
