@@ -242,7 +242,7 @@ def bias(*, cloth, steps=20):
     means = np.array([case.means(k) for k in range(len(result.states))])
     return {
         "problem": case.problem or "",
-        "moved": result.moved,
+        "moved": result.prescribed,
         "angles": np.radians(means),
         "concentration": np.array([case.concentration(k) for k in range(len(result.states))]),
         "asymmetry": bias_cases.asymmetry(result) if not case.problem else np.nan,

@@ -13,7 +13,7 @@ from shellfabric.cloth import spline_kernels
 from shellfabric.panel.model import Numerics, Panel
 from shellfabric.plies.model import Pack, PlyContact
 from shellfabric.plies.solver import PackSolver
-from shellfabric.projectile import contact_kernels
+from shellfabric.projectile import contact_kernels, window_kernels
 
 GAP = 0.1e-3
 Point = namedtuple("Point", "dt point_mass")
@@ -109,7 +109,7 @@ def test_it_foresees_what_all_other_forces_do(ply):
     state, const = march.states[0], march.consts[0]
     march.advance(np.empty((1, 3)))
     assert march.stack.waits_for_plies[0]
-    i0, i1, j0, j1 = contact_kernels.reachable_nodes(state, const)
+    i0, i1, j0, j1 = window_kernels.reachable_nodes(state, const)
     near = (np.arange(i0, i1 + 1)[:, None] * const.row_stride + np.arange(j0, j1 + 1)).ravel()
     before = [v[near].copy() for v in state.v]
     change = [due[near] + state.dt_over_mass[near] * push[near] for due, push in zip(state.dv_other, state.f_contact)]
