@@ -1,11 +1,11 @@
-"""The block behind the fabric: an elastic-plastic solid with erosion (source thesis section 6.5, Table 6-1).
+"""The backing block: an elastic-plastic solid with erosion (thesis section 6.5, Table 6-1).
 
-A quarter of it, x and y from the axis of the shot, its face at z = 0, or wherever it is put, z into it: the way the
-shot flies. The grid is finest under the shot and grows outwards by equal factors. The source tells the size, modulus,
-density, yield and erosion strain, and neither Poisson's ratio, hardening, mesh nor far faces (`materials.toml`). The
-far faces stand still, or take waves in (dashpots rho c A, Lysmer and Kuhlemeyer 1969).
+A quarter of it, x and y from the axis of the shot, its face at z = 0 or at `standoff`, z into it, along the flight. The
+elements are smallest under the shot and grow outwards by equal factors. The thesis gives size, modulus, density, yield
+stress and erosion strain, but neither Poisson's ratio, hardening, mesh nor outer faces (`materials.toml`). The outer
+faces are fixed, or absorb waves (dashpots rho c A, Lysmer and Kuhlemeyer 1969).
 
-One narrow door for a march, each step:
+A solver calls, in each step:
 
     block = Backing().block(dt)
     forces = block.press(places, velocities, stiffness)      # forces on points of the last ply [N]
@@ -24,7 +24,6 @@ from fabrics.errors import InputError, UnstableError
 from fabrics.materials import Isotropic, load
 from shellfabric.backing import block_kernels as kernels
 from shellfabric.backing import contact_kernels as touch
-from shellfabric.projectile.projectile import Projectile
 from shellfabric.solid.hex8 import Bricks
 
 ENERGIES = ("kinetic", "elastic", "plastic", "hourglass", "viscous", "absorbed", "eroded", "contact", "damped")
@@ -137,12 +136,7 @@ def graded(length, min_size, refined_depth, growth):
 
 
 class Block:
-    """A block in motion.
-
-    Parameters
-    ----------
-    backing : Backing
-    dt : [s] of a step
+    """A block in motion, of a Backing, in steps of dt [s].
 
     Attributes
     ----------
@@ -326,9 +320,9 @@ class Block:
         found = {name: getattr(self, name) for name in _KEPT}
         found["clock"] = np.array([self.time, self._kick, self._damped])
         if self._columns is not None:
-            found["columns"], found["memory"] = self._columns, self._memory
+            found |= {"columns": self._columns, "memory": self._memory}
         for who, (drag, speed) in self._before.items():
-            found[f"{who}_drag"], found[f"{who}_speed"] = drag, speed
+            found |= {f"{who}_drag": drag, f"{who}_speed": speed}
         return found
 
     def restore(self, arrays):
@@ -343,59 +337,6 @@ class Block:
             for who in ("shot", "points")
             if f"{who}_drag" in arrays
         }
-
-
-@dataclass(frozen=True)
-class Strike:
-    """What a projectile without fabric does to a block: t, v, z [s, m/s, m] of its nose, energies {name: (n,)} [J] of
-    the whole, and the crater at the end (k, 2) [m]."""
-
-    t: np.ndarray
-    v: np.ndarray
-    z: np.ndarray
-    energies: dict
-    crater: np.ndarray
-    eroded: int
-
-
-def strike(backing, projectile: Projectile, velocity, end_time, *, dt=None, every=20) -> Strike:
-    """A rigid projectile strikes the bare block ("backing only" of source thesis Figure 6-45), until it turns back.
-
-    Parameters
-    ----------
-    velocity : [m/s]
-    end_time : [s] at the latest
-    dt : [s]; None: the projectile crosses at most a twentieth of the finest brick, at half of what the block allows
-    every : steps between records
-
-    Raises
-    ------
-    InputError, UnstableError : as Block
-    """
-    if dt is None:
-        dt = min(0.05 * backing.min_size / velocity, 0.5 * backing.longest_step)
-    block, quarter = backing.block(dt), 0.25 * projectile.mass
-    position, speed = np.array([0.0, 0.0, backing.standoff]), np.array([0.0, 0.0, float(velocity)])
-    rows, energies = [], []
-    for n in range(int(np.ceil(end_time / dt))):
-        push = block.strike(position, speed, projectile)
-        block.advance()
-        kick = 0.5 * dt if n == 0 else dt
-        before, speed[2] = speed[2], speed[2] + kick * push[2] / quarter
-        mean = 0.5 * (before + speed[2])
-        stop = speed[2] <= 0
-        if n % every == 0 or stop:
-            own = block.energies()
-            own["projectile"] = 0.5 * quarter * mean**2
-            own["error"] = sum(own.values()) - 0.5 * quarter * velocity**2
-            rows.append((n * dt, mean, position[2] - backing.standoff))
-            energies.append(4 * np.array(list(own.values())))
-        position[2] += dt * speed[2]
-        if stop:
-            break
-    t, v, z = np.array(rows).T
-    named = {name: np.array(energies)[:, k] for k, name in enumerate(own)}
-    return Strike(t, v, z, named, block.crater(), int(np.count_nonzero(block.gone)))
 
 
 def _corners(grid):

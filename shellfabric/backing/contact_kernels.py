@@ -1,4 +1,4 @@
-"""Contact of a block (`block_kernels`) with a rigid projectile, and with points given from outside, such as a ply's.
+"""Contact of a block (`block_kernels`) with a rigid projectile, and with points such as those of a ply.
 
 Both are penalties with damping, never less than nothing together; what one side gets the other gives. Damping is kept
 apart: what it takes is its force times velocities in the middle of the step, which are not known yet.
@@ -127,7 +127,7 @@ def locate(px, py, x, column, nx, ny, nz, gone, place, nodes):
     """Facet under a point, from the column it was last over.
 
     Beside a facet that is drawn out and twisted Newton's steps may go round in circles, within it even: then its sides
-    tell where to go on.
+    decide which facet is next.
 
     Parameters
     ----------

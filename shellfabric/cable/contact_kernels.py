@@ -1,7 +1,7 @@
 """Contact of a cable net with the rigid projectile: the shell's own, on the surface whose control points are the nodes.
 
-So the two models differ in what lies under that surface alone. See `contact_kernels` and `spline_kernels`, which ask of
-an element what of its four bars is left.
+So the two models differ in what lies under that surface alone. See `contact_kernels` and `spline_kernels`, of which
+an element needs the intact fractions of its four bars.
 """
 
 import numpy as np
@@ -52,7 +52,7 @@ def mark_failed_bars(state, const):
 def anchored(state, const):
     """Which nodes i0 .. i1 + 1, j0 .. j1 + 1 are joined by unbroken bars to the rim of that block, and so to the net.
 
-    What is not joined is a plug that the projectile has punched out and may push before it for good.
+    Bars that are not connected to the boundary (a plug) do not count: the projectile may push them for good.
     """
     i0, i1, j0, j1 = const.window_limits
     i1, j1 = min(i1 + 1, const.ni), min(j1 + 1, const.nj)

@@ -184,7 +184,7 @@ def any_past_strength(const, state, family, first, last):
 def detect_failures(const, state, family, first, last):
     """Break the yarn segments that exceed their strength, among those that begin in the node rows first .. last.
 
-    Filters the tensions where that is asked for, and keeps the peak. Returns how many have failed.
+    Filters the tensions if const.filter_alpha > 0, and keeps the peak. Returns how many have failed.
     """
     n, failures = const.n_per_crossover, 0
     # a segment of one edge that is below the peak and the lowest strength needs no closer look

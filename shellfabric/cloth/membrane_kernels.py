@@ -5,7 +5,7 @@ i = const weft. The edge from a node to the next one along its line is a segment
 
     Lambda1 = |dX + u(i+1, j) - u(i, j)| / |dX|   (warp),      Lambda2 likewise from u(i, j+1) - u(i, j)   (weft)
 
-so that neighbouring yarns are told apart, and no in-plane motion of the nodes is without force. The crossovers of a
+so that neighbouring yarns are distinct, and no in-plane motion of the nodes is without force. The crossovers of a
 segment see its own stretch and the mean <> of the four segments of the other family that meet its two ends. With the
 cell of `crossover_kernels`
 

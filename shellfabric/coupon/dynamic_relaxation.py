@@ -98,19 +98,9 @@ def relax(forces: Callable, x, held, *, tolerance=1e-4, force_floor=0.0, max_ite
 
 
 def relax_path(
-    body,
-    x,
-    held,
-    path: Callable,
-    loads: Sequence[float],
-    *,
-    tolerance=1e-4,
-    force_floor=0.0,
-    max_iterations=50_000,
-    hooks=(),
-    progress=None,
-    done=(),
-) -> tuple[tuple[State, ...], bool]:
+    body, x, held, path: Callable, loads: Sequence[float], *, tolerance=1e-4, force_floor=0.0, max_iterations=50_000,
+    hooks=(), progress=None, done=(),
+) -> tuple[tuple[State, ...], bool]:  # fmt: skip
     """Move the supports of a body step by step and relax it at each.
 
     Each step starts from the last two states, extrapolated; the first, and one after a body that carried nothing and so

@@ -75,7 +75,7 @@ def apply_failure(state, const, work):
     most1, most2 = 0.0, 0.0
     for block in range(first // const.rows_per_block, (last + const.rows_per_block - 1) // const.rows_per_block):
         most1, most2 = max(most1, state.block_max_tension[block, 0]), max(most2, state.block_max_tension[block, 1])
-    # looking for failures cuts yarns: what was before is asked for first where there may be one
+    # detecting failures breaks yarns: the energies before are computed first where there may be one
     near = (
         const.filter_alpha > 0.0
         or (most1 > const.min_strength1 and failure_kernels.any_past_strength(const, state, 0, first, last))

@@ -1,4 +1,4 @@
-"""Contact of neighbouring plies: penalty between two smooth surfaces.
+"""Contact of neighbouring plies: penalty between two smooth surfaces, one point of the front ply at a time.
 
 Surfaces. Those of `plies.surface_kernels`: splines, and facets where yarns have failed.
 
@@ -13,13 +13,13 @@ ply by their weights in y: the sum is zero to the last digits. Whole cloth that 
 still be pushed back, and the harder; it is counted, and ends the run. Beside torn cloth, where folds are found deep and
 pressed on, what springs cannot hold is stopped before that (`plies.torn_contact_kernels`).
 
-Sides. Contact does not ask which way a normal points, but on which side of the cloth a point is: what comes near is on
-its own side, and stays there. Cloth that is drawn in until an element lies upside down has a normal that turns over
-within a step: a point 0.006 t deep was found 1.99 t deep, and thrown. So n points away from x as long as x cannot have
-come through, which takes a depth close to t in the step before, or a yarn that has just failed, or a foot that goes
-over from facets to the spline or back: the one surface is on the other side of x in a bend. Then n goes on from that of
-the step before. In folds, on rims and where cloth is drawn to a line the normal says nothing of x - y, and n is its
-direction.
+Sides. The sign of a depth follows from the side of the cloth on which a point is, not from the direction of a normal:
+what comes near is on its own side, and stays there. Cloth that is drawn in until an element lies upside down has a
+normal that turns over within a step: a point 0.006 t deep was found 1.99 t deep, and thrown. So n points away from x as
+long as x cannot have come through, which takes a depth close to t in the step before, or a yarn that has just failed,
+or a foot that goes over from facets to the spline or back: the one surface is on the other side of x in a bend. Then n
+goes on from that of the step before. In folds, on rims and where cloth is drawn to a line the normal says nothing of x
+- y, and n is its direction.
 
 The foot follows from step to step by one step of Gauss and Newton; of a point that touches by one of Newton, from where
 the foot will be if it goes on as it did in the last step. From where it was, n is that of a step ago: a hundredth of an
@@ -27,33 +27,33 @@ element, but always to the same side. Plies that slide on each other over a bend
 gave several per cent of a shot's energy. Where the plies are further apart than half their thickness the foot is the
 point straight ahead of x, which is never ambiguous.
 
-Failed yarns. What is left of a yarn pushes as the whole: its mass is the same. Nothing pushes where both yarns next to
-x or y are gone: that is a hole, and a point may go through it. What comes out of a hole is on either side, and pushes
-from there. Found in the very middle, edge on, it is on no side yet. So is what comes round the rim of a free panel, and
-what another fold is in the middle of: through the face of cloth it comes by motion, and only what does so from a side
-that it had is counted as having come through.
+Failed yarns. A yarn that is partly failed pushes as the whole: its mass is the same. Nothing pushes where both yarns
+next to x or y are gone: that is a hole, and a point may go through it. What comes out of a hole is on either side, and
+pushes from there. Found in the very middle, edge on, it is on no side yet. So is what comes round the rim of a free
+panel, and what another fold is in the middle of: through the face of cloth it comes by motion, and only what does so
+from a side that it had is counted as having come through.
 
 Springs. A spring is squeezed by motion alone. To first order the depth grows by n.(v_x - v_y) dt in a step, on any
 smooth surface. Where it has changed by something else, more than JUMP thicknesses, the foot is on another fold, the
 normal has turned over, or the surface is another since a yarn has failed: the rest of the depth loads no spring. It
 goes on as it was, with the energy that it had, from the new depth; one that has just begun has nothing but what the
 motion has made. It is as much stiffer as the rest of the thickness is less, three times at most. What is found so,
-inside the thickness, is let no deeper. A point whose foot leaps, as in folds of whole cloth, is let go until it has one
-again, and goes on likewise. With springs of their new depths such points gave 1 to 3 % of the energy of random shots
-each, and a shot was ended for it.
+inside the thickness, is let no deeper. A point whose closest point leaps, as in folds of whole cloth, is without
+contact until it has one again, and goes on likewise. With springs of their new depths such points gave 1 to 3 % of the
+energy of random shots each, and a shot was ended for it.
 
 Beside torn cloth feet get lost, so they are looked for anew, and elements are as long as the holes, so both plies have
 points there (`contact_forces_back`), with half the stiffness each: the middle of an element behind otherwise goes
-through what hangs before it, between the points of that. Those behind begin without load, wherever they are found.
+through the torn cloth before it, between the points of that. Those behind begin without load, wherever they are found.
 
 Naive forms, for comparison: the nodes of the front ply against the bilinear facets of the rear one (FACETS), or against
 the node there, along z (NODES).
 
-Which points are looked at. Plies that are deflected by less than a quarter of the gap between them cannot touch: there
+Which points are computed. Plies that are deflected by less than a quarter of the gap between them cannot touch: there
 is a box about those nodes of each ply that are deflected by more, three elements wider, renewed every eight steps, in
-which a transverse wave comes less than an element further. A point that is clear of the other ply is left alone for as
-long as it would need to get there at one and a half times the highest speeds of both plies. The others are looked at
-eight at once where nothing is the matter with them (`plies.contact_simd_kernels`).
+which a transverse wave comes less than an element further. A point that is clear of the other ply is skipped for as
+long as it would need to get there at one and a half times the highest speeds of both plies. The others are computed
+eight at once where no special case applies (`plies.contact_simd_kernels`).
 
 Work. What a step's contact takes from the motion is summed over the nodes: half a step's work of the old forces, half a
 step's of the new, on the same velocities. So it balances to the last digits, whatever the weights.
@@ -241,7 +241,7 @@ def book_energies(pair, taken, spring, step):
 
 @kernel(_nrt=False, forceinline=True)
 def mark_torn(front, fc, rear, rc, pair):
-    """Note, when more yarns have failed, the elements of the front ply that are next to torn ones of either ply."""
+    """List, when more yarns have failed, the elements of the front ply that are next to torn ones of either ply."""
     failures = front.counter[FAILURES] + rear.counter[FAILURES]
     pair.torn_counts[2] = failures - pair.torn_counts[0]
     if pair.torn_counts[2] != 0:
@@ -272,7 +272,7 @@ def list_torn_elements(front, fc, rear, rc, pair):
 
 @kernel(_nrt=False)
 def mark_neighbours(const, pair, i, j):
-    """Note the elements about (i, j)."""
+    """Mark the elements about (i, j)."""
     for m in range(max(i - _TORN_NEIGHBOURS, 0), min(i + _TORN_NEIGHBOURS + 1, const.ni)):
         for n in range(max(j - _TORN_NEIGHBOURS, 0), min(j + _TORN_NEIGHBOURS + 1, const.nj)):
             pair.near_torn[m * const.nj + n] = 1
@@ -280,13 +280,13 @@ def mark_neighbours(const, pair, i, j):
 
 @kernel(_nrt=False, forceinline=True)
 def steps_until_contact(depth, nearer):
-    """Steps that a point which is clear by -depth [m] can be left alone, where it comes nearer by `nearer` in each."""
+    """Steps for which a point that is clear by -depth [m] can be skipped, where it comes nearer by `nearer` in each."""
     return float(MAX_STEPS_SKIPPED) if -depth > MAX_STEPS_SKIPPED * nearer else math.floor(-depth / nearer)
 
 
 @kernel(_nrt=False)
 def apply_impulses(state, const, force, touched):
-    """Give a ply the impulses of a neighbour's forces; widens its window of rows to them."""
+    """v += dt f / m of a ply, with the contact forces of a neighbour; widens its window of active rows to them."""
     if touched[1] <= touched[0]:
         return
     for i in range(touched[0], touched[1]):

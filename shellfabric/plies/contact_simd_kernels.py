@@ -50,14 +50,14 @@ AMBIGUOUS_DEPTH, MAX_STIFFNESS_FACTOR = 0.15, 3.0
 # [thicknesses] that a depth may change beside the motion: sliding by a tenth of an element over a bend as narrow as an
 # element makes a few hundredths (second order), another fold or side several tenths
 MAX_DEPTH_JUMP = 0.1
-MAX_CP_STEP, CP_JUMP = 0.25, 0.2  # [elements] longest step of a foot; one so long has none
-MAX_STEPS_SKIPPED = 8  # most steps that a point is left alone
+MAX_CP_STEP, CP_JUMP = 0.25, 0.2  # [elements] longest step of a closest point; a longer one is no solution
+MAX_STEPS_SKIPPED = 8  # most steps for which a point is skipped
 
 
 @kernel(_nrt=False, forceinline=True)
 def contact_points8(front, fc, rear, rc, pair, q, i, j, count, nearer, now, due):
-    """`contact_point` for those of the points in the middles of the elements (i, j) .. (i, j + count) with which
-    nothing is the matter, eight at once: whole cloth on whole cloth, feet side by side and away from rims and planes of
+    """`contact_point` for those of the points in the middles of the elements (i, j) .. (i, j + count) that need no
+    special case, eight at once: whole cloth on whole cloth, feet side by side and away from rims and planes of
     symmetry, not lost, in no fold, not so deep that it might come through, and not deeper at once than motion may have
     made it.
 
@@ -230,7 +230,7 @@ def apply_forces8(front, fc, rear, rc, pair, q, at, count, bits, depth, n, weigh
         closing = closing + n[c] * (
             element_mean8(front.v[c], k, fc.row_stride) - interpolate8(rear.v[c], K, rc.row_stride, wa, wb, tall)
         )
-    # what is left of the thickness has to hold as much
+    # the remaining thickness has to hold as much
     stiffer = minimum(thick / maximum(thick - slack, 0.1 * thick), MAX_STIFFNESS_FACTOR)
     part, squeezed = where(greater(slack, 0.0), stiffer, 1.0), depth - slack
     pair.energy[MAX_COMPRESSION] = max(

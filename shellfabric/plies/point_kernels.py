@@ -295,7 +295,7 @@ def contact_point(front, fc, rear, rc, pair, q, a, b, often):
 
 @kernel(_nrt=False, forceinline=True)
 def stiffness_factor(pair, slack):
-    """By how much a spring that begins at the depth `slack` is stiffer: what is left of the thickness has to hold as
+    """By how much a spring that begins at the depth `slack` is stiffer: the remaining thickness has to hold as
     much."""
     return (
         min(MAX_STIFFNESS_FACTOR, pair.thickness / max(pair.thickness - slack, 0.1 * pair.thickness))

@@ -12,7 +12,7 @@ element next to where it is loaded, whatever its length; this growth alone sprea
 A force that is held over a step does the work force times advance of the tip, and the bar's momentum grows by force
 times time, both exactly.
 
-In a march (`advance_bar`) the axis of the projectile is such a bar and moves rigidly across itself. What contact sees
+In a run (`advance_bar`) the axis of the projectile is such a bar and moves rigidly across itself. What contact sees
 is the tip: its place, and as its velocity its advance over the step divided by the step.
 """
 

@@ -1,6 +1,6 @@
 """The solid of a yarn in explicit dynamics: bricks with one integration point and elastic hourglass control.
 
-The law is that of the source thesis, section 3.4.2, with the branches of erratum E-20; a frame follows the fibre. With
+The law is that of the thesis, section 3.4.2, with the branches of erratum E-20; a frame follows the fibre. With
 e1 along the mesh edges of the fibre, e2 across and e3 through the yarn at rest, and f_i = F e_i,
 
     F Q0 = Q R,     V_f = Vf0 / (R_22 R_33),     P e_i = Q (J S R^-T)_i                          (eqs. 3-7, 3-9)

@@ -24,7 +24,8 @@ from shellfabric.output.histories import HistoryRequest
 from shellfabric.panel.boundary import PullIn
 from shellfabric.panel.model import Numerics, Panel
 from shellfabric.panel.solver import PLY_SAMPLES
-from shellfabric.plies.model import Pack, PlyContact, fabric_gap
+from shellfabric.plies.gap import fabric_gap
+from shellfabric.plies.model import Pack, PlyContact
 from shellfabric.plies.solver import PACK_ENERGIES, PackSolver
 from shellfabric.projectile import dynamics as bodies
 from shellfabric.projectile.bar import Bar

@@ -10,7 +10,8 @@ from fabrics.errors import InputError, UnstableError
 from fabrics.materials import Isotropic, load
 from shellfabric.backing import block_kernels
 from shellfabric.backing import contact_kernels as backing_contact_kernels
-from shellfabric.backing.block import Backing, graded, strike
+from shellfabric.backing.bare_impact import strike
+from shellfabric.backing.block import Backing, graded
 from shellfabric.projectile.projectile import Projectile
 
 BACKING = load("backing")

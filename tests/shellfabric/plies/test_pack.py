@@ -20,7 +20,8 @@ from shellfabric.panel.model import Numerics, Panel
 from shellfabric.panel.solver import PanelSolver
 from shellfabric.panel.step_kernels import IDLE, NOT_FINITE
 from shellfabric.plies.contact_simd_kernels import AMBIGUOUS_DEPTH
-from shellfabric.plies.model import Pack, PlyContact, compression_gap, fabric_gap, turned
+from shellfabric.plies.gap import compression_gap, fabric_gap
+from shellfabric.plies.model import Pack, PlyContact, turned
 from shellfabric.plies.solver import PackSolver
 
 GAP = 0.1e-3

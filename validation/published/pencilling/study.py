@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from shellfabric.backing import block as blocks
+from shellfabric.backing import bare_impact
 from shellfabric.backing.block import Backing
 from shellfabric.backing.coupling import BackingResult, radius_at, wall_angle
 from shellfabric.impact.single_ply import ImpactSetup
@@ -129,7 +129,7 @@ def _names(run):
 
 def bare(block=BLOCK, velocity=VELOCITY, end_time=2e-3) -> Penetration:
     """Fire at the block alone."""
-    found = blocks.strike(block, PROJECTILE, velocity, end_time)
+    found = bare_impact.strike(block, PROJECTILE, velocity, end_time)
     crater, energy = found.crater, PROJECTILE.energy(velocity)
     return Penetration(
         "stopped" if found.v[-1] <= 0 else "in flight", found.t, found.z, found.v, crater, wall_angle(crater),
