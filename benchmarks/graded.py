@@ -62,7 +62,7 @@ def shot(panel, strike_velocity):
         "residual_velocity": float(march.sample("v")[-1]),
         "deflection_mm": 1e3 * float(march.sample("z").max()),
         "peak_N": [float(peak) for peak in march.state.peak_tension],
-        "balance": float(np.abs(march.sample("balance")).max() / march.strike_energy),
+        "balance": float(np.abs(march.sample("error")).max() / march.strike_energy),
         "cpu_s": min(costs),
     }
 

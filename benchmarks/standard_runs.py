@@ -16,6 +16,10 @@ from fabrics import catalogue
 from shellfabric.cable import solver as cable_solver
 from shellfabric.cable.model import CableNet
 from shellfabric.impact import pack, single_ply
+from weavecell.scenes.renamed_keys import ENERGIES
+
+# energies in the order of the names that they had when digests were first kept
+FIRST_NAMES = {new: old for old, new in ENERGIES.items()}
 
 
 def digest(*arrays):
@@ -28,8 +32,8 @@ def digest(*arrays):
 
 def of_result(result, nodes):
     """(text of the outcome and the last velocity [m/s], digest) of a run."""
-    energies = [result.energies[name] for name in sorted(result.energies)]
-    found = digest(result.t, result.v, result.z, *energies, result.fine, nodes, result.peak_tension)
+    energies = [result.energies[name] for name in sorted(result.energies, key=lambda name: FIRST_NAMES.get(name, name))]
+    found = digest(result.t, result.v, result.nose_position, *energies, result.step_history, nodes, result.peak_tension)
     return f"{result.outcome} {result.v[-1]:.6f}", found
 
 

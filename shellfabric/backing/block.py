@@ -1,11 +1,11 @@
-"""The block behind the fabric: an elastic-plastic solid with erosion (source thesis section 6.5, Table 6-1).
+"""The backing block: an elastic-plastic solid with erosion (thesis section 6.5, Table 6-1).
 
-A quarter of it, x and y from the axis of the shot, its face at z = 0, or wherever it is put, z into it: the way the
-shot flies. The grid is finest under the shot and grows outwards by equal factors. The source tells the size, modulus,
-density, yield and erosion strain, and neither Poisson's ratio, hardening, mesh nor far faces (`materials.toml`). The
-far faces stand still, or take waves in (dashpots rho c A, Lysmer and Kuhlemeyer 1969).
+A quarter of it, x and y from the axis of the shot, its face at z = 0 or at `standoff`, z into it, along the flight. The
+elements are smallest under the shot and grow outwards by equal factors. The thesis gives size, modulus, density, yield
+stress and erosion strain, but neither Poisson's ratio, hardening, mesh nor outer faces (`materials.toml`). The outer
+faces are fixed, or absorb waves (dashpots rho c A, Lysmer and Kuhlemeyer 1969).
 
-One narrow door for a march, each step:
+A solver calls, in each step:
 
     block = Backing().block(dt)
     forces = block.press(places, velocities, stiffness)      # forces on points of the last ply [N]
@@ -24,11 +24,10 @@ from fabrics.errors import InputError, UnstableError
 from fabrics.materials import Isotropic, load
 from shellfabric.backing import block_kernels as kernels
 from shellfabric.backing import contact_kernels as touch
-from shellfabric.projectile.projectile import Projectile
 from shellfabric.solid.hex8 import Bricks
 
 ENERGIES = ("kinetic", "elastic", "plastic", "hourglass", "viscous", "absorbed", "eroded", "contact", "damped")
-FAR = ("fixed", "absorbing", "free")
+OUTER_BOUNDARIES = ("fixed", "absorbing", "free")
 _KEPT = (
     "x", "v", "metric", "alpha", "last", "past", "gone", "energy", "_work", "_own", "_outer", "_drags", "_shot",
     "_held", "_points",
@@ -43,11 +42,11 @@ class Backing:
     ----------
     material : Isotropic
     size : (x, y, z) [m] of the whole block
-    finest : [m] edge of the bricks under the shot
-    fine : [m] reach of these from the axis, and from the face
+    min_size : [m] edge of the smallest elements, under the shot
+    refined_depth : [m] extent of these from the axis, and from the face
     growth : factor from brick to brick beyond, at most
-    far : "fixed", "absorbing" or "free" far faces
-    face : [m] where the face stands; behind a panel (`backing.coupling`), how far behind the back of its last ply
+    outer_boundary : "fixed", "absorbing" or "free" outer faces
+    standoff : [m] of the face from z = 0; behind a panel (`backing.coupling`) from the back of its last ply
     hourglass : factor on the hourglass stiffness of the full rule. In plastic flow the full one would stand in for the
         strength that is gone; less than 0.1 lets the modes grow. Of the energy of a ball 0.05, 0.1, 0.2, 0.4 and 0.8
         take 12, 5, 6, 5 and 8 % at most, and the ball goes 7.31, 7.22, 6.98 and 6.59 mm deep from 0.1 on
@@ -64,11 +63,11 @@ class Backing:
 
     material: Isotropic = field(default_factory=lambda: load("backing"))
     size: tuple[float, float, float] = (0.3, 0.3, 0.18)
-    finest: float = 1.0e-3
-    fine: float = 8e-3
+    min_size: float = 1.0e-3
+    refined_depth: float = 8e-3
     growth: float = 1.2
-    far: str = "fixed"
-    face: float = 0.0
+    outer_boundary: str = "fixed"
+    standoff: float = 0.0
     hourglass: float = 0.1
     viscosity: float = 0.1
     penalty: float = 10.0
@@ -77,11 +76,11 @@ class Backing:
     points: int = 2
 
     def __post_init__(self):
-        if self.far not in FAR:
-            raise InputError(key="far", value=self.far, allowed=" or ".join(FAR))
-        if len(self.size) != 3 or not all(0 < 2 * self.finest <= length for length in self.size):
-            raise InputError(key="size", value=self.size, allowed=f"three lengths of at least {2 * self.finest:g} m")
-        for key in ("finest", "fine", "penalty", "ply_penalty", "points"):
+        if self.outer_boundary not in OUTER_BOUNDARIES:
+            raise InputError(key="outer_boundary", value=self.outer_boundary, allowed=" or ".join(OUTER_BOUNDARIES))
+        if len(self.size) != 3 or not all(0 < 2 * self.min_size <= length for length in self.size):
+            raise InputError(key="size", value=self.size, allowed=f"three lengths of at least {2 * self.min_size:g} m")
+        for key in ("min_size", "refined_depth", "penalty", "ply_penalty", "points"):
             if not 0 < getattr(self, key) < np.inf:
                 raise InputError(key=key, value=getattr(self, key), allowed="above 0")
         if not self.growth >= 1:
@@ -94,7 +93,7 @@ class Backing:
     def lines(self):
         """x, y, z [m] of the mesh planes of the quarter."""
         half = (0.5 * self.size[0], 0.5 * self.size[1], self.size[2])
-        return tuple(graded(length, self.finest, self.fine, self.growth) for length in half)
+        return tuple(graded(length, self.min_size, self.refined_depth, self.growth) for length in half)
 
     @property
     def count(self):
@@ -118,29 +117,26 @@ class Backing:
         return Block(self, dt)
 
 
-def graded(length, finest, fine, growth):
-    """Places (n + 1,) [m] from 0 to `length`: equal steps up to `fine`, then growing by a factor, `growth` at most."""
-    even = min(max(1, round(fine / finest)), max(1, round(length / finest)))
-    places = np.linspace(0, even * finest, even + 1)
+def graded(length, min_size, refined_depth, growth):
+    """Places (n + 1,) [m] from 0 to `length`: equal steps up to `refined_depth`, then growing by a factor, `growth` at
+    most.
+    """
+    even = min(max(1, round(refined_depth / min_size)), max(1, round(length / min_size)))
+    places = np.linspace(0, even * min_size, even + 1)
     left = length - places[-1]
-    if left < 0.5 * finest:
+    if left < 0.5 * min_size:
         return places * (length / places[-1])
     steps = 1
-    while finest * np.sum(growth ** np.arange(1, steps + 1)) < left:
+    while min_size * np.sum(growth ** np.arange(1, steps + 1)) < left:
         steps += 1
-    if finest * steps >= left:  # too little is left to grow
+    if min_size * steps >= left:  # too little is left to grow
         return np.concatenate([places, places[-1] + left * np.arange(1, steps + 1) / steps])
-    factor = brentq(lambda g: finest * np.sum(g ** np.arange(1, steps + 1)) - left, 1.0, growth + 1e-9)
-    return np.concatenate([places, places[-1] + finest * np.cumsum(factor ** np.arange(1, steps + 1))])
+    factor = brentq(lambda g: min_size * np.sum(g ** np.arange(1, steps + 1)) - left, 1.0, growth + 1e-9)
+    return np.concatenate([places, places[-1] + min_size * np.cumsum(factor ** np.arange(1, steps + 1))])
 
 
 class Block:
-    """A block in motion.
-
-    Parameters
-    ----------
-    backing : Backing
-    dt : [s] of a step
+    """A block in motion, of a Backing, in steps of dt [s].
 
     Attributes
     ----------
@@ -156,7 +152,7 @@ class Block:
         self.backing, self.dt, self.time = backing, float(dt), 0.0
         self.shape = nx, ny, nz = backing.count
         grid = np.stack(np.meshgrid(*backing.lines, indexing="ij"), axis=-1)
-        grid[..., 2] += backing.face
+        grid[..., 2] += backing.standoff
         self.rest = grid.reshape(-1, 3)
         nodes = np.arange(len(self.rest)).reshape(grid.shape[:3])
         self.nodes = nodes
@@ -193,9 +189,9 @@ class Block:
         self.free, self._dashpot = np.ones((len(self.rest), 3)), np.zeros((len(self.rest), 3))
         self.free[nodes[0], 0] = self.free[nodes[:, 0], 1] = 0.0
         for axis, face in ((0, nodes[-1]), (1, nodes[:, -1]), (2, nodes[:, :, -1])):
-            if backing.far == "fixed":
+            if backing.outer_boundary == "fixed":
                 self.free[face] = 0.0
-            elif backing.far == "absorbing":
+            elif backing.outer_boundary == "absorbing":
                 places = self.rest[face]
                 edges = np.cross(places[1:, 1:] - places[:-1, :-1], places[:-1, 1:] - places[1:, :-1])
                 quads = 0.125 * np.linalg.norm(edges, axis=-1)
@@ -221,8 +217,8 @@ class Block:
         shot = projectile
         numbers = np.array([shot.number, shot.radius, shot.edge_radius, np.inf if shot.length is None else shot.length])
         self._damped += touch.nose_forces(
-            *self.shape, self.x, self.v, self.gone, self._stiffness, self._springs, np.asarray(position, float),
-            np.asarray(speed, float), shot.form, numbers, self._held, self._outer, self._drags, self._shot,
+            self.shape, self.x, self.v, self.gone, (self._stiffness, self._springs), np.asarray(position, float),
+            np.asarray(speed, float), (shot.form, numbers), self._held, (self._outer, self._drags), self._shot,
         )  # fmt: skip
         push, drag = self._shot[touch.ELASTIC_FORCE : touch.DAMPING_FORCE], self._shot[touch.DAMPING_FORCE :]
         self._damp("shot", drag, np.asarray(speed, float))
@@ -244,13 +240,15 @@ class Block:
                 [np.clip(np.searchsorted(lines[c], places[:, c]) - 1, 0, self.shape[c] - 1) for c in (0, 1)], axis=1
             )
             self._memory = np.zeros((len(places), 2))
-            self._memory[:, 0] = places[:, 2] + thickness - self.backing.face  # as against the face at rest
+            self._memory[:, 0] = places[:, 2] + thickness - self.backing.standoff  # as against the face at rest
         forces, drags, none = np.empty_like(places), np.empty_like(places), np.zeros(len(places))
+        points = (
+            places, np.ascontiguousarray(velocities, float), np.ascontiguousarray(stiffness, float),
+            none if damping is None else np.ascontiguousarray(damping, float),
+        )  # fmt: skip
         touch.point_forces(
-            *self.shape, self.x, self.v, self.gone, places, np.ascontiguousarray(velocities, float),
-            np.ascontiguousarray(stiffness, float), none if damping is None else np.ascontiguousarray(damping, float),
-            float(thickness), self.dt, self._columns, self._memory, self._outer, self._drags, forces, drags,
-            self._points,
+            self.shape, self.x, self.v, self.gone, points, float(thickness), self.dt, self._columns, self._memory,
+            (self._outer, self._drags), (forces, drags), self._points,
         )  # fmt: skip
         self._damped += float(self._points[touch.LOST])
         self._damp("points", drags, np.asarray(velocities, float))
@@ -271,8 +269,8 @@ class Block:
         UnstableError : a brick is turned inside out
         """
         kernels.forces(
-            *self.shape, self.x, self._gradient, self._volume, self._twist, self._control, self._damping, self._law,
-            self._kick, self.metric, self.alpha, self.last, self.past, self.gone, self._own, self.energy,
+            self.shape, self.x, (self._gradient, self._volume, self._twist, self._control, self._damping), self._law,
+            self._kick, (self.metric, self.alpha, self.last, self.past, self.gone), self._own, self.energy,
         )  # fmt: skip
         if np.isnan(self.energy[:, kernels.ELASTIC]).any():
             brick = int(np.argmax(np.isnan(self.energy[:, kernels.ELASTIC])))
@@ -281,8 +279,8 @@ class Block:
             raise UnstableError("a brick is turned inside out", where=where, when=f"after {1e6 * self.time:.4g} us")
         kick = 0.5 * (self._kick + self.dt)
         kernels.move(
-            *self.shape, self.x, self.v, self._own, self._outer, self._drags, self.mass, self._dashpot, self.free, kick,
-            self.dt, self.gone, self._work,
+            self.shape, self.x, self.v, self._own, self._outer, self._drags, (self.mass, self._dashpot, self.free),
+            kick, self.dt, self.gone, self._work,
         )  # fmt: skip
         self._outer[:] = self._drags[:] = 0.0
         self._kick = self.dt
@@ -315,16 +313,16 @@ class Block:
         layers = np.where(gone.any(axis=1), nz - np.argmax(gone[:, ::-1], axis=1), 0)
         beside = np.minimum(np.append(layers, layers[-1]), np.append(layers[0], layers))
         edge = nodes[np.arange(len(nodes)), beside]
-        return np.stack([self.x[edge, axis], self.x[edge, 2] - self.backing.face], axis=1)
+        return np.stack([self.x[edge, axis], self.x[edge, 2] - self.backing.standoff], axis=1)
 
     def arrays(self):
         """{name: array} of all that its motion goes on from; `restore` takes it back."""
         found = {name: getattr(self, name) for name in _KEPT}
         found["clock"] = np.array([self.time, self._kick, self._damped])
         if self._columns is not None:
-            found["columns"], found["memory"] = self._columns, self._memory
+            found |= {"columns": self._columns, "memory": self._memory}
         for who, (drag, speed) in self._before.items():
-            found[f"{who}_drag"], found[f"{who}_speed"] = drag, speed
+            found |= {f"{who}_drag": drag, f"{who}_speed": speed}
         return found
 
     def restore(self, arrays):
@@ -339,59 +337,6 @@ class Block:
             for who in ("shot", "points")
             if f"{who}_drag" in arrays
         }
-
-
-@dataclass(frozen=True)
-class Strike:
-    """What a projectile without fabric does to a block: t, v, z [s, m/s, m] of its nose, energies {name: (n,)} [J] of
-    the whole, and the crater at the end (k, 2) [m]."""
-
-    t: np.ndarray
-    v: np.ndarray
-    z: np.ndarray
-    energies: dict
-    crater: np.ndarray
-    eroded: int
-
-
-def strike(backing, projectile: Projectile, velocity, end_time, *, dt=None, every=20) -> Strike:
-    """A rigid projectile strikes the bare block ("backing only" of source thesis Figure 6-45), until it turns back.
-
-    Parameters
-    ----------
-    velocity : [m/s]
-    end_time : [s] at the latest
-    dt : [s]; None: the projectile crosses at most a twentieth of the finest brick, at half of what the block allows
-    every : steps between records
-
-    Raises
-    ------
-    InputError, UnstableError : as Block
-    """
-    if dt is None:
-        dt = min(0.05 * backing.finest / velocity, 0.5 * backing.longest_step)
-    block, quarter = backing.block(dt), 0.25 * projectile.mass
-    position, speed = np.array([0.0, 0.0, backing.face]), np.array([0.0, 0.0, float(velocity)])
-    rows, energies = [], []
-    for n in range(int(np.ceil(end_time / dt))):
-        push = block.strike(position, speed, projectile)
-        block.advance()
-        kick = 0.5 * dt if n == 0 else dt
-        before, speed[2] = speed[2], speed[2] + kick * push[2] / quarter
-        mean = 0.5 * (before + speed[2])
-        stop = speed[2] <= 0
-        if n % every == 0 or stop:
-            own = block.energies()
-            own["projectile"] = 0.5 * quarter * mean**2
-            own["balance"] = sum(own.values()) - 0.5 * quarter * velocity**2
-            rows.append((n * dt, mean, position[2] - backing.face))
-            energies.append(4 * np.array(list(own.values())))
-        position[2] += dt * speed[2]
-        if stop:
-            break
-    t, v, z = np.array(rows).T
-    named = {name: np.array(energies)[:, k] for k, name in enumerate(own)}
-    return Strike(t, v, z, named, block.crater(), int(np.count_nonzero(block.gone)))
 
 
 def _corners(grid):

@@ -78,6 +78,16 @@ def inverse(F, G):
 
 
 @kernel()
+def push_forward(F, C, b):
+    """b += F C F^T of (3, 3)."""
+    for c in range(3):
+        for d in range(3):
+            for r in range(3):
+                for s in range(3):
+                    b[c, d] += F[c, r] * C[r, s] * F[d, s]
+
+
+@kernel()
 def hencky(F, C, alpha, law, viscous, P):
     """First Piola-Kirchhoff stress, with plastic flow where the trial is outside the yield surface.
 
@@ -97,11 +107,7 @@ def hencky(F, C, alpha, law, viscous, P):
     """
     K, G, yields, H = law[0], law[1], law[2], law[3]
     b, n, Fi = np.zeros((3, 3)), np.empty((3, 3)), np.empty((3, 3))
-    for c in range(3):
-        for d in range(3):
-            for r in range(3):
-                for s in range(3):
-                    b[c, d] += F[c, r] * C[r, s] * F[d, s]
+    push_forward(F, C, b)
     principal(b, n)
     e0, e1, e2 = 0.5 * math.log(b[0, 0]), 0.5 * math.log(b[1, 1]), 0.5 * math.log(b[2, 2])
     trace = e0 + e1 + e2
@@ -142,10 +148,10 @@ def hencky(F, C, alpha, law, viscous, P):
 
 
 @kernel()
-def forces_slice(
-    i, ny, nz, x, gradient, volume, twist, control, damping, law, dt, metric, alpha, last, past, gone, own, energy
-):
+def forces_slice(i, counts, x, rest, law, dt, history, own, energy):
     """Forces of the bricks i along x: see `forces`."""
+    (_, ny, nz), (gradient, volume, twist, control, damping) = counts, rest
+    metric, alpha, last, past, gone = history
     nodes, places = np.empty(8, np.int64), np.empty((8, 3))
     F, P, D, H = np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3)), np.empty((4, 3))
     per_time = 1.0 / dt if dt > 0.0 else 0.0
@@ -193,33 +199,35 @@ def forces_slice(
 
 
 @entry(parallel=True)
-def forces(
-    nx, ny, nz, x, gradient, volume, twist, control, damping, law, dt, metric, alpha, last, past, gone, own, energy
-):
+def forces(counts, x, rest, law, dt, history, own, energy):
     """Internal forces of every brick, own : (m, 8, 3) [N].
 
     Parameters
     ----------
-    nx, ny, nz : bricks along x, y and z; nodes and bricks are numbered with the last fastest
+    counts : bricks along x, y and z; nodes and bricks are numbered with the last fastest
     x : (n, 3) [m]
-    gradient, volume, twist, control : of the bricks at rest, as `hex8.Bricks` has them
-    damping : (m,) [Pa s] bulk viscosity
+    rest : gradient, volume, twist, control of the bricks at rest, as `hex8.Bricks` has them; damping : (m,) [Pa s] bulk
+        viscosity
     law : (5,) as for `hencky`
     dt : [s] since the last call
-    metric, alpha, last, gone : (m, 3, 3), (m,), (m,) ln J, (m,) bool; overwritten
-    past : (m, 2) [1/s], [Pa] rate of ln J and stress q of the last call; overwritten
+    history : metric, alpha, last, past, gone, overwritten
+        metric, alpha, last, gone : (m, 3, 3), (m,), (m,) ln J, (m,) bool
+        past : (m, 2) [1/s], [Pa] rate of ln J and stress q of the last call
     energy : (m, 5) [J] of each brick, overwritten or added to
     """
+    (nx, ny, nz), (gradient, volume, twist, control, damping) = counts, rest
+    metric, alpha, last, past, gone = history
     for i in prange(nx):
         forces_slice(
-            i, ny, nz, x, gradient, volume, twist, control, damping, law, dt, metric, alpha, last, past, gone, own,
-            energy,
+            i, (nx, ny, nz), x, (gradient, volume, twist, control, damping), law, dt, (metric, alpha, last, past, gone),
+            own, energy,
         )  # fmt: skip
 
 
 @kernel()
-def move_slice(i, nx, ny, nz, x, v, own, outer, drags, mass, dashpot, free, kick, dt, gone, work):
+def move_slice(i, counts, x, v, own, outer, drags, nodes, kick, dt, gone, work):
     """Step of the nodes i along x: see `move`."""
+    (nx, ny, nz), (mass, dashpot, free) = counts, nodes
     kinetic = lost = damped = 0.0
     for j in range(ny + 1):
         for k in range(nz + 1):
@@ -248,15 +256,16 @@ def move_slice(i, nx, ny, nz, x, v, own, outer, drags, mass, dashpot, free, kick
 
 
 @entry(parallel=True)
-def move(nx, ny, nz, x, v, own, outer, drags, mass, dashpot, free, kick, dt, gone, work):
+def move(counts, x, v, own, outer, drags, nodes, kick, dt, gone, work):
     """Velocities over `kick` [s], places over `dt` [s].
 
     Parameters
     ----------
     own, outer, drags : (m, 8, 3), (n, 3), (n, 3) [N] internal forces of the bricks, of contacts, and of their damping
-    mass, dashpot, free : (n,) [kg], (n, 3) [N s/m], (n, 3) 1 or 0
+    nodes : mass, dashpot, free : (n,) [kg], (n, 3) [N s/m], (n, 3) 1 or 0
     work : (nx + 1, 3) [J] kinetic energy at the instant of the forces, overwritten; what dashpots, and what the damping
         of contacts, took from the nodes, added to
     """
+    (nx, ny, nz), (mass, dashpot, free) = counts, nodes
     for i in prange(nx + 1):
-        move_slice(i, nx, ny, nz, x, v, own, outer, drags, mass, dashpot, free, kick, dt, gone, work)
+        move_slice(i, (nx, ny, nz), x, v, own, outer, drags, (mass, dashpot, free), kick, dt, gone, work)

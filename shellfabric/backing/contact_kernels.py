@@ -1,4 +1,4 @@
-"""Contact of a block (`block_kernels`) with a rigid projectile, and with points given from outside, such as a ply's.
+"""Contact of a block (`block_kernels`) with a rigid projectile, and with points such as those of a ply.
 
 Both are penalties with damping, never less than nothing together; what one side gets the other gives. Damping is kept
 apart: what it takes is its force times velocities in the middle of the step, which are not known yet.
@@ -44,22 +44,24 @@ def node_active(i, j, k, nx, ny, nz, gone):
 
 
 @entry()
-def nose_forces(nx, ny, nz, x, v, gone, stiffness, damping, position, speed, form, numbers, held, outer, drags, sums):
+def nose_forces(counts, x, v, gone, springs, position, speed, shape, held, forces, sums):
     """Forces of a rigid projectile on the nodes of the block.
 
     Parameters
     ----------
-    stiffness, damping : (n,) [N/m], [N s/m]
+    counts : bricks along x, y and z
+    springs : stiffness, damping : (n,) [N/m], [N s/m]
     position, speed : (3,) of the nose [m], [m/s]
-    form, numbers : as for `sdf_kernels.distance`; (4,) number of the shape, radius, edge radius, length
+    shape : form, numbers : as for `sdf_kernels.distance`; (4,) number of the shape, radius, edge radius, length
     held : (n,) [J] by the springs of the last call; overwritten
-    outer, drags : (n, 3) [N] internal forces, elastic and damping; added to
+    forces : outer, drags : (n, 3) [N] internal forces, elastic and damping; added to
     sums : (7,) CONTACT [J]; PUSH .., DRAG .. the elastic and the damping force on the projectile [N]; overwritten
 
     Returns
     -------
     dropped : [J] of springs on nodes whose last brick has gone
     """
+    (nx, ny, nz), (stiffness, damping), (form, numbers), (outer, drags) = counts, springs, shape, forces
     sums[:] = 0.0
     widest, dropped = numbers[1] * numbers[1], 0.0
     for i in range(nx + 1):
@@ -125,7 +127,7 @@ def locate(px, py, x, column, nx, ny, nz, gone, place, nodes):
     """Facet under a point, from the column it was last over.
 
     Beside a facet that is drawn out and twisted Newton's steps may go round in circles, within it even: then its sides
-    tell where to go on.
+    decide which facet is next.
 
     Parameters
     ----------
@@ -217,25 +219,46 @@ def closest_point(p, x, nodes, place, A, B):
     return found
 
 
+@kernel()
+def outward_normal(A, B, normal):
+    """Unit normal : (3,) of a facet with the slopes A, B, out of the block: against z at rest; filled."""
+    normal[0], normal[1] = A[2] * B[1] - A[1] * B[2], A[0] * B[2] - A[2] * B[0]
+    normal[2] = A[1] * B[0] - A[0] * B[1]
+    normal /= math.sqrt(normal[0] ** 2 + normal[1] ** 2 + normal[2] ** 2)
+
+
+@kernel()
+def depth_and_opening(p, speed, x, v, nodes, w, normal, thickness):
+    """Depth [m] of a point p : (3,) in the face, and its opening velocity [m/s], from the weights w of the facet."""
+    inside, opening = thickness, 0.0
+    for c in range(3):
+        under, moving = 0.0, 0.0
+        for m in range(4):
+            under += w[m] * x[nodes[m], c]
+            moving += w[m] * v[nodes[m], c]
+        inside -= (p[c] - under) * normal[c]
+        opening += (speed[c] - moving) * normal[c]
+    return inside, opening
+
+
 @entry()
-def point_forces(
-    nx, ny, nz, x, v, gone, px, pv, stiffness, damping, thickness, dt, columns, memory, outer, drags, force, drag_force,
-    sums,
-):  # fmt: skip
+def point_forces(counts, x, v, gone, points, thickness, dt, columns, memory, forces, on_points, sums):
     """Forces between points and the face of the block.
 
     Parameters
     ----------
-    px, pv : (s, 3) [m], [m/s] of the points
-    stiffness, damping : (s,) [N/m], [N s/m] of each
+    counts : bricks along x, y and z
+    points : px, pv : (s, 3) [m], [m/s] of the points; stiffness, damping : (s,) [N/m], [N s/m] of each
     thickness : [m] distance that points keep from the face: half of what they stand for
     dt : [s] since the last call
     columns : (s, 2) int, where each was; overwritten
     memory : (s, 2) [m] how far each was inside the face, negative outside, and its offset; overwritten
-    outer, drags : (n, 3) [N] internal forces of the block, elastic and damping; added to
-    force, drag_force : (s, 3) [N] on the points, elastic and damping; overwritten
+    forces : outer, drags : (n, 3) [N] internal forces of the block, elastic and damping; added to
+    on_points : force, drag_force : (s, 3) [N] on the points, elastic and damping; overwritten
     sums : (7,) CONTACT and DROPPED [J], overwritten
     """
+    (nx, ny, nz), (px, pv, stiffness, damping) = counts, points
+    (outer, drags), (force, drag_force) = forces, on_points
     sums[:] = 0.0
     place, nodes, normal, w = np.empty(2), np.empty(4, np.int64), np.empty(3), np.empty(4)
     A, B = np.empty(3), np.empty(3)
@@ -249,18 +272,8 @@ def point_forces(
             sums[LOST] += 0.5 * stiffness[s] * held * held
             continue
         weights(place[0], place[1], w)
-        # out of the block: against z at rest
-        normal[0], normal[1] = A[2] * B[1] - A[1] * B[2], A[0] * B[2] - A[2] * B[0]
-        normal[2] = A[1] * B[0] - A[0] * B[1]
-        normal /= math.sqrt(normal[0] ** 2 + normal[1] ** 2 + normal[2] ** 2)
-        inside, opening = thickness, 0.0
-        for c in range(3):
-            under, moving = 0.0, 0.0
-            for m in range(4):
-                under += w[m] * x[nodes[m], c]
-                moving += w[m] * v[nodes[m], c]
-            inside -= (px[s, c] - under) * normal[c]
-            opening += (pv[s, c] - moving) * normal[c]
+        outward_normal(A, B, normal)
+        inside, opening = depth_and_opening(px[s], pv[s], x, v, nodes, w, normal, thickness)
         # beyond what motion explains, twice over for a facet that turns, it is a step of the face
         step, explained = inside - was, 2.0 * abs(opening) * dt
         if step > explained and inside > 0.0:

@@ -1,4 +1,4 @@
-"""The block behind the last ply, in step with a march: who pushes whom, and what is kept of it.
+"""Coupling of the backing block to the last ply and to the projectile.
 
 After every step of the cloth the block takes its contacts with cloth and projectile at the same instant and then its
 own step, so that it is one step ahead and its energies are those of the cloth's instant. What the contacts give to
@@ -90,12 +90,12 @@ def check(panel):
         raise InputError(key="size", value=backing.size, allowed="a face at least as wide as the panel's opening")
 
 
-class Behind:
-    """The block of a march.
+class BackingCoupling:
+    """The block of a run, coupled to its last ply.
 
     Parameters
     ----------
-    backing : Backing; its face is the room left behind the cloth's back at rest
+    backing : Backing; its standoff is from the back of the last ply at rest
     panel : Panel
     const : its Constants
     place : [m] of the middle of the last ply at rest
@@ -112,7 +112,7 @@ class Behind:
     def __init__(self, backing, panel, const, place=0.0):
         self.projectile, self.const, self.p = panel.projectile, const, backing.points
         self.thickness = 0.5 * panel.weave.thickness
-        self.block = replace(backing, face=place + self.thickness + backing.face).block(const.dt)
+        self.block = replace(backing, standoff=place + self.thickness + backing.standoff).block(const.dt)
         point = panel.weave.areal_density * const.dx * const.dy / self.p**2
         count = const.ni * const.nj * self.p**2
         self._stiffness = np.full(count, backing.ply_penalty * point / const.dt**2)
@@ -126,9 +126,9 @@ class Behind:
             for b, t in enumerate(at)
         ]
 
-    def follow(self, state):
-        """Bring the block up to the cloth and a step further; leave its forces in state.f_block_cloth and
-        state.f_block_nose."""
+    def step(self, state):
+        """One step of the block under its contacts with cloth and projectile; stores the contact forces [N] in
+        state.f_block_cloth and state.f_block_nose."""
         const, block = self.const, self.block
         state.f_block_nose[:] = block.strike(state.projectile_position, state.projectile_velocity, self.projectile)
         if state.counter[2] > 0:  # yarns have failed
@@ -177,6 +177,6 @@ class Behind:
         """The block as it is."""
         block = self.block
         return BackingResult(
-            block.backing.face, block.crater(0), block.crater(1), block.x.copy(), block.bricks, block.alpha.copy(),
+            block.backing.standoff, block.crater(0), block.crater(1), block.x.copy(), block.bricks, block.alpha.copy(),
             block.gone.copy(),
         )  # fmt: skip

@@ -1,7 +1,7 @@
 """Contact of a cable net with the rigid projectile: the shell's own, on the surface whose control points are the nodes.
 
-So the two models differ in what lies under that surface alone. See `contact_kernels` and `spline_kernels`, which ask of
-an element what of its four bars is left.
+So the two models differ in what lies under that surface alone. See `contact_kernels` and `spline_kernels`, of which
+an element needs the intact fractions of its four bars.
 """
 
 import numpy as np
@@ -9,7 +9,7 @@ import numpy as np
 from shellfabric.cloth import spline_kernels
 from shellfabric.cloth.membrane_kernels import WARP_FAILED, WEFT_FAILED
 from shellfabric.jit.compile import kernel
-from shellfabric.projectile import contact_kernels
+from shellfabric.projectile import contact_kernels, window_kernels
 
 WARP, WEFT = 0, 1
 CONTACT, SPRING = 1, 2  # of state.energy_sums
@@ -25,7 +25,7 @@ def contact_forces(state, const):
     taken, spring = contact_kernels.contact_window(state, const, state.contact_scratch)
     state.energy_sums[CONTACT] += taken
     state.energy_sums[SPRING] = spring
-    i0, i1, j0, j1 = contact_kernels.reachable_nodes(state, const)
+    i0, i1, j0, j1 = window_kernels.reachable_nodes(state, const)
     for c in range(3):
         for i in range(i0, i1 + 1):
             for m in range(i * const.row_stride + j0, i * const.row_stride + j1 + 1):
@@ -36,7 +36,7 @@ def contact_forces(state, const):
 @kernel()
 def mark_failed_bars(state, const):
     """Set the damage flags of the elements in the contact window whose bars have failed."""
-    i0, i1, j0, j1 = contact_kernels.reachable_nodes(state, const)
+    i0, i1, j0, j1 = window_kernels.reachable_nodes(state, const)
     for family in range(2):
         for i in range(i0, i1 + 1):
             for j in range(j0, j1 + 1):
@@ -52,7 +52,7 @@ def mark_failed_bars(state, const):
 def anchored(state, const):
     """Which nodes i0 .. i1 + 1, j0 .. j1 + 1 are joined by unbroken bars to the rim of that block, and so to the net.
 
-    What is not joined is a plug that the projectile has punched out and may push before it for good.
+    Bars that are not connected to the boundary (a plug) do not count: the projectile may push them for good.
     """
     i0, i1, j0, j1 = const.window_limits
     i1, j1 = min(i1 + 1, const.ni), min(j1 + 1, const.nj)

@@ -47,8 +47,8 @@ class CableNumerics:
 
     Parameters
     ----------
-    safety : of the time step against its bound. It could be near one but for crimp: bars that snap taut between two
-        steps cost energy, as the square of the step (S-720 at 100 m/s: 1.7 % at 0.9, 0.45 % at 0.45)
+    cfl : Courant factor, the time step over its stability bound. It could be near one but for crimp: bars that snap
+        taut between two steps cost energy, as the square of the step (S-720 at 100 m/s: 1.7 % at 0.9, 0.45 % at 0.45)
     viscosity : damping ratio of the highest mode of the taut net; 0.1, as in the shell
     penalty : stiffness of the contact, in units of the touching mass / dt^2
     contact_damping : ratio to critical of that mass on that spring
@@ -63,7 +63,7 @@ class CableNumerics:
     InputError : a value out of its range
     """
 
-    safety: float = 0.4
+    cfl: float = 0.4
     viscosity: float = 0.1
     penalty: float = 0.3
     contact_damping: float = 0.5
@@ -74,20 +74,20 @@ class CableNumerics:
     energy_error_limit: float = 0.05
 
     def __post_init__(self):
-        for key in ("safety", "penalty", "contact_points", "widest", "clear_time", "block", "energy_error_limit"):
+        for key in ("cfl", "penalty", "contact_points", "widest", "clear_time", "block", "energy_error_limit"):
             if not getattr(self, key) > 0:
                 raise InputError(key=key, value=getattr(self, key), allowed="above 0")
         for key in ("viscosity", "contact_damping"):
             if not getattr(self, key) >= 0:
                 raise InputError(key=key, value=getattr(self, key), allowed="at least 0")
-        if self.safety > 1:
-            raise InputError(key="safety", value=self.safety, allowed="at most 1")
+        if self.cfl > 1:
+            raise InputError(key="cfl", value=self.cfl, allowed="at most 1")
 
     def step(self, frequency):
         """(dt [s], cv [-]) where the highest frequency is `frequency` [rad/s]; cv as in
         `cable.step_kernels.bar_forces`."""
         xi = self.viscosity
-        dt = self.safety * 2 / frequency * ((1 + xi**2) ** 0.5 - xi)
+        dt = self.cfl * 2 / frequency * ((1 + xi**2) ** 0.5 - xi)
         return dt, 2 * xi / (frequency * dt)
 
 

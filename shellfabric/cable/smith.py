@@ -160,7 +160,7 @@ def _read(yarn, const, state, history, V):
     cloth, _, stored = kernels.energies(state, const)
     viscous = float(state.energy_sums[kernels.VISCOUS])
     external = -V * const.dt * (drive.sum() - 0.5 * drive[-1])
-    energies = {"kinetic_fabric": cloth, "stored": stored, "viscous": viscous, "external": external}
-    energies["balance"] = sum(energies.values()) - 0.5 * state.mass[0] * V * V
+    energies = {"kinetic_fabric": cloth, "yarn_strain": stored, "viscous": viscous, "boundary_work": external}
+    energies["error"] = sum(energies.values()) - 0.5 * state.mass[0] * V * V
     measured = TransverseImpact(plateau, yarn.EA * plateau, float(front / t), float(U), force)
     return YarnRun(measured, X, nodes, strain, energies)

@@ -11,7 +11,16 @@ from shellfabric.cable.contact_kernels import CONTACT
 from shellfabric.cable.model import CableNet
 from shellfabric.driver.solver import ExplicitSolver, run_to_end, speed_limit
 
-ENERGIES = ("kinetic_fabric", "kinetic_projectile", "stored", "viscous", "contact", "failed", "external", "balance")
+ENERGIES = (
+    "kinetic_fabric",
+    "kinetic_projectile",
+    "yarn_strain",
+    "viscous",
+    "contact",
+    "failure_dissipation",
+    "boundary_work",
+    "error",
+)
 SAMPLES = ("t", "v", "z", *ENERGIES)
 
 
@@ -24,14 +33,14 @@ class CableResult:
     net : what was struck
     outcome : "stopped", "perforated" or "in flight"
     residual_velocity : [m/s] of the projectile at the end
-    t, v, z : (n,) [s, m/s, m] instants of the audit; velocity and nose position of the projectile
-    energies : {name: (n,)} [J] with the names of ENERGIES; balance is the sum less the energy at the start
+    t, v, nose_position : (n,) [s, m/s, m] instants of the audit; velocity and nose position of the projectile
+    energies : {name: (n,)} [J] with the names of ENERGIES; error is the sum less the energy at the start
     peak_tension : (warp, weft) [N] over the run
-    fine : (steps, 4) time [s], nose position [m], velocity [m/s] at half steps, force on the projectile [N]
+    step_history : (steps, 4) time [s], nose position [m], velocity [m/s] at half steps, force on the projectile [N]
     reactions : {"warp", "weft", "edges": (steps,)} [N] after each step: pulls of the middle yarns on a clamp, along the
         yarns at rest, and the force of all clamps on the net, along z
     nodes : (ni+1, nj+1, 3) [m] at the end
-    broken : (2, ni+1, nj+1) bool at the end: bars that have failed, from each node along warp and weft
+    failed : (2, ni+1, nj+1) bool at the end: bars that have failed, from each node along warp and weft
     steps, wall_time, ns_per_bar_step : cost of marching, [s] and [ns]
     """
 
@@ -40,21 +49,21 @@ class CableResult:
     residual_velocity: float
     t: np.ndarray
     v: np.ndarray
-    z: np.ndarray
+    nose_position: np.ndarray
     energies: dict
     peak_tension: tuple[float, float]
-    fine: np.ndarray
+    step_history: np.ndarray
     reactions: dict
     nodes: np.ndarray
-    broken: np.ndarray
+    failed: np.ndarray
     steps: int
     wall_time: float
     ns_per_bar_step: float
 
     @property
-    def worst_balance(self):
+    def energy_error_max(self):
         """[-] largest error of the energy balance over the strike energy."""
-        return float(np.max(np.abs(self.energies["balance"])) / self.energies["kinetic_projectile"][0])
+        return float(np.max(np.abs(self.energies["error"])) / self.energies["kinetic_projectile"][0])
 
 
 class CableSolver(ExplicitSolver):
@@ -141,17 +150,19 @@ def collect_result(solver: CableSolver) -> CableResult:
         residual_velocity=float(solver.sample("v")[-1]),
         t=solver.sample("t"),
         v=solver.sample("v"),
-        z=solver.sample("z"),
+        nose_position=solver.sample("z"),
         energies={name: solver.sample(name) for name in ENERGIES},
         peak_tension=tuple(float(e * k) for e, k in zip(state.peak_elongation, net.stiffness)),
-        fine=np.column_stack([clock, history[:, [kernels.Z, kernels.V_Z]], history[:, kernels.NOSE_FORCE] / share]),
+        step_history=np.column_stack(
+            [clock, history[:, [kernels.Z, kernels.V_Z]], history[:, kernels.NOSE_FORCE] / share]
+        ),
         reactions={
             "warp": history[:, kernels.MIDDLE].copy(),
             "weft": history[:, kernels.MIDDLE + 1].copy(),
             "edges": history[:, kernels.CLAMP_FORCE] / share,
         },
         nodes=np.stack([*net.coordinates(), np.zeros(shape[1:])], axis=-1) + np.moveaxis(moved, 0, 2),
-        broken=(whole > 0) & (state.stiffness[:, :size].reshape(shape) == 0),
+        failed=(whole > 0) & (state.stiffness[:, :size].reshape(shape) == 0),
         steps=solver.steps,
         wall_time=solver.wall_time,
         ns_per_bar_step=1e9 * solver.wall_time / max(1, solver.steps * net.bars),

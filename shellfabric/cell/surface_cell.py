@@ -30,8 +30,9 @@ from fabrics.errors import InputError
 from fabrics.fabric import Fabric
 from fabrics.surface import ResponseSurface
 from fabrics.weave import arc_length
+from shellfabric.cell.coefficients import grid
 from shellfabric.cell.crossover_kernels import free_height
-from shellfabric.cell.model import CellModel, CellTable, grid
+from shellfabric.cell.model import CellModel, CellTable
 
 FORMS = ("variational", "direct")
 _SLACK = 1e-4  # share of the strength below which a sampled force counts as none

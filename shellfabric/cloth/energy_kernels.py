@@ -5,7 +5,8 @@ has its four crossing edges. An audit looks at all of the cloth: one by one it w
 two audits.
 """
 
-from shellfabric.cloth.membrane_kernels import arcsine, mean_crossing_warp, mean_crossing_weft, regularized_stretch
+from shellfabric.cloth.membrane_kernels import mean_crossing_warp, mean_crossing_weft
+from shellfabric.cloth.trellis_kernels import arcsine, regularized_stretch
 from shellfabric.jit.compile import kernel
 from shellfabric.jit.simd import (
     WIDTH,

@@ -17,14 +17,9 @@ from numba.extending import overload
 
 from shellfabric.cell.crossover_kernels import yarn_alone
 from shellfabric.cloth import energy_kernels
-from shellfabric.cloth.membrane_kernels import (
-    ONE,
-    WARP_FAILED,
-    WEFT_FAILED,
-    potential,
-    regularized_stretch_scalar,
-    shear_energy,
-)
+from shellfabric.cloth.membrane_kernels import ONE, WARP_FAILED, WEFT_FAILED
+from shellfabric.cloth.table_kernels import potential
+from shellfabric.cloth.trellis_kernels import regularized_stretch_scalar, shear_energy
 from shellfabric.jit.compile import kernel
 from shellfabric.jit.simd import item_or_scalar
 
@@ -189,7 +184,7 @@ def any_past_strength(const, state, family, first, last):
 def detect_failures(const, state, family, first, last):
     """Break the yarn segments that exceed their strength, among those that begin in the node rows first .. last.
 
-    Filters the tensions where that is asked for, and keeps the peak. Returns how many have failed.
+    Filters the tensions if const.filter_alpha > 0, and keeps the peak. Returns how many have failed.
     """
     n, failures = const.n_per_crossover, 0
     # a segment of one edge that is below the peak and the lowest strength needs no closer look
@@ -328,7 +323,7 @@ def half_step_work(const, state, first, last):
 
 @kernel()
 def shear_sine(const, state, k):
-    """sin(gamma) of the quadrilateral in slot k, as `membrane_kernels.trellis_forces` has it."""
+    """sin(gamma) of the quadrilateral in slot k, as `trellis_kernels.trellis_forces` has it."""
     s, L1, L2 = np.uint64(const.row_stride), state.stretch[WARP], state.stretch[WEFT]
     dot = 0.0
     for c in range(3):

@@ -1,12 +1,12 @@
 """Jamming: resistance of cloth to in-plane compression once neighbouring yarns touch.
 
-A crossover has no stiffness when its yarns go slack, and nothing in the source's cell keeps an element from being
+A crossover has no stiffness when its yarns go slack, and nothing in the cell of the thesis keeps an element from being
 pressed flat, where the trellis, which acts along unit vectors, tears it apart. Where yarns do not fail, as in the
 source's study of pencilling, cloth does bunch up about the projectile so far. A segment of stretch l below l_j stores
 
     U = y K / 2 ln(l / l_j)^2,     N = dU/dl / y = K ln(l / l_j) / l        (pressure negative)
 
-with y [m] the length of yarn that it stands for. The source has no such term; K = 0 leaves it out.
+with y [m] the length of yarn that it stands for. The thesis has no such term; K = 0 leaves it out.
 """
 
 import math

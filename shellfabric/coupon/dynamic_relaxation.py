@@ -1,16 +1,16 @@
-"""Dynamic relaxation: a body finds its equilibrium by swinging, and being stopped wherever it is fastest.
+"""Dynamic relaxation with kinetic damping: all velocities are zeroed at each peak of the kinetic energy.
 
-Kinetic damping: the nodes move without damping under the out-of-balance forces f,
+The nodes move without damping under the out-of-balance forces f,
 
     v <- v + f / m,    x <- x + v        (time step 1, fictitious masses m)
 
-and when the kinetic energy has passed a peak, all velocities are set to zero and the body starts again from there.
+and when the kinetic energy has passed a peak, they start again from there at rest.
 The masses are m = (1 + margin) b / 4 with b the largest value so far of the bounds on the row sums of the stiffness,
-which the body gives together with its forces: the highest frequency is then below 2 (Gershgorin), and every node moves
+which the body returns with its forces: the highest frequency is then below 2 (Gershgorin), and every node moves
 as fast as its own stiffness lets it. The largest so far, because a yarn that has just gone slack has a node without
 stiffness, which a small force would throw across its neighbours. There is no damping coefficient to choose.
 
-At rest counts what meets |f on free nodes| <= tolerance x max(|f on held nodes|, floor), in Euclidean norms.
+A state is settled at |f on free nodes| <= tolerance x max(|f on held nodes|, force_floor), in Euclidean norms.
 """
 
 from __future__ import annotations
@@ -34,9 +34,9 @@ class State:
     load : [-] share of the path of the supports
     x : (n, d) [m] nodes
     reaction : (n, d) [N] force of the supports on the body, zero on free nodes
-    energies : whatever the body gives beside its forces
+    energies : those that the body returns with its forces
     history : (iterations, 2) [N] norms of the out-of-balance force and of the reaction
-    residual : [-] the first over the greater of the second and the floor, at the end
+    residual : [-] the first over the greater of the second and force_floor, at the end
     settled : whether the residual is within the tolerance
     """
 
@@ -53,7 +53,7 @@ class State:
         return len(self.history)
 
 
-def settle(forces: Callable, x, held, *, tolerance=1e-4, floor=0.0, max_iterations=50_000, load=1.0) -> State:
+def relax(forces: Callable, x, held, *, tolerance=1e-4, force_floor=0.0, max_iterations=50_000, load=1.0) -> State:
     """Relax a body from x.
 
     Parameters
@@ -62,8 +62,8 @@ def settle(forces: Callable, x, held, *, tolerance=1e-4, floor=0.0, max_iteratio
     x : (n, d) [m] start, the held nodes where they shall be
     held : (n,) bool
     tolerance : [-] of the out-of-balance force against the reaction
-    floor : [N] reaction below which a body counts as unloaded
-    max_iterations : after which it is given back unsettled
+    force_floor : [N] reaction below which a body counts as unloaded
+    max_iterations : after which the state is returned unsettled
     load : [-] what to call the state
     """
     x, free, heaviest = np.array(x, float), ~held, 0.0
@@ -73,7 +73,7 @@ def settle(forces: Callable, x, held, *, tolerance=1e-4, floor=0.0, max_iteratio
         f, bound, energies = forces(x)
         out, reaction = float(np.linalg.norm(f[free])), float(np.linalg.norm(f[held]))
         history.append((out, reaction))
-        settled = out <= tolerance * max(reaction, floor)
+        settled = out <= tolerance * max(reaction, force_floor)
         if settled or len(history) >= max_iterations or not np.isfinite(out + reaction):
             break
         heaviest = np.maximum(heaviest, bound)
@@ -92,25 +92,15 @@ def settle(forces: Callable, x, held, *, tolerance=1e-4, floor=0.0, max_iteratio
                 continue
             v, energy = faster, now
         x += v
-    scale = max(reaction, floor)
+    scale = max(reaction, force_floor)
     residual = out / scale if scale > 0 or np.isnan(scale) else float(out > 0)
     return State(load, x, np.where(held[:, None], -f, 0.0), energies, np.array(history), residual, settled)
 
 
-def pull(
-    body,
-    x,
-    held,
-    path: Callable,
-    loads: Sequence[float],
-    *,
-    tolerance=1e-4,
-    floor=0.0,
-    max_iterations=50_000,
-    hooks=(),
-    progress=None,
-    done=(),
-) -> tuple[tuple[State, ...], bool]:
+def relax_path(
+    body, x, held, path: Callable, loads: Sequence[float], *, tolerance=1e-4, force_floor=0.0, max_iterations=50_000,
+    hooks=(), progress=None, done=(),
+) -> tuple[tuple[State, ...], bool]:  # fmt: skip
     """Move the supports of a body step by step and relax it at each.
 
     Each step starts from the last two states, extrapolated; the first, and one after a body that carried nothing and so
@@ -118,12 +108,12 @@ def pull(
 
     Parameters
     ----------
-    body : has forces(x) as in `settle`, and spread(u, held) -> (n, d) [m], a smooth motion with u on the held nodes
+    body : has forces(x) as in `relax`, and spread(u, held) -> (n, d) [m], a smooth motion with u on the held nodes
     x : (n, d) [m] nodes at rest
     held : (n,) bool
     path : path(load) -> (n, d) [m] where the held nodes shall be; other rows are not read
     loads : rising shares of the path
-    tolerance, floor, max_iterations : as in `settle`
+    tolerance, force_floor, max_iterations : as in `relax`
     hooks : called as hook(state) after every step; one may end the run by an UnstableError, or by returning True
     progress : called as progress(state) after every step that the run goes on from
     done : states of the first loads, from an interrupted run: the others come out as they would have, bit for bit
@@ -137,47 +127,49 @@ def pull(
     UnstableError : a step did not settle, or a hook's; its attribute `states` holds what was computed, the state that
         was refused last
     """
-    states, last, before, ended = [], (0.0, np.array(x, float)), None, False
-
-    def go_on(state):
-        nonlocal last, before
-        loaded = state.history[-1, 1] > floor
-        before, last = (last if loaded else None), (state.load, state.x)
-        states.append(state)
-
-    for state in done:
-        go_on(state)
+    states, ended = list(done), False
     for load in loads[len(states) :]:
         target = path(load)
-        if before is None:
-            start = last[1] + body.spread(np.where(held[:, None], target - last[1], 0.0), held)
-        else:
-            start = last[1] + (load - last[0]) / (last[0] - before[0]) * (last[1] - before[1])
+        start = _start(body, x, held, states, load, target, force_floor)
         start[held] = target[held]
-        state = settle(
-            body.forces, start, held, tolerance=tolerance, floor=floor, max_iterations=max_iterations, load=load
-        )
+        state = relax(
+            body.forces, start, held, tolerance=tolerance, force_floor=force_floor, max_iterations=max_iterations,
+            load=load,
+        )  # fmt: skip
         try:
             if not np.isfinite(state.residual):
                 raise UnstableError("the forces are no longer finite", when=f"at {load:.3g} of the load")
             answers = [hook(state) for hook in hooks]
             ended = any(answers)
             if not state.settled:
-                raise UnstableError(
-                    f"no equilibrium was found: after {state.iterations} iterations the out-of-balance force is "
-                    f"{state.residual:.2g} of the reaction, {tolerance:g} is asked",
-                    where=f"node {_worst(body, state, held)}",
-                    when=f"at {load:.3g} of the load",
-                )
+                raise _not_settled(body, state, held, tolerance)
         except UnstableError as problem:
             problem.states = (*states, state)
             raise
-        go_on(state)
+        states.append(state)
         if ended:
             break
         if progress is not None:
             progress(state)
     return tuple(states), ended
+
+
+def _start(body, x, held, states, load, target, force_floor):
+    """(n, d) [m] from where a load step begins: see `relax_path`."""
+    done, last = (states[-1].load, states[-1].x) if states else (0.0, np.array(x, float))
+    if states and states[-1].history[-1, 1] > force_floor:  # it carried a load, and so had a definite shape
+        before, earlier = (states[-2].load, states[-2].x) if len(states) > 1 else (0.0, np.array(x, float))
+        return last + (load - done) / (done - before) * (last - earlier)
+    return last + body.spread(np.where(held[:, None], target - last, 0.0), held)
+
+
+def _not_settled(body, state, held, tolerance):
+    return UnstableError(
+        f"no equilibrium was found: after {state.iterations} iterations the out-of-balance force is "
+        f"{state.residual:.2g} of the reaction, the tolerance is {tolerance:g}",
+        where=f"node {_worst(body, state, held)}",
+        when=f"at {state.load:.3g} of the load",
+    )
 
 
 def _worst(body, state, held):

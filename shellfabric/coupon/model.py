@@ -66,13 +66,13 @@ class Coupon:
         (rx, ry), shear = (1 / step for step in table.steps), self.table.model.fabric.shear
         grid = table.stretch1[0], rx, table.stretch1.size - 2, table.stretch2[0], ry, table.stretch2.size - 2
         rows = zip(weave.w, weave.S0, weave.yarns, table.model.toes)
-        yarns = [(w, S0, yarn.EA, toe) for w, S0, yarn, toe in rows]
+        yarns = tuple((w, S0, yarn.EA, toe) for w, S0, yarn, toe in rows)
         V = self.spacing[0] * self.spacing[1] * weave.thickness
         law = (
             (V, shear.G1, shear.G2, shear.gamma1, shear.gamma2) if self.trellis and shear else (0.0, 0.0, 0.0, 0.5, 1.0)
         )
         potential = table.potential.reshape(-1, 16)
-        return (*self.edges, *self.cells, *self.across, self.quads, *self.spacing, potential, grid, *yarns, law)
+        return self.edges, self.cells, self.across, self.quads, self.spacing, potential, grid, yarns, law
 
     def forces(self, x):
         """Forces (n, 2) [N], bounds (n,) [N/m] on rows of the stiffness, energies (yarns, trellis) [J] at x (n, 2)."""
@@ -114,7 +114,7 @@ class Coupon:
         return tuple(found)
 
 
-def cut(
+def mesh_coupon(
     table: CellTable,
     outline: Callable,
     reach: float,
@@ -125,7 +125,7 @@ def cut(
     woven: Callable | None = None,
     trellis: bool = True,
 ) -> Coupon:
-    """Cut a coupon about the origin out of the weave.
+    """Mesh a coupon about the origin, cut out of the weave.
 
     Parameters
     ----------
@@ -136,36 +136,27 @@ def cut(
     elements_per_crossover : along each side
     offset : (along warp, along weft) [elements] of the grid's origin; 0.5 puts the middle of an element on the origin
     woven : woven(x, y) -> (bool array, bool array), whether warp and weft are present at points [m]; None: everywhere.
-        Yarns that have been drawn out leave the others alone
+        Yarns that have been removed leave the others alone
     trellis : see Coupon
 
     Raises
     ------
-    InputError : nothing is left inside the outline
+    InputError : no element lies inside the outline
     """
     m = elements_per_crossover
     if m < 1 or m != int(m):
         raise InputError(key="elements_per_crossover", value=m, allowed="1, 2, 3, ...")
-    dX, dY = (2 * w / m for w in table.model.fabric.weave.w)
-    half1, half2 = int(reach / dX) + 2, int(reach / dY) + 2
+    spacing = tuple(2 * w / m for w in table.model.fabric.weave.w)
+    half = tuple(int(reach / side) + 2 for side in spacing)
     X, Y = np.meshgrid(
-        dX * (np.arange(-half1, half1 + 1) + offset[0]), dY * (np.arange(-half2, half2 + 1) + offset[1]), indexing="ij"
+        *(side * (np.arange(-n, n + 1) + shift) for side, n, shift in zip(spacing, half, offset)), indexing="ij"
     )
     c, s = np.cos(angle), np.sin(angle)
     x, y = c * X - s * Y, s * X + c * Y
-    inside = outline(x, y)
-    full = inside[:-1, :-1] & inside[1:, :-1] & inside[1:, 1:] & inside[:-1, 1:]
-    centre = [0.25 * (v[:-1, :-1] + v[1:, :-1] + v[1:, 1:] + v[:-1, 1:]) for v in (x, y)]
-    present = [full & part for part in (woven(*centre) if woven else (True, True))]
-    # an edge stands for half of each element beside it in which its yarn is present
-    count = [np.zeros((2 * half1, 2 * half2 + 1), int), np.zeros((2 * half1 + 1, 2 * half2), int)]
-    count[0][:, :-1] += present[0]
-    count[0][:, 1:] += present[0]
-    count[1][:-1, :] += present[1]
-    count[1][1:, :] += present[1]
-    number = -np.ones(X.shape, int)
+    present = _present_yarns(x, y, outline, woven)
+    count = _beside(*present)  # an edge stands for half of each element beside it in which its yarn is present
+    number, edges = -np.ones(X.shape, int), []
     used = np.zeros(X.shape, bool)
-    edges = []
     for part, (di, dj) in zip(count, ((1, 0), (0, 1))):
         i, j = np.nonzero(part)
         edges.append((i, j, i + di, j + dj))
@@ -176,18 +167,31 @@ def cut(
     lines = [np.stack([number[i, j], number[k, l]], axis=1) for i, j, k, l in edges]
     # a yarn is crossed where an element beside it holds the other family too
     both = present[0] & present[1]
-    crossed = [np.zeros(part.shape, bool) for part in count]
-    crossed[0][:, :-1] |= both
-    crossed[0][:, 1:] |= both
-    crossed[1][:-1, :] |= both
-    crossed[1][1:, :] |= both
-    is_crossed = [part[edge[:2]] for part, edge in zip(crossed, edges)]
-    across = tuple(_meeting(lines[m], is_crossed[m], lines[1 - m], is_crossed[1 - m], used.sum()) for m in (0, 1))
+    is_crossed = [(part > 0)[edge[:2]] for part, edge in zip(_beside(both, both), edges)]
+    across = tuple(_meeting(lines[k], is_crossed[k], lines[1 - k], is_crossed[1 - k], used.sum()) for k in (0, 1))
     i, j = np.nonzero(both)
     quads = np.stack([number[i, j], number[i + 1, j], number[i + 1, j + 1], number[i, j + 1]], axis=1)
     points = np.stack([x[used], y[used]], axis=1)
     cells = tuple(part[part > 0] / (2 * m * m) for part in count)
-    return Coupon(table, points, tuple(lines), cells, across, quads, (dX, dY), trellis)
+    return Coupon(table, points, tuple(lines), cells, across, quads, spacing, trellis)
+
+
+def _present_yarns(x, y, outline, woven):
+    """[(elements), (elements)] bool: where warp and weft are present, of the elements that lie whole in the outline."""
+    inside = outline(x, y)
+    full = inside[:-1, :-1] & inside[1:, :-1] & inside[1:, 1:] & inside[:-1, 1:]
+    centre = [0.25 * (v[:-1, :-1] + v[1:, :-1] + v[1:, 1:] + v[:-1, 1:]) for v in (x, y)]
+    return [full & part for part in (woven(*centre) if woven else (True, True))]
+
+
+def _beside(warp, weft):
+    """Number of elements with warp beside each warp edge, and of elements with weft beside each weft edge."""
+    count = [np.zeros((warp.shape[0], warp.shape[1] + 1), int), np.zeros((weft.shape[0] + 1, weft.shape[1]), int)]
+    count[0][:, :-1] += warp
+    count[0][:, 1:] += warp
+    count[1][:-1, :] += weft
+    count[1][1:, :] += weft
+    return count
 
 
 def _meeting(edges, crossed, others, others_crossed, nodes):

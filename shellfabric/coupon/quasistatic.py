@@ -13,7 +13,7 @@ import numpy as np
 
 from fabrics.errors import InputError, UnstableError
 from shellfabric.cell.model import CellTable
-from shellfabric.coupon.model import Coupon, cut
+from shellfabric.coupon.model import Coupon, mesh_coupon
 from shellfabric.coupon.solver import Result, at_strength, no_fold, run
 
 ZONES = ("A", "B", "C")
@@ -35,7 +35,7 @@ def bias_extension(
     length, width : [m] between the clamps, and across
     elongation : [m] of the coupon as a whole
     steps : load steps
-    elements_per_crossover, trellis : see `coupon.model.cut`
+    elements_per_crossover, trellis : see `coupon.model.mesh_coupon`
 
     Raises
     ------
@@ -70,7 +70,7 @@ def bias_coupon(table, length, width, elements_per_crossover=1, trellis=True):
         raise InputError(key="length", value=length, allowed=f"above the width, {width:g} m")
     length, width, offset = _fit_diagonals(table, length, width, elements_per_crossover)
     slack, row = 1e-6 * width, 1.01 * sum(table.model.fabric.weave.w) * sqrt(2) / elements_per_crossover
-    coupon = cut(
+    coupon = mesh_coupon(
         table,
         lambda x, y: (np.abs(y) < length / 2 + row / 2 + slack) & (np.abs(x) < width / 2 + slack),
         length,
@@ -124,7 +124,7 @@ def picture_frame(
         raise InputError(key="shear_angle", value=shear_angle, allowed="above 0 and below pi/2")
     half = [cells * w for w in table.model.fabric.weave.w]
     slack = 1e-6 * min(half)
-    coupon = cut(
+    coupon = mesh_coupon(
         table, lambda x, y: (np.abs(x) < half[0] + slack) & (np.abs(y) < half[1] + slack), max(half),
         elements_per_crossover=elements_per_crossover, offset=_about((cells, cells), elements_per_crossover),
     )  # fmt: skip
@@ -143,7 +143,7 @@ def frame_stress(result: Result):
     x, y = result.coupon.points.T
     volume = len(result.coupon.quads) * np.prod(result.coupon.spacing) * result.coupon.weave.thickness
     stress = []
-    for gamma, state in zip(result.moved, result.states):
+    for gamma, state in zip(result.prescribed, result.states):
         c, s = 0.5 * np.cos(0.5 * gamma), 0.5 * np.sin(0.5 * gamma)
         stress.append(np.sum(state.reaction * np.stack([-s * x + c * y, c * x - s * y], axis=1)) / volume)
     return np.array(stress)
@@ -164,7 +164,7 @@ def uniaxial(
     many = [max(2, round(size / (2 * w))) for size, w in zip((length, width), pitch)]
     half = [n * w for n, w in zip(many, pitch)]
     slack = 1e-6 * min(half)
-    coupon = cut(
+    coupon = mesh_coupon(
         table, lambda x, y: (np.abs(x) < half[0] + slack) & (np.abs(y) < half[1] + slack), max(half),
         angle=turn[direction], elements_per_crossover=elements_per_crossover,
         offset=_about(many if direction == "warp" else many[::-1], elements_per_crossover),
@@ -205,7 +205,7 @@ def biaxial(
     def woven(x, y):
         return np.abs(y) < half[1], np.abs(x) < half[0]
 
-    coupon = cut(
+    coupon = mesh_coupon(
         table, outline, max(full), woven=woven if cross_yarns_removed else None,
         elements_per_crossover=elements_per_crossover, offset=_about((centre, centre), elements_per_crossover),
     )  # fmt: skip

@@ -22,7 +22,7 @@ import math
 import numpy as np
 
 from shellfabric.cell.crossover_kernels import yarn_alone
-from shellfabric.cloth.membrane_kernels import trellis_law
+from shellfabric.cloth.trellis_kernels import trellis_law
 from shellfabric.jit.compile import entry, kernel
 
 
@@ -83,11 +83,14 @@ def mean_crossing(L, across, e):
 
 
 @kernel()
-def edge_forces(first, L, L_other, cells, across, length, length_other, table, grid, yarn, pull, other, row, row_other):
+def edge_forces(first, L, L_other, cells, across, lengths, table, grid, yarn, pulls, rows):
     """Add one family's part of dE/dLambda to its own edges and to those that cross them, and its parts of the bound.
 
     first : whether this family is the first argument of the table; yarn = (w, S0, EA, toe). Returns the energy.
+    lengths, pulls, rows : of this family and of the other: length at rest of an edge [m]; (e,) dE/dLambda and parts of
+        the bound, added to
     """
+    (length, length_other), (pull, other), (row, row_other) = lengths, pulls, rows
     x0, rx, top1, y0, ry, top2 = grid
     energy = 0.0
     for e in range(L.size):
@@ -172,11 +175,16 @@ def trellis_forces(x, quads, dX, dY, V, G1, G2, gamma1, gamma2, f, bound):
 
 
 @entry()
-def forces(x, warp, weft, cells1, cells2, across1, across2, quads, dX, dY, table, grid, yarn1, yarn2, shear, work):
+def forces(x, edges, cells, across, quads, spacing, table, grid, yarns, shear, work):
     """Forces f (n, 2) [N] on the nodes at x (n, 2), bounds (n,) [N/m] on their rows, energy of yarns and trellis [J].
 
+    edges, cells, across, quads, spacing : see `coupon.model.Coupon`;  yarns : (w, S0, EA, toe) of warp and weft
+    table, grid : (cells, 16) [J] coefficients of the potential; where it begins, cells per stretch and last cell, of
+        both stretches
+    shear : V [m3], G1, G2 [Pa], gamma1, gamma2 [rad]
     work : (2, 5, edges) scratch: stretch, direction (2), pull and row of both families
     """
+    (warp, weft), (dX, dY) = edges, spacing
     f, bound = np.zeros_like(x), np.zeros(x.shape[0])
     n1, n2 = warp.shape[0], weft.shape[0]
     L1, tx1, ty1, pull1, row1 = work[0, 0, :n1], work[0, 1, :n1], work[0, 2, :n1], work[0, 3, :n1], work[0, 4, :n1]
@@ -184,8 +192,12 @@ def forces(x, warp, weft, cells1, cells2, across1, across2, quads, dX, dY, table
     work[:, 3:] = 0.0
     stretch_edges(x, warp, dX, L1, tx1, ty1)
     stretch_edges(x, weft, dY, L2, tx2, ty2)
-    stored = edge_forces(True, L1, L2, cells1, across1, dX, dY, table, grid, yarn1, pull1, pull2, row1, row2)
-    stored += edge_forces(False, L2, L1, cells2, across2, dY, dX, table, grid, yarn2, pull2, pull1, row2, row1)
+    stored = edge_forces(
+        True, L1, L2, cells[0], across[0], (dX, dY), table, grid, yarns[0], (pull1, pull2), (row1, row2)
+    )
+    stored += edge_forces(
+        False, L2, L1, cells[1], across[1], (dY, dX), table, grid, yarns[1], (pull2, pull1), (row2, row1)
+    )
     scatter_edge_forces(warp, dX, L1, tx1, ty1, pull1, row1, f, bound)
     scatter_edge_forces(weft, dY, L2, tx2, ty2, pull2, row2, f, bound)
     V, G1, G2, gamma1, gamma2 = shear

@@ -27,18 +27,18 @@ class Result:
     ----------
     coupon : Coupon
     grips : (n,) int, number of the grip that holds a node, from 1; 0 is free
-    states : of `dynamic_relaxation.pull`, one a load step
-    moved : (steps,) what was prescribed: elongation [m], shear angle [rad] or strain [-]
+    states : of `dynamic_relaxation.relax_path`, one a load step
+    prescribed : (steps,) elongation [m], shear angle [rad] or strain [-]
     outcome : "complete", "yarn at its strength" or "unstable"
-    floor : [N] norm of the reaction below which the coupon counts as unloaded
+    force_floor : [N] norm of the reaction below which the coupon counts as unloaded
     """
 
     coupon: Coupon
     grips: np.ndarray
     states: tuple[dynamic_relaxation.State, ...]
-    moved: np.ndarray
+    prescribed: np.ndarray
     outcome: str
-    floor: float
+    force_floor: float
 
     def force(self, grip, axis):
         """(steps,) [N] of a grip on the coupon, along axis 0 or 1."""
@@ -59,25 +59,25 @@ def run(coupon, grips, path, size, steps, hooks, *, tolerance=1e-4, max_iteratio
     path : path(load) -> (n, 2) [m] where the held nodes shall be at a share of the whole
     size : of what is prescribed, at the end of the path
     steps : of load, all alike
-    hooks, tolerance, max_iterations : see `dynamic_relaxation.pull`
+    hooks, tolerance, max_iterations : see `dynamic_relaxation.relax_path`
     progress : called as progress(state) after every step that the run goes on from
     done : states of an interrupted run to go on from
 
     Raises
     ------
-    UnstableError : as `dynamic_relaxation.pull`; its attribute `result` holds the run
+    UnstableError : as `dynamic_relaxation.relax_path`; its attribute `result` holds the run
     """
     held = grips > 0
     strength = max(yarn.strength for yarn in coupon.weave.yarns)
-    floor = FLOOR * strength * sqrt(held.sum())
+    force_floor = FLOOR * strength * sqrt(held.sum())
 
     def pack(states, outcome):
-        return Result(coupon, grips, states, size * np.array([state.load for state in states]), outcome, floor)
+        return Result(coupon, grips, states, size * np.array([state.load for state in states]), outcome, force_floor)
 
     try:
-        states, ended = dynamic_relaxation.pull(
-            coupon, coupon.points, held, path, np.arange(1, steps + 1) / steps, tolerance=tolerance, floor=floor,
-            max_iterations=max_iterations, hooks=hooks, progress=progress, done=done,
+        states, ended = dynamic_relaxation.relax_path(
+            coupon, coupon.points, held, path, np.arange(1, steps + 1) / steps, tolerance=tolerance,
+            force_floor=force_floor, max_iterations=max_iterations, hooks=hooks, progress=progress, done=done,
         )  # fmt: skip
     except UnstableError as problem:
         problem.result = pack(problem.states, "unstable")

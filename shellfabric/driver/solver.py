@@ -324,7 +324,7 @@ def speed_limit(const):
     differences cannot follow is a change of shape within a step: their bound takes the stiffness as constant over it,
     while one end of a segment that moves by the segment's length has turned it over. As the step is a share of the time
     that a wave takes over an element, such a node is faster than sound in the cloth. Below the bound the energy error
-    tells whether a run is good, and ends it if not.
+    decides whether a run is good, and ends it if not.
 
     Parameters
     ----------

@@ -306,7 +306,7 @@ def _fire(panel, velocity, give_up):
         time=march.time,
         failed=int(march.sample("failed_yarns")[-1]),
         peak_tension=(float(march.state.peak_tension[0]), float(march.state.peak_tension[1])),
-        balance=float(abs(march.sample("balance")).max()) / march.strike_energy,
+        balance=float(abs(march.sample("error")).max()) / march.strike_energy,
         wall_time=march.wall_time,
         checks=quality.of_solver(march),
     )

@@ -55,8 +55,8 @@ class PackResult(single_ply.Outcome):
     Parameters
     ----------
     setup, pack : what was run
-    outcome, residual_velocity, velocity, t, v, z, fine, bar, backing, nose, steps, wall_time, ns_per_element_step,
-        max_deflection, checks : as ImpactResult
+    outcome, residual_velocity, velocity, t, v, nose_position, step_history, bar, backing, projectile_position, steps,
+        wall_time, ns_per_element_step, max_deflection, checks : as ImpactResult
     energies : {name: (n,)} [J] with the names of plies.solver.PACK_ENERGIES
     plies : {name: (n, plies)} with the names of panel.solver.PLY_SAMPLES
     peak_tension : (plies, 2) [N] over the run, of each ply's own warp and weft
@@ -73,16 +73,16 @@ class PackResult(single_ply.Outcome):
     velocity: np.ndarray
     t: np.ndarray
     v: np.ndarray
-    z: np.ndarray
+    nose_position: np.ndarray
     energies: dict
     plies: dict
     peak_tension: np.ndarray
     deepest: np.ndarray
     held_apart: np.ndarray
-    fine: np.ndarray
+    step_history: np.ndarray
     bar: dynamics.BarHistory | None
     backing: BackingResult | None
-    nose: np.ndarray
+    projectile_position: np.ndarray
     last: tuple
     snapshots: tuple
     histories: tuple
@@ -93,11 +93,11 @@ class PackResult(single_ply.Outcome):
     checks: tuple
 
     @property
-    def struck(self):
+    def first_ply_setup(self):
         return self.setup.ply
 
     @property
-    def failed(self):
+    def failed_segments(self):
         """(n,) failed yarn segments of all plies."""
         return self.plies["failed_yarns"].sum(axis=1)
 
@@ -108,7 +108,13 @@ def shots(solver):
     for ply, state, z in zip(solver.pack.plies, solver.states, solver.pack.places):
         shot = output_snapshots.snapshot(ply, state, solver.time)
         shot.nodes[..., 2] += z
-        found.append(replace(shot, z=shot.z + z, nose=solver.stack.projectile_position[0].copy()))
+        found.append(
+            replace(
+                shot,
+                nose_position=shot.nose_position + z,
+                projectile_position=solver.stack.projectile_position[0].copy(),
+            )
+        )
     return tuple(found)
 
 
@@ -133,8 +139,8 @@ def collect_result(setup: PackSetup, solver: PackSolver) -> PackResult:
         peak_tension=solver.peaks,
         deepest=solver.deepest,
         held_apart=solver.held_apart,
-        nose=solver.stack.projectile_position[0].copy(),
+        projectile_position=solver.stack.projectile_position[0].copy(),
         last=shots(solver),
-        histories=histories.unpack(solver.histories, plies, setup.ply.measure) if solver.histories else (),
+        histories=histories.unpack(solver.histories, plies, setup.ply.history) if solver.histories else (),
         **single_ply.projectile_result(solver, solver.pack.elements),
     )

@@ -60,7 +60,7 @@ class ImpactSetup:
     audit_interval, snapshot_interval : [s]; no snapshots where None
     failure : whether yarns fail. Where they do not, the table goes to UNFAILING times their failure strain
     backing : Backing, the block behind the cloth, or None
-    measure : histories.Measure, what to record along yarns and at the edges; None for nothing
+    history : histories.HistoryRequest, what to record along yarns and at the edges; None for nothing
     numerics : Numerics
     """
 
@@ -86,7 +86,7 @@ class ImpactSetup:
     snapshot_interval: float | None = None
     failure: bool = True
     backing: Backing | None = None
-    measure: histories.Measure | None = None
+    history: histories.HistoryRequest | None = None
     numerics: Numerics = field(default_factory=Numerics)
     grading: tuple | None = None
 
@@ -100,7 +100,7 @@ class ImpactSetup:
     @property
     def sample_interval(self):
         """[s] between samples, which are as frequent as what is recorded."""
-        return min(self.audit_interval, self.measure.interval) if self.measure else self.audit_interval
+        return min(self.audit_interval, self.history.interval) if self.history else self.audit_interval
 
     def table(self) -> CellTable:
         """The cell's table, filled. Set-ups that differ in panel, shot or mesh alone can share it.
@@ -144,23 +144,23 @@ class ImpactSetup:
 class Outcome:
     """What follows from an impact's set-up and energies, on one ply or a pack of plies like it.
 
-    `energies` are those of the result, `struck` is the ImpactSetup of the ply that is struck.
+    `energies` are those of the result, `first_ply_setup` is the ImpactSetup of the first ply.
     """
 
     @property
     def strike_energy(self):
         """[J]"""
-        return self.struck.projectile.energy(self.struck.strike_velocity)
+        return self.first_ply_setup.projectile.energy(self.first_ply_setup.strike_velocity)
 
     @property
-    def worst_balance(self):
+    def energy_error_max(self):
         """[-] largest error of the energy balance over the strike energy."""
-        return float(np.max(np.abs(self.energies["balance"]))) / self.strike_energy
+        return float(np.max(np.abs(self.energies["error"]))) / self.strike_energy
 
     @property
     def mirrored(self):
         """(x, y) whether the modelled part continues mirrored beyond x = 0 and y = 0."""
-        return SYMMETRIES[self.struck.symmetry]
+        return SYMMETRIES[self.first_ply_setup.symmetry]
 
 
 @dataclass(frozen=True)
@@ -174,18 +174,18 @@ class ImpactResult(Outcome):
         longer moves along the panel's normal, though it may slide on
     residual_velocity : [m/s] of the projectile at the end, along the normal
     velocity : (3,) [m/s] of the projectile at the end, along warp, weft and normal
-    t, v, z : (n,) [s, m/s, m] of the samples; the projectile's velocity along the normal and its foremost point
-    energies : {name: (n,)} [J] with the names of panel.solver.ENERGIES; balance is the sum less the energy at the start
+    t, v, nose_position : (n,) [s, m/s, m] of the samples; velocity along the normal, foremost point of the projectile
+    energies : {name: (n,)} [J] with the names of panel.solver.ENERGIES; error is the sum less the energy at the start
     reactions : {"warp", "weft": (n,)} [N] tension at the clamped end of the yarn nearest the impact point
-    failed : (n,) number of failed yarn segments
+    failed_segments : (n,) number of failed yarn segments
     peak_tension : (warp, weft) [N] over the run
-    fine : (steps, 4) time [s], foremost point [m], velocity [m/s] at half steps, force on the projectile [N]
+    step_history : (steps, 4) time [s], foremost point [m], velocity [m/s] at half steps, force on the projectile [N]
     bar : dynamics.BarHistory of tip, tail and centre of mass; None of a rigid projectile
     backing : backing.coupling.BackingResult, the block behind the cloth at the end, or None
-    nose : (3,) [m] place of the projectile's nose at the end
+    projectile_position : (3,) [m] position of its nose at the end
     nodes, quads : (k, 3) [m], (m, 4) the panel (or its modelled part) at the end
     tension : (m, 2) [N] of warp and weft at the end
-    broken : (m, 3) bool at the end: warp failed, weft failed, element eroded
+    failed : (m, 3) bool at the end: warp failed, weft failed, element eroded
     snapshots : tuple of snapshots.Snapshot
     histories : histories.Histories, or None where nothing was to be recorded
     steps, wall_time, ns_per_element_step : cost of the run, [s] and [ns]
@@ -200,19 +200,19 @@ class ImpactResult(Outcome):
     velocity: np.ndarray
     t: np.ndarray
     v: np.ndarray
-    z: np.ndarray
+    nose_position: np.ndarray
     energies: dict
     reactions: dict
-    failed: np.ndarray
+    failed_segments: np.ndarray
     peak_tension: tuple[float, float]
-    fine: np.ndarray
+    step_history: np.ndarray
     bar: dynamics.BarHistory | None
     backing: BackingResult | None
-    nose: np.ndarray
+    projectile_position: np.ndarray
     nodes: np.ndarray
     quads: np.ndarray
     tension: np.ndarray
-    broken: np.ndarray
+    failed: np.ndarray
     snapshots: tuple
     histories: histories.Histories | None
     steps: int
@@ -222,7 +222,7 @@ class ImpactResult(Outcome):
     checks: tuple
 
     @property
-    def struck(self):
+    def first_ply_setup(self):
         return self.setup
 
     @property
@@ -234,7 +234,7 @@ class ImpactResult(Outcome):
             bar = shot.bar or (shot.steel_bar() if shot.shape == "flat" else None)
             if bar is None:
                 return None
-            t, force = self.fine[:, 0], self.fine[:, 3]
+            t, force = self.step_history[:, 0], self.step_history[:, 3]
             held = held_force(t, force, 0.5 * bar.period)
             return rigid_is_enough(contact_time(t, force, bar.period), bar.period, held, bar.yield_force)
         except InputError:
@@ -266,9 +266,9 @@ def run(setup: ImpactSetup, *, hooks=(), resume=None, table=None) -> ImpactResul
 
 def recorder(solver, setup: ImpactSetup):
     """The hook that records along yarns and at edges, in a tuple; none where nothing is to be recorded."""
-    solver.measure = setup.measure
+    solver.history_request = setup.history
     plies = [panel for panel, _, _ in solver.parts]
-    return (histories.Recorder(plies, setup.measure),) if setup.measure else ()
+    return (histories.Recorder(plies, setup.history),) if setup.history else ()
 
 
 def snapshot_hooks(setup: ImpactSetup, take=None):
@@ -288,14 +288,14 @@ def collect_result(setup: ImpactSetup, solver: PanelSolver) -> ImpactResult:
         panel=solver.panel,
         energies={name: solver.sample(name) for name in ENERGIES},
         reactions={"warp": solver.sample("reaction_warp"), "weft": solver.sample("reaction_weft")},
-        failed=solver.sample("failed_yarns"),
+        failed_segments=solver.sample("failed_yarns"),
         peak_tension=(float(solver.state.peak_tension[0]), float(solver.state.peak_tension[1])),
-        nose=last.nose,
+        projectile_position=last.projectile_position,
         nodes=last.nodes.reshape(-1, 3),
         quads=output_snapshots.quads(solver.panel),
         tension=last.tension.reshape(-1, 2),
-        broken=last.broken.reshape(-1, 3),
-        histories=histories.unpack(solver.histories, (solver.panel,), setup.measure)[0] if solver.histories else None,
+        failed=last.failed.reshape(-1, 3),
+        histories=histories.unpack(solver.histories, (solver.panel,), setup.history)[0] if solver.histories else None,
         **projectile_result(solver, solver.panel.elements),
     )
 
@@ -310,10 +310,10 @@ def projectile_result(solver, elements):
         "velocity": dynamics.velocity(solver.state, solver.const),
         "t": solver.sample("t"),
         "v": solver.sample("v"),
-        "z": solver.sample("z"),
-        "fine": np.column_stack([clock, fine[:, :2], fine[:, 2] / solver.panel.share]),
+        "nose_position": solver.sample("z"),
+        "step_history": np.column_stack([clock, fine[:, :2], fine[:, 2] / solver.panel.share]),
         "bar": None if bar is None else dynamics.history(clock, fine, solver.state, bar),
-        "backing": solver.behind.result() if solver.behind else None,
+        "backing": solver.backing.result() if solver.backing else None,
         "snapshots": tuple(solver.snapshots),
         "max_deflection": solver.monitor.deflection,
         "checks": quality.of_solver(solver),

@@ -27,7 +27,7 @@ PULL, LIFT = 0, 1
 
 
 @dataclass(frozen=True)
-class Measure:
+class HistoryRequest:
     """What to record.
 
     Parameters
@@ -125,14 +125,14 @@ class Recorder(Every):
     Parameters
     ----------
     plies : Panels of the run, the one that is struck first
-    measure : Measure
+    measure : HistoryRequest
 
     Raises
     ------
     InputError : a yarn that is not on the panel, a ply that is not in the pack
     """
 
-    def __init__(self, plies, measure: Measure):
+    def __init__(self, plies, measure: HistoryRequest):
         super().__init__(measure.interval)
         self.chosen = measure.chosen(len(plies))
         self.what = [(rows(plies[p], measure), edge_nodes(plies[p])) for p in self.chosen]

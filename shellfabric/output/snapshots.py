@@ -14,19 +14,19 @@ class Snapshot:
     Parameters
     ----------
     t : [s]
-    z : [m] foremost point of the projectile
-    nose : (3,) [m] place of its nose
+    nose_position : [m] foremost point of the projectile
+    projectile_position : (3,) [m] position of its nose
     nodes : (ni+1, nj+1, 3) [m]
     tension : (ni, nj, 2) [N] of warp and weft
-    broken : (ni, nj, 3) bool: a warp or a weft at its side failed, element eroded
+    failed : (ni, nj, 3) bool: a warp or a weft at its side failed, element eroded
     """
 
     t: float
-    z: float
-    nose: np.ndarray
+    nose_position: float
+    projectile_position: np.ndarray
     nodes: np.ndarray
     tension: np.ndarray
-    broken: np.ndarray
+    failed: np.ndarray
 
 
 def snapshot(panel, state, t) -> Snapshot:

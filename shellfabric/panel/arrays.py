@@ -9,7 +9,7 @@ from shellfabric.cloth import boundary_kernels
 from shellfabric.jit import barrier
 from shellfabric.jit.aligned import aligned_zeros
 from shellfabric.panel import boundary, grading, step_kernels
-from shellfabric.projectile import contact, contact_kernels, dynamics
+from shellfabric.projectile import contact, dynamics, window_kernels
 
 PRECISIONS = {"double": np.float64, "single": np.float32}
 _PIECE = 256  # slots that loops of two halves go over at a time (see `membrane_kernels`): a whole number of eights
@@ -139,7 +139,7 @@ def state(panel, strike_velocity) -> State:
         **dynamics.state(panel.projectile, strike_velocity),
     )  # fmt: skip
     if const.window_follows:
-        contact_kernels.move_window(state, const)
+        window_kernels.move_window(state, const)
         state.active_rows[:] = max(state.contact_window[0] - 2, 0), min(state.contact_window[1] + 2, ni)
     if np.any(const.slip_data[:, 0]):
         state.active_rows[:] = 0, ni  # led edges move before any wave comes to them

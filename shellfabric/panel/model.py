@@ -24,75 +24,10 @@ from shellfabric.cell import packed_table
 from shellfabric.cell.model import CellTable
 from shellfabric.panel import arrays, boundary, grading
 from shellfabric.panel import time_step as panel_time_step
+from shellfabric.panel.numerics import Numerics
 from shellfabric.projectile.projectile import Projectile
 
 SYMMETRIES = {"quarter": (True, True), "half": (True, False), "whole": (False, False)}
-
-
-@dataclass(frozen=True)
-class Numerics:
-    """Numerical knobs, set by stability and convergence; none is fitted to an outcome.
-
-    The figures below are of S-720, at 92.5 m/s after 250 us: peak tension 135 N in the warp and 154 N in the weft.
-
-    Parameters
-    ----------
-    safety : of the time step against its bound; 0.9 leaves room for shear stiffening in distorted elements. Where yarns
-        snap taut a step loses energy, with its square, whatever the mesh, since a snap is a few elements wide: for
-        S-731 at 116 m/s 0.17 % of the strike energy, at 0.45 0.04. It is booked as "cell" (see `panel.solver`). Giving
-        it back to the front (a viscosity that is less by dK dL / 12) was tried: the peak of the first front along S-745
-        at 215 m/s, 658 N at 0.9 and 648 at 0.1, is 693 then
-    stretch_viscosity : damping ratio of the highest mode along a straight yarn, which costs as much of the time step.
-        Without it crimped yarns that snap taut ring, and the peak is 190 and 380 N; from 0.05 to 0.2 it moves by 1 %.
-        In a yarn that stiffens as its crimp goes, fronts are shocks, which dissipate whatever the viscosity: from 0.1
-        to 0.02 the loss of S-731 at 110 m/s falls from 13.3 to 11.2 % of the strike energy, and with half the element
-        from 13.3 to 12.9
-    penalty : stiffness of the contact where it covers an element, in units of nodal mass / dt^2, with the dt that
-        `safety` would make of the bound (see `time_step`). From 0.3 to 1 the peak moves by 2 %, and the critical
-        velocity, which feels how deep the rim of the nose presses itself in, by 3 to 6 %, from 0.6 to 1 by 1 to 2 %; at
-        1 and above yarns bounce off the nose. The bound is 1.5 at the damping below
-    contact_damping : ratio to critical of that mass on that spring; from 0.25 to 0.7 the peak stays
-    contact_points : along each side of a crossover, and at least 2 along that of an element (see `contact_kernels`).
-        None takes 8, and more under a sharp nose: as many as put them panel_arrays.SPACING nose radii apart, at most
-        panel_arrays.MOST_POINTS along an element. Points further apart miss the edge: it acts as a rounder or a sharper
-        one, as it lies among them
-    failure_time : [s] over which a yarn's tension is low-passed before it is held against its strength; 0: not at all
-    widest : stretch of the gap left by failed yarns at which its element loses contact: two neighbours' worth
-    clear_time : [s] without a push and with nothing ahead, after which the panel counts as perforated
-    block : elements worked on together, six rows at least: more share the cost of a block and of the rows about it,
-        fewer keep its scratch in cache
-    precision : "double" or "single", in which forces are kept from step to step, and the constants of nodes and edges;
-        all is computed in double precision, and places, velocities and stretches are kept in it
-    threads : that march; None takes all that the process may use where it pays (`barrier`). No result depends on it
-    """
-
-    safety: float = 0.9
-    stretch_viscosity: float = 0.1
-    penalty: float = 0.6
-    contact_damping: float = 0.5
-    contact_points: int | None = None
-    failure_time: float = 0.0
-    widest: float = 3.0
-    clear_time: float = 2e-6
-    block: int = 2000
-    precision: str = "double"
-    threads: int | None = None
-
-    def __post_init__(self):
-        for key in ("safety", "penalty", "widest", "clear_time", "block"):
-            if not getattr(self, key) > 0:
-                raise InputError(key=key, value=getattr(self, key), allowed="above 0")
-        if self.contact_points is not None and self.contact_points < 1:
-            raise InputError(key="contact_points", value=self.contact_points, allowed="at least 1")
-        for key in ("stretch_viscosity", "contact_damping", "failure_time"):
-            if not getattr(self, key) >= 0:
-                raise InputError(key=key, value=getattr(self, key), allowed="at least 0")
-        if self.precision not in arrays.PRECISIONS:
-            raise InputError(key="precision", value=self.precision, allowed=" or ".join(arrays.PRECISIONS))
-        if self.threads is not None and self.threads < 1:
-            raise InputError(key="threads", value=self.threads, allowed="at least 1")
-        if self.safety > 1:
-            raise InputError(key="safety", value=self.safety, allowed="at most 1")
 
 
 @dataclass(frozen=True)
@@ -295,9 +230,9 @@ class Panel:
 
     @property
     def step_of_bound(self):
-        """[s] share `safety` of the bound; what the contact is as stiff as, whatever is taken of it."""
+        """[s] the stability bound times `cfl`; what the contact is as stiff as, whatever is taken of it."""
         xi = self.numerics.stretch_viscosity
-        return self.numerics.safety * self.critical_step * ((1 + xi**2) ** 0.5 - xi)
+        return self.numerics.cfl * self.critical_step * ((1 + xi**2) ** 0.5 - xi)
 
     @cached_property
     def _pace(self):

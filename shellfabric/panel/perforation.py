@@ -13,7 +13,7 @@ from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 
 from shellfabric.cloth.membrane_kernels import ERODED
-from shellfabric.projectile.contact_kernels import cloth_ahead_of_nose
+from shellfabric.projectile.window_kernels import cloth_ahead_of_nose
 
 
 def held(state, const):

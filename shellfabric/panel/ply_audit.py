@@ -2,8 +2,9 @@
 
 A panel is one ply, a pack several; both are audited here. The energy that the yarns store follows from their stretches.
 In the equilibrium form, whose forces are no gradient, the work done on the yarns differs from it: the difference is the
-energy "cell". In the variational form "cell" is what a step loses where yarns stiffen (`membrane_kernels.yarn_forces`),
-which is computed from the slopes of their forces: a force that is wrong stays in the energy error.
+energy "formulation_residual". In the variational form it is what a step loses where yarns stiffen
+(`membrane_kernels.yarn_forces`), which is computed from the slopes of their forces: a force that is wrong stays in the
+energy error.
 """
 
 from __future__ import annotations
@@ -11,12 +12,13 @@ from __future__ import annotations
 import numpy as np
 
 from shellfabric.cloth import boundary_kernels
+from shellfabric.panel import element_kernels
 from shellfabric.panel import step_kernels as kernels
 from shellfabric.projectile import contact_kernels
 
 ENERGIES = (
-    "kinetic_fabric", "stored", "cell", "shear", "bending", "jam", "viscous", "contact", "friction", "failed", "grip",
-    "external",
+    "kinetic_fabric", "yarn_strain", "formulation_residual", "shear", "bending", "jamming", "viscous", "contact",
+    "friction", "failure_dissipation", "clamp_friction", "boundary_work",
 )  # fmt: skip
 
 
@@ -36,7 +38,7 @@ def energies(const, state, rest):
         [
             out[kernels.KINETIC] + state.slip_energy[boundary_kernels.KINETIC],
             out[kernels.STORED],
-            sums[kernels.QUADRATURE] if const.variational else cell,
+            sums[element_kernels.QUADRATURE] if const.variational else cell,
             out[kernels.SHEAR],
             out[kernels.BENDING],
             out[kernels.JAMMING],

@@ -153,14 +153,14 @@ def of_solver(solver):
     absorbed = max(strike - float(energies["kinetic_projectile"][-1]), 1e-3 * strike)
     depth = max(float(state.contact_energy[MAX_PENETRATION]) for _, _, state in solver.parts)
     nose = shot.nose_radius
-    bound = panel.time_step / panel.numerics.safety
-    given = max(float(np.max(-energies[name])) for name in ("contact", "plies") if name in energies)
+    bound = panel.time_step / panel.numerics.cfl
+    given = max(float(np.max(-energies[name])) for name in ("contact", "ply_contact") if name in energies)
     found = [
         _make("time step", solver.const.dt / bound),
-        _make("energy error", float(np.max(np.abs(energies["balance"]))) / strike),
+        _make("energy error", float(np.max(np.abs(energies["error"]))) / strike),
         _make("energy gained in contact", max(given, 0.0) / strike),
         _make("viscous energy", float(energies["viscous"][-1]) / absorbed),
-        _make("formulation energy", float(np.max(np.abs(energies["cell"]))) / absorbed),
+        _make("formulation energy", float(np.max(np.abs(energies["formulation_residual"]))) / absorbed),
         _make("tension oscillation", solver.monitor.oscillation),
         _make("nose penetration", depth / nose),
         _make("contact point spacing", _spacing(solver.const) / nose),
@@ -247,8 +247,8 @@ def of_patch(solver):
     strike = solver.strike_energy
     solids, held = (float(solver.sample(name)[-1]) for name in ("solids", "hourglass"))
     return (
-        _make("time step", solver.patch.numerics.safety),
-        _make("energy error", float(np.max(np.abs(solver.sample("balance")))) / strike),
+        _make("time step", solver.patch.numerics.cfl),
+        _make("energy error", float(np.max(np.abs(solver.sample("error")))) / strike),
         _make("hourglass energy", held / solids if solids > 0 else 0.0),
         _make("hourglass amplitude", hourglass_amplitude(solver.patch.mesh, solver.state.x)),
     )

@@ -19,7 +19,7 @@ from shellfabric.panel.perforation import passed
 from shellfabric.projectile import dynamics
 
 _OF_PROJECTILE = ("kinetic_projectile", "elastic_projectile", "plastic_projectile")
-ENERGIES = (ply_audit.ENERGIES[0], *_OF_PROJECTILE, *ply_audit.ENERGIES[1:], *coupling.NAMES, "balance")
+ENERGIES = (ply_audit.ENERGIES[0], *_OF_PROJECTILE, *ply_audit.ENERGIES[1:], *coupling.NAMES, "error")
 OBSERVED = ("t", "v", "z", "failed_yarns", "reaction_warp", "reaction_weft")
 SAMPLES = (*OBSERVED, *ENERGIES)
 PLY_SAMPLES = ("failed_yarns", "reaction_warp", "reaction_weft", "push", "deflection", "energy")
@@ -34,7 +34,7 @@ class ClothSolver(ExplicitSolver):
     ----------
     parts : ((Panel, Constants, State), ...) of the plies, in the order in which the projectile meets them
     panel, const, state : of the first ply
-    behind : backing.coupling.Behind, the block behind the last ply, or None
+    backing : backing.coupling.BackingCoupling, the block behind the last ply, or None
     ply_samples : list of (plies, 6), one a sample, in the order of PLY_SAMPLES: of the whole ply; `push` is the force
         of the nose on it, `deflection` that at the impact point, `energy` what it moves with, stores and has lost
     step_history : `dynamics.columns` of the projectile: z [m], velocity [m/s] and force [N] (of the modelled part), and
@@ -54,12 +54,12 @@ class ClothSolver(ExplicitSolver):
         self.share = self.panel.share
         self.threads = min(barrier.threads_for(self.panel.numerics.threads, elements), most_threads)
         self.history_columns = len(dynamics.columns(self.panel.projectile))
-        self.ply_samples, self.measure, self.histories = [], None, []
-        self.behind, self.perforated_samples = None, 0
+        self.ply_samples, self.history_request, self.histories = [], None, []
+        self.backing, self.perforated_samples = None, 0
         if self.panel.backing is not None:
             last, const, state = self.parts[-1]
-            self.behind = coupling.Behind(self.panel.backing, last, const)
-            self.behind.follow(state)
+            self.backing = coupling.BackingCoupling(self.panel.backing, last, const)
+            self.backing.step(state)
         self._ends = [boundary.ends(panel) for panel, _, _ in self.parts]
         self._rest = [ply_audit.stored_energy(const, state) for _, const, state in self.parts]
         self.monitor = quality.Monitor(self)
@@ -73,7 +73,7 @@ class ClothSolver(ExplicitSolver):
     @property
     def workers(self):
         """Number of threads besides the main one; a block is in step with one thread alone."""
-        return self.threads - 1 if self.behind is None else 0
+        return self.threads - 1 if self.backing is None else 0
 
     def run_steps(self, history, shared, count, allowed):
         """The kernel's steps, with `count` - 1 workers: (steps made, why no more)."""
@@ -104,7 +104,7 @@ class ClothSolver(ExplicitSolver):
 
     def advance(self, history):
         """See ExplicitSolver. Before a block, one step at a time, each followed by the block's."""
-        if self.behind is None:
+        if self.backing is None:
             return self.run_steps(history, self._shared, self.threads, self.allowed_exchange)
         made, reason = 0, RUNNING
         while made < len(history) and reason == RUNNING:
@@ -112,7 +112,7 @@ class ClothSolver(ExplicitSolver):
             _, reason = self.run_steps(history[made : made + 1], self._shared, 1, allowed)
             made += 1
             if self.block_moves():
-                self.behind.follow(self.parts[-1][2])
+                self.backing.step(self.parts[-1][2])
         return made, reason
 
     def observe(self):
@@ -125,7 +125,7 @@ class ClothSolver(ExplicitSolver):
         force = pushes.sum(axis=0) + self.parts[-1][2].f_block_nose
         *projectile, speed = dynamics.audit(self.state, self.const, force)
         total = plies.sum(axis=0)
-        block = self.behind.energies() if self.behind else np.zeros(len(coupling.NAMES))
+        block = self.backing.energies() if self.backing else np.zeros(len(coupling.NAMES))
         own = self._observe_plies(plies.sum(axis=1), pushes[:, 2])
         self.ply_samples.append(own)
         z = self.state.projectile_position[2] + self.const.foremost_offset
@@ -165,7 +165,7 @@ class ClothSolver(ExplicitSolver):
         """Sample the quality indicators, and end a run in which cut-out cloth is all that is left ahead of the nose."""
         self.monitor.sampled()
         failed = any(state.counter[kernels.FAILURES] for _, _, state in self.parts)
-        if self.reason != RUNNING or not failed or self.behind is not None:
+        if self.reason != RUNNING or not failed or self.backing is not None:
             return
         through = all(passed(state, const) for _, const, state in self.parts)
         self.perforated_samples = self.perforated_samples + 1 if through else 0
@@ -174,7 +174,7 @@ class ClothSolver(ExplicitSolver):
 
     def checkpoint_identity(self):
         """See ExplicitSolver."""
-        known = self.strike_velocity, self.steps_per_sample, self.measure
+        known = self.strike_velocity, self.steps_per_sample, self.history_request
         known += self.panel.numerics.precision, self.panel.backing
         for _, const, state in self.parts:
             known += const._asdict(), state.mass, state.inverse_mass
@@ -191,12 +191,12 @@ class ClothSolver(ExplicitSolver):
 
     def checkpoint_extra(self):
         """See ExplicitSolver."""
-        return self.behind.block.arrays() if self.behind else {}
+        return self.backing.block.arrays() if self.backing else {}
 
     def restore_extra(self, arrays):
         """See ExplicitSolver."""
-        if self.behind:
-            self.behind.block.restore(arrays)
+        if self.backing:
+            self.backing.block.restore(arrays)
 
 
 class PanelSolver(ClothSolver):

@@ -4,9 +4,7 @@ Velocities stand at half steps, everything else at whole ones:
 
     v(n+1/2) = v(n-1/2) + dt f(n) / m,    u(n+1) = u(n) + dt v(n+1/2),    f(n+1) from u(n+1), v(n+1/2)
 
-Only rows that motion can have reached are worked on, which is exact: an element whose nodes are all at rest has no
-force on them. Velocities below 1e-60 m/s are set to zero, without which the
-front of the wave would be preceded by denormal numbers.
+The nodes are moved by `motion_kernels`, the internal forces of the elements are those of `element_kernels`.
 
 The kernels that hand the state on allocate nothing and are compiled without numba's reference counts (_nrt=False): a
 pair of them for each array of the state would cost as much as a hundred elements in every block.
@@ -14,299 +12,25 @@ pair of them for each array of the state would cost as much as a hundred element
 
 import numpy as np
 
-from shellfabric.cloth import (
-    bending_kernels,
-    boundary_kernels,
-    energy_kernels,
-    failure_kernels,
-    jamming_kernels,
-    membrane_kernels,
-)
+from shellfabric.cloth import bending_kernels, boundary_kernels, energy_kernels, failure_kernels, jamming_kernels
 from shellfabric.jit.barrier import STOP, barrier_wait
 from shellfabric.jit.compile import entry, kernel
-from shellfabric.jit.simd import WIDTH, fabs, fma, greater, load, masked_store, where
-from shellfabric.projectile import bar_kernels, contact_kernels
+from shellfabric.panel.element_kernels import (
+    DAMAGED,
+    LOST_TRELLIS,
+    LOST_YARN,
+    REDO,
+    VISCOUS,
+    WORK,
+    element_forces,
+    refresh_tensions,
+)
+from shellfabric.panel.motion_kernels import grow_active_rows, move_rows, thread_range
+from shellfabric.projectile import bar_kernels, contact_kernels, window_kernels
 
 RUNNING, STOPPED, PERFORATED, NOT_FINITE, CHECK = 0, 1, 2, 3, 4  # CHECK: energy is to be audited before the next step
-# of state.energy_sums; what is lost with failed yarns, and with trellis and turns; what yarns do not store of the work
-WORK, VISCOUS, LOST_YARN, LOST_TRELLIS, QUADRATURE = 0, 1, 2, 3, 4
 KINETIC, STORED, SHEAR, BENDING, JAMMING = 0, 1, 2, 3, 4  # of `energies`
-INTACT, DAMAGED, REDO = 0, 1, 2  # of state.block_damage: a block without failures, with some, with some of this step
 STEP, IDLE, FAILURES = 0, 1, 2
-_MIN_VELOCITY = 1e-60
-
-
-@kernel()
-def move_nodes(k0, n, dt, dt_over_mass, f_int, f_int_above, both, v, u):
-    """Central-difference update of the nodes k0 .. k0 + n: forces f_int [N], or `both` f_int + f_int_above."""
-    for j in range(0, n, WIDTH):
-        k, left = k0 + j, n - j
-        impulse = load(dt_over_mass, k)
-        for c in range(3):
-            force = load(f_int[c], k)
-            if both:
-                force = force + load(f_int_above[c], k)
-            speed = fma(impulse, force, load(v[c], k))
-            speed = where(greater(fabs(speed), _MIN_VELOCITY), speed, 0.0)
-            masked_store(v[c], k, speed, left)
-            masked_store(u[c], k, fma(speed, dt, load(u[c], k)), left)
-
-
-@kernel(_nrt=False, forceinline=True)
-def apply_symmetry(state, const, first, last):
-    """Zero the force across planes of symmetry, on the node rows first .. last - 1."""
-    if const.mirror_x and first == 0:
-        for k in range(const.row_stride):
-            state.f_int[0][k] = state.f_int_above[0][k] = 0.0
-    if const.mirror_y:
-        for i in range(first, last):
-            k = np.uint64(i * const.row_stride)
-            state.f_int[1][k] = state.f_int_above[1][k] = 0.0
-
-
-@kernel(_nrt=False)
-def row_has_moved(state, const, i):
-    """Whether a node of row i has a displacement."""
-    for k in range(np.uint64(i * const.row_stride), np.uint64((i + 1) * const.row_stride)):
-        if state.u[0][k] != 0.0 or state.u[1][k] != 0.0 or state.u[2][k] != 0.0:
-            return True
-    return False
-
-
-@kernel(_nrt=False, forceinline=True)
-def grow_active_rows(state, const):
-    """Grow the window of active element rows, state.active_rows, ahead of the motion.
-
-    The forces of a node reach two rows further than the nodes that have moved: over the segments that cross, and in the
-    variational form over those that cross these. So in a step motion goes ahead by two rows at most, and its forces by
-    two more, and there is a window in time if its outer four rows are kept at rest.
-    """
-    for _ in range(2):
-        first, last = state.active_rows[0], state.active_rows[1]
-        stirred = False
-        for i in range(first, min(first + 4, const.ni + 1)):
-            stirred = stirred or row_has_moved(state, const, i)
-        if first > 0 and stirred:
-            state.active_rows[0] -= 1
-        stirred = False
-        for i in range(max(last - 3, 0), last + 1):
-            stirred = stirred or row_has_moved(state, const, i)
-        if last < const.ni and stirred:
-            state.active_rows[1] += 1
-
-
-@kernel(_nrt=False)
-def element_forces(state, const, block, first, last, work):
-    """Internal forces of the element rows first .. last - 1 of one block, from the present displacements."""
-    s, thin = const.row_stride, state.block_damage[block] != INTACT
-    k0, n = first * s, (last - first) * s
-    n2 = n + s if last == const.ni else n  # weft edges: those on the far side of the panel have no row of their own
-    edge_stretches(state, const, first, last, thin, work)
-    trellis_forces(state, const, first, last, thin, work)
-    N1, N2 = work.T1, work.T2
-    if const.variational:
-        N1, N2 = work.N1, work.N2
-        slack = potential_gradient(state, const, block, first, last, thin, work)
-    if not (const.variational and slack):
-        interpolate_tensions(state, const, block, first, last, thin, work)
-    yarn_forces(state, const, block, k0, n, n2, N1, N2, work)
-    scatter_forces(state, const, block, first, last, work)
-
-
-@kernel(_nrt=False, forceinline=True)
-def scatter_forces(state, const, block, first, last, work):
-    """Scatter the element forces of a block to its nodes, and to the first row of nodes of the next block.
-
-    A row of nodes in whose middle of a block the window begins or ends is at rest: it keeps the forces that it has.
-    """
-    s, k0, m0, n, w = (
-        const.row_stride, first * const.row_stride, 2 * const.row_stride, (last - first) * const.row_stride, work,
-    )  # fmt: skip
-    f_int, kept, within = state.f_int, work.inv_stretch1, first > block * const.rows_per_block
-    if within:
-        for c in range(3):
-            for j in range(s):
-                kept[c * s + j] = f_int[c][k0 + j]
-    membrane_kernels.scatter_forces(
-        k0, m0, n, s, const.inv_dx, const.inv_dy, w.A, w.B, w.f_over_stretch1, w.f_over_stretch2, w.trellis_f12,
-        w.f_next_row, f_int,
-    )  # fmt: skip
-    if within:
-        for c in range(3):
-            for j in range(s):
-                f_int[c][k0 + j] = kept[c * s + j]
-    if last == const.ni:
-        membrane_kernels.scatter_forces_last_row(k0 + n, m0 + n, s, w.f_over_stretch2, w.B, w.f_next_row, f_int)
-    elif last == (block + 1) * const.rows_per_block:
-        for c in range(3):
-            copy_to_panel(k0 + n, m0 + n, s, w.f_next_row[c], state.f_int_above[c])
-
-
-@kernel(_nrt=False, forceinline=True)
-def edge_stretches(state, const, first, last, thin, work):
-    """Edge vectors, stretches, and means of the crossing stretches, of a block's rows and one beyond at each end."""
-    s, w = const.row_stride, work
-    low = max(first - 1, 0)
-    m0, n = (low - first + 2) * s, (last - low + 1) * s
-    membrane_kernels.edge_vectors(
-        low * s, m0, n, s, state.u, const.inv_dx, const.inv_dy, w.A, w.B, w.stretch1, w.inv_stretch1, w.stretch2,
-        w.inv_stretch2,
-    )  # fmt: skip
-    membrane_kernels.reset_idle_slots(m0, n, s, w.B, w.stretch2, w.inv_stretch2)
-    if first == 0:
-        membrane_kernels.copy_row(s, 2 * s, s, w.stretch1)
-    if last == const.ni:
-        end = (last - first + 2) * s
-        membrane_kernels.copy_row(s, end - s, end, w.stretch1)
-    membrane_kernels.crossing_means_warp(
-        low * s, m0, (last - low) * s, s, const.mean_weight2, w.stretch2, w.mean_stretch2
-    )
-    membrane_kernels.crossing_means_weft(
-        first * s, 2 * s, (last - first + 1) * s, s, const.mean_weight1, w.stretch1, w.mean_stretch1
-    )
-    if thin:
-        shift = (first - 2) * s
-        failure_kernels.damaged_means(const, state, 0, low, last, shift, w.stretch2, w.mean_stretch2)
-        failure_kernels.damaged_means(const, state, 1, first, last + 1, shift, w.stretch1, w.mean_stretch1)
-
-
-@kernel(_nrt=False, forceinline=True)
-def interpolate_tensions(state, const, block, first, last, thin, work):
-    """Interpolate the tensions of a block's edges from the cell table; the largest of each family."""
-    s, c, w, most = const.row_stride, const, work, state.block_max_tension[block]
-    k0, m0, n = first * s, 2 * s, (last - first) * s
-    n2, shift = n + s if last == c.ni else n, (first - 2) * s
-    most[0] = membrane_kernels.bilinear_tensions(m0, n, w.stretch1, w.mean_stretch2, c.table_grid, c.tension1, w.T1)
-    most[1] = membrane_kernels.bilinear_tensions(m0, n2, w.mean_stretch1, w.stretch2, c.table_grid, c.tension2, w.T2)
-    if thin:
-        failure_kernels.damaged_forces(const, state, 0, first, last, shift, w.stretch1, w.T1)
-        failure_kernels.damaged_forces(const, state, 1, first, last + 1, shift, w.stretch2, w.T2)
-        most[0], most[1] = membrane_kernels.max_value(m0, n, w.T1), membrane_kernels.max_value(m0, n2, w.T2)
-    if c.variational:
-        copy_to_panel(k0, m0, n, w.T1, state.T[0])
-        copy_to_panel(k0, m0, n2, w.T2, state.T[1])
-        state.tension_stale[block] = False
-
-
-@kernel(_nrt=False)
-def tension_bound(const, p, q, N, unit, ceiling):
-    """Upper bound [N] of the tensions of a family, from the largest table coordinates and the largest force N.
-
-    p, q in cells of the table; unit, ceiling : see `crossover_kernels.tension_bound_table`.
-    """
-    if not (p <= const.table_last1 + 1 and q <= const.table_last2 + 1 and N < unit * ceiling.shape[0]):
-        return np.inf
-    step = int(N / unit)
-    return max(ceiling[step, 0], N + ceiling[step, 1])
-
-
-@kernel(_nrt=False)
-def refresh_tensions(state, const, first, last, work):
-    """Update the stale tensions of the blocks first .. last - 1 (lazy evaluation)."""
-    for block in range(first, last):
-        if state.tension_stale[block]:
-            low, high = (
-                max(state.active_rows[0], block * const.rows_per_block),
-                min(state.active_rows[1], (block + 1) * const.rows_per_block),
-            )
-            edge_stretches(state, const, low, high, False, work)
-            interpolate_tensions(state, const, block, low, high, False, work)
-
-
-@kernel(_nrt=False, forceinline=True)
-def potential_gradient(state, const, block, first, last, thin, work):
-    """Forces of the variational form, into work.N1 and work.N2 (see `membrane_kernels`).
-
-    Returns whether no tension can be past the peak so far or a strength, so that none need be looked up.
-    """
-    s, c, w, low = const.row_stride, const, work, max(first - 1, 0)
-    m0, m1 = 2 * s, (low - first + 2) * s
-    n, n1, n2 = (last - first) * s, (last - low) * s, (last - first + 1) * s
-    p1, q1, high1, _ = membrane_kernels.potential_forces(
-        m1, n1, w.stretch1, w.mean_stretch2, c.table_grid, c.potential_coefficients, c.force_per_slope1,
-        c.force_per_slope2, 2.0 * c.force_per_slope1 * c.table_scale1, 0.0, w.cell_index, w.dW_own1, w.dW_crossing1,
-        w.slope1,
-    )  # fmt: skip
-    p2, q2, _, high2 = membrane_kernels.potential_forces(
-        m0, n2, w.mean_stretch1, w.stretch2, c.table_grid, c.potential_coefficients, c.force_per_slope1,
-        c.force_per_slope2, 0.0, 2.0 * c.force_per_slope2 * c.table_scale2, w.cell_index, w.dW_crossing2, w.dW_own2,
-        w.slope2,
-    )  # fmt: skip
-    if first == 0:
-        membrane_kernels.copy_row(s, m0, s, work.dW_crossing1)
-    if last == const.ni:
-        end = (last - first + 2) * s
-        membrane_kernels.copy_row(s, end - s, end, work.dW_crossing1)
-    shift = (first - 2) * s
-    if thin:
-        failure_kernels.damaged_gradient(
-            const, state, 0, first, last, shift, w.stretch1, w.dW_own1, w.dW_crossing2, w.N1, w.slope1
-        )
-        failure_kernels.damaged_gradient(
-            const, state, 1, first, last + 1, shift, w.stretch2, w.dW_own2, w.dW_crossing1, w.N2, w.slope2
-        )
-        return False
-    membrane_kernels.distribute_warp(first * s, m0, n, s, c.mean_weight2, work.dW_own1, work.dW_crossing2, work.N1)
-    membrane_kernels.distribute_weft(first * s, m0, n2, s, c.mean_weight1, work.dW_own2, work.dW_crossing1, work.N2)
-    most = state.block_max_tension[block]
-    most[0] = tension_bound(const, p1, q1, high1, c.tension_bound_step1, c.tension_bound_table1)
-    most[1] = tension_bound(const, p2, q2, high2, c.tension_bound_step2, c.tension_bound_table2)
-    state.tension_stale[block] = (
-        const.filter_alpha == 0.0
-        and most[0] <= min(state.peak_tension[0], const.min_strength1)
-        and most[1] <= min(state.peak_tension[1], const.min_strength2)
-    )
-    return state.tension_stale[block]
-
-
-@kernel(forceinline=True)
-def copy_to_panel(k0, m0, n, x, kept):
-    """Copy scratch to the panel's slots."""
-    for j in range(0, n, WIDTH):
-        masked_store(kept, k0 + j, load(x, m0 + j), n - j)
-
-
-@kernel(_nrt=False, forceinline=True)
-def yarn_forces(state, const, block, k0, n, n2, N1, N2, work):
-    """Axial forces of the block's edges, into work.f_over_stretch1 and work.f_over_stretch2, and their work."""
-    L, N, D, S, y, c, w, s = (
-        state.stretch, state.N, state.dstretch, state.force_slope, state.yarn_length, const, work, const.row_stride,
-    )  # fmt: skip
-    again = state.block_damage[block] == REDO
-    work1, viscous1, over1 = membrane_kernels.yarn_forces(
-        k0, 2 * s, n, 1, again, c.inv_dx, c.cv1, w.stretch1, w.inv_stretch1, w.trellis_f1, N1, w.slope1, y[0], L[0],
-        N[0], D[0], S[0], w.f_over_stretch1,
-    )  # fmt: skip
-    work2, viscous2, over2 = membrane_kernels.yarn_forces(
-        k0, 2 * s, n2, s, again, c.inv_dy, c.cv2, w.stretch2, w.inv_stretch2, w.trellis_f2, N2, w.slope2, y[1], L[1],
-        N[1], D[1], S[1], w.f_over_stretch2,
-    )  # fmt: skip
-    if not again:
-        state.energy_sums[block, WORK] += work1 + work2
-        state.energy_sums[block, VISCOUS] += viscous1 + viscous2
-        state.energy_sums[block, QUADRATURE] += 0.5 * (over1 + over2)  # what has the slope is half of N
-
-
-@kernel(_nrt=False, forceinline=True)
-def trellis_forces(state, const, first, last, thin, work):
-    """Shear forces of the block's elements and of the row before them, which shares their first weft edges."""
-    s, c, w, low = const.row_stride, const, work, max(first - 1, 0)
-    m0, n = (low - first + 2) * s, (last - low) * s
-    membrane_kernels.trellis_forces(
-        low * s, m0, n, s, w.A, w.B, w.stretch1, w.stretch2, c.trellis_volume, c.G1, c.G2, c.gamma1, c.gamma2,
-        w.trellis_f1, w.trellis_f2, w.trellis_f12,
-    )  # fmt: skip
-    if thin:
-        failure_kernels.damaged_trellis(
-            const, state, low, last, (first - 2) * s, w.trellis_f1, w.trellis_f2, w.trellis_f12
-        )
-    # beyond the panel there is none
-    if first == 0:
-        for j in range(s, 2 * s):
-            w.trellis_f1[j] = w.trellis_f2[j] = w.trellis_f12[j] = 0.0
-    if last == const.ni:
-        for j in range(m0 + n, m0 + n + s):
-            w.trellis_f2[j] = 0.0
 
 
 @kernel(_nrt=False)
@@ -351,7 +75,7 @@ def apply_failure(state, const, work):
     most1, most2 = 0.0, 0.0
     for block in range(first // const.rows_per_block, (last + const.rows_per_block - 1) // const.rows_per_block):
         most1, most2 = max(most1, state.block_max_tension[block, 0]), max(most2, state.block_max_tension[block, 1])
-    # looking for failures cuts yarns: what was before is asked for first where there may be one
+    # detecting failures breaks yarns: the energies before are computed first where there may be one
     near = (
         const.filter_alpha > 0.0
         or (most1 > const.min_strength1 and failure_kernels.any_past_strength(const, state, 0, first, last))
@@ -382,29 +106,6 @@ def apply_failure(state, const, work):
     state.energy_sums[0, VISCOUS] += now_damped - damped
     state.energy_sums[0, LOST_YARN] += stored - now_stored + now_worked - worked
     state.energy_sums[0, LOST_TRELLIS] += sheared - now_sheared
-
-
-@kernel(_nrt=False, forceinline=True)
-def move_rows(state, const, first, last):
-    """Move the node rows first .. last - 1 by one step. A block's first row has forces from the block before too."""
-    apply_symmetry(state, const, first, last)
-    row = first
-    while row < last:
-        met = row > 0 and row % const.rows_per_block == 0
-        end = row + 1 if met else min(last, (row // const.rows_per_block + 1) * const.rows_per_block)
-        k0, n = row * const.row_stride, (end - row) * const.row_stride
-        move_nodes(k0, n, const.dt, state.dt_over_mass, state.f_int, state.f_int_above, met, state.v, state.u)
-        row = end
-
-
-@kernel(_nrt=False)
-def thread_range(state, const, me, count):
-    """(first, last) active blocks of thread `me` among `count`; the last thread has at least one."""
-    start, end = (
-        state.active_rows[0] // const.rows_per_block,
-        (state.active_rows[1] + const.rows_per_block - 1) // const.rows_per_block,
-    )
-    return start + (end - start) * me // count, start + (end - start) * (me + 1) // count
 
 
 @kernel(_nrt=False, forceinline=True)
@@ -478,7 +179,7 @@ def post_step(state, const, work):
         return STOPPED
     # perforated: yarns have failed, nothing pushes, and nothing that is held is left in front, for a while
     alone = state.f_contact_nose[2] == 0.0 and state.f_block_nose[2] == 0.0
-    idle = failures > 0 and alone and not contact_kernels.cloth_ahead_of_nose(state, const)
+    idle = failures > 0 and alone and not window_kernels.cloth_ahead_of_nose(state, const)
     state.counter[IDLE] = state.counter[IDLE] + 1 if idle else 0
     return PERFORATED if state.counter[IDLE] >= const.perforation_delay_steps else RUNNING
 

@@ -1,10 +1,11 @@
-"""Contact of plies, eight points at once: most of what `plies.contact_kernels.contact_point` is asked for.
+"""Contact of plies, eight points at once: most calls of `plies.point_kernels.contact_point`.
 
 Points of neighbouring elements are side by side, and so are their feet, to within a node: eight of them lie over four
 rows of four nodes each, that of the next a slot further. Each has its weights at three of the four and none at the
 other, since in aligned plies the feet are where two segments of the spline meet, some on this side of it and some on
-that. What is found is the same as of one point at a time, to round-off. All that asks for more than a formula is left
-to `touch`: torn cloth, rims, planes of symmetry, folds, lost feet, and what is so deep that it might have come through.
+that. The results are those of one point at a time, to round-off. All that needs more than a formula is left
+to `contact_point`: torn cloth, rims, planes of symmetry, folds, lost feet, and what is so deep that it might have come
+through.
 """
 
 from shellfabric.jit.compile import kernel
@@ -49,17 +50,18 @@ AMBIGUOUS_DEPTH, MAX_STIFFNESS_FACTOR = 0.15, 3.0
 # [thicknesses] that a depth may change beside the motion: sliding by a tenth of an element over a bend as narrow as an
 # element makes a few hundredths (second order), another fold or side several tenths
 MAX_DEPTH_JUMP = 0.1
-MAX_CP_STEP, CP_JUMP = 0.25, 0.2  # [elements] longest step of a foot; one so long has none
-MAX_STEPS_SKIPPED = 8  # most steps that a point is left alone
+MAX_CP_STEP, CP_JUMP = 0.25, 0.2  # [elements] longest step of a closest point; a longer one is no solution
+MAX_STEPS_SKIPPED = 8  # most steps for which a point is skipped
 
 
 @kernel(_nrt=False, forceinline=True)
 def contact_points8(front, fc, rear, rc, pair, q, i, j, count, nearer, now, due):
-    """`touch` for those of the points in the middles of the elements (i, j) .. (i, j + count) with which nothing is
-    the matter, eight at once: whole cloth on whole cloth, feet side by side and away from rims and planes of symmetry,
-    not lost, in no fold, not so deep that it might come through, and not deeper at once than motion may have made it.
+    """`contact_point` for those of the points in the middles of the elements (i, j) .. (i, j + count) that need no
+    special case, eight at once: whole cloth on whole cloth, feet side by side and away from rims and planes of
+    symmetry, not lost, in no fold, not so deep that it might come through, and not deeper at once than motion may have
+    made it.
 
-    due : the points that are to be looked at, as bits. Returns (those that are left for `touch`, energy in the springs
+    due : the points to be looked at, as bits. Returns (those that are left for `contact_point`, energy in the springs
     of the others).
     """
     k, own = i * fc.row_stride + j, movemask(head_mask(count))
@@ -84,33 +86,80 @@ def contact_points8(front, fc, rear, rc, pair, q, i, j, count, nearer, now, due)
     fit &= ~movemask(greater(maximum(I, J), 1.5))
     tall = any_lane(greater(where(mask_from_bits(fit), I, 0.0), 0.5))
     (wa, da, ca), (wb, db, cb) = spline_weights8(r, greater(I, 0.5)), spline_weights8(t, greater(J, 0.5))
-    X, Xa, Xb = surface_patch8(rear.u[0], K, rc.row_stride, wa, wb, da, db, tall)
-    Y, Ya, Yb = surface_patch8(rear.u[1], K, rc.row_stride, wa, wb, da, db, tall)
-    Z, Za, Zb = surface_patch8(rear.u[2], K, rc.row_stride, wa, wb, da, db, tall)
-    Xa, Yb = Xa + rc.dx, Yb + rc.dy
-    x = element_mean8(front.u[0], k, fc.row_stride) - X - A * rc.dx + (fc.x0 + (i + 0.5) * fc.dx - rc.x0)
-    y = element_mean8(front.u[1], k, fc.row_stride) - Y - B * rc.dy + (fc.y0 + (j + 0.5) * fc.dy - rc.y0) + rank * fc.dy
-    z = element_mean8(front.u[2], k, fc.row_stride) - Z - pair.rest_distance
+    values, slopes, curves = (wa, wb), (da, db), (ca, cb)
+    off, tangents = offsets8(front, fc, rear, rc, pair, (i, j), (A, B), rank, K, values, slopes, tall)
+    x, y, z = off
+    (Xa, Ya, Za), (Xb, Yb, Zb) = tangents
     n_x, n_y, n_z = Ya * Zb - Za * Yb, Za * Xb - Xa * Zb, Xa * Yb - Ya * Xb
     square, tiny, thick = n_x * n_x + n_y * n_y + n_z * n_z, 1e-6 * rc.dx * rc.dy, pair.thickness
     size = sqrt(square)
     along, far = (n_x * x + n_y * y + n_z * z) / size, x * x + y * y + z * z
     depth = thick + along
     slant = movemask(greater(far, 0.09 * thick * thick)) & movemask(greater(0.49 * far, along * along))
-    was = load(pair.last_depth, q)
+    fit &= movemask(greater(square, tiny * tiny))
+    clear, inside, pressed = by_depth8(pair, q, fit, held, slant, depth)
+    go, turn, sure, pressed = closest_point_step8(
+        rear, rc, K, (values, slopes, curves), off, tangents, square, greater(depth, -0.5 * thick), pressed, tall
+    )
+    done = clear | pressed
+    later = now + 1.0 + minimum(floor(depth * (-1.0 / nearer)), float(MAX_STEPS_SKIPPED))
+    now_or_before = where(mask_from_bits(inside), now, load(pair.recheck_step, q))
+    masked_store(pair.recheck_step, q, where(mask_from_bits(clear), later, now_or_before), count)
+    changed = pressed | (held & clear) != 0
+    move_closest_points8(rc, pair, q, count, (A, B), (go, turn), done, pressed & held & sure, changed)
+    for m in range(count if changed else 0):
+        if (done >> m) & 1:
+            pair.status[q + m], pair.on_facet[q + m] = IN_CONTACT if (pressed >> m) & 1 else CLEAR, 0
+    energy = 0.0
+    if pressed != 0:
+        n, at = (n_x / size, n_y / size, n_z / size), (i, j, int(I0) - 1, int(J0) - 1)
+        energy = apply_forces8(front, fc, rear, rc, pair, q, at, count, (pressed, held), depth, n, (wa, wb, tall))
+    return (due & ~done) | (inside & ~pressed), energy
+
+
+@kernel(_nrt=False, forceinline=True)
+def by_depth8(pair, q, fit, held, slant, depth):
+    """Which of the points that are `fit`, as bits, are clear of the rear ply, inside it, and of these in a contact that
+    needs no more than its formula."""
+    thick, was = pair.thickness, load(pair.last_depth, q)
     deep = movemask(greater(was, (1.0 - AMBIGUOUS_DEPTH) * thick))
     slow = movemask(greater(MAX_DEPTH_JUMP * thick, fabs(depth - where(mask_from_bits(held), was, 0.0))))
-    fit &= movemask(greater(square, tiny * tiny)) & ~(held & (slant | deep))
+    fit &= ~(held & (slant | deep))
     clear, inside = fit & movemask(greater(0.0, depth)), fit & movemask(greater(depth, 0.0))
-    pressed = inside & ~slant & movemask(greater((1.0 - AMBIGUOUS_DEPTH) * thick, depth)) & slow
+    return clear, inside, inside & ~slant & movemask(greater((1.0 - AMBIGUOUS_DEPTH) * thick, depth)) & slow
+
+
+@kernel(_nrt=False, forceinline=True)
+def offsets8(front, fc, rear, rc, pair, element, place, rank, K, values, slopes, tall):
+    """Of eight points from the element (i, j) on: their offsets [m] from the points of the rear ply's surface at
+    `place`, and the tangents there [m]."""
+    (i, j), (A, B), (wa, wb), (da, db), k = element, place, values, slopes, element[0] * fc.row_stride + element[1]
+    X, Xa, Xb = surface_patch8(rear.u[0], K, rc.row_stride, wa, wb, da, db, tall)
+    Y, Ya, Yb = surface_patch8(rear.u[1], K, rc.row_stride, wa, wb, da, db, tall)
+    Z, Za, Zb = surface_patch8(rear.u[2], K, rc.row_stride, wa, wb, da, db, tall)
+    x = element_mean8(front.u[0], k, fc.row_stride) - X - A * rc.dx + (fc.x0 + (i + 0.5) * fc.dx - rc.x0)
+    y = element_mean8(front.u[1], k, fc.row_stride) - Y - B * rc.dy + (fc.y0 + (j + 0.5) * fc.dy - rc.y0) + rank * fc.dy
+    z = element_mean8(front.u[2], k, fc.row_stride) - Z - pair.rest_distance
+    return (x, y, z), ((Xa + rc.dx, Ya, Za), (Xb, Yb + rc.dy, Zb))
+
+
+@kernel(_nrt=False, forceinline=True)
+def closest_point_step8(rear, rc, K, weights, off, tangents, square, near, pressed, tall):
+    """Steps of eight closest points along a and b, of which of the `pressed` they are Newton's, as bits, and those of
+    the pressed whose steps are not too long.
+
+    weights : values, slopes and second slopes along a and b; square : squared area of the tangents
+    """
+    (x, y, z), ((Xa, Ya, Za), (Xb, Yb, Zb)) = off, tangents
     aa, ab, bb = Xa * Xa + Ya * Ya + Za * Za, Xa * Xb + Ya * Yb + Za * Zb, Xb * Xb + Yb * Yb + Zb * Zb
     ra, rb = Xa * x + Ya * y + Za * z, Xb * x + Yb * y + Zb * z
-    area, near = maximum(Xa * Yb - Xb * Ya, 0.01 * rc.dx * rc.dy), greater(depth, -0.5 * thick)
+    area = maximum(Xa * Yb - Xb * Ya, 0.01 * rc.dx * rc.dy)
     over = 1.0 / where(near, square, area)
     go = where(near, bb * ra - ab * rb, Yb * x - Xb * y) * over
     turn = where(near, aa * rb - ab * ra, Xa * y - Ya * x) * over
     sure = 0
     if pressed != 0:
+        (wa, wb), (da, db), (ca, cb) = weights
         Xaa, Xab, Xbb = second_derivatives8(rear.u[0], K, rc.row_stride, wa, wb, da, db, ca, cb, tall)
         Yaa, Yab, Ybb = second_derivatives8(rear.u[1], K, rc.row_stride, wa, wb, da, db, ca, cb, tall)
         Zaa, Zab, Zbb = second_derivatives8(rear.u[2], K, rc.row_stride, wa, wb, da, db, ca, cb, tall)
@@ -122,37 +171,26 @@ def contact_points8(front, fc, rear, rc, pair, q, i, j, count, nearer, now, due)
         go = where(mask_from_bits(sure), (bb * ra - ab * rb) / det, go)
         turn = where(mask_from_bits(sure), (aa * rb - ab * ra) / det, turn)
         pressed &= ~movemask(greater(maximum(fabs(go), fabs(turn)), CP_JUMP))
-    done, before_a, before_b = clear | pressed, load(pair.closest_point[0], q), load(pair.closest_point[1], q)
+    return go, turn, sure, pressed
+
+
+@kernel(_nrt=False, forceinline=True)
+def move_closest_points8(rc, pair, q, count, place, step, done, steady, changed):
+    """Move those of eight closest points whose bits are set in `done` from `place` by `step`; where a point has
+    `changed`, set their rates, zero but for the `steady`."""
+    (A, B), (go, turn) = place, step
+    before_a, before_b = load(pair.closest_point[0], q), load(pair.closest_point[1], q)
     low_a, low_b = -0.5 if rc.mirror_x else 0.0, -0.5 if rc.mirror_y else 0.0
     A2 = maximum(minimum(A + maximum(minimum(go, MAX_CP_STEP), -MAX_CP_STEP), float(rc.ni)), low_a)
     B2 = maximum(minimum(B + maximum(minimum(turn, MAX_CP_STEP), -MAX_CP_STEP), float(rc.nj)), low_b)
     masked_store(pair.closest_point[0], q, where(mask_from_bits(done), A2, before_a), count)
     masked_store(pair.closest_point[1], q, where(mask_from_bits(done), B2, before_b), count)
-    later = now + 1.0 + minimum(floor(depth * (-1.0 / nearer)), float(MAX_STEPS_SKIPPED))
-    masked_store(
-        pair.recheck_step,
-        q,
-        where(mask_from_bits(clear), later, where(mask_from_bits(inside), now, load(pair.recheck_step, q))),
-        count,
-    )
-    energy = 0.0
-    if pressed | (held & clear) != 0:
-        steady = mask_from_bits(pressed & held & sure)
-        masked_update(
-            pair.cp_rate[0], q, where(steady, maximum(minimum(A2 - before_a, MAX_CP_STEP), -MAX_CP_STEP), 0.0), done,
-            count,
-        )  # fmt: skip
-        masked_update(
-            pair.cp_rate[1], q, where(steady, maximum(minimum(B2 - before_b, MAX_CP_STEP), -MAX_CP_STEP), 0.0), done,
-            count,
-        )  # fmt: skip
-        for m in range(count):
-            if (done >> m) & 1:
-                pair.status[q + m], pair.on_facet[q + m] = IN_CONTACT if (pressed >> m) & 1 else CLEAR, 0
-    if pressed != 0:
-        n, at = (n_x / size, n_y / size, n_z / size), (i, j, int(I0) - 1, int(J0) - 1)
-        energy = apply_forces8(front, fc, rear, rc, pair, q, at, count, pressed, held, depth, n, wa, wb, tall)
-    return (due & ~done) | (inside & ~pressed), energy
+    if changed:
+        lanes = mask_from_bits(steady)
+        rate_a = where(lanes, maximum(minimum(A2 - before_a, MAX_CP_STEP), -MAX_CP_STEP), 0.0)
+        rate_b = where(lanes, maximum(minimum(B2 - before_b, MAX_CP_STEP), -MAX_CP_STEP), 0.0)
+        masked_update(pair.cp_rate[0], q, rate_a, done, count)
+        masked_update(pair.cp_rate[1], q, rate_b, done, count)
 
 
 @kernel(_nrt=False, forceinline=True)
@@ -170,13 +208,14 @@ def intact8(rear, rc, pair, q, count, fit):
 
 
 @kernel(_nrt=False, forceinline=True)
-def apply_forces8(front, fc, rear, rc, pair, q, at, count, pressed, held, depth, n, wa, wb, tall):
-    """Let those of eight points push whose bits are set in `pressed`; the energy in their springs.
+def apply_forces8(front, fc, rear, rc, pair, q, at, count, bits, depth, n, weights):
+    """Apply the forces of those of eight points whose bits are set in `pressed`; returns the energy in their springs.
 
-    at : where the nodes begin, (i, j) of the front ply's and of the rear one's; n : the normals; wa, wb : the weights
-    of the feet, `tall` where they are over four lines of nodes
+    at : where the nodes begin, (i, j) of the front ply's and of the rear one's; n : the normals; bits : of points
+        that are pressed, and that were in contact; weights : of the closest points, along a and b, and whether these
+        are over four lines of nodes
     """
-    (i, j, I, J), thick = at, pair.thickness
+    (i, j, I, J), (pressed, held), (wa, wb, tall), thick = at, bits, weights, pair.thickness
     slack = minimum(where(mask_from_bits(held), load(pair.depth_offset, q), 0.0), depth)
     masked_update(pair.last_depth, q, depth, pressed, count)
     masked_update(pair.depth_offset, q, slack, pressed, count)
@@ -191,7 +230,7 @@ def apply_forces8(front, fc, rear, rc, pair, q, at, count, pressed, held, depth,
         closing = closing + n[c] * (
             element_mean8(front.v[c], k, fc.row_stride) - interpolate8(rear.v[c], K, rc.row_stride, wa, wb, tall)
         )
-    # what is left of the thickness has to hold as much
+    # the remaining thickness has to hold as much
     stiffer = minimum(thick / maximum(thick - slack, 0.1 * thick), MAX_STIFFNESS_FACTOR)
     part, squeezed = where(greater(slack, 0.0), stiffer, 1.0), depth - slack
     pair.energy[MAX_COMPRESSION] = max(

@@ -5,7 +5,7 @@ section 5.2.3, Figure 5-55). A turned ply is the panel of the fabric with its wa
 which yarn is on top, and each ply has its own grid.
 
 Gap. Play between the faces of plies at rest; their middle surfaces are the mean thickness and the gap apart (erratum
-E-35). `compression_gap` has it from the pressure law of packs: with closures d of a pack of N plies and of one ply
+E-35). `gap.compression_gap` has it from the pressure law of packs: with closures d of a pack of N plies and of one ply
 between the same loads, (d_N - d_1) / (N - 1) (thesis eqs. 5-1 to 5-4, constants by erratum E-02).
 
 Time step. All plies share the shortest of their steps, or a shorter one where the approach is fast for their thickness
@@ -22,27 +22,21 @@ from math import inf
 import numpy as np
 
 from fabrics.errors import InputError
-from fabrics.fabric import Fabric
-from fabrics.plate_curve import PlateCurve
 from fabrics.variants import rotated_90
 from shellfabric.cell.model import CellModel, CellTable
 from shellfabric.jit.simd import WIDTH
 from shellfabric.panel.model import Panel
-from shellfabric.plies import step_kernels, surface_kernels, torn_contact_kernels
+from shellfabric.plies import broad_phase_kernels, step_kernels
 from shellfabric.plies.contact_simd_kernels import AMBIGUOUS_DEPTH
+from shellfabric.plies.gap import fabric_gap
+from shellfabric.plies.numerics import FORMS, PlyContact
 from shellfabric.projectile import dynamics
 from shellfabric.projectile.contact import PREDICTED
 
 STACKINGS = ("aligned", "alternating")
-FORMS = {
-    "smooth": surface_kernels.SMOOTH,
-    "facets": surface_kernels.FACETS,
-    "nodes": surface_kernels.NODES,
-}
-TESTED = 4  # plies of the packs that the source takes its gaps from (section 5.2.2)
 _FASTER = 1.5  # than the projectile cloth before its nose may become
 _NEAREST = 0.05  # [thicknesses] that torn cloth comes to other cloth
-_ENTRIES, _NEAR = 9, 20_000  # of an element in the raster of facets, in the mean; of a ply in the list of what is near
+_ENTRIES, _NEAR = 9, 20_000  # of an element in the grid of facets, in the mean; of a ply in the list of what is near
 _LEAST = (0.25, 1e-3)  # deflections that are looked at: of the gap, of the thickness
 
 Pair = namedtuple(
@@ -60,53 +54,6 @@ TornContact = namedtuple(
 Stack = namedtuple(
     "Stack", "awake waits_for_plies counter projectile_position f_contact_nose ply_counters projectile_velocity"
 )
-
-
-@dataclass(frozen=True)
-class PlyContact:
-    """Numerical knobs of the contact between plies, set by stability and convergence.
-
-    Stability: in a stack of masses m on springs k with dampers c the highest mode asks for k dt^2 / m + 2 c dt / m < 1;
-    the defaults stand at 0.83. The damper leaves a ninth of the speed at which two free plies meet: cloth does not
-    bounce. No spring that looks at its own two plies alone can be much stiffer: modes of the stack
-    from the lowest to the highest feel it, and one that holds firmer at rest than against the highest lags behind it,
-    which gives energy to the others. The nose's is stable whatever its stiffness (see `contact_kernels`).
-
-    Convergence: the velocity at which the first yarn of four plies fails moves by less than 5 % when penalty or nose
-    are halved (docs/packs.md); damping 0.4 in place of 0.7 leaves it where it is.
-    Stiffer plies that are drawn into folds bring energy from nothing (0.25: 0.6 % of a shot's, 0.3: 1.1 %).
-
-    Parameters
-    ----------
-    penalty : stiffness of a point, in units of the mass that it stands for / dt^2
-    damping : ratio to critical of that mass on that spring
-    points : along each side of an element
-    nose : stiffness of the nose's contact, times that of a single ply (`panel.model.Numerics`), whose explicit spring
-        None leaves. Under the rim of the nose a pack presses the first ply on it, by more than a single ply ever is
-    form : "smooth"; for comparison the naive "facets" and "nodes" (see `plies.contact_kernels`)
-
-    Raises
-    ------
-    InputError : a value out of its range, unknown form
-    """
-
-    penalty: float = 0.2
-    damping: float = 0.7
-    points: int = 1
-    nose: float | None = 6.0
-    form: str = "smooth"
-
-    def __post_init__(self):
-        if not 0 < self.penalty < inf:
-            raise InputError(key="penalty", value=self.penalty, allowed="above 0")
-        if not 0 <= self.damping < inf:
-            raise InputError(key="damping", value=self.damping, allowed="at least 0")
-        if not 1 <= self.points <= 8:
-            raise InputError(key="points", value=self.points, allowed="1 to 8")
-        if self.nose is not None and not 0 < self.nose < inf:
-            raise InputError(key="nose", value=self.nose, allowed="above 0, or None")
-        if self.form not in FORMS:
-            raise InputError(key="form", value=self.form, allowed=" or ".join(FORMS))
 
 
 @dataclass(frozen=True)
@@ -276,7 +223,7 @@ class Pack:
     def stops(self, consts, states):
         """What keeps torn cloth apart, at rest: of all plies, as wide as the largest."""
         count, n = len(self.plies), max(state.mass.size for state in states)
-        pad = 2 * torn_contact_kernels.PAD
+        pad = 2 * broad_phase_kernels.PAD
         cells, room = max((c.ni + pad) * (c.nj + pad) for c in consts), _ENTRIES * max(n, 100)
         kick = np.zeros((count, n))
         for row, state in zip(kick, states):
@@ -310,13 +257,13 @@ class Pack:
         return self._apart(p) if p < len(self.gaps) else self.plies[p].weave.thickness
 
     def _in_step(self, ply):
-        """A ply with the safety that gives it the pack's time step."""
+        """A ply with the Courant factor that gives it the pack's time step."""
         return ply if ply.time_step == self.time_step else _slower(ply, self.time_step)
 
     def _pair(self, p, q, apart, consts, states):
         front, rear, knobs = consts[p], consts[q], self.contact
         n, form = knobs.points, FORMS[knobs.form]
-        start = 0.5 if form == surface_kernels.SMOOTH else 0.0
+        start = 0.5 if form == FORMS["smooth"] else 0.0
         thickness = 0.5 * (self.plies[p].weave.thickness + self.plies[q].weave.thickness)
         # the lighter ply bounds the step
         mass = min(ply.weave.areal_density for ply in (self.plies[p], self.plies[q])) * front.dx * front.dy / n**2
@@ -347,9 +294,9 @@ class Pack:
 
 
 def _slower(ply, step):
-    """A ply with the safety that gives it a time step [s]."""
-    safety = ply.numerics.safety * step / ply.time_step
-    return replace(ply, numerics=replace(ply.numerics, safety=safety))
+    """A ply with the Courant factor that gives it a time step [s]."""
+    cfl = ply.numerics.cfl * step / ply.time_step
+    return replace(ply, numerics=replace(ply.numerics, cfl=cfl))
 
 
 def lists(items):
@@ -378,34 +325,3 @@ def turned(panel: Panel) -> Panel:
         panel, table=CellTable.fill(model, panel.table.stretch1.size), bending=panel.bending[::-1],
         strength_factors=factors and factors[::-1],
     )  # fmt: skip
-
-
-def compression_gap(areal_density, plies=TESTED):
-    """[m] gap between plies from the source's pressure law of packs (thesis eqs. 5-1 to 5-4, erratum E-02).
-
-    Parameters
-    ----------
-    areal_density : [kg/m2] of one ply, measured
-    plies : of the pack that was pressed: 4, 8 or 16
-
-    Raises
-    ------
-    InputError : as fabrics.plate_curve.PlateCurve.pressure_law
-    """
-    pack, one = (PlateCurve.pressure_law(areal_density, count).closure[-1] for count in (plies, 1))
-    return float(pack - one) / (plies - 1)
-
-
-def fabric_gap(fabric: Fabric):
-    """[m] a fabric's own gap, or that of the pressure law where its file has none.
-
-    Raises
-    ------
-    InputError : a fabric with neither a gap nor a measured areal density
-    """
-    if fabric.interlayer_gap is not None:
-        return fabric.interlayer_gap
-    if fabric.areal_density_measured is None:
-        told = f"fabric {fabric.name} has neither an interlayer gap nor a measured areal density"
-        raise InputError(told, key="gap", allowed="given")
-    return compression_gap(fabric.areal_density_measured)

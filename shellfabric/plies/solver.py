@@ -1,6 +1,6 @@
 """The explicit solver of a pack of plies; see `panel.solver`, whose ClothSolver a panel and a pack have in common.
 
-The energies have one entry more than those of a panel: "plies", what the contact between plies has taken in.
+The energies have one entry more than those of a panel: "ply_contact", the work done on the contact between plies.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from shellfabric.panel.step_kernels import STEP
 from shellfabric.plies import contact_kernels, step_kernels, torn_contact_kernels
 from shellfabric.plies.model import Pack, lists
 
-PACK_ENERGIES = (*ENERGIES[:-1], "plies", ENERGIES[-1])
+PACK_ENERGIES = (*ENERGIES[:-1], "ply_contact", ENERGIES[-1])
 PACK_SAMPLES = (*OBSERVED, *PACK_ENERGIES)
 
 
@@ -38,7 +38,7 @@ class PackSolver(ClothSolver):
     """
 
     sample_names, energy_names = PACK_SAMPLES, PACK_ENERGIES
-    contacts = ("contact", "the contact with the nose"), ("plies", "the contact between plies")
+    contacts = ("contact", "the contact with the nose"), ("ply_contact", "the contact between plies")
     module = "shellfabric.impact.pack"
 
     def __init__(self, pack: Pack, strike_velocity, end_time, *, interval=2e-6, energy_error_limit=0.05):

@@ -2,14 +2,14 @@
 
 Every ply makes the step of a single one (`panel.step_kernels`); between them stands the contact of
 `plies.contact_kernels`. The projectile is one: its speed is shared, and takes the impulses of all plies. Its place is
-kept for each ply, counted from the ply's own plane at rest. A ply sleeps, and costs nothing, until something pushes on
-it. At most one ply of a pair is asleep while the pair is looked at.
+kept for each ply, counted from the ply's own plane at rest. A ply is skipped until something pushes on it; at most
+one ply of a pair is skipped while the pair is computed.
 
 States, constants, scratch and pairs come as numba's lists, so that what is compiled does not depend on the number of
 plies. Plies of one grid share their scratch; those of another have their own, since its idle slots must stay at rest.
 Several threads can share the work: each has some plies, then some pairs, and they wait for each other in between. No
-two write to the same place, so that results do not depend on their number. What keeps torn cloth apart
-(`plies.torn_contact_kernels`) looks at all plies at once, and is one thread's.
+two write to the same place, so that results do not depend on their number. The constraints of torn
+plies (`plies.torn_contact_kernels`) involve all plies at once, and are one thread's.
 """
 
 import math
@@ -25,7 +25,7 @@ from shellfabric.panel import step_kernels as panel_step_kernels
 from shellfabric.panel.step_kernels import CHECK, FAILURES, IDLE, NOT_FINITE, PERFORATED, RUNNING, STEP, STOPPED
 from shellfabric.plies import contact_kernels as plies_contact_kernels
 from shellfabric.plies import torn_contact_kernels
-from shellfabric.projectile import bar_kernels, contact_kernels
+from shellfabric.projectile import bar_kernels, contact_kernels, window_kernels
 
 
 @entry()
@@ -46,8 +46,8 @@ def append(items, one):
 def ply_step(state, const, work):
     """What a ply does in a step but for the impulses of contact: as `panel.step_kernels.run_steps_main` has it.
 
-    Returns whether the nose's forces are to wait for those of the other plies, which firm springs answer to (see
-    `contact_kernels`). So they do as long as the nose pushes; when it comes there is nothing yet to answer to.
+    Returns whether the nose's forces are to be computed after those of the other plies, which implicit springs depend
+    on (see `contact_kernels`): as long as the nose pushes.
     """
     panel_step_kernels.grow_active_rows(state, const)
     panel_step_kernels.update_blocks(state, const, work, work.barrier, 0, 1)
@@ -153,7 +153,7 @@ def predict_increments(state, const, pairs, p, plies):
     """By what all other forces will speed up the nodes of ply p that the nose can push, into state.dv_other, and by
     what the nose's own of a step ago have, into state.dv_contact; the nose's force shared out to one element, into
     state.force_scale."""
-    i0, i1, j0, j1 = contact_kernels.reachable_nodes(state, const)
+    i0, i1, j0, j1 = window_kernels.reachable_nodes(state, const)
     half = len(pairs) // 2
     for c in range(3):
         for i in range(i0, i1 + 1):
@@ -187,7 +187,7 @@ def predict_increments(state, const, pairs, p, plies):
 @kernel(_nrt=False)
 def add_forces(state, const, forces):
     """Add a neighbour's forces to state.dv_other."""
-    i0, i1, j0, j1 = contact_kernels.reachable_nodes(state, const)
+    i0, i1, j0, j1 = window_kernels.reachable_nodes(state, const)
     for c in range(3):
         for i in range(i0, i1 + 1):
             for k in range(np.uint64(i * const.row_stride + j0), np.uint64(i * const.row_stride + j1 + 1)):
@@ -225,7 +225,7 @@ def post_step(states, consts, stack, row):
     idle = failed and not pushed
     if idle:
         for p in range(len(states)):
-            if contact_kernels.cloth_ahead_of_nose(borrowed_item(states, p), borrowed_item(consts, p)):
+            if window_kernels.cloth_ahead_of_nose(borrowed_item(states, p), borrowed_item(consts, p)):
                 idle = False
                 break
     stack.counter[IDLE] = stack.counter[IDLE] + 1 if idle else 0
@@ -245,7 +245,7 @@ def internal_work(states, pairs):
 
 @entry(nogil=True)
 def run_steps_main(states, consts, pairs, stack, stops, works, steps, history, shared, count, allowed):
-    """March at most `steps` steps, with `count` - 1 threads that `run_steps_worker`; see
+    """Make at most `steps` steps, with `count` - 1 threads that `run_steps_worker`; see
     `panel.step_kernels.run_steps_main`."""
     made, reason, exchanged, before = (
         0,

@@ -18,7 +18,7 @@ import numpy as np
 from shellfabric.cloth.membrane_kernels import ERODED
 from shellfabric.jit.compile import kernel
 from shellfabric.jit.simd import WIDTH, broadcast, fma, load, shift_in_prev, store, where
-from shellfabric.projectile.contact_kernels import intact_at_point
+from shellfabric.projectile.window_kernels import intact_at_point
 
 ONE = np.uint64(1)
 SMOOTH, FACETS, NODES = 0, 1, 2  # forms of a surface

@@ -1,8 +1,8 @@
 """The projectile as an elastic-plastic bar along its axis, and whether a run needs it.
 
-The source's projectile is a steel cylinder of 5.5 x 42 mm that is bored to 3 g; the bore is not told (erratum E-37).
-Here it is 4.5 mm wide, from the tail, and as deep as the mass asks. Tip and tail then swing about the centre of mass
-with the period of the first free-free mode, 2 L / c for a bar of one section.
+The projectile of the thesis is a steel cylinder of 5.5 x 42 mm that is bored to 3 g; the dimensions of the bore are not
+given (erratum E-37). Here it is 4.5 mm wide, from the tail, and as deep as the mass requires. Tip and tail then swing
+about the centre of mass with the period of the first free-free mode, 2 L / c for a bar of one section.
 
 In a march the bar is the body of the projectile (`body`, `bar_kernels.advance_bar`). Alone:
 
@@ -23,7 +23,7 @@ from fabrics.materials import Isotropic, load, round_projectile
 from shellfabric.projectile import bar_kernels as kernels
 
 HISTORY = ("t", "tip", "tail", "centre", "tip_velocity", "tail_velocity", "centre_velocity", "force")
-ENERGIES = ("kinetic", "elastic", "plastic", "work", "balance")
+ENERGIES = ("kinetic", "elastic", "plastic", "work", "error")
 # Periods of contact (`contact_time`) from which on a rigid projectile is enough: a half-sine push is then 4.7 periods
 # long and splits the velocities of tip and tail by 4 % of what it takes, in the bored cylinder, by 5 % in a solid one
 ENOUGH = 3.0
@@ -38,7 +38,7 @@ class Bar:
     sections : tuple of (length [m], area [m2])
     material : Isotropic
     elements : number of elements, about equally long
-    safety : of the bar's own time step against its bound
+    cfl : Courant factor, the bar's own time step over its stability bound
 
     Raises
     ------
@@ -48,18 +48,18 @@ class Bar:
     sections: tuple
     material: Isotropic = field(default_factory=lambda: load("steel"))
     elements: int = 84
-    safety: float = 0.9
+    cfl: float = 0.9
 
     def __post_init__(self):
         if not self.sections or not all(length > 0 and area > 0 for length, area in self.sections):
             raise InputError(key="sections", value=self.sections, allowed="lengths and areas above 0")
         if self.elements < 2 * len(self.sections):
             raise InputError(key="elements", value=self.elements, allowed="at least 2 a section")
-        if not 0 < self.safety <= 1:
-            raise InputError(key="safety", value=self.safety, allowed="above 0 and at most 1")
+        if not 0 < self.cfl <= 1:
+            raise InputError(key="cfl", value=self.cfl, allowed="above 0 and at most 1")
 
     @classmethod
-    def cylinder(cls, mass=None, *, diameter=None, length=None, bore=None, material=None, **changes) -> Bar:
+    def cylinder(cls, mass=None, *, diameter=None, length=None, bore_diameter=None, material=None, **changes) -> Bar:
         """A cylinder bored from its tail to a given mass; what is left out is the source's.
 
         Raises
@@ -70,7 +70,7 @@ class Bar:
         material = load("steel") if material is None else material
         mass, diameter, length, bore = (
             source[key] if value is None else value
-            for key, value in (("mass", mass), ("diameter", diameter), ("length", length), ("bore", bore))
+            for key, value in (("mass", mass), ("diameter", diameter), ("length", length), ("bore", bore_diameter))
         )
         full, tube = pi / 4 * diameter**2, pi / 4 * (diameter**2 - bore**2)
         solid = material.density * full * length
@@ -83,7 +83,8 @@ class Bar:
 
     @classmethod
     def full(cls, **changes) -> Bar:
-        """The source's cylinder without a bore: density and modulus so much less that mass and wave speed are its own.
+        """The cylinder of the thesis without a bore: density and modulus so much less that mass and wave speed are its
+        own.
 
         Its first mode is 2 L / c = 17.0 us, as the source's tip and tail swing (erratum E-37).
         """
@@ -140,7 +141,7 @@ class Bar:
 
     def substeps(self, dt) -> int:
         """Number of steps of the bar in a step `dt` [s] of the target."""
-        return max(1, ceil(dt / (self.safety * self.longest_step)))
+        return max(1, ceil(dt / (self.cfl * self.longest_step)))
 
     def _squares(self, number):
         """[1/s2] square of a frequency; 0 is the rigid motion, -1 the fastest."""
@@ -173,7 +174,8 @@ class Motion:
     def __init__(self, bar, velocity):
         self.bar = bar
         self.h, self.area = bar.mesh
-        self.mass = bar.nodal_mass
+        self.mass, material = bar.nodal_mass, bar.material
+        self.law = np.array([material.modulus, material.yield_stress, material.hardening])
         self.u, self.v = np.zeros(self.mass.size), np.full(self.mass.size, float(velocity))
         self.plastic, self.stress, self.sums = np.zeros(self.h.size), np.zeros(self.h.size), np.zeros(2)
         self.start, self.history = self.energy_of_motion, []
@@ -185,14 +187,13 @@ class Motion:
 
     def push(self, force, dt):
         """Hold a force [N], positive forwards, for the time dt [s]; displacement [m] and velocity [m/s] of the tip."""
-        material = self.bar.material
         return kernels.advance(
-            self.u, self.v, self.mass, self.h, self.area, material.modulus, material.yield_stress, material.hardening,
-            self.plastic, self.stress, self.sums, float(force), float(dt), self.bar.substeps(dt),
+            self.u, self.v, self.mass, self.h, self.area,
+            self.law, self.plastic, self.stress, self.sums, float(force), float(dt), self.bar.substeps(dt),
         )  # fmt: skip
 
     def energies(self):
-        """Dict of ENERGIES [J]; balance is what kinetic, elastic and plastic exceed the start and the tip's work by."""
+        """Dict of ENERGIES [J]; the error is kinetic, elastic and plastic less the start and the work at the tip."""
         out = np.empty(2)
         kernels.energies(self.v, self.mass, self.h, self.area, self.bar.material.modulus, self.stress, out)
         plastic, work = self.sums[kernels.PLASTIC], self.sums[kernels.WORK]

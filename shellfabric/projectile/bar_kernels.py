@@ -5,14 +5,14 @@ Node 0 is the tip, the last one the tail; u counts forwards along the axis from 
     l_k = 1 + (u_k - u_(k+1)) / h_k,   e = ln l,   tau = E (e - e_p),   |tau - H e_p| <= sigma_y   (tension positive)
     m_k dv_k/dt = (A tau / l)_(k-1) - (A tau / l)_k,     and at the tip the target's force
 
-Plasticity is kinematic with linear hardening H, by radial return, which is exact for a step of strain (the source uses
+Plasticity is kinematic with linear hardening H, by radial return, which is exact for a step of strain (the thesis uses
 a kinematic plasticity model, thesis section 4.4.2). With logarithmic strain and Kirchhoff stress tau a section grows as
 it is squeezed, at constant volume. A wall that carries no more than sigma_y would else be driven together in the one
 element next to where it is loaded, whatever its length; this growth alone spreads the flow, at (sigma_y / rho)^(1/2).
 A force that is held over a step does the work force times advance of the tip, and the bar's momentum grows by force
 times time, both exactly.
 
-In a march (`advance_bar`) the axis of the projectile is such a bar and moves rigidly across itself. What contact sees
+In a run (`advance_bar`) the axis of the projectile is such a bar and moves rigidly across itself. What contact sees
 is the tip: its place, and as its velocity its advance over the step divided by the step.
 """
 
@@ -58,14 +58,14 @@ def update_stress(u, h, area, modulus, yields, hardening, plastic, stress):
 
 
 @entry()
-def advance(u, v, mass, h, area, modulus, yields, hardening, plastic, stress, sums, force, dt, substeps):
+def advance(u, v, mass, h, area, law, plastic, stress, sums, force, dt, substeps):
     """Move the bar over `dt` under a force that is held at its tip.
 
     Parameters
     ----------
     u, v, mass : (n + 1,) [m], [m/s], [kg]; places and velocities are overwritten
     h, area : (n,) [m], [m2]
-    modulus, yields, hardening : [Pa] E, sigma_y, H
+    law : (3,) [Pa] E, sigma_y, H
     plastic, stress : (n,) plastic strain and Kirchhoff stress [Pa] at the places u; overwritten
     sums : (2,) WORK and PLASTIC [J], added to
     force : [N] forwards along the axis: what stops the projectile is negative
@@ -76,6 +76,7 @@ def advance(u, v, mass, h, area, modulus, yields, hardening, plastic, stress, su
     -------
     displacement, velocity : [m], [m/s] of the tip
     """
+    modulus, yields, hardening = law[0], law[1], law[2]
     least, before = 1.0, u[0]
     for k in range(h.size):
         least = min(least, 1.0 + (u[k] - u[k + 1]) / h[k])
@@ -121,10 +122,10 @@ def advance_bar(state, const, force):
     rigid = 0.0
     for c in range(3):
         rigid += const.frame[2, c] * state.projectile_velocity[c]
-    before, law = state.bar_u[0], const.bar_law
+    before = state.bar_u[0]
     advance(
-        state.bar_u, state.bar_v, const.bar_mass, const.bar_h, const.bar_area, law[0], law[1], law[2],
-        state.bar_plastic, state.bar_stress, state.bar_energy, force, const.dt, const.bar_substeps,
+        state.bar_u, state.bar_v, const.bar_mass, const.bar_h, const.bar_area, const.bar_law, state.bar_plastic,
+        state.bar_stress, state.bar_energy, force, const.dt, const.bar_substeps,
     )  # fmt: skip
     tip = (state.bar_u[0] - before) / const.dt
     for c in range(3):

@@ -37,56 +37,20 @@ import math
 import numpy as np
 
 from shellfabric.cloth import spline_kernels
-from shellfabric.cloth.membrane_kernels import ERODED
-from shellfabric.jit.compile import entry, kernel
+from shellfabric.jit.compile import kernel
 from shellfabric.jit.simd import WIDTH, any_lane, fma, greater, load, maximum, store
 from shellfabric.projectile import friction_kernels, sdf_kernels
+from shellfabric.projectile.window_kernels import (
+    erode,
+    intact_at_point,
+    move_window,
+    reachable_nodes,
+    window_bounds,
+)
 
 # of state.contact_energy: energies [J], and last the largest penetration [m] of a point of whole cloth so far
 CONTACT, SPRING, FRICTION, FRICTION_SPRING, MAX_PENETRATION = 0, 1, 2, 3, 4
 MIN_FORCE_SCALE = 1e-30  # [N] force of a point of a nose that does not push yet
-
-
-@kernel()
-def window_bounds(state):
-    """Contact window: first and end row, and column, of elements."""
-    return state.contact_window[0], state.contact_window[1], state.contact_window[2], state.contact_window[3]
-
-
-@kernel()
-def reachable_nodes(state, const):
-    """First and last row, and column, of the nodes that contact forces can reach: one beyond those of the elements."""
-    i0, i1, j0, j1 = window_bounds(state)
-    return max(i0 - 1, 0), min(i1 + 1, const.ni), max(j0 - 1, 0), min(j1 + 1, const.nj)
-
-
-@entry()
-def move_window(state, const):
-    """Move the contact window, state.contact_window, with a projectile that moves sideways.
-
-    The body lies between its nose and the place where its axis is at const.body_depth below the panel; about that the
-    window leaves const.draw_in_reach, by which cloth may be drawn in besides the body's own width, and what the edges
-    have slipped. Nothing bounds how far a yarn that has failed is drawn in: then the window is the whole panel. Cloth
-    from beyond would be found by the window's next row when it is an edge radius deep, on springs that nobody has
-    squeezed.
-    """
-    torn, slip = False, 0.0
-    for block in range(state.block_damage.size):
-        torn = torn or state.block_damage[block] != 0
-    for m in range(const.slip_node.size):
-        slip = max(slip, abs(state.u[const.slip_axis[m]][const.slip_node[m]]))
-    back = min((state.projectile_position[2] + const.body_depth) / const.frame[2, 2], const.projectile_length)
-    for c, start, step in ((0, const.x0, const.dx), (1, const.y0, const.dy)):
-        nose, foot = state.projectile_position[c], state.projectile_position[c] - back * const.frame[2, c]
-        low, high = min(nose, foot) - start, max(nose, foot) - start
-        low, high = low - const.draw_in_reach[c] - slip, high + const.draw_in_reach[c] + slip
-        count = const.window_limits[2 * c + 1]
-        state.contact_window[2 * c] = 0 if torn else min(max(int(low / step), 0), count)
-        state.contact_window[2 * c + 1] = (
-            count if torn else min(max(int(high / step) + 1, state.contact_window[2 * c]), count)
-        )
-    state.active_rows[0] = min(state.active_rows[0], max(state.contact_window[0] - 2, 0))
-    state.active_rows[1] = max(state.active_rows[1], min(state.contact_window[1] + 2, const.ni))
 
 
 @kernel(_nrt=False)
@@ -158,44 +122,6 @@ def reset_element(state, const, e):
     state.last_contact_force[e] = 0.0
     if const.friction > 0.0:
         state.friction_state[e] = 0.0
-
-
-@kernel()
-def erode(state, const, i, j):
-    """Erosion criterion: all yarns of the element have failed, or those of one family and the gap that they left is
-    wider than const.erosion_gap_ratio. Erosion is permanent."""
-    k, row, one = np.uint64(i * const.row_stride + j), np.uint64(const.row_stride), np.uint64(1)
-    if state.element_flag[k] & ERODED:
-        return True
-    warp = state.intact_fraction[0][k] + state.intact_fraction[0][k + one]
-    weft = state.intact_fraction[1][k] + state.intact_fraction[1][k + row]
-    a, b = 0.0, 0.0
-    for c in range(3):
-        u = state.u[c]
-        u0, u1, u2, u3 = u[k], u[k + row], u[k + one], u[k + row + one]
-        a += ((2.0 * const.dx if c == 0 else 0.0) + u1 - u0 + u3 - u2) ** 2
-        b += ((2.0 * const.dy if c == 1 else 0.0) + u2 - u0 + u3 - u1) ** 2
-    open1, open2 = (
-        a > (2.0 * const.erosion_gap_ratio * const.dx) ** 2,
-        b > (2.0 * const.erosion_gap_ratio * const.dy) ** 2,
-    )
-    if (warp == 0.0 and (weft == 0.0 or open1)) or (weft == 0.0 and open2):
-        state.element_flag[k] |= ERODED
-        return True
-    return False
-
-
-@kernel()
-def intact_at_point(state, const, k, s, t):
-    """Intact fraction at the point (s, t) of element k: the mean of the warp and the weft next to it."""
-    warp, weft, row = state.intact_fraction[0], state.intact_fraction[1], np.uint64(const.row_stride)
-    near = warp[k] if t < 0.5 else warp[k + np.uint64(1)]
-    other = weft[k] if s < 0.5 else weft[k + row]
-    if t == 0.5:
-        near = 0.5 * (warp[k] + warp[k + np.uint64(1)])
-    if s == 0.5:
-        other = 0.5 * (weft[k] + weft[k + row])
-    return 0.5 * (near + other)
 
 
 @kernel(_nrt=False)
@@ -368,20 +294,3 @@ def apply_contact_impulse(state, const):
                 k = np.uint64(m)
                 state.v[c][k] += state.dt_over_mass[k] * state.f_contact[c][k]
         state.projectile_velocity[c] += const.dt * const.free_dofs[c] * state.f_contact_nose[c] / const.projectile_mass
-
-
-@entry()
-def cloth_ahead_of_nose(state, const):
-    """Whether an element that is not eroded lies ahead of the shoulder, within the projectile's radius."""
-    i0, i1, j0, j1 = window_bounds(state)
-    for i in range(i0, i1):
-        for j in range(j0, j1):
-            if state.element_flag[i * const.row_stride + j] & ERODED:
-                continue
-            p_x, p_y, p_z = 0.0, 0.0, 0.0
-            for m in range(4):
-                x, y, z = spline_kernels.node_position(state, const, i + (m & 1), j + (m >> 1))
-                p_x, p_y, p_z = p_x + 0.25 * x, p_y + 0.25 * y, p_z + 0.25 * z
-            if p_z > -const.shoulder and p_x * p_x + p_y * p_y < const.projectile_radius * const.projectile_radius:
-                return True
-    return False

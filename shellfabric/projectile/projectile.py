@@ -62,7 +62,7 @@ SHAPES = {
 
 @dataclass(frozen=True)
 class Projectile:
-    """Projectile; by default a rigid right circular cylinder (source thesis section 2.3: 3 g, 5.5 mm, flat).
+    """Projectile; by default a rigid right circular cylinder (thesis section 2.3: 3 g, 5.5 mm, flat).
 
     Parameters
     ----------
@@ -78,10 +78,12 @@ class Projectile:
     flat_width : [m] of the strip across a chisel's nose; it lies along the weft at no obliquity and roll
     flat_angle : [rad] of a chisel's flats against the plane of its nose
     obliquity, azimuth, yaw, roll : [rad], see above; the axis may lean by 75 degrees at most
-    friction : Coulomb's coefficient between projectile and fabric; none in the source
-    body : "rigid", "bar", or the Bar itself, of this mass. "bar" is a flat cylinder of steel (thesis Table 4-2), bored
-        from its tail to its mass (erratum E-37), as long as the source's where no length is given
-    bore : [m] width of the bore of that cylinder; None takes 4.5 mm. The source tells neither width nor depth
+    friction : Coulomb's coefficient between projectile and fabric; none in the thesis
+    body : "rigid", "elastic_bar", or the Bar itself, of this mass. "elastic_bar" is a flat cylinder of steel (thesis
+        Table 4-2), bored from its tail to its mass (erratum E-37), as long as that of the thesis where no length is
+        given
+    bore_diameter : [m] of the bore of that cylinder; None takes 4.5 mm. The thesis gives neither its diameter nor its
+        depth
 
     Raises
     ------
@@ -103,7 +105,7 @@ class Projectile:
     roll: float = 0.0
     friction: float = 0.0
     body: str | Bar = "rigid"
-    bore: float | None = None
+    bore_diameter: float | None = None
 
     def __post_init__(self):
         if self.shape not in SHAPES:
@@ -122,11 +124,17 @@ class Projectile:
         self._check_body()
 
     def _check_body(self):
-        if not isinstance(self.body, Bar) and self.body not in ("rigid", "bar"):
-            raise InputError(key="body", value=self.body, allowed="rigid, bar or a Bar")
-        if self.bore is not None and (self.body != "bar" or not 0 < self.bore < 2 * self.radius):
-            raise InputError(key="bore", value=self.bore, allowed="below the diameter, and with the body bar")
-        if self.body == "bar" and self.shape != "flat":
+        if not isinstance(self.body, Bar) and self.body not in ("rigid", "elastic_bar"):
+            raise InputError(key="body", value=self.body, allowed="rigid, elastic_bar or a Bar")
+        if self.bore_diameter is not None and (
+            self.body != "elastic_bar" or not 0 < self.bore_diameter < 2 * self.radius
+        ):
+            raise InputError(
+                key="bore_diameter",
+                value=self.bore_diameter,
+                allowed="below the diameter, and with the body elastic_bar",
+            )
+        if self.body == "elastic_bar" and self.shape != "flat":
             raise InputError(
                 key="body", value=self.body, allowed=f"rigid, or a Bar of its own sections, for a {self.shape}"
             )
@@ -139,7 +147,7 @@ class Projectile:
         """The bar along the axis; None for a rigid body."""
         if isinstance(self.body, Bar):
             return self.body
-        return self.steel_bar() if self.body == "bar" else None
+        return self.steel_bar() if self.body == "elastic_bar" else None
 
     def steel_bar(self) -> Bar:
         """The bored steel cylinder of this mass, diameter and length.
@@ -148,7 +156,7 @@ class Projectile:
         ------
         InputError : a mass that the solid cylinder has not, or that the bore cannot leave
         """
-        return Bar.cylinder(self.mass, diameter=2 * self.radius, length=self.length, bore=self.bore)
+        return Bar.cylinder(self.mass, diameter=2 * self.radius, length=self.length, bore_diameter=self.bore_diameter)
 
     def _check_lengths(self):
         for key in ("mass", "radius", "edge_radius"):

@@ -1,6 +1,6 @@
 """A woven patch of solid yarns with fibre bars, and the projectile before it: what the kernels work on.
 
-The model of the source thesis, chapter 3, in explicit dynamics: bricks with the volume-fraction law, bars along the
+The model of the thesis, chapter 3, in explicit dynamics: bricks with the volume-fraction law, bars along the
 fibre, frictionless contact of the yarns where they cross, all yarn ends held. A plain weave has no plane of symmetry
 between its yarns, so the patch is whole.
 

@@ -14,7 +14,7 @@ class PatchNumerics:
 
     Parameters
     ----------
-    safety : of the time step against its bound, found anew before every audit from the state
+    cfl : Courant factor, the time step over its stability bound, found anew before every audit from the state
     hourglass : factor on the stiffness of the hourglass control; 1 is the full rule's at rest
     solid_viscosity, fibre_viscosity : damping ratios of the highest mode through a yarn, and along it
     penalty : [Pa/m] of yarns on each other, both passes together, and of the projectile on yarns
@@ -27,7 +27,7 @@ class PatchNumerics:
     slack_stiffness : [-] fraction of its stiffness left to a slack fibre
     """
 
-    safety: float = 0.8
+    cfl: float = 0.8
     hourglass: float = 1.0
     solid_viscosity: float = 0.1
     fibre_viscosity: float = 0.1
@@ -39,11 +39,11 @@ class PatchNumerics:
     slack_stiffness: float = 1e-3
 
     def __post_init__(self):
-        for key in ("safety", "penalty", "toe", "deepest", "slack_width", "slack_stiffness"):
+        for key in ("cfl", "penalty", "toe", "deepest", "slack_width", "slack_stiffness"):
             if not 0 < getattr(self, key) < inf:
                 raise InputError(key=key, value=getattr(self, key), allowed="above 0")
         for key in ("hourglass", "solid_viscosity", "fibre_viscosity", "contact_damping"):
             if not 0 <= getattr(self, key) < inf:
                 raise InputError(key=key, value=getattr(self, key), allowed="at least 0")
-        if self.safety > 1:
-            raise InputError(key="safety", value=self.safety, allowed="at most 1")
+        if self.cfl > 1:
+            raise InputError(key="cfl", value=self.cfl, allowed="at most 1")

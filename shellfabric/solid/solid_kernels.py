@@ -1,6 +1,6 @@
 """The solid of a yarn in explicit dynamics: bricks with one integration point and elastic hourglass control.
 
-The law is that of the source thesis, section 3.4.2, with the branches of erratum E-20; a frame follows the fibre. With
+The law is that of the thesis, section 3.4.2, with the branches of erratum E-20; a frame follows the fibre. With
 e1 along the mesh edges of the fibre, e2 across and e3 through the yarn at rest, and f_i = F e_i,
 
     F Q0 = Q R,     V_f = Vf0 / (R_22 R_33),     P e_i = Q (J S R^-T)_i                          (eqs. 3-7, 3-9)
@@ -244,19 +244,17 @@ def brick_folded(f):
 
 
 @kernel(fastmath={"contract"})
-def solid_forces(
-    first, nx, ny, nz, x, gradient, volume, twist, control, viscous, law, dt, alive, last, torn, material, force, sums
-):
+def solid_forces(shape, x, bricks, law, dt, alive, last, torn, material, force, sums):
     """Add the internal forces of the bricks of one yarn. A brick is torn, and gone, with half of its bars, or folded.
 
     Parameters
     ----------
-    first, nx, ny, nz : first node and bricks along, across and through; nodes and bricks are numbered with k fastest
+    shape : first node and bricks along, across and through; nodes and bricks are numbered with k fastest
     x : (n, 3) [m]
-    gradient : (m, 8, 3) [1/m] b of each brick
-    volume : (m,) [m3] at rest
-    twist : (m, 4, 3) [m] c;  control : (m, 4, 3) [N/m3] K
-    viscous : (m, 2) [kg^(1/2) m^(-1/2)] xi rho^(1/2) L across and through
+    bricks : at rest, (gradient, volume, twist, control, viscous)
+        gradient : (m, 8, 3) [1/m] b of each brick;  volume : (m,) [m3]
+        twist : (m, 4, 3) [m] c;  control : (m, 4, 3) [N/m3] K
+        viscous : (m, 2) [kg^(1/2) m^(-1/2)] xi rho^(1/2) L across and through
     law : (6,) as for `piola`
     dt : [s] since the last call; 0 at the first, for no rates
     alive : (b,) bool, bars that are whole, numbered as their first nodes
@@ -265,6 +263,7 @@ def solid_forces(
     material, force : (n, 3) [N] of the law, and of the hourglass control; added to
     sums : (SUMS,) DAMPED and FAILED [J] are added to, HOURGLASS [J] is overwritten
     """
+    (first, nx, ny, nz), (gradient, volume, twist, control, viscous) = shape, bricks
     nodes = np.empty(8, np.int64)
     f, P, D, H = np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3)), np.empty((4, 3))
     places, own = np.empty((8, 3)), np.empty((8, 3))

@@ -24,8 +24,8 @@ ENERGIES = (
     "hourglass",
     "contact",
     "viscous",
-    "failed",
-    "balance",
+    "failure_dissipation",
+    "error",
 )
 SAMPLES = ("t", "v", "z", "push", "dt", "failed_bars", "warp_peak", "weft_peak", "warp_nose", "weft_nose", *ENERGIES)
 SAME = 16  # steps of one length
@@ -117,7 +117,7 @@ class SolidSolver(ExplicitSolver):
         if not np.isfinite(fastest):
             self.stop("a brick is inverted", f"node {node}")
         damping = max(numerics.solid_viscosity, numerics.fibre_viscosity)
-        longest = numerics.safety * 2 / fastest * (np.sqrt(1 + damping**2) - damping)
+        longest = numerics.cfl * 2 / fastest * (np.sqrt(1 + damping**2) - damping)
         steps = int(np.ceil(left / longest))
         speed = np.sqrt((state.v**2).sum(axis=1).max())
         state.step_sizes[0] = left / steps
@@ -178,7 +178,7 @@ class SolidSolver(ExplicitSolver):
 
     def checkpoint_identity(self):
         """See ExplicitSolver."""
-        known = self.strike_velocity, self.interval, self.patch.numerics.safety, self.const._asdict()
+        known = self.strike_velocity, self.interval, self.patch.numerics.cfl, self.const._asdict()
         return known, "shellfabric.solid.solver"
 
     def checkpoint_arrays(self):

@@ -24,22 +24,22 @@ NOSE, LOST, FORCE = 0, 1, 2  # of the sums over the nose's contact: energy store
 
 
 @kernel()
-def nose_forces(
-    first, nx, ny, nz, x, v, inverse_mass, area, damping, position, speed, spring, shot, form, dt, force, out
-):
+def nose_forces(shape, x, v, inverse_mass, area, damping, nose, spring, dt, force, out):
     """Penalty contact of the two faces of a yarn with the projectile.
 
     Parameters
     ----------
+    shape : first node of the yarn and bricks along, across and through
     inverse_mass : (n,) [1/kg]
     area, damping : (nx + 1, ny + 1) [m2], [N s/m] of the nodes of a face
-    position, speed : (3,) of the nose [m], [m/s]
+    nose : (position, speed, shot, form), the first two (3,) of the nose [m], [m/s]
+        shot : (4,) number of the shape, radius, edge radius, length [m];  form : (4,) as for `sdf_kernels`
     spring : (2,) penalty [Pa/m], toe [m]
-    shot : (4,) number of the shape, radius, edge radius, length [m];  form : (4,) as for `sdf_kernels`
     dt : [s]
     force : (n, 3) [N] added to
     out : (5,) NOSE [J] and the force [N] on the nose, PUSH .. PUSH + 2, overwritten; LOST [J] added to
     """
+    (first, nx, ny, nz), (position, speed, shot, form) = shape, nose
     out[NOSE] = out[FORCE] = out[FORCE + 1] = out[FORCE + 2] = 0.0
     widest = shot[1] * shot[1]
     for i in range(nx + 1):
@@ -94,34 +94,35 @@ def forces(state, const, dt):
             const.fibre_law[kind], dt, alive, state.f_other, state.energy_sums[y],
         )  # fmt: skip
         solid_kernels.solid_forces(
-            f, nx, ny, nz, state.x, const.gradient[k0:k1], const.volume[k0:k1], const.hourglass_pattern[k0:k1],
-            const.hourglass_stiffness[k0:k1], const.solid_viscosity[k0:k1], const.solid_law[kind], dt, alive,
-            state.last_log_stretch[e0:e1],
-            state.brick_failed[e0:e1], state.f_material, state.f_other, state.energy_sums[y],
+            (f, nx, ny, nz), state.x,
+            (const.gradient[k0:k1], const.volume[k0:k1], const.hourglass_pattern[k0:k1],
+             const.hourglass_stiffness[k0:k1], const.solid_viscosity[k0:k1]),
+            const.solid_law[kind], dt, alive, state.last_log_stretch[e0:e1], state.brick_failed[e0:e1],
+            state.f_material, state.f_other, state.energy_sums[y],
         )  # fmt: skip
         nose_forces(
-            f, nx, ny, nz, state.x, state.v, const.inverse_mass, const.face_area[r0:r1], const.nose_damping[r0:r1],
-            state.projectile_position, state.projectile_velocity, const.nose_penalty, const.nose_shape,
-            const.nose_parameters, dt, state.f_other, state.nose_sums[y],
+            (f, nx, ny, nz), state.x, state.v, const.inverse_mass, const.face_area[r0:r1], const.nose_damping[r0:r1],
+            (state.projectile_position, state.projectile_velocity, const.nose_shape, const.nose_parameters),
+            const.nose_penalty, dt, state.f_other, state.nose_sums[y],
         )  # fmt: skip
     yarn_contact_kernels.crossings(
-        const.crossing_order, const.colour_start, state.x, state.v, const.inverse_mass, state.brick_failed,
-        const.crossing_node, const.crossing_brick,
-        const.crossing_start, const.warp_over, const.cp_bounds, const.crossing_shape, const.contact_penalty,
-        const.contact_area, const.contact_damping, state.closest_point,
-        state.wait_steps, dt, state.step_sizes[1], state.f_other, state.contact_energy,
+        const.crossing_order, const.colour_start, (state.x, state.v, const.inverse_mass), state.brick_failed,
+        (const.crossing_node, const.crossing_brick, const.crossing_start, const.warp_over, const.cp_bounds),
+        const.crossing_shape, const.contact_penalty,
+        (const.contact_area, const.contact_damping, state.closest_point, state.wait_steps),
+        (dt, state.step_sizes[1]), state.f_other, state.contact_energy,
     )  # fmt: skip
 
 
 @kernel()
-def move_yarn(y, first, last, x, v, material, force, mass, inverse_mass, kick, dt, sums, half):
-    """Velocities of the nodes first .. last - 1 over `kick` [s], places over `dt` [s].
+def move_yarn(y, nodes, x, v, material, force, mass, inverse_mass, kick, dt, sums, half):
+    """Velocities of the nodes first .. last - 1, nodes = (first, last), over `kick` [s], places over `dt` [s].
 
     The work of the material's forces is added to sums[y, SOLID], half of this step's is left in half[y], and the
     kinetic energy at the instant of the forces in sums[y, KINETIC] [J].
     """
     power, kinetic = 0.0, 0.0
-    for n in range(first, last):
+    for n in range(nodes[0], nodes[1]):
         for c in range(3):
             before = v[n, c]
             after = before - kick * inverse_mass[n] * (material[n, c] + force[n, c])
@@ -142,8 +143,8 @@ def move(state, const, kick, dt):
         first = const.first_node[y]
         last = first + (const.bricks_along[y] + 1) * (const.ny + 1) * (const.nz + 1)
         move_yarn(
-            y, first, last, state.x, state.v, state.f_material, state.f_other, const.mass, const.inverse_mass, kick, dt,
-            state.energy_sums, state.half_step_work,
+            y, (first, last), state.x, state.v, state.f_material, state.f_other, const.mass, const.inverse_mass, kick,
+            dt, state.energy_sums, state.half_step_work,
         )  # fmt: skip
 
 
@@ -187,19 +188,22 @@ def frequency_bounds(state, const, worst):
         bricks, bars, e0, b0 = nx * const.ny * const.nz, nx * sheet, const.first_brick[y], const.first_bar[y]
         k0, l0 = const.type_brick[kind], const.type_bar[kind]
         yarn_frequency_bound(
-            y, const.first_node[y], nx, const.ny, const.nz, state.x, const.gradient[k0 : k0 + bricks],
-            const.volume[k0 : k0 + bricks], const.solid_law[kind], const.hourglass_stiffness[k0 : k0 + bricks],
-            state.brick_failed[e0 : e0 + bricks], const.bar_length[l0 : l0 + bars], const.bar_stiffness[kind],
-            state.bar_intact[b0 : b0 + bars], const.contact_row_sum, const.inverse_mass, worst,
+            y, (const.first_node[y], nx, const.ny, const.nz), state.x,
+            (const.gradient[k0 : k0 + bricks], const.volume[k0 : k0 + bricks], const.solid_law[kind],
+             const.hourglass_stiffness[k0 : k0 + bricks], state.brick_failed[e0 : e0 + bricks]),
+            (const.bar_length[l0 : l0 + bars], const.bar_stiffness[kind], state.bar_intact[b0 : b0 + bars]),
+            const.contact_row_sum, const.inverse_mass, worst,
         )  # fmt: skip
 
 
 @kernel()
-def yarn_frequency_bound(
-    y, first, nx, ny, nz, x, gradient, volume, law, control, torn, length, stiffness, alive, contact_rows, inverse_mass,
-    worst,
-):  # fmt: skip
-    """The bound of one yarn, worst[y]."""
+def yarn_frequency_bound(y, shape, x, bricks, bars, contact_rows, inverse_mass, worst):
+    """The bound of one yarn, worst[y].
+
+    shape : as for `nose_forces`;  bricks : gradient, volume, law, hourglass stiffness, failed;  bars : length,
+    stiffness, intact
+    """
+    (first, nx, ny, nz), (gradient, volume, law, control, torn), (length, stiffness, alive) = shape, bricks, bars
     sheet = (ny + 1) * (nz + 1)
     rows = np.zeros((nx + 1) * sheet)
     brick_row_sums(first, nx, ny, nz, x, gradient, volume, law, control, torn, rows)

@@ -143,32 +143,67 @@ def node_bare(torn, first, i, j, nx, ny, nz, face):
     return True
 
 
+@kernel(fastmath={"contract"}, forceinline=True)
+def contact_share(torn, slave, master, place, shape, foot, bounds, gap):
+    """Share w of a node's area that is in contact, and how far it is beyond where that ends [bricks].
+
+    place : (i, j) of the node along and across the slave;  foot : its closest point on the master
+    """
+    _, long, nx, ny, nz = shape
+    share, beyond = side_weight(foot[1], ny)
+    if foot[0] <= bounds[0] or foot[0] >= bounds[1]:
+        share = 0.0
+    elif gap < 0.0 and share > 0.0:
+        under = min(max(int(foot[1]), 0), ny - 1)
+        if brick_failed(torn, master[2], min(int(foot[0]), nx - 1), under, ny, nz, master[1]) or node_bare(
+            torn, slave[2], place[0], place[1], long, ny, nz, slave[1]
+        ):
+            share = 0.0
+    return share, beyond
+
+
+@kernel(fastmath={"contract"}, forceinline=True)
+def apply_pressure(motion, node, nodes, weights, n, gap, share, spring, area, damping, dt, sums):
+    """Force [N] on a node along its normal n : (3,), of which its closest point's 16 nodes get the opposite.
+
+    sums : (2,) [J] energy and damping, added to
+    """
+    _, v, inverse_mass = motion
+    p, energy, closed = pressure(-gap, spring[0], spring[1])
+    opening = v[node, 0] * n[0] + v[node, 1] * n[1] + v[node, 2] * n[2]
+    yielding = inverse_mass[node]
+    for m in range(16):
+        k = nodes[m]
+        yielding += weights[m] * weights[m] * inverse_mass[k]
+        opening -= weights[m] * (v[k, 0] * n[0] + v[k, 1] * n[1] + v[k, 2] * n[2])
+    push = area * p
+    drag = max(-closed * damping * opening, -push) * share
+    push = push * share + drag
+    sums[0] += energy * area * share
+    sums[1] -= drag * (opening + 0.5 * dt * yielding * push) * dt  # at the velocity in the middle of the push
+    return push
+
+
 @kernel(fastmath={"contract"})
-def one_pass(
-    x, v, inverse_mass, torn, slave, master, start, low, high, shape, side, spring, area, damping, xi, rest, dt, reach,
-    force, out,
-):  # fmt: skip
+def one_pass(motion, torn, slave, master, cell_bounds, shape, side, spring, contact, step, force, out):
     """One pass of the penalty contact: nodes of a slave face on a master surface, as far as both have bricks.
 
     Parameters
     ----------
-    x, v : (n, 3) [m], [m/s] places, and velocities of half a step ago
-    inverse_mass : (n,) [1/kg]
-    torn : bool, of all bricks
+    motion, torn : as for `crossings`
     slave, master : (3,) first node of the yarn, its face (0 or nz), its first brick
-    start : brick along the slave where its cell begins
-    low, high : bricks along the master between which feet may lie
+    cell_bounds : brick along the slave where its cell begins; bricks along the master between which feet may lie
     shape : (5,) bricks: along a cell; along the slave, along the master; across, through
     side : +1 where S_,1 x S_,2 points to the slave, else -1
     spring : (3,) penalty [Pa/m], toe and greatest depth [m]
-    area, damping : (s,) [m2], [N s/m] of the slave nodes
-    xi : (s, 2) feet at the last step; overwritten
-    rest : (s,) steps for which a node need not be looked at; overwritten
-    dt : [s];  reach : [m] by which a gap may close in a step at most
+    contact : area, damping : (s,) [m2], [N s/m] of the slave nodes; xi : (s, 2) feet at the last step and rest : (s,)
+        steps for which a node need not be looked at, both overwritten
+    step : dt [s], reach [m] by which a gap may close in a step at most
     force : (n, 3) [N] added to
     out : (2,) [J] energy and damping, added to
     """
-    cell, long, nx, ny, nz = shape
+    cell, _, nx, ny, nz = shape
+    (x, _, _), (start, low, high), (area, damping, xi, rest), (dt, reach) = motion, cell_bounds, contact, step
     nodes, weights, S, n, away = np.empty(16, np.int64), np.empty(16), np.empty((3, 3)), np.empty(3), np.empty(3)
     for i in range(cell + 1):
         for j in range(ny + 1):
@@ -186,15 +221,7 @@ def one_pass(
             length = math.sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2])
             n /= length
             gap = away[0] * n[0] + away[1] * n[1] + away[2] * n[2]
-            share, beyond = side_weight(xi[s, 1], ny)
-            if xi[s, 0] <= low or xi[s, 0] >= high:
-                share = 0.0
-            elif gap < 0.0 and share > 0.0:
-                under = min(max(int(xi[s, 1]), 0), ny - 1)
-                if brick_failed(torn, master[2], min(int(xi[s, 0]), nx - 1), under, ny, nz, master[1]) or node_bare(
-                    torn, slave[2], start + i, j, long, ny, nz, slave[1]
-                ):
-                    share = 0.0
+            share, beyond = contact_share(torn, slave, master, (start + i, j), shape, xi[s], (low, high), gap)
             slip0, slip1, width = closest_point_step(away, S)
             xi[s, 0] = min(max(xi[s, 0] + slip0, low), high)
             xi[s, 1] = min(max(xi[s, 1] + slip1, -1.5), ny + 1.5)
@@ -203,32 +230,19 @@ def one_pass(
             if gap >= 0.0 or share == 0.0:
                 rest[s] = min(int(max(gap, beyond * width) / reach), MAX_STEPS_SKIPPED) if reach > 0.0 else 0
                 continue
-            p, energy, closed = pressure(-gap, spring[0], spring[1])
-            opening = v[node, 0] * n[0] + v[node, 1] * n[1] + v[node, 2] * n[2]
-            yielding = inverse_mass[node]
-            for m in range(16):
-                k = nodes[m]
-                yielding += weights[m] * weights[m] * inverse_mass[k]
-                opening -= weights[m] * (v[k, 0] * n[0] + v[k, 1] * n[1] + v[k, 2] * n[2])
-            push = area[s] * p
-            drag = max(-closed * damping[s] * opening, -push) * share
-            push = push * share + drag
-            out[0] += energy * area[s] * share
-            out[1] -= drag * (opening + 0.5 * dt * yielding * push) * dt  # at the velocity in the middle of the push
+            push = apply_pressure(motion, node, nodes, weights, n, gap, share, spring, area[s], damping[s], dt, out)
             for c in range(3):
                 force[node, c] -= push * n[c]
             for m in range(16):
-                k = nodes[m]
                 for c in range(3):
-                    force[k, c] += push * weights[m] * n[c]
+                    force[nodes[m], c] += push * weights[m] * n[c]
 
 
 @kernel(fastmath={"contract"})
-def crossing(
-    c, x, v, inverse_mass, torn, firsts, bricks, starts, over, bounds, shape, spring, area, damping, xi, rest, dt,
-    reach, force, out,
-):  # fmt: skip
+def crossing(c, motion, torn, weave, shape, spring, contact, step, force, out):
     """Both passes of the crossing c; see `crossings`."""
+    firsts, bricks, starts, over, bounds = weave
+    area, damping, xi, rest = contact
     cell, ny, nz = shape[0], shape[3], shape[4]
     upper, lower = (0, nz) if over[c] else (nz, 0)  # the face of the warp that meets the weft, and of the weft
     side = -1.0 if over[c] else 1.0
@@ -238,42 +252,42 @@ def crossing(
     for way in range(2):
         slave, master = (warp, weft) if way == 0 else (weft, warp)
         one_pass(
-            x, v, inverse_mass, torn, slave, master, starts[c, way], bounds[c, 1 - way, 0], bounds[c, 1 - way, 1],
-            (cell, shape[1 + way], shape[2 - way], ny, nz), side, half, area[c, way],
-            damping[c, way], xi[c, way], rest[c, way], dt, reach, force, out[c],
+            motion, torn, slave, master, (starts[c, way], bounds[c, 1 - way, 0], bounds[c, 1 - way, 1]),
+            (cell, shape[1 + way], shape[2 - way], ny, nz), side, half,
+            (area[c, way], damping[c, way], xi[c, way], rest[c, way]), step, force, out[c],
         )  # fmt: skip
 
 
 @kernel(parallel=True)
-def crossings(
-    order, colours, x, v, inverse_mass, torn, firsts, bricks, starts, over, bounds, shape, spring, area, damping, xi,
-    rest, dt, reach, force, out,
-):  # fmt: skip
+def crossings(order, colours, motion, torn, weave, shape, spring, contact, step, force, out):
     """Add the contact forces of all crossings.
 
     Parameters
     ----------
     order, colours : (C,) crossings by colour, and (5,) where each colour begins
-    x, v : (n, 3) [m], [m/s]
-    inverse_mass, torn : (n,) [1/kg]; bool, of all bricks
-    firsts, bricks : (C, 2) first nodes, and first bricks, of warp and weft
-    starts : (C, 2) bricks along warp and weft where the cell begins
-    over : (C,) bool, where the warp lies over the weft
-    bounds : (C, 2, 2) bricks along warp and weft between which feet may lie
+    motion : x, v : (n, 3) [m], [m/s] positions, and velocities of half a step ago; inverse_mass : (n,) [1/kg]
+    torn : bool, of all bricks
+    weave : (firsts, bricks, starts, over, bounds)
+        firsts, bricks : (C, 2) first nodes, and first bricks, of warp and weft
+        starts : (C, 2) bricks along warp and weft where the cell begins
+        over : (C,) bool, where the warp lies over the weft
+        bounds : (C, 2, 2) bricks along warp and weft between which feet may lie
     shape : (5,) int, bricks along a cell, along a warp, along a weft, across, through
     spring : (3,) penalty [Pa/m] of both passes together, toe [m], depth [m] beyond which a node is no partner
-    area, damping : (C, 2, s) [m2], [N s/m] of the nodes of warp and weft in the cell
-    xi, rest : (C, 2, s, 2), (C, 2, s) overwritten
-    dt, reach : [s], [m] as for `one_pass`
+    contact : (area, damping, xi, rest)
+        area, damping : (C, 2, s) [m2], [N s/m] of the nodes of warp and weft in the cell
+        xi, rest : (C, 2, s, 2), (C, 2, s) overwritten
+    step : dt, reach [s], [m] as for `one_pass`
     force : (n, 3) [N] added to
     out : (C, 2) [J] energy stored, overwritten, and damping, added to
     """
+    (x, v, inverse_mass), (dt, reach), (area, damping, xi, rest) = motion, step, contact
+    firsts, bricks, starts, over, bounds = weave
     for colour in range(4):
         for k in prange(colours[colour], colours[colour + 1]):
-            c = order[k]
             crossing(
-                c, x, v, inverse_mass, torn, firsts, bricks, starts, over, bounds, shape, spring, area, damping, xi,
-                rest, dt, reach, force, out,
+                order[k], (x, v, inverse_mass), torn, (firsts, bricks, starts, over, bounds), shape, spring,
+                (area, damping, xi, rest), (dt, reach), force, out,
             )  # fmt: skip
 
 

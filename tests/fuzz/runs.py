@@ -99,7 +99,8 @@ def setup_of(path):
 
 def _of_result(result):
     return {
-        "end": result.outcome, "energy_error": result.worst_balance, "failed_yarns": float(result.failed[-1]),
+        "end": result.outcome, "energy_error": result.energy_error_max,
+        "failed_yarns": float(result.failed_segments[-1]),
         "steps": result.steps, "time_us": 1e6 * float(result.t[-1]), "residual_velocity": result.residual_velocity,
     }  # fmt: skip
 

@@ -19,11 +19,12 @@ from shellfabric.impact import ballistic_limit as limits
 from shellfabric.impact.single_ply import ImpactSetup
 from shellfabric.impact.single_ply import run as run_impact
 from shellfabric.output import snapshots as output_snapshots
-from shellfabric.output.histories import Measure
+from shellfabric.output.histories import HistoryRequest
 from shellfabric.panel.boundary import PullIn
 from shellfabric.panel.model import Numerics, Panel
 from shellfabric.panel.solver import PLY_SAMPLES
-from shellfabric.plies.model import Pack, PlyContact, fabric_gap
+from shellfabric.plies.gap import fabric_gap
+from shellfabric.plies.model import Pack, PlyContact
 from shellfabric.plies.solver import PACK_ENERGIES, PackSolver
 from shellfabric.projectile import dynamics as bodies
 from shellfabric.projectile.bar import Bar
@@ -94,7 +95,7 @@ def setup(
         elements_per_crossover=elements,
         bending=bending,
         snapshot_interval=snapshots,
-        measure=Measure(interval, (0.0,), (0.0, *offsets)),
+        history=HistoryRequest(interval, (0.0,), (0.0, *offsets)),
         **options,
     )
 
@@ -127,13 +128,13 @@ def shot(**scene):
         "residual": result.residual_velocity,
         "t": result.t,
         "v": result.v,
-        "z": result.z,
+        "z": result.nose_position,
         "energies": result.energies,
         "reactions": result.reactions,
-        "failed": result.failed,
+        "failed": result.failed_segments,
         "peak": np.array(result.peak_tension),
         "strength": np.array([yarn.strength for yarn in weave.yarns]),
-        "fine": result.fine,
+        "fine": result.step_history,
         "first_failure": np.array(hook.times),
         "steps": result.steps,
         "clock": history.t,
@@ -142,8 +143,8 @@ def shot(**scene):
         "edge_tension": np.array([tension for _, tension in edge]),
         "half": np.array([yarns[f]["X"][-1] for f in ("warp", "weft")]),
         "snapshots": [_shape(panel, taken) for taken in result.snapshots],
-        "eroded": int(result.broken[..., 2].sum()),
-        "balance": result.worst_balance,
+        "eroded": int(result.failed[..., 2].sum()),
+        "balance": result.energy_error_max,
     }
 
 
@@ -160,7 +161,7 @@ def _shape(panel, taken):
         "x": panel.coordinates()[0][:, 0],
         "y": panel.coordinates()[1][0],
         "z": taken.nodes[..., 2].astype(np.float32),
-        "whole": ~taken.broken.any(axis=2),
+        "whole": ~taken.failed.any(axis=2),
     }
 
 
@@ -195,8 +196,8 @@ def net(*, fabric, velocity, end_time=800e-6, **changes):
         "outcome": found.outcome,
         "t": found.t,
         "v": found.v,
-        "z": found.z,
-        "fine": found.fine,
+        "z": found.nose_position,
+        "fine": found.step_history,
         "reactions": found.reactions,
         "seconds": found.wall_time,
         "bars": found.net.bars,
@@ -227,7 +228,7 @@ def bias(*, cloth, steps=20):
     means = np.array([case.means(k) for k in range(len(result.states))])
     return {
         "problem": case.problem or "",
-        "moved": result.moved,
+        "moved": result.prescribed,
         "angles": np.radians(means),
         "concentration": np.array([case.concentration(k) for k in range(len(result.states))]),
         "asymmetry": bias_cases.asymmetry(result) if not case.problem else np.nan,
@@ -282,7 +283,7 @@ def pack(
     fabric, velocity [m/s], plies, end_time [s]
     stacking : "aligned" or "alternating"
     added : [m] to that gap
-    body : of the projectile, "rigid", "bar" (bored), or "full" (`Bar.full`)
+    body : of the projectile, "rigid", "elastic_bar" (bored), or "full" (`Bar.full`)
     face : {"modulus", "strain": factors} of the ply that is struck, None where all are alike
     form : of the contact between plies
     failure_time : [s] over which tensions are low-passed before they are held against the strength
@@ -323,7 +324,7 @@ def pack(
         "deepest": march.deepest,
         "cones": cones,
         "swing": _swing(fine, march, bar) if bar else np.nan,
-        "balance": float(np.abs(march.sample("balance")).max()) / march.strike_energy,
+        "balance": float(np.abs(march.sample("error")).max()) / march.strike_energy,
         "seconds": march.wall_time,
         "steps": march.steps,
     }

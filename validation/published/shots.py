@@ -57,7 +57,7 @@ class Case:
     ----------
     fabric, velocity : [-, m/s]
     elements : per crossover, along each side
-    body : of the projectile, "rigid" or "bar"
+    body : of the projectile, "rigid" or "elastic_bar"
     """
 
     fabric: str
@@ -112,7 +112,7 @@ def single_shots(results):
             for elements in MESHES:
                 rows.append(_row(ONE_PLY, results, Case(fabric, velocity, elements), expected))
         for elements in BAR_MESHES.get(fabric, (1,)):
-            rows.append(_row(ONE_PLY, results, Case(fabric, velocities[1], elements, "bar"), PERFORATES))
+            rows.append(_row(ONE_PLY, results, Case(fabric, velocities[1], elements, "elastic_bar"), PERFORATES))
     for velocity, expected in zip(TESTS, (STOPS, PERFORATES)):
         for elements in TEST_MESHES:
             rows.append(_row(TEST, results, Case(TESTED, velocity, elements), expected))
@@ -178,7 +178,7 @@ def bars(shots):
     rows = [["fabric", "strike, m/s", "elements per crossover", "thesis", "computed, rigid", "computed, elastic bar"]]
     for fabric, (_, velocity) in CAPTIONS.items():
         found = _of(shots, ONE_PLY, fabric, velocity)
-        for bar in (s for s in found if s["projectile"] == "bar"):
+        for bar in (s for s in found if s["projectile"] == "elastic_bar"):
             n = bar["elements per crossover"]
             (rigid,) = (s for s in found if s["elements per crossover"] == n and s["projectile"] == "rigid")
             rows.append([fabric, f"{velocity:g}", n, bar["thesis"], _outcome(rigid), _outcome(bar)])

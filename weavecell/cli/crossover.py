@@ -59,51 +59,63 @@ _OF_CASE = {
 }
 
 
+CaseOption = Annotated[
+    Case, typer.Option(help="One yarn pulled, plies between platens, or the weave stretched, sheared.")
+]
+PartOption = Annotated[
+    Part | None,
+    typer.Option(help="yarn, path: a quarter (default) or whole; biaxial, shear: whole (default) or periodic (2 x 2)."),
+]
+FailureOption = Annotated[bool, typer.Option("--failure", help="Fibres fail at their failure strain.")]
+FamilyOption = Annotated[Family, typer.Option(help="yarn: which.")]
+BarsOption = Annotated[
+    int | None, typer.Option(help="yarn: fibre lines that carry bars; all if not given.", metavar="N")
+]
+ReducedOption = Annotated[
+    bool,
+    typer.Option("--reduced-integration", help="yarn: one integration point, to see the zero-energy modes."),
+]
+PliesOption = Annotated[int, typer.Option(help="stack: number.")]
+ShiftOption = Annotated[
+    str, typer.Option(help="stack: of each ply on the one under it, in crossings along x and y.", metavar="X,Y")
+]
+PressureOption = Annotated[
+    str | None,
+    typer.Option(help="platens, stack: at the end; the source's greatest by default.", metavar="PRESSURE"),
+]
+StretchOption = Annotated[
+    str,
+    typer.Option(
+        "--end-displacement",
+        help="biaxial, shear: of each yarn end, both or warp and weft.",
+        metavar="LENGTH[,LENGTH]",
+    ),
+]
+AngleOption = Annotated[str, typer.Option("--shear-angle", help="shear: angle at the end.", metavar="ANGLE")]
+PathOption = Annotated[
+    Path | None, typer.Option(help='path: CSV file of corners, headed "d1 \\[um], d2 \\[um]".', metavar="FILE.csv")
+]
+
+
 def crossover(
     context: typer.Context,
     fabric: FabricArgument,
-    case: Annotated[
-        Case, typer.Option(help="One yarn pulled, plies between platens, or the weave stretched, sheared.")
-    ],
+    case: CaseOption,
     size: FinenessOption = "coarse",
-    domain: Annotated[
-        Part | None,
-        typer.Option(
-            help="yarn, path: a quarter (default) or whole; biaxial, shear: whole (default) or periodic (2 x 2)."
-        ),
-    ] = None,
+    domain: PartOption = None,
     section: SectionOption = None,
     gap: GapOption = "0 mm",
-    failure: Annotated[bool, typer.Option("--failure", help="Fibres fail at their failure strain.")] = False,
+    failure: FailureOption = False,
     friction: FrictionOption = 0.0,
-    yarn: Annotated[Family, typer.Option(help="yarn: which.")] = Family.warp,
-    bars: Annotated[
-        int | None, typer.Option(help="yarn: fibre lines that carry bars; all if not given.", metavar="N")
-    ] = None,
-    one_point: Annotated[
-        bool,
-        typer.Option("--reduced-integration", help="yarn: one integration point, to see the zero-energy modes."),
-    ] = False,
-    plies: Annotated[int, typer.Option(help="stack: number.")] = 2,
-    shift: Annotated[
-        str, typer.Option(help="stack: of each ply on the one under it, in crossings along x and y.", metavar="X,Y")
-    ] = "0,0",
-    pressure: Annotated[
-        str | None,
-        typer.Option(help="platens, stack: at the end; the source's greatest by default.", metavar="PRESSURE"),
-    ] = None,
-    stretch: Annotated[
-        str,
-        typer.Option(
-            "--end-displacement",
-            help="biaxial, shear: of each yarn end, both or warp and weft.",
-            metavar="LENGTH[,LENGTH]",
-        ),
-    ] = "0 mm",
-    gamma: Annotated[str, typer.Option("--shear-angle", help="shear: angle at the end.", metavar="ANGLE")] = "0.6 rad",
-    path: Annotated[
-        Path | None, typer.Option(help='path: CSV file of corners, headed "d1 \\[um], d2 \\[um]".', metavar="FILE.csv")
-    ] = None,
+    yarn: FamilyOption = Family.warp,
+    bars: BarsOption = None,
+    one_point: ReducedOption = False,
+    plies: PliesOption = 2,
+    shift: ShiftOption = "0,0",
+    pressure: PressureOption = None,
+    stretch: StretchOption = "0 mm",
+    gamma: AngleOption = "0.6 rad",
+    path: PathOption = None,
     out: OutOption = None,
 ):
     """Load the 3D crossover: one yarn pulled straight, plies between platens, biaxial stretch, any path, or shear.

@@ -140,13 +140,13 @@ def write_series(out, record, snapshots):
         parts = []
         for ply, (shot, quads) in enumerate(zip(shots, record.quads), 1):
             grid = paraview.panel_grid(shot.nodes.reshape(-1, 3), quads)
-            tension, broken = shot.tension.reshape(-1, 2), shot.broken.reshape(-1, 3)
+            tension, broken = shot.tension.reshape(-1, 2), shot.failed.reshape(-1, 3)
             grid.cell_data["tension_warp_N"], grid.cell_data["tension_weft_N"] = tension[:, 0], tension[:, 1]
             grid.cell_data["failed_yarns"] = paraview.failed_yarns(broken)
             grid.cell_data["ply"] = np.full(len(quads), ply, np.int8)
             parts.append(grid)
         whole = parts[0].merge(parts[1:], merge_points=False)
-        whole.field_data["projectile_z_m"] = [shots[0].z]
+        whole.field_data["projectile_z_m"] = [shots[0].nose_position]
         name = f"pack/pack-{number:04d}.vtu"
         with replace_whole(out / name) as beside:
             whole.save(beside)
@@ -163,8 +163,8 @@ def chapter(record):
     }
     last, rear = record.shapes[-1], record.quads[-1]
     share = np.max(last.tension / record.strength[-1], axis=1)
-    body, mirrors = last.nose + record.projectile, (record.mirror_x, record.mirror_y)
-    failed = paraview.failed_yarns(last.broken)
+    body, mirrors = last.projectile_position + record.projectile, (record.mirror_x, record.mirror_y)
+    failed = paraview.failed_yarns(last.failed)
     images = [(f"at {1e6 * last.t:.0f} µs", pictures3d.panel(last.nodes, rear, share, failed, body, mirrors, reach))
               for reach in (None, chapters.CLOSE_UP)]  # fmt: skip
     figures = (

@@ -2,7 +2,7 @@
 
 Folder of `weavecell surface`
     surface.h5      T1, T2, F_c, h1, h2 over (d1, d2) (`fabrics.surface`)
-    surface.json    what was asked, estimated errors, comparison with the shell's cell, times, provenance
+    surface.json    settings, estimated errors, comparison with the shell's cell, times, provenance
     pictures/       surfaces, contours, slices beside the shell's cell, what the interpolant misses
     report.html
     partial.h5      finished lines, while the run goes on: `--resume` begins with them
@@ -54,22 +54,11 @@ def surface_command(name, out, *, d1, d2, points, tolerance, size, jobs, executo
         chapters.sources(fabric),
         chapters.making(stamp, found.seconds),
     )
-    content = {
-        "fabric": fabric.name,
-        "mesh": size,
-        "friction": friction,
-        "d1_m": spans[0],
-        "d2_m": spans[1],
-        "lines": found.surface.T1.shape,
-        "tolerance": tolerance,
-        "error_of_left_out_lines": {q: {"rms": e.rms, "largest": e.largest} for q, e in found.errors.items()},
-        "rms_from_the_shells_cell_N": None if cell is None else _differences(found.surface, cell),
-        "equilibria": found.solves,
-        "tangents_factorised": found.iterations,
-        "seconds": found.seconds,
-        "provenance": stamp,
-    }
-    json_file.write(out / "surface.json", content)
+    chosen = {
+        "fabric": fabric.name, "mesh": size, "friction": friction, "d1_m": spans[0], "d2_m": spans[1],
+        "lines": found.surface.T1.shape, "tolerance": tolerance,
+    }  # fmt: skip
+    json_file.write(out / "surface.json", chosen | _results(found, cell) | {"provenance": stamp})
     report_page.write_pictures(sections[:1], out / "pictures")
     page = report_page.Report(
         f"{fabric.name}: response surface of the 3D crossover",
@@ -82,13 +71,28 @@ def surface_command(name, out, *, d1, d2, points, tolerance, size, jobs, executo
     report_page.write(page, out / "report.html")
     partial.unlink(missing_ok=True)
     print(f"{'grid':<10}{found.surface.d1.size} x {found.surface.d2.size}, {size} mesh")
+    _print_errors(found)
+    print(f"written to {out}")
+
+
+def _results(found, cell):
+    """The entries of surface.json that are computed."""
+    return {
+        "error_of_left_out_lines": {q: {"rms": e.rms, "largest": e.largest} for q, e in found.errors.items()},
+        "rms_from_the_shells_cell_N": None if cell is None else _differences(found.surface, cell),
+        "equilibria": found.solves,
+        "tangents_factorised": found.iterations,
+        "seconds": found.seconds,
+    }
+
+
+def _print_errors(found):
     for quantity, error in found.errors.items():
         factor, unit = _unit(quantity)
         print(
             f"{quantity:<10}left-out lines missed by {factor * error.rms:.3g} {unit} rms, "
             f"{factor * error.largest:.3g} at most"
         )
-    print(f"written to {out}")
 
 
 def _span(text, key):

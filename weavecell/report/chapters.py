@@ -219,9 +219,9 @@ def _shapes(record):
     drawn = []
     for shape, reach in ((record.half_energy, None), (record.final, CLOSE_UP)):
         share = np.max(shape.tension / record.strength, axis=1)
-        body = shape.nose + record.projectile
+        body = shape.projectile_position + record.projectile
         mirrors = (record.mirror_x, record.mirror_y)
-        image = pictures3d.panel(shape.nodes, record.quads, share, failed_yarns(shape.broken), body, mirrors, reach)
+        image = pictures3d.panel(shape.nodes, record.quads, share, failed_yarns(shape.failed), body, mirrors, reach)
         drawn.append((f"at {1e6 * shape.t:.0f} µs", image))
     return drawn
 

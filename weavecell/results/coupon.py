@@ -95,8 +95,8 @@ class CouponRecord:
         return cls(
             **scalars, prescribed_name=prescribed[0], prescribed_unit=prescribed[1],
             outcome=result.outcome, elements=len(coupon.quads),
-            floor=result.floor,
-            prescribed=result.moved, measures=measures,
+            floor=result.force_floor,
+            prescribed=result.prescribed, measures=measures,
             energies=dict(zip(("yarns", "trellis"), np.array([state.energies for state in states]).T)),
             residual=np.array([state.residual for state in states]),
             iterations=np.array([state.iterations for state in states]),

@@ -33,7 +33,7 @@ def _bias(asked, result):
         found[f"angle in zone {name}"] = "rad", np.array([0.5 * pi - angles[zone == k].mean() for angles in gamma])
     A, B, C = (found[f"angle in zone {name}"][1] for name in quasistatic.ZONES)
     found["B less the mean of A and C"] = "rad", B - 0.5 * (A + C)
-    rigid = [0.5 * pi - quasistatic.inextensible_shear(*size, moved) for moved in result.moved]
+    rigid = [0.5 * pi - quasistatic.inextensible_shear(*size, moved) for moved in result.prescribed]
     found["zone C, yarns that do not stretch"] = "rad", np.array(rigid)
     found["shear concentration"] = "1", np.array([quasistatic.concentration(angles, zone == 2) for angles in gamma])
     return found
@@ -43,7 +43,7 @@ def _frame(asked, result):
     shear, fabric = quasistatic.frame_stress(result), result.coupon.table.model.fabric
     found = {"shear stress": ("Pa", shear)}
     if fabric.shear is not None:
-        found["trellis law"] = "Pa", fabric.shear.stress(result.moved)
+        found["trellis law"] = "Pa", fabric.shear.stress(result.prescribed)
     return found
 
 

@@ -51,7 +51,10 @@ class ImpactRecord(BaseRecord):
     @classmethod
     def of(cls, result, title, law_name, message=""):
         """The record of a `shellfabric.impact.single_ply.ImpactResult`."""
-        last = Shape(float(result.t[-1]), float(result.z[-1]), result.nose, result.nodes, result.tension, result.broken)
+        last = Shape(
+            float(result.t[-1]), float(result.nose_position[-1]), result.projectile_position, result.nodes,
+            result.tension, result.failed,
+        )  # fmt: skip
         return cls._of(
             result, result.setup, title, law_name, message, elements=result.panel.elements,
             strength=np.array([yarn.strength for yarn in result.setup.fabric.weave.yarns]),

@@ -15,7 +15,6 @@ import numpy as np
 from fabrics.files import write_hdf5
 from weavecell.results import keys
 from weavecell.results.hdf5_file import opened, plain, put
-from weavecell.scenes import renamed_keys
 
 FORMAT = 3  # version of the files
 # attribute of the record: attribute of the file, and key of summary.json
@@ -38,7 +37,7 @@ SCALARS = {
 }
 HISTORIES = keys.units(keys.HISTORIES)
 # datasets whose attribute in the object that holds them has another name
-_SHAPE_FIELDS = {"time": "t", "nose_position": "z", "projectile_position": "nose", "failed": "broken"}
+_SHAPE_FIELDS = {"time": "t"}
 
 
 @dataclass(frozen=True)
@@ -47,26 +46,26 @@ class Shape:
 
     Parameters
     ----------
-    t, z : [s, m] time, and the foremost point of the projectile
-    nose : (3,) [m] place of its nose
+    t, nose_position : [s, m] time, and the foremost point of the projectile
+    projectile_position : (3,) [m] position of its nose
     nodes : (k, 3) [m]
     tension : (m, 2) [N] of warp and weft
-    broken : (m, 3) bool: warp failed, weft failed, element eroded
+    failed : (m, 3) bool: warp failed, weft failed, element eroded
     """
 
     t: float
-    z: float
-    nose: np.ndarray
+    nose_position: float
+    projectile_position: np.ndarray
     nodes: np.ndarray
     tension: np.ndarray
-    broken: np.ndarray
+    failed: np.ndarray
 
     @classmethod
     def of(cls, shot):
         """The shape of a `shellfabric.output.snapshots.Snapshot`."""
         return cls(
-            float(shot.t), float(shot.z), shot.nose, shot.nodes.reshape(-1, 3), shot.tension.reshape(-1, 2),
-            shot.broken.reshape(-1, 3),
+            float(shot.t), float(shot.nose_position), shot.projectile_position, shot.nodes.reshape(-1, 3),
+            shot.tension.reshape(-1, 2), shot.failed.reshape(-1, 3),
         )  # fmt: skip
 
 
@@ -132,7 +131,7 @@ class BaseRecord:
             outcome=result.outcome, residual_velocity=result.residual_velocity, mass=setup.projectile.mass,
             failure_message=message, mirror_x=mirror_x, mirror_y=mirror_y, wall_time=result.wall_time,
             ns_per_element_step=result.ns_per_element_step, steps=result.steps, time=result.t, velocity=result.v,
-            nose_position=result.z, failed_segments=result.failed, energies=named(result.energies),
+            nose_position=result.nose_position, failed_segments=result.failed_segments, energies=dict(result.energies),
             peak_tension=np.array(result.peak_tension), projectile=_drawn(setup.projectile),
             max_deflection=result.max_deflection, checks=result.checks, **own,
         )  # fmt: skip
@@ -198,11 +197,6 @@ class BaseRecord:
     def _scalars(cls):
         """{field: attribute of the file and key of summary.json}."""
         return SCALARS | cls.OWN_SCALARS
-
-
-def named(energies):
-    """{name in result files: (n,) [J]} of the solver's energies."""
-    return {renamed_keys.ENERGIES.get(name, name): values for name, values in energies.items()}
 
 
 def _stops(record):

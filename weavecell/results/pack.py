@@ -142,6 +142,6 @@ def _cut(shots, mirror_y):
     lines = []
     for shot in shots:
         j = 0 if mirror_y else shot.nodes.shape[1] // 2
-        line, gone = shot.nodes[:, j, [0, 2]], np.flatnonzero(shot.broken[:, j, 0])
+        line, gone = shot.nodes[:, j, [0, 2]], np.flatnonzero(shot.failed[:, j, 0])
         lines.append(np.insert(line, gone + 1, np.nan, axis=0))
-    return Cut(float(shots[0].t), float(shots[0].z), tuple(lines))
+    return Cut(float(shots[0].t), float(shots[0].nose_position), tuple(lines))

@@ -21,8 +21,8 @@ def write_panel(out, shapes, quads):
     for number, shape in enumerate(shapes):
         grid = panel_grid(shape.nodes, quads)
         grid.cell_data["tension_warp_N"], grid.cell_data["tension_weft_N"] = shape.tension[:, 0], shape.tension[:, 1]
-        grid.cell_data["failed_yarns"] = failed_yarns(shape.broken)
-        grid.field_data["projectile_z_m"] = [shape.z]
+        grid.cell_data["failed_yarns"] = failed_yarns(shape.failed)
+        grid.field_data["projectile_z_m"] = [shape.nose_position]
         name = f"panel/panel-{number:04d}.vtu"
         with replace_whole(out / name) as beside:
             grid.save(beside)

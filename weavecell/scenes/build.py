@@ -41,12 +41,6 @@ FIELDS = {
     "fabric.cell_formulation": "form",
     "fabric.crossover_gap": "gap",
     "panel.boundary": "edge",
-    "projectile.bore_diameter": "bore",
-    "numerics.cfl": "safety",
-    "backing.standoff": "face",
-    "backing.outer_boundary": "far",
-    "backing.min_size": "finest",
-    "backing.refined_depth": "fine",
 }
 NO_SLACK = {"fabric.fibre_slack": "left out in an impact"}  # a yarn whose crossings have failed is linear in the march
 CELL_RULES = (
@@ -114,7 +108,7 @@ def setup(case, file):
     InputError : values that fit each on its own but not together, named with the scene's file
     """
     from shellfabric.impact.single_ply import ImpactSetup
-    from shellfabric.output.histories import Measure
+    from shellfabric.output.histories import HistoryRequest
     from shellfabric.panel.model import Numerics
 
     shot, panel, run = case.scene.projectile, case.scene.panel, case.scene.run
@@ -141,7 +135,7 @@ def setup(case, file):
             snapshot_interval=run.snapshot_interval,
             failure=panel.yarn_failure,
             backing=_backing(case.scene.backing),
-            measure=Measure(history.interval, history.warp, history.weft) if history else None,
+            history=HistoryRequest(history.interval, history.warp, history.weft) if history else None,
             numerics=Numerics(**_given(case.scene.numerics, "numerics")),
         )
     except InputError as problem:
@@ -152,8 +146,7 @@ def _projectile(table):
     from shellfabric.projectile.projectile import Projectile
 
     given = _given(table, "projectile", but=("diameter", "strike_velocity"))
-    body = {"elastic_bar": "bar"}.get(table.body, table.body)
-    return Projectile(radius=table.diameter / 2, **given | {"body": body})
+    return Projectile(radius=table.diameter / 2, **given)
 
 
 def _given(table, name, but=()):

@@ -35,7 +35,7 @@ SCENE_KEYS = {
 }
 SCENE_VALUES = {"projectile.body": {"bar": "elastic_bar"}}
 
-# names in the energy audit of the solvers, and in result files before format 2 of summary.json
+# names in result files before format 2 of summary.json
 ENERGIES = {
     "stored": "yarn_strain",
     "cell": "formulation_residual",

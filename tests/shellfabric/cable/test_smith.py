@@ -40,7 +40,7 @@ def test_cable_model_is_smith_within_1_percent(velocity):
     for name in ("strain", "tension", "U", "force"):
         assert getattr(run.measured, name) == pytest.approx(getattr(wave, name), rel=1e-3), name
     assert run.measured.c == pytest.approx(wave.c, rel=1e-2)
-    assert abs(run.energies["balance"]) < 1e-5 * abs(run.energies["external"])
+    assert abs(run.energies["error"]) < 1e-5 * abs(run.energies["boundary_work"])
 
 
 def test_orders_of_convergence():

@@ -14,9 +14,9 @@ from fabrics.variants import with_law_form
 from fabrics.weave import arc_length, height_from_length
 from shellfabric.cell import crossover_kernels as kernels
 from shellfabric.cell.model import CellModel, CellTable
-from shellfabric.cloth import membrane_kernels
+from shellfabric.cloth import table_kernels
 from shellfabric.coupon import relaxation_kernels
-from shellfabric.panel import step_kernels as panel_step_kernels
+from shellfabric.panel import element_kernels
 from shellfabric.panel.model import Panel
 
 PAIRS = [(1.0, 1.0), (1.01, 1.0), (1.0, 1.01), (1.02, 1.02), (1.03, 0.985), (0.98, 1.03), (1.04, 1.03)]
@@ -166,7 +166,7 @@ def table_potential(table, x, y):
     """[J] the potential as the march reads it, at one pair of stretches."""
     (rx, ry), (top1, top2) = (1 / np.array(table.steps)), (axis.size - 2.0 for axis in (table.stretch1, table.stretch2))
     grid = table.stretch1[0], rx, top1, table.stretch2[0], ry, top2, top2 + 1
-    return membrane_kernels.potential(x, y, grid, *spline(table))
+    return table_kernels.potential(x, y, grid, *spline(table))
 
 
 def table_forces(table, x, y):
@@ -178,14 +178,14 @@ def table_forces(table, x, y):
     at, (N1, N2) = (0, x.size, *(np.append(part, np.ones(8)) for part in (x, y)), grid), room
     if table.model.form == "variational":
         per = rx / (2 * w1), ry / (2 * w2)
-        *_, high1, high2 = membrane_kernels.potential_forces(
-            *at, spline(table)[0], *per, 1.0, 0.0, np.zeros(16, np.int32), N1, N2, np.zeros(x.size + 8)
+        *_, high1, high2 = table_kernels.potential_forces(
+            *at, spline(table)[0], (*per, 1.0, 0.0), np.zeros(16, np.int32), N1, N2, np.zeros(x.size + 8)
         )
         assert (high1, high2) == (max(N1[: x.size].max(), 0.0), max(N2[: x.size].max(), 0.0))
     else:
-        largest = membrane_kernels.bilinear_tensions(*at, table.tension1.reshape(-1, 4), N1)
+        largest = table_kernels.bilinear_tensions(*at, table.tension1.reshape(-1, 4), N1)
         assert largest == N1[: x.size].max()
-        membrane_kernels.bilinear_tensions(*at, table.tension2.reshape(-1, 4), N2)
+        table_kernels.bilinear_tensions(*at, table.tension2.reshape(-1, 4), N2)
     N1, N2 = room[:, : x.size]
     return N1, N2
 
@@ -219,17 +219,17 @@ def test_forces_tell_what_tensions_cannot_exceed(name):
         (forces[0], const.tension1, const.tension_bound_step1, const.tension_bound_table1, panel.weave.warp),
         (forces[1], const.tension2, const.tension_bound_step2, const.tension_bound_table2, panel.weave.weft),
     ):
-        membrane_kernels.bilinear_tensions(*at, tension, T)
+        table_kernels.bilinear_tensions(*at, tension, T)
         bounds = np.array(
-            [panel_step_kernels.tension_bound(const, 0.0, 0.0, max(force, 0.0), unit, ceiling) for force in N]
+            [element_kernels.tension_bound(const, 0.0, 0.0, max(force, 0.0), unit, ceiling) for force in N]
         )
         assert np.all(T[:n] <= bounds)
         taut = (N > 0.2 * yarn.strength) & (N < yarn.strength)
         assert np.all(bounds[taut] < 1.06 * N[taut] + 0.01 * yarn.strength)
         top = const.table_last1 + 1.0
-        assert panel_step_kernels.tension_bound(const, top + 0.1, 0.0, 0.0, unit, ceiling) == np.inf
-        assert panel_step_kernels.tension_bound(const, 0.0, top + 0.1, 0.0, unit, ceiling) == np.inf
-        assert panel_step_kernels.tension_bound(const, 0.0, 0.0, np.inf, unit, ceiling) == np.inf
+        assert element_kernels.tension_bound(const, top + 0.1, 0.0, 0.0, unit, ceiling) == np.inf
+        assert element_kernels.tension_bound(const, 0.0, top + 0.1, 0.0, unit, ceiling) == np.inf
+        assert element_kernels.tension_bound(const, 0.0, 0.0, np.inf, unit, ceiling) == np.inf
 
 
 def test_tabulated_potential_conserves(tables, fabric):

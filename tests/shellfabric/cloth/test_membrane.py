@@ -7,7 +7,7 @@ from numba import njit
 
 from fabrics.trellis import TrellisShear
 from shellfabric.cell.model import CellModel
-from shellfabric.cloth import membrane_kernels
+from shellfabric.cloth import membrane_kernels, trellis_kernels
 from shellfabric.jit.simd import load, store
 from shellfabric.panel import step_kernels as panel_step_kernels
 from shellfabric.panel.model import Numerics, Panel
@@ -42,7 +42,7 @@ def plain_energy(panel, x):
 @njit
 def shear_slopes(n, sine, G1, G2, gamma1, gamma2, slope):
     for j in range(0, n, 8):
-        store(slope, j, membrane_kernels.shear_slope(load(sine, j), G1, G2, gamma1, gamma2))
+        store(slope, j, trellis_kernels.shear_slope(load(sine, j), G1, G2, gamma1, gamma2))
 
 
 @pytest.fixture
@@ -129,7 +129,7 @@ def test_gather_against_its_plain_twin(s):
     for idle in (on2, cross):
         idle[s - 1 :: s] = 0.0
     g, n = tuple(np.zeros((3, rows * s))), rows * s
-    membrane_kernels.scatter_forces(0, m0, n, s, rx, ry, A, B, on1, on2, cross, up, g)
+    membrane_kernels.scatter_forces(0, m0, n, s, (rx, ry), A, B, on1, on2, cross, up, g)
     own = [[x[m0:] for x in part] for part in (A, B)]
     plain = plain_gather(rows, s, rx, ry, *own, on1[m0:], on2[m0:], cross[m0:])
     found = np.array([[*g[c], *up[c][m0 + n : m0 + n + s]] for c in range(3)]).reshape(plain.shape)
@@ -144,7 +144,8 @@ def test_edges_of_a_step_against_their_plain_twin(again):
     K, S, D = 1000.0 * K, (1000.0 * rng.uniform(0.9, 1.1, room)).astype(np.float32), rng.normal(size=room)
     D, N, P, on = D.astype(np.float32), 50.0 * N, 50.0 * P, np.zeros(room)
     was = [x.astype(float) for x in (L, P, D, S)]
-    found = membrane_kernels.yarn_forces(0, 1, n, 1, again, 3.0, cv, stretch, inverse, turned, N, K, y, L, P, D, S, on)
+    edges, kept = (stretch, inverse, turned, N, K), (L, P, D, S)
+    found = membrane_kernels.yarn_forces(0, 1, n, 1, again, 3.0, cv, edges, y, kept, on)
     works = np.zeros(3)
     for k in range(n):
         m, (before, force, last, slope) = k + 1, (x[k] for x in was)
@@ -206,7 +207,7 @@ def test_trellis_against_the_law(fabric):
     shear_slopes(gamma.size, np.append(np.sin(gamma), np.zeros(8)), law.G1, law.G2, law.gamma1, law.gamma2, slope)
     slope = 2 * slope[: gamma.size]
     np.testing.assert_allclose(slope * np.cos(gamma) / 2, law.stress(gamma), rtol=1e-11, atol=1e-6)
-    energies = [membrane_kernels.trellis_law(g, law.G1, law.G2, law.gamma1, law.gamma2) for g in gamma]
+    energies = [trellis_kernels.trellis_law(g, law.G1, law.G2, law.gamma1, law.gamma2) for g in gamma]
     np.testing.assert_allclose([stress for stress, _ in energies], law.stress(gamma), rtol=1e-12, atol=1e-9)
     assert TrellisShear(law.G1, law.G2, law.gamma1, law.gamma2).stress(-0.3) == -law.stress(0.3)
 
@@ -243,7 +244,7 @@ def test_time_step_bound(straight, factor, holds):
     In the equilibrium form; in the variational one half of a yarn's force follows from means, which are softer.
     """
     table = CellModel(straight(1.0), model="decoupled", form="equilibrium").table(51)
-    knobs = Numerics(safety=1.0, stretch_viscosity=0.0)
+    knobs = Numerics(cfl=1.0, stretch_viscosity=0.0)
     panel = Panel(table, (0.0306, 0.0306), edge="free", failure=False, symmetry="whole", numerics=knobs)
     const, state, work = panel.constants(), panel.state(1.0), panel.work()
     const = const._replace(dt=factor * panel.critical_step)
@@ -268,8 +269,8 @@ def test_trellis_energy_is_the_integral_of_its_stress(fabric, gamma):
     """In each zone to six digits, the soft one included (eq. 4-35, erratum E-11): Simpson's rule on the plain law."""
     law = fabric.shear
     constants = (law.G1, law.G2, law.gamma1, law.gamma2)
-    stress, energy = membrane_kernels.trellis_law(gamma, *constants)
+    stress, energy = trellis_kernels.trellis_law(gamma, *constants)
     g = np.linspace(0, gamma, 4001)
     weights = np.r_[1, np.tile([4, 2], 1999), 4, 1] * gamma / 4000 / 3
     assert energy == pytest.approx(weights @ law.stress(g), rel=1e-6)
-    assert membrane_kernels.trellis_law(-gamma, *constants) == (-stress, energy)
+    assert trellis_kernels.trellis_law(-gamma, *constants) == (-stress, energy)

@@ -9,7 +9,7 @@ from fabrics import catalogue
 from fabrics.errors import InputError
 from shellfabric.cell.model import CellModel
 from shellfabric.coupon import relaxation_kernels
-from shellfabric.coupon.model import cut
+from shellfabric.coupon.model import mesh_coupon
 
 
 @pytest.fixture(scope="module")
@@ -25,15 +25,15 @@ def disc(x, y):
 def coupon(request, table):
     """A disc cut on the bias; a cross whose arms have lost their cross yarns; a disc of two elements a crossover."""
     if request.param == "bias":
-        return cut(table, disc, 0.0071, angle=np.pi / 4)
+        return mesh_coupon(table, disc, 0.0071, angle=np.pi / 4)
     if request.param == "fine":
-        return cut(table, disc, 0.0071, angle=0.3, elements_per_crossover=2)
+        return mesh_coupon(table, disc, 0.0071, angle=0.3, elements_per_crossover=2)
     w = table.model.fabric.weave.w1
 
     def cross(x, y):
         return ((np.abs(x) < 4.1 * w) | (np.abs(y) < 4.1 * w)) & (np.maximum(np.abs(x), np.abs(y)) < 8.1 * w)
 
-    return cut(table, cross, 8.1 * w, woven=lambda x, y: (np.abs(y) < 4 * w, np.abs(x) < 4 * w))
+    return mesh_coupon(table, cross, 8.1 * w, woven=lambda x, y: (np.abs(y) < 4 * w, np.abs(x) < 4 * w))
 
 
 def crumpled(coupon, seed=1):
@@ -135,14 +135,14 @@ def test_uniform_stretch_is_one_cell(table):
     """The energy of any coupon is that of its cells, whatever its outline and refinement; cross stretch is felt."""
     W = float(CellModel(table.model.fabric, form="variational").solve(1.02, 1.01)["W"])
     for m in (1, 2):
-        coupon = cut(table, disc, 0.0071, elements_per_crossover=m)
+        coupon = mesh_coupon(table, disc, 0.0071, elements_per_crossover=m)
         energy = coupon.forces(coupon.points * [1.02, 1.01])[2][0]
         assert energy == pytest.approx(len(coupon.quads) / m**2 * W, rel=1e-3)
 
 
 def test_angles_beyond_a_right_angle(table):
     """Yarns that have passed one another are seen as such."""
-    coupon = cut(table, lambda x, y: np.maximum(np.abs(x), np.abs(y)) < 0.003, 0.003)
+    coupon = mesh_coupon(table, lambda x, y: np.maximum(np.abs(x), np.abs(y)) < 0.003, 0.003)
     for gamma in (-0.3, 0.0, 1.2, 2.0):
         x, y = coupon.points.T
         sheared = np.stack([x + y * np.sin(gamma), y * np.cos(gamma)], axis=1)
@@ -150,9 +150,9 @@ def test_angles_beyond_a_right_angle(table):
 
 
 def test_no_trellis(table):
-    x = cut(table, disc, 0.0071).points @ np.array([[1, 0.1], [0.1, 1]])
-    assert cut(table, disc, 0.0071, trellis=False).forces(x)[2][1] == 0.0
-    assert cut(table, disc, 0.0071).forces(x)[2][1] > 0.0
+    x = mesh_coupon(table, disc, 0.0071).points @ np.array([[1, 0.1], [0.1, 1]])
+    assert mesh_coupon(table, disc, 0.0071, trellis=False).forces(x)[2][1] == 0.0
+    assert mesh_coupon(table, disc, 0.0071).forces(x)[2][1] > 0.0
 
 
 def test_the_potential_goes_on_above_its_table(table):
@@ -176,9 +176,9 @@ def test_slack_yarns_carry_nothing(table):
 
 def test_bad_coupons(table):
     with pytest.raises(InputError, match="elements_per_crossover"):
-        cut(table, disc, 0.0071, elements_per_crossover=0)
+        mesh_coupon(table, disc, 0.0071, elements_per_crossover=0)
     with pytest.raises(InputError, match="at least one crossover"):
-        cut(table, lambda x, y: np.hypot(x, y) < 1e-4, 1e-4)
+        mesh_coupon(table, lambda x, y: np.hypot(x, y) < 1e-4, 1e-4)
     equilibrium = replace(table, model=replace(table.model, form="equilibrium"))
     with pytest.raises(InputError, match="variational in a quasi-static run"):
-        cut(equilibrium, disc, 0.0071)
+        mesh_coupon(equilibrium, disc, 0.0071)

@@ -32,7 +32,9 @@ class Chain:
 
 def test_a_chain_finds_its_equilibrium():
     x, held = np.arange(20.0)[:, None], np.arange(20) % 19 == 0
-    states, ended = dynamic_relaxation.pull(Chain(), x, held, lambda load: x * (1 + load), [0.5, 1.0], tolerance=1e-9)
+    states, ended = dynamic_relaxation.relax_path(
+        Chain(), x, held, lambda load: x * (1 + load), [0.5, 1.0], tolerance=1e-9
+    )
     assert not ended
     assert states[-1].x.ravel() == pytest.approx(2 * np.arange(20), abs=1e-7)
     assert states[-1].reaction[[0, -1], 0] == pytest.approx([-100, 100], rel=1e-7)
@@ -45,22 +47,24 @@ def test_what_does_not_settle_is_told_and_kept():
     with pytest.raises(
         UnstableError, match=r"no equilibrium was found: after 10 iterations .* node .* 0.5 of the load"
     ) as e:
-        dynamic_relaxation.pull(Chain(), x, held, lambda load: x * (1 + load), [0.5, 1.0], max_iterations=10)
+        dynamic_relaxation.relax_path(Chain(), x, held, lambda load: x * (1 + load), [0.5, 1.0], max_iterations=10)
     assert e.value.exit_code == 3
     assert len(e.value.states) == 1
     assert not e.value.states[0].settled
     with pytest.raises(UnstableError, match="no longer finite"):
-        dynamic_relaxation.pull(Chain(np.nan), x, held, lambda load: x, [1.0])
+        dynamic_relaxation.relax_path(Chain(np.nan), x, held, lambda load: x, [1.0])
 
 
 def test_a_pull_goes_on_from_its_states_bit_for_bit():
     x, held = np.arange(20.0)[:, None], np.arange(20) % 19 == 0
     loads = [0.25, 0.5, 0.75, 1.0]
     seen = []
-    whole, _ = dynamic_relaxation.pull(Chain(), x, held, lambda load: x * (1 + load**2), loads, progress=seen.append)
+    whole, _ = dynamic_relaxation.relax_path(
+        Chain(), x, held, lambda load: x * (1 + load**2), loads, progress=seen.append
+    )
     assert [state.load for state in seen] == loads
     for k in (1, 2, 3):
-        rest, _ = dynamic_relaxation.pull(Chain(), x, held, lambda load: x * (1 + load**2), loads, done=whole[:k])
+        rest, _ = dynamic_relaxation.relax_path(Chain(), x, held, lambda load: x * (1 + load**2), loads, done=whole[:k])
         assert len(rest) == 4
         for one, other in zip(whole[k:], rest[k:]):
             assert one.x.tobytes() == other.x.tobytes()
@@ -74,7 +78,7 @@ def table():
 
 def test_picture_frame_gives_the_trellis_law(table):
     run = quasistatic.picture_frame(table, cells=5, steps=6)
-    assert quasistatic.frame_stress(run) == pytest.approx(table.model.fabric.shear.stress(run.moved), rel=1e-3)
+    assert quasistatic.frame_stress(run) == pytest.approx(table.model.fabric.shear.stress(run.prescribed), rel=1e-3)
     assert run.shear() == pytest.approx(0.6, abs=0.01)
 
 
@@ -118,7 +122,7 @@ def test_free_sides_give_up_their_crimp(table, direction):
 def test_a_run_ends_at_the_strength(table):
     run = quasistatic.uniaxial(table, length=0.03, width=0.009, strain=0.08, steps=8)
     assert run.outcome == "yarn at its strength"
-    assert 0.04 < run.moved[-1] < 0.08
+    assert 0.04 < run.prescribed[-1] < 0.08
     assert (
         quasistatic.uniaxial(table, length=0.03, width=0.009, strain=0.08, steps=2, failure=False).outcome == "complete"
     )
@@ -157,7 +161,7 @@ def test_bias_extension_has_three_zones():
     run = quasistatic.bias_extension(straight(), **SMALL)
     size = quasistatic.bias_size(run)
     assert size == pytest.approx((SMALL["length"], SMALL["width"]), rel=0.02)
-    expected = quasistatic.inextensible_shear(*size, run.moved[-1])
+    expected = quasistatic.inextensible_shear(*size, run.prescribed[-1])
     centre, zone = run.coupon.points[run.coupon.quads].mean(axis=1), quasistatic.zones(run.coupon, *size)
     gamma = np.degrees(run.shear())
     A, B, C = (gamma[zone == k].mean() for k in range(3))

@@ -28,7 +28,7 @@ ENERGY = 0.5 * MASS * V0**2
 class Oscillator(ExplicitSolver):
     """A mass on a spring; `disturb` is called before every step with the solver."""
 
-    energy_names = ("kinetic", "spring", "contact", "balance")
+    energy_names = ("kinetic", "spring", "contact", "error")
     sample_names = ("t", "v", "z", *energy_names)
     history_columns = 2
 
@@ -109,7 +109,7 @@ def test_the_run_is_that_of_the_closed_form():
     assert solver.sample("z") == pytest.approx(position(steps), rel=1e-12)
     history = np.concatenate(solver.step_history)
     assert history[:, 0] == pytest.approx(position(np.arange(1, solver.steps + 1)), rel=1e-12)
-    assert np.abs(solver.sample("balance")).max() < 1e-12 * ENERGY
+    assert np.abs(solver.sample("error")).max() < 1e-12 * ENERGY
     assert solver.sample("kinetic")[0] == pytest.approx(ENERGY, rel=1e-12)
     assert solver.wall_time > 0
 

@@ -9,7 +9,7 @@ from fabrics.errors import InputError
 from shellfabric.cable.smith import smith
 from shellfabric.impact.single_ply import ImpactSetup, run
 from shellfabric.output import checkpoint, snapshots, wave_fronts
-from shellfabric.output.histories import EDGES, LIFT, PULL, Histories, Measure, YarnHistory
+from shellfabric.output.histories import EDGES, LIFT, PULL, Histories, HistoryRequest, YarnHistory
 from shellfabric.panel.model import Numerics
 from shellfabric.projectile.projectile import Projectile
 
@@ -37,8 +37,8 @@ def test_nothing_is_recorded_unless_asked(quick):
 @pytest.mark.parametrize("symmetry", ["quarter", "half", "whole"])
 def test_a_record_is_what_the_panel_was(quick, symmetry):
     """At the instants of snapshots, tensions and deflections are those of the whole panel's snapshot."""
-    measure = Measure(1e-6, (0.0, 6e-3), (0.0, 10e-3))
-    result = quick(symmetry=symmetry, measure=measure, snapshot_interval=20e-6)
+    measure = HistoryRequest(1e-6, (0.0, 6e-3), (0.0, 10e-3))
+    result = quick(symmetry=symmetry, history=measure, snapshot_interval=20e-6)
     panel, recorded = result.panel, result.histories
     c = panel.constants()
     assert 45 < len(recorded.t) <= 61  # whole steps nearest to the interval
@@ -62,7 +62,7 @@ def test_a_record_is_what_the_panel_was(quick, symmetry):
 
 def test_parts_of_the_panel_record_the_same(quick):
     quarter, half, whole = (
-        quick(symmetry=part, measure=Measure(2e-6)).histories for part in ("quarter", "half", "whole")
+        quick(symmetry=part, history=HistoryRequest(2e-6)).histories for part in ("quarter", "half", "whole")
     )
     for other in (half, whole):
         for name in EDGES:
@@ -91,7 +91,7 @@ def test_reactions_take_up_the_momentum(quick, part):
             / march.panel.share
         )
 
-    result = quick(60.0, end_time=119.9e-6, measure=Measure(1e-9), hooks=[weigh], **part)
+    result = quick(60.0, end_time=119.9e-6, history=HistoryRequest(1e-9), hooks=[weigh], **part)
     edges, t = result.histories.edges, result.histories.t
     lift = sum(edges[name][:, LIFT] for name in EDGES)
     # velocities stand half a step back: the forces of a step act on those of the next
@@ -105,8 +105,8 @@ def test_reactions_take_up_the_momentum(quick, part):
 
 
 def test_resumed_records_are_the_same_bit_for_bit(quick, tmp_path):
-    path, measure = tmp_path / "run.h5", Measure(1e-6, (0.0, 3e-3))
-    whole = quick(measure=measure)
+    path, measure = tmp_path / "run.h5", HistoryRequest(1e-6, (0.0, 3e-3))
+    whole = quick(history=measure)
 
     class Interrupted(Exception):
         pass
@@ -118,8 +118,8 @@ def test_resumed_records_are_the_same_bit_for_bit(quick, tmp_path):
                 raise Interrupted
 
     with pytest.raises(Interrupted):
-        quick(measure=measure, hooks=[Saver(path, 8e-6)])
-    resumed = quick(measure=measure, resume=path)
+        quick(history=measure, hooks=[Saver(path, 8e-6)])
+    resumed = quick(history=measure, resume=path)
     np.testing.assert_array_equal(resumed.histories.t, whole.histories.t)
     for one, other in zip(resumed.histories.yarns, whole.histories.yarns):
         for name in ("tension", "place", "deflection"):
@@ -127,7 +127,7 @@ def test_resumed_records_are_the_same_bit_for_bit(quick, tmp_path):
     for name in EDGES:
         np.testing.assert_array_equal(resumed.histories.edges[name], whole.histories.edges[name])
     with pytest.raises(InputError, match="another run"):
-        quick(measure=Measure(1e-6, (0.0, 4e-3)), resume=path)
+        quick(history=HistoryRequest(1e-6, (0.0, 4e-3)), resume=path)
 
 
 @pytest.mark.parametrize(
@@ -141,7 +141,7 @@ def test_resumed_records_are_the_same_bit_for_bit(quick, tmp_path):
 )
 def test_bad_measures(quick, bad, told):
     with pytest.raises(InputError, match=told):
-        quick(measure=Measure(**bad))
+        quick(history=HistoryRequest(**bad))
 
 
 def made_up(tension, place, deflection):
@@ -188,7 +188,7 @@ def test_straight_yarn_is_smiths(straight, crossing, end_time):
     fabric = straight(crossing)
     # soft contact: the yarn of Smith's theory is led by the nose and does not bounce off it
     setup = ImpactSetup(
-        fabric, 200.0, opening=(1.3, 0.0165), end_time=end_time, measure=Measure(weft=()),
+        fabric, 200.0, opening=(1.3, 0.0165), end_time=end_time, history=HistoryRequest(weft=()),
         numerics=Numerics(penalty=0.1), **STRIP,
     )  # fmt: skip
     recorded = run(setup).histories
@@ -211,7 +211,7 @@ def test_front_of_a_crimped_yarn_is_a_shock(fabric):
     """It runs at sqrt(T / (m eps)) of the state behind it: a fifth of c / sqrt 2. Measured: 0.15 % off."""
     setup = ImpactSetup(
         replace(fabric, shear=None), 150.0, opening=(0.5, 0.0165), end_time=140e-6, elements_per_crossover=2,
-        measure=Measure(weft=()), **STRIP | {"table_size": 201},
+        history=HistoryRequest(weft=()), **STRIP | {"table_size": 201},
     )  # fmt: skip
     recorded = run(setup).histories
     yarn, weave = recorded.through("warp"), fabric.weave

@@ -76,7 +76,7 @@ class TestGuard:
     def test_an_instability_is_caught_while_it_is_small(self):
         """1.6 times the allowed step: energy grows by orders within an interval between audits."""
         panel = Panel(
-            shots.table(), (0.1, 0.1), numerics=shots.Beyond(safety=1.6, threads=1), failure=False,
+            shots.table(), (0.1, 0.1), numerics=shots.Beyond(cfl=1.6, threads=1), failure=False,
         )  # fmt: skip
         march = PanelSolver(panel, 92.5, 100e-6, interval=100e-6)
         with pytest.raises(UnstableError, match=r"\(step \d+\)"):
@@ -108,7 +108,7 @@ class TestIndicators:
             ({"stretch_viscosity": 0.0}, "tension oscillation"),
             ({"penalty": 0.02}, "nose penetration"),
             ({"contact_points": 2}, "contact point spacing"),
-            ({"safety": 1.2}, "time step"),
+            ({"cfl": 1.2}, "time step"),
         ],
     )
     def test_what_a_knob_spoils(self, knobs, expected):

@@ -19,7 +19,7 @@ def panel(form="variational", viscosity=Numerics.stretch_viscosity, **choices):
 
 def bound(panel):
     xi = panel.numerics.stretch_viscosity
-    return panel.numerics.safety * panel.critical_step * ((1 + xi**2) ** 0.5 - xi)
+    return panel.numerics.cfl * panel.critical_step * ((1 + xi**2) ** 0.5 - xi)
 
 
 def test_what_is_usual_takes_all_of_it():

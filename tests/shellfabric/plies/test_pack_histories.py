@@ -7,7 +7,7 @@ from fabrics.errors import InputError
 from shellfabric.impact import pack as impact_pack
 from shellfabric.impact.single_ply import ImpactSetup, run
 from shellfabric.output import checkpoint
-from shellfabric.output.histories import EDGES, LIFT, Measure
+from shellfabric.output.histories import EDGES, LIFT, HistoryRequest
 from shellfabric.panel.model import Numerics
 
 QUICK = {"opening": 0.04, "table_size": 61, "end_time": 40e-6, "numerics": Numerics(threads=1)}
@@ -17,7 +17,7 @@ GAP = 50e-6
 @pytest.fixture(scope="module")
 def shoot(fabric):
     def make(plies, measure, hooks=(), resume=None, **changes):
-        setup = ImpactSetup(fabric, 120.0, measure=measure, **QUICK | changes)
+        setup = ImpactSetup(fabric, 120.0, history=measure, **QUICK | changes)
         return impact_pack.run(impact_pack.PackSetup(setup, plies, gap=GAP), hooks=hooks, resume=resume)
 
     return make
@@ -35,16 +35,16 @@ def assert_same(one, other):
 
 
 def test_a_pack_of_one_ply_records_what_a_panel_does(fabric, shoot):
-    measure = Measure(1e-6, (0.0, 5e-3), (0.0,))
-    alone = run(ImpactSetup(fabric, 120.0, measure=measure, **QUICK)).histories
+    measure = HistoryRequest(1e-6, (0.0, 5e-3), (0.0,))
+    alone = run(ImpactSetup(fabric, 120.0, history=measure, **QUICK)).histories
     (packed,) = shoot(1, measure).histories
     assert alone.yarns[0].tension.max() > 10
     assert_same(packed, alone)
 
 
 def test_plies_are_followed_by_their_numbers(shoot):
-    every = shoot(3, Measure(2e-6)).histories
-    last, first = shoot(3, Measure(2e-6, plies=(3, 1))).histories
+    every = shoot(3, HistoryRequest(2e-6)).histories
+    last, first = shoot(3, HistoryRequest(2e-6, plies=(3, 1))).histories
     assert len(every) == 3
     assert_same(last, every[2])
     assert_same(first, every[0])
@@ -63,8 +63,8 @@ def test_reactions_of_all_plies_take_up_the_momentum(shoot):
             cloth += float(state.mass[loose] @ state.v[2][loose])
         momentum.append((solver.const.projectile_mass * solver.stack.projectile_velocity[2] + cloth) / solver.share)
 
-    result = shoot(2, Measure(1e-9), hooks=[weigh], end_time=60e-6)
-    start = 120.0 * result.struck.projectile.mass
+    result = shoot(2, HistoryRequest(1e-9), hooks=[weigh], end_time=60e-6)
+    start = 120.0 * result.first_ply_setup.projectile.mass
     t = result.histories[0].t
     lift = sum(ply.edges[name][:, LIFT] for ply in result.histories for name in EDGES)
     taken = t[0] * np.concatenate([[0.0], np.cumsum(lift[:-1])])
@@ -74,7 +74,7 @@ def test_reactions_of_all_plies_take_up_the_momentum(shoot):
 
 
 def test_resumed_records_are_the_same_bit_for_bit(shoot, tmp_path):
-    path, measure = tmp_path / "run.h5", Measure(1e-6, plies=(2,))
+    path, measure = tmp_path / "run.h5", HistoryRequest(1e-6, plies=(2,))
 
     def interrupt(solver):
         if solver.time > 20e-6:
@@ -84,10 +84,10 @@ def test_resumed_records_are_the_same_bit_for_bit(shoot, tmp_path):
         shoot(2, measure, hooks=[checkpoint.Checkpoints(path, 8e-6), interrupt])
     assert_same(shoot(2, measure, resume=path).histories[0], shoot(2, measure).histories[0])
     with pytest.raises(InputError, match="another run"):
-        shoot(2, Measure(1e-6), resume=path)
+        shoot(2, HistoryRequest(1e-6), resume=path)
 
 
 @pytest.mark.parametrize("plies", [(), (0,), (1.5,), (4,)])
 def test_bad_plies_are_refused(shoot, plies):
     with pytest.raises(InputError, match="plies"):
-        shoot(3, Measure(1e-6, plies=plies))
+        shoot(3, HistoryRequest(1e-6, plies=plies))

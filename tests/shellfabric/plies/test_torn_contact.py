@@ -194,7 +194,7 @@ def test_what_it_takes_is_in_the_audit(ply):
     assert march.held_apart[0] > 10
     assert march.held_apart[1] == 0
     assert 0.1 < taken / kinetic < 1
-    assert abs(march.samples[1][PACK_SAMPLES.index("balance")]) < 1e-3 * taken
+    assert abs(march.samples[1][PACK_SAMPLES.index("error")]) < 1e-3 * taken
 
 
 def test_a_sliver_that_turns_over_holds_nothing(ply):

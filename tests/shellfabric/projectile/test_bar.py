@@ -103,14 +103,14 @@ def test_energy_balances_and_as_the_square_of_the_step():
     """Under a smooth push, elastic and plastic alike."""
     off = {}
     for name, material in (("elastic", ELASTIC), ("plastic", STEEL)):
-        for safety in (0.8, 0.4):
-            bar = Bar.cylinder(material=material, safety=safety)
+        for cfl in (0.8, 0.4):
+            bar = Bar.cylinder(material=material, cfl=cfl)
             motion, dt = bar.motion(100.0), 4e-7
             for n in range(60):
                 motion.push(-3000.0 * np.sin(np.pi * min(n / 40, 1)) ** 2, dt)
             energy = motion.energies()
-            off[name, safety] = abs(energy["balance"]) / abs(energy["work"])
-            assert off[name, safety] < 2e-4
+            off[name, cfl] = abs(energy["error"]) / abs(energy["work"])
+            assert off[name, cfl] < 2e-4
             assert (energy["plastic"] > 0) == (name == "plastic")
     assert off["elastic", 0.4] < 0.35 * off["elastic", 0.8] + 1e-9
 
@@ -165,7 +165,7 @@ def test_a_squeezed_wall_spreads_its_flow():
         for _ in range(600):
             motion.push(-2600.0, dt)
         strains.append((motion.plastic.min(), motion.shortening()))
-        assert motion.energies()["balance"] == pytest.approx(0.0, abs=2e-3 * motion.energies()["plastic"])
+        assert motion.energies()["error"] == pytest.approx(0.0, abs=2e-3 * motion.energies()["plastic"])
     (_, first), (middle, second), (fine, third) = strains
     assert -0.6 < fine < -0.05
     assert middle == pytest.approx(fine, rel=0.1)

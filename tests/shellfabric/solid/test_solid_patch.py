@@ -145,7 +145,7 @@ def brick_forces(x, bricks, control, law):
     """material, force (8, 3) by corner, and sums."""
     material, force, sums = np.zeros((8, 3)), np.zeros((8, 3)), np.zeros(solid_kernels.SUMS)
     solid_kernels.solid_forces(
-        0, 1, 1, 1, x[ORDER], bricks.gradient, bricks.volume, bricks.twist, control, np.zeros((1, 2)), law, 0.0,
+        (0, 1, 1, 1), x[ORDER], (bricks.gradient, bricks.volume, bricks.twist, control, np.zeros((1, 2))), law, 0.0,
         np.ones(4, bool), np.zeros((1, 2)), np.zeros(1, bool), material, force, sums,
     )  # fmt: skip
     back = np.argsort(ORDER)
@@ -290,10 +290,10 @@ def contact_of(const, state, x, settle=True):
         )
     force, out, rest = np.zeros_like(x), np.zeros_like(state.contact_energy), np.zeros_like(state.wait_steps)
     yarn_contact_kernels.crossings(
-        const.crossing_order, const.colour_start, x, np.zeros_like(x), const.inverse_mass, state.brick_failed,
-        const.crossing_node, const.crossing_brick, const.crossing_start, const.warp_over, const.cp_bounds,
-        const.crossing_shape, const.contact_penalty, const.contact_area, const.contact_damping,
-        state.closest_point.copy(), rest, 0.0, 0.0, force, out,
+        const.crossing_order, const.colour_start, (x, np.zeros_like(x), const.inverse_mass), state.brick_failed,
+        (const.crossing_node, const.crossing_brick, const.crossing_start, const.warp_over, const.cp_bounds),
+        const.crossing_shape, const.contact_penalty,
+        (const.contact_area, const.contact_damping, state.closest_point.copy(), rest), (0.0, 0.0), force, out,
     )  # fmt: skip
     return force, out[:, 0].sum()
 
@@ -438,18 +438,18 @@ def test_momentum_of_a_free_patch_and_its_projectile_is_kept(mesh):
 
 def test_energy_balances_and_better_with_shorter_steps(mesh):
     off = []
-    for safety in (0.8, 0.4):
-        march = struck(mesh, end_time=4e-6, threads=1, numerics={"safety": safety}).run()
+    for cfl in (0.8, 0.4):
+        march = struck(mesh, end_time=4e-6, threads=1, numerics={"cfl": cfl}).run()
         taken = march.strike_energy - march.sample("kinetic_projectile")[-1]
         assert march.sample("hourglass")[-1] < 0.05 * taken
-        off.append(np.abs(march.sample("balance")).max() / taken)
+        off.append(np.abs(march.sample("error")).max() / taken)
     assert off[0] < 0.01
     assert off[1] < 0.9 * off[0]
 
 
 def test_steps_are_stable_where_the_bound_says_so(mesh):
     """Steps of the bound (2 / w of the row sums) pass, of 2.5 times are lost: it is safe, and near."""
-    struck(mesh, threads=1, numerics={"safety": 1.0}).run()
+    struck(mesh, threads=1, numerics={"cfl": 1.0}).run()
     march = struck(mesh, threads=1)
     pace = march._set_time_step
 
@@ -496,7 +496,7 @@ def test_an_overstretched_patch_tears():
     assert march.sample("failed_bars")[-1] > 0
     assert march.state.brick_failed.any()
     taken = march.strike_energy - march.sample("kinetic_projectile")[-1]
-    assert np.abs(march.sample("balance")).max() < 0.02 * taken
+    assert np.abs(march.sample("error")).max() < 0.02 * taken
     assert march.sample("warp_peak").max() < 0.031 * 96e9 * FABRIC.weave.yarns[0].A_s
 
 
@@ -505,7 +505,7 @@ def test_the_loose_end_of_a_cut_yarn_may_fold_up():
     mesh = patch.build(FABRIC, (4, 4), size=(3, 3, 1))
     march = SolidSolver(SolidPatch(mesh, FABRIC, Projectile(radius=1.2e-3)), 500.0, 6e-6, threads=1).run()
     assert np.isfinite(march.state.x).all()
-    assert np.abs(march.sample("balance")).max() < 1e-3 * march.strike_energy
+    assert np.abs(march.sample("error")).max() < 1e-3 * march.strike_energy
 
 
 def test_a_brick_is_folded_by_its_length_or_its_volume():
@@ -540,7 +540,7 @@ def test_sums_are_named_once():
     [
         (lambda mesh: SolidPatch(mesh, catalogue.load("S-728")), "solid|meshed"),
         (lambda mesh: SolidPatch(crossover.build(FABRIC, size="coarse"), FABRIC), "whole"),
-        (lambda mesh: PatchNumerics(safety=2), "at most 1"),
+        (lambda mesh: PatchNumerics(cfl=2), "at most 1"),
         (lambda mesh: PatchNumerics(penalty=-1), "above 0"),
         (lambda mesh: SolidSolver(SolidPatch(mesh, FABRIC), 0, 1e-6), "above 0"),
     ],

@@ -23,7 +23,7 @@ def test_cases_are_those_of_the_table():
 
 
 def test_a_target_has_the_mass_and_modulus_of_its_case():
-    small = Backing(size=(0.06, 0.06, 0.03), finest=3e-3, fine=6e-3, growth=1.5)
+    small = Backing(size=(0.06, 0.06, 0.03), min_size=3e-3, refined_depth=6e-3, growth=1.5)
     for case in (CASES[1], CASES[5]):
         run = march(case, block=small, elements=1, opening=0.05)
         weaves = [ply.weave for ply in run.pack.plies]
@@ -50,7 +50,7 @@ def test_a_command_without_a_shot_says_why(monkeypatch, tmp_path):
 
 @pytest.mark.slow
 def test_a_shot_and_its_pictures(tmp_path):
-    small = Backing(size=(0.1, 0.1, 0.05), finest=3e-3, fine=6e-3, growth=1.5, points=1)
+    small = Backing(size=(0.1, 0.1, 0.05), min_size=3e-3, refined_depth=6e-3, growth=1.5, points=1)
     shot = shoot(replace(CASES[4]), block=small, elements=1, opening=0.08, velocity=100.0, end_time=60e-6)
     assert shot.balance < 0.005
     assert shot.depth > 2e-3

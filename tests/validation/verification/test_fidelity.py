@@ -25,7 +25,8 @@ STRENGTH = tuple(yarn.strength for yarn in FABRIC.weave.yarns)
 
 def result(outcome="stopped", speed=0.0, z=0.02, peak=(100.0, 120.0), strike=100.0, rigidity=None):
     return SimpleNamespace(
-        outcome=outcome, residual_velocity=speed, fine=np.array([[0, 0, 0, 0], [1, z, 0, 0], [2, 0.9 * z, 0, 0]]),
+        outcome=outcome, residual_velocity=speed,
+        step_history=np.array([[0, 0, 0, 0], [1, z, 0, 0], [2, 0.9 * z, 0, 0]]),
         peak_tension=peak, setup=SimpleNamespace(strike_velocity=strike, fabric=FABRIC), rigidity=rigidity,
     )  # fmt: skip
 
@@ -284,7 +285,7 @@ class TestProjectile:
         found, calls = self.answer(monkeypatch, self.short, fixed=frozenset({"projectile"}))
         assert "bar" not in calls
         assert found.body == "projectile: rigid, as set"
-        bar = replace(SETUP, projectile=Projectile(body="bar"))
+        bar = replace(SETUP, projectile=Projectile(body="elastic_bar"))
         found, calls = self.answer(monkeypatch, self.long, fixed=frozenset({"projectile"}), setup=bar)
         assert set(calls) == {"bar"}
 

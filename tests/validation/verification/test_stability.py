@@ -89,14 +89,14 @@ def test_time_step():
 @pytest.mark.parametrize("cloth", time_step.CLOTHS)
 def test_the_default_step_has_a_margin_on_every_cloth(cloth):
     """One and a half of the default is stable: of the equilibrium form, of taut cloth and of one that rings too."""
-    assert time_step.point(core.ASKED * time_step.Numerics.safety, cloth).kind == STABLE
+    assert time_step.point(core.ASKED * time_step.Numerics.cfl, cloth).kind == STABLE
 
 
 def test_the_step_leaves_the_contact_as_it_is():
     """Half the step has the same contact: peaks stay within 1 %, where one four times as stiff moves them by more."""
     usual, half = time_step.shot(0.9, "S-720, default"), time_step.shot(0.45, "S-720, default")
     assert half.off(usual) < 0.01
-    assert shots.fire(failure=False, safety=0.45).off(shots.fire(failure=False)) > 0.01
+    assert shots.fire(failure=False, cfl=0.45).off(shots.fire(failure=False)) > 0.01
 
 
 def test_viscosity():
@@ -214,6 +214,6 @@ def test_knobs_out_of_their_range_are_refused_where_a_user_gives_them():
     from fabrics.errors import InputError
     from shellfabric.panel.model import Numerics
 
-    with pytest.raises(InputError, match="safety"):
-        Numerics(safety=1.5)
-    assert replace(shots.Beyond(), safety=1.5).safety == 1.5
+    with pytest.raises(InputError, match="cfl"):
+        Numerics(cfl=1.5)
+    assert replace(shots.Beyond(), cfl=1.5).cfl == 1.5

@@ -22,7 +22,7 @@ def bar():
 def block():
     from shellfabric.backing.block import Backing
 
-    made = Backing(size=(0.02, 0.02, 0.02), finest=2e-3, fine=4e-3, growth=1.5).block(1e-8)
+    made = Backing(size=(0.02, 0.02, 0.02), min_size=2e-3, refined_depth=4e-3, growth=1.5).block(1e-8)
     made.x[made.nodes[:2, :2, 0], 2] += 1e-3
     return BackingResult(0.0, made.crater(0), made.crater(1), made.x, made.bricks, made.alpha, made.gone)
 

@@ -136,7 +136,7 @@ KINDS = {
         {"history": {"warp": ["0 mm", "2.6 mm"]}}, lambda got, plain: got.followed == 3,
         {"critical-velocity": "history: must be left out: the shots record nothing"},
     ),
-    "safety": Kind({"numerics": {"cfl": 0.45}}, ratio(lambda got: got.steps, 2, 0.05)),
+    "cfl": Kind({"numerics": {"cfl": 0.45}}, ratio(lambda got: got.steps, 2, 0.05)),
     "viscosity": Kind({"numerics": {"stretch_viscosity": 0.2}}, rises(energy("viscous"))),
     "penalty": Kind({"numerics": {"penalty": 0.3, "contact_damping": 0.4}}),
     "contact points": Kind({"numerics": {"contact_points": 4}}),
@@ -178,7 +178,7 @@ OF_ITSELF = {"pack": ("pack", "alternating"), "accuracy": ("accuracy",)}  # kind
 # of the others [accuracy] leaves the mesh, the table of the cell and the part of the panel open; these it cannot
 OF_ACCURACY = {
     "grip": energy("clamp_friction"), "bending": energy("bending"), "measure": lambda got: got.followed,
-    "elastic bar": lambda got: "as set" in got.accuracy["projectile"], "safety": lambda got: got.steps / got.elements,
+    "elastic bar": lambda got: "as set" in got.accuracy["projectile"], "cfl": lambda got: got.steps / got.elements,
 }  # fmt: skip
 
 

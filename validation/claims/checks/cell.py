@@ -260,14 +260,14 @@ def stress_resultant():
 @check()
 def lone_yarn():
     """A yarn whose partner is gone, in a coupon of warp alone."""
-    from shellfabric.coupon.model import cut
+    from shellfabric.coupon.model import mesh_coupon
 
     worst = 0.0
     for name in ("S-720", "S-731"):
         model = CellModel(catalogue.load(name), form="variational")
         weave = model.fabric.weave
         # the weft has been drawn out of the right half, as it has to be somewhere in a coupon
-        coupon = cut(
+        coupon = mesh_coupon(
             model.table(51),
             lambda x, y: (np.abs(x) < 0.01) & (np.abs(y) < 0.01),
             0.01,

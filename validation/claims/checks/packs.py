@@ -37,7 +37,7 @@ def stacking(aligned, alternating, fabric, velocity, plies):
         _, cones = min(run["cones"], key=lambda entry: abs(entry[0] - 100e-6))
         warp, weft = cones[2]
         shapes.append(abs(weft / warp - 1))
-    pushed = [run["energies"]["plies"][-1] for run in (aligned, alternating)]
+    pushed = [run["energies"]["ply_contact"][-1] for run in (aligned, alternating)]
     return {
         "mean lead of the aligned": lead.mean(),
         "least lead of the aligned": lead.min(),
@@ -125,7 +125,7 @@ def naive(smooth, nodes, fabric, velocity, plies):
 
 @check(
     lambda fabric, velocity, plies: {
-        body: pack(fabric, velocity, plies, body=body, end_time=100e-6) for body in ("full", "bar")
+        body: pack(fabric, velocity, plies, body=body, end_time=100e-6) for body in ("full", "elastic_bar")
     }
 )
 def swing(full, bar, fabric, velocity, plies):
@@ -144,7 +144,7 @@ def swing(full, bar, fabric, velocity, plies):
 
 @check(
     lambda fabric, velocity, plies: {
-        "bar": pack(fabric, velocity, plies, body="bar", end_time=100e-6),
+        "elastic_bar": pack(fabric, velocity, plies, body="elastic_bar", end_time=100e-6),
         "rigid": pack(fabric, velocity, plies, end_time=100e-6),
     }
 )

@@ -22,7 +22,7 @@ def at(run, name, t):
 
 def internal(run):
     """[J] stored, sheared and lost in failure, at the samples."""
-    return run["energies"]["stored"] + run["energies"]["shear"] + run["energies"]["failed"]
+    return run["energies"]["yarn_strain"] + run["energies"]["shear"] + run["energies"]["failure_dissipation"]
 
 
 def ratio(run):

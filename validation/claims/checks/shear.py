@@ -84,11 +84,11 @@ def law_integral(fabric, gamma):
 def trellis(gamma, cells=8):
     """A coupon of S-720 in a trellis: shear angles, stretches of its yarns, corners of its elements."""
     from shellfabric.cell.model import CellModel
-    from shellfabric.coupon.model import cut
+    from shellfabric.coupon.model import mesh_coupon
 
     table = CellModel(catalogue.load("S-720"), form="variational").table(21)
     reach = 1.01 * cells * table.model.fabric.weave.w1
-    coupon = cut(table, lambda x, y: (np.abs(x) < reach) & (np.abs(y) < reach), reach)
+    coupon = mesh_coupon(table, lambda x, y: (np.abs(x) < reach) & (np.abs(y) < reach), reach)
     x, y = coupon.points.T
     c, s = np.cos(gamma / 2), np.sin(gamma / 2)
     moved = np.stack([c * x + s * y, s * x + c * y], axis=1)
@@ -128,10 +128,10 @@ def heights_in_shear():
 def tension_in_shear(stretch, gamma):
     """Tension of every segment of a coupon, stretched evenly, square and sheared."""
     from shellfabric.cell.model import CellModel
-    from shellfabric.coupon.model import cut
+    from shellfabric.coupon.model import mesh_coupon
 
     table = CellModel(catalogue.load("S-720"), form="variational").table(101)
-    coupon = cut(table, lambda x, y: (np.abs(x) < 0.01) & (np.abs(y) < 0.01), 0.01)
+    coupon = mesh_coupon(table, lambda x, y: (np.abs(x) < 0.01) & (np.abs(y) < 0.01), 0.01)
     x, y = coupon.points.T
     square = np.stack([stretch * x, stretch * y], axis=1)
     c, s = np.cos(gamma / 2), np.sin(gamma / 2)

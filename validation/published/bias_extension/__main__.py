@@ -23,7 +23,7 @@ COLUMNS = ["cloth", "elongation mm", "load N", "angle A deg", "angle B deg", "an
 
 def rows(case):
     """One row a load step."""
-    for k, (state, moved, load) in enumerate(zip(case.result.states, case.result.moved, case.result.force(1, 1))):
+    for k, (state, moved, load) in enumerate(zip(case.result.states, case.result.prescribed, case.result.force(1, 1))):
         A, B, C = case.means(k)
         values = (1e3 * moved, abs(load), A, B, C, case.inextensible(k), B - 0.5 * (A + C), case.concentration(k))
         yield [case.name, *(f"{value:.5g}" for value in values), f"{state.residual:.2g}", state.iterations]
@@ -64,10 +64,10 @@ def main():
             print(f"{CLOTHS[case.name]}: {case.problem}")
             continue
         for moved in (0.005, 0.010):
-            k = int(np.argmin(np.abs(case.result.moved - moved)))
-            A, B, C = case.means(k)
+            k = int(np.argmin(np.abs(case.result.prescribed - moved)))
+            (A, B, C), extension = case.means(k), 1e3 * case.result.prescribed[k]
             print(
-                f"{CLOTHS[case.name]:27} {1e3 * case.result.moved[k]:5.2f} mm: A {A:.1f}, B {B:.1f}, C {C:.1f} deg; "
+                f"{CLOTHS[case.name]:27} {extension:5.2f} mm: A {A:.1f}, B {B:.1f}, C {C:.1f} deg; "
                 f"not stretching C {case.inextensible(k):.1f}; B less mean {B - 0.5 * (A + C):+.2f}; "
                 f"concentration {case.concentration(k):.2f}"
             )

@@ -44,7 +44,7 @@ class Case:
     def inextensible(self, step=-1):
         """[deg] angle in zone C of yarns that do not stretch."""
         size = quasistatic.bias_size(self.result)
-        return 90 - np.degrees(quasistatic.inextensible_shear(*size, self.result.moved[step]))
+        return 90 - np.degrees(quasistatic.inextensible_shear(*size, self.result.prescribed[step]))
 
     def concentration(self, step=-1):
         """[-] see quasistatic.concentration"""

@@ -33,7 +33,7 @@ def picture(cases, path):
             for k, name in enumerate(ZONES):
                 for middle in _middles(case, k):
                     axes.text(*(1e3 * middle), f"{name}\n{case.means()[k]:.1f}°", **_LABEL)
-        force, moved = abs(result.force(1, 1)[-1]), 1e3 * result.moved[-1]
+        force, moved = abs(result.force(1, 1)[-1]), 1e3 * result.prescribed[-1]
         state = f"{moved:.3g} mm, {force:.0f} N" if case.problem is None else f"{moved:.3g} mm: bands, stopped"
         axes.set_title(f"{CLOTHS[case.name]}\n{state}", fontsize=10)
         axes.set(aspect="equal", xlabel="mm", xlim=(-0.61 * width, 0.61 * width))

@@ -85,7 +85,7 @@ def cross_yarns_free(fabric, crossover, family):
         CellModel(fabric).table(201), direction=yarn, length=STRIP[0] * pitch[0], width=STRIP[1] * pitch[1],
         strain=end, steps=STEPS, tolerance=TOLERANCE,
     )  # fmt: skip
-    found[MODELS[2]] = strip.moved, strip.force(1, 0) / STRIP[1]
+    found[MODELS[2]] = strip.prescribed, strip.force(1, 0) / STRIP[1]
     alone = cases_single_yarn.pull(crossover, fabric, family)
     found[MODELS[3]] = alone["strain"], alone["T"]
     return found

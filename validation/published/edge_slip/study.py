@@ -77,10 +77,11 @@ def of(name, result: ImpactResult) -> Shot:
     nodes = result.nodes.reshape(*X.shape, 3)
     energies = result.energies
     return Shot(
-        name, panel.edge, result.outcome, result.t, result.v, float(result.t[-1]), float(result.z.max()),
+        name, panel.edge, result.outcome, result.t, result.v, float(result.t[-1]), float(result.nose_position.max()),
         result.reactions["weft"],
         {"warp": X[-1] - nodes[-1, :, 0], "weft": Y[:, -1] - nodes[:, -1, 1]}, {"warp": Y[-1], "weft": X[:, -1]},
-        float(energies["grip"][-1]), float(energies["external"][-1]), result.strike_energy, result.worst_balance,
+        float(energies["clamp_friction"][-1]), float(energies["boundary_work"][-1]), result.strike_energy,
+        result.energy_error_max,
     )  # fmt: skip
 
 

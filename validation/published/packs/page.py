@@ -186,7 +186,7 @@ _OUTCOMES = """
 Where one yarn has failed in every ply it is the middle one, at the clamp: the stress wave along it doubles there. The
 energy balance is to hold within 0.5 % of the strike energy. It was 0.58 % in 16 plies of S-731, of which nothing is
 the contact's: with half the time step and contacts as stiff as before it was 0.13 %, in four plies 0.085 in place of
-0.37 %, as of a step's error in yarns that stiffen. The audit now has that error as the entry "cell"; what is left is in
+0.37 %, as of a step's error in yarns that stiffen. The audit has that error as "formulation_residual"; the rest is in
 the table. Deepest is how far a point of one ply has come into the thickness of the next. At 1 the two middle surfaces
 touch; above 1 the point lies behind the surface of the contact, and is a passage (below) only if it has crossed the
 facets as well.

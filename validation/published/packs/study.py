@@ -49,7 +49,7 @@ _NEAR_THE_NOSE = 14  # elements from the middle in which they are counted
 FABRICS = ("S-726", "S-728", "S-731")
 FORMS = ("smooth", "facets", "nodes")
 # the same contacts as they stand: in units of mass / dt^2 stiffness goes with the step's square
-_HALF = {"safety": 0.45, "penalty": PlyContact.penalty / 4, "nose": PlyContact.nose / 4}
+_HALF = {"cfl": 0.45, "penalty": PlyContact.penalty / 4, "nose": PlyContact.nose / 4}
 HALVED = {
     "as it stands": {},
     "half the time step": _HALF,
@@ -86,7 +86,7 @@ class Case:
     ----------
     fabric, plies, velocity, stacking, gap : [-, -, m/s, -, m]; the fabric's own gap where None
     form, points, penalty, damping, nose : of the pack's contact (`PlyContact`); None as they stand
-    safety : of the time step; None as it stands
+    cfl : of the time step; None as it stands
     elements : along each side of a crossover
     end_time : [s]
     until_failure : whether the shot is given up when the first yarn fails
@@ -102,7 +102,7 @@ class Case:
     penalty: float | None = None
     damping: float | None = None
     nose: float | None = None
-    safety: float | None = None
+    cfl: float | None = None
     elements: int = 1
     end_time: float = _END
     until_failure: bool = False
@@ -113,9 +113,9 @@ class _Failed(Exception):
 
 
 @cache
-def panel(fabric, safety=None, elements=1):
+def panel(fabric, cfl=None, elements=1):
     """The 203 mm panel of one fabric."""
-    knobs = {} if safety is None else {"safety": safety}
+    knobs = {} if cfl is None else {"cfl": cfl}
     return Panel(_table(fabric), numerics=Numerics(threads=1, **knobs), elements_per_crossover=elements)
 
 
@@ -129,7 +129,7 @@ def pack(case: Case) -> Pack:
     knobs = ("points", "penalty", "damping", "nose")
     given = {key: getattr(case, key) for key in knobs if getattr(case, key) is not None}
     contact = PlyContact(form=case.form, **given)
-    ply = panel(case.fabric, case.safety, case.elements)
+    ply = panel(case.fabric, case.cfl, case.elements)
     return Pack.stacked(ply, case.plies, stacking=case.stacking, gap=case.gap, contact=contact)
 
 
@@ -161,7 +161,7 @@ def shoot(case: Case):
         "deflection": float(march.sample("z").max()),
         "failed": march.ply_samples[-1][:, 0].tolist(),
         "peaks": peaks.max(axis=1).tolist(),
-        "balance": float(np.abs(march.sample("balance")).max() / march.strike_energy),
+        "balance": float(np.abs(march.sample("error")).max() / march.strike_energy),
         "deepest": float(march.deepest.max(initial=0.0)),
         "wall": march.wall_time,
         "ns": 1e9 * march.wall_time / max(1, march.steps) / march.pack.elements,

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from shellfabric.backing import block as blocks
+from shellfabric.backing import bare_impact
 from shellfabric.backing.block import Backing
 from shellfabric.backing.coupling import BackingResult, radius_at, wall_angle
 from shellfabric.impact.single_ply import ImpactSetup
@@ -30,7 +30,7 @@ JAM = (1000.0, 0.6)  # [N], [-]: a tenth of a yarn's EA, from three fifths of it
 # half the usual time step: where stiff yarns snap taut a step loses with its square (`panel.model.Numerics`), in the
 # first target with free edges 0.5 % of the shot's energy at the usual one
 SAFETY = 0.45
-BLOCK = Backing(finest=1.5e-3, fine=9e-3, growth=1.25, points=1)
+BLOCK = Backing(min_size=1.5e-3, refined_depth=9e-3, growth=1.25, points=1)
 
 
 @dataclass(frozen=True)
@@ -99,7 +99,7 @@ def march(
     fabric = cloth(FABRIC, modulus=case.modulus, mass=case.mass / case.plies / fabric.weave.areal_density)
     setup = ImpactSetup(
         fabric, velocity, projectile=PROJECTILE, edge=edge, failure=False, elements_per_crossover=elements, jam=jam,
-        backing=block, opening=opening, numerics=Numerics(safety=SAFETY),
+        backing=block, opening=opening, numerics=Numerics(cfl=SAFETY),
     )  # fmt: skip
     return PackSolver(Pack.stacked(setup.panel(), case.plies), velocity, end_time)
 
@@ -112,9 +112,9 @@ def shoot(case: Case, *, report=None, **options) -> Penetration:
     UnstableError : as PackSolver
     """
     run = march(case, **options).run([Progress(report)] if report else [])
-    block = run.behind.result()
+    block = run.backing.result()
     energies = {name: run.sample(name) for name in _names(run)}
-    balance = float(np.abs(energies["balance"]).max()) / run.strike_energy
+    balance = float(np.abs(energies["error"]).max()) / run.strike_energy
     return Penetration(
         run.outcome, run.sample("t"), run.sample("z"), run.sample("v"), block.crater, block.steepness, block.half_width,
         energies, balance, run.wall_time, block,
@@ -129,9 +129,9 @@ def _names(run):
 
 def bare(block=BLOCK, velocity=VELOCITY, end_time=2e-3) -> Penetration:
     """Fire at the block alone."""
-    found = blocks.strike(block, PROJECTILE, velocity, end_time)
+    found = bare_impact.strike(block, PROJECTILE, velocity, end_time)
     crater, energy = found.crater, PROJECTILE.energy(velocity)
     return Penetration(
         "stopped" if found.v[-1] <= 0 else "in flight", found.t, found.z, found.v, crater, wall_angle(crater),
-        radius_at(crater, 0.5), found.energies, float(np.abs(found.energies["balance"]).max()) / energy, np.nan,
+        radius_at(crater, 0.5), found.energies, float(np.abs(found.energies["error"]).max()) / energy, np.nan,
     )  # fmt: skip

@@ -42,7 +42,7 @@ def histories(march, beside, path):
     )
     for name, label, colour in PARTS:
         energy.plot(t, 1e3 * march.sample(name), color=colour, label=label)
-    energy.plot(t, 1e3 * march.sample("balance"), ":", color="black", label="balance")
+    energy.plot(t, 1e3 * march.sample("error"), ":", color="black", label="energy error")
     energy.set(title="Energies of the solid patch", xlabel="time from the middle plane on [us]", ylabel="energy [mJ]")
     own = 1e3 * profile(march)
     shape.plot(own[:, 0], own[:, 1], color=WARP, label="solid patch, between the middle warps")

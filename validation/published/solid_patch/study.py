@@ -70,7 +70,7 @@ def shell(march):
     times = [shot.t for shot in found.snapshots]
     tensions = np.stack([np.interp(found.t, times, nose[:, k]) for k in (0, 1)], axis=1)
     profiles = np.array([shot.nodes[:, 0][:, [0, 2]] for shot in found.snapshots])
-    return Shell(found.t, found.v, found.z, tensions, np.array(times), profiles)
+    return Shell(found.t, found.v, found.nose_position, tensions, np.array(times), profiles)
 
 
 def clock(march):
@@ -104,7 +104,7 @@ def summary(march, beside=None, processor_seconds=None):
     """Lines of name and text: what was run, what it cost, what it says."""
     last = dict(zip(SAMPLES, march.samples[-1]))
     taken = march.strike_energy - last["kinetic_projectile"]
-    balance = np.abs(march.sample("balance")).max()
+    balance = np.abs(march.sample("error")).max()
     late = clock(march)
     lines = [
         ("bricks, bars", f"{march.patch.bricks}, {march.state.bar_intact.size}"),

@@ -91,7 +91,7 @@ def methods(shot):
         one("elements", "1/2 a crossover", {"elements": 0.5}),
         one("elements", "2 a crossover", {"elements": 2}),
         one("combined", "1/2, decoupled, table 26", {"elements": 0.5, "model": "decoupled", "table": 26}),
-        one("time step", "steps x 0.5", {"safety": 0.5 * Numerics.safety}),
+        one("time step", "steps x 0.5", {"cfl": 0.5 * Numerics.cfl}),
         one("activity", "all plies awake", {"awake": True}),
         one("contact", "contact: 2 x 2 points", points=2),
         one("contact", "contact: penalty / 4", penalty=0.25 * PlyContact.penalty),
@@ -109,5 +109,5 @@ def references(shot, finest):
 
     meshes = tuple((1 / n, of(elements=n)) for n in finest)
     first = meshes[0][1]
-    slower = replace(first, shell=replace(first.shell, safety=0.5 * Numerics.safety))
+    slower = replace(first, shell=replace(first.shell, cfl=0.5 * Numerics.cfl))
     return meshes, ((first, slower), (first, replace(first, points=2)))

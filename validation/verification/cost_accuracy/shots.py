@@ -44,7 +44,7 @@ class Shell:
     elements : a crossover, along each side; below 1: an element of so many crossovers
     model, form, law : of the cell (`CellModel`), and of compression: "regularised" or "printed"
     table : stretches along each side of the cell's table
-    safety, viscosity, precision : see `Numerics`
+    cfl, viscosity, precision : see `Numerics`
     symmetry : "quarter", "half" or "whole"
     awake : whether all rows are worked on from the start
     """
@@ -55,7 +55,7 @@ class Shell:
     form: str = "variational"
     law: str = "regularised"
     table: int = 201
-    safety: float = Numerics.safety
+    cfl: float = Numerics.cfl
     viscosity: float = Numerics.stretch_viscosity
     precision: str = "double"
     symmetry: str = "quarter"
@@ -67,7 +67,7 @@ class Cable:
     """A shot at the pin-jointed cable net, with its own share of the time step's bound."""
 
     shot: Shot
-    safety: float = CableNumerics.safety
+    cfl: float = CableNumerics.cfl
     symmetry: str = "quarter"
 
 
@@ -102,7 +102,7 @@ def panel(case: Shell) -> Panel:
     if case.elements < 1:
         fabric = variants.homogenised(fabric, round(1 / case.elements))
     numerics = Numerics(
-        safety=case.safety, stretch_viscosity=case.viscosity, precision=case.precision, threads=1,
+        cfl=case.cfl, stretch_viscosity=case.viscosity, precision=case.precision, threads=1,
         contact_points=8 if case.elements < 1 else None,  # coarse models are to be cheap ones
     )  # fmt: skip
     return Panel(
@@ -133,11 +133,11 @@ def _shell(case):
 def _cable(case):
     begun = time.process_time()
     fabric, side = catalogue.load(case.shot.fabric).with_effective_density(), case.shot.opening
-    net = CableNet(fabric, (side, side), symmetry=case.symmetry, numerics=CableNumerics(safety=case.safety))
+    net = CableNet(fabric, (side, side), symmetry=case.symmetry, numerics=CableNumerics(cfl=case.cfl))
     found = {}
     for velocity in case.shot.velocities:
         result = cable_solver.run(net, velocity, case.shot.end)
-        t, z, v, _ = result.fine.T
+        t, z, v, _ = result.step_history.T
         found |= read_off(case.shot, velocity, result.outcome, z, v, t[0], net.projectile.mass, result.peak_tension)
     return found, {"table": 0.0, "march": time.process_time() - begun}
 
@@ -178,7 +178,7 @@ def methods(shot, meshes=(2, 3)):
     return (
         one("default", "default"),
         Method("cell", "cable net", Cable(shot)),
-        Method("time step", "cable net, steps x 2", Cable(shot, safety=2 * CableNumerics.safety)),
+        Method("time step", "cable net, steps x 2", Cable(shot, cfl=2 * CableNumerics.cfl)),
         one("cell", "decoupled", model="decoupled"),
         one("cell", "incompressible", model="incompressible"),
         one("cell", "printed law", law="printed"),
@@ -194,7 +194,7 @@ def methods(shot, meshes=(2, 3)):
         one("combined", "1/2 a crossover, table 26", elements=0.5, table=26),
         one("combined", "equilibrium, table 51", form="equilibrium", table=51),
         one("combined", "float32, table 51", precision="single", table=51),
-        *(one("time step", f"steps x {f:g}", safety=f * Numerics.safety) for f in (0.25, 0.5)),
+        *(one("time step", f"steps x {f:g}", cfl=f * Numerics.cfl) for f in (0.25, 0.5)),
         *(one("viscosity", f"viscosity {x:g}", viscosity=x) for x in (0.05, 0.2)),
         one("storage", "float32", precision="single"),
         one("symmetry", "half", symmetry="half"),
@@ -208,4 +208,4 @@ def references(shot, finest):
     base = Shell(shot)
     meshes = tuple((1 / n, replace(base, elements=n)) for n in finest)
     first = replace(base, elements=finest[0])
-    return meshes, ((first, replace(first, table=401)), (first, replace(first, safety=0.5 * Numerics.safety)))
+    return meshes, ((first, replace(first, table=401)), (first, replace(first, cfl=0.5 * Numerics.cfl)))

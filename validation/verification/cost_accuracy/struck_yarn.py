@@ -27,14 +27,14 @@ class Yarn:
     velocity: float
     length: float
     bars: int = 2000
-    safety: float = CableNumerics.safety
+    cfl: float = CableNumerics.cfl
     viscosity: float = CableNumerics.viscosity
 
 
 def run(case):
     """({quantity: value}, {part: CPU time [s]})."""
     begun = time.process_time()
-    numerics = CableNumerics(safety=case.safety, viscosity=case.viscosity)
+    numerics = CableNumerics(cfl=case.cfl, viscosity=case.viscosity)
     yarn = catalogue.load(case.fabric).weave.warp
     found = smith.strike(yarn, case.velocity, length=case.length, bars=case.bars, numerics=numerics).measured
     return _values(found), {"march": time.process_time() - begun}
@@ -55,7 +55,7 @@ def scene(quick=False):
     methods = [Method("default", "default: 2000 bars", Yarn(*given))]
     methods += [Method("elements", f"{n} bars", Yarn(*given, bars=n)) for n in numbers]
     methods += [
-        Method("time step", f"{n} bars, safety {s:g}", Yarn(*given, bars=n, safety=s))
+        Method("time step", f"{n} bars, safety {s:g}", Yarn(*given, bars=n, cfl=s))
         for n in (500, 2000)
         for s in (0.2, 0.8)
     ]

@@ -28,7 +28,7 @@ def row(name, number):
     found = cable_solver.run(CableNet.of(setup), setup.strike_velocity, setup.end_time, audit_interval=20e-6)
     seconds = time.process_time() - began
     result = SimpleNamespace(
-        setup=setup, outcome=found.outcome, residual_velocity=found.residual_velocity, fine=found.fine,
+        setup=setup, outcome=found.outcome, residual_velocity=found.residual_velocity, step_history=found.step_history,
         peak_tension=found.peak_tension,
     )  # fmt: skip
     return {NAME: {"values": quantities.of(result), "seconds": seconds}}

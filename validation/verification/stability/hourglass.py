@@ -36,11 +36,11 @@ def mesh():
     return patch.build(catalogue.load(FABRIC), (4, 4), size=(2, 2, 1))
 
 
-def point(factor, safety):
+def point(factor, cfl):
     """STABLE where no brick is folded by its hourglass modes, and these hold little energy."""
 
     def run():
-        numerics = Beyond(hourglass=factor, safety=safety)
+        numerics = Beyond(hourglass=factor, cfl=cfl)
         march = SolidSolver(SolidPatch(mesh(), catalogue.load(FABRIC), numerics=numerics), VELOCITY, END, threads=1)
         march.run()
         off = quality.hourglass_amplitude(march.patch.mesh, march.state.x)
@@ -64,5 +64,5 @@ def chart(quick=False):
         f"too soft, an amplitude above {100 * FOLDED:g} %, or too stiff, hourglass energy above {100 * MOST:g} % of "
         "the solids'", "drift of the energy balance (2 %), numbers that are not finite, inverted bricks; the input "
         "refuses steps beyond 1",
-        (PatchNumerics.hourglass, PatchNumerics.safety), (ABOVE, BELOW),
+        (PatchNumerics.hourglass, PatchNumerics.cfl), (ABOVE, BELOW),
     )  # fmt: skip

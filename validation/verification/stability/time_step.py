@@ -31,20 +31,20 @@ RINGS = 0.1  # allowed where yarns ring, as in the maps of viscosity and penalty
 SAFETY = (0.3, 0.6, 0.9, 1.1, 1.2, 1.3, 1.4, 1.5, 1.6, 1.8, 2.0, 2.4)
 RINGING = ("no viscosity", "equilibrium, no viscosity")
 NEIGHBOURS = tuple(1 - 0.01 * n for n in range(11))
-_SOFT = 2 * Numerics.safety
+_SOFT = 2 * Numerics.cfl
 
 
-def shot(safety, name):
+def shot(cfl, name):
     """Answer of a shot; yarns do not fail, so that a wild one does not end for that."""
     choices = dict(CLOTHS[name])
     cell = shots.table(choices.pop("form", "variational"), choices.pop("straight", False))
-    penalty = Numerics.penalty * (safety / _SOFT) ** 2
-    return shots.fire(cell, failure=False, safety=safety, penalty=penalty, **choices)
+    penalty = Numerics.penalty * (cfl / _SOFT) ** 2
+    return shots.fire(cell, failure=False, cfl=cfl, penalty=penalty, **choices)
 
 
-def answer(safety, name):
+def answer(cfl, name):
     """Answer of a shot, or of the median of its neighbours where yarns ring."""
-    found = [shot(part * safety, name) for part in (NEIGHBOURS if name in RINGING else (1.0,))]
+    found = [shot(part * cfl, name) for part in (NEIGHBOURS if name in RINGING else (1.0,))]
     peak = tuple(map(median, zip(*(one.peak for one in found))))
     velocity, failed = (median(getattr(one, name) for one in found) for name in ("velocity", "failed"))
     return shots.Answer(peak, velocity, failed, found[0].checks)
@@ -53,11 +53,11 @@ def answer(safety, name):
 quiet = cache(lambda name: answer(0.3, name))
 
 
-def point(safety, name):
+def point(cfl, name):
     """STABLE where peaks and velocity are those of a third of the bound."""
 
     def run():
-        found = answer(safety, name)
+        found = answer(cfl, name)
         off = found.off(quiet(name))
         kind = STABLE if off <= (RINGS if name in RINGING else ALLOWED) else WRONG
         return Outcome(kind, 100 * off, checks=found.checks)
@@ -85,5 +85,5 @@ def chart(quick=False):
         "difference from a third of the step [%]",
         f"peaks or velocity off by more than {100 * ALLOWED:g} %, {100 * RINGS:g} % where crimped yarns ring",
         "drift of the energy balance, numbers that are not finite, nodes that outrun their element",
-        (Numerics.safety, "S-720, default"), (ABOVE,), tuple(CLOTHS)[:2] if quick else tuple(CLOTHS),
+        (Numerics.cfl, "S-720, default"), (ABOVE,), tuple(CLOTHS)[:2] if quick else tuple(CLOTHS),
     )  # fmt: skip

@@ -44,7 +44,7 @@ def of(result):
         "load": max(T / yarn.strength for T, yarn in zip(result.peak_tension, result.setup.fabric.weave.yarns)),
         "residual_velocity": share,
         "absorbed_energy": 1 - share**2,
-        "deflection": nan if through else float(max(result.fine[:, 1])),
+        "deflection": nan if through else float(max(result.step_history[:, 1])),
         "peak_tension": (nan, nan) if through else tuple(result.peak_tension),
     }
 

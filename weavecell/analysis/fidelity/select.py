@@ -240,7 +240,7 @@ def _look(base, tables):
     meshed = [model.name for model in LADDER if model.panel(base, tables.cheap(base)) is not None]
     found = []
     for model in scouts(meshed):
-        this = model.of(replace(base, snapshot_interval=None, measure=None))
+        this = model.of(replace(base, snapshot_interval=None, history=None))
         try:
             result = single_ply.run(this, table=tables.of(this))
         except UnstableError:
@@ -259,7 +259,7 @@ def _body(shot, scout):
         return shot, f"projectile: {_kind(shot)}; only a flat cylinder of steel could be elastic"
     if scout.rigidity.enough:
         return replace(shot, body="rigid"), f"projectile: rigid; {scout.rigidity}"
-    return replace(shot, body="bar"), f"projectile: an elastic bar; {scout.rigidity}"
+    return replace(shot, body="elastic_bar"), f"projectile: an elastic bar; {scout.rigidity}"
 
 
 def _partner(model, seen):

@@ -1,0 +1,62 @@
+"""Impact of a rigid projectile on the bare block, without cloth."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from shellfabric.projectile.projectile import Projectile
+
+
+@dataclass(frozen=True)
+class Strike:
+    """What a projectile without fabric does to a block: t, v, z [s, m/s, m] of its nose, energies {name: (n,)} [J] of
+    the whole, and the crater at the end (k, 2) [m]."""
+
+    t: np.ndarray
+    v: np.ndarray
+    z: np.ndarray
+    energies: dict
+    crater: np.ndarray
+    eroded: int
+
+
+def strike(backing, projectile: Projectile, velocity, end_time, *, dt=None, every=20) -> Strike:
+    """A rigid projectile strikes the bare block ("backing only" of source thesis Figure 6-45), until it turns back.
+
+    Parameters
+    ----------
+    velocity : [m/s]
+    end_time : [s] at the latest
+    dt : [s]; None: the projectile crosses at most a twentieth of the finest brick, at half of what the block allows
+    every : steps between records
+
+    Raises
+    ------
+    InputError, UnstableError : as Block
+    """
+    if dt is None:
+        dt = min(0.05 * backing.min_size / velocity, 0.5 * backing.longest_step)
+    block, quarter = backing.block(dt), 0.25 * projectile.mass
+    position, speed = np.array([0.0, 0.0, backing.standoff]), np.array([0.0, 0.0, float(velocity)])
+    rows, energies = [], []
+    for n in range(int(np.ceil(end_time / dt))):
+        push = block.strike(position, speed, projectile)
+        block.advance()
+        kick = 0.5 * dt if n == 0 else dt
+        before, speed[2] = speed[2], speed[2] + kick * push[2] / quarter
+        mean = 0.5 * (before + speed[2])
+        stop = speed[2] <= 0
+        if n % every == 0 or stop:
+            own = block.energies()
+            own["projectile"] = 0.5 * quarter * mean**2
+            own["error"] = sum(own.values()) - 0.5 * quarter * velocity**2
+            rows.append((n * dt, mean, position[2] - backing.standoff))
+            energies.append(4 * np.array(list(own.values())))
+        position[2] += dt * speed[2]
+        if stop:
+            break
+    t, v, z = np.array(rows).T
+    named = {name: np.array(energies)[:, k] for k, name in enumerate(own)}
+    return Strike(t, v, z, named, block.crater(), int(np.count_nonzero(block.gone)))

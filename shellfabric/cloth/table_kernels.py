@@ -1,0 +1,113 @@
+"""Interpolation in the table of the crossover cell: tensions (bilinear), potential and its gradient (biquadratic)."""
+
+import math
+
+import numpy as np
+
+from shellfabric.jit.compile import kernel
+from shellfabric.jit.simd import (
+    WIDTH,
+    broadcast,
+    floor,
+    fma,
+    gather8_indexed,
+    gather_rows4,
+    head_mask,
+    load,
+    maximum,
+    minimum,
+    reduce_max,
+    store,
+    store_int32,
+    to_int32,
+    where,
+)
+
+
+@kernel()
+def bilinear_tensions(m0, n, l1, l2, grid, table, T):
+    """Bilinear interpolation of one tension [N] at n pairs of stretches. Returns the largest, at least 0.
+
+    grid : where the table begins, cells per stretch and number of the last cell, of both stretches; cells along the
+        second. Below the table its edge, which is exact there; above it linear.
+    """
+    x0, rx, top1, y0, ry, top2, across = grid
+    greatest = broadcast(0.0)
+    for j in range(0, n, WIDTH):
+        m = m0 + j
+        p, q = maximum((load(l1, m) - x0) * rx, 0.0), maximum((load(l2, m) - y0) * ry, 0.0)
+        cell1, cell2 = floor(minimum(p, top1)), floor(minimum(q, top2))
+        c = gather_rows4(table, to_int32(fma(cell1, across, cell2)))
+        p, q = p - cell1, q - cell2
+        tension = fma(q, fma(c[3], p, c[2]), fma(c[1], p, c[0]))
+        store(T, m, tension)
+        greatest = maximum(greatest, tension if n - j >= WIDTH else where(head_mask(n - j), tension, 0.0))
+    return reduce_max(greatest)
+
+
+@kernel(_nrt=False)
+def potential_forces(m0, n, l1, l2, grid, table, factors, spots, N1, N2, K):
+    """Gradient of the biquadratic potential, N = per dW/d(local coordinate), and a slope K of it.
+
+    factors : per of N1 and of N2, stiff1, stiff2
+
+    Below the table its edge, which is exact there; above it tensions go on straight. table (cells, 8) : of p, p p, q,
+    q q, p q, p p q, p q q, p p q q. K is stiff1 / 2 d2W/dp2 + stiff2 / 2 d2W/dq2. Returns the largest p and q, the
+    places in the table in units of its cells, and the largest N1 and N2, at least 0.
+
+    A piece of spots.size slots at a time, in two loops: the first finds places in the table, which are kept in spots,
+    N1 and N2, and the second what stands there. In one loop the rows wait for their number and the sums for the rows,
+    and what waits fills all the room that a processor has for it.
+    """
+    far1, far2, high1, high2 = broadcast(0.0), broadcast(0.0), broadcast(0.0), broadcast(0.0)
+    per1, per2, stiff1, stiff2 = factors
+    x0, rx, top1, y0, ry, top2, across = grid
+    for start in range(m0, m0 + n, spots.size):
+        stop = min(start + spots.size, m0 + n)
+        whole = stop - (stop - start) % WIDTH
+        for j in range(start, stop, WIDTH):
+            p, q = maximum((load(l1, j) - x0) * rx, 0.0), maximum((load(l2, j) - y0) * ry, 0.0)
+            cell1, cell2 = floor(minimum(p, top1)), floor(minimum(q, top2))
+            store_int32(spots, j - start, to_int32(fma(cell1, across, cell2)))
+            store(N1, j, p - cell1)
+            store(N2, j, q - cell2)
+            if j < whole:
+                far1, far2 = maximum(far1, p), maximum(far2, q)
+            else:
+                far1 = maximum(far1, where(head_mask(stop - j), p, 0.0))
+                far2 = maximum(far2, where(head_mask(stop - j), q, 0.0))
+        for j in range(start, stop, WIDTH):
+            p, q, c = load(N1, j), load(N2, j), gather8_indexed(table, spots, j - start)
+            flat1, turn1 = fma(q, fma(q, c[6], c[4]), c[0]), fma(q, fma(q, c[7], c[5]), c[1])
+            flat2, turn2 = fma(p, fma(p, c[5], c[4]), c[2]), fma(p, fma(p, c[7], c[6]), c[3])
+            force1, force2 = per1 * fma(p + p, turn1, flat1), per2 * fma(q + q, turn2, flat2)
+            store(N1, j, force1)
+            store(N2, j, force2)
+            store(K, j, fma(stiff1, turn1, stiff2 * turn2))
+            if j < whole:
+                high1, high2 = maximum(high1, force1), maximum(high2, force2)
+            else:
+                high1 = maximum(high1, where(head_mask(stop - j), force1, 0.0))
+                high2 = maximum(high2, where(head_mask(stop - j), force2, 0.0))
+    return reduce_max(far1), reduce_max(far2), reduce_max(high1), reduce_max(high2)
+
+
+@kernel()
+def potential(l1, l2, grid, table, level):
+    """The biquadratic potential [J] at a pair of stretches, for `potential_forces`. level (cells,) [J] : of 1."""
+    x0, rx, top1, y0, ry, top2, across = grid
+    p, q = max((l1 - x0) * rx, 0.0), max((l2 - y0) * ry, 0.0)
+    cell1, cell2 = math.floor(min(p, top1)), math.floor(min(q, top2))
+    m, p, q = np.int64(cell1 * across + cell2), p - cell1, q - cell2
+    c = table[m]
+    zero, one, two = level[m] + q * (c[2] + q * c[3]), c[0] + q * (c[4] + q * c[6]), c[1] + q * (c[5] + q * c[7])
+    return zero + p * (one + p * two)
+
+
+@kernel()
+def max_value(m0, n, values):
+    """The largest of n values, at least 0."""
+    found = 0.0
+    for j in range(m0, m0 + n):
+        found = max(found, values[j])
+    return found

@@ -1,0 +1,94 @@
+"""Motion of the nodes of a panel in a step, and the window of rows that motion can have reached.
+
+Only these rows are updated, which is exact: an element whose nodes are all at rest has no force on them. Velocities
+below 1e-60 m/s are set to zero, without which the front of the wave would be preceded by denormal numbers.
+"""
+
+import numpy as np
+
+from shellfabric.jit.compile import kernel
+from shellfabric.jit.simd import WIDTH, fabs, fma, greater, load, masked_store, where
+
+_MIN_VELOCITY = 1e-60
+
+
+@kernel()
+def move_nodes(k0, n, dt, dt_over_mass, f_int, f_int_above, both, v, u):
+    """Central-difference update of the nodes k0 .. k0 + n: forces f_int [N], or `both` f_int + f_int_above."""
+    for j in range(0, n, WIDTH):
+        k, left = k0 + j, n - j
+        impulse = load(dt_over_mass, k)
+        for c in range(3):
+            force = load(f_int[c], k)
+            if both:
+                force = force + load(f_int_above[c], k)
+            speed = fma(impulse, force, load(v[c], k))
+            speed = where(greater(fabs(speed), _MIN_VELOCITY), speed, 0.0)
+            masked_store(v[c], k, speed, left)
+            masked_store(u[c], k, fma(speed, dt, load(u[c], k)), left)
+
+
+@kernel(_nrt=False, forceinline=True)
+def apply_symmetry(state, const, first, last):
+    """Zero the force across planes of symmetry, on the node rows first .. last - 1."""
+    if const.mirror_x and first == 0:
+        for k in range(const.row_stride):
+            state.f_int[0][k] = state.f_int_above[0][k] = 0.0
+    if const.mirror_y:
+        for i in range(first, last):
+            k = np.uint64(i * const.row_stride)
+            state.f_int[1][k] = state.f_int_above[1][k] = 0.0
+
+
+@kernel(_nrt=False)
+def row_has_moved(state, const, i):
+    """Whether a node of row i has a displacement."""
+    for k in range(np.uint64(i * const.row_stride), np.uint64((i + 1) * const.row_stride)):
+        if state.u[0][k] != 0.0 or state.u[1][k] != 0.0 or state.u[2][k] != 0.0:
+            return True
+    return False
+
+
+@kernel(_nrt=False, forceinline=True)
+def grow_active_rows(state, const):
+    """Grow the window of active element rows, state.active_rows, ahead of the motion.
+
+    The forces of a node reach two rows further than the nodes that have moved: over the segments that cross, and in the
+    variational form over those that cross these. So in a step motion goes ahead by two rows at most, and its forces by
+    two more, and there is a window in time if its outer four rows are kept at rest.
+    """
+    for _ in range(2):
+        first, last = state.active_rows[0], state.active_rows[1]
+        stirred = False
+        for i in range(first, min(first + 4, const.ni + 1)):
+            stirred = stirred or row_has_moved(state, const, i)
+        if first > 0 and stirred:
+            state.active_rows[0] -= 1
+        stirred = False
+        for i in range(max(last - 3, 0), last + 1):
+            stirred = stirred or row_has_moved(state, const, i)
+        if last < const.ni and stirred:
+            state.active_rows[1] += 1
+
+
+@kernel(_nrt=False, forceinline=True)
+def move_rows(state, const, first, last):
+    """Move the node rows first .. last - 1 by one step. A block's first row has forces from the block before too."""
+    apply_symmetry(state, const, first, last)
+    row = first
+    while row < last:
+        met = row > 0 and row % const.rows_per_block == 0
+        end = row + 1 if met else min(last, (row // const.rows_per_block + 1) * const.rows_per_block)
+        k0, n = row * const.row_stride, (end - row) * const.row_stride
+        move_nodes(k0, n, const.dt, state.dt_over_mass, state.f_int, state.f_int_above, met, state.v, state.u)
+        row = end
+
+
+@kernel(_nrt=False)
+def thread_range(state, const, me, count):
+    """(first, last) active blocks of thread `me` among `count`; the last thread has at least one."""
+    start, end = (
+        state.active_rows[0] // const.rows_per_block,
+        (state.active_rows[1] + const.rows_per_block - 1) // const.rows_per_block,
+    )
+    return start + (end - start) * me // count, start + (end - start) * (me + 1) // count

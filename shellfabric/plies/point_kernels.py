@@ -1,0 +1,304 @@
+"""Contact of one point of a ply with the surface of its neighbour; the method is that of `plies.contact_kernels`.
+
+Weights of a point are (first, middle, last, middle along x or y): displacements normal to a plane of symmetry change
+their sign there, so that the middle node of the three has another weight for them (`surface_kernels.form_weights`).
+"""
+
+import math
+
+import numpy as np
+
+from shellfabric.jit.compile import kernel
+from shellfabric.plies.contact_simd_kernels import (
+    AMBIGUOUS_DEPTH,
+    CLEAR,
+    CP_JUMP,
+    IN_CONTACT,
+    LOST,
+    MAX_COMPRESSION,
+    MAX_CP_STEP,
+    MAX_DEPTH_JUMP,
+    MAX_STIFFNESS_FACTOR,
+    PASSED_COUNT,
+    PASSED_POINT,
+    extend_window,
+    penalty_force,
+)
+from shellfabric.plies.surface_kernels import (
+    FACETS,
+    NODES,
+    SMOOTH,
+    element_mean,
+    form_weights,
+    intact_about,
+    intact_fraction_at,
+    interpolate,
+    scatter_to_element,
+    scatter_weighted,
+    search_closest_point,
+    second_derivatives,
+    surface_patch,
+)
+
+
+@kernel(_nrt=False, forceinline=True)
+def grow_window(touched, i, j, n):
+    """Widen the window of nodes with forces by n by n nodes."""
+    extend_window(touched, i, i + n, j, j + n)
+
+
+@kernel(_nrt=False, forceinline=True)
+def central(pair):
+    """Whether the points are in the middles of the elements, through which the spline goes."""
+    return pair.points_per_side == 1 and pair.surface_form == SMOOTH
+
+
+@kernel(_nrt=False, forceinline=True)
+def vector_at(F, k, s, wa, wb):
+    """Components of a nodal vector at a point with the weights wa along the first index and wb along the second."""
+    return (
+        interpolate(F[0], k, s, wa[0], wa[3], wa[2], wb[0], wb[1], wb[2]),
+        interpolate(F[1], k, s, wa[0], wa[1], wa[2], wb[0], wb[3], wb[2]),
+        interpolate(F[2], k, s, wa[0], wa[1], wa[2], wb[0], wb[1], wb[2]),
+    )
+
+
+@kernel(_nrt=False, forceinline=True)
+def scatter_vector(F, k, s, f, n, w):
+    """Add f n to a nodal vector by the weights w = (wa, wb) of a point."""
+    wa, wb = w
+    scatter_weighted(F[0], k, s, f * n[0], wa[0], wa[3], wa[2], wb[0], wb[1], wb[2])
+    scatter_weighted(F[1], k, s, f * n[1], wa[0], wa[1], wa[2], wb[0], wb[3], wb[2])
+    scatter_weighted(F[2], k, s, f * n[2], wa[0], wa[1], wa[2], wb[0], wb[1], wb[2])
+
+
+@kernel(_nrt=False, forceinline=True)
+def front_point(front, fc, pair, a, b):
+    """The front ply's point at (a, b): its displacement [m], indices and slot of its first node, and its weights."""
+    if central(pair):
+        i, j, none = int(a), int(b), (0.0, 0.0, 0.0, 0.0)
+        k = np.uint64(i * fc.row_stride + j)
+        place = (
+            element_mean(front.u[0], k, fc.row_stride),
+            element_mean(front.u[1], k, fc.row_stride),
+            element_mean(front.u[2], k, fc.row_stride),
+        )
+        return place, i, j, k, (none, none)
+    form = pair.surface_form if pair.surface_form != SMOOTH or intact_about(front, fc, a, b) else FACETS
+    i, p0, p1, p2, _, _, _, p1x, _ = form_weights(form, a, fc.ni, fc.mirror_x)
+    j, q0, q1, q2, _, _, _, q1y, _ = form_weights(form, b, fc.nj, fc.mirror_y)
+    k = np.uint64(i * fc.row_stride + j)
+    wa, wb = (p0, p1, p2, p1x), (q0, q1, q2, q1y)
+    return vector_at(front.u, k, fc.row_stride, wa, wb), i, j, k, (wa, wb)
+
+
+@kernel(_nrt=False, forceinline=True)
+def rear_surface(rear, rc, form, A, B):
+    """The rear ply's surface at (A, B): indices and slot of the first node, weights and their slopes, displacement [m]
+    and tangents [m]."""
+    I, w0, w1, w2, d0, d1, d2, w1x, d1x = form_weights(form, A, rc.ni, rc.mirror_x)
+    J, v0, v1, v2, e0, e1, e2, v1y, e1y = form_weights(form, B, rc.nj, rc.mirror_y)
+    K = np.uint64(I * rc.row_stride + J)
+    X, Xa, Xb = surface_patch(rear.u[0], K, rc.row_stride, (w0, w1x, w2), (v0, v1, v2), (d0, d1x, d2), (e0, e1, e2))
+    Y, Ya, Yb = surface_patch(rear.u[1], K, rc.row_stride, (w0, w1, w2), (v0, v1y, v2), (d0, d1, d2), (e0, e1y, e2))
+    Z, Za, Zb = surface_patch(rear.u[2], K, rc.row_stride, (w0, w1, w2), (v0, v1, v2), (d0, d1, d2), (e0, e1, e2))
+    weights, slopes = ((w0, w1, w2, w1x), (v0, v1, v2, v1y)), ((d0, d1, d2, d1x), (e0, e1, e2, e1y))
+    return I, J, K, weights, slopes, (X, Y, Z), ((Xa + rc.dx, Ya, Za), (Xb, Yb + rc.dy, Zb))
+
+
+@kernel(_nrt=False, forceinline=True)
+def contact_normal(rc, pair, q, off, tangents, whole):
+    """Normal n towards the rear ply, area of the tangents, depth [m], |cos| to the normal of the step before where that
+    decided, and whether n is the direction of the point: in a fold, on a rim, of cloth drawn to a line."""
+    (x, y, z), ((Xa, Ya, Za), (Xb, Yb, Zb)) = off, tangents
+    n_x, n_y, n_z = Ya * Zb - Za * Yb, Za * Xb - Xa * Zb, Xa * Yb - Ya * Xb
+    size = math.sqrt(n_x * n_x + n_y * n_y + n_z * n_z)
+    tiny = 1e-6 * rc.dx * rc.dy
+    if size < tiny:  # cloth that is drawn to a line has no normal
+        n_x, n_y, n_z, size = pair.normal[0][q], pair.normal[1][q], pair.normal[2][q], 1.0
+    n_x, n_y, n_z = n_x / size, n_y / size, n_z / size
+    size = max(size, tiny)
+    along, far, slant = n_x * x + n_y * y + n_z * z, math.sqrt(x * x + y * y + z * z), False
+    turned, known = along > 0.0, 0.0  # what comes near does so on its own side
+    # so deep that it may come through, or has; or the surface has just changed from spline to facets, or back
+    other, pair.on_facet[q] = pair.torn_counts[2] != 0 or (pair.on_facet[q] == 0) != whole, 0 if whole else 1
+    if pair.status[q] == IN_CONTACT and (pair.last_depth[q] > (1.0 - AMBIGUOUS_DEPTH) * pair.thickness or other):
+        known = n_x * pair.normal[0][q] + n_y * pair.normal[1][q] + n_z * pair.normal[2][q]
+        turned = known < 0.0 if abs(known) > 0.5 else turned
+    if turned and pair.surface_form == SMOOTH:
+        n_x, n_y, n_z, along = -n_x, -n_y, -n_z, -along
+    depth = pair.thickness + along
+    near = depth > -0.5 * pair.thickness
+    if pair.surface_form == SMOOTH and abs(known) <= 0.5 and far > 0.3 * pair.thickness and along > -0.7 * far:
+        # a fold, a rim or cloth drawn to a line, whose normal says nothing of where the point is
+        n_x, n_y, n_z, depth, slant = -x / far, -y / far, -z / far, pair.thickness - far, True
+    return (n_x, n_y, n_z), size, depth, abs(known), slant, near, far
+
+
+@kernel(_nrt=False, forceinline=True)
+def closest_point_step(rear, rc, form, place, K, weights, slopes, off, tangents, size, depth, near):
+    """Step (along a, along b) [elements] to the closest point, and whether it is one of Newton."""
+    (x, y, z), ((Xa, Ya, Za), (Xb, Yb, Zb)) = off, tangents
+    if not near:  # of cloth that stands on end nothing is straight ahead
+        area = max(Xa * Yb - Xb * Ya, 0.01 * rc.dx * rc.dy)
+        return (Yb * x - Xb * y) / area, (Xa * y - Ya * x) / area, False
+    aa, ab, bb = Xa * Xa + Ya * Ya + Za * Za, Xa * Xb + Ya * Yb + Za * Zb, Xb * Xb + Yb * Yb + Zb * Zb
+    ra, rb = Xa * x + Ya * y + Za * z, Xb * x + Yb * y + Zb * z
+    go, turn, sure = (bb * ra - ab * rb) / (size * size), (aa * rb - ab * ra) / (size * size), False
+    if depth > 0.0:
+        c0, c1, c2, c1x = second_derivatives(form, place[0], rc.ni, rc.mirror_x)
+        g0, g1, g2, g1y = second_derivatives(form, place[1], rc.nj, rc.mirror_y)
+        twice_a = vector_at(rear.u, K, rc.row_stride, (c0, c1, c2, c1x), weights[1])
+        mixed = vector_at(rear.u, K, rc.row_stride, slopes[0], slopes[1])
+        twice_b = vector_at(rear.u, K, rc.row_stride, weights[0], (g0, g1, g2, g1y))
+        aa -= x * twice_a[0]
+        aa -= y * twice_a[1] + z * twice_a[2]
+        ab -= x * mixed[0]
+        ab -= y * mixed[1] + z * mixed[2]
+        bb -= x * twice_b[0]
+        bb -= y * twice_b[1] + z * twice_b[2]
+        det = aa * bb - ab * ab
+        if det > 0.1 * size * size and aa > 0.0:
+            go, turn, sure = (bb * ra - ab * rb) / det, (aa * rb - ab * ra) / det, True
+    return go, turn, sure
+
+
+@kernel(_nrt=False, forceinline=True)
+def move_closest_point(rc, pair, q, place, step, low):
+    """Move a closest point from `place` by `step`, at rest from then on; whether that takes it beside the rear ply."""
+    A = place[0] + min(max(step[0], -MAX_CP_STEP), MAX_CP_STEP)
+    B = place[1] + min(max(step[1], -MAX_CP_STEP), MAX_CP_STEP)
+    pair.closest_point[0][q] = min(max(A, low[0]), float(rc.ni))
+    pair.closest_point[1][q] = min(max(B, low[1]), float(rc.nj))
+    pair.cp_rate[0][q] = pair.cp_rate[1][q] = 0.0
+    return A > rc.ni or (A < 0.0 and not rc.mirror_x) or B > rc.nj or (B < 0.0 and not rc.mirror_y)
+
+
+@kernel(_nrt=False, forceinline=True)
+def closing_speed(front, fc, rear, rc, pair, k, w_front, K, w_rear, n):
+    """[m/s] at which a point and its closest point come nearer, along n."""
+    v_x, v_y, v_z = vector_at(rear.v, K, rc.row_stride, w_rear[0], w_rear[1])
+    v_x, v_y, v_z = -v_x, -v_y, -v_z
+    if central(pair):
+        v_x, v_y, v_z = (
+            v_x + element_mean(front.v[0], k, fc.row_stride),
+            v_y + element_mean(front.v[1], k, fc.row_stride),
+            v_z + element_mean(front.v[2], k, fc.row_stride),
+        )
+    else:
+        p_x, p_y, p_z = vector_at(front.v, k, fc.row_stride, w_front[0], w_front[1])
+        v_x, v_y, v_z = v_x + p_x, v_y + p_y, v_z + p_z
+    return n[0] * v_x + n[1] * v_y + n[2] * v_z
+
+
+@kernel(_nrt=False, forceinline=True)
+def update_spring(pair, q, depth, made, jump, before, touches, lost, sure):
+    """Offset of the spring of a point that touches, from how far its depth has changed beside the motion; and the rate
+    of its closest point, which was at `before`."""
+    if pair.surface_form == SMOOTH and (lost or abs(jump) > MAX_DEPTH_JUMP):
+        kept = max(pair.last_depth[q] - pair.depth_offset[q] + (0.0 if lost else made), 0.0)
+        softer = stiffness_factor(pair, pair.depth_offset[q]) / stiffness_factor(pair, max(depth - kept, 0.0))
+        pair.depth_offset[q] = max(depth - kept * math.sqrt(softer), 0.0)
+    elif not touches:
+        pair.depth_offset[q] = depth if depth > 0.5 * pair.thickness and pair.surface_form == FACETS else 0.0
+    elif sure:
+        pair.cp_rate[0][q] = min(max(pair.closest_point[0][q] - before[0], -MAX_CP_STEP), MAX_CP_STEP)
+        pair.cp_rate[1][q] = min(max(pair.closest_point[1][q] - before[1], -MAX_CP_STEP), MAX_CP_STEP)
+
+
+@kernel(_nrt=False, forceinline=True)
+def spring_force(fc, pair, q, a, b, depth, closing, torn):
+    """Force [N] on a point that touches, and the energy [J] in its spring."""
+    squeezed, part = depth - pair.depth_offset[q], 0.5 if torn else 1.0
+    pair.energy[MAX_COMPRESSION] = max(pair.energy[MAX_COMPRESSION], squeezed)
+    if pair.point_offset == 0.0:  # half an element, or a quarter, is modelled about points on planes of symmetry
+        part *= (0.5 if a == 0.0 and fc.mirror_x else 1.0) * (0.5 if b == 0.0 and fc.mirror_y else 1.0)
+    drag = part * pair.damping
+    part *= stiffness_factor(pair, pair.depth_offset[q])
+    f = max(0.0, penalty_force(pair, part, squeezed, drag, closing))
+    return f, 0.5 * part * pair.stiffness * squeezed * squeezed
+
+
+@kernel(_nrt=False, forceinline=True)
+def scatter_to_front(fc, pair, k, f, n, w):
+    """Add -f n to the forces of the front ply by the weights of a point."""
+    if central(pair):
+        scatter_to_element(pair.f_front[0], k, fc.row_stride, -f * n[0])
+        scatter_to_element(pair.f_front[1], k, fc.row_stride, -f * n[1])
+        scatter_to_element(pair.f_front[2], k, fc.row_stride, -f * n[2])
+    else:
+        scatter_vector(pair.f_front, k, fc.row_stride, -f, n, w)
+
+
+@kernel(_nrt=False, forceinline=True)
+def contact_point(front, fc, rear, rc, pair, q, a, b, often):
+    """Follow the closest point of the front ply's point at (a, b), and apply its force: (energy in its spring, depth).
+
+    The depth is negative where the point is clear of the rear ply, and 0 where it cannot push. often : whether the
+    closest point beside torn cloth is to be searched anew, whether or not it has been followed well
+    """
+    (x, y, z), i, j, k, w_front = front_point(front, fc, pair, a, b)
+    x, y = x + fc.x0 + a * fc.dx, y + fc.y0 + b * fc.dy
+    at_x, at_y, at_z = x - rc.x0, y - rc.y0, z - pair.rest_distance  # from the first node of the rear ply at rest
+    smooth = pair.surface_form == SMOOTH
+    low = -0.5 if smooth else 0.0
+    low_a, low_b = low if rc.mirror_x else 0.0, low if rc.mirror_y else 0.0
+    before = pair.closest_point[0][q], pair.closest_point[1][q]
+    A = min(max(before[0] + pair.cp_rate[0][q], low_a), float(rc.ni))
+    B = min(max(before[1] + pair.cp_rate[1][q], low_b), float(rc.nj))
+    whole = not smooth or intact_about(rear, rc, A, B)
+    form = pair.surface_form if whole else FACETS
+    I, J, K, w_rear, slopes, (X, Y, Z), tangents = rear_surface(rear, rc, form, A, B)
+    off = at_x - X - A * rc.dx, at_y - Y - B * rc.dy, at_z - Z  # from the closest point
+    touches = pair.status[q] == IN_CONTACT
+    n, size, depth, known, slant, near, far = contact_normal(rc, pair, q, off, tangents, whole)
+    go, turn, sure = closest_point_step(
+        rear, rc, form, (A, B), K, w_rear, slopes, off, tangents, size, depth, near
+    )  # fmt: skip
+    beside = move_closest_point(rc, pair, q, (A, B), (go, turn), (low_a, low_b))
+    lost, leapt = pair.status[q] == LOST, depth > 0.0 and max(abs(go), abs(turn)) > CP_JUMP
+    if not (touches or lost):
+        pair.last_depth[q] = pair.depth_offset[q] = 0.0
+    pair.status[q] = LOST if leapt or (slant and (touches or lost)) else CLEAR
+    torn = pair.near_torn[q // (pair.points_per_side * pair.points_per_side)] != 0
+    if smooth and (leapt or (torn and (often or not (whole or touches)))):
+        search_closest_point(rear, rc, pair.closest_point, q, at_x, at_y, at_z, far)
+    if depth <= 0.0:
+        return 0.0, 0.0 if torn or slant else depth
+    if beside or (leapt and pair.surface_form != NODES):
+        return 0.0, 0.0
+    left_x, left_y = intact_fraction_at(front, fc, a, b), intact_fraction_at(rear, rc, A, B)
+    if left_x == 0.0 or left_y == 0.0:
+        return 0.0, 0.0
+    closing = closing_speed(front, fc, rear, rc, pair, k, w_front, K, w_rear, n)
+    made = closing * fc.dt  # depth that the last step's motion has made
+    jump = (depth - pair.last_depth[q] - made) / pair.thickness
+    deep, ambiguous = depth > (1.0 - AMBIGUOUS_DEPTH) * pair.thickness, known <= 0.5
+    if smooth and deep and ambiguous and ((not touches and not whole) or (whole and jump > MAX_DEPTH_JUMP)):
+        return 0.0, 0.0  # it has come from a hole, a rim or another fold, edge on, and is on no side yet
+    # by motion, from a side that it had
+    moved = jump <= MAX_DEPTH_JUMP and pair.depth_offset[q] <= (1.0 - AMBIGUOUS_DEPTH) * pair.thickness
+    if touches and smooth and whole and depth > pair.thickness and left_x == 1.0 and left_y == 1.0 and moved:
+        pair.energy[PASSED_COUNT], pair.energy[PASSED_POINT] = pair.energy[PASSED_COUNT] + 1.0, q
+    update_spring(pair, q, depth, made, jump, before, touches, lost, sure)
+    pair.status[q] = IN_CONTACT
+    pair.normal[0][q], pair.normal[1][q], pair.normal[2][q] = n
+    pair.last_depth[q], pair.depth_offset[q] = depth, min(pair.depth_offset[q], depth)
+    f, energy = spring_force(fc, pair, q, a, b, depth, closing, torn)
+    if f > 0.0:
+        grow_window(pair.front_window, i, j, 2 if central(pair) else 3)
+        grow_window(pair.rear_window, I, J, 3)
+        scatter_to_front(fc, pair, k, f, n, w_front)
+        scatter_vector(pair.f_rear, K, rc.row_stride, f, n, w_rear)
+    return energy, depth
+
+
+@kernel(_nrt=False, forceinline=True)
+def stiffness_factor(pair, slack):
+    """By how much a spring that begins at the depth `slack` is stiffer: the remaining thickness has to hold as
+    much."""
+    return (
+        min(MAX_STIFFNESS_FACTOR, pair.thickness / max(pair.thickness - slack, 0.1 * pair.thickness))
+        if slack > 0.0
+        else 1.0
+    )
