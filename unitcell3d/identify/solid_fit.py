@@ -32,7 +32,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.interpolate import PchipInterpolator
 from scipy.stats import t as student
 
 from fabrics import run_cache
@@ -46,13 +45,13 @@ from meshing import crossover as mesher
 from meshing.inputs import Size
 from unitcell3d.cases import biaxial_and_platens
 from unitcell3d.identify import least_squares
+from unitcell3d.identify.platen_misfit import POINTS, closures
 from unitcell3d.model.crossover import Numerics
 from unitcell3d.solver.history import History
 from unitcell3d.solver.load_stepping import Steps
 
 NAMES = ("E_c", "V_c", "K_r")
 LOOSE = "K_r E_c"  # the modulus of the loose yarn (eq. 3-10), which a curve may tell where it tells neither factor
-POINTS = 16  # of the curve, at equal ratios of pressure
 RESOLUTION = 1e-6  # m: what the coarse mesh and an extensometer can tell
 STEPS = Steps(largest=0.05)  # short: a history is interpolated to the curve's pressures, and its error must not hop
 MIN_PLATE_GAP = 0.3  # of the plates' distance at rest: soft trial yarns close further than real ones
@@ -135,22 +134,6 @@ class SolidFit:
         with write_whole(path) as file:
             json.dump(self.summary(), file, indent=2)
             file.write("\n")
-
-
-def closures(history: History, cell_area: float, pressure: FloatArray, measured: FloatArray) -> FloatArray:
-    """(n,) [m] what the plates of a history close up to each pressure [Pa], moved to the mean of the `measured` ones.
-
-    Beyond the last pressure that the history reached, the closure goes on as it ended, straight in ln P, so that a
-    misfit does not jump where a compression ends early.
-    """
-    pressed = history.F_plate.mean(axis=1) / cell_area
-    # where a slack tip snaps, the force falls for a step: only what is pressed harder than ever before counts
-    rising = np.flatnonzero(pressed > np.concatenate([[0.0], np.maximum.accumulate(pressed)[:-1]]))
-    known, closed = np.log(pressed[rising]), 2 * (history.plates[0] - history.plates[rising])
-    curve = PchipInterpolator(known, closed)
-    wanted = np.log(pressure)
-    at = curve(np.clip(wanted, known[0], known[-1])) + curve(known[-1], 1) * np.maximum(wanted - known[-1], 0)
-    return at - np.mean(at - measured)
 
 
 def fit_solid(

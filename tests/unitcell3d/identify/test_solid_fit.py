@@ -2,6 +2,7 @@
 
 import json
 from concurrent.futures import ThreadPoolExecutor
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -10,7 +11,8 @@ from fabrics.plate_curve import PlateCurve
 from meshing import crossover as mesher
 from unitcell3d.cases import biaxial_and_platens
 from unitcell3d.identify import solid_fit
-from unitcell3d.identify.solid_fit import LOOSE, NAMES, closures, fit_solid, identify, with_solid_laws
+from unitcell3d.identify.platen_misfit import closures
+from unitcell3d.identify.solid_fit import LOOSE, NAMES, fit_solid, identify, with_solid_laws
 
 
 def test_identify_is_the_linear_least_squares_theory():
@@ -31,40 +33,14 @@ def test_identify_is_the_linear_least_squares_theory():
     assert np.abs(directions[1]) == pytest.approx(np.sqrt([0.5, 0.5]), rel=1e-3)
 
 
-class Pressed:
-    """A stand-in history: plates that close by 10 um per e-fold of pressure, up to 1 MPa."""
-
-    pressure = np.geomspace(1e3, 1e6, 50)
-    F_plate = np.stack([2 * pressure, 0 * pressure], axis=1) * 1e-6  # the mean of both plates counts
-    plates = 2e-4 - 5e-6 * np.log(pressure)
-
-
-def test_closures_are_moved_to_the_measured_ones_and_go_on_beyond_the_end():
-    pressure = np.geomspace(1e4, 1e7, 9)
-    measured = 1e-5 * np.log(pressure) + 3e-3
-    assert closures(Pressed, 1e-6, pressure, measured) == pytest.approx(measured, rel=1e-9)
-
-
-def test_closures_of_a_force_that_falls_for_a_step():
-    class Snapped(Pressed):
-        pressure = np.concatenate([Pressed.pressure[:25], Pressed.pressure[20:21], Pressed.pressure[25:]])
-        F_plate = np.stack([2 * pressure, 0 * pressure], axis=1) * 1e-6
-        plates = np.concatenate([Pressed.plates[:25], [Pressed.plates[24] - 1e-9], Pressed.plates[25:]])
-
-    pressure = np.geomspace(1e4, 1e6, 9)
-    measured = 1e-5 * np.log(pressure)
-    assert closures(Snapped, 1e-6, pressure, measured) == pytest.approx(measured, rel=1e-9)
-
-
 def test_a_fit_is_written_as_json(s720, tmp_path, monkeypatch):
     """From a curve to the file, with a closed form in place of the compressions: 0.2 mm V_c P / (P + K_r E_c)."""
 
     def press(fabric, size, pressure):
         solid, P = fabric.solid_laws[0], np.geomspace(1e3, pressure, 50)
-        history = Pressed()
+        history = SimpleNamespace(failed="")
         history.F_plate = np.stack([P, P], axis=1) * fabric.weave.cell_area
         history.plates = 1e-3 - 1e-4 * solid.V_c * P / (P + solid.K_r * solid.E_c)
-        history.failed = ""
         return history
 
     monkeypatch.setattr(solid_fit, "press", press)
