@@ -55,6 +55,12 @@ def platen_misfit(
     return PlatenMisfit(_rms(computed - measured), ratio)
 
 
+def misfit_of_points(pressure: FloatArray, closure: FloatArray, measured: FloatArray) -> PlatenMisfit:
+    """Misfit of closures (n,) [m] computed at the pressures (n,) [Pa] of the `measured` ones, as `platen_misfit`."""
+    P, offset = np.log(pressure), np.mean(closure - measured)
+    return PlatenMisfit(_rms(closure - offset - measured), _pressure_ratios(P, closure, P, measured))
+
+
 def closures(history: History, cell_area: float, pressure: FloatArray, measured: FloatArray) -> FloatArray:
     """(n,) [m] what the plates of a history close up to each pressure [Pa], moved to the mean of the `measured` ones.
 
