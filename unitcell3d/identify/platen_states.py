@@ -18,6 +18,7 @@ loaded from rest.
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
@@ -36,6 +37,7 @@ LEVEL = 0.1  # of ln P: how far from its pressure an equilibrium may lie
 CORRECTIONS = 6  # of the platens' distance towards a pressure
 LARGEST, LEAST = 0.02, 1e-5  # of the distance at rest: steps of the first loading
 LEAST_DISTANCE = 0.3  # of that at rest: soft trial yarns close further than real ones
+FAR = 1.5  # between trials: beyond this a loading from rest is cheaper
 HALVINGS = 3  # of a step in the constants
 FIRST_PRESSED = 0.02  # of the lowest pressure: where ln P is worth extrapolating
 
@@ -122,11 +124,10 @@ class PlatenSolver:
         usable = [states for states in self._known if not states.failed]
         found = None
         if usable:
-            nearest = min(usable, key=lambda states: float(np.abs(states.x - x).max()))
-            try:
-                found = self._from(nearest, x, HALVINGS)
-            except UnstableError:
-                found = None
+            nearest = min(usable, key=lambda states: _distance(states.x, x))
+            if _distance(nearest.x, x) < FAR:
+                with suppress(UnstableError):
+                    found = self._from(nearest, x, HALVINGS)
         if found is None:
             found = self._load(x)
         self._known.append(found)
@@ -137,13 +138,18 @@ class PlatenSolver:
         try:
             self._take(x)
             step = x - states.x
-            rows = []
+            rows: list[dict] = []
             for i, wanted in enumerate(np.log(self.pressure)):
                 ahead = np.log(states.pressure[i]) + states.pressure_x[i] @ step
                 change = (wanted - ahead) / states.pressure_h[i]
                 h = states.half_distance[i] + change
                 guesses = [states.q[i] + states.q_x[i] @ step + states.q_h[i] * change, states.q[i]]
-                rows.append(self._correct(h, self._solver.best(guesses, self._load_at(h)), wanted))
+                try:
+                    rows.append(self._correct(h, self._solver.best(guesses, self._load_at(h)), wanted))
+                except UnstableError:
+                    if not rows:
+                        raise
+                    rows.append(self._press_on(rows[-1], wanted))
             return self._states(x, rows)
         except UnstableError:
             if halvings == 0:
@@ -154,6 +160,13 @@ class PlatenSolver:
     def _take(self, x):
         self._x = x
         self.model.take_solid_laws(self._with(x))
+
+    def _press_on(self, row, wanted):
+        """The equilibrium at a pressure, loaded from one at a lower pressure."""
+        h = row["half_distance"] + (wanted - np.log(row["pressure"])) / row["pressure_h"]
+        ends = self._load_at(row["half_distance"]), self._load_at(h)
+        ((_, found),) = continue_to(self.model, self._solver, row["q"], *ends, (1.0,))
+        return self._correct(h, found.q, wanted)
 
     def _correct(self, h, q, wanted):
         """The equilibrium within `LEVEL` of ln P from a guess (h, q)."""
@@ -197,10 +210,10 @@ class PlatenSolver:
                 before = (now, h)
         except UnstableError as problem:
             failed = str(problem)
-        if not rows:
-            raise UnstableError(f"no platen curve: {failed or 'the platens never pressed the yarns'}")
         if levels and not failed:
             failed = f"the platens are at {LEAST_DISTANCE:g} of their first distance"
+        if not rows:
+            raise UnstableError(f"no platen curve: {failed}")
         return self._states(x, rows, failed)
 
     def _next_step(self, now, before, level, h, rest, step, least):
@@ -261,3 +274,7 @@ class PlatenSolver:
     def _states(self, x, rows, failed=""):
         columns = {key: np.array([row[key] for row in rows]) for key in rows[0]}
         return PlatenStates(x=x, rest=self.model.plates.at_rest, failed=failed, **columns)
+
+
+def _distance(x, other):
+    return float(np.abs(x - other).max())

@@ -1,4 +1,4 @@
-"""Least squares with few evaluations: against a plain solver on a curved valley, at a bound, and where nothing is computed."""
+"""Least squares with few evaluations: against a plain solver on a curved valley, at a bound, past a failed trial."""
 
 import numpy as np
 import pytest
