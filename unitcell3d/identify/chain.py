@@ -20,6 +20,7 @@ from fabrics.checks import FilePath, FloatArray
 from fabrics.compression import CompressionLaw
 from fabrics.errors import InputError, UnstableError
 from fabrics.fabric import Fabric
+from fabrics.intervals import combine
 from fabrics.plate_curve import PlateCurve
 from meshing.inputs import Size
 from unitcell3d.identify.calibrate import PATHS, Job, run_job
@@ -27,6 +28,7 @@ from unitcell3d.identify.calibration import samples
 from unitcell3d.identify.solid_fit import fit_solid
 from unitcell3d.identify.solid_record import SolidFit
 
+CHECK = (12, 9, 3)  # mesh on which a fitted solid is computed once more
 SIZE = "coarse"  # mesh of the paths at the ends: what counts is their ratio to those of the fitted solid
 
 
@@ -53,16 +55,10 @@ class LawInterval:
             "b": (self.b[0] / self.law.b * law.b, self.b[1] / self.law.b * law.b),
         }
 
-    @property
-    def extremes(self) -> tuple[CompressionLaw, CompressionLaw]:
-        """The laws of the ends with the least and the greatest a."""
-        found = [law for pair in self.ends for law in pair if law is not None] or [self.law]
-        return min(found, key=lambda law: law.a), max(found, key=lambda law: law.a)
-
 
 def fit_solids(
     fabrics: Sequence[Fabric], curves: Sequence[PlateCurve], *, folder: FilePath, size: Size = "coarse",
-    check_size: Size | None = "medium", measure: str = "closure", executor: str | Executor = "local", jobs: int = 1,
+    check_size: Size | None = CHECK, measure: str = "closure", executor: str | Executor = "local", jobs: int = 1,
     report: Callable[[int, int], object] | None = None,
 ) -> list[SolidFit | Exception]:  # fmt: skip
     """Fit the solids of several fabrics, beside each other; one that fails does not end the others.
@@ -92,7 +88,7 @@ def _fit(*case):
 
 
 def law_intervals(
-    fits: Sequence[SolidFit], *, folder: FilePath, friction: float = 0.0, size: Size = SIZE,
+    fits: Sequence[SolidFit], *, folder: FilePath, friction: float = 0.0,
     executor: str | Executor = "local", jobs: int = 1, report: Callable[[int, int], object] | None = None,
 ) -> list[LawInterval | Exception]:  # fmt: skip
     """Intervals of the compression laws of fitted solids.
@@ -102,14 +98,13 @@ def law_intervals(
     fits : of SolidFit
     folder, executor, jobs, report : as of `fabrics.run_cache.results`
     friction : [-] Coulomb's coefficient
-    size : mesh size of the paths
 
     Returns
     -------
     A LawInterval, or the UnstableError of the fitted solid's own paths, of each fit
     """
     solids = [[fit.fabric, *(end for pair in fit.limits for end in pair)] for fit in fits]
-    cases = [(fabric, ratio, size, friction) for each in solids for fabric in each for ratio in PATHS.values()]
+    cases = [(fabric, ratio, SIZE, friction) for each in solids for fabric in each for ratio in PATHS.values()]
     found = iter(
         run_cache.results(_path, cases, folder=folder, executor=executor, jobs=jobs, fresh=True, report=report)
     )
@@ -142,9 +137,7 @@ def _law(paths: Sequence[tuple[FloatArray, FloatArray]]) -> CompressionLaw | Non
 
 
 def _range(own, pairs, key):
-    """(low, high): the changes of the logarithm along the directions, added as squares."""
-    value = getattr(own, key)
-    changes = [[np.log(getattr(law, key) / value) for law in pair if law is not None] for pair in pairs]
-    down = np.sqrt(sum(min(0.0, *each, 0.0) ** 2 for each in changes))
-    up = np.sqrt(sum(max(0.0, *each, 0.0) ** 2 for each in changes))
-    return float(value * np.exp(-down)), float(value * np.exp(up))
+    """(low, high) of a or b, whose logarithms change."""
+    ends = [[None if law is None else np.log(getattr(law, key)) for law in pair] for pair in pairs]
+    low, high = combine(float(np.log(getattr(own, key))), ends)
+    return float(np.exp(low)), float(np.exp(high))

@@ -79,12 +79,13 @@ def fit_solid(
         middle, shift = found.x, _moved(found.x, rough, fit) - found.x
         found = least_squares.solve(fit.evaluate, middle + shift, BOUNDS)
         limits = [tuple(found.x + end - middle for end in pair) for pair in limits]
-        computed = fit.closures(fit.states(found.x))
+        last = fit.states(found.x)
+        computed = fit.closures(last)
     finally:
         rough.solver.close()
         fit.solver.close()
     checked = None if check_size is None else _on_mesh(fit, check_size, found.x)
-    return record(fit, found, before, computed, checked, limits, (str(size), str(check_size)))
+    return record(fit, found, before, computed, checked, limits, (str(size), str(check_size)), last.failed)
 
 
 class _Fit:

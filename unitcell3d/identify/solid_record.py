@@ -49,6 +49,7 @@ class SolidFit:
     met : the fit ended where nothing more was to be had
     work : {"trials", "loaded from rest", "equilibria", "factorisations": number}
     sizes : of the two meshes, as texts
+    failed : why the fitted crossover did not reach the highest pressures, where its closures go on straight in ln P; ""
     """
 
     fabric: Fabric
@@ -69,6 +70,7 @@ class SolidFit:
     met: bool
     work: dict
     sizes: tuple
+    failed: str = ""
 
     @property
     def rms(self) -> float:
@@ -116,6 +118,7 @@ class SolidFit:
             "rms_relative_pressure_checked": checked and checked.pressure,
             "meshes": dict(zip(("fit", "check"), self.sizes)),
             "converged": self.met,
+            "ended_early": self.failed,
             "work": self.work,
             "pressure_Pa": self.pressure.tolist(),
             "closure_measured_m": self.measured.tolist(),
@@ -162,7 +165,7 @@ def identify(jacobian: FloatArray, noise: float, n: int) -> tuple[FloatArray, Fl
 
 def record(
     fit: Any, found: Found, before: FloatArray, computed: FloatArray, checked: FloatArray | None, limits: list,
-    sizes: tuple[str, str],
+    sizes: tuple[str, str], failed: str = "",
 ) -> SolidFit:  # fmt: skip
     """The SolidFit of a finished fit.
 
@@ -173,6 +176,7 @@ def record(
     before, computed, checked : (n,) [m] closures
     limits : of (x low, x high)
     sizes : of the two meshes, as texts
+    failed : as of a SolidFit
     """
     fabric, curve = fit.fabric, fit.curve
     noise = max(float(np.sqrt(np.sum(found.residual**2) / fit.freedom)), fit.floor)
@@ -210,6 +214,7 @@ def record(
             "factorisations": solver.tangents,
         },
         sizes=sizes,
+        failed=failed,
     )
 
 
