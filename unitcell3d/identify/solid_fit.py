@@ -39,6 +39,7 @@ from unitcell3d.identify.solid_record import NAMES, RESOLUTION, SolidFit, record
 
 BOUNDS = np.log(([1e6, 1e-3, 1e-4], [1e12, 10.0, 0.5]))
 ROUGH = (4, 3, 2)  # hexahedra along, across and through a quarter yarn
+PRESSURE_ERROR = 0.15  # relative
 FARTHEST = 2.0  # in a logarithm: how far along a direction a limit is sought
 SEARCH, NEAR_LIMIT = 5, 0.2  # trials on each side of a direction; relative error of the sum of squares that is enough
 
@@ -55,7 +56,8 @@ def fit_solid(
     curve : fabrics.plate_curve.PlateCurve
     size : mesh size of the fit (`meshing.crossover.build`)
     check_size : mesh size on which the result is computed once more, or None
-    measure : "closure": equal weights of the closures; "pressure": of the relative errors in pressure
+    measure : "closure": equal weights of the closures; "pressure": weights 1 / sqrt(s^2 + RESOLUTION^2), s the closure
+        that a `PRESSURE_ERROR` stands for, so that relative errors in pressure count about equally
     on_progress : called as on_progress(trials so far, rms misfit [m]) after each trial
 
     Returns
@@ -100,8 +102,8 @@ class _Fit:
         self.pressure = np.geomspace(curve.pressure[0], curve.pressure[-1], POINTS)
         self.measured = curve.at(self.pressure)
         # d closure / d ln P of the curve: the closure that a relative error of the pressure stands for
-        slope = np.gradient(self.measured, np.log(self.pressure))
-        self.weight = 1 / slope if measure == "pressure" else np.full(POINTS, 1 / RESOLUTION)
+        slope = np.gradient(self.measured, np.log(self.pressure)) if measure == "pressure" else np.zeros(POINTS)
+        self.weight = 1 / np.hypot(PRESSURE_ERROR * slope, RESOLUTION)
         self.solver = PlatenSolver(mesh, fabric, self.with_constants, self.pressure)
         self.trials = 0
 

@@ -61,12 +61,13 @@ def laws(chain: Path, fabric: str) -> tuple[dict, list]:
     InputError : the folder has no chain of this fabric
     """
     folder, published = chain / fabric, catalogue.load(fabric).laws
-    try:
-        found = {FILE: CompressionLaw.from_json(folder / "solid-of-the-file" / "law.json"),
-                 FITTED: CompressionLaw.from_json(folder / "law.json")}  # fmt: skip
-        interval = json.loads((folder / "law-interval.json").read_text("utf-8"))
-    except OSError as problem:
-        raise InputError(f"has no calibration chain of {fabric} ({problem})", file=chain) from None
+    if not (folder / "law-interval.json").exists():
+        raise InputError(f"has no calibration chain of {fabric}", file=chain)
+    found = {
+        FILE: CompressionLaw.from_json(folder / "solid-of-the-file" / "law.json"),
+        FITTED: CompressionLaw.from_json(folder / "law.json"),
+    }
+    interval = json.loads((folder / "law-interval.json").read_text("utf-8"))
     if published:
         found = {PUBLISHED: published[0], **found}
     middle, fitted = interval["law_of_their_middle"], found[FITTED]

@@ -70,11 +70,11 @@ def test_a_closed_form_is_found_again(closed_form, measure):
     """K_r E_c and V_c are told, E_c and K_r alone are not; no limit goes further than is sought."""
     found = closed_form(measure=measure)
     assert found.met
-    assert found.values["V_c"] == pytest.approx(2, rel=2e-3)
-    assert found.values[LOOSE] == pytest.approx(2e7, rel=2e-3)
+    assert found.values["V_c"] == pytest.approx(2, rel=5e-3)
+    assert found.values[LOOSE] == pytest.approx(2e7, rel=5e-3)
     assert found.determined == {"E_c": False, "V_c": True, "K_r": False, LOOSE: True}
     assert found.rms < 1e-7
-    assert found.misfit.pressure < 5e-3 < found.misfit_before.pressure
+    assert found.misfit.pressure < 0.01 < found.misfit_before.pressure
     for low, high in found.limits:
         one, other = (np.log([c["E_c"], c["K_r"]]) for c in map(constants, (low, high)))
         assert np.abs(one - other).max() <= 2 * solid_fit.FARTHEST + 1e-9
