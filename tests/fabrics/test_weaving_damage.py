@@ -4,13 +4,13 @@ import pytest
 
 from fabrics import catalogue
 from fabrics.errors import InputError
-from fabrics.weaving_damage import WeavingDamage, with_weaving_damage
+from fabrics.yarn import WeavingDamage
 
 
 @pytest.mark.parametrize(("modulus", "strength"), [(1.0, 1.0), (0.9, 0.8), (1.0, 0.8), (0.8, 0.9)])
 def test_stiffness_and_strength_scale(modulus, strength):
     fabric = catalogue.load("S-726")
-    woven = with_weaving_damage(fabric, WeavingDamage(modulus, strength, "made up"))
+    woven = fabric.with_weaving_damage(WeavingDamage(modulus, strength, "made up"))
     for before, after in zip(fabric.weave.yarns, woven.weave.yarns):
         assert after.EA == pytest.approx(modulus * before.EA)
         assert after.strength == pytest.approx(strength * before.strength)

@@ -20,7 +20,7 @@ from pathlib import Path
 from fabrics import catalogue
 from fabrics.errors import InputError, WeavecellError
 from fabrics.files import write_whole
-from fabrics.weaving_damage import WeavingDamage, with_weaving_damage
+from fabrics.yarn import WeavingDamage
 from shellfabric.impact.ballistic_limit import critical_velocity, shoot
 from shellfabric.impact.single_ply import ImpactSetup
 from shellfabric.panel.boundary import Grip
@@ -64,7 +64,7 @@ class Case:
         """The panel of 203 mm and the projectile of 3 g, on a mesh."""
         fabric = catalogue.load(FABRIC).with_effective_density()
         if self.retained != (1.0, 1.0):
-            fabric = with_weaving_damage(fabric, self.damage)
+            fabric = fabric.with_weaving_damage(self.damage)
         projectile = Projectile()
         if self.elastic:
             projectile = replace(projectile, body=projectile.steel_bar())
