@@ -76,7 +76,7 @@ class WeavingDamage:
     """What weaving leaves of modulus and strength of the yarns of both families.
 
     Yarn data of a catalogue are those of yarns before weaving, which breaks and abrades fibres (thesis sections 5.2.3
-    and 6.2.2). Neither the thesis nor the catalogue has data of yarns taken from a woven fabric: a share is an
+    and 6.3.1). Neither the thesis nor the catalogue has data of yarns taken from a woven fabric: a share is an
     assumption until it is measured.
 
     Parameters
