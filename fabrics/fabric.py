@@ -10,6 +10,7 @@ from fabrics.errors import InputError
 from fabrics.solid import SolidLaw
 from fabrics.trellis import TrellisShear
 from fabrics.weave import Weave
+from fabrics.yarn import WeavingDamage
 
 SECTIONS = ("sine", "ellipse", "conforming")
 
@@ -80,6 +81,20 @@ class Fabric:
         if self.effective_linear_density is None:
             raise InputError(f"fabric {self.name} has no effective linear density")
         return self.with_yarns(linear_density=self.effective_linear_density)
+
+    def with_weaving_damage(self, damage: WeavingDamage) -> Fabric:
+        """This fabric with modulus and strength of its yarns after weaving; geometry, masses and laws stay.
+
+        The shares go into `sources`, with their source and status.
+
+        Raises
+        ------
+        InputError : a failure strain that is not below 1
+        """
+        warp, weft = (yarn.woven(damage) for yarn in self.weave.yarns)
+        entry = {"source": damage.source, "status": damage.status}
+        sources = {f"weaving_damage.{key}": {"value": getattr(damage, key), **entry} for key in ("modulus", "strength")}
+        return replace(self, weave=replace(self.weave, warp=warp, weft=weft), sources={**self.sources, **sources})
 
 
 def pair(value: float | Iterable[float]) -> tuple[float, float]:

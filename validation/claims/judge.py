@@ -32,6 +32,8 @@ class Record:
     miss : by how much, "" where nothing was missed
     note : remark of the check
     seconds : of the check, without the runs it shares
+    setting : projectile body, cell formulation, denier and mesh of its shots, in words; "" if it rests on none
+    variants : {name: verdict} of `variants.VARIANTS` in which the claim was checked too
     """
 
     id: str
@@ -41,6 +43,8 @@ class Record:
     miss: str = ""
     note: str = ""
     seconds: float = 0.0
+    setting: str = ""
+    variants: dict = field(default_factory=dict)
 
     def as_dict(self):
         return asdict(self)

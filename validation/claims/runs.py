@@ -32,7 +32,9 @@ from shellfabric.projectile.projectile import Projectile
 from validation.published.bias_extension import cases as bias_cases
 
 
-def cloth(name, *, modulus=1.0, crimp=1.0, mass=1.0, strain=1.0, crimps=None, straight=False, shear=None):
+def cloth(
+    name, *, modulus=1.0, crimp=1.0, mass=1.0, strain=1.0, crimps=None, straight=False, shear=None, denier="effective"
+):
     """A fabric of the catalogue, changed.
 
     Parameters
@@ -42,8 +44,11 @@ def cloth(name, *, modulus=1.0, crimp=1.0, mass=1.0, strain=1.0, crimps=None, st
     crimps : (warp, weft) [-] instead
     straight : yarns without crimp; the trellis keeps its stiffness per width
     shear : {"G1", "G2", "gamma1", "gamma2": values} that replace those of the fabric
+    denier : "effective", the linear density that the thesis's tables imply (erratum E-07), or "nominal"
     """
-    fabric = catalogue.load(name).with_effective_density()
+    fabric = catalogue.load(name)
+    if denier == "effective":
+        fabric = fabric.with_effective_density()
     fabric = variants.scale_yarns(fabric, E=modulus, failure_strain=strain, crimp=crimp)
     fabric = variants.scale_areal_density(fabric, mass)
     if straight:
@@ -79,6 +84,7 @@ def setup(
     interval=1e-6,
     elements=1,
     bending=0.0,
+    body="rigid",
     **changes,
 ):
     """ImpactSetup of a shot; the arguments are those of `shot`."""
@@ -86,9 +92,13 @@ def setup(
     if pull:
         slipping = PullIn(pull["length"], pull["start"], pull["end"])
         options["edge"] = ("clamped", slipping)  # weft, as in section 6.4.3
+    projectile = Projectile()
+    if body == "bored":
+        projectile = replace(projectile, body=projectile.steel_bar())
     return ImpactSetup(
         cloth(fabric, **changes),
         velocity,
+        projectile=projectile,
         cell_model=cell_model,
         symmetry=symmetry,
         end_time=end_time,
@@ -107,6 +117,7 @@ def shot(**scene):
     ----------
     fabric, velocity [m/s] and the changes of `cloth`
     cell_model, form, symmetry, end_time, elements, bending : as in ImpactSetup; form None is its default
+    body : of the projectile, "rigid" or "bored", the elastic-plastic bar of steel
     pull : {"length" [m], "start", "end" [s]} of the weft edges
     offsets : [m] of further weft yarns to record at the edge
     snapshots, interval : [s]
