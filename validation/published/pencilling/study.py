@@ -9,7 +9,7 @@ told as 1155 g/m2 (5 x 231) where the text says four times 231 (erratum E-19): b
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -92,16 +92,26 @@ class Penetration:
 
 
 def march(
-    case: Case, *, block=BLOCK, elements=2, edge="clamped", jam=JAM, end_time=1e-3, velocity=VELOCITY, opening=0.203
-):
-    """The march of a shot at a target before a block."""
+    case: Case, *, block=BLOCK, elements=2, edge="clamped", jam=JAM, end_time=1e-3, velocity=VELOCITY, opening=0.203,
+    layer=None,
+):  # fmt: skip
+    """The march of a shot at a target before a block.
+
+    `layer`, if given, is a factor on the shear angles at which the ply next to the block touches and locks.
+    """
     fabric = cloth(FABRIC, modulus=case.modulus)
     fabric = cloth(FABRIC, modulus=case.modulus, mass=case.mass / case.plies / fabric.weave.areal_density)
     setup = ImpactSetup(
         fabric, velocity, projectile=PROJECTILE, edge=edge, failure=False, elements_per_crossover=elements, jam=jam,
         backing=block, opening=opening, numerics=Numerics(safety=SAFETY),
     )  # fmt: skip
-    return PackSolver(Pack.stacked(setup.panel(), case.plies), velocity, end_time)
+    pack = Pack.stacked(setup.panel(), case.plies)
+    if layer is not None:
+        law = fabric.shear
+        law = replace(law, gamma1=layer * law.gamma1, gamma2=layer * law.gamma2)
+        last = replace(setup, fabric=replace(fabric, shear=law)).panel()
+        pack = replace(pack, plies=(*pack.plies[:-1], last))
+    return PackSolver(pack, velocity, end_time)
 
 
 def shoot(case: Case, *, report=None, **options) -> Penetration:
