@@ -97,7 +97,9 @@ def velocity_order(**runs):
         "takes most": by[-1][0],
         "takes least, at all displacements": by[0][-1] if len({order[-1] for order in by}) == 1 else "changes",
         "fastest after 150 us": max(late, key=late.get),
-        "note": "after 150 us " + ", ".join(f"{n} {late[n]:.1f}" for n in ranked(late)) + " m/s",
+        "note": "after 150 us "
+        + ", ".join(f"{n} {late[n]:.1f}" for n in ranked(late))
+        + f" m/s; {by[0][-1]} takes least after {1e3 * z[0]:.1f} mm, {by[-1][-1]} after {1e3 * z[-1]:.1f} mm",
     }
 
 

@@ -11,16 +11,12 @@ from validation.claims.registry import check
 from validation.claims.run import Run
 
 
-@check()
-def fibre_fraction():
-    """exp(e1) / J of the solid's frame (QR of the deformation gradient) against 1 / (R22 R33)."""
-    rng, worst = np.random.default_rng(2), 0.0
-    for _ in range(50):
-        F = np.eye(3) + 0.2 * rng.standard_normal((3, 3))
-        stretch = np.linalg.norm(F[:, 0])
-        R = np.abs(np.diag(np.linalg.qr(F)[1]))
-        worst = max(worst, abs(stretch / abs(np.linalg.det(F)) * R[1] * R[2] - 1))
-    return {"relative difference": worst}
+@check(lambda fabric, stretch: {"brick": Run.of("brick", fabric=fabric, stretch=stretch)})
+def fibre_fraction(brick, fabric, stretch):
+    """Fibre fraction that the axial stress of one brick has (eq. 3-2), against Vf0 exp(e1) / J (eqs. 3-6 to 3-9)."""
+    found = brick["stress"] / (brick["strain"] * brick["E_a"])
+    expected = catalogue.load(fabric).solid_laws[0].Vf0 * np.exp(brick["strain"]) / np.prod(stretch)
+    return {"relative difference": abs(found / expected - 1), "fraction": found}
 
 
 @check()

@@ -1,10 +1,12 @@
 """The five runs of thesis Table 6-2, and the bare block: how deep the projectile goes, and the shape of its crater.
 
 S-728 of one or four plies, changed in modulus and mass, before the block of Table 6-1; a rigid flat cylinder of 8.1 g
-at 300 m/s; yarns do not fail. Not told by the source, and chosen here: clamped edges of the 203 mm opening as in all of
-its shots, the ply resting on the block, two elements a crossover, since at the angle at which cloth hangs from the nose
-the chord of a whole one cuts through its rim. Yarns that are bunched up bear on each other (`jamming_kernels`). Mass is
-told as 1155 g/m2 (5 x 231) where the text says four times 231 (erratum E-19): both can be run.
+at 300 m/s; yarns do not fail. Not given in the thesis, and chosen here: the edges of the 203 mm opening, clamped as in
+all of its other shots, or free, as the plies that bunch up around the projectile in section 6.5 must be (the claims
+ledger has both, and its main runs are free); the ply resting on the block; two elements a crossover, since at the angle
+at which cloth hangs from the nose the chord of a whole one cuts through its rim. Yarns that are bunched up bear on each
+other (`jamming_kernels`). Mass is 1155 g/m2 in the table (5 x 231), four times 231 in the text (erratum E-19): both can
+be run.
 """
 
 from __future__ import annotations
