@@ -70,8 +70,8 @@ def rows(claims, records):
         yield (
             claim.id, claim.topic, claim.kind, claim.basis, claim.origin, claim.source, claim.quantity, record.verdict,
             record.told or asked(claim), record.miss, claim.cause if record.verdict == MISSED else "",
-            claim.against or claim.untestable or claim.unbuilt, claim.erratum, claim.reason, record.note,
-            f"{record.seconds:.2f}", record.setting, variants.summary(record),
+            claim.against or claim.data or claim.incomparable or claim.untestable or claim.unbuilt, claim.erratum,
+            claim.reason, record.note, f"{record.seconds:.2f}", record.setting, variants.summary(record),
         )  # fmt: skip
 
 

@@ -16,11 +16,12 @@ from importlib import resources
 from fabrics.files import write_whole
 from validation.claims import claims as data
 from validation.claims import runner, summary, variants
-from validation.claims.judge import BROKEN, MISSED, VERDICTS
+from validation.claims.judge import BROKEN, DATA, MISSED, NOT_BUILT, NOT_COMPARABLE, NOT_TESTABLE, VERDICTS, WRONG
 from weavecell.report import pictures
 from weavecell.report.page import Figure
 from weavecell.results import json_file, progress, provenance
 
+_TOLD = (MISSED, WRONG, DATA, NOT_COMPARABLE, NOT_BUILT, NOT_TESTABLE)
 _SUBTITLE = (
     "Every claim of the source thesis that is a number, an order, a trend, a shape or an outcome, with our number "
     "beside it. Tolerances come from the printed digits or were set before the comparison, and none has been widened "
@@ -148,12 +149,12 @@ def _figures(topic, out):
 
 def _tell(shares, records, out):
     """The shares on the terminal, and the claims whose verdict a variant changes."""
-    print(f"{'':26} reproduced   missed   source wrong   not built   not testable")
+    print(f"{'':26} reproduced   missed   source wrong   data   not comparable   not built   not testable")
     for share in (*shares[1:], shares[0]):
         name = data.TOPICS[share.topic] if share.topic else "all"
         of = f"{share.counts['reproduced']:3d} of {share.compared:<3d}"
-        rest = [share.counts[verdict] for verdict in ("missed", "source is wrong", "not built", "not testable")]
-        print(f"{name:26} {of}   {rest[0]:6d}   {rest[1]:12d}   {rest[2]:9d}   {rest[3]:12d}")
+        rest = [share.counts[verdict] for verdict in _TOLD]
+        print(f"{name:26} {of}   " + "   ".join(f"{n:{w}d}" for n, w in zip(rest, (6, 12, 4, 14, 9, 12))))
     varied = [record for record in records if record.variants]
     changed = [record for record in varied if variants.changes(record)]
     if varied:

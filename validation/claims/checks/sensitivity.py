@@ -186,6 +186,24 @@ def absorbed(fabric, t, **runs):
     }
 
 
+def all_limits(fabric):
+    """Runs of the critical velocity with each parameter 20 % less and more."""
+    return {f"{p}_{name}": run for p in NAMES for name, run in limits(fabric, p).items()}
+
+
+@check(all_limits)
+def critical_energy(fabric, **runs):
+    """Change of the critical strike energy, from -20 to +20 % of each parameter, over that of the fabric as it is."""
+    change = {}
+    for p, name in NAMES.items():
+        low, mid, high = (runs[f"{p}_{which}"]["velocity"] ** 2 for which in ("low", "mid", "high"))
+        change[name] = abs(high - low) / mid
+    return {
+        "largest over least": max(change.values()) / max(min(change.values()), 1e-12),
+        "note": ", ".join(f"{n} {100 * c:.1f} % of the critical energy" for n, c in change.items()),
+    }
+
+
 def _pair(fabric, **_):
     crimps = [yarn.crimp for yarn in catalogue.load(fabric).weave.yarns]
     even = {"crimps": [round(sum(crimps) / 2, 6)] * 2}
