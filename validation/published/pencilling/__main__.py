@@ -7,7 +7,6 @@ table goes into that page, between the marks of its edges, the pictures beside i
 
 import argparse
 import csv
-import shutil
 import sys
 import time
 from pathlib import Path
@@ -75,9 +74,9 @@ def main():
     options = parser.parse_args()
     if unknown := [number for number in options.cases if number not in CASES]:
         raise InputError(key="CASE", value=unknown[0], allowed=f"one of {', '.join(map(str, CASES))}")
-    if not options.resume:
-        shutil.rmtree(options.out / SHOTS, ignore_errors=True)
     kept = run_cache.RunCache(options.out / SHOTS)
+    if not options.resume:
+        kept.clear()
     wanted = {name_of(n): CASES[n] for n in options.cases}
     if options.text:
         wanted[TEXT] = Case(4, 1.0, 0.924)

@@ -27,7 +27,7 @@ FILE = "default-errors.csv"
 
 def errors(key):
     """Rows of one standard shot, as texts: its default is run, and compared with the stored references."""
-    scene = study.scene(key)
+    scene = study.load(key)
     chart, _ = tables.read(scene, Path(str(resources.files("validation.verification.cost_accuracy"))) / "measured")
     values, _ = scene.run(scene.methods[0].case)
     rows = []
