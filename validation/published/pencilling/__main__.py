@@ -7,14 +7,13 @@ table goes into that page, between the marks of its edges, the pictures beside i
 
 import argparse
 import csv
-import sys
 import time
 from pathlib import Path
 
 import numpy as np
 
 from fabrics import run_cache
-from fabrics.errors import InputError, UnstableError, WeavecellError
+from fabrics.errors import InputError, UnstableError, run_program
 from fabrics.files import write_whole
 from validation.published.pencilling import pictures
 from validation.published.pencilling.study import CASES, Case, bare, shoot
@@ -119,8 +118,4 @@ def main():
 
 
 if __name__ == "__main__":
-    try:
-        main()
-    except WeavecellError as problem:
-        print(f"error: {problem}", file=sys.stderr)
-        sys.exit(problem.exit_code)
+    run_program(main)
