@@ -7,31 +7,11 @@ import h5py
 import numpy as np
 import pytest
 
+from tests.scene_text import every, impact_scene
 from weavecell.commands import impact as commands_impact
 from weavecell.results import paraview, progress
 from weavecell.results.impact import ImpactRecord
 
-SCENE = """
-title = "a small panel"
-
-[fabric]
-name = "S-720"
-
-[projectile]
-mass = "3 g"
-diameter = "5.5 mm"
-edge_radius = "0.3 mm"
-strike_velocity = "155 m/s"
-
-[panel]
-opening = "50 mm"
-
-[run]
-end_time = "60 us"
-snapshot_interval = "20 us"
-checkpoint_interval = "10 us"
-outputs = OUTPUTS
-"""
 EXAMPLES = sorted((Path(__file__).parents[3] / "examples").glob("*.toml"))
 EVERYTHING = ["histories.h5", "panel", "panel.pvd", "pictures", "report.html", "scene.toml", "summary.json"]
 
@@ -40,10 +20,15 @@ EVERYTHING = ["histories.h5", "panel", "panel.pvd", "pictures", "report.html", "
 def scene(tmp_path):
     def write(name="scene.toml", outputs="[]", extra=""):
         path = tmp_path / name
-        path.write_text(SCENE.replace("OUTPUTS", outputs) + extra)
+        path.write_text(small_scene(outputs, extra))
         return path
 
     return write
+
+
+def small_scene(outputs, extra=""):
+    run = every("20 us", "10 us") + f"outputs = {outputs}\n"
+    return impact_scene(head='title = "a small panel"', run=run, extra=extra)
 
 
 def names(folder):

@@ -6,28 +6,17 @@ import pytest
 
 from fabrics.errors import DoubtfulError
 from shellfabric.panel.quality import Indicator
+from tests.scene_text import impact_scene
 from weavecell.commands.impact import impact
 from weavecell.report import checks
 
 GOOD, BAD, WORSE = Indicator("a", 0.5, 1.0), Indicator("b", 2.0, 1.0), Indicator("c", 9.0, 1.0, "m")
-SCENE = """
-[fabric]
-name = "S-720"
 
-[projectile]
-mass = "3 g"
-diameter = "5.5 mm"
-edge_radius = "{edge}"
-strike_velocity = "92.5 m/s"
 
-[panel]
-opening = "50 mm"
-plies = {plies}
-
-[run]
-end_time = "30 us"
-outputs = ["report"]
-"""
+def short_scene(edge, plies=1):
+    return impact_scene(
+        "92.5 m/s", end_time="30 us", edge_radius=edge, panel=f"plies = {plies}", run='outputs = ["report"]'
+    )
 
 
 def test_status_and_line():
@@ -65,7 +54,7 @@ def test_the_section_of_the_report():
 def test_a_run_with_an_edge_that_no_point_of_contact_resolves(tmp_path, capsys, plies):
     path = tmp_path / "scene.toml"
     few = "\n[numerics]\ncontact_points = 8\n"  # those of the default follow the edge
-    path.write_text(SCENE.format(edge="0.05 mm", plies=plies) + few, encoding="utf-8")
+    path.write_text(short_scene("0.05 mm", plies) + few, encoding="utf-8")
     with pytest.raises(DoubtfulError, match="contact point spacing"):
         impact(path, tmp_path / "out", strict=True)
     summary = json.loads((tmp_path / "out" / "summary.json").read_text())
@@ -80,7 +69,7 @@ def test_a_run_with_an_edge_that_no_point_of_contact_resolves(tmp_path, capsys, 
 
 def test_a_good_run_says_nothing(tmp_path, capsys):
     path = tmp_path / "scene.toml"
-    path.write_text(SCENE.format(edge="0.3 mm", plies=1), encoding="utf-8")
+    path.write_text(short_scene("0.3 mm"), encoding="utf-8")
     impact(path, tmp_path / "out", strict=True)
     assert json.loads((tmp_path / "out" / "summary.json").read_text())["checks"]["status"] == "ok"
     assert "doubtful" not in capsys.readouterr().out
