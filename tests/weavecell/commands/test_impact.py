@@ -6,6 +6,7 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
+from scipy.integrate import trapezoid
 
 from tests.scene_text import every, impact_scene
 from weavecell.commands import impact as commands_impact
@@ -71,6 +72,11 @@ def test_everything_asked_for_is_written(command, scene, tmp_path):
     record = ImpactRecord.read(folder / "histories.h5")
     assert record.energy_error_max < 0.01
     assert record.velocity[0] == 155.0
+    np.testing.assert_allclose(record.energies["kinetic_projectile"], 0.5 * 3e-3 * record.velocity**2, rtol=1e-5)
+    path_length = trapezoid(record.velocity, record.time)
+    assert record.nose_position[-1] - record.nose_position[0] == pytest.approx(path_length, rel=1e-3)
+    total = sum(values for name, values in record.energies.items() if name != "error")
+    np.testing.assert_allclose(total, record.strike_energy + record.energies["error"], rtol=1e-9)
     series = paraview.read_series(folder / "panel.pvd")
     assert [file.exists() for file, _ in series] == [True] * len(series)
     assert [time for _, time in series] == sorted(time for _, time in series)

@@ -5,6 +5,7 @@ import json
 import h5py
 import numpy as np
 import pytest
+from scipy.integrate import trapezoid
 from test_impact import datasets, interrupt_at, names
 
 from tests.scene_text import every, impact_scene
@@ -41,6 +42,8 @@ def test_everything_asked_for_is_written(command, scene, tmp_path):
     assert len(told["failed_yarn_segments"]) == 3
     record = PackRecord.read(folder / "histories.h5")
     assert record.count == 3
+    impulse = trapezoid(record.plies["push"].sum(axis=1), record.time)  # of the nose on all plies
+    assert impulse == pytest.approx(record.mass * (record.velocity[0] - record.velocity[-1]), rel=0.05)
     assert len(record.cuts) == 3
     assert record.z_rest[1] == pytest.approx(record.thickness[0] + 0.1e-3)
     assert names(folder / "pictures") == [
