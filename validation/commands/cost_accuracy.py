@@ -15,6 +15,7 @@ Folder of `weavecell cost-accuracy --scene crossover`, the long study of the 3D 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
 from fabrics.errors import InputError
@@ -24,7 +25,19 @@ from weavecell.results import json_file, progress, provenance
 LONG = "crossover"
 
 
-def chart_command(scenes, out, *, everything=False, quick=False, page=None, level, only, jobs, executor, resume):
+def chart_command(
+    scenes: Sequence[str],
+    out: Path | None,
+    *,
+    everything: bool = False,
+    quick: bool = False,
+    page: Path | None = None,
+    level: str,
+    only: Sequence[str],
+    jobs: int,
+    executor: str,
+    resume: bool,
+) -> None:
     """Run scenes, write their tables and charts to the folder `out`, and print what was found.
 
     Parameters
@@ -43,7 +56,8 @@ def chart_command(scenes, out, *, everything=False, quick=False, page=None, leve
     if LONG in scenes:
         if everything or page is not None or len(scenes) > 1:
             raise InputError(key="--scene", value=LONG, allowed="by itself: it has a page of its own")
-        return crossover(out or Path("results/chart-crossover"), level, only, jobs, executor, resume)
+        crossover(out or Path("results/chart-crossover"), level, only, jobs, executor, resume)
+        return
     found, out, stamp = studies.run(kind, names, out, page, tell=_tell, quick=quick, resume=resume)
     studies.finish(kind, "charts", [_plain(chart) for chart in found], out, page, stamp)
 
@@ -79,7 +93,7 @@ def _plain(chart):
     return {"scene": chart.key, "fronts": fronts, "references": references, "failed": failed}
 
 
-def crossover(out, level, only, jobs, executor, resume):
+def crossover(out: Path, level: str, only: Sequence[str], jobs: int, executor: str, resume: bool) -> None:
     """The 3D crossover by all its choices."""
     from validation.verification.crossover_convergence import page, pictures, study, tables
 

@@ -9,12 +9,24 @@ Folder of `weavecell stability --map NAME`, or `--all`
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import asdict
+from pathlib import Path
 
 from validation.commands import studies
 
 
-def stability_command(names, out, *, everything=False, quick=False, page=None, jobs=1, executor="local", resume=False):
+def stability_command(
+    names: Sequence[str],
+    out: Path | None,
+    *,
+    everything: bool = False,
+    quick: bool = False,
+    page: Path | None = None,
+    jobs: int = 1,
+    executor: str = "local",
+    resume: bool = False,
+) -> None:
     """Run maps, write their tables and pictures to the folder `out`, and print the margins of the defaults.
 
     Parameters

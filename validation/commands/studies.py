@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from importlib import resources
 from pathlib import Path
@@ -42,12 +43,12 @@ class Kind:
     page: Any
 
     @property
-    def measured(self):
+    def measured(self) -> Path:
         """Folder of the package with the tables of the last run of each study."""
         return Path(str(resources.files(self.study.__package__))) / "measured"
 
 
-def chosen(kind, names, everything, besides=()):
+def chosen(kind: Kind, names: Sequence[str], everything: bool, besides: Sequence[str] = ()) -> list[str]:
     """Names of the studies to run.
 
     Raises
@@ -62,7 +63,17 @@ def chosen(kind, names, everything, besides=()):
     return list(kind.study.NAMES) if everything else list(names)
 
 
-def run(kind, names, out, page, *, tell, quick=False, resume=False, **options):
+def run(
+    kind: Kind,
+    names: Sequence[str],
+    out: Path | None,
+    page: Path | None,
+    *,
+    tell: Callable[[Any], object],
+    quick: bool = False,
+    resume: bool = False,
+    **options: Any,
+) -> tuple[list[Any], Path, dict[str, str]]:
     """Run studies one after the other, write their tables and pictures, and print what each found.
 
     Parameters
@@ -95,7 +106,7 @@ def run(kind, names, out, page, *, tell, quick=False, resume=False, **options):
     return found, out, stamp
 
 
-def finish(kind, key, contents, out, page, stamp):
+def finish(kind: Kind, key: str, contents: list, out: Path, page: Path | None, stamp: Mapping[str, str]) -> None:
     """Write the record of a command, {key: contents} with its provenance, and say where everything is."""
     json_file.write(out / f"{kind.folder}.json", {key: contents, "provenance": stamp})
     print(f"written to {out}" + (f" and {page}" if page else ""))

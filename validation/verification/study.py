@@ -6,17 +6,27 @@ continues where it was. Charts (`cost_accuracy`) and maps (`stability`) are writ
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+
 from fabrics.errors import InputError
 from fabrics.files import write_whole
 
 
-def known(option, name, names):
+def known(option: str, name: str, names: Sequence[str]) -> None:
     """Raise InputError unless a study has this name; `option` of the command line, such as "--map"."""
     if name not in names:
         raise InputError(key=option, value=name, allowed=f"one of {', '.join(names)}")
 
 
-def write_page(path, head, command, one_by_one, overview, sections):
+def write_page(
+    path: Path,
+    head: str,
+    command: str,
+    one_by_one: str,
+    overview: Iterable[str],
+    sections: Iterable[tuple[Sequence[str], str]],
+) -> None:
     """Write a page of a study whole; its pictures are in figures/ beside it.
 
     Parameters
@@ -33,7 +43,7 @@ def write_page(path, head, command, one_by_one, overview, sections):
         file.write("\n\n".join(parts) + "\n")
 
 
-def markdown(columns, rows):
+def markdown(columns: Sequence[str], rows: Iterable[Sequence]) -> str:
     """A Markdown table; the first column flush left, the others flush right."""
     lines = [columns, ["---", *["---:"] * (len(columns) - 1)], *rows]
     return "\n".join("| " + " | ".join(map(str, line)) + " |" for line in lines)
