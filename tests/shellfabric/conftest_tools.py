@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from shellfabric.output import checkpoint
 from shellfabric.panel import step_kernels as panel_step_kernels
 
 
@@ -48,3 +49,20 @@ def assert_balance(x, f):
     scale = np.abs(f).sum()
     assert np.abs(f.sum(axis=(0, 1))).max() < 1e-14 * scale
     assert np.abs(np.cross(x, f).sum(axis=(0, 1))).max() < 1e-14 * scale * np.abs(x).max()
+
+
+class Interrupted(Exception):
+    """The user ends a run."""
+
+
+class Interrupting(checkpoint.Checkpoints):
+    """Checkpoints of a run that is interrupted at a time [s]."""
+
+    def __init__(self, path, interval, end):
+        super().__init__(path, interval)
+        self.end = end
+
+    def __call__(self, solver):
+        super().__call__(solver)
+        if solver.time > self.end:
+            raise Interrupted
