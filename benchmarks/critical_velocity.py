@@ -12,13 +12,12 @@ wall time: where it is the smaller, at one worker, the machine was busy.
 from __future__ import annotations
 
 import argparse
-import json
 import os
 import statistics
 import time
 from pathlib import Path
 
-from shell import machine
+from shell import machine, publish
 
 from fabrics import catalogue
 from shellfabric.impact import ballistic_limit, limit_scan
@@ -71,10 +70,7 @@ def main():
     for name in chosen.fabrics:
         report["fabrics"][name] = measure(name, chosen.jobs, chosen.repeats)
     report["machine"]["load_average_after"] = os.getloadavg()[0]
-    text = json.dumps(report, indent=2)
-    print(text)
-    if chosen.out:
-        chosen.out.write_text(text + "\n", encoding="utf-8")
+    publish(report, chosen.out)
 
 
 if __name__ == "__main__":

@@ -19,7 +19,7 @@ from math import inf
 from pathlib import Path
 
 import numpy as np
-from shell import machine
+from shell import machine, publish
 
 from fabrics import catalogue
 from fabrics.errors import InputError
@@ -147,10 +147,7 @@ def main():
         report["shots"] = shots(panel, SHOTS[chosen.fabric])
     if "limit" in chosen.parts:
         report["limit"] = limits(panel)
-    text = json.dumps(report, indent=2)
-    print(text)
-    if chosen.out:
-        chosen.out.write_text(text + "\n", encoding="utf-8")
+    publish(report, chosen.out)
 
 
 if __name__ == "__main__":

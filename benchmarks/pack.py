@@ -14,13 +14,12 @@ first steps: the most that contact can cost.
 from __future__ import annotations
 
 import argparse
-import json
 import statistics
 import time
 from pathlib import Path
 
 import numpy as np
-from shell import END, machine, one_core
+from shell import END, machine, one_core, publish
 from shell import march as march_single
 
 from fabrics import catalogue
@@ -108,10 +107,7 @@ def main():
                 "every_ply_in_touch_ns": round(most, 2),
                 "every_ply_in_touch_over_single": round(most / report["single_ns"], 2),
             }
-    text = json.dumps(report, indent=2)
-    print(text)
-    if chosen.out:
-        chosen.out.write_text(text + "\n", encoding="utf-8")
+    publish(report, chosen.out)
 
 
 if __name__ == "__main__":

@@ -41,6 +41,14 @@ FIRST = 50  # steps of a panel in motion everywhere that are not counted
 PRECISION = (("S-720", 92.5, 155.0), ("S-728", 76.0, 170.0), ("S-731", 116.0, 132.0))  # the source's two shots
 
 
+def publish(report, path):
+    """Print a report as JSON, and write it to a file where one is given."""
+    text = json.dumps(report, indent=2)
+    print(text)
+    if path:
+        path.write_text(text + "\n", encoding="utf-8")
+
+
 def machine():
     """What the figures were taken on."""
     names = [
@@ -189,10 +197,7 @@ def main():
         enough = len(os.sched_getaffinity(0)) > 1
         report["two_cores"] = {form: threads(table, 5) if enough else None for form, table in tables.items()}
     report["machine"]["load_average_after"] = os.getloadavg()[0]
-    text = json.dumps(report, indent=2)
-    print(text)
-    if chosen.out:
-        chosen.out.write_text(text + "\n", encoding="utf-8")
+    publish(report, chosen.out)
 
 
 if __name__ == "__main__":

@@ -7,6 +7,9 @@ DoubtfulError (3): a run has ended with a quality indicator beyond its limit, an
 
 from __future__ import annotations
 
+import sys
+from collections.abc import Callable
+
 
 class WeavecellError(Exception):
     """Base of all errors that are reported to the user as one line, without a traceback."""
@@ -74,3 +77,12 @@ class DoubtfulError(WeavecellError):
     """A run with a quality indicator beyond its limit, where the user wants that to be an error (--strict)."""
 
     exit_code = 3
+
+
+def run_program(main: Callable[[], object]) -> None:
+    """Run the main function of a program (`python -m ...`): an error of ours is one line, and its exit code."""
+    try:
+        main()
+    except WeavecellError as problem:
+        print(f"error: {problem}", file=sys.stderr)
+        sys.exit(problem.exit_code)

@@ -19,6 +19,7 @@ from __future__ import annotations
 import hashlib
 import json
 import pickle
+import shutil
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Executor
@@ -170,6 +171,10 @@ class RunCache:
         """File of a result."""
         return self.folder / f"{key}.{self._form.suffix}"
 
+    def clear(self) -> None:
+        """Remove the folder with all that it holds."""
+        shutil.rmtree(self.folder, ignore_errors=True)
+
     def __contains__(self, key: str) -> bool:
         return self.file(key).exists()
 
@@ -182,7 +187,8 @@ class RunCache:
 
 def results(
     function: Callable, arguments: Sequence[tuple], *, folder: FilePath, executor: str | Executor = "local",
-    jobs: int = 1, batches: bool = True, fresh: bool = False, report: Callable[[int, int], object] | None = None,
+    jobs: int = 1, batches: bool = True, fresh: bool = False, resume: bool = True,
+    report: Callable[[int, int], object] | None = None,
 ) -> list:  # fmt: skip
     """function(*one) for each one of `arguments`, in their order; each is kept as soon as its task is done.
 
@@ -195,6 +201,7 @@ def results(
     folder : Path where results are kept, and taken from
     executor, jobs, fresh : as of `executors.open_executor`
     batches : whether several runs may be one task, as where they are many and short
+    resume : take the results that the folder holds; otherwise it is emptied first
     report : called as report(number done, number of all)
 
     Raises
@@ -203,6 +210,8 @@ def results(
     """
     names = [key((function.__qualname__, one), function.__module__) for one in arguments]
     kept = RunCache(folder)
+    if not resume:
+        kept.clear()
     missing = [k for k, name in enumerate(names) if name not in kept]
     report = report or (lambda done, total: None)
     report(len(names) - len(missing), len(names))

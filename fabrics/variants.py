@@ -5,6 +5,7 @@ number for both families or a pair (warp, weft), and so is a factor. Sources sta
 
 | change | function |
 | --- | --- |
+| linear density, of the data sheet or of the runs of the thesis | `with_linear_density` |
 | values of the yarns (crimp, modulus, ...) | `with_yarns`, `scale_yarns` |
 | areal density at constant stiffness of the yarns | `scale_areal_density` |
 | nearly straight yarns | `with_straight_yarns` |
@@ -14,8 +15,7 @@ number for both families or a pair (warp, weft), and so is a factor. Sources sta
 | warp and weft exchanged | `rotated_90` |
 | one crossover for n x n | `homogenised` |
 
-The linear densities of the runs of the thesis are the fabric's own data (`Fabric.with_effective_density`), and laws
-assumed for para-aramid yarns stand in `fabrics.assumed`. Which cell a fabric is solved with (compressible,
+Laws assumed for para-aramid yarns stand in `fabrics.assumed`. Which cell a fabric is solved with (compressible,
 incompressible, decoupled) is a choice of the model: `shellfabric.cell.model.CellModel`.
 """
 
@@ -30,6 +30,16 @@ from fabrics.fabric import Fabric, pair
 
 Value: TypeAlias = float | Iterable[float]
 NEARLY_STRAIGHT = 1e-6  # [-] crimp: the thickness of the cloth is that of its crimp, and must not be zero
+
+
+def with_linear_density(fabric: Fabric, choice: str = "effective") -> Fabric:
+    """The "nominal" linear densities, or the "effective" ones where the fabric has such (erratum E-07).
+
+    A caller that needs the effective ones uses `Fabric.with_effective_density`, which refuses a fabric without them.
+    """
+    if choice == "nominal" or fabric.effective_linear_density is None:
+        return fabric
+    return fabric.with_effective_density()
 
 
 def with_yarns(fabric: Fabric, **values: Value) -> Fabric:

@@ -10,14 +10,14 @@ Centrelines (thesis eq. 4-1), moved apart by the shift that closes the sections 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Unpack
 
 import numpy as np
 
 from fabrics.fabric import Fabric
 from meshing import inputs
-from meshing.inputs import YARNS, Size
+from meshing.inputs import YARNS, MeshOptions, Size
 from meshing.mesh import Strand, YarnMesh, assemble, place
 from meshing.mesh_plan import Plan, mirrored
 
@@ -44,13 +44,7 @@ def build(
     *,
     domain: str = "quarter",
     size: Size = "medium",
-    section: str | None = None,
-    gap: float = 0.0,
-    width: Sequence[float] | None = None,
-    tip_thickness_ratio: float = 0.075,
-    overlap: str = "solve",
-    crimp: str | Sequence[float] = "hand",
-    end_shells: float | None = None,
+    **options: Unpack[MeshOptions],
 ) -> Crossover:
     """Mesh one crossover of a fabric.
 
@@ -60,31 +54,14 @@ def build(
     domain : "quarter" or "whole"
     size : "coarse", "medium", "fine", "auto", or (nx, ny, nz), hexahedra along, across and through a quarter of each
         yarn, or an edge length [m] (`meshing.inputs.size`)
-    section : "sine", "ellipse", "conforming" (`meshing.conforming`), or None for the fabric's
-    gap : [m] between parallel yarns; the widths are the spacings less the gap
-    width : (warp, weft) [m] instead of a gap; these widths are kept whatever the overlap (conforming: not exceeded)
-    tip_thickness_ratio : [-] thickness of the cut tips over that of the middle
-    overlap : "solve" or "refuse" an overlap too large for a shift (`meshing.section_fit`)
-    crimp : "hand" measured, "micrograph" (thesis Tables 2-1 and A-2), or (warp, weft) [-]
-    end_shells : [m] thickness of shells on the yarn ends (thesis Figure A-8), or None
+    options : of `meshing.inputs.MeshOptions`
 
     Raises
     ------
     InputError : a value is not allowed, or the sections overlap and this is refused or cannot be solved
     """
     inputs.one_of("domain", domain, ("quarter", "whole"))
-    plan = Plan.of(
-        fabric,
-        size=size,
-        section=section,
-        gap=gap,
-        width=width,
-        tip_thickness_ratio=tip_thickness_ratio,
-        overlap=overlap,
-        crimp=crimp,
-        end_shells=end_shells,
-        shift=True,
-    )
+    plan = Plan.of(fabric, size=size, shift=True, **options)
     whole = domain == "whole"
     mesh, sides = assemble([_strand(plan, family, whole) for family in (0, 1)])
     return Crossover(domain=domain, faces=_faces(sides, whole), **mesh, **plan.fields())

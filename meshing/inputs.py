@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from math import ceil, isfinite
 from numbers import Real
-from typing import Any, TypeAlias
+from typing import Any, TypeAlias, TypedDict
 
 from fabrics.errors import InputError
 from fabrics.fabric import Fabric
@@ -14,9 +14,31 @@ from fabrics.weave import Weave
 from meshing.section import YarnSection
 
 YARNS = ("warp", "weft")
+TIP_THICKNESS_RATIO = 0.075
 Size: TypeAlias = str | float | Sequence[int]
 AUTO_LAYERS, AUTO_ASPECT = 2, 1.5
 SIZES = {"coarse": (8, 6, 2), "medium": (16, 12, 4), "fine": (24, 18, 6)}
+
+
+class MeshOptions(TypedDict, total=False):
+    """Options of a crossover and of a patch, besides size and extent.
+
+    section : "sine", "ellipse", "conforming" (`meshing.conforming`), or None for the fabric's
+    gap : [m] between parallel yarns; the widths are the spacings less the gap
+    width : (warp, weft) [m] instead of a gap; these widths are kept whatever the overlap (conforming: not exceeded)
+    tip_thickness_ratio : [-] thickness of the cut tips over that of the middle
+    overlap : "solve" or "refuse" an overlap too large for a shift (`meshing.section_fit`)
+    crimp : "hand" measured, "micrograph" (thesis Tables 2-1 and A-2), or (warp, weft) [-]
+    end_shells : [m] thickness of shells on the yarn ends (thesis Figure A-8), or None
+    """
+
+    section: str | None
+    gap: float
+    width: Sequence[float] | None
+    tip_thickness_ratio: float
+    overlap: str
+    crimp: str | Sequence[float]
+    end_shells: float | None
 
 
 def one_of(key: str, value: Any, allowed: Sequence[str]) -> None:

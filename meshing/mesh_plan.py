@@ -11,7 +11,7 @@ from fabrics.checks import FloatArray
 from fabrics.fabric import Fabric
 from fabrics.weave import Weave
 from meshing import grid, inputs
-from meshing.inputs import Size
+from meshing.inputs import TIP_THICKNESS_RATIO, Size
 from meshing.linear_material import linearise
 from meshing.section_fit import SectionFit, fit_sections
 
@@ -43,16 +43,21 @@ class Plan:
         fabric: Fabric,
         *,
         size: Size,
-        section: str | None,
-        gap: float,
-        width: Sequence[float] | None,
-        tip_thickness_ratio: float,
-        overlap: str,
-        crimp: str | Sequence[float],
-        end_shells: float | None,
         shift: bool,
+        section: str | None = None,
+        gap: float = 0.0,
+        width: Sequence[float] | None = None,
+        tip_thickness_ratio: float = TIP_THICKNESS_RATIO,
+        overlap: str = "solve",
+        crimp: str | Sequence[float] = "hand",
+        end_shells: float | None = None,
     ) -> Plan:
-        """Check and resolve a request (the keywords of `crossover.build`); `shift`: a rigid shift is possible.
+        """Check and resolve a request, with the options of `meshing.inputs.MeshOptions`.
+
+        Parameters
+        ----------
+        size : as of `meshing.inputs.size`
+        shift : whether a rigid shift can remove an overlap
 
         Raises
         ------

@@ -17,12 +17,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Unpack
 
 import numpy as np
 
 from fabrics.fabric import Fabric
 from meshing import inputs
-from meshing.inputs import YARNS, Size
+from meshing.inputs import YARNS, MeshOptions, Size
 from meshing.mesh import Strand, YarnMesh, assemble, place
 from meshing.mesh_plan import Plan, mirrored
 
@@ -49,13 +50,7 @@ def build(
     count: Sequence[int] = (2, 2),
     *,
     size: Size = "coarse",
-    section: str | None = None,
-    gap: float = 0.0,
-    width: Sequence[float] | None = None,
-    tip_thickness_ratio: float = 0.075,
-    overlap: str = "solve",
-    crimp: str | Sequence[float] = "hand",
-    end_shells: float | None = None,
+    **options: Unpack[MeshOptions],
 ) -> Patch:
     """Mesh a patch of a plain weave.
 
@@ -63,27 +58,16 @@ def build(
     ----------
     fabric : Fabric, with solid laws (for the fibre volume fractions)
     count : (n, m) numbers of warp and of weft yarns; (2, 2) is the unit cell of four crossovers
-    size, section, gap, width, tip_thickness_ratio, overlap, crimp, end_shells : as in `meshing.crossover.build`; nx,
-        ny, nz of `size` count a quarter of a yarn in one crossing, so a crossing has 8 nx ny nz hexahedra. No shift is
-        made: "refuse" refuses any overlap
+    size : as in `meshing.crossover.build`; nx, ny, nz count a quarter of a yarn in one crossing, so a crossing has
+        8 nx ny nz hexahedra
+    options : of `meshing.inputs.MeshOptions`; no shift is made: overlap="refuse" refuses any overlap
 
     Raises
     ------
     InputError : a value is not allowed, or the sections overlap and this is refused or cannot be solved
     """
     count = inputs.counts(count)
-    plan = Plan.of(
-        fabric,
-        size=size,
-        section=section,
-        gap=gap,
-        width=width,
-        tip_thickness_ratio=tip_thickness_ratio,
-        overlap=overlap,
-        crimp=crimp,
-        end_shells=end_shells,
-        shift=False,
-    )
+    plan = Plan.of(fabric, size=size, shift=False, **options)
     strands = [strand for family in (0, 1) for strand in _family(plan, family, count)]
     mesh, sides = assemble(strands)
     return Patch(count=count, faces=_faces(sides), **mesh, **plan.fields())

@@ -43,6 +43,11 @@ def picture(crossover: Crossover, path: FilePath) -> None:
         )
     aim(scene, crossover.points * 1e3, VIEWS[crossover.domain], WINDOW)
     _caption(scene, crossover)
+    save(scene, path)
+
+
+def save(scene: Any, path: FilePath) -> None:
+    """Write the picture of a scene, and close it."""
     try:
         with replace_whole(path) as beside:
             scene.screenshot(str(beside))

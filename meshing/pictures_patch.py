@@ -8,10 +8,9 @@ import numpy as np
 import pyvista
 
 from fabrics.checks import FilePath
-from fabrics.files import replace_whole
 from meshing.inputs import YARNS
 from meshing.patch import Patch
-from meshing.pictures import COLOURS, INK, plotter
+from meshing.pictures import COLOURS, INK, plotter, save
 
 WINDOW = (1600, 900)
 TOWARD = np.array([-0.8, -1.0, 0.72])  # from the patch to the camera
@@ -48,11 +47,7 @@ def picture(patch: Patch, path: FilePath) -> None:
         )
     _light(scene)
     _aim(scene, patch)
-    try:
-        with replace_whole(path) as beside:
-            scene.screenshot(str(beside))
-    finally:
-        scene.close()
+    save(scene, path)
 
 
 def _skin(patch, family):

@@ -10,7 +10,7 @@ Units are SI: m, kg, s, N, Pa.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,6 +19,7 @@ from numpy.typing import ArrayLike
 from meshing.inputs import YARNS
 from meshing.mesh import SURFACES, YarnMesh
 
+MATERIALS = ("hex", "bar", "shell")  # of each family, numbered in this order
 SAME_AREA = 9  # digits: bars whose areas differ only by rounding are one part
 
 
@@ -73,6 +74,44 @@ class Deck:
     def of_kind(self, kind: str) -> list[Part]:
         """The parts of one kind."""
         return [part for part in self.parts if part.kind == kind]
+
+
+def material_number(family: int, kind: str) -> int:
+    """Number, from 1, of the material of a kind of parts of a family."""
+    return 1 + len(MATERIALS) * family + MATERIALS.index(kind)
+
+
+def set_lines(
+    numbered: Deck, keywords: Sequence[str], head: Callable[[str, int, str], str], per_line: int,
+    quads: Callable[[np.ndarray], str],
+) -> Iterator[str]:  # fmt: skip
+    """Text of all sets, and of the unions of a family as sets of sets; numbered through, each kind from 1.
+
+    Parameters
+    ----------
+    keywords : of sets of bars, sets of nodes, their unions, surfaces, and their unions
+    head : head(keyword, number, name) -> the lines above the members
+    per_line : members a line
+    quads : quads(members) -> the lines of a surface, members (q, 4)
+    """
+
+    def each(keyword, sets, content, first=1):
+        for number, (name, members) in enumerate(sets.items(), first):
+            yield head(keyword, number, name) + content(members)
+
+    def union(keyword, unions, sets):
+        number = {name: n for n, name in enumerate(sets, 1)}
+        return each(keyword, unions, lambda names: listed([number[name] for name in names]), 1 + len(sets))
+
+    def listed(members):
+        return wrapped(members, per_line)
+
+    bars, nodes, node_unions, surfaces, surface_unions = keywords
+    yield from each(bars, numbered.bar_sets, listed)
+    yield from each(nodes, numbered.node_sets, listed)
+    yield from union(node_unions, numbered.node_unions, numbered.node_sets)
+    yield from each(surfaces, numbered.surfaces, quads)
+    yield from union(surface_unions, numbered.surface_unions, numbered.surfaces)
 
 
 def deck(mesh: YarnMesh) -> Deck:
@@ -151,3 +190,8 @@ def wrapped(numbers: Iterable, per_line: int, template: str = "%10d", between: s
     """Numbers in lines of at most `per_line`."""
     texts = [template % n for n in numbers]
     return "".join(between.join(texts[i : i + per_line]) + "\n" for i in range(0, len(texts), per_line))
+
+
+def fields(template: str, *values: float | str) -> str:
+    """One line of values, each in the format `template`, such as "{:10d}"."""
+    return "".join(map(template.format, values)) + "\n"

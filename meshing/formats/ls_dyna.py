@@ -7,12 +7,11 @@ one-point elements have modes without energy. Bars are trusses (ELFORM 3). Colum
 from __future__ import annotations
 
 from fabrics.checks import FilePath
-from meshing.formats.deck import deck, lines, wrapped
+from meshing.formats.deck import MATERIALS, deck, fields, lines, material_number, set_lines
 from meshing.inputs import YARNS
 from meshing.mesh import YarnMesh
 
 ELEMENTS = {"hex": "SOLID", "bar": "BEAM", "shell": "SHELL"}
-MATERIALS = ("hex", "bar", "shell")  # of each family, numbered in this order
 
 
 def write(mesh: YarnMesh, path: FilePath) -> None:
@@ -43,20 +42,16 @@ def _parts(numbered):
     yield "*SECTION_SOLID\n" + _ids(1, 2)
     for part in numbered.parts:
         section = 1 if part.kind == "hex" else part.number
-        yield f"*PART\n{part.name}\n" + _ids(part.number, section, _material(part.family, part.kind))
+        yield f"*PART\n{part.name}\n" + _ids(part.number, section, material_number(part.family, part.kind))
         if part.kind == "bar":
             yield "*SECTION_BEAM\n" + _ids(section, 3) + _reals(part.size)
         elif part.kind == "shell":
             yield "*SECTION_SHELL\n" + _ids(section, 16) + _reals(*[part.size] * 4)
 
 
-def _material(family, kind):
-    return 1 + len(MATERIALS) * family + MATERIALS.index(kind)
-
-
 def _materials(numbered):
     for family, (yarn, m) in enumerate(zip(YARNS, numbered.materials)):
-        hexes, bars, shells = (f"{_material(family, kind):10d}" for kind in MATERIALS)
+        hexes, bars, shells = (f"{material_number(family, kind):10d}" for kind in MATERIALS)
         yield f"*MAT_ORTHOTROPIC_ELASTIC_TITLE\n{yarn}\n{hexes}"
         yield _reals(m.solid_density, m.axial, m.transverse, m.transverse, 0, 0, 0)
         yield _reals(m.shear, m.shear, m.shear, 0) + _reals(0) * 2
@@ -66,28 +61,17 @@ def _materials(numbered):
 
 
 def _sets(numbered):
-    """Sets, and the unions of a family as sets of sets: numbered through, each kind from 1."""
-    yield from _set("SET_BEAM_TITLE", numbered.bar_sets, lambda beams: wrapped(beams, 8))
-    yield from _set("SET_NODE_LIST_TITLE", numbered.node_sets, lambda nodes: wrapped(nodes, 8))
-    yield from _union("SET_NODE_ADD_TITLE", numbered.node_unions, numbered.node_sets)
-    yield from _set("SET_SEGMENT_TITLE", numbered.surfaces, lambda quads: lines("%10d" * 4, quads))
-    yield from _union("SET_SEGMENT_ADD_TITLE", numbered.surface_unions, numbered.surfaces)
-
-
-def _set(keyword, sets, content):
-    for number, (name, members) in enumerate(sets.items(), 1):
-        yield f"*{keyword}\n{name}\n{number:10d}\n" + content(members)
-
-
-def _union(keyword, unions, sets):
-    number = {name: n for n, name in enumerate(sets, 1)}
-    for n, (name, members) in enumerate(unions.items(), 1 + len(sets)):
-        yield f"*{keyword}\n{name}\n{n:10d}\n" + wrapped([number[m] for m in members], 8)
+    keywords = "BEAM", "NODE_LIST", "NODE_ADD", "SEGMENT", "SEGMENT_ADD"
+    head = "*SET_{}_TITLE\n{}\n{:10d}\n"
+    return set_lines(
+        numbered, keywords, lambda keyword, number, name: head.format(keyword, name, number), 8,
+        lambda quads: lines("%10d" * 4, quads),
+    )  # fmt: skip
 
 
 def _ids(*numbers):
-    return "".join(f"{n:10d}" for n in numbers) + "\n"
+    return fields("{:10d}", *numbers)
 
 
 def _reals(*values):
-    return "".join(f"{v:10.4E}" for v in values) + "\n"
+    return fields("{:10.4E}", *values)

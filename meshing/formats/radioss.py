@@ -7,12 +7,11 @@ Solids are Isolid 17, fully integrated. Bars are /TRUSS. Groups of nodes are /GR
 from __future__ import annotations
 
 from fabrics.checks import FilePath
-from meshing.formats.deck import deck, lines, wrapped
+from meshing.formats.deck import deck, fields, lines, material_number, set_lines
 from meshing.inputs import YARNS
 from meshing.mesh import YarnMesh
 
 ELEMENTS = {"hex": "BRICK", "bar": "TRUSS", "shell": "SHELL"}
-MATERIALS = ("hex", "bar", "shell")  # of each family, numbered in this order
 FULL, FULL_PRESSURE, COROTATIONAL, EDGE_12 = 17, 3, 2, 20  # Isolid, Icpre, Iframe, Ip
 
 
@@ -33,19 +32,17 @@ def write(mesh: YarnMesh, path: FilePath) -> None:
         file.write("/END\n")
 
 
-def _material(family, kind):
-    return 1 + len(MATERIALS) * family + MATERIALS.index(kind)
-
-
 def _materials(numbered):
     """Orthotropic solids (law 12, whose strengths left at 0 are infinite), elastic bars and shells (law 1)."""
     for family, (yarn, m) in enumerate(zip(YARNS, numbered.materials)):
-        yield f"/MAT/LAW12/{_material(family, 'hex')}\n{yarn}\n" + _reals(m.solid_density)
+        yield f"/MAT/LAW12/{material_number(family, 'hex')}\n{yarn}\n" + _reals(m.solid_density)
         yield _reals(m.axial, m.transverse, m.transverse) + _reals(0, 0, 0) + _reals(m.shear, m.shear, m.shear)
         yield _reals(0, 0, 0, 0) * 6
-        yield f"/MAT/LAW1/{_material(family, 'bar')}\n{yarn} fibres\n" + _reals(m.bar_density) + _reals(m.fibre, 0)
+        yield (
+            f"/MAT/LAW1/{material_number(family, 'bar')}\n{yarn} fibres\n" + _reals(m.bar_density) + _reals(m.fibre, 0)
+        )
         if numbered.of_kind("shell"):
-            yield f"/MAT/LAW1/{_material(family, 'shell')}\n{yarn} end shells\n" + _reals(m.solid_density)
+            yield f"/MAT/LAW1/{material_number(family, 'shell')}\n{yarn} end shells\n" + _reals(m.solid_density)
             yield _reals(m.packed, 0)
 
 
@@ -63,35 +60,23 @@ def _parts(numbered):
             # Flags; hourglass and damping; N, Istrain, thickness: defaults but one point through the thickness.
             yield f"/PROP/TYPE1/{number}\n{part.name}\n" + _ids(0, 0, 0, 0) + _reals(0, 0, 0, 0, 0)
             yield _ids(1, 0)[:-1] + _reals(part.size)
-        yield f"/PART/{part.number}\n{part.name}\n" + _ids(number, _material(part.family, part.kind))
+        yield f"/PART/{part.number}\n{part.name}\n" + _ids(number, material_number(part.family, part.kind))
 
 
 def _groups(numbered):
-    yield from _group("GRTRUS/TRUS", numbered.bar_sets, lambda bars: wrapped(bars, 10))
-    yield from _group("GRNOD/NODE", numbered.node_sets, lambda nodes: wrapped(nodes, 10))
-    yield from _union("GRNOD/GRNOD", numbered.node_unions, numbered.node_sets)
-    yield from _group("SURF/SEG", numbered.surfaces, lambda q: lines("%10d" * 5, range(1, len(q) + 1), q))
-    yield from _union("SURF/SURF", numbered.surface_unions, numbered.surfaces)
-
-
-def _group(keyword, groups, content):
-    for number, (name, members) in enumerate(groups.items(), 1):
-        yield f"/{keyword}/{number}\n{name}\n" + content(members)
-
-
-def _union(keyword, unions, groups):
-    number = {name: n for n, name in enumerate(groups, 1)}
-    for n, (name, members) in enumerate(unions.items(), 1 + len(groups)):
-        yield f"/{keyword}/{n}\n{name}\n" + wrapped([number[m] for m in members], 10)
+    return set_lines(
+        numbered, ("GRTRUS/TRUS", "GRNOD/NODE", "GRNOD/GRNOD", "SURF/SEG", "SURF/SURF"), "/{}/{}\n{}\n".format, 10,
+        lambda quads: lines("%10d" * 5, range(1, len(quads) + 1), quads),
+    )  # fmt: skip
 
 
 def _ids(*numbers):
-    return "".join(f"{n:10d}" for n in numbers) + "\n"
+    return fields("{:10d}", *numbers)
 
 
 def _texts(*words):
-    return "".join(f"{word:>20}" for word in words) + "\n"
+    return fields("{:>20}", *words)
 
 
 def _reals(*values):
-    return "".join(f"{v:20.12E}" for v in values) + "\n"
+    return fields("{:20.12E}", *values)

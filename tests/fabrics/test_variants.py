@@ -33,6 +33,13 @@ def test_yarns_one_value_or_two(fabric):
         variants.with_yarns(fabric, crimp=1.5)
 
 
+def test_linear_density(fabric):
+    assert variants.with_linear_density(fabric, "nominal") is fabric
+    used = variants.with_linear_density(fabric)
+    assert tuple(yarn.linear_density for yarn in used.weave.yarns) == fabric.effective_linear_density
+    assert variants.with_linear_density(replace(fabric, effective_linear_density=None)).weave == fabric.weave
+
+
 def test_straight_yarns_keep_the_shear_force_per_width(fabric):
     thin = variants.with_straight_yarns(fabric)
     assert thin.weave.thickness < 0.05 * fabric.weave.thickness

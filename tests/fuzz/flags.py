@@ -21,9 +21,9 @@ from shellfabric.impact import pack as impact_pack
 from shellfabric.impact import single_ply
 from shellfabric.panel.quality import LIMITS
 from tests.fuzz import scenes
-from validation.verification.cost_accuracy.tables import markdown
 from validation.verification.stability import study
 from validation.verification.stability.core import STABLE, WRONG
+from validation.verification.study import markdown
 from weavecell.scenes import build
 from weavecell.scenes import impact as scenes_impact
 

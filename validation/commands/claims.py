@@ -10,8 +10,10 @@ The folder of `weavecell validate`
 from __future__ import annotations
 
 import time
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from importlib import resources
+from pathlib import Path
 
 from fabrics.files import write_whole
 from validation.claims import claims as data
@@ -29,7 +31,16 @@ _SUBTITLE = (
 )
 
 
-def validate(out, *, topics, slow, jobs, resume, executor="local", vary=False):
+def validate(
+    out: Path,
+    *,
+    topics: Sequence[str],
+    slow: bool,
+    jobs: int,
+    resume: bool,
+    executor: str = "local",
+    vary: bool = False,
+) -> int:
     """Run the ledger; returns the exit code: 1 where a check broke, else 0, for a miss is a result.
 
     Parameters

@@ -15,22 +15,34 @@ Folder of `weavecell cost-accuracy --scene crossover`, the long study of the 3D 
 
 from __future__ import annotations
 
-import os
-from importlib import resources
+from collections.abc import Sequence
 from pathlib import Path
 
 from fabrics.errors import InputError
+from validation.commands import studies
 from weavecell.results import json_file, progress, provenance
 
 LONG = "crossover"
 
 
-def chart_command(scenes, out, *, everything=False, quick=False, page=None, level, only, jobs, executor, resume):
+def chart_command(
+    scenes: Sequence[str],
+    out: Path | None,
+    *,
+    everything: bool = False,
+    quick: bool = False,
+    page: Path | None = None,
+    level: str,
+    only: Sequence[str],
+    jobs: int,
+    executor: str,
+    resume: bool,
+) -> None:
     """Run scenes, write their tables and charts to the folder `out`, and print what was found.
 
     Parameters
     ----------
-    scenes : names, of validation.verification.cost_accuracy.study.SCENES or `LONG`
+    scenes : names, of validation.verification.cost_accuracy.study.NAMES or `LONG`
     out : folder, or None
     everything : all standard scenes
     quick : coarser references
@@ -39,70 +51,24 @@ def chart_command(scenes, out, *, everything=False, quick=False, page=None, leve
     level, only, jobs, executor : of the long study
     resume : begin with the cases of an interrupted run
     """
-    from validation.verification.cost_accuracy import study
-
-    known = ", ".join((*study.SCENES, LONG))
-    for name in scenes:
-        if name not in study.SCENES and name != LONG:
-            raise InputError(key="--scene", value=name, allowed=f"one of {known}")
-    if not scenes and not everything:
-        raise InputError(f"say --all, or which --scene: {known}")
+    kind = _kind()
+    names = studies.chosen(kind, scenes, everything, besides=(LONG,))
     if LONG in scenes:
         if everything or page is not None or len(scenes) > 1:
             raise InputError(key="--scene", value=LONG, allowed="by itself: it has a page of its own")
-        return crossover(out or Path("results/chart-crossover"), level, only, jobs, executor, resume)
-    return charts(list(study.SCENES) if everything else scenes, out, quick, page, resume)
+        crossover(out or Path("results/chart-crossover"), level, only, jobs, executor, resume)
+        return
+    found, out, stamp = studies.run(kind, names, out, page, tell=_tell, quick=quick, resume=resume)
+    studies.finish(kind, "charts", [_plain(chart) for chart in found], out, page, stamp)
 
 
-def charts(names, out, quick, page, resume):
-    """Scenes by short runs."""
-    from validation.verification.cost_accuracy import study
+def _kind():
+    from validation.verification.cost_accuracy import page, pictures, study, tables
 
-    out = out or Path("results") / ("charts" if len(names) > 1 else f"chart-{names[0]}")
-    found = []
-    for name in names:
-        with progress.bar(f"Chart: {name}") as advance:
-            found.append(
-                study.run(
-                    name, out / "cases" / name, quick=quick, resume=resume,
-                    report=lambda done, total: advance(done / total, f"{done} of {total} cases"),
-                )
-            )  # fmt: skip
-        _write(found[-1], out, out)
-        _tell(found[-1])
-    stamp = provenance.stamp()
-    json_file.write(out / "charts.json", {"charts": [_plain(chart) for chart in found], "provenance": stamp})
-    if page is not None:
-        _write_page(found, page, _made(stamp))
-    print(f"written to {out}" + (f" and {page}" if page else ""))
-
-
-def _made(stamp):
-    load = f"load average {os.getloadavg()[0]:.1f}"
-    return f"version {stamp['weavecell']}, commit {stamp['commit']}, {stamp['date']}, {stamp['processor']}, {load}."
-
-
-def _write_page(charts, page, made):
-    """Renew the tables of the package and the page, which also tells of the scenes that were run before."""
-    from validation.verification.cost_accuracy import page as pages
-    from validation.verification.cost_accuracy import pictures, study, tables
-
-    kept = Path(str(resources.files("validation.verification.cost_accuracy"))) / "measured"
-    for chart in charts:
-        _write(chart, page.parent / "figures", kept, made)
-    known = [tables.read(study.scene(key), kept) for key in study.SCENES if tables.kept(key, kept)]
-    for chart, _ in known:
-        pictures.draw(chart, page.parent / "figures" / f"chart-{chart.scene.key}.png")
-    pages.write(known, page, f"weavecell cost-accuracy --all --page {page}")
-
-
-def _write(chart, pictures_folder, tables_folder, made=""):
-    from validation.verification.cost_accuracy import pictures, tables
-
-    name = chart.scene.key
-    pictures.draw(chart, pictures_folder / f"chart-{name}.png")
-    tables.write_methods(chart, tables_folder / f"{name}.csv")
-    tables.write_references(chart, tables_folder / f"{name}-references.csv", made)
+    return studies.Kind(
+        "--scene", "Chart", "cases", "charts", "chart", "cost-accuracy", study=study, tables=tables,
+        pictures=pictures, page=page,
+    )  # fmt: skip
 
 
 def _tell(chart):
@@ -124,10 +90,10 @@ def _plain(chart):
         name: {"value": found.value, "half_width": found.half_width} for name, found in chart.references.items()
     }
     failed = {e.method.name: e.sample.failed for e in chart.entries if e.sample.failed}
-    return {"scene": chart.scene.key, "fronts": fronts, "references": references, "failed": failed}
+    return {"scene": chart.key, "fronts": fronts, "references": references, "failed": failed}
 
 
-def crossover(out, level, only, jobs, executor, resume):
+def crossover(out: Path, level: str, only: Sequence[str], jobs: int, executor: str, resume: bool) -> None:
     """The 3D crossover by all its choices."""
     from validation.verification.crossover_convergence import page, pictures, study, tables
 

@@ -9,20 +9,29 @@ Folder of `weavecell stability --map NAME`, or `--all`
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import asdict
-from importlib import resources
 from pathlib import Path
 
-from fabrics.errors import InputError
-from weavecell.results import json_file, progress, provenance
+from validation.commands import studies
 
 
-def stability_command(names, out, *, everything=False, quick=False, page=None, jobs=1, executor="local", resume=False):
+def stability_command(
+    names: Sequence[str],
+    out: Path | None,
+    *,
+    everything: bool = False,
+    quick: bool = False,
+    page: Path | None = None,
+    jobs: int = 1,
+    executor: str = "local",
+    resume: bool = False,
+) -> None:
     """Run maps, write their tables and pictures to the folder `out`, and print the margins of the defaults.
 
     Parameters
     ----------
-    names : of validation.verification.stability.study.MAPS
+    names : of validation.verification.stability.study.NAMES
     out : folder, or None
     everything : all maps
     quick : fewer points
@@ -31,48 +40,20 @@ def stability_command(names, out, *, everything=False, quick=False, page=None, j
     jobs, executor : as of `fabrics.executors.open_executor`
     resume : begin with the points of an interrupted run
     """
-    from validation.verification.stability import pictures, study, tables
-
-    known = ", ".join(study.MAPS)
-    for name in names:
-        if name not in study.MAPS:
-            raise InputError(key="--map", value=name, allowed=f"one of {known}")
-    if not names and not everything:
-        raise InputError(f"say --all, or which --map: {known}")
-    names = list(study.MAPS) if everything else names
-    out = out or Path("results") / ("stability" if len(names) > 1 else f"stability-{names[0]}")
-    maps = []
-    for name in names:
-        with progress.bar(f"Stability: {name}") as advance:
-            maps.append(
-                study.run(
-                    name, out / "points" / name, quick=quick, jobs=jobs, executor=executor, resume=resume,
-                    report=lambda done, total, advance=advance: advance(done / total, f"{done} of {total} points"),
-                )
-            )  # fmt: skip
-        pictures.draw(maps[-1], out / f"stability-{name}.png")
-        tables.write(maps[-1], out)
-        _tell(maps[-1])
-    stamp = provenance.stamp()
-    json_file.write(out / "stability.json", {"maps": [_plain(found) for found in maps], "provenance": stamp})
-    if page is not None:
-        made = f"version {stamp['weavecell']}, commit {stamp['commit']}, {stamp['date']}, {stamp['processor']}."
-        _write_page(maps, page, made)
-    print(f"written to {out}" + (f" and {page}" if page else ""))
+    kind = _kind()
+    names = studies.chosen(kind, names, everything)
+    options = {"quick": quick, "jobs": jobs, "executor": executor, "resume": resume}
+    maps, out, stamp = studies.run(kind, names, out, page, tell=_tell, **options)
+    studies.finish(kind, "maps", [_plain(found) for found in maps], out, page, stamp)
 
 
-def _write_page(maps, page, made):
-    """Renew the tables of the package and the page, which also tells of the maps that were run before."""
-    from validation.verification.stability import page as pages
-    from validation.verification.stability import pictures, study, tables
+def _kind():
+    from validation.verification.stability import page, pictures, study, tables
 
-    folder = Path(str(resources.files("validation.verification.stability"))) / "measured"
-    for found in maps:
-        tables.write(found, folder, made)
-    known = [tables.read(study.load(key), folder) for key in study.MAPS if tables.kept(key, folder)]
-    for found, _ in known:
-        pictures.draw(found, page.parent / "figures" / f"stability-{found.map.key}.png")
-    pages.write(known, page, f"weavecell stability --all --page {page}")
+    return studies.Kind(
+        "--map", "Stability", "points", "stability", "stability", "stability", study=study, tables=tables,
+        pictures=pictures, page=page,
+    )  # fmt: skip
 
 
 def _tell(found):
@@ -92,4 +73,4 @@ def _plain(found):
         for edge in found.edges
     ]
     counts = {kind: found.count(kind) for kind in ("stable", "wrong", "failed")}
-    return {"map": found.map.key, "default": found.map.default, "edges": edges, "points": counts}
+    return {"map": found.key, "default": found.map.default, "edges": edges, "points": counts}

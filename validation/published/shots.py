@@ -14,14 +14,13 @@ from __future__ import annotations
 
 import argparse
 import csv
-import sys
 import time
 from dataclasses import asdict, dataclass
 from functools import cache
 from pathlib import Path
 
 from fabrics import catalogue
-from fabrics.errors import WeavecellError
+from fabrics.errors import run_program
 from fabrics.files import write_whole
 from shellfabric.impact import ballistic_limit
 from shellfabric.impact.single_ply import ImpactSetup
@@ -265,8 +264,4 @@ def main():
 
 
 if __name__ == "__main__":
-    try:
-        main()
-    except WeavecellError as problem:
-        print(f"error: {problem}", file=sys.stderr)
-        sys.exit(problem.exit_code)
+    run_program(main)

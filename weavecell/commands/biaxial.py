@@ -20,12 +20,12 @@ from fabrics import catalogue
 from fabrics.errors import InputError
 from fabrics.files import write_whole
 from fabrics.units import si
+from fabrics.variants import with_linear_density
 from weavecell.commands.calibrate import with_3d_data
 from weavecell.report import chapters
 from weavecell.report import page as report_page
 from weavecell.report.page import Section, Table
 from weavecell.results import json_file, progress, provenance
-from weavecell.scenes import build
 
 STATES = 241
 _COLUMNS = {"T1": "warp tension [N]", "T2": "weft tension [N]", "F": "contact force [N]", "h1": "warp height [m]",
@@ -45,7 +45,7 @@ def biaxial_command(name, out, *, ratios, size=None, form="variational", profile
     from shellfabric.cell.model import CellModel
 
     wanted = {text: _ratio(text) for text in ratios}
-    fabric = build.with_density(catalogue.load(name) if size is None else with_3d_data(name), "effective")
+    fabric = with_linear_density(catalogue.load(name) if size is None else with_3d_data(name), "effective")
     options = {"profile": profile, "toe": toe}
     model, began = CellModel(fabric, form=form, **options), time.perf_counter()
     found = {text: to_strength(model, ratio, STATES) for text, ratio in wanted.items()}

@@ -18,12 +18,11 @@ import time
 import weavecell
 from fabrics import run_cache
 from fabrics.errors import InputError, UnstableError
-from fabrics.files import write_whole
 from weavecell.commands.impact import Interrupted
 from weavecell.report import chapters, checks, pictures, pictures_coupon
 from weavecell.report import page as report_page
 from weavecell.report.page import Card, Figure, Section, Table
-from weavecell.results import json_file, progress, provenance
+from weavecell.results import progress, provenance, run_folder
 from weavecell.results.coupon import CouponRecord, read_states, write_states
 from weavecell.results.coupon_measures import PRESCRIBED, measures
 from weavecell.scenes import build
@@ -203,12 +202,7 @@ def _write(out, this, record, text, advance):
     """Write everything but the checkpoint."""
     outputs = this.scene.run.outputs
     stamp = provenance.stamp(text, this.fabric)
-    with write_whole(out / "scene.toml") as file:
-        file.write(text)
-    record.write(out / "histories.h5")
-    json_file.write_summary(
-        out / "summary.json", record.summary() | checks.summary(record.checks) | {"provenance": stamp}
-    )
+    run_folder.write(out, text, record, checks.summary(record.checks), stamp)
     advance(0.2)
     if not outputs:
         return

@@ -13,7 +13,8 @@ import numpy as np
 from fabrics.errors import InputError, UnstableError
 from fabrics.files import write_whole
 from fabrics.units import si
-from weavecell.commands import mesh
+from weavecell.commands import mesh, mesh_options
+from weavecell.commands.mesh_options import pair
 from weavecell.report import checks, pictures, pictures_crossover
 from weavecell.results import json_file, progress, provenance
 
@@ -34,14 +35,12 @@ def command(name, case, out, *, domain, size, section, gap, strict=False, **choi
     """
     fabric = mesh.with_3d_data(name)
     run = CASES[case](fabric, choices)
-    shifted = case == "stack" and any(_two(choices["shift"], "", "--shift"))
+    shifted = case == "stack" and any(pair(choices["shift"], "", "--shift", "along x and y"))
     allowed = ("periodic",) if shifted else ("quarter",) if case == "stack" else DOMAINS[case]
     domain = allowed[0] if domain is None else domain
     if domain not in allowed:
         raise InputError(key="--domain", value=domain, allowed=f"{' or '.join(allowed)} for this case")
-    built = mesh.build(
-        fabric, domain=domain, size=mesh.size_of(size), section=section, gap=si(gap, "m", key="--yarn-gap")
-    )
+    built = mesh.build(fabric, domain=domain, **mesh_options.parse(size=size, section=section, gap=gap))
     with progress.bar(f"{fabric.name}, {case}") as advance:
         record = run(built, hooks=[lambda share, row: advance(share)])
     found = SUMMARIES[case](fabric, record)
@@ -94,7 +93,7 @@ def _stack(fabric, choices):
 
     pressure = choices["pressure"]
     pressure = stack.PLATEN_PRESSURE if pressure is None else si(pressure, "Pa", key="--pressure")
-    shift = _two(choices["shift"], "", "--shift")
+    shift = pair(choices["shift"], "", "--shift", "along x and y")
     if choices["plies"] < 1:
         raise InputError(key="--plies", value=choices["plies"], allowed="a whole number from 1 on")
     return lambda built, hooks: stack.stack_compression(
@@ -105,7 +104,7 @@ def _stack(fabric, choices):
 def _biaxial(fabric, choices):
     from unitcell3d.cases import periodic_cell
 
-    d = _two(choices["stretch"], "m", "--end-displacement")
+    d = pair(choices["stretch"], "m", "--end-displacement")
     if not any(d):
         raise InputError(key="--end-displacement", value=choices["stretch"], allowed="a length that is not 0")
     return lambda built, hooks: periodic_cell.biaxial(
@@ -129,7 +128,7 @@ def _shear(fabric, choices):
 
     gamma, stretch = (
         si(choices["gamma"], "rad", key="--shear-angle"),
-        _two(choices["stretch"], "m", "--end-displacement"),
+        pair(choices["stretch"], "m", "--end-displacement"),
     )
     if not 0 < gamma <= periodic_cell.STEEPEST:
         raise InputError(
@@ -240,18 +239,6 @@ SUMMARIES = {
     "path": _tension_summary,
     "shear": _shear_summary,
 }
-
-
-def _two(text, unit, key):
-    """Two values from a text of one, or of two separated by a comma."""
-    parts = [part.strip() for part in text.split(",")]
-    if len(parts) not in (1, 2):
-        raise InputError(key=key, value=text, allowed="one value, or two separated by a comma")
-    try:
-        values = [si(part, unit, key=key) if unit else float(part) for part in parts]
-    except ValueError:
-        raise InputError(key=key, value=text, allowed="two numbers separated by a comma") from None
-    return tuple(values * 2 if len(values) == 1 else values)
 
 
 def _told(value):

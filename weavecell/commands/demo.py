@@ -21,6 +21,7 @@ from pathlib import Path
 import weavecell
 from fabrics import catalogue
 from fabrics.units import si
+from fabrics.variants import with_linear_density
 from weavecell.commands import calibrate, impact, mesh
 from weavecell.report import chapters
 from weavecell.report import page as report_page
@@ -128,7 +129,7 @@ def _asked(plan, shots, seconds):
 
 
 def _page(fabric, plan, calibration, records, sections, stamp, clock):
-    used = build.with_density(fabric, plan["scene"]["fabric"]["linear_density"])
+    used = with_linear_density(fabric, plan["scene"]["fabric"]["linear_density"])
     law_card = chapters.law_card(calibration.law, fabric.laws[0], "fitted to the 3D crossover")
     return report_page.Report(
         plan["title"],

@@ -23,11 +23,10 @@ import shutil
 
 import weavecell
 from fabrics.errors import InputError, WeavecellError
-from fabrics.files import write_whole
 from weavecell.commands import fidelity, impact_pack
 from weavecell.report import chapters, chapters_impact, checks
 from weavecell.report import page as report_page
-from weavecell.results import json_file, paraview, progress, provenance
+from weavecell.results import paraview, progress, provenance, run_folder
 from weavecell.results.impact import ImpactRecord
 from weavecell.results.impact_base import Shape
 from weavecell.scenes import build
@@ -150,11 +149,7 @@ def write(out, this, record, snapshots, text, advance, choice=None):
     """Write everything but the checkpoint."""
     outputs = this.scene.run.outputs
     stamp = provenance.stamp(text, this.fabric)
-    with write_whole(out / "scene.toml") as file:
-        file.write(text)
-    record.write(out / "histories.h5")
-    content = record.summary() | checks.summary(record.checks) | fidelity.summary(choice)
-    json_file.write_summary(out / "summary.json", content | {"provenance": stamp})
+    run_folder.write(out, text, record, checks.summary(record.checks) | fidelity.summary(choice), stamp)
     advance(0.1)
     shutil.rmtree(out / "panel", ignore_errors=True)  # of an earlier run, whose series may have been longer
     if "paraview" in outputs:

@@ -18,10 +18,10 @@ import numpy as np
 
 import weavecell
 from fabrics.errors import InputError
-from fabrics.files import replace_whole, write_whole
+from fabrics.files import replace_whole
 from weavecell.report import chapters, chapters_impact, checks, pictures, pictures3d, pictures_pack
 from weavecell.report import page as report_page
-from weavecell.results import json_file, paraview, progress, provenance
+from weavecell.results import paraview, progress, provenance, run_folder
 from weavecell.results.pack import PackRecord
 from weavecell.scenes import build
 from weavecell.scenes.impact import Scene
@@ -107,12 +107,7 @@ def _in_file(problem, path):
 def write(out, this, record, snapshots, text, advance):
     """Write everything but the checkpoint."""
     outputs, stamp = this.scene.run.outputs, provenance.stamp(text, this.fabric)
-    with write_whole(out / "scene.toml") as file:
-        file.write(text)
-    record.write(out / "histories.h5")
-    json_file.write_summary(
-        out / "summary.json", record.summary() | checks.summary(record.checks) | {"provenance": stamp}
-    )
+    run_folder.write(out, text, record, checks.summary(record.checks), stamp)
     advance(0.1)
     shutil.rmtree(out / "pack", ignore_errors=True)
     if "paraview" in outputs:

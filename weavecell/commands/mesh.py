@@ -8,35 +8,22 @@ Folder of `weavecell mesh`
 
 from __future__ import annotations
 
-import re
-
 from fabrics import assumed, catalogue
 from fabrics.errors import InputError
-from fabrics.units import si
+from weavecell.commands import mesh_options
 from weavecell.results import json_file, progress, provenance
 
 FORMATS = ("msh", "vtu", "k", "inp", "rad")
-SIZES = ("coarse", "medium", "fine", "auto")
 PERIODIC = (2, 2)  # yarns of the periodic cell
-PAIR = "one value, or two separated by a comma, of warp and weft"
 
 
-def mesh_command(name, out, *, domain, patch, formats, size, crimp, width, end_shells, gap, **choices):
-    """Mesh what is asked for in texts, write it and print what it is."""
+def mesh_command(name, out, *, domain, patch, formats, **options):
+    """Mesh a fabric, write the mesh and print what it is; `options` are texts, as of `mesh_options.parse`."""
     fabric = with_3d_data(name)
     if patch is not None and domain is not None:
         raise InputError(key="--patch", value=patch, allowed="left out where --domain is given")
-    built = build(
-        fabric,
-        domain=domain or "quarter",
-        count=None if patch is None else _count(patch),
-        size=size_of(size),
-        crimp=crimp if crimp in ("hand", "micrograph") else _pair(crimp, "", "--crimp"),
-        width=None if width is None else _pair(width, "m", "--width"),
-        gap=si(gap, "m", key="--yarn-gap"),
-        end_shells=None if end_shells is None else si(end_shells, "m", key="--end-shells"),
-        **choices,
-    )
+    count = None if patch is None else mesh_options.parse_count(patch)
+    built = build(fabric, domain=domain or "quarter", count=count, **mesh_options.parse(**options))
     write(built, out, _formats(formats), fabric)
     for key, value in facts(built).items():
         print(f"{key:<24}{value}")
@@ -103,33 +90,6 @@ def facts(built):
         "sections": f"{built.sections[0].kind}: {built.section_fit.report}",
         "facets of the mesh": f"overlap by up to {-gap:.2f} um" if gap < 0 else f"apart by at least {gap:.2f} um",
     }
-
-
-def _count(text):
-    found = re.fullmatch(r"\s*(\d+)\s*[xX×]\s*(\d+)\s*", text)
-    if found is None:
-        raise InputError(key="--patch", value=text, allowed="numbers of warp and weft yarns, such as 3x4")
-    return int(found[1]), int(found[2])
-
-
-def size_of(text):
-    """A name, three numbers, or an edge length [m], as `meshing.inputs.size` takes it."""
-    if re.fullmatch(r"\s*\d+\s*(,\s*\d+\s*)*", text):
-        return tuple(map(int, text.split(",")))
-    if text in SIZES:
-        return text
-    if re.fullmatch(r"\s*[\d.+-][^,]*", text):
-        return si(text, "m", key="--mesh")
-    raise InputError(key="--mesh", value=text, allowed=f"{', '.join(SIZES)}, nx,ny,nz or a length such as 60um")
-
-
-def _pair(text, unit, key):
-    """(warp, weft) [SI] of one value or of two."""
-    parts = [part.strip() for part in text.split(",")]
-    if len(parts) > 2:
-        raise InputError(key=key, value=text, allowed=PAIR)
-    values = [si(part, unit, key=key) for part in parts]
-    return values[0], values[-1]
 
 
 def _formats(text):

@@ -8,11 +8,10 @@ Both keep runs/, a file for each run, from which --resume goes on.
 from __future__ import annotations
 
 import csv
-import shutil
 import time
 from dataclasses import asdict
 
-from fabrics import assumed, catalogue
+from fabrics import assumed, catalogue, run_cache, variants
 from fabrics.files import write_whole
 from weavecell.analysis.uncertainty import inputs, sobol, v50
 from weavecell.report import marked_page, pictures_uncertainty
@@ -100,12 +99,11 @@ def _begin(fabric, out, page, name, resume):
     cloth = assumed.with_shear(catalogue.load(fabric))
     for line in assumed.lines(cloth):
         print(line)
-    if cloth.effective_linear_density is not None:
-        cloth = cloth.with_effective_density()
+    cloth = variants.with_linear_density(cloth)
     if page is not None:
         marked_page.split(page, *_marks(name))
     if not resume:
-        shutil.rmtree(out / RUNS, ignore_errors=True)
+        run_cache.RunCache(out / RUNS).clear()
     return cloth
 
 

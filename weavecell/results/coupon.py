@@ -7,14 +7,21 @@ end; /relaxation with the out-of-balance force of every iteration. Every dataset
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from fabrics import run_cache
+from fabrics.checks import FilePath
 from fabrics.files import read_hdf5, write_hdf5
 from weavecell.results import keys
 from weavecell.results.hdf5_file import put
+
+if TYPE_CHECKING:
+    from shellfabric.coupon.dynamic_relaxation import State
+    from shellfabric.coupon.solver import Result
 
 _FORMAT = "weavecell coupon 2"
 _CHECKPOINT = "weavecell coupon checkpoint 3"
@@ -88,7 +95,9 @@ class CouponRecord:
     checks: tuple = ()
 
     @classmethod
-    def of(cls, result, measures, prescribed, **scalars):
+    def of(
+        cls, result: Result, measures: Mapping[str, tuple[str, np.ndarray]], prescribed: tuple[str, str], **scalars: Any
+    ) -> CouponRecord:
         """The record of a `shellfabric.coupon.solver.Result`; `prescribed` is (name, unit)."""
         coupon, states = result.coupon, result.states
         x = np.array([state.x for state in states])
@@ -105,7 +114,7 @@ class CouponRecord:
             relaxation=np.concatenate([state.history for state in states]),
         )  # fmt: skip
 
-    def summary(self):
+    def summary(self) -> dict[str, Any]:
         """The scalars of the record, and the last of what was measured, as a dict."""
         return {key: getattr(self, name) for name, key in _SCALARS.items()} | {
             "steps": len(self.prescribed),
@@ -115,7 +124,7 @@ class CouponRecord:
             | {name: {"value": float(values[-1]), "unit": unit} for name, (unit, values) in self.measures.items()},
         }
 
-    def write(self, path):
+    def write(self, path: FilePath) -> None:
         """Write the record, whole or not at all."""
         with write_hdf5(path, _FORMAT) as file:
             for name, key in _SCALARS.items():
@@ -136,7 +145,7 @@ class CouponRecord:
             put(file, "relaxation", self.relaxation, "N")
 
 
-def write_states(path, stamp, states):
+def write_states(path: FilePath, stamp: Mapping[str, str], states: Sequence[State]) -> None:
     """Keep the states of a run under way; `stamp` (`fabrics.run_cache`) is that of its scene and of the code."""
     with write_hdf5(path, _CHECKPOINT, **stamp) as file:
         for number, state in enumerate(states):
@@ -144,7 +153,7 @@ def write_states(path, stamp, states):
                 put(file, f"{number:05d}/{name}", getattr(state, name), unit)
 
 
-def read_states(path, stamp):
+def read_states(path: FilePath, stamp: Mapping[str, str]) -> tuple[State, ...]:
     """The states that `write_states` wrote; InputError if there are none, or those of another scene or other code."""
     from shellfabric.coupon.dynamic_relaxation import State
 

@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 from math import pi
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from shellfabric.coupon import quasistatic
+
+if TYPE_CHECKING:
+    from shellfabric.coupon.solver import Result
 
 # what each test prescribes: name, unit
 PRESCRIBED = {
@@ -17,7 +21,7 @@ PRESCRIBED = {
 }
 
 
-def measures(test, asked, result):
+def measures(test: str, asked: Any, result: Result) -> dict[str, tuple[str, np.ndarray]]:
     """{name: (unit, (steps,))} of a `shellfabric.coupon.solver.Result`; `asked` is the scene's table of the test."""
     return {"bias_extension": _bias, "picture_frame": _frame, "uniaxial": _uniaxial, "biaxial": _biaxial}[test](
         asked, result

@@ -2,26 +2,30 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from contextlib import contextmanager
+from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
+from fabrics.checks import FilePath
 from fabrics.files import read_hdf5
 from weavecell.scenes import renamed_keys
 
 
-def put(file, name, values, unit, **packing):
+def put(file: Any, name: str, values: ArrayLike, unit: str, **packing: Any) -> None:
     """Write an array to an open HDF5 file, with its unit."""
     file.create_dataset(name, data=np.asarray(values), **packing).attrs["unit"] = unit
 
 
-def plain(value):
+def plain(value: Any) -> Any:
     """A number of numpy as one of Python."""
     return value.item() if isinstance(value, np.generic) else value
 
 
 @contextmanager
-def opened(path, kind, number):
+def opened(path: FilePath, kind: str, number: int) -> Iterator[Any]:
     """An open file of format "weavecell KIND NUMBER"; one of the number before is read with a warning, renamed.
 
     Raises

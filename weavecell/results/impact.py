@@ -9,6 +9,7 @@ tail and centre of mass; /backing, of a block, with its quarter at the end.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -16,6 +17,9 @@ from weavecell.results import keys
 from weavecell.results.hdf5_file import put
 from weavecell.results.impact_base import BaseRecord, Shape, read_shape, tensions, write_shape
 from weavecell.results.impact_groups import read_group, read_measured, write_group, write_measured
+
+if TYPE_CHECKING:
+    from shellfabric.impact.single_ply import ImpactResult
 
 _PANEL = keys.units(keys.PANEL)
 
@@ -49,7 +53,7 @@ class ImpactRecord(BaseRecord):
     backing: object = None
 
     @classmethod
-    def of(cls, result, title, law_name, message=""):
+    def of(cls, result: ImpactResult, title: str, law_name: str, message: str = "") -> ImpactRecord:
         """The record of a `shellfabric.impact.single_ply.ImpactResult`."""
         last = Shape(
             float(result.t[-1]), float(result.nose_position[-1]), result.projectile_position, result.nodes,

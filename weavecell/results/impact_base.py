@@ -8,13 +8,19 @@ from __future__ import annotations
 
 import json
 from dataclasses import asdict, dataclass
-from typing import ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 import numpy as np
+from numpy.typing import ArrayLike
 
+from fabrics.checks import FilePath
 from fabrics.files import write_hdf5
 from weavecell.results import keys
 from weavecell.results.hdf5_file import opened, plain, put
+
+if TYPE_CHECKING:
+    from shellfabric.impact.single_ply import ImpactSetup
+    from shellfabric.output.snapshots import Snapshot
 
 FORMAT = 3  # version of the files
 # attribute of the record: attribute of the file, and key of summary.json
@@ -61,7 +67,7 @@ class Shape:
     failed: np.ndarray
 
     @classmethod
-    def of(cls, shot):
+    def of(cls, shot: Snapshot) -> Shape:
         """The shape of a `shellfabric.output.snapshots.Snapshot`."""
         return cls(
             float(shot.t), float(shot.nose_position), shot.projectile_position, shot.nodes.reshape(-1, 3),
@@ -123,7 +129,7 @@ class BaseRecord:
     checks: tuple = ()
 
     @classmethod
-    def _of(cls, result, setup, title, law_name, message, **own):
+    def _of(cls, result: Any, setup: ImpactSetup, title: str, law_name: str, message: str, **own: Any) -> Self:
         """A record of an impact; `setup` is the `shellfabric.impact.single_ply.ImpactSetup`, `own` the other fields."""
         mirror_x, mirror_y = result.mirrored
         return cls(
@@ -137,26 +143,26 @@ class BaseRecord:
         )  # fmt: skip
 
     @property
-    def strike_energy(self):
+    def strike_energy(self) -> float:
         """[J]"""
         return 0.5 * self.mass * self.strike_velocity**2
 
     @property
-    def energy_error_max(self):
+    def energy_error_max(self) -> float:
         """[-] largest error of the energy balance over the strike energy."""
         return float(np.max(np.abs(self.energies["error"]))) / self.strike_energy
 
     @property
-    def absorbed_energy(self):
+    def absorbed_energy(self) -> float:
         """[J] energy that the projectile has lost."""
         return self.strike_energy - float(self.energies["kinetic_projectile"][-1])
 
     @property
-    def viscous_energy_fraction(self):
+    def viscous_energy_fraction(self) -> float:
         """[-] viscous energy at the end, over the energy absorbed."""
         return float(self.energies["viscous"][-1]) / self.absorbed_energy
 
-    def audit(self):
+    def audit(self) -> dict[str, Any]:
         """The entries of the summary that follow from it."""
         return {
             "strike_energy_J": self.strike_energy,
@@ -166,12 +172,12 @@ class BaseRecord:
             "energies_at_end_J": {name: float(values[-1]) for name, values in self.energies.items()},
         }
 
-    def summary(self):
+    def summary(self) -> dict[str, Any]:
         """The scalars of the record, and what follows from them, as a flat dict."""
         scalars = {key: getattr(self, name) for name, key in self._scalars().items()}
         return scalars | _stops(self) | self._entries() | self.audit()
 
-    def write(self, path):
+    def write(self, path: FilePath) -> None:
         """Write the record, whole or not at all."""
         with write_hdf5(path, f"weavecell {self.KIND} {FORMAT}") as file:
             for name, key in self._scalars().items():
@@ -184,7 +190,7 @@ class BaseRecord:
             self._write(file)
 
     @classmethod
-    def read(cls, path):
+    def read(cls, path: FilePath) -> Self:
         """Read what `write` wrote; InputError if the file is not one of these."""
         with opened(path, cls.KIND, FORMAT) as file:
             values = {name: plain(file.attrs[key]) for name, key in cls._scalars().items()}
@@ -194,7 +200,7 @@ class BaseRecord:
             return cls(**values, **cls._read(file))
 
     @classmethod
-    def _scalars(cls):
+    def _scalars(cls) -> dict[str, str]:
         """{field: attribute of the file and key of summary.json}."""
         return SCALARS | cls.OWN_SCALARS
 
@@ -205,7 +211,7 @@ def _stops(record):
     return {"end_time_s": end, "stop_time_s": end if record.outcome == "stopped" else None}
 
 
-def tensions(peak, strength):
+def tensions(peak: ArrayLike, strength: ArrayLike) -> dict[str, float]:
     """Entries of the summary: peak tensions (2,) [N] of warp and weft, and their shares of the strengths (2,) [N]."""
     found = {}
     for family, tension, limit in zip(("warp", "weft"), peak, strength):
@@ -234,12 +240,12 @@ def _drawn(shot):
     return shot.surface(shot.edge_radius)
 
 
-def write_shape(file, group, shape):
+def write_shape(file: Any, group: str, shape: Shape) -> None:
     """Write a Shape to a group of an open file."""
     for name, unit in keys.units(keys.SHAPE).items():
         put(file, f"{group}/{name}", getattr(shape, _SHAPE_FIELDS.get(name, name)), unit)
 
 
-def read_shape(group):
+def read_shape(group: Any) -> Shape:
     """The Shape that `write_shape` has written."""
     return Shape(**{_SHAPE_FIELDS.get(name, name): plain(group[name][()]) for name in keys.units(keys.SHAPE)})

@@ -2,8 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, Any
+
 from weavecell.results import keys
 from weavecell.results.hdf5_file import plain, put
+
+if TYPE_CHECKING:
+    from shellfabric.backing.coupling import BackingResult
+    from shellfabric.output.histories import Histories
+    from shellfabric.projectile.dynamics import BarHistory
 
 _YARN = tuple(keys.units(keys.YARN_DATA))
 _PACKED = {"compression": "gzip", "compression_opts": 1, "shuffle": True}
@@ -11,7 +19,7 @@ _PACKED = {"compression": "gzip", "compression_opts": 1, "shuffle": True}
 _FIELDS = {"time": "t", "position": "place", "eroded": "gone"}
 
 
-def write_group(group, source, table, scalars):
+def write_group(group: Any, source: object, table: Iterable[keys.Key], scalars: Iterable[str]) -> None:
     """Scalars of an object by name, and arrays by the keys of a table."""
     for name in scalars:
         group.attrs[name] = getattr(source, name)
@@ -19,7 +27,7 @@ def write_group(group, source, table, scalars):
         put(group, name, getattr(source, _FIELDS.get(name, name)), unit, **_PACKED)
 
 
-def read_group(file, name):
+def read_group(file: Any, name: str) -> BarHistory | BackingResult | None:
     """What `write_group` wrote of a bar or a backing; None where the file has none."""
     from shellfabric.backing.coupling import BackingResult
     from shellfabric.projectile.dynamics import BarHistory
@@ -32,7 +40,7 @@ def read_group(file, name):
     return kind(**arrays, **{key: plain(value) for key, value in group.attrs.items()})
 
 
-def write_measured(group, measured):
+def write_measured(group: Any, measured: Histories) -> None:
     """Histories, and the fronts read off them, which are for the reader alone."""
     from shellfabric.output.wave_fronts import fronts
 
@@ -53,7 +61,7 @@ def write_measured(group, measured):
         put(inner, "position", front.place, "m")
 
 
-def read_measured(group):
+def read_measured(group: Any) -> Histories:
     from shellfabric.output.histories import EDGES, Histories, YarnHistory
 
     yarns = tuple(

@@ -3,27 +3,30 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
+from fabrics.checks import FilePath
 from fabrics.errors import InputError
 from fabrics.files import write_whole
 from weavecell.results import keys
 from weavecell.scenes import renamed_keys
 
 
-def write(path, content):
+def write(path: FilePath, content: object) -> None:
     """Write `content`; numpy numbers and arrays become numbers and lists."""
     with write_whole(path) as file:
         json.dump(content, file, indent=2, default=lambda value: value.tolist())
         file.write("\n")
 
 
-def write_summary(path, content):
+def write_summary(path: FilePath, content: Mapping[str, Any]) -> None:
     """Write summary.json, its format first."""
     write(path, {"format": keys.SUMMARY_FORMAT} | content)
 
 
-def read_summary(path):
+def read_summary(path: FilePath) -> dict[str, Any]:
     """The content of a summary.json by the keys of today; one of an older release is read with a warning.
 
     Raises

@@ -6,6 +6,7 @@ or a name that the run gives.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import NamedTuple
 
 
@@ -17,7 +18,7 @@ class Key(NamedTuple):
     meaning: str
 
 
-def keys(*rows):
+def keys(*rows: tuple[str, str, str]) -> tuple[Key, ...]:
     """Keys from rows (name, unit, meaning)."""
     return tuple(Key(*row) for row in rows)
 
@@ -286,6 +287,6 @@ ATTRIBUTES = (
 SUMMARY_FORMAT = "weavecell summary 2"
 
 
-def units(table):
+def units(table: Iterable[Key]) -> dict[str, str]:
     """{name: unit} of keys."""
     return {key.name: key.unit for key in table}

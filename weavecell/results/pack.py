@@ -10,6 +10,7 @@ rest.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -17,6 +18,9 @@ from weavecell.results import keys
 from weavecell.results.hdf5_file import put
 from weavecell.results.impact_base import BaseRecord, Shape, read_shape, tensions, write_shape
 from weavecell.results.impact_groups import read_measured, write_measured
+
+if TYPE_CHECKING:
+    from shellfabric.impact.pack import PackResult
 
 _PLY_UNITS, _PLIES = keys.units(keys.PLY_HISTORIES), keys.units(keys.PLIES)
 
@@ -69,12 +73,12 @@ class PackRecord(BaseRecord):
     measured: tuple = ()
 
     @property
-    def count(self):
+    def count(self) -> int:
         """Number of plies."""
         return len(self.z_rest)
 
     @classmethod
-    def of(cls, result, title, law_name, message=""):
+    def of(cls, result: PackResult, title: str, law_name: str, message: str = "") -> PackRecord:
         """The record of a `shellfabric.impact.pack.PackResult`."""
         from shellfabric.output.snapshots import quads
 

@@ -2,14 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Mapping
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
+from fabrics.checks import FilePath
 from fabrics.files import replace_whole, write_whole
 
+if TYPE_CHECKING:
+    from weavecell.results.impact_base import Shape
 
-def write_panel(out, shapes, quads):
+
+def write_panel(out: Path, shapes: Iterable[Shape], quads: np.ndarray) -> None:
     """Write a panel's shapes as panel.pvd and panel/*.vtu in the folder `out`.
 
     Parameters
@@ -30,7 +37,7 @@ def write_panel(out, shapes, quads):
     write_series(out / "panel.pvd", times)
 
 
-def failed_yarns(broken):
+def failed_yarns(broken: np.ndarray) -> np.ndarray:
     """(m,) how many yarns of each element have failed, 0 to 2; an eroded element has lost both.
 
     Parameters
@@ -40,14 +47,14 @@ def failed_yarns(broken):
     return np.where(broken[:, 2], 2, broken[:, :2].sum(axis=1)).astype(np.int8)
 
 
-def panel_grid(nodes, quads):
+def panel_grid(nodes: ArrayLike, quads: ArrayLike) -> Any:
     """The panel as a pyvista grid of quadrilaterals."""
     import pyvista
 
     return pyvista.UnstructuredGrid({pyvista.CellType.QUAD: np.asarray(quads)}, np.asarray(nodes, float))
 
 
-def write_series(path, times):
+def write_series(path: FilePath, times: Mapping[str, float]) -> None:
     """Write the .pvd.
 
     Parameters
@@ -62,7 +69,7 @@ def write_series(path, times):
         )
 
 
-def read_series(path):
+def read_series(path: FilePath) -> list[tuple[Path, float]]:
     """The files of a .pvd with their times, as [(path, time [s])]."""
     from xml.etree import ElementTree
 

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import sys
 import time
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from typing import Any
 
 from fabrics.errors import UnstableError
 
 
 @contextmanager
-def bar(title):
+def bar(title: str) -> Iterator[Callable[..., None]]:
     """Show a bar for a stage; yields `advance(fraction, text="")`, to be called with the fraction done, 0 to 1."""
     from rich.console import Console
     from rich.progress import BarColumn, Progress, SpinnerColumn, TaskProgressColumn, TextColumn, TimeElapsedColumn
@@ -39,7 +41,7 @@ def bar(title):
         progress.update(task, completed=1.0, note="")
 
 
-def watched(march, title, hooks=()):
+def watched(march: Callable[[tuple], Any], title: str, hooks: Sequence = ()) -> tuple[Any, UnstableError | None]:
     """march(hooks) of an impact under a bar: (its result, the UnstableError that ended it or None)."""
     from shellfabric.output.hooks import Progress
 

@@ -9,9 +9,13 @@ import sys
 from datetime import UTC, datetime
 from importlib import metadata
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import weavecell
 from fabrics import assumed
+
+if TYPE_CHECKING:
+    from fabrics.fabric import Fabric
 
 PACKAGES = (
     "numpy", "scipy", "numba", "fenics-dolfinx", "petsc4py", "gmsh", "meshio", "h5py",
@@ -19,7 +23,7 @@ PACKAGES = (
 )  # fmt: skip
 
 
-def stamp(scene_text="", fabric=None):
+def stamp(scene_text: str = "", fabric: Fabric | None = None) -> dict[str, str]:
     """What a reader needs to repeat a run, as a flat dict of texts; of a fabric, which of its tables were assumed."""
     told = {} if fabric is None or not fabric.assumed else {"assumed": "; ".join(assumed.lines(fabric))}
     return told | {
@@ -35,7 +39,7 @@ def stamp(scene_text="", fabric=None):
     }
 
 
-def versions():
+def versions() -> dict[str, str]:
     """Versions of the installed packages that results can depend on.
 
     Debian names some distributions otherwise than their makers do, so the version of the module that is loaded, where
@@ -55,7 +59,7 @@ def versions():
     return found
 
 
-def commit():
+def commit() -> str:
     """The git commit this package was run from, "+ changes" if the tree had been edited; "not a checkout" otherwise."""
     home = Path(weavecell.__file__).resolve().parent
     if not (home.parent / ".git").exists():
@@ -68,7 +72,7 @@ def commit():
     return head + (" + changes" if changed else "")
 
 
-def threads():
+def threads() -> str:
     """How many threads the numerical libraries may use."""
     text = f"OMP_NUM_THREADS {os.environ.get('OMP_NUM_THREADS', 'unset')}"
 

@@ -12,6 +12,7 @@ from fabrics.errors import InputError
 from fabrics.fabric import Fabric
 from fabrics.materials import Isotropic, load
 from fabrics.surface import ResponseSurface
+from fabrics.variants import with_linear_density
 from weavecell.scenes.impact import SHAPES, BackingTable, ProjectileTable, SlipTable
 from weavecell.scenes.schema import InlineLaw
 from weavecell.scenes.supported import Rule, of
@@ -210,7 +211,7 @@ def _fabric(table, file):
         raise InputError(
             file=file, key="fabric.name", value=table.name, allowed=f"one of {', '.join(catalogue.list_names())}"
         )
-    return with_density(fabric, table.linear_density)
+    return with_linear_density(fabric, table.linear_density)
 
 
 def _sheared(fabric, scene, file):
@@ -225,13 +226,6 @@ def _sheared(fabric, scene, file):
     for line in assumed.lines(fabric):
         print(line)
     return fabric
-
-
-def with_density(fabric, choice):
-    """The fabric with its "nominal" linear densities, or the "effective" ones where it has such (erratum E-07)."""
-    if choice == "nominal" or fabric.effective_linear_density is None:
-        return fabric
-    return fabric.with_effective_density()
 
 
 def _surface(table, fabric, file):

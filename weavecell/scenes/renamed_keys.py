@@ -7,7 +7,10 @@ with an old key beside the new one, is refused.
 from __future__ import annotations
 
 import sys
+from collections.abc import Mapping
+from typing import Any
 
+from fabrics.checks import FilePath
 from fabrics.errors import InputError
 
 UNTIL = "the next release"
@@ -110,7 +113,7 @@ HDF5_KEYS = {
 }
 
 
-def new_path(path, names, separator="/"):
+def new_path(path: str, names: Mapping[str, str], separator: str = "/") -> str:
     """The name of today of a group or dataset, or with "." of a key, of `names` ({old: new}, * for one level)."""
     parts = path.split(separator)
     found = []
@@ -125,7 +128,7 @@ def _matches(parts, pattern):
     return len(parts) == len(pattern) and all(part == other or other == "*" for part, other in zip(parts, pattern))
 
 
-def warn_of_format(file, number):
+def warn_of_format(file: FilePath, number: int) -> None:
     """One line on stderr for a whole result file."""
     print(
         f"warning: {file}: format {number} has old names of keys (docs/keys.md); it is read until {UNTIL}",
@@ -133,12 +136,12 @@ def warn_of_format(file, number):
     )
 
 
-def warn(file, old, new):
+def warn(file: FilePath, old: str, new: str) -> None:
     """One line on stderr."""
     print(f"warning: {file}: {old} is now called {new}; the old name is read until {UNTIL}", file=sys.stderr)
 
 
-def upgraded(table, file):
+def upgraded(table: Mapping[str, Any], file: FilePath) -> dict[str, Any]:
     """A scene's table with the new names of its keys, in the order of the file; `file` is named in messages.
 
     Raises

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
+from typing import Any
 
 
-def dumps(table):
+def dumps(table: Mapping[str, Any]) -> str:
     """TOML of a dict of texts, numbers, booleans, lists of those, and dicts of the same, one level of [tables]."""
     loose = [_line(key, value) for key, value in table.items() if not isinstance(value, dict)]
     parts = ["\n".join(loose)] if loose else []

@@ -2,15 +2,10 @@
 
 import numpy as np
 import pytest
-from conftest_tools import bring
+from conftest_tools import bring, grid
 from scipy.integrate import quad
 
 from shellfabric.panel import step_kernels as panel_step_kernels
-
-
-def grid(const, flat):
-    """(ni+1, nj+1) of a flat array."""
-    return flat[: (const.ni + 1) * const.row_stride].reshape(const.ni + 1, const.row_stride)
 
 
 @pytest.fixture

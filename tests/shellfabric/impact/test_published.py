@@ -8,20 +8,12 @@ import pytest
 
 from fabrics import catalogue
 from shellfabric.impact.single_ply import ImpactSetup, run
-
-OUTCOMES = {
-    "S-720": (92.5, 155.0),
-    "S-726": (96.0, 174.0),
-    "S-727": (40.0, 158.0),
-    "S-728": (76.0, 170.0),
-    "S-731": (116.0, 132.0),
-    "S-745": (110.0, 215.0),
-}
+from validation.published.shots import CAPTIONS
 
 
 def check(name, balance, **changes):
     """Both published shots on one fabric: the slower one is stopped, the faster one perforates."""
-    for strike_velocity, expected in zip(OUTCOMES[name], ("stopped", "perforated")):
+    for strike_velocity, expected in zip(CAPTIONS[name], ("stopped", "perforated")):
         result = run(ImpactSetup(catalogue.load(name).with_effective_density(), strike_velocity, **changes))
         assert result.outcome == expected, strike_velocity
         assert result.energy_error_max < balance
@@ -32,7 +24,7 @@ def test_s720():
 
 
 @pytest.mark.slow(25)
-@pytest.mark.parametrize("name", list(OUTCOMES)[1:])
+@pytest.mark.parametrize("name", list(CAPTIONS)[1:])
 def test_other_fabrics(name):
     check(name, 5e-3)
 
@@ -41,7 +33,7 @@ def test_other_fabrics(name):
 @pytest.mark.parametrize(
     "name",
     [
-        *list(OUTCOMES)[:-1],
+        *list(CAPTIONS)[:-1],
         pytest.param(
             "S-745",
             marks=pytest.mark.xfail(

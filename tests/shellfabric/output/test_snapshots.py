@@ -4,11 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from conftest_tools import Interrupted, Interrupting
 
 from fabrics.errors import InputError
 from shellfabric.cable.smith import smith
 from shellfabric.impact.single_ply import ImpactSetup, run
-from shellfabric.output import checkpoint, snapshots, wave_fronts
+from shellfabric.output import snapshots, wave_fronts
 from shellfabric.output.histories import EDGES, LIFT, PULL, Histories, HistoryRequest, YarnHistory
 from shellfabric.panel.model import Numerics
 from shellfabric.projectile.projectile import Projectile
@@ -108,17 +109,8 @@ def test_resumed_records_are_the_same_bit_for_bit(quick, tmp_path):
     path, measure = tmp_path / "run.h5", HistoryRequest(1e-6, (0.0, 3e-3))
     whole = quick(history=measure)
 
-    class Interrupted(Exception):
-        pass
-
-    class Saver(checkpoint.Checkpoints):
-        def __call__(self, march):
-            super().__call__(march)
-            if march.time > 20e-6:
-                raise Interrupted
-
     with pytest.raises(Interrupted):
-        quick(history=measure, hooks=[Saver(path, 8e-6)])
+        quick(history=measure, hooks=[Interrupting(path, 8e-6, 20e-6)])
     resumed = quick(history=measure, resume=path)
     np.testing.assert_array_equal(resumed.histories.t, whole.histories.t)
     for one, other in zip(resumed.histories.yarns, whole.histories.yarns):

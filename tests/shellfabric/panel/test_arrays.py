@@ -2,15 +2,11 @@
 
 import numpy as np
 import pytest
+from conftest_tools import grid
 
 from shellfabric.panel.model import Numerics
 
 SYMMETRIES = ("quarter", "half", "whole")
-
-
-def grid(const, flat):
-    """(ni+1, nj+1) of a flat array."""
-    return flat[: (const.ni + 1) * const.row_stride].reshape(const.ni + 1, const.row_stride)
 
 
 @pytest.mark.parametrize("symmetry", SYMMETRIES)

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from conftest_tools import Interrupted, Interrupting
 
 from fabrics import catalogue
 from fabrics.errors import InputError, UnstableError
@@ -217,17 +218,8 @@ def test_resumed_run_is_the_same_bit_for_bit(quick, tmp_path):
     path = tmp_path / "run.h5"
     whole = quick(260.0, snapshot_interval=10e-6)
 
-    class Interrupted(Exception):
-        pass
-
-    class Saver(checkpoint.Checkpoints):
-        def __call__(self, march):
-            super().__call__(march)
-            if march.time > 20e-6:
-                raise Interrupted
-
     with pytest.raises(Interrupted):
-        quick(260.0, hooks=[Saver(path, 8e-6)], snapshot_interval=10e-6)
+        quick(260.0, hooks=[Interrupting(path, 8e-6, 20e-6)], snapshot_interval=10e-6)
     resumed = quick(260.0, resume=path, snapshot_interval=10e-6)
     assert resumed.steps == whole.steps
     assert resumed.failed_segments[-1] > 0

@@ -4,6 +4,7 @@ from math import inf
 
 import numpy as np
 import pytest
+from conftest_tools import grid
 
 from shellfabric.panel import boundary, ply_audit
 from shellfabric.panel.solver import PanelSolver
@@ -11,11 +12,6 @@ from shellfabric.plies.model import Pack
 from shellfabric.plies.solver import PackSolver
 
 ZONES = ((6, 1), (inf, 2))
-
-
-def grid(const, flat):
-    """(ni+1, nj+1) view of an array of the state."""
-    return flat[: (const.ni + 1) * const.row_stride].reshape(const.ni + 1, const.row_stride)
 
 
 @pytest.mark.parametrize("symmetry", ["quarter", "half", "whole"])

@@ -276,18 +276,17 @@ def test_contact_pressure_equals_that_of_the_quasi_static_crossover():
         assert p == pytest.approx((up - down) / 2e-11, rel=1e-4)
 
 
+def find_closest_points(const, state, x):
+    yarn_contact_kernels.find_closest_points(
+        x, const.crossing_node, const.crossing_start, const.warp_over, const.cp_bounds, const.crossing_shape,
+        state.closest_point,
+    )  # fmt: skip
+
+
 def contact_of(const, state, x, settle=True):
     """Contact forces and energy at given places."""
     if settle:
-        yarn_contact_kernels.find_closest_points(
-            x,
-            const.crossing_node,
-            const.crossing_start,
-            const.warp_over,
-            const.cp_bounds,
-            const.crossing_shape,
-            state.closest_point,
-        )
+        find_closest_points(const, state, x)
     force, out, rest = np.zeros_like(x), np.zeros_like(state.contact_energy), np.zeros_like(state.wait_steps)
     yarn_contact_kernels.crossings(
         const.crossing_order, const.colour_start, (x, np.zeros_like(x), const.inverse_mass), state.brick_failed,
@@ -308,15 +307,7 @@ def pressed(mesh, shift=3e-6):
 
 def slaves(const, state, x):
     """Gap, share and area of every node of every crossing at converged feet, one at a time."""
-    yarn_contact_kernels.find_closest_points(
-        x,
-        const.crossing_node,
-        const.crossing_start,
-        const.warp_over,
-        const.cp_bounds,
-        const.crossing_shape,
-        state.closest_point,
-    )
+    find_closest_points(const, state, x)
     cell, ny, nz = const.crossing_shape[0], const.crossing_shape[3], const.crossing_shape[4]
     nodes, weights, S = np.empty(16, np.int64), np.empty(16), np.empty((3, 3))
     for c, way in np.ndindex(len(const.warp_over), 2):

@@ -1,9 +1,5 @@
 """The weave in its own cell: the quarter's answer, four crossovers, rigid turns, tangent, edges, and shear."""
 
-import os
-import subprocess
-import sys
-
 import numpy as np
 import pytest
 from scipy import sparse
@@ -231,22 +227,12 @@ sys.stdout.write(f"forces {MPI.COMM_WORLD.size} {line}\\n")
 """
 
 
-def test_two_processes_give_the_same_numbers(whole, s720):
+def test_two_processes_give_the_same_numbers(two_processes, whole, s720):
     """Factorised together under mpirun, the sheared weave has the forces that one process finds, to 1e-8."""
-    launch = ["mpirun", "--allow-run-as-root", "--oversubscribe", "-n", "2", sys.executable, "-c", PARALLEL]
-    # this process may be an MPI process already, whose children are not to take its place
-    alone = {key: value for key, value in os.environ.items() if not key.startswith(("OMPI", "PMIX"))}
-    try:
-        done = subprocess.run(launch, capture_output=True, text=True, timeout=300, env=alone)
-    except FileNotFoundError:
-        pytest.skip("no mpirun")
-    assert done.returncode == 0, done.stderr
-    said = [line.split()[1:] for line in done.stdout.splitlines() if line.startswith("forces")]
-    assert len(said) == 2
-    assert said[0] == said[1]
+    forces = two_processes(PARALLEL)
     one = periodic_cell.shear(whole, s720, 0.1, stretch=(4e-6, 4e-6), rows=2)
     numbers = [one[key][-1] for key in ("T1", "T2", "F_c", "moment")]
-    assert [float.fromhex(word) for word in said[0][1:]] == pytest.approx(numbers, rel=1e-8)
+    assert forces == pytest.approx(numbers, rel=1e-8)
 
 
 @pytest.mark.slow

@@ -1,8 +1,5 @@
 """Newton's method with updates between factorisations: the same states, fewer tangents, no cycles, MPI."""
 
-import os
-import subprocess
-import sys
 from types import SimpleNamespace
 
 import numpy as np
@@ -164,20 +161,9 @@ sys.stdout.write(f"forces {MPI.COMM_WORLD.size} {line}\\n")
 """
 
 
-def test_two_processes_give_the_same_numbers(tiny, s720):
+def test_two_processes_give_the_same_numbers(two_processes, tiny, s720):
     """Factorised together under mpirun, the path ends where one process ends it, to 1e-8; both say so alike."""
-    launch = ["mpirun", "--allow-run-as-root", "--oversubscribe", "-n", "2", sys.executable, "-c", PARALLEL]
-    # this process may be an MPI process already, whose children are not to take its place
-    alone = {key: value for key, value in os.environ.items() if not key.startswith(("OMPI", "PMIX"))}
-    try:
-        done = subprocess.run(launch, capture_output=True, text=True, timeout=300, env=alone)
-    except FileNotFoundError:
-        pytest.skip("no mpirun")
-    assert done.returncode == 0, done.stderr
-    said = [line.split()[1:] for line in done.stdout.splitlines() if line.startswith("forces")]
-    assert len(said) == 2
-    assert said[0] == said[1]
-    assert said[0][0] == "2"
+    forces = two_processes(PARALLEL)
     one = march(CrossoverModel(tiny, s720), Load(), Load((12e-6, 12e-6)))
     numbers = [getattr(one, name)[-1] for name in ("T1", "T2", "F_c", "h1", "h2")]
-    assert [float.fromhex(word) for word in said[0][1:]] == pytest.approx(numbers, rel=1e-8)
+    assert forces == pytest.approx(numbers, rel=1e-8)

@@ -2,27 +2,11 @@
 
 import json
 
-EDGE = """
-[fabric]
-name = "S-720"
+from tests.scene_text import impact_scene
 
-[projectile]
-mass = "3 g"
-diameter = "5.5 mm"
-edge_radius = "0.3 mm"
-strike_velocity = "92.5 m/s"
-
-[panel]
-opening = "60 mm"
-boundary = "clamped"
-symmetry = "quarter"
-
-[run]
-end_time = "60 us"
-
-[numerics]
-penalty = 5.0
-"""
+EDGE = impact_scene(
+    "92.5 m/s", "60 mm", panel='boundary = "clamped"\nsymmetry = "quarter"', extra="[numerics]\npenalty = 5.0\n"
+)
 
 
 def test_a_map(command, tmp_path):

@@ -159,15 +159,15 @@ def test_a_shot_with_another_outcome_fails():
 
 
 def test_scenes_are_all_there():
-    for key in study.SCENES:
+    for key in study.NAMES:
         if key == "crossover-path":
             pytest.importorskip("dolfinx")
-        found = study.scene(key, quick=True)
+        found = study.load(key, quick=True)
         assert found.key == key
         assert found.methods[0].choice == "default"
         assert len({method.name for method in found.methods}) == len(found.methods)
     with pytest.raises(InputError, match="must be one of struck-yarn, "):
-        study.scene("moon")
+        study.load("moon")
 
 
 def test_a_scene_from_end_to_end_and_resumed(tmp_path, monkeypatch):

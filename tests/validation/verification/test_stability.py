@@ -179,7 +179,7 @@ def test_bias():
 
 
 def test_every_map_has_its_default_on_it():
-    for key in study.MAPS:
+    for key in study.NAMES:
         if key in ("load-step", "bars"):
             pytest.importorskip("dolfinx")
         chart = study.load(key)

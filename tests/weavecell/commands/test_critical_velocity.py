@@ -7,28 +7,10 @@ import numpy as np
 import pytest
 
 from fabrics.errors import UnstableError
+from tests.scene_text import every, impact_scene
 from weavecell.commands import critical_velocity
 from weavecell.scenes import impact as scenes_impact
 
-SCENE = """
-[fabric]
-name = "S-720"
-
-[projectile]
-mass = "3 g"
-diameter = "5.5 mm"
-edge_radius = "0.3 mm"
-strike_velocity = "155 m/s"
-
-[panel]
-opening = "50 mm"
-BOUNDARY
-
-[run]
-end_time = "10 us"
-snapshot_interval = "10 us"
-checkpoint_interval = "10 us"
-"""
 FILES = ["critical-velocity.json", "residual-velocity.svg", "scene.toml", "shots.csv"]
 
 
@@ -36,7 +18,7 @@ FILES = ["critical-velocity.json", "residual-velocity.svg", "scene.toml", "shots
 def written(tmp_path):
     def write(extra="", boundary="", name="small.toml"):
         path = tmp_path / name
-        path.write_text(SCENE.replace("BOUNDARY", boundary) + extra)
+        path.write_text(impact_scene(end_time="10 us", panel=boundary, run=every("10 us", "10 us"), extra=extra))
         return path
 
     return write

@@ -4,7 +4,7 @@ import json
 
 import h5py
 import pytest
-from test_impact import SCENE, datasets
+from test_impact import datasets, small_scene
 
 ACCURACY = '\n[accuracy]\nresidual_velocity = "5 %"\n'
 
@@ -12,7 +12,7 @@ ACCURACY = '\n[accuracy]\nresidual_velocity = "5 %"\n'
 @pytest.fixture
 def scene(tmp_path):
     path = tmp_path / "scene.toml"
-    path.write_text(SCENE.replace("OUTPUTS", '["report"]') + ACCURACY)
+    path.write_text(small_scene('["report"]', ACCURACY))
     return path
 
 

@@ -6,32 +6,13 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
+from scipy.integrate import trapezoid
 
+from tests.scene_text import every, impact_scene
 from weavecell.commands import impact as commands_impact
 from weavecell.results import paraview, progress
 from weavecell.results.impact import ImpactRecord
 
-SCENE = """
-title = "a small panel"
-
-[fabric]
-name = "S-720"
-
-[projectile]
-mass = "3 g"
-diameter = "5.5 mm"
-edge_radius = "0.3 mm"
-strike_velocity = "155 m/s"
-
-[panel]
-opening = "50 mm"
-
-[run]
-end_time = "60 us"
-snapshot_interval = "20 us"
-checkpoint_interval = "10 us"
-outputs = OUTPUTS
-"""
 EXAMPLES = sorted((Path(__file__).parents[3] / "examples").glob("*.toml"))
 EVERYTHING = ["histories.h5", "panel", "panel.pvd", "pictures", "report.html", "scene.toml", "summary.json"]
 
@@ -40,10 +21,15 @@ EVERYTHING = ["histories.h5", "panel", "panel.pvd", "pictures", "report.html", "
 def scene(tmp_path):
     def write(name="scene.toml", outputs="[]", extra=""):
         path = tmp_path / name
-        path.write_text(SCENE.replace("OUTPUTS", outputs) + extra)
+        path.write_text(small_scene(outputs, extra))
         return path
 
     return write
+
+
+def small_scene(outputs, extra=""):
+    run = every("20 us", "10 us") + f"outputs = {outputs}\n"
+    return impact_scene(head='title = "a small panel"', run=run, extra=extra)
 
 
 def names(folder):
@@ -86,6 +72,11 @@ def test_everything_asked_for_is_written(command, scene, tmp_path):
     record = ImpactRecord.read(folder / "histories.h5")
     assert record.energy_error_max < 0.01
     assert record.velocity[0] == 155.0
+    np.testing.assert_allclose(record.energies["kinetic_projectile"], 0.5 * 3e-3 * record.velocity**2, rtol=1e-5)
+    path_length = trapezoid(record.velocity, record.time)
+    assert record.nose_position[-1] - record.nose_position[0] == pytest.approx(path_length, rel=1e-3)
+    total = sum(values for name, values in record.energies.items() if name != "error")
+    np.testing.assert_allclose(total, record.strike_energy + record.energies["error"], rtol=1e-9)
     series = paraview.read_series(folder / "panel.pvd")
     assert [file.exists() for file, _ in series] == [True] * len(series)
     assert [time for _, time in series] == sorted(time for _, time in series)

@@ -5,32 +5,13 @@ import json
 import h5py
 import numpy as np
 import pytest
+from scipy.integrate import trapezoid
 from test_impact import datasets, interrupt_at, names
 
+from tests.scene_text import every, impact_scene
 from weavecell.results import progress
 from weavecell.results.pack import PackRecord
 
-SCENE = """
-[fabric]
-name = "S-728"
-
-[projectile]
-mass = "3 g"
-diameter = "5.5 mm"
-edge_radius = "0.3 mm"
-strike_velocity = "200 m/s"
-
-[panel]
-opening = "45 mm"
-plies = 3
-PANEL
-
-[run]
-end_time = "24 us"
-snapshot_interval = "8 us"
-checkpoint_interval = "4 us"
-outputs = OUTPUTS
-"""
 EVERYTHING = ["histories.h5", "pack", "pack.pvd", "pictures", "report.html", "scene.toml", "summary.json"]
 
 
@@ -38,7 +19,10 @@ EVERYTHING = ["histories.h5", "pack", "pack.pvd", "pictures", "report.html", "sc
 def scene(tmp_path):
     def write(panel='stacking = "alternating"\nply_gap = "0.1 mm"', outputs="[]", extra=""):
         path = tmp_path / "scene.toml"
-        path.write_text(SCENE.replace("PANEL", panel).replace("OUTPUTS", outputs) + extra)
+        run = every("8 us", "4 us") + f"outputs = {outputs}\n"
+        path.write_text(
+            impact_scene("200 m/s", "45 mm", "24 us", fabric="S-728", panel=f"plies = 3\n{panel}", run=run, extra=extra)
+        )
         return path
 
     return write
@@ -58,6 +42,8 @@ def test_everything_asked_for_is_written(command, scene, tmp_path):
     assert len(told["failed_yarn_segments"]) == 3
     record = PackRecord.read(folder / "histories.h5")
     assert record.count == 3
+    impulse = trapezoid(record.plies["push"].sum(axis=1), record.time)  # of the nose on all plies
+    assert impulse == pytest.approx(record.mass * (record.velocity[0] - record.velocity[-1]), rel=0.05)
     assert len(record.cuts) == 3
     assert record.z_rest[1] == pytest.approx(record.thickness[0] + 0.1e-3)
     assert names(folder / "pictures") == [

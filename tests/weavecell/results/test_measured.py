@@ -6,25 +6,9 @@ import pytest
 
 from shellfabric.output.histories import EDGES
 from shellfabric.output.wave_fronts import fronts
+from tests.scene_text import impact_scene
 from weavecell.results.impact import ImpactRecord
 
-SCENE = """
-[fabric]
-name = "S-720"
-
-[projectile]
-mass = "3 g"
-diameter = "5.5 mm"
-edge_radius = "0.3 mm"
-strike_velocity = "100 m/s"
-
-[panel]
-opening = "80 mm"
-
-[run]
-end_time = "80 us"
-outputs = ["pictures", "report"]
-"""
 MEASURE = """
 [history]
 interval = "1 us"
@@ -39,8 +23,9 @@ def folders(tmp_path_factory):
     from weavecell.cli import app
 
     folder = tmp_path_factory.mktemp("measured")
-    for name, text in (("without", SCENE), ("with", SCENE + MEASURE)):
-        (folder / f"{name}.toml").write_text(text)
+    for name, text in (("without", ""), ("with", MEASURE)):
+        scene = impact_scene("100 m/s", "80 mm", "80 us", run='outputs = ["pictures", "report"]', extra=text)
+        (folder / f"{name}.toml").write_text(scene)
         with pytest.raises(SystemExit) as leaving:
             app.main(["impact", str(folder / f"{name}.toml"), "--out", str(folder / name)])
         assert leaving.value.code == 0

@@ -33,7 +33,9 @@ def test_the_example_of_a_fabric_of_ones_own_runs(command, tmp_path):
     assert out.splitlines()[0] == SHEAR
     told = json.loads((tmp_path / "r/summary.json").read_text())
     assert told["provenance"]["assumed"] == SHEAR
-    assert told["energies_at_end_J"]["shear"] > 0
+    energies = told["energies_at_end_J"]
+    assert energies["shear"] > 0  # the assumed law is in force
+    assert sum(energies.values()) - 2 * energies["error"] == pytest.approx(told["strike_energy_J"], rel=1e-9)
     page = (tmp_path / "r/report.html").read_text()
     row = page[page.index("shear.G1") :]
     row = row[: row.index("</tr>")]

@@ -6,12 +6,11 @@ explicit, with our element and with the source's.
 
 import argparse
 import csv
-import sys
 from pathlib import Path
 
 import numpy as np
 
-from fabrics.errors import WeavecellError
+from fabrics.errors import run_program
 from fabrics.files import write_whole
 from validation.published.bias_extension import dynamic
 from validation.published.bias_extension.cases import CLOTHS, asymmetry, run
@@ -80,8 +79,4 @@ def main():
 
 
 if __name__ == "__main__":
-    try:
-        main()
-    except WeavecellError as problem:
-        print(f"error: {problem}", file=sys.stderr)
-        sys.exit(problem.exit_code)
+    run_program(main)

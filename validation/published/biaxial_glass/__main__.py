@@ -5,11 +5,10 @@ Curves as CSV and PNG. With --options also what each option of the cell changes,
 
 import argparse
 import csv
-import sys
 from pathlib import Path
 
 from fabrics import catalogue
-from fabrics.errors import WeavecellError
+from fabrics.errors import run_program
 from fabrics.files import write_whole
 from validation.published.biaxial_glass import options as studied
 from validation.published.biaxial_glass import pictures
@@ -75,8 +74,4 @@ def study(fabric, toe, out):
 
 
 if __name__ == "__main__":
-    try:
-        main()
-    except WeavecellError as problem:
-        print(f"error: {problem}", file=sys.stderr)
-        sys.exit(problem.exit_code)
+    run_program(main)

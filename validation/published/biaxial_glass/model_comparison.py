@@ -17,14 +17,13 @@ from __future__ import annotations
 
 import argparse
 import csv
-import sys
 from pathlib import Path
 
 import numpy as np
 
 from fabrics import catalogue
 from fabrics.compression import CompressionLaw
-from fabrics.errors import WeavecellError
+from fabrics.errors import run_program
 from fabrics.files import write_whole
 from shellfabric.cell.model import CellModel
 from shellfabric.coupon import quasistatic
@@ -154,8 +153,4 @@ def main():
 
 
 if __name__ == "__main__":
-    try:
-        main()
-    except WeavecellError as problem:
-        print(f"error: {problem}", file=sys.stderr)
-        sys.exit(problem.exit_code)
+    run_program(main)

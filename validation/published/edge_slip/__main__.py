@@ -6,12 +6,11 @@ edges.csv, led.png, gripped.png. With --page the tables go into that page, betwe
 
 import argparse
 import csv
-import sys
 from pathlib import Path
 
 import numpy as np
 
-from fabrics.errors import WeavecellError
+from fabrics.errors import run_program
 from fabrics.files import write_whole
 from validation.published.edge_slip import pictures
 from validation.published.edge_slip.study import VELOCITY, ZONE_I, departs, gripped, led, limits, slow
@@ -89,8 +88,4 @@ def main():
 
 
 if __name__ == "__main__":
-    try:
-        main()
-    except WeavecellError as problem:
-        print(f"error: {problem}", file=sys.stderr)
-        sys.exit(problem.exit_code)
+    run_program(main)

@@ -5,10 +5,9 @@ it was. With --page the page is written, and its pictures into figures/ beside i
 """
 
 import argparse
-import sys
 from pathlib import Path
 
-from fabrics.errors import WeavecellError
+from fabrics.errors import run_program
 from fabrics.files import write_whole
 from validation.published.packs import pictures, study
 from validation.published.packs.page import page
@@ -52,8 +51,4 @@ def main():
 
 
 if __name__ == "__main__":
-    try:
-        main()
-    except WeavecellError as problem:
-        print(problem, file=sys.stderr)
-        sys.exit(problem.exit_code)
+    run_program(main)

@@ -7,15 +7,13 @@ table goes into that page, between the marks of its edges, the pictures beside i
 
 import argparse
 import csv
-import shutil
-import sys
 import time
 from pathlib import Path
 
 import numpy as np
 
 from fabrics import run_cache
-from fabrics.errors import InputError, UnstableError, WeavecellError
+from fabrics.errors import InputError, UnstableError, run_program
 from fabrics.files import write_whole
 from validation.published.pencilling import pictures
 from validation.published.pencilling.study import CASES, Case, bare, shoot
@@ -75,9 +73,9 @@ def main():
     options = parser.parse_args()
     if unknown := [number for number in options.cases if number not in CASES]:
         raise InputError(key="CASE", value=unknown[0], allowed=f"one of {', '.join(map(str, CASES))}")
-    if not options.resume:
-        shutil.rmtree(options.out / SHOTS, ignore_errors=True)
     kept = run_cache.RunCache(options.out / SHOTS)
+    if not options.resume:
+        kept.clear()
     wanted = {name_of(n): CASES[n] for n in options.cases}
     if options.text:
         wanted[TEXT] = Case(4, 1.0, 0.924)
@@ -120,8 +118,4 @@ def main():
 
 
 if __name__ == "__main__":
-    try:
-        main()
-    except WeavecellError as problem:
-        print(f"error: {problem}", file=sys.stderr)
-        sys.exit(problem.exit_code)
+    run_program(main)

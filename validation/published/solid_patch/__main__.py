@@ -5,11 +5,10 @@ summary.txt, histories.png, patch.png and end.vtu; a checkpoint every 2 us, from
 """
 
 import argparse
-import sys
 import time
 from pathlib import Path
 
-from fabrics.errors import UnstableError, WeavecellError
+from fabrics.errors import UnstableError, run_program
 from fabrics.files import write_whole
 from shellfabric.output import checkpoint
 from validation.published.solid_patch import pictures
@@ -68,8 +67,4 @@ def main():
 
 
 if __name__ == "__main__":
-    try:
-        main()
-    except WeavecellError as problem:
-        print(f"error: {problem}", file=sys.stderr)
-        sys.exit(problem.exit_code)
+    run_program(main)

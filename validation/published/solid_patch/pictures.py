@@ -12,6 +12,7 @@ import numpy as np
 import pyvista
 
 from fabrics.files import replace_whole
+from meshing.pictures import save
 from meshing.pictures_style import BLUE, GREEN, ORANGE, PURPLE, RED, SKY, WARP, WEFT
 from validation.published.solid_patch.study import clock, node_strains, profile
 
@@ -88,11 +89,7 @@ def scene(march, path):
     view.camera_position = [tuple(middle + np.array([-40, -60, 48.0])), tuple(middle), (0, 0, 1)]
     view.camera.parallel_scale = 0.4e3 * np.hypot(*march.patch.mesh.extent)
     view.reset_camera_clipping_range()
-    try:
-        with replace_whole(path) as beside:
-            view.screenshot(str(beside))
-    finally:
-        view.close()
+    save(view, path)
 
 
 def paraview(march, path):

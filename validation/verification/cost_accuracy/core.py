@@ -154,6 +154,11 @@ class Chart:
     entries: list
     fronts: dict
 
+    @property
+    def key(self):
+        """Name of the scene on the command line."""
+        return self.scene.key
+
     def unsure(self, group):
         """[-] largest half width of the references of a group."""
         return max(self.references[q.name].share for q in self.scene.groups[group])

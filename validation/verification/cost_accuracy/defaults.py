@@ -10,11 +10,10 @@ from __future__ import annotations
 
 import argparse
 import csv
-import sys
 from importlib import resources
 from pathlib import Path
 
-from fabrics.errors import WeavecellError
+from fabrics.errors import run_program
 from fabrics.files import write_whole
 from validation.verification.cost_accuracy import study, tables
 from weavecell.report.marked_page import markdown, put
@@ -27,7 +26,7 @@ FILE = "default-errors.csv"
 
 def errors(key):
     """Rows of one standard shot, as texts: its default is run, and compared with the stored references."""
-    scene = study.scene(key)
+    scene = study.load(key)
     chart, _ = tables.read(scene, Path(str(resources.files("validation.verification.cost_accuracy"))) / "measured")
     values, _ = scene.run(scene.methods[0].case)
     rows = []
@@ -68,8 +67,4 @@ def main():
 
 
 if __name__ == "__main__":
-    try:
-        main()
-    except WeavecellError as problem:
-        print(f"error: {problem}", file=sys.stderr)
-        sys.exit(problem.exit_code)
+    run_program(main)

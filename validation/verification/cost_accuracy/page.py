@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from fabrics.files import write_whole
 from validation.verification.cost_accuracy import tables
+from validation.verification.study import markdown, write_page
 
 HEAD = """# Speed against accuracy
 
@@ -27,12 +27,8 @@ def write(charts, path, command):
     charts : pairs (core.Chart, when, where and by which version it was run)
     command : that makes it
     """
-    made = f"Made by `{command}`, or scene by scene; not to be edited by hand."
-    parts = [HEAD, made, "## In short", summary([chart for chart, _ in charts])]
-    for chart, made in charts:
-        parts += [*_section(chart), f"Run: {made}"]
-    with write_whole(path) as file:
-        file.write("\n\n".join(parts) + "\n")
+    overview = "## In short", summary([chart for chart, _ in charts])
+    write_page(path, HEAD, command, "scene by scene", overview, [(_section(chart), made) for chart, made in charts])
 
 
 def summary(charts):
@@ -46,7 +42,7 @@ def summary(charts):
                 chart.scene.title, group, _told(first, asked, name=False), _told(good[0], asked) if good else "none",
                 _told(front[-1], asked), f"{100 * chart.unsure(group):.2g}",
             ])  # fmt: skip
-    return tables.markdown(
+    return markdown(
         ["scene", "asked", "the default", "cheapest within 5 %", "most exact", "reference known to ± [%]"], rows
     )
 

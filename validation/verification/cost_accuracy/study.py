@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import shutil
-
 from fabrics import run_cache
-from fabrics.errors import InputError
 from validation.verification.cost_accuracy.core import judge, timed
+from validation.verification.study import known
 
-SCENES = (
+NAMES = (
     "struck-yarn",
     "ply-stopped",
     "ply-perforated",
@@ -19,15 +17,14 @@ SCENES = (
 )  # of the command line
 
 
-def scene(key, quick=False):
+def load(key, quick=False):
     """A standard scene by its name.
 
     Raises
     ------
     InputError : there is none of this name
     """
-    if key not in SCENES:
-        raise InputError(key="--scene", value=key, allowed=f"one of {', '.join(SCENES)}")
+    known("--scene", key, NAMES)
     return _module(key).scene(quick)
 
 
@@ -53,7 +50,7 @@ def _module(key):
 
 def solve(key, case):
     """Sample of one case of a scene."""
-    found = scene(key)
+    found = load(key)
     return timed(found.run, found.warm, case)
 
 
@@ -62,15 +59,13 @@ def run(key, folder, *, quick=False, resume=False, report=None):
 
     Parameters
     ----------
-    key : of SCENES
+    key : of NAMES
     folder : Path in which cases are kept
     quick : coarser references
     resume : take cases that are done from the folder
     report : called as report(number done, number of all)
     """
-    found = scene(key, quick)
-    if not resume:
-        shutil.rmtree(folder, ignore_errors=True)
+    found = load(key, quick)
     arguments = [(key, case) for case in found.cases]
-    samples = run_cache.results(solve, arguments, folder=folder, report=report)
+    samples = run_cache.results(solve, arguments, folder=folder, resume=resume, report=report)
     return judge(found, dict(zip(found.cases, samples)))

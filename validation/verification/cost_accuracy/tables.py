@@ -7,6 +7,7 @@ import csv
 from fabrics.errors import InputError
 from fabrics.files import write_whole
 from validation.verification.cost_accuracy.core import Chart, Entry, Reference, Sample, fronts
+from validation.verification.study import markdown
 from weavecell.analysis.richardson import Extrapolation
 
 SCALES = {"s": (1e6, "µs"), "m": (1e3, "mm"), "-": (1e2, "%"), "deg": (1.0, "°")}
@@ -21,6 +22,12 @@ def shown(quantity, value):
 def heading(quantity):
     """Name and unit of a quantity, as `shown`."""
     return f"{quantity.name} [{SCALES.get(quantity.unit, (1.0, quantity.unit))[1]}]"
+
+
+def write(chart, folder, made=""):
+    """NAME.csv, one row a method, and NAME-references.csv, one row a quantity; `made` as of `write_references`."""
+    write_methods(chart, folder / f"{chart.key}.csv")
+    write_references(chart, folder / f"{chart.key}-references.csv", made)
 
 
 def write_methods(chart, path):
@@ -108,12 +115,6 @@ def _entry(scene, method, row):
 
 def _order(basis):
     return "" if basis.order is None else f"{basis.order:.2f}"
-
-
-def markdown(columns, rows):
-    """A Markdown table; the first column flush left, the others flush right."""
-    lines = [columns, ["---", *["---:"] * (len(columns) - 1)], *rows]
-    return "\n".join("| " + " | ".join(map(str, line)) + " |" for line in lines)
 
 
 def reference_table(chart):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shutil
 import tomllib
 from dataclasses import dataclass
 from importlib import resources
@@ -112,12 +111,9 @@ def run(out, *, level="full", only=None, resume=False, executor="local", jobs=1,
     chosen = [axis for axis in chosen if only is None or axis.name in only]
     # the dearest first
     cases = sorted({BASE} | {case for axis in chosen for case in axis.cases.values()}, key=lambda c: -np.prod(c.size))
-    folder = Path(out) / "cases"
-    if not resume:
-        shutil.rmtree(folder, ignore_errors=True)
     found = run_cache.results(
-        solve, [(fabric, paths, case) for case in cases], folder=folder, executor=executor, jobs=jobs, fresh=True,
-        batches=False, report=report,
+        solve, [(fabric, paths, case) for case in cases], folder=Path(out) / "cases", executor=executor, jobs=jobs,
+        fresh=True, batches=False, resume=resume, report=report,
     )  # fmt: skip
     results = dict(zip(cases, found))
     return judge(fabric.name, paths, chosen, results)

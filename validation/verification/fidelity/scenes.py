@@ -13,6 +13,7 @@ from functools import cache
 import numpy as np
 
 from fabrics import catalogue
+from fabrics.variants import with_linear_density
 from shellfabric.impact import ballistic_limit
 from shellfabric.impact.single_ply import ImpactSetup
 from shellfabric.projectile.projectile import Projectile
@@ -32,8 +33,7 @@ VELOCITY, OPENING, MASS, RADIUS = (40.0, 300.0), (0.1, 0.25), (1e-3, 8e-3), (2.2
 
 def base(name):
     """A fabric of the catalogue with the linear densities that the source's runs used, where there are such."""
-    fabric = catalogue.load(name)
-    return fabric if fabric.effective_linear_density is None else fabric.with_effective_density()
+    return with_linear_density(catalogue.load(name))
 
 
 @cache

@@ -9,12 +9,11 @@ into that page, between its marks, and the picture beside it into figures/.
 import argparse
 import csv
 import json
-import sys
 from dataclasses import asdict
 from pathlib import Path
 
 from fabrics import catalogue, run_cache
-from fabrics.errors import InputError, WeavecellError
+from fabrics.errors import InputError, run_program
 from fabrics.files import write_whole
 from validation.verification.mesh_convergence.pictures import picture
 from validation.verification.mesh_convergence.study import ALLOWED, TOLERANCE, Point, study, velocities
@@ -139,8 +138,4 @@ def main():
 
 
 if __name__ == "__main__":
-    try:
-        main()
-    except WeavecellError as problem:
-        print(f"error: {problem}", file=sys.stderr)
-        sys.exit(problem.exit_code)
+    run_program(main)

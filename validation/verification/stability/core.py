@@ -123,6 +123,11 @@ class Found:
     outcomes: dict
     edges: tuple
 
+    @property
+    def key(self):
+        """Name of the map on the command line."""
+        return self.map.key
+
     def count(self, kind):
         """Points of a kind."""
         return sum(outcome.kind == kind for outcome in self.outcomes.values())

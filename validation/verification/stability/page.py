@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from fabrics.files import write_whole
-from validation.verification.cost_accuracy.tables import markdown
 from validation.verification.stability.core import ASKED, FAILED, WRONG
+from validation.verification.study import markdown, write_page
 
 HEAD = f"""# Where methods fail
 
@@ -22,12 +21,8 @@ def write(maps, path, command):
     maps : pairs (core.Found, when, where and by which version it was run)
     command : that makes it
     """
-    told = f"Made by `{command}`, or map by map; not to be edited by hand."
-    parts = [HEAD, told, "## Margins of the defaults", margins([found for found, _ in maps])]
-    for found, made in maps:
-        parts += [*_section(found), f"Run: {made}"]
-    with write_whole(path) as file:
-        file.write("\n\n".join(parts) + "\n")
+    overview = "## Margins of the defaults", margins([found for found, _ in maps])
+    write_page(path, HEAD, command, "map by map", overview, [(_section(found), made) for found, made in maps])
 
 
 def margins(maps):

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import shutil
-
 from fabrics import run_cache
-from fabrics.errors import InputError
 from fabrics.executors import open_executor
 from validation.verification.stability.core import explore
+from validation.verification.study import known
 
-MAPS = (
+NAMES = (
     "time-step",
     "viscosity",
     "hourglass",
@@ -32,8 +30,7 @@ def load(key, quick=False):
     ------
     InputError : there is none of this name
     """
-    if key not in MAPS:
-        raise InputError(key="--map", value=key, allowed=f"one of {', '.join(MAPS)}")
+    known("--map", key, NAMES)
     return _module(key).chart(quick)
 
 
@@ -77,7 +74,7 @@ def run(key, folder, *, quick=False, resume=False, executor="local", jobs=1, rep
 
     Parameters
     ----------
-    key : of MAPS
+    key : of NAMES
     folder : Path in which points are kept
     quick : fewer points
     resume : take points that are done from the folder
@@ -86,8 +83,7 @@ def run(key, folder, *, quick=False, resume=False, executor="local", jobs=1, rep
     """
     chart = load(key, quick)
     if not resume:
-        shutil.rmtree(folder, ignore_errors=True)
-
+        run_cache.RunCache(folder).clear()
     with open_executor(executor, jobs) as pool:
 
         def many(points):

@@ -14,7 +14,6 @@ from __future__ import annotations
 
 import argparse
 import csv
-import sys
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -24,7 +23,7 @@ from scipy.stats import t as student
 
 from fabrics import catalogue
 from fabrics.compression import CompressionLaw
-from fabrics.errors import InputError, WeavecellError
+from fabrics.errors import InputError, run_program
 from fabrics.fabric import Fabric
 from fabrics.files import replace_whole, write_whole
 from shellfabric.cell.model import CellModel
@@ -207,8 +206,4 @@ def main():
 
 
 if __name__ == "__main__":
-    try:
-        main()
-    except WeavecellError as problem:
-        print(f"error: {problem}", file=sys.stderr)
-        sys.exit(problem.exit_code)
+    run_program(main)

@@ -7,10 +7,9 @@ is told in weavecell/analysis/displacement_record/record.py.
 
 import argparse
 import csv
-import sys
 from pathlib import Path
 
-from fabrics.errors import WeavecellError
+from fabrics.errors import run_program
 from fabrics.files import write_whole
 from fabrics.units import si
 from weavecell.analysis.displacement_record.pictures import history, shots
@@ -116,8 +115,4 @@ def main():
 
 
 if __name__ == "__main__":
-    try:
-        main()
-    except WeavecellError as problem:
-        print(f"error: {problem}", file=sys.stderr)
-        sys.exit(problem.exit_code)
+    run_program(main)
