@@ -34,7 +34,7 @@ def read(
     Parameters
     ----------
     units : {name: SI unit} of the columns that there may be
-    what, content, heading, columns : what is told as allowed where the file cannot be read, is empty, has a heading
+    what, content, heading, columns : what is reported as allowed where the file cannot be read, is empty, has a heading
         that is not one of `units`, or names that `accepts` (names) turns down
 
     Raises

@@ -67,7 +67,7 @@ SHOT_RULES = (
 
 @dataclass(frozen=True)
 class Case:
-    """What a scene asks for.
+    """What a scene describes.
 
     Parameters
     ----------
