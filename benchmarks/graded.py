@@ -104,7 +104,7 @@ def limits(panel):
 def straight_table(fabric):
     """The table of a cell of straight yarns that hardly have a weft."""
     warp = replace(fabric.weave.warp, crimp=0.0)
-    weft = replace(warp, linear_density=1e-6 * warp.linear_density, fibre_density=warp.fibre_density)
+    weft = replace(warp, linear_density=1e-6 * warp.linear_density)
     model = CellModel(replace(fabric, weave=replace(fabric.weave, warp=warp, weft=weft), shear=None), model="decoupled")
     return model.table(201)
 

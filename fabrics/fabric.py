@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 
 from fabrics.compression import CompressionLaw
@@ -10,6 +10,7 @@ from fabrics.errors import InputError
 from fabrics.solid import SolidLaw
 from fabrics.trellis import TrellisShear
 from fabrics.weave import Weave
+from fabrics.yarn import WeavingDamage
 
 SECTIONS = ("sine", "ellipse", "conforming")
 
@@ -53,6 +54,23 @@ class Fabric:
                 key="section", value=self.section, allowed=", ".join(SECTIONS[:-1]) + f" or {SECTIONS[-1]}"
             )
 
+    def with_yarns(self, **values: float | Iterable[float]) -> Fabric:
+        """This fabric with other values of its yarns; further changes are in `fabrics.variants`.
+
+        Parameters
+        ----------
+        values : fields of `Yarn`, each a number for both families or a pair (warp, weft)
+
+        Raises
+        ------
+        InputError : a value that `Yarn` does not allow
+        """
+        pairs = {name: pair(value) for name, value in values.items()}
+        warp, weft = (
+            replace(yarn, **{name: two[k] for name, two in pairs.items()}) for k, yarn in enumerate(self.weave.yarns)
+        )
+        return replace(self, weave=replace(self.weave, warp=warp, weft=weft))
+
     def with_effective_density(self) -> Fabric:
         """This fabric with the linear densities that the shell runs of the thesis used (erratum E-07).
 
@@ -62,8 +80,24 @@ class Fabric:
         """
         if self.effective_linear_density is None:
             raise InputError(f"fabric {self.name} has no effective linear density")
-        warp, weft = (
-            replace(yarn, linear_density=density)
-            for yarn, density in zip(self.weave.yarns, self.effective_linear_density)
-        )
-        return replace(self, weave=replace(self.weave, warp=warp, weft=weft))
+        return self.with_yarns(linear_density=self.effective_linear_density)
+
+    def with_weaving_damage(self, damage: WeavingDamage) -> Fabric:
+        """This fabric with modulus and strength of its yarns after weaving; geometry, masses and laws stay.
+
+        The shares go into `sources`, with their source and status.
+
+        Raises
+        ------
+        InputError : a failure strain that is not below 1
+        """
+        warp, weft = (yarn.woven(damage) for yarn in self.weave.yarns)
+        entry = {"source": damage.source, "status": damage.status}
+        sources = {f"weaving_damage.{key}": {"value": getattr(damage, key), **entry} for key in ("modulus", "strength")}
+        return replace(self, weave=replace(self.weave, warp=warp, weft=weft), sources={**self.sources, **sources})
+
+
+def pair(value: float | Iterable[float]) -> tuple[float, float]:
+    """(warp, weft) of a number for both families, or of a pair."""
+    warp, weft = value if isinstance(value, Iterable) else (value, value)
+    return warp, weft

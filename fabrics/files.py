@@ -1,15 +1,30 @@
-"""Files are written whole or not at all: beside the target first, then renamed over it."""
+"""Files: written whole or not at all, beside the target first and then renamed over it; HDF5 files with a format.
+
+Every HDF5 file of the project has the attribute "format" with its kind and version, which is compared when it is read.
+
+Columns of numbers are read from a user's CSV file. Its first line names them with their units, such as
+
+    time [us], displacement [mm]
+
+and every other line is a row of numbers. Lines that begin with # are comments.
+"""
 
 from __future__ import annotations
 
+import csv
 import os
+import re
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import IO
+from typing import IO, Any
 
-from fabrics.checks import FilePath
+import numpy as np
+
+from fabrics.checks import FilePath, FloatArray
+from fabrics.errors import InputError
+from fabrics.units import si
 
 
 @contextmanager
@@ -46,3 +61,101 @@ def _umask():
     mask = os.umask(0)
     os.umask(mask)
     return mask
+
+
+@contextmanager
+def write_hdf5(path: FilePath, format: str, **attributes: Any) -> Iterator[Any]:
+    """Open an HDF5 file for writing that appears under `path` complete, or not at all; needs h5py.
+
+    Parameters
+    ----------
+    format : kind and version of the file, such as "weavecell impact 3"
+    attributes : further attributes of its root
+    """
+    import h5py
+
+    with replace_whole(path) as beside, h5py.File(beside, "w") as file:
+        file.attrs.update(format=format, **attributes)
+        yield file
+
+
+@contextmanager
+def read_hdf5(path: FilePath, *formats: str, what: str = "HDF5 file") -> Iterator[Any]:
+    """Open an HDF5 file for reading; needs h5py.
+
+    Parameters
+    ----------
+    formats : that are accepted, the present one first
+    what : the file in words, for the message
+
+    Raises
+    ------
+    InputError : no such file, not HDF5, another format, or the block asks for an entry that is not there
+    """
+    import h5py
+
+    try:
+        with h5py.File(path, "r") as file:
+            found = file.attrs.get("format")
+            if found not in formats:
+                raise InputError(file=path, key="format", value=found, allowed=repr(formats[0]))
+            yield file
+    except (OSError, KeyError) as problem:
+        raise InputError(f"is not a readable {what} ({problem})", file=path) from problem
+
+
+def read_columns(
+    path: FilePath,
+    units: Mapping[str, str],
+    *,
+    what: str,
+    content: str,
+    heading: str,
+    accepts: Callable[[Sequence[str]], bool],
+    columns: str,
+) -> dict[str, FloatArray]:
+    """The columns of a file: {name: (n,) [SI]}.
+
+    Parameters
+    ----------
+    units : {name: SI unit} of the columns that there may be
+    what, content, heading, columns : what is told as allowed where the file cannot be read, is empty, has a heading
+        that is not one of `units`, or names that `accepts` (names) turns down
+
+    Raises
+    ------
+    InputError : one line naming the file, the row, the value and what is allowed
+    """
+    path = Path(path)
+    try:
+        lines = path.read_text(encoding="utf-8").splitlines()
+    except (OSError, UnicodeDecodeError) as problem:
+        why = getattr(problem, "strerror", None) or "not text"
+        raise InputError("cannot be read", file=path, allowed=f"{what} ({why})") from problem
+    numbered = [(n, line) for n, line in enumerate(lines, 1) if line.strip() and not line.lstrip().startswith("#")]
+    if not numbered:
+        raise InputError("is empty", file=path, allowed=content)
+    names, scales = zip(*(_heading(cell, units, heading, path) for cell in next(csv.reader([numbered[0][1]]))))
+    if not accepts(names):
+        raise InputError(file=path, key="columns", value=", ".join(names), allowed=columns)
+    rows = [_row(n, line, len(names), path) for n, line in numbered[1:]]
+    return dict(zip(names, (np.array(rows).reshape(-1, len(names)) * scales).T))
+
+
+def _heading(cell, units, allowed, path):
+    """(name, SI value of its unit) of a heading such as "pressure [MPa]"."""
+    found = re.fullmatch(r"\s*(.+?)\s*\[([^\]]+)\]\s*", cell)
+    if found is None or found[1] not in units:
+        raise InputError(file=path, key="heading", value=cell.strip(), allowed=allowed)
+    return found[1], si(f"1 {found[2]}", units[found[1]], file=path, key=found[1])
+
+
+def _row(number, line, count, path):
+    try:
+        values = [float(cell) for cell in next(csv.reader([line]))]
+    except ValueError:
+        values = []
+    if len(values) != count:
+        allowed_text = "two numbers" if count == 2 else f"{count} numbers"
+        raise InputError(file=path, key=f"line {number}", value=line.strip(), allowed=allowed_text)
+    return values

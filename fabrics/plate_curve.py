@@ -23,9 +23,9 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike
 
-from fabrics import columns
 from fabrics.checks import FilePath, FloatArray
 from fabrics.errors import InputError
+from fabrics.files import read_columns
 from fabrics.units import si
 
 _LAW = Path(__file__).parent / "pressure_law.toml"
@@ -110,7 +110,7 @@ class PlateCurve:
         InputError : one line naming the file, the row, the value and what is allowed
         """
         path = Path(path)
-        column = columns.read(
+        column = read_columns(
             path, {"pressure": "Pa", "thickness": "m", "closure": "m"}, what="a plate curve",
             content="a plate curve: pressure and thickness or closure",
             heading="pressure, thickness or closure with its unit, such as pressure [MPa]",

@@ -11,7 +11,7 @@ import numpy as np
 
 from fabrics.checks import FilePath
 from fabrics.errors import InputError
-from fabrics.files import replace_whole
+from fabrics.files import read_hdf5, write_hdf5
 
 _UNITS = {"d1": "m", "d2": "m", "T1": "N", "T2": "N", "F_c": "N", "h1": "m", "h2": "m"}
 _FORMAT = "weavecell response surface 1"
@@ -59,10 +59,7 @@ class ResponseSurface:
 
     def write(self, path: FilePath) -> None:
         """Write the surface as HDF5, whole or not at all."""
-        import h5py
-
-        with replace_whole(path) as beside, h5py.File(beside, "w") as file:
-            file.attrs.update(format=_FORMAT, fabric=self.fabric, provenance=self.provenance)
+        with write_hdf5(path, _FORMAT, fabric=self.fabric, provenance=self.provenance) as file:
             for name, unit in _UNITS.items():
                 file.create_dataset(name, data=getattr(self, name)).attrs["unit"] = unit
 
@@ -74,18 +71,11 @@ class ResponseSurface:
         ------
         InputError : no such file, not HDF5, another format, or a dataset is missing or bad
         """
-        import h5py
-
-        try:
-            with h5py.File(path, "r") as file:
-                if file.attrs.get("format") != _FORMAT:
-                    raise InputError(file=path, key="format", value=file.attrs.get("format"), allowed=repr(_FORMAT))
-                missing = [name for name in _UNITS if name not in file]
-                if missing:
-                    raise InputError(f"has no dataset {missing[0]}", file=path)
-                values = {name: file[name][()] for name in _UNITS}
-                values |= {name: str(file.attrs.get(name, "")) for name in ("fabric", "provenance")}
-        except OSError as problem:
-            raise InputError(f"is not a readable HDF5 file ({problem})", file=path) from problem
+        with read_hdf5(path, _FORMAT) as file:
+            missing = [name for name in _UNITS if name not in file]
+            if missing:
+                raise InputError(f"has no dataset {missing[0]}", file=path)
+            values = {name: file[name][()] for name in _UNITS}
+            values |= {name: str(file.attrs.get(name, "")) for name in ("fabric", "provenance")}
         assert set(values) == {entry.name for entry in fields(cls)}
         return cls(**values)

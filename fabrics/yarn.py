@@ -5,9 +5,12 @@ Equations (thesis): T = E A_s strain (eq. 4-7), strength T_u = failure_strain E 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from fabrics.checks import fraction, positive
+from fabrics.errors import InputError
+
+STATUSES = ("measured", "assumed")  # of weaving damage
 
 
 @dataclass(frozen=True)
@@ -56,3 +59,47 @@ class Yarn:
     def wave_speed(self) -> float:
         """[m/s] of a longitudinal wave in the straight yarn, sqrt(E/rho)."""
         return (self.E / self.fibre_density) ** 0.5
+
+    def woven(self, damage: WeavingDamage) -> Yarn:
+        """This yarn after weaving; its failure strain is then strength over modulus.
+
+        Raises
+        ------
+        InputError : a failure strain that is not below 1
+        """
+        failure_strain = self.failure_strain * damage.strength / damage.modulus
+        return replace(self, E=damage.modulus * self.E, failure_strain=failure_strain)
+
+
+@dataclass(frozen=True)
+class WeavingDamage:
+    """What weaving leaves of modulus and strength of the yarns of both families.
+
+    Yarn data of a catalogue are those of yarns before weaving, which breaks and abrades fibres (thesis sections 5.2.3
+    and 6.3.1). Neither the thesis nor the catalogue has data of yarns taken from a woven fabric: a share is an
+    assumption until it is measured.
+
+    Parameters
+    ----------
+    modulus, strength : [-] shares that are retained; 1 is a yarn before weaving
+    source : where the shares come from
+    status : of STATUSES
+
+    Raises
+    ------
+    InputError : a share that is not above 0 and at most 1, an unknown status, or no source
+    """
+
+    modulus: float
+    strength: float
+    source: str
+    status: str = "assumed"
+
+    def __post_init__(self) -> None:
+        for key in ("modulus", "strength"):
+            if not 0 < getattr(self, key) <= 1:
+                raise InputError(key=f"weaving_damage.{key}", value=getattr(self, key), allowed="above 0 and at most 1")
+        if self.status not in STATUSES:
+            raise InputError(key="weaving_damage.status", value=self.status, allowed=" or ".join(STATUSES))
+        if not self.source:
+            raise InputError(key="weaving_damage.source", value=self.source, allowed="given")

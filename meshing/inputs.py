@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 from math import ceil, isfinite
 from numbers import Real
 from typing import Any, TypeAlias
 
 from fabrics.errors import InputError
 from fabrics.fabric import Fabric
+from fabrics.variants import with_yarns
 from fabrics.weave import Weave
 from meshing.section import YarnSection
 
@@ -103,7 +103,7 @@ def crimped(fabric: Fabric, crimp: str | Sequence[float]) -> Fabric:
     InputError : another word, the fabric has no micrographs, or a crimp that is no fraction from 0 to below 1
     """
     if not isinstance(crimp, str):
-        return _with_crimps(fabric, _two("crimp", crimp, "two fractions, of warp and weft"))
+        return with_yarns(fabric, crimp=_two("crimp", crimp, "two fractions, of warp and weft"))
     one_of("crimp", crimp, ("hand", "micrograph"))
     if crimp == "hand":
         return fabric
@@ -111,12 +111,7 @@ def crimped(fabric: Fabric, crimp: str | Sequence[float]) -> Fabric:
         raise InputError(
             f"fabric {fabric.name} has no micrographs of warp and weft: its crimp is that measured by hand"
         )
-    return _with_crimps(fabric, [fabric.micrograph[name]["crimp"] for name in YARNS])
-
-
-def _with_crimps(fabric, crimps):
-    warp, weft = (replace(yarn, crimp=crimp) for yarn, crimp in zip(fabric.weave.yarns, crimps))
-    return replace(fabric, weave=replace(fabric.weave, warp=warp, weft=weft))
+    return with_yarns(fabric, crimp=[fabric.micrograph[name]["crimp"] for name in YARNS])
 
 
 def _two(key, value, allowed):

@@ -70,7 +70,7 @@ class Limit:
     Parameters
     ----------
     low, high : [m/s] the fastest shot that stopped and the slowest that perforated, of the bisection
-    shots : tuple of Shot, in the order in which they were asked for
+    shots : tuple of Shot, in the order in which they were fired
     """
 
     low: float
@@ -88,9 +88,26 @@ class Limit:
         return 0.5 * (self.high - self.low)
 
     @property
+    def highest_stop(self):
+        """[m/s] strike velocity of the fastest shot that stopped, of all shots."""
+        return max((shot.strike_velocity for shot in self.shots if not shot.perforated), default=self.low)
+
+    @property
+    def lowest_perforation(self):
+        """[m/s] strike velocity of the slowest shot that perforated, of all shots."""
+        return min((shot.strike_velocity for shot in self.shots if shot.perforated), default=self.high)
+
+    @property
+    def mixed_zone(self):
+        """(lowest perforation, highest stop) [m/s] where a shot stopped that was faster than one that perforated;
+        None where the shots know of a single limit. A bisection alone never finds one; see `limit_scan`."""
+        zone = self.lowest_perforation, self.highest_stop
+        return zone if zone[0] < zone[1] else None
+
+    @property
     def single(self):
         """Whether the shots know of one limit only: none stopped that was faster than one that perforated."""
-        return all(shot.strike_velocity <= self.low for shot in self.shots if not shot.perforated)
+        return self.mixed_zone is None
 
 
 @dataclass(frozen=True)

@@ -12,8 +12,7 @@ from dataclasses import fields, is_dataclass
 import numpy as np
 
 from fabrics import run_cache
-from fabrics.errors import InputError
-from fabrics.files import replace_whole
+from fabrics.files import read_hdf5, write_hdf5
 from shellfabric.output.hooks import Every
 from shellfabric.output.snapshots import Snapshot
 
@@ -40,10 +39,7 @@ def stamp(solver):
 
 def write(solver, path):
     """Write the state and the records of a solver."""
-    import h5py
-
-    with replace_whole(path) as beside, h5py.File(beside, "w") as file:
-        file.attrs.update(format=FORMAT, **stamp(solver))
+    with write_hdf5(path, FORMAT, **stamp(solver)) as file:
         file.attrs.update({name: getattr(solver, name) for name in solver.counters})
         for name, array in _arrays(solver):
             file[f"arrays/{name}"] = np.array(array)
@@ -64,16 +60,9 @@ def read(solver, path):
     ------
     InputError : the file is missing, broken, of another run, or of other code
     """
-    import h5py
-
-    try:
-        with h5py.File(path, "r") as file:
-            if file.attrs.get("format") != FORMAT:
-                raise InputError(file=path, key="format", value=file.attrs.get("format"), allowed=repr(FORMAT))
-            run_cache.check_stamp(file.attrs, stamp(solver), path)
-            _restore(solver, file)
-    except (OSError, KeyError) as problem:
-        raise InputError(f"is not a readable checkpoint ({problem})", file=path) from None
+    with read_hdf5(path, FORMAT, what="checkpoint") as file:
+        run_cache.check_stamp(file.attrs, stamp(solver), path)
+        _restore(solver, file)
 
 
 def _restore(solver, file):

@@ -25,8 +25,8 @@ Constants = namedtuple(
     "potential_coefficients potential_constant table_start1 table_scale1 table_last1 table_start2 table_scale2 "
     "table_last2 table_grid force_per_slope1 force_per_slope2 variational mean_weight1 mean_weight2 cv1 cv2 "
     "trellis_volume G1 G2 gamma1 gamma2 w1 S01 EA1 w2 S02 EA2 min_strength1 min_strength2 yarn_strengths1 "
-    "yarn_strengths2 filter_alpha erosion_gap_ratio window_limits points_per_side shape_functions point_stiffness "
-    "point_damping point_mass implicit_factor projectile_radius edge_radius projectile_mass free_dofs "
+    "yarn_strengths2 filter_alpha erosion_gap_ratio window_limits points_per_side shape_functions point_law "
+    "projectile_radius edge_radius projectile_mass free_dofs "
     "perforation_delay_steps nose_shape nose_parameters projectile_length frame tilted window_follows body_depth "
     "draw_in_reach foremost_offset shoulder friction slip_node slip_axis slip_data bending jamming yarn_ends "
     "bar_mass bar_h bar_area bar_law bar_substeps has_backing",

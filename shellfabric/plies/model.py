@@ -22,7 +22,7 @@ from math import inf
 import numpy as np
 
 from fabrics.errors import InputError
-from fabrics.fabric import Fabric
+from fabrics.variants import rotated_90
 from shellfabric.cell.model import CellModel, CellTable
 from shellfabric.jit.simd import WIDTH
 from shellfabric.panel.model import Panel
@@ -172,9 +172,9 @@ class Pack:
         found = {}
         for ply in self.plies:
             if id(ply) not in found:
-                found[id(ply)] = (
-                    self._in_step(ply).constants()._replace(dt=self.time_step, implicit_factor=self._firmer)
-                )
+                const = self._in_step(ply).constants()
+                law = const.point_law._replace(implicit_factor=self._firmer)
+                found[id(ply)] = const._replace(dt=self.time_step, point_law=law)
         return tuple(found[id(ply)] for ply in self.plies)
 
     def states(self, strike_velocity):
@@ -307,13 +307,6 @@ def lists(items):
     return found
 
 
-def turned_fabric(fabric: Fabric) -> Fabric:
-    """A fabric with its warp called weft."""
-    weave = fabric.weave
-    weave = replace(weave, warp=weave.weft, weft=weave.warp, warp_count=weave.weft_count, weft_count=weave.warp_count)
-    return replace(fabric, weave=weave, laws=fabric.laws and fabric.laws[::-1])
-
-
 def turned(panel: Panel) -> Panel:
     """The same panel with its cloth turned by a right angle; opening and edges stay where they are.
 
@@ -326,9 +319,7 @@ def turned(panel: Panel) -> Panel:
     model = panel.table.model
     if not isinstance(model, CellModel):
         raise InputError(key="stacking", value="alternating", allowed="aligned where the cell is a response surface")
-    model = replace(
-        model, fabric=turned_fabric(model.fabric), laws=model.laws and model.laws[::-1], toe=model.toes[::-1]
-    )
+    model = replace(model, fabric=rotated_90(model.fabric), laws=model.laws and model.laws[::-1], toe=model.toes[::-1])
     factors = panel.strength_factors
     return replace(
         panel, table=CellTable.fill(model, panel.table.stretch1.size), bending=panel.bending[::-1],

@@ -1,12 +1,11 @@
 """The closing of the yarns: the overlap measured, removed and reported."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
 from fabrics import catalogue
 from fabrics.errors import InputError
+from fabrics.variants import with_yarns
 from meshing.section_fit import CLOSEST_PACKING, SHIFT_LIMIT, SectionFit, fit_sections
 
 WOVEN = ("S-720", "S-726", "S-727", "S-728", "S-731", "S-745")
@@ -126,7 +125,6 @@ def test_what_cannot_be_solved_is_an_input_error():
 
 
 def test_yarns_without_crimp_cannot_cross():
-    weave = catalogue.load("S-720").weave
-    flat = replace(weave, warp=replace(weave.warp, crimp=0.0), weft=replace(weave.weft, crimp=0.0))
+    flat = with_yarns(catalogue.load("S-720"), crimp=0.0).weave
     with pytest.raises(InputError, match=r"overlap by .* even at the closest packing"):
         fit_sections("sine", [1.27e-3, 1.27e-3], [0.7, 0.62], flat, 0.1)

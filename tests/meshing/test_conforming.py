@@ -1,12 +1,11 @@
 """Conforming sections: no gap and no overlap anywhere, areas in the asked ratio, what the crimp leaves room for."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
 from fabrics import catalogue
 from fabrics.errors import InputError
+from fabrics.variants import with_yarns
 from meshing import crossover as mesher
 from meshing.conforming import conform
 from meshing.section_fit import CLOSEST_PACKING, fit_sections
@@ -74,13 +73,11 @@ def test_meshes_are_sound_and_volumes_exact():
 
 def test_bad_weaves_are_input_errors():
     fabric = catalogue.load("S-720")
-    flat = replace(fabric.weave, warp=replace(fabric.weave.warp, crimp=0.0))
+    flat = with_yarns(fabric, crimp=(0.0, fabric.weave.weft.crimp)).weave
     with pytest.raises(InputError, match="need crimp in warp and weft"):
         conform([1e-3, 1e-3], [1e-7, 1e-7], flat, 0.075)
     with pytest.raises(InputError, match="no conforming sections have the fibre fractions"):
         conform([1.27e-3, 1.27e-3], [1e-7, 1e-12], fabric.weave, 0.075)
-    thin = replace(
-        fabric.weave, warp=replace(fabric.weave.warp, crimp=1e-3), weft=replace(fabric.weave.weft, crimp=1e-3)
-    )
+    thin = with_yarns(fabric, crimp=1e-3).weave
     with pytest.raises(InputError, match="denser than the closest packing"):
         fit_sections("conforming", [1.27e-3, 1.27e-3], [0.7, 0.62], thin, 0.075)

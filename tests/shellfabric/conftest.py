@@ -38,8 +38,7 @@ def straight(fabric):
     def make(weft_mass):
         weave = fabric.weave
         warp = replace(weave.warp, crimp=0.0)
-        density = warp.linear_density * weft_mass
-        weft = replace(warp, linear_density=density, fibre_density=warp.fibre_density)
+        weft = replace(warp, linear_density=warp.linear_density * weft_mass)
         return replace(fabric, weave=replace(weave, warp=warp, weft=weft), shear=None)
 
     return make

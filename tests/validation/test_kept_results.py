@@ -133,13 +133,13 @@ def the_calibration(folder, monkeypatch):
 
 
 def the_fit_of_the_solid(folder, monkeypatch):
-    from unitcell3d.identify import solid_fit
+    from fabrics.plate_curve import PlateCurve
+    from unitcell3d.identify import chain
 
-    monkeypatch.setattr(solid_fit, "press", lambda fabric, size, pressure: row(size) and a_history())
-    monkeypatch.setattr(solid_fit, "closures", lambda *_: np.zeros(3))
-    fabric, pressure = catalogue.load("S-720"), np.array([1e5, 2e5, 4e5])
-    presses = solid_fit._Presses(Here(), fabric, (2, 2, 2), 0.7, pressure, np.zeros(3), None, folder, True)
-    presses.many([np.log([1e9, 0.1, 0.01])])
+    monkeypatch.setattr(chain, "fit_solid", lambda fabric, *_: row(fabric.name))
+    fabric = catalogue.load("S-720")
+    curve = PlateCurve.pressure_law(fabric.areal_density_measured)
+    assert chain.fit_solids([fabric], [curve], folder=folder, executor=Here()) == [{"number": "S-720"}]
 
 
 REMADE = {

@@ -80,12 +80,14 @@ class HexSpace:
 
     def cell_constants(self, values: FloatArray) -> Any:
         """A UFL coefficient that is constant in each cell, from `values` : (m, c) by the caller's cells."""
-        size = values.shape[1]
-        space = _vector_space(self.mesh, "DG", 0, size)
-        function = fem.Function(space)
-        dofs = _rows(space.dofmap.list, 1)[:, 0]
-        function.x.array.reshape(-1, size)[dofs] = values[self.cell]
+        function = fem.Function(_vector_space(self.mesh, "DG", 0, values.shape[1]))
+        self.set_cell_constants(function, values)
         return function
+
+    def set_cell_constants(self, function: Any, values: FloatArray) -> None:
+        """Give a coefficient of `cell_constants` the values (m, c) by the caller's cells."""
+        dofs = _rows(function.function_space.dofmap.list, 1)[:, 0]
+        function.x.array.reshape(-1, values.shape[1])[dofs] = values[self.cell]
 
 
 class Assembler:

@@ -1,8 +1,4 @@
-"""Nonlinear least squares for residuals that cost seconds to minutes and come with noise: DFO-LS, without derivatives.
-
-It interpolates each residual linearly between the points of a trust region, whose radius goes from `FIRST` to `LAST`
-(Cartis, Fiala, Marteau and Roberts, ACM Transactions on Mathematical Software 45 (2019) 32).
-"""
+"""Nonlinear least squares with a Jacobian that comes with each evaluation: scipy's trust region, kept inside bounds."""
 
 from __future__ import annotations
 
@@ -11,17 +7,17 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
+from scipy.optimize import least_squares
 
 from fabrics.checks import FloatArray
 
-FIRST, LAST = 0.3, 0.01  # radii of the trust region, in each unknown; they are logarithms
-DIFFERENCE = 0.02  # step of the Jacobian at the solution, well above what is left in an evaluation
-MOST = 100  # evaluations
+CONVERGED = 1e-3  # relative change of the sum of squares, or of the unknowns, which are logarithms
+MOST = 30  # evaluations
 
 
 @dataclass(frozen=True)
 class Found:
-    """x : (p,) the solution; residual : (n,), jacobian : (n, p) by differences, there; met : it ended at `LAST`."""
+    """x : (p,) the solution; residual : (n,) and jacobian : (n, p) there; met : converged within `MOST` evaluations."""
 
     x: np.ndarray
     residual: np.ndarray
@@ -30,40 +26,36 @@ class Found:
 
 
 def solve(
-    evaluate: Callable[[list[FloatArray]], list[FloatArray]],
+    evaluate: Callable[[FloatArray], tuple[FloatArray, FloatArray]],
     start: ArrayLike,
     bounds: tuple[ArrayLike, ArrayLike],
 ) -> Found:
-    """Minimise the sum of squares.
+    """Minimise the sum of squares; the first step is at most 1 long in the unknowns.
 
     Parameters
     ----------
-    evaluate : function of a list of x : (p,) giving a list of residuals (n,)
+    evaluate : function of x : (p,) giving residual (n,) and jacobian (n, p); a residual that is not finite makes the
+        step that led to it shorter
     start : (p,)
-    bounds : ((p,), (p,)), at least 2 `FIRST` apart
+    bounds : ((p,), (p,))
 
     Returns
     -------
     Found
-
-    Raises
-    ------
-    ModuleNotFoundError : DFO-LS is not installed
     """
-    import dfols
-
     low, high = (np.asarray(bound, float) for bound in bounds)
-    found = dfols.solve(
-        lambda x: evaluate([x])[0], np.clip(np.asarray(start, float), low, high), bounds=(low, high), rhobeg=FIRST,
-        rhoend=LAST, maxfun=MOST, do_logging=False,
+    origin = np.clip(np.asarray(start, float), low, high)
+    known: dict[bytes, tuple[FloatArray, FloatArray]] = {}
+
+    def at(step):
+        if step.tobytes() not in known:
+            known[step.tobytes()] = evaluate(origin + step)
+        return known[step.tobytes()]
+
+    # in steps from the start: scipy's first trust region is then 1 wide
+    found = least_squares(
+        lambda step: at(step)[0], np.zeros_like(origin), jac=lambda step: at(step)[1],
+        bounds=(low - origin, high - origin), xtol=CONVERGED, ftol=CONVERGED, max_nfev=MOST,
     )  # fmt: skip
-    x = np.asarray(found.x)
-    (residual,) = evaluate([x])
-    return Found(x, residual, _differences(evaluate, x, residual, high), found.flag == found.EXIT_SUCCESS)
-
-
-def _differences(evaluate, x, residual, high):
-    """The Jacobian (n, p), its columns evaluated together."""
-    steps = np.where(x + DIFFERENCE < high, DIFFERENCE, -DIFFERENCE)
-    ahead = evaluate([x + step * unit for step, unit in zip(steps, np.eye(len(x)))])
-    return np.stack([(each - residual) / step for each, step in zip(ahead, steps)], axis=1)
+    residual, jacobian = at(found.x)
+    return Found(origin + found.x, residual, jacobian, found.status > 0)

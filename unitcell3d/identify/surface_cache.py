@@ -10,8 +10,7 @@ import numpy as np
 
 from fabrics import run_cache
 from fabrics.checks import FilePath
-from fabrics.errors import InputError
-from fabrics.files import replace_whole
+from fabrics.files import read_hdf5, write_hdf5
 
 _FORMAT = "weavecell partial surface 4"
 
@@ -63,26 +62,15 @@ class Partial:
         self.lines[name] = line
         if self._path is None:
             return
-        import h5py
-
-        with replace_whole(self._path) as beside, h5py.File(beside, "w") as file:
-            file.attrs.update(format=_FORMAT, **self._stamp)
+        with write_hdf5(self._path, _FORMAT, **self._stamp) as file:
             for key, kept in self.lines.items():
                 group = file.create_group(key)
                 for item in fields(Line):
                     group[item.name] = getattr(kept, item.name)
 
     def _read(self):
-        import h5py
-
-        try:
-            with h5py.File(self._path, "r") as file:
-                if file.attrs.get("format") != _FORMAT:
-                    raise InputError(file=self._path, key="format", value=file.attrs.get("format"), allowed=_FORMAT)
-                run_cache.check_stamp(file.attrs, self._stamp, self._path, of="surface")
-                return {
-                    key: Line(**{item.name: group[item.name][()] for item in fields(Line)})
-                    for key, group in file.items()
-                }
-        except OSError as problem:
-            raise InputError("cannot be read", file=self._path, allowed=f"lines of a surface ({problem})") from problem
+        with read_hdf5(self._path, _FORMAT, what="file of the lines of a surface") as file:
+            run_cache.check_stamp(file.attrs, self._stamp, self._path, of="surface")
+            return {
+                key: Line(**{item.name: group[item.name][()] for item in fields(Line)}) for key, group in file.items()
+            }

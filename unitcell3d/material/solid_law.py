@@ -27,8 +27,6 @@ from typing import Any
 
 import ufl
 
-from fabrics.checks import FloatArray
-
 LOOSE_WIDTH = 5e-3
 PACKED_WIDTH = 2e-3
 
@@ -98,19 +96,18 @@ def first_piola(grad_u: Any, frame: Any, parameters: Any) -> Any:
     return stress
 
 
-def forms(space: Any, parameters: FloatArray, integration: int = FULL) -> tuple[Any, Any]:
+def forms(space: Any, parameters: Any, integration: int = FULL) -> tuple[Any, Any]:
     """Residual and tangent of the solid.
 
     Parameters
     ----------
     space : compat.HexSpace
-    parameters : (m, 6) E_a, a_E [Pa], b_E, Vf0, V_c [-], G [Pa] of each cell
+    parameters : coefficient E_a, a_E [Pa], b_E, Vf0, V_c [-], G [Pa] of each cell (`compat.HexSpace.cell_constants`)
     integration : FULL or ONE_POINT, which leaves zero-energy modes and is there to show them
     """
     u = space.displacement
     v, du = ufl.TestFunction(space.displacements), ufl.TrialFunction(space.displacements)
-    cell = space.cell_constants(parameters)
     points = ufl.Measure("dx", domain=space.mesh, metadata={"quadrature_degree": integration})
-    stress = first_piola(ufl.grad(u), fibre_frame(space.mesh), [cell[i] for i in range(6)])
+    stress = first_piola(ufl.grad(u), fibre_frame(space.mesh), [parameters[i] for i in range(6)])
     residual = ufl.inner(stress, ufl.grad(v)) * points
     return residual, ufl.derivative(residual, u, du)

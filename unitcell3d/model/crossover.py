@@ -136,12 +136,15 @@ class YarnsModel:
         self.hexes = np.where(
             family[:, None] == 0, mesh.hexes[:, ACROSS_BEFORE_THROUGH[0]], mesh.hexes[:, ACROSS_BEFORE_THROUGH[1]]
         )
-        # the mesher may have had to densify a yarn to make room for the other (YarnMesh.Vf0)
-        laws = [replace(law, Vf0=Vf0) for law, Vf0 in zip(fabric.solid_laws, mesh.Vf0)]
-        parameters = np.array([(law.E_a, law.a_E, law.b_E, law.Vf0, law.V_c, law.G) for law in laws])
         self._real = len(mesh.points)
         self._space = HexSpace.build(mesh.points, self.hexes)
-        self._solids = Assembler(self._space, *solid_law.forms(self._space, parameters[family], integration))
+        self._cell_laws = self._space.cell_constants(_cell_laws(mesh, fabric))
+        self._solids = Assembler(self._space, *solid_law.forms(self._space, self._cell_laws, integration))
+
+    def take_solid_laws(self, fabric: Fabric) -> None:
+        """Go on with the solid laws of a fabric that differs from the meshed one in these alone."""
+        self._space.set_cell_constants(self._cell_laws, _cell_laws(self.crossover, fabric))
+        self.fabric = fabric
 
     def _build_pattern(self):
         """Lay out the tangent for the solids and the contact that is expected or has been met."""
@@ -279,6 +282,14 @@ class CrossoverModel(YarnsModel):
     def _crossing(self, grid):
         """Place (i, j) of the crossing in the grid of a yarn."""
         return (0, 0) if self.crossover.domain == "quarter" else (grid.shape[0] // 2, grid.shape[1] // 2)
+
+
+def _cell_laws(mesh, fabric):
+    """(m, 6) E_a, a_E [Pa], b_E, Vf0, V_c [-], G [Pa] of each hexahedron."""
+    # the mesher may have had to densify a yarn to make room for the other (YarnMesh.Vf0)
+    laws = [replace(law, Vf0=Vf0) for law, Vf0 in zip(fabric.solid_laws, mesh.Vf0)]
+    parameters = np.array([(law.E_a, law.a_E, law.b_E, law.Vf0, law.V_c, law.G) for law in laws])
+    return parameters[np.asarray(mesh.families)[mesh.yarn]]
 
 
 def check(mesh: YarnMesh, fabric: Fabric) -> None:

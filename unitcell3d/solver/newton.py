@@ -160,6 +160,19 @@ class Newton:
         step = self._solver.solve((rest - moved) / part)
         return None if step is None else q + step
 
+    def linear_changes(self, q: FloatArray, load: Any, residuals: Sequence[FloatArray]) -> list[FloatArray]:
+        """Changes (size,) of the unknowns that undo small residuals (size,) about the equilibrium `q` at `load`.
+
+        Raises
+        ------
+        UnstableError : a singular tangent
+        """
+        solver = self._factor(self._evaluate(q, load), load, 0.0)
+        changes = [solver.solve(-residual) for residual in residuals]
+        if any(change is None for change in changes):
+            self._refuse("a singular tangent", q, load)
+        return [change for change in changes if change is not None]
+
     def close(self) -> None:
         """Give the factorisation back."""
         if self._solver is not None:

@@ -6,12 +6,11 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, TypeAlias
 
-import h5py
 import numpy as np
 
 from fabrics.checks import FilePath, FloatArray
 from fabrics.errors import InputError
-from fabrics.files import replace_whole
+from fabrics.files import read_hdf5, write_hdf5
 
 _FORMAT = "weavecell case record 2"
 _NAMES = ("fabric", "case", "failed")
@@ -47,8 +46,7 @@ class Record:
 
     def write(self, path: FilePath, **notes: Any) -> None:
         """Write as HDF5 (.h5), with notes (numbers and texts) that `notes` gives back."""
-        with replace_whole(path) as beside, h5py.File(beside, "w") as file:
-            file.attrs.update({name: getattr(self, name) for name in _NAMES}, format=_FORMAT)
+        with write_hdf5(path, _FORMAT, **{name: getattr(self, name) for name in _NAMES}) as file:
             for group, values in (("facts", self.facts), ("notes", notes)):
                 file.create_group(group).attrs.update(values)
             for name, values in self.columns.items():
@@ -62,9 +60,9 @@ class Record:
     def notes(path: FilePath) -> dict[str, Any]:
         """The notes of a file; {} where it is none of these."""
         try:
-            with h5py.File(path, "r") as file:
+            with read_hdf5(path, _FORMAT) as file:
                 return dict(file["notes"].attrs)
-        except (OSError, KeyError):
+        except InputError:
             return {}
 
     @classmethod
@@ -75,24 +73,15 @@ class Record:
         ------
         InputError : no such file, or another format
         """
-        try:
-            with h5py.File(path, "r") as file:
-                if file.attrs.get("format") != _FORMAT:
-                    raise InputError(file=path, key="format", value=file.attrs.get("format"), allowed=repr(_FORMAT))
-                columns = {name: values[:] for name, values in file["columns"].items()}
-                fabric, case, failed = (str(file.attrs[name]) for name in _NAMES)
-                return cls(
-                    columns,
-                    {name: str(values.attrs["meaning"]) for name, values in file["columns"].items()},
-                    file["u"][:],
-                    fabric,
-                    case,
-                    failed,
-                    dict(file["facts"].attrs),
-                    {name: values[:] for name, values in file.get("last", {}).items()},
-                )
-        except OSError as problem:
-            raise InputError("cannot be read", file=path, allowed=f"a record of a case ({problem})") from problem
+        with read_hdf5(path, _FORMAT, what="record of a case") as file:
+            return cls(
+                columns={name: values[:] for name, values in file["columns"].items()},
+                meanings={name: str(values.attrs["meaning"]) for name, values in file["columns"].items()},
+                u=file["u"][:],
+                **{name: str(file.attrs[name]) for name in _NAMES},
+                facts=dict(file["facts"].attrs),
+                last={name: values[:] for name, values in file.get("last", {}).items()},
+            )
 
 
 def columns(rows: Sequence[Mapping[str, Any]]) -> dict[str, FloatArray]:

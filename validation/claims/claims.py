@@ -1,7 +1,13 @@
 """The claims of the source thesis as data: what is claimed, where, and what our number has to be to bear it out.
 
-A claim is in one of four states. It names a `check`; or it is not testable, with the reason; or what it needs is not
-built yet, with where that is planned. A check whose conditions are evidence that the source is wrong is marked so.
+claims.toml has the claims that were listed before anything was computed; additional.toml has those that were added
+later, among them earlier, weaker readings of a claim that is now held against what the thesis states.
+
+A claim is in one of three states. It names a `check`; or it is not testable, with the reason; or what it needs is not
+built yet, with where that is planned. A check may be marked in one of three ways, each with its reason: its conditions
+are evidence that the thesis is wrong (`against`); they repeat input data or evaluate a closed form on which no code of
+the product depends, so that nothing is reproduced (`data`); or what the thesis states is not comparable with what the
+check computes (`incomparable`).
 
 A condition holds one number, text or list that the check finds against a target, in the unit it is told in:
 
@@ -21,6 +27,7 @@ from math import isfinite
 from fabrics.errors import InputError
 from fabrics.units import si
 
+FILES = ("claims.toml", "additional.toml")
 KINDS = ("number", "outcome", "ordering", "trend", "shape", "failure-mode", "future")
 TESTS = ("value", "above", "below", "is")
 TOPICS = {
@@ -122,6 +129,8 @@ class Claim:
     slow : left out but for --slow
     erratum : entry of docs/errata.md that bears on it, or ""
     against : the conditions are evidence that the source is wrong; says what is
+    data : the conditions compare input data, or a closed form, with themselves; says which
+    incomparable : the thesis's statement and the computed quantity are not comparable; says why
     untestable, unbuilt : why there is no check; or ""
     cause : of a miss, as far as it has been investigated
     """
@@ -139,6 +148,8 @@ class Claim:
     slow: bool = False
     erratum: str = ""
     against: str = ""
+    data: str = ""
+    incomparable: str = ""
     untestable: str = ""
     unbuilt: str = ""
     cause: str = ""
@@ -150,17 +161,20 @@ class Claim:
 
 @cache
 def load() -> tuple[Claim, ...]:
-    """All claims, in the order of the file.
+    """All claims, in the order of the files, the additional ones last.
 
     Raises
     ------
-    InputError : the file does not keep to the rules above
+    InputError : a file does not keep to the rules above
     """
-    text = (resources.files("validation.claims") / "claims.toml").read_text("utf-8")
-    claims = tuple(_claim(entry) for entry in tomllib.loads(text)["claim"])
+    claims = tuple(_claim(entry) for name in FILES for entry in _entries(name))
     if len({claim.id for claim in claims}) < len(claims):
-        raise InputError("the ledger has two claims of one name", file="claims.toml")
+        raise InputError("the ledger has two claims of one name", file=" and ".join(FILES))
     return claims
+
+
+def _entries(name):
+    return tomllib.loads((resources.files("validation.claims") / name).read_text("utf-8"))["claim"]
 
 
 def select(claims, topics=(), slow=False):
@@ -190,8 +204,10 @@ def _claim(entry):
         bad = "check", claim.check, "given, or else the reason why there is none"
     elif bool(claim.check) != bool(claim.conditions) or (claim.check and not claim.reason):
         bad = "expect", None, "given with every check, and with the reason of its tolerance"
+    elif len([mark for mark in (claim.against, claim.data, claim.incomparable) if mark]) > (1 if claim.check else 0):
+        bad = "against, data, incomparable", claim.id, "at most one of them, and only with a check"
     if bad:
-        raise InputError(file=f"claims.toml, {claim.id}", key=bad[0], value=bad[1], allowed=bad[2])
+        raise InputError(file=f"ledger, {claim.id}", key=bad[0], value=bad[1], allowed=bad[2])
     return claim
 
 
@@ -200,12 +216,8 @@ def _condition(owner, part):
     tests = [test for test in TESTS if test in part]
     unit = part.get("unit", "")
     if len(tests) != 1 or "name" not in part or unit not in ("", "%", *SI):
-        raise InputError(
-            file=f"claims.toml, {owner}", key="expect", value=part, allowed="a name, one test and a known unit"
-        )
+        raise InputError(file=f"ledger, {owner}", key="expect", value=part, allowed="a name, one test and a known unit")
     target = part.pop(tests[0])
     if tests[0] == "value" and (("within" in part) == ("relative" in part) or not isfinite(target)):
-        raise InputError(
-            file=f"claims.toml, {owner}", key="value", value=target, allowed="a number, within or relative"
-        )
+        raise InputError(file=f"ledger, {owner}", key="value", value=target, allowed="a number, within or relative")
     return Condition(part.pop("name"), tests[0], target, **part)

@@ -7,11 +7,14 @@ from dataclasses import asdict, dataclass, field
 import numpy as np
 
 REPRODUCED, MISSED, WRONG = "reproduced", "missed", "source is wrong"
+DATA, NOT_COMPARABLE = "data", "not comparable"
 NOT_TESTABLE, NOT_BUILT, LEFT_OUT, BROKEN = "not testable", "not built", "left out", "broken"
 VERDICTS = {
     REPRODUCED: "our number is within the tolerance",
     MISSED: "our number is outside the tolerance",
     WRONG: "our number shows that the source is in error",
+    DATA: "input data or a closed form compared with itself: nothing is reproduced, and it is in no percentage",
+    NOT_COMPARABLE: "the thesis's statement and our number are not comparable: both are listed",
     NOT_BUILT: "what the check would need is not built yet",
     NOT_TESTABLE: "nothing to hold a number against, or a number that no model of ours could give",
     LEFT_OUT: "a slow check that was not asked for",
@@ -32,6 +35,8 @@ class Record:
     miss : by how much, "" where nothing was missed
     note : remark of the check
     seconds : of the check, without the runs it shares
+    setting : projectile body, cell formulation, denier and mesh of its shots, in words; "" if it rests on none
+    variants : {name: verdict} of `variants.VARIANTS` in which the claim was checked too
     """
 
     id: str
@@ -41,6 +46,8 @@ class Record:
     miss: str = ""
     note: str = ""
     seconds: float = 0.0
+    setting: str = ""
+    variants: dict = field(default_factory=dict)
 
     def as_dict(self):
         return asdict(self)
@@ -50,9 +57,14 @@ def judge(claim, found, note="", seconds=0.0) -> Record:
     """Record of a claim whose check has found {name: value}; numbers are in SI."""
     found = {name: plain(value) for name, value in found.items()}
     misses = [told for told in (_miss(condition, found) for condition in claim.conditions) if told]
-    verdict = MISSED if misses else WRONG if claim.against else REPRODUCED
+    verdict = NOT_COMPARABLE if claim.incomparable else MISSED if misses else _unmissed(claim)
     told = "; ".join(_told(condition, found) for condition in claim.conditions)
     return Record(claim.id, verdict, found, told, "; ".join(misses), note, seconds)
+
+
+def _unmissed(claim):
+    """Verdict of a claim whose conditions all hold."""
+    return WRONG if claim.against else DATA if claim.data else REPRODUCED
 
 
 def unchecked(claim) -> Record:

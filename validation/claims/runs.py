@@ -10,8 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from fabrics import catalogue
-from fabrics.trellis import TrellisShear
+from fabrics import catalogue, variants
 from shellfabric.cable import smith
 from shellfabric.cable.model import CableNet
 from shellfabric.cable.solver import run as run_cable
@@ -32,10 +31,10 @@ from shellfabric.projectile.bar import Bar
 from shellfabric.projectile.projectile import Projectile
 from validation.published.bias_extension import cases as bias_cases
 
-STRAIGHT = 1e-6  # crimp of a "straight" yarn: the shell's thickness is that of its crimp, and must not be zero
 
-
-def cloth(name, *, modulus=1.0, crimp=1.0, mass=1.0, strain=1.0, crimps=None, straight=False, shear=None):
+def cloth(
+    name, *, modulus=1.0, crimp=1.0, mass=1.0, strain=1.0, crimps=None, straight=False, shear=None, denier="effective"
+):
     """A fabric of the catalogue, changed.
 
     Parameters
@@ -45,27 +44,18 @@ def cloth(name, *, modulus=1.0, crimp=1.0, mass=1.0, strain=1.0, crimps=None, st
     crimps : (warp, weft) [-] instead
     straight : yarns without crimp; the trellis keeps its stiffness per width
     shear : {"G1", "G2", "gamma1", "gamma2": values} that replace those of the fabric
+    denier : "effective", the linear density that the thesis's tables imply (erratum E-07), or "nominal"
     """
-    fabric = catalogue.load(name).with_effective_density()
-    crimps = (STRAIGHT, STRAIGHT) if straight else crimps or [crimp * yarn.crimp for yarn in fabric.weave.yarns]
-    # E / mass: the solid section grows with the linear density, and E A_s is to stay
-    warp, weft = (
-        replace(
-            yarn,
-            crimp=c,
-            E=yarn.E * modulus / mass,
-            linear_density=yarn.linear_density * mass,
-            failure_strain=yarn.failure_strain * strain,
-        )
-        for yarn, c in zip(fabric.weave.yarns, crimps)
-    )
-    weave, law = replace(fabric.weave, warp=warp, weft=weft), fabric.shear
-    if straight and law is not None:
-        thicker = fabric.weave.thickness / weave.thickness
-        law = TrellisShear(law.G1 * thicker, law.G2 * thicker, law.gamma1, law.gamma2)
-    if shear:
-        law = replace(law, **shear)
-    return replace(fabric, weave=weave, shear=law)
+    fabric = catalogue.load(name)
+    if denier == "effective":
+        fabric = fabric.with_effective_density()
+    fabric = variants.scale_yarns(fabric, E=modulus, failure_strain=strain, crimp=crimp)
+    fabric = variants.scale_areal_density(fabric, mass)
+    if straight:
+        fabric = variants.with_straight_yarns(fabric)
+    elif crimps:
+        fabric = variants.with_yarns(fabric, crimp=crimps)
+    return variants.with_shear(fabric, **shear) if shear else fabric
 
 
 class _FirstFailures:
@@ -94,6 +84,7 @@ def setup(
     interval=1e-6,
     elements=1,
     bending=0.0,
+    body="rigid",
     **changes,
 ):
     """ImpactSetup of a shot; the arguments are those of `shot`."""
@@ -101,9 +92,13 @@ def setup(
     if pull:
         slipping = PullIn(pull["length"], pull["start"], pull["end"])
         options["edge"] = ("clamped", slipping)  # weft, as in section 6.4.3
+    projectile = Projectile()
+    if body == "bored":
+        projectile = replace(projectile, body=projectile.steel_bar())
     return ImpactSetup(
         cloth(fabric, **changes),
         velocity,
+        projectile=projectile,
         cell_model=cell_model,
         symmetry=symmetry,
         end_time=end_time,
@@ -122,6 +117,7 @@ def shot(**scene):
     ----------
     fabric, velocity [m/s] and the changes of `cloth`
     cell_model, form, symmetry, end_time, elements, bending : as in ImpactSetup; form None is its default
+    body : of the projectile, "rigid" or "bored", the elastic-plastic bar of steel
     pull : {"length" [m], "start", "end" [s]} of the weft edges
     offsets : [m] of further weft yarns to record at the edge
     snapshots, interval : [s]

@@ -8,9 +8,15 @@ from validation.published.pencilling.study import Case, bare, shoot
 from validation.published.solid_patch.study import march as solid_march
 
 
-def pencil(*, plies, modulus, mass, elements=2):
-    """One run of Table 6-2 before its block; without plies the block alone."""
-    found = bare() if plies == 0 else shoot(Case(plies, modulus, mass), elements=elements)
+def pencil(*, plies, modulus, mass, elements=2, edge="free", layer=None):
+    """One run of Table 6-2 before its block; without plies the block alone.
+
+    Parameters
+    ----------
+    plies, modulus, mass : of `study.Case`
+    elements, edge, layer : of `study.march`
+    """
+    found = bare() if plies == 0 else shoot(Case(plies, modulus, mass), elements=elements, edge=edge, layer=layer)
     return {
         "outcome": found.outcome,
         "depth": found.depth,
@@ -36,6 +42,7 @@ def solids(*, fabric, velocity, count, time):
         "side": side,
         "mass": np.array([before, after]),
         "failed_bars": float(run.sample("failed_bars")[-1]),
+        "energies": {name: run.sample(name) for name in run.energy_names},
     }
 
 

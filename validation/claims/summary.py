@@ -6,11 +6,13 @@ import csv
 from dataclasses import dataclass
 
 from fabrics.files import write_whole
+from validation.claims import variants
 from validation.claims.claims import KINDS, TOPICS
 from validation.claims.judge import MISSED, REPRODUCED, VERDICTS, expected
 
 COLUMNS = ("id", "topic", "kind", "basis", "origin", "source", "quantity", "verdict", "ours against asked",
-           "missed by", "cause", "why", "erratum", "reason of the tolerance", "remark", "seconds")  # fmt: skip
+           "missed by", "cause", "why", "erratum", "reason of the tolerance", "remark", "seconds", "shots",
+           "variants")  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -68,8 +70,8 @@ def rows(claims, records):
         yield (
             claim.id, claim.topic, claim.kind, claim.basis, claim.origin, claim.source, claim.quantity, record.verdict,
             record.told or asked(claim), record.miss, claim.cause if record.verdict == MISSED else "",
-            claim.against or claim.untestable or claim.unbuilt, claim.erratum, claim.reason, record.note,
-            f"{record.seconds:.2f}",
+            claim.against or claim.data or claim.incomparable or claim.untestable or claim.unbuilt, claim.erratum,
+            claim.reason, record.note, f"{record.seconds:.2f}", record.setting, variants.summary(record),
         )  # fmt: skip
 
 

@@ -15,12 +15,13 @@ from importlib import resources
 
 from fabrics.files import write_whole
 from validation.claims import claims as data
-from validation.claims import runner, summary
-from validation.claims.judge import BROKEN, MISSED, VERDICTS
+from validation.claims import runner, summary, variants
+from validation.claims.judge import BROKEN, DATA, MISSED, NOT_BUILT, NOT_COMPARABLE, NOT_TESTABLE, VERDICTS, WRONG
 from weavecell.report import pictures
 from weavecell.report.page import Figure
 from weavecell.results import json_file, progress, provenance
 
+_TOLD = (MISSED, WRONG, DATA, NOT_COMPARABLE, NOT_BUILT, NOT_TESTABLE)
 _SUBTITLE = (
     "Every claim of the source thesis that is a number, an order, a trend, a shape or an outcome, with our number "
     "beside it. Tolerances come from the printed digits or were set before the comparison, and none has been widened "
@@ -28,7 +29,7 @@ _SUBTITLE = (
 )
 
 
-def validate(out, *, topics, slow, jobs, resume, executor="local"):
+def validate(out, *, topics, slow, jobs, resume, executor="local", vary=False):
     """Run the ledger; returns the exit code: 1 where a check broke, else 0, for a miss is a result.
 
     Parameters
@@ -38,6 +39,7 @@ def validate(out, *, topics, slow, jobs, resume, executor="local"):
     slow : also do the slow checks
     jobs, executor : as of `fabrics.executors.open_executor`
     resume : go on from what is in the folder
+    vary : also check the claims that rest on shots in their variants
 
     Raises
     ------
@@ -47,7 +49,7 @@ def validate(out, *, topics, slow, jobs, resume, executor="local"):
     began = time.perf_counter()
     with progress.bar(f"{len(chosen)} claims") as advance:
         records = runner.validate(
-            chosen, out, left_out=left_out, jobs=jobs, executor=executor, resume=resume, report=advance
+            chosen, out, left_out=left_out, vary=vary, jobs=jobs, executor=executor, resume=resume, report=advance
         )
     seconds = time.perf_counter() - began
     claims = [claim for claim in data.load() if claim in chosen or claim in left_out]
@@ -56,7 +58,7 @@ def validate(out, *, topics, slow, jobs, resume, executor="local"):
     json_file.write(out / "ledger.json", _summary(claims, records, shares, stamp, seconds))
     with progress.bar("Page") as advance:
         _write_page(out, claims, records, shares, stamp)
-    _tell(shares, out)
+    _tell(shares, records, out)
     broken = [record.id for record in records if record.verdict == BROKEN]
     if broken:
         print(f"{len(broken)} checks did not come to an end: {', '.join(broken)}")
@@ -80,6 +82,11 @@ def _summary(claims, records, shares, stamp, seconds):
             for record in records
             if record.verdict == MISSED
         ],
+        "variants": {
+            record.id: {"verdict": record.verdict, "changed": variants.changes(record)}
+            for record in records
+            if record.variants
+        },
         "wall_time": seconds,
         "provenance": stamp,
     }
@@ -117,6 +124,7 @@ def _write_page(out, claims, records, shares, stamp):
         parts=parts,
         topics=data.TOPICS,
         verdicts=VERDICTS,
+        sensitivity=variants.summary,
         footer=f"weavecell {stamp['weavecell']}, commit {stamp['commit']}, {stamp['date']}; {stamp['processor']}; "
         f"{stamp['packages']}.",
     )
@@ -139,12 +147,18 @@ def _figures(topic, out):
     return tuple(found)
 
 
-def _tell(shares, out):
-    """The shares on the terminal."""
-    print(f"{'':26} reproduced   missed   source wrong   not built   not testable")
+def _tell(shares, records, out):
+    """The shares on the terminal, and the claims whose verdict a variant changes."""
+    print(f"{'':26} reproduced   missed   source wrong   data   not comparable   not built   not testable")
     for share in (*shares[1:], shares[0]):
         name = data.TOPICS[share.topic] if share.topic else "all"
         of = f"{share.counts['reproduced']:3d} of {share.compared:<3d}"
-        rest = [share.counts[verdict] for verdict in ("missed", "source is wrong", "not built", "not testable")]
-        print(f"{name:26} {of}   {rest[0]:6d}   {rest[1]:12d}   {rest[2]:9d}   {rest[3]:12d}")
+        rest = [share.counts[verdict] for verdict in _TOLD]
+        print(f"{name:26} {of}   " + "   ".join(f"{n:{w}d}" for n, w in zip(rest, (6, 12, 4, 14, 9, 12))))
+    varied = [record for record in records if record.variants]
+    changed = [record for record in varied if variants.changes(record)]
+    if varied:
+        print(f"{len(varied)} claims rest on shots; a variant changes the verdict of {len(changed)}:")
+    for record in changed:
+        print(f"  {record.id}: {record.verdict}, {variants.summary(record)}")
     print(f"written to {out}/ledger.html", flush=True)

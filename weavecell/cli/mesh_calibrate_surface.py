@@ -106,6 +106,16 @@ def mesh(
     )
 
 
+PlatenCurveOption = Annotated[
+    Path | None,
+    typer.Option(
+        "--platen-curve",
+        help="First fit E_c, V_c and K_r to this curve: pressure and thickness.",
+        metavar="CURVE.csv",
+    ),
+]
+
+
 def calibrate(
     fabric: Annotated[
         str | None, typer.Argument(metavar="[FABRIC]", help="A name of the catalogue, or the path of a fabric file.")
@@ -116,17 +126,14 @@ def calibrate(
     size: MeshOption = Size.medium,
     jobs: JobsOption = CORES,
     executor: ExecutorOption = "local",
-    plates: Annotated[
-        Path | None,
-        typer.Option(
-            "--platen-curve",
-            help="First fit E_c, V_c and K_r to this curve: pressure and thickness.",
-            metavar="CURVE.csv",
-        ),
-    ] = None,
+    plates: PlatenCurveOption = None,
     fit_solid: Annotated[
         bool, typer.Option("--fit-solid", help="The same, to the built-in pressure law of Kevlar plain weaves.")
     ] = False,
+    page: Annotated[
+        Path | None,
+        typer.Option(help="With --all --fit-solid: put tables and pictures into this page too.", metavar="PAGE.md"),
+    ] = None,
     friction: FrictionOption = 0.0,
     out: OutOption = None,
     resume: ResumeOption = False,
@@ -140,11 +147,19 @@ def calibrate(
 
     if all == (fabric is not None):
         raise InputError("give either a fabric or --all")
+    if page is not None and not (all and fit_solid):
+        raise InputError("--page goes with --all --fit-solid")
     if all:
-        if plates is not None or fit_solid:
-            raise InputError("--platen-curve and --fit-solid go with one fabric")
-        from weavecell.commands import calibrate_all
+        if plates is not None:
+            raise InputError("--platen-curve goes with one fabric")
+        from weavecell.commands import calibrate_all, calibrate_chain
 
+        if fit_solid:
+            calibrate_chain.command(
+                out or RESULTS / "calibrate-chain", size=size.value, jobs=jobs, executor=executor, resume=resume,
+                friction=friction, page=page,
+            )  # fmt: skip
+            return
         calibrate_all.command(
             out or RESULTS / "calibrate-all", size=size.value, jobs=jobs, executor=executor, resume=resume,
             friction=friction,

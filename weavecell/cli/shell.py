@@ -127,12 +127,23 @@ def critical_velocity(
     curve: Annotated[
         int, typer.Option("--residual-shots", min=0, max=100, help="Shots above the limit, for residual velocities.")
     ] = 8,
+    scan_above: Annotated[
+        str, typer.Option(help="Range above the highest stop that is scanned for further stops.", metavar="SHARE")
+    ] = "25 %",
+    scan_below: Annotated[
+        str, typer.Option(help="Range below the lowest perforation that is scanned for others.", metavar="SHARE")
+    ] = "10 %",
+    scan_step: Annotated[str, typer.Option(help="Between shots of the scan.", metavar="SHARE")] = "2 %",
     jobs: JobsOption = CORES,
     executor: ExecutorOption = "local",
     strict: StrictOption = False,
     out: OutOption = None,
 ):
     """Bisect for the velocity between stop and perforation, and fit residual velocities (Lambert-Jonas).
+
+    Further shots scan the velocities about the bracket. If one stops that is faster than one that perforates, no single
+    critical velocity exists: the zone of mixed outcomes is reported, and the result is doubtful (exit code 3 with
+    --strict). --scan-above "0 %" --scan-below "0 %" leave the scan out.
 
     A fabric is shot at as in the tests of the thesis. Of a scene these keys are ignored: title,
     projectile.strike_velocity, run.end_time, run.snapshot_interval, run.checkpoint_interval, run.outputs. Packs,
@@ -141,11 +152,19 @@ def critical_velocity(
     The folder then holds critical-velocity.json, shots.csv, residual-velocity.svg and scene.toml.
     """
     from fabrics.units import si
+    from shellfabric.impact.limit_scan import ScanRange
     from weavecell.commands import critical_velocity as command
 
     width = si(tolerance, "m/s", key="--tolerance")
     if not width > 0:
         raise InputError(key="--tolerance", value=tolerance, allowed="above 0")
+    given = {"above": scan_above, "below": scan_below, "step": scan_step}
+    try:
+        scan = ScanRange(**{name: si(text, "", key=f"--scan-{name}") for name, text in given.items()})
+    except InputError as problem:
+        if problem.key in given:
+            raise InputError(key=f"--scan-{problem.key}", value=given[problem.key], allowed=problem.allowed) from None
+        raise
     command.critical_velocity(
         target,
         out or RESULTS / f"critical-velocity-{Path(target).stem}",
@@ -153,5 +172,6 @@ def critical_velocity(
         curve=curve,
         jobs=jobs,
         executor=executor,
+        scan=scan,
         strict=strict,
     )

@@ -2,6 +2,7 @@
 
 Folder of `weavecell calibrate`
     solid.json          with --platen-curve or --fit-solid: E_c, V_c, K_r and what the plate curve determines
+    law-interval.json   with the same: intervals of a and b that follow from those of E_c, V_c, K_r
     law.json            the fitted law, for `law = ".../law.json"` in a scene
     calibration.json    all numbers of the calibration, and provenance.json where they come from
     <path>.h5           histories of the loading paths and of the compression between plates
@@ -27,19 +28,20 @@ def calibrate_command(name, out, *, size, jobs, executor, friction=0.0, plates=N
     fabric = with_3d_data(name)
     solid = None
     if plates is not None or fit_solid:
-        solid = calibrate_solid.fit(
-            fabric, calibrate_solid.curve_for(fabric, plates), out, jobs=jobs, executor=executor, resume=resume
-        )
+        solid = calibrate_solid.fit(fabric, calibrate_solid.curve_for(fabric, plates), out, resume=resume)
         fabric = solid.fabric
     built = mesh.build(fabric, size=size, domain="whole")
     mesh.write(built, out, fabric=fabric)
     done = calibrate(fabric, out, size=size, jobs=jobs, executor=executor, friction=friction, resume=resume)
     tell(fabric, done, out)
-    page(fabric, done, solid, built, out)
+    around = {}
+    if solid is not None:
+        _, around = calibrate_solid.law_interval(solid, done.law, out, friction=friction, jobs=jobs, executor=executor)
+    page(fabric, done, solid, around, built, out)
     print(f"written to {out}")
 
 
-def page(fabric, done, solid, built, out):
+def page(fabric, done, solid, around, built, out):
     """Write the report of a calibration."""
     laws = {"fitted": done.law}
     if done.published is not None:
@@ -48,7 +50,7 @@ def page(fabric, done, solid, built, out):
     json_file.write(out / "provenance.json", stamp)
     sections = (
         fit_chapter(done, laws),
-        *([] if solid is None else [calibrate_solid.chapter(solid)]),
+        *([] if solid is None else [calibrate_solid.chapter(solid, around)]),
         chapters.cell(fabric, {label: (law, law) for label, law in laws.items()}, paths=paths(done, fabric)),
         chapters.mesh(mesh.facts(built), (out / "crossover.png").read_bytes()),
         chapters.sources(fabric),

@@ -2,7 +2,7 @@
 
 The folder of `weavecell critical-velocity`
     scene.toml               the scene; that of a fabric is the standard one, and can be run again or changed
-    critical-velocity.json   bracket, fit, shots, provenance
+    critical-velocity.json   bracket, scan, zone of mixed outcomes if there is one, fit, shots, provenance
     shots.csv                one row a shot, by strike velocity
     residual-velocity.svg    residual against strike velocity
 
@@ -44,7 +44,7 @@ SUPPORT = Support(
     | {"accuracy": "left out: the ballistic limit is computed on the mesh of the scene"},
     rules=build.SHOT_RULES,
 )  # fmt: skip
-_CURVE = (1.03, 2.0)  # first and last shot of the curve, times the velocity that perforates
+_CURVE = (1.03, 2.0)  # first and last shot of the curve, times the velocity above which all shots perforate
 _COLUMNS = {
     "strike velocity [m/s]": lambda shot: f"{shot.strike_velocity:.4f}",
     "outcome": lambda shot: shot.outcome,
@@ -58,8 +58,11 @@ _COLUMNS = {
 }
 
 
-def critical_velocity(target, out, *, tolerance, curve, jobs, executor, strict=False):
+def critical_velocity(target, out, *, tolerance, curve, jobs, executor, scan=None, strict=False):
     """Find the critical velocity of `target`, a scene file, a fabric of the catalogue or a fabric file.
+
+    Where a shot stops that is faster than one that perforates, no single critical velocity exists: the zone of mixed
+    outcomes is reported in its place, and the result is doubtful.
 
     Parameters
     ----------
@@ -68,19 +71,19 @@ def critical_velocity(target, out, *, tolerance, curve, jobs, executor, strict=F
     tolerance : [m/s]
     curve : number of shots above the limit for the curve of residual velocity
     jobs, executor : as of `ballistic_limit.critical_velocity`
-    strict : whether a doubtful shot is an error
+    scan : `limit_scan.ScanRange`, the range about the bracket that is scanned; None for its defaults
+    strict : whether a doubtful result is an error
 
     Raises
     ------
     InputError : the scene or fabric is wrong, or its panel has no critical velocity; nothing has been written
     UnstableError : a shot became unphysical; those before it have been written
-    DoubtfulError : a shot has a quality indicator beyond its limit, and `strict`; all results have been written
+    DoubtfulError : a quality indicator is beyond its limit, and `strict`; all results have been written
     """
-    from shellfabric.impact import ballistic_limit, lambert_jonas
-    from shellfabric.panel import quality
+    from shellfabric.impact import ballistic_limit, limit_scan
 
     this, text = _case(target, out)
-    began, shots = time.perf_counter(), []
+    began, shots, scan = time.perf_counter(), [], scan or limit_scan.ScanRange()
 
     def keep(share, shot):
         shots.append(shot)
@@ -91,24 +94,43 @@ def critical_velocity(target, out, *, tolerance, curve, jobs, executor, strict=F
         panel = build.setup(this, target).panel()
         with progress.bar(f"{this.fabric.name}, critical velocity") as advance:
             found = ballistic_limit.critical_velocity(panel, tolerance=tolerance, **beside)
+        if scan.ladder(found):
+            with progress.bar("Scan about the bracket") as advance:
+                found = limit_scan.scan(panel, found, scan, **beside)
         if curve:
             with progress.bar("Residual velocities") as advance:
-                ballistic_limit.shoot(panel, found.high * np.geomspace(*_CURVE, curve), **beside)
+                strikes = max(found.high, found.highest_stop) * np.geomspace(*_CURVE, curve)
+                found = limit_scan.with_shots(found, ballistic_limit.shoot(panel, strikes, **beside))
     except InputError as problem:
         raise build.in_file(problem, target) from None
     except UnstableError:
         _write_shots(out, text, shots)
         raise
     shots.sort(key=lambda shot: shot.strike_velocity)
-    through = [shot for shot in shots if shot.perforated]
-    fit = None
-    if len(through) > 2:
-        velocities = zip(*((shot.strike_velocity, shot.residual_velocity) for shot in through))
-        fit = lambert_jonas.fit(*velocities, limit=found.velocity)
+    fit, indicators = _fit(found), _indicators(found)
     _write_shots(out, text, shots)
-    _write(out, this, found, fit, shots, time.perf_counter() - began, text)
+    _write(out, this, found, fit, shots, indicators, scan, time.perf_counter() - began, text)
     _tell(this, found, fit, shots, out)
-    checks.report(quality.worst(shot.checks for shot in shots), strict)
+    checks.report(indicators, strict)
+
+
+def _fit(found):
+    """Lambert-Jonas fit to the perforations, with the bracket's middle as its limit if there is a single limit; None
+    where the perforations are too few."""
+    from shellfabric.impact import lambert_jonas
+
+    through = [shot for shot in found.shots if shot.perforated]
+    if len(through) <= (2 if found.single else 3):
+        return None
+    velocities = zip(*((shot.strike_velocity, shot.residual_velocity) for shot in through))
+    return lambert_jonas.fit(*velocities, limit=found.velocity if found.single else None)
+
+
+def _indicators(found):
+    from shellfabric.impact import limit_scan
+    from shellfabric.panel import quality
+
+    return (*quality.worst(shot.checks for shot in found.shots), limit_scan.indicator(found))
 
 
 def _case(target, out):
@@ -144,19 +166,21 @@ def _write_shots(out, text, shots):
         rows.writerows([column(shot) for column in _COLUMNS.values()] for shot in shots)
 
 
-def _write(out, this, found, fit, shots, wall_time, text):
-    from shellfabric.panel import quality
-
+def _write(out, this, found, fit, shots, indicators, scan, wall_time, text):
     summary = {
-        "format": "weavecell critical velocity 2",
+        "format": "weavecell critical velocity 3",
         "fabric": this.fabric.name,
         "law_name": this.law_name,
-        "critical_velocity_m_s": found.velocity,
+        "critical_velocity_m_s": found.velocity if found.single else None,
         "bracket_m_s": [found.low, found.high],
         "single_limit": found.single,
+        "highest_stop_m_s": found.highest_stop,
+        "lowest_perforation_m_s": found.lowest_perforation,
+        "mixed_zone_m_s": found.mixed_zone,
+        "scan": asdict(scan),
         "lambert_jonas": asdict(fit) if fit else None,
         "shots": [_entry(shot) for shot in shots],
-        **checks.summary(quality.worst(shot.checks for shot in shots)),
+        **checks.summary(indicators),
         "wall_time_s": wall_time,
         "provenance": provenance.stamp(text, this.fabric),
     }
@@ -181,10 +205,15 @@ def _entry(shot):
 
 
 def _tell(this, found, fit, shots, out):
-    print(f"{this.fabric.name}: critical velocity {found.velocity:.1f} m/s")
-    print(f"stops at {found.low:.2f} m/s, perforates at {found.high:.2f} m/s; {len(shots)} shots")
-    if not found.single:
-        print("a faster shot was stopped: there is more than one limit")
+    if found.single:
+        print(f"{this.fabric.name}: critical velocity {found.velocity:.1f} m/s")
+        print(f"stops at {found.low:.2f} m/s, perforates at {found.high:.2f} m/s; {len(shots)} shots")
+    else:
+        low, high = found.mixed_zone
+        inside = [shot.perforated for shot in shots if low <= shot.strike_velocity <= high]
+        print(f"{this.fabric.name}: no single critical velocity, mixed outcomes from {low:.1f} to {high:.1f} m/s")
+        print(f"lowest perforation {low:.2f} m/s, highest stop {high:.2f} m/s; {len(shots)} shots")
+        print(f"{len(inside)} shots in this zone: {sum(inside)} perforate, {len(inside) - sum(inside)} stop")
     if fit is not None:
         print(f"Lambert-Jonas: {parameters(fit)}, rms {fit.residual_rms:.1f} m/s")
     print(f"written to {out}", flush=True)

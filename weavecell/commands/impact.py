@@ -28,7 +28,8 @@ from weavecell.commands import fidelity, impact_pack
 from weavecell.report import chapters, chapters_impact, checks
 from weavecell.report import page as report_page
 from weavecell.results import json_file, paraview, progress, provenance
-from weavecell.results.impact import ImpactRecord, Shape
+from weavecell.results.impact import ImpactRecord
+from weavecell.results.impact_base import Shape
 from weavecell.scenes import build
 from weavecell.scenes import impact as scenes_impact
 from weavecell.scenes.supported import Support, of

@@ -186,8 +186,12 @@ def residual_velocity(pyplot, title, limit, fit, shots):
     axes.plot(
         strike[~through], residual[~through], "o", ms=7, mfc="white", mec=GREEN, mew=1.8, label="stopped", zorder=3
     )
+    zone, alpha = (limit.low, limit.high), 0.8
     name = f"critical velocity\n{limit.velocity:.1f} ± {limit.half_width:.1f} m/s"
-    axes.axvspan(limit.low, limit.high, color=ORANGE, alpha=0.8, lw=1, label=name)
+    if not limit.single:
+        zone, alpha = limit.mixed_zone, 0.25
+        name = f"mixed outcomes\n{zone[0]:.1f} to {zone[1]:.1f} m/s"
+    axes.axvspan(*zone, color=ORANGE, alpha=alpha, lw=1, label=name)
     axes.set(title=title, xlabel="strike velocity [m/s]", ylabel="residual velocity [m/s]", xlim=(low, high))
     axes.set_ylim(-0.02 * high, high)
     axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), labelspacing=0.9)

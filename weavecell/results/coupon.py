@@ -12,8 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fabrics import run_cache
-from fabrics.errors import InputError
-from fabrics.files import replace_whole
+from fabrics.files import read_hdf5, write_hdf5
 from weavecell.results import keys
 from weavecell.results.hdf5_file import put
 
@@ -118,10 +117,7 @@ class CouponRecord:
 
     def write(self, path):
         """Write the record, whole or not at all."""
-        import h5py
-
-        with replace_whole(path) as beside, h5py.File(beside, "w") as file:
-            file.attrs["format"] = _FORMAT
+        with write_hdf5(path, _FORMAT) as file:
             for name, key in _SCALARS.items():
                 file.attrs[key] = getattr(self, name)
             put(file, f"histories/{self.prescribed_name}", self.prescribed, self.prescribed_unit)
@@ -142,10 +138,7 @@ class CouponRecord:
 
 def write_states(path, stamp, states):
     """Keep the states of a run under way; `stamp` (`fabrics.run_cache`) is that of its scene and of the code."""
-    import h5py
-
-    with replace_whole(path) as beside, h5py.File(beside, "w") as file:
-        file.attrs.update(format=_CHECKPOINT, **stamp)
+    with write_hdf5(path, _CHECKPOINT, **stamp) as file:
         for number, state in enumerate(states):
             for name, unit in _STATE.items():
                 put(file, f"{number:05d}/{name}", getattr(state, name), unit)
@@ -153,18 +146,11 @@ def write_states(path, stamp, states):
 
 def read_states(path, stamp):
     """The states that `write_states` wrote; InputError if there are none, or those of another scene or other code."""
-    import h5py
-
     from shellfabric.coupon.dynamic_relaxation import State
 
-    try:
-        with h5py.File(path, "r") as file:
-            if file.attrs.get("format") != _CHECKPOINT:
-                raise InputError(file=path, key="format", value=file.attrs.get("format"), allowed=repr(_CHECKPOINT))
-            run_cache.check_stamp(file.attrs, stamp, path, of="scene")
-            found = [{name: group[name][()] for name in _STATE} for _, group in sorted(file.items())]
-    except OSError as problem:
-        raise InputError(f"is not a readable HDF5 file ({problem})", file=path) from None
+    with read_hdf5(path, _CHECKPOINT) as file:
+        run_cache.check_stamp(file.attrs, stamp, path, of="scene")
+        found = [{name: group[name][()] for name in _STATE} for _, group in sorted(file.items())]
     return tuple(
         State(
             load=float(values.pop("load")), residual=float(values.pop("residual")), settled=True,

@@ -6,7 +6,7 @@ from contextlib import contextmanager
 
 import numpy as np
 
-from fabrics.errors import InputError
+from fabrics.files import read_hdf5
 from weavecell.scenes import renamed_keys
 
 
@@ -28,21 +28,14 @@ def opened(path, kind, number):
     ------
     InputError : no HDF5 file, or of another format
     """
-    import h5py
-
-    try:
-        with h5py.File(path, "r") as file:
-            found, allowed = file.attrs.get("format"), f"weavecell {kind} {number}"
-            if found == allowed:
-                yield file
-            elif found == f"weavecell {kind} {number - 1}":
-                renamed_keys.warn_of_format(path, number - 1)
-                with _upgraded(file) as renamed:
-                    yield renamed
-            else:
-                raise InputError(file=path, key="format", value=found, allowed=repr(allowed))
-    except OSError as problem:
-        raise InputError(f"is not a readable HDF5 file ({problem})", file=path) from None
+    present, before = (f"weavecell {kind} {n}" for n in (number, number - 1))
+    with read_hdf5(path, present, before) as file:
+        if file.attrs["format"] == present:
+            yield file
+        else:
+            renamed_keys.warn_of_format(path, number - 1)
+            with _upgraded(file) as renamed:
+                yield renamed
 
 
 def _upgraded(file):

@@ -112,9 +112,15 @@ COUPON = keys(
     ("at_end.*.unit", "", "their units"),
 )
 CRITICAL_VELOCITY = keys(
-    ("critical_velocity_m_s", "m/s", "middle of the bracket"),
-    ("bracket_m_s", "m/s", "highest velocity that is stopped, lowest that perforates"),
-    ("single_limit", "", "whether no shot above the bracket was stopped"),
+    ("critical_velocity_m_s", "m/s", "middle of the bracket; null where there is no single limit"),
+    ("bracket_m_s", "m/s", "stop and perforation between which the bisection ended"),
+    ("single_limit", "", "whether no shot stopped that was faster than one that perforated"),
+    ("highest_stop_m_s", "m/s", "strike velocity of the fastest shot that stopped"),
+    ("lowest_perforation_m_s", "m/s", "strike velocity of the slowest shot that perforated"),
+    ("mixed_zone_m_s", "m/s", "lowest perforation and highest stop; null where there is a single limit"),
+    ("scan.above", "1", "range above the highest stop that was scanned, over that velocity; 0 without a scan"),
+    ("scan.below", "1", "range below the lowest perforation that was scanned, over that velocity; 0 without a scan"),
+    ("scan.step", "1", "between shots of the scan, over the upper end of the bracket"),
     (
         "lambert_jonas.*",
         "",

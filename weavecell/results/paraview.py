@@ -14,7 +14,7 @@ def write_panel(out, shapes, quads):
 
     Parameters
     ----------
-    shapes : sequence of `results.impact.Shape`
+    shapes : sequence of `results.impact_base.Shape`
     quads : (m, 4) node numbers, in order round the cell
     """
     times = {}

@@ -8,6 +8,7 @@ import pytest
 
 from fabrics import catalogue
 from fabrics.errors import InputError, UnstableError
+from fabrics.variants import with_yarns
 from shellfabric.cable import step_kernels as kernels
 from shellfabric.cable.contact_kernels import CONTACT
 from shellfabric.cable.model import CableNet, CableNumerics
@@ -20,14 +21,7 @@ S720 = catalogue.load("S-720").with_effective_density()
 SMALL = CableNet(S720, (0.05, 0.05))
 
 
-def crimped(fabric, warp, weft):
-    """The fabric with other crimps."""
-    weave = fabric.weave
-    weave = replace(weave, warp=replace(weave.warp, crimp=warp), weft=replace(weave.weft, crimp=weft))
-    return replace(fabric, weave=weave)
-
-
-FLAT = crimped(S720, 0.0, 0.0)
+FLAT = with_yarns(S720, crimp=0.0)
 
 
 def test_wave_in_the_net_is_c_over_root_2():
@@ -185,10 +179,10 @@ def test_a_plug_before_the_projectile_does_not_count_as_cloth():
 
 def beside_shell(crimps):
     """S-720 at 100 m/s over 240 us: the decoupled shell without trellis, and the net, with points as stiff as its."""
-    fabric = replace(crimped(S720, *crimps), shear=None)
+    fabric = replace(with_yarns(S720, crimp=crimps), shear=None)
     setup = single_ply.ImpactSetup(fabric, 100.0, cell_model="decoupled", end_time=240e-6, audit_interval=2e-7)
     net = CableNet.of(setup)
-    stiffness = setup.panel().constants().point_stiffness / net.constants().point_stiffness
+    stiffness = setup.panel().constants().point_law.stiffness / net.constants().point_law.stiffness
     net = replace(net, numerics=replace(net.numerics, penalty=stiffness * net.numerics.penalty))
     return single_ply.run(setup), run(net, 100.0, 240e-6)
 

@@ -10,6 +10,7 @@ from scipy.optimize import brentq
 from fabrics import catalogue
 from fabrics.compression import CompressionLaw
 from fabrics.errors import InputError
+from fabrics.variants import with_law_form
 from fabrics.weave import arc_length, height_from_length
 from shellfabric.cell import crossover_kernels as kernels
 from shellfabric.cell.model import CellModel, CellTable
@@ -59,8 +60,7 @@ def test_arc_and_its_slope(fabric):
 @pytest.mark.parametrize("form", ["regularised", "printed"])
 @pytest.mark.parametrize("gap", [0.0, 2e-5])
 def test_kernel_against_plain_twin(fabric, form, gap):
-    laws = tuple(replace(law, form=form) for law in fabric.laws)
-    model = CellModel(fabric, laws, gap, form="equilibrium")
+    model = CellModel(with_law_form(fabric, form), gap=gap, form="equilibrium")
     for pair in PAIRS:
         solved = model.solve(*pair)
         expected = plain_cell(model, *pair)
@@ -79,9 +79,8 @@ def test_kernel_against_plain_twin(fabric, form, gap):
 )
 def test_printed_law_at_rest(name, F, T1, T2):
     """Forces that the printed law leaves in cloth at rest (erratum E-05, nominal denier)."""
-    fabric = catalogue.load(name)
-    laws = tuple(replace(law, form="printed") for law in fabric.laws)
-    rest = CellModel(fabric, laws, form="equilibrium").solve(1.0, 1.0)
+    fabric = with_law_form(catalogue.load(name), "printed")
+    rest = CellModel(fabric, form="equilibrium").solve(1.0, 1.0)
     assert float(rest["F"]) == pytest.approx(F, rel=2e-3)
     assert (float(rest["T1"]), float(rest["T2"])) == pytest.approx((T1, T2), rel=4e-3)
 
@@ -128,8 +127,7 @@ def test_laws_differ_per_yarn(fabric):
 
 @pytest.mark.parametrize("form", ["regularised", "printed"])
 def test_variational_forces_are_the_gradient(fabric, form):
-    laws = tuple(replace(law, form=form) for law in fabric.laws)
-    model, step = CellModel(fabric, laws, form="variational"), 1e-5
+    model, step = CellModel(with_law_form(fabric, form), form="variational"), 1e-5
     for x, y in PAIRS[1:]:
         here = model.solve(x, y)
         slope1 = (model.solve(x + step, y)["W"] - model.solve(x - step, y)["W"]) / (4 * step * fabric.weave.w1)

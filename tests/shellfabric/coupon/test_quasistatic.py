@@ -5,9 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fabrics import catalogue
+from fabrics import catalogue, variants
 from fabrics.errors import InputError, UnstableError
-from fabrics.trellis import TrellisShear
 from fabrics.weave import arc_length
 from shellfabric.cell.model import CellModel
 from shellfabric.coupon import dynamic_relaxation, quasistatic
@@ -148,11 +147,9 @@ def test_the_middle_of_a_cross_is_the_cell(strain):
 def straight(trellis=True):
     """Straight yarns with a soft trellis: what the closed form of the bias test is for."""
     fabric = catalogue.load("S-728").with_effective_density()
-    weave, shear = fabric.weave, fabric.shear
-    yarns = {name: replace(yarn, crimp=1e-6) for name, yarn in zip(("warp", "weft"), weave.yarns)}
-    thin = replace(weave, **yarns)
-    G = 0.3 * shear.G1 * weave.thickness / thin.thickness
-    fabric = replace(fabric, weave=thin, shear=TrellisShear(G, G, 0.12, 0.7))
+    thin = variants.with_straight_yarns(fabric)
+    G = 0.3 * thin.shear.G1
+    fabric = variants.with_shear(thin, G1=G, G2=G, gamma1=0.12, gamma2=0.7)
     return CellModel(fabric, model="decoupled", form="variational").table(61)
 
 

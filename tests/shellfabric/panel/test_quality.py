@@ -7,6 +7,7 @@ import pytest
 
 from fabrics import catalogue
 from fabrics.errors import UnstableError
+from fabrics.variants import with_law_form
 from shellfabric.cell.model import CellModel
 from shellfabric.impact import single_ply
 from shellfabric.panel import quality
@@ -115,9 +116,7 @@ class TestIndicators:
         assert names(PanelSolver(panel, 92.5, 100e-6).run()) == {expected}
 
     def test_a_printed_law(self, panel):
-        fabric = panel.fabric
-        laws = tuple(replace(law, form="printed") for law in fabric.laws)
-        table = CellModel(fabric, laws).table(51)
+        table = CellModel(with_law_form(panel.fabric, "printed")).table(51)
         assert {one.name for one in quality.of_cell(table, (10.0, 10.0)) if not one.ok} == {"swelling under contact"}
 
     def test_a_law_beyond_its_fit(self, panel):

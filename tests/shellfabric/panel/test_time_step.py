@@ -1,11 +1,10 @@
 """How much of the bound on the time step is taken: what is usual keeps its step, and no contact is stiffer for it."""
 
-from dataclasses import replace
 from math import sqrt
 
 import pytest
 
-from fabrics import catalogue
+from fabrics import catalogue, variants
 from shellfabric.cell.model import CellModel
 from shellfabric.panel import time_step as panel_time_step
 from shellfabric.panel.model import Numerics, Panel
@@ -41,9 +40,7 @@ def test_without_viscosity_a_ring_is_followed():
 
 
 def test_taut_cloth_is_told_from_crimped():
-    weave = FABRIC.weave
-    yarns = {name: replace(getattr(weave, name), crimp=1e-6) for name in ("warp", "weft")}
-    straight = CellModel(replace(FABRIC, weave=replace(weave, **yarns)), model="decoupled").table(26)
+    straight = CellModel(variants.with_straight_yarns(FABRIC), model="decoupled").table(26)
     assert straight.tautness() > 0.95
     assert panel().table.tautness() < 0.35
     assert panel_time_step.share(straight, 0.1) == panel_time_step.share(straight, 0.0) == pytest.approx(0.965)
@@ -53,5 +50,5 @@ def test_the_contact_is_no_stiffer_for_a_shorter_step():
     for one in (panel("equilibrium"), panel(viscosity=0.0)):
         const, mass = one.constants(), one.weave.areal_density * one.spacing[0] * one.spacing[1]
         assert const.dt < bound(one)
-        whole = const.point_stiffness * const.points_per_side**2
+        whole = const.point_law.stiffness * const.points_per_side**2
         assert whole == pytest.approx(Numerics.penalty * mass / bound(one) ** 2, rel=1e-12)

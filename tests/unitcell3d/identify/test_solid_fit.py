@@ -1,16 +1,20 @@
 """The solid fitted to a plate curve: identifiability in closed form, and a twin experiment."""
 
 import json
-from concurrent.futures import ThreadPoolExecutor
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
+from fabrics.errors import InputError
 from fabrics.plate_curve import PlateCurve
 from meshing import crossover as mesher
 from unitcell3d.cases import biaxial_and_platens
 from unitcell3d.identify import solid_fit
-from unitcell3d.identify.solid_fit import LOOSE, NAMES, closures, fit_solid, identify, with_solid_laws
+from unitcell3d.identify.platen_misfit import closures
+from unitcell3d.identify.solid_fit import fit_solid
+from unitcell3d.identify.solid_record import LOOSE, NAMES, constants, identify, with_solid_laws
+from unitcell3d.solver.load_stepping import Steps
 
 
 def test_identify_is_the_linear_least_squares_theory():
@@ -31,52 +35,79 @@ def test_identify_is_the_linear_least_squares_theory():
     assert np.abs(directions[1]) == pytest.approx(np.sqrt([0.5, 0.5]), rel=1e-3)
 
 
-class Pressed:
-    """A stand-in history: plates that close by 10 um per e-fold of pressure, up to 1 MPa."""
+class ClosedForm:
+    """In place of the equilibria of a mesh: closures 0.1 mm V_c P / (P + K_r E_c)."""
 
-    pressure = np.geomspace(1e3, 1e6, 50)
-    F_plate = np.stack([2 * pressure, 0 * pressure], axis=1) * 1e-6  # the mean of both plates counts
-    plates = 2e-4 - 5e-6 * np.log(pressure)
+    def __init__(self, mesh, fabric, with_constants, pressure):
+        self._with, self.loaded, self.equilibria, self.tangents = with_constants, 0, 0, 0
 
+    def at(self, x):
+        def closures(pressure, x=x):
+            solid = self._with(x).solid_laws[0]
+            return 1e-4 * solid.V_c * pressure / (pressure + solid.K_r * solid.E_c)
 
-def test_closures_are_moved_to_the_measured_ones_and_go_on_beyond_the_end():
-    pressure = np.geomspace(1e4, 1e7, 9)
-    measured = 1e-5 * np.log(pressure) + 3e-3
-    assert closures(Pressed, 1e-6, pressure, measured) == pytest.approx(measured, rel=1e-9)
+        def jacobian(pressure):
+            steps = 1e-6 * np.eye(3)
+            return np.stack([(closures(pressure, x + s) - closures(pressure, x - s)) / 2e-6 for s in steps], axis=1)
 
+        return SimpleNamespace(closures=closures, jacobian=jacobian, failed="")
 
-def test_closures_of_a_force_that_falls_for_a_step():
-    class Snapped(Pressed):
-        pressure = np.concatenate([Pressed.pressure[:25], Pressed.pressure[20:21], Pressed.pressure[25:]])
-        F_plate = np.stack([2 * pressure, 0 * pressure], axis=1) * 1e-6
-        plates = np.concatenate([Pressed.plates[:25], [Pressed.plates[24] - 1e-9], Pressed.plates[25:]])
-
-    pressure = np.geomspace(1e4, 1e6, 9)
-    measured = 1e-5 * np.log(pressure)
-    assert closures(Snapped, 1e-6, pressure, measured) == pytest.approx(measured, rel=1e-9)
+    def close(self):
+        pass
 
 
-def test_a_fit_is_written_as_json(s720, tmp_path, monkeypatch):
-    """From a curve to the file, with a closed form in place of the compressions: 0.2 mm V_c P / (P + K_r E_c)."""
-
-    def press(fabric, size, pressure):
-        solid, P = fabric.solid_laws[0], np.geomspace(1e3, pressure, 50)
-        history = Pressed()
-        history.F_plate = np.stack([P, P], axis=1) * fabric.weave.cell_area
-        history.plates = 1e-3 - 1e-4 * solid.V_c * P / (P + solid.K_r * solid.E_c)
-        history.failed = ""
-        return history
-
-    monkeypatch.setattr(solid_fit, "press", press)
-    pressure = np.geomspace(3e4, 5e6, 30)
+@pytest.fixture
+def closed_form(s720, monkeypatch):
+    """The fit to a curve of the closed form with V_c = 2 and K_r E_c = 20 MPa."""
+    monkeypatch.setattr(solid_fit, "PlatenSolver", ClosedForm)
+    pressure = np.geomspace(3e4, 5e7, 60)
     curve = PlateCurve(pressure, 2e-4 * pressure / (pressure + 2e7), "closed form")
-    with ThreadPoolExecutor(1) as executor:
-        found = fit_solid(s720, curve, check_size=(4, 3, 2), executor=executor)
+    return lambda **choices: fit_solid(s720, curve, (2, 2, 2), (2, 2, 2), **choices)
+
+
+@pytest.mark.parametrize("measure", ["closure", "pressure"])
+def test_a_closed_form_is_found_again(closed_form, measure):
+    """K_r E_c and V_c are told, E_c and K_r alone are not; no limit goes further than is sought."""
+    found = closed_form(measure=measure)
+    assert found.met
+    assert found.values["V_c"] == pytest.approx(2, rel=5e-3)
+    assert found.values[LOOSE] == pytest.approx(2e7, rel=5e-3)
+    assert found.determined == {"E_c": False, "V_c": True, "K_r": False, LOOSE: True}
+    assert found.rms < 1e-7
+    assert found.misfit.pressure < 0.01 < found.misfit_before.pressure
+    for low, high in found.limits:
+        one, other = (np.log([c["E_c"], c["K_r"]]) for c in map(constants, (low, high)))
+        assert np.abs(one - other).max() <= 2 * solid_fit.FARTHEST + 1e-9
+
+
+def test_limits_are_where_the_sum_of_squares_has_risen(closed_form, s720):
+    """On the two directions that the curve tells: rms^2 n = t^2 s^2, s the resolution of 1 um."""
+    from scipy.stats import t
+
+    found = closed_form()
+    for pair in found.limits[:2]:
+        for fabric in pair:
+            solid = fabric.solid_laws[0]
+            at = 1e-4 * solid.V_c * found.pressure / (found.pressure + solid.K_r * solid.E_c)
+            misfit = at - found.measured
+            square = np.sum((misfit - misfit.mean()) ** 2)
+            assert square == pytest.approx(t.ppf(0.975, 12) ** 2 * 1e-12, rel=solid_fit.NEAR_LIMIT + 0.05)
+
+
+def test_a_fit_is_written_as_json(closed_form, tmp_path):
+    found = closed_form()
     found.write(tmp_path / "fit.json")
     written = json.loads((tmp_path / "fit.json").read_text())
     assert set(written["determined"]) == {*NAMES, LOOSE}
     assert all(isinstance(known, bool) for known in written["determined"].values())
     assert written["rms_m"] == found.rms
+    assert written["rms_checked_m"] == pytest.approx(found.rms, abs=1e-9)
+    assert len(written["limits_95_on_directions"]) == 3
+
+
+def test_a_measure_that_there_is_not(s720, closed_form):
+    with pytest.raises(InputError, match="measure"):
+        closed_form(measure="stress")
 
 
 @pytest.mark.slow(50)
@@ -86,11 +117,11 @@ def test_a_twin_is_found_again(s720):
     mesh = mesher.build(s720, size=size)
     twin = with_solid_laws(s720, np.log([0.8e9, 0.25, 0.03]), max(mesh.Vf0))
     pressure = np.geomspace(3e4, 5e6, 60)
-    history = biaxial_and_platens.plate_compression(mesh, twin, pressure=pressure[-1])
+    history = biaxial_and_platens.plate_compression(mesh, twin, pressure=pressure[-1], steps=Steps(largest=0.02))
     curve = PlateCurve(pressure, closures(history, s720.weave.cell_area, pressure, np.linspace(0, 1e-9, 60)), "a twin")
-    found = fit_solid(s720, curve, size=size)
+    found = fit_solid(s720, curve, size, None)
     assert found.rms < 1e-6
-    assert found.rms < 0.5 * found.summary()["rms_before_m"]
+    assert found.rms < 0.5 * found.misfit_before.closure
     truth = dict(zip(NAMES, (0.8e9, max(mesh.Vf0) + 0.25, 0.03))) | {LOOSE: 0.03 * 0.8e9}
     assert found.determined[LOOSE]
     for name, known in found.determined.items():

@@ -15,7 +15,8 @@ from validation.claims.checks import CHECKS, Check
 from validation.claims.claims import Claim, Condition
 from validation.claims.run import Run
 
-IDS = (Path(__file__).parent / "claim_ids.txt").read_text().split()
+LISTED, ADDED = ((Path(__file__).parent / name).read_text().split() for name in ("claim_ids.txt", "additional_ids.txt"))
+IDS = LISTED + ADDED
 FAST = ("geom", "biaxial", "pencil")
 
 
@@ -29,7 +30,8 @@ def claim(*conditions, **changes):
 
 def test_no_claim_is_dropped_silently():
     found = [entry.id for entry in data.load()]
-    assert len(IDS) == len(set(IDS)) == 342
+    assert len(LISTED) == 342
+    assert len(IDS) == len(set(IDS))
     assert sorted(found) == sorted(IDS)
     for entry in data.load():
         reasons = [entry.check, entry.untestable, entry.unbuilt]
@@ -71,6 +73,8 @@ def test_units_are_known_and_converted():
         {"check": ""},  # neither
         {"expect": []},
         {"reason": ""},
+        {"data": "a table", "against": "a misprint"},  # marked in two ways
+        {"check": "", "expect": [], "untestable": "lost", "data": "a table"},  # marked without a check
         {"expect": [{"name": "h", "value": 1.0}]},  # a value without tolerance
         {"expect": [{"name": "h", "value": 1.0, "within": 0.1, "relative": 0.1}]},
         {"expect": [{"name": "h", "above": 1.0, "below": 2.0}]},
@@ -145,6 +149,20 @@ def test_evidence_against_the_source_is_a_verdict_of_its_own():
     against = claim(Condition("factor", "value", 2, within=1e-6), against="a factor is missing")
     assert judge.judge(against, {"factor": 2.0}).verdict == judge.WRONG
     assert judge.judge(against, {"factor": 1.0}).verdict == judge.MISSED
+
+
+def test_data_that_agree_with_themselves_reproduce_nothing():
+    data_claim = claim(Condition("factor", "value", 2, within=1e-6), data="a table")
+    assert judge.judge(data_claim, {"factor": 2.0}).verdict == judge.DATA
+    assert judge.judge(data_claim, {"factor": 1.0}).verdict == judge.MISSED  # a slip in the data is one
+
+
+def test_what_is_not_comparable_says_both_and_decides_nothing():
+    other = claim(Condition("outcome", "is", "perforates"), incomparable="E-21")
+    assert judge.judge(other, {"outcome": "perforates"}).verdict == judge.NOT_COMPARABLE
+    record = judge.judge(other, {"outcome": "stops"})
+    assert record.verdict == judge.NOT_COMPARABLE
+    assert record.told == "outcome stops (perforates)"
 
 
 def test_claims_without_a_check_keep_their_reason():
@@ -264,6 +282,8 @@ def test_slow_claims_left_out_are_told(bench, tmp_path):
 
 # --- what is written
 
+_WITH_A_REASON = (judge.NOT_TESTABLE, judge.NOT_BUILT, judge.WRONG, judge.DATA, judge.NOT_COMPARABLE)
+
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
@@ -278,7 +298,7 @@ def test_the_table_has_every_claim(folder):
     with open(folder / "ledger.csv", encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
     assert [row["id"] for row in rows] == [name for name in IDS if name.split("-")[0] in FAST]
-    assert all(row["why"] for row in rows if row["verdict"] in (judge.NOT_TESTABLE, judge.NOT_BUILT, judge.WRONG))
+    assert all(row["why"] for row in rows if row["verdict"] in _WITH_A_REASON)
     assert not [row["id"] for row in rows if row["verdict"] == judge.BROKEN]
 
 
@@ -298,8 +318,9 @@ def test_the_summary_adds_up(folder):
 
 
 def test_shares_count_only_what_our_number_decides():
-    verdicts = [judge.REPRODUCED, judge.REPRODUCED, judge.MISSED, judge.WRONG, judge.NOT_BUILT]
-    claims = [claim(id=f"geom-{k}") for k in range(5)]
+    verdicts = [judge.REPRODUCED, judge.REPRODUCED, judge.MISSED, judge.WRONG, judge.NOT_BUILT, judge.DATA,
+                judge.NOT_COMPARABLE]  # fmt: skip
+    claims = [claim(id=f"geom-{k}") for k in range(7)]
     records = [judge.Record(f"geom-{k}", verdict) for k, verdict in enumerate(verdicts)]
     share = summary.shares(claims, records)[0]
     assert share.compared == 3

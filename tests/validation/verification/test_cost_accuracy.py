@@ -8,10 +8,10 @@ import pytest
 
 from fabrics import catalogue
 from fabrics.errors import InputError, UnstableError
+from fabrics.variants import homogenised
 from shellfabric.cell.model import CellModel
 from validation.verification.cost_accuracy import core, page, pictures, shots, study, tables
 from validation.verification.cost_accuracy.core import Method, Quantity, Sample, Scene
-from weavecell.analysis.homogenised_weave import coarse
 
 
 @dataclass(frozen=True)
@@ -112,10 +112,10 @@ def test_short_runs_are_repeated_and_the_warm_one_is_not_counted(clocks, costs, 
 def test_coarse_cell_is_n_cells(n):
     """Same stretches: n-fold tensions, contact force and heights; n^2 cells' energy times n, the thickness."""
     fabric = catalogue.load("S-720").with_effective_density()
-    thick, laws = coarse(fabric, None, n)
+    thick = homogenised(fabric, n)
     x = np.linspace(0.97, 1.03, 7)
     s1, s2 = np.meshgrid(x, x)
-    one, many = CellModel(fabric).solve(s1, s2), CellModel(thick, laws).solve(s1, s2)
+    one, many = CellModel(fabric).solve(s1, s2), CellModel(thick).solve(s1, s2)
     for name in ("T1", "T2", "F", "N1", "N2"):
         assert many[name] == pytest.approx(n * one[name], rel=1e-9, abs=1e-6), name
     assert many["h1"] == pytest.approx(n * one["h1"], rel=1e-9)

@@ -1,13 +1,18 @@
 """`weavecell calibrate`: what it prints, the whole catalogue side by side, going on, and its errors."""
 
 import csv
+import json
+from dataclasses import replace
 
+import numpy as np
 import pytest
 
 pytest.importorskip("dolfinx")
 
 from fabrics import catalogue
 from unitcell3d.identify import calibrate as solver
+from unitcell3d.identify import chain, solid_fit
+from unitcell3d.identify.solid_record import SolidFit
 
 SMALL = {"plates_size": (2, 2, 2), "paths": {"warp only": (1, 0), "equibiaxial": (1, 1)}}
 
@@ -58,13 +63,91 @@ def test_the_catalogue_side_by_side(command, tmp_path, small):
     [
         ([], "give either a fabric or --all"),
         (["S-720", "--all"], "give either a fabric or --all"),
-        (["--all", "--fit-solid"], "--platen-curve and --fit-solid go with one fabric"),
+        (["--all", "--platen-curve", "curve.csv"], "--platen-curve goes with one fabric"),
+        (["--all", "--page", "page.md"], "--page goes with --all --fit-solid"),
+        (["S-720", "--fit-solid", "--page", "page.md"], "--page goes with --all --fit-solid"),
     ],
 )
 def test_bad_options_write_nothing(command, tmp_path, options, line):
     code, _, err = command("calibrate", *options, "--out", "c")
     assert (code, err) == (2, f"error: {line}\n")
     assert not (tmp_path / "c").exists()
+
+
+@pytest.fixture
+def fitted(monkeypatch):
+    """Fits of the solid that give that of the file a tenth softer at once, whatever the fabric."""
+    monkeypatch.setattr(solid_fit, "fit_solid", a_fit)
+    monkeypatch.setattr(chain, "fit_solid", a_fit)
+    monkeypatch.setattr(chain, "PATHS", SMALL["paths"])
+    monkeypatch.setattr(chain, "SIZE", (2, 2, 2))
+    monkeypatch.setattr(chain.run_cache, "results", here)
+
+
+def here(function, arguments, *, report=None, **_):
+    return [function(*one) for one in arguments]
+
+
+def a_fit(fabric, curve, *_, **__):
+    pressure = np.geomspace(curve.pressure[0], curve.pressure[-1], 16)
+    measured = curve.at(pressure)
+    softer, stiffer = (
+        replace(fabric, solid_laws=tuple(replace(law, E_c=factor * law.E_c) for law in fabric.solid_laws))
+        for factor in (0.9, 1.1)
+    )
+    values = {"E_c": 1.8e9, "V_c": 1.0, "K_r": 0.02, "K_r E_c": 3.6e7}
+    return SolidFit(
+        fabric=softer, started=fabric, curve=curve, pressure=pressure, measured=measured,
+        computed=measured + 1e-6 * np.cos(np.arange(16)), before=0.8 * measured, checked=None, values=values,
+        intervals={name: (0.5 * value, 2 * value) for name, value in values.items()},
+        determined=dict.fromkeys(values, True), correlation=np.eye(3), singular_values=np.ones(3), directions=np.eye(3),
+        limits=((softer, stiffer),), met=True, work={}, sizes=("coarse", "None"),
+    )  # fmt: skip
+
+
+def test_the_chain_of_the_catalogue(command, tmp_path, monkeypatch, small, fitted):
+    """Both laws of each fabric side by side, and on a page; a fabric without a platen law is named with the reason."""
+    monkeypatch.setattr(catalogue, "list_names", lambda: ["S-720", "S-726", "glass-balanced"])
+    page = tmp_path / "page.md"
+    page.write_text("before\n<!-- chain -->old<!-- end of chain -->\nafter\n")
+    (tmp_path / "figures").mkdir()
+    code, out, err = command(
+        "calibrate", "--all", "--fit-solid", "--mesh", "coarse", "--jobs", "2", "--out", "c", "--page", str(page)
+    )
+    assert code == 0, err
+    assert "glass-balanced: left out, since fabric glass-balanced has no areal_density_measured" in out
+    header, *rows = csv.reader((tmp_path / "c" / "laws.csv").open())
+    assert [row[0] for row in rows] == ["S-720", "S-726"]
+    assert {len(row) for row in rows} == {len(header)}
+    for row in rows:
+        low, high = map(float, row[6].split(" .. "))
+        assert low <= float(row[5]) <= high
+        # softer yarns close more: a of the fitted solid is above that of the file's
+        assert float(row[9]) > float(row[3])
+    header, *rows = csv.reader((tmp_path / "c" / "solids.csv").open())
+    assert float(rows[0][header.index("misfit before [µm]")]) > float(rows[0][header.index("fitted [µm]")])
+    text = page.read_text()
+    assert text.startswith("before\n")
+    assert text.endswith("after\n")
+    assert "old" not in text
+    assert text.count("| S-720 |") == 2
+    assert (tmp_path / "figures" / "calibration-chain-laws.png").exists()
+    assert {"solid.json", "law-interval.json", "law.json"} <= {p.name for p in (tmp_path / "c" / "S-726").iterdir()}
+    assert (tmp_path / "c" / "S-726" / "solid-of-the-file" / "law.json").exists()
+
+
+def test_one_fabric_from_its_platen_curve(command, tmp_path, monkeypatch, fitted):
+    run = solver.calibrate
+    monkeypatch.setattr(solver, "calibrate", lambda fabric, size, **more: run(fabric, size=(2, 2, 2), **SMALL, **more))
+    code, out, err = command("calibrate", "S-720", "--fit-solid", "--mesh", "coarse", "--jobs", "1", "--out", "c")
+    assert code == 0, err
+    told = {line[:12].strip(): line[12:] for line in out.splitlines()}
+    assert told["E_c"] == "1.8e+09 (9e+08 .. 3.6e+09, 95 %); from 2e+09"
+    assert told["misfit"].startswith("0.7 um and ")
+    assert told["of the solid"].count("..") == 2
+    solid = json.loads((tmp_path / "c" / "solid.json").read_text())
+    assert solid["rms_relative_pressure_before"] > solid["rms_relative_pressure"]
+    assert "What it leaves open makes a of the law" in (tmp_path / "c" / "report.html").read_text()
 
 
 def test_one_fabric_is_told_with_intervals_and_spread(command, tmp_path, monkeypatch):

@@ -75,6 +75,52 @@ def test_scene(command, written, tmp_path):
     assert summary["provenance"]["scene"] == written().read_text()
 
 
+@pytest.fixture
+def mixed_outcomes(monkeypatch):
+    """Shots stop to 140 m/s and from 150 to 155 m/s, and perforate elsewhere."""
+    from shellfabric.impact import ballistic_limit
+
+    def fire(_, velocity, __):
+        stops = velocity < 140.0 or 150.0 < velocity < 155.0
+        residual = 0.0 if stops else (velocity**2 - 139.0**2) ** 0.5
+        outcome = "stopped" if stops else "perforated"
+        return ballistic_limit.Shot(velocity, residual, outcome, 1e-4, 0, (1.0, 1.0), 0.0, 0.0)
+
+    monkeypatch.setattr(ballistic_limit, "_fire", fire)
+
+
+def test_zone_of_mixed_outcomes(command, written, tmp_path, mixed_outcomes):
+    """Without a single limit: no critical velocity, the zone in summary and on the terminal, and a doubtful result."""
+    code, out, _ = command("critical-velocity", written(), "--out", "results", "--jobs", 1)
+    assert code == 0
+    summary, rows = read(tmp_path / "results")
+    assert summary["critical_velocity_m_s"] is None
+    assert summary["single_limit"] is False
+    low, high = summary["mixed_zone_m_s"]
+    assert (low, high) == (summary["lowest_perforation_m_s"], summary["highest_stop_m_s"])
+    assert low == summary["bracket_m_s"][1] == pytest.approx(140.0, abs=1.0)
+    assert 150.0 < high < 155.0
+    assert summary["scan"] == {"above": 0.25, "below": 0.1, "step": 0.02}
+    assert f"no single critical velocity, mixed outcomes from {low:.1f} to {high:.1f} m/s" in out
+    assert f"checks: doubtful: mixed outcomes {high - low:.3g} m/s (limit 0 m/s)" in out
+    assert summary["checks"]["status"] == "doubtful"
+    strike = [float(row["strike velocity [m/s]"]) for row in rows]
+    assert min(strike) < 0.92 * low
+    assert max(strike) == pytest.approx(2 * high, rel=1e-4)  # the curve begins above the zone
+    assert command("critical-velocity", written(), "--out", "strict", "--strict")[0] == 3
+    assert sorted(path.name for path in (tmp_path / "strict").iterdir()) == FILES
+
+
+def test_without_a_scan(command, written, tmp_path, mixed_outcomes):
+    """The bisection alone sees one limit; its shots are those of the bracket."""
+    words = ("--scan-above", "0 %", "--scan-below", "0 %", "--residual-shots", 0)
+    code, out, _ = command("critical-velocity", written(), "--out", "results", *words)
+    assert code == 0
+    assert "critical velocity 1" in out
+    assert "doubtful" not in out
+    assert len(read(tmp_path / "results")[1]) < 12
+
+
 def test_workers_change_nothing(command, written, tmp_path):
     path = written()
     for workers in (1, 2, 3):
@@ -109,6 +155,9 @@ def test_fabric_is_shot_at_in_the_standard_way(tmp_path):
         (["nowhere.toml"], "nowhere.toml: the scene or fabric file cannot be read (No such file or directory)"),
         (["S-720", "--tolerance", "1 mm"], "--tolerance = '1 mm': must be a text with a unit that converts to m/s"),
         (["S-720", "--tolerance", "0 m/s"], "--tolerance = '0 m/s': must be above 0"),
+        (["S-720", "--scan-step", "0 %"], "--scan-step = '0 %': must be above 0"),
+        (["S-720", "--scan-below", "1"], "--scan-below = '1': must be at least 0 and below 1"),
+        (["S-720", "--scan-above", "2 m/s"], "--scan-above = '2 m/s': must be a number"),
         (["S-720", "--jobs", "0"], "Invalid value for '--jobs': "),
     ],
 )

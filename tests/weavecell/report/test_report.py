@@ -16,7 +16,8 @@ from shellfabric.projectile.projectile import Projectile
 from weavecell.report import chapters, pictures
 from weavecell.report import page as report_page
 from weavecell.results import provenance
-from weavecell.results.impact import ImpactRecord, Shape
+from weavecell.results.impact import ImpactRecord
+from weavecell.results.impact_base import Shape
 
 
 def small_record(**changes):

@@ -11,7 +11,8 @@ import pytest
 from fabrics.errors import InputError
 from weavecell.cli import app
 from weavecell.results import json_file, keys
-from weavecell.results.impact import ImpactRecord, Shape
+from weavecell.results.impact import ImpactRecord
+from weavecell.results.impact_base import Shape
 from weavecell.results.pack import PackRecord
 from weavecell.scenes import renamed_keys, toml_writer
 

@@ -16,7 +16,7 @@ from shellfabric.impact.pack import PackSetup
 from shellfabric.panel.solver import ENERGIES, PanelSolver
 from weavecell.cli import app
 from weavecell.commands import impact as commands_impact
-from weavecell.results.impact import named
+from weavecell.results.impact_base import named
 from weavecell.results.paraview import read_series
 from weavecell.scenes import build
 from weavecell.scenes import impact as scenes_impact

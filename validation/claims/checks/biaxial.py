@@ -26,6 +26,21 @@ def inputs(fabric):
 
 
 @check()
+def lone_curve(fabric):
+    """Stiffness [N] of the loaded part of the curve with a free edge, and the strain of the yarn at its strength."""
+    curve = free_edge(CellModel(catalogue.load(fabric), form="equilibrium"), "warp")
+    yarn = catalogue.load(fabric).weave.warp
+    strain = (1 + curve.strain[:, 0]) / (1 + yarn.crimp) - 1  # of the yarn's own length
+    loaded = curve.tension[:, 0] > 0
+    failed = np.interp(yarn.strength, curve.tension[loaded, 0], strain[loaded])
+    return {
+        "EA warp": np.polyfit(strain[loaded], curve.tension[loaded, 0], 1)[0],
+        "failure strain warp": float(failed),
+        "strength": float(curve.tension[-1, 0]),
+    }
+
+
+@check()
 def free_shift(fabric):
     """Where the loaded part of the curve with a free edge, drawn on, meets no load."""
     curve = free_edge(CellModel(catalogue.load(fabric), form="equilibrium"), "warp")
@@ -61,3 +76,27 @@ def order(fabric):
 def used_up(fabric):
     given = catalogue.load(fabric)
     return {"2a over heights": 2 * given.laws[0].a / sum(given.weave.h0)}
+
+
+@check()
+def origin_shift(fabric, shift):
+    """RMS by which tensions move when the strain origin moves by `shift` [-], over the RMS of the curve itself."""
+    cell, moved, over = CellModel(catalogue.load(fabric), form="equilibrium"), {}, {}
+    for k in (0.5, 1.0, 2.0):
+        curve = at_ratio(cell, k)
+        for family, (name, yarn) in enumerate(zip(("warp", "weft"), cell.fabric.weave.yarns)):
+            strain, tension = curve.strain[:, family], curve.tension[:, family]
+            common = strain > shift
+            off = np.sqrt(np.mean((tension[common] - np.interp(strain[common] - shift, strain, tension)) ** 2))
+            moved[name, k] = off / np.sqrt(np.mean(tension[common] ** 2))
+            over[name, k] = off / yarn.strength
+    most = {name: max((0.5, 1.0, 2.0), key=lambda k, name=name: moved[name, k]) for name in ("warp", "weft")}
+    return {
+        "most, warp": most["warp"],
+        "most, weft": most["weft"],
+        "at k = 0.5": min(moved[name, 0.5] for name in most),
+        "note": "; ".join(
+            f"{name}, k = {k:g}: {100 * value:.0f} % ({100 * over[name, k]:.1f} % of the strength)"
+            for (name, k), value in moved.items()
+        ),
+    }

@@ -72,9 +72,13 @@ def knees(fabric):
 
 @check()
 def strengths(failure_strain):
-    found = {name: catalogue.load(name).weave.warp for name in KEVLAR}
-    assert all(yarn.failure_strain == failure_strain for yarn in found.values())
-    return {name: yarn.strength for name, yarn in found.items()}
+    """Tension of the warp in the coupled cell once its fibres are strained by so much and the weft has lost contact."""
+    found = {}
+    for name in KEVLAR:
+        model = cell(name)
+        slack = model.range()[1][0]
+        found[name] = float(model.solve((1 + model.fabric.weave.warp.crimp) * (1 + failure_strain), slack)["T1"])
+    return found
 
 
 @check()
@@ -150,18 +154,20 @@ def jacobian():
 
 @check()
 def slope_derivative():
+    """d sin(alpha)/dh that the contact force of the cell's equilibrium form has, over eq. 4-21.
+
+    F = 2 T sin(alpha), so that dF/dh = 2 (dT/dh sin(alpha) + T dsin(alpha)/dh), with dT/dh = EA/S0 dS/dh.
+    """
     worst = 0.0
     for name in KEVLAR:
         weave = catalogue.load(name).weave
-        for w, h in zip(weave.w, weave.h0):
-
-            def sine(h, w=w):
-                return np.pi * h / np.hypot(2 * w, np.pi * h)
-
-            step = 1e-2 * h
-            s = [sine(h + k * step) for k in (-3, -2, -1, 1, 2, 3)]
-            slope = (-s[0] + 9 * s[1] - 45 * s[2] + 45 * s[3] - 9 * s[4] + s[5]) / (60 * step)
-            worst = max(worst, abs(slope / (4 * np.pi * w * w / np.hypot(2 * w, np.pi * h) ** 3) - 1))
+        for w, h, S0, yarn in zip(weave.w, weave.h0, weave.S0, weave.yarns):
+            stretched = 1.02 * w
+            F, slope, T = crossover_kernels.contact_force(stretched, h, S0, yarn.EA, crossover_kernels.EQUILIBRIUM)
+            dT = yarn.EA / S0 * crossover_kernels.arc(stretched, h)[1]
+            found = (0.5 * slope - dT * 0.5 * F / T) / T
+            printed = 4 * np.pi * stretched**2 / np.hypot(2 * stretched, np.pi * h) ** 3
+            worst = max(worst, abs(found / printed - 1))
     return {"relative difference": worst}
 
 
@@ -246,14 +252,29 @@ def decoupled_limit():
 
 @check()
 def stress_resultant():
-    """Tensions back from the stresses of two half layers (eqs. 4-46 to 4-48)."""
+    """Forces at the edge of a stretched coupon over the force of the stresses of two half layers (eqs. 4-46 to 4-48).
+
+    Each yarn acts in one half of the thickness, over the width of its cell; the mean over the whole thickness, times
+    thickness and width, is to be what the nodes of the coupon are pulled with.
+    """
+    from shellfabric.coupon.model import cut
+
     worst = 0.0
-    for name in KEVLAR:
-        weave = catalogue.load(name).weave
-        t, T = weave.thickness, np.array([weave.warp.strength, 0.3 * weave.weft.strength])
-        width = 2 * np.array(weave.w[::-1])
-        stress = T / (0.5 * t * width)  # in the half layer of each yarn
-        worst = max(worst, np.abs(0.5 * stress * t * width / T - 1).max())
+    for name in ("S-720", "S-726", "S-731"):
+        model = CellModel(catalogue.load(name), form="variational")
+        weave, table = model.fabric.weave, model.table(201)
+        half = 8.000001 * np.array(weave.w)
+        coupon = cut(table, lambda x, y, half=half: (np.abs(x) < half[0]) & (np.abs(y) < half[1]), max(half))
+        stretch = [1 + 0.6 * (end(yarn) - 1) for yarn in weave.yarns]
+        forces = -coupon.forces(coupon.points * stretch)[0]
+        state, width = model.solve(*stretch), 2 * np.array(weave.w[::-1])
+        for axis in (0, 1):
+            rim = coupon.points[:, axis] > coupon.points[:, axis].max() - 0.1 * weave.w[axis]
+            across = np.ptp(coupon.points[rim, 1 - axis])
+            layer = float(state[f"N{axis + 1}"]) / (0.5 * weave.thickness * width[axis])
+            mean = 0.5 * layer
+            pulled = abs(forces[rim, axis].sum())
+            worst = max(worst, abs(mean * weave.thickness * across / pulled - 1))
     return {"relative difference": worst}
 
 

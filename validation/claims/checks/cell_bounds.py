@@ -5,8 +5,8 @@ from __future__ import annotations
 import itertools
 
 import numpy as np
+from scipy.optimize import brentq
 
-from fabrics import catalogue
 from shellfabric.cell.model import MODELS
 from validation.claims.checks.cell import cell, end, printed, warp_pull
 from validation.claims.checks.geometry import KEVLAR, ranked
@@ -71,9 +71,33 @@ def weft_energy(fabric, strain):
 
 
 @check()
-def failure_lines(fabric):
-    weave = catalogue.load(fabric).weave
-    return {name: w * (end(yarn) - 1) for name, w, yarn in zip(("warp", "weft"), weave.w, weave.yarns)}
+def failure_lines(fabric, reach):
+    """End displacements [m] at which each yarn of the coupled cell reaches its strength.
+
+    With the crossing yarn shortened by `reach` [m], so that it has lost contact; and, on the grid of Figure 4-28 of
+    +-`reach`, the share of pairs in contact (region 1), separated (region 2) and failed (region 3).
+    """
+    model = cell(fabric)
+    weave, found = model.fabric.weave, {}
+    for family, (name, yarn) in enumerate(zip(("warp", "weft"), weave.yarns)):
+        away = 1 - reach / weave.w[1 - family]
+
+        def over(stretch, family=family, away=away, yarn=yarn):
+            pair = (stretch, away) if family == 0 else (away, stretch)
+            return float(model.solve(*pair)[f"T{family + 1}"]) - yarn.strength
+
+        found[name] = weave.w[family] * (brentq(over, 1.0, 1.5, xtol=1e-12) - 1)
+    d = np.linspace(-reach, reach, 81)
+    state = model.solve(*np.meshgrid(*(1 + d / w for w in weave.w), indexing="ij"))
+    failed = (state["T1"] > weave.warp.strength) | (state["T2"] > weave.weft.strength)
+    touching = (state["F"] > 0) & ~failed
+    k = int(np.argmin(np.abs(d)))
+    return found | {
+        "contact at rest and beyond": bool(touching[k + 1, k + 1]),
+        "contact, both shortened": bool(touching[:k, :k].any()),
+        "note": f"region 1 {100 * touching.mean():.0f} %, region 2 {100 * (~touching & ~failed).mean():.0f} %, "
+        f"region 3 {100 * failed.mean():.0f} % of the pairs within {1e3 * reach:g} mm",
+    }
 
 
 @check()
@@ -101,22 +125,38 @@ def energy_surface(fabric):
     return {"least growth over the highest": min(steps)}
 
 
+def _survived(name, n=61):
+    """(warp strains (n,), stored energy [J] of the coupled cell (n, n)), nan where a yarn is past its strength."""
+    model = cell(name)
+    weave = model.fabric.weave
+    s1, s2 = (np.linspace(1, end(yarn), n) for yarn in weave.yarns)
+    found = model.solve(*np.meshgrid(s1, s2, indexing="ij"))
+    safe = (found["T1"] <= weave.warp.strength) & (found["T2"] <= weave.weft.strength)
+    return s1 - 1, np.where(safe, found["W"], np.nan)
+
+
 @check()
 def no_failure_extent():
-    extents = {name: end(catalogue.load(name).weave.warp) - 1 for name in KEVLAR}
-    return {"order": ranked(extents)}
+    """Warp strain up to which the coupled cell fails at no weft strain between rest and the weft's own failure."""
+    extents, every = {}, {}
+    for name in KEVLAR:
+        strain, W = _survived(name)
+        some, whole = np.isfinite(W).any(axis=1), np.isfinite(W[:, 0])
+        extents[name], every[name] = float(strain[some][-1]), float(strain[whole][-1])
+    return {
+        "order": ranked(extents),
+        "order, weft held": ranked(every),
+        "note": ", ".join(f"{n} {100 * extents[n]:.1f} %" for n in ranked(extents)),
+    }
 
 
 @check()
 def energy_level():
-    """Stored energy per area where both yarns are at their strength."""
+    """Largest stored energy per area of the coupled cell over all strains at which no yarn is past its strength."""
     found, denier, mass = {}, {}, {}
     for name in KEVLAR:
-        model = cell(name)
-        weave = model.fabric.weave
-        # both at their failure strain, straight: what one yarn stores at its strength, over the cell
-        W = sum(0.5 * yarn.strength * yarn.failure_strain * S0 for yarn, S0 in zip(weave.yarns, weave.S0))
-        found[name] = W / weave.cell_area
+        weave = cell(name).fabric.weave
+        found[name] = float(np.nanmax(_survived(name, 121)[1])) / weave.cell_area
         denier[name], mass[name] = weave.warp.linear_density, weave.areal_density
     order = ranked(found)
     per_mass = [found[name] / mass[name] for name in KEVLAR]
@@ -125,6 +165,7 @@ def energy_level():
         "highest": order[0],
         "lowest": order[-1],
         "follows the denier": follows,
+        "energy per mass, greatest over least": max(per_mass) / min(per_mass),
         "note": f"{', '.join(f'{n} {found[n]:.0f}' for n in order)} J/m2; "
         f"{min(per_mass) / 1e3:.1f} to {max(per_mass) / 1e3:.1f} kJ/kg",
     }

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from math import pi
 
 import numpy as np
@@ -76,17 +77,28 @@ def small_crimp(length, crimp):
     return {"height": height_from_length(length / 2, length * (1 + crimp))}
 
 
+@check(lambda fabric: {"made": Run.of("sections", fabric=fabric)})
+def fibre_area(made, fabric):
+    """Sum of the bars that cut the meshed section of a yarn."""
+    warp, weft = made["fibre"]
+    return {"area": warp, "difference of warp and weft": abs(warp / weft - 1)}
+
+
 @check()
-def fibre_area(fabric, bars):
+def bar_area(fabric, bars):
     area = catalogue.load(fabric).weave.warp.A_s
-    return {"area": area, "warp bar": area / bars[0], "weft bar": area / bars[1]}
+    return {"warp bar": area / bars[0], "weft bar": area / bars[1]}
 
 
-@check()
-def voided_area(fabric):
-    found = catalogue.load(fabric)
-    areas = [yarn.A_s / solid.Vf0 for yarn, solid in zip(found.weave.yarns, found.solid_laws)]
-    return {"warp": areas[0], "weft": areas[1]}
+@check(lambda fabric: {"made": Run.of("sections", fabric=fabric)})
+def voided_area(made, fabric):
+    """Sections of the meshed yarns of the 3D crossover, at right angles to the yarn: volume over length."""
+    crest = made["crest"]
+    return {
+        "warp": made["area"][0],
+        "weft": made["area"][1],
+        "note": f"at the crossing {1e6 * crest[0]:.4f} and {1e6 * crest[1]:.4f} mm2",
+    }
 
 
 @check()
@@ -155,13 +167,32 @@ def section_shape():
 
 @check()
 def projectile_mass(diameter, length, bore, depth, density):
-    solid = pi / 4 * diameter**2 * length * density
-    return {"solid": solid, "bored": solid - pi / 4 * bore**2 * depth * density}
+    """Mass of the nodes of the elastic projectile, solid and bored, and of the default one."""
+    from shellfabric.projectile.bar import Bar
+
+    full, tube = pi / 4 * diameter**2, pi / 4 * (diameter**2 - bore**2)
+    steel = replace(Bar.cylinder().material, density=density)
+    masses = [
+        float(np.sum(Bar(sections, steel).nodal_mass))
+        for sections in (((length, full),), ((length - depth, full), (depth, tube)))
+    ]
+    return {
+        "solid": masses[0],
+        "bored": masses[1],
+        "default": float(np.sum(Bar.cylinder().nodal_mass)),
+        "default density": Bar.cylinder().material.density,
+    }
 
 
 @check()
 def shell_density(fabric, thickness):
-    return {"density": catalogue.load(fabric).with_effective_density().weave.areal_density / thickness}
+    """Mass of the nodes of a panel over the volume of its elements."""
+    from shellfabric.cell.model import CellModel
+    from shellfabric.panel.model import Panel
+
+    panel = Panel(CellModel(catalogue.load(fabric).with_effective_density()).table(8))
+    area = np.prod([n * d for n, d in zip(panel.counts, panel.spacing)])
+    return {"density": float(panel.masses().sum()) / (area * thickness)}
 
 
 @check(lambda fabric, sections: {"made": Run.of("meshes", fabric=fabric, sections=sections)})

@@ -92,25 +92,30 @@ def weft_edge_peak(run, fabric):
 OFFSETS = tuple((1e-3 * np.arange(3, 100, 3)).round(6))
 
 
-@check(lambda fabric, window: {"run": shot(fabric, offsets=list(OFFSETS))})
-def reaction_profile(run, fabric, window):
-    """Tension of the weft yarns at the edge over their distance from the middle, as a mean over a window [s] of time.
+def high_zone(run, window, levels=(0.1,)):
+    """(width [m] at the first level, middle over plateau, middle and plateau [N], widths by level) of weft reactions.
 
-    The high zone ends where a tenth of what the middle has more than the plateau is left.
+    A mean over a window [s] of time; the zone ends where `level` of what the middle has more than the plateau is left.
     """
     t, N, offset = run["clock"], run["edge_tension"], run["edge_offset"]
     profile = N[:, (t > window[0]) & (t < window[1])].mean(axis=1)
-    early = N[:, (t > 0.4 * window[0]) & (t < 0.6 * window[0])].mean(axis=1)
-    outer = profile[(offset > 50e-3) & (offset < 85e-3)].mean()
-    width = {}
-    for level in (0.1, 0.25, 0.5):
+    outer, width = profile[(offset > 50e-3) & (offset < 85e-3)].mean(), {}
+    for level in levels:
         below = np.flatnonzero(profile < outer + level * (profile[0] - outer))
         width[level] = 2 * float(offset[below[0]]) if below.size else np.nan
+    return width[levels[0]], profile[0] / outer, profile[0], outer, width
+
+
+@check(lambda fabric, window: {"run": shot(fabric, offsets=list(OFFSETS))})
+def reaction_profile(run, fabric, window):
+    """Tension of the weft yarns at the edge over their distance from the middle (`high_zone`, at a tenth)."""
+    early = 0.4 * window[0], 0.6 * window[0]
+    wide, share, middle, outer, width = high_zone(run, window, (0.1, 0.25, 0.5))
     return {
-        "centre over plateau": profile[0] / outer,
-        "width of the high zone": width[0.1],
-        "builds up": bool(profile[0] > early[0]),
-        "note": f"{profile[0]:.0f} N in the middle, {outer:.0f} N beyond 50 mm; "
+        "centre over plateau": share,
+        "width of the high zone": wide,
+        "builds up": bool(middle > high_zone(run, early)[2]),
+        "note": f"{middle:.0f} N in the middle, {outer:.0f} N beyond 50 mm; "
         + ", ".join(f"{1e3 * w:.0f} mm wide at {100 * level:.0f} %" for level, w in width.items())
         + " of the excess",
     }

@@ -81,6 +81,29 @@ def back_face(**runs):
 
 
 @check(six)
+def velocity_order(**runs):
+    """Which fabric has taken most and least from the projectile at equal displacements, and the velocities' order.
+
+    At all displacements from half of the least back face on, to it; and the order of the six velocities after 150 us.
+    """
+    stop = min(run["z"][-1] for run in runs.values())
+    z, left, late = np.linspace(0.5 * stop, stop, 50), {}, {}
+    for name in KEVLAR:
+        run = runs[name.replace("-", "")]
+        left[name] = np.interp(z, run["z"], run["v"])
+        late[name] = float(series.velocity(run, 150e-6))
+    by = [sorted(KEVLAR, key=lambda name, k=k: left[name][k]) for k in range(len(z))]
+    return {
+        "takes most": by[-1][0],
+        "takes least, at all displacements": by[0][-1] if len({order[-1] for order in by}) == 1 else "changes",
+        "fastest after 150 us": max(late, key=late.get),
+        "note": "after 150 us "
+        + ", ".join(f"{n} {late[n]:.1f}" for n in ranked(late))
+        + f" m/s; {by[0][-1]} takes least after {1e3 * z[0]:.1f} mm, {by[-1][-1]} after {1e3 * z[-1]:.1f} mm",
+    }
+
+
+@check(six)
 def kinetic_share(**runs):
     means, later = {}, {}
     for name in KEVLAR:
@@ -165,9 +188,13 @@ def both_families(**runs):
 def failure_by_speed(fabric, velocities, **runs):
     times = [np.nanmin(runs[f"v{v:g}".replace(".", "_")]["first_failure"]) for v in velocities]
     drops = np.diff(times)
+    jump = int(np.argmin(drops))
     return {
         "greatest growth": drops.max(),
         "fastest": times[-1],
+        "largest drop over the whole fall": drops[jump] / (times[-1] - times[0]),
+        "after the jump": times[jump + 1],
+        "before the jump": times[jump],
         "note": ", ".join(f"{v:g} m/s {1e6 * t:.1f} us" for v, t in zip(velocities, times)),
     }
 

@@ -9,6 +9,8 @@ from validation.claims.checks.impact import PERFORATED, STOPPED, told
 from validation.claims.registry import check
 from validation.claims.run import Run
 
+FILTER = 2e-6  # [s] over which a tension is averaged before it is held against the strength
+
 
 def pack(fabric, velocity, plies, **changes):
     """A shot at a pack."""
@@ -107,20 +109,36 @@ def gaps(fabric, velocity, plies, added, **runs):
     }
 
 
-@check(
-    lambda fabric, velocity, plies: {
-        "smooth": pack(fabric, velocity, plies),
-        "nodes": pack(fabric, velocity, plies, form="nodes"),
-    }
-)
-def naive(smooth, nodes, fabric, velocity, plies):
-    """Failures with nodes held against facets, and with smooth surfaces."""
-    failed = [run["plies"]["failed_yarns"][-1].sum() for run in (smooth, nodes)]
+def _forms(fabric, velocity, plies):
+    """The smooth contact between plies; node to node; and that with tensions averaged before they fail a yarn."""
+    nodes = {"form": "nodes"}
     return {
-        "yarns failed more with nodes against facets": failed[1] - failed[0],
-        "outcome of the smooth contact": told(smooth),
-        "note": f"smooth: {told(smooth)}, {failed[0]:.0f} failed; nodes: {told(nodes)}, {failed[1]:.0f} failed",
+        "smooth": pack(fabric, velocity, plies),
+        "nodes": pack(fabric, velocity, plies, **nodes),
+        "averaged": pack(fabric, velocity, plies, failure_time=FILTER, **nodes),
     }
+
+
+@check(_forms)
+def naive(smooth, nodes, averaged, fabric, velocity, plies):
+    """Failed yarn segments and outcomes with smooth contact and with nodes pushing on the nodes opposite to them."""
+    failed = {name: run["plies"]["failed_yarns"][-1].sum() for name, run in _named(smooth, nodes, averaged)}
+    return {
+        "failed segments, node to node": failed["node to node"],
+        "failed segments, smooth": failed["smooth"],
+        "failed segments, node to node, averaged": failed["averaged"],
+        "outcome, smooth": told(smooth),
+        "outcome, node to node": told(nodes),
+        "outcome, averaged": told(averaged),
+        "note": "; ".join(
+            f"{name}: {told(run)} after {1e6 * run['t'][-1]:.0f} us, {failed[name]:.0f} failed"
+            for name, run in _named(smooth, nodes, averaged)
+        ),
+    }
+
+
+def _named(smooth, nodes, averaged):
+    return (("smooth", smooth), ("node to node", nodes), ("averaged", averaged))
 
 
 @check(
@@ -171,8 +189,32 @@ def cheap_face(same, cheap, fabric, velocity, plies):
     return {"largest change": np.abs(off).max()}
 
 
-@check(lambda cases: {f"run{n}": pack(*case, failure_time=2e-6) for n, case in enumerate(cases)})
+def _early(cases):
+    runs = {f"run{n}": pack(*case, form="nodes") for n, case in enumerate(cases)}
+    return runs | {f"averaged{n}": pack(*case, form="nodes", failure_time=FILTER) for n, case in enumerate(cases)}
+
+
+@check(_early)
+def averaged(cases, **runs):
+    """Failed segments of packs that fail early, node to node, with tensions as they are and averaged over FILTER."""
+    at_once, later = (
+        [runs[f"{name}{n}"]["plies"]["failed_yarns"][-1].sum() for n in range(len(cases))]
+        for name in ("run", "averaged")
+    )
+    return {
+        "least failed at once": min(at_once),
+        "most failed, averaged": max(later),
+        "all stop, averaged": all(told(runs[f"averaged{n}"]) == STOPPED for n in range(len(cases))),
+        "note": "; ".join(
+            f"{case[2]} plies of {case[0]} at {case[1]:g} m/s: {a:.0f} segments failed at once, {b:.0f} averaged, "
+            f"{told(runs[f'averaged{n}'])}"
+            for n, (case, a, b) in enumerate(zip(cases, at_once, later))
+        ),
+    }
+
+
+@check(lambda cases: {f"run{n}": pack(*case, failure_time=FILTER) for n, case in enumerate(cases)})
 def filtered(cases, **runs):
-    """Outcomes with tensions that are low-passed over 2 us before they are held against the strength."""
+    """Outcomes with tensions that are low-passed over FILTER before they are held against the strength."""
     found = [told(runs[f"run{n}"]) for n in range(len(cases))]
     return {"outcomes": found, "all stop": all(one == "stops" for one in found)}

@@ -1,4 +1,8 @@
-"""Pencilling: depth and shape of the crater behind light and heavy targets (source thesis section 6.5, Table 6-2)."""
+"""Pencilling: depth and shape of the crater behind light and heavy targets (source thesis section 6.5, Table 6-2).
+
+The plies are free at their edges: section 6.5 links pencilling to the in-plane mobility of plies that bunch up around
+the projectile, which clamped plies are kept from. `edge` "clamped" gives the other case.
+"""
 
 from __future__ import annotations
 
@@ -10,18 +14,20 @@ from validation.claims.run import Run
 CASES = {1: (1, 5.0, 1.155), 2: (1, 1.0, 1.155), 3: (1, 5.0, 0.231), 4: (1, 1.0, 0.231), 5: (4, 1.0, 1.155)}
 
 
-def case(number):
-    """A run of Table 6-2; 0 is the bare block."""
-    plies, modulus, mass = CASES.get(number, (0, 1.0, 0.0))
-    return Run.of("pencil", plies=plies, modulus=modulus, mass=mass)
+def case(number, edge="free", mass=None, **changes):
+    """A run of Table 6-2; 0 is the bare block. `mass` [kg/m2] in all instead of the table's."""
+    if number not in CASES:
+        return Run.of("pencil", plies=0, modulus=1.0, mass=0.0)
+    plies, modulus, listed = CASES[number]
+    return Run.of("pencil", plies=plies, modulus=modulus, mass=mass or listed, edge=edge, **changes)
 
 
 def _cases(*numbers):
-    return lambda **_: {f"case{n}": case(n) for n in numbers}
+    return lambda edge="free", mass=None: {f"case{n}": case(n, edge, mass) for n in numbers}
 
 
-@check(lambda number: {"run": case(number)})
-def completes(run, number):
+@check(lambda number, edge="free": {"run": case(number, edge)})
+def completes(run, number, edge="free"):
     return {
         "completes": run["outcome"] == "stopped",
         "note": f"{1e3 * run['depth']:.1f} mm deep after {1e6 * run['t'][-1]:.0f} us; wall at "
@@ -30,7 +36,7 @@ def completes(run, number):
 
 
 @check(_cases(0, 1, 2, 5))
-def equal_mass(case0, case1, case2, case5):
+def equal_mass(case0, case1, case2, case5, edge="free", mass=None):
     depth = {n: run["depth"] for n, run in ((0, case0), (1, case1), (2, case2), (5, case5))}
     return {
         "one ply over four, stiff": depth[1] / depth[5],
@@ -41,7 +47,7 @@ def equal_mass(case0, case1, case2, case5):
 
 
 @check(_cases(3, 4, 5))
-def light(case3, case4, case5):
+def light(case3, case4, case5, edge="free"):
     depth = [run["depth"] for run in (case3, case4, case5)]
     return {
         "light, stiff, over four plies": depth[0] / depth[2],
@@ -51,7 +57,7 @@ def light(case3, case4, case5):
 
 
 @check(_cases(1, 2, 4))
-def mass_over_modulus(case1, case2, case4):
+def mass_over_modulus(case1, case2, case4, edge="free"):
     mass, modulus = abs(case4["depth"] - case2["depth"]), abs(case2["depth"] - case1["depth"])
     return {
         "mass less modulus": mass - modulus,
@@ -60,9 +66,30 @@ def mass_over_modulus(case1, case2, case4):
 
 
 @check(_cases(4, 5))
-def steeper(case4, case5):
+def steeper(case4, case5, edge="free"):
     return {
         "difference of the walls": case4["steepness"] - case5["steepness"],
         "note": f"walls at {np.degrees(case4['steepness']):.0f} and {np.degrees(case5['steepness']):.0f} degrees; "
         f"{1e3 * case4['half_width']:.1f} and {1e3 * case5['half_width']:.1f} mm to half depth",
+    }
+
+
+@check(lambda number: {edge: case(number, edge) for edge in ("free", "clamped")})
+def constrained(free, clamped, number):
+    """Depth and wall of the crater behind plies that are held in their plane at the edges, over free ones."""
+    return {
+        "depth, clamped over free": clamped["depth"] / free["depth"],
+        "wall, clamped less free": clamped["steepness"] - free["steepness"],
+        "note": f"{1e3 * clamped['depth']:.1f} and {1e3 * free['depth']:.1f} mm deep; walls at "
+        f"{np.degrees(clamped['steepness']):.0f} and {np.degrees(free['steepness']):.0f} degrees",
+    }
+
+
+@check(lambda number, factor: {"same": case(number), "layer": case(number, layer=factor)})
+def shear_layer(same, layer, number, factor):
+    """Wall of the crater with a ply next to the block that touches and locks at `factor` times the shear angles."""
+    return {
+        "change of the wall": layer["steepness"] - same["steepness"],
+        "note": f"walls at {np.degrees(layer['steepness']):.1f} and {np.degrees(same['steepness']):.1f} degrees, "
+        f"{1e3 * layer['depth']:.2f} and {1e3 * same['depth']:.2f} mm deep with and without the layer",
     }

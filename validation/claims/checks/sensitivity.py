@@ -6,11 +6,10 @@ Areal density changes mass alone; the stiffness of the yarns is kept (section 6.
 from __future__ import annotations
 
 import itertools
-from dataclasses import replace
 
 import numpy as np
 
-from fabrics import catalogue
+from fabrics import catalogue, variants
 from shellfabric.cell.model import CellModel
 from validation.claims.checks import series
 from validation.claims.checks.impact import shot
@@ -53,8 +52,7 @@ def cell(fabric, parameter, strain):
     for factor in FACTORS:
         given = catalogue.load(fabric)
         field = {"modulus": "E", "crimp": "crimp"}[parameter]
-        warp, weft = (replace(yarn, **{field: getattr(yarn, field) * factor}) for yarn in given.weave.yarns)
-        changed = replace(given, weave=replace(given.weave, warp=warp, weft=weft))
+        changed = variants.scale_yarns(given, **{field: factor})
         T.append(float(CellModel(changed, form="equilibrium").solve(1 + strain, 1.0)["T1"]))
     return {
         "less": T[0],
@@ -185,6 +183,24 @@ def absorbed(fabric, t, **runs):
     return {
         "largest over least": max(change.values()) / min(change.values()),
         "note": ", ".join(f"{n} {100 * c:.1f} % of the strike energy" for n, c in change.items()),
+    }
+
+
+def all_limits(fabric):
+    """Runs of the critical velocity with each parameter 20 % less and more."""
+    return {f"{p}_{name}": run for p in NAMES for name, run in limits(fabric, p).items()}
+
+
+@check(all_limits)
+def critical_energy(fabric, **runs):
+    """Change of the critical strike energy, from -20 to +20 % of each parameter, over that of the fabric as it is."""
+    change = {}
+    for p, name in NAMES.items():
+        low, mid, high = (runs[f"{p}_{which}"]["velocity"] ** 2 for which in ("low", "mid", "high"))
+        change[name] = abs(high - low) / mid
+    return {
+        "largest over least": max(change.values()) / max(min(change.values()), 1e-12),
+        "note": ", ".join(f"{n} {100 * c:.1f} % of the critical energy" for n, c in change.items()),
     }
 
 

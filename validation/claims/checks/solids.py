@@ -11,16 +11,12 @@ from validation.claims.registry import check
 from validation.claims.run import Run
 
 
-@check()
-def fibre_fraction():
-    """exp(e1) / J of the solid's frame (QR of the deformation gradient) against 1 / (R22 R33)."""
-    rng, worst = np.random.default_rng(2), 0.0
-    for _ in range(50):
-        F = np.eye(3) + 0.2 * rng.standard_normal((3, 3))
-        stretch = np.linalg.norm(F[:, 0])
-        R = np.abs(np.diag(np.linalg.qr(F)[1]))
-        worst = max(worst, abs(stretch / abs(np.linalg.det(F)) * R[1] * R[2] - 1))
-    return {"relative difference": worst}
+@check(lambda fabric, stretch: {"brick": Run.of("brick", fabric=fabric, stretch=stretch)})
+def fibre_fraction(brick, fabric, stretch):
+    """Fibre fraction that the axial stress of one brick has (eq. 3-2), against Vf0 exp(e1) / J (eqs. 3-6 to 3-9)."""
+    found = brick["stress"] / (brick["strain"] * brick["E_a"])
+    expected = catalogue.load(fabric).solid_laws[0].Vf0 * np.exp(brick["strain"]) / np.prod(stretch)
+    return {"relative difference": abs(found / expected - 1), "fraction": found}
 
 
 @check()
@@ -131,4 +127,19 @@ def patch_mass(run, fabric, velocity):
         "change of mass": abs(after / before - 1),
         "bars failed": run["failed_bars"],
         "note": f"{1e6 * before:.4g} mg, {run['failed_bars']:.0f} bars failed after {1e6 * run['time']:.1f} us",
+    }
+
+
+@check(lambda fabric, velocity: {"run": Run.of("solids", fabric=fabric, velocity=velocity, count=8, time=2e-6)})
+def hourglass_energy(run, fabric, velocity):
+    """Energy of the hourglass control of a patch of one-point solids over its internal energy, at its worst.
+
+    From where the patch has a hundredth of the internal energy that it has at the end.
+    """
+    energies = run["energies"]
+    inside = energies["fibres"] + energies["solids"] + energies["hourglass"]
+    some = inside > 0.01 * inside[-1]
+    return {
+        "largest share": float((energies["hourglass"] / np.where(some, inside, 1.0))[some].max()),
+        "share at the end": float(energies["hourglass"][-1] / inside[-1]),
     }

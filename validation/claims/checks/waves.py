@@ -14,6 +14,8 @@ from validation.claims.checks.geometry import KEVLAR, ranked
 from validation.claims.registry import check
 from validation.claims.run import Run
 
+NOSE = 3e-3  # [m] beyond the rounded edge of the projectile
+
 
 def shot(fabric, velocity=100.0, **changes):
     """Run of a shot."""
@@ -116,6 +118,27 @@ def cone(run, later, fabric, velocity, slower, mass, time):
         "R2": side,
         "fall of the slope": change,
         "note": f"slope {slope:.3f}; {run['force']:.0f} N take {lost:.2f} m/s off {1e3 * mass:g} g",
+    }
+
+
+@check(
+    lambda fabric, velocity, length, times: {
+        "run": Run.of("yarn_in_shell", fabric=fabric, velocity=velocity, length=length, end_time=max(times) + 2e-6)
+    }
+)
+def shell_cone(run, fabric, velocity, length, times):
+    """Sides of the cone of straight yarns of the shell that cross nothing: straightness, and slope at times [s]."""
+    slopes, R2 = [], []
+    for t in times:
+        k = int(np.argmin(np.abs(run["clock"] - t)))
+        x, z = run["place"][k], run["deflection"][k]
+        side = (x > NOSE) & (z > 0.1 * z.max())
+        slopes.append(-np.polyfit(x[side], z[side], 1)[0])
+        R2.append(np.corrcoef(x[side], z[side])[0, 1] ** 2)
+    return {
+        "R2": min(R2),
+        "fall of the slope": 1 - slopes[-1] / slopes[0],
+        "note": ", ".join(f"{1e6 * t:.0f} us: slope {s:.3f}, R2 {r:.4f}" for t, s, r in zip(times, slopes, R2)),
     }
 
 

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
-from fabrics import catalogue
+from fabrics import catalogue, variants
 from fabrics.errors import UnstableError
-from fabrics.trellis import TrellisShear
 from shellfabric.cell.model import CellModel
 from shellfabric.coupon import quasistatic
 
@@ -18,7 +17,6 @@ CLOTHS = {
     "none": "no trellis",
     "straight": "straight yarns, modulus G1",
 }
-NEARLY_STRAIGHT = 1e-6  # crimp: the shell's thickness is that of the crimp, and must not be zero
 
 
 @dataclass(frozen=True)
@@ -57,15 +55,11 @@ def cloth(name):
     """(fabric, cell model's name, whether the trellis acts) of one of CLOTHS."""
     fabric = catalogue.load("S-728").with_effective_density()
     crimp = 0.5 * sum(yarn.crimp for yarn in fabric.weave.yarns)
-    fabric, shear = _crimped(fabric, crimp), fabric.shear
+    fabric = variants.with_yarns(fabric, crimp=crimp)
+    soft = variants.with_shear(fabric, G2=fabric.shear.G1)
     if name == "straight":
-        thickness = fabric.weave.thickness
-        fabric = _crimped(fabric, NEARLY_STRAIGHT)
-        modulus = shear.G1 * thickness / fabric.weave.thickness
-        return replace(fabric, shear=TrellisShear(modulus, modulus, shear.gamma1, shear.gamma2)), "decoupled", True
-    if name == "soft":
-        return replace(fabric, shear=TrellisShear(shear.G1, shear.G1, shear.gamma1, shear.gamma2)), "compressible", True
-    return fabric, "compressible", name == "locking"
+        return variants.with_straight_yarns(soft), "decoupled", True
+    return soft if name == "soft" else fabric, "compressible", name in ("locking", "soft")
 
 
 def run(name, *, steps=20, table_size=201, **changes) -> Case:
@@ -96,8 +90,3 @@ def asymmetry(result):
         image = [keys[tuple(key)] for key in np.round(1e7 * rest * sign).astype(int)]
         worst = max(worst, float(np.abs(x[image] - x * sign).max()))
     return worst / width
-
-
-def _crimped(fabric, crimp):
-    warp, weft = (replace(yarn, crimp=crimp) for yarn in fabric.weave.yarns)
-    return replace(fabric, weave=replace(fabric.weave, warp=warp, weft=weft))

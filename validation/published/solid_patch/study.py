@@ -13,7 +13,7 @@ import numpy as np
 
 from fabrics import catalogue
 from fabrics.errors import InputError
-from fabrics.files import replace_whole
+from fabrics.files import write_hdf5
 from meshing import patch
 from shellfabric.impact import single_ply
 from shellfabric.solid.model import SolidPatch
@@ -135,10 +135,7 @@ def summary(march, beside=None, processor_seconds=None):
 
 def write(march, beside, path):
     """Samples, places at the end, and the shell's histories, in one HDF5 file; every dataset has its unit."""
-    import h5py
-
-    with replace_whole(path) as file_name, h5py.File(file_name, "w") as file:
-        file.attrs["format"], file.attrs["fabric"] = FORMAT, march.patch.fabric.name
+    with write_hdf5(path, FORMAT, fabric=march.patch.fabric.name) as file:
         file.attrs["strike_velocity"], file.attrs["wall_time"] = march.strike_velocity, march.wall_time
         file.attrs["bricks"], file.attrs["steps"] = march.patch.bricks, march.steps
 

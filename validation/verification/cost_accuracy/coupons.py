@@ -9,13 +9,12 @@ from importlib import resources
 
 import numpy as np
 
-from fabrics import catalogue
+from fabrics import catalogue, variants
 from fabrics.units import si
 from shellfabric.cell.model import CellModel
 from shellfabric.coupon import quasistatic
 from validation.published.bias_extension import cases, dynamic
 from validation.verification.cost_accuracy.core import Method
-from weavecell.analysis.homogenised_weave import coarse
 
 
 @dataclass(frozen=True)
@@ -40,10 +39,10 @@ class Test:
 
     def cell(self, fabric):
         """Table of a fabric."""
-        laws = tuple(replace(law, form=self.law) for law in fabric.laws)
+        fabric = variants.with_law_form(fabric, self.law)
         if self.elements < 1:
-            fabric, laws = coarse(fabric, laws, round(1 / self.elements))
-        return CellModel(fabric, laws, model=self.model).table(self.table)
+            fabric = variants.homogenised(fabric, round(1 / self.elements))
+        return CellModel(fabric, model=self.model).table(self.table)
 
     @property
     def choices(self):

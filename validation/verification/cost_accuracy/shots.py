@@ -9,7 +9,7 @@ from importlib import resources
 
 import numpy as np
 
-from fabrics import catalogue
+from fabrics import catalogue, variants
 from fabrics.errors import UnstableError
 from fabrics.units import si
 from shellfabric.cable import solver as cable_solver
@@ -18,7 +18,6 @@ from shellfabric.cell.model import CellModel
 from shellfabric.panel.model import Numerics, Panel
 from shellfabric.panel.solver import PanelSolver
 from validation.verification.cost_accuracy.core import Method
-from weavecell.analysis.homogenised_weave import coarse
 
 LEFT, STOPS = "perforated", "stopped"
 
@@ -99,15 +98,15 @@ def run(case):
 def panel(case: Shell) -> Panel:
     """The panel of a case; fills the table of its cell."""
     fabric = catalogue.load(case.shot.fabric).with_effective_density()
-    laws = tuple(replace(law, form=case.law) for law in fabric.laws)
+    fabric = variants.with_law_form(fabric, case.law)
     if case.elements < 1:
-        fabric, laws = coarse(fabric, laws, round(1 / case.elements))
+        fabric = variants.homogenised(fabric, round(1 / case.elements))
     numerics = Numerics(
         cfl=case.cfl, stretch_viscosity=case.viscosity, precision=case.precision, threads=1,
         contact_points=8 if case.elements < 1 else None,  # coarse models are to be cheap ones
     )  # fmt: skip
     return Panel(
-        CellModel(fabric, laws, model=case.model, form=case.form).table(case.table),
+        CellModel(fabric, model=case.model, form=case.form).table(case.table),
         (case.shot.opening, case.shot.opening), symmetry=case.symmetry,
         elements_per_crossover=max(1, int(case.elements)), numerics=numerics,
     )  # fmt: skip

@@ -7,6 +7,7 @@ from dataclasses import asdict, dataclass, replace
 
 import numpy as np
 
+from fabrics import variants
 from fabrics.compression import CompressionLaw
 from fabrics.errors import InputError, UnstableError
 from meshing import crossover as mesher
@@ -80,10 +81,7 @@ def solve(fabric, paths, case):
     dict of plain types: values {"T1, warp only": [N] ...}, law {"a", "b", "rms"} or None, wall and cpu [s], steps,
     tangents factorised, unknowns, failed {path: why it ended early}
     """
-    solids = tuple(
-        replace(law, **{name: getattr(law, name) * factor for name, factor in case.solids}) for law in fabric.solid_laws
-    )
-    fabric = replace(fabric, solid_laws=solids)
+    fabric = variants.scale_solids(fabric, dict(case.solids))
     _warm_up(fabric)
     wall, cpu = time.perf_counter(), time.process_time()
     mesh = _mesh(fabric, case)

@@ -1,10 +1,8 @@
 """Bias extension with less and less trellis: where the shear runs into bands (source thesis Figure 4-27)."""
 
-from dataclasses import replace
-
 import numpy as np
 
-from fabrics.trellis import TrellisShear
+from fabrics import variants
 from shellfabric.cell.model import CellModel
 from shellfabric.coupon import quasistatic
 from validation.published.bias_extension import cases
@@ -22,7 +20,7 @@ def pull(factor, law):
     shear = fabric.shear
     G2 = shear.G2 if law == LAWS[0] else shear.G1
     if factor:
-        fabric = replace(fabric, shear=TrellisShear(factor * shear.G1, factor * G2, shear.gamma1, shear.gamma2))
+        fabric = variants.with_shear(fabric, G1=factor * shear.G1, G2=factor * G2)
     result = quasistatic.bias_extension(
         CellModel(fabric).table(51), length=base.length, width=base.width, elongation=base.elongation, steps=3,
         trellis=factor > 0, tolerance=1e-3, max_iterations=20_000,

@@ -4,10 +4,10 @@ from dataclasses import replace
 from functools import cache
 
 from fabrics import catalogue
+from fabrics.variants import homogenised
 from shellfabric.cell.model import CellModel
 from validation.verification.stability import shots
 from validation.verification.stability.core import BELOW, STABLE, WRONG, Axis, Map, Outcome, guarded
-from weavecell.analysis.homogenised_weave import coarse
 
 ALLOWED, VELOCITY = 0.15, 130.0
 RADII = (0.01e-3, 0.02e-3, 0.05e-3, 0.1e-3, 0.2e-3, 0.3e-3, 0.6e-3, 1.2e-3)
@@ -26,8 +26,7 @@ MESHES = {
 def table(crossovers):
     """Table of the cell of an element of so many crossovers, squared."""
     fabric = catalogue.load(shots.FABRIC).with_effective_density()
-    fabric, laws = coarse(fabric, None, crossovers) if crossovers > 1 else (fabric, None)
-    return CellModel(fabric, laws).table(shots.TABLE)
+    return CellModel(homogenised(fabric, crossovers) if crossovers > 1 else fabric).table(shots.TABLE)
 
 
 def shot(radius, crossovers, elements, points):

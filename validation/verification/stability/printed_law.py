@@ -1,9 +1,9 @@
 """The printed law d = a - b / F^(1/3) beside the regularised one, d = a - b / (F + F0)^(1/3), near F = 0."""
 
-from dataclasses import replace
 from functools import cache
 
 from fabrics import catalogue
+from fabrics.variants import with_law_form
 from shellfabric.cell.model import CellModel
 from shellfabric.panel import quality
 from validation.verification.stability.core import STABLE, WRONG, Axis, Map, Outcome, guarded
@@ -17,7 +17,7 @@ ALLOWED = 0.01  # of the strength
 def _table():
     """Table of the cell with the printed law."""
     fabric = catalogue.load(FABRIC)
-    return CellModel(fabric, tuple(replace(law, form="printed") for law in fabric.laws)).table(51)
+    return CellModel(with_law_form(fabric, "printed")).table(51)
 
 
 def point(d1, d2):
@@ -26,8 +26,8 @@ def point(d1, d2):
     def run():
         fabric = catalogue.load(FABRIC)
         w, strength = fabric.weave.w, fabric.weave.warp.strength
-        laws = tuple(replace(law, form="printed") for law in fabric.laws)
-        ours, theirs = (CellModel(fabric, l).solve(1 + d1 / w[0], 1 + d2 / w[1]) for l in (None, laws))
+        printed = with_law_form(fabric, "printed")
+        ours, theirs = (CellModel(one).solve(1 + d1 / w[0], 1 + d2 / w[1]) for one in (fabric, printed))
         off = max(abs(float(ours[T] - theirs[T])) for T in ("T1", "T2")) / strength
         lost = float(ours["F"]) == 0.0 and float(theirs["F"]) > 0.0
         told = f"contact of {float(theirs['F']):.2g} N where there is none" if lost else ""

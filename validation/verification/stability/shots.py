@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cache
 
-from fabrics import catalogue
+from fabrics import catalogue, variants
 from shellfabric.cell.model import CellModel
 from shellfabric.panel import quality
 from shellfabric.panel.model import Numerics, Panel
@@ -46,9 +46,8 @@ def table(form="variational", straight=False):
     fabric = catalogue.load(FABRIC).with_effective_density()
     if not straight:
         return CellModel(fabric, form=form).table(TABLE)
-    weave = fabric.weave
-    yarns = {name: replace(getattr(weave, name), crimp=1e-6) for name in ("warp", "weft")}
-    return CellModel(replace(fabric, weave=replace(weave, **yarns)), form=form, model="decoupled").table(TABLE)
+    fabric = variants.with_yarns(fabric, crimp=variants.NEARLY_STRAIGHT)
+    return CellModel(fabric, form=form, model="decoupled").table(TABLE)
 
 
 def fire(cell=None, *, elements=1, edge_radius=0.3e-3, end=END, velocity=VELOCITY, failure=True, **knobs) -> Answer:

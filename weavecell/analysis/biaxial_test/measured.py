@@ -14,8 +14,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fabrics import columns
 from fabrics.errors import InputError
+from fabrics.files import read_columns
 
 FEWEST = 8
 COLUMNS = ("warp strain", "weft strain", "warp tension", "weft tension")
@@ -64,7 +64,7 @@ class Test:
         ------
         InputError : one line naming the file, the row, the value and what is allowed
         """
-        table = columns.read(
+        table = read_columns(
             path, {name: "" if name.endswith("strain") else "N" for name in COLUMNS}, what="a biaxial test",
             content="strains and tensions", heading=f"{', '.join(COLUMNS)}, each with [unit]",
             accepts=lambda names: len(set(names)) == len(names) and set(COLUMNS[:2]) <= set(names),

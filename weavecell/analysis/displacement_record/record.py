@@ -14,8 +14,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fabrics import columns
 from fabrics.errors import InputError
+from fabrics.files import read_columns
 
 FEWEST = 50
 UNEVEN = 1e-3  # of the spacing: what rounding in a file may do to it
@@ -64,7 +64,7 @@ class Record:
         ------
         InputError : one line naming the file, the row, the value and what is allowed
         """
-        found = columns.read(
+        found = read_columns(
             path, _UNITS, what="a displacement record", content="time [us], displacement [mm]",
             heading="time [unit] or displacement [unit]",
             accepts=lambda names: sorted(names) == sorted(_UNITS), columns="time and displacement",

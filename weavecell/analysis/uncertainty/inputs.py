@@ -6,10 +6,11 @@ Areal density changes mass alone, the stiffness of the yarns is kept, as in the 
 from __future__ import annotations
 
 import tomllib
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from importlib import resources
 from math import inf
 
+from fabrics import variants
 from fabrics.errors import InputError
 from fabrics.units import si
 
@@ -76,33 +77,16 @@ def changed(fabric, **factors):
 
     Raises
     ------
-    InputError : an unknown name, or the trellis or compression of a fabric that has none
+    InputError : an unknown name
     """
     f = dict.fromkeys(table("range"), 1.0)
     unknown = set(factors) - set(f)
     if unknown:
         raise InputError(key=min(unknown), allowed=f"one of {', '.join(f)}")
     f |= factors
-    mass, laws, shear = f["areal_density"], fabric.laws, fabric.shear
-    warp, weft = (
-        replace(
-            yarn,
-            E=yarn.E * f["modulus"] / mass,  # the section grows with the linear density, and E A_s is to stay
-            linear_density=yarn.linear_density * mass,
-            failure_strain=yarn.failure_strain * f["failure_strain"],
-            crimp=yarn.crimp * f[f"crimp_{family}"],
-        )
-        for yarn, family in zip(fabric.weave.yarns, ("warp", "weft"))
+    fabric = variants.scale_yarns(
+        fabric, E=f["modulus"], failure_strain=f["failure_strain"], crimp=(f["crimp_warp"], f["crimp_weft"])
     )
-    if laws is not None:
-        laws = tuple(replace(law, a=law.a * f["compression_a"], b=law.b * f["compression_b"]) for law in laws)
-    if shear is not None:
-        stiffer, wider = f["trellis_stiffness"], f["trellis_angles"]
-        shear = replace(
-            shear,
-            G1=shear.G1 * stiffer,
-            G2=shear.G2 * stiffer,
-            gamma1=shear.gamma1 * wider,
-            gamma2=shear.gamma2 * wider,
-        )
-    return replace(fabric, weave=replace(fabric.weave, warp=warp, weft=weft), laws=laws, shear=shear)
+    fabric = variants.scale_areal_density(fabric, f["areal_density"])
+    fabric = variants.scale_laws(fabric, f["compression_a"], f["compression_b"])
+    return variants.scale_shear(fabric, f["trellis_stiffness"], f["trellis_angles"])

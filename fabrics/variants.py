@@ -1,0 +1,181 @@
+"""Variants of a fabric: the one place where a fabric is changed into another.
+
+Every function takes a `Fabric` and returns a new one; the given fabric stays as it is. A value of the yarns is a
+number for both families or a pair (warp, weft), and so is a factor. Sources stay those of the given fabric.
+
+| change | function |
+| --- | --- |
+| values of the yarns (crimp, modulus, ...) | `with_yarns`, `scale_yarns` |
+| areal density at constant stiffness of the yarns | `scale_areal_density` |
+| nearly straight yarns | `with_straight_yarns` |
+| compression laws | `with_law_form`, `scale_laws` |
+| trellis shear | `with_shear`, `scale_shear` |
+| solid laws of the 3D crossover | `with_solids`, `scale_solids` |
+| warp and weft exchanged | `rotated_90` |
+| one crossover for n x n | `homogenised` |
+
+The linear densities of the runs of the thesis are the fabric's own data (`Fabric.with_effective_density`), and laws
+assumed for para-aramid yarns stand in `fabrics.assumed`. Which cell a fabric is solved with (compressible,
+incompressible, decoupled) is a choice of the model: `shellfabric.cell.model.CellModel`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import replace
+from typing import TypeAlias
+
+from fabrics.errors import InputError
+from fabrics.fabric import Fabric, pair
+
+Value: TypeAlias = float | Iterable[float]
+NEARLY_STRAIGHT = 1e-6  # [-] crimp: the thickness of the cloth is that of its crimp, and must not be zero
+
+
+def with_yarns(fabric: Fabric, **values: Value) -> Fabric:
+    """Other values of the yarns.
+
+    Parameters
+    ----------
+    values : fields of `Yarn`: linear_density [kg/m], fibre_density [kg/m3], E [Pa], failure_strain [-], crimp [-]
+
+    Raises
+    ------
+    InputError : a value that `Yarn` does not allow
+    """
+    return fabric.with_yarns(**values)
+
+
+def scale_yarns(fabric: Fabric, **factors: Value) -> Fabric:
+    """Values of the yarns, each times a factor [-]; `factors` by the fields of `Yarn`."""
+    return fabric.with_yarns(**{
+        name: tuple(getattr(yarn, name) * factor for yarn, factor in zip(fabric.weave.yarns, pair(factors)))
+        for name, factors in factors.items()
+    })  # fmt: skip
+
+
+def scale_areal_density(fabric: Fabric, factor: float) -> Fabric:
+    """Linear densities times a factor [-] at constant axial stiffness E A_s of the yarns (thesis section 6.3.3).
+
+    The section of the fibres grows with the linear density, so that the modulus is divided by the factor.
+    """
+    return fabric.with_yarns(
+        E=tuple(yarn.E / factor for yarn in fabric.weave.yarns),
+        linear_density=tuple(yarn.linear_density * factor for yarn in fabric.weave.yarns),
+    )
+
+
+def with_straight_yarns(fabric: Fabric, crimp: Value = NEARLY_STRAIGHT) -> Fabric:
+    """Yarns of next to no crimp, with a trellis of the same stiffness per width.
+
+    The cloth gets thinner with its crimp, and the stress of the trellis acts on the thickness: its moduli grow by the
+    ratio of the thicknesses.
+    """
+    straight = fabric.with_yarns(crimp=crimp)
+    return scale_shear(straight, fabric.weave.thickness / straight.weave.thickness)
+
+
+def with_law_form(fabric: Fabric, form: str) -> Fabric:
+    """The fabric's compression laws in another form, "regularised" or "printed" (erratum E-05).
+
+    Raises
+    ------
+    InputError : the fabric has no compression laws, or the form is unknown
+    """
+    return replace(fabric, laws=tuple(replace(law, form=form) for law in _laws(fabric)))
+
+
+def scale_laws(fabric: Fabric, a: float = 1.0, b: float = 1.0) -> Fabric:
+    """Both constants of the compression laws, each times a factor [-]; a fabric without laws is returned as it is."""
+    if fabric.laws is None:
+        return fabric
+    return replace(fabric, laws=tuple(replace(law, a=a * law.a, b=b * law.b) for law in fabric.laws))
+
+
+def with_shear(fabric: Fabric, **values: float) -> Fabric:
+    """Other values of the trellis.
+
+    Parameters
+    ----------
+    values : fields of `TrellisShear`: G1, G2 [Pa], gamma1, gamma2 [rad]
+
+    Raises
+    ------
+    InputError : the fabric has no trellis law, or a value that `TrellisShear` does not allow
+    """
+    if fabric.shear is None:
+        raise InputError(f"fabric {fabric.name} has no trellis law")
+    return replace(fabric, shear=replace(fabric.shear, **values))
+
+
+def scale_shear(fabric: Fabric, moduli: float = 1.0, angles: float = 1.0) -> Fabric:
+    """Moduli and angles of the trellis, each times a factor [-]; a fabric without trellis is returned as it is."""
+    if fabric.shear is None:
+        return fabric
+    law = fabric.shear
+    return with_shear(
+        fabric, G1=moduli * law.G1, G2=moduli * law.G2, gamma1=angles * law.gamma1, gamma2=angles * law.gamma2
+    )
+
+
+def with_solids(fabric: Fabric, **values: Value) -> Fabric:
+    """Other values of the solid laws; `values` by the fields of `SolidLaw`.
+
+    Raises
+    ------
+    InputError : the fabric has no solid laws, or a value that `SolidLaw` does not allow
+    """
+    pairs = {name: pair(value) for name, value in values.items()}
+    laws = (replace(law, **{name: two[k] for name, two in pairs.items()}) for k, law in enumerate(_solids(fabric)))
+    return replace(fabric, solid_laws=tuple(laws))
+
+
+def scale_solids(fabric: Fabric, factors: Mapping[str, float]) -> Fabric:
+    """Values of the solid laws, each times a factor [-]; `factors` by the fields of `SolidLaw`.
+
+    Raises
+    ------
+    InputError : the fabric has no solid laws
+    """
+    laws = _solids(fabric)
+    return with_solids(fabric, **{name: tuple(getattr(law, name) * f for law in laws) for name, f in factors.items()})
+
+
+def rotated_90(fabric: Fabric) -> Fabric:
+    """The cloth rotated by a right angle: warp and weft exchanged, with their counts and compression laws."""
+    weave = fabric.weave
+    weave = replace(weave, warp=weave.weft, weft=weave.warp, warp_count=weave.weft_count, weft_count=weave.warp_count)
+    return replace(fabric, weave=weave, laws=fabric.laws and fabric.laws[::-1])
+
+
+def homogenised(fabric: Fabric, n: float) -> Fabric:
+    """A weave of fewer, thicker yarns with the same response to stretch and shear: one crossover for n x n.
+
+    The spacing is n-fold; yarns have the n-fold area with the same fibres, crimp and strain at failure, hence n-fold
+    length, height and tension. Angles are kept, so that the contact force is n-fold at the same stretches, and the
+    compression must be n-fold too. With d = a - b / (F + F0)^(1/3), F0 = (b/a)^3, that is a' = n a, b' = n^(4/3) b.
+    The cloth is n-fold as thick, so that the moduli of the trellis, whose stress acts on the thickness, are divided
+    by n. What happens within n x n crossovers is not resolved.
+
+    Parameters
+    ----------
+    n : [-] crossovers along each side
+    """
+    weave = fabric.weave
+    weave = replace(weave, warp_count=weave.warp_count / n, weft_count=weave.weft_count / n)
+    coarse = scale_yarns(replace(fabric, weave=weave), linear_density=n)
+    if fabric.shear is not None:
+        coarse = with_shear(coarse, G1=fabric.shear.G1 / n, G2=fabric.shear.G2 / n)
+    return scale_laws(coarse, n, n ** (4 / 3))
+
+
+def _laws(fabric):
+    if fabric.laws is None:
+        raise InputError(f"fabric {fabric.name} has no compression law")
+    return fabric.laws
+
+
+def _solids(fabric):
+    if fabric.solid_laws is None:
+        raise InputError(f"fabric {fabric.name} has no solid law of its yarns")
+    return fabric.solid_laws

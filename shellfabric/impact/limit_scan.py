@@ -1,0 +1,109 @@
+"""Scan of strike velocities about a ballistic limit: is there one limit, or a zone of mixed outcomes?
+
+Bisection finds one pair of a stop and a perforation and takes for granted that every faster shot perforates. Where
+that does not hold, the pair that it finds depends on where it began. The scan fires shots on an even ladder of strike
+velocities below and above the bracket. It goes on until no stop lies within a given range below its upper end and no
+perforation within a given range above its lower end; a stop far above the bracket thus extends it upwards. The shots
+of a range are fired beside each other, and the result is the same with any executor and number of workers.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from math import inf
+
+from fabrics.errors import InputError
+from shellfabric.impact.ballistic_limit import Limit, Shot, shoot
+from shellfabric.panel.model import Panel
+from shellfabric.panel.quality import Indicator
+
+HIGHEST = 1000.0  # [m/s] beyond which no shot is fired
+MOST_STEPS = 1000  # of a range: more is taken for an error of input
+
+
+@dataclass(frozen=True)
+class ScanRange:
+    """Range and step of a scan.
+
+    Parameters
+    ----------
+    above : [-] range above the highest stop in which every shot has to perforate, as a share of the highest stop
+    below : [-] range below the lowest perforation in which every shot has to stop, as a share of that velocity
+    step : [-] between neighbouring shots, as a share of the bracket's upper end
+
+    Raises
+    ------
+    InputError : a range that is negative or, below, not less than 1; a step that is not above 0 or that makes too many
+        shots
+    """
+
+    above: float = 0.25
+    below: float = 0.10
+    step: float = 0.02
+
+    def __post_init__(self) -> None:
+        if not 0 <= self.above < inf:
+            raise InputError(key="above", value=self.above, allowed="at least 0")
+        if not 0 <= self.below < 1:
+            raise InputError(key="below", value=self.below, allowed="at least 0 and below 1")
+        if not 0 < self.step < inf or max(self.above, self.below) > MOST_STEPS * self.step:
+            raise InputError(
+                key="step", value=self.step, allowed=f"above 0, and a range at most {MOST_STEPS} steps wide"
+            )
+
+    def ladder(self, limit: Limit) -> list[float]:
+        """[m/s] velocities that the present shots call for, rising; those of the bracket itself are not among them."""
+        step = self.step * limit.high
+        top = min((1 + self.above) * limit.highest_stop, HIGHEST)
+        bottom = (1 - self.below) * limit.lowest_perforation
+        rungs_up, rungs_down = int((top - limit.high) / step), int((limit.low - bottom) / step)
+        down = [limit.low - k * step for k in range(rungs_down, 0, -1)]
+        return [v for v in (*down, *(limit.high + k * step for k in range(1, rungs_up + 1))) if v > 0]
+
+
+def scan(
+    panel: Panel,
+    limit: Limit,
+    velocities: ScanRange | None = None,
+    *,
+    executor: str = "local",
+    jobs: int = 1,
+    report=None,
+) -> Limit:
+    """Fire shots below and above a bracket until the zone of mixed outcomes, if there is one, is enclosed.
+
+    Parameters
+    ----------
+    panel : Panel
+    limit : of `ballistic_limit.critical_velocity` on this panel
+    velocities : ScanRange; None takes its defaults
+    executor, jobs, report : as of `ballistic_limit.shoot`
+
+    Returns
+    -------
+    Limit : the same bracket, with the shots of the scan after those of the bisection
+
+    Raises
+    ------
+    InputError, UnstableError : as `ballistic_limit.shoot`
+    """
+    velocities = velocities or ScanRange()
+    known = {shot.strike_velocity for shot in limit.shots}
+    while wanted := [v for v in velocities.ladder(limit) if v not in known]:
+        fired = shoot(panel, wanted, executor=executor, jobs=jobs, report=report)
+        limit = with_shots(limit, fired)
+        known.update(wanted)
+    return limit
+
+
+def with_shots(limit: Limit, shots: Sequence[Shot]) -> Limit:
+    """The limit with further shots at the same panel; its bracket remains that of the bisection."""
+    return replace(limit, shots=(*limit.shots, *shots))
+
+
+def indicator(limit: Limit) -> Indicator:
+    """Quality indicator: width [m/s] of the zone of mixed outcomes, 0 where there is a single limit."""
+    low, high = limit.mixed_zone or (0.0, 0.0)
+    meaning = "highest strike velocity that is stopped less the lowest that perforates, where it is positive"
+    return Indicator("mixed outcomes", high - low, 0.0, "m/s", meaning)

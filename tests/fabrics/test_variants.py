@@ -1,0 +1,79 @@
+"""Every way to change a fabric, by what it keeps and what it changes."""
+
+from dataclasses import replace
+
+import pytest
+
+from fabrics import catalogue, variants
+from fabrics.errors import InputError
+
+
+@pytest.fixture(scope="module")
+def fabric():
+    return catalogue.load("S-720")
+
+
+def test_areal_density_alone(fabric):
+    """Twice the mass: the stiffness, strength and failure strain of the yarns stay, and so does all but E and mass."""
+    heavy = variants.scale_areal_density(fabric, 2.0)
+    assert heavy.weave.areal_density == 2 * fabric.weave.areal_density
+    for before, after in zip(fabric.weave.yarns, heavy.weave.yarns):
+        assert after.EA == pytest.approx(before.EA, rel=1e-15)
+        assert after.wave_speed == pytest.approx(before.wave_speed / 2**0.5, rel=1e-15)
+        assert replace(after, E=before.E, linear_density=before.linear_density) == before
+
+
+def test_yarns_one_value_or_two(fabric):
+    both = variants.with_yarns(fabric, crimp=0.01, E=(70e9, 80e9))
+    assert [(yarn.crimp, yarn.E) for yarn in both.weave.yarns] == [(0.01, 70e9), (0.01, 80e9)]
+    scaled = variants.scale_yarns(fabric, crimp=(2.0, 0.5))
+    assert [new.crimp / old.crimp for new, old in zip(scaled.weave.yarns, fabric.weave.yarns)] == [2.0, 0.5]
+    assert variants.scale_yarns(fabric, E=1.0) == variants.with_yarns(fabric) == fabric
+    with pytest.raises(InputError, match="crimp"):
+        variants.with_yarns(fabric, crimp=1.5)
+
+
+def test_straight_yarns_keep_the_shear_force_per_width(fabric):
+    thin = variants.with_straight_yarns(fabric)
+    assert thin.weave.thickness < 0.05 * fabric.weave.thickness
+    for angle in (0.05, 0.3, 0.8):
+        forces = [one.shear.stress(angle) * one.weave.thickness for one in (fabric, thin)]
+        assert forces[1] == pytest.approx(forces[0], rel=1e-12)
+
+
+def test_trellis_and_laws(fabric):
+    soft = variants.scale_shear(fabric, moduli=0.5, angles=2.0)
+    assert soft.shear.stress(0.2) == pytest.approx(fabric.shear.stress(0.1), rel=1e-12)  # half the slope, twice as far
+    assert variants.with_shear(fabric, G2=fabric.shear.G1).shear.G2 == fabric.shear.G1
+    half = variants.scale_laws(fabric, 0.5, 0.5)
+    for before, after in zip(fabric.laws, half.laws):
+        assert after.d(3.0) == pytest.approx(0.5 * before.d(3.0), rel=1e-12)
+    assert [law.form for law in variants.with_law_form(fabric, "printed").laws] == ["printed", "printed"]
+
+
+def test_solids(fabric):
+    changed = variants.with_solids(fabric, Vf0=(0.6, 0.55))
+    assert [law.Vf0 for law in changed.solid_laws] == [0.6, 0.55]
+    stiff = variants.scale_solids(fabric, {"E_c": 2.0})
+    for before, after in zip(fabric.solid_laws, stiff.solid_laws):
+        assert after.transverse_modulus(0.75) == pytest.approx(2 * before.transverse_modulus(0.75), rel=1e-12)
+
+
+def test_a_right_angle_four_times(fabric):
+    once = variants.rotated_90(fabric)
+    assert (once.weave.w, once.weave.yarns, once.laws) == tuple(
+        pair[::-1] for pair in (fabric.weave.w, fabric.weave.yarns, fabric.laws)
+    )
+    assert variants.rotated_90(once) == fabric
+
+
+def test_what_a_fabric_does_not_have(fabric):
+    bare = replace(fabric, laws=None, shear=None, solid_laws=None)
+    assert variants.scale_laws(bare, 2.0) == variants.scale_shear(bare, 2.0) == bare
+    for change in (
+        lambda: variants.with_law_form(bare, "printed"),
+        lambda: variants.with_shear(bare, G1=1e6),
+        lambda: variants.with_solids(bare, E_c=1e9),
+    ):
+        with pytest.raises(InputError, match="fabric S-720 has no"):
+            change()

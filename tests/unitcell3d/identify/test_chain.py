@@ -1,0 +1,79 @@
+"""Intervals of the compression law from those of the solid's constants, with a closed form in place of the paths."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from fabrics.compression import CompressionLaw
+from fabrics.errors import UnstableError
+from fabrics.executors import InProcess
+from fabrics.plate_curve import PlateCurve
+from unitcell3d.identify import chain
+from unitcell3d.identify.solid_record import with_solid_laws
+
+A, B = 4e-5, 5e-5
+F = np.geomspace(0.1, 100, 25)
+
+
+def fabric_of(s720, *logarithms):
+    return with_solid_laws(s720, np.log([2e9, 0.3, 0.02]) + np.array(logarithms), 0.7)
+
+
+def path(fabric, ratio, size, friction):
+    """a as the root of E_c over 2 GPa, downwards, b as K_r over 0.02."""
+    solid = fabric.solid_laws[0]
+    return F, CompressionLaw(A * (2e9 / solid.E_c) ** 0.5, B * solid.K_r / 0.02, "regularised").d(F)
+
+
+@pytest.fixture
+def fit(s720):
+    ends = [(-0.2, 0, 0), (0.2, 0, 0)], [(0, -0.3, 0), (0, 0.3, 0)], [(0, 0, -0.4), (0.1, 0, 0.5)]
+    limits = tuple(tuple(fabric_of(s720, *end) for end in pair) for pair in ends)
+    return SimpleNamespace(fabric=fabric_of(s720, 0, 0, 0), limits=limits)
+
+
+def test_changes_along_the_directions_add_as_squares(fit, tmp_path, monkeypatch):
+    monkeypatch.setattr(chain, "_path", path)
+    (found,) = chain.law_intervals([fit], folder=tmp_path, executor=InProcess())
+    assert found.law.a == pytest.approx(A, rel=1e-3)
+    # ln a: +-0.1 on the first direction, 0 and -0.05 on the third; ln b: -0.4 and 0.5 on the third
+    assert np.log(np.array(found.a) / A) == pytest.approx([-np.hypot(0.1, 0.05), 0.1], abs=2e-3)
+    assert np.log(np.array(found.b) / B) == pytest.approx([-0.4, 0.5], abs=2e-3)
+    other = CompressionLaw(2 * A, 3 * B, "regularised")
+    assert found.around(other)["a"] == pytest.approx(np.multiply(found.a, 2), rel=1e-2)
+    assert found.around(other)["b"] == pytest.approx(np.multiply(found.b, 3), rel=1e-2)
+
+
+def test_an_end_without_a_path_is_left_out(fit, tmp_path, monkeypatch):
+    empty = np.empty(0)
+    weak = fit.limits[2][1]
+
+    def some(fabric, *case):
+        return (empty, empty) if fabric.solid_laws == weak.solid_laws else path(fabric, *case)
+
+    monkeypatch.setattr(chain, "_path", some)
+    (found,) = chain.law_intervals([fit], folder=tmp_path, executor=InProcess())
+    assert found.ends[2][1] is None
+    assert np.log(np.array(found.b) / B) == pytest.approx([-0.4, 0], abs=2e-3)
+
+
+def test_a_solid_whose_own_paths_give_no_law(fit, tmp_path, monkeypatch):
+    monkeypatch.setattr(chain, "_path", lambda *_: (np.empty(0), np.empty(0)))
+    (found,) = chain.law_intervals([fit], folder=tmp_path, executor=InProcess())
+    assert isinstance(found, UnstableError)
+
+
+def test_one_fit_that_fails_does_not_end_the_others(s720, tmp_path, monkeypatch):
+    def fit_solid(fabric, *_):
+        if fabric.name != "S-720":
+            raise UnstableError("no platen curve")
+        return fabric.name
+
+    from fabrics import catalogue
+
+    monkeypatch.setattr(chain, "fit_solid", fit_solid)
+    curve = PlateCurve.pressure_law(0.2665)
+    found = chain.fit_solids([s720, catalogue.load("S-726")], [curve, curve], folder=tmp_path, executor=InProcess())
+    assert found[0] == "S-720"
+    assert isinstance(found[1], UnstableError)

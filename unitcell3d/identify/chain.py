@@ -1,0 +1,143 @@
+"""The chain of a fabric: platen curve -> constants of its solid -> biaxial paths -> compression law with intervals.
+
+The intervals of a and b follow from what the platen curve leaves open of the constants. On each principal direction of
+their covariance the biaxial paths are solved at both 95 % ends (`SolidFit.limits`), on a coarse mesh; the changes of
+ln a, and of ln b, of the three directions, which are independent, add as squares, upwards and downwards on their own.
+
+Every fit, and every path, is kept in the folder as soon as it is done (`fabrics.run_cache`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from concurrent.futures import Executor
+from dataclasses import dataclass
+
+import numpy as np
+
+from fabrics import run_cache
+from fabrics.checks import FilePath, FloatArray
+from fabrics.compression import CompressionLaw
+from fabrics.errors import InputError, UnstableError
+from fabrics.fabric import Fabric
+from fabrics.intervals import combine
+from fabrics.plate_curve import PlateCurve
+from meshing.inputs import Size
+from unitcell3d.identify.calibrate import PATHS, Job, run_job
+from unitcell3d.identify.calibration import samples
+from unitcell3d.identify.solid_fit import fit_solid
+from unitcell3d.identify.solid_record import SolidFit
+
+CHECK = (12, 9, 3)  # mesh on which a fitted solid is computed once more
+SIZE = "coarse"  # mesh of the paths at the ends: what counts is their ratio to those of the fitted solid
+
+
+@dataclass(frozen=True)
+class LawInterval:
+    """95 % of a compression law, from those of the solid's constants.
+
+    Parameters
+    ----------
+    a, b : (low, high) [m], [m N^(1/3)]
+    law : CompressionLaw of the fitted solid, on the mesh of the ends
+    ends : ((CompressionLaw, CompressionLaw), ...) low and high of each principal direction; None where no law fits
+    """
+
+    a: tuple[float, float]
+    b: tuple[float, float]
+    law: CompressionLaw
+    ends: tuple[tuple[CompressionLaw | None, CompressionLaw | None], ...]
+
+    def around(self, law: CompressionLaw) -> dict[str, tuple[float, float]]:
+        """{"a", "b": (low, high)} about another law, such as that of a finer mesh, at the same ratios."""
+        return {
+            "a": (self.a[0] / self.law.a * law.a, self.a[1] / self.law.a * law.a),
+            "b": (self.b[0] / self.law.b * law.b, self.b[1] / self.law.b * law.b),
+        }
+
+
+def fit_solids(
+    fabrics: Sequence[Fabric], curves: Sequence[PlateCurve], *, folder: FilePath, size: Size = "coarse",
+    check_size: Size | None = CHECK, measure: str = "closure", executor: str | Executor = "local", jobs: int = 1,
+    report: Callable[[int, int], object] | None = None,
+) -> list[SolidFit | Exception]:  # fmt: skip
+    """Fit the solids of several fabrics, beside each other; one that fails does not end the others.
+
+    Parameters
+    ----------
+    fabrics, curves : as many of each
+    folder : where finished fits are kept, and taken from
+    size, check_size, measure : as of `solid_fit.fit_solid`
+    executor, jobs, report : as of `fabrics.run_cache.results`
+
+    Returns
+    -------
+    A SolidFit, or the InputError or UnstableError that ended it, of each fabric
+    """
+    cases = [(fabric, curve, size, check_size, measure) for fabric, curve in zip(fabrics, curves, strict=True)]
+    return run_cache.results(
+        _fit, cases, folder=folder, executor=executor, jobs=jobs, batches=False, fresh=True, report=report
+    )
+
+
+def _fit(*case):
+    try:
+        return fit_solid(*case)
+    except (InputError, UnstableError) as problem:
+        return problem
+
+
+def law_intervals(
+    fits: Sequence[SolidFit], *, folder: FilePath, friction: float = 0.0,
+    executor: str | Executor = "local", jobs: int = 1, report: Callable[[int, int], object] | None = None,
+) -> list[LawInterval | Exception]:  # fmt: skip
+    """Intervals of the compression laws of fitted solids.
+
+    Parameters
+    ----------
+    fits : of SolidFit
+    folder, executor, jobs, report : as of `fabrics.run_cache.results`
+    friction : [-] Coulomb's coefficient
+
+    Returns
+    -------
+    A LawInterval, or the UnstableError of the fitted solid's own paths, of each fit
+    """
+    solids = [[fit.fabric, *(end for pair in fit.limits for end in pair)] for fit in fits]
+    cases = [(fabric, ratio, SIZE, friction) for each in solids for fabric in each for ratio in PATHS.values()]
+    found = iter(
+        run_cache.results(_path, cases, folder=folder, executor=executor, jobs=jobs, fresh=True, report=report)
+    )
+    return [_interval(fit, [[next(found) for _ in PATHS] for _ in each]) for fit, each in zip(fits, solids)]
+
+
+def _path(fabric, ratio, size, friction):
+    """Samples (F, d) [N, m] of one path; (0,) where it has none."""
+    try:
+        history, _ = run_job(Job("biaxial", fabric, size, ratio, friction))
+    except UnstableError:
+        return np.empty(0), np.empty(0)
+    return samples(history)
+
+
+def _interval(fit, paths):
+    own, *ends = (_law(each) for each in paths)
+    if own is None:
+        return UnstableError(f"no path of {fit.fabric.name} with the fitted solid gives a law")
+    pairs = tuple(zip(ends[0::2], ends[1::2]))
+    return LawInterval(_range(own, pairs, "a"), _range(own, pairs, "b"), own, pairs)
+
+
+def _law(paths: Sequence[tuple[FloatArray, FloatArray]]) -> CompressionLaw | None:
+    F, d = (np.concatenate([pair[i] for pair in paths]) for i in (0, 1))
+    try:
+        return CompressionLaw.fit(F, d)
+    except InputError:
+        return None
+
+
+def _range(own, pairs, key):
+    """(low, high) of a or b, whose logarithms change."""
+    ends = [[None if law is None else np.log(getattr(law, key)) for law in pair] for pair in pairs]
+    low, high = combine(float(np.log(getattr(own, key))), ends)
+    return float(np.exp(low)), float(np.exp(high))

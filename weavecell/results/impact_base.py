@@ -1,0 +1,245 @@
+"""What the records of an impact on one ply and on a pack share: their fields, their summary, and their HDF5 file.
+
+Layout of the common part of the file: attributes of the root for scalars and texts; /histories and /energies with one
+value an instant. Every dataset has the attribute "unit".
+"""
+
+from __future__ import annotations
+
+import json
+from dataclasses import asdict, dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from fabrics.files import write_hdf5
+from weavecell.results import keys
+from weavecell.results.hdf5_file import opened, plain, put
+
+FORMAT = 3  # version of the files
+# attribute of the record: attribute of the file, and key of summary.json
+SCALARS = {
+    "title": "title",
+    "fabric": "fabric",
+    "law_name": "law_name",
+    "strike_velocity": "strike_velocity_m_s",
+    "outcome": "outcome",
+    "residual_velocity": "residual_velocity_m_s",
+    "mass": "projectile_mass_kg",
+    "failure_message": "failure_message",
+    "mirror_x": "mirror_x",
+    "mirror_y": "mirror_y",
+    "wall_time": "wall_time_s",
+    "ns_per_element_step": "element_step_time_ns",
+    "elements": "elements",
+    "steps": "steps",
+    "max_deflection": "max_deflection_m",
+}
+HISTORIES = keys.units(keys.HISTORIES)
+# datasets whose attribute in the object that holds them has another name
+_SHAPE_FIELDS = {"time": "t"}
+
+
+@dataclass(frozen=True)
+class Shape:
+    """The panel at one instant.
+
+    Parameters
+    ----------
+    t, nose_position : [s, m] time, and the foremost point of the projectile
+    projectile_position : (3,) [m] position of its nose
+    nodes : (k, 3) [m]
+    tension : (m, 2) [N] of warp and weft
+    failed : (m, 3) bool: warp failed, weft failed, element eroded
+    """
+
+    t: float
+    nose_position: float
+    projectile_position: np.ndarray
+    nodes: np.ndarray
+    tension: np.ndarray
+    failed: np.ndarray
+
+    @classmethod
+    def of(cls, shot):
+        """The shape of a `shellfabric.output.snapshots.Snapshot`."""
+        return cls(
+            float(shot.t), float(shot.nose_position), shot.projectile_position, shot.nodes.reshape(-1, 3),
+            shot.tension.reshape(-1, 2), shot.failed.reshape(-1, 3),
+        )  # fmt: skip
+
+
+@dataclass(frozen=True, kw_only=True)
+class BaseRecord:
+    """One impact, from strike to its end.
+
+    A derived class gives `KIND`, the word in the format of its file, `OWN_SCALARS`, `_entries`, `_write` and `_read`.
+
+    Parameters
+    ----------
+    title, fabric, law_name : for the reader
+    strike_velocity, residual_velocity : [m/s]; the residual velocity is that of the last instant, along the normal
+    outcome : "stopped", "perforated", "in flight" or "unstable"
+    mass : [kg] of the projectile
+    failure_message : why an unstable run was ended; "" for others
+    mirror_x, mirror_y : whether the panel continues mirrored beyond x = 0, y = 0; energies and forces are those of the
+        whole panel, or of the whole pack
+    wall_time, ns_per_element_step, elements, steps : cost of the run
+    time, velocity, nose_position : (n,) [s, m/s, m] time, velocity of the projectile along the normal, foremost point
+    failed_segments : (n,) number of failed yarn segments
+    energies : {name: (n,)} [J], names of keys.ENERGIES
+    strength, peak_tension : (2,) or (plies, 2) [N] of warp and weft, and over the run
+    projectile : (a, b, 3) [m] surface of the projectile about its nose, as it is drawn
+    max_deflection : [m] of the whole cloth of any ply, from its own plane, over the run
+    checks : tuple of shellfabric.panel.quality.Indicator
+    """
+
+    KIND: ClassVar[str]
+    OWN_SCALARS: ClassVar[dict] = {}
+
+    title: str
+    fabric: str
+    law_name: str
+    strike_velocity: float
+    outcome: str
+    residual_velocity: float
+    mass: float
+    failure_message: str
+    mirror_x: bool
+    mirror_y: bool
+    wall_time: float
+    ns_per_element_step: float
+    elements: int
+    steps: int
+    time: np.ndarray
+    velocity: np.ndarray
+    nose_position: np.ndarray
+    failed_segments: np.ndarray
+    energies: dict
+    strength: np.ndarray
+    peak_tension: np.ndarray
+    projectile: np.ndarray
+    max_deflection: float
+    checks: tuple = ()
+
+    @classmethod
+    def _of(cls, result, setup, title, law_name, message, **own):
+        """A record of an impact; `setup` is the `shellfabric.impact.single_ply.ImpactSetup`, `own` the other fields."""
+        mirror_x, mirror_y = result.mirrored
+        return cls(
+            title=title, fabric=setup.fabric.name, law_name=law_name, strike_velocity=setup.strike_velocity,
+            outcome=result.outcome, residual_velocity=result.residual_velocity, mass=setup.projectile.mass,
+            failure_message=message, mirror_x=mirror_x, mirror_y=mirror_y, wall_time=result.wall_time,
+            ns_per_element_step=result.ns_per_element_step, steps=result.steps, time=result.t, velocity=result.v,
+            nose_position=result.nose_position, failed_segments=result.failed_segments, energies=dict(result.energies),
+            peak_tension=np.array(result.peak_tension), projectile=_drawn(setup.projectile),
+            max_deflection=result.max_deflection, checks=result.checks, **own,
+        )  # fmt: skip
+
+    @property
+    def strike_energy(self):
+        """[J]"""
+        return 0.5 * self.mass * self.strike_velocity**2
+
+    @property
+    def energy_error_max(self):
+        """[-] largest error of the energy balance over the strike energy."""
+        return float(np.max(np.abs(self.energies["error"]))) / self.strike_energy
+
+    @property
+    def absorbed_energy(self):
+        """[J] energy that the projectile has lost."""
+        return self.strike_energy - float(self.energies["kinetic_projectile"][-1])
+
+    @property
+    def viscous_energy_fraction(self):
+        """[-] viscous energy at the end, over the energy absorbed."""
+        return float(self.energies["viscous"][-1]) / self.absorbed_energy
+
+    def audit(self):
+        """The entries of the summary that follow from it."""
+        return {
+            "strike_energy_J": self.strike_energy,
+            "absorbed_energy_J": self.absorbed_energy,
+            "energy_error_max": self.energy_error_max,
+            "viscous_energy_fraction": self.viscous_energy_fraction,
+            "energies_at_end_J": {name: float(values[-1]) for name, values in self.energies.items()},
+        }
+
+    def summary(self):
+        """The scalars of the record, and what follows from them, as a flat dict."""
+        scalars = {key: getattr(self, name) for name, key in self._scalars().items()}
+        return scalars | _stops(self) | self._entries() | self.audit()
+
+    def write(self, path):
+        """Write the record, whole or not at all."""
+        with write_hdf5(path, f"weavecell {self.KIND} {FORMAT}") as file:
+            for name, key in self._scalars().items():
+                file.attrs[key] = getattr(self, name)
+            file.attrs["checks"] = _store_checks(self.checks)
+            for name, unit in HISTORIES.items():
+                put(file, f"histories/{name}", getattr(self, name), unit)
+            for name, values in self.energies.items():
+                put(file, f"energies/{name}", values, "J")
+            self._write(file)
+
+    @classmethod
+    def read(cls, path):
+        """Read what `write` wrote; InputError if the file is not one of these."""
+        with opened(path, cls.KIND, FORMAT) as file:
+            values = {name: plain(file.attrs[key]) for name, key in cls._scalars().items()}
+            values["checks"] = _read_checks(file.attrs["checks"])
+            values |= {name: file[f"histories/{name}"][()] for name in HISTORIES}
+            values["energies"] = {name: data[()] for name, data in file["energies"].items()}
+            return cls(**values, **cls._read(file))
+
+    @classmethod
+    def _scalars(cls):
+        """{field: attribute of the file and key of summary.json}."""
+        return SCALARS | cls.OWN_SCALARS
+
+
+def _stops(record):
+    """Entries of the summary: the time at the end, and that at which the projectile stopped, None if it did not."""
+    end = float(record.time[-1])
+    return {"end_time_s": end, "stop_time_s": end if record.outcome == "stopped" else None}
+
+
+def tensions(peak, strength):
+    """Entries of the summary: peak tensions (2,) [N] of warp and weft, and their shares of the strengths (2,) [N]."""
+    found = {}
+    for family, tension, limit in zip(("warp", "weft"), peak, strength):
+        found[f"peak_tension_{family}_N"] = float(tension)
+        found[f"peak_tension_{family}_over_strength"] = float(tension / limit)
+    return found
+
+
+def _store_checks(checks):
+    """Indicators as text, for an attribute of a file."""
+    return json.dumps([asdict(one) for one in checks])
+
+
+def _read_checks(text):
+    """The indicators that `_store_checks` has written."""
+    from shellfabric.panel.quality import Indicator
+
+    return tuple(Indicator(**entry) for entry in json.loads(text))
+
+
+def _drawn(shot):
+    """The projectile as it is drawn, set back by its edge radius.
+
+    The flat elements of the cloth cut across the rounding that they lie on, and it would stick out between them.
+    """
+    return shot.surface(shot.edge_radius)
+
+
+def write_shape(file, group, shape):
+    """Write a Shape to a group of an open file."""
+    for name, unit in keys.units(keys.SHAPE).items():
+        put(file, f"{group}/{name}", getattr(shape, _SHAPE_FIELDS.get(name, name)), unit)
+
+
+def read_shape(group):
+    """The Shape that `write_shape` has written."""
+    return Shape(**{_SHAPE_FIELDS.get(name, name): plain(group[name][()]) for name in keys.units(keys.SHAPE)})
