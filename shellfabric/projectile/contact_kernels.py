@@ -9,8 +9,8 @@ and the projectile gets its opposite, so that momentum is kept. Where yarns have
 left of the two next to a point.
 
 Firm springs. Between the nose and a pack that resists, a spring that is stable at the usual step is too soft: the rim
-sinks in. So in packs it is const.point_law.implicit_factor times as stiff, and its force is that of the end of the step to come.
-With the depth d and the velocity v at which the point will approach if the nose lets it, that is by all other forces,
+sinks in. So in packs it is const.point_law.implicit_factor times as stiff, and its force is that of the end of the step
+to come. With the depth d and the velocity v at which the point will approach if the nose lets it, that is by all other forces,
 
     f = max(0, k d + (c + k dt) v) / (1 + (c + k dt) dt / m)
 
@@ -219,10 +219,8 @@ def contact_point(state, const, i, j, e, number, m, shares, work):
     v_x, v_y, v_z, f, spring = at[3, m], at[4, m], at[5, m], 0.0, 0.0
     if depth < 0.0:
         if const.point_law.implicit_factor > 0.0:
-            hard, drag = (
-                const.point_law.implicit_factor * stiffness,
-                math.sqrt(const.point_law.implicit_factor) * damping,
-            )
+            factor = const.point_law.implicit_factor
+            hard, drag = factor * stiffness, math.sqrt(factor) * damping
             away = n_x * (v_x + at[7, m]) + n_y * (v_y + at[8, m]) + n_z * (v_z + at[9, m])
             gave = n_x * at[10, m] + n_y * at[11, m] + n_z * at[12, m]
             f = implicit_penalty_force(const, hard, drag, depth, away, gave, before, state.force_scale[0])

@@ -97,7 +97,8 @@ def plain_contact(panel, state, const):
     rest = np.stack([X, Y, np.zeros_like(X)], axis=-1)
     x = rest + np.stack([u[:n].reshape(X.shape) for u in state.u], axis=-1) - state.projectile_position
     v = np.stack([v[:n].reshape(X.shape) for v in state.v], axis=-1) - state.projectile_velocity
-    due, pushed = (np.stack([a[:n].reshape(X.shape) for a in name], axis=-1) if const.point_law.implicit_factor else 0 * v
+    firm = const.point_law.implicit_factor
+    due, pushed = (np.stack([a[:n].reshape(X.shape) for a in name], axis=-1) if firm else 0 * v
                    for name in (state.dv_other, state.dv_contact))  # fmt: skip
     hard, i_near, columns = (
         const.point_law.implicit_factor or 1.0,
