@@ -10,7 +10,7 @@ left of the two next to a point.
 
 Firm springs. Between the nose and a pack that resists, a spring that is stable at the usual step is too soft: the rim
 sinks in. So in packs it is const.point_law.implicit_factor times as stiff, and its force is that of the end of the step
-to come. With the depth d and the velocity v at which the point will approach if the nose lets it, that is by all other forces,
+to come. With the depth d and the velocity v at which the point will approach by all other forces than the nose's,
 
     f = max(0, k d + (c + k dt) v) / (1 + (c + k dt) dt / m)
 
