@@ -39,13 +39,13 @@ def bar(title):
         progress.update(task, completed=1.0, note="")
 
 
-def watched(march, title, hooks=()):
-    """march(hooks) of an impact under a bar: (its result, the UnstableError that ended it or None)."""
+def watched(run, title, hooks=()):
+    """run(hooks) of an impact under a progress bar: (its result, the UnstableError that ended it or None)."""
     from shellfabric.output.hooks import Progress
 
     with bar(title) as advance:
         watching = Progress(lambda share, speed: advance(share, f"{speed:.1f} m/s"))
         try:
-            return march((watching, *hooks)), None
+            return run((watching, *hooks)), None
         except UnstableError as problem:
             return problem.result, problem

@@ -12,7 +12,7 @@ from fabrics.errors import UnstableError
 from unitcell3d.assembly.linear_solver import DirectSolver
 from unitcell3d.model.crossover import CrossoverModel, Load
 from unitcell3d.solver import newton
-from unitcell3d.solver.load_stepping import continue_to, march
+from unitcell3d.solver.load_stepping import continue_to, solve_load_path
 
 
 @pytest.fixture
@@ -155,10 +155,10 @@ from mpi4py import MPI
 from fabrics import catalogue
 from meshing import crossover
 from unitcell3d.model.crossover import CrossoverModel, Load
-from unitcell3d.solver.load_stepping import march
+from unitcell3d.solver.load_stepping import solve_load_path
 fabric = catalogue.load("S-720")
 model = CrossoverModel(crossover.build(fabric, size=(4, 3, 2)), fabric)
-h = march(model, Load(), Load((12e-6, 12e-6)), comm=MPI.COMM_WORLD)
+h = solve_load_path(model, Load(), Load((12e-6, 12e-6)), comm=MPI.COMM_WORLD)
 line = " ".join(float(value).hex() for value in (h.T1[-1], h.T2[-1], h.F_c[-1], h.h1[-1], h.h2[-1]))
 sys.stdout.write(f"forces {MPI.COMM_WORLD.size} {line}\\n")
 """
@@ -178,6 +178,6 @@ def test_two_processes_give_the_same_numbers(tiny, s720):
     assert len(said) == 2
     assert said[0] == said[1]
     assert said[0][0] == "2"
-    one = march(CrossoverModel(tiny, s720), Load(), Load((12e-6, 12e-6)))
+    one = solve_load_path(CrossoverModel(tiny, s720), Load(), Load((12e-6, 12e-6)))
     numbers = [getattr(one, name)[-1] for name in ("T1", "T2", "F_c", "h1", "h2")]
     assert [float.fromhex(word) for word in said[0][1:]] == pytest.approx(numbers, rel=1e-8)
