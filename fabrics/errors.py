@@ -18,7 +18,7 @@ class WeavecellError(Exception):
 
 
 class InputError(WeavecellError):
-    """Bad input, told in one line: the file, the key, its value and what is allowed.
+    """Bad input, reported in one line: the file, the key, its value and what is allowed.
 
     Parameters
     ----------

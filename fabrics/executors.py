@@ -60,7 +60,7 @@ class _Pool(Executor):
 
     def map(self, function, /, *iterables, **options):
         rows = list(zip(*iterables))
-        # the inner one's own: Parsl's futures cannot be cancelled, as the usual one asks of them
+        # the inner one's own: Parsl's futures cannot be cancelled, as the default executor does
         return self._inner.map(run_task, [function] * len(rows), *zip(*rows), **options)
 
 

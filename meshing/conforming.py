@@ -38,7 +38,7 @@ class ConformingSection:
 
     Parameters
     ----------
-    width : [m] asked for: no wider than this
+    width : [m] requested: no wider than this
     arch, span : [m] height and cell length of the crossing yarn
     offset : [m] kappa, or minus kappa
     tip_thickness_ratio : [-] least thickness at the cut over that of the middle
@@ -59,7 +59,7 @@ class ConformingSection:
 
     @property
     def half_width(self) -> float:
-        """[m] from the middle to the cut: half of the width asked for, or to where the tip is cut."""
+        """[m] from the middle to the cut: half of the width requested, or to where the tip is cut."""
         cosine = (self.tip_thickness_ratio * self.thickness / 2 - self.offset) / self.arch
         tip = self.span / np.pi * np.arccos(np.clip(cosine, -1, 1))
         return float(min(tip, self.width / 2))
@@ -87,7 +87,7 @@ def conform(
     Parameters
     ----------
     widths : (warp, weft) [m] greatest widths
-    areas : (warp, weft) [m2] asked for; the sections have these times one common factor
+    areas : (warp, weft) [m2] requested; the sections have these times one common factor
     weave : Weave
     tip_thickness_ratio : [-]
 

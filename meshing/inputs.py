@@ -1,4 +1,4 @@
-"""What a user may ask of a mesh: each choice checked, and turned into numbers."""
+"""The options of a mesh, checked and converted to numbers."""
 
 from __future__ import annotations
 

@@ -107,7 +107,7 @@ class YarnMesh:
 
     @property
     def Vf0(self) -> tuple[float, float]:
-        """[-] initial fibre volume fractions of the meshed yarns; above the fabric's where the overlap asked for it."""
+        """[-] initial fibre volume fractions of the meshed yarns; above the fabric's where the overlap requested it."""
         return self.section_fit.Vf0
 
     @property

@@ -1,4 +1,4 @@
-"""From what is asked to what is meshed: crimp, closed sections, element numbers. The same for crossover and patch."""
+"""The mesh that is made for a request: crimp, closed sections, element numbers; the same for crossover and patch."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ class Plan:
     Parameters
     ----------
     fabric : str
-    weave : Weave, with the crimp asked for
+    weave : Weave, with the crimp requested
     section_fit : SectionFit
     size : (nx, ny, nz) hexahedra along, across and through a quarter of each yarn
     materials : (RestMaterial, RestMaterial)

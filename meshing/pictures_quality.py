@@ -18,7 +18,7 @@ from meshing.inputs import YARNS
 from meshing.mesh import YarnMesh
 from meshing.pictures import COLOURS, INK, VIEWS, aim, plotter
 
-MAP = "cividis"  # to be told apart by colour-blind readers, and in grey
+MAP = "cividis"  # distinct for colour-blind readers, and in grey
 STEPS = (0.01, 0.02, 0.05, 0.1, 0.2)  # of the scale and the bars: the least that gives at most `BARS`
 BARS = 12
 SCENE = (1500, 1000)

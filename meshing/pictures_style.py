@@ -1,4 +1,4 @@
-"""One look for all pictures: sizes, and a palette that colour-blind readers can tell apart (Okabe and Ito, 2008).
+"""One look for all pictures: sizes, and a palette that is distinct for colour-blind readers (Okabe and Ito, 2008).
 
 In the lowest package that draws, for all above it.
 """

@@ -25,7 +25,7 @@ TIP_THICKNESS_RATIO = (0.01, 0.5)
 
 
 class YarnSection(Protocol):
-    """A section as the mesher asks it: `Section`, `meshing.conforming.ConformingSection`."""
+    """The interface of a section for the mesher: `Section`, `meshing.conforming.ConformingSection`."""
 
     @property
     def kind(self) -> str:

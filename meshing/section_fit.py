@@ -18,7 +18,7 @@ these that suffices:
 After 2 or 3 no shift is left. A gap that is positive everywhere is closed by a shift too, which is then negative. Where
 the yarns cannot be shifted (a woven patch) the first step is left out, and a gap stays open. "conforming" sections
 (`meshing.conforming`) have no gap and no overlap anywhere; their areas are what the crimp leaves room for, more or less
-than asked for.
+than requested.
 
 These are the smooth surfaces. The flat facets of a mesh between nodes on them still overlap by their sag, of order two
 in the mesh size.
@@ -66,7 +66,7 @@ class SectionFit:
     Parameters
     ----------
     sections : (Section, Section) of warp and weft
-    overlap : [m] of the sections as asked for; negative where they had a gap everywhere
+    overlap : [m] of the sections as requested; negative where they had a gap everywhere
     shift : [m] of warp against weft in z, positive apart; warp and weft move by half of it each; 0 if not allowed
     Vf0 : (warp, weft) [-] fibre volume fractions of the mesh
     requested : (Section, Section) before anything was narrowed or densified
@@ -80,7 +80,7 @@ class SectionFit:
 
     @property
     def changed(self) -> bool:
-        """True if a section differs from the one asked for."""
+        """True if a section differs from the one requested."""
         return self.sections != self.requested
 
     @property
@@ -115,8 +115,8 @@ def fit_sections(
     Parameters
     ----------
     kind : "sine", "ellipse" or "conforming"
-    widths : (warp, weft) [m] asked for
-    fractions : (warp, weft) [-] fibre volume fractions asked for
+    widths : (warp, weft) [m] requested
+    fractions : (warp, weft) [-] fibre volume fractions requested
     weave : Weave
     tip_thickness_ratio : [-] of both sections
     prescribed : the widths may not be narrowed

@@ -40,6 +40,11 @@ ONLY_IN = {
 PICTURES = {"pyvista", "matplotlib", "vtk"}
 WITH_KERNELS = ("shellfabric", "unitcell3d")
 MOST_FILES = 20  # in a folder
+MOST_LINES, MOST_LINES_OF_A_FUNCTION, MOST_ARGUMENTS_OF_A_KERNEL = 350, 60, 12
+LONGER_FILES = {
+    "shellfabric/jit/simd.py": 540,  # one type with its operations
+    "validation/claims/runs.py": 370,
+}
 TYPED = (
     "fabrics",
     "meshing",
@@ -159,6 +164,34 @@ def solvers_beside_the_driver(root):
 def folders_with_too_many_files(root):
     folders = Counter(str(path.parent.relative_to(root)) for path in sources(root, [*FLOORS, "tests"]).values())
     return [f"{folder} holds {count} files" for folder, count in folders.items() if count > MOST_FILES]
+
+
+def files_too_long(root):
+    counts = {name: len(path.read_text("utf-8").splitlines()) for name, path in sources(root).items()}
+    return [f"{name} has {count} lines" for name, count in counts.items() if count > LONGER_FILES.get(name, MOST_LINES)]
+
+
+def functions_too_long(root):
+    """Functions with their docstrings; decorators do not count."""
+    return [
+        f"{name}: {node.name} has {node.end_lineno - node.lineno + 1} lines"
+        for name, path in sources(root).items()
+        for node in ast.walk(ast.parse(path.read_bytes()))
+        if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef))
+        and node.end_lineno - node.lineno >= MOST_LINES_OF_A_FUNCTION
+    ]
+
+
+def kernels_with_too_many_arguments(root):
+    """Positional arguments of the functions of kernel files; arrays that belong together are passed as tuples."""
+    return [
+        f"{name}: {node.name} has {len(node.args.posonlyargs) + len(node.args.args)} positional arguments"
+        for name, path in sources(root, WITH_KERNELS).items()
+        if path.stem.endswith("_kernels")
+        for node in ast.walk(ast.parse(path.read_bytes()))
+        if isinstance(node, ast.FunctionDef)
+        and len(node.args.posonlyargs) + len(node.args.args) > MOST_ARGUMENTS_OF_A_KERNEL
+    ]
 
 
 def imports_by_computed_names(root):
@@ -294,9 +327,10 @@ RULES = {
     for rule in (
         packages_without_a_floor, imports_that_run_upwards, imports_against_the_layers,
         analyses_that_import_the_rest_of_weavecell, kernels_that_import_other_files, folders_with_too_many_files,
-        imports_by_computed_names, circles, colours_of_their_own, solvers_beside_the_driver,
-        versions_of_dolfinx_outside_compat, kernels_that_are_not_plain, kernel_arguments_outside_the_cache,
-        kernels_that_the_package_does_not_import, public_functions_without_types,
+        files_too_long, functions_too_long, kernels_with_too_many_arguments, imports_by_computed_names, circles,
+        colours_of_their_own, solvers_beside_the_driver, versions_of_dolfinx_outside_compat,
+        kernels_that_are_not_plain, kernel_arguments_outside_the_cache, kernels_that_the_package_does_not_import,
+        public_functions_without_types,
     )
 }  # fmt: skip
 
@@ -352,6 +386,12 @@ PLANTED = [
     ("kernels_that_import_other_files", "shellfabric/cloth/new_kernels.py", "from shellfabric.panel import model\n"),
     ("solvers_beside_the_driver", HERE, "class NewSolver:\n    pass\n"),
     ("solvers_beside_the_driver", HERE, "def run(hooks):\n    for hook in hooks:\n        hook()\n"),
+    ("files_too_long", HERE, "#\n" * (MOST_LINES + 1)),
+    ("functions_too_long", HERE, "class A:\n    def f(self):\n" + "        pass\n" * MOST_LINES_OF_A_FUNCTION),
+    (
+        "kernels_with_too_many_arguments", "shellfabric/cell/deep/new_kernels.py",
+        f"def f({', '.join(f'a{n}' for n in range(MOST_ARGUMENTS_OF_A_KERNEL + 1))}):\n    pass\n",
+    ),
     ("imports_by_computed_names", HERE, "import importlib\nimportlib.import_module('weavecell')\n"),
     ("colours_of_their_own", "validation/cases/pictures.py", 'WARP, WEFT = "#D55E00", "#0072B2"\n'),
     ("circles", HERE, "from shellfabric.panel import model\ndef f():\n    from shellfabric.cell.deep import other\n"),

@@ -303,7 +303,7 @@ class Block:
         return _corners(self.nodes)
 
     def crater(self, axis=0):
-        """Depth and shape: places (k, 2) [m] of radius and depth of what is left of the face, along x (axis 0) or y.
+        """Depth and shape: (k, 2) [m] radius and depth of the remaining face, along x (axis 0) or y.
 
         The depth at a node is that of the first brick beside it below all that are gone, from where the face was.
         """

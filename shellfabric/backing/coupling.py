@@ -20,7 +20,7 @@ from fabrics.errors import InputError
 from shellfabric.backing.block import ENERGIES
 from shellfabric.cloth.membrane_kernels import ERODED
 
-NAMES = tuple(f"backing_{name}" for name in ENERGIES)  # of the energies in the audit of a march
+NAMES = tuple(f"backing_{name}" for name in ENERGIES)  # of the energies in the audit of a run
 
 
 @dataclass(frozen=True)
@@ -30,7 +30,7 @@ class BackingResult:
     Parameters
     ----------
     face : [m] where the face stood
-    crater : (k, 2) [m] radius and depth of what is left of the face, along the warp
+    crater : (k, 2) [m] radius and depth of the remaining face, along the warp
     crater_weft : (k, 2) [m] the same along the weft
     nodes, bricks : (n, 3) [m], (m, 8) in VTK's order
     plastic : (m,) effective plastic strain
@@ -144,7 +144,7 @@ class BackingCoupling:
         block.advance()
 
     def _nodal(self, values):
-        """(ni+1, nj+1) view of an array of the march."""
+        """(ni+1, nj+1) view of an array of the state."""
         const = self.const
         return values[: (const.ni + 1) * const.row_stride].reshape(const.ni + 1, const.row_stride)
 

@@ -27,7 +27,7 @@ from shellfabric.projectile.projectile import Projectile
 Constants = namedtuple(
     "Constants",
     "ni nj row_stride rows_per_block mirror_x mirror_y x0 y0 dx dy dt S0 EA cv failure_elongation window_limits "
-    "points_per_side shape_functions point_stiffness point_damping point_mass implicit_factor nose_shape "
+    "points_per_side shape_functions point_law nose_shape "
     "nose_parameters projectile_length frame tilted friction erosion_gap_ratio projectile_radius edge_radius "
     "projectile_mass free_dofs perforation_delay_steps clamped_nodes middle_end_nodes middle_yarn_fraction "
     "driven_node",

@@ -102,7 +102,7 @@ class YarnRun:
 
 
 def strike(yarn: Yarn, velocity, *, length=0.1, bars=2000, numerics=None) -> YarnRun:
-    """March half of a straight yarn until its longitudinal wave has run 0.9 of its `length` [m].
+    """Integrate half of a straight yarn in time until its longitudinal wave has run 0.9 of its `length` [m].
 
     Strain and tension are the mean of the plateau between the waves; c is where the strain is half of that; U follows
     from the area under the deflected yarn, which is a triangle of the base U t and the height V t; the force is the

@@ -41,7 +41,7 @@ class CableResult:
         yarns at rest, and the force of all clamps on the net, along z
     nodes : (ni+1, nj+1, 3) [m] at the end
     failed : (2, ni+1, nj+1) bool at the end: bars that have failed, from each node along warp and weft
-    steps, wall_time, ns_per_bar_step : cost of marching, [s] and [ns]
+    steps, wall_time, ns_per_bar_step : cost of the run, [s] and [ns]
     """
 
     net: CableNet

@@ -44,12 +44,12 @@ class CellModel:
     laws : (CompressionLaw, CompressionLaw) of warp and weft; None takes the fabric's published ones
     gap : [m] play g between the yarns, closed before they touch (erratum E-16)
     model : "compressible", "incompressible" (d_c = 0) or "decoupled" (the yarns never touch)
-    form : "variational" (forces are the gradient of W) or "equilibrium" (the source's F = 2 T sin alpha; forces T).
+    form : "variational" (forces are the gradient of W) or "equilibrium" (F = 2 T sin alpha of the thesis; forces T).
         The default is the variational one for its energy: what its forces do is what the cell stores. The equilibrium
         form's forces are no gradient, and do work that nothing stores: 4 % of the strike energy of S-720 at 92.5 m/s
-    profile : "cosine" (the source's), or "straight" segments from crossing to crossing (Kawabata's)
+    profile : "cosine" (of the thesis), or "straight" segments from crossing to crossing (Kawabata's)
     toe : [-] mean slack of a yarn's fibres, or that of (warp, weft): the strain that their straightening takes; 0 is
-        the source's linear yarn. See `yarn_kernels`
+        the linear yarn of the thesis. See `yarn_kernels`
     reach : how far a table goes beyond straight yarns, in units of the strain at their strength; above 1 where yarns do
         not fail, since forces beyond a table follow its last cell and may grow without bound
 

@@ -1,11 +1,11 @@
-"""What the march reads of a cell's table, laid out for it: rows that begin with a cache line."""
+"""The table of a cell as the kernels read it: rows that begin with a cache line."""
 
 import numpy as np
 
 from shellfabric.cell import crossover_kernels
 from shellfabric.jit.aligned import aligned_zeros
 
-_STEPS = 256  # of the force, in what it tells of the tension
+_STEPS = 256  # of the force, in the bound of the tension
 
 
 def potential(table):
@@ -17,7 +17,7 @@ def potential(table):
 
 
 def ceilings(table):
-    """Of warp and weft: what the forces of the variational form tell of the tensions (`_ceiling`)."""
+    """Of warp and weft: the bounds that the forces of the variational form give of the tensions (`_ceiling`)."""
     found, weave = [], table.model.fabric.weave
     spline = np.moveaxis(table.spline.reshape(-1, 3, 3), 0, -1)  # of p^a q^b at [a, b]
     for family, values in enumerate((table.tension1, table.tension2)):

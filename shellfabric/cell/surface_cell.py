@@ -68,8 +68,8 @@ class SurfaceCell:
             raise InputError(key="surface", value=self.surface.fabric, allowed=f"one of {self.fabric.name}")
         for name, axis in (("d1", self.surface.d1), ("d2", self.surface.d2)):
             if not axis[0] <= 0 < axis[-1]:
-                told = f"{axis[0]:.3g} .. {axis[-1]:.3g} m"
-                raise InputError(key=f"surface.{name}", value=told, allowed="a range that begins at or below 0")
+                given = f"{axis[0]:.3g} .. {axis[-1]:.3g} m"
+                raise InputError(key=f"surface.{name}", value=given, allowed="a range that begins at or below 0")
 
     @property
     def region(self):

@@ -2,8 +2,8 @@
 
 A shot of a deterministic model either stops or perforates, so that two shots with different outcomes bracket the
 critical velocity (source thesis section 5.2.3, Figure 5-51). The bracket is found from a first guess by steps that
-grow, then halved until it is as narrow as asked. Panel and table of the cell are made once for all shots, a shot
-ends as soon as its outcome is known, and the residual velocities of those that perforate are kept for a
+grow, then halved until it is as narrow as the tolerance. Panel and table of the cell are made once for all shots, a
+shot ends as soon as its outcome is known, and the residual velocities of those that perforate are kept for a
 Lambert-Jonas fit (`lambert_jonas`).
 
 Shots can be fired beside each other: while one is under way, those that would follow from either of its outcomes are
@@ -27,7 +27,7 @@ from shellfabric.panel.model import Panel
 from shellfabric.panel.solver import PanelSolver
 
 UNDECIDED = 5e-3  # [s] after which a shot that has neither stopped nor perforated is given up
-_AUDIT = 10e-6  # [s] between audits: nothing but the guards of the march looks at them
+_AUDIT = 10e-6  # [s] between audits: nothing but the guards of the solver use them
 _GUESS = 0.17  # of the velocity that fails a lone yarn at once; only the number of shots depends on it
 _STEP = 1.2  # first factor from the guess towards the other outcome; squared with every step
 
@@ -44,7 +44,7 @@ class Shot:
     failed : number of failed yarn segments of the whole panel
     peak_tension : (warp, weft) [N]
     balance : [-] error of the energy balance over the strike energy, the worst of the run
-    wall_time : [s] of marching
+    wall_time : [s] of the time integration
     checks : tuple of quality.Indicator
     """
 
@@ -208,8 +208,8 @@ def critical_velocity(
     with _Range(panel, executor, jobs) as shooting:
         while bracket.width > tolerance:
             if bracket.exhausted:
-                told = "stops the projectile" if bracket.low > 0 else "lets the projectile through"
-                raise InputError(f"the panel {told} at any velocity from {tolerance:g} to {highest:g} m/s")
+                found = "stops the projectile" if bracket.low > 0 else "lets the projectile through"
+                raise InputError(f"the panel {found} at any velocity from {tolerance:g} to {highest:g} m/s")
             wanted = bracket.ahead(jobs, tolerance)
             shooting.only(wanted)
             shots.append(_result(shooting, wanted[0], shots))
@@ -250,13 +250,13 @@ def _done(bracket, tolerance):
 
 
 def _result(shooting, velocity, before):
-    """The shot at a velocity; one that went wrong tells its velocity and carries the shots before it."""
+    """The shot at a velocity; an error names its velocity and carries the shots before it."""
     try:
         return shooting.result(velocity)
     except UnstableError as problem:
-        told = UnstableError(str(problem), when=f"of the shot at {velocity:.4g} m/s")
-        told.shots = tuple(before)
-        raise told from None
+        named = UnstableError(str(problem), when=f"of the shot at {velocity:.4g} m/s")
+        named.shots = tuple(before)
+        raise named from None
 
 
 class _GivenUp(Exception):
@@ -264,10 +264,10 @@ class _GivenUp(Exception):
 
 
 class _Range:
-    """Shots at one panel, each begun when it is first wanted and kept until it is asked for.
+    """Shots at one panel, each begun when it is first wanted and kept until it is requested.
 
-    Locally threads suffice: the kernels that march hold no lock. Shots that are fired beside each other have one thread
-    each, unless the panel asks for more. A shot of another process cannot be given up: one that is no longer wanted
+    Locally threads suffice: the kernels hold no lock. Shots that are fired beside each other have one thread
+    each, unless the panel sets more. A shot of another process cannot be given up: one that is no longer wanted
     goes on to its end.
     """
 
@@ -311,19 +311,19 @@ def _fire(panel, velocity, give_up):
         if give_up is not None and give_up.is_set():
             raise _GivenUp
 
-    march = PanelSolver(panel, velocity, UNDECIDED, interval=_AUDIT)
-    march.run((hook,))
-    if march.outcome == "in flight":
-        told = f"the projectile struck at {velocity:.4g} m/s has neither stopped nor perforated"
-        raise InputError(f"{told} after {1e3 * UNDECIDED:g} ms; such a panel has no critical velocity")
+    solver = PanelSolver(panel, velocity, UNDECIDED, interval=_AUDIT)
+    solver.run((hook,))
+    if solver.outcome == "in flight":
+        problem = f"the projectile struck at {velocity:.4g} m/s has neither stopped nor perforated"
+        raise InputError(f"{problem} after {1e3 * UNDECIDED:g} ms; such a panel has no critical velocity")
     return Shot(
         strike_velocity=float(velocity),
-        residual_velocity=0.0 if march.outcome == "stopped" else float(march.sample("v")[-1]),
-        outcome=march.outcome,
-        time=march.time,
-        failed=int(march.sample("failed_yarns")[-1]),
-        peak_tension=(float(march.state.peak_tension[0]), float(march.state.peak_tension[1])),
-        balance=float(abs(march.sample("error")).max()) / march.strike_energy,
-        wall_time=march.wall_time,
-        checks=quality.of_solver(march),
+        residual_velocity=0.0 if solver.outcome == "stopped" else float(solver.sample("v")[-1]),
+        outcome=solver.outcome,
+        time=solver.time,
+        failed=int(solver.sample("failed_yarns")[-1]),
+        peak_tension=(float(solver.state.peak_tension[0]), float(solver.state.peak_tension[1])),
+        balance=float(abs(solver.sample("error")).max()) / solver.strike_energy,
+        wall_time=solver.wall_time,
+        checks=quality.of_solver(solver),
     )

@@ -105,8 +105,8 @@ def _check(vs, vr, limit, confidence, parameters):
         raise InputError("strike velocities must be above 0 and residual velocities at least 0")
     through = np.count_nonzero(vr > 0)
     if through <= parameters:
-        told = f"{through} perforations do not determine {parameters} parameters of the Lambert-Jonas curve"
-        raise InputError(told, allowed=f"at least {parameters + 1}")
+        problem = f"{through} perforations do not determine {parameters} parameters of the Lambert-Jonas curve"
+        raise InputError(problem, allowed=f"at least {parameters + 1}")
     slowest = float(vs[vr > 0].min())
     if limit is not None and not 0 < limit < slowest:
         raise InputError(

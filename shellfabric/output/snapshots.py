@@ -50,7 +50,7 @@ def failures(c, state):
 
 
 def yarn_tensions(c, state):
-    """(ni, nj, 2) [N] tension of warp and weft in each element: the mean over its two edges of what is left of them."""
+    """(ni, nj, 2) [N] tension of warp and weft in each element: the mean over its two edges, of their intact parts."""
     warp, weft = (
         (part * T)[: (c.ni + 1) * c.row_stride].reshape(c.ni + 1, c.row_stride)
         for part, T in zip(state.intact_fraction, state.T)

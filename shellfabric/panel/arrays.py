@@ -1,4 +1,4 @@
-"""The arrays of a panel that the kernels work on: what they need to know, the state of a march, scratch."""
+"""The arrays of a panel that the kernels work on: constants, state, scratch."""
 
 from collections import namedtuple
 from math import inf
@@ -25,8 +25,8 @@ Constants = namedtuple(
     "potential_coefficients potential_constant table_start1 table_scale1 table_last1 table_start2 table_scale2 "
     "table_last2 table_grid force_per_slope1 force_per_slope2 variational mean_weight1 mean_weight2 cv1 cv2 "
     "trellis_volume G1 G2 gamma1 gamma2 w1 S01 EA1 w2 S02 EA2 min_strength1 min_strength2 yarn_strengths1 "
-    "yarn_strengths2 filter_alpha erosion_gap_ratio window_limits points_per_side shape_functions point_stiffness "
-    "point_damping point_mass implicit_factor projectile_radius edge_radius projectile_mass free_dofs "
+    "yarn_strengths2 filter_alpha erosion_gap_ratio window_limits points_per_side shape_functions point_law "
+    "projectile_radius edge_radius projectile_mass free_dofs "
     "perforation_delay_steps nose_shape nose_parameters projectile_length frame tilted window_follows body_depth "
     "draw_in_reach foremost_offset shoulder friction slip_node slip_axis slip_data bending jamming yarn_ends "
     "bar_mass bar_h bar_area bar_law bar_substeps has_backing",
@@ -142,7 +142,7 @@ def state(panel, strike_velocity) -> State:
         window_kernels.move_window(state, const)
         state.active_rows[:] = max(state.contact_window[0] - 2, 0), min(state.contact_window[1] + 2, ni)
     if np.any(const.slip_data[:, 0]):
-        state.active_rows[:] = 0, ni  # led edges move before any wave comes to them
+        state.active_rows[:] = 0, ni  # edges with a prescribed pull-in move before any wave comes to them
     step_kernels.initial_forces(state, const, work(panel))
     boundary_kernels.update_slip_nodes(state, const, 0.0)
     return state
@@ -159,7 +159,7 @@ def work(panel) -> Work:
         np.zeros(barrier.SLOTS, np.int64),
     )
     rows["cell_index"] = np.zeros(_PIECE, np.int32)
-    # what is asked for last takes the room of what is no longer needed then: scratch is to fit into the cache
+    # arrays that are needed last share the room of those no longer needed then: scratch is to fit into the cache
     rows["T1"], rows["T2"], rows["f_over_stretch1"], rows["f_over_stretch2"] = (
         rows[name] for name in ("dW_own1", "dW_own2", "dW_crossing1", "dW_crossing2")
     )

@@ -1,11 +1,11 @@
-"""Edges of the panel: clamped, free, led inwards or gripped, each of the four sides on its own.
+"""Edges of the panel: clamped, free, with a prescribed pull-in, or gripped, each of the four sides on its own.
 
 A side is "clamped", "free", a PullIn or a Grip. Warp yarns end at the two warp sides (lowest and highest x), weft yarns
 at the two weft sides. An edge is given as one side for all four, or as (warp, weft), each one side for both ends or a
 pair (lowest, highest). Nodes of a slipping side move along the yarns that end there and not otherwise; where two sides
 meet that are not free, the corner is held.
 
-Cloth that slips out of the clamp is not added to the panel: as in the source, the edge's nodes move in.
+Cloth that slips out of the clamp is not added to the panel: as in the thesis, the edge's nodes move in.
 
 Oblique weave. The grid follows the yarns. With the weave at an angle to the sides of the opening, the grid covers the
 opening turned by that angle, and its nodes on and beyond the sides are held: the cloth out there lies in the clamp.

@@ -38,7 +38,7 @@ class Panel:
     ----------
     table : CellTable of the fabric
     opening : (along warp, along weft) [m], but for an oblique weave; as many whole crossovers as fit from the centre to
-        an edge are meshed, as in the source (erratum E-34: 79 of 79.9 for S-720)
+        an edge are meshed, as in the thesis (erratum E-34: 79 of 79.9 for S-720)
     projectile : Projectile
     symmetry : "quarter", "half" (x >= 0) or "whole"
     elements_per_crossover : along each side
@@ -47,13 +47,13 @@ class Panel:
     trellis : whether the fabric's shear law acts; a fabric without one has none
     failure : whether yarns fail
     weave_angle : [rad] of the warp against the first side of the opening, towards the second (see `boundary`)
-    bending : (warp, weft) [N m2] bending stiffness of a yarn; none as in the source. It lies between the sum over its
+    bending : (warp, weft) [N m2] bending stiffness of a yarn; none as in the thesis. It lies between the sum over its
         fibres, n E pi d^4 / 64, when they slide, and that of a solid section of its fibre area, E A^2 / 4 pi: for
         S-720 with fibres of 12 um 9.5e-8 and 9.3e-5 (see `bending_kernels`)
     strength_factors : (warp, weft) factors on the strength of each yarn, as many as `yarn_counts`, or None where all
         are alike. They are those of the modelled part: across a plane of symmetry a yarn has that of its image
     backing : Backing, the block behind the cloth, or None (see `backing.coupling`)
-    jam : stiffness [N] of a yarn against being bunched up, and the stretch at which it begins; none as in the source
+    jam : stiffness [N] of a yarn against being bunched up, and the stretch at which it begins; none as in the thesis
         (see `jamming_kernels`)
     grading : ((until, side), ...) [crossovers] elements that are longer the further they are from the impact point, or
         None (see `grading`); for straight shots at cloth that is held or free at its edges
@@ -85,7 +85,7 @@ class Panel:
             raise InputError(key="symmetry", value=self.symmetry, allowed=" or ".join(SYMMETRIES))
         boundary.check(self)
         coupling.check(self)
-        if self.failure and any(self.table.model.toes):  # a yarn whose crossings have failed is linear in the march
+        if self.failure and any(self.table.model.toes):  # a yarn whose crossings have failed is linear in an impact
             raise InputError(key="toe", value=self.table.model.toe, allowed="0 in a panel whose yarns fail")
         for axis, mirrored in enumerate(self.mirrors):
             if mirrored and not self.projectile.mirrored(axis):
@@ -314,7 +314,7 @@ class Panel:
         """(along warp, along weft) [m] from the projectile's middle that cloth can come from to be under it.
 
         A straightened, stretched yarn that is held at its end draws cloth in by at most its crimp and strain times its
-        length; a leaning projectile is wider in the panel's plane. Yarns with a free end follow the projectile from
+        length; a tilted projectile is wider in the panel's plane. Yarns with a free end follow the projectile from
         anywhere, over the whole panel; on a graded one contact stays in the first zone.
         """
         wide, found = self.projectile.radius / self.projectile.frame[2, 2], []

@@ -1,7 +1,7 @@
-"""Has the projectile left the held cloth behind? A plug that is cut out may fly on before it.
+"""Perforation test: cloth that is not connected to the boundary through intact yarns (a plug) is not ahead of the nose.
 
 The kernels call a panel perforated when nothing pushes and nothing is left ahead of the nose. Cut-out cloth can stay
-there for good, ridden by the projectile or faster than it, so that the march asks at its audits what holds what: nodes
+there for good, ridden by the projectile or faster than it, so that the solver tests the connection at its audits: nodes
 that unbroken yarn joins to an edge of the panel are held, and the elements between them; the rest is a plug, and does
 not count.
 """

@@ -26,7 +26,7 @@ LIGHT = 0.03  # of the strength: tensions below it count as it
 
 @dataclass(frozen=True)
 class Indicator:
-    """One number that tells whether a run went well.
+    """A quality indicator: one number with its limit.
 
     Parameters
     ----------

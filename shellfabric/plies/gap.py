@@ -10,7 +10,7 @@ TESTED = 4  # plies of the packs that the thesis takes its gaps from (section 5.
 
 
 def compression_gap(areal_density, plies=TESTED):
-    """[m] gap between plies from the source's pressure law of packs (thesis eqs. 5-1 to 5-4, erratum E-02).
+    """[m] gap between plies from the pressure law of packs (thesis eqs. 5-1 to 5-4, erratum E-02).
 
     Parameters
     ----------

@@ -172,9 +172,9 @@ class Pack:
         found = {}
         for ply in self.plies:
             if id(ply) not in found:
-                found[id(ply)] = (
-                    self._in_step(ply).constants()._replace(dt=self.time_step, implicit_factor=self._firmer)
-                )
+                const = self._in_step(ply).constants()
+                law = const.point_law._replace(implicit_factor=self._firmer)
+                found[id(ply)] = const._replace(dt=self.time_step, point_law=law)
         return tuple(found[id(ply)] for ply in self.plies)
 
     def states(self, strike_velocity):

@@ -19,7 +19,7 @@ FORMS = {
 class PlyContact:
     """Numerical knobs of the contact between plies, set by stability and convergence.
 
-    Stability: in a stack of masses m on springs k with dampers c the highest mode asks for k dt^2 / m + 2 c dt / m < 1;
+    Stability: in a stack of masses m on springs k with dampers c the highest mode requires k dt^2 / m + 2 c dt / m < 1;
     the defaults stand at 0.83. The damper leaves a ninth of the speed at which two free plies meet: cloth does not
     bounce. No spring that looks at its own two plies alone can be much stiffer: modes of the stack
     from the lowest to the highest feel it, and one that holds firmer at rest than against the highest lags behind it,

@@ -53,7 +53,7 @@ def ply_step(state, const, work):
     panel_step_kernels.update_blocks(state, const, work, work.barrier, 0, 1)
     panel_step_kernels.apply_failure(state, const, work)
     panel_step_kernels.out_of_plane_forces(state, const, state.active_rows[0], state.active_rows[1], True)
-    waits = const.implicit_factor > 0.0 and state.f_contact_nose[2] != 0.0
+    waits = const.point_law.implicit_factor > 0.0 and state.f_contact_nose[2] != 0.0
     if not waits:
         nose_contact(state, const, work)
     state.counter[STEP] += 1

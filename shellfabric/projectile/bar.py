@@ -4,7 +4,7 @@ The projectile of the thesis is a steel cylinder of 5.5 x 42 mm that is bored to
 given (erratum E-37). Here it is 4.5 mm wide, from the tail, and as deep as the mass requires. Tip and tail then swing
 about the centre of mass with the period of the first free-free mode, 2 L / c for a bar of one section.
 
-In a march the bar is the body of the projectile (`body`, `bar_kernels.advance_bar`). Alone:
+In a run the bar is the body of the projectile (`body`, `bar_kernels.advance_bar`). Alone:
 
     bar = Bar.cylinder();   motion = bar.motion(strike_velocity)
     displacement, velocity = motion.push(force, dt)
@@ -60,7 +60,7 @@ class Bar:
 
     @classmethod
     def cylinder(cls, mass=None, *, diameter=None, length=None, bore_diameter=None, material=None, **changes) -> Bar:
-        """A cylinder bored from its tail to a given mass; what is left out is the source's.
+        """A cylinder bored from its tail to a given mass; what is left out is that of the thesis.
 
         Raises
         ------
@@ -86,7 +86,7 @@ class Bar:
         """The cylinder of the thesis without a bore: density and modulus so much less that mass and wave speed are its
         own.
 
-        Its first mode is 2 L / c = 17.0 us, as the source's tip and tail swing (erratum E-37).
+        Its first mode is 2 L / c = 17.0 us, the period of tip and tail in the thesis (erratum E-37).
         """
         source, steel = round_projectile(), load("steel")
         area = pi / 4 * source["diameter"] ** 2
@@ -158,7 +158,7 @@ class Bar:
 
 
 class Motion:
-    """A bar in motion: the one narrow door to a march, and its records.
+    """A bar in motion, under a force on its tip, and its records.
 
     Parameters
     ----------

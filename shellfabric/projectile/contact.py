@@ -11,6 +11,8 @@ from shellfabric.jit.simd import WIDTH
 from shellfabric.projectile import contact_kernels
 
 PREDICTED = ("dv_other", "dv_contact")  # of the nodes, where the nose foresees what the other forces will do
+# constants of the contact law of a point, with which kernels call `contact_kernels.implicit_penalty_force`
+PointLaw = namedtuple("PointLaw", "stiffness damping mass implicit_factor")
 Scratch = namedtuple(
     "Scratch",
     "node_rows box_low box_high node_position node_velocity node_dv point_data node_force torn_shape_functions",
@@ -32,10 +34,12 @@ def constants(points, mass, dt, penalty, damping):
     return {
         "points_per_side": points,
         "shape_functions": spline_kernels.shape_functions(points, room),
-        "point_stiffness": penalty * mass / points**2 / dt**2,
-        "point_damping": 2 * damping * penalty**0.5 * mass / points**2 / dt,
-        "point_mass": mass / points**2,
-        "implicit_factor": 0.0,
+        "point_law": PointLaw(
+            stiffness=penalty * mass / points**2 / dt**2,
+            damping=2 * damping * penalty**0.5 * mass / points**2 / dt,
+            mass=mass / points**2,
+            implicit_factor=0.0,
+        ),
     }
 
 

@@ -9,8 +9,8 @@ and the projectile gets its opposite, so that momentum is kept. Where yarns have
 left of the two next to a point.
 
 Firm springs. Between the nose and a pack that resists, a spring that is stable at the usual step is too soft: the rim
-sinks in. So in packs it is const.implicit_factor times as stiff, and its force is that of the end of the step to come.
-With the depth d and the velocity v at which the point will approach if the nose lets it, that is by all other forces,
+sinks in. So in packs it is const.point_law.implicit_factor times as stiff, and its force is that of the end of the step
+to come. With the depth d and the velocity v at which the point will approach by all other forces than the nose's,
 
     f = max(0, k d + (c + k dt) v) / (1 + (c + k dt) dt / m)
 
@@ -159,7 +159,7 @@ def contact_element(state, const, i, j, e, work):
         store(at[3], 0, v_x)
         store(at[4], 0, v_y)
         store(at[5], 0, v_z)
-        if const.implicit_factor > 0.0:
+        if const.point_law.implicit_factor > 0.0:
             for n in range(2):
                 v_x, v_y, v_z = spline_kernels.interpolate(shares, first, work.node_dv[n])
                 store(at[7 + 3 * n], 0, v_x)
@@ -185,7 +185,7 @@ def gather_velocities(state, const, i, j, work):
             v = work.node_velocity[k]
             v[0], v[1], v[2] = spline_kernels.relative_velocity(state, const, i - 1 + m, j - 1 + n)
             work.node_force[0, k] = work.node_force[1, k] = work.node_force[2, k] = 0.0
-            if const.implicit_factor > 0.0:
+            if const.point_law.implicit_factor > 0.0:
                 ahead = work.node_dv
                 x, y, z = spline_kernels.nodal_vector(state.dv_other, const, i - 1 + m, j - 1 + n)
                 ahead[0, k, 0], ahead[0, k, 1], ahead[0, k, 2] = x, y, z
@@ -213,13 +213,14 @@ def contact_point(state, const, i, j, e, number, m, shares, work):
         if const.friction > 0.0:
             state.friction_state[e, number] = 0.0
         return 0.0, 0.0
-    stiffness, damping = part * const.point_stiffness, part * const.point_damping
+    stiffness, damping = part * const.point_law.stiffness, part * const.point_law.damping
     if const.tilted:
         n_x, n_y, n_z = to_panel_frame(const.frame, n_x, n_y, n_z)
     v_x, v_y, v_z, f, spring = at[3, m], at[4, m], at[5, m], 0.0, 0.0
     if depth < 0.0:
-        if const.implicit_factor > 0.0:
-            hard, drag = const.implicit_factor * stiffness, math.sqrt(const.implicit_factor) * damping
+        if const.point_law.implicit_factor > 0.0:
+            factor = const.point_law.implicit_factor
+            hard, drag = factor * stiffness, math.sqrt(factor) * damping
             away = n_x * (v_x + at[7, m]) + n_y * (v_y + at[8, m]) + n_z * (v_z + at[9, m])
             gave = n_x * at[10, m] + n_y * at[11, m] + n_z * at[12, m]
             f = implicit_penalty_force(const, hard, drag, depth, away, gave, before, state.force_scale[0])
@@ -257,7 +258,7 @@ def implicit_penalty_force(const, stiffness, damping, depth, away, gave, before,
     usual : force that every point is taken to have besides
     """
     both = damping + stiffness * const.dt
-    mobility = (max(gave, 0.0) + usual * const.dt / const.point_mass) / (before + usual)
+    mobility = (max(gave, 0.0) + usual * const.dt / const.point_law.mass) / (before + usual)
     return max(0.0, (-stiffness * depth - both * away) / (1.0 + both * mobility))
 
 

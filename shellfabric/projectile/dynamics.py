@@ -1,4 +1,4 @@
-"""The projectile's body in a march: rigid, or an elastic-plastic bar along its axis (`bar`, `bar_kernels.advance_bar`).
+"""The projectile's body in a run: rigid, or an elastic-plastic bar along its axis (`bar`, `bar_kernels.advance_bar`).
 
 A modelled part of the panel has as much of the bar: masses and sections are its share of them.
 """
@@ -11,7 +11,7 @@ import numpy as np
 
 from shellfabric.projectile import bar_kernels
 
-RIGID = ("z", "v", "force")  # columns of the history of a march, `panel.step_kernels.record_step`
+RIGID = ("z", "v", "force")  # columns of the step history, `panel.step_kernels.record_step`
 STATE = ("bar_u", "bar_v", "bar_plastic", "bar_stress", "bar_energy")  # fields of a State that are the body's
 BAR = (*RIGID, "tip_velocity", "tail_velocity", "centre_velocity", "tip", "tail", "centre")
 
@@ -57,7 +57,7 @@ class BarHistory:
 
 
 def history(t, fine, state, bar) -> BarHistory:
-    """The history of a bar from the columns BAR of a march, and from its state at the end."""
+    """The history of a bar from the columns BAR of a run, and from its state at the end."""
     named = {name: fine[:, BAR.index(name)] for name in BAR[len(RIGID) :]}
     return BarHistory(t, **named, period=bar.period, shortening=-float(np.expm1(state.bar_plastic) @ bar.mesh[0]))
 

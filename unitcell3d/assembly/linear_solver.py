@@ -3,7 +3,7 @@
 MUMPS orders with METIS where it was built with it: its other orderings are slower or equal. Its scaling is left out,
 since it takes time and the unknowns are all displacements. petsc4py 3.18 keeps a
 factorisation alive through each wrapper that `getPC` returns, so the solver is configured through the options database
-and never asked for its PC.
+and its PC is never used.
 
 Several processes may share a factorisation: each holds the whole tangent and gives its rows, and each gets the whole
 solution back, the same to the last bit, so that they stay in step.

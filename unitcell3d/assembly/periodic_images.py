@@ -15,7 +15,7 @@ from meshing.mesh import YarnMesh
 
 
 class Images:
-    """Nodes of a cell, and of the images that are asked for.
+    """Nodes of a cell, and of the images that are requested.
 
     Parameters
     ----------
@@ -49,7 +49,7 @@ class Images:
         )
 
     def image(self, yarn: int, m: int, n: int) -> IntArray:
-        """Node numbers (i, j, k) of the image of a yarn, new ones where it is asked for the first time."""
+        """Node numbers (i, j, k) of the image of a yarn, new ones where it is requested the first time."""
         if (m, n) == (0, 0):
             return self._mesh.grids[yarn]
         if (yarn, m, n) not in self._found:

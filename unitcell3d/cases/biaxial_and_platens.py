@@ -16,7 +16,7 @@ from fabrics.fabric import Fabric
 from meshing.crossover import Crossover
 from unitcell3d.model.crossover import CrossoverModel, Load, Numerics
 from unitcell3d.solver.history import History
-from unitcell3d.solver.load_stepping import Steps, march
+from unitcell3d.solver.load_stepping import Steps, solve_load_path
 from unitcell3d.solver.record import Hook
 
 # one-ply platen test of the thesis: 7000 N on 0.019 m x 0.019 m (chapter 2)
@@ -42,7 +42,7 @@ def biaxial(
     fabric : Fabric
     ratio : (d1, d2) [-] proportions of the end displacements; 0 holds a yarn's ends
     max_displacement : [m] larger of the two end displacements at the end of the path, instead of fibre failure
-    numerics, steps, hooks : see `model.crossover.Numerics`, `load_stepping.Steps`, `load_stepping.march`
+    numerics, steps, hooks : see `model.crossover.Numerics`, `load_stepping.Steps`, `load_stepping.solve_load_path`
 
     Returns
     -------
@@ -75,7 +75,7 @@ def biaxial(
     model = CrossoverModel(crossover, fabric, numerics)
     end = Load((float(shares[0] * max_displacement), float(shares[1] * max_displacement)))
     case = f"biaxial {shares[0]:g} : {shares[1]:g}"
-    return march(model, Load(), end, case=case, stop=stop, steps=steps, hooks=hooks)
+    return solve_load_path(model, Load(), end, case=case, stop=stop, steps=steps, hooks=hooks)
 
 
 def _worst_yarn(limits):
@@ -94,7 +94,7 @@ def plate_compression(
 ) -> History:
     """Press a crossover between two rigid plates, the yarns' ends held in the plane at their spacing.
 
-    The plates stand at equal distances above and below the middle plane, as the two-fold axis of the weave asks, so
+    The plates stand at equal distances above and below the middle plane, as the two-fold axis of the weave requires, so
     that the higher yarn is touched first. The path ends at the mean `pressure` [Pa] on the area of the cell, the
     source's greatest by default, or with the plates at the share `min_plate_gap` of their first distance.
 
@@ -109,7 +109,7 @@ def plate_compression(
     model = CrossoverModel(crossover, fabric, numerics)
     rest = model.plates.at_rest
     force = pressure * fabric.weave.cell_area
-    return march(
+    return solve_load_path(
         model,
         Load(plates=rest),
         Load(plates=min_plate_gap * rest),

@@ -1,4 +1,4 @@
-"""What a model asks of its contact: the numbers of the method, and the surfaces that may touch."""
+"""Parameters of the contact of a model: numbers of the method, and the surfaces that may touch."""
 
 from __future__ import annotations
 

@@ -37,7 +37,7 @@ class Steps:
 SOFTENINGS = (0.01, 0.05, 0.2, 0.5, 1.0)
 
 
-def march(
+def solve_load_path(
     model: CrossoverModel,
     start: Load,
     end: Load,
@@ -66,12 +66,12 @@ def march(
     steps = Steps() if steps is None else steps
     solver = Newton(model, comm)
     try:
-        return _march(model, solver, start, end, case, stop, steps, hooks)
+        return _solve_load_path(model, solver, start, end, case, stop, steps, hooks)
     finally:
         solver.close()
 
 
-def _march(model, solver, start, end, case, stop, steps, hooks):
+def _solve_load_path(model, solver, start, end, case, stop, steps, hooks):
     begun = time.perf_counter()
     failed = ""
     states, rows = [], []

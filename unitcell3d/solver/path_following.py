@@ -1,4 +1,4 @@
-"""Following a path of loads with a row at each state that is asked for, and the failure of fibres on the way.
+"""Following a path of loads with a row at each state that is requested, and the failure of fibres on the way.
 
 A path is a chain of straight legs, so it may turn round and come back. Where a quantity that is watched (the worst
 fibre's strain over its failure strain, or what ends the path) first passes 1 inside a step, the state at 1 is found by

@@ -106,6 +106,16 @@ def mesh(
     )
 
 
+PlatenCurveOption = Annotated[
+    Path | None,
+    typer.Option(
+        "--platen-curve",
+        help="First fit E_c, V_c and K_r to this curve: pressure and thickness.",
+        metavar="CURVE.csv",
+    ),
+]
+
+
 def calibrate(
     fabric: Annotated[
         str | None, typer.Argument(metavar="[FABRIC]", help="A name of the catalogue, or the path of a fabric file.")
@@ -116,14 +126,7 @@ def calibrate(
     size: MeshOption = Size.medium,
     jobs: JobsOption = CORES,
     executor: ExecutorOption = "local",
-    plates: Annotated[
-        Path | None,
-        typer.Option(
-            "--platen-curve",
-            help="First fit E_c, V_c and K_r to this curve: pressure and thickness.",
-            metavar="CURVE.csv",
-        ),
-    ] = None,
+    plates: PlatenCurveOption = None,
     fit_solid: Annotated[
         bool, typer.Option("--fit-solid", help="The same, to the built-in pressure law of Kevlar plain weaves.")
     ] = False,

@@ -206,12 +206,12 @@ def _write(out, this, record, text, advance):
     advance(0.2)
     if not outputs:
         return
-    told = chapter(record, this.scene.run.tolerance)
+    section = chapter(record, this.scene.run.tolerance)
     advance(0.7)
     if "pictures" in outputs:
-        report_page.write_pictures([told], out / "pictures")
+        report_page.write_pictures([section], out / "pictures")
     if "report" in outputs:
-        report_page.write(_page(this, record, told, stamp), out / "report.html")
+        report_page.write(_page(this, record, section, stamp), out / "report.html")
 
 
 def chapter(record, tolerance):
@@ -236,8 +236,8 @@ def chapter(record, tolerance):
     columns += ("residual", "iterations")
     rows = tuple(
         (
-            _told(record.prescribed_name, record.prescribed_unit, record.prescribed[k]),
-            *(_told(name, unit, values[k]) for name, (unit, values) in record.measures.items()),
+            _as_text(record.prescribed_name, record.prescribed_unit, record.prescribed[k]),
+            *(_as_text(name, unit, values[k]) for name, (unit, values) in record.measures.items()),
             f"{record.residual[k]:.1e}",
             f"{record.iterations[k]}",
         )
@@ -249,28 +249,28 @@ def chapter(record, tolerance):
 
 
 def _headed(name, unit):
-    told = pictures_coupon.axis(name, unit)[1]
-    return f"{name} [{told}]" if told else name
+    shown = pictures_coupon.axis(name, unit)[1]
+    return f"{name} [{shown}]" if shown else name
 
 
-def _told(name, unit, value):
+def _as_text(name, unit, value):
     """A value as text, without its unit."""
     return f"{pictures_coupon.axis(name, unit)[0] * value:.4g}"
 
 
 def lines(record):
     """What a test came to, in a few lines."""
-    told, moved = [], (record.prescribed_unit, record.prescribed)
+    found, moved = [], (record.prescribed_unit, record.prescribed)
     for name, (unit, values) in {record.prescribed_name: moved, **record.measures}.items():
-        told.append(f"{name:<34}{_told(name, unit, values[-1])} {pictures_coupon.axis(name, unit)[1]}".rstrip())
-    told.append(
+        found.append(f"{name:<34}{_as_text(name, unit, values[-1])} {pictures_coupon.axis(name, unit)[1]}".rstrip())
+    found.append(
         f"{record.elements} elements, {int(record.iterations.sum())} iterations, residual {record.residual.max():.1e} "
         f"at most, {record.wall_time:.1f} s"
     )
-    return told
+    return found
 
 
-def _page(this, record, told, stamp):
+def _page(this, record, section, stamp):
     """The report of one test."""
     model = this.scene.fabric.cell_model
     tone = "unstable" if record.outcome == "unstable" else "stopped"
@@ -285,7 +285,7 @@ def _page(this, record, told, stamp):
         f"relaxed to {this.scene.run.tolerance:g} of the reaction.",
         (cards,),
         (
-            told,
+            section,
             chapters.cell(this.fabric, {this.law_name: this.laws}, model, **chapters.options(this.scene.fabric)),
             checks.section(record.checks),
             chapters.sources(this.fabric),

@@ -2,7 +2,7 @@
 
 Folder of `weavecell crossover`
     case.h5     every converged state: columns with their meanings (`unitcell3d.solver.record`)
-    case.json   what was asked and found, provenance
+    case.json   settings, results, provenance
     pictures/   curve.svg, deformed.png
 """
 

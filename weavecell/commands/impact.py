@@ -47,11 +47,11 @@ SUPPORT = Support(
 )  # fmt: skip
 
 
-def support(asked):
+def support(scene):
     """The declaration that holds for a scene: packs and scenes with [accuracy] have their own."""
-    if asked.panel.plies > 1:
+    if scene.panel.plies > 1:
         return impact_pack.SUPPORT
-    return SUPPORT if asked.accuracy is None else fidelity.SUPPORT
+    return SUPPORT if scene.accuracy is None else fidelity.SUPPORT
 
 
 class Interrupted(WeavecellError):
@@ -76,29 +76,29 @@ def impact(path, out, *, resume=False, strict=False):
     DoubtfulError : a quality indicator is beyond its limit, and `strict`; all results have been written
     Interrupted : by the user; the last checkpoint has been kept
     """
-    asked, text = scenes_impact.load(path, support)
-    this = build.build(asked, path, path.stem)
+    scene, text = scenes_impact.load(path, support)
+    this = build.build(scene, path, path.stem)
     setup = build.setup(this, path)
     if resume and not checkpoints(out):
         raise InputError("there is no checkpoint to resume from", file=out / "checkpoint.h5")
-    if asked.panel.plies > 1:
+    if scene.panel.plies > 1:
         try:
             return impact_pack.impact(this, setup, path, text, out, resume=resume, strict=strict)
         except KeyboardInterrupt:
             raise _interrupted(out) from None
-    title = asked.title or f"{this.fabric.name}, {asked.projectile.strike_velocity:g} m/s"
+    title = scene.title or f"{this.fabric.name}, {scene.projectile.strike_velocity:g} m/s"
     choice = None
 
     def shoot(setup, table=None, model=""):
         checkpoint = out / f"checkpoint{'-' + model.replace(' ', '-') if model else ''}.h5"
-        every, again = asked.run.checkpoint_interval, resume and checkpoint.exists()
+        every, again = scene.run.checkpoint_interval, resume and checkpoint.exists()
         return fire(this, setup, title, checkpoint=checkpoint, every=every, resume=again, table=table)
 
     try:
-        if asked.accuracy is None:
+        if scene.accuracy is None:
             record, snapshots, failure, _ = shoot(setup)
         else:
-            (record, snapshots, failure), choice = fidelity.answer(asked, setup, shoot)
+            (record, snapshots, failure), choice = fidelity.answer(scene, setup, shoot)
     except InputError as problem:
         raise build.in_file(problem, path) from None
     except KeyboardInterrupt:
@@ -158,21 +158,21 @@ def write(out, this, record, snapshots, text, advance, choice=None):
     advance(0.4)
     if not {"pictures", "report"} & set(outputs):
         return
-    told = [chapters.impact([record])]
+    sections = [chapters.impact([record])]
     if choice is not None:
-        told.append(fidelity.chapter(choice))
+        sections.append(fidelity.chapter(choice))
     if record.measured is not None:
-        told.append(chapters_impact.measures(record.measured, this.scene.history.report_positions))
-    told += chapters_impact.body(record)
+        sections.append(chapters_impact.measures(record.measured, this.scene.history.report_positions))
+    sections += chapters_impact.body(record)
     if "pictures" in outputs:
-        report_page.write_pictures(told, out / "pictures")
+        report_page.write_pictures(sections, out / "pictures")
     advance(0.9)
     if "report" in outputs:
-        report_page.write(page(this, record, told, stamp), out / "report.html")
+        report_page.write(page(this, record, sections, stamp), out / "report.html")
 
 
-def page(this, record, told, stamp):
-    """The report of one impact; `told` are its chapters."""
+def page(this, record, sections, stamp):
+    """The report of one impact; `sections` are its chapters."""
     model = this.scene.fabric.cell_model
     shot, panel = this.scene.projectile, this.scene.panel
     if this.surface is None:
@@ -190,7 +190,7 @@ def page(this, record, told, stamp):
         f"{build.shot_in_words(shot)}.",
         (cards,),
         (
-            *told,
+            *sections,
             *cell,
             checks.section(record.checks),
             chapters.sources(this.fabric),

@@ -4,7 +4,7 @@ The folder of `weavecell impact` where panel.plies is above 1
     scene.toml      the scene as it was given
     histories.h5    scalars, histories, every ply at the end (`results.pack.PackRecord`)
     summary.json    outcome, energies, what each ply bore, provenance
-    pack.pvd        the ParaView series of pack/pack-*.vtu: all plies, told apart by "ply"
+    pack.pvd        the ParaView series of pack/pack-*.vtu: all plies, distinguished by "ply"
     pictures/       velocity, energies, cuts, plies and pushes (.svg), rear ply (.png)
     report.html     all of it on one page
     checkpoint.h5   only while the run goes on, or after it was interrupted
@@ -68,10 +68,10 @@ def impact(this, setup, path, text, out, *, resume=False, strict=False):
     """
     from shellfabric.impact.pack import PackSetup
 
-    asked, checkpoint = this.scene, out / "checkpoint.h5"
-    title = asked.title or f"{asked.panel.plies} x {this.fabric.name}, {asked.projectile.strike_velocity:g} m/s"
+    scene, checkpoint = this.scene, out / "checkpoint.h5"
+    title = scene.title or f"{scene.panel.plies} x {this.fabric.name}, {scene.projectile.strike_velocity:g} m/s"
     try:
-        pack = PackSetup(setup, asked.panel.plies, asked.panel.stacking, asked.panel.ply_gap)
+        pack = PackSetup(setup, scene.panel.plies, scene.panel.stacking, scene.panel.ply_gap)
         record, snapshots, failure = fire(this, pack, title, checkpoint=checkpoint, resume=resume)
     except InputError as problem:
         raise _in_file(problem, path) from None
@@ -115,16 +115,16 @@ def write(out, this, record, snapshots, text, advance):
     advance(0.4)
     if not {"pictures", "report"} & set(outputs):
         return
-    told = [chapter(record)]
+    sections = [chapter(record)]
     ends = dict.fromkeys((0, record.count - 1)) if record.measured else ()  # the ply that is struck, and the rear one
-    told += [
+    sections += [
         chapters_impact.measures(record.measured[ply], this.scene.history.report_positions, ply + 1) for ply in ends
     ]
     if "pictures" in outputs:
-        report_page.write_pictures(told, out / "pictures")
+        report_page.write_pictures(sections, out / "pictures")
     advance(0.9)
     if "report" in outputs:
-        report_page.write(page(this, record, told, stamp), out / "report.html")
+        report_page.write(page(this, record, sections, stamp), out / "report.html")
 
 
 def write_series(out, record, snapshots):
@@ -222,8 +222,8 @@ def _ply_table(record):
     return report_page.Table(columns, rows, caption=caption, numeric=columns[1:])
 
 
-def page(this, record, told, stamp):
-    """The report of one impact on a pack; told : sections of what was found."""
+def page(this, record, sections, stamp):
+    """The report of one impact on a pack; `sections` are its chapters."""
     model, panel = this.scene.fabric.cell_model, this.scene.panel
     source = this.law_name if model == "compressible" else model
     laws = (chapters.law_card(this.laws[0], source=source),) if this.surface is None else ()
@@ -235,7 +235,7 @@ def page(this, record, told, stamp):
         f"{build.panel_in_words(panel)}, struck at {shot.strike_velocity:g} m/s by {build.shot_in_words(shot)}.",
         (cards,),
         (
-            *told,
+            *sections,
             checks.section(record.checks),
             chapters.sources(this.fabric),
             chapters.making(stamp, {"marching": record.wall_time}),

@@ -1,7 +1,7 @@
 """The mesh of a crossover or a woven patch from the command line.
 
 Folder of `weavecell mesh`
-    crossover.msh, crossover.vtu    or patch.*; the formats asked for (OpenRadioss: crossover_0000.rad)
+    crossover.msh, crossover.vtu    or patch.*; the formats requested (OpenRadioss: crossover_0000.rad)
     crossover.png, quality.png      the mesh, and the scaled Jacobian of its elements
     mesh.json                       size, quality, overlap, provenance
 """
@@ -77,7 +77,7 @@ def write(built, out, formats=("msh", "vtu"), fabric=None):
 
 
 def facts(built):
-    """What a user asks about a mesh first, as texts."""
+    """The main figures of a mesh, as texts."""
     gap = 1e6 * built.least_gap
     bars = [sum(len(b) for b, f in zip(built.bars, built.families) if f == family) for family in (0, 1)]
     return {

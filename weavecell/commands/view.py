@@ -56,14 +56,14 @@ def _add(plotter, file):
 
     grid = pyvista.read(file)
     grid.points *= 1e3
-    told = f"{file.name}, lengths in mm"
+    text = f"{file.name}, lengths in mm"
     if "tension_warp_N" in grid.cell_data:
         tension = np.maximum(grid.cell_data["tension_warp_N"], grid.cell_data["tension_weft_N"])
         grid.cell_data["tension"] = tension
         part = grid.extract_cells(np.flatnonzero(np.asarray(grid.cell_data["failed_yarns"]) < 2))
         plotter.add_mesh(part, scalars="tension", cmap=tension_map(), clim=(0, tension.max()), show_scalar_bar=False)
-        # told in words: VTK's own scale of colours ends a process that has loaded dolfinx 0.5.2 too (std::bad_alloc)
-        told += f"\nyarn tension, the higher of warp and weft: 0 (light) to {tension.max():.0f} N (dark)"
+        # in words: VTK's own scale of colours ends a process that has loaded dolfinx 0.5.2 too (std::bad_alloc)
+        text += f"\nyarn tension, the higher of warp and weft: 0 (light) to {tension.max():.0f} N (dark)"
     else:
         plotter.add_mesh(
             grid, scalars="yarn" if "yarn" in grid.cell_data else None, cmap=[WARP, WEFT], show_edges=True,
@@ -71,4 +71,4 @@ def _add(plotter, file):
         )  # fmt: skip
     plotter.camera_position = "iso"
     plotter.add_axes(color=INK)
-    plotter.add_text(told, position="upper_left", font_size=11, color=INK)
+    plotter.add_text(text, position="upper_left", font_size=11, color=INK)

@@ -31,7 +31,7 @@ class Figure:
     content: bytes
     kind: str  # "svg" or "png"
     caption: str
-    name: str  # of its file, where it is written as one; also told to readers who cannot see it
+    name: str  # of its file, where it is written as one; also the text for readers who cannot see it
     wide: bool = True
 
     @property

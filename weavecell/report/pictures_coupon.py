@@ -11,7 +11,7 @@ _SHEARS = ("#f3f5f7", "#fde0a6", "#f4a259", "#d1495b", "#7b2d6b", "#2d1244")  # 
 
 
 def axis(name, unit):
-    """(factor, unit) in which a measure is told; strains in %."""
+    """(factor, unit) of a measure in pictures and texts; strains in %."""
     return (100.0, "%") if unit == "1" and "strain" in name else _AXES.get(unit, (1.0, ""))
 
 
@@ -93,7 +93,7 @@ def relaxation(pyplot, record, tolerance):
     out, reaction = record.relaxation.T
     ratio = out / np.maximum(reaction, record.floor)
     axes.semilogy(np.arange(1, ratio.size + 1), np.maximum(ratio, 0.1 * tolerance), color=COLOURS[0], lw=0.8)
-    axes.axhline(tolerance, color=INK, lw=1.2, ls="--", label="asked")
+    axes.axhline(tolerance, color=INK, lw=1.2, ls="--", label="tolerance")
     for end in np.cumsum(record.iterations):
         axes.axvline(end, color=FAINT, lw=0.5)
     axes.set(xlabel="iterations, all steps", ylabel="out of balance / reaction")

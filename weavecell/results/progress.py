@@ -41,13 +41,13 @@ def bar(title: str) -> Iterator[Callable[..., None]]:
         progress.update(task, completed=1.0, note="")
 
 
-def watched(march: Callable[[tuple], Any], title: str, hooks: Sequence = ()) -> tuple[Any, UnstableError | None]:
-    """march(hooks) of an impact under a bar: (its result, the UnstableError that ended it or None)."""
+def watched(run: Callable[[tuple], Any], title: str, hooks: Sequence = ()) -> tuple[Any, UnstableError | None]:
+    """run(hooks) of an impact under a progress bar: (its result, the UnstableError that ended it or None)."""
     from shellfabric.output.hooks import Progress
 
     with bar(title) as advance:
         watching = Progress(lambda share, speed: advance(share, f"{speed:.1f} m/s"))
         try:
-            return march((watching, *hooks)), None
+            return run((watching, *hooks)), None
         except UnstableError as problem:
             return problem.result, problem

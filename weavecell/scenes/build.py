@@ -68,7 +68,7 @@ SHOT_RULES = (
 
 @dataclass(frozen=True)
 class Case:
-    """What a scene asks for.
+    """What a scene describes.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Scene files of coupons: one quasi-static test on a piece of cloth, told in TOML as impacts are (`tables`)."""
+"""Scene files of coupons: one quasi-static test on a piece of cloth, described in TOML as impacts are (`tables`)."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Scene files: one impact, told in TOML with units as text, checked before anything is computed or written."""
+"""Scene files: one impact, described in TOML with units as text, checked before anything is computed or written."""
 
 from __future__ import annotations
 
@@ -276,7 +276,7 @@ def _check_relations(scene, table, file):
         raise InputError(file=file, key="projectile.edge_radius", value=value, allowed="left out for a sphere")
     if scene.accuracy is not None and not scene.accuracy.targets:
         names = ", ".join(AccuracyTable.model_fields)
-        raise InputError("asks for nothing", file=file, key="accuracy", allowed=f"at least one of {names}")
+        raise InputError("has no target", file=file, key="accuracy", allowed=f"at least one of {names}")
     smallest = min(panel.opening) if isinstance(panel.opening, tuple) else panel.opening
     limits = {
         ("projectile", "edge_radius"): (

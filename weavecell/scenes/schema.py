@@ -1,6 +1,6 @@
 """What all scenes are made of: tables of quantities with units as text, the fabric's table, the one line of an error.
 
-Each field carries, as its description, what is allowed in it. Whatever is wrong with a value, the user is told in one
+Each field carries, as its description, what is allowed in it. Whatever is wrong with a value, the user gets one
 line: the file, the key, the value as written, and that description.
 """
 

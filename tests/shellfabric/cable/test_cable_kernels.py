@@ -147,7 +147,7 @@ class Twin:
                 left = 0.5 * (self.whole(0, i, j + (t > 0.5)) + self.whole(1, i + (s > 0.5), j))
                 f = np.zeros(3)
                 if depth < 0:
-                    f = left * max(0.0, -c.point_damping * n @ v - c.point_stiffness * depth) * n
+                    f = left * max(0.0, -c.point_law.damping * n @ v - c.point_law.stiffness * depth) * n
                 self.contact -= 0.5 * (f + self.forces[i, j, a, b]) @ v * c.dt
                 self.forces[i, j, a, b] = f
                 for k, signs, w in shares:

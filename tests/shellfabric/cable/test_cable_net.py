@@ -182,7 +182,7 @@ def beside_shell(crimps):
     fabric = replace(with_yarns(S720, crimp=crimps), shear=None)
     setup = single_ply.ImpactSetup(fabric, 100.0, cell_model="decoupled", end_time=240e-6, audit_interval=2e-7)
     net = CableNet.of(setup)
-    stiffness = setup.panel().constants().point_stiffness / net.constants().point_stiffness
+    stiffness = setup.panel().constants().point_law.stiffness / net.constants().point_law.stiffness
     net = replace(net, numerics=replace(net.numerics, penalty=stiffness * net.numerics.penalty))
     return single_ply.run(setup), run(net, 100.0, 240e-6)
 

@@ -39,7 +39,9 @@ def firmly(state, const, seed=1):
         if mirrored:
             edge = np.moveaxis(np.arange(n).reshape(-1, const.row_stride), axis, 0)[0]
             ahead["dv_other"][axis][edge] = ahead["dv_contact"][axis][edge] = 0.0
-    return state._replace(**ahead, force_scale=np.array([0.02])), const._replace(implicit_factor=16.0)
+    return state._replace(**ahead, force_scale=np.array([0.02])), const._replace(
+        point_law=const.point_law._replace(implicit_factor=16.0)
+    )
 
 
 def pressed(panel, state, const):
@@ -95,10 +97,11 @@ def plain_contact(panel, state, const):
     rest = np.stack([X, Y, np.zeros_like(X)], axis=-1)
     x = rest + np.stack([u[:n].reshape(X.shape) for u in state.u], axis=-1) - state.projectile_position
     v = np.stack([v[:n].reshape(X.shape) for v in state.v], axis=-1) - state.projectile_velocity
-    due, pushed = (np.stack([a[:n].reshape(X.shape) for a in name], axis=-1) if const.implicit_factor else 0 * v
+    firm = const.point_law.implicit_factor
+    due, pushed = (np.stack([a[:n].reshape(X.shape) for a in name], axis=-1) if firm else 0 * v
                    for name in (state.dv_other, state.dv_contact))  # fmt: skip
     hard, i_near, columns = (
-        const.implicit_factor or 1.0,
+        const.point_law.implicit_factor or 1.0,
         const.window_limits[0],
         const.window_limits[3] - const.window_limits[2],
     )
@@ -128,18 +131,18 @@ def plain_contact(panel, state, const):
                         state.intact_fraction[1][(i + (s > 0.5)) * const.row_stride + j],
                     ]
                     part, normal = np.mean(near), np.array(normal) @ const.frame
-                    k, c = part * hard * const.point_stiffness, part * hard**0.5 * const.point_damping
-                    if const.implicit_factor:
+                    k, c = part * hard * const.point_law.stiffness, part * hard**0.5 * const.point_law.damping
+                    if const.point_law.implicit_factor:
                         c += k * const.dt
                         e = (i - i_near) * columns + j - const.window_limits[2]
                         before = state.last_contact_force[e, 0, a * const.points_per_side + b] + state.force_scale[0]
                         speeding = max(normal @ sum(w * pushed[m] for m, w in shares.items()), 0.0)
-                        speeding += state.force_scale[0] * const.dt / const.point_mass
+                        speeding += state.force_scale[0] * const.dt / const.point_law.mass
                         moving_on = moving + sum(w * due[m] for m, w in shares.items())
                         f = max(-c * normal @ moving_on - k * depth, 0.0) / (1.0 + c * speeding / before)
                     else:
                         f = max(-c * normal @ moving - k * depth, 0.0)
-                    spring += 0.5 * -depth * (min(f, -k * depth) if const.implicit_factor else -k * depth)
+                    spring += 0.5 * -depth * (min(f, -k * depth) if const.point_law.implicit_factor else -k * depth)
                     f = f * normal
                     work -= 0.5 * const.dt * f @ moving
                     for k, w in shares.items():

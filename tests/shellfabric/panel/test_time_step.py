@@ -50,5 +50,5 @@ def test_the_contact_is_no_stiffer_for_a_shorter_step():
     for one in (panel("equilibrium"), panel(viscosity=0.0)):
         const, mass = one.constants(), one.weave.areal_density * one.spacing[0] * one.spacing[1]
         assert const.dt < bound(one)
-        whole = const.point_stiffness * const.points_per_side**2
+        whole = const.point_law.stiffness * const.points_per_side**2
         assert whole == pytest.approx(Numerics.penalty * mass / bound(one) ** 2, rel=1e-12)

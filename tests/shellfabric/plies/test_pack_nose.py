@@ -14,9 +14,10 @@ from shellfabric.panel.model import Numerics, Panel
 from shellfabric.plies.model import Pack, PlyContact
 from shellfabric.plies.solver import PackSolver
 from shellfabric.projectile import contact_kernels, window_kernels
+from shellfabric.projectile.contact import PointLaw
 
 GAP = 0.1e-3
-Point = namedtuple("Point", "dt point_mass")
+Point = namedtuple("Point", "dt point_law")
 ROW, PER = 14, 8  # nodes of unit mass in a row, points of an element
 
 
@@ -25,6 +26,11 @@ def ply():
     """S-726, whose warp and weft are far from alike, on 60 mm."""
     fabric = catalogue.load("S-726").with_effective_density()
     return Panel(CellModel(fabric).table(81), (0.06, 0.06), numerics=Numerics(threads=1))
+
+
+def law(mass):
+    """The constants of a point, of which only the mass is needed."""
+    return PointLaw(0.0, 0.0, mass, 0.0)
 
 
 def shares():
@@ -39,7 +45,7 @@ def shares():
 
 def forces(depth, away, stiffness, before, usual):
     """Of the firm spring at all points; `before` of a step ago, `usual` on each besides."""
-    B, const, damping = shares(), Point(1.0, 1.0 / PER), stiffness**0.5 / PER
+    B, const, damping = shares(), Point(1.0, law(1.0 / PER)), stiffness**0.5 / PER
     points = zip(depth, away, B @ (B.T @ before), before)
     return np.array(
         [contact_kernels.implicit_penalty_force(const, stiffness, damping, *point, usual) for point in points]
@@ -95,11 +101,11 @@ def test_at_rest_it_is_as_stiff_as_it_says():
 
 def test_in_one_step_a_very_firm_one_closes_the_gap():
     """A lone node under points alike: f = m (d / dt^2 + v / dt), whose sum moves the node by d."""
-    const = Point(0.5, 2.0)
+    const = Point(0.5, law(2.0))
     force = contact_kernels.implicit_penalty_force(
-        const, 1e12, 1.0, -0.25, -3.0, 1.0 * const.dt / const.point_mass, 1.0, 0.0
+        const, 1e12, 1.0, -0.25, -3.0, 1.0 * const.dt / const.point_law.mass, 1.0, 0.0
     )
-    assert force == pytest.approx(const.point_mass * (0.25 / const.dt**2 + 3.0 / const.dt), rel=1e-9)
+    assert force == pytest.approx(const.point_law.mass * (0.25 / const.dt**2 + 3.0 / const.dt), rel=1e-9)
     assert contact_kernels.implicit_penalty_force(const, 1e12, 1.0, -0.25, 3.0, 0.25, 1.0, 0.0) == 0.0
 
 
@@ -150,9 +156,9 @@ def test_tension_under_the_nose_hangs_on_no_knob(ply):
 
 def test_a_pack_may_have_the_spring_of_a_single_ply(ply):
     pack = Pack.stacked(ply, 2, gap=GAP, contact=PlyContact(nose=None))
-    assert [const.implicit_factor for const in pack.constants()] == [0.0, 0.0]
-    assert Pack((ply,)).constants()[0].implicit_factor == 0.0
-    assert {const.implicit_factor for const in Pack.stacked(ply, 2, gap=GAP).constants()} == {PlyContact.nose}
+    assert [const.point_law.implicit_factor for const in pack.constants()] == [0.0, 0.0]
+    assert Pack((ply,)).constants()[0].point_law.implicit_factor == 0.0
+    assert {const.point_law.implicit_factor for const in Pack.stacked(ply, 2, gap=GAP).constants()} == {PlyContact.nose}
     for bad in (0.0, -1.0, np.inf):
         with pytest.raises(InputError, match="nose"):
             PlyContact(nose=bad)

@@ -13,7 +13,7 @@ from unitcell3d.contact.surface_kernels import nodes_of
 from unitcell3d.contact.surfaces import FacingSurfaces
 from unitcell3d.material import solid_law
 from unitcell3d.model.crossover import ACROSS_BEFORE_THROUGH, CrossoverModel, Load
-from unitcell3d.solver.load_stepping import continue_to, march, rest_state
+from unitcell3d.solver.load_stepping import continue_to, rest_state, solve_load_path
 from unitcell3d.solver.newton import Newton
 
 # --- facet cycling: a point pressed into a valley of two facets -----------------------------------------------------
@@ -115,7 +115,7 @@ def test_one_point_integration_ends_the_crossover_early_and_full_integration_doe
     found = {}
     for integration in (solid_law.ONE_POINT, solid_law.FULL):
         model = CrossoverModel(coarse, s720, integration=integration)
-        found[integration] = march(model, Load(), Load((32e-6, 0.0)))
+        found[integration] = solve_load_path(model, Load(), Load((32e-6, 0.0)))
     assert found[solid_law.FULL].failed == ""
     assert found[solid_law.FULL].T1[-1] == pytest.approx(315, rel=0.03)
     assert "inverted" in found[solid_law.ONE_POINT].failed
@@ -145,13 +145,13 @@ def test_a_sharp_tip_goes_through_one_pass_and_not_through_two(coarse, s720):
     leave 0.5 um, the penalty's own.
     """
     end = Load((0.0, 0.022e-3))
-    history = march(CrossoverModel(coarse, s720), Load(), end)
+    history = solve_load_path(CrossoverModel(coarse, s720), Load(), end)
     assert history.F_c[-1] > 20
     assert max(-gaps.min() for gaps in history.gaps) < 0.6e-6
     model = CrossoverModel(coarse, s720)
     model.surfaces = OnePass(model.points, coarse.grids, True)
     model._build_pattern()
-    history = march(model, Load(), end)
+    history = solve_load_path(model, Load(), end)
     unseen = model.surfaces.unseen
     unseen.assemble(model.points + history.u, model.numerics, np.zeros_like(model.points))
     assert unseen.deepest > 1e-6
@@ -185,6 +185,6 @@ def test_a_path_that_stops_just_before_its_end_comes_to_an_end(tiny, s720):
         assert len(asked) < 60, "the same step for ever"
         return row["path"] / 0.995
 
-    history = march(CrossoverModel(tiny, s720), Load(), Load((5e-6, 5e-6)), stop=stop)
+    history = solve_load_path(CrossoverModel(tiny, s720), Load(), Load((5e-6, 5e-6)), stop=stop)
     assert history.failed == ""
     assert abs(history.path[-1] - 0.995) < 0.002

@@ -8,7 +8,7 @@ from meshing import crossover as mesher
 from unitcell3d.cases import biaxial_and_platens
 from unitcell3d.model.crossover import CrossoverModel, Load
 from unitcell3d.solver.history import History
-from unitcell3d.solver.load_stepping import Steps, march
+from unitcell3d.solver.load_stepping import Steps, solve_load_path
 from unitcell3d.solver.newton import Newton
 
 
@@ -122,7 +122,7 @@ def test_plates_press_ever_harder(coarse, s720):
 def test_a_path_that_fails_keeps_its_history(tiny, s720, tmp_path):
     """A weft pushed to half its length finds no equilibrium; what came before stays, with where and when."""
     model = CrossoverModel(tiny, s720)
-    h = march(model, Load(), Load((0.0, -0.3e-3)), steps=Steps(least=0.02))
+    h = solve_load_path(model, Load(), Load((0.0, -0.3e-3)), steps=Steps(least=0.02))
     assert 1 < len(h.path)
     assert h.path[-1] < 1
     assert "element" in h.failed

@@ -9,7 +9,7 @@ from blocks import Blocks, block
 from fabrics.errors import InputError
 from unitcell3d.cases import biaxial_and_platens
 from unitcell3d.model.crossover import CrossoverModel, Load, Numerics
-from unitcell3d.solver.load_stepping import continue_to, march, rest_state
+from unitcell3d.solver.load_stepping import continue_to, rest_state, solve_load_path
 from unitcell3d.solver.newton import Newton
 
 E, SIDE = 1e9, 1e-3
@@ -102,7 +102,7 @@ def test_the_answer_depends_on_the_route_with_friction_alone(tiny, s720):
 def test_contact_with_friction_is_in_equilibrium(tiny, s720):
     """Every unknown's residual is nil and the contact still carries what the ends pull down."""
     model = CrossoverModel(tiny, s720, Numerics(friction=0.3))
-    history = march(model, Load(), Load((12e-6, 4e-6)))
+    history = solve_load_path(model, Load(), Load((12e-6, 4e-6)))
     assert history.failed == ""
     forces, contact, _ = model.forces(model_unknowns(model, history), Load((12e-6, 4e-6)))
     for yarn, sign in ((0, -1), (1, 1)):

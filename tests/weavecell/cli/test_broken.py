@@ -19,7 +19,7 @@ SIDE = (
 # scene -> what follows the name of the file
 SCENES = {
     "accuracy-much": """accuracy.deflection = '60 %': must be a share above 0 and at most 50 %, such as "2 %\"""",
-    "accuracy-nothing": "accuracy: asks for nothing; must be at least one of "
+    "accuracy-nothing": "accuracy: has no target; must be at least one of "
     "residual_velocity, absorbed_energy, deflection, peak_tension",
     "accuracy-unknown": "accuracy.velocity: unknown key; allowed here: "
     "residual_velocity, absorbed_energy, deflection, peak_tension",

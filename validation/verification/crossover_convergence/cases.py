@@ -15,7 +15,7 @@ from unitcell3d.assembly.linear_solver import DirectSolver
 from unitcell3d.identify.calibration import samples
 from unitcell3d.material import solid_law
 from unitcell3d.model.crossover import CrossoverModel, Load, Numerics
-from unitcell3d.solver.load_stepping import Steps, march
+from unitcell3d.solver.load_stepping import Steps, solve_load_path
 from validation.verification.crossover_convergence import ends
 
 QUANTITIES = ("T1", "T2", "F_c")
@@ -90,7 +90,7 @@ def solve(fabric, paths, case):
         model = _model(mesh, fabric, case)
         with _counted() as taken:
             try:
-                history = march(model, Load(), Load(d), case=name, steps=case.full_steps)
+                history = solve_load_path(model, Load(), Load(d), case=name, steps=case.full_steps)
                 failed |= {name: history.failed} if history.failed else {}
                 histories[name] = history
             except UnstableError as problem:  # not even at rest
@@ -132,7 +132,7 @@ class _counted:
 def _warm_up(fabric):
     """Compile and load what every case needs, before its clock starts."""
     mesh = mesher.build(fabric, size=(2, 2, 1))
-    march(CrossoverModel(mesh, fabric), Load(), Load((1e-7, 1e-7)))
+    solve_load_path(CrossoverModel(mesh, fabric), Load(), Load((1e-7, 1e-7)))
 
 
 def _mesh(fabric, case):
