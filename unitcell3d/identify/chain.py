@@ -28,7 +28,6 @@ from unitcell3d.identify.calibration import samples
 from unitcell3d.identify.solid_fit import fit_solid
 from unitcell3d.identify.solid_record import SolidFit
 
-CHECK = (12, 9, 3)  # mesh on which a fitted solid is computed once more
 SIZE = "coarse"  # mesh of the paths at the ends: what counts is their ratio to those of the fitted solid
 
 
@@ -57,8 +56,8 @@ class LawInterval:
 
 
 def fit_solids(
-    fabrics: Sequence[Fabric], curves: Sequence[PlateCurve], *, folder: FilePath, size: Size = "coarse",
-    check_size: Size | None = CHECK, measure: str = "closure", executor: str | Executor = "local", jobs: int = 1,
+    fabrics: Sequence[Fabric], curves: Sequence[PlateCurve], *, folder: FilePath, size: Size = (4, 3, 2),
+    check_size: Size | None = "coarse", measure: str = "pressure", executor: str | Executor = "local", jobs: int = 1,
     report: Callable[[int, int], object] | None = None,
 ) -> list[SolidFit | Exception]:  # fmt: skip
     """Fit the solids of several fabrics, beside each other; one that fails does not end the others.
