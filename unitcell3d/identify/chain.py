@@ -20,7 +20,6 @@ from fabrics.checks import FilePath, FloatArray
 from fabrics.compression import CompressionLaw
 from fabrics.errors import InputError, UnstableError
 from fabrics.fabric import Fabric
-from fabrics.intervals import combine
 from fabrics.plate_curve import PlateCurve
 from meshing.inputs import Size
 from unitcell3d.identify.calibrate import PATHS, Job, run_job
@@ -133,6 +132,20 @@ def _law(paths: Sequence[tuple[FloatArray, FloatArray]]) -> CompressionLaw | Non
         return CompressionLaw.fit(F, d)
     except InputError:
         return None
+
+
+def combine(value: float, ends: Sequence[Sequence[float | None]]) -> tuple[float, float]:
+    """(low, high) about `value`: the changes that the unknowns make add as squares, downwards and upwards on their own.
+
+    Parameters
+    ----------
+    value : with all unknowns at their best
+    ends : for each unknown, the value at both ends of its interval, the others at their best; None where there is none
+    """
+    changes = [[end - value for end in pair if end is not None] for pair in ends]
+    down = np.sqrt(sum(min([0.0, *each]) ** 2 for each in changes))
+    up = np.sqrt(sum(max([0.0, *each]) ** 2 for each in changes))
+    return float(value - down), float(value + up)
 
 
 def _range(own, pairs, key):
