@@ -139,7 +139,7 @@ class PlatenSolver:
         try:
             self._take(x)
             step = x - states.x
-            rows: list[dict] = []
+            rows = []
             for i, wanted in enumerate(np.log(self.pressure)):
                 ahead = np.log(states.pressure[i]) + states.pressure_x[i] @ step
                 change = (wanted - ahead) / states.pressure_h[i]

@@ -35,7 +35,7 @@ from unitcell3d.identify.platen_misfit import POINTS
 from unitcell3d.identify.platen_states import PlatenSolver
 from unitcell3d.identify.solid_record import NAMES, RESOLUTION, SolidFit, record, with_solid_laws
 
-BOUNDS = np.log(([1e6, 1e-3, 1e-4], [1e12, 10.0, 0.5]))
+BOUNDS = np.log([1e6, 1e-3, 1e-4]), np.log([1e12, 10.0, 0.5])
 PRESSURE_ERROR = 0.15  # relative
 FARTHEST = 2.0  # in a logarithm: how far along a direction a limit is sought
 SEARCH, NEAR_LIMIT = 5, 0.2  # trials on each side of a direction; relative error of the sum of squares that is enough
