@@ -20,7 +20,6 @@ from fabrics.checks import FilePath, FloatArray
 from fabrics.compression import CompressionLaw
 from fabrics.errors import InputError, UnstableError
 from fabrics.fabric import Fabric
-from fabrics.intervals import combine
 from fabrics.plate_curve import PlateCurve
 from meshing.inputs import Size
 from unitcell3d.identify.calibrate import PATHS, Job, run_job
@@ -28,7 +27,6 @@ from unitcell3d.identify.calibration import samples
 from unitcell3d.identify.solid_fit import fit_solid
 from unitcell3d.identify.solid_record import SolidFit
 
-CHECK = (12, 9, 3)  # mesh on which a fitted solid is computed once more
 SIZE = "coarse"  # mesh of the paths at the ends: what counts is their ratio to those of the fitted solid
 
 
@@ -57,8 +55,8 @@ class LawInterval:
 
 
 def fit_solids(
-    fabrics: Sequence[Fabric], curves: Sequence[PlateCurve], *, folder: FilePath, size: Size = "coarse",
-    check_size: Size | None = CHECK, measure: str = "closure", executor: str | Executor = "local", jobs: int = 1,
+    fabrics: Sequence[Fabric], curves: Sequence[PlateCurve], *, folder: FilePath, size: Size = (4, 3, 2),
+    check_size: Size | None = "coarse", measure: str = "pressure", executor: str | Executor = "local", jobs: int = 1,
     report: Callable[[int, int], object] | None = None,
 ) -> list[SolidFit | Exception]:  # fmt: skip
     """Fit the solids of several fabrics, beside each other; one that fails does not end the others.
@@ -134,6 +132,20 @@ def _law(paths: Sequence[tuple[FloatArray, FloatArray]]) -> CompressionLaw | Non
         return CompressionLaw.fit(F, d)
     except InputError:
         return None
+
+
+def combine(value: float, ends: Sequence[Sequence[float | None]]) -> tuple[float, float]:
+    """(low, high) about `value`: the changes that the unknowns make add as squares, downwards and upwards on their own.
+
+    Parameters
+    ----------
+    value : with all unknowns at their best
+    ends : for each unknown, the value at both ends of its interval, the others at their best; None where there is none
+    """
+    changes = [[end - value for end in pair if end is not None] for pair in ends]
+    down = np.sqrt(sum(min([0.0, *each]) ** 2 for each in changes))
+    up = np.sqrt(sum(max([0.0, *each]) ** 2 for each in changes))
+    return float(value - down), float(value + up)
 
 
 def _range(own, pairs, key):

@@ -51,7 +51,8 @@ def platen_misfit(
         pressure = np.geomspace(curve.pressure[0], curve.pressure[-1], POINTS)
     measured = curve.at(pressure)
     computed = closures(history, cell_area, pressure, measured)
-    ratio = _pressure_ratios(*_rising(history, cell_area), np.log(pressure), measured)
+    known, closed = _rising(history, cell_area)
+    ratio = _pressure_ratios(known, closed, np.log(pressure), measured)
     return PlatenMisfit(_rms(computed - measured), ratio)
 
 

@@ -36,7 +36,8 @@ STEP = 1e-10  # m of the platens' half distance, and of the largest displacement
 LEVEL = 0.1  # of ln P: how far from its pressure an equilibrium may lie
 CORRECTIONS = 6  # of the platens' distance towards a pressure
 LARGEST, LEAST = 0.02, 1e-5  # of the distance at rest: steps of the first loading
-LEAST_DISTANCE = 0.3  # of that at rest: soft trial yarns close further than real ones
+JUMPS = 2  # of the largest step, over a snap
+LEAST_DISTANCE = 0.2  # of that at rest: soft trial yarns close further than real ones
 FAR = 1.5  # between trials: beyond this a loading from rest is cheaper
 HALVINGS = 3  # of a step in the constants
 FIRST_PRESSED = 0.02  # of the lowest pressure: where ln P is worth extrapolating
@@ -138,7 +139,7 @@ class PlatenSolver:
         try:
             self._take(x)
             step = x - states.x
-            rows: list[dict] = []
+            rows = []
             for i, wanted in enumerate(np.log(self.pressure)):
                 ahead = np.log(states.pressure[i]) + states.pressure_x[i] @ step
                 change = (wanted - ahead) / states.pressure_h[i]
@@ -195,9 +196,9 @@ class PlatenSolver:
         try:
             while levels:
                 goal = max(h - step * rest, LEAST_DISTANCE * rest)
-                ((_, found),) = continue_to(model, self._solver, q, self._load_at(h), self._load_at(goal), (1.0,))
+                h, found = self._close_to(goal, h, q)
                 self._count(found)
-                h, q = goal, found.q
+                q = found.q
                 P = self._pressure(found.plates)
                 now = np.log(P) if P > 0 else -np.inf
                 while levels and now > levels[0] - LEVEL:
@@ -215,6 +216,19 @@ class PlatenSolver:
         if not rows:
             raise UnstableError(f"no platen curve: {failed}")
         return self._states(x, rows, failed)
+
+    def _close_to(self, goal, h, q):
+        """(half distance, Equilibrium) of the next step from the equilibrium (h, q), past a snap where there is one."""
+        try:
+            ((_, found),) = continue_to(self.model, self._solver, q, self._load_at(h), self._load_at(goal), (1.0,))
+            return goal, found
+        except UnstableError:
+            # a slack tip that snaps through has its next equilibrium some way further on
+            for jump in range(1, JUMPS + 1):
+                beyond = h - jump * LARGEST * self.model.plates.at_rest
+                with suppress(UnstableError):
+                    return beyond, self._solver.approach(q, self._load_at(beyond))
+            raise
 
     def _next_step(self, now, before, level, h, rest, step, least):
         """Share of the distance at rest to the next pressure by the secant, within bounds."""

@@ -10,14 +10,12 @@ of both yarns together (Vf0: the denser yarn's), so that no bound is needed: E_c
 below 1/2. G follows E_c (eq. 3-16).
 
 Each trial starts from the equilibria of an earlier one, which give the Jacobian J = d closure / d x as well
-(`unitcell3d.identify.platen_states`). The fit is made on the mesh `ROUGH`, and goes on from there on the mesh that is
-to be fitted; the result is computed once more on a finer one, loaded from rest.
+(`unitcell3d.identify.platen_states`). The result is computed once more on a finer mesh, loaded from rest.
 
 Intervals come from the covariance (`unitcell3d.identify.solid_record`). Since its J is that of the solution, and a
 constant that is not determined goes far from it, two points are also sought on each principal direction of the
 covariance where the sum of squares itself has risen by what 95 % allow, F(1, n - p - 1) s^2: `SolidFit.limits`, from
-which the intervals of what follows from the constants are taken. They are sought on `ROUGH`, as distances from the
-solution there.
+which the intervals of what follows from the constants are taken.
 """
 
 from __future__ import annotations
@@ -37,16 +35,15 @@ from unitcell3d.identify.platen_misfit import POINTS
 from unitcell3d.identify.platen_states import PlatenSolver
 from unitcell3d.identify.solid_record import NAMES, RESOLUTION, SolidFit, record, with_solid_laws
 
-BOUNDS = np.log(([1e6, 1e-3, 1e-4], [1e12, 10.0, 0.5]))
-ROUGH = (4, 3, 2)  # hexahedra along, across and through a quarter yarn
+BOUNDS = np.log([1e6, 1e-3, 1e-4]), np.log([1e12, 10.0, 0.5])
 PRESSURE_ERROR = 0.15  # relative
 FARTHEST = 2.0  # in a logarithm: how far along a direction a limit is sought
 SEARCH, NEAR_LIMIT = 5, 0.2  # trials on each side of a direction; relative error of the sum of squares that is enough
 
 
 def fit_solid(
-    fabric: Fabric, curve: PlateCurve, size: Size = "coarse", check_size: Size | None = None,
-    measure: str = "closure", on_progress: Callable[[int, float], object] | None = None,
+    fabric: Fabric, curve: PlateCurve, size: Size = (4, 3, 2), check_size: Size | None = "coarse",
+    measure: str = "pressure", on_progress: Callable[[int, float], object] | None = None,
 ) -> SolidFit:  # fmt: skip
     """Fit E_c, V_c and K_r of both yarns to a plate curve.
 
@@ -69,22 +66,17 @@ def fit_solid(
     InputError : the fabric cannot be meshed
     UnstableError : the crossover of the file's own solids does not reach half of the curve's pressures
     """
-    rough, fit = (_Fit(fabric, curve, each, measure, on_progress) for each in (ROUGH, size))
+    fit = _Fit(fabric, curve, size, measure, on_progress)
     try:
         first = fit.states(fit.start())
         if first.failed and first.pressure[-1] < 0.5 * fit.pressure[-1]:
             raise UnstableError(f"no plate curve to fit: {first.failed}")
         before = fit.closures(first)
-        found = least_squares.solve(rough.evaluate, rough.start(), BOUNDS)
-        limits = rough.limits(found)
-        fit.trials += rough.trials
-        middle, shift = found.x, _moved(found.x, rough, fit) - found.x
-        found = least_squares.solve(fit.evaluate, middle + shift, BOUNDS)
-        limits = [tuple(found.x + end - middle for end in pair) for pair in limits]
+        found = least_squares.solve(fit.evaluate, fit.start(), BOUNDS)
+        limits = fit.limits(found)
         last = fit.states(found.x)
         computed = fit.closures(last)
     finally:
-        rough.solver.close()
         fit.solver.close()
     checked = None if check_size is None else _on_mesh(fit, check_size, found.x)
     return record(fit, found, before, computed, checked, limits, (str(size), str(check_size)), last.failed)
@@ -175,17 +167,14 @@ class _Fit:
 
 
 def _on_mesh(fit, size, x):
-    """Closures (n,) [m] at x on another mesh, loaded from rest; None where they are not reached."""
+    """Closures (k,) [m] at x on another mesh, loaded from rest, at the k pressures that it reaches."""
     other = _Fit(fit.fabric, fit.curve, size)
     try:
-        return other.closures(other.states(_moved(x, fit, other)))
+        # the same constants: the other mesh may have made a yarn denser
+        room = max(np.exp(x[1]) + fit.densest - other.densest, np.exp(BOUNDS[0][1]))
+        states = other.states(np.array([x[0], np.log(room), x[2]]))
+        return other.closures(states)[: len(states.pressure)]
     except UnstableError:
-        return None
+        return np.empty(0)
     finally:
         other.solver.close()
-
-
-def _moved(x, fit, other):
-    """The same constants for another mesh, which may have made a yarn denser."""
-    room = max(np.exp(x[1]) + fit.densest - other.densest, np.exp(BOUNDS[0][1]))
-    return np.array([x[0], np.log(room), x[2]])

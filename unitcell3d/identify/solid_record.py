@@ -25,6 +25,7 @@ from unitcell3d.identify.platen_misfit import PlatenMisfit, misfit_of_points
 
 NAMES = ("E_c", "V_c", "K_r")
 LOOSE = "K_r E_c"  # the modulus of the loose yarn (eq. 3-10), which a curve may tell where it tells neither factor
+LEAST_CHECKED = 4  # pressures that a finer mesh has to reach for a misfit
 RESOLUTION = 1e-6  # m: what a mesh and an extensometer can tell
 
 
@@ -39,7 +40,8 @@ class SolidFit:
     curve : PlateCurve fitted to
     pressure, measured, computed : (n,) [Pa], [m], [m] closures of the curve and of the fitted crossover
     before : (n,) [m] closures with the solids of the file
-    checked : (n,) [m] closures of the fitted crossover on the finer mesh, or None
+    checked : (k,) [m] closures of the fitted crossover on the finer mesh, at the k first pressures, which it reaches;
+        or None
     values : {"E_c", "V_c", "K_r", "K_r E_c": value}
     intervals : {name: (low, high)} 95 %
     determined : {name: bool}
@@ -91,10 +93,11 @@ class SolidFit:
     @property
     def misfit_checked(self) -> PlatenMisfit | None:
         """Of the fitted crossover on the finer mesh."""
-        return None if self.checked is None else self._misfit(self.checked)
+        return None if self.checked is None or len(self.checked) < LEAST_CHECKED else self._misfit(self.checked)
 
     def _misfit(self, closure):
-        return misfit_of_points(self.pressure, closure, self.measured)
+        reached = len(closure)
+        return misfit_of_points(self.pressure[:reached], closure, self.measured[:reached])
 
     def summary(self) -> dict[str, Any]:
         """All numbers, as plain types."""
@@ -172,7 +175,8 @@ def record(
     ----------
     fit : its trials, with fabric, curve, pressure, measured, densest, freedom, floor, trials, solver and with_constants
     found : least_squares.Found, of the weighted misfit
-    before, computed, checked : (n,) [m] closures
+    before, computed : (n,) [m] closures
+    checked : as of a SolidFit
     limits : of (x low, x high)
     sizes : of the two meshes, as texts
     failed : as of a SolidFit

@@ -44,7 +44,6 @@ def begin(out, resume):
 
 def fit(fabric, curve, out, *, resume=False):
     """Fit, write solid.json into the folder `out`, and print what the curve determines; returns the SolidFit."""
-    from unitcell3d.identify.chain import CHECK
     from unitcell3d.identify.solid_fit import fit_solid
 
     kept = run_cache.RunCache(begin(out, resume))
@@ -54,7 +53,6 @@ def fit(fabric, curve, out, *, resume=False):
             kept[key] = fit_solid(
                 fabric,
                 curve,
-                check_size=CHECK,
                 on_progress=lambda trials, rms: advance(min(trials / EXPECTED, 0.99), f"misfit {1e6 * rms:.1f} µm"),
             )
     found = kept[key]

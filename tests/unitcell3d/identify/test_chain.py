@@ -10,6 +10,7 @@ from fabrics.errors import UnstableError
 from fabrics.executors import InProcess
 from fabrics.plate_curve import PlateCurve
 from unitcell3d.identify import chain
+from unitcell3d.identify.chain import combine
 from unitcell3d.identify.solid_record import with_solid_laws
 
 A, B = 4e-5, 5e-5
@@ -77,3 +78,19 @@ def test_one_fit_that_fails_does_not_end_the_others(s720, tmp_path, monkeypatch)
     found = chain.fit_solids([s720, catalogue.load("S-726")], [curve, curve], folder=tmp_path, executor=InProcess())
     assert found[0] == "S-720"
     assert isinstance(found[1], UnstableError)
+
+
+def test_changes_of_unknowns_add_as_squares_on_each_side():
+    assert combine(10.0, [(7.0, 13.0), (14.0, 6.0)]) == pytest.approx((5.0, 15.0))
+
+
+def test_both_ends_on_one_side_and_an_end_that_is_missing():
+    """The larger of two changes on one side counts; nothing goes down."""
+    assert combine(1.0, [(1.5, 2.0), (None, 1.0), ()]) == pytest.approx((1.0, 2.0))
+
+
+def test_a_linear_function_of_normal_unknowns_has_its_own_interval():
+    slopes, half = np.array([3.0, -1.0, 0.5]), np.array([0.1, 0.2, 0.4])
+    ends = [(5 - s * h, 5 + s * h) for s, h in zip(slopes, half)]
+    width = np.sqrt(np.sum((slopes * half) ** 2))
+    assert combine(5.0, ends) == pytest.approx((5 - width, 5 + width))
