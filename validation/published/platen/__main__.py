@@ -45,9 +45,7 @@ def range_rows(ranges):
 
 
 def main():
-    parser = argparse.ArgumentParser(
-        prog="python -m validation.published.platen", description=__doc__.split("\n\n")[1]
-    )
+    parser = argparse.ArgumentParser(prog="python -m validation.published.platen", description=__doc__.split("\n\n")[1])
     parser.add_argument("--out", type=Path, default=Path("results/platen"))
     parser.add_argument("--page", type=Path, help="put tables and picture into this page")
     parser.add_argument("--jobs", type=int, default=1)
