@@ -1,0 +1,1 @@
+"""Why the published solid constants of S-720 miss its platen curve: one factor at a time."""

@@ -1,0 +1,75 @@
+"""python -m validation.published.platen [--out results/platen] [--page docs/platens.md] [--jobs N]
+
+S-720 between platens with the published solid constants: what each modelling choice changes, one at a time (thesis
+section 3.4.3.2). Writes platen.csv and platen.png. With --page the tables go into that page, the picture beside it.
+"""
+
+import argparse
+import csv
+import sys
+from pathlib import Path
+
+import numpy as np
+
+from fabrics import catalogue
+from fabrics.errors import WeavecellError
+from fabrics.files import write_whole
+from validation.published.platen import pictures, study
+from weavecell.report.marked_page import markdown, put
+
+MARKS = "<!-- tables of validation.published.platen -->", "<!-- end of the tables -->"
+HEAD = (
+    "factor", "variant", "Vf0 of the mesh", "misfit of closure, um", "misfit of pressure, %",
+    "closure below 1 MPa, um", "closure above 1 MPa, um",
+)  # fmt: skip
+
+
+def factor_rows(outcomes, law):
+    """A header, the law, and a row a variant."""
+    loose = float(np.interp(np.log(study.PACKING), np.log(outcomes[0].pressure), law))
+    rows = [HEAD, ("", "**platen law**", "", "", "", f"{1e6 * loose:.1f}", f"{1e6 * (law[-1] - loose):.1f}")]
+    for each in outcomes:
+        failed = f" (ended early: {each.failed})" if each.failed else ""
+        rows.append((
+            each.variant.group, each.variant.name + failed, " / ".join(f"{value:.3f}" for value in each.Vf0),
+            f"{1e6 * each.closure_rms:.1f}", f"{100 * each.pressure_rms:.0f}", f"{1e6 * each.loose:.1f}",
+            f"{1e6 * each.packed:.1f}",
+        ))  # fmt: skip
+    return rows
+
+
+def range_rows(ranges):
+    """A header, and a row for each range of pressures."""
+    rows = [("pressures from, MPa", "misfit of closure, um", "misfit of pressure, %")]
+    return rows + [(f"{1e-6 * P:.3f}", f"{1e6 * closure:.1f}", f"{100 * ratio:.0f}") for P, closure, ratio in ranges]
+
+
+def main():
+    parser = argparse.ArgumentParser(prog="python -m validation.published.platen", description=__doc__.split("\n\n")[1])
+    parser.add_argument("--out", type=Path, default=Path("results/platen"))
+    parser.add_argument("--page", type=Path, help="put tables and picture into this page")
+    parser.add_argument("--jobs", type=int, default=1)
+    options = parser.parse_args()
+    found = list(study.outcomes(jobs=options.jobs))
+    law = study.curve(catalogue.load(study.FABRIC)).at(found[0].pressure)
+    tables = {
+        "**One factor at a time.**": factor_rows(found, law),
+        "**Published constants, range of the comparison.**": range_rows(study.ranges()),
+    }
+    with write_whole(options.out / "platen.csv") as file:
+        for title, rows in tables.items():
+            csv.writer(file).writerows([(title.strip("*."),), *rows, ()])
+    pictures.draw(found[0].pressure, law, found, options.out / "platen.png")
+    if options.page is not None:
+        pictures.draw(found[0].pressure, law, found, options.page.parent / "figures" / "platen-factors.png")
+        parts = [f"{title}\n\n{markdown(rows)}" for title, rows in tables.items()]
+        picture = "![platen pressure over closure, one factor changed at a time](figures/platen-factors.png)\n"
+        put(options.page, *MARKS, "\n\n" + "\n".join([*parts, picture]) + "\n")
+
+
+if __name__ == "__main__":
+    try:
+        main()
+    except WeavecellError as problem:
+        print(f"error: {problem}", file=sys.stderr)
+        sys.exit(problem.exit_code)
