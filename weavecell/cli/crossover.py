@@ -105,7 +105,7 @@ def crossover(
         Path | None, typer.Option(help='path: CSV file of corners, headed "d1 \\[um], d2 \\[um]".', metavar="FILE.csv")
     ] = None,
     out: OutOption = None,
-):
+) -> None:
     """Load the 3D crossover: one yarn pulled straight, plies between platens, biaxial stretch, any path, or shear.
 
     The folder then holds case.h5 (every converged state), case.json and pictures/. A case that finds no equilibrium
