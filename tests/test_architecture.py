@@ -42,7 +42,7 @@ WITH_KERNELS = ("shellfabric", "unitcell3d")
 MOST_FILES = 20  # in a folder
 TYPED = (  # mypy checks them (pyproject.toml)
     "fabrics", "meshing", "unitcell3d", "validation/commands", "weavecell/cli", "weavecell/report", "weavecell/results",
-    "weavecell/analysis/biaxial_test", "weavecell/analysis/displacement_record",
+    "weavecell/analysis/biaxial_test", "weavecell/analysis/displacement_record", "weavecell/analysis/uncertainty",
 )  # fmt: skip
 CALLED = ("__init__", "__call__", "__getitem__", "__setitem__", "__contains__", "__getattr__")
 # of numba, what files may use whose functions are not compiled: anything else could make machine code unseen
