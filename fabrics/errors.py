@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable
+from typing import Any
 
 
 class WeavecellError(Exception):
@@ -59,9 +60,14 @@ class UnstableError(WeavecellError):
     message : what was found (energy drift, NaN, inverted element, failed Newton)
     where : the element, node or load case, in words
     when : the time, step or load, in words
+
+    Attributes
+    ----------
+    result : what the run had computed by then, where it leaves something
     """
 
     exit_code = 3
+    result: Any = None
 
     def __init__(self, message: str, *, where: str | None = None, when: str | None = None) -> None:
         self.where, self.when = where, when

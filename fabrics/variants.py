@@ -92,14 +92,16 @@ def with_law_form(fabric: Fabric, form: str) -> Fabric:
     ------
     InputError : the fabric has no compression laws, or the form is unknown
     """
-    return replace(fabric, laws=tuple(replace(law, form=form) for law in _laws(fabric)))
+    warp, weft = (replace(law, form=form) for law in _laws(fabric))
+    return replace(fabric, laws=(warp, weft))
 
 
 def scale_laws(fabric: Fabric, a: float = 1.0, b: float = 1.0) -> Fabric:
     """Both constants of the compression laws, each times a factor [-]; a fabric without laws is returned as it is."""
     if fabric.laws is None:
         return fabric
-    return replace(fabric, laws=tuple(replace(law, a=a * law.a, b=b * law.b) for law in fabric.laws))
+    warp, weft = (replace(law, a=a * law.a, b=b * law.b) for law in fabric.laws)
+    return replace(fabric, laws=(warp, weft))
 
 
 def with_shear(fabric: Fabric, **values: float) -> Fabric:
@@ -136,8 +138,10 @@ def with_solids(fabric: Fabric, **values: Value) -> Fabric:
     InputError : the fabric has no solid laws, or a value that `SolidLaw` does not allow
     """
     pairs = {name: pair(value) for name, value in values.items()}
-    laws = (replace(law, **{name: two[k] for name, two in pairs.items()}) for k, law in enumerate(_solids(fabric)))
-    return replace(fabric, solid_laws=tuple(laws))
+    warp, weft = (
+        replace(law, **{name: two[k] for name, two in pairs.items()}) for k, law in enumerate(_solids(fabric))
+    )
+    return replace(fabric, solid_laws=(warp, weft))
 
 
 def scale_solids(fabric: Fabric, factors: Mapping[str, float]) -> Fabric:

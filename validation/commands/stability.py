@@ -42,8 +42,9 @@ def stability_command(
     """
     kind = _kind()
     names = studies.chosen(kind, names, everything)
-    options = {"quick": quick, "jobs": jobs, "executor": executor, "resume": resume}
-    maps, out, stamp = studies.run(kind, names, out, page, tell=_tell, **options)
+    maps, out, stamp = studies.run(
+        kind, names, out, page, tell=_tell, quick=quick, resume=resume, jobs=jobs, executor=executor
+    )
     studies.finish(kind, "maps", [_plain(found) for found in maps], out, page, stamp)
 
 

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 
-def non_dominated(cost, error, margin=0.0):
+def non_dominated(cost: ArrayLike, error: ArrayLike, margin: float = 0.0) -> list[int]:
     """Numbers of the methods of which none other is at most as dear and at most as wrong, and better in one of the two.
 
     Parameters

@@ -13,10 +13,12 @@ for the estimation of the numerical uncertainty of CFD calculations, Journal of 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from math import log
 
 import numpy as np
+from numpy.typing import ArrayLike
 from scipy.optimize import brentq
 
 from fabrics.errors import InputError
@@ -45,7 +47,7 @@ class Extrapolation:
     scatter: float
 
 
-def observed_order(sizes, values):
+def observed_order(sizes: Sequence[float], values: Sequence[float]) -> float | None:
     """Order p of three values on meshes of falling size; None where there is no p > 0."""
     h1, h2, h3 = sizes
     coarse, fine = values[0] - values[1], values[1] - values[2]
@@ -62,7 +64,7 @@ def observed_order(sizes, values):
     return float(brentq(excess, *_ORDERS)) if excess(_ORDERS[1]) > 0 else _ORDERS[1]
 
 
-def extrapolate(sizes, values, noise=0.0) -> Extrapolation:
+def extrapolate(sizes: ArrayLike, values: ArrayLike, noise: float = 0.0) -> Extrapolation:
     """Extrapolate to h = 0.
 
     Parameters

@@ -7,8 +7,9 @@ kept); 130 interrupted.
 from __future__ import annotations
 
 import sys
+from collections.abc import Iterable
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, NoReturn
 
 import typer
 
@@ -41,7 +42,7 @@ app.add_typer(fabrics_app, name="fabrics", epilog="Example: [bold]weavecell fabr
 INTERRUPTED = 130
 
 
-def _version(wanted: bool):
+def _version(wanted: bool) -> None:
     if wanted:
         import weavecell
 
@@ -54,7 +55,7 @@ def _root(
     version: Annotated[
         bool | None, typer.Option("--version", callback=_version, is_eager=True, help="Print the version.")
     ] = None,
-):
+) -> None:
     pass
 
 
@@ -64,7 +65,7 @@ def demo(
     size: MeshOption = Size.medium,
     jobs: JobsOption = CORES,
     executor: ExecutorOption = "local",
-):
+) -> None:
     """S-720 of the catalogue: mesh, calibration, and four impacts, with a summary and one HTML page."""
     from weavecell.commands.demo import demonstrate
 
@@ -96,7 +97,7 @@ def view(
     screenshot: Annotated[
         Path | None, typer.Option(help="Write a picture instead of opening a window.", metavar="FILE.png")
     ] = None,
-):
+) -> None:
     """Look at a mesh or a result in a window, or write a picture of it."""
     from weavecell.commands import view as commands_view
 
@@ -106,7 +107,7 @@ def view(
 @fabrics_app.command("list", epilog="Example: [bold]weavecell fabrics list[/bold]")
 def fabrics_list(
     out: Annotated[Path | None, typer.Option("--out", "-o", help="Also write it as CSV.", metavar="FILE.csv")] = None,
-):
+) -> None:
     """The catalogue, one line a fabric."""
     from weavecell.commands import fabrics as commands_fabrics
 
@@ -120,14 +121,14 @@ def fabrics_show(
         Path | None,
         typer.Option("--out", "-o", help="Also copy its data file here, to start your own from.", metavar="FOLDER"),
     ] = None,
-):
+) -> None:
     """One fabric: what follows from its data, and where each number comes from."""
     from weavecell.commands import fabrics as commands_fabrics
 
     commands_fabrics.show(fabric, out)
 
 
-def main(arguments=None):
+def main(arguments: Iterable[str] | None = None) -> NoReturn:
     """Run the command line; never returns."""
     # click's own class, wherever this typer keeps its click
     usage_error = next(base for base in typer.BadParameter.__mro__ if base.__name__ == "ClickException")

@@ -117,7 +117,7 @@ def crossover(
     gamma: AngleOption = "0.6 rad",
     path: PathOption = None,
     out: OutOption = None,
-):
+) -> None:
     """Load the 3D crossover: one yarn pulled straight, plies between platens, biaxial stretch, any path, or shear.
 
     The folder then holds case.h5 (every converged state), case.json and pictures/. A case that finds no equilibrium

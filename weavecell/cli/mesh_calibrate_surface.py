@@ -82,7 +82,7 @@ def mesh(
         str, typer.Option(help="Files to write, separated by commas.", metavar="msh|vtu|k|inp|rad,...")
     ] = "msh,vtu",
     out: OutOption = None,
-):
+) -> None:
     """Mesh a crossover or a woven patch in hexahedra, with a picture of it and one of its quality.
 
     A gmsh mesh (msh), ParaView (vtu), LS-DYNA (k), Abaqus (inp), OpenRadioss (rad).
@@ -137,7 +137,7 @@ def calibrate(
     friction: FrictionOption = 0.0,
     out: OutOption = None,
     resume: ResumeOption = False,
-):
+) -> None:
     """Solve the 3D crossover and fit its compression law: law.json, histories and a report.
 
     The curve of --platen-curve is a CSV file headed, for example, "pressure \\[MPa], thickness \\[mm]": one ply between
@@ -165,6 +165,7 @@ def calibrate(
             friction=friction,
         )  # fmt: skip
         return
+    assert fabric is not None
     commands_calibrate.calibrate_command(
         fabric,
         out or RESULTS / f"calibrate-{Path(fabric).stem}",
@@ -197,7 +198,7 @@ def surface(
     executor: ExecutorOption = "local",
     out: OutOption = None,
     resume: ResumeOption = False,
-):
+) -> None:
     """Sample the response surface of the 3D crossover: tensions, contact force and heights over (d1, d2).
 
     The folder then holds surface.h5, surface.json, pictures/ and report.html; while the run goes on, partial.h5. With

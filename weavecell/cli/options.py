@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Container
 from enum import StrEnum
 from pathlib import Path
 from typing import Annotated
@@ -75,7 +76,7 @@ GapOption = Annotated[str, typer.Option("--yarn-gap", help="Gap between parallel
 FrictionOption = Annotated[float, typer.Option(min=0, help="Coulomb's coefficient between the yarns.")]
 
 
-def refuse_others(context: typer.Context, allowed, where):
+def refuse_others(context: typer.Context, allowed: Container[str], where: str) -> None:
     """InputError for the first option on the command line, by the name of its parameter, that is not in `allowed`."""
     for entry in context.command.params:
         source = context.get_parameter_source(entry.name)

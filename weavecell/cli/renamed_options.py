@@ -34,12 +34,12 @@ VALUES = {
 }
 
 
-def upgraded(words):
+def upgraded(words: list[str]) -> list[str]:
     """The words of a command line with the names of today; one warning line a renamed word on stderr."""
     if not words:
         return words
     command = _renamed(COMMANDS, words[0])
-    options, found, option = OPTIONS.get(command, {}), [command], None
+    options, found, option = OPTIONS.get(command, {}), [command], ""
     for word in words[1:]:
         name, equals, value = word.partition("=") if word.startswith("--") else ("", "", word)
         if name:
@@ -48,7 +48,7 @@ def upgraded(words):
             value = _renamed(VALUES.get((command, option), {}), value, f"{option} ")
         found.append(f"{option}{equals}{value}" if name else value)
         if equals or not name:
-            option = None
+            option = ""
     return found
 
 

@@ -44,7 +44,7 @@ def impact(
     explain: Annotated[
         bool, typer.Option("--explain", help="Run nothing: show the models that would do for the scene's \\[accuracy].")
     ] = False,
-):
+) -> None:
     """Fire the projectile of a scene at its panel: histories, ParaView series, pictures and a report.
 
     The folder then holds report.html, summary.json, histories.h5, panel.pvd with panel/*.vtu, pictures/ and scene.toml;
@@ -84,7 +84,7 @@ def biaxial(
         ),
     ] = "0",
     out: OutOption = None,
-):
+) -> None:
     """Stretch a crossover at fixed ratios of strains to the strength of a yarn: 1:1, 1:0 and 0:1 if none is given.
 
     The folder then holds biaxial.csv, biaxial.json, pictures/ and report.html. A whole specimen: `weavecell coupon`.
@@ -106,7 +106,7 @@ def coupon(
     out: OutOption = None,
     resume: ResumeOption = False,
     strict: StrictOption = False,
-):
+) -> None:
     """Test a piece of cloth quasi-statically: bias extension, picture frame, uniaxial or biaxial tension.
 
     The folder then holds report.html, summary.json, histories.h5, pictures/ and scene.toml; while the run goes on,
@@ -138,7 +138,7 @@ def critical_velocity(
     executor: ExecutorOption = "local",
     strict: StrictOption = False,
     out: OutOption = None,
-):
+) -> None:
     """Bisect for the velocity between stop and perforation, and fit residual velocities (Lambert-Jonas).
 
     Further shots scan the velocities about the bracket. If one stops that is faster than one that perforates, no single

@@ -33,7 +33,7 @@ def sensitivity(
     resume: ResumeOption = False,
     page: PageOption = None,
     out: OutOption = None,
-):
+) -> None:
     """Sobol indices of the velocity after 200 us and of the peak tension over the uncertainties of the input.
 
     Strike velocities are 92.5 and 170 m/s where none is given. The folder then holds sobol.html, .csv, .json, .png.
@@ -77,7 +77,7 @@ def v50(
     resume: ResumeOption = False,
     page: PageOption = None,
     out: OutOption = None,
-):
+) -> None:
     """V0, V50 and V100 of panels whose yarns differ in strength, by repeated shots, with intervals.
 
     What is not given is taken from weavecell/analysis/uncertainty/inputs.toml. Without scatter V50 is the critical

@@ -46,7 +46,7 @@ def cost_accuracy(
     executor: ExecutorOption = "local",
     out: OutOption = None,
     resume: ResumeOption = False,
-):
+) -> None:
     """Run standard scenes by every method there is: time against error, and the methods that none other beats.
 
     The folder then holds tables (CSV) and pictures; while the run goes on, cases/. The scene "crossover" is the long
@@ -84,7 +84,7 @@ def stability(
     executor: ExecutorOption = "local",
     out: OutOption = None,
     resume: ResumeOption = False,
-):
+) -> None:
     """Maps of where each method fails, found by running it, with the margins of the defaults.
 
     The folder then holds a picture for each map and tables (CSV) of points and edges; while it goes on, points/.
@@ -109,7 +109,7 @@ def validate(
     executor: ExecutorOption = "local",
     resume: ResumeOption = False,
     out: OutOption = None,
-):
+) -> int:
     """Put the claims of the source thesis to the test: each with our number, its verdict and, if missed, the cause.
 
     A missed claim is a result, not an error. Claims that rest on shots at one ply are checked as computed and in four

@@ -2,18 +2,27 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
 import numpy as np
 
+from fabrics.compression import CompressionLaw
+from fabrics.fabric import Fabric
 from weavecell.report import pictures, pictures3d
 from weavecell.report.derived import derived
 from weavecell.report.page import Card, Figure, Section, Table
 from weavecell.results.paraview import failed_yarns
 
+if TYPE_CHECKING:
+    from weavecell.results.impact import ImpactRecord
+    from weavecell.results.impact_base import BaseRecord
+
 CLOSE_UP = 0.014  # [m] half the width of the close-up: five radii of the RCC projectile
 STRAINS = np.linspace(0.0, 0.032, 97)  # [-] of the cell, to past the yarns' failure strain
 
 
-def fabric_card(fabric):
+def fabric_card(fabric: Fabric) -> Card:
     """Which fabric."""
     weave = fabric.weave
     denier = " / ".join(f"{9e6 * yarn.linear_density:.0f}" for yarn in weave.yarns)
@@ -29,7 +38,7 @@ def fabric_card(fabric):
     )
 
 
-def law_card(law, published=None, source=""):
+def law_card(law: CompressionLaw, published: CompressionLaw | None = None, source: str = "") -> Card:
     """Which compression law, beside the published one."""
     if law.a == law.b == 0:  # of a cell whose yarns are not compressed
         return Card("Compression law", source or "none", ("none: the yarns keep their thickness",))
@@ -42,7 +51,7 @@ def law_card(law, published=None, source=""):
     return Card("Compression law", source or "given", tuple(lines))
 
 
-def impact_card(record):
+def impact_card(record: BaseRecord) -> Card:
     """What one impact came to."""
     headline = {"stopped": "stopped", "perforated": "perforated", "in flight": "still moving", "unstable": "unstable"}
     tone = record.outcome if record.outcome in ("stopped", "perforated", "unstable") else "plain"
@@ -58,12 +67,12 @@ def impact_card(record):
     )
 
 
-def percent(share):
+def percent(share: float) -> str:
     """A share as text, to two digits."""
     return f"{100 * share:.2g} %"
 
 
-def residual(record):
+def residual(record: BaseRecord) -> str:
     """Velocity at the end, as text; a stopped projectile has none, though it may have begun to rebound."""
     if record.outcome == "stopped":
         return "residual velocity 0 m/s"
@@ -71,7 +80,7 @@ def residual(record):
     return f"{name} {record.residual_velocity:.1f} m/s"
 
 
-def mesh(facts, picture):
+def mesh(facts: Mapping[str, str], picture: bytes) -> Section:
     """The meshed crossover."""
     return Section(
         "mesh",
@@ -83,7 +92,7 @@ def mesh(facts, picture):
     )
 
 
-def fit(samples, laws, platen=None, lead=""):
+def fit(samples: Any, laws: Mapping[str, CompressionLaw], platen: Any = None, lead: str = "") -> Section:
     """The calibration: samples of the 3D crossover, the law fitted to them, the published law."""
     rows = tuple(
         (
@@ -112,7 +121,13 @@ def _interval(interval):
     return f" ({1e3 * interval[0]:.4f} to {1e3 * interval[1]:.4f})"
 
 
-def cell(fabric, laws, model="compressible", paths=None, **options):
+def cell(
+    fabric: Fabric,
+    laws: Mapping[str, Any],
+    model: str = "compressible",
+    paths: Mapping[str, tuple] | None = None,
+    **options: Any,
+) -> Section:
     """The cell's biaxial response with each law, and the 3D crossover's where it is known.
 
     Parameters
@@ -156,12 +171,12 @@ def cell(fabric, laws, model="compressible", paths=None, **options):
     )
 
 
-def options(table):
+def options(table: Any) -> dict[str, Any]:
     """Options of the cell that a scene's [fabric] table names, as CellModel takes them."""
     return {"profile": table.cell_profile, "toe": table.fibre_slack}
 
 
-def impact(records):
+def impact(records: Sequence[ImpactRecord]) -> Section:
     """The impacts: velocity, shape, energies and reactions."""
     velocities = {record.title: (record.time, record.velocity) for record in records}
     shapes = {record.title: _shapes(record) for record in records}
@@ -226,7 +241,7 @@ def _shapes(record):
     return drawn
 
 
-def impact_table(records):
+def impact_table(records: Sequence[ImpactRecord]) -> Table:
     """One row a run."""
     columns = (
         "run", "outcome", "residual [m/s]", "absorbed [J]", "failed yarn segments",
@@ -256,16 +271,15 @@ def _formulation_residual(record):
     return float(np.atleast_1d(record.energies.get("formulation_residual", 0.0))[-1])
 
 
-def comparison(rows):
+def comparison(rows: Iterable[tuple[str, str, str, str]]) -> Section:
     """Targets and values: rows of (quantity, target, value, met)."""
+    rows = tuple(rows)
     missed = [quantity for quantity, _, _, met in rows if met == "no"]
     lead = f"Not met: {'; '.join(missed)}." if missed else "All of it is met."
-    return Section(
-        "summary", "Targets and values", lead, tables=(Table(("quantity", "target", "value", "met"), tuple(rows)),)
-    )
+    return Section("summary", "Targets and values", lead, tables=(Table(("quantity", "target", "value", "met"), rows),))
 
 
-def sources(fabric):
+def sources(fabric: Fabric) -> Section:
     """Where each number comes from."""
     rows = tuple(
         (key, entry["value"], entry["status"], entry["source"]) for key, entry in sorted(fabric.sources.items())
@@ -281,7 +295,7 @@ def sources(fabric):
     )
 
 
-def making(stamp, timings):
+def making(stamp: Mapping[str, str], timings: Mapping[str, float]) -> Section:
     """How the page was made: versions, machine, times, scene."""
     rows = tuple((key, value) for key, value in stamp.items() if key != "scene")
     times = tuple((name, f"{seconds:.1f}") for name, seconds in timings.items())

@@ -2,13 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from weavecell.report import pictures, pictures_body, pictures_histories
 from weavecell.report.page import Figure, Section, Table
 
+if TYPE_CHECKING:
+    from shellfabric.output.histories import Histories
+    from weavecell.results.impact import ImpactRecord
 
-def measures(recorded, places, ply=None):
+
+def measures(recorded: Histories, places: Sequence[float], ply: int | None = None) -> Section:
     """What was recorded along yarns and at the edges.
 
     Parameters
@@ -43,7 +50,7 @@ def measures(recorded, places, ply=None):
     )  # fmt: skip
 
 
-def body(record):
+def body(record: ImpactRecord) -> list[Section]:
     """Sections of an elastic projectile and of a block behind the panel, where there is one."""
     found = []
     if record.bar is not None:

@@ -1,7 +1,11 @@
 """What follows from the data of a fabric, as text: geometry, mass, stiffness and strength of its yarns."""
 
+from __future__ import annotations
 
-def derived(fabric):
+from fabrics.fabric import Fabric
+
+
+def derived(fabric: Fabric) -> list[tuple[str, str]]:
     """(quantity, value) rows that follow from a fabric's data: geometry, mass, strength."""
     weave = fabric.weave
     pair = " / ".join

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from pathlib import Path
+
 from fabrics.errors import InputError
 from fabrics.files import write_whole
 
 
-def markdown(rows):
+def markdown(rows: Sequence[Sequence[str]]) -> str:
     """Rows, the first of which is the head, as a table in Markdown."""
     return "\n".join("| " + " | ".join(row) + " |" for row in [rows[0], ["---"] * len(rows[0]), *rows[1:]]) + "\n"
 
 
-def split(page, begin, end):
+def split(page: Path, begin: str, end: str) -> tuple[str, str]:
     """What stands before the mark `begin` of a page, and after the first mark `end` behind it.
 
     Raises
@@ -25,7 +28,7 @@ def split(page, begin, end):
     return before, after
 
 
-def put(page, begin, end, content):
+def put(page: Path, begin: str, end: str, content: str) -> None:
     """Put a text between two marks of a page; InputError as `split`."""
     before, after = split(page, begin, end)
     with write_whole(page) as file:

@@ -6,9 +6,12 @@ This file knows how a report is built and nothing of mechanics; `chapters.py` tu
 from __future__ import annotations
 
 import base64
+from collections.abc import Iterable
 from dataclasses import dataclass
 from importlib import resources
+from pathlib import Path
 
+from fabrics.checks import FilePath
 from fabrics.files import write_whole
 
 _MIME = {"svg": "image/svg+xml", "png": "image/png"}
@@ -35,7 +38,7 @@ class Figure:
     wide: bool = True
 
     @property
-    def uri(self):
+    def uri(self) -> str:
         return f"data:{_MIME[self.kind]};base64,{base64.b64encode(self.content).decode('ascii')}"
 
 
@@ -73,7 +76,7 @@ class Report:
     footer: str = ""
 
 
-def render(report):
+def render(report: Report) -> str:
     """The page as text."""
     import jinja2
 
@@ -85,14 +88,14 @@ def render(report):
     return environment.get_template("report.html.j2").render(report=report)
 
 
-def write(report, path):
+def write(report: Report, path: FilePath) -> None:
     """Write the page, whole or not at all."""
     page = render(report)
     with write_whole(path) as file:
         file.write(page)
 
 
-def write_pictures(sections, folder):
+def write_pictures(sections: Iterable[Section], folder: Path) -> None:
     """Write the pictures of the sections as files of their own, named after what they show."""
     for section in sections:
         for figure in section.figures:

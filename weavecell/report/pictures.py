@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import io
+from collections.abc import Callable, Mapping
+from typing import Any
 
 import numpy as np
 
@@ -54,7 +56,7 @@ ENERGIES = (
 )
 
 
-def render(draw, *arguments, kind="svg"):
+def render(draw: Callable, *arguments: Any, kind: str = "svg") -> bytes:
     """Draw with `draw(pyplot, ...)` in the project's style; returns the picture as bytes, "svg" or "png"."""
     with plots() as pyplot:
         figure = draw(pyplot, *arguments)
@@ -63,7 +65,7 @@ def render(draw, *arguments, kind="svg"):
     return content.getvalue()
 
 
-def panels(pyplot, images):
+def panels(pyplot: Any, images: Any) -> Any:
     """Deformed panels, each with a close-up of its impact point, under one scale of tension.
 
     Parameters
@@ -88,7 +90,7 @@ def panels(pyplot, images):
     return figure
 
 
-def fit(pyplot, samples, laws, platen=None):
+def fit(pyplot: Any, samples: Any, laws: Any, platen: Any = None) -> Any:
     """Contact force against compression of one yarn: samples of the 3D crossover and the laws.
 
     Parameters
@@ -113,7 +115,7 @@ def fit(pyplot, samples, laws, platen=None):
     return figure
 
 
-def cell(pyplot, cases):
+def cell(pyplot: Any, cases: Any) -> Any:
     """Yarn tension against strain of the cell, one panel a load case.
 
     Parameters
@@ -139,7 +141,7 @@ def cell(pyplot, cases):
     return figure
 
 
-def velocity(pyplot, runs):
+def velocity(pyplot: Any, runs: Any) -> Any:
     """Velocity of the projectile against time.
 
     Parameters
@@ -162,7 +164,7 @@ def velocity(pyplot, runs):
     return figure
 
 
-def residual_velocity(pyplot, title, limit, fit, shots):
+def residual_velocity(pyplot: Any, title: str, limit: Any, fit: Any, shots: Any) -> Any:
     """Residual against strike velocity: shots, the bracket of the critical velocity, and the fitted curve.
 
     Parameters
@@ -202,7 +204,14 @@ def _with_interval(value, interval):
     return f"{value:.2f} ({interval[0]:.2f} to {interval[1]:.2f})" if interval else f"{value:.2f} (its bound)"
 
 
-def energies(pyplot, t, parts, strike_energy, balance, title=""):
+def energies(
+    pyplot: Any,
+    t: np.ndarray,
+    parts: Mapping[str, np.ndarray],
+    strike_energy: float,
+    balance: np.ndarray,
+    title: str = "",
+) -> Any:
     """Where the strike energy is at every instant, stacked, and below it what the balance misses.
 
     Parameters
@@ -229,7 +238,7 @@ def energies(pyplot, t, parts, strike_energy, balance, title=""):
     return figure
 
 
-def reactions(pyplot, runs):
+def reactions(pyplot: Any, runs: Any) -> Any:
     """Tension at the clamped ends of the two yarns through the impact point, one panel a run.
 
     Parameters

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from typing import Any
+
 import numpy as np
 
 from meshing.pictures_style import RED, STEEL, tension_map
 from weavecell.results.paraview import panel_grid
 
 
-def new_plotter(off_screen=True, size=(1500, 820)):
+def new_plotter(off_screen: bool = True, size: tuple[int, int] = (1500, 820)) -> Any:
     """A plotter in this project's look: white, with even light."""
     import pyvista
     from vtkmodules.vtkCommonCore import vtkLogger
@@ -20,7 +23,7 @@ def new_plotter(off_screen=True, size=(1500, 820)):
     return plotter
 
 
-def plotter_image(plotter, crop=True):
+def plotter_image(plotter: Any, crop: bool = True) -> np.ndarray:
     """The plotter's picture as an array (rows, columns, 3), cropped to what is drawn."""
     image = plotter.screenshot(return_img=True)
     plotter.close()
@@ -33,7 +36,15 @@ def plotter_image(plotter, crop=True):
     return image[rows[0] : rows[-1] + 1, columns[0] : columns[-1] + 1]
 
 
-def panel(nodes, quads, share, failed, projectile, mirrors, reach=None):
+def panel(
+    nodes: np.ndarray,
+    quads: np.ndarray,
+    share: np.ndarray,
+    failed: np.ndarray,
+    projectile: np.ndarray,
+    mirrors: Sequence[bool],
+    reach: float | None = None,
+) -> np.ndarray:
     """A deformed panel seen from behind: tension in colour, broken yarns in vermilion, cells without a yarn left out.
 
     Parameters

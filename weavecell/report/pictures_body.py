@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING, Any
+
 import numpy as np
 
 from meshing.pictures_style import BLUE, FAINT, INK, RED
+
+if TYPE_CHECKING:
+    from shellfabric.projectile.dynamics import BarHistory
 
 US, MM = 1e6, 1e3
 _AT = 24e-3  # [m] least half-width of the cut that is shown
 
 
-def bar(pyplot, history):
+def bar(pyplot: Any, history: BarHistory) -> Any:
     """Velocities of tip, tail and centre of mass, and how far tip and tail have moved against the centre.
 
     Parameters
@@ -32,7 +37,7 @@ def bar(pyplot, history):
     return figure
 
 
-def crater(pyplot, blocks):
+def crater(pyplot: Any, blocks: Any) -> Any:
     """Blocks cut along the warp through the impact point, mirrored, coloured by effective plastic strain.
 
     Parameters

@@ -2,20 +2,26 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
 import numpy as np
 
 from meshing.pictures_style import COLOURS, FAINT, INK, WARP, WEFT, tension_map
+
+if TYPE_CHECKING:
+    from weavecell.results.coupon import CouponRecord
 
 _AXES = {"m": (1e3, "mm"), "rad": (180 / np.pi, "°"), "N": (1.0, "N"), "Pa": (1e-6, "MPa")}
 _SHEARS = ("#f3f5f7", "#fde0a6", "#f4a259", "#d1495b", "#7b2d6b", "#2d1244")  # even steps of lightness
 
 
-def axis(name, unit):
+def axis(name: str, unit: str) -> tuple[float, str]:
     """(factor, unit) of a measure in pictures and texts; strains in %."""
     return (100.0, "%") if unit == "1" and "strain" in name else _AXES.get(unit, (1.0, ""))
 
 
-def cloth(pyplot, record):
+def cloth(pyplot: Any, record: CouponRecord) -> Any:
     """The coupon at the end: its elements by their shear, and its yarns by their tension.
 
     Parameters
@@ -53,7 +59,7 @@ def cloth(pyplot, record):
     return figure
 
 
-def curves(pyplot, record, chosen, label):
+def curves(pyplot: Any, record: CouponRecord, chosen: Sequence[str], label: str) -> Any:
     """Measures against what was prescribed.
 
     Parameters
@@ -87,7 +93,7 @@ def _is_known(name):
     return name.startswith(("cell", "trellis")) or "do not stretch" in name
 
 
-def relaxation(pyplot, record, tolerance):
+def relaxation(pyplot: Any, record: CouponRecord, tolerance: float) -> Any:
     """Out-of-balance force over the reaction through all iterations; a line marks the end of each step."""
     figure, axes = pyplot.subplots(figsize=(10.4, 3.6))
     out, reaction = record.relaxation.T

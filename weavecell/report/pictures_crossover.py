@@ -5,16 +5,25 @@ pyvista draws bodies without scalar bars: VTK's crash a process that has loaded 
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
 import numpy as np
 
+from fabrics.checks import FilePath
+from fabrics.fabric import Fabric
 from fabrics.plate_curve import PlateCurve
 from meshing.pictures_style import FAINT, GREEN, INK, ORANGE, WARP, WEFT
+
+if TYPE_CHECKING:
+    from meshing.mesh import YarnMesh
+    from unitcell3d.solver.record import Record
 
 UM, MPA = 1e6, 1e-6
 WINDOW = (1500, 900)
 
 
-def yarn(pyplot, fabric, record, found):
+def yarn(pyplot: Any, fabric: Fabric, record: Record, found: Mapping[str, float]) -> Any:
     """Tension against strain, with the closed form."""
     figure, axes = pyplot.subplots(figsize=(7.6, 4.8))
     strain, name = 100 * record["strain"], ("warp", "weft")[record.facts["yarn"]]
@@ -34,7 +43,7 @@ def yarn(pyplot, fabric, record, found):
     return figure
 
 
-def stack(pyplot, fabric, record, found):
+def stack(pyplot: Any, fabric: Fabric, record: Record, found: Mapping[str, float]) -> Any:
     """Pressure against the closure of a ply, with the pressure law where it knows the pack."""
     from unitcell3d.cases.stack import law_closure
 
@@ -65,7 +74,7 @@ def stack(pyplot, fabric, record, found):
     return figure
 
 
-def tensions(pyplot, fabric, record, found):
+def tensions(pyplot: Any, fabric: Fabric, record: Record, found: Mapping[str, float]) -> Any:
     """Tensions and contact force along the path."""
     figure, (upper, lower) = pyplot.subplots(
         2, 1, figsize=(7.6, 6.0), sharex=True, height_ratios=(2.2, 1), layout="constrained"
@@ -84,7 +93,7 @@ def tensions(pyplot, fabric, record, found):
     return figure
 
 
-def shear(pyplot, fabric, record, found):
+def shear(pyplot: Any, fabric: Fabric, record: Record, found: Mapping[str, float]) -> Any:
     """Shear stress against the angle, the fitted law and the fabric's own; forces below."""
     from fabrics.errors import InputError
     from unitcell3d.identify import shear_fit
@@ -121,7 +130,7 @@ def shear(pyplot, fabric, record, found):
 CURVES = {"yarn": yarn, "platens": stack, "stack": stack, "biaxial": tensions, "path": tensions, "shear": shear}
 
 
-def deformed(mesh, record, path):
+def deformed(mesh: YarnMesh, record: Record, path: FilePath) -> None:
     """Draw the last state as a PNG: warps blue, wefts vermilion; mirrored or repeated where that is what the domain is.
 
     Parameters

@@ -2,16 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
 import numpy as np
 
 from meshing.pictures_style import COLOURS, DASHES, FAINT, INK, ORANGE, RED, WARP, WEFT, tension_map
+
+if TYPE_CHECKING:
+    from shellfabric.output.histories import YarnHistory
 
 US, MM = 1e6, 1e3
 _WAVES = {"longitudinal": INK, "transverse": RED}
 _CURVES = 8  # deflection profiles drawn
 
 
-def tensions(pyplot, t, yarns, places):
+def tensions(pyplot: Any, t: np.ndarray, yarns: Any, places: Sequence[float]) -> Any:
     """Tension and strain through time at places along yarns, one panel a yarn.
 
     Parameters
@@ -40,7 +46,7 @@ def _percent(EA):
     return (lambda tension: 100 * tension / EA), (lambda strain: 0.01 * strain * EA)
 
 
-def fronts(pyplot, t, yarns, waves):
+def fronts(pyplot: Any, t: np.ndarray, yarns: Any, waves: Any) -> Any:
     """Tension over place and time, with the fronts and the lines through them, one panel a yarn.
 
     Parameters
@@ -75,7 +81,7 @@ def fronts(pyplot, t, yarns, waves):
     return figure
 
 
-def profiles(pyplot, t, yarns):
+def profiles(pyplot: Any, t: np.ndarray, yarns: Any) -> Any:
     """Deflection along warp and weft at evenly spaced instants, one panel a yarn."""
     figure, grid = _panels(pyplot, len(yarns), 3.4)
     chosen = np.unique(np.linspace(0, t.size - 1, _CURVES + 1).round().astype(int)[1:])
@@ -93,7 +99,7 @@ def profiles(pyplot, t, yarns):
     return figure
 
 
-def edges(pyplot, t, sides):
+def edges(pyplot: Any, t: np.ndarray, sides: Mapping[str, np.ndarray]) -> Any:
     """Force of the cloth on the edges through time: the pull inwards, and the lift along the flight.
 
     Parameters
@@ -103,7 +109,8 @@ def edges(pyplot, t, sides):
     figure, (pull, lift) = pyplot.subplots(1, 2, figsize=(10.4, 3.6))
     for family, colour in (("warp", WARP), ("weft", WEFT)):
         ends = {f"{family} yarns, {end} end": sides[f"{family}_{end}"] for end in ("high", "low")}
-        if np.array_equal(*ends.values()):  # mirrored
+        high, low = ends.values()
+        if np.array_equal(high, low):  # mirrored
             ends = {f"{family} yarns, either end": sides[f"{family}_high"]}
         for (label, forces), dash in zip(ends.items(), DASHES):
             for column, axes in enumerate((pull, lift)):
@@ -117,7 +124,7 @@ def edges(pyplot, t, sides):
     return figure
 
 
-def name(yarn):
+def name(yarn: YarnHistory) -> str:
     """Which yarn, in words."""
     return f"{yarn.family}, {MM * yarn.offset:.1f} mm off centre"
 

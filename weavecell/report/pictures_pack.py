@@ -2,15 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
 import numpy as np
 
 from meshing.pictures_style import BLUE, FAINT, ORANGE, RED, STEEL
+
+if TYPE_CHECKING:
+    from weavecell.results.pack import Cut
 
 US, MM = 1e6, 1e3
 _STEPS = ("#0b1a4a", "#1a4f92", "#2b83ba", "#6bb0d0", "#9fcbe0")  # front to rear
 
 
-def shades(count):
+def shades(count: int) -> list:
     """Colours of plies from the front to the rear, in even steps."""
     from matplotlib.colors import LinearSegmentedColormap
 
@@ -18,7 +24,14 @@ def shades(count):
     return [ramp(n / max(1, count - 1)) for n in range(count)]
 
 
-def cuts(pyplot, chosen, thickness, mirrored, projectile, close_up):
+def cuts(
+    pyplot: Any,
+    chosen: Sequence[Cut],
+    thickness: np.ndarray,
+    mirrored: bool,
+    projectile: np.ndarray,
+    close_up: float,
+) -> Any:
     """Cuts through the impact point, each whole and as a close-up, in which the lines are as thick as the plies.
 
     Parameters
@@ -41,7 +54,7 @@ def cuts(pyplot, chosen, thickness, mirrored, projectile, close_up):
             )
             for line, t, colour in zip(cut.lines, thickness, colours):
                 for part in pieces(line):
-                    whole = np.concatenate([[-1, 1] * part[:0:-1], part]) if mirrored and part[0, 0] == 0 else part
+                    whole: Any = np.concatenate([[-1, 1] * part[:0:-1], part]) if mirrored and part[0, 0] == 0 else part
                     images = [whole] if whole is not part or not mirrored else [part, [-1, 1] * part]
                     for image in images:
                         axes.plot(*(MM * image.T), color=colour, lw=1.4, zorder=2, solid_joinstyle="round")
@@ -59,7 +72,7 @@ def cuts(pyplot, chosen, thickness, mirrored, projectile, close_up):
     return figure
 
 
-def pieces(line):
+def pieces(line: np.ndarray) -> list[np.ndarray]:
     """The pieces of a line that is cut where it is not a number; a lone point is none."""
     ends = np.flatnonzero(np.isnan(line[:, 0]))
     found = np.split(line, ends)
@@ -79,7 +92,7 @@ def _band(line, thickness):
     return np.concatenate([line + normal, (line - normal)[::-1]])
 
 
-def shares(pyplot, peaks, failed, energy):
+def shares(pyplot: Any, peaks: np.ndarray, failed: np.ndarray, energy: np.ndarray) -> Any:
     """What each ply bears: highest tension, failed yarn segments, energy at the end.
 
     Parameters
@@ -106,7 +119,7 @@ def shares(pyplot, peaks, failed, energy):
     return figure
 
 
-def pushes(pyplot, t, push, deflection):
+def pushes(pyplot: Any, t: np.ndarray, push: np.ndarray, deflection: np.ndarray) -> Any:
     """Force of the nose on each ply it touches, and deflections at the impact point.
 
     Parameters

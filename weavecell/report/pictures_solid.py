@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from meshing.pictures_style import FAINT, FITTED, INK
 
 OCTAVES = (0.125, 0.25, 0.5, 1, 2, 4, 8, 16, 32)
 
 
-def plates(pyplot, fit):
+def plates(pyplot: Any, fit: Any) -> Any:
     """Pressure against closure.
 
     Parameters
@@ -24,7 +26,7 @@ def plates(pyplot, fit):
     return figure
 
 
-def laws(pyplot, found):
+def laws(pyplot: Any, found: Any) -> Any:
     """Fitted over published a and b of several fabrics.
 
     Parameters

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from matplotlib.ticker import MaxNLocator
 
+from fabrics.surface import ResponseSurface
 from meshing.pictures_style import COLOURS, DASHES, FAINT, INK, WARP, WEFT
 
 UM = 1e6
@@ -12,12 +15,12 @@ FORCES = (("T1", "warp tension"), ("T2", "weft tension"), ("F_c", "contact force
 HEIGHTS = (("h1", "warp height"), ("h2", "weft height"))
 
 
-def surfaces(pyplot, interpolant):
+def surfaces(pyplot: Any, interpolant: Any) -> Any:
     """The three forces above the (d1, d2) plane: interpolant as a surface, samples as lines."""
     surface = interpolant.surface
-    x, y = (np.linspace(*axis[[0, -1]], 61) for axis in (surface.d1, surface.d2))
+    x, y = (np.linspace(axis[0], axis[-1], 61) for axis in (surface.d1, surface.d2))
     figure = pyplot.figure(figsize=(10.4, 3.7))
-    top = max(np.max(getattr(surface, name)) for name, _ in FORCES[:2])
+    top = max(float(np.max(getattr(surface, name))) for name, _ in FORCES[:2])
     for place, (name, title) in enumerate(FORCES, 1):
         axes = figure.add_subplot(1, 3, place, projection="3d")
         values = interpolant(name, x[:, None], y[None, :])
@@ -40,10 +43,10 @@ def surfaces(pyplot, interpolant):
     return figure
 
 
-def contours(pyplot, interpolant):
+def contours(pyplot: Any, interpolant: Any) -> Any:
     """Levels of the forces and heights over (d1, d2), with the samples."""
     surface = interpolant.surface
-    x, y = (np.linspace(*axis[[0, -1]], 201) for axis in (surface.d1, surface.d2))
+    x, y = (np.linspace(axis[0], axis[-1], 201) for axis in (surface.d1, surface.d2))
     figure, grid = pyplot.subplots(2, 3, figsize=(10.4, 7.0), sharex=True, sharey=True)
     for axes, (name, title) in zip(grid.flat, FORCES + HEIGHTS):
         force = name in dict(FORCES)
@@ -68,7 +71,7 @@ def contours(pyplot, interpolant):
     return figure
 
 
-def slices(pyplot, surface, cell, label):
+def slices(pyplot: Any, surface: ResponseSurface, cell: Any, label: str) -> Any:
     """Cuts along d1 at three d2 and along d2 at three d1, with the shell's cell beside.
 
     Parameters
@@ -99,7 +102,7 @@ def slices(pyplot, surface, cell, label):
     return figure
 
 
-def missed(pyplot, surface, errors):
+def missed(pyplot: Any, surface: ResponseSurface, errors: Any) -> Any:
     """Largest miss on each grid line of the spline through the other lines, of the quantity's largest value."""
     figure, pair = pyplot.subplots(1, 2, figsize=(10.4, 3.6), sharey=True)
     for number, (axes, axis) in enumerate(zip(pair, (surface.d1, surface.d2))):

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
+from fabrics.checks import FilePath
 from fabrics.files import replace_whole
 from meshing.pictures_style import BLUE, FAINT, GREEN, INK, ORANGE, RED, plots
 from weavecell.analysis.uncertainty import probit
@@ -22,7 +25,7 @@ LABELS = {
 _PROBABILITIES = np.linspace(0.01, 0.99, 33)
 
 
-def indices(found, path, title):
+def indices(found: Any, path: FilePath, title: str) -> None:
     """First and total order of each quantity, a panel each."""
     with plots() as pyplot:
         rows = -(-len(found) // 2)
@@ -47,7 +50,7 @@ def indices(found, path, title):
         _save(figure, path)
 
 
-def perforation(study, path, title):
+def perforation(study: Any, path: FilePath, title: str) -> None:
     """Fitted curves with the interval of the probit, shots, and the deterministic limit."""
     V = np.array([shot.velocity for shot in study.shots])
     hit = np.array([shot.perforated for shot in study.shots])

@@ -96,7 +96,7 @@ class CouponRecord:
 
     @classmethod
     def of(
-        cls, result: Result, measures: Mapping[str, tuple[str, np.ndarray]], prescribed: tuple[str, str], **scalars: Any
+        cls, result: Result, measures: dict[str, tuple[str, np.ndarray]], prescribed: tuple[str, str], **scalars: Any
     ) -> CouponRecord:
         """The record of a `shellfabric.coupon.solver.Result`; `prescribed` is (name, unit)."""
         coupon, states = result.coupon, result.states

@@ -19,7 +19,10 @@ from weavecell.results.impact_base import BaseRecord, Shape, read_shape, tension
 from weavecell.results.impact_groups import read_group, read_measured, write_group, write_measured
 
 if TYPE_CHECKING:
+    from shellfabric.backing.coupling import BackingResult
     from shellfabric.impact.single_ply import ImpactResult
+    from shellfabric.output.histories import Histories
+    from shellfabric.projectile.dynamics import BarHistory
 
 _PANEL = keys.units(keys.PANEL)
 
@@ -48,9 +51,9 @@ class ImpactRecord(BaseRecord):
     half_energy: Shape
     final: Shape
     rigid_check: str = ""
-    measured: object = None
-    bar: object = None
-    backing: object = None
+    measured: Histories | None = None
+    bar: BarHistory | None = None
+    backing: BackingResult | None = None
 
     @classmethod
     def of(cls, result: ImpactResult, title: str, law_name: str, message: str = "") -> ImpactRecord:

@@ -199,6 +199,19 @@ class BaseRecord:
             values["energies"] = {name: data[()] for name, data in file["energies"].items()}
             return cls(**values, **cls._read(file))
 
+    def _entries(self) -> dict[str, Any]:
+        """Further entries of the summary."""
+        raise NotImplementedError
+
+    def _write(self, file: Any) -> None:
+        """Write what the common part does not hold to the open file."""
+        raise NotImplementedError
+
+    @staticmethod
+    def _read(file: Any) -> dict[str, Any]:
+        """{field: value} of what `_write` wrote."""
+        raise NotImplementedError
+
     @classmethod
     def _scalars(cls) -> dict[str, str]:
         """{field: attribute of the file and key of summary.json}."""

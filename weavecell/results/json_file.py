@@ -23,7 +23,7 @@ def write(path: FilePath, content: object) -> None:
 
 def write_summary(path: FilePath, content: Mapping[str, Any]) -> None:
     """Write summary.json, its format first."""
-    write(path, {"format": keys.SUMMARY_FORMAT} | content)
+    write(path, {"format": keys.SUMMARY_FORMAT, **content})
 
 
 def read_summary(path: FilePath) -> dict[str, Any]:

@@ -75,6 +75,6 @@ def read_series(path: FilePath) -> list[tuple[Path, float]]:
 
     path = Path(path)
     return [
-        (path.parent / entry.get("file"), float(entry.get("timestep")))
+        (path.parent / entry.attrib["file"], float(entry.attrib["timestep"]))
         for entry in ElementTree.parse(path).iter("DataSet")
     ]

@@ -7,10 +7,12 @@ nothing either (F = 2 T sin(alpha), eq. 4-8): the stretched yarn takes out its c
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from fabrics.errors import InputError
+from fabrics.fabric import Fabric
 from shellfabric.cell.model import CellModel
 
 RATIOS = (0.5, 1.0, 2.0)
@@ -34,7 +36,7 @@ class Curve:
     failed: str | None
 
 
-def at_ratio(model: CellModel, k, n=241) -> Curve:
+def at_ratio(model: CellModel, k: float, n: int = 241) -> Curve:
     """Stretch both directions from rest at warp strain = k x weft strain, until the first yarn is at its strength.
 
     Raises
@@ -60,7 +62,7 @@ def at_ratio(model: CellModel, k, n=241) -> Curve:
     return Curve(f"k = {k:g}", s[:, None] * path, values, failed)
 
 
-def free_edge(model: CellModel, direction, n=241) -> Curve:
+def free_edge(model: CellModel, direction: str, n: int = 241) -> Curve:
     """Stretch one direction, "warp" or "weft", with the other free."""
     index = ("warp", "weft").index(direction)
     end = (1 + model.fabric.weave.yarns[index].crimp) * (1 + model.ultimate_strains[index]) - 1
@@ -71,7 +73,7 @@ def free_edge(model: CellModel, direction, n=241) -> Curve:
     return Curve(f"free {'weft' if index == 0 else 'warp'}", strain, tension, direction)
 
 
-def curves(fabric, **model) -> list[Curve]:
+def curves(fabric: Fabric, **model: Any) -> list[Curve]:
     """The source's tests on one weave, with the source's form of the cell: k = 0.5, 1, 2 and the two free edges."""
     cell = CellModel(fabric, form="equilibrium", **model)
     return [at_ratio(cell, k) for k in RATIOS] + [free_edge(cell, direction) for direction in ("warp", "weft")]

@@ -14,14 +14,17 @@ from __future__ import annotations
 
 import argparse
 import csv
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from scipy.optimize import least_squares
 from scipy.stats import t as student
 
 from fabrics import catalogue
+from fabrics.checks import FilePath
 from fabrics.compression import CompressionLaw
 from fabrics.errors import InputError, run_program
 from fabrics.fabric import Fabric
@@ -56,18 +59,18 @@ class Fit:
     residual: float
     options: dict
 
-    def tension(self, strain):
+    def tension(self, strain: np.ndarray) -> np.ndarray:
         """(n, 2) [N] per yarn at strains (n, 2), with the fitted constants."""
         return _tension(self.fabric, self.parameters, strain, self.options)
 
-    def band(self, strain, seed=0):
+    def band(self, strain: np.ndarray, seed: int = 0) -> tuple[np.ndarray, np.ndarray]:
         """((n, 2), (n, 2)) [N] between which 95 % of the curves of drawn parameters lie, at strains (n, 2)."""
         draws = np.random.default_rng(seed).multivariate_normal(self.parameters, self.covariance, DRAWS)
         curves = np.array([_tension(self.fabric, draw, strain, self.options) for draw in draws])
         return tuple(np.quantile(curves, [0.5 - CONFIDENCE / 2, 0.5 + CONFIDENCE / 2], axis=0))
 
 
-def fit(fabric: Fabric, test: Test, *, origin=False, form="equilibrium", **options) -> Fit:
+def fit(fabric: Fabric, test: Test, *, origin: bool = False, form: str = "equilibrium", **options: Any) -> Fit:
     """Fit a and b to a test, and the origin of its strains if wanted; `options` are those of CellModel.
 
     Raises
@@ -119,7 +122,7 @@ def _tension(fabric, parameters, strain, options):
     return np.stack([found["T1"], found["T2"]], axis=-1)
 
 
-def write(found: Fit, tests, path):
+def write(found: Fit, tests: Mapping[str, Test], path: FilePath) -> None:
     """One row a sample of each test: strains, measured and computed tensions, and the band of the latter."""
     with write_whole(path) as file:
         rows = csv.writer(file)
@@ -142,7 +145,7 @@ def write(found: Fit, tests, path):
                 rows.writerow([name, *(f"{value:.6g}" for value in (*strain, *values))])  # fmt: skip
 
 
-def picture(found: Fit, tests, path):
+def picture(found: Fit, tests: Mapping[str, Test], path: FilePath) -> None:
     """Measured and computed tensions of the fitted test and of those predicted."""
     import matplotlib
 
@@ -159,10 +162,8 @@ def picture(found: Fit, tests, path):
             axis.plot(x, test.tension[:, family], "o", ms=4, mfc="none", color=colour)
             axis.fill_between(x, low[:, family], high[:, family], color=colour, alpha=0.25, lw=0)
             axis.plot(x, computed[:, family], color=colour, lw=1.8, label=f"{name}, k = {test.ratio:.3g}")
-    for family, axis in zip(("warp", "weft"), axes[0]):
-        axis.set(
-            title=family, xlabel=f"{family} strain, %", ylabel="tension per yarn, N", xlim=(0, None), ylim=(0, None)
-        )
+    for name, axis in zip(("warp", "weft"), axes[0]):
+        axis.set(title=name, xlabel=f"{name} strain, %", ylabel="tension per yarn, N", xlim=(0, None), ylim=(0, None))
         axis.grid(alpha=0.3)
         axis.spines[["top", "right"]].set_visible(False)
     axes[0, 0].legend(frameon=False)
@@ -174,7 +175,7 @@ def picture(found: Fit, tests, path):
     plt.close(figure)
 
 
-def main():
+def main() -> None:
     parser = argparse.ArgumentParser(
         prog="python -m weavecell.analysis.biaxial_test.fit", description=__doc__.splitlines()[2]
     )

@@ -14,6 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from fabrics.checks import FilePath
 from fabrics.errors import InputError
 from fabrics.files import read_columns
 
@@ -52,12 +53,12 @@ class Test:
             raise InputError(key="columns", allowed="one with a tension at least", file=self.source or None)
 
     @property
-    def ratio(self):
+    def ratio(self) -> float:
         """[-] warp over weft strain, of the whole test."""
         return float(np.sum(self.strain[:, 0] * self.strain[:, 1]) / np.sum(self.strain[:, 1] ** 2))
 
     @classmethod
-    def read(cls, path) -> Test:
+    def read(cls, path: FilePath) -> Test:
         """Read a file.
 
         Raises

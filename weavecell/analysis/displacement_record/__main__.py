@@ -5,16 +5,20 @@ and for all of them shots.csv with strike and residual velocities and energies, 
 is told in weavecell/analysis/displacement_record/record.py.
 """
 
+from __future__ import annotations
+
 import argparse
 import csv
+from collections.abc import Mapping
 from pathlib import Path
 
+from fabrics.checks import FilePath
 from fabrics.errors import run_program
 from fabrics.files import write_whole
 from fabrics.units import si
 from weavecell.analysis.displacement_record.pictures import history, shots
 from weavecell.analysis.displacement_record.record import Record
-from weavecell.analysis.displacement_record.reduction import reduce
+from weavecell.analysis.displacement_record.reduction import Reduction, reduce
 
 COLUMNS = (
     "time [s]",
@@ -32,7 +36,7 @@ COLUMNS = (
 )
 
 
-def write(found, path):
+def write(found: Reduction, path: FilePath) -> None:
     """One row a sample."""
     columns = (
         found.record.t,
@@ -54,7 +58,7 @@ def write(found, path):
         rows.writerows([f"{value:.7g}" for value in row] for row in zip(*columns))
 
 
-def write_shots(reductions, path):
+def write_shots(reductions: Mapping[str, Reduction], path: FilePath) -> None:
     """One row a record: strike and residual velocity, strike and absorbed energy, with errors."""
     with write_whole(path) as file:
         rows = csv.writer(file)
@@ -86,7 +90,7 @@ def write_shots(reductions, path):
             )
 
 
-def main():
+def main() -> None:
     parser = argparse.ArgumentParser(
         prog="python -m weavecell.analysis.displacement_record", description=__doc__.splitlines()[2]
     )

@@ -2,7 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import matplotlib
+
+from fabrics.checks import FilePath
+from weavecell.analysis.displacement_record.reduction import Reduction
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
@@ -14,7 +19,7 @@ from meshing.pictures_style import BLUE, RED
 GREY = "#555555"
 
 
-def history(name, found, path):
+def history(name: str, found: Reduction, path: FilePath) -> None:
     """Displacement, velocity, absorbed energy and decelerating force of one record, with bands of 95 %."""
     figure, axes = plt.subplots(2, 2, figsize=(10, 6.8), sharex=True, layout="constrained")
     t, every = 1e6 * found.record.t, max(1, found.record.t.size // 1500)
@@ -41,7 +46,7 @@ def history(name, found, path):
     _save(figure, path)
 
 
-def shots(reductions, path):
+def shots(reductions: Mapping[str, Reduction], path: FilePath) -> None:
     """Residual against strike velocity, and absorbed against strike energy."""
     figure, (speeds, energies) = plt.subplots(1, 2, figsize=(10, 4.4), layout="constrained")
     for found in reductions.values():

@@ -14,6 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from fabrics.checks import FilePath
 from fabrics.errors import InputError
 from fabrics.files import read_columns
 
@@ -52,12 +53,12 @@ class Record:
             raise InputError(key="time", value=f"row {row}", allowed="rising in even steps", file=self.source or None)
 
     @property
-    def dt(self):
+    def dt(self) -> float:
         """[s] between samples."""
         return float((self.t[-1] - self.t[0]) / (self.t.size - 1))
 
     @classmethod
-    def read(cls, path) -> Record:
+    def read(cls, path: FilePath) -> Record:
         """Read a file.
 
         Raises

@@ -64,29 +64,29 @@ class Reduction:
     residual: tuple[float, float]
 
     @property
-    def v_error(self):
+    def v_error(self) -> np.ndarray:
         return np.hypot(self.v_noise, self.v_smoothing)
 
     @property
-    def a_error(self):
+    def a_error(self) -> np.ndarray:
         return np.hypot(self.a_noise, self.a_smoothing)
 
     @property
-    def absorbed(self):
+    def absorbed(self) -> np.ndarray:
         """(n,) [J] energy that the target has taken."""
         return 0.5 * self.mass * (self.strike[0] ** 2 - self.v**2)
 
     @property
-    def absorbed_error(self):
+    def absorbed_error(self) -> np.ndarray:
         """(n,) [J]"""
         return self.mass * np.hypot(self.v * self.v_error, self.strike[0] * self.strike[1])
 
     @property
-    def stopped(self):
+    def stopped(self) -> bool:
         return abs(self.residual[0]) <= self.residual[1]
 
 
-def reduce(record: Record, mass, *, window=None) -> Reduction:
+def reduce(record: Record, mass: float, *, window: float | None = None) -> Reduction:
     """Reduce a record.
 
     Parameters
@@ -117,7 +117,7 @@ def reduce(record: Record, mass, *, window=None) -> Reduction:
     last = slice(-max(3, int(_TAIL * n)), None)
     residual = float(v[0][last].mean()), float(np.hypot(*v[1:])[last].max())
     return Reduction(
-        record, mass, tuple(width * dt for width in widths), noise, x, v[0], a[0], *v[1:], *a[1:], strike, residual
+        record, mass, (widths[0] * dt, widths[1] * dt), noise, x, v[0], a[0], v[1], v[2], a[1], a[2], strike, residual
     )
 
 

@@ -12,6 +12,7 @@ from math import inf
 
 from fabrics import variants
 from fabrics.errors import InputError
+from fabrics.fabric import Fabric
 from fabrics.units import si
 
 STATUSES = ("measured", "derived", "corrected", "fitted", "assumed")
@@ -53,7 +54,7 @@ class Scatter:
                 raise InputError(key=key, value=getattr(self, key), allowed="at least 0 and below 1")
 
 
-def table(section, unit=""):
+def table(section: str, unit: str = "") -> dict[str, Entry]:
     """Entries of a section, by name; InputError where one lacks source or status."""
     text = (resources.files("weavecell.analysis.uncertainty") / FILE).read_text("utf-8")
     found = {}
@@ -72,7 +73,7 @@ def published() -> Scatter:
     return Scatter(**{name: entry.value for name, entry in values.items()})
 
 
-def changed(fabric, **factors):
+def changed(fabric: Fabric, **factors: float) -> Fabric:
     """A fabric with some of its numbers times a factor, by the names of [range] in inputs.toml.
 
     Raises

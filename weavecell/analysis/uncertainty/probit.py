@@ -16,10 +16,13 @@ separated it does not converge, and its intervals are those of a normal distribu
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from math import exp, inf, log
+from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 from scipy.optimize import brentq, minimize_scalar
 from scipy.stats import chi2, logistic, norm
 
@@ -54,45 +57,45 @@ class Curve:
     separated: bool
     confidence: float
 
-    def velocity(self, probability):
+    def velocity(self, probability: Any) -> Any:
         """[m/s] at which a share `probability` perforates."""
         return self.V50 + self.s * LINKS[self.link].ppf(probability)
 
-    def probability(self, velocity):
+    def probability(self, velocity: ArrayLike) -> np.ndarray:
         """[-] of perforation at strike velocities [m/s] of any shape."""
         if self.s == 0:
             return np.heaviside(np.asarray(velocity, float) - self.V50, 0.5)
         return LINKS[self.link].cdf((np.asarray(velocity, float) - self.V50) / self.s)
 
     @property
-    def V0(self):
+    def V0(self) -> float:
         return self.velocity(LOW)
 
     @property
-    def V100(self):
+    def V100(self) -> float:
         return self.velocity(HIGH)
 
 
 class _Likelihood:
     """Logarithm of the likelihood of some shots, and its profiles."""
 
-    def __init__(self, velocity, perforated, link):
+    def __init__(self, velocity: np.ndarray, perforated: np.ndarray, link: str) -> None:
         self.V, self.hit, self.law = velocity, perforated, LINKS[link]
         self.range = float(np.ptp(velocity))
         self.betas = log(_FLATTEST / self.range), log(_STEEPEST / self.range)
 
-    def __call__(self, at, beta, z=0.0):
+    def __call__(self, at: float, beta: float, z: float = 0.0) -> float:
         """Of P(at) = F(z) and slope beta."""
         eta = z + beta * (self.V - at)
         return float(self.law.logcdf(eta[self.hit]).sum() + self.law.logsf(eta[~self.hit]).sum())
 
-    def over_slope(self, at, z=0.0):
+    def over_slope(self, at: float, z: float = 0.0) -> tuple[float, float]:
         """(largest likelihood, its beta) with P(at) = F(z)."""
         top = minimize_scalar(lambda t: -self(at, exp(t), z), bounds=self.betas, method="bounded",
                               options={"xatol": 1e-9})  # fmt: skip
         return -top.fun, exp(top.x)
 
-    def over_place(self, beta):
+    def over_place(self, beta: float) -> tuple[float, float]:
         """(largest likelihood, its V50) with slope beta."""
         reach = 10 * self.range + 10 / beta
         bounds = float(self.V.min()) - reach, float(self.V.max()) + reach
@@ -101,7 +104,7 @@ class _Likelihood:
         return -top.fun, top.x
 
 
-def fit(velocity, perforated, *, link="probit", confidence=0.95) -> Curve:
+def fit(velocity: ArrayLike, perforated: ArrayLike, *, link: str = "probit", confidence: float = 0.95) -> Curve:
     """Fit a curve to shots.
 
     Parameters
@@ -139,14 +142,14 @@ def fit(velocity, perforated, *, link="probit", confidence=0.95) -> Curve:
     return Curve(link, V50, s, deviation, intervals, best, bool(separated), confidence)
 
 
-def band(velocity, perforated, curve, probabilities):
+def band(velocity: ArrayLike, perforated: ArrayLike, curve: Curve, probabilities: Iterable[float]) -> np.ndarray:
     """(k, 2) [m/s] intervals of the velocities at which the shares `probabilities` perforate."""
     likelihood = _Likelihood(np.asarray(velocity, float), np.asarray(perforated, bool), curve.link)
     floor = curve.likelihood - 0.5 * chi2.ppf(curve.confidence, 1)
     return np.array([interval(likelihood, P, curve.velocity(P), floor) for P in probabilities])
 
 
-def interval(likelihood, P, at, floor):
+def interval(likelihood: _Likelihood, P: float, at: float, floor: float) -> tuple[float, float]:
     """(low, high) [m/s] between which the profile likelihood of V_P, the largest at `at`, stays above the floor."""
     z = likelihood.law.ppf(P)
     below = lambda V: likelihood.over_slope(V, z)[0] - floor  # noqa: E731

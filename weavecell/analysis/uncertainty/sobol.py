@@ -13,12 +13,17 @@ What is looked at, at each strike velocity:
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import Executor
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from fabrics import run_cache
+from fabrics.checks import FilePath
 from fabrics.errors import InputError, UnstableError
+from fabrics.fabric import Fabric
 from shellfabric.impact.single_ply import ImpactSetup, run
 from shellfabric.panel.model import Numerics
 from weavecell.analysis.uncertainty import inputs
@@ -55,13 +60,13 @@ class Indices:
     perforated: float
 
 
-def problem(entries):
+def problem(entries: Mapping[str, inputs.Entry]) -> dict[str, Any]:
     """What SALib calls the problem: names and bounds of the factors."""
     bounds = [[1 - entry.value, 1 + entry.value] for entry in entries.values()]
     return {"num_vars": len(bounds), "names": list(entries), "bounds": bounds}
 
 
-def sample(given, samples, seed):
+def sample(given: Mapping[str, Any], samples: int, seed: int) -> np.ndarray:
     """(N (D + 2), D) of a problem; `samples` N is a power of 2."""
     from SALib.sample import sobol
 
@@ -70,7 +75,9 @@ def sample(given, samples, seed):
     return sobol.sample(given, samples, calc_second_order=False, seed=seed)
 
 
-def estimate(given, y, seed, confidence=0.95):
+def estimate(
+    given: Mapping[str, Any], y: np.ndarray, seed: int, confidence: float = 0.95
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """(first, its half width, total, its half width) of a quantity y (N (D + 2),) on a sample."""
     from SALib.analyze import sobol
 
@@ -80,7 +87,9 @@ def estimate(given, y, seed, confidence=0.95):
     return tuple(np.asarray(found[key]) for key in ("S1", "S1_conf", "ST", "ST_conf"))
 
 
-def shots(fabric, factors, velocities, opening):
+def shots(
+    fabric: Fabric, factors: Sequence[tuple[str, float]], velocities: Sequence[float], opening: float
+) -> dict[tuple[float, str], float]:
     """One row of the sample: {(velocity, quantity): value} and, by (velocity, "perforated"), whether it did.
 
     Parameters
@@ -109,8 +118,18 @@ def shots(fabric, factors, velocities, opening):
 
 
 def study(
-    fabric, velocities, *, samples, folder, seed=1, opening=0.203, names=None, executor="local", jobs=1, report=None
-):
+    fabric: Fabric,
+    velocities: Sequence[float],
+    *,
+    samples: int,
+    folder: FilePath,
+    seed: int = 1,
+    opening: float = 0.203,
+    names: Sequence[str] | None = None,
+    executor: str | Executor = "local",
+    jobs: int = 1,
+    report: Callable[[int, int], object] | None = None,
+) -> tuple[Indices, ...]:
     """Sobol indices of all quantities at the strike velocities; a tuple of Indices.
 
     Parameters

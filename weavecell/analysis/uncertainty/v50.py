@@ -18,14 +18,20 @@ goes to the deterministic limit.
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
+from concurrent.futures import Executor
 from dataclasses import dataclass, replace
 from math import gamma, inf, log, sqrt
+from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from fabrics import run_cache
+from fabrics.checks import FilePath
 from fabrics.errors import InputError, UnstableError
 from fabrics.executors import open_executor
+from fabrics.fabric import Fabric
 from shellfabric.impact import ballistic_limit
 from shellfabric.impact.single_ply import ImpactSetup
 from shellfabric.panel.model import Numerics, Panel
@@ -80,7 +86,9 @@ class Study:
     scatter: Scatter
 
 
-def draw(fabric, scatter: Scatter, seed, number, counts, lengths):
+def draw(
+    fabric: Fabric, scatter: Scatter, seed: int, number: int, counts: Sequence[int], lengths: Sequence[float]
+) -> tuple[dict[str, float], tuple[np.ndarray, ...]]:
     """A panel's factors, from its number alone.
 
     Parameters
@@ -117,7 +125,7 @@ def _log_normal(spread, z):
     return float(np.exp(sqrt(variance) * z - 0.5 * variance))
 
 
-def drawn_panel(fabric, scatter, seed, number, opening) -> tuple[Panel, dict, tuple]:
+def drawn_panel(fabric: Fabric, scatter: Scatter, seed: int, number: int, opening: float) -> tuple[Panel, dict, tuple]:
     """(whole panel of the number, its factors, strength factors of its yarns)."""
     plain = ImpactSetup(fabric, 1.0, opening=opening, symmetry="whole", numerics=Numerics(threads=1), table_size=11)
     shape = plain.panel()
@@ -127,7 +135,7 @@ def drawn_panel(fabric, scatter, seed, number, opening) -> tuple[Panel, dict, tu
     return replace(panel, strength_factors=strengths), factors, strengths
 
 
-def fire(fabric, scatter, seed, number, velocity, opening) -> Shot:
+def fire(fabric: Fabric, scatter: Scatter, seed: int, number: int, velocity: float, opening: float) -> Shot:
     """The shot of a number."""
     panel, factors, strengths = drawn_panel(fabric, scatter, seed, number, opening)
     try:
@@ -136,11 +144,11 @@ def fire(fabric, scatter, seed, number, velocity, opening) -> Shot:
         raise UnstableError(str(problem), when=f"shot {number} of seed {seed}") from None
     return Shot(
         number, velocity, shot.residual_velocity, shot.perforated, **factors,
-        weakest=tuple(float(values.min()) for values in strengths), balance=shot.balance,
+        weakest=(float(strengths[0].min()), float(strengths[1].min())), balance=shot.balance,
     )  # fmt: skip
 
 
-def deterministic(fabric, opening, tolerance):
+def deterministic(fabric: Fabric, opening: float, tolerance: float) -> tuple[float, float]:
     """(low, high) [m/s] of `ballistic_limit.critical_velocity` without scatter; yarns and shot have a quarter's
     symmetry."""
     panel = ImpactSetup(fabric, 1.0, opening=opening, numerics=Numerics(threads=1)).panel()
@@ -148,7 +156,7 @@ def deterministic(fabric, opening, tolerance):
     return found.low, found.high
 
 
-def plan(velocity, perforated, count, scatters):
+def plan(velocity: ArrayLike, perforated: ArrayLike, count: int, scatters: bool) -> np.ndarray:
     """(count,) [m/s] velocities of the next round, from those of the shots so far and their outcomes."""
     V, hit = np.asarray(velocity, float), np.asarray(perforated, bool)
     if hit.all():
@@ -167,9 +175,10 @@ def _curve(V, hit):
 
 
 def study(
-    fabric, scatter, *, shots, folder, batch=10, seed=1, opening=0.203, tolerance=1.0, executor="local", jobs=1,
-    report=None,
-):  # fmt: skip
+    fabric: Fabric, scatter: Scatter, *, shots: int, folder: FilePath, batch: int = 10, seed: int = 1,
+    opening: float = 0.203, tolerance: float = 1.0, executor: str | Executor = "local", jobs: int = 1,
+    report: Callable[[float, str], object] | None = None,
+) -> Study:  # fmt: skip
     """Fire shots, in rounds of `batch`, and fit the curves.
 
     Parameters
@@ -194,9 +203,10 @@ def study(
             raise InputError(key=key, value=value, allowed="at least 4")
     report = report or (lambda share, text: None)
     with open_executor(executor, jobs) as pool:
-        runs = {"folder": folder, "executor": pool, "jobs": jobs}
+        runs: dict[str, Any] = {"folder": folder, "executor": pool, "jobs": jobs}
         (bracket,) = run_cache.results(deterministic, [(fabric, opening, tolerance)], **runs)
-        middle, found = 0.5 * sum(bracket), []
+        middle = 0.5 * sum(bracket)
+        found: list[Shot] = []
         scatters = scatter != Scatter(gauge_length=scatter.gauge_length)
         while len(found) < shots:
             count = min(batch, shots - len(found))
