@@ -335,6 +335,8 @@ def test_noise_of_contact():
         misses(name, "node to node", **runs | {"nodes": packed(0)})
         misses(name, "smooth", **runs | {"smooth": packed(4)})
     misses("impactN-premature-perforation", "outcome, node", **runs | {"nodes": packed(228)})
+    torn = packed(2000, "perforated") | {"problem": "contact gives energy", "failed_then": 0.0}  # nothing before that
+    misses("failmode-multiply-noise", "node to node", **runs | {"nodes": torn})
     misses("impactN-premature-perforation", "averaged", **runs | {"averaged": packed(10)})
 
 

@@ -126,7 +126,7 @@ def _forms(fabric, velocity, plies):
 @check(_forms)
 def naive(smooth, nodes, averaged, fabric, velocity, plies):
     """Failed yarn segments and outcomes with smooth contact and with nodes pushing on the nodes opposite to them."""
-    failed = {name: run["plies"]["failed_yarns"][-1].sum() for name, run in _named(smooth, nodes, averaged)}
+    failed = {name: _failed(run) for name, run in _named(smooth, nodes, averaged)}
     return {
         "failed segments, node to node": failed["node to node"],
         "failed segments, smooth": failed["smooth"],
@@ -141,9 +141,15 @@ def naive(smooth, nodes, averaged, fabric, velocity, plies):
     }
 
 
+def _failed(run):
+    """Failed yarn segments of all plies, at the end or where a guard would have ended the run."""
+    return run["failed_then"] if run.get("problem") else run["plies"]["failed_yarns"][-1].sum()
+
+
 def _guarded(run):
-    """What a guard would have ended the run for, and what had failed by then."""
-    return f" ({run['failed_then']:.0f} where {run['problem']})" if run.get("problem") else ""
+    """What a guard would have ended the run for, and what has failed by its end."""
+    last = run["plies"]["failed_yarns"][-1].sum()
+    return f" until {run['problem']}; {last:.0f} at the end" if run.get("problem") else ""
 
 
 def _named(smooth, nodes, averaged):
@@ -206,10 +212,7 @@ def _early(cases):
 @check(_early)
 def averaged(cases, **runs):
     """Failed segments of packs that fail early, node to node, with tensions as they are and averaged over FILTER."""
-    at_once, later = (
-        [runs[f"{name}{n}"]["plies"]["failed_yarns"][-1].sum() for n in range(len(cases))]
-        for name in ("run", "averaged")
-    )
+    at_once, later = ([_failed(runs[f"{name}{n}"]) for n in range(len(cases))] for name in ("run", "averaged"))
     return {
         "least failed at once": min(at_once),
         "most failed, averaged": max(later),
