@@ -8,12 +8,16 @@ from dataclasses import replace
 import numpy as np
 
 from fabrics import catalogue
+from fabrics.errors import UnstableError
 from shellfabric.cell.model import CellModel
 from shellfabric.coupon import quasistatic
 from shellfabric.impact.single_ply import ImpactSetup
 from shellfabric.impact.single_ply import run as run_impact
 from shellfabric.output.histories import Measure
 from shellfabric.panel.boundary import Grip
+from shellfabric.panel.model import Numerics
+from shellfabric.plies.model import Pack, PlyContact, fabric_gap
+from shellfabric.plies.solver import PackSolver
 from shellfabric.projectile.projectile import Projectile
 from validation.claims.runs import cloth
 
@@ -143,11 +147,55 @@ def yarn_in_shell(*, fabric, velocity, length, end_time):
     }
 
 
+class _Unguarded(PackSolver):
+    """A march that goes on where a guard would end it, unless a number is not finite.
+
+    `problem` is the message of the first guard, `failed_then` the failed segments of the pack at that moment.
+    """
+
+    problem, failed_then = "", None
+
+    def stop(self, message, where, when=None):
+        if not self.problem:
+            self.problem = f"{message}, at {where}, {when or self.when}"
+            self.failed_then = float(self.ply_samples[-1][:, 0].sum()) if self.ply_samples else 0.0
+        if "finite" in message:
+            super().stop(message, where, when)
+
+
+def noisy_pack(*, fabric, velocity, plies, failure_time=0.0, end_time=400e-6):
+    """One impact on a pack whose plies push node on node, with no guard that ends it where contact makes energy.
+
+    The arguments are those of `runs.pack`.
+    """
+    asked = ImpactSetup(cloth(fabric), velocity, numerics=Numerics(failure_time=failure_time))
+    ply = asked.panel()
+    whole = Pack.stacked(ply, plies, gap=fabric_gap(ply.fabric), contact=PlyContact(form="nodes"))
+    march = _Unguarded(whole, velocity, end_time, interval=1e-6, energy_error_limit=np.inf)
+    outcome = ""
+    try:
+        march.run()
+    except UnstableError as problem:
+        outcome = f"unstable: {problem}"
+    balance = march.sample("balance") / march.strike_energy
+    return {
+        "outcome": outcome or march.outcome,
+        "problem": march.problem,
+        "failed_then": np.nan if march.failed_then is None else march.failed_then,
+        "t": march.sample("t"),
+        "v": march.sample("v"),
+        "z": march.sample("z"),
+        "plies": {"failed_yarns": march.ply_sample("failed_yarns")},
+        "balance": float(np.nanmax(np.abs(balance))),
+    }
+
+
 # name: (function, rough cost, to begin with the longest)
 RUNS = {
     "sections": (sections, 3),
     "frame": (frame, 3),
     "bias_load": (bias_load, 20),
     "edged": (edged, 3),
+    "noisy_pack": (noisy_pack, 20),
     "yarn_in_shell": (yarn_in_shell, 3),
 }

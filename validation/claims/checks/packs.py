@@ -17,6 +17,11 @@ def pack(fabric, velocity, plies, **changes):
     return Run.of("pack", fabric=fabric, velocity=velocity, plies=plies, **changes)
 
 
+def noisy(fabric, velocity, plies, failure_time=0.0):
+    """A shot at a pack whose plies push node on node, as a contact that makes noise; no guard ends it."""
+    return Run.of("noisy_pack", fabric=fabric, velocity=velocity, plies=plies, failure_time=failure_time)
+
+
 @check(lambda fabric, velocity, plies: {"run": pack(fabric, velocity, plies)})
 def outcome(run, fabric, velocity, plies):
     failed = run["plies"]["failed_yarns"][-1]
@@ -111,18 +116,17 @@ def gaps(fabric, velocity, plies, added, **runs):
 
 def _forms(fabric, velocity, plies):
     """The smooth contact between plies; node to node; and that with tensions averaged before they fail a yarn."""
-    nodes = {"form": "nodes"}
     return {
         "smooth": pack(fabric, velocity, plies),
-        "nodes": pack(fabric, velocity, plies, **nodes),
-        "averaged": pack(fabric, velocity, plies, failure_time=FILTER, **nodes),
+        "nodes": noisy(fabric, velocity, plies),
+        "averaged": noisy(fabric, velocity, plies, FILTER),
     }
 
 
 @check(_forms)
 def naive(smooth, nodes, averaged, fabric, velocity, plies):
     """Failed yarn segments and outcomes with smooth contact and with nodes pushing on the nodes opposite to them."""
-    failed = {name: run["plies"]["failed_yarns"][-1].sum() for name, run in _named(smooth, nodes, averaged)}
+    failed = {name: _failed(run) for name, run in _named(smooth, nodes, averaged)}
     return {
         "failed segments, node to node": failed["node to node"],
         "failed segments, smooth": failed["smooth"],
@@ -131,10 +135,21 @@ def naive(smooth, nodes, averaged, fabric, velocity, plies):
         "outcome, node to node": told(nodes),
         "outcome, averaged": told(averaged),
         "note": "; ".join(
-            f"{name}: {told(run)} after {1e6 * run['t'][-1]:.0f} us, {failed[name]:.0f} failed"
+            f"{name}: {told(run)} after {1e6 * run['t'][-1]:.0f} us, {failed[name]:.0f} failed{_guarded(run)}"
             for name, run in _named(smooth, nodes, averaged)
         ),
     }
+
+
+def _failed(run):
+    """Failed yarn segments of all plies, at the end or where a guard would have ended the run."""
+    return run["failed_then"] if run.get("problem") else run["plies"]["failed_yarns"][-1].sum()
+
+
+def _guarded(run):
+    """What a guard would have ended the run for, and what has failed by its end."""
+    last = run["plies"]["failed_yarns"][-1].sum()
+    return f" until {run['problem']}; {last:.0f} at the end" if run.get("problem") else ""
 
 
 def _named(smooth, nodes, averaged):
@@ -190,17 +205,14 @@ def cheap_face(same, cheap, fabric, velocity, plies):
 
 
 def _early(cases):
-    runs = {f"run{n}": pack(*case, form="nodes") for n, case in enumerate(cases)}
-    return runs | {f"averaged{n}": pack(*case, form="nodes", failure_time=FILTER) for n, case in enumerate(cases)}
+    runs = {f"run{n}": noisy(*case) for n, case in enumerate(cases)}
+    return runs | {f"averaged{n}": noisy(*case, FILTER) for n, case in enumerate(cases)}
 
 
 @check(_early)
 def averaged(cases, **runs):
     """Failed segments of packs that fail early, node to node, with tensions as they are and averaged over FILTER."""
-    at_once, later = (
-        [runs[f"{name}{n}"]["plies"]["failed_yarns"][-1].sum() for n in range(len(cases))]
-        for name in ("run", "averaged")
-    )
+    at_once, later = ([_failed(runs[f"{name}{n}"]) for n in range(len(cases))] for name in ("run", "averaged"))
     return {
         "least failed at once": min(at_once),
         "most failed, averaged": max(later),

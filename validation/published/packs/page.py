@@ -178,8 +178,8 @@ The panels are 203 mm wide and clamped, the shot is the flat cylinder of 3 g and
 ## Published shots (section 5.2.2)
 
 Five of the nine computed outcomes differ from the captions, which are of the thesis's simulations. Of these five
-perforations erratum E-21 calls one certainly an artefact of contact noise and three very unlikely in a test; one it
-leaves undecided.
+perforations erratum E-21 calls one certainly an artefact of contact noise and three very unlikely in a test, which the
+claims ledger counts as not comparable; one it leaves undecided.
 """
 
 _OUTCOMES = """
