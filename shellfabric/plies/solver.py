@@ -9,7 +9,7 @@ import numpy as np
 
 from shellfabric.panel.solver import ENERGIES, OBSERVED, ClothSolver
 from shellfabric.panel.step_kernels import STEP
-from shellfabric.plies import contact_kernels, step_kernels, torn_contact_kernels
+from shellfabric.plies import contact_simd_kernels, step_kernels, torn_contact_kernels
 from shellfabric.plies.model import Pack, lists
 
 PACK_ENERGIES = (*ENERGIES[:-1], "ply_contact", ENERGIES[-1])
@@ -69,7 +69,7 @@ class PackSolver(ClothSolver):
     @property
     def deepest(self):
         """(plies - 1,) [-] deepest that a ply has come into the next, over the thickness: at 1 it would be through."""
-        return self._of_pairs(contact_kernels.MAX_DEPTH)
+        return self._of_pairs(contact_simd_kernels.MAX_DEPTH)
 
     @property
     def squeezed(self):
@@ -77,7 +77,7 @@ class PackSolver(ClothSolver):
 
         `deepest` without what is found inside another fold of loose cloth, which loads no spring.
         """
-        return self._of_pairs(contact_kernels.MAX_COMPRESSION)
+        return self._of_pairs(contact_simd_kernels.MAX_COMPRESSION)
 
     def _of_pairs(self, entry):
         both = np.array([pair.energy[entry] / pair.thickness for pair in self.pairs])
@@ -109,7 +109,7 @@ class PackSolver(ClothSolver):
 
     def contact_energies(self):
         """[J] (1,) taken in by the contact between plies."""
-        taken = sum(pair.energy[contact_kernels.WORK] for pair in self.pairs)
+        taken = sum(pair.energy[contact_simd_kernels.WORK] for pair in self.pairs)
         return (taken + self.stops.energy[torn_contact_kernels.WORK],)
 
     def neighbour_forces(self, ply):
@@ -123,11 +123,11 @@ class PackSolver(ClothSolver):
         """Stop a run in which whole cloth has come through whole cloth."""
         half = len(self.pairs) // 2
         for p, pair in enumerate(self.pairs):
-            if pair.energy[contact_kernels.PASSED_COUNT]:
+            if pair.energy[contact_simd_kernels.PASSED_COUNT]:
                 one, other = (p, p + 1) if p < half else (p - half + 1, p - half)
-                element = int(pair.energy[contact_kernels.PASSED_POINT]) // pair.points_per_side**2
+                element = int(pair.energy[contact_simd_kernels.PASSED_POINT]) // pair.points_per_side**2
                 i, j = divmod(element, self.consts[one].nj)
-                step = int(pair.energy[contact_kernels.PASSED_STEP])
+                step = int(pair.energy[contact_simd_kernels.PASSED_STEP])
                 self.stop(
                     f"ply {one + 1} has come through ply {other + 1}", f"ply {one + 1}, element ({i}, {j})",
                     f"after {step * self.const.dt * 1e6:.3g} us (step {step})",
