@@ -13,7 +13,7 @@ from shellfabric.cell.model import CellModel
 from shellfabric.coupon import quasistatic
 from shellfabric.impact.single_ply import ImpactSetup
 from shellfabric.impact.single_ply import run as run_impact
-from shellfabric.output.histories import Measure
+from shellfabric.output.histories import HistoryRequest
 from shellfabric.panel.boundary import Grip
 from shellfabric.panel.model import Numerics
 from shellfabric.plies.model import Pack, PlyContact, fabric_gap
@@ -75,8 +75,8 @@ def frame(*, fabric, shear_angle, steps=16, cells=4):
     stress, weave = quasistatic.frame_stress(result), table.model.fabric.weave
     side = [2 * cells * w for w in weave.w]
     volume = side[0] * side[1] * weave.thickness
-    slope = np.sqrt(side[0] * side[1]) * np.cos(0.25 * np.pi + 0.5 * result.moved)
-    return {"gamma": result.moved, "stress": stress, "force": stress * volume / slope, "side": np.array(side)}
+    slope = np.sqrt(side[0] * side[1]) * np.cos(0.25 * np.pi + 0.5 * result.prescribed)
+    return {"gamma": result.prescribed, "stress": stress, "force": stress * volume / slope, "side": np.array(side)}
 
 
 def bias_load(*, cloth, steps=10):
@@ -84,7 +84,7 @@ def bias_load(*, cloth, steps=10):
     from validation.published.bias_extension import cases
 
     result = cases.run(cloth, steps=steps).result
-    return {"moved": result.moved, "load": np.abs(result.force(1, 1))}
+    return {"moved": result.prescribed, "load": np.abs(result.force(1, 1))}
 
 
 def edged(*, fabric, velocity, warp="clamped", weft="clamped", radius=None, end_time=800e-6):
@@ -100,7 +100,7 @@ def edged(*, fabric, velocity, warp="clamped", weft="clamped", radius=None, end_
     shot = Projectile() if radius is None else Projectile(radius=radius)
     chosen = ImpactSetup(
         cloth(fabric), velocity, projectile=shot, edge=edge, end_time=end_time, elements_per_crossover=1,
-        measure=Measure(1e-6, (0.0,), (0.0, *OFFSETS)),
+        history=HistoryRequest(1e-6, (0.0,), (0.0, *OFFSETS)),
     )  # fmt: skip
     result = run_impact(chosen)
     X, Y = result.panel.coordinates()
@@ -111,14 +111,14 @@ def edged(*, fabric, velocity, warp="clamped", weft="clamped", radius=None, end_
         "residual": result.residual_velocity,
         "t": result.t,
         "v": result.v,
-        "z": result.z,
+        "z": result.nose_position,
         "energies": result.energies,
         "slip": Y[:, -1] - nodes[:, -1, 1],
         "place": X[:, -1],
         "clock": result.histories.t,
         "edge_offset": np.array([place for place, _ in ends]),
         "edge_tension": np.array([tension for _, tension in ends]),
-        "balance": result.worst_balance,
+        "balance": result.energy_error_max,
     }
 
 
@@ -133,7 +133,7 @@ def yarn_in_shell(*, fabric, velocity, length, end_time):
     given = replace(given, weave=replace(given.weave, weft=weft), shear=None)
     chosen = ImpactSetup(
         given, velocity, opening=(length, 12e-3), edge=("clamped", "free"), cell_model="decoupled",
-        end_time=end_time, elements_per_crossover=1, failure=False, measure=Measure(1e-6, (0.0,), (0.0,)),
+        end_time=end_time, elements_per_crossover=1, failure=False, history=HistoryRequest(1e-6, (0.0,), (0.0,)),
     )  # fmt: skip
     result = run_impact(chosen)
     yarn = result.histories.through("warp")
@@ -143,7 +143,7 @@ def yarn_in_shell(*, fabric, velocity, length, end_time):
         "X": np.asarray(yarn.X),
         "place": np.asarray(yarn.place),
         "deflection": np.asarray(yarn.deflection),
-        "balance": result.worst_balance,
+        "balance": result.energy_error_max,
     }
 
 

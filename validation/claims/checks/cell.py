@@ -257,14 +257,14 @@ def stress_resultant():
     Each yarn acts in one half of the thickness, over the width of its cell; the mean over the whole thickness, times
     thickness and width, is to be what the nodes of the coupon are pulled with.
     """
-    from shellfabric.coupon.model import cut
+    from shellfabric.coupon.model import mesh_coupon
 
     worst = 0.0
     for name in ("S-720", "S-726", "S-731"):
         model = CellModel(catalogue.load(name), form="variational")
         weave, table = model.fabric.weave, model.table(201)
         half = 8.000001 * np.array(weave.w)
-        coupon = cut(table, lambda x, y, half=half: (np.abs(x) < half[0]) & (np.abs(y) < half[1]), max(half))
+        coupon = mesh_coupon(table, lambda x, y, half=half: (np.abs(x) < half[0]) & (np.abs(y) < half[1]), max(half))
         stretch = [1 + 0.6 * (end(yarn) - 1) for yarn in weave.yarns]
         forces = -coupon.forces(coupon.points * stretch)[0]
         state, width = model.solve(*stretch), 2 * np.array(weave.w[::-1])

@@ -33,11 +33,11 @@ def sheared_modulus(name, gamma, cells=6, step=1e-4):
     From the coupon's own energy: its second difference over the change of angle, over the volume.
     """
     from shellfabric.cell.model import CellModel
-    from shellfabric.coupon.model import cut
+    from shellfabric.coupon.model import mesh_coupon
 
     table = CellModel(catalogue.load(name), form="variational").table(21)
     half = 1.000001 * cells * np.array(table.model.fabric.weave.w)
-    coupon = cut(table, lambda x, y: (np.abs(x) < half[0]) & (np.abs(y) < half[1]), max(half))
+    coupon = mesh_coupon(table, lambda x, y: (np.abs(x) < half[0]) & (np.abs(y) < half[1]), max(half))
     x, y = coupon.points.T
 
     def energy(angle):
