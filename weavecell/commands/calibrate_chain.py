@@ -130,6 +130,8 @@ def solid_row(fit):
     numbers = [f"{1e6 * fit.misfit_before.closure:.1f}", f"{100 * fit.misfit_before.pressure:.0f}",
                f"{1e6 * fit.misfit.closure:.1f}", f"{100 * fit.misfit.pressure:.0f}"]  # fmt: skip
     numbers += ["-", "-"] if checked is None else [f"{1e6 * checked.closure:.1f}", f"{100 * checked.pressure:.0f}"]
+    if checked is not None and len(fit.checked) < len(fit.pressure):
+        numbers[-1] += f", to {1e-6 * fit.pressure[len(fit.checked) - 1]:.2g} MPa"
     for (name, value), factor in zip(fit.values.items(), (1e-9, 1, 1, 1e-6)):
         low, high = fit.intervals[name]
         known = "" if fit.determined[name] else ", not determined"

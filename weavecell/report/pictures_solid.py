@@ -107,5 +107,5 @@ def chain(pyplot, ratios):
     row[0].set_yticks(range(len(ratios)), list(ratios))
     row[0].invert_yaxis()
     handles, labels = row[0].get_legend_handles_labels()
-    row[1].legend(handles[:2], labels[:2], loc="best")
+    row[0].legend(handles[:2], labels[:2], loc="lower left", bbox_to_anchor=(0, 1.01), ncol=2)
     return figure
