@@ -9,7 +9,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Iterable
 from pathlib import Path
-from typing import Annotated, NoReturn
+from typing import Annotated, Any, NoReturn
 
 import typer
 
@@ -131,7 +131,7 @@ def fabrics_show(
 def main(arguments: Iterable[str] | None = None) -> NoReturn:
     """Run the command line; never returns."""
     # click's own class, wherever this typer keeps its click
-    usage_error = next(base for base in typer.BadParameter.__mro__ if base.__name__ == "ClickException")
+    usage_error: Any = next(base for base in typer.BadParameter.__mro__ if base.__name__ == "ClickException")
     try:
         words = sys.argv[1:] if arguments is None else list(arguments)
         code = app(args=renamed_options.upgraded(words), standalone_mode=False)

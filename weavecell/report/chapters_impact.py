@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -28,7 +28,8 @@ def measures(recorded: Histories, places: Sequence[float], ply: int | None = Non
 
     t, waves = recorded.t, fronts(recorded)
     through = [yarn for yarn in (recorded.through("warp"), recorded.through("weft")) if yarn is not None]
-    drawn, of_ply = [], f"-ply-{ply}" if ply else ""
+    drawn: list[tuple[str, str, tuple[Any, ...]]] = []
+    of_ply = f"-ply-{ply}" if ply else ""
     if recorded.yarns:
         within = [place for place in places if any(place <= yarn.X[-1] for yarn in recorded.yarns)]
         drawn = [

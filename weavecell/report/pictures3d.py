@@ -17,7 +17,7 @@ def new_plotter(off_screen: bool = True, size: tuple[int, int] = (1500, 820)) ->
     from vtkmodules.vtkCommonCore import vtkLogger
 
     vtkLogger.SetStderrVerbosity(vtkLogger.VERBOSITY_ERROR)  # it warns once for each kind of screen it does not find
-    plotter = pyvista.Plotter(off_screen=off_screen, window_size=size, lighting="three lights")
+    plotter: Any = pyvista.Plotter(off_screen=off_screen, window_size=list(size), lighting="three lights")
     plotter.set_background("white")
     plotter.enable_anti_aliasing("ssaa")
     return plotter

@@ -227,7 +227,7 @@ def _stops(record):
 def tensions(peak: ArrayLike, strength: ArrayLike) -> dict[str, float]:
     """Entries of the summary: peak tensions (2,) [N] of warp and weft, and their shares of the strengths (2,) [N]."""
     found = {}
-    for family, tension, limit in zip(("warp", "weft"), peak, strength):
+    for family, tension, limit in zip(("warp", "weft"), np.asarray(peak, float), np.asarray(strength, float)):
         found[f"peak_tension_{family}_N"] = float(tension)
         found[f"peak_tension_{family}_over_strength"] = float(tension / limit)
     return found

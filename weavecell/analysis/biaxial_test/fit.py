@@ -195,6 +195,8 @@ def main() -> None:
     found.law.to_json(options.out / f"{options.test.stem}-law.json")
     write(found, tests, options.out / f"{options.test.stem}-fit.csv")
     picture(found, tests, options.out / f"{options.test.stem}-fit.png")
+    assert law.a_interval is not None
+    assert law.b_interval is not None
     print(f"a = {1e3 * law.a:.4f} mm ({1e3 * law.a_interval[0]:.4f} to {1e3 * law.a_interval[1]:.4f})")
     low, b, high = (1e5 * value for value in (law.b_interval[0], law.b, law.b_interval[1]))
     print(f"b = {b:.3f} mm uN^(1/3) ({low:.3f} to {high:.3f})")

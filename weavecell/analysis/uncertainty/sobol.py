@@ -84,7 +84,8 @@ def estimate(
     if not np.ptp(y) > 1e-12 * np.abs(y).max():
         return (np.full(given["num_vars"], np.nan),) * 4
     found = sobol.analyze(given, y, calc_second_order=False, num_resamples=1000, conf_level=confidence, seed=seed)
-    return tuple(np.asarray(found[key]) for key in ("S1", "S1_conf", "ST", "ST_conf"))
+    first, first_half, total, total_half = (np.asarray(found[key]) for key in ("S1", "S1_conf", "ST", "ST_conf"))
+    return first, first_half, total, total_half
 
 
 def shots(

@@ -214,13 +214,19 @@ def study(
                 velocities = plan([s.velocity for s in found], [s.perforated for s in found], count, scatters)
             else:
                 velocities = middle * np.linspace(1 - FIRST, 1 + FIRST, count)
+            progress = _shots_done(report, len(found), shots)
             begun = len(found)
             found += run_cache.results(
                 fire,
                 [(fabric, scatter, seed, begun + k, round(float(V), 6), opening) for k, V in enumerate(velocities)],
-                report=lambda done, total, begun=begun: report((begun + done) / shots, f"{begun + done} shots"),
+                report=progress,
                 **runs,
             )
     V, hit = [s.velocity for s in found], [s.perforated for s in found]
     curves = {link: probit.fit(V, hit, link=link) for link in probit.LINKS}
     return Study(bracket, tuple(found), curves, scatter)
+
+
+def _shots_done(report: Callable[[float, str], object], begun: int, shots: int) -> Callable[[int, int], object]:
+    """Progress of one batch as progress of all shots, of which `begun` were done before it."""
+    return lambda done, total: report((begun + done) / shots, f"{begun + done} shots")
