@@ -102,6 +102,13 @@ from shellfabric.plies.contact_simd_kernels import (
     extend_window,
     penalty_force,
 )
+from shellfabric.plies.graded_kernels import (
+    add_line_offset,
+    add_middle_offset,
+    add_weighted_offset,
+    place_in_elements,
+    scaled_by_area,
+)
 from shellfabric.plies.surface_kernels import (
     FACETS,
     NODES,
@@ -184,14 +191,40 @@ def apply_symmetry(const, force, touched):
 
 
 @kernel(_nrt=False, forceinline=True)
+def row_of_node(fc, rc, i):
+    """Element row of the front ply in which row i of nodes of the rear ply is at rest."""
+    x = add_line_offset(rc.x0 + i * rc.dx, rc.line_offset1, i) - fc.x0
+    return int(place_in_elements(x, fc.dx, fc.line_offset1, fc.ni))
+
+
+@kernel(_nrt=False, forceinline=True)
+def column_of_node(fc, rc, j):
+    """Element column of the front ply in which column j of nodes of the rear ply is at rest."""
+    y = add_line_offset(rc.y0 + j * rc.dy, rc.line_offset2, j) - fc.y0
+    return int(place_in_elements(y, fc.dy, fc.line_offset2, fc.nj))
+
+
+@kernel(_nrt=False, forceinline=True)
+def element_of_middle(fc, rc, i, j):
+    """Element (row, column) of the front ply in which the middle of element (i, j) of the rear ply is at rest."""
+    x = add_middle_offset(rc.x0 + (i + 0.5) * rc.dx, rc.line_offset1, i) - fc.x0
+    y = add_middle_offset(rc.y0 + (j + 0.5) * rc.dy, rc.line_offset2, j) - fc.y0
+    row, column = (
+        place_in_elements(x, fc.dx, fc.line_offset1, fc.ni),
+        place_in_elements(y, fc.dy, fc.line_offset2, fc.nj),
+    )
+    return int(row), int(column)
+
+
+@kernel(_nrt=False, forceinline=True)
 def candidate_window(pair, fc, rc):
     """Element rows and columns of the front ply where either ply's deflection can bring them into contact."""
     i0, i1, j0, j1 = pair.front_box[0], pair.front_box[1], pair.front_box[2], pair.front_box[3]
     if pair.rear_box[0] <= pair.rear_box[1]:
-        i0 = min(i0, int((rc.x0 + pair.rear_box[0] * rc.dx - fc.x0) / fc.dx))
-        i1 = max(i1, int((rc.x0 + pair.rear_box[1] * rc.dx - fc.x0) / fc.dx) + 1)
-        j0 = min(j0, int((rc.y0 + pair.rear_box[2] * rc.dy - fc.y0) / fc.dy))
-        j1 = max(j1, int((rc.y0 + pair.rear_box[3] * rc.dy - fc.y0) / fc.dy) + 1)
+        i0 = min(i0, row_of_node(fc, rc, pair.rear_box[0]))
+        i1 = max(i1, row_of_node(fc, rc, pair.rear_box[1]) + 1)
+        j0 = min(j0, column_of_node(fc, rc, pair.rear_box[2]))
+        j1 = max(j1, column_of_node(fc, rc, pair.rear_box[3]) + 1)
     return max(i0 - _MARGIN, 0), min(i1 + _MARGIN, fc.ni), max(j0 - _MARGIN, 0), min(j1 + _MARGIN, fc.nj)
 
 
@@ -293,8 +326,8 @@ def list_torn_elements(front, fc, rear, rc, pair):
     for i in range(rc.ni):
         for j in range(rc.nj):
             if rear.element_flag[i * rc.row_stride + j]:
-                x, y = rc.x0 + (i + 0.5) * rc.dx - fc.x0, rc.y0 + (j + 0.5) * rc.dy - fc.y0
-                mark_neighbours(fc, pair, int(x / fc.dx), int(y / fc.dy))
+                m, n = element_of_middle(fc, rc, i, j)
+                mark_neighbours(fc, pair, m, n)
     for e in range(fc.ni * fc.nj):
         if pair.near_torn[e]:
             pair.torn_elements[pair.torn_counts[1]] = e
@@ -332,6 +365,7 @@ def contact_point(front, fc, rear, rc, pair, q, a, b, often):
             element_mean(front.u[1], k, fc.row_stride),
             element_mean(front.u[2], k, fc.row_stride),
         )
+        x, y = add_middle_offset(x, fc.line_offset1, i), add_middle_offset(y, fc.line_offset2, j)
     else:
         form_x = pair.surface_form if pair.surface_form != SMOOTH or intact_about(front, fc, a, b) else FACETS
         i, p0, p1, p2, _, _, _, p1x, _ = form_weights(form_x, a, fc.ni, fc.mirror_x)
@@ -340,6 +374,8 @@ def contact_point(front, fc, rear, rc, pair, q, a, b, often):
         x = interpolate(front.u[0], k, fc.row_stride, p0, p1x, p2, q0, q1, q2)
         y = interpolate(front.u[1], k, fc.row_stride, p0, p1, p2, q0, q1y, q2)
         z = interpolate(front.u[2], k, fc.row_stride, p0, p1, p2, q0, q1, q2)
+        x = add_weighted_offset(x, fc.line_offset1, i, p0, p1x, p2)
+        y = add_weighted_offset(y, fc.line_offset2, j, q0, q1y, q2)
     x, y = x + fc.x0 + a * fc.dx, y + fc.y0 + b * fc.dy
     at_x, at_y, at_z = x - rc.x0, y - rc.y0, z - pair.rest_distance  # from the first node of the rear ply at rest
     low = -0.5 if pair.surface_form == SMOOTH else 0.0
@@ -355,7 +391,10 @@ def contact_point(front, fc, rear, rc, pair, q, a, b, often):
     X, Xa, Xb = surface_patch(rear.u[0], K, rc.row_stride, (w0, w1x, w2), (v0, v1, v2), (d0, d1x, d2), (e0, e1, e2))
     Y, Ya, Yb = surface_patch(rear.u[1], K, rc.row_stride, (w0, w1, w2), (v0, v1y, v2), (d0, d1, d2), (e0, e1y, e2))
     Z, Za, Zb = surface_patch(rear.u[2], K, rc.row_stride, (w0, w1, w2), (v0, v1, v2), (d0, d1, d2), (e0, e1, e2))
-    Xa, Yb = Xa + rc.dx, Yb + rc.dy
+    X = add_weighted_offset(X, rc.line_offset1, I, w0, w1x, w2)
+    Y = add_weighted_offset(Y, rc.line_offset2, J, v0, v1y, v2)
+    Xa = add_weighted_offset(Xa, rc.line_offset1, I, d0, d1x, d2) + rc.dx
+    Yb = add_weighted_offset(Yb, rc.line_offset2, J, e0, e1y, e2) + rc.dy
     x, y, z = at_x - X - A * rc.dx, at_y - Y - B * rc.dy, at_z - Z  # from the foot
     n_x, n_y, n_z = Ya * Zb - Za * Yb, Za * Xb - Xa * Zb, Xa * Yb - Ya * Xb
     size = math.sqrt(n_x * n_x + n_y * n_y + n_z * n_z)
@@ -387,7 +426,9 @@ def contact_point(front, fc, rear, rc, pair, q, a, b, often):
             c0, c1, c2, c1x = second_derivatives(form, A, rc.ni, rc.mirror_x)
             g0, g1, g2, g1y = second_derivatives(form, B, rc.nj, rc.mirror_y)
             F = rear.u
-            aa -= x * interpolate(F[0], K, rc.row_stride, c0, c1x, c2, v0, v1, v2)
+            Xaa = interpolate(F[0], K, rc.row_stride, c0, c1x, c2, v0, v1, v2)
+            Ybb = interpolate(F[1], K, rc.row_stride, w0, w1, w2, g0, g1y, g2)
+            aa -= x * add_weighted_offset(Xaa, rc.line_offset1, I, c0, c1x, c2)
             aa -= y * interpolate(F[1], K, rc.row_stride, c0, c1, c2, v0, v1y, v2) + z * interpolate(
                 F[2], K, rc.row_stride, c0, c1, c2, v0, v1, v2
             )
@@ -396,7 +437,7 @@ def contact_point(front, fc, rear, rc, pair, q, a, b, often):
                 F[2], K, rc.row_stride, d0, d1, d2, e0, e1, e2
             )
             bb -= x * interpolate(F[0], K, rc.row_stride, w0, w1x, w2, g0, g1, g2)
-            bb -= y * interpolate(F[1], K, rc.row_stride, w0, w1, w2, g0, g1y, g2) + z * interpolate(
+            bb -= y * add_weighted_offset(Ybb, rc.line_offset2, J, g0, g1y, g2) + z * interpolate(
                 F[2], K, rc.row_stride, w0, w1, w2, g0, g1, g2
             )
             det = aa * bb - ab * ab
@@ -465,6 +506,7 @@ def contact_point(front, fc, rear, rc, pair, q, a, b, often):
     pair.energy[MAX_COMPRESSION] = max(pair.energy[MAX_COMPRESSION], squeezed)
     if pair.point_offset == 0.0:  # half an element, or a quarter, is modelled about points on planes of symmetry
         part *= (0.5 if a == 0.0 and fc.mirror_x else 1.0) * (0.5 if b == 0.0 and fc.mirror_y else 1.0)
+    part = scaled_by_area(part, pair.area_factor1, pair.area_factor2, int(a), int(b))
     drag = part * pair.damping
     part *= stiffness_factor(pair, pair.depth_offset[q])
     f = max(0.0, penalty_force(pair, part, squeezed, drag, closing))

@@ -29,6 +29,13 @@ from shellfabric.jit.simd import (
     where,
 )
 from shellfabric.panel.step_kernels import FAILURES
+from shellfabric.plies.graded_kernels import (
+    add_column_offset8,
+    add_middle_offset,
+    add_middle_offset8,
+    add_row_offset8,
+    scaled_by_area8,
+)
 from shellfabric.plies.surface_kernels import (
     element_mean8,
     intact_about,
@@ -87,9 +94,16 @@ def contact_points8(front, fc, rear, rc, pair, q, i, j, count, nearer, now, due)
     X, Xa, Xb = surface_patch8(rear.u[0], K, rc.row_stride, wa, wb, da, db, tall)
     Y, Ya, Yb = surface_patch8(rear.u[1], K, rc.row_stride, wa, wb, da, db, tall)
     Z, Za, Zb = surface_patch8(rear.u[2], K, rc.row_stride, wa, wb, da, db, tall)
-    Xa, Yb = Xa + rc.dx, Yb + rc.dy
-    x = element_mean8(front.u[0], k, fc.row_stride) - X - A * rc.dx + (fc.x0 + (i + 0.5) * fc.dx - rc.x0)
+    row, column = int(I0) - 1, int(J0) - 1
+    X, Xa = add_row_offset8(X, rc.line_offset1, row, wa), add_row_offset8(Xa, rc.line_offset1, row, da) + rc.dx
+    Y, Yb = (
+        add_column_offset8(Y, rc.line_offset2, column, wb),
+        add_column_offset8(Yb, rc.line_offset2, column, db) + rc.dy,
+    )
+    at_x = add_middle_offset(fc.x0 + (i + 0.5) * fc.dx - rc.x0, fc.line_offset1, i)
+    x = element_mean8(front.u[0], k, fc.row_stride) - X - A * rc.dx + at_x
     y = element_mean8(front.u[1], k, fc.row_stride) - Y - B * rc.dy + (fc.y0 + (j + 0.5) * fc.dy - rc.y0) + rank * fc.dy
+    y = add_middle_offset8(y, fc.line_offset2, j)
     z = element_mean8(front.u[2], k, fc.row_stride) - Z - pair.rest_distance
     n_x, n_y, n_z = Ya * Zb - Za * Yb, Za * Xb - Xa * Zb, Xa * Yb - Ya * Xb
     square, tiny, thick = n_x * n_x + n_y * n_y + n_z * n_z, 1e-6 * rc.dx * rc.dy, pair.thickness
@@ -114,6 +128,8 @@ def contact_points8(front, fc, rear, rc, pair, q, i, j, count, nearer, now, due)
         Xaa, Xab, Xbb = second_derivatives8(rear.u[0], K, rc.row_stride, wa, wb, da, db, ca, cb, tall)
         Yaa, Yab, Ybb = second_derivatives8(rear.u[1], K, rc.row_stride, wa, wb, da, db, ca, cb, tall)
         Zaa, Zab, Zbb = second_derivatives8(rear.u[2], K, rc.row_stride, wa, wb, da, db, ca, cb, tall)
+        Xaa = add_row_offset8(Xaa, rc.line_offset1, row, ca)
+        Ybb = add_column_offset8(Ybb, rc.line_offset2, column, cb)
         aa = aa - (x * Xaa + y * Yaa + z * Zaa)
         ab = ab - (x * Xab + y * Yab + z * Zab)
         bb = bb - (x * Xbb + y * Ybb + z * Zbb)
@@ -150,7 +166,7 @@ def contact_points8(front, fc, rear, rc, pair, q, i, j, count, nearer, now, due)
             if (done >> m) & 1:
                 pair.status[q + m], pair.on_facet[q + m] = IN_CONTACT if (pressed >> m) & 1 else CLEAR, 0
     if pressed != 0:
-        n, at = (n_x / size, n_y / size, n_z / size), (i, j, int(I0) - 1, int(J0) - 1)
+        n, at = (n_x / size, n_y / size, n_z / size), (i, j, row, column)
         energy = apply_forces8(front, fc, rear, rc, pair, q, at, count, pressed, held, depth, n, wa, wb, tall)
     return (due & ~done) | (inside & ~pressed), energy
 
@@ -194,10 +210,12 @@ def apply_forces8(front, fc, rear, rc, pair, q, at, count, pressed, held, depth,
     # what is left of the thickness has to hold as much
     stiffer = minimum(thick / maximum(thick - slack, 0.1 * thick), MAX_STIFFNESS_FACTOR)
     part, squeezed = where(greater(slack, 0.0), stiffer, 1.0), depth - slack
+    part = scaled_by_area8(part, pair.area_factor1, pair.area_factor2, i, j)
+    drag = scaled_by_area8(pair.damping, pair.area_factor1, pair.area_factor2, i, j)
     pair.energy[MAX_COMPRESSION] = max(
         pair.energy[MAX_COMPRESSION], reduce_max(where(mask_from_bits(pressed), squeezed, 0.0))
     )
-    f = where(mask_from_bits(pressed), maximum(penalty_force(pair, part, squeezed, pair.damping, closing), 0.0), 0.0)
+    f = where(mask_from_bits(pressed), maximum(penalty_force(pair, part, squeezed, drag, closing), 0.0), 0.0)
     if movemask(greater(f, 0.0)) != 0:
         extend_window(pair.front_window, i, i + 2, j, min(j + WIDTH + 1, fc.row_stride))
         extend_window(pair.rear_window, I, I + (4 if tall else 3), max(J, 0), min(J + WIDTH + 3, rc.row_stride))

@@ -34,8 +34,8 @@ From _DEEP on an approach as fast as `Pack.in_step_with` reckons with is stopped
 
 Rounds. What none of whose nodes has been moved since it was looked at is as it was, and passed over.
 
-Which facets are near a point: the facets of a ply are entered in a raster as wide as its elements, in every cell that
-their boxes reach into within the step.
+Which facets are near a point: the facets of a ply are entered in a raster whose cells are its elements at rest, in
+every cell that their boxes reach into within the step.
 
 The work is told as that of all contact of plies is, half a step's of the old forces and half a step's of the new.
 """
@@ -47,8 +47,9 @@ from shellfabric.cloth.membrane_kernels import ERODED
 from shellfabric.jit.borrowed_list import borrowed_item
 from shellfabric.jit.compile import kernel
 from shellfabric.panel.step_kernels import FAILURES
-from shellfabric.plies.contact_kernels import apply_symmetry, grow_window, half_step_work
+from shellfabric.plies.contact_kernels import apply_symmetry, element_of_middle, grow_window, half_step_work
 from shellfabric.plies.contact_simd_kernels import IN_CONTACT
+from shellfabric.plies.graded_kernels import add_line_offset, ply_place_in_elements
 from shellfabric.plies.surface_kernels import SMOOTH, intact_about, spline_weights
 
 WORK, CORRECTIONS, UNRESOLVED = 0, 1, 2  # of stops.energy; how often something was held, and how often not for good
@@ -132,8 +133,7 @@ def mark_zone(states, consts, stack, stops, p):
         for i in range(other.ni):
             for j in range(other.nj if state.block_damage[i // other.rows_per_block] else 0):
                 if state.element_flag[i * other.row_stride + j]:
-                    x, y = other.x0 + (i + 0.5) * other.dx - const.x0, other.y0 + (j + 0.5) * other.dy - const.y0
-                    m0, n0 = int(x / const.dx), int(y / const.dy)
+                    m0, n0 = element_of_middle(const, other, i, j)
                     for m in range(max(m0 - _TORN_NEIGHBOURS, 0), min(m0 + _TORN_NEIGHBOURS + 1, const.ni)):
                         for n in range(max(n0 - _TORN_NEIGHBOURS, 0), min(n0 + _TORN_NEIGHBOURS + 1, const.nj)):
                             mark[m * const.row_stride + n] = TORN
@@ -226,8 +226,8 @@ def predict_velocities(state, const, stops, p):
         k = stops.nodes[p, m]
         i, j = k // const.row_stride, k % const.row_stride
         met = i > 0 and i % const.rows_per_block == 0
-        stops.x[p, 0, k] = const.x0 + i * const.dx + state.u[0][k]
-        stops.x[p, 1, k] = const.y0 + j * const.dy + state.u[1][k]
+        stops.x[p, 0, k] = add_line_offset(const.x0 + i * const.dx, const.line_offset1, i) + state.u[0][k]
+        stops.x[p, 1, k] = add_line_offset(const.y0 + j * const.dy, const.line_offset2, j) + state.u[1][k]
         stops.x[p, 2, k] = stops.z_rest[p] + state.u[2][k]
         for c in range(3):
             force = state.f_int[c][k] + state.f_contact[c][k] + (state.f_int_above[c][k] if met else 0.0)
@@ -271,9 +271,10 @@ def intact_quadrants(state, const, k):
 @kernel(_nrt=False, forceinline=True)
 def grid_cell(stops, q, x, y):
     """Row and column of the raster of ply q, which has its elements and PAD cells about them."""
+    x, y, ni, nj = x - stops.ply_grid[q, 0], y - stops.ply_grid[q, 1], stops.ply_shape[q, NI], stops.ply_shape[q, NJ]
     a, b = (
-        int((x - stops.ply_grid[q, 0]) / stops.ply_grid[q, 2] + PAD),
-        int((y - stops.ply_grid[q, 1]) / stops.ply_grid[q, 3] + PAD),
+        int(ply_place_in_elements(x, stops.ply_grid[q, 2], stops.line_offset, q, 0, ni) + PAD),
+        int(ply_place_in_elements(y, stops.ply_grid[q, 3], stops.line_offset, q, 1, nj) + PAD),
     )
     return min(max(a, 0), stops.ply_shape[q, NI] + 2 * PAD - 1), min(max(b, 0), stops.ply_shape[q, NJ] + 2 * PAD - 1)
 
