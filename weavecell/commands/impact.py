@@ -49,9 +49,9 @@ SUPPORT = Support(
 
 def support(asked):
     """The declaration that holds for a scene: packs and scenes with [accuracy] have their own."""
-    if asked.panel.plies > 1:
-        return impact_pack.SUPPORT
-    return SUPPORT if asked.accuracy is None else fidelity.SUPPORT
+    if asked.accuracy is not None:
+        return fidelity.PACK_SUPPORT if asked.panel.plies > 1 else fidelity.SUPPORT
+    return impact_pack.SUPPORT if asked.panel.plies > 1 else SUPPORT
 
 
 class Interrupted(WeavecellError):
