@@ -115,7 +115,8 @@ def test_colliding_plies_keep_momentum_and_energy(ply):
 
 @pytest.mark.parametrize("strike_velocity", [91.0, 300.0])
 def test_shots_against_the_uniform_pack(ply, strike_velocity):
-    """Of three plies, held or torn: energy is balanced, none goes through another, and the answers are close."""
+    """Of three plies, held or torn: energy is balanced, none goes through another, and the answers are close: of torn
+    ones within the few per cent by which it matters which yarn fails first (docs/graded.md)."""
     found = []
     for zones in (None, ((10, 1), (INF, 2)), ((10, 1), (16, 2), (INF, 4))):
         panel = replace(ply, grading=zones, opening=(0.0762, 0.0762))
@@ -127,8 +128,8 @@ def test_shots_against_the_uniform_pack(ply, strike_velocity):
     (v, z, n), *graded = found
     for v_g, z_g, n_g in graded:
         assert n_g < 0.6 * n
-        assert abs(v_g - v) < 0.01 * strike_velocity
-        assert z_g == pytest.approx(z, rel=0.01)
+        assert abs(v_g - v) < (0.03 if strike_velocity > 200 else 0.01) * strike_velocity
+        assert z_g == pytest.approx(z, rel=0.03 if strike_velocity > 200 else 0.01)
 
 
 def test_convergence_to_the_uniform_pack(ply):
