@@ -1,12 +1,13 @@
 """Graded panels against the uniform one: error, cost, and what comes back of a wave from where zones meet.
 
-    taskset -c 0 python benchmarks/graded.py [--fabric S-720] [--parts shots limit waves] [--out FILE.json]
+    taskset -c 0 python benchmarks/graded.py [--fabric S-720] [--parts shots limit waves pack] [--out FILE.json]
 
 Shots: the fabric's two published ones, with the same panel as a whole run of `impact`; errors are against the uniform
 panel of one element a crossover. Cost is CPU time of one shot on one core, audits included, the least of two; ratios of
 it hold on a busy machine too. Limit: the critical velocity, bisected to 0.5 m/s. Waves: a pulse u = cos^2 along taut
 straight yarns, 100 elements of one crossover and then longer ones; the share of its energy that is found before them
-once it should be through.
+once it should be through. Pack: four plies of S-726 at a velocity that they hold and at one that perforates them; every
+ply has the same grading.
 """
 
 from __future__ import annotations
@@ -28,6 +29,8 @@ from shellfabric.impact.ballistic_limit import critical_velocity
 from shellfabric.panel import step_kernels as panel_step_kernels
 from shellfabric.panel.model import Numerics, Panel
 from shellfabric.panel.solver import PanelSolver
+from shellfabric.plies.model import Pack
+from shellfabric.plies.solver import PackSolver
 
 ZONES = {
     "1": None,
@@ -47,6 +50,8 @@ PULSES = {
     "1, 2, 4": ((100, 1), (116, 2), (inf, 4)),
 }
 LENGTHS = (8, 16, 32, 64)  # of the pulse, in crossovers
+PACK = "S-726", 4, (158.0, 300.0)  # fabric, plies, strike velocities [m/s]
+PACK_ZONES = ("1", "1 to 16, then 2", "1 to 16, 2 to 32, then 4", "1 to 24, 2 to 40, then 4", "1 to 32, then 2")
 
 
 def shot(panel, strike_velocity):
@@ -90,6 +95,39 @@ def shots(panel, velocities):
     return found
 
 
+def pack_shot(pack, strike_velocity):
+    """One shot at a pack to its end: what comes of it and its CPU time."""
+    costs = []
+    for _ in range(2):
+        begun = time.process_time()
+        solver = PackSolver(pack, strike_velocity, 600e-6).run()
+        costs.append(time.process_time() - begun)
+    return {
+        "outcome": solver.outcome,
+        "time_us": 1e6 * solver.time,
+        "residual_velocity": float(solver.sample("v")[-1]),
+        "deflection_mm": 1e3 * float(solver.ply_sample("deflection").max()),
+        "peak_N": [float(peak) for peak in solver.peaks.max(axis=0)],
+        "failed_by_ply": [float(count) for count in solver.ply_sample("failed_yarns")[-1]],
+        "deepest": float(solver.deepest.max()),
+        "balance": float(np.abs(solver.sample("balance")).max() / solver.strike_energy),
+        "cpu_s": min(costs),
+    }
+
+
+def pack_shots():
+    """Both shots at a pack of every grading."""
+    name, plies, velocities = PACK
+    fabric = catalogue.load(name).with_effective_density()
+    panel, found = Panel(CellModel(fabric).table(201), numerics=Numerics(threads=1)), {}
+    for zones in PACK_ZONES:
+        pack = Pack.stacked(replace(panel, grading=ZONES[zones]), plies)
+        PackSolver(pack, velocities[0], 1e-6).run()  # compiled before
+        found[zones] = {"elements": pack.elements, "shots": [pack_shot(pack, v) for v in velocities]}
+        print(zones, json.dumps(found[zones]), flush=True)
+    return found
+
+
 def limits(panel):
     """The critical velocity of every panel and the CPU time of its bisection."""
     found = {}
@@ -130,7 +168,7 @@ def behind(table, zones, crossovers):
 
 def main():
     arguments = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parts = ("shots", "limit", "waves")
+    parts = ("shots", "limit", "waves", "pack")
     arguments.add_argument("--fabric", default="S-720", choices=SHOTS)
     arguments.add_argument("--parts", nargs="+", choices=parts, default=parts)
     arguments.add_argument("--out", type=Path)
@@ -147,6 +185,8 @@ def main():
         report["shots"] = shots(panel, SHOTS[chosen.fabric])
     if "limit" in chosen.parts:
         report["limit"] = limits(panel)
+    if "pack" in chosen.parts:
+        report["pack"] = pack_shots()
     publish(report, chosen.out)
 
 

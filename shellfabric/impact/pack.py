@@ -37,14 +37,15 @@ class PackSetup:
     gap: float | None = None
     contact: PlyContact = field(default_factory=PlyContact)
 
-    def pack(self) -> Pack:
-        """The pack that this set-up describes; fills the cells' tables.
+    def pack(self, table=None) -> Pack:
+        """The pack that this set-up describes, with its own table of the first ply's cell or one that a like set-up has
+        filled.
 
         Raises
         ------
         InputError : as ImpactSetup.panel and Pack.stacked
         """
-        panel = self.ply.panel()
+        panel = self.ply.panel(table)
         return Pack.stacked(panel, self.plies, stacking=self.stacking, gap=self.gap, contact=self.contact)
 
 
@@ -118,10 +119,10 @@ def shots(solver):
     return tuple(found)
 
 
-def run(setup: PackSetup, *, hooks=(), resume=None) -> PackResult:
+def run(setup: PackSetup, *, hooks=(), resume=None, table=None) -> PackResult:
     """Run an impact on a pack; parameters, exceptions and resuming as `single_ply.run`."""
     ply = setup.ply
-    solver = PackSolver(setup.pack(), ply.strike_velocity, ply.end_time, interval=ply.sample_interval)
+    solver = PackSolver(setup.pack(table), ply.strike_velocity, ply.end_time, interval=ply.sample_interval)
     own = (*single_ply.recorder(solver, ply), *single_ply.snapshot_hooks(ply, shots))
     if resume is not None:
         checkpoint.read(solver, resume)

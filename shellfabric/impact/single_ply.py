@@ -162,6 +162,21 @@ class Outcome:
         """(x, y) whether the modelled part continues mirrored beyond x = 0 and y = 0."""
         return SYMMETRIES[self.first_ply_setup.symmetry]
 
+    @property
+    def rigidity(self) -> Rigidity | None:
+        """Whether a rigid projectile is enough, its contact held against the period of the bar that it is, or would be
+        if it were of steel; None where it is no flat cylinder of steel, or where it was never touched."""
+        shot = self.first_ply_setup.projectile
+        try:
+            bar = shot.bar or (shot.steel_bar() if shot.shape == "flat" else None)
+            if bar is None:
+                return None
+            t, force = self.step_history[:, 0], self.step_history[:, 3]
+            held = held_force(t, force, 0.5 * bar.period)
+            return rigid_is_enough(contact_time(t, force, bar.period), bar.period, held, bar.yield_force)
+        except InputError:
+            return None
+
 
 @dataclass(frozen=True)
 class ImpactResult(Outcome):
@@ -224,21 +239,6 @@ class ImpactResult(Outcome):
     @property
     def first_ply_setup(self):
         return self.setup
-
-    @property
-    def rigidity(self) -> Rigidity | None:
-        """Whether a rigid projectile is enough, its contact held against the period of the bar that it is, or would be
-        if it were of steel; None where it is no flat cylinder of steel, or where it was never touched."""
-        shot = self.setup.projectile
-        try:
-            bar = shot.bar or (shot.steel_bar() if shot.shape == "flat" else None)
-            if bar is None:
-                return None
-            t, force = self.step_history[:, 0], self.step_history[:, 3]
-            held = held_force(t, force, 0.5 * bar.period)
-            return rigid_is_enough(contact_time(t, force, bar.period), bar.period, held, bar.yield_force)
-        except InputError:
-            return None
 
 
 def run(setup: ImpactSetup, *, hooks=(), resume=None, table=None) -> ImpactResult:

@@ -29,7 +29,7 @@ Constants = namedtuple(
     "projectile_radius edge_radius projectile_mass free_dofs "
     "perforation_delay_steps nose_shape nose_parameters projectile_length frame tilted window_follows body_depth "
     "draw_in_reach foremost_offset shoulder friction slip_node slip_axis slip_data bending jamming yarn_ends "
-    "bar_mass bar_h bar_area bar_law bar_substeps has_backing",
+    "bar_mass bar_h bar_area bar_law bar_substeps has_backing line_offset1 line_offset2",
 )
 State = namedtuple(
     "State",
@@ -63,9 +63,10 @@ def constants(panel) -> Constants:
     roaming = shot.roaming or rim_node.size > 0  # over the cloth: it slides, or the cloth is drawn under it
     cv1, cv2 = (knobs.stretch_viscosity * lag * yarn.EA for yarn in (warp, weft))
     slots = {"inv_dx": 1 / dx, "inv_dy": 1 / dy, "cv1": cv1, "cv2": cv2, "trellis_volume": dx * dy * weave.thickness}
-    slots |= {"mean_weight1": 0.5, "mean_weight2": 0.5}
+    slots |= {"mean_weight1": 0.5, "mean_weight2": 0.5, "line_offset1": 0.0, "line_offset2": 0.0}
     if panel.sides is not None:
         slots = grading.slots(panel.sides, panel.spacing, weave.thickness, (cv1, cv2), aligned_zeros)
+        slots |= grading.line_offsets(panel.lines(), panel.origin, panel.spacing, aligned_zeros)
     return Constants(
         ni=ni, nj=nj, row_stride=nj + 1, rows_per_block=_block(panel), mirror_x=mirror_x, mirror_y=mirror_y,
         x0=x0, y0=y0, dx=dx, dy=dy, dt=dt, n_per_crossover=panel.elements_per_crossover, **slots,

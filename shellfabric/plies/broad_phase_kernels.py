@@ -1,12 +1,14 @@
 """Broad phase of the contact of torn plies: pairs of elements and facets that are near each other, by uniform grids.
 
-A ply has a grid as wide as its elements; a facet is entered in every cell that its box in the coming step reaches.
+The cells of a ply's grid are its elements at rest; a facet is entered in every cell that its box in the coming step
+reaches.
 """
 
 import numpy as np
 
 from shellfabric.jit.compile import kernel
 from shellfabric.plies.contact_simd_kernels import IN_CONTACT
+from shellfabric.plies.graded_kernels import ply_place_in_elements
 
 WORK, CORRECTIONS, UNRESOLVED = 0, 1, 2  # of stops.energy; how often something was held, and how often not for good
 # of stops.counts: elements of the zone, nodes, entries in the grid, nodes that are not those of closest points only
@@ -21,9 +23,10 @@ _MARGIN = 4  # [gaps] about a facet, in which what it may meet is searched
 @kernel(_nrt=False, forceinline=True)
 def grid_cell(stops, q, x, y):
     """Row and column of the grid of ply q, which has its elements and PAD cells about them."""
+    x, y, ni, nj = x - stops.ply_grid[q, 0], y - stops.ply_grid[q, 1], stops.ply_shape[q, NI], stops.ply_shape[q, NJ]
     a, b = (
-        int((x - stops.ply_grid[q, 0]) / stops.ply_grid[q, 2] + PAD),
-        int((y - stops.ply_grid[q, 1]) / stops.ply_grid[q, 3] + PAD),
+        int(ply_place_in_elements(x, stops.ply_grid[q, 2], stops.line_offset, q, 0, ni) + PAD),
+        int(ply_place_in_elements(y, stops.ply_grid[q, 3], stops.line_offset, q, 1, nj) + PAD),
     )
     return min(max(a, 0), stops.ply_shape[q, NI] + 2 * PAD - 1), min(max(b, 0), stops.ply_shape[q, NJ] + 2 * PAD - 1)
 

@@ -88,6 +88,7 @@ from shellfabric.plies.contact_simd_kernels import (
     WORK,
     contact_points8,
 )
+from shellfabric.plies.graded_kernels import add_line_offset, add_middle_offset, place_in_elements
 from shellfabric.plies.point_kernels import contact_point
 from shellfabric.plies.surface_kernels import (
     SMOOTH,
@@ -153,14 +154,40 @@ def apply_symmetry(const, force, touched):
 
 
 @kernel(_nrt=False, forceinline=True)
+def row_of_node(fc, rc, i):
+    """Element row of the front ply in which row i of nodes of the rear ply is at rest."""
+    x = add_line_offset(rc.x0 + i * rc.dx, rc.line_offset1, i) - fc.x0
+    return int(place_in_elements(x, fc.dx, fc.line_offset1, fc.ni))
+
+
+@kernel(_nrt=False, forceinline=True)
+def column_of_node(fc, rc, j):
+    """Element column of the front ply in which column j of nodes of the rear ply is at rest."""
+    y = add_line_offset(rc.y0 + j * rc.dy, rc.line_offset2, j) - fc.y0
+    return int(place_in_elements(y, fc.dy, fc.line_offset2, fc.nj))
+
+
+@kernel(_nrt=False, forceinline=True)
+def element_of_middle(fc, rc, i, j):
+    """Element (row, column) of the front ply in which the middle of element (i, j) of the rear ply is at rest."""
+    x = add_middle_offset(rc.x0 + (i + 0.5) * rc.dx, rc.line_offset1, i) - fc.x0
+    y = add_middle_offset(rc.y0 + (j + 0.5) * rc.dy, rc.line_offset2, j) - fc.y0
+    row, column = (
+        place_in_elements(x, fc.dx, fc.line_offset1, fc.ni),
+        place_in_elements(y, fc.dy, fc.line_offset2, fc.nj),
+    )
+    return int(row), int(column)
+
+
+@kernel(_nrt=False, forceinline=True)
 def candidate_window(pair, fc, rc):
     """Element rows and columns of the front ply where either ply's deflection can bring them into contact."""
     i0, i1, j0, j1 = pair.front_box[0], pair.front_box[1], pair.front_box[2], pair.front_box[3]
     if pair.rear_box[0] <= pair.rear_box[1]:
-        i0 = min(i0, int((rc.x0 + pair.rear_box[0] * rc.dx - fc.x0) / fc.dx))
-        i1 = max(i1, int((rc.x0 + pair.rear_box[1] * rc.dx - fc.x0) / fc.dx) + 1)
-        j0 = min(j0, int((rc.y0 + pair.rear_box[2] * rc.dy - fc.y0) / fc.dy))
-        j1 = max(j1, int((rc.y0 + pair.rear_box[3] * rc.dy - fc.y0) / fc.dy) + 1)
+        i0 = min(i0, row_of_node(fc, rc, pair.rear_box[0]))
+        i1 = max(i1, row_of_node(fc, rc, pair.rear_box[1]) + 1)
+        j0 = min(j0, column_of_node(fc, rc, pair.rear_box[2]))
+        j1 = max(j1, column_of_node(fc, rc, pair.rear_box[3]) + 1)
     return max(i0 - _MARGIN, 0), min(i1 + _MARGIN, fc.ni), max(j0 - _MARGIN, 0), min(j1 + _MARGIN, fc.nj)
 
 
@@ -262,8 +289,8 @@ def list_torn_elements(front, fc, rear, rc, pair):
     for i in range(rc.ni):
         for j in range(rc.nj):
             if rear.element_flag[i * rc.row_stride + j]:
-                x, y = rc.x0 + (i + 0.5) * rc.dx - fc.x0, rc.y0 + (j + 0.5) * rc.dy - fc.y0
-                mark_neighbours(fc, pair, int(x / fc.dx), int(y / fc.dy))
+                m, n = element_of_middle(fc, rc, i, j)
+                mark_neighbours(fc, pair, m, n)
     for e in range(fc.ni * fc.nj):
         if pair.near_torn[e]:
             pair.torn_elements[pair.torn_counts[1]] = e

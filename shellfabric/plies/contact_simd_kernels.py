@@ -30,6 +30,13 @@ from shellfabric.jit.simd import (
     where,
 )
 from shellfabric.panel.step_kernels import FAILURES
+from shellfabric.plies.graded_kernels import (
+    add_column_offset8,
+    add_middle_offset,
+    add_middle_offset8,
+    add_row_offset8,
+    scaled_by_area8,
+)
 from shellfabric.plies.surface_kernels import (
     element_mean8,
     intact_about,
@@ -86,8 +93,9 @@ def contact_points8(front, fc, rear, rc, pair, q, i, j, count, nearer, now, due)
     fit &= ~movemask(greater(maximum(I, J), 1.5))
     tall = any_lane(greater(where(mask_from_bits(fit), I, 0.0), 0.5))
     (wa, da, ca), (wb, db, cb) = spline_weights8(r, greater(I, 0.5)), spline_weights8(t, greater(J, 0.5))
+    row, column = int(I0) - 1, int(J0) - 1
     values, slopes, curves = (wa, wb), (da, db), (ca, cb)
-    off, tangents = offsets8(front, fc, rear, rc, pair, (i, j), (A, B), rank, K, values, slopes, tall)
+    off, tangents = offsets8(front, fc, rear, rc, pair, (i, j, row, column), (A, B), rank, K, values, slopes, tall)
     x, y, z = off
     (Xa, Ya, Za), (Xb, Yb, Zb) = tangents
     n_x, n_y, n_z = Ya * Zb - Za * Yb, Za * Xb - Xa * Zb, Xa * Yb - Ya * Xb
@@ -98,8 +106,9 @@ def contact_points8(front, fc, rear, rc, pair, q, i, j, count, nearer, now, due)
     slant = movemask(greater(far, 0.09 * thick * thick)) & movemask(greater(0.49 * far, along * along))
     fit &= movemask(greater(square, tiny * tiny))
     clear, inside, pressed = by_depth8(pair, q, fit, held, slant, depth)
+    near, weights = greater(depth, -0.5 * thick), (values, slopes, curves)
     go, turn, sure, pressed = closest_point_step8(
-        rear, rc, K, (values, slopes, curves), off, tangents, square, greater(depth, -0.5 * thick), pressed, tall
+        rear, rc, K, (row, column), weights, off, tangents, square, near, pressed, tall
     )
     done = clear | pressed
     later = now + 1.0 + minimum(floor(depth * (-1.0 / nearer)), float(MAX_STEPS_SKIPPED))
@@ -112,7 +121,7 @@ def contact_points8(front, fc, rear, rc, pair, q, i, j, count, nearer, now, due)
             pair.status[q + m], pair.on_facet[q + m] = IN_CONTACT if (pressed >> m) & 1 else CLEAR, 0
     energy = 0.0
     if pressed != 0:
-        n, at = (n_x / size, n_y / size, n_z / size), (i, j, int(I0) - 1, int(J0) - 1)
+        n, at = (n_x / size, n_y / size, n_z / size), (i, j, row, column)
         energy = apply_forces8(front, fc, rear, rc, pair, q, at, count, (pressed, held), depth, n, (wa, wb, tall))
     return (due & ~done) | (inside & ~pressed), energy
 
@@ -130,25 +139,34 @@ def by_depth8(pair, q, fit, held, slant, depth):
 
 
 @kernel(_nrt=False, forceinline=True)
-def offsets8(front, fc, rear, rc, pair, element, place, rank, K, values, slopes, tall):
+def offsets8(front, fc, rear, rc, pair, at, place, rank, K, values, slopes, tall):
     """Of eight points from the element (i, j) on: their offsets [m] from the points of the rear ply's surface at
-    `place`, and the tangents there [m]."""
-    (i, j), (A, B), (wa, wb), (da, db), k = element, place, values, slopes, element[0] * fc.row_stride + element[1]
+    `place`, and the tangents there [m].
+
+    at : (i, j, row, column), the last two the first node of the rear ply
+    """
+    (i, j, row, column), (A, B), (wa, wb), (da, db) = at, place, values, slopes
+    k = i * fc.row_stride + j
     X, Xa, Xb = surface_patch8(rear.u[0], K, rc.row_stride, wa, wb, da, db, tall)
     Y, Ya, Yb = surface_patch8(rear.u[1], K, rc.row_stride, wa, wb, da, db, tall)
     Z, Za, Zb = surface_patch8(rear.u[2], K, rc.row_stride, wa, wb, da, db, tall)
-    x = element_mean8(front.u[0], k, fc.row_stride) - X - A * rc.dx + (fc.x0 + (i + 0.5) * fc.dx - rc.x0)
+    X, Xa = add_row_offset8(X, rc.line_offset1, row, wa), add_row_offset8(Xa, rc.line_offset1, row, da)
+    Y, Yb = add_column_offset8(Y, rc.line_offset2, column, wb), add_column_offset8(Yb, rc.line_offset2, column, db)
+    at_x = add_middle_offset(fc.x0 + (i + 0.5) * fc.dx - rc.x0, fc.line_offset1, i)
+    x = element_mean8(front.u[0], k, fc.row_stride) - X - A * rc.dx + at_x
     y = element_mean8(front.u[1], k, fc.row_stride) - Y - B * rc.dy + (fc.y0 + (j + 0.5) * fc.dy - rc.y0) + rank * fc.dy
+    y = add_middle_offset8(y, fc.line_offset2, j)
     z = element_mean8(front.u[2], k, fc.row_stride) - Z - pair.rest_distance
     return (x, y, z), ((Xa + rc.dx, Ya, Za), (Xb, Yb + rc.dy, Zb))
 
 
 @kernel(_nrt=False, forceinline=True)
-def closest_point_step8(rear, rc, K, weights, off, tangents, square, near, pressed, tall):
+def closest_point_step8(rear, rc, K, first, weights, off, tangents, square, near, pressed, tall):
     """Steps of eight closest points along a and b, of which of the `pressed` they are Newton's, as bits, and those of
     the pressed whose steps are not too long.
 
-    weights : values, slopes and second slopes along a and b; square : squared area of the tangents
+    first : (row, column) of the first node; weights : values, slopes and second slopes along a and b; square : squared
+    area of the tangents
     """
     (x, y, z), ((Xa, Ya, Za), (Xb, Yb, Zb)) = off, tangents
     aa, ab, bb = Xa * Xa + Ya * Ya + Za * Za, Xa * Xb + Ya * Yb + Za * Zb, Xb * Xb + Yb * Yb + Zb * Zb
@@ -163,6 +181,8 @@ def closest_point_step8(rear, rc, K, weights, off, tangents, square, near, press
         Xaa, Xab, Xbb = second_derivatives8(rear.u[0], K, rc.row_stride, wa, wb, da, db, ca, cb, tall)
         Yaa, Yab, Ybb = second_derivatives8(rear.u[1], K, rc.row_stride, wa, wb, da, db, ca, cb, tall)
         Zaa, Zab, Zbb = second_derivatives8(rear.u[2], K, rc.row_stride, wa, wb, da, db, ca, cb, tall)
+        Xaa = add_row_offset8(Xaa, rc.line_offset1, first[0], ca)
+        Ybb = add_column_offset8(Ybb, rc.line_offset2, first[1], cb)
         aa = aa - (x * Xaa + y * Yaa + z * Zaa)
         ab = ab - (x * Xab + y * Yab + z * Zab)
         bb = bb - (x * Xbb + y * Ybb + z * Zbb)
@@ -233,10 +253,12 @@ def apply_forces8(front, fc, rear, rc, pair, q, at, count, bits, depth, n, weigh
     # the remaining thickness has to hold as much
     stiffer = minimum(thick / maximum(thick - slack, 0.1 * thick), MAX_STIFFNESS_FACTOR)
     part, squeezed = where(greater(slack, 0.0), stiffer, 1.0), depth - slack
+    part = scaled_by_area8(part, pair.area_factor1, pair.area_factor2, i, j)
+    drag = scaled_by_area8(pair.damping, pair.area_factor1, pair.area_factor2, i, j)
     pair.energy[MAX_COMPRESSION] = max(
         pair.energy[MAX_COMPRESSION], reduce_max(where(mask_from_bits(pressed), squeezed, 0.0))
     )
-    f = where(mask_from_bits(pressed), maximum(penalty_force(pair, part, squeezed, pair.damping, closing), 0.0), 0.0)
+    f = where(mask_from_bits(pressed), maximum(penalty_force(pair, part, squeezed, drag, closing), 0.0), 0.0)
     if movemask(greater(f, 0.0)) != 0:
         extend_window(pair.front_window, i, i + 2, j, min(j + WIDTH + 1, fc.row_stride))
         extend_window(pair.rear_window, I, I + (4 if tall else 3), max(J, 0), min(J + WIDTH + 3, rc.row_stride))

@@ -17,6 +17,7 @@ from __future__ import annotations
 from collections import namedtuple
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from itertools import pairwise
 from math import inf
 
 import numpy as np
@@ -43,13 +44,13 @@ Pair = namedtuple(
     "Pair",
     "closest_point cp_rate normal last_depth depth_offset status on_facet recheck_step max_speed f_front f_rear "
     "front_window rear_window front_box rear_box energy near_torn torn_elements torn_counts lane_index surface_form "
-    "points_per_side point_offset stiffness damping thickness rest_distance min_deflection",
+    "points_per_side point_offset stiffness damping thickness rest_distance min_deflection area_factor1 area_factor2",
 )
 TornContact = namedtuple(
     "TornContact",
     "f window x x_next dt_over_mass z_rest min_distance ply_grid ply_shape dt zone_mark intact_quadrants elements "
     "nodes counts failures box_low box_high cell_head entry_element entry_cell entry_next candidates "
-    "candidate_normal deep_points deep_point_data in_node_list last_moved sweep energy",
+    "candidate_normal deep_points deep_point_data in_node_list last_moved sweep energy line_offset",
 )
 Stack = namedtuple(
     "Stack", "awake waits_for_plies counter projectile_position f_contact_nose ply_counters projectile_velocity"
@@ -87,8 +88,8 @@ class Pack:
         for key in ("symmetry", "projectile", "opening"):
             if any(getattr(ply, key) != getattr(first, key) for ply in self.plies):
                 raise InputError(f"the plies of a pack must have one {key}")
-        if any(ply.sides is not None for ply in self.plies):
-            raise InputError(key="grading", value=first.grading, allowed="none in a pack")
+        if any(ply.grading != first.grading for ply in self.plies):
+            raise InputError("the plies of a pack must have one grading")
         if len({ply.table.model.form for ply in self.plies}) > 1 or len({ply.trellis for ply in self.plies}) > 1:
             raise InputError("the plies of a pack must have cells of one form")
 
@@ -245,7 +246,7 @@ class Pack:
             nodes=np.zeros((count, n), np.int64), counts=np.zeros((count, 4), np.int64), failures=np.zeros(1, np.int64),
             cell_head=np.full((count, cells), -1, np.int32), entry_element=np.zeros((count, room), np.int32),
             entry_cell=np.zeros((count, room), np.int32), entry_next=np.zeros((count, room), np.int32),
-            energy=np.zeros(3),
+            energy=np.zeros(3), line_offset=_line_offsets(consts),
         )  # fmt: skip
 
     def _apart(self, p):
@@ -271,9 +272,8 @@ class Pack:
         nodal = lambda state: tuple(np.zeros(state.mass.size) for _ in range(3))  # noqa: E731
         sub = (np.arange(n) + start) / n
         foot = np.zeros((2, front.ni, front.nj, n, n))
-        along, across = (np.arange(front.ni)[:, None] + sub) * front.dx, (np.arange(front.nj)[:, None] + sub) * front.dy
-        foot[0] = ((front.x0 - rear.x0 + along) / rear.dx)[:, None, :, None]
-        foot[1] = ((front.y0 - rear.y0 + across) / rear.dy)[None, :, None, :]
+        along, across = self._first_places(p, q, front, rear, sub)
+        foot[0], foot[1] = along[:, None, :, None], across[None, :, None, :]
         elements = front.ni * front.nj
         padded = lambda kind=float: np.zeros(foot[0].size + WIDTH, kind)  # noqa: E731
         return Pair(
@@ -290,13 +290,60 @@ class Pack:
             damping=knobs.damping * knobs.penalty**0.5 * mass / self.time_step,
             thickness=thickness, rest_distance=apart,
             min_deflection=max(_LEAST[0] * (abs(apart) - thickness), _LEAST[1] * thickness),
+            **_area_factors(self.plies[p], self.plies[q]),
         )  # fmt: skip
+
+    def _first_places(self, p, q, front, rear, sub):
+        """((ni, points), (nj, points)) [elements] where the points of ply p lie on ply q at rest, along either side.
+
+        Near the borders of zones, where the spline's places are not in proportion to distances, a guess.
+        """
+        along, across = (np.arange(n)[:, None] + sub for n in (front.ni, front.nj))
+        if self.plies[p].sides is None:
+            along = (front.x0 - rear.x0 + along * front.dx) / rear.dx
+            return along, (front.y0 - rear.y0 + across * front.dy) / rear.dy
+        return tuple(
+            np.interp(np.interp(at, np.arange(mine.size), mine), other, np.arange(other.size))
+            for at, mine, other in zip((along, across), self.plies[p].lines(), self.plies[q].lines())
+        )
 
 
 def _slower(ply, step):
     """A ply with the Courant factor that gives it a time step [s]."""
     cfl = ply.numerics.cfl * step / ply.time_step
     return replace(ply, numerics=replace(ply.numerics, cfl=cfl))
+
+
+def _area_factors(front, rear):
+    """Rows and columns whose products are the areas that contact points of a ply stand for, over that of the smallest
+    element: {name of Pair: (ni,) or (nj,) [-]}; 1 on uniform grids.
+
+    Where elements of the rear ply are shorter, as they may be in an alternating pack, it is the side of the shortest
+    that is below a point's element: more than its nodes' mass would bear no stable spring.
+    """
+    names = "area_factor1", "area_factor2"
+    if front.sides is None:
+        return dict.fromkeys(names, 1.0)
+    found = {}
+    for name, mine, other, d in zip(names, front.lines(), rear.lines(), front.spacing):
+        factors = np.zeros(mine.size - 1 + WIDTH)
+        for i, (low, high) in enumerate(pairwise(mine)):
+            slack = 1e-6 * d
+            below = np.diff(other)[(other[1:] > low + slack) & (other[:-1] < high - slack)]
+            factors[i] = min(high - low, below.min(initial=np.inf)) / d
+        found[name] = factors
+    return found
+
+
+def _line_offsets(consts):
+    """(plies, 2, lines) [m] `line_offset1` and `line_offset2` of all plies; 0 on uniform grids."""
+    if isinstance(consts[0].line_offset1, float):
+        return 0.0
+    found = np.zeros((len(consts), 2, max(max(c.line_offset1.size, c.line_offset2.size) for c in consts)))
+    for rows, const in zip(found, consts):
+        for row, offsets in zip(rows, (const.line_offset1, const.line_offset2)):
+            row[: offsets.size] = offsets
+    return found
 
 
 def lists(items):

@@ -24,6 +24,7 @@ from shellfabric.plies.contact_simd_kernels import (
     extend_window,
     penalty_force,
 )
+from shellfabric.plies.graded_kernels import add_middle_offset, add_weighted_offset, scaled_by_area
 from shellfabric.plies.surface_kernels import (
     FACETS,
     NODES,
@@ -79,8 +80,8 @@ def front_point(front, fc, pair, a, b):
         i, j, none = int(a), int(b), (0.0, 0.0, 0.0, 0.0)
         k = np.uint64(i * fc.row_stride + j)
         place = (
-            element_mean(front.u[0], k, fc.row_stride),
-            element_mean(front.u[1], k, fc.row_stride),
+            add_middle_offset(element_mean(front.u[0], k, fc.row_stride), fc.line_offset1, i),
+            add_middle_offset(element_mean(front.u[1], k, fc.row_stride), fc.line_offset2, j),
             element_mean(front.u[2], k, fc.row_stride),
         )
         return place, i, j, k, (none, none)
@@ -89,7 +90,10 @@ def front_point(front, fc, pair, a, b):
     j, q0, q1, q2, _, _, _, q1y, _ = form_weights(form, b, fc.nj, fc.mirror_y)
     k = np.uint64(i * fc.row_stride + j)
     wa, wb = (p0, p1, p2, p1x), (q0, q1, q2, q1y)
-    return vector_at(front.u, k, fc.row_stride, wa, wb), i, j, k, (wa, wb)
+    x, y, z = vector_at(front.u, k, fc.row_stride, wa, wb)
+    x = add_weighted_offset(x, fc.line_offset1, i, p0, p1x, p2)
+    y = add_weighted_offset(y, fc.line_offset2, j, q0, q1y, q2)
+    return (x, y, z), i, j, k, (wa, wb)
 
 
 @kernel(_nrt=False, forceinline=True)
@@ -102,6 +106,10 @@ def rear_surface(rear, rc, form, A, B):
     X, Xa, Xb = surface_patch(rear.u[0], K, rc.row_stride, (w0, w1x, w2), (v0, v1, v2), (d0, d1x, d2), (e0, e1, e2))
     Y, Ya, Yb = surface_patch(rear.u[1], K, rc.row_stride, (w0, w1, w2), (v0, v1y, v2), (d0, d1, d2), (e0, e1y, e2))
     Z, Za, Zb = surface_patch(rear.u[2], K, rc.row_stride, (w0, w1, w2), (v0, v1, v2), (d0, d1, d2), (e0, e1, e2))
+    X = add_weighted_offset(X, rc.line_offset1, I, w0, w1x, w2)
+    Y = add_weighted_offset(Y, rc.line_offset2, J, v0, v1y, v2)
+    Xa = add_weighted_offset(Xa, rc.line_offset1, I, d0, d1x, d2)
+    Yb = add_weighted_offset(Yb, rc.line_offset2, J, e0, e1y, e2)
     weights, slopes = ((w0, w1, w2, w1x), (v0, v1, v2, v1y)), ((d0, d1, d2, d1x), (e0, e1, e2, e1y))
     return I, J, K, weights, slopes, (X, Y, Z), ((Xa + rc.dx, Ya, Za), (Xb, Yb + rc.dy, Zb))
 
@@ -137,7 +145,10 @@ def contact_normal(rc, pair, q, off, tangents, whole):
 
 @kernel(_nrt=False, forceinline=True)
 def closest_point_step(rear, rc, form, place, K, weights, slopes, off, tangents, size, depth, near):
-    """Step (along a, along b) [elements] to the closest point, and whether it is one of Newton."""
+    """Step (along a, along b) [elements] to the closest point, and whether it is one of Newton.
+
+    place : (A, B, I, J), the closest point so far and the indices of the first node about it
+    """
     (x, y, z), ((Xa, Ya, Za), (Xb, Yb, Zb)) = off, tangents
     if not near:  # of cloth that stands on end nothing is straight ahead
         area = max(Xa * Yb - Xb * Ya, 0.01 * rc.dx * rc.dy)
@@ -151,12 +162,12 @@ def closest_point_step(rear, rc, form, place, K, weights, slopes, off, tangents,
         twice_a = vector_at(rear.u, K, rc.row_stride, (c0, c1, c2, c1x), weights[1])
         mixed = vector_at(rear.u, K, rc.row_stride, slopes[0], slopes[1])
         twice_b = vector_at(rear.u, K, rc.row_stride, weights[0], (g0, g1, g2, g1y))
-        aa -= x * twice_a[0]
+        aa -= x * add_weighted_offset(twice_a[0], rc.line_offset1, place[2], c0, c1x, c2)
         aa -= y * twice_a[1] + z * twice_a[2]
         ab -= x * mixed[0]
         ab -= y * mixed[1] + z * mixed[2]
         bb -= x * twice_b[0]
-        bb -= y * twice_b[1] + z * twice_b[2]
+        bb -= y * add_weighted_offset(twice_b[1], rc.line_offset2, place[3], g0, g1y, g2) + z * twice_b[2]
         det = aa * bb - ab * ab
         if det > 0.1 * size * size and aa > 0.0:
             go, turn, sure = (bb * ra - ab * rb) / det, (aa * rb - ab * ra) / det, True
@@ -213,6 +224,7 @@ def spring_force(fc, pair, q, a, b, depth, closing, torn):
     pair.energy[MAX_COMPRESSION] = max(pair.energy[MAX_COMPRESSION], squeezed)
     if pair.point_offset == 0.0:  # half an element, or a quarter, is modelled about points on planes of symmetry
         part *= (0.5 if a == 0.0 and fc.mirror_x else 1.0) * (0.5 if b == 0.0 and fc.mirror_y else 1.0)
+    part = scaled_by_area(part, pair.area_factor1, pair.area_factor2, int(a), int(b))
     drag = part * pair.damping
     part *= stiffness_factor(pair, pair.depth_offset[q])
     f = max(0.0, penalty_force(pair, part, squeezed, drag, closing))
@@ -253,7 +265,7 @@ def contact_point(front, fc, rear, rc, pair, q, a, b, often):
     touches = pair.status[q] == IN_CONTACT
     n, size, depth, known, slant, near, far = contact_normal(rc, pair, q, off, tangents, whole)
     go, turn, sure = closest_point_step(
-        rear, rc, form, (A, B), K, w_rear, slopes, off, tangents, size, depth, near
+        rear, rc, form, (A, B, I, J), K, w_rear, slopes, off, tangents, size, depth, near
     )  # fmt: skip
     beside = move_closest_point(rc, pair, q, (A, B), (go, turn), (low_a, low_b))
     lost, leapt = pair.status[q] == LOST, depth > 0.0 and max(abs(go), abs(turn)) > CP_JUMP

@@ -18,6 +18,7 @@ import numpy as np
 from shellfabric.cloth.membrane_kernels import ERODED
 from shellfabric.jit.compile import kernel
 from shellfabric.jit.simd import WIDTH, broadcast, fma, load, shift_in_prev, store, where
+from shellfabric.plies.graded_kernels import add_middle_offset, add_quarter_side_offset
 from shellfabric.projectile.window_kernels import intact_at_point
 
 ONE = np.uint64(1)
@@ -276,8 +277,10 @@ def search_closest_point(state, const, foot, q, x, y, z, far):
             x_m, x_a, x_b = mean_and_quarter_sides(u, k, const.row_stride)
             y_m, y_a, y_b = mean_and_quarter_sides(v, k, const.row_stride)
             z_m, z_a, z_b = mean_and_quarter_sides(w, k, const.row_stride)
-            x_m, x_a = x_m + (i + 0.5) * const.dx, x_a + 0.25 * const.dx
-            y_m, y_b = y_m + (j + 0.5) * const.dy, y_b + 0.25 * const.dy
+            x_m = add_middle_offset(x_m, const.line_offset1, i) + (i + 0.5) * const.dx
+            y_m = add_middle_offset(y_m, const.line_offset2, j) + (j + 0.5) * const.dy
+            x_a = add_quarter_side_offset(x_a, const.line_offset1, i) + 0.25 * const.dx
+            y_b = add_quarter_side_offset(y_b, const.line_offset2, j) + 0.25 * const.dy
             for m in range(4):
                 a, b = 2.0 * (m & 1) - 1.0, 2.0 * (m >> 1) - 1.0
                 d_x, d_y, d_z = x - x_m - a * x_a - b * x_b, y - y_m - a * y_a - b * y_b, z - z_m - a * z_a - b * z_b

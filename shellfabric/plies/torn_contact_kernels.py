@@ -69,8 +69,9 @@ from shellfabric.plies.constraint_kernels import (
     resolve_deep_point,
     resolve_pair,
 )
-from shellfabric.plies.contact_kernels import apply_symmetry, half_step_work
+from shellfabric.plies.contact_kernels import apply_symmetry, element_of_middle, half_step_work
 from shellfabric.plies.contact_simd_kernels import IN_CONTACT
+from shellfabric.plies.graded_kernels import add_line_offset
 from shellfabric.plies.surface_kernels import SMOOTH, intact_about, spline_weights
 
 _TORN_NEIGHBOURS, _PLIES_AWAY = 3, 2  # elements about torn ones, plies whose tears count
@@ -141,8 +142,7 @@ def mark_zone(states, consts, stack, stops, p):
         for i in range(other.ni):
             for j in range(other.nj if state.block_damage[i // other.rows_per_block] else 0):
                 if state.element_flag[i * other.row_stride + j]:
-                    x, y = other.x0 + (i + 0.5) * other.dx - const.x0, other.y0 + (j + 0.5) * other.dy - const.y0
-                    m0, n0 = int(x / const.dx), int(y / const.dy)
+                    m0, n0 = element_of_middle(const, other, i, j)
                     for m in range(max(m0 - _TORN_NEIGHBOURS, 0), min(m0 + _TORN_NEIGHBOURS + 1, const.ni)):
                         for n in range(max(n0 - _TORN_NEIGHBOURS, 0), min(n0 + _TORN_NEIGHBOURS + 1, const.nj)):
                             mark[m * const.row_stride + n] = TORN
@@ -235,8 +235,8 @@ def predict_velocities(state, const, stops, p):
         k = stops.nodes[p, m]
         i, j = k // const.row_stride, k % const.row_stride
         met = i > 0 and i % const.rows_per_block == 0
-        stops.x[p, 0, k] = const.x0 + i * const.dx + state.u[0][k]
-        stops.x[p, 1, k] = const.y0 + j * const.dy + state.u[1][k]
+        stops.x[p, 0, k] = add_line_offset(const.x0 + i * const.dx, const.line_offset1, i) + state.u[0][k]
+        stops.x[p, 1, k] = add_line_offset(const.y0 + j * const.dy, const.line_offset2, j) + state.u[1][k]
         stops.x[p, 2, k] = stops.z_rest[p] + state.u[2][k]
         for c in range(3):
             force = state.f_int[c][k] + state.f_contact[c][k] + (state.f_int_above[c][k] if met else 0.0)

@@ -21,19 +21,28 @@ SUPPORT = Support(
         *of("accuracy", "residual_velocity absorbed_energy deflection peak_tension"),
     ),
     rejected=build.NO_SLACK
-    | {"panel.grading": _CHOSEN, "panel.plies": "1 in a scene with [accuracy]"}
+    | {"panel.grading": _CHOSEN, "panel.plies": "1 for a single ply"}
     | dict.fromkeys(("panel.stacking", "panel.ply_gap"), "left out for a single ply"),
     rules=build.SHOT_RULES,
 )  # fmt: skip
+PACK_SUPPORT = replace(
+    SUPPORT,
+    supported=(*SUPPORT.supported, *of("panel", "plies stacking ply_gap")),
+    rejected=build.NO_SLACK | {"panel.grading": _CHOSEN},
+    rules=build.PACK_RULES,
+)
 _OF_A_RUN = (
     "title", *of("run", "snapshot_interval checkpoint_interval outputs"),
     *of("history", "interval warp weft report_positions"),
 )  # fmt: skip
-EXPLAIN = replace(
-    SUPPORT,
-    command="weavecell impact --explain",
-    supported=tuple(key for key in SUPPORT.supported if key not in _OF_A_RUN),
-    ignored=_OF_A_RUN,
+EXPLAIN, PACK_EXPLAIN = (
+    replace(
+        support,
+        command="weavecell impact --explain",
+        supported=tuple(key for key in support.supported if key not in _OF_A_RUN),
+        ignored=_OF_A_RUN,
+    )
+    for support in (SUPPORT, PACK_SUPPORT)
 )
 
 # keys of a scene that a model of the ladder would change; what is given there stays
@@ -56,22 +65,23 @@ def answer(asked, setup, shoot):
     Parameters
     ----------
     asked : Scene with a table [accuracy]
-    setup : ImpactSetup as the scene has it
+    setup : ImpactSetup as the scene has it, of a pack PackSetup
     shoot : called as shoot(setup, table, name of the model) for a run with all its records; gives
-        (ImpactRecord, snapshots, failure, ImpactResult)
+        (ImpactRecord, snapshots, failure, ImpactResult), or those of a pack
 
     Returns
     -------
     shot : (ImpactRecord, snapshots, failure) of the run that counts
     choice : select.Answer, or None where that run became unstable
     """
-    from weavecell.analysis.fidelity import select
+    from weavecell.analysis.fidelity import ladder, select
 
     last = None
 
     def fire(option, table):
         nonlocal last
-        this = replace(option.setup, audit_interval=setup.audit_interval)  # its histories are drawn
+        audited = ladder.ply_of(setup).audit_interval  # its histories are drawn
+        this = ladder.with_ply(option.setup, audit_interval=audited)
         *last, result = shoot(this, table, option.model.name)
         if last[2] is not None:
             raise last[2]
@@ -96,20 +106,24 @@ def explain(path):
     import rich
     from rich import box, table
 
+    from shellfabric.impact.pack import PackSetup
     from weavecell.analysis.fidelity import error_database, select
 
-    asked, _ = scenes_impact.load(path, EXPLAIN)
+    asked, _ = scenes_impact.load(path, lambda scene: PACK_EXPLAIN if scene.panel.plies > 1 else EXPLAIN)
     if asked.accuracy is None:
         raise InputError("is missing, so there is nothing to choose", file=path, key="accuracy")
     this = build.build(asked, path, path.stem)
-    options = select.options(build.setup(this, path), asked.accuracy.targets, fixed=by_hand(asked))
+    setup, packs = build.setup(this, path), asked.panel.plies > 1
+    if packs:
+        setup = PackSetup(setup, asked.panel.plies, asked.panel.stacking, asked.panel.ply_gap)
+    options = select.options(setup, asked.accuracy.targets, fixed=by_hand(asked))
     chosen = select.pick(options)
     shown = table.Table(box=box.SIMPLE_HEAD, title="Models, the cheapest first; likely errors", title_justify="left")
     for column in ("", "model", "part", "elements", "cost", *asked.accuracy.targets):
         shown.add_column(column.replace("_", " "))
     for option in options:
         shown.add_row("->" if option is chosen else "", *_row(option, asked.accuracy.targets))
-    known_errors = error_database.load()
+    known_errors = error_database.load(packs=packs)
     for name, known in known_errors.others.items():
         errors = (_percent(known["expected"][quantity]) for quantity in asked.accuracy.targets)
         shown.add_row("", name, "-", "-", f"{known['cost']:.3f}", *errors)
@@ -136,7 +150,11 @@ def _projectile(asked):
 def _row(option, asked):
     panel_elements = f"{option.elements:,}"
     expected = (_percent(option.expected[name]) if name in option.expected else "-" for name in asked)
-    return option.model.name, option.setup.symmetry, panel_elements, f"{option.cost:.3f}", *expected
+    return option.model.name, _symmetry(option), panel_elements, f"{option.cost:.3f}", *expected
+
+
+def _symmetry(option):
+    return getattr(option.setup, "ply", option.setup).symmetry
 
 
 def _percent(share):
@@ -156,7 +174,7 @@ def summary(choice):
         "accuracy": {
             "targets": choice.asked,
             "model": final.option.model.name,
-            "symmetry": final.option.setup.symmetry,
+            "symmetry": _symmetry(final.option),
             "compared_with": final.against,
             "values": {name: _number(final.values[name]) for name in choice.asked},
             "estimated_errors": {
@@ -174,9 +192,7 @@ def tell(choice):
     """Print whether the promise holds, and what the numbers asked for are."""
     final = choice.final
     found = ", ".join(f"{_plain(name)} {_percent(error)}" for name, error in final.errors.items())
-    print(
-        f"accuracy {_verdict(choice)}: {final.option.model.name}, {final.option.setup.symmetry} panel; errors {found}"
-    )
+    print(f"accuracy {_verdict(choice)}: {final.option.model.name}, {_symmetry(final.option)} panel; errors {found}")
     if "peak_tension" in choice.asked and choice.regime == "held" and final.against:
         warp, weft = final.values["peak_tension"]
         print(f"peak tension from this mesh and that of {final.partner}: warp {warp:.4g} N, weft {weft:.4g} N")
@@ -217,7 +233,7 @@ def chapter(choice):
         "accuracy",
         "The model that was chosen",
         f"The scene asks for {wanted}. Accuracy {_verdict(choice)}; {final.option.model.name}, "
-        f"{final.option.setup.symmetry} panel; {choice.body}.",
+        f"{_symmetry(final.option)} panel; {choice.body}.",
         (),
         (
             Table(("model", "held against", *names, "within"), rows, "Errors that the answers stay below"),

@@ -49,9 +49,9 @@ SUPPORT = Support(
 
 def support(scene):
     """The declaration that holds for a scene: packs and scenes with [accuracy] have their own."""
-    if scene.panel.plies > 1:
-        return impact_pack.SUPPORT
-    return SUPPORT if scene.accuracy is None else fidelity.SUPPORT
+    if scene.accuracy is not None:
+        return fidelity.PACK_SUPPORT if scene.panel.plies > 1 else fidelity.SUPPORT
+    return impact_pack.SUPPORT if scene.panel.plies > 1 else SUPPORT
 
 
 class Interrupted(WeavecellError):

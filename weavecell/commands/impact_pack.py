@@ -19,32 +19,26 @@ import numpy as np
 import weavecell
 from fabrics.errors import InputError
 from fabrics.files import replace_whole
+from weavecell.commands import fidelity
 from weavecell.report import chapters, chapters_impact, checks, pictures, pictures3d, pictures_pack
 from weavecell.report import page as report_page
 from weavecell.results import paraview, progress, provenance, run_folder
 from weavecell.results.pack import PackRecord
 from weavecell.scenes import build
 from weavecell.scenes.impact import Scene
-from weavecell.scenes.supported import Rule, Support, of
+from weavecell.scenes.supported import Support, of
 
-_OF_ONE_PLY = "left out where panel.plies is above 1"
 SUPPORT = Support(
     "weavecell impact",
     Scene,
     (
-        "format", "title", *build.SHOT, "projectile.strike_velocity", *of("panel", "plies stacking ply_gap"),
+        "format", "title", *build.SHOT, "projectile.strike_velocity", *of("panel", "plies stacking ply_gap grading"),
         *of("history", "interval warp weft report_positions"),
         *of("run", "end_time snapshot_interval checkpoint_interval outputs"),
+        *of("accuracy", "residual_velocity absorbed_energy deflection peak_tension"),
     ),
-    rejected=build.NO_SLACK | dict.fromkeys(("accuracy", "panel.grading"), _OF_ONE_PLY),
-    rules=(
-        *build.SHOT_RULES,
-        Rule("panel.stacking", lambda scene: scene.panel.weave_angle != 0, "aligned where the weave is oblique"),
-        Rule(
-            "panel.stacking", lambda scene: scene.fabric.surface is not None,
-            "aligned where the cell is a response surface",
-        ),
-    ),
+    rejected=build.NO_SLACK,
+    rules=build.PACK_RULES,
 )  # fmt: skip
 _OF_PANEL = ("plies", "stacking", "gap")
 
@@ -68,32 +62,44 @@ def impact(this, setup, path, text, out, *, resume=False, strict=False):
     """
     from shellfabric.impact.pack import PackSetup
 
-    scene, checkpoint = this.scene, out / "checkpoint.h5"
+    scene, choice = this.scene, None
     title = scene.title or f"{scene.panel.plies} x {this.fabric.name}, {scene.projectile.strike_velocity:g} m/s"
+
+    def shoot(setup, table=None, model=""):
+        checkpoint = out / f"checkpoint{'-' + model.replace(' ', '-') if model else ''}.h5"
+        return fire(this, setup, title, checkpoint=checkpoint, resume=resume and checkpoint.exists(), table=table)
+
     try:
         pack = PackSetup(setup, scene.panel.plies, scene.panel.stacking, scene.panel.ply_gap)
-        record, snapshots, failure = fire(this, pack, title, checkpoint=checkpoint, resume=resume)
+        if scene.accuracy is None:
+            record, snapshots, failure, _ = shoot(pack)
+        else:
+            (record, snapshots, failure), choice = fidelity.answer(scene, pack, shoot)
     except InputError as problem:
         raise _in_file(problem, path) from None
     with progress.bar("Writing results") as advance:
-        write(out, this, record, snapshots, text, advance)
-    checkpoint.unlink(missing_ok=True)
+        write(out, this, record, snapshots, text, advance, choice)
+    for checkpoint in out.glob("checkpoint*.h5"):
+        checkpoint.unlink()
     _tell(record, out)
+    if choice is not None:
+        fidelity.tell(choice)
     if failure is not None:
         raise failure
     checks.report(record.checks, strict)
 
 
-def fire(this, setup, title, *, checkpoint, resume=False):
-    """Run it under a progress bar: (PackRecord, snapshots, the UnstableError that ended it or None)."""
+def fire(this, setup, title, *, checkpoint, resume=False, table=None):
+    """Run it under a progress bar: (PackRecord, snapshots, the UnstableError that ended it or None, PackResult)."""
     from shellfabric.impact import pack as impact_pack
     from shellfabric.output.checkpoint import Checkpoints
 
     hooks = (Checkpoints(checkpoint, this.scene.run.checkpoint_interval),)
     result, failure = progress.watched(
-        lambda hooks: impact_pack.run(setup, hooks=hooks, resume=checkpoint if resume else None), title, hooks
-    )
-    return PackRecord.of(result, title, this.law_name, str(failure or "")), result.snapshots, failure
+        lambda hooks: impact_pack.run(setup, hooks=hooks, resume=checkpoint if resume else None, table=table),
+        title, hooks,
+    )  # fmt: skip
+    return PackRecord.of(result, title, this.law_name, str(failure or "")), result.snapshots, failure, result
 
 
 def _in_file(problem, path):
@@ -104,10 +110,11 @@ def _in_file(problem, path):
     return build.in_file(problem, path)
 
 
-def write(out, this, record, snapshots, text, advance):
+def write(out, this, record, snapshots, text, advance, choice=None):
     """Write everything but the checkpoint."""
     outputs, stamp = this.scene.run.outputs, provenance.stamp(text, this.fabric)
-    run_folder.write(out, text, record, checks.summary(record.checks), stamp)
+    content = checks.summary(record.checks) | fidelity.summary(choice)
+    run_folder.write(out, text, record, content, stamp)
     advance(0.1)
     shutil.rmtree(out / "pack", ignore_errors=True)
     if "paraview" in outputs:
@@ -116,6 +123,8 @@ def write(out, this, record, snapshots, text, advance):
     if not {"pictures", "report"} & set(outputs):
         return
     sections = [chapter(record)]
+    if choice is not None:
+        sections.append(fidelity.chapter(choice))
     ends = dict.fromkeys((0, record.count - 1)) if record.measured else ()  # the ply that is struck, and the rear one
     sections += [
         chapters_impact.measures(record.measured[ply], this.scene.history.report_positions, ply + 1) for ply in ends

@@ -64,6 +64,13 @@ SHOT_RULES = (
     *CELL_RULES,
     Rule("projectile.bore_diameter", lambda scene: scene.projectile.body == "rigid", "left out for a rigid projectile"),
 )
+PACK_RULES = (
+    *SHOT_RULES,
+    Rule("panel.stacking", lambda scene: scene.panel.weave_angle != 0, "aligned where the weave is oblique"),
+    Rule(
+        "panel.stacking", lambda scene: scene.fabric.surface is not None, "aligned where the cell is a response surface"
+    ),
+)
 
 
 @dataclass(frozen=True)

@@ -76,9 +76,9 @@ def test_fast_shots_at_thin_plies_have_a_shorter_step(ply):
     assert march.deepest.max() < 1.0
 
 
-def collide(ply, damping, steps, speed=20.0):
+def collide(ply, damping, steps, speed=20.0, opening=(0.023, 0.023)):
     """Two free plies, the front one flying at the rear one, far ahead of the projectile; (march, momentum before)."""
-    free = replace(ply, edge="free", symmetry="whole", opening=(0.023, 0.023))
+    free = replace(ply, edge="free", symmetry="whole", opening=opening)
     pack = Pack.stacked(free, 2, stacking="alternating", gap=20e-6, contact=PlyContact(damping=damping))
     march = PackSolver(pack, 1e-3, 1.0)
     march.exchange = np.inf  # no checks between the steps

@@ -10,6 +10,7 @@ import pytest
 
 from fabrics import catalogue, run_cache
 from fabrics.errors import InputError, UnstableError
+from shellfabric.impact.pack import PackSetup
 from shellfabric.impact.single_ply import ImpactSetup
 from shellfabric.panel.boundary import PullIn
 from shellfabric.projectile.bar import rigid_is_enough
@@ -288,6 +289,67 @@ class TestProjectile:
         bar = replace(SETUP, projectile=Projectile(body="elastic_bar"))
         found, calls = self.answer(monkeypatch, self.long, fixed=frozenset({"projectile"}), setup=bar)
         assert set(calls) == {"bar"}
+
+
+class TestPacks:
+    setup = PackSetup(SETUP, 3, "alternating", 1e-4)
+
+    @staticmethod
+    def result(*peaks, stacking="alternating", **changes):
+        found = result(peak=np.array(peaks), **changes)
+        found.setup = SimpleNamespace(ply=found.setup, stacking=stacking)
+        return found
+
+    def test_peaks_are_the_highest_of_any_ply_by_the_fabrics_own_warp_and_weft(self):
+        peaks = (100.0, 80.0), (85.0, 110.0), (90.0, 70.0)
+        assert quantities.of(self.result(*peaks))["peak_tension"] == (110.0, 85.0)
+        assert quantities.of(self.result(*peaks, stacking="aligned"))["peak_tension"] == (100.0, 110.0)
+        assert quantities.of(self.result(*peaks))["load"] == pytest.approx(max(110 / STRENGTH[0], 85 / STRENGTH[1]))
+
+    def test_the_ladder_is_that_of_packs(self):
+        found = {one.model.name: one for one in select.options(self.setup, {"deflection": 1.0}, book=taught({ONE: 1}))}
+        assert set(found) == {model.name for model in ladder.PACK_LADDER}
+        alone = {one.model.name: one for one in select.options(SETUP, {"deflection": 1.0}, book=taught({ONE: 1}))}
+        assert found[ONE].elements == 3 * alone[ONE].elements
+        assert found[ONE].setup.plies == 3
+        assert found[ONE].setup.ply.symmetry == "quarter"
+        assert found[TWO].setup.ply.elements_per_crossover == 2
+
+    def test_answer(self, monkeypatch):
+        """Scouts, the model that fits, and its check, all of packs; a made-up run."""
+        calls = []
+
+        def run(setup, table=None):
+            assert (setup.plies, setup.stacking, setup.gap) == (3, "alternating", 1e-4)
+            side = 0.5 if setup.ply.grading == ((inf, 2),) else setup.ply.elements_per_crossover
+            calls.append(side)
+            return self.result((100.0, 120.0), z=0.021 if side == 0.5 else 0.02)
+
+        monkeypatch.setattr(select.pack, "run", run)
+        known = taught({ONE: 0.5, TWO: 0.1}, apart=2.0)
+        for share, names, runs in ((0.1, [ONE], [0.5, 1, 1]), (0.007, [TWO], [0.5, 1, 2]),
+                                   (1e-3, [ladder.PACK_FULL], [0.5, 1, 2])):  # fmt: skip
+            calls.clear()
+            found = select.answer(self.setup, {"deflection": share}, book=known, fixed=frozenset({"projectile"}))
+            assert [attempt.option.model.name for attempt in found.attempts] == names
+            assert calls == runs
+            assert found.confirmed
+
+    def test_drawn_packs(self):
+        one, again, other = (scenes.drawn_pack(number, survey.PACK_SEED) for number in (3, 3, 4))
+        assert (one.ply.strike_velocity, one.gap) == (again.ply.strike_velocity, again.gap)
+        assert one.gap != other.gap
+        for number in range(survey.PACK_COUNT):
+            pack = scenes.drawn_pack(number, survey.PACK_SEED)
+            assert 2 <= pack.plies <= scenes.MOST_PLIES
+            assert min(pack.ply.opening) > 4 * pack.ply.projectile.radius
+
+    def test_the_packages_own_book(self):
+        own = error_database.load(packs=True)
+        assert own.cost(ladder.BY_NAME[ladder.PACK_FULL]) == 1
+        assert set(own.models) == {model.name for model in ladder.PACK_LADDER}
+        text = (Path(__file__).parents[3] / "docs" / "fidelity.md").read_text("utf-8")
+        assert "\n".join(page.survey_table(own)) in text
 
 
 def made_up(speeds, seconds=(0.02, 0.04, 0.2, 1.0)):

@@ -104,7 +104,8 @@ def test_the_gap_may_come_from_the_fabric(command, scene, tmp_path):
         ('plies = 2\nply_gap = "-1 mm"', "", "panel.ply_gap"),
         ('plies = 1\nply_gap = "1 mm"', "", "panel.ply_gap"),
         ('plies = 1\nstacking = "alternating"', "", "panel.stacking"),
-        ("plies = 2", '[accuracy]\ndeflection = "5 %"\n', "accuracy"),
+        ("plies = 2\ngrading = [[10, 1], [inf, 2]]", '[accuracy]\ndeflection = "5 %"\n', "panel.grading"),
+        ("plies = 2\ngrading = [[2, 1], [inf, 2]]", "", "panel.grading"),
         (
             'plies = 2\nstacking = "alternating"\nsymmetry = "whole"\nweave_angle = "45 deg"', "", "panel.stacking",
         ),
@@ -118,3 +119,38 @@ def test_bad_packs_are_told_in_one_line(command, scene, tmp_path, panel, extra, 
     assert told in err
     assert len(err.strip().splitlines()) == 1
     assert not (tmp_path / "r").exists()
+
+
+def test_a_graded_pack_has_all_records(command, scene, tmp_path):
+    """Shapes, cuts and histories of every ply, as without grading; fewer elements, and the shot is much the same."""
+    records, history = [], '[history]\ninterval = "2 us"\nwarp = ["0 mm", "5 mm"]\n'
+    for name, more in (("plain", ""), ("graded", "\ngrading = [[10, 1], [inf, 2]]")):
+        path = scene(panel='ply_gap = "0.1 mm"' + more, outputs='["paraview", "pictures", "report"]', extra=history)
+        code, _, err = command("impact", path, "--out", name)
+        assert code == 0, err
+        records.append(PackRecord.read(tmp_path / name / "histories.h5"))
+    plain, graded = records
+    assert graded.elements < 0.8 * plain.elements
+    assert names(tmp_path / "graded") == names(tmp_path / "plain") == EVERYTHING
+    assert len(graded.measured) == len(plain.measured) == 3
+    assert set(graded.plies) == set(plain.plies)
+    np.testing.assert_allclose(graded.velocity[-1], plain.velocity[-1], rtol=0.01)
+    np.testing.assert_allclose(graded.plies["push"].max(axis=0)[0], plain.plies["push"].max(axis=0)[0], rtol=0.05)
+
+
+def test_a_pack_is_answered_as_well_as_its_scene_wants(command, scene, tmp_path):
+    accuracy = '\n[accuracy]\nresidual_velocity = "10 %"\n'
+    path = scene(outputs='["report"]', extra=accuracy)
+    code, out, _ = command("impact", path, "--explain")
+    assert code == 0
+    assert "2 elements, table 201" in out
+    assert "asked: residual velocity 10 %" in out
+    code, out, err = command("impact", path, "--out", "results")
+    assert code == 0, err
+    told = json.loads((tmp_path / "results/summary.json").read_text())
+    assert told["plies"] == 3
+    assert told["accuracy"]["targets"] == {"residual_velocity": 0.1}
+    assert told["accuracy"]["confirmed"] is True
+    assert f"accuracy confirmed: {told['accuracy']['model']}, quarter panel" in out or "by definition" in out
+    assert "The model that was chosen" in (tmp_path / "results/report.html").read_text()
+    assert not list((tmp_path / "results").glob("checkpoint*"))

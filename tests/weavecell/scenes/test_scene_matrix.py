@@ -77,7 +77,6 @@ def all_say(told):
 
 
 NO_SLACK = all_say("fabric.fibre_slack = '0.1 %': must be left out in an impact")
-ONE_PLY = "must be left out where panel.plies is above 1"
 MESH = "must be left out in a scene with [accuracy], whose mesh is chosen"
 KINDS = {
     "pack": Kind(
@@ -86,14 +85,11 @@ KINDS = {
         {
             "critical-velocity": "panel.plies = 2: must be 1: the ballistic limit of one ply is computed; that of a "
             "pack is not available",
-            "accuracy": "accuracy: " + ONE_PLY,
-            "explain": "panel.plies = 2: must be 1 in a scene with [accuracy]",
         },
     ),
     "alternating": Kind(
         merged(PACK, {"panel": {"stacking": "alternating"}}), lambda got, plain: got.stacking == "alternating",
-        {"critical-velocity": "panel.plies = 2: must be 1", "accuracy": "accuracy: " + ONE_PLY,
-         "explain": "panel.plies = 2: must be 1"},
+        {"critical-velocity": "panel.plies = 2: must be 1"},
     ),
     "backing": Kind({"backing": BLOCK}, rises(energy("backing"), 1e-6)),
     "oblique": Kind(
@@ -122,15 +118,14 @@ KINDS = {
     "yarns hold": Kind({"panel": {"yarn_failure": False}}, lambda got, plain: got.failed == 0 < plain.failed),
     "grading": Kind(
         {"panel": {"grading": [[8, 1], [float("inf"), 2]], "opening": "60 mm"}},
-        lambda got, plain: got.elements < 23**2,
-        {"pack": "panel.grading = [[8, 1], [inf, 2]]: " + ONE_PLY,
-         "accuracy": "panel.grading = [[8, 1], [inf, 2]]: " + MESH,
+        lambda got, plain: got.elements < 23**2 * getattr(got, "plies", 1),
+        {"accuracy": "panel.grading = [[8, 1], [inf, 2]]: " + MESH,
          "explain": "panel.grading = [[8, 1], [inf, 2]]: " + MESH},
     ),
     "elements": Kind({"run": {"elements_per_crossover": 2}}, ratio(lambda got: got.elements, 4, 1e-9)),
     "accuracy": Kind(
         ACCURACY, lambda got, plain: got.accuracy["targets"] == {"residual_velocity": 0.5},
-        {"pack": "accuracy: " + ONE_PLY, "critical-velocity": "accuracy: must be left out: the ballistic limit"},
+        {"critical-velocity": "accuracy: must be left out: the ballistic limit"},
     ),
     "measure": Kind(
         {"history": {"warp": ["0 mm", "2.6 mm"]}}, lambda got, plain: got.followed == 3,
@@ -177,6 +172,7 @@ KINDS = {
 OF_ITSELF = {"pack": ("pack", "alternating"), "accuracy": ("accuracy",)}  # kinds that are the command's own
 # of the others [accuracy] leaves the mesh, the table of the cell and the part of the panel open; these it cannot
 OF_ACCURACY = {
+    "pack": lambda got: getattr(got, "plies", 1), "alternating": lambda got: got.stacking == "alternating",
     "grip": energy("clamp_friction"), "bending": energy("bending"), "measure": lambda got: got.followed,
     "elastic bar": lambda got: "as set" in got.accuracy["projectile"], "cfl": lambda got: got.steps / got.elements,
 }  # fmt: skip

@@ -17,7 +17,9 @@ SUPPORTS = {
     "impact": commands_impact.SUPPORT,
     "impact of a pack": impact_pack.SUPPORT,
     "impact with accuracy": fidelity.SUPPORT,
+    "impact of a pack with accuracy": fidelity.PACK_SUPPORT,
     "explain": fidelity.EXPLAIN,
+    "explain of a pack": fidelity.PACK_EXPLAIN,
     "critical-velocity": critical_velocity.SUPPORT,
     "coupon": coupon.SUPPORT,
 }
@@ -243,4 +245,5 @@ def test_what_is_ignored_is_named_in_the_help(command):
     for words, support in (("impact", fidelity.EXPLAIN), ("critical-velocity", critical_velocity.SUPPORT)):
         told = command(words, "--help")[1]
         assert [key for key in support.ignored if key not in told] == []
-    assert {name for name, support in SUPPORTS.items() if support.ignored} == {"explain", "critical-velocity"}
+    ignoring = {name for name, support in SUPPORTS.items() if support.ignored}
+    assert ignoring == {"explain", "explain of a pack", "critical-velocity"}

@@ -1,6 +1,7 @@
-"""python -m validation.verification.fidelity survey|trial [--trial NAME] [--out FOLDER] [--page docs/fidelity.md]
+"""python -m validation.verification.fidelity survey|packs|trial [--trial NAME] [--out FOLDER] [--page docs/fidelity.md]
 
 survey   every model of the ladder on standard and drawn scenes; --keep puts errors.json into the package
+packs    every model of the ladder of packs on drawn packs; --keep puts errors_packs.json into the package
 trial    20 random scenes of a trial, each answered as it asks and held against the full model
 
 With --page the tables go into that page, between its marks. Runs are kept in the folder and not made twice;
@@ -21,8 +22,9 @@ from pathlib import Path
 from fabrics import run_cache
 from fabrics.errors import WeavecellError
 from fabrics.files import write_whole
-from validation.verification.fidelity import cable_net, fit_error_database, page, survey, trial
+from validation.verification.fidelity import cable_net, fit_error_database, leave_one_out, page, survey, trial
 from weavecell.analysis.fidelity import error_database
+from weavecell.analysis.fidelity.ladder import PACK_LADDER
 
 
 def _runs(function, arguments, options):
@@ -41,17 +43,33 @@ def survey_command(options):
     rows = [row for row in found.values() if row is not None]
     standard = [place for place in places if place[0]]
     cable = [found[place] | row for place, row in zip(standard, _runs(cable_net.row, standard, options))]
-    made = {"date": date.today().isoformat(), "scenes": len(rows)}
-    content = {"made": made} | fit_error_database.of(rows) | {"others": {cable_net.NAME: cable_net.errors(cable)}}
+    content = fit_error_database.of(rows) | {"others": {cable_net.NAME: cable_net.errors(cable)}}
+    _keep(rows, content, error_database.FILE, "survey", options)
+
+
+def packs_command(options):
+    """Run the survey of packs, print what it found, and keep it."""
+    rows = _runs(survey.pack_row, [(number,) for number in range(survey.PACK_COUNT)], options)
+    rows = [row for row in rows if row is not None]
+    content = fit_error_database.of(rows, PACK_LADDER) | {"others": {}}
+    _keep(rows, content, error_database.PACK_FILE, "survey of packs", options)
+    lines = leave_one_out.table(leave_one_out.rows(rows, PACK_LADDER))
+    print("\n".join(lines))
+    page.put(options.page, "packs left out", lines)
+
+
+def _keep(rows, content, name, title, options):
+    """Write what a survey found as a file `name`, and its table."""
+    content = {"made": {"date": date.today().isoformat(), "scenes": len(rows)}} | content
     text = json.dumps(content, indent=1) + "\n"
-    with write_whole(options.out / error_database.FILE) as file:
+    with write_whole(options.out / name) as file:
         file.write(text)
     if options.keep:
-        with write_whole(Path(str(resources.files("weavecell.analysis.fidelity"))) / error_database.FILE) as file:
+        with write_whole(Path(str(resources.files("weavecell.analysis.fidelity"))) / name) as file:
             file.write(text)
     lines = page.survey_table(error_database.Book(**content))
     print("\n".join(lines))
-    page.put(options.page, "survey", lines)
+    page.put(options.page, title, lines)
 
 
 def trial_command(options):
@@ -70,11 +88,14 @@ def trial_command(options):
     page.put(options.page, f"trial {options.trial}", lines)
 
 
+COMMANDS = {"survey": survey_command, "packs": packs_command, "trial": trial_command}
+
+
 def main():
     parser = argparse.ArgumentParser(
         prog="python -m validation.verification.fidelity", description=__doc__.splitlines()[0]
     )
-    parser.add_argument("command", choices=("survey", "trial"))
+    parser.add_argument("command", choices=tuple(COMMANDS))
     parser.add_argument("--trial", choices=tuple(trial.TRIALS), default="everything")
     parser.add_argument("--out", type=Path, default=Path("results/fidelity"))
     parser.add_argument("--jobs", type=int, default=1)
@@ -84,7 +105,7 @@ def main():
     options = parser.parse_args()
     options.out.mkdir(parents=True, exist_ok=True)
     try:
-        (survey_command if options.command == "survey" else trial_command)(options)
+        COMMANDS[options.command](options)
     except WeavecellError as problem:
         print(f"error: {problem}", file=sys.stderr)
         return problem.exit_code

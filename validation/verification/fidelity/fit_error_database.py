@@ -1,4 +1,4 @@
-"""What the survey teaches: errors.json from its rows.
+"""What a survey teaches: errors.json, or errors_packs.json, from its rows.
 
 An error is taken as a factor times how hard the scene is (`quantities.scale`, from two scouts). A factor that is kept
 is one that fifteen scenes of sixteen stay below. Peak tensions are mixed with those of the partner, in the
@@ -12,7 +12,7 @@ from math import inf, isfinite
 import numpy as np
 
 from weavecell.analysis.fidelity import quantities
-from weavecell.analysis.fidelity.ladder import BY_NAME, FULL, LADDER, partner, scouts
+from weavecell.analysis.fidelity.ladder import BY_NAME, LADDER, partner, scouts
 
 SURE, OFTEN = 0.9375, 0.8  # SURE: leaving out one scene at a time, the least at which 19 of 20 are met
 WEIGHTS = tuple(0.05 * n for n in range(9))  # of the partner's peak tensions, that are tried
@@ -20,14 +20,22 @@ LEAST = 1e-4  # [-] of any error or scale: less says nothing
 OTHER = 1.0  # error of a model that does not agree on the outcome
 
 
-def of(rows):
-    """{"models", "regimes", "finest"} for `error_database.Book` from the rows of all scenes."""
-    found = {"models": {model.name: {"cost": _cost(model, rows)} for model in LADDER}, "regimes": {}, "finest": {}}
+def of(rows, models=LADDER):
+    """{"models", "regimes", "finest"} for `error_database.Book` from the rows of all scenes.
+
+    Parameters
+    ----------
+    rows : [{model: {"values", "seconds"}}]
+    models : the ladder, the full model last
+    """
+    full = models[-1].name
+    found = {"models": {model.name: {"cost": _cost(model, full, rows)} for model in models}, "regimes": {}}
+    found["finest"] = {}
     for regime in (quantities.HELD, quantities.THROUGH):
         alike = [row for row in rows if quantities.regime(_seen(row)[0]) == regime]
         names = [name for name in quantities.NAMES if quantities.asked_of(name, regime)]
-        found["regimes"][regime] = {name: _quantity(name, alike) for name in names}
-        found["finest"][regime] = {name: _finest(name, alike) for name in names}
+        found["regimes"][regime] = {name: _quantity(name, alike, models) for name in names}
+        found["finest"][regime] = {name: _finest(name, full, alike) for name in names}
     return found
 
 
@@ -36,25 +44,25 @@ def _seen(row):
     return tuple(row[model.name]["values"] for model in reversed(scouts(row)))
 
 
-def _cost(model, rows):
-    shares = [row[model.name]["seconds"] / row[FULL]["seconds"] for row in rows if model.name in row]
+def _cost(model, full, rows):
+    shares = [row[model.name]["seconds"] / row[full]["seconds"] for row in rows if model.name in row]
     return float(np.median(shares)) if shares else inf
 
 
-def _quantity(name, rows):
+def _quantity(name, rows, models):
     """{"scenes", "usual", "models": {model: {"factor", "apart", "expected", "weight"}}}."""
     apart = [quantities.differences(*_seen(row))[name] for row in rows]
     usual = max(LEAST, float(np.nanmedian(apart)) if np.any(np.isfinite(apart)) else LEAST)
     scales = [quantities.scale(name, *_seen(row), usual) for row in rows]
     told = [(row, scale) for row, scale in zip(rows, scales) if isfinite(scale)]
-    models = {model.name: _model(model, name, told) for model in LADDER}
-    return {"scenes": len(told), "usual": usual, "models": {key: found for key, found in models.items() if found}}
+    fitted = {model.name: _model(model, name, models[-1].name, told) for model in models}
+    return {"scenes": len(told), "usual": usual, "models": {key: found for key, found in fitted.items() if found}}
 
 
-def _model(model, name, told):
+def _model(model, name, full, told):
     told = [(row, scale) for row, scale in told if model.name in row]
-    weights = WEIGHTS if name == "peak_tension" and model.name != FULL else (0.0,)
-    tried = [(_errors(model, name, told, weight), weight) for weight in weights]
+    weights = WEIGHTS if name == "peak_tension" and model.name != full else (0.0,)
+    tried = [(_errors(model, name, full, told, weight), weight) for weight in weights]
     if not tried[0][0]:
         return None
     errors, weight = min(tried, key=lambda one: np.quantile([off / scale for off, scale in one[0]], SURE))
@@ -67,10 +75,10 @@ def _model(model, name, told):
     }
 
 
-def _errors(model, name, told, weight):
+def _errors(model, name, full, told, weight):
     """[(error, scale)] of the rows that have it."""
     found = [
-        (error(quantities.mixed(row[model.name]["values"], _partner(model, row), weight), row[FULL]["values"], name), s)
+        (error(quantities.mixed(row[model.name]["values"], _partner(model, row), weight), row[full]["values"], name), s)
         for row, s in told
     ]
     return [(off, scale) for off, scale in found if isfinite(off)]
@@ -87,11 +95,13 @@ def error(values, others, name):
     return quantities.differences(values, others)[name]
 
 
-def _finest(name, rows):
-    """[-] what the full model is off by: what its difference from 2 elements leaves where errors fall with the side."""
-    off = [error(row["2 elements"]["values"], row[FULL]["values"], name) for row in rows if "2 elements" in row]
+def _finest(name, full, rows):
+    """[-] what the full model is off by: what its difference from the next coarser mesh, of 2 elements a crossover or
+    of a pack 1, leaves where errors fall with the side."""
+    coarser = {3: "2 elements", 2: "1 element"}[dict(BY_NAME[full].changes)["elements_per_crossover"]]
+    off = [error(row[coarser]["values"], row[full]["values"], name) for row in rows if coarser in row]
     off = [one for one in off if isfinite(one)]
-    return _left(FULL, "2 elements") * float(np.quantile(off, OFTEN)) if off else 0.0
+    return _left(full, coarser) * float(np.quantile(off, OFTEN)) if off else 0.0
 
 
 def _left(*names):

@@ -7,7 +7,7 @@ from math import inf, isfinite, isnan
 import numpy as np
 
 from weavecell.analysis.fidelity import quantities
-from weavecell.analysis.fidelity.ladder import BY_NAME, FULL
+from weavecell.analysis.fidelity.ladder import BY_NAME, FULL, PACK_FULL
 from weavecell.report import marked_page
 
 
@@ -25,7 +25,8 @@ def survey_table(book):
     rows |= {f"*{name}*": (found["cost"], found["expected"]) for name, found in book.others.items()}
     for model, (cost, expected) in sorted(rows.items(), key=lambda item: item[1][0]):
         lines.append(f"| {model} | {cost:.3f} | " + " | ".join(_percent(expected[name]) for name in names) + " |")
-    lines.append(f"| {FULL}, itself | | " + " | ".join(_percent(book.own(name)) for name in names) + " |")
+    full = FULL if FULL in book.models else PACK_FULL
+    lines.append(f"| {full}, itself | | " + " | ".join(_percent(book.own(name)) for name in names) + " |")
     return lines
 
 

@@ -15,7 +15,9 @@ import numpy as np
 from fabrics import catalogue
 from fabrics.variants import with_linear_density
 from shellfabric.impact import ballistic_limit
+from shellfabric.impact.pack import PackSetup
 from shellfabric.impact.single_ply import ImpactSetup
+from shellfabric.plies.model import STACKINGS
 from shellfabric.projectile.projectile import Projectile
 from weavecell.analysis.uncertainty import inputs
 
@@ -29,6 +31,9 @@ FACTORS = {
     "compression_a": 0.3, "compression_b": 0.3, "trellis_stiffness": 0.3, "trellis_angles": 0.2,
 }  # fmt: skip
 VELOCITY, OPENING, MASS, RADIUS = (40.0, 300.0), (0.1, 0.25), (1e-3, 8e-3), (2.2e-3, 4.5e-3)
+# of drawn packs: most plies, velocity of two plies [m/s], opening [m], gap [m]
+MOST_PLIES, PACK_VELOCITY, PACK_OPENING, GAP = 4, (60.0, 300.0), (0.08, 0.12), (2e-5, 2e-4)
+PACK_END = 400e-6
 
 
 def base(name):
@@ -57,3 +62,14 @@ def drawn(number, seed):
     velocity = round(float(np.exp(draw.uniform(low, high))), 1)
     opening = tuple(float(side) for side in draw.uniform(*OPENING, 2))
     return ImpactSetup(fabric, velocity, projectile=shot, opening=opening, end_time=END, symmetry="whole")
+
+
+def drawn_pack(number, seed):
+    """The random pack of a number and a seed: the drawn ply and projectile, in a smaller opening, 2 to 4 times."""
+    ply, draw = drawn(number, seed), np.random.default_rng((seed, number, 2))
+    plies, stacking = int(draw.integers(2, MOST_PLIES + 1)), str(draw.choice(STACKINGS))
+    low, high = np.log(PACK_VELOCITY)
+    velocity = round(float(np.exp(draw.uniform(low, high)) * (plies / 2) ** 0.5), 1)
+    opening = tuple(float(side) for side in draw.uniform(*PACK_OPENING, 2))
+    ply = replace(ply, strike_velocity=velocity, opening=opening, end_time=PACK_END)
+    return PackSetup(ply, plies, stacking, float(draw.uniform(*GAP)))

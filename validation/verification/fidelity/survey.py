@@ -1,4 +1,5 @@
-"""The survey: every model of the ladder on standard and on drawn scenes. `known` makes of it what models are chosen by.
+"""The surveys: every model of the ladder on standard and on drawn scenes, and of the ladder of packs on drawn packs.
+`fit_error_database` makes of them what models are chosen by.
 
 Each run has one thread, and its cost is process time with the filling of its table.
 """
@@ -8,12 +9,26 @@ from __future__ import annotations
 import time
 from dataclasses import replace
 
-from shellfabric.impact import single_ply
+from fabrics.errors import UnstableError
 from validation.verification.fidelity import scenes
 from weavecell.analysis.fidelity import quantities
-from weavecell.analysis.fidelity.ladder import BY_NAME, FULL, LADDER, Tables, effort, simplest
+from weavecell.analysis.fidelity.ladder import (
+    BY_NAME,
+    FULL,
+    LADDER,
+    PACK_FULL,
+    PACK_LADDER,
+    Tables,
+    effort,
+    ply_of,
+    run,
+    simplest,
+    with_ply,
+)
 
 SEED, COUNT = 7, 60
+PACK_SEED, PACK_COUNT = 11, 56
+MOST_OF_PACKS = 3e8  # as MOST, of all plies
 MOST = 6e8  # elements times steps of the full model to the end: a drawn scene that could take more is left out
 LONG = ("S-731", 0), ("S-731", 1), ("S-727", 0)  # standard ones that take many minutes
 
@@ -34,12 +49,31 @@ def row(name, number):
     if not name and effort(BY_NAME[FULL].panel(setup, cheap), setup.end_time) > MOST:
         return None
     found = {"fabric": setup.fabric.name, "velocity": setup.strike_velocity}
-    return found | {model.name: run(model, setup) for model in LADDER if model.panel(setup, cheap) is not None}
+    return found | {model.name: timed(model, setup) for model in LADDER if model.panel(setup, cheap) is not None}
 
 
-def run(model, setup):
+def pack_row(number):
+    """{model: {"values", "seconds"}} of a drawn pack, with its velocity and plies; None of one that is left out, as too
+    long or as a run of it became unstable."""
+    setup = scenes.drawn_pack(number, PACK_SEED)
+    setup = with_ply(setup, numerics=replace(setup.ply.numerics, threads=1))
+    tables = Tables()
+    setup = simplest(setup, tables)
+    cheap, ply = tables.cheap(setup), ply_of(setup)
+    if setup.plies * effort(BY_NAME[PACK_FULL].panel(setup, cheap), ply.end_time) > MOST_OF_PACKS:
+        return None
+    found = {"fabric": ply.fabric.name, "velocity": ply.strike_velocity, "plies": setup.plies}
+    try:
+        return found | {
+            model.name: timed(model, setup) for model in PACK_LADDER if model.panel(setup, cheap) is not None
+        }
+    except UnstableError:
+        return None
+
+
+def timed(model, setup):
     """What a model answers, and its process time [s]."""
     began = time.process_time()
     this = model.of(setup)
-    result = single_ply.run(this, table=this.table())
+    result = run(this, ply_of(this).table())
     return {"values": quantities.of(result), "seconds": time.process_time() - began}

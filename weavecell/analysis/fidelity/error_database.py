@@ -1,4 +1,5 @@
-"""What the models are known to get wrong: errors.json, which `known` makes of the survey.
+"""What the models are known to get wrong: errors.json of single plies and errors_packs.json of packs, which the surveys
+make (`validation.verification.fidelity`).
 
 For each regime (`quantities.regime`) and quantity
     scenes     how many it is known from
@@ -21,7 +22,7 @@ from math import inf
 
 from weavecell.analysis.fidelity import quantities
 
-FILE = "errors.json"
+FILE, PACK_FILE = "errors.json", "errors_packs.json"
 
 
 @dataclass(frozen=True)
@@ -87,6 +88,7 @@ class Book:
         return bound if bound == bound else inf
 
 
-def load():
-    """The Book of the package."""
-    return Book(**json.loads((resources.files("weavecell.analysis.fidelity") / FILE).read_text("utf-8")))
+def load(*, packs=False):
+    """The Book of the package, of single plies or of packs."""
+    file = resources.files("weavecell.analysis.fidelity") / (PACK_FILE if packs else FILE)
+    return Book(**json.loads(file.read_text("utf-8")))

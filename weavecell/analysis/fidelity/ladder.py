@@ -1,4 +1,5 @@
-"""The ladder of models that a scene can be answered with, from the cheapest to the one that all are held against.
+"""The ladders of models that scenes can be answered with, one of single plies and one of packs: from the cheapest to
+the one that all others are held against.
 
 Meshes are named by elements a crossover, along each side. All but the full model have a table of the cell of 51
 stretches a side, where filling one of 201 costs more than a short run, and look at their energies every 20 us: an
@@ -11,9 +12,12 @@ from dataclasses import dataclass, replace
 from math import inf
 
 from fabrics.errors import InputError
+from shellfabric.impact import pack, single_ply
+from shellfabric.impact.pack import PackSetup
+from shellfabric.impact.single_ply import ImpactSetup
 from shellfabric.panel.model import SYMMETRIES, Panel
 
-FULL = "3 elements, table 201"
+FULL, PACK_FULL = "3 elements, table 201", "2 elements, table 201"
 
 
 @dataclass(frozen=True)
@@ -36,20 +40,48 @@ class Model:
         """Whether its elements are crossovers, or more."""
         return dict(self.changes).get("elements_per_crossover") == 1
 
+    @property
+    def full(self):
+        """Whether it is the model that all others of its ladder are held against."""
+        return self.name in (FULL, PACK_FULL)
+
     def of(self, setup):
         """The set-up as this model runs it."""
-        return replace(setup, **dict(self.changes))
+        return with_ply(setup, **dict(self.changes))
 
     def panel(self, setup, table):
-        """The panel as this model meshes it, or None where it cannot be: longer elements begin beyond the shot."""
+        """The panel, of a pack the first ply, as this model meshes it; None where it cannot be: longer elements begin
+        beyond the shot."""
         try:
-            return self.of(setup).panel(table)
+            return self.of(ply_of(setup)).panel(table)
         except InputError:
             return None
 
     def leaves(self, setup, fixed):
         """Whether the model leaves those fields as they are that the user has set by hand."""
-        return all(getattr(setup, key) == value for key, value in self.changes if key in fixed)
+        return all(getattr(ply_of(setup), key) == value for key, value in self.changes if key in fixed)
+
+
+def ply_of(setup) -> ImpactSetup:
+    """The set-up of one ply: that of the first ply of a pack."""
+    return setup.ply if isinstance(setup, PackSetup) else setup
+
+
+def plies_of(setup):
+    """Number of plies."""
+    return setup.plies if isinstance(setup, PackSetup) else 1
+
+
+def with_ply(setup, **changes):
+    """A set-up with fields of its ply changed."""
+    if isinstance(setup, PackSetup):
+        return replace(setup, ply=replace(setup.ply, **changes))
+    return replace(setup, **changes)
+
+
+def ladder_of(setup):
+    """The models that a set-up can be answered with, the full model last."""
+    return PACK_LADDER if isinstance(setup, PackSetup) else LADDER
 
 
 def _mesh(name, elements, *, answers=True, **changes):
@@ -67,7 +99,12 @@ LADDER = (
     _mesh("3 elements", 3, **_QUICK),
     _mesh(FULL, 3, table_size=201),
 )
-BY_NAME = {model.name: model for model in LADDER}
+# of packs, whose runs cost as many times more as they have plies: two elements a crossover are the full model
+PACK_LADDER = (
+    *(model for model in LADDER if model.name in (SCOUT, "graded", "1 element", "2 elements")),
+    _mesh(PACK_FULL, 2, table_size=201),
+)
+BY_NAME = {model.name: model for model in (*LADDER, *PACK_LADDER)}
 _SCOUTS = SCOUT, "graded", "1 element"
 
 
@@ -92,7 +129,8 @@ class Tables:
         self._known = []
 
     def of(self, setup):
-        """The CellTable of a set-up."""
+        """The CellTable of a set-up, of a pack that of its first ply."""
+        setup = ply_of(setup)
         for known, table in self._known:
             if all(getattr(known, key) == getattr(setup, key) for key in self._CELL):
                 return table
@@ -101,7 +139,7 @@ class Tables:
 
     def cheap(self, setup):
         """A table of the cell for panels that are looked at, not run: the one that the cheap models have."""
-        return self.of(replace(setup, table_size=_QUICK["table_size"]))
+        return self.of(with_ply(setup, table_size=_QUICK["table_size"]))
 
 
 def simplest(setup, tables):
@@ -112,15 +150,25 @@ def simplest(setup, tables):
     InputError : a set-up that is wrong with any symmetry
     """
     for symmetry in SYMMETRIES:
-        found = replace(setup, symmetry=symmetry)
+        found = with_ply(setup, symmetry=symmetry)
         try:
-            found.panel(tables.cheap(setup))
+            ply_of(found).panel(tables.cheap(setup))
         except InputError:
             if symmetry == "whole":
                 raise
         else:
             return found
     raise AssertionError("a whole panel has no symmetry to refuse")
+
+
+def run(setup, table):
+    """The ImpactResult or PackResult of a set-up, with a CellTable of its (first) ply.
+
+    Raises
+    ------
+    InputError, UnstableError : as `single_ply.run`
+    """
+    return (pack if isinstance(setup, PackSetup) else single_ply).run(setup, table=table)
 
 
 def effort(panel: Panel, end_time):

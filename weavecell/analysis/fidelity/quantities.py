@@ -18,6 +18,8 @@ from __future__ import annotations
 
 from math import isnan, nan
 
+import numpy as np
+
 from shellfabric.cable.smith import striking_velocity
 
 NAMES = ("residual_velocity", "absorbed_energy", "deflection", "peak_tension")
@@ -30,23 +32,33 @@ WORDS = {
 
 
 def of(result):
-    """{name: value or (values)} of an ImpactResult, with its outcome, load and haste.
+    """{name: value or (values)} of an ImpactResult or PackResult, with its outcome, load and haste.
 
     Velocities and energies are shares of those of the strike. Deflection [m] and tensions (warp, weft) [N] are nan
-    where the panel is perforated. The load is the larger peak tension over the yarn's strength,
+    where the panel is perforated. Peak tensions of a pack are the highest of any ply, those of turned plies with the
+    fabric's own warp and weft. The load is the larger peak tension over the yarn's strength,
     the haste the strike velocity over that which fails a lone yarn at once (`smith.striking_velocity`).
     """
     speed = max(result.residual_velocity, 0.0) if result.outcome != "stopped" else 0.0
-    share, through = speed / result.setup.strike_velocity, result.outcome == "perforated"
+    ply, peaks = getattr(result.setup, "ply", result.setup), _peaks(result)
+    share, through = speed / ply.strike_velocity, result.outcome == "perforated"
     return {
         "outcome": result.outcome,
-        "haste": result.setup.strike_velocity / min(map(_at_once, result.setup.fabric.weave.yarns)),
-        "load": max(T / yarn.strength for T, yarn in zip(result.peak_tension, result.setup.fabric.weave.yarns)),
+        "haste": ply.strike_velocity / min(map(_at_once, ply.fabric.weave.yarns)),
+        "load": max(T / yarn.strength for T, yarn in zip(peaks, ply.fabric.weave.yarns)),
         "residual_velocity": share,
         "absorbed_energy": 1 - share**2,
         "deflection": nan if through else float(max(result.step_history[:, 1])),
-        "peak_tension": (nan, nan) if through else tuple(result.peak_tension),
+        "peak_tension": (nan, nan) if through else peaks,
     }
+
+
+def _peaks(result):
+    """(warp, weft) [N] highest tension of any ply, by the fabric's own warp and weft."""
+    peaks = [tuple(ply) for ply in np.atleast_2d(result.peak_tension)]
+    if getattr(result.setup, "stacking", "") == "alternating":
+        peaks[1::2] = [ply[::-1] for ply in peaks[1::2]]
+    return tuple(float(max(family)) for family in zip(*peaks))
 
 
 def _at_once(yarn):

@@ -18,10 +18,22 @@ from dataclasses import dataclass, replace
 from math import inf, isnan
 
 from fabrics.errors import InputError, UnstableError
-from shellfabric.impact import single_ply
+from shellfabric.impact import pack, single_ply
 from weavecell.analysis.fidelity import error_database as books
 from weavecell.analysis.fidelity import quantities
-from weavecell.analysis.fidelity.ladder import FULL, LADDER, Model, Tables, effort, partner, scouts, simplest
+from weavecell.analysis.fidelity.ladder import (
+    Model,
+    Tables,
+    effort,
+    ladder_of,
+    partner,
+    plies_of,
+    ply_of,
+    run,
+    scouts,
+    simplest,
+    with_ply,
+)
 
 BY_HAND = Model("as set by hand", ())
 _PAYS = 0.8  # of the least error, over what is asked, that a dearer model has to get below to be worth its time
@@ -34,8 +46,8 @@ class Option:
     Parameters
     ----------
     model : Model
-    setup : ImpactSetup as the model runs it
-    elements : of the modelled part
+    setup : ImpactSetup or PackSetup as the model runs it
+    elements : of the modelled part, of all plies
     effort : elements times steps, to the end time
     cost : [-] over that of the full model, as the survey found it
     expected : {quantity: [-] error}: its bound, or what is likely where nothing has been run yet
@@ -43,7 +55,7 @@ class Option:
     """
 
     model: Model
-    setup: single_ply.ImpactSetup
+    setup: single_ply.ImpactSetup | pack.PackSetup
     elements: int
     effort: float
     cost: float
@@ -68,7 +80,7 @@ class Attempt:
     Parameters
     ----------
     option : Option
-    result : ImpactResult
+    result : ImpactResult or PackResult
     values : quantities of it, peak tensions mixed with the partner's
     against : name of the model that it was held against; empty if there was none
     partner : name of the model whose peak tensions are mixed in; empty if there was none
@@ -77,7 +89,7 @@ class Attempt:
     """
 
     option: Option
-    result: single_ply.ImpactResult
+    result: single_ply.ImpactResult | pack.PackResult
     values: dict
     against: str
     partner: str
@@ -121,7 +133,7 @@ def options(setup, asked, *, fixed=frozenset(), tables=None, book=None, seen=Non
 
     Parameters
     ----------
-    setup : ImpactSetup
+    setup : ImpactSetup or PackSetup
     asked : {quantity: [-] error at most}
     fixed : names of fields of ImpactSetup that are to stay
     seen : what two scouts found, the finer first; None before they are run
@@ -135,25 +147,30 @@ def options(setup, asked, *, fixed=frozenset(), tables=None, book=None, seen=Non
             raise InputError(key=name, allowed=f"one of {', '.join(quantities.NAMES)}")
         if not share > 0:
             raise InputError(key=name, value=share, allowed="above 0")
-    tables, book = tables or Tables(), book or books.load()
+    tables, book = tables or Tables(), book or _book(setup)
     base = setup if "symmetry" in fixed else simplest(setup, tables)
-    if setup.surface is not None:  # it has its own cell
+    if ply_of(setup).surface is not None:  # it has its own cell
         fixed = fixed | {"cell_model"}
 
     def option(model):
         this = model.of(base)
-        panel = this.panel(tables.cheap(base))
-        work = effort(panel, base.end_time)
-        return Option(model, this, panel.elements, work, book.cost(model), _expected(book, model, asked, seen), asked)
+        panel, plies = ply_of(this).panel(tables.cheap(base)), plies_of(base)
+        work, expected = plies * effort(panel, ply_of(base).end_time), _expected(book, model, asked, seen)
+        return Option(model, this, plies * panel.elements, work, book.cost(model), expected, asked)
 
-    found = [option(model) for model in LADDER if model.leaves(base, fixed) and model.panel(base, tables.cheap(base))]
+    models = ladder_of(base)
+    found = [option(model) for model in models if model.leaves(base, fixed) and model.panel(base, tables.cheap(base))]
     if not any(one.model.answers for one in found):  # all meshes of the ladder differ from what is set by hand
         found = [replace(option(BY_HAND), cost=1.0)]
     return tuple(sorted(found, key=lambda one: (one.cost, one.effort)))
 
 
+def _book(setup):
+    return books.load(packs=isinstance(setup, pack.PackSetup))
+
+
 def _expected(book, model, asked, seen):
-    if model.name == FULL:
+    if model.full:
         return dict.fromkeys(asked, 0.0)  # by definition
     if seen is None:
         return {name: book.expected(model, name) for name in asked}
@@ -190,15 +207,16 @@ def answer(setup, asked, *, fixed=frozenset(), fire: Callable | None = None, tab
     ------
     InputError, UnstableError : as `options` and `single_ply.run`
     """
-    tables, book, told = tables or Tables(), book or books.load(), told or (lambda text: None)
-    fire = fire or (lambda option, table: single_ply.run(option.setup, table=table))
+    tables, book, told = tables or Tables(), book or _book(setup), told or (lambda text: None)
+    fire = fire or (lambda option, table: run(option.setup, table))
     options(setup, asked, fixed=fixed, tables=tables, book=book)  # what is wrong is told before anything is run
     base = setup if "symmetry" in fixed else simplest(setup, tables)
-    seen, body = _look(base, tables), f"projectile: {_kind(setup.projectile)}, as set"
+    shot = ply_of(setup).projectile
+    seen, body = _look(base, tables), f"projectile: {_kind(shot)}, as set"
     if "projectile" not in fixed and seen:
-        shot, body = _body(setup.projectile, seen[0].result)
-        if shot != setup.projectile:
-            setup, base = replace(setup, projectile=shot), replace(base, projectile=shot)
+        shot, body = _body(shot, seen[0].result)
+        if shot != ply_of(setup).projectile:
+            setup, base = with_ply(setup, projectile=shot), with_ply(base, projectile=shot)
             seen = _look(base, tables)  # rigid scouts are no check of an elastic projectile
     told(body)
     both = tuple(scout.values for scout in seen) if seen else None
@@ -219,7 +237,7 @@ def answer(setup, asked, *, fixed=frozenset(), fire: Callable | None = None, tab
         if holds or finer is None:
             regime = quantities.regime(values)
             own = {name: book.own(name, regime) for name in asked}
-            if "projectile" not in fixed and setup.projectile.bar is None and not _stays_rigid(result):
+            if "projectile" not in fixed and shot.bar is None and not _stays_rigid(result):
                 body = f"{body}; but in the answer itself {result.rigidity}"
             return Answer(dict(asked), regime, body, found, tuple(attempts), own)
         told(
@@ -231,18 +249,18 @@ def answer(setup, asked, *, fixed=frozenset(), fire: Callable | None = None, tab
 @dataclass(frozen=True)
 class _Scout:
     model: Model
-    result: single_ply.ImpactResult
+    result: single_ply.ImpactResult | pack.PackResult
     values: dict
 
 
 def _look(base, tables):
     """What two scouts find, the finer first; empty where there are not two that can be meshed and run."""
-    meshed = [model.name for model in LADDER if model.panel(base, tables.cheap(base)) is not None]
+    meshed = [model.name for model in ladder_of(base) if model.panel(base, tables.cheap(base)) is not None]
     found = []
     for model in scouts(meshed):
-        this = model.of(replace(base, snapshot_interval=None, history=None))
+        this = model.of(with_ply(base, snapshot_interval=None, history=None))
         try:
-            result = single_ply.run(this, table=tables.of(this))
+            result = run(this, tables.of(this))
         except UnstableError:
             return ()
         found.insert(0, _Scout(model, result, quantities.of(result)))
@@ -264,7 +282,7 @@ def _body(shot, scout):
 
 def _partner(model, seen):
     """The scout that is next to a model; None of those that have none."""
-    if not seen or model.name in (FULL, BY_HAND.name):
+    if not seen or model.full or model.name == BY_HAND.name:
         return None
     wanted = partner(model, tuple(scout.model for scout in reversed(seen)))
     return next(scout for scout in seen if scout.model.name == wanted.name)
@@ -277,7 +295,7 @@ def _stays_rigid(result):
 def _checked(option, values, before, other, seen, book):
     """({quantity: [-]} what the errors are below, name of what they were held against)."""
     expected, model = option.expected, option.model
-    if model.name == FULL:
+    if model.full:
         return expected, ""
     if before is not None:
         return _apart(values, before.values, option.asked), before.option.model.name
