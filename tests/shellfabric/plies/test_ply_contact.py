@@ -130,7 +130,7 @@ def bulging(pack, rng, together, width=4e-3):
 def settled(states, consts, pair, times=200):
     """The contact with its feet found: from flat cloth they take steps of a quarter of an element."""
     for step in range(times):
-        pair.status[:], pair.recheck_step[:] = kernels.CLEAR, 0
+        pair.status[:], pair.recheck_step[:] = lanes.CLEAR, 0
         kernels.contact_forces(states[0], consts[0], states[1], consts[1], pair, 8 * step)
     # as if motion had brought the plies here: springs that are loaded by all of the depth
     pair.depth_offset[:], pair.recheck_step[:] = 0, 0
@@ -211,9 +211,9 @@ def test_eight_at_once_are_one_at_a_time(ply, stacking, opening, grading, width)
         assert pair.energy[kernels.SPRING] == pytest.approx(spring, rel=1e-9)
         twin.energy[kernels.MAX_DEPTH] = max(twin.energy[kernels.MAX_DEPTH], deepest)
         assert pair.energy[kernels.MAX_DEPTH] == pytest.approx(twin.energy[kernels.MAX_DEPTH], rel=1e-9)
-        assert pair.energy[kernels.MAX_COMPRESSION] == pytest.approx(twin.energy[kernels.MAX_COMPRESSION], rel=1e-9)
+        assert pair.energy[lanes.MAX_COMPRESSION] == pytest.approx(twin.energy[lanes.MAX_COMPRESSION], rel=1e-9)
         np.testing.assert_array_equal(pair.status, twin.status)
-        touching = pair.status == kernels.IN_CONTACT
+        touching = pair.status == lanes.IN_CONTACT
         size = max(np.abs(f).max() for f in twin.f_front)
         for name, scale in (("closest_point", 1.0), ("cp_rate", 1.0), ("f_front", size), ("f_rear", size)):
             for one, other in zip(getattr(pair, name), getattr(twin, name)):
@@ -247,7 +247,7 @@ def test_a_point_that_touches_does_not_wait(ply):
     """Not even one that was thought to be far away, next to one that was not."""
     states, consts, pair = flat(ply)
     force = placed(states, consts, pair, 0.2 * pair.thickness, 1)
-    pair.status[:] = kernels.CLEAR
+    pair.status[:] = lanes.CLEAR
     wait = pair.recheck_step[: pair.near_torn.size].reshape(consts[0].ni, consts[0].nj)
     wait[1:-1, 1:-1] = 1e6
     wait[:, ::8] = 0.0
@@ -323,7 +323,7 @@ def test_what_no_yarn_holds_does_not_push(ply):
     front.intact_fraction[1][:] = 0.0
     kernels.contact_forces(states[0], consts[0], states[1], consts[1], pair, 0)
     assert sum(pair.f_rear[2]) == 0.0
-    assert not (pair.status == kernels.IN_CONTACT).any()
+    assert not (pair.status == lanes.IN_CONTACT).any()
 
 
 def placed(states, consts, pair, height, step, moved=True):
@@ -346,7 +346,7 @@ def flat(ply, **knobs):
     pair = pack.pairs(consts, states)[0]
     pair.front_box[:] = 0, consts[0].ni, 0, consts[0].nj
     placed(states, consts, pair, 0.1 * pair.thickness, 0)
-    assert (pair.status[: pair.near_torn.size] == kernels.IN_CONTACT).all()
+    assert (pair.status[: pair.near_torn.size] == lanes.IN_CONTACT).all()
     return states, consts, pair
 
 
@@ -378,7 +378,7 @@ def test_a_point_keeps_its_side_where_the_surface_changes_its_form(ply):
     np.testing.assert_allclose(pair.normal[2][:n], side)
     states[1].block_damage[:], states[1].element_flag[:] = 0, 0
     placed(states, consts, pair, 1.3 * pair.thickness, 2, moved=False)
-    assert (pair.status[:n] == kernels.IN_CONTACT).all()
+    assert (pair.status[:n] == lanes.IN_CONTACT).all()
     np.testing.assert_allclose(pair.normal[2][:n], side)
     assert pair.energy[kernels.PASSED_COUNT] == 0
 
@@ -387,7 +387,7 @@ def test_what_is_found_deep_is_not_thrown_but_held(ply):
     """A point that is found inside the thickness, beside a hole, begins without a force; none is let deeper."""
     states, consts, pair = flat(ply)
     stiffness = -placed(states, consts, pair, 0.1 * pair.thickness, 1) / (0.1 * pair.thickness)
-    pair.status[:] = kernels.CLEAR
+    pair.status[:] = lanes.CLEAR
     assert placed(states, consts, pair, 0.6 * pair.thickness, 2, moved=False) == 0.0
     assert pair.energy[kernels.SPRING] == 0.0
     force = -placed(states, consts, pair, 0.7 * pair.thickness, 3)
@@ -404,10 +404,10 @@ def test_a_foot_that_leaps_brings_no_energy(ply):
     n, middle = pair.near_torn.size, consts[1].ni / 2
     pair.closest_point[0][:n] += np.where(pair.closest_point[0][:n] < middle, 0.5, -0.5)
     assert placed(states, consts, pair, 0.3 * pair.thickness, 2) == 0.0
-    assert (pair.status[:n] == kernels.LOST).all()
+    assert (pair.status[:n] == lanes.LOST).all()
     for step in range(3, 8):
         found = placed(states, consts, pair, 0.4 * pair.thickness, step)
-    assert (pair.status[:n] == kernels.IN_CONTACT).all()
+    assert (pair.status[:n] == lanes.IN_CONTACT).all()
     assert found == pytest.approx(force, rel=0.3)  # of a spring that is stiffer, where less of the thickness is left
     assert pair.energy[kernels.SPRING] < 1.3 * stored
 
@@ -419,11 +419,11 @@ def test_a_depth_that_no_motion_has_made_loads_no_spring(ply, begins, depth):
     states, consts, pair = flat(ply)
     stored = pair.energy[kernels.SPRING]
     if begins:
-        pair.status[:], stored = kernels.CLEAR, 0.0
+        pair.status[:], stored = lanes.CLEAR, 0.0
     placed(states, consts, pair, depth * pair.thickness, 1, moved=False)
     assert pair.energy[kernels.MAX_DEPTH] == pytest.approx(depth * pair.thickness, rel=1e-6)
     assert pair.energy[kernels.SPRING] == pytest.approx(stored, rel=0.05, abs=1e-30)
-    assert pair.energy[kernels.MAX_COMPRESSION] < 0.15 * pair.thickness  # that of `flat`
+    assert pair.energy[lanes.MAX_COMPRESSION] < 0.15 * pair.thickness  # that of `flat`
     forces = [
         -placed(states, consts, pair, (depth + part) * pair.thickness, 2 + n) for n, part in enumerate((0.05, 0.1))
     ]
@@ -436,9 +436,9 @@ def test_what_comes_round_a_rim_is_on_no_side_yet(ply):
     states, consts, pair = flat(ply)
     for moved, passed in ((False, False), (True, True)):
         placed(states, consts, pair, -0.1 * pair.thickness, 1)
-        pair.status[:], pair.recheck_step[:], pair.energy[kernels.PASSED_COUNT] = kernels.CLEAR, 0, 0
+        pair.status[:], pair.recheck_step[:], pair.energy[kernels.PASSED_COUNT] = lanes.CLEAR, 0, 0
         placed(states, consts, pair, 0.95 * pair.thickness, 2, moved=moved)
-        assert (pair.status[: pair.near_torn.size] == (kernels.IN_CONTACT if moved else kernels.CLEAR)).all()
+        assert (pair.status[: pair.near_torn.size] == (lanes.IN_CONTACT if moved else lanes.CLEAR)).all()
         placed(states, consts, pair, 1.05 * pair.thickness, 3)
         assert (pair.energy[kernels.PASSED_COUNT] > 0) == passed
 
@@ -449,7 +449,7 @@ def test_a_side_that_another_fold_has_is_not_the_point_s_own(ply):
     states, consts, pair = flat(ply)
     placed(states, consts, pair, 0.2 * pair.thickness, 1)
     placed(states, consts, pair, 0.95 * pair.thickness, 2, moved=False)
-    assert (pair.status[: pair.near_torn.size] == kernels.CLEAR).all()
+    assert (pair.status[: pair.near_torn.size] == lanes.CLEAR).all()
     placed(states, consts, pair, 1.05 * pair.thickness, 3)
     placed(states, consts, pair, 1.05 * pair.thickness, 4)
     assert pair.energy[kernels.PASSED_COUNT] == 0
@@ -516,6 +516,6 @@ def test_a_point_keeps_its_side_when_the_cloth_before_it_tears(ply):
             stack.ply_counters[1, FAILURES] = 1
         kernels.contact_forces(states[0], consts[0], states[1], consts[1], pair, 8 * step + 1)
         pushed.append((pair.status[number], pair.last_depth[number] / pair.thickness, pair.f_front[2][corners].sum()))
-    assert all(status == kernels.IN_CONTACT and push < 0 for status, _, push in pushed[3:])
-    assert 0.5 < pushed[8][1] < 1 - kernels.AMBIGUOUS_DEPTH
+    assert all(status == lanes.IN_CONTACT and push < 0 for status, _, push in pushed[3:])
+    assert 0.5 < pushed[8][1] < 1 - lanes.AMBIGUOUS_DEPTH
     assert 1 < pushed[9][1] < 1.3

@@ -16,7 +16,6 @@ from shellfabric.impact.pack import PackSetup
 from shellfabric.panel.solver import ENERGIES, PanelSolver
 from weavecell.cli import app
 from weavecell.commands import impact as commands_impact
-from weavecell.results.impact_base import named
 from weavecell.results.paraview import read_series
 from weavecell.scenes import build
 from weavecell.scenes import impact as scenes_impact
@@ -332,7 +331,7 @@ def limit(capsys, folder, monkeypatch, changes):
     assert code == 0, err
     march, found = marches[0], json.loads((folder / "r/critical-velocity.json").read_text())
     return SimpleNamespace(
-        energies=named({name: march.sample(name)[-1] for name in ENERGIES}), v=march.sample("v"),
+        energies={name: march.sample(name)[-1] for name in ENERGIES}, v=march.sample("v"),
         residual_velocity_m_s=march.sample("v")[-1], failed=march.sample("failed_yarns")[-1],
         law_name=found["law_name"],
         reactions=np.array([march.sample(f"reaction_{side}").max() for side in ("warp", "weft")]),

@@ -17,7 +17,7 @@ from fabrics.errors import InputError
 from fabrics.plate_curve import PlateCurve
 from fabrics.units import si
 from shellfabric.cell.model import CellModel
-from shellfabric.plies.model import compression_gap
+from shellfabric.plies.gap import compression_gap
 from validation.claims.checks.geometry import KEVLAR, ranked
 from validation.claims.registry import check
 
