@@ -78,8 +78,7 @@ def contact_points8(front, fc, rear, rc, pair, q, i, j, count, nearer, now, due)
         load(pair.closest_point[0], q) + load(pair.cp_rate[0], q),
         load(pair.closest_point[1], q) + load(pair.cp_rate[1], q),
     )
-    rank = load(pair.lane_index, 0)
-    fit = intact8(rear, rc, pair, q, count, fit)
+    rank, fit = load(pair.lane_index, 0), intact8(rear, rc, pair, q, count, fit)
     I, J = floor(minimum(maximum(A + 0.5, 1.0), rc.ni - 1.0)), floor(minimum(maximum(B + 0.5, 1.0), rc.nj - 1.0))
     r, t = A - I, B - J
     fit &= ~movemask(greater(maximum(fabs(r), fabs(t)), 0.5))
@@ -96,8 +95,7 @@ def contact_points8(front, fc, rear, rc, pair, q, i, j, count, nearer, now, due)
     row, column = int(I0) - 1, int(J0) - 1
     values, slopes, curves = (wa, wb), (da, db), (ca, cb)
     off, tangents = offsets8(front, fc, rear, rc, pair, (i, j, row, column), (A, B), rank, K, values, slopes, tall)
-    x, y, z = off
-    (Xa, Ya, Za), (Xb, Yb, Zb) = tangents
+    (x, y, z), ((Xa, Ya, Za), (Xb, Yb, Zb)) = off, tangents
     n_x, n_y, n_z = Ya * Zb - Za * Yb, Za * Xb - Xa * Zb, Xa * Yb - Ya * Xb
     square, tiny, thick = n_x * n_x + n_y * n_y + n_z * n_z, 1e-6 * rc.dx * rc.dy, pair.thickness
     size = sqrt(square)

@@ -17,7 +17,6 @@ from __future__ import annotations
 from collections import namedtuple
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from itertools import pairwise
 from math import inf
 
 import numpy as np
@@ -30,6 +29,7 @@ from shellfabric.panel.model import Panel
 from shellfabric.plies import broad_phase_kernels, step_kernels
 from shellfabric.plies.contact_simd_kernels import AMBIGUOUS_DEPTH
 from shellfabric.plies.gap import fabric_gap
+from shellfabric.plies.grading import area_factors, line_offsets
 from shellfabric.plies.numerics import FORMS, PlyContact
 from shellfabric.projectile import dynamics
 from shellfabric.projectile.contact import PREDICTED
@@ -246,7 +246,7 @@ class Pack:
             nodes=np.zeros((count, n), np.int64), counts=np.zeros((count, 4), np.int64), failures=np.zeros(1, np.int64),
             cell_head=np.full((count, cells), -1, np.int32), entry_element=np.zeros((count, room), np.int32),
             entry_cell=np.zeros((count, room), np.int32), entry_next=np.zeros((count, room), np.int32),
-            energy=np.zeros(3), line_offset=_line_offsets(consts),
+            energy=np.zeros(3), line_offset=line_offsets(consts),
         )  # fmt: skip
 
     def _apart(self, p):
@@ -290,7 +290,7 @@ class Pack:
             damping=knobs.damping * knobs.penalty**0.5 * mass / self.time_step,
             thickness=thickness, rest_distance=apart,
             min_deflection=max(_LEAST[0] * (abs(apart) - thickness), _LEAST[1] * thickness),
-            **_area_factors(self.plies[p], self.plies[q]),
+            **area_factors(self.plies[p], self.plies[q]),
         )  # fmt: skip
 
     def _first_places(self, p, q, front, rear, sub):
@@ -312,38 +312,6 @@ def _slower(ply, step):
     """A ply with the Courant factor that gives it a time step [s]."""
     cfl = ply.numerics.cfl * step / ply.time_step
     return replace(ply, numerics=replace(ply.numerics, cfl=cfl))
-
-
-def _area_factors(front, rear):
-    """Rows and columns whose products are the areas that contact points of a ply stand for, over that of the smallest
-    element: {name of Pair: (ni,) or (nj,) [-]}; 1 on uniform grids.
-
-    Where elements of the rear ply are shorter, as they may be in an alternating pack, it is the side of the shortest
-    that is below a point's element: more than its nodes' mass would bear no stable spring.
-    """
-    names = "area_factor1", "area_factor2"
-    if front.sides is None:
-        return dict.fromkeys(names, 1.0)
-    found = {}
-    for name, mine, other, d in zip(names, front.lines(), rear.lines(), front.spacing):
-        factors = np.zeros(mine.size - 1 + WIDTH)
-        for i, (low, high) in enumerate(pairwise(mine)):
-            slack = 1e-6 * d
-            below = np.diff(other)[(other[1:] > low + slack) & (other[:-1] < high - slack)]
-            factors[i] = min(high - low, below.min(initial=np.inf)) / d
-        found[name] = factors
-    return found
-
-
-def _line_offsets(consts):
-    """(plies, 2, lines) [m] `line_offset1` and `line_offset2` of all plies; 0 on uniform grids."""
-    if isinstance(consts[0].line_offset1, float):
-        return 0.0
-    found = np.zeros((len(consts), 2, max(max(c.line_offset1.size, c.line_offset2.size) for c in consts)))
-    for rows, const in zip(found, consts):
-        for row, offsets in zip(rows, (const.line_offset1, const.line_offset2)):
-            row[: offsets.size] = offsets
-    return found
 
 
 def lists(items):

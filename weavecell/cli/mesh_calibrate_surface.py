@@ -167,16 +167,9 @@ def calibrate(
         return
     assert fabric is not None
     commands_calibrate.calibrate_command(
-        fabric,
-        out or RESULTS / f"calibrate-{Path(fabric).stem}",
-        size=size.value,
-        jobs=jobs,
-        executor=executor,
-        friction=friction,
-        plates=plates,
-        fit_solid=fit_solid,
-        resume=resume,
-    )
+        fabric, out or RESULTS / f"calibrate-{Path(fabric).stem}", size=size.value, jobs=jobs, executor=executor,
+        friction=friction, plates=plates, fit_solid=fit_solid, resume=resume,
+    )  # fmt: skip
 
 
 def surface(

@@ -55,7 +55,7 @@ def laws(pyplot: Any, found: Any) -> Any:
     return figure
 
 
-def platens(pyplot, fits):
+def platens(pyplot: Any, fits: Any) -> Any:
     """Pressure against closure of several fits, each in axes of its own.
 
     Parameters
@@ -84,7 +84,7 @@ def platens(pyplot, fits):
     return figure
 
 
-def chain(pyplot, ratios):
+def chain(pyplot: Any, ratios: Any) -> Any:
     """a and b over the published values, with the file's solid and with the fitted one.
 
     Parameters

@@ -16,7 +16,7 @@ from shellfabric.projectile import friction_kernels
 from shellfabric.projectile.contact_kernels import FRICTION, FRICTION_SPRING
 from shellfabric.projectile.projectile import SHAPES, Projectile
 
-Run = namedtuple("Run", "state const fine panel")
+Run = namedtuple("Run", "state const step_history panel")
 FORMS = {
     "cone": {"half_angle": radians(45), "tip_radius": 0.8e-3},
     "chisel": {"flat_width": 2.5e-3, "flat_angle": radians(35)},

@@ -94,7 +94,7 @@ def test_law_equals_that_of_the_quasi_static_crossover():
 
     cube = 0.5 * (CORNERS + 1.0)
     space = HexSpace.build(cube, np.arange(8)[None])
-    solid = Assembler(space, *forms(space, law_of()[None]))
+    solid = Assembler(space, *forms(space, space.cell_constants(law_of()[None])))
     P = np.empty((3, 3))
     for f in gradients(12):
         space.set_displacement(cube @ (f - np.eye(3)).T)

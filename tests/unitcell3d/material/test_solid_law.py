@@ -16,7 +16,7 @@ CUBE = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1
 @pytest.fixture(scope="module")
 def cube():
     space = HexSpace.build(CUBE, np.arange(8)[None])
-    return space, Assembler(space, *forms(space, PARAMETERS))
+    return space, Assembler(space, *forms(space, space.cell_constants(PARAMETERS)))
 
 
 def stress(cube, F):

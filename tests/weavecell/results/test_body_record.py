@@ -58,7 +58,5 @@ def test_pictures_are_drawn(bar, block):
 def test_every_energy_of_a_march_has_a_place_in_the_picture():
     from shellfabric.panel.solver import ENERGIES
 
-    assert set(ENERGIES) - {"formulation_residual", "error"} == {
-        name for name, _, _ in pictures.ENERGIES
-    }
+    assert set(ENERGIES) - {"formulation_residual", "error"} == {name for name, _, _ in pictures.ENERGIES}
     assert chapters_impact.body is not None

@@ -1,0 +1,39 @@
+"""What the contact between graded plies needs of their grids: areas of contact points, and offsets of the lines."""
+
+from itertools import pairwise
+
+import numpy as np
+
+from shellfabric.jit.simd import WIDTH
+
+
+def area_factors(front, rear):
+    """Rows and columns whose products are the areas that contact points of a ply stand for, over that of the smallest
+    element: {name of Pair: (ni,) or (nj,) [-]}; 1 on uniform grids.
+
+    Where elements of the rear ply are shorter, as they may be in an alternating pack, it is the side of the shortest
+    that is below a point's element: more than its nodes' mass would bear no stable spring.
+    """
+    names = "area_factor1", "area_factor2"
+    if front.sides is None:
+        return dict.fromkeys(names, 1.0)
+    found = {}
+    for name, mine, other, d in zip(names, front.lines(), rear.lines(), front.spacing):
+        factors = np.zeros(mine.size - 1 + WIDTH)
+        for i, (low, high) in enumerate(pairwise(mine)):
+            slack = 1e-6 * d
+            below = np.diff(other)[(other[1:] > low + slack) & (other[:-1] < high - slack)]
+            factors[i] = min(high - low, below.min(initial=np.inf)) / d
+        found[name] = factors
+    return found
+
+
+def line_offsets(consts):
+    """(plies, 2, lines) [m] `line_offset1` and `line_offset2` of all plies; 0 on uniform grids."""
+    if isinstance(consts[0].line_offset1, float):
+        return 0.0
+    found = np.zeros((len(consts), 2, max(max(c.line_offset1.size, c.line_offset2.size) for c in consts)))
+    for rows, const in zip(found, consts):
+        for row, offsets in zip(rows, (const.line_offset1, const.line_offset2)):
+            row[: offsets.size] = offsets
+    return found
