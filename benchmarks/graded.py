@@ -110,7 +110,7 @@ def pack_shot(pack, strike_velocity):
         "peak_N": [float(peak) for peak in solver.peaks.max(axis=0)],
         "failed_by_ply": [float(count) for count in solver.ply_sample("failed_yarns")[-1]],
         "deepest": float(solver.deepest.max()),
-        "balance": float(np.abs(solver.sample("balance")).max() / solver.strike_energy),
+        "balance": float(np.abs(solver.sample("error")).max() / solver.strike_energy),
         "cpu_s": min(costs),
     }
 

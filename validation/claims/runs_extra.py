@@ -177,7 +177,7 @@ def noisy_pack(*, fabric, velocity, plies, failure_time=0.0, end_time=400e-6):
         march.run()
     except UnstableError as problem:
         outcome = f"unstable: {problem}"
-    balance = march.sample("balance") / march.strike_energy
+    balance = march.sample("error") / march.strike_energy
     return {
         "outcome": outcome or march.outcome,
         "problem": march.problem,

@@ -250,7 +250,7 @@ def shot(stop=300e-6, share=1.0, depth=18e-3, **changes):
     return {
         "t": t, "v": v, "z": depth * (1 - (1 - t / stop) ** 2), "outcome": "stopped", "residual": 0.0,
         "fine": np.column_stack([t, zero, v]), "eroded": 3, "first_failure": np.array([1e-4, 2e-4]),
-        "energies": {"stored": stored, "shear": zero, "failed": zero, "kinetic_fabric": share * stored},
+        "energies": {"yarn_strain": stored, "shear": zero, "failure_dissipation": zero, "kinetic_fabric": share * stored},
     } | changes  # fmt: skip
 
 
@@ -394,7 +394,7 @@ def test_slip_of_clamps():
 def test_shear_at_other_edges():
     def sheared(share):
         run = shot()
-        return run | {"energies": run["energies"] | {"shear": share / (1 - share) * run["energies"]["stored"]}}
+        return run | {"energies": run["energies"] | {"shear": share / (1 - share) * run["energies"]["yarn_strain"]}}
 
     bears_out("shear-share-boundaries", held=sheared(0.005), free=sheared(0.5))
     misses("shear-share-boundaries", "free", held=sheared(0.005), free=sheared(0.01))
