@@ -109,7 +109,7 @@ def test_colliding_plies_keep_momentum_and_energy(ply):
         assert sums[1, 2] > 0.4 * before
         energy = 0.5 * before * 20.0
         assert abs(march.sample("error")[-1]) < 1e-6 * energy
-        taken = march.sample("plies")[-1] / energy
+        taken = march.sample("ply_contact")[-1] / energy
         assert taken > 0.35 if damping else taken < 0.01
 
 
