@@ -250,7 +250,9 @@ def shot(stop=300e-6, share=1.0, depth=18e-3, **changes):
     return {
         "t": t, "v": v, "z": depth * (1 - (1 - t / stop) ** 2), "outcome": "stopped", "residual": 0.0,
         "fine": np.column_stack([t, zero, v]), "eroded": 3, "first_failure": np.array([1e-4, 2e-4]),
-        "energies": {"yarn_strain": stored, "shear": zero, "failure_dissipation": zero, "kinetic_fabric": share * stored},
+        "energies": {
+            "yarn_strain": stored, "shear": zero, "failure_dissipation": zero, "kinetic_fabric": share * stored
+        },
     } | changes  # fmt: skip
 
 
