@@ -13,6 +13,7 @@ from fabrics.errors import InputError
 
 FloatArray: TypeAlias = NDArray[np.float64]
 IntArray: TypeAlias = NDArray[np.int64]
+BoolArray: TypeAlias = NDArray[np.bool_]
 FilePath: TypeAlias = str | os.PathLike[str]
 
 
