@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from shellfabric.projectile.projectile import Projectile
+
+if TYPE_CHECKING:
+    from shellfabric.backing.block import Backing
 
 
 @dataclass(frozen=True)
@@ -22,7 +26,10 @@ class Strike:
     eroded: int
 
 
-def strike(backing, projectile: Projectile, velocity, end_time, *, dt=None, every=20) -> Strike:
+def strike(
+    backing: Backing, projectile: Projectile, velocity: float, end_time: float, *, dt: float | None = None,
+    every: int = 20,
+) -> Strike:  # fmt: skip
     """A rigid projectile strikes the bare block ("backing only" of source thesis Figure 6-45), until it turns back.
 
     Parameters

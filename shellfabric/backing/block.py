@@ -20,10 +20,12 @@ from dataclasses import dataclass, field
 import numpy as np
 from scipy.optimize import brentq
 
+from fabrics.checks import FloatArray, IntArray
 from fabrics.errors import InputError, UnstableError
 from fabrics.materials import Isotropic, load
 from shellfabric.backing import block_kernels as kernels
 from shellfabric.backing import contact_kernels as touch
+from shellfabric.projectile.projectile import Projectile
 from shellfabric.solid.hex8 import Bricks
 
 ENERGIES = ("kinetic", "elastic", "plastic", "hourglass", "viscous", "absorbed", "eroded", "contact", "damped")
@@ -47,9 +49,7 @@ class Backing:
     growth : factor from brick to brick beyond, at most
     outer_boundary : "fixed", "absorbing" or "free" outer faces
     standoff : [m] of the face from z = 0; behind a panel (`backing.coupling`) from the back of its last ply
-    hourglass : factor on the hourglass stiffness of the full rule. In plastic flow the full one would stand in for the
-        strength that is gone; less than 0.1 lets the modes grow. Of the energy of a ball 0.05, 0.1, 0.2, 0.4 and 0.8
-        take 12, 5, 6, 5 and 8 % at most, and the ball goes 7.31, 7.22, 6.98 and 6.59 mm deep from 0.1 on
+    hourglass : factor on the hourglass stiffness of the full rule, which would stand in for strength lost in flow
     viscosity : damping ratio of the highest mode
     penalty : stiffness of the contact with a projectile, in units of the bricks' own K A / h
     contact_damping : ratio to critical of a node on that spring, and of a point of the cloth on its own
@@ -90,13 +90,13 @@ class Backing:
                 raise InputError(key=key, value=getattr(self, key), allowed="at least 0")
 
     @property
-    def lines(self):
+    def lines(self) -> tuple[FloatArray, ...]:
         """x, y, z [m] of the mesh planes of the quarter."""
         half = (0.5 * self.size[0], 0.5 * self.size[1], self.size[2])
         return tuple(graded(length, self.min_size, self.refined_depth, self.growth) for length in half)
 
     @property
-    def count(self):
+    def count(self) -> tuple[int, ...]:
         """(nx, ny, nz) bricks of the quarter."""
         return tuple(len(line) - 1 for line in self.lines)
 
@@ -107,7 +107,7 @@ class Backing:
         damped = np.sqrt(1 + self.viscosity**2) - self.viscosity
         return float(damped / self.material.wave_speed / np.sqrt(np.sum(1 / least**2)))
 
-    def block(self, dt) -> Block:
+    def block(self, dt: float) -> Block:
         """The block at rest, to be moved in steps of `dt` [s].
 
         Raises
@@ -117,7 +117,7 @@ class Backing:
         return Block(self, dt)
 
 
-def graded(length, min_size, refined_depth, growth):
+def graded(length: float, min_size: float, refined_depth: float, growth: float) -> FloatArray:
     """Places (n + 1,) [m] from 0 to `length`: equal steps up to `refined_depth`, then growing by a factor, `growth` at
     most.
     """
@@ -146,7 +146,7 @@ class Block:
     time : [s]
     """
 
-    def __init__(self, backing, dt):
+    def __init__(self, backing: Backing, dt: float) -> None:
         if not 0 < dt <= backing.longest_step:
             raise InputError(key="dt", value=dt, allowed=f"above 0 and at most {backing.longest_step:.3g} s")
         self.backing, self.dt, self.time = backing, float(dt), 0.0
@@ -175,10 +175,11 @@ class Block:
         self.past, self._held = np.zeros((m, 2)), np.zeros(n)
         self.energy, self._work = np.zeros((m, 5)), np.zeros((nx + 1, 3))
         self._drags, self._shot, self._points = np.zeros((n, 3)), np.zeros(7), np.zeros(7)
-        self._columns = self._memory = None  # of the points of `press`
+        self._columns: np.ndarray | None = None  # of the points of `press`
+        self._memory = np.zeros((0, 2))
         # what contact damping takes from projectile and points: known when their next velocities are
-        self._damped, self._before = 0.0, {}
-        self._kick = 0.0
+        self._before: dict[str, tuple[np.ndarray, np.ndarray]] = {}
+        self._damped = self._kick = 0.0
 
     def _boundaries(self, nodes, bricks):
         """Masses, supports, dashpots and contact springs of the nodes."""
@@ -206,7 +207,7 @@ class Block:
         self._stiffness = np.minimum(np.bincount(corners, np.repeat(own, 8)), 0.5 * self.mass / self.dt**2)
         self._springs = 2 * backing.contact_damping * np.sqrt(self._stiffness * self.mass)
 
-    def strike(self, position, speed, projectile) -> np.ndarray:
+    def strike(self, position: FloatArray, speed: FloatArray, projectile: Projectile) -> np.ndarray:
         """Contact with a rigid projectile in this step; force (3,) [N] on the quarter of it that is modelled.
 
         Parameters
@@ -224,7 +225,10 @@ class Block:
         self._damp("shot", drag, np.asarray(speed, float))
         return push + drag
 
-    def press(self, places, velocities, stiffness, *, damping=None, thickness=0.0) -> np.ndarray:
+    def press(
+        self, places: FloatArray, velocities: FloatArray, stiffness: FloatArray, *, damping: FloatArray | None = None,
+        thickness: float = 0.0,
+    ) -> np.ndarray:  # fmt: skip
         """Contact with points in this step; forces (s, 3) [N] on them. Always the same points, in the same order.
 
         Parameters
@@ -261,7 +265,7 @@ class Block:
             self._damped -= 0.5 * self.dt * float(np.sum(last_drag * (last_speed + speed)))
         self._before[who] = drag.copy(), speed.copy()
 
-    def advance(self):
+    def advance(self) -> None:
         """One step, under the contacts of this step.
 
         Raises
@@ -298,11 +302,11 @@ class Block:
         return dict(zip(ENERGIES, map(float, values)))
 
     @property
-    def bricks(self):
+    def bricks(self) -> IntArray:
         """(m, 8) nodes of each brick, in VTK's order."""
         return _corners(self.nodes)
 
-    def crater(self, axis=0):
+    def crater(self, axis: int = 0) -> FloatArray:
         """Depth and shape: (k, 2) [m] radius and depth of the remaining face, along x (axis 0) or y.
 
         The depth at a node is that of the first brick beside it below all that are gone, from where the face was.
@@ -315,7 +319,7 @@ class Block:
         edge = nodes[np.arange(len(nodes)), beside]
         return np.stack([self.x[edge, axis], self.x[edge, 2] - self.backing.standoff], axis=1)
 
-    def arrays(self):
+    def arrays(self) -> dict[str, np.ndarray]:
         """{name: array} of all that its motion goes on from; `restore` takes it back."""
         found = {name: getattr(self, name) for name in _KEPT}
         found["clock"] = np.array([self.time, self._kick, self._damped])
@@ -325,7 +329,7 @@ class Block:
             found |= {f"{who}_drag": drag, f"{who}_speed": speed}
         return found
 
-    def restore(self, arrays):
+    def restore(self, arrays: dict[str, np.ndarray]) -> None:
         """Go on from `arrays` of a block of the same backing and step."""
         for name in _KEPT:
             getattr(self, name)[...] = arrays[name]

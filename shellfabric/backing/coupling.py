@@ -13,11 +13,13 @@ not touch; where single yarns have failed the rest bears whole.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
+from fabrics.checks import FloatArray
 from fabrics.errors import InputError
-from shellfabric.backing.block import ENERGIES
+from shellfabric.backing.block import ENERGIES, Backing
 from shellfabric.cloth.membrane_kernels import ERODED
 
 NAMES = tuple(f"backing_{name}" for name in ENERGIES)  # of the energies in the audit of a run
@@ -46,22 +48,22 @@ class BackingResult:
     gone: np.ndarray
 
     @property
-    def depth(self):
+    def depth(self) -> float:
         """[m] of the crater."""
         return float(self.crater[:, 1].max())
 
     @property
-    def steepness(self):
+    def steepness(self) -> float:
         """[rad] angle of the crater's wall against the face, as a mean along both yarns; see `wall_angle`."""
         return 0.5 * (wall_angle(self.crater) + wall_angle(self.crater_weft))
 
     @property
-    def half_width(self):
+    def half_width(self) -> float:
         """[m] radius at which the crater is half as deep as it is, as a mean along both yarns."""
         return 0.5 * (radius_at(self.crater, 0.5) + radius_at(self.crater_weft, 0.5))
 
 
-def radius_at(crater, share):
+def radius_at(crater: FloatArray, share: float) -> float:
     """[m] outermost radius at which a crater (k, 2) is as deep as a share of its depth."""
     r, z = crater[np.argsort(crater[:, 0])].T
     level = share * z.max()
@@ -71,13 +73,13 @@ def radius_at(crater, share):
     return float(np.interp(-level, [-z[k], -z[k + 1]], [r[k], r[k + 1]]))
 
 
-def wall_angle(crater):
+def wall_angle(crater: FloatArray) -> float:
     """[rad] against the face, of the chord of a crater's wall between a fifth and four fifths of its depth."""
     inner, outer = radius_at(crater, 0.8), radius_at(crater, 0.2)
     return float(np.arctan2(0.6 * crater[:, 1].max(), outer - inner))
 
 
-def check(panel):
+def check(panel: Any) -> None:
     """InputError where a panel does not go with the block behind it."""
     backing, shot = panel.backing, panel.projectile
     if backing is None:
@@ -109,7 +111,7 @@ class BackingCoupling:
     InputError : a step that is too long for the block
     """
 
-    def __init__(self, backing, panel, const, place=0.0):
+    def __init__(self, backing: Backing, panel: Any, const: Any, place: float = 0.0) -> None:
         self.projectile, self.const, self.p = panel.projectile, const, backing.points
         self.thickness = 0.5 * panel.weave.thickness
         self.block = replace(backing, standoff=place + self.thickness + backing.standoff).block(const.dt)
@@ -126,7 +128,7 @@ class BackingCoupling:
             for b, t in enumerate(at)
         ]
 
-    def step(self, state):
+    def step(self, state: Any) -> None:
         """One step of the block under its contacts with cloth and projectile; stores the contact forces [N] in
         state.f_block_cloth and state.f_block_nose."""
         const, block = self.const, self.block
@@ -169,7 +171,7 @@ class BackingCoupling:
         self._nodal(state.f_block_cloth[0])[0] = 0.0
         self._nodal(state.f_block_cloth[1])[:, 0] = 0.0
 
-    def energies(self):
+    def energies(self) -> list[float]:
         """(n,) [J] of NAMES, of the modelled quarter."""
         return list(self.block.energies().values())
 

@@ -13,11 +13,14 @@ force acts on the change of length of the step before, which limits the step to 
 from __future__ import annotations
 
 from collections import namedtuple
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from math import inf
+from typing import Any
 
 import numpy as np
 
+from fabrics.checks import BoolArray, FloatArray
 from fabrics.errors import InputError
 from fabrics.fabric import Fabric
 from shellfabric.panel.model import SYMMETRIES
@@ -83,7 +86,7 @@ class CableNumerics:
         if self.cfl > 1:
             raise InputError(key="cfl", value=self.cfl, allowed="at most 1")
 
-    def step(self, frequency):
+    def step(self, frequency: float) -> tuple[float, float]:
         """(dt [s], cv [-]) where the highest frequency is `frequency` [rad/s]; cv as in
         `cable.step_kernels.bar_forces`."""
         xi = self.viscosity
@@ -129,7 +132,7 @@ class CableNet:
                 raise InputError(key="opening", value=length, allowed="wider than two projectiles and four crossovers")
 
     @classmethod
-    def of(cls, setup, **others) -> CableNet:
+    def of(cls, setup: Any, **others: Any) -> CableNet:
         """The net of an `single_ply.ImpactSetup`: its fabric, opening, projectile and symmetry, to compare the two
         models.
 
@@ -143,36 +146,36 @@ class CableNet:
         return cls(setup.fabric, opening, setup.projectile, setup.symmetry, **others)
 
     @property
-    def counts(self):
+    def counts(self) -> tuple[int, ...]:
         """(ni, nj) bars along a warp and along a weft yarn."""
         half = [int(length / 2 / (2 * w) + 1e-9) for length, w in zip(self.opening, self.fabric.weave.w)]
         return tuple(n if mirrored else 2 * n for n, mirrored in zip(half, SYMMETRIES[self.symmetry]))
 
     @property
-    def bars(self):
+    def bars(self) -> int:
         """Number of bars."""
         ni, nj = self.counts
         return ni * (nj + 1) + nj * (ni + 1)
 
     @property
-    def share(self):
+    def share(self) -> float:
         """Part of the whole net, and of the projectile, that is modelled."""
         return 0.5 ** sum(SYMMETRIES[self.symmetry])
 
     @property
-    def stiffness(self):
+    def stiffness(self) -> tuple[float, ...]:
         """(k1, k2) [N/m] of a bar of warp and weft."""
         weave = self.fabric.weave
         return tuple(yarn.EA / S0 for yarn, S0 in zip(weave.yarns, weave.S0))
 
     @property
-    def wave_speeds(self):
+    def wave_speeds(self) -> tuple[float, ...]:
         """[m/s] of longitudinal waves along the taut, flat warp and weft, slowed by the mass of the crossing yarns."""
         weave = self.fabric.weave
         return tuple(2 * w * (k / weave.cell_mass) ** 0.5 for w, k in zip(weave.w, self.stiffness))
 
     @property
-    def time_step(self):
+    def time_step(self) -> float:
         """[s]"""
         return self._step()[0]
 
@@ -202,7 +205,7 @@ class CableNet:
             middle_yarn_fraction=(0.5 if mirrors[1] else 1.0, 0.5 if mirrors[0] else 1.0), driven_node=0,
         )  # fmt: skip
 
-    def state(self, strike_velocity) -> State:
+    def state(self, strike_velocity: float) -> State:
         """The net at rest, flat at z = 0, touched by the projectile that moves along +z at `strike_velocity` [m/s]."""
         const, mirrors = self.constants(), SYMMETRIES[self.symmetry]
         ni, nj = self.counts
@@ -220,7 +223,7 @@ class CableNet:
         rows = (max(i0 - 1, 0), min(i1 + 1, ni))
         return at_rest(const, share, bar_mass, held, rows, strike_velocity)
 
-    def coordinates(self):
+    def coordinates(self) -> list[FloatArray]:
         """(X, Y) [m] of the nodes at rest, each (ni+1, nj+1); the impact point is the origin."""
         c = self.constants()
         return np.meshgrid(
@@ -246,7 +249,10 @@ class CableNet:
         return tuple(bounds)
 
 
-def at_rest(const, share, bar_mass, held, rows, speed) -> State:
+def at_rest(
+    const: Constants, share: FloatArray, bar_mass: Sequence[float], held: BoolArray, rows: tuple[int, int],
+    speed: float,
+) -> State:  # fmt: skip
     """Arrays of a net at rest.
 
     Parameters

@@ -58,12 +58,12 @@ class TransverseImpact:
     force: float
 
 
-def striking_velocity(c, strain):
+def striking_velocity(c: float, strain: float) -> float:
     """[m/s] velocity across a yarn of the wave speed `c` [m/s] that leaves the strain behind its waves (section 3)."""
     return c * sqrt(2 * strain * sqrt(strain * (1 + strain)) - strain * strain)
 
 
-def smith(yarn: Yarn, velocity) -> TransverseImpact:
+def smith(yarn: Yarn, velocity: float) -> TransverseImpact:
     """Smith's closed form for a straight yarn of linear behaviour, struck at `velocity` [m/s].
 
     Raises
@@ -101,7 +101,9 @@ class YarnRun:
     energies: dict
 
 
-def strike(yarn: Yarn, velocity, *, length=0.1, bars=2000, numerics=None) -> YarnRun:
+def strike(
+    yarn: Yarn, velocity: float, *, length: float = 0.1, bars: int = 2000, numerics: CableNumerics | None = None
+) -> YarnRun:
     """Integrate half of a straight yarn in time until its longitudinal wave has run 0.9 of its `length` [m].
 
     Strain and tension are the mean of the plateau between the waves; c is where the strain is half of that; U follows

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
+from fabrics.checks import FloatArray
 from shellfabric.cable import step_kernels as kernels
 from shellfabric.cable.contact_kernels import CONTACT
 from shellfabric.cable.model import CableNet
-from shellfabric.driver.solver import ExplicitSolver, run_to_end, speed_limit
+from shellfabric.driver.guards import speed_limit
+from shellfabric.driver.solver import ExplicitSolver, Hook, run_to_end
 
 ENERGIES = (
     "kinetic_fabric",
@@ -51,7 +55,7 @@ class CableResult:
     v: np.ndarray
     nose_position: np.ndarray
     energies: dict
-    peak_tension: tuple[float, float]
+    peak_tension: tuple[float, ...]
     step_history: np.ndarray
     reactions: dict
     nodes: np.ndarray
@@ -61,7 +65,7 @@ class CableResult:
     ns_per_bar_step: float
 
     @property
-    def energy_error_max(self):
+    def energy_error_max(self) -> float:
         """[-] largest error of the energy balance over the strike energy."""
         return float(np.max(np.abs(self.energies["error"])) / self.energies["kinetic_projectile"][0])
 
@@ -81,7 +85,7 @@ class CableSolver(ExplicitSolver):
 
     sample_names, energy_names, history_columns = SAMPLES, ENERGIES, kernels.COLUMNS
 
-    def __init__(self, net: CableNet, strike_velocity, end_time, *, interval=2e-6):
+    def __init__(self, net: CableNet, strike_velocity: float, end_time: float, *, interval: float = 2e-6) -> None:
         limit = net.numerics.energy_error_limit
         super().__init__(net.projectile, strike_velocity, end_time, interval=interval, energy_error_limit=limit)
         self.net, self.share = net, net.share
@@ -89,15 +93,15 @@ class CableSolver(ExplicitSolver):
         self._begin(self.const.dt)
 
     @property
-    def steps(self):
+    def steps(self) -> int:
         """Steps made."""
         return int(self.state.counter[kernels.STEP])
 
-    def advance(self, history):
+    def advance(self, history: FloatArray) -> tuple[int, int]:
         """See ExplicitSolver."""
         return kernels.run_steps(self.state, self.const, len(history), history)
 
-    def observe(self):
+    def observe(self) -> tuple[Sequence[float], Sequence[float]]:
         """See ExplicitSolver. What is stored follows from the lengths of the bars, not from the work done on them."""
         state, const = self.state, self.const
         cloth, projectile, stored = kernels.energies(state, const)
@@ -105,25 +109,28 @@ class CableSolver(ExplicitSolver):
         spent = state.energy_sums[kernels.VISCOUS], state.energy_sums[CONTACT], state.energy_sums[kernels.LOST]
         return [speed, state.projectile_position[2]], [cloth, projectile, stored, *spent, 0.0]  # clamps do no work
 
-    def node_speeds(self):
+    def node_speeds(self) -> list[tuple[FloatArray, float]]:
         """See ExplicitSolver."""
         return [(np.sqrt((self.state.v**2).sum(axis=0)), speed_limit(self.const))]
 
-    def where(self, part, node):
+    def where(self, part: int, node: int) -> str:
         """See ExplicitSolver."""
         return f"node ({int(node) // self.const.row_stride}, {int(node) % self.const.row_stride}) of the cable net"
 
-    def checkpoint_identity(self):
+    def checkpoint_identity(self) -> tuple[Any, str]:
         """See ExplicitSolver."""
         known = self.strike_velocity, self.steps_per_sample, self.const._asdict(), self.state.mass
         return known, "shellfabric.cable.solver"
 
-    def checkpoint_arrays(self):
+    def checkpoint_arrays(self) -> dict[str, Any]:
         """See ExplicitSolver."""
         return {"state": self.state}
 
 
-def run(net: CableNet, strike_velocity, end_time=800e-6, *, audit_interval=2e-6, hooks=()) -> CableResult:
+def run(
+    net: CableNet, strike_velocity: float, end_time: float = 800e-6, *, audit_interval: float = 2e-6,
+    hooks: Iterable[Hook] = (),
+) -> CableResult:  # fmt: skip
     """Run an impact on a net until the projectile stops or is through, or `end_time` [s] has passed.
 
     Raises

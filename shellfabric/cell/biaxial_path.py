@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from scipy.optimize import brentq
 
+from fabrics.checks import FloatArray
 from fabrics.errors import InputError
 from shellfabric.cell.model import CellModel
 
@@ -29,12 +31,12 @@ class CellPath:
     failed: str
 
     @property
-    def tension(self):
+    def tension(self) -> FloatArray:
         """(n, 2) [N] tensions of warp and weft."""
         return np.stack([self.response["T1"], self.response["T2"]], axis=-1)
 
 
-def to_strength(model: CellModel, ratio, n=241) -> CellPath:
+def to_strength(model: CellModel, ratio: Sequence[float], n: int = 241) -> CellPath:
     """Stretch a crossover from rest at a fixed ratio of strains until its first yarn is at its strength.
 
     Parameters
@@ -47,15 +49,15 @@ def to_strength(model: CellModel, ratio, n=241) -> CellPath:
     ------
     InputError : a ratio that stretches no yarn, or shortens one
     """
-    ratio = np.asarray(ratio, float)
-    if not (ratio.shape == (2,) and np.isfinite(ratio).all() and ratio.min() >= 0 < ratio.max()):
-        raise InputError(key="ratio", value=tuple(ratio), allowed="two numbers of at least 0, one of them above")
-    ratio = ratio / ratio.max()
+    parts = np.asarray(ratio, float)
+    if not (parts.shape == (2,) and np.isfinite(parts).all() and parts.min() >= 0 < parts.max()):
+        raise InputError(key="ratio", value=tuple(parts), allowed="two numbers of at least 0, one of them above")
+    parts = parts / parts.max()
     yarns = model.fabric.weave.yarns
     strengths = np.array([yarn.strength for yarn in yarns])
 
     def state(s):
-        return model.solve(1 + ratio[0] * s, 1 + ratio[1] * s)
+        return model.solve(1 + parts[0] * s, 1 + parts[1] * s)
 
     def short_of_strength(s):
         # tensions rise along the path, so that the first failure can be bracketed
@@ -65,9 +67,11 @@ def to_strength(model: CellModel, ratio, n=241) -> CellPath:
     # a yarn that is straight and past its strength
     far = min(
         ((1 + yarn.crimp) * (1 + 1.01 * ultimate) - 1) / part
-        for yarn, ultimate, part in zip(yarns, model.ultimate_strains, ratio) if part > 0
+        for yarn, ultimate, part in zip(yarns, model.ultimate_strains, parts) if part > 0
     )  # fmt: skip
     s = np.linspace(0, brentq(short_of_strength, 0.0, far, xtol=1e-12), n)
     response = state(s)
     last = np.array([response["T1"][-1], response["T2"][-1]]) / strengths
-    return CellPath(tuple(map(float, ratio)), s[:, None] * ratio, response, ("warp", "weft")[int(np.argmax(last))])
+    return CellPath(
+        (float(parts[0]), float(parts[1])), s[:, None] * parts, response, ("warp", "weft")[int(np.argmax(last))]
+    )

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from fabrics.checks import FloatArray
 
-def grid(lowest, highest, n):
+
+def grid(lowest: float, highest: float, n: int) -> FloatArray:
     """(n,) uniform, one of them 1, from `lowest` or a step below it to at least `highest`; lowest <= 1 < highest."""
     below = int((1 - lowest) / (highest - lowest) * (n - 1))
     step = (1 - lowest) / below if below else (highest - 1) / (n - 2)
@@ -13,13 +15,15 @@ def grid(lowest, highest, n):
     return 1 + step * (np.arange(n) - below)
 
 
-def bilinear(f):
+def bilinear(f: FloatArray) -> FloatArray:
     """(n1-1, n2-1, 4): c with f = c0 + c1 s + c2 t + c3 s t in the local coordinates 0 <= s, t <= 1 of each cell."""
     f00, f10, f01, f11 = f[:-1, :-1], f[1:, :-1], f[:-1, 1:], f[1:, 1:]
     return np.stack([f00, f10 - f00, f01 - f00, f11 - f10 - f01 + f00], axis=2)
 
 
-def nonnegative(f, fx, fy, fxy):
+def nonnegative(
+    f: FloatArray, fx: FloatArray, fy: FloatArray, fxy: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
     """Nodal values and slopes per cell of the grid, limited so that the bicubic between them is nowhere negative.
 
     Where yarns come into contact the potential rises from zero as a parabola, and a cubic through it dips below zero:
@@ -34,7 +38,7 @@ def nonnegative(f, fx, fy, fxy):
     return f, fx, fy, np.clip(fxy, lowest, highest)
 
 
-def bicubic(f, fx, fy, fxy):
+def bicubic(f: FloatArray, fx: FloatArray, fy: FloatArray, fxy: FloatArray) -> FloatArray:
     """(n1-1, n2-1, 16): c with f = sum c[4 p + q] s^p t^q, from nodal values and slopes per cell of the grid.
 
     Neighbouring cells share values and slopes, so that f is continuous with its first derivatives.
@@ -50,7 +54,7 @@ def bicubic(f, fx, fy, fxy):
     return np.ascontiguousarray((M @ G @ M.T).reshape(n1, n2, 16))
 
 
-def spline(f, fx, fy, fxy, rest):
+def spline(f: FloatArray, fx: FloatArray, fy: FloatArray, fxy: FloatArray, rest: tuple[int, int]) -> FloatArray:
     """(n1-1, n2-1, 9): c with f = sum c[3 p + q] s^p t^q, the quadratic B-spline next to nodal values and slopes.
 
     A quadratic from node 0 to node 1 has the control (f0 + f1) / 2 + (f0' - f1') / 4 in between, where the tangents at

@@ -15,10 +15,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 from scipy.optimize import brentq
 
+from fabrics.checks import FloatArray
 from fabrics.compression import CompressionLaw
 from fabrics.errors import InputError, UnstableError
 from fabrics.fabric import Fabric
@@ -65,7 +68,7 @@ class CellModel:
     model: str = "compressible"
     form: str = "variational"
     profile: str = "cosine"
-    toe: float | tuple[float, float] = 0.0
+    toe: float | tuple[float, ...] = 0.0
     reach: float = 1.0
 
     def __post_init__(self):
@@ -83,19 +86,19 @@ class CellModel:
             raise InputError(f"fabric {self.fabric.name} has no compression law", allowed="given one")
 
     @property
-    def used_laws(self) -> tuple[CompressionLaw, CompressionLaw]:
+    def used_laws(self) -> tuple[CompressionLaw, ...]:
         """The laws that the cell is solved with."""
         if self.model != "compressible":
             return CompressionLaw.incompressible(), CompressionLaw.incompressible()
-        return self.laws or self.fabric.laws
+        return self.laws or self.fabric.laws or ()
 
     @property
-    def toes(self) -> tuple[float, float]:
+    def toes(self) -> tuple[float, ...]:
         """[-] of warp and weft."""
-        return tuple(map(float, self.toe if np.ndim(self.toe) else (self.toe, self.toe)))
+        return tuple(float(toe) for toe in np.broadcast_to(self.toe, 2))
 
     @property
-    def h0(self) -> tuple[float, float]:
+    def h0(self) -> tuple[float, ...]:
         """[m] heights at rest of warp and weft, of the profile."""
         weave = self.fabric.weave
         if self.profile == "cosine":
@@ -103,7 +106,7 @@ class CellModel:
         return tuple(kernels.free_height(w, S0, PROFILES[self.profile]) for w, S0 in zip(weave.w, weave.S0))
 
     @property
-    def ultimate_strains(self) -> tuple[float, float]:
+    def ultimate_strains(self) -> tuple[float, ...]:
         """[-] of warp and weft, alone, at their strength: the toe comes beyond the failure strain of the fibres."""
         found = []
         for yarn, toe in zip(self.fabric.weave.yarns, self.toes):
@@ -113,7 +116,7 @@ class CellModel:
         return tuple(found)
 
     @property
-    def yarn_tuples(self):
+    def yarn_tuples(self) -> tuple[tuple[float, ...], ...]:
         """The two yarns as `crossover_kernels` takes them."""
         weave, profile = self.fabric.weave, PROFILES[self.profile]
         rows = zip(weave.w, weave.S0, weave.yarns, self.h0, self.used_laws, self.toes)
@@ -122,13 +125,13 @@ class CellModel:
             for w, S0, yarn, h0, law, toe in rows
         )
 
-    def alone(self, family, stretch):
+    def alone(self, family: int, stretch: ArrayLike) -> FloatArray:
         """[N] tension of a yarn of the family 0 (warp) or 1 (weft) that crosses nothing, at stretches of the cell."""
         w, S0, EA, *_, toe, _ = self.yarn_tuples[family]
         slack = np.maximum(2 * w * np.asarray(stretch, float) - S0, 0)
         return EA * (slack / S0 + toe * np.expm1(-slack / S0 / toe)) if toe else EA * slack / S0
 
-    def solve(self, stretch1, stretch2) -> dict:
+    def solve(self, stretch1: ArrayLike, stretch2: ArrayLike) -> dict:
         """The cell at given stretches.
 
         Parameters
@@ -150,7 +153,7 @@ class CellModel:
             raise UnstableError("the crossover did not close", where=f"fabric {self.fabric.name}")
         return {name: column.reshape(stretch1.shape) for name, column in zip(COLUMNS, out)}
 
-    def range(self):
+    def range(self) -> tuple[tuple[float, float], ...]:
         """((lowest, highest), (lowest, highest)) stretches of the table, of warp and weft."""
         weave, bounds = self.fabric.weave, []
         for w, S0, crossing, ultimate in zip(weave.w, weave.S0, weave.yarns[::-1], self.ultimate_strains):
@@ -177,7 +180,7 @@ class CellModel:
             return 0.0
         return brentq(too_long, _CLOSED, straight) if too_long(straight) > 0 else straight
 
-    def table(self, n=201) -> CellTable:
+    def table(self, n: int = 201) -> CellTable:
         """Fill a table of n x n stretches."""
         return CellTable.fill(self, n)
 
@@ -203,7 +206,7 @@ class CellTable:
     residual : [-] rms of the part of a sampled surface's forces that no potential has, over the rms force
     """
 
-    model: object
+    model: Any
     stretch1: np.ndarray
     stretch2: np.ndarray
     values: dict
@@ -214,7 +217,7 @@ class CellTable:
     residual: float = 0.0
 
     @classmethod
-    def fill(cls, model: CellModel, n=201) -> CellTable:
+    def fill(cls, model: CellModel, n: int = 201) -> CellTable:
         """Solve the cell on n x n stretches over its range.
 
         Raises
@@ -237,7 +240,10 @@ class CellTable:
         return cls.of(model, x, y, values, fx, fy)
 
     @classmethod
-    def of(cls, model, x, y, values, fx, fy, residual=0.0) -> CellTable:
+    def of(
+        cls, model: Any, x: FloatArray, y: FloatArray, values: dict[str, FloatArray], fx: FloatArray, fy: FloatArray,
+        residual: float = 0.0,
+    ) -> CellTable:  # fmt: skip
         """The table with the stretches x, y, the values at them, and the slopes fx, fy of W per cell of the grid."""
         W, fx, fy = values["W"].copy(), fx.copy(), fy.copy()
         # the mixed slope from both sides; it is the same function where W is smooth
@@ -264,15 +270,15 @@ class CellTable:
         )
 
     @property
-    def steps(self):
+    def steps(self) -> tuple[float, float]:
         """[-] grid spacings along the two stretches."""
         return self.stretch1[1] - self.stretch1[0], self.stretch2[1] - self.stretch2[0]
 
-    def stiffness(self):
+    def stiffness(self) -> float:
         """[N/m] largest eigenvalue of the membrane tangent dN_i/dLambda_j (per width of cloth) over the table."""
         return self._stiffness[0]
 
-    def tautness(self):
+    def tautness(self) -> float:
         """[-] that eigenvalue at rest, where cloth begins to be stretched, over its largest."""
         return self._stiffness[1] / self._stiffness[0]
 

@@ -1,14 +1,22 @@
 """The table of a cell as the kernels read it: rows that begin with a cache line."""
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
 import numpy as np
 
+from fabrics.checks import FloatArray
 from shellfabric.cell import crossover_kernels
 from shellfabric.jit.aligned import aligned_zeros
+
+if TYPE_CHECKING:
+    from shellfabric.cell.model import CellTable
 
 _STEPS = 256  # of the force, in the bound of the tension
 
 
-def potential(table):
+def potential(table: CellTable) -> tuple[FloatArray, FloatArray]:
     """(cells, 8), (cells,) [J] the table's potential but for its constants, each row a cache line, and these."""
     columns = table.spline.reshape(-1, 9)
     rows = aligned_zeros(1, 8 * len(columns))[0].reshape(-1, 8)
@@ -16,7 +24,7 @@ def potential(table):
     return rows, columns[:, 0].copy()
 
 
-def ceilings(table):
+def ceilings(table: CellTable) -> list[tuple[FloatArray, float]]:
     """Of warp and weft: the bounds that the forces of the variational form give of the tensions (`_ceiling`)."""
     found, weave = [], table.model.fabric.weave
     spline = np.moveaxis(table.spline.reshape(-1, 3, 3), 0, -1)  # of p^a q^b at [a, b]

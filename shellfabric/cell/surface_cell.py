@@ -26,6 +26,7 @@ from scipy.interpolate import PchipInterpolator
 from scipy.sparse import coo_matrix
 from scipy.sparse.linalg import spsolve
 
+from fabrics.checks import FloatArray
 from fabrics.errors import InputError
 from fabrics.fabric import Fabric
 from fabrics.surface import ResponseSurface
@@ -72,12 +73,12 @@ class SurfaceCell:
                 raise InputError(key=f"surface.{name}", value=given, allowed="a range that begins at or below 0")
 
     @property
-    def region(self):
+    def region(self) -> tuple[tuple[float, float], ...]:
         """((lowest, highest), (lowest, highest)) stretches that the surface was sampled over, of warp and weft."""
         axes = zip((self.surface.d1, self.surface.d2), self.fabric.weave.w)
         return tuple((1 + axis[0] / w, 1 + axis[-1] / w) for axis, w in axes)
 
-    def solve(self, stretch1, stretch2) -> dict:
+    def solve(self, stretch1: FloatArray, stretch2: FloatArray) -> dict:
         """Forces at the stretches of a grid.
 
         Parameters
@@ -101,14 +102,14 @@ class SurfaceCell:
             values[name] = np.maximum(here + phi * (inside - there), 0.0)
         return values
 
-    def table(self, n=201) -> CellTable:
+    def table(self, n: int = 201) -> CellTable:
         """Tables of n x n stretches over the range of the cell, wider than the surface's region."""
         bounds = CellModel(self.fabric, model="decoupled").range()
         x, y = (grid(*pair, n) for pair in bounds)
         values = self.solve(x, y)
         w1, w2 = self.fabric.weave.w
         per = 2 * w1 * (x[1] - x[0]), 2 * w2 * (y[1] - y[0])
-        floor = [_FLOOR * p * yarn.strength for p, yarn in zip(per, self.fabric.weave.yarns)]
+        floor = np.array([_FLOOR * p * yarn.strength for p, yarn in zip(per, self.fabric.weave.yarns)])
         beyond = [np.abs(axis - np.clip(axis, *bounds)) for axis, bounds in zip((x, y), self.region)]
         trust = np.maximum(np.exp(-np.maximum(beyond[0][:, None], beyond[1]) / _TRUSTED), _TRUST)
         W, fx, fy, residual = potential(values["T1"] * per[0], values["T2"] * per[1], floor, trust)
@@ -138,7 +139,9 @@ class SurfaceCell:
         return low
 
 
-def potential(fx, fy, floor, trust):
+def potential(
+    fx: FloatArray, fy: FloatArray, floor: FloatArray, trust: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray, float]:
     """The potential whose slopes are next to given ones, by least squares of the relative difference.
 
     Parameters

@@ -15,11 +15,13 @@ A state is settled at |f on free nodes| <= tolerance x max(|f on held nodes|, fo
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
+from fabrics.checks import BoolArray, FloatArray
 from fabrics.errors import UnstableError
 
 MARGIN = 0.05  # for the growth of the stiffness within one step
@@ -49,11 +51,14 @@ class State:
     settled: bool
 
     @property
-    def iterations(self):
+    def iterations(self) -> int:
         return len(self.history)
 
 
-def relax(forces: Callable, x, held, *, tolerance=1e-4, force_floor=0.0, max_iterations=50_000, load=1.0) -> State:
+def relax(
+    forces: Callable, x: FloatArray, held: BoolArray, *, tolerance: float = 1e-4, force_floor: float = 0.0,
+    max_iterations: int = 50_000, load: float = 1.0,
+) -> State:  # fmt: skip
     """Relax a body from x.
 
     Parameters
@@ -98,8 +103,10 @@ def relax(forces: Callable, x, held, *, tolerance=1e-4, force_floor=0.0, max_ite
 
 
 def relax_path(
-    body, x, held, path: Callable, loads: Sequence[float], *, tolerance=1e-4, force_floor=0.0, max_iterations=50_000,
-    hooks=(), progress=None, done=(),
+    body: Any, x: FloatArray, held: BoolArray, path: Callable, loads: Sequence[float] | FloatArray, *,
+    tolerance: float = 1e-4, force_floor: float = 0.0, max_iterations: int = 50_000,
+    hooks: Iterable[Callable[[State], object]] = (), progress: Callable[..., object] | None = None,
+    done: Iterable[State] = (),
 ) -> tuple[tuple[State, ...], bool]:  # fmt: skip
     """Move the supports of a body step by step and relax it at each.
 
@@ -144,7 +151,7 @@ def relax_path(
             if not state.settled:
                 raise _not_settled(body, state, held, tolerance)
         except UnstableError as problem:
-            problem.states = (*states, state)
+            problem.states = (*states, state)  # type: ignore[attr-defined]
             raise
         states.append(state)
         if ended:

@@ -10,14 +10,19 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy import sparse
 from scipy.sparse.linalg import splu
 
+from fabrics.checks import BoolArray, FloatArray
 from fabrics.errors import InputError
 from shellfabric.cell.model import CellTable
 from shellfabric.coupon import relaxation_kernels as kernels
+
+if TYPE_CHECKING:
+    from fabrics.weave import Weave
 
 
 @dataclass(frozen=True)
@@ -57,7 +62,7 @@ class Coupon:
         object.__setattr__(self, "_scratch", np.empty((2, 5, max(len(edges) for edges in self.edges))))
 
     @property
-    def weave(self):
+    def weave(self) -> Weave:
         return self.table.model.fabric.weave
 
     @cached_property
@@ -74,12 +79,12 @@ class Coupon:
         potential = table.potential.reshape(-1, 16)
         return self.edges, self.cells, self.across, self.quads, self.spacing, potential, grid, yarns, law
 
-    def forces(self, x):
+    def forces(self, x: FloatArray) -> tuple[FloatArray, FloatArray, tuple[float, float]]:
         """Forces (n, 2) [N], bounds (n,) [N/m] on rows of the stiffness, energies (yarns, trellis) [J] at x (n, 2)."""
         f, bound, stored, sheared = kernels.forces(x, *self._arguments, self._scratch)
         return f, bound, (stored, sheared)
 
-    def spread(self, u, held):
+    def spread(self, u: FloatArray, held: BoolArray) -> FloatArray:
         """A motion (n, 2) [m] of all nodes that is u on the held ones; each free node moves as its neighbours' mean."""
         n, pairs = len(self.points), np.concatenate(self.edges)
         joined = sparse.coo_matrix((np.ones(len(pairs)), pairs.T), shape=(n, n))
@@ -89,18 +94,18 @@ class Coupon:
         out[free] = splu(laplace[free][:, free].tocsc()).solve(joined[free][:, np.flatnonzero(held)] @ out[held])
         return out
 
-    def shear_angles(self, x):
+    def shear_angles(self, x: FloatArray) -> FloatArray:
         """(q,) [rad] of the quadrilaterals, positive where the angle between warp and weft has closed."""
         return kernels.angles(x, self.quads, *self.spacing)
 
-    def stretches(self, x):
+    def stretches(self, x: FloatArray) -> tuple[FloatArray, ...]:
         """((e1,), (e2,)) [-] of the warp and the weft segments."""
         return tuple(
             np.linalg.norm(x[edges[:, 1]] - x[edges[:, 0]], axis=1) / length
             for edges, length in zip(self.edges, self.spacing)
         )
 
-    def tensions(self, x):
+    def tensions(self, x: FloatArray) -> tuple[FloatArray, ...]:
         """((e1,), (e2,)) [N] tensions of the yarns in the warp and the weft segments."""
         stretches, model, found = self.stretches(x), self.table.model, []
         for m, (own, other) in enumerate(zip(stretches, stretches[::-1])):
@@ -115,16 +120,9 @@ class Coupon:
 
 
 def mesh_coupon(
-    table: CellTable,
-    outline: Callable,
-    reach: float,
-    *,
-    angle: float = 0.0,
-    elements_per_crossover: int = 1,
-    offset: tuple[float, float] = (0.0, 0.0),
-    woven: Callable | None = None,
-    trellis: bool = True,
-) -> Coupon:
+    table: CellTable, outline: Callable, reach: float, *, angle: float = 0.0, elements_per_crossover: int = 1,
+    offset: tuple[float, float] = (0.0, 0.0), woven: Callable | None = None, trellis: bool = True,
+) -> Coupon:  # fmt: skip
     """Mesh a coupon about the origin, cut out of the weave.
 
     Parameters

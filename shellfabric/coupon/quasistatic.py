@@ -7,10 +7,13 @@ bands (source thesis section 4.4.3, Figure 4-27), no equilibrium. Keywords `rela
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from math import asin, pi, sqrt
+from typing import Any
 
 import numpy as np
 
+from fabrics.checks import BoolArray, FloatArray, IntArray
 from fabrics.errors import InputError, UnstableError
 from shellfabric.cell.model import CellTable
 from shellfabric.coupon.model import Coupon, mesh_coupon
@@ -21,8 +24,8 @@ BANDS = 3.0  # `concentration` above which shear is in bands; a coupon that shea
 
 
 def bias_extension(
-    table: CellTable, *, length=0.1435, width=0.074, elongation=0.010, steps=20, elements_per_crossover=1,
-    trellis=True, **relaxing,
+    table: CellTable, *, length: float = 0.1435, width: float = 0.074, elongation: float = 0.010, steps: int = 20,
+    elements_per_crossover: int = 1, trellis: bool = True, **relaxing: Any,
 ) -> Result:  # fmt: skip
     """Pull a coupon whose yarns run at 45 degrees to the load; yarns do not fail (source thesis section 4.4.3).
 
@@ -64,7 +67,9 @@ def bias_extension(
     return run(coupon, grips, path, elongation, steps, (no_bands, no_fold(coupon)), **relaxing)
 
 
-def bias_coupon(table, length, width, elements_per_crossover=1, trellis=True):
+def bias_coupon(
+    table: CellTable, length: float, width: float, elements_per_crossover: int = 1, trellis: bool = True
+) -> tuple[Coupon, IntArray, tuple[float, float]]:
     """(Coupon, (n,) its grips, (length, width) [m] as meshed) of a bias test; arguments as of `bias_extension`."""
     if not length > width > 0:
         raise InputError(key="length", value=length, allowed=f"above the width, {width:g} m")
@@ -83,14 +88,14 @@ def bias_coupon(table, length, width, elements_per_crossover=1, trellis=True):
     return coupon, np.where(y > length / 2 - slack, 1, np.where(y < -length / 2 + slack, 2, 0)), (length, width)
 
 
-def zones(coupon: Coupon, length, width):
+def zones(coupon: Coupon, length: float, width: float) -> IntArray:
     """(q,) index into ZONES of the elements of a bias coupon: 2, 1, 0 of their yarns lead to a clamp (Fig. 4-25)."""
     x, y = coupon.points[coupon.quads].mean(axis=1).T
     reach = (length - width) / 2
     return 2 - (np.abs(y - x) > reach).astype(int) - (np.abs(y + x) > reach)
 
 
-def concentration(gamma, centre):
+def concentration(gamma: FloatArray, centre: BoolArray) -> float:
     """[-] shear angle that one element in a hundred exceeds, over the median of the elements `centre`.
 
     A hundredth is about one row of elements, the narrowest band there is.
@@ -98,13 +103,13 @@ def concentration(gamma, centre):
     return float(np.quantile(np.abs(gamma), 0.99) / np.median(np.abs(gamma[centre])))
 
 
-def bias_size(result: Result):
+def bias_size(result: Result) -> tuple[float, float]:
     """(length, width) [m] of the coupon of a bias test, as it was meshed."""
     top = result.coupon.points[result.grips == 1]
     return 2 * float(top[:, 1].min()), float(np.ptp(result.coupon.points[:, 0]))
 
 
-def inextensible_shear(length, width, elongation):
+def inextensible_shear(length: float, width: float, elongation: float) -> float:
     """Shear angle [rad] of zone C if yarns do not stretch: the zone's diagonal, length - width, takes all of it.
 
     With the angle between the yarns at 90 degrees - gamma a cell's diagonal grows by sqrt(1 + sin gamma), so that
@@ -117,8 +122,9 @@ def inextensible_shear(length, width, elongation):
 
 
 def picture_frame(
-    table: CellTable, *, cells=8, shear_angle=0.6, steps=12, elements_per_crossover=1, **relaxing
-) -> Result:
+    table: CellTable, *, cells: int = 8, shear_angle: float = 0.6, steps: int = 12, elements_per_crossover: int = 1,
+    **relaxing: Any,
+) -> Result:  # fmt: skip
     """Shear a square in a hinged frame that keeps the yarns' lengths, to `shear_angle` [rad] (Figure 4-24)."""
     if not 0 < shear_angle < pi / 2:
         raise InputError(key="shear_angle", value=shear_angle, allowed="above 0 and below pi/2")
@@ -138,7 +144,7 @@ def picture_frame(
     return run(coupon, grips, path, shear_angle, steps, (no_fold(coupon),), **relaxing)
 
 
-def frame_stress(result: Result):
+def frame_stress(result: Result) -> FloatArray:
     """(steps,) [Pa] shear stress of a picture frame test: work of the frame for a change of angle, over the volume."""
     x, y = result.coupon.points.T
     volume = len(result.coupon.quads) * np.prod(result.coupon.spacing) * result.coupon.weave.thickness
@@ -150,8 +156,8 @@ def frame_stress(result: Result):
 
 
 def uniaxial(
-    table: CellTable, *, direction="warp", length=0.10, width=0.03, strain=0.03, steps=15, failure=True,
-    elements_per_crossover=1, **relaxing,
+    table: CellTable, *, direction: str = "warp", length: float = 0.10, width: float = 0.03, strain: float = 0.03,
+    steps: int = 15, failure: bool = True, elements_per_crossover: int = 1, **relaxing: Any,
 ) -> Result:  # fmt: skip
     """Pull a strip along x, the direction of its warp or weft yarns, between clamps, with free sides.
 
@@ -180,8 +186,9 @@ def uniaxial(
 
 
 def biaxial(
-    table: CellTable, *, strain=(0.01, 0.01), centre=12, arm=8, cross_yarns_removed=True, steps=12, failure=True,
-    elements_per_crossover=1, **relaxing,
+    table: CellTable, *, strain: Sequence[float] | Callable[[float], Sequence[float]] = (0.01, 0.01), centre: int = 12,
+    arm: int = 8, cross_yarns_removed: bool = True, steps: int = 12, failure: bool = True,
+    elements_per_crossover: int = 1, **relaxing: Any,
 ) -> Result:  # fmt: skip
     """Pull a cross-shaped specimen by its four arms, the warp along x (source thesis section 5.3, Figure 5-58).
 
@@ -223,7 +230,7 @@ def biaxial(
     return run(coupon, grips, path, max(along(1.0)), steps, hooks, **relaxing)
 
 
-def middle_strain(result: Result, half):
+def middle_strain(result: Result, half: Sequence[float]) -> FloatArray:
     """(steps, 2) [-] strains along warp and weft of the part |X| < half[0], |Y| < half[1] [m] of a coupon."""
     coupon, found = result.coupon, []
     inside = [np.all(np.abs(coupon.points[edges].mean(axis=1)) < np.asarray(half), axis=1) for edges in coupon.edges]

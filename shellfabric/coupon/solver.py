@@ -7,13 +7,16 @@ Yarns that have passed one another and a yarn at its strength are looked for her
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from math import pi, sqrt
 
 import numpy as np
 
+from fabrics.checks import FloatArray, IntArray
 from fabrics.errors import UnstableError
 from shellfabric.coupon import dynamic_relaxation
+from shellfabric.coupon.dynamic_relaxation import State
 from shellfabric.coupon.model import Coupon
 
 FLOOR = 1e-4  # of a yarn's strength, for each held node: the reaction below which a coupon counts as unloaded
@@ -35,21 +38,25 @@ class Result:
 
     coupon: Coupon
     grips: np.ndarray
-    states: tuple[dynamic_relaxation.State, ...]
+    states: tuple[State, ...]
     prescribed: np.ndarray
     outcome: str
     force_floor: float
 
-    def force(self, grip, axis):
+    def force(self, grip: int, axis: int) -> FloatArray:
         """(steps,) [N] of a grip on the coupon, along axis 0 or 1."""
         return np.array([state.reaction[self.grips == grip, axis].sum() for state in self.states])
 
-    def shear(self, step=-1):
+    def shear(self, step: int = -1) -> FloatArray:
         """(q,) [rad] shear angles after a step."""
         return self.coupon.shear_angles(self.states[step].x)
 
 
-def run(coupon, grips, path, size, steps, hooks, *, tolerance=1e-4, max_iterations=50_000, progress=None, done=()):
+def run(
+    coupon: Coupon, grips: IntArray, path: Callable[[float], FloatArray], size: float, steps: int,
+    hooks: Iterable[Callable[..., object]], *, tolerance: float = 1e-4, max_iterations: int = 50_000,
+    progress: Callable[..., object] | None = None, done: Iterable[State] = (),
+) -> Result:  # fmt: skip
     """Pull a coupon and pack the result.
 
     Parameters
@@ -80,12 +87,12 @@ def run(coupon, grips, path, size, steps, hooks, *, tolerance=1e-4, max_iteratio
             force_floor=force_floor, max_iterations=max_iterations, hooks=hooks, progress=progress, done=done,
         )  # fmt: skip
     except UnstableError as problem:
-        problem.result = pack(problem.states, "unstable")
+        problem.result = pack(problem.states, "unstable")  # type: ignore[attr-defined]
         raise
     return pack(states, "yarn at its strength" if ended else "complete")
 
 
-def no_fold(coupon):
+def no_fold(coupon: Coupon) -> Callable[[State], None]:
     """A hook that ends a run in which an element has folded."""
 
     def hook(state):
@@ -101,7 +108,7 @@ def no_fold(coupon):
     return hook
 
 
-def at_strength(coupon):
+def at_strength(coupon: Coupon) -> Callable[[State], bool]:
     """A hook that ends a run once a yarn has reached its strength."""
 
     def hook(state):

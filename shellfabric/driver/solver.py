@@ -14,18 +14,24 @@ worker threads wait in their kernel while the main thread samples: waking takes 
 from __future__ import annotations
 
 import time
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
+from typing import Any, NoReturn, Self, TypeAlias, TypeVar
 
 import numpy as np
 
+from fabrics.checks import FloatArray, IntArray
 from fabrics.errors import InputError, UnstableError
+from shellfabric.driver.guards import energy_gain_message
 from shellfabric.jit import barrier
+
+Result = TypeVar("Result")
+Hook: TypeAlias = Callable[[Any], object]  # called with the solver after a sample; what it returns is not read
 
 RUNNING, STOPPED, PERFORATED, NOT_FINITE, CHECK = range(5)  # why a kernel ends its steps; as the step kernels have it
 OUTCOMES = {RUNNING: "in flight", STOPPED: "stopped", PERFORATED: "perforated"}
 ENERGY_CHECK_SHARE = 0.05  # of the strike energy that may be exchanged from one check of the energy to the next
-ENERGY_GAIN_LIMIT = 0.01  # share of the strike energy that a contact may seem to have given
 
 
 class ExplicitSolver:
@@ -69,16 +75,23 @@ class ExplicitSolver:
     contacts: tuple[tuple[str, str], ...] = (("contact", "the contact"),)
     counters: tuple[str, ...] = ("reason", "wall_time")
     history_columns = 0
+    const: Any  # named tuples of the kernels; `const` has the time step dt [s]
+    state: Any
 
-    def __init__(self, projectile, strike_velocity, end_time, *, interval, energy_error_limit):
+    def __init__(
+        self, projectile: Any, strike_velocity: float, end_time: float, *, interval: float, energy_error_limit: float
+    ) -> None:
         for key, value in (("strike_velocity", strike_velocity), ("end_time", end_time), ("interval", interval)):
             if not 0 < value < np.inf:
                 raise InputError(key=key, value=value, allowed="above 0")
         self.projectile, self.strike_velocity, self.end_time = projectile, float(strike_velocity), float(end_time)
         self.interval, self.energy_error_limit = float(interval), energy_error_limit
-        self.samples, self.step_history, self.snapshots = [], [], []
+        self.samples: list[FloatArray] = []
+        self.step_history: list[FloatArray] = []
+        self.snapshots: list[Any] = []
         self.reason, self.wall_time, self.share, self.threads = RUNNING, 0.0, 1.0, 1
-        self.checks, self.exchange, self.energy_at_start = 0, ENERGY_CHECK_SHARE, None
+        self.checks, self.exchange = 0, ENERGY_CHECK_SHARE
+        self.energy_at_start: float | None = None
         self._shared = np.zeros(barrier.SLOTS, np.int64)
 
     def _begin(self, dt):
@@ -90,16 +103,16 @@ class ExplicitSolver:
     # what a model provides
 
     @property
-    def steps(self):
+    def steps(self) -> int:
         """Steps made."""
         raise NotImplementedError
 
     @property
-    def time(self):
+    def time(self) -> float:
         """[s]"""
         return self.steps * self.const.dt
 
-    def advance(self, history):
+    def advance(self, history: FloatArray) -> tuple[int, int]:
         """Make as many steps as there are rows in `history`, or fewer where the run ends or an energy check is due.
 
         Parameters
@@ -112,89 +125,89 @@ class ExplicitSolver:
         """
         raise NotImplementedError
 
-    def observe(self):
+    def observe(self) -> tuple[Sequence[float], Sequence[float]]:
         """([...], [...]): the columns of a sample between time and energies; energies [J] of the modelled part, in the
         order of energy_names but for the error."""
         raise NotImplementedError
 
-    def node_speeds(self):
+    def node_speeds(self) -> list[tuple[FloatArray, float]]:
         """[((n,) speeds [m/s] of the nodes, the highest that a run goes on with)] of each part."""
         raise NotImplementedError
 
-    def where(self, part, node):
+    def where(self, part: int, node: int) -> str:
         """Text that says where the node of a part is."""
         raise NotImplementedError
 
-    def run_worker(self, shared, me):
+    def run_worker(self, shared: IntArray, me: int) -> None:
         """The share of thread number `me` in the steps of one call of `advance`."""
 
-    def sampled(self):
+    def sampled(self) -> None:
         """What a model does after a sample that the guards have passed."""
 
-    def guard_model(self):
+    def guard_model(self) -> None:
         """Guards of the model's own."""
 
-    def checkpoint_identity(self):
+    def checkpoint_identity(self) -> tuple[Any, str]:
         """(what determines the run and its records, name of the module whose code does)."""
         raise NotImplementedError
 
-    def checkpoint_arrays(self):
+    def checkpoint_arrays(self) -> dict[str, Any]:
         """{name: array, or named tuple of arrays} of the state, into which a checkpoint puts back what it has kept."""
         raise NotImplementedError
 
-    def checkpoint_records(self):
+    def checkpoint_records(self) -> dict[str, list[Any]]:
         """{name: list of equal rows} of what has been recorded."""
         return {"samples": self.samples}
 
-    def checkpoint_extra(self):
+    def checkpoint_extra(self) -> dict[str, Any]:
         """{name: array} of what is not restored in place; see `restore_extra`."""
         return {}
 
-    def restore_extra(self, arrays):
+    def restore_extra(self, arrays: Mapping[str, Any]) -> None:
         """Go on from what `checkpoint_extra` has returned."""
 
     # the driver
 
     @property
-    def ended(self):
+    def ended(self) -> bool:
         """Whether the run is over."""
         return self.reason != RUNNING or self.steps >= self.last_step
 
     @property
-    def outcome(self):
+    def outcome(self) -> str:
         """How it ended: "in flight", "stopped", "perforated" or "unstable"."""
         return OUTCOMES.get(self.reason, "unstable")
 
     @property
-    def strike_energy(self):
+    def strike_energy(self) -> float:
         """[J] of the whole projectile."""
         return self.projectile.energy(self.strike_velocity)
 
     @property
-    def workers(self):
+    def workers(self) -> int:
         """Number of threads besides the main one."""
         return self.threads - 1
 
     @property
-    def allowed_exchange(self):
+    def allowed_exchange(self) -> float:
         """[J] energy that the modelled part may exchange between two checks of the energy."""
         return self.exchange * self.strike_energy * self.share
 
     @property
-    def when(self):
+    def when(self) -> str:
         """Text that says how far the run has come."""
         return f"after {self.time * 1e6:.3g} us (step {self.steps})"
 
     @property
-    def sample_spacing(self):
+    def sample_spacing(self) -> float:
         """[s] from one sample to the next."""
         return self.steps_per_sample * self.const.dt
 
-    def sample(self, name):
+    def sample(self, name: str) -> FloatArray:
         """(n,) one column of the samples."""
         return np.array([row[self.sample_names.index(name)] for row in self.samples])
 
-    def run(self, hooks=()):
+    def run(self, hooks: Iterable[Hook] = ()) -> Self:
         """Integrate to the end, or to where the run goes wrong.
 
         Raises
@@ -281,7 +294,7 @@ class ExplicitSolver:
         energies[-1] = total - self.energy_at_start
         self.samples.append(np.array([self.time, *observed, *(energies / self.share)]))
 
-    _sum = staticmethod(sum)  # one after the other
+    _sum: Callable[..., float] = staticmethod(sum)  # one after the other
 
     def _drop_sample(self):
         """Forget the last sample."""
@@ -310,36 +323,12 @@ class ExplicitSolver:
         if error > self.energy_error_limit:
             self.stop(f"the energy balance is off by {100 * error:.2g} % of the strike energy", self.where(*place))
 
-    def stop(self, message, where, when=None):
+    def stop(self, message: str, where: str, when: str | None = None) -> NoReturn:
         """End the run: raises UnstableError."""
         raise UnstableError(message, where=where, when=when or self.when)
 
 
-def speed_limit(const):
-    """[m/s] the highest speed of a node that a run goes on with: one shorter side of an element in a step.
-
-    Nodes are fast without any instability. The nose throws light ones at twice its own velocity and more, a yarn that
-    breaks at the strain e lets go of its free end at 2 e c, with c the wave speed of the cloth, and the free corner of
-    a panel that is drawn in cracks as a whip does. None of this is bounded by the strike velocity alone. What central
-    differences cannot follow is a change of shape within a step: their bound takes the stiffness as constant over it,
-    while one end of a segment that moves by the segment's length has turned it over. As the step is a share of the time
-    that a wave takes over an element, such a node is faster than sound in the cloth. Below the bound the energy error
-    decides whether a run is good, and ends it if not.
-
-    Parameters
-    ----------
-    const : with dx, dy [m], the sides of the smallest element, and dt [s]
-    """
-    return min(const.dx, const.dy) / const.dt
-
-
-def energy_gain_message(taken, strike_energy):
-    """Message for a contact that has taken in `taken` [J]; "" unless it has given more than ENERGY_GAIN_LIMIT."""
-    share = -taken / strike_energy
-    return f"has given {100 * share:.2g} % of the strike energy that it never took" if share > ENERGY_GAIN_LIMIT else ""
-
-
-def run_to_end(solver, hooks, collect_result):
+def run_to_end(solver: ExplicitSolver, hooks: Iterable[Hook], collect_result: Callable[[], Result]) -> Result:
     """Run to the end and return collect_result(); an UnstableError carries it as `error.result`."""
     try:
         solver.run(hooks)

@@ -15,16 +15,22 @@ from __future__ import annotations
 
 import threading
 from collections import deque
+from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from math import inf, log
+from typing import TYPE_CHECKING
 
+from fabrics.checks import FloatArray
 from fabrics.errors import InputError, UnstableError
 from fabrics.executors import cancel, open_executor
 from shellfabric.cable.smith import striking_velocity
 from shellfabric.panel import quality
 from shellfabric.panel.model import Panel
 from shellfabric.panel.solver import PanelSolver
+
+if TYPE_CHECKING:
+    from fabrics.fabric import Fabric
 
 UNDECIDED = 5e-3  # [s] after which a shot that has neither stopped nor perforated is given up
 _AUDIT = 10e-6  # [s] between audits: nothing but the guards of the solver use them
@@ -59,7 +65,7 @@ class Shot:
     checks: tuple = ()
 
     @property
-    def perforated(self):
+    def perforated(self) -> bool:
         return self.outcome == "perforated"
 
 
@@ -78,34 +84,34 @@ class Limit:
     shots: tuple[Shot, ...]
 
     @property
-    def velocity(self):
+    def velocity(self) -> float:
         """[m/s] middle of the bracket."""
         return 0.5 * (self.low + self.high)
 
     @property
-    def half_width(self):
+    def half_width(self) -> float:
         """[m/s] of the bracket."""
         return 0.5 * (self.high - self.low)
 
     @property
-    def highest_stop(self):
+    def highest_stop(self) -> float:
         """[m/s] strike velocity of the fastest shot that stopped, of all shots."""
         return max((shot.strike_velocity for shot in self.shots if not shot.perforated), default=self.low)
 
     @property
-    def lowest_perforation(self):
+    def lowest_perforation(self) -> float:
         """[m/s] strike velocity of the slowest shot that perforated, of all shots."""
         return min((shot.strike_velocity for shot in self.shots if shot.perforated), default=self.high)
 
     @property
-    def mixed_zone(self):
+    def mixed_zone(self) -> tuple[float, float] | None:
         """(lowest perforation, highest stop) [m/s] where a shot stopped that was faster than one that perforated;
         None where the shots know of a single limit. A bisection alone never finds one; see `limit_scan`."""
         zone = self.lowest_perforation, self.highest_stop
         return zone if zone[0] < zone[1] else None
 
     @property
-    def single(self):
+    def single(self) -> bool:
         """Whether the shots know of one limit only: none stopped that was faster than one that perforated."""
         return self.mixed_zone is None
 
@@ -130,21 +136,21 @@ class Bracket:
     factor: float = _STEP
 
     @property
-    def width(self):
+    def width(self) -> float:
         """[m/s]; infinite while one end is unknown."""
         return self.high - self.low if self.closed else inf
 
     @property
-    def closed(self):
+    def closed(self) -> bool:
         """Whether both ends are known."""
         return self.low > 0 and self.high < inf
 
     @property
-    def exhausted(self):
+    def exhausted(self) -> bool:
         """Whether one end is unknown and there is no more room to look for it."""
         return not self.closed and (self.low >= self.highest or self.high <= self.lowest)
 
-    def next(self):
+    def next(self) -> float:
         """[m/s] velocity to try."""
         if self.closed:
             return 0.5 * (self.low + self.high)
@@ -152,15 +158,16 @@ class Bracket:
             return min(self.low * self.factor, self.highest)
         return max(self.high / self.factor, self.lowest) if self.high < inf else self.guess
 
-    def after(self, perforated):
+    def after(self, perforated: bool) -> Bracket:
         """The bracket once the outcome of the next velocity is known."""
         end = {"high" if perforated else "low": self.next()}
         stepping = not self.closed and (self.low > 0 or self.high < inf)
         return replace(self, **end, factor=self.factor**2 if stepping else self.factor)
 
-    def ahead(self, count, tolerance):
+    def ahead(self, count: int, tolerance: float) -> list[float]:
         """The next velocity and those that may follow it, the most likely first; at most `count`."""
-        wanted, open_ends = [], deque([self])
+        wanted: list[float] = []
+        open_ends = deque([self])
         while open_ends and len(wanted) < count:
             bracket = open_ends.popleft()
             if bracket.width > tolerance and not bracket.exhausted:
@@ -169,14 +176,15 @@ class Bracket:
         return wanted
 
 
-def first_guess(fabric):
+def first_guess(fabric: Fabric) -> float:
     """[m/s] a velocity to begin with: a share of that which fails the weaker yarn at once, by Smith's theory."""
     return _GUESS * min(striking_velocity(yarn.wave_speed, yarn.failure_strain) for yarn in fabric.weave.yarns)
 
 
 def critical_velocity(
-    panel: Panel, *, tolerance=1.0, guess=None, step=_STEP, highest=1000.0, executor="local", jobs=1, report=None
-):
+    panel: Panel, *, tolerance: float = 1.0, guess: float | None = None, step: float = _STEP, highest: float = 1000.0,
+    executor: str = "local", jobs: int = 1, report: Callable[..., object] | None = None,
+) -> Limit:  # fmt: skip
     """Bisect for the critical velocity of a panel.
 
     Parameters
@@ -204,7 +212,7 @@ def critical_velocity(
     if not step > 1:
         raise InputError(key="step", value=step, allowed="above 1")
     bracket = Bracket(min(max(guess, tolerance), highest), tolerance, highest, factor=step)
-    shots = []
+    shots: list[Shot] = []
     with _Range(panel, executor, jobs) as shooting:
         while bracket.width > tolerance:
             if bracket.exhausted:
@@ -219,13 +227,16 @@ def critical_velocity(
     return Limit(bracket.low, bracket.high, tuple(shots))
 
 
-def shoot(panel: Panel, velocities, *, executor="local", jobs=1, report=None):
+def shoot(
+    panel: Panel, velocities: Sequence[float] | FloatArray, *, executor: str = "local", jobs: int = 1,
+    report: Callable[..., object] | None = None,
+) -> tuple[Shot, ...]:  # fmt: skip
     """Fire shots at given velocities [m/s], such as for a curve of residual velocity; a tuple of Shot, in their order.
 
     executor, jobs, and what is raised: as of `critical_velocity`.
     """
     _check(jobs=jobs, **{f"velocities[{i}]": v for i, v in enumerate(velocities)})
-    shots = []
+    shots: list[Shot] = []
     with _Range(panel, executor, jobs) as shooting:
         shooting.only(velocities)
         for number, velocity in enumerate(velocities, 1):

@@ -13,9 +13,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
 from scipy.optimize import least_squares
 from scipy.stats import t as student
 
+from fabrics.checks import FloatArray
 from fabrics.errors import InputError
 
 NAMES = ("a", "p", "limit")
@@ -45,18 +47,20 @@ class LambertJonas:
     residual_rms: float
     points: int
 
-    def residual_velocity(self, strike_velocity):
+    def residual_velocity(self, strike_velocity: ArrayLike) -> FloatArray:
         """[m/s] of the curve at strike velocities [m/s] of any shape."""
         return curve(np.asarray(strike_velocity, float), self.a, self.p, self.limit)
 
 
-def curve(strike_velocity, a, p, limit):
+def curve(strike_velocity: FloatArray, a: float, p: float, limit: float) -> FloatArray:
     """[m/s] residual velocity, (n,) or a number."""
     ratio = np.minimum(limit / strike_velocity, 1.0)
     return a * strike_velocity * (-np.expm1(p * np.log(ratio))) ** (1 / p)
 
 
-def fit(strike_velocity, residual_velocity, *, limit=None, confidence=0.95) -> LambertJonas:
+def fit(
+    strike_velocity: ArrayLike, residual_velocity: ArrayLike, *, limit: float | None = None, confidence: float = 0.95
+) -> LambertJonas:
     """Least squares of the curve to shots.
 
     Parameters

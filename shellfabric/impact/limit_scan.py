@@ -9,7 +9,7 @@ of a range are fired beside each other, and the result is the same with any exec
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from math import inf
 
@@ -63,14 +63,9 @@ class ScanRange:
 
 
 def scan(
-    panel: Panel,
-    limit: Limit,
-    velocities: ScanRange | None = None,
-    *,
-    executor: str = "local",
-    jobs: int = 1,
-    report=None,
-) -> Limit:
+    panel: Panel, limit: Limit, velocities: ScanRange | None = None, *, executor: str = "local", jobs: int = 1,
+    report: Callable[..., object] | None = None,
+) -> Limit:  # fmt: skip
     """Fire shots below and above a bracket until the zone of mixed outcomes, if there is one, is enclosed.
 
     Parameters

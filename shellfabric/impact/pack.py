@@ -2,20 +2,27 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
+from fabrics.checks import FilePath, IntArray
 from shellfabric.backing.coupling import BackingResult
-from shellfabric.driver.solver import run_to_end
+from shellfabric.driver.solver import Hook, run_to_end
 from shellfabric.impact import single_ply
 from shellfabric.impact.single_ply import ImpactSetup
 from shellfabric.output import checkpoint, histories
 from shellfabric.output import snapshots as output_snapshots
+from shellfabric.output.snapshots import Snapshot
 from shellfabric.panel.solver import PLY_SAMPLES
 from shellfabric.plies.model import Pack, PlyContact
 from shellfabric.plies.solver import PACK_ENERGIES, PackSolver
 from shellfabric.projectile import dynamics
+
+if TYPE_CHECKING:
+    from shellfabric.cell.model import CellTable
 
 
 @dataclass(frozen=True)
@@ -37,7 +44,7 @@ class PackSetup:
     gap: float | None = None
     contact: PlyContact = field(default_factory=PlyContact)
 
-    def pack(self, table=None) -> Pack:
+    def pack(self, table: CellTable | None = None) -> Pack:
         """The pack that this set-up describes, with its own table of the first ply's cell or one that a like set-up has
         filled.
 
@@ -94,16 +101,16 @@ class PackResult(single_ply.Outcome):
     checks: tuple
 
     @property
-    def first_ply_setup(self):
+    def first_ply_setup(self) -> ImpactSetup:
         return self.setup.ply
 
     @property
-    def failed_segments(self):
+    def failed_segments(self) -> IntArray:
         """(n,) failed yarn segments of all plies."""
         return self.plies["failed_yarns"].sum(axis=1)
 
 
-def shots(solver):
+def shots(solver: PackSolver) -> tuple[Snapshot, ...]:
     """(plies,) snapshots.Snapshot of the present, counted from the plane of the first ply at rest."""
     found = []
     for ply, state, z in zip(solver.pack.plies, solver.states, solver.pack.places):
@@ -119,7 +126,9 @@ def shots(solver):
     return tuple(found)
 
 
-def run(setup: PackSetup, *, hooks=(), resume=None, table=None) -> PackResult:
+def run(
+    setup: PackSetup, *, hooks: Iterable[Hook] = (), resume: FilePath | None = None, table: CellTable | None = None
+) -> PackResult:
     """Run an impact on a pack; parameters, exceptions and resuming as `single_ply.run`."""
     ply = setup.ply
     solver = PackSolver(setup.pack(table), ply.strike_velocity, ply.end_time, interval=ply.sample_interval)
@@ -142,6 +151,8 @@ def collect_result(setup: PackSetup, solver: PackSolver) -> PackResult:
         held_apart=solver.held_apart,
         projectile_position=solver.stack.projectile_position[0].copy(),
         last=shots(solver),
-        histories=histories.unpack(solver.histories, plies, setup.ply.history) if solver.histories else (),
+        histories=histories.unpack(solver.histories, plies, setup.ply.history)
+        if setup.ply.history and solver.histories
+        else (),
         **single_ply.projectile_result(solver, solver.pack.elements),
     )

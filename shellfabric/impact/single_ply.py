@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from math import ceil
+from typing import Any
 
 import numpy as np
 
+from fabrics.checks import FilePath
 from fabrics.compression import CompressionLaw
 from fabrics.errors import InputError
 from fabrics.fabric import Fabric
@@ -15,14 +18,14 @@ from shellfabric.backing.block import Backing
 from shellfabric.backing.coupling import BackingResult
 from shellfabric.cell.model import CellModel, CellTable
 from shellfabric.cell.surface_cell import SurfaceCell
-from shellfabric.driver.solver import run_to_end
+from shellfabric.driver.solver import Hook, run_to_end
 from shellfabric.output import checkpoint, histories
 from shellfabric.output import snapshots as output_snapshots
 from shellfabric.output.hooks import Snapshots
 from shellfabric.panel import quality
 from shellfabric.panel.boundary import Grip, PullIn
 from shellfabric.panel.model import SYMMETRIES, Numerics, Panel
-from shellfabric.panel.solver import ENERGIES, PanelSolver
+from shellfabric.panel.solver import ENERGIES, ClothSolver, PanelSolver
 from shellfabric.projectile import dynamics
 from shellfabric.projectile.bar import Rigidity, contact_time, held_force, rigid_is_enough
 from shellfabric.projectile.projectile import Projectile
@@ -98,7 +101,7 @@ class ImpactSetup:
         return 1 if self.grading is not None else min(max(1, ceil(needed)), MOST_ELEMENTS)
 
     @property
-    def sample_interval(self):
+    def sample_interval(self) -> float:
         """[s] between samples, which are as frequent as what is recorded."""
         return min(self.audit_interval, self.history.interval) if self.history else self.audit_interval
 
@@ -111,7 +114,9 @@ class ImpactSetup:
         """
         if self.surface is None:
             reach = 1.0 if self.failure else UNFAILING
-            model = CellModel(self.fabric, self.laws, self.gap, self.cell_model, self.form, self.profile, reach=reach)
+            model: CellModel | SurfaceCell = CellModel(
+                self.fabric, self.laws, self.gap, self.cell_model, self.form, self.profile, reach=reach
+            )
         else:
             model = SurfaceCell(self.fabric, self.surface, self.form)
         return model.table(self.table_size)
@@ -126,7 +131,7 @@ class ImpactSetup:
         opening = self.opening if np.ndim(self.opening) else (self.opening, self.opening)
         return Panel(
             table or self.table(),
-            tuple(opening),
+            tuple(opening),  # type: ignore[arg-type]
             self.projectile,
             self.symmetry,
             self._elements_per_crossover(),
@@ -136,7 +141,7 @@ class ImpactSetup:
             backing=self.backing,
             jam=self.jam,
             weave_angle=self.weave_angle,
-            bending=tuple(self.bending) if np.ndim(self.bending) else (self.bending, self.bending),
+            bending=tuple(self.bending) if np.ndim(self.bending) else (self.bending, self.bending),  # type: ignore[arg-type]
             grading=self.grading,
         )
 
@@ -147,18 +152,25 @@ class Outcome:
     `energies` are those of the result, `first_ply_setup` is the ImpactSetup of the first ply.
     """
 
+    energies: dict
+    step_history: np.ndarray
+
     @property
-    def strike_energy(self):
+    def first_ply_setup(self) -> ImpactSetup:
+        raise NotImplementedError
+
+    @property
+    def strike_energy(self) -> float:
         """[J]"""
         return self.first_ply_setup.projectile.energy(self.first_ply_setup.strike_velocity)
 
     @property
-    def energy_error_max(self):
+    def energy_error_max(self) -> float:
         """[-] largest error of the energy balance over the strike energy."""
         return float(np.max(np.abs(self.energies["error"]))) / self.strike_energy
 
     @property
-    def mirrored(self):
+    def mirrored(self) -> tuple[bool, bool]:
         """(x, y) whether the modelled part continues mirrored beyond x = 0 and y = 0."""
         return SYMMETRIES[self.first_ply_setup.symmetry]
 
@@ -237,11 +249,13 @@ class ImpactResult(Outcome):
     checks: tuple
 
     @property
-    def first_ply_setup(self):
+    def first_ply_setup(self) -> ImpactSetup:
         return self.setup
 
 
-def run(setup: ImpactSetup, *, hooks=(), resume=None, table=None) -> ImpactResult:
+def run(
+    setup: ImpactSetup, *, hooks: Iterable[Hook] = (), resume: FilePath | None = None, table: CellTable | None = None
+) -> ImpactResult:
     """Run an impact.
 
     Parameters
@@ -264,14 +278,14 @@ def run(setup: ImpactSetup, *, hooks=(), resume=None, table=None) -> ImpactResul
     return run_to_end(solver, (*own, *hooks), lambda: collect_result(setup, solver))
 
 
-def recorder(solver, setup: ImpactSetup):
+def recorder(solver: ClothSolver, setup: ImpactSetup) -> tuple[Hook, ...]:
     """The hook that records along yarns and at edges, in a tuple; none where nothing is to be recorded."""
     solver.history_request = setup.history
     plies = [panel for panel, _, _ in solver.parts]
     return (histories.Recorder(plies, setup.history),) if setup.history else ()
 
 
-def snapshot_hooks(setup: ImpactSetup, take=None):
+def snapshot_hooks(setup: ImpactSetup, take: Callable[..., object] | None = None) -> tuple[Hook, ...]:
     """The hook that takes the set-up's snapshots, in a tuple; see hooks.Snapshots. InputError for a bad interval."""
     if setup.snapshot_interval is None:
         return ()
@@ -295,12 +309,14 @@ def collect_result(setup: ImpactSetup, solver: PanelSolver) -> ImpactResult:
         quads=output_snapshots.quads(solver.panel),
         tension=last.tension.reshape(-1, 2),
         failed=last.failed.reshape(-1, 3),
-        histories=histories.unpack(solver.histories, (solver.panel,), setup.history)[0] if solver.histories else None,
+        histories=histories.unpack(solver.histories, (solver.panel,), setup.history)[0]
+        if setup.history and solver.histories
+        else None,
         **projectile_result(solver, solver.panel.elements),
     )
 
 
-def projectile_result(solver, elements):
+def projectile_result(solver: ClothSolver, elements: int) -> dict[str, Any]:
     """Entries of a result that are the same for one ply and a pack: the projectile's, the block's, and the cost."""
     fine = np.concatenate([np.empty((0, solver.history_columns)), *solver.step_history])
     clock, bar = solver.const.dt * np.arange(1, len(fine) + 1), solver.panel.projectile.bar

@@ -8,13 +8,18 @@ records, the code among it, and is refused by any other run.
 from __future__ import annotations
 
 from dataclasses import fields, is_dataclass
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from fabrics import run_cache
+from fabrics.checks import FilePath
 from fabrics.files import read_hdf5, write_hdf5
 from shellfabric.output.hooks import Every
 from shellfabric.output.snapshots import Snapshot
+
+if TYPE_CHECKING:
+    from shellfabric.driver.solver import ExplicitSolver
 
 FORMAT = "weavecell checkpoint 3"
 
@@ -22,22 +27,22 @@ FORMAT = "weavecell checkpoint 3"
 class Checkpoints(Every):
     """Write a checkpoint every interval [s] of the run's time, over the last one."""
 
-    def __init__(self, path, interval):
+    def __init__(self, path: FilePath, interval: float) -> None:
         super().__init__(interval)
         self.path = path
 
-    def __call__(self, solver):
+    def __call__(self, solver: ExplicitSolver) -> None:
         if self.due(solver):
             write(solver, self.path)
 
 
-def stamp(solver):
+def stamp(solver: ExplicitSolver) -> dict[str, Any]:
     """Digests of all that determines a run and its records."""
     known, module = solver.checkpoint_identity()
     return run_cache.stamp(known, module)
 
 
-def write(solver, path):
+def write(solver: ExplicitSolver, path: FilePath) -> None:
     """Write the state and the records of a solver."""
     with write_hdf5(path, FORMAT, **stamp(solver)) as file:
         file.attrs.update({name: getattr(solver, name) for name in solver.counters})
@@ -53,7 +58,7 @@ def write(solver, path):
             _store_snapshot(file, f"snapshots/{number:05d}", snapshot)
 
 
-def read(solver, path):
+def read(solver: ExplicitSolver, path: FilePath) -> None:
     """Bring a fresh solver to the state of a checkpoint.
 
     Raises

@@ -11,15 +11,21 @@ its names. Of a pack the same is recorded of every ply, or of the plies that are
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from math import cos, inf, sin
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from fabrics.checks import FloatArray, IntArray
 from fabrics.errors import InputError
 from shellfabric.output.hooks import Every
 from shellfabric.output.snapshots import yarn_tensions
 from shellfabric.panel.boundary import loose
+
+if TYPE_CHECKING:
+    from shellfabric.panel.model import Panel
 
 FAMILIES = ("warp", "weft")
 EDGES = ("warp_high", "warp_low", "weft_high", "weft_low")  # at highest and lowest x, at highest and lowest y
@@ -55,7 +61,7 @@ class HistoryRequest:
         if self.plies is not None and (not self.plies or any(ply != int(ply) or ply < 1 for ply in self.plies)):
             raise InputError(key="plies", value=self.plies, allowed="numbers of plies, the first is 1")
 
-    def chosen(self, count):
+    def chosen(self, count: int) -> Sequence[int]:
         """Indices of the plies to follow of a pack of `count`; InputError for a ply that it has not."""
         if self.plies is not None and max(self.plies) > count:
             raise InputError(key="plies", value=self.plies, allowed=f"1 to {count}")
@@ -89,11 +95,11 @@ class YarnHistory:
     deflection: np.ndarray
 
     @property
-    def strain(self):
+    def strain(self) -> FloatArray:
         """(samples, n) [-] of the fibre."""
         return self.tension / self.EA
 
-    def element_at(self, distance):
+    def element_at(self, distance: float) -> int:
         """Number of the element that lies nearest a distance [m] from the impact point."""
         return int(np.argmin(np.abs(self.X - distance)))
 
@@ -114,7 +120,7 @@ class Histories:
     yarns: tuple[YarnHistory, ...]
     edges: dict
 
-    def through(self, family) -> YarnHistory | None:
+    def through(self, family: str) -> YarnHistory | None:
         """The yarn of a family that is nearest the impact point."""
         return min((yarn for yarn in self.yarns if yarn.family == family), key=lambda y: abs(y.offset), default=None)
 
@@ -132,20 +138,21 @@ class Recorder(Every):
     InputError : a yarn that is not on the panel, a ply that is not in the pack
     """
 
-    def __init__(self, plies, measure: HistoryRequest):
+    def __init__(self, plies: Sequence[Panel], measure: HistoryRequest) -> None:
         super().__init__(measure.interval)
         self.chosen = measure.chosen(len(plies))
         self.what = [(rows(plies[p], measure), edge_nodes(plies[p])) for p in self.chosen]
 
-    def __call__(self, solver):
+    def __call__(self, solver: Any) -> None:
         if self.due(solver):
             parts = [
-                _record(*solver.parts[p], *what, solver.neighbour_forces(p)) for p, what in zip(self.chosen, self.what)
+                _record(*solver.parts[p], yarns, sides, solver.neighbour_forces(p))  # type: ignore[call-arg]
+                for p, (yarns, sides) in zip(self.chosen, self.what)
             ]
             solver.histories.append(np.concatenate([[solver.time], *parts]))
 
 
-def rows(panel, measure):
+def rows(panel: Panel, measure: HistoryRequest) -> list[tuple[str, int, int]]:
     """(family, row of elements, row of nodes) of every yarn to follow.
 
     On a mirrored panel the yarn at -y is the one at y.
@@ -192,7 +199,7 @@ def _edge_forces(state, sides, neighbours):
     return forces
 
 
-def edge_nodes(panel):
+def edge_nodes(panel: Panel) -> list[tuple[IntArray, FloatArray, FloatArray]]:
     """(node numbers, weights, outward normal) of the panel's sides, as EDGES names them.
 
     A mirrored side is its mirror's. Weights complete the panel by symmetry; a corner counts half to each of its sides.
@@ -229,7 +236,7 @@ def _oblique_sides(panel, X, Y, numbers):
     ]
 
 
-def unpack(recording, plies, measure) -> tuple[Histories, ...]:
+def unpack(recording: Sequence[FloatArray], plies: Sequence[Panel], measure: HistoryRequest) -> tuple[Histories, ...]:
     """Name the numbers of a recording, a list of rows: the Histories of each ply that has been followed."""
     table = np.array(recording)
     at = 1
@@ -242,7 +249,7 @@ def unpack(recording, plies, measure) -> tuple[Histories, ...]:
     return tuple(_unpacked(table[:, 0], take, plies[p], measure) for p in measure.chosen(len(plies)))
 
 
-def _unpacked(t, take, panel, measure) -> Histories:
+def _unpacked(t: FloatArray, take: Callable[[int], FloatArray], panel: Panel, measure: HistoryRequest) -> Histories:
     """Histories of one ply; take(count) gives the next columns of the recording."""
     weave, lines, yarns = panel.weave, panel.lines(), []
     for family, element, _ in rows(panel, measure):

@@ -2,7 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
 from shellfabric.output.snapshots import snapshot
+
+if TYPE_CHECKING:
+    from shellfabric.driver.solver import ExplicitSolver
 
 
 class Every:
@@ -13,10 +19,10 @@ class Every:
     interval : [s]
     """
 
-    def __init__(self, interval):
+    def __init__(self, interval: float) -> None:
         self.interval = interval
 
-    def due(self, solver):
+    def due(self, solver: ExplicitSolver) -> bool:
         """Whether this sample is the one nearest a multiple of the interval.
 
         It depends on the run alone, so that a resumed run acts at the same instants.
@@ -36,11 +42,11 @@ class Snapshots(Every):
     take : called as take(solver), makes the snapshot; None takes that of a panel
     """
 
-    def __init__(self, interval, take=None):
+    def __init__(self, interval: float, take: Callable[..., object] | None = None) -> None:
         super().__init__(interval)
         self.take = take or (lambda solver: snapshot(solver.panel, solver.state, solver.time))
 
-    def __call__(self, solver):
+    def __call__(self, solver: ExplicitSolver) -> None:
         if self.due(solver):
             solver.snapshots.append(self.take(solver))
 
@@ -53,8 +59,8 @@ class Progress:
     report : called as report(share of the end time, projectile velocity [m/s])
     """
 
-    def __init__(self, report):
+    def __init__(self, report: Callable[..., object]) -> None:
         self.report = report
 
-    def __call__(self, solver):
+    def __call__(self, solver: ExplicitSolver) -> None:
         self.report(1.0 if solver.ended else solver.time / solver.end_time, float(solver.state.projectile_velocity[2]))

@@ -3,8 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+
+from fabrics.checks import BoolArray, FloatArray, IntArray
+
+if TYPE_CHECKING:
+    from shellfabric.panel.arrays import State
+    from shellfabric.panel.model import Panel
 
 
 @dataclass(frozen=True)
@@ -29,7 +36,7 @@ class Snapshot:
     failed: np.ndarray
 
 
-def snapshot(panel, state, t) -> Snapshot:
+def snapshot(panel: Panel, state: State, t: float) -> Snapshot:
     """Take a snapshot of a panel's state at the time `t` [s]."""
     ni, nj = panel.counts
     grid = (ni + 1, nj + 1)
@@ -43,13 +50,13 @@ def snapshot(panel, state, t) -> Snapshot:
     return Snapshot(t, z, state.projectile_position.copy(), nodes, yarn_tensions(c, state), broken)
 
 
-def failures(c, state):
+def failures(c: Any, state: Any) -> BoolArray:
     """(ni, nj, 3) bool: a warp or a weft at its side failed, element eroded; `c` are the panel's constants."""
     flag = state.element_flag[: c.ni * c.row_stride].reshape(c.ni, c.row_stride)[:, : c.nj]
     return np.stack([(flag & bit) != 0 for bit in (1, 2, 4)], axis=2)
 
 
-def yarn_tensions(c, state):
+def yarn_tensions(c: Any, state: Any) -> FloatArray:
     """(ni, nj, 2) [N] tension of warp and weft in each element: the mean over its two edges, of their intact parts."""
     warp, weft = (
         (part * T)[: (c.ni + 1) * c.row_stride].reshape(c.ni + 1, c.row_stride)
@@ -58,21 +65,23 @@ def yarn_tensions(c, state):
     return np.stack([0.5 * (warp[:-1, :-1] + warp[:-1, 1:]), 0.5 * (weft[:-1, :-1] + weft[1:, :-1])], axis=2)
 
 
-def deflection_profile(panel, shot):
+def deflection_profile(
+    panel: Panel, shot: Snapshot
+) -> tuple[tuple[FloatArray, FloatArray], tuple[FloatArray, FloatArray]]:
     """Deflection along the warp and along the weft through the impact point: ((x, z), (y, z)) [m]."""
     c = panel.constants()
     i, j = (0 if c.mirror_x else c.ni // 2), (0 if c.mirror_y else c.nj // 2)
     return (shot.nodes[:, j, 0], shot.nodes[:, j, 2]), (shot.nodes[i, :, 1], shot.nodes[i, :, 2])
 
 
-def pyramid(panel, shot, share=0.05):
+def pyramid(panel: Panel, shot: Snapshot, share: float = 0.05) -> tuple[float, ...]:
     """Half-diagonals [m] of the deflected pyramid along warp and weft: as far as z exceeds `share` of the highest."""
     profiles = deflection_profile(panel, shot)
     highest = max(float(z.max()) for _, z in profiles)
     return tuple(float(np.abs(x[z > share * highest]).max(initial=0.0)) if highest > 0 else 0.0 for x, z in profiles)
 
 
-def quads(panel):
+def quads(panel: Panel) -> IntArray:
     """(m, 4) node numbers of the elements, in the order of a snapshot's nodes as (n, 3)."""
     ni, nj = panel.counts
     first = (np.arange(ni)[:, None] * (nj + 1) + np.arange(nj)[None, :]).ravel()

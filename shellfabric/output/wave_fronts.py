@@ -19,6 +19,7 @@ import numpy as np
 from scipy.stats import linregress
 from scipy.stats import t as student
 
+from fabrics.checks import FloatArray
 from shellfabric.output.histories import FAMILIES, Histories, YarnHistory
 
 TOE = 0.01  # of the yarn's strength: the threshold that is called the arrival of the longitudinal front
@@ -55,7 +56,9 @@ def fronts(histories: Histories) -> tuple[Front, ...]:
     return tuple(front(yarn, histories.t) for yarn in yarns for front in (longitudinal, transverse))
 
 
-def longitudinal(yarn: YarnHistory, t, *, threshold=None, window=WINDOW) -> Front:
+def longitudinal(
+    yarn: YarnHistory, t: FloatArray, *, threshold: float | None = None, window: tuple[float, float] = WINDOW
+) -> Front:
     """Arrivals of the longitudinal front.
 
     Parameters
@@ -76,7 +79,7 @@ def longitudinal(yarn: YarnHistory, t, *, threshold=None, window=WINDOW) -> Fron
     return _fitted("longitudinal", yarn, time, yarn.X[side][reached], window)
 
 
-def transverse(yarn: YarnHistory, t, *, window=WINDOW) -> Front:
+def transverse(yarn: YarnHistory, t: FloatArray, *, window: tuple[float, float] = WINDOW) -> Front:
     """Feet of the deflected part; left out where its side is not spread over three elements."""
     spacing = yarn.X[1] - yarn.X[0]
     time, place = [], []

@@ -1,7 +1,10 @@
 """The arrays of a panel that the kernels work on: constants, state, scratch."""
 
+from __future__ import annotations
+
 from collections import namedtuple
 from math import inf
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -10,6 +13,9 @@ from shellfabric.jit import barrier
 from shellfabric.jit.aligned import aligned_zeros
 from shellfabric.panel import boundary, grading, step_kernels
 from shellfabric.projectile import contact, dynamics, window_kernels
+
+if TYPE_CHECKING:
+    from shellfabric.panel.model import Panel
 
 PRECISIONS = {"double": np.float64, "single": np.float32}
 _PIECE = 256  # slots that loops of two halves go over at a time (see `membrane_kernels`): a whole number of eights
@@ -47,7 +53,7 @@ Work = namedtuple(
 )
 
 
-def constants(panel) -> Constants:
+def constants(panel: Panel) -> Constants:
     """What the kernels need to know, as plain numbers and arrays."""
     (ni, nj), (dx, dy), (mirror_x, mirror_y) = panel.counts, panel.spacing, panel.mirrors
     weave, table, knobs, dt = panel.weave, panel.table, panel.numerics, panel.time_step
@@ -62,7 +68,13 @@ def constants(panel) -> Constants:
     strengths = _strengths(panel)
     roaming = shot.roaming or rim_node.size > 0  # over the cloth: it slides, or the cloth is drawn under it
     cv1, cv2 = (knobs.stretch_viscosity * lag * yarn.EA for yarn in (warp, weft))
-    slots = {"inv_dx": 1 / dx, "inv_dy": 1 / dy, "cv1": cv1, "cv2": cv2, "trellis_volume": dx * dy * weave.thickness}
+    slots: dict[str, Any] = {
+        "inv_dx": 1 / dx,
+        "inv_dy": 1 / dy,
+        "cv1": cv1,
+        "cv2": cv2,
+        "trellis_volume": dx * dy * weave.thickness,
+    }
     slots |= {"mean_weight1": 0.5, "mean_weight2": 0.5, "line_offset1": 0.0, "line_offset2": 0.0}
     if panel.sides is not None:
         slots = grading.slots(panel.sides, panel.spacing, weave.thickness, (cv1, cv2), aligned_zeros)
@@ -101,13 +113,13 @@ def constants(panel) -> Constants:
     )  # fmt: skip
 
 
-def state(panel, strike_velocity) -> State:
+def state(panel: Panel, strike_velocity: float) -> State:
     """The panel at rest, flat at z = 0, touched by the projectile that flies at it at `strike_velocity` [m/s]."""
     const = constants(panel)
     ni, s = const.ni, const.row_stride
     slots = (ni + 2) * s + 16
     real = PRECISIONS[panel.numerics.precision]
-    mass, inverse, kick = (*aligned_zeros(2, slots), *aligned_zeros(1, slots, real))
+    (mass, inverse), (kick,) = aligned_zeros(2, slots), aligned_zeros(1, slots, real)
     mass[: (ni + 1) * s] = panel.masses().ravel()
     loose = np.flatnonzero(boundary.loose(panel))
     inverse[loose] = 1.0 / mass[loose]
@@ -149,7 +161,7 @@ def state(panel, strike_velocity) -> State:
     return state
 
 
-def work(panel) -> Work:
+def work(panel: Panel) -> Work:
     """Scratch of one thread, for one block of elements."""
     const = constants(panel)
     size = (const.rows_per_block + 4) * const.row_stride + 16

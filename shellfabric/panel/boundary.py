@@ -16,11 +16,16 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import cos, inf, sin
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from fabrics.checks import BoolArray, FloatArray, IntArray
 from fabrics.errors import InputError
 from shellfabric.cloth.bending_kernels import CLAMPED_END, FREE_END, SYMMETRY_END
+
+if TYPE_CHECKING:
+    from shellfabric.panel.model import Panel
 
 
 @dataclass(frozen=True)
@@ -73,7 +78,7 @@ class Grip:
             raise InputError(key="force", value=self.force, allowed="above 0")
 
 
-def sides(edge):
+def sides(edge: Any) -> tuple[tuple[Any, Any], ...]:
     """((lowest, highest) of the warp, (lowest, highest) of the weft) from an edge in any of its forms.
 
     Raises
@@ -91,12 +96,12 @@ def sides(edge):
     return pairs
 
 
-def slips(edge):
+def slips(edge: Any) -> bool:
     """Whether a side of it is not simply clamped or free."""
     return any(not isinstance(side, str) for pair in sides(edge) for side in pair)
 
 
-def check(panel):
+def check(panel: Panel) -> None:
     """InputError where the edges do not go with the panel's symmetry or with its oblique weave."""
     given = sides(panel.edge)
     for (low, high), mirrored in zip(given, panel.mirrors):
@@ -112,7 +117,7 @@ def check(panel):
         raise InputError(key="edge", value=panel.edge, allowed="clamped where the weave is oblique")
 
 
-def extent(panel):
+def extent(panel: Panel) -> tuple[float, ...]:
     """(along warp, along weft) [m] that the grid has to cover."""
     (a, b), c, s = panel.opening, cos(panel.weave_angle), abs(sin(panel.weave_angle))
     if s == 0:
@@ -120,7 +125,7 @@ def extent(panel):
     return tuple(side + 4 * w for side, w in zip((a * c + b * s, a * s + b * c), panel.weave.w))
 
 
-def loose(panel):
+def loose(panel: Panel) -> BoolArray:
     """(ni+1, nj+1) bool: which nodes no edge holds or leads."""
     X, Y = panel.coordinates()
     free = np.ones(X.shape, bool)
@@ -137,7 +142,7 @@ def loose(panel):
     return free
 
 
-def ends(panel):
+def ends(panel: Panel) -> tuple[tuple[int, int], tuple[int, int]]:
     """Nodes (i, j) where the warp and the weft yarn nearest the impact point end, at high x and at high y."""
     free, start = loose(panel), [0 if mirrored else n // 2 for n, mirrored in zip(panel.counts, panel.mirrors)]
     found = []
@@ -147,7 +152,7 @@ def ends(panel):
     return (found[0], start[1]), (start[0], found[1])
 
 
-def rim(panel):
+def rim(panel: Panel) -> tuple[IntArray, IntArray, FloatArray]:
     """What `boundary_kernels` needs of the sides that slip.
 
     Returns
@@ -185,7 +190,7 @@ def rim(panel):
     return np.concatenate(nodes), np.concatenate(axes), np.concatenate(values)
 
 
-def yarn_ends(panel):
+def yarn_ends(panel: Panel) -> IntArray:
     """(2, 2) how warp and weft yarns end at their lowest and highest place, as `bending_kernels` has it."""
     ends = np.array([[FREE_END if side == "free" else CLAMPED_END for side in pair] for pair in sides(panel.edge)])
     for family, mirrored in enumerate(panel.mirrors):

@@ -13,15 +13,18 @@ of the next.
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from itertools import pairwise
 from math import inf
+from typing import Any
 
 import numpy as np
 
+from fabrics.checks import FloatArray
 from fabrics.errors import InputError
 
 
-def check(grading):
+def check(grading: Any) -> None:
     """InputError where a grading is none.
 
     Parameters
@@ -45,7 +48,7 @@ def check(grading):
         raise InputError(key="grading", value=grading, allowed="sides each a multiple of that before it")
 
 
-def sides(grading, length):
+def sides(grading: Sequence[tuple[float, float]], length: float) -> FloatArray:
     """(n,) [crossovers] sides of the elements from the impact point out to `length`, a whole number of crossovers.
 
     What is less than an element of the first zone is left out.
@@ -60,18 +63,21 @@ def sides(grading, length):
     return np.array(found, float)
 
 
-def tributary(sides):
+def tributary(sides: FloatArray) -> FloatArray:
     """(n+1,) half of the elements on either side of each line."""
     return 0.5 * (np.append(sides, 0.0) + np.insert(sides, 0, 0.0))
 
 
-def split(sides):
+def split(sides: FloatArray) -> FloatArray:
     """(n+1,) [-] share of the element before each line in the two beside it; one half at the ends."""
     before, behind = np.insert(sides, 0, sides[0]), np.append(sides, sides[-1])
     return before / (before + behind)
 
 
-def slots(sides, finest, thickness, viscosity, room):
+def slots(
+    sides: tuple[FloatArray, ...], finest: tuple[float, ...], thickness: float, viscosity: Sequence[float],
+    room: Callable[..., Any],
+) -> dict[str, FloatArray]:  # fmt: skip
     """What is a float of a plain panel and changes from slot to slot of a graded one: {name of Constants: (slots,)}.
 
     The viscosity grows with the element, so that its highest mode is damped by the same ratio everywhere.
@@ -106,7 +112,9 @@ def slots(sides, finest, thickness, viscosity, room):
     }
 
 
-def line_offsets(lines, origin, finest, room):
+def line_offsets(
+    lines: tuple[FloatArray, ...], origin: tuple[float, ...], finest: tuple[float, ...], room: Callable[..., Any]
+) -> dict[str, FloatArray]:
     """What a graded grid has in place of x0 + i dx: {name of Constants: (lines + 16,) [m]}.
 
     Zeros stand before the first line, where vectors of eight begin, and beyond the last, where they end.

@@ -14,9 +14,11 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from functools import cached_property
 from math import inf
+from typing import TYPE_CHECKING
 
 import numpy as np
 
+from fabrics.checks import FloatArray
 from fabrics.errors import InputError
 from shellfabric.backing import coupling
 from shellfabric.backing.block import Backing
@@ -26,6 +28,10 @@ from shellfabric.panel import arrays, boundary, grading
 from shellfabric.panel import time_step as panel_time_step
 from shellfabric.panel.numerics import Numerics
 from shellfabric.projectile.projectile import Projectile
+
+if TYPE_CHECKING:
+    from fabrics.fabric import Fabric
+    from fabrics.weave import Weave
 
 SYMMETRIES = {"quarter": (True, True), "half": (True, False), "whole": (False, False)}
 
@@ -129,25 +135,25 @@ class Panel:
                 raise InputError(key="grading", value=self.grading, allowed=f"{allowed}, all that comes under the nose")
 
     @property
-    def fabric(self):
+    def fabric(self) -> Fabric:
         return self.table.model.fabric
 
     @property
-    def weave(self):
+    def weave(self) -> Weave:
         return self.fabric.weave
 
     @property
-    def mirrors(self):
+    def mirrors(self) -> tuple[bool, bool]:
         """(x, y) whether x = 0 and y = 0 are planes of symmetry that bound the modelled part."""
         return SYMMETRIES[self.symmetry]
 
     @property
-    def finest(self):
+    def finest(self) -> int:
         """Crossovers along a side of an element at the impact point."""
         return 1 if self.grading is None else int(self.grading[0][1])
 
     @property
-    def spacing(self):
+    def spacing(self) -> tuple[float, ...]:
         """(dx, dy) [m] sides of an element, of the smallest on a graded panel."""
         return tuple(2 * w * self.finest / self.elements_per_crossover for w in self.weave.w)
 
@@ -157,7 +163,7 @@ class Panel:
         return tuple(int(length / 2 / (2 * w) + 1e-9) for length, w in zip(boundary.extent(self), self.weave.w))
 
     @cached_property
-    def sides(self):
+    def sides(self) -> tuple[FloatArray, ...] | None:
         """((ni,), (nj,)) [m] sides of the elements along warp and weft; None where all are alike."""
         if self.grading is None or len({side for _, side in self.grading}) == 1:
             return None
@@ -181,7 +187,7 @@ class Panel:
         return tuple(bounds)
 
     @property
-    def counts(self):
+    def counts(self) -> tuple[int, ...]:
         """(ni, nj) elements along warp and weft."""
         if self.sides is not None:
             return tuple(part.size for part in self.sides)
@@ -189,29 +195,29 @@ class Panel:
         return tuple(n if mirrored else 2 * n for n, mirrored in zip(half, self.mirrors))
 
     @property
-    def yarn_counts(self):
+    def yarn_counts(self) -> tuple[int, ...]:
         """(warp, weft) yarns of the modelled part, with those on its rims; lines on a graded panel."""
         return tuple(count // self.elements_per_crossover + 1 for count in self.counts[::-1])
 
     @property
-    def elements(self):
+    def elements(self) -> int:
         """Number of elements."""
         return self.counts[0] * self.counts[1]
 
     @property
-    def share(self):
+    def share(self) -> float:
         """Part of the whole panel, and of the projectile, that is modelled."""
         return 0.5 ** sum(self.mirrors)
 
     @property
-    def membrane_stiffness(self):
+    def membrane_stiffness(self) -> float:
         """[N/m] the D of the time step's bound."""
         stiffness, shear = self.table.stiffness(), self.fabric.shear
         locked = 2 * shear.G2 * self.weave.thickness if self.trellis and shear is not None else 0.0
         return stiffness if locked <= stiffness else (stiffness + locked) ** 2 / (4 * locked)
 
     @property
-    def critical_step(self):
+    def critical_step(self) -> float:
         """[s] 2 / w of the undamped cloth."""
         m, shares = self.weave.areal_density, zip(self.yarns_a_line, self.bending, self.spacing, self.spacing[::-1])
         membrane = self.membrane_stiffness / (m * min(self.spacing) ** 2)
@@ -219,17 +225,17 @@ class Panel:
         return (membrane + sum(4 * n * EI / (m * d**4 * across) for n, EI, d, across in shares)) ** -0.5
 
     @property
-    def yarns_a_line(self):
+    def yarns_a_line(self) -> tuple[float, ...]:
         """(warp, weft) yarns that a grid line stands for at the impact point."""
         return tuple(count * d for count, d in zip((self.weave.warp_count, self.weave.weft_count), self.spacing[::-1]))
 
     @property
-    def time_step(self):
+    def time_step(self) -> float:
         """[s] the step that is taken."""
         return self.step_of_bound * self._pace
 
     @property
-    def step_of_bound(self):
+    def step_of_bound(self) -> float:
         """[s] the stability bound times `cfl`; what the contact is as stiff as, whatever is taken of it."""
         xi = self.numerics.stretch_viscosity
         return self.numerics.cfl * self.critical_step * ((1 + xi**2) ** 0.5 - xi)
@@ -238,11 +244,11 @@ class Panel:
     def _pace(self):
         return panel_time_step.share(self.table, self.numerics.stretch_viscosity)
 
-    def coordinates(self):
+    def coordinates(self) -> list[FloatArray]:
         """(X, Y) [m] of the nodes at rest, each (ni+1, nj+1); the impact point is the origin."""
         return np.meshgrid(*self.lines(), indexing="ij")
 
-    def lines(self):
+    def lines(self) -> tuple[FloatArray, ...]:
         """((ni+1,), (nj+1,)) [m] places x and y of the lines of the grid at rest."""
         if self.sides is None:
             return tuple(x0 + d * np.arange(n + 1) for x0, d, n in zip(self.origin, self.spacing, self.counts))
@@ -253,7 +259,7 @@ class Panel:
         return tuple(found)
 
     @property
-    def origin(self):
+    def origin(self) -> tuple[float, ...]:
         """(x0, y0) [m] of the first node at rest; on a graded panel as if all elements were the smallest.
 
         There the smallest are where they would be then, and nothing else is looked for by its place.
@@ -261,12 +267,12 @@ class Panel:
         return tuple(0.0 if m else -0.5 * n * d for m, n, d in zip(self.mirrors, self.counts, self.spacing))
 
     @cached_property
-    def potential(self):
+    def potential(self) -> tuple[FloatArray, FloatArray]:
         """See `packed_table.potential`."""
         return packed_table.potential(self.table)
 
     @cached_property
-    def ceilings(self):
+    def ceilings(self) -> list[tuple[FloatArray, float]]:
         """See `packed_table.ceilings`."""
         return packed_table.ceilings(self.table)
 
@@ -274,7 +280,7 @@ class Panel:
         """What the kernels need to know, as plain numbers and arrays."""
         return arrays.constants(self)
 
-    def state(self, strike_velocity) -> arrays.State:
+    def state(self, strike_velocity: float) -> arrays.State:
         """The panel at rest, flat at z = 0, touched by the projectile that flies at it at `strike_velocity` [m/s]."""
         return arrays.state(self, strike_velocity)
 
@@ -282,7 +288,7 @@ class Panel:
         """Scratch of one thread, for one block of elements."""
         return arrays.work(self)
 
-    def segments(self):
+    def segments(self) -> list[FloatArray]:
         """(warp, weft) each (ni+1, nj+1): yarn segments that an edge stands for; half of one on a plane of symmetry."""
         shape, found = (self.counts[0] + 1, self.counts[1] + 1), []
         for family, mirrored in enumerate(self.mirrors[::-1]):
@@ -299,7 +305,7 @@ class Panel:
             found.append(n)
         return found
 
-    def masses(self):
+    def masses(self) -> FloatArray:
         """(ni+1, nj+1) [kg] of the nodes."""
         (ni, nj), (dx, dy) = self.counts, self.spacing
         corner = 0.25 * self.weave.areal_density * (dx if self.sides is None else self.sides[0][:, None])
@@ -310,7 +316,7 @@ class Panel:
                 mass[i, j] += corner
         return mass
 
-    def reach(self):
+    def reach(self) -> tuple[float, ...]:
         """(along warp, along weft) [m] from the projectile's middle that cloth can come from to be under it.
 
         A straightened, stretched yarn that is held at its end draws cloth in by at most its crimp and strain times its

@@ -8,15 +8,21 @@ not count.
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 
+from fabrics.checks import BoolArray
 from shellfabric.cloth.membrane_kernels import ERODED
 from shellfabric.projectile.window_kernels import cloth_ahead_of_nose
 
+if TYPE_CHECKING:
+    from shellfabric.panel.arrays import Constants, State
 
-def held(state, const):
+
+def held(state: State, const: Constants) -> BoolArray:
     """(ni, nj) bool: elements that have not eroded and whose nodes unbroken yarn joins to an edge of the panel."""
     ni, s = const.ni, const.row_stride
     node = np.arange((ni + 1) * s).reshape(ni + 1, s)
@@ -33,7 +39,7 @@ def held(state, const):
     return cloth & fast[:-1, :-1] & fast[1:, :-1] & fast[:-1, 1:] & fast[1:, 1:]
 
 
-def passed(state, const):
+def passed(state: State, const: Constants) -> bool:
     """Whether no held element is ahead of the nose."""
     flag = state.element_flag.copy()
     _by_element(flag, const)[~held(state, const)] |= ERODED

@@ -9,12 +9,19 @@ energy error.
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
+from fabrics.checks import FloatArray
 from shellfabric.cloth import boundary_kernels
 from shellfabric.panel import element_kernels
 from shellfabric.panel import step_kernels as kernels
 from shellfabric.projectile import contact_kernels
+
+if TYPE_CHECKING:
+    from shellfabric.panel.arrays import Constants, State
+    from shellfabric.panel.model import Panel
 
 ENERGIES = (
     "kinetic_fabric", "yarn_strain", "formulation_residual", "shear", "bending", "jamming", "viscous", "contact",
@@ -22,7 +29,7 @@ ENERGIES = (
 )  # fmt: skip
 
 
-def energies(const, state, rest):
+def energies(const: Constants, state: State, rest: float) -> FloatArray:
     """(12,) [J] of the modelled part of a ply, in the order of ENERGIES.
 
     Parameters
@@ -52,21 +59,23 @@ def energies(const, state, rest):
     )
 
 
-def stored_energy(const, state):
+def stored_energy(const: Constants, state: State) -> float:
     """[J] that the yarns of the modelled part store."""
     out = np.empty(5)
     kernels.energies(state, const, out)
     return out[kernels.STORED]
 
 
-def failed_segments(panel, const, state):
+def failed_segments(panel: Panel, const: Constants, state: State) -> float:
     """Failed yarn segments of the modelled part; those on a plane of symmetry belong to it by half."""
     shape = const.ni + 1, const.row_stride
     families = zip(state.failed, panel.segments())
     return float(sum(np.sum(failed[: shape[0] * shape[1]].reshape(shape) * n) for failed, n in families))
 
 
-def edge_reactions(panel, const, state, ends):
+def edge_reactions(
+    panel: Panel, const: Constants, state: State, ends: tuple[tuple[int, int], tuple[int, int]]
+) -> tuple[float, float]:
     """(warp, weft) [N] tension at the edge of the yarns nearest the impact point; ends : `boundary.ends`."""
     warp_node, weft_node = (i * const.row_stride + j for i, j in ends)
     warp = -(state.f_int[0][warp_node] + state.f_int_above[0][warp_node]) * panel.weave.w2 * 2
@@ -74,7 +83,7 @@ def edge_reactions(panel, const, state, ends):
     return warp / (const.dy * (0.5 if const.mirror_y else 1)), weft / (const.dx * (0.5 if const.mirror_x else 1))
 
 
-def deflection(const, state):
+def deflection(const: Constants, state: State) -> float:
     """[m] of the node at the impact point."""
     i, j = 0 if const.mirror_x else const.ni // 2, 0 if const.mirror_y else const.nj // 2
     return state.u[2][i * const.row_stride + j]

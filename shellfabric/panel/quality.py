@@ -7,16 +7,22 @@ A `Monitor` samples of a run what its result does not keep; `of_solver` computes
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
 from dataclasses import asdict, dataclass
 from math import isfinite
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from fabrics.checks import FloatArray
 from shellfabric.panel import quality_kernels as kernels
 from shellfabric.panel.quality_kernels import DEFLECTION, DEPTH
 from shellfabric.panel.step_kernels import FAILURES
 from shellfabric.projectile.contact_kernels import MAX_PENETRATION
 from shellfabric.solid.hex8 import PATTERNS, Bricks
+
+if TYPE_CHECKING:
+    from shellfabric.panel.solver import ClothSolver
 
 OK, DOUBTFUL = "ok", "doubtful"
 _T = ("T1", "T2")
@@ -43,12 +49,12 @@ class Indicator:
     meaning: str = ""
 
     @property
-    def ok(self):
+    def ok(self) -> bool:
         """Whether the value is within the limit."""
         return isfinite(self.value) and self.value <= self.limit
 
     @property
-    def excess(self):
+    def excess(self) -> float:
         """[-] value over limit."""
         if not isfinite(self.value):
             return float("inf")
@@ -58,7 +64,7 @@ class Indicator:
         unit = f" {self.unit}" if self.unit else ""
         return f"{self.name} {self.value:.3g}{unit} (limit {self.limit:g}{unit})"
 
-    def entry(self):
+    def entry(self) -> dict[str, Any]:
         """As a dict, for summary.json."""
         return asdict(self) | {"ok": self.ok}
 
@@ -110,42 +116,42 @@ class Monitor:
         that the ply's contact with the next has given way, over the thickness [-]
     """
 
-    def __init__(self, solver):
+    def __init__(self, solver: ClothSolver) -> None:
         self.solver = solver
         self.found = np.zeros((len(solver.parts), 4))
         plies = [panel for panel, _, _ in solver.parts]
         self._places = [tuple(0 if m else n // 2 for m, n in zip(ply.mirrors, ply.counts)) for ply in plies]
         self._light = [tuple(LIGHT * yarn.strength for yarn in ply.weave.yarns) for ply in plies]
 
-    def sampled(self):
+    def sampled(self) -> None:
         """Take a sample at every EVERY-th sample of the solver, and at the end of the run of the deflection alone: a
         run that is gone on with beyond that end is to have the sums of one that was not interrupted."""
         due = len(self.solver.samples) % EVERY == 0
         if due or self.solver.ended:
             self.sample(due)
 
-    def sample(self, summed=True):
+    def sample(self, summed: bool = True) -> None:
         """Take a sample of the present state, of what is `summed` too or of the deflection alone."""
         found, parts = self.found, self.solver.parts
         whole = summed and not any(state.counter[FAILURES] for _, _, state in parts)
         for (_, const, state), row, (i, j), light in zip(parts, found, self._places, self._light):
             kernels.sample(state, const, i, j, whole, *light, row)
         if whole and len(parts) > 1:
-            found[:-1, DEPTH] = self.solver.squeezed
+            found[:-1, DEPTH] = self.solver.squeezed  # type: ignore[attr-defined]
 
     @property
-    def deflection(self):
+    def deflection(self) -> float:
         """[m] largest deflection of whole cloth, of any ply from its own plane, at the samples."""
         return float(self.found[:, DEFLECTION].max())
 
     @property
-    def oscillation(self):
+    def oscillation(self) -> float:
         """[-] root of the ratio of the two sums of squares."""
         alternation, squares = self.found[:, :DEFLECTION].sum(axis=0)
         return float(np.sqrt(alternation / squares)) if squares > 0 else 0.0
 
 
-def of_solver(solver):
+def of_solver(solver: ClothSolver) -> tuple[Indicator, ...]:
     """Tuple of Indicator of a run of one ply or a pack, a `panel.solver.PanelSolver` or `plies.solver.PackSolver`."""
     panel, shot = solver.panel, solver.panel.projectile
     strike = solver.strike_energy
@@ -200,7 +206,7 @@ def _extrapolation(solver):
     return (*found, *of_cell(table, peaks))
 
 
-def of_cell(table, peaks):
+def of_cell(table: Any, peaks: FloatArray | Sequence[float]) -> tuple[Indicator, ...]:
     """Indicators of a CellTable in which the tensions (warp, weft) [N] have come as far as `peaks`."""
     model, values, found = table.model, table.values, []
     if hasattr(model, "surface"):
@@ -228,7 +234,7 @@ def _swelling(law, force, height):
     return max(0.0, law.b / np.cbrt(force + shift) - law.a) / height if force + shift > 0 else 0.0
 
 
-def of_coupon(table, tensions, residual, tolerance):
+def of_coupon(table: Any, tensions: Sequence[float], residual: float, tolerance: float) -> tuple[Indicator, ...]:
     """Tuple of Indicator of a quasi-static test.
 
     Parameters
@@ -242,7 +248,7 @@ def of_coupon(table, tensions, residual, tolerance):
     return (*found, *of_cell(table, tensions))
 
 
-def of_patch(solver):
+def of_patch(solver: Any) -> tuple[Indicator, ...]:
     """Tuple of Indicator of a solid.solver.SolidSolver."""
     strike = solver.strike_energy
     solids, held = (float(solver.sample(name)[-1]) for name in ("solids", "hourglass"))
@@ -254,7 +260,7 @@ def of_patch(solver):
     )
 
 
-def hourglass_amplitude(mesh, x):
+def hourglass_amplitude(mesh: Any, x: FloatArray) -> float:
     """[-] largest amplitude of a brick's hourglass modes over the cube root of its volume, at the places x (n, 3).
 
     The modes h are freed of their linear part, gamma = h - (h . X) B, so that stretch and turning leave them alone.
@@ -265,14 +271,14 @@ def hourglass_amplitude(mesh, x):
     return float((np.linalg.norm(moved, axis=2).max(axis=1) / np.cbrt(made.volume)).max())
 
 
-def of_yarn(astray, thickness):
+def of_yarn(astray: FloatArray, thickness: float) -> tuple[Indicator, ...]:
     """Tuple of Indicator of a yarn of solids whose nodes alternate along it by `astray` (n,) [m]."""
     return (_make("node alternation", float(np.max(astray)) / thickness),)
 
 
-def worst(runs):
+def worst(runs: Iterable[Iterable[Indicator]]) -> tuple[Indicator, ...]:
     """Of several runs' tuples of Indicator, each indicator where it is furthest beyond its limit."""
-    found = {}
+    found: dict[str, Indicator] = {}
     for one in (one for indicators in runs for one in indicators):
         if one.name not in found or one.excess > found[one.name].excess:
             found[one.name] = one

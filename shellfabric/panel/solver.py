@@ -7,10 +7,15 @@ the nodes and elements of some blocks, in each step the same for all.
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
+from typing import Any
+
 import numpy as np
 
+from fabrics.checks import FloatArray, IntArray
 from shellfabric.backing import coupling
-from shellfabric.driver.solver import PERFORATED, RUNNING, ExplicitSolver, speed_limit
+from shellfabric.driver.guards import speed_limit
+from shellfabric.driver.solver import PERFORATED, RUNNING, ExplicitSolver
 from shellfabric.jit import barrier
 from shellfabric.panel import boundary, ply_audit, quality
 from shellfabric.panel import step_kernels as kernels
@@ -66,20 +71,20 @@ class ClothSolver(ExplicitSolver):
         self._begin(self.const.dt)
 
     @property
-    def steps(self):
+    def steps(self) -> int:
         """Steps made."""
         return int(self.state.counter[kernels.STEP])
 
     @property
-    def workers(self):
+    def workers(self) -> int:
         """Number of threads besides the main one; a block is in step with one thread alone."""
         return self.threads - 1 if self.backing is None else 0
 
-    def run_steps(self, history, shared, count, allowed):
+    def run_steps(self, history: FloatArray, shared: IntArray, count: int, allowed: float) -> tuple[int, int]:
         """The kernel's steps, with `count` - 1 workers: (steps made, why no more)."""
         raise NotImplementedError
 
-    def neighbour_forces(self, ply):
+    def neighbour_forces(self, ply: int) -> list[Any]:
         """[forces [N] on the nodes of a ply, by component] of what touches it besides the nose."""
         return []
 
@@ -94,15 +99,15 @@ class ClothSolver(ExplicitSolver):
                 whole += force[: whole.size]  # that of torn cloth is as wide as the largest ply
         return state._replace(f_contact=tuple(total))
 
-    def contact_energies(self):
+    def contact_energies(self) -> tuple[float, ...]:
         """[J] of contacts but for those of the plies with the nose, in the order of energy_names."""
         return ()
 
-    def block_moves(self):
+    def block_moves(self) -> bool:
         """Whether the block has to be followed: it is at rest while the last ply is."""
         return True
 
-    def advance(self, history):
+    def advance(self, history: FloatArray) -> tuple[int, int]:
         """See ExplicitSolver. Before a block, one step at a time, each followed by the block's."""
         if self.backing is None:
             return self.run_steps(history, self._shared, self.threads, self.allowed_exchange)
@@ -115,7 +120,7 @@ class ClothSolver(ExplicitSolver):
                 self.backing.step(self.parts[-1][2])
         return made, reason
 
-    def observe(self):
+    def observe(self) -> tuple[Sequence[float], Sequence[float]]:
         """See ExplicitSolver."""
         plies = np.array([
             ply_audit.energies(const, self._loaded_state(ply), rest)
@@ -147,21 +152,21 @@ class ClothSolver(ExplicitSolver):
         super()._drop_sample()
         self.ply_samples.pop()
 
-    def ply_sample(self, name):
+    def ply_sample(self, name: str) -> FloatArray:
         """(n, plies) one column of the plies' samples."""
         return np.array([rows[:, PLY_SAMPLES.index(name)] for rows in self.ply_samples])
 
-    def node_speeds(self):
+    def node_speeds(self) -> list[tuple[FloatArray, float]]:
         """See ExplicitSolver."""
         return [(np.sqrt((np.array(state.v) ** 2).sum(axis=0)), speed_limit(const)) for _, const, state in self.parts]
 
-    def where(self, part, node):
+    def where(self, part: int, node: int) -> str:
         """See ExplicitSolver."""
         row = self.parts[part][1].row_stride
         place = f"node ({int(node) // row}, {int(node) % row})"
         return place if len(self.parts) == 1 else f"ply {part + 1}, {place}"
 
-    def sampled(self):
+    def sampled(self) -> None:
         """Sample the quality indicators, and end a run in which cut-out cloth is all that is left ahead of the nose."""
         self.monitor.sampled()
         failed = any(state.counter[kernels.FAILURES] for _, _, state in self.parts)
@@ -172,28 +177,28 @@ class ClothSolver(ExplicitSolver):
         if self.perforated_samples == 2:
             self.reason = PERFORATED
 
-    def checkpoint_identity(self):
+    def checkpoint_identity(self) -> tuple[Any, str]:
         """See ExplicitSolver."""
-        known = self.strike_velocity, self.steps_per_sample, self.history_request
+        known: tuple[Any, ...] = (self.strike_velocity, self.steps_per_sample, self.history_request)
         known += self.panel.numerics.precision, self.panel.backing
         for _, const, state in self.parts:
             known += const._asdict(), state.mass, state.inverse_mass
         return known, self.module
 
-    def checkpoint_arrays(self):
+    def checkpoint_arrays(self) -> dict[str, Any]:
         """See ExplicitSolver."""
         plies = {f"plies/{p:02d}": state for p, (_, _, state) in enumerate(self.parts)}
         return plies | {"monitor": self.monitor.found}
 
-    def checkpoint_records(self):
+    def checkpoint_records(self) -> dict[str, list[Any]]:
         """See ExplicitSolver."""
         return super().checkpoint_records() | {"ply_samples": self.ply_samples, "histories": self.histories}
 
-    def checkpoint_extra(self):
+    def checkpoint_extra(self) -> dict[str, Any]:
         """See ExplicitSolver."""
         return self.backing.block.arrays() if self.backing else {}
 
-    def restore_extra(self, arrays):
+    def restore_extra(self, arrays: Mapping[str, Any]) -> None:
         """See ExplicitSolver."""
         if self.backing:
             self.backing.block.restore(arrays)
@@ -212,19 +217,22 @@ class PanelSolver(ClothSolver):
     InputError : a strike velocity, end time or interval that is not positive
     """
 
-    def __init__(self, panel: Panel, strike_velocity, end_time, *, interval=2e-6, energy_error_limit=0.05):
+    def __init__(
+        self, panel: Panel, strike_velocity: float, end_time: float, *, interval: float = 2e-6,
+        energy_error_limit: float = 0.05,
+    ) -> None:  # fmt: skip
         super().__init__(
             panel.projectile, strike_velocity, end_time, interval=interval, energy_error_limit=energy_error_limit
         )
         self._start(((panel, panel.constants(), panel.state(strike_velocity)),), panel.elements)
         self._works = [panel.work() for _ in range(self.threads)]
 
-    def run_steps(self, history, shared, count, allowed):
+    def run_steps(self, history: FloatArray, shared: IntArray, count: int, allowed: float) -> tuple[int, int]:
         """See ClothSolver."""
         return kernels.run_steps_main(
             self.state, self.const, self._works[0], len(history), history, shared, count, allowed
         )
 
-    def run_worker(self, shared, me):
+    def run_worker(self, shared: IntArray, me: int) -> None:
         """See ExplicitSolver."""
         kernels.run_steps_worker(self.state, self.const, self._works[me], shared, me, self.threads)

@@ -16,13 +16,14 @@ is worth depends on the cell, and was found by running it (docs/stability.md):
 from __future__ import annotations
 
 from math import sqrt
+from typing import Any
 
 _SHEARED = 0.965  # of the form's bound, what taut cloth was seen to bear
 _TAUT = 0.5  # of the largest stiffness of the table, at rest
 _RING, _DAMPED = 0.63, 0.0025  # share of the step that follows a ring, and the viscosity that leaves none
 
 
-def share(table, viscosity):
+def share(table: Any, viscosity: float) -> float:
     """[-] of the bound that is taken for 1, for a CellTable and a damping ratio; exactly 1 for what is usual.
 
     Usual is crimped cloth in the variational form with viscosity.

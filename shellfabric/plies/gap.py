@@ -9,7 +9,7 @@ from fabrics.plate_curve import PlateCurve
 TESTED = 4  # plies of the packs that the thesis takes its gaps from (section 5.2.2)
 
 
-def compression_gap(areal_density, plies=TESTED):
+def compression_gap(areal_density: float, plies: int = TESTED) -> float:
     """[m] gap between plies from the pressure law of packs (thesis eqs. 5-1 to 5-4, erratum E-02).
 
     Parameters
@@ -25,7 +25,7 @@ def compression_gap(areal_density, plies=TESTED):
     return float(pack - one) / (plies - 1)
 
 
-def fabric_gap(fabric: Fabric):
+def fabric_gap(fabric: Fabric) -> float:
     """[m] a fabric's own gap, or that of the pressure law where its file has none.
 
     Raises

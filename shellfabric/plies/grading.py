@@ -1,13 +1,21 @@
 """What the contact between graded plies needs of their grids: areas of contact points, and offsets of the lines."""
 
+from __future__ import annotations
+
+from collections.abc import Sequence
 from itertools import pairwise
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from shellfabric.jit.simd import WIDTH
 
+if TYPE_CHECKING:
+    from shellfabric.panel.arrays import Constants
+    from shellfabric.panel.model import Panel
 
-def area_factors(front, rear):
+
+def area_factors(front: Panel, rear: Panel) -> dict[str, Any]:
     """Rows and columns whose products are the areas that contact points of a ply stand for, over that of the smallest
     element: {name of Pair: (ni,) or (nj,) [-]}; 1 on uniform grids.
 
@@ -28,7 +36,7 @@ def area_factors(front, rear):
     return found
 
 
-def line_offsets(consts):
+def line_offsets(consts: Sequence[Constants]) -> Any:
     """(plies, 2, lines) [m] `line_offset1` and `line_offset2` of all plies; 0 on uniform grids."""
     if isinstance(consts[0].line_offset1, float):
         return 0.0

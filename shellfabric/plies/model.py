@@ -15,16 +15,20 @@ Time step. All plies share the shortest of their steps, or a shorter one where t
 from __future__ import annotations
 
 from collections import namedtuple
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from math import inf
+from typing import Any
 
 import numpy as np
 
+from fabrics.checks import FloatArray
 from fabrics.errors import InputError
 from fabrics.variants import rotated_90
 from shellfabric.cell.model import CellModel, CellTable
 from shellfabric.jit.simd import WIDTH
+from shellfabric.panel.arrays import Constants, State, Work
 from shellfabric.panel.model import Panel
 from shellfabric.plies import broad_phase_kernels, step_kernels
 from shellfabric.plies.contact_simd_kernels import AMBIGUOUS_DEPTH
@@ -94,7 +98,10 @@ class Pack:
             raise InputError("the plies of a pack must have cells of one form")
 
     @classmethod
-    def stacked(cls, ply: Panel, plies, *, stacking="aligned", gap=None, contact=None) -> Pack:
+    def stacked(
+        cls, ply: Panel, plies: int, *, stacking: str = "aligned", gap: float | None = None,
+        contact: PlyContact | None = None,
+    ) -> Pack:  # fmt: skip
         """A pack of one fabric.
 
         Parameters
@@ -119,16 +126,16 @@ class Pack:
         return cls(tuple(both[n % 2] for n in range(plies)), (gap,) * (plies - 1), contact or PlyContact())
 
     @property
-    def elements(self):
+    def elements(self) -> int:
         """Number of elements of all plies."""
         return sum(ply.elements for ply in self.plies)
 
     @cached_property
-    def time_step(self):
+    def time_step(self) -> float:
         """[s] the shortest of the plies' steps."""
         return min(ply.time_step for ply in self.plies)
 
-    def in_step_with(self, strike_velocity) -> Pack:
+    def in_step_with(self, strike_velocity: float) -> Pack:
         """The same pack with a time step in which contact can stop the strike velocity within a ply's thickness.
 
         In a row of equal masses m on springs k = penalty m / dt^2 that is driven from one end at the speed w, a
@@ -164,11 +171,11 @@ class Pack:
         return {name: tuple(np.zeros(slots) for _ in range(3)) for name in PREDICTED}
 
     @cached_property
-    def places(self):
+    def places(self) -> FloatArray:
         """(plies,) [m] where the middle surfaces stand at rest, the first at 0."""
         return np.concatenate([[0.0], np.cumsum([self._apart(p) for p in range(len(self.gaps))])])
 
-    def constants(self):
+    def constants(self) -> tuple[Constants, ...]:
         """(plies,) what the kernels need to know of each ply, all at one time step."""
         found = {}
         for ply in self.plies:
@@ -178,7 +185,7 @@ class Pack:
                 found[id(ply)] = const._replace(dt=self.time_step, point_law=law)
         return tuple(found[id(ply)] for ply in self.plies)
 
-    def states(self, strike_velocity):
+    def states(self, strike_velocity: float) -> tuple[tuple[State, ...], Stack]:
         """The plies at rest, with what they share: (tuple of State, Stack)."""
         count, shot = len(self.plies), self.plies[0].projectile
         stack = Stack(
@@ -205,7 +212,7 @@ class Pack:
             states[p] = states[p]._replace(**{name: getattr(states[0], name) for name in dynamics.STATE})
         return tuple(states), stack
 
-    def works(self):
+    def works(self) -> tuple[Work, ...]:
         """(plies,) scratch of one thread; plies of one grid share theirs."""
         found = {}
         for ply in self.plies:
@@ -213,7 +220,7 @@ class Pack:
                 found[id(ply)] = ply.work()
         return tuple(found[id(ply)] for ply in self.plies)
 
-    def pairs(self, consts, states):
+    def pairs(self, consts: Sequence[Constants], states: Sequence[State]) -> tuple[Pair, ...]:
         """The contact of each two neighbouring plies, at rest, first of the one in front on the one behind, then of all
         those behind on the one in front; a pack of one ply has one of each that nobody looks at."""
         count = len(self.plies)
@@ -221,7 +228,7 @@ class Pack:
         on_next = [self._pair(p, q, self._between(p), consts, states) for p, q in both]
         return (*on_next, *(self._pair(q, p, -self._between(p), consts, states) for p, q in both))
 
-    def stops(self, consts, states):
+    def stops(self, consts: Sequence[Constants], states: Sequence[State]) -> TornContact:
         """What keeps torn cloth apart, at rest: of all plies, as wide as the largest."""
         count, n = len(self.plies), max(state.mass.size for state in states)
         pad = 2 * broad_phase_kernels.PAD
@@ -314,7 +321,7 @@ def _slower(ply, step):
     return replace(ply, numerics=replace(ply.numerics, cfl=cfl))
 
 
-def lists(items):
+def lists(items: Sequence[Any]) -> Any:
     """A sequence of named tuples as the list that the kernels take."""
     found = step_kernels.new_list(items[0])
     for item in items[1:]:

@@ -5,8 +5,12 @@ The energies have one entry more than those of a panel: "ply_contact", the work 
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import Any
+
 import numpy as np
 
+from fabrics.checks import FloatArray, IntArray
 from shellfabric.panel.solver import ENERGIES, OBSERVED, ClothSolver
 from shellfabric.panel.step_kernels import STEP
 from shellfabric.plies import contact_simd_kernels, step_kernels, torn_contact_kernels
@@ -41,7 +45,10 @@ class PackSolver(ClothSolver):
     contacts = ("contact", "the contact with the nose"), ("ply_contact", "the contact between plies")
     module = "shellfabric.impact.pack"
 
-    def __init__(self, pack: Pack, strike_velocity, end_time, *, interval=2e-6, energy_error_limit=0.05):
+    def __init__(
+        self, pack: Pack, strike_velocity: float, end_time: float, *, interval: float = 2e-6,
+        energy_error_limit: float = 0.05,
+    ) -> None:  # fmt: skip
         super().__init__(
             pack.plies[0].projectile, strike_velocity, end_time, interval=interval,
             energy_error_limit=energy_error_limit,
@@ -54,25 +61,25 @@ class PackSolver(ClothSolver):
         self._start(tuple(zip(pack.plies, self.consts, self.states)), pack.elements, len(pack.plies))
         self._works = [lists(pack.works()) for _ in range(self.threads)]
 
-    _sum = staticmethod(np.sum)  # in numpy's order, which differs from `sum` in the last digit
+    _sum: Callable[..., float] = staticmethod(np.sum)  # in numpy's order, which differs from `sum` in the last digit
 
     @property
-    def steps(self):
+    def steps(self) -> int:
         """Steps made."""
         return int(self.stack.counter[STEP])
 
     @property
-    def peaks(self):
+    def peaks(self) -> FloatArray:
         """(plies, 2) [N] highest tension of warp and weft so far, each in the ply's own weave."""
         return np.array([state.peak_tension for state in self.states])
 
     @property
-    def deepest(self):
+    def deepest(self) -> FloatArray:
         """(plies - 1,) [-] deepest that a ply has come into the next, over the thickness: at 1 it would be through."""
         return self._of_pairs(contact_simd_kernels.MAX_DEPTH)
 
     @property
-    def squeezed(self):
+    def squeezed(self) -> FloatArray:
         """(plies - 1,) [-] furthest that the contact of a ply with the next has given way, over the thickness.
 
         `deepest` without what is found inside another fold of loose cloth, which loads no spring.
@@ -84,11 +91,11 @@ class PackSolver(ClothSolver):
         return both.reshape(2, -1).max(axis=0)[: len(self.states) - 1]
 
     @property
-    def held_apart(self):
+    def held_apart(self) -> FloatArray:
         """(2,) [-] how often torn cloth was kept off other cloth, and how often that did not succeed."""
         return self.stops.energy[[torn_contact_kernels.CORRECTIONS, torn_contact_kernels.UNRESOLVED]]
 
-    def run_steps(self, history, shared, count, allowed):
+    def run_steps(self, history: FloatArray, shared: IntArray, count: int, allowed: float) -> tuple[int, int]:
         """See ClothSolver."""
         states, consts, pairs = self._lists
         return step_kernels.run_steps_main(
@@ -96,30 +103,30 @@ class PackSolver(ClothSolver):
             allowed,
         )  # fmt: skip
 
-    def run_worker(self, shared, me):
+    def run_worker(self, shared: IntArray, me: int) -> None:
         """See ExplicitSolver."""
         states, consts, pairs = self._lists
         step_kernels.run_steps_worker(
             states, consts, pairs, self.stack, self.stops, self._works[me], shared, me, self.threads
         )
 
-    def block_moves(self):
+    def block_moves(self) -> bool:
         """See ClothSolver."""
         return bool(self.stack.awake[-1])
 
-    def contact_energies(self):
+    def contact_energies(self) -> tuple[float, ...]:
         """[J] (1,) taken in by the contact between plies."""
         taken = sum(pair.energy[contact_simd_kernels.WORK] for pair in self.pairs)
         return (taken + self.stops.energy[torn_contact_kernels.WORK],)
 
-    def neighbour_forces(self, ply):
+    def neighbour_forces(self, ply: int) -> list[Any]:
         """See ClothSolver: of both neighbours, and of torn cloth."""
         near, back = self.pairs[: len(self.pairs) // 2], self.pairs[len(self.pairs) // 2 :]
         found = [near[ply - 1].f_rear, back[ply - 1].f_front] if ply > 0 else []
         found += [near[ply].f_front, back[ply].f_rear] if ply < len(self.states) - 1 else []
         return [*found, self.stops.f[ply]]
 
-    def guard_model(self):
+    def guard_model(self) -> None:
         """Stop a run in which whole cloth has come through whole cloth."""
         half = len(self.pairs) // 2
         for p, pair in enumerate(self.pairs):
@@ -133,12 +140,12 @@ class PackSolver(ClothSolver):
                     f"after {step * self.const.dt * 1e6:.3g} us (step {step})",
                 )  # fmt: skip
 
-    def checkpoint_identity(self):
+    def checkpoint_identity(self) -> tuple[Any, str]:
         """See ExplicitSolver."""
         known, module = super().checkpoint_identity()
         return (*known, self.pack.gaps, self.pack.contact), module
 
-    def checkpoint_arrays(self):
+    def checkpoint_arrays(self) -> dict[str, Any]:
         """See ExplicitSolver. Of what holds torn cloth apart, the rest follows from the plies."""
         pairs = {f"pairs/{p:02d}": pair for p, pair in enumerate(self.pairs)}
         stops = {f"stops/{name}": getattr(self.stops, name) for name in ("f", "window", "energy")}

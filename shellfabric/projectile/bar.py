@@ -14,10 +14,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 from math import ceil, inf, pi
+from typing import Any
 
 import numpy as np
 from scipy.linalg import eigh_tridiagonal
 
+from fabrics.checks import FloatArray
 from fabrics.errors import InputError
 from fabrics.materials import Isotropic, load, round_projectile
 from shellfabric.projectile import bar_kernels as kernels
@@ -59,7 +61,10 @@ class Bar:
             raise InputError(key="cfl", value=self.cfl, allowed="above 0 and at most 1")
 
     @classmethod
-    def cylinder(cls, mass=None, *, diameter=None, length=None, bore_diameter=None, material=None, **changes) -> Bar:
+    def cylinder(
+        cls, mass: float | None = None, *, diameter: float | None = None, length: float | None = None,
+        bore_diameter: float | None = None, material: Isotropic | None = None, **changes: Any,
+    ) -> Bar:  # fmt: skip
         """A cylinder bored from its tail to a given mass; what is left out is that of the thesis.
 
         Raises
@@ -82,7 +87,7 @@ class Bar:
         return cls(sections, material, **changes)
 
     @classmethod
-    def full(cls, **changes) -> Bar:
+    def full(cls, **changes: Any) -> Bar:
         """The cylinder of the thesis without a bore: density and modulus so much less that mass and wave speed are its
         own.
 
@@ -108,7 +113,7 @@ class Bar:
         return self.material.density * sum(length * area for length, area in self.sections)
 
     @property
-    def mesh(self):
+    def mesh(self) -> tuple[FloatArray, FloatArray]:
         """h, area : (n,) [m], [m2] of the elements, from the tip."""
         h, area = [], []
         for length, section in self.sections:
@@ -118,7 +123,7 @@ class Bar:
         return np.array(h), np.array(area)
 
     @property
-    def nodal_mass(self):
+    def nodal_mass(self) -> FloatArray:
         """(n + 1,) [kg] half of each element's to each of its nodes."""
         h, area = self.mesh
         own = 0.5 * self.material.density * h * area
@@ -139,7 +144,7 @@ class Bar:
         """[N] at which the thinnest section yields."""
         return self.material.yield_stress * min(area for _, area in self.sections)
 
-    def substeps(self, dt) -> int:
+    def substeps(self, dt: float) -> int:
         """Number of steps of the bar in a step `dt` [s] of the target."""
         return max(1, ceil(dt / (self.cfl * self.longest_step)))
 
@@ -152,7 +157,7 @@ class Bar:
         number %= len(mass)
         return float(eigh_tridiagonal(diagonal, beside, True, select="i", select_range=(number, number))[0])
 
-    def motion(self, velocity) -> Motion:
+    def motion(self, velocity: float) -> Motion:
         """The bar in flight, without strain."""
         return Motion(self, velocity)
 
@@ -171,28 +176,29 @@ class Motion:
     history : rows of HISTORY, where `record` is called
     """
 
-    def __init__(self, bar, velocity):
+    def __init__(self, bar: Bar, velocity: float) -> None:
         self.bar = bar
         self.h, self.area = bar.mesh
         self.mass, material = bar.nodal_mass, bar.material
         self.law = np.array([material.modulus, material.yield_stress, material.hardening])
         self.u, self.v = np.zeros(self.mass.size), np.full(self.mass.size, float(velocity))
         self.plastic, self.stress, self.sums = np.zeros(self.h.size), np.zeros(self.h.size), np.zeros(2)
-        self.start, self.history = self.energy_of_motion, []
+        self.start = self.energy_of_motion
+        self.history: list[tuple[float, ...]] = []
 
     @property
-    def energy_of_motion(self):
+    def energy_of_motion(self) -> float:
         """[J]"""
         return 0.5 * float(self.mass @ self.v**2)
 
-    def push(self, force, dt):
+    def push(self, force: float, dt: float) -> tuple[float, float]:
         """Hold a force [N], positive forwards, for the time dt [s]; displacement [m] and velocity [m/s] of the tip."""
         return kernels.advance(
             self.u, self.v, self.mass, self.h, self.area,
             self.law, self.plastic, self.stress, self.sums, float(force), float(dt), self.bar.substeps(dt),
         )  # fmt: skip
 
-    def energies(self):
+    def energies(self) -> dict[str, float]:
         """Dict of ENERGIES [J]; the error is kinetic, elastic and plastic less the start and the work at the tip."""
         out = np.empty(2)
         kernels.energies(self.v, self.mass, self.h, self.area, self.bar.material.modulus, self.stress, out)
@@ -200,16 +206,16 @@ class Motion:
         values = (*out, plastic, work, out.sum() + plastic - work - self.start)
         return dict(zip(ENERGIES, map(float, values)))
 
-    def centre(self, values):
+    def centre(self, values: FloatArray) -> float:
         """Mean over the mass of nodal values."""
         return float(self.mass @ values / self.mass.sum())
 
-    def record(self, t, force):
+    def record(self, t: float, force: float) -> None:
         """Keep a row of the history at the time t [s]."""
         places = (self.u[0], self.u[-1], self.centre(self.u), self.v[0], self.v[-1], self.centre(self.v))
         self.history.append((t, *places, force))
 
-    def shortening(self):
+    def shortening(self) -> float:
         """[m] by plastic strain."""
         return -float(np.expm1(self.plastic) @ self.h)
 
@@ -245,7 +251,7 @@ class Rigidity:
         return f"{times}: {verdict} (from {ENOUGH:g} periods on)"
 
 
-def rigid_is_enough(contact_time, bar_period, force=0.0, yield_force=inf) -> Rigidity:
+def rigid_is_enough(contact_time: float, bar_period: float, force: float = 0.0, yield_force: float = inf) -> Rigidity:
     """Compare the time of contact with the period of the bar, both [s]; see ENOUGH. And the force, `held_force`, with
     that at which it yields, both [N]: a wall that is squeezed takes energy that a rigid body would have to keep.
 
@@ -260,7 +266,7 @@ def rigid_is_enough(contact_time, bar_period, force=0.0, yield_force=inf) -> Rig
     return Rigidity(contact_time, bar_period, enough, float(force), float(yield_force))
 
 
-def held_force(t, force, span):
+def held_force(t: FloatArray, force: FloatArray, span: float) -> float:
     """[N] largest mean over a span [s] of the force in a history (n,) [s], (n,) [N] of even steps.
 
     A blow that is shorter than half a period does not reach the thin sections behind the tip as a force.
@@ -270,7 +276,7 @@ def held_force(t, force, span):
     return float(np.max(total[width:] - total[:-width], initial=0.0)) / width
 
 
-def contact_time(t, force, period):
+def contact_time(t: FloatArray, force: FloatArray, period: float) -> float:
     """[s] for which the largest mean force over a period of the bar would have to act to give the impulse.
 
     Parameters
@@ -292,7 +298,7 @@ def contact_time(t, force, period):
     return float(np.sum(0.5 * (force[1:] + force[:-1]) * np.diff(t)) / held_force(t, force, period))
 
 
-def split(bar, duration, impulse=0.1):
+def split(bar: Bar, duration: float, impulse: float = 0.1) -> tuple[float, float]:
     """What a half-sine push leaves of rigidity: largest split of tip and tail, during it and after.
 
     Parameters

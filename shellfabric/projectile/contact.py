@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 from collections import namedtuple
+from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
+from fabrics.checks import FloatArray
 from shellfabric.cloth import spline_kernels
 from shellfabric.jit.simd import WIDTH
 from shellfabric.projectile import contact_kernels
@@ -19,7 +22,7 @@ Scratch = namedtuple(
 )
 
 
-def constants(points, mass, dt, penalty, damping):
+def constants(points: int, mass: float, dt: float, penalty: float, damping: float) -> dict[str, Any]:
     """Constants of the points, by the names that the kernels know; an explicit spring (`implicit_factor` 0).
 
     Parameters
@@ -43,7 +46,7 @@ def constants(points, mass, dt, penalty, damping):
     }
 
 
-def contact_state(near, points, shares, friction):
+def contact_state(near: Sequence[int], points: int, shares: FloatArray, friction: float) -> dict[str, Any]:
     """What is kept from step to step of the elements near = (i0, i1, j0, j1), by the names that the kernels know."""
     count = (near[1] - near[0]) * (near[3] - near[2])
     return {
@@ -55,7 +58,7 @@ def contact_state(near, points, shares, friction):
     }
 
 
-def scratch(*consts) -> Scratch:
+def scratch(*consts: Any) -> Scratch:
     """Room for one call, of any of several panels: four lines of nodes, the boxes of their columns, one element and
     eight of its points."""
     columns = max(const.window_limits[3] - const.window_limits[2] for const in consts) + 3

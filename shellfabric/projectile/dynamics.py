@@ -6,10 +6,16 @@ A modelled part of the panel has as much of the bar: masses and sections are its
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from fabrics.checks import FloatArray
 from shellfabric.projectile import bar_kernels
+
+if TYPE_CHECKING:
+    from shellfabric.projectile.bar import Bar
+    from shellfabric.projectile.projectile import Projectile
 
 RIGID = ("z", "v", "force")  # columns of the step history, `panel.step_kernels.record_step`
 STATE = ("bar_u", "bar_v", "bar_plastic", "bar_stress", "bar_energy")  # fields of a State that are the body's
@@ -40,7 +46,7 @@ class BarHistory:
     shortening: float
 
     @property
-    def swing(self):
+    def swing(self) -> float:
         """[s] period in which tip and tail swing against each other: of the strongest frequency of the difference of
         their velocities, between a third of the bar's first and three times it. NaN of a history of under three
         periods."""
@@ -56,18 +62,18 @@ class BarHistory:
         return float(tries[int(np.argmax(power))])
 
 
-def history(t, fine, state, bar) -> BarHistory:
+def history(t: FloatArray, fine: FloatArray, state: Any, bar: Bar) -> BarHistory:
     """The history of a bar from the columns BAR of a run, and from its state at the end."""
     named = {name: fine[:, BAR.index(name)] for name in BAR[len(RIGID) :]}
     return BarHistory(t, **named, period=bar.period, shortening=-float(np.expm1(state.bar_plastic) @ bar.mesh[0]))
 
 
-def columns(projectile):
+def columns(projectile: Projectile) -> tuple[str, ...]:
     """Names of the columns of its history."""
     return RIGID if projectile.bar is None else BAR
 
 
-def constants(projectile, share, dt):
+def constants(projectile: Projectile, share: float, dt: float) -> dict[str, Any]:
     """What the kernels need to know of the body, by name; without elements where it is rigid."""
     if projectile.bar is None:
         none = np.zeros(0)
@@ -80,7 +86,7 @@ def constants(projectile, share, dt):
     }  # fmt: skip
 
 
-def state(projectile, strike_velocity):
+def state(projectile: Projectile, strike_velocity: float) -> dict[str, FloatArray]:
     """State of the body in flight, without strain, by name."""
     n = 0 if projectile.bar is None else projectile.bar.mesh[0].size
     along = strike_velocity * float(projectile.flight @ projectile.frame[2])
@@ -91,7 +97,7 @@ def state(projectile, strike_velocity):
     }  # fmt: skip
 
 
-def audit(state, const, force):
+def audit(state: Any, const: Any, force: FloatArray) -> tuple[float, float, float, float]:
     """Kinetic, elastic and plastic energy [J] of the modelled part, and the velocity along the normal [m/s], at the
     present whole step, where a force (3,) [N] acts on it. A rigid body's velocity stands half a step back, and so does
     a bar's across its axis."""
@@ -110,7 +116,7 @@ def audit(state, const, force):
     return float(out[bar_kernels.KINETIC]) + beside, float(out[bar_kernels.ELASTIC]), plastic, float(velocity)
 
 
-def velocity(state, const):
+def velocity(state: Any, const: Any) -> FloatArray:
     """(3,) [m/s] of the projectile's centre of mass, half a step back; of a bar along its axis at the present step."""
     speed = state.projectile_velocity.copy()
     if const.bar_mass.size > 0:

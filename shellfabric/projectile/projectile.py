@@ -12,12 +12,14 @@ hemisphere, the centre, so that a sphere flies alike whatever its attitude.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from math import cos, inf, pi, radians, sin, tan
 
 import numpy as np
 
+from fabrics.checks import FloatArray
 from fabrics.errors import InputError
 from shellfabric.projectile import sdf_kernels
 from shellfabric.projectile.bar import Bar
@@ -192,50 +194,51 @@ class Projectile:
             if not least <= self.length < inf:
                 raise InputError(key="length", value=self.length, allowed=f"at least nose and rear edge, {least:.4g}")
 
-    def energy(self, speed):
+    def energy(self, speed: float) -> float:
         """[J] kinetic energy at a speed [m/s]."""
         return 0.5 * self.mass * speed**2
 
     @property
-    def number(self):
+    def number(self) -> int:
         """Of the shape in `sdf_kernels`."""
         return SHAPES[self.shape][0]
 
     @property
-    def form(self):
+    def form(self) -> FloatArray:
         """(4,) the numbers that `sdf_kernels` needs of the shape."""
         values = SHAPES[self.shape][1](self)
         return np.array([*values, *[0.0] * (4 - len(values))])
 
     @property
-    def shoulder(self):
+    def shoulder(self) -> float:
         """[m] depth behind the nose from which it has its full width."""
         return SHAPES[self.shape][2](self)
 
     @property
-    def nose_radius(self):
+    def nose_radius(self) -> float:
         """[m] smallest radius that cloth is bent round by the nose."""
         if self.shape in ("sphere", "hemisphere"):
             return self.radius
-        return min(self.edge_radius, self.tip_radius) if self.shape == "cone" else self.edge_radius
+        tip = self.tip_radius if self.shape == "cone" else None
+        return self.edge_radius if tip is None else min(self.edge_radius, tip)
 
     @property
-    def tilted(self):
+    def tilted(self) -> bool:
         """Whether the frame of the projectile is not that of the panel."""
         return self.obliquity + self.yaw != 0 or self.roll != 0
 
     @property
-    def roaming(self):
+    def roaming(self) -> bool:
         """Whether its shadow on the panel moves."""
         return self.obliquity != 0 or self.obliquity + self.yaw != 0
 
     @property
-    def flight(self):
+    def flight(self) -> FloatArray:
         """(3,) unit vector along which it flies."""
         return _towards(self.obliquity, self.azimuth)
 
     @property
-    def frame(self):
+    def frame(self) -> FloatArray:
         """(3, 3) its x, y and z axes as rows: z along its axis, x and y the panel's turned with it, and rolled."""
         lean, (c, s) = self.obliquity + self.yaw, (cos(self.azimuth), sin(self.azimuth))
         away, beside = np.array([cos(lean) * c, cos(lean) * s, -sin(lean)]), np.array([-s, c, 0.0])
@@ -244,17 +247,17 @@ class Projectile:
         y = cos(turn) * beside - sin(turn) * away
         return np.array([x, y, _towards(lean, self.azimuth)])
 
-    def distance(self, point):
+    def distance(self, point: FloatArray | Sequence[float]) -> tuple[float, FloatArray]:
         """[m] signed distance to a point (3,) of the panel's frame when the nose is at the origin; and its gradient."""
         frame = self.frame
         length = inf if self.length is None else self.length
         depth, *normal = sdf_kernels.distance(
-            self.number, *(frame @ point), self.radius, self.edge_radius, length, self.form
+            self.number, *(frame @ np.asarray(point)), self.radius, self.edge_radius, length, self.form
         )
         return depth, frame.T @ normal
 
     @property
-    def top(self):
+    def top(self) -> float:
         """[m] how far the body reaches ahead of its nose, along the panel's normal.
 
         Seen from a point far ahead the distance to a convex body is that to the plane that touches it; at 10 km, it
@@ -265,14 +268,14 @@ class Projectile:
         far = 1e4
         return max(0.0, far - self.distance(np.array([0.0, 0.0, far]))[0])
 
-    def start(self):
+    def start(self) -> FloatArray:
         """(3,) [m] where the nose is when the body first touches the panel z = 0, on its way to the origin."""
         if self.obliquity == 0 and not self.tilted:
             return np.zeros(3)
         flight, nose = self.flight, self.radius * self.frame[2]
         return nose - flight * (nose[2] + self.top) / flight[2]
 
-    def surface(self, set_back=0.0):
+    def surface(self, set_back: float = 0.0) -> FloatArray:
         """(n, m, 3) [m] the body's surface about its nose, m points a ring, for pictures; six radii of an endless one.
 
         set_back : [m] along the axis
@@ -291,7 +294,7 @@ class Projectile:
         sdf_kernels.trace(self.number, self.radius, self.edge_radius, length, self.form, points, rays)
         return ((points - [0, 0, set_back]) @ self.frame).reshape(slope.size, around.size, 3)
 
-    def mirrored(self, axis):
+    def mirrored(self, axis: int) -> bool:
         """Whether the shot is its own mirror image in the plane x = 0 (axis 0) or y = 0 (axis 1)."""
         frame, flight = self.frame, self.flight
         if abs(flight[axis]) > 1e-12 or abs(frame[2][axis]) > 1e-12:

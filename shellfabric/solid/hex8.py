@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+
+from fabrics.checks import FloatArray
 
 CORNERS = np.array([[-1, -1, -1], [1, -1, -1], [1, 1, -1], [-1, 1, -1], [-1, -1, 1], [1, -1, 1], [1, 1, 1], [-1, 1, 1]])
 XI, ETA, ZETA = CORNERS.T
@@ -31,12 +34,12 @@ class Bricks:
     edges: np.ndarray
 
     @classmethod
-    def of(cls, corners) -> Bricks:
+    def of(cls, corners: FloatArray) -> Bricks:
         """From (m, 8, 3) [m] corners, edge 0-1 along the fibre, 0-3 across, 0-4 through; either hand.
 
         The mean gradients of the trilinear shape functions are found by the 2 x 2 x 2 rule, which is exact for them.
         """
-        volume, gradient = 0.0, 0.0
+        volume, gradient = np.zeros(len(corners)), np.zeros((len(corners), 8, 3))
         for point in CORNERS / np.sqrt(3):
             slopes = _slopes(point)
             jacobian = np.einsum("mac,ai->mci", corners, slopes)
@@ -54,7 +57,7 @@ class Bricks:
             2 * np.linalg.norm(middle, axis=1),
         )
 
-    def control(self, moduli, shear):
+    def control(self, moduli: Sequence[float], shear: float) -> FloatArray:
         """(m, 4, 3) [N/m3] hourglass stiffness: the energy of the 2 x 2 x 2 rule at rest.
 
         Parameters

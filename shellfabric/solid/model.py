@@ -12,10 +12,13 @@ from __future__ import annotations
 from collections import namedtuple
 from dataclasses import dataclass, field
 from math import inf
+from typing import Any
 
 import numpy as np
 
+from fabrics.checks import FloatArray
 from fabrics.errors import InputError
+from fabrics.fabric import Fabric
 from shellfabric.projectile.projectile import Projectile
 from shellfabric.solid import fibre_kernels, solid_kernels, step_kernels, yarn_contact_kernels
 from shellfabric.solid.hex8 import Bricks
@@ -69,8 +72,8 @@ class SolidPatch:
         along a crossing, or the projectile is tilted or rubs
     """
 
-    mesh: object
-    fabric: object
+    mesh: Any
+    fabric: Fabric
     projectile: Projectile = field(default_factory=Projectile)
     numerics: PatchNumerics = field(default_factory=PatchNumerics)
     failure: bool = True
@@ -89,17 +92,17 @@ class SolidPatch:
             raise InputError("a solid patch is struck straight on, by a projectile without friction")
 
     @property
-    def count(self):
+    def count(self) -> tuple[int, ...]:
         """(n, m) numbers of warp and of weft yarns."""
         return tuple(self.mesh.families.count(family) for family in (0, 1))
 
     @property
-    def per_crossing(self):
+    def per_crossing(self) -> int:
         """Bricks along a yarn in one crossing."""
         return (self.mesh.grids[0].shape[0] - 1) // self.count[1]
 
     @property
-    def bricks(self):
+    def bricks(self) -> int:
         """Number of bricks."""
         return len(self.mesh.hexes)
 
@@ -148,7 +151,7 @@ class SolidPatch:
             **crossings,
         )
 
-    def state(self, strike_velocity) -> State:
+    def state(self, strike_velocity: float) -> State:
         """At rest, the projectile about to touch."""
         mesh, grids = self.mesh, self.mesh.grids
         n, slaves = len(mesh.points), (self.per_crossing + 1) * grids[0].shape[1]
@@ -177,7 +180,7 @@ class SolidPatch:
             time=np.zeros(1),
         )
 
-    def ready(self, strike_velocity):
+    def ready(self, strike_velocity: float) -> tuple[Constants, State]:
         """Constants and state, the feet of all nodes found."""
         const, state = self.constants(), self.state(strike_velocity)
         yarn_contact_kernels.find_closest_points(
@@ -191,14 +194,14 @@ class SolidPatch:
         )
         return const, state
 
-    def frequency(self, const, state):
+    def frequency(self, const: Constants, state: State) -> tuple[float, int]:
         """Bound of the highest frequency [1/s] in the state as it is, and the node where it stands."""
         worst = np.zeros((len(self.mesh.grids), 2))
         step_kernels.frequency_bounds(state, const, worst)
         yarn = int(np.argmax(np.where(np.isfinite(worst[:, 0]), worst[:, 0], np.inf)))
         return float(np.sqrt(worst[yarn, 0])), int(worst[yarn, 1])
 
-    def section_tension(self, const, state, yarn):
+    def section_tension(self, const: Constants, state: State, yarn: int) -> FloatArray:
         """(nx,) [N] elastic force of the bars of each section of a yarn."""
         kind, total = const.yarn_type[yarn], np.zeros(const.bricks_along[yarn])
         sheet = (const.ny + 1) * (const.nz + 1)
@@ -322,7 +325,7 @@ def _starts(made, key):
     return np.concatenate([[0], np.cumsum([len(part[key]) for part in made])[:-1]])
 
 
-def face_area(points):
+def face_area(points: FloatArray) -> FloatArray:
     """(p, q) [m2] areas of the nodes of a face (p, q, 3): a quarter of each quadrilateral to each of its corners."""
     quads = 0.5 * np.linalg.norm(
         np.cross(points[1:, 1:] - points[:-1, :-1], points[:-1, 1:] - points[1:, :-1]), axis=-1

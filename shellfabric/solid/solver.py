@@ -9,12 +9,19 @@ evaluated as they stand. The solids' law has none: their entry is the work that 
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
+from typing import TYPE_CHECKING, Any, Self
+
 import numba
 import numpy as np
 
-from shellfabric.driver.solver import RUNNING, ExplicitSolver
+from fabrics.checks import FloatArray
+from shellfabric.driver.solver import RUNNING, ExplicitSolver, Hook
 from shellfabric.solid import solid_kernels
 from shellfabric.solid import step_kernels as kernels
+
+if TYPE_CHECKING:
+    from shellfabric.solid.model import SolidPatch
 
 ENERGIES = (
     "kinetic_fabric",
@@ -59,8 +66,9 @@ class SolidSolver(ExplicitSolver):
     sample_names, energy_names = SAMPLES, ENERGIES
 
     def __init__(
-        self, patch, strike_velocity, end_time, *, interval=0.25e-6, energy_error_limit=0.02, threads=None
-    ):  # fmt: skip
+        self, patch: SolidPatch, strike_velocity: float, end_time: float, *, interval: float = 0.25e-6,
+        energy_error_limit: float = 0.02, threads: int | None = None,
+    ) -> None:  # fmt: skip
         super().__init__(
             patch.projectile, strike_velocity, end_time, interval=interval, energy_error_limit=energy_error_limit
         )
@@ -71,32 +79,32 @@ class SolidSolver(ExplicitSolver):
         self.energy_at_start = self.strike_energy + self.state.contact_energy[:, 0].sum()
 
     @property
-    def steps(self):
+    def steps(self) -> int:
         """Steps made."""
         return int(self.state.counter[0])
 
     @property
-    def time(self):
+    def time(self) -> float:
         """[s] of the places."""
         return float(self.state.time[0])
 
     @property
-    def sample_spacing(self):
+    def sample_spacing(self) -> float:
         """[s] from one sample to the next."""
         return self.interval
 
     @property
-    def ended(self):
+    def ended(self) -> bool:
         """Whether the end time is reached."""
         return self.reason != RUNNING or self.time > self.end_time - 0.5 * self.interval
 
-    def run(self, hooks=()):
+    def run(self, hooks: Iterable[Hook] = ()) -> Self:
         """See ExplicitSolver."""
         if self._numba_threads is not None:
             numba.set_num_threads(self._numba_threads)
         return super().run(hooks)
 
-    def advance(self, history):
+    def advance(self, history: FloatArray) -> tuple[int, int]:
         """See ExplicitSolver; the length of the steps has been set."""
         kernels.run_steps(self.state, self.const, len(history))
         return len(history), RUNNING
@@ -124,7 +132,7 @@ class SolidSolver(ExplicitSolver):
         state.step_sizes[1] = 2 * max(GROWTH * speed, self.strike_velocity) * state.step_sizes[0]
         return steps
 
-    def observe(self):
+    def observe(self) -> tuple[Sequence[float], Sequence[float]]:
         """See ExplicitSolver."""
         state, sums = self.state, self.state.energy_sums.sum(axis=0)
         contact, nose = state.contact_energy.sum(axis=0), state.nose_sums.sum(axis=0)
@@ -165,22 +173,22 @@ class SolidSolver(ExplicitSolver):
             place += count
         return *peaks, *means
 
-    def node_speeds(self):
+    def node_speeds(self) -> list[tuple[FloatArray, float]]:
         """See ExplicitSolver. No node is too fast: a brick that is turned over ends the run (`_set_time_step`)."""
         return [(np.sqrt((self.state.v**2).sum(axis=1)), np.inf)]
 
-    def where(self, part, node):
+    def where(self, part: int, node: int) -> str:
         """See ExplicitSolver."""
         mesh = self.patch.mesh
         yarn = int(np.searchsorted(self.const.first_node, node, side="right")) - 1
         x, y, z = self.state.x[node] * 1e3
         return f"node {int(node)} of {mesh.names[yarn]} ({x:.3g}, {y:.3g}, {z:.3g} mm)"
 
-    def checkpoint_identity(self):
+    def checkpoint_identity(self) -> tuple[Any, str]:
         """See ExplicitSolver."""
         known = self.strike_velocity, self.interval, self.patch.numerics.cfl, self.const._asdict()
         return known, "shellfabric.solid.solver"
 
-    def checkpoint_arrays(self):
+    def checkpoint_arrays(self) -> dict[str, Any]:
         """See ExplicitSolver."""
         return {"state": self.state}
