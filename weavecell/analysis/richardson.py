@@ -21,6 +21,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.optimize import brentq
 
+from fabrics.checks import FloatArray
 from fabrics.errors import InputError
 
 LOWEST, HIGHEST = 0.5, 2.1
@@ -47,7 +48,7 @@ class Extrapolation:
     scatter: float
 
 
-def observed_order(sizes: Sequence[float], values: Sequence[float]) -> float | None:
+def observed_order(sizes: Sequence[float] | FloatArray, values: Sequence[float] | FloatArray) -> float | None:
     """Order p of three values on meshes of falling size; None where there is no p > 0."""
     h1, h2, h3 = sizes
     coarse, fine = values[0] - values[1], values[1] - values[2]

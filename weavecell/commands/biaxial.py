@@ -12,6 +12,9 @@ from __future__ import annotations
 
 import csv
 import time
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -32,7 +35,10 @@ _COLUMNS = {"T1": "warp tension [N]", "T2": "weft tension [N]", "F": "contact fo
             "h2": "weft height [m]", "W": "stored energy [J]"}  # fmt: skip
 
 
-def biaxial_command(name, out, *, ratios, size=None, form="variational", profile="cosine", toe=0.0):
+def biaxial_command(
+    name: str, out: Path, *, ratios: Sequence[str], size: str | None = None, form: str = "variational",
+    profile: str = "cosine", toe: float | Sequence[float] = 0.0,
+) -> None:  # fmt: skip
     """Stretch the crossover of one fabric along each of `ratios`, write it and print where each path ends.
 
     Parameters
@@ -46,7 +52,7 @@ def biaxial_command(name, out, *, ratios, size=None, form="variational", profile
 
     wanted = {text: _ratio(text) for text in ratios}
     fabric = with_linear_density(catalogue.load(name) if size is None else with_3d_data(name), "effective")
-    options = {"profile": profile, "toe": toe}
+    options: dict[str, Any] = {"profile": profile, "toe": toe}
     model, began = CellModel(fabric, form=form, **options), time.perf_counter()
     found = {text: to_strength(model, ratio, STATES) for text, ratio in wanted.items()}
     solved = {} if size is None else _crossovers(fabric, found, size, out)
@@ -65,7 +71,7 @@ def biaxial_command(name, out, *, ratios, size=None, form="variational", profile
     page = report_page.Report(
         f"{fabric.name}: biaxial response",
         "One crossover, stretched in both directions at fixed ratios of strains to the strength of its first yarn.",
-        ((chapters.fabric_card(fabric), chapters.law_card(fabric.laws[0], source="published")),),
+        ((chapters.fabric_card(fabric), chapters.law_card(fabric.laws[0], source="published")),),  # type: ignore[index]
         (section, chapters.sources(fabric), chapters.making(stamp, {"all of it": time.perf_counter() - began})),
         f"weavecell {weavecell.__version__}, {stamp['date']}",
     )
@@ -79,7 +85,7 @@ def biaxial_command(name, out, *, ratios, size=None, form="variational", profile
     print(f"written to {out}")
 
 
-def toes(text):
+def toes(text: str) -> float | Sequence[float]:
     """A toe from "0.1 %", or those of warp and weft from "0.1 %, 0.2 %"."""
     values = tuple(si(part.strip(), "", key="--fibre-slack") for part in text.split(","))
     return values[0] if len(values) == 1 else values

@@ -12,18 +12,31 @@ Folder of `weavecell calibrate`
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import weavecell
+from fabrics.checks import FilePath, FloatArray
 from weavecell.commands import calibrate_solid, mesh
 from weavecell.commands.mesh import with_3d_data
 from weavecell.report import chapters
 from weavecell.report import page as report_page
-from weavecell.report.page import Table
+from weavecell.report.page import Section, Table
 from weavecell.results import json_file, progress, provenance
 
+if TYPE_CHECKING:
+    from fabrics.fabric import Fabric
+    from unitcell3d.identify.calibration import Calibration
+    from unitcell3d.identify.solid_record import SolidFit
+    from unitcell3d.solver.history import History
 
-def calibrate_command(name, out, *, size, jobs, executor, friction=0.0, plates=None, fit_solid=False, resume=False):
+
+def calibrate_command(
+    name: str, out: Path, *, size: str, jobs: int, executor: str, friction: float = 0.0,
+    plates: FilePath | None = None, fit_solid: bool = False, resume: bool = False,
+) -> None:  # fmt: skip
     """Calibrate one fabric, its solid first if asked, write what came of it and print the law."""
     fabric = with_3d_data(name)
     solid = None
@@ -34,14 +47,14 @@ def calibrate_command(name, out, *, size, jobs, executor, friction=0.0, plates=N
     mesh.write(built, out, fabric=fabric)
     done = calibrate(fabric, out, size=size, jobs=jobs, executor=executor, friction=friction, resume=resume)
     tell(fabric, done, out)
-    around = {}
+    around: dict[str, Any] = {}
     if solid is not None:
         _, around = calibrate_solid.law_interval(solid, done.law, out, friction=friction, jobs=jobs, executor=executor)
     page(fabric, done, solid, around, built, out)
     print(f"written to {out}")
 
 
-def page(fabric, done, solid, around, built, out):
+def page(fabric: Fabric, done: Calibration, solid: SolidFit | None, around: Any, built: Any, out: Path) -> None:
     """Write the report of a calibration."""
     laws = {"fitted": done.law}
     if done.published is not None:
@@ -68,7 +81,7 @@ def page(fabric, done, solid, around, built, out):
     report_page.write(content, out / "report.html")
 
 
-def tell(fabric, done, out):
+def tell(fabric: Fabric, done: Calibration, out: Path) -> None:
     """Print the law of a Calibration: intervals, published values, residual, spread between paths, the law chosen."""
     law = done.law
     if done.friction:
@@ -78,7 +91,8 @@ def tell(fabric, done, out):
     if done.published is not None:
         print(f"{'published':<12}a = {1e3 * done.published.a:.4f} mm, b = {1e3 * done.published.b:.4f} mm N^(1/3)")
     print(
-        f"{'residual':<12}{1e6 * law.residual_rms:.2f} um rms over F = {law.F_range[0]:.2g} to {law.F_range[1]:.3g} N"
+        f"{'residual':<12}{1e6 * law.residual_rms:.2f} um rms over "  # type: ignore[operator]
+        f"F = {law.F_range[0]:.2g} to {law.F_range[1]:.3g} N"  # type: ignore[index]
     )
     if done.spread:
         print(f"{'each path':<12}a = {_mm(done.spread['a'])} mm, b = {_mm(done.spread['b'])} mm N^(1/3)")
@@ -87,7 +101,7 @@ def tell(fabric, done, out):
             print(f"{name + ' alone':<12}a = {1e3 * own.a:.4f} mm, b = {1e3 * own.b:.4f} mm N^(1/3)")
     if done.ratio_law is not None:
         print(
-            f"{'by tension':<12}a law that sees the tension ratio leaves {1e6 * done.ratio_law.residual_rms:.2f} um rms"
+            f"{'by tension':<12}a law that sees the tension ratio leaves {1e6 * done.ratio_law.residual_rms:.2f} um rms"  # type: ignore[operator]
         )
     print(f"{'chosen':<12}{done.chosen}" + ("" if done.chosen == "one law" else " (the shell takes the one law)"))
     for name, history in done.histories.items():
@@ -99,7 +113,9 @@ def _mm(pair):
     return " .. ".join(f"{1e3 * value:.4f}" for value in pair)
 
 
-def calibrate(fabric, out, *, size, jobs, executor, friction=0.0, resume=False):
+def calibrate(
+    fabric: Fabric, out: Path, *, size: str, jobs: int, executor: str, friction: float = 0.0, resume: bool = False
+) -> Calibration:
     """Solve the crossover, fit its law and write both to the folder `out`; returns the Calibration."""
     from unitcell3d.identify import calibrate as solver
 
@@ -110,7 +126,7 @@ def calibrate(fabric, out, *, size, jobs, executor, friction=0.0, resume=False):
         )
 
 
-def told_by_paths(advance, count):
+def told_by_paths(advance: Callable[..., object], count: int) -> Callable[..., None]:
     """Progress of `count` paths, as `unitcell3d.identify.calibrate` tells it, shown on one bar."""
     shares = {}
 
@@ -122,7 +138,7 @@ def told_by_paths(advance, count):
     return report_path
 
 
-def fit_chapter(done, laws):
+def fit_chapter(done: Calibration, laws: Any) -> Section:
     """The chapter of a Calibration: its samples and laws, each path alone, and fibre failure."""
     from unitcell3d.identify.calibration import samples
 
@@ -140,8 +156,8 @@ def fit_chapter(done, laws):
         for name, history in done.histories.items()
     )
     alone = Table(columns, rows, "Each path", numeric=(*columns[1:4], columns[5]))
-    columns = ("path", "criterion", "yarn", "d1 [µm]", "d2 [µm]", "T1 [N]", "T2 [N]", "F_c [N]")
-    rows = tuple(
+    heads = ("path", "criterion", "yarn", "d1 [µm]", "d2 [µm]", "T1 [N]", "T2 [N]", "F_c [N]")
+    found_failures = tuple(
         (
             name,
             item.criterion,
@@ -152,11 +168,11 @@ def fit_chapter(done, laws):
         for name, found in done.failures.items()
         for item in found
     )
-    failure = Table(columns, rows, "Where the fibre strain first reaches the failure strain", numeric=columns[3:])
+    failure = Table(heads, found_failures, "Where the fibre strain first reaches the failure strain", numeric=heads[3:])
     return replace(chapter, tables=(*chapter.tables, _laws(done), alone, failure))
 
 
-def ended(name, history):
+def ended(name: str, history: History) -> str:
     """Why a path ended."""
     if history.failed:
         return history.failed
@@ -191,12 +207,12 @@ def _parameters(law):
     return ("-", "-") if law is None else (f"{1e3 * law.a:.4f}", f"{1e3 * law.b:.4f}")
 
 
-def stretched(done):
+def stretched(done: Calibration) -> dict[str, History]:
     """{path: History} of a Calibration without the plates."""
     return {name: history for name, history in done.histories.items() if history is not done.plates}
 
 
-def paths(done, fabric):
+def paths(done: Calibration, fabric: Fabric) -> dict[str, tuple[FloatArray, ...]]:
     """{path: (strain1, strain2, T1, T2)} [-, N] of a Calibration: end displacements over half cell lengths."""
     w1, w2 = fabric.weave.w
     return {name: (path.d1 / w1, path.d2 / w2, path.T1, path.T2) for name, path in stretched(done).items()}

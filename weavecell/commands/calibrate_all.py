@@ -8,6 +8,8 @@ Folder of `weavecell calibrate --all`
 from __future__ import annotations
 
 import csv
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import weavecell
 from fabrics import catalogue
@@ -19,6 +21,9 @@ from weavecell.report import page as report_page
 from weavecell.report.page import Card, Figure, Section, Table
 from weavecell.results import progress, provenance
 
+if TYPE_CHECKING:
+    from fabrics.fabric import Fabric
+
 COLUMNS = (
     "fabric", "a [mm]", "95 %", "paths", "published a [mm]", "a / published", "b [mm N^(1/3)]", "95 %", "paths",
     "published b", "b / published", "rms [µm]", "by tension [µm]", "chosen", "warp alone a, b", "weft alone a, b",
@@ -26,7 +31,7 @@ COLUMNS = (
 )  # fmt: skip
 
 
-def command(out, *, size, jobs, executor, resume, friction=0.0):
+def command(out: Path, *, size: str, jobs: int, executor: str, resume: bool, friction: float = 0.0) -> None:
     """Calibrate the whole catalogue, write the summary and print it."""
     from unitcell3d.identify.calibrate import PATHS, calibrate_all
 
@@ -61,7 +66,7 @@ def command(out, *, size, jobs, executor, resume, friction=0.0):
         raise UnstableError("; ".join(failed))
 
 
-def row(fabric, found):
+def row(fabric: Fabric, found: Any) -> tuple[str, ...]:
     """One fabric's line, as texts."""
     if isinstance(found, Exception):
         return (fabric.name, *[""] * (len(COLUMNS) - 2), str(found))

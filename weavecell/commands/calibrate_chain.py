@@ -12,6 +12,8 @@ Folder
 from __future__ import annotations
 
 import csv
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import weavecell
 from fabrics import catalogue
@@ -23,6 +25,11 @@ from weavecell.report import chapters, marked_page, pictures, pictures_solid
 from weavecell.report import page as report_page
 from weavecell.report.page import Card, Figure, Section, Table
 from weavecell.results import json_file, progress, provenance
+
+if TYPE_CHECKING:
+    from fabrics.fabric import Fabric
+    from fabrics.plate_curve import PlateCurve
+    from unitcell3d.identify.solid_record import SolidFit
 
 SOLID_COLUMNS = (
     "fabric", "misfit before [µm]", "before, of the pressure [%]", "fitted [µm]", "fitted, of the pressure [%]",
@@ -38,7 +45,9 @@ MARKS = "<!-- chain -->", "<!-- end of chain -->"
 SOLID_OF_THE_FILE = "solid-of-the-file"
 
 
-def command(out, *, size, jobs, executor, resume, friction=0.0, page=None):
+def command(
+    out: Path, *, size: str, jobs: int, executor: str, resume: bool, friction: float = 0.0, page: Path | None = None
+) -> None:
     """Run the chain of the whole catalogue, write the tables and print them."""
     fabrics, skipped = with_curves()
     if page is not None:
@@ -55,7 +64,8 @@ def command(out, *, size, jobs, executor, resume, friction=0.0, page=None):
         fit.write(out / fit.fabric.name / "solid.json")
     tables = {
         "solids": [SOLID_COLUMNS, *map(solid_row, fits)],
-        "laws": [LAW_COLUMNS, *(law_row(fit.fabric, *(found[fit.fabric.name] for found in done.values()),
+        "laws": [LAW_COLUMNS, *(law_row(fit.fabric, *(found[fit.fabric.name]  # type: ignore[call-arg]
+                                        for found in done.values()),
                                         intervals.get(fit.fabric.name, {})) for fit in fits)],
     }  # fmt: skip
     drawn = {
@@ -71,7 +81,7 @@ def command(out, *, size, jobs, executor, resume, friction=0.0, page=None):
         raise UnstableError("; ".join(f"{name}: {reason}" for name, reason in failed.items()))
 
 
-def with_curves():
+def with_curves() -> tuple[list[tuple[Fabric, PlateCurve]], dict[str, str]]:
     """([(Fabric, PlateCurve)], {name: why it has none}) of the catalogue."""
     found, skipped = [], {}
     for fabric in map(catalogue.load, catalogue.list_names()):
@@ -124,14 +134,14 @@ def _intervals(fits, laws, runs, out, friction, jobs, executor):
     return around
 
 
-def solid_row(fit):
+def solid_row(fit: SolidFit) -> tuple[str, ...]:
     """A fabric's misfits and constants, as texts."""
     checked = fit.misfit_checked
     numbers = [f"{1e6 * fit.misfit_before.closure:.1f}", f"{100 * fit.misfit_before.pressure:.0f}",
                f"{1e6 * fit.misfit.closure:.1f}", f"{100 * fit.misfit.pressure:.0f}"]  # fmt: skip
     numbers += ["-", "-"] if checked is None else [f"{1e6 * checked.closure:.1f}", f"{100 * checked.pressure:.0f}"]
-    if checked is not None and len(fit.checked) < len(fit.pressure):
-        numbers[-1] += f", to {1e-6 * fit.pressure[len(fit.checked) - 1]:.2g} MPa"
+    if checked is not None and len(fit.checked) < len(fit.pressure):  # type: ignore[arg-type]
+        numbers[-1] += f", to {1e-6 * fit.pressure[len(fit.checked) - 1]:.2g} MPa"  # type: ignore[arg-type]
     for (name, value), factor in zip(fit.values.items(), (1e-9, 1, 1, 1e-6)):
         low, high = fit.intervals[name]
         known = "" if fit.determined[name] else ", not determined"
@@ -139,7 +149,7 @@ def solid_row(fit):
     return (fit.fabric.name, *numbers)
 
 
-def law_row(fabric, of_file, fitted, around):
+def law_row(fabric: Fabric, of_file: Any, fitted: Any, around: Any) -> tuple[str, ...]:
     """A fabric's laws, as texts."""
     published = fabric.laws[0] if fabric.laws else None
     ratios = [_ratio(found, published) for found in (of_file, fitted)]

@@ -7,19 +7,29 @@ solid-runs holds what is kept for --resume.
 from __future__ import annotations
 
 import shutil
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 from fabrics import run_cache
+from fabrics.checks import FilePath
 from fabrics.errors import InputError
 from fabrics.plate_curve import PlateCurve
 from weavecell.report import pictures, pictures_solid
 from weavecell.report.page import Figure, Section, Table
 from weavecell.results import json_file, progress
 
+if TYPE_CHECKING:
+    from fabrics.compression import CompressionLaw
+    from fabrics.fabric import Fabric
+    from unitcell3d.identify.chain import LawInterval
+    from unitcell3d.identify.platen_misfit import PlatenMisfit
+    from unitcell3d.identify.solid_record import SolidFit
+
 EXPECTED = 20  # trials, for the progress bar
 RUNS = "solid-runs"
 
 
-def curve_for(fabric, path):
+def curve_for(fabric: Fabric, path: FilePath | None) -> PlateCurve:
     """The plate curve of a file, or without one the pressure law at the fabric's measured areal density.
 
     Raises
@@ -35,14 +45,14 @@ def curve_for(fabric, path):
     return PlateCurve.pressure_law(fabric.areal_density_measured)
 
 
-def begin(out, resume):
+def begin(out: Path, resume: bool) -> Path:
     """The folder of kept runs, emptied unless the command goes on."""
     if not resume:
         shutil.rmtree(out / RUNS, ignore_errors=True)
     return out / RUNS
 
 
-def fit(fabric, curve, out, *, resume=False):
+def fit(fabric: Fabric, curve: PlateCurve, out: Path, *, resume: bool = False) -> SolidFit:
     """Fit, write solid.json into the folder `out`, and print what the curve determines; returns the SolidFit."""
     from unitcell3d.identify.solid_fit import fit_solid
 
@@ -67,12 +77,14 @@ def fit(fabric, curve, out, *, resume=False):
     return found
 
 
-def misfit(of):
+def misfit(of: PlatenMisfit) -> str:
     """A PlatenMisfit as a text."""
     return f"{1e6 * of.closure:.1f} um and {100 * of.pressure:.0f} % of the pressure (rms)"
 
 
-def law_interval(found, law, out, *, friction, jobs, executor):
+def law_interval(
+    found: SolidFit, law: CompressionLaw, out: Path, *, friction: float, jobs: int, executor: str
+) -> tuple[LawInterval | None, dict[str, Any]]:
     """Solve the paths at the ends of the solid's intervals, write law-interval.json, print it; (LawInterval, around).
 
     `around` is {"a", "b": (low, high)} about the CompressionLaw `law`; None and {} where no law fits.
@@ -94,7 +106,7 @@ def law_interval(found, law, out, *, friction, jobs, executor):
     return interval, around
 
 
-def interval_numbers(interval, around):
+def interval_numbers(interval: LawInterval, around: Any) -> dict[str, Any]:
     """A LawInterval as plain types."""
     ends = [[None if law is None else {"a_m": law.a, "b_m_N^(1/3)": law.b} for law in pair] for pair in interval.ends]
     return {
@@ -105,7 +117,7 @@ def interval_numbers(interval, around):
     }
 
 
-def chapter(found, around):
+def chapter(found: SolidFit, around: Any) -> Section:
     """The chapter of a SolidFit, with the intervals `around` of the law."""
     rows = tuple(
         (

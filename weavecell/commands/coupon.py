@@ -14,6 +14,7 @@ Everything but the checkpoint is written when the run has ended, also if it ende
 from __future__ import annotations
 
 import time
+from pathlib import Path
 
 import weavecell
 from fabrics import run_cache
@@ -86,7 +87,7 @@ DRAWN = {
 }  # fmt: skip
 
 
-def coupon(path, out, *, resume=False, strict=False):
+def coupon(path: Path, out: Path, *, resume: bool = False, strict: bool = False) -> None:
     """Run the test of the scene at `path` and write its results to the folder `out`.
 
     Parameters
@@ -214,7 +215,7 @@ def _write(out, this, record, text, advance):
         report_page.write(_page(this, record, section, stamp), out / "report.html")
 
 
-def chapter(record, tolerance):
+def chapter(record: CouponRecord, tolerance: float) -> Section:
     """The chapter of one test: the coupon, its curves, and a table of all steps."""
     figures = [
         Figure(
@@ -258,7 +259,7 @@ def _as_text(name, unit, value):
     return f"{pictures_coupon.axis(name, unit)[0] * value:.4g}"
 
 
-def lines(record):
+def lines(record: CouponRecord) -> list[str]:
     """What a test came to, in a few lines."""
     found, moved = [], (record.prescribed_unit, record.prescribed)
     for name, (unit, values) in {record.prescribed_name: moved, **record.measures}.items():

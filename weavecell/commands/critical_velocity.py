@@ -17,6 +17,7 @@ import time
 from dataclasses import asdict
 from importlib import resources
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -28,6 +29,9 @@ from weavecell.results import json_file, progress, provenance
 from weavecell.scenes import build, toml_writer
 from weavecell.scenes import impact as scenes_impact
 from weavecell.scenes.supported import Support, of
+
+if TYPE_CHECKING:
+    from shellfabric.impact.lambert_jonas import LambertJonas
 
 SUPPORT = Support(
     "weavecell critical-velocity",
@@ -58,7 +62,10 @@ _COLUMNS = {
 }
 
 
-def critical_velocity(target, out, *, tolerance, curve, jobs, executor, scan=None, strict=False):
+def critical_velocity(
+    target: str, out: Path, *, tolerance: float, curve: int, jobs: int, executor: str, scan: Any = None,
+    strict: bool = False,
+) -> None:  # fmt: skip
     """Find the critical velocity of `target`, a scene file, a fabric of the catalogue or a fabric file.
 
     Where a shot stops that is faster than one that perforates, no single critical velocity exists: the zone of mixed
@@ -89,7 +96,7 @@ def critical_velocity(target, out, *, tolerance, curve, jobs, executor, scan=Non
         shots.append(shot)
         advance(share, f"{shot.outcome} at {shot.strike_velocity:.1f} m/s")
 
-    beside = {"jobs": jobs, "executor": executor, "report": keep}
+    beside: dict[str, Any] = {"jobs": jobs, "executor": executor, "report": keep}
     try:
         panel = build.setup(this, target).panel()
         with progress.bar(f"{this.fabric.name}, critical velocity") as advance:
@@ -219,7 +226,7 @@ def _tell(this, found, fit, shots, out):
     print(f"written to {out}", flush=True)
 
 
-def parameters(fit):
+def parameters(fit: LambertJonas) -> str:
     """The fitted parameters as text, each with its interval."""
     texts = []
     for name, interval in fit.intervals.items():

@@ -8,6 +8,9 @@ Folder of `weavecell crossover`
 
 from __future__ import annotations
 
+from pathlib import Path
+from typing import Any
+
 import numpy as np
 
 from fabrics.errors import InputError, UnstableError
@@ -28,7 +31,10 @@ DOMAINS = {
 }
 
 
-def command(name, case, out, *, domain, size, section, gap, strict=False, **choices):
+def command(
+    name: str, case: str, out: Path, *, domain: str | None, size: str, section: str | None, gap: str | None,
+    strict: bool = False, **choices: Any,
+) -> None:  # fmt: skip
     """Run a case of a fabric, write it and print what it found; options are texts of the command line.
 
     strict : whether a doubtful result is an error

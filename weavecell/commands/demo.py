@@ -14,6 +14,7 @@ The folder of `weavecell demo`
 from __future__ import annotations
 
 import time
+from collections.abc import Iterator
 from contextlib import contextmanager
 from importlib import resources
 from pathlib import Path
@@ -30,11 +31,11 @@ from weavecell.scenes import build, toml_writer
 from weavecell.scenes import impact as scenes_impact
 
 
-def demonstrate(out, *, size, jobs, executor):
+def demonstrate(out: Path, *, size: str, jobs: int, executor: str) -> None:
     """Run the demonstration with a crossover of mesh `size`, write everything to `out`, print the summary."""
     began = time.perf_counter()
     file = resources.files("weavecell") / "scenes" / "demo.toml"
-    text, plan = scenes_impact.read_toml(file, what="demonstration")
+    text, plan = scenes_impact.read_toml(file, what="demonstration")  # type: ignore[arg-type]
     fabric = catalogue.load(plan["calibration"]["fabric"])
     clock = Clock()
     with clock.stage("mesh"):
@@ -66,11 +67,11 @@ LAWS = {"fitted": ("fitted law", "../calibration/law.json"), "table": ("Table 5-
 class Clock:
     """Wall times of named stages [s]."""
 
-    def __init__(self):
-        self.times = {}
+    def __init__(self) -> None:
+        self.times: dict[str, float] = {}
 
     @contextmanager
-    def stage(self, name):
+    def stage(self, name: str) -> Iterator[None]:
         """Time a block."""
         began = time.perf_counter()
         yield
@@ -140,7 +141,7 @@ def _page(fabric, plan, calibration, records, sections, stamp, clock):
     )
 
 
-def _tell(plan, rows, calibration, times, out: Path):
+def _tell(plan, rows, calibration, times, out):
     from rich import box
     from rich.console import Console
     from rich.table import Table

@@ -24,7 +24,7 @@ _COLUMNS = (
 )
 
 
-def show_all(out=None):
+def show_all(out: Path | None = None) -> None:
     """Print the catalogue, one line a fabric; with `out`, also write it as CSV."""
     rows = [[column(fabric) for _, _, column in _COLUMNS] for fabric in map(catalogue.load, catalogue.list_names())]
     if out is not None:
@@ -34,7 +34,7 @@ def show_all(out=None):
     _print_table("Fabrics of the catalogue (warp / weft)", heads, rows)
 
 
-def show(name, out=None):
+def show(name: str, out: Path | None = None) -> None:
     """Print one fabric: what follows from its data, then each number with its source."""
     fabric = catalogue.load(name)
     if out is not None:

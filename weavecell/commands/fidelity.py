@@ -2,13 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 from fabrics.errors import InputError, UnstableError
 from weavecell.report.page import Section, Table
 from weavecell.scenes import build
 from weavecell.scenes import impact as scenes_impact
+from weavecell.scenes.impact import Scene
 from weavecell.scenes.supported import Support, of
+
+if TYPE_CHECKING:
+    from weavecell.analysis.fidelity.ladder import Setup
+    from weavecell.analysis.fidelity.select import Answer
 
 _CHOSEN = "left out in a scene with [accuracy], whose mesh is chosen"
 SUPPORT = Support(
@@ -54,12 +62,12 @@ _BY_HAND = {
 }
 
 
-def by_hand(asked):
+def by_hand(asked: Scene) -> frozenset[str]:
     """Names of the fields of ImpactSetup that the scene sets itself."""
     return frozenset(field for (table, key), field in _BY_HAND.items() if key in getattr(asked, table).model_fields_set)
 
 
-def answer(asked, setup, shoot):
+def answer(asked: Scene, setup: Setup, shoot: Callable[..., Any]) -> tuple[Any, Answer | None]:
     """Choose, run and check.
 
     Parameters
@@ -88,7 +96,8 @@ def answer(asked, setup, shoot):
         return result
 
     try:
-        choice = select.answer(setup, asked.accuracy.targets, fixed=by_hand(asked), fire=fire, told=print)
+        targets = asked.accuracy.targets  # type: ignore[union-attr]
+        choice = select.answer(setup, targets, fixed=by_hand(asked), fire=fire, told=print)
     except UnstableError:
         if last is None:
             raise
@@ -96,7 +105,7 @@ def answer(asked, setup, shoot):
     return last, choice
 
 
-def explain(path):
+def explain(path: Path) -> None:
     """Print what the scene at `path` could be answered with, what each is expected to be off by, and what is chosen.
 
     Raises
@@ -113,9 +122,11 @@ def explain(path):
     if asked.accuracy is None:
         raise InputError("is missing, so there is nothing to choose", file=path, key="accuracy")
     this = build.build(asked, path, path.stem)
-    setup, packs = build.setup(this, path), asked.panel.plies > 1
+    packs = asked.panel.plies > 1
+    ply = build.setup(this, path)
+    setup: Setup = ply
     if packs:
-        setup = PackSetup(setup, asked.panel.plies, asked.panel.stacking, asked.panel.ply_gap)
+        setup = PackSetup(ply, asked.panel.plies, asked.panel.stacking, asked.panel.ply_gap)
     options = select.options(setup, asked.accuracy.targets, fixed=by_hand(asked))
     chosen = select.pick(options)
     shown = table.Table(box=box.SIMPLE_HEAD, title="Models, the cheapest first; likely errors", title_justify="left")
@@ -165,7 +176,7 @@ def _plain(name):
     return name.replace("_", " ")
 
 
-def summary(choice):
+def summary(choice: Answer | None) -> dict[str, Any]:
     """For summary.json."""
     if choice is None:
         return {}
@@ -188,7 +199,7 @@ def summary(choice):
     }
 
 
-def tell(choice):
+def tell(choice: Answer) -> None:
     """Print whether the promise holds, and what the numbers asked for are."""
     final = choice.final
     found = ", ".join(f"{_plain(name)} {_percent(error)}" for name, error in final.errors.items())
@@ -214,7 +225,7 @@ def _number(value):
     return None if value != value else value
 
 
-def chapter(choice):
+def chapter(choice: Answer) -> Section:
     """For the report."""
     final, asked = choice.final, choice.asked
     rows = tuple(

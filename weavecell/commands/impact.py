@@ -20,9 +20,12 @@ Everything but the checkpoint is written when the run has ended, also if it ende
 from __future__ import annotations
 
 import shutil
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import weavecell
-from fabrics.errors import InputError, WeavecellError
+from fabrics.errors import InputError, UnstableError, WeavecellError
 from weavecell.commands import fidelity, impact_pack
 from weavecell.report import chapters, chapters_impact, checks
 from weavecell.report import page as report_page
@@ -32,6 +35,12 @@ from weavecell.results.impact_base import Shape
 from weavecell.scenes import build
 from weavecell.scenes import impact as scenes_impact
 from weavecell.scenes.supported import Support, of
+
+if TYPE_CHECKING:
+    from shellfabric.cell.model import CellTable
+    from shellfabric.impact.single_ply import ImpactSetup
+    from shellfabric.output.snapshots import Snapshot
+    from weavecell.analysis.fidelity.select import Answer
 
 SUPPORT = Support(
     "weavecell impact",
@@ -47,7 +56,7 @@ SUPPORT = Support(
 )  # fmt: skip
 
 
-def support(scene):
+def support(scene: scenes_impact.Scene) -> Support:
     """The declaration that holds for a scene: packs and scenes with [accuracy] have their own."""
     if scene.accuracy is not None:
         return fidelity.PACK_SUPPORT if scene.panel.plies > 1 else fidelity.SUPPORT
@@ -60,7 +69,7 @@ class Interrupted(WeavecellError):
     exit_code = 130
 
 
-def impact(path, out, *, resume=False, strict=False):
+def impact(path: Path, out: Path, *, resume: bool = False, strict: bool = False) -> None:
     """Run the scene at `path` and write its results to the folder `out`.
 
     Parameters
@@ -120,12 +129,15 @@ def _interrupted(out):
     return Interrupted(f"interrupted{hint}")
 
 
-def checkpoints(out):
+def checkpoints(out: Path) -> list[Any]:
     """The checkpoints in a folder: one, or one for each model that has been tried."""
     return sorted(out.glob("checkpoint*.h5"))
 
 
-def fire(this, setup, title, *, checkpoint=None, every=None, resume=False, table=None):
+def fire(
+    this: build.Case, setup: ImpactSetup, title: str, *, checkpoint: Path | None = None, every: float | None = None,
+    resume: bool = False, table: CellTable | None = None,
+) -> tuple[ImpactRecord, tuple[Snapshot, ...], UnstableError | None, Any]:  # fmt: skip
     """Run an impact under a progress bar, with checkpoints if a path for them is given.
 
     Returns
@@ -138,14 +150,17 @@ def fire(this, setup, title, *, checkpoint=None, every=None, resume=False, table
     from shellfabric.impact import single_ply as solver
     from shellfabric.output.checkpoint import Checkpoints
 
-    hooks = () if checkpoint is None else (Checkpoints(checkpoint, every),)
+    hooks = () if checkpoint is None else (Checkpoints(checkpoint, every),)  # type: ignore[arg-type]
     result, failure = progress.watched(
         lambda hooks: solver.run(setup, hooks=hooks, resume=checkpoint if resume else None, table=table), title, hooks
     )
     return ImpactRecord.of(result, title, this.law_name, str(failure or "")), result.snapshots, failure, result
 
 
-def write(out, this, record, snapshots, text, advance, choice=None):
+def write(
+    out: Path, this: build.Case, record: ImpactRecord, snapshots: Sequence[Snapshot], text: str,
+    advance: Callable[..., object], choice: Answer | None = None,
+) -> None:  # fmt: skip
     """Write everything but the checkpoint."""
     outputs = this.scene.run.outputs
     stamp = provenance.stamp(text, this.fabric)
@@ -171,7 +186,9 @@ def write(out, this, record, snapshots, text, advance, choice=None):
         report_page.write(page(this, record, sections, stamp), out / "report.html")
 
 
-def page(this, record, sections, stamp):
+def page(
+    this: build.Case, record: ImpactRecord, sections: list[report_page.Section], stamp: dict[str, str]
+) -> report_page.Report:
     """The report of one impact; `sections` are its chapters."""
     model = this.scene.fabric.cell_model
     shot, panel = this.scene.projectile, this.scene.panel
@@ -182,7 +199,7 @@ def page(this, record, sections, stamp):
             (chapters.cell(this.fabric, {this.law_name: this.laws}, model, **chapters.options(this.scene.fabric)),),
         )
     else:
-        laws, cell = (), ()
+        laws, cell = (), ()  # type: ignore[assignment]
     cards = (chapters.fabric_card(this.fabric), *laws, chapters.impact_card(record))
     return report_page.Report(
         record.title,

@@ -13,20 +13,31 @@ The folder of `weavecell impact` where panel.plies is above 1
 from __future__ import annotations
 
 import shutil
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 import weavecell
-from fabrics.errors import InputError
+from fabrics.errors import InputError, UnstableError
 from fabrics.files import replace_whole
 from weavecell.commands import fidelity
 from weavecell.report import chapters, chapters_impact, checks, pictures, pictures3d, pictures_pack
 from weavecell.report import page as report_page
+from weavecell.report.page import Report, Section
 from weavecell.results import paraview, progress, provenance, run_folder
 from weavecell.results.pack import PackRecord
 from weavecell.scenes import build
+from weavecell.scenes.build import Case
 from weavecell.scenes.impact import Scene
 from weavecell.scenes.supported import Support, of
+
+if TYPE_CHECKING:
+    from shellfabric.cell.model import CellTable
+    from shellfabric.impact.pack import PackSetup
+    from shellfabric.impact.single_ply import ImpactSetup
+    from weavecell.analysis.fidelity.select import Answer
 
 SUPPORT = Support(
     "weavecell impact",
@@ -43,7 +54,9 @@ SUPPORT = Support(
 _OF_PANEL = ("plies", "stacking", "gap")
 
 
-def impact(this, setup, path, text, out, *, resume=False, strict=False):
+def impact(
+    this: Case, setup: ImpactSetup, path: Path, text: str, out: Path, *, resume: bool = False, strict: bool = False
+) -> None:
     """Run the scene and write its results to the folder `out`.
 
     Parameters
@@ -89,7 +102,9 @@ def impact(this, setup, path, text, out, *, resume=False, strict=False):
     checks.report(record.checks, strict)
 
 
-def fire(this, setup, title, *, checkpoint, resume=False, table=None):
+def fire(
+    this: Case, setup: PackSetup, title: str, *, checkpoint: Path, resume: bool = False, table: CellTable | None = None
+) -> tuple[PackRecord, tuple[Any, ...], UnstableError | None, Any]:
     """Run it under a progress bar: (PackRecord, snapshots, the UnstableError that ended it or None, PackResult)."""
     from shellfabric.impact import pack as impact_pack
     from shellfabric.output.checkpoint import Checkpoints
@@ -110,7 +125,10 @@ def _in_file(problem, path):
     return build.in_file(problem, path)
 
 
-def write(out, this, record, snapshots, text, advance, choice=None):
+def write(
+    out: Path, this: Case, record: PackRecord, snapshots: Sequence[Any], text: str, advance: Callable[..., object],
+    choice: Answer | None = None,
+) -> None:  # fmt: skip
     """Write everything but the checkpoint."""
     outputs, stamp = this.scene.run.outputs, provenance.stamp(text, this.fabric)
     content = checks.summary(record.checks) | fidelity.summary(choice)
@@ -136,7 +154,7 @@ def write(out, this, record, snapshots, text, advance, choice=None):
         report_page.write(page(this, record, sections, stamp), out / "report.html")
 
 
-def write_series(out, record, snapshots):
+def write_series(out: Path, record: PackRecord, snapshots: Sequence[Any]) -> None:
     """Write the plies' shapes as pack.pvd and pack/*.vtu in the folder `out`."""
     times = {}
     instants = [shots for shots in snapshots if shots[0].t < record.shapes[0].t]
@@ -158,7 +176,7 @@ def write_series(out, record, snapshots):
     paraview.write_series(out / "pack.pvd", times)
 
 
-def chapter(record):
+def chapter(record: PackRecord) -> Section:
     """The impact: velocity, cuts, what the plies bear, energies, and the rear ply."""
     figure, render = report_page.Figure, pictures.render
     energies = record.energies | {
@@ -231,7 +249,7 @@ def _ply_table(record):
     return report_page.Table(columns, rows, caption=caption, numeric=columns[1:])
 
 
-def page(this, record, sections, stamp):
+def page(this: Case, record: PackRecord, sections: Sequence[Section], stamp: dict[str, Any]) -> Report:
     """The report of one impact on a pack; `sections` are its chapters."""
     model, panel = this.scene.fabric.cell_model, this.scene.panel
     source = this.law_name if model == "compressible" else model

@@ -54,7 +54,7 @@ NOTES = {
 }
 
 
-def page():
+def page() -> str:
     """The text of docs/keys.md."""
     parts = [HEAD, _scene_table(Scene, SHOTS)]
     parts += ["## Scenes of coupons", _scene_table(CouponScene, {"coupon": coupon.SUPPORT})]
@@ -72,8 +72,8 @@ def page():
         ("summary.json", renamed_keys.SUMMARY_KEYS),
         ("histories.h5", renamed_keys.HDF5_KEYS),
     ):
-        rows = [(CODE(old), CODE(new)) for old, new in names.items()]
-        parts.append(_table((f"old name, {title}", "new name"), rows))
+        pairs = [(CODE(old), CODE(new)) for old, new in names.items()]
+        parts.append(_table((f"old name, {title}", "new name"), pairs))
     return "\n\n".join(parts) + "\n"
 
 
@@ -131,7 +131,7 @@ def _table(columns, rows):
     return "\n".join("| " + " | ".join(cell.replace("|", "\\|") for cell in line) + " |" for line in lines)
 
 
-def main():
+def main() -> None:
     """Write the page."""
     path = Path(sys.argv[1]) if len(sys.argv) > 1 else PAGE
     with write_whole(path) as file:

@@ -8,16 +8,25 @@ Folder of `weavecell mesh`
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
 from fabrics import assumed, catalogue
 from fabrics.errors import InputError
 from weavecell.commands import mesh_options
 from weavecell.results import json_file, progress, provenance
 
+if TYPE_CHECKING:
+    from fabrics.fabric import Fabric
+
 FORMATS = ("msh", "vtu", "k", "inp", "rad")
 PERIODIC = (2, 2)  # yarns of the periodic cell
 
 
-def mesh_command(name, out, *, domain, patch, formats, **options):
+def mesh_command(
+    name: str, out: Path, *, domain: str | None, patch: str | None, formats: Sequence[str], **options: Any
+) -> None:
     """Mesh a fabric, write the mesh and print what it is; `options` are texts, as of `mesh_options.parse`."""
     fabric = with_3d_data(name)
     if patch is not None and domain is not None:
@@ -30,7 +39,7 @@ def mesh_command(name, out, *, domain, patch, formats, **options):
     print(f"written to {out}")
 
 
-def with_3d_data(name):
+def with_3d_data(name: str) -> Fabric:
     """The fabric of this name with what a 3D crossover needs; prints one line where that is assumed.
 
     Raises
@@ -46,7 +55,7 @@ def with_3d_data(name):
     return fabric
 
 
-def build(fabric, *, domain="quarter", count=None, **choices):
+def build(fabric: Fabric, *, domain: str = "quarter", count: Sequence[int] | None = None, **choices: Any) -> Any:
     """Mesh a quarter or whole crossover, the periodic cell of 2 x 2, or a patch of `count` (n, m) yarns.
 
     `choices` are those of `meshing.crossover.build`.
@@ -60,7 +69,7 @@ def build(fabric, *, domain="quarter", count=None, **choices):
     return crossover.build(fabric, domain=domain, **choices)
 
 
-def write(built, out, formats=("msh", "vtu"), fabric=None):
+def write(built: Any, out: Path, formats: Sequence[str] = ("msh", "vtu"), fabric: Fabric | None = None) -> None:
     """Write a mesh and its pictures to the folder `out`; `fabric` is the meshed one, for the record."""
     from meshing import pictures, pictures_patch, pictures_quality
     from meshing.formats import export
@@ -76,7 +85,7 @@ def write(built, out, formats=("msh", "vtu"), fabric=None):
         json_file.write(out / "mesh.json", facts(built) | {"provenance": provenance.stamp(fabric=fabric)})
 
 
-def facts(built):
+def facts(built: Any) -> dict[str, Any]:
     """The main figures of a mesh, as texts."""
     gap = 1e6 * built.least_gap
     bars = [sum(len(b) for b, f in zip(built.bars, built.families) if f == family) for family in (0, 1)]

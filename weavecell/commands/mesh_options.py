@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from typing import Any
 
 from fabrics.errors import InputError
 from fabrics.units import si
@@ -11,7 +12,7 @@ SIZES = ("coarse", "medium", "fine", "auto")
 _LENGTHS = {"gap": "--yarn-gap", "end_shells": "--end-shells"}
 
 
-def parse(*, size, crimp="hand", width=None, **others):
+def parse(*, size: str, crimp: str = "hand", width: str | None = None, **others: Any) -> dict[str, Any]:
     """Keywords of `meshing.crossover.build` and `meshing.patch.build`.
 
     Parameters
@@ -30,7 +31,7 @@ def parse(*, size, crimp="hand", width=None, **others):
     return found
 
 
-def parse_size(text):
+def parse_size(text: str) -> Any:
     """A name, three numbers, or an edge length [m], as `meshing.inputs.size` takes it."""
     if re.fullmatch(r"\s*\d+\s*(,\s*\d+\s*)*", text):
         return tuple(map(int, text.split(",")))
@@ -41,7 +42,7 @@ def parse_size(text):
     raise InputError(key="--mesh", value=text, allowed=f"{', '.join(SIZES)}, nx,ny,nz or a length such as 60um")
 
 
-def parse_count(text):
+def parse_count(text: str) -> Any:
     """(n, m) numbers of warp and weft yarns of a text such as "3x4"."""
     found = re.fullmatch(r"\s*(\d+)\s*[xX×]\s*(\d+)\s*", text)
     if found is None:
@@ -49,7 +50,7 @@ def parse_count(text):
     return int(found[1]), int(found[2])
 
 
-def pair(text, unit, key, what="of warp and weft"):
+def pair(text: str, unit: str, key: str, what: str = "of warp and weft") -> tuple[float, float]:
     """Two values [SI] of a text with one, or with two separated by a comma; `unit` "" for plain numbers."""
     parts = [part.strip() for part in text.split(",")]
     if len(parts) > 2:

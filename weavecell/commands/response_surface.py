@@ -10,6 +10,8 @@ Folder of `weavecell surface`
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 
 import weavecell
@@ -22,7 +24,10 @@ from weavecell.report.page import Figure, Section, Table
 from weavecell.results import json_file, progress, provenance
 
 
-def surface_command(name, out, *, d1, d2, points, tolerance, size, jobs, executor, resume, friction=0.0):
+def surface_command(
+    name: str, out: Path, *, d1: str, d2: str, points: int, tolerance: float | None, size: str, jobs: int,
+    executor: str, resume: bool, friction: float = 0.0,
+) -> None:  # fmt: skip
     """Sample the surface of one fabric, write it and print its errors; `d1`, `d2` are texts such as "0 mm .. 1 mm"."""
     from unitcell3d.identify import response_surface as identify_response_surface
     from unitcell3d.identify.interpolant import Interpolant

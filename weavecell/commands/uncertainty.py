@@ -9,7 +9,10 @@ from __future__ import annotations
 
 import csv
 import time
+from collections.abc import Sequence
 from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 from fabrics import assumed, catalogue, run_cache, variants
 from fabrics.files import write_whole
@@ -17,10 +20,16 @@ from weavecell.analysis.uncertainty import inputs, sobol, v50
 from weavecell.report import marked_page, pictures_uncertainty
 from weavecell.results import json_file, progress, provenance
 
+if TYPE_CHECKING:
+    pass
+
 RUNS = "runs"
 
 
-def sensitivity(fabric, out, *, velocities, samples, seed, jobs, executor, opening, resume, page=None):
+def sensitivity(
+    fabric: str, out: Path, *, velocities: Sequence[float], samples: int, seed: int, jobs: int, executor: str,
+    opening: Any, resume: bool, page: Path | None = None,
+) -> None:  # fmt: skip
     """Sobol indices of a fabric; see `sobol.study`. `page` is a Markdown file to put table and picture into."""
     cloth, began = _begin(fabric, out, page, "sobol", resume), time.perf_counter()
     with progress.bar(f"{cloth.name}, sensitivities") as advance:
@@ -54,7 +63,10 @@ def sensitivity(fabric, out, *, velocities, samples, seed, jobs, executor, openi
             lambda path: pictures_uncertainty.indices(found, path, title))  # fmt: skip
 
 
-def probabilistic(fabric, out, *, shots, batch, seed, scatter, jobs, executor, opening, resume, page=None):
+def probabilistic(
+    fabric: str, out: Path, *, shots: int, batch: int, seed: int, scatter: Any, jobs: int, executor: str,
+    opening: Any, resume: bool, page: Path | None = None,
+) -> None:  # fmt: skip
     """The curve of perforation of a fabric; see `v50.study`."""
     cloth, began = _begin(fabric, out, page, "v50", resume), time.perf_counter()
     with progress.bar(f"{cloth.name}, repeated shots") as advance:

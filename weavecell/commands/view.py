@@ -15,7 +15,7 @@ from weavecell.results.paraview import read_series
 _ALLOWED = "a folder that holds panel.pvd or crossover.vtu, or a .pvd or .vtu file"
 
 
-def view(path, screenshot=None):
+def view(path: Path, screenshot: Path | None = None) -> None:
     """Open a window on `path`, or write a PNG to `screenshot`.
 
     Raises
@@ -35,7 +35,7 @@ def view(path, screenshot=None):
     plotter.close()
 
 
-def find(path):
+def find(path: Path) -> Path:
     """The .vtu file to show for a path: of a series the last one."""
     path = Path(path)
     if path.is_dir():

@@ -241,7 +241,7 @@ def _shapes(record):
     return drawn
 
 
-def impact_table(records: Sequence[ImpactRecord]) -> Table:
+def impact_table(records: Sequence[BaseRecord]) -> Table:
     """One row a run."""
     columns = (
         "run", "outcome", "residual [m/s]", "absorbed [J]", "failed yarn segments",

@@ -5,17 +5,23 @@ from __future__ import annotations
 import os
 from dataclasses import dataclass, fields, replace
 from math import degrees
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 from fabrics import assumed, catalogue
+from fabrics.checks import FilePath
 from fabrics.compression import CompressionLaw
 from fabrics.errors import InputError
 from fabrics.fabric import Fabric
 from fabrics.materials import Isotropic, load
 from fabrics.surface import ResponseSurface
 from fabrics.variants import with_linear_density
-from weavecell.scenes.impact import SHAPES, BackingTable, ProjectileTable, SlipTable
+from weavecell.scenes.impact import SHAPES, BackingTable, PanelTable, ProjectileTable, SlipTable
 from weavecell.scenes.schema import InlineLaw
 from weavecell.scenes.supported import Rule, of
+
+if TYPE_CHECKING:
+    from shellfabric.impact.single_ply import ImpactSetup
 
 # keys of a scene that `build` and `setup` put into the fabric, its cell and the ImpactSetup
 CLOTH = of(
@@ -91,11 +97,11 @@ class Case:
     fabric: Fabric
     laws: tuple[CompressionLaw, CompressionLaw]
     law_name: str
-    scene: object
+    scene: Any
     surface: ResponseSurface | None = None
 
 
-def build(scene, file, name):
+def build(scene: Any, file: Path, name: str) -> Case:
     """Look up everything that a scene names.
 
     Raises
@@ -108,7 +114,7 @@ def build(scene, file, name):
     return Case(name, fabric, laws, law_name, scene, surface)
 
 
-def setup(case, file):
+def setup(case: Case, file: FilePath) -> ImpactSetup:
     """The impact's set-up for `shellfabric`.
 
     Raises
@@ -194,7 +200,7 @@ def _side(side):
     return PullIn(side.pull_in, side.start, side.end, **({} if side.zone is None else {"zone": side.zone}))
 
 
-def in_file(problem, file):
+def in_file(problem: InputError, file: FilePath) -> InputError:
     """An InputError of an object that does not know its file, with the scene's file and key in it."""
     if problem.file is not None:
         return problem
@@ -286,7 +292,7 @@ def _source(fabric):
     return " ".join(entry["source"] for key, entry in fabric.sources.items() if key.startswith("compression"))
 
 
-def shot_in_words(shot):
+def shot_in_words(shot: ProjectileTable) -> str:
     """The projectile and how it comes, for the reader."""
     words = f"{SHAPES[shot.shape]} of {1e3 * shot.mass:g} g and {1e3 * shot.diameter:g} mm"
     if shot.obliquity:
@@ -298,11 +304,12 @@ def shot_in_words(shot):
     return words
 
 
-def panel_in_words(panel):
+def panel_in_words(panel: PanelTable) -> str:
     """The panel and how it is held, for the reader."""
-    pair = isinstance(panel.opening, tuple)
     words = (
-        " by ".join(f"{1e3 * side:g} mm" for side in panel.opening) if pair else f"{1e3 * panel.opening:g} mm square"
+        " by ".join(f"{1e3 * side:g} mm" for side in panel.opening)
+        if isinstance(panel.opening, tuple)
+        else f"{1e3 * panel.opening:g} mm square"
     )
     if panel.weave_angle:
         words += f", its weave turned by {degrees(panel.weave_angle):.3g}°"

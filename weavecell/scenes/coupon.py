@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field
 
+from fabrics.checks import FilePath
 from fabrics.errors import InputError
 from weavecell.scenes import renamed_keys, supported
 from weavecell.scenes.schema import (
@@ -91,24 +92,24 @@ class CouponScene(Table):
     run: Annotated[CouponRunTable, Field(description="a table [run]")] = CouponRunTable()
 
     @property
-    def test(self):
+    def test(self) -> str:
         """Name of the test, of TESTS."""
         return next(name for name in TESTS if getattr(self, name) is not None)
 
     @property
-    def trellis_law(self):
+    def trellis_law(self) -> str:
         """Whether the test needs the fabric's trellis law: "needed", "optional" or "unused"."""
         if self.test == "bias_extension":
             return "needed" if self.asked.trellis else "unused"
         return "needed" if self.test == "picture_frame" else "optional"
 
     @property
-    def asked(self):
+    def asked(self) -> Any:
         """The table of the test."""
         return getattr(self, self.test)
 
 
-def load(path, support=None):
+def load(path: FilePath, support: Any = None) -> tuple[CouponScene, str]:
     """Read and check the scene file of a coupon; `support` as in `scenes.impact.load`.
 
     Returns
@@ -124,7 +125,7 @@ def load(path, support=None):
     return check(table, path, support), text
 
 
-def check(table, file, support=None):
+def check(table: dict[str, Any], file: FilePath, support: Any = None) -> CouponScene:
     """Turn a scene's table into a checked CouponScene; `file` is named in errors and anchors relative paths."""
     table = renamed_keys.upgraded(table, file)
     scene = validated(CouponScene, table, file)
@@ -137,6 +138,6 @@ def check(table, file, support=None):
         key, allowed = "bias_extension.length", f"above the width, {written['width']}"
         raise InputError(file=file, key=key, value=written["length"], allowed=allowed)
     if scene.test == "biaxial" and not (len(asked.strain) == 2 and min(asked.strain) >= 0 < max(asked.strain)):
-        allowed = BiaxialTable.model_fields["strain"].description
-        raise InputError(file=file, key="biaxial.strain", value=written["strain"], allowed=allowed)
+        words = BiaxialTable.model_fields["strain"].description
+        raise InputError(file=file, key="biaxial.strain", value=written["strain"], allowed=words)
     return anchored(scene, Path(file).parent)

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Discriminator, Field, Tag
 
+from fabrics.checks import FilePath
 from fabrics.errors import InputError
 from fabrics.units import si
 from weavecell.scenes import renamed_keys, supported
@@ -199,7 +200,7 @@ class AccuracyTable(Table):
     peak_tension: _Share = None
 
     @property
-    def targets(self):
+    def targets(self) -> dict[str, float]:
         """{quantity: [-] error at most} of those that are given."""
         return {name: share for name, share in self if share is not None}
 
@@ -231,7 +232,7 @@ class Scene(Table):
     backing: Annotated[BackingTable | None, Field(description="a table [backing]")] = None
 
 
-def load(path, support=None):
+def load(path: FilePath, support: Any = None) -> tuple[Scene, str]:
     """Read and check a scene file.
 
     Parameters
@@ -254,7 +255,7 @@ def load(path, support=None):
     return check(table, path, support), text
 
 
-def check(table, file, support=None):
+def check(table: dict[str, Any], file: FilePath, support: Any = None) -> Scene:
     """Turn a scene's table into a checked Scene; `file` is named in errors and anchors relative paths."""
     table = renamed_keys.upgraded(table, file)
     scene = validated(Scene, table, file)

@@ -10,11 +10,13 @@ import difflib
 import math
 import os
 import tomllib
+from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import Annotated, Literal, get_args
+from typing import Annotated, Any, Literal, TypeVar, get_args
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Discriminator, Field, Tag, ValidationError
 
+from fabrics.checks import FilePath
 from fabrics.errors import InputError
 from fabrics.units import si
 
@@ -25,12 +27,18 @@ class Table(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True, strict=True)
 
 
-def in_unit(unit, description):
+Kind = TypeVar("Kind", bound=Table)
+
+
+def in_unit(unit: str, description: str) -> Any:
     """A Field whose value is in SI `unit`; the unit is for docs/keys.md."""
     return Field(description=description, json_schema_extra={"unit": unit or "1"})
 
 
-def quantity(unit, what, example, *, above=None, at_least=None, at_most=None):
+def quantity(
+    unit: str, what: str, example: str, *, above: float | None = None, at_least: float | None = None,
+    at_most: float | None = None,
+) -> Any:  # fmt: skip
     """A float in SI `unit`, written as text; `what` says in words which values are allowed."""
 
     def convert(text):
@@ -46,7 +54,7 @@ def quantity(unit, what, example, *, above=None, at_least=None, at_most=None):
     return Annotated[float, BeforeValidator(convert), in_unit(unit, f'{what}, such as "{example}"')]
 
 
-def quantities(unit, what, example):
+def quantities(unit: str, what: str, example: str) -> Any:
     """A tuple of floats in SI `unit`, written as a list of texts."""
 
     def convert(texts):
@@ -60,12 +68,12 @@ def quantities(unit, what, example):
     return Annotated[tuple[float, ...], BeforeValidator(convert), in_unit(unit, f"{what}, such as {example}")]
 
 
-def whole(low, high):
+def whole(low: int, high: int) -> Any:
     """A field for a whole number."""
     return Annotated[int, Field(ge=low, le=high, description=f"a whole number from {low} to {high}")]
 
 
-def one_of(*names):
+def one_of(*names: str) -> Any:
     """A field for one of some texts."""
     return Annotated[Literal[names], Field(description="one of " + ", ".join(f'"{name}"' for name in names))]
 
@@ -131,18 +139,18 @@ class FabricTable(Table):
     bending: quantity("N m^2", "a bending stiffness of at least 0", "1e-6 N m^2", at_least=0.0) = 0.0
 
 
-def angle(low, high, example):
+def angle(low: float, high: float, example: str) -> Any:
     """A field for an angle, low to high [deg], written as text."""
     what = f"an angle from {low} to {high} deg"
     return quantity("rad", what, example, at_least=math.radians(low), at_most=math.radians(high))
 
 
-def number(what, **limits):
+def number(what: str, **limits: Any) -> Any:
     """A field for a plain number, or for none."""
     return Annotated[float | None, Field(description=what, **limits)]
 
 
-def read_toml(path, *, what):
+def read_toml(path: FilePath, *, what: str) -> tuple[str, dict[str, Any]]:
     """Read a TOML file as (text, table); InputError if it is missing, not text or not TOML."""
     path = Path(path)
     try:
@@ -157,7 +165,7 @@ def read_toml(path, *, what):
         raise InputError(f"not valid TOML ({problem})", file=path) from None
 
 
-def validated(model, table, file):
+def validated(model: type[Kind], table: dict[str, Any], file: FilePath) -> Kind:
     """The table of a file as a `model`; InputError, one line, where it is none."""
     try:
         return model.model_validate(table)
@@ -165,14 +173,14 @@ def validated(model, table, file):
         raise one_line(problem, model, file) from None
 
 
-def exactly_one(table, names, key, file):
+def exactly_one(table: BaseModel, names: Sequence[str], key: str, file: FilePath) -> None:
     """Check that one of the entries `names` of a table is given and no other."""
     if sum(getattr(table, name) is not None for name in names) != 1:
         paths = [f"{key}.{name}" if key else name for name in names]
         raise InputError(f"give exactly one of {', '.join(paths[:-1])} and {paths[-1]}", file=file, key=key or None)
 
 
-def anchored(scene, folder):
+def anchored(scene: Any, folder: Path) -> Any:
     """The scene with its relative paths taken from the folder of the scene file."""
     changes = {}
     if scene.fabric.file is not None:
@@ -184,7 +192,7 @@ def anchored(scene, folder):
     return scene.model_copy(update={"fabric": scene.fabric.model_copy(update=changes)})
 
 
-def one_line(problem, model, file):
+def one_line(problem: ValidationError, model: type[BaseModel], file: FilePath) -> InputError:
     """One error of a pydantic ValidationError as an InputError; the others are counted.
 
     A key that is not known goes first, since a mistyped name also leaves the right one missing.
@@ -226,7 +234,7 @@ def _inner(field):
     return next(tables_in(field.annotation), None)
 
 
-def tables_in(kind):
+def tables_in(kind: Any) -> Iterator[type[Table]]:
     """The tables in a type, through its unions and tuples."""
     if isinstance(kind, type) and issubclass(kind, Table):
         yield kind

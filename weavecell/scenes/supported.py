@@ -21,6 +21,7 @@ from typing import Annotated, Any, Union, get_args, get_origin
 
 from pydantic.fields import FieldInfo
 
+from fabrics.checks import FilePath
 from fabrics.errors import InputError
 from weavecell.scenes.schema import Table, tables_in
 
@@ -63,12 +64,12 @@ class Support:
     rules: tuple[Rule, ...] = ()
 
 
-def of(table, names):
+def of(table: str, names: str) -> tuple[str, ...]:
     """Dotted keys of a table from their names in one text."""
     return tuple(f"{table}.{name}" for name in names.split())
 
 
-def check(scene, table, file, support: Support):
+def check(scene: Any, table: dict[str, Any], file: FilePath, support: Support) -> None:
     """Reject what a scene sets and a command does not support.
 
     Parameters
@@ -99,7 +100,7 @@ def _ruled(scene, key, rules):
     return next((rule.allowed for rule in rules if rule.key == key and rule.applies(scene)), None)
 
 
-def changed(scene: Table, prefix="") -> Iterator[str]:
+def changed(scene: Table, prefix: str = "") -> Iterator[str]:
     """The keys that a scene sets to something other than their default, in the order of the schema."""
     for name, entry in type(scene).model_fields.items():
         if name not in scene.model_fields_set:
@@ -118,7 +119,7 @@ def keys(model: type[Table]) -> tuple[str, ...]:
     return tuple(entries(model))
 
 
-def entries(model: type[Table], prefix="") -> dict[str, FieldInfo]:
+def entries(model: type[Table], prefix: str = "") -> dict[str, FieldInfo]:
     """{key: its field} of all keys of a schema, without the tables that hold them."""
     found = {}
     for name, entry in model.model_fields.items():
@@ -139,7 +140,7 @@ def _plain(kind):
     return not (isinstance(kind, type) and issubclass(kind, Table))
 
 
-def undeclared(support: Support):
+def undeclared(support: Support) -> list[str]:
     """Keys of the schema that a command's declaration leaves out."""
     named = {*support.supported, *support.ignored}
     return [
@@ -149,7 +150,7 @@ def undeclared(support: Support):
     ]
 
 
-def unknown(support: Support):
+def unknown(support: Support) -> list[str]:
     """Keys of a command's declaration that the schema has not, or that it declares twice."""
     every = keys(support.model)
     tables = {key[:n] for key in every for n, letter in enumerate(key) if letter == "."}

@@ -16,11 +16,16 @@ and for each model
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from dataclasses import dataclass
 from importlib import resources
 from math import inf
+from typing import TYPE_CHECKING, Any
 
 from weavecell.analysis.fidelity import quantities
+
+if TYPE_CHECKING:
+    from weavecell.analysis.fidelity.ladder import Model
 
 FILE, PACK_FILE = "errors.json", "errors_packs.json"
 
@@ -44,16 +49,16 @@ class Book:
     others: dict
     made: dict
 
-    def cost(self, model):
+    def cost(self, model: Model) -> float:
         """[-] of the full model's."""
         return self.models.get(model.name, {}).get("cost", inf)
 
-    def expected(self, model, name):
+    def expected(self, model: Model, name: str) -> float:
         """[-] error in the worse of the regimes, before anything is known of a scene; infinite where none is known."""
         found = [known[name]["models"] for known in self.regimes.values() if name in known]
         return max((each[model.name]["expected"] for each in found if model.name in each), default=inf)
 
-    def bound(self, model, name, seen):
+    def bound(self, model: Model, name: str, seen: Sequence[dict[str, Any]]) -> float:
         """[-] what the error of a model is below, of a scene of which two scouts have `seen` (finer, coarser).
 
         A hasty shot (`quantities.hasty`) is none for elements of a crossover and more.
@@ -62,16 +67,16 @@ class Book:
             return inf
         return self._times("factor", model, name, seen)
 
-    def apart(self, model, name, seen):
+    def apart(self, model: Model, name: str, seen: Sequence[dict[str, Any]]) -> float:
         """[-] how far its answer may be from what it is held against, before the scene is unlike the survey's."""
         return self._times("apart", model, name, seen)
 
-    def weight(self, model, regime):
+    def weight(self, model: Model, regime: str) -> float:
         """[-] of the partner's peak tensions in the model's."""
         known = self.regimes.get(regime, {}).get("peak_tension", {"models": {}})
         return known["models"].get(model.name, {}).get("weight", 0.0)
 
-    def own(self, name, regime=None):
+    def own(self, name: str, regime: str | None = None) -> float:
         """[-] what the full model is itself expected to be off by, in the worse regime where none is told; 0 where
         nothing is known."""
         regimes = self.finest if regime is None else (regime,)
@@ -88,7 +93,7 @@ class Book:
         return bound if bound == bound else inf
 
 
-def load(*, packs=False):
+def load(*, packs: bool = False) -> Book:
     """The Book of the package, of single plies or of packs."""
     file = resources.files("weavecell.analysis.fidelity") / (PACK_FILE if packs else FILE)
     return Book(**json.loads(file.read_text("utf-8")))

@@ -8,14 +8,21 @@ audit goes over the whole panel, and every 2 us costs more than the steps betwee
 
 from __future__ import annotations
 
+from collections.abc import Container
 from dataclasses import dataclass, replace
 from math import inf
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from fabrics.errors import InputError
 from shellfabric.impact import pack, single_ply
-from shellfabric.impact.pack import PackSetup
-from shellfabric.impact.single_ply import ImpactSetup
+from shellfabric.impact.pack import PackResult, PackSetup
+from shellfabric.impact.single_ply import ImpactResult, ImpactSetup
 from shellfabric.panel.model import SYMMETRIES, Panel
+
+if TYPE_CHECKING:
+    from shellfabric.cell.model import CellTable
+
+Setup: TypeAlias = ImpactSetup | PackSetup
 
 FULL, PACK_FULL = "3 elements, table 201", "2 elements, table 201"
 
@@ -36,50 +43,50 @@ class Model:
     answers: bool = True
 
     @property
-    def coarse(self):
+    def coarse(self) -> bool:
         """Whether its elements are crossovers, or more."""
         return dict(self.changes).get("elements_per_crossover") == 1
 
     @property
-    def full(self):
+    def full(self) -> bool:
         """Whether it is the model that all others of its ladder are held against."""
         return self.name in (FULL, PACK_FULL)
 
-    def of(self, setup):
+    def of(self, setup: Setup) -> Setup:
         """The set-up as this model runs it."""
         return with_ply(setup, **dict(self.changes))
 
-    def panel(self, setup, table):
+    def panel(self, setup: Setup, table: CellTable) -> Panel | None:
         """The panel, of a pack the first ply, as this model meshes it; None where it cannot be: longer elements begin
         beyond the shot."""
         try:
-            return self.of(ply_of(setup)).panel(table)
+            return ply_of(self.of(ply_of(setup))).panel(table)
         except InputError:
             return None
 
-    def leaves(self, setup, fixed):
+    def leaves(self, setup: Setup, fixed: Container[str]) -> bool:
         """Whether the model leaves those fields as they are that the user has set by hand."""
         return all(getattr(ply_of(setup), key) == value for key, value in self.changes if key in fixed)
 
 
-def ply_of(setup) -> ImpactSetup:
+def ply_of(setup: Setup) -> ImpactSetup:
     """The set-up of one ply: that of the first ply of a pack."""
     return setup.ply if isinstance(setup, PackSetup) else setup
 
 
-def plies_of(setup):
+def plies_of(setup: Setup) -> int:
     """Number of plies."""
     return setup.plies if isinstance(setup, PackSetup) else 1
 
 
-def with_ply(setup, **changes):
+def with_ply(setup: Setup, **changes: Any) -> Setup:
     """A set-up with fields of its ply changed."""
     if isinstance(setup, PackSetup):
         return replace(setup, ply=replace(setup.ply, **changes))
     return replace(setup, **changes)
 
 
-def ladder_of(setup):
+def ladder_of(setup: Setup) -> tuple[Model, ...]:
     """The models that a set-up can be answered with, the full model last."""
     return PACK_LADDER if isinstance(setup, PackSetup) else LADDER
 
@@ -108,13 +115,13 @@ BY_NAME = {model.name: model for model in (*LADDER, *PACK_LADDER)}
 _SCOUTS = SCOUT, "graded", "1 element"
 
 
-def scouts(known):
+def scouts(known: Container[str]) -> tuple[Model, Model]:
     """The two cheapest meshes, coarser first, of those whose names are `known`: what tells how hard a scene is."""
     found = [BY_NAME[name] for name in _SCOUTS if name in known]
     return tuple(found[:2])
 
 
-def partner(model, two):
+def partner(model: Model, two: tuple[Model, Model]) -> Model:
     """The scout that a model's answer is held against, and mixed with: of two, the next coarser mesh."""
     coarse, fine = two
     return coarse if model.coarse else fine
@@ -125,10 +132,10 @@ class Tables:
 
     _CELL = ("fabric", "laws", "surface", "gap", "cell_model", "form", "profile", "table_size")
 
-    def __init__(self):
-        self._known = []
+    def __init__(self) -> None:
+        self._known: list[Any] = []
 
-    def of(self, setup):
+    def of(self, setup: Setup) -> CellTable:
         """The CellTable of a set-up, of a pack that of its first ply."""
         setup = ply_of(setup)
         for known, table in self._known:
@@ -137,12 +144,12 @@ class Tables:
         self._known.append((setup, setup.table()))
         return self._known[-1][1]
 
-    def cheap(self, setup):
+    def cheap(self, setup: Setup) -> CellTable:
         """A table of the cell for panels that are looked at, not run: the one that the cheap models have."""
         return self.of(with_ply(setup, table_size=_QUICK["table_size"]))
 
 
-def simplest(setup, tables):
+def simplest(setup: Setup, tables: Tables) -> Setup:
     """The set-up with the smallest part of the panel that shot, edges and weave let stand for all of it.
 
     Raises
@@ -161,7 +168,7 @@ def simplest(setup, tables):
     raise AssertionError("a whole panel has no symmetry to refuse")
 
 
-def run(setup, table):
+def run(setup: Setup, table: CellTable) -> ImpactResult | PackResult:
     """The ImpactResult or PackResult of a set-up, with a CellTable of its (first) ply.
 
     Raises
@@ -171,6 +178,6 @@ def run(setup, table):
     return (pack if isinstance(setup, PackSetup) else single_ply).run(setup, table=table)
 
 
-def effort(panel: Panel, end_time):
+def effort(panel: Panel, end_time: float) -> float:
     """Elements times steps of a run that goes on to `end_time` [s]."""
     return panel.elements * end_time / panel.time_step

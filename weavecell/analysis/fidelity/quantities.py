@@ -17,6 +17,7 @@ of two meshes errs less than either (`mixed`).
 from __future__ import annotations
 
 from math import isnan, nan
+from typing import Any
 
 import numpy as np
 
@@ -31,7 +32,7 @@ WORDS = {
 }
 
 
-def of(result):
+def of(result: Any) -> dict[str, Any]:
     """{name: value or (values)} of an ImpactResult or PackResult, with its outcome, load and haste.
 
     Velocities and energies are shares of those of the strike. Deflection [m] and tensions (warp, weft) [N] are nan
@@ -65,12 +66,12 @@ def _at_once(yarn):
     return striking_velocity(yarn.wave_speed, yarn.failure_strain)
 
 
-def hasty(values):
+def hasty(values: dict[str, Any]) -> bool:
     """Whether a shot is so fast that yarns fail under the nose before the mesh about it can tell one from the next."""
     return values["haste"] > _HASTY
 
 
-def differences(one, other):
+def differences(one: dict[str, Any], other: dict[str, Any]) -> dict[str, float]:
     """{name: error of `one` against `other`, as a share}; nan where a quantity is not there in both."""
     found = {name: abs(one[name] - other[name]) for name in ("residual_velocity", "absorbed_energy")}
     found["deflection"] = abs(one["deflection"] / other["deflection"] - 1)
@@ -78,7 +79,7 @@ def differences(one, other):
     return found
 
 
-def mixed(values, others, weight):
+def mixed(values: dict[str, Any], others: dict[str, Any], weight: float) -> dict[str, Any]:
     """`values` with peak tensions to which another mesh's contribute by `weight`."""
     if regime(values) != regime(others):
         return values
@@ -92,17 +93,17 @@ _HASTY = 0.27  # haste from which on the energy of a mesh of one element a cross
 _SLOW = 0.1  # residual velocity over that of the strike, below which the shot is too near the critical velocity to tell
 
 
-def regime(values):
+def regime(values: dict[str, Any]) -> str:
     """HELD or THROUGH: what a scout made of a shot; one in flight at the end is held."""
     return THROUGH if values["outcome"] == "perforated" else HELD
 
 
-def asked_of(name, regime):
+def asked_of(name: str, regime: str) -> bool:
     """Whether a quantity is there at all: a panel that is perforated has neither largest deflection nor peak."""
     return regime != THROUGH or name in ("residual_velocity", "absorbed_energy")
 
 
-def scale(name, fine, coarse, usual):
+def scale(name: str, fine: dict[str, Any], coarse: dict[str, Any], usual: float) -> float:
     """[-] what errors of a quantity are in proportion to; nan where the outcome is in doubt.
 
     Parameters

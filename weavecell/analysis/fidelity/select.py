@@ -13,9 +13,10 @@ A scout also tells whether a flat steel projectile may be rigid (`ImpactResult.r
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, replace
 from math import inf, isnan
+from typing import Any
 
 from fabrics.errors import InputError, UnstableError
 from shellfabric.impact import pack, single_ply
@@ -23,6 +24,7 @@ from weavecell.analysis.fidelity import error_database as books
 from weavecell.analysis.fidelity import quantities
 from weavecell.analysis.fidelity.ladder import (
     Model,
+    Setup,
     Tables,
     effort,
     ladder_of,
@@ -63,12 +65,12 @@ class Option:
     asked: dict
 
     @property
-    def enough(self):
+    def enough(self) -> bool:
         """Whether the expected errors are within what is asked."""
         return self.short <= 1
 
     @property
-    def short(self):
+    def short(self) -> float:
         """[-] the expected error over what is asked, of the quantity for which it is largest."""
         return max((self.expected[name] / share for name, share in self.asked.items()), default=0.0)
 
@@ -119,16 +121,19 @@ class Answer:
     own: dict
 
     @property
-    def final(self):
+    def final(self) -> Attempt:
         return self.attempts[-1]
 
     @property
-    def confirmed(self):
+    def confirmed(self) -> bool:
         """Whether the promise holds, as far as survey and check can tell."""
         return self.final.holds
 
 
-def options(setup, asked, *, fixed=frozenset(), tables=None, book=None, seen=None):
+def options(
+    setup: Setup, asked: dict[str, float], *, fixed: Collection[str] = frozenset(), tables: Tables | None = None,
+    book: books.Book | None = None, seen: Sequence[dict[str, Any]] | None = None,
+) -> tuple[Option, ...]:  # fmt: skip
     """All models that leave alone what the user has set by hand, the cheapest first.
 
     Parameters
@@ -150,7 +155,7 @@ def options(setup, asked, *, fixed=frozenset(), tables=None, book=None, seen=Non
     tables, book = tables or Tables(), book or _book(setup)
     base = setup if "symmetry" in fixed else simplest(setup, tables)
     if ply_of(setup).surface is not None:  # it has its own cell
-        fixed = fixed | {"cell_model"}
+        fixed = frozenset(fixed) | {"cell_model"}
 
     def option(model):
         this = model.of(base)
@@ -177,7 +182,7 @@ def _expected(book, model, asked, seen):
     return {name: book.bound(model, name, seen) for name in asked}
 
 
-def pick(options):
+def pick(options: Sequence[Option]) -> Option:
     """The cheapest that is enough; if none is, the cheapest beyond which no dearer one takes a fifth off the error."""
     options = [option for option in options if option.model.answers]
     for option in options:
@@ -190,7 +195,10 @@ def pick(options):
     return best if best.short < inf else max(options, key=lambda option: option.effort)
 
 
-def answer(setup, asked, *, fixed=frozenset(), fire: Callable | None = None, tables=None, book=None, told=None):
+def answer(
+    setup: Setup, asked: dict[str, float], *, fixed: Collection[str] = frozenset(), fire: Callable | None = None,
+    tables: Tables | None = None, book: books.Book | None = None, told: Callable[[str], object] | None = None,
+) -> Answer:  # fmt: skip
     """Run the scouts, the model chosen by them, and others where the first answer is objected to.
 
     Parameters
