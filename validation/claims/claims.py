@@ -19,6 +19,7 @@ A condition holds one number, text or list that the check finds against a target
 from __future__ import annotations
 
 import tomllib
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
 from importlib import resources
@@ -104,7 +105,7 @@ class Condition:
     unit: str = ""
 
     @property
-    def factor(self):
+    def factor(self) -> float:
         """SI value of the unit."""
         if self.unit in ("", "%"):
             return 0.01 if self.unit else 1.0
@@ -155,7 +156,7 @@ class Claim:
     cause: str = ""
 
     @property
-    def topic(self):
+    def topic(self) -> str:
         return self.id.split("-")[0]
 
 
@@ -177,7 +178,7 @@ def _entries(name):
     return tomllib.loads((resources.files("validation.claims") / name).read_text("utf-8"))["claim"]
 
 
-def select(claims, topics=(), slow=False):
+def select(claims: Sequence[Claim], topics: Sequence[str] = (), slow: bool = False) -> tuple[list[Claim], list[Claim]]:
     """(claims to run, claims that are left out for being slow) of the topics; all topics where none is given.
 
     Raises

@@ -3,8 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import asdict, dataclass, field
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+
+if TYPE_CHECKING:
+    from validation.claims.claims import Claim, Condition
+    from validation.claims.registry import Found
 
 REPRODUCED, MISSED, WRONG = "reproduced", "missed", "source is wrong"
 DATA, NOT_COMPARABLE = "data", "not comparable"
@@ -49,11 +54,11 @@ class Record:
     setting: str = ""
     variants: dict = field(default_factory=dict)
 
-    def as_dict(self):
+    def as_dict(self) -> dict[str, Any]:
         return asdict(self)
 
 
-def judge(claim, found, note="", seconds=0.0) -> Record:
+def judge(claim: Claim, found: Found, note: str = "", seconds: float = 0.0) -> Record:
     """Record of a claim whose check has found {name: value}; numbers are in SI."""
     found = {name: plain(value) for name, value in found.items()}
     misses = [told for told in (_miss(condition, found) for condition in claim.conditions) if told]
@@ -67,14 +72,14 @@ def _unmissed(claim):
     return WRONG if claim.against else DATA if claim.data else REPRODUCED
 
 
-def unchecked(claim) -> Record:
+def unchecked(claim: Claim) -> Record:
     """Record of a claim that has no check."""
     if claim.unbuilt:
         return Record(claim.id, NOT_BUILT, note=claim.unbuilt)
     return Record(claim.id, NOT_TESTABLE, note=claim.untestable)
 
 
-def plain(value):
+def plain(value: Any) -> Any:
     """A value as JSON can hold it."""
     if isinstance(value, dict):
         return {name: plain(part) for name, part in value.items()}
@@ -87,7 +92,7 @@ def plain(value):
     return value
 
 
-def expected(condition):
+def expected(condition: Condition) -> str:
     """A condition in words: "0.12 ± 0.005 mm"."""
     unit = f" {condition.unit}" if condition.unit else ""
     if condition.test == "is":

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from types import ModuleType
+from typing import TYPE_CHECKING, Any
+
 import numpy as np
 
 from fabrics import catalogue
@@ -11,6 +14,9 @@ from validation.claims.checks import coupling, impact, sensitivity, series, soli
 from validation.claims.checks.geometry import KEVLAR
 from validation.claims.run import Run
 
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
 _MODELS = {"incompressible": RED, "compressible": BLUE, "decoupled": ORANGE}
 
 
@@ -19,7 +25,7 @@ def _history(axes, run, **looks):
     axes.plot(1e6 * run["fine"][::5, 0], run["fine"][::5, 2], **looks)
 
 
-def velocities(pyplot, runs):
+def velocities(pyplot: ModuleType, runs: dict[str, Any]) -> Figure:
     """The six fabrics at 100 m/s."""
     figure, axes = pyplot.subplots(figsize=(6.4, 4.2))
     for name, colour in zip(KEVLAR, COLOURS):
@@ -29,7 +35,7 @@ def velocities(pyplot, runs):
     return figure
 
 
-def limits(pyplot, runs):
+def limits(pyplot: ModuleType, runs: dict[str, Any]) -> Figure:
     """Critical velocities inside the brackets of the source's captions."""
     brackets = {"S-720": (100, 155), "S-726": (100, 174), "S-727": (100, 158), "S-728": (100, 170), "S-731": (116, 132),
                 "S-745": (110, 215)}  # fmt: skip
@@ -45,7 +51,7 @@ def limits(pyplot, runs):
     return figure
 
 
-def bounds(pyplot, runs):
+def bounds(pyplot: ModuleType, runs: dict[str, Any]) -> Figure:
     """Velocity between the bounds, on a balanced and an unbalanced fabric."""
     figure, row = pyplot.subplots(1, 2, figsize=(9.6, 3.9), sharey=True)
     for axes, name in zip(row, ("S-728", "S-731")):
@@ -57,7 +63,7 @@ def bounds(pyplot, runs):
     return figure
 
 
-def cell_bounds(pyplot, runs):
+def cell_bounds(pyplot: ModuleType, runs: dict[str, Any]) -> Figure:
     """Tensions of the cell between the bounds, the weft held."""
     figure, row = pyplot.subplots(1, 2, figsize=(9.6, 3.9), sharey=True)
     for axes, (T, title) in zip(row, (("T1", "warp, stretched"), ("T2", "weft, held"))):
@@ -70,7 +76,7 @@ def cell_bounds(pyplot, runs):
     return figure
 
 
-def crossover(pyplot, runs):
+def crossover(pyplot: ModuleType, runs: dict[str, Any]) -> Figure:
     """Cell and 3D crossover of S-726, the weft held."""
     from shellfabric.cell.model import CellModel
 
@@ -88,7 +94,7 @@ def crossover(pyplot, runs):
     return figure
 
 
-def platens(pyplot, runs):
+def platens(pyplot: ModuleType, runs: dict[str, Any]) -> Figure:
     """The pressed crossover of S-720 and the one-ply law."""
     from fabrics.plate_curve import PlateCurve
 
@@ -106,7 +112,7 @@ def platens(pyplot, runs):
     return figure
 
 
-def fits(pyplot, runs):
+def fits(pyplot: ModuleType, runs: dict[str, Any]) -> Figure:
     """a and b fitted to our crossovers over the printed ones."""
     figure, axes = pyplot.subplots(figsize=(6.4, 4.2))
     for k, name in enumerate(KEVLAR):
@@ -123,7 +129,7 @@ def fits(pyplot, runs):
     return figure
 
 
-def crimp_speed(pyplot, runs):
+def crimp_speed(pyplot: ModuleType, runs: dict[str, Any]) -> Figure:
     """Speeds of the fronts against crimp."""
     figure, axes = pyplot.subplots(figsize=(6.4, 4.2))
     for kind, colour in (("longitudinal", BLUE), ("transverse", RED)):
@@ -143,7 +149,7 @@ def crimp_speed(pyplot, runs):
     return figure
 
 
-def sensitivities(pyplot, runs):
+def sensitivities(pyplot: ModuleType, runs: dict[str, Any]) -> Figure:
     """Change of velocity for 20 % less and more of each parameter."""
     figure, row = pyplot.subplots(1, 3, figsize=(11.5, 3.7), sharey=True)
     for axes, (parameter, name) in zip(row, sensitivity.NAMES.items()):
@@ -160,7 +166,7 @@ def sensitivities(pyplot, runs):
     return figure
 
 
-def cones(pyplot, runs):
+def cones(pyplot: ModuleType, runs: dict[str, Any]) -> Figure:
     """Deflection over the panel with a soft and a locked trellis."""
     figure, row = pyplot.subplots(1, 2, figsize=(9.6, 4.4))
     for axes, (name, title) in zip(
@@ -181,7 +187,7 @@ def cones(pyplot, runs):
     return figure
 
 
-def pulled_in(pyplot, runs):
+def pulled_in(pyplot: ModuleType, runs: dict[str, Any]) -> Figure:
     """Velocity with weft edges that slip."""
     figure, axes = pyplot.subplots(figsize=(6.4, 4.2))
     for (name, run), colour in zip(runs.items(), (INK, GREEN, BLUE, RED)):
@@ -193,7 +199,7 @@ def pulled_in(pyplot, runs):
     return figure
 
 
-def angles(pyplot, runs):
+def angles(pyplot: ModuleType, runs: dict[str, Any]) -> Figure:
     """Mean angles of the zones of the bias coupon."""
     figure, row = pyplot.subplots(1, 2, figsize=(9.6, 3.9), sharey=True)
     for axes, (name, title) in zip(
@@ -220,8 +226,8 @@ def _all_six():
     return {name: waves.shot(name, snapshots=25e-6) for name in KEVLAR}
 
 
-_SHEARED = {"fabric": "S-728", "G_soft": 8.66e6, "G_hard": 8.66e9, "gamma": [0.036, 0.21]}
-_PULLED = {"fabric": "S-728", "lengths": [0.001, 0.002, 0.003], "start": 1e-9, "end": 200e-6}
+_SHEARED: dict[str, Any] = {"fabric": "S-728", "G_soft": 8.66e6, "G_hard": 8.66e9, "gamma": [0.036, 0.21]}
+_PULLED: dict[str, Any] = {"fabric": "S-728", "lengths": [0.001, 0.002, 0.003], "start": 1e-9, "end": 200e-6}
 # topic: (drawing, its runs, caption, wide)
 PICTURES = {
     "compr": (

@@ -8,6 +8,10 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any, TypeAlias
+
+Found: TypeAlias = dict[str, Any]  # {name: number, text, list or bool in SI}, and "note": remark
+RunResult: TypeAlias = dict[str, Any]  # {name: number, text or array} of a shared run
 
 CHECKS: dict[str, Check] = {}
 
@@ -26,7 +30,7 @@ class Check:
     needs: Callable
 
 
-def check(needs=None):
+def check(needs: Callable[..., Any] | None = None) -> Callable[[Callable[..., Found]], Callable[..., Found]]:
     """Register the function under "module.name"; `needs` gives the runs for the same arguments."""
 
     def register(function):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import dataclass
+from typing import Any
 
 
 @dataclass(frozen=True, order=True)
@@ -14,10 +15,10 @@ class Run:
     arguments: str
 
     @classmethod
-    def of(cls, name, **arguments):
+    def of(cls, name: str, **arguments: Any) -> Run:
         """The run `name` of `runs.RUNS` with these arguments."""
         return cls(name, json.dumps(arguments, sort_keys=True))
 
     @property
-    def keywords(self):
+    def keywords(self) -> dict[str, Any]:
         return json.loads(self.arguments)

@@ -14,8 +14,10 @@ import json
 import shutil
 import time
 import traceback
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 from fabrics import run_cache
 from fabrics.errors import WeavecellError
@@ -26,12 +28,17 @@ from validation.claims.checks import CHECKS
 from validation.claims.claims import Claim
 from validation.claims.judge import BROKEN, LEFT_OUT, MISSED, NOT_TESTABLE, Record
 
+if TYPE_CHECKING:
+    from validation.claims.registry import RunResult
+    from validation.claims.run import Run
+
 RUNS_FOLDER, RECORDS_FOLDER = "runs", "records"
 
 
 def validate(
-    claims, out, *, left_out=(), vary=False, executor="local", jobs=1, resume=False, report=None
-) -> tuple[Record, ...]:
+    claims: Sequence[Claim], out: Path, *, left_out: Sequence[Claim] = (), vary: bool = False, executor: str = "local",
+    jobs: int = 1, resume: bool = False, report: Callable[..., object] | None = None,
+) -> tuple[Record, ...]:  # fmt: skip
     """Run the checks of the claims.
 
     Parameters
@@ -92,7 +99,7 @@ def _with_variants(claim, found, vary):
     return replace(record, variants={name: found.get(name, record).verdict for name in variants.VARIANTS})
 
 
-def wanted(tasks, out):
+def wanted(tasks: Iterable[tuple[Claim, str | None]], out: Path) -> list[Run]:
     """Runs that the checks of (claim, variant or None) read and that the folder does not hold; the longest first."""
     runs = {run for claim, name in tasks for run in variants.runs(claim, name).values()}
     missing = [run for run in runs if not _holds(run, out)]
@@ -112,7 +119,7 @@ def _names(claim, variant=None):
     return {run: digest(run) for run in variants.runs(claim, variant).values()}
 
 
-def check(claim: Claim, out, names=None, variant=None) -> Record:
+def check(claim: Claim, out: Path, names: Any = None, variant: str | None = None) -> Record:
     """Do the check of one claim, with the runs of the folder; `names` of their files, if settled before.
 
     variant : of `variants.VARIANTS`, or None for the claim as computed
@@ -140,7 +147,7 @@ def check(claim: Claim, out, names=None, variant=None) -> Record:
     return judge.judge(claim, found, note, time.perf_counter() - begun)
 
 
-def load(run, out):
+def load(run: Run, out: Path) -> RunResult:
     """What a run left in the folder."""
     return _runs(out)[digest(run)]
 
@@ -149,12 +156,12 @@ def _runs(out):
     return run_cache.RunCache(Path(out) / RUNS_FOLDER)
 
 
-def cost(run):
+def cost(run: Run) -> float:
     """Rough cost of a run, only for order and progress; elements per side enter with their third power."""
     return _registry()[run.name][1] * run.keywords.get("elements", 1) ** 3
 
 
-def digest(run):
+def digest(run: Run) -> str:
     """Key of a run: of what is run with what, and of the code."""
     return run_cache.key((run.name, run.keywords), _registry()[run.name][0].__module__)
 

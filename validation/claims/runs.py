@@ -6,7 +6,9 @@ Fabrics are those of the source's shell runs (`Fabric.effective`, erratum E-07).
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -31,10 +33,16 @@ from shellfabric.projectile.bar import Bar
 from shellfabric.projectile.projectile import Projectile
 from validation.published.bias_extension import cases as bias_cases
 
+if TYPE_CHECKING:
+    from fabrics.fabric import Fabric
+    from validation.claims.registry import RunResult
+
 
 def cloth(
-    name, *, modulus=1.0, crimp=1.0, mass=1.0, strain=1.0, crimps=None, straight=False, shear=None, denier="effective"
-):
+    name: str, *, modulus: float = 1.0, crimp: float = 1.0, mass: float = 1.0, strain: float = 1.0,
+    crimps: Sequence[float] | None = None, straight: bool = False, shear: dict[str, float] | None = None,
+    denier: str = "effective",
+) -> Fabric:  # fmt: skip
     """A fabric of the catalogue, changed.
 
     Parameters
@@ -71,24 +79,13 @@ class _FirstFailures:
 
 
 def setup(
-    fabric,
-    velocity,
-    *,
-    cell_model="compressible",
-    form=None,
-    pull=None,
-    symmetry="quarter",
-    end_time=800e-6,
-    offsets=(),
-    snapshots=None,
-    interval=1e-6,
-    elements=1,
-    bending=0.0,
-    body="rigid",
-    **changes,
-):
+    fabric: str, velocity: float, *, cell_model: str = "compressible", form: str | None = None,
+    pull: dict[str, float] | None = None, symmetry: str = "quarter", end_time: float = 800e-6,
+    offsets: Sequence[float] = (), snapshots: float | None = None, interval: float = 1e-6, elements: int = 1,
+    bending: float = 0.0, body: str = "rigid", **changes: Any,
+) -> ImpactSetup:  # fmt: skip
     """ImpactSetup of a shot; the arguments are those of `shot`."""
-    options = {"form": form} if form else {}
+    options: dict[str, Any] = {"form": form} if form else {}
     if pull:
         slipping = PullIn(pull["length"], pull["start"], pull["end"])
         options["edge"] = ("clamped", slipping)  # weft, as in section 6.4.3
@@ -110,7 +107,7 @@ def setup(
     )
 
 
-def shot(**scene):
+def shot(**scene: Any) -> RunResult:
     """One impact on one ply.
 
     Parameters
@@ -176,7 +173,7 @@ def _shape(panel, taken):
     }
 
 
-def limit(*, fabric, tolerance=1.0, guess=None, **scene):
+def limit(*, fabric: str, tolerance: float = 1.0, guess: float | None = None, **scene: Any) -> RunResult:
     """Critical velocity of a panel, within `tolerance` [m/s]."""
     panel = setup(fabric, 100.0, **scene).panel()
     found = limits.critical_velocity(panel, tolerance=tolerance, guess=guess)
@@ -189,7 +186,7 @@ def limit(*, fabric, tolerance=1.0, guess=None, **scene):
     }
 
 
-def shots(*, fabric, velocities, **scene):
+def shots(*, fabric: str, velocities: Sequence[float], **scene: Any) -> RunResult:
     """Residual velocities [m/s], failure and end times at several velocities."""
     panel = setup(fabric, 100.0, **scene).panel()
     fired = limits.shoot(panel, velocities)
@@ -200,7 +197,7 @@ def shots(*, fabric, velocities, **scene):
     }
 
 
-def net(*, fabric, velocity, end_time=800e-6, **changes):
+def net(*, fabric: str, velocity: float, end_time: float = 800e-6, **changes: Any) -> RunResult:
     """One impact on the pin-jointed cable net."""
     found = run_cable(CableNet.of(ImpactSetup(cloth(fabric, **changes), velocity)), velocity, end_time)
     return {
@@ -215,7 +212,7 @@ def net(*, fabric, velocity, end_time=800e-6, **changes):
     }
 
 
-def struck_yarn(*, fabric, velocity):
+def struck_yarn(*, fabric: str, velocity: float) -> RunResult:
     """A lone straight yarn struck at constant velocity, with Smith's closed form beside it."""
     yarn = catalogue.load(fabric).with_effective_density().weave.warp
     run, theory = smith.strike(yarn, velocity), smith.smith(yarn, velocity)
@@ -232,7 +229,7 @@ def struck_yarn(*, fabric, velocity):
     }
 
 
-def bias(*, cloth, steps=20):
+def bias(*, cloth: str, steps: int = 20) -> RunResult:
     """The bias extension test on one of its cloths."""
     case = bias_cases.run(cloth, steps=steps)
     result = case.result
@@ -250,7 +247,7 @@ def bias(*, cloth, steps=20):
     }
 
 
-def stability(*, fabric, velocity, factor, end_time):
+def stability(*, fabric: str, velocity: float, factor: float, end_time: float) -> RunResult:
     """Whether a panel of straight yarns stays in balance at `factor` times its critical step.
 
     Nothing damps it and its yarns are taut, so that the bound is that of its highest mode; in the equilibrium form, for
@@ -273,7 +270,7 @@ def stability(*, fabric, velocity, factor, end_time):
     return {"stable": True, "told": ""}
 
 
-def pace(*, fabric, velocity, repeats=3):
+def pace(*, fabric: str, velocity: float, repeats: int = 3) -> RunResult:
     """Seconds that shell and cable net need for the same impact, run in turns; the least of each."""
     shell, cables = [], []
     scene, given = ImpactSetup(cloth(fabric), velocity, end_time=250e-6), cloth(fabric)
@@ -284,9 +281,9 @@ def pace(*, fabric, velocity, repeats=3):
 
 
 def pack(
-    *, fabric, velocity, plies, stacking="aligned", added=0.0, body="rigid", end_time=400e-6, face=None, form="smooth",
-    failure_time=0.0,
-):  # fmt: skip
+    *, fabric: str, velocity: float, plies: int, stacking: str = "aligned", added: float = 0.0, body: str = "rigid",
+    end_time: float = 400e-6, face: dict[str, Any] | None = None, form: str = "smooth", failure_time: float = 0.0,
+) -> RunResult:  # fmt: skip
     """One impact on a pack of plies, with the gap of its compression data (erratum E-02).
 
     Parameters

@@ -2,9 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from fabrics import catalogue
+
+if TYPE_CHECKING:
+    from validation.claims.registry import RunResult
 
 COLUMNS = (
     "path",
@@ -24,7 +30,7 @@ COLUMNS = (
 )
 
 
-def stretched(*, fabric, ratio, size="coarse", reach=None):
+def stretched(*, fabric: str, ratio: Sequence[float], size: str = "coarse", reach: float | None = None) -> RunResult:
     """A biaxial path of the crossover, to fibre failure or to `reach` [m]; with the deformed centrelines at its end."""
     from meshing import crossover as mesher
     from unitcell3d.cases import biaxial_and_platens
@@ -48,7 +54,9 @@ def stretched(*, fabric, ratio, size="coarse", reach=None):
     }
 
 
-def lone(*, fabric, family, size="coarse", bars=None, one_point=False):
+def lone(
+    *, fabric: str, family: int, size: str = "coarse", bars: int | None = None, one_point: bool = False
+) -> RunResult:
     """One yarn alone, pulled straight and on; `bars` 0 takes its fibres away, `one_point` integrates the least."""
     from meshing import crossover as mesher
     from unitcell3d.cases import single_yarn as cases_single_yarn
@@ -66,7 +74,7 @@ def lone(*, fabric, family, size="coarse", bars=None, one_point=False):
     return {name: found.columns[name] for name in ("strain", "T", "T_taut", "astray")} | {"failed": found.failed}
 
 
-def plates(*, fabric, size="coarse"):
+def plates(*, fabric: str, size: str = "coarse") -> RunResult:
     """The crossover pressed between plates."""
     from meshing import crossover as mesher
     from unitcell3d.cases import biaxial_and_platens
@@ -76,7 +84,7 @@ def plates(*, fabric, size="coarse"):
     return {name: getattr(found, name) for name in COLUMNS} | {"failed": found.failed}
 
 
-def meshes(*, fabric, sections, size="coarse"):
+def meshes(*, fabric: str, sections: Sequence[str], size: str = "coarse") -> RunResult:
     """What the mesher makes of a fabric: yarn volumes, deviation of the axis from a cosine, least gap, domains."""
     from meshing import crossover as mesher
     from meshing import patch
@@ -97,7 +105,7 @@ def meshes(*, fabric, sections, size="coarse"):
     return {"sections": found, "yarns": parts | {"four": len(patch.build(given, (2, 2), size=size).names)}}
 
 
-def brick(*, fabric, stretch):
+def brick(*, fabric: str, stretch: Sequence[float]) -> RunResult:
     """Cauchy stress [Pa] along the fibre of one brick of warp at three stretches, and its fibre fraction."""
     from unitcell3d.assembly.compat import Assembler, HexSpace
     from unitcell3d.material.solid_law import forms

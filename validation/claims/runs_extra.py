@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -21,10 +22,13 @@ from shellfabric.plies.solver import PackSolver
 from shellfabric.projectile.projectile import Projectile
 from validation.claims.runs import cloth
 
+if TYPE_CHECKING:
+    from validation.claims.registry import RunResult
+
 OFFSETS = tuple((1e-3 * np.arange(3, 100, 3)).round(6))  # [m] of the weft yarns that are recorded at the edge
 
 
-def sections(*, fabric, size="coarse"):
+def sections(*, fabric: str, size: str = "coarse") -> RunResult:
     """Sections of the yarns of the meshed quarter crossover.
 
     Returns
@@ -64,7 +68,7 @@ def _quadrilaterals(p):
     return float(0.5 * np.abs(one[..., 0] * other[..., 1] - one[..., 1] * other[..., 0]).sum())
 
 
-def frame(*, fabric, shear_angle, steps=16, cells=4):
+def frame(*, fabric: str, shear_angle: float, steps: int = 16, cells: int = 4) -> RunResult:
     """The picture frame test: shear angle [rad], shear stress [Pa] and force [N] along the diagonal of the frame.
 
     The force does the work of the stress: F d(delta) = tau V d(gamma), with the diagonal delta = 2 L sin(beta / 2) of a
@@ -79,7 +83,7 @@ def frame(*, fabric, shear_angle, steps=16, cells=4):
     return {"gamma": result.prescribed, "stress": stress, "force": stress * volume / slope, "side": np.array(side)}
 
 
-def bias_load(*, cloth, steps=10):
+def bias_load(*, cloth: str, steps: int = 10) -> RunResult:
     """Load [N] of the bias extension test over its elongation [m]."""
     from validation.published.bias_extension import cases
 
@@ -87,7 +91,10 @@ def bias_load(*, cloth, steps=10):
     return {"moved": result.prescribed, "load": np.abs(result.force(1, 1))}
 
 
-def edged(*, fabric, velocity, warp="clamped", weft="clamped", radius=None, end_time=800e-6):
+def edged(
+    *, fabric: str, velocity: float, warp: str = "clamped", weft: str = "clamped", radius: float | None = None,
+    end_time: float = 800e-6,
+) -> RunResult:  # fmt: skip
     """One impact on one ply with given edges.
 
     Parameters
@@ -122,7 +129,7 @@ def edged(*, fabric, velocity, warp="clamped", weft="clamped", radius=None, end_
     }
 
 
-def yarn_in_shell(*, fabric, velocity, length, end_time):
+def yarn_in_shell(*, fabric: str, velocity: float, length: float, end_time: float) -> RunResult:
     """The shell's own lone yarns: straight warp under a shot, in a strip whose weft has next to no mass and stiffness.
 
     The strip is 12 mm wide with free sides, of which the nose meets the middle half, and `length` [m] long between its
@@ -163,7 +170,9 @@ class _Unguarded(PackSolver):
             super().stop(message, where, when)
 
 
-def noisy_pack(*, fabric, velocity, plies, failure_time=0.0, end_time=400e-6):
+def noisy_pack(
+    *, fabric: str, velocity: float, plies: int, failure_time: float = 0.0, end_time: float = 400e-6
+) -> RunResult:
     """One impact on a pack whose plies push node on node, with no guard that ends it where contact makes energy.
 
     The arguments are those of `runs.pack`.

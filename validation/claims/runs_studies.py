@@ -2,13 +2,20 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING, Any
+
 import numpy as np
 
 from validation.published.pencilling.study import Case, bare, shoot
 from validation.published.solid_patch.study import march as solid_march
 
+if TYPE_CHECKING:
+    from validation.claims.registry import RunResult
 
-def pencil(*, plies, modulus, mass, elements=2, edge="free", layer=None):
+
+def pencil(
+    *, plies: int, modulus: float, mass: float, elements: int = 2, edge: str = "free", layer: Any = None
+) -> RunResult:
     """One run of Table 6-2 before its block; without plies the block alone.
 
     Parameters
@@ -29,7 +36,7 @@ def pencil(*, plies, modulus, mass, elements=2, edge="free", layer=None):
     }
 
 
-def solids(*, fabric, velocity, count, time):
+def solids(*, fabric: str, velocity: float, count: int, time: float) -> RunResult:
     """A patch of solid yarns under impact: seconds of marching, its mass before and after, and what has failed."""
     run = solid_march(fabric, count, (5, 5, 2), velocity, time, threads=1)
     before = float(run.const.mass.sum())

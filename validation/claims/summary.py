@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import csv
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 
 from fabrics.files import write_whole
 from validation.claims import variants
-from validation.claims.claims import KINDS, TOPICS
-from validation.claims.judge import MISSED, REPRODUCED, VERDICTS, expected
+from validation.claims.claims import KINDS, TOPICS, Claim
+from validation.claims.judge import MISSED, REPRODUCED, VERDICTS, Record, expected
 
 COLUMNS = ("id", "topic", "kind", "basis", "origin", "source", "quantity", "verdict", "ours against asked",
            "missed by", "cause", "why", "erratum", "reason of the tolerance", "remark", "seconds", "shots",
@@ -29,21 +31,21 @@ class Share:
     counts: dict
 
     @property
-    def compared(self):
+    def compared(self) -> int:
         """Claims of which our number says whether they hold here."""
         return self.counts[REPRODUCED] + self.counts[MISSED]
 
     @property
-    def reproduced(self):
+    def reproduced(self) -> float | None:
         """[-] of those, or None where there are none."""
         return self.counts[REPRODUCED] / self.compared if self.compared else None
 
     @property
-    def total(self):
+    def total(self) -> int:
         return sum(self.counts.values())
 
 
-def shares(claims, records, by="topic") -> list[Share]:
+def shares(claims: Sequence[Claim], records: Sequence[Record], by: str = "topic") -> list[Share]:
     """Of all claims, then of each topic (or kind, `by`) that has some."""
     verdicts = {record.id: record.verdict for record in records}
     chosen = [claim for claim in claims if claim.id in verdicts]
@@ -55,12 +57,12 @@ def shares(claims, records, by="topic") -> list[Share]:
     return found
 
 
-def asked(claim):
+def asked(claim: Claim) -> str:
     """What would bear a claim out, in words."""
     return "; ".join(f"{condition.name} {expected(condition)}" for condition in claim.conditions)
 
 
-def rows(claims, records):
+def rows(claims: Sequence[Claim], records: Sequence[Record]) -> Iterator[tuple[str, ...]]:
     """One row of texts a claim, in the order of COLUMNS."""
     by_id = {record.id: record for record in records}
     for claim in claims:
@@ -75,7 +77,7 @@ def rows(claims, records):
         )  # fmt: skip
 
 
-def write_csv(claims, records, path):
+def write_csv(claims: Sequence[Claim], records: Sequence[Record], path: Path) -> None:
     """Write the ledger as a table, whole or not at all."""
     with write_whole(path) as file:
         table = csv.writer(file)

@@ -103,7 +103,7 @@ def _law_intervals(fitted, ends):
         yield f"{1e3 * low:.4f} .. {1e3 * high:.4f}"
 
 
-def main():
+def main() -> None:
     parser = argparse.ArgumentParser(
         prog="python -m validation.published.calibration_chain", description=__doc__.splitlines()[0]
     )

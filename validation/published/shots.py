@@ -15,9 +15,11 @@ from __future__ import annotations
 import argparse
 import csv
 import time
+from collections.abc import Callable
 from dataclasses import asdict, dataclass
 from functools import cache
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 from fabrics import catalogue
 from fabrics.errors import run_program
@@ -27,6 +29,9 @@ from shellfabric.impact.single_ply import ImpactSetup
 from shellfabric.projectile.projectile import Projectile
 from validation.published.packs import study as packs
 from weavecell.report.marked_page import markdown, put
+
+if TYPE_CHECKING:
+    from shellfabric.panel.model import Panel
 
 STOPS, PERFORATES = "stops", "perforates"
 WORDS = {"stopped": STOPS, "perforated": PERFORATES}
@@ -75,7 +80,7 @@ class Search:
 
 
 @cache
-def panel(fabric, elements, body):
+def panel(fabric: str, elements: int, body: str) -> Panel:
     """The clamped panel of 203 mm and the projectile of 3 g of one case."""
     setup = ImpactSetup(
         catalogue.load(fabric).with_effective_density(),
@@ -86,16 +91,17 @@ def panel(fabric, elements, body):
     return setup.panel()
 
 
-def fire(case: Case):
+def fire(case: Case) -> dict[str, Any]:
     """One shot: a dict of numbers, for a file."""
     began = time.process_time()
     (shot,) = ballistic_limit.shoot(panel(case.fabric, case.elements, case.body), [case.velocity])
     return asdict(shot) | {"failed": [shot.failed], "cpu": time.process_time() - began}
 
 
-def search(case: Search):
+def search(case: Search) -> dict[str, Any]:
     """Critical velocity: a dict of numbers, for a file."""
-    began, near = time.process_time(), {} if case.guess is None else {"guess": case.guess, "step": 1.02}
+    near: dict[str, Any] = {} if case.guess is None else {"guess": case.guess, "step": 1.02}
+    began = time.process_time()
     found = ballistic_limit.critical_velocity(panel(case.fabric, case.elements, "rigid"), tolerance=TOLERANCE, **near)
     return {
         "low": found.low, "high": found.high, "failed": [0], "time": 0.0, "cpu": time.process_time() - began,
@@ -103,7 +109,7 @@ def search(case: Search):
     }  # fmt: skip
 
 
-def single_shots(results):
+def single_shots(results: Callable[..., dict[str, Any]]) -> list[dict[str, str]]:
     """Rows of the shots at one ply."""
     rows = []
     for fabric, velocities in CAPTIONS.items():
@@ -129,7 +135,7 @@ def _row(kind, results, case, expected):
     }  # fmt: skip
 
 
-def pack_shots(results):
+def pack_shots(results: Callable[..., dict[str, Any]]) -> list[dict[str, str]]:
     """Rows of the nine shots at packs."""
     rows = []
     for fabric, plies, velocity, published, found in packs.outcomes(results):
@@ -144,7 +150,7 @@ def pack_shots(results):
     return rows
 
 
-def critical_velocities(results):
+def critical_velocities(results: Callable[..., dict[str, Any]]) -> list[dict[str, str]]:
     """Rows of the critical velocity of the tested fabric on its meshes."""
     rows, guess = [], None
     for elements in TEST_MESHES:
@@ -157,7 +163,7 @@ def critical_velocities(results):
     return rows
 
 
-def captions(shots):
+def captions(shots: list[dict[str, str]]) -> str:
     """One row a caption of one ply, one column a mesh; what differs from the caption is set bold."""
     rows = [["fabric", "strike, m/s", "thesis", *(f"computed, {_elements(n)}" for n in MESHES)]]
     for fabric, velocities in CAPTIONS.items():
@@ -172,7 +178,7 @@ def captions(shots):
     return markdown([*rows, ["as the caption says", "", "", *counts]])
 
 
-def bars(shots):
+def bars(shots: list[dict[str, str]]) -> str:
     """One row a perforating caption and mesh: rigid projectile and elastic bar."""
     rows = [["fabric", "strike, m/s", "elements per crossover", "thesis", "computed, rigid", "computed, elastic bar"]]
     for fabric, (_, velocity) in CAPTIONS.items():
@@ -184,7 +190,7 @@ def bars(shots):
     return markdown(rows)
 
 
-def tests(shots, limits):
+def tests(shots: list[dict[str, str]], limits: list[dict[str, str]]) -> str:
     """One row a mesh: the two tests on S-726, and the critical velocity over what they say of it."""
     low, high = TESTS
     middle = 0.5 * (low + high)
@@ -199,7 +205,7 @@ def tests(shots, limits):
     return markdown(rows)
 
 
-def multi_ply(shots):
+def multi_ply(shots: list[dict[str, str]]) -> str:
     """One row a shot at a pack."""
     rows = [["plies", "fabric", "strike, m/s", "thesis", "computed", "erratum E-21 on the caption"]]
     found = [s for s in shots if s["kind"] == PACK]
@@ -211,7 +217,7 @@ def multi_ply(shots):
     return markdown([*rows, ["as the caption says", "", "", "", f"{same} of {len(found)}", ""]])
 
 
-def tables(shots, limits):
+def tables(shots: list[dict[str, str]], limits: list[dict[str, str]]) -> tuple[str, ...]:
     """The tables of the page, one between each pair of MARKS."""
     return captions(shots), bars(shots), tests(shots, limits), multi_ply(shots)
 
@@ -231,13 +237,13 @@ def _elements(n):
     return f"{n} element{'s' * (n > 1)} per crossover"
 
 
-def read(path):
+def read(path: Path) -> list[dict[str, str]]:
     """Rows of a table written by this study, as dicts of texts."""
     with open(path, encoding="utf-8", newline="") as file:
         return list(csv.DictReader(file))
 
 
-def write(rows, path):
+def write(rows: list[dict[str, str]], path: Path) -> None:
     """A table, one row a line."""
     with write_whole(path) as file:
         table = csv.DictWriter(file, rows[0], lineterminator="\n")
@@ -245,7 +251,7 @@ def write(rows, path):
         table.writerows(rows)
 
 
-def main():
+def main() -> None:
     parser = argparse.ArgumentParser(prog="python -m validation.published.shots", description=__doc__.splitlines()[0])
     parser.add_argument("--out", type=Path, default=Path("results/published-shots"))
     parser.add_argument("--page", type=Path, help="put the tables into this page")

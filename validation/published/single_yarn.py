@@ -14,11 +14,14 @@ from __future__ import annotations
 import json
 import sys
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from scipy import sparse
 
 from fabrics import catalogue
+from fabrics.checks import FloatArray
+from fabrics.fabric import Fabric
 from fabrics.files import replace_whole, write_whole
 from meshing import crossover
 from unitcell3d.cases import single_yarn as cases_single_yarn
@@ -30,7 +33,7 @@ ZERO = 1e-9  # of the largest eigenvalue
 POINTS = {"one point": solid_law.ONE_POINT, "2 x 2 x 2 points": solid_law.FULL}
 
 
-def spectrum(mesh, fabric, family, bars, integration):
+def spectrum(mesh: Any, fabric: Fabric, family: int, bars: int | None, integration: int) -> FloatArray:
     """(size,) sizes of the eigenvalues of the resting tangent over the largest, rising."""
     model = YarnModel(mesh, fabric, family, bars=bars, integration=integration)
     q = np.zeros(model.size)
@@ -42,7 +45,7 @@ def spectrum(mesh, fabric, family, bars, integration):
     return values / values[-1]
 
 
-def measure(name="S-720", size="coarse"):
+def measure(name: str = "S-720", size: str = "coarse") -> dict[str, Any]:
     """{"pulls": {family: {bars: Record}}, "spectra": {(points, bars): (n,)}} of one fabric."""
     fabric = catalogue.load(name)
     mesh = crossover.build(fabric, size=size)
@@ -57,7 +60,7 @@ def measure(name="S-720", size="coarse"):
     return {"fabric": fabric, "pulls": pulls, "spectra": spectra}
 
 
-def picture(found, path):
+def picture(found: Any, path: Path) -> None:
     """Both panels as one figure."""
     from meshing.pictures_style import FAINT, plots
     from unitcell3d.pictures.pictures_paths import COLOURS
@@ -91,10 +94,10 @@ def picture(found, path):
         pyplot.close(figure)
 
 
-def main(name="S-720", size="coarse", folder="results/single-yarn"):
+def main(name: str = "S-720", size: str = "coarse", folder: str = "results/single-yarn") -> None:
     """Measure, write and print."""
-    found, folder = measure(name, size), Path(folder)
-    picture(found, folder / "single-yarn.svg")
+    found, out = measure(name, size), Path(folder)
+    picture(found, out / "single-yarn.svg")
     told = {}
     for (label, bars), values in found["spectra"].items():
         told[f"{label}, {'without' if bars == 0 else 'slack'} bars"] = {
@@ -110,7 +113,7 @@ def main(name="S-720", size="coarse", folder="results/single-yarn"):
             "straight at the strain": -start / slope,
             "crimp": yarn.crimp,
         }
-    with write_whole(folder / "single-yarn.json") as file:
+    with write_whole(out / "single-yarn.json") as file:
         json.dump(told, file, indent=2)
         file.write("\n")
     print(json.dumps(told, indent=2))

@@ -108,7 +108,7 @@ def _outcome(panel, velocity):
     return word if not shot.perforated else f"{word}, {shot.residual_velocity:.0f} m/s left"
 
 
-def table(rows):
+def table(rows: list[dict[str, str]]) -> str:
     """Rows as a table; what differs from the test is set bold."""
     heads = ["computed with", "elements per crossover"]
     heads += [f"{velocity:g} m/s (test: {outcome})" for velocity, outcome in TESTS.items()]
@@ -122,7 +122,7 @@ def table(rows):
     return markdown(found)
 
 
-def main():
+def main() -> None:
     parser = argparse.ArgumentParser(
         prog="python -m validation.published.tests_s726", description=__doc__.splitlines()[0]
     )

@@ -8,14 +8,14 @@ import numpy as np
 
 from fabrics import catalogue
 from shellfabric.cell.model import CellModel
-from validation.claims.registry import check
+from validation.claims.registry import Found, check
 from weavecell.analysis.biaxial_test.curves import at_ratio, free_edge
 
 
 @check()
-def inputs(fabric):
+def inputs(fabric: str) -> Found:
     weave, law = catalogue.load(fabric).weave, catalogue.load(fabric).laws[0]
-    found = {}
+    found: Found = {}
     for name, yarn in zip(("warp", "weft"), weave.yarns):
         found |= {
             f"EA {name}": yarn.EA,
@@ -26,7 +26,7 @@ def inputs(fabric):
 
 
 @check()
-def lone_curve(fabric):
+def lone_curve(fabric: str) -> Found:
     """Stiffness [N] of the loaded part of the curve with a free edge, and the strain of the yarn at its strength."""
     curve = free_edge(CellModel(catalogue.load(fabric), form="equilibrium"), "warp")
     yarn = catalogue.load(fabric).weave.warp
@@ -41,7 +41,7 @@ def lone_curve(fabric):
 
 
 @check()
-def free_shift(fabric):
+def free_shift(fabric: str) -> Found:
     """Where the loaded part of the curve with a free edge, drawn on, meets no load."""
     curve = free_edge(CellModel(catalogue.load(fabric), form="equilibrium"), "warp")
     loaded = curve.tension[:, 0] > 0.2 * curve.tension[-1, 0]
@@ -50,7 +50,7 @@ def free_shift(fabric):
 
 
 @check()
-def symmetry(fabric, k):
+def symmetry(fabric: str, k: float) -> Found:
     cell = CellModel(catalogue.load(fabric), form="equilibrium")
     one, other = at_ratio(cell, k), at_ratio(cell, 1 / k)
     end = min(one.strain[-1, 0], other.strain[-1, 1])
@@ -61,7 +61,7 @@ def symmetry(fabric, k):
 
 
 @check()
-def order(fabric):
+def order(fabric: str) -> Found:
     """Warp tension at each own strain up to the first failure, from the most to the least stretched cross direction."""
     cell = CellModel(catalogue.load(fabric), form="equilibrium")
     curves = {f"k = {k:g}": at_ratio(cell, k) for k in (0.5, 1.0, 2.0)} | {"free": free_edge(cell, "warp")}
@@ -73,13 +73,13 @@ def order(fabric):
 
 
 @check()
-def used_up(fabric):
+def used_up(fabric: str) -> Found:
     given = catalogue.load(fabric)
     return {"2a over heights": 2 * given.laws[0].a / sum(given.weave.h0)}
 
 
 @check()
-def origin_shift(fabric, shift):
+def origin_shift(fabric: str, shift: float) -> Found:
     """RMS by which tensions move when the strain origin moves by `shift` [-], over the RMS of the curve itself."""
     cell, moved, over = CellModel(catalogue.load(fabric), form="equilibrium"), {}, {}
     for k in (0.5, 1.0, 2.0):
@@ -90,7 +90,7 @@ def origin_shift(fabric, shift):
             off = np.sqrt(np.mean((tension[common] - np.interp(strain[common] - shift, strain, tension)) ** 2))
             moved[name, k] = off / np.sqrt(np.mean(tension[common] ** 2))
             over[name, k] = off / yarn.strength
-    most = {name: max((0.5, 1.0, 2.0), key=lambda k, name=name: moved[name, k]) for name in ("warp", "weft")}
+    most = {name: max((0.5, 1.0, 2.0), key=lambda k, name=name: moved[name, k]) for name in ("warp", "weft")}  # type: ignore[misc]
     return {
         "most, warp": most["warp"],
         "most, weft": most["weft"],

@@ -5,37 +5,43 @@ Where the printed compression law is meant, it is used; else the regularised one
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING, Any
+
 import numpy as np
 from scipy.integrate import quad
 
 from fabrics import catalogue
+from fabrics.checks import FloatArray
 from fabrics.compression import CompressionLaw
 from fabrics.weave import arc_length
 from shellfabric.cell import crossover_kernels
 from shellfabric.cell.model import CellModel
 from validation.claims.checks.geometry import KEVLAR
-from validation.claims.registry import check
+from validation.claims.registry import Found, check
+
+if TYPE_CHECKING:
+    from fabrics.yarn import Yarn
 
 _N = 161
 
 
-def cell(name, model="compressible", **changes):
+def cell(name: str, model: str = "compressible", **changes: Any) -> CellModel:
     return CellModel(catalogue.load(name), model=model, form="equilibrium", **changes)
 
 
-def printed(name, a=None):
+def printed(name: str, a: None = None) -> CellModel:
     """The cell with the law as printed."""
     given = catalogue.load(name)
     laws = tuple(CompressionLaw(a or law.a, law.b, form="printed") for law in given.laws)
-    return CellModel(given, laws, form="equilibrium")
+    return CellModel(given, laws, form="equilibrium")  # type: ignore[arg-type]
 
 
-def end(yarn):
+def end(yarn: Yarn) -> float:
     """Stretch of the cell at which a yarn alone is at its strength."""
     return (1 + yarn.crimp) * (1 + yarn.failure_strain)
 
 
-def warp_pull(model, n=_N):
+def warp_pull(model: CellModel, n: int = _N) -> tuple[FloatArray, dict[str, FloatArray]]:
     """(strain, solution) along warp extension with the weft held, to the failure of the first yarn."""
     weave = model.fabric.weave
     strain = np.linspace(0, end(weave.warp) - 1, n)
@@ -45,7 +51,7 @@ def warp_pull(model, n=_N):
     return strain[:last], {name: values[:last] for name, values in found.items()}
 
 
-def random_states(name, n=400, seed=3):
+def random_states(name: str, n: int = 400, seed: int = 3) -> tuple[FloatArray, ...]:
     """Stretches between rest and failure at which the yarns touch."""
     weave = catalogue.load(name).weave
     rng = np.random.default_rng(seed)
@@ -53,10 +59,11 @@ def random_states(name, n=400, seed=3):
 
 
 @check()
-def knees(fabric):
+def knees(fabric: str) -> Found:
     """A lone yarn: where the taut line meets no load, and its slope on the strain of the yarn's own length."""
     model = cell(fabric, "decoupled")
-    weave, found = model.fabric.weave, {}
+    found: Found = {}
+    weave = model.fabric.weave
     for name, family, yarn in zip(("warp", "weft"), (0, 1), weave.yarns):
         stretch = np.linspace(1, end(yarn), 400)
         T = model.solve(*((stretch, 1.0) if family == 0 else (1.0, stretch)))[f"T{family + 1}"]
@@ -71,7 +78,7 @@ def knees(fabric):
 
 
 @check()
-def strengths(failure_strain):
+def strengths(failure_strain: float) -> Found:
     """Tension of the warp in the coupled cell once its fibres are strained by so much and the weft has lost contact."""
     found = {}
     for name in KEVLAR:
@@ -82,7 +89,7 @@ def strengths(failure_strain):
 
 
 @check()
-def failure_extensions():
+def failure_extensions() -> Found:
     """Cell strain at which the tension of a lone crimped yarn reaches its strength."""
     found = {}
     for fabric in KEVLAR:
@@ -98,7 +105,7 @@ def failure_extensions():
 
 
 @check()
-def no_compression():
+def no_compression() -> Found:
     worst = 0.0
     for fabric in KEVLAR:
         model = cell(fabric, "decoupled")
@@ -112,7 +119,7 @@ def no_compression():
 
 
 @check()
-def equilibrium():
+def equilibrium() -> Found:
     force = closing = 0.0
     for name in catalogue.list_names():
         model = cell(name)
@@ -130,7 +137,7 @@ def equilibrium():
 
 
 @check()
-def jacobian():
+def jacobian() -> Found:
     """dS/dh by differences of the arc length, over eq. 4-24 as printed."""
     ratios = []
     for name in KEVLAR:
@@ -153,7 +160,7 @@ def jacobian():
 
 
 @check()
-def slope_derivative():
+def slope_derivative() -> Found:
     """d sin(alpha)/dh that the contact force of the cell's equilibrium form has, over eq. 4-21.
 
     F = 2 T sin(alpha), so that dF/dh = 2 (dT/dh sin(alpha) + T dsin(alpha)/dh), with dT/dh = EA/S0 dS/dh.
@@ -172,7 +179,7 @@ def slope_derivative():
 
 
 @check()
-def printed_at_rest():
+def printed_at_rest() -> Found:
     found = {}
     for name in catalogue.list_names():
         rest = printed(name).solve(1.0, 1.0)
@@ -183,12 +190,12 @@ def printed_at_rest():
 
 
 @check()
-def printed_start():
+def printed_start() -> Found:
     return {name: catalogue.load(name).laws[0].F0 for name in catalogue.list_names()}
 
 
 @check()
-def warp_in_weave(fabric):
+def warp_in_weave(fabric: str) -> Found:
     strain, woven = warp_pull(cell(fabric))
     alone = cell(fabric, "decoupled").solve(1 + strain, 1.0)
     crimp = catalogue.load(fabric).weave.warp.crimp
@@ -204,7 +211,7 @@ def warp_in_weave(fabric):
 
 
 @check()
-def tension_surface(fabric):
+def tension_surface(fabric: str) -> Found:
     model = cell(fabric)
     s1, s2 = (np.linspace(1, end(yarn), 61) for yarn in model.fabric.weave.yarns)
     found = model.solve(*np.meshgrid(s1, s2, indexing="ij"))
@@ -213,7 +220,7 @@ def tension_surface(fabric):
 
 
 @check()
-def exchange(fabric):
+def exchange(fabric: str) -> Found:
     _, found = warp_pull(cell(fabric))
     return {
         "greatest growth of h1": np.diff(found["h1"]).max(),
@@ -224,7 +231,7 @@ def exchange(fabric):
 
 
 @check()
-def incompressible_exchange():
+def incompressible_exchange() -> Found:
     worst = 0.0
     for name in catalogue.list_names():
         model = cell(name, "incompressible")
@@ -235,7 +242,7 @@ def incompressible_exchange():
 
 
 @check()
-def decoupled_limit():
+def decoupled_limit() -> Found:
     worst = soft = 0.0
     for name in catalogue.list_names():
         stretches = random_states(name)
@@ -251,7 +258,7 @@ def decoupled_limit():
 
 
 @check()
-def stress_resultant():
+def stress_resultant() -> Found:
     """Forces at the edge of a stretched coupon over the force of the stresses of two half layers (eqs. 4-46 to 4-48).
 
     Each yarn acts in one half of the thickness, over the width of its cell; the mean over the whole thickness, times
@@ -279,7 +286,7 @@ def stress_resultant():
 
 
 @check()
-def lone_yarn():
+def lone_yarn() -> Found:
     """A yarn whose partner is gone, in a coupon of warp alone."""
     from shellfabric.coupon.model import mesh_coupon
 

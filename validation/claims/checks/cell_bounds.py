@@ -10,11 +10,11 @@ from scipy.optimize import brentq
 from shellfabric.cell.model import MODELS
 from validation.claims.checks.cell import cell, end, printed, warp_pull
 from validation.claims.checks.geometry import KEVLAR, ranked
-from validation.claims.registry import check
+from validation.claims.registry import Found, check
 
 
 @check()
-def bounds(fabric, at):
+def bounds(fabric: str, at: float) -> Found:
     """Warp extension with held weft between the bounds; `at` is the warp strain at which tensions are told."""
     cells = {model: cell(fabric, model) for model in MODELS}
     strain, stiff = warp_pull(cells["incompressible"])
@@ -25,7 +25,7 @@ def bounds(fabric, at):
         result[f"{T} least distance"] = min(float((a - b).min()) for a, b in itertools.pairwise(rows))
         told = {m: float(np.interp(at, strain, found[m][T])) for m in MODELS}
         result |= {f"{T} {model}": value for model, value in told.items()}
-        result[f"{T} order"] = ranked(told)
+        result[f"{T} order"] = ranked(told)  # type: ignore[assignment]
     room = found["incompressible"]["T1"] - found["decoupled"]["T1"]
     # shares mean little before there is a difference to share
     real = room > 0.01 * room.max()
@@ -36,7 +36,7 @@ def bounds(fabric, at):
 
 
 @check()
-def energy_bounds(fabric):
+def energy_bounds(fabric: str) -> Found:
     """Stored energy of the three cells over all pairs of strains at which no yarn fails."""
     share, W = _surfaces(fabric)
     least = min(float((a - b).min()) for a, b in (W[:2], W[1:]))
@@ -48,7 +48,7 @@ def energy_bounds(fabric):
 
 
 @check()
-def interaction(balanced, unbalanced):
+def interaction(balanced: str, unbalanced: str) -> Found:
     shares = {name: _surfaces(name)[0] for name in (balanced, unbalanced)}
     return {"order": ranked(shares), "note": ", ".join(f"{name} {share:.2f}" for name, share in shares.items())}
 
@@ -65,13 +65,13 @@ def _surfaces(fabric, n=41):
 
 
 @check()
-def weft_energy(fabric, strain):
+def weft_energy(fabric: str, strain: float) -> Found:
     W = [float(cell(fabric, model).solve(1.0, 1 + strain)["W"]) for model in ("compressible", "decoupled")]
     return {"compressible over decoupled": W[0] / W[1], "note": f"{1e3 * W[0]:.3f} and {1e3 * W[1]:.3f} mJ"}
 
 
 @check()
-def failure_lines(fabric, reach):
+def failure_lines(fabric: str, reach: float) -> Found:
     """End displacements [m] at which each yarn of the coupled cell reaches its strength.
 
     With the crossing yarn shortened by `reach` [m], so that it has lost contact; and, on the grid of Figure 4-28 of
@@ -101,7 +101,7 @@ def failure_lines(fabric, reach):
 
 
 @check()
-def both_negative(fabric, reach):
+def both_negative(fabric: str, reach: float) -> Found:
     model = cell(fabric)
     d = np.linspace(-reach, -1e-9, 41)
     s = [1 + d / w for w in model.fabric.weave.w]
@@ -115,7 +115,7 @@ def both_negative(fabric, reach):
 
 
 @check()
-def energy_surface(fabric):
+def energy_surface(fabric: str) -> Found:
     model = cell(fabric)
     weave = model.fabric.weave
     found = model.solve(*np.meshgrid(*(np.linspace(1, end(yarn), 61) for yarn in weave.yarns), indexing="ij"))
@@ -136,7 +136,7 @@ def _survived(name, n=61):
 
 
 @check()
-def no_failure_extent():
+def no_failure_extent() -> Found:
     """Warp strain up to which the coupled cell fails at no weft strain between rest and the weft's own failure."""
     extents, every = {}, {}
     for name in KEVLAR:
@@ -151,7 +151,7 @@ def no_failure_extent():
 
 
 @check()
-def energy_level():
+def energy_level() -> Found:
     """Largest stored energy per area of the coupled cell over all strains at which no yarn is past its strength."""
     found, denier, mass = {}, {}, {}
     for name in KEVLAR:

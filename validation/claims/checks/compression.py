@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import tomllib
+from collections.abc import Sequence
 from functools import cache
 from importlib import resources
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import Any
 
 import numpy as np
 from scipy.optimize import brentq, curve_fit
 
 from fabrics import catalogue
+from fabrics.checks import FloatArray
 from fabrics.compression import CompressionLaw
 from fabrics.errors import InputError
 from fabrics.plate_curve import PlateCurve
@@ -19,11 +22,11 @@ from fabrics.units import si
 from shellfabric.cell.model import CellModel
 from shellfabric.plies.gap import compression_gap
 from validation.claims.checks.geometry import KEVLAR, ranked
-from validation.claims.registry import check
+from validation.claims.registry import Found, check
 
 
 @cache
-def pressure_law():
+def pressure_law() -> dict[str, float]:
     """{"c1", "c2", "start", "peak", "platen"} in SI, of the built-in one-ply law."""
     content = tomllib.loads((resources.files("fabrics") / "pressure_law.toml").read_text("utf-8"))
     units = {"c1": "Pa * m^3 / (kg/m^2)^3", "c2": "Pa * m^3", "start": "N", "peak": "N", "platen": "m"}
@@ -31,26 +34,26 @@ def pressure_law():
 
 
 @cache
-def stiffness(name, plies=1):
+def stiffness(name: str, plies: int = 1) -> float:
     """K'' [Pa m3] of a fabric or of a pack of it, read off its plate curve."""
     curve = PlateCurve.pressure_law(catalogue.load(name).areal_density_measured, plies)
     P = curve.pressure
     return float((curve.closure[-1] / (P[0] ** (-1 / 3) - P[-1] ** (-1 / 3))) ** 3)
 
 
-def packs(fabric, plies):
+def packs(fabric: str, plies: Sequence[int]) -> FloatArray:
     """(n,) K'' [Pa m3] of packs of each number of plies (erratum E-02)."""
     return np.array([stiffness(fabric, n) for n in plies])
 
 
-def closures(K, start, law=None):
+def closures(K: FloatArray, start: float, law: Any = None) -> FloatArray:
     """(n,) [m] what a pack closes by between a start load [N] and the peak load of the platen."""
     law = law or pressure_law()
     P = np.array([start, law["peak"]]) / law["platen"] ** 2
     return np.cbrt(K) * (P[0] ** (-1 / 3) - P[1] ** (-1 / 3))
 
 
-def gap(fabric, start, plies=4):
+def gap(fabric: str, start: float, plies: int = 4) -> float:
     """[m] of an interface in a pack (eqs. 5-1 to 5-4)."""
     K = packs(fabric, (1, plies))
     one, many = closures(K, start)
@@ -58,7 +61,7 @@ def gap(fabric, start, plies=4):
 
 
 @check()
-def exponent(noise, seed):
+def exponent(noise: float, seed: int) -> Found:
     """Refit of the exponent to a curve of the law with noise on it."""
     curve = PlateCurve.pressure_law(catalogue.load("S-720").areal_density_measured)
     P0, scale = curve.pressure[0], curve.closure[-1]
@@ -72,12 +75,12 @@ def exponent(noise, seed):
 
 
 @check()
-def fit_constant(fabric):
+def fit_constant(fabric: str) -> Found:
     return {"K": stiffness(fabric)}
 
 
 @check()
-def fit_constant_trend():
+def fit_constant_trend() -> Found:
     K = {name: stiffness(name) for name in KEVLAR}
     cubes = np.array([catalogue.load(name).areal_density_measured ** 3 for name in KEVLAR])
     values, order = np.array(list(K.values())), ranked(K)
@@ -90,7 +93,7 @@ def fit_constant_trend():
 
 
 @check()
-def areal_density_floor():
+def areal_density_floor() -> Found:
     low, high = 0.05, 0.3
     while high - low > 1e-9:
         middle = 0.5 * (low + high)
@@ -103,7 +106,7 @@ def areal_density_floor():
 
 
 @check()
-def b_from_pressure_law(fabric):
+def b_from_pressure_law(fabric: str) -> Found:
     def b(name):
         return np.cbrt(stiffness(name) * catalogue.load(name).weave.cell_area)
 
@@ -112,7 +115,7 @@ def b_from_pressure_law(fabric):
 
 
 @check()
-def law_asymptote():
+def law_asymptote() -> Found:
     F, ok, worst = np.geomspace(1e-3, 1e3, 400), True, 0.0
     for name in catalogue.list_names():
         law = catalogue.load(name).laws[0]
@@ -123,7 +126,7 @@ def law_asymptote():
 
 
 @check()
-def compliance():
+def compliance() -> Found:
     worst = 0.0
     for name in KEVLAR:
         given = catalogue.load(name).laws[0]
@@ -137,7 +140,7 @@ def compliance():
 
 
 @check()
-def van_wyk():
+def van_wyk() -> Found:
     law = catalogue.load("S-720").laws[0]
     room = law.a * np.geomspace(0.02, 0.9, 50)
     pressure = law.F(law.a - room) + law.F0
@@ -145,7 +148,7 @@ def van_wyk():
 
 
 @check()
-def gutowski(V0, Va):
+def gutowski(V0: float, Va: float) -> Found:
     def stress(V):
         return (np.sqrt(V / V0) - 1) / (np.sqrt(Va / V) - 1) ** 4
 
@@ -156,20 +159,20 @@ def gutowski(V0, Va):
 
 
 @check()
-def packs_softer(fabric, plies):
+def packs_softer(fabric: str, plies: Sequence[int]) -> Found:
     K = packs(fabric, plies)
     closed = dict(zip(map(str, plies), closures(K, pressure_law()["start"])))
     return {"order": ranked(closed), "note": ", ".join(f"{n}: {1e6 * d:.0f} um" for n, d in closed.items())}
 
 
 @check()
-def peak_pressure():
+def peak_pressure() -> Found:
     law = pressure_law()
     return {"pressure": law["peak"] / law["platen"] ** 2}
 
 
 @check()
-def table_columns(c1, c2):
+def table_columns(c1: float, c2: float) -> Found:
     law = pressure_law()
     # MPa um3, with the areal density in 100 g/m2
     ours = law["c1"] * 0.1**3 / 1e-12, law["c2"] / 1e-12
@@ -177,13 +180,13 @@ def table_columns(c1, c2):
 
 
 @check()
-def pack_series(fabric, plies):
+def pack_series(fabric: str, plies: Sequence[int]) -> Found:
     b = np.cbrt(packs(fabric, plies))
     return {f"{n} plies": b[k] / (n * b[0]) for k, n in enumerate(plies)}
 
 
 @check()
-def gap_algebra():
+def gap_algebra() -> Found:
     """What a pack of N plies closes by in all, from the gap that a pack of panels is set up with, over the plate curve.
 
     The gap of the panels (`shellfabric.plies.model.compression_gap`), times N - 1 and with one ply's closure, against
@@ -200,12 +203,12 @@ def gap_algebra():
 
 
 @check()
-def gap_size(fabric, start):
+def gap_size(fabric: str, start: float) -> Found:
     return {"gap": gap(fabric, start)}
 
 
 @check()
-def gap_start_load(gaps):
+def gap_start_load(gaps: dict[str, Any]) -> Found:
     def misfit(start):
         return [gap(name, start) / printed - 1 for name, printed in gaps.items()]
 
@@ -216,27 +219,27 @@ def gap_start_load(gaps):
 
 
 @check()
-def gap_trend(fabric):
+def gap_trend(fabric: str) -> Found:
     gaps = [gap(fabric, load) for load in (20, 10, 5, 2)]
     return {"least growth": min(np.diff(gaps))}
 
 
 @check()
-def gap_range():
+def gap_range() -> Found:
     gaps = [g for g in (catalogue.load(name).interlayer_gap for name in KEVLAR) if g is not None]
     return {"least": min(gaps), "greatest": max(gaps), "fabrics": len(gaps)}
 
 
 @check()
-def one_law_for_both():
+def one_law_for_both() -> Found:
     return {
         "alike": all(catalogue.load(name).laws[0] == catalogue.load(name).laws[1] for name in catalogue.list_names())
     }
 
 
 @check()
-def misprinted_a(fabric, printed_a):
-    found = {}
+def misprinted_a(fabric: str, printed_a: float) -> Found:
+    found: Found = {}
     given = catalogue.load(fabric)
     for name, a in (("used", given.laws[0].a), ("as printed", printed_a)):
         law = CompressionLaw(a, given.laws[0].b, form="printed")
@@ -249,7 +252,7 @@ def misprinted_a(fabric, printed_a):
 
 
 @check()
-def least_volume():
+def least_volume() -> Found:
     """Volume per area that is left under no end of pressure: thickness of the cloth less its closure by eq. 2-5."""
     start = pressure_law()["start"] / pressure_law()["platen"] ** 2
     fabrics = [catalogue.load(name) for name in KEVLAR]
@@ -266,7 +269,7 @@ def least_volume():
 
 
 @check()
-def layers_taken_off(fabric, layer_modulus, layer_thickness, rows):
+def layers_taken_off(fabric: str, layer_modulus: float, layer_thickness: float, rows: int) -> Found:
     """Closure of a ply from two records, with and without it, of a test with PTFE layers; over the ply's own.
 
     Both are written as files of `rows` rows and read as a user's are; the layers are linear.

@@ -9,7 +9,7 @@ import numpy as np
 from fabrics import catalogue
 from shellfabric.cell.model import CellModel
 from shellfabric.panel.model import Panel
-from validation.claims.registry import check
+from validation.claims.registry import Found, RunResult, check
 from validation.claims.run import Run
 
 
@@ -18,7 +18,7 @@ def _panel(fabric):
 
 
 @check()
-def shell_elements():
+def shell_elements() -> Found:
     one, other = _panel("S-720"), _panel("S-726")
     sides = [n * d for panel in (one, other) for n, d in zip(panel.counts, panel.spacing)]
     return {
@@ -31,20 +31,20 @@ def shell_elements():
 
 
 @check()
-def cable_elements(bars):
+def cable_elements(bars: int) -> Found:
     one, other = _panel("S-720"), _panel("S-726")
     return {"S-720": bars * one.elements, "S-726, four plies": bars * 4 * other.elements}
 
 
 @check()
-def solid_elements(fabric, side, elements):
+def solid_elements(fabric: str, side: float, elements: int) -> Found:
     weave = catalogue.load(fabric).weave
     crossovers = round(side * weave.warp_count) * round(side * weave.weft_count)
     return {"per crossover": elements / crossovers, "crossovers": crossovers}
 
 
 @check(lambda fabric, velocity: {"seconds": Run.of("pace", fabric=fabric, velocity=velocity)})
-def shell_over_cable(seconds, fabric, velocity):
+def shell_over_cable(seconds: RunResult, fabric: str, velocity: float) -> Found:
     return {
         "ratio": seconds["shell"] / seconds["cable"],
         "above one": seconds["shell"] / seconds["cable"] - 1,
@@ -53,7 +53,7 @@ def shell_over_cable(seconds, fabric, velocity):
 
 
 @check()
-def look_up(fabric, n, samples):
+def look_up(fabric: str, n: int, samples: int) -> Found:
     """Bilinear table of tensions against the cell itself, over all states up to failure; and their speed."""
     model = CellModel(catalogue.load(fabric), form="equilibrium")
     table, rng = model.table(n), np.random.default_rng(4)
@@ -96,7 +96,9 @@ def _per(solid, seconds, fabric):
 
 
 @check(_paces)
-def solid_over_shell(solid, seconds, fabric, velocity, count, time):
+def solid_over_shell(
+    solid: RunResult, seconds: RunResult, fabric: str, velocity: float, count: int, time: float
+) -> Found:
     per = _per(solid, seconds, fabric)
     return {
         "ratio": per["solid"] / per["shell"],
@@ -105,6 +107,8 @@ def solid_over_shell(solid, seconds, fabric, velocity, count, time):
 
 
 @check(_paces)
-def order(solid, seconds, fabric, velocity, count, time, struck):
+def order(
+    solid: RunResult, seconds: RunResult, fabric: str, velocity: float, count: int, time: float, struck: float
+) -> Found:
     per = _per(solid, seconds, fabric)
     return {"order": sorted(per, key=per.get, reverse=True)}

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from typing import Any
+
 import numpy as np
 
 from fabrics import catalogue
+from fabrics.checks import FloatArray
 from validation.claims.checks import series
 from validation.claims.checks.geometry import KEVLAR, ranked
 from validation.claims.checks.impact import bare_shot, shot, told
 from validation.claims.checks.waves import six
-from validation.claims.registry import check
+from validation.claims.registry import Found, RunResult, check
 from validation.claims.run import Run
 
 MODELS = ("incompressible", "compressible", "decoupled")
@@ -29,12 +33,12 @@ def _apart(one, other, start=0.0, end=250e-6):
 
 
 @check(_no_crimp)
-def cable_without_crimp(shell, cables, fabric):
+def cable_without_crimp(shell: RunResult, cables: RunResult, fabric: str) -> Found:
     return {"largest difference": _apart(shell, cables)}
 
 
 @check(_no_crimp)
-def cable_noise(shell, cables, fabric):
+def cable_noise(shell: RunResult, cables: RunResult, fabric: str) -> Found:
     end = min(shell["t"][-1], cables["fine"][-1, 0])
     t = np.arange(0, end, 1e-6)
     of_shell = np.interp(t, shell["t"], shell["reactions"]["warp"])
@@ -43,7 +47,7 @@ def cable_noise(shell, cables, fabric):
     return {"shell over cable": noise[0] / noise[1], "note": f"{noise[0]:.1f} and {noise[1]:.1f} N"}
 
 
-def series_mean(cables, family):
+def series_mean(cables: RunResult, family: str) -> FloatArray:
     """The reaction of the net as means over a microsecond, as the shell's audit is spaced."""
     N, dt = cables["reactions"][family], cables["fine"][1, 0] - cables["fine"][0, 0]
     width = max(1, round(1e-6 / dt))
@@ -56,12 +60,16 @@ def _coupling(fabric):
 
 
 @check(_coupling)
-def cable_with_crimp(incompressible, compressible, decoupled, cables, fabric):
+def cable_with_crimp(
+    incompressible: RunResult, compressible: RunResult, decoupled: RunResult, cables: RunResult, fabric: str
+) -> Found:
     return {"largest difference": _apart(decoupled, cables)}
 
 
 @check(_coupling)
-def coupling(incompressible, compressible, decoupled, cables, fabric):
+def coupling(
+    incompressible: RunResult, compressible: RunResult, decoupled: RunResult, cables: RunResult, fabric: str
+) -> Found:
     t = np.linspace(60e-6, 250e-6, 100)
     v = {
         name: series.velocity(run, t)
@@ -79,7 +87,9 @@ def coupling(incompressible, compressible, decoupled, cables, fabric):
 
 
 @check(_coupling)
-def bounds(incompressible, compressible, decoupled, cables, fabric):
+def bounds(
+    incompressible: RunResult, compressible: RunResult, decoupled: RunResult, cables: RunResult, fabric: str
+) -> Found:
     """Velocities and kinetic shares between the bounds, from 60 us on to where the first has stopped."""
     runs = {"incompressible": incompressible, "compressible": compressible, "decoupled": decoupled}
     end = min(run["fine"][-1, 0] for run in runs.values())
@@ -117,7 +127,7 @@ def _bracketing(fabrics):
 
 
 @check(_bracketing)
-def bracketed(fabrics, **runs):
+def bracketed(fabrics: Sequence[str], **runs: RunResult) -> Found:
     least, note = np.inf, []
     for name in fabrics:
         own = {model: runs[f"{name.replace('-', '')}_{model}"] for model in MODELS}
@@ -135,7 +145,7 @@ def bracketed(fabrics, **runs):
 
 
 @check(six)
-def shear_share(**runs):
+def shear_share(**runs: RunResult) -> Found:
     shares = {}
     for name in KEVLAR:
         run = runs[name.replace("-", "")]
@@ -144,7 +154,7 @@ def shear_share(**runs):
 
 
 @check(six)
-def largest_shear(**runs):
+def largest_shear(**runs: RunResult) -> Found:
     """Largest shear angle of any whole element until the stop, in units of gamma1."""
     over, told_ = {}, []
     for name in KEVLAR:
@@ -160,7 +170,7 @@ def largest_shear(**runs):
     }
 
 
-def sheared(fabric, G_soft, G_hard, gamma):
+def sheared(fabric: str, G_soft: float, G_hard: float, gamma: list[float]) -> dict[str, Run]:
     return {
         "trellis": shot(fabric),
         "soft": shot(fabric, shear={"G1": G_soft, "G2": G_soft * 1.000001}),
@@ -170,7 +180,7 @@ def sheared(fabric, G_soft, G_hard, gamma):
 
 
 @check(sheared)
-def shear_laws(trellis, soft, hard, tight, fabric, **_):
+def shear_laws(trellis: RunResult, soft: RunResult, hard: RunResult, tight: RunResult, fabric: str, **_: Any) -> Found:
     t = np.linspace(0, 400e-6, 401)
     v = {
         name: series.velocity(run, t)
@@ -191,9 +201,9 @@ def shear_laws(trellis, soft, hard, tight, fabric, **_):
 
 
 @check(sheared)
-def cone_base(trellis, soft, hard, tight, fabric, **_):
+def cone_base(trellis: RunResult, soft: RunResult, hard: RunResult, tight: RunResult, fabric: str, **_: Any) -> Found:
     """Radius of the cone's base at 45 degrees over that along the yarns, when it has spread to half the panel."""
-    found = {}
+    found: Found = {}
     for name, run in (("low", soft), ("high", hard)):
         for taken in run["snapshots"]:
             ratio, axis = base_ratio(taken)
@@ -205,7 +215,7 @@ def cone_base(trellis, soft, hard, tight, fabric, **_):
     return found
 
 
-def base_ratio(taken, share=0.05):
+def base_ratio(taken: dict[str, Any], share: float = 0.05) -> tuple[float, float]:
     from scipy.interpolate import RegularGridInterpolator
 
     z = RegularGridInterpolator((taken["x"], taken["y"]), taken["z"], bounds_error=False, fill_value=0.0)

@@ -7,12 +7,12 @@ import numpy as np
 from fabrics import catalogue
 from shellfabric.cell.model import CellModel
 from validation.claims.checks.solids import fitted, paths
-from validation.claims.registry import check
+from validation.claims.registry import Found, RunResult, check
 from validation.claims.run import Run
 
 
 @check(lambda fabric: {"path": Run.of("stretched", fabric=fabric, ratio=(1.0, 0.0))})
-def monotone(path, fabric):
+def monotone(path: RunResult, fabric: str) -> Found:
     drops = [float(np.max(np.maximum.accumulate(path[T]) - path[T]) / path[T].max()) for T in ("T1", "T2")]
     return {"largest drop over peak": max(drops), "note": path["failed"]}
 
@@ -30,7 +30,7 @@ def _three(fabric, law):
 
 
 @check(_three)
-def tension_of_both(warp, weft, equibiaxial, fabric, law):
+def tension_of_both(warp: RunResult, weft: RunResult, equibiaxial: RunResult, fabric: str, law: str) -> Found:
     """Tensions of the cell against the 3D crossover's, the weft held; largest difference over the peak."""
     given, laws = catalogue.load(fabric), _laws(warp, weft, equibiaxial, law)
     cell = CellModel(given, laws).solve(1 + warp["d1"] / given.weave.w1, 1.0)
@@ -44,7 +44,7 @@ def tension_of_both(warp, weft, equibiaxial, fabric, law):
 
 
 @check(_three)
-def energy_of_both(warp, weft, equibiaxial, fabric, law):
+def energy_of_both(warp: RunResult, weft: RunResult, equibiaxial: RunResult, fabric: str, law: str) -> Found:
     """Work of the ends of the crossover, 2 T1 dd1, against what the cell stores."""
     given = catalogue.load(fabric)
     d, T = warp["d1"], warp["T1"]
@@ -63,7 +63,7 @@ def energy_of_both(warp, weft, equibiaxial, fabric, law):
         "alone": Run.of("lone", fabric=fabric, family=0),
     }
 )
-def warp_in_weave(woven, alone, fabric):
+def warp_in_weave(woven: RunResult, alone: RunResult, fabric: str) -> Found:
     """Tension of the warp of the 3D crossover, weft held, less that of the lone 3D warp; and the weft's tension."""
     weave = catalogue.load(fabric).weave
     strain = woven["d1"] / weave.w1
@@ -82,7 +82,7 @@ def warp_in_weave(woven, alone, fabric):
 
 
 @check(paths)
-def tension_surface(warp, weft, equibiaxial, fabric):
+def tension_surface(warp: RunResult, weft: RunResult, equibiaxial: RunResult, fabric: str) -> Found:
     """Slope of the warp tension of the 3D crossover on the weft's displacement, between its three paths.
 
     Along weft extension with the warp held; and from warp extension with the weft held to extension of both, at the
@@ -112,7 +112,7 @@ def _equal_strains(balanced, loose):
 
 
 @check(_equal_strains)
-def loose_weave(balanced_path, loose_path, balanced, loose):
+def loose_weave(balanced_path: RunResult, loose_path: RunResult, balanced: str, loose: str) -> Found:
     """Differences of the cell with cosine and with straight yarns from the 3D crossover, both yarns strained alike.
 
     RMS of both tensions over the strengths, along the path of the 3D crossover up to the cell's first failure.
@@ -138,7 +138,7 @@ def _part(fabric, reach):
 
 
 @check(_part)
-def section_change(path, fabric, reach):
+def section_change(path: RunResult, fabric: str, reach: float) -> Found:
     change = path["thickness_end"] / path["thickness"] - 1
     return {
         "largest change": np.abs(change).max(),
@@ -147,7 +147,7 @@ def section_change(path, fabric, reach):
 
 
 @check(_part)
-def profiles(path, fabric, reach):
+def profiles(path: RunResult, fabric: str, reach: float) -> Found:
     """RMS distance of the deformed centrelines from the cosine of their height and length, over the height."""
     off = []
     for x, z in path["lines"]:
@@ -157,15 +157,15 @@ def profiles(path, fabric, reach):
 
 
 @check(lambda fabric: {"brick": Run.of("brick", fabric=fabric, stretch=[1.02, 0.9, 0.85])})
-def axial_modulus(brick, fabric):
+def axial_modulus(brick: RunResult, fabric: str) -> Found:
     """E_1 of the solids' code over E_a V_f (eq. 3-2)."""
     return {"over the rule": brick["stress"] / brick["strain"] / (brick["E_a"] * brick["V_f"])}
 
 
 @check(lambda fabric: {name: Run.of("lone", fabric=fabric, family=k) for k, name in enumerate(("warp", "weft"))})
-def lone_yarns(warp, weft, fabric):
+def lone_yarns(warp: RunResult, weft: RunResult, fabric: str) -> Found:
     """Lone yarns in 3D: where the taut line meets no load, and its slope on the strain of the yarn's own length."""
-    found = {}
+    found: Found = {}
     for (name, run), yarn in zip((("warp", warp), ("weft", weft)), catalogue.load(fabric).weave.yarns):
         taut = run["T"] > 0.2 * run["T"][-1]
         slope, start = np.polyfit(run["strain"][taut], run["T"][taut], 1)
@@ -184,7 +184,7 @@ def lone_yarns(warp, weft, fabric):
         "barred": Run.of("lone", fabric=fabric, family=0),
     }
 )
-def hourglass(loose, barred, fabric):
+def hourglass(loose: RunResult, barred: RunResult, fabric: str) -> Found:
     """Drops of the pull on a lone yarn: one-point solids without bars, and full integration with bars."""
     drops = [float(np.max(np.maximum.accumulate(run["T"]) - run["T"]) / run["T"].max()) for run in (loose, barred)]
     return {

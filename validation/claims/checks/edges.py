@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import itertools
+from collections.abc import Sequence
 
 import numpy as np
 from scipy.stats import spearmanr
 
 from validation.claims.checks import series
 from validation.claims.checks.histories import high_zone
-from validation.claims.registry import check
+from validation.claims.registry import Found, RunResult, check
 from validation.claims.run import Run
 
 SLIPPED = 50e-6  # [m] from which on a yarn counts as slipped
@@ -27,7 +28,7 @@ def _pulled(runs):
 
 
 @check(_grips)
-def slipped_width(fabric, velocity, grips, **runs):
+def slipped_width(fabric: str, velocity: float, grips: Sequence[float], **runs: RunResult) -> Found:
     """Width of the slipped zone of the weft against its largest slip, over clamps that hold with different forces."""
     slip, width = _pulled([runs[f"N{grip:g}"] for grip in grips])
     return {
@@ -38,7 +39,7 @@ def slipped_width(fabric, velocity, grips, **runs):
 
 
 @check(_grips)
-def clamp_force(fabric, velocity, grips, **runs):
+def clamp_force(fabric: str, velocity: float, grips: Sequence[float], **runs: RunResult) -> Found:
     """Largest slip of the weft against the force with which the clamp holds each yarn."""
     slip, _ = _pulled([runs[f"N{grip:g}"] for grip in grips])
     return {
@@ -54,7 +55,7 @@ def clamp_force(fabric, velocity, grips, **runs):
         "free": Run.of("edged", fabric=fabric, velocity=velocity, weft="free"),
     }
 )
-def shear_share(held, free, fabric, velocity):
+def shear_share(held: RunResult, free: RunResult, fabric: str, velocity: float) -> Found:
     """Share of shear in the internal energy at the end, clamped on four sides and with free weft ends."""
     share = [float(run["energies"]["shear"][-1] / series.internal(run)[-1]) for run in (held, free)]
     return {
@@ -69,7 +70,9 @@ def shear_share(held, free, fabric, velocity):
         f"r{n}": Run.of("edged", fabric=fabric, velocity=velocity, radius=radius) for n, radius in enumerate(radii)
     }
 )
-def zone_by_projectile(fabric, velocity, radii, window, **runs):
+def zone_by_projectile(
+    fabric: str, velocity: float, radii: Sequence[float], window: Sequence[float], **runs: RunResult
+) -> Found:
     """Width of the zone of high reactions of the weft, for projectiles of one mass and different radii [m]."""
     width, centre = zip(*(high_zone(runs[f"r{n}"], window)[:2] for n in range(len(radii))))
     return {

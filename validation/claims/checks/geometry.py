@@ -2,22 +2,24 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from math import pi
+from typing import Any
 
 import numpy as np
 from scipy.integrate import quad
 
 from fabrics import catalogue
 from fabrics.weave import arc_length, height_from_length
-from validation.claims.registry import check
+from validation.claims.registry import Found, RunResult, check
 from validation.claims.run import Run
 
 KEVLAR = ("S-720", "S-726", "S-727", "S-728", "S-731", "S-745")
 FAMILIES = ("warp", "weft")
 
 
-def micrographs():
+def micrographs() -> Iterator[Any]:
     """(fabric, family, yarn, values) of the twelve rows of Tables A-1 and A-2."""
     for name in KEVLAR:
         fabric = catalogue.load(name)
@@ -25,43 +27,43 @@ def micrographs():
             yield fabric, family, yarn, fabric.micrograph[family]
 
 
-def ranked(values):
+def ranked(values: dict[str, float]) -> list[str]:
     """Names from the largest value to the smallest."""
     return sorted(values, key=lambda name: -values[name])
 
 
 @check()
-def heights(fabric):
+def heights(fabric: str) -> Found:
     h01, h02 = catalogue.load(fabric).weave.h0
     return {"h01": h01, "h02": h02}
 
 
 @check()
-def thickness(fabric):
+def thickness(fabric: str) -> Found:
     return {"thickness": catalogue.load(fabric).weave.thickness}
 
 
 @check()
-def areal_density(fabric):
+def areal_density(fabric: str) -> Found:
     found = catalogue.load(fabric)
     return {"nominal": found.weave.areal_density, "effective": found.with_effective_density().weave.areal_density}
 
 
 @check()
-def areal_density_agreement():
+def areal_density_agreement() -> Found:
     found = [catalogue.load(name) for name in KEVLAR]
     off = {f.name: 1 - f.with_effective_density().weave.areal_density / f.areal_density_measured for f in found}
     return {"largest difference": max(off.values(), key=abs), "fabric": max(off, key=lambda name: abs(off[name]))}
 
 
 @check()
-def cell_length(fabric):
+def cell_length(fabric: str) -> Found:
     w1, w2 = catalogue.load(fabric).weave.w
     return {"along warp": 2 * w1, "along weft": 2 * w2}
 
 
 @check()
-def arc_length_quadrature():
+def arc_length_quadrature() -> Found:
     worst = 0.0
     for name in catalogue.list_names():
         weave = catalogue.load(name).weave
@@ -73,25 +75,25 @@ def arc_length_quadrature():
 
 
 @check()
-def small_crimp(length, crimp):
+def small_crimp(length: float, crimp: float) -> Found:
     return {"height": height_from_length(length / 2, length * (1 + crimp))}
 
 
 @check(lambda fabric: {"made": Run.of("sections", fabric=fabric)})
-def fibre_area(made, fabric):
+def fibre_area(made: RunResult, fabric: str) -> Found:
     """Sum of the bars that cut the meshed section of a yarn."""
     warp, weft = made["fibre"]
     return {"area": warp, "difference of warp and weft": abs(warp / weft - 1)}
 
 
 @check()
-def bar_area(fabric, bars):
+def bar_area(fabric: str, bars: Sequence[int]) -> Found:
     area = catalogue.load(fabric).weave.warp.A_s
     return {"warp bar": area / bars[0], "weft bar": area / bars[1]}
 
 
 @check(lambda fabric: {"made": Run.of("sections", fabric=fabric)})
-def voided_area(made, fabric):
+def voided_area(made: RunResult, fabric: str) -> Found:
     """Sections of the meshed yarns of the 3D crossover, at right angles to the yarn: volume over length."""
     crest = made["crest"]
     return {
@@ -102,17 +104,17 @@ def voided_area(made, fabric):
 
 
 @check()
-def total_crimp_order():
+def total_crimp_order() -> Found:
     return {"order": ranked({name: sum(y.crimp for y in catalogue.load(name).weave.yarns) for name in KEVLAR})}
 
 
 @check()
-def crimp_ratio_order():
+def crimp_ratio_order() -> Found:
     return {"order": ranked(_crimp_ratios())}
 
 
 @check()
-def balance_classes(threshold):
+def balance_classes(threshold: float) -> Found:
     ratios = _crimp_ratios()
     return {
         "balanced": [n for n in KEVLAR if ratios[n] < threshold],
@@ -126,7 +128,7 @@ def _crimp_ratios():
 
 
 @check()
-def void_range():
+def void_range() -> Found:
     voids = [row["void"] for *_, row in micrographs()]
     # the formula as printed, of the share of fibres that these voids leave
     printed = [(1 - (1 - void)) - 1 for void in voids]
@@ -134,14 +136,14 @@ def void_range():
 
 
 @check()
-def micrograph_crimp():
+def micrograph_crimp() -> Found:
     rows = list(micrographs())
     smaller = [f"{fabric.name} {family}" for fabric, family, yarn, row in rows if row["crimp"] <= yarn.crimp]
     return {"larger": len(rows) - len(smaller), "exception": ", ".join(smaller)}
 
 
 @check()
-def micrograph_thickness():
+def micrograph_thickness() -> Found:
     return {
         "largest difference": max(
             abs(row["thickness"] + row["crossing_thickness"] - row["total_thickness"]) for *_, row in micrographs()
@@ -150,7 +152,7 @@ def micrograph_thickness():
 
 
 @check()
-def overlay():
+def overlay() -> Found:
     wide = [
         f"{fabric.name} {family} {row['width'] * row['count']:.3f}"
         for fabric, family, _, row in micrographs()
@@ -160,13 +162,13 @@ def overlay():
 
 
 @check()
-def section_shape():
+def section_shape() -> Found:
     shape = [yarn.A_s / (1 - row["void"]) / (row["width"] * row["thickness"]) for _, _, yarn, row in micrographs()]
     return {"least": min(shape), "greatest": max(shape)}
 
 
 @check()
-def projectile_mass(diameter, length, bore, depth, density):
+def projectile_mass(diameter: float, length: float, bore: float, depth: float, density: float) -> Found:
     """Mass of the nodes of the elastic projectile, solid and bored, and of the default one."""
     from shellfabric.projectile.bar import Bar
 
@@ -185,7 +187,7 @@ def projectile_mass(diameter, length, bore, depth, density):
 
 
 @check()
-def shell_density(fabric, thickness):
+def shell_density(fabric: str, thickness: float) -> Found:
     """Mass of the nodes of a panel over the volume of its elements."""
     from shellfabric.cell.model import CellModel
     from shellfabric.panel.model import Panel
@@ -196,7 +198,7 @@ def shell_density(fabric, thickness):
 
 
 @check(lambda fabric, sections: {"made": Run.of("meshes", fabric=fabric, sections=sections)})
-def sections_offered(made, fabric, sections):
+def sections_offered(made: RunResult, fabric: str, sections: Sequence[str]) -> Found:
     return {
         "sections": sorted(made["sections"]),
         "axis off a cosine": max(part["cosine"] for part in made["sections"].values()),
@@ -204,7 +206,7 @@ def sections_offered(made, fabric, sections):
 
 
 @check(lambda fabric: {"made": Run.of("meshes", fabric=fabric, sections=["ellipse", "sine"])})
-def mesh_sections(made, fabric):
+def mesh_sections(made: RunResult, fabric: str) -> Found:
     part = made["sections"]["sine"]
     return {
         "overlap": part["overlap"],
@@ -214,7 +216,7 @@ def mesh_sections(made, fabric):
 
 
 @check()
-def recipe():
+def recipe() -> Found:
     from shellfabric.cell.model import CellModel
     from shellfabric.panel.model import Panel
 

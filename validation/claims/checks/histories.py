@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from fabrics import catalogue
 from validation.claims.checks import series
 from validation.claims.checks.impact import shot
-from validation.claims.registry import check
+from validation.claims.registry import Found, RunResult, check
 
 
 @check(lambda fabric, t: {"run": shot(fabric)})
-def extents(run, fabric, t):
+def extents(run: RunResult, fabric: str, t: float) -> Found:
     taken = series.snapshot(run, t)
     warp, weft = taken["pyramid"]
     return {
@@ -22,7 +24,7 @@ def extents(run, fabric, t):
 
 
 @check(lambda fabric: {"run": shot(fabric)})
-def reactions(run, fabric):
+def reactions(run: RunResult, fabric: str) -> Found:
     peaks, starts = [], []
     for family in ("warp", "weft"):
         t, N = series.even(*series.reaction(run, family), 1e-6)
@@ -40,7 +42,7 @@ def reactions(run, fabric):
 
 
 @check(lambda fabric: {"run": shot(fabric)})
-def two_zones(run, fabric):
+def two_zones(run: RunResult, fabric: str) -> Found:
     kink, before, after = series.zones(run)
     edge = [series.onset(run, family) for family in ("warp", "weft")]
     return {
@@ -54,7 +56,7 @@ def two_zones(run, fabric):
 
 
 @check(lambda fabric: {"run": shot(fabric)})
-def kinetic_first(run, fabric):
+def kinetic_first(run: RunResult, fabric: str) -> Found:
     share, some = series.ratio(run)
     early = share[some & (run["t"] < 30e-6)]
     late = share[some & (run["t"] > 100e-6)]
@@ -66,7 +68,7 @@ def kinetic_first(run, fabric):
 
 
 @check(lambda fabric: {"run": shot(fabric)})
-def tension_steps(run, fabric):
+def tension_steps(run: RunResult, fabric: str) -> Found:
     """Tension of the weft beside the projectile: its slopes in zone I and in zone II to 100 us."""
     t, T = run["clock"], run["yarns"]["weft"]["tension"]
     beside = (run["yarns"]["weft"]["X"] > 5e-3) & (run["yarns"]["weft"]["X"] < 15e-3)
@@ -82,7 +84,7 @@ def tension_steps(run, fabric):
 
 
 @check(lambda fabric: {"run": shot(fabric)})
-def weft_edge_peak(run, fabric):
+def weft_edge_peak(run: RunResult, fabric: str) -> Found:
     t, N = series.even(*series.reaction(run, "weft"), 1e-6)
     N = series.smooth(t, N)
     peak = t[int(np.argmax(N))]
@@ -92,7 +94,9 @@ def weft_edge_peak(run, fabric):
 OFFSETS = tuple((1e-3 * np.arange(3, 100, 3)).round(6))
 
 
-def high_zone(run, window, levels=(0.1,)):
+def high_zone(
+    run: RunResult, window: Sequence[float], levels: tuple[float, ...] = (0.1,)
+) -> tuple[float, float, float, float, dict[float, float]]:
     """(width [m] at the first level, middle over plateau, middle and plateau [N], widths by level) of weft reactions.
 
     A mean over a window [s] of time; the zone ends where `level` of what the middle has more than the plateau is left.
@@ -107,7 +111,7 @@ def high_zone(run, window, levels=(0.1,)):
 
 
 @check(lambda fabric, window: {"run": shot(fabric, offsets=list(OFFSETS))})
-def reaction_profile(run, fabric, window):
+def reaction_profile(run: RunResult, fabric: str, window: Sequence[float]) -> Found:
     """Tension of the weft yarns at the edge over their distance from the middle (`high_zone`, at a tenth)."""
     early = 0.4 * window[0], 0.6 * window[0]
     wide, share, middle, outer, width = high_zone(run, window, (0.1, 0.25, 0.5))
@@ -129,7 +133,7 @@ def _bent(fabric, velocity, share):
 
 
 @check(_bent)
-def bending(slack, bent, fabric, velocity, share):
+def bending(slack: RunResult, bent: RunResult, fabric: str, velocity: float, share: float) -> Found:
     """RMS above 30 kHz of the reactions before the yarns are taut."""
     found = []
     for run in (slack, bent):
@@ -137,7 +141,7 @@ def bending(slack, bent, fabric, velocity, share):
         for family in ("warp", "weft"):
             t, N = series.even(*series.reaction(run, family), 1e-6)
             both.append(series.noise(t[t < 150e-6], N[t < 150e-6]))
-        found.append(np.hypot(*both))
+        found.append(np.hypot(*both))  # type: ignore[call-overload]
     return {
         "noise, with over without": found[1] / found[0],
         "note": f"{found[0]:.3f} N without and {found[1]:.3f} N with bending, of the reactions to 150 us",

@@ -2,24 +2,27 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from typing import Any
+
 import numpy as np
 
 from validation.claims.checks import series
 from validation.claims.checks.geometry import KEVLAR, ranked
 from validation.claims.checks.waves import shot as bare_shot
 from validation.claims.checks.waves import six
-from validation.claims.registry import check
+from validation.claims.registry import Found, RunResult, check
 from validation.claims.run import Run
 
 PERFORATED, STOPPED = "perforates", "stops"
 
 
-def shot(fabric, velocity=100.0, **changes):
+def shot(fabric: str, velocity: float = 100.0, **changes: Any) -> Run:
     """Run of a shot; those at 100 m/s are shared by most checks."""
     return bare_shot(fabric, velocity, snapshots=25e-6, **changes)
 
 
-def told(run):
+def told(run: RunResult) -> str:
     """ "stops" or "perforates", as the source says it."""
     return {"stopped": STOPPED, "perforated": PERFORATED}.get(run["outcome"], run["outcome"])
 
@@ -30,7 +33,7 @@ def _captions(fabric, velocity, margin=0.0):
 
 
 @check(_captions)
-def outcome(run, fabric, velocity, margin=0.0, faster=None):
+def outcome(run: RunResult, fabric: str, velocity: float, margin: float = 0.0, faster: RunResult = None) -> Found:
     """Outcome at a velocity, and within a margin above it."""
     found = {"outcome": told(run), "residual velocity": run["residual"]}
     if faster is not None:
@@ -50,7 +53,7 @@ def _curve(fabric, velocities):
 
 
 @check(_curve)
-def residual_curve(curve, found, fabric, velocities):
+def residual_curve(curve: RunResult, found: RunResult, fabric: str, velocities: Sequence[float]) -> Found:
     Vs, Vr, below = curve["strike"], np.maximum(curve["residual"], 0), curve["stopped"]
     absorbed = 1 - (Vr / Vs) ** 2
     above = ~below
@@ -64,12 +67,12 @@ def residual_curve(curve, found, fabric, velocities):
 
 
 @check(six)
-def all_stop(**runs):
+def all_stop(**runs: RunResult) -> Found:
     return {"stops": [name for name in KEVLAR if runs[name.replace("-", "")]["outcome"] == "stopped"]}
 
 
 @check(six)
-def back_face(**runs):
+def back_face(**runs: RunResult) -> Found:
     z = {name: runs[name.replace("-", "")]["z"][-1] for name in KEVLAR}
     order = ranked(z)
     return {
@@ -81,7 +84,7 @@ def back_face(**runs):
 
 
 @check(six)
-def velocity_order(**runs):
+def velocity_order(**runs: RunResult) -> Found:
     """Which fabric has taken most and least from the projectile at equal displacements, and the velocities' order.
 
     At all displacements from half of the least back face on, to it; and the order of the six velocities after 150 us.
@@ -92,7 +95,7 @@ def velocity_order(**runs):
         run = runs[name.replace("-", "")]
         left[name] = np.interp(z, run["z"], run["v"])
         late[name] = float(series.velocity(run, 150e-6))
-    by = [sorted(KEVLAR, key=lambda name, k=k: left[name][k]) for k in range(len(z))]
+    by = [sorted(KEVLAR, key=lambda name, k=k: left[name][k]) for k in range(len(z))]  # type: ignore[misc]
     return {
         "takes most": by[-1][0],
         "takes least, at all displacements": by[0][-1] if len({order[-1] for order in by}) == 1 else "changes",
@@ -104,7 +107,7 @@ def velocity_order(**runs):
 
 
 @check(six)
-def kinetic_share(**runs):
+def kinetic_share(**runs: RunResult) -> Found:
     means, later = {}, {}
     for name in KEVLAR:
         run = runs[name.replace("-", "")]
@@ -125,23 +128,23 @@ def kinetic_share(**runs):
 
 
 @check(lambda fabric, velocity: {"run": bare_shot(fabric, velocity)})
-def first_to_fail(run, fabric, velocity):
+def first_to_fail(run: RunResult, fabric: str, velocity: float) -> Found:
     warp, weft = run["first_failure"]
     order = ["weft", "warp"] if np.nan_to_num(weft, nan=np.inf) < np.nan_to_num(warp, nan=np.inf) else ["warp", "weft"]
     return {"order": order, "note": f"warp after {1e6 * warp:.0f} us, weft after {1e6 * weft:.0f} us"}
 
 
-def limits(**_):
+def limits(**_: Any) -> dict[str, Run]:
     return {name.replace("-", ""): Run.of("limit", fabric=name) for name in KEVLAR}
 
 
 @check(lambda fabric, brackets=None: {"found": Run.of("limit", fabric=fabric)})
-def limit_of(found, fabric):
+def limit_of(found: RunResult, fabric: str) -> Found:
     return {"velocity": found["velocity"]}
 
 
 @check(limits)
-def limit_brackets(brackets, **runs):
+def limit_brackets(brackets: dict[str, Any], **runs: RunResult) -> Found:
     inside, told_ = [], []
     for name, (low, high) in brackets.items():
         V = runs[name.replace("-", "")]["velocity"]
@@ -153,7 +156,7 @@ def limit_brackets(brackets, **runs):
 @check(
     lambda fabric, guess: {"one": Run.of("limit", fabric=fabric), "other": Run.of("limit", fabric=fabric, guess=guess)}
 )
-def repeatable(one, other, fabric, guess):
+def repeatable(one: RunResult, other: RunResult, fabric: str, guess: float) -> Found:
     return {
         "difference": abs(one["velocity"] - other["velocity"]),
         "one limit": bool(one["single"] and other["single"]),
@@ -161,7 +164,7 @@ def repeatable(one, other, fabric, guess):
 
 
 @check(six)
-def margins(**runs):
+def margins(**runs: RunResult) -> Found:
     share = {name: runs[name.replace("-", "")]["peak"] / runs[name.replace("-", "")]["strength"] for name in KEVLAR}
     return {
         "S-731 weft": share["S-731"][1],
@@ -171,7 +174,7 @@ def margins(**runs):
 
 
 @check(six)
-def both_families(**runs):
+def both_families(**runs: RunResult) -> Found:
     uneven = {}
     for name in KEVLAR:
         run = runs[name.replace("-", "")]
@@ -185,7 +188,7 @@ def both_families(**runs):
 @check(
     lambda fabric, velocities: {f"v{v:g}".replace(".", "_"): bare_shot(fabric, v, interval=0.2e-6) for v in velocities}
 )
-def failure_by_speed(fabric, velocities, **runs):
+def failure_by_speed(fabric: str, velocities: Sequence[float], **runs: RunResult) -> Found:
     times = [np.nanmin(runs[f"v{v:g}".replace(".", "_")]["first_failure"]) for v in velocities]
     drops = np.diff(times)
     jump = int(np.argmin(drops))
@@ -205,7 +208,7 @@ def failure_by_speed(fabric, velocities, **runs):
         "whole": bare_shot(fabric, end_time=150e-6, symmetry="whole"),
     }
 )
-def quarter(quarter, whole, fabric):
+def quarter(quarter: RunResult, whole: RunResult, fabric: str) -> Found:
     n = min(len(quarter["fine"]), len(whole["fine"]))
     return {
         "velocity": np.abs(quarter["fine"][:n, 2] - whole["fine"][:n, 2]).max() / 100.0,
@@ -214,12 +217,12 @@ def quarter(quarter, whole, fabric):
 
 
 @check(lambda fabric, velocity: {"run": bare_shot(fabric, velocity)})
-def erosion(run, fabric, velocity):
+def erosion(run: RunResult, fabric: str, velocity: float) -> Found:
     return {"eroded elements": run["eroded"] > 0, "note": f"{run['eroded']} elements of the quarter"}
 
 
 @check(lambda fabric, velocity: {"run": bare_shot(fabric, velocity)})
-def failed_yarns(run, fabric, velocity):
+def failed_yarns(run: RunResult, fabric: str, velocity: float) -> Found:
     """After a perforation: what a yarn that failed still carries, and the balance of energy with all masses left."""
     T = run["yarns"]["weft"]["tension"]
     return {

@@ -13,7 +13,7 @@ import numpy as np
 from fabrics import catalogue
 from shellfabric.cell import crossover_kernels
 from shellfabric.cell.model import CellModel
-from validation.claims.registry import check
+from validation.claims.registry import Found, check
 
 TOLERANCE = 1e-3  # K_tol of App. B.3
 MOST = 500
@@ -28,7 +28,7 @@ class Iteration:
     converged: bool
 
 
-def iterate(fabric, d1, d2, *, invert=True, below=0.0) -> Iteration:
+def iterate(fabric: str, d1: float, d2: float, *, invert: bool = True, below: float = 0.0) -> Iteration:
     """Newton with the exact Jacobian from the heights at rest; `invert` False multiplies by the Jacobian instead.
 
     `below` : share by which it starts below them, for what rounding can do
@@ -39,19 +39,19 @@ def iterate(fabric, d1, d2, *, invert=True, below=0.0) -> Iteration:
     with np.errstate(all="ignore"):
         for step in range(1, MOST + 1):
             F, slope = zip(*(_force(*row) for row in zip(w, h, weave.S0, weave.yarns)))
-            F, slope = np.array(F), np.array(slope)
+            F, slope = np.array(F), np.array(slope)  # type: ignore[assignment]
             d = law.a - law.b / np.cbrt(F)
             compliance = law.b / 3 / np.cbrt(F) ** 4
             f = np.array([F[0] - F[1], h.sum() + d.sum() - full])
             if not np.all(np.isfinite(f)):
                 return Iteration(float("nan"), step, False)
             if abs(f[0]) <= TOLERANCE * np.abs(F).mean() and abs(f[1]) <= TOLERANCE * abs(h.sum()):
-                return Iteration(float(F.mean()), step, True)
+                return Iteration(float(F.mean()), step, True)  # type: ignore[attr-defined]
             J = np.array([[slope[0], -slope[1]], 1 + compliance * slope])
             h = h - (np.linalg.solve(J, f) if invert else J @ f)
             if np.abs(h).max() > 1e3 * full:
                 return Iteration(float("nan"), step, False)
-    return Iteration(float(F.mean()), MOST, False)
+    return Iteration(float(F.mean()), MOST, False)  # type: ignore[attr-defined]
 
 
 def _force(w, h, S0, yarn):
@@ -61,13 +61,13 @@ def _force(w, h, S0, yarn):
 
 
 @check()
-def iterations_inside(fabric, least, most):
+def iterations_inside(fabric: str, least: float, most: float) -> Found:
     counts = [iterate(fabric, d1, d2).steps for d1 in np.linspace(least, most, 9) for d2 in np.linspace(least, most, 9)]
     return {"most": max(counts), "note": f"{min(counts)} to {max(counts)} steps"}
 
 
 @check()
-def iterations_at_edge(fabric, reach):
+def iterations_at_edge(fabric: str, reach: float) -> Found:
     d = np.linspace(-reach, reach, 41)
     ends = {(a, b): iterate(fabric, a, b) for a in d for b in d if a > 0 or b > 0}
     inside = np.median([e.steps for (a, b), e in ends.items() if a >= 0.01e-3 and b >= 0.01e-3])
@@ -88,7 +88,7 @@ def iterations_at_edge(fabric, reach):
 
 
 @check()
-def zero_start(fabric):
+def zero_start(fabric: str) -> Found:
     ours = CellModel(catalogue.load(fabric), form="equilibrium").solve(1.0, 1.0)
     return {
         "printed is finite": bool(np.isfinite(iterate(fabric, 0.0, 0.0).F)),
@@ -97,13 +97,13 @@ def zero_start(fabric):
 
 
 @check()
-def no_inverse(fabric):
+def no_inverse(fabric: str) -> Found:
     found = iterate(fabric, 0.02e-3, 0.01e-3, invert=False)
     return {"converged": found.converged, "steps": found.steps}
 
 
 @check()
-def wrong_root(fabric, d1, d2, below):
+def wrong_root(fabric: str, d1: float, d2: float, below: float) -> Found:
     from validation.claims.checks.cell import printed
 
     w = catalogue.load(fabric).weave.w
@@ -112,7 +112,7 @@ def wrong_root(fabric, d1, d2, below):
 
 
 @check()
-def skipped(fabric, reach):
+def skipped(fabric: str, reach: float) -> Found:
     """Iterations that are left where pairs with both displacements negative are skipped, and what that changes."""
     cell = CellModel(catalogue.load(fabric), form="equilibrium")
     s = [1 + np.linspace(-reach, 0, 41)[:-1] / w for w in cell.fabric.weave.w]
@@ -121,7 +121,7 @@ def skipped(fabric, reach):
 
 
 @check()
-def contact_region(fabric, reach, pairs):
+def contact_region(fabric: str, reach: float, pairs: int) -> Found:
     """Steps of the iteration within the region of contact over those of all pairs of displacements within `reach` [m].
 
     And what leaving the others out changes: tensions of the coupled cell against lone yarns, over the strength.

@@ -2,28 +2,31 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from typing import Any
+
 import numpy as np
 
 from validation.claims.checks import series
 from validation.claims.checks.impact import PERFORATED, STOPPED, told
-from validation.claims.registry import check
+from validation.claims.registry import Found, RunResult, check
 from validation.claims.run import Run
 
 FILTER = 2e-6  # [s] over which a tension is averaged before it is held against the strength
 
 
-def pack(fabric, velocity, plies, **changes):
+def pack(fabric: str, velocity: float, plies: int, **changes: Any) -> Run:
     """A shot at a pack."""
     return Run.of("pack", fabric=fabric, velocity=velocity, plies=plies, **changes)
 
 
-def noisy(fabric, velocity, plies, failure_time=0.0):
+def noisy(fabric: str, velocity: float, plies: int, failure_time: float = 0.0) -> Run:
     """A shot at a pack whose plies push node on node, as a contact that makes noise; no guard ends it."""
     return Run.of("noisy_pack", fabric=fabric, velocity=velocity, plies=plies, failure_time=failure_time)
 
 
 @check(lambda fabric, velocity, plies: {"run": pack(fabric, velocity, plies)})
-def outcome(run, fabric, velocity, plies):
+def outcome(run: RunResult, fabric: str, velocity: float, plies: int) -> Found:
     failed = run["plies"]["failed_yarns"][-1]
     return {
         "outcome": told(run),
@@ -34,8 +37,8 @@ def outcome(run, fabric, velocity, plies):
     }
 
 
-@check(lambda fabric, velocity, plies: {name: pack(fabric, velocity, plies, stacking=name) for name in _STACKS})
-def stacking(aligned, alternating, fabric, velocity, plies):
+@check(lambda fabric, velocity, plies: {name: pack(fabric, velocity, plies, stacking=name) for name in _STACKS})  # type: ignore[has-type]
+def stacking(aligned: RunResult, alternating: RunResult, fabric: str, velocity: float, plies: int) -> Found:
     """Velocity after 60 us, shape of the last ply but one, and what the contact between plies takes."""
     t = np.linspace(60e-6, min(run["t"][-1] for run in (aligned, alternating)), 60)
     lead = np.interp(t, aligned["t"], aligned["v"]) - np.interp(t, alternating["t"], alternating["v"])
@@ -63,7 +66,7 @@ _STACKS = ("aligned", "alternating")
         f"run{n}": pack(f, v, plies) for n, (f, v) in enumerate(zip(fabrics, velocities))
     }
 )
-def cones(fabrics, velocities, plies, **runs):
+def cones(fabrics: Sequence[str], velocities: Sequence[float], plies: int, **runs: RunResult) -> Found:
     """How far the cone of the last ply is from square, after 100 us."""
     off = {}
     for n, fabric in enumerate(fabrics):
@@ -77,7 +80,7 @@ def cones(fabrics, velocities, plies, **runs):
 
 
 @check(lambda fabric, velocity, plies: {"many": pack(fabric, velocity, plies), "one": pack(fabric, velocity, 1)})
-def noise(many, one, fabric, velocity, plies):
+def noise(many: RunResult, one: RunResult, fabric: str, velocity: float, plies: int) -> Found:
     """RMS of the weft's tension beside the projectile above 30 kHz, of the first ply of a pack and of a lone one."""
     found = []
     for run in (many, one):
@@ -93,7 +96,7 @@ def _gaps(fabric, velocity, plies, added):
 
 
 @check(_gaps)
-def gaps(fabric, velocity, plies, added, **runs):
+def gaps(fabric: str, velocity: float, plies: int, added: Sequence[float], **runs: RunResult) -> Found:
     """How far the tip's velocity jumps about that of the centre of mass, and the early response, with wider gaps."""
     rough, early = [], []
     for n in range(len(added)):
@@ -124,7 +127,7 @@ def _forms(fabric, velocity, plies):
 
 
 @check(_forms)
-def naive(smooth, nodes, averaged, fabric, velocity, plies):
+def naive(smooth: RunResult, nodes: RunResult, averaged: RunResult, fabric: str, velocity: float, plies: int) -> Found:
     """Failed yarn segments and outcomes with smooth contact and with nodes pushing on the nodes opposite to them."""
     failed = {name: _failed(run) for name, run in _named(smooth, nodes, averaged)}
     return {
@@ -161,7 +164,7 @@ def _named(smooth, nodes, averaged):
         body: pack(fabric, velocity, plies, body=body, end_time=100e-6) for body in ("full", "elastic_bar")
     }
 )
-def swing(full, bar, fabric, velocity, plies):
+def swing(full: RunResult, bar: RunResult, fabric: str, velocity: float, plies: int) -> Found:
     """Period in which tip and tail of the elastic projectile swing, and how far apart their velocities are.
 
     The bore is not told, and only a cylinder without one stays elastic and swings in 2 L / c (erratum E-37).
@@ -181,7 +184,7 @@ def swing(full, bar, fabric, velocity, plies):
         "rigid": pack(fabric, velocity, plies, end_time=100e-6),
     }
 )
-def rigid_has_no_swing(bar, rigid, fabric, velocity, plies):
+def rigid_has_no_swing(bar: RunResult, rigid: RunResult, fabric: str, velocity: float, plies: int) -> Found:
     """A rigid body has one velocity: the columns of tip and tail are those of a bar alone."""
     split = np.abs(bar["fine"][:, 4] - bar["fine"][:, 5]).max()
     columns = rigid["fine"].shape[1]
@@ -197,7 +200,7 @@ def rigid_has_no_swing(bar, rigid, fabric, velocity, plies):
         "cheap": pack(fabric, velocity, plies, face={"modulus": 0.5, "strain": 1.0}),
     }
 )
-def cheap_face(same, cheap, fabric, velocity, plies):
+def cheap_face(same: RunResult, cheap: RunResult, fabric: str, velocity: float, plies: int) -> Found:
     """Velocity in zone I with a struck ply of half the modulus and strength."""
     t = np.linspace(0, 60e-6, 61)
     off = np.interp(t, cheap["t"], cheap["v"]) - np.interp(t, same["t"], same["v"])
@@ -210,7 +213,7 @@ def _early(cases):
 
 
 @check(_early)
-def averaged(cases, **runs):
+def averaged(cases: Sequence[Sequence[float | str]], **runs: RunResult) -> Found:
     """Failed segments of packs that fail early, node to node, with tensions as they are and averaged over FILTER."""
     at_once, later = ([_failed(runs[f"{name}{n}"]) for n in range(len(cases))] for name in ("run", "averaged"))
     return {
@@ -226,7 +229,7 @@ def averaged(cases, **runs):
 
 
 @check(lambda cases: {f"run{n}": pack(*case, failure_time=FILTER) for n, case in enumerate(cases)})
-def filtered(cases, **runs):
+def filtered(cases: Sequence[Sequence[float | str]], **runs: RunResult) -> Found:
     """Outcomes with tensions that are low-passed over FILTER before they are held against the strength."""
     found = [told(runs[f"run{n}"]) for n in range(len(cases))]
     return {"outcomes": found, "all stop": all(one == "stops" for one in found)}

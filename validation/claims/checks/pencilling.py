@@ -6,15 +6,17 @@ the projectile, which clamped plies are kept from. `edge` "clamped" gives the ot
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
-from validation.claims.registry import check
+from validation.claims.registry import Found, RunResult, check
 from validation.claims.run import Run
 
 CASES = {1: (1, 5.0, 1.155), 2: (1, 1.0, 1.155), 3: (1, 5.0, 0.231), 4: (1, 1.0, 0.231), 5: (4, 1.0, 1.155)}
 
 
-def case(number, edge="free", mass=None, **changes):
+def case(number: int, edge: str = "free", mass: None = None, **changes: Any) -> Run:
     """A run of Table 6-2; 0 is the bare block. `mass` [kg/m2] in all instead of the table's."""
     if number not in CASES:
         return Run.of("pencil", plies=0, modulus=1.0, mass=0.0)
@@ -27,7 +29,7 @@ def _cases(*numbers):
 
 
 @check(lambda number, edge="free": {"run": case(number, edge)})
-def completes(run, number, edge="free"):
+def completes(run: RunResult, number: int, edge: str = "free") -> Found:
     return {
         "completes": run["outcome"] == "stopped",
         "note": f"{1e3 * run['depth']:.1f} mm deep after {1e6 * run['t'][-1]:.0f} us; wall at "
@@ -36,7 +38,14 @@ def completes(run, number, edge="free"):
 
 
 @check(_cases(0, 1, 2, 5))
-def equal_mass(case0, case1, case2, case5, edge="free", mass=None):
+def equal_mass(
+    case0: RunResult,
+    case1: RunResult,
+    case2: RunResult,
+    case5: RunResult,
+    edge: str = "free",
+    mass: float | None = None,
+) -> Found:
     depth = {n: run["depth"] for n, run in ((0, case0), (1, case1), (2, case2), (5, case5))}
     return {
         "one ply over four, stiff": depth[1] / depth[5],
@@ -47,7 +56,7 @@ def equal_mass(case0, case1, case2, case5, edge="free", mass=None):
 
 
 @check(_cases(3, 4, 5))
-def light(case3, case4, case5, edge="free"):
+def light(case3: RunResult, case4: RunResult, case5: RunResult, edge: str = "free") -> Found:
     depth = [run["depth"] for run in (case3, case4, case5)]
     return {
         "light, stiff, over four plies": depth[0] / depth[2],
@@ -57,7 +66,7 @@ def light(case3, case4, case5, edge="free"):
 
 
 @check(_cases(1, 2, 4))
-def mass_over_modulus(case1, case2, case4, edge="free"):
+def mass_over_modulus(case1: RunResult, case2: RunResult, case4: RunResult, edge: str = "free") -> Found:
     mass, modulus = abs(case4["depth"] - case2["depth"]), abs(case2["depth"] - case1["depth"])
     return {
         "mass less modulus": mass - modulus,
@@ -66,7 +75,7 @@ def mass_over_modulus(case1, case2, case4, edge="free"):
 
 
 @check(_cases(4, 5))
-def steeper(case4, case5, edge="free"):
+def steeper(case4: RunResult, case5: RunResult, edge: str = "free") -> Found:
     return {
         "difference of the walls": case4["steepness"] - case5["steepness"],
         "note": f"walls at {np.degrees(case4['steepness']):.0f} and {np.degrees(case5['steepness']):.0f} degrees; "
@@ -75,7 +84,7 @@ def steeper(case4, case5, edge="free"):
 
 
 @check(lambda number: {edge: case(number, edge) for edge in ("free", "clamped")})
-def constrained(free, clamped, number):
+def constrained(free: RunResult, clamped: RunResult, number: int) -> Found:
     """Depth and wall of the crater behind plies that are held in their plane at the edges, over free ones."""
     return {
         "depth, clamped over free": clamped["depth"] / free["depth"],
@@ -86,7 +95,7 @@ def constrained(free, clamped, number):
 
 
 @check(lambda number, factor: {"same": case(number), "layer": case(number, layer=factor)})
-def shear_layer(same, layer, number, factor):
+def shear_layer(same: RunResult, layer: RunResult, number: int, factor: float) -> Found:
     """Wall of the crater with a ply next to the block that touches and locks at `factor` times the shear angles."""
     return {
         "change of the wall": layer["steepness"] - same["steepness"],

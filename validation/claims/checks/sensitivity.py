@@ -6,6 +6,8 @@ Areal density changes mass alone; the stiffness of the yarns is kept (section 6.
 from __future__ import annotations
 
 import itertools
+from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
@@ -13,7 +15,7 @@ from fabrics import catalogue, variants
 from shellfabric.cell.model import CellModel
 from validation.claims.checks import series
 from validation.claims.checks.impact import shot
-from validation.claims.registry import check
+from validation.claims.registry import Found, RunResult, check
 from validation.claims.run import Run
 
 FACTORS = (0.8, 1.0, 1.2)
@@ -22,7 +24,7 @@ ZONE_I = 60e-6
 FINE = 0.25  # [m/s] of critical velocities that are compared
 
 
-def three(fabric, parameter, velocity=100.0):
+def three(fabric: str, parameter: str, velocity: float = 100.0) -> dict[str, Run]:
     """Runs at -20 %, as it is, +20 %."""
     return {
         name: shot(fabric, velocity, **({} if f == 1 else {parameter: f}))
@@ -30,15 +32,15 @@ def three(fabric, parameter, velocity=100.0):
     }
 
 
-def all_three(fabric, **_):
+def all_three(fabric: str, **_: Any) -> dict[str, Run]:
     """Runs of all three parameters."""
-    found = {}
+    found: Found = {}
     for parameter in NAMES:
         found |= {f"{parameter}_{name}": run for name, run in three(fabric, parameter).items()}
     return found
 
 
-def limits(fabric, parameter):
+def limits(fabric: str, parameter: str) -> dict[str, Run]:
     return {
         name: Run.of("limit", fabric=fabric, tolerance=FINE, **({} if f == 1 else {parameter: f}))
         for name, f in zip(("low", "mid", "high"), FACTORS)
@@ -46,7 +48,7 @@ def limits(fabric, parameter):
 
 
 @check()
-def cell(fabric, parameter, strain):
+def cell(fabric: str, parameter: str, strain: float) -> Found:
     """Warp tension of the cell at a warp strain with held weft; the source's equations, nominal yarns."""
     T = []
     for factor in FACTORS:
@@ -72,7 +74,7 @@ def _curves(less, same, more, start=ZONE_I):
 
 
 @check(lambda fabric, parameter: three(fabric, parameter))
-def impact(less, same, more, fabric, parameter):
+def impact(less: RunResult, same: RunResult, more: RunResult, fabric: str, parameter: str) -> Found:
     """Velocities after zone I; peak strain of the weft through the impact point; back face."""
     _t, (a, b, c) = _curves(less, same, more)
     v = [float(series.velocity(run, 200e-6)) for run in (less, same, more)]
@@ -94,7 +96,7 @@ def impact(less, same, more, fabric, parameter):
 
 
 @check(lambda fabric, parameter: three(fabric, parameter))
-def strain_before_peak(less, same, more, fabric, parameter):
+def strain_before_peak(less: RunResult, same: RunResult, more: RunResult, fabric: str, parameter: str) -> Found:
     runs = (less, same, more)
     clock = same["clock"]
     peak = series.strain(same, "weft").max()
@@ -115,7 +117,7 @@ def strain_before_peak(less, same, more, fabric, parameter):
         for name, f in (("less", 0.8), ("same", 1.0))
     }
 )
-def failure_times(fabric, velocities, **runs):
+def failure_times(fabric: str, velocities: Sequence[float], **runs: RunResult) -> Found:
     sooner, note = [], []
     for v in velocities:
         t = [float(np.nanmin(runs[f"{name}{v:g}"]["first_failure"])) for name in ("less", "same")]
@@ -125,7 +127,7 @@ def failure_times(fabric, velocities, **runs):
 
 
 @check(limits)
-def critical(low, mid, high, fabric, parameter):
+def critical(low: RunResult, mid: RunResult, high: RunResult, fabric: str, parameter: str) -> Found:
     V = [run["velocity"] for run in (low, mid, high)]
     return {
         "rises": V[0] < V[1] < V[2],
@@ -135,7 +137,9 @@ def critical(low, mid, high, fabric, parameter):
 
 
 @check(lambda fabric: limits(fabric, "crimp") | three(fabric, "crimp"))
-def tradeoff(low, mid, high, less, same, more, fabric):
+def tradeoff(
+    low: RunResult, mid: RunResult, high: RunResult, less: RunResult, same: RunResult, more: RunResult, fabric: str
+) -> Found:
     V, z = [run["velocity"] for run in (low, mid, high)], [run["z"][-1] for run in (less, same, more)]
     return {
         "critical velocity rises": V[0] < V[1] < V[2],
@@ -153,7 +157,7 @@ def _effects(runs, t):
 
 
 @check(all_three)
-def zone_one(fabric, **runs):
+def zone_one(fabric: str, **runs: RunResult) -> Found:
     effect = _effects(runs, ZONE_I)
     others = max(value for name, value in effect.items() if name != "areal density")
     return {
@@ -164,7 +168,7 @@ def zone_one(fabric, **runs):
 
 
 @check(all_three)
-def zone_two(fabric, t, **runs):
+def zone_two(fabric: str, t: float, **runs: RunResult) -> Found:
     effect = _effects(runs, t)
     return {
         "largest over least": max(effect.values()) / min(effect.values()),
@@ -173,7 +177,7 @@ def zone_two(fabric, t, **runs):
 
 
 @check(all_three)
-def absorbed(fabric, t, **runs):
+def absorbed(fabric: str, t: float, **runs: RunResult) -> Found:
     """Change of what the panel has taken from the projectile, from -20 to +20 %, as a mean over the time to `t`."""
     clock = np.linspace(0, t, 200)
     change = {}
@@ -186,13 +190,13 @@ def absorbed(fabric, t, **runs):
     }
 
 
-def all_limits(fabric):
+def all_limits(fabric: str) -> dict[str, Run]:
     """Runs of the critical velocity with each parameter 20 % less and more."""
     return {f"{p}_{name}": run for p in NAMES for name, run in limits(fabric, p).items()}
 
 
 @check(all_limits)
-def critical_energy(fabric, **runs):
+def critical_energy(fabric: str, **runs: RunResult) -> Found:
     """Change of the critical strike energy, from -20 to +20 % of each parameter, over that of the fabric as it is."""
     change = {}
     for p, name in NAMES.items():
@@ -216,7 +220,9 @@ def _pair(fabric, **_):
 
 
 @check(_pair)
-def imbalance(as_woven, balanced, woven_shot, balanced_shot, fabric):
+def imbalance(
+    as_woven: RunResult, balanced: RunResult, woven_shot: RunResult, balanced_shot: RunResult, fabric: str
+) -> Found:
     z = [run["z"][-1] for run in (balanced_shot, woven_shot)]
     better = balanced["velocity"] > as_woven["velocity"] or z[0] < z[1]
     return {
@@ -235,7 +241,10 @@ def imbalance(as_woven, balanced, woven_shot, balanced_shot, fabric):
         "woven_limit": Run.of("limit", fabric=fabric, modulus=modulus, strain=strain),
     }
 )
-def damaged(virgin, woven, virgin_limit, woven_limit, fabric, modulus, strain):
+def damaged(
+    virgin: RunResult, woven: RunResult, virgin_limit: RunResult, woven_limit: RunResult, fabric: str, modulus: float,
+    strain: float,
+) -> Found:  # fmt: skip
     """Modulus, and with it the strength at a given failure strain, lowered by weaving."""
     t = np.linspace(ZONE_I, min(virgin["fine"][-1, 0], woven["fine"][-1, 0]), 200)
     lead = series.velocity(woven, t) - series.velocity(virgin, t)
@@ -246,7 +255,9 @@ def damaged(virgin, woven, virgin_limit, woven_limit, fabric, modulus, strain):
     }
 
 
-def pulled(fabric, lengths, start, end, velocity=100.0, **_):
+def pulled(
+    fabric: str, lengths: list[float], start: float, end: float, velocity: float = 100.0, **_: Any
+) -> dict[str, Run]:
     runs = {
         f"mm{1e3 * length:g}".replace(".", "_"): shot(
             fabric, velocity, pull={"length": length, "start": start, "end": end}
@@ -257,7 +268,7 @@ def pulled(fabric, lengths, start, end, velocity=100.0, **_):
 
 
 @check(pulled)
-def slip(held, fabric, lengths, start, end, **runs):
+def slip(held: RunResult, fabric: str, lengths: Sequence[float], start: float, end: float, **runs: RunResult) -> Found:
     """Velocities with the weft edges held and drawn in by ever more."""
     own = [held, *(runs[f"mm{1e3 * length:g}".replace(".", "_")] for length in lengths)]
     last = min(run["fine"][-1, 0] for run in own)
@@ -277,7 +288,9 @@ def slip(held, fabric, lengths, start, end, **runs):
         | {f"from{1e6 * s:.0f}": shot(fabric, pull={"length": length, "start": s, "end": s + span}) for s in starts}
     )
 )
-def slip_onset(held, fabric, length, starts, span, **runs):
+def slip_onset(
+    held: RunResult, fabric: str, length: float, starts: Sequence[float], span: float, **runs: RunResult
+) -> Found:
     """When the velocity leaves that of the held panel by half a metre a second, after the beginning of the slip."""
     delays = []
     for s in starts:
@@ -300,7 +313,9 @@ def _slow(fabric, velocity, length, start, end):
 
 
 @check(_slow)
-def slow_slip(held, slipping, fabric, velocity, length, start, end):
+def slow_slip(
+    held: RunResult, slipping: RunResult, fabric: str, velocity: float, length: float, start: float, end: float
+) -> Found:
     last = min(held["fine"][-1, 0], slipping["fine"][-1, 0])
     t = np.linspace(start + 100e-6, last, 200)
     lead = series.velocity(slipping, t) - series.velocity(held, t)

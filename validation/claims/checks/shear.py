@@ -2,21 +2,23 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from math import pi, sqrt
 
 import numpy as np
 
 from fabrics import catalogue
+from fabrics.checks import FloatArray
 from fabrics.errors import InputError
 from fabrics.trellis import locking_angle, locking_modulus, touching_angle
 from shellfabric.coupon.quasistatic import inextensible_shear
 from validation.claims.checks.geometry import FAMILIES, KEVLAR, ranked
-from validation.claims.registry import check
+from validation.claims.registry import Found, RunResult, check
 from validation.claims.run import Run
 
 
 @check()
-def locked_modulus(fabric):
+def locked_modulus(fabric: str) -> Found:
     found = {}
     for name, given in (
         ("nominal", catalogue.load(fabric)),
@@ -27,7 +29,7 @@ def locked_modulus(fabric):
     return found
 
 
-def sheared_modulus(name, gamma, cells=6, step=1e-4):
+def sheared_modulus(name: str, gamma: float, cells: int = 6, step: float = 1e-4) -> float:
     """[Pa] tangent shear modulus of a coupon of a fabric that is sheared evenly in a trellis by `gamma` [rad].
 
     From the coupon's own energy: its second difference over the change of angle, over the volume.
@@ -49,7 +51,7 @@ def sheared_modulus(name, gamma, cells=6, step=1e-4):
 
 
 @check()
-def initial_modulus():
+def initial_modulus() -> Found:
     """Tangent shear modulus of coupons before the yarns touch, over that after they have locked."""
     ratios = {}
     for name in KEVLAR:
@@ -63,7 +65,7 @@ def initial_modulus():
 
 
 @check(lambda fabric, gamma: {"run": Run.of("frame", fabric=fabric, shear_angle=0.9, steps=18, cells=4)})
-def frame_load(run, fabric, gamma):
+def frame_load(run: RunResult, fabric: str, gamma: float) -> Found:
     """Force of a picture frame at a shear angle over that of the published law, and its growth after locking."""
     law, weave = catalogue.load(fabric).with_effective_density().shear, catalogue.load(fabric).weave
     side = float(np.sqrt(np.prod(run["side"])))
@@ -81,7 +83,7 @@ def frame_load(run, fabric, gamma):
 
 
 @check()
-def limit_angles(fabric, K_s):
+def limit_angles(fabric: str, K_s: float) -> Found:
     """gamma1 from the narrower micrograph width, gamma2 by the corrected eq. 4-34."""
     given = catalogue.load(fabric)
     weave, touching = given.weave, []
@@ -95,7 +97,7 @@ def limit_angles(fabric, K_s):
 
 
 @check()
-def packing_order(K_s):
+def packing_order(K_s: float) -> Found:
     packing = {"hexagonal": pi / (2 * sqrt(3)), "square": pi / 4, "fitted": K_s}
     implied = []
     for name in KEVLAR:
@@ -106,7 +108,7 @@ def packing_order(K_s):
 
 
 @check()
-def law_shape():
+def law_shape() -> Found:
     odd = step = 0.0
     shape = True
     for name in KEVLAR:
@@ -124,11 +126,11 @@ def law_shape():
 
 
 @check()
-def law_integral(fabric, gamma):
+def law_integral(fabric: str, gamma: Sequence[float]) -> Found:
     return {f"at {g:g}": float(catalogue.load(fabric).shear.stress(g)) for g in gamma}
 
 
-def trellis(gamma, cells=8):
+def trellis(gamma: float, cells: int = 8) -> tuple[FloatArray, ...]:
     """A coupon of S-720 in a trellis: shear angles, stretches of its yarns, corners of its elements."""
     from shellfabric.cell.model import CellModel
     from shellfabric.coupon.model import mesh_coupon
@@ -143,7 +145,7 @@ def trellis(gamma, cells=8):
 
 
 @check()
-def rhombus(gamma):
+def rhombus(gamma: float) -> Found:
     """Spacing of the sheared yarns over the side of their rhombus, against the cosine of the shear angle."""
     angles, _, x = trellis(gamma)
     side, across = x[:, 1] - x[:, 0], x[:, 3] - x[:, 0]
@@ -153,13 +155,13 @@ def rhombus(gamma):
 
 
 @check()
-def trellis_kinematics(gamma):
+def trellis_kinematics(gamma: float) -> Found:
     angles, stretches, _ = trellis(gamma)
     return {"angle change": float(np.abs(angles).mean()), "largest departure from 1": np.abs(stretches - 1).max()}
 
 
 @check()
-def heights_in_shear(gamma):
+def heights_in_shear(gamma: float) -> Found:
     """Heights of the yarns of a coupon that is sheared in a trellis, from its cells' stretches, over those at rest."""
     from shellfabric.cell.model import CellModel
 
@@ -175,7 +177,7 @@ def heights_in_shear(gamma):
 
 
 @check()
-def tension_in_shear(stretch, gamma):
+def tension_in_shear(stretch: float, gamma: float) -> Found:
     """Tension of every segment of a coupon, stretched evenly, square and sheared."""
     from shellfabric.cell.model import CellModel
     from shellfabric.coupon.model import mesh_coupon
@@ -195,19 +197,19 @@ def _bias(*names):
 
 
 @check(_bias("locking"))
-def bias_zones(locking):
+def bias_zones(locking: RunResult) -> Found:
     A, B, C = np.degrees(locking["angles"][-1])
     return {"least distance": np.radians(min(A - B, B - C)), "note": f"A {A:.1f}, B {B:.1f}, C {C:.1f} degrees"}
 
 
 @check(_bias("locking"))
-def bias_mean(locking):
+def bias_mean(locking: RunResult) -> Found:
     A, B, C = locking["angles"].T
     return {"B less mean": (B - 0.5 * (A + C))[np.argmax(np.abs(B - 0.5 * (A + C)))]}
 
 
 @check(_bias("locking", "straight"))
-def bias_angle(locking, straight, length, width, elongation):
+def bias_angle(locking: RunResult, straight: RunResult, length: float, width: float, elongation: float) -> Found:
     C = pi / 2 - inextensible_shear(length, width, elongation)
     run = straight["angles"][-1]
     return {
@@ -221,12 +223,12 @@ def bias_angle(locking, straight, length, width, elongation):
 
 
 @check(_bias("locking"))
-def bias_symmetry(locking):
+def bias_symmetry(locking: RunResult) -> Found:
     return {"asymmetry": locking["asymmetry"]}
 
 
 @check(_bias("locking", "none"))
-def bias_bands(locking, none):
+def bias_bands(locking: RunResult, none: RunResult) -> Found:
     """Largest over typical shear of the coupon (`quasistatic.concentration`) with the trellis and without it."""
     return {
         "locking": locking["concentration"][-1],
@@ -236,13 +238,13 @@ def bias_bands(locking, none):
 
 
 @check(_bias("soft"))
-def bias_unhardened(soft):
+def bias_unhardened(soft: RunResult) -> Found:
     """The same with the trellis at its first modulus at all angles."""
     return {"G2 = G1": soft["concentration"].max()}
 
 
 @check(lambda: {name: Run.of("bias_load", cloth=name) for name in ("locking", "soft")})
-def bias_loads(locking, soft):
+def bias_loads(locking: RunResult, soft: RunResult) -> Found:
     """Load of the bias coupon at its full elongation, with the published law over that with G1 at all angles."""
     load = [run["load"][-1] for run in (locking, soft)]
     return {

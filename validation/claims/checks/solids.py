@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from fabrics import catalogue
 from fabrics.compression import CompressionLaw
 from fabrics.plate_curve import PlateCurve
-from validation.claims.registry import check
+from validation.claims.registry import Found, RunResult, check
 from validation.claims.run import Run
 
 
 @check(lambda fabric, stretch: {"brick": Run.of("brick", fabric=fabric, stretch=stretch)})
-def fibre_fraction(brick, fabric, stretch):
+def fibre_fraction(brick: RunResult, fabric: str, stretch: Sequence[float]) -> Found:
     """Fibre fraction that the axial stress of one brick has (eq. 3-2), against Vf0 exp(e1) / J (eqs. 3-6 to 3-9)."""
     found = brick["stress"] / (brick["strain"] * brick["E_a"])
     expected = catalogue.load(fabric).solid_laws[0].Vf0 * np.exp(brick["strain"]) / np.prod(stretch)
@@ -20,7 +22,7 @@ def fibre_fraction(brick, fabric, stretch):
 
 
 @check()
-def solid_modulus(fabric):
+def solid_modulus(fabric: str) -> Found:
     warp, weft = catalogue.load(fabric).solid_laws
     return {
         "at Vf0": warp.transverse_modulus(warp.Vf0),
@@ -33,7 +35,7 @@ def solid_modulus(fabric):
 
 
 @check()
-def solid_shape(fabric):
+def solid_shape(fabric: str) -> Found:
     law = catalogue.load(fabric).solid_laws[0]
     V = np.linspace(0.5 * law.Vf0, 1.5 * law.V_c, 3001)
     E = law.transverse_modulus(V)
@@ -46,19 +48,19 @@ def solid_shape(fabric):
 
 
 @check()
-def solid_shear(fabric):
+def solid_shear(fabric: str) -> Found:
     return {"G": catalogue.load(fabric).solid_laws[0].G}
 
 
 PATHS = {"warp only": (1.0, 0.0), "weft only": (0.0, 1.0), "equibiaxial": (1.0, 1.0)}
 
 
-def paths(fabric):
+def paths(fabric: str) -> dict[str, Run]:
     """Runs of the three calibration paths."""
     return {name.split()[0]: Run.of("stretched", fabric=fabric, ratio=ratio) for name, ratio in PATHS.items()}
 
 
-def fitted(*histories):
+def fitted(*histories: RunResult) -> CompressionLaw:
     """CompressionLaw fitted to paths as `unitcell3d.identify.calibrate` does: at equal shares of each displacement."""
     F, d = [], []
     for path in histories:
@@ -70,7 +72,7 @@ def fitted(*histories):
 
 
 @check(paths)
-def calibrated(warp, weft, equibiaxial, fabric):
+def calibrated(warp: RunResult, weft: RunResult, equibiaxial: RunResult, fabric: str) -> Found:
     law = fitted(warp, weft, equibiaxial)
     given = catalogue.load(fabric).laws[0]
     return {
@@ -82,7 +84,7 @@ def calibrated(warp, weft, equibiaxial, fabric):
 
 
 @check(lambda fabric, **_: {"pressed": Run.of("plates", fabric=fabric)})
-def platen_curve(pressed, fabric, least_pressure):
+def platen_curve(pressed: RunResult, fabric: str, least_pressure: float) -> Found:
     """Closure of the 3D crossover from a pressure on, against the law's, as share of the law's at the end."""
     given = catalogue.load(fabric)
     pressure = pressed["F_plate"].mean(axis=1) / given.weave.cell_area
@@ -106,7 +108,7 @@ def platen_curve(pressed, fabric, least_pressure):
         "pulled": Run.of("stretched", fabric=fabric, ratio=(1.0, 1.0)),
     }
 )
-def platen_and_biaxial(pressed, pulled, fabric):
+def platen_and_biaxial(pressed: RunResult, pulled: RunResult, fabric: str) -> Found:
     top = min(pressed["F_plate"].mean(axis=1).max(), pulled["F_c"].max())
     F = np.linspace(0.2 * top, 0.9 * top, 20)
     plates = np.interp(F, pressed["F_plate"].mean(axis=1), pressed["plates"][0] - pressed["plates"])
@@ -120,7 +122,7 @@ def platen_and_biaxial(pressed, pulled, fabric):
 
 
 @check(lambda fabric, velocity: {"run": Run.of("solids", fabric=fabric, velocity=velocity, count=4, time=6e-6)})
-def patch_mass(run, fabric, velocity):
+def patch_mass(run: RunResult, fabric: str, velocity: float) -> Found:
     """Mass of a patch of solid yarns before and after bars have failed."""
     before, after = run["mass"]
     return {
@@ -131,7 +133,7 @@ def patch_mass(run, fabric, velocity):
 
 
 @check(lambda fabric, velocity: {"run": Run.of("solids", fabric=fabric, velocity=velocity, count=8, time=2e-6)})
-def hourglass_energy(run, fabric, velocity):
+def hourglass_energy(run: RunResult, fabric: str, velocity: float) -> Found:
     """Energy of the hourglass control of a patch of one-point solids over its internal energy, at its worst.
 
     From where the patch has a hundredth of the internal energy that it has at the end.

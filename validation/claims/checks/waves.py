@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from scipy.stats import spearmanr
@@ -11,18 +13,18 @@ from fabrics import catalogue
 from shellfabric.output import wave_fronts
 from validation.claims.checks import series
 from validation.claims.checks.geometry import KEVLAR, ranked
-from validation.claims.registry import check
+from validation.claims.registry import Found, RunResult, check
 from validation.claims.run import Run
 
 NOSE = 3e-3  # [m] beyond the rounded edge of the projectile
 
 
-def shot(fabric, velocity=100.0, **changes):
+def shot(fabric: str, velocity: float = 100.0, **changes: Any) -> Run:
     """Run of a shot."""
     return Run.of("shot", fabric=fabric, velocity=velocity, **changes)
 
 
-def six(velocity=100.0):
+def six(velocity: float = 100.0) -> dict[str, Run]:
     """Runs of all fabrics at one velocity; the name without its dash, so that a check can take it as keyword."""
     return {name.replace("-", ""): shot(name, velocity, snapshots=25e-6) for name in KEVLAR}
 
@@ -39,14 +41,14 @@ class _Yarn:
     strength: float
 
 
-def front(run, family, kind):
+def front(run: RunResult, family: str, kind: str) -> Any:
     """Speed [m/s] of a front along the yarn through the impact point."""
     yarn = _Yarn(family, **run["yarns"][family])
     return getattr(wave_fronts, kind)(yarn, run["clock"]).speed
 
 
 @check(lambda fabric, velocity: {"run": Run.of("struck_yarn", fabric=fabric, velocity=velocity)})
-def lone_yarn(run, fabric, velocity):
+def lone_yarn(run: RunResult, fabric: str, velocity: float) -> Found:
     return {"c": run["c"], "note": f"Smith's closed form {run['theory_c']:.0f} m/s"}
 
 
@@ -58,13 +60,13 @@ def _bare(fabric):
 
 
 @check(_bare)
-def bare_speed(straight, crimped, fabric):
+def bare_speed(straight: RunResult, crimped: RunResult, fabric: str) -> Found:
     speed = front(straight, "warp", "longitudinal")
     return {"speed": speed, "over that of a lone yarn": speed / catalogue.load(fabric).weave.warp.wave_speed}
 
 
 @check(_bare)
-def crimp_slows(straight, crimped, fabric):
+def crimp_slows(straight: RunResult, crimped: RunResult, fabric: str) -> Found:
     found = {}
     for kind in ("longitudinal", "transverse"):
         speeds = [front(run, "warp", kind) for run in (crimped, straight)]
@@ -82,7 +84,7 @@ def crimp_slows(straight, crimped, fabric):
 
 
 @check(lambda fabric, velocity: {"run": Run.of("struck_yarn", fabric=fabric, velocity=velocity)})
-def inflow(run, fabric, velocity):
+def inflow(run: RunResult, fabric: str, velocity: float) -> Found:
     """Velocity of the material behind the front, from what it has moved; side of the cone."""
     X, c, e = run["X"], run["c"], run["strain"]
     t = run["nodes"][0, 1] / velocity
@@ -104,7 +106,9 @@ def inflow(run, fabric, velocity):
         "later": Run.of("struck_yarn", fabric=fabric, velocity=slower),
     }
 )
-def cone(run, later, fabric, velocity, slower, mass, time):
+def cone(
+    run: RunResult, later: RunResult, fabric: str, velocity: float, slower: float, mass: float, time: float
+) -> Found:
     """Side of the cone of a lone yarn, and what its slope V / U loses while the yarn slows a projectile of a mass down.
 
     The force on the striker is that of the march at constant velocity; two velocities give the slope's change with V.
@@ -126,7 +130,7 @@ def cone(run, later, fabric, velocity, slower, mass, time):
         "run": Run.of("yarn_in_shell", fabric=fabric, velocity=velocity, length=length, end_time=max(times) + 2e-6)
     }
 )
-def shell_cone(run, fabric, velocity, length, times):
+def shell_cone(run: RunResult, fabric: str, velocity: float, length: float, times: Sequence[float]) -> Found:
     """Sides of the cone of straight yarns of the shell that cross nothing: straightness, and slope at times [s]."""
     slopes, R2 = [], []
     for t in times:
@@ -143,7 +147,7 @@ def shell_cone(run, fabric, velocity, length, times):
 
 
 @check(lambda fabric, near, far: {"run": shot(fabric, interval=0.5e-6)})
-def flattening(run, fabric, near, far):
+def flattening(run: RunResult, fabric: str, near: float, far: float) -> Found:
     """Distance over which the tension of the weft rises from a tenth to half of the plateau behind, at two places."""
     yarn, width = run["yarns"]["weft"], {}
     speed = front(run, "weft", "longitudinal")
@@ -162,7 +166,7 @@ def flattening(run, fabric, near, far):
 
 
 @check(six)
-def crimp_power_law(**runs):
+def crimp_power_law(**runs: RunResult) -> Found:
     crimps, speeds, sides = [], [], []
     for name in KEVLAR:
         run = runs[name.replace("-", "")]
@@ -182,13 +186,13 @@ def crimp_power_law(**runs):
 
 
 @check(lambda fabric: {"run": shot(fabric, snapshots=25e-6)})
-def anisotropy(run, fabric):
+def anisotropy(run: RunResult, fabric: str) -> Found:
     U = [front(run, family, "transverse") for family in ("warp", "weft")]
     return {"weft over warp": U[1] / U[0], "note": f"U {U[0]:.0f} m/s along the warp, {U[1]:.0f} along the weft"}
 
 
 @check(six)
-def speed_and_split(**runs):
+def speed_and_split(**runs: RunResult) -> Found:
     C, uneven = {}, {}
     for name in KEVLAR:
         run = runs[name.replace("-", "")]
@@ -202,7 +206,7 @@ def speed_and_split(**runs):
 
 
 @check(lambda fabric: {"run": shot(fabric, snapshots=25e-6)})
-def arrivals(run, fabric):
+def arrivals(run: RunResult, fabric: str) -> Found:
     t = [series.onset(run, family) for family in ("warp", "weft")]
     return {
         "warp": t[0],
@@ -219,7 +223,7 @@ def arrivals(run, fabric):
         "fast": Run.of("stability", fabric=fabric, velocity=50.0, factor=above, end_time=60e-6),
     }
 )
-def courant(slow, fast, fabric, below, above):
+def courant(slow: RunResult, fast: RunResult, fabric: str, below: float, above: float) -> Found:
     weave = catalogue.load(fabric).weave
     return {
         "length over speed": 2 * weave.w1 / weave.warp.wave_speed,

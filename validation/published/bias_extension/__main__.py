@@ -4,23 +4,27 @@ Zones as CSV and PNG, with so many elements a crossover. With --dynamic the test
 explicit, with our element and with the source's.
 """
 
+from __future__ import annotations
+
 import argparse
 import csv
+from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from fabrics.errors import run_program
 from fabrics.files import write_whole
 from validation.published.bias_extension import dynamic
-from validation.published.bias_extension.cases import CLOTHS, asymmetry, run
+from validation.published.bias_extension.cases import CLOTHS, Case, asymmetry, run
 from validation.published.bias_extension.pictures import picture
 
 COLUMNS = ["cloth", "elongation mm", "load N", "angle A deg", "angle B deg", "angle C deg", "not stretching C deg",
            "B less mean of A and C deg", "shear concentration", "residual", "iterations"]  # fmt: skip
 
 
-def rows(case):
+def rows(case: Case) -> Iterator[list[Any]]:
     """One row a load step."""
     for k, (state, moved, load) in enumerate(zip(case.result.states, case.result.prescribed, case.result.force(1, 1))):
         A, B, C = case.means(k)
@@ -28,7 +32,7 @@ def rows(case):
         yield [case.name, *(f"{value:.5g}" for value in values), f"{state.residual:.2g}", state.iterations]
 
 
-def pulled():
+def pulled() -> Iterator[list[Any]]:
     """Rows of the dynamic runs, told as they come."""
     for element in ("yarns", "one point"):
         for name in ("locking", "soft", "none"):
@@ -44,7 +48,7 @@ def pulled():
             )
 
 
-def main():
+def main() -> None:
     parser = argparse.ArgumentParser(prog="python -m validation.published.bias_extension", description=__doc__)
     parser.add_argument("--out", type=Path, default=Path("results/bias_extension"))
     parser.add_argument("--steps", type=int, default=20)

@@ -3,13 +3,19 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from fabrics import catalogue, variants
+from fabrics.checks import FloatArray
 from fabrics.errors import UnstableError
 from shellfabric.cell.model import CellModel
 from shellfabric.coupon import quasistatic
+
+if TYPE_CHECKING:
+    from fabrics.fabric import Fabric
+    from shellfabric.coupon.solver import Result
 
 CLOTHS = {
     "locking": "trellis law as published",
@@ -36,22 +42,22 @@ class Case:
     zone: np.ndarray
     problem: str | None
 
-    def means(self, step=-1):
+    def means(self, step: int = -1) -> FloatArray:
         """(3,) [deg] mean angle between warp and weft in the zones A, B, C."""
         gamma = np.degrees(self.result.shear(step))
         return np.array([90 - gamma[self.zone == k].mean() for k in range(3)])
 
-    def inextensible(self, step=-1):
+    def inextensible(self, step: int = -1) -> float:
         """[deg] angle in zone C of yarns that do not stretch."""
         size = quasistatic.bias_size(self.result)
         return 90 - np.degrees(quasistatic.inextensible_shear(*size, self.result.prescribed[step]))
 
-    def concentration(self, step=-1):
+    def concentration(self, step: int = -1) -> float:
         """[-] see quasistatic.concentration"""
         return quasistatic.concentration(self.result.shear(step), self.zone == 2)
 
 
-def cloth(name):
+def cloth(name: str) -> tuple[Fabric, str, bool]:
     """(fabric, cell model's name, whether the trellis acts) of one of CLOTHS."""
     fabric = catalogue.load("S-728").with_effective_density()
     crimp = 0.5 * sum(yarn.crimp for yarn in fabric.weave.yarns)
@@ -62,7 +68,7 @@ def cloth(name):
     return soft if name == "soft" else fabric, "compressible", name in ("locking", "soft")
 
 
-def run(name, *, steps=20, table_size=201, **changes) -> Case:
+def run(name: str, *, steps: int = 20, table_size: int = 201, **changes: Any) -> Case:
     """Test one of CLOTHS; `changes` go to quasistatic.bias_extension.
 
     At rest is what is within 1e-5 of the load: at 1e-4 the halves of the cloth still differ by 2e-6 of its width. A
@@ -81,7 +87,7 @@ def run(name, *, steps=20, table_size=201, **changes) -> Case:
     return Case(name, result, quasistatic.zones(result.coupon, *quasistatic.bias_size(result)), problem)
 
 
-def asymmetry(result):
+def asymmetry(result: Result) -> float:
     """[-] largest distance of a node from its mirror image, left to right and end to end, over the width."""
     rest, x = result.coupon.points, result.states[-1].x
     width, worst = np.ptp(rest[:, 0]), 0.0

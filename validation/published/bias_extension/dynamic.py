@@ -8,14 +8,20 @@ cloth without locking hangs on the trellis, and neither on the element nor on th
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from math import sqrt
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from shellfabric.cell.model import CellModel
+from fabrics.checks import FloatArray
+from shellfabric.cell.model import CellModel, CellTable
 from shellfabric.coupon import quasistatic
 from validation.published.bias_extension.cases import cloth
+
+if TYPE_CHECKING:
+    from shellfabric.coupon.model import Coupon
 
 SPEED = 2.0  # [m/s] of each clamp: 2.5 ms for 10 mm, in which a shear wave of G1 runs through the coupon twice
 SAFETY = 0.5  # of the time step that the stiffest tangent of the cloth allows
@@ -44,9 +50,9 @@ class Pull:
 
 
 def pull(
-    name, *, element="yarns", length=0.1435, width=0.074, elongation=0.010, speed=SPEED, looks=4, table_size=121,
-    elements_per_crossover=1,
-):  # fmt: skip
+    name: str, *, element: str = "yarns", length: float = 0.1435, width: float = 0.074, elongation: float = 0.010,
+    speed: float = SPEED, looks: int = 4, table_size: int = 121, elements_per_crossover: int = 1,
+) -> Pull:  # fmt: skip
     """Pull one of `cases.CLOTHS` with "yarns" on the grid lines or the source's "one point" element; returns a Pull."""
     fabric, model, trellis = cloth(name)
     table = CellModel(fabric, model=model, form="variational").table(table_size)
@@ -74,7 +80,7 @@ def pull(
     return Pull(coupon, zone, moved, angles, concentration, x)
 
 
-def one_point(coupon):
+def one_point(coupon: Coupon) -> Callable[..., Any]:
     """forces(x, v) -> (n, 2) [N] of quadrilaterals with one point, from the same table and shear law."""
     table, weave, quads = coupon.table, coupon.weave, coupon.quads
     d = np.array(coupon.spacing)
@@ -104,7 +110,7 @@ def one_point(coupon):
     return forces
 
 
-def table_slopes(table, stretch1, stretch2):
+def table_slopes(table: CellTable, stretch1: FloatArray, stretch2: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Slopes [J] of the tabulated potential with the two stretches; tensions go on straight above the table."""
     local, cell = [], []
     for stretch, grid in ((stretch1, table.stretch1), (stretch2, table.stretch2)):

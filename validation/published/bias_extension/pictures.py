@@ -2,20 +2,22 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 
 from fabrics.files import replace_whole
 from shellfabric.coupon.quasistatic import ZONES, bias_size
-from validation.published.bias_extension.cases import CLOTHS
+from validation.published.bias_extension.cases import CLOTHS, Case
 
 _LABEL = {
     "ha": "center", "va": "center", "fontsize": 9, "bbox": {"facecolor": "white", "alpha": 0.7, "lw": 0, "pad": 1.5}
 }  # fmt: skip
 
 
-def picture(cases, path):
+def picture(cases: list[Case], path: Path) -> None:
     """Draw the coupons side by side at the end of their runs, with the borders of the zones as material lines."""
     figure = Figure(figsize=(3.3 * len(cases), 7.8), layout="constrained")
     for axes, case in zip(figure.subplots(1, len(cases), sharey=True, squeeze=False)[0], cases):

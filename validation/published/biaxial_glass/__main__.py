@@ -3,9 +3,12 @@
 Curves as CSV and PNG. With --options also what each option of the cell changes, as CSV, PNG and a table (`options`).
 """
 
+from __future__ import annotations
+
 import argparse
 import csv
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 from fabrics import catalogue
 from fabrics.errors import run_program
@@ -15,8 +18,11 @@ from validation.published.biaxial_glass import pictures
 from weavecell.analysis.biaxial_test.curves import curves
 from weavecell.analysis.biaxial_test.options import add_options
 
+if TYPE_CHECKING:
+    from fabrics.fabric import Fabric
 
-def write_csv(results, path):
+
+def write_csv(results: Any, path: Path) -> None:
     """One row a sample: test, strains, tensions."""
     with write_whole(path) as file:
         rows = csv.writer(file)
@@ -26,7 +32,7 @@ def write_csv(results, path):
                 rows.writerow([curve.label, *(f"{value:.6g}" for value in (*strain, *tension))])
 
 
-def main():
+def main() -> None:
     parser = argparse.ArgumentParser(
         prog="python -m validation.published.biaxial_glass", description=__doc__.splitlines()[2]
     )
@@ -49,7 +55,7 @@ def main():
             study(fabric, options.toe or studied.TOE, options.out)
 
 
-def study(fabric, toe, out):
+def study(fabric: Fabric, toe: float, out: Path) -> None:
     """Write and print what the cell's options change."""
     same = studied.same_constants(fabric, toe)
     anew, laws, residuals = studied.fitted_anew(fabric, toe)

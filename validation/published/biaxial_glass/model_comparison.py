@@ -18,10 +18,12 @@ from __future__ import annotations
 import argparse
 import csv
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from fabrics import catalogue
+from fabrics.checks import FloatArray
 from fabrics.compression import CompressionLaw
 from fabrics.errors import run_program
 from fabrics.files import write_whole
@@ -31,6 +33,9 @@ from validation.published.biaxial_glass import pictures
 from validation.published.biaxial_glass.specimen import ARM, CENTRE, MIDDLE
 from weavecell.analysis.biaxial_test.curves import at_ratio, free_edge
 
+if TYPE_CHECKING:
+    from fabrics.fabric import Fabric
+
 MODELS = ("cell, source's form", "cell, variational", "shell coupon", "3D crossover", "cell, law of the 3D crossover")
 YARNS = ("warp", "weft")
 REACH, STEPS = 0.98, 12  # of the cell's curve, load steps
@@ -38,7 +43,7 @@ STRIP = (16, 6)  # crossovers: length and width of the strip with free sides
 TOLERANCE = 1e-4  # out-of-balance force over the reaction
 
 
-def equal_strains(fabric, crossover):
+def equal_strains(fabric: Fabric, crossover: Any) -> tuple[dict[str, Any], Any]:
     """({model: (strain (n, 2), tension (n, 2))} at k = 1, the law that is fitted to the 3D crossover)."""
     from unitcell3d.cases import biaxial_and_platens
 
@@ -56,7 +61,7 @@ def equal_strains(fabric, crossover):
     return found, law
 
 
-def middle_alike(fabric):
+def middle_alike(fabric: Fabric) -> tuple[FloatArray, FloatArray]:
     """(strain of the middle (n, 2), load per yarn (n, 2)) of the cross-shaped specimen, its middle stretched alike."""
     table, weave = CellModel(fabric).table(201), fabric.weave
     end = REACH * at_ratio(table.model, 1.0).strain[-1, 0]
@@ -71,7 +76,7 @@ def middle_alike(fabric):
     return strain, np.stack([run.force(1, 0), run.force(3, 1)], axis=1) / CENTRE
 
 
-def cross_yarns_free(fabric, crossover, family):
+def cross_yarns_free(fabric: Fabric, crossover: Any, family: int) -> dict[str, Any]:
     """{model: (strain (n,), tension (n,))} of one yarn family, 0 warp or 1 weft, the other free."""
     from unitcell3d.cases import single_yarn as cases_single_yarn
 
@@ -90,7 +95,7 @@ def cross_yarns_free(fabric, crossover, family):
     return found
 
 
-def compare(fabric, size="coarse"):
+def compare(fabric: Fabric, size: str = "coarse") -> tuple[dict[str, Any], Any]:
     """({title: (yarn, {model: (strain, tension)})}, law): warp and weft at k = 1, then each with the other free."""
     from meshing import crossover
 
@@ -105,7 +110,7 @@ def compare(fabric, size="coarse"):
     return tests, law
 
 
-def differences(models, strength):
+def differences(models: dict[str, Any], strength: float) -> dict[str, Any]:
     """{model: (rms [N], rms over strength, largest [N])} from the first model, at the samples of each."""
     names = list(models)
     e0, T0 = models[names[0]]
@@ -119,7 +124,7 @@ def differences(models, strength):
     return found
 
 
-def main():
+def main() -> None:
     parser = argparse.ArgumentParser(
         prog="python -m validation.published.biaxial_glass.model_comparison", description=__doc__.splitlines()[0]
     )

@@ -15,14 +15,18 @@ k = 1 curve a and b are fitted as if its yarns were linear.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from fabrics.compression import CompressionLaw
 from shellfabric.cell.model import CellModel
 from weavecell.analysis.biaxial_test import fit
-from weavecell.analysis.biaxial_test.curves import RATIOS, at_ratio, curves
+from weavecell.analysis.biaxial_test.curves import RATIOS, Curve, at_ratio, curves
 from weavecell.analysis.biaxial_test.measured import Test
+
+if TYPE_CHECKING:
+    from fabrics.fabric import Fabric
 
 BASE = "cosine, linear yarns"
 TAKEN = "taken for linear"
@@ -49,18 +53,20 @@ class Difference:
     share: float
 
 
-def variants(toe=TOE):
+def variants(toe: float = TOE) -> dict[str, dict[str, Any]]:
     """{name: options of CellModel}."""
     straight = {"profile": "straight"}
     return {BASE: {}, "toe": {"toe": toe}, "straight segments": straight, "both": {"toe": toe, **straight}}
 
 
-def same_constants(fabric, toe=TOE):
+def same_constants(fabric: Fabric, toe: float = TOE) -> dict[str, list[Curve]]:
     """{variant: [Curve]} with the fabric's own constants."""
     return {name: curves(fabric, **options) for name, options in variants(toe).items()}
 
 
-def fitted_anew(fabric, toe=TOE):
+def fitted_anew(
+    fabric: Fabric, toe: float = TOE
+) -> tuple[dict[str, list[Curve]], dict[str, CompressionLaw], dict[str, float]]:
     """{variant: [Curve]} at the three ratios, {variant: CompressionLaw}, {variant: residual at k = 1 over strength}.
 
     The constants of each variant are fitted to the k = 1 curve of the source's cell.
@@ -78,7 +84,7 @@ def fitted_anew(fabric, toe=TOE):
     return found, laws, residuals
 
 
-def mistaken(fabric, toe=TOE):
+def mistaken(fabric: Fabric, toe: float = TOE) -> tuple[dict[str, list[Curve]], CompressionLaw, float]:
     """The source's way with a weave whose yarns have a toe: ({name: [Curve]}, CompressionLaw, residual)."""
     weave = CellModel(fabric, form="equilibrium", toe=toe)
     truth = at_ratio(weave, 1.0, SAMPLES)
@@ -88,7 +94,7 @@ def mistaken(fabric, toe=TOE):
     return found, done.law, done.residual
 
 
-def differences(fabric, found, base_name=BASE):
+def differences(fabric: Fabric, found: dict[str, list[Curve]], base_name: str = BASE) -> list[Difference]:
     """[Difference] of each variant's curves from those of the base, the source's cell, at the same strains."""
     rows = []
     for name, tests in found.items():
@@ -106,7 +112,7 @@ def differences(fabric, found, base_name=BASE):
     return rows
 
 
-def table(rows):
+def table(rows: Any) -> list[str]:
     """The differences as lines of markdown, one a test and yarn, a column a variant: rms and largest [N], rms in %."""
     names = list(dict.fromkeys(row.variant for row in rows))
     lines = ["| test | yarn | " + " | ".join(names) + " |", "|---" * (2 + len(names)) + "|"]

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
 import matplotlib
 
 matplotlib.use("Agg")
@@ -10,10 +13,13 @@ import matplotlib.pyplot as plt
 from fabrics.files import replace_whole
 from meshing.pictures_style import BLUE, GREEN, INK, PURPLE, RED
 
+if TYPE_CHECKING:
+    from fabrics.fabric import Fabric
+
 COLOURS = {"k = 0.5": BLUE, "k = 1": GREEN, "k = 2": RED, "free weft": "#555555", "free warp": "#555555"}
 
 
-def picture(fabric, curves, path):
+def picture(fabric: Fabric, curves: Any, path: Path) -> None:
     """Draw the curves of one weave; a cross marks the failure of the yarn."""
     figure, axes = plt.subplots(1, 2, figsize=(10, 4.2), layout="constrained")
     for index, (axis, direction) in enumerate(zip(axes, ("warp", "weft"))):
@@ -42,7 +48,7 @@ def picture(fabric, curves, path):
 VARIANTS = ((INK, "-"), (BLUE, "--"), (RED, "-"), (PURPLE, "--"))
 
 
-def options(fabric, found, path):
+def options(fabric: Fabric, found: Any, path: Path) -> None:
     """Draw the curves of the cell's variants, {name: [Curve]}: a column a test, a row a yarn."""
     free = ("free weft", "free warp")
     columns = [curve.label for curve in next(iter(found.values())) if curve.label not in free] + ["cross yarns free"]
@@ -71,7 +77,7 @@ def options(fabric, found, path):
     plt.close(figure)
 
 
-def sides(fabric, tests, path):
+def sides(fabric: Fabric, tests: Any, path: Path) -> None:
     """Draw tests, {title: (yarn, {model: (strain, tension)})}: the cells as lines, coupon and crossover as marks."""
     styles = {
         "cell, source's form": {"color": INK, "lw": 1.7}, "cell, variational": {"color": BLUE, "ls": "--"},
@@ -82,7 +88,7 @@ def sides(fabric, tests, path):
     figure, axes = plt.subplots(2, 2, figsize=(10, 7.6), layout="constrained")
     for axis, (title, (yarn, models)) in zip(axes.flat, tests.items()):
         for name, (strain, tension) in models.items():
-            axis.plot(100 * strain, tension, label=name, **styles[name])
+            axis.plot(100 * strain, tension, label=name, **styles[name])  # type: ignore[arg-type]
         axis.set_title(title, fontsize=11)
         axis.set(xlabel=f"{yarn} strain, %", xlim=(0, None), ylim=(0, None))
         axis.grid(alpha=0.3)

@@ -10,16 +10,22 @@ from __future__ import annotations
 
 import argparse
 import csv
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from fabrics import catalogue
+from fabrics.checks import FloatArray
 from fabrics.errors import run_program
 from fabrics.files import write_whole
 from shellfabric.cell.model import CellModel
 from shellfabric.coupon import quasistatic
+
+if TYPE_CHECKING:
+    from fabrics.fabric import Fabric
 
 CENTRE, ARM, MIDDLE = 12, 8, 6  # crossovers: side of the middle square, length of an arm, side of the gauge (assumed)
 STRAINS = {"k = 1": (0.014, 0.014), "k = 2": (0.014, 0.007), "k = 0.5": (0.007, 0.014)}  # of the whole specimen
@@ -50,13 +56,13 @@ class Specimen:
     cell: np.ndarray
     tension: np.ndarray
 
-    def difference(self, reference, strength):
+    def difference(self, reference: FloatArray, strength: Sequence[float]) -> float:
         """[-] largest |load / reference - 1| where the reference exceeds LOADED strengths."""
         loaded = reference > LOADED * np.asarray(strength)
         return float(np.max(np.abs(self.load[loaded] / reference[loaded] - 1)))
 
 
-def pull_specimen(fabric, label, drawn=True, steps=12) -> Specimen:
+def pull_specimen(fabric: Fabric, label: str, drawn: bool = True, steps: int = 12) -> Specimen:
     """Pull the specimen until a yarn reaches its strength."""
     table = CellModel(fabric).table(201)
     run = quasistatic.biaxial(
@@ -70,7 +76,7 @@ def pull_specimen(fabric, label, drawn=True, steps=12) -> Specimen:
                     np.stack([source["T1"], source["T2"]], axis=1))  # fmt: skip
 
 
-def main():
+def main() -> None:
     parser = argparse.ArgumentParser(prog="python -m validation.published.biaxial_glass.specimen", description=__doc__)
     parser.add_argument("--out", type=Path, default=Path("results/biaxial"))
     options = parser.parse_args()

@@ -4,16 +4,19 @@ Slip of S-728 in its clamps: edges that are led in (thesis section 6.4.3), and e
 edges.csv, led.png, gripped.png. With --page the tables go into that page, between its marks, the pictures beside it.
 """
 
+from __future__ import annotations
+
 import argparse
 import csv
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from fabrics.errors import run_program
 from fabrics.files import write_whole
 from validation.published.edge_slip import pictures
-from validation.published.edge_slip.study import VELOCITY, ZONE_I, departs, gripped, led, limits, slow
+from validation.published.edge_slip.study import VELOCITY, ZONE_I, Shot, departs, gripped, led, limits, slow
 from weavecell.report.marked_page import markdown, put
 
 MARKS = "<!-- tables of validation.published.edge_slip -->", "<!-- end of the tables -->"
@@ -21,7 +24,7 @@ LATE = 200e-6
 _PICTURES = {"led": "edges that are led in", "gripped": "edges that are gripped"}
 
 
-def led_rows(shots):
+def led_rows(shots: dict[str, Shot]) -> list[Any]:
     """A header, and a row a shot."""
     clamped = shots["clamped"]
     rows = [("weft ends", "outcome", "after, us", "depth, mm", "lead in zone I, m/s", "lead after 200 us, m/s",
@@ -37,7 +40,7 @@ def led_rows(shots):
     return rows
 
 
-def gripped_rows(shots, velocities):
+def gripped_rows(shots: dict[str, Shot], velocities: dict[str, float]) -> list[Any]:
     """A header, and a row a grip."""
     rows = [("grip per yarn", "outcome", "after, us", "depth, mm", "slip of warp / weft, mm",
              "slipped width at the warp / weft ends, mm", "work on the grips, J", "of the strike energy, %",
@@ -53,14 +56,14 @@ def gripped_rows(shots, velocities):
     return rows
 
 
-def write_page(tables, page):
+def write_page(tables: dict[str, Any], page: Path) -> None:
     """Put tables between the marks of a page."""
     parts = [f"{title}\n\n{markdown(rows)}" for title, rows in tables.items()]
     content = "\n".join([*parts, *(f"![{told}](figures/edges-{name}.png)\n" for name, told in _PICTURES.items())])
     put(page, *MARKS, f"\n\n{content}\n")
 
 
-def main():
+def main() -> None:
     parser = argparse.ArgumentParser(
         prog="python -m validation.published.edge_slip", description=__doc__.split("\n\n")[1]
     )

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+from typing import Any
+
 import matplotlib
 
 matplotlib.use("Agg")
@@ -20,7 +23,7 @@ def _plain(axes, **labels):
         axes.spines[side].set_visible(False)
 
 
-def led(shots, slow, path):
+def led(shots: Any, slow: Any, path: Path) -> None:
     """Velocity with led edges at 100 and at 36 m/s, and how far it leads the clamped panel's."""
     figure, grid = plt.subplots(2, 2, figsize=(11, 7), sharex="col", height_ratios=(1.4, 1), layout="constrained")
     for column, (group, title) in enumerate(((shots, "100 m/s"), (slow, "36 m/s"))):
@@ -46,7 +49,7 @@ def led(shots, slow, path):
     _save(figure, path)
 
 
-def gripped(shots, path):
+def gripped(shots: Any, path: Path) -> None:
     """Velocity with grips, and the slip of the ends of the weft yarns over their place along the edge."""
     figure, (left, right) = plt.subplots(1, 2, figsize=(11, 4.2), layout="constrained")
     for (name, shot), colour in zip(shots.items(), _COLOURS):

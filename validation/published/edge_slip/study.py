@@ -7,11 +7,14 @@ Gripped. All four sides hold each yarn up to a force: how far yarns slip, and ho
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from fabrics import catalogue
+from fabrics.checks import FloatArray
 from shellfabric.impact.ballistic_limit import critical_velocity
 from shellfabric.impact.single_ply import ImpactResult, ImpactSetup, run
 from shellfabric.panel.boundary import Grip, PullIn
@@ -56,21 +59,21 @@ class Shot:
     strike: float
     balance: float
 
-    def pulled(self, family):
+    def pulled(self, family: str) -> float:
         """[m] slip of the yarn of a family that slipped furthest."""
         return float(self.slip[family].max())
 
-    def width(self, family):
+    def width(self, family: str) -> float:
         """[m] whole width of the zone whose yarns have slipped."""
         moved = self.place[family][self.slip[family] > SLIPPED]
         return 2 * float(moved.max()) if moved.size else 0.0
 
-    def lead(self, other, t):
+    def lead(self, other: Shot, t: Any) -> FloatArray:
         """[m/s] how much faster the projectile is at the times t than with other edges."""
         return np.interp(t, self.t, self.v) - np.interp(t, other.t, other.v)
 
 
-def of(name, result: ImpactResult) -> Shot:
+def of(name: str, result: ImpactResult) -> Shot:
     """What is kept of an impact on a quarter of a panel."""
     panel = result.panel
     X, Y = panel.coordinates()
@@ -85,30 +88,30 @@ def of(name, result: ImpactResult) -> Shot:
     )  # fmt: skip
 
 
-def setup(edge="clamped", velocity=VELOCITY, end_time=700e-6) -> ImpactSetup:
+def setup(edge: Any = "clamped", velocity: float = VELOCITY, end_time: float = 700e-6) -> ImpactSetup:
     """A shot at the source's panel."""
     return ImpactSetup(catalogue.load(FABRIC).with_effective_density(), velocity, edge=edge, end_time=end_time)
 
 
-def weft(length, start, end):
+def weft(length: float, start: float, end: float) -> tuple[str, PullIn]:
     """The edges of a panel whose weft ends are led in."""
     return ("clamped", PullIn(length, start, end))
 
 
-def led(report=print):
+def led(report: Callable[..., object] | None = print) -> dict[str, Shot]:
     """{name: Shot} of the shots of section 6.4.3 at 100 m/s: clamped, three pull-ins, three beginnings."""
-    edges = {"clamped": "clamped"}
+    edges: dict[str, Any] = {"clamped": "clamped"}
     edges |= {f"{1e3 * pull:g} mm, 0 to 200 us": weft(pull, 0.0, 200e-6) for pull in PULLS}
     edges |= {f"3 mm, from {1e6 * start:g} us": weft(3e-3, start, start + 150e-6) for start in STARTS}
     return _shots(edges, VELOCITY, report)
 
 
-def slow(report=print):
+def slow(report: Callable[..., object] | None = print) -> dict[str, Shot]:
     """{name: Shot} at 36 m/s: clamped, and 5 mm over 200 to 650 us (Figure 6-42)."""
     return _shots({"clamped": "clamped", "5 mm, 200 to 650 us": weft(5e-3, 200e-6, 650e-6)}, SLOW, report)
 
 
-def gripped(velocity, report=print):
+def gripped(velocity: float, report: Callable[..., object] | None = print) -> dict[str, Shot]:
     """{name: Shot} with grips of GRIPS on all sides, and clamped."""
     edges = {f"{force:g} N": Grip(force) for force in GRIPS} | {"clamped": "clamped"}
     return _shots(edges, velocity, report)
@@ -124,7 +127,7 @@ def _shots(edges, velocity, report):
     return found
 
 
-def limits(report=print, tolerance=1.0):
+def limits(report: Callable[..., object] | None = print, tolerance: float = 1.0) -> dict[str, float]:
     """{name: critical velocity [m/s]} with each grip, and clamped."""
     found, table = {}, setup().table()
     edges = {f"{force:g} N": Grip(force) for force in GRIPS[1:]} | {"clamped": "clamped"}
@@ -135,7 +138,7 @@ def limits(report=print, tolerance=1.0):
     return found
 
 
-def departs(shot, clamped, by=0.5):
+def departs(shot: Shot, clamped: Shot, by: float = 0.5) -> float:
     """[s] when a shot is first faster than the clamped one by so much [m/s]."""
     t = np.arange(0.0, min(shot.end, clamped.end), 1e-6)
     away = np.flatnonzero(shot.lead(clamped, t) > by)

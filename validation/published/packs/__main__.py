@@ -4,16 +4,20 @@ Fires the shots of the study, each kept in the folder as soon as it is done, so 
 it was. With --page the page is written, and its pictures into figures/ beside it.
 """
 
+from __future__ import annotations
+
 import argparse
 from pathlib import Path
+from typing import Any
 
 from fabrics.errors import run_program
 from fabrics.files import write_whole
 from validation.published.packs import pictures, study
 from validation.published.packs.page import page
+from validation.published.packs.study import Results
 
 
-def gather(results):
+def gather(results: Results) -> dict[str, Any]:
     """All results of the study."""
     return {
         "outcomes": study.outcomes(results),
@@ -27,7 +31,7 @@ def gather(results):
     }
 
 
-def draw(found, folder):
+def draw(found: dict[str, Any], folder: Path) -> None:
     """All pictures of the page."""
     stops = {row[0]: row[2] for row in study.PUBLISHED if row[1] == 4}
     pictures.formulations(found["formulations"], stops, folder / "packs-formulations.png")
@@ -37,7 +41,7 @@ def draw(found, folder):
     pictures.velocities(found["stackings"], folder / "packs-stacking.png")
 
 
-def main():
+def main() -> None:
     arguments = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     arguments.add_argument("--out", type=Path, default=Path("results/packs"))
     arguments.add_argument("--page", type=Path)

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
+from typing import Any
+
 import numpy as np
 
 from shellfabric.plies.model import PlyContact
@@ -12,18 +15,17 @@ ASKED = 0.05  # of an onset, when something numerical is halved
 _FORMS = {"smooth": "smooth surfaces", "facets": "nodes on facets", "nodes": "node to node"}
 
 
-def page(found):
+def page(found: dict[str, Any]) -> str:
     """The page in Markdown, from the results of `__main__`."""
-    parts = [
-        _HEAD, outcomes(found["outcomes"]), _OUTCOMES, _PASSAGES, passages(found["torn"]),
-        _FORMULATIONS, formulations(found["formulations"]), _CONVERGENCE,
-        convergence(found["halved"]), _NOSES, noses(found["noses"]), _SETTLED, _STIFFER, stiffer(found["stiffer"]),
-        _FACETS, _GAPS, gaps(found["gaps"]), _STACKING, stacking(found["stackings"]), _LIMITS,
-    ]  # fmt: skip
-    return "\n".join(parts)
+    return "\n".join([
+        _HEAD, outcomes(found["outcomes"]), _OUTCOMES, _PASSAGES, passages(found["torn"]), _FORMULATIONS,
+        formulations(found["formulations"]), _CONVERGENCE, convergence(found["halved"]), _NOSES, noses(found["noses"]),
+        _SETTLED, _STIFFER, stiffer(found["stiffer"]), _FACETS, _GAPS, gaps(found["gaps"]), _STACKING,
+        stacking(found["stackings"]), _LIMITS,
+    ])  # fmt: skip
 
 
-def outcomes(rows):
+def outcomes(rows: Iterable[Any]) -> str:
     """One row a published shot."""
     lines = [["plies", "fabric", "strike, m/s", "thesis", "computed", "at, µs", "failed yarn segments by ply",
               "highest tension / strength", "deepest / thickness", "balance, %"]]  # fmt: skip
@@ -35,7 +37,7 @@ def outcomes(rows):
     return table(lines)
 
 
-def passages(rows):
+def passages(rows: Iterable[dict[str, Any]]) -> str:
     """One row a shot that tears cloth."""
     lines = [["plies", "fabric", "strike, m/s", "until, µs", "failed segments of the quarter", "held apart, times",
               "with, % of the strike energy", "not held", f"back within {AT_ONCE} steps", "**passages**"]]  # fmt: skip
@@ -49,13 +51,13 @@ def passages(rows):
     return table(lines)
 
 
-def told(one):
+def told(one: dict[str, Any]) -> str:
     """The outcome, with the velocity where the shot goes on."""
     word = {"stopped": "**stops**", "perforated": "**perforates**"}.get(one["outcome"], f"**{one['outcome']}**")
     return word if one["outcome"] == "stopped" else f"{word}, {one['residual_velocity']:.0f} m/s left"
 
 
-def by_ply(failed):
+def by_ply(failed: Sequence[float]) -> str:
     """Numbers of failed segments, equal ones of neighbouring plies drawn together."""
     if not any(failed):
         return "none"
@@ -68,7 +70,7 @@ def by_ply(failed):
     return ", ".join(parts)
 
 
-def formulations(found):
+def formulations(found: dict[str, Any]) -> str:
     """One row a fabric."""
     lines = [["4 plies of", *(_FORMS[form] for form in FORMS)]]
     for fabric, row in found.items():
@@ -76,7 +78,7 @@ def formulations(found):
     return table(lines)
 
 
-def convergence(found):
+def convergence(found: dict[str, Any]) -> str:
     """One row a fabric; changes beyond what is asked are set bold."""
     lines = [["4 plies of", *HALVED]]
     for fabric, row in found.items():
@@ -90,7 +92,7 @@ def convergence(found):
     return table(lines)
 
 
-def noses(found):
+def noses(found: dict[str, Any]) -> str:
     """One row a fabric, one column a factor on the nose's stiffness."""
     lines = [["4 plies of", *(f"{factor:g}" for factor in NOSES)]]
     for fabric, row in found.items():
@@ -103,7 +105,7 @@ def noses(found):
     return table(lines)
 
 
-def stiffer(found):
+def stiffer(found: dict[str, Any]) -> str:
     """One row a change, one column a fabric."""
     lines = [["onset, m/s", *found]]
     for name in STIFFER:
@@ -111,7 +113,7 @@ def stiffer(found):
     return table(lines)
 
 
-def gaps(found):
+def gaps(found: dict[float, dict[str, Any]]) -> str:
     """One row a gap."""
     lines = [["gap, mm", "outcome", "at, µs", "deflection, mm", "highest force, kN (2 µs mean)",
               "jumps of the force, kN rms", "failed yarn segments"]]  # fmt: skip
@@ -128,14 +130,14 @@ def gaps(found):
     return table(lines)
 
 
-def smoothed(one, width):
+def smoothed(one: dict[str, Any], width: float) -> np.ndarray:
     """(n,) [N] force that slows the projectile, averaged over `width` [s]."""
     t, force = np.array(one["t"]), -np.array(one["force"])
     count = max(1, round(width / (t[1] - t[0])))
     return np.convolve(force, np.ones(count) / count, "same")
 
 
-def stacking(found):
+def stacking(found: dict[str, Any]) -> str:
     """One row a stacking, and the difference."""
     instants = (100e-6, 150e-6, 200e-6)
     lines = [["stacking", "stops at, µs", "deflection, mm", *(f"absorbed by {1e6 * t:.0f} µs, J" for t in instants)]]
@@ -151,7 +153,7 @@ def stacking(found):
     return table(lines)
 
 
-def table(lines):
+def table(lines: Sequence[Sequence[Any]]) -> str:
     """A Markdown table from rows of texts, the first being its head."""
     rows = [lines[0], ["---"] * len(lines[0]), *lines[1:]]
     return "\n".join("| " + " | ".join(str(cell) for cell in row) + " |" for row in rows) + "\n"

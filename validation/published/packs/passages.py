@@ -15,11 +15,16 @@ holes, against the next but one.
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
+from fabrics.checks import BoolArray, FloatArray, IntArray
 from shellfabric.cloth.membrane_kernels import ERODED
+
+if TYPE_CHECKING:
+    from shellfabric.plies.solver import PackSolver
 
 REACH, AT_ONCE = 2, 10  # [plies, steps]
 
@@ -54,8 +59,11 @@ class Passages:
     back : list of those that were undone at once
     """
 
-    def __init__(self, march, near):
-        self.march, self.near, self.found, self.back, self._net = march, near, [], [], {}
+    def __init__(self, march: PackSolver, near: int) -> None:
+        self.march, self.near = march, near
+        self.found: list[Any] = []
+        self.back: list[Any] = []
+        self._net: dict[Any, Any] = {}
         self._fill()
 
     def _fill(self):
@@ -63,7 +71,7 @@ class Passages:
         self.nodes = [nodes(self.march, p, self.near) for p in count]
         self.surfaces = [surfaces(self.march, p, self.nodes[p]) for p in count]
 
-    def step(self):
+    def step(self) -> None:
         """Look at what the march has just done in a step."""
         last, then = self.nodes, self.surfaces
         self._fill()
@@ -99,12 +107,12 @@ class Passages:
                 return
 
 
-def gone(net):
+def gone(net: Any) -> Any:
     """How often, and which way, a point is through, by its net crossings of both surfaces."""
     return int(min(net) if min(net) > 0 else max(net) if max(net) < 0 else 0)
 
 
-def nodes(march, p, near):
+def nodes(march: PackSolver, p: int, near: int) -> FloatArray:
     """(near + 1, near + 1, 3) places of the nodes of a ply about the middle."""
     c, state = march.consts[p], march.states[p]
     i, j = np.mgrid[: near + 1, : near + 1]
@@ -113,14 +121,14 @@ def nodes(march, p, near):
     return np.stack([a + b for a, b in zip(rest, moved)], axis=-1)
 
 
-def by_element(march, p, name, near, family=None):
+def by_element(march: PackSolver, p: int, name: str, near: int, family: int | None = None) -> NDArray[Any]:
     """(near + 1, near + 1) flags, or what is left of a family's edges."""
     c, values = march.consts[p], getattr(march.states[p], name)
     values = values if family is None else values[family]
     return values[: (c.ni + 1) * c.row_stride].reshape(c.ni + 1, c.row_stride)[: near + 1, : near + 1]
 
 
-def surfaces(march, p, x):
+def surfaces(march: PackSolver, p: int, x: FloatArray) -> tuple[FloatArray, FloatArray, BoolArray]:
     """(2 near + 1, 2 near + 1, 3) places on the facets of a ply, the same on the surface of its contact, and
     (2 near, 2 near) where it has cloth: of quarters of elements, corners of which are a node and a middle."""
     near = len(x) - 1
@@ -139,7 +147,7 @@ def surfaces(march, p, x):
     return flat, smooth, cloth
 
 
-def spline(x):
+def spline(x: FloatArray) -> FloatArray:
     """Twice as many places, of the spline over the nodes, with images of those next to planes of symmetry."""
     for axis in (0, 1):
         rows = np.moveaxis(x, axis, 0)
@@ -152,7 +160,7 @@ def spline(x):
     return x
 
 
-def facets(x):
+def facets(x: FloatArray) -> FloatArray:
     """Twice as many places, of the bilinear facets between the nodes."""
     for axis in (0, 1):
         rows = np.moveaxis(x, axis, 0)
@@ -162,7 +170,7 @@ def facets(x):
     return x
 
 
-def points(march, p, x):
+def points(march: PackSolver, p: int, x: FloatArray) -> tuple[FloatArray, BoolArray]:
     """Middles of the elements of a ply, and which of them have cloth."""
     near = len(x) - 1
     warp, weft = (by_element(march, p, "intact_fraction", near, family) for family in (0, 1))
@@ -171,7 +179,7 @@ def points(march, p, x):
     return 0.25 * (x[1:, 1:] + x[:-1, 1:] + x[1:, :-1] + x[:-1, :-1]), held
 
 
-def crossings(x, held, Y, cloth):
+def crossings(x: Any, held: Any, Y: Any, cloth: Any) -> list[Any]:
     """Which points cross which facets, and which way: list of (element of the point, facet, 1 or -1).
 
     x : (n, n, 3) pair of places of points before and after a step; held : (n, n) which count
@@ -196,7 +204,7 @@ def crossings(x, held, Y, cloth):
     return found
 
 
-def near_each_other(x, ring):
+def near_each_other(x: FloatArray, ring: FloatArray) -> tuple[IntArray, IntArray]:
     """Pairs (point, facet) whose boxes over the step overlap; found by columns of a raster across the plies."""
     low, high = ring.min(axis=(0, 1)), ring.max(axis=(0, 1))
     least, most = x.min(axis=0), x.max(axis=0)
@@ -226,7 +234,7 @@ def near_each_other(x, ring):
     return n[both], m[both]
 
 
-def pierced(x, a, b, c):
+def pierced(x: FloatArray, a: FloatArray, b: FloatArray, c: FloatArray) -> IntArray:
     """(n,) which points cross the triangles a, b, c, and which way; all (2, n, 3), before and after the step."""
     corners = np.stack([a, b, c], axis=2)
     side = np.linalg.det(corners - x[:, :, None])
@@ -240,7 +248,7 @@ def pierced(x, a, b, c):
     return np.where(crossed, np.where(side[0] < 0, 1, -1), 0)
 
 
-def count(march, end, near, begin=0.0):
+def count(march: PackSolver, end: float, near: int, begin: float = 0.0) -> tuple[list[Any], list[Any]]:
     """Passages of a march from `begin` to `end` [s], or until it ends: (those for good, those undone at once)."""
     march.exchange = np.inf  # the steps are made here one by one, whatever is exchanged
     march.advance(np.empty((0, 3)))

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+from typing import Any
+
 import matplotlib
 
 matplotlib.use("Agg")
@@ -14,7 +17,7 @@ from meshing.pictures_style import BLUE, GREEN, INK, ORANGE, RED
 _NAMES = {"smooth": "smooth surfaces", "facets": "nodes on facets", "nodes": "node to node"}
 
 
-def formulations(found, single, path):
+def formulations(found: dict[str, Any], single: dict[str, float], path: Path) -> None:
     """Velocity at which the first yarn of a pack fails, against the formulation of contact.
 
     Parameters
@@ -40,7 +43,7 @@ def formulations(found, single, path):
     _save(figure, path)
 
 
-def velocities(runs, path, note=""):
+def velocities(runs: dict[str, Any], path: Path, note: str = "") -> None:
     """Velocity of the projectile over time, one line a run.
 
     Parameters
@@ -58,7 +61,7 @@ def velocities(runs, path, note=""):
     _save(figure, path)
 
 
-def forces(runs, path, width=2e-6):
+def forces(runs: dict[str, Any], path: Path, width: float = 2e-6) -> None:
     """Force on the projectile, averaged over `width` [s], one panel a run.
 
     Parameters

@@ -10,8 +10,11 @@ up at its first failure. A formulation of contact that makes yarns fail below th
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, replace
 from functools import cache
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -50,7 +53,7 @@ FABRICS = ("S-726", "S-728", "S-731")
 FORMS = ("smooth", "facets", "nodes")
 # the same contacts as they stand: in units of mass / dt^2 stiffness goes with the step's square
 _HALF = {"cfl": 0.45, "penalty": PlyContact.penalty / 4, "nose": PlyContact.nose / 4}
-HALVED = {
+HALVED: dict[str, dict[str, Any]] = {
     "as it stands": {},
     "half the time step": _HALF,
     "half the penalty between plies": {"penalty": 0.5 * PlyContact.penalty},
@@ -60,7 +63,7 @@ HALVED = {
 NOSES = (1.0, 2.0, 3.0, 4.0, 6.0, 12.0)  # stiffness of the nose, times a single ply's
 # what the onset hangs on: stiffness of contacts, and elements along a crossover, whose contacts are as stiff as their
 # mass / dt^2, so that half the element is four times as stiff on the area
-STIFFER = {
+STIFFER: dict[str, dict[str, Any]] = {
     "smooth, as it stands": {},
     "smooth, plies 4 x": _HALF | {"penalty": PlyContact.penalty},
     "smooth, plies and nose 4 x": _HALF | {"penalty": PlyContact.penalty, "nose": PlyContact.nose},
@@ -113,9 +116,9 @@ class _Failed(Exception):
 
 
 @cache
-def panel(fabric, cfl=None, elements=1):
+def panel(fabric: str, cfl: float | None = None, elements: int = 1) -> Panel:
     """The 203 mm panel of one fabric."""
-    knobs = {} if cfl is None else {"cfl": cfl}
+    knobs: dict[str, Any] = {} if cfl is None else {"cfl": cfl}
     return Panel(_table(fabric), numerics=Numerics(threads=1, **knobs), elements_per_crossover=elements)
 
 
@@ -133,7 +136,7 @@ def pack(case: Case) -> Pack:
     return Pack.stacked(ply, case.plies, stacking=case.stacking, gap=case.gap, contact=contact)
 
 
-def shoot(case: Case):
+def shoot(case: Case) -> dict[str, Any]:
     """One shot: a dict of numbers and lists, for a file."""
     march, told = PackSolver(pack(case), case.velocity, case.end_time), ""
 
@@ -174,7 +177,7 @@ def shoot(case: Case):
     }
 
 
-def passages(case: Case):
+def passages(case: Case) -> dict[str, Any]:
     """What passes through what in a shot, and how often torn cloth was held apart: a dict, for a file."""
     march = PackSolver(pack(case), case.velocity, case.end_time)
     found, back = count(march, case.end_time, _NEAR_THE_NOSE)
@@ -197,10 +200,10 @@ def passages(case: Case):
 class Results:
     """Shots on disk, each under the key of its case and of the code (`fabrics.run_cache`); made where there is none."""
 
-    def __init__(self, folder, report=print):
+    def __init__(self, folder: Path, report: Callable[..., object] | None = print) -> None:
         self.kept, self.report = run_cache.RunCache(folder, run_cache.JSON), report
 
-    def __call__(self, case: Case, fire=None):
+    def __call__(self, case: Case, fire: Callable[..., Any] | None = None) -> dict[str, Any]:
         fire = fire or shoot
         name = run_cache.key((fire.__name__, case), fire.__module__)
         if name not in self.kept:
@@ -210,12 +213,12 @@ class Results:
         return self.kept[name]
 
 
-def failed(found):
+def failed(found: dict[str, Any]) -> bool:
     """Whether some yarn failed, or the run broke down."""
     return sum(found["failed"]) > 0 or found["outcome"] == "unstable"
 
 
-def onset(results, case: Case, guess=None, tolerance=TOLERANCE):
+def onset(results: Results, case: Case, guess: float | None = None, tolerance: float = TOLERANCE) -> float:
     """[m/s] middle of the bracket in which the first yarn fails; looked for about a guess, where there is one."""
 
     def fails(velocity):
@@ -234,17 +237,17 @@ def onset(results, case: Case, guess=None, tolerance=TOLERANCE):
     return 0.5 * (low + high)
 
 
-def outcomes(results):
+def outcomes(results: Callable[..., dict[str, Any]]) -> list[tuple[Any, ...]]:
     """[(fabric, plies, velocity, published, found), ...]"""
     return [(*row, results(Case(*row[:3]))) for row in PUBLISHED]
 
 
-def torn(results):
+def torn(results: Results) -> list[dict[str, Any]]:
     """[found, ...] of the shots that tear cloth."""
     return [results(Case(*row[:3], end_time=row[3]), passages) for row in TORN]
 
 
-def formulations(results, plies=4):
+def formulations(results: Results, plies: int = 4) -> dict[str, Any]:
     """{fabric: {form: onset}} [m/s]."""
     found = {}
     for fabric in FABRICS:
@@ -254,7 +257,7 @@ def formulations(results, plies=4):
     return found
 
 
-def halved(results, plies=4):
+def halved(results: Results, plies: int = 4) -> dict[str, Any]:
     """{fabric: {what is halved: onset}} [m/s]."""
     found = {}
     for fabric in FABRICS:
@@ -266,7 +269,7 @@ def halved(results, plies=4):
     return found
 
 
-def noses(results, plies=4):
+def noses(results: Results, plies: int = 4) -> dict[str, Any]:
     """{fabric: {factor: onset}} [m/s] against the stiffness of the nose."""
     found = {}
     for fabric in FABRICS:
@@ -275,7 +278,9 @@ def noses(results, plies=4):
     return found
 
 
-def stiffer(results, fabrics=("S-728", "S-726"), plies=4):
+def stiffer(
+    results: Results, fabrics: Sequence[str] = ("S-728", "S-726"), plies: int = 4
+) -> dict[str, dict[str, float]]:
     """{fabric: {what is changed: onset}} [m/s]."""
     return {
         fabric: {name: onset(results, Case(fabric, plies, 0.0, **changes)) for name, changes in STIFFER.items()}
@@ -283,11 +288,11 @@ def stiffer(results, fabrics=("S-728", "S-726"), plies=4):
     }
 
 
-def gaps(results):
+def gaps(results: Results) -> dict[float, dict[str, Any]]:
     """{gap: found} of section 6.4.4."""
     return {gap: results(Case("S-728", 16, 170.0, gap=gap)) for gap in GAPS}
 
 
-def stackings(results):
+def stackings(results: Results) -> dict[str, dict[str, Any]]:
     """{stacking: found} of Figure 5-57."""
     return {stacking: results(Case(*STACKED, stacking=stacking)) for stacking in STACKINGS}

@@ -5,10 +5,14 @@ craters.png, and keeps each shot in shots/, so that --resume goes on with those 
 table goes into that page, between the marks of its edges, the pictures beside it.
 """
 
+from __future__ import annotations
+
 import argparse
 import csv
 import time
+from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -24,20 +28,20 @@ BARE, TEXT = "bare block", "4 plies, 924 g/m2"
 SHOTS = "shots"
 
 
-def name_of(number):
+def name_of(number: int) -> str:
     """A case in words."""
     case = CASES[number]
     plies = "1 ply" if case.plies == 1 else f"{case.plies} plies"
     return f"{number}: {plies}, {96 * case.modulus:.0f} GPa, {1e3 * case.mass:.0f} g/m2"
 
 
-def key_of(case, options):
+def key_of(case: Any, options: argparse.Namespace) -> str:
     """Key of a shot; `case` None is the bare block, whose shot does not depend on the options."""
     inputs = "bare" if case is None else (case, options.edge, options.elements)
     return run_cache.key(inputs, "validation.published.pencilling.study")
 
 
-def table(shots):
+def table(shots: Any) -> list[Any]:
     """A header, and a row a shot."""
     rows = [("target", "outcome", "after, us", "depth of the projectile, mm", "crater, mm", "half-width, mm",
              "wall against the face, deg", "bricks eroded", "balance, %", "hourglass of the block, %")]  # fmt: skip
@@ -53,12 +57,12 @@ def table(shots):
     return rows
 
 
-def write_page(rows, page, edge):
+def write_page(rows: Sequence[Sequence[str]], page: Path, edge: str) -> None:
     """Put the table between its marks of a page."""
     put(page, f"<!-- table of validation.published.pencilling, {edge} edges -->", END, f"\n\n{markdown(rows)}\n")
 
 
-def main():
+def main() -> None:
     parser = argparse.ArgumentParser(
         prog="python -m validation.published.pencilling", description=__doc__.split("\n\n")[1]
     )

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+from typing import Any
+
 import matplotlib
 
 matplotlib.use("Agg")
@@ -14,7 +17,7 @@ from meshing.pictures_style import BLUE, GREEN, INK, ORANGE, RED, SKY
 _COLOURS = (BLUE, SKY, RED, ORANGE, GREEN, INK)
 
 
-def depths(shots, path):
+def depths(shots: Any, path: Path) -> None:
     """Place of the projectile through time, and the profile of the crater's face, of all shots that have one."""
     figure, (left, right) = plt.subplots(1, 2, figsize=(11, 4.6), layout="constrained")
     for (name, shot), colour in zip(shots.items(), _COLOURS):
@@ -36,7 +39,7 @@ def depths(shots, path):
     _save(figure, path)
 
 
-def craters(shots, path):
+def craters(shots: Any, path: Path) -> None:
     """The blocks cut along the warp, mirrored, coloured by effective plastic strain, all to one scale."""
     blocks = {name: shot.block for name, shot in shots.items() if shot.block is not None}
     across = min(3, len(blocks))

@@ -11,7 +11,9 @@ be run.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -83,20 +85,20 @@ class Penetration:
     block: BackingResult | None = None
 
     @property
-    def depth(self):
+    def depth(self) -> float:
         """[m] of the projectile at its deepest."""
         return float(self.z.max())
 
     @property
-    def crater_depth(self):
+    def crater_depth(self) -> float:
         """[m]"""
         return float(self.crater[:, 1].max())
 
 
 def march(
-    case: Case, *, block=BLOCK, elements=2, edge="clamped", jam=JAM, end_time=1e-3, velocity=VELOCITY, opening=0.203,
-    layer=None,
-):  # fmt: skip
+    case: Case, *, block: Backing = BLOCK, elements: int = 2, edge: str = "clamped", jam: tuple[float, float] = JAM,
+    end_time: float = 1e-3, velocity: float = VELOCITY, opening: float = 0.203, layer: Any = None,
+) -> PackSolver:  # fmt: skip
     """The march of a shot at a target before a block.
 
     `layer`, if given, is a factor on the shear angles at which the ply next to the block touches and locks.
@@ -116,7 +118,7 @@ def march(
     return PackSolver(pack, velocity, end_time)
 
 
-def shoot(case: Case, *, report=None, **options) -> Penetration:
+def shoot(case: Case, *, report: Callable[..., object] | None = None, **options: Any) -> Penetration:
     """Fire at a target before a block, until the projectile turns back; options are those of `march`.
 
     Raises
@@ -139,7 +141,7 @@ def _names(run):
     return PACK_ENERGIES
 
 
-def bare(block=BLOCK, velocity=VELOCITY, end_time=2e-3) -> Penetration:
+def bare(block: Any = BLOCK, velocity: float = VELOCITY, end_time: float = 2e-3) -> Penetration:
     """Fire at the block alone."""
     found = bare_impact.strike(block, PROJECTILE, velocity, end_time)
     crater, energy = found.crater, PROJECTILE.energy(velocity)

@@ -4,17 +4,23 @@ S-720 between platens with the published solid constants: what each modelling ch
 section 3.4.3.2). Writes platen.csv and platen.png. With --page the tables go into that page, the picture beside it.
 """
 
+from __future__ import annotations
+
 import argparse
 import csv
 import sys
+from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from fabrics import catalogue
+from fabrics.checks import FloatArray
 from fabrics.errors import WeavecellError
 from fabrics.files import write_whole
 from validation.published.platen import pictures, study
+from validation.published.platen.study import Outcome
 from weavecell.report.marked_page import markdown, put
 
 MARKS = "<!-- tables of validation.published.platen -->", "<!-- end of the tables -->"
@@ -24,7 +30,7 @@ HEAD = (
 )  # fmt: skip
 
 
-def factor_rows(outcomes, law):
+def factor_rows(outcomes: Sequence[Outcome], law: FloatArray) -> list[Any]:
     """A header, the law, and a row a variant."""
     loose = float(np.interp(np.log(study.PACKING), np.log(outcomes[0].pressure), law))
     rows = [HEAD, ("", "**platen law**", "", "", "", f"{1e6 * loose:.1f}", f"{1e6 * (law[-1] - loose):.1f}")]
@@ -38,13 +44,13 @@ def factor_rows(outcomes, law):
     return rows
 
 
-def range_rows(ranges):
+def range_rows(ranges: Sequence[tuple[float, ...]]) -> list[Any]:
     """A header, and a row for each range of pressures."""
     rows = [("pressures from, MPa", "misfit of closure, um", "misfit of pressure, %")]
     return rows + [(f"{1e-6 * P:.3f}", f"{1e6 * closure:.1f}", f"{100 * ratio:.0f}") for P, closure, ratio in ranges]
 
 
-def main():
+def main() -> None:
     parser = argparse.ArgumentParser(prog="python -m validation.published.platen", description=__doc__.split("\n\n")[1])
     parser.add_argument("--out", type=Path, default=Path("results/platen"))
     parser.add_argument("--page", type=Path, help="put tables and picture into this page")

@@ -84,7 +84,7 @@ def solids(**changes: Any) -> Change:
             replace(law, **changes, **({} if fractions is None else {"Vf0": fractions[yarn]}))
             for yarn, law in enumerate(fabric.solid_laws)
         )
-        return replace(fabric, solid_laws=laws)
+        return replace(fabric, solid_laws=laws)  # type: ignore[arg-type]
 
     return change
 

@@ -4,9 +4,12 @@ A patch of solid yarns with fibre bars under impact, and the shell of the same s
 summary.txt, histories.png, patch.png and end.vtu; a checkpoint every 2 us, from which --resume goes on bit for bit.
 """
 
+from __future__ import annotations
+
 import argparse
 import time
 from pathlib import Path
+from typing import Any
 
 from fabrics.errors import UnstableError, run_program
 from fabrics.files import write_whole
@@ -15,7 +18,7 @@ from validation.published.solid_patch import pictures
 from validation.published.solid_patch.study import SOURCE_PROCESSORS, SOURCE_SECONDS, march, shell, summary, write
 
 
-def progress(run):
+def progress(run: Any) -> None:
     """Say every 2 us where the run is."""
     if len(run.samples) % 8 == 0:
         tension = max(run.sample("warp_peak")[-1], run.sample("weft_peak")[-1])
@@ -26,7 +29,7 @@ def progress(run):
         )
 
 
-def main():
+def main() -> None:
     parser = argparse.ArgumentParser(
         prog="python -m validation.published.solid_patch", description=__doc__.split("\n\n")[1]
     )

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
+from typing import Any
 
 import matplotlib
 
@@ -23,7 +25,7 @@ PARTS = (
 )  # fmt: skip
 
 
-def histories(march, beside, path):
+def histories(march: Any, beside: Any, path: Path) -> None:
     """Velocity, tension under the nose, energies, and the profile at the end; dashed lines are the shell's.
 
     Time counts from where the nose reaches the middle plane.
@@ -63,15 +65,15 @@ def histories(march, beside, path):
     plt.close(figure)
 
 
-def scene(march, path):
+def scene(march: Any, path: Path) -> None:
     """The deformed yarns, coloured by the strain of their fibres, over the projectile; seen from behind the fabric."""
     mesh = march.patch.mesh
     quads = np.concatenate(list(mesh.faces.values()))
     skin = pyvista.PolyData(1e3 * march.state.x, faces=np.insert(quads, 0, 4, axis=1).ravel())
     skin.point_data["fibre strain [%]"] = 100 * node_strains(march)
     skin = skin.clean()
-    view = pyvista.Plotter(off_screen=True, window_size=(1600, 1000), lighting="none")
-    view.set_background("white")
+    view = pyvista.Plotter(off_screen=True, window_size=(1600, 1000), lighting="none")  # type: ignore[arg-type]
+    view.set_background("white")  # type: ignore[arg-type]
     for place, strength in (((-3.0, 1.0, 3.0), 0.8), ((2.0, -4.0, 2.0), 0.6), ((0.0, 0.0, 5.0), 0.3)):
         view.add_light(pyvista.Light(position=place, focal_point=(0, 0, 0), color="white", intensity=strength))
     view.add_mesh(
@@ -85,14 +87,14 @@ def scene(march, path):
     body = short.surface() + march.state.projectile_position
     view.add_mesh(pyvista.StructuredGrid(*np.moveaxis(1e3 * body, -1, 0)), color="#9aa3ad", smooth_shading=True)
     middle = 1e3 * np.array([0.0, 0.0, 0.5 * march.state.x[:, 2].max()])
-    view.enable_parallel_projection()
+    view.enable_parallel_projection()  # type: ignore[call-arg]
     view.camera_position = [tuple(middle + np.array([-40, -60, 48.0])), tuple(middle), (0, 0, 1)]
     view.camera.parallel_scale = 0.4e3 * np.hypot(*march.patch.mesh.extent)
     view.reset_camera_clipping_range()
     save(view, path)
 
 
-def paraview(march, path):
+def paraview(march: Any, path: Path) -> None:
     """The last state as a .vtu: bricks, displacement, velocity, fibre strain, torn bricks."""
     mesh = march.patch.mesh
     grid = pyvista.UnstructuredGrid({pyvista.CellType.HEXAHEDRON: mesh.hexes}, march.state.x)

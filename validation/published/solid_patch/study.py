@@ -8,10 +8,13 @@ a patch so small breaks in that time.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from fabrics import catalogue
+from fabrics.checks import FloatArray
 from fabrics.errors import InputError
 from fabrics.files import write_hdf5
 from meshing import patch
@@ -40,7 +43,10 @@ class Shell:
     profiles: np.ndarray
 
 
-def march(name="S-720", count=20, size=(5, 5, 2), velocity=60.0, end_time=42e-6, *, threads=None, numerics=None):
+def march(
+    name: str = "S-720", count: int = 20, size: Any = (5, 5, 2), velocity: float = 60.0, end_time: float = 42e-6, *,
+    threads: int | None = None, numerics: Any = None,
+) -> SolidSolver:  # fmt: skip
     """The march of a square patch, ready to run.
 
     Raises
@@ -55,7 +61,7 @@ def march(name="S-720", count=20, size=(5, 5, 2), velocity=60.0, end_time=42e-6,
     return SolidSolver(SolidPatch(mesh, fabric, numerics=numerics), velocity, end_time, threads=threads)
 
 
-def shell(march):
+def shell(march: Any) -> Shell:
     """The same shot on the shell: one element a crossover, the published compression law."""
     weave, count = march.patch.fabric.weave, march.patch.count[0]
     opening = tuple(2 * w * count * (1 + 1e-6) for w in weave.w)
@@ -66,19 +72,19 @@ def shell(march):
     found = single_ply.run(setup)
     under = [np.arange(count // 2) * 2 * w + w < march.patch.projectile.radius for w in weave.w]
     nose = [(shot.tension[under[0], 0, 0].mean(), shot.tension[0, under[1], 1].mean()) for shot in found.snapshots]
-    nose = np.array(nose).reshape(-1, 2)
+    nose = np.array(nose).reshape(-1, 2)  # type: ignore[assignment]
     times = [shot.t for shot in found.snapshots]
-    tensions = np.stack([np.interp(found.t, times, nose[:, k]) for k in (0, 1)], axis=1)
+    tensions = np.stack([np.interp(found.t, times, nose[:, k]) for k in (0, 1)], axis=1)  # type: ignore[call-overload]
     profiles = np.array([shot.nodes[:, 0][:, [0, 2]] for shot in found.snapshots])
     return Shell(found.t, found.v, found.nose_position, tensions, np.array(times), profiles)
 
 
-def clock(march):
+def clock(march: Any) -> float:
     """[s] of the march at which its nose reaches the middle plane of the cloth, where the shell's clock starts."""
     return float(np.interp(0.0, march.sample("z"), march.sample("t")))
 
 
-def profile(march):
+def profile(march: Any) -> FloatArray:
     """(k, 2) [m] place and height of the axis between the two middle warps, along it."""
     mesh, x = march.patch.mesh, march.state.x
     half = march.patch.count[0] // 2
@@ -86,7 +92,7 @@ def profile(march):
     return np.mean([x[mesh.grids[yarn][:, across, through]] for yarn in (half - 1, half)], axis=0)[:, [0, 2]]
 
 
-def node_strains(march):
+def node_strains(march: Any) -> FloatArray:
     """(n,) [-] mean strain of the whole fibres that meet at each node."""
     mesh, x = march.patch.mesh, march.state.x
     pairs = np.concatenate(mesh.bars)
@@ -100,7 +106,7 @@ def node_strains(march):
     return total / np.maximum(number, 1)
 
 
-def summary(march, beside=None, processor_seconds=None):
+def summary(march: Any, beside: Any = None, processor_seconds: float | None = None) -> list[tuple[str, str]]:
     """Lines of name and text: what was run, what it cost, what it says."""
     last = dict(zip(SAMPLES, march.samples[-1]))
     taken = march.strike_energy - last["kinetic_projectile"]
@@ -133,7 +139,7 @@ def summary(march, beside=None, processor_seconds=None):
     return lines
 
 
-def write(march, beside, path):
+def write(march: Any, beside: Any, path: Path) -> None:
     """Samples, places at the end, and the shell's histories, in one HDF5 file; every dataset has its unit."""
     with write_hdf5(path, FORMAT, fabric=march.patch.fabric.name) as file:
         file.attrs["strike_velocity"], file.attrs["wall_time"] = march.strike_velocity, march.wall_time

@@ -1,5 +1,7 @@
 """Bias extension of a small coupon of balanced S-728: load, and shear of the zones B and C."""
 
+from __future__ import annotations
+
 from validation.verification.cost_accuracy import coupons
 from validation.verification.cost_accuracy.core import Quantity, Scene
 
@@ -10,7 +12,7 @@ QUANTITIES = (
 )
 
 
-def scene(quick=False):
+def scene(quick: bool = False) -> Scene:
     """The scene; `quick` takes coarser references."""
     base = coupons.read("bias-extension")
     meshes, finer = coupons.references(base, (0.5, 1, 2) if quick else (1, 2, 3, 4))

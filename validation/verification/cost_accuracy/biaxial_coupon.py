@@ -1,5 +1,7 @@
 """A cross-shaped coupon of S-720 pulled by its four arms: their loads, and the strains of the middle."""
 
+from __future__ import annotations
+
 from validation.verification.cost_accuracy import coupons
 from validation.verification.cost_accuracy.core import Quantity, Scene
 
@@ -11,7 +13,7 @@ QUANTITIES = (
 )
 
 
-def scene(quick=False):
+def scene(quick: bool = False) -> Scene:
     """The scene; `quick` takes coarser references."""
     base = coupons.read("biaxial-coupon")
     meshes, finer = coupons.references(base, (1, 2, 3) if quick else (1, 2, 3, 4))

@@ -12,9 +12,10 @@ from __future__ import annotations
 
 import statistics
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from math import isnan, nan
+from typing import Any
 
 from fabrics.errors import UnstableError
 from weavecell.analysis.pareto import non_dominated
@@ -72,15 +73,15 @@ class Scene:
     exact: dict | None = None
 
     @property
-    def groups(self):
+    def groups(self) -> dict[str, list[Quantity]]:
         """{group: [its quantities]} in their order."""
-        found = {}
+        found: dict[str, list[Quantity]] = {}
         for quantity in self.quantities:
             found.setdefault(quantity.group, []).append(quantity)
         return found
 
     @property
-    def cases(self):
+    def cases(self) -> list[Any]:
         """All cases once, cheapest kinds first."""
         found = (
             [m.case for m in self.methods] + [case for _, case in self.meshes] + [c for two in self.finer for c in two]
@@ -117,7 +118,7 @@ class Entry:
     sample: Sample
     errors: dict
 
-    def worst(self, quantities):
+    def worst(self, quantities: Iterable[Quantity]) -> float:
         """[-] largest error in some quantities; nan where one of them was not found."""
         found = [self.errors.get(q.name, nan) for q in quantities]
         return nan if any(map(isnan, found)) else max(found)
@@ -132,7 +133,7 @@ class Reference:
     basis: Extrapolation | None
 
     @property
-    def share(self):
+    def share(self) -> float:
         """[-] half width over value."""
         return self.half_width / abs(self.value)
 
@@ -155,25 +156,27 @@ class Chart:
     fronts: dict
 
     @property
-    def key(self):
+    def key(self) -> str:
         """Name of the scene on the command line."""
         return self.scene.key
 
-    def unsure(self, group):
+    def unsure(self, group: str) -> float:
         """[-] largest half width of the references of a group."""
         return max(self.references[q.name].share for q in self.scene.groups[group])
 
 
-_warm = set()
+_warm: set[Any] = set()
 
 
-def timed(run, warm, case, most=MOST) -> Sample:
+def timed(run: Callable[..., Any], warm: Callable[..., Any], case: Any, most: int = MOST) -> Sample:
     """Solve a case, over again while it is short; warm(case) before it, once for each case that it gives."""
     short = warm(case)
     if short not in _warm:
         run(short)
         _warm.add(short)
-    cpu, wall, values, parts, failed = [], [], {}, {}, ""
+    cpu: list[float] = []
+    wall: list[float] = []
+    values, parts, failed = {}, {}, ""
     while len(cpu) < most and sum(cpu) < ENOUGH:
         clocks = time.process_time(), time.perf_counter()
         try:
@@ -198,7 +201,7 @@ def judge(scene: Scene, samples: dict) -> Chart:
     return Chart(scene, references, entries, fronts(scene, references, entries))
 
 
-def fronts(scene, references, entries):
+def fronts(scene: Scene, references: dict[str, Reference], entries: Sequence[Entry]) -> dict[str, list[Entry]]:
     """{group: [entries that none other beats, cheapest first]}; within what is known of the reference all are alike."""
     cost, found = [entry.sample.cpu for entry in entries], {}
     for group, asked in scene.groups.items():

@@ -6,15 +6,19 @@ import time
 import tomllib
 from dataclasses import dataclass, replace
 from importlib import resources
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from fabrics import catalogue, variants
 from fabrics.units import si
-from shellfabric.cell.model import CellModel
+from shellfabric.cell.model import CellModel, CellTable
 from shellfabric.coupon import quasistatic
 from validation.published.bias_extension import cases, dynamic
 from validation.verification.cost_accuracy.core import Method
+
+if TYPE_CHECKING:
+    from fabrics.fabric import Fabric
 
 
 @dataclass(frozen=True)
@@ -37,7 +41,7 @@ class Test:
     tolerance: float = 1e-4
     explicit: str = ""
 
-    def cell(self, fabric):
+    def cell(self, fabric: Fabric) -> CellTable:
         """Table of a fabric."""
         fabric = variants.with_law_form(fabric, self.law)
         if self.elements < 1:
@@ -45,7 +49,7 @@ class Test:
         return CellModel(fabric, model=self.model).table(self.table)
 
     @property
-    def choices(self):
+    def choices(self) -> dict[str, Any]:
         """Keywords of the tests of `quasistatic`."""
         several = max(1, int(self.elements))
         return {"elements_per_crossover": several, "steps": self.steps, "tolerance": self.tolerance}
@@ -59,10 +63,10 @@ class Bias(Test):
     width: float = 0.0338
     elongation: float = 4.7e-3
 
-    def run(self):
+    def run(self) -> tuple[dict[str, float], float]:
         """Its quantities, and the CPU time [s] of the table."""
         begun = time.process_time()
-        size = {"length": self.length, "width": self.width, "elongation": self.elongation}
+        size: dict[str, Any] = {"length": self.length, "width": self.width, "elongation": self.elongation}
         if self.explicit:
             pulled = dynamic.pull(
                 "locking",
@@ -94,7 +98,7 @@ class Cross(Test):
     centre: int = 12
     arm: int = 8
 
-    def run(self):
+    def run(self) -> tuple[dict[str, float], float]:
         """Its quantities, and the CPU time [s] of the table."""
         begun = time.process_time()
         table = self.cell(catalogue.load(self.fabric).with_effective_density())
@@ -115,23 +119,25 @@ class Cross(Test):
         return loads | {f"strain of the {name}": float(e) for name, e in zip(("warp", "weft"), strains)}, filled
 
 
-def run(case):
+def run(case: Any) -> tuple[dict[str, float], dict[str, float]]:
     """({quantity: value}, {part: CPU time [s]})."""
     begun = time.process_time()
     values, table = case.run()
     return values, {"table": table, "march": time.process_time() - begun - table}
 
 
-def read(name):
+def read(name: str) -> Any:
     """The default case of a scene of scenes.toml: a Bias or Cross."""
     content = tomllib.loads(
         (resources.files("validation.verification.cost_accuracy") / "scenes.toml").read_text("utf-8")
     )[name]
-    lengths = {key: si(content.pop(key), "m", key=key) for key in ("length", "width", "elongation") if key in content}
+    lengths: dict[str, Any] = {
+        key: si(content.pop(key), "m", key=key) for key in ("length", "width", "elongation") if key in content
+    }
     return (Bias if lengths else Cross)(**content, **lengths)
 
 
-def warm(case):
+def warm(case: Any) -> Bias | Cross:
     """A small and short case of the same kernels."""
     small = replace(
         case, elements=1, table=21, explicit="", steps=1, tolerance=1e-1, model="compressible", law="regularised"
@@ -139,7 +145,7 @@ def warm(case):
     return replace(small, elongation=0.1 * case.elongation) if isinstance(case, Bias) else replace(small, strain=1e-3)
 
 
-def methods(base):
+def methods(base: Bias | Cross) -> tuple[Method, ...]:
     """All methods for a coupon; the first is the default."""
 
     def one(choice, name, **changes):
@@ -165,7 +171,7 @@ def methods(base):
     return tuple(found)
 
 
-def references(base, finest):
+def references(base: Bias | Cross, finest: tuple[float, ...]) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
     """(meshes, finer) for `core.Scene`: the meshes, and a finer table, finer steps and tolerance at the first."""
     meshes = tuple((1 / n, replace(base, elements=n)) for n in finest)
     first = replace(base, elements=finest[0])

@@ -1,5 +1,9 @@
 """The 3D crossover on the paths of the crossover convergence study, by what that study can vary in a minute."""
 
+from __future__ import annotations
+
+from typing import Any
+
 from fabrics.errors import UnstableError
 from validation.verification.cost_accuracy.core import Method, Quantity, Scene
 from validation.verification.crossover_convergence import cases, study
@@ -13,7 +17,7 @@ QUANTITIES = tuple(
 )
 
 
-def run(case):
+def run(case: Any) -> tuple[dict[str, float], dict[str, float]]:
     """({quantity: value}, {part: CPU time [s]}) of a case of the study."""
     fabric, paths = study.scene()
     found = cases.solve(fabric, {name: paths[name] for name in study.MEASURED}, case)
@@ -22,7 +26,7 @@ def run(case):
     return found["values"], {"march": found["cpu"]}
 
 
-def scene(quick=False):
+def scene(quick: bool = False) -> Scene:
     """The scene; `quick` takes the coarsest meshes alone."""
     chosen = {axis.name: axis for axis in axes("quick")}
     meshes = list(chosen["mesh"].cases.items())

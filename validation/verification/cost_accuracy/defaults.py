@@ -10,8 +10,10 @@ from __future__ import annotations
 
 import argparse
 import csv
+from collections.abc import Iterable, Sequence
 from importlib import resources
 from pathlib import Path
+from typing import Any
 
 from fabrics.errors import run_program
 from fabrics.files import write_whole
@@ -24,7 +26,7 @@ HEAD = ("shot", "quantity", "error of the default, %", "reference known to, %")
 FILE = "default-errors.csv"
 
 
-def errors(key):
+def errors(key: str) -> list[tuple[Any, ...]]:
     """Rows of one standard shot, as texts: its default is run, and compared with the stored references."""
     scene = study.load(key)
     chart, _ = tables.read(scene, Path(str(resources.files("validation.verification.cost_accuracy"))) / "measured")
@@ -38,18 +40,18 @@ def errors(key):
     return rows
 
 
-def read(path):
+def read(path: Path) -> list[tuple[Any, ...]]:
     """Rows of a table written by `main`, without its head."""
     with open(path, encoding="utf-8", newline="") as file:
         return [tuple(row) for row in csv.reader(file)][1:]
 
 
-def table(rows):
+def table(rows: Iterable[Sequence[str]]) -> str:
     """The rows in Markdown."""
     return markdown([list(HEAD), *map(list, rows)])
 
 
-def main():
+def main() -> None:
     parser = argparse.ArgumentParser(
         prog="python -m validation.verification.cost_accuracy.defaults", description=__doc__.splitlines()[0]
     )

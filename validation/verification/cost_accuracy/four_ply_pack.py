@@ -1,10 +1,12 @@
 """Four plies that stop the projectile: time and deflection of the stop, energy, peak tensions."""
 
+from __future__ import annotations
+
 from validation.verification.cost_accuracy import packs, ply_stopped, shots
 from validation.verification.cost_accuracy.core import Scene
 
 
-def scene(quick=False):
+def scene(quick: bool = False) -> Scene:
     """The scene; `quick` takes coarser references."""
     shot = shots.read("four-ply-pack")
     meshes, finer = packs.references(shot, (0.5, 1, 2) if quick else (1, 2, 3, 4))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -12,6 +13,9 @@ from shellfabric.plies.model import Pack, PlyContact
 from shellfabric.plies.solver import PackSolver
 from validation.verification.cost_accuracy import shots
 from validation.verification.cost_accuracy.core import Method
+
+if TYPE_CHECKING:
+    from validation.verification.cost_accuracy.shots import Shot
 
 
 @dataclass(frozen=True)
@@ -34,7 +38,7 @@ class Plies:
     form: str = PlyContact.form
 
 
-def run(case):
+def run(case: Any) -> tuple[dict[str, float], dict[str, float]]:
     """({quantity: value}, {part: CPU time [s]}).
 
     Raises
@@ -45,7 +49,8 @@ def run(case):
     ply = shots.panel(case.shell)
     contact = PlyContact(penalty=case.penalty, points=case.points, form=case.form)
     pack = Pack.stacked(ply, case.plies, gap=case.gap, contact=contact)
-    filled, shot, found = time.process_time(), case.shell.shot, {}
+    found: dict[str, Any] = {}
+    filled, shot = time.process_time(), case.shell.shot
     yarns = max(1, round(1 / case.shell.elements))  # a thick yarn stands for so many
     for velocity in shot.velocities:
         march = PackSolver(pack, velocity, shot.end)
@@ -66,12 +71,12 @@ def _wake(march):
         state.active_rows[:] = 0, const.ni
 
 
-def warm(case):
+def warm(case: Any) -> Any:
     """A short run that compiles what a case needs."""
     return replace(case, shell=shots.warm(case.shell), plies=2, gap=1e-4)
 
 
-def methods(shot):
+def methods(shot: Shot) -> tuple[Method, ...]:
     """All methods for a pack; the first is the default.
 
     Single precision is on the charts of one ply alone: for a pack it is another program, minutes to compile.
@@ -100,7 +105,7 @@ def methods(shot):
     )
 
 
-def references(shot, finest):
+def references(shot: shots.Shot, finest: tuple[float, ...]) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
     """(meshes, finer) for `core.Scene`: the meshes, and a finer table, time step and contact at the first of them."""
     base = Plies(shots.Shell(shot, table=51))
 

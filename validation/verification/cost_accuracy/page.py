@@ -2,8 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
 from validation.verification.cost_accuracy import tables
 from validation.verification.study import markdown, write_page
+
+if TYPE_CHECKING:
+    from validation.verification.cost_accuracy.core import Chart
 
 HEAD = """# Speed against accuracy
 
@@ -19,7 +26,7 @@ An error is that of the answer, not of the physics: the reference is the compres
 with the regularised law, and another cell or form is another model, whose distance from it is what the chart shows."""
 
 
-def write(charts, path, command):
+def write(charts: Sequence[tuple[Chart, str]], path: Path, command: str) -> None:
     """Write the page; its pictures are in figures/ beside it.
 
     Parameters
@@ -31,7 +38,7 @@ def write(charts, path, command):
     write_page(path, HEAD, command, "scene by scene", overview, [(_section(chart), made) for chart, made in charts])
 
 
-def summary(charts):
+def summary(charts: list[Chart]) -> str:
     """One row a scene and group: default, cheapest within 5 %, and most exact."""
     rows = []
     for chart in charts:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from itertools import pairwise
 from math import isnan, log10
+from pathlib import Path
+from typing import TYPE_CHECKING
 
 import matplotlib
 
@@ -14,12 +16,15 @@ from matplotlib.ticker import FuncFormatter, NullFormatter
 from fabrics.files import replace_whole
 from meshing.pictures_style import BLUE, FAINT, INK, RED
 
+if TYPE_CHECKING:
+    from validation.verification.cost_accuracy.core import Chart
+
 BAND = "#f1ead9"
 LEAST = 1e-5  # of a value: nothing below is shown
 LINE = 0.062  # of a panel's height: least distance of two names
 
 
-def draw(chart, path):
+def draw(chart: Chart, path: Path) -> None:
     """Write the chart as a PNG."""
     groups = chart.scene.groups
     figure, row = plt.subplots(1, len(groups), figsize=(8.2 * len(groups), 5.2), squeeze=False)

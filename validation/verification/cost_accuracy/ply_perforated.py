@@ -1,10 +1,12 @@
 """One ply that the projectile perforates: what velocity is left, what energy was absorbed."""
 
+from __future__ import annotations
+
 from validation.verification.cost_accuracy import shots
 from validation.verification.cost_accuracy.core import Quantity, Scene
 
 
-def scene(quick=False):
+def scene(quick: bool = False) -> Scene:
     """The scene; `quick` takes coarser references."""
     shot = shots.read("ply-perforated")
     meshes, finer = shots.references(shot, (1, 2, 3) if quick else (2, 3, 4, 5))

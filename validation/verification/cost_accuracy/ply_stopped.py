@@ -1,5 +1,7 @@
 """One ply that stops the projectile: time and deflection of the stop, energy, peak tensions."""
 
+from __future__ import annotations
+
 from validation.verification.cost_accuracy import shots
 from validation.verification.cost_accuracy.core import Quantity, Scene
 
@@ -12,7 +14,7 @@ QUANTITIES = (
 )
 
 
-def scene(quick=False):
+def scene(quick: bool = False) -> Scene:
     """The scene; `quick` takes coarser references."""
     shot = shots.read("ply-stopped")
     meshes, finer = shots.references(shot, (1, 2, 3) if quick else (2, 3, 4, 5))

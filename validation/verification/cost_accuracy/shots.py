@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import time
 import tomllib
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from importlib import resources
+from typing import Any
 
 import numpy as np
 
 from fabrics import catalogue, variants
+from fabrics.checks import FloatArray
 from fabrics.errors import UnstableError
 from fabrics.units import si
 from shellfabric.cable import solver as cable_solver
@@ -71,7 +74,7 @@ class Cable:
     symmetry: str = "quarter"
 
 
-def read(name) -> Shot:
+def read(name: str) -> Shot:
     """The shot of a scene of scenes.toml."""
     content = tomllib.loads(
         (resources.files("validation.verification.cost_accuracy") / "scenes.toml").read_text("utf-8")
@@ -85,7 +88,7 @@ def read(name) -> Shot:
     )  # fmt: skip
 
 
-def run(case):
+def run(case: Shell | Cable) -> tuple[dict[str, float], dict[str, float]]:
     """({quantity: value}, {part: CPU time [s]}) of a Shell or Cable.
 
     Raises
@@ -142,7 +145,10 @@ def _cable(case):
     return found, {"table": 0.0, "march": time.process_time() - begun}
 
 
-def read_off(shot, velocity, outcome, z, v, dt, mass, peak):
+def read_off(
+    shot: Shot, velocity: float, outcome: str, z: FloatArray, v: FloatArray, dt: float, mass: float,
+    peak: Sequence[float],
+) -> dict[str, float]:  # fmt: skip
     """Quantities of a shot from the projectile's place [m] and velocity [m/s] after each step."""
     if shot.outcome == "":
         return {}
@@ -162,13 +168,13 @@ def read_off(shot, velocity, outcome, z, v, dt, mass, peak):
     }
 
 
-def warm(case):
+def warm(case: Any) -> Any:
     """A short run that compiles what a case needs."""
     short = replace(case.shot, velocities=case.shot.velocities[:1], end=1e-6, outcome="")
     return Cable(short) if isinstance(case, Cable) else Shell(short, table=8, precision=case.precision, form=case.form)
 
 
-def methods(shot, meshes=(2, 3)):
+def methods(shot: Shot, meshes: Sequence[float] = (2, 3)) -> tuple[Method, ...]:
     """All methods for a shot; the first is the default."""
     base = Shell(shot)
 
@@ -203,7 +209,7 @@ def methods(shot, meshes=(2, 3)):
     )
 
 
-def references(shot, finest):
+def references(shot: Shot, finest: tuple[int, ...]) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
     """(meshes, finer) for `core.Scene`: the meshes, and a finer table and time step at the first of them."""
     base = Shell(shot)
     meshes = tuple((1 / n, replace(base, elements=n)) for n in finest)

@@ -1,5 +1,7 @@
 """A lone straight yarn struck across at constant velocity: the cable model beside Smith's closed form."""
 
+from __future__ import annotations
+
 import time
 import tomllib
 from dataclasses import dataclass
@@ -31,7 +33,7 @@ class Yarn:
     viscosity: float = CableNumerics.viscosity
 
 
-def run(case):
+def run(case: Yarn) -> tuple[dict[str, float], dict[str, float]]:
     """({quantity: value}, {part: CPU time [s]})."""
     begun = time.process_time()
     numerics = CableNumerics(cfl=case.cfl, viscosity=case.viscosity)
@@ -44,7 +46,7 @@ def _values(wave):
     return {"tension": wave.tension, "force": wave.force, "kink speed": wave.U, "front speed": wave.c}
 
 
-def scene(quick=False):
+def scene(quick: bool = False) -> Scene:
     """The scene; `quick` has none but short runs."""
     content = tomllib.loads(
         (resources.files("validation.verification.cost_accuracy") / "scenes.toml").read_text("utf-8")

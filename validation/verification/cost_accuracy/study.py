@@ -2,9 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
 from fabrics import run_cache
-from validation.verification.cost_accuracy.core import judge, timed
+from validation.verification.cost_accuracy.core import Chart, Sample, judge, timed
 from validation.verification.study import known
+
+if TYPE_CHECKING:
+    from validation.verification.cost_accuracy.core import Scene
 
 NAMES = (
     "struck-yarn",
@@ -17,7 +24,7 @@ NAMES = (
 )  # of the command line
 
 
-def load(key, quick=False):
+def load(key: str, quick: bool = False) -> Scene:
     """A standard scene by its name.
 
     Raises
@@ -48,13 +55,15 @@ def _module(key):
     return module
 
 
-def solve(key, case):
+def solve(key: str, case: Any) -> Sample:
     """Sample of one case of a scene."""
     found = load(key)
     return timed(found.run, found.warm, case)
 
 
-def run(key, folder, *, quick=False, resume=False, report=None):
+def run(
+    key: str, folder: Path, *, quick: bool = False, resume: bool = False, report: Callable[..., object] | None = None
+) -> Chart:
     """Solve all cases of a scene, one after the other, and judge them; a Chart.
 
     Parameters

@@ -3,34 +3,35 @@
 from __future__ import annotations
 
 import csv
+from pathlib import Path
 
 from fabrics.errors import InputError
 from fabrics.files import write_whole
-from validation.verification.cost_accuracy.core import Chart, Entry, Reference, Sample, fronts
+from validation.verification.cost_accuracy.core import Chart, Entry, Quantity, Reference, Sample, Scene, fronts
 from validation.verification.study import markdown
 from weavecell.analysis.richardson import Extrapolation
 
 SCALES = {"s": (1e6, "µs"), "m": (1e3, "mm"), "-": (1e2, "%"), "deg": (1.0, "°")}
 
 
-def shown(quantity, value):
+def shown(quantity: Quantity, value: float) -> str:
     """A value as a reader wants it."""
     scale, _ = SCALES.get(quantity.unit, (1.0, quantity.unit))
     return f"{scale * value:.4g}"
 
 
-def heading(quantity):
+def heading(quantity: Quantity) -> str:
     """Name and unit of a quantity, as `shown`."""
     return f"{quantity.name} [{SCALES.get(quantity.unit, (1.0, quantity.unit))[1]}]"
 
 
-def write(chart, folder, made=""):
+def write(chart: Chart, folder: Path, made: str = "") -> None:
     """NAME.csv, one row a method, and NAME-references.csv, one row a quantity; `made` as of `write_references`."""
     write_methods(chart, folder / f"{chart.key}.csv")
     write_references(chart, folder / f"{chart.key}-references.csv", made)
 
 
-def write_methods(chart, path):
+def write_methods(chart: Chart, path: Path) -> None:
     """One row a method: cost, values (SI), errors [-], and on which fronts it is."""
     quantities = chart.scene.quantities
     with write_whole(path) as file:
@@ -51,7 +52,7 @@ def write_methods(chart, path):
             ])  # fmt: skip
 
 
-def write_references(chart, path, made=""):
+def write_references(chart: Chart, path: Path, made: str = "") -> None:
     """One row a quantity: reference (SI), half width, where from; `made` says when, where and by which version."""
     with write_whole(path) as file:
         rows = csv.writer(file, lineterminator="\n")
@@ -68,12 +69,12 @@ def write_references(chart, path, made=""):
             ])  # fmt: skip
 
 
-def kept(key, folder):
+def kept(key: str, folder: Path) -> bool:
     """Whether the tables of a scene are in a folder."""
     return all((folder / f"{key}{part}.csv").exists() for part in ("", "-references"))
 
 
-def read(scene, folder):
+def read(scene: Scene, folder: Path) -> tuple[Chart, str]:
     """(Chart, made) from the tables of a scene in a folder; methods that the scene no longer has are left out.
 
     Raises
@@ -117,7 +118,7 @@ def _order(basis):
     return "" if basis.order is None else f"{basis.order:.2f}"
 
 
-def reference_table(chart):
+def reference_table(chart: Chart) -> str:
     """References with what they are unsure of."""
     rows = []
     for quantity in chart.scene.quantities:
@@ -132,7 +133,7 @@ def reference_table(chart):
     return markdown(["quantity", "reference", "± [%]", "from"], rows)
 
 
-def method_table(chart):
+def method_table(chart: Chart) -> str:
     """Every method with its cost and its errors in per cent; in bold where none beats it."""
     quantities = chart.scene.quantities
     best = [entry for front in chart.fronts.values() for entry in front]

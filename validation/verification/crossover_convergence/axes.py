@@ -38,7 +38,7 @@ class Axis:
     counted: bool = True
 
 
-def axes(level="full"):
+def axes(level: str = "full") -> list[Axis]:
     """All axes, the mesh first; `level`: of `REFINEMENTS`."""
     base = BASE
     return [

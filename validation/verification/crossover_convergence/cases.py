@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from dataclasses import asdict, dataclass, replace
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -17,6 +18,9 @@ from unitcell3d.material import solid_law
 from unitcell3d.model.crossover import CrossoverModel, Load, Numerics
 from unitcell3d.solver.load_stepping import Steps, solve_load_path
 from validation.verification.crossover_convergence import ends
+
+if TYPE_CHECKING:
+    from fabrics.fabric import Fabric
 
 QUANTITIES = ("T1", "T2", "F_c")
 TRIBUTARY, EQUAL = "tributary areas", "equal areas"
@@ -52,22 +56,22 @@ class Case:
     solids: tuple = ()
 
     @property
-    def full_numerics(self):
+    def full_numerics(self) -> Numerics:
         """The Numerics of the case."""
         return replace(Numerics(), **dict(self.numerics))
 
     @property
-    def full_steps(self):
+    def full_steps(self) -> Steps:
         """The Steps of the case."""
         return replace(Steps(), **dict(self.steps))
 
     @property
-    def identity(self):
+    def identity(self) -> dict[str, Any]:
         """All that its results hang on, as plain types."""
         return asdict(self) | {"numerics": asdict(self.full_numerics), "steps": asdict(self.full_steps)}
 
 
-def solve(fabric, paths, case):
+def solve(fabric: Fabric, paths: dict[str, tuple[float, float]], case: Case) -> dict[str, Any]:
     """Solve one case.
 
     Parameters
@@ -85,7 +89,8 @@ def solve(fabric, paths, case):
     _warm_up(fabric)
     wall, cpu = time.perf_counter(), time.process_time()
     mesh = _mesh(fabric, case)
-    histories, failed, unknowns, tangents = {}, {}, 0, 0
+    failed: dict[str, str] = {}
+    histories, unknowns, tangents = {}, 0, 0
     for name, d in paths.items():
         model = _model(mesh, fabric, case)
         with _counted() as taken:

@@ -7,12 +7,13 @@ clamped face  the whole face is held along the yarn and in height
 
 from __future__ import annotations
 
-from unitcell3d.assembly.constraints import AXIAL, VERTICAL, WIDTH, Ties
+from fabrics.checks import IntArray
+from unitcell3d.assembly.constraints import AXIAL, VERTICAL, WIDTH, Constraints, Ties
 
 TWO_FOLD, PIN, UPRIGHT, CLAMPED = "two-fold axis", "pin", "upright face", "clamped face"
 
 
-def held(grids, n, end):
+def held(grids: tuple[IntArray, IntArray], n: int, end: str) -> Constraints:
     """Constraints of a quarter crossover with another end condition.
 
     Parameters

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from pathlib import Path
+
 from fabrics.files import write_whole
 from validation.verification.crossover_convergence import tables
 from validation.verification.crossover_convergence.axes import METHOD
-from validation.verification.crossover_convergence.study import MEASURED, measured, name
+from validation.verification.crossover_convergence.study import MEASURED, Study, measured, name
 
 LEADS = {
     "mesh": "All three directions refined together; the section, the bars and the contact surfaces get finer with it.",
@@ -32,7 +35,7 @@ LEADS = {
 }
 
 
-def write(study, path, stamp, command, drawn):
+def write(study: Study, path: Path, stamp: str, command: str, drawn: Sequence[str]) -> None:
     """Write the page; its pictures are in figures/ beside it.
 
     Parameters

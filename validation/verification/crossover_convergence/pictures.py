@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import matplotlib
+
+from validation.verification.crossover_convergence.study import Study
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
@@ -20,7 +24,7 @@ CONVERGING = ("mesh", "penalty", "toe")
 LEAST = 1e-5  # of a value: nothing below is shown
 
 
-def draw_all(study, folder):
+def draw_all(study: Study, folder: Path) -> list[str]:
     """Write the pictures that there is something for into a folder; returns their names."""
     drawn = {"pareto": pareto}
     if any(study.limits.get(choice) for choice in CONVERGING):
@@ -35,7 +39,7 @@ def draw_all(study, folder):
     return list(drawn)
 
 
-def convergence(study):
+def convergence(study: Study) -> matplotlib.figure.Figure:
     """Distance of each force from its limit, one panel a choice; hollow where the limit has no observed order."""
     names = [choice for choice in CONVERGING if study.limits.get(choice)]
     figure, row = plt.subplots(
@@ -77,7 +81,7 @@ def convergence(study):
     return figure
 
 
-def effects(study):
+def effects(study: Study) -> matplotlib.figure.Figure:
     """Change of each quantity from the base, in per cent, of the choices that ask another question."""
     rows = [
         entry
@@ -105,7 +109,7 @@ def effects(study):
     return figure
 
 
-def pareto(study):
+def pareto(study: Study) -> matplotlib.figure.Figure:
     """CPU time of the three paths against the largest error in the forces; methods that none beats are named."""
     figure, axes = plt.subplots(figsize=(12.5, 6.4), layout="constrained")
     shown = list({entry.case: entry for entry in study.entries if entry.error is not None}.values())

@@ -3,19 +3,25 @@
 from __future__ import annotations
 
 import tomllib
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from importlib import resources
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from fabrics import catalogue, run_cache
 from fabrics.errors import InputError
 from fabrics.units import si
-from validation.verification.crossover_convergence.axes import BASE, METHOD, axes
+from validation.verification.crossover_convergence.axes import BASE, METHOD, Axis, axes
 from validation.verification.crossover_convergence.cases import solve
 from weavecell.analysis.pareto import non_dominated
 from weavecell.analysis.richardson import extrapolate
+
+if TYPE_CHECKING:
+    from fabrics.fabric import Fabric
+    from validation.verification.crossover_convergence.cases import Case
 
 MARGIN = 0.1  # a method is worth more time if it takes a tenth off the error: times are no better known
 MEASURED = ("warp only", "equibiaxial")  # paths whose forces at the end the errors are taken of
@@ -69,12 +75,12 @@ class Study:
     reference: dict
     best: list
 
-    def of(self, name):
+    def of(self, name: str) -> list[Entry]:
         """Entries of one axis."""
         return [entry for entry in self.entries if entry.axis == name]
 
 
-def scene():
+def scene() -> tuple[Fabric, dict[str, Any]]:
     """(fabric, {path: (d1, d2)} [m]) of the study's data file."""
     content = tomllib.loads(
         (resources.files("validation.verification.crossover_convergence") / "scene.toml").read_text("utf-8")
@@ -83,7 +89,10 @@ def scene():
     return catalogue.load(content["fabric"]), paths
 
 
-def run(out, *, level="full", only=None, resume=False, executor="local", jobs=1, report=None):
+def run(
+    out: Path, *, level: str = "full", only: Sequence[str] | None = None, resume: bool = False, executor: str = "local",
+    jobs: int = 1, report: Callable[..., object] | None = None,
+) -> Study:  # fmt: skip
     """Solve all cases of the study.
 
     Parameters
@@ -119,7 +128,9 @@ def run(out, *, level="full", only=None, resume=False, executor="local", jobs=1,
     return judge(fabric.name, paths, chosen, results)
 
 
-def judge(fabric, paths, chosen, results):
+def judge(
+    fabric: str, paths: dict[str, tuple[float, float]], chosen: list[Axis], results: dict[Case, dict[str, Any]]
+) -> Study:
     """The Study of solved cases {case: result}."""
     base = results[BASE]
     limits = {axis.name: _limits(axis, results) for axis in chosen if axis.x is not None}
@@ -142,18 +153,18 @@ def judge(fabric, paths, chosen, results):
     return Study(fabric, paths, first, chosen, entries, limits, reference, [unique[i] for i in best])
 
 
-def name(study, entry):
+def name(study: Study, entry: Entry) -> str:
     """What a reader calls an entry."""
     return "the base" if entry.case == study.base.case else f"{entry.axis}: {entry.label}"
 
 
-def quantities(result):
+def quantities(result: dict[str, Any]) -> dict[str, float]:
     """{name: value} of a result: the forces at the paths' ends, and a, b of the law."""
     law = result["law"] or {}
     return result["values"] | {name: law[name] for name in LAW if name in law}
 
 
-def measured(name):
+def measured(name: str) -> bool:
     """Whether a quantity is one that the errors are taken of."""
     return name.split(", ")[-1] in MEASURED
 

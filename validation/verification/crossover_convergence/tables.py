@@ -3,15 +3,21 @@
 from __future__ import annotations
 
 import csv
+from collections.abc import Iterable, Iterator, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
 
 from fabrics.files import write_whole
 from validation.verification.crossover_convergence.axes import METHOD
-from validation.verification.crossover_convergence.study import LAW, measured, quantities
+from validation.verification.crossover_convergence.study import LAW, Study, measured, quantities
+
+if TYPE_CHECKING:
+    from weavecell.analysis.richardson import Extrapolation
 
 UNITS = {"a": ("a [mm]", 1e3, "{:.4f}"), "b": ("b [mm N^(1/3)]", 1e3, "{:.4f}")}
 
 
-def write_csv(study, path):
+def write_csv(study: Study, path: Path) -> None:
     """One row an entry: values, changes from the base, error against the reference, cost."""
     names = list(study.reference)
     with write_whole(path) as file:
@@ -34,7 +40,7 @@ def write_csv(study, path):
             ])  # fmt: skip
 
 
-def write_orders(study, path):
+def write_orders(study: Study, path: Path) -> None:
     """One row a choice with a limit and quantity: limit, observed order, and how far the base is from the limit."""
     with write_whole(path) as file:
         rows = csv.writer(file)
@@ -50,35 +56,35 @@ def write_orders(study, path):
                 ])  # fmt: skip
 
 
-def off(study, quantity, limit):
+def off(study: Study, quantity: str, limit: Extrapolation) -> float:
     """[-] of the base from a limit, over the limit."""
     return quantities(study.base.result)[quantity] / limit.limit - 1
 
 
-def heading(name):
+def heading(name: str) -> str:
     """A quantity with its unit."""
     return UNITS[name][0] if name in LAW else f"{name} [N]"
 
 
-def text(name, value):
+def text(name: str, value: float) -> str:
     if value is None:
         return ""
     _, scale, form = UNITS.get(name, ("", 1.0, "{:.3f}"))
     return form.format(scale * value)
 
 
-def table(columns, rows):
+def table(columns: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
     """A Markdown table; the first column flush left, the others flush right."""
     lines = [columns, ["---", *["---:"] * (len(columns) - 1)], *rows]
     return "\n".join("| " + " | ".join(map(str, line)) + " |" for line in lines)
 
 
-def forces(study):
+def forces(study: Study) -> list[str]:
     """Names of the forces that errors are taken of."""
     return [name for name in study.reference if measured(name)]
 
 
-def rows(study, axis):
+def rows(study: Study, axis: str) -> Iterator[list[str]]:
     """Rows of one choice: label, forces, a, b, largest error or none, CPU time, tangents."""
     names = [*forces(study), *LAW]
     method = next(a for a in study.axes if a.name == axis).kind == METHOD
@@ -93,14 +99,14 @@ def rows(study, axis):
         yield [label, *(text(name, values.get(name)) for name in names), *error, *cost]
 
 
-def columns(study, axis):
+def columns(study: Study, axis: str) -> list[str]:
     """Headings of `rows`."""
     names = [*forces(study), *LAW]
     method = next(a for a in study.axes if a.name == axis).kind == METHOD
     return [axis, *map(heading, names), *(["largest error [%]"] if method else []), "CPU [s]", "tangents"]
 
 
-def order_rows(study, axis):
+def order_rows(study: Study, axis: str) -> Iterator[list[str]]:
     """Rows of one choice with a limit: quantity, limit, order, basis, how far the base is off."""
     for quantity, limit in study.limits.get(axis, {}).items():
         if not measured(quantity) and quantity not in LAW:

@@ -14,6 +14,7 @@ import argparse
 import csv
 import json
 import sys
+from argparse import Namespace
 from dataclasses import fields
 from datetime import date
 from importlib import resources
@@ -36,7 +37,7 @@ def _runs(function, arguments, options):
     )
 
 
-def survey_command(options):
+def survey_command(options: Namespace) -> None:
     """Run the survey, print what it found, and keep it."""
     places = survey.places()
     found = dict(zip(places, _runs(survey.row, places, options)))
@@ -47,7 +48,7 @@ def survey_command(options):
     _keep(rows, content, error_database.FILE, "survey", options)
 
 
-def packs_command(options):
+def packs_command(options: Namespace) -> None:
     """Run the survey of packs, print what it found, and keep it."""
     rows = _runs(survey.pack_row, [(number,) for number in range(survey.PACK_COUNT)], options)
     rows = [row for row in rows if row is not None]
@@ -72,7 +73,7 @@ def _keep(rows, content, name, title, options):
     page.put(options.page, title, lines)
 
 
-def trial_command(options):
+def trial_command(options: Namespace) -> None:
     """Run a trial and print what it found."""
     places = [(options.trial, number) for number in range(trial.COUNT)]
     full = _runs(trial.truth, places, options)
@@ -91,7 +92,7 @@ def trial_command(options):
 COMMANDS = {"survey": survey_command, "packs": packs_command, "trial": trial_command}
 
 
-def main():
+def main() -> int | None:
     parser = argparse.ArgumentParser(
         prog="python -m validation.verification.fidelity", description=__doc__.splitlines()[0]
     )

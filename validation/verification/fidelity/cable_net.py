@@ -6,8 +6,10 @@ Its yarns do not couple, which is no matter where they are nearly straight (S-73
 from __future__ import annotations
 
 import time
+from collections.abc import Iterable
 from dataclasses import replace
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 
@@ -20,7 +22,7 @@ from weavecell.analysis.fidelity.ladder import FULL
 NAME = "cable net"
 
 
-def row(name, number):
+def row(name: str, number: int) -> dict[str, Any]:
     """What the net answers to a standard scene, and its process time [s]."""
     setup = scenes.standard(name)[number]
     setup = replace(setup, numerics=replace(setup.numerics, threads=1))
@@ -34,7 +36,7 @@ def row(name, number):
     return {NAME: {"values": quantities.of(result), "seconds": seconds}}
 
 
-def errors(rows):
+def errors(rows: Iterable[dict[str, Any]]) -> dict[str, Any]:
     """{"cost", "expected": {quantity: [-]}} as of a model of the ladder; rows joined to those of the survey."""
     expected = {}
     for name in quantities.NAMES:

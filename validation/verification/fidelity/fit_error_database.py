@@ -7,12 +7,14 @@ proportion for which that factor is least.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from math import inf, isfinite
+from typing import Any
 
 import numpy as np
 
 from weavecell.analysis.fidelity import quantities
-from weavecell.analysis.fidelity.ladder import BY_NAME, LADDER, partner, scouts
+from weavecell.analysis.fidelity.ladder import BY_NAME, LADDER, Model, partner, scouts
 
 SURE, OFTEN = 0.9375, 0.8  # SURE: leaving out one scene at a time, the least at which 19 of 20 are met
 WEIGHTS = tuple(0.05 * n for n in range(9))  # of the partner's peak tensions, that are tried
@@ -20,7 +22,7 @@ LEAST = 1e-4  # [-] of any error or scale: less says nothing
 OTHER = 1.0  # error of a model that does not agree on the outcome
 
 
-def of(rows, models=LADDER):
+def of(rows: Sequence[dict[str, Any]], models: Sequence[Model] = LADDER) -> dict[str, Any]:
     """{"models", "regimes", "finest"} for `error_database.Book` from the rows of all scenes.
 
     Parameters
@@ -88,7 +90,7 @@ def _partner(model, row):
     return row[partner(model, scouts(row)).name]["values"]
 
 
-def error(values, others, name):
+def error(values: dict[str, Any], others: dict[str, Any], name: str) -> float:
     """[-] of a quantity; OTHER where the outcome is another; nan where there is none."""
     if quantities.regime(values) != quantities.regime(others):
         return OTHER

@@ -7,14 +7,16 @@ that this is no trial of scenes unlike the survey's.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from math import isfinite
+from typing import Any
 
 import numpy as np
 
 from validation.verification.fidelity import fit_error_database
 from weavecell.analysis.fidelity import error_database, quantities
-from weavecell.analysis.fidelity.ladder import partner, scouts
+from weavecell.analysis.fidelity.ladder import Model, partner, scouts
 
 TARGETS = (0.02, 0.05, 0.1)
 
@@ -39,12 +41,12 @@ class Row:
     cost: float
 
     @property
-    def met(self):
+    def met(self) -> bool:
         """Whether all errors are within the target."""
         return self.error <= self.target
 
 
-def rows(survey, models):
+def rows(survey: Sequence[dict[str, Any]], models: Sequence[Model]) -> list[Row]:
     """A Row of each scene and target.
 
     Parameters
@@ -87,7 +89,7 @@ def _fits(model, scene, two, seen, book, target):
     )
 
 
-def table(found):
+def table(found: Sequence[Row]) -> list[str]:
     """Lines of Markdown: for each target how many scenes are met, by which models, at which median cost."""
     lines = [
         "| target of all four | scenes | met | answered by the full model | median cost |",

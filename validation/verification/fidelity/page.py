@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from math import inf, isfinite, isnan
+from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -10,8 +13,12 @@ from weavecell.analysis.fidelity import quantities
 from weavecell.analysis.fidelity.ladder import BY_NAME, FULL, PACK_FULL
 from weavecell.report import marked_page
 
+if TYPE_CHECKING:
+    from validation.verification.fidelity.trial import Row
+    from weavecell.analysis.fidelity.error_database import Book
 
-def survey_table(book):
+
+def survey_table(book: Book) -> list[str]:
     """Lines of Markdown: each model's cost, and errors that four scenes in five stay below, of a Book."""
     names = quantities.NAMES
     lines = [
@@ -30,7 +37,7 @@ def survey_table(book):
     return lines
 
 
-def trial_table(rows):
+def trial_table(rows: list[Row]) -> list[str]:
     """Lines of Markdown: each scene, what was asked, chosen and found, and what came of all."""
     lines = [
         "| scene | asked | outcome | model | confirmed | worst error | met | cost | whole |",
@@ -85,7 +92,7 @@ def _percent(share):
     return "not known" if share == inf else f"{100 * share:.2g} %"
 
 
-def put(path, name, lines):
+def put(path: Path, name: str, lines: Sequence[str]) -> None:
     """Put lines between a page's marks; nothing where no page is given.
 
     Raises

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import cache
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -20,6 +21,9 @@ from shellfabric.impact.single_ply import ImpactSetup
 from shellfabric.plies.model import STACKINGS
 from shellfabric.projectile.projectile import Projectile
 from weavecell.analysis.uncertainty import inputs
+
+if TYPE_CHECKING:
+    from fabrics.fabric import Fabric
 
 SHARES = (0.5, 0.85, 1.1, 1.5)  # of the critical velocity
 END = 600e-6
@@ -36,20 +40,20 @@ MOST_PLIES, PACK_VELOCITY, PACK_OPENING, GAP = 4, (60.0, 300.0), (0.08, 0.12), (
 PACK_END = 400e-6
 
 
-def base(name):
+def base(name: str) -> Fabric:
     """A fabric of the catalogue with the linear densities that the source's runs used, where there are such."""
     return with_linear_density(catalogue.load(name))
 
 
 @cache
-def standard(name):
+def standard(name: str) -> list[ImpactSetup]:
     """ImpactSetups of one fabric, at SHARES of its critical velocity."""
     setup = ImpactSetup(base(name), 100.0, end_time=END)
     critical = ballistic_limit.critical_velocity(setup.panel(), tolerance=2.0).velocity
     return [replace(setup, strike_velocity=round(share * critical, 1)) for share in SHARES]
 
 
-def drawn(number, seed):
+def drawn(number: int, seed: int) -> ImpactSetup:
     """The random scene of a number and a seed."""
     draw = np.random.default_rng((seed, number))
     name = str(draw.choice(KEVLAR))
@@ -61,15 +65,15 @@ def drawn(number, seed):
     low, high = np.log(VELOCITY)
     velocity = round(float(np.exp(draw.uniform(low, high))), 1)
     opening = tuple(float(side) for side in draw.uniform(*OPENING, 2))
-    return ImpactSetup(fabric, velocity, projectile=shot, opening=opening, end_time=END, symmetry="whole")
+    return ImpactSetup(fabric, velocity, projectile=shot, opening=opening, end_time=END, symmetry="whole")  # type: ignore[arg-type]
 
 
-def drawn_pack(number, seed):
+def drawn_pack(number: int, seed: int) -> PackSetup:
     """The random pack of a number and a seed: the drawn ply and projectile, in a smaller opening, 2 to 4 times."""
     ply, draw = drawn(number, seed), np.random.default_rng((seed, number, 2))
     plies, stacking = int(draw.integers(2, MOST_PLIES + 1)), str(draw.choice(STACKINGS))
     low, high = np.log(PACK_VELOCITY)
     velocity = round(float(np.exp(draw.uniform(low, high)) * (plies / 2) ** 0.5), 1)
     opening = tuple(float(side) for side in draw.uniform(*PACK_OPENING, 2))
-    ply = replace(ply, strike_velocity=velocity, opening=opening, end_time=PACK_END)
+    ply = replace(ply, strike_velocity=velocity, opening=opening, end_time=PACK_END)  # type: ignore[arg-type]
     return PackSetup(ply, plies, stacking, float(draw.uniform(*GAP)))

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import time
 from dataclasses import replace
+from typing import Any
 
 from fabrics.errors import UnstableError
 from validation.verification.fidelity import scenes
@@ -18,6 +19,8 @@ from weavecell.analysis.fidelity.ladder import (
     LADDER,
     PACK_FULL,
     PACK_LADDER,
+    Model,
+    Setup,
     Tables,
     effort,
     ply_of,
@@ -33,15 +36,15 @@ MOST = 6e8  # elements times steps of the full model to the end: a drawn scene t
 LONG = ("S-731", 0), ("S-731", 1), ("S-727", 0)  # standard ones that take many minutes
 
 
-def places():
+def places() -> list[tuple[str, int]]:
     """[(fabric, number)] of all scenes: a number alone is a drawn one, a name with the number of a share a standard."""
     standard = [(name, number) for name in scenes.KEVLAR for number in range(len(scenes.SHARES))]
     return [place for place in standard if place not in LONG] + [("", number) for number in range(COUNT)]
 
 
-def row(name, number):
+def row(name: str, number: int) -> dict[str, Any] | None:
     """{model: {"values", "seconds"}} of a scene, with its velocity; None of one that is left out."""
-    setup = scenes.standard(name)[number] if name else scenes.drawn(number, SEED)
+    setup: Any = scenes.standard(name)[number] if name else scenes.drawn(number, SEED)
     setup = replace(setup, numerics=replace(setup.numerics, threads=1))
     tables = Tables()
     setup = simplest(setup, tables)
@@ -52,10 +55,10 @@ def row(name, number):
     return found | {model.name: timed(model, setup) for model in LADDER if model.panel(setup, cheap) is not None}
 
 
-def pack_row(number):
+def pack_row(number: int) -> dict[str, Any] | None:
     """{model: {"values", "seconds"}} of a drawn pack, with its velocity and plies; None of one that is left out, as too
     long or as a run of it became unstable."""
-    setup = scenes.drawn_pack(number, PACK_SEED)
+    setup: Any = scenes.drawn_pack(number, PACK_SEED)
     setup = with_ply(setup, numerics=replace(setup.ply.numerics, threads=1))
     tables = Tables()
     setup = simplest(setup, tables)
@@ -71,7 +74,7 @@ def pack_row(number):
         return None
 
 
-def timed(model, setup):
+def timed(model: Model, setup: Setup) -> dict[str, Any]:
     """What a model answers, and its process time [s]."""
     began = time.process_time()
     this = model.of(setup)

@@ -13,6 +13,7 @@ from __future__ import annotations
 import time
 from dataclasses import dataclass, replace
 from math import inf, nan
+from typing import Any
 
 import numpy as np
 
@@ -60,22 +61,22 @@ class Row:
     whole_seconds: float
 
     @property
-    def met(self):
+    def met(self) -> bool:
         """Whether every error is within what was asked, whatever the code said."""
         return all(not error > self.asked[name] for name, error in self.found.items())
 
     @property
-    def cost(self):
+    def cost(self) -> float:
         """[-] over the full model on the same part of the panel."""
         return self.seconds / self.full_seconds
 
     @property
-    def whole_cost(self):
+    def whole_cost(self) -> float:
         """[-] over the full model on the whole panel; nan where that was not run."""
         return self.seconds / self.whole_seconds
 
 
-def asked(trial, number):
+def asked(trial: str, number: int) -> dict[str, float]:
     """{quantity: [-]} that the scene of a number asks."""
     if trial != "scene":
         return dict.fromkeys(quantities.NAMES, ASKED[number % len(ASKED)])
@@ -84,14 +85,14 @@ def asked(trial, number):
     return {str(name): float(draw.choice(ASKED)) for name in names}
 
 
-def truth(trial, number):
+def truth(trial: str, number: int) -> dict[str, Any]:
     """What the full model finds of a scene: values, and process times [s] on the part of the panel and the whole."""
     setup = _setup(trial, number)
     values, seconds = _full(simplest(setup, Tables()))
     return {"values": values, "seconds": seconds, "whole": _full(setup)[1] if seconds <= LONGEST else nan}
 
 
-def answer(trial, number):
+def answer(trial: str, number: int) -> Any:
     """What the code answers as the scene asks: (select.Answer without its runs, process time [s])."""
     setup, wanted = _setup(trial, number), asked(trial, number)
     began = time.process_time()
@@ -101,7 +102,7 @@ def answer(trial, number):
     return replace(found, options=(), attempts=attempts), seconds
 
 
-def row(trial, number, known_full, answered):
+def row(trial: str, number: int, known_full: Any, answered: Any) -> Row:
     """The Row of a scene from its `truth` and its `answer`."""
     setup, wanted = _setup(trial, number), asked(trial, number)
     (found, seconds), full = answered, known_full["values"]

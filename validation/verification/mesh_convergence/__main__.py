@@ -6,11 +6,15 @@ convergence.csv and convergence.png: critical velocity and peak tensions with
 into that page, between its marks, and the picture beside it into figures/.
 """
 
+from __future__ import annotations
+
 import argparse
 import csv
 import json
+from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from fabrics import catalogue, run_cache
 from fabrics.errors import InputError, run_program
@@ -19,10 +23,14 @@ from validation.verification.mesh_convergence.pictures import picture
 from validation.verification.mesh_convergence.study import ALLOWED, TOLERANCE, Point, study, velocities
 from weavecell.report.marked_page import put
 
+if TYPE_CHECKING:
+    from fabrics.fabric import Fabric
+    from validation.verification.mesh_convergence.study import Quantity
+
 MARKS = "<!-- table of validation.verification.mesh_convergence -->", "<!-- end of the table -->"
 
 
-def write_csv(quantities, path):
+def write_csv(quantities: Sequence[Quantity], path: Path) -> None:
     """One row a fabric and quantity."""
     elements = quantities[0].elements
     with write_whole(path) as file:
@@ -41,7 +49,7 @@ def write_csv(quantities, path):
             ])  # fmt: skip
 
 
-def tell(entry):
+def tell(entry: Quantity) -> None:
     """One line a quantity."""
     values = "  ".join(f"{value:7.2f}" for value in entry.values)
     deviations = "  ".join(f"{100 * value:+5.2f}" for value in entry.deviations)
@@ -52,12 +60,12 @@ def tell(entry):
     print(f"deviations {deviations} %  {found.basis}{why}{missed}", flush=True)
 
 
-def key_of(fabric, speed, elements, tolerance):
+def key_of(fabric: Fabric, speed: float, elements: int, tolerance: float) -> str:
     """Key of a point: of what is run, and of the code."""
     return run_cache.key((fabric, speed, elements, tolerance), "validation.verification.mesh_convergence.study")
 
 
-def read_points(path):
+def read_points(path: Path) -> dict[str, Point]:
     """{key: Point} of an earlier run."""
     try:
         return {one.pop("key"): Point(**one) for one in json.loads(path.read_text("utf-8"))}
@@ -65,14 +73,14 @@ def read_points(path):
         raise InputError(f"no points to resume from ({problem})", file=path) from None
 
 
-def write_points(points, path):
+def write_points(points: dict[str, Point], path: Path) -> None:
     """Keep points, sorted."""
     rows = sorted(points.items(), key=lambda item: (item[1].fabric, item[1].elements))
     with write_whole(path) as file:
         json.dump([{**asdict(one), "key": key} for key, one in rows], file, indent=1)
 
 
-def table(quantities):
+def table(quantities: Sequence[Quantity]) -> str:
     """The table of the page, in Markdown."""
     elements = quantities[0].elements
     heads = ["fabric", "quantity", *(f"{n} a crossover" for n in elements), "limit", "found by"]
@@ -90,12 +98,12 @@ def table(quantities):
     return "\n".join("| " + " | ".join(row) + " |" for row in rows) + "\n"
 
 
-def write_page(quantities, page):
+def write_page(quantities: Sequence[Quantity], page: Path) -> None:
     """Put the table between the marks of a page."""
     put(page, *MARKS, f"\n\n{table(quantities)}\n")
 
 
-def main():
+def main() -> None:
     speeds = velocities()
     parser = argparse.ArgumentParser(
         prog="python -m validation.verification.mesh_convergence", description=__doc__.splitlines()[2]
@@ -113,7 +121,8 @@ def main():
     if unknown:
         raise InputError(key="FABRIC", value=unknown[0], allowed=f"one of {', '.join(speeds)}")
     kept = options.out / "points.json"
-    points, quantities = read_points(kept) if options.resume else {}, []
+    quantities: list[Quantity] = []
+    points = read_points(kept) if options.resume else {}
     for name in options.fabrics:
         fabric = catalogue.load(name).with_effective_density()
         keys = {n: key_of(fabric, speeds[name], n, options.tolerance) for n in options.elements}

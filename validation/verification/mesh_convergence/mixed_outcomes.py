@@ -13,8 +13,10 @@ from __future__ import annotations
 import argparse
 import csv
 import sys
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -101,7 +103,7 @@ def first_wave(elements: int, table: CellTable, velocity: float) -> tuple[float,
     return float(peak.max()), (int(peak.argmax()) + 0.5) / elements
 
 
-def study(report=print) -> tuple[list[dict], list[dict]]:
+def study(report: Callable[..., object] | None = print) -> tuple[list[dict], list[dict]]:
     """(rows of the shots, rows of the first waves)."""
     shots, waves, table = [], [], setup(1).table()
     strength = table.model.fabric.weave.weft.strength
@@ -131,7 +133,7 @@ def study(report=print) -> tuple[list[dict], list[dict]]:
     return shots, waves
 
 
-def runs_of_outcomes(shots):
+def runs_of_outcomes(shots: Sequence[dict[str, Any]]) -> str:
     """ "stops to 208, perforates 212 to 220, ..." of the shots on one mesh, rising in strike velocity."""
     parts: list[list] = []
     for shot in shots:
@@ -143,14 +145,14 @@ def runs_of_outcomes(shots):
     return ", ".join(f"{word} {low}" if low == high else f"{word} {low} to {high}" for word, low, high in parts)
 
 
-def mixed_zone(shots):
+def mixed_zone(shots: Sequence[dict[str, Any]]) -> tuple[float, float] | None:
     """(lowest perforation, highest stop) [m/s] of the shots on one mesh; None where these do not overlap."""
     stops = [shot["strike velocity [m/s]"] for shot in shots if shot["outcome"] == "stopped"]
     through = [shot["strike velocity [m/s]"] for shot in shots if shot["outcome"] == "perforated"]
     return (min(through), max(stops)) if min(through) < max(stops) else None
 
 
-def outcome_table(shots):
+def outcome_table(shots: Sequence[dict[str, Any]]) -> str:
     """One row a mesh."""
     rows = [("elements per crossover", f"outcomes from {STRIKES[0]} to {STRIKES[-1]} m/s, in steps of "
              f"{STRIKES[1] - STRIKES[0]} m/s", "mixed zone, m/s")]  # fmt: skip
@@ -161,7 +163,7 @@ def outcome_table(shots):
     return markdown(rows)
 
 
-def mechanism_table(shots, waves):
+def mechanism_table(shots: Sequence[dict[str, Any]], waves: Sequence[dict[str, Any]]) -> str:
     """One row a mesh and velocity that was looked at."""
     rows = [("elements per crossover", "strike, m/s", "peak of the first wave over the strength",
              "its distance, crossovers", "first failure after, us", "family", "its distance, crossovers", "outcome",
@@ -180,7 +182,7 @@ def mechanism_table(shots, waves):
     return markdown(rows)
 
 
-def main():
+def main() -> None:
     name = "python -m validation.verification.mesh_convergence.mixed_outcomes"
     parser = argparse.ArgumentParser(prog=name, description=__doc__.splitlines()[0])
     parser.add_argument("--out", type=Path, default=Path("results/mixed-outcomes"))

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
 import matplotlib
 
 matplotlib.use("Agg")
@@ -12,10 +16,13 @@ from fabrics.files import replace_whole
 from meshing.pictures_style import COLOURS
 from validation.verification.mesh_convergence.study import ALLOWED
 
+if TYPE_CHECKING:
+    from validation.verification.mesh_convergence.study import Quantity
+
 MARKERS = ("o", "s", "^", "D", "v", "P")
 
 
-def picture(quantities, path):
+def picture(quantities: Sequence[Quantity], path: Path) -> None:
     """Deviation of every fabric from its own limit; hollow where the limit is no Richardson extrapolation."""
     names = list(dict.fromkeys(entry.name for entry in quantities))
     fabrics = list(dict.fromkeys(entry.fabric for entry in quantities))
@@ -52,7 +59,7 @@ def picture(quantities, path):
     plt.close(figure)
 
 
-def yarns(found, path):
+def yarns(found: Any, path: Path) -> None:
     """Tension across the weft yarns beside the nose's edge, one panel a fabric, one line a mesh (see `yarn`)."""
     names = list(dict.fromkeys(entry.fabric for entry in found))
     figure, row = plt.subplots(1, len(names), figsize=(4.6 * len(names), 4.4), sharey=True, squeeze=False)

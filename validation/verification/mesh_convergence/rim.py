@@ -15,6 +15,9 @@ does in full: nodes on stiff springs in a plane, stretched over a rim of radius 
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import Any
+
 import numpy as np
 from scipy.optimize import minimize
 
@@ -26,24 +29,24 @@ ELEMENTS = (1.5, 0.75, 0.5, 0.375)  # [mm] long, S-745 with 1 to 4 a crossover, 
 _NODES, _POINTS, _STRAIN, _PHASES = 17, 24, 0.02, 12
 
 
-def bilinear(s):
+def bilinear(s: float) -> tuple[float, ...]:
     """Weights of three nodes at s from the middle one, on a straight element."""
     return spline_kernels.node_weights(s, False)
 
 
-def smooth(s):
+def smooth(s: float) -> tuple[float, ...]:
     """Those of the quadratic B-spline, which the code uses."""
     return spline_kernels.node_weights(s, True)
 
 
-def closed(weights, theta=THETA):
+def closed(weights: Callable[..., Any], theta: float = THETA) -> float:
     """[-] the largest difference of the tensions over their mean, small angles, a sharp rim."""
     s = np.linspace(-0.5, 0.5, 401)
     a, b, c = np.array([weights(one) for one in s]).T
     return 0.25 * theta**2 * np.abs(np.gradient(2 * b * (a + c) + 4 * a * c, s))[1:-1].max()
 
 
-def solved(weights, element, theta=THETA, radius=RADIUS):
+def solved(weights: Callable[..., Any], element: float, theta: float = THETA, radius: float = RADIUS) -> float:
     """[-] the same from yarns at rest, with the rim at several places in an element."""
     half, found = _NODES // 2, []
     shares = np.zeros((_NODES, (_NODES - 5) * _POINTS))
@@ -96,7 +99,7 @@ def _round(along, theta, radius):
     )
 
 
-def main():
+def main() -> None:
     for weights in (bilinear, smooth):
         told = ", ".join(f"{element:g} mm {100 * solved(weights, element):.1f}" for element in ELEMENTS)
         print(f"{weights.__name__:9} closed form {100 * closed(weights):.1f} %; elements of {told} %", flush=True)

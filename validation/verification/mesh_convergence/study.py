@@ -3,14 +3,20 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from importlib import resources
+from typing import TYPE_CHECKING, Any
 
 from fabrics.errors import InputError
 from fabrics.units import si
 from shellfabric.impact import ballistic_limit
 from shellfabric.impact.single_ply import ImpactSetup
 from weavecell.analysis.richardson import Extrapolation, extrapolate
+
+if TYPE_CHECKING:
+    from fabrics.fabric import Fabric
+    from shellfabric.panel.model import Panel
 
 ALLOWED = {1: 0.05, 2: 0.02}  # asked: share of the limit within which 1 and 2 elements a crossover are to be
 TOLERANCE = 0.25  # [m/s] of the critical velocity's bracket: a tenth of what 2 % of it are
@@ -65,24 +71,26 @@ class Quantity:
     extrapolation: Extrapolation
 
     @property
-    def deviations(self):
+    def deviations(self) -> tuple[float, ...]:
         """(n,) [-] of the values from the limit, over the limit."""
         return tuple(value / self.extrapolation.limit - 1 for value in self.values)
 
     @property
-    def met(self):
+    def met(self) -> bool:
         """Whether the meshes that something is asked of are as close to the limit as asked."""
         found = dict(zip(self.elements, self.deviations))
         return all(abs(found[n]) <= allowed for n, allowed in ALLOWED.items() if n in found)
 
 
-def quantity(fabric, name, unit, elements, values, noise=0.0):
+def quantity(
+    fabric: str, name: str, unit: str, elements: Sequence[int], values: Sequence[float], noise: float = 0.0
+) -> Quantity:
     """A Quantity with its extrapolation."""
     extrapolation = extrapolate([1 / n for n in elements], values, noise)
     return Quantity(fabric, name, unit, tuple(elements), tuple(map(float, values)), noise, extrapolation)
 
 
-def velocities():
+def velocities() -> dict[str, float]:
     """{fabric: [m/s]} strike velocities for the peak tensions."""
     import tomllib
 
@@ -90,7 +98,10 @@ def velocities():
     return {name: si(value, "m/s", key=name) for name, value in tomllib.loads(text)["velocities"].items()}
 
 
-def point(coarse, velocity, n, *, tolerance=TOLERANCE, guess=None, executor="local", jobs=1, report=None):
+def point(
+    coarse: Panel, velocity: float, n: int, *, tolerance: float = TOLERANCE, guess: float | None = None,
+    executor: str = "local", jobs: int = 1, report: Callable[..., object] | None = None,
+) -> Point:  # fmt: skip
     """Critical velocity of a panel with n elements a crossover, and peak tensions at one velocity, as a Point.
 
     Parameters
@@ -129,7 +140,7 @@ def point(coarse, velocity, n, *, tolerance=TOLERANCE, guess=None, executor="loc
     )  # fmt: skip
 
 
-def quantities(points):
+def quantities(points: Sequence[Point]) -> tuple[Quantity, ...]:
     """The three quantities of one fabric from its points; InputError unless they are at least three meshes."""
     points = sorted(points, key=lambda one: one.elements)
     elements = [one.elements for one in points]
@@ -143,7 +154,10 @@ def quantities(points):
     )
 
 
-def study(fabric, velocity, *, elements=(1, 2, 3), setup=None, known=(), keep=None, **options):
+def study(
+    fabric: Fabric, velocity: float, *, elements: Sequence[int] = (1, 2, 3), setup: ImpactSetup | None = None,
+    known: Iterable[Point] = (), keep: Callable[[Point], object] | None = None, **options: Any,
+) -> tuple[Quantity, ...]:  # fmt: skip
     """Critical velocity, and peak tensions of warp and weft at one velocity, on several meshes.
 
     Parameters

@@ -11,6 +11,7 @@ from __future__ import annotations
 import argparse
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -18,6 +19,9 @@ from fabrics import catalogue
 from shellfabric.cloth.failure_kernels import WEFT, yarn_tension
 from shellfabric.impact.single_ply import ImpactSetup
 from shellfabric.panel.solver import PanelSolver
+
+if TYPE_CHECKING:
+    from fabrics.fabric import Fabric
 
 # [m/s], [s]: just before the first yarn fails, and which that is, counted from the one through the middle
 SHOTS = {"S-726": (118.0, 223e-6, 2), "S-727": (124.0, 163e-6, 2), "S-731": (112.0, 270e-6, 3)}
@@ -48,12 +52,12 @@ class Across:
     edge: tuple[float, float]
 
     @property
-    def middle(self):
+    def middle(self) -> float:
         """[N] tension of the line through the middle of the yarn that fails first."""
         return float(self.tension[self.number * self.elements])
 
 
-def across(fabric, velocity, time, number, n, **setup):
+def across(fabric: Fabric, velocity: float, time: float, number: int, n: int, **setup: Any) -> Across:
     """Tension across a Fabric's weft yarns `time` [s] after a strike at `velocity` [m/s], n elements a crossover."""
     panel = replace(ImpactSetup(fabric, velocity, **setup).panel(), elements_per_crossover=n, failure=False)
     march = PanelSolver(panel, velocity, time, interval=0.25 * time).run()
@@ -67,7 +71,7 @@ def across(fabric, velocity, time, number, n, **setup):
     )  # fmt: skip
 
 
-def main():
+def main() -> None:
     from validation.verification.mesh_convergence.pictures import yarns
 
     parser = argparse.ArgumentParser(

@@ -1,5 +1,7 @@
 """A crimped yarn of solids with 0 to 44 fibre bars, with one-point and full integration (source thesis Figure 3-4)."""
 
+from __future__ import annotations
+
 from functools import cache
 
 from fabrics import catalogue
@@ -17,12 +19,12 @@ ALLOWED = 0.01  # of the thickness
 
 
 @cache
-def mesh():
+def mesh() -> crossover.Crossover:
     """A quarter crossover with 44 fibre lines in each half of a yarn."""
     return crossover.build(catalogue.load(FABRIC), size=SIZE)
 
 
-def point(bars, points):
+def point(bars: int, points: str) -> Outcome:
     """STABLE where the yarn is pulled straight and no node strays from its neighbours along the yarn."""
 
     def run():
@@ -41,7 +43,7 @@ def point(bars, points):
     return guarded(run)
 
 
-def chart(quick=False):
+def chart(quick: bool = False) -> Map:
     """The map."""
     return Map(
         "bars", "A crimped yarn of solids with and without fibre bars",

@@ -1,5 +1,7 @@
 """Bias extension with less and less trellis: where the shear runs into bands (source thesis Figure 4-27)."""
 
+from __future__ import annotations
+
 import numpy as np
 
 from fabrics import variants
@@ -14,7 +16,7 @@ LAWS = ("locking at 7°, as published", "no locking: G1 at all angles")
 CALM = 1.5  # concentration of the shear of a coupon that shears as one
 
 
-def pull(factor, law):
+def pull(factor: float, law: str) -> float:
     """Concentration of the shear, the yarns of the cloth left as they are and the trellis times a factor."""
     fabric, base = cases.cloth("locking")[0], coupons.read("bias-extension")
     shear = fabric.shear
@@ -29,7 +31,7 @@ def pull(factor, law):
     return quasistatic.concentration(np.abs(result.shear()), centre)
 
 
-def point(factor, law):
+def point(factor: float, law: str) -> Outcome:
     """STABLE where the coupon shears as one."""
 
     def run():
@@ -39,7 +41,7 @@ def point(factor, law):
     return guarded(run)
 
 
-def chart(quick=False):
+def chart(quick: bool = False) -> Map:
     """The map."""
     return Map(
         "bias", "Bias extension with less and less trellis",

@@ -1,6 +1,8 @@
 """The cell as one monotone equation in a bracket, r(F) = 0 (`shellfabric.cell.crossover_kernels`), over the same "
 "displacements."""
 
+from __future__ import annotations
+
 from math import sqrt
 
 from fabrics import catalogue
@@ -12,7 +14,7 @@ from validation.verification.stability.newton import FABRIC, axes
 ALLOWED = 1e-9  # of a half length: what r may be off at the root
 
 
-def steps(d1, d2):
+def steps(d1: float, d2: float) -> tuple[float, float, int]:
     """(F [N], r over a half length, evaluations of r) by the steps that `closing_force` makes, counted."""
     model = CellModel(catalogue.load(FABRIC))
     warp, weft, gap, form, _ = model._arguments()
@@ -45,7 +47,7 @@ def steps(d1, d2):
     return F, abs(r(F)[0]) / warp[0], count - 1
 
 
-def point(d1, d2):
+def point(d1: float, d2: float) -> Outcome:
     """Whether the force found closes the cell and is that of the kernel, and in how many evaluations."""
     F, off, count = steps(d1, d2)
     w = catalogue.load(FABRIC).weave.w
@@ -56,7 +58,7 @@ def point(d1, d2):
     return Outcome(STABLE if off <= ALLOWED and same else WRONG, count, "" if same else f"{F:.6g} and {ours:.6g} N")
 
 
-def chart(quick=False):
+def chart(quick: bool = False) -> Map:
     """The map."""
     return Map(
         "bracket", "The same cell as one monotone equation in a bracket",

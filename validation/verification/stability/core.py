@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from math import sqrt
+from typing import Any
 
 from fabrics.errors import UnstableError
 
@@ -32,7 +33,7 @@ class Axis:
     labels: tuple | None = None
     unit: float = 1.0
 
-    def label(self, value):
+    def label(self, value: float) -> str:
         """What a reader calls a value."""
         if self.labels is not None and value in self.values:
             return self.labels[self.values.index(value)]
@@ -83,7 +84,7 @@ class Map:
     failed: str = "stopped by a guard"
 
     @property
-    def points(self):
+    def points(self) -> list[tuple[Any, Any]]:
         """(x, y) of the map; the default is one of them."""
         found = [(x, y) for y in self.y.values for x in self.x.values]
         return found if self.default is None or self.default in found else [*found, self.default]
@@ -111,7 +112,7 @@ class Edge:
     beyond: Outcome | None
 
     @property
-    def enough(self):
+    def enough(self) -> bool:
         return self.margin >= ASKED
 
 
@@ -124,16 +125,16 @@ class Found:
     edges: tuple
 
     @property
-    def key(self):
+    def key(self) -> str:
         """Name of the map on the command line."""
         return self.map.key
 
-    def count(self, kind):
+    def count(self, kind: str) -> int:
         """Points of a kind."""
         return sum(outcome.kind == kind for outcome in self.outcomes.values())
 
 
-def guarded(run) -> Outcome:
+def guarded(run: Callable[[], Any]) -> Outcome:
     """What run() -> Outcome came to, FAILED where a guard stopped it."""
     try:
         return run()
@@ -141,7 +142,7 @@ def guarded(run) -> Outcome:
         return Outcome(FAILED, None, str(problem))
 
 
-def explore(chart: Map, solve, halvings=HALVINGS) -> Found:
+def explore(chart: Map, solve: Callable[..., Any], halvings: int = HALVINGS) -> Found:
     """Run a map.
 
     Parameters

@@ -1,11 +1,13 @@
 """Rounding of the nose's edge against the element: an edge that no element resolves drives false failure."""
 
+from __future__ import annotations
+
 from dataclasses import replace
 from functools import cache
 
 from fabrics import catalogue
 from fabrics.variants import homogenised
-from shellfabric.cell.model import CellModel
+from shellfabric.cell.model import CellModel, CellTable
 from validation.verification.stability import shots
 from validation.verification.stability.core import BELOW, STABLE, WRONG, Axis, Map, Outcome, guarded
 
@@ -23,13 +25,13 @@ MESHES = {
 
 
 @cache
-def table(crossovers):
+def table(crossovers: int) -> CellTable:
     """Table of the cell of an element of so many crossovers, squared."""
     fabric = catalogue.load(shots.FABRIC).with_effective_density()
     return CellModel(homogenised(fabric, crossovers) if crossovers > 1 else fabric).table(shots.TABLE)
 
 
-def shot(radius, crossovers, elements, points):
+def shot(radius: float, crossovers: int, elements: int, points: int | None) -> shots.Answer:
     """Answer of a shot; tensions are those of one yarn."""
     points = None if points is None else points * crossovers
     found = shots.fire(
@@ -41,7 +43,7 @@ def shot(radius, crossovers, elements, points):
 finest = cache(lambda radius: shot(radius, 1, 4, None))
 
 
-def point(radius, mesh):
+def point(radius: float, mesh: str) -> Outcome:
     """STABLE where peaks and velocity are those of 4 elements a crossover, and no yarn fails that does not there."""
 
     def run():
@@ -56,7 +58,7 @@ def point(radius, mesh):
     return guarded(run)
 
 
-def chart(quick=False):
+def chart(quick: bool = False) -> Map:
     """The map."""
     radii = RADII[2:6:3] if quick else RADII
     return Map(

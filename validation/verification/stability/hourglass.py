@@ -4,6 +4,8 @@ The brick has one integration point and so four modes without energy; a stiffnes
 the full rule would give at rest.
 """
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 from functools import cache
 
@@ -31,12 +33,12 @@ class Beyond(PatchNumerics):
 
 
 @cache
-def mesh():
+def mesh() -> patch.Patch:
     """A small coarse patch."""
     return patch.build(catalogue.load(FABRIC), (4, 4), size=(2, 2, 1))
 
 
-def point(factor, cfl):
+def point(factor: float, cfl: float) -> Outcome:
     """STABLE where no brick is folded by its hourglass modes, and these hold little energy."""
 
     def run():
@@ -51,7 +53,7 @@ def point(factor, cfl):
     return guarded(run)
 
 
-def chart(quick=False):
+def chart(quick: bool = False) -> Map:
     """The map."""
     return Map(
         "hourglass", "Hourglass stiffness of the brick of the solid patch",

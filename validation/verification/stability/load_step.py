@@ -1,5 +1,7 @@
 """Load step of the 3D crossover: equilibria from step to step, without the halving that the code falls back on."""
 
+from __future__ import annotations
+
 from functools import cache
 
 from fabrics.errors import UnstableError
@@ -13,7 +15,7 @@ PATHS = ("equibiaxial", "warp only", "weft only")
 ALLOWED = 1e-3
 
 
-def solve(step, path):
+def solve(step: float, path: str) -> tuple[dict[str, float], int]:
     """Forces at the end of a path."""
     fabric, paths = study.scene()
     only = (("first", step), ("largest", step), ("least", step))
@@ -26,7 +28,7 @@ def solve(step, path):
 usual = cache(lambda path: solve(STEPS[0], path)[0])
 
 
-def point(step, path):
+def point(step: float, path: str) -> Outcome:
     """STABLE where the path reaches its end, with the forces that small steps give."""
 
     def run():
@@ -38,7 +40,7 @@ def point(step, path):
     return guarded(run)
 
 
-def chart(quick=False):
+def chart(quick: bool = False) -> Map:
     """The map."""
     return Map(
         "load-step", "Load step of the 3D crossover",

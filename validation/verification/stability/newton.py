@@ -3,6 +3,8 @@
 `validation.claims.checks.newton` holds the iteration; the root of the monotone equation stands beside it.
 """
 
+from __future__ import annotations
+
 from math import inf
 
 from fabrics import catalogue
@@ -18,7 +20,7 @@ CLOSED = newton.TOLERANCE  # of the heights, what the iteration itself is to rea
 ALLOWED, FLOOR = 0.02, 0.01  # of the force; [N] below which two forces are alike
 
 
-def root(d1, d2):
+def root(d1: float, d2: float) -> float:
     """[N] contact force of the monotone equation, with the law and the form that the source prints."""
     from validation.claims.checks.cell import printed
 
@@ -26,7 +28,7 @@ def root(d1, d2):
     return float(printed(FABRIC).solve(1 + d1 / w[0], 1 + d2 / w[1])["F"])
 
 
-def closing(F, d1, d2):
+def closing(F: float, d1: float, d2: float) -> tuple[Indicator, ...]:
     """Tuple of Indicator: by how much the yarns miss closing the cell [heights at rest] with their force F [N].
 
     One evaluation of the monotone equation: no root of it is looked for. Without a positive force the printed law has
@@ -46,7 +48,7 @@ def closing(F, d1, d2):
     return (Indicator("closing residual", miss, CLOSED, "", meaning),)
 
 
-def point(d1, d2):
+def point(d1: float, d2: float) -> Outcome:
     """How the iteration ends, and in how many steps."""
     found, right = newton.iterate(FABRIC, d1, d2), root(d1, d2)
     if not found.converged:
@@ -59,14 +61,14 @@ def point(d1, d2):
     return Outcome(STABLE, found.steps, checks=closing(found.F, d1, d2))
 
 
-def axes(quick):
+def axes(quick: bool) -> tuple[Axis, Axis]:
     """Axes of both maps of the cell."""
     places = PLACES[::8] if quick else PLACES
     labels = tuple(f"{1e6 * d:g}" for d in places)
     return Axis("end displacement d1 of the warp [µm]", places, labels), Axis("d2 of the weft [µm]", places, labels)
 
 
-def chart(quick=False):
+def chart(quick: bool = False) -> Map:
     """The map."""
     return Map(
         "newton", "Newton's method on two heights, as the source prints it",

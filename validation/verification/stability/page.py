@@ -2,8 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
 from validation.verification.stability.core import ASKED, FAILED, WRONG
 from validation.verification.study import markdown, write_page
+
+if TYPE_CHECKING:
+    from validation.verification.stability.core import Found
 
 HEAD = f"""# Where methods fail
 
@@ -13,7 +20,7 @@ that says what happened, where and when (exit code 3). The default's margin is t
 stable region, looked for by bisection along the axis; {ASKED:g} is asked."""
 
 
-def write(maps, path, command):
+def write(maps: Sequence[tuple[Found, str]], path: Path, command: str) -> None:
     """Write the page; its pictures are in figures/ beside it.
 
     Parameters
@@ -25,7 +32,7 @@ def write(maps, path, command):
     write_page(path, HEAD, command, "map by map", overview, [(_section(found), made) for found, made in maps])
 
 
-def margins(maps):
+def margins(maps: Sequence[Found]) -> str:
     """One row an edge of a default."""
     rows = []
     for found in maps:

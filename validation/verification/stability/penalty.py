@@ -1,17 +1,23 @@
 """Stiffness and damping of the contact between nose and cloth (`shellfabric.projectile.contact_kernels`)."""
 
+from __future__ import annotations
+
 from functools import cache
+from typing import TYPE_CHECKING
 
 from shellfabric.panel.model import Numerics
 from validation.verification.stability import shots
 from validation.verification.stability.core import ABOVE, BELOW, STABLE, WRONG, Axis, Map, Outcome, guarded
+
+if TYPE_CHECKING:
+    from validation.verification.stability.shots import Answer
 
 ALLOWED = 0.1
 PENALTIES = (0.02, 0.05, 0.1, 0.2, 0.3, 0.45, 0.6, 0.8, 1.0, 1.5, 2.0, 3.0, 4.0)
 DAMPINGS = (0.0, 0.25, 0.5, 0.75, 1.0)
 
 
-def shot(penalty, damping):
+def shot(penalty: float, damping: float) -> Answer:
     """Answer of a shot."""
     return shots.fire(penalty=penalty, contact_damping=damping, failure=False)
 
@@ -19,7 +25,7 @@ def shot(penalty, damping):
 usual = cache(lambda: shot(Numerics.penalty, Numerics.contact_damping))
 
 
-def point(penalty, damping):
+def point(penalty: float, damping: float) -> Outcome:
     """STABLE where peaks and velocity are those of the default."""
 
     def run():
@@ -30,7 +36,7 @@ def point(penalty, damping):
     return guarded(run)
 
 
-def chart(quick=False):
+def chart(quick: bool = False) -> Map:
     """The map."""
     return Map(
         "penalty", "Stiffness of the contact with the nose",

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from textwrap import wrap
 
 import matplotlib
+
+from validation.verification.stability.core import Found
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
@@ -19,7 +22,7 @@ KINDS = {STABLE: "#cfe8dc", WRONG: "#f5d998", FAILED: "#eda58c"}
 CELL = 0.62, 0.46  # inches
 
 
-def draw(found, path):
+def draw(found: Found, path: Path) -> None:
     """Write the map as a PNG."""
     chart, outcomes = found.map, found.outcomes
     columns, rows = len(chart.x.values), len(chart.y.values)

@@ -37,20 +37,20 @@ class Answer:
     deepest: float
     checks: tuple = ()
 
-    def off(self, other):
+    def off(self, other: Answer) -> float:
         """[-] largest difference, peaks over the peaks and velocities over the strike velocity."""
         peaks = [abs(a / b - 1) for a, b in zip(self.peak, other.peak)]
         return max(*peaks, abs(self.velocity - other.velocity) / VELOCITY)
 
 
 @cache
-def ply():
+def ply() -> Panel:
     """A ply of the pack."""
     cell = CellModel(catalogue.load(FABRIC).with_effective_density())
     return Panel(cell.table(TABLE), (OPENING, OPENING), numerics=Numerics(threads=1))
 
 
-def shot(penalty, form):
+def shot(penalty: float, form: str) -> Answer:
     """Answer of a shot at the pack."""
     knobs = {"points": 2} if "2 x 2" in form else {"damping": 0.0} if "undamped" in form else {}
     contact = Beyond(penalty=penalty, form=form.split(",")[0], **knobs)
@@ -63,7 +63,7 @@ def shot(penalty, form):
 usual = cache(lambda: shot(PlyContact.penalty, FORMS[0]))
 
 
-def point(penalty, form):
+def point(penalty: float, form: str) -> Outcome:
     """STABLE where peaks and velocity are those of the default, no yarn fails and no ply goes through the next."""
 
     def run():
@@ -77,7 +77,7 @@ def point(penalty, form):
     return guarded(run)
 
 
-def chart(quick=False):
+def chart(quick: bool = False) -> Map:
     """The map."""
     return Map(
         "plies", "Contact between plies against premature failure",

@@ -1,5 +1,7 @@
 """The printed law d = a - b / F^(1/3) beside the regularised one, d = a - b / (F + F0)^(1/3), near F = 0."""
 
+from __future__ import annotations
+
 from functools import cache
 
 from fabrics import catalogue
@@ -20,7 +22,7 @@ def _table():
     return CellModel(with_law_form(fabric, "printed")).table(51)
 
 
-def point(d1, d2):
+def point(d1: float, d2: float) -> Outcome:
     """WRONG where the printed law has contact although the free yarns clear each other, or another tension."""
 
     def run():
@@ -37,7 +39,7 @@ def point(d1, d2):
     return guarded(run)
 
 
-def chart(quick=False):
+def chart(quick: bool = False) -> Map:
     """The map."""
     places = PLACES[::10] if quick else PLACES
     labels = tuple(f"{1e6 * d:g}" for d in places)

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cache
+from typing import Any
 
 from fabrics import catalogue, variants
-from shellfabric.cell.model import CellModel
+from shellfabric.cell.model import CellModel, CellTable
 from shellfabric.panel import quality
 from shellfabric.panel.model import Numerics, Panel
 from shellfabric.panel.solver import PanelSolver
@@ -34,14 +35,14 @@ class Answer:
     failed: int
     checks: tuple = ()
 
-    def off(self, other):
+    def off(self, other: Answer) -> float:
         """[-] largest difference from another shot, peaks over the peaks and velocities over the strike velocity."""
         peaks = [abs(a / b - 1) for a, b in zip(self.peak, other.peak)]
         return max(*peaks, abs(self.velocity - other.velocity) / VELOCITY)
 
 
 @cache
-def table(form="variational", straight=False):
+def table(form: str = "variational", straight: bool = False) -> CellTable:
     """Table of the cell; of straight yarns: neither crimp nor coupling."""
     fabric = catalogue.load(FABRIC).with_effective_density()
     if not straight:
@@ -50,7 +51,10 @@ def table(form="variational", straight=False):
     return CellModel(fabric, form=form, model="decoupled").table(TABLE)
 
 
-def fire(cell=None, *, elements=1, edge_radius=0.3e-3, end=END, velocity=VELOCITY, failure=True, **knobs) -> Answer:
+def fire(
+    cell: CellTable | None = None, *, elements: int = 1, edge_radius: float = 0.3e-3, end: float = END,
+    velocity: float = VELOCITY, failure: bool = True, **knobs: Any,
+) -> Answer:  # fmt: skip
     """Shoot; raises UnstableError as `PanelSolver`."""
     panel = Panel(
         cell or table(), (OPENING, OPENING), Projectile(edge_radius=edge_radius), elements_per_crossover=elements,

@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
 from fabrics import run_cache
 from fabrics.executors import open_executor
-from validation.verification.stability.core import explore
+from validation.verification.stability.core import Found, Map, Outcome, explore
 from validation.verification.study import known
 
 NAMES = (
@@ -23,7 +27,7 @@ NAMES = (
 )  # of the command line
 
 
-def load(key, quick=False):
+def load(key: str, quick: bool = False) -> Map:
     """A map by its name.
 
     Raises
@@ -64,12 +68,15 @@ def _module(key):
     return module
 
 
-def solve(key, x, y):
+def solve(key: str, x: Any, y: Any) -> Outcome:
     """Outcome of one point of a map."""
     return load(key).point(x, y)
 
 
-def run(key, folder, *, quick=False, resume=False, executor="local", jobs=1, report=None):
+def run(
+    key: str, folder: Path, *, quick: bool = False, resume: bool = False, executor: str = "local", jobs: int = 1,
+    report: Callable[..., object] | None = None,
+) -> Found:  # fmt: skip
     """Run all points of a map, and look for its edges; a core.Found.
 
     Parameters

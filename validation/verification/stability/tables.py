@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import csv
+from pathlib import Path
 
 from fabrics.files import write_whole
-from validation.verification.stability.core import Edge, Found, Outcome
+from validation.verification.stability.core import Edge, Found, Map, Outcome
 
 
-def write(found, folder, made=""):
+def write(found: Found, folder: Path, made: str = "") -> None:
     """NAME.csv, one row a point, and NAME-edges.csv, one row an edge; `made` says when, where and by which version."""
     chart = found.map
     with write_whole(folder / f"{chart.key}.csv") as file:
@@ -26,12 +27,12 @@ def write(found, folder, made=""):
             rows.writerow(row)
 
 
-def kept(key, folder):
+def kept(key: str, folder: Path) -> bool:
     """Whether the tables of a map are in a folder."""
     return all((folder / f"{key}{part}.csv").exists() for part in ("", "-edges"))
 
 
-def read(chart, folder):
+def read(chart: Map, folder: Path) -> tuple[Found, str]:
     """(Found, made) from the tables of a map in a folder."""
     outcomes, made = {}, ""
     places = {str(x): x for x in chart.x.values}, {str(y): y for y in chart.y.values}

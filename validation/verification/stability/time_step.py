@@ -10,12 +10,18 @@ to the next. There an answer is the median over some steps next to each other, t
 counts.
 """
 
+from __future__ import annotations
+
 from functools import cache
 from statistics import median
+from typing import TYPE_CHECKING
 
 from shellfabric.panel.model import Numerics
 from validation.verification.stability import shots
 from validation.verification.stability.core import ABOVE, STABLE, WRONG, Axis, Map, Outcome, guarded
+
+if TYPE_CHECKING:
+    from validation.verification.stability.shots import Answer
 
 CLOTHS = {
     "S-720, default": {},
@@ -34,15 +40,15 @@ NEIGHBOURS = tuple(1 - 0.01 * n for n in range(11))
 _SOFT = 2 * Numerics.cfl
 
 
-def shot(cfl, name):
+def shot(cfl: float, name: str) -> Answer:
     """Answer of a shot; yarns do not fail, so that a wild one does not end for that."""
-    choices = dict(CLOTHS[name])
+    choices = dict(CLOTHS[name])  # type: ignore[call-overload]
     cell = shots.table(choices.pop("form", "variational"), choices.pop("straight", False))
     penalty = Numerics.penalty * (cfl / _SOFT) ** 2
     return shots.fire(cell, failure=False, cfl=cfl, penalty=penalty, **choices)
 
 
-def answer(cfl, name):
+def answer(cfl: float, name: str) -> Answer:
     """Answer of a shot, or of the median of its neighbours where yarns ring."""
     found = [shot(part * cfl, name) for part in (NEIGHBOURS if name in RINGING else (1.0,))]
     peak = tuple(map(median, zip(*(one.peak for one in found))))
@@ -53,7 +59,7 @@ def answer(cfl, name):
 quiet = cache(lambda name: answer(0.3, name))
 
 
-def point(cfl, name):
+def point(cfl: float, name: str) -> Outcome:
     """STABLE where peaks and velocity are those of a third of the bound."""
 
     def run():
@@ -65,7 +71,7 @@ def point(cfl, name):
     return guarded(run)
 
 
-def chart(quick=False):
+def chart(quick: bool = False) -> Map:
     """The map."""
     return Map(
         "time-step", "Time step against its bound",

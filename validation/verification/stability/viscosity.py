@@ -1,6 +1,8 @@
 """Viscosity on the stretch rate: without it crimped yarns ring when they snap taut, with too much the wave is "
 "smeared."""
 
+from __future__ import annotations
+
 from functools import cache
 
 from shellfabric.panel.model import Numerics
@@ -12,7 +14,7 @@ RATIOS = (0.0, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.4, 0.8)
 VELOCITIES = (50.0, 92.5, 130.0)
 
 
-def shot(viscosity, velocity):
+def shot(viscosity: float, velocity: float) -> shots.Answer:
     """Answer of a shot."""
     return shots.fire(stretch_viscosity=viscosity, velocity=velocity, failure=False)
 
@@ -20,7 +22,7 @@ def shot(viscosity, velocity):
 usual = cache(lambda velocity: shot(Numerics.stretch_viscosity, velocity))
 
 
-def point(viscosity, velocity):
+def point(viscosity: float, velocity: float) -> Outcome:
     """STABLE where peaks and velocity are those of the default."""
 
     def run():
@@ -31,7 +33,7 @@ def point(viscosity, velocity):
     return guarded(run)
 
 
-def chart(quick=False):
+def chart(quick: bool = False) -> Map:
     """The map."""
     return Map(
         "viscosity", "Viscosity on the stretch rate",
