@@ -53,6 +53,7 @@ class ClothSolver(ExplicitSolver):
         self.parts, (self.panel, self.const, self.state) = parts, parts[0]
         self.share = self.panel.share
         self.threads = min(barrier.threads_for(self.panel.numerics.threads, elements), most_threads)
+        self.reduces_threads = self.panel.numerics.threads is None
         self.history_columns = len(dynamics.columns(self.panel.projectile))
         self.ply_samples, self.history_request, self.histories = [], None, []
         self.backing, self.perforated_samples = None, 0
