@@ -228,7 +228,11 @@ class CellTable:
         out = np.empty((8, n, n))
         if not kernels.fill(x, y, *model._arguments(), out):
             raise UnstableError("the crossover did not close", where=f"the table of fabric {model.fabric.name}")
-        values = dict(zip(COLUMNS, out))
+        return cls.of_values(model, x, y, dict(zip(COLUMNS, out)))
+
+    @classmethod
+    def of_values(cls, model: CellModel, x, y, values) -> CellTable:
+        """The table with the stretches x, y (n,) and what `CellModel.solve` gives at all pairs of them, (n, n) each."""
         w1, w2 = model.fabric.weave.w
         if model.form == "variational":
             fx, fy = values["N1"] * 2 * w1 * (x[1] - x[0]), values["N2"] * 2 * w2 * (y[1] - y[0])
