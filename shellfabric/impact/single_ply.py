@@ -110,21 +110,22 @@ class ImpactSetup:
         reach = 1.0 if self.failure else UNFAILING
         return CellModel(self.fabric, self.laws, self.gap, self.cell_model, self.form, self.profile, reach=reach)
 
-    def table(self, kept: bool = False) -> CellTable:
+    def table(self, kept: bool = False, method: str = "nested") -> CellTable:
         """The cell's table. Set-ups that differ in panel, shot or mesh alone can share it.
 
         Parameters
         ----------
         kept : whether to take it from the user's cache folder, and to keep it there (`cell.table_cache`)
+        method : how it is filled, see CellTable.fill; of a cell with compression laws
 
         Raises
         ------
         InputError : as CellModel, SurfaceCell and CellTable
         """
         cell = self.cell()
-        if kept and self.surface is None:
-            return table_cache.table(cell, self.table_size)
-        return cell.table(self.table_size)
+        if self.surface is not None:
+            return cell.table(self.table_size)
+        return table_cache.table(cell, self.table_size) if kept else cell.table(self.table_size, method)
 
     def panel(self, table: CellTable | None = None) -> Panel:
         """The panel that this set-up describes, with its own table or one that a like set-up has filled.
