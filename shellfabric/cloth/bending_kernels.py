@@ -90,10 +90,15 @@ def family_bending(state, const, family, first, last, acting):
 
 
 @kernel(_nrt=False)
-def bending_forces(state, const, first, last, acting):
-    """Bending energy [J] of the node rows first .. last; adds its forces to state.f_int if `acting`."""
+def bending_forces(stiffness, state, const, first, last, acting):
+    """Bending energy [J] of the node rows first .. last; adds its forces to state.f_int if `acting`.
+
+    stiffness : const.bending; where it is None nothing of this is compiled
+    """
+    if stiffness is None:
+        return 0.0
     total = 0.0
     for family in range(2):
-        if const.bending[family] > 0.0:
+        if stiffness[family] > 0.0:
             total += family_bending(state, const, family, first, last, acting)
     return total

@@ -47,8 +47,13 @@ def family_jamming(state, const, number, first, last, acting):
 
 
 @kernel(_nrt=False)
-def jamming_forces(state, const, first, last, acting):
-    """Energy of all segments in the node rows first .. last; adds their forces to state.f_int if `acting`."""
-    if const.jamming[0] == 0.0:
+def jamming_forces(law, state, const, first, last, acting):
+    """Energy of all segments in the node rows first .. last; adds their forces to state.f_int if `acting`.
+
+    law : const.jamming; where it is None nothing of this is compiled
+    """
+    if law is None:
+        return 0.0
+    if law[0] == 0.0:
         return 0.0
     return family_jamming(state, const, 0, first, last, acting) + family_jamming(state, const, 1, first, last, acting)

@@ -47,8 +47,12 @@ Work = namedtuple(
 )
 
 
-def constants(panel) -> Constants:
-    """What the kernels need to know, as plain numbers and arrays."""
+def constants(panel, out_of_plane=False) -> Constants:
+    """What the kernels need to know, as plain numbers and arrays.
+
+    out_of_plane : whether the kernels know of bending and jamming even if this panel has neither, as they have to where
+        another ply of its pack has
+    """
     (ni, nj), (dx, dy), (mirror_x, mirror_y) = panel.counts, panel.spacing, panel.mirrors
     weave, table, knobs, dt = panel.weave, panel.table, panel.numerics, panel.time_step
     (w1, w2), (S01, S02), (warp, weft) = weave.w, weave.S0, weave.yarns
@@ -95,8 +99,7 @@ def constants(panel) -> Constants:
         tilted=shot.tilted, window_follows=roaming, body_depth=2 * shot.radius, draw_in_reach=panel.reach(),
         foremost_offset=shot.top,
         shoulder=shot.shoulder, friction=shot.friction, slip_node=rim_node, slip_axis=rim_axis, slip_data=rim,
-        bending=np.array([n * EI / d for n, EI, d in zip(panel.yarns_a_line, panel.bending, panel.spacing)]),
-        jamming=np.array(panel.jam, float), yarn_ends=boundary.yarn_ends(panel),
+        **_out_of_plane(panel, out_of_plane), yarn_ends=boundary.yarn_ends(panel),
         has_backing=panel.backing is not None, **dynamics.constants(shot, panel.share, dt),
     )  # fmt: skip
 
@@ -145,7 +148,8 @@ def state(panel, strike_velocity) -> State:
     if np.any(const.slip_data[:, 0]):
         state.active_rows[:] = 0, ni  # edges with a prescribed pull-in move before any wave comes to them
     step_kernels.initial_forces(state, const, work(panel))
-    boundary_kernels.update_slip_nodes(state, const, 0.0)
+    if const.slip_node.size:
+        boundary_kernels.update_slip_nodes(state, const, 0.0)
     return state
 
 
@@ -169,6 +173,19 @@ def work(panel) -> Work:
         contact.scratch(const),
     )
     return Work(**rows)
+
+
+def _out_of_plane(panel, wanted):
+    """Constants of bending and jamming; None, for which the kernels are compiled without them, where there is none."""
+    if not (wanted or has_out_of_plane(panel)):
+        return {"bending": None, "jamming": None}
+    bending = np.array([n * EI / d for n, EI, d in zip(panel.yarns_a_line, panel.bending, panel.spacing)])
+    return {"bending": bending, "jamming": np.array(panel.jam, float)}
+
+
+def has_out_of_plane(panel):
+    """Whether a panel has bending or jamming."""
+    return any(panel.bending) or panel.jam[0] > 0
 
 
 def _block(panel):

@@ -270,9 +270,9 @@ class Panel:
         """See `packed_table.ceilings`."""
         return packed_table.ceilings(self.table)
 
-    def constants(self) -> arrays.Constants:
-        """What the kernels need to know, as plain numbers and arrays."""
-        return arrays.constants(self)
+    def constants(self, out_of_plane: bool = False) -> arrays.Constants:
+        """What the kernels need to know, as plain numbers and arrays (`arrays.constants`)."""
+        return arrays.constants(self, out_of_plane)
 
     def state(self, strike_velocity) -> arrays.State:
         """The panel at rest, flat at z = 0, touched by the projectile that flies at it at `strike_velocity` [m/s]."""

@@ -4,7 +4,7 @@ import numpy as np
 
 from shellfabric.cloth import spline_kernels
 from shellfabric.cloth.membrane_kernels import ERODED
-from shellfabric.jit.compile import entry, kernel
+from shellfabric.jit.compile import kernel
 
 
 @kernel()
@@ -20,7 +20,7 @@ def reachable_nodes(state, const):
     return max(i0 - 1, 0), min(i1 + 1, const.ni), max(j0 - 1, 0), min(j1 + 1, const.nj)
 
 
-@entry()
+@kernel()
 def move_window(state, const):
     """Move the contact window, state.contact_window, with a projectile that moves sideways.
 
@@ -87,7 +87,7 @@ def intact_at_point(state, const, k, s, t):
     return 0.5 * (near + other)
 
 
-@entry()
+@kernel()
 def cloth_ahead_of_nose(state, const):
     """Whether an element that is not eroded lies ahead of the shoulder, within the projectile's radius."""
     i0, i1, j0, j1 = window_bounds(state)

@@ -139,6 +139,7 @@ def fire(this, setup, title, *, checkpoint=None, every=None, resume=False, table
     from shellfabric.output.checkpoint import Checkpoints
 
     hooks = () if checkpoint is None else (Checkpoints(checkpoint, every),)
+    table = table or setup.table(kept=True)
     result, failure = progress.watched(
         lambda hooks: solver.run(setup, hooks=hooks, resume=checkpoint if resume else None, table=table), title, hooks
     )
