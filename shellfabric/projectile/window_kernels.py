@@ -28,7 +28,7 @@ def move_window(state, const):
     window leaves const.draw_in_reach, by which cloth may be drawn in besides the body's own width, and what the edges
     have slipped. Nothing bounds how far a yarn that has failed is drawn in: then the window is the whole panel. Cloth
     from beyond would be found by the window's next row when it is an edge radius deep, on springs that nobody has
-    squeezed.
+    squeezed. On a graded panel the window stays in the first zone, and so does the projectile (`panel.solver`).
     """
     torn, slip = False, 0.0
     for block in range(state.block_damage.size):
@@ -40,8 +40,8 @@ def move_window(state, const):
         nose, foot = state.projectile_position[c], state.projectile_position[c] - back * const.frame[2, c]
         low, high = min(nose, foot) - start, max(nose, foot) - start
         low, high = low - const.draw_in_reach[c] - slip, high + const.draw_in_reach[c] + slip
-        count = const.window_limits[2 * c + 1]
-        state.contact_window[2 * c] = 0 if torn else min(max(int(low / step), 0), count)
+        first, count = const.window_limits[2 * c], const.window_limits[2 * c + 1]
+        state.contact_window[2 * c] = first if torn else min(max(int(low / step), first), count)
         state.contact_window[2 * c + 1] = (
             count if torn else min(max(int(high / step) + 1, state.contact_window[2 * c]), count)
         )
