@@ -9,7 +9,8 @@ import numpy as np
 from shellfabric.cable import step_kernels as kernels
 from shellfabric.cable.contact_kernels import CONTACT
 from shellfabric.cable.model import CableNet
-from shellfabric.driver.solver import ExplicitSolver, run_to_end, speed_limit
+from shellfabric.driver.guards import speed_limit
+from shellfabric.driver.solver import ExplicitSolver, run_to_end
 
 ENERGIES = (
     "kinetic_fabric",

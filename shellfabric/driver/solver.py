@@ -22,6 +22,7 @@ from contextlib import contextmanager
 import numpy as np
 
 from fabrics.errors import InputError, UnstableError
+from shellfabric.driver.guards import energy_gain_message
 from shellfabric.jit import barrier
 
 RUNNING, STOPPED, PERFORATED, NOT_FINITE, CHECK = range(5)  # why a kernel ends its steps; as the step kernels have it
@@ -29,7 +30,6 @@ OUTCOMES = {RUNNING: "in flight", STOPPED: "stopped", PERFORATED: "perforated"}
 ENERGY_CHECK_SHARE = 0.05  # of the strike energy that may be exchanged from one check of the energy to the next
 BUSY_TIME, BUSY_SHARE = 0.05, 0.75  # [s] of steps with several threads after which the main thread must have had so
 # much of the processor that the run goes on with them
-ENERGY_GAIN_LIMIT = 0.01  # share of the strike energy that a contact may seem to have given
 
 
 class ExplicitSolver:
@@ -206,7 +206,7 @@ class ExplicitSolver:
         Raises
         ------
         UnstableError : a number that is not finite, an energy error beyond its limit, a contact that gains energy, or
-            a node that is too fast (`speed_limit`); samples and state stay as they are
+            a node that is too fast (`guards.speed_limit`); samples and state stay as they are
         """
         try:
             with self._workers():
@@ -326,30 +326,6 @@ class ExplicitSolver:
     def stop(self, message, where, when=None):
         """End the run: raises UnstableError."""
         raise UnstableError(message, where=where, when=when or self.when)
-
-
-def speed_limit(const):
-    """[m/s] the highest speed of a node that a run goes on with: one shorter side of an element in a step.
-
-    Nodes are fast without any instability. The nose throws light ones at twice its own velocity and more, a yarn that
-    breaks at the strain e lets go of its free end at 2 e c, with c the wave speed of the cloth, and the free corner of
-    a panel that is drawn in cracks as a whip does. None of this is bounded by the strike velocity alone. What central
-    differences cannot follow is a change of shape within a step: their bound takes the stiffness as constant over it,
-    while one end of a segment that moves by the segment's length has turned it over. As the step is a share of the time
-    that a wave takes over an element, such a node is faster than sound in the cloth. Below the bound the energy error
-    decides whether a run is good, and ends it if not.
-
-    Parameters
-    ----------
-    const : with dx, dy [m], the sides of the smallest element, and dt [s]
-    """
-    return min(const.dx, const.dy) / const.dt
-
-
-def energy_gain_message(taken, strike_energy):
-    """Message for a contact that has taken in `taken` [J]; "" unless it has given more than ENERGY_GAIN_LIMIT."""
-    share = -taken / strike_energy
-    return f"has given {100 * share:.2g} % of the strike energy that it never took" if share > ENERGY_GAIN_LIMIT else ""
 
 
 def run_to_end(solver, hooks, collect_result):

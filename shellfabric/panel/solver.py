@@ -10,7 +10,8 @@ from __future__ import annotations
 import numpy as np
 
 from shellfabric.backing import coupling
-from shellfabric.driver.solver import PERFORATED, RUNNING, ExplicitSolver, speed_limit
+from shellfabric.driver.guards import speed_limit
+from shellfabric.driver.solver import PERFORATED, RUNNING, ExplicitSolver
 from shellfabric.jit import barrier
 from shellfabric.panel import boundary, grading, ply_audit, quality
 from shellfabric.panel import step_kernels as kernels

@@ -10,7 +10,7 @@ from fabrics.fabric import Fabric
 from fabrics.trellis import TrellisShear
 from fabrics.weave import Weave
 from fabrics.yarn import Yarn
-from shellfabric.driver.solver import speed_limit
+from shellfabric.driver.guards import speed_limit
 from shellfabric.impact import single_ply
 from shellfabric.impact.pack import PackSetup, run
 from shellfabric.impact.single_ply import ImpactSetup
