@@ -1,13 +1,14 @@
 """Graded panels against the uniform one: error, cost, and what comes back of a wave from where zones meet.
 
-    taskset -c 0 python benchmarks/graded.py [--fabric S-720] [--parts shots limit waves pack] [--out FILE.json]
+    taskset -c 0 python benchmarks/graded.py [--fabric S-720] [--parts shots limit waves pack refined] [--out FILE.json]
 
 Shots: the fabric's two published ones, with the same panel as a whole run of `impact`; errors are against the uniform
 panel of one element a crossover. Cost is CPU time of one shot on one core, audits included, the least of two; ratios of
 it hold on a busy machine too. Limit: the critical velocity, bisected to 0.5 m/s. Waves: a pulse u = cos^2 along taut
 straight yarns, 100 elements of one crossover and then longer ones; the share of its energy that is found before them
 once it should be through. Pack: four plies of S-726 at a velocity that they hold and at one that perforates them; every
-ply has the same grading.
+ply has the same grading. Refined: elements shorter than a crossover about the impact point alone against the same
+everywhere, of shots that perforate cloth of straight, decoupled yarns and S-720.
 """
 
 from __future__ import annotations
@@ -24,6 +25,7 @@ from shell import machine, publish
 
 from fabrics import catalogue
 from fabrics.errors import InputError
+from fabrics.variants import with_straight_yarns
 from shellfabric.cell.model import CellModel
 from shellfabric.impact.ballistic_limit import critical_velocity
 from shellfabric.panel import step_kernels as panel_step_kernels
@@ -45,11 +47,23 @@ ZONES = {
 SHOTS = {"S-720": (92.5, 155.0), "S-726": (96.0, 174.0), "S-728": (76.0, 170.0), "S-731": (116.0, 132.0)}
 PULSES = {
     "1": None,
+    "1/2, 1": ((100, 1 / 2), (inf, 1)),
+    "1/3, 1": ((100, 1 / 3), (inf, 1)),
     "1, 2": ((100, 1), (inf, 2)),
     "1, 4": ((100, 1), (inf, 4)),
     "1, 2, 4": ((100, 1), (116, 2), (inf, 4)),
 }
 LENGTHS = (8, 16, 32, 64)  # of the pulse, in crossovers
+REFINED = {
+    "1": {},
+    "2": {"elements_per_crossover": 2},
+    "3": {"elements_per_crossover": 3},
+    "1/2 to 10, 1 to 20, then 2": {"grading": ((10, 1 / 2), (20, 1), (inf, 2))},
+    "1/3 to 10, 1 to 16, then 2": {"grading": ((10, 1 / 3), (16, 1), (inf, 2))},
+    "1/3 to 10, 1 to 20, 2 to 40, then 4": {"grading": ((10, 1 / 3), (20, 1), (40, 2), (inf, 4))},
+    "1/4 to 10, 1 to 20, 2 to 40, then 4": {"grading": ((10, 1 / 4), (20, 1), (40, 2), (inf, 4))},
+}
+REFINED_SHOTS = {"straight, decoupled": (170.0,), "S-720": (160.0, 180.0, 220.0)}  # strike velocities [m/s]
 PACK = "S-726", 4, (158.0, 300.0)  # fabric, plies, strike velocities [m/s]
 PACK_ZONES = ("1", "1 to 16, then 2", "1 to 16, 2 to 32, then 4", "1 to 24, 2 to 40, then 4", "1 to 32, then 2")
 
@@ -70,6 +84,30 @@ def shot(panel, strike_velocity):
         "balance": float(np.abs(march.sample("error")).max() / march.strike_energy),
         "cpu_s": min(costs),
     }
+
+
+def refined_shots():
+    """Shots that perforate, on meshes that are as fine everywhere or about the impact point alone."""
+    fabric, found = catalogue.load("S-720").with_effective_density(), {}
+    tables = {
+        "straight, decoupled": CellModel(with_straight_yarns(fabric), model="decoupled").table(201),
+        "S-720": CellModel(fabric).table(201),
+    }
+    for cloth, velocities in REFINED_SHOTS.items():
+        for name, mesh in REFINED.items():
+            panel = Panel(tables[cloth], numerics=Numerics(threads=1), **mesh)
+            PanelSolver(panel, velocities[0], 1e-6).run()  # compiled before
+            shots = [absorbing(panel, v) for v in velocities]
+            found.setdefault(cloth, {})[name] = {"elements": panel.elements, "shots": shots}
+            print(cloth, name, json.dumps(found[cloth][name]), flush=True)
+    return found
+
+
+def absorbing(panel, strike_velocity):
+    """`shot` with the energy that the cloth has taken."""
+    found = shot(panel, strike_velocity)
+    mass, left = panel.projectile.mass, found["residual_velocity"]
+    return found | {"absorbed_J": 0.5 * mass * (strike_velocity**2 - left * abs(left))}
 
 
 def fitting(panel):
@@ -153,7 +191,9 @@ def behind(table, zones, crossovers):
     panel = Panel(table, (0.8, 0.0203), edge=edge, failure=False, grading=zones, numerics=knobs)
     state, const, work = panel.state(1.0), panel.constants(), panel.work()
     state.projectile_position[2], state.active_rows[:] = -1.0, (0, const.ni)
-    X, weave, d = panel.coordinates()[0], panel.weave, panel.spacing[0]
+    X, weave, d = panel.coordinates()[0], panel.weave, 2 * panel.weave.w1
+    if zones is not None and zones[0][1] < 1:  # a pulse is as many of the smallest elements long
+        crossovers *= zones[0][1]
     speed = (weave.warp.EA * weave.warp_count / weave.areal_density) ** 0.5
     start, half, k = 50 * d, 0.5 * crossovers * d, np.pi / (crossovers * d)
     at = lambda x: np.clip(x - start, -half, half)  # noqa: E731
@@ -168,7 +208,7 @@ def behind(table, zones, crossovers):
 
 def main():
     arguments = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parts = ("shots", "limit", "waves", "pack")
+    parts = ("shots", "limit", "waves", "pack", "refined")
     arguments.add_argument("--fabric", default="S-720", choices=SHOTS)
     arguments.add_argument("--parts", nargs="+", choices=parts, default=parts)
     arguments.add_argument("--out", type=Path)
@@ -187,6 +227,8 @@ def main():
         report["limit"] = limits(panel)
     if "pack" in chosen.parts:
         report["pack"] = pack_shots()
+    if "refined" in chosen.parts:
+        report["refined"] = refined_shots()
     publish(report, chosen.out)
 
 

@@ -23,7 +23,7 @@ from fabrics.checks import FilePath
 
 @contextmanager
 def kernel_cache(package_file: FilePath) -> Iterator[None]:
-    """Import the kernels of the package whose `__init__.py` is `package_file` inside this block.
+    """Decorate the kernels of the package whose `__init__.py` is `package_file` inside this block.
 
     numba reads the folder when a function is decorated. A folder that the user has chosen (NUMBA_CACHE_DIR) is used as
     the root; otherwise the package's own __pycache__.
@@ -31,14 +31,19 @@ def kernel_cache(package_file: FilePath) -> Iterator[None]:
     import numba
 
     folder = Path(package_file).parent
-    digest = source_code.digest(kernel_sources(folder))[:16]
     config: Any = numba.config
     before = config.CACHE_DIR
-    config.CACHE_DIR = str(Path(before or folder / "__pycache__") / f"kernels-{digest}")
+    config.CACHE_DIR = str(Path(before or folder / "__pycache__") / f"kernels-{_kernel_digest(folder)}")
     try:
         yield
     finally:
         config.CACHE_DIR = before
+
+
+@cache
+def _kernel_digest(folder: Path) -> str:
+    """First 16 digits of the digest of a package's `kernel_sources`, which are read once in a process."""
+    return source_code.digest(kernel_sources(folder))[:16]
 
 
 @cache
@@ -89,7 +94,14 @@ def kernel_sources(folder: Path) -> list[tuple[str, bytes]]:
     files = sorted(folder.rglob("*.py"))
     kernels = [file for file in files if file.stem.endswith("_kernels") or b"from numba" in file.read_bytes()]
     names = [source_code.name_of(file, root) for file in kernels]
-    whole = source_code.closure(names, root, packages, ends=[folder / "__init__.py"])  # which imports this very file
+    # no machine code depends on this very file, which the decorators import; nor on `__init__`, which may import it
+    whole = source_code.closure(names, root, packages, ends=[folder / "__init__.py", *_of_this_file(root)])
     found = [(file, file.read_bytes()) for file in whole]
     found += [(file, tuples) for file in files if file not in whole and (tuples := source_code.named_tuples(file))]
     return [(str(file.relative_to(root)), content) for file, content in sorted(found)]
+
+
+def _of_this_file(root):
+    """This file below `root`, in a list."""
+    file = root / "fabrics" / Path(__file__).name
+    return [file] if file.is_file() else []

@@ -3,19 +3,34 @@
 Imports are read from the syntax of the files, without running them; those inside functions count. Compiled kernels
 (`kernel_cache`) and kept results (`run_cache`) are named after such a digest, so that neither outlives the code that
 made it.
+
+Parsing all files that a solver consists of takes far longer than reading them. What the syntax of a file says is kept
+in one JSON file beside the byte code of this package, under the digest of the content that it was found in, so that it
+cannot be out of date. Where that file cannot be read or written, everything is parsed.
 """
 
 from __future__ import annotations
 
 import ast
+import atexit
 import hashlib
+import json
+import os
 import re
-from collections.abc import Container, Iterable, Iterator
+import sys
+import tempfile
+from collections.abc import Callable, Container, Iterable, Iterator
+from contextlib import suppress
+from functools import cache
 from pathlib import Path
+from typing import Any
 
 PACKAGES = ("fabrics", "meshing", "unitcell3d", "shellfabric", "validation", "weavecell")
 ROOT = Path(__file__).parents[1]
 DATA = (".toml", ".json", ".csv")
+_VERSION = 1  # of what is kept of parsed files; a change of `_statements` or `_tuple_definitions` counts it up
+_MOST = 4000  # results that are kept
+_FILE = Path(__file__).parent / "__pycache__" / f"parsed-sources-{_VERSION}-{sys.implementation.cache_tag}.json"
 _READS = ("resources.files(", "__file__")  # how a module finds data that lie in its package
 _NAMED = re.compile(r'resources\.files\("([\w.]+)"\)')
 
@@ -45,23 +60,35 @@ def imports(file: Path, root: Path = ROOT, lazy: bool = True) -> Iterator[str]:
     ----------
     lazy : whether imports inside functions count
     """
-    for node in _nodes(ast.parse(file.read_bytes()), lazy):
-        if isinstance(node, ast.Import):
-            yield from (name.name for name in node.names)
-        elif isinstance(node, ast.ImportFrom):
-            start = file.parents[node.level - 1].relative_to(root).parts if node.level else ()
-            module = ".".join([*start, *([node.module] if node.module else [])])
+    for always, level, module, names in _parsed("imports", file.read_bytes(), _statements):
+        if not (lazy or always):
+            continue
+        if names is None:
             yield module
-            yield from (f"{module}.{name.name}" for name in node.names)
-            if lazy and module == "importlib" and any(name.name == "import_module" for name in node.names):
-                yield from (name_of(each, root) for each in sorted(file.parent.rglob("*.py")))
+            continue
+        start = file.parents[level - 1].relative_to(root).parts if level else ()
+        whole = ".".join([*start, *([module] if module else [])])
+        yield whole
+        yield from (f"{whole}.{name}" for name in names)
+        if lazy and whole == "importlib" and "import_module" in names:
+            yield from (name_of(each, root) for each in sorted(file.parent.rglob("*.py")))
 
 
-def _nodes(node, lazy):
-    for child in ast.iter_child_nodes(node):
-        if lazy or not isinstance(child, (ast.FunctionDef, ast.AsyncFunctionDef)):
-            yield child
-            yield from _nodes(child, lazy)
+def _statements(tree):
+    """[(whether it is outside of functions, level, module, names imported from it or None)] of the imports."""
+    found: list = []
+
+    def walk(node, always):
+        for child in ast.iter_child_nodes(node):
+            if isinstance(child, ast.Import):
+                found.extend([always, 0, name.name, None] for name in child.names)
+            elif isinstance(child, ast.ImportFrom):
+                found.append([always, child.level, child.module, [name.name for name in child.names]])
+            elif not isinstance(child, ast.expr):
+                walk(child, always and not isinstance(child, (ast.FunctionDef, ast.AsyncFunctionDef)))
+
+    walk(tree, True)
+    return found
 
 
 def closure(
@@ -79,11 +106,13 @@ def closure(
     for module in modules:
         if file_of(module, root) is None:
             raise ModuleNotFoundError(f"no module {module!r} in {root}", name=module)
-    found, waiting = set(), list(modules)
+    found, waiting, seen = set(), list(modules), set()
     while waiting:
-        parts = waiting.pop().split(".")
-        if parts[0] not in packages:
+        module = waiting.pop()
+        parts = module.split(".")
+        if module in seen or parts[0] not in packages:
             continue
+        seen.add(module)
         for n in range(1, len(parts) + 1):
             file = file_of(".".join(parts[:n]), root)
             if file is not None and file not in found:
@@ -115,17 +144,23 @@ def named_tuples(file: Path) -> bytes:
     content = file.read_bytes()
     if b"amedtuple" not in content and b"NamedTuple" not in content:
         return b""
+    found = _parsed("named tuples", content, _tuple_definitions)
+    return content if found is None else found.encode()
+
+
+def _tuple_definitions(tree):
+    """The definitions of named tuples as text; None where the rest of the file may matter."""
     found = []
-    for node in ast.walk(ast.parse(content)):
+    for node in ast.walk(tree):
         if isinstance(node, ast.ImportFrom) and any(_named(name.name) and name.asname for name in node.names):
-            return content
+            return None
         if isinstance(node, ast.ClassDef) and any(_named(_last(base)) for base in node.bases):
             found.append(ast.dump(node))
         elif isinstance(node, ast.Call) and _named(_last(node.func)):
             if not all(_literal(part) for part in (*node.args, *(word.value for word in node.keywords))):
-                return content
+                return None
             found.append(ast.dump(node))
-    return "\n".join(found).encode()
+    return "\n".join(found)
 
 
 def _named(name):
@@ -150,3 +185,56 @@ def digest(parts: Iterable[tuple[str, bytes]]) -> str:
     for name, content in parts:
         found.update(f"{name}\0{len(content)}\0".encode() + content)
     return found.hexdigest()
+
+
+@cache
+def _kept() -> dict[str, Any]:
+    """{digest: result}, which this process adds to and writes when it ends."""
+    atexit.register(_write, *_state())
+    with suppress(OSError, ValueError):
+        found = json.loads(_FILE.read_text("utf-8"))
+        if isinstance(found, dict):
+            return found
+    return {}
+
+
+@cache
+def _state() -> tuple[set[str], set[str]]:
+    """Digests of the results that this process has used, and of those that it has added."""
+    return set(), set()
+
+
+def _parsed(kind: str, content: bytes, find: Callable[[ast.AST], Any]) -> Any:
+    """find(syntax tree of a file's content), or what it has found before.
+
+    Parameters
+    ----------
+    kind : names the function
+    content : of the file
+    find : its result is made of lists, texts, numbers and None
+    """
+    digest = hashlib.sha256(kind.encode() + b"\0" + content).hexdigest()[:32]
+    kept, (used, added) = _kept(), _state()
+    used.add(digest)
+    if digest not in kept:
+        kept[digest] = find(ast.parse(content))
+        added.add(digest)
+    return kept[digest]
+
+
+def _write(used, added):
+    """Write the file, whole or not at all; the results used last are those that are kept where there are too many."""
+    if not added or sys.dont_write_bytecode:
+        return
+    kept = _kept()
+    if len(kept) > _MOST:
+        kept = {digest: kept[digest] for digest in used}
+    with suppress(OSError):
+        _FILE.parent.mkdir(exist_ok=True)
+        handle, name = tempfile.mkstemp(dir=_FILE.parent, prefix=".parsed-")
+        try:
+            with os.fdopen(handle, "w", encoding="utf-8") as file:
+                json.dump(kept, file)
+            os.replace(name, _FILE)
+        except OSError:
+            os.unlink(name)

@@ -2,12 +2,31 @@
 
 from __future__ import annotations
 
+import re
 from functools import cache
 from math import isfinite
 from typing import Any
 
 from fabrics.checks import FilePath
 from fabrics.errors import InputError
+
+# SI unit: {unit: factor to it, as pint has it to the last digit}; these are converted without importing pint
+FACTORS = {
+    "m": {"m": 1.0, "cm": 0.01, "mm": 1e-3, "um": 1e-6},
+    "s": {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9},
+    "kg": {"kg": 1.0, "g": 1e-3},
+    "m/s": {"m/s": 1.0},
+    "N": {"N": 1.0, "kN": 1e3},
+    "J": {"J": 1.0},
+    "Pa": {"Pa": 1.0, "MPa": 1e6, "GPa": 1e9},
+    "kg/m": {"denier": 1.111111111111111e-07, "dtex": 1e-7, "tex": 1e-6},
+    "1/m": {"/ mm": 1e3, "/ cm": 100.0, "/ inch": 39.37007874015748},
+    "kg/m^2": {"g/m^2": 1e-3},
+    "kg/m^3": {"kg/m^3": 1.0, "g/cm^3": 999.9999999999999},
+    "rad": {"deg": 0.017453292519943295},
+    "": {"": 1.0, "%": 0.01},
+}
+_NUMBER_AND_UNIT = re.compile(r"\s*([-+]?(?:\d{1,15}(?:\.\d*)?|\.\d+)(?:[eE][-+]?\d+)?)\s*(|[a-zA-Z%/].*?)\s*")
 
 
 @cache
@@ -49,6 +68,12 @@ def si(value: Any, unit: str, *, file: FilePath | None = None, key: str | None =
 
 @cache
 def _convert_text(text, unit):
+    found = _NUMBER_AND_UNIT.fullmatch(text)
+    factor = FACTORS.get(unit, {}).get(found[2]) if found else None
+    return _convert_by_pint(text, unit) if factor is None else float(found[1]) * factor
+
+
+def _convert_by_pint(text, unit):
     registry = _registry()
     return float(registry.Quantity(text.replace("%", " percent")).to(unit or "dimensionless").magnitude)
 

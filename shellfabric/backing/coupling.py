@@ -115,11 +115,13 @@ class BackingCoupling:
         self.projectile, self.const, self.p = panel.projectile, const, backing.points
         self.thickness = 0.5 * panel.weave.thickness
         self.block = replace(backing, standoff=place + self.thickness + backing.standoff).block(const.dt)
-        point = panel.weave.areal_density * const.dx * const.dy / self.p**2
-        count = const.ni * const.nj * self.p**2
-        self._stiffness = np.full(count, backing.ply_penalty * point / const.dt**2)
-        self._damping = np.full(count, 2 * backing.contact_damping * backing.ply_penalty**0.5 * point / const.dt)
-        self._loose = np.ones(count)
+        areas = np.full((const.ni, const.nj), const.dx * const.dy)
+        if panel.sides is not None:
+            areas = np.multiply.outer(*panel.sides)
+        point = np.repeat(panel.weave.areal_density * areas.ravel() / self.p**2, self.p**2)
+        self._stiffness = backing.ply_penalty * point / const.dt**2
+        self._damping = 2 * backing.contact_damping * backing.ply_penalty**0.5 * point / const.dt
+        self._loose = np.ones(point.size)
         self._rest = (*panel.coordinates(), np.full((const.ni + 1, const.nj + 1), float(place)))
         at = (np.arange(self.p) + 0.5) / self.p
         self._weights = [

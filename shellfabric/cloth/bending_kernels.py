@@ -1,7 +1,7 @@
 """Resistance of yarns to bending, out of the cloth's plane and in it, at the nodes along each grid line.
 
-With t1, t2 the unit tangents of the segments before and after a node, L their length at rest and B = n EI / L, n being
-the yarns that the line stands for, the turn of the yarn stores
+With t1, t2 the unit tangents of the segments before and after a node, L their (mean) length at rest and B = n EI / L, n
+being the yarns that the line stands for, the turn of the yarn stores
 
     1/2 B |t2 - t1|^2 = B (1 - t1.t2),          that is 1/2 (EI / L) (kappa L)^2 a yarn, with kappa L = 2 sin(turn / 2)
 
@@ -17,18 +17,53 @@ end nothing turns. A turn keeps the part of it that both its segments keep (see 
 import math
 
 import numpy as np
+from numba import types
+from numba.extending import overload
 
 from shellfabric.jit.compile import kernel
 
 FREE_END, SYMMETRY_END, CLAMPED_END = 0, 1, 2
 
 
+def rest_length(side, inverse, k):
+    """Length at rest [m] of the segment at slot k: `side` where all are alike, else one over what the slot has."""
+
+
+@overload(rest_length, inline="always")
+def _rest_length(side, inverse, k):
+    if isinstance(inverse, types.Float):
+        return lambda side, inverse, k: side
+    return lambda side, inverse, k: 1.0 / inverse[k]
+
+
+def node_stiffness(bending, family, k, rim):
+    """B [J] of the node at slot k, on a line at the `rim` or within: a number for each family, or one for each slot."""
+
+
+@overload(node_stiffness, inline="always")
+def _node_stiffness(bending, family, k, rim):
+    if isinstance(bending, types.Array):
+        return lambda bending, family, k, rim: bending[family] * (0.5 if rim else 1.0)
+    return lambda bending, family, k, rim: bending[family][k]
+
+
+def bends(bending, family):
+    """Whether yarns of a family resist bending."""
+
+
+@overload(bends, inline="always")
+def _bends(bending, family):
+    if isinstance(bending, types.Array):
+        return lambda bending, family: bending[family] > 0.0
+    return lambda bending, family: bending[family][0] > 0.0
+
+
 @kernel(_nrt=False)
 def segment_tangent(state, const, family, k):
     """Unit tangent (x, y, z) of the segment at slot k, and its length [m]."""
     u, far = state.u, np.uint64(np.int64(k) + (const.row_stride if family == 0 else 1))
-    x = u[0][far] - u[0][k] + (const.dx if family == 0 else 0.0)
-    y = u[1][far] - u[1][k] + (const.dy if family == 1 else 0.0)
+    x = u[0][far] - u[0][k] + (rest_length(const.dx, const.inv_dx, k) if family == 0 else 0.0)
+    y = u[1][far] - u[1][k] + (rest_length(const.dy, const.inv_dy, k) if family == 1 else 0.0)
     z = u[2][far] - u[2][k]
     length = math.sqrt(x * x + y * y + z * z)
     return (x / length, y / length, z / length), length
@@ -71,7 +106,7 @@ def family_bending(state, const, family, first, last, acting):
             at, line = (i, j) if family == 0 else (j, i)
             k = np.uint64(i * const.row_stride + j)
             low = np.uint64(np.int64(k) - step)
-            B = const.bending[family] * (0.5 if line == 0 or line == lines else 1.0)
+            B = node_stiffness(const.bending, family, k, line == 0 or line == lines)
             if at == 0 or at == n:
                 own, kind = (k, const.yarn_ends[family, 0]) if at == 0 else (low, const.yarn_ends[family, 1])
                 if kind != FREE_END and intact[own] > 0.0:
@@ -90,10 +125,15 @@ def family_bending(state, const, family, first, last, acting):
 
 
 @kernel(_nrt=False)
-def bending_forces(state, const, first, last, acting):
-    """Bending energy [J] of the node rows first .. last; adds its forces to state.f_int if `acting`."""
+def bending_forces(stiffness, state, const, first, last, acting):
+    """Bending energy [J] of the node rows first .. last; adds its forces to state.f_int if `acting`.
+
+    stiffness : const.bending; where it is None nothing of this is compiled
+    """
+    if stiffness is None:
+        return 0.0
     total = 0.0
     for family in range(2):
-        if const.bending[family] > 0.0:
+        if bends(stiffness, family):
             total += family_bending(state, const, family, first, last, acting)
     return total

@@ -11,7 +11,7 @@ The energy audit gets the work of the cloth on prescribed nodes, that on the gri
 nodes, all in the form in which central differences balance them: forces at whole steps over the motion between.
 """
 
-from shellfabric.jit.compile import entry, kernel
+from shellfabric.jit.compile import kernel
 
 BOUNDARY_WORK, CLAMP_FRICTION, KINETIC = 0, 1, 2  # of state.slip_energy
 
@@ -22,7 +22,7 @@ def slip_fraction(time, start, end):
     return min(max((time - start) / (end - start), 0.0), 1.0)
 
 
-@entry(_nrt=False)
+@kernel(_nrt=False)
 def update_slip_nodes(state, const, time):
     """Set the velocities of the slipping nodes for the step that begins at `time` [s]; add up the work of the last."""
     kinetic = 0.0

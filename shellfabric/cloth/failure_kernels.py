@@ -1,9 +1,10 @@
 """Failure of yarns, and forces of damaged elements. Runs only where yarns fail or have failed.
 
-What fails is a segment of a yarn between two crossovers. With n elements along a crossover it is n edges long and n
-lines wide (the outer two shared with its neighbours where n is even); its tension is the mean over them, so that what
-it takes to break a yarn does not depend on the mesh. It is compared with the strength as it is, or low-passed over a
-time tau:
+What fails is a segment of a yarn between two crossovers. Where elements are shorter than a crossover a yarn has several
+lines: its axis, and the lines between it and the axes of its two neighbours, whose cloth both share in proportion to
+the distance from the other's axis (`panel.grading.YarnLines`). Its tension is the mean over these lines with these
+shares: the tension weighted by the shape function of the yarn's line on a mesh of one element a crossover, which makes
+it the same quantity on every mesh. It is compared with the strength as it is, or low-passed over a time tau:
 
     dT_f/dt = (T - T_f) / tau
 
@@ -24,6 +25,7 @@ from shellfabric.jit.compile import kernel
 from shellfabric.jit.simd import item_or_scalar
 
 WARP, WEFT = 0, 1
+ROUNDING = 1e-9  # of an intact fraction: less is nothing
 
 
 def crossing_weight(split, k, before, alone):
@@ -134,22 +136,41 @@ def yarn_properties(const, family):
 
 
 @kernel()
-def line_fraction(n, offset):
-    """Fraction of the line `offset` beside a yarn that belongs to it, with n lines a crossover."""
-    return 0.5 if 2 * abs(offset) == n else 1.0
+def crossing_lines(const, family):
+    """(those along, those across) the yarns of a family, each as `grading.YarnLines`."""
+    return (const.yarn_columns, const.yarn_rows) if family == WARP else (const.yarn_rows, const.yarn_columns)
+
+
+@kernel()
+def lines_of_yarn(along, axis):
+    """(first, last) of the lines of which a part belongs to the yarn whose axis is line `axis`."""
+    first, last = axis, axis
+    while first > 0 and along.yarn[first - 1] < 0:
+        first -= 1
+    while last + 1 < along.yarn.size and along.yarn[last + 1] < 0:
+        last += 1
+    return first, last
+
+
+@kernel()
+def line_share(along, line, axis):
+    """Share of a line that belongs to the yarn whose axis is line `axis`."""
+    return 1.0 - along.share[line] if line < axis else along.share[line]
 
 
 @kernel()
 def yarn_tension(const, state, family, row, column):
-    """Mean tension of the yarn segment that begins at node (row, column)."""
-    n, half, total, weight = const.n_per_crossover, const.n_per_crossover // 2, 0.0, 0.0
-    line, lines = (column, const.nj) if family == WARP else (row, const.ni)
-    for offset in range(-half, half + 1):
-        if not 0 <= line + offset <= lines:
-            continue
-        part = line_fraction(n, offset) * (0.5 if line + offset in (0, lines) else 1.0)
-        for along in range(n):
-            i, j = (row + along, column + offset) if family == WARP else (row + offset, column + along)
+    """Tension of the yarn segment that begins at node (row, column): mean over its lines, each by its share and width,
+    and over the segment's length."""
+    along, across = crossing_lines(const, family)
+    axis, start = (column, row) if family == WARP else (row, column)
+    first, last = lines_of_yarn(along, axis)
+    total, weight = 0.0, 0.0
+    for line in range(first, last + 1):
+        share = line_share(along, line, axis) * along.width[line]
+        for place in range(start, start + across.elements[start]):
+            part = share * across.side[place]
+            i, j = (place, line) if family == WARP else (line, place)
             total += part * state.T[family][np.uint64(i * const.row_stride + j)]
             weight += part
     return total / weight
@@ -157,23 +178,28 @@ def yarn_tension(const, state, family, row, column):
 
 @kernel()
 def yarn_strength(const, family, row, column):
-    """Strength of the yarn that runs through node (row, column)."""
+    """Strength of the yarn whose axis runs through node (row, column)."""
     return (
-        const.yarn_strengths1[column // const.n_per_crossover]
+        const.yarn_strengths1[const.yarn_columns.yarn[column]]
         if family == WARP
-        else const.yarn_strengths2[row // const.n_per_crossover]
+        else const.yarn_strengths2[const.yarn_rows.yarn[row]]
     )
+
+
+@kernel()
+def begins_segment(const, i, j):
+    """Whether segments of yarns begin at node (i, j), where the axes of a warp and of a weft yarn cross."""
+    return const.yarn_rows.yarn[i] >= 0 and const.yarn_columns.yarn[j] >= 0
 
 
 @kernel(_nrt=False)
 def any_past_strength(const, state, family, first, last):
     """Whether a yarn segment that begins in the node rows first .. last exceeds its yarn's strength."""
-    n = const.n_per_crossover
     rows = last - 1 if family == WARP else last
     columns = const.nj if family == WARP else const.nj - 1
-    for i in range((first + n - 1) // n * n, rows + 1, n):
-        for j in range(0, columns + 1, n):
-            if not state.failed[family][np.uint64(i * const.row_stride + j)]:
+    for i in range(first, rows + 1):
+        for j in range(0, columns + 1):
+            if begins_segment(const, i, j) and not state.failed[family][np.uint64(i * const.row_stride + j)]:
                 T = yarn_tension(const, state, family, i, j)
                 if T > yarn_strength(const, family, i, j):
                     return True
@@ -186,16 +212,17 @@ def detect_failures(const, state, family, first, last):
 
     Filters the tensions if const.filter_alpha > 0, and keeps the peak. Returns how many have failed.
     """
-    n, failures = const.n_per_crossover, 0
+    failures = 0
     # a segment of one edge that is below the peak and the lowest strength needs no closer look
     lowest = const.min_strength1 if family == WARP else const.min_strength2
-    bound = min(state.peak_tension[family], lowest) if n == 1 and const.filter_alpha == 0.0 else -1.0
+    single = const.n_per_crossover == 1 and const.filter_alpha == 0.0
+    bound = min(state.peak_tension[family], lowest) if single else -1.0
     rows = last - 1 if family == WARP else last
     columns = const.nj if family == WARP else const.nj - 1
-    for i in range((first + n - 1) // n * n, rows + 1, n):
-        for j in range(0, columns + 1, n):
+    for i in range(first, rows + 1):
+        for j in range(0, columns + 1):
             k = np.uint64(i * const.row_stride + j)
-            if state.T[family][k] <= bound or state.failed[family][k]:
+            if state.T[family][k] <= bound or state.failed[family][k] or not begins_segment(const, i, j):
                 continue
             T = yarn_tension(const, state, family, i, j)
             state.peak_tension[family] = max(state.peak_tension[family], T)
@@ -212,18 +239,21 @@ def detect_failures(const, state, family, first, last):
 @kernel(_nrt=False)
 def break_segment(const, state, family, row, column):
     """Break the yarn segment that begins at node (row, column): reduce its edges' intact fraction and yarn length."""
-    n, half = const.n_per_crossover, const.n_per_crossover // 2
-    line, lines = (column, const.nj) if family == WARP else (row, const.ni)
-    for offset in range(-half, half + 1):
-        if not 0 <= line + offset <= lines:
-            continue
-        for along in range(n):
-            i, j = (row + along, column + offset) if family == WARP else (row + offset, column + along)
+    along, across = crossing_lines(const, family)
+    axis, start = (column, row) if family == WARP else (row, column)
+    first, last = lines_of_yarn(along, axis)
+    for line in range(first, last + 1):
+        share = line_share(along, line, axis)
+        for place in range(start, start + across.elements[start]):
+            i, j = (place, line) if family == WARP else (line, place)
             k = np.uint64(i * const.row_stride + j)
             before = state.intact_fraction[family][k]
-            after = before - line_fraction(n, offset)
+            after = before - share
+            if after < ROUNDING:  # the shares of all yarns of a line add up to one but for the last digit
+                after = 0.0
             state.intact_fraction[family][k] = after
-            state.yarn_length[family][k] *= after / before
+            if before > 0.0:
+                state.yarn_length[family][k] *= after / before
             flag_elements(const, state, family, i, j)
 
 

@@ -13,7 +13,7 @@ import math
 
 import numpy as np
 
-from shellfabric.cloth.bending_kernels import segment_tangent
+from shellfabric.cloth.bending_kernels import rest_length, segment_tangent
 from shellfabric.jit.compile import kernel
 
 
@@ -21,7 +21,7 @@ from shellfabric.jit.compile import kernel
 def family_jamming(state, const, number, first, last, acting):
     """Energy of one family's segments in the node rows first .. last; adds their forces to state.f_int if `acting`."""
     total, K, limit = 0.0, const.jamming[0], const.jamming[1]
-    rest, step = (const.dx, const.row_stride) if number == 0 else (const.dy, 1)
+    step = const.row_stride if number == 0 else 1
     rows = min(last + 1, const.ni) if number == 0 else last + 1
     columns = const.nj + 1 if number == 0 else const.nj
     for i in range(first, rows):
@@ -31,6 +31,7 @@ def family_jamming(state, const, number, first, last, acting):
             if part == 0.0:
                 continue
             t, length = segment_tangent(state, const, number, k)
+            rest = rest_length(const.dx, const.inv_dx, k) if number == 0 else rest_length(const.dy, const.inv_dy, k)
             stretch = length / rest
             if stretch >= limit:
                 continue
@@ -47,8 +48,13 @@ def family_jamming(state, const, number, first, last, acting):
 
 
 @kernel(_nrt=False)
-def jamming_forces(state, const, first, last, acting):
-    """Energy of all segments in the node rows first .. last; adds their forces to state.f_int if `acting`."""
-    if const.jamming[0] == 0.0:
+def jamming_forces(law, state, const, first, last, acting):
+    """Energy of all segments in the node rows first .. last; adds their forces to state.f_int if `acting`.
+
+    law : const.jamming; where it is None nothing of this is compiled
+    """
+    if law is None:
+        return 0.0
+    if law[0] == 0.0:
         return 0.0
     return family_jamming(state, const, 0, first, last, acting) + family_jamming(state, const, 1, first, last, acting)

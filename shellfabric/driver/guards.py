@@ -1,4 +1,4 @@
-"""Bounds beyond which a run counts as unphysical: the speed of a node, and the energy that a contact gives."""
+"""Guards of the explicit time integration: the limits beyond which a run has become unphysical."""
 
 from __future__ import annotations
 

@@ -8,7 +8,9 @@ Energy audit. Each energy is computed on its own, not from the others. The energ
 their sum less the sum at the start.
 
 Threads. Some kernels make their steps with several threads, which wait for each other at a barrier (`jit.barrier`). The
-worker threads wait in their kernel while the main thread samples: waking takes them longer than a step.
+worker threads wait in their kernel while the main thread samples: waking takes them longer than a step. On a processor
+that other processes share, a thread that has lost its core holds up the others at every barrier; a run that was left to
+choose its number of threads then goes on with one. No result depends on the number of threads.
 """
 
 from __future__ import annotations
@@ -32,6 +34,8 @@ Hook: TypeAlias = Callable[[Any], object]  # called with the solver after a samp
 RUNNING, STOPPED, PERFORATED, NOT_FINITE, CHECK = range(5)  # why a kernel ends its steps; as the step kernels have it
 OUTCOMES = {RUNNING: "in flight", STOPPED: "stopped", PERFORATED: "perforated"}
 ENERGY_CHECK_SHARE = 0.05  # of the strike energy that may be exchanged from one check of the energy to the next
+BUSY_TIME, BUSY_SHARE = 0.05, 0.75  # [s] of steps with several threads after which the main thread must have had so
+# much of the processor that the run goes on with them
 
 
 class ExplicitSolver:
@@ -64,6 +68,7 @@ class ExplicitSolver:
     checks : number of energy checks between samples
     exchange : share of the strike energy that may be exchanged between two checks; infinite for no checks
     wall_time : [s] spent in the kernels
+    threads, reduces_threads : number of threads, and whether the run may go on with one where others use the processor
 
     Raises
     ------
@@ -90,8 +95,8 @@ class ExplicitSolver:
         self.step_history: list[FloatArray] = []
         self.snapshots: list[Any] = []
         self.reason, self.wall_time, self.share, self.threads = RUNNING, 0.0, 1.0, 1
-        self.checks, self.exchange = 0, ENERGY_CHECK_SHARE
-        self.energy_at_start: float | None = None
+        self.checks, self.exchange, self.energy_at_start = 0, ENERGY_CHECK_SHARE, None
+        self.reduces_threads, self._threaded_time = False, np.zeros(2)
         self._shared = np.zeros(barrier.SLOTS, np.int64)
 
     def _begin(self, dt):
@@ -213,7 +218,7 @@ class ExplicitSolver:
         Raises
         ------
         UnstableError : a number that is not finite, an energy error beyond its limit, a contact that gains energy, or
-            a node that is too fast (`speed_limit`); samples and state stay as they are
+            a node that is too fast (`guards.speed_limit`); samples and state stay as they are
         """
         try:
             with self._workers():
@@ -252,10 +257,17 @@ class ExplicitSolver:
 
     @contextmanager
     def _clock(self):
-        """Adds to the wall time."""
-        start = time.perf_counter()
+        """Adds to the wall time, and reduces the threads where the processor is shared."""
+        start, used = time.perf_counter(), time.thread_time()
         yield
-        self.wall_time += time.perf_counter() - start
+        wall = time.perf_counter() - start
+        self.wall_time += wall
+        if self.threads > 1 and self.reduces_threads:
+            self._threaded_time += wall, time.thread_time() - used
+            if self._threaded_time[0] > BUSY_TIME:
+                if self._threaded_time[1] < BUSY_SHARE * self._threaded_time[0]:
+                    self.threads = 1
+                self._threaded_time[:] = 0.0
 
     def _advance_to_sample(self):
         """Make the steps up to the next sample, or fewer where the run ends.

@@ -16,6 +16,7 @@ from fabrics.fabric import Fabric
 from fabrics.surface import ResponseSurface
 from shellfabric.backing.block import Backing
 from shellfabric.backing.coupling import BackingResult
+from shellfabric.cell import table_cache
 from shellfabric.cell.model import CellModel, CellTable
 from shellfabric.cell.surface_cell import SurfaceCell
 from shellfabric.driver.solver import Hook, run_to_end
@@ -105,21 +106,29 @@ class ImpactSetup:
         """[s] between samples, which are as frequent as what is recorded."""
         return min(self.audit_interval, self.history.interval) if self.history else self.audit_interval
 
-    def table(self) -> CellTable:
-        """The cell's table, filled. Set-ups that differ in panel, shot or mesh alone can share it.
+    def cell(self) -> CellModel | SurfaceCell:
+        """The crossover's cell."""
+        if self.surface is not None:
+            return SurfaceCell(self.fabric, self.surface, self.form)
+        reach = 1.0 if self.failure else UNFAILING
+        return CellModel(self.fabric, self.laws, self.gap, self.cell_model, self.form, self.profile, reach=reach)
+
+    def table(self, kept: bool = False, method: str = "nested") -> CellTable:
+        """The cell's table. Set-ups that differ in panel, shot or mesh alone can share it.
+
+        Parameters
+        ----------
+        kept : whether to take it from the user's cache folder, and to keep it there (`cell.table_cache`)
+        method : how it is filled, see CellTable.fill; of a cell with compression laws
 
         Raises
         ------
         InputError : as CellModel, SurfaceCell and CellTable
         """
-        if self.surface is None:
-            reach = 1.0 if self.failure else UNFAILING
-            model: CellModel | SurfaceCell = CellModel(
-                self.fabric, self.laws, self.gap, self.cell_model, self.form, self.profile, reach=reach
-            )
-        else:
-            model = SurfaceCell(self.fabric, self.surface, self.form)
-        return model.table(self.table_size)
+        cell = self.cell()
+        if self.surface is not None:
+            return cell.table(self.table_size)
+        return table_cache.table(cell, self.table_size) if kept else cell.table(self.table_size, method)  # type: ignore[arg-type, call-arg]
 
     def panel(self, table: CellTable | None = None) -> Panel:
         """The panel that this set-up describes, with its own table or one that a like set-up has filled.

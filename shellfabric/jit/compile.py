@@ -11,16 +11,22 @@ are compiled in half the time.
 A kernel that is called from Python all the same, as by its test, is compiled a second time for that.
 
 What Python calls with many arrays is compiled in a process of its own (`compile_in_child`).
+
+Kernels call each other across files: all have one cache, which a change in any of them empties (`kernel_cache`). The
+decorators put them there, so that a program imports the kernels that it uses and no others.
 """
 
 import types
+from pathlib import Path
 
-from numba import config, njit
+from numba import njit
 from numba.core.caching import FunctionCache
 from numba.core.registry import CPUDispatcher
 
+from fabrics.kernel_cache import kernel_cache
 from shellfabric.jit.compile_in_child import ENTRY_SUFFIX, ChildCompileCache
 
+_PACKAGE = Path(__file__).parents[1] / "__init__.py"
 _USUAL = {"cache": True, "error_model": "numpy", "no_cfunc_wrapper": True}
 
 
@@ -28,7 +34,8 @@ def entry(**options):
     """Decorator of a kernel that Python calls. options : of numba's njit, besides those of all kernels here."""
 
     def decorated(function):
-        found = njit(**_USUAL, **options)(function)
+        with kernel_cache(_PACKAGE):
+            found = njit(**_USUAL, **options)(function)
         if isinstance(getattr(found, "_cache", None), FunctionCache):
             found._cache.__class__ = ChildCompileCache
         return found
@@ -40,9 +47,10 @@ def kernel(**options):
     """Decorator of a kernel that other kernels call."""
 
     def decorated(function):
-        inner = njit(no_cpython_wrapper=True, **_USUAL, **options)(function)
+        with kernel_cache(_PACKAGE):
+            inner = njit(no_cpython_wrapper=True, **_USUAL, **options)(function)
         inner.__class__ = _Inner
-        inner.entry_options, inner.folder = options, config.CACHE_DIR
+        inner.entry_options = options
         return inner
 
     return decorated
@@ -60,11 +68,6 @@ class _Inner(CPUDispatcher):
             twin = types.FunctionType(
                 inner.__code__, inner.__globals__, inner.__name__, inner.__defaults__, inner.__closure__
             )
-            # names its file; in the folder of the kernel (fabrics.kernel_cache), which changes with what it calls
-            twin.__module__, twin.__qualname__ = inner.__module__, inner.__qualname__ + ENTRY_SUFFIX
-            now, config.CACHE_DIR = config.CACHE_DIR, self.folder
-            try:
-                self._twin = entry(**self.entry_options)(twin)
-            finally:
-                config.CACHE_DIR = now
+            twin.__module__, twin.__qualname__ = inner.__module__, inner.__qualname__ + ENTRY_SUFFIX  # names its file
+            self._twin = entry(**self.entry_options)(twin)
         return self._twin

@@ -26,14 +26,14 @@ _ROWS = 6  # of a block at least: with fewer, most of the work would be on the r
 
 Constants = namedtuple(
     "Constants",
-    "ni nj row_stride rows_per_block n_per_crossover mirror_x mirror_y x0 y0 dx dy inv_dx inv_dy dt tension1 "
-    "tension2 tension_bound_table1 tension_bound_step1 tension_bound_table2 tension_bound_step2 "
+    "ni nj row_stride rows_per_block n_per_crossover yarn_rows yarn_columns mirror_x mirror_y x0 y0 dx dy inv_dx "
+    "inv_dy dt tension1 tension2 tension_bound_table1 tension_bound_step1 tension_bound_table2 tension_bound_step2 "
     "potential_coefficients potential_constant table_start1 table_scale1 table_last1 table_start2 table_scale2 "
     "table_last2 table_grid force_per_slope1 force_per_slope2 variational mean_weight1 mean_weight2 cv1 cv2 "
     "trellis_volume G1 G2 gamma1 gamma2 w1 S01 EA1 w2 S02 EA2 min_strength1 min_strength2 yarn_strengths1 "
     "yarn_strengths2 filter_alpha erosion_gap_ratio window_limits points_per_side shape_functions point_law "
-    "projectile_radius edge_radius projectile_mass free_dofs "
-    "perforation_delay_steps nose_shape nose_parameters projectile_length frame tilted window_follows body_depth "
+    "projectile_radius edge_radius projectile_mass free_dofs perforation_delay_steps nose_shape nose_parameters "
+    "projectile_length frame tilted window_follows body_depth "
     "draw_in_reach foremost_offset shoulder friction slip_node slip_axis slip_data bending jamming yarn_ends "
     "bar_mass bar_h bar_area bar_law bar_substeps has_backing line_offset1 line_offset2",
 )
@@ -53,8 +53,12 @@ Work = namedtuple(
 )
 
 
-def constants(panel: Panel) -> Constants:
-    """What the kernels need to know, as plain numbers and arrays."""
+def constants(panel: Panel, out_of_plane: bool = False) -> Constants:
+    """What the kernels need to know, as plain numbers and arrays.
+
+    out_of_plane : whether the kernels know of bending and jamming even if this panel has neither, as they have to where
+        another ply of its pack has
+    """
     (ni, nj), (dx, dy), (mirror_x, mirror_y) = panel.counts, panel.spacing, panel.mirrors
     weave, table, knobs, dt = panel.weave, panel.table, panel.numerics, panel.time_step
     (w1, w2), (S01, S02), (warp, weft) = weave.w, weave.S0, weave.yarns
@@ -66,22 +70,20 @@ def constants(panel: Panel) -> Constants:
     (x0, y0), shot = panel.origin, panel.projectile
     rim_node, rim_axis, rim = boundary.rim(panel)
     strengths = _strengths(panel)
-    roaming = shot.roaming or rim_node.size > 0  # over the cloth: it slides, or the cloth is drawn under it
+    # over the cloth: it slides, or the cloth is drawn under it; on a graded panel from within the first zone
+    roaming = shot.roaming or (rim_node.size > 0 and panel.sides is None)
     cv1, cv2 = (knobs.stretch_viscosity * lag * yarn.EA for yarn in (warp, weft))
-    slots: dict[str, Any] = {
-        "inv_dx": 1 / dx,
-        "inv_dy": 1 / dy,
-        "cv1": cv1,
-        "cv2": cv2,
-        "trellis_volume": dx * dy * weave.thickness,
-    }
-    slots |= {"mean_weight1": 0.5, "mean_weight2": 0.5, "line_offset1": 0.0, "line_offset2": 0.0}
+    yarns = panel.yarn_lines()
+    slots: dict[str, Any] = {"inv_dx": 1 / dx, "inv_dy": 1 / dy, "trellis_volume": dx * dy * weave.thickness}
+    slots |= {"cv1": cv1, "cv2": cv2, "line_offset1": 0.0, "line_offset2": 0.0}
+    slots |= {"mean_weight1": 0.5, "mean_weight2": 0.5}
     if panel.sides is not None:
         slots = grading.slots(panel.sides, panel.spacing, weave.thickness, (cv1, cv2), aligned_zeros)
         slots |= grading.line_offsets(panel.lines(), panel.origin, panel.spacing, aligned_zeros)
     return Constants(
         ni=ni, nj=nj, row_stride=nj + 1, rows_per_block=_block(panel), mirror_x=mirror_x, mirror_y=mirror_y,
-        x0=x0, y0=y0, dx=dx, dy=dy, dt=dt, n_per_crossover=panel.elements_per_crossover, **slots,
+        x0=x0, y0=y0, dx=dx, dy=dy, dt=dt, n_per_crossover=panel.lines_per_crossover, yarn_rows=yarns[0],
+        yarn_columns=yarns[1], **slots,
         tension1=table.tension1.reshape(-1, 4), tension2=table.tension2.reshape(-1, 4),
         tension_bound_table1=panel.ceilings[0][0], tension_bound_step1=panel.ceilings[0][1],
         tension_bound_table2=panel.ceilings[1][0], tension_bound_step2=panel.ceilings[1][1],
@@ -107,8 +109,7 @@ def constants(panel: Panel) -> Constants:
         tilted=shot.tilted, window_follows=roaming, body_depth=2 * shot.radius, draw_in_reach=panel.reach(),
         foremost_offset=shot.top,
         shoulder=shot.shoulder, friction=shot.friction, slip_node=rim_node, slip_axis=rim_axis, slip_data=rim,
-        bending=np.array([n * EI / d for n, EI, d in zip(panel.yarns_a_line, panel.bending, panel.spacing)]),
-        jamming=np.array(panel.jam, float), yarn_ends=boundary.yarn_ends(panel),
+        **_out_of_plane(panel, out_of_plane), yarn_ends=boundary.yarn_ends(panel),
         has_backing=panel.backing is not None, **dynamics.constants(shot, panel.share, dt),
     )  # fmt: skip
 
@@ -157,7 +158,8 @@ def state(panel: Panel, strike_velocity: float) -> State:
     if np.any(const.slip_data[:, 0]):
         state.active_rows[:] = 0, ni  # edges with a prescribed pull-in move before any wave comes to them
     step_kernels.initial_forces(state, const, work(panel))
-    boundary_kernels.update_slip_nodes(state, const, 0.0)
+    if const.slip_node.size:
+        boundary_kernels.update_slip_nodes(state, const, 0.0)
     return state
 
 
@@ -183,6 +185,26 @@ def work(panel: Panel) -> Work:
     return Work(**rows)
 
 
+def _out_of_plane(panel, wanted):
+    """Constants of bending and jamming; None, for which the kernels are compiled without them, where there is none."""
+    if not (wanted or has_out_of_plane(panel)):
+        return {"bending": None, "jamming": None}
+    return {"bending": _bending(panel), "jamming": np.array(panel.jam, float)}
+
+
+def has_out_of_plane(panel: Panel) -> bool:
+    """Whether a panel has bending or jamming."""
+    return any(panel.bending) or panel.jam[0] > 0
+
+
+def _bending(panel):
+    """Bending stiffness of the nodes: of each family, or on a graded panel of each slot (see `bending_kernels`)."""
+    if panel.sides is None:
+        return np.array([n * EI / d for n, EI, d in zip(panel.yarns_a_line, panel.bending, panel.spacing)])
+    counts = panel.weave.warp_count, panel.weave.weft_count
+    return grading.bending(panel.sides, counts, panel.bending, aligned_zeros)
+
+
 def _block(panel):
     """Element rows of a block: all blocks are of one size, but the last."""
     ni, nj = panel.counts
@@ -193,7 +215,7 @@ def _block(panel):
 def _contact(panel, mass):
     """Constants of the contact of elements of a mass [kg]."""
     knobs, usual = panel.numerics, panel.numerics.contact_points or USUAL_POINTS
-    points = max(2, -(-usual * panel.finest // panel.elements_per_crossover))
+    points = max(2, -(-usual * panel.finest // panel.lines_per_crossover))
     if knobs.contact_points is None:
         resolving = np.ceil(max(panel.spacing) / (SPACING * panel.projectile.nose_radius))
         points = max(points, int(min(resolving, MOST_POINTS)))
@@ -227,9 +249,10 @@ def _strengths(panel):
 
 
 def _near(panel, roaming):
-    """Element rows and columns (i0, i1, j0, j1) that can come under the projectile: all of them if it roams."""
+    """Element rows and columns (i0, i1, j0, j1) that can come under the projectile: all of them if it roams, on a
+    graded panel those of the first zone."""
     if roaming:
-        return 0, panel.counts[0], 0, panel.counts[1]
+        return panel.first_zone()
     bounds = []
     for start, step, count, reach in zip(panel.origin, panel.spacing, panel.counts, panel.reach()):
         bounds += [max(0, int((-reach - start) / step)), min(count, int((reach - start) / step) + 1)]

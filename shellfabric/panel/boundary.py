@@ -23,6 +23,7 @@ import numpy as np
 from fabrics.checks import BoolArray, FloatArray, IntArray
 from fabrics.errors import InputError
 from shellfabric.cloth.bending_kernels import CLAMPED_END, FREE_END, SYMMETRY_END
+from shellfabric.panel.grading import tributary
 
 if TYPE_CHECKING:
     from shellfabric.panel.model import Panel
@@ -101,6 +102,11 @@ def slips(edge: Any) -> bool:
     return any(not isinstance(side, str) for pair in sides(edge) for side in pair)
 
 
+def pull_in(edge: Any) -> tuple[float, ...]:
+    """(warp, weft) [m] by which cloth slips into the panel at most, of edges without grips."""
+    return tuple(max(side.length if isinstance(side, PullIn) else 0.0 for side in pair) for pair in sides(edge))
+
+
 def check(panel: Panel) -> None:
     """InputError where the edges do not go with the panel's symmetry or with its oblique weave."""
     given = sides(panel.edge)
@@ -166,13 +172,15 @@ def rim(panel: Panel) -> tuple[IntArray, IntArray, FloatArray]:
     numbers = np.arange((ni + 1) * (nj + 1)).reshape(ni + 1, nj + 1)
     nodes, axes, values = [], [], []
     for axis, pair in enumerate(given):
-        yarns = panel.spacing[1 - axis] * (panel.weave.warp_count, panel.weave.weft_count)[axis]
+        count = (panel.weave.warp_count, panel.weave.weft_count)[axis]
         place = np.moveaxis(np.array(panel.coordinates()[1 - axis]), axis, 0)[0]
         for end, side in zip((0, -1), pair):
             if isinstance(side, str) or (end == 0 and panel.mirrors[axis]):
                 continue
-            share = np.full(place.size, yarns)
+            share = np.full(place.size, panel.spacing[1 - axis] * count)
             share[[0, -1]] *= 0.5
+            if panel.sides is not None:
+                share = count * tributary(panel.sides[1 - axis])
             keep = np.ones(place.size, bool)
             keep[0] = panel.mirrors[1 - axis] or given[1 - axis][0] == "free"
             keep[-1] = given[1 - axis][1] == "free"

@@ -1,27 +1,58 @@
-"""Graded panels: elements of one crossover about the impact point, of more of them further away.
+"""Graded panels: small elements about the impact point, longer ones further away.
 
 Lines of the grid are further apart the further they are from the impact point, along warp and weft alike, so that the
 elements conform everywhere: squares of 1 x 1 crossovers in the middle, 2 x 2 or 4 x 4 in the corners, 1 x 2 or 1 x 4 in
-the arms between. Each line stands for the yarns up to halfway to its neighbours: their mass, forces and trellis
-(`membrane_kernels`). What an element feels is per yarn, as before: stretches, tension, strength; its yarns fail
-together. Waves shorter than about eight of the longer elements do not pass where zones meet.
+the arms between. Each line stands for the cloth up to halfway to its neighbours: mass, forces and trellis
+(`membrane_kernels`). Stretches, tension and strength are those of one yarn. Waves shorter than about eight of the
+longer elements do not pass where zones meet.
 
 A grading is a sequence of (until, side): up to `until` crossovers from the impact point elements are `side` crossovers
-long. The last `until` is infinite. Each zone but the last goes on until what is left can be filled with whole elements
-of the next.
+long, a whole number or one over a whole number (1/2, 1/3, ...). The last `until` is infinite. Each zone but the last
+goes on until what is left can be filled with whole elements of the next.
+
+Yarns. Failure is that of yarns, not of lines (`failure_kernels`). Lines at whole crossovers are the axes of yarns:
+where elements are shorter than a crossover every axis is that of one yarn, where they are longer it is that of all the
+yarns that its line stands for, which fail together. The lines between two axes belong to both yarns, each by its
+distance from the other axis.
 """
 
 from __future__ import annotations
 
+from collections import namedtuple
 from collections.abc import Callable, Sequence
+from fractions import Fraction
 from itertools import pairwise
 from math import inf
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from fabrics.checks import FloatArray
 from fabrics.errors import InputError
+
+MOST_LINES = 8  # elements along a crossover, at most
+_SNAP = 0.01 + 1e-9  # relative distance of a side from 1/n at which it is 1/n: 0.33 is 1/3
+
+# of the lines of one family, for `failure_kernels`
+YarnLines = namedtuple("YarnLines", "yarn elements share width side")
+
+
+def exact(side: float) -> Fraction:
+    """A side [crossovers] as a fraction, where it is a whole number or within 1 % of one over a whole number.
+
+    Raises
+    ------
+    InputError : any other side
+    """
+    value = float(side)
+    if 1 <= value <= 64 and value == int(value):
+        return Fraction(int(value))
+    n = round(1 / value) if 0 < value < 1 else 0
+    if not (2 <= n <= MOST_LINES and abs(value * n - 1) <= _SNAP):
+        allowed = f"sides of 1, 2, ... 64 crossovers, or 1/2, 1/3, ... 1/{MOST_LINES} of one"
+        raise InputError(key="grading", value=side, allowed=allowed)
+    return Fraction(1, n)
 
 
 def check(grading: Any) -> None:
@@ -31,7 +62,7 @@ def check(grading: Any) -> None:
     ----------
     grading : ((until, side), ...) [crossovers]
     """
-    allowed = "zones (until, side) in crossovers, the last until inf, such as [[10, 1], [20, 2], [inf, 4]]"
+    allowed = "zones (until, side) in crossovers, the last until inf, such as [[8, 0.5], [16, 1], [inf, 2]]"
     try:
         zones = [(float(until), float(side)) for until, side in grading]
     except (TypeError, ValueError):
@@ -41,9 +72,7 @@ def check(grading: Any) -> None:
     ends = [0.0, *(until for until, _ in zones)]
     if not all(a < b for a, b in pairwise(ends)):
         raise InputError(key="grading", value=grading, allowed="zones further and further from the impact point")
-    sides = [side for _, side in zones]
-    if not all(side == int(side) and 1 <= side <= 64 for side in sides):
-        raise InputError(key="grading", value=grading, allowed="sides of 1, 2, ... 64 whole crossovers")
+    sides = [exact(side) for _, side in zones]
     if any(after % before for before, after in pairwise(sides)):
         raise InputError(key="grading", value=grading, allowed="sides each a multiple of that before it")
 
@@ -53,14 +82,90 @@ def sides(grading: Sequence[tuple[float, float]], length: float) -> FloatArray:
 
     What is less than an element of the first zone is left out.
     """
-    found, at = [], 0
-    length -= length % int(grading[0][1])
-    for (until, side), after in zip(grading, (*grading[1:], None)):
-        side = int(side)
-        while at < min(until, length) or (after is not None and (length - at) % int(after[1])):
+    zones = [(until, exact(side)) for until, side in grading]
+    found, at = [], Fraction(0)
+    length -= length % zones[0][1]
+    for (until, side), after in zip(zones, (*zones[1:], None)):
+        while at < min(until, length) or (after is not None and (length - at) % after[1]):
             found.append(side)
             at += side
     return np.array(found, float)
+
+
+def yarn_lines(places: ArrayLike, lines_per_crossover: int) -> YarnLines:
+    """Which lines of the grid are axes of yarns, and what of the others belongs to them.
+
+    Parameters
+    ----------
+    places : (lines,) [sides of the smallest element] of the lines at rest, whole numbers, 0 at the impact point
+    lines_per_crossover : elements along a crossover where they are smallest
+
+    Returns
+    -------
+    YarnLines
+        yarn : (lines,) number of the yarn or yarns whose axis the line is, -1 of others
+        elements : (lines,) elements from an axis to the next
+        share : (lines,) [-] of the line that belongs to the axis before it (1 of an axis); the rest is the next one's
+        width : (lines,) [sides of the smallest element] that the line stands for
+        side : (lines,) [sides of the smallest element] of the element behind the line, 0 of the last
+    """
+    places = np.asarray(places, np.int64)
+    axes = np.flatnonzero(places % lines_per_crossover == 0)
+    yarn, elements, share = np.full(places.size, -1), np.zeros(places.size, np.int64), np.ones(places.size)
+    yarn[axes] = np.arange(axes.size)
+    for low, high in pairwise(axes):
+        elements[low] = high - low
+        share[low:high] = (places[high] - places[low:high]) / (places[high] - places[low])
+    gaps = np.diff(places).astype(float)
+    return YarnLines(yarn, elements, share, tributary(gaps), np.append(gaps, 0.0))
+
+
+def segment_lengths(sides: FloatArray, lines: YarnLines) -> FloatArray:
+    """(n+1,) [crossovers] from each axis of a yarn to the next, at its line; 0 at other lines and at the last.
+
+    Parameters
+    ----------
+    sides : (n,) [crossovers]
+    lines : YarnLines
+    """
+    axes, found = np.flatnonzero(lines.yarn >= 0), np.zeros(sides.size + 1)
+    found[axes[:-1]] = np.add.reduceat(sides, axes[:-1])
+    return found
+
+
+def yarn_widths(sides: FloatArray, lines: YarnLines) -> FloatArray:
+    """(n+1,) yarns that break together at each axis; 0 at other lines. Those on the rim count as whole ones.
+
+    Parameters
+    ----------
+    sides, lines : as for `segment_lengths`
+    """
+    cloth, found = tributary(sides), np.zeros(sides.size + 1)
+    cloth[-1] = sides[-1]
+    axes = np.flatnonzero(lines.yarn >= 0)
+    before = np.searchsorted(axes, np.arange(cloth.size), side="right") - 1
+    np.add.at(found, axes[before], lines.share * cloth)
+    np.add.at(found, axes[np.minimum(before + 1, axes.size - 1)], (1 - lines.share) * cloth)
+    return found
+
+
+def covers(
+    zone: Sequence[int], lines: Sequence[FloatArray], nose: FloatArray, reach: Sequence[float], mirrors: Sequence[bool]
+) -> bool:
+    """Whether a zone of elements holds all cloth within `reach` of the nose.
+
+    Parameters
+    ----------
+    zone : (i0, i1, j0, j1) rows and columns of elements
+    lines : ((ni+1,), (nj+1,)) [m] places of the grid lines at rest
+    nose : (3,) [m]
+    reach : (along warp, along weft) [m]
+    mirrors : (x, y) whether the zone begins at a plane of symmetry
+    """
+    for x, low, high, at, far, mirrored in zip(lines, zone[::2], zone[1::2], nose, reach, mirrors):
+        if at + far > x[high] or (at - far < x[low] and not mirrored):
+            return False
+    return True
 
 
 def tributary(sides: FloatArray) -> FloatArray:
@@ -110,6 +215,29 @@ def slots(
         "mean_weight1": spread(split(a), columns),
         "mean_weight2": spread(rows, split(b)),
     }
+
+
+def bending(
+    sides: Sequence[FloatArray], yarns: Sequence[float], stiffness: Sequence[float], room: Callable[..., Any]
+) -> tuple[FloatArray, ...]:
+    """(warp, weft) what `bending_kernels` has for each slot: n EI / L [J] of each node, L the mean of its two segments.
+
+    Parameters
+    ----------
+    sides : ((ni,), (nj,)) [m]
+    yarns : (warp, weft) [1/m] yarns per length
+    stiffness : (warp, weft) [N m2] EI of a yarn
+    room : as for `slots`
+    """
+    found = []
+    for family, (count, EI) in enumerate(zip(yarns, stiffness)):
+        own, other = sides[family], sides[1 - family]
+        length = 0.5 * (np.append(own, own[-1]) + np.insert(own, 0, own[0]))
+        grid = EI * np.multiply.outer(1 / length, count * tributary(other))
+        flat = room(1, (sides[0].size + 2) * (sides[1].size + 1) + 32)[0]
+        flat[: grid.size] = (grid if family == 0 else grid.T).ravel()
+        found.append(flat)
+    return tuple(found)
 
 
 def line_offsets(

@@ -14,24 +14,22 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from functools import cached_property
 from math import inf
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from fabrics.checks import FloatArray
 from fabrics.errors import InputError
+from fabrics.fabric import Fabric
+from fabrics.weave import Weave
 from shellfabric.backing import coupling
 from shellfabric.backing.block import Backing
 from shellfabric.cell import packed_table
 from shellfabric.cell.model import CellTable
 from shellfabric.panel import arrays, boundary, grading
 from shellfabric.panel import time_step as panel_time_step
+from shellfabric.panel.grading import YarnLines
 from shellfabric.panel.numerics import Numerics
 from shellfabric.projectile.projectile import Projectile
-
-if TYPE_CHECKING:
-    from fabrics.fabric import Fabric
-    from fabrics.weave import Weave
 
 SYMMETRIES = {"quarter": (True, True), "half": (True, False), "whole": (False, False)}
 
@@ -62,7 +60,7 @@ class Panel:
     jam : stiffness [N] of a yarn against being bunched up, and the stretch at which it begins; none as in the thesis
         (see `jamming_kernels`)
     grading : ((until, side), ...) [crossovers] elements that are longer the further they are from the impact point, or
-        None (see `grading`); for straight shots at cloth that is held or free at its edges
+        None (see `grading`); not with grips at the edges
 
     Raises
     ------
@@ -114,24 +112,17 @@ class Panel:
             self._check_grading()
 
     def _check_grading(self):
-        for key, value, plain in (
-            ("elements_per_crossover", self.elements_per_crossover, 1),
-            ("weave_angle", self.weave_angle, 0.0),
-            ("bending", tuple(self.bending), (0.0, 0.0)),
-            ("backing", self.backing, None),
-            ("jam", tuple(self.jam), (0.0, 1.0)),
-        ):
-            if value != plain:
-                raise InputError(key=key, value=value, allowed=f"{plain} on a graded panel")
-        if boundary.slips(self.edge):
-            raise InputError(key="edge", value=self.edge, allowed="clamped or free on a graded panel")
-        if self.projectile.roaming:
-            raise InputError(key="grading", value=self.grading, allowed="none where the projectile moves sideways")
-        fine = self._fine
-        for place, step, reach in zip((fine[1], fine[3]), self.spacing, self.reach()):
+        given = self.elements_per_crossover
+        if given != 1:
+            raise InputError(
+                key="elements_per_crossover", value=given, allowed=f"none, but a side 1/{given} in grading"
+            )
+        if any(isinstance(side, boundary.Grip) for pair in boundary.sides(self.edge) for side in pair):
+            raise InputError(key="edge", value=self.edge, allowed="clamped, free or a pull-in on a graded panel")
+        for place, step, reach in zip(self._fine(), self.spacing, self.reach()):
             least = int(np.ceil(reach / step)) + 1  # and what the smooth surface of the last element has beside it
             if self.sides is not None and place < least:
-                allowed = f"a first zone of {least * self.finest} crossovers or more"
+                allowed = f"a first zone of {-(-least * self._smallest[0] // self._smallest[1])} crossovers or more"
                 raise InputError(key="grading", value=self.grading, allowed=f"{allowed}, all that comes under the nose")
 
     @property
@@ -148,14 +139,27 @@ class Panel:
         return SYMMETRIES[self.symmetry]
 
     @property
+    def _smallest(self):
+        """(crossovers, elements) of a side at the impact point that is both long; one of them is 1."""
+        if self.grading is None:
+            return 1, self.elements_per_crossover
+        side = grading.exact(self.grading[0][1])
+        return side.numerator, side.denominator
+
+    @property
     def finest(self) -> int:
-        """Crossovers along a side of an element at the impact point."""
-        return 1 if self.grading is None else int(self.grading[0][1])
+        """Crossovers along a side of an element at the impact point, if there is at least one."""
+        return self._smallest[0]
+
+    @property
+    def lines_per_crossover(self) -> int:
+        """Elements along a side of a crossover at the impact point, if there is at least one."""
+        return self._smallest[1]
 
     @property
     def spacing(self) -> tuple[float, ...]:
         """(dx, dy) [m] sides of an element, of the smallest on a graded panel."""
-        return tuple(2 * w * self.finest / self.elements_per_crossover for w in self.weave.w)
+        return tuple(2 * w * self.finest / self.lines_per_crossover for w in self.weave.w)
 
     @property
     def _half(self):
@@ -173,17 +177,20 @@ class Panel:
             found.append(outward if mirrored else np.concatenate([outward[::-1], outward]))
         return tuple(found)
 
-    @property
     def _fine(self):
-        """Rows and columns (i0, i1, j0, j1) of the smallest elements, counted from the impact point."""
+        """(along warp, along weft) elements of the first zone from the impact point outwards."""
+        if self.sides is None:
+            return tuple(half * self.lines_per_crossover // self.finest for half in self._half)
+        alike = (np.abs(sides - step) < 1e-9 * step for sides, step in zip(self.sides, self.spacing))
+        return tuple(int(each.sum()) // (1 if mirrored else 2) for each, mirrored in zip(alike, self.mirrors))
+
+    def first_zone(self) -> tuple[int, ...]:
+        """Rows and columns (i0, i1, j0, j1) of elements that the projectile may touch: of a graded panel those of the
+        first zone but for the outermost, which the smooth surface of the others needs beside them; else all."""
         bounds = []
-        for n, step, half in zip(range(2), self.spacing, self._half):
-            if self.sides is None:
-                count = half * self.elements_per_crossover // self.finest
-            else:
-                alike = np.abs(self.sides[n] - step) < 1e-9 * step
-                count = int(alike.sum()) // (1 if self.mirrors[n] else 2)
-            bounds += [0 if self.mirrors[n] else -count, count]
+        for fine, count, mirrored in zip(self._fine(), self.counts, self.mirrors):
+            middle, rim = (0 if mirrored else count // 2), (0 if self.sides is None else 1)
+            bounds += [0 if mirrored else middle - fine + rim, middle + fine - rim]
         return tuple(bounds)
 
     @property
@@ -191,13 +198,13 @@ class Panel:
         """(ni, nj) elements along warp and weft."""
         if self.sides is not None:
             return tuple(part.size for part in self.sides)
-        half = [n * self.elements_per_crossover // self.finest for n in self._half]
+        half = [n * self.lines_per_crossover // self.finest for n in self._half]
         return tuple(n if mirrored else 2 * n for n, mirrored in zip(half, self.mirrors))
 
     @property
     def yarn_counts(self) -> tuple[int, ...]:
-        """(warp, weft) yarns of the modelled part, with those on its rims; lines on a graded panel."""
-        return tuple(count // self.elements_per_crossover + 1 for count in self.counts[::-1])
+        """(warp, weft) yarns of the modelled part, with those on its rims; where elements are longer, their lines."""
+        return tuple(int(lines.yarn.max()) + 1 for lines in self.yarn_lines()[::-1])
 
     @property
     def elements(self) -> int:
@@ -258,6 +265,16 @@ class Panel:
             found.append(x if mirrored else x - x[sides.size // 2])
         return tuple(found)
 
+    def yarn_lines(self) -> tuple[YarnLines, ...]:
+        """(rows, columns) `grading.YarnLines` of the grid lines across the warp and across the weft.
+
+        Rows are the axes of weft yarns and bound the segments of the warp.
+        """
+        per, found = self.lines_per_crossover, []
+        for x, d in zip(self.lines(), self.spacing):
+            found.append(grading.yarn_lines(np.rint((x / d) if per > 1 else np.arange(x.size)), per))
+        return tuple(found)
+
     @property
     def origin(self) -> tuple[float, ...]:
         """(x0, y0) [m] of the first node at rest; on a graded panel as if all elements were the smallest.
@@ -276,9 +293,9 @@ class Panel:
         """See `packed_table.ceilings`."""
         return packed_table.ceilings(self.table)
 
-    def constants(self) -> arrays.Constants:
-        """What the kernels need to know, as plain numbers and arrays."""
-        return arrays.constants(self)
+    def constants(self, out_of_plane: bool = False) -> arrays.Constants:
+        """What the kernels need to know, as plain numbers and arrays (`arrays.constants`)."""
+        return arrays.constants(self, out_of_plane)
 
     def state(self, strike_velocity: float) -> arrays.State:
         """The panel at rest, flat at z = 0, touched by the projectile that flies at it at `strike_velocity` [m/s]."""
@@ -290,15 +307,12 @@ class Panel:
 
     def segments(self) -> list[FloatArray]:
         """(warp, weft) each (ni+1, nj+1): yarn segments that an edge stands for; half of one on a plane of symmetry."""
-        shape, found = (self.counts[0] + 1, self.counts[1] + 1), []
+        shape, grids, found = (self.counts[0] + 1, self.counts[1] + 1), self.yarn_lines(), []
         for family, mirrored in enumerate(self.mirrors[::-1]):
             n = np.ones(shape)
             if self.sides is not None:
-                along, across = (2 * w for w in (self.weave.w[family], self.weave.w[1 - family]))
-                own, other = self.sides[family] / along, self.sides[1 - family] / across
-                lines = grading.tributary(other)
-                lines[-1] = other[-1]  # the yarns at the rim break as whole ones
-                n = np.multiply.outer(np.append(own, 0.0), lines)
+                own, other = ((self.sides[n] / (2 * self.weave.w[n]), grids[n]) for n in (family, 1 - family))
+                n = np.multiply.outer(grading.segment_lengths(*own), grading.yarn_widths(*other))
                 n = n if family == 0 else n.T
             elif mirrored:
                 np.moveaxis(n, 1 - family, 0)[0] *= 0.5
@@ -324,8 +338,10 @@ class Panel:
         anywhere, over the whole panel; on a graded one contact stays in the first zone.
         """
         wide, found = self.projectile.radius / self.projectile.frame[2, 2], []
-        for x, step, yarn, ends in zip(self.lines(), self.spacing, self.weave.yarns, boundary.sides(self.edge)):
-            drawn = (yarn.crimp + yarn.failure_strain) * max(x[-1], -x[0])
+        slips = (0.0, 0.0) if self.sides is None else boundary.pull_in(self.edge)
+        for n, (x, step, yarn) in enumerate(zip(self.lines(), self.spacing, self.weave.yarns)):
+            drawn = (yarn.crimp + yarn.failure_strain) * max(x[-1], -x[0]) + slips[n]
+            ends = boundary.sides(self.edge)[n]
             if "free" in ends and self.sides is None:
                 drawn = x[-1] - x[0]
             found.append(wide + drawn + 2 * step)

@@ -42,8 +42,8 @@ class Numerics:
         fewer keep its scratch in cache
     precision : "double" or "single", in which forces are kept from step to step, and the constants of nodes and edges;
         all is computed in double precision, and places, velocities and stretches are kept in it
-    threads : of the time integration; None takes all that the process may use where it pays (`barrier`). No result
-        depends on it
+    threads : of the time integration; None takes all that the process may use where it pays (`barrier`), and goes on
+        with one where other processes use the processor (`driver.solver`). No result depends on it
     """
 
     cfl: float = 0.9

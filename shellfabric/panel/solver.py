@@ -17,7 +17,7 @@ from shellfabric.backing import coupling
 from shellfabric.driver.guards import speed_limit
 from shellfabric.driver.solver import PERFORATED, RUNNING, ExplicitSolver
 from shellfabric.jit import barrier
-from shellfabric.panel import boundary, ply_audit, quality
+from shellfabric.panel import boundary, grading, ply_audit, quality
 from shellfabric.panel import step_kernels as kernels
 from shellfabric.panel.model import Panel
 from shellfabric.panel.perforation import passed
@@ -58,6 +58,7 @@ class ClothSolver(ExplicitSolver):
         self.parts, (self.panel, self.const, self.state) = parts, parts[0]
         self.share = self.panel.share
         self.threads = min(barrier.threads_for(self.panel.numerics.threads, elements), most_threads)
+        self.reduces_threads = self.panel.numerics.threads is None
         self.history_columns = len(dynamics.columns(self.panel.projectile))
         self.ply_samples, self.history_request, self.histories = [], None, []
         self.backing, self.perforated_samples = None, 0
@@ -176,6 +177,17 @@ class ClothSolver(ExplicitSolver):
         self.perforated_samples = self.perforated_samples + 1 if through else 0
         if self.perforated_samples == 2:
             self.reason = PERFORATED
+
+    def guard_model(self) -> None:
+        """See ExplicitSolver. A projectile that flies over a graded panel keeps to its first zone."""
+        for ply, (panel, const, state) in enumerate(self.parts):
+            if panel.sides is None or not const.window_follows:
+                continue
+            nose, zone = state.projectile_position, panel.first_zone()
+            if not grading.covers(zone, panel.lines(), nose, panel.reach(), panel.mirrors):
+                x, y = 1e3 * nose[:2]
+                where = f"its nose at x = {x:.1f} mm, y = {y:.1f} mm of ply {ply + 1}"
+                self.stop("the projectile leaves the first zone of the grading", where)
 
     def checkpoint_identity(self) -> tuple[Any, str]:
         """See ExplicitSolver."""

@@ -8,6 +8,9 @@ The nodes are moved by `motion_kernels`, the internal forces of the elements are
 
 The kernels that hand the state on allocate nothing and are compiled without numba's reference counts (_nrt=False): a
 pair of them for each array of the state would cost as much as a hundred elements in every block.
+
+LLVM optimises anew, with each kernel that is compiled, all that it calls. The parts of a step that are called from one
+place are therefore made part of their caller before anything is compiled (inline="always").
 """
 
 import numpy as np
@@ -52,11 +55,11 @@ def rows_near_failure(state, const):
     return low, high
 
 
-@kernel(_nrt=False)
+@kernel(_nrt=False, inline="always")
 def out_of_plane_forces(state, const, first, last, acting):
     """Bending and jamming energy [J] of the node rows first .. last; adds their forces to state.f_int if `acting`."""
-    turns = bending_kernels.bending_forces(state, const, first, last, acting)
-    return turns + jamming_kernels.jamming_forces(state, const, first, last, acting)
+    turns = bending_kernels.bending_forces(const.bending, state, const, first, last, acting)
+    return turns + jamming_kernels.jamming_forces(const.jamming, state, const, first, last, acting)
 
 
 @kernel(_nrt=False)
@@ -108,7 +111,7 @@ def apply_failure(state, const, work):
     state.energy_sums[0, LOST_TRELLIS] += sheared - now_sheared
 
 
-@kernel(_nrt=False, forceinline=True)
+@kernel(_nrt=False, inline="always")
 def update_blocks(state, const, work, shared, me, count):
     """Update the active nodes and compute the active element forces, block by block while they are in cache.
 
@@ -148,7 +151,7 @@ def apply_backing_impulse(state, const):
         state.projectile_velocity[c] += const.dt * const.free_dofs[c] * state.f_block_nose[c] / const.projectile_mass
 
 
-@kernel(_nrt=False, forceinline=True)
+@kernel(_nrt=False, inline="always")
 def pre_step(state, const):
     """Before the nodes move: contact impulses, motion of the projectile, active rows."""
     contact_kernels.apply_contact_impulse(state, const)
@@ -161,7 +164,7 @@ def pre_step(state, const):
     grow_active_rows(state, const)
 
 
-@kernel(_nrt=False, forceinline=True)
+@kernel(_nrt=False, inline="always")
 def post_step(state, const, work):
     """After the element forces: failure, bending, contact, boundary; returns RUNNING or the reason to end."""
     apply_failure(state, const, work)
@@ -184,7 +187,7 @@ def post_step(state, const, work):
     return PERFORATED if state.counter[IDLE] >= const.perforation_delay_steps else RUNNING
 
 
-@kernel(forceinline=True)
+@kernel(inline="always")
 def record_step(state, const, force, row):
     """One row of the history: foremost z, v_z and the force [N] along z; of a bar also the velocities of tip, tail and
     centre of mass, and how far they have come, all along its axis."""
@@ -283,5 +286,5 @@ def energies(state, const, out):
     for i in range(const.ni + 1):
         out[KINETIC] += energy_kernels.kinetic_energy(const, state, i)
     out[STORED], out[SHEAR] = failure_kernels.stored_energy(const, state, 0, const.ni)
-    out[BENDING] = bending_kernels.bending_forces(state, const, 0, const.ni, False)
-    out[JAMMING] = jamming_kernels.jamming_forces(state, const, 0, const.ni, False)
+    out[BENDING] = bending_kernels.bending_forces(const.bending, state, const, 0, const.ni, False)
+    out[JAMMING] = jamming_kernels.jamming_forces(const.jamming, state, const, 0, const.ni, False)

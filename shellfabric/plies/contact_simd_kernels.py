@@ -103,7 +103,7 @@ def contact_points8(front, fc, rear, rc, pair, q, i, j, count, nearer, now, due)
     depth = thick + along
     slant = movemask(greater(far, 0.09 * thick * thick)) & movemask(greater(0.49 * far, along * along))
     fit &= movemask(greater(square, tiny * tiny))
-    clear, inside, pressed = by_depth8(pair, q, fit, held, slant, depth)
+    clear, inside, pressed = by_depth8(pair, q, fit, held, slant, depth, nearer)
     near, weights = greater(depth, -0.5 * thick), (values, slopes, curves)
     go, turn, sure, pressed = closest_point_step8(
         rear, rc, K, (row, column), weights, off, tangents, square, near, pressed, tall
@@ -125,12 +125,13 @@ def contact_points8(front, fc, rear, rc, pair, q, i, j, count, nearer, now, due)
 
 
 @kernel(_nrt=False, forceinline=True)
-def by_depth8(pair, q, fit, held, slant, depth):
+def by_depth8(pair, q, fit, held, slant, depth, nearer):
     """Which of the points that are `fit`, as bits, are clear of the rear ply, inside it, and of these in a contact that
-    needs no more than its formula."""
+    needs no more than its formula: in no fold, not too deep, and without a jump of the depth, whatever part of it the
+    motion has made, which is at most `nearer` [m]."""
     thick, was = pair.thickness, load(pair.last_depth, q)
     deep = movemask(greater(was, (1.0 - AMBIGUOUS_DEPTH) * thick))
-    slow = movemask(greater(MAX_DEPTH_JUMP * thick, fabs(depth - where(mask_from_bits(held), was, 0.0))))
+    slow = movemask(greater(MAX_DEPTH_JUMP * thick - nearer, fabs(depth - where(mask_from_bits(held), was, 0.0))))
     fit &= ~(held & (slant | deep))
     clear, inside = fit & movemask(greater(0.0, depth)), fit & movemask(greater(depth, 0.0))
     return clear, inside, inside & ~slant & movemask(greater((1.0 - AMBIGUOUS_DEPTH) * thick, depth)) & slow

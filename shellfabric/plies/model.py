@@ -28,7 +28,7 @@ from fabrics.errors import InputError
 from fabrics.variants import rotated_90
 from shellfabric.cell.model import CellModel, CellTable
 from shellfabric.jit.simd import WIDTH
-from shellfabric.panel.arrays import Constants, State, Work
+from shellfabric.panel.arrays import Constants, State, Work, has_out_of_plane
 from shellfabric.panel.model import Panel
 from shellfabric.plies import broad_phase_kernels, step_kernels
 from shellfabric.plies.contact_simd_kernels import AMBIGUOUS_DEPTH
@@ -177,10 +177,10 @@ class Pack:
 
     def constants(self) -> tuple[Constants, ...]:
         """(plies,) what the kernels need to know of each ply, all at one time step."""
-        found = {}
+        found, out_of_plane = {}, any(has_out_of_plane(ply) for ply in self.plies)
         for ply in self.plies:
             if id(ply) not in found:
-                const = self._in_step(ply).constants()
+                const = self._in_step(ply).constants(out_of_plane)
                 law = const.point_law._replace(implicit_factor=self._firmer)
                 found[id(ply)] = const._replace(dt=self.time_step, point_law=law)
         return tuple(found[id(ply)] for ply in self.plies)

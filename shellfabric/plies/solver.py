@@ -128,6 +128,7 @@ class PackSolver(ClothSolver):
 
     def guard_model(self) -> None:
         """Stop a run in which whole cloth has come through whole cloth."""
+        super().guard_model()
         half = len(self.pairs) // 2
         for p, pair in enumerate(self.pairs):
             if pair.energy[contact_simd_kernels.PASSED_COUNT]:

@@ -4,7 +4,7 @@ import numpy as np
 
 from shellfabric.cloth import spline_kernels
 from shellfabric.cloth.membrane_kernels import ERODED
-from shellfabric.jit.compile import entry, kernel
+from shellfabric.jit.compile import kernel
 
 
 @kernel()
@@ -20,7 +20,7 @@ def reachable_nodes(state, const):
     return max(i0 - 1, 0), min(i1 + 1, const.ni), max(j0 - 1, 0), min(j1 + 1, const.nj)
 
 
-@entry()
+@kernel()
 def move_window(state, const):
     """Move the contact window, state.contact_window, with a projectile that moves sideways.
 
@@ -28,7 +28,7 @@ def move_window(state, const):
     window leaves const.draw_in_reach, by which cloth may be drawn in besides the body's own width, and what the edges
     have slipped. Nothing bounds how far a yarn that has failed is drawn in: then the window is the whole panel. Cloth
     from beyond would be found by the window's next row when it is an edge radius deep, on springs that nobody has
-    squeezed.
+    squeezed. On a graded panel the window stays in the first zone, and so does the projectile (`panel.solver`).
     """
     torn, slip = False, 0.0
     for block in range(state.block_damage.size):
@@ -40,8 +40,8 @@ def move_window(state, const):
         nose, foot = state.projectile_position[c], state.projectile_position[c] - back * const.frame[2, c]
         low, high = min(nose, foot) - start, max(nose, foot) - start
         low, high = low - const.draw_in_reach[c] - slip, high + const.draw_in_reach[c] + slip
-        count = const.window_limits[2 * c + 1]
-        state.contact_window[2 * c] = 0 if torn else min(max(int(low / step), 0), count)
+        first, count = const.window_limits[2 * c], const.window_limits[2 * c + 1]
+        state.contact_window[2 * c] = first if torn else min(max(int(low / step), first), count)
         state.contact_window[2 * c + 1] = (
             count if torn else min(max(int(high / step) + 1, state.contact_window[2 * c]), count)
         )
@@ -87,7 +87,7 @@ def intact_at_point(state, const, k, s, t):
     return 0.5 * (near + other)
 
 
-@entry()
+@kernel()
 def cloth_ahead_of_nose(state, const):
     """Whether an element that is not eroded lies ahead of the shoulder, within the projectile's radius."""
     i0, i1, j0, j1 = window_bounds(state)

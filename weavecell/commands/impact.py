@@ -151,6 +151,7 @@ def fire(
     from shellfabric.output.checkpoint import Checkpoints
 
     hooks = () if checkpoint is None else (Checkpoints(checkpoint, every),)  # type: ignore[arg-type]
+    table = table or setup.table(kept=True)
     result, failure = progress.watched(
         lambda hooks: solver.run(setup, hooks=hooks, resume=checkpoint if resume else None, table=table), title, hooks
     )

@@ -21,7 +21,6 @@ import numpy as np
 
 import weavecell
 from fabrics.errors import InputError, UnstableError
-from fabrics.files import replace_whole
 from weavecell.commands import fidelity
 from weavecell.report import chapters, chapters_impact, checks, pictures, pictures3d, pictures_pack
 from weavecell.report import page as report_page
@@ -158,20 +157,16 @@ def write_series(out: Path, record: PackRecord, snapshots: Sequence[Any]) -> Non
     """Write the plies' shapes as pack.pvd and pack/*.vtu in the folder `out`."""
     times = {}
     instants = [shots for shots in snapshots if shots[0].t < record.shapes[0].t]
+    first_nodes = np.cumsum([0, *(shot.nodes.size // 3 for shot in record.shapes)])
+    cells = paraview.topology(np.concatenate([quads + first for quads, first in zip(record.quads, first_nodes)]))
+    plies = np.concatenate([np.full(len(quads), ply, np.int8) for ply, quads in enumerate(record.quads, 1)])
     for number, shots in enumerate([*instants, record.shapes]):
-        parts = []
-        for ply, (shot, quads) in enumerate(zip(shots, record.quads), 1):
-            grid = paraview.panel_grid(shot.nodes.reshape(-1, 3), quads)
-            tension, broken = shot.tension.reshape(-1, 2), shot.failed.reshape(-1, 3)
-            grid.cell_data["tension_warp_N"], grid.cell_data["tension_weft_N"] = tension[:, 0], tension[:, 1]
-            grid.cell_data["failed_yarns"] = paraview.failed_yarns(broken)
-            grid.cell_data["ply"] = np.full(len(quads), ply, np.int8)
-            parts.append(grid)
-        whole = parts[0].merge(parts[1:], merge_points=False)
-        whole.field_data["projectile_z_m"] = [shots[0].nose_position]
-        name = f"pack/pack-{number:04d}.vtu"
-        with replace_whole(out / name) as beside:
-            whole.save(beside)
+        nodes, tension, failed = (
+            np.concatenate([getattr(shot, field).reshape(-1, width) for shot in shots])
+            for field, width in (("nodes", 3), ("tension", 2), ("failed", 3))
+        )
+        name, values = f"pack/pack-{number:04d}.vtu", paraview.cell_values(tension, failed) | {"ply": plies}
+        paraview.write_grid(out / name, nodes, cells, values, shots[0].nose_position)
         times[name] = float(shots[0].t)
     paraview.write_series(out / "pack.pvd", times)
 

@@ -61,7 +61,8 @@ def render(draw: Callable, *arguments: Any, kind: str = "svg") -> bytes:
     with plots() as pyplot:
         figure = draw(pyplot, *arguments)
         content = io.BytesIO()
-        figure.savefig(content, format=kind, metadata={"Date": None} if kind == "svg" else None)
+        options = {"metadata": {"Date": None}} if kind == "svg" else {"pil_kwargs": {"compress_level": 4}}
+        figure.savefig(content, format=kind, **options)
     return content.getvalue()
 
 
@@ -78,7 +79,7 @@ def panels(pyplot: Any, images: Any) -> Any:
     )
     for row, (title, pair) in zip(grid, images.items()):
         for axes, (when, image) in zip(row, pair):
-            axes.imshow(image, interpolation="lanczos")
+            axes.imshow(image, interpolation="antialiased")
             axes.axis("off")
             axes.set_title(when, loc="right", fontweight="normal", color=FAINT)
         row[0].set_title(title if count > 1 else "panel")

@@ -1,4 +1,4 @@
-"""Pictures of meshes and panels, drawn off screen by pyvista."""
+"""Pictures of meshes, by pyvista, and of panels in motion."""
 
 from __future__ import annotations
 
@@ -8,7 +8,9 @@ from typing import Any
 import numpy as np
 
 from meshing.pictures_style import RED, STEEL, tension_map
-from weavecell.results.paraview import panel_grid
+from weavecell.report.pictures_painter import Camera, paint
+
+CLOTH_DEPTH = 1.0  # [mm] by which the projectile is drawn behind cloth that it touches
 
 
 def new_plotter(off_screen: bool = True, size: tuple[int, int] = (1500, 820)) -> Any:
@@ -23,12 +25,8 @@ def new_plotter(off_screen: bool = True, size: tuple[int, int] = (1500, 820)) ->
     return plotter
 
 
-def plotter_image(plotter: Any, crop: bool = True) -> np.ndarray:
-    """The plotter's picture as an array (rows, columns, 3), cropped to what is drawn."""
-    image = plotter.screenshot(return_img=True)
-    plotter.close()
-    if not crop:
-        return image
+def _cropped(image):
+    """What is drawn of an image on white."""
     drawn = np.any(image < 250, axis=2)
     rows, columns = np.flatnonzero(drawn.any(axis=1)), np.flatnonzero(drawn.any(axis=0))
     if rows.size == 0:
@@ -61,35 +59,26 @@ def panel(
     -------
     image : (rows, columns, 3)
     """
-    import pyvista
+    from matplotlib.colors import to_rgb
 
-    plotter = new_plotter()
-    grid = panel_grid(1e3 * np.asarray(nodes), quads)
-    grid.cell_data["tension"], grid.cell_data["failed"] = np.asarray(share, float), np.asarray(failed)
-    parts = [grid]
-    for mirrored, normal in zip(mirrors, ((1, 0, 0), (0, 1, 0))):
-        parts += [part.reflect(normal) for part in parts] if mirrored else []
-    for part in parts:
-        whole, torn = (part.extract_cells(np.flatnonzero(part.cell_data["failed"] == count)) for count in (0, 1))
-        if whole.n_cells:
-            plotter.add_mesh(
-                whole,
-                scalars="tension",
-                cmap=tension_map(),
-                clim=(0, 1),
-                show_scalar_bar=False,
-                ambient=0.45,
-                diffuse=0.6,
-            )
-        if torn.n_cells:
-            plotter.add_mesh(torn, color=RED, ambient=0.6)
-    body = pyvista.StructuredGrid(*np.moveaxis(1e3 * projectile, -1, 0))
-    plotter.add_mesh(body, color=STEEL, ambient=0.3, specular=0.3)
-    plotter.enable_parallel_projection()
-    span = 1e3 * float(np.ptp(np.asarray(nodes)[:, 0])) * (2 if mirrors[0] else 1)
-    top = 1e3 * float(np.asarray(nodes)[:, 2].max()) if reach else 0.0
-    front = projectile[projectile[..., 2] > projectile[..., 2].max() - 1e-4]  # where a close-up looks
-    x, y = 1e3 * front.mean(axis=0)[:2] if reach else (0.0, 0.0)
-    plotter.camera_position = [(x + 0.55 * span, y - 1.4 * span, top + 0.95 * span), (x, y, top), (0, 0, 1)]
-    plotter.camera.parallel_scale = 0.6e3 * reach if reach else 0.48 * span
-    return plotter_image(plotter, crop=reach is None)
+    nodes, body = 1e3 * np.asarray(nodes, float), 1e3 * np.asarray(projectile, float)
+    share, failed = np.asarray(share, float), np.asarray(failed)
+    drawn = failed < 2
+    colours = np.where((failed == 1)[:, None], to_rgb(RED), tension_map()(np.clip(share, 0.0, 1.0))[:, :3])
+    cloth, paints = nodes[np.asarray(quads)[drawn]], colours[drawn]
+    for axis, mirrored in enumerate(mirrors):
+        if mirrored:
+            image = cloth.copy()
+            image[..., axis] *= -1
+            cloth, paints = np.concatenate([cloth, image]), np.concatenate([paints, paints])
+    corners = np.stack([body[:-1, :-1], body[1:, :-1], body[1:, 1:], body[:-1, 1:]], axis=2).reshape(-1, 4, 3)
+    span = float(np.ptp(nodes[:, 0])) * (2 if mirrors[0] else 1)
+    top = float(nodes[:, 2].max()) if reach else 0.0
+    front = body[body[..., 2] > body[..., 2].max() - 0.1]  # where a close-up looks
+    x, y = front.mean(axis=0)[:2] if reach else (0.0, 0.0)
+    position, target = (x + 0.55 * span, y - 1.4 * span, top + 0.95 * span), (x, y, top)
+    camera = Camera(position, target, 0.6e3 * reach if reach else 0.48 * span)
+    steel, behind = np.tile(to_rgb(STEEL), (len(corners), 1)), np.zeros(len(cloth) + len(corners))
+    behind[len(cloth) :] = CLOTH_DEPTH
+    image = paint(np.concatenate([cloth, corners]), np.concatenate([paints, steel]), camera, further=behind)
+    return image if reach else _cropped(image)

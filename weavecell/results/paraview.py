@@ -2,18 +2,22 @@
 
 from __future__ import annotations
 
+import zlib
 from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from fabrics.checks import FilePath
-from fabrics.files import replace_whole, write_whole
+from fabrics.files import write_whole
 
 if TYPE_CHECKING:
     from weavecell.results.impact_base import Shape
+
+
+_QUAD = 9  # VTK's number of a quadrilateral
+_KINDS = {"f8": "Float64", "i8": "Int64", "i1": "Int8", "u1": "UInt8"}
 
 
 def write_panel(out: Path, shapes: Iterable[Shape], quads: np.ndarray) -> None:
@@ -24,17 +28,86 @@ def write_panel(out: Path, shapes: Iterable[Shape], quads: np.ndarray) -> None:
     shapes : sequence of `results.impact_base.Shape`
     quads : (m, 4) node numbers, in order round the cell
     """
-    times = {}
+    times, cells = {}, topology(quads)
     for number, shape in enumerate(shapes):
-        grid = panel_grid(shape.nodes, quads)
-        grid.cell_data["tension_warp_N"], grid.cell_data["tension_weft_N"] = shape.tension[:, 0], shape.tension[:, 1]
-        grid.cell_data["failed_yarns"] = failed_yarns(shape.failed)
-        grid.field_data["projectile_z_m"] = [shape.nose_position]
+        values = cell_values(shape.tension, shape.failed)
         name = f"panel/panel-{number:04d}.vtu"
-        with replace_whole(out / name) as beside:
-            grid.save(beside)
+        write_grid(out / name, shape.nodes, cells, values, shape.nose_position)
         times[name] = shape.t
     write_series(out / "panel.pvd", times)
+
+
+def cell_values(tension: np.ndarray, failed: np.ndarray) -> dict[str, np.ndarray]:
+    """Cell data of a panel from its tensions (m, 2) [N] and its flags (m, 3) bool of `results.impact_base.Shape`."""
+    return {
+        "tension_warp_N": tension[:, 0].astype(float),
+        "tension_weft_N": tension[:, 1].astype(float),
+        "failed_yarns": failed_yarns(failed),
+    }
+
+
+def topology(quads: np.ndarray) -> dict[str, tuple[str, bytes]]:
+    """The cells of quadrilaterals (m, 4) as `write_grid` takes them; grids of the same cells share it."""
+    quads = np.asarray(quads, np.int64)
+    return {
+        "connectivity": _block(quads),
+        "offsets": _block(np.arange(4, 4 * len(quads) + 1, 4, dtype=np.int64)),
+        "types": _block(np.full(len(quads), _QUAD, np.uint8)),
+    }
+
+
+def _block(array):
+    """(name of VTK for the type, bytes) of an array: compressed, as one block behind its header."""
+    array = np.ascontiguousarray(array)
+    packed = zlib.compress(array.tobytes(), 1)
+    header = np.array([1, array.nbytes, 0, len(packed)], "<u8")
+    return _KINDS[array.dtype.str[1:]], header.tobytes() + packed
+
+
+def write_grid(
+    path: FilePath,
+    nodes: np.ndarray,
+    cells: Mapping[str, tuple[str, bytes]],
+    values: Mapping[str, np.ndarray],
+    projectile_z: float,
+) -> None:
+    """Write an unstructured grid as .vtu, its arrays behind the XML (format of VTK 1.0, appended, zlib).
+
+    Parameters
+    ----------
+    nodes : (n, 3) [m]
+    cells : of `topology`
+    values : {name: (m,)} cell data
+    projectile_z : [m], field data
+    """
+    count = len(next(iter(values.values())))
+    blocks: list[bytes] = []
+    offset = 0
+
+    def entry(name, block, attributes=""):
+        nonlocal offset
+        kind, content = block
+        blocks.append(content)
+        line = f'<DataArray type="{kind}" Name="{name}"{attributes} format="appended" offset="{offset}"/>'
+        offset += len(content)
+        return line
+
+    field = entry("projectile_z_m", _block(np.array([float(projectile_z)])), ' NumberOfTuples="1"')
+    points = entry("Points", _block(np.asarray(nodes, float)), ' NumberOfComponents="3"')
+    elements = "".join(entry(name, block) for name, block in cells.items())
+    data = "".join(entry(name, _block(array)) for name, array in values.items())
+    text = (
+        '<?xml version="1.0"?>\n<VTKFile type="UnstructuredGrid" version="1.0" byte_order="LittleEndian" '
+        'header_type="UInt64" compressor="vtkZLibDataCompressor">\n<UnstructuredGrid>\n'
+        f"<FieldData>{field}</FieldData>\n"
+        f'<Piece NumberOfPoints="{len(nodes)}" NumberOfCells="{count}">\n'
+        f"<CellData>{data}</CellData>\n<Points>{points}</Points>\n<Cells>{elements}</Cells>\n"
+        '</Piece>\n</UnstructuredGrid>\n<AppendedData encoding="raw">_'
+    )
+    with write_whole(path, "wb") as file:
+        file.write(text.encode())
+        file.writelines(blocks)
+        file.write(b"</AppendedData>\n</VTKFile>\n")
 
 
 def failed_yarns(broken: np.ndarray) -> np.ndarray:
@@ -45,13 +118,6 @@ def failed_yarns(broken: np.ndarray) -> np.ndarray:
     broken : (m, 3) bool: warp failed, weft failed, element eroded
     """
     return np.where(broken[:, 2], 2, broken[:, :2].sum(axis=1)).astype(np.int8)
-
-
-def panel_grid(nodes: ArrayLike, quads: ArrayLike) -> Any:
-    """The panel as a pyvista grid of quadrilaterals."""
-    import pyvista
-
-    return pyvista.UnstructuredGrid({pyvista.CellType.QUAD: np.asarray(quads)}, np.asarray(nodes, float))
 
 
 def write_series(path: FilePath, times: Mapping[str, float]) -> None:

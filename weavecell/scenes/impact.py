@@ -113,9 +113,17 @@ def _zones(value):
     plain = isinstance(value, (list, tuple)) and all(
         isinstance(zone, (list, tuple)) and len(zone) == 2 for zone in value
     )
-    if not plain or any(isinstance(x, bool) or not isinstance(x, (int, float)) for zone in value for x in zone):
+    if not plain or any(isinstance(x, bool) or not isinstance(x, (int, float, str)) for zone in value for x in zone):
         raise ValueError("no zones")
-    return tuple((float(until), float(side)) for until, side in value)
+    return tuple((_crossovers(until), _crossovers(side)) for until, side in value)
+
+
+def _crossovers(value):
+    """A number of crossovers, or a fraction of one such as "1/3"."""
+    if not isinstance(value, str):
+        return float(value)
+    over, _, under = value.partition("/")
+    return int(over) / int(under)
 
 
 class PanelTable(Table):
@@ -137,7 +145,7 @@ class PanelTable(Table):
         tuple[tuple[float, float], ...] | None,
         BeforeValidator(_zones),
         Field(
-            description="zones [until, side] in crossovers, the last until inf, such as [[10, 1], [20, 2], [inf, 4]]"
+            description='zones [until, side] in crossovers, the last until inf, such as [[9, "1/2"], [20, 1], [inf, 2]]'
         ),
     ] = None
 

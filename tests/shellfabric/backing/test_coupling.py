@@ -115,26 +115,21 @@ def test_bunched_yarns_push_back_by_the_slope_of_their_energy(fabric):
     random, n = np.random.default_rng(1), (const.ni + 1) * const.row_stride
     for u in state.u:
         u[:n] += 0.35 * const.dx * random.uniform(-1, 1, n)
-    assert jamming_kernels.jamming_forces(state, const, 0, const.ni, False) == pytest.approx(
+    assert jamming_kernels.jamming_forces(const.jamming, state, const, 0, const.ni, False) == pytest.approx(
         plain_jam(panel, state, const), rel=1e-12
     )
     for g in state.f_int:
         g[:] = 0.0
-    jamming_kernels.jamming_forces(state, const, 0, const.ni, True)
+    jamming_kernels.jamming_forces(const.jamming, state, const, 0, const.ni, True)
     way = [random.normal(size=n) for _ in range(3)]
     work = sum(float(g[:n] @ w) for g, w in zip(state.f_int, way))
     ends = []
     for s in (1e-10, -2e-10):
         for u, w in zip(state.u, way):
             u[:n] += s * w
-        ends.append(jamming_kernels.jamming_forces(state, const, 0, const.ni, False))
+        ends.append(jamming_kernels.jamming_forces(const.jamming, state, const, 0, const.ni, False))
     assert work == pytest.approx(-(ends[0] - ends[1]) / 2e-10, rel=1e-5)
-    assert (
-        jamming_kernels.jamming_forces(
-            state, panel.constants()._replace(jamming=np.array([0.0, 1.0])), 0, const.ni, True
-        )
-        == 0.0
-    )
+    assert jamming_kernels.jamming_forces(np.array([0.0, 1.0]), state, panel.constants(), 0, const.ni, True) == 0.0
 
 
 def test_cloth_that_does_not_fail_bunches_up_and_stays_whole(fabric):

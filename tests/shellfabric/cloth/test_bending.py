@@ -57,7 +57,8 @@ def forces(panel, x):
 
 def energy(panel, x):
     state = bring(panel, panel.state(1.0), x)
-    return bending_kernels.bending_forces(state, panel.constants(), 0, panel.counts[0], False)
+    const = panel.constants()
+    return bending_kernels.bending_forces(const.bending, state, const, 0, panel.counts[0], False)
 
 
 @pytest.mark.parametrize("edge", ["free", "clamped"])

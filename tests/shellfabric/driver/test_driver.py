@@ -291,6 +291,33 @@ def test_workers_wait_for_every_call_of_the_kernel_and_are_released():
     assert solver.released == 14
 
 
+class Clock:
+    """Stands for the module `time`: each call of the kernel takes 60 ms, and the processor for `share` of them."""
+
+    def __init__(self, share):
+        self.share, self.reads, self.monotonic, self.sleep = share, 0, time.monotonic, time.sleep
+
+    def perf_counter(self):
+        self.reads += 1
+        return 0.06 * self.reads
+
+    def thread_time(self):
+        return self.share * 0.06 * self.reads
+
+
+@pytest.mark.parametrize(("share", "reduces", "threads"), [(0.5, True, 1), (0.95, True, 3), (0.5, False, 3)], ids=str)
+def test_threads_of_a_run_on_a_shared_processor(monkeypatch, share, reduces, threads):
+    solver = Threaded(5e-3)
+    solver.reduces_threads, solver.exchange = reduces, np.inf
+    monkeypatch.setattr(driver, "time", Clock(share))
+    solver.run()
+    assert solver.threads == threads
+    assert solver.released == len(solver.begun) == (2 + 2 if threads == 1 else 14)
+    whole = Oscillator(5e-3)
+    whole.run()
+    np.testing.assert_array_equal(solver.samples, whole.samples)
+
+
 def test_workers_are_released_where_a_hook_fails():
     def wrong(solver):
         raise LookupError

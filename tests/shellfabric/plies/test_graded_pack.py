@@ -28,6 +28,12 @@ def ply():
     return Panel(CellModel(fabric).table(81), (0.034, 0.034), numerics=Numerics(threads=1), grading=ZONES)
 
 
+@pytest.fixture(params=[ZONES, ((7, 0.5), (INF, 1))], ids=["1, 2", "1/2, 1"])
+def any_ply(ply, request):
+    """That ply, or one whose elements are shorter than a crossover in the middle."""
+    return replace(ply, grading=request.param)
+
+
 def forced(panel):
     """The same panel, all of whose elements are alike, by way of the arrays that graded ones have."""
     panel.__dict__["sides"] = tuple(np.full(n, d) for n, d in zip(panel.counts, panel.spacing))
@@ -54,9 +60,9 @@ def test_equal_elements_are_the_plain_pack(ply, strike_velocity):
 
 @pytest.mark.parametrize("stacking", ["aligned", "alternating"])
 @pytest.mark.parametrize("symmetry", ["quarter", "whole"])
-def test_forces_against_a_plain_twin(ply, stacking, symmetry):
+def test_forces_against_a_plain_twin(any_ply, stacking, symmetry):
     """In both zones and across their border, of plies that bulge into each other."""
-    pack = Pack.stacked(replace(ply, symmetry=symmetry), 2, stacking=stacking, gap=20e-6)
+    pack = Pack.stacked(replace(any_ply, symmetry=symmetry), 2, stacking=stacking, gap=20e-6)
     states, consts, pair = bulging(pack, np.random.default_rng(1), 0.25e-3, 9e-3)
     settled(states, consts, pair)
     on_front, on_rear, energy = plain(states[0], consts[0], states[1], consts[1], pair)
@@ -71,12 +77,12 @@ def test_forces_against_a_plain_twin(ply, stacking, symmetry):
 
 
 @pytest.mark.parametrize(("points", "slid", "within"), [(1, 0.0, 1e-9), (2, 0.0, 0.04), (1, 0.1, 0.01)])
-def test_patch_across_zones(ply, points, slid, within):
+def test_patch_across_zones(any_ply, points, slid, within):
     """Plies that are strained and inclined alike and pressed together evenly: each node is pushed in proportion to its
     mass, in all zones and where they meet; of plies that have slid on each other by a share of an element, within the
     square of that share. Points off the middles, of which 2 x 2 are an element's, reach two nodes beyond its border: a
     64th of their force in either direction."""
-    free = replace(ply, symmetry="whole", edge="free")
+    free = replace(any_ply, symmetry="whole", edge="free")
     pack = Pack.stacked(free, 2, gap=0.0, contact=PlyContact(damping=0.0, points=points))
     states, _ = pack.states(1.0)
     consts = pack.constants()
@@ -100,9 +106,9 @@ def test_patch_across_zones(ply, points, slid, within):
             np.testing.assert_allclose(found / mass, sign * part * per_mass, rtol=0, atol=within * per_mass)
 
 
-def test_colliding_plies_keep_momentum_and_energy(ply):
+def test_colliding_plies_keep_momentum_and_energy(any_ply):
     for damping in (0.7, 0.0):
-        march, before = collide(ply, damping, 300, opening=ply.opening)
+        march, before = collide(any_ply, damping, 300, opening=any_ply.opening)
         assert march.panel.sides is not None
         sums = np.array([[state.mass @ v for v in state.v] for state in march.states])
         np.testing.assert_allclose(sums.sum(axis=0), [0.0, 0.0, before], atol=1e-12 * before)
@@ -131,6 +137,20 @@ def test_shots_against_the_uniform_pack(ply, strike_velocity):
         assert abs(v_g - v) < (0.03 if strike_velocity > 200 else 0.01) * strike_velocity
         if strike_velocity < 200:  # torn packs end their runs at different times
             assert z_g == pytest.approx(z, rel=0.01)
+
+
+@pytest.mark.parametrize("strike_velocity", [91.0, 300.0])
+def test_shots_at_a_pack_that_is_fine_in_the_middle(ply, strike_velocity):
+    """Against the pack that is as fine everywhere: energy is balanced, and the projectile is slowed down alike."""
+    found = []
+    for zones in (((INF, 0.5),), ((9, 0.5), (INF, 1))):
+        panel = replace(ply, grading=zones, opening=(0.05, 0.05))
+        march = PackSolver(Pack.stacked(panel, 2, gap=50e-6), strike_velocity, 25e-6).run()
+        assert np.abs(march.sample("error")).max() < 5e-3 * march.strike_energy
+        assert march.deepest.max() < 1.0
+        assert (march.sample("failed_yarns")[-1] > 0) == (strike_velocity > 200)
+        found.append(march.sample("v")[-1])
+    assert abs(found[1] - found[0]) < (0.02 if strike_velocity > 200 else 0.005) * strike_velocity
 
 
 @entry()

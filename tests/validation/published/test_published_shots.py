@@ -32,16 +32,16 @@ def test_readme_has_the_errors_of_the_default():
     assert between(ROOT / "README.md", *defaults.MARKS) == defaults.table(rows).strip("\n")
 
 
-def test_readme_has_the_laws_of_the_page_of_calibration():
+def test_results_have_the_laws_of_the_page_of_calibration():
     def laws(path, columns):
         rows = [line.strip("| \n").split(" | ") for line in path.read_text("utf-8").splitlines() if line[:4] == "| S-"]
         rows.reverse()  # of a page with several tables, the first counts
         return {row[0]: [row[i] for i in columns] for row in rows if len(row) == max(columns) + 1 or len(row) == 12}
 
-    readme = laws(ROOT / "README.md", (1, 2, 3, 4, 5, 6))
+    results = laws(ROOT / "docs" / "results.md", (1, 2, 3, 4, 5, 6))
     page = laws(ROOT / "docs" / "calibration.md", (1, 5, 6, 3, 5, 7))
-    assert readme.keys() == {"S-720", "S-726", "S-727", "S-728", "S-731", "S-745"}
-    for name, (a, a_published, a_ratio, b, b_published, b_ratio) in readme.items():
+    assert results.keys() == {"S-720", "S-726", "S-727", "S-728", "S-731", "S-745"}
+    for name, (a, a_published, a_ratio, b, b_published, b_ratio) in results.items():
         assert [a, f"{a_published}, {b_published}", a_ratio, b, f"{a_published}, {b_published}", b_ratio] == page[name]
 
 

@@ -41,7 +41,7 @@ SCENES = {
     "form-of-a-surface": "fabric.cell_formulation = 'equilibrium': must be variational or direct with fabric.surface",
     "gap-too-wide": "fabric.crossover_gap = 0.001: must be at least 0 and at most h01 + h02",
     "grading-not-zones": "panel.grading = [10, 1]: must be zones [until, side] in crossovers, the last until inf, "
-    "such as [[10, 1], [20, 2], [inf, 4]]",
+    'such as [[9, "1/2"], [20, 1], [inf, 2]]',
     "grading-shrinks": "panel.grading = ((10.0, 4.0), (inf, 2.0)): must be sides each a multiple of that before it",
     "grading-too-fine": "panel.grading = ((2.0, 1.0), (inf, 2.0)): must be a first zone of 8 crossovers or more, "
     "all that comes under the nose",

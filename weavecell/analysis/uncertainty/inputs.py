@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import tomllib
 from dataclasses import dataclass
+from functools import cache
 from importlib import resources
 from math import inf
 
@@ -56,6 +57,11 @@ class Scatter:
 
 def table(section: str, unit: str = "") -> dict[str, Entry]:
     """Entries of a section, by name; InputError where one lacks source or status."""
+    return dict(_entries(section, unit))
+
+
+@cache
+def _entries(section, unit):
     text = (resources.files("weavecell.analysis.uncertainty") / FILE).read_text("utf-8")
     found = {}
     for name, row in tomllib.loads(text)[section].items():

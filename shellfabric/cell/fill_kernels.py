@@ -1,0 +1,115 @@
+"""The table of a cell by Newton's method on force and heights together, from the solution of the cell before.
+
+`crossover_kernels` solves one cell by three nested iterations, each within a bracket, which cannot fail. Along a row of
+a table the solution changes little from cell to cell. Here the contact force F and the heights h_i of both yarns are
+unknowns beside each other,
+
+    F_i(h_i) = F,   h_1 + h_2 + d_1(F) + d_2(F) + g - h_01 - h_02 = 0   (source thesis eq. 4-13)
+
+with the contact force F_i of a yarn at its height; the step of F is that of the second equation with h_i eliminated by
+the first. Where the steps do not become small, or leave the range, the nested iterations solve the cell. What depends
+on one stretch alone is computed once a row or column. Results agree with the nested iterations' but for rounding.
+"""
+
+import math
+
+import numpy as np
+
+from shellfabric.cell.crossover_kernels import (
+    EQUILIBRIUM,
+    VARIATIONAL,
+    cell,
+    compression,
+    compression_energy,
+    contact_force,
+)
+from shellfabric.cell.yarn_kernels import COSINE, arc, elliptic, energy, free_height, tension, yarn_alone
+from shellfabric.jit.compile import entry, kernel
+
+_MAX_STEPS = 12
+_SMALL = 1e-9  # relative step after which the error, which is of its square, is that of rounding
+
+
+@kernel()
+def force_at_height(w, h, yarn, form):
+    """Contact force of a yarn at the height h and its slope: those of `contact_force`, with one elliptic integral."""
+    if form != VARIATIONAL or yarn[8] != COSINE or h <= 0.0:
+        F, slope, _ = contact_force(w, h, yarn[1], yarn[2], form, yarn[7], yarn[8])
+        return F, slope
+    k = 0.5 * math.pi * h / w
+    E, K_minus_E = elliptic(k * k)
+    dS = -2.0 * K_minus_E / k
+    T, dT = tension(4.0 * w / math.pi * E, dS, yarn[1], yarn[2], yarn[7])
+    return T * dS, dT * dS + T * math.pi / w * (K_minus_E / (k * k) + E / (1.0 + k * k))
+
+
+@kernel()
+def close_cell(w1, w2, free1, free2, warp, weft, gap, form, start):
+    """(F, h1, h2) of a cell in contact, from those of another; F = -1 where the steps do not converge."""
+    F, h1, h2 = start
+    full = warp[3] + weft[3] - gap
+    for _ in range(_MAX_STEPS):
+        F1, s1 = force_at_height(w1, h1, warp, form)
+        F2, s2 = force_at_height(w2, h2, weft, form)
+        d1, e1 = compression(F, warp[4], warp[5], warp[6])
+        d2, e2 = compression(F, weft[4], weft[5], weft[6])
+        if not (s1 > 0.0 and s2 > 0.0):
+            break
+        miss1, miss2 = (F - F1) / s1, (F - F2) / s2
+        dF = -(h1 + h2 + d1 + d2 - full + miss1 + miss2) / (1.0 / s1 + 1.0 / s2 + e1 + e2)
+        dh1, dh2 = miss1 + dF / s1, miss2 + dF / s2
+        F, h1, h2 = F + dF, h1 + dh1, h2 + dh2
+        if not (F > 0.0 and h1 >= free1 and h2 >= free2):
+            break
+        if abs(dF) <= _SMALL * F and abs(dh1) <= _SMALL * w1 and abs(dh2) <= _SMALL * w2:
+            return F, h1, h2
+    return -1.0, 0.0, 0.0
+
+
+@kernel()
+def forces_of_cell(w1, w2, warp, weft, form, solution):
+    """(T1, T2, N1, N2, F, h1, h2, W) of a cell in contact, whose solution is (F, h1, h2); see `cell`."""
+    F, h1, h2 = solution
+    S1, dS1 = arc(w1, h1, warp[8])
+    S2, dS2 = arc(w2, h2, weft[8])
+    T1, T2 = tension(S1, dS1, warp[1], warp[2], warp[7])[0], tension(S2, dS2, weft[1], weft[2], weft[7])[0]
+    W = energy(S1, warp[1], warp[2], warp[7], T1) + energy(S2, weft[1], weft[2], weft[7], T2)
+    W += compression_energy(F, warp[4], warp[5], warp[6]) + compression_energy(F, weft[4], weft[5], weft[6])
+    if form == EQUILIBRIUM:
+        return T1, T2, T1, T2, F, h1, h2, W
+    return T1, T2, T1 * (S1 - h1 * dS1) / (2.0 * w1), T2 * (S2 - h2 * dS2) / (2.0 * w2), F, h1, h2, W
+
+
+@entry(nogil=True)
+def fill(stretches1, stretches2, warp, weft, gap, form, coupled, out):
+    """As `crossover_kernels.fill`: out (8, n1, n2) on a grid of stretches; False if a cell failed."""
+    n2 = stretches2.size
+    free, alone, stored = np.empty(n2), np.empty(n2), np.empty(n2)
+    for j in range(n2):
+        free[j] = free_height(stretches2[j] * weft[0], weft[1], weft[8])
+        alone[j], stored[j] = yarn_alone(stretches2[j], weft[0], weft[1], weft[2], weft[7])
+    printed = (warp[4] > 0.0 and warp[6] == 0.0) or (weft[4] > 0.0 and weft[6] == 0.0)
+    for i in range(stretches1.size):
+        w1 = stretches1[i] * warp[0]
+        free1 = free_height(w1, warp[1], warp[8])
+        alone1, stored1 = yarn_alone(stretches1[i], warp[0], warp[1], warp[2], warp[7])
+        last, guess = (-1.0, 0.0, 0.0), 1.0
+        for j in range(n2):
+            w2 = stretches2[j] * weft[0]
+            apart = not coupled or (not printed and free1 + free[j] + gap >= warp[3] + weft[3])
+            values = (alone1, alone[j], alone1, alone[j], 0.0, free1, free[j], stored1 + stored[j])
+            if not apart:
+                found = (-1.0, 0.0, 0.0)
+                if last[0] > 0.0:
+                    found = close_cell(w1, w2, free1, free[j], warp, weft, gap, form, last)
+                if found[0] > 0.0:
+                    values = forces_of_cell(w1, w2, warp, weft, form, found)
+                else:
+                    values = cell(stretches1[i], stretches2[j], warp, weft, gap, form, coupled, guess)
+                    if values[4] < 0.0:
+                        return False
+                guess = max(values[4], 1e-6)
+            last = (values[4], values[5], values[6])
+            for c in range(8):
+                out[c, i, j] = values[c]
+    return True

@@ -1,0 +1,90 @@
+"""Tables of cells kept from run to run, by the content of the cell and the code that fills them.
+
+A table of 201 x 201 stretches takes as long to fill as a shot to run. What the cell's equations give at the grid is
+kept, and the coefficients are made anew, so that a kept table is the filled one to the last bit. The files lie in the
+user's cache folder (`WEAVECELL_CACHE_DIR`, or `$XDG_CACHE_HOME/weavecell`, or `~/.cache/weavecell`); the
+least recently used are removed. With WEAVECELL_CACHE_DIR empty nothing is kept.
+"""
+
+from __future__ import annotations
+
+import os
+from contextlib import suppress
+from pathlib import Path
+
+import numpy as np
+
+from fabrics.files import write_whole
+from fabrics.run_cache import Format, RunCache, key
+from shellfabric.cell.model import COLUMNS, CellModel, CellTable
+
+MOST_BYTES = 200e6  # of all kept tables; one of 201 x 201 has 2.6 MB
+
+
+def folder() -> Path | None:
+    """Folder of the kept tables, or None where none are kept."""
+    given = os.environ.get("WEAVECELL_CACHE_DIR")
+    if given is not None:
+        return Path(given, "tables") if given else None
+    root = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
+    return Path(root, "weavecell", "tables")
+
+
+def table(model: CellModel, n: int = 201) -> CellTable:
+    """The table of a cell with n x n stretches: a kept one, or one that is filled and kept.
+
+    Raises
+    ------
+    InputError, UnstableError : as CellTable.fill
+    """
+    place = folder()
+    if place is None:
+        return model.table(n)
+    kept, name = RunCache(place, ARRAYS), key((model, int(n)), "shellfabric.cell.table_cache")
+    with suppress(OSError, ValueError, EOFError):
+        x, y, out = _split(kept[name])
+        os.utime(kept.file(name))
+        return CellTable.of_values(model, x, y, dict(zip(COLUMNS, out)))
+    filled = model.table(n)
+    with suppress(OSError):
+        kept[name] = _join(filled)
+        trim(place, MOST_BYTES)
+    return filled
+
+
+def trim(place: Path, most: float) -> None:
+    """Remove the files of a folder that were used longest ago, until the others have at most `most` bytes."""
+    files = sorted((file.stat().st_mtime, file.stat().st_size, file) for file in place.glob(f"*.{ARRAYS.suffix}"))
+    excess = sum(size for _, size, _ in files) - most
+    for _, size, file in files:
+        if excess <= 0:
+            break
+        file.unlink(missing_ok=True)
+        excess -= size
+
+
+def _join(filled):
+    """One array (8 n + 2, n): the two stretches, then the columns."""
+    columns = np.stack([filled.values[name] for name in COLUMNS])
+    return np.vstack([filled.stretch1, filled.stretch2, columns.reshape(-1, filled.stretch2.size)])
+
+
+def _split(array):
+    """((n,), (n,), (8, n, n)) of what `_join` made; ValueError where it is no such array."""
+    n = array.shape[-1]
+    if array.shape != (len(COLUMNS) * n + 2, n) or array.dtype != float:
+        raise ValueError("is not a table")
+    return array[0].copy(), array[1].copy(), array[2:].reshape(len(COLUMNS), n, n)
+
+
+def _write(path, content):
+    with write_whole(path, "wb") as file:
+        np.save(file, content)
+
+
+def _read(path):
+    with open(path, "rb") as file:
+        return np.load(file, allow_pickle=False)
+
+
+ARRAYS = Format("npy", _write, _read)

@@ -1,0 +1,83 @@
+"""Kept tables are the filled ones to the last bit, for the cell that they were kept for, and no others."""
+
+import os
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from fabrics import catalogue
+from shellfabric.cell import table_cache
+from shellfabric.cell.model import CellModel, CellTable
+
+
+@pytest.fixture
+def model(tmp_path, monkeypatch):
+    monkeypatch.setenv("WEAVECELL_CACHE_DIR", str(tmp_path))
+    return CellModel(catalogue.load("S-720").with_effective_density())
+
+
+@pytest.fixture
+def fills(monkeypatch):
+    """The models that tables have been filled for."""
+    seen, fill = [], CellTable.fill.__func__
+    monkeypatch.setattr(CellTable, "fill", classmethod(lambda cls, m, *a: seen.append(m) or fill(cls, m, *a)))
+    return seen
+
+
+def equal(one, two):
+    assert one.values.keys() == two.values.keys()
+    for name, array in one.values.items():
+        assert np.array_equal(array, two.values[name])
+    for name in ("stretch1", "stretch2", "tension1", "tension2", "spline", "potential"):
+        assert np.array_equal(getattr(one, name), getattr(two, name))
+
+
+def test_a_kept_table_is_the_filled_one(model, fills):
+    first = table_cache.table(model, 21)
+    second = table_cache.table(model, 21)
+    assert len(fills) == 1
+    equal(first, second)
+    equal(second, model.table(21))
+
+
+def test_another_cell_has_a_table_of_its_own(model, fills):
+    table_cache.table(model, 21)
+    table_cache.table(model, 23)
+    table_cache.table(replace(model, gap=1e-6), 21)
+    table_cache.table(replace(model, form="equilibrium"), 21)
+    assert len(fills) == 4
+
+
+@pytest.mark.parametrize("content", [b"", b"broken", None])
+def test_a_broken_file_is_filled_again(model, fills, content):
+    first = table_cache.table(model, 21)
+    [file] = table_cache.folder().glob("*.npy")
+    if content is None:
+        np.save(file, np.zeros((3, 3)))
+    else:
+        file.write_bytes(content)
+    equal(table_cache.table(model, 21), first)
+    assert len(fills) == 2
+
+
+def test_nothing_is_kept_without_a_folder(model, fills, monkeypatch):
+    monkeypatch.setenv("WEAVECELL_CACHE_DIR", "")
+    table_cache.table(model, 21)
+    table_cache.table(model, 21)
+    assert len(fills) == 2
+
+
+def test_a_folder_that_cannot_be_written(model, tmp_path, monkeypatch):
+    (tmp_path / "file").write_text("")
+    monkeypatch.setenv("WEAVECELL_CACHE_DIR", str(tmp_path / "file"))
+    equal(table_cache.table(model, 21), model.table(21))
+
+
+def test_the_least_recently_used_are_removed(tmp_path):
+    for age, name in enumerate("abcd"):
+        file = tmp_path / f"{name}.npy"
+        file.write_bytes(b"x" * 100)
+        os.utime(file, (1000 - age, 1000 - age))
+    table_cache.trim(tmp_path, 250)
+    assert sorted(file.stem for file in tmp_path.glob("*.npy")) == ["a", "b"]

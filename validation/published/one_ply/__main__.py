@@ -1,0 +1,64 @@
+"""python -m validation.published.one_ply [--out results/one-ply] [--page docs/validation.md]
+
+One ply of the six Kevlar fabrics: critical and residual velocities, histories of the captions' shots, back-face
+profiles, wave fronts, reactions. Writes a table (.csv) and a picture (.png) of each. With --page the tables go into
+that page, between its marks, and the pictures beside it.
+"""
+
+from __future__ import annotations
+
+import argparse
+import csv
+from pathlib import Path
+from typing import Any
+
+from fabrics.errors import run_program
+from fabrics.files import write_whole
+from validation.published.one_ply import pictures, study, tables
+from validation.published.shots import CAPTIONS
+from weavecell.report.marked_page import markdown, put
+from weavecell.report.pictures import render
+from weavecell.results import provenance
+
+OUT = Path("results/one-ply")
+
+
+def marks(name: str) -> tuple[str, str]:
+    """The marks of a page between which the table of that name is."""
+    return f"<!-- {name} of validation.published.one_ply -->", f"<!-- end of {name} -->"
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(prog="python -m validation.published.one_ply", description=__doc__.splitlines()[2])
+    parser.add_argument("--out", type=Path, default=OUT)
+    parser.add_argument("--page", type=Path, help="put tables and pictures into this page")
+    options = parser.parse_args()
+    curves = [study.curve(fabric) for fabric in CAPTIONS]
+    shots = study.captions()
+    made = {
+        "limits": tables.limits(curves), "residual": tables.residual(curves), "captions": tables.captions(shots),
+        "waves": tables.waves(shots),
+    }  # fmt: skip
+    for name, rows in made.items():
+        with write_whole(options.out / f"{name}.csv") as file:
+            csv.writer(file, lineterminator="\n").writerows(rows)
+        print(markdown(rows))
+        if options.page is not None:
+            put(options.page, *marks(name), f"\n\n{markdown(rows)}\n")
+    folders = [options.out] + ([options.page.parent / "figures"] if options.page else [])
+    drawn: list[Any] = [(draw, curves) for draw in (pictures.residual, pictures.limits)]
+    drawn += [(draw, shots) for draw in (pictures.velocities, pictures.profiles, pictures.fronts, pictures.reactions)]
+    for draw, content in drawn:
+        image = render(draw, content, kind="png")
+        for folder in folders:
+            prefix = "" if folder == options.out else "validation-"
+            with write_whole(folder / f"{prefix}{draw.__name__}.png", "wb") as file:
+                file.write(image)
+    if options.page is not None:
+        made_by = provenance.stamp()
+        line = f"Computed by `python -m validation.published.one_ply`, commit {made_by['commit']}, {made_by['date']}."
+        put(options.page, *marks("stamp"), f"\n\n{line}\n\n")
+
+
+if __name__ == "__main__":
+    run_program(main)
