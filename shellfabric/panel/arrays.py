@@ -63,7 +63,7 @@ def constants(panel) -> Constants:
     # over the cloth: it slides, or the cloth is drawn under it; on a graded panel from within the first zone
     roaming = shot.roaming or (rim_node.size > 0 and panel.sides is None)
     cv1, cv2 = (knobs.stretch_viscosity * lag * yarn.EA for yarn in (warp, weft))
-    yarns = panel.yarn_lines()
+    yarns = panel.yarn_lines
     slots = {"inv_dx": 1 / dx, "inv_dy": 1 / dy, "cv1": cv1, "cv2": cv2, "trellis_volume": dx * dy * weave.thickness}
     slots |= {"mean_weight1": 0.5, "mean_weight2": 0.5, "line_offset1": 0.0, "line_offset2": 0.0}
     if panel.sides is not None:
