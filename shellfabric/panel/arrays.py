@@ -73,7 +73,7 @@ def constants(panel: Panel, out_of_plane: bool = False) -> Constants:
     # over the cloth: it slides, or the cloth is drawn under it; on a graded panel from within the first zone
     roaming = shot.roaming or (rim_node.size > 0 and panel.sides is None)
     cv1, cv2 = (knobs.stretch_viscosity * lag * yarn.EA for yarn in (warp, weft))
-    yarns = panel.yarn_lines()
+    yarns = panel.yarn_lines
     slots: dict[str, Any] = {"inv_dx": 1 / dx, "inv_dy": 1 / dy, "trellis_volume": dx * dy * weave.thickness}
     slots |= {"cv1": cv1, "cv2": cv2, "line_offset1": 0.0, "line_offset2": 0.0}
     slots |= {"mean_weight1": 0.5, "mean_weight2": 0.5}
