@@ -12,7 +12,7 @@ import numpy as np
 from shellfabric.backing import coupling
 from shellfabric.driver.solver import PERFORATED, RUNNING, ExplicitSolver, speed_limit
 from shellfabric.jit import barrier
-from shellfabric.panel import boundary, ply_audit, quality
+from shellfabric.panel import boundary, compile_ahead, ply_audit, quality
 from shellfabric.panel import step_kernels as kernels
 from shellfabric.panel.model import Panel
 from shellfabric.panel.perforation import passed
@@ -216,6 +216,7 @@ class PanelSolver(ClothSolver):
         super().__init__(
             panel.projectile, strike_velocity, end_time, interval=interval, energy_error_limit=energy_error_limit
         )
+        compile_ahead.begin(panel)
         self._start(((panel, panel.constants(), panel.state(strike_velocity)),), panel.elements)
         self._works = [panel.work() for _ in range(self.threads)]
 
