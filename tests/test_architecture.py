@@ -27,7 +27,7 @@ LAYERS = {
     "unitcell3d": (
         {"assembly", "material"}, {"contact"}, {"model"}, {"solver"}, {"cases"}, {"identify"}, {"pictures"},
     ),
-    "weavecell": ({"analysis", "scenes"}, {"results"}, {"report"}, {"commands"}, {"cli"}),
+    "weavecell": ({"analysis", "scenes"}, {"results"}, {"report"}, {"commands"}, {"api", "cli"}),
 }  # fmt: skip
 UPWARDS = {"weavecell/cli/validation.py": "validation"}  # the one file that may import from a higher package
 ONLY_IN = {
@@ -47,7 +47,8 @@ LONGER_FILES = {
 }
 TYPED = (  # mypy checks them (pyproject.toml)
     "fabrics", "meshing", "unitcell3d", "validation/commands", "weavecell/cli", "weavecell/report", "weavecell/results",
-    "weavecell/analysis/biaxial_test", "weavecell/analysis/displacement_record", "weavecell/analysis/uncertainty",
+    "weavecell/api", "weavecell/analysis/biaxial_test", "weavecell/analysis/displacement_record",
+    "weavecell/analysis/uncertainty",
 )  # fmt: skip
 CALLED = ("__init__", "__call__", "__getitem__", "__setitem__", "__contains__", "__getattr__")
 # of numba, what files may use whose functions are not compiled: anything else could make machine code unseen
@@ -57,6 +58,7 @@ BY_NAME = (
     "fabrics/source_code.py",
     "fabrics/executors.py",  # of the user's own, and other libraries
     "shellfabric/jit/compile_in_child.py",
+    "weavecell/__init__.py",  # public names, which no module of ours takes from there
 )  # fmt: skip
 
 

@@ -36,6 +36,12 @@ def test_the_example_of_a_fabric_of_ones_own_runs(command, tmp_path):
     assert out.splitlines()[0] == SHEAR
     told = json.loads((tmp_path / "r/summary.json").read_text())
     assert told["provenance"]["assumed"] == SHEAR
+    around = told["assumed_range"]
+    assert around["assumed"] == ["the trellis law"]
+    assert [run["laws"] for run in around["runs"]] == ["nominal", "trellis soft", "trellis stiff"]
+    assert around["low_m_s"] <= told["residual_velocity_m_s"] <= around["high_m_s"]
+    assert out.splitlines()[-1].startswith("assumed laws: residual velocity ")
+    assert "What the assumed laws leave open" in (tmp_path / "r/report.html").read_text()
     energies = told["energies_at_end_J"]
     assert energies["shear"] > 0  # the assumed law is in force
     assert sum(energies.values()) - 2 * energies["error"] == pytest.approx(told["strike_energy_J"], rel=1e-9)
@@ -54,6 +60,7 @@ def test_nothing_is_assumed_of_what_is_given(command, tmp_path):
     code, out, err = command("impact", path, "--out", "r")
     assert code == 0, err
     assert "assumed" not in out
+    assert "assumed_range" not in json.loads((tmp_path / "r/summary.json").read_text())
     assert "assumed" not in json.loads((tmp_path / "r/summary.json").read_text())["provenance"]
 
 
@@ -136,7 +143,7 @@ def test_a_width_replaces_the_assumed_gap(tmp_path):
     path.write_text(text.replace("[warp]\n", '[warp]\nwidth = "1.1 mm"\n'))
     assert assumed.with_shear(catalogue.load(path)).shear.gamma1 == pytest.approx(acos(1.1 / (10 / 8.5)))
     path.write_text(text.replace('"1.0 mm"', '"-1 mm"'))
-    with pytest.raises(InputError, match="weft.width = '-1 mm': must be a positive number"):
+    with pytest.raises(InputError, match=r"weft\.width = '-1 mm': must be a positive number"):
         catalogue.load(path)
 
 
