@@ -49,7 +49,8 @@ class Result:
         return f"<table><caption>{escape(type(self).__name__)}</caption>{rows}</table>"
 
 
-def plain(value):
+def plain(value: object) -> bool:
+    """Whether a value is shown: a text, a number or None."""
     return isinstance(value, (str, int, float)) or value is None
 
 
@@ -58,6 +59,7 @@ def _text(value):
 
 
 def figure(draw: Callable, *arguments: Any) -> Any:
+    """What draw(pyplot, *arguments) returns, in the style of the reports."""
     from meshing.pictures_style import plots
 
     with plots() as pyplot:

@@ -6,7 +6,7 @@ The values come from prompts or from a CSV file with the columns key, warp, weft
     linear_density, 1100 dtex, 1100 dtex, data sheet of the yarn
     crimp, 1.2 %, 0.8 %, measured on the fabric
 
-Curves of tests (`weavecell.analysis.curves`) replace modulus, failure strain or the trellis law by fits.
+Curves of tests (`weavecell.scenes.curves`) replace modulus, failure strain or the trellis law by fits.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from fabrics.errors import InputError
 from fabrics.fabric import Fabric
 from fabrics.files import replace_whole
 from fabrics.units import si
-from weavecell.analysis import curves
+from weavecell.scenes import curves
 
 # key: SI unit, example, meaning
 KEYS = {

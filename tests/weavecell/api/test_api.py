@@ -181,6 +181,6 @@ def test_a_critical_velocity():
     assert low < found.velocity < high <= low + 20
     assert found.fit is not None
     assert list(found.to_dataframe()["strike_velocity_m_s"]) == sorted(s.strike_velocity for s in found.limit.shots)
-    assert found.plot().axes[0].get_title() == "S-720"
+    assert found.plot().axes[0].get_title(loc="left") == "S-720"
     with pytest.raises(InputError, match="plies = 2"):
         wc.critical_velocity("S-720", plies=2)

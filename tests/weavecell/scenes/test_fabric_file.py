@@ -6,8 +6,8 @@ from typer.testing import CliRunner
 
 from fabrics import catalogue
 from fabrics.trellis import TrellisShear
-from weavecell.analysis import curves
 from weavecell.cli import app
+from weavecell.scenes import curves
 
 VALUES = """key,warp,weft,source
 linear_density,1100 dtex,1100 dtex,data sheet
