@@ -1,5 +1,6 @@
 # Two commands: `make demo` and `make test`. Each sets up what is missing first (tools/setup.sh).
 VENV ?= .venv
+DOCS_VENV ?= .venv-docs
 RESULTS ?= results
 JOBS ?= 2
 SEED ?= 1
@@ -11,7 +12,7 @@ RUN = OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(VENV)/bin/python -m
 APART = tests/meshing tests/validation tests/weavecell
 QUICK = $(RUN) pytest -n $(JOBS) --dist loadfile -m "not slow"
 
-.PHONY: demo test test-slow validate fuzz lint figures charts setup clean
+.PHONY: demo test test-slow validate fuzz lint figures charts docs setup clean
 
 demo: setup  ## S-720: 3D crossover, calibration and four impacts, with a report in results/demo
 	$(RUN) weavecell demo --out $(RESULTS)/demo
@@ -42,6 +43,10 @@ charts: setup  ## docs/charts.md, stability.md and crossover.md with their figur
 	$(RUN) weavecell cost-accuracy --scene crossover --out $(RESULTS)/chart-crossover
 	cp $(RESULTS)/chart-crossover/crossover.md docs/
 	cp $(RESULTS)/chart-crossover/figures/crossover-*.png docs/figures/
+
+docs:  ## the documentation site in results/site, in an environment of its own; warnings are errors
+	@VENV=$(DOCS_VENV) EXTRAS=app,docs tools/setup.sh
+	$(DOCS_VENV)/bin/python -m sphinx -W --keep-going -q -b html docs $(RESULTS)/site
 
 lint: setup
 	$(VENV)/bin/ruff check .

@@ -1,73 +1,122 @@
-"""Laws that are assumed for para-aramid fabrics whose file gives none: trellis shear, and the yarn as a solid.
+"""Laws that are assumed for a fabric whose file gives none: trellis shear, and the yarn as a solid.
 
-The values, and the range of yarns for which they are assumed, stand in assumed.toml. A fabric that has been completed
-says so: `Fabric.assumed` names the tables, its `sources` hold the values with the status "assumed", and `lines` is what
-a command prints and records.
+They are the defaults of the yarns' fibre family (`fabrics.families`); the angles and moduli of the trellis follow from
+the weave. A fabric that has been completed says so: `Fabric.assumed` names the tables, its `sources` hold the values
+with the status "assumed", and `lines` is what a command prints and records. `shear_ends` and `solid_ends` are the
+fabric with the laws of either end of the assumed ranges.
 """
 
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import cache
-from pathlib import Path
 
-from fabrics import catalogue
 from fabrics.errors import InputError
 from fabrics.fabric import Fabric
+from fabrics.families import Family, list_families
 
-_FILE = Path(__file__).with_name("assumed.toml")
-_RANGE = {  # quantity of the file: attribute of a yarn, its unit, the unit of messages and the factor to it
-    "modulus": ("E", "Pa", "GPa", 1e-9),
-    "fibre_density": ("fibre_density", "kg/m^3", "kg/m^3", 1.0),
+TABLES = {
+    "shear": "G1, G2, gamma1 and gamma2",
+    "solid": "E_a, E_c, K_r, K_G, V_c and Vf0 of warp and weft",
 }
-_HOLDS = {"shear": "G1, G2, gamma1 and gamma2", "solid": "E_a, E_c, K_r, K_G, V_c and Vf0 of warp and weft"}
-
-
-@cache
-def _read():
-    """(name of the fabric whose values they are, {table: (field of Fabric, law)}, {quantity: limits [SI]}, sources)."""
-    numbers = {f"yarns.{name}_{end}": unit for name, (_, unit, *_) in _RANGE.items() for end in ("least", "most")}
-    name, shear, solids, values, sources = catalogue.tables(_FILE, numbers)
-    limits = {quantity: [values[f"yarns.{quantity}_{end}"] for end in ("least", "most")] for quantity in _RANGE}
-    return name, {"shear": ("shear", shear), "solid": ("solid_laws", solids)}, limits, sources
 
 
 def with_shear(fabric: Fabric) -> Fabric:
-    """The fabric with a trellis law, the assumed one where its file gives none.
+    """The fabric with a trellis law, that of its fibre family where its file gives none.
 
     Raises
     ------
-    InputError : it has none, and its yarns are not para-aramid
+    InputError : it has none, and its yarns belong to no family, or neither of them is crimped
     """
-    return fabric if fabric.shear is not None else _completed(fabric, "shear")
+    if fabric.shear is not None:
+        return fabric
+    family = _family(fabric, "shear")
+    return _completed(fabric, family, "shear", shear=family.shear(fabric.weave, fabric.yarn_width))
 
 
 def with_solid_laws(fabric: Fabric) -> Fabric:
-    """The fabric with solid laws of its yarns, the assumed ones where its file gives none.
+    """The fabric with solid laws of its yarns, those of its fibre family where its file gives none.
 
     Raises
     ------
-    InputError : it has none, and its yarns are not para-aramid
+    InputError : it has none, and its yarns belong to no family
     """
-    return fabric if fabric.solid_laws is not None else _completed(fabric, "solid")
+    if fabric.solid_laws is not None:
+        return fabric
+    family = _family(fabric, "solid")
+    return _completed(fabric, family, "solid", solid_laws=family.solid_laws())
+
+
+def shear_ends(fabric: Fabric) -> dict[str, Fabric]:
+    """{"soft", "stiff": the fabric with this end of its assumed trellis law}; empty where that is not assumed."""
+    if "shear" not in fabric.assumed:
+        return {}
+    family = _family(fabric, "shear")
+    return {end: replace(fabric, shear=family.shear(fabric.weave, fabric.yarn_width, end)) for end in ("soft", "stiff")}
+
+
+def solid_ends(fabric: Fabric) -> dict[str, Fabric]:
+    """{"soft", "stiff": the fabric with this end of its assumed solid laws}; empty where these are not assumed."""
+    if "solid" not in fabric.assumed:
+        return {}
+    family = _family(fabric, "solid")
+    return {end: replace(fabric, solid_laws=family.solid_laws(end)) for end in ("soft", "stiff")}
+
+
+def given(fabric: Fabric, table: str) -> Fabric:
+    """The fabric whose `table`, "shear" or "solid", is no longer assumed, such as after a fit; its law stays."""
+    return replace(fabric, assumed=tuple(name for name in fabric.assumed if name != table))
+
+
+def family_of(fabric: Fabric) -> Family | None:
+    """The family that both yarns belong to, by modulus and fibre density; None where there is none."""
+    return next((family for family in list_families() if all(map(family.holds, fabric.weave.yarns))), None)
 
 
 def lines(fabric: Fabric) -> list[str]:
     """One line for each table that was assumed."""
-    return [f"assumed: [{table}] of {_read()[0]}, because {fabric.name} gives none" for table in fabric.assumed]
+    family = family_of(fabric)
+    name = family.name if family is not None else "unknown"
+    more = {"shear": ", its angles from width and spacing of the yarns", "solid": ""}
+    return [
+        f"assumed: [{table}] of {name} yarns{more[table]}, because {fabric.name} gives none" for table in fabric.assumed
+    ]
 
 
-def _completed(fabric, table):
-    _, laws, limits, known = _read()
-    for quantity, (attribute, _, unit, factor) in _RANGE.items():
-        low, high = limits[quantity]
-        if not all(low <= getattr(yarn, attribute) <= high for yarn in fabric.weave.yarns):
-            raise InputError(
-                f"fabric {fabric.name} has no [{table}] table",
-                allowed=f"given, with {_HOLDS[table]}: it is assumed for para-aramid yarns alone, whose {quantity} "
-                f"is {factor * low:g} to {factor * high:g} {unit}",
-            )
-    field, law = laws[table]
-    sources = {key: entry for key, entry in known.items() if key.startswith(f"{table}.")}
-    assumed = (*fabric.assumed, table)
-    return replace(fabric, **{field: law}, sources={**fabric.sources, **sources}, assumed=assumed)
+def _family(fabric, table):
+    family = family_of(fabric)
+    if family is not None:
+        return family
+    known = "; ".join(
+        f"{each.name} ({_range(each.limits['modulus'], 1e-9)} GPa, {_range(each.limits['fibre_density'], 1)} kg/m^3)"
+        for each in list_families()
+    )
+    raise InputError(
+        f"fabric {fabric.name} has no [{table}] table",
+        allowed=f"given, with {TABLES[table]}: it is assumed only where modulus and fibre_density of both yarns are in "
+        f"the range of {known}",
+    )
+
+
+def _range(pair, factor):
+    return f"{factor * pair[0]:g} to {factor * pair[1]:g}"
+
+
+def _completed(fabric, family, table, **law):
+    sources = {**fabric.sources, **family.sources(table)}
+    if table == "shear":
+        sources |= _derived(law["shear"], family)
+    return replace(fabric, **law, sources=sources, assumed=(*fabric.assumed, table))
+
+
+def _derived(shear, family):
+    """Entries of the moduli and angles that follow from the weave."""
+    texts = {
+        "G1": (f"{1e-6 * shear.G1:.4g} MPa", "shear.G1_over_G2 times G2"),
+        "G2": (f"{1e-9 * shear.G2:.4g} GPa", "thesis eq. 4-49 with shear.locking_share"),
+        "gamma1": (f"{shear.gamma1:.3f}", "thesis eq. 4-32, from the yarns' width, or shear.gap, and spacing"),
+        "gamma2": (f"{shear.gamma2:.3f}", "thesis eqs. 4-33 and 4-34 as corrected in E-08, with shear.K_s"),
+    }
+    return {
+        f"shear.{key}": {"value": value, "source": f"{source} ({family.name})", "status": "assumed"}
+        for key, (value, source) in texts.items()
+    }

@@ -39,6 +39,8 @@ class CompressionLaw:
     residual_rms : [m] of the fit, None where there was none
     F_range : (lowest, highest) [N] force of the fitted samples
     a_interval, b_interval : (low, high) 95 % confidence intervals
+    assumed_range : ((a, b), (a, b)) [m, m N^(1/3)] of the soft and the stiff end of an assumed solid law that the law
+        was fitted from; None where that was not assumed
 
     Raises
     ------
@@ -53,6 +55,7 @@ class CompressionLaw:
     F_range: tuple[float, float] | None = None
     a_interval: tuple[float, float] | None = None
     b_interval: tuple[float, float] | None = None
+    assumed_range: tuple[tuple[float, float], tuple[float, float]] | None = None
 
     def __post_init__(self):
         not_negative(self, "a", "b")
@@ -65,6 +68,13 @@ class CompressionLaw:
     def incompressible(cls) -> CompressionLaw:
         """The limit of a yarn that keeps its thickness."""
         return cls(0.0, 0.0, provenance="incompressible limit")
+
+    def ends(self) -> dict[str, CompressionLaw]:
+        """{"soft", "stiff": the law at this end of its assumed range}; empty where nothing was assumed."""
+        return {
+            end: CompressionLaw(a, b, self.form, f"{self.provenance}; {end} end of the assumed range")
+            for end, (a, b) in zip(("soft", "stiff"), self.assumed_range or ())
+        }
 
     @property
     def F0(self) -> float:
@@ -165,6 +175,8 @@ class CompressionLaw:
                 "a_interval_m": self.a_interval,
                 "b_interval_m_N^(1/3)": self.b_interval,
             },
+            "assumed_range": self.assumed_range
+            and [{"a": f"{a!r} m", "b": f"{b!r} m * N**(1/3)"} for a, b in self.assumed_range],
         }
         with write_whole(path) as file:
             json.dump(content, file, indent=2)
@@ -190,12 +202,23 @@ class CompressionLaw:
                 *(
                     tuple(fit[key]) if fit.get(key) else None
                     for key in ("F_range_N", "a_interval_m", "b_interval_m_N^(1/3)")
-                ),
+                ),  # type: ignore[misc]
+                assumed_range=_read_range(content.get("assumed_range"), path),
             )
         except InputError as problem:
             if problem.file is None:
                 raise InputError(file=path, key=problem.key, value=problem.value, allowed=problem.allowed) from None
             raise
+
+
+def _read_range(entries, path):
+    if not entries:
+        return None
+    soft, stiff = (
+        (si(entry.get("a"), "m", file=path, key="a"), si(entry.get("b"), "m * N**(1/3)", file=path, key="b"))
+        for entry in entries
+    )
+    return soft, stiff
 
 
 def _read_json(path):

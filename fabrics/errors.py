@@ -2,6 +2,7 @@
 
 InputError (2): a scene, fabric, mesh or restart file is wrong; nothing has been written.
 UnstableError (3): a run has become unphysical and stopped itself; what it had computed is kept.
+UndecidedError (3): a shot of a search of the critical velocity has neither stopped nor perforated; see its class.
 DoubtfulError (3): a run has ended with a quality indicator beyond its limit, and --strict was given; results are kept.
 """
 
@@ -77,6 +78,18 @@ class UnstableError(WeavecellError):
         if when is not None:
             text += f", {when}"
         super().__init__(text)
+
+
+class UndecidedError(WeavecellError):
+    """A shot of a search that has neither stopped nor perforated: its panel has no critical velocity at this speed.
+
+    Attributes
+    ----------
+    shots : those that had ended before it
+    """
+
+    exit_code = 3
+    shots: tuple = ()
 
 
 class DoubtfulError(WeavecellError):

@@ -33,6 +33,7 @@ class Fabric:
     micrograph : {"warp": {...}, "weft": {...}} [SI] values read from section pictures
     sources : {dotted key: {"value", "source", "status"}} as written in the data file
     assumed : names of the tables, "shear" or "solid", that the data file does not give (see `fabrics.assumed`)
+    yarn_width : (warp, weft) [m] widths of the yarns in the fabric, each None where not known
     """
 
     name: str
@@ -47,12 +48,16 @@ class Fabric:
     micrograph: Mapping = field(default_factory=dict)
     sources: Mapping = field(default_factory=dict)
     assumed: tuple[str, ...] = ()
+    yarn_width: tuple[float | None, float | None] = (None, None)
 
     def __post_init__(self):
         if self.section not in SECTIONS:
             raise InputError(
                 key="section", value=self.section, allowed=", ".join(SECTIONS[:-1]) + f" or {SECTIONS[-1]}"
             )
+        for family, width in zip(("warp", "weft"), self.yarn_width):
+            if width is not None and not width > 0:
+                raise InputError(key=f"{family}.width", value=width, allowed="a positive number")
 
     def with_yarns(self, **values: float | Iterable[float]) -> Fabric:
         """This fabric with other values of its yarns; further changes are in `fabrics.variants`.

@@ -15,7 +15,7 @@ number for both families or a pair (warp, weft), and so is a factor. Sources sta
 | warp and weft exchanged | `rotated_90` |
 | one crossover for n x n | `homogenised` |
 
-Laws assumed for para-aramid yarns stand in `fabrics.assumed`. Which cell a fabric is solved with (compressible,
+Laws that are assumed by fibre family: `fabrics.assumed`. Which cell a fabric is solved with (compressible,
 incompressible, decoupled) is a choice of the model: `shellfabric.cell.model.CellModel`.
 """
 
@@ -159,7 +159,8 @@ def rotated_90(fabric: Fabric) -> Fabric:
     """The cloth rotated by a right angle: warp and weft exchanged, with their counts and compression laws."""
     weave = fabric.weave
     weave = replace(weave, warp=weave.weft, weft=weave.warp, warp_count=weave.weft_count, weft_count=weave.warp_count)
-    return replace(fabric, weave=weave, laws=fabric.laws and fabric.laws[::-1])
+    widths = fabric.yarn_width[1], fabric.yarn_width[0]
+    return replace(fabric, weave=weave, laws=fabric.laws and fabric.laws[::-1], yarn_width=widths)
 
 
 def homogenised(fabric: Fabric, n: float) -> Fabric:

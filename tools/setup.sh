@@ -9,6 +9,7 @@ cd "$(dirname "$0")/.."
 
 python=${PYTHON:-/usr/bin/python3}
 venv=${VENV:-.venv}
+extras=${EXTRAS:-app,dev}
 packages=(
   python3 python3-venv python3-dev gcc g++ libc6-dev      # dolfinx compiles its forms at the first use
   python3-dolfinx python3-petsc4py python3-gmsh python3-meshio python3-h5py python3-h5py-mpi
@@ -38,14 +39,14 @@ if [ ${#missing[@]} -gt 0 ]; then
 fi
 
 stamp=$venv/.ready
-wanted=$(cat pyproject.toml tools/setup.sh | sha256sum | cut -d' ' -f1)" $("$python" -V) $(dpkg-query -W -f '${Version}' python3-numpy)"
+wanted=$(cat pyproject.toml tools/setup.sh | sha256sum | cut -d' ' -f1)" $extras $("$python" -V) $(dpkg-query -W -f '${Version}' python3-numpy)"
 if [ ! -f "$stamp" ] || [ "$(cat "$stamp")" != "$wanted" ]; then
   echo "setup: preparing $venv"
   [ -x "$venv/bin/python" ] || "$python" -m venv --system-site-packages "$venv"
   pin=$(mktemp)
   trap 'rm -f "$pin"' EXIT
   "$python" -c 'import numpy; print("numpy==" + numpy.__version__)' >"$pin"
-  "$venv/bin/python" -m pip install --quiet --disable-pip-version-check --constraint "$pin" --editable ".[app,dev]"
+  "$venv/bin/python" -m pip install --quiet --disable-pip-version-check --constraint "$pin" --editable ".[$extras]"
   "$venv/bin/python" - <<'CHECK'
 import sys, numpy
 if sys.prefix in numpy.__file__:

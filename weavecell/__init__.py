@@ -1,5 +1,67 @@
-"""The front door: commands, scene files, the walk of the data from fabric to impact, pictures and reports."""
+"""The front door: commands, scene files, the walk of the data from fabric to impact, pictures and reports.
+
+Python interface, loaded when it is first used:
+
+    import weavecell as wc
+
+    fabric = wc.fabric("S-720")
+    shot = wc.shoot(fabric, "92.5 m/s")
+    print(shot.outcome, shot.to_dataframe())
+"""
+
+from __future__ import annotations
+
+import importlib
+from typing import TYPE_CHECKING, Any
 
 from fabrics import __version__
 
-__all__ = ["__version__"]
+if TYPE_CHECKING:
+    from fabrics.errors import InputError, UndecidedError, UnstableError
+    from weavecell.api.quasi_static import calibrate, coupon
+    from weavecell.api.quasi_static_results import CalibrationResult, CouponResult
+    from weavecell.api.result import Result
+    from weavecell.api.results import CriticalVelocityResult, ShotResult, SweepResult
+    from weavecell.api.runs import critical_velocity, fabric, fabrics, setup, shoot, sweep
+
+__all__ = [
+    "CalibrationResult",
+    "CouponResult",
+    "CriticalVelocityResult",
+    "InputError",
+    "Result",
+    "ShotResult",
+    "SweepResult",
+    "UndecidedError",
+    "UnstableError",
+    "__version__",
+    "calibrate",
+    "coupon",
+    "critical_velocity",
+    "fabric",
+    "fabrics",
+    "setup",
+    "shoot",
+    "sweep",
+]
+
+# For callers alone: no module of ours takes these names from here, so that kept results do not depend on them.
+_MODULES = {
+    "weavecell.api.quasi_static": ("calibrate", "coupon"),
+    "weavecell.api.quasi_static_results": ("CalibrationResult", "CouponResult"),
+    "weavecell.api.result": ("Result",),
+    "weavecell.api.results": ("CriticalVelocityResult", "ShotResult", "SweepResult"),
+    "weavecell.api.runs": ("critical_velocity", "fabric", "fabrics", "setup", "shoot", "sweep"),
+    "fabrics.errors": ("InputError", "UndecidedError", "UnstableError"),
+}
+
+
+def __getattr__(name: str) -> Any:
+    for module, names in _MODULES.items():
+        if name in names:
+            return getattr(importlib.import_module(module), name)
+    raise AttributeError(f"module 'weavecell' has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})

@@ -7,7 +7,6 @@ user's own file. Statuses: measured, fitted, derived, assumed, corrected (a misp
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Mapping
 from functools import cache
 from pathlib import Path
 
@@ -67,29 +66,6 @@ def read(path: FilePath) -> Fabric:
     return _Reader(Path(path)).fabric()
 
 
-def tables(
-    path: FilePath, numbers: Mapping[str, str]
-) -> tuple[str, TrellisShear | None, tuple[SolidLaw, SolidLaw] | None, dict[str, float], dict]:
-    """What a file with the laws of yarns holds, that is no fabric (see `fabrics.assumed`).
-
-    Parameters
-    ----------
-    path : of the file
-    numbers : {dotted key: unit} of the other numbers that are to be read
-
-    Returns
-    -------
-    name : text
-    shear : TrellisShear, or None
-    solid_laws : (SolidLaw, SolidLaw), or None
-    values : {dotted key: number [SI]}
-    sources : {dotted key: {"value", "source", "status"}}
-    """
-    reader = _Reader(Path(path))
-    values = {key: reader._number(key, unit) for key, unit in numbers.items()}
-    return reader._text("name", Path(path).stem), reader._shear(), reader._solids(), values, reader.sources
-
-
 class _Reader:
     """Takes the values of one file, in SI, and remembers where each came from; refuses keys that it does not know."""
 
@@ -117,6 +93,7 @@ class _Reader:
         warp, weft = (self._yarn(family) for family in ("warp", "weft"))
         weave = self._build(Weave, "", warp, weft, *(self._number(f"{f}.count", "1/m") for f in ("warp", "weft")))
         effective = [self._number(f"{f}.effective_linear_density", "kg/m", True) for f in ("warp", "weft")]
+        warp_width, weft_width = (self._number(f"{f}.width", "m", True) for f in ("warp", "weft"))
         return self._build(
             Fabric,
             "",
@@ -131,13 +108,14 @@ class _Reader:
             effective_linear_density=tuple(effective) if None not in effective else None,
             micrograph=self._micrograph(),
             sources=self.sources,
+            yarn_width=(warp_width, weft_width),
         )
 
     def _yarn(self, family):
         if not self._has(family):
             raise InputError("is missing", file=self.path, key=f"[{family}]", allowed="a table with the yarn's data")
         stiffness = self._has(f"{family}.axial_stiffness")
-        extra = ("axial_stiffness",) if stiffness else ("linear_density", "effective_linear_density")
+        extra = ("width", *(("axial_stiffness",) if stiffness else ("linear_density", "effective_linear_density")))
         self._known(self._find(family), (*_YARN, *extra), family)
         crimp, _, fibre_density, E, failure_strain = self._table(family, _YARN)
         if stiffness:

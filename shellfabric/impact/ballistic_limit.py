@@ -22,7 +22,7 @@ from math import inf, log
 from typing import TYPE_CHECKING
 
 from fabrics.checks import FloatArray
-from fabrics.errors import InputError, UnstableError
+from fabrics.errors import InputError, UndecidedError, UnstableError
 from fabrics.executors import cancel, open_executor
 from shellfabric.cable.smith import striking_velocity
 from shellfabric.panel import quality
@@ -204,7 +204,8 @@ def critical_velocity(
 
     Raises
     ------
-    InputError : a panel with no limit between `tolerance` and `highest`, or on which a shot has no outcome
+    InputError : a panel with no limit between `tolerance` and `highest`
+    UndecidedError : a shot that neither stops nor perforates within UNDECIDED; its `shots` are those before it
     UnstableError : a shot became unphysical; its attribute `shots` holds those that had ended
     """
     guess = guess or first_guess(panel.fabric)
@@ -264,6 +265,9 @@ def _result(shooting, velocity, before):
     """The shot at a velocity; an error names its velocity and carries the shots before it."""
     try:
         return shooting.result(velocity)
+    except UndecidedError as problem:
+        problem.shots = tuple(before)
+        raise
     except UnstableError as problem:
         named = UnstableError(str(problem), when=f"of the shot at {velocity:.4g} m/s")
         named.shots = tuple(before)
@@ -326,7 +330,7 @@ def _fire(panel, velocity, give_up):
     solver.run((hook,))
     if solver.outcome == "in flight":
         problem = f"the projectile struck at {velocity:.4g} m/s has neither stopped nor perforated"
-        raise InputError(f"{problem} after {1e3 * UNDECIDED:g} ms; such a panel has no critical velocity")
+        raise UndecidedError(f"{problem} after {1e3 * UNDECIDED:g} ms; such a panel has no critical velocity")
     return Shot(
         strike_velocity=float(velocity),
         residual_velocity=0.0 if solver.outcome == "stopped" else float(solver.sample("v")[-1]),

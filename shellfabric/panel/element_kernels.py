@@ -6,7 +6,7 @@ Tensions of the variational form are evaluated only where they may reach a new p
 
 import numpy as np
 
-from shellfabric.cloth import failure_kernels, membrane_kernels, table_kernels, trellis_kernels
+from shellfabric.cloth import damage_kernels, membrane_kernels, table_kernels, trellis_kernels
 from shellfabric.jit.compile import kernel
 from shellfabric.jit.simd import WIDTH, load, masked_store
 
@@ -86,8 +86,8 @@ def edge_stretches(state, const, first, last, thin, work):
     )
     if thin:
         shift = (first - 2) * s
-        failure_kernels.damaged_means(const, state, 0, low, last, shift, w.stretch2, w.mean_stretch2)
-        failure_kernels.damaged_means(const, state, 1, first, last + 1, shift, w.stretch1, w.mean_stretch1)
+        damage_kernels.damaged_means(const, state, 0, low, last, shift, w.stretch2, w.mean_stretch2)
+        damage_kernels.damaged_means(const, state, 1, first, last + 1, shift, w.stretch1, w.mean_stretch1)
 
 
 @kernel(_nrt=False, forceinline=True)
@@ -99,8 +99,8 @@ def interpolate_tensions(state, const, block, first, last, thin, work):
     most[0] = table_kernels.bilinear_tensions(m0, n, w.stretch1, w.mean_stretch2, c.table_grid, c.tension1, w.T1)
     most[1] = table_kernels.bilinear_tensions(m0, n2, w.mean_stretch1, w.stretch2, c.table_grid, c.tension2, w.T2)
     if thin:
-        failure_kernels.damaged_forces(const, state, 0, first, last, shift, w.stretch1, w.T1)
-        failure_kernels.damaged_forces(const, state, 1, first, last + 1, shift, w.stretch2, w.T2)
+        damage_kernels.damaged_forces(const, state, 0, first, last, shift, w.stretch1, w.T1)
+        damage_kernels.damaged_forces(const, state, 1, first, last + 1, shift, w.stretch2, w.T2)
         most[0], most[1] = table_kernels.max_value(m0, n, w.T1), table_kernels.max_value(m0, n2, w.T2)
     if c.variational:
         copy_to_panel(k0, m0, n, w.T1, state.T[0])
@@ -159,10 +159,10 @@ def potential_gradient(state, const, block, first, last, thin, work):
         membrane_kernels.copy_row(s, end - s, end, work.dW_crossing1)
     shift = (first - 2) * s
     if thin:
-        failure_kernels.damaged_gradient(
+        damage_kernels.damaged_gradient(
             const, state, 0, first, last, shift, w.stretch1, w.dW_own1, w.dW_crossing2, w.N1, w.slope1
         )
-        failure_kernels.damaged_gradient(
+        damage_kernels.damaged_gradient(
             const, state, 1, first, last + 1, shift, w.stretch2, w.dW_own2, w.dW_crossing1, w.N2, w.slope2
         )
         return False
@@ -217,7 +217,7 @@ def trellis_forces(state, const, first, last, thin, work):
         w.trellis_f1, w.trellis_f2, w.trellis_f12,
     )  # fmt: skip
     if thin:
-        failure_kernels.damaged_trellis(
+        damage_kernels.damaged_trellis(
             const, state, low, last, (first - 2) * s, w.trellis_f1, w.trellis_f2, w.trellis_f12
         )
     # beyond the panel there is none

@@ -25,8 +25,7 @@ from shellfabric.backing import coupling
 from shellfabric.backing.block import Backing
 from shellfabric.cell import packed_table
 from shellfabric.cell.model import CellTable
-from shellfabric.panel import arrays, boundary, grading
-from shellfabric.panel import time_step as panel_time_step
+from shellfabric.panel import arrays, boundary, grading, time_step
 from shellfabric.panel.grading import YarnLines
 from shellfabric.panel.numerics import Numerics
 from shellfabric.projectile.projectile import Projectile
@@ -251,7 +250,7 @@ class Panel:
 
     @cached_property
     def _pace(self):
-        return panel_time_step.share(self.table, self.numerics.stretch_viscosity)
+        return time_step.share(self.table, self.numerics.stretch_viscosity)
 
     def coordinates(self) -> list[FloatArray]:
         """(X, Y) [m] of the nodes at rest, each (ni+1, nj+1); the impact point is the origin."""

@@ -14,7 +14,15 @@ from typing import Annotated, Any, NoReturn
 import typer
 
 from fabrics.errors import InputError, WeavecellError
-from weavecell.cli import crossover, mesh_calibrate_surface, renamed_options, shell, uncertainty, validation
+from weavecell.cli import (
+    crossover,
+    mesh_calibrate_surface,
+    new_fabric,
+    renamed_options,
+    shell,
+    uncertainty,
+    validation,
+)
 from weavecell.cli.options import (
     CORES,
     RESULTS,
@@ -126,6 +134,9 @@ def fabrics_show(
     from weavecell.commands import fabrics as commands_fabrics
 
     commands_fabrics.show(fabric, out)
+
+
+fabrics_app.command("new", epilog=new_fabric.EPILOG)(new_fabric.new)
 
 
 def main(arguments: Iterable[str] | None = None) -> NoReturn:

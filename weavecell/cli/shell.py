@@ -28,6 +28,15 @@ COUPON = "Example: [bold]weavecell coupon examples/coupons/S-728-bias.toml[/bold
 CRITICAL_VELOCITY = "Example: [bold]weavecell critical-velocity S-720 --tolerance '1 m/s'[/bold]"
 
 
+AssumedRangeOption = Annotated[
+    bool,
+    typer.Option(
+        "--assumed-range/--no-assumed-range",
+        help="Where a law of the fabric is assumed: repeat the run with both ends of its range.",
+    ),
+]
+
+
 class Profile(StrEnum):
     """Profiles of the yarns of the shell's cell."""
 
@@ -41,6 +50,7 @@ def impact(
     out: OutOption = None,
     resume: ResumeOption = False,
     strict: StrictOption = False,
+    assumed_range: AssumedRangeOption = True,
     explain: Annotated[
         bool, typer.Option("--explain", help="Run nothing: show the models that would do for the scene's \\[accuracy].")
     ] = False,
@@ -62,7 +72,8 @@ def impact(
         fidelity.explain(scene)
         return
 
-    commands_impact.impact(scene, out or RESULTS / scene.stem, resume=resume, strict=strict)
+    folder = out or RESULTS / scene.stem
+    commands_impact.impact(scene, folder, resume=resume, strict=strict, with_range=assumed_range)
 
 
 def biaxial(
@@ -137,6 +148,7 @@ def critical_velocity(
     jobs: JobsOption = CORES,
     executor: ExecutorOption = "local",
     strict: StrictOption = False,
+    assumed_range: AssumedRangeOption = True,
     out: OutOption = None,
 ) -> None:
     """Bisect for the velocity between stop and perforation, and fit residual velocities (Lambert-Jonas).
@@ -174,4 +186,5 @@ def critical_velocity(
         executor=executor,
         scan=scan,
         strict=strict,
+        with_range=assumed_range,
     )

@@ -18,6 +18,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import weavecell
+from fabrics import assumed
 from fabrics.checks import FilePath, FloatArray
 from weavecell.commands import calibrate_solid, mesh
 from weavecell.commands.mesh import with_3d_data
@@ -42,10 +43,11 @@ def calibrate_command(
     solid = None
     if plates is not None or fit_solid:
         solid = calibrate_solid.fit(fabric, calibrate_solid.curve_for(fabric, plates), out, resume=resume)
-        fabric = solid.fabric
+        fabric = assumed.given(solid.fabric, "solid")
     built = mesh.build(fabric, size=size, domain="whole")
     mesh.write(built, out, fabric=fabric)
     done = calibrate(fabric, out, size=size, jobs=jobs, executor=executor, friction=friction, resume=resume)
+    done = assumed_range(fabric, done, out, size=size, jobs=jobs, executor=executor, friction=friction)
     tell(fabric, done, out)
     around: dict[str, Any] = {}
     if solid is not None:
@@ -104,6 +106,8 @@ def tell(fabric: Fabric, done: Calibration, out: Path) -> None:
             f"{'by tension':<12}a law that sees the tension ratio leaves {1e6 * done.ratio_law.residual_rms:.2f} um rms"  # type: ignore[operator]
         )
     print(f"{'chosen':<12}{done.chosen}" + ("" if done.chosen == "one law" else " (the shell takes the one law)"))
+    for end, (low, high) in zip(("soft", "stiff"), law.assumed_range or ()):
+        print(f"{end + ' end':<12}a = {1e3 * low:.4f} mm, b = {1e3 * high:.4f} mm N^(1/3), of the assumed solid law")
     for name, history in done.histories.items():
         if history.failed:
             print(f"{name:<12}ended at {100 * history.path[-1]:.1f} % of its path: {history.failed}")
@@ -124,6 +128,23 @@ def calibrate(
         return solver.calibrate(
             fabric, size=size, friction=friction, out=out, on_progress=told, jobs=jobs, executor=executor, resume=resume
         )
+
+
+def assumed_range(fabric: Fabric, done: Calibration, out: Path, **choices: Any) -> Calibration:
+    """The Calibration with the range of its law over an assumed solid law, law.json written again; else as it is."""
+    if "solid" not in fabric.assumed:
+        return done
+    from unitcell3d.identify import assumed_range as solver
+    from unitcell3d.identify.calibrate import PATHS
+
+    with progress.bar(f"Assumed solid law of {fabric.name}, soft and stiff end") as advance:
+        done, failed = solver.with_assumed_range(
+            fabric, done, on_progress=told_by_paths(advance, 2 * (1 + len(PATHS))), **choices
+        )
+    for end, why in failed.items():
+        print(f"{'no range':<12}the {end} end of the assumed solid law has no compression law: {why}")
+    done.law.to_json(out / "law.json")
+    return done
 
 
 def told_by_paths(advance: Callable[..., object], count: int) -> Callable[..., None]:
@@ -189,6 +210,8 @@ def _laws(done):
     rows.append(("joint, 95 % intervals", _mm(law.a_interval), _mm(law.b_interval), ""))
     if done.spread:
         rows.append(("spread of the paths alone", _mm(done.spread["a"]), _mm(done.spread["b"]), ""))
+    for end, (a, b) in zip(("soft", "stiff"), law.assumed_range or ()):
+        rows.append((f"{end} end of the assumed solid law", f"{1e3 * a:.4f}", f"{1e3 * b:.4f}", ""))
     for name, own in zip(("warp", "weft"), done.yarn_laws):
         if own is not None:
             rows.append((f"{name}, its own compression", *_parameters(own), _um(own.residual_rms)))

@@ -22,9 +22,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fabrics import catalogue
-from fabrics.errors import InputError, UnstableError
+from fabrics.errors import InputError, UndecidedError, UnstableError
 from fabrics.files import write_whole
-from weavecell.report import checks, pictures
+from weavecell.analysis import assumed_range
+from weavecell.report import chapters_assumed, checks, pictures
 from weavecell.results import json_file, progress, provenance
 from weavecell.scenes import build, toml_writer
 from weavecell.scenes import impact as scenes_impact
@@ -64,7 +65,7 @@ _COLUMNS = {
 
 def critical_velocity(
     target: str, out: Path, *, tolerance: float, curve: int, jobs: int, executor: str, scan: Any = None,
-    strict: bool = False,
+    strict: bool = False, with_range: bool = True,
 ) -> None:  # fmt: skip
     """Find the critical velocity of `target`, a scene file, a fabric of the catalogue or a fabric file.
 
@@ -80,17 +81,19 @@ def critical_velocity(
     jobs, executor : as of `ballistic_limit.critical_velocity`
     scan : `limit_scan.ScanRange`, the range about the bracket that is scanned; None for its defaults
     strict : whether a doubtful result is an error
+    with_range : whether the range over assumed laws is computed (`analysis.assumed_range`)
 
     Raises
     ------
     InputError : the scene or fabric is wrong, or its panel has no critical velocity; nothing has been written
     UnstableError : a shot became unphysical; those before it have been written
+    UndecidedError : a shot neither stopped nor perforated; those before it have been written
     DoubtfulError : a quality indicator is beyond its limit, and `strict`; all results have been written
     """
     from shellfabric.impact import ballistic_limit, limit_scan
 
-    this, text = _case(target, out)
-    began, shots, scan = time.perf_counter(), [], scan or limit_scan.ScanRange()
+    (this, text), began, shots = _case(target, out), time.perf_counter(), []
+    scan = scan or limit_scan.ScanRange()
 
     def keep(share, shot):
         shots.append(shot)
@@ -98,7 +101,8 @@ def critical_velocity(
 
     beside: dict[str, Any] = {"jobs": jobs, "executor": executor, "report": keep}
     try:
-        panel = build.setup(this, target).panel()
+        setup = build.setup(this, target)
+        panel = setup.panel()
         with progress.bar(f"{this.fabric.name}, critical velocity") as advance:
             found = ballistic_limit.critical_velocity(panel, tolerance=tolerance, **beside)
         if scan.ladder(found):
@@ -108,17 +112,35 @@ def critical_velocity(
             with progress.bar("Residual velocities") as advance:
                 strikes = max(found.high, found.highest_stop) * np.geomspace(*_CURVE, curve)
                 found = limit_scan.with_shots(found, ballistic_limit.shoot(panel, strikes, **beside))
+        around = _range(setup, found, tolerance, jobs, executor) if with_range else None
     except InputError as problem:
         raise build.in_file(problem, target) from None
-    except UnstableError:
+    except (UndecidedError, UnstableError):
         _write_shots(out, text, shots)
         raise
     shots.sort(key=lambda shot: shot.strike_velocity)
+    _report(out, this, found, shots, scan, time.perf_counter() - began, text, around, strict)
+
+
+def _report(out, this, found, shots, scan, seconds, text, around, strict):
+    """Write and print what was found; DoubtfulError where it is doubtful, and `strict`."""
     fit, indicators = _fit(found), _indicators(found)
     _write_shots(out, text, shots)
-    _write(out, this, found, fit, shots, indicators, scan, time.perf_counter() - began, text)
+    _write(out, this, found, fit, shots, indicators, scan, seconds, text, around)
     _tell(this, found, fit, shots, out)
+    if around is not None:
+        print(f"assumed laws: {around.words()}")
     checks.report(indicators, strict)
+
+
+def _range(setup, found, tolerance, jobs, executor):
+    """The AssumedRange of the critical velocity; None where nothing is assumed."""
+    if not assumed_range.corners(setup.fabric, setup.laws):
+        return None
+    with progress.bar("Range over the assumed laws") as advance:
+        return assumed_range.critical_velocity(
+            setup, found.velocity, tolerance=tolerance, jobs=jobs, executor=executor, on_progress=advance
+        )
 
 
 def _fit(found):
@@ -173,7 +195,7 @@ def _write_shots(out, text, shots):
         rows.writerows([column(shot) for column in _COLUMNS.values()] for shot in shots)
 
 
-def _write(out, this, found, fit, shots, indicators, scan, wall_time, text):
+def _write(out, this, found, fit, shots, indicators, scan, wall_time, text, around=None):
     summary = {
         "format": "weavecell critical velocity 3",
         "fabric": this.fabric.name,
@@ -188,6 +210,7 @@ def _write(out, this, found, fit, shots, indicators, scan, wall_time, text):
         "lambert_jonas": asdict(fit) if fit else None,
         "shots": [_entry(shot) for shot in shots],
         **checks.summary(indicators),
+        **chapters_assumed.summary(around),
         "wall_time_s": wall_time,
         "provenance": provenance.stamp(text, this.fabric),
     }

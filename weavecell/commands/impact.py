@@ -14,6 +14,9 @@ A pack of several plies has a folder much like it (`pack_run`).
 Where the scene says how accurate its answer is to be, the model is chosen (`fidelity`): summary.json and the report
 then tell which, why, and whether the promise was confirmed.
 
+Where a law of the fabric is assumed, the shot is repeated with both ends of its range, and the range of the residual
+velocity is stated (`analysis.assumed_range`); not for packs and not for scenes with [accuracy].
+
 Everything but the checkpoint is written when the run has ended, also if it ended by becoming unstable.
 """
 
@@ -26,8 +29,9 @@ from typing import TYPE_CHECKING, Any
 
 import weavecell
 from fabrics.errors import InputError, UnstableError, WeavecellError
+from weavecell.analysis import assumed_range
 from weavecell.commands import fidelity, impact_pack
-from weavecell.report import chapters, chapters_impact, checks
+from weavecell.report import chapters, chapters_assumed, chapters_impact, checks
 from weavecell.report import page as report_page
 from weavecell.results import paraview, progress, provenance, run_folder
 from weavecell.results.impact import ImpactRecord
@@ -69,7 +73,7 @@ class Interrupted(WeavecellError):
     exit_code = 130
 
 
-def impact(path: Path, out: Path, *, resume: bool = False, strict: bool = False) -> None:
+def impact(path: Path, out: Path, *, resume: bool = False, strict: bool = False, with_range: bool = True) -> None:
     """Run the scene at `path` and write its results to the folder `out`.
 
     Parameters
@@ -77,6 +81,7 @@ def impact(path: Path, out: Path, *, resume: bool = False, strict: bool = False)
     path, out : Path
     resume : whether to go on from a checkpoint
     strict : whether a doubtful result is an error
+    with_range : whether the range over assumed laws is computed
 
     Raises
     ------
@@ -112,16 +117,31 @@ def impact(path: Path, out: Path, *, resume: bool = False, strict: bool = False)
         raise build.in_file(problem, path) from None
     except KeyboardInterrupt:
         raise _interrupted(out) from None
+    plain = with_range and choice is None and failure is None
+    around = _range(setup, record) if plain else None
     with progress.bar("Writing results") as advance:
-        write(out, this, record, snapshots, text, advance, choice)
+        write(out, this, record, snapshots, text, advance, choice, around)
     for checkpoint in checkpoints(out):
         checkpoint.unlink()
     _tell(record, out)
+    if around is not None:
+        print(f"assumed laws: {around.words()}")
     if choice is not None:
         fidelity.tell(choice)
     if failure is not None:
         raise failure
     checks.report(record.checks, strict)
+
+
+def _range(setup, record):
+    """The AssumedRange of a shot; None where nothing is assumed, or where the user interrupts it."""
+    if not assumed_range.corners(setup.fabric, setup.laws):
+        return None
+    try:
+        with progress.bar("Range over the assumed laws") as advance:
+            return assumed_range.residual_velocity(setup, record.outcome, record.residual_velocity, advance)
+    except KeyboardInterrupt:
+        return None
 
 
 def _interrupted(out):
@@ -160,12 +180,13 @@ def fire(
 
 def write(
     out: Path, this: build.Case, record: ImpactRecord, snapshots: Sequence[Snapshot], text: str,
-    advance: Callable[..., object], choice: Answer | None = None,
+    advance: Callable[..., object], choice: Answer | None = None, around: Any = None,
 ) -> None:  # fmt: skip
     """Write everything but the checkpoint."""
     outputs = this.scene.run.outputs
     stamp = provenance.stamp(text, this.fabric)
-    run_folder.write(out, text, record, checks.summary(record.checks) | fidelity.summary(choice), stamp)
+    more = checks.summary(record.checks) | fidelity.summary(choice) | chapters_assumed.summary(around)
+    run_folder.write(out, text, record, more, stamp)
     advance(0.1)
     shutil.rmtree(out / "panel", ignore_errors=True)  # of an earlier run, whose series may have been longer
     if "paraview" in outputs:
@@ -177,6 +198,8 @@ def write(
     sections = [chapters.impact([record])]
     if choice is not None:
         sections.append(fidelity.chapter(choice))
+    if around is not None:
+        sections.append(chapters_assumed.section(around))
     if record.measured is not None:
         sections.append(chapters_impact.measures(record.measured, this.scene.history.report_positions))
     sections += chapters_impact.body(record)

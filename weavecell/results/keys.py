@@ -57,6 +57,7 @@ SHARED = keys(
     ("steps", "1", "number of time steps; of a coupon, of load steps"),
     ("checks.status", "", '"ok" or "doubtful"'),
     ("checks.indicators", "", "quality indicators: name, value, limit, ok (docs/checks.md)"),
+    ("assumed_range.*", "", "residual or critical velocity over the ranges of assumed laws: low_m_s, high_m_s, runs"),
     ("provenance.*", "", "versions, commit, date, machine, threads, text of the scene, assumed tables"),
 )  # fmt: skip
 IMPACT = keys(

@@ -69,7 +69,7 @@ def write_grid(
     nodes: np.ndarray,
     cells: Mapping[str, tuple[str, bytes]],
     values: Mapping[str, np.ndarray],
-    projectile_z: float,
+    projectile_z: float | None = None,
 ) -> None:
     """Write an unstructured grid as .vtu, its arrays behind the XML (format of VTK 1.0, appended, zlib).
 
@@ -78,7 +78,7 @@ def write_grid(
     nodes : (n, 3) [m]
     cells : of `topology`
     values : {name: (m,)} cell data
-    projectile_z : [m], field data
+    projectile_z : [m], field data; None for none
     """
     count = len(next(iter(values.values())))
     blocks: list[bytes] = []
@@ -92,14 +92,17 @@ def write_grid(
         offset += len(content)
         return line
 
-    field = entry("projectile_z_m", _block(np.array([float(projectile_z)])), ' NumberOfTuples="1"')
+    field = ""
+    if projectile_z is not None:
+        place = entry("projectile_z_m", _block(np.array([float(projectile_z)])), ' NumberOfTuples="1"')
+        field = f"<FieldData>{place}</FieldData>\n"
     points = entry("Points", _block(np.asarray(nodes, float)), ' NumberOfComponents="3"')
     elements = "".join(entry(name, block) for name, block in cells.items())
     data = "".join(entry(name, _block(array)) for name, array in values.items())
     text = (
         '<?xml version="1.0"?>\n<VTKFile type="UnstructuredGrid" version="1.0" byte_order="LittleEndian" '
         'header_type="UInt64" compressor="vtkZLibDataCompressor">\n<UnstructuredGrid>\n'
-        f"<FieldData>{field}</FieldData>\n"
+        f"{field}"
         f'<Piece NumberOfPoints="{len(nodes)}" NumberOfCells="{count}">\n'
         f"<CellData>{data}</CellData>\n<Points>{points}</Points>\n<Cells>{elements}</Cells>\n"
         '</Piece>\n</UnstructuredGrid>\n<AppendedData encoding="raw">_'

@@ -169,10 +169,12 @@ def test_panel_without_a_limit(command, written, tmp_path, monkeypatch):
     monkeypatch.setattr("shellfabric.impact.ballistic_limit.UNDECIDED", 2e-5)
     path = written()
     code, _, err = command("critical-velocity", path, "--out", "results")
-    assert code == 2
-    assert err.splitlines()[-1].startswith(f"error: {path}: the projectile struck at 136.3 m/s has neither stopped nor")
+    assert code == 3
+    assert err.splitlines()[-1].startswith(
+        "error: the projectile struck at 136.3 m/s has neither stopped nor perforated"
+    )
     assert "no critical velocity" in err.splitlines()[-1]
-    assert not (tmp_path / "results").exists()
+    assert len((tmp_path / "results/shots.csv").read_text().splitlines()) == 1
 
 
 def test_unstable_shot_keeps_those_before(command, written, tmp_path, monkeypatch):

@@ -1,0 +1,34 @@
+"""Sphinx configuration: the pages of this folder, and the reference pages that are made from the code."""
+
+import sys
+from pathlib import Path
+
+HERE = Path(__file__).parent
+sys.path[:0] = [str(HERE.parent), str(HERE.parent / "tools")]
+
+from fabrics import __version__  # noqa: E402
+
+project, author, copyright = "weavecell", "The weavecell developers", "The weavecell developers"
+version = release = __version__
+extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.mathjax", "numpydoc"]
+exclude_patterns = ["_build", "conf.py"]
+html_theme = "furo"
+html_title = f"weavecell {__version__}"
+html_show_copyright = False
+
+myst_heading_anchors = 3
+myst_enable_extensions = ["dollarmath", "colon_fence"]
+autodoc_typehints = "none"  # shape and unit stand in the docstrings
+autodoc_member_order = "bysource"
+autodoc_mock_imports = ["dolfinx", "petsc4py", "mpi4py", "ufl", "basix", "gmsh", "meshio"]
+numpydoc_show_class_members = False
+numpydoc_show_inherited_class_members = False
+numpydoc_xref_param_type = False
+numpydoc_validation_checks = set()
+
+
+def setup(app):
+    """Write the pages that are made from the code before Sphinx reads its sources."""
+    import reference_pages
+
+    app.connect("builder-inited", lambda _: reference_pages.write(HERE / "generated"))

@@ -1,0 +1,142 @@
+"""Fibre families: default laws of para-aramid, UHMWPE and E-glass yarns, each number with a range.
+
+A data sheet states neither the trellis law of a fabric nor the transverse law of its yarns. A family's file gives both,
+with the status "assumed", a source, and the range (low, high) within which the value is taken to lie. Angles and moduli
+of the trellis follow from the weave (`fabrics.families.trellis`).
+
+Every range has a soft and a stiff end. `Family.shear` and `Family.solid_laws` give the nominal law, or the law of one
+of these ends.
+"""
+
+from __future__ import annotations
+
+import tomllib
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+
+from fabrics.checks import FilePath
+from fabrics.families.trellis import Widths, from_weave
+from fabrics.solid import SolidLaw
+from fabrics.trellis import TrellisShear
+from fabrics.units import si
+from fabrics.weave import Weave
+from fabrics.yarn import Yarn
+
+__all__ = ["ENDS", "Entry", "Family", "list_families"]
+
+ENDS = ("soft", "nominal", "stiff")
+FILES = ("para-aramid", "uhmwpe", "e-glass")
+_SHEAR = ("locking_share", "G1_over_G2", "gap", "K_s")
+_SOLID = {"E_a": "Pa", "E_c": "Pa", "K_r": "", "K_G": "", "V_c": ""}
+# the end of its range at which a value makes the cloth softer, other than the low one
+_SOFT_AT_HIGH = ("gap", "V_c")
+
+
+@dataclass(frozen=True)
+class Entry:
+    """One number of a family.
+
+    Parameters
+    ----------
+    value, low, high : [SI] and the range in which it is taken to lie
+    written : value and range as in the file
+    source, status : where it comes from
+    """
+
+    value: float
+    low: float
+    high: float
+    written: str
+    source: str
+    status: str
+
+    def at(self, end: str, soft_at_high: bool) -> float:
+        """The value at one of ENDS [SI]."""
+        if end == "nominal":
+            return self.value
+        return self.high if (end == "soft") == soft_at_high else self.low
+
+
+@dataclass(frozen=True)
+class Family:
+    """Default laws of the yarns of one kind of fibre.
+
+    Parameters
+    ----------
+    name : such as "para-aramid"
+    limits : {"modulus": (low, high) [Pa], "fibre_density": (low, high) [kg/m3]} of yarns that belong to it
+    entries : {dotted key: Entry} of [shear] and [solid]
+    """
+
+    name: str
+    limits: dict[str, tuple[float, float]]
+    entries: dict[str, Entry]
+
+    def holds(self, yarn: Yarn) -> bool:
+        """Whether a yarn belongs to the family, by modulus and fibre density."""
+        found = {"modulus": yarn.E, "fibre_density": yarn.fibre_density}
+        return all(low <= found[key] <= high for key, (low, high) in self.limits.items())
+
+    def _at(self, table, key, end):
+        return self.entries[f"{table}.{key}"].at(end, key in _SOFT_AT_HIGH)
+
+    def shear(self, weave: Weave, widths: Widths = (None, None), end: str = "nominal") -> TrellisShear:
+        """The trellis law of a weave of these yarns, or that of an end of its range.
+
+        Parameters
+        ----------
+        weave : Weave
+        widths : (warp, weft) [m] of the yarns where they are known; else they follow from `gap`
+        end : of ENDS
+
+        Raises
+        ------
+        InputError : the fabric has no thickness, since neither of its yarns is crimped
+        """
+        # a soft trellis locks late: yarns that pack densely, K_s high, become narrow
+        numbers = {key: self._at("shear", key, end) for key in _SHEAR[:-1]}
+        K_s = self.entries["shear.K_s"].at(end, soft_at_high=True)
+        return from_weave(weave, widths, K_s=K_s, **numbers)
+
+    def solid_laws(self, end: str = "nominal") -> tuple[SolidLaw, SolidLaw]:
+        """(warp, weft) solid laws, or those of an end of their range."""
+        common = {key: self._at("solid", key, end) for key in _SOLID}
+        warp, weft = (SolidLaw(**common, Vf0=self._at("solid.Vf0", family, end)) for family in ("warp", "weft"))
+        return warp, weft
+
+    def sources(self, table: str) -> dict[str, dict[str, str]]:
+        """{dotted key: {"value", "source", "status"}} of "shear" or "solid", as `Fabric.sources` has them."""
+        return {
+            key: {"value": entry.written, "source": f"{entry.source} ({self.name})", "status": entry.status}
+            for key, entry in self.entries.items()
+            if key.startswith(f"{table}.")
+        }
+
+
+@cache
+def list_families() -> tuple[Family, ...]:
+    """All families."""
+    return tuple(_read(Path(__file__).with_name(f"{name}.toml")) for name in FILES)
+
+
+def _read(path: FilePath) -> Family:
+    content = tomllib.loads(Path(path).read_text(encoding="utf-8"))
+    units = {"modulus": "Pa", "fibre_density": "kg/m^3"}
+    limits = {
+        key: (si(content["yarns"][key]["low"], unit), si(content["yarns"][key]["high"], unit))
+        for key, unit in units.items()
+    }
+    Vf0 = content["solid"]["Vf0"]
+    entries = {f"shear.{key}": _entry(content["shear"][key], "") for key in _SHEAR}
+    entries |= {f"solid.{key}": _entry(content["solid"][key], unit) for key, unit in _SOLID.items()}
+    entries |= {f"solid.Vf0.{family}": _entry(Vf0[family], "") for family in ("warp", "weft")}
+    return Family(content["name"], limits, entries)
+
+
+def _entry(table, unit):
+    written = str(table["value"])
+    if "low" in table:
+        written += f" ({table['low']} .. {table['high']})"
+    value, low, high = (si(table.get(key, table["value"]), unit) for key in ("value", "low", "high"))
+    return Entry(value, low, high, written, table["source"], table["status"])

@@ -1,0 +1,121 @@
+"""Forces of damaged elements: edges of which yarns have failed, or are crossed by yarns that have.
+
+See `membrane_kernels` for the intact fraction alpha and the crossed fraction kappa. Runs only where yarns have failed.
+"""
+
+import numpy as np
+from numba import types
+from numba.extending import overload
+
+from shellfabric.cell.crossover_kernels import yarn_alone
+from shellfabric.cloth.membrane_kernels import ONE
+from shellfabric.jit.compile import kernel
+
+WARP, WEFT = 0, 1
+
+
+def crossing_weight(split, k, before, alone):
+    """Weight of the piece of a crossing line before (or behind) the node k, relative to the mean of the two."""
+
+
+@overload(crossing_weight, inline="always")
+def _crossing_weight(split, k, before, alone):
+    if isinstance(split, types.Float):
+        return lambda split, k, before, alone: 1.0
+    return lambda split, k, before, alone: 1.0 if alone else 2.0 * (split[k] if before else 1.0 - split[k])
+
+
+@kernel()
+def sum_crossing(const, family, i, j, alpha, x, shift):
+    """Of the edges of the other family that cross edge (i, j): sum of their weights w, sum w alpha, and sum w alpha x.
+
+    alpha has the panel's slots, x scratch that lies `shift` slots behind them. A weight is one but on graded panels.
+    """
+    count, present, total = 0.0, 0.0, 0.0
+    split = const.mean_weight2 if family == WARP else const.mean_weight1
+    s, back = const.row_stride, 1 if family == WARP else const.row_stride
+    k = i * s + j
+    inner = j > 0 if family == WARP else i > 0
+    outer = j < const.nj if family == WARP else i < const.ni
+    for end in range(2):
+        m = k + end * (s if family == WARP else 1)
+        for side in range(2):
+            if (side == 0 and inner) or (side == 1 and outer):
+                at = np.uint64(m - back if side == 0 else m)
+                w = crossing_weight(split, np.uint64(m), side == 0, not (inner and outer))
+                count += w
+                present += w * alpha[at]
+                total += w * alpha[at] * x[np.uint64(np.int64(at) - shift)]
+    return count, present, total
+
+
+@kernel(_nrt=False)
+def damaged_means(const, state, family, first, last, shift, x, mean):
+    """Mean of x over the crossing edges, weighted by their intact fraction, for the edges of rows first .. last - 1."""
+    for i in range(first, last):
+        for j in range(const.row_stride if family == WARP else const.nj):
+            _, present, total = sum_crossing(const, family, i, j, state.intact_fraction[1 - family], x, shift)
+            if present > 0.0:
+                mean[np.uint64(i * const.row_stride + j - shift)] = total / present
+
+
+@kernel(_nrt=False)
+def damaged_forces(const, state, family, first, last, shift, L, F):
+    """F = kappa F + (1 - kappa) T_alone of damaged edges; 0 where the yarns themselves have failed."""
+    w, S0, EA = yarn_properties(const, family)
+    for i in range(first, last):
+        for j in range(const.row_stride if family == WARP else const.nj):
+            m = np.uint64(i * const.row_stride + j - shift)
+            if state.intact_fraction[family][np.uint64(i * const.row_stride + j)] == 0.0:
+                F[m] = 0.0
+                continue
+            count, present, _ = sum_crossing(const, family, i, j, state.intact_fraction[1 - family], L, shift)
+            if present < count:
+                crossed = present / count
+                alone = yarn_alone(L[m], w, S0, EA)[0]
+                F[m] = crossed * F[m] + (1.0 - crossed) * alone
+
+
+@kernel(_nrt=False)
+def damaged_gradient(const, state, family, first, last, shift, L, own, shared, N, K):
+    """The variational force: own share, of slope K, and, of each crossing edge, the share `shared` that it gives."""
+    w, S0, EA = yarn_properties(const, family)
+    other = state.intact_fraction[1 - family]
+    for i in range(first, last):
+        for j in range(const.row_stride if family == WARP else const.nj):
+            m = np.uint64(i * const.row_stride + j - shift)
+            if state.intact_fraction[family][np.uint64(i * const.row_stride + j)] == 0.0:
+                N[m] = 0.0
+                continue
+            count, present, total = sum_crossing(const, family, i, j, other, shared, shift)
+            crossed = present / count
+            alone = yarn_alone(L[m], w, S0, EA)[0] if present < count else 0.0
+            K[m] *= crossed
+            N[m] = 0.5 * (crossed * own[m] + total / count) + (1.0 - crossed) * alone
+
+
+@kernel(_nrt=False)
+def damaged_trellis(const, state, first, last, shift, turn1, turn2, cross):
+    """Shear forces of damaged elements, scaled by the intact fractions of both families."""
+    for i in range(first, last):
+        for j in range(const.nj):
+            m, left = (
+                i * const.row_stride + j - shift,
+                trellis_intact_fraction(const, state, np.uint64(i * const.row_stride + j)),
+            )
+            turn1[m] *= left
+            turn2[m] *= left
+            cross[m] *= left
+
+
+@kernel()
+def trellis_intact_fraction(const, state, k):
+    """Intact fraction of the trellis of element k."""
+    warp, weft = state.intact_fraction[WARP], state.intact_fraction[WEFT]
+    return 0.25 * (warp[k] + warp[k + ONE]) * (weft[k] + weft[k + np.uint64(const.row_stride)])
+
+
+@kernel()
+def yarn_properties(const, family):
+    """(w, S0, EA) of a family."""
+    return (const.w1, const.S01, const.EA1) if family == WARP else (const.w2, const.S02, const.EA2)

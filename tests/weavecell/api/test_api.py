@@ -1,0 +1,186 @@
+"""The Python interface: lazy, in SI or with units, one result object a run, and none of the pitfalls of the solvers."""
+
+import doctest
+import inspect
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import weavecell as wc
+from fabrics import catalogue
+from fabrics.compression import CompressionLaw
+from fabrics.errors import InputError
+from weavecell.api import quantities, quasi_static, result, results, runs
+
+MINE = Path(__file__).parents[3] / "examples" / "fabrics" / "mine.toml"
+SMALL = {"opening": "30 mm", "end_time": "15 us", "elements_per_crossover": 1}
+
+
+@pytest.fixture(scope="module")
+def shot():
+    return wc.shoot("S-720", "155 m/s", snapshot_interval="5 us", **SMALL)
+
+
+def test_the_import_loads_nothing():
+    code = (
+        "import sys, weavecell; print(len([m for m in sys.modules if m.split('.')[0] in ('numpy', 'numba', 'pint')]))"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "0"
+
+
+def test_every_public_name_is_there_and_documented():
+    assert set(wc.__all__) <= set(dir(wc))
+    for name in wc.__all__:
+        found = getattr(wc, name)
+        if name != "__version__":
+            assert inspect.getdoc(found), name
+    for name in (*runs.__all__, *quasi_static.__all__):
+        function = getattr(wc, name)
+        text = inspect.getdoc(function)
+        assert "Raises" in text or name == "fabrics", name
+        for parameter in inspect.signature(function).parameters:
+            assert parameter in text, (name, parameter)
+    with pytest.raises(AttributeError, match="has no attribute 'nothing'"):
+        wc.nothing  # noqa: B018
+
+
+@pytest.mark.parametrize("module", [quantities, quasi_static, result, results, runs])
+def test_examples_of_the_docstrings(module):
+    assert doctest.testmod(module).failed == 0
+
+
+def test_a_fabric_has_the_linear_density_of_scenes():
+    """Without a word `catalogue.load` gives nominal yarns, and a run with them another mass (erratum E-07)."""
+    effective, nominal = wc.fabric("S-720"), wc.fabric("S-720", linear_density="nominal")
+    assert effective == catalogue.load("S-720").with_effective_density()
+    assert effective.weave.areal_density > nominal.weave.areal_density
+    with pytest.raises(InputError, match="effective or nominal"):
+        wc.fabric("S-720", linear_density="other")
+
+
+def test_a_set_up_is_that_of_a_scene():
+    given = wc.setup(
+        "S-720", "92.5 m/s", projectile={"mass": "1.1 g", "diameter": "5.4 mm"}, plies=2, opening=("0.1 m", 0.2)
+    )
+    assert given.plies == 2
+    assert given.ply.strike_velocity == pytest.approx(92.5)
+    assert (given.ply.projectile.mass, given.ply.projectile.radius) == pytest.approx((1.1e-3, 2.7e-3))
+    assert given.ply.opening == pytest.approx((0.1, 0.2))
+
+
+def test_one_law_serves_both_families(tmp_path):
+    law, fabric = CompressionLaw(4e-5, 5e-5), wc.fabric("S-720")
+    law.to_json(tmp_path / "law.json")
+    for given in (law, (law, law), tmp_path / "law.json"):
+        found = wc.setup(fabric, 100.0, law=given).laws
+        assert [(one.a, one.b) for one in found] == [(4e-5, 5e-5)] * 2
+    assert wc.setup(fabric, 100.0, laws=law).laws == (law, law)
+    with pytest.raises(InputError, match="a pair"):
+        wc.setup(fabric, 100.0, law=(law,))
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        ({"velocity": "3 kg"}, "velocity = '3 kg'"),
+        ({"velocity": -1.0}, "velocity = -1.0: must be above 0"),
+        ({"velocity": None}, "velocity: must be a number"),
+        ({"velocity": 90.0, "elements": 2}, "elements = 2: must be one of laws,"),
+        ({"velocity": 90.0, "projectile": {"calibre": 1}}, "projectile = "),
+        ({"velocity": 90.0, "opening": (1, 2, 3)}, "opening = "),
+    ],
+)
+def test_bad_arguments_are_one_line(words, told):
+    with pytest.raises(InputError) as problem:
+        wc.setup("S-720", **words)
+    assert str(problem.value).startswith(told)
+    assert "\n" not in str(problem.value)
+
+
+def test_a_fabric_without_law_says_what_to_do():
+    with pytest.raises(InputError, match="give law=, or use"):
+        wc.setup(MINE, 90.0)
+
+
+def test_a_shot_in_flight_is_a_result(shot):
+    assert shot.outcome == "in flight"
+    assert 100 < shot.residual_velocity < shot.strike_velocity == 155
+    assert "in flight" in repr(shot)
+    assert shot.summary()["areal_density_kg_m2"] == pytest.approx(wc.fabric("S-720").weave.areal_density)
+
+
+def test_a_shot_as_table_figure_files_and_html(shot, tmp_path):
+    pandas = pytest.importorskip("pandas")
+    table = shot.to_dataframe()
+    assert isinstance(table, pandas.DataFrame)
+    assert list(table.columns[:3]) == ["time_s", "velocity_m_s", "nose_position_m"]
+    assert np.array_equal(table["energy_kinetic_projectile_J"], shot.record.energies["kinetic_projectile"])
+    assert shot.plot().axes[0].get_ylabel() == "velocity of the projectile [m/s]"
+    assert shot.to_vtk(tmp_path / "vtk") == tmp_path / "vtk" / "panel.pvd"
+    assert len(list((tmp_path / "vtk" / "panel").glob("*.vtu"))) == len([s for s in shot.shapes if s.t < 15e-6]) + 1
+    shot.write(tmp_path / "histories.h5")
+    assert (tmp_path / "histories.h5").stat().st_size > 0
+    assert "<td>in flight</td>" in shot._repr_html_()
+
+
+def test_without_pandas_the_error_says_so(shot, monkeypatch):
+    monkeypatch.setitem(sys.modules, "pandas", None)
+    with pytest.raises(ModuleNotFoundError, match="needs the Python package pandas"):
+        shot.to_dataframe()
+
+
+def test_a_sweep_of_one_job_starts_no_process(monkeypatch):
+    from fabrics import executors
+
+    monkeypatch.setattr(executors, "ProcessPoolExecutor", None)
+    found = wc.sweep([wc.setup("S-720", v, **SMALL) for v in (100.0, 150.0)])
+    assert [one.strike_velocity for one in found] == [100.0, 150.0]
+    assert found.summary() == {"shots": 2, "in flight": 2}
+    assert len(found) == 2
+    assert found[1].residual_velocity > found[0].residual_velocity
+    assert found.plot().axes[0].get_xlabel() == "strike velocity [m/s]"
+    assert len(found.to_dataframe()) == 2
+
+
+def test_a_pack(tmp_path):
+    found = wc.shoot("S-728", 150.0, plies=2, **SMALL)
+    assert found.summary()["plies"] == 2
+    assert len(list(found.to_vtk(tmp_path).glob("ply-*.vtu"))) == 2
+
+
+def test_assumed_laws_are_named_and_ranged():
+    found = wc.shoot(MINE, 90.0, law=CompressionLaw(4e-5, 5e-5, assumed_range=((5e-5, 4e-5), (3e-5, 5e-5))),
+                     assumed_range=True, **SMALL)  # fmt: skip
+    assert found.assumed[0].startswith("assumed: [shear] of para-aramid yarns")
+    assert len(found.range.rows) == 5
+    assert found.range.tables == ("the trellis law", "the solid law")
+    assert found.range.low <= found.residual_velocity <= found.range.high
+    assert found.range.low < found.range.high
+    assert "assumed_range" in found.summary()
+
+
+def test_a_coupon(tmp_path):
+    found = wc.coupon("S-720", "uniaxial", direction="warp", length="20 mm", width="10 mm", strain=0.01, steps=2)
+    assert found.outcome == "complete"
+    assert found.to_dataframe()["load_of_a_yarn_N"].iloc[-1] > 0
+    assert found.to_vtk(tmp_path) == tmp_path / "coupon.pvd"
+    assert "load" in found.plot().axes[0].get_ylabel()
+    with pytest.raises(InputError, match="test = 'shear': must be one of bias_extension"):
+        wc.coupon("S-720", "shear")
+    with pytest.raises(InputError, match="breadth = 1: must be one of cells"):
+        wc.coupon("S-720", "picture_frame", breadth=1)
+
+
+def test_a_critical_velocity():
+    found = wc.critical_velocity("S-720", tolerance="20 m/s", residual_shots=3, scan=False, opening="40 mm")
+    low, high = found.bracket
+    assert low < found.velocity < high <= low + 20
+    assert found.fit is not None
+    assert list(found.to_dataframe()["strike_velocity_m_s"]) == sorted(s.strike_velocity for s in found.limit.shots)
+    assert found.plot().axes[0].get_title(loc="left") == "S-720"
+    with pytest.raises(InputError, match="plies = 2"):
+        wc.critical_velocity("S-720", plies=2)

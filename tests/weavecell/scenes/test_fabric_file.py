@@ -1,0 +1,123 @@
+"""`weavecell fabrics new`: a fabric file from prompts or a CSV file, curves fitted, every number with its source."""
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from fabrics import catalogue
+from fabrics.trellis import TrellisShear
+from weavecell.cli import app
+from weavecell.scenes import curves
+
+VALUES = """key,warp,weft,source
+linear_density,1100 dtex,1100 dtex,data sheet
+fibre_density,1.44 g/cm^3,,data sheet
+modulus,90 GPa,90 GPa,data sheet
+failure_strain,3.3 %,3.3 %,data sheet
+crimp,1.2 %,0.8 %,"measured, own"
+count,8.5 / cm,8.5 / cm,data sheet
+"""
+EA = 90e9 * 1.1e-4 / 1440
+
+
+@pytest.fixture
+def values(tmp_path):
+    path = tmp_path / "values.csv"
+    path.write_text(VALUES)
+    return path
+
+
+def test_from_a_csv_file(command, tmp_path, values):
+    code, out, err = command("fabrics", "new", "mine.toml", "--from", values)
+    assert code == 0, err
+    fabric = catalogue.load(tmp_path / "mine.toml")
+    assert fabric.name == "mine"
+    assert [yarn.crimp for yarn in fabric.weave.yarns] == pytest.approx([0.012, 0.008])
+    assert fabric.weave.warp.EA == pytest.approx(EA)
+    assert fabric.sources["warp.crimp"] == {"value": "1.2 %", "source": "measured, own", "status": "user"}
+    assert "assumed: [shear] of para-aramid yarns" in out
+    assert "assumed: [solid] of para-aramid yarns" in out
+    code, _, err = command("fabrics", "new", "mine.toml", "--from", values)
+    assert (code, err) == (2, "error: mine.toml: exists already\n")
+
+
+def test_from_prompts(tmp_path):
+    """A wrong unit is asked for again; an empty line takes the warp's value for the weft."""
+    words = ["data sheet", "1100 mm", "1100 dtex", "", "1.44 g/cm^3", "", "90 GPa", "", "0.033", "", "1.2 %", "0.8 %",
+             "8.5 / cm", ""]  # fmt: skip
+    done = CliRunner().invoke(app.app, ["fabrics", "new", str(tmp_path / "own.toml")], input="\n".join(words) + "\n")
+    assert done.exit_code == 0, done.output
+    fabric = catalogue.load(tmp_path / "own.toml")
+    assert fabric.weave.weft.failure_strain == pytest.approx(0.033)
+    assert fabric.weave.weft.crimp == pytest.approx(0.008)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "told"),
+    [
+        ("90 GPa,90 GPa", "90 kg,90 GPa", "modulus = '90 kg': must be a text with a unit"),
+        ("crimp,", "crimps,", "key = 'crimps': must be one of linear_density,"),
+        ("count,8.5 / cm,8.5 / cm,data sheet\n", "", "count: is missing; must be such as"),
+        ("key,warp,weft", "key,warp,fill", "columns = 'key, warp, fill, source': must be key, warp, weft"),
+        ("0.8 %", "180 %", "weft.crimp = '180 %': must be a fraction"),
+    ],
+)
+def test_bad_values_are_one_line(command, tmp_path, values, old, new, told):
+    values.write_text(VALUES.replace(old, new))
+    code, out, err = command("fabrics", "new", "mine.toml", "--from", values)
+    assert (code, out) == (2, "")
+    assert told in err
+    assert len(err.splitlines()) == 1
+    assert not (tmp_path / "mine.toml").exists()
+
+
+def test_a_tensile_curve_replaces_modulus_and_failure_strain(command, tmp_path, values):
+    """A straight yarn of known stiffness, with a slack of 0.2 % and noise of 1 %."""
+    strain = np.linspace(0, 0.032, 40)
+    force = np.maximum(EA * (strain - 0.002), 0) * (1 + 0.01 * np.sin(50 * np.arange(40)))
+    rows = "\n".join(f"{100 * e},{f}" for e, f in zip(strain, force))
+    (tmp_path / "yarn.csv").write_text(f"strain [%], force [N]\n{rows}\n")
+    code, out, err = command("fabrics", "new", "mine.toml", "--from", values, "--yarn-curve", "yarn.csv")
+    assert code == 0, err
+    fabric = catalogue.load(tmp_path / "mine.toml")
+    assert fabric.weave.warp.EA == pytest.approx(EA, rel=0.02)
+    assert fabric.weave.warp.failure_strain == pytest.approx(0.030, rel=0.03)
+    assert fabric.sources["weft.modulus"]["status"] == "fitted"
+    assert "yarn.csv" in fabric.sources["weft.modulus"]["source"]
+    assert out.startswith("fitted: modulus ")
+
+
+@pytest.mark.parametrize("force", [False, True])
+def test_a_picture_frame_replaces_the_trellis_law(command, tmp_path, values, force):
+    known = TrellisShear(2e5, 5e6, 0.4, 0.8)
+    gamma = np.linspace(0, 1.0, 60)
+    stress = known.stress(gamma)
+    command("fabrics", "new", "bare.toml", "--from", values)
+    thickness = catalogue.load(tmp_path / "bare.toml").weave.thickness
+    name, column = "shear stress [Pa]", stress
+    if force:
+        name, column = "force [N]", 2 * np.cos(np.pi / 4 - gamma / 2) * stress * 0.2 * thickness
+    rows = "\n".join(f"{g},{value}" for g, value in zip(gamma, column))
+    (tmp_path / "frame.csv").write_text(f"shear angle [rad], {name}\n{rows}\n")
+    words = ["fabrics", "new", "mine.toml", "--from", values, "--picture-frame", "frame.csv"]
+    if force:
+        code, _, err = command(*words)
+        assert (code, "the side of the frame is needed" in err) == (2, True)
+        words += ["--frame-side", "200 mm"]
+    code, out, err = command(*words)
+    assert code == 0, err
+    fabric = catalogue.load(tmp_path / "mine.toml")
+    assert fabric.shear.stress(gamma) == pytest.approx(stress, abs=0.01 * stress.max())
+    assert (fabric.shear.gamma1, fabric.shear.gamma2) == pytest.approx((0.4, 0.8), abs=0.05)
+    assert fabric.sources["shear.G1"]["status"] == "fitted"
+    assert "assumed: [shear]" not in out
+
+
+def test_bad_curves_are_one_line(tmp_path):
+    path = tmp_path / "yarn.csv"
+    path.write_text("strain [%], force [N]\n0,0\n1,10\n")
+    with pytest.raises(curves.InputError, match="at least 5 points"):
+        curves.yarn_tension(path)
+    path.write_text("shear angle [deg], shear stress [Pa]\n3,1\n2,2\n")
+    with pytest.raises(curves.InputError, match="at least 0 and rising"):
+        curves.picture_frame(path, 1e-3)

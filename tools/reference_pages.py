@@ -1,0 +1,93 @@
+"""Reference pages of the documentation site that are made from the code: command line and scene schema.
+
+    python tools/reference_pages.py [docs/generated]
+
+cli.md has every command of typer with its arguments, options and defaults; scene.schema.json and coupon.schema.json are
+JSON Schemas of the scene files, for editors. Keys with unit, default and meaning: docs/keys.md.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).parents[1]
+sys.path.insert(0, str(ROOT))
+
+from fabrics.files import write_whole  # noqa: E402
+
+HEAD = "# Command line\n\nMade from the definitions of the commands. Exit codes: 0 done, 1 failed, 2 bad input, 3 a run"
+HEAD += " that became unstable or a doubtful result with `--strict`, 130 interrupted."
+
+
+def commands(command, name):
+    """(name, command) of a click command and those under it, groups left out."""
+    inner = getattr(command, "commands", None)
+    if inner is None:
+        yield name, command
+        return
+    for word, each in inner.items():
+        yield from commands(each, f"{name} {word}")
+
+
+def plain(text):
+    """Help without the marks of rich, on one line, safe in a table."""
+    return " ".join(re.sub(r"\\(\[)|\[/?(?:bold|dim)?\]", r"\1", text or "").split()).replace("|", r"\|")
+
+
+def section(name, command):
+    """The Markdown of one command."""
+    arguments = [one for one in command.params if one.param_type_name == "argument"]
+    options = [one for one in command.params if one.param_type_name == "option" and "--help" not in one.opts]
+    usage = " ".join(
+        [name, *(one.metavar or one.name.upper() for one in arguments), *(["[OPTIONS]"] if options else [])]
+    )
+    paragraphs = [plain(each) for each in (command.help or "").split("\n\n")]
+    lines = [f"## {name}", "", f"```\n{usage}\n```", "", "\n\n".join(paragraphs), ""]
+    if command.params:
+        lines += ["| argument or option | default | meaning |", "| --- | --- | --- |"]
+    for one in arguments:
+        lines.append(f"| `{one.metavar or one.name.upper()}` | | {plain(getattr(one, 'help', ''))} |")
+    for one in options:
+        value = f" {one.metavar}" if one.metavar and not getattr(one, "is_flag", False) else ""
+        words = ", ".join([*one.opts, *one.secondary_opts]) + value.replace("|", r"\|")
+        default = one.default
+        default = "" if default is None or callable(default) else str(getattr(default, "value", default))
+        lines.append(f"| `{words}` | {default and f'`{default}`'} | {plain(getattr(one, 'help', ''))} |")
+    example = plain(getattr(command, "epilog", "")).removeprefix("Example: ")
+    return "\n".join([*lines, "", *([f"Example: `{example}`", ""] if example else [])])
+
+
+def cli():
+    """cli.md"""
+    import typer
+
+    from weavecell.cli.app import app
+
+    return "\n\n".join([HEAD, *(section(*each) for each in commands(typer.main.get_command(app), "weavecell"))])
+
+
+def schemas():
+    """{name of the file: JSON Schema}"""
+    from weavecell.scenes.coupon import CouponScene
+    from weavecell.scenes.impact import Scene
+
+    return {
+        f"{name}.schema.json": model.model_json_schema() for name, model in (("scene", Scene), ("coupon", CouponScene))
+    }
+
+
+def write(folder):
+    """Write all pages to a folder."""
+    pages = {"cli.md": cli()} | {name: json.dumps(found, indent=2) + "\n" for name, found in schemas().items()}
+    for name, text in pages.items():
+        path = Path(folder) / name
+        if not path.exists() or path.read_text("utf-8") != text:  # Sphinx reads again what is newer
+            with write_whole(path) as file:
+                file.write(text)
+
+
+if __name__ == "__main__":
+    write(Path(sys.argv[1]) if len(sys.argv) > 1 else ROOT / "docs" / "generated")

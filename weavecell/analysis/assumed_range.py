@@ -1,0 +1,152 @@
+"""Ranges of residual and critical velocity that follow from assumed laws.
+
+A law that no data sheet states is assumed with a range (`fabrics.families`). The shot, or the search of the critical
+velocity, is repeated with the soft and the stiff end of each assumed law, in all combinations: two runs for one assumed
+law, four for two. The range is the envelope of these and the nominal run. It is a statement about these runs and no
+bound, since the outcome need not be monotonic in a law.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from itertools import product
+
+from fabrics import assumed
+from fabrics.compression import CompressionLaw
+from fabrics.errors import UnstableError, WeavecellError
+from fabrics.fabric import Fabric
+from shellfabric.impact import ballistic_limit, single_ply
+from shellfabric.impact.single_ply import ImpactSetup
+
+NEXT_STEP = 1.05  # first factor of a search that begins at the nominal critical velocity
+
+
+@dataclass(frozen=True)
+class Row:
+    """One run: its laws and outcome in words, and the velocity [m/s], None where there is none."""
+
+    laws: str
+    outcome: str
+    velocity: float | None
+
+
+@dataclass(frozen=True)
+class AssumedRange:
+    """Range of a velocity over the assumed laws.
+
+    Parameters
+    ----------
+    quantity : "residual velocity" or "critical velocity"
+    tables : names of what was varied
+    rows : tuple of Row, the nominal run first
+    """
+
+    quantity: str
+    tables: tuple[str, ...]
+    rows: tuple[Row, ...]
+
+    @property
+    def low(self) -> float:
+        """[m/s]"""
+        return min(row.velocity for row in self.rows if row.velocity is not None)
+
+    @property
+    def high(self) -> float:
+        """[m/s]"""
+        return max(row.velocity for row in self.rows if row.velocity is not None)
+
+    def words(self) -> str:
+        """The range in one line."""
+        outcomes = sorted({row.outcome for row in self.rows if row.outcome})
+        more = f"; {' or '.join(outcomes)}" if outcomes else ""
+        tables = " and ".join(self.tables)
+        return f"{self.quantity} {self.low:.1f} to {self.high:.1f} m/s over the assumed range of {tables}{more}"
+
+    def summary(self) -> dict:
+        """As plain types."""
+        return {
+            "quantity": self.quantity,
+            "assumed": list(self.tables),
+            "low_m_s": self.low,
+            "high_m_s": self.high,
+            "runs": [{"laws": r.laws, "outcome": r.outcome, "velocity_m_s": r.velocity} for r in self.rows],
+        }
+
+
+def corners(
+    fabric: Fabric, laws: tuple[CompressionLaw, CompressionLaw] | None
+) -> dict[str, tuple[Fabric, tuple[CompressionLaw, CompressionLaw] | None]]:
+    """{words: (fabric, laws)} of all combinations of the ends of assumed laws; empty where none is assumed.
+
+    Parameters
+    ----------
+    fabric : Fabric, completed by `fabrics.assumed`
+    laws : (warp, weft) that it is run with; they carry the range of an assumed solid law
+    """
+    shears = {f"trellis {end}": each for end, each in assumed.shear_ends(fabric).items()} or {"": fabric}
+    pairs: dict = {"": laws}
+    if laws is not None and laws[0].assumed_range is not None:
+        ends = [law.ends() or dict.fromkeys(("soft", "stiff"), law) for law in laws]
+        pairs = {f"yarns {end}": (ends[0][end], ends[1][end]) for end in ("soft", "stiff")}
+    found = {", ".join(filter(None, names)): (shears[names[0]], pairs[names[1]]) for names in product(shears, pairs)}
+    found.pop("", None)
+    return found
+
+
+def varied(fabric: Fabric, laws: tuple[CompressionLaw, CompressionLaw] | None) -> tuple[str, ...]:
+    """What `corners` varies, in words."""
+    solid = laws is not None and laws[0].assumed_range is not None
+    return (*(("the trellis law",) if "shear" in fabric.assumed else ()), *(("the solid law",) if solid else ()))
+
+
+def residual_velocity(
+    setup: ImpactSetup, outcome: str, velocity: float, on_progress: Callable[[float], object] | None = None
+) -> AssumedRange | None:
+    """Range of the residual velocity of a shot; None where nothing is assumed.
+
+    Parameters
+    ----------
+    setup : ImpactSetup of the nominal shot
+    outcome, velocity : of the nominal shot, [m/s]
+    on_progress : called as on_progress(share of the shots) after each
+    """
+    rows, found = [Row("nominal", outcome, velocity)], corners(setup.fabric, setup.laws)
+    for number, (name, (fabric, laws)) in enumerate(found.items(), 1):
+        plain = replace(setup, fabric=fabric, laws=laws, snapshot_interval=None, history=None)
+        try:
+            result = single_ply.run(plain)
+            rows.append(Row(name, result.outcome, float(result.residual_velocity)))
+        except UnstableError:
+            rows.append(Row(name, "unstable", None))
+        if on_progress is not None:
+            on_progress(number / len(found))
+    return AssumedRange("residual velocity", varied(setup.fabric, setup.laws), tuple(rows)) if found else None
+
+
+def critical_velocity(
+    setup: ImpactSetup, velocity: float, *, tolerance: float = 1.0, executor: str = "local", jobs: int = 1,
+    on_progress: Callable[[float], object] | None = None,
+) -> AssumedRange | None:  # fmt: skip
+    """Range of the critical velocity of a panel; None where nothing is assumed.
+
+    Parameters
+    ----------
+    setup : ImpactSetup of any shot at the panel
+    velocity : [m/s] nominal critical velocity
+    tolerance, executor, jobs : as of `ballistic_limit.critical_velocity`
+    on_progress : called as on_progress(share of the searches) after each
+    """
+    rows, found = [Row("nominal", "", velocity)], corners(setup.fabric, setup.laws)
+    for number, (name, (fabric, laws)) in enumerate(found.items(), 1):
+        try:
+            limit = ballistic_limit.critical_velocity(
+                replace(setup, fabric=fabric, laws=laws).panel(),
+                guess=velocity, step=NEXT_STEP, tolerance=tolerance, executor=executor, jobs=jobs,
+            )  # fmt: skip
+            rows.append(Row(name, "", float(limit.velocity)))
+        except WeavecellError as problem:
+            rows.append(Row(name, str(problem), None))
+        if on_progress is not None:
+            on_progress(number / len(found))
+    return AssumedRange("critical velocity", varied(setup.fabric, setup.laws), tuple(rows)) if found else None

@@ -1,0 +1,112 @@
+"""Arguments of the Python interface: numbers in SI units, or texts with a unit."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from math import isfinite
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from fabrics.compression import CompressionLaw
+from fabrics.errors import InputError
+from fabrics.units import si
+
+if TYPE_CHECKING:
+    from fabrics.fabric import Fabric
+    from shellfabric.projectile.projectile import Projectile
+
+_LENGTHS = ("radius", "edge_radius", "length", "tip_radius", "flat_width", "bore_diameter")
+_ANGLES = ("half_angle", "flat_angle", "obliquity", "azimuth", "yaw", "roll")
+
+
+def number(value: Any, unit: str, key: str) -> float:
+    """A number in SI units: as it is, or of a text with a unit.
+
+    Parameters
+    ----------
+    value : float [unit], or a text such as "92.5 m/s"
+    unit : SI unit of the result
+    key : name of the argument, for the message
+
+    Raises
+    ------
+    InputError : another type, not finite, or a text with a unit of another dimension
+
+    Examples
+    --------
+    >>> number("203 mm", "m", "opening"), number(0.203, "m", "opening")
+    (0.203, 0.203)
+    """
+    if isinstance(value, str):
+        return si(value, unit, key=key)
+    try:
+        found = float(value)
+    except (TypeError, ValueError):
+        found = float("nan")
+    if isinstance(value, bool) or not isfinite(found):
+        raise InputError(key=key, value=value, allowed=f'a number [{unit}], or a text such as "1 {unit}"')
+    return found
+
+
+def lengths(value: Any, key: str) -> float | tuple[float, float]:
+    """A length [m], or a pair of lengths."""
+    if isinstance(value, (list, tuple)):
+        if len(value) != 2:
+            raise InputError(key=key, value=value, allowed="a length, or two of them along warp and weft")
+        return number(value[0], "m", key), number(value[1], "m", key)
+    return number(value, "m", key)
+
+
+def projectile(given: Projectile | Mapping[str, Any] | None) -> Projectile:
+    """A `shellfabric.projectile.projectile.Projectile` from its fields; None is the 3 g, 5.5 mm flat cylinder.
+
+    Raises
+    ------
+    InputError : a field that a projectile has not, or a value that is not allowed
+    """
+    from shellfabric.projectile.projectile import Projectile
+
+    if isinstance(given, Projectile):
+        return given
+    fields = dict(given or {})
+    if "diameter" in fields:
+        fields["radius"] = 0.5 * number(fields.pop("diameter"), "m", "diameter")
+    for key in (*_LENGTHS, *_ANGLES, "mass"):
+        if fields.get(key) is not None:
+            unit = "kg" if key == "mass" else "m" if key in _LENGTHS else "rad"
+            fields[key] = number(fields[key], unit, key)
+    try:
+        return Projectile(**fields)
+    except TypeError:
+        known = ", ".join(("diameter", *Projectile.__dataclass_fields__))
+        raise InputError(key="projectile", value=dict(given or {}), allowed=f"fields of {known}") from None
+
+
+def laws(fabric: Fabric, law: Any = None) -> tuple[CompressionLaw, CompressionLaw]:
+    """(warp, weft) compression laws.
+
+    Parameters
+    ----------
+    fabric : Fabric, whose own laws are taken where `law` is None
+    law : one CompressionLaw for both families, a pair (warp, weft), the path of a law.json, an object with the
+        attribute `law` such as the result of `calibrate`, or None
+
+    Raises
+    ------
+    InputError : none of these, or None for a fabric without laws
+    """
+    law = getattr(law, "law", law)
+    if law is None:
+        if fabric.laws is None:
+            raise InputError(
+                f"fabric {fabric.name} has no compression law: give law=, or use weavecell.calibrate(fabric).fabric"
+            )
+        return fabric.laws
+    if isinstance(law, CompressionLaw):
+        return law, law
+    if isinstance(law, (str, Path)):
+        found = CompressionLaw.from_json(law)
+        return found, found
+    if isinstance(law, (tuple, list)) and len(law) == 2 and all(isinstance(one, CompressionLaw) for one in law):
+        return law[0], law[1]
+    raise InputError(key="law", value=law, allowed="a CompressionLaw, a pair (warp, weft) of them, or a law.json")

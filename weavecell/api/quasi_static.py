@@ -1,0 +1,130 @@
+"""Quasi-static computations of the Python interface: coupons, and the calibration of the 3D crossover."""
+
+from __future__ import annotations
+
+import time
+from concurrent.futures import Executor
+from dataclasses import replace
+from inspect import signature
+from types import SimpleNamespace
+from typing import Any
+
+from fabrics import assumed
+from fabrics.checks import FilePath
+from fabrics.errors import InputError
+from fabrics.executors import InProcess
+from fabrics.fabric import Fabric
+from weavecell.api import quantities
+from weavecell.api.quasi_static_results import CalibrationResult, CouponResult
+from weavecell.api.runs import as_fabric
+
+__all__ = ["calibrate", "coupon"]
+
+TESTS = ("bias_extension", "picture_frame", "uniaxial", "biaxial")
+TABLE_SIZE = 201  # stretches along each side of the cell's table, as in impacts
+
+
+def coupon(
+    fabric: Fabric | FilePath, test: str, *, law: Any = None, cell_model: str = "compressible", **options: Any
+) -> CouponResult:
+    """A quasi-static test on a piece of fabric, in this process.
+
+    Parameters
+    ----------
+    fabric, law : as of `setup`
+    test : "bias_extension", "picture_frame", "uniaxial" or "biaxial"
+    cell_model : "compressible", "incompressible" or "decoupled"
+    options : of the function of this name in `shellfabric.coupon.quasistatic`, in SI units or with units; such as
+        length, width, elongation [m], shear_angle [rad], strain, steps, crossovers (of a picture frame)
+
+    Returns
+    -------
+    CouponResult
+
+    Raises
+    ------
+    InputError : an unknown test or option, a value that is not allowed, or a law that is missing
+    UnstableError : shear in bands, yarns that passed one another, or no equilibrium; its attribute `result` is the run
+    """
+    from shellfabric.cell.model import CellModel
+    from shellfabric.coupon import quasistatic
+    from shellfabric.panel import quality
+    from weavecell.results.coupon import CouponRecord
+    from weavecell.results.coupon_measures import PRESCRIBED, measures
+
+    if test not in TESTS:
+        raise InputError(key="test", value=test, allowed=f"one of {', '.join(TESTS)}")
+    cloth = as_fabric(fabric)
+    cloth = assumed.with_shear(cloth) if test in ("bias_extension", "picture_frame") else cloth
+    run, began = getattr(quasistatic, test), time.perf_counter()
+    if "crossovers" in options:
+        options["cells"] = options.pop("crossovers")
+    defaults = {name: one.default for name, one in signature(run).parameters.items() if one.default is not one.empty}
+    allowed = {*defaults, "tolerance", "max_iterations"}
+    for key in sorted(set(options) - allowed):
+        raise InputError(key=key, value=options[key], allowed=f"one of {', '.join(sorted(allowed))}")
+    units = {"length": "m", "width": "m", "elongation": "m", "shear_angle": "rad"}
+    options |= {key: quantities.number(options[key], unit, key) for key, unit in units.items() if key in options}
+    laws = quantities.laws(cloth, law) if cell_model == "compressible" else None
+    table = CellModel(cloth, laws, model=cell_model).table(TABLE_SIZE)
+    result = run(table, **options)
+    reached = [float(tension.max()) for tension in result.coupon.tensions(result.states[-1].x)]
+    if result.outcome == "yarn at its strength":
+        reached = [min(one, yarn.strength) for one, yarn in zip(reached, cloth.weave.yarns)]
+    worst = max(state.residual for state in result.states)
+    record = CouponRecord.of(
+        result, measures(test, SimpleNamespace(**defaults | options), result), PRESCRIBED[test],
+        title=f"{cloth.name}, {test.replace('_', ' ')}", fabric=cloth.name, test=test, failure_message="",
+        wall_time=time.perf_counter() - began,
+        law_name=cell_model if laws is None else laws[0].provenance,
+        checks=quality.of_coupon(table, reached, worst, options.get("tolerance", 1e-4)),
+    )  # fmt: skip
+    return CouponResult(record, tuple(assumed.lines(cloth)))
+
+
+def calibrate(
+    fabric: Fabric | FilePath, *, mesh: str = "medium", platen_curve: FilePath | None = None, friction: float = 0.0,
+    assumed_range: bool = True, jobs: int = 1, executor: str | Executor = "local", out: FilePath | None = None,
+) -> CalibrationResult:  # fmt: skip
+    """Solve the 3D crossover and fit its compression law; needs dolfinx and PETSc.
+
+    With jobs = 1 and the local executor everything runs in this process; else in `jobs` processes, and the script that
+    calls needs the guard `if __name__ == "__main__":`.
+
+    Parameters
+    ----------
+    fabric : Fabric, or what `weavecell.fabric` takes
+    mesh : "coarse", "medium" or "fine"
+    platen_curve : CSV file of pressure and thickness, to which E_c, V_c and K_r are fitted first; in their place the
+        defaults of the fibre family are assumed where the fabric has no solid law
+    friction : [-] Coulomb's coefficient between the yarns
+    assumed_range : whether the law is fitted at both ends of an assumed solid law too, which triples the cost
+    jobs, executor : as of `fabrics.executors.open_executor`
+    out : folder for the histories and laws, or None
+
+    Returns
+    -------
+    CalibrationResult
+
+    Raises
+    ------
+    InputError : the fabric cannot be meshed, has no solid law that could be assumed, or a bad curve
+    UnstableError : no path got far enough for a fit
+    """
+    from unitcell3d.identify import calibrate as solver
+    from unitcell3d.identify.assumed_range import with_assumed_range
+
+    cloth = assumed.with_solid_laws(as_fabric(fabric))
+    if platen_curve is not None:
+        from fabrics.plate_curve import PlateCurve
+        from unitcell3d.identify.solid_fit import fit_solid
+
+        cloth = assumed.given(fit_solid(cloth, PlateCurve.read(platen_curve)).fabric, "solid")
+    where = InProcess() if executor == "local" and jobs == 1 else executor
+    choices: dict[str, Any] = {"size": mesh, "friction": friction, "jobs": jobs, "executor": where}
+    done, failed = solver.calibrate(cloth, out=out, **choices), dict[str, str]()
+    if assumed_range:
+        done, failed = with_assumed_range(cloth, done, **choices)
+    if out is not None:
+        done.write(out)
+    return CalibrationResult(replace(cloth, laws=(done.law, done.law)), done, tuple(assumed.lines(cloth)), failed)

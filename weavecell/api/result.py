@@ -1,0 +1,66 @@
+"""What every result of the Python interface offers, and how it shows in a notebook."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from html import escape
+from typing import Any
+
+__all__ = ["Result"]
+
+
+class Result:
+    """What every result offers; a derived class gives `summary`, `_columns` and, where it has them, the others."""
+
+    def summary(self) -> dict[str, Any]:
+        """{name with unit: value} of the result."""
+        raise NotImplementedError
+
+    def _columns(self) -> Mapping[str, Any]:
+        """{name with unit: (n,)} of the table."""
+        raise NotImplementedError
+
+    def to_dataframe(self) -> Any:
+        """The result as a pandas.DataFrame; names of the columns end in their SI unit.
+
+        Raises
+        ------
+        ModuleNotFoundError : pandas is not installed
+        """
+        try:
+            import pandas
+        except ModuleNotFoundError:
+            raise ModuleNotFoundError(
+                "to_dataframe() needs the Python package pandas, which is not installed: pip install pandas",
+                name="pandas",
+            ) from None
+        return pandas.DataFrame(dict(self._columns()))
+
+    def __repr__(self) -> str:
+        shown = ", ".join(f"{key}={_text(value)}" for key, value in self.summary().items() if plain(value))
+        return f"{type(self).__name__}({shown})"
+
+    def _repr_html_(self) -> str:
+        rows = "".join(
+            f"<tr><th style='text-align:left'>{escape(key)}</th><td>{escape(_text(value))}</td></tr>"
+            for key, value in self.summary().items()
+            if plain(value)
+        )
+        return f"<table><caption>{escape(type(self).__name__)}</caption>{rows}</table>"
+
+
+def plain(value: object) -> bool:
+    """Whether a value is shown: a text, a number or None."""
+    return isinstance(value, (str, int, float)) or value is None
+
+
+def _text(value):
+    return f"{value:.6g}" if isinstance(value, float) else str(value)
+
+
+def figure(draw: Callable, *arguments: Any) -> Any:
+    """What draw(pyplot, *arguments) returns, in the style of the reports."""
+    from meshing.pictures_style import plots
+
+    with plots() as pyplot:
+        return draw(pyplot, *arguments)

@@ -1,0 +1,229 @@
+"""Results of impacts: shots, sweeps of shots, critical velocities."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from fabrics.checks import FilePath
+from weavecell.api.result import Result, figure, plain
+
+if TYPE_CHECKING:
+    from fabrics.fabric import Fabric
+    from shellfabric.impact.ballistic_limit import Limit
+    from shellfabric.impact.lambert_jonas import LambertJonas
+    from weavecell.analysis.assumed_range import AssumedRange
+    from weavecell.results.impact_base import BaseRecord, Shape
+
+__all__ = ["CriticalVelocityResult", "ShotResult", "SweepResult"]
+
+
+@dataclass(frozen=True, repr=False)
+class ShotResult(Result):
+    """One impact on one ply or on a pack.
+
+    Parameters
+    ----------
+    record : `weavecell.results.impact.ImpactRecord`, or `weavecell.results.pack.PackRecord` of a pack
+    shapes : tuple of Shape, the panel at the instants of `snapshot_interval`; empty for a pack
+    fabric : Fabric, with the linear densities of the run
+    assumed : lines that name the laws that are assumed
+    range : AssumedRange of the residual velocity over the assumed laws, or None
+    """
+
+    record: BaseRecord
+    shapes: tuple[Shape, ...] = ()
+    fabric: Fabric | None = None
+    assumed: tuple[str, ...] = ()
+    range: AssumedRange | None = None
+
+    @property
+    def outcome(self) -> str:
+        """ "stopped", "perforated", "in flight" (the end time came first) or "unstable"."""
+        return self.record.outcome
+
+    @property
+    def strike_velocity(self) -> float:
+        """[m/s]"""
+        return float(self.record.strike_velocity)
+
+    @property
+    def residual_velocity(self) -> float:
+        """[m/s] at the end, along the panel's normal."""
+        return float(self.record.residual_velocity)
+
+    def summary(self) -> dict[str, Any]:
+        """The entries of summary.json (docs/keys.md), the areal density of a ply, and what is assumed."""
+        found = self.record.summary()
+        if self.fabric is not None:
+            found["areal_density_kg_m2"] = float(self.fabric.weave.areal_density)
+        if self.assumed:
+            found["assumed"] = "; ".join(self.assumed)
+        if self.range is not None:
+            found["assumed_range"] = self.range.words()
+        return found
+
+    def __repr__(self) -> str:
+        record = self.record
+        words = f"{record.fabric}, {self.strike_velocity:g} m/s: {self.outcome}"
+        more = f", assumed: {len(self.assumed)} laws" if self.assumed else ""
+        return f"ShotResult({words}, residual velocity {self.residual_velocity:.4g} m/s{more})"
+
+    def _columns(self):
+        record = self.record
+        columns = {
+            "time_s": record.time, "velocity_m_s": record.velocity, "nose_position_m": record.nose_position,
+            "failed_yarn_segments": record.failed_segments,
+        }  # fmt: skip
+        columns |= {f"energy_{name}_J": values for name, values in record.energies.items()}
+        reactions = getattr(record, "reactions", {})
+        return columns | {f"reaction_{name}_N": values for name, values in reactions.items()}
+
+    def plot(self) -> Any:
+        """A matplotlib figure: velocity of the projectile [m/s] against time [us]."""
+        from weavecell.report import pictures
+
+        label = f"{self.record.fabric}, {self.strike_velocity:g} m/s"
+        return figure(pictures.velocity, {label: (self.record.time, self.record.velocity)})
+
+    def to_vtk(self, folder: FilePath) -> Path:
+        """Write the panel for ParaView: panel.pvd with panel/*.vtu; of a pack the plies at the end, ply-NN.vtu.
+
+        Parameters
+        ----------
+        folder : to write to; it is made
+
+        Returns
+        -------
+        path : of panel.pvd, or of the folder of a pack
+        """
+        from weavecell.results import paraview
+
+        folder = Path(folder)
+        final = getattr(self.record, "final", None)
+        if final is not None:
+            before = [shape for shape in self.shapes if shape.t < final.t]
+            paraview.write_panel(folder, [*before, final], self.record.quads)  # type: ignore[attr-defined]
+            return folder / "panel.pvd"
+        folder.mkdir(parents=True, exist_ok=True)
+        for ply, (shape, quads) in enumerate(zip(self.record.shapes, self.record.quads)):  # type: ignore[attr-defined]
+            values = paraview.cell_values(shape.tension, shape.failed)
+            cells = paraview.topology(quads)
+            paraview.write_grid(folder / f"ply-{ply:02d}.vtu", shape.nodes, cells, values, shape.nose_position)
+        return folder
+
+    def write(self, path: FilePath) -> None:
+        """Write the histories as HDF5, as `weavecell impact` writes histories.h5."""
+        self.record.write(path)
+
+
+@dataclass(frozen=True, repr=False)
+class SweepResult(Result, Sequence):
+    """Results of several shots, in their order; an unstable one has the outcome "unstable".
+
+    Parameters
+    ----------
+    shots : tuple of ShotResult
+    """
+
+    shots: tuple[ShotResult, ...]
+
+    def __len__(self) -> int:
+        return len(self.shots)
+
+    def __getitem__(self, index: Any) -> Any:
+        return self.shots[index]
+
+    def __iter__(self) -> Iterator[ShotResult]:
+        return iter(self.shots)
+
+    def summary(self) -> dict[str, Any]:
+        """Number of shots of each outcome."""
+        outcomes = [shot.outcome for shot in self.shots]
+        return {"shots": len(self.shots)} | {name: outcomes.count(name) for name in dict.fromkeys(outcomes)}
+
+    def _columns(self):
+        rows = [{key: value for key, value in shot.summary().items() if plain(value)} for shot in self.shots]
+        names = dict.fromkeys(name for row in rows for name in row)
+        return {name: [row.get(name) for row in rows] for name in names}
+
+    def plot(self) -> Any:
+        """A matplotlib figure: residual against strike velocity [m/s]."""
+
+        def draw(pyplot):
+            figure, axes = pyplot.subplots(figsize=(7.2, 4.4))
+            for outcome in dict.fromkeys(shot.outcome for shot in self.shots):
+                some = [shot for shot in self.shots if shot.outcome == outcome]
+                axes.plot(
+                    [shot.strike_velocity for shot in some],
+                    [shot.residual_velocity for shot in some],
+                    "o",
+                    label=outcome,
+                )
+            axes.set(xlabel="strike velocity [m/s]", ylabel="residual velocity [m/s]")
+            axes.legend()
+            return figure
+
+        return figure(draw)
+
+
+@dataclass(frozen=True, repr=False)
+class CriticalVelocityResult(Result):
+    """The critical velocity of a panel (ballistic limit).
+
+    Parameters
+    ----------
+    fabric : Fabric
+    limit : `shellfabric.impact.ballistic_limit.Limit`
+    fit : Lambert-Jonas fit to the perforations, or None where they are too few
+    assumed : lines that name the laws that are assumed
+    range : AssumedRange of the critical velocity over the assumed laws, or None
+    """
+
+    fabric: Fabric
+    limit: Limit
+    fit: LambertJonas | None = None
+    assumed: tuple[str, ...] = ()
+    range: AssumedRange | None = None
+
+    @property
+    def velocity(self) -> float | None:
+        """[m/s] middle of the bracket; None where stops and perforations are mixed (see `mixed_zone`)."""
+        return float(self.limit.velocity) if self.limit.single else None
+
+    @property
+    def bracket(self) -> tuple[float, float]:
+        """[m/s] the stop and the perforation that enclose it."""
+        return float(self.limit.low), float(self.limit.high)
+
+    @property
+    def mixed_zone(self) -> tuple[float, float] | None:
+        """(lowest perforation, highest stop) [m/s] where the outcomes are mixed, or None."""
+        return self.limit.mixed_zone
+
+    def summary(self) -> dict[str, Any]:
+        """Velocity, bracket and number of shots."""
+        low, high = self.bracket
+        found = {"fabric": self.fabric.name, "critical_velocity_m_s": self.velocity, "stop_m_s": low}
+        found |= {"perforation_m_s": high, "shots": len(self.limit.shots)}
+        if self.mixed_zone is not None:
+            found |= dict(zip(("lowest_perforation_m_s", "highest_stop_m_s"), self.mixed_zone))
+        if self.assumed:
+            found["assumed"] = "; ".join(self.assumed)
+        if self.range is not None:
+            found["assumed_range"] = self.range.words()
+        return found
+
+    def _columns(self):
+        shots = sorted(self.limit.shots, key=lambda shot: shot.strike_velocity)
+        units = {"strike_velocity": "m_s", "residual_velocity": "m_s", "time": "s"}
+        columns = {f"{name}_{unit}": [getattr(shot, name) for shot in shots] for name, unit in units.items()}
+        return columns | {"outcome": [shot.outcome for shot in shots]}
+
+    def plot(self) -> Any:
+        """A matplotlib figure: residual against strike velocity [m/s], the bracket and the Lambert-Jonas curve."""
+        from weavecell.report import pictures
+
+        return figure(pictures.residual_velocity, self.fabric.name, self.limit, self.fit, self.limit.shots)

@@ -1,0 +1,86 @@
+"""`weavecell fabrics new`: prompts for data-sheet values, or reads them from a CSV file, and writes a fabric file."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from fabrics.errors import InputError
+
+EPILOG = "Example: [bold]weavecell fabrics new mine.toml --from mine.csv[/bold]"
+
+PathArgument = Annotated[
+    Path, typer.Argument(metavar="FILE.toml", help="The file to write; never over one that exists.")
+]
+FromOption = Annotated[
+    Path | None,
+    typer.Option("--from", help="Values: columns key, warp, weft, source, status; else prompts.", metavar="VALUES.csv"),
+]
+YarnOption = Annotated[
+    Path | None,
+    typer.Option(
+        "--yarn-curve", help="Fit modulus and failure strain: strain and force of a yarn.", metavar="CURVE.csv"
+    ),
+]
+FrameOption = Annotated[
+    Path | None,
+    typer.Option(
+        "--picture-frame",
+        help="Fit the trellis law: shear angle, and shear stress or force.",
+        metavar="CURVE.csv",
+    ),
+]
+SideOption = Annotated[
+    str | None,
+    typer.Option("--frame-side", help="Of the picture frame, where its file gives the force.", metavar="LENGTH"),
+]
+
+
+def new(
+    path: PathArgument,
+    values: FromOption = None,
+    yarn_curve: YarnOption = None,
+    picture_frame: FrameOption = None,
+    frame_side: SideOption = None,
+) -> None:
+    """Write a fabric file from data-sheet values, each with its source and status.
+
+    What no data sheet states is assumed by fibre family when the file is used; the command prints what that will be. A
+    platen curve is fitted by `weavecell calibrate FILE --platen-curve CURVE.csv`.
+    """
+    from fabrics.units import si
+    from weavecell.scenes import fabric_file
+
+    if path.suffix != ".toml":
+        raise InputError(key="FILE.toml", value=str(path), allowed="a path that ends in .toml")
+    if path.exists():
+        raise InputError("exists already", file=path)
+    side = None if frame_side is None else si(frame_side, "m", key="--frame-side")
+    found = fabric_file.read_values(values) if values is not None else _prompt(fabric_file)
+    draft = fabric_file.Draft(path.stem, found)
+    draft, told = fabric_file.with_curves(draft, yarn=yarn_curve, frame=picture_frame, side=side)
+    fabric = draft.write(path)
+    for line in (*told, *fabric_file.left_open(fabric)):
+        typer.echo(line)
+    typer.echo(f"written to {path}")
+
+
+def _prompt(fabric_file):
+    """{key: Value} that the user types in; a wrong value is asked for again."""
+    source = typer.prompt("source of the values", default="data sheet")
+    found = {}
+    for key, (_, example, meaning) in fabric_file.KEYS.items():
+        warp = _value(fabric_file, key, f"{key} of the warp, {meaning}, such as {example}")
+        weft = _value(fabric_file, key, f"{key} of the weft", default=warp)
+        found[key] = fabric_file.Value(warp, weft, source)
+    return found
+
+
+def _value(fabric_file, key, text, default=None):
+    while True:
+        try:
+            return fabric_file.check(key, typer.prompt(text, default=default))
+        except InputError as problem:
+            typer.echo(str(problem), err=True)
