@@ -167,13 +167,14 @@ def load() -> tuple[Claim, ...]:
     ------
     InputError : a file does not keep to the rules above
     """
-    claims = tuple(_claim(entry) for name in FILES for entry in _entries(name))
+    claims = tuple(_claim(entry) for name in FILES for entry in entries(name))
     if len({claim.id for claim in claims}) < len(claims):
         raise InputError("the ledger has two claims of one name", file=" and ".join(FILES))
     return claims
 
 
-def _entries(name):
+def entries(name):
+    """The claims of a file of FILES, as dicts."""
     return tomllib.loads((resources.files("validation.claims") / name).read_text("utf-8"))["claim"]
 
 

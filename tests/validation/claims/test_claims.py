@@ -136,7 +136,7 @@ def test_a_miss_says_by_how_much():
     assert record.miss == "V off by +10 m/s (+10 %), 5 allowed"
     assert record.told == "V 110 m/s (100 ± 5 m/s)"
     record = judge.judge(claim(Condition("V", "below", 5, unit="%")), {"V": 0.2})
-    assert record.miss == "V 20 %, < 5 % asked"
+    assert record.miss == "V 20 %, target < 5 %"
 
 
 def test_all_conditions_have_to_hold():
