@@ -60,9 +60,7 @@ def test_a_page_of_some_topics_is_refused(tmp_path):
     from validation.commands.claims import validate
 
     with pytest.raises(InputError, match="--page"):
-        validate(
-            tmp_path / "out", topics=["geom"], slow=False, jobs=1, resume=False, page=tmp_path / "claims.md"
-        )
+        validate(tmp_path / "out", topics=["geom"], slow=False, jobs=1, resume=False, page=tmp_path / "claims.md")
     assert not (tmp_path / "out").exists()
 
 

@@ -30,6 +30,7 @@ def _cases(*numbers):
 def completes(run, number, edge="free"):
     return {
         "completes": run["outcome"] == "stopped",
+        "balance": run["balance"],
         "note": f"{1e3 * run['depth']:.1f} mm deep after {1e6 * run['t'][-1]:.0f} us; wall at "
         f"{np.degrees(run['steepness']):.0f} degrees; balance {100 * run['balance']:.2f} %",
     }
