@@ -151,9 +151,27 @@ def test_another_law_of_shear_misses_the_frame():
     misses("shear-frame-load", "stiffer once locked", run=sound | {"force": 1.07e4 * gamma / 0.6})
 
 
+def caption_shots(perforating, stopping):
+    """Two shots at each fabric, with these peaks over the strength; the second perforates."""
+    runs = {}
+    for name, (slow, fast) in CLAIMS["yarn-failure-strain"].arguments["velocities"].items():
+        strength = np.array([yarn.strength for yarn in catalogue.load(name).weave.yarns])
+        for velocity, failed, peak in ((slow, 0, stopping), (fast, 9, perforating)):
+            one = {"failed": np.array([0, failed]), "peak": peak * strength, "strength": strength}
+            runs[f"{name} at {velocity:g}"] = one
+    return runs
+
+
+def test_shots_fail_at_the_published_strain():
+    bears_out("yarn-failure-strain", **caption_shots(1.02, 0.97))
+    misses("yarn-failure-strain", "where yarns fail", **caption_shots(0.98, 0.97))
+    misses("yarn-failure-strain", "where none fails", **caption_shots(1.02, 1.01))
+
+
 @pytest.mark.parametrize("name", ["yarn-failure-strain", "cell-contact-region", "biaxial-single-balanced"])
 def test_stiffer_yarns_miss(monkeypatch, name):
-    bears_out(name)
+    runs = caption_shots(1.02, 0.97) if name == "yarn-failure-strain" else {}
+    bears_out(name, **runs)
     load = catalogue.load
 
     def stiffer(fabric):
@@ -164,7 +182,7 @@ def test_stiffer_yarns_miss(monkeypatch, name):
         return replace(given, weave=replace(given.weave, warp=warp))
 
     monkeypatch.setattr(catalogue, "load", stiffer)
-    assert verdict(name)[0] == judge.MISSED
+    assert verdict(name, **runs)[0] == judge.MISSED
 
 
 def test_the_survived_strain_follows_the_law_of_the_cell(monkeypatch):
@@ -325,6 +343,18 @@ def test_both_families_beside_the_projectile():
     misses("impact1-balance-uses-both", "balanced over unbalanced", **runs | {"S720": beside(0.2, 0.8)})
     # a peak of the warp elsewhere, or at another time, is not of the cell closest to failure
     misses("impact1-balance-uses-both", "balanced over unbalanced", **dict.fromkeys(names, beside(0.3, 0.8, 2.0)))
+
+
+def pulled(end):
+    """A shot whose weft pulls most at the edge after 200 us, and with this share of it at the end."""
+    t = np.linspace(0, 300e-6, 301)
+    force = np.where(t < 200e-6, t / 200e-6, 1 - (1 - end) * (t - 200e-6) / 100e-6)
+    return {"t": t, "reactions": {"weft": 100 * force}}
+
+
+def test_tension_at_the_edge_falls_after_its_peak():
+    bears_out("impact1-tension-peak-then-fall", run=pulled(0.7))
+    misses("impact1-tension-peak-then-fall", "end over peak", run=pulled(0.95))
 
 
 def strained(level, late=1.0):

@@ -15,6 +15,7 @@ from shellfabric.cell import crossover_kernels
 from shellfabric.cell.model import CellModel
 from validation.claims.checks.geometry import KEVLAR
 from validation.claims.registry import check
+from validation.claims.run import Run
 
 _N = 161
 
@@ -70,10 +71,31 @@ def knees(fabric):
     return found | {"order": sorted(("warp", "weft"), key=lambda name: found[f"knee {name}"])}
 
 
-@check()
-def strengths(failure_strain):
-    """Tension of the warp in the coupled cell once its fibres are strained by so much and the weft has lost contact."""
-    found = {}
+def _both_outcomes(failure_strain, velocities):
+    """Shots at each fabric, at each of its velocities."""
+    return {
+        f"{name} at {velocity:g}": Run.of("shot", fabric=name, velocity=velocity)
+        for name, own in velocities.items()
+        for velocity in own
+    }
+
+
+@check(_both_outcomes)
+def strengths(failure_strain, velocities, **runs):
+    """Tension of the warp in the coupled cell once its fibres are strained by so much and the weft has lost contact.
+
+    And the largest tension of shots over E A times this strain, of those in which yarns fail and of the others.
+    """
+    failing, whole = [], []
+    for name, run in runs.items():
+        yarns = catalogue.load(name.split(" at ")[0]).weave.yarns
+        loads = [S * failure_strain / yarn.failure_strain for S, yarn in zip(run["strength"], yarns)]
+        peak = max(T / load for T, load in zip(run["peak"], loads))
+        (failing if run["failed"][-1] else whole).append(float(peak))
+    found = {
+        "least peak where yarns fail": min(failing, default=np.nan),
+        "greatest peak where none fails": max(whole, default=np.nan),
+    }
     for name in KEVLAR:
         model = cell(name)
         slack = model.range()[1][0]
