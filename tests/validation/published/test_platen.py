@@ -71,3 +71,15 @@ def test_a_folder_without_a_fit_is_refused(tmp_path):
 
     with pytest.raises(InputError, match="S-720"):
         read(tmp_path, "S-720")
+
+
+def test_each_constant_is_fitted_alone_and_with_the_others():
+    from validation.published.platen import law_by_constant
+
+    assert law_by_constant.choices()[0] == ()
+    assert law_by_constant.choices()[-1] == ("E_c", "V_c", "K_r")
+    assert len(set(law_by_constant.choices())) == 8
+    law = catalogue.load("S-720").laws[0]
+    rows = law_by_constant.table("S-720", {(): (law.a, 2 * law.b, [1e-6, 2e-6, 3e-6])})
+    assert rows[-1] == ["S-720", "none: the file's solid", "1.00", "2.00", "1.0", "2.0", "3.0"]
+    assert rows[1][4:] == [f"{1e6 * float(law.d(F)):.1f}" for F in law_by_constant.FORCES]
