@@ -537,6 +537,20 @@ def test_zone_of_high_reactions():
     misses("slip-zone-projectile-size", "growth", r0=edge(0.06), r1=edge(0.06), r2=edge(0.08))
 
 
+def branches(share):
+    """Two branches of a compression, of which the second gives back this share of the work of the first."""
+    closure = np.linspace(0, 1e-4, 30)
+    pressure = 1e10 * closure
+    return {"loading": np.array([closure, pressure]), "unloading": np.array([closure, share * pressure])[:, ::-1],
+            "failed": ""}  # fmt: skip
+
+
+def test_loading_and_unloading():
+    bears_out("compr-load-unload", rough=branches(0.8), smooth=branches(1.0))
+    misses("compr-load-unload", "with friction", rough=branches(0.99), smooth=branches(1.0))
+    misses("compr-load-unload", "without friction", rough=branches(0.8), smooth=branches(0.9))
+
+
 def test_hourglass_energy():
     def patch(share):
         inside = np.linspace(0, 1, 20)
