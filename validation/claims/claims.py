@@ -24,6 +24,7 @@ from dataclasses import dataclass
 from functools import cache
 from importlib import resources
 from math import isfinite
+from typing import Any
 
 from fabrics.errors import InputError
 from fabrics.units import si
@@ -168,13 +169,14 @@ def load() -> tuple[Claim, ...]:
     ------
     InputError : a file does not keep to the rules above
     """
-    claims = tuple(_claim(entry) for name in FILES for entry in _entries(name))
+    claims = tuple(_claim(entry) for name in FILES for entry in entries(name))
     if len({claim.id for claim in claims}) < len(claims):
         raise InputError("the ledger has two claims of one name", file=" and ".join(FILES))
     return claims
 
 
-def _entries(name):
+def entries(name: str) -> list[dict[str, Any]]:
+    """The claims of a file of FILES, as dicts."""
     return tomllib.loads((resources.files("validation.claims") / name).read_text("utf-8"))["claim"]
 
 

@@ -22,7 +22,7 @@ VERDICTS = {
     NOT_COMPARABLE: "the thesis's statement and our number are not comparable: both are listed",
     NOT_BUILT: "what the check would need is not built yet",
     NOT_TESTABLE: "nothing to hold a number against, or a number that no model of ours could give",
-    LEFT_OUT: "a slow check that was not asked for",
+    LEFT_OUT: "a slow check, run with --slow only",
     BROKEN: "the check itself did not come to an end",
 }
 
@@ -104,8 +104,13 @@ def expected(condition: Condition) -> str:
     return f"{condition.target:g} ± {condition.within:g}{unit}"
 
 
+def computed(condition: Condition, found: Found) -> str:
+    """What a check found for a condition, in words: "h01 0.1203 mm"."""
+    return f"{condition.name} {_shown(condition, found.get(condition.name))}"
+
+
 def _told(condition, found):
-    return f"{condition.name} {_shown(condition, found.get(condition.name))} ({expected(condition)})"
+    return f"{computed(condition, found)} ({expected(condition)})"
 
 
 def _shown(condition, value):
@@ -140,4 +145,4 @@ def _miss(condition, found):
         return f"{name} off by {off:+.3g}{unit}{share}, {allowed:.3g} allowed"
     if (off > 0) == (condition.test == "above") and off != 0:
         return ""
-    return f"{name} {value:.4g}{unit}, {expected(condition)} asked"
+    return f"{name} {value:.4g}{unit}, target {expected(condition)}"

@@ -167,9 +167,9 @@ def digest(run: Run) -> str:
 
 
 def _registry():
-    from validation.claims import runs, runs3d, runs_extra, runs_studies
+    from validation.claims import runs, runs3d, runs_extra, runs_stack, runs_studies
 
-    return runs.RUNS | runs_extra.RUNS | runs_studies.RUNS | runs3d.RUNS
+    return runs.RUNS | runs_extra.RUNS | runs_studies.RUNS | runs3d.RUNS | runs_stack.RUNS
 
 
 def _make(run, out, name):

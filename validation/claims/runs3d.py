@@ -113,7 +113,8 @@ def brick(*, fabric: str, stretch: Sequence[float]) -> RunResult:
     law = catalogue.load(fabric).solid_laws[0]
     corners = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]], float)
     space = HexSpace.build(corners, np.arange(8)[None])
-    solid = Assembler(space, *forms(space, np.array([[law.E_a, law.a_E, law.b_E, law.Vf0, law.V_c, law.G]])))
+    constants = space.cell_constants(np.array([[law.E_a, law.a_E, law.b_E, law.Vf0, law.V_c, law.G]]))
+    solid = Assembler(space, *forms(space, constants))
     a, b, c = stretch
     space.set_displacement(corners * (np.array(stretch) - 1))
     nominal = (solid.residual().T @ corners)[0, 0]

@@ -12,7 +12,7 @@ from validation.claims import variants
 from validation.claims.claims import KINDS, TOPICS, Claim
 from validation.claims.judge import MISSED, REPRODUCED, VERDICTS, Record, expected
 
-COLUMNS = ("id", "topic", "kind", "basis", "origin", "source", "quantity", "verdict", "ours against asked",
+COLUMNS = ("id", "topic", "kind", "basis", "origin", "source", "quantity", "verdict", "computed against target",
            "missed by", "cause", "why", "erratum", "reason of the tolerance", "remark", "seconds", "shots",
            "variants")  # fmt: skip
 

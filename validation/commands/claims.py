@@ -9,14 +9,17 @@ The folder of `weavecell validate`
 
 from __future__ import annotations
 
+import resource
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from importlib import resources
 from pathlib import Path
 
+from fabrics.errors import InputError
 from fabrics.files import write_whole
 from validation.claims import claims as data
+from validation.claims import page as claims_page
 from validation.claims import runner, summary, variants
 from validation.claims.judge import BROKEN, DATA, MISSED, NOT_BUILT, NOT_COMPARABLE, NOT_TESTABLE, VERDICTS, WRONG
 from weavecell.report import pictures
@@ -40,6 +43,7 @@ def validate(
     resume: bool,
     executor: str = "local",
     vary: bool = False,
+    page: Path | None = None,
 ) -> int:
     """Run the ledger; returns the exit code: 1 where a check broke, else 0, for a miss is a result.
 
@@ -51,24 +55,34 @@ def validate(
     jobs, executor : as of `fabrics.executors.open_executor`
     resume : go on from what is in the folder
     vary : also check the claims that rest on shots in their variants
+    page : file of the documentation to write as well, with its data beside it; of all topics only
 
     Raises
     ------
-    InputError : an unknown topic; nothing has been written
+    InputError : an unknown topic, or a page of some topics; nothing has been written
     """
     chosen, left_out = data.select(data.load(), topics, slow)
-    began = time.perf_counter()
+    if page is not None and topics:
+        raise InputError(key="--page", value=page, allowed="without --topic: the page has the claims of all topics")
+    began, cpu = time.perf_counter(), _cpu_time()
     with progress.bar(f"{len(chosen)} claims") as advance:
         records = runner.validate(
             chosen, out, left_out=left_out, vary=vary, jobs=jobs, executor=executor, resume=resume, report=advance
         )
-    seconds = time.perf_counter() - began
+    seconds, cpu = time.perf_counter() - began, _cpu_time() - cpu
     claims = [claim for claim in data.load() if claim in chosen or claim in left_out]
     shares, stamp = summary.shares(claims, records), provenance.stamp()
     summary.write_csv(claims, records, out / "ledger.csv")
-    json_file.write(out / "ledger.json", _summary(claims, records, shares, stamp, seconds))
+    json_file.write(out / "ledger.json", _summary(claims, records, shares, stamp, seconds, cpu))
     with progress.bar("Page") as advance:
         _write_page(out, claims, records, shares, stamp)
+    if page is not None:
+        options = ["--slow"] * slow + ["--no-variants"] * (not vary)
+        command = " ".join(["weavecell validate", *options, f"--page {page}"])
+        cost = f"{seconds / 60:.0f} minutes with {jobs} processes, {cpu / 60:.0f} minutes of processor time"
+        cost = "taken up from stored runs (--resume)" if resume else cost
+        rows = claims_page.rows(claims, records)
+        claims_page.write(page, rows, command=command, commit=stamp["commit"], date=stamp["date"], cost=cost)
     _tell(shares, records, out)
     broken = [record.id for record in records if record.verdict == BROKEN]
     if broken:
@@ -76,7 +90,13 @@ def validate(
     return 1 if broken else 0
 
 
-def _summary(claims, records, shares, stamp, seconds):
+def _cpu_time():
+    """[s] of processor time of this process and of those that it has started and that have ended."""
+    used = [resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)]
+    return sum(one.ru_utime + one.ru_stime for one in used)
+
+
+def _summary(claims, records, shares, stamp, seconds, cpu):
     causes = {claim.id: claim.cause for claim in claims}
 
     def table(rows):
@@ -99,6 +119,7 @@ def _summary(claims, records, shares, stamp, seconds):
             if record.variants
         },
         "wall_time": seconds,
+        "cpu_time": cpu,
         "provenance": stamp,
     }
 

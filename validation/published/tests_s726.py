@@ -34,7 +34,7 @@ TOLERANCE = 1.0  # [m/s] of the critical velocity
 GRIPS = (20.0, 40.0, 80.0)  # [N] per yarn: 0.11, 0.21 and 0.42 of the strength of a yarn
 SHARES = ((0.9, 0.9), (1.0, 0.9), (0.9, 0.8), (1.0, 0.8))  # retained (modulus, strength)
 TOGETHER = (40.0, (0.9, 0.8))  # grip and shares of the case of all three
-MESHES = (1,)  # elements per crossover, along each side
+MESHES = (1, 2)  # elements per crossover, along each side
 MARKS = "<!-- tables of validation.published.tests_s726 -->", "<!-- end of the tables -->"
 
 

@@ -105,6 +105,9 @@ def validate(
         bool,
         typer.Option(help="Check the claims that rest on shots in four variants too: whether their verdicts hold."),
     ] = True,
+    page: Annotated[
+        Path | None, typer.Option(help="Also write this page, with its data beside it in data/.", metavar="FILE.md")
+    ] = None,
     jobs: JobsOption = CORES,
     executor: ExecutorOption = "local",
     resume: ResumeOption = False,
@@ -129,4 +132,5 @@ def validate(
         executor=executor,
         resume=resume,
         vary=variants,
+        page=page,
     )

@@ -16,6 +16,7 @@ from fabrics.fabric import Fabric
 from fabrics.materials import Isotropic, load
 from fabrics.surface import ResponseSurface
 from fabrics.variants import with_linear_density
+from fabrics.yarn import WeavingDamage
 from weavecell.scenes.impact import SHAPES, BackingTable, PanelTable, ProjectileTable, SlipTable
 from weavecell.scenes.schema import InlineLaw
 from weavecell.scenes.supported import Rule, of
@@ -25,7 +26,9 @@ if TYPE_CHECKING:
 
 # keys of a scene that `build` and `setup` put into the fabric, its cell and the ImpactSetup
 CLOTH = of(
-    "fabric", "name file linear_density law law.a law.b law.form cell_model cell_formulation cell_profile crossover_gap"
+    "fabric",
+    "name file linear_density weaving_damage.modulus weaving_damage.strength weaving_damage.source "
+    "weaving_damage.status law law.a law.b law.form cell_model cell_formulation cell_profile crossover_gap",
 )
 PROJECTILE = of(
     "projectile",
@@ -53,7 +56,7 @@ NO_SLACK = {"fabric.fibre_slack": "left out in an impact"}  # a yarn whose cross
 CELL_RULES = (
     *(
         Rule(f"fabric.{key}", lambda scene: scene.fabric.surface is not None, "left out with fabric.surface")
-        for key in ("law", "cell_model", "crossover_gap", "cell_profile", "fibre_slack")
+        for key in ("law", "cell_model", "crossover_gap", "cell_profile", "fibre_slack", "weaving_damage")
     ),
     Rule(
         "fabric.law",
@@ -224,7 +227,10 @@ def _fabric(table, file):
         raise InputError(
             file=file, key="fabric.name", value=table.name, allowed=f"one of {', '.join(catalogue.list_names())}"
         )
-    return with_linear_density(fabric, table.linear_density)
+    fabric = with_linear_density(fabric, table.linear_density)
+    if table.weaving_damage is None:
+        return fabric
+    return fabric.with_weaving_damage(WeavingDamage(**table.weaving_damage.model_dump()))
 
 
 def _sheared(fabric, scene, file):

@@ -19,6 +19,7 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, Discriminator, Fiel
 from fabrics.checks import FilePath
 from fabrics.errors import InputError
 from fabrics.units import si
+from fabrics.yarn import STATUSES
 
 
 class Table(BaseModel):
@@ -119,12 +120,27 @@ def _toe(value):
     return tuple(toes) if pair else toes[0]
 
 
+_SHARE = Annotated[float, Field(gt=0.0, le=1.0, description="a number above 0, at most 1")]
+
+
+class WeavingDamageTable(Table):
+    """What weaving leaves of modulus and strength of the yarns: `fabrics.yarn.WeavingDamage` (thesis section 5.2.3)."""
+
+    modulus: _SHARE = 1.0
+    strength: _SHARE = 1.0
+    source: Annotated[str, Field(min_length=1, description="a text: where the shares come from")]
+    status: one_of(*STATUSES) = "assumed"
+
+
 class FabricTable(Table):
     """Which fabric, with which compression law and which model of its cell."""
 
     name: Annotated[str | None, Field(description="the name of a fabric of the catalogue")] = None
     file: Annotated[str | None, Field(description="the path of a fabric file (*.toml)")] = None
     linear_density: one_of("effective", "nominal") = "effective"
+    weaving_damage: Annotated[
+        WeavingDamageTable | None, Field(description='a table { modulus = 0.9, strength = 0.8, source = "..." }')
+    ] = None
     law: Annotated[Law, Field(description=_LAW)] = "published"
     cell_model: one_of("compressible", "incompressible", "decoupled") = "compressible"
     cell_formulation: one_of("variational", "equilibrium", "direct") = "variational"

@@ -1,6 +1,7 @@
 """The ledger: no claim is dropped, comparisons hold at their edges, runs are shared, and work is taken up again."""
 
 import csv
+import inspect
 import json
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
@@ -51,6 +52,12 @@ def test_checks_exist_and_their_runs_are_known():
             assert run.name in runner._registry(), entry.id
             assert Run.of(run.name, **run.keywords) == run
     assert used == set(CHECKS)  # no check without a claim
+
+
+def test_checks_take_the_runs_and_arguments_that_they_are_called_with():
+    for entry in (entry for entry in data.load() if entry.check):
+        check, arguments = CHECKS[entry.check], entry.arguments or {}
+        inspect.signature(check.function).bind(**check.needs(**arguments), **arguments)
 
 
 def test_units_are_known_and_converted():
@@ -136,7 +143,7 @@ def test_a_miss_says_by_how_much():
     assert record.miss == "V off by +10 m/s (+10 %), 5 allowed"
     assert record.told == "V 110 m/s (100 ± 5 m/s)"
     record = judge.judge(claim(Condition("V", "below", 5, unit="%")), {"V": 0.2})
-    assert record.miss == "V 20 %, < 5 % asked"
+    assert record.miss == "V 20 %, target < 5 %"
 
 
 def test_all_conditions_have_to_hold():

@@ -33,6 +33,7 @@ CONE = {"shape": "cone", "half_angle": "45 deg", "tip_radius": "0.5 mm"}
 CHISEL = {"shape": "chisel", "flat_width": "2.5 mm", "flat_angle": "35 deg"}
 PULL = {"pull_in": "1 mm", "start": "0 us", "end": "40 us"}
 LAW = {"a": "0.04 mm", "b": "0.05 mm N^(1/3)"}
+DAMAGE = {"source": "made up"}
 FILE = str(Path(__file__).parents[3] / "fabrics" / "catalogue" / "S-728.toml")
 SURFACE = str(DATA / "S-720-coarse-9x9.h5")
 
@@ -68,6 +69,10 @@ FABRIC = {
     "fabric.name": ({}, "S-720", "S-728"),
     "fabric.file": ({"fabric": {"name": None}}, FILE, FILE.replace("S-728", "S-731")),
     "fabric.linear_density": ({}, "effective", "nominal"),
+    "fabric.weaving_damage.modulus": ({"fabric": {"weaving_damage": DAMAGE}}, 1.0, 0.9),
+    "fabric.weaving_damage.strength": ({"fabric": {"weaving_damage": DAMAGE}}, 1.0, 0.8),
+    "fabric.weaving_damage.source": ({"fabric": {"weaving_damage": DAMAGE}}, "made up", "another"),
+    "fabric.weaving_damage.status": ({"fabric": {"weaving_damage": DAMAGE}}, "assumed", "measured"),
     "fabric.law": ({}, "published", LAW),
     "fabric.law.a": ({"fabric": {"law": LAW}}, "0.04 mm", "0.05 mm"),
     "fabric.law.b": ({"fabric": {"law": LAW}}, "0.05 mm N^(1/3)", "0.06 mm N^(1/3)"),

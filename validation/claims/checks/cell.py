@@ -17,7 +17,8 @@ from fabrics.weave import arc_length
 from shellfabric.cell import crossover_kernels
 from shellfabric.cell.model import CellModel
 from validation.claims.checks.geometry import KEVLAR
-from validation.claims.registry import Found, check
+from validation.claims.registry import Found, RunResult, check
+from validation.claims.run import Run
 
 if TYPE_CHECKING:
     from fabrics.yarn import Yarn
@@ -77,10 +78,32 @@ def knees(fabric: str) -> Found:
     return found | {"order": sorted(("warp", "weft"), key=lambda name: found[f"knee {name}"])}
 
 
-@check()
-def strengths(failure_strain: float) -> Found:
-    """Tension of the warp in the coupled cell once its fibres are strained by so much and the weft has lost contact."""
-    found = {}
+def _both_outcomes(failure_strain: float, velocities: dict[str, list[float]]) -> dict[str, Run]:
+    """Shots at each fabric, at each of its velocities."""
+    return {
+        f"{name} at {velocity:g}": Run.of("shot", fabric=name, velocity=velocity)
+        for name, own in velocities.items()
+        for velocity in own
+    }
+
+
+@check(_both_outcomes)
+def strengths(failure_strain: float, velocities: dict[str, list[float]], **runs: RunResult) -> Found:
+    """Tension of the warp in the coupled cell once its fibres are strained by so much and the weft has lost contact.
+
+    And the largest tension of shots over E A times this strain, of those in which yarns fail and of the others.
+    """
+    failing: list[float] = []
+    whole: list[float] = []
+    for name, run in runs.items():
+        yarns = catalogue.load(name.split(" at ")[0]).weave.yarns
+        loads = [S * failure_strain / yarn.failure_strain for S, yarn in zip(run["strength"], yarns)]
+        peak = max(T / load for T, load in zip(run["peak"], loads))
+        (failing if run["failed"][-1] else whole).append(float(peak))
+    found = {
+        "least peak where yarns fail": min(failing, default=np.nan),
+        "greatest peak where none fails": max(whole, default=np.nan),
+    }
     for name in KEVLAR:
         model = cell(name)
         slack = model.range()[1][0]

@@ -11,6 +11,7 @@ import numpy as np
 from scipy.integrate import quad
 
 from fabrics import catalogue
+from fabrics.trellis import locking_modulus
 from fabrics.weave import arc_length, height_from_length
 from validation.claims.registry import Found, RunResult, check
 from validation.claims.run import Run
@@ -45,8 +46,25 @@ def thickness(fabric: str) -> Found:
 
 @check()
 def areal_density(fabric: str) -> Found:
-    found = catalogue.load(fabric)
-    return {"nominal": found.weave.areal_density, "effective": found.with_effective_density().weave.areal_density}
+    """Mass per area of the nodes of a panel, with nominal linear densities and with those that G2 implies.
+
+    The effective linear densities (erratum E-07) are inferred from the areal densities themselves. Here the factor on
+    the nominal ones is G2 of Table 4-1 over eq. 4-49, into which no areal density enters.
+    """
+    given = catalogue.load(fabric)
+    weave = given.weave
+    factor = given.shear.G2 / locking_modulus(weave.warp.E, weave.warp.A_s, weave.thickness, 2 * weave.w1)
+    implied = given.with_yarns(linear_density=tuple(factor * yarn.linear_density for yarn in weave.yarns))
+    return {"nominal": _panel_areal_density(given), "with the denier of G2": _panel_areal_density(implied)}
+
+
+def _panel_areal_density(fabric):
+    """[kg/m2] mass of the nodes of a panel over its area."""
+    from shellfabric.cell.model import CellModel
+    from shellfabric.panel.model import Panel
+
+    panel = Panel(CellModel(fabric).table(8))
+    return float(panel.masses().sum()) / float(np.prod([n * d for n, d in zip(panel.counts, panel.spacing)]))
 
 
 @check()
@@ -189,12 +207,7 @@ def projectile_mass(diameter: float, length: float, bore: float, depth: float, d
 @check()
 def shell_density(fabric: str, thickness: float) -> Found:
     """Mass of the nodes of a panel over the volume of its elements."""
-    from shellfabric.cell.model import CellModel
-    from shellfabric.panel.model import Panel
-
-    panel = Panel(CellModel(catalogue.load(fabric).with_effective_density()).table(8))
-    area = np.prod([n * d for n, d in zip(panel.counts, panel.spacing)])
-    return {"density": float(panel.masses().sum()) / (area * thickness)}
+    return {"density": _panel_areal_density(catalogue.load(fabric).with_effective_density()) / thickness}
 
 
 @check(lambda fabric, sections: {"made": Run.of("meshes", fabric=fabric, sections=sections)})

@@ -173,12 +173,24 @@ def margins(**runs: RunResult) -> Found:
     }
 
 
+BESIDE = 10e-3  # [m] from the middle: elements that surround the projectile
+
+
 @check(six)
 def both_families(**runs: RunResult) -> Found:
+    """Tensions of the two yarns through the impact point beside the projectile, when one of them is closest to failing.
+
+    Each over its strength; the largest within BESIDE of the middle.
+    """
     uneven = {}
     for name in KEVLAR:
         run = runs[name.replace("-", "")]
-        uneven[name] = abs(np.log(run["peak"][0] / run["peak"][1]))
+        shares = []
+        for family in ("warp", "weft"):
+            yarn = run["yarns"][family]
+            shares.append(yarn["tension"][:, np.asarray(yarn["X"]) < BESIDE].max(axis=1) / yarn["strength"])
+        warp, weft = np.array(shares)[:, np.argmax(np.maximum(*shares))]
+        uneven[name] = abs(np.log(warp / weft))
     return {
         "balanced over unbalanced": max(uneven["S-720"], uneven["S-728"]) / min(uneven["S-726"], uneven["S-731"]),
         "note": "|ln of warp over weft|: " + ", ".join(f"{n} {u:.2f}" for n, u in uneven.items()),

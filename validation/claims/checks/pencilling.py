@@ -32,6 +32,7 @@ def _cases(*numbers):
 def completes(run: RunResult, number: int, edge: str = "free") -> Found:
     return {
         "completes": run["outcome"] == "stopped",
+        "balance": run["balance"],
         "note": f"{1e3 * run['depth']:.1f} mm deep after {1e6 * run['t'][-1]:.0f} us; wall at "
         f"{np.degrees(run['steepness']):.0f} degrees; balance {100 * run['balance']:.2f} %",
     }

@@ -73,6 +73,17 @@ def _curves(less, same, more, start=ZONE_I):
     return t, [series.velocity(run, t) for run in (less, same, more)]
 
 
+def _strain_falls(*runs):
+    """[-] share of the time after zone I in which the strain of the weft falls from each of the runs to the next.
+
+    Of strains without what is faster than `series.QUIET`.
+    """
+    n = min(len(run["clock"]) for run in runs)
+    strains = np.array([series.smooth(run["clock"][:n], series.strain(run, "weft")[:n]) for run in runs])
+    later = runs[0]["clock"][:n] > ZONE_I
+    return float(np.mean((np.diff(strains, axis=0) < 0).all(axis=0)[later]))
+
+
 @check(lambda fabric, parameter: three(fabric, parameter))
 def impact(less: RunResult, same: RunResult, more: RunResult, fabric: str, parameter: str) -> Found:
     """Velocities after zone I; peak strain of the weft through the impact point; back face."""
@@ -86,6 +97,7 @@ def impact(less: RunResult, same: RunResult, more: RunResult, fabric: str, param
         "velocity rises": bool((a < b).all() and (b < c).all()),
         "share of time falling": float(np.mean((a > b) & (b > c))),
         "peak strain falls": strain[0] > strain[1] > strain[2],
+        "share of time strain falls": _strain_falls(less, same, more),
         "back face rises": z[0] < z[1] < z[2],
         "note": f"after 200 us {v[0]:.1f}, {v[1]:.1f}, {v[2]:.1f} m/s; peak strain of the weft "
         + ", ".join(f"{100 * e:.2f}" for e in strain)

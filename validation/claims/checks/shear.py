@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from math import pi, sqrt
+from typing import Any
 
 import numpy as np
 
@@ -243,12 +244,32 @@ def bias_unhardened(soft: RunResult) -> Found:
     return {"G2 = G1": soft["concentration"].max()}
 
 
-@check(lambda: {name: Run.of("bias_load", cloth=name) for name in ("locking", "soft")})
-def bias_loads(locking: RunResult, soft: RunResult) -> Found:
-    """Load of the bias coupon at its full elongation, with the published law over that with G1 at all angles."""
+def bias_load_of_zones(law: Any, thickness: float, length: float, width: float, elongation: float) -> float:
+    """[N] load of a bias coupon of yarns that do not stretch: its work shears zone C by gamma and zone B by half of it.
+
+    Zone B has the area width^2, zone C length width - 1.5 width^2 (Figure 4-25); gamma as `inextensible_shear`.
+    """
+    step = 1e-6 * length
+    gamma, before, after = (inextensible_shear(length, width, elongation + d) for d in (0, -step, step))
+    C, B = length * width - 1.5 * width**2, width**2
+    moment = C * law.stress(gamma) + 0.5 * B * law.stress(0.5 * gamma)
+    return float(thickness * moment * (after - before) / (2 * step))
+
+
+@check(lambda **_: {name: Run.of("bias_load", cloth=name) for name in ("locking", "soft", "straight")})
+def bias_loads(locking: RunResult, soft: RunResult, straight: RunResult, length: float, width: float) -> Found:
+    """Load of the bias coupon at its full elongation: published law over G1 at all angles; straight yarns over zones.
+
+    The load of straight yarns with G1 at all angles is held against `bias_load_of_zones`.
+    """
+    from validation.published.bias_extension import cases
+
     load = [run["load"][-1] for run in (locking, soft)]
+    fabric = cases.cloth("straight")[0]
+    zones = bias_load_of_zones(fabric.shear, fabric.weave.thickness, length, width, straight["moved"][-1])
     return {
         "published over soft": load[0] / load[1],
+        "straight over closed form": straight["load"][-1] / zones,
         "least growth": float(np.diff(locking["load"]).min()),
         "note": f"{load[0]:.1f} and {load[1]:.2f} N at {1e3 * locking['moved'][-1]:.0f} mm",
     }

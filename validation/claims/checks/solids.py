@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+from scipy.integrate import trapezoid
 
 from fabrics import catalogue
 from fabrics.compression import CompressionLaw
@@ -144,4 +145,24 @@ def hourglass_energy(run: RunResult, fabric: str, velocity: float) -> Found:
     return {
         "largest share": float((energies["hourglass"] / np.where(some, inside, 1.0))[some].max()),
         "share at the end": float(energies["hourglass"][-1] / inside[-1]),
+    }
+
+
+@check(
+    lambda friction, **given: {
+        name: Run.of("released", friction=value, **given) for name, value in (("rough", friction), ("smooth", 0.0))
+    }
+)
+def loading_and_unloading(
+    rough: RunResult, smooth: RunResult, fabric: str, plies: int, friction: float, closed: float
+) -> Found:
+    """Work that a pack does not give back when its plates open again, over the work of closing them."""
+    lost = {}
+    for name, run in (("rough", rough), ("smooth", smooth)):
+        work = [float(trapezoid(pressure, closure)) for closure, pressure in (run["loading"], run["unloading"])]
+        lost[name] = 1 + work[1] / work[0]
+    return {
+        "lost with friction": lost["rough"],
+        "lost without friction": abs(lost["smooth"]),
+        "note": f"closed to {1e-6 * rough['loading'][1].max():.2f} MPa; {rough['failed'] or smooth['failed']}",
     }
