@@ -40,7 +40,7 @@ COLUMNS = ("T1", "T2", "N1", "N2", "F", "h1", "h2", "W")
 
 @dataclass(frozen=True)
 class CellModel:
-    """One crossover of a fabric (source thesis section 4.3.1).
+    """One crossover of a fabric (thesis section 4.3.1).
 
     Parameters
     ----------

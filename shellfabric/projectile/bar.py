@@ -65,7 +65,7 @@ class Bar:
         cls, mass: float | None = None, *, diameter: float | None = None, length: float | None = None,
         bore_diameter: float | None = None, material: Isotropic | None = None, **changes: Any,
     ) -> Bar:  # fmt: skip
-        """A cylinder bored from its tail to a given mass; what is left out is that of the thesis.
+        """A cylinder bored from its tail to a given mass; the defaults are those of the thesis.
 
         Raises
         ------

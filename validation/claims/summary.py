@@ -12,7 +12,7 @@ from validation.claims import variants
 from validation.claims.claims import KINDS, TOPICS, Claim
 from validation.claims.judge import MISSED, REPRODUCED, VERDICTS, Record, expected
 
-COLUMNS = ("id", "topic", "kind", "basis", "origin", "source", "quantity", "verdict", "ours against asked",
+COLUMNS = ("id", "topic", "kind", "basis", "origin", "source", "quantity", "verdict", "computed against target",
            "missed by", "cause", "why", "erratum", "reason of the tolerance", "remark", "seconds", "shots",
            "variants")  # fmt: skip
 
@@ -57,7 +57,7 @@ def shares(claims: Sequence[Claim], records: Sequence[Record], by: str = "topic"
     return found
 
 
-def asked(claim: Claim) -> str:
+def targets(claim: Claim) -> str:
     """What would bear a claim out, in words."""
     return "; ".join(f"{condition.name} {expected(condition)}" for condition in claim.conditions)
 
@@ -71,7 +71,7 @@ def rows(claims: Sequence[Claim], records: Sequence[Record]) -> Iterator[tuple[s
             continue
         yield (
             claim.id, claim.topic, claim.kind, claim.basis, claim.origin, claim.source, claim.quantity, record.verdict,
-            record.told or asked(claim), record.miss, claim.cause if record.verdict == MISSED else "",
+            record.text or targets(claim), record.miss, claim.cause if record.verdict == MISSED else "",
             claim.against or claim.data or claim.incomparable or claim.untestable or claim.unbuilt, claim.erratum,
             claim.reason, record.note, f"{record.seconds:.2f}", record.setting, variants.summary(record),
         )  # fmt: skip
