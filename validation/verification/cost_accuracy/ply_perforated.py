@@ -15,7 +15,7 @@ def scene(quick: bool = False) -> Scene:
     speeds = ", ".join(f"{v:g}" for v in shot.velocities[:-1]) + f" and {shot.velocities[-1]:g} m/s"
     text = (
         f"{shot.fabric}, one ply clamped over {1e3 * shot.opening:g} mm, is struck at {speeds} and perforated; the "
-        "cost is that of all these shots. There is no peak tension to compute: it is the strength of the yarns that fail."
+        "cost is that of all these shots. The peak tension is the strength of the yarns that fail."
     )
     return Scene(
         "ply-perforated", f"One ply perforated: {shot.fabric} at {speeds}", text, tuple(quantities),
