@@ -16,10 +16,10 @@ Kernels call each other across files: all have one cache, which a change in any 
 decorators put them there, so that a program imports the kernels that it uses and no others.
 """
 
-import types
 from pathlib import Path
+from types import FunctionType
 
-from numba import njit
+from numba import njit, types
 from numba.core.caching import FunctionCache
 from numba.core.registry import CPUDispatcher
 
@@ -57,7 +57,15 @@ def kernel(**options):
 
 
 class _Inner(CPUDispatcher):
-    """A kernel that has no way in from Python, and makes itself one when it is asked to."""
+    """A kernel that has no way in from Python, and makes itself one when it is asked to.
+
+    A constant among its arguments does not make it a variant of its own, as it would in numba: where it is inlined LLVM
+    sees the constant all the same.
+    """
+
+    def get_call_template(self, args, kws):
+        plain = {name: types.unliteral(kind) for name, kind in kws.items()}
+        return super().get_call_template(tuple(map(types.unliteral, args)), plain)
 
     def __call__(self, *arguments):
         return self._entry()(*arguments)
@@ -65,7 +73,7 @@ class _Inner(CPUDispatcher):
     def _entry(self):
         if not hasattr(self, "_twin"):
             inner = self.py_func
-            twin = types.FunctionType(
+            twin = FunctionType(
                 inner.__code__, inner.__globals__, inner.__name__, inner.__defaults__, inner.__closure__
             )
             twin.__module__, twin.__qualname__ = inner.__module__, inner.__qualname__ + ENTRY_SUFFIX  # names its file

@@ -6,6 +6,10 @@ the tests do, grows to gigabytes. So a kernel with many arrays that is not in th
 which writes it there, and is then loaded like any other that is. Where that does not work (no cache can be written, the
 kernel is not one of an importable module, the compiler objects) this process compiles it after all, with the same
 outcome or the same error.
+
+Kernels that will be called soon can be compiled by several such processes beside each other (`start`). Who wants one of
+them waits for the child that has it; before any other kernel is compiled all children are waited for, since it may call
+what they compile.
 """
 
 from __future__ import annotations
@@ -25,14 +29,50 @@ ENTRY_SUFFIX = "_from_python"  # ending of the name of a kernel's way in from Py
 _CHILD_CODE = "from shellfabric.jit.compile_in_child import child; child()"
 
 
+_pending: list[tuple[subprocess.Popen, list]] = []  # children that `start` has begun, and what each compiles
+
+
 class ChildCompileCache(FunctionCache):
     """numba's cache of one function, which has what is missing compiled by a child process."""
 
     def load_overload(self, sig, target_context):
         found = super().load_overload(sig, target_context)
-        if found is None and members(sig) >= MIN_MEMBERS and compiled_in_child(self._py_func, sig):
+        if found is not None or members(sig) < MIN_MEMBERS:
+            return found
+        if await_children(self._py_func, sig):
+            found = super().load_overload(sig, target_context)
+        if found is None and compiled_in_child(self._py_func, sig):
             found = super().load_overload(sig, target_context)
         return found
+
+
+def start(*parts):
+    """Begin to compile kernels, each part in a child process of its own: [(kernel, numba types of its arguments), ...].
+
+    What is in the cache is left out. Returns without waiting.
+    """
+    for part in parts:
+        missing = [(kernel.py_func, kinds) for kernel, kinds in part if not kept(kernel, kinds)]
+        process = _child([_named(function, kinds) for function, kinds in missing]) if missing else None
+        if process is not None:
+            _pending.append((process, [(function.__qualname__, kinds) for function, kinds in missing]))
+
+
+def await_children(function, kinds):
+    """Wait for the child that compiles a kernel, or for all where none does; whether one did."""
+    found = [child for child in _pending if (function.__qualname__, kinds) in child[1]]
+    for child in found or list(_pending):
+        child[0].wait()
+        _pending.remove(child)
+    return bool(found)
+
+
+def kept(kernel, kinds):
+    """Whether the machine code of a kernel is in its cache, or it has none."""
+    try:
+        return kernel._cache._index_key(kinds, kernel.targetctx.codegen()) in kernel._cache._cache_file._load_index()
+    except (OSError, AttributeError):
+        return True
 
 
 def members(kinds):
@@ -46,24 +86,37 @@ def compiled_in_child(function, kinds):
     """Whether a child process has compiled a kernel, the plain function here, for arguments of these numba types."""
     if not function.__module__.startswith("shellfabric.") or not sys.executable:
         return False
+    process = _child([_named(function, kinds)])
+    return process is not None and process.wait() == 0
+
+
+def _named(function, kinds):
+    return function.__module__, function.__qualname__, kinds
+
+
+def _child(wanted):
+    """The process that compiles [(module, name, numba types of the arguments)]; None where there can be none."""
     paths = os.pathsep.join(path or os.getcwd() for path in sys.path)
     try:
-        wanted = pickle.dumps((function.__module__, function.__qualname__, kinds))
+        given = pickle.dumps(wanted)
         # -P: the folder that the user is in is not among the paths, if it is not here
-        done = subprocess.run(
+        process = subprocess.Popen(
             [sys.executable, "-P", "-c", _CHILD_CODE],
-            input=wanted, env=os.environ | {"PYTHONPATH": paths}, capture_output=True,
+            stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+            env=os.environ | {"PYTHONPATH": paths},
         )  # fmt: skip
+        with process.stdin as pipe:
+            pipe.write(given)
     except (OSError, pickle.PicklingError, TypeError, AttributeError):
-        return False
-    return done.returncode == 0
+        return None
+    return process
 
 
 def child():
-    """Compile the kernel named on the standard input, and write it to the cache; the work of the child process."""
-    module, name, kinds = pickle.load(sys.stdin.buffer)
-    kernel = resolve_name(f"{module}:{name.removesuffix(ENTRY_SUFFIX)}")
-    if name.endswith(ENTRY_SUFFIX):
-        kernel = kernel._entry()
-    kernel._cache.__class__ = FunctionCache  # here and now
-    kernel.compile(kinds)
+    """Compile the kernels named on the standard input, and write them to the cache; the work of the child process."""
+    for module, name, kinds in pickle.load(sys.stdin.buffer):
+        kernel = resolve_name(f"{module}:{name.removesuffix(ENTRY_SUFFIX)}")
+        if name.endswith(ENTRY_SUFFIX):
+            kernel = kernel._entry()
+        kernel._cache.__class__ = FunctionCache  # here and now
+        kernel.compile(kinds)

@@ -73,7 +73,7 @@ def constants(panel: Panel, out_of_plane: bool = False) -> Constants:
     # over the cloth: it slides, or the cloth is drawn under it; on a graded panel from within the first zone
     roaming = shot.roaming or (rim_node.size > 0 and panel.sides is None)
     cv1, cv2 = (knobs.stretch_viscosity * lag * yarn.EA for yarn in (warp, weft))
-    yarns = panel.yarn_lines()
+    yarns = panel.yarn_lines
     slots: dict[str, Any] = {"inv_dx": 1 / dx, "inv_dy": 1 / dy, "trellis_volume": dx * dy * weave.thickness}
     slots |= {"cv1": cv1, "cv2": cv2, "line_offset1": 0.0, "line_offset2": 0.0}
     slots |= {"mean_weight1": 0.5, "mean_weight2": 0.5}
@@ -117,6 +117,20 @@ def constants(panel: Panel, out_of_plane: bool = False) -> Constants:
 def state(panel: Panel, strike_velocity: float) -> State:
     """The panel at rest, flat at z = 0, touched by the projectile that flies at it at `strike_velocity` [m/s]."""
     const = constants(panel)
+    state, ni = undeformed(panel, const, strike_velocity), const.ni
+    if const.window_follows:
+        window_kernels.move_window(state, const)
+        state.active_rows[:] = max(state.contact_window[0] - 2, 0), min(state.contact_window[1] + 2, ni)
+    if np.any(const.slip_data[:, 0]):
+        state.active_rows[:] = 0, ni  # edges with a prescribed pull-in move before any wave comes to them
+    step_kernels.initial_forces(state, const, work(panel))
+    if const.slip_node.size:
+        boundary_kernels.update_slip_nodes(state, const, 0.0)
+    return state
+
+
+def undeformed(panel, const, strike_velocity) -> State:
+    """The state before its forces are computed."""
     ni, s = const.ni, const.row_stride
     slots = (ni + 2) * s + 16
     real = PRECISIONS[panel.numerics.precision]
@@ -133,7 +147,7 @@ def state(panel: Panel, strike_velocity: float) -> State:
     for y, length, L in zip(lengths, _yarn_lengths(panel, const), stretches):
         y[: length.size], L[:] = length, 1.0
     i0, i1 = const.window_limits[:2]
-    state = State(
+    return State(
         u=three(), v=three(), f_int=three(real), f_int_above=three(real), mass=mass, inverse_mass=inverse,
         dt_over_mass=kick,
         stretch=stretches, N=forces, T=two() if const.variational else forces, dstretch=small, force_slope=slopes,
@@ -152,15 +166,6 @@ def state(panel: Panel, strike_velocity: float) -> State:
         f_block_nose=np.zeros(3), f_block_cloth=three() if const.has_backing else aligned_zeros(3, 0),
         **dynamics.state(panel.projectile, strike_velocity),
     )  # fmt: skip
-    if const.window_follows:
-        window_kernels.move_window(state, const)
-        state.active_rows[:] = max(state.contact_window[0] - 2, 0), min(state.contact_window[1] + 2, ni)
-    if np.any(const.slip_data[:, 0]):
-        state.active_rows[:] = 0, ni  # edges with a prescribed pull-in move before any wave comes to them
-    step_kernels.initial_forces(state, const, work(panel))
-    if const.slip_node.size:
-        boundary_kernels.update_slip_nodes(state, const, 0.0)
-    return state
 
 
 def work(panel: Panel) -> Work:

@@ -33,7 +33,7 @@ def element_forces(state, const, block, first, last, work):
     scatter_forces(state, const, block, first, last, work)
 
 
-@kernel(_nrt=False, forceinline=True)
+@kernel(_nrt=False, inline="always")
 def scatter_forces(state, const, block, first, last, work):
     """Scatter the element forces of a block to its nodes, and to the first row of nodes of the next block.
 
@@ -133,7 +133,7 @@ def refresh_tensions(state, const, first, last, work):
             interpolate_tensions(state, const, block, low, high, False, work)
 
 
-@kernel(_nrt=False, forceinline=True)
+@kernel(_nrt=False, inline="always")
 def potential_gradient(state, const, block, first, last, thin, work):
     """Forces of the variational form, into work.N1 and work.N2 (see `table_kernels`).
 
@@ -186,7 +186,7 @@ def copy_to_panel(k0, m0, n, x, kept):
         masked_store(kept, k0 + j, load(x, m0 + j), n - j)
 
 
-@kernel(_nrt=False, forceinline=True)
+@kernel(_nrt=False, inline="always")
 def yarn_forces(state, const, block, k0, n, n2, N1, N2, work):
     """Axial forces of the block's edges, into work.f_over_stretch1 and work.f_over_stretch2, and their work."""
     L, N, D, S, y, c, w, s = (
@@ -207,7 +207,7 @@ def yarn_forces(state, const, block, k0, n, n2, N1, N2, work):
         state.energy_sums[block, QUADRATURE] += 0.5 * (over1 + over2)  # what has the slope is half of N
 
 
-@kernel(_nrt=False, forceinline=True)
+@kernel(_nrt=False, inline="always")
 def trellis_forces(state, const, first, last, thin, work):
     """Shear forces of the block's elements and of the row before them, which shares their first weft edges."""
     s, c, w, low = const.row_stride, const, work, max(first - 1, 0)

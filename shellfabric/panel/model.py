@@ -204,7 +204,9 @@ class Panel:
     @property
     def yarn_counts(self) -> tuple[int, ...]:
         """(warp, weft) yarns of the modelled part, with those on its rims; where elements are longer, their lines."""
-        return tuple(int(lines.yarn.max()) + 1 for lines in self.yarn_lines()[::-1])
+        if self.sides is None:
+            return tuple(count // self.lines_per_crossover + 1 for count in self.counts[::-1])
+        return tuple(int(lines.yarn.max()) + 1 for lines in self.yarn_lines[::-1])
 
     @property
     def elements(self) -> int:
@@ -265,6 +267,7 @@ class Panel:
             found.append(x if mirrored else x - x[sides.size // 2])
         return tuple(found)
 
+    @cached_property
     def yarn_lines(self) -> tuple[YarnLines, ...]:
         """(rows, columns) `grading.YarnLines` of the grid lines across the warp and across the weft.
 
@@ -307,7 +310,7 @@ class Panel:
 
     def segments(self) -> list[FloatArray]:
         """(warp, weft) each (ni+1, nj+1): yarn segments that an edge stands for; half of one on a plane of symmetry."""
-        shape, grids, found = (self.counts[0] + 1, self.counts[1] + 1), self.yarn_lines(), []
+        shape, grids, found = (self.counts[0] + 1, self.counts[1] + 1), self.yarn_lines, []
         for family, mirrored in enumerate(self.mirrors[::-1]):
             n = np.ones(shape)
             if self.sides is not None:

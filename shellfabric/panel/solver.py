@@ -17,7 +17,7 @@ from shellfabric.backing import coupling
 from shellfabric.driver.guards import speed_limit
 from shellfabric.driver.solver import PERFORATED, RUNNING, ExplicitSolver
 from shellfabric.jit import barrier
-from shellfabric.panel import boundary, grading, ply_audit, quality
+from shellfabric.panel import boundary, compile_ahead, grading, ply_audit, quality
 from shellfabric.panel import step_kernels as kernels
 from shellfabric.panel.model import Panel
 from shellfabric.panel.perforation import passed
@@ -236,6 +236,7 @@ class PanelSolver(ClothSolver):
         super().__init__(
             panel.projectile, strike_velocity, end_time, interval=interval, energy_error_limit=energy_error_limit
         )
+        compile_ahead.begin(panel)
         self._start(((panel, panel.constants(), panel.state(strike_velocity)),), panel.elements)
         self._works = [panel.work() for _ in range(self.threads)]
 

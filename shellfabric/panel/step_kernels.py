@@ -62,7 +62,7 @@ def out_of_plane_forces(state, const, first, last, acting):
     return turns + jamming_kernels.jamming_forces(const.jamming, state, const, first, last, acting)
 
 
-@kernel(_nrt=False)
+@kernel(_nrt=False, inline="always")
 def apply_failure(state, const, work):
     """Failure criterion: remove failed yarns, and compute the forces of their blocks again."""
     first, last = rows_near_failure(state, const)

@@ -68,7 +68,7 @@ def contact_forces(state, const, work):
     return contact_window(state, const, work)
 
 
-@kernel(_nrt=False)
+@kernel(_nrt=False, inline="always")
 def contact_window(state, const, work):
     """Contact of the elements in the window, as `contact_forces` has it."""
     i0, i1, j0, j1 = window_bounds(state)
@@ -104,7 +104,7 @@ def contact_window(state, const, work):
     return taken, spring
 
 
-@kernel(_nrt=False)
+@kernel(_nrt=False, inline="always")
 def clear_forces(state, const):
     """Zero the contact forces of the last step."""
     i0, i1, j0, j1 = reachable_nodes(state, const)

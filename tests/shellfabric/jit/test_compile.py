@@ -1,15 +1,13 @@
 """How kernels are compiled: what other kernels call has no way in from Python until it is asked for one."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 from numba import config, typeof, types
 
 from shellfabric.cell import yarn_kernels
-from shellfabric.cloth import boundary_kernels
 from shellfabric.jit import compile_in_child
 from shellfabric.jit.compile import entry, kernel
+from shellfabric.panel import quality_kernels
 
 
 @kernel()
@@ -58,10 +56,11 @@ def test_what_python_calls_is_kept_with_the_kernels():
 @pytest.fixture
 def large(small, tmp_path, monkeypatch):
     """(a kernel of a panel with an empty cache, what numba calls its arguments)."""
-    found, panel = boundary_kernels.update_slip_nodes, small()
-    kinds = typeof(panel.state(1.0)), typeof(panel.constants()), types.float64
+    found, panel = quality_kernels.sample, small()
+    numbers = types.int64, types.int64, types.boolean, types.float64, types.float64, types.float64[::1]
+    kinds = typeof(panel.state(1.0)), typeof(panel.constants()), *numbers
     with monkeypatch.context() as patch:
-        patch.setattr(config, "CACHE_DIR", str(tmp_path / Path(found._cache.cache_path).parent.name))
+        patch.setattr(config, "CACHE_DIR", str(tmp_path))
         function = entry()(found.py_func)
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))  # for the other process; here it would undo the line above
     return function, kinds
@@ -82,6 +81,34 @@ def test_where_no_other_process_can_a_large_kernel_is_compiled_in_this_one(large
     function.compile(kinds)
     assert sum(function.stats.cache_misses.values()) == 1
     assert function.overloads[kinds].library.get_pointer_to_function(function.overloads[kinds].fndesc.mangled_name)
+
+
+def test_a_child_that_has_begun_a_kernel_is_waited_for(large):
+    """Then the cache holds it, and no second child compiles it."""
+    function, kinds = large
+    assert not compile_in_child.kept(function, kinds)
+    compile_in_child.start([(function, kinds)])
+    assert len(compile_in_child._pending) == 1
+    compile_in_child.start([(function, kinds)][:0])  # nothing to compile begins no process
+    assert len(compile_in_child._pending) == 1
+    assert compile_in_child.await_children(function.py_func, kinds)
+    assert compile_in_child.kept(function, kinds)
+    assert not compile_in_child._pending
+    compile_in_child.start([(function, kinds)])
+    assert not compile_in_child._pending
+
+
+def test_a_constant_argument_makes_no_variant():
+    @kernel()
+    def shifted(x, n):
+        return x + n
+
+    @entry()
+    def both(x, n):
+        return shifted(x, 1) + shifted(x, 2) + shifted(x, n)
+
+    assert both(0.5, 3) == 7.5
+    assert shifted.signatures == [(types.float64, types.int64)]
 
 
 def test_members_are_counted_in_tuples_and_lists():

@@ -62,7 +62,7 @@ def test_zones_fill_the_panel_and_end_between_whole_elements(zones, length):
 def test_lines_are_shared_out_among_the_yarns(refined, zones, symmetry):
     """Shares of a line add up to one; in the first zone each yarn has the cloth of one crossover, as a whole."""
     panel = refined(zones, symmetry=symmetry)
-    for lines, sides, w in zip(panel.yarn_lines(), panel.sides, panel.weave.w):
+    for lines, sides, w in zip(panel.yarn_lines, panel.sides, panel.weave.w):
         axes = np.flatnonzero(lines.yarn >= 0)
         crossovers = sides / (2 * w)
         np.testing.assert_array_equal(lines.yarn[axes], np.arange(axes.size))
@@ -165,7 +165,7 @@ def test_a_yarn_breaks_with_its_share_of_all_its_lines(refined):
     """The mean over its lines counts; what breaks is one yarn, and all yarns of a line leave nothing of it."""
     panel = refined(symmetry="whole", edge="free")
     state, const = panel.state(1.0), panel.constants()
-    lines = panel.yarn_lines()[1]
+    lines = panel.yarn_lines[1]
     middle = panel.counts[1] // 2
     row = panel.counts[0] // 2
     assert lines.yarn[middle] >= 0

@@ -188,6 +188,7 @@ def one_at_a_time(front, fc, rear, rc, pair):
 
 @pytest.mark.parametrize(("opening", "grading", "width"), [
     ((0.013, 0.012), None, 4e-3),  # 11 elements and a part of eight in a row
+    ((0.036, 0.035), None, 7e-3),  # among whose points are some whose depth changes by next to what makes a jump
     ((0.036, 0.035), ((8, 1), (np.inf, 2)), 7e-3),
 ])  # fmt: skip
 @pytest.mark.parametrize("stacking", ["aligned", "alternating"])

@@ -1,0 +1,46 @@
+"""Kernels of a panel's run, compiled by two processes beside each other where they are not in the cache yet.
+
+`run_steps_main` takes half of the time that all kernels of a run take, and needs those of the internal forces, which
+the initial state needs as well, and those of contact, failure and energies. The two groups have little in common.
+"""
+
+from __future__ import annotations
+
+from numba import typeof, types
+
+from fabrics.kernel_cache import one_compiler_a_node
+from shellfabric.cloth import failure_kernels
+from shellfabric.jit import compile_in_child
+from shellfabric.panel import arrays, quality_kernels, step_kernels
+from shellfabric.projectile import contact_kernels
+
+_INDEX, _NUMBER, _VECTOR = types.int64, types.float64, types.float64[::1]
+_begun = set()  # numba types of the constants of panels that this has been done for
+
+
+def begin(panel) -> None:
+    """Begin to compile what a run of a panel needs; returns at once."""
+    const = panel.constants()
+    known = typeof(const)
+    if known in _begun or one_compiler_a_node.cache_info().currsize:  # which would have each kernel compiled once
+        return
+    _begun.add(known)
+    state, work = typeof(arrays.undeformed(panel, const, 1.0)), panel.work()
+    if not compile_in_child.kept(step_kernels.initial_forces, (state, known, typeof(work))):
+        compile_in_child.start(*groups(state, known, typeof(work), typeof(work.contact_scratch)))
+
+
+def groups(state, const, work, scratch) -> tuple[list, list]:
+    """Two groups of (kernel, numba types of its arguments), from the types of the tuples of a panel."""
+    rows = const, state, _INDEX, _INDEX
+    family = const, state, _INDEX, _INDEX, _INDEX
+    monitor = state, const, _INDEX, _INDEX, types.boolean, _NUMBER, _NUMBER, _VECTOR
+    return [(step_kernels.initial_forces, (state, const, work))], [
+        (contact_kernels.contact_forces, (state, const, scratch)),
+        (failure_kernels.stored_energy, rows),
+        (failure_kernels.half_step_work, rows),
+        (failure_kernels.any_past_strength, family),
+        (failure_kernels.detect_failures, family),
+        (step_kernels.energies, (state, const, _VECTOR)),
+        (quality_kernels.sample, monitor),
+    ]
