@@ -129,7 +129,7 @@ def state(panel: Panel, strike_velocity: float) -> State:
     return state
 
 
-def undeformed(panel, const, strike_velocity) -> State:
+def undeformed(panel: Panel, const: Constants, strike_velocity: float) -> State:
     """The state before its forces are computed."""
     ni, s = const.ni, const.row_stride
     slots = (ni + 2) * s + 16

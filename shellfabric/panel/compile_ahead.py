@@ -6,6 +6,8 @@ the initial state needs as well, and those of contact, failure and energies. The
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING, Any
+
 from numba import typeof, types
 
 from fabrics.kernel_cache import one_compiler_a_node
@@ -14,11 +16,14 @@ from shellfabric.jit import compile_in_child
 from shellfabric.panel import arrays, quality_kernels, step_kernels
 from shellfabric.projectile import contact_kernels
 
+if TYPE_CHECKING:
+    from shellfabric.panel.model import Panel
+
 _INDEX, _NUMBER, _VECTOR = types.int64, types.float64, types.float64[::1]
-_begun = set()  # numba types of the constants of panels that this has been done for
+_begun: set[Any] = set()  # numba types of the constants of panels that this has been done for
 
 
-def begin(panel) -> None:
+def begin(panel: Panel) -> None:
     """Begin to compile what a run of a panel needs; returns at once."""
     const = panel.constants()
     known = typeof(const)
@@ -30,7 +35,7 @@ def begin(panel) -> None:
         compile_in_child.start(*groups(state, known, typeof(work), typeof(work.contact_scratch)))
 
 
-def groups(state, const, work, scratch) -> tuple[list, list]:
+def groups(state: Any, const: Any, work: Any, scratch: Any) -> tuple[list, list]:
     """Two groups of (kernel, numba types of its arguments), from the types of the tuples of a panel."""
     rows = const, state, _INDEX, _INDEX
     family = const, state, _INDEX, _INDEX, _INDEX
