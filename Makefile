@@ -27,7 +27,7 @@ test: setup lint  ## everything but the long validation runs
 test-slow: setup  ## the long tests, the published outcomes among them; each process takes the next as it gets free
 	$(RUN) pytest -n $(JOBS) --dist load --maxschedchunk 1 -m slow
 
-validate: test-slow  ## the long tests, and the ledger of the source's claims
+validate: test-slow  ## the long tests, and the ledger of the thesis's claims
 	$(RUN) weavecell validate --slow --out $(RESULTS)/validate
 
 fuzz: setup  ## N random scenes of the sequence SEED: a quarter of an hour of two cores

@@ -1,4 +1,4 @@
-"""Cost of the pin-jointed cable model: S-720, one ply, 250 us, one core (source thesis Table 4-3), beside the shell.
+"""Cost of the pin-jointed cable model: S-720, one ply, 250 us, one core (thesis Table 4-3), beside the shell.
 
     python benchmarks/cable.py [repetitions]
 

@@ -104,20 +104,20 @@ def main():
     parser.add_argument("--jobs", type=int, default=2)
     parser.add_argument("--only", choices=("paths", "surface", "memory"), help="one of the three")
     parser.add_argument("--out", type=Path)
-    asked = parser.parse_args()
+    options = parser.parse_args()
     fabric = catalogue.load("S-720")
     parts = {
-        "paths": lambda: paths(fabric, asked.size),
-        "surface": lambda: surface(fabric, asked.size, asked.jobs),
+        "paths": lambda: paths(fabric, options.size),
+        "surface": lambda: surface(fabric, options.size, options.jobs),
         "memory": lambda: memory(fabric, 1000),
     }
-    found = {"size": asked.size, "cores": os.cpu_count(), "load_average": os.getloadavg()[0]}
-    found |= {name: part() for name, part in parts.items() if asked.only in (None, name)}
+    found = {"size": options.size, "cores": os.cpu_count(), "load_average": os.getloadavg()[0]}
+    found |= {name: part() for name, part in parts.items() if options.only in (None, name)}
     found["load_average_after"] = os.getloadavg()[0]
     text = json.dumps(found, indent=2)
     print(text)
-    if asked.out is not None:
-        asked.out.write_text(text + "\n")
+    if options.out is not None:
+        options.out.write_text(text + "\n")
 
 
 if __name__ == "__main__":

@@ -48,7 +48,7 @@ def whole(pack, velocity, end):
     while march.steps < steps:
         one, two, made = clocked(march, steps - march.steps)
         wall, cpu = wall + one, cpu + two
-        # it would end here; what is asked for is the cost of the whole time
+        # it would end here; the benchmark is the cost of the whole time
         if march.stack.projectile_velocity[2] <= 0:
             hold(march)
         elif made == 0:

@@ -38,7 +38,7 @@ END = 250e-6
 FORMS = ("equilibrium", "variational")
 SIZES = ((0.0815, 600), (0.203, 1000), (0.407, 300), (0.815, 100), (2.6, 20))  # side [m], steps, in which nothing fails
 FIRST = 50  # steps of a panel in motion everywhere that are not counted
-PRECISION = (("S-720", 92.5, 155.0), ("S-728", 76.0, 170.0), ("S-731", 116.0, 132.0))  # the source's two shots
+PRECISION = (("S-720", 92.5, 155.0), ("S-728", 76.0, 170.0), ("S-731", 116.0, 132.0))  # the thesis's two shots
 
 
 def publish(report, path):

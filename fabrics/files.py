@@ -90,7 +90,7 @@ def read_hdf5(path: FilePath, *formats: str, what: str = "HDF5 file") -> Iterato
 
     Raises
     ------
-    InputError : no such file, not HDF5, another format, or the block asks for an entry that is not there
+    InputError : no such file, not HDF5, another format, or without an entry that the block reads
     """
     import h5py
 
@@ -119,8 +119,8 @@ def read_columns(
     Parameters
     ----------
     units : {name: SI unit} of the columns that there may be
-    what, content, heading, columns : what is told as allowed where the file cannot be read, is empty, has a heading
-        that is not one of `units`, or names that `accepts` (names) turns down
+    what, content, heading, columns : what the message gives as allowed where the file cannot be read, is empty, has a
+        heading that is not one of `units`, or names that `accepts` (names) turns down
 
     Raises
     ------

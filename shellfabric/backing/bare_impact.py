@@ -30,7 +30,7 @@ def strike(
     backing: Backing, projectile: Projectile, velocity: float, end_time: float, *, dt: float | None = None,
     every: int = 20,
 ) -> Strike:  # fmt: skip
-    """A rigid projectile strikes the bare block ("backing only" of source thesis Figure 6-45), until it turns back.
+    """A rigid projectile strikes the bare block ("backing only" of thesis Figure 6-45), until it turns back.
 
     Parameters
     ----------

@@ -86,7 +86,7 @@ class YarnRun:
 
     Parameters
     ----------
-    measured : TransverseImpact read off the run
+    computed : TransverseImpact read off the run
     X : (n+1,) [m] nodes along the yarn at rest
     nodes : (n+1, 2) [m] at the end, along and across
     strain : (n,) [-] of the bars at the end
@@ -94,7 +94,7 @@ class YarnRun:
         striker), and balance, their sum less the energy that the struck node begins with
     """
 
-    measured: TransverseImpact
+    computed: TransverseImpact
     X: np.ndarray
     nodes: np.ndarray
     strain: np.ndarray
@@ -164,5 +164,5 @@ def _read(yarn, const, state, history, V):
     external = -V * const.dt * (drive.sum() - 0.5 * drive[-1])
     energies = {"kinetic_fabric": cloth, "yarn_strain": stored, "viscous": viscous, "boundary_work": external}
     energies["error"] = sum(energies.values()) - 0.5 * state.mass[0] * V * V
-    measured = TransverseImpact(plateau, yarn.EA * plateau, float(front / t), float(U), force)
-    return YarnRun(measured, X, nodes, strain, energies)
+    computed = TransverseImpact(plateau, yarn.EA * plateau, float(front / t), float(U), force)
+    return YarnRun(computed, X, nodes, strain, energies)

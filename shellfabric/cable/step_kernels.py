@@ -1,4 +1,4 @@
-"""The pin-jointed cable model: masses at the crossovers, joined by bars that only pull (source thesis section 4.4.2).
+"""The pin-jointed cable model: masses at the crossovers, joined by bars that only pull (thesis section 4.4.2).
 
 Bars lie along warp and weft between neighbouring crossovers. A bar of natural length S0 whose nodes are L apart has
 

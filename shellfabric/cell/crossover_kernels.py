@@ -1,4 +1,4 @@
-"""The biaxial crossover, solved as one monotone equation in the contact force (source thesis section 4.3.1).
+"""The biaxial crossover, solved as one monotone equation in the contact force (thesis section 4.3.1).
 
 Yarn i keeps a cosine centreline of height h_i over the half length w_i = Lambda_i w0_i (eq. 4-1), or two straight
 segments (`yarn_kernels`). With k = pi h / 2 w,

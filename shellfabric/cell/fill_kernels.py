@@ -4,7 +4,7 @@
 a table the solution changes little from cell to cell. Here the contact force F and the heights h_i of both yarns are
 unknowns beside each other,
 
-    F_i(h_i) = F,   h_1 + h_2 + d_1(F) + d_2(F) + g - h_01 - h_02 = 0   (source thesis eq. 4-13)
+    F_i(h_i) = F,   h_1 + h_2 + d_1(F) + d_2(F) + g - h_01 - h_02 = 0   (thesis eq. 4-13)
 
 with the contact force F_i of a yarn at its height; the step of F is that of the second equation with h_i eliminated by
 the first. Where the steps do not become small, or leave the range, the nested iterations solve the cell. What depends

@@ -40,7 +40,7 @@ COLUMNS = ("T1", "T2", "N1", "N2", "F", "h1", "h2", "W")
 
 @dataclass(frozen=True)
 class CellModel:
-    """One crossover of a fabric (source thesis section 4.3.1).
+    """One crossover of a fabric (thesis section 4.3.1).
 
     Parameters
     ----------
@@ -50,7 +50,7 @@ class CellModel:
     model : "compressible", "incompressible" (d_c = 0) or "decoupled" (the yarns never touch)
     form : "variational" (forces are the gradient of W) or "equilibrium" (F = 2 T sin alpha of the thesis; forces T).
         The default is the variational one for its energy: what its forces do is what the cell stores. The equilibrium
-        form's forces are no gradient, and do work that nothing stores: 4 % of the strike energy of S-720 at 92.5 m/s
+        form's forces are no gradient, and do work that nothing stores
     profile : "cosine" (of the thesis), or "straight" segments from crossing to crossing (Kawabata's)
     toe : [-] mean slack of a yarn's fibres, or that of (warp, weft): the strain that their straightening takes; 0 is
         the linear yarn of the thesis. See `yarn_kernels`

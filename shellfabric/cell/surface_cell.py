@@ -13,7 +13,7 @@ at the stretch at which contact is lost, where the free heights of the two yarns
 direct         the tables are T1, T2 themselves
 variational    the forces are the gradient of the potential W that is next to T1, T2 in the sense of least squares:
                minimise  sum over i of (dW/d(2 w_i Lambda_i) - T_i)^2 / (T_i + T_0)^2,   W = 0 where both are slack,
-               T_0 a twentieth of the strength. What is left, the part of the surface that no potential has, is
+               T_0 a twentieth of the strength. The rest, the part of the surface that no potential has, is
                reported as a number.
 """
 

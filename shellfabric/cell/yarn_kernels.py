@@ -1,6 +1,6 @@
 """One yarn of the crossover's cell: the length of its profile, and its tension. All yarns have the half length w.
 
-Cosine profile (source thesis eq. 4-1), with k = pi h / 2 w:  S = (4 w / pi) E(-k^2)          (eq. 4-3)
+Cosine profile (thesis eq. 4-1), with k = pi h / 2 w:  S = (4 w / pi) E(-k^2)          (eq. 4-3)
 Straight segments from crossing to crossing (Kawabata's):     S = 2 sqrt(w^2 + h^2),  dS/dh = 2 h / sqrt(w^2 + h^2)
 
 The slope of the second is 2 sin(alpha) at its end: there the balance F = 2 T sin(alpha) (eq. 4-8) is the gradient of

@@ -2,7 +2,7 @@
 
 Each test cuts a coupon (`coupon`), holds some of its nodes, moves them step by step and relaxes the rest
 (`coupon.solver`). A run names what has gone wrong with it: yarns that have passed one another, shear that has run into
-bands (source thesis section 4.4.3, Figure 4-27), no equilibrium. Keywords `relaxing` go to `coupon.solver.run`.
+bands (thesis section 4.4.3, Figure 4-27), no equilibrium. Keywords `relaxing` go to `coupon.solver.run`.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ def bias_extension(
     table: CellTable, *, length: float = 0.1435, width: float = 0.074, elongation: float = 0.010, steps: int = 20,
     elements_per_crossover: int = 1, trellis: bool = True, **relaxing: Any,
 ) -> Result:  # fmt: skip
-    """Pull a coupon whose yarns run at 45 degrees to the load; yarns do not fail (source thesis section 4.4.3).
+    """Pull a coupon whose yarns run at 45 degrees to the load; yarns do not fail (thesis section 4.4.3).
 
     The load runs along y. In a weave with equal counts length and width are rounded to whole diagonals of an element,
     and the grid is laid so that the corners of the clamps are crossovers.
@@ -190,7 +190,7 @@ def biaxial(
     arm: int = 8, cross_yarns_removed: bool = True, steps: int = 12, failure: bool = True,
     elements_per_crossover: int = 1, **relaxing: Any,
 ) -> Result:  # fmt: skip
-    """Pull a cross-shaped specimen by its four arms, the warp along x (source thesis section 5.3, Figure 5-58).
+    """Pull a cross-shaped specimen by its four arms, the warp along x (thesis section 5.3, Figure 5-58).
 
     The grips are moved as if the whole specimen stretched by `strain` (warp, weft), or along a path of such strains,
     strain(load) with load from 0 to 1, and carry their yarn ends without turning; read the strain of the middle from

@@ -1,7 +1,7 @@
 """Critical velocity (ballistic limit) of a panel: the strike velocity between the last stop and the first perforation.
 
 A shot of a deterministic model either stops or perforates, so that two shots with different outcomes bracket the
-critical velocity (source thesis section 5.2.3, Figure 5-51). The bracket is found from a first guess by steps that
+critical velocity (thesis section 5.2.3, Figure 5-51). The bracket is found from a first guess by steps that
 grow, then halved until it is as narrow as the tolerance. Panel and table of the cell are made once for all shots, a
 shot ends as soon as its outcome is known, and the residual velocities of those that perforate are kept for a
 Lambert-Jonas fit (`lambert_jonas`).

@@ -19,10 +19,10 @@ _SPINS = 2000  # at the counter before others get the processor
 _WORD = ir.IntType(64)
 
 
-def threads_for(asked, elements):
+def threads_for(given, elements):
     """Number of threads of a run: as given, or all that the process may use if the panel is large enough."""
-    if asked is not None:
-        return asked
+    if given is not None:
+        return given
     allowed = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
     return allowed if elements >= MIN_ELEMENTS_THREADED else 1
 

@@ -57,7 +57,7 @@ def kernel(**options):
 
 
 class _Inner(CPUDispatcher):
-    """A kernel that has no way in from Python, and makes itself one when it is asked to.
+    """A kernel that has no way in from Python, and makes itself one when Python calls it.
 
     A constant among its arguments does not make it a variant of its own, as it would in numba: where it is inlined LLVM
     sees the constant all the same.

@@ -2,7 +2,7 @@
 
 Longitudinal: in each element, the instant at which the tension passes a threshold, interpolated between records. In a
 woven yarn of no crimp it runs at c / sqrt(1 + mass of the crossing yarn over its own), c / sqrt 2 in a balanced weave
-(source thesis eq. 5-6, erratum E-38). The speed in the cloth at rest, X / t, is less than that along the yarn by the
+(thesis eq. 5-6, erratum E-38). The speed in the cloth at rest, X / t, is less than that along the yarn by the
 crimp, and a crimped yarn's front is a shock: with the tension T behind it and the stretch eps of the cloth there, it
 runs at sqrt(T / (m eps)), m being the mass of the cloth per length and yarn (momentum and mass across the jump).
 

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class PullIn:
-    """A side that slips in the clamp by a given amount, from a triangular zone (source thesis section 6.4.3).
+    """A side that slips in the clamp by a given amount, from a triangular zone (thesis section 6.4.3).
 
     Parameters
     ----------

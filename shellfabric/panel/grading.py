@@ -8,7 +8,7 @@ longer elements do not pass where zones meet.
 
 A grading is a sequence of (until, side): up to `until` crossovers from the impact point elements are `side` crossovers
 long, a whole number or one over a whole number (1/2, 1/3, ...). The last `until` is infinite. Each zone but the last
-goes on until what is left can be filled with whole elements of the next.
+goes on until the rest can be filled with whole elements of the next.
 
 Yarns. Failure is that of yarns, not of lines (`failure_kernels`). Lines at whole crossovers are the axes of yarns:
 where elements are shorter than a crossover every axis is that of one yarn, where they are longer it is that of all the

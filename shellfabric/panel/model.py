@@ -51,8 +51,7 @@ class Panel:
     failure : whether yarns fail
     weave_angle : [rad] of the warp against the first side of the opening, towards the second (see `boundary`)
     bending : (warp, weft) [N m2] bending stiffness of a yarn; none as in the thesis. It lies between the sum over its
-        fibres, n E pi d^4 / 64, when they slide, and that of a solid section of its fibre area, E A^2 / 4 pi: for
-        S-720 with fibres of 12 um 9.5e-8 and 9.3e-5 (see `bending_kernels`)
+        fibres, n E pi d^4 / 64, when they slide, and that of a solid section of its fibre area, E A^2 / 4 pi
     strength_factors : (warp, weft) factors on the strength of each yarn, as many as `yarn_counts`, or None where all
         are alike. They are those of the modelled part: across a plane of symmetry a yarn has that of its image
     backing : Backing, the block behind the cloth, or None (see `backing.coupling`)

@@ -10,27 +10,20 @@ from shellfabric.panel import arrays
 
 @dataclass(frozen=True)
 class Numerics:
-    """Numerical knobs, set by stability and convergence; none is fitted to an outcome.
-
-    The figures below are of S-720, at 92.5 m/s after 250 us: peak tension 135 N in the warp and 154 N in the weft.
+    """Numerical parameters, set by stability and convergence (docs/parameters.md); none is fitted to an outcome.
 
     Parameters
     ----------
     cfl : Courant factor, the time step over its stability bound; 0.9 leaves room for shear stiffening in distorted
         elements. Where yarns snap taut a step loses energy, with its square, whatever the mesh, since a snap is a few
-        elements wide: for S-731 at 116 m/s 0.17 % of the strike energy, at 0.45 0.04. It is booked as
-        "formulation_residual" (see `panel.solver`). Giving it back to the front (a viscosity that is less by dK dL /
-        12) was tried: the peak of the first front along S-745 at 215 m/s, 658 N at 0.9 and 648 at 0.1, is 693 then
+        elements wide; the loss is booked as "formulation_residual" (see `panel.solver`)
     stretch_viscosity : damping ratio of the highest mode along a straight yarn, which costs as much of the time step.
-        Without it crimped yarns that snap taut ring, and the peak is 190 and 380 N; from 0.05 to 0.2 it moves by 1 %.
-        In a yarn that stiffens as its crimp goes, fronts are shocks, which dissipate whatever the viscosity: from 0.1
-        to 0.02 the loss of S-731 at 110 m/s falls from 13.3 to 11.2 % of the strike energy, and with half the element
-        from 13.3 to 12.9
+        Without it crimped yarns that snap taut ring. In a yarn that stiffens as its crimp goes, fronts are shocks,
+        which dissipate whatever the viscosity
     penalty : stiffness of the contact where it covers an element, in units of nodal mass / dt^2, with the dt that
-        `cfl` would make of the bound (see `time_step`). From 0.3 to 1 the peak moves by 2 %, and the critical
-        velocity, which feels how deep the rim of the nose presses itself in, by 3 to 6 %, from 0.6 to 1 by 1 to 2 %; at
-        1 and above yarns bounce off the nose. The bound is 1.5 at the damping below
-    contact_damping : ratio to critical of that mass on that spring; from 0.25 to 0.7 the peak stays
+        `cfl` would make of the bound (see `time_step`). The critical velocity depends on it, by how deep the rim of the
+        nose presses itself in; at 1 and above yarns bounce off the nose. It is stable to 1.5 at the damping below
+    contact_damping : ratio to critical of that mass on that spring
     contact_points : along each side of a crossover, and at least 2 along that of an element (see `contact_kernels`).
         None takes 8, and more under a sharp nose: as many as put them panel_arrays.SPACING nose radii apart, at most
         panel_arrays.MOST_POINTS along an element. Points further apart miss the edge: it acts as a rounder or a sharper

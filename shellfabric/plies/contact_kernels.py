@@ -39,8 +39,8 @@ normal has turned over, or the surface is another since a yarn has failed: the r
 goes on as it was, with the energy that it had, from the new depth; one that has just begun has nothing but what the
 motion has made. It is as much stiffer as the rest of the thickness is less, three times at most. What is found so,
 inside the thickness, is let no deeper. A point whose closest point leaps, as in folds of whole cloth, is without
-contact until it has one again, and goes on likewise. With springs of their new depths such points gave 1 to 3 % of the
-energy of random shots each, and a shot was ended for it.
+contact until it has one again, and goes on likewise. With springs of their new depths such points would give
+energy.
 
 Beside torn cloth feet get lost, so they are looked for anew, and elements are as long as the holes, so both plies have
 points there (`contact_forces_back`), with half the stiffness each: the middle of an element behind otherwise goes

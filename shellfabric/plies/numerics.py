@@ -17,7 +17,7 @@ FORMS = {
 
 @dataclass(frozen=True)
 class PlyContact:
-    """Numerical knobs of the contact between plies, set by stability and convergence.
+    """Numerical parameters of the contact between plies, set by stability and convergence.
 
     Stability: in a stack of masses m on springs k with dampers c the highest mode requires k dt^2 / m + 2 c dt / m < 1;
     the defaults stand at 0.83. The damper leaves a ninth of the speed at which two free plies meet: cloth does not
@@ -25,9 +25,7 @@ class PlyContact:
     from the lowest to the highest feel it, and one that holds firmer at rest than against the highest lags behind it,
     which gives energy to the others. The nose's is stable whatever its stiffness (see `contact_kernels`).
 
-    Convergence: the velocity at which the first yarn of four plies fails moves by less than 5 % when penalty or nose
-    are halved (docs/packs.md); damping 0.4 in place of 0.7 leaves it where it is.
-    Stiffer plies that are drawn into folds bring energy from nothing (0.25: 0.6 % of a shot's, 0.3: 1.1 %).
+    Convergence: docs/packs.md and docs/parameters.md. Stiffer plies drawn into folds bring energy from nothing.
 
     Parameters
     ----------

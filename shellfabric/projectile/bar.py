@@ -26,8 +26,7 @@ from shellfabric.projectile import bar_kernels as kernels
 
 HISTORY = ("t", "tip", "tail", "centre", "tip_velocity", "tail_velocity", "centre_velocity", "force")
 ENERGIES = ("kinetic", "elastic", "plastic", "work", "error")
-# Periods of contact (`contact_time`) from which on a rigid projectile is enough: a half-sine push is then 4.7 periods
-# long and splits the velocities of tip and tail by 4 % of what it takes, in the bored cylinder, by 5 % in a solid one
+# Periods of contact (`contact_time`) from which on a rigid projectile is enough (docs/parameters.md)
 ENOUGH = 3.0
 
 
@@ -65,7 +64,7 @@ class Bar:
         cls, mass: float | None = None, *, diameter: float | None = None, length: float | None = None,
         bore_diameter: float | None = None, material: Isotropic | None = None, **changes: Any,
     ) -> Bar:  # fmt: skip
-        """A cylinder bored from its tail to a given mass; what is left out is that of the thesis.
+        """A cylinder bored from its tail to a given mass; the defaults are those of the thesis.
 
         Raises
         ------

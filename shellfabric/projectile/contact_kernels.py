@@ -25,11 +25,8 @@ from point to point as cloth slides round the rim, and points of changing m give
 Why a smooth surface. A lone node that carries a yarn round the edge slides off it down the side of the cylinder, and a
 sharp edge snaps it up by its whole depth. Points inside flat elements meet the edge quietly, but the normals of these
 jump at nodes, so that the rim bends a yarn at one node or another, and the peak tension goes with where the rim lies in
-an element and does not settle with the mesh. With 1 and 2 elements a crossover it was 215 and 250 N in the warp of
-S-745, 116 and 127 N in that of S-726; the smooth surface has 217 and 223, 118.7 and 118.8 N. With eight points a
-crossover it has converged in their number (S-720, equilibrium form, 92.5 m/s: 134.7 and 153.9 N; four points 131.4 and
-149.5, sixteen 134.3 and 153.7). An edge radius of 3 um in place of 0.3 mm takes a tenth off it (120.6 and 139.8 N), a
-thirtieth with sixteen points (129.5 and 150.8).
+an element and does not settle with the mesh. On the smooth surface it does, and with eight points a crossover it has
+converged in their number; a sharper edge needs more points (docs/parameters.md).
 """
 
 import math

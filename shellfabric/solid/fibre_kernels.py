@@ -1,4 +1,4 @@
-"""Fibre bars on the mesh edges along a yarn, in explicit dynamics (source thesis section 3.4.1, App. B.1).
+"""Fibre bars on the mesh edges along a yarn, in explicit dynamics (thesis section 3.4.1, App. B.1).
 
     strain e = l / L - 1,    force N = E A [ s(e) + s'(e) xi (L / c) de/dt ]      (eq. 4-7: nominal)
 

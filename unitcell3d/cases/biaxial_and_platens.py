@@ -96,7 +96,7 @@ def plate_compression(
 
     The plates stand at equal distances above and below the middle plane, as the two-fold axis of the weave requires, so
     that the higher yarn is touched first. The path ends at the mean `pressure` [Pa] on the area of the cell, the
-    source's greatest by default, or with the plates at the share `min_plate_gap` of their first distance.
+    thesis's greatest by default, or with the plates at the share `min_plate_gap` of their first distance.
 
     Raises
     ------

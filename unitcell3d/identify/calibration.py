@@ -7,7 +7,7 @@ regularised form
     d_c = a - b / (F_c + F0)^(1/3),  F0 = (b/a)^3
 
 is fitted to all of them together, each path sampled at equal shares of its displacement so that the stepping has no
-say in it. A fit of the printed form would hang on a force cut-off. Two more fits say what one law leaves out: one of
+say in it. A fit of the printed form would depend on a force cut-off. Two more fits say what one law leaves out: one of
 each yarn to its own compression at the crossing, and one that depends on the tension ratio too
 (`fabrics.compression.RatioLaw`), the one to use where one law leaves more than `ONE_LAW`. The compression d_c holds
 also what closes between the yarns where their sections do not conform; each yarn's own does not. Plates give another

@@ -1,7 +1,7 @@
 """One line of a response surface: a path of continuation at a fixed end displacement of one yarn.
 
 Each line is a case of its own, with a model of its own, so that it comes out the same to the last bit whichever process
-solves it, and when. With friction an equilibrium hangs on where the yarns stuck before: a line then takes that over
+solves it, and when. With friction an equilibrium depends on where the yarns stuck before: a line then takes that over
 from the state it starts from, and goes on from every place it has come to.
 """
 

@@ -67,7 +67,7 @@ class Fibres:
         self._fails = failure
 
     def stiffness(self, numerics: FibreNumerics) -> FloatArray:
-        """(b,) [N] what is left of E A."""
+        """(b,) [N] E A of the intact fibres."""
         return self._whole * (1 - self.damage * (1 - numerics.slack_stiffness))
 
     def strains(self, x: FloatArray) -> FloatArray:

@@ -13,7 +13,7 @@ A step is shortened where it overshoots: where the residual's pull along it has 
 r(q + dq) . dq > -1/2 r . dq, to where that has gone (false position and bisection in turn). The law is all but a
 potential (its tangent is unsymmetric by 4e-4 at most), so that this is nearly the least energy on the line; a residual
 that grows on the way, as it does where yarns swing taut, does not stop it. Fibres at their slack kink and contact that
-closes otherwise send Newton's method round in cycles. The shift grows with the inverse root of what is left of a step.
+closes otherwise send Newton's method round in cycles. The shift grows with the inverse root of the rest of a step.
 
 A factorisation costs as much as thirty of its back substitutions. Once the residual is below `NEAR` of the forces, the
 last factorisation, of an earlier load even, is used on and corrected by the steps taken since (Broyden's update in the

@@ -1,4 +1,4 @@
-"""The claims of the source thesis as data: what is claimed, where, and what our number has to be to bear it out.
+"""The claims of the thesis as data: what is claimed, where, and what our number has to be to bear it out.
 
 claims.toml has the claims that were listed before anything was computed; additional.toml has those that were added
 later, among them earlier, weaker readings of a claim that is now held against what the thesis states.
@@ -9,7 +9,7 @@ are evidence that the thesis is wrong (`against`); they repeat input data or eva
 the product depends, so that nothing is reproduced (`data`); or what the thesis states is not comparable with what the
 check computes (`incomparable`).
 
-A condition holds one number, text or list that the check finds against a target, in the unit it is told in:
+A condition holds one number, text or list that the check finds against a target, in the unit it is given in:
 
     value with within (absolute) or relative   |found - value| <= within, or <= relative |value|
     above, below                               found > above, found < below
@@ -51,7 +51,7 @@ TOPICS = {
     "failmode": "Ways to fail",
     "future": "Recommendations",
 }
-# what a unit is converted to; a found number is held against the target in SI and told in the unit
+# what a unit is converted to; a found number is held against the target in SI and given in the unit
 SI = {
     "mm": "m",
     "um": "m",
@@ -130,7 +130,7 @@ class Claim:
     check, arguments : name of the check, and what it is called with
     slow : left out but for --slow
     erratum : entry of docs/errata.md that bears on it, or ""
-    against : the conditions are evidence that the source is wrong; says what is
+    against : the conditions are evidence that the thesis is wrong; says what is
     data : the conditions compare input data, or a closed form, with themselves; says which
     incomparable : the thesis's statement and the computed quantity are not comparable; says why
     untestable, unbuilt : why there is no check; or ""

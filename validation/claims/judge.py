@@ -17,12 +17,12 @@ NOT_TESTABLE, NOT_BUILT, LEFT_OUT, BROKEN = "not testable", "not built", "left o
 VERDICTS = {
     REPRODUCED: "our number is within the tolerance",
     MISSED: "our number is outside the tolerance",
-    WRONG: "our number shows that the source is in error",
+    WRONG: "our number shows that the thesis is in error",
     DATA: "input data or a closed form compared with itself: nothing is reproduced, and it is in no percentage",
     NOT_COMPARABLE: "the thesis's statement and our number are not comparable: both are listed",
     NOT_BUILT: "what the check would need is not built yet",
     NOT_TESTABLE: "nothing to hold a number against, or a number that no model of ours could give",
-    LEFT_OUT: "a slow check, run with --slow only",
+    LEFT_OUT: "a slow check that was not selected",
     BROKEN: "the check itself did not come to an end",
 }
 
@@ -36,7 +36,7 @@ class Record:
     id : of the claim
     verdict : of VERDICTS
     found : {name: number in SI, text or list} that the check found
-    told : one line: what was found against what was expected
+    text : one line: what was found against what was expected
     miss : by how much, "" where nothing was missed
     note : remark of the check
     seconds : of the check, without the runs it shares
@@ -47,7 +47,7 @@ class Record:
     id: str
     verdict: str
     found: dict = field(default_factory=dict)
-    told: str = ""
+    text: str = ""
     miss: str = ""
     note: str = ""
     seconds: float = 0.0
@@ -61,10 +61,10 @@ class Record:
 def judge(claim: Claim, found: Found, note: str = "", seconds: float = 0.0) -> Record:
     """Record of a claim whose check has found {name: value}; numbers are in SI."""
     found = {name: plain(value) for name, value in found.items()}
-    misses = [told for told in (_miss(condition, found) for condition in claim.conditions) if told]
+    misses = [text for text in (_miss(condition, found) for condition in claim.conditions) if text]
     verdict = NOT_COMPARABLE if claim.incomparable else MISSED if misses else _unmissed(claim)
-    told = "; ".join(_told(condition, found) for condition in claim.conditions)
-    return Record(claim.id, verdict, found, told, "; ".join(misses), note, seconds)
+    text = "; ".join(_as_text(condition, found) for condition in claim.conditions)
+    return Record(claim.id, verdict, found, text, "; ".join(misses), note, seconds)
 
 
 def _unmissed(claim):
@@ -109,7 +109,7 @@ def computed(condition: Condition, found: Found) -> str:
     return f"{condition.name} {_shown(condition, found.get(condition.name))}"
 
 
-def _told(condition, found):
+def _as_text(condition, found):
     return f"{computed(condition, found)} ({expected(condition)})"
 
 

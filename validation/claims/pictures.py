@@ -36,13 +36,13 @@ def velocities(pyplot: ModuleType, runs: dict[str, Any]) -> Figure:
 
 
 def limits(pyplot: ModuleType, runs: dict[str, Any]) -> Figure:
-    """Critical velocities inside the brackets of the source's captions."""
+    """Critical velocities inside the brackets of the thesis's captions."""
     brackets = {"S-720": (100, 155), "S-726": (100, 174), "S-727": (100, 158), "S-728": (100, 170), "S-731": (116, 132),
                 "S-745": (110, 215)}  # fmt: skip
     figure, axes = pyplot.subplots(figsize=(6.4, 4.2))
     for k, name in enumerate(KEVLAR):
         axes.plot(brackets[name], [k, k], color=FAINT, lw=9, solid_capstyle="butt", alpha=0.55,
-                  label="between a stop and a perforation of the source" if k == 0 else None)  # fmt: skip
+                  label="between a stop and a perforation of the thesis" if k == 0 else None)  # fmt: skip
         axes.plot(runs[name]["velocity"], k, "o", color=BLUE, ms=9, label="ours" if k == 0 else None)
     axes.set_yticks(range(6), KEVLAR)
     axes.set(xlabel="critical velocity [m/s]", ylim=(5.6, -1.6))
@@ -232,7 +232,7 @@ _PULLED: dict[str, Any] = {"fabric": "S-728", "lengths": [0.001, 0.002, 0.003], 
 PICTURES = {
     "compr": (
         (fits, lambda: {f"{n} {k}": run for n in KEVLAR for k, run in solids.paths(n).items()},
-         "Compression law fitted to our 3D crossovers, over the one that the source fitted to its own.", False),
+         "Compression law fitted to our 3D crossovers, over the one that the thesis fitted to its own.", False),
         (platens, lambda: {"pressed": Run.of("plates", fabric="S-720")},
          "One ply of S-720 between plates.", False),
     ),
@@ -249,7 +249,7 @@ PICTURES = {
     "impact1": (
         (velocities, _all_six, "One ply of each fabric struck at 100 m/s.", False),
         (limits, lambda: {name: Run.of("limit", fabric=name) for name in KEVLAR},
-         "Critical velocities and what the source's captions say of them.", False),
+         "Critical velocities and what the thesis's captions say of them.", False),
         (bounds, lambda: _between("S-728", "S-731"),
          "100 m/s on a balanced and an unbalanced fabric, between the bounds.", True),
     ),

@@ -134,14 +134,14 @@ def check(claim: Claim, out: Path, names: Any = None, variant: str | None = None
                 return Record(
                     claim.id,
                     verdict,
-                    told=run["error"],
+                    text=run["error"],
                     miss=run["error"] if verdict == MISSED else "",
                     note=run["error"],
                 )
         found = entry.function(**runs, **arguments)
         note = found.pop("note", "")
     except WeavecellError as problem:
-        return Record(claim.id, MISSED, told=str(problem), miss=str(problem))
+        return Record(claim.id, MISSED, text=str(problem), miss=str(problem))
     except Exception:
         return Record(claim.id, BROKEN, note=traceback.format_exc(limit=-3))
     return judge.judge(claim, found, note, time.perf_counter() - begun)
@@ -191,7 +191,7 @@ def _brief(run):
 
 
 def _stamp(claim, vary):
-    """Key of a claim's record: of the claim, of the program that checks it, and of whether variants were asked for."""
+    """Key of a claim's record: of the claim, of the program that checks it, and of whether variants were selected."""
     return run_cache.key((claim, vary and variants.varied(claim)), __name__)
 
 

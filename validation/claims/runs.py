@@ -1,6 +1,6 @@
 """The computations that checks share, each by name, from arguments that JSON can hold to a dict of numbers and arrays.
 
-Fabrics are those of the source's shell runs (`Fabric.effective`, erratum E-07). All other settings are the defaults of
+Fabrics are those of the thesis's shell runs (`Fabric.effective`, erratum E-07). All other settings are the defaults of
 `shellfabric`: nothing is set to suit a claim.
 """
 
@@ -217,10 +217,10 @@ def struck_yarn(*, fabric: str, velocity: float) -> RunResult:
     yarn = catalogue.load(fabric).with_effective_density().weave.warp
     run, theory = smith.strike(yarn, velocity), smith.smith(yarn, velocity)
     return {
-        "c": run.measured.c,
-        "U": run.measured.U,
-        "force": run.measured.force,
-        "strain": run.measured.strain,
+        "c": run.computed.c,
+        "U": run.computed.U,
+        "force": run.computed.force,
+        "strain": run.computed.strain,
         "theory_c": theory.c,
         "theory_U": theory.U,
         "theory_strain": theory.strain,
@@ -266,8 +266,8 @@ def stability(*, fabric: str, velocity: float, factor: float, end_time: float) -
     try:
         PanelSolver(panel, velocity, end_time).run()
     except UnstableError as problem:
-        return {"stable": False, "told": str(problem)}
-    return {"stable": True, "told": ""}
+        return {"stable": False, "message": str(problem)}
+    return {"stable": True, "message": ""}
 
 
 def pace(*, fabric: str, velocity: float, repeats: int = 3) -> RunResult:
@@ -298,12 +298,12 @@ def pack(
     """
     numerics = Numerics(failure_time=failure_time)
     shot = Projectile(body=Bar.full() if body == "full" else body)
-    asked = ImpactSetup(cloth(fabric), velocity, projectile=shot, numerics=numerics)
-    ply = asked.panel()
+    base = ImpactSetup(cloth(fabric), velocity, projectile=shot, numerics=numerics)
+    ply = base.panel()
     gap = (fabric_gap(ply.fabric) if plies > 1 else 0.0) + added
     whole = Pack.stacked(ply, plies, stacking=stacking, gap=gap, contact=PlyContact(form=form))
     if face is not None:
-        struck = replace(asked, fabric=cloth(fabric, **face)).panel()
+        struck = replace(base, fabric=cloth(fabric, **face)).panel()
         whole = replace(whole, plies=(struck, *whole.plies[1:]))
     march = PackSolver(whole, velocity, end_time, interval=1e-6)
     cones, tensions = [], []

@@ -177,8 +177,8 @@ def noisy_pack(
 
     The arguments are those of `runs.pack`.
     """
-    asked = ImpactSetup(cloth(fabric), velocity, numerics=Numerics(failure_time=failure_time))
-    ply = asked.panel()
+    base = ImpactSetup(cloth(fabric), velocity, numerics=Numerics(failure_time=failure_time))
+    ply = base.panel()
     whole = Pack.stacked(ply, plies, gap=fabric_gap(ply.fabric), contact=PlyContact(form="nodes"))
     march = _Unguarded(whole, velocity, end_time, interval=1e-6, energy_error_limit=np.inf)
     outcome = ""

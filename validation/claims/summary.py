@@ -57,7 +57,7 @@ def shares(claims: Sequence[Claim], records: Sequence[Record], by: str = "topic"
     return found
 
 
-def asked(claim: Claim) -> str:
+def targets(claim: Claim) -> str:
     """What would bear a claim out, in words."""
     return "; ".join(f"{condition.name} {expected(condition)}" for condition in claim.conditions)
 
@@ -71,7 +71,7 @@ def rows(claims: Sequence[Claim], records: Sequence[Record]) -> Iterator[tuple[s
             continue
         yield (
             claim.id, claim.topic, claim.kind, claim.basis, claim.origin, claim.source, claim.quantity, record.verdict,
-            record.told or asked(claim), record.miss, claim.cause if record.verdict == MISSED else "",
+            record.text or targets(claim), record.miss, claim.cause if record.verdict == MISSED else "",
             claim.against or claim.data or claim.incomparable or claim.untestable or claim.unbuilt, claim.erratum,
             claim.reason, record.note, f"{record.seconds:.2f}", record.setting, variants.summary(record),
         )  # fmt: skip

@@ -92,8 +92,8 @@ def summary(record: Record) -> str:
     verdicts = [record.verdict, *record.variants.values()]
     text = f"holds in {sum(map(holds, verdicts))} of {len(verdicts)}"
     changed = changes(record)
-    told = ", ".join(f"{verdict} with {name}" for name, verdict in changed.items())
-    return f"{text}; {told}" if changed else text
+    listed = ", ".join(f"{verdict} with {name}" for name, verdict in changed.items())
+    return f"{text}; {listed}" if changed else text
 
 
 def changes(record: Record) -> dict[str, str]:

@@ -1,7 +1,7 @@
-"""The ledger of the source's claims from the command line: run, table, page.
+"""The ledger of the thesis's claims from the command line: run, table, page.
 
 The folder of `weavecell validate`
-    ledger.html    every claim with its verdict, our number beside the source's, and pictures
+    ledger.html    every claim with its verdict, our number beside the thesis's, and pictures
     ledger.csv     the same as a table
     ledger.json    shares by topic, provenance
     runs/, records/  what is done, from which --resume goes on
@@ -26,9 +26,9 @@ from weavecell.report import pictures
 from weavecell.report.page import Figure
 from weavecell.results import json_file, progress, provenance
 
-_TOLD = (MISSED, WRONG, DATA, NOT_COMPARABLE, NOT_BUILT, NOT_TESTABLE)
+_COLUMNS_OF_VERDICTS = (MISSED, WRONG, DATA, NOT_COMPARABLE, NOT_BUILT, NOT_TESTABLE)
 _SUBTITLE = (
-    "Every claim of the source thesis that is a number, an order, a trend, a shape or an outcome, with our number "
+    "Every claim of the thesis that is a number, an order, a trend, a shape or an outcome, with our number "
     "beside it. Tolerances come from the printed digits or were set before the comparison, and none has been widened "
     "to turn a miss; nothing is fitted to a claim."
 )
@@ -142,15 +142,15 @@ def _write_page(out, claims, records, shares, stamp):
     parts = []
     for share in shares[1:]:
         rows = tuple((claim, by_id[claim.id]) for claim in claims if claim.topic == share.topic)
-        told = ", ".join(f"{count} {verdict}" for verdict, count in share.counts.items() if count)
-        parts.append(_Part(share.topic, data.TOPICS[share.topic], f"{told}.", rows, _figures(share.topic, out)))
+        counts = ", ".join(f"{count} {verdict}" for verdict, count in share.counts.items() if count)
+        parts.append(_Part(share.topic, data.TOPICS[share.topic], f"{counts}.", rows, _figures(share.topic, out)))
     folder = resources.files("weavecell.report") / "templates"
     loader = jinja2.FunctionLoader(lambda name: (folder / name).read_text("utf-8"))
     environment = jinja2.Environment(
         loader=loader, autoescape=True, trim_blocks=True, lstrip_blocks=True, undefined=jinja2.StrictUndefined
     )
     page = environment.get_template("ledger.html.j2").render(
-        title="The claims of the source, put to the test",
+        title="The claims of the thesis, put to the test",
         subtitle=_SUBTITLE,
         shares=shares,
         parts=parts,
@@ -185,7 +185,7 @@ def _tell(shares, records, out):
     for share in (*shares[1:], shares[0]):
         name = data.TOPICS[share.topic] if share.topic else "all"
         of = f"{share.counts['reproduced']:3d} of {share.compared:<3d}"
-        rest = [share.counts[verdict] for verdict in _TOLD]
+        rest = [share.counts[verdict] for verdict in _COLUMNS_OF_VERDICTS]
         print(f"{name:26} {of}   " + "   ".join(f"{n:{w}d}" for n, w in zip(rest, (6, 12, 4, 14, 9, 12))))
     varied = [record for record in records if record.variants]
     changed = [record for record in varied if variants.changes(record)]

@@ -64,7 +64,7 @@ def _tell(found):
         where = f"{found.map.x.name} {found.map.default[0] / found.map.x.unit:g}"
         where += "" if edge.y == found.map.default[1] else f", {found.map.y.label(edge.y)}"
         reach = f"edge at {edge.value / found.map.x.unit:.3g}" if edge.met else "no edge met"
-        missed = "" if edge.enough else "  LESS THAN ASKED"
+        missed = "" if edge.enough else "  BELOW THE TARGET"
         print(f"  {where}: {reach} {edge.side}, margin {edge.margin:.2f}{missed}")
 
 

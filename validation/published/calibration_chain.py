@@ -125,11 +125,11 @@ def main() -> None:
     print(made)
     if options.page is not None:
         stamp = provenance.stamp()
-        told = (
+        text = (
             f"{options.fabric}, residual velocity at {options.velocity:g} m/s; made by `python -m "
             f"validation.published.calibration_chain`, commit {stamp['commit']}, {stamp['date']}."
         )
-        put(options.page, *MARKS, f"\n\n{told}\n\n{made}\n")
+        put(options.page, *MARKS, f"\n\n{text}\n\n{made}\n")
 
 
 if __name__ == "__main__":

@@ -227,10 +227,10 @@ def _of(shots, kind, fabric, velocity):
 
 
 def _outcome(shot):
-    told = shot["computed"]
-    if told == PERFORATES:
-        told += f", {float(shot['residual velocity [m/s]']):.0f} m/s left"
-    return told if shot["computed"] == shot["thesis"] else f"**{told}**"
+    text = shot["computed"]
+    if text == PERFORATES:
+        text += f", {float(shot['residual velocity [m/s]']):.0f} m/s left"
+    return text if shot["computed"] == shot["thesis"] else f"**{text}**"
 
 
 def _elements(n):

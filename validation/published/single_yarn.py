@@ -1,6 +1,6 @@
 """One crimped yarn pulled straight, and what one-point integration of its solid leaves free.
 
-The source shows that a yarn of under-integrated solids is stable with bars and throws its nodes about without (thesis
+The thesis shows that a yarn of under-integrated solids is stable with bars and throws its nodes about without (thesis
 Figures 3-3, 3-4). Here: tension against strain for some numbers of fibre lines with bars beside the closed form
 (eq. 4-7), and the eigenvalues of the tangent at rest, with one and with 2 x 2 x 2 integration points.
 
@@ -98,9 +98,9 @@ def main(name: str = "S-720", size: str = "coarse", folder: str = "results/singl
     """Measure, write and print."""
     found, out = measure(name, size), Path(folder)
     picture(found, out / "single-yarn.svg")
-    told = {}
+    numbers = {}
     for (label, bars), values in found["spectra"].items():
-        told[f"{label}, {'without' if bars == 0 else 'slack'} bars"] = {
+        numbers[f"{label}, {'without' if bars == 0 else 'slack'} bars"] = {
             "unknowns": len(values), "zero-energy modes": int(np.sum(values < ZERO))
         }  # fmt: skip
     for family, label in enumerate(("warp", "weft")):
@@ -108,15 +108,15 @@ def main(name: str = "S-720", size: str = "coarse", folder: str = "results/singl
         taut = record["T"] > 0.2 * record["T"].max()
         slope, start = np.polyfit(record["strain"][taut], record["T"][taut], 1)
         yarn = found["fabric"].weave.yarns[family]
-        told[label] = {
+        numbers[label] = {
             "taut stiffness over E A_s": slope * (1 + yarn.crimp) / yarn.EA,
             "straight at the strain": -start / slope,
             "crimp": yarn.crimp,
         }
     with write_whole(out / "single-yarn.json") as file:
-        json.dump(told, file, indent=2)
+        json.dump(numbers, file, indent=2)
         file.write("\n")
-    print(json.dumps(told, indent=2))
+    print(json.dumps(numbers, indent=2))
 
 
 if __name__ == "__main__":

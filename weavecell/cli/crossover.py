@@ -81,7 +81,7 @@ ShiftOption = Annotated[
 ]
 PressureOption = Annotated[
     str | None,
-    typer.Option(help="platens, stack: at the end; the source's greatest by default.", metavar="PRESSURE"),
+    typer.Option(help="platens, stack: at the end; the thesis's greatest by default.", metavar="PRESSURE"),
 ]
 StretchOption = Annotated[
     str,

@@ -86,7 +86,7 @@ def biaxial(
         Size | None, typer.Option("--compare-3d", help="Solve the 3D crossover too, with this mesh, and compare.")
     ] = None,
     profile: Annotated[
-        Profile, typer.Option(help="Of the yarns: the source's cosine, or Kawabata's straight segments.")
+        Profile, typer.Option(help="Of the yarns: the thesis's cosine, or Kawabata's straight segments.")
     ] = Profile.cosine,
     toe: Annotated[
         str,

@@ -113,7 +113,7 @@ def validate(
     resume: ResumeOption = False,
     out: OutOption = None,
 ) -> int:
-    """Put the claims of the source thesis to the test: each with our number, its verdict and, if missed, the cause.
+    """Put the claims of the thesis to the test: each with our number, its verdict and, if missed, the cause.
 
     A missed claim is a result, not an error. Claims that rest on shots at one ply are checked as computed and in four
     variants: the thesis's cell formulation, nominal denier, 2 elements per crossover, and an elastic-plastic bored

@@ -38,7 +38,7 @@ def calibrate_command(
     name: str, out: Path, *, size: str, jobs: int, executor: str, friction: float = 0.0,
     plates: FilePath | None = None, fit_solid: bool = False, resume: bool = False,
 ) -> None:  # fmt: skip
-    """Calibrate one fabric, its solid first if asked, write what came of it and print the law."""
+    """Calibrate one fabric, its solid first where it is to be fitted, write what came of it and print the law."""
     fabric = with_3d_data(name)
     solid = None
     if plates is not None or fit_solid:
@@ -124,9 +124,16 @@ def calibrate(
     from unitcell3d.identify import calibrate as solver
 
     with progress.bar(f"Calibration of {fabric.name}") as advance:
-        told = told_by_paths(advance, 1 + len(solver.PATHS))
+        on_progress = progress_by_path(advance, 1 + len(solver.PATHS))
         return solver.calibrate(
-            fabric, size=size, friction=friction, out=out, on_progress=told, jobs=jobs, executor=executor, resume=resume
+            fabric,
+            size=size,
+            friction=friction,
+            out=out,
+            on_progress=on_progress,
+            jobs=jobs,
+            executor=executor,
+            resume=resume,
         )
 
 
@@ -139,7 +146,7 @@ def assumed_range(fabric: Fabric, done: Calibration, out: Path, **choices: Any) 
 
     with progress.bar(f"Assumed solid law of {fabric.name}, soft and stiff end") as advance:
         done, failed = solver.with_assumed_range(
-            fabric, done, on_progress=told_by_paths(advance, 2 * (1 + len(PATHS))), **choices
+            fabric, done, on_progress=progress_by_path(advance, 2 * (1 + len(PATHS))), **choices
         )
     for end, why in failed.items():
         print(f"{'no range':<12}the {end} end of the assumed solid law has no compression law: {why}")
@@ -147,14 +154,14 @@ def assumed_range(fabric: Fabric, done: Calibration, out: Path, **choices: Any) 
     return done
 
 
-def told_by_paths(advance: Callable[..., object], count: int) -> Callable[..., None]:
-    """Progress of `count` paths, as `unitcell3d.identify.calibrate` tells it, shown on one bar."""
+def progress_by_path(advance: Callable[..., object], count: int) -> Callable[..., None]:
+    """Progress of `count` paths, as `unitcell3d.identify.calibrate` reports it, shown on one bar."""
     shares = {}
 
     def report_path(fabric, path, share):
         shares[fabric, path] = share
-        told = ", ".join(f"{name} {100 * done:.0f} %" for (_, name), done in shares.items() if done < 1)
-        advance(sum(shares.values()) / count, told)
+        text = ", ".join(f"{name} {100 * done:.0f} %" for (_, name), done in shares.items() if done < 1)
+        advance(sum(shares.values()) / count, text)
 
     return report_path
 

@@ -1,4 +1,4 @@
-"""Every fabric of the catalogue calibrated unattended, its laws beside those that the source prints.
+"""Every fabric of the catalogue calibrated unattended, its laws beside those that the thesis prints.
 
 Folder of `weavecell calibrate --all`
     summary.csv, summary.png, report.html   all fabrics side by side
@@ -15,7 +15,7 @@ import weavecell
 from fabrics import catalogue
 from fabrics.errors import UnstableError
 from fabrics.files import write_whole
-from weavecell.commands.calibrate import told_by_paths
+from weavecell.commands.calibrate import progress_by_path
 from weavecell.report import chapters, pictures, pictures_solid
 from weavecell.report import page as report_page
 from weavecell.report.page import Card, Figure, Section, Table
@@ -45,7 +45,7 @@ def command(out: Path, *, size: str, jobs: int, executor: str, resume: bool, fri
             resume=resume,
             jobs=jobs,
             executor=executor,
-            on_progress=told_by_paths(advance, len(fabrics) * (1 + len(PATHS))),
+            on_progress=progress_by_path(advance, len(fabrics) * (1 + len(PATHS))),
         )
     rows = [row(fabric, found[fabric.name]) for fabric in fabrics]
     with write_whole(out / "summary.csv") as file:
@@ -98,7 +98,7 @@ def _parameter(value, interval, spread, published, ratio):
 def _report(out, fabrics, rows, picture, size, friction):
     stamp = provenance.stamp()
     figure = Figure(
-        picture, "png", "a and b fitted to the 3D crossover over those that the source prints (Tables 5-1 and 5-4); "
+        picture, "png", "a and b fitted to the 3D crossover over those that the thesis prints (Tables 5-1 and 5-4); "
         "bars: from the least to the greatest of the paths alone.", "laws",
     )  # fmt: skip
     numeric = tuple(name for name in COLUMNS if name not in ("fabric", "chosen", "ended"))

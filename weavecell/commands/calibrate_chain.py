@@ -20,7 +20,7 @@ from fabrics import catalogue
 from fabrics.errors import InputError, UnstableError
 from fabrics.files import write_whole
 from weavecell.commands import calibrate_solid
-from weavecell.commands.calibrate import told_by_paths
+from weavecell.commands.calibrate import progress_by_path
 from weavecell.report import chapters, marked_page, pictures, pictures_solid
 from weavecell.report import page as report_page
 from weavecell.report.page import Card, Figure, Section, Table
@@ -72,11 +72,11 @@ def command(
         "platens": pictures.render(pictures_solid.platens, fits, kind="png"),
         "laws": pictures.render(pictures_solid.chain, _ratios(fits, done, intervals), kind="png"),
     }
-    told = [f"{name}: left out, since {reason}" for name, reason in {**skipped, **failed}.items()]
-    _write(out, tables, drawn, told, size, friction, page)
+    remarks = [f"{name}: left out, since {reason}" for name, reason in {**skipped, **failed}.items()]
+    _write(out, tables, drawn, remarks, size, friction, page)
     for row in tables["laws"][1:]:
         print(f"{row[0]:<8}a / published {row[3]:>5} -> {row[9]:>5}   b / published {row[4]:>5} -> {row[10]:>5}")
-    print("\n".join([*told, f"written to {out}"]))
+    print("\n".join([*remarks, f"written to {out}"]))
     if failed:
         raise UnstableError("; ".join(f"{name}: {reason}" for name, reason in failed.items()))
 
@@ -111,8 +111,8 @@ def _laws(fabrics, folder, resume, **choices):
     from unitcell3d.identify.calibrate import PATHS, calibrate_all
 
     with progress.bar(f"Calibration of {len(fabrics)} fabrics") as advance:
-        told = told_by_paths(advance, len(fabrics) * (1 + len(PATHS)))
-        return calibrate_all(fabrics, folder=folder, resume=resume, on_progress=told, **choices)
+        on_progress = progress_by_path(advance, len(fabrics) * (1 + len(PATHS)))
+        return calibrate_all(fabrics, folder=folder, resume=resume, on_progress=on_progress, **choices)
 
 
 def _intervals(fits, laws, runs, out, friction, jobs, executor):
@@ -202,7 +202,7 @@ def _ratios(fits, done, intervals):
     return found
 
 
-def _write(out, tables, drawn, told, size, friction, page):
+def _write(out, tables, drawn, remarks, size, friction, page):
     stamp = provenance.stamp()
     for name, rows in tables.items():
         with write_whole(out / f"{name}.csv") as file:
@@ -222,7 +222,7 @@ def _write(out, tables, drawn, told, size, friction, page):
     content = report_page.Report(
         "Calibration chain: platen curve, solid, compression law",
         "E_c, V_c and K_r of each fabric are fitted to its platen curve; the crossover of the fitted solid is "
-        f"stretched on the {size} mesh, and one law fitted. " + " ".join(f"{line}." for line in told)
+        f"stretched on the {size} mesh, and one law fitted. " + " ".join(f"{line}." for line in remarks)
         + (f" Coulomb friction between the yarns: {friction:g}." if friction else ""),
         ((Card("Fabrics", f"{len(tables['laws']) - 1}", ("with a platen law",)),),),
         (*sections, chapters.making(stamp, {})),
@@ -230,10 +230,10 @@ def _write(out, tables, drawn, told, size, friction, page):
     )  # fmt: skip
     report_page.write(content, out / "report.html")
     if page is not None:
-        _write_page(page, tables, drawn, captions, told, size, stamp)
+        _write_page(page, tables, drawn, captions, remarks, size, stamp)
 
 
-def _write_page(page, tables, drawn, captions, told, size, stamp):
+def _write_page(page, tables, drawn, captions, remarks, size, stamp):
     """Put tables and pictures between the marks of a page."""
     for name, picture in drawn.items():
         with write_whole(page.parent / "figures" / f"calibration-chain-{name}.png", "wb") as file:
@@ -241,7 +241,7 @@ def _write_page(page, tables, drawn, captions, told, size, stamp):
     lines = [
         f"Made by `weavecell calibrate --all --fit-solid --mesh {size}`, commit {stamp['commit']}, {stamp['date']}."
     ]
-    lines += told
+    lines += remarks
     parts = ["\n".join(f"- {line}" for line in lines)]
     for name, picture in (("solids", "platens"), ("laws", "laws")):
         parts += [

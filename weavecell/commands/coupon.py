@@ -103,24 +103,24 @@ def coupon(path: Path, out: Path, *, resume: bool = False, strict: bool = False)
     DoubtfulError : a quality indicator is beyond its limit, and `strict`; all results have been written
     Interrupted : by the user; the states of the steps done have been kept
     """
-    asked, text = scenes_coupon.load(path, SUPPORT)
-    this = build.build(asked, path, path.stem)
+    scene, text = scenes_coupon.load(path, SUPPORT)
+    this = build.build(scene, path, path.stem)
     checkpoint = out / "checkpoint.h5"
     if resume and not checkpoint.exists():
         raise InputError("there is no checkpoint to resume from", file=checkpoint)
-    title = asked.title or f"{this.fabric.name}, {WORDS[asked.test]}"
+    title = scene.title or f"{this.fabric.name}, {WORDS[scene.test]}"
     began = time.perf_counter()
     try:
         result, table, failure = _pull(this, title, checkpoint, resume)
     except InputError as problem:
-        raise _in_file(problem, asked, path) from None
+        raise _in_file(problem, scene, path) from None
     except KeyboardInterrupt:
         hint = "; --resume goes on from its last step" if checkpoint.exists() else ""
         raise Interrupted(f"interrupted{hint}") from None
     record = CouponRecord.of(
-        result, measures(asked.test, asked.asked, result), PRESCRIBED[asked.test], title=title, fabric=this.fabric.name,
-        law_name=this.law_name, test=asked.test, failure_message=str(failure or ""),
-        wall_time=time.perf_counter() - began, checks=_indicators(result, table, asked.run.tolerance),
+        result, measures(scene.test, scene.test_table, result), PRESCRIBED[scene.test], title=title,
+        fabric=this.fabric.name, law_name=this.law_name, test=scene.test, failure_message=str(failure or ""),
+        wall_time=time.perf_counter() - began, checks=_indicators(result, table, scene.run.tolerance),
     )  # fmt: skip
     with progress.bar("Writing results") as advance:
         _write(out, this, record, text, advance)
@@ -152,7 +152,7 @@ def _pull(this, title, checkpoint, resume):
     scene, cloth, failure = this.scene, this.scene.fabric, None
     cell = (cloth.crossover_gap, cloth.cell_model, cloth.cell_formulation, cloth.cell_profile, cloth.fibre_slack)
     table = CellModel(this.fabric, this.laws, *cell).table(TABLE_SIZE)
-    options = dict(scene.asked)
+    options = dict(scene.test_table)
     if scene.test == "picture_frame":
         options["cells"] = options.pop("crossovers")
     stamp = _stamp(table, scene)
@@ -176,7 +176,7 @@ def _pull(this, title, checkpoint, resume):
 def _stamp(table, scene):
     """Digests of all that the states of a run depend on, the code among it."""
     fabric = table.model.fabric
-    inputs = (scene.test, scene.asked.model_dump(), scene.run.model_dump(exclude={"outputs"}))
+    inputs = (scene.test, scene.test_table.model_dump(), scene.run.model_dump(exclude={"outputs"}))
     inputs += (fabric.weave, fabric.shear, table.model.toes, table.potential)
     return run_cache.stamp(inputs, "shellfabric.coupon.quasistatic")
 
@@ -192,7 +192,7 @@ def _in_file(problem, scene, file):
         "cells": "crossovers",
     }
     key = keys.get(problem.key, problem.key)
-    if key in type(scene.asked).model_fields:
+    if key in type(scene.test_table).model_fields:
         key = f"{scene.test}.{key}"
     if key is None:
         return InputError(str(problem), file=file)

@@ -253,6 +253,6 @@ def parameters(fit: LambertJonas) -> str:
     """The fitted parameters as text, each with its interval."""
     texts = []
     for name, interval in fit.intervals.items():
-        told = f"({interval[0]:.3g} to {interval[1]:.3g})" if interval else "(at its bound)"
-        texts.append(f"{name} = {getattr(fit, name):.3g} {told}")
+        within = f"({interval[0]:.3g} to {interval[1]:.3g})" if interval else "(at its bound)"
+        texts.append(f"{name} = {getattr(fit, name):.3g} {within}")
     return ", ".join(texts)

@@ -62,7 +62,7 @@ def command(
         file.write(pictures.render(pictures_crossover.CURVES[case], fabric, record, found))
     pictures_crossover.deformed(built, record, out / "pictures" / "deformed.png")
     for key, value in found.items():
-        print(f"{key:<44}{_told(value)}")
+        print(f"{key:<44}{_as_text(value)}")
     print(f"written to {out}")
     if record.failed:
         raise UnstableError(record.failed)
@@ -247,9 +247,9 @@ SUMMARIES = {
 }
 
 
-def _told(value):
+def _as_text(value):
     if isinstance(value, list | tuple):
-        return ", ".join(_told(part) for part in value)
+        return ", ".join(_as_text(part) for part in value)
     if value is None:
         return "-"
     return f"{value:.5g}" if isinstance(value, float | np.floating) else str(value)

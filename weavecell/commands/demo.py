@@ -44,12 +44,12 @@ def demonstrate(out: Path, *, size: str, jobs: int, executor: str) -> None:
     with clock.stage("calibration"):
         calibration = calibrate.calibrate(fabric, out / "calibration", size=size, jobs=jobs, executor=executor)
     with clock.stage("impacts"):
-        shots = [_shoot(plan, asked, law, out) for asked in plan["impact"] for law in LAWS]
+        shots = [_shoot(plan, case, law, out) for case in plan["impact"] for law in LAWS]
     records = [record for _, record in shots]
     with clock.stage("pictures"), progress.bar("Pictures and report") as advance:
         sections = _sections(fabric, meshed, calibration, records, out, advance)
     clock.times["all of it"] = time.perf_counter() - began
-    rows = _asked(plan, shots, clock.times["all of it"])
+    rows = _targets(plan, shots, clock.times["all of it"])
     stamp = provenance.stamp(text)
     page = _page(fabric, plan, calibration, records, [chapters.comparison(rows), *sections], stamp, clock)
     report_page.write(page, out / "report.html")
@@ -78,21 +78,21 @@ class Clock:
         self.times[name] = time.perf_counter() - began
 
 
-def _shoot(plan, asked, law, out):
-    """Run one impact and write its folder; returns (asked, record)."""
+def _shoot(plan, case, law, out):
+    """Run one impact and write its folder; returns (case, record)."""
     words, value = LAWS[law]
-    folder = out / f"{asked['name']}-{law}"
-    title = f"{asked['strike_velocity']}, {words}"
+    folder = out / f"{case['name']}-{law}"
+    title = f"{case['strike_velocity']}, {words}"
     table = {"title": title} | {name: dict(inner) for name, inner in plan["scene"].items()}
     table["fabric"]["law"] = value
-    table["projectile"]["strike_velocity"] = asked["strike_velocity"]
+    table["projectile"]["strike_velocity"] = case["strike_velocity"]
     table["run"]["outputs"] = ["paraview"]
     text = toml_writer.dumps(table)
     file = folder / "scene.toml"
     this = build.build(scenes_impact.check(table, file, impact.SUPPORT), file, folder.name)
     record, snapshots, *_ = impact.fire(this, build.setup(this, file), title)
     impact.write(folder, this, record, snapshots, text, lambda *_: None)
-    return asked, record
+    return case, record
 
 
 def _sections(fabric, meshed, calibration, records, out, advance):
@@ -108,13 +108,13 @@ def _sections(fabric, meshed, calibration, records, out, advance):
     return [*sections, chapters.impact(records)]
 
 
-def _asked(plan, shots, seconds):
+def _targets(plan, shots, seconds):
     """Rows (quantity, target, value, met)."""
     rows = []
-    for asked, record in shots:
-        met = record.outcome == asked["asked"]
-        rows.append((f"{record.title} ({asked['source']})", asked["asked"], record.outcome, "yes" if met else "no"))
-    limits = plan["asked"]
+    for case, record in shots:
+        met = record.outcome == case["outcome"]
+        rows.append((f"{record.title} ({case['source']})", case["outcome"], record.outcome, "yes" if met else "no"))
+    limits = plan["targets"]
     for what, key, measure in (
         ("largest error of the energy balance, of the strike energy", "balance", "energy_error_max"),
         ("viscous energy, of the energy absorbed", "numerical", "viscous_energy_fraction"),

@@ -62,17 +62,17 @@ _BY_HAND = {
 }
 
 
-def by_hand(asked: Scene) -> frozenset[str]:
+def by_hand(scene: Scene) -> frozenset[str]:
     """Names of the fields of ImpactSetup that the scene sets itself."""
-    return frozenset(field for (table, key), field in _BY_HAND.items() if key in getattr(asked, table).model_fields_set)
+    return frozenset(field for (table, key), field in _BY_HAND.items() if key in getattr(scene, table).model_fields_set)
 
 
-def answer(asked: Scene, setup: Setup, shoot: Callable[..., Any]) -> tuple[Any, Answer | None]:
+def answer(scene: Scene, setup: Setup, shoot: Callable[..., Any]) -> tuple[Any, Answer | None]:
     """Choose, run and check.
 
     Parameters
     ----------
-    asked : Scene with a table [accuracy]
+    scene : Scene with a table [accuracy]
     setup : ImpactSetup as the scene has it, of a pack PackSetup
     shoot : called as shoot(setup, table, name of the model) for a run with all its records; gives
         (ImpactRecord, snapshots, failure, ImpactResult), or those of a pack
@@ -96,8 +96,8 @@ def answer(asked: Scene, setup: Setup, shoot: Callable[..., Any]) -> tuple[Any, 
         return result
 
     try:
-        targets = asked.accuracy.targets  # type: ignore[union-attr]
-        choice = select.answer(setup, targets, fixed=by_hand(asked), fire=fire, told=print)
+        targets = scene.accuracy.targets  # type: ignore[union-attr]
+        choice = select.answer(setup, targets, fixed=by_hand(scene), fire=fire, on_progress=print)
     except UnstableError:
         if last is None:
             raise
@@ -110,7 +110,7 @@ def explain(path: Path) -> None:
 
     Raises
     ------
-    InputError : the scene or what it names is wrong, or it asks for no accuracy
+    InputError : the scene or what it names is wrong, or it has no accuracy targets
     """
     import rich
     from rich import box, table
@@ -118,49 +118,51 @@ def explain(path: Path) -> None:
     from shellfabric.impact.pack import PackSetup
     from weavecell.analysis.fidelity import error_database, select
 
-    asked, _ = scenes_impact.load(path, lambda scene: PACK_EXPLAIN if scene.panel.plies > 1 else EXPLAIN)
-    if asked.accuracy is None:
+    scene, _ = scenes_impact.load(path, lambda scene: PACK_EXPLAIN if scene.panel.plies > 1 else EXPLAIN)
+    if scene.accuracy is None:
         raise InputError("is missing, so there is nothing to choose", file=path, key="accuracy")
-    this = build.build(asked, path, path.stem)
-    packs = asked.panel.plies > 1
+    this = build.build(scene, path, path.stem)
+    packs = scene.panel.plies > 1
     ply = build.setup(this, path)
     setup: Setup = ply
     if packs:
-        setup = PackSetup(ply, asked.panel.plies, asked.panel.stacking, asked.panel.ply_gap)
-    options = select.options(setup, asked.accuracy.targets, fixed=by_hand(asked))
+        setup = PackSetup(ply, scene.panel.plies, scene.panel.stacking, scene.panel.ply_gap)
+    options = select.options(setup, scene.accuracy.targets, fixed=by_hand(scene))
     chosen = select.pick(options)
     shown = table.Table(box=box.SIMPLE_HEAD, title="Models, the cheapest first; likely errors", title_justify="left")
-    for column in ("", "model", "part", "elements", "cost", *asked.accuracy.targets):
+    for column in ("", "model", "part", "elements", "cost", *scene.accuracy.targets):
         shown.add_column(column.replace("_", " "))
     for option in options:
-        shown.add_row("->" if option is chosen else "", *_row(option, asked.accuracy.targets))
+        shown.add_row("->" if option is chosen else "", *_row(option, scene.accuracy.targets))
     known_errors = error_database.load(packs=packs)
     for name, known in known_errors.others.items():
-        errors = (_percent(known["expected"][quantity]) for quantity in asked.accuracy.targets)
+        errors = (_percent(known["expected"][quantity]) for quantity in scene.accuracy.targets)
         shown.add_row("", name, "-", "-", f"{known['cost']:.3f}", *errors)
     rich.print(shown)
-    print("asked: " + ", ".join(f"{_plain(name)} {_percent(share)}" for name, share in asked.accuracy.targets.items()))
+    print(
+        "targets: " + ", ".join(f"{_plain(name)} {_percent(share)}" for name, share in scene.accuracy.targets.items())
+    )
     print("cost: process time over that of the full model, as the survey found it (docs/fidelity.md)")
     print(
         "errors: four scenes in five of the survey stay below. A run looks at its own scene first, by two scouts, and"
     )
     print("may choose a cheaper or a dearer model; the cable net is there to compare with, and never chosen")
-    told = ", ".join(f"{_plain(name)} {_percent(known_errors.own(name))}" for name in asked.accuracy.targets)
-    print(f"the full model itself is only known to about: {told}")
-    print(f"projectile: {_projectile(asked)}")
+    known = ", ".join(f"{_plain(name)} {_percent(known_errors.own(name))}" for name in scene.accuracy.targets)
+    print(f"the full model itself is only known to about: {known}")
+    print(f"projectile: {_projectile(scene)}")
 
 
-def _projectile(asked):
-    if "body" in asked.projectile.model_fields_set:
-        return f"{asked.projectile.body}, as the scene says"
-    if asked.projectile.shape != "flat":
+def _projectile(scene):
+    if "body" in scene.projectile.model_fields_set:
+        return f"{scene.projectile.body}, as the scene says"
+    if scene.projectile.shape != "flat":
         return "rigid; only a flat cylinder of steel could be elastic"
     return "rigid if a scout's contact lasts long enough against its period, and an elastic bar if not"
 
 
-def _row(option, asked):
+def _row(option, targets):
     panel_elements = f"{option.elements:,}"
-    expected = (_percent(option.expected[name]) if name in option.expected else "-" for name in asked)
+    expected = (_percent(option.expected[name]) if name in option.expected else "-" for name in targets)
     return option.model.name, _symmetry(option), panel_elements, f"{option.cost:.3f}", *expected
 
 
@@ -183,11 +185,11 @@ def summary(choice: Answer | None) -> dict[str, Any]:
     final = choice.final
     return {
         "accuracy": {
-            "targets": choice.asked,
+            "targets": choice.targets,
             "model": final.option.model.name,
             "symmetry": _symmetry(final.option),
             "compared_with": final.against,
-            "values": {name: _number(final.values[name]) for name in choice.asked},
+            "values": {name: _number(final.values[name]) for name in choice.targets},
             "estimated_errors": {
                 name: None if error == float("inf") else error for name, error in final.errors.items()
             },
@@ -200,14 +202,14 @@ def summary(choice: Answer | None) -> dict[str, Any]:
 
 
 def tell(choice: Answer) -> None:
-    """Print whether the promise holds, and what the numbers asked for are."""
+    """Print whether the promise holds, and what the target quantities are."""
     final = choice.final
     found = ", ".join(f"{_plain(name)} {_percent(error)}" for name, error in final.errors.items())
     print(f"accuracy {_verdict(choice)}: {final.option.model.name}, {_symmetry(final.option)} panel; errors {found}")
-    if "peak_tension" in choice.asked and choice.regime == "held" and final.against:
+    if "peak_tension" in choice.targets and choice.regime == "held" and final.against:
         warp, weft = final.values["peak_tension"]
         print(f"peak tension from this mesh and that of {final.partner}: warp {warp:.4g} N, weft {weft:.4g} N")
-    for name, share in choice.asked.items():
+    for name, share in choice.targets.items():
         if choice.own[name] > share:
             print(f"{_plain(name)}: the full model itself is only known to about {_percent(choice.own[name])}")
 
@@ -227,23 +229,23 @@ def _number(value):
 
 def chapter(choice: Answer) -> Section:
     """For the report."""
-    final, asked = choice.final, choice.asked
+    final, targets = choice.final, choice.targets
     rows = tuple(
         (
             attempt.option.model.name,
             attempt.against or "-",
-            *(_percent(attempt.errors[name]) for name in asked),
+            *(_percent(attempt.errors[name]) for name in targets),
             "yes" if attempt.holds else "no",
         )
         for attempt in choice.attempts
     )
-    options = tuple(_row(option, asked) for option in choice.options)
-    names = tuple(_plain(name) for name in asked)
-    wanted = ", ".join(f"{_plain(name)} within {_percent(share)}" for name, share in asked.items())
+    options = tuple(_row(option, targets) for option in choice.options)
+    names = tuple(_plain(name) for name in targets)
+    wanted = ", ".join(f"{_plain(name)} within {_percent(share)}" for name, share in targets.items())
     return Section(
         "accuracy",
         "The model that was chosen",
-        f"The scene asks for {wanted}. Accuracy {_verdict(choice)}; {final.option.model.name}, "
+        f"The targets of the scene are {wanted}. Accuracy {_verdict(choice)}; {final.option.model.name}, "
         f"{_symmetry(final.option)} panel; {choice.body}.",
         (),
         (

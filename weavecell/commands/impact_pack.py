@@ -68,7 +68,7 @@ def impact(
 
     Raises
     ------
-    InputError : what the scene asks for cannot be had; nothing has been written
+    InputError : what the scene describes cannot be computed; nothing has been written
     UnstableError : the run became unstable; what it had computed has been written
     DoubtfulError : a quality indicator is beyond its limit, and `strict`; all results have been written
     """

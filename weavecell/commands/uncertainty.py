@@ -49,17 +49,17 @@ def sensitivity(
         for one in found
         for k, name in enumerate(one.names)
     ]  # fmt: skip
-    told = [
+    remarks = [
         f"{one.quantity}, struck at {one.velocity:g} m/s: {one.mean:.1f} ± {one.deviation:.1f} "
         f"{sobol.QUANTITIES[one.quantity]} (mean and standard deviation); {100 * one.perforated:.0f} % perforated"
         for one in found
     ]
     count = samples * (len(entries) + 2)
-    told.append(f"{samples} base samples, {count} rows of {len(velocities)} shots, seed {seed}.")
+    remarks.append(f"{samples} base samples, {count} rows of {len(velocities)} shots, seed {seed}.")
     command = f"weavecell sensitivity {fabric} --samples {samples} --seed {seed}"
     title = f"{cloth.name}: Sobol indices, {count} rows"
     content = {"indices": [_plain(one) for one in found], "inputs": [asdict(one) for one in entries.values()]}
-    _finish(out, page, "sobol", title, head, rows, told, command, content, began, cloth,
+    _finish(out, page, "sobol", title, head, rows, remarks, command, content, began, cloth,
             lambda path: pictures_uncertainty.indices(found, path, title))  # fmt: skip
 
 
@@ -86,7 +86,7 @@ def probabilistic(
     through = [s for s in study.shots if s.perforated]
     stopped = [s for s in study.shots if not s.perforated]
     low, high = study.deterministic
-    told = [
+    remarks = [
         f"Without scatter the limit is between {low:.1f} and {high:.1f} m/s.",
         f"{len(study.shots)} shots in rounds of {batch}, {len(through)} perforated, seed {seed}; slowest perforation "
         f"{min(s.velocity for s in through):.1f} m/s, fastest stop {max(s.velocity for s in stopped):.1f} m/s; worst "
@@ -102,7 +102,7 @@ def probabilistic(
         "curves": {link: asdict(curve) | {"V0": curve.V0, "V100": curve.V100} for link, curve in study.curves.items()},
         "inputs": [asdict(one) for name in ("weibull", "spread") for one in inputs.table(name).values()],
     }  # fmt: skip
-    _finish(out, page, "v50", title, head, rows, told, command, _finite(content), began, cloth,
+    _finish(out, page, "v50", title, head, rows, remarks, command, _finite(content), began, cloth,
             lambda path: pictures_uncertainty.perforation(study, path, title))  # fmt: skip
 
 
@@ -119,7 +119,7 @@ def _begin(fabric, out, page, name, resume):
     return cloth
 
 
-def _finish(out, page, name, title, head, rows, told, command, content, began, cloth, draw):
+def _finish(out, page, name, title, head, rows, remarks, command, content, began, cloth, draw):
     """Write table, record, picture and page of a study."""
     stamp = provenance.stamp(fabric=cloth)
     with write_whole(out / f"{name}.csv") as file:
@@ -127,11 +127,11 @@ def _finish(out, page, name, title, head, rows, told, command, content, began, c
     json_file.write(out / f"{name}.json", {**content, "wall_time": time.perf_counter() - began, "provenance": stamp})
     draw(out / f"{name}.png")
     made = f"Version {stamp['weavecell']}, commit {stamp['commit']}, {stamp['date']}, {stamp['processor']}."
-    _write_html(out / f"{name}.html", name, title, head, rows, told, f"{command}. {made} {stamp['packages']}.")
+    _write_html(out / f"{name}.html", name, title, head, rows, remarks, f"{command}. {made} {stamp['packages']}.")
     if page is not None:
         draw(page.parent / "figures" / f"scatter-{name}.png")
-        _write_page(page, name, title, head, rows, told, f"Made by `{command}`. {made}")
-    for line in told:
+        _write_page(page, name, title, head, rows, remarks, f"Made by `{command}`. {made}")
+    for line in remarks:
         print(line)
     print(f"written to {out}")
 
@@ -140,15 +140,15 @@ def _marks(name):
     return f"<!-- {name} -->", f"<!-- end of {name} -->"
 
 
-def _write_page(page, name, title, head, rows, told, made):
+def _write_page(page, name, title, head, rows, remarks, made):
     """Put a study between its marks of a Markdown page."""
-    lines, table = "\n".join(f"- {line}" for line in told), marked_page.markdown([head, *rows])
+    lines, table = "\n".join(f"- {line}" for line in remarks), marked_page.markdown([head, *rows])
     content = f"\n\n![{title}](figures/scatter-{name}.png)\n\n{lines}\n\n{table}\n{made}\n\n"
     marked_page.put(page, *_marks(name), content)
 
 
-def _write_html(path, name, title, head, rows, told, footer):
-    """One page: picture, what is to be told, table."""
+def _write_html(path, name, title, head, rows, remarks, footer):
+    """One page: picture, remarks, table."""
     from importlib import resources
 
     import jinja2
@@ -156,7 +156,7 @@ def _write_html(path, name, title, head, rows, told, footer):
     text = (resources.files("weavecell.report") / "templates" / "scatter.html.j2").read_text("utf-8")
     template = jinja2.Environment(autoescape=True, undefined=jinja2.StrictUndefined).from_string(text)
     with write_whole(path) as file:
-        file.write(template.render(name=name, title=title, head=head, rows=rows, told=told, footer=footer))
+        file.write(template.render(name=name, title=title, head=head, rows=rows, remarks=remarks, footer=footer))
 
 
 def _write_shots(study, path):

@@ -287,7 +287,8 @@ def sources(fabric: Fabric) -> Section:
     return Section(
         "sources",
         "Where each number comes from",
-        "Every input of the fabric as it stands in its data file. The thesis is the source work; E-nn are its errata.",
+        "Every input of the fabric as it stands in its data file. The thesis is the PhD thesis whose "
+        "model is implemented; E-nn are its errata.",
         tables=(
             Table(("key", "value", "status", "source"), rows, caption="Data of the fabric"),
             Table(("quantity", "value"), tuple(derived(fabric)), caption="What follows from them"),

@@ -21,14 +21,14 @@ PRESCRIBED = {
 }
 
 
-def measures(test: str, asked: Any, result: Result) -> dict[str, tuple[str, np.ndarray]]:
-    """{name: (unit, (steps,))} of a `shellfabric.coupon.solver.Result`; `asked` is the scene's table of the test."""
+def measures(test: str, inputs: Any, result: Result) -> dict[str, tuple[str, np.ndarray]]:
+    """{name: (unit, (steps,))} of a `shellfabric.coupon.solver.Result`; `inputs` is the scene's table of the test."""
     return {"bias_extension": _bias, "picture_frame": _frame, "uniaxial": _uniaxial, "biaxial": _biaxial}[test](
-        asked, result
+        inputs, result
     )
 
 
-def _bias(asked, result):
+def _bias(inputs, result):
     size, steps = quasistatic.bias_size(result), range(len(result.states))
     zone = quasistatic.zones(result.coupon, *size)
     gamma = [result.shear(k) for k in steps]
@@ -43,7 +43,7 @@ def _bias(asked, result):
     return found
 
 
-def _frame(asked, result):
+def _frame(inputs, result):
     shear, fabric = quasistatic.frame_stress(result), result.coupon.table.model.fabric
     found = {"shear stress": ("Pa", shear)}
     if fabric.shear is not None:
@@ -51,8 +51,8 @@ def _frame(asked, result):
     return found
 
 
-def _uniaxial(asked, result):
-    weave, along = result.coupon.weave, 0 if asked.direction == "warp" else 1
+def _uniaxial(inputs, result):
+    weave, along = result.coupon.weave, 0 if inputs.direction == "warp" else 1
     size = np.ptp(result.coupon.points, axis=0)
     yarns = round(float(size[1]) / (2 * weave.w[1 - along]))
     middle = quasistatic.middle_strain(result, 0.2 * (size if along == 0 else size[::-1]))
@@ -65,13 +65,13 @@ def _uniaxial(asked, result):
     }
 
 
-def _biaxial(asked, result):
+def _biaxial(inputs, result):
     weave = result.coupon.weave
-    middle = quasistatic.middle_strain(result, [0.6 * asked.centre * w for w in weave.w])
+    middle = quasistatic.middle_strain(result, [0.6 * inputs.centre * w for w in weave.w])
     loads = [result.force(1, 0), result.force(3, 1)]
     found = {}
     for name, load, strain in zip(("warp", "weft"), loads, middle.T):
-        found[f"load of a {name} yarn"] = "N", load / asked.centre
+        found[f"load of a {name} yarn"] = "N", load / inputs.centre
         found[f"strain in the middle, {name}"] = "1", strain
     cell = result.coupon.table.model.solve(*(1 + middle.T))
     for name, force in zip(("warp", "weft"), ("N1", "N2")):

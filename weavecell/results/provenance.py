@@ -25,8 +25,8 @@ PACKAGES = (
 
 def stamp(scene_text: str = "", fabric: Fabric | None = None) -> dict[str, str]:
     """What a reader needs to repeat a run, as a flat dict of texts; of a fabric, which of its tables were assumed."""
-    told = {} if fabric is None or not fabric.assumed else {"assumed": "; ".join(assumed.lines(fabric))}
-    return told | {
+    assumed_values = {} if fabric is None or not fabric.assumed else {"assumed": "; ".join(assumed.lines(fabric))}
+    return assumed_values | {
         "weavecell": weavecell.__version__,
         "commit": commit(),
         "date": datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),

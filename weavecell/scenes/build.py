@@ -172,7 +172,7 @@ def _given(table, name, but=()):
 
 
 def _backing(table):
-    """The block that a scene names; what it leaves out is the source's, or the mesh's default."""
+    """The block that a scene names; what it leaves out is the thesis's, or the mesh's default."""
     if table is None:
         return None
     from shellfabric.backing.block import Backing

@@ -100,11 +100,11 @@ class CouponScene(Table):
     def trellis_law(self) -> str:
         """Whether the test needs the fabric's trellis law: "needed", "optional" or "unused"."""
         if self.test == "bias_extension":
-            return "needed" if self.asked.trellis else "unused"
+            return "needed" if self.test_table.trellis else "unused"
         return "needed" if self.test == "picture_frame" else "optional"
 
     @property
-    def asked(self) -> Any:
+    def test_table(self) -> Any:
         """The table of the test."""
         return getattr(self, self.test)
 
@@ -133,11 +133,11 @@ def check(table: dict[str, Any], file: FilePath, support: Any = None) -> CouponS
     exactly_one(scene, TESTS, "", file)
     if support is not None:
         supported.check(scene, table, file, support)
-    written, asked = table[scene.test], scene.asked
-    if scene.test == "bias_extension" and asked.length <= asked.width:
+    written, test = table[scene.test], scene.test_table
+    if scene.test == "bias_extension" and test.length <= test.width:
         key, allowed = "bias_extension.length", f"above the width, {written['width']}"
         raise InputError(file=file, key=key, value=written["length"], allowed=allowed)
-    if scene.test == "biaxial" and not (len(asked.strain) == 2 and min(asked.strain) >= 0 < max(asked.strain)):
+    if scene.test == "biaxial" and not (len(test.strain) == 2 and min(test.strain) >= 0 < max(test.strain)):
         words = BiaxialTable.model_fields["strain"].description
         raise InputError(file=file, key="biaxial.strain", value=written["strain"], allowed=words)
     return anchored(scene, Path(file).parent)

@@ -38,8 +38,8 @@ def test_cable_model_is_smith_within_1_percent(velocity):
     """Measured with 2000 bars: strain, tension and U to 0.01 %, force 0.002 %, c 0.14 (400 m/s) to 0.54 % (50 m/s)."""
     run, wave = strike(YARN, velocity), smith(YARN, velocity)
     for name in ("strain", "tension", "U", "force"):
-        assert getattr(run.measured, name) == pytest.approx(getattr(wave, name), rel=1e-3), name
-    assert run.measured.c == pytest.approx(wave.c, rel=1e-2)
+        assert getattr(run.computed, name) == pytest.approx(getattr(wave, name), rel=1e-3), name
+    assert run.computed.c == pytest.approx(wave.c, rel=1e-2)
     assert abs(run.energies["error"]) < 1e-5 * abs(run.energies["boundary_work"])
 
 
@@ -47,7 +47,7 @@ def test_orders_of_convergence():
     """The kink's speed converges with the second order, the front's, which viscosity spreads, with the first."""
     wave, errors = smith(YARN, 100.0), []
     for bars in (500, 1000, 2000):
-        measured = strike(YARN, 100.0, bars=bars).measured
+        measured = strike(YARN, 100.0, bars=bars).computed
         errors.append((abs(measured.U / wave.U - 1), abs(measured.c / wave.c - 1)))
     orders = np.log2(np.array(errors[:-1]) / np.array(errors[1:]))
     assert orders[:, 0] == pytest.approx(2.0, abs=0.15)
@@ -57,7 +57,7 @@ def test_orders_of_convergence():
 def test_viscosity_quiets_the_plateau():
     def ripple(viscosity):
         run = strike(YARN, 100.0, bars=500, numerics=CableNumerics(viscosity=viscosity))
-        return np.std(np.diff(run.strain[100:350])) / run.measured.strain  # from bar to bar
+        return np.std(np.diff(run.strain[100:350])) / run.computed.strain  # from bar to bar
 
     assert ripple(0.1) < 0.5 * ripple(0.0)  # measured: 0.43
 

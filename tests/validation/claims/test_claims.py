@@ -141,7 +141,7 @@ def test_conditions(condition, found, holds):
 def test_a_miss_says_by_how_much():
     record = judge.judge(claim(Condition("V", "value", 100, within=5, unit="m/s")), {"V": 110.0})
     assert record.miss == "V off by +10 m/s (+10 %), 5 allowed"
-    assert record.told == "V 110 m/s (100 ± 5 m/s)"
+    assert record.text == "V 110 m/s (100 ± 5 m/s)"
     record = judge.judge(claim(Condition("V", "below", 5, unit="%")), {"V": 0.2})
     assert record.miss == "V 20 %, target < 5 %"
 
@@ -169,7 +169,7 @@ def test_what_is_not_comparable_says_both_and_decides_nothing():
     assert judge.judge(other, {"outcome": "perforates"}).verdict == judge.NOT_COMPARABLE
     record = judge.judge(other, {"outcome": "stops"})
     assert record.verdict == judge.NOT_COMPARABLE
-    assert record.told == "outcome stops (perforates)"
+    assert record.text == "outcome stops (perforates)"
 
 
 def test_claims_without_a_check_keep_their_reason():

@@ -43,7 +43,7 @@ def taught(factors, *, apart=1.0, usual=0.01, weight=0.0, finest=0.0):
         regime: {
             name: {"scenes": 9, "usual": usual, "models": each}
             for name in quantities.NAMES
-            if quantities.asked_of(name, regime)
+            if quantities.is_defined(name, regime)
         }
         for regime in (quantities.HELD, quantities.THROUGH)
     }
@@ -448,12 +448,12 @@ class TestScenes:
             assert min(setup.opening) > 4 * setup.projectile.radius
 
     def test_trials_ask_what_they_say_and_the_survey_has_a_seed_of_its_own(self):
-        assert [set(trial.asked("everything", n).values()) for n in range(3)] == [{0.02}, {0.05}, {0.1}]
-        assert [trial.asked("again", n) for n in range(3)] == [trial.asked("everything", n) for n in range(3)]
-        drawn = [trial.asked("scene", n) for n in range(trial.COUNT)]
+        assert [set(trial.targets_of("everything", n).values()) for n in range(3)] == [{0.02}, {0.05}, {0.1}]
+        assert [trial.targets_of("again", n) for n in range(3)] == [trial.targets_of("everything", n) for n in range(3)]
+        drawn = [trial.targets_of("scene", n) for n in range(trial.COUNT)]
         assert {len(one) for one in drawn} == {1, 2}
         assert {name for one in drawn for name in one} == set(quantities.NAMES)
-        assert {share for one in drawn for share in one.values()} == set(trial.ASKED)
+        assert {share for one in drawn for share in one.values()} == set(trial.TARGETS)
         assert survey.SEED not in trial.TRIALS.values()
 
     def test_a_row_is_held_against_the_full_model(self):

@@ -37,7 +37,7 @@ def test_edges_are_found_and_margins_are_ratios():
     assert above.value == pytest.approx(3, rel=0.01)
     assert above.margin == pytest.approx(3, rel=0.01)
     assert above.beyond.kind == FAILED
-    assert above.beyond.told == "it broke, at everywhere, at once"
+    assert above.beyond.message == "it broke, at everywhere, at once"
     assert below.value == pytest.approx(0.1, rel=0.01)
     assert below.margin == pytest.approx(10, rel=0.01)
     assert found.count(WRONG) == 2
@@ -74,7 +74,7 @@ def test_margins_are_told_in_the_unit_that_the_axis_names():
 
 def failed(outcome, text):
     """Whether a guard has stopped a point and said why, where and when."""
-    return outcome.kind == FAILED and text in outcome.told and ", at " in outcome.told
+    return outcome.kind == FAILED and text in outcome.message and ", at " in outcome.message
 
 
 def test_time_step():
@@ -89,7 +89,7 @@ def test_time_step():
 @pytest.mark.parametrize("cloth", time_step.CLOTHS)
 def test_the_default_step_has_a_margin_on_every_cloth(cloth):
     """One and a half of the default is stable: of the equilibrium form, of taut cloth and of one that rings too."""
-    assert time_step.point(core.ASKED * time_step.Numerics.cfl, cloth).kind == STABLE
+    assert time_step.point(core.MARGIN_TARGET * time_step.Numerics.cfl, cloth).kind == STABLE
 
 
 def test_the_step_leaves_the_contact_as_it_is():
@@ -123,7 +123,7 @@ def test_edge_radius():
     assert edge_radius.point(0.3e-3, "1 a crossover").kind == STABLE
     coarse = edge_radius.point(0.3e-3, "1/4 a crossover")
     assert coarse.kind == WRONG
-    assert "failed segments, 0 on the finest mesh" in coarse.told
+    assert "failed segments, 0 on the finest mesh" in coarse.message
 
 
 def test_hourglass():
@@ -152,7 +152,7 @@ def test_printed_law():
 
     outcome = printed_law.point(0.0, 0.0)
     assert outcome.kind == WRONG
-    assert "where there is none" in outcome.told
+    assert "where there is none" in outcome.message
     assert printed_law.point(20e-6, 20e-6).kind == STABLE
 
 

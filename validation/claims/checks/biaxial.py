@@ -1,4 +1,4 @@
-"""Biaxial tension of the glass weaves on the crossover (source thesis section 5.3), with the source's parameters."""
+"""Biaxial tension of the glass weaves on the crossover (thesis section 5.3), with the thesis's parameters."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The unit cell of section 4.3, alone and between its bounds. Equations are the source's: the equilibrium form.
+"""The unit cell of section 4.3, alone and between its bounds. Equations are the thesis's: the equilibrium form.
 
 Where the printed compression law is meant, it is used; else the regularised one (erratum E-05).
 """

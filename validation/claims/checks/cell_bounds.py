@@ -1,4 +1,4 @@
-"""The cell between its bounds, and its energy over all strains (source thesis sections 5.2.4, 6.4.1)."""
+"""The cell between its bounds, and its energy over all strains (thesis sections 5.2.4, 6.4.1)."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from validation.claims.registry import Found, check
 
 @check()
 def bounds(fabric: str, at: float) -> Found:
-    """Warp extension with held weft between the bounds; `at` is the warp strain at which tensions are told."""
+    """Warp extension with held weft between the bounds; `at` is the warp strain at which tensions are given."""
     cells = {model: cell(fabric, model) for model in MODELS}
     strain, stiff = warp_pull(cells["incompressible"])
     found = {"incompressible": stiff} | {m: cells[m].solve(1 + strain, 1.0) for m in ("compressible", "decoupled")}
@@ -23,9 +23,9 @@ def bounds(fabric: str, at: float) -> Found:
     for T in ("T1", "T2"):
         rows = [found[model][T][1:] for model in ("incompressible", "compressible", "decoupled")]
         result[f"{T} least distance"] = min(float((a - b).min()) for a, b in itertools.pairwise(rows))
-        told = {m: float(np.interp(at, strain, found[m][T])) for m in MODELS}
-        result |= {f"{T} {model}": value for model, value in told.items()}
-        result[f"{T} order"] = ranked(told)  # type: ignore[assignment]
+        at_strain = {m: float(np.interp(at, strain, found[m][T])) for m in MODELS}
+        result |= {f"{T} {model}": value for model, value in at_strain.items()}
+        result[f"{T} order"] = ranked(at_strain)  # type: ignore[assignment]
     room = found["incompressible"]["T1"] - found["decoupled"]["T1"]
     # shares mean little before there is a difference to share
     real = room > 0.01 * room.max()

@@ -1,4 +1,4 @@
-"""Sizes and cost of the source's models beside ours (source thesis section 4.4.4, Table 4-3)."""
+"""Sizes and cost of the thesis's models beside ours (thesis section 4.4.4, Table 4-3)."""
 
 from __future__ import annotations
 

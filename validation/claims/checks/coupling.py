@@ -1,4 +1,4 @@
-"""Panels between the bounds and beside the cable net, and what the trellis does (source thesis sections 4.4.2, 6.4)."""
+"""Panels between the bounds and beside the cable net, and what the trellis does (thesis sections 4.4.2, 6.4)."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from fabrics import catalogue
 from fabrics.checks import FloatArray
 from validation.claims.checks import series
 from validation.claims.checks.geometry import KEVLAR, ranked
-from validation.claims.checks.impact import bare_shot, shot, told
+from validation.claims.checks.impact import bare_shot, outcome_of, shot
 from validation.claims.checks.waves import six
 from validation.claims.registry import Found, RunResult, check
 from validation.claims.run import Run
@@ -156,17 +156,17 @@ def shear_share(**runs: RunResult) -> Found:
 @check(six)
 def largest_shear(**runs: RunResult) -> Found:
     """Largest shear angle of any whole element until the stop, in units of gamma1."""
-    over, told_ = {}, []
+    over, lines = {}, []
     for name in KEVLAR:
         law = catalogue.load(name).shear
         most = max(float(taken["gamma"][taken["whole"]].max()) for taken in runs[name.replace("-", "")]["snapshots"])
         over[name] = most / law.gamma1
-        told_.append(f"{name} {most:.2f} rad, {over[name]:.2f} gamma1, {most / law.gamma2:.2f} gamma2")
+        lines.append(f"{name} {most:.2f} rad, {over[name]:.2f} gamma1, {most / law.gamma2:.2f} gamma2")
     rest = {name: value for name, value in over.items() if name != "S-731"}
     return {
         "exceed gamma1": [n for n in KEVLAR if over[n] > 1],
         "most over gamma1, without S-731": max(rest.values()),
-        "note": "; ".join(told_),
+        "note": "; ".join(lines),
     }
 
 
@@ -195,7 +195,7 @@ def shear_laws(trellis: RunResult, soft: RunResult, hard: RunResult, tight: RunR
         "drop, high over trellis": drop["high shear"] / drop["trellis"],
         "note": "lost after 150 us: "
         + ", ".join(f"{n} {d:.1f} m/s" for n, d in drop.items())
-        + f"; high shear {told(hard)}, {1e6 * hard['t'][-1]:.0f} us after the strike; lost after 70 us: "
+        + f"; high shear {outcome_of(hard)}, {1e6 * hard['t'][-1]:.0f} us after the strike; lost after 70 us: "
         + ", ".join(f"{n} {100 - float(np.interp(70e-6, t, w)):.1f} m/s" for n, w in v.items()),
     }
 

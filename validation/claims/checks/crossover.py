@@ -1,4 +1,4 @@
-"""The 3D crossover against the shell's cell and against what the source says of it (chapter 3, section 4.3.4)."""
+"""The 3D crossover against the shell's cell and against what the thesis says of it (chapter 3, section 4.3.4)."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Geometry of the weave: heights, thickness, areal density, crimp, micrographs (source thesis chapters 2, 5, A)."""
+"""Geometry of the weave: heights, thickness, areal density, crimp, micrographs (thesis chapters 2, 5, A)."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the histories of a shot show: zones, tensions, edge reactions, the cone (source thesis sections 5.2.1, 6.2)."""
+"""What the histories of a shot show: zones, tensions, edge reactions, the cone (thesis sections 5.2.1, 6.2)."""
 
 from __future__ import annotations
 

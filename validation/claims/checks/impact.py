@@ -1,4 +1,4 @@
-"""Impacts on one ply (source thesis chapters 2, 4, 5 and 6) with nothing fitted to them."""
+"""Impacts on one ply (thesis chapters 2, 4, 5 and 6) with nothing fitted to them."""
 
 from __future__ import annotations
 
@@ -22,8 +22,8 @@ def shot(fabric: str, velocity: float = 100.0, **changes: Any) -> Run:
     return bare_shot(fabric, velocity, snapshots=25e-6, **changes)
 
 
-def told(run: RunResult) -> str:
-    """ "stops" or "perforates", as the source says it."""
+def outcome_of(run: RunResult) -> str:
+    """ "stops" or "perforates", as the thesis says it."""
     return {"stopped": STOPPED, "perforated": PERFORATED}.get(run["outcome"], run["outcome"])
 
 
@@ -35,13 +35,15 @@ def _captions(fabric, velocity, margin=0.0):
 @check(_captions)
 def outcome(run: RunResult, fabric: str, velocity: float, margin: float = 0.0, faster: RunResult = None) -> Found:
     """Outcome at a velocity, and within a margin above it."""
-    found = {"outcome": told(run), "residual velocity": run["residual"]}
+    found = {"outcome": outcome_of(run), "residual velocity": run["residual"]}
     if faster is not None:
-        found["outcome within the margin"] = PERFORATED if PERFORATED in (told(run), told(faster)) else told(faster)
+        found["outcome within the margin"] = (
+            PERFORATED if PERFORATED in (outcome_of(run), outcome_of(faster)) else outcome_of(faster)
+        )
     share = run["peak"] / run["strength"]
     found["note"] = (
-        f"{told(run)} at {velocity:g} m/s, {run['residual']:.1f} m/s left"
-        if told(run) == PERFORATED
+        f"{outcome_of(run)} at {velocity:g} m/s, {run['residual']:.1f} m/s left"
+        if outcome_of(run) == PERFORATED
         else f"stops after {1e6 * run['t'][-1]:.0f} us and {1e3 * run['z'][-1]:.1f} mm, yarns at "
         f"{share[0]:.2f} and {share[1]:.2f} of their strength"
     )
@@ -145,12 +147,12 @@ def limit_of(found: RunResult, fabric: str) -> Found:
 
 @check(limits)
 def limit_brackets(brackets: dict[str, Any], **runs: RunResult) -> Found:
-    inside, told_ = [], []
+    inside, lines = [], []
     for name, (low, high) in brackets.items():
         V = runs[name.replace("-", "")]["velocity"]
         inside.append(min(V - low, high - V))
-        told_.append(f"{name} {V:.1f}")
-    return {"least distance inside": min(inside), "note": ", ".join(told_)}
+        lines.append(f"{name} {V:.1f}")
+    return {"least distance inside": min(inside), "note": ", ".join(lines)}
 
 
 @check(

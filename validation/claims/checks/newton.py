@@ -1,4 +1,4 @@
-"""The source's own iteration for the cell (App. B.3), as it is printed and as corrected, to show what it does.
+"""The thesis's own iteration for the cell (App. B.3), as it is printed and as corrected, to show what it does.
 
 Two unknown heights; f1 = F_c1 - F_c2 (eq. 4-14), f2 = h1 + h2 + d_c1 + d_c2 - h01 - h02 (eq. 4-15); Newton from the
 heights at rest. Nothing of weavecell uses it: `shellfabric.cell.crossover_kernels` solves one equation in a bracket.

@@ -1,4 +1,4 @@
-"""Impact on packs: outcomes, gaps, stacking, the elastic projectile (source thesis sections 5.2.2, 5.2.4.2, 6.4.4)."""
+"""Impact on packs: outcomes, gaps, stacking, the elastic projectile (thesis sections 5.2.2, 5.2.4.2, 6.4.4)."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from validation.claims.checks import series
-from validation.claims.checks.impact import PERFORATED, STOPPED, told
+from validation.claims.checks.impact import PERFORATED, STOPPED, outcome_of
 from validation.claims.registry import Found, RunResult, check
 from validation.claims.run import Run
 
@@ -29,8 +29,8 @@ def noisy(fabric: str, velocity: float, plies: int, failure_time: float = 0.0) -
 def outcome(run: RunResult, fabric: str, velocity: float, plies: int) -> Found:
     failed = run["plies"]["failed_yarns"][-1]
     return {
-        "outcome": told(run),
-        "decided": told(run) in (STOPPED, PERFORATED),
+        "outcome": outcome_of(run),
+        "decided": outcome_of(run) in (STOPPED, PERFORATED),
         "note": f"residual velocity {max(run['residual'], 0):.0f} m/s, {1e3 * run['z'].max():.1f} mm deep after "
         f"{1e6 * run['t'][-1]:.0f} us; yarns failed by ply: {', '.join(f'{n:.0f}' for n in failed)}; deepest contact "
         f"{100 * run['deepest'].max():.0f} % of a ply; balance {100 * run['balance']:.2f} %",
@@ -134,11 +134,11 @@ def naive(smooth: RunResult, nodes: RunResult, averaged: RunResult, fabric: str,
         "failed segments, node to node": failed["node to node"],
         "failed segments, smooth": failed["smooth"],
         "failed segments, node to node, averaged": failed["averaged"],
-        "outcome, smooth": told(smooth),
-        "outcome, node to node": told(nodes),
-        "outcome, averaged": told(averaged),
+        "outcome, smooth": outcome_of(smooth),
+        "outcome, node to node": outcome_of(nodes),
+        "outcome, averaged": outcome_of(averaged),
         "note": "; ".join(
-            f"{name}: {told(run)} after {1e6 * run['t'][-1]:.0f} us, {failed[name]:.0f} failed{_guarded(run)}"
+            f"{name}: {outcome_of(run)} after {1e6 * run['t'][-1]:.0f} us, {failed[name]:.0f} failed{_guarded(run)}"
             for name, run in _named(smooth, nodes, averaged)
         ),
     }
@@ -168,7 +168,7 @@ def _named(smooth, nodes, averaged):
 def swing(full: RunResult, bar: RunResult, fabric: str, velocity: float, plies: int) -> Found:
     """Period in which tip and tail of the elastic projectile swing, and how far apart their velocities are.
 
-    The bore is not told, and only a cylinder without one stays elastic and swings in 2 L / c (erratum E-37).
+    The thesis gives no bore, and only a cylinder without one stays elastic and swings in 2 L / c (erratum E-37).
     """
     split, bored = (np.abs(run["fine"][:, 4] - run["fine"][:, 5]).max() for run in (full, bar))
     return {
@@ -220,10 +220,10 @@ def averaged(cases: Sequence[Sequence[float | str]], **runs: RunResult) -> Found
     return {
         "least failed at once": min(at_once),
         "most failed, averaged": max(later),
-        "all stop, averaged": all(told(runs[f"averaged{n}"]) == STOPPED for n in range(len(cases))),
+        "all stop, averaged": all(outcome_of(runs[f"averaged{n}"]) == STOPPED for n in range(len(cases))),
         "note": "; ".join(
             f"{case[2]} plies of {case[0]} at {case[1]:g} m/s: {a:.0f} segments failed at once, {b:.0f} averaged, "
-            f"{told(runs[f'averaged{n}'])}"
+            f"{outcome_of(runs[f'averaged{n}'])}"
             for n, (case, a, b) in enumerate(zip(cases, at_once, later))
         ),
     }
@@ -232,5 +232,5 @@ def averaged(cases: Sequence[Sequence[float | str]], **runs: RunResult) -> Found
 @check(lambda cases: {f"run{n}": pack(*case, failure_time=FILTER) for n, case in enumerate(cases)})
 def filtered(cases: Sequence[Sequence[float | str]], **runs: RunResult) -> Found:
     """Outcomes with tensions that are low-passed over FILTER before they are held against the strength."""
-    found = [told(runs[f"run{n}"]) for n in range(len(cases))]
+    found = [outcome_of(runs[f"run{n}"]) for n in range(len(cases))]
     return {"outcomes": found, "all stop": all(one == "stops" for one in found)}

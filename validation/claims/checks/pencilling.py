@@ -1,4 +1,4 @@
-"""Pencilling: depth and shape of the crater behind light and heavy targets (source thesis section 6.5, Table 6-2).
+"""Pencilling: depth and shape of the crater behind light and heavy targets (thesis section 6.5, Table 6-2).
 
 The plies are free at their edges: section 6.5 links pencilling to the in-plane mobility of plies that bunch up around
 the projectile, which clamped plies are kept from. `edge` "clamped" gives the other case.

@@ -1,4 +1,4 @@
-"""What 20 % more or less of modulus, crimp and areal density do, and slip at the edges (source thesis chapter 6).
+"""What 20 % more or less of modulus, crimp and areal density do, and slip at the edges (thesis chapter 6).
 
 Areal density changes mass alone; the stiffness of the yarns is kept (section 6.3.3).
 """
@@ -49,7 +49,7 @@ def limits(fabric: str, parameter: str) -> dict[str, Run]:
 
 @check()
 def cell(fabric: str, parameter: str, strain: float) -> Found:
-    """Warp tension of the cell at a warp strain with held weft; the source's equations, nominal yarns."""
+    """Warp tension of the cell at a warp strain with held weft; the thesis's equations, nominal yarns."""
     T = []
     for factor in FACTORS:
         given = catalogue.load(fabric)

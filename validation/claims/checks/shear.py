@@ -1,4 +1,4 @@
-"""Shear: the trellis law of Table 4-1, the picture frame, the bias test (source thesis sections 4.3.2 and 4.4.3)."""
+"""Shear: the trellis law of Table 4-1, the picture frame, the bias test (thesis sections 4.3.2 and 4.4.3)."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The solids of the 3D crossover and what it makes of compression (source thesis chapter 3, section 4.3.4)."""
+"""The solids of the 3D crossover and what it makes of compression (thesis chapter 3, section 4.3.4)."""
 
 from __future__ import annotations
 

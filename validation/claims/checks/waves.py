@@ -1,4 +1,4 @@
-"""Waves along lone, bare and woven yarns, and their arrivals at the edge (source thesis section 5.2.4.2)."""
+"""Waves along lone, bare and woven yarns, and their arrivals at the edge (thesis section 5.2.4.2)."""
 
 from __future__ import annotations
 
@@ -229,5 +229,5 @@ def courant(slow: RunResult, fast: RunResult, fabric: str, below: float, above: 
         "length over speed": 2 * weave.w1 / weave.warp.wave_speed,
         f"stable at {below:g}": slow["stable"],
         f"stable at {above:g}": fast["stable"],
-        "note": fast["told"],
+        "note": fast["message"],
     }

@@ -1,7 +1,7 @@
 """python -m validation.published.bias_extension [--out results/bias_extension] [--steps 20] [--elements 1] [--dynamic]
 
-Zones as CSV and PNG, with so many elements a crossover. With --dynamic the test is run as the source ran it as well:
-explicit, with our element and with the source's.
+Zones as CSV and PNG, with so many elements a crossover. With --dynamic the test is run as the thesis ran it as well:
+explicit, with our element and with the thesis's.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ def rows(case: Case) -> Iterator[list[Any]]:
 
 
 def pulled() -> Iterator[list[Any]]:
-    """Rows of the dynamic runs, told as they come."""
+    """Rows of the dynamic runs, each printed when it ends."""
     for element in ("yarns", "one point"):
         for name in ("locking", "soft", "none"):
             run = dynamic.pull(name, element=element)

@@ -1,9 +1,9 @@
-"""The bias extension test as the source ran it: explicit, its clamps pulled apart at a constant speed, two elements.
+"""The bias extension test as the thesis ran it: explicit, its clamps pulled apart at a constant speed, two elements.
 
-With the yarns of `shellfabric.coupon.model` on the grid lines, and with the source's element: a quadrilateral that
+With the yarns of `shellfabric.coupon.model` on the grid lines, and with the thesis's element: a quadrilateral that
 stands for a crossover, with one point at its centre and viscous hourglass control (LS-DYNA's first, coefficient 0.1).
 Central differences, v <- v + dt f / m, x <- x + dt v, with the masses of the cloth. It shows that what becomes of the
-cloth without locking hangs on the trellis, and neither on the element nor on the way of running it.
+cloth without locking depends on the trellis, and neither on the element nor on the way of running it.
 """
 
 from __future__ import annotations
@@ -53,7 +53,7 @@ def pull(
     name: str, *, element: str = "yarns", length: float = 0.1435, width: float = 0.074, elongation: float = 0.010,
     speed: float = SPEED, looks: int = 4, table_size: int = 121, elements_per_crossover: int = 1,
 ) -> Pull:  # fmt: skip
-    """Pull one of `cases.CLOTHS` with "yarns" on the grid lines or the source's "one point" element; returns a Pull."""
+    """Pull one of `cases.CLOTHS` with "yarns" on the grid lines or the thesis's "one point" element; returns a Pull."""
     fabric, model, trellis = cloth(name)
     table = CellModel(fabric, model=model, form="variational").table(table_size)
     coupon, grips, (length, width) = quasistatic.bias_coupon(table, length, width, elements_per_crossover, trellis)

@@ -1,7 +1,7 @@
 """python -m validation.published.biaxial_glass.model_comparison [--out FOLDER] [FABRIC ...]: one weave in three models.
 
 Tension per yarn at k = 1, and with the cross yarns free, of
-- the crossover's cell, in the source's form and in the variational one;
+- the crossover's cell, in the thesis's form and in the variational one;
 - the shell coupon: the cross-shaped specimen (`specimen`), its load per yarn against the strain of its middle. Its arms
   are yarns that have lost their cross yarns, longer than the cloth they came from and softer, so that grips that move
   alike would not stretch the middle alike: they are moved by what its arms need at the middle's loads. With the cross
@@ -10,7 +10,7 @@ Tension per yarn at k = 1, and with the cross yarns free, of
   for glass. It knows nothing of the published a and b: the cell is also given the law that is fitted to the contact
   forces and compressions of the 3D crossover itself along this path.
 
-Needs dolfinx. Writes a table (CSV) and a picture a weave, and prints the differences from the source's form.
+Needs dolfinx. Writes a table (CSV) and a picture a weave, and prints the differences from the thesis's form.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ from weavecell.analysis.biaxial_test.curves import at_ratio, free_edge
 if TYPE_CHECKING:
     from fabrics.fabric import Fabric
 
-MODELS = ("cell, source's form", "cell, variational", "shell coupon", "3D crossover", "cell, law of the 3D crossover")
+MODELS = ("cell, thesis's form", "cell, variational", "shell coupon", "3D crossover", "cell, law of the 3D crossover")
 YARNS = ("warp", "weft")
 REACH, STEPS = 0.98, 12  # of the cell's curve, load steps
 STRIP = (16, 6)  # crossovers: length and width of the strip with free sides
@@ -147,13 +147,13 @@ def main() -> None:
         within = []
         for title, (yarn, models) in tests.items():
             found = differences(models, fabric.weave.yarns[YARNS.index(yarn)].strength)
-            told = [found.get(model) for model in MODELS[1:]]
-            cells = (f"{rms:.1f} ({100 * share:.1f} %), {most:+.1f}" for rms, share, most in filter(None, told))
+            entries = [found.get(model) for model in MODELS[1:]]
+            cells = (f"{rms:.1f} ({100 * share:.1f} %), {most:+.1f}" for rms, share, most in filter(None, entries))
             texts = iter(cells)
             if MODELS[4] in models:
                 own = differences({name: models[name] for name in (MODELS[4], MODELS[3])}, 1.0)[MODELS[3]]
                 within.append(f"{title}: {own[0]:.1f} N rms, {own[2]:+.1f} N at most")
-            print(f"| {title} | " + " | ".join(next(texts) if one else "" for one in told) + " |")
+            print(f"| {title} | " + " | ".join(next(texts) if one else "" for one in entries) + " |")
         print("\n3D crossover from the cell with its own law: " + "; ".join(within))
 
 

@@ -1,14 +1,14 @@
 """What the options of the cell change in the biaxial curves: the toe of the yarns, their straight segments, and both.
 
-The source names both as causes of its misfit (section 5.3): the tests on single glass yarns are not linear at low
-strain, and straight segments suit open weaves better than a cosine. Held against the source's own cell, at the same
+The thesis names both as causes of its misfit (section 5.3): the tests on single glass yarns are not linear at low
+strain, and straight segments suit open weaves better than a cosine. Held against the thesis's own cell, at the same
 strains, in two ways:
 
 - with the same constants a and b, which shows what the option itself does;
-- with a and b fitted anew to the k = 1 curve of the source's cell, which stands in for the test that the source fitted.
-  What then is left at k = 0.5 and 2 is what the option would change in the source's predictions.
+- with a and b fitted anew to the k = 1 curve of the thesis's cell, which stands in for the test that the thesis fitted.
+  What then is left at k = 0.5 and 2 is what the option would change in the thesis's predictions.
 
-And the other way round, as the source has it: a weave whose yarns have a toe and the fabric's constants, to whose
+And the other way round, as the thesis has it: a weave whose yarns have a toe and the fabric's constants, to whose
 k = 1 curve a and b are fitted as if its yarns were linear.
 """
 
@@ -30,13 +30,13 @@ if TYPE_CHECKING:
 
 BASE = "cosine, linear yarns"
 TAKEN = "taken for linear"
-TOE = 1e-3  # [-] assumed: the source says that its yarns have one, and not how long it is
+TOE = 1e-3  # [-] assumed: the thesis says that its yarns have one, and not how long it is
 SAMPLES = 40  # of the k = 1 curve, to fit to
 
 
 @dataclass(frozen=True)
 class Difference:
-    """Of one yarn's tension in one test from that of the source's cell, where both have a value.
+    """Of one yarn's tension in one test from that of the thesis's cell, where both have a value.
 
     Parameters
     ----------
@@ -69,7 +69,7 @@ def fitted_anew(
 ) -> tuple[dict[str, list[Curve]], dict[str, CompressionLaw], dict[str, float]]:
     """{variant: [Curve]} at the three ratios, {variant: CompressionLaw}, {variant: residual at k = 1 over strength}.
 
-    The constants of each variant are fitted to the k = 1 curve of the source's cell.
+    The constants of each variant are fitted to the k = 1 curve of the thesis's cell.
     """
     source = at_ratio(CellModel(fabric, form="equilibrium"), 1.0, SAMPLES)
     found, laws, residuals = {}, {}, {}
@@ -77,7 +77,7 @@ def fitted_anew(
         laws[name], residuals[name] = fabric.laws[0], 0.0
         if name != BASE:
             done = fit.fit(fabric, Test(source.strain, source.tension), **options)
-            laws[name] = CompressionLaw(done.law.a, done.law.b, provenance="fitted to the source's curve, k = 1")
+            laws[name] = CompressionLaw(done.law.a, done.law.b, provenance="fitted to the thesis's curve, k = 1")
             residuals[name] = done.residual
         cell = CellModel(fabric, (laws[name],) * 2, form="equilibrium", **options)
         found[name] = [at_ratio(cell, k) for k in RATIOS]
@@ -85,7 +85,7 @@ def fitted_anew(
 
 
 def mistaken(fabric: Fabric, toe: float = TOE) -> tuple[dict[str, list[Curve]], CompressionLaw, float]:
-    """The source's way with a weave whose yarns have a toe: ({name: [Curve]}, CompressionLaw, residual)."""
+    """The thesis's way with a weave whose yarns have a toe: ({name: [Curve]}, CompressionLaw, residual)."""
     weave = CellModel(fabric, form="equilibrium", toe=toe)
     truth = at_ratio(weave, 1.0, SAMPLES)
     done = fit.fit(fabric, Test(truth.strain, truth.tension))
@@ -95,7 +95,7 @@ def mistaken(fabric: Fabric, toe: float = TOE) -> tuple[dict[str, list[Curve]], 
 
 
 def differences(fabric: Fabric, found: dict[str, list[Curve]], base_name: str = BASE) -> list[Difference]:
-    """[Difference] of each variant's curves from those of the base, the source's cell, at the same strains."""
+    """[Difference] of each variant's curves from those of the base, the thesis's cell, at the same strains."""
     rows = []
     for name, tests in found.items():
         if name == base_name:

@@ -80,7 +80,7 @@ def options(fabric: Fabric, found: Any, path: Path) -> None:
 def sides(fabric: Fabric, tests: Any, path: Path) -> None:
     """Draw tests, {title: (yarn, {model: (strain, tension)})}: the cells as lines, coupon and crossover as marks."""
     styles = {
-        "cell, source's form": {"color": INK, "lw": 1.7}, "cell, variational": {"color": BLUE, "ls": "--"},
+        "cell, thesis's form": {"color": INK, "lw": 1.7}, "cell, variational": {"color": BLUE, "ls": "--"},
         "shell coupon": {"color": RED, "marker": "o", "ls": "", "mfc": "none", "ms": 7},
         "3D crossover": {"color": GREEN, "marker": "^", "ls": "", "ms": 5},
         "cell, law of the 3D crossover": {"color": GREEN, "ls": ":", "lw": 1.7},

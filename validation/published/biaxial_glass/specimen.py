@@ -1,6 +1,6 @@
 """python -m validation.published.biaxial_glass.specimen: the cross-shaped specimen against the crossover.
 
-The specimen of the source thesis section 5.3 is pulled by its arms, its cross yarns drawn out of them or left in, and
+The specimen of thesis section 5.3 is pulled by its arms, its cross yarns drawn out of them or left in, and
 the load per yarn at the grips is held against the crossover (see `curves`) at the strains of the specimen's middle.
 What differs is what the test itself adds: load that the arms carry past the middle, strain that is not uniform. Figure
 5-58 with the specimen's sizes is missing: the sizes here are assumed.
@@ -46,7 +46,7 @@ class Specimen:
     strain : (n, 2) [-] of the middle, along warp and weft
     load : (n, 2) [N] per yarn at the grips
     cell : (n, 2) [N] per yarn of the crossover at these strains
-    tension : (n, 2) [N] of the same crossover with the source's equilibrium of forces, as in `curves`
+    tension : (n, 2) [N] of the same crossover with the thesis's equilibrium of forces, as in `curves`
     """
 
     label: str
@@ -93,7 +93,7 @@ def main() -> None:
                     for row in np.hstack([done.strain, done.load, done.cell]):
                         table.writerow([label, arms, *(f"{value:.6g}" for value in row)])
                     print(f"{name:17} {label:8} cross yarns {arms:10} load differs from the crossover's by at most "
-                          f"{100 * done.difference(done.cell, strength):.2g} %, from the source's form of it by "
+                          f"{100 * done.difference(done.cell, strength):.2g} %, from the thesis's form of it by "
                           f"{100 * done.difference(done.tension, strength):.2g} %")  # fmt: skip
 
 

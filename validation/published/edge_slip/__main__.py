@@ -59,7 +59,7 @@ def gripped_rows(shots: dict[str, Shot], velocities: dict[str, float]) -> list[A
 def write_page(tables: dict[str, Any], page: Path) -> None:
     """Put tables between the marks of a page."""
     parts = [f"{title}\n\n{markdown(rows)}" for title, rows in tables.items()]
-    content = "\n".join([*parts, *(f"![{told}](figures/edges-{name}.png)\n" for name, told in _PICTURES.items())])
+    content = "\n".join([*parts, *(f"![{caption}](figures/edges-{name}.png)\n" for name, caption in _PICTURES.items())])
     put(page, *MARKS, f"\n\n{content}\n")
 
 

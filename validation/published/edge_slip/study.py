@@ -1,4 +1,4 @@
-"""Shots on one ply of S-728 whose edges slip: led in as in the source (section 6.4.3), or gripped by friction.
+"""Shots on one ply of S-728 whose edges slip: led in as in the thesis (section 6.4.3), or gripped by friction.
 
 Led. The weft ends are drawn in over a triangle of 60 mm; the pull-ins of Figure 6-39 and the intervals of Figure 6-41
 are lost (erratum E-31) and are 1, 2, 3 mm and 50, 100, 150 us after the strike here.
@@ -89,7 +89,7 @@ def of(name: str, result: ImpactResult) -> Shot:
 
 
 def setup(edge: Any = "clamped", velocity: float = VELOCITY, end_time: float = 700e-6) -> ImpactSetup:
-    """A shot at the source's panel."""
+    """A shot at the thesis's panel."""
     return ImpactSetup(catalogue.load(FABRIC).with_effective_density(), velocity, edge=edge, end_time=end_time)
 
 
@@ -120,9 +120,9 @@ def gripped(velocity: float, report: Callable[..., object] | None = print) -> di
 def _shots(edges, velocity, report):
     table, found = None, {}
     for name, edge in edges.items():
-        asked = setup(edge, velocity)
-        table = table or asked.table()
-        found[name] = of(name, run(asked, table=table))
+        shot_setup = setup(edge, velocity)
+        table = table or shot_setup.table()
+        found[name] = of(name, run(shot_setup, table=table))
         report(f"{velocity:g} m/s, {name}: {found[name].outcome} after {1e6 * found[name].end:.0f} us")
     return found
 

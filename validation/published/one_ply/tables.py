@@ -52,14 +52,14 @@ def captions(shots: Sequence[Caption]) -> Rows:
              "energy balance, %"]]  # fmt: skip
     for shot in shots:
         result = shot.result
-        told = _WORDS[result.outcome]
+        text = _WORDS[result.outcome]
         if result.outcome == "perforated":
-            told += f", {result.residual_velocity:.0f} m/s left"
+            text += f", {result.residual_velocity:.0f} m/s left"
         peaks = result.peak_tension
         strengths = [yarn.strength for yarn in result.setup.fabric.weave.yarns]
         rows.append([
             shot.fabric, f"{shot.velocity:g}", _WORDS[shot.expected],
-            told if result.outcome == shot.expected else f"**{told}**", f"{1e6 * result.t[-1]:.0f}",
+            text if result.outcome == shot.expected else f"**{text}**", f"{1e6 * result.t[-1]:.0f}",
             f"{1e3 * result.max_deflection:.1f}", f"{peaks[0]:.0f} / {peaks[1]:.0f}",
             f"{peaks[0] / strengths[0]:.2f} / {peaks[1] / strengths[1]:.2f}",
             f"{shot.kinetic_over_internal:.2f}", f"{100 * result.energy_error_max:.3f}",

@@ -1,1 +1,1 @@
-"""Packs of plies: the source's multi-ply outcomes, what contact has to do with failure, gap and stacking (issue 5)."""
+"""Packs of plies: the thesis's multi-ply outcomes, what contact has to do with failure, gap and stacking (issue 5)."""

@@ -1,4 +1,4 @@
-"""docs/packs.md: what packs are in this code, what the study measured, and where it falls short."""
+"""docs/packs.md: what packs are in this code, what the study found, and where it falls short."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from shellfabric.plies.model import PlyContact
 from validation.published.packs.passages import AT_ONCE
 from validation.published.packs.study import FORMS, GAPS, HALVED, NOSES, STACKED, STIFFER, TOLERANCE
 
-ASKED = 0.05  # of an onset, when something numerical is halved
+ALLOWED = 0.05  # of an onset, when something numerical is halved
 _FORMS = {"smooth": "smooth surfaces", "facets": "nodes on facets", "nodes": "node to node"}
 
 
@@ -31,8 +31,8 @@ def outcomes(rows: Iterable[Any]) -> str:
               "highest tension / strength", "deepest / thickness", "balance, %"]]  # fmt: skip
     for fabric, plies, velocity, published, one in rows:
         lines.append([
-            plies, fabric, f"{velocity:g}", published, told(one), f"{1e6 * one['time']:.0f}", by_ply(one["failed"]),
-            f"{max(one['peaks']):.2f}", f"{one['deepest']:.2f}", f"{100 * one['balance']:.2f}",
+            plies, fabric, f"{velocity:g}", published, outcome_text(one), f"{1e6 * one['time']:.0f}",
+            by_ply(one["failed"]), f"{max(one['peaks']):.2f}", f"{one['deepest']:.2f}", f"{100 * one['balance']:.2f}",
         ])  # fmt: skip
     return table(lines)
 
@@ -51,7 +51,7 @@ def passages(rows: Iterable[dict[str, Any]]) -> str:
     return table(lines)
 
 
-def told(one: dict[str, Any]) -> str:
+def outcome_text(one: dict[str, Any]) -> str:
     """The outcome, with the velocity where the shot goes on."""
     word = {"stopped": "**stops**", "perforated": "**perforates**"}.get(one["outcome"], f"**{one['outcome']}**")
     return word if one["outcome"] == "stopped" else f"{word}, {one['residual_velocity']:.0f} m/s left"
@@ -79,7 +79,7 @@ def formulations(found: dict[str, Any]) -> str:
 
 
 def convergence(found: dict[str, Any]) -> str:
-    """One row a fabric; changes beyond what is asked are set bold."""
+    """One row a fabric; changes beyond ALLOWED are set bold."""
     lines = [["4 plies of", *HALVED]]
     for fabric, row in found.items():
         first, *others = row.values()
@@ -87,7 +87,7 @@ def convergence(found: dict[str, Any]) -> str:
         for value in others:
             change = value / first - 1
             text = f"{value:.0f} ({100 * change:+.1f} %)"
-            cells.append(text if abs(change) <= ASKED else f"**{text}**")
+            cells.append(text if abs(change) <= ALLOWED else f"**{text}**")
         lines.append([fabric, *cells])
     return table(lines)
 
@@ -124,7 +124,7 @@ def gaps(found: dict[float, dict[str, Any]]) -> str:
         first = np.array(one["t"]) < 100e-6
         jumps = float(np.sqrt(np.mean((force - slow)[first] ** 2)))
         lines.append([
-            f"{1e3 * gap:.2f}", told(one), f"{1e6 * one['time']:.0f}", f"{1e3 * one['deflection']:.1f}",
+            f"{1e3 * gap:.2f}", outcome_text(one), f"{1e6 * one['time']:.0f}", f"{1e3 * one['deflection']:.1f}",
             f"{1e-3 * force.max():.1f}", f"{1e-3 * jumps:.2f}", by_ply(one["failed"]),
         ])  # fmt: skip
     return table(lines)
@@ -145,7 +145,7 @@ def stacking(found: dict[str, Any]) -> str:
     for name, one in found.items():
         absorbed[name] = np.interp(instants, one["instants"], one["absorbed"])
         lines.append([
-            name, f"{1e6 * one['time']:.0f}" if one["outcome"] == "stopped" else told(one),
+            name, f"{1e6 * one['time']:.0f}" if one["outcome"] == "stopped" else outcome_text(one),
             f"{1e3 * one['deflection']:.1f}", *(f"{energy:.2f}" for energy in absorbed[name]),
         ])  # fmt: skip
     more = 100 * (absorbed["alternating"] / absorbed["aligned"] - 1)
@@ -239,7 +239,7 @@ they stood opposite to, along z. All have the same stiffness and damping, and de
 _CONVERGENCE = f"""
 ## Knobs
 
-The same velocity when something numerical is halved; {100 * ASKED:g} % are allowed, more is set bold. Half the time
+The same velocity when something numerical is halved; {100 * ALLOWED:g} % are allowed, more is set bold. Half the time
 step means at the same stiffness of all contacts. The last column is the nose's contact, not that between plies.
 """
 
@@ -256,7 +256,7 @@ single ply's, at the usual step.
 """
 
 _SETTLED = f"""
-The default is {PlyContact.nose:g}. What else may be asked of it (measured beside the runs of the command above):
+The default is {PlyContact.nose:g}. Other values of it (computed beside the runs of the command above):
 
 - Without foresight, on the velocities as they are, a step of a row of nodes on springs at 0.81 of their own bound is
   unstable from 100 m / dt^2 on (tests/shellfabric/plies/test_pack_nose.py); with it the spectral radius is below 1 for
@@ -297,7 +297,7 @@ the first ply on the second. With the explicit spring of single plies at the nos
 on the area, 206. With the firm spring it is 196, and they make it 211 and 210. In S-726 half the element raises it by a
 tenth, where four times the stiffness does by 2 or 3 %: that is the mesh.
 
-So much is measured. A reading: nodes on facets fail later since they are the stiffer contact at the same penalty. A
+So much is computed. A reading: nodes on facets fail later since they are the stiffer contact at the same penalty. A
 node pushes on the cloth with all of its spring, where a point of the smooth surface shares it out among 4 nodes in
 front and 9 behind; bends of one or two elements, as at the rim, feel the difference. With a quarter of the stiffness
 the onset on facets falls to what smooth surfaces have with four times theirs. No sign was found of smooth contact
@@ -307,9 +307,9 @@ failing yarns by concentrating force: twice the points (above) leave the onset w
 _GAPS = """
 ## Gap (section 6.4.4)
 
-16 plies of S-728 at 170 m/s with the gap of Table 5-2, and with 0.5 and 1.0 mm more. Jumps: what is left of the force
-(means over 2 µs) without its slow part (means over 20 µs), in the first 100 µs. As in the source a wider gap slows the
-projectile later and less. The source's jumps at the small gap, which it lays to waves in its elastic projectile, are
+16 plies of S-728 at 170 m/s with the gap of Table 5-2, and with 0.5 and 1.0 mm more. Jumps: the rest of the force
+(means over 2 µs) without its slow part (means over 20 µs), in the first 100 µs. As in the thesis a wider gap slows the
+projectile later and less. The thesis's jumps at the small gap, which it lays to waves in its elastic projectile, are
 not there with a rigid one; with wide gaps each ply is met on its own.
 
 ![Velocity for three gaps](figures/packs-gaps.png)
@@ -330,7 +330,7 @@ _LIMITS = """
 ## Cost
 
 16 plies of S-720 at 170 m/s, 6,241 elements each, 400 µs, take 2.6 s on one core of a quiet machine, 11.7 ns an element
-and step, which is 1.23 times the 9.5 ns of a single ply (alternating 3.0 s, 1.45 times); 2 are asked
+and step, which is 1.23 times the 9.5 ns of a single ply (alternating 3.0 s, 1.45 times); the target is at most 2
 (`benchmarks/pack.py`). Plies that are pressed together everywhere cost 3.3 times as much.
 
 ## What is not there

@@ -1,11 +1,11 @@
-"""What passes through what in a pack: told by what crosses what from step to step, without the contact.
+"""What passes through what in a pack: found from what crosses what from step to step, without the contact.
 
 A passage is the middle of an element with yarns left that goes through another ply where that has yarns left. Through a
 hole, where warp and weft next to the place are both gone or its element has eroded, it may go. Two surfaces stand for a
 ply: the four triangles between the nodes and the middle of each element, and that of the contact, which is the spline
 where it is whole. They lie on the two sides of a bend, and a point that has crossed both the same way is through. When
 a yarn fails the second changes at once from the one side of a bend to the other, and a point between is behind it
-without having moved: what is back within AT_ONCE steps has not passed, and is told as such.
+without having moved: what is back within AT_ONCE steps has not passed, and is counted as such.
 Points and corners of facets are taken to move straight within a step; a point crosses a triangle where the volume of
 the two changes its sign between the triangle's sides.
 
@@ -46,7 +46,7 @@ class Passage(NamedTuple):
 
 
 class Passages:
-    """Those of a march that is told of every step.
+    """Those of a solver that calls it after every step.
 
     Parameters
     ----------
@@ -122,7 +122,7 @@ def nodes(march: PackSolver, p: int, near: int) -> FloatArray:
 
 
 def by_element(march: PackSolver, p: int, name: str, near: int, family: int | None = None) -> NDArray[Any]:
-    """(near + 1, near + 1) flags, or what is left of a family's edges."""
+    """(near + 1, near + 1) flags, or the intact part of a family's edges."""
     c, values = march.consts[p], getattr(march.states[p], name)
     values = values if family is None else values[family]
     return values[: (c.ni + 1) * c.row_stride].reshape(c.ni + 1, c.row_stride)[: near + 1, : near + 1]

@@ -23,7 +23,7 @@ def formulations(found: dict[str, Any], single: dict[str, float], path: Path) ->
     Parameters
     ----------
     found : {fabric: {form: velocity}} [m/s]
-    single : {fabric: velocity} [m/s] at which the source says that four plies stop the shot
+    single : {fabric: velocity} [m/s] at which the thesis says that four plies stop the shot
     """
     figure, axes = _one((8.6, 4.6))
     place = np.arange(len(found))
@@ -34,7 +34,7 @@ def formulations(found: dict[str, Any], single: dict[str, float], path: Path) ->
         bars = axes.bar(place + 0.27 * (column - 1), values, 0.25, color=colour, label=_NAMES[form])
         axes.bar_label(bars, fmt="%.0f", fontsize=9, color=INK, padding=2)
     for number, velocity in enumerate(single.values()):
-        label = "stopped in the source's test and run" if number == 0 else None
+        label = "stopped in the thesis's test and run" if number == 0 else None
         axes.plot([number - 0.42, number + 0.42], [velocity] * 2, color=INK, lw=1.6, ls="--", label=label)
     axes.set_xticks(place, [f"4 plies of {name}" for name in found])
     axes.set(ylabel="velocity at first failure [m/s]", ylim=(0, 1.3 * max(max(row.values()) for row in found.values())))

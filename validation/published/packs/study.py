@@ -1,4 +1,4 @@
-"""The runs of the study: what the source says of packs, what the model gives (thesis sections 5.2.2, 5.2.3, 6.4.4).
+"""The runs of the study: what the thesis says of packs, what the model gives (thesis sections 5.2.2, 5.2.3, 6.4.4).
 
 Published. 4 plies stop S-726 at 158, S-728 at 91 and S-731 at 136 m/s, 8 plies of S-726 stop 204. The captions of five
 more say "perforating"; erratum E-21 calls one of them certainly an artefact of contact noise, three very unlikely in a
@@ -61,7 +61,7 @@ HALVED: dict[str, dict[str, Any]] = {
     "half the penalty of the nose": {"nose": 0.5 * PlyContact.nose},
 }
 NOSES = (1.0, 2.0, 3.0, 4.0, 6.0, 12.0)  # stiffness of the nose, times a single ply's
-# what the onset hangs on: stiffness of contacts, and elements along a crossover, whose contacts are as stiff as their
+# what the onset depends on: stiffness of contacts, and elements along a crossover, whose contacts are as stiff as their
 # mass / dt^2, so that half the element is four times as stiff on the area
 STIFFER: dict[str, dict[str, Any]] = {
     "smooth, as it stands": {},
@@ -112,7 +112,7 @@ class Case:
 
 
 class _Failed(Exception):
-    """A yarn has failed, which is all that was asked."""
+    """A yarn has failed, where the run ends."""
 
 
 @cache
@@ -138,7 +138,7 @@ def pack(case: Case) -> Pack:
 
 def shoot(case: Case) -> dict[str, Any]:
     """One shot: a dict of numbers and lists, for a file."""
-    march, told = PackSolver(pack(case), case.velocity, case.end_time), ""
+    march, message = PackSolver(pack(case), case.velocity, case.end_time), ""
 
     def watch(march):
         if case.until_failure and march.ply_samples[-1][:, 0].any():
@@ -147,9 +147,9 @@ def shoot(case: Case) -> dict[str, Any]:
     try:
         march.run((watch,))
     except _Failed:
-        told = "failure"
+        message = "failure"
     except UnstableError as problem:
-        told = str(problem)
+        message = str(problem)
     strength = np.array([yarn.strength for yarn in march.panel.weave.yarns])
     turned = [1 if case.stacking == "alternating" and p % 2 else 0 for p in range(case.plies)]
     peaks = np.array([peak / (strength[::-1] if t else strength) for peak, t in zip(march.peaks, turned)])
@@ -157,8 +157,8 @@ def shoot(case: Case) -> dict[str, Any]:
     every = max(1, len(fine) // 4000)
     return {
         "case": asdict(case),
-        "outcome": "unstable" if told not in ("", "failure") else march.outcome,
-        "message": told,
+        "outcome": "unstable" if message not in ("", "failure") else march.outcome,
+        "message": message,
         "time": march.time,
         "residual_velocity": float(march.sample("v")[-1]),
         "deflection": float(march.sample("z").max()),

@@ -1,6 +1,6 @@
 """The patch of 20 x 20 crossovers in 160,000 bricks, 42 us of impact, and the shell of the same size, weave and shot.
 
-The source (Table 4-3: S-720, one ply, 25.4 mm, 42 us, 157,424 s on 3 processors) tells neither the strike velocity nor
+The thesis (Table 4-3: S-720, one ply, 25.4 mm, 42 us, 157,424 s on 3 processors) tells neither the strike velocity nor
 how the patch is held. Here all yarn ends are held, the patch is whole, and it is struck at 60 m/s, at which no yarn of
 a patch so small breaks in that time.
 """

@@ -18,8 +18,8 @@ def scene(quick: bool = False) -> Scene:
     meshes, finer = coupons.references(base, (0.5, 1, 2) if quick else (1, 2, 3, 4))
     text = (
         f"Balanced S-728 cut on the bias, {1e3 * base.length:g} mm between the clamps and {1e3 * base.width:g} mm "
-        f"wide, is pulled by {1e3 * base.elongation:g} mm. Asked: the load, and the shear angles in the zones B and C, "
-        "which one and none of the yarn families clamp; the explicit runs tell no load."
+        f"wide, is pulled by {1e3 * base.elongation:g} mm. Quantities: the load, and the shear angles in the zones B "
+        "and C, which one and none of the yarn families clamp; the explicit runs tell no load."
     )
     return Scene(
         "bias-extension", "Bias extension of balanced S-728", text, QUANTITIES, coupons.methods(base), coupons.run,

@@ -19,8 +19,8 @@ def scene(quick: bool = False) -> Scene:
     meshes, finer = coupons.references(base, (1, 2, 3) if quick else (1, 2, 3, 4))
     text = (
         f"A cross of {base.fabric}, {base.centre} crossovers wide with woven arms of {base.arm}, "
-        f"is pulled by all four arms to {100 * base.strain:g} % of its length. Asked: the loads of the arms, and the "
-        "strains of the middle."
+        f"is pulled by all four arms to {100 * base.strain:g} % of its length. Quantities: the loads of the arms, and "
+        "the strains of the middle."
     )
     return Scene(
         "biaxial-coupon", f"Biaxial coupon of {base.fabric}", text, QUANTITIES, coupons.methods(base), coupons.run,

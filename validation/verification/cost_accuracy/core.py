@@ -1,7 +1,7 @@
 """The judge of all charts: what a method costs, how far it is from the limit of the finest, and which none beats.
 
 A scene's reference is not a run but the limit that its meshes extrapolate to (`weavecell.analysis.richardson`).
-What it is unsure of is told with it: the scatter of the extrapolation, a quarter of its step beyond the finest mesh,
+Its uncertainty is given with it: the scatter of the extrapolation, a quarter of its step beyond the finest mesh,
 and by how much finer choices of everything else (time step, table, tolerance) move the value.
 
 Cost is CPU time of the process from the scene's data to its answer, filling of tables included: on a machine that is
@@ -29,7 +29,7 @@ MOST = 5  # repeats
 
 @dataclass(frozen=True)
 class Quantity:
-    """What is asked of a scene; errors of one group share a panel of its chart."""
+    """A computed quantity of a scene; errors of one group share a panel of its chart."""
 
     name: str
     unit: str
@@ -53,7 +53,7 @@ class Scene:
     ----------
     key, title, text : of the command line, of the chart, and of the page
     quantities : of Quantity
-    methods : of Method; the first is the one that the code takes if told nothing
+    methods : of Method; the first is the one that the code takes by default
     meshes : pairs (element size, case) of falling size, whose limit is the reference; none where `exact` is given
     finer : pairs (case, the same case with something else finer), which tell what else the reference is unsure of
     run : run(case) -> ({quantity: value}, {part: CPU time [s]}); raises UnstableError where a method fails
@@ -204,9 +204,9 @@ def judge(scene: Scene, samples: dict) -> Chart:
 def fronts(scene: Scene, references: dict[str, Reference], entries: Sequence[Entry]) -> dict[str, list[Entry]]:
     """{group: [entries that none other beats, cheapest first]}; within what is known of the reference all are alike."""
     cost, found = [entry.sample.cpu for entry in entries], {}
-    for group, asked in scene.groups.items():
-        known = max(ALIKE, *(references[q.name].share for q in asked))
-        errors = [max(entry.worst(asked), known) for entry in entries]
+    for group, quantities in scene.groups.items():
+        known = max(ALIKE, *(references[q.name].share for q in quantities))
+        errors = [max(entry.worst(quantities), known) for entry in entries]
         found[group] = [entries[i] for i in non_dominated(cost, errors, MARGIN)]
     return found
 

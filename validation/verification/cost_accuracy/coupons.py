@@ -1,4 +1,4 @@
-"""Quasi-static tests on coupons by all that can be told them: bias extension, and a cross pulled by its four arms."""
+"""Quasi-static tests on coupons with all their options: bias extension, and a cross pulled by its four arms."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Test:
-    """What all coupon cases can be told.
+    """The options that all coupon cases share.
 
     Parameters
     ----------

@@ -41,8 +41,8 @@ def scene(quick: bool = False) -> Scene:
     fabric, _ = study.scene()
     text = (
         f"A quarter crossover of {fabric.name} is pulled along two paths, {' and '.join(study.MEASURED)}, as in "
-        "[crossover.md](crossover.md), which varies more and goes finer. Asked: the tensions and the contact force at "
-        "their ends. Every element is an eight-node hexahedron: there is no other order."
+        "[crossover.md](crossover.md), which varies more and goes finer. Quantities: the tensions and the contact "
+        "force at their ends. Every element is an eight-node hexahedron: there is no other order."
     )
     limits = [(chosen["mesh"].x[label], case) for label, case in meshes]
     stiff = chosen["penalty"].cases["x 3"]

@@ -32,11 +32,11 @@ def errors(key: str) -> list[tuple[Any, ...]]:
     chart, _ = tables.read(scene, Path(str(resources.files("validation.verification.cost_accuracy"))) / "measured")
     values, _ = scene.run(scene.methods[0].case)
     rows = []
-    for group, asked in scene.groups.items():
-        worst = max(abs(values[q.name] / chart.references[q.name].value - 1) for q in asked)
-        told = ", ".join(dict.fromkeys(q.name for q in asked)) if group == "motion" else group
+    for group, quantities in scene.groups.items():
+        worst = max(abs(values[q.name] / chart.references[q.name].value - 1) for q in quantities)
+        names = ", ".join(dict.fromkeys(q.name for q in quantities)) if group == "motion" else group
         title = f"{SHOTS[key]}: {scene.title.split(': ', 1)[1]}"
-        rows.append((title, told, f"{100 * worst:.2g}", f"± {100 * chart.unsure(group):.2g}"))
+        rows.append((title, names, f"{100 * worst:.2g}", f"± {100 * chart.unsure(group):.2g}"))
     return rows
 
 

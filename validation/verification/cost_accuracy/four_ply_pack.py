@@ -12,7 +12,7 @@ def scene(quick: bool = False) -> Scene:
     meshes, finer = packs.references(shot, (0.5, 1, 2) if quick else (1, 2, 3, 4))
     text = (
         f"Four plies of {shot.fabric}, aligned, with the fabric's own gap, clamped over {1e3 * shot.opening:g} "
-        f"mm, are struck at {shot.velocities[0]:g} m/s and stop the projectile. Asked: what is asked of one ply, the "
+        f"mm, are struck at {shot.velocities[0]:g} m/s and stop the projectile. Quantities: those of one ply, the "
         "tensions being the largest of any ply."
     )
     return Scene(

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 HEAD = """# Speed against accuracy
 
 Each standard scene, solved by every method that the project has for it. The error of a method is the largest of those
-in the quantities asked, against the limit that the scene's own meshes extrapolate to; beside it stands what that
+in its quantities, against the limit that the scene's own meshes extrapolate to; beside it stands what that
 limit is unsure of (scatter of the extrapolation, a quarter of its step beyond the finest mesh, and what a finer
 table, time step or tolerance moves). Errors inside that band are all alike: of those the cheapest counts. Cost is CPU
 time of one thread from the data of the scene to the answer, with the filling of the cell's table, after compilation;
@@ -42,20 +42,21 @@ def summary(charts: list[Chart]) -> str:
     """One row a scene and group: default, cheapest within 5 %, and most exact."""
     rows = []
     for chart in charts:
-        for group, asked in chart.scene.groups.items():
+        for group, quantities in chart.scene.groups.items():
             front, first = chart.fronts[group], chart.entries[0]
-            good = [entry for entry in front if entry.worst(asked) <= 0.05]
+            good = [entry for entry in front if entry.worst(quantities) <= 0.05]
             rows.append([
-                chart.scene.title, group, _told(first, asked, name=False), _told(good[0], asked) if good else "none",
-                _told(front[-1], asked), f"{100 * chart.unsure(group):.2g}",
+                chart.scene.title, group, _as_text(first, quantities, name=False),
+                _as_text(good[0], quantities) if good else "none", _as_text(front[-1], quantities),
+                f"{100 * chart.unsure(group):.2g}",
             ])  # fmt: skip
     return markdown(
-        ["scene", "asked", "the default", "cheapest within 5 %", "most exact", "reference known to ± [%]"], rows
+        ["scene", "quantities", "the default", "cheapest within 5 %", "most exact", "reference known to ± [%]"], rows
     )
 
 
-def _told(entry, asked, name=True):
-    cost = f"{entry.sample.cpu:.2g} s, {100 * entry.worst(asked):.2g} %"
+def _as_text(entry, quantities, name=True):
+    cost = f"{entry.sample.cpu:.2g} s, {100 * entry.worst(quantities):.2g} %"
     return f"{entry.method.name} ({cost})" if name else cost
 
 
@@ -63,7 +64,7 @@ def _section(chart):
     scene = chart.scene
     fronts = "\n".join(
         f"- **{group}**: beaten by none, from the cheapest to the most exact: "
-        + "; ".join(_told(entry, scene.groups[group]) for entry in front)
+        + "; ".join(_as_text(entry, scene.groups[group]) for entry in front)
         + "."
         for group, front in chart.fronts.items()
     )

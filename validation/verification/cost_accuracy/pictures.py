@@ -32,17 +32,17 @@ def draw(chart: Chart, path: Path) -> None:
         _panel(axes, chart, group)
     figure.subplots_adjust(left=0.44 / len(groups), right=1 - 0.1 / len(groups), bottom=0.11, top=0.83, wspace=1.05)
     figure.suptitle(chart.scene.title, x=0.012, y=0.975, ha="left", fontsize=15, fontweight="bold", color=INK)
-    told = "named: beaten by none in both time and error; circles: other methods; diamond: the default"
-    figure.text(0.012, 0.895, told, fontsize=10.5, color=FAINT)
+    caption = "named: beaten by none in both time and error; circles: other methods; diamond: the default"
+    figure.text(0.012, 0.895, caption, fontsize=10.5, color=FAINT)
     with replace_whole(path) as beside:
         figure.savefig(beside, dpi=110)
     plt.close(figure)
 
 
 def _panel(axes, chart, group):
-    asked, front = chart.scene.groups[group], chart.fronts[group]
-    solved = [entry for entry in chart.entries if not isnan(entry.worst(asked))]
-    place = {id(e): (e.sample.cpu, 100 * max(e.worst(asked), LEAST)) for e in solved}
+    quantities, front = chart.scene.groups[group], chart.fronts[group]
+    solved = [entry for entry in chart.entries if not isnan(entry.worst(quantities))]
+    place = {id(e): (e.sample.cpu, 100 * max(e.worst(quantities), LEAST)) for e in solved}
     unsure = 100 * chart.unsure(group)
     axes.set(xscale="log", yscale="log", xlabel="CPU time [s]")
     axes.yaxis.tick_right()
@@ -77,13 +77,13 @@ def _panel(axes, chart, group):
     axes.tick_params(colors=INK, which="both", left=False)
 
 
-def _name(axes, told, bottom, top):
+def _name(axes, points, bottom, top):
     """Names beside the axes, at the height of their points where there is room, with a line to each.
 
     Left of a front and below it there is nothing, by what a front is: no line crosses a point.
     """
-    heights = [(log10(error) - bottom) / (top - bottom) for _, _, error in told]
-    order = sorted(range(len(told)), key=lambda i: heights[i])
+    heights = [(log10(error) - bottom) / (top - bottom) for _, _, error in points]
+    order = sorted(range(len(points)), key=lambda i: heights[i])
     for _ in range(200):
         for below, above in pairwise(order):
             short = LINE - (heights[above] - heights[below])
@@ -92,7 +92,7 @@ def _name(axes, told, bottom, top):
                 heights[below] -= 0.5 * short
         for rank, i in enumerate(order):
             heights[i] = min(max(heights[i], LINE * rank), 1 - LINE * (len(order) - 1 - rank))
-    for (name, cost, error), height in zip(told, heights):
+    for (name, cost, error), height in zip(points, heights):
         axes.annotate(
             f"{name}   {_percent(error)}", (cost, error), (-0.02, height), textcoords="axes fraction", ha="right",
             va="center", fontsize=10.5, color=INK, annotation_clip=False,

@@ -12,12 +12,12 @@ def scene(quick: bool = False) -> Scene:
     meshes, finer = shots.references(shot, (1, 2, 3) if quick else (2, 3, 4, 5))
     quantities = [Quantity(f"residual velocity at {v:g} m/s", "m/s", "residual velocity") for v in shot.velocities]
     quantities += [Quantity(f"energy at {v:g} m/s", "J", "absorbed energy") for v in shot.velocities]
-    told = ", ".join(f"{v:g}" for v in shot.velocities[:-1]) + f" and {shot.velocities[-1]:g} m/s"
+    speeds = ", ".join(f"{v:g}" for v in shot.velocities[:-1]) + f" and {shot.velocities[-1]:g} m/s"
     text = (
-        f"{shot.fabric}, one ply clamped over {1e3 * shot.opening:g} mm, is struck at {told} and perforated; the cost "
-        "is that of all these shots. The peak tension is no question here: it is the strength of the yarns that fail."
+        f"{shot.fabric}, one ply clamped over {1e3 * shot.opening:g} mm, is struck at {speeds} and perforated; the "
+        "cost is that of all these shots. The peak tension is the strength of the yarns that fail."
     )
     return Scene(
-        "ply-perforated", f"One ply perforated: {shot.fabric} at {told}", text, tuple(quantities),
+        "ply-perforated", f"One ply perforated: {shot.fabric} at {speeds}", text, tuple(quantities),
         shots.methods(shot), shots.run, shots.warm, meshes, finer,
     )  # fmt: skip

@@ -20,8 +20,8 @@ def scene(quick: bool = False) -> Scene:
     meshes, finer = shots.references(shot, (1, 2, 3) if quick else (2, 3, 4, 5))
     text = (
         f"{shot.fabric}, one ply clamped over {1e3 * shot.opening:g} mm, is struck at {shot.velocities[0]:g} m/s by "
-        f"the source's projectile and stops it. Asked: when, how deep, the energy taken up after {1e6 * shot.early:g} "
-        "µs, and the largest tension of warp and weft."
+        f"the thesis's projectile and stops it. Quantities: when, how deep, the energy taken up after "
+        f"{1e6 * shot.early:g} µs, and the largest tension of warp and weft."
     )
     return Scene(
         "ply-stopped", f"One ply stopped: {shot.fabric} at {shot.velocities[0]:g} m/s", text, QUANTITIES,

@@ -1,4 +1,4 @@
-"""Impacts on one ply by all that the explicit code can be told: cases, their runs, and what is read off."""
+"""Impacts on one ply with all options of the explicit code: cases, their runs, and what is read off."""
 
 from __future__ import annotations
 

@@ -62,10 +62,10 @@ def write_references(chart: Chart, path: Path, made: str = "") -> None:
         for quantity in chart.scene.quantities:
             found = chart.references[quantity.name]
             basis = found.basis
-            told = ("closed form", "", "") if basis is None else (basis.basis, _order(basis), basis.remark)
+            basis_text = ("closed form", "", "") if basis is None else (basis.basis, _order(basis), basis.remark)
             rows.writerow([
                 chart.scene.key, quantity.name, quantity.unit, quantity.group, f"{found.value:.7g}",
-                f"{found.half_width:.3g}", *told, made,
+                f"{found.half_width:.3g}", *basis_text, made,
             ])  # fmt: skip
 
 
@@ -124,12 +124,12 @@ def reference_table(chart: Chart) -> str:
     for quantity in chart.scene.quantities:
         found = chart.references[quantity.name]
         if found.basis is None:
-            told = "closed form"
+            basis_text = "closed form"
         elif found.basis.basis == "Richardson":
-            told = f"Richardson, order {found.basis.order:.1f}"
+            basis_text = f"Richardson, order {found.basis.order:.1f}"
         else:
-            told = f"{found.basis.basis}: {found.basis.remark}"
-        rows.append([heading(quantity), shown(quantity, found.value), f"{100 * found.share:.2f}", told])
+            basis_text = f"{found.basis.basis}: {found.basis.remark}"
+        rows.append([heading(quantity), shown(quantity, found.value), f"{100 * found.share:.2f}", basis_text])
     return markdown(["quantity", "reference", "± [%]", "from"], rows)
 
 

@@ -95,7 +95,7 @@ def _direction(name, axis, base):
 
 def _numerics(base):
     """Axes of the fields of model.crossover.Numerics; those with a limit are varied by factors that tend to it."""
-    asked = {
+    levels = {
         # inside the toe a pressure p leaves the penetration sqrt(2 toe p / penalty)
         "penalty": ((1 / 100, 1 / 30, 1 / 10, 1 / 3, 1, 3), -0.5, "root of the default penalty over the penalty"),
         "toe": ((4, 2, 1, 1 / 2, 1 / 4), 0.5, "root of the toe over the default toe"),
@@ -103,7 +103,7 @@ def _numerics(base):
         "slack_width": ((4, 2, 1, 1 / 2), 1, "over the default"),
     }
     there = {field.name for field in fields(Numerics)}
-    for name, (factors, power, unit) in asked.items():
+    for name, (factors, power, unit) in levels.items():
         if name in there:
             cases = {_factor(f): base if f == 1 else replace(base, numerics=(_scaled(name, f),)) for f in factors}
             yield Axis(

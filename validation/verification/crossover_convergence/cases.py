@@ -67,7 +67,7 @@ class Case:
 
     @property
     def identity(self) -> dict[str, Any]:
-        """All that its results hang on, as plain types."""
+        """All that its results depend on, as plain types."""
         return asdict(self) | {"numerics": asdict(self.full_numerics), "steps": asdict(self.full_steps)}
 
 

@@ -46,7 +46,7 @@ def write(study: Study, path: Path, stamp: str, command: str, drawn: Sequence[st
     """
     methods, models = ([axis for axis in study.axes if (axis.kind == METHOD) == of] for of in (True, False))
     parts = [
-        f"# The 3D crossover: what its numbers hang on\n\nMade by `{command}`; not to be edited by hand. {stamp}",
+        f"# The 3D crossover: what its numbers depend on\n\nMade by `{command}`; not to be edited by hand. {stamp}",
         _scene(study),
         _reference(study),
         _summary(study),
@@ -56,7 +56,7 @@ def write(study: Study, path: Path, stamp: str, command: str, drawn: Sequence[st
     ]
     if models:
         parts += [
-            "## Choices of the model\n\nThese ask another question, so they have an effect and no error.",
+            "## Choices of the model\n\nEach is another model, so it has an effect and no error.",
             "![effects](figures/crossover-effects.png)",
             *(_axis(study, axis) for axis in models),
         ]

@@ -60,7 +60,7 @@ def convergence(study: Study) -> matplotlib.figure.Figure:
                 x, np.maximum(100 * away, 100 * LEAST), color=colour, marker=MARKERS[number % 6], ms=6.5, lw=1.5,
                 mfc=colour if sure else "white", mec=colour, ls="-" if sure else "--", label=quantity,
             )  # fmt: skip
-        told = f"orders observed {min(orders):.1f} to {max(orders):.1f}" if orders else "no order observed"
+        note = f"orders observed {min(orders):.1f} to {max(orders):.1f}" if orders else "no order observed"
         unit = next(axis.unit for axis in study.axes if axis.name == choice)
         axes.set(xlabel=unit, xscale="log", yscale="log")
         axes.set_title(choice, loc="left", fontsize=13, fontweight="bold", color=INK)
@@ -68,7 +68,7 @@ def convergence(study: Study) -> matplotlib.figure.Figure:
             axes.set_xticks([entry.x for entry in entries], [entry.label.replace(" ", "") for entry in entries])
             axes.set_xticks([], minor=True)
             axes.tick_params(axis="x", labelsize=8)
-        axes.text(0.03, 0.97, told, transform=axes.transAxes, va="top", fontsize=10, color=INK)
+        axes.text(0.03, 0.97, note, transform=axes.transAxes, va="top", fontsize=10, color=INK)
         _plain(axes)
     row[0][0].set_ylabel("distance from the limit [%]")
     handles, labels = row[0][0].get_legend_handles_labels()
@@ -82,7 +82,7 @@ def convergence(study: Study) -> matplotlib.figure.Figure:
 
 
 def effects(study: Study) -> matplotlib.figure.Figure:
-    """Change of each quantity from the base, in per cent, of the choices that ask another question."""
+    """Change of each quantity from the base, in per cent, of the choices of another model."""
     rows = [
         entry
         for axis in study.axes
@@ -117,16 +117,16 @@ def pareto(study: Study) -> matplotlib.figure.Figure:
     others = [entry for entry in shown if entry.case not in best]
     axes.plot(*_place(others), "o", ms=6, mfc="#d5dbe1", mec=FAINT, ls="", label="the others")
     axes.plot(*_place(study.best), "o-", ms=9, color=COLOURS[0], lw=1.6, label="beaten by none")
-    told = []
+    lines = []
     for number, entry in enumerate(study.best, 1):
         x, y = _place([entry])
         axes.annotate(
             str(number), (x[0], y[0]), xytext=(-9, -15), textcoords="offset points", ha="center", fontsize=12,
             fontweight="bold", color=INK,
         )  # fmt: skip
-        told.append(f"{number}  {name(study, entry)}\n    {x[0]:.3g} s, {y[0]:.2g} %")
+        lines.append(f"{number}  {name(study, entry)}\n    {x[0]:.3g} s, {y[0]:.2g} %")
     axes.text(
-        1.02, 0.97, "beaten by none\n\n" + "\n".join(told), transform=axes.transAxes, va="top", fontsize=11, color=INK,
+        1.02, 0.97, "beaten by none\n\n" + "\n".join(lines), transform=axes.transAxes, va="top", fontsize=11, color=INK,
         linespacing=1.5,
     )  # fmt: skip
     if study.base.case not in best and study.base.error is not None:

@@ -40,7 +40,7 @@ def errors(rows: Iterable[dict[str, Any]]) -> dict[str, Any]:
     """{"cost", "expected": {quantity: [-]}} as of a model of the ladder; rows joined to those of the survey."""
     expected = {}
     for name in quantities.NAMES:
-        alike = [row for row in rows if quantities.asked_of(name, quantities.regime(row[FULL]["values"]))]
+        alike = [row for row in rows if quantities.is_defined(name, quantities.regime(row[FULL]["values"]))]
         off = np.array([fit_error_database.error(row[NAME]["values"], row[FULL]["values"], name) for row in alike])
         expected[name] = float(np.quantile(off[np.isfinite(off)], fit_error_database.OFTEN))
     cost = float(np.median([row[NAME]["seconds"] / row[FULL]["seconds"] for row in rows]))

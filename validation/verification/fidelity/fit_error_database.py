@@ -35,7 +35,7 @@ def of(rows: Sequence[dict[str, Any]], models: Sequence[Model] = LADDER) -> dict
     found["finest"] = {}
     for regime in (quantities.HELD, quantities.THROUGH):
         alike = [row for row in rows if quantities.regime(_seen(row)[0]) == regime]
-        names = [name for name in quantities.NAMES if quantities.asked_of(name, regime)]
+        names = [name for name in quantities.NAMES if quantities.is_defined(name, regime)]
         found["regimes"][regime] = {name: _quantity(name, alike, models) for name in names}
         found["finest"][regime] = {name: _finest(name, full, alike) for name in names}
     return found
@@ -56,19 +56,19 @@ def _quantity(name, rows, models):
     apart = [quantities.differences(*_seen(row))[name] for row in rows]
     usual = max(LEAST, float(np.nanmedian(apart)) if np.any(np.isfinite(apart)) else LEAST)
     scales = [quantities.scale(name, *_seen(row), usual) for row in rows]
-    told = [(row, scale) for row, scale in zip(rows, scales) if isfinite(scale)]
-    fitted = {model.name: _model(model, name, models[-1].name, told) for model in models}
-    return {"scenes": len(told), "usual": usual, "models": {key: found for key, found in fitted.items() if found}}
+    known = [(row, scale) for row, scale in zip(rows, scales) if isfinite(scale)]
+    fitted = {model.name: _model(model, name, models[-1].name, known) for model in models}
+    return {"scenes": len(known), "usual": usual, "models": {key: found for key, found in fitted.items() if found}}
 
 
-def _model(model, name, full, told):
-    told = [(row, scale) for row, scale in told if model.name in row]
+def _model(model, name, full, known):
+    known = [(row, scale) for row, scale in known if model.name in row]
     weights = WEIGHTS if name == "peak_tension" and model.name != full else (0.0,)
-    tried = [(_errors(model, name, full, told, weight), weight) for weight in weights]
+    tried = [(_errors(model, name, full, known, weight), weight) for weight in weights]
     if not tried[0][0]:
         return None
     errors, weight = min(tried, key=lambda one: np.quantile([off / scale for off, scale in one[0]], SURE))
-    moved = [(error(row[model.name]["values"], _partner(model, row), name), scale) for row, scale in told]
+    moved = [(error(row[model.name]["values"], _partner(model, row), name), scale) for row, scale in known]
     return {
         "factor": float(np.quantile([off / scale for off, scale in errors], SURE)),
         "apart": max(off / scale for off, scale in moved if isfinite(off)),
@@ -77,11 +77,11 @@ def _model(model, name, full, told):
     }
 
 
-def _errors(model, name, full, told, weight):
+def _errors(model, name, full, known, weight):
     """[(error, scale)] of the rows that have it."""
     found = [
         (error(quantities.mixed(row[model.name]["values"], _partner(model, row), weight), row[full]["values"], name), s)
-        for row, s in told
+        for row, s in known
     ]
     return [(off, scale) for off, scale in found if isfinite(off)]
 

@@ -38,9 +38,9 @@ def survey_table(book: Book) -> list[str]:
 
 
 def trial_table(rows: list[Row]) -> list[str]:
-    """Lines of Markdown: each scene, what was asked, chosen and found, and what came of all."""
+    """Lines of Markdown: each scene, its targets, what was chosen and found, and what came of all."""
     lines = [
-        "| scene | asked | outcome | model | confirmed | worst error | met | cost | whole |",
+        "| scene | targets | outcome | model | confirmed | worst error | met | cost | whole |",
         "|---|---|---|---|---|---:|---|---:|---:|",
     ]
     for row in rows:
@@ -49,7 +49,7 @@ def trial_table(rows: list[Row]) -> list[str]:
         found = "other outcome" if worst == inf else f"{_percent(worst)}{f' {_plain(name)}' if worst > 0 else ''}"
         confirmed = "is the full model" if row.model == FULL else "yes" if row.confirmed else "no"
         lines.append(
-            f"| {row.fabric}, {row.shape}, {row.velocity:.0f} m/s | {_asked(row.asked)} | {row.outcome}"
+            f"| {row.fabric}, {row.shape}, {row.velocity:.0f} m/s | {_targets_text(row.targets)} | {row.outcome}"
             f" | {row.model} | {confirmed} | {found} | {'yes' if row.met else '**no**'}"
             f" | {row.cost:.3f} | {f'{row.whole_cost:.3f}' if isfinite(row.whole_cost) else '-'} |"
         )
@@ -60,28 +60,28 @@ def _summary(rows):
     cheaper = [row for row in rows if row.model != FULL]
     sure = [row for row in cheaper if row.confirmed]
     whole = [row for row in rows if isfinite(row.whole_cost)]
-    told = [
-        f"Within what was asked: **{sum(row.met for row in rows)} of {len(rows)}**; median cost over that of the full "
+    lines = [
+        f"Within the targets: **{sum(row.met for row in rows)} of {len(rows)}**; median cost over that of the full "
         f"model on the same part of the panel: **{np.median([row.cost for row in rows]):.3f}**.",
         f"{len(rows) - len(cheaper)} were answered by the full model itself; of the {len(sure)} answers of cheaper "
-        f"models that were called confirmed {sum(row.met for row in sure)} are within what was asked, of the "
+        f"models that were called confirmed {sum(row.met for row in sure)} are within the targets, of the "
         f"{len(cheaper) - len(sure)} others {sum(row.met for row in cheaper if not row.confirmed)}.",
     ]
     if whole:
         share = np.median([row.whole_seconds / row.full_seconds for row in whole])
         cost = np.median([row.whole_cost for row in whole])
-        told.append(
+        lines.append(
             f"The whole panel was run for {len(whole)} of them and took {share:.2f} times its part, in the median; "
             f"over it the median cost of these is {cost:.3f}."
         )
-    return told
+    return lines
 
 
-def _asked(asked):
-    shares = set(asked.values())
-    if len(asked) == len(quantities.NAMES) and len(shares) == 1:
+def _targets_text(targets):
+    shares = set(targets.values())
+    if len(targets) == len(quantities.NAMES) and len(shares) == 1:
         return f"all {_percent(shares.pop())}"
-    return ", ".join(f"{_plain(name)} {_percent(share)}" for name, share in asked.items())
+    return ", ".join(f"{_plain(name)} {_percent(share)}" for name, share in targets.items())
 
 
 def _plain(name):

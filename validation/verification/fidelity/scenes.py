@@ -1,6 +1,6 @@
 """Scenes of the survey and of the trials.
 
-Standard ones: each Kevlar fabric of the catalogue, the projectile and panel of the source, at fixed shares of the
+Standard ones: each Kevlar fabric of the catalogue, the projectile and panel of the thesis, at fixed shares of the
 fabric's own critical velocity on the simplest mesh. Drawn ones: another fabric, shot and panel each time; survey and
 trials have seeds of their own.
 """
@@ -29,7 +29,7 @@ SHARES = (0.5, 0.85, 1.1, 1.5)  # of the critical velocity
 END = 600e-6
 KEVLAR = ("S-720", "S-726", "S-727", "S-728", "S-731", "S-745")
 
-# how far a drawn scene goes from the source's: factors on a fabric's numbers, and ranges
+# how far a drawn scene goes from the thesis's: factors on a fabric's numbers, and ranges
 FACTORS = {
     "modulus": 0.2, "areal_density": 0.2, "crimp_warp": 0.3, "crimp_weft": 0.3, "failure_strain": 0.15,
     "compression_a": 0.3, "compression_b": 0.3, "trellis_stiffness": 0.3, "trellis_angles": 0.2,
@@ -41,7 +41,7 @@ PACK_END = 400e-6
 
 
 def base(name: str) -> Fabric:
-    """A fabric of the catalogue with the linear densities that the source's runs used, where there are such."""
+    """A fabric of the catalogue with the linear densities that the thesis's runs used, where there are such."""
     return with_linear_density(catalogue.load(name))
 
 

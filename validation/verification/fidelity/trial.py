@@ -1,8 +1,8 @@
-"""Two trials: random scenes that the survey has not seen, each answered as it asks and held against the full model.
+"""Two trials: random scenes that the survey has not seen, each answered to its targets and held against the full model.
 
 everything   all four quantities of every scene, to 2, 5 or 10 %
-again        the same of other scenes, after what the first trial told of the fastest shots (`quantities.hasty`)
-scene        what a scene may really ask: one or two quantities, drawn, each to 2, 5 or 10 %, drawn
+again        the same of other scenes, after what the first trial showed of the fastest shots (`quantities.hasty`)
+scene        a scene with targets as a user may set them: one or two quantities, drawn, each to 2, 5 or 10 %, drawn
 
 Costs are process time, of one thread, with all scouts, repeated runs and tables, over that of the full model: on the
 same part of the panel, and on the whole panel, which is run where that does not take too long. The projectile is rigid.
@@ -24,7 +24,7 @@ from weavecell.analysis.fidelity.ladder import BY_NAME, FULL, Tables, simplest
 
 TRIALS = {"everything": 101, "again": 303, "scene": 202}  # their seeds
 COUNT = 20
-ASKED = (0.02, 0.05, 0.1)
+TARGETS = (0.02, 0.05, 0.1)
 LONGEST = 2.5  # [s] of the full model on its part of the panel, beyond which the whole panel is not run
 
 
@@ -35,7 +35,7 @@ class Row:
     Parameters
     ----------
     number, fabric, velocity [m/s], shape : of the scene
-    asked : {quantity: [-]}
+    targets : {quantity: [-]}
     model : that was chosen in the end
     tried : how many answers it took
     confirmed : whether the code said that the promise holds
@@ -49,7 +49,7 @@ class Row:
     fabric: str
     velocity: float
     shape: str
-    asked: dict
+    targets: dict
     model: str
     tried: int
     confirmed: bool
@@ -62,8 +62,8 @@ class Row:
 
     @property
     def met(self) -> bool:
-        """Whether every error is within what was asked, whatever the code said."""
-        return all(not error > self.asked[name] for name, error in self.found.items())
+        """Whether every error is within its target, whatever the code said."""
+        return all(not error > self.targets[name] for name, error in self.found.items())
 
     @property
     def cost(self) -> float:
@@ -76,13 +76,13 @@ class Row:
         return self.seconds / self.whole_seconds
 
 
-def asked(trial: str, number: int) -> dict[str, float]:
-    """{quantity: [-]} that the scene of a number asks."""
+def targets_of(trial: str, number: int) -> dict[str, float]:
+    """{quantity: [-]} targets of the scene of a number."""
     if trial != "scene":
-        return dict.fromkeys(quantities.NAMES, ASKED[number % len(ASKED)])
+        return dict.fromkeys(quantities.NAMES, TARGETS[number % len(TARGETS)])
     draw = np.random.default_rng((TRIALS[trial], number, 1))
     names = draw.choice(quantities.NAMES, int(draw.integers(1, 3)), replace=False)
-    return {str(name): float(draw.choice(ASKED)) for name in names}
+    return {str(name): float(draw.choice(TARGETS)) for name in names}
 
 
 def truth(trial: str, number: int) -> dict[str, Any]:
@@ -93,8 +93,8 @@ def truth(trial: str, number: int) -> dict[str, Any]:
 
 
 def answer(trial: str, number: int) -> Any:
-    """What the code answers as the scene asks: (select.Answer without its runs, process time [s])."""
-    setup, wanted = _setup(trial, number), asked(trial, number)
+    """The answer of the code to the targets of the scene: (select.Answer without its runs, process time [s])."""
+    setup, wanted = _setup(trial, number), targets_of(trial, number)
     began = time.process_time()
     found = select.answer(setup, wanted, fixed=frozenset({"projectile"}))
     seconds = time.process_time() - began
@@ -104,7 +104,7 @@ def answer(trial: str, number: int) -> Any:
 
 def row(trial: str, number: int, known_full: Any, answered: Any) -> Row:
     """The Row of a scene from its `truth` and its `answer`."""
-    setup, wanted = _setup(trial, number), asked(trial, number)
+    setup, wanted = _setup(trial, number), targets_of(trial, number)
     (found, seconds), full = answered, known_full["values"]
     final = found.final
     errors = {name: fit_error_database.error(final.values, full, name) for name in wanted}

@@ -37,7 +37,7 @@ def write_csv(quantities: Sequence[Quantity], path: Path) -> None:
         rows = csv.writer(file)
         rows.writerow([
             "fabric", "quantity", "unit", *(f"{n} a crossover" for n in elements), "limit", "observed order", "basis",
-            "remark", "scatter", *(f"{n} a crossover, deviation %" for n in elements), "as asked",
+            "remark", "scatter", *(f"{n} a crossover, deviation %" for n in elements), "target met",
         ])  # fmt: skip
         for entry in quantities:
             found = entry.extrapolation
@@ -55,7 +55,7 @@ def tell(entry: Quantity) -> None:
     deviations = "  ".join(f"{100 * value:+5.2f}" for value in entry.deviations)
     found = entry.extrapolation
     why = f" ({found.remark})" if found.remark else f" {found.order:.2f}"
-    missed = "" if entry.met else "  NOT AS ASKED"
+    missed = "" if entry.met else "  TARGET MISSED"
     print(f"{entry.fabric:6} {entry.name:18} {values} -> {found.limit:7.2f} {entry.unit:4} ", end="")
     print(f"deviations {deviations} %  {found.basis}{why}{missed}", flush=True)
 
@@ -88,12 +88,12 @@ def table(quantities: Sequence[Quantity]) -> str:
     rows = [heads, ["---"] * len(heads)]
     for entry in quantities:
         off = dict(zip(entry.elements, entry.deviations))
-        told = (f"{100 * off[n]:+.1f}" if abs(off[n]) <= ALLOWED[n] else f"**{100 * off[n]:+.1f}**" for n in ALLOWED)
+        texts = (f"{100 * off[n]:+.1f}" if abs(off[n]) <= ALLOWED[n] else f"**{100 * off[n]:+.1f}**" for n in ALLOWED)
         found = entry.extrapolation
         basis = f"order {found.order:.1f}" if found.basis == "Richardson" else f"{found.basis} ({found.remark})"
         rows.append(
             [entry.fabric, f"{entry.name}, {entry.unit}", *(f"{value:.1f}" for value in entry.values),
-             f"{found.limit:.1f}", basis, *told]
+             f"{found.limit:.1f}", basis, *texts]
         )  # fmt: skip
     return "\n".join("| " + " | ".join(row) + " |" for row in rows) + "\n"
 

@@ -50,7 +50,7 @@ def picture(quantities: Sequence[Quantity], path: Path) -> None:
     handles, labels = row[0][0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="lower center", ncols=len(fabrics), frameon=False)
     figure.text(
-        0.995, 0.985, "bars: asked; dashed and hollow: limit from a least-squares fit, the order being irregular",
+        0.995, 0.985, "bars: target; dashed and hollow: limit from a least-squares fit, the order being irregular",
         ha="right", va="top", fontsize=9, color="#555555",
     )  # fmt: skip
     figure.tight_layout(rect=(0, 0.06, 1, 0.965))

@@ -24,7 +24,7 @@ from scipy.optimize import minimize
 from shellfabric.cloth import spline_kernels
 
 THETA = np.radians(39.0)  # of S-745 at its peak
-RADIUS = 0.3  # [mm] of the source's nose
+RADIUS = 0.3  # [mm] of the thesis's nose
 ELEMENTS = (1.5, 0.75, 0.5, 0.375)  # [mm] long, S-745 with 1 to 4 a crossover, nearly
 _NODES, _POINTS, _STRAIN, _PHASES = 17, 24, 0.02, 12
 
@@ -101,8 +101,8 @@ def _round(along, theta, radius):
 
 def main() -> None:
     for weights in (bilinear, smooth):
-        told = ", ".join(f"{element:g} mm {100 * solved(weights, element):.1f}" for element in ELEMENTS)
-        print(f"{weights.__name__:9} closed form {100 * closed(weights):.1f} %; elements of {told} %", flush=True)
+        numbers = ", ".join(f"{element:g} mm {100 * solved(weights, element):.1f}" for element in ELEMENTS)
+        print(f"{weights.__name__:9} closed form {100 * closed(weights):.1f} %; elements of {numbers} %", flush=True)
 
 
 if __name__ == "__main__":

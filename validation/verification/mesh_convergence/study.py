@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from fabrics.fabric import Fabric
     from shellfabric.panel.model import Panel
 
-ALLOWED = {1: 0.05, 2: 0.02}  # asked: share of the limit within which 1 and 2 elements a crossover are to be
+ALLOWED = {1: 0.05, 2: 0.02}  # target: share of the limit within which 1 and 2 elements a crossover are to be
 TOLERANCE = 0.25  # [m/s] of the critical velocity's bracket: a tenth of what 2 % of it are
 NEAR = 1.02  # first step from the limit of a coarser mesh
 
@@ -77,7 +77,7 @@ class Quantity:
 
     @property
     def met(self) -> bool:
-        """Whether the meshes that something is asked of are as close to the limit as asked."""
+        """Whether the meshes that have a target are within it of the limit."""
         found = dict(zip(self.elements, self.deviations))
         return all(abs(found[n]) <= allowed for n, allowed in ALLOWED.items() if n in found)
 
@@ -120,11 +120,11 @@ def point(
     """
     panel, began = replace(coarse, elements_per_crossover=n), time.process_time()
 
-    def told(_, shot):
+    def report_shot(_, shot):
         if report is not None:
             report(n, shot)
 
-    (shot,) = ballistic_limit.shoot(panel, [velocity], report=told)
+    (shot,) = ballistic_limit.shoot(panel, [velocity], report=report_shot)
     if shot.perforated:
         raise InputError(
             f"fabric {panel.fabric.name} with {n} elements a crossover is perforated", key="velocity", value=velocity,
@@ -132,7 +132,7 @@ def point(
         )  # fmt: skip
     known = {} if guess is None else {"guess": guess, "step": NEAR}
     found = ballistic_limit.critical_velocity(
-        panel, tolerance=tolerance, executor=executor, jobs=jobs, report=told, **known
+        panel, tolerance=tolerance, executor=executor, jobs=jobs, report=report_shot, **known
     )
     return Point(
         panel.fabric.name, n, found.velocity, found.half_width, velocity, *shot.peak_tension, panel.table.model.form,

@@ -3,7 +3,7 @@
 Where the limits of S-726, S-727, S-731 converge slowly: the tension of the weft's lines at the middle of the nose, from
 yarn to yarn, on several meshes at one velocity and one instant, shortly before the first yarn fails; failure is off.
 That yarn is the same on every mesh, beside the edge of the nose. Its tension is the mean over its width, which n lines
-sample: with one line a yarn, as in the source, it is the line's own.
+sample: with one line a yarn, as in the thesis, it is the line's own.
 """
 
 from __future__ import annotations

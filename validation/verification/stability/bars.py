@@ -1,4 +1,4 @@
-"""A crimped yarn of solids with 0 to 44 fibre bars, with one-point and full integration (source thesis Figure 3-4)."""
+"""A crimped yarn of solids with 0 to 44 fibre bars, with one-point and full integration (thesis Figure 3-4)."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ def chart(quick: bool = False) -> Map:
     return Map(
         "bars", "A crimped yarn of solids with and without fibre bars",
         f"The warp of {FABRIC} alone, {SIZE[0]} x {SIZE[1]} x {SIZE[2]} hexahedra in half its width and length, 44 "
-        "fibre lines of which some carry bars, is pulled straight and on to its failure strain. The source's Figure "
+        "fibre lines of which some carry bars, is pulled straight and on to its failure strain. The thesis's Figure "
         "3-4 shows nodes thrown about without bars: the modes without energy of its one-point elements.",
         Axis("fibre lines with bars", (0, 44) if quick else BARS), Axis("integration", tuple(POINTS)), point,
         "amplitude from node to node [% of the thickness]", f"amplitude above {100 * ALLOWED:g} %",

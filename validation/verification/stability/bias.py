@@ -1,4 +1,4 @@
-"""Bias extension with less and less trellis: where the shear runs into bands (source thesis Figure 4-27)."""
+"""Bias extension with less and less trellis: where the shear runs into bands (thesis Figure 4-27)."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ def chart(quick: bool = False) -> Map:
     """The map."""
     return Map(
         "bias", "Bias extension with less and less trellis",
-        "Balanced S-728 on the bias, half the size of the source's coupon and as strained. The yarns stay as they are, "
+        "Balanced S-728 on the bias, half the size of the thesis's coupon and as strained. The yarns stay as they are, "
         "the moduli of the trellis are multiplied by a factor. Without trellis nothing says where the cloth shears; "
         "without locking, but with the published first modulus, it stays calm.",
         Axis("modulus G1 of the trellis over the published", (0.0, 1.0) if quick else MODULI),

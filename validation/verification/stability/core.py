@@ -1,4 +1,4 @@
-"""Maps of where a method works: points that are run, told apart by what happened, and the default's margin.
+"""Maps of where a method works: points that are run, each with what happened, and the default's margin.
 
 A point is STABLE where the run ends and its answer is good, WRONG where it ends quietly with an answer that is off by
 more than the map allows, FAILED where a guard stopped it with a message (fabrics.errors.UnstableError, exit code 3).
@@ -16,7 +16,7 @@ from typing import Any
 from fabrics.errors import UnstableError
 
 STABLE, WRONG, FAILED = "stable", "wrong", "failed"
-ASKED = 1.5  # margin
+MARGIN_TARGET = 1.5  # margin
 ABOVE, BELOW = "above", "below"
 HALVINGS = 5  # of the ratio between a stable and an unstable value
 
@@ -47,7 +47,7 @@ class Outcome:
 
     kind: str
     value: float | None = None
-    told: str = ""
+    message: str = ""
     checks: tuple = field(default=(), compare=False)  # of the run itself; not in the map's table
 
 
@@ -63,7 +63,7 @@ class Map:
     number : what the numbers in the cells are
     wrong : what counts as wrong
     guard : what catches a failure
-    default : (x, y) that the code takes if told nothing, or None where it takes none of the points
+    default : (x, y) that the code takes by default, or None where it takes none of the points
     sides : of ABOVE, BELOW: towards which of them the default's x could leave the stable region
     rows : values of y whose edges are looked for too
     failed : what a failure is called
@@ -113,7 +113,7 @@ class Edge:
 
     @property
     def enough(self) -> bool:
-        return self.margin >= ASKED
+        return self.margin >= MARGIN_TARGET
 
 
 @dataclass(frozen=True)

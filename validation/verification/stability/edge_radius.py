@@ -50,10 +50,10 @@ def point(radius: float, mesh: str) -> Outcome:
         found, fine = shot(radius, *MESHES[mesh]), finest(radius)
         off = found.off(fine)
         good = off <= ALLOWED and (found.failed == 0) == (fine.failed == 0)
-        told = (
+        message = (
             f"{found.failed} failed segments, {fine.failed} on the finest mesh" if found.failed or fine.failed else ""
         )
-        return Outcome(STABLE if good else WRONG, 100 * off, told, found.checks)
+        return Outcome(STABLE if good else WRONG, 100 * off, message, found.checks)
 
     return guarded(run)
 

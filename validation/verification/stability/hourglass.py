@@ -47,8 +47,10 @@ def point(factor: float, cfl: float) -> Outcome:
         march.run()
         off = quality.hourglass_amplitude(march.patch.mesh, march.state.x)
         share = float(march.sample("hourglass")[-1] / march.sample("solids")[-1])
-        told = f"hourglass energy {100 * share:.2g} % of the solids'" if share > MOST else ""
-        return Outcome(STABLE if off <= FOLDED and share <= MOST else WRONG, 100 * off, told, quality.of_patch(march))
+        message = f"hourglass energy {100 * share:.2g} % of the solids'" if share > MOST else ""
+        return Outcome(
+            STABLE if off <= FOLDED and share <= MOST else WRONG, 100 * off, message, quality.of_patch(march)
+        )
 
     return guarded(run)
 

@@ -34,8 +34,8 @@ def point(step: float, path: str) -> Outcome:
     def run():
         values, tangents = solve(step, path)
         off = max(abs(value / usual(path)[name] - 1) for name, value in values.items())
-        told = f"forces off by {100 * off:.1g} %" if off > ALLOWED else ""
-        return Outcome(STABLE if off <= ALLOWED else WRONG, tangents, told)
+        message = f"forces off by {100 * off:.1g} %" if off > ALLOWED else ""
+        return Outcome(STABLE if off <= ALLOWED else WRONG, tangents, message)
 
     return guarded(run)
 

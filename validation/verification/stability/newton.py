@@ -1,4 +1,4 @@
-"""The source's Newton iteration on two heights (App. B.3) with its printed law, over the displacements (d1, d2).
+"""The thesis's Newton iteration on two heights (App. B.3) with its printed law, over the displacements (d1, d2).
 
 `validation.claims.checks.newton` holds the iteration; the root of the monotone equation stands beside it.
 """
@@ -21,7 +21,7 @@ ALLOWED, FLOOR = 0.02, 0.01  # of the force; [N] below which two forces are alik
 
 
 def root(d1: float, d2: float) -> float:
-    """[N] contact force of the monotone equation, with the law and the form that the source prints."""
+    """[N] contact force of the monotone equation, with the law and the form that the thesis prints."""
     from validation.claims.checks.cell import printed
 
     w = catalogue.load(FABRIC).weave.w
@@ -56,8 +56,8 @@ def point(d1: float, d2: float) -> Outcome:
             FAILED, found.steps, f"no convergence in {newton.MOST} steps" if found.steps >= newton.MOST else "ran off"
         )
     if abs(found.F - right) > max(ALLOWED * abs(right), FLOOR):
-        told = f"{found.F:.4g} N instead of {right:.4g} N"
-        return Outcome(WRONG, found.steps, told, closing(found.F, d1, d2))
+        message = f"{found.F:.4g} N instead of {right:.4g} N"
+        return Outcome(WRONG, found.steps, message, closing(found.F, d1, d2))
     return Outcome(STABLE, found.steps, checks=closing(found.F, d1, d2))
 
 
@@ -71,10 +71,10 @@ def axes(quick: bool) -> tuple[Axis, Axis]:
 def chart(quick: bool = False) -> Map:
     """The map."""
     return Map(
-        "newton", "Newton's method on two heights, as the source prints it",
-        f"The cell of {FABRIC} solved as in the source's App. B.3: two unknown heights, the printed law of "
+        "newton", "Newton's method on two heights, as the thesis prints it",
+        f"The cell of {FABRIC} solved as in the thesis's App. B.3: two unknown heights, the printed law of "
         "compression, from the heights at rest. Nothing of this project uses it; it stands here for what it does where "
         "contact is light or lost.",
         *axes(quick), point, "steps", "a false root: its force is not that of the monotone equation",
-        "none in the source; here the method is not used", failed="no convergence, or ran off",
+        "none in the thesis; here the method is not used", failed="no convergence, or ran off",
     )  # fmt: skip

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from validation.verification.stability.core import ASKED, FAILED, WRONG
+from validation.verification.stability.core import FAILED, MARGIN_TARGET, WRONG
 from validation.verification.study import markdown, write_page
 
 if TYPE_CHECKING:
@@ -17,7 +17,7 @@ HEAD = f"""# Where methods fail
 Each map is made by running the method at every point of it. **Stable**: the run ends and its answer is good. **Wrong**:
 it ends quietly, with an answer that is off by more than the map allows. **Failed**: a guard stopped it with a message
 that says what happened, where and when (exit code 3). The default's margin is the ratio between it and the edge of the
-stable region, looked for by bisection along the axis; {ASKED:g} is asked."""
+stable region, looked for by bisection along the axis; the target is {MARGIN_TARGET:g}."""
 
 
 def write(maps: Sequence[tuple[Found, str]], path: Path, command: str) -> None:
@@ -44,7 +44,7 @@ def margins(maps: Sequence[Found]) -> str:
                 f"{'' if edge.met else 'at least '}{edge.margin:.3g}", "yes" if edge.enough else "**no**",
                 "" if edge.beyond is None else _beyond(edge.beyond),
             ])  # fmt: skip
-    return markdown(["number", "default", "side", "edge", "margin", f"at least {ASKED:g}", "beyond it"], rows)
+    return markdown(["number", "default", "side", "edge", "margin", f"at least {MARGIN_TARGET:g}", "beyond it"], rows)
 
 
 def _edge(edge, unit):
@@ -53,8 +53,8 @@ def _edge(edge, unit):
 
 def _beyond(outcome):
     if outcome.kind == FAILED:
-        return f"stopped: {outcome.told.split(', at node')[0].split(':')[0]}"
-    return "wrong" + (f": {outcome.told}" if outcome.told else "")
+        return f"stopped: {outcome.message.split(', at node')[0].split(':')[0]}"
+    return "wrong" + (f": {outcome.message}" if outcome.message else "")
 
 
 def _section(found):
@@ -64,7 +64,7 @@ def _section(found):
         lines.append(f"- Wrong: {chart.wrong}; {found.count(WRONG)} of {len(found.outcomes)} points.")
     if chart.guard:
         lines.append(f"- Guard: {chart.guard}. Failed: {found.count(FAILED)} of {len(found.outcomes)} points.")
-    messages = list(dict.fromkeys(_short(o.told) for o in found.outcomes.values() if o.kind == FAILED and o.told))
+    messages = list(dict.fromkeys(_short(o.message) for o in found.outcomes.values() if o.kind == FAILED and o.message))
     if messages:
         lines.append("- Messages, for instance: " + "; ".join(f'"{text}"' for text in messages[:2]) + ".")
     return [f"## {chart.title}", chart.text, f"![{chart.title}](figures/stability-{chart.key}.png)", "\n".join(lines)]

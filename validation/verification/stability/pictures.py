@@ -54,8 +54,8 @@ def draw(found: Found, path: Path) -> None:
     if chart.default is not None:
         _default(axes, found)
     figure.text(0.015, 1 - 0.3 / total[1], chart.title, fontsize=14, fontweight="bold", color=INK, va="center")
-    told = f"numbers: {chart.number}" if chart.number else ""
-    figure.text(0.015, 1 - 0.62 / total[1], told, fontsize=10, color=FAINT, va="center")
+    caption = f"numbers: {chart.number}" if chart.number else ""
+    figure.text(0.015, 1 - 0.62 / total[1], caption, fontsize=10, color=FAINT, va="center")
     there = [kind for kind in KINDS if found.count(kind)]
     names = {STABLE: "stable", WRONG: f"wrong: {chart.wrong}", FAILED: f"failed: {chart.failed}"}
     handles = [Patch(color=KINDS[kind], label="\n".join(wrap(names[kind], 105))) for kind in there]
@@ -73,11 +73,11 @@ def _default(axes, found):
     chart, (x, y) = found.map, found.map.default
     i, j = chart.x.values.index(x), chart.y.values.index(y)
     axes.add_patch(plt.Rectangle((i + 0.05, j + 0.07), 0.9, 0.86, fill=False, ec=BLUE, lw=2.2))
-    told = [
+    notes = [
         f"margin {edge.side} {'' if edge.met else 'at least '}{edge.margin:.3g}" for edge in found.edges if edge.y == y
     ]
     axes.text(
-        1.0, 1.02, "framed: the default" + "".join(f"; {text}" for text in told), transform=axes.transAxes, ha="right",
+        1.0, 1.02, "framed: the default" + "".join(f"; {text}" for text in notes), transform=axes.transAxes, ha="right",
         va="bottom", fontsize=10, color=BLUE,
     )  # fmt: skip
 

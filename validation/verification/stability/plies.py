@@ -70,9 +70,9 @@ def point(penalty: float, form: str) -> Outcome:
         found = shot(penalty, form)
         off = found.off(usual())
         good = off <= ALLOWED and found.failed == 0 and found.deepest < 1
-        told = f"{found.failed} failed segments" if found.failed else ""
-        told = told or (f"{found.deepest:.2g} of a ply's thickness deep" if found.deepest >= 1 else "")
-        return Outcome(STABLE if good else WRONG, 100 * off, told, found.checks)
+        message = f"{found.failed} failed segments" if found.failed else ""
+        message = message or (f"{found.deepest:.2g} of a ply's thickness deep" if found.deepest >= 1 else "")
+        return Outcome(STABLE if good else WRONG, 100 * off, message, found.checks)
 
     return guarded(run)
 

@@ -32,9 +32,9 @@ def point(d1: float, d2: float) -> Outcome:
         ours, theirs = (CellModel(one).solve(1 + d1 / w[0], 1 + d2 / w[1]) for one in (fabric, printed))
         off = max(abs(float(ours[T] - theirs[T])) for T in ("T1", "T2")) / strength
         lost = float(ours["F"]) == 0.0 and float(theirs["F"]) > 0.0
-        told = f"contact of {float(theirs['F']):.2g} N where there is none" if lost else ""
+        message = f"contact of {float(theirs['F']):.2g} N where there is none" if lost else ""
         found = quality.of_cell(_table(), [float(theirs[T]) for T in ("T1", "T2")])
-        return Outcome(WRONG if lost or off > ALLOWED else STABLE, 100 * off, told, found)
+        return Outcome(WRONG if lost or off > ALLOWED else STABLE, 100 * off, message, found)
 
     return guarded(run)
 

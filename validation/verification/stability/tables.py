@@ -14,15 +14,15 @@ def write(found: Found, folder: Path, made: str = "") -> None:
     chart = found.map
     with write_whole(folder / f"{chart.key}.csv") as file:
         rows = csv.writer(file, lineterminator="\n")
-        rows.writerow([chart.x.name, chart.y.name, "outcome", chart.number or "number", "told", "made"])
+        rows.writerow([chart.x.name, chart.y.name, "outcome", chart.number or "number", "message", "made"])
         for (x, y), outcome in found.outcomes.items():
             value = "" if outcome.value is None else repr(outcome.value)
-            rows.writerow([x, y, outcome.kind, value, outcome.told, made])
+            rows.writerow([x, y, outcome.kind, value, outcome.message, made])
     with write_whole(folder / f"{chart.key}-edges.csv") as file:
         rows = csv.writer(file, lineterminator="\n")
-        rows.writerow(["y", "side", "default", "edge", "edge met", "margin", "beyond", "told"])
+        rows.writerow(["y", "side", "default", "edge", "edge met", "margin", "beyond", "message"])
         for edge in found.edges:
-            beyond = ("", "") if edge.beyond is None else (edge.beyond.kind, edge.beyond.told)
+            beyond = ("", "") if edge.beyond is None else (edge.beyond.kind, edge.beyond.message)
             row = [edge.y, edge.side, chart.default[0], repr(edge.value), edge.met, repr(edge.margin), *beyond]
             rows.writerow(row)
 
@@ -39,13 +39,13 @@ def read(chart: Map, folder: Path) -> tuple[Found, str]:
     with (folder / f"{chart.key}.csv").open(encoding="utf-8") as file:
         rows = csv.reader(file)
         next(rows)
-        for x, y, kind, value, told, stamp in rows:
-            outcomes[_place(places[0], x), _place(places[1], y)] = Outcome(kind, _number(value), told)
+        for x, y, kind, value, message, stamp in rows:
+            outcomes[_place(places[0], x), _place(places[1], y)] = Outcome(kind, _number(value), message)
             made = stamp
     edges = []
     with (folder / f"{chart.key}-edges.csv").open(encoding="utf-8") as file:
         for row in csv.DictReader(file):
-            beyond = Outcome(row["beyond"], None, row["told"]) if row["beyond"] else None
+            beyond = Outcome(row["beyond"], None, row["message"]) if row["beyond"] else None
             edges.append(
                 Edge(_place(places[1], row["y"]), row["side"], float(row["edge"]), row["edge met"] == "True",
                      float(row["margin"]), beyond)

@@ -74,6 +74,6 @@ def free_edge(model: CellModel, direction: str, n: int = 241) -> Curve:
 
 
 def curves(fabric: Fabric, **model: Any) -> list[Curve]:
-    """The source's tests on one weave, with the source's form of the cell: k = 0.5, 1, 2 and the two free edges."""
+    """The thesis's tests on one weave, with the thesis's form of the cell: k = 0.5, 1, 2 and the two free edges."""
     cell = CellModel(fabric, form="equilibrium", **model)
     return [at_ratio(cell, k) for k in RATIOS] + [free_edge(cell, direction) for direction in ("warp", "weft")]

@@ -1,12 +1,12 @@
 """python -m weavecell.analysis.biaxial_test.fit TEST.csv --fabric NAME [--predict OTHER.csv ...] [--out FOLDER]
 
-The inverse of `curves`: the constants a and b of the compression law from one biaxial test, as the source takes them
-from k = 1, with their confidence intervals, and what they predict at other ratios (source thesis section 5.3, Figures
-5-59 to 5-64). The format of a test is told in weavecell/analysis/biaxial_test/measured.py.
+The inverse of `curves`: the constants a and b of the compression law from one biaxial test, as the thesis takes them
+from k = 1, with their confidence intervals, and what they predict at other ratios (thesis section 5.3, Figures
+5-59 to 5-64). The format of a test is described in weavecell/analysis/biaxial_test/measured.py.
 
 a = exp(p) and F0 = exp(q) stay positive, and b = a F0^(1/3); residuals are tensions over the yarn's strength. Intervals
 are those of the linearised problem at 95 %; bands of a prediction hold 95 % of the curves of parameters drawn from it.
-With --origin the origin of the strains is a parameter too: the source names its shift as a cause of its misfit. It
+With --origin the origin of the strains is a parameter too: the thesis names its shift as a cause of its misfit. It
 names the cosine of its yarns and their linear tension too: --profile and --toe give the cell others (see `options`).
 """
 
@@ -201,8 +201,8 @@ def main() -> None:
     low, b, high = (1e5 * value for value in (law.b_interval[0], law.b, law.b_interval[1]))
     print(f"b = {b:.3f} mm uN^(1/3) ({low:.3f} to {high:.3f})")
     if options.origin:
-        told = " to ".join(f"{100 * end:.4f}" for end in found.shift[1])
-        print(f"origin of the strains shifted by {100 * found.shift[0]:.4f} % ({told})")
+        span = " to ".join(f"{100 * end:.4f}" for end in found.shift[1])
+        print(f"origin of the strains shifted by {100 * found.shift[0]:.4f} % ({span})")
     for name, test in tests.items():
         off = (found.tension(test.strain) - test.tension) / strength
         print(f"{name:20} k = {test.ratio:.3g}: rms {100 * np.sqrt(np.nanmean(off**2)):.2f} % of the strength")

@@ -2,7 +2,7 @@
 
 Reduces displacement records to velocity, energy and deceleration with their errors: one CSV and one picture a record,
 and for all of them shots.csv with strike and residual velocities and energies, and its picture. The format of a record
-is told in weavecell/analysis/displacement_record/record.py.
+is described in weavecell/analysis/displacement_record/record.py.
 """
 
 from __future__ import annotations

@@ -63,7 +63,7 @@ class Book:
 
         A hasty shot (`quantities.hasty`) is none for elements of a crossover and more.
         """
-        if quantities.asked_of(name, quantities.regime(seen[0])) and quantities.hasty(seen[0]) and model.coarse:
+        if quantities.is_defined(name, quantities.regime(seen[0])) and quantities.hasty(seen[0]) and model.coarse:
             return inf
         return self._times("factor", model, name, seen)
 
@@ -77,14 +77,14 @@ class Book:
         return known["models"].get(model.name, {}).get("weight", 0.0)
 
     def own(self, name: str, regime: str | None = None) -> float:
-        """[-] what the full model is itself expected to be off by, in the worse regime where none is told; 0 where
+        """[-] what the full model is itself expected to be off by, in the worse regime where none is given; 0 where
         nothing is known."""
         regimes = self.finest if regime is None else (regime,)
         return max((self.finest.get(each, {}).get(name, 0.0) for each in regimes), default=0.0)
 
     def _times(self, key, model, name, seen):
         regime = quantities.regime(seen[0])
-        if not quantities.asked_of(name, regime):
+        if not quantities.is_defined(name, regime):
             return 0.0  # what is not there is not wrong
         known = self.regimes.get(regime, {}).get(name)
         if known is None or model.name not in known["models"]:

@@ -1,4 +1,4 @@
-"""What can be asked of an impact, with the share of what its error is measured in.
+"""Quantities of an impact that can have a target, with the share of what its error is measured in.
 
 A residual velocity goes to zero at the critical velocity, and so would any share of it: its error is counted in the
 strike velocity, that of the energy in the strike energy. A panel that is perforated has no largest deflection, and its
@@ -98,7 +98,7 @@ def regime(values: dict[str, Any]) -> str:
     return THROUGH if values["outcome"] == "perforated" else HELD
 
 
-def asked_of(name: str, regime: str) -> bool:
+def is_defined(name: str, regime: str) -> bool:
     """Whether a quantity is there at all: a panel that is perforated has neither largest deflection nor peak."""
     return regime != THROUGH or name in ("residual_velocity", "absorbed_energy")
 

@@ -2,10 +2,10 @@
 
 Two scouts, the coarsest meshes, are run first. They tell whether the panel holds and how hard the scene is
 (`quantities.scale`); the survey has found how far each model goes wrong in proportion to that. The cheapest model is
-taken whose errors are so within what is asked. Its answer is held against its partner's, the scout of the next coarser
+taken whose errors are so within the targets. Its answer is held against its partner's, the scout of the next coarser
 mesh: where the two are further apart than they ever were in the survey, or do not agree on whether the panel holds, the
 scene is not like the survey's, and the promise is void. Then the next model that would do is run, and what it is held
-against is the answer before it: being the coarser, that may be off by no more than is asked. Peak tensions are mixed
+against is the answer before it: being the coarser, that may be off by no more than the target. Peak tensions are mixed
 with the partner's (`quantities.mixed`).
 
 A scout also tells whether a flat steel projectile may be rigid (`ImpactResult.rigidity`), where nobody has said so.
@@ -38,7 +38,7 @@ from weavecell.analysis.fidelity.ladder import (
 )
 
 BY_HAND = Model("as set by hand", ())
-_PAYS = 0.8  # of the least error, over what is asked, that a dearer model has to get below to be worth its time
+_PAYS = 0.8  # of the least error, over the target, that a dearer model has to get below to be worth its time
 
 
 @dataclass(frozen=True)
@@ -53,7 +53,7 @@ class Option:
     effort : elements times steps, to the end time
     cost : [-] over that of the full model, as the survey found it
     expected : {quantity: [-] error}: its bound, or what is likely where nothing has been run yet
-    asked : {quantity: [-] error at most}
+    targets : {quantity: [-] error at most}
     """
 
     model: Model
@@ -62,17 +62,17 @@ class Option:
     effort: float
     cost: float
     expected: dict
-    asked: dict
+    targets: dict
 
     @property
     def enough(self) -> bool:
-        """Whether the expected errors are within what is asked."""
+        """Whether the expected errors are within the targets."""
         return self.short <= 1
 
     @property
     def short(self) -> float:
-        """[-] the expected error over what is asked, of the quantity for which it is largest."""
-        return max((self.expected[name] / share for name, share in self.asked.items()), default=0.0)
+        """[-] the expected error over the target, of the quantity for which it is largest."""
+        return max((self.expected[name] / share for name, share in self.targets.items()), default=0.0)
 
 
 @dataclass(frozen=True)
@@ -87,7 +87,7 @@ class Attempt:
     against : name of the model that it was held against; empty if there was none
     partner : name of the model whose peak tensions are mixed in; empty if there was none
     errors : {quantity: [-]} what the survey says they are below; infinite where the other answer objects
-    holds : whether these are within what is asked
+    holds : whether these are within the targets
     """
 
     option: Option
@@ -105,7 +105,7 @@ class Answer:
 
     Parameters
     ----------
-    asked : {quantity: [-] error at most}
+    targets : {quantity: [-] error at most}
     regime : what the scouts made of the scene; empty without them
     body : why the projectile is rigid or elastic, in words
     options : all that could have been chosen, the cheapest first
@@ -113,7 +113,7 @@ class Answer:
     own : {quantity: [-]} what the full model, which all errors are against, is itself expected to be off by
     """
 
-    asked: dict
+    targets: dict
     regime: str
     body: str
     options: tuple[Option, ...]
@@ -131,7 +131,7 @@ class Answer:
 
 
 def options(
-    setup: Setup, asked: dict[str, float], *, fixed: Collection[str] = frozenset(), tables: Tables | None = None,
+    setup: Setup, targets: dict[str, float], *, fixed: Collection[str] = frozenset(), tables: Tables | None = None,
     book: books.Book | None = None, seen: Sequence[dict[str, Any]] | None = None,
 ) -> tuple[Option, ...]:  # fmt: skip
     """All models that leave alone what the user has set by hand, the cheapest first.
@@ -139,7 +139,7 @@ def options(
     Parameters
     ----------
     setup : ImpactSetup or PackSetup
-    asked : {quantity: [-] error at most}
+    targets : {quantity: [-] error at most}
     fixed : names of fields of ImpactSetup that are to stay
     seen : what two scouts found, the finer first; None before they are run
 
@@ -147,7 +147,7 @@ def options(
     ------
     InputError : a quantity that is not known, an accuracy that is not above 0, or a set-up that cannot be run
     """
-    for name, share in asked.items():
+    for name, share in targets.items():
         if name not in quantities.NAMES:
             raise InputError(key=name, allowed=f"one of {', '.join(quantities.NAMES)}")
         if not share > 0:
@@ -160,8 +160,8 @@ def options(
     def option(model):
         this = model.of(base)
         panel, plies = ply_of(this).panel(tables.cheap(base)), plies_of(base)
-        work, expected = plies * effort(panel, ply_of(base).end_time), _expected(book, model, asked, seen)
-        return Option(model, this, plies * panel.elements, work, book.cost(model), expected, asked)
+        work, expected = plies * effort(panel, ply_of(base).end_time), _expected(book, model, targets, seen)
+        return Option(model, this, plies * panel.elements, work, book.cost(model), expected, targets)
 
     models = ladder_of(base)
     found = [option(model) for model in models if model.leaves(base, fixed) and model.panel(base, tables.cheap(base))]
@@ -174,12 +174,12 @@ def _book(setup):
     return books.load(packs=isinstance(setup, pack.PackSetup))
 
 
-def _expected(book, model, asked, seen):
+def _expected(book, model, targets, seen):
     if model.full:
-        return dict.fromkeys(asked, 0.0)  # by definition
+        return dict.fromkeys(targets, 0.0)  # by definition
     if seen is None:
-        return {name: book.expected(model, name) for name in asked}
-    return {name: book.bound(model, name, seen) for name in asked}
+        return {name: book.expected(model, name) for name in targets}
+    return {name: book.bound(model, name, seen) for name in targets}
 
 
 def pick(options: Sequence[Option]) -> Option:
@@ -196,16 +196,16 @@ def pick(options: Sequence[Option]) -> Option:
 
 
 def answer(
-    setup: Setup, asked: dict[str, float], *, fixed: Collection[str] = frozenset(), fire: Callable | None = None,
-    tables: Tables | None = None, book: books.Book | None = None, told: Callable[[str], object] | None = None,
+    setup: Setup, targets: dict[str, float], *, fixed: Collection[str] = frozenset(), fire: Callable | None = None,
+    tables: Tables | None = None, book: books.Book | None = None, on_progress: Callable[[str], object] | None = None,
 ) -> Answer:  # fmt: skip
     """Run the scouts, the model chosen by them, and others where the first answer is objected to.
 
     Parameters
     ----------
-    setup, asked, fixed : as in `options`; "projectile" among the fields says that its body is as it is to be
+    setup, targets, fixed : as in `options`; "projectile" among the fields says that its body is as it is to be
     fire : called as fire(Option, CellTable) for an answer that may be the last; gives its ImpactResult
-    told : called as told(text) with what is chosen, and why
+    on_progress : called as on_progress(text) with what is chosen, and why
 
     Returns
     -------
@@ -215,9 +215,9 @@ def answer(
     ------
     InputError, UnstableError : as `options` and `single_ply.run`
     """
-    tables, book, told = tables or Tables(), book or _book(setup), told or (lambda text: None)
+    tables, book, on_progress = tables or Tables(), book or _book(setup), on_progress or (lambda text: None)
     fire = fire or (lambda option, table: run(option.setup, table))
-    options(setup, asked, fixed=fixed, tables=tables, book=book)  # what is wrong is told before anything is run
+    options(setup, targets, fixed=fixed, tables=tables, book=book)  # wrong targets are refused before anything is run
     base = setup if "symmetry" in fixed else simplest(setup, tables)
     shot = ply_of(setup).projectile
     seen, body = _look(base, tables), f"projectile: {_kind(shot)}, as set"
@@ -226,11 +226,11 @@ def answer(
         if shot != ply_of(setup).projectile:
             setup, base = with_ply(setup, projectile=shot), with_ply(base, projectile=shot)
             seen = _look(base, tables)  # rigid scouts are no check of an elastic projectile
-    told(body)
+    on_progress(body)
     both = tuple(scout.values for scout in seen) if seen else None
-    found = options(setup, asked, fixed=fixed, tables=tables, book=book, seen=both)
+    found = options(setup, targets, fixed=fixed, tables=tables, book=book, seen=both)
     attempts, option, before = [], pick(found), None
-    told(_why(option))
+    on_progress(_why(option))
     while True:
         result = fire(option, tables.of(option.setup))
         values = quantities.of(result)
@@ -238,17 +238,17 @@ def answer(
         errors, against = _checked(option, values, before, other, seen, book)
         if other is not None:
             values = quantities.mixed(values, other.values, book.weight(option.model, quantities.regime(values)))
-        holds = all(errors[name] <= share for name, share in asked.items())
+        holds = all(errors[name] <= share for name, share in targets.items())
         mixed = other.model.name if other is not None else ""
         attempts.append(Attempt(option, result, values, against, mixed, errors, holds))
         finer = next((one for one in found if one.enough and one.cost > option.cost and one.model.answers), None)
         if holds or finer is None:
             regime = quantities.regime(values)
-            own = {name: book.own(name, regime) for name in asked}
+            own = {name: book.own(name, regime) for name in targets}
             if "projectile" not in fixed and shot.bar is None and not _stays_rigid(result):
                 body = f"{body}; but in the answer itself {result.rigidity}"
-            return Answer(dict(asked), regime, body, found, tuple(attempts), own)
-        told(
+            return Answer(dict(targets), regime, body, found, tuple(attempts), own)
+        on_progress(
             f"{option.model.name}: {_in_words(errors)}, held against {against or 'nothing'}; on with {finer.model.name}"
         )
         option, before = finer, attempts[-1]
@@ -306,12 +306,12 @@ def _checked(option, values, before, other, seen, book):
     if model.full:
         return expected, ""
     if before is not None:
-        return _apart(values, before.values, option.asked), before.option.model.name
+        return _apart(values, before.values, option.targets), before.option.model.name
     if other is None:
-        return dict.fromkeys(option.asked, inf), ""
-    apart = _apart(values, other.values, option.asked)
-    most = {name: book.apart(model, name, tuple(scout.values for scout in seen)) for name in option.asked}
-    return {name: expected[name] if apart[name] <= most[name] else inf for name in option.asked}, other.model.name
+        return dict.fromkeys(option.targets, inf), ""
+    apart = _apart(values, other.values, option.targets)
+    most = {name: book.apart(model, name, tuple(scout.values for scout in seen)) for name in option.targets}
+    return {name: expected[name] if apart[name] <= most[name] else inf for name in option.targets}, other.model.name
 
 
 def _apart(values, others, names):
@@ -324,9 +324,10 @@ def _apart(values, others, names):
 
 def _why(option):
     if not option.enough:
-        return f"{option.model.name}: no model is known to be as accurate as asked; of none finer much more is expected"
+        name = option.model.name
+        return f"{name}: no model is known to be as accurate as the targets; of none finer much more is expected"
     expected = ", ".join(f"{name} {100 * error:.2g} %" for name, error in option.expected.items())
-    return f"{option.model.name}: the cheapest with errors within what is asked ({expected})"
+    return f"{option.model.name}: the cheapest with errors within the targets ({expected})"
 
 
 def _in_words(errors):

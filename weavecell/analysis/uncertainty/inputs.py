@@ -1,6 +1,6 @@
 """Ranges and spreads of the input from inputs.toml, and a fabric changed by them.
 
-Areal density changes mass alone, the stiffness of the yarns is kept, as in the source (thesis section 6.3.3).
+Areal density changes mass alone, the stiffness of the yarns is kept, as in the thesis (thesis section 6.3.3).
 """
 
 from __future__ import annotations

@@ -7,7 +7,7 @@ the share that is gone when it alone is known last, S_Ti = 1 - Var(E(y | x_not i
 What is looked at, at each strike velocity:
 - the projectile's velocity `INSTANT` after the strike. Of a shot that has perforated by then it is the residual
   velocity; of one that is stopped, whose residual velocity is always 0, it is a smooth measure of the energy absorbed,
-  and the one by which the source's runs at +-20 % are compared;
+  and the one by which the thesis's runs at +-20 % are compared;
 - the peak tension of any yarn of the panel, over the run.
 """
 
@@ -110,8 +110,8 @@ def shots(
         try:
             result = run(setup, table=table)
         except UnstableError as trouble:
-            told = ", ".join(f"{name} x {factor:.3g}" for name, factor in factors)
-            raise UnstableError(str(trouble), when=f"of the shot at {velocity:g} m/s with {told}") from None
+            changes = ", ".join(f"{name} x {factor:.3g}" for name, factor in factors)
+            raise UnstableError(str(trouble), when=f"of the shot at {velocity:g} m/s with {changes}") from None
         found[velocity, "velocity"] = float(np.interp(INSTANT, result.t, np.maximum(result.v, 0.0)))
         found[velocity, "peak tension"] = max(result.peak_tension)
         found[velocity, "perforated"] = result.outcome == "perforated"
