@@ -44,6 +44,12 @@ def impact(
     explain: Annotated[
         bool, typer.Option("--explain", help="Run nothing: show the models that would do for the scene's \\[accuracy].")
     ] = False,
+    uncertainty: Annotated[
+        bool,
+        typer.Option(
+            "--uncertainty", help="Run a finer mesh too, and report the discretisation uncertainty of each result."
+        ),
+    ] = False,
 ) -> None:
     """Fire the projectile of a scene at its panel: histories, ParaView series, pictures and a report.
 
@@ -62,7 +68,7 @@ def impact(
         fidelity.explain(scene)
         return
 
-    commands_impact.impact(scene, out or RESULTS / scene.stem, resume=resume, strict=strict)
+    commands_impact.impact(scene, out or RESULTS / scene.stem, resume=resume, strict=strict, uncertainty=uncertainty)
 
 
 def biaxial(

@@ -23,7 +23,7 @@ import shutil
 
 import weavecell
 from fabrics.errors import InputError, WeavecellError
-from weavecell.commands import fidelity, impact_pack
+from weavecell.commands import discretisation, fidelity, impact_pack
 from weavecell.report import chapters, chapters_impact, checks
 from weavecell.report import page as report_page
 from weavecell.results import paraview, progress, provenance, run_folder
@@ -60,7 +60,7 @@ class Interrupted(WeavecellError):
     exit_code = 130
 
 
-def impact(path, out, *, resume=False, strict=False):
+def impact(path, out, *, resume=False, strict=False, uncertainty=False):
     """Run the scene at `path` and write its results to the folder `out`.
 
     Parameters
@@ -68,6 +68,7 @@ def impact(path, out, *, resume=False, strict=False):
     path, out : Path
     resume : whether to go on from a checkpoint
     strict : whether a doubtful result is an error
+    uncertainty : whether the scene is run on a finer mesh too, for the discretisation uncertainty of its results
 
     Raises
     ------
@@ -77,17 +78,21 @@ def impact(path, out, *, resume=False, strict=False):
     Interrupted : by the user; the last checkpoint has been kept
     """
     scene, text = scenes_impact.load(path, support)
+    if uncertainty:
+        discretisation.refuse_accuracy(scene, path)
     this = build.build(scene, path, path.stem)
     setup = build.setup(this, path)
     if resume and not checkpoints(out):
         raise InputError("there is no checkpoint to resume from", file=out / "checkpoint.h5")
     if scene.panel.plies > 1:
         try:
-            return impact_pack.impact(this, setup, path, text, out, resume=resume, strict=strict)
+            return impact_pack.impact(
+                this, setup, path, text, out, resume=resume, strict=strict, uncertainty=uncertainty
+            )
         except KeyboardInterrupt:
             raise _interrupted(out) from None
     title = scene.title or f"{this.fabric.name}, {scene.projectile.strike_velocity:g} m/s"
-    choice = None
+    choice = pair = None
 
     def shoot(setup, table=None, model=""):
         checkpoint = out / f"checkpoint{'-' + model.replace(' ', '-') if model else ''}.h5"
@@ -95,7 +100,9 @@ def impact(path, out, *, resume=False, strict=False):
         return fire(this, setup, title, checkpoint=checkpoint, every=every, resume=again, table=table)
 
     try:
-        if scene.accuracy is None:
+        if uncertainty:
+            (record, snapshots, failure), pair = discretisation.run_pair(setup, shoot)
+        elif scene.accuracy is None:
             record, snapshots, failure, _ = shoot(setup)
         else:
             (record, snapshots, failure), choice = fidelity.answer(scene, setup, shoot)
@@ -104,12 +111,14 @@ def impact(path, out, *, resume=False, strict=False):
     except KeyboardInterrupt:
         raise _interrupted(out) from None
     with progress.bar("Writing results") as advance:
-        write(out, this, record, snapshots, text, advance, choice)
+        write(out, this, record, snapshots, text, advance, choice, pair)
     for checkpoint in checkpoints(out):
         checkpoint.unlink()
     _tell(record, out)
     if choice is not None:
         fidelity.tell(choice)
+    if pair is not None:
+        discretisation.tell(pair)
     if failure is not None:
         raise failure
     checks.report(record.checks, strict)
@@ -146,11 +155,12 @@ def fire(this, setup, title, *, checkpoint=None, every=None, resume=False, table
     return ImpactRecord.of(result, title, this.law_name, str(failure or "")), result.snapshots, failure, result
 
 
-def write(out, this, record, snapshots, text, advance, choice=None):
+def write(out, this, record, snapshots, text, advance, choice=None, pair=None):
     """Write everything but the checkpoint."""
     outputs = this.scene.run.outputs
     stamp = provenance.stamp(text, this.fabric)
-    run_folder.write(out, text, record, checks.summary(record.checks) | fidelity.summary(choice), stamp)
+    content = checks.summary(record.checks) | fidelity.summary(choice) | discretisation.summary(pair)
+    run_folder.write(out, text, record, content, stamp)
     advance(0.1)
     shutil.rmtree(out / "panel", ignore_errors=True)  # of an earlier run, whose series may have been longer
     if "paraview" in outputs:
@@ -162,6 +172,8 @@ def write(out, this, record, snapshots, text, advance, choice=None):
     sections = [chapters.impact([record])]
     if choice is not None:
         sections.append(fidelity.chapter(choice))
+    if pair is not None:
+        sections.append(discretisation.chapter(pair))
     if record.measured is not None:
         sections.append(chapters_impact.measures(record.measured, this.scene.history.report_positions))
     sections += chapters_impact.body(record)

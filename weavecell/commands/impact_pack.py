@@ -18,7 +18,7 @@ import numpy as np
 
 import weavecell
 from fabrics.errors import InputError
-from weavecell.commands import fidelity
+from weavecell.commands import discretisation, fidelity
 from weavecell.report import chapters, chapters_impact, checks, pictures, pictures3d, pictures_pack
 from weavecell.report import page as report_page
 from weavecell.results import paraview, progress, provenance, run_folder
@@ -42,7 +42,7 @@ SUPPORT = Support(
 _OF_PANEL = ("plies", "stacking", "gap")
 
 
-def impact(this, setup, path, text, out, *, resume=False, strict=False):
+def impact(this, setup, path, text, out, *, resume=False, strict=False, uncertainty=False):
     """Run the scene and write its results to the folder `out`.
 
     Parameters
@@ -52,6 +52,7 @@ def impact(this, setup, path, text, out, *, resume=False, strict=False):
     path, text : of the scene file
     resume : whether to go on from the checkpoint in `out`
     strict : whether a doubtful result is an error
+    uncertainty : whether the scene is run on a finer mesh too, for the discretisation uncertainty of its results
 
     Raises
     ------
@@ -61,7 +62,7 @@ def impact(this, setup, path, text, out, *, resume=False, strict=False):
     """
     from shellfabric.impact.pack import PackSetup
 
-    scene, choice = this.scene, None
+    scene, choice, pair = this.scene, None, None
     title = scene.title or f"{scene.panel.plies} x {this.fabric.name}, {scene.projectile.strike_velocity:g} m/s"
 
     def shoot(setup, table=None, model=""):
@@ -70,19 +71,23 @@ def impact(this, setup, path, text, out, *, resume=False, strict=False):
 
     try:
         pack = PackSetup(setup, scene.panel.plies, scene.panel.stacking, scene.panel.ply_gap)
-        if scene.accuracy is None:
+        if uncertainty:
+            (record, snapshots, failure), pair = discretisation.run_pair(pack, shoot)
+        elif scene.accuracy is None:
             record, snapshots, failure, _ = shoot(pack)
         else:
             (record, snapshots, failure), choice = fidelity.answer(scene, pack, shoot)
     except InputError as problem:
         raise _in_file(problem, path) from None
     with progress.bar("Writing results") as advance:
-        write(out, this, record, snapshots, text, advance, choice)
+        write(out, this, record, snapshots, text, advance, choice, pair)
     for checkpoint in out.glob("checkpoint*.h5"):
         checkpoint.unlink()
     _tell(record, out)
     if choice is not None:
         fidelity.tell(choice)
+    if pair is not None:
+        discretisation.tell(pair)
     if failure is not None:
         raise failure
     checks.report(record.checks, strict)
@@ -109,10 +114,10 @@ def _in_file(problem, path):
     return build.in_file(problem, path)
 
 
-def write(out, this, record, snapshots, text, advance, choice=None):
+def write(out, this, record, snapshots, text, advance, choice=None, pair=None):
     """Write everything but the checkpoint."""
     outputs, stamp = this.scene.run.outputs, provenance.stamp(text, this.fabric)
-    content = checks.summary(record.checks) | fidelity.summary(choice)
+    content = checks.summary(record.checks) | fidelity.summary(choice) | discretisation.summary(pair)
     run_folder.write(out, text, record, content, stamp)
     advance(0.1)
     shutil.rmtree(out / "pack", ignore_errors=True)
@@ -124,6 +129,8 @@ def write(out, this, record, snapshots, text, advance, choice=None):
     sections = [chapter(record)]
     if choice is not None:
         sections.append(fidelity.chapter(choice))
+    if pair is not None:
+        sections.append(discretisation.chapter(pair))
     ends = dict.fromkeys((0, record.count - 1)) if record.measured else ()  # the ply that is struck, and the rear one
     sections += [
         chapters_impact.measures(record.measured[ply], this.scene.history.report_positions, ply + 1) for ply in ends
