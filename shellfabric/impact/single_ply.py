@@ -94,8 +94,9 @@ class ImpactSetup:
     numerics: Numerics = field(default_factory=Numerics)
     grading: tuple | None = None
 
-    def _elements_per_crossover(self):
-        """Those given, or those of the default."""
+    @property
+    def resolved_elements_per_crossover(self) -> int:
+        """Elements per crossover that are given, or those of the default."""
         if self.elements_per_crossover is not None:
             return self.elements_per_crossover
         needed = 2 * max(self.fabric.weave.w) / (ELEMENT_SIDE * self.projectile.radius)
@@ -143,7 +144,7 @@ class ImpactSetup:
             tuple(opening),  # type: ignore[arg-type]
             self.projectile,
             self.symmetry,
-            self._elements_per_crossover(),
+            self.resolved_elements_per_crossover,
             self.edge,
             self.numerics,
             failure=self.failure,

@@ -54,6 +54,12 @@ def impact(
     explain: Annotated[
         bool, typer.Option("--explain", help="Run nothing: show the models that would do for the scene's \\[accuracy].")
     ] = False,
+    uncertainty: Annotated[
+        bool,
+        typer.Option(
+            "--uncertainty", help="Run a finer mesh too, and report the discretisation uncertainty of each result."
+        ),
+    ] = False,
 ) -> None:
     """Fire the projectile of a scene at its panel: histories, ParaView series, pictures and a report.
 
@@ -73,7 +79,9 @@ def impact(
         return
 
     folder = out or RESULTS / scene.stem
-    commands_impact.impact(scene, folder, resume=resume, strict=strict, with_range=assumed_range)
+    commands_impact.impact(
+        scene, folder, resume=resume, strict=strict, with_range=assumed_range, uncertainty=uncertainty
+    )
 
 
 def biaxial(

@@ -67,6 +67,37 @@ def by_hand(scene: Scene) -> frozenset[str]:
     return frozenset(field for (table, key), field in _BY_HAND.items() if key in getattr(scene, table).model_fields_set)
 
 
+def run(asked: Scene, setup: Any, shoot: Callable[..., Any], uncertainty: bool) -> tuple[Any, Any, Any]:
+    """Run a scene as it is, with a model that is chosen by its [accuracy], or on a pair of meshes.
+
+    Parameters
+    ----------
+    asked, setup, shoot : as of `answer`
+    uncertainty : whether the scene is run on a finer mesh too
+
+    Returns
+    -------
+    shot : (ImpactRecord, snapshots, failure) of the run that counts
+    choice : as of `answer`; None without [accuracy]
+    pair : `discretisation.Discretisation` of both meshes; None without `uncertainty`
+
+    Raises
+    ------
+    InputError : the discretisation uncertainty of a scene with [accuracy], or of a mesh that cannot be refined
+    """
+    if uncertainty:
+        from weavecell.analysis import discretisation
+
+        if asked.accuracy is not None:
+            allowed = "left out for a scene with [accuracy], which chooses its meshes and compares them"
+            raise InputError(key="--uncertainty", value="given", allowed=allowed)
+        shot, pair = discretisation.run_pair(setup, shoot)
+        return shot, None, pair
+    if asked.accuracy is None:
+        return shoot(setup)[:3], None, None
+    return (*answer(asked, setup, shoot), None)
+
+
 def answer(scene: Scene, setup: Setup, shoot: Callable[..., Any]) -> tuple[Any, Answer | None]:
     """Choose, run and check.
 

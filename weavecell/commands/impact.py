@@ -31,7 +31,7 @@ import weavecell
 from fabrics.errors import InputError, UnstableError, WeavecellError
 from weavecell.analysis import assumed_range
 from weavecell.commands import fidelity, impact_pack
-from weavecell.report import chapters, chapters_assumed, chapters_impact, checks
+from weavecell.report import chapters, chapters_assumed, chapters_discretisation, chapters_impact, checks
 from weavecell.report import page as report_page
 from weavecell.results import paraview, progress, provenance, run_folder
 from weavecell.results.impact import ImpactRecord
@@ -44,6 +44,7 @@ if TYPE_CHECKING:
     from shellfabric.cell.model import CellTable
     from shellfabric.impact.single_ply import ImpactSetup
     from shellfabric.output.snapshots import Snapshot
+    from weavecell.analysis.discretisation import Discretisation
     from weavecell.analysis.fidelity.select import Answer
 
 SUPPORT = Support(
@@ -73,7 +74,10 @@ class Interrupted(WeavecellError):
     exit_code = 130
 
 
-def impact(path: Path, out: Path, *, resume: bool = False, strict: bool = False, with_range: bool = True) -> None:
+def impact(
+    path: Path, out: Path, *, resume: bool = False, strict: bool = False, with_range: bool = True,
+    uncertainty: bool = False,
+) -> None:  # fmt: skip
     """Run the scene at `path` and write its results to the folder `out`.
 
     Parameters
@@ -82,6 +86,7 @@ def impact(path: Path, out: Path, *, resume: bool = False, strict: bool = False,
     resume : whether to go on from a checkpoint
     strict : whether a doubtful result is an error
     with_range : whether the range over assumed laws is computed
+    uncertainty : whether the scene is run on a finer mesh too, for the discretisation uncertainty of its results
 
     Raises
     ------
@@ -97,11 +102,12 @@ def impact(path: Path, out: Path, *, resume: bool = False, strict: bool = False,
         raise InputError("there is no checkpoint to resume from", file=out / "checkpoint.h5")
     if scene.panel.plies > 1:
         try:
-            return impact_pack.impact(this, setup, path, text, out, resume=resume, strict=strict)
+            return impact_pack.impact(
+                this, setup, path, text, out, resume=resume, strict=strict, uncertainty=uncertainty
+            )
         except KeyboardInterrupt:
             raise _interrupted(out) from None
     title = scene.title or f"{this.fabric.name}, {scene.projectile.strike_velocity:g} m/s"
-    choice = None
 
     def shoot(setup, table=None, model=""):
         checkpoint = out / f"checkpoint{'-' + model.replace(' ', '-') if model else ''}.h5"
@@ -109,10 +115,7 @@ def impact(path: Path, out: Path, *, resume: bool = False, strict: bool = False,
         return fire(this, setup, title, checkpoint=checkpoint, every=every, resume=again, table=table)
 
     try:
-        if scene.accuracy is None:
-            record, snapshots, failure, _ = shoot(setup)
-        else:
-            (record, snapshots, failure), choice = fidelity.answer(scene, setup, shoot)
+        (record, snapshots, failure), choice, pair = fidelity.run(scene, setup, shoot, uncertainty)
     except InputError as problem:
         raise build.in_file(problem, path) from None
     except KeyboardInterrupt:
@@ -120,14 +123,10 @@ def impact(path: Path, out: Path, *, resume: bool = False, strict: bool = False,
     plain = with_range and choice is None and failure is None
     around = _range(setup, record) if plain else None
     with progress.bar("Writing results") as advance:
-        write(out, this, record, snapshots, text, advance, choice, around)
+        write(out, this, record, snapshots, text, advance, choice, around, pair)
     for checkpoint in checkpoints(out):
         checkpoint.unlink()
-    _tell(record, out)
-    if around is not None:
-        print(f"assumed laws: {around.words()}")
-    if choice is not None:
-        fidelity.tell(choice)
+    _tell(record, out, around, choice, pair)
     if failure is not None:
         raise failure
     checks.report(record.checks, strict)
@@ -181,11 +180,13 @@ def fire(
 def write(
     out: Path, this: build.Case, record: ImpactRecord, snapshots: Sequence[Snapshot], text: str,
     advance: Callable[..., object], choice: Answer | None = None, around: Any = None,
+    pair: Discretisation | None = None,
 ) -> None:  # fmt: skip
     """Write everything but the checkpoint."""
     outputs = this.scene.run.outputs
     stamp = provenance.stamp(text, this.fabric)
     more = checks.summary(record.checks) | fidelity.summary(choice) | chapters_assumed.summary(around)
+    more |= chapters_discretisation.summary(pair)
     run_folder.write(out, text, record, more, stamp)
     advance(0.1)
     shutil.rmtree(out / "panel", ignore_errors=True)  # of an earlier run, whose series may have been longer
@@ -200,6 +201,8 @@ def write(
         sections.append(fidelity.chapter(choice))
     if around is not None:
         sections.append(chapters_assumed.section(around))
+    if pair is not None:
+        sections.append(chapters_discretisation.section(pair))
     if record.measured is not None:
         sections.append(chapters_impact.measures(record.measured, this.scene.history.report_positions))
     sections += chapters_impact.body(record)
@@ -241,7 +244,7 @@ def page(
     )
 
 
-def _tell(record, out):
+def _tell(record, out, around, choice, pair):
     print(f"{record.title}: {record.outcome}, {chapters.residual(record)}")
     print(
         f"energy error at most {100 * record.energy_error_max:.3f} % of the strike energy, {record.strike_energy:.2f} J"
@@ -250,3 +253,9 @@ def _tell(record, out):
         print(record.rigid_check)
     print(f"viscous energy {100 * record.viscous_energy_fraction:.1f} % of the {record.absorbed_energy:.2f} J absorbed")
     print(f"written to {out}", flush=True)
+    if around is not None:
+        print(f"assumed laws: {around.words()}")
+    if choice is not None:
+        fidelity.tell(choice)
+    if pair is not None:
+        print(chapters_discretisation.words(pair))

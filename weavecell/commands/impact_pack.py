@@ -22,7 +22,15 @@ import numpy as np
 import weavecell
 from fabrics.errors import InputError, UnstableError
 from weavecell.commands import fidelity
-from weavecell.report import chapters, chapters_impact, checks, pictures, pictures3d, pictures_pack
+from weavecell.report import (
+    chapters,
+    chapters_discretisation,
+    chapters_impact,
+    checks,
+    pictures,
+    pictures3d,
+    pictures_pack,
+)
 from weavecell.report import page as report_page
 from weavecell.report.page import Report, Section
 from weavecell.results import paraview, progress, provenance, run_folder
@@ -36,6 +44,7 @@ if TYPE_CHECKING:
     from shellfabric.cell.model import CellTable
     from shellfabric.impact.pack import PackSetup
     from shellfabric.impact.single_ply import ImpactSetup
+    from weavecell.analysis.discretisation import Discretisation
     from weavecell.analysis.fidelity.select import Answer
 
 SUPPORT = Support(
@@ -54,8 +63,9 @@ _OF_PANEL = ("plies", "stacking", "gap")
 
 
 def impact(
-    this: Case, setup: ImpactSetup, path: Path, text: str, out: Path, *, resume: bool = False, strict: bool = False
-) -> None:
+    this: Case, setup: ImpactSetup, path: Path, text: str, out: Path, *, resume: bool = False, strict: bool = False,
+    uncertainty: bool = False,
+) -> None:  # fmt: skip
     """Run the scene and write its results to the folder `out`.
 
     Parameters
@@ -65,6 +75,7 @@ def impact(
     path, text : of the scene file
     resume : whether to go on from the checkpoint in `out`
     strict : whether a doubtful result is an error
+    uncertainty : whether the scene is run on a finer mesh too, for the discretisation uncertainty of its results
 
     Raises
     ------
@@ -74,7 +85,7 @@ def impact(
     """
     from shellfabric.impact.pack import PackSetup
 
-    scene, choice = this.scene, None
+    scene = this.scene
     title = scene.title or f"{scene.panel.plies} x {this.fabric.name}, {scene.projectile.strike_velocity:g} m/s"
 
     def shoot(setup, table=None, model=""):
@@ -83,19 +94,18 @@ def impact(
 
     try:
         pack = PackSetup(setup, scene.panel.plies, scene.panel.stacking, scene.panel.ply_gap)
-        if scene.accuracy is None:
-            record, snapshots, failure, _ = shoot(pack)
-        else:
-            (record, snapshots, failure), choice = fidelity.answer(scene, pack, shoot)
+        (record, snapshots, failure), choice, pair = fidelity.run(scene, pack, shoot, uncertainty)
     except InputError as problem:
         raise _in_file(problem, path) from None
     with progress.bar("Writing results") as advance:
-        write(out, this, record, snapshots, text, advance, choice)
+        write(out, this, record, snapshots, text, advance, choice, pair)
     for checkpoint in out.glob("checkpoint*.h5"):
         checkpoint.unlink()
     _tell(record, out)
     if choice is not None:
         fidelity.tell(choice)
+    if pair is not None:
+        print(chapters_discretisation.words(pair))
     if failure is not None:
         raise failure
     checks.report(record.checks, strict)
@@ -126,11 +136,11 @@ def _in_file(problem, path):
 
 def write(
     out: Path, this: Case, record: PackRecord, snapshots: Sequence[Any], text: str, advance: Callable[..., object],
-    choice: Answer | None = None,
+    choice: Answer | None = None, pair: Discretisation | None = None,
 ) -> None:  # fmt: skip
     """Write everything but the checkpoint."""
     outputs, stamp = this.scene.run.outputs, provenance.stamp(text, this.fabric)
-    content = checks.summary(record.checks) | fidelity.summary(choice)
+    content = checks.summary(record.checks) | fidelity.summary(choice) | chapters_discretisation.summary(pair)
     run_folder.write(out, text, record, content, stamp)
     advance(0.1)
     shutil.rmtree(out / "pack", ignore_errors=True)
@@ -142,6 +152,8 @@ def write(
     sections = [chapter(record)]
     if choice is not None:
         sections.append(fidelity.chapter(choice))
+    if pair is not None:
+        sections.append(chapters_discretisation.section(pair))
     ends = dict.fromkeys((0, record.count - 1)) if record.measured else ()  # the ply that is struck, and the rear one
     sections += [
         chapters_impact.measures(record.measured[ply], this.scene.history.report_positions, ply + 1) for ply in ends

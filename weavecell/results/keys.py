@@ -103,6 +103,9 @@ IMPACT = keys(
     ("accuracy.projectile", "", "choice between rigid and elastic projectile, in words"),
     ("accuracy.confirmed", "", "whether the estimated errors meet the targets"),
     ("accuracy.models_run", "", "models that were run, in order"),
+    ("discretisation.meshes", "", "with --uncertainty: the scene's mesh and the finer one, in words"),
+    ("discretisation.outcomes", "", "outcome on both meshes"),
+    ("discretisation.results", "", "of each result its unit, its value on both meshes and its uncertainty"),
 )  # fmt: skip
 COUPON = keys(
     ("test", "", "name of the test"),

@@ -1,0 +1,140 @@
+"""Coverage of the discretisation uncertainty: random scenes, each held against a finer mesh than both of its pair.
+
+    python -m validation.verification.discretisation [--out results/discretisation] [--page docs/convergence.md]
+
+Each scene is run on its own mesh, on the finer mesh of `weavecell impact --uncertainty`, and on a reference with a
+quarter of the element side near the impact point. A scene is covered where the reference lies in the interval of every
+result. Runs are kept in the folder and not made twice.
+"""
+
+from __future__ import annotations
+
+import argparse
+import time
+from dataclasses import dataclass, replace
+from math import inf
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from fabrics import run_cache
+from fabrics.errors import run_program
+from shellfabric.impact import single_ply
+from shellfabric.impact.single_ply import ImpactSetup
+from validation.verification.fidelity import scenes
+from weavecell.analysis import discretisation
+from weavecell.analysis.fidelity.ladder import Tables, simplest
+from weavecell.report.marked_page import markdown, put
+
+COUNT, SEED = 40, 404
+MARKS = "<!-- table of validation.verification.discretisation -->", "<!-- end of discretisation -->"
+
+
+@dataclass(frozen=True)
+class Row:
+    """One scene.
+
+    Parameters
+    ----------
+    fabric, velocity : [-, m/s] of the scene
+    outcomes : on the scene's mesh, the finer one and the reference
+    results : ((name, unit, value, reference, uncertainty), ...) of the results that all three meshes have
+    seconds : [s] process time of the three
+    """
+
+    fabric: str
+    velocity: float
+    outcomes: tuple[str, str, str]
+    results: tuple[tuple[str, str, float, float, float], ...]
+    seconds: tuple[float, float, float]
+
+    @property
+    def decided(self) -> bool:
+        """Whether the pair has one outcome, so that there are intervals."""
+        return self.outcomes[0] == self.outcomes[1]
+
+    @property
+    def covered(self) -> bool:
+        """Whether the reference has that outcome and lies in all intervals."""
+        inside = all(abs(reference - value) <= u for _, _, value, reference, u in self.results)
+        return self.decided and self.outcomes[2] == self.outcomes[0] and inside
+
+
+def reference(setup: ImpactSetup, finer: ImpactSetup) -> ImpactSetup:
+    """The set-up with a quarter of the scene's element side near the impact point, and half of it around that."""
+    count = setup.resolved_elements_per_crossover
+    if finer.grading is None:
+        return replace(setup, elements_per_crossover=4 * count)
+    reach = finer.grading[0][0]
+    grading = ((reach, 1 / (4 * count)), (2 * reach, 1 / (2 * count)), (inf, 1 / count))
+    return replace(setup, elements_per_crossover=None, grading=grading)
+
+
+def row(number: int) -> Row:
+    """The random scene of a number, on its three meshes."""
+    drawn = scenes.drawn(number, SEED)
+    setup: Any = simplest(replace(drawn, numerics=replace(drawn.numerics, threads=1)), Tables())
+    table = setup.table()
+    refined: Any = discretisation.finer(setup, table)
+    results: list[Any] = []
+    seconds: list[float] = []
+    for this in (setup, refined, reference(setup, refined)):
+        began = time.process_time()
+        results.append(single_ply.run(this, table=table))
+        seconds.append(time.process_time() - began)
+    pair = discretisation.compare(*results[:2])
+    finest = {one.name: one.finer for one in discretisation.compare(results[0], results[2]).intervals}
+    found = tuple(
+        (one.name, one.unit, one.value, finest[one.name], one.uncertainty)
+        for one in pair.intervals if one.name in finest
+    )  # fmt: skip
+    outcomes = results[0].outcome, results[1].outcome, results[2].outcome
+    one, two, three = seconds
+    return Row(setup.fabric.name, setup.strike_velocity, outcomes, found, (one, two, three))
+
+
+def tables(rows: list[Row]) -> str:
+    """A summary and the scenes."""
+    decided = [one for one in rows if one.decided]
+    covered = sum(one.covered for one in decided)
+    summary = [["scenes", "outcome depends on the mesh of the pair", "all results within their intervals",
+                "cost of the pair over that of the scene, median"],
+               [f"{len(rows)}", f"{len(rows) - len(decided)}", f"{covered} of {len(decided)}",
+                f"{np.median([1 + one.seconds[1] / one.seconds[0] for one in rows]):.1f}"]]  # fmt: skip
+    names = list(dict.fromkeys(name for one in decided for name, *_ in one.results))
+    results = [["result", "scenes", "covered", "median uncertainty, % of the value", "median error, % of the value"]]
+    for name in names:
+        found = [(value, ref, u) for one in decided for n, _, value, ref, u in one.results if n == name and value]
+        inside = sum(abs(ref - value) <= u for value, ref, u in found)
+        sizes = [100 * u / abs(value) for value, _, u in found]
+        errors = [100 * abs(ref / value - 1) for value, ref, _ in found]
+        results.append([name, f"{len(found)}", f"{inside}", f"{np.median(sizes):.2g}", f"{np.median(errors):.2g}"])
+    missed = [["scene", "strike, m/s", "outcomes", "results outside their intervals: value, uncertainty, reference"]]
+    for one in decided:
+        if not one.covered:
+            outside = [f"{name}: {value:.4g} ± {u:.2g}, {ref:.4g} {unit}"
+                       for name, unit, value, ref, u in one.results if abs(ref - value) > u]  # fmt: skip
+            missed.append([one.fabric, f"{one.velocity:g}", ", ".join(one.outcomes), "; ".join(outside) or "-"])
+    return "\n".join(markdown(part) for part in (summary, results, missed))
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(
+        prog="python -m validation.verification.discretisation", description=__doc__.splitlines()[0]
+    )
+    parser.add_argument("--out", type=Path, default=Path("results/discretisation"))
+    parser.add_argument("--jobs", type=int, default=1)
+    parser.add_argument("--count", type=int, default=COUNT, help="number of scenes")
+    parser.add_argument("--page", type=Path, help="put the tables into this page")
+    options = parser.parse_args()
+    places = [(number,) for number in range(options.count)]
+    rows = run_cache.results(row, places, folder=options.out, jobs=options.jobs)
+    made = tables(rows)
+    print(made)
+    if options.page is not None:
+        put(options.page, *MARKS, f"\n\n{made}\n")
+
+
+if __name__ == "__main__":
+    run_program(main)
