@@ -1,7 +1,5 @@
 """How kernels are compiled: what other kernels call has no way in from Python until it is asked for one."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 from numba import config, typeof, types
@@ -61,7 +59,7 @@ def large(small, tmp_path, monkeypatch):
     found, panel = boundary_kernels.update_slip_nodes, small()
     kinds = typeof(panel.state(1.0)), typeof(panel.constants()), types.float64
     with monkeypatch.context() as patch:
-        patch.setattr(config, "CACHE_DIR", str(tmp_path / Path(found._cache.cache_path).parent.name))
+        patch.setattr(config, "CACHE_DIR", str(tmp_path))
         function = entry()(found.py_func)
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))  # for the other process; here it would undo the line above
     return function, kinds
