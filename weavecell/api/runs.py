@@ -139,7 +139,7 @@ def shoot(
     InputError : as `setup`
     UnstableError : the run became unphysical; its attribute `result` is the ShotResult up to then
     """
-    given = setup(fabric, velocity, **options)
+    given: Any = setup(fabric, velocity, **options)
     shot, problem = _fire(given)
     if problem:
         error = UnstableError(problem)
@@ -244,7 +244,8 @@ def critical_velocity(
         )
     given: Any = setup(fabric, 100.0, **options)
     width = _above_zero(tolerance, "m/s", "tolerance")
-    panel, beside = given.panel(), {"jobs": jobs, "executor": executor}
+    panel = given.panel()
+    beside: dict[str, Any] = {"jobs": jobs, "executor": executor}
     limit = ballistic_limit.critical_velocity(panel, tolerance=width, **beside)
     if scan:
         limit = limit_scan.scan(panel, limit, **beside)
