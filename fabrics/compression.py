@@ -193,17 +193,20 @@ class CompressionLaw:
         content = _read_json(path)
         try:
             fit = content.get("fit") or {}
+            F_range, a_interval, b_interval = (
+                tuple(fit[key]) if fit.get(key) else None
+                for key in ("F_range_N", "a_interval_m", "b_interval_m_N^(1/3)")
+            )
             return cls(
                 si(content.get("a"), "m", file=path, key="a"),
                 si(content.get("b"), "m * N**(1/3)", file=path, key="b"),
                 content.get("form", "regularised"),
                 content.get("provenance", ""),
                 fit.get("residual_rms_m"),
-                *(
-                    tuple(fit[key]) if fit.get(key) else None
-                    for key in ("F_range_N", "a_interval_m", "b_interval_m_N^(1/3)")
-                ),  # type: ignore[misc]
-                assumed_range=_read_range(content.get("assumed_range"), path),
+                F_range,
+                a_interval,
+                b_interval,
+                _read_range(content.get("assumed_range"), path),
             )
         except InputError as problem:
             if problem.file is None:

@@ -12,17 +12,9 @@ Python interface, loaded when it is first used:
 from __future__ import annotations
 
 import importlib
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from fabrics import __version__
-
-if TYPE_CHECKING:
-    from fabrics.errors import InputError, UndecidedError, UnstableError
-    from weavecell.api.quasi_static import calibrate, coupon
-    from weavecell.api.quasi_static_results import CalibrationResult, CouponResult
-    from weavecell.api.result import Result
-    from weavecell.api.results import CriticalVelocityResult, ShotResult, SweepResult
-    from weavecell.api.runs import critical_velocity, fabric, fabrics, setup, shoot, sweep
 
 __all__ = [
     "CalibrationResult",

@@ -122,7 +122,8 @@ def calibrate(
         cloth = assumed.given(fit_solid(cloth, PlateCurve.read(platen_curve)).fabric, "solid")
     where = InProcess() if executor == "local" and jobs == 1 else executor
     choices: dict[str, Any] = {"size": mesh, "friction": friction, "jobs": jobs, "executor": where}
-    done, failed = solver.calibrate(cloth, out=out, **choices), dict[str, str]()
+    done = solver.calibrate(cloth, out=out, **choices)
+    failed: dict[str, str] = {}
     if assumed_range:
         done, failed = with_assumed_range(cloth, done, **choices)
     if out is not None:

@@ -244,7 +244,8 @@ def critical_velocity(
         )
     given: Any = setup(fabric, 100.0, **options)
     width = _above_zero(tolerance, "m/s", "tolerance")
-    panel, beside = given.panel(), dict[str, Any](jobs=jobs, executor=executor)
+    panel = given.panel()
+    beside: dict[str, Any] = {"jobs": jobs, "executor": executor}
     limit = ballistic_limit.critical_velocity(panel, tolerance=width, **beside)
     if scan:
         limit = limit_scan.scan(panel, limit, **beside)

@@ -184,3 +184,15 @@ def test_a_critical_velocity():
     assert found.plot().axes[0].get_title(loc="left") == "S-720"
     with pytest.raises(InputError, match="plies = 2"):
         wc.critical_velocity("S-720", plies=2)
+
+
+def test_the_stub_names_what_the_package_offers():
+    """Type checkers read __init__.pyi; kept results depend on what __init__.py imports, which is nothing of the API."""
+    stub = (Path(wc.__file__).with_suffix(".pyi")).read_text("utf-8")
+    namespace: dict = {}
+    exec(compile(stub, "__init__.pyi", "exec"), namespace)
+    assert sorted(namespace["__all__"]) == sorted(wc.__all__)
+    assert all(namespace[name] is getattr(wc, name) for name in wc.__all__)
+    from fabrics import source_code
+
+    assert not any("api" in file.parts for file in source_code.closure(["weavecell.analysis.assumed_range"]))

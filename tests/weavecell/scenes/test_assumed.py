@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 from fabrics import assumed, catalogue
+from fabrics.compression import CompressionLaw
 from fabrics.errors import InputError
 from fabrics.families import trellis
 from weavecell.commands import calibrate
@@ -202,3 +203,15 @@ def test_compressible_yarns_need_one(command, tmp_path):
     assert code == 2
     assert "fabric mine has no published law; calibrate one or give a and b" in err
     assert not (tmp_path / "r").exists()
+
+
+def test_a_law_keeps_the_range_of_an_assumed_solid(tmp_path):
+    law = CompressionLaw(4e-5, 5e-5, assumed_range=((5e-5, 4e-5), (3e-5, 5e-5)))
+    law.to_json(tmp_path / "law.json")
+    found = CompressionLaw.from_json(tmp_path / "law.json")
+    assert found.assumed_range == law.assumed_range
+    assert [(end, each.a, each.b) for end, each in found.ends().items()] == [
+        ("soft", 5e-5, 4e-5),
+        ("stiff", 3e-5, 5e-5),
+    ]
+    assert CompressionLaw(4e-5, 5e-5).ends() == {}

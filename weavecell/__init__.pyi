@@ -1,0 +1,29 @@
+# Types of the public names, which __init__.py loads when they are first used.
+from fabrics import __version__ as __version__
+from fabrics.errors import InputError, UndecidedError, UnstableError
+from weavecell.api.quasi_static import calibrate, coupon
+from weavecell.api.quasi_static_results import CalibrationResult, CouponResult
+from weavecell.api.result import Result
+from weavecell.api.results import CriticalVelocityResult, ShotResult, SweepResult
+from weavecell.api.runs import critical_velocity, fabric, fabrics, setup, shoot, sweep
+
+__all__ = [
+    "CalibrationResult",
+    "CouponResult",
+    "CriticalVelocityResult",
+    "InputError",
+    "Result",
+    "ShotResult",
+    "SweepResult",
+    "UndecidedError",
+    "UnstableError",
+    "__version__",
+    "calibrate",
+    "coupon",
+    "critical_velocity",
+    "fabric",
+    "fabrics",
+    "setup",
+    "shoot",
+    "sweep",
+]
