@@ -2,9 +2,9 @@
 
 What fails is a segment of a yarn between two crossovers. Where elements are shorter than a crossover a yarn has several
 lines: its axis, and the lines between it and the axes of its two neighbours, whose cloth both share in proportion to
-the distance from the other's axis (`panel.grading.YarnLines`). Its tension is the mean over these lines with these
-shares: the tension weighted by the shape function of the yarn's line on a mesh of one element a crossover, which makes
-it the same quantity on every mesh. It is compared with the strength as it is, or low-passed over a time tau:
+the distance from the other's axis (`panel.grading.YarnLines`). Its tension is the mean over these lines by these
+shares, the shape function of a yarn's line on a mesh of one element a crossover: the same quantity on every mesh. It is
+compared with the strength as it is, or low-passed over a time tau:
 
     dT_f/dt = (T - T_f) / tau
 
@@ -51,8 +51,7 @@ def line_share(along, line, axis):
 
 @kernel()
 def yarn_tension(const, state, family, row, column):
-    """Tension of the yarn segment that begins at node (row, column): mean over its lines, each by its share and width,
-    and over the segment's length."""
+    """Tension of the yarn segment that begins at node (row, column): mean over its length and its lines' shares."""
     along, across = crossing_lines(const, family)
     axis, start = (column, row) if family == WARP else (row, column)
     first, last = lines_of_yarn(along, axis)
@@ -70,11 +69,9 @@ def yarn_tension(const, state, family, row, column):
 @kernel()
 def yarn_strength(const, family, row, column):
     """Strength of the yarn whose axis runs through node (row, column)."""
-    return (
-        const.yarn_strengths1[const.yarn_columns.yarn[column]]
-        if family == WARP
-        else const.yarn_strengths2[const.yarn_rows.yarn[row]]
-    )
+    if family == WARP:
+        return const.yarn_strengths1[const.yarn_columns.yarn[column]]
+    return const.yarn_strengths2[const.yarn_rows.yarn[row]]
 
 
 @kernel()
@@ -90,10 +87,9 @@ def any_past_strength(const, state, family, first, last):
     columns = const.nj if family == WARP else const.nj - 1
     for i in range(first, rows + 1):
         for j in range(0, columns + 1):
-            if begins_segment(const, i, j) and not state.failed[family][np.uint64(i * const.row_stride + j)]:
-                T = yarn_tension(const, state, family, i, j)
-                if T > yarn_strength(const, family, i, j):
-                    return True
+            whole = begins_segment(const, i, j) and not state.failed[family][np.uint64(i * const.row_stride + j)]
+            if whole and yarn_tension(const, state, family, i, j) > yarn_strength(const, family, i, j):
+                return True
     return False
 
 
@@ -139,12 +135,10 @@ def break_segment(const, state, family, row, column):
             i, j = (place, line) if family == WARP else (line, place)
             k = np.uint64(i * const.row_stride + j)
             before = state.intact_fraction[family][k]
-            after = before - share
-            if after < ROUNDING:  # the shares of all yarns of a line add up to one but for the last digit
-                after = 0.0
+            # the shares of all yarns of a line add up to one but for the last digit
+            after = before - share if before - share > ROUNDING else 0.0
             state.intact_fraction[family][k] = after
-            if before > 0.0:
-                state.yarn_length[family][k] *= after / before
+            state.yarn_length[family][k] *= after / before
             flag_elements(const, state, family, i, j)
 
 
@@ -209,19 +203,13 @@ def edge_energy(const, state, family, i, j):
     if y == 0.0:
         return 0.0
     L = state.stretch[family][k]
-    count, present, total = sum_crossing(
-        const, family, i, j, state.intact_fraction[1 - family], state.stretch[1 - family], 0
-    )
+    other = 1 - family
+    count, present, total = sum_crossing(const, family, i, j, state.intact_fraction[other], state.stretch[other], 0)
     crossed, found = present / count, 0.0
     if crossed > 0.0:
         pair = (L, total / present) if family == WARP else (total / present, L)
-        found += (
-            0.5
-            * y
-            / (2.0 * w)
-            * crossed
-            * potential(*pair, const.table_grid, const.potential_coefficients, const.potential_constant)
-        )
+        W = potential(*pair, const.table_grid, const.potential_coefficients, const.potential_constant)
+        found += 0.5 * y / (2.0 * w) * crossed * W
     if crossed < 1.0:
         found += y / (2.0 * w) * (1.0 - crossed) * yarn_alone(L, w, S0, EA)[1]
     return found
