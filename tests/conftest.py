@@ -3,9 +3,12 @@
 What makes a process grow are results held by fixtures, caches without a bound, and code compiled in it.
 """
 
+import os
 from pathlib import Path
 
 import pytest
+
+os.environ["WEAVECELL_CACHE_DIR"] = ""  # no table is kept in the folders of who runs the tests
 
 LIMIT = 1500  # [MiB] resident, of one process at its peak
 STATUS = Path("/proc/self/status")
