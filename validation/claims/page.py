@@ -49,7 +49,7 @@ def rows(claims: Sequence[Any], records: Sequence[Any]) -> list[dict[str, str]]:
         record = by_id[claim.id]
         why = claim.against or claim.data or claim.incomparable or record.note
         if record.verdict == MISSED:
-            why = claim.cause or (record.told if not record.found else "")
+            why = claim.cause or (record.text if not record.found else "")
         elif record.verdict == REPRODUCED:
             why = ""
         texts = (

@@ -60,15 +60,15 @@ def new(
     side = None if frame_side is None else si(frame_side, "m", key="--frame-side")
     found = fabric_file.read_values(values) if values is not None else _prompt(fabric_file)
     draft = fabric_file.Draft(path.stem, found)
-    draft, told = fabric_file.with_curves(draft, yarn=yarn_curve, frame=picture_frame, side=side)
+    draft, fitted = fabric_file.with_curves(draft, yarn=yarn_curve, frame=picture_frame, side=side)
     fabric = draft.write(path)
-    for line in (*told, *fabric_file.left_open(fabric)):
+    for line in (*fitted, *fabric_file.left_open(fabric)):
         typer.echo(line)
     typer.echo(f"written to {path}")
 
 
 def _prompt(fabric_file):
-    """{key: Value} that the user types in; a wrong value is asked for again."""
+    """{key: Value} that the user types in; a wrong value is to be typed again."""
     source = typer.prompt("source of the values", default="data sheet")
     found = {}
     for key, (_, example, meaning) in fabric_file.KEYS.items():

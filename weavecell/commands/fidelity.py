@@ -67,12 +67,12 @@ def by_hand(scene: Scene) -> frozenset[str]:
     return frozenset(field for (table, key), field in _BY_HAND.items() if key in getattr(scene, table).model_fields_set)
 
 
-def run(asked: Scene, setup: Any, shoot: Callable[..., Any], uncertainty: bool) -> tuple[Any, Any, Any]:
+def run(scene: Scene, setup: Any, shoot: Callable[..., Any], uncertainty: bool) -> tuple[Any, Any, Any]:
     """Run a scene as it is, with a model that is chosen by its [accuracy], or on a pair of meshes.
 
     Parameters
     ----------
-    asked, setup, shoot : as of `answer`
+    scene, setup, shoot : as of `answer`
     uncertainty : whether the scene is run on a finer mesh too
 
     Returns
@@ -88,14 +88,14 @@ def run(asked: Scene, setup: Any, shoot: Callable[..., Any], uncertainty: bool) 
     if uncertainty:
         from weavecell.analysis import discretisation
 
-        if asked.accuracy is not None:
+        if scene.accuracy is not None:
             allowed = "left out for a scene with [accuracy], which chooses its meshes and compares them"
             raise InputError(key="--uncertainty", value="given", allowed=allowed)
         shot, pair = discretisation.run_pair(setup, shoot)
         return shot, None, pair
-    if asked.accuracy is None:
+    if scene.accuracy is None:
         return shoot(setup)[:3], None, None
-    return (*answer(asked, setup, shoot), None)
+    return (*answer(scene, setup, shoot), None)
 
 
 def answer(scene: Scene, setup: Setup, shoot: Callable[..., Any]) -> tuple[Any, Answer | None]:

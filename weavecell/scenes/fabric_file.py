@@ -149,7 +149,7 @@ def with_curves(
     ------
     InputError : a bad file, or a draft that is no fabric
     """
-    told = []
+    fitted = []
     if yarn is not None:
         fit = curves.yarn_tension(yarn)
         values = dict(draft.values)
@@ -164,7 +164,7 @@ def with_curves(
         values["modulus"] = Value(moduli[0], moduli[1], source, "fitted")
         values["failure_strain"] = Value(strain, strain, source, "fitted")
         draft = replace(draft, values=values)
-        told.append(
+        fitted.append(
             f"fitted: modulus {moduli[0]}, failure strain {strain} (rms {fit.rms:.3g} N, slack {100 * fit.slack:.3g} %)"
         )
     if frame is not None:
@@ -175,8 +175,8 @@ def with_curves(
         texts = {"G1": f"{1e-6 * law.G1:.6g} MPa", "G2": f"{1e-6 * law.G2:.6g} MPa"}
         texts |= {"gamma1": f"{law.gamma1:.6g}", "gamma2": f"{law.gamma2:.6g}"}
         draft = replace(draft, shear={key: (value, source, "fitted") for key, value in texts.items()})
-        told.append(f"fitted: trellis law, rms {1e-6 * found.rms:.3g} MPa" + ("" if found.locked else ", not locked"))
-    return draft, told
+        fitted.append(f"fitted: trellis law, rms {1e-6 * found.rms:.3g} MPa" + ("" if found.locked else ", not locked"))
+    return draft, fitted
 
 
 def left_open(fabric: Fabric) -> list[str]:
