@@ -77,7 +77,7 @@ def sentence(table: Table) -> str:
         f"{n[REPRODUCED]} are reproduced ({100 * n[REPRODUCED] / max(decided, 1):.0f} %) and {n[MISSED]} missed; "
         f"{n[judge.DATA]} compare input data or a closed form with themselves and are in no percentage; "
         f"{n[judge.WRONG]} are evidence of an error of the thesis; {n[judge.NOT_COMPARABLE]} are not comparable; "
-        f"{n[judge.NOT_BUILT]} wait for what is not built; {n[judge.NOT_TESTABLE]} cannot be tested; "
+        f"{n[judge.NOT_BUILT]} not built yet; {n[judge.NOT_TESTABLE]} cannot be tested; "
         f"{n[judge.LEFT_OUT]} slow ones are left out"
     )
 
