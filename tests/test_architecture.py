@@ -56,7 +56,10 @@ BY_NAME = (
     "fabrics/source_code.py",
     "fabrics/executors.py",  # of the user's own, and other libraries
     "shellfabric/jit/compile_in_child.py",
-    "weavecell/__init__.py",  # public names, which no module of ours takes from there
+    # public names, which no module of ours takes from there
+    "shellfabric/__init__.py",
+    "unitcell3d/__init__.py",
+    "weavecell/__init__.py",
 )  # fmt: skip
 
 

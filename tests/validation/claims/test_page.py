@@ -73,8 +73,12 @@ def test_the_page_has_every_claim_and_is_made_from_its_rows():
     assert rest == page.lines(table, **STAMP).partition("## Counts")[2]
 
 
-def test_readme_has_the_counts_of_the_page():
+def test_results_and_readme_have_the_counts_of_the_page():
     table = page.read(ROOT / "docs" / page.DATA)
-    text = " ".join((ROOT / "README.md").read_text("utf-8").split())
+    found = page.counts(table)
+    decided = found[judge.REPRODUCED] + found[judge.MISSED]
+    readme = (ROOT / "README.md").read_text("utf-8")
+    assert f"of the {decided} that are decided, {found[judge.REPRODUCED]} are reproduced" in readme
+    text = " ".join((ROOT / "docs" / "results.md").read_text("utf-8").split())
     assert page.sentence(table) in text
     assert page.variants_sentence(table) in text
