@@ -19,10 +19,13 @@ import pickle
 import subprocess
 import sys
 from pkgutil import resolve_name
+from typing import Any
 
-from numba import types
+from numba import typeof, types
 from numba.core.caching import FunctionCache
 
+# numba types of arguments that are no tuples
+INDEX, FLAG, NUMBER, VECTOR = types.int64, types.boolean, types.float64, types.float64[::1]
 # scalars and arrays among the arguments; one array takes a dozen instructions wherever it is passed on
 MIN_MEMBERS = 50
 ENTRY_SUFFIX = "_from_python"  # ending of the name of a kernel's way in from Python (`compile`)
@@ -65,6 +68,11 @@ def await_children(function, kinds):
         child[0].wait()
         _pending.remove(child)
     return bool(found)
+
+
+def type_of(value: Any) -> Any:
+    """numba type of a value."""
+    return typeof(value)
 
 
 def kept(kernel, kinds):

@@ -8,44 +8,42 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from numba import typeof, types
-
 from fabrics.kernel_cache import one_compiler_a_node
 from shellfabric.cloth import failure_kernels
 from shellfabric.jit import compile_in_child
+from shellfabric.jit.compile_in_child import FLAG, INDEX, NUMBER, VECTOR, type_of
 from shellfabric.panel import arrays, quality_kernels, step_kernels
 from shellfabric.projectile import contact_kernels
 
 if TYPE_CHECKING:
     from shellfabric.panel.model import Panel
 
-_INDEX, _NUMBER, _VECTOR = types.int64, types.float64, types.float64[::1]
 _begun: set[Any] = set()  # numba types of the constants of panels that this has been done for
 
 
 def begin(panel: Panel) -> None:
     """Begin to compile what a run of a panel needs; returns at once."""
     const = panel.constants()
-    known = typeof(const)
+    known = type_of(const)
     if known in _begun or one_compiler_a_node.cache_info().currsize:  # which would have each kernel compiled once
         return
     _begun.add(known)
-    state, work = typeof(arrays.undeformed(panel, const, 1.0)), panel.work()
-    if not compile_in_child.kept(step_kernels.initial_forces, (state, known, typeof(work))):
-        compile_in_child.start(*groups(state, known, typeof(work), typeof(work.contact_scratch)))
+    state, work = type_of(arrays.undeformed(panel, const, 1.0)), panel.work()
+    if not compile_in_child.kept(step_kernels.initial_forces, (state, known, type_of(work))):
+        compile_in_child.start(*groups(state, known, type_of(work), type_of(work.contact_scratch)))
 
 
 def groups(state: Any, const: Any, work: Any, scratch: Any) -> tuple[list, list]:
     """Two groups of (kernel, numba types of its arguments), from the types of the tuples of a panel."""
-    rows = const, state, _INDEX, _INDEX
-    family = const, state, _INDEX, _INDEX, _INDEX
-    monitor = state, const, _INDEX, _INDEX, types.boolean, _NUMBER, _NUMBER, _VECTOR
+    rows = const, state, INDEX, INDEX
+    family = const, state, INDEX, INDEX, INDEX
+    monitor = state, const, INDEX, INDEX, FLAG, NUMBER, NUMBER, VECTOR
     return [(step_kernels.initial_forces, (state, const, work))], [
         (contact_kernels.contact_forces, (state, const, scratch)),
         (failure_kernels.stored_energy, rows),
         (failure_kernels.half_step_work, rows),
         (failure_kernels.any_past_strength, family),
         (failure_kernels.detect_failures, family),
-        (step_kernels.energies, (state, const, _VECTOR)),
+        (step_kernels.energies, (state, const, VECTOR)),
         (quality_kernels.sample, monitor),
     ]
