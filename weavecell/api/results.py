@@ -89,7 +89,7 @@ class ShotResult(Result):
         return figure(pictures.velocity, {label: (self.record.time, self.record.velocity)})
 
     def to_vtk(self, folder: FilePath) -> Path:
-        """Write the panel for ParaView: panel.pvd with panel/*.vtu; of a pack the plies at the end, ply-NN.vtu.
+        """Write the panel for ParaView: panel.pvd with ``panel/*.vtu``; of a pack the plies at the end, ply-NN.vtu.
 
         Parameters
         ----------
