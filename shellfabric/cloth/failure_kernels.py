@@ -26,13 +26,7 @@ from shellfabric.jit.simd import item_or_scalar
 ROUNDING = 1e-9  # of an intact fraction: less is nothing
 
 
-@kernel()
-def crossing_lines(const, family):
-    """(those along, those across) the yarns of a family, each as `grading.YarnLines`."""
-    return (const.yarn_columns, const.yarn_rows) if family == WARP else (const.yarn_rows, const.yarn_columns)
-
-
-@kernel()
+@kernel(_nrt=False)
 def lines_of_yarn(along, axis):
     """(first, last) of the lines of which a part belongs to the yarn whose axis is line `axis`."""
     first, last = axis, axis
@@ -43,16 +37,19 @@ def lines_of_yarn(along, axis):
     return first, last
 
 
-@kernel()
+@kernel(_nrt=False)
 def line_share(along, line, axis):
     """Share of a line that belongs to the yarn whose axis is line `axis`."""
     return 1.0 - along.share[line] if line < axis else along.share[line]
 
 
-@kernel()
+@kernel(_nrt=False)
 def yarn_tension(const, state, family, row, column):
     """Tension of the yarn segment that begins at node (row, column): mean over its length and its lines' shares."""
-    along, across = crossing_lines(const, family)
+    if family == WARP:
+        along, across = const.yarn_columns, const.yarn_rows
+    else:
+        along, across = const.yarn_rows, const.yarn_columns
     axis, start = (column, row) if family == WARP else (row, column)
     first, last = lines_of_yarn(along, axis)
     total, weight = 0.0, 0.0
@@ -66,7 +63,7 @@ def yarn_tension(const, state, family, row, column):
     return total / weight
 
 
-@kernel()
+@kernel(_nrt=False)
 def yarn_strength(const, family, row, column):
     """Strength of the yarn whose axis runs through node (row, column)."""
     if family == WARP:
@@ -74,7 +71,7 @@ def yarn_strength(const, family, row, column):
     return const.yarn_strengths2[const.yarn_rows.yarn[row]]
 
 
-@kernel()
+@kernel(_nrt=False)
 def begins_segment(const, i, j):
     """Whether segments of yarns begin at node (i, j), where the axes of a warp and of a weft yarn cross."""
     return const.yarn_rows.yarn[i] >= 0 and const.yarn_columns.yarn[j] >= 0
@@ -126,7 +123,10 @@ def detect_failures(const, state, family, first, last):
 @kernel(_nrt=False)
 def break_segment(const, state, family, row, column):
     """Break the yarn segment that begins at node (row, column): reduce its edges' intact fraction and yarn length."""
-    along, across = crossing_lines(const, family)
+    if family == WARP:
+        along, across = const.yarn_columns, const.yarn_rows
+    else:
+        along, across = const.yarn_rows, const.yarn_columns
     axis, start = (column, row) if family == WARP else (row, column)
     first, last = lines_of_yarn(along, axis)
     for line in range(first, last + 1):
