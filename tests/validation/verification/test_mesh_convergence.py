@@ -137,12 +137,12 @@ def test_study_and_its_command(tmp_path, monkeypatch, capsys):
 
 @pytest.mark.parametrize("n", [1, 2, 3])
 def test_a_yarn_is_the_mean_of_its_lines(n):
-    """What the page says of the yarn that fails first: its lines' mean, outer ones by half where they are shared."""
+    """What the page says of the yarn that fails first: its lines' mean, weighted by 1 - |y| over the spacing of yarns."""
     found = yarn.across(
         catalogue.load("S-726").with_effective_density(), 150.0, 12e-6, 2, n, opening=0.0407, table_size=61
     )
-    weights = {1: [1.0], 2: [0.25, 0.5, 0.25], 3: [1 / 3, 1 / 3, 1 / 3]}[n]
-    lines = found.tension[2 * n - n // 2 :][: len(weights)]
+    weights = (1 - np.abs(np.arange(1 - n, n)) / n) / n
+    lines = found.tension[n + 1 : 3 * n]
     assert found.yarn == pytest.approx(float(np.dot(weights, lines)), rel=1e-12)
     assert found.middle == found.tension[found.place == 2]
     assert found.yarn > 1.0
