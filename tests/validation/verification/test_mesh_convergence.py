@@ -137,7 +137,7 @@ def test_study_and_its_command(tmp_path, monkeypatch, capsys):
 
 @pytest.mark.parametrize("n", [1, 2, 3])
 def test_a_yarn_is_the_mean_of_its_lines(n):
-    """What the page says of the yarn that fails first: its lines' mean, weighted by 1 - |y| over the spacing of yarns."""
+    """What the page says of the yarn that fails first: its lines' mean, weighted by 1 - |y| over their spacing."""
     found = yarn.across(
         catalogue.load("S-726").with_effective_density(), 150.0, 12e-6, 2, n, opening=0.0407, table_size=61
     )
