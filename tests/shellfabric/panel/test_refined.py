@@ -131,7 +131,9 @@ def test_bending_of_a_graded_panel(crumpled):
     panel, x = crumpled
     stiff = replace(panel, bending=(2e-6, 4e-6))
     state = bring(stiff, stiff.state(1.0), x)
-    found = bending_kernels.bending_forces(state, stiff.constants(), 0, stiff.counts[0], False)
+    found = bending_kernels.bending_forces(
+        stiff.constants().bending, state, stiff.constants(), 0, stiff.counts[0], False
+    )
     assert found == pytest.approx(turns(stiff, x), rel=1e-10)
     f = node_forces(stiff, state) - node_forces(panel, bring(panel, panel.state(1.0), x))
     border = int(np.flatnonzero(np.diff(panel.sides[0]))[0]) + 1
@@ -145,7 +147,9 @@ def test_yarns_of_a_circle_bend_alike_in_all_zones(refined):
     X, Y = panel.coordinates()
     x = np.stack([radius * np.sin(X / radius), Y, radius * (1 - np.cos(X / radius))], axis=-1)
     state = bring(panel, panel.state(1.0), x)
-    found = bending_kernels.bending_forces(state, panel.constants(), 0, panel.counts[0], False)
+    found = bending_kernels.bending_forces(
+        panel.constants().bending, state, panel.constants(), 0, panel.counts[0], False
+    )
     length = panel.sides[0].sum() - 0.5 * panel.sides[0][[0, -1]].sum()
     expected = 0.5 * 2e-6 / radius**2 * length * panel.weave.warp_count * panel.sides[1].sum()
     assert found == pytest.approx(expected, rel=2e-3)
@@ -156,7 +160,9 @@ def test_jamming_of_a_graded_panel(refined):
     panel = refined(symmetry="whole", edge="free", failure=False, jam=(50.0, 0.99))
     X, Y = panel.coordinates()
     state = bring(panel, panel.state(1.0), np.stack([0.95 * X, Y, 0 * X], axis=-1))
-    found = jamming_kernels.jamming_forces(state, panel.constants(), 0, panel.counts[0], False)
+    found = jamming_kernels.jamming_forces(
+        panel.constants().jamming, state, panel.constants(), 0, panel.counts[0], False
+    )
     yarn = panel.weave.warp_count * panel.sides[0].sum() * panel.sides[1].sum()
     assert found == pytest.approx(0.5 * 50.0 * np.log(0.95 / 0.99) ** 2 * yarn, rel=1e-9)
 
