@@ -44,7 +44,7 @@ def test_explain_runs_nothing(command, scene, tmp_path):
     code, out, _ = command("impact", scene, "--explain")
     assert code == 0
     assert "->" in out
-    assert "asked: residual velocity 5 %" in out
+    assert "targets: residual velocity 5 %" in out
     assert not (tmp_path / "results").exists()
 
 

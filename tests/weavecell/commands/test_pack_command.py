@@ -144,7 +144,7 @@ def test_a_pack_is_answered_as_well_as_its_scene_wants(command, scene, tmp_path)
     code, out, _ = command("impact", path, "--explain")
     assert code == 0
     assert "2 elements, table 201" in out
-    assert "asked: residual velocity 10 %" in out
+    assert "targets: residual velocity 10 %" in out
     code, out, err = command("impact", path, "--out", "results")
     assert code == 0, err
     told = json.loads((tmp_path / "results/summary.json").read_text())
