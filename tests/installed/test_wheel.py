@@ -169,7 +169,7 @@ COMMANDS = (
     "mesh S-720 --mesh coarse --format msh,vtu,k,inp,rad --out mesh",
     "view mesh --screenshot mesh.png",
 )
-VIEWED = {"view ply": "impact ply.toml --out ply", "view mesh": "mesh S-720 --mesh coarse --format msh --out mesh"}
+VIEWED = {"view ply": "impact ply.toml --out ply", "view mesh": "mesh S-720 --mesh coarse --format vtu --out mesh"}
 NEED_PETSC = {"demo", "calibrate", "surface", "crossover"}
 
 
