@@ -339,6 +339,14 @@ def public_functions_without_types(root):
     return found
 
 
+def same_test_names(root):
+    """pytest imports test files by their names alone, and fails to collect the second of one name."""
+    found = {}
+    for path in sorted((root / "tests").rglob("test_*.py")):
+        found.setdefault(path.name, []).append(path.relative_to(root).as_posix())
+    return [" and ".join(paths) for paths in found.values() if len(paths) > 1]
+
+
 RULES = {
     rule.__name__: rule
     for rule in (
@@ -347,7 +355,7 @@ RULES = {
         files_too_long, functions_too_long, kernels_with_too_many_arguments, imports_by_computed_names, circles,
         colours_of_their_own, solvers_beside_the_driver, versions_of_dolfinx_outside_compat,
         kernels_that_are_not_plain, kernel_arguments_outside_the_cache, kernels_that_the_package_does_not_import,
-        public_functions_without_types,
+        public_functions_without_types, same_test_names,
     )
 }  # fmt: skip
 
@@ -377,6 +385,7 @@ CLEAN = {
     "shellfabric/cell/__init__.py": "",
     "shellfabric/cell/fast_kernels.py": "from shellfabric.jit import simd\n",
     "shellfabric/cell/deep/__init__.py": "",
+    "tests/meshing/test_new.py": "",
 }
 HERE = "shellfabric/cell/deep/new.py"
 PLANTED = [
@@ -421,6 +430,7 @@ PLANTED = [
     ("kernel_arguments_outside_the_cache", HERE, "import numba\n@numba.njit\ndef f():\n    pass\n"),
     ("kernels_that_the_package_does_not_import", "shellfabric/cell/deep/new_kernels.py", "from numba import njit\n"),
     ("kernels_that_the_package_does_not_import", "unitcell3d/contact/new_kernels.py", "from numba import njit\n"),
+    ("same_test_names", "tests/fabrics/test_new.py", ""),
     ("public_functions_without_types", "meshing/deep/new.py", "def f(a, *, b: int) -> int:\n    return a + b\n"),
     ("public_functions_without_types", "fabrics/new.py", "def f(a: int):\n    return a\n"),
     (
