@@ -21,7 +21,7 @@ from fabrics import catalogue, run_cache
 from fabrics.errors import InputError, run_program
 from fabrics.files import write_whole
 from validation.verification.mesh_convergence.pictures import picture
-from validation.verification.mesh_convergence.study import LEVELS, TARGETS, TOLERANCE, Point, study, velocities
+from validation.verification.mesh_convergence.study import FACTORS, LEVELS, TARGETS, TOLERANCE, Point, study, velocities
 from weavecell.report.marked_page import markdown, put
 
 if TYPE_CHECKING:
@@ -135,16 +135,19 @@ def _marked(text, met):
 def comparison(pairs: Sequence[tuple[Point, Point]]) -> str:
     """The level that was run on graded and on uniform meshes."""
     n = pairs[0][0].elements
-    names = [name.partition(" at ")[0] for name, *_ in pairs[0][0].results]
-    rows = [["fabric", "elements, graded and uniform", *(f"{name}, graded over uniform - 1, %" for name in names),
-             "CPU time, graded over uniform"]]  # fmt: skip
+    kinds = [name.partition(" at ")[0] for name, *_ in pairs[0][0].results]
+    names = [
+        f"{kind} at {FACTORS[kinds[:i].count(kind)]} of it" if kinds.count(kind) > 1 else kind
+        for i, kind in enumerate(kinds)
+    ]
+    rows = [["fabric", "elements, graded and uniform", *names, "CPU time, graded over uniform"]]
     for graded, uniform in pairs:
         off = [a[2] / b[2] - 1 for a, b in zip(graded.results, uniform.results)]
         targets = [TARGETS[unit] for _, unit, *_ in graded.results]
         rows.append([graded.fabric, f"{graded.cells}, {uniform.cells}",
                      *(_marked(f"{100 * x:+.2f}", abs(x) <= t) for x, t in zip(off, targets)),
                      f"{graded.seconds / uniform.seconds:.2f}"])  # fmt: skip
-    return f"{n} elements per crossover:\n\n{markdown(rows)}"
+    return f"{n} elements per crossover; graded over uniform, less 1, in %:\n\n{markdown(rows)}"
 
 
 def write_page(quantities: Sequence[Quantity], pairs: Sequence[tuple[Point, Point]], page: Path) -> None:

@@ -45,9 +45,8 @@ def picture(quantities: Sequence[Quantity], path: Path) -> None:
                 label=entry.fabric, clip_on=False, **looks,
             )  # fmt: skip
         axes.axhline(0, color="#9aa3ad", lw=0.8)
-        title = kind[id(chosen[0])] + (
-            f" at {FACTORS[rank]} times the critical velocity" if len(FACTORS) > rank >= 0 else ""
-        )
+        factor = f"\nat {FACTORS[rank]} times the critical velocity" if rank >= 0 else ""
+        title = kind[id(chosen[0])] + factor
         axes.set(xlim=(0, 1.09), xlabel="elements per crossover")
         axes.set_title(title, fontsize=10)
         axes.set_xticks([0, *(1 / n for n in chosen[0].elements)], ["∞", *map(str, chosen[0].elements)])
