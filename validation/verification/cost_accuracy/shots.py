@@ -177,7 +177,9 @@ def read_off(
 def warm(case: Any) -> Any:
     """A short run that compiles what a case needs."""
     short = replace(case.shot, velocities=case.shot.velocities[:1], end=1e-6, outcome="")
-    return Cable(short) if isinstance(case, Cable) else Shell(short, table=8, precision=case.precision, form=case.form)
+    if isinstance(case, Cable):
+        return Cable(short)
+    return Shell(short, table=8, precision=case.precision, form=case.form, grading=case.grading, fill=case.fill)
 
 
 def methods(shot: Shot, meshes: Sequence[float] = (2, 3)) -> tuple[Method, ...]:
