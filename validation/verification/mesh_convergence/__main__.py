@@ -73,12 +73,13 @@ def key_of(fabric: Fabric, strikes: Strikes, elements: int, uniform: bool, toler
 def read_points(path: Path) -> dict[str, Point]:
     """{key: Point} of an earlier run."""
     try:
-        rows = json.loads(path.read_text("utf-8"))
-        return {
-            one.pop("key"): Point(**{k: tuple(v) if isinstance(v, list) else v for k, v in one.items()}) for one in rows
-        }
+        return {one.pop("key"): _point(one) for one in json.loads(path.read_text("utf-8"))}
     except (OSError, ValueError, TypeError, KeyError) as problem:
         raise InputError(f"no points to resume from ({problem})", file=path) from None
+
+
+def _point(row):
+    return Point(**{name: tuple(value) if isinstance(value, list) else value for name, value in row.items()})
 
 
 def write_points(points: dict[str, Point], path: Path) -> None:
@@ -132,7 +133,7 @@ def _marked(text, met):
     return text if met else f"**{text}**"
 
 
-def comparison(pairs: Sequence[tuple[Point, Point]]) -> str:
+def comparison(pairs: Sequence[Sequence[Point]]) -> str:
     """The level that was run on graded and on uniform meshes."""
     n = pairs[0][0].elements
     kinds = [name.partition(" at ")[0] for name, *_ in pairs[0][0].results]
@@ -150,7 +151,7 @@ def comparison(pairs: Sequence[tuple[Point, Point]]) -> str:
     return f"{n} elements per crossover; graded over uniform, less 1, in %:\n\n{markdown(rows)}"
 
 
-def write_page(quantities: Sequence[Quantity], pairs: Sequence[tuple[Point, Point]], page: Path) -> None:
+def write_page(quantities: Sequence[Quantity], pairs: Sequence[Sequence[Point]], page: Path) -> None:
     """Put the tables between the marks of a page."""
     put(page, *MARKS, f"\n\n{counts(quantities)}\n{table(quantities)}\n")
     if pairs:
@@ -178,7 +179,7 @@ def main() -> None:
         raise InputError(key="FABRIC", value=unknown[0], allowed=f"one of {', '.join(speeds)}")
     kept = options.out / "points.json"
     quantities: list[Quantity] = []
-    pairs: list[tuple[Point, Point]] = []
+    pairs: list[Sequence[Point]] = []
     points = read_points(kept) if options.resume else {}
     check = None if options.no_check else CHECK
     wanted = [(n, False) for n in options.elements] + [(n, True) for n in (check,) if n is not None]
