@@ -102,11 +102,14 @@ def the_pencilling_study(folder, monkeypatch):
 def the_convergence_study(folder, monkeypatch):
     from validation.verification.mesh_convergence import __main__ as command
 
-    def study(fabric, velocity, *, elements, known, keep, **_):
+    def study(fabric, strikes, *, elements, known, keep, **_):
         for n in sorted(set(elements) - {one.elements for one in known}):
             made.append(n)
-            keep(command.Point(fabric.name, n, 90.0, 0.1, velocity, 1.0, 1.0, "variational", 0.0))
-        return ()
+            ends = (1.0, 1.0)
+            keep(command.Point(
+                fabric.name, n, False, 1, 90.0, 0.1, strikes.stops, 1.0, 1.0, ends, ends, ends, "variational", 0.0
+            ))  # fmt: skip
+        return (), ()
 
     monkeypatch.setattr(command, "study", study)
     monkeypatch.setattr(command, "write_csv", lambda quantities, path: None)

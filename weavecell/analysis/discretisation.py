@@ -1,14 +1,19 @@
 """Discretisation uncertainty of an impact from a pair of meshes: the grid convergence index of ASME V&V 20.
 
 The scene is run on its own mesh and on one whose elements near the impact point have half the side. With the
-difference of a result between the two,
+difference d of a result between the two,
 
-    U = F_s |phi_fine - phi| r^p / (r^p - 1),    r = 2,
+    U = F_s d r^p / (r^p - 1),    r = 2,
 
 is the uncertainty of the result on the scene's own mesh. Two meshes show no order of convergence, so that p is the
 formal order of the elements, 2, and F_s = 3, the factor that goes with an order which is assumed (P. J. Roache,
 Verification and Validation in Computational Science and Engineering, 1998; ASME V&V 20-2009, section 2-4). The interval
-is phi - U to phi + U.
+of a result phi is phi - U to phi + U.
+
+The difference of a single number can vanish by chance where two solutions cross. So d is a norm of the difference of
+the solutions: of the residual velocity, the absorbed energy and the deflection the largest difference of their
+histories, up to the end of the shorter run, and of peak tensions the larger of the relative differences of warp and
+weft. What a projectile that stops leaves (no velocity, and all its energy absorbed) has no error.
 
 A result that is not there on one of the meshes, or an outcome that is different on them, has no uncertainty: the
 outcome depends on the mesh.
@@ -21,6 +26,8 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from math import inf, isnan
 from typing import Any
+
+import numpy as np
 
 from fabrics.errors import InputError
 from shellfabric.cell.model import CellTable
@@ -78,9 +85,9 @@ class Discretisation:
         return self.outcomes[0] == self.outcomes[1]
 
 
-def index(value: float, finer: float) -> float:
-    """Uncertainty U of `value`, see the module."""
-    return SAFETY * abs(finer - value) * RATIO**ORDER / (RATIO**ORDER - 1)
+def index(difference: float) -> float:
+    """Uncertainty U of a result from its difference d on the two meshes, see the module."""
+    return SAFETY * difference * RATIO**ORDER / (RATIO**ORDER - 1)
 
 
 def finer(setup: ImpactSetup | PackSetup, table: CellTable) -> ImpactSetup | PackSetup:
@@ -184,11 +191,29 @@ def compare(result: ImpactResult | PackResult, refined: ImpactResult | PackResul
             ("peak deflection", "mm", 1e3, "deflection", None),
             ("peak tension, warp", "N", 1.0, "peak_tension", 0),
             ("peak tension, weft", "N", 1.0, "peak_tension", 1)]  # fmt: skip
+    apart = _apart(result, refined, values, others)
     found = []
     for name, unit, scale, key, part in rows:
         a, b = (one[key] if part is None else one[key][part] for one in (values, others))
         if not (isnan(a) or isnan(b)):
-            found.append(Interval(name, unit, scale * a, scale * b, index(scale * a, scale * b)))
+            off = max(abs(b - a), apart[key] * (1.0 if part is None else abs(a)))
+            found.append(Interval(name, unit, scale * a, scale * b, index(scale * off)))
     outcomes = values["outcome"], others["outcome"]
     kept = tuple(found) if outcomes[0] == outcomes[1] else ()
     return Discretisation((in_words(result.setup), in_words(refined.setup)), outcomes, kept)
+
+
+def _apart(result, refined, values, others):
+    """{name: norm of the difference of the solutions}, in the units of `quantities.of`; of tensions over themselves."""
+    (t, z, v), (tf, zf, vf) = (one.step_history[:, :3].T for one in (result, refined))
+    common = t <= tf[-1]
+    z, v = z[common], v[common] / ply_of(result.setup).strike_velocity
+    zf, vf = (np.interp(t[common], tf, one) for one in (zf, vf / ply_of(refined.setup).strike_velocity))
+    moving = values["outcome"] != "stopped"
+    tensions = [abs(b / a - 1) for a, b in zip(values["peak_tension"], others["peak_tension"]) if a > 0]
+    return {
+        "residual_velocity": float(np.max(np.abs(vf - v), initial=0.0)) if moving else 0.0,
+        "absorbed_energy": float(np.max(np.abs(vf**2 - v**2), initial=0.0)) if moving else 0.0,
+        "deflection": float(np.max(np.abs(zf - z), initial=0.0)),
+        "peak_tension": max(tensions, default=0.0),
+    }

@@ -41,7 +41,7 @@ def section(pair: Discretisation) -> Section:
     )
     lead = (
         "Uncertainty of the results on the scene's mesh by the grid convergence index of ASME V&V 20, from two meshes "
-        "with an assumed order of 2 and a safety factor of 3."
+        "with an assumed order of 2 and a safety factor of 3, of the largest difference of their histories."
     )
     if not pair.same_outcome:
         lead = f"The outcome depends on the mesh: {pair.outcomes[0]} on the scene's, {pair.outcomes[1]} on the finer."

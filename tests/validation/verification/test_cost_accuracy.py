@@ -196,7 +196,20 @@ def test_a_scene_from_end_to_end_and_resumed(tmp_path, monkeypatch):
         [e.method.name for e in front] for front in chart.fronts.values()
     ]
     page.write([(read, made)], tmp_path / "charts.md", "weavecell cost-accuracy")
-    assert "| Struck yarn" in (tmp_path / "charts.md").read_text()
+    text = (tmp_path / "charts.md").read_text()
+    assert "| Struck yarn" in text
+    (row,) = (line for line in page.costs([read]).splitlines() if "| wave speeds |" in line)
+    by_cost = sorted(read.entries, key=lambda entry: entry.sample.cpu)
+    quantities = read.scene.groups["wave speeds"]
+    for error, cell in zip(page.WITHIN, row.split(" | ")[2:6]):
+        assert cell.startswith(next(e.method.name for e in by_cost if e.worst(quantities) <= error))
+    dominating = row.strip(" |").split(" | ")[-1]
+    default = read.entries[0]
+    assert (dominating == "none") == all(
+        entry.sample.cpu >= default.sample.cpu or entry.worst(quantities) > default.worst(quantities)
+        for entry in read.fronts["wave speeds"]
+    )
+    assert row in text
     monkeypatch.setattr(study, "timed", None)  # nothing is run again
     again = study.run("struck-yarn", tmp_path / "cases", quick=True, resume=True)
     assert again.references == chart.references

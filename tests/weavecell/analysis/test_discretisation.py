@@ -31,7 +31,7 @@ def table(setup):
 def test_index_of_a_result_of_second_order():
     """phi = 1 + h^2: the interval of the coarser of two meshes holds the limit with the safety factor of 3."""
     coarse, fine = 1 + 0.2**2, 1 + 0.1**2
-    assert discretisation.index(coarse, fine) == pytest.approx(3 * 0.2**2)
+    assert discretisation.index(coarse - fine) == pytest.approx(3 * 0.2**2)
 
 
 def test_the_finer_mesh_has_half_the_side_near_the_impact_point(setup, table):
@@ -69,8 +69,12 @@ def test_intervals_of_a_shot(setup, table):
     )
     assert found["peak tension, warp"].value == result.peak_tension[0]
     for one in pair.intervals:
-        assert one.uncertainty == pytest.approx(4 * abs(one.finer - one.value))
+        assert one.uncertainty >= (4 - 1e-12) * abs(one.finer - one.value)
         assert one.contains(one.finer)
+    tensions = [found[f"peak tension, {family}"] for family in ("warp", "weft")]
+    share = max(abs(one.finer / one.value - 1) for one in tensions)
+    for one in tensions:
+        assert one.uncertainty == pytest.approx(4 * share * one.value)
     text = chapters.summary(pair)["discretisation"]
     assert text["results"]["absorbed energy"]["uncertainty"] == found["absorbed energy"].uncertainty
     assert len(chapters.section(pair).tables) == 1
@@ -82,6 +86,27 @@ def result_of(setup, outcome, residual):
         setup=setup, outcome=outcome, residual_velocity=residual, step_history=panel, peak_tension=(10.0, 20.0),
         strike_energy=2.4,
     )  # fmt: skip
+
+
+def test_residual_velocities_that_agree_by_chance_have_the_uncertainty_of_their_histories(setup):
+    """v(t) of the two meshes cross at the end: 3 m/s apart before, equal then."""
+    one, other = (result_of(setup, "perforated", 20.0) for _ in range(2))
+    t = np.linspace(0, 1e-4, 201)
+    bump = np.sin(np.pi * t / t[-1])
+    for result, size in ((one, 0.0), (other, 3.0)):
+        result.step_history = np.column_stack([t, 40 * t, 40 - 20 * t / t[-1] + size * bump, 0 * t])
+    found = {each.name: each for each in discretisation.compare(one, other).intervals}
+    assert found["residual velocity"].value == found["residual velocity"].finer == pytest.approx(20.0)
+    assert found["residual velocity"].uncertainty == pytest.approx(4 * 3.0, rel=1e-3)
+    assert found["absorbed energy"].uncertainty == pytest.approx(4 * 2.4 * (33**2 - 30**2) / 40**2, rel=0.02)
+
+
+def test_what_a_stopped_projectile_leaves_has_no_error(setup):
+    one, other = result_of(setup, "stopped", 0.0), result_of(setup, "stopped", -0.1)
+    other.step_history = np.array([[0.0, 2e-3, 5.0, 0.0]])
+    found = {each.name: each for each in discretisation.compare(one, other).intervals}
+    assert found["residual velocity"].uncertainty == found["absorbed energy"].uncertainty == 0.0
+    assert found["peak deflection"].uncertainty == pytest.approx(4 * 1.0)
 
 
 def test_outcomes_that_differ_have_no_interval(setup):

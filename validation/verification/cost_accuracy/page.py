@@ -25,6 +25,10 @@ off the error.
 An error is that of the answer, not of the physics: the reference is the compressible cell in its variational form
 with the regularised law, and another cell or form is another model, whose distance from it is what the chart shows."""
 
+WITHIN = 0.1, 0.05, 0.02, 0.01  # [-] errors whose least cost is listed
+COSTS = """The cheapest method whose error is at most the one in the heading, and the methods that dominate the default:
+those that cost less and whose error is no larger, or within what the reference is known to."""
+
 
 def write(charts: Sequence[tuple[Chart, str]], path: Path, command: str) -> None:
     """Write the page; its pictures are in figures/ beside it.
@@ -34,7 +38,8 @@ def write(charts: Sequence[tuple[Chart, str]], path: Path, command: str) -> None
     charts : pairs (core.Chart, when, where and by which version it was run)
     command : that makes it
     """
-    overview = "## In short", summary([chart for chart, _ in charts])
+    all_charts = [chart for chart, _ in charts]
+    overview = "## In short", summary(all_charts), "## Cost of an error", COSTS, costs(all_charts)
     write_page(path, HEAD, command, "scene by scene", overview, [(_section(chart), made) for chart, made in charts])
 
 
@@ -53,6 +58,26 @@ def summary(charts: list[Chart]) -> str:
     return markdown(
         ["scene", "quantities", "the default", "cheapest within 5 %", "most exact", "reference known to ± [%]"], rows
     )
+
+
+def costs(charts: Sequence[Chart]) -> str:
+    """One row a scene and group: the cheapest method within each of WITHIN, and what dominates the default."""
+    rows = []
+    for chart in charts:
+        for group, quantities in chart.scene.groups.items():
+            known, first = chart.unsure(group), chart.entries[0]
+            by_cost = sorted(chart.entries, key=lambda entry: entry.sample.cpu)
+            cheapest = [next((e for e in by_cost if e.worst(quantities) <= error), None) for error in WITHIN]
+            least = max(first.worst(quantities), known)
+            better = [
+                entry.method.name
+                for entry in chart.fronts[group]
+                if entry.sample.cpu < first.sample.cpu and max(entry.worst(quantities), known) <= least
+            ]
+            texts = ("not reached" if entry is None else _as_text(entry, quantities) for entry in cheapest)
+            rows.append([chart.scene.title, group, *texts, "; ".join(better) or "none"])
+    heads = (f"error of {100 * error:g} %" for error in WITHIN)
+    return markdown(["scene", "quantities", *heads, "the default is dominated by"], rows)
 
 
 def _as_text(entry, quantities, name=True):

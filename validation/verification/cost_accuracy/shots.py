@@ -7,6 +7,7 @@ import tomllib
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from importlib import resources
+from math import inf
 from typing import Any
 
 import numpy as np
@@ -50,6 +51,8 @@ class Shell:
     cfl, viscosity, precision : see `Numerics`
     symmetry : "quarter", "half" or "whole"
     awake : whether all rows are worked on from the start
+    grading : of the panel, see `Panel`, or None
+    fill : how the table is filled, see `CellTable.fill`
     """
 
     shot: Shot
@@ -63,6 +66,8 @@ class Shell:
     precision: str = "double"
     symmetry: str = "quarter"
     awake: bool = False
+    grading: tuple[tuple[float, float], ...] | None = None
+    fill: str = "nested"
 
 
 @dataclass(frozen=True)
@@ -109,9 +114,10 @@ def panel(case: Shell) -> Panel:
         contact_points=8 if case.elements < 1 else None,  # coarse models are to be cheap ones
     )  # fmt: skip
     return Panel(
-        CellModel(fabric, model=case.model, form=case.form).table(case.table),
+        CellModel(fabric, model=case.model, form=case.form).table(case.table, case.fill),
         (case.shot.opening, case.shot.opening), symmetry=case.symmetry,
         elements_per_crossover=max(1, int(case.elements)), numerics=numerics,
+        grading=case.grading,
     )  # fmt: skip
 
 
@@ -171,7 +177,9 @@ def read_off(
 def warm(case: Any) -> Any:
     """A short run that compiles what a case needs."""
     short = replace(case.shot, velocities=case.shot.velocities[:1], end=1e-6, outcome="")
-    return Cable(short) if isinstance(case, Cable) else Shell(short, table=8, precision=case.precision, form=case.form)
+    if isinstance(case, Cable):
+        return Cable(short)
+    return Shell(short, table=8, precision=case.precision, form=case.form, grading=case.grading, fill=case.fill)
 
 
 def methods(shot: Shot, meshes: Sequence[float] = (2, 3)) -> tuple[Method, ...]:
@@ -200,6 +208,18 @@ def methods(shot: Shot, meshes: Sequence[float] = (2, 3)) -> tuple[Method, ...]:
         one("combined", "1/2 a crossover, table 26", elements=0.5, table=26),
         one("combined", "equilibrium, table 51", form="equilibrium", table=51),
         one("combined", "float32, table 51", precision="single", table=51),
+        one("table", "table 201 by Newton", fill="newton"),
+        one("table", "table 51 by Newton", table=51, fill="newton"),
+        *(
+            one(
+                "grading",
+                f"1/{n} about the nose, table 51 by Newton",
+                table=51,
+                fill="newton",
+                grading=((12.0, 1 / n), (24.0, 1.0), (inf, 2.0)),
+            )
+            for n in (1, 2, 3, 4)
+        ),
         *(one("time step", f"steps x {f:g}", cfl=f * Numerics.cfl) for f in (0.25, 0.5)),
         *(one("viscosity", f"viscosity {x:g}", viscosity=x) for x in (0.05, 0.2)),
         one("storage", "float32", precision="single"),

@@ -14,7 +14,7 @@ import numpy as np
 
 from fabrics.files import replace_whole
 from meshing.pictures_style import COLOURS
-from validation.verification.mesh_convergence.study import ALLOWED
+from validation.verification.mesh_convergence.study import FACTORS, TARGETS
 
 if TYPE_CHECKING:
     from validation.verification.mesh_convergence.study import Quantity
@@ -24,39 +24,56 @@ MARKERS = ("o", "s", "^", "D", "v", "P")
 
 def picture(quantities: Sequence[Quantity], path: Path) -> None:
     """Deviation of every fabric from its own limit; hollow where the limit is no Richardson extrapolation."""
-    names = list(dict.fromkeys(entry.name for entry in quantities))
+    kind = {id(entry): entry.name.partition(" at ")[0] for entry in quantities}
+    first = [entry for entry in quantities if entry.fabric == quantities[0].fabric]
+    ranks = [_rank(entry, quantities) for entry in first]
     fabrics = list(dict.fromkeys(entry.fabric for entry in quantities))
-    figure, row = plt.subplots(1, len(names), figsize=(4.2 * len(names), 4.6), sharey=True, squeeze=False)
-    for axes, name in zip(row[0], names):
-        for n, allowed in ALLOWED.items():
-            axes.plot([1 / n - 0.07, 1 / n + 0.07], [[100 * allowed, -100 * allowed]] * 2, color="#555555", lw=1.4)
-        for entry in (entry for entry in quantities if entry.name == name):
+    figure, row = plt.subplots(2, 4, figsize=(15, 8), squeeze=False)
+    places = row.ravel()
+    for axes, (name, rank) in zip(places, ranks):
+        chosen = [entry for entry in quantities if _rank(entry, quantities) == (name, rank)]
+        target = 100 * TARGETS[chosen[0].unit]
+        axes.axhspan(-target, target, color="#e8eef4", lw=0)
+        for entry in chosen:
             k = fabrics.index(entry.fabric)
             h, deviation = 1 / np.array(entry.elements), 100 * np.array(entry.deviations)
-            sure = entry.extrapolation.basis in ("Richardson", "no change")
             colour = COLOURS[k % 6]
-            looks = {"ls": "-", "mfc": colour} if sure else {"ls": "--", "mfc": "white"}
+            regular = entry.extrapolation.basis in ("Richardson", "no change")
+            looks = {"ls": "-", "mfc": colour} if regular else {"ls": "--", "mfc": "white"}
             axes.plot(
                 [*h, 0], [*deviation, 0], color=colour, marker=MARKERS[k % 6], ms=6.5, lw=1.6, mec=colour,
                 label=entry.fabric, clip_on=False, **looks,
             )  # fmt: skip
         axes.axhline(0, color="#9aa3ad", lw=0.8)
-        axes.set(title=name, xlabel="elements a crossover", xlim=(0, 1.09))
-        axes.set_xticks([0, *(1 / n for n in quantities[0].elements)], ["∞", *map(str, quantities[0].elements)])
+        factor = f"\nat {FACTORS[rank]} times the critical velocity" if rank >= 0 else ""
+        title = kind[id(chosen[0])] + factor
+        axes.set(xlim=(0, 1.09), xlabel="elements per crossover")
+        axes.set_title(title, fontsize=10)
+        axes.set_xticks([0, *(1 / n for n in chosen[0].elements)], ["∞", *map(str, chosen[0].elements)])
         axes.grid(axis="y", alpha=0.3)
         for side in ("top", "right"):
             axes.spines[side].set_visible(False)
-    row[0][0].set_ylabel("deviation from the limit [%]")
-    handles, labels = row[0][0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="lower center", ncols=len(fabrics), frameon=False)
+    for axes in places[len(ranks) :]:
+        axes.axis("off")
+    for axes in row[:, 0]:
+        axes.set_ylabel("deviation from the limit [%]")
+    handles, labels = places[0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="lower right", bbox_to_anchor=(0.97, 0.2), ncols=2, frameon=False)
     figure.text(
-        0.995, 0.985, "bars: target; dashed and hollow: limit from a least-squares fit, the order being irregular",
-        ha="right", va="top", fontsize=9, color="#555555",
+        0.77, 0.13, "shaded: target; dashed and hollow:\nlimit from a least-squares fit,\nthe order being irregular",
+        ha="left", va="top", fontsize=9, color="#555555",
     )  # fmt: skip
-    figure.tight_layout(rect=(0, 0.06, 1, 0.965))
+    figure.tight_layout()
     with replace_whole(path) as beside:
         figure.savefig(beside, dpi=150, metadata={"Date": None} if str(path).endswith(".svg") else None)
     plt.close(figure)
+
+
+def _rank(entry, quantities):
+    """(kind of quantity, how many of the same fabric and kind precede it; -1 where it is alone)."""
+    kind = entry.name.partition(" at ")[0]
+    alike = [one for one in quantities if one.fabric == entry.fabric and one.name.partition(" at ")[0] == kind]
+    return kind, (-1 if len(alike) == 1 else [one.name for one in alike].index(entry.name))
 
 
 def yarns(found: Any, path: Path) -> None:

@@ -1,4 +1,9 @@
-"""The runs of the study: one fabric on several meshes."""
+"""The runs of the study: one fabric on several meshes.
+
+The mesh of level n has elements with sides of 1/n crossover within FINE of the impact point and of one crossover
+beyond. Level 1 is the default mesh. All levels share the outer mesh, so that the study is of the resolution about the
+projectile; what the outer mesh contributes is checked by a level on a uniform mesh (`uniform`).
+"""
 
 from __future__ import annotations
 
@@ -6,21 +11,46 @@ import time
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from importlib import resources
+from math import ceil, inf
 from typing import TYPE_CHECKING, Any
 
 from fabrics.errors import InputError
 from fabrics.units import si
 from shellfabric.impact import ballistic_limit
 from shellfabric.impact.single_ply import ImpactSetup
+from shellfabric.panel.numerics import Numerics
+from validation.verification.mesh_convergence.uncertainty import uncertainty
 from weavecell.analysis.richardson import Extrapolation, extrapolate
 
 if TYPE_CHECKING:
     from fabrics.fabric import Fabric
     from shellfabric.panel.model import Panel
 
-ALLOWED = {1: 0.05, 2: 0.02}  # target: share of the limit within which 1 and 2 elements a crossover are to be
-TOLERANCE = 0.25  # [m/s] of the critical velocity's bracket: a tenth of what 2 % of it are
+LEVELS = (1, 2, 3, 4)  # elements per crossover about the impact point, along each side
+TARGETS = {"m/s": 0.01, "J": 0.03, "N": 0.03}  # [-] of the value: uncertainty of the finest mesh, error of the others
+FACTORS = (1.1, 1.5)  # strike velocities of the shots that perforate, over the critical velocity
+FINE = 20e-3  # [m] from the impact point up to which elements are small: seven radii of the nose
+TOLERANCE = 0.25  # [m/s] of the critical velocity's bracket
 NEAR = 1.02  # first step from the limit of a coarser mesh
+
+
+@dataclass(frozen=True)
+class Strikes:
+    """Strike velocities of one fabric, the same on all meshes.
+
+    Parameters
+    ----------
+    stops : [m/s] of the shot for the peak tensions
+    critical : [m/s] rounded critical velocity, of which FACTORS give the shots that perforate
+    """
+
+    stops: float
+    critical: float
+
+    @property
+    def perforate(self) -> tuple[float, ...]:
+        """[m/s] of the shots that perforate."""
+        return tuple(factor * self.critical for factor in FACTORS)
 
 
 @dataclass(frozen=True)
@@ -30,23 +60,46 @@ class Point:
     Parameters
     ----------
     fabric : name
-    elements : a crossover, along each side
+    elements : per crossover about the impact point, along each side
+    uniform : whether everywhere
+    cells : number of elements of the modelled part
     critical_velocity, half_width : [m/s] and of its bracket
     velocity : [m/s] of the shot for the peak tensions, which stops
-    warp, weft : [N] peak tensions of that shot
+    warp, weft : [N] peak tensions of that shot, anywhere in the panel
+    strikes : (2,) [m/s] of the shots that perforate
+    residuals : (2,) [m/s] their residual velocities
+    absorbed : (2,) [J] what the projectile loses in them
     form : of the cell
     seconds : [s] CPU time of all its shots
     """
 
     fabric: str
     elements: int
+    uniform: bool
+    cells: int
     critical_velocity: float
     half_width: float
     velocity: float
     warp: float
     weft: float
+    strikes: tuple[float, ...]
+    residuals: tuple[float, ...]
+    absorbed: tuple[float, ...]
     form: str
     seconds: float
+
+    @property
+    def results(self) -> tuple[tuple[str, str, float, float], ...]:
+        """(name, unit, value, half the width of its bracket) of each quantity."""
+        found = [("critical velocity", "m/s", self.critical_velocity, self.half_width)]
+        for name, unit, values in (
+            ("residual velocity", "m/s", self.residuals),
+            ("absorbed energy", "J", self.absorbed),
+        ):
+            found += [(f"{name} at {v:.0f} m/s", unit, value, 0.0) for v, value in zip(self.strikes, values)]
+        found += [(f"peak tension of the {name}", "N", value, 0.0)
+                  for name, value in (("warp", self.warp), ("weft", self.weft))]  # fmt: skip
+        return tuple(found)
 
 
 @dataclass(frozen=True)
@@ -56,10 +109,11 @@ class Quantity:
     Parameters
     ----------
     fabric, name, unit : what
-    elements : (n,) a crossover, along each side
+    elements : (n,) per crossover about the impact point
     values : (n,)
     noise : to which a value is known
     extrapolation : to an infinite number of elements
+    uncertainty : of the value on the finest mesh, see `uncertainty.uncertainty`
     """
 
     fabric: str
@@ -69,6 +123,7 @@ class Quantity:
     values: tuple[float, ...]
     noise: float
     extrapolation: Extrapolation
+    uncertainty: float
 
     @property
     def deviations(self) -> tuple[float, ...]:
@@ -76,119 +131,147 @@ class Quantity:
         return tuple(value / self.extrapolation.limit - 1 for value in self.values)
 
     @property
+    def share(self) -> float:
+        """[-] uncertainty of the value on the finest mesh over that value."""
+        return self.uncertainty / abs(self.values[-1])
+
+    @property
     def met(self) -> bool:
-        """Whether the meshes that have a target are within it of the limit."""
-        found = dict(zip(self.elements, self.deviations))
-        return all(abs(found[n]) <= allowed for n, allowed in ALLOWED.items() if n in found)
+        """Whether the uncertainty on the finest mesh is within its target."""
+        return self.share <= TARGETS[self.unit]
 
 
 def quantity(
     fabric: str, name: str, unit: str, elements: Sequence[int], values: Sequence[float], noise: float = 0.0
 ) -> Quantity:
-    """A Quantity with its extrapolation."""
-    extrapolation = extrapolate([1 / n for n in elements], values, noise)
-    return Quantity(fabric, name, unit, tuple(elements), tuple(map(float, values)), noise, extrapolation)
+    """A Quantity with its extrapolation and uncertainty."""
+    sizes = [1 / n for n in elements]
+    found = extrapolate(sizes, values, noise)
+    share = uncertainty(sizes, values, found, noise)
+    return Quantity(fabric, name, unit, tuple(elements), tuple(map(float, values)), noise, found, share)
 
 
-def velocities() -> dict[str, float]:
-    """{fabric: [m/s]} strike velocities for the peak tensions."""
+def velocities() -> dict[str, Strikes]:
+    """{fabric: Strikes}."""
     import tomllib
 
     text = (resources.files("validation.verification.mesh_convergence") / "velocities.toml").read_text("utf-8")
-    return {name: si(value, "m/s", key=name) for name, value in tomllib.loads(text)["velocities"].items()}
+    found = tomllib.loads(text)
+    return {
+        name: Strikes(si(value, "m/s", key=name), si(found["critical"][name], "m/s", key=name))
+        for name, value in found["velocities"].items()
+    }
+
+
+def mesh(coarse: Panel, n: int, uniform: bool = False) -> Panel:
+    """The panel on the mesh of level n, or with n elements per crossover everywhere."""
+    if n == 1 or uniform:
+        return replace(coarse, elements_per_crossover=n, grading=None)
+    reach = ceil(FINE / (2 * min(coarse.weave.w)))
+    return replace(coarse, elements_per_crossover=1, grading=((float(reach), 1 / n), (inf, 1)))
 
 
 def point(
-    coarse: Panel, velocity: float, n: int, *, tolerance: float = TOLERANCE, guess: float | None = None,
-    executor: str = "local", jobs: int = 1, report: Callable[..., object] | None = None,
+    coarse: Panel, strikes: Strikes, n: int, *, uniform: bool = False, tolerance: float = TOLERANCE,
+    guess: float | None = None, executor: str = "local", jobs: int = 1, report: Callable[..., object] | None = None,
 ) -> Point:  # fmt: skip
-    """Critical velocity of a panel with n elements a crossover, and peak tensions at one velocity, as a Point.
+    """All quantities of a panel on the mesh of level n, as a Point.
 
     Parameters
     ----------
     coarse : Panel of any mesh
-    velocity : [m/s] of the shot for peak tensions, one that stops
+    strikes : velocities of the shots
+    uniform : whether elements are small everywhere
     tolerance : [m/s] of the critical velocity
     guess : [m/s] of a coarser mesh
     executor, jobs : as of `ballistic_limit.critical_velocity`
-    report : called as report(elements a crossover, Shot) after each shot
+    report : called as report(level, Shot) after each shot
 
     Raises
     ------
-    InputError : a shot at `velocity` that perforates
+    InputError : a shot at `strikes.stops` that perforates
     UnstableError : as `ballistic_limit.critical_velocity`
     """
-    panel, began = replace(coarse, elements_per_crossover=n), time.process_time()
+    panel, began = mesh(coarse, n, uniform), time.process_time()
 
     def report_shot(_, shot):
         if report is not None:
             report(n, shot)
 
-    (shot,) = ballistic_limit.shoot(panel, [velocity], report=report_shot)
-    if shot.perforated:
+    stopped, *through = ballistic_limit.shoot(panel, [strikes.stops, *strikes.perforate], report=report_shot)
+    if stopped.perforated:
         raise InputError(
-            f"fabric {panel.fabric.name} with {n} elements a crossover is perforated", key="velocity", value=velocity,
-            allowed="one that stops on every mesh",
+            f"fabric {panel.fabric.name} with {n} elements per crossover is perforated", key="velocity",
+            value=strikes.stops, allowed="one that stops on every mesh",
         )  # fmt: skip
     known = {} if guess is None else {"guess": guess, "step": NEAR}
     found = ballistic_limit.critical_velocity(
         panel, tolerance=tolerance, executor=executor, jobs=jobs, report=report_shot, **known
     )
+    mass = panel.projectile.mass
     return Point(
-        panel.fabric.name, n, found.velocity, found.half_width, velocity, *shot.peak_tension, panel.table.model.form,
-        time.process_time() - began,
+        panel.fabric.name, n, uniform, panel.elements, found.velocity, found.half_width, strikes.stops,
+        *stopped.peak_tension, strikes.perforate, tuple(shot.residual_velocity for shot in through),
+        tuple(0.5 * mass * (shot.strike_velocity**2 - shot.residual_velocity**2) for shot in through),
+        panel.table.model.form, time.process_time() - began,
     )  # fmt: skip
 
 
 def quantities(points: Sequence[Point]) -> tuple[Quantity, ...]:
-    """The three quantities of one fabric from its points; InputError unless they are at least three meshes."""
+    """The quantities of one fabric from its points; InputError unless they are at least three meshes."""
     points = sorted(points, key=lambda one: one.elements)
     elements = [one.elements for one in points]
     if len(set(elements)) < 3 or len(set(elements)) < len(elements):
         raise InputError(key="elements", value=elements, allowed="at least three numbers that rise")
-    name, half = points[0].fabric, max(one.half_width for one in points)
-    return (
-        quantity(name, "critical velocity", "m/s", elements, [one.critical_velocity for one in points], half),
-        quantity(name, "peak warp tension", "N", elements, [one.warp for one in points]),
-        quantity(name, "peak weft tension", "N", elements, [one.weft for one in points]),
-    )
+    found = []
+    for entries in zip(*(one.results for one in points)):
+        (name, unit, *_), noise = entries[0], max(entry[3] for entry in entries)
+        found.append(quantity(points[0].fabric, name, unit, elements, [entry[2] for entry in entries], noise))
+    return tuple(found)
 
 
 def study(
-    fabric: Fabric, velocity: float, *, elements: Sequence[int] = (1, 2, 3), setup: ImpactSetup | None = None,
-    known: Iterable[Point] = (), keep: Callable[[Point], object] | None = None, **options: Any,
-) -> tuple[Quantity, ...]:  # fmt: skip
-    """Critical velocity, and peak tensions of warp and weft at one velocity, on several meshes.
+    fabric: Fabric, strikes: Strikes, *, elements: Sequence[int] = LEVELS, setup: ImpactSetup | None = None,
+    known: Iterable[Point] = (), keep: Callable[[Point], object] | None = None, check: int | None = None,
+    **options: Any,
+) -> tuple[tuple[Quantity, ...], tuple[Point, ...]]:  # fmt: skip
+    """All quantities of one fabric on several meshes.
 
     Parameters
     ----------
     fabric : Fabric, as it is to be used (see Fabric.effective)
-    velocity : [m/s] of the shot for peak tensions, one that stops on every mesh
-    elements : a crossover, at least three meshes, from coarse to fine
+    strikes : velocities of the shots
+    elements : levels, at least three, from coarse to fine
     setup : ImpactSetup of another panel or projectile
     known : Points of earlier runs, which are not run again
     keep : called as keep(Point) after each mesh that was run
+    check : level that is run on a uniform mesh as well, or None
     options : of `point`
 
     Returns
     -------
-    (Quantity, Quantity, Quantity)
+    quantities : tuple of Quantity
+    points : (graded, uniform) at the level `check`; empty if None
 
     Raises
     ------
-    InputError : meshes that are not at least three from coarse to fine, or a shot at `velocity` that perforates
+    InputError : meshes that are not at least three from coarse to fine, or a shot at `strikes.stops` that perforates
     UnstableError : as `ballistic_limit.critical_velocity`
     """
     if len(elements) < 3 or list(elements) != sorted(set(elements)):
         raise InputError(key="elements", value=list(elements), allowed="at least three numbers that rise")
-    coarse = (setup or ImpactSetup(fabric, velocity)).panel()
-    found, there = [], {one.elements: one for one in known if one.fabric == fabric.name}
-    for n in elements:
-        if n in there:
-            found.append(there[n])
-            continue
-        guess = found[-1].critical_velocity if found else None
-        found.append(point(coarse, velocity, n, guess=guess, **options))
-        if keep is not None:
-            keep(found[-1])
-    return quantities(found)
+    coarse = (setup or ImpactSetup(fabric, strikes.stops, numerics=Numerics(threads=1))).panel()
+    there = {(one.elements, one.uniform): one for one in known if one.fabric == fabric.name}
+    found: dict[tuple[int, bool], Point] = {}
+    wanted = [(n, False) for n in elements] + ([] if check is None else [(check, True)])
+    guess = None
+    for n, uniform in wanted:
+        if (n, uniform) not in there:
+            there[n, uniform] = point(coarse, strikes, n, uniform=uniform, guess=guess, **options)
+            if keep is not None:
+                keep(there[n, uniform])
+        found[n, uniform] = there[n, uniform]
+        guess = found[n, uniform].critical_velocity
+    graded = [found[n, False] for n in elements]
+    pair = () if check is None else (found[check, False], found[check, True])
+    return quantities(graded), pair
