@@ -105,11 +105,18 @@ def view(
     screenshot: Annotated[
         Path | None, typer.Option(help="Write a picture instead of opening a window.", metavar="FILE.png")
     ] = None,
+    movie: Annotated[
+        Path | None,
+        typer.Option(help="Write the snapshots of a panel as a movie (MP4 needs imageio).", metavar="FILE.gif|mp4"),
+    ] = None,
 ) -> None:
-    """Look at a mesh or a result in a window, or write a picture of it."""
+    """Look at a mesh or a result in a window, or write a picture or a movie of it.
+
+    A picture or movie of one ply shows the whole panel, its projectile, a scale of the tensions and the outcome.
+    """
     from weavecell.commands import view as commands_view
 
-    commands_view.view(path, screenshot)
+    commands_view.view(path, screenshot, movie)
 
 
 @fabrics_app.command("list", epilog="Example: [bold]weavecell fabrics list[/bold]")
