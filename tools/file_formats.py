@@ -1,4 +1,4 @@
-"""Tables of docs/files.md that follow from readers and writers: fabric files, response surfaces, records of the crossover.
+"""Tables of docs/files.md that follow from readers and writers: fabric files, surfaces, records of the crossover.
 
     python tools/file_formats.py [docs/files.md]
 

@@ -232,9 +232,21 @@ def shoot(
     panel: Panel, velocities: Sequence[float] | FloatArray, *, executor: str = "local", jobs: int = 1,
     report: Callable[..., object] | None = None,
 ) -> tuple[Shot, ...]:  # fmt: skip
-    """Fire shots at given velocities [m/s], such as for a curve of residual velocity; a tuple of Shot, in their order.
+    """Fire shots at given velocities, such as for a curve of residual velocity.
 
-    executor, jobs, and what is raised: as of `critical_velocity`.
+    Parameters
+    ----------
+    panel, executor, jobs, report : as of `critical_velocity`
+    velocities : (n,) [m/s] strike velocities
+
+    Returns
+    -------
+    tuple of Shot, in the order of the velocities
+
+    Raises
+    ------
+    InputError : a velocity or number of jobs that is not positive
+    UndecidedError, UnstableError : as of `critical_velocity`
     """
     _check(jobs=jobs, **{f"velocities[{i}]": v for i, v in enumerate(velocities)})
     shots: list[Shot] = []

@@ -158,7 +158,7 @@ def main(arguments: Iterable[str] | None = None) -> NoReturn:
     except usage_error as problem:
         _fail(" ".join(problem.format_message().split()), InputError.exit_code)
     except ModuleNotFoundError as problem:
-        _fail(f"this command needs the Python package {problem.name}, which is not installed", 1)
+        _fail(f"this command needs the Python package {problem.name}, which is not installed{_hint(problem.name)}", 1)
     except OSError as problem:  # a full disk, a folder that may not be written to
         _fail(f"{problem.filename}: {problem.strerror}" if problem.filename else str(problem), 1)
     except (typer.Abort, KeyboardInterrupt):
@@ -166,6 +166,14 @@ def main(arguments: Iterable[str] | None = None) -> NoReturn:
     if code == INTERRUPTED:
         _fail("interrupted", INTERRUPTED)
     sys.exit(code if isinstance(code, int) else 0)
+
+
+def _hint(package):
+    """What to install for the packages of the 3D part, which pip does not bring."""
+    if (package or "").partition(".")[0] not in ("dolfinx", "petsc4py", "mpi4py", "ufl", "basix", "gmsh", "meshio"):
+        return ""
+    debian = "python3-dolfinx python3-petsc4py python3-gmsh python3-meshio"
+    return f"; the 3D part needs, on Debian, apt install {debian}, or conda-forge's fenics-dolfinx, python-gmsh and meshio"
 
 
 def _fail(line, code):

@@ -25,8 +25,8 @@ Made by `python -m weavecell.commands.keys_page {PAGE}`; not to be edited by han
 ## Scenes of impacts
 
 Quantities are texts with a unit, in any unit of the dimension; the unit here is that of the default. Where the default
-is "none", the code chooses `run.elements_per_crossover`, `numerics.contact_points` and `panel.ply_gap`, and does without
-any other. An editor completes and checks these keys with the JSON Schemas that `make docs` writes to docs/generated.
+is "none", the code chooses `run.elements_per_crossover`, `numerics.contact_points` and `panel.ply_gap`; any other is
+not used. An editor completes and checks these keys with the JSON Schemas that `make docs` writes to docs/generated.
 
 Columns of commands: `weavecell impact` with one ply, with several (`panel.plies`), with `[accuracy]`, and
 `weavecell critical-velocity`. "no": rejected in one line; "ignored": without meaning there."""

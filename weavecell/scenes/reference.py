@@ -1,4 +1,4 @@
-"""Reference of the scene files: the meaning of every key, and JSON Schemas that editors complete and check them with."""
+"""Reference of the scene files: the meaning of every key, and JSON Schemas with which editors complete and check."""
 
 from __future__ import annotations
 
