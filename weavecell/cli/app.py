@@ -173,7 +173,7 @@ def _hint(package):
     if (package or "").partition(".")[0] not in ("dolfinx", "petsc4py", "mpi4py", "ufl", "basix", "gmsh", "meshio"):
         return ""
     debian = "python3-dolfinx python3-petsc4py python3-gmsh python3-meshio"
-    return f"; the 3D part needs, on Debian, apt install {debian}, or conda-forge's fenics-dolfinx, python-gmsh and meshio"
+    return f"; the 3D part needs: apt install {debian} (Debian), or conda-forge's fenics-dolfinx, python-gmsh, meshio"
 
 
 def _fail(line, code):

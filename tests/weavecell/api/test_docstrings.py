@@ -60,7 +60,7 @@ def test_public_names_are_documented(package):
 
 @pytest.mark.parametrize("package", PACKAGES)
 def test_a_parameter_that_is_a_quantity_has_a_unit(package):
-    """What a docstring calls a length, time, velocity, force, ... says in which unit, or that a text with one is read."""
+    """A parameter that is called a length, velocity, force, ... has its unit in brackets."""
     word = r"\b(length|width|thickness|velocity|tension|force|modulus|mass|pressure)\b"
     wrong = []
     for name, each in load(package).items():
