@@ -2,7 +2,8 @@
 from meshing.crossover import Crossover, build
 from meshing.formats.export import write
 from meshing.mesh import YarnMesh
-from meshing.patch import Patch, build as build_patch
+from meshing.patch import Patch
+from meshing.patch import build as build_patch
 
 __all__ = [
     "Crossover",

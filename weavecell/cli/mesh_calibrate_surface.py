@@ -59,9 +59,7 @@ def mesh(
     gap: GapOption = "0 mm",
     width: Annotated[
         str | None,
-        typer.Option(
-            help="Width of the yarns in place of --yarn-gap: of both, or of warp and weft.", metavar="LENGTH[,LENGTH]"
-        ),
+        typer.Option(help="Width of both yarns, or of warp and weft, in place of a gap.", metavar="LENGTH[,LENGTH]"),
     ] = None,
     crimp: Annotated[
         str,

@@ -143,10 +143,7 @@ def critical_velocity(
         str, typer.Argument(metavar="SCENE|FABRIC", help="A scene, a fabric of the catalogue, or a fabric file.")
     ],
     tolerance: Annotated[
-        str,
-        typer.Option(
-            help="Largest difference between the highest stop and the lowest perforation.", metavar="VELOCITY"
-        ),
+        str, typer.Option(help="Highest stop and lowest perforation differ by this at most.", metavar="VELOCITY")
     ] = "1 m/s",
     curve: Annotated[
         int, typer.Option("--residual-shots", min=0, max=100, help="Shots above the limit, for residual velocities.")
@@ -157,9 +154,7 @@ def critical_velocity(
     scan_below: Annotated[
         str, typer.Option(help="Range below the lowest perforation that is scanned for others.", metavar="SHARE")
     ] = "10 %",
-    scan_step: Annotated[
-        str, typer.Option(help="Difference between neighbouring shots of the scan.", metavar="SHARE")
-    ] = "2 %",
+    scan_step: Annotated[str, typer.Option(help="Interval between shots of the scan.", metavar="SHARE")] = "2 %",
     jobs: JobsOption = CORES,
     executor: ExecutorOption = "local",
     strict: StrictOption = False,

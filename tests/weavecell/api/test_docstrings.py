@@ -24,6 +24,7 @@ def sections(text):
 
 def documented(body):
     """Names that a section "Parameters" documents."""
+    body = re.sub(r",\n\s+", ", ", body)  # a list of names that goes on
     names = [line.partition(" :")[0] for line in body.splitlines() if re.match(r"\S.* :", line)]
     return {name.strip().lstrip("*") for line in names for name in line.split(",")}
 
