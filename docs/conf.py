@@ -15,6 +15,8 @@ exclude_patterns = ["_build", "conf.py"]
 html_theme = "furo"
 html_title = f"weavecell {__version__}"
 html_show_copyright = False
+html_static_path = ["_static"]
+html_css_files = ["wide.css"]
 
 myst_heading_anchors = 3
 myst_enable_extensions = ["dollarmath", "colon_fence"]
