@@ -1,4 +1,4 @@
-"""README's numbers are those of the pages that commands write; other tests hold its table of errors, captions, claims."""
+"""README's numbers are those of the pages that commands write; other tests hold its errors, captions and claims."""
 
 import re
 from pathlib import Path
