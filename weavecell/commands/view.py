@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import io
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -21,6 +21,7 @@ from fabrics.files import replace_whole
 from meshing.pictures_style import INK, STEEL, WARP, WEFT, plots, tension_map
 from weavecell.report import pictures3d
 from weavecell.report.pictures_painter import Camera
+from weavecell.results import json_file
 from weavecell.results.impact import ImpactRecord
 from weavecell.results.paraview import read_series
 
@@ -93,7 +94,7 @@ def view(path: Path, screenshot: Path | None = None, movie: Path | None = None) 
         _write_screenshot(panel, file, screenshot)
     elif movie is None:
         plotter = pictures3d.new_plotter(off_screen=False, size=(1400, 900))
-        add(plotter, file, panel)
+        add(plotter, file, panel, summary_of(file))
         plotter.show(title=f"weavecell: {file}")
 
 
@@ -120,6 +121,12 @@ def panel_of(path: Path, file: Path) -> Panel | None:
     if not ((folder / "panel.pvd").exists() and (folder / "histories.h5").exists()):
         return None
     return Panel(ImpactRecord.read(folder / "histories.h5"), read_series(folder / "panel.pvd"))
+
+
+def summary_of(file: Path) -> dict[str, Any]:
+    """summary.json of the run whose folder a .vtu of a series lies in; empty where there is none."""
+    path = file.parent.parent / "summary.json"
+    return json_file.read_summary(path) if path.exists() else {}
 
 
 def frame(panel: Panel, file: Path, t: float) -> np.ndarray:
@@ -169,8 +176,16 @@ def frames(panel: Panel, dpi: int) -> Iterator[np.ndarray]:
             yield np.frombuffer(content.getvalue(), np.uint8).reshape(height, width, 4)[..., :3]
 
 
-def add(plotter: Any, file: Path, panel: Panel | None = None) -> None:
-    """Add the elements of a file to a plotter; of a panel the mirrored parts, the projectile and the outcome too."""
+def add(plotter: Any, file: Path, panel: Panel | None = None, summary: Mapping[str, Any] | None = None) -> None:
+    """Add the elements of a file to a plotter; of a panel or pack the mirrored parts, of a panel the projectile too.
+
+    Parameters
+    ----------
+    plotter : of pyvista
+    file : .vtu
+    panel : Panel, of a shot at one ply
+    summary : of summary.json; its outcome is written beside the picture
+    """
     import pyvista
 
     grid = pyvista.read(file)
@@ -182,7 +197,8 @@ def add(plotter: Any, file: Path, panel: Panel | None = None) -> None:
         part = grid.extract_cells(np.flatnonzero(np.asarray(grid.cell_data["failed_yarns"]) < 2))
         # VTK's scale of colours ends a process that has loaded dolfinx 0.5.2 too (std::bad_alloc): there in words
         bar = "dolfinx" not in sys.modules
-        for each in mirrored(part, panel.mirrors if panel else (False, False)):
+        known = summary or {}
+        for each in mirrored(part, (bool(known.get("mirror_x")), bool(known.get("mirror_y")))):
             plotter.add_mesh(each, scalars="tension [N]", cmap=tension_map(), clim=(0, tension.max()),
                              show_scalar_bar=bar)  # fmt: skip
         text += f"\nyarn tension, the higher of warp and weft: 0 (light) to {tension.max():.0f} N (dark)"
@@ -190,7 +206,9 @@ def add(plotter: Any, file: Path, panel: Panel | None = None) -> None:
             t = dict(panel.series).get(file, panel.record.final.t)
             body = 1e3 * panel.body(float(grid.field_data["projectile_z_m"][0]), t)
             plotter.add_mesh(pyvista.StructuredGrid(*np.moveaxis(body, -1, 0)), color=STEEL)
-            text = f"{panel.record.title}: {panel.record.outcome}\n{panel.caption(t)}\n{text}"
+            text = f"{panel.caption(t)}\n{text}"
+        if "outcome" in known:
+            text = f"{known['title']}: {known['outcome']}\n{text}"
     else:
         plotter.add_mesh(
             grid, scalars="yarn" if "yarn" in grid.cell_data else None, cmap=[WARP, WEFT], show_edges=True,
@@ -219,7 +237,7 @@ def _write_screenshot(panel, file, screenshot):
                 figure.savefig(beside, format="png", dpi=170)
         return
     plotter = pictures3d.new_plotter(off_screen=True, size=(1400, 900))
-    add(plotter, file)
+    add(plotter, file, None, summary_of(file))
     with replace_whole(screenshot) as beside:
         plotter.screenshot(beside)
     plotter.close()
