@@ -34,7 +34,7 @@ def write(mesh: YarnMesh, path: FilePath) -> None:
     Parameters
     ----------
     mesh : YarnMesh
-    path : of the file, *.msh, *.vtu, *.k, *.inp or *.rad
+    path : of the file, which ends in .msh, .vtu, .k, .inp or .rad
 
     Raises
     ------
