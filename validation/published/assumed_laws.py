@@ -14,6 +14,7 @@ import argparse
 import csv
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import weavecell as wc
 from fabrics.compression import CompressionLaw
@@ -29,7 +30,6 @@ FABRICS = ("S-720", "S-728", "S-731")
 MESH = "coarse"
 MULTIPLE = 1.3  # strike velocity of the residual velocity, over the critical velocity with the published laws
 TOLERANCE = 0.5  # [m/s] between a stop and a perforation
-MARKS = "<!-- {} of validation.published.assumed_laws -->", "<!-- end of {} -->"
 Rows = list[list[str]]
 
 
@@ -59,6 +59,11 @@ class Comparison:
     residual_range: AssumedRange
 
 
+def marks(name: str) -> tuple[str, str]:
+    """The marks of the page between which the table of that name is."""
+    return f"<!-- {name} of validation.published.assumed_laws -->", f"<!-- end of {name} -->"
+
+
 def without_laws(fabric: Fabric) -> Fabric:
     """The fabric as its data sheet has it: no compression, trellis or solid law."""
     return replace(fabric, laws=None, shear=None, solid_laws=None)
@@ -77,7 +82,7 @@ def compare(name: str, mesh: str = MESH) -> Comparison:
     InputError, UnstableError, UndecidedError : as `weavecell.calibrate` and `weavecell.critical_velocity`
     """
     fabric = wc.fabric(name)
-    search = {"tolerance": TOLERANCE, "residual_shots": 0, "scan": False}
+    search: dict[str, Any] = {"tolerance": TOLERANCE, "residual_shots": 0, "scan": False}
     critical = wc.critical_velocity(fabric, **search).velocity
     found = wc.calibrate(without_laws(fabric), mesh=mesh)
     bare = replace(found.fabric, laws=None)
@@ -151,11 +156,11 @@ def main() -> None:
             csv.writer(file, lineterminator="\n").writerows(rows)
         print(markdown(rows))
         if options.page is not None:
-            put(options.page, *(mark.format(name) for mark in MARKS), f"\n\n{markdown(rows)}\n")
+            put(options.page, *marks(name), f"\n\n{markdown(rows)}\n")
     if options.page is not None:
         made = provenance.stamp()
         line = f"Computed by `python -m validation.published.assumed_laws`, commit {made['commit']}, {made['date']}."
-        put(options.page, *(mark.format("stamp") for mark in MARKS), f"\n\n{line}\n\n")
+        put(options.page, *marks("stamp"), f"\n\n{line}\n\n")
 
 
 if __name__ == "__main__":

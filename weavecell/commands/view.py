@@ -140,7 +140,7 @@ def frame(panel: Panel, file: Path, t: float) -> np.ndarray:
     """
     import pyvista
 
-    grid = pyvista.read(file)
+    grid: Any = pyvista.read(file)
     tension = np.column_stack([grid.cell_data["tension_warp_N"], grid.cell_data["tension_weft_N"]])
     share = (tension / panel.record.strength).max(axis=1)
     body = panel.body(float(grid.field_data["projectile_z_m"][0]), t)
@@ -188,7 +188,7 @@ def add(plotter: Any, file: Path, panel: Panel | None = None, summary: Mapping[s
     """
     import pyvista
 
-    grid = pyvista.read(file)
+    grid: Any = pyvista.read(file)
     grid.points *= 1e3
     text = f"{file.name}, lengths in mm"
     if "tension_warp_N" in grid.cell_data:
