@@ -12,9 +12,12 @@ project, author, copyright = "weavecell", "The weavecell developers", "The weave
 version = release = __version__
 extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.mathjax", "numpydoc"]
 exclude_patterns = ["_build", "conf.py"]
+highlight_language = "none"  # blocks without a language are commands and their output
 html_theme = "furo"
 html_title = f"weavecell {__version__}"
 html_show_copyright = False
+html_static_path = ["_static"]
+html_css_files = ["wide.css"]
 
 myst_heading_anchors = 3
 myst_enable_extensions = ["dollarmath", "colon_fence"]

@@ -112,7 +112,7 @@ class YarnMesh:
 
     @property
     def collected(self) -> dict:
-        """ "warp_..." and "weft_...": for each part the names in `faces` of all yarns of the family."""
+        """For each part of a family, such as "warp_contact": the names in `faces` of all yarns of the family."""
         found: dict[str, list[str]] = {}
         for name in self.faces:
             yarn, part = name.rsplit("_", 1)

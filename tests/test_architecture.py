@@ -57,6 +57,8 @@ BY_NAME = (
     "fabrics/executors.py",  # of the user's own, and other libraries
     "shellfabric/jit/compile_in_child.py",
     # public names, which no module of ours takes from there
+    "fabrics/__init__.py",
+    "meshing/__init__.py",
     "shellfabric/__init__.py",
     "unitcell3d/__init__.py",
     "weavecell/__init__.py",

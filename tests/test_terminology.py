@@ -38,10 +38,15 @@ EXEMPT = {
 DEFERRED = ("validation/claims/claims.toml", "validation/claims/additional.toml")
 
 
+def documents(root):
+    """The pages under docs/, without those that a build writes there."""
+    return [path for path in (root / "docs").rglob("*.md") if not {"generated", "_build"} & set(path.parts)]
+
+
 def texts(root):
     """{name: text} of the product's code, data files and templates, of README, CONTRIBUTING and docs."""
     files = [path for package in PACKAGES for path in (root / package).rglob("*")]
-    files += [*root.glob("*.md"), *(root / "docs").glob("*.md")]
+    files += [*root.glob("*.md"), *documents(root)]
     kinds = {".py", ".toml", ".md", ".j2"}
     names = {str(path.relative_to(root)): path for path in files if path.suffix in kinds and path.is_file()}
     return {name: path.read_text("utf-8") for name, path in names.items() if name not in (*DEFERRED, "CHANGELOG.md")}

@@ -15,10 +15,8 @@ from PIL import Image
 from fabrics import catalogue
 from fabrics.errors import UnstableError
 from fabrics.files import replace_whole, write_whole
-from meshing import patch, pictures_patch
 from validation.published.biaxial_glass import model_comparison, options
 from validation.published.biaxial_glass import pictures as biaxial_pictures
-from weavecell.analysis.biaxial_test.curves import curves
 from weavecell.commands import biaxial, coupon
 
 FIGURES = Path(__file__).parents[1] / "docs" / "figures"
@@ -27,17 +25,14 @@ FROM_COUPONS = {
     "S-728-bias": ("coupon.png", "angles.svg"), "S-728-no-trellis": ("coupon.png",), "S-720-frame": ("stress.svg",),
     "S-720-warp": ("load.svg", "strains.svg"), "glass-biaxial": ("load.svg",),
 }  # fmt: skip
-FROM_DEMO = ("mesh.png", "fit.svg", "cell.svg", "velocity.svg", "panel.png", "energies-1.svg", "energies-3.svg")
+FROM_DEMO = ("mesh.png", "fit.svg", "cell.svg")
 
 
 def main(demo):
     for name in FROM_DEMO:
         keep(demo / "pictures" / name, name)
-    fabric = catalogue.load("S-720")
-    pictures_patch.picture(patch.build(fabric, (4, 4), size=(8, 6, 2)), FIGURES / "weave.png")
     for name in ("glass-balanced", "glass-unbalanced"):
         weave = catalogue.load(name)
-        biaxial_pictures.picture(weave, curves(weave), FIGURES / f"biaxial-{name}.png")
         biaxial_pictures.options(weave, options.same_constants(weave), FIGURES / f"biaxial-options-{name}.png")
         biaxial_pictures.sides(weave, model_comparison.compare(weave)[0], FIGURES / f"biaxial-sides-{name}.png")
     coupons()

@@ -73,10 +73,9 @@ def schemas():
     """{name of the file: JSON Schema}"""
     from weavecell.scenes.coupon import CouponScene
     from weavecell.scenes.impact import Scene
+    from weavecell.scenes.reference import json_schema
 
-    return {
-        f"{name}.schema.json": model.model_json_schema() for name, model in (("scene", Scene), ("coupon", CouponScene))
-    }
+    return {f"{name}.schema.json": json_schema(model) for name, model in (("scene", Scene), ("coupon", CouponScene))}
 
 
 def write(folder):

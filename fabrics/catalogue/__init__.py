@@ -47,6 +47,10 @@ def list_names() -> tuple[str, ...]:
 def load(name_or_path: FilePath) -> Fabric:
     """Load a fabric of the catalogue by name, or a user's fabric file by path (it ends in .toml).
 
+    Parameters
+    ----------
+    name_or_path : name of the catalogue, or path of a .toml file
+
     Raises
     ------
     InputError : no such fabric or file, or the file is wrong: one line naming the file, key, value and what is allowed

@@ -31,6 +31,11 @@ LINE, QUADRILATERAL, HEXAHEDRON = 1, 3, 5  # gmsh's numbers of its element types
 def write(mesh: YarnMesh, path: FilePath) -> None:
     """Write a `Crossover` or `Patch` in the format that the suffix of `path` names.
 
+    Parameters
+    ----------
+    mesh : YarnMesh
+    path : of the file, which ends in .msh, .vtu, .k, .inp or .rad
+
     Raises
     ------
     InputError : there is no such format; nothing is written

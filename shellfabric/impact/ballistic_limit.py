@@ -1,10 +1,9 @@
 """Critical velocity (ballistic limit) of a panel: the strike velocity between the last stop and the first perforation.
 
 A shot of a deterministic model either stops or perforates, so that two shots with different outcomes bracket the
-critical velocity (thesis section 5.2.3, Figure 5-51). The bracket is found from a first guess by steps that
-grow, then halved until it is as narrow as the tolerance. Panel and table of the cell are made once for all shots, a
-shot ends as soon as its outcome is known, and the residual velocities of those that perforate are kept for a
-Lambert-Jonas fit (`lambert_jonas`).
+critical velocity (thesis section 5.2.3, Figure 5-51). The bracket is found from a first guess by steps that grow, then
+halved until it is as narrow as the tolerance. Panel and table of the cell are made once for all shots, a shot ends as
+soon as its outcome is known, and the residual velocities are kept for a Lambert-Jonas fit (`lambert_jonas`).
 
 Shots can be fired beside each other: while one is under way, those that would follow from either of its outcomes are
 begun, and given up if they turn out not to be needed. The shots that count, and the result, are the same with any
@@ -232,9 +231,16 @@ def shoot(
     panel: Panel, velocities: Sequence[float] | FloatArray, *, executor: str = "local", jobs: int = 1,
     report: Callable[..., object] | None = None,
 ) -> tuple[Shot, ...]:  # fmt: skip
-    """Fire shots at given velocities [m/s], such as for a curve of residual velocity; a tuple of Shot, in their order.
+    """Fire shots at given velocities; a tuple of Shot, in their order.
 
-    executor, jobs, and what is raised: as of `critical_velocity`.
+    Parameters
+    ----------
+    panel, executor, jobs, report : as of `critical_velocity`
+    velocities : (n,) [m/s] strike velocities
+
+    Raises
+    ------
+    InputError, UndecidedError, UnstableError : as of `critical_velocity`
     """
     _check(jobs=jobs, **{f"velocities[{i}]": v for i, v in enumerate(velocities)})
     shots: list[Shot] = []

@@ -5,6 +5,7 @@ import shutil
 import site
 import subprocess
 import sys
+import tarfile
 import tomllib
 import zipfile
 from fnmatch import fnmatch
@@ -82,6 +83,25 @@ def wheel(tmp_path_factory):
 def test_the_wheel_holds_every_file(wheel):
     held = {name for name in zipfile.ZipFile(wheel).namelist() if ".dist-info/" not in name}
     assert held == {path.as_posix() for path in FILES}
+
+
+def test_the_wheel_has_the_version_of_the_code(wheel):
+    import fabrics
+
+    assert wheel.name.startswith(f"weavecell-{fabrics.__version__}-py3-")
+
+
+def test_the_source_distribution_holds_every_file(tmp_path):
+    for path in [*FILES, *map(Path, ("pyproject.toml", "README.md", "LICENSE"))]:
+        (tmp_path / "source" / path).parent.mkdir(parents=True, exist_ok=True)
+        shutil.copy(ROOT / path, tmp_path / "source" / path)
+    code = f"from setuptools.build_meta import build_sdist; build_sdist({str(tmp_path)!r})"
+    done = subprocess.run([sys.executable, "-c", code], cwd=tmp_path / "source", capture_output=True, text=True)
+    assert done.returncode == 0, done.stdout + done.stderr
+    [found] = tmp_path.glob("*.tar.gz")
+    with tarfile.open(found) as archive:
+        held = {name.partition("/")[2] for name in archive.getnames()}
+    assert {path.as_posix() for path in FILES} | {"pyproject.toml", "README.md", "LICENSE"} <= held
 
 
 @pytest.fixture(scope="module")

@@ -95,8 +95,19 @@ def plate_compression(
     """Press a crossover between two rigid plates, the yarns' ends held in the plane at their spacing.
 
     The plates stand at equal distances above and below the middle plane, as the two-fold axis of the weave requires, so
-    that the higher yarn is touched first. The path ends at the mean `pressure` [Pa] on the area of the cell, the
-    thesis's greatest by default, or with the plates at the share `min_plate_gap` of their first distance.
+    that the higher yarn is touched first.
+
+    Parameters
+    ----------
+    crossover : meshing.crossover.Crossover
+    fabric : Fabric
+    pressure : [Pa] mean on the area of the cell at the end of the path, by default the highest of the thesis
+    min_plate_gap : [-] share of the first distance of the plates at which the path ends too
+    numerics, steps, hooks : see `model.crossover.Numerics`, `load_stepping.Steps`, `load_stepping.solve_load_path`
+
+    Returns
+    -------
+    History
 
     Raises
     ------

@@ -61,7 +61,8 @@ def calibrate(fabric: Fabric, *, out: FilePath | None = None, **choices: Any) ->
 
     Parameters
     ----------
-    out : directory for what is found, or None
+    fabric : Fabric, with solid laws
+    out : directory for histories and laws, or None
     choices : as of `calibrate_all`
 
     Raises

@@ -22,7 +22,14 @@ _ROUNDING = 1e-6  # of G1: a rise below it is none
 
 @dataclass(frozen=True)
 class ShearFit:
-    """law : TrellisShear; rms : [Pa] of the stress; locked : whether the curve goes on beyond gamma2, to show G2."""
+    """A trellis law fitted to a curve.
+
+    Parameters
+    ----------
+    law : TrellisShear
+    rms : [Pa] residual of the stress
+    locked : whether the curve goes on beyond gamma2, so that it determines G2
+    """
 
     law: TrellisShear
     rms: float

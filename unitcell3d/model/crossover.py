@@ -69,7 +69,13 @@ class Numerics:
 
 @dataclass(frozen=True)
 class Load:
-    """End displacements d1, d2 [m] per end, and half the distance of two plates [m] (infinite: none)."""
+    """Load of a crossover.
+
+    Parameters
+    ----------
+    d : (d1, d2) [m] end displacements of warp and weft, per end
+    plates : [m] half the distance of two platens; infinite for none
+    """
 
     d: tuple = (0.0, 0.0)
     plates: float = np.inf
@@ -244,7 +250,8 @@ class CrossoverModel(YarnsModel):
     Parameters
     ----------
     crossover : meshing.crossover.Crossover
-    fabric, numerics, integration, failure : as of a `YarnsModel`
+    fabric, numerics : as of a `YarnsModel`
+    choices : integration, failure: as of a `YarnsModel`
 
     Raises
     ------

@@ -111,17 +111,22 @@ def residual_velocity(
     outcome, velocity : of the nominal shot, [m/s]
     on_progress : called as on_progress(share of the shots) after each
     """
-    rows, found = [Row("nominal", outcome, velocity)], corners(setup.fabric, setup.laws)
+    rows, found = [Row("nominal", outcome, _residual(outcome, velocity))], corners(setup.fabric, setup.laws)
     for number, (name, (fabric, laws)) in enumerate(found.items(), 1):
         plain = replace(setup, fabric=fabric, laws=laws, snapshot_interval=None, history=None)
         try:
             result = single_ply.run(plain)
-            rows.append(Row(name, result.outcome, float(result.residual_velocity)))
+            rows.append(Row(name, result.outcome, _residual(result.outcome, result.residual_velocity)))
         except UnstableError:
             rows.append(Row(name, "unstable", None))
         if on_progress is not None:
             on_progress(number / len(found))
     return AssumedRange("residual velocity", varied(setup.fabric, setup.laws), tuple(rows)) if found else None
+
+
+def _residual(outcome, velocity):
+    """[m/s] residual velocity, 0 of a projectile that has stopped: in its last step it may turn back."""
+    return 0.0 if outcome == "stopped" else float(velocity)
 
 
 def critical_velocity(

@@ -105,11 +105,18 @@ def view(
     screenshot: Annotated[
         Path | None, typer.Option(help="Write a picture instead of opening a window.", metavar="FILE.png")
     ] = None,
+    movie: Annotated[
+        Path | None,
+        typer.Option(help="Write the snapshots of a panel as a movie (MP4 needs imageio).", metavar="FILE.gif|mp4"),
+    ] = None,
 ) -> None:
-    """Look at a mesh or a result in a window, or write a picture of it."""
+    """Look at a mesh or a result in a window, or write a picture or a movie of it.
+
+    A picture or movie of one ply shows the whole panel, its projectile, a scale of the tensions and the outcome.
+    """
     from weavecell.commands import view as commands_view
 
-    commands_view.view(path, screenshot)
+    commands_view.view(path, screenshot, movie)
 
 
 @fabrics_app.command("list", epilog="Example: [bold]weavecell fabrics list[/bold]")
@@ -151,7 +158,7 @@ def main(arguments: Iterable[str] | None = None) -> NoReturn:
     except usage_error as problem:
         _fail(" ".join(problem.format_message().split()), InputError.exit_code)
     except ModuleNotFoundError as problem:
-        _fail(f"this command needs the Python package {problem.name}, which is not installed", 1)
+        _fail(f"this command needs the Python package {problem.name}, which is not installed{_hint(problem.name)}", 1)
     except OSError as problem:  # a full disk, a folder that may not be written to
         _fail(f"{problem.filename}: {problem.strerror}" if problem.filename else str(problem), 1)
     except (typer.Abort, KeyboardInterrupt):
@@ -159,6 +166,14 @@ def main(arguments: Iterable[str] | None = None) -> NoReturn:
     if code == INTERRUPTED:
         _fail("interrupted", INTERRUPTED)
     sys.exit(code if isinstance(code, int) else 0)
+
+
+def _hint(package):
+    """What to install for the packages of the 3D part, which pip does not bring."""
+    if (package or "").partition(".")[0] not in ("dolfinx", "petsc4py", "mpi4py", "ufl", "basix", "gmsh", "meshio"):
+        return ""
+    debian = "python3-dolfinx python3-petsc4py python3-gmsh python3-meshio"
+    return f"; the 3D part needs: apt install {debian} (Debian), or conda-forge's fenics-dolfinx, python-gmsh, meshio"
 
 
 def _fail(line, code):

@@ -60,14 +60,14 @@ _OF_CASE = {
 
 
 CaseOption = Annotated[
-    Case, typer.Option(help="One yarn pulled, plies between platens, or the weave stretched, sheared.")
+    Case, typer.Option(help="Load case: one yarn in tension, plies between platens, biaxial tension, a path, or shear.")
 ]
 PartOption = Annotated[
     Part | None,
     typer.Option(help="yarn, path: a quarter (default) or whole; biaxial, shear: whole (default) or periodic (2 x 2)."),
 ]
-FailureOption = Annotated[bool, typer.Option("--failure", help="Fibres fail at their failure strain.")]
-FamilyOption = Annotated[Family, typer.Option(help="yarn: which.")]
+FailureOption = Annotated[bool, typer.Option("--failure", help="Let fibres fail at their failure strain.")]
+FamilyOption = Annotated[Family, typer.Option(help="yarn: family of the yarn that is pulled.")]
 BarsOption = Annotated[
     int | None, typer.Option(help="yarn: fibre lines that carry bars; all if not given.", metavar="N")
 ]
@@ -75,19 +75,19 @@ ReducedOption = Annotated[
     bool,
     typer.Option("--reduced-integration", help="yarn: one integration point, to see the zero-energy modes."),
 ]
-PliesOption = Annotated[int, typer.Option(help="stack: number.")]
+PliesOption = Annotated[int, typer.Option(help="stack: number of plies.")]
 ShiftOption = Annotated[
-    str, typer.Option(help="stack: of each ply on the one under it, in crossings along x and y.", metavar="X,Y")
+    str, typer.Option(help="stack: offset of each ply from the one below, in crossovers along x and y.", metavar="X,Y")
 ]
 PressureOption = Annotated[
     str | None,
-    typer.Option(help="platens, stack: at the end; the thesis's greatest by default.", metavar="PRESSURE"),
+    typer.Option(help="platens, stack: pressure at the end; by default the highest of the thesis.", metavar="PRESSURE"),
 ]
 StretchOption = Annotated[
     str,
     typer.Option(
         "--end-displacement",
-        help="biaxial, shear: of each yarn end, both or warp and weft.",
+        help="biaxial, shear: displacement of each yarn end, of both or of warp and weft.",
         metavar="LENGTH[,LENGTH]",
     ),
 ]

@@ -50,7 +50,7 @@ def mesh(
     size: FinenessOption = "medium",
     domain: Annotated[
         Domain | None,
-        typer.Option(help="A quarter by symmetry (default), one whole, or a periodic cell of 2 x 2."),
+        typer.Option(help="A quarter by symmetry (default), one whole crossover, or a periodic cell of 2 x 2."),
     ] = None,
     patch: Annotated[
         str | None, typer.Option(help="A woven patch of N warp and M weft yarns instead.", metavar="NxM")
@@ -59,12 +59,12 @@ def mesh(
     gap: GapOption = "0 mm",
     width: Annotated[
         str | None,
-        typer.Option(help="Width of the yarns instead, of both or warp and weft.", metavar="LENGTH[,LENGTH]"),
+        typer.Option(help="Width of both yarns, or of warp and weft, in place of a gap.", metavar="LENGTH[,LENGTH]"),
     ] = None,
     crimp: Annotated[
         str,
         typer.Option(
-            help="Measured by hand, from micrographs, or of both yarns or warp and weft.",
+            help="Crimp: measured by hand, from micrographs, or values for both yarns or warp and weft.",
             metavar="hand|micrograph|CRIMP[,CRIMP]",
         ),
     ] = "hand",
@@ -73,7 +73,7 @@ def mesh(
         typer.Option("--tip-thickness-ratio", "--bluntness", help="Thickness of the cut tips over that of the middle."),
     ] = 0.075,
     overlap: Annotated[
-        Overlap, typer.Option(help="What to do where the two sections overlap by more than a shift removes.")
+        Overlap, typer.Option(help="Treatment of sections that overlap by more than a shift removes.")
     ] = Overlap.solve,
     end_shells: Annotated[
         str | None, typer.Option(help="Close the yarn ends with shells of this thickness.", metavar="LENGTH")
@@ -110,7 +110,7 @@ PlatenCurveOption = Annotated[
     Path | None,
     typer.Option(
         "--platen-curve",
-        help="First fit E_c, V_c and K_r to this curve: pressure and thickness.",
+        help="First fit E_c, V_c and K_r to this platen curve (pressure and thickness).",
         metavar="CURVE.csv",
     ),
 ]
@@ -128,7 +128,10 @@ def calibrate(
     executor: ExecutorOption = "local",
     plates: PlatenCurveOption = None,
     fit_solid: Annotated[
-        bool, typer.Option("--fit-solid", help="The same, to the built-in pressure law of Kevlar plain weaves.")
+        bool,
+        typer.Option(
+            "--fit-solid", help="First fit E_c, V_c and K_r to the built-in pressure law of Kevlar plain weaves."
+        ),
     ] = False,
     page: Annotated[
         Path | None,
@@ -178,12 +181,15 @@ def surface(
     d1: Annotated[
         str, typer.Option("--d1", help="End displacements of the warp, per end.", metavar="'LOW .. HIGH'")
     ] = "0 mm .. 0.03 mm",
-    d2: Annotated[str, typer.Option("--d2", help="The same of the weft.", metavar="'LOW .. HIGH'")] = "0 mm .. 0.03 mm",
-    points: Annotated[int, typer.Option(help="Lines in each direction, to begin with.")] = 21,
+    d2: Annotated[
+        str, typer.Option("--d2", help="End displacements of the weft, per end.", metavar="'LOW .. HIGH'")
+    ] = "0 mm .. 0.03 mm",
+    points: Annotated[int, typer.Option(help="Initial number of lines in each direction.")] = 21,
     tolerance: Annotated[
         float | None,
         typer.Option(
-            help="Add lines until none is missed by more, of the largest force, when left out.", metavar="SHARE"
+            help="Refine until every line is interpolated from the others within this share of the largest force.",
+            metavar="SHARE",
         ),
     ] = None,
     friction: FrictionOption = 0.0,

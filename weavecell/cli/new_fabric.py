@@ -34,7 +34,9 @@ FrameOption = Annotated[
 ]
 SideOption = Annotated[
     str | None,
-    typer.Option("--frame-side", help="Of the picture frame, where its file gives the force.", metavar="LENGTH"),
+    typer.Option(
+        "--frame-side", help="Side of the picture frame, needed where the file gives its force.", metavar="LENGTH"
+    ),
 ]
 
 

@@ -45,20 +45,20 @@ ResumeOption = Annotated[
     bool,
     typer.Option(
         "--resume",
-        help="Go on from what an interrupted run has left. Finished results of another version of the code are "
+        help="Continue an interrupted run. Finished results of another version of the code are "
         "computed again; the state of an unfinished run (checkpoint.h5, partial.h5) of another version is refused.",
     ),
 ]
 StrictOption = Annotated[
     bool, typer.Option("--strict", help="Exit code 3 if a quality indicator is beyond its limit; results are written.")
 ]
-JobsOption = Annotated[int, typer.Option("--jobs", min=1, help="Runs that are under way at once.", metavar="N")]
+JobsOption = Annotated[int, typer.Option("--jobs", min=1, help="Number of runs in parallel.", metavar="N")]
 ExecutorOption = Annotated[
     str,
     typer.Option(
         "--executor",
-        help="Where they are run: processes of this machine; the ranks of mpiexec -n RANKS python -m mpi4py.futures "
-        "-m weavecell ...; Parsl; Dask; or the concurrent.futures.Executor that your function returns.",
+        help="Where runs are executed: processes of this machine; the ranks of mpiexec -n RANKS python -m "
+        "mpi4py.futures -m weavecell ...; Parsl; Dask; or the concurrent.futures.Executor that your function returns.",
         metavar="local|mpi|parsl|dask|MODULE:FUNCTION",
     ),
 ]
@@ -67,7 +67,7 @@ FinenessOption = Annotated[
     str,
     typer.Option(
         "--mesh",
-        help="How fine: a name, hexahedra along, across and through a quarter yarn, or an edge length.",
+        help="Mesh: a name, the numbers of hexahedra along, across and through a quarter yarn, or an edge length.",
         metavar="auto|coarse|medium|fine|NX,NY,NZ|LENGTH",
     ),
 ]

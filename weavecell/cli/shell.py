@@ -94,12 +94,14 @@ def biaxial(
         Size | None, typer.Option("--compare-3d", help="Solve the 3D crossover too, with this mesh, and compare.")
     ] = None,
     profile: Annotated[
-        Profile, typer.Option(help="Of the yarns: the thesis's cosine, or Kawabata's straight segments.")
+        Profile, typer.Option(help="Centre line of the yarns: the thesis's cosine, or Kawabata's straight segments.")
     ] = Profile.cosine,
     toe: Annotated[
         str,
         typer.Option(
-            "--fibre-slack", help="Strain that straightens the fibres, of both or of each.", metavar="WARP[,WEFT]"
+            "--fibre-slack",
+            help="Mean slack of the fibres of a yarn (toe of its tensile curve): of both, or of warp and weft.",
+            metavar="WARP[,WEFT]",
         ),
     ] = "0",
     out: OutOption = None,
@@ -141,7 +143,7 @@ def critical_velocity(
         str, typer.Argument(metavar="SCENE|FABRIC", help="A scene, a fabric of the catalogue, or a fabric file.")
     ],
     tolerance: Annotated[
-        str, typer.Option(help="At most between a stop and a perforation.", metavar="VELOCITY")
+        str, typer.Option(help="Highest stop and lowest perforation differ by this at most.", metavar="VELOCITY")
     ] = "1 m/s",
     curve: Annotated[
         int, typer.Option("--residual-shots", min=0, max=100, help="Shots above the limit, for residual velocities.")
@@ -152,7 +154,7 @@ def critical_velocity(
     scan_below: Annotated[
         str, typer.Option(help="Range below the lowest perforation that is scanned for others.", metavar="SHARE")
     ] = "10 %",
-    scan_step: Annotated[str, typer.Option(help="Between shots of the scan.", metavar="SHARE")] = "2 %",
+    scan_step: Annotated[str, typer.Option(help="Interval between shots of the scan.", metavar="SHARE")] = "2 %",
     jobs: JobsOption = CORES,
     executor: ExecutorOption = "local",
     strict: StrictOption = False,

@@ -13,7 +13,7 @@ SENSITIVITY = "Example: [bold]weavecell sensitivity S-720 --samples 64[/bold]"
 V50 = "Example: [bold]weavecell v50 S-720 --shots 200 --weibull-shape 14.3[/bold]"
 
 
-SeedOption = Annotated[int, typer.Option(min=0, help="Of all that is drawn.")]
+SeedOption = Annotated[int, typer.Option(min=0, help="Seed of the random numbers.")]
 OpeningOption = Annotated[str, typer.Option(help="Side of the square panel.", metavar="LENGTH")]
 PageOption = Annotated[
     Path | None, typer.Option(help="Also put table and picture between their marks of this page.", metavar="FILE.md")
@@ -57,18 +57,23 @@ def sensitivity(
 
 def v50(
     fabric: FabricArgument,
-    shots: Annotated[int, typer.Option(min=4, help="How many.")] = 100,
-    batch: Annotated[int, typer.Option(min=4, help="Shots of a round; the next is placed by those before.")] = 10,
+    shots: Annotated[int, typer.Option(min=4, help="Number of shots.")] = 100,
+    batch: Annotated[
+        int, typer.Option(min=4, help="Shots in a batch; each batch is placed by the results of those before.")
+    ] = 10,
     shape: Annotated[
         float | None,
         typer.Option("--weibull-shape", help="Weibull shape of the yarns' strength; inf for none.", min=1.0),
     ] = None,
     modulus: Annotated[
         str | None,
-        typer.Option("--modulus-cov", help="Coefficient of variation, panel to panel.", metavar="FRACTION"),
+        typer.Option(
+            "--modulus-cov", help="Coefficient of variation of the modulus between panels.", metavar="FRACTION"
+        ),
     ] = None,
     crimp: Annotated[
-        str | None, typer.Option("--crimp-cov", help="Coefficient of variation, panel to panel.", metavar="FRACTION")
+        str | None,
+        typer.Option("--crimp-cov", help="Coefficient of variation of the crimp between panels.", metavar="FRACTION"),
     ] = None,
     seed: SeedOption = 1,
     jobs: JobsOption = CORES,

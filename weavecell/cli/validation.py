@@ -23,11 +23,11 @@ class Level(StrEnum):
     fine = "fine"
 
 
-QuickOption = Annotated[bool, typer.Option("--quick", help="Coarser references: to see whether all runs.")]
+QuickOption = Annotated[bool, typer.Option("--quick", help="Coarser references, as a check that everything runs.")]
 PageOption = Annotated[
     Path | None, typer.Option(help="Also write this page, with its figures beside it in figures/.", metavar="FILE.md")
 ]
-AllOption = Annotated[bool, typer.Option("--all", help="All of them.")]
+AllOption = Annotated[bool, typer.Option("--all", help="All standard scenes or maps.")]
 
 
 def cost_accuracy(
@@ -38,7 +38,7 @@ def cost_accuracy(
     everything: AllOption = False,
     quick: QuickOption = False,
     page: PageOption = None,
-    level: Annotated[Level, typer.Option(help="crossover: how fine the finest reference is.")] = Level.full,
+    level: Annotated[Level, typer.Option(help="crossover: mesh of the finest reference.")] = Level.full,
     only: Annotated[
         str, typer.Option(help="crossover: choices to vary, by commas; all if not given.", metavar="CHOICE,...")
     ] = "",
@@ -75,10 +75,10 @@ def cost_accuracy(
 
 def stability(
     maps: Annotated[
-        list[str] | None, typer.Option("--map", help="Which map; an unknown one lists them.", metavar="NAME")
+        list[str] | None, typer.Option("--map", help="Name of the map; an unknown one lists them.", metavar="NAME")
     ] = None,
     everything: AllOption = False,
-    quick: Annotated[bool, typer.Option("--quick", help="Few points: to see whether all runs.")] = False,
+    quick: Annotated[bool, typer.Option("--quick", help="Few points, as a check that everything runs.")] = False,
     page: PageOption = None,
     jobs: JobsOption = CORES,
     executor: ExecutorOption = "local",

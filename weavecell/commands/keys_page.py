@@ -15,6 +15,7 @@ from weavecell.results import keys
 from weavecell.scenes import build, renamed_keys, supported
 from weavecell.scenes.coupon import CouponScene
 from weavecell.scenes.impact import Scene
+from weavecell.scenes.reference import meanings
 
 PAGE = Path("docs") / "keys.md"
 HEAD = f"""# Keys of scenes and results
@@ -23,8 +24,9 @@ Made by `python -m weavecell.commands.keys_page {PAGE}`; not to be edited by han
 
 ## Scenes of impacts
 
-Quantities are texts with a unit; the unit here is that of the default. Where the default is "none", the code chooses
-`run.elements_per_crossover`, `numerics.contact_points` and `panel.ply_gap`, and does without any other.
+Quantities are texts with a unit, in any unit of the dimension; the unit here is that of the default. Where the default
+is "none", the code chooses `run.elements_per_crossover`, `numerics.contact_points` and `panel.ply_gap`; any other is
+not used. An editor completes and checks these keys with the JSON Schemas that `make docs` writes to docs/generated.
 
 Columns of commands: `weavecell impact` with one ply, with several (`panel.plies`), with `[accuracy]`, and
 `weavecell critical-velocity`. "no": rejected in one line; "ignored": without meaning there."""
@@ -79,12 +81,13 @@ def page() -> str:
 
 def _scene_table(model, supports):
     defaults = _solver_defaults()
+    words = meanings(model)
     rows = [
-        (CODE(key), _unit(entry), defaults.get(key) or _default(entry), entry.description,
+        (CODE(key), words[key], _unit(entry), defaults.get(key) or _default(entry), entry.description,
          *(_support(support, key) for support in supports.values()))
         for key, entry in supported.entries(model).items()
     ]  # fmt: skip
-    return _table(("key", "unit", "default", "allowed", *supports), rows)
+    return _table(("key", "meaning", "unit", "default", "allowed", *supports), rows)
 
 
 def _unit(entry):

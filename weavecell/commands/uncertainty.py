@@ -95,6 +95,9 @@ def probabilistic(
         f"{100 * scatter.modulus:g} %, of either crimp {100 * scatter.crimp:g} %, from panel to panel.",
         "V0 and V100 are where 1 % and 99 % perforate.",
     ]
+    for link, curve in study.curves.items():
+        interval = "{:.1f} to {:.1f} m/s".format(*curve.intervals["V50"])
+        print(f"V50 ({link}) {curve.V50:.1f} m/s, {interval} with {100 * curve.confidence:g} % confidence")
     command = f"weavecell v50 {fabric} --shots {len(study.shots)} --batch {batch} --seed {seed}"
     title = f"{cloth.name}: probability of perforation, {len(study.shots)} shots"
     content = {

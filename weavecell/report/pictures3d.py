@@ -42,6 +42,7 @@ def panel(
     projectile: np.ndarray,
     mirrors: Sequence[bool],
     reach: float | None = None,
+    camera: Camera | None = None,
 ) -> np.ndarray:
     """A deformed panel seen from behind: tension in colour, broken yarns in vermilion, cells without a yarn left out.
 
@@ -54,6 +55,7 @@ def panel(
     projectile : (a, b, 3) [m] surface of the projectile
     mirrors : (x, y) whether the panel is to be mirrored in the planes x = 0 and y = 0
     reach : [m] half the width of a close-up of the impact point; the whole panel if not given
+    camera : Camera of a view of its own, in mm, in place of these two; nothing is cropped
 
     Returns
     -------
@@ -77,8 +79,8 @@ def panel(
     front = body[body[..., 2] > body[..., 2].max() - 0.1]  # where a close-up looks
     x, y = front.mean(axis=0)[:2] if reach else (0.0, 0.0)
     position, target = (x + 0.55 * span, y - 1.4 * span, top + 0.95 * span), (x, y, top)
-    camera = Camera(position, target, 0.6e3 * reach if reach else 0.48 * span)
+    view = camera or Camera(position, target, 0.6e3 * reach if reach else 0.48 * span)
     steel, behind = np.tile(to_rgb(STEEL), (len(corners), 1)), np.zeros(len(cloth) + len(corners))
     behind[len(cloth) :] = CLOTH_DEPTH
-    image = paint(np.concatenate([cloth, corners]), np.concatenate([paints, steel]), camera, further=behind)
-    return image if reach else _cropped(image)
+    image = paint(np.concatenate([cloth, corners]), np.concatenate([paints, steel]), view, further=behind)
+    return image if reach or camera else _cropped(image)

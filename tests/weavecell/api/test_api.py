@@ -163,6 +163,15 @@ def test_assumed_laws_are_named_and_ranged():
     assert "assumed_range" in found.summary()
 
 
+def test_a_stopped_projectile_has_no_residual_velocity():
+    from weavecell.analysis import assumed_range
+
+    found = wc.setup(MINE, 90.0, law=CompressionLaw(4e-5, 5e-5), **SMALL)
+    around = assumed_range.residual_velocity(found, "stopped", -0.1)
+    assert around.rows[0].velocity == 0.0
+    assert all(row.velocity > 0 for row in around.rows[1:])  # still in flight
+
+
 def test_a_coupon(tmp_path):
     found = wc.coupon("S-720", "uniaxial", direction="warp", length="20 mm", width="10 mm", strain=0.01, steps=2)
     assert found.outcome == "complete"

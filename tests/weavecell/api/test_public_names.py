@@ -4,11 +4,13 @@ from pathlib import Path
 
 import pytest
 
+import fabrics
+import meshing
 import shellfabric
 import unitcell3d
 
 
-@pytest.mark.parametrize("package", [shellfabric, unitcell3d], ids=lambda one: one.__name__)
+@pytest.mark.parametrize("package", [fabrics, meshing, shellfabric, unitcell3d], ids=lambda one: one.__name__)
 def test_every_name_is_there(package):
     if package is unitcell3d:
         pytest.importorskip("dolfinx")
@@ -19,7 +21,7 @@ def test_every_name_is_there(package):
         package.nothing  # noqa: B018
 
 
-@pytest.mark.parametrize("package", [shellfabric, unitcell3d], ids=lambda one: one.__name__)
+@pytest.mark.parametrize("package", [fabrics, meshing, shellfabric, unitcell3d], ids=lambda one: one.__name__)
 def test_the_stub_has_the_same_names(package):
     text = Path(package.__file__).with_suffix(".pyi").read_text("utf-8")
     namespace: dict = {}

@@ -116,3 +116,19 @@ def test_show_of_a_copied_file_is_a_fabric_file(command, tmp_path):
     code, out, _ = command("fabrics", "show", "S-728.toml")
     assert code == 0
     assert "0.4391 mm" in out
+
+
+def test_without_the_3d_part_one_line_says_what_to_install(tmp_path):
+    code = """
+import sys
+for name in ("dolfinx", "petsc4py", "gmsh"):
+    sys.modules[name] = None
+from weavecell.cli import app
+app.main(["calibrate", "S-720", "--mesh", "coarse", "--jobs", "1", "--out", sys.argv[1]])
+"""
+    done = subprocess.run([sys.executable, "-c", code, str(tmp_path / "out")], capture_output=True, text=True)
+    assert done.returncode == 1
+    last = done.stderr.splitlines()[-1]
+    assert last.startswith("error: this command needs the Python package ")
+    assert "apt install python3-dolfinx" in last
+    assert "Traceback" not in done.stderr

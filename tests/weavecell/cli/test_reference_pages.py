@@ -39,7 +39,9 @@ def test_schemas_hold_every_table(pages, tmp_path):
     pages.write(tmp_path)
     schema = json.loads((tmp_path / "scene.schema.json").read_text())
     assert set(schema["properties"]) == set(Scene.model_fields)
-    assert schema["$defs"]["ProjectileTable"]["properties"]["mass"]["description"].startswith("a mass above 0")
+    assert schema["$defs"]["ProjectileTable"]["properties"]["mass"]["description"].startswith(
+        "mass [kg]; a mass above 0"
+    )
     assert (tmp_path / "cli.md").exists()
     assert (tmp_path / "coupon.schema.json").exists()
 
@@ -48,4 +50,39 @@ def test_every_page_of_the_folder_is_on_the_site():
     """Sphinx warns of a page that is in no table of contents; this one needs no Sphinx."""
     index = (ROOT / "docs" / "index.md").read_text("utf-8")
     listed = set(re.findall(r"^([\w/-]+)$", index, re.MULTILINE))
-    assert {path.stem for path in (ROOT / "docs").glob("*.md")} - {"index"} <= listed
+    assert {name.removesuffix(".md") for name in documents()} - {"index"} <= listed
+
+
+def documents():
+    """Names of the pages under docs/, without those that a build writes there."""
+    paths = (path.relative_to(ROOT / "docs") for path in (ROOT / "docs").rglob("*.md"))
+    return [str(path) for path in paths if path.parts[0] not in ("generated", "_build")]
+
+
+def anchors(text):
+    """Anchors of the headings of a page, as GitHub and MyST make them."""
+    heads = re.findall(r"^#+ (.*)$", re.sub(r"^```.*?^```", "", text, flags=re.M | re.S), re.MULTILINE)
+    return {re.sub(r"[^\w\- ]", "", head.lower()).replace(" ", "-") for head in heads}
+
+
+@pytest.mark.parametrize("page", ["README.md", "CONTRIBUTING.md", *(f"docs/{name}" for name in documents())])
+def test_every_link_and_picture_leads_somewhere(page):
+    """Sphinx checks the pages of the site; this also README, CONTRIBUTING and pictures, without Sphinx."""
+    text = (ROOT / page).read_text("utf-8")
+    for target in re.findall(r"\]\(([^)\s]+)\)", re.sub(r"^```.*?^```", "", text, flags=re.M | re.S)):
+        if re.match(r"https?:|mailto:", target):
+            continue
+        path, _, anchor = target.partition("#")
+        file = (ROOT / page).parent / path if path else ROOT / page
+        if "generated/" in path:
+            continue  # made by the build
+        assert file.exists(), (page, target)
+        if anchor:
+            assert anchor in anchors(file.read_text("utf-8")), (page, target)
+
+
+def test_every_figure_is_on_a_page():
+    pages = ("README.md", *(f"docs/{name}" for name in documents()))
+    text = "".join((ROOT / page).read_text("utf-8") for page in pages)
+    figures = [path.name for path in sorted((ROOT / "docs" / "figures").iterdir())]
+    assert [name for name in figures if f"figures/{name}" not in text] == []

@@ -1,6 +1,7 @@
 """`weavecell impact`: its folder, resuming to the bit, instability with what was computed, nothing half-written."""
 
 import json
+import sys
 from pathlib import Path
 
 import h5py
@@ -10,6 +11,7 @@ from scipy.integrate import trapezoid
 
 from tests.scene_text import every, impact_scene
 from weavecell.commands import impact as commands_impact
+from weavecell.commands import view
 from weavecell.results import paraview, progress
 from weavecell.results.impact import ImpactRecord
 
@@ -93,6 +95,47 @@ def test_view_draws_the_result(command, scene, tmp_path):
     code, _, _ = command("view", "results", "--screenshot", "panel.png")
     assert code == 0
     assert (tmp_path / "panel.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_view_shows_the_whole_panel_and_the_projectile(command, scene, tmp_path):
+    command("impact", scene(outputs='["paraview"]'), "--out", "results")
+    file = view.find(tmp_path / "results")
+    panel = view.panel_of(tmp_path / "results", file)
+    assert panel.mirrors == (True, True)
+    assert view.panel_of(tmp_path / "results" / "panel.pvd", file).series == panel.series
+    last, t = panel.series[-1]
+    assert last == file
+    body = panel.body(panel.record.final.nose_position, t)
+    assert body[..., 2].max() == pytest.approx(panel.record.final.nose_position)
+    image = view.frame(panel, file, t)
+    quarters = [
+        np.any(half < 240, axis=2).sum() for rows in np.array_split(image, 2) for half in np.array_split(rows, 2, 1)
+    ]
+    assert min(quarters) > 0.15 * sum(quarters)  # cloth on all four sides of the impact point
+    steel = np.ptp(image.astype(int), axis=2) < 25
+    assert np.any(steel & (image.mean(axis=2) < 180))
+    (tmp_path / "results" / "histories.h5").unlink()
+    assert view.panel_of(tmp_path / "results", file) is None
+
+
+def test_view_writes_a_movie(command, scene, tmp_path, monkeypatch):
+    from PIL import Image
+
+    command("impact", scene(outputs='["paraview"]'), "--out", "results")
+    code, _, _ = command("view", "results", "--movie", "shot.gif")
+    assert code == 0
+    with Image.open(tmp_path / "shot.gif") as movie:
+        assert movie.n_frames == len(paraview.read_series(tmp_path / "results" / "panel.pvd"))
+    monkeypatch.setitem(sys.modules, "imageio.v2", None)
+    code, _, err = command("view", "results", "--movie", "shot.mp4")
+    assert (code, err.count("\n")) == (2, 1)
+    assert "imageio" in err
+    code, _, err = command("view", "results", "--movie", "shot.avi")
+    assert (code, err) == (2, "error: --movie = 'shot.avi': must be a file named *.gif or *.mp4\n")
+    (tmp_path / "results" / "histories.h5").unlink()
+    code, _, err = command("view", "results", "--movie", "shot.gif")
+    assert code == 2
+    assert "histories.h5" in err
 
 
 def test_resumed_run_is_the_uninterrupted_one(command, scene, tmp_path, monkeypatch):

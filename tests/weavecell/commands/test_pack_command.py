@@ -9,6 +9,7 @@ from scipy.integrate import trapezoid
 from test_impact import datasets, interrupt_at, names
 
 from tests.scene_text import every, impact_scene
+from weavecell.commands import view
 from weavecell.results import progress
 from weavecell.results.pack import PackRecord
 
@@ -56,8 +57,14 @@ def test_everything_asked_for_is_written(command, scene, tmp_path):
         assert file["plies/histories/push"].shape == (len(record.time), 3)
     import pyvista
 
-    grid = pyvista.read(sorted((folder / "pack").iterdir())[-1])
+    last = sorted((folder / "pack").iterdir())[-1]
+    grid = pyvista.read(last)
     assert set(np.unique(grid.cell_data["ply"])) == {1, 2, 3}
+    assert command("view", "results", "--screenshot", "pack.png")[0] == 0
+    assert view.find(folder) == last
+    assert view.summary_of(last)["mirror_x"] is True
+    whole = pyvista.merge(view.mirrored(grid, (True, True)))
+    assert whole.bounds[:4] == pytest.approx([-grid.bounds[1], grid.bounds[1], -grid.bounds[3], grid.bounds[3]])
 
 
 def test_histories_of_every_ply_are_written_and_drawn_of_the_first_and_the_last(command, scene, tmp_path):

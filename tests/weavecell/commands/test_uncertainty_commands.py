@@ -23,6 +23,7 @@ def test_v50_writes_its_folder_and_page(tmp_path, page):
     words = ["v50", "S-720", "--shots", "8", "--batch", "4", "--opening", "30.6 mm", "--seed", "2", "--jobs", "1"]
     run = CliRunner().invoke(app, [*words, "--page", str(page), "--out", str(out)])
     assert run.exit_code == 0, run.output
+    assert run.output.count(" with 95 % confidence") == 2
     assert {path.name for path in out.iterdir()} == {"runs", "shots.csv", "v50.csv", "v50.html", "v50.json", "v50.png"}
     content = json.loads((out / "v50.json").read_text())
     assert content["scatter"]["shape"] == 14.3

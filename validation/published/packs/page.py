@@ -119,8 +119,7 @@ def gaps(found: dict[float, dict[str, Any]]) -> str:
               "jumps of the force, kN rms", "failed yarn segments"]]  # fmt: skip
     for gap in GAPS:
         one = found[gap]
-        force = smoothed(one, 2e-6)
-        slow = smoothed(one, 20e-6)
+        force, slow = smoothed(one, 2e-6), smoothed(one, 20e-6)
         first = np.array(one["t"]) < 100e-6
         jumps = float(np.sqrt(np.mean((force - slow)[first] ** 2)))
         lines.append([
@@ -165,12 +164,12 @@ Made by `python -m validation.published.packs --page docs/packs.md`; every numbe
 passages and what a text says of another build.
 
 A pack (`shellfabric.plies.model`) is a row of panels behind one opening. Each ply is the shell of a single one, with
-its own failures; the nose pushes on every ply that it reaches, and neighbouring plies push on each other. Their contact
-(`shellfabric.plies.contact_kernels`) is a penalty between two smooth surfaces, biquadratic splines through the cloth:
-the point of one ply and its foot on the other get the same force, shared out by the weights of the spline, so that
-momentum is kept to the last digit. Plies count as their thickness, along the normal. What the contact takes from the
-motion is in the energy audit. The foot is looked for where it is going to be: a step behind, plies that slide would
-pull each other along, and make energy.
+its own failures; the nose pushes on every ply that it reaches, and neighbouring plies push on each other. Their
+contact (`shellfabric.plies.contact_kernels`) is a penalty between two smooth surfaces, biquadratic splines through
+the fabric: the point of one ply and its closest point on the other get the same force, shared out by the weights of
+the spline, so that momentum is kept to the last digit. Plies count as their thickness, along the normal. What the
+contact takes from the motion is in the energy balance. The projection uses predicted positions; lagged ones would
+drag sliding plies and generate energy.
 
 In a scene: `plies = 4`, `stacking = "alternating"` and `gap = "0.12 mm"` under `[panel]`. Without `gap` the fabric's
 own is taken, and without one of its own that of the pressure law of packs (thesis eqs. 5-1 to 5-4, erratum E-02).
@@ -198,28 +197,29 @@ _PASSAGES = """
 ## Does a ply come through another?
 
 Counted beside the contact, from what crosses what in every step (`validation.published.packs.passages`): middles of
-elements that have yarns left, through cloth of the next ply and of the next but one, either way. A hole, where warp and
-weft next to a place are gone or its element has eroded, is none. A ply counts as two surfaces, the facets between nodes
-and middles of elements and the spline of the contact, which lie on the two sides of a bend; a point that has crossed
-both is through. When a yarn fails the contact goes over from the one to the other, and a point between the two is
-behind cloth without having moved; it is brought back.
+elements that have yarns left, through fabric of the next ply and of the second neighbour, either way. A hole, where
+warp and weft next to a place are gone or its element has eroded, is none. A ply counts as two surfaces, the facets
+between nodes and middles of elements and the spline of the contact, which lie on the two sides of a bend; a point
+counts as penetrated when it has crossed both. When a yarn fails the contact goes over from the one to the other, and
+a point between the two is behind fabric without having moved; it is brought back.
 """
 
 _FORMULATIONS = f"""
-Whole cloth is kept apart by the contact alone; a run in which whole cloth comes through whole cloth is ended, with its
-place and step. Torn cloth has edges, is drawn to lines and turns over, and it meets plies through the holes of others:
-beside it what would happen in the coming step is looked at too, and the least force that prevents it is given
-(`shellfabric.plies.torn_contact_kernels`). It takes away the speed of approach, and is in the audit with the contact of
-plies. Without it there are 0, 0, 1, 2 and 15 passages in these shots, 13 of them between next but ones (counted on the
-same build, with no force given). The contact itself had one cause for most of what came through earlier: where yarns
-fail, cloth is drawn in until an element lies upside down, its normal turns over within a step, and a point 0.006
-thicknesses deep is 1.99 thicknesses deep on the wrong side, thrown there or let go. Now a point keeps its side.
+Intact plies are kept apart by the contact alone; a run in which intact plies interpenetrate is ended, with place and
+step. Failed fabric has edges, is drawn to lines and turns over, and it meets plies through the holes of others: beside
+it what would happen in the coming step is looked at too, and the least force that prevents it is given
+(`shellfabric.plies.torn_contact_kernels`). It takes away the speed of approach, and is in the audit with the contact
+of plies. Without it there are 0, 0, 1, 2 and 15 interpenetrations in these shots, 13 of them across one intermediate
+ply (counted on the same build, with no force given). The contact itself had one cause for most of what came through
+earlier: where yarns fail, fabric is drawn in until an element lies upside down, its normal turns over within a step,
+and a point 0.006 thicknesses deep is 1.99 thicknesses deep on the wrong side, thrown there or let go. Points now keep
+their side.
 
 The time step must be short enough for contact to keep whole plies apart. Behind the wave that a nose drives into a
 pack, neighbouring plies are v dt / sqrt(penalty) deep in each other; with v up to 1.5 times the strike velocity that
-has to stay within 0.85 thicknesses (`Pack.in_step_with`). The plies' own step is longer than that above 520 to 820 m/s
-in the six fabrics, but at lower velocities in thin cloth of coarse elements: four plies of 0.12 mm with elements of 0.9
-by 1.3 mm came through each other in the fifth step at 490 m/s.
+has to stay within 0.85 thicknesses (`Pack.in_step_with`). The plies' own step is longer than that above 520 to 820
+m/s in the six fabrics, but at lower velocities in thin fabric of coarse elements: four plies of 0.12 mm with elements
+of 0.9 by 1.3 mm came through each other in the fifth step at 490 m/s.
 
 A spring between plies is loaded by motion alone. To first order a depth grows by the approach n.(v_x - v_y) dt, on
 any surface; what else it changes by, more than a tenth of the thickness in a step, is another fold, another side or
@@ -265,7 +265,7 @@ The default is {PlyContact.nose:g}. Other values of it (computed beside the runs
   of 4, 8, 16 and 32 have onsets of 170, 168, 166 and 166 m/s in S-726, 200, 205, 205 and 205 in S-728, and 176 four
   times in S-731. Four plies of the three fabrics at 158 to 300 m/s lost 0.5 to 1.1 % of the strike energy to a nose of
   16, and 0.8 to 2.2 % to the explicit spring. Up to 64 times that spring's stiffness the nose never gave what it had
-  not taken; at 256 times cloth that was torn at 300 m/s was thrown.
+  not taken; at 256 times fabric that had failed at 300 m/s was thrown.
 - With explicit springs at a sixth of the step, 32 times a single ply's at the nose and 4 or 16 times 0.2 between plies,
   onsets were 172 and 173 m/s in S-726, and 206 and 215 m/s in S-728.
 
@@ -276,12 +276,12 @@ highest mode without lagging behind the lowest, which gives them energy. Nor is 
 1.1 % and more, at 0.2 none. Nor is the nose made stiffer than it is beside such plies: with 8 in place of 6 halving
 their penalty moves S-728 by -5.3 %.
 
-Cloth's own compression says little under the rim. In the fastest shots that four plies stop half of the nose's force on
-the first ply acts at more than 170 MPa as soon as it touches, and at more than 570 to 880 MPa when the first yarn is
-near its strength. Packs were pressed to 19 MPa; the law of a crossover has used 70 to 87 % of its travel of 44 to 50 µm
-by 100 MPa, and at 200 MPa its slope is 20 times the stiffness of a single ply's nose in S-728; that of solid fibre
-(E_c = 2 GPa over half of what a ply has of it) is 8 times it, in S-726 4, in S-731 1.7 times. So cloth is on the stiff
-side there, as the nose now is.
+Fabric's own compression says little under the rim. In the fastest shots that four plies stop half of the nose's force
+on the first ply acts at more than 170 MPa as soon as it touches, and at more than 570 to 880 MPa when the first yarn
+is near its strength. Packs were pressed to 19 MPa; the law of a crossover has used 70 to 87 % of its travel of 44 to
+50 µm by 100 MPa, and at 200 MPa its slope is 20 times the stiffness of a single ply's nose in S-728; that of solid
+fibre (E_c = 2 GPa over half of what a ply has of it) is 8 times it, in S-726 4, in S-731 1.7 times. So fabric is on
+the stiff side there, as the nose now is.
 """
 
 _STIFFER = """
@@ -298,7 +298,7 @@ on the area, 206. With the firm spring it is 196, and they make it 211 and 210. 
 tenth, where four times the stiffness does by 2 or 3 %: that is the mesh.
 
 So much is computed. A reading: nodes on facets fail later since they are the stiffer contact at the same penalty. A
-node pushes on the cloth with all of its spring, where a point of the smooth surface shares it out among 4 nodes in
+node pushes on the fabric with all of its spring, where a point of the smooth surface shares it out among 4 nodes in
 front and 9 behind; bends of one or two elements, as at the rim, feel the difference. With a quarter of the stiffness
 the onset on facets falls to what smooth surfaces have with four times theirs. No sign was found of smooth contact
 failing yarns by concentrating force: twice the points (above) leave the onset where it is.
@@ -335,16 +335,16 @@ and step, which is 1.23 times the 9.5 ns of a single ply (alternating 3.0 s, 1.4
 
 ## What is not there
 
-- Through a hole, cloth of the plies before and behind is kept from passing, at a twentieth of a thickness, by the
+- Through a hole, fabric of the plies before and behind is kept from passing, at a twentieth of a thickness, by the
   least force; it has no contact of its own there, with thickness and spring.
 - Plies slide on each other without friction.
 - A node that has lost all its yarns is out of contact, and flies on through the plies before it.
 - The stiffness of the nose's contact stands for no measured compression. The velocity at first failure moves by less
-  than 5 % where it is halved, but cloth that gave way there by its own law would be another model (see above).
-- Cloth that is drawn together until it folds, such as four free plies before a block (docs/pencilling.md), may go over
+  than 5 % where it is halved, but fabric that gave way there by its own law would be another model (see above).
+- Fabric that is drawn together until it folds, such as four free plies before a block (docs/pencilling.md), may go over
   the planes of symmetry, where nothing holds it off its own image.
-- The penalty is set by stability. It is stiffer than cloth: real plies give way by their gap, 0.1 mm, under 19 MPa.
-- Points are middles of elements, so an edge of torn cloth may cross another edge.
-- A ply has one foot for each point: cloth that folds onto itself does not touch itself, and a second fold of the next
-  ply is found beside torn cloth alone.
+- The penalty is set by stability. It is stiffer than fabric: real plies give way by their gap, 0.1 mm, under 19 MPa.
+- Points are middles of elements, so an edge of failed fabric may cross another edge.
+- A ply has one foot for each point: fabric that folds onto itself does not touch itself, and a second fold of the next
+  ply is found beside failed fabric alone.
 """

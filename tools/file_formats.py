@@ -1,0 +1,126 @@
+"""Tables of docs/files.md that follow from readers and writers: fabric files, surfaces, records of the crossover.
+
+    python tools/file_formats.py [docs/files.md]
+
+Needs dolfinx, whose cases declare the columns of their records.
+"""
+
+from __future__ import annotations
+
+import ast
+import re
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).parents[1]
+sys.path.insert(0, str(ROOT))
+
+from fabrics import catalogue, surface  # noqa: E402
+from weavecell.report.marked_page import markdown, put  # noqa: E402
+
+MEANINGS = {
+    "linear_density": "mass per length of the yarn",
+    "effective_linear_density": "optional: linear density of the thesis's runs (erratum E-07)",
+    "axial_stiffness": "in place of linear_density: force per strain",
+    "fibre_density": "density of the fibre",
+    "modulus": "axial modulus of the fibre",
+    "failure_strain": "failure strain of the fibre",
+    "crimp": "length of the yarn over length of the fabric, minus one",
+    "count": "yarns per width of fabric",
+    "width": "optional: width of the yarn in the fabric",
+    "a": "compression law, thesis eq. 4-12",
+    "b": "compression law, thesis eq. 4-12",
+    "G1": "trellis law: tangent shear modulus before parallel yarns touch (eq. 4-35)",
+    "G2": "trellis law: tangent shear modulus after locking (eq. 4-35)",
+    "gamma1": "trellis law: shear angle in radians at which parallel yarns touch",
+    "gamma2": "trellis law: shear angle in radians of locking",
+    "E_a": "solid law: axial modulus of the solid (eq. 3-2); the fibre bars carry the tension",
+    "E_c": "solid law: transverse modulus of the packed yarn (eq. 3-14)",
+    "K_r": "solid law: share of E_c in a loose yarn (eq. 3-10)",
+    "K_G": "solid law: shear modulus over E_c / 2 (eq. 3-16)",
+    "V_c": "solid law: fibre volume fraction at which the yarn is packed",
+    "Vf0": "solid law: fibre volume fraction at rest",
+    "thickness": "section of the yarn in a micrograph",
+    "crossing_thickness": "thickness of the yarn at a crossover",
+    "total_thickness": "thickness of the fabric at a crossover",
+    "void": "share of voids in the cell",
+}
+ARRAYS = {
+    "d1": "(n1,) end displacement of the warp, per end",
+    "d2": "(n2,) end displacement of the weft, per end",
+    "T1": "(n1, n2) tension of the warp",
+    "T2": "(n1, n2) tension of the weft",
+    "F_c": "(n1, n2) contact force",
+    "h1": "(n1, n2) height of the warp's centreline",
+    "h2": "(n1, n2) height of the weft's centreline",
+}
+
+
+def marks(name: str) -> tuple[str, str]:
+    """The marks of the page between which a table is."""
+    return f"<!-- {name} of tools/file_formats.py -->", f"<!-- end of {name} -->"
+
+
+def fabric_file() -> list[list[str]]:
+    """Keys of a fabric file."""
+    rows = [["table", "key", "unit", "meaning"]]
+    yarn = {"linear_density": "kg/m", "effective_linear_density": "kg/m", "axial_stiffness": "N"}
+    tables = {
+        "`[warp]`, `[weft]`": yarn | catalogue._YARN | {"width": "m"},
+        "`[compression]`, or `[compression.warp]` and `[compression.weft]`": catalogue._LAW,
+        "`[shear]`": catalogue._SHEAR,
+        "`[solid]`, or `[solid.warp]` and `[solid.weft]`": catalogue._SOLID,
+        "`[micrograph.warp]`, `[micrograph.weft]`": catalogue._MICROGRAPH,
+    }
+    for table, keys in tables.items():
+        rows += [[table, f"`{key}`", unit or "1", MEANINGS[key]] for key, unit in keys.items()]
+    return rows
+
+
+def surface_file() -> list[list[str]]:
+    """Datasets of surface.h5."""
+    return [["dataset", "unit", "meaning"]] + [
+        [f"`{name}`", unit, ARRAYS[name]] for name, unit in surface._UNITS.items()
+    ]
+
+
+def case_file() -> list[list[str]]:
+    """Columns of case.h5, of every case of `weavecell crossover`."""
+    from unitcell3d.cases import load_path, periodic_cell, single_yarn, stack
+
+    rows = [["case", "column", "unit and meaning"]]
+    cases = {
+        "biaxial, path, platens": load_path,
+        "shear, and any with `--domain periodic`": periodic_cell,
+        "stack": stack,
+        "yarn": single_yarn,
+    }
+    for name, module in cases.items():
+        rows += [[name, f"`columns/{column}`", words] for column, words in module.MEANINGS.items()]
+    return rows
+
+
+def outputs() -> list[list[str]]:
+    """Files that each command writes, from the docstrings of the modules of the commands."""
+    rows = [["command", "file", "contents"]]
+    for path in sorted((ROOT / "weavecell" / "commands").glob("*.py")):
+        text = ast.get_docstring(ast.parse(path.read_text("utf-8"))) or ""
+        head = re.search(r"older of (`weavecell .*)$", text, re.MULTILINE)
+        for line in text.splitlines() if head else ():
+            found = re.match(r"    ([^\s,]+(?:, [^\s,]+)*)(?:\s+(\S.*))?$", line)
+            if found:
+                rows.append([head[1], f"`{found[1]}`", (found[2] or "").replace("|", "\\|")])
+    return rows
+
+
+TABLES = {"outputs": outputs, "fabric": fabric_file, "surface": surface_file, "case": case_file}
+
+
+def main() -> None:
+    page = Path(sys.argv[1]) if len(sys.argv) > 1 else ROOT / "docs" / "files.md"
+    for name, table in TABLES.items():
+        put(page, *marks(name), f"\n\n{markdown(table())}\n")
+
+
+if __name__ == "__main__":
+    main()

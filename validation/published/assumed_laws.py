@@ -1,0 +1,167 @@
+"""Ranges that follow from assumed laws, beside the results with the published laws of the same fabrics.
+
+    python -m validation.published.assumed_laws [FABRIC ...] [--out results/assumed-laws] [--page docs/assumed-laws.md]
+
+Three Kevlar fabrics of the catalogue are treated as a fabric of which only the data sheet is known: their compression,
+trellis and solid laws are taken away, the fibre family's are assumed (`fabrics.families`), and the coarse 3D crossover
+yields the compression law and its range. The critical velocity and a residual velocity with every combination of the
+ends of the assumed laws are compared with those of the published compression and trellis laws.
+"""
+
+from __future__ import annotations
+
+import argparse
+import csv
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import weavecell as wc
+from fabrics.compression import CompressionLaw
+from fabrics.errors import run_program
+from fabrics.fabric import Fabric
+from fabrics.files import write_whole
+from weavecell.analysis.assumed_range import AssumedRange
+from weavecell.report.marked_page import markdown, put
+from weavecell.results import provenance
+
+OUT = Path("results/assumed-laws")
+FABRICS = ("S-720", "S-728", "S-731")
+MESH = "coarse"
+MULTIPLE = 1.3  # strike velocity of the residual velocity, over the critical velocity with the published laws
+TOLERANCE = 0.5  # [m/s] between a stop and a perforation
+Rows = list[list[str]]
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """Results of one fabric with published and with assumed laws.
+
+    Parameters
+    ----------
+    fabric : Fabric with its published laws
+    bare : Fabric without laws of its own, as calibrated: solid and trellis laws of its fibre family
+    law : CompressionLaw that was computed with the assumed solid law, with its range
+    critical : [m/s] critical velocity with the published laws
+    critical_range : AssumedRange of the critical velocity with the assumed laws
+    strike : [m/s] of the residual velocities
+    residual : [m/s] residual velocity with the published laws
+    residual_range : AssumedRange of the residual velocity with the assumed laws
+    """
+
+    fabric: Fabric
+    bare: Fabric
+    law: CompressionLaw
+    critical: float
+    critical_range: AssumedRange
+    strike: float
+    residual: float
+    residual_range: AssumedRange
+
+
+def marks(name: str) -> tuple[str, str]:
+    """The marks of the page between which the table of that name is."""
+    return f"<!-- {name} of validation.published.assumed_laws -->", f"<!-- end of {name} -->"
+
+
+def without_laws(fabric: Fabric) -> Fabric:
+    """The fabric as its data sheet has it: no compression, trellis or solid law."""
+    return replace(fabric, laws=None, shear=None, solid_laws=None)
+
+
+def compare(name: str, mesh: str = MESH) -> Comparison:
+    """Both sets of laws of one fabric of the catalogue.
+
+    Parameters
+    ----------
+    name : of the catalogue
+    mesh : of the 3D crossover, "coarse", "medium" or "fine"
+
+    Raises
+    ------
+    InputError, UnstableError, UndecidedError : as `weavecell.calibrate` and `weavecell.critical_velocity`
+    """
+    fabric = wc.fabric(name)
+    search: dict[str, Any] = {"tolerance": TOLERANCE, "residual_shots": 0, "scan": False}
+    critical = wc.critical_velocity(fabric, **search).velocity
+    found = wc.calibrate(without_laws(fabric), mesh=mesh)
+    bare = replace(found.fabric, laws=None)
+    around = wc.critical_velocity(bare, law=found.law, assumed_range=True, **search).range
+    strike = MULTIPLE * critical
+    shot = wc.shoot(bare, strike, law=found.law, assumed_range=True)
+    residual = wc.shoot(fabric, strike).residual_velocity
+    return Comparison(fabric, bare, found.law, critical, around, strike, residual, shot.range)
+
+
+def laws(found: list[Comparison]) -> Rows:
+    """Published, nominal assumed and both ends of the compression law."""
+    rows = [["fabric", "a published, mm", "a assumed (soft, stiff), mm", "b published, mm N^(1/3)",
+             "b assumed (soft, stiff), mm N^(1/3)"]]  # fmt: skip
+    for each in found:
+        published, ends = each.fabric.laws[0], each.law.assumed_range
+        cells = [each.fabric.name]
+        for key in ("a", "b"):
+            index = "ab".index(key)
+            around = ", ".join(f"{1e3 * end[index]:.4f}" for end in ends) if ends else "no range"
+            cells += [f"{1e3 * getattr(published, key):.4f}", f"{1e3 * getattr(each.law, key):.4f} ({around})"]
+        rows.append(cells)
+    return rows
+
+
+def velocities(found: list[Comparison]) -> Rows:
+    """Critical and residual velocities: published, nominal assumed, range."""
+    rows = [["fabric", "quantity", "published laws, m/s", "assumed laws, m/s", "range over the assumed laws, m/s",
+             "half range over the nominal value, %", "published within the range"]]  # fmt: skip
+    for each in found:
+        for label, published, around in (
+            ("critical velocity", each.critical, each.critical_range),
+            (f"residual velocity at {each.strike:.1f} m/s", each.residual, each.residual_range),
+        ):
+            nominal = around.rows[0].velocity
+            share = f"{50 * (around.high - around.low) / nominal:.1f}" if nominal else "-"
+            rows.append([
+                each.fabric.name, label, f"{published:.1f}", f"{nominal:.1f}", f"{around.low:.1f} to {around.high:.1f}",
+                share, "yes" if around.low <= published <= around.high else "**no**",
+            ])  # fmt: skip
+    return rows
+
+
+def combinations(found: list[Comparison]) -> Rows:
+    """The critical and the residual velocity of every combination of ends."""
+    names = list(dict.fromkeys(row.laws for each in found for row in each.critical_range.rows))
+    rows = [["laws", *(f"{each.fabric.name}, {what}, m/s" for each in found for what in ("critical", "residual"))]]
+    for name in names:
+        cells = [name]
+        for each in found:
+            for around in (each.critical_range, each.residual_range):
+                row = {row.laws: row for row in around.rows}.get(name)
+                none = row is None or row.velocity is None
+                cells.append(row.outcome if row and row.velocity is None else "-" if none else f"{row.velocity:.1f}")
+        rows.append(cells)
+    return rows
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(
+        prog="python -m validation.published.assumed_laws", description=__doc__.splitlines()[0]
+    )
+    parser.add_argument("fabrics", nargs="*", default=list(FABRICS), metavar="FABRIC")
+    parser.add_argument("--out", type=Path, default=OUT)
+    parser.add_argument("--page", type=Path, help="put the tables into this page, between its marks")
+    options = parser.parse_args()
+    found = [compare(name) for name in options.fabrics]
+    for table in (laws, velocities, combinations):
+        rows, name = table(found), table.__name__
+        with write_whole(options.out / f"{name}.csv") as file:
+            csv.writer(file, lineterminator="\n").writerows(rows)
+        print(markdown(rows))
+        if options.page is not None:
+            put(options.page, *marks(name), f"\n\n{markdown(rows)}\n")
+    if options.page is not None:
+        made = provenance.stamp()
+        line = f"Computed by `python -m validation.published.assumed_laws`, commit {made['commit']}, {made['date']}."
+        put(options.page, *marks("stamp"), f"\n\n{line}\n\n")
+
+
+if __name__ == "__main__":
+    run_program(main)
