@@ -14,7 +14,6 @@ Time step. All plies share the shortest of their steps, or a shorter one where t
 
 from __future__ import annotations
 
-from collections import namedtuple
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -31,6 +30,7 @@ from shellfabric.jit.simd import WIDTH
 from shellfabric.panel.arrays import Constants, State, Work, has_out_of_plane
 from shellfabric.panel.model import Panel
 from shellfabric.plies import broad_phase_kernels, step_kernels
+from shellfabric.plies.arrays import Pair, Stack, TornContact
 from shellfabric.plies.contact_simd_kernels import AMBIGUOUS_DEPTH
 from shellfabric.plies.gap import fabric_gap
 from shellfabric.plies.grading import area_factors, line_offsets
@@ -43,22 +43,6 @@ _FASTER = 1.5  # than the projectile cloth before its nose may become
 _NEAREST = 0.05  # [thicknesses] that torn cloth comes to other cloth
 _ENTRIES, _NEAR = 9, 20_000  # of an element in the grid of facets, in the mean; of a ply in the list of what is near
 _LEAST = (0.25, 1e-3)  # deflections that are looked at: of the gap, of the thickness
-
-Pair = namedtuple(
-    "Pair",
-    "closest_point cp_rate normal last_depth depth_offset status on_facet recheck_step max_speed f_front f_rear "
-    "front_window rear_window front_box rear_box energy near_torn torn_elements torn_counts lane_index surface_form "
-    "points_per_side point_offset stiffness damping thickness rest_distance min_deflection area_factor1 area_factor2",
-)
-TornContact = namedtuple(
-    "TornContact",
-    "f window x x_next dt_over_mass z_rest min_distance ply_grid ply_shape dt zone_mark intact_quadrants elements "
-    "nodes counts failures box_low box_high cell_head entry_element entry_cell entry_next candidates "
-    "candidate_normal deep_points deep_point_data in_node_list last_moved sweep energy line_offset",
-)
-Stack = namedtuple(
-    "Stack", "awake waits_for_plies counter projectile_position f_contact_nose ply_counters projectile_velocity"
-)
 
 
 @dataclass(frozen=True)

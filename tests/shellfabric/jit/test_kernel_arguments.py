@@ -17,8 +17,8 @@ FOLDER = ROOT / "shellfabric"
 # two fields of each that hold arrays of one type, of everything that kernels are called with
 LIKE = {
     ("plies.model", "Pair"): ("normal", "last_depth"),
-    ("plies.model", "TornContact"): ("box_low", "box_high"),
-    ("plies.model", "Stack"): ("projectile_position", "f_contact_nose"),
+    ("plies.arrays", "TornContact"): ("box_low", "box_high"),
+    ("plies.arrays", "Stack"): ("projectile_position", "f_contact_nose"),
     ("projectile.contact", "Scratch"): ("box_low", "box_high"),
     ("cable.model", "State"): ("u", "v"),
     ("cable.model", "Constants"): ("x0", "y0"),
