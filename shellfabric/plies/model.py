@@ -29,7 +29,7 @@ from shellfabric.cell.model import CellModel, CellTable
 from shellfabric.jit.simd import WIDTH
 from shellfabric.panel.arrays import Constants, State, Work, has_out_of_plane
 from shellfabric.panel.model import Panel
-from shellfabric.plies import broad_phase_kernels, step_kernels
+from shellfabric.plies import broad_phase_kernels, friction, step_kernels
 from shellfabric.plies.arrays import Pair, Stack, TornContact
 from shellfabric.plies.contact_simd_kernels import AMBIGUOUS_DEPTH
 from shellfabric.plies.gap import fabric_gap
@@ -54,15 +54,17 @@ class Pack:
     plies : tuple of Panel, alike in opening, symmetry, projectile and numerics; see `stacked`
     gaps : (plies - 1,) [m] at rest
     contact : PlyContact
+    friction : [-] Coulomb's coefficient between plies; torn cloth is held apart without friction
 
     Raises
     ------
-    InputError : no ply, a wrong number of gaps, a negative gap, or plies that do not go together
+    InputError : no ply, a wrong number of gaps, a negative gap, plies that do not go together, or as `friction.check`
     """
 
     plies: tuple[Panel, ...]
     gaps: tuple[float, ...] = ()
     contact: PlyContact = field(default_factory=PlyContact)
+    friction: float = 0.0
 
     def __post_init__(self):
         if not self.plies:
@@ -80,11 +82,12 @@ class Pack:
             raise InputError("the plies of a pack must have one grading")
         if len({ply.table.model.form for ply in self.plies}) > 1 or len({ply.trellis for ply in self.plies}) > 1:
             raise InputError("the plies of a pack must have cells of one form")
+        friction.check(self.friction, first.numerics.cfl)
 
     @classmethod
     def stacked(
         cls, ply: Panel, plies: int, *, stacking: str = "aligned", gap: float | None = None,
-        contact: PlyContact | None = None,
+        contact: PlyContact | None = None, friction: float = 0.0,
     ) -> Pack:  # fmt: skip
         """A pack of one fabric.
 
@@ -94,7 +97,7 @@ class Pack:
         plies : their number
         stacking : "aligned" or "alternating"
         gap : [m] between all plies; None takes the fabric's own, or that of `compression_gap`
-        contact : PlyContact
+        contact, friction : as of a Pack
 
         Raises
         ------
@@ -107,7 +110,7 @@ class Pack:
         if gap is None:
             gap = fabric_gap(ply.fabric) if plies > 1 else 0.0
         both = (ply, turned(ply) if stacking == "alternating" and plies > 1 else ply)
-        return cls(tuple(both[n % 2] for n in range(plies)), (gap,) * (plies - 1), contact or PlyContact())
+        return cls(tuple(both[n % 2] for n in range(plies)), (gap,) * (plies - 1), contact or PlyContact(), friction)
 
     @property
     def elements(self) -> int:
@@ -276,13 +279,17 @@ class Pack:
             lane_index=np.arange(float(WIDTH)), max_speed=np.zeros(2),
             f_front=nodal(states[p]), f_rear=nodal(states[q]), front_window=nothing(front),
             rear_window=nothing(rear), front_box=np.array(states[p].contact_window),
-            rear_box=np.array([rear.ni + 1, -1, rear.row_stride, -1]), energy=np.zeros(8), surface_form=form,
+            rear_box=np.array([rear.ni + 1, -1, rear.row_stride, -1]), energy=np.zeros(9), surface_form=form,
             points_per_side=n, point_offset=start, stiffness=knobs.penalty * mass / self.time_step**2,
             damping=knobs.damping * knobs.penalty**0.5 * mass / self.time_step,
             thickness=thickness, rest_distance=apart,
             min_deflection=max(_LEAST[0] * (abs(apart) - thickness), _LEAST[1] * thickness),
             **area_factors(self.plies[p], self.plies[q]),
+            **friction.fields(self.friction, foot[0].size + WIDTH, self._slip_constants(mass)),
         )  # fmt: skip
+
+    def _slip_constants(self, mass):
+        return friction.slip_constants(self.plies[0].numerics.cfl, mass, self.time_step, self.contact)
 
     def _first_places(self, p, q, front, rear, sub):
         """((ni, points), (nj, points)) [elements] where the points of ply p lie on ply q at rest, along either side.

@@ -16,7 +16,7 @@ ROOT = Path(__file__).parents[3]
 FOLDER = ROOT / "shellfabric"
 # two fields of each that hold arrays of one type, of everything that kernels are called with
 LIKE = {
-    ("plies.model", "Pair"): ("normal", "last_depth"),
+    ("plies.arrays", "Pair"): ("normal", "last_depth"),
     ("plies.arrays", "TornContact"): ("box_low", "box_high"),
     ("plies.arrays", "Stack"): ("projectile_position", "f_contact_nose"),
     ("projectile.contact", "Scratch"): ("box_low", "box_high"),
