@@ -236,6 +236,7 @@ def spring_force(fc, pair, q, a, b, depth, closing, torn):
     drag = part * pair.damping
     part *= stiffness_factor(pair, pair.depth_offset[q])
     f = max(0.0, penalty_force(pair, part, squeezed, drag, closing))
+    store_normal_force(pair.normal_force, q, f)
     return f, 0.5 * part * pair.stiffness * squeezed * squeezed
 
 
@@ -305,7 +306,6 @@ def contact_point(front, fc, rear, rc, pair, q, a, b, often):
     pair.normal[0][q], pair.normal[1][q], pair.normal[2][q] = n
     pair.last_depth[q], pair.depth_offset[q] = depth, min(pair.depth_offset[q], depth)
     f, energy = spring_force(fc, pair, q, a, b, depth, closing, torn)
-    store_normal_force(pair.normal_force, q, f)
     if f > 0.0:
         grow_window(pair.front_window, i, j, 2 if central(pair) else 3)
         grow_window(pair.rear_window, I, J, 3)
