@@ -44,10 +44,10 @@ MEANINGS = {
     "iterations": "[-] tangents factorised",
     "seconds": "[s] wall time",
 }
-SLIDING = 0.99  # share of Coulomb's limit from which on the yarn slides
+SLIDING = 0.999  # share of Coulomb's limit from which on the yarn slides
 LOADS = (0.25, 0.5, 0.75, 1.0)  # of the largest end displacement of the crossing yarn
-PULL = 0.08  # of half the spacing: far enough to slide where the crossing yarn is taut
-ROWS_TO_LOAD, ROWS = 6, 20
+PULL = 0.16  # of half the spacing: the crossing yarn gives way sideways before all points slide
+ROWS_TO_LOAD, ROWS = 5, 16
 
 
 def pull_out(
@@ -89,7 +89,9 @@ def pull_out(
     pull = PULL * fabric.weave.w[pulled] if pull is None else float(pull)
     if not 0 < pull < np.inf:
         raise InputError(key="pull", value=pull, allowed="positive")
-    found, failed, model, x = [], "", None, None
+    numerics = Numerics() if numerics is None else numerics
+    points = np.asarray(crossover.points, float)
+    found, failed, x = [], "", points
     for number, value in enumerate(given):
         model = PullOutModel(crossover, fabric, numerics, pulled)
         d = (0.0, value) if pulled == 0 else (value, 0.0)
@@ -102,9 +104,9 @@ def pull_out(
         x, failed = one.x, one.failed
         if failed:
             break
-    facts = {"pulled": pulled, "friction": model.numerics.friction, "loads": len(given), "pull": pull}
+    facts = {"pulled": pulled, "friction": numerics.friction, "loads": len(given), "pull": pull}
     return Record(
-        solver_record.columns(found), MEANINGS, x - model.points, fabric.name, "pull-out", failed, facts
+        solver_record.columns(found), MEANINGS, x - points, fabric.name, "pull-out", failed, facts
     )  # fmt: skip
 
 

@@ -96,15 +96,16 @@ def test_points_stick_below_the_limit_and_come_back(ply):
 
 def test_the_patch_of_a_graded_pack_is_rubbed_in_proportion_to_its_mass(ply):
     """Across zones: friction accelerates all nodes of a flat ply alike."""
-    graded = replace(ply, edge="free", symmetry="whole", grading=((3, 1), (np.inf, 2)))
+    zones = (7, 1), (np.inf, 2)
+    graded = replace(ply, edge="free", symmetry="whole", opening=(0.034, 0.034), grading=zones)
     pair = Sliding(graded, MU)
-    pair.move(50.0, 0.0, 20)
+    pair.move(15.0, 0.0, 20)
     const, front = pair.consts[0], pair.states[0]
     shape = (const.ni + 1, const.row_stride)
-    inner = (slice(3, -3), slice(3, const.nj - 2))
+    inner = (slice(2, -2), slice(2, const.nj - 1))
     mass, force = (x[: pair.nodes].reshape(shape)[inner] for x in (front.mass, pair.pair.f_front[0]))
     assert mass.max() > 3.9 * mass.min()
-    assert np.ptp(force / mass) < 1e-2 * abs(np.mean(force / mass))
+    assert np.ptp(force / mass) < 2e-2 * abs(np.mean(force / mass))
 
 
 def collide(ply, mu, steps, **knobs):

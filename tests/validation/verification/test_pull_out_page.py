@@ -36,7 +36,7 @@ def test_what_does_not_slide_is_said():
     def stuck(case):
         return made_up(case) | {"F_c": [], "T_f": [], "mobilised": [0.8], "failed": "no equilibrium"}
 
-    text = page(study.gather(lambda case: stuck(case) if case in (study.WEFT, study.BASE) else made_up(case)))
+    text = page(study.gather(lambda case: stuck(case) if case in (study.WEFT, study.FINER) else made_up(case)))
     assert "| weft | - | - | - | - | no equilibrium |" in text
-    assert "| as it stands | - |" in text
+    assert "| finer mesh, 10 x 8 x 3 | - |" in text
     assert "Ended early: no equilibrium" in text

@@ -221,7 +221,9 @@ def failed(found: dict[str, Any]) -> bool:
     return sum(found["failed"]) > 0 or found["outcome"] == "unstable"
 
 
-def onset(results: Results, case: Case, guess: float | None = None, tolerance: float = TOLERANCE) -> float:
+def onset(
+    results: Callable[[Case], dict[str, Any]], case: Case, guess: float | None = None, tolerance: float = TOLERANCE
+) -> float:
     """[m/s] middle of the bracket in which the first yarn fails; looked for about a guess, where there is one."""
 
     def fails(velocity):
