@@ -95,7 +95,7 @@ StretchOption = Annotated[
     typer.Option(
         "--end-displacement",
         help="biaxial, shear: of each yarn end, both or warp and weft; pull-out: of the crossing yarn's ends, one for "
-        "each transverse load, of its crimp if not given.",
+        "each transverse load; four shares of its crimp if not given.",
         metavar="LENGTH[,LENGTH]",
     ),
 ]

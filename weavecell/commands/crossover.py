@@ -69,7 +69,7 @@ def command(
         file.write(pictures.render(pictures_crossover.CURVES[case], fabric, record, found))
     pictures_crossover.deformed(built, record, out / "pictures" / "deformed.png")
     if choices["law"] is not None and not record.failed:
-        _threshold(record).add_to(choices["law"])
+        _threshold(record, size).add_to(choices["law"])
     for key, value in found.items():
         print(f"{key:<44}{_as_text(value)}")
     print(f"written to {out}")
@@ -168,10 +168,10 @@ def _pull_out(fabric, choices):
     )
 
 
-def _threshold(record):
+def _threshold(record, size=""):
     from unitcell3d.cases import pull_out
 
-    return pull_out.fit(record)
+    return pull_out.fit(record, size)
 
 
 def _numerics(choices):
