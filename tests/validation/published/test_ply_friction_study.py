@@ -49,11 +49,26 @@ def test_page_and_picture(tmp_path):
     last = found["S-726"][-1]
     assert last.onset == pytest.approx(1.09 * 150, abs=1.0)
     assert last.limit == pytest.approx(1.09 * 230, abs=study.TOLERANCE)
+    assert last.perforation - last.stop == pytest.approx(study.STRIDE * 230, abs=0.2)
+    assert found["S-726"][0].limit == pytest.approx(230, abs=study.TOLERANCE)
     assert last.rubbed == pytest.approx(0.03)
     text = page(found, 120.0)
     assert "| S-726 | 0 | 150." in text
     assert "3.00 | 0.10 | 0 |" in text
     assert "+9." in text
     assert "2.0 minutes" in text
+    assert "is reproduced by" not in text  # +3 % at a coefficient of 0.1
     pictures.chart(found, tmp_path / "chart.png")
     assert (tmp_path / "chart.png").stat().st_size > 10_000
+
+
+def test_a_zone_of_mixed_outcomes_has_its_limit_in_the_middle():
+    outcomes = ["stopped"] * 5 + ["perforated", "stopped", "unstable", "stopped"] + ["perforated"] * 5
+    fired = [
+        {"case": {"velocity": 100.0 + 2 * n}, "outcome": outcome, "rubbed": 0.01 * n, "balance": 1e-3}
+        for n, outcome in enumerate(outcomes)
+    ]
+    found = study.summed(0.2, 90.0, fired)
+    assert (found.perforation, found.stop, found.unstable) == (110.0, 116.0, 1)
+    assert found.limit == pytest.approx(113.0)
+    assert found.rubbed == pytest.approx(0.08)

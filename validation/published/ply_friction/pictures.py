@@ -16,7 +16,7 @@ from validation.published.ply_friction.study import Found
 
 
 def chart(found: Mapping[str, Sequence[Found]], path: Path) -> None:
-    """Velocity at first failure (open) and ballistic limit (full, with its bracket) against the coefficient.
+    """Velocity at first failure (open) and ballistic limit (full, with its zone of mixed outcomes) against friction.
 
     Parameters
     ----------
@@ -25,9 +25,9 @@ def chart(found: Mapping[str, Sequence[Found]], path: Path) -> None:
     figure, axes = plt.subplots(figsize=(8.6, 4.6), layout="constrained")
     for (fabric, rows), colour in zip(found.items(), (BLUE, ORANGE, GREEN, RED)):
         mu = [one.friction for one in rows]
-        half = [0.5 * (one.perforation - one.stop) for one in rows]
         limits = [one.limit for one in rows]
-        axes.errorbar(mu, limits, half, fmt="o-", color=colour, capsize=3, label=f"{fabric}, ballistic limit")
+        zone = [[max(one.limit - one.perforation, 0) for one in rows], [max(one.stop - one.limit, 0) for one in rows]]
+        axes.errorbar(mu, limits, zone, fmt="o-", color=colour, capsize=3, label=f"{fabric}, ballistic limit")
         axes.plot(mu, [one.onset for one in rows], "o--", color=colour, mfc="white", label=f"{fabric}, first failure")
     axes.set(xlabel="friction coefficient between plies", ylabel="strike velocity [m/s]")
     axes.set_ylim(bottom=0)

@@ -4,13 +4,15 @@ Literature: friction raises V50 by about 10 % (Rao et al., as quoted in 10.1177/
 plies together. Here the crossovers are pinned and the nose is frictionless, so that the friction between plies is the
 only one.
 
-Ballistic limit. The strike velocity between the last stop and the first perforation, by bisection. Packs that tear may
-have more than one such velocity; the bracket that is found is given, and every shot is kept.
+Ballistic limit. Of torn packs it is no single velocity: stops and perforations alternate over a zone of several per
+cent, and a bisection ends at any of its edges. So the same strike velocities are fired at every coefficient, `SHARES`
+of the limit that a bisection finds without friction. The limit is the velocity that has as many perforations below it
+as stops above; lowest perforation and highest stop bound the zone.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -23,6 +25,8 @@ FRICTIONS = (0.0, 0.1, 0.2, 0.3)
 END = 1.5e-3  # [s] by which a shot has stopped or perforated
 RANGE, STEP = (80.0, 400.0), 1.15  # [m/s]; first factor from the guess
 TOLERANCE = 2.0  # [m/s] of the bracket of the ballistic limit
+STRIDE = 0.01  # between the velocities of the scan, of the limit without friction
+SHARES = tuple(1 + STRIDE * n for n in range(-12, 13))
 Shots = Callable[[Case], dict[str, Any]]
 
 
@@ -34,24 +38,21 @@ class Found:
     ----------
     friction : [-]
     onset : [m/s] strike velocity at which the first yarn fails
-    stop, perforation : [m/s] bracket of the ballistic limit
-    rubbed : [-] work of friction between plies over the strike energy, of the fastest shot that stopped
-    balance : [-] largest error of the energy balance over the strike energy, of all shots of the bisection
+    limit : [m/s] ballistic limit: as many perforations below it as stops above, in the scan
+    perforation, stop : [m/s] lowest perforation and highest stop of the scan
+    rubbed : [-] work of friction between plies over the strike energy, of the highest stop
+    balance : [-] largest error of the energy balance over the strike energy, of the scan
     unstable : number of its shots that a guard stopped, which count as perforations
     """
 
     friction: float
     onset: float
-    stop: float
+    limit: float
     perforation: float
+    stop: float
     rubbed: float
     balance: float
     unstable: int
-
-    @property
-    def limit(self) -> float:
-        """[m/s] middle of the bracket."""
-        return 0.5 * (self.stop + self.perforation)
 
 
 def perforates(found: dict[str, Any]) -> bool:
@@ -87,18 +88,36 @@ def bracket(shots: Shots, case: Case, guess: float) -> list[dict[str, Any]]:
     return list(fired.values())
 
 
+def scan(shots: Shots, case: Case, centre: float) -> list[dict[str, Any]]:
+    """The shots at `SHARES` of a velocity [m/s], slowest first."""
+    return [shots(replace(case, velocity=round(share * centre, 1), end_time=END)) for share in SHARES]
+
+
+def summed(friction: float, onset: float, fired: Sequence[dict[str, Any]]) -> Found:
+    """The Found of a scan, slowest shot first."""
+    velocity = [one["case"]["velocity"] for one in fired]
+    through = [perforates(one) for one in fired]
+    stops = [v for v, one in zip(velocity, through) if not one]
+    step = (velocity[-1] - velocity[0]) / (len(velocity) - 1)
+    last = fired[velocity.index(max(stops))] if stops else fired[0]
+    return Found(
+        friction, onset, velocity[0] + (len(stops) - 0.5) * step,
+        min((v for v, one in zip(velocity, through) if one), default=velocity[-1] + step),
+        max(stops, default=velocity[0] - step), last["rubbed"], max(one["balance"] for one in fired),
+        sum(one["outcome"] == "unstable" for one in fired),
+    )  # fmt: skip
+
+
 def study(shots: Shots, fabric: str) -> list[Found]:
-    """One Found for each friction; each search begins at the limit of the friction before."""
+    """One Found for each friction."""
     rows: list[Found] = []
+    centre = 0.0
     for friction in FRICTIONS:
         case = Case(fabric, PLIES, 0.0, friction=friction)
         onset = packs.onset(shots, case, guess=rows[-1].onset if rows else None)
-        fired = bracket(shots, case, rows[-1].limit if rows else 1.3 * onset)
-        stops = [one for one in fired if not perforates(one)]
-        last = max(stops, key=lambda one: one["case"]["velocity"])
-        first = min(one["case"]["velocity"] for one in fired if perforates(one))
-        rows.append(Found(
-            friction, onset, last["case"]["velocity"], first, last["rubbed"], max(one["balance"] for one in fired),
-            sum(one["outcome"] == "unstable" for one in fired),
-        ))  # fmt: skip
+        if not rows:
+            fired = bracket(shots, case, 1.1 * onset)
+            ends = [[one["case"]["velocity"] for one in fired if perforates(one) == through] for through in (0, 1)]
+            centre = 0.5 * (max(ends[0]) + min(ends[1]))
+        rows.append(summed(friction, onset, scan(shots, case, centre)))
     return rows
