@@ -1,7 +1,7 @@
-"""python -m validation.verification.pull_out [--out results/pull-out] [--page docs/pull-out.md]
+"""python -m validation.verification.pull_out [--out results/pull-out] [--page docs/pull-out.md] [--without CHOICE ...]
 
 Solves the paths of the study, each kept in the folder as soon as it is done. With --page the page is written, and its
-picture into figures/ beside it.
+picture into figures/ beside it. --without leaves choices of the table of dependences out, such as the finer mesh.
 """
 
 from __future__ import annotations
@@ -20,7 +20,10 @@ def main() -> None:
     arguments = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     arguments.add_argument("--out", type=Path, default=Path("results/pull-out"))
     arguments.add_argument("--page", type=Path)
+    arguments.add_argument("--without", nargs="*", default=(), choices=tuple(study.VARIANTS), metavar="CHOICE")
     chosen = arguments.parse_args()
+    for name in chosen.without:
+        del study.VARIANTS[name]
     kept = run_cache.RunCache(chosen.out / "runs", run_cache.JSON)
 
     def runs(case):
