@@ -25,8 +25,8 @@ FRICTIONS = (0.0, 0.1, 0.2, 0.3)
 END = 1.5e-3  # [s] by which a shot has stopped or perforated
 RANGE, STEP = (80.0, 400.0), 1.15  # [m/s]; first factor from the guess
 TOLERANCE = 2.0  # [m/s] of the bracket of the ballistic limit
-STRIDE = 0.01  # between the velocities of the scan, of the limit without friction
-SHARES = tuple(1 + STRIDE * n for n in range(-12, 13))
+STRIDE = 0.02  # between the velocities of the scan, of the limit without friction
+SHARES = tuple(1 + STRIDE * n for n in range(-6, 7))
 Shots = Callable[[Case], dict[str, Any]]
 
 
