@@ -4,7 +4,7 @@ import pytest
 
 from fabrics.errors import UndecidedError
 from validation.published.ply_friction import pictures, study
-from validation.published.ply_friction.page import page
+from validation.published.ply_friction.page import change, page
 
 
 class Fake:
@@ -55,7 +55,7 @@ def test_page_and_picture(tmp_path):
     text = page(found, 120.0)
     assert "| S-726 | 0 | 150." in text
     assert "3.00 | 0.10 | 0 |" in text
-    assert "+9." in text
+    assert change(163.5, 150.0) == "+9.0 %"
     assert "2.0 minutes" in text
     assert "is reproduced by" not in text  # +3 % at a coefficient of 0.1
     pictures.chart(found, tmp_path / "chart.png")
