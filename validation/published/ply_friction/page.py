@@ -60,12 +60,12 @@ def answer(found: Mapping[str, Sequence[Found]]) -> str:
     texts = []
     for fabric, of in found.items():
         last = of[-1]
-        zone = 0.5 * (of[0].stop - of[0].perforation) / of[0].limit
         texts.append(
             f"- {fabric}: from 0 to {last.friction:g} the first failure moves by {change(last.onset, of[0].onset)} and "
-            f"the ballistic limit by\n  {change(last.limit, of[0].limit)}; without friction the zone of mixed outcomes "
-            f"is ±{100 * max(zone, 0):.1f} % wide."
+            f"the ballistic limit by\n  {change(last.limit, of[0].limit)}; stops and perforations overlap by up to "
+            f"{max(0.0, *(one.stop - one.perforation for one in of)):.0f} m/s."
         )
+    texts.append(f"- The strike velocities resolve a ballistic limit to ±{50 * STRIDE:g} %: smaller changes are none.")
     changes = [one.limit / of[0].limit - 1 for of in found.values() for one in of[1:]]
     met = "is met" if max(changes) > 0.5 * LITERATURE else "is missed"
     texts.append(

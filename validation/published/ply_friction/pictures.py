@@ -30,7 +30,7 @@ def chart(found: Mapping[str, Sequence[Found]], path: Path) -> None:
         axes.errorbar(mu, limits, zone, fmt="o-", color=colour, capsize=3, label=f"{fabric}, ballistic limit")
         axes.plot(mu, [one.onset for one in rows], "o--", color=colour, mfc="white", label=f"{fabric}, first failure")
     axes.set(xlabel="friction coefficient between plies", ylabel="strike velocity [m/s]")
-    axes.set_ylim(bottom=0)
+    axes.set_ylim(0, 1.12 * max(max(one.limit, one.stop) for rows in found.values() for one in rows))
     axes.legend(frameon=False, ncols=2)
     axes.grid(alpha=0.3)
     with replace_whole(path) as beside:
