@@ -38,7 +38,7 @@ def main() -> None:
     pictures.chart(found, folder / "pull-out.png")
     if chosen.page:
         with write_whole(chosen.page) as file:
-            file.write(page(found))
+            file.write(page(found, chosen.without))
 
 
 if __name__ == "__main__":

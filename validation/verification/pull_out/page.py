@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -12,11 +13,12 @@ from validation.verification.pull_out.study import LAW, WEFT, law
 from validation.verification.study import markdown
 
 
-def page(found: dict[str, Any]) -> str:
-    """The page in Markdown, from the results of `study.gather`."""
+def page(found: dict[str, Any], without: Sequence[str] = ()) -> str:
+    """The page in Markdown, from the results of `study.gather`; `without` names choices that were left out."""
+    left_out = f"\n\nNot run: {', '.join(without)}." if without else ""
+    dependences = variants(found["variants"]) + left_out
     return "\n".join([
-        _HEAD, thresholds(found), "", summary(found), _FIGURE, _VARIANTS, variants(found["variants"]), "", cost(found),
-        _LIMITS,
+        _HEAD, thresholds(found), "", summary(found), _FIGURE, _VARIANTS, dependences, "", cost(found), _LIMITS,
     ])  # fmt: skip
 
 
@@ -50,8 +52,8 @@ def summary(found: dict[str, Any]) -> str:
     free = found["frictionless"]
     largest = max(map(abs, free["P"][0]))
     texts.append(
-        f"- without friction the axial force stays below {largest:.3f} N at a contact force of {free['F_c'][0]:.1f} N: "
-        "the resistance of the crimp, with which c0, the threshold of the fit without contact force, is to be compared."
+        f"- without friction the axial force stays below {largest:.3f} N at a contact force of {free['F_c'][0]:.1f} N: the "
+        "resistance of\n  the crimp alone, to which the c0 of the fits, the threshold without contact force, corresponds."
     )
     return "\n".join(texts)
 
