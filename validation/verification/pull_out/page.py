@@ -52,8 +52,9 @@ def summary(found: dict[str, Any]) -> str:
     free = found["frictionless"]
     largest = max(map(abs, free["P"][0]))
     texts.append(
-        f"- without friction the axial force stays below {largest:.3f} N at a contact force of {free['F_c'][0]:.1f} N: the "
-        "resistance of\n  the crimp alone, to which the c0 of the fits, the threshold without contact force, corresponds."
+        f"- without friction the axial force stays below {largest:.3f} N at a contact force of {free['F_c'][0]:.1f} N: "
+        "the resistance of\n  the crimp alone, to which the c0 of the fits, the threshold without contact force, "
+        "corresponds."
     )
     return "\n".join(texts)
 
