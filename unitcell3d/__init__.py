@@ -32,6 +32,7 @@ with kernel_cache(__file__):  # kernels call each other across files: one cache,
     from unitcell3d.contact import (  # noqa: F401
         edge_contact_kernels,
         plate_contact_kernels,
+        slip_kernels,
         surface_contact_kernels,
         surface_kernels,
         surface_tangent_kernels,

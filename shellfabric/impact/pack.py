@@ -36,6 +36,7 @@ class PackSetup:
     stacking : "aligned" or "alternating"
     gap : [m] between plies at rest; None takes the fabric's (see `plies.model.fabric_gap`)
     contact : PlyContact, numerical knobs of the contact between plies
+    friction : [-] Coulomb's coefficient between plies
     """
 
     ply: ImpactSetup
@@ -43,6 +44,7 @@ class PackSetup:
     stacking: str = "aligned"
     gap: float | None = None
     contact: PlyContact = field(default_factory=PlyContact)
+    friction: float = 0.0
 
     def pack(self, table: CellTable | None = None) -> Pack:
         """The pack that this set-up describes, with its own table of the first ply's cell or one that a like set-up has
@@ -53,7 +55,9 @@ class PackSetup:
         InputError : as ImpactSetup.panel and Pack.stacked
         """
         panel = self.ply.panel(table)
-        return Pack.stacked(panel, self.plies, stacking=self.stacking, gap=self.gap, contact=self.contact)
+        return Pack.stacked(
+            panel, self.plies, stacking=self.stacking, gap=self.gap, contact=self.contact, friction=self.friction
+        )
 
 
 @dataclass(frozen=True)

@@ -55,6 +55,8 @@ which a transverse wave comes less than an element further. A point that is clea
 long as it would need to get there at one and a half times the highest speeds of both plies. The others are computed
 eight at once where no special case applies (`plies.contact_simd_kernels`).
 
+Friction acts at the same points, where a pack has it (`plies.ply_friction_kernels`).
+
 Work. What a step's contact takes from the motion is summed over the nodes: half a step's work of the old forces, half a
 step's of the new, on the same velocities. So it balances to the last digits, whatever the weights.
 """
@@ -89,6 +91,8 @@ from shellfabric.plies.contact_simd_kernels import (
     contact_points8,
 )
 from shellfabric.plies.graded_kernels import add_line_offset, add_middle_offset, place_in_elements
+from shellfabric.plies.normal_force_kernels import clear_normal_forces
+from shellfabric.plies.ply_friction_kernels import friction_forces
 from shellfabric.plies.point_kernels import contact_point
 from shellfabric.plies.surface_kernels import (
     SMOOTH,
@@ -208,6 +212,7 @@ def contact_forces(front, fc, rear, rc, pair, step):
     nearer = _SPEED_MARGIN * fc.dt * (max(pair.max_speed[0], shot) + max(pair.max_speed[1], shot))
     for i in range(i0, i1):
         start, end = (i * fc.nj + j0) * p * p, (i * fc.nj + j1) * p * p
+        clear_normal_forces(pair.normal_force, start, end)
         for q0 in range(start, end, WIDTH):
             count = min(WIDTH, end - q0)
             due = movemask(head_mask(count)) & ~movemask(greater(load(pair.recheck_step, q0), now))
@@ -227,6 +232,7 @@ def contact_forces(front, fc, rear, rc, pair, step):
                 spring += energy
                 if depth > pair.energy[MAX_DEPTH]:
                     pair.energy[MAX_DEPTH], pair.energy[MAX_DEPTH_POINT] = depth, q
+        friction_forces(pair.friction_state, front, fc, rear, rc, pair, start, end)
     apply_symmetry(fc, pair.f_front, pair.front_window)
     apply_symmetry(rc, pair.f_rear, pair.rear_window)
     taken -= half_step_work(front, fc, pair.f_front, pair.front_window, False)
@@ -244,12 +250,14 @@ def contact_forces_back(front, fc, rear, rc, pair, step):
     taken -= half_step_work(rear, rc, pair.f_rear, pair.rear_window, True)
     p, spring, often = pair.points_per_side, 0.0, step % _SCAN_INTERVAL == 0
     for e in pair.torn_elements[: pair.torn_counts[1]]:
+        clear_normal_forces(pair.normal_force, e * p * p, (e + 1) * p * p)
         for m in range(p * p):
             a, b = e // fc.nj + (m // p + pair.point_offset) / p, e % fc.nj + (m % p + pair.point_offset) / p
             energy, depth = contact_point(front, fc, rear, rc, pair, e * p * p + m, a, b, often)
             spring += energy
             if depth > pair.energy[MAX_DEPTH]:
                 pair.energy[MAX_DEPTH], pair.energy[MAX_DEPTH_POINT] = depth, e * p * p + m
+        friction_forces(pair.friction_state, front, fc, rear, rc, pair, e * p * p, (e + 1) * p * p)
     apply_symmetry(fc, pair.f_front, pair.front_window)
     apply_symmetry(rc, pair.f_rear, pair.rear_window)
     taken -= half_step_work(front, fc, pair.f_front, pair.front_window, False)

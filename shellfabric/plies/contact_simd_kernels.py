@@ -37,6 +37,7 @@ from shellfabric.plies.graded_kernels import (
     add_row_offset8,
     scaled_by_area8,
 )
+from shellfabric.plies.normal_force_kernels import store_normal_force8
 from shellfabric.plies.surface_kernels import (
     element_mean8,
     intact_about,
@@ -48,8 +49,10 @@ from shellfabric.plies.surface_kernels import (
     surface_patch8,
 )
 
-# of pair.energy
-WORK, SPRING, MAX_DEPTH, MAX_DEPTH_POINT, PASSED_COUNT, PASSED_POINT, PASSED_STEP, MAX_COMPRESSION = range(8)
+# of pair.energy; WORK is of all contact forces, friction included
+(
+    WORK, SPRING, MAX_DEPTH, MAX_DEPTH_POINT, PASSED_COUNT, PASSED_POINT, PASSED_STEP, MAX_COMPRESSION, FRICTION_WORK
+) = range(9)  # fmt: skip
 # of pair.status; a point whose foot leaps or lies aside is lost until it has one again
 CLEAR, IN_CONTACT, LOST = 0, 1, 2
 # [thicknesses] where a point may come through; most that a spring is stiffened
@@ -258,6 +261,7 @@ def apply_forces8(front, fc, rear, rc, pair, q, at, count, bits, depth, n, weigh
         pair.energy[MAX_COMPRESSION], reduce_max(where(mask_from_bits(pressed), squeezed, 0.0))
     )
     f = where(mask_from_bits(pressed), maximum(penalty_force(pair, part, squeezed, drag, closing), 0.0), 0.0)
+    store_normal_force8(pair.normal_force, q, f, pressed, count)
     if movemask(greater(f, 0.0)) != 0:
         extend_window(pair.front_window, i, i + 2, j, min(j + WIDTH + 1, fc.row_stride))
         extend_window(pair.rear_window, I, I + (4 if tall else 3), max(J, 0), min(J + WIDTH + 3, rc.row_stride))

@@ -14,7 +14,6 @@ Time step. All plies share the shortest of their steps, or a shorter one where t
 
 from __future__ import annotations
 
-from collections import namedtuple
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -30,7 +29,8 @@ from shellfabric.cell.model import CellModel, CellTable
 from shellfabric.jit.simd import WIDTH
 from shellfabric.panel.arrays import Constants, State, Work, has_out_of_plane
 from shellfabric.panel.model import Panel
-from shellfabric.plies import broad_phase_kernels, step_kernels
+from shellfabric.plies import broad_phase_kernels, friction, step_kernels
+from shellfabric.plies.arrays import Pair, Stack, TornContact
 from shellfabric.plies.contact_simd_kernels import AMBIGUOUS_DEPTH
 from shellfabric.plies.gap import fabric_gap
 from shellfabric.plies.grading import area_factors, line_offsets
@@ -44,22 +44,6 @@ _NEAREST = 0.05  # [thicknesses] that torn cloth comes to other cloth
 _ENTRIES, _NEAR = 9, 20_000  # of an element in the grid of facets, in the mean; of a ply in the list of what is near
 _LEAST = (0.25, 1e-3)  # deflections that are looked at: of the gap, of the thickness
 
-Pair = namedtuple(
-    "Pair",
-    "closest_point cp_rate normal last_depth depth_offset status on_facet recheck_step max_speed f_front f_rear "
-    "front_window rear_window front_box rear_box energy near_torn torn_elements torn_counts lane_index surface_form "
-    "points_per_side point_offset stiffness damping thickness rest_distance min_deflection area_factor1 area_factor2",
-)
-TornContact = namedtuple(
-    "TornContact",
-    "f window x x_next dt_over_mass z_rest min_distance ply_grid ply_shape dt zone_mark intact_quadrants elements "
-    "nodes counts failures box_low box_high cell_head entry_element entry_cell entry_next candidates "
-    "candidate_normal deep_points deep_point_data in_node_list last_moved sweep energy line_offset",
-)
-Stack = namedtuple(
-    "Stack", "awake waits_for_plies counter projectile_position f_contact_nose ply_counters projectile_velocity"
-)
-
 
 @dataclass(frozen=True)
 class Pack:
@@ -70,15 +54,17 @@ class Pack:
     plies : tuple of Panel, alike in opening, symmetry, projectile and numerics; see `stacked`
     gaps : (plies - 1,) [m] at rest
     contact : PlyContact
+    friction : [-] Coulomb's coefficient between plies; torn cloth is held apart without friction
 
     Raises
     ------
-    InputError : no ply, a wrong number of gaps, a negative gap, or plies that do not go together
+    InputError : no ply, a wrong number of gaps, a negative gap, plies that do not go together, or as `friction.check`
     """
 
     plies: tuple[Panel, ...]
     gaps: tuple[float, ...] = ()
     contact: PlyContact = field(default_factory=PlyContact)
+    friction: float = 0.0
 
     def __post_init__(self):
         if not self.plies:
@@ -96,11 +82,12 @@ class Pack:
             raise InputError("the plies of a pack must have one grading")
         if len({ply.table.model.form for ply in self.plies}) > 1 or len({ply.trellis for ply in self.plies}) > 1:
             raise InputError("the plies of a pack must have cells of one form")
+        friction.check(self.friction, first.numerics.cfl)
 
     @classmethod
     def stacked(
         cls, ply: Panel, plies: int, *, stacking: str = "aligned", gap: float | None = None,
-        contact: PlyContact | None = None,
+        contact: PlyContact | None = None, friction: float = 0.0,
     ) -> Pack:  # fmt: skip
         """A pack of one fabric.
 
@@ -110,7 +97,7 @@ class Pack:
         plies : their number
         stacking : "aligned" or "alternating"
         gap : [m] between all plies; None takes the fabric's own, or that of `compression_gap`
-        contact : PlyContact
+        contact, friction : as of a Pack
 
         Raises
         ------
@@ -123,7 +110,7 @@ class Pack:
         if gap is None:
             gap = fabric_gap(ply.fabric) if plies > 1 else 0.0
         both = (ply, turned(ply) if stacking == "alternating" and plies > 1 else ply)
-        return cls(tuple(both[n % 2] for n in range(plies)), (gap,) * (plies - 1), contact or PlyContact())
+        return cls(tuple(both[n % 2] for n in range(plies)), (gap,) * (plies - 1), contact or PlyContact(), friction)
 
     @property
     def elements(self) -> int:
@@ -292,13 +279,17 @@ class Pack:
             lane_index=np.arange(float(WIDTH)), max_speed=np.zeros(2),
             f_front=nodal(states[p]), f_rear=nodal(states[q]), front_window=nothing(front),
             rear_window=nothing(rear), front_box=np.array(states[p].contact_window),
-            rear_box=np.array([rear.ni + 1, -1, rear.row_stride, -1]), energy=np.zeros(8), surface_form=form,
+            rear_box=np.array([rear.ni + 1, -1, rear.row_stride, -1]), energy=np.zeros(9), surface_form=form,
             points_per_side=n, point_offset=start, stiffness=knobs.penalty * mass / self.time_step**2,
             damping=knobs.damping * knobs.penalty**0.5 * mass / self.time_step,
             thickness=thickness, rest_distance=apart,
             min_deflection=max(_LEAST[0] * (abs(apart) - thickness), _LEAST[1] * thickness),
             **area_factors(self.plies[p], self.plies[q]),
+            **friction.fields(self.friction, foot[0].size + WIDTH, self._slip_constants(mass)),
         )  # fmt: skip
+
+    def _slip_constants(self, mass):
+        return friction.slip_constants(self.plies[0].numerics.cfl, mass, self.time_step, self.contact)
 
     def _first_places(self, p, q, front, rear, sub):
         """((ni, points), (nj, points)) [elements] where the points of ply p lie on ply q at rest, along either side.

@@ -25,6 +25,7 @@ from shellfabric.plies.contact_simd_kernels import (
     penalty_force,
 )
 from shellfabric.plies.graded_kernels import add_middle_offset, add_weighted_offset, scaled_by_area
+from shellfabric.plies.normal_force_kernels import store_normal_force
 from shellfabric.plies.surface_kernels import (
     FACETS,
     NODES,
@@ -186,8 +187,8 @@ def move_closest_point(rc, pair, q, place, step, low):
 
 
 @kernel(_nrt=False, forceinline=True)
-def closing_speed(front, fc, rear, rc, pair, k, w_front, K, w_rear, n):
-    """[m/s] at which a point and its closest point come nearer, along n."""
+def relative_velocity(front, fc, rear, rc, pair, k, w_front, K, w_rear):
+    """[m/s] of a point over its closest point on the rear ply."""
     v_x, v_y, v_z = vector_at(rear.v, K, rc.row_stride, w_rear[0], w_rear[1])
     v_x, v_y, v_z = -v_x, -v_y, -v_z
     if central(pair):
@@ -199,6 +200,13 @@ def closing_speed(front, fc, rear, rc, pair, k, w_front, K, w_rear, n):
     else:
         p_x, p_y, p_z = vector_at(front.v, k, fc.row_stride, w_front[0], w_front[1])
         v_x, v_y, v_z = v_x + p_x, v_y + p_y, v_z + p_z
+    return v_x, v_y, v_z
+
+
+@kernel(_nrt=False, forceinline=True)
+def closing_speed(front, fc, rear, rc, pair, k, w_front, K, w_rear, n):
+    """[m/s] at which a point and its closest point come nearer, along n."""
+    v_x, v_y, v_z = relative_velocity(front, fc, rear, rc, pair, k, w_front, K, w_rear)
     return n[0] * v_x + n[1] * v_y + n[2] * v_z
 
 
@@ -228,6 +236,7 @@ def spring_force(fc, pair, q, a, b, depth, closing, torn):
     drag = part * pair.damping
     part *= stiffness_factor(pair, pair.depth_offset[q])
     f = max(0.0, penalty_force(pair, part, squeezed, drag, closing))
+    store_normal_force(pair.normal_force, q, f)
     return f, 0.5 * part * pair.stiffness * squeezed * squeezed
 
 

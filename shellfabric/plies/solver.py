@@ -1,6 +1,7 @@
 """The explicit solver of a pack of plies; see `panel.solver`, whose ClothSolver a panel and a pack have in common.
 
-The energies have one entry more than those of a panel: "ply_contact", the work done on the contact between plies.
+The energies have two entries more than those of a panel: "ply_contact" and "ply_friction", the work done on the contact
+between plies, and that of the friction there.
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ from shellfabric.panel.step_kernels import STEP
 from shellfabric.plies import contact_simd_kernels, step_kernels, torn_contact_kernels
 from shellfabric.plies.model import Pack, lists
 
-PACK_ENERGIES = (*ENERGIES[:-1], "ply_contact", ENERGIES[-1])
+PACK_ENERGIES = (*ENERGIES[:-1], "ply_contact", "ply_friction", ENERGIES[-1])
 PACK_SAMPLES = (*OBSERVED, *PACK_ENERGIES)
 
 
@@ -42,7 +43,10 @@ class PackSolver(ClothSolver):
     """
 
     sample_names, energy_names = PACK_SAMPLES, PACK_ENERGIES
-    contacts = ("contact", "the contact with the nose"), ("ply_contact", "the contact between plies")
+    contacts = (
+        ("contact", "the contact with the nose"), ("ply_contact", "the contact between plies"),
+        ("ply_friction", "the friction between plies"),
+    )  # fmt: skip
     module = "shellfabric.impact.pack"
 
     def __init__(
@@ -115,9 +119,10 @@ class PackSolver(ClothSolver):
         return bool(self.stack.awake[-1])
 
     def contact_energies(self) -> tuple[float, ...]:
-        """[J] (1,) taken in by the contact between plies."""
+        """(2,) [J] taken in by the contact between plies, and by the friction there."""
         taken = sum(pair.energy[contact_simd_kernels.WORK] for pair in self.pairs)
-        return (taken + self.stops.energy[torn_contact_kernels.WORK],)
+        rubbed = float(sum(pair.energy[contact_simd_kernels.FRICTION_WORK] for pair in self.pairs))
+        return taken + self.stops.energy[torn_contact_kernels.WORK] - rubbed, rubbed
 
     def neighbour_forces(self, ply: int) -> list[Any]:
         """See ClothSolver: of both neighbours, and of torn cloth."""
@@ -144,7 +149,7 @@ class PackSolver(ClothSolver):
     def checkpoint_identity(self) -> tuple[Any, str]:
         """See ExplicitSolver."""
         known, module = super().checkpoint_identity()
-        return (*known, self.pack.gaps, self.pack.contact), module
+        return (*known, self.pack.gaps, self.pack.contact, self.pack.friction), module
 
     def checkpoint_arrays(self) -> dict[str, Any]:
         """See ExplicitSolver. Of what holds torn cloth apart, the rest follows from the plies."""

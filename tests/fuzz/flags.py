@@ -96,7 +96,7 @@ def of_scene(path):
     setup = build.setup(build.build(asked, path, path.stem), path)
     setup = replace(setup, numerics=replace(setup.numerics, threads=1), snapshot_interval=None)
     if asked.panel.plies > 1:
-        pack = impact_pack.PackSetup(setup, asked.panel.plies, asked.panel.stacking, asked.panel.ply_gap)
+        pack = build.pack_setup(setup, asked.panel)
         result = impact_pack.run(pack, hooks=(watch,))
     else:
         result = single_ply.run(setup, hooks=(watch,))

@@ -86,7 +86,7 @@ def run(path, hooks=()):
     asked, setup = setup_of(path)
     panel = asked.panel
     if panel.plies > 1:
-        return impact_pack.run(impact_pack.PackSetup(setup, panel.plies, panel.stacking, panel.ply_gap), hooks=hooks)
+        return impact_pack.run(build.pack_setup(setup, panel), hooks=hooks)
     return single_ply.run(setup, hooks=hooks)
 
 

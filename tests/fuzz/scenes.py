@@ -85,6 +85,8 @@ def sample(generator, name="fuzz") -> RandomScene:
     shot = sample_projectile(draw, half)
     panel = sample_panel(draw, shot, thickness)
     run = sample_run(draw, fabric, cells, half, shot, panel)
+    if "plies" in panel and draw.chance(0.4):  # last, so that scenes without it are what they were
+        panel["ply_friction"] = round(draw.uniform(0, 0.6), 3)
     return RandomScene(name, fabric, table | {"projectile": shot, "panel": panel, "run": run})
 
 

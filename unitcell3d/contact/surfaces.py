@@ -9,7 +9,7 @@ import numpy as np
 from fabrics.checks import FloatArray, IntArray
 from unitcell3d.assembly import constraints
 from unitcell3d.assembly.sparsity import Pattern
-from unitcell3d.contact import plate_contact_kernels, surface_contact_kernels
+from unitcell3d.contact import plate_contact_kernels, slip_kernels, surface_contact_kernels
 from unitcell3d.contact.interface import PenaltyNumerics
 from unitcell3d.contact.kernel_arguments import Blocks, ContactLaw, Face, PassState, PlateFace, SlavePoints
 from unitcell3d.contact.surface_tangent_kernels import STENCIL
@@ -140,6 +140,13 @@ class Pass:
         """The state at `x`, that of the last call of `assemble`, is where friction goes on from."""
         surface_contact_kernels.update_anchors(x, self._master, numerics.slip, self._state)
 
+    def mobilised_friction(self, x: FloatArray, numerics: PenaltyNumerics) -> tuple[float, float]:
+        """[N] sums over the points, at the state of the last call of `assemble`: of the normal force times the
+        mobilised share of Coulomb's limit (0 in rest, 1 in slip), and of the normal force."""
+        law = contact_law(numerics, 0.5)
+        found: tuple[float, float] = slip_kernels.mobilised_friction(x, self._points, self._master, law, self._state)
+        return found
+
     @property
     def anchors(self) -> FloatArray:
         """(s, 2) [-] where each point stuck last, in parameters of the master; may be written to."""
@@ -217,6 +224,13 @@ class FacingSurfaces:
         """The state of the last call of `assemble` is where friction goes on from."""
         for side in self._passes:
             side.commit(x, numerics)
+
+    def mobilised_friction(self, x: FloatArray, numerics: PenaltyNumerics) -> float:
+        """[-] share of Coulomb's limit that is mobilised at the state of the last call of `assemble`: 0 where all
+        points stick without load, 1 where all slide; 0 without contact."""
+        sums = [side.mobilised_friction(x, numerics) for side in self._passes]
+        whole = sum(normal for _, normal in sums)
+        return sum(part for part, _ in sums) / whole if whole > 0 else 0.0
 
 
 class Plates:

@@ -64,6 +64,7 @@ def fabric(name: FilePath, *, linear_density: str = "effective") -> Fabric:
 def setup(
     fabric: Fabric | FilePath, velocity: float | str, *, law: Any = None, projectile: Any = None,
     opening: Any = 0.203, plies: int = 1, stacking: str = "aligned", ply_gap: float | str | None = None,
+    ply_friction: float = 0.0,
     end_time: float | str = 800e-6, snapshot_interval: float | str | None = None, **options: Any,
 ) -> ImpactSetup | PackSetup:  # fmt: skip
     """The set-up of one impact, for `sweep` or `shellfabric`.
@@ -80,6 +81,7 @@ def setup(
     plies : number
     stacking : "aligned" or "alternating", of a pack
     ply_gap : [m] between plies at rest; None takes the fabric's
+    ply_friction : [-] Coulomb's coefficient between plies
     end_time : [s] at the latest
     snapshot_interval : [s] between the shapes for `to_vtk`; None for the last alone
     options : further fields of `shellfabric.impact.single_ply.ImpactSetup` in SI units, such as elements_per_crossover,
@@ -114,7 +116,7 @@ def setup(
     if plies == 1:
         return ply
     gap = None if ply_gap is None else quantities.number(ply_gap, "m", "ply_gap")
-    return PackSetup(ply, plies, stacking, gap)
+    return PackSetup(ply, plies, stacking, gap, friction=ply_friction)
 
 
 def shoot(

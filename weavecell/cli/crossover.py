@@ -12,7 +12,6 @@ from weavecell.cli.options import (
     RESULTS,
     FabricArgument,
     FinenessOption,
-    FrictionOption,
     GapOption,
     OutOption,
     SectionOption,
@@ -31,6 +30,7 @@ class Case(StrEnum):
     biaxial = "biaxial"
     path = "path"
     shear = "shear"
+    pull_out = "pull-out"
 
 
 class Part(StrEnum):
@@ -56,18 +56,26 @@ _OF_CASE = {
     Case.biaxial: ("failure", "friction", "stretch"),
     Case.path: ("failure", "friction", "path"),
     Case.shear: ("failure", "friction", "stretch", "gamma"),
+    Case.pull_out: ("friction", "yarn", "stretch", "pull", "law"),
 }
 
 
 CaseOption = Annotated[
-    Case, typer.Option(help="Load case: one yarn in tension, plies between platens, biaxial tension, a path, or shear.")
+    Case,
+    typer.Option(
+        help="Load case: one yarn in tension, plies between platens, biaxial tension, a path, shear, or one yarn pulled "
+        "out."
+    ),
 ]
 PartOption = Annotated[
     Part | None,
-    typer.Option(help="yarn, path: a quarter (default) or whole; biaxial, shear: whole (default) or periodic (2 x 2)."),
+    typer.Option(
+        help="yarn, path: a quarter (default) or whole; biaxial, shear: whole (default) or periodic (2 x 2); "
+        "pull-out: whole."
+    ),
 ]
 FailureOption = Annotated[bool, typer.Option("--failure", help="Let fibres fail at their failure strain.")]
-FamilyOption = Annotated[Family, typer.Option(help="yarn: family of the yarn that is pulled.")]
+FamilyOption = Annotated[Family, typer.Option(help="yarn, pull-out: family of the yarn that is pulled.")]
 BarsOption = Annotated[
     int | None, typer.Option(help="yarn: fibre lines that carry bars; all if not given.", metavar="N")
 ]
@@ -87,13 +95,28 @@ StretchOption = Annotated[
     str,
     typer.Option(
         "--end-displacement",
-        help="biaxial, shear: displacement of each yarn end, of both or of warp and weft.",
+        help="biaxial, shear: displacement of each yarn end, of both or of warp and weft; pull-out: of the crossing "
+        "yarn's ends, one for each transverse load; four shares of its crimp if not given.",
         metavar="LENGTH[,LENGTH]",
     ),
 ]
 AngleOption = Annotated[str, typer.Option("--shear-angle", help="shear: angle at the end.", metavar="ANGLE")]
 PathOption = Annotated[
     Path | None, typer.Option(help='path: CSV file of corners, headed "d1 \\[um], d2 \\[um]".', metavar="FILE.csv")
+]
+
+CoefficientOption = Annotated[
+    float | None,
+    typer.Option(
+        "--friction", "--mu", min=0, help="Coulomb's coefficient between the yarns; if not given 0, pull-out: 0.2."
+    ),
+]
+PullOption = Annotated[
+    str | None, typer.Option(help="pull-out: displacement of the yarn along its axis.", metavar="LENGTH")
+]
+LawOption = Annotated[
+    Path | None,
+    typer.Option(help="pull-out: law.json of a calibration, to which the slip threshold is added.", metavar="FILE"),
 ]
 
 
@@ -106,7 +129,7 @@ def crossover(
     section: SectionOption = None,
     gap: GapOption = "0 mm",
     failure: FailureOption = False,
-    friction: FrictionOption = 0.0,
+    friction: CoefficientOption = None,
     yarn: FamilyOption = Family.warp,
     bars: BarsOption = None,
     one_point: ReducedOption = False,
@@ -116,9 +139,11 @@ def crossover(
     stretch: StretchOption = "0 mm",
     gamma: AngleOption = "0.6 rad",
     path: PathOption = None,
+    pull: PullOption = None,
+    law: LawOption = None,
     out: OutOption = None,
 ) -> None:
-    """Load the 3D crossover: one yarn pulled straight, plies between platens, biaxial stretch, any path, or shear.
+    """Load the 3D crossover: one yarn pulled straight, platens, biaxial stretch, any path, shear, or yarn pull-out.
 
     The folder then holds case.h5 (every converged state), case.json and pictures/. A case that finds no equilibrium
     keeps what it has computed and ends with exit code 3.
@@ -145,4 +170,6 @@ def crossover(
         stretch=stretch,
         gamma=gamma,
         path=path,
+        pull=pull,
+        law=law,
     )

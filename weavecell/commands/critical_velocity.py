@@ -44,7 +44,7 @@ SUPPORT = Support(
     ),
     rejected=build.NO_SLACK
     | {"panel.plies": "1: the ballistic limit of one ply is computed; that of a pack is not available"}
-    | dict.fromkeys(("panel.stacking", "panel.ply_gap"), "left out for a single ply")
+    | dict.fromkeys(build.OF_A_PACK, "left out for a single ply")
     | {"history": "left out: the shots record nothing along yarns; `weavecell impact` does"}
     | {"accuracy": "left out: the ballistic limit is computed on the mesh of the scene"},
     rules=build.SHOT_RULES,

@@ -4,6 +4,8 @@ Folder of `weavecell crossover`
     case.h5     every converged state: columns with their meanings (`unitcell3d.solver.record`)
     case.json   settings, results, provenance
     pictures/   curve.svg, deformed.png
+
+A yarn pulled out adds its slip threshold to the law.json of a calibration, where one is named.
 """
 
 from __future__ import annotations
@@ -13,8 +15,10 @@ from typing import Any
 
 import numpy as np
 
+from fabrics.compression import CompressionLaw
 from fabrics.errors import InputError, UnstableError
 from fabrics.files import write_whole
+from fabrics.friction.pull_out import FRICTION
 from fabrics.units import si
 from weavecell.commands import mesh, mesh_options
 from weavecell.commands.mesh_options import pair
@@ -28,6 +32,7 @@ DOMAINS = {
     "biaxial": ("whole", "periodic"),
     "path": ("quarter", "whole"),
     "shear": ("whole", "periodic"),
+    "pull-out": ("whole",),
 }
 
 
@@ -40,6 +45,8 @@ def command(
     strict : whether a doubtful result is an error
     """
     fabric = mesh.with_3d_data(name)
+    if choices["law"] is not None:
+        CompressionLaw.from_json(choices["law"])  # refused before anything is computed
     run = CASES[case](fabric, choices)
     shifted = case == "stack" and any(pair(choices["shift"], "", "--shift", "along x and y"))
     allowed = ("periodic",) if shifted else ("quarter",) if case == "stack" else DOMAINS[case]
@@ -61,6 +68,8 @@ def command(
     with write_whole(out / "pictures" / "curve.svg", "wb") as file:
         file.write(pictures.render(pictures_crossover.CURVES[case], fabric, record, found))
     pictures_crossover.deformed(built, record, out / "pictures" / "deformed.png")
+    if choices["law"] is not None and not record.failed:
+        _threshold(record, size).add_to(choices["law"])
     for key, value in found.items():
         print(f"{key:<44}{_as_text(value)}")
     print(f"written to {out}")
@@ -145,13 +154,41 @@ def _shear(fabric, choices):
     )
 
 
+def _pull_out(fabric, choices):
+    from unitcell3d.cases import pull_out
+
+    pulled = choices["family"]
+    given = [text for text in choices["stretch"].split(",") if text.strip() not in ("", "0 mm")]
+    lengths = [si(text, "m", key="--end-displacement") for text in given] or pull_out.displacements(fabric, pulled)
+    pull = None if choices["pull"] is None else si(choices["pull"], "m", key="--pull")
+    friction = FRICTION if choices["friction"] is None else choices["friction"]
+    numerics = _numerics(choices | {"friction": friction})
+    return lambda built, hooks: pull_out.pull_out(
+        built, fabric, lengths, pulled=pulled, pull=pull, numerics=numerics, hooks=hooks
+    )
+
+
+def _threshold(record, size=""):
+    from unitcell3d.cases import pull_out
+
+    return pull_out.fit(record, size)
+
+
 def _numerics(choices):
     from unitcell3d.model.crossover import Numerics
 
-    return Numerics(friction=choices["friction"])
+    return Numerics(friction=choices["friction"] or 0.0)
 
 
-CASES = {"yarn": _yarn, "platens": _platens, "stack": _stack, "biaxial": _biaxial, "path": _path, "shear": _shear}
+CASES = {
+    "yarn": _yarn,
+    "platens": _platens,
+    "stack": _stack,
+    "biaxial": _biaxial,
+    "path": _path,
+    "shear": _shear,
+    "pull-out": _pull_out,
+}
 
 
 def _yarn_summary(fabric, record):
@@ -231,6 +268,29 @@ def _shear_summary(fabric, record):
     return found
 
 
+def _pull_out_summary(fabric, record):
+    from unitcell3d.cases import pull_out
+
+    F_c, T_f = pull_out.thresholds(record)
+    found = {
+        "Coulomb's coefficient of the contact [-]": record.facts["friction"],
+        "contact forces in slip [N]": F_c.tolist(),
+        "slip thresholds [N]": T_f.tolist(),
+        "largest force of the normal pressures along the axis [N]": np.abs(record["P_geometric"]).max(),
+        "largest share of Coulomb's limit [-]": record["mobilised"].max(),
+    }
+    if F_c.size > 1:
+        law = _threshold(record)
+        found |= {
+            "threshold without contact force, c0 [N]": law.c0,
+            "effective coefficient, mu_eff [-]": law.mu_eff,
+            "rms of the fit [N]": law.residual_rms,
+            "range of the coefficient [-]": list(law.friction_range),
+            "status of the range": law.status,
+        }
+    return found
+
+
 def _law(law):
     return {
         "gamma1 [rad]": law.gamma1, "gamma2 [rad]": law.gamma2, "G1 [MPa]": law.G1 / 1e6, "G2 [MPa]": law.G2 / 1e6
@@ -244,6 +304,7 @@ SUMMARIES = {
     "biaxial": _tension_summary,
     "path": _tension_summary,
     "shear": _shear_summary,
+    "pull-out": _pull_out_summary,
 }
 
 

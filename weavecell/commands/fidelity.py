@@ -30,12 +30,12 @@ SUPPORT = Support(
     ),
     rejected=build.NO_SLACK
     | {"panel.grading": _CHOSEN, "panel.plies": "1 for a single ply"}
-    | dict.fromkeys(("panel.stacking", "panel.ply_gap"), "left out for a single ply"),
+    | dict.fromkeys(build.OF_A_PACK, "left out for a single ply"),
     rules=build.SHOT_RULES,
 )  # fmt: skip
 PACK_SUPPORT = replace(
     SUPPORT,
-    supported=(*SUPPORT.supported, *of("panel", "plies stacking ply_gap")),
+    supported=(*SUPPORT.supported, "panel.plies", *build.OF_A_PACK),
     rejected=build.NO_SLACK | {"panel.grading": _CHOSEN},
     rules=build.PACK_RULES,
 )
@@ -146,7 +146,6 @@ def explain(path: Path) -> None:
     import rich
     from rich import box, table
 
-    from shellfabric.impact.pack import PackSetup
     from weavecell.analysis.fidelity import error_database, select
 
     scene, _ = scenes_impact.load(path, lambda scene: PACK_EXPLAIN if scene.panel.plies > 1 else EXPLAIN)
@@ -157,7 +156,7 @@ def explain(path: Path) -> None:
     ply = build.setup(this, path)
     setup: Setup = ply
     if packs:
-        setup = PackSetup(ply, scene.panel.plies, scene.panel.stacking, scene.panel.ply_gap)
+        setup = build.pack_setup(ply, scene.panel)
     options = select.options(setup, scene.accuracy.targets, fixed=by_hand(scene))
     chosen = select.pick(options)
     shown = table.Table(box=box.SIMPLE_HEAD, title="Models, the cheapest first; likely errors", title_justify="left")

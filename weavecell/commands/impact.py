@@ -56,7 +56,7 @@ SUPPORT = Support(
         *of("history", "interval warp weft report_positions"),
         *of("accuracy", "residual_velocity absorbed_energy deflection peak_tension"),
     ),
-    rejected=build.NO_SLACK | dict.fromkeys(("panel.stacking", "panel.ply_gap"), "left out for a single ply"),
+    rejected=build.NO_SLACK | dict.fromkeys(build.OF_A_PACK, "left out for a single ply"),
     rules=build.SHOT_RULES,
 )  # fmt: skip
 

@@ -51,7 +51,7 @@ SUPPORT = Support(
     "weavecell impact",
     Scene,
     (
-        "format", "title", *build.SHOT, "projectile.strike_velocity", *of("panel", "plies stacking ply_gap grading"),
+        "format", "title", *build.SHOT, "projectile.strike_velocity", "panel.plies", *build.OF_A_PACK, "panel.grading",
         *of("history", "interval warp weft report_positions"),
         *of("run", "end_time snapshot_interval checkpoint_interval outputs"),
         *of("accuracy", "residual_velocity absorbed_energy deflection peak_tension"),
@@ -59,7 +59,7 @@ SUPPORT = Support(
     rejected=build.NO_SLACK,
     rules=build.PACK_RULES,
 )  # fmt: skip
-_OF_PANEL = ("plies", "stacking", "gap")
+_OF_PANEL = ("plies", "stacking", "gap", "ply_friction")
 
 
 def impact(
@@ -83,8 +83,6 @@ def impact(
     UnstableError : the run became unstable; what it had computed has been written
     DoubtfulError : a quality indicator is beyond its limit, and `strict`; all results have been written
     """
-    from shellfabric.impact.pack import PackSetup
-
     scene = this.scene
     title = scene.title or f"{scene.panel.plies} x {this.fabric.name}, {scene.projectile.strike_velocity:g} m/s"
 
@@ -93,7 +91,7 @@ def impact(
         return fire(this, setup, title, checkpoint=checkpoint, resume=resume and checkpoint.exists(), table=table)
 
     try:
-        pack = PackSetup(setup, scene.panel.plies, scene.panel.stacking, scene.panel.ply_gap)
+        pack = build.pack_setup(setup, scene.panel)
         (record, snapshots, failure), choice, pair = fidelity.run(scene, pack, shoot, uncertainty)
     except InputError as problem:
         raise _in_file(problem, path) from None
@@ -189,6 +187,7 @@ def chapter(record: PackRecord) -> Section:
     energies = record.energies | {
         "yarn_strain": record.energies["yarn_strain"] + record.energies["formulation_residual"],
         "contact": record.energies["contact"] + record.energies["ply_contact"],
+        "friction": record.energies["friction"] + record.energies.get("ply_friction", 0.0),
     }
     last, rear = record.shapes[-1], record.quads[-1]
     share = np.max(last.tension / record.strength[-1], axis=1)
@@ -212,7 +211,7 @@ def chapter(record: PackRecord) -> Section:
         figure(render(pictures.energies, record.time, energies, record.strike_energy, record.energies["error"],
                       record.title), "svg",
                "Where the strike energy is; below, what the balance misses (green band: 1 %). Contact is that of the "
-               "nose and that between plies.", "energies", wide=False),
+               "nose and that between plies, and so is friction.", "energies", wide=False),
         figure(render(pictures.panels, {"rear ply": tuple(images)}, kind="png"), "png",
                "The rear ply, seen from behind, to scale; right, the impact point.", "panel"),
     )  # fmt: skip

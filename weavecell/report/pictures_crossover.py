@@ -127,7 +127,43 @@ def shear(pyplot: Any, fabric: Fabric, record: Record, found: Mapping[str, float
     return figure
 
 
-CURVES = {"yarn": yarn, "platens": stack, "stack": stack, "biaxial": tensions, "path": tensions, "shear": shear}
+def pull_out(pyplot: Any, fabric: Fabric, record: Record, found: Mapping[str, Any]) -> Any:
+    """Axial force against the pull at each transverse load, and the thresholds against the contact force."""
+    from unitcell3d.cases import pull_out as case
+
+    figure, (left, right) = pyplot.subplots(1, 2, figsize=(10.4, 4.6), layout="constrained")
+    F_c, T_f = case.thresholds(record)
+    for number in np.unique(record["load"]):
+        of = (record["load"] == number) & ((record["pull"] > 0) | (np.roll(record["pull"], -1) > 0))
+        left.plot(UM * record["pull"][of], record["P"][of], "o-", ms=3, label=f"F$_c$ {record['F_c'][of][-1]:.3g} N")
+    left.set_xlabel("pull along the axis [µm]")
+    left.set_ylabel("axial force [N]")
+    name = ("warp", "weft")[int(record.facts["pulled"])]
+    left.set_title(f"{fabric.name}, {name} pulled, friction {record.facts['friction']:g}")
+    left.legend()
+    right.plot(F_c, T_f, "o", color=WARP, label="3D yarns in full sliding")
+    if F_c.size > 1:
+        law = case.fit(record)
+        fine = np.array([0.0, 1.05 * F_c.max()])
+        label = f"T$_f$ = {law.c0:.2g} N + {law.mu_eff:.3f} F$_c$"
+        right.plot(fine, law.threshold(fine), color=INK, lw=1.6, label=label)
+    right.set_xlim(left=0)
+    right.set_ylim(bottom=0)
+    right.set_xlabel("contact force F$_c$ [N]")
+    right.set_ylabel("slip threshold T$_f$ [N]")
+    right.legend()
+    return figure
+
+
+CURVES = {
+    "yarn": yarn,
+    "platens": stack,
+    "stack": stack,
+    "biaxial": tensions,
+    "path": tensions,
+    "shear": shear,
+    "pull-out": pull_out,
+}
 
 
 def deformed(mesh: YarnMesh, record: Record, path: FilePath) -> None:

@@ -42,6 +42,7 @@ ENERGIES = keys(
     ("backing_*", "J", "parts of the backing block: kinetic, elastic, plastic, eroded, absorbed, viscous, hourglass, "
      "contact, damped"),
     ("ply_contact", "J", "contact between plies"),
+    ("ply_friction", "J", "friction between plies"),
     ("error", "J", "sum of all entries less the energy at the start"),
 )  # fmt: skip
 SHARED = keys(

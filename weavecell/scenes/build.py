@@ -22,6 +22,7 @@ from weavecell.scenes.schema import InlineLaw
 from weavecell.scenes.supported import Rule, of
 
 if TYPE_CHECKING:
+    from shellfabric.impact.pack import PackSetup
     from shellfabric.impact.single_ply import ImpactSetup
 
 # keys of a scene that `build` and `setup` put into the fabric, its cell and the ImpactSetup
@@ -43,6 +44,7 @@ BACKING = of(
     "size standoff modulus density poisson yield_stress hardening erosion_strain outer_boundary min_size refined_depth "
     "growth",
 )
+OF_A_PACK = of("panel", "stacking ply_gap ply_friction")  # what a pack has besides its number of plies
 SHOT = (
     *CLOTH, "fabric.surface", "fabric.bending", *PROJECTILE, *PANEL, "run.elements_per_crossover", *NUMERICS, *BACKING,
 )  # fmt: skip
@@ -159,6 +161,13 @@ def setup(case: Case, file: FilePath) -> ImpactSetup:
         raise in_file(problem, file) from None
 
 
+def pack_setup(ply: ImpactSetup, panel: PanelTable) -> PackSetup:
+    """The set-up of a pack, from that of its first ply and the scene's table [panel]."""
+    from shellfabric.impact.pack import PackSetup
+
+    return PackSetup(ply, panel.plies, panel.stacking, panel.ply_gap, friction=panel.ply_friction)
+
+
 def _projectile(table):
     from shellfabric.projectile.projectile import Projectile
 
@@ -207,7 +216,7 @@ def in_file(problem: InputError, file: FilePath) -> InputError:
     """An InputError of an object that does not know its file, with the scene's file and key in it."""
     if problem.file is not None:
         return problem
-    tables = {"model": "fabric", "bending": "fabric", "elements_per_crossover": "run"}
+    tables = {"model": "fabric", "bending": "fabric", "elements_per_crossover": "run", "cfl": "numerics"}
     tables |= dict.fromkeys(("opening", "symmetry", "weave_angle", "grading"), "panel")
     tables |= dict.fromkeys(ProjectileTable.model_fields, "projectile")
     tables |= dict.fromkeys(("warp", "weft"), "history") | dict.fromkeys(BackingTable.model_fields, "backing")

@@ -140,6 +140,7 @@ class PanelTable(Table):
     plies: whole(1, 32) = 1
     stacking: one_of("aligned", "alternating") = "aligned"
     ply_gap: quantity("m", "a length of at least 0", "0.12 mm", at_least=0.0) = None
+    ply_friction: Annotated[float, Field(ge=0.0, le=2.0, description="a number from 0 to 2")] = 0.0
     yarn_failure: Annotated[bool, Field(description="true or false")] = True
     grading: Annotated[
         tuple[tuple[float, float], ...] | None,

@@ -9,6 +9,8 @@ import pytest
 pytest.importorskip("dolfinx")
 
 from fabrics import catalogue
+from fabrics.compression import CompressionLaw
+from fabrics.friction.pull_out import PullOutLaw
 from fabrics.plate_curve import PlateCurve
 from unitcell3d.cases import load_path
 from unitcell3d.solver.record import Record
@@ -116,6 +118,21 @@ def test_example_path_runs(command, tmp_path):
     assert abs(record["T1"][-1] - record["T1"][0]) < 1e-3 * record["T1"].max()
 
 
+def test_a_yarn_pulled_out_adds_its_threshold_to_a_law(command, tmp_path):
+    CompressionLaw(4.5e-5, 5.8e-5).to_json(tmp_path / "law.json")
+    options = ("--case", "pull-out", "--mu", "0.15", "--end-displacement", "5 um,9 um", "--mesh", "3,2,2")
+    code, out, err = command("crossover", "S-720", *options, "--law", "law.json", "--out", "c")
+    assert code == 0, err
+    found = told(tmp_path / "c")["found"]
+    law = PullOutLaw.from_json(tmp_path / "law.json")
+    assert law.friction == found["Coulomb's coefficient of the contact [-]"] == 0.15
+    assert list(law.F_c) == pytest.approx(found["contact forces in slip [N]"])
+    assert law.mu_eff == pytest.approx(found["effective coefficient, mu_eff [-]"])
+    assert CompressionLaw.from_json(tmp_path / "law.json").a == 4.5e-5
+    assert "slip thresholds [N]" in out
+    assert (tmp_path / "c" / "pictures" / "curve.svg").exists()
+
+
 @pytest.mark.parametrize(
     ("options", "line"),
     [
@@ -135,6 +152,11 @@ def test_example_path_runs(command, tmp_path):
         (("--case", "shear", "--shear-angle", "3 mm"), "error: --shear-angle = '3 mm': must be a text with a unit"),
         (("--case", "yarn", "--bars", "100"), "error: bars = 100: must be 0 to"),
         (("--case", "dance"), "error: Invalid value for '--case'"),
+        (("--case", "pull-out", "--domain", "quarter"), "error: --domain = 'quarter': must be whole"),
+        (("--case", "pull-out", "--end-displacement", "-4 um"), "error: displacements = (-4"),
+        (("--case", "pull-out", "--pull", "3 N"), "error: --pull = '3 N': must be"),
+        (("--case", "pull-out", "--law", "none.json"), "error: none.json: cannot be read"),
+        (("--case", "biaxial", "--law", "law.json"), "error: --law: must be left out with --case biaxial"),
     ],
 )
 def test_bad_options_write_nothing(command, tmp_path, options, line):

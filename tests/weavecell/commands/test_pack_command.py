@@ -111,6 +111,9 @@ def test_the_gap_may_come_from_the_fabric(command, scene, tmp_path):
         ('plies = 2\nply_gap = "-1 mm"', "", "panel.ply_gap"),
         ('plies = 1\nply_gap = "1 mm"', "", "panel.ply_gap"),
         ('plies = 1\nstacking = "alternating"', "", "panel.stacking"),
+        ("plies = 1\nply_friction = 0.2", "", "panel.ply_friction"),
+        ("plies = 2\nply_friction = -0.2", "", "panel.ply_friction"),
+        ("plies = 2\nply_friction = 0.2", "[numerics]\ncfl = 1.0\n", "numerics.cfl"),
         ("plies = 2\ngrading = [[10, 1], [inf, 2]]", '[accuracy]\ndeflection = "5 %"\n', "panel.grading"),
         ("plies = 2\ngrading = [[2, 1], [inf, 2]]", "", "panel.grading"),
         (

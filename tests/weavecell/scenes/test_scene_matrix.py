@@ -12,7 +12,6 @@ import pytest
 from test_supported import CHISEL, LAW, SURFACE, merged
 
 from shellfabric.impact.ballistic_limit import Shot
-from shellfabric.impact.pack import PackSetup
 from shellfabric.panel.solver import ENERGIES, PanelSolver
 from weavecell.cli import app
 from weavecell.commands import impact as commands_impact
@@ -90,6 +89,10 @@ KINDS = {
         merged(PACK, {"panel": {"stacking": "alternating"}}), lambda got, plain: got.stacking == "alternating",
         {"critical-velocity": "panel.plies = 2: must be 1"},
     ),
+    "ply friction": Kind(
+        merged(PACK, {"panel": {"ply_friction": 0.3}}), rises(energy("ply_friction"), 1e-9),
+        {"critical-velocity": "panel.plies = 2: must be 1"},
+    ),
     "backing": Kind({"backing": BLOCK}, rises(energy("backing"), 1e-6)),
     "oblique": Kind(
         {"projectile": {"obliquity": "30 deg"}, "panel": {"symmetry": "whole"}},
@@ -165,14 +168,25 @@ KINDS = {
         ),
         shows=lambda got, plain: got.stacking == "alternating",
     ),
+    "friction between plies alone": Kind(
+        {"panel": {"ply_friction": 0.2}},
+        rejected=dict.fromkeys(
+            (name for name in ALL if name != "pack"), "panel.ply_friction = 0.2: must be left out for a single ply"
+        ),
+        shows=lambda got, plain: "ply_friction" in got.energies,
+    ),
     "title": Kind({"title": "mine"}, lambda got, plain: got.title == "mine" != plain.title),
     "outputs": Kind({"run": {"outputs": ["paraview"]}}, every_four_microseconds),
 }  # fmt: skip
-OF_ITSELF = {"pack": ("pack", "alternating"), "accuracy": ("accuracy",)}  # kinds that are the command's own
+OF_ITSELF = {
+    "pack": ("pack", "alternating", "ply friction"),
+    "accuracy": ("accuracy",),
+}  # kinds that are the command's own
 # of the others [accuracy] leaves the mesh, the table of the cell and the part of the panel open; these it cannot
 OF_ACCURACY = {
     "pack": lambda got: getattr(got, "plies", 1), "alternating": lambda got: got.stacking == "alternating",
-    "grip": energy("clamp_friction"), "bending": energy("bending"), "measure": lambda got: got.followed,
+    "ply friction": energy("ply_friction"), "grip": energy("clamp_friction"), "bending": energy("bending"),
+    "measure": lambda got: got.followed,
     "elastic bar": lambda got: "as set" in got.accuracy["projectile"], "cfl": lambda got: got.steps / got.elements,
 }  # fmt: skip
 
@@ -272,7 +286,7 @@ def test_honoured_by_impacts(capsys, tmp_path, known, name, command):
 def test_a_pack_of_single_precision_keeps_its_forces_in_it():
     asked = scenes_impact.check(scene_of("pack", KINDS["single precision"].changes), "s", commands_impact.support)
     setup = build.setup(build.build(asked, "s", "s"), "s")
-    states, _ = PackSetup(setup, asked.panel.plies, asked.panel.stacking, asked.panel.ply_gap).pack().states(400.0)
+    states, _ = build.pack_setup(setup, asked.panel).pack().states(400.0)
     assert [state.T[0].dtype for state in states] == [np.float32] * 2
 
 

@@ -138,7 +138,15 @@ KEYS = FABRIC | SLIPS | {
     "backing.growth": ({"backing": {}}, 1.2, 1.3),
 }  # fmt: skip
 # what the set-up of the solver does not hold; tests/weavecell/scenes/test_scene_matrix.py sees to them by runs
-OF_THE_RUN = {"format", "title", "panel.plies", "panel.stacking", "panel.ply_gap", "history.report_positions"}
+OF_THE_RUN = {
+    "format",
+    "title",
+    "panel.plies",
+    "panel.stacking",
+    "panel.ply_gap",
+    "panel.ply_friction",
+    "history.report_positions",
+}
 OF_THE_RUN |= {
     "run.checkpoint_interval",
     "run.outputs",

@@ -337,7 +337,7 @@ and step, which is 1.23 times the 9.5 ns of a single ply (alternating 3.0 s, 1.4
 
 - Through a hole, fabric of the plies before and behind is kept from passing, at a twentieth of a thickness, by the
   least force; it has no contact of its own there, with thickness and spring.
-- Plies slide on each other without friction.
+- Friction between plies acts only where a scene sets it (docs/ply-friction.md); torn cloth is held apart without.
 - A node that has lost all its yarns is out of contact, and flies on through the plies before it.
 - The stiffness of the nose's contact stands for no measured compression. The velocity at first failure moves by less
   than 5 % where it is halved, but fabric that gave way there by its own law would be another model (see above).

@@ -91,6 +91,7 @@ class Case:
     form, points, penalty, damping, nose : of the pack's contact (`PlyContact`); None as they stand
     cfl : of the time step; None as it stands
     elements : along each side of a crossover
+    friction : [-] Coulomb's coefficient between plies
     end_time : [s]
     until_failure : whether the shot is given up when the first yarn fails
     """
@@ -107,6 +108,7 @@ class Case:
     nose: float | None = None
     cfl: float | None = None
     elements: int = 1
+    friction: float = 0.0
     end_time: float = _END
     until_failure: bool = False
 
@@ -133,7 +135,7 @@ def pack(case: Case) -> Pack:
     given = {key: getattr(case, key) for key in knobs if getattr(case, key) is not None}
     contact = PlyContact(form=case.form, **given)
     ply = panel(case.fabric, case.cfl, case.elements)
-    return Pack.stacked(ply, case.plies, stacking=case.stacking, gap=case.gap, contact=contact)
+    return Pack.stacked(ply, case.plies, stacking=case.stacking, gap=case.gap, contact=contact, friction=case.friction)
 
 
 def shoot(case: Case) -> dict[str, Any]:
@@ -165,6 +167,7 @@ def shoot(case: Case) -> dict[str, Any]:
         "failed": march.ply_samples[-1][:, 0].tolist(),
         "peaks": peaks.max(axis=1).tolist(),
         "balance": float(np.abs(march.sample("error")).max() / march.strike_energy),
+        "rubbed": float(march.sample("ply_friction")[-1] / march.strike_energy),
         "deepest": float(march.deepest.max(initial=0.0)),
         "wall": march.wall_time,
         "ns": 1e9 * march.wall_time / max(1, march.steps) / march.pack.elements,
@@ -218,7 +221,9 @@ def failed(found: dict[str, Any]) -> bool:
     return sum(found["failed"]) > 0 or found["outcome"] == "unstable"
 
 
-def onset(results: Results, case: Case, guess: float | None = None, tolerance: float = TOLERANCE) -> float:
+def onset(
+    results: Callable[[Case], dict[str, Any]], case: Case, guess: float | None = None, tolerance: float = TOLERANCE
+) -> float:
     """[m/s] middle of the bracket in which the first yarn fails; looked for about a guess, where there is one."""
 
     def fails(velocity):

@@ -1,0 +1,192 @@
+"""Friction between plies: Coulomb's limit, its work, momentum, energy, threads, and a pack without it."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from test_pack import same
+
+from fabrics import catalogue
+from fabrics.errors import InputError
+from shellfabric.cell.model import CellModel
+from shellfabric.panel.model import Numerics, Panel
+from shellfabric.plies import contact_kernels as kernels
+from shellfabric.plies import contact_simd_kernels as lanes
+from shellfabric.plies import friction
+from shellfabric.plies.model import Pack, PlyContact
+from shellfabric.plies.solver import PackSolver
+
+GAP, MU = 0.1e-3, 0.3
+
+
+@pytest.fixture(scope="module")
+def ply():
+    """S-726 on 20 mm."""
+    fabric = catalogue.load("S-726").with_effective_density()
+    return Panel(CellModel(fabric).table(41), (0.02, 0.02), numerics=Numerics(threads=1))
+
+
+class Sliding:
+    """Two flat plies pressed together by a tenth of their thickness; the front one is moved along its plane.
+
+    The rear ply is the larger, so that no point leaves it.
+    """
+
+    def __init__(self, ply, mu, **knobs):
+        self.pack = Pack.stacked(
+            replace(ply, symmetry="whole"), 2, gap=0.0, contact=PlyContact(damping=0.0, **knobs), friction=mu
+        )
+        self.states, _ = self.pack.states(1.0)
+        self.consts = self.pack.constants()
+        self.pair = self.pack.pairs(self.consts, self.states)[0]
+        const = self.consts[0]
+        self.pair.front_box[:] = 0, const.ni, 0, const.nj
+        self.nodes, self.steps = (const.ni + 1) * const.row_stride, 0
+        self.states[0].u[2][: self.nodes] = 0.1 * self.pair.thickness
+        self.move(0.0, 0.0, 40)
+
+    def move(self, v_x, v_y, steps):
+        """Move the front ply at a velocity [m/s]; returns the work of friction [J]."""
+        before, front = self.pair.energy[lanes.FRICTION_WORK], self.states[0]
+        for _ in range(steps):
+            for u, v, speed in zip(front.u, front.v, (v_x, v_y)):
+                u[: self.nodes] += self.consts[0].dt * speed
+                v[: self.nodes] = speed
+            kernels.contact_forces(front, self.consts[0], self.states[1], self.consts[1], self.pair, self.steps)
+            self.steps += 1
+        return self.pair.energy[lanes.FRICTION_WORK] - before
+
+    @property
+    def forces(self):
+        """(2, 3) [N] on the front and on the rear ply."""
+        return np.array([[f.sum() for f in force] for force in (self.pair.f_front, self.pair.f_rear)])
+
+
+@pytest.mark.parametrize("knobs", [{}, {"points": 2}, {"form": "facets"}, {"form": "nodes"}])
+def test_sliding_plies_take_the_friction_coefficient_times_the_normal_force(ply, knobs):
+    pair = Sliding(ply, MU, **knobs)
+    normal = abs(pair.forces[0, 2])
+    v = np.array([30.0, -40.0])
+    pair.move(*v, 30)  # past the elastic slip
+    on_front, on_rear = pair.forces
+    np.testing.assert_allclose(on_front[:2], -MU * abs(on_front[2]) * v / 50, rtol=2e-3)
+    np.testing.assert_allclose(on_front, -on_rear, atol=1e-12 * normal)
+    work = pair.move(*v, 4)
+    assert work == pytest.approx(MU * abs(on_front[2]) * 50 * 4 * pair.consts[0].dt, rel=0.02)
+
+
+def test_normal_forces_are_kept_by_both_paths(ply):
+    """Of points eight at once, and of those one at a time."""
+    at_once, single = Sliding(ply, MU), Sliding(ply, MU, points=2)
+    for pair in (at_once, single):
+        assert pair.pair.normal_force.sum() == pytest.approx(abs(pair.forces[0, 2]), rel=1e-12)
+
+
+def test_points_stick_below_the_limit_and_come_back(ply):
+    """Within the elastic slip the force is that of the spring, and is gone when the slip is."""
+    pair = Sliding(ply, MU)
+    normal, points = abs(pair.forces[0, 2]), np.count_nonzero(pair.pair.normal_force)
+    limit = MU * normal / points / pair.pair.slip_stiffness  # [m] of slip
+    speed = 0.2 * limit / pair.consts[0].dt
+    pair.move(speed, 0.0, 2)
+    assert pair.forces[0, 0] == pytest.approx(-0.4 * MU * normal, rel=1e-2)
+    pair.move(-speed, 0.0, 2)
+    assert abs(pair.forces[0, 0]) < 1e-2 * MU * normal
+
+
+def test_the_patch_of_a_graded_pack_is_rubbed_in_proportion_to_its_mass(ply):
+    """Across zones: friction accelerates all nodes of a flat ply alike."""
+    zones = (7, 1), (np.inf, 2)
+    graded = replace(ply, edge="free", symmetry="whole", opening=(0.034, 0.034), grading=zones)
+    pair = Sliding(graded, MU)
+    pair.move(15.0, 0.0, 20)
+    const, front = pair.consts[0], pair.states[0]
+    shape = (const.ni + 1, const.row_stride)
+    inner = (slice(2, -2), slice(2, const.nj - 1))
+    mass, force = (x[: pair.nodes].reshape(shape)[inner] for x in (front.mass, pair.pair.f_front[0]))
+    assert mass.max() > 3.9 * mass.min()
+    assert np.ptp(force / mass) < 2e-2 * abs(np.mean(force / mass))
+
+
+def collide(ply, mu, steps, **knobs):
+    """A free ply that flies obliquely at another; (solver, momentum before (3,), energy before)."""
+    free = replace(ply, edge="free", symmetry="whole")
+    pack = Pack.stacked(free, 2, stacking="alternating", gap=20e-6, contact=PlyContact(**knobs), friction=mu)
+    solver = PackSolver(pack, 1e-3, 1.0)
+    solver.exchange = np.inf
+    solver.stack.projectile_position[:, 2] -= 1.0
+    solver.stack.awake[:] = True
+    for state, const in zip(solver.states, solver.consts):
+        state.active_rows[:] = 0, const.ni
+    front, velocity = solver.states[0], np.array([15.0, 5.0, 20.0])
+    for v, speed in zip(front.v, velocity):
+        v[:] = np.where(front.mass > 0, speed, 0.0)
+    solver.samples.clear()
+    solver.energy_at_start = None
+    solver._sample()
+    solver.advance(np.empty((steps, 3)))
+    solver._sample()
+    return solver, front.mass.sum() * velocity, 0.5 * front.mass.sum() * velocity @ velocity
+
+
+@pytest.mark.parametrize("mu", [0.1, 0.5])
+@pytest.mark.parametrize("points", [1, 2])
+def test_rubbing_plies_keep_momentum_and_make_no_energy(ply, mu, points):
+    smooth, _, _ = collide(ply, 0.0, 200, points=points)
+    solver, before, energy = collide(ply, mu, 200, points=points)
+    sums = np.array([[state.mass @ v for v in state.v] for state in solver.states])
+    np.testing.assert_allclose(sums.sum(axis=0), before, atol=1e-12 * np.abs(before).max())
+    carried = smooth.states[1].mass @ smooth.states[1].v[0]
+    assert sums[1, 0] > carried + 0.05 * before[0]  # the rear ply is taken along
+    assert abs(solver.sample("error")[-1]) < 1e-6 * energy
+    assert smooth.sample("ply_friction")[-1] == 0.0
+    assert solver.sample("ply_friction")[-1] > 1e-3 * energy
+
+
+def test_the_elastic_slip_is_stable_at_any_coefficient(ply):
+    """All points stick, so that all springs and dampers of friction act at once: energy is lost, none is made."""
+    solver, _, energy = collide(ply, 1e3, 600)
+    assert abs(solver.sample("error")[-1]) < 1e-6 * energy
+    assert solver.sample("ply_friction")[-1] > 0.0
+    kinetic = solver.sample("kinetic_fabric")
+    assert kinetic[-1] < kinetic[0]
+
+
+def test_the_constants_leave_the_plies_their_time_step():
+    for cfl, zeta in ((0.9, 0.7), (0.45, 0.7), (0.9, 0.0)):
+        k, c = friction.slip_constants(cfl, 2.0, 3.0, PlyContact(damping=zeta, penalty=10.0))
+        assert k * 9 / 2 + 2 * c * 3 / 2 == pytest.approx(1 - cfl**2)
+    k, _ = friction.slip_constants(0.1, 2.0, 3.0, PlyContact())
+    assert k * 9 / 2 == pytest.approx(PlyContact.penalty)  # no stiffer than the normal contact
+
+
+def test_threads_leave_no_trace(ply):
+    runs = [
+        PackSolver(
+            Pack.stacked(replace(ply, numerics=Numerics(threads=threads)), 3, gap=GAP, friction=0.2), 150.0, 12e-6
+        ).run()
+        for threads in (1, 3)
+    ]
+    assert runs[1].threads == 3
+    for one, other in zip(runs[0].states, runs[1].states):
+        assert same(one, other)
+    np.testing.assert_array_equal(*(run.sample("ply_friction") for run in runs))
+
+
+def test_a_shot_rubs_its_plies_and_its_nose(ply):
+    """Held and torn cloth: friction takes energy, and the balance is that of a pack without."""
+    rough = replace(ply, opening=(0.06, 0.06), projectile=replace(ply.projectile, friction=0.2))
+    for velocity in (158.0, 350.0):
+        solver = PackSolver(Pack.stacked(rough, 4, gap=GAP, friction=0.2), velocity, 25e-6).run()
+        assert np.abs(solver.sample("error")).max() < 5e-3 * solver.strike_energy
+        assert solver.sample("ply_friction")[-1] > 0.0
+        assert solver.sample("friction")[-1] > 0.0
+
+
+@pytest.mark.parametrize(
+    ("mu", "cfl", "key"), [(-0.1, 0.9, "ply_friction"), (np.inf, 0.9, "ply_friction"), (0.2, 1.0, "cfl")]
+)
+def test_what_is_refused(ply, mu, cfl, key):
+    with pytest.raises(InputError, match=key):
+        Pack.stacked(replace(ply, numerics=Numerics(cfl=cfl)), 2, gap=GAP, friction=mu)
+    Pack.stacked(replace(ply, numerics=Numerics(cfl=1.0)), 2, gap=GAP)

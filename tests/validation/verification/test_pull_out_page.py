@@ -1,0 +1,42 @@
+"""The page of the slip threshold, from made-up results."""
+
+import numpy as np
+import pytest
+
+pytest.importorskip("dolfinx")
+
+from validation.verification.pull_out import pictures, study
+from validation.verification.pull_out.page import page
+
+
+def made_up(case, shortfall=1.0):
+    forces = 12.0 * np.array(case.loads)
+    pull = np.linspace(0, 1e-4, 5)
+    thresholds = 0.02 + shortfall * 1.05 * case.friction * forces
+    return {
+        "F_c": forces.tolist(), "T_f": thresholds.tolist(), "geometric": [0.01] * len(forces),
+        "mobilised": [0.995] * len(forces), "pull": [pull.tolist()] * len(forces),
+        "P": [(T * np.linspace(0, 1, 5)).tolist() for T in thresholds], "force": [[F] * 5 for F in forces],
+        "iterations": 120, "states": 27, "seconds": 60.0, "failed": "",
+    }  # fmt: skip
+
+
+def test_page_and_picture(tmp_path):
+    found = study.gather(made_up)
+    text = page(found)
+    assert "warp pulled: c0 = 0.020 N, mu_eff = 0.2100 at a coefficient of 0.2" in text
+    assert "| warp | 12.00 | 2.540 |" in text
+    assert "| as it stands | 12.00 | 2.540 | 0.2117 | +0.00 % | 0.995 | 4.4 |" in text
+    assert "converged at every state" in text
+    pictures.chart(found, tmp_path / "pull-out.png")
+    assert (tmp_path / "pull-out.png").stat().st_size > 10_000
+
+
+def test_what_does_not_slide_is_said():
+    def stuck(case):
+        return made_up(case) | {"F_c": [], "T_f": [], "mobilised": [0.8], "failed": "no equilibrium"}
+
+    text = page(study.gather(lambda case: stuck(case) if case in (study.WEFT, study.FINER) else made_up(case)))
+    assert "| weft | - | - | - | - | no equilibrium |" in text
+    assert "| finer mesh, 10 x 8 x 3 | - |" in text
+    assert "Ended early: no equilibrium" in text

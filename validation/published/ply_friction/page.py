@@ -1,0 +1,111 @@
+"""docs/ply-friction.md: the method, the table and the chart."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from validation.published.packs.page import table
+from validation.published.ply_friction.study import FRICTIONS, PLIES, SHARES, STRIDE, Found
+
+LITERATURE = 0.10  # of V50
+
+
+def page(found: Mapping[str, Sequence[Found]], seconds: float) -> str:
+    """The page in Markdown.
+
+    Parameters
+    ----------
+    found : {fabric: rows}
+    seconds : [s] of all shots together
+    """
+    return (
+        "\n".join(
+            [
+                _HEAD,
+                rows(found),
+                _FIGURE,
+                answer(found),
+                _LIMITS,
+                f"All shots took {seconds / 60:.1f} minutes of one core.",
+            ]
+        )
+        + "\n"
+    )
+
+
+def rows(found: Mapping[str, Sequence[Found]]) -> str:
+    """One row a fabric and coefficient."""
+    lines = [[
+        "fabric", "friction between plies", "first failure, m/s", "change", "ballistic limit, m/s", "change",
+        "lowest perforation, m/s", "highest stop, m/s", "work of friction, % of the strike energy", "energy error, %",
+        "stopped by a guard",
+    ]]  # fmt: skip
+    for fabric, of in found.items():
+        for one in of:
+            lines.append([
+                fabric, f"{one.friction:g}", f"{one.onset:.1f}", change(one.onset, of[0].onset), f"{one.limit:.1f}",
+                change(one.limit, of[0].limit), f"{one.perforation:.1f}", f"{one.stop:.1f}", f"{100 * one.rubbed:.2f}",
+                f"{100 * one.balance:.2f}", f"{one.unstable}",
+            ])  # fmt: skip
+    return table(lines)
+
+
+def change(value: float, first: float) -> str:
+    """Change against the pack without friction."""
+    return f"{100 * (value / first - 1):+.1f} %"
+
+
+def answer(found: Mapping[str, Sequence[Found]]) -> str:
+    """What the table says, beside the literature."""
+    texts = []
+    for fabric, of in found.items():
+        last = of[-1]
+        texts.append(
+            f"- {fabric}: from 0 to {last.friction:g} the first failure moves by {change(last.onset, of[0].onset)} and "
+            f"the ballistic limit by\n  {change(last.limit, of[0].limit)}; stops and perforations overlap by up to "
+            f"{max(0.0, *(one.stop - one.perforation for one in of)):.0f} m/s."
+        )
+    texts.append(f"- The strike velocities resolve a ballistic limit to ±{50 * STRIDE:g} %: smaller changes are none.")
+    changes = [one.limit / of[0].limit - 1 for of in found.values() for one in of[1:]]
+    met = "is met" if max(changes) > 0.5 * LITERATURE else "is missed"
+    texts.append(
+        f"- The literature has about {100 * LITERATURE:+.0f} % in V50 for friction as a whole. The friction between "
+        f"plies alone changes the\n  limit by {100 * min(changes):+.1f} to {100 * max(changes):+.1f} %: the figure "
+        f"{met}. It includes the friction of yarns on each other at crossovers,\n  which are pinned here, and that of "
+        "the nose."
+    )
+    return "\n".join(texts) + "\n"
+
+
+_MU = ", ".join(f"{mu:g}" for mu in FRICTIONS)
+_HEAD = f"""# Friction between plies
+
+Made by `python -m validation.published.ply_friction --page docs/ply-friction.md`; not to be edited by hand.
+
+In a scene: `ply_friction = 0.2` under `[panel]` of a pack. Without it plies slide on each other without friction.
+
+**Law.** Coulomb's, at the points of the contact between plies. A point that sticks is held by an elastic slip, a spring
+and a damper along the surface; beyond the friction coefficient times the normal force it slides. The forces on the two
+plies are equal and opposite to round-off. The work of friction is the entry `ply_friction` of the energies.
+
+**Stability.** Spring and damper follow from the time step and the mass that a point stands for: the highest mode of a
+ply in its own plane and the highest mode of a stack of plies on these springs together stay within the bound of central
+differences (`shellfabric/plies/friction.py`). No coefficient of the regularisation is chosen.
+
+**Runs.** {PLIES} plies, 203 mm, struck by the flat cylinder of 3 g and 5.5 mm. Coefficients {_MU}.
+Crossovers are pinned and the nose is frictionless, so that no other friction acts. First failure: bisection to 1 m/s.
+Ballistic limit: torn packs have no single one, so the same {len(SHARES)} strike velocities, {100 * STRIDE:g} % apart,
+are fired at every coefficient; the limit is the velocity with as many perforations below as stops above.
+"""
+
+_FIGURE = """
+![First failure and ballistic limit against the friction between plies](figures/ply-friction.png)
+"""
+
+_LIMITS = """
+## What is not there
+
+- Cloth beside holes that is kept apart by the least impulse (docs/packs.md) has no friction there.
+- The moment of friction about a ply's middle surface, half a thickness times the force, is neglected.
+- Friction of yarns on each other within a ply, which the literature's figure includes: crossovers here are pinned.
+"""

@@ -1,0 +1,140 @@
+"""docs/pull-out.md: the method, the law, and what it depends on."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from fabrics.friction.pull_out import FRICTION, FRICTION_RANGE, FRICTION_SOURCE, FRICTION_STATUS
+from unitcell3d.cases.pull_out import SLIDING
+from validation.verification.pull_out.study import LAW, WEFT, law
+from validation.verification.study import markdown
+
+
+def page(found: dict[str, Any], without: Sequence[str] = ()) -> str:
+    """The page in Markdown, from the results of `study.gather`; `without` names choices that were left out."""
+    left_out = f"\n\nNot run: {', '.join(without)}." if without else ""
+    dependences = variants(found["variants"]) + left_out
+    return "\n".join([
+        _HEAD, thresholds(found), "", summary(found), _FIGURE, _VARIANTS, dependences, "", cost(found), _LIMITS,
+    ])  # fmt: skip
+
+
+def thresholds(found: dict[str, Any]) -> str:
+    """One row a transverse load."""
+    rows = []
+    for name, case, of in (("warp", LAW, found["law"]), ("weft", WEFT, found["weft"])):
+        if len(of["F_c"]) < 2:
+            rows.append([name, "-", "-", "-", "-", of["failed"] or "does not slide"])
+            continue
+        fitted = law(case, of)
+        for F_c, T_f, normal in zip(of["F_c"], of["T_f"], of["geometric"]):
+            off = T_f - float(fitted.threshold(F_c))
+            rows.append([name, f"{F_c:.2f}", f"{T_f:.3f}", f"{T_f / F_c:.4f}", f"{normal:.3f}", f"{1e3 * off:+.1f}"])
+    return markdown(
+        ["pulled", "F_c, N", "T_f, N", "T_f / F_c", "largest P of normal pressures, N", "T_f less the fit, mN"], rows
+    )
+
+
+def summary(found: dict[str, Any]) -> str:
+    """The fitted laws, and the path without friction."""
+    texts = []
+    for name, case, of in (("warp", LAW, found["law"]), ("weft", WEFT, found["weft"])):
+        if len(of["F_c"]) < 2:
+            continue
+        fitted = law(case, of)
+        texts.append(
+            f"- {name} pulled: c0 = {fitted.c0:.3f} N, mu_eff = {fitted.mu_eff:.4f} at a coefficient of "
+            f"{case.friction:g}; rms of the fit {1e3 * (fitted.residual_rms or 0):.1f} mN."
+        )
+    free = found["frictionless"]
+    largest = max(map(abs, free["P"][0]))
+    texts.append(
+        f"- without friction the axial force stays below {largest:.3f} N at a contact force of {free['F_c'][0]:.1f} N: "
+        "the resistance of\n  the crimp alone, to which the c0 of the fits, the threshold without contact force, "
+        "corresponds."
+    )
+    return "\n".join(texts)
+
+
+def variants(found: dict[str, dict[str, Any]]) -> str:
+    """One row a choice."""
+    rows, first = [], None
+    for name, of in found.items():
+        if not of["F_c"]:
+            rows.append([name, "-", "-", "-", "-", f"{of['mobilised'][0]:.3f}", f"{of['iterations']}"])
+            continue
+        ratio = of["T_f"][0] / of["F_c"][0]
+        first = first or ratio
+        rows.append([
+            name, f"{of['F_c'][0]:.2f}", f"{of['T_f'][0]:.3f}", f"{ratio:.4f}", f"{100 * (ratio / first - 1):+.2f} %",
+            f"{of['mobilised'][0]:.3f}", f"{of['iterations'] / of['states']:.1f}",
+        ])  # fmt: skip
+    return markdown(
+        ["", "F_c, N", "T_f, N", "T_f / F_c", "change", "largest share of Coulomb's limit", "tangents a state"], rows
+    )
+
+
+def cost(found: dict[str, Any]) -> str:
+    """What the runs took."""
+    others = list(found["variants"].values())[1:]  # the first is of the law
+    all_runs = [found["law"], found["weft"], found["frictionless"], *others]
+    longest = max(max(of["seconds"] / len(of["pull"]) for of in all_runs), 0.0)
+    ended = [of["failed"] for of in all_runs if of["failed"]]
+    text = (
+        f"All runs took {np.sum([of['seconds'] for of in all_runs]) / 60:.1f} minutes of one core, the longest path "
+        f"{longest:.0f} s."
+    )
+    return text + (f" Ended early: {'; '.join(ended)}." if ended else " Newton's method converged at every state.")
+
+
+_HEAD = f"""# Pull-out through the 3D crossover
+
+Made by `python -m validation.verification.pull_out --page docs/pull-out.md`; not to be edited by hand.
+
+```
+weavecell crossover S-720 --case pull-out --mu 0.2 --mesh coarse --law results/calibrate-S-720/law.json
+```
+
+**Model.** A whole crossover. The crossing yarn is stretched by its end displacement, which presses the yarns together;
+it is held by the fabric at its ends, along its width too. The other yarn is then moved along its axis, from sticking
+into full sliding, at that end displacement. Its ends follow the glide plane of the plain weave, which one yarn pulled
+through all others keeps: the crimp can travel along it (`unitcell3d/model/pull_out.py`).
+
+**Threshold.** P is the axial force that the yarn takes from the crossing yarn, the difference of the tensions at its
+ends. The threshold T_f is P where {100 * SLIDING:g} % of Coulomb's limit is mobilised over the contact; F_c is the
+vertical contact force at that state. Fitted is T_f = c0 + mu_eff F_c. With `--law` the fit is written to the law.json
+of a calibration as its group `pull_out`, which `fabrics.friction.pull_out.PullOutLaw` reads.
+
+**Coefficient.** {FRICTION:g} if none is given; range {FRICTION_RANGE[0]:g} to {FRICTION_RANGE[1]:g}, status
+{FRICTION_STATUS} ({FRICTION_SOURCE}).
+
+**Regularisation.** Friction sets in over a slip of 0.5 µm; where a point stuck is taken over from one state to the
+next.
+
+## The law
+
+S-720, coefficient {FRICTION:g}, coarse mesh (8 x 6 x 2 hexahedra a quarter yarn).
+"""
+
+_FIGURE = """
+![Axial force against the pull, and the thresholds against the contact force](figures/pull-out.png)
+"""
+
+_VARIANTS = """
+## What it depends on
+
+The warp pulled at the largest transverse load, one choice changed at a time. Change: of T_f / F_c.
+"""
+
+_LIMITS = """
+## What is not there
+
+- The end displacement of the crossing yarn is held, not its tension: F_c changes by a few per cent during the pull, and
+  is taken at the threshold itself.
+- Neighbouring crossings of the pulled yarn slide together, as on the plateau of a pull-out test. Its front, where some
+  crossings stick, is a matter of the panel.
+- Coulomb's coefficient does not depend on pressure, velocity or finish.
+"""
