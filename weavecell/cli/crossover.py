@@ -63,8 +63,8 @@ _OF_CASE = {
 CaseOption = Annotated[
     Case,
     typer.Option(
-        help="Load case: one yarn in tension, plies between platens, biaxial tension, a path, shear, or one yarn pulled "
-        "out."
+        help="Load case: one yarn in tension, plies between platens, biaxial tension, a path, shear, or the pull-out "
+        "of one yarn."
     ),
 ]
 PartOption = Annotated[
