@@ -12,8 +12,8 @@ configurational forces ahead of and behind the node (`forces_kernels`),
 F_c is the contact force of the cell at the effective stretches about the node, f_nose the force of the projectile on
 it: round the nose a yarn of tension T that turns by an angle is pressed on with T times it, which makes this the
 capstan's law. Without a, dq1/dt = [C1 - f1 - (m1/m) t1.(F - m2 t2 dq2/dt)] / (m1 - m1^2/m); both families are
-solved by Gauss-Seidel iteration, each with the implicit Coulomb law |q*| - dt Tf / M. A held node has 1/m = 0. What the
-iteration and the bounds of a flux leave of an equation counts as friction, so that the energy balance is exact.
+solved by Gauss-Seidel iteration, each with the implicit Coulomb law |q*| - dt Tf / M. A held node has 1/m = 0. The residuals
+of the iteration and of the bounds of a flux count as friction, so that the energy balance is exact.
 The yarn moves on by its flux: the share of the segment ahead grows by dt q over its length at rest, that behind loses
 as much.
 """
@@ -45,7 +45,7 @@ from shellfabric.jit.simd import (
 )
 
 WARP, WEFT = 0, 1
-SWEEPS = 3  # Gauss-Seidel: what is left is (t1 . t2)^5 of the fluxes' change, t1 . t2 being 0.4 in locked cloth
+SWEEPS = 3  # Gauss-Seidel: leaves (t1 . t2)^5 of the fluxes' change, t1 . t2 being 0.4 in locked cloth
 # of t1 . t2 in that iteration: where yarns lie along each other a common flux of both would have no mass
 MOST_COSINE = 0.7
 FASTEST = 1e9  # [m/s]: no bound
@@ -70,20 +70,25 @@ def slip_row(state, const, slip, i):
         mobile1 = load(slip.mobility[0], k) * minimum(b1[0] + b1[1], 1.0)
         mobile2 = load(slip.mobility[1], k) * minimum(b2[0] + b2[1], 1.0)
         q = load(slip.q[0], k), load(slip.q[1], k)
-        t1, t2 = tangents(state.u, const, k, up, down, b1, b2)
-        t1, t2 = unit(*t1), unit(*t2)
         f = node_force(state, k)
         C1 = load(slip.config[0], k) - inner * load(slip.config[0], k - down)
         C2 = load(slip.config[1], k) - load_before(slip.config[1], k)
+        last = fabs(load(slip.q_before[0], k)) + fabs(load(slip.q_before[1], k))
+        flux = maximum(fabs(q[0]), fabs(q[1])) + last
+        # no drive is above this, whatever the tangents: most nodes need neither them nor a threshold
+        most = maximum(fabs(C1), fabs(C2)) + fabs(f[0]) + fabs(f[1]) + fabs(f[2])
+        slips = any_lane(greater(flux, 0.0))
+        if not (slips or any_lane(greater(most, slip.cohesion * load(slip.part, k)))):
+            continue
+        limit = threshold(state, const, slip, k, down, b1, b2)
+        if not (slips or any_lane(greater(most, limit))):
+            continue
+        t1, t2 = tangents(state.u, const, k, up, down, b1, b2)
+        t1, t2 = unit(*t1), unit(*t2)
         drive1 = C1 - load(slip.pull[0], k) * dot(t1, f)
         drive2 = C2 - load(slip.pull[1], k) * dot(t2, f)
         most = maximum(where(greater(mobile1, 0.0), fabs(drive1), 0.0), where(greater(mobile2, 0.0), fabs(drive2), 0.0))
-        last = fabs(load(slip.q_before[0], k)) + fabs(load(slip.q_before[1], k))
-        flux = maximum(fabs(q[0]), fabs(q[1])) + last
-        if not (any_lane(greater(most, slip.cohesion * load(slip.part, k))) or any_lane(greater(flux, 0.0))):
-            continue
-        limit = threshold(state, const, slip, k, down, b1, b2)
-        if not (any_lane(greater(most, limit)) or any_lane(greater(flux, 0.0))):
+        if not (slips or any_lane(greater(most, limit))):
             continue
         rates = tangent_rates(state, const, k, up, down, (b1, b2), (t1, t2))
         room = flux_bounds(slip, 0, k, k - down, b1), flux_bounds(slip, 1, k, k - 1 if k > 0 else k, b2)
@@ -274,14 +279,23 @@ def kinetic_energy(state, const, slip):
 
 @kernel(_nrt=False)
 def unit_tangent(state, const, family, i, j):
-    """Unit tangent of a yarn at node (i, j), as `tangents` has it."""
+    """Unit tangent of a yarn at node (i, j), as `tangents` has it; along failed segments where there are no others."""
+    t = chord(state, const, family, i, j, True)
+    return t if t[0] != 0.0 or t[1] != 0.0 or t[2] != 0.0 else chord(state, const, family, i, j, False)
+
+
+@kernel(_nrt=False)
+def chord(state, const, family, i, j, whole):
+    """Unit vector along the segments of a yarn about node (i, j), of whole ones alone if `whole`; or zero."""
     s, step = const.row_stride, const.row_stride if family == WARP else 1
-    k = i * s + j
+    k, place, last = i * s + j, i if family == WARP else j, const.ni if family == WARP else const.nj
     side = const.dx if family == WARP else const.dy
     x, y, z = 0.0, 0.0, 0.0
     for back in range(2):
         near = k - back * step
-        if near < 0 or state.intact_fraction[family][np.uint64(near)] == 0.0:
+        if place - back < 0 or place - back >= last:
+            continue
+        if whole and state.intact_fraction[family][np.uint64(near)] == 0.0:
             continue
         far = np.uint64(near + step)
         x += state.u[0][far] - state.u[0][np.uint64(near)] + (side if family == WARP else 0.0)
@@ -289,3 +303,26 @@ def unit_tangent(state, const, family, i, j):
         z += state.u[2][far] - state.u[2][np.uint64(near)]
     length = (x * x + y * y + z * z) ** 0.5
     return (x / length, y / length, z / length) if length > 0.0 else (0.0, 0.0, 0.0)
+
+
+@kernel(_nrt=False)
+def drop_fluxes(state, const, slip):
+    """End the fluxes at nodes that a yarn has left: [J] kinetic energy of its end, whose momentum leaves with it."""
+    lost, s = 0.0, const.row_stride
+    for family in range(2):
+        step = s if family == WARP else 1
+        for i in range(const.ni + 1):
+            for j in range(s):
+                k, inner = i * s + j, (i if family == WARP else j) > 0
+                q = slip.q[family][np.uint64(k)]
+                if q == 0.0 or state.intact_fraction[family][np.uint64(k)] > 0.0:
+                    continue
+                if inner and state.intact_fraction[family][np.uint64(k - step)] > 0.0:
+                    continue
+                t, along = chord(state, const, family, i, j, False), 0.0
+                for c in range(3):
+                    along += t[c] * state.v[c][np.uint64(k)]
+                lost += slip.mass[family][np.uint64(k)] * q * (along + 0.5 * q)
+                slip.q[family][np.uint64(k)] = slip.q_before[family][np.uint64(k)] = 0.0
+                slip.friction[family][np.uint64(k)] = 0.0
+    return lost

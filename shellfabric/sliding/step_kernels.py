@@ -105,12 +105,13 @@ def remove_segments(states, const, slip, works):
     flow_kernels.new_tails(state, const, slip)
     if emptied:
         flow_kernels.release_tails(state, const, slip)
+    dropped = slip_kernels.drop_fluxes(state, const, slip) if slip.active else 0.0
     recompute(state, const, slip, works)
     now_cells, now_sheared = stored(states, const, slip, low, high)
     now_worked, now_damped = failure_kernels.half_step_work(const, state, low, high)
     state.energy_sums[0, WORK] += now_worked - worked
     state.energy_sums[0, VISCOUS] += now_damped - damped
-    state.energy_sums[0, LOST_YARN] += cells - now_cells + now_worked - worked
+    state.energy_sums[0, LOST_YARN] += cells - now_cells + now_worked - worked + dropped
     state.energy_sums[0, LOST_TRELLIS] += sheared - now_sheared
 
 
