@@ -27,9 +27,11 @@ from shellfabric.output.hooks import Snapshots
 from shellfabric.panel import quality
 from shellfabric.panel.boundary import Grip, PullIn
 from shellfabric.panel.model import Numerics, Panel
-from shellfabric.panel.solver import ENERGIES, ClothSolver, PanelSolver
+from shellfabric.panel.solver import ClothSolver, PanelSolver
 from shellfabric.projectile import dynamics
 from shellfabric.projectile.projectile import Projectile
+from shellfabric.sliding.model import CrossoverFriction, SlidingPanel
+from shellfabric.sliding.solver import SlipSummary, slip_summary, solver_of
 
 ELEMENT_SIDE = 0.8  # [projectile radii] of an element at most, by default: longer ones miss what a narrow nose cuts
 MOST_ELEMENTS = 8  # a crossover, by default
@@ -66,6 +68,7 @@ class ImpactSetup:
     backing : Backing, the block behind the cloth, or None
     history : histories.HistoryRequest, what to record along yarns and at the edges; None for nothing
     numerics : Numerics
+    crossovers : sliding.model.CrossoverFriction of yarns that slide through their crossovers; None pins them
     """
 
     fabric: Fabric
@@ -93,6 +96,7 @@ class ImpactSetup:
     history: histories.HistoryRequest | None = None
     numerics: Numerics = field(default_factory=Numerics)
     grading: tuple | None = None
+    crossovers: CrossoverFriction | None = None
 
     @property
     def resolved_elements_per_crossover(self) -> int:
@@ -139,7 +143,8 @@ class ImpactSetup:
         InputError : as `table` and Panel
         """
         opening = self.opening if np.ndim(self.opening) else (self.opening, self.opening)
-        return Panel(
+        kind, more = (Panel, {}) if self.crossovers is None else (SlidingPanel, {"friction": self.crossovers})
+        return kind(
             table or self.table(),
             tuple(opening),  # type: ignore[arg-type]
             self.projectile,
@@ -153,6 +158,7 @@ class ImpactSetup:
             weave_angle=self.weave_angle,
             bending=tuple(self.bending) if np.ndim(self.bending) else (self.bending, self.bending),  # type: ignore[arg-type]
             grading=self.grading,
+            **more,
         )
 
 
@@ -184,6 +190,7 @@ class ImpactResult(Outcome):
     steps, wall_time, ns_per_element_step : cost of the run, [s] and [ns]
     max_deflection : [m] of whole cloth, over the run
     checks : tuple of quality.Indicator
+    slip : sliding.solver.SlipSummary of sliding crossovers, None of pinned ones
     """
 
     setup: ImpactSetup
@@ -213,6 +220,7 @@ class ImpactResult(Outcome):
     ns_per_element_step: float
     max_deflection: float
     checks: tuple
+    slip: SlipSummary | None = None
 
     @property
     def first_ply_setup(self) -> ImpactSetup:
@@ -237,7 +245,7 @@ def run(
     InputError : a set-up or checkpoint that cannot be used
     UnstableError : the run became unphysical; its attribute `result` holds what was computed
     """
-    solver = PanelSolver(setup.panel(table), setup.strike_velocity, setup.end_time, interval=setup.sample_interval)
+    solver = solver_of(setup.panel(table), setup.strike_velocity, setup.end_time, interval=setup.sample_interval)
     own = (*recorder(solver, setup), *snapshot_hooks(setup))
     if resume is not None:
         checkpoint.read(solver, resume)
@@ -266,7 +274,7 @@ def collect_result(setup: ImpactSetup, solver: PanelSolver) -> ImpactResult:
     return ImpactResult(
         setup=setup,
         panel=solver.panel,
-        energies={name: solver.sample(name) for name in ENERGIES},
+        energies={name: solver.sample(name) for name in solver.energy_names},
         reactions={"warp": solver.sample("reaction_warp"), "weft": solver.sample("reaction_weft")},
         failed_segments=solver.sample("failed_yarns"),
         peak_tension=(float(solver.state.peak_tension[0]), float(solver.state.peak_tension[1])),
@@ -278,6 +286,7 @@ def collect_result(setup: ImpactSetup, solver: PanelSolver) -> ImpactResult:
         histories=histories.unpack(solver.histories, (solver.panel,), setup.history)[0]
         if setup.history and solver.histories
         else None,
+        slip=slip_summary(solver),
         **projectile_result(solver, solver.panel.elements),
     )
 

@@ -56,7 +56,7 @@ SUPPORT = Support(
         *of("run", "end_time snapshot_interval checkpoint_interval outputs"),
         *of("accuracy", "residual_velocity absorbed_energy deflection peak_tension"),
     ),
-    rejected=build.NO_SLACK,
+    rejected=build.NO_SLACK | build.PINNED,
     rules=build.PACK_RULES,
 )  # fmt: skip
 _OF_PANEL = ("plies", "stacking", "gap")

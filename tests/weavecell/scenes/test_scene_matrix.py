@@ -121,6 +121,15 @@ KINDS = {
         {"accuracy": "panel.grading = [[8, 1], [inf, 2]]: " + MESH,
          "explain": "panel.grading = [[8, 1], [inf, 2]]: " + MESH},
     ),
+    "sliding": Kind(
+        {"panel": {"crossovers": "sliding", "crossover_friction": 0.1, "crossover_cohesion": "0.01 N"}},
+        rises(energy("crossover_friction"), 1e-9),
+        dict.fromkeys(("pack", "accuracy", "explain"), "panel.crossovers = 'sliding': must be \"pinned\" in a pack"),
+    ),
+    "pinned with friction": Kind(
+        {"panel": {"crossover_friction": 0.1}},
+        rejected=all_say("panel.crossover_friction = 0.1: must be left out where crossovers are"),
+    ),
     "elements": Kind({"run": {"elements_per_crossover": 2}}, ratio(lambda got: got.elements, 4, 1e-9)),
     "accuracy": Kind(
         ACCURACY, lambda got, plain: got.accuracy["targets"] == {"residual_velocity": 0.5},
