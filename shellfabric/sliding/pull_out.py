@@ -169,6 +169,7 @@ def run(coupon: PullOut, end_time: float, *, interval: float = 1e-6) -> PullOutR
     hooks: tuple[Hook, ...] = (record,)
     solver.run(hooks)
     table: FloatArray = np.array(rows)
-    work = max(float(np.trapezoid(table[:, 2], table[:, 1])), 1e-30)
+    mean, moved = 0.5 * (table[1:, 2] + table[:-1, 2]), np.diff(table[:, 1])
+    work = max(float(np.sum(mean * moved)), 1e-30)
     error = float(np.max(np.abs(solver.sample("error")))) / work
     return PullOutResult(coupon, table[:, 0], table[:, 1], table[:, 2], table[:, 3].astype(int), error)

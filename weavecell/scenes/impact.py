@@ -141,9 +141,6 @@ class PanelTable(Table):
     stacking: one_of("aligned", "alternating") = "aligned"
     ply_gap: quantity("m", "a length of at least 0", "0.12 mm", at_least=0.0) = None
     yarn_failure: Annotated[bool, Field(description="true or false")] = True
-    crossovers: one_of("pinned", "sliding") = "pinned"
-    crossover_friction: number("a number from 0 to 2", ge=0.0, le=2.0) = None
-    crossover_cohesion: quantity("N", "a force of at least 0", "0.1 N", at_least=0.0) = None
     grading: Annotated[
         tuple[tuple[float, float], ...] | None,
         BeforeValidator(_zones),
@@ -151,6 +148,9 @@ class PanelTable(Table):
             description='zones [until, side] in crossovers, the last until inf, such as [[9, "1/2"], [20, 1], [inf, 2]]'
         ),
     ] = None
+    crossovers: one_of("pinned", "sliding") = "pinned"
+    crossover_friction: number("a number from 0 to 2", ge=0.0, le=2.0) = None
+    crossover_cohesion: quantity("N", "a force of at least 0", "0.1 N", at_least=0.0) = None
 
 
 _Outer = Literal["fixed", "absorbing", "free"] | None

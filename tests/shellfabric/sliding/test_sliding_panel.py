@@ -4,13 +4,16 @@ from dataclasses import fields
 
 import numpy as np
 import pytest
+from conftest_tools import Interrupted, Interrupting
 
 from fabrics.errors import InputError
+from shellfabric.cloth.membrane_kernels import ERODED
+from shellfabric.output import checkpoint
 from shellfabric.panel.model import Panel
 from shellfabric.panel.numerics import Numerics
 from shellfabric.panel.solver import PanelSolver
 from shellfabric.projectile.projectile import Projectile
-from shellfabric.sliding import step_kernels
+from shellfabric.sliding import flow_kernels, step_kernels
 from shellfabric.sliding.model import CrossoverFriction, SlidingPanel, grid
 from shellfabric.sliding.solver import SlidingSolver, solver_of
 
@@ -58,7 +61,7 @@ def test_every_threshold_is_stable_and_keeps_the_energy(sliding, cohesion, cfl):
 
 
 def test_yarn_is_neither_made_nor_lost(sliding):
-    run = SlidingSolver(sliding(0.1), 80.0, 60e-6).run()
+    run = SlidingSolver(sliding(0.1, failure=False), 80.0, 60e-6).run()
     warp, weft = (grid(share, run.panel) for share in run.slip.share)
     assert warp[:-1].sum(axis=0) == pytest.approx(np.full(warp.shape[1], warp.shape[0] - 1), rel=1e-12)
     assert weft[:, :-1].sum(axis=1) == pytest.approx(np.full(weft.shape[0], weft.shape[1] - 1), rel=1e-12)
@@ -168,6 +171,36 @@ def test_the_solver_follows_from_the_panel(sliding):
     panel = sliding(np.inf)
     assert isinstance(solver_of(panel, 50.0, 1e-6), SlidingSolver)
     assert isinstance(solver_of(pinned(panel), 50.0, 1e-6), PanelSolver)
+
+
+def test_a_run_goes_on_from_a_checkpoint_to_the_bit(sliding, tmp_path):
+    panel, path = sliding(0.05, edge="free"), tmp_path / "checkpoint.h5"
+    whole = SlidingSolver(panel, 200.0, 30e-6).run()
+    with pytest.raises(Interrupted):
+        SlidingSolver(panel, 200.0, 30e-6).run((Interrupting(path, 6e-6, 15e-6),))
+    resumed = SlidingSolver(panel, 200.0, 30e-6)
+    checkpoint.read(resumed, path)
+    resumed.run()
+    assert np.array_equal(resumed.samples, whole.samples)
+    assert resumed.summary() == whole.summary()
+
+
+def test_there_is_one_thread(sliding):
+    assert SlidingSolver(sliding(0.1, numerics=Numerics(threads=2)), 50.0, 1e-6).threads == 1
+
+
+def test_a_window_that_the_projectile_fits_through_is_out_of_contact(sliding):
+    """Yarns of a loose panel are drawn past a slender projectile, which none of them stops."""
+    run = SlidingSolver(sliding(0.0), 50.0, 1e-6)
+    width = 2 * run.const.projectile_radius
+    for stretch, side in zip(run.state.stretch, (run.const.dx, run.const.dy)):
+        stretch[:] = 1.01 * width / side
+    run.state.stretch[0][0] = 1.0
+    flow_kernels.open_windows(run.state, run.const, run.slip)
+    i0, i1, j0, j1 = run.state.contact_window
+    flags = grid(run.state.element_flag, run.panel)[i0:i1, j0:j1]
+    assert flags[0, 0] == 0
+    assert np.all(flags.ravel()[1:] == ERODED)
 
 
 @pytest.mark.parametrize(
