@@ -3,6 +3,10 @@
 The crossovers are held in place: what moves is the yarn. Its end is drawn out at a constant velocity by a crosshead, so
 heavy that nothing slows it. All crossovers take part one after the other, as the front of slip reaches them at the
 wave speed of the yarn; the load is then the sum of their thresholds, until the tail of the yarn comes to them.
+
+The contact force of the cell is that of perfectly flexible yarns: without a tension of the pulled yarn there is none,
+however much the crossing yarns are stretched. With mu alone the load is therefore that of a capstan, which multiplies
+the tension at each crossover and begins at nothing; the cohesion is what it begins with.
 """
 
 from __future__ import annotations
@@ -37,6 +41,8 @@ class PullOut:
     pre_tension : [N] of each crossing yarn, before the yarn is pulled
     friction : CrossoverFriction
     numerics : Numerics
+    together : whether all yarns of the family are pulled, each by the same; otherwise one alone. In the panel half of a
+        segment's energy follows from the mean stretch of neighbouring yarns: one alone is 3/4 as stiff as it is
 
     Raises
     ------
@@ -49,6 +55,7 @@ class PullOut:
     pre_tension: float = 0.0
     friction: CrossoverFriction = field(default_factory=CrossoverFriction)
     numerics: Numerics = field(default_factory=Numerics)
+    together: bool = False
 
     def __post_init__(self):
         if self.crossings < 8 or self.crossings % 2:
@@ -130,13 +137,16 @@ class PullOutSolver(SlidingSolver):
         grid(self.slip.x[1], panel)[:, :-1] = stretch
         grid(state.stretch[1], panel)[:, :-1] = stretch
         self.node, middle = const.ni * const.row_stride + const.nj // 2, const.nj // 2
-        warp, weft = self.slip.mobility  # the other yarns stay where they are
-        yarn = grid(warp, panel)[:, middle].copy()
+        warp, weft = (grid(mobile, panel) for mobile in self.slip.mobility)  # other yarns stay where they are
+        pulled = slice(None) if self.coupon.together else slice(middle, middle + 1)
+        yarns = warp[:, pulled].copy()
         warp[:], weft[:] = 0, 0
-        grid(warp, panel)[:, middle], grid(self.slip.part, panel)[:, middle] = yarn, 1
-        self.slip.mass[0][self.node], self.slip.mobility[0][self.node] = CROSSHEAD, 1 / CROSSHEAD
-        self.slip.part[self.node] = 0
-        self.slip.q[0][self.node] = self.slip.q_before[0][self.node] = self.coupon.velocity
+        warp[:, pulled], grid(self.slip.part, panel)[:, pulled] = yarns, 1
+        for array, value in (
+            (self.slip.mass[0], CROSSHEAD), (self.slip.mobility[0], 1 / CROSSHEAD), (self.slip.part, 0),
+            (self.slip.q[0], self.coupon.velocity), (self.slip.q_before[0], self.coupon.velocity),
+        ):  # fmt: skip
+            grid(array, panel)[-1, pulled] = value
         self.slip.row_slips[const.ni] = True
         self._states = state, state._replace(stretch=self.slip.x)
         super()._start(parts, elements, most_threads)
@@ -147,8 +157,9 @@ class PullOutSolver(SlidingSolver):
         return float(self.slip.config[0][behind])
 
     def sliding_crossovers(self) -> int:
-        """Crossovers that the yarn slides through."""
-        return int(np.count_nonzero(grid(self.slip.q[0], self.panel)[:-1]))
+        """Crossovers that the yarn slides through, at half of the crosshead's velocity or more."""
+        flux = grid(self.slip.q[0], self.panel)[:-1, self.const.nj // 2]
+        return int(np.count_nonzero(np.abs(flux) > 0.5 * self.coupon.velocity))
 
 
 def run(coupon: PullOut, end_time: float, *, interval: float = 1e-6) -> PullOutResult:

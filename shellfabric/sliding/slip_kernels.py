@@ -12,8 +12,8 @@ configurational forces ahead of and behind the node (`forces_kernels`),
 F_c is the contact force of the cell at the effective stretches about the node, f_nose the force of the projectile on
 it: round the nose a yarn of tension T that turns by an angle is pressed on with T times it, which makes this the
 capstan's law. Without a, dq1/dt = [C1 - f1 - (m1/m) t1.(F - m2 t2 dq2/dt)] / (m1 - m1^2/m); both families are
-solved by Gauss-Seidel iteration, each with the implicit Coulomb law |q*| - dt Tf / M. A held node has 1/m = 0. The residuals
-of the iteration and of the bounds of a flux count as friction, so that the energy balance is exact.
+solved by Gauss-Seidel iteration, each with the implicit Coulomb law |q*| - dt Tf / M. A held node has 1/m = 0. The
+residuals of the iteration and of the bounds of a flux count as friction, so that the energy balance is exact.
 The yarn moves on by its flux: the share of the segment ahead grows by dt q over its length at rest, that behind loses
 as much.
 """

@@ -15,7 +15,7 @@ def made_up():
         "scaling": [[[0.01] * 5 for _ in sliding.SHARES] for _ in sliding.FABRICS],
         "stability": [(1e-4, "in flight", 0.0, 0.5) for _ in sliding.THRESHOLDS for _ in sliding.CFL],
         "cost": [(20.0, 100), (22.0, 100), *[(26.0, 150)] * len(sliding.MU)],
-        "pulled": [(1.0, 1e-4)] * len(sliding.CROSSINGS) * len(sliding.PRE_TENSIONS),
+        "pulled": [(1.0, 1e-4)] * len(sliding.CROSSINGS) * len(sliding.PULL_MU),
         "limit": limits,
     }
 
