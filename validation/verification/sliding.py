@@ -1,6 +1,6 @@
 """Sliding crossovers: error of the cell's scaling, stability, cost, pull-out, and critical velocities by friction.
 
-    python -m validation.verification.sliding [--out results/sliding] [--page docs/sliding.md] [--jobs N]
+    python -m validation.verification.sliding [--out results/sliding] [--page docs/sliding.md] [--jobs N] [--only NAMES]
 
 Runs are kept in the folder and not made twice. Without --page the tables are printed alone.
 """
@@ -26,6 +26,7 @@ from shellfabric.panel.numerics import Numerics
 from shellfabric.sliding import cell_scaling, pull_out
 from shellfabric.sliding.model import CrossoverFriction, SlidingPanel
 from shellfabric.sliding.solver import solver_of
+from validation.verification.study import known
 from weavecell.report.marked_page import markdown, put
 
 MARKS = "<!-- tables of validation.verification.sliding -->", "<!-- end of sliding -->"
@@ -111,33 +112,43 @@ def pulled(crossings: int, mu: float) -> tuple[float, float]:
 
 
 def text(results: dict[str, list]) -> str:
-    """The tables of the page."""
-    parts = ["### Error of the effective stretch\n", _scaling_table(results["scaling"])]
+    """The tables of the studies that have been run."""
+    makers = {
+        "scaling": _scaling_table, "stability": _stability, "cost": _cost, "pulled": _pulled, "limit": _limits,
+    }  # fmt: skip
+    return "\n".join(make(results[name]) for name, make in makers.items() if name in results)
+
+
+def _stability(found):
     rows = [["threshold, N", *(f"Courant factor {cfl:g}" for cfl in CFL)]]
     for n, threshold in enumerate(THRESHOLDS):
-        cells = results["stability"][n * len(CFL) : (n + 1) * len(CFL)]
+        cells = found[n * len(CFL) : (n + 1) * len(CFL)]
         rows.append([f"{threshold:g}", *(f"{100 * e:.3f} % ({share:.2f})" for e, _, _, share in cells)])
-    parts += [
+    head = (
         "### Stability\n\nLargest energy error over the strike energy, in brackets the least yarn of a segment over "
-        "that at rest: S-726, 80 mm square, 100 m/s, 100 us, mu = 0 and the threshold c0.\n",
-        markdown(rows),
-    ]
-    (pinned, _), *others = results["cost"]
+        "that at rest: S-726, 80 mm square, 100 m/s, 100 us, mu = 0 and the threshold c0.\n"
+    )
+    return f"{head}\n{markdown(rows)}"
+
+
+def _cost(found):
+    (pinned, steps), *_, (_, more) = found
     rows = [["crossovers", "ns for an element and a step", "over pinned"]]
-    for name, (ns, _) in zip(("pinned", "infinite threshold", *(f"mu = {mu:g}" for mu in MU)), results["cost"]):
+    for name, (ns, _) in zip(("pinned", "infinite threshold", *(f"mu = {mu:g}" for mu in MU)), found):
         rows.append([name, f"{ns:.1f}", f"{ns / pinned:.2f}"])
-    steps = others[-1][1] / results["cost"][0][1]
-    parts += [f"### Cost\n\nOne thread. The step of the sliding panel is {1 / steps:.3f} of the pinned one.\n",
-              markdown(rows)]  # fmt: skip
+    head = f"### Cost\n\nOne thread. The step of the sliding panel is {steps / more:.3f} of the pinned one.\n"
+    return f"{head}\n{markdown(rows)}"
+
+
+def _pulled(found):
     rows = [["crossings", *(f"mu = {mu:g}" for mu in PULL_MU)]]
     for n, count in enumerate(CROSSINGS):
-        cells = results["pulled"][n * len(PULL_MU) : (n + 1) * len(PULL_MU)]
+        cells = found[n * len(PULL_MU) : (n + 1) * len(PULL_MU)]
         rows.append([f"{count}", *(f"{load:.2f}" for load, _ in cells)])
     head = (
         f"### Pull-out\n\nLoad [N], mean from 100 to 200 us, of one yarn of S-726 at 2 m/s; cohesion {COHESION:g} N.\n"
     )
-    parts += [head, markdown(rows), _limits(results["limit"])]
-    return "\n".join(parts)
+    return f"{head}\n{markdown(rows)}"
 
 
 def _scaling_table(found):
@@ -145,7 +156,7 @@ def _scaling_table(found):
     for name, table in zip(FABRICS, found):
         for share, row in zip(SHARES, table):
             rows.append([name, f"{share:g}", *(f"{100 * value:.2f} %" for value in row)])
-    return markdown(rows)
+    return f"### Error of the effective stretch\n\n{markdown(rows)}"
 
 
 def _limits(found):
@@ -163,7 +174,8 @@ def _limits(found):
     return (
         "### Critical velocity\n\nFastest stop and slowest perforation, m/s. The largest energy error of "
         f"any shot is {100 * worst:.2f} % of the strike energy.\n\n{markdown(rows)}\nFailed segments of yarns at the "
-        f"slowest perforation, and the widest distance of neighbouring yarns at the fastest stop.\n\n{markdown(more)}"
+        f"slowest perforation, and the widest distance of neighbouring yarns at the fastest stop.\n\n{markdown(more)}\n"
+        "![Critical velocities](figures/sliding-limits.png)\n"
     )
 
 
@@ -196,6 +208,7 @@ def main() -> None:
     parser.add_argument("--out", type=Path, default=Path("results/sliding"))
     parser.add_argument("--jobs", type=int, default=1)
     parser.add_argument("--page", type=Path, help="put the tables into this page")
+    parser.add_argument("--only", nargs="+", help="of scaling, stability, cost, pulled, limit; all of them by default")
     options = parser.parse_args()
     cases: dict[str, tuple[Any, list[tuple]]] = {
         "scaling": (scaling, [(name,) for name in FABRICS]),
@@ -205,7 +218,9 @@ def main() -> None:
         "limit": (limit, [(name, mu) for name in FABRICS for mu in (None, *MU)]),
     }
     results = {}
-    for name, (function, places) in cases.items():
+    for name in options.only or cases:
+        known("--only", name, tuple(cases))
+        function, places = cases[name]
         progress = partial(_progress, name)
         results[name] = run_cache.results(
             function, places, folder=options.out, jobs=options.jobs, batches=False, report=progress
@@ -213,7 +228,8 @@ def main() -> None:
     made = text(results)
     print(made)
     if options.page is not None:
-        chart(results["limit"], options.page.parent / "figures" / "sliding-limits.png")
+        if "limit" in results:
+            chart(results["limit"], options.page.parent / "figures" / "sliding-limits.png")
         put(options.page, *MARKS, f"\n\n{made}\n")
 
 
