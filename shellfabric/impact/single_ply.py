@@ -31,7 +31,7 @@ from shellfabric.panel.solver import ClothSolver, PanelSolver
 from shellfabric.projectile import dynamics
 from shellfabric.projectile.projectile import Projectile
 from shellfabric.sliding.model import CrossoverFriction, SlidingPanel
-from shellfabric.sliding.solver import SlipSummary, slip_summary, solver_of
+from shellfabric.sliding.solver import SlidingSolver, SlipSummary, slip_summary, solver_of
 
 ELEMENT_SIDE = 0.8  # [projectile radii] of an element at most, by default: longer ones miss what a narrow nose cuts
 MOST_ELEMENTS = 8  # a crossover, by default
@@ -143,6 +143,8 @@ class ImpactSetup:
         InputError : as `table` and Panel
         """
         opening = self.opening if np.ndim(self.opening) else (self.opening, self.opening)
+        kind: type[Panel]
+        more: dict[str, Any]
         kind, more = (Panel, {}) if self.crossovers is None else (SlidingPanel, {"friction": self.crossovers})
         return kind(
             table or self.table(),
@@ -268,7 +270,7 @@ def snapshot_hooks(setup: ImpactSetup, take: Callable[..., object] | None = None
     return (Snapshots(setup.snapshot_interval, take),)
 
 
-def collect_result(setup: ImpactSetup, solver: PanelSolver) -> ImpactResult:
+def collect_result(setup: ImpactSetup, solver: PanelSolver | SlidingSolver) -> ImpactResult:
     """Gather what a run has recorded."""
     last = output_snapshots.snapshot(solver.panel, solver.state, solver.time)
     return ImpactResult(

@@ -126,8 +126,9 @@ class SlidingSolver(ClothSolver):
 
 def solver_of(panel: Panel, strike_velocity: float, end_time: float, **others: Any) -> PanelSolver | SlidingSolver:
     """The solver of a panel, by its crossovers; parameters as PanelSolver."""
-    kind = SlidingSolver if isinstance(panel, SlidingPanel) else PanelSolver
-    return kind(panel, strike_velocity, end_time, **others)
+    if isinstance(panel, SlidingPanel):
+        return SlidingSolver(panel, strike_velocity, end_time, **others)
+    return PanelSolver(panel, strike_velocity, end_time, **others)
 
 
 def slip_summary(solver: ClothSolver) -> SlipSummary | None:
