@@ -26,7 +26,7 @@ from fabrics.executors import cancel, open_executor
 from shellfabric.cable.smith import striking_velocity
 from shellfabric.panel import quality
 from shellfabric.panel.model import Panel
-from shellfabric.panel.solver import PanelSolver
+from shellfabric.sliding.solver import solver_of
 
 if TYPE_CHECKING:
     from fabrics.fabric import Fabric
@@ -332,7 +332,7 @@ def _fire(panel, velocity, give_up):
         if give_up is not None and give_up.is_set():
             raise _GivenUp
 
-    solver = PanelSolver(panel, velocity, UNDECIDED, interval=_AUDIT)
+    solver = solver_of(panel, velocity, UNDECIDED, interval=_AUDIT)
     solver.run((hook,))
     if solver.outcome == "in flight":
         problem = f"the projectile struck at {velocity:.4g} m/s has neither stopped nor perforated"

@@ -12,6 +12,7 @@ from fabrics.checks import FilePath, IntArray
 from shellfabric.backing.coupling import BackingResult
 from shellfabric.driver.solver import Hook, run_to_end
 from shellfabric.impact import single_ply
+from shellfabric.impact.outcome import Outcome
 from shellfabric.impact.single_ply import ImpactSetup
 from shellfabric.output import checkpoint, histories
 from shellfabric.output import snapshots as output_snapshots
@@ -61,7 +62,7 @@ class PackSetup:
 
 
 @dataclass(frozen=True)
-class PackResult(single_ply.Outcome):
+class PackResult(Outcome):
     """What an impact on a pack came to. Energies, forces and counts are those of the whole plies.
 
     Parameters

@@ -20,16 +20,18 @@ from shellfabric.cell import table_cache
 from shellfabric.cell.model import CellModel, CellTable
 from shellfabric.cell.surface_cell import SurfaceCell
 from shellfabric.driver.solver import Hook, run_to_end
+from shellfabric.impact.outcome import Outcome
 from shellfabric.output import checkpoint, histories
 from shellfabric.output import snapshots as output_snapshots
 from shellfabric.output.hooks import Snapshots
 from shellfabric.panel import quality
 from shellfabric.panel.boundary import Grip, PullIn
-from shellfabric.panel.model import SYMMETRIES, Numerics, Panel
-from shellfabric.panel.solver import ENERGIES, ClothSolver, PanelSolver
+from shellfabric.panel.model import Numerics, Panel
+from shellfabric.panel.solver import ClothSolver, PanelSolver
 from shellfabric.projectile import dynamics
-from shellfabric.projectile.bar import Rigidity, contact_time, held_force, rigid_is_enough
 from shellfabric.projectile.projectile import Projectile
+from shellfabric.sliding.model import CrossoverFriction, SlidingPanel
+from shellfabric.sliding.solver import SlidingSolver, SlipSummary, slip_summary, solver_of
 
 ELEMENT_SIDE = 0.8  # [projectile radii] of an element at most, by default: longer ones miss what a narrow nose cuts
 MOST_ELEMENTS = 8  # a crossover, by default
@@ -66,6 +68,7 @@ class ImpactSetup:
     backing : Backing, the block behind the cloth, or None
     history : histories.HistoryRequest, what to record along yarns and at the edges; None for nothing
     numerics : Numerics
+    crossovers : sliding.model.CrossoverFriction of yarns that slide through their crossovers; None pins them
     """
 
     fabric: Fabric
@@ -93,6 +96,7 @@ class ImpactSetup:
     history: histories.HistoryRequest | None = None
     numerics: Numerics = field(default_factory=Numerics)
     grading: tuple | None = None
+    crossovers: CrossoverFriction | None = None
 
     @property
     def resolved_elements_per_crossover(self) -> int:
@@ -139,7 +143,10 @@ class ImpactSetup:
         InputError : as `table` and Panel
         """
         opening = self.opening if np.ndim(self.opening) else (self.opening, self.opening)
-        return Panel(
+        kind: type[Panel]
+        more: dict[str, Any]
+        kind, more = (Panel, {}) if self.crossovers is None else (SlidingPanel, {"friction": self.crossovers})
+        return kind(
             table or self.table(),
             tuple(opening),  # type: ignore[arg-type]
             self.projectile,
@@ -153,51 +160,8 @@ class ImpactSetup:
             weave_angle=self.weave_angle,
             bending=tuple(self.bending) if np.ndim(self.bending) else (self.bending, self.bending),  # type: ignore[arg-type]
             grading=self.grading,
+            **more,
         )
-
-
-class Outcome:
-    """What follows from an impact's set-up and energies, on one ply or a pack of plies like it.
-
-    `energies` are those of the result, `first_ply_setup` is the ImpactSetup of the first ply.
-    """
-
-    energies: dict
-    step_history: np.ndarray
-
-    @property
-    def first_ply_setup(self) -> ImpactSetup:
-        raise NotImplementedError
-
-    @property
-    def strike_energy(self) -> float:
-        """[J]"""
-        return self.first_ply_setup.projectile.energy(self.first_ply_setup.strike_velocity)
-
-    @property
-    def energy_error_max(self) -> float:
-        """[-] largest error of the energy balance over the strike energy."""
-        return float(np.max(np.abs(self.energies["error"]))) / self.strike_energy
-
-    @property
-    def mirrored(self) -> tuple[bool, bool]:
-        """(x, y) whether the modelled part continues mirrored beyond x = 0 and y = 0."""
-        return SYMMETRIES[self.first_ply_setup.symmetry]
-
-    @property
-    def rigidity(self) -> Rigidity | None:
-        """Whether a rigid projectile is enough, its contact held against the period of the bar that it is, or would be
-        if it were of steel; None where it is no flat cylinder of steel, or where it was never touched."""
-        shot = self.first_ply_setup.projectile
-        try:
-            bar = shot.bar or (shot.steel_bar() if shot.shape == "flat" else None)
-            if bar is None:
-                return None
-            t, force = self.step_history[:, 0], self.step_history[:, 3]
-            held = held_force(t, force, 0.5 * bar.period)
-            return rigid_is_enough(contact_time(t, force, bar.period), bar.period, held, bar.yield_force)
-        except InputError:
-            return None
 
 
 @dataclass(frozen=True)
@@ -228,6 +192,7 @@ class ImpactResult(Outcome):
     steps, wall_time, ns_per_element_step : cost of the run, [s] and [ns]
     max_deflection : [m] of whole cloth, over the run
     checks : tuple of quality.Indicator
+    slip : sliding.solver.SlipSummary of sliding crossovers, None of pinned ones
     """
 
     setup: ImpactSetup
@@ -257,6 +222,7 @@ class ImpactResult(Outcome):
     ns_per_element_step: float
     max_deflection: float
     checks: tuple
+    slip: SlipSummary | None = None
 
     @property
     def first_ply_setup(self) -> ImpactSetup:
@@ -281,7 +247,7 @@ def run(
     InputError : a set-up or checkpoint that cannot be used
     UnstableError : the run became unphysical; its attribute `result` holds what was computed
     """
-    solver = PanelSolver(setup.panel(table), setup.strike_velocity, setup.end_time, interval=setup.sample_interval)
+    solver = solver_of(setup.panel(table), setup.strike_velocity, setup.end_time, interval=setup.sample_interval)
     own = (*recorder(solver, setup), *snapshot_hooks(setup))
     if resume is not None:
         checkpoint.read(solver, resume)
@@ -304,13 +270,13 @@ def snapshot_hooks(setup: ImpactSetup, take: Callable[..., object] | None = None
     return (Snapshots(setup.snapshot_interval, take),)
 
 
-def collect_result(setup: ImpactSetup, solver: PanelSolver) -> ImpactResult:
+def collect_result(setup: ImpactSetup, solver: PanelSolver | SlidingSolver) -> ImpactResult:
     """Gather what a run has recorded."""
     last = output_snapshots.snapshot(solver.panel, solver.state, solver.time)
     return ImpactResult(
         setup=setup,
         panel=solver.panel,
-        energies={name: solver.sample(name) for name in ENERGIES},
+        energies={name: solver.sample(name) for name in solver.energy_names},
         reactions={"warp": solver.sample("reaction_warp"), "weft": solver.sample("reaction_weft")},
         failed_segments=solver.sample("failed_yarns"),
         peak_tension=(float(solver.state.peak_tension[0]), float(solver.state.peak_tension[1])),
@@ -322,6 +288,7 @@ def collect_result(setup: ImpactSetup, solver: PanelSolver) -> ImpactResult:
         histories=histories.unpack(solver.histories, (solver.panel,), setup.history)[0]
         if setup.history and solver.histories
         else None,
+        slip=slip_summary(solver),
         **projectile_result(solver, solver.panel.elements),
     )
 

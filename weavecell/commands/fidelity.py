@@ -29,6 +29,7 @@ SUPPORT = Support(
         *of("accuracy", "residual_velocity absorbed_energy deflection peak_tension"),
     ),
     rejected=build.NO_SLACK
+    | build.PINNED
     | {"panel.grading": _CHOSEN, "panel.plies": "1 for a single ply"}
     | dict.fromkeys(build.OF_A_PACK, "left out for a single ply"),
     rules=build.SHOT_RULES,
@@ -36,7 +37,7 @@ SUPPORT = Support(
 PACK_SUPPORT = replace(
     SUPPORT,
     supported=(*SUPPORT.supported, "panel.plies", *build.OF_A_PACK),
-    rejected=build.NO_SLACK | {"panel.grading": _CHOSEN},
+    rejected=build.NO_SLACK | build.PINNED | {"panel.grading": _CHOSEN},
     rules=build.PACK_RULES,
 )
 _OF_A_RUN = (

@@ -36,7 +36,7 @@ from weavecell.report import page as report_page
 from weavecell.results import paraview, progress, provenance, run_folder
 from weavecell.results.impact import ImpactRecord
 from weavecell.results.impact_base import Shape
-from weavecell.scenes import build
+from weavecell.scenes import build, words
 from weavecell.scenes import impact as scenes_impact
 from weavecell.scenes.supported import Support, of
 
@@ -52,6 +52,7 @@ SUPPORT = Support(
     scenes_impact.Scene,
     (
         "format", "title", *build.SHOT, "projectile.strike_velocity", "panel.plies", "panel.grading",
+        *build.CROSSOVERS,
         *of("run", "end_time snapshot_interval checkpoint_interval outputs"),
         *of("history", "interval warp weft report_positions"),
         *of("accuracy", "residual_velocity absorbed_energy deflection peak_tension"),
@@ -230,8 +231,8 @@ def page(
     cards = (chapters.fabric_card(this.fabric), *laws, chapters.impact_card(record))
     return report_page.Report(
         record.title,
-        f"One ply of {record.fabric}, {build.panel_in_words(panel)}, struck at {shot.strike_velocity:g} m/s by "
-        f"{build.shot_in_words(shot)}.",
+        f"One ply of {record.fabric}, {words.panel_in_words(panel)}, struck at {shot.strike_velocity:g} m/s by "
+        f"{words.shot_in_words(shot)}.",
         (cards,),
         (
             *sections,

@@ -35,7 +35,7 @@ from weavecell.report import page as report_page
 from weavecell.report.page import Report, Section
 from weavecell.results import paraview, progress, provenance, run_folder
 from weavecell.results.pack import PackRecord
-from weavecell.scenes import build
+from weavecell.scenes import build, words
 from weavecell.scenes.build import Case
 from weavecell.scenes.impact import Scene
 from weavecell.scenes.supported import Support, of
@@ -56,7 +56,7 @@ SUPPORT = Support(
         *of("run", "end_time snapshot_interval checkpoint_interval outputs"),
         *of("accuracy", "residual_velocity absorbed_energy deflection peak_tension"),
     ),
-    rejected=build.NO_SLACK,
+    rejected=build.NO_SLACK | build.PINNED,
     rules=build.PACK_RULES,
 )  # fmt: skip
 _OF_PANEL = ("plies", "stacking", "gap", "ply_friction")
@@ -265,7 +265,7 @@ def page(this: Case, record: PackRecord, sections: Sequence[Section], stamp: dic
     return report_page.Report(
         record.title,
         f"{record.count} plies of {record.fabric}, {record.stacking}, {1e3 * record.gaps[0]:.3g} mm apart, "
-        f"{build.panel_in_words(panel)}, struck at {shot.strike_velocity:g} m/s by {build.shot_in_words(shot)}.",
+        f"{words.panel_in_words(panel)}, struck at {shot.strike_velocity:g} m/s by {words.shot_in_words(shot)}.",
         (cards,),
         (
             *sections,

@@ -52,7 +52,7 @@ def measures(recorded: Histories, places: Sequence[float], ply: int | None = Non
 
 
 def body(record: ImpactRecord) -> list[Section]:
-    """Sections of an elastic projectile and of a block behind the panel, where there is one."""
+    """Sections of an elastic projectile, of a block behind the panel and of sliding crossovers, where there are any."""
     found = []
     if record.bar is not None:
         bar = record.bar
@@ -74,7 +74,23 @@ def body(record: ImpactRecord) -> list[Section]:
         picture = pictures.render(pictures_body.crater, {record.title: block}, kind="png")
         caption = "The block cut along the warp through the impact point, at the end of the run, to scale."
         found.append(Section("backing", "The block behind", lead, (Figure(picture, "png", caption, "crater"),)))
+    if record.slip is not None:
+        found.append(_slip(record))
     return found
+
+
+def _slip(record):
+    """Section of sliding crossovers."""
+    slip = record.slip
+    rows = (
+        ("failed segments of yarns", f"{int(record.failed_segments[-1])}"),
+        ("segments whose yarn has left a crossover without failure", f"{slip.pulled_out_segments}"),
+        ("longest length of yarn that has passed through a crossover [mm]", f"{1e3 * slip.pulled_out_length:.3g}"),
+        ("widest distance between neighbouring yarns at the end [mm]", f"{1e3 * slip.largest_window:.3g}"),
+        ("work of friction at the crossovers [J]", f"{slip.friction_work:.3g}"),
+        ("the same over the strike energy [%]", f"{100 * slip.friction_work / record.strike_energy:.3g}"),
+    )
+    return Section("slip", "Sliding crossovers", "", (), (Table(("quantity", "value"), rows, numeric=("value",)),))
 
 
 def _front_row(wave, recorded):

@@ -23,8 +23,10 @@ if TYPE_CHECKING:
     from shellfabric.impact.single_ply import ImpactResult
     from shellfabric.output.histories import Histories
     from shellfabric.projectile.dynamics import BarHistory
+    from shellfabric.sliding.solver import SlipSummary
 
 _PANEL = keys.units(keys.PANEL)
+_SLIP = ("pulled_out_length", "largest_window", "pulled_out_segments", "friction_work")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -41,6 +43,7 @@ class ImpactRecord(BaseRecord):
     measured : shellfabric.output.histories.Histories, or None where nothing was to be recorded
     bar : shellfabric.projectile.dynamics.BarHistory of an elastic projectile, or None
     backing : shellfabric.backing.coupling.BackingResult, the block at the end, or None
+    slip : shellfabric.sliding.solver.SlipSummary of sliding crossovers, or None
     """
 
     KIND = "impact"
@@ -54,6 +57,7 @@ class ImpactRecord(BaseRecord):
     measured: Histories | None = None
     bar: BarHistory | None = None
     backing: BackingResult | None = None
+    slip: SlipSummary | None = None
 
     @classmethod
     def of(cls, result: ImpactResult, title: str, law_name: str, message: str = "") -> ImpactRecord:
@@ -67,6 +71,7 @@ class ImpactRecord(BaseRecord):
             strength=np.array([yarn.strength for yarn in result.setup.fabric.weave.yarns]),
             reactions=dict(result.reactions), quads=result.quads, half_energy=_half_energy(result, last), final=last,
             measured=result.histories, rigid_check=str(result.rigidity or ""), bar=result.bar, backing=result.backing,
+            slip=result.slip,
         )  # fmt: skip
 
     def _entries(self):
@@ -75,6 +80,12 @@ class ImpactRecord(BaseRecord):
             found |= {"plastic_shortening_m": self.bar.shortening, "bar_period_s": self.bar.period}
         if self.backing is not None:
             found |= {"crater_depth_m": self.backing.depth, "crater_wall_angle_rad": self.backing.steepness}
+        if self.slip is not None:
+            found |= {
+                "pulled_out_length_m": self.slip.pulled_out_length, "largest_window_m": self.slip.largest_window,
+                "pulled_out_segments": self.slip.pulled_out_segments,
+                "crossover_friction_work_J": self.slip.friction_work,
+            }  # fmt: skip
         return found
 
     def _write(self, file):
@@ -90,6 +101,8 @@ class ImpactRecord(BaseRecord):
             write_group(file.create_group("bar"), self.bar, keys.BAR, ("period", "shortening"))
         if self.backing is not None:
             write_group(file.create_group("backing"), self.backing, keys.BACKING, ("face",))
+        if self.slip is not None:
+            write_group(file.create_group("slip"), self.slip, (), _SLIP)
 
     @staticmethod
     def _read(file):
@@ -97,7 +110,7 @@ class ImpactRecord(BaseRecord):
         values |= {shape: read_shape(file[f"panel/{shape}"]) for shape in ("half_energy", "final")}
         values["reactions"] = {name: data[()] for name, data in file["reactions"].items()}
         values["measured"] = read_measured(file["measured"]) if "measured" in file else None
-        return values | {name: read_group(file, name) for name in ("bar", "backing")}
+        return values | {name: read_group(file, name) for name in ("bar", "backing", "slip")}
 
 
 def _half_energy(result, last):

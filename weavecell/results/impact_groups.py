@@ -1,4 +1,4 @@
-"""Groups of histories.h5 that not every impact has: /measured, /bar and /backing."""
+"""Groups of histories.h5 that not every impact has: /measured, /bar, /backing and /slip."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from shellfabric.backing.coupling import BackingResult
     from shellfabric.output.histories import Histories
     from shellfabric.projectile.dynamics import BarHistory
+    from shellfabric.sliding.solver import SlipSummary
 
 _YARN = tuple(keys.units(keys.YARN_DATA))
 _PACKED = {"compression": "gzip", "compression_opts": 1, "shuffle": True}
@@ -27,14 +28,18 @@ def write_group(group: Any, source: object, table: Iterable[keys.Key], scalars: 
         put(group, name, getattr(source, _FIELDS.get(name, name)), unit, **_PACKED)
 
 
-def read_group(file: Any, name: str) -> BarHistory | BackingResult | None:
-    """What `write_group` wrote of a bar or a backing; None where the file has none."""
+def read_group(file: Any, name: str) -> BarHistory | BackingResult | SlipSummary | None:
+    """What `write_group` wrote of a bar, a backing or sliding crossovers; None where the file has none."""
     from shellfabric.backing.coupling import BackingResult
     from shellfabric.projectile.dynamics import BarHistory
+    from shellfabric.sliding.solver import SlipSummary
 
     if name not in file:
         return None
-    kind, table = {"bar": (BarHistory, keys.BAR), "backing": (BackingResult, keys.BACKING)}[name]
+    kinds: dict[str, tuple[Any, tuple[keys.Key, ...]]] = {
+        "bar": (BarHistory, keys.BAR), "backing": (BackingResult, keys.BACKING), "slip": (SlipSummary, ()),
+    }  # fmt: skip
+    kind, table = kinds[name]
     group = file[name]
     arrays = {_FIELDS.get(key.name, key.name): group[key.name][()] for key in table}
     return kind(**arrays, **{key: plain(value) for key, value in group.attrs.items()})

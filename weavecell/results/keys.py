@@ -43,6 +43,7 @@ ENERGIES = keys(
      "contact, damped"),
     ("ply_contact", "J", "contact between plies"),
     ("ply_friction", "J", "friction between plies"),
+    ("crossover_friction", "J", "sliding crossovers: friction of yarns at the crossovers"),
     ("error", "J", "sum of all entries less the energy at the start"),
 )  # fmt: skip
 SHARED = keys(
@@ -86,6 +87,10 @@ IMPACT = keys(
     ("bar_period_s", "s", "elastic projectile: period of the first axial mode"),
     ("crater_depth_m", "m", "backing: depth of the crater"),
     ("crater_wall_angle_rad", "rad", "backing: angle of the crater's wall to the face"),
+    ("pulled_out_length_m", "m", "sliding crossovers: longest length of yarn that has passed through a crossover"),
+    ("largest_window_m", "m", "sliding crossovers: widest distance between neighbouring yarns at the end"),
+    ("pulled_out_segments", "1", "sliding crossovers: segments whose yarn has left a crossover without failure"),
+    ("crossover_friction_work_J", "J", "sliding crossovers: work of friction"),
     ("plies", "1", "pack: number of plies"),
     ("stacking", "", 'pack: "aligned" or "alternating"'),
     ("ply_gap_m", "m", "pack: gap between the first two plies at rest"),
@@ -287,6 +292,10 @@ ATTRIBUTES = (
         ("bar/period", "", "[s] period of the first axial mode"),
         ("bar/shortening", "", "[m] shortening by plastic strain"),
         ("backing/face", "", "[m] position of the block's face at rest"),
+        ("slip/pulled_out_length", "", "[m] longest length of yarn that has passed through a crossover"),
+        ("slip/largest_window", "", "[m] widest distance between neighbouring yarns at the end"),
+        ("slip/pulled_out_segments", "", "segments whose yarn has left a crossover without failure"),
+        ("slip/friction_work", "", "[J] work of friction at the crossovers"),
     ),
 )
 SUMMARY_FORMAT = "weavecell summary 2"

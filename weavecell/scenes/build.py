@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 from dataclasses import dataclass, fields, replace
-from math import degrees
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -17,7 +16,7 @@ from fabrics.materials import Isotropic, load
 from fabrics.surface import ResponseSurface
 from fabrics.variants import with_linear_density
 from fabrics.yarn import WeavingDamage
-from weavecell.scenes.impact import SHAPES, BackingTable, PanelTable, ProjectileTable, SlipTable
+from weavecell.scenes.impact import BackingTable, PanelTable, ProjectileTable, SlipTable
 from weavecell.scenes.schema import InlineLaw
 from weavecell.scenes.supported import Rule, of
 
@@ -38,6 +37,7 @@ PROJECTILE = of(
 )
 _SLIPPING = " ".join(f"boundary.{side}.{key}" for side in ("warp", "weft") for key in SlipTable.model_fields)
 PANEL = of("panel", f"opening boundary boundary.warp boundary.weft {_SLIPPING} symmetry weave_angle yarn_failure")
+CROSSOVERS = of("panel", "crossovers crossover_friction crossover_cohesion")
 NUMERICS = of("numerics", "cfl stretch_viscosity penalty contact_damping contact_points precision threads")
 BACKING = of(
     "backing",
@@ -55,6 +55,10 @@ FIELDS = {
     "panel.boundary": "edge",
 }
 NO_SLACK = {"fabric.fibre_slack": "left out in an impact"}  # a yarn whose crossings have failed is linear in the march
+# of sliding crossovers, which one ply has on a mesh of one element a crossover
+PINNED = {"panel.crossovers": '"pinned" in a pack, and where the mesh is chosen by [accuracy]'} | dict.fromkeys(
+    ("panel.crossover_friction", "panel.crossover_cohesion"), "left out where crossovers are pinned"
+)
 CELL_RULES = (
     *(
         Rule(f"fabric.{key}", lambda scene: scene.fabric.surface is not None, "left out with fabric.surface")
@@ -74,6 +78,10 @@ CELL_RULES = (
 SHOT_RULES = (
     *CELL_RULES,
     Rule("projectile.bore_diameter", lambda scene: scene.projectile.body == "rigid", "left out for a rigid projectile"),
+    *(
+        Rule(f"panel.{key}", lambda scene: scene.panel.crossovers == "pinned", "left out where crossovers are pinned")
+        for key in ("crossover_friction", "crossover_cohesion")
+    ),
 )
 PACK_RULES = (
     *SHOT_RULES,
@@ -156,6 +164,7 @@ def setup(case: Case, file: FilePath) -> ImpactSetup:
             backing=_backing(case.scene.backing),
             history=HistoryRequest(history.interval, history.warp, history.weft) if history else None,
             numerics=Numerics(**_given(case.scene.numerics, "numerics")),
+            crossovers=_crossovers(panel),
         )
     except InputError as problem:
         raise in_file(problem, file) from None
@@ -166,6 +175,16 @@ def pack_setup(ply: ImpactSetup, panel: PanelTable) -> PackSetup:
     from shellfabric.impact.pack import PackSetup
 
     return PackSetup(ply, panel.plies, panel.stacking, panel.ply_gap, friction=panel.ply_friction)
+
+
+def _crossovers(table):
+    """The friction of sliding crossovers; None of pinned ones."""
+    if table.crossovers == "pinned":
+        return None
+    from shellfabric.sliding.model import CrossoverFriction
+
+    given = {"mu": table.crossover_friction, "cohesion": table.crossover_cohesion}
+    return CrossoverFriction(**{key: value for key, value in given.items() if value is not None})
 
 
 def _projectile(table):
@@ -217,7 +236,7 @@ def in_file(problem: InputError, file: FilePath) -> InputError:
     if problem.file is not None:
         return problem
     tables = {"model": "fabric", "bending": "fabric", "elements_per_crossover": "run", "cfl": "numerics"}
-    tables |= dict.fromkeys(("opening", "symmetry", "weave_angle", "grading"), "panel")
+    tables |= dict.fromkeys(("opening", "symmetry", "weave_angle", "grading", "crossovers"), "panel")
     tables |= dict.fromkeys(ProjectileTable.model_fields, "projectile")
     tables |= dict.fromkeys(("warp", "weft"), "history") | dict.fromkeys(BackingTable.model_fields, "backing")
     key = f"{tables[problem.key]}.{problem.key}" if problem.key in tables else problem.key
@@ -305,40 +324,3 @@ def _laws(table, fabric, file):
 
 def _source(fabric):
     return " ".join(entry["source"] for key, entry in fabric.sources.items() if key.startswith("compression"))
-
-
-def shot_in_words(shot: ProjectileTable) -> str:
-    """The projectile and how it comes, for the reader."""
-    words = f"{SHAPES[shot.shape]} of {1e3 * shot.mass:g} g and {1e3 * shot.diameter:g} mm"
-    if shot.obliquity:
-        words += f", {degrees(shot.obliquity):.3g}° off the normal"
-    if shot.body == "elastic_bar":
-        words += ", elastic-plastic along its axis"
-    if shot.friction:
-        words += f", with friction {shot.friction:g}"
-    return words
-
-
-def panel_in_words(panel: PanelTable) -> str:
-    """The panel and how it is held, for the reader."""
-    words = (
-        " by ".join(f"{1e3 * side:g} mm" for side in panel.opening)
-        if isinstance(panel.opening, tuple)
-        else f"{1e3 * panel.opening:g} mm square"
-    )
-    if panel.weave_angle:
-        words += f", its weave turned by {degrees(panel.weave_angle):.3g}°"
-    if isinstance(panel.boundary, str):
-        return f"{words} and {panel.boundary}"
-    sides = {name: getattr(panel.boundary, name) for name in ("warp", "weft")}
-    return f"{words}, " + " and ".join(f"{name} ends {_side_in_words(side)}" for name, side in sides.items())
-
-
-def _side_in_words(side):
-    if isinstance(side, tuple):
-        return " / ".join(_side_in_words(end) for end in side)
-    if isinstance(side, str):
-        return side
-    if side.clamp_force is not None:
-        return f"clamped with {side.clamp_force:g} N a yarn"
-    return f"slipping by {1e3 * side.pull_in:g} mm"

@@ -149,6 +149,9 @@ class PanelTable(Table):
             description='zones [until, side] in crossovers, the last until inf, such as [[9, "1/2"], [20, 1], [inf, 2]]'
         ),
     ] = None
+    crossovers: one_of("pinned", "sliding") = "pinned"
+    crossover_friction: number("a number from 0 to 2", ge=0.0, le=2.0) = None
+    crossover_cohesion: quantity("N", "a force of at least 0", "0.1 N", at_least=0.0) = None
 
 
 _Outer = Literal["fixed", "absorbing", "free"] | None

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from fabrics.compression import CompressionLaw
-from weavecell.scenes import build, toml_writer
+from weavecell.scenes import build, toml_writer, words
 from weavecell.scenes import impact as scenes_impact
 
 EXAMPLES = sorted((Path(__file__).parents[3] / "examples").glob("*.toml"))
@@ -160,14 +160,14 @@ def test_shape_and_attitude_of_the_shot():
     assert (shot.flat_angle, shot.obliquity, shot.azimuth, shot.yaw, shot.roll) == pytest.approx(
         tuple(math.radians(angle) for angle in (35, 30, 90, -5, 10))
     )
-    told = build.shot_in_words(asked.projectile)
+    told = words.shot_in_words(asked.projectile)
     assert told == "a chisel-nosed fragment simulator of 3 g and 5.5 mm, 30° off the normal, with friction 0.2"
 
 
 def test_an_elastic_projectile_in_words():
     setup, asked = setup_of({"projectile": {"body": "elastic_bar"}})
     assert setup.projectile.bar is not None
-    assert build.shot_in_words(asked.projectile).endswith("elastic-plastic along its axis")
+    assert words.shot_in_words(asked.projectile).endswith("elastic-plastic along its axis")
 
 
 def test_every_shape_of_the_solver_is_a_shape_of_scenes():
@@ -193,11 +193,11 @@ def test_sides_and_weave_of_the_panel():
     assert (low, high) == ("clamped", Grip(20.0))
     assert isinstance(weft, PullIn)
     assert dataclasses.astuple(weft) == pytest.approx((5e-3, 200e-6, 650e-6, 60e-3))  # zone of the source
-    told = build.panel_in_words(asked.panel)
+    told = words.panel_in_words(asked.panel)
     assert told == "203 mm by 100 mm, warp ends clamped / clamped with 20 N a yarn and weft ends slipping by 5 mm"
     setup, asked = setup_of({"panel": {"weave_angle": "45 deg", "symmetry": "whole"}})
     assert setup.weave_angle == pytest.approx(math.pi / 4)
-    assert build.panel_in_words(asked.panel) == "203 mm square, its weave turned by 45° and clamped"
+    assert words.panel_in_words(asked.panel) == "203 mm square, its weave turned by 45° and clamped"
 
 
 def test_nothing_is_measured_unless_asked():

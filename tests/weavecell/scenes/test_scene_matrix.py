@@ -12,7 +12,7 @@ import pytest
 from test_supported import CHISEL, LAW, SURFACE, merged
 
 from shellfabric.impact.ballistic_limit import Shot
-from shellfabric.panel.solver import ENERGIES, PanelSolver
+from shellfabric.sliding.solver import solver_of
 from weavecell.cli import app
 from weavecell.commands import impact as commands_impact
 from weavecell.results.paraview import read_series
@@ -123,6 +123,15 @@ KINDS = {
         lambda got, plain: got.elements < 23**2 * getattr(got, "plies", 1),
         {"accuracy": "panel.grading = [[8, 1], [inf, 2]]: " + MESH,
          "explain": "panel.grading = [[8, 1], [inf, 2]]: " + MESH},
+    ),
+    "sliding": Kind(
+        {"panel": {"crossovers": "sliding", "crossover_friction": 0.1, "crossover_cohesion": "0.01 N"}},
+        rises(energy("crossover_friction"), 1e-9),
+        dict.fromkeys(("pack", "accuracy", "explain"), "panel.crossovers = 'sliding': must be \"pinned\" in a pack"),
+    ),
+    "pinned with friction": Kind(
+        {"panel": {"crossover_friction": 0.1}},
+        rejected=all_say("panel.crossover_friction = 0.1: must be left out where crossovers are"),
     ),
     "elements": Kind({"run": {"elements_per_crossover": 2}}, ratio(lambda got: got.elements, 4, 1e-9)),
     "accuracy": Kind(
@@ -334,7 +343,7 @@ def limit(capsys, folder, monkeypatch, changes):
 
     def fire(panel, velocity, _):
         if not marches:
-            marches.append(PanelSolver(panel, 400.0, 12e-6).run(()))
+            marches.append(solver_of(panel, 400.0, 12e-6).run(()))
         through = velocity > 130.0
         return Shot(velocity, 50.0 * through, "perforated" if through else "stopped", 1e-4, 0, (1.0, 1.0), 0.0, 0.0)
 
@@ -345,7 +354,7 @@ def limit(capsys, folder, monkeypatch, changes):
     assert code == 0, err
     march, found = marches[0], json.loads((folder / "r/critical-velocity.json").read_text())
     return SimpleNamespace(
-        energies={name: march.sample(name)[-1] for name in ENERGIES}, v=march.sample("v"),
+        energies={name: march.sample(name)[-1] for name in march.energy_names}, v=march.sample("v"),
         residual_velocity_m_s=march.sample("v")[-1], failed=march.sample("failed_yarns")[-1],
         law_name=found["law_name"],
         reactions=np.array([march.sample(f"reaction_{side}").max() for side in ("warp", "weft")]),

@@ -1,0 +1,58 @@
+"""What follows from an impact's set-up and energies, whatever the number of plies."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from fabrics.errors import InputError
+from shellfabric.panel.model import SYMMETRIES
+from shellfabric.projectile.bar import Rigidity, contact_time, held_force, rigid_is_enough
+
+if TYPE_CHECKING:
+    from shellfabric.impact.single_ply import ImpactSetup
+
+
+class Outcome:
+    """What follows from an impact's set-up and energies, on one ply or a pack of plies like it.
+
+    `energies` are those of the result, `first_ply_setup` is the ImpactSetup of the first ply.
+    """
+
+    energies: dict
+    step_history: np.ndarray
+
+    @property
+    def first_ply_setup(self) -> ImpactSetup:
+        raise NotImplementedError
+
+    @property
+    def strike_energy(self) -> float:
+        """[J]"""
+        return self.first_ply_setup.projectile.energy(self.first_ply_setup.strike_velocity)
+
+    @property
+    def energy_error_max(self) -> float:
+        """[-] largest error of the energy balance over the strike energy."""
+        return float(np.max(np.abs(self.energies["error"]))) / self.strike_energy
+
+    @property
+    def mirrored(self) -> tuple[bool, bool]:
+        """(x, y) whether the modelled part continues mirrored beyond x = 0 and y = 0."""
+        return SYMMETRIES[self.first_ply_setup.symmetry]
+
+    @property
+    def rigidity(self) -> Rigidity | None:
+        """Whether a rigid projectile is enough, its contact held against the period of the bar that it is, or would be
+        if it were of steel; None where it is no flat cylinder of steel, or where it was never touched."""
+        shot = self.first_ply_setup.projectile
+        try:
+            bar = shot.bar or (shot.steel_bar() if shot.shape == "flat" else None)
+            if bar is None:
+                return None
+            t, force = self.step_history[:, 0], self.step_history[:, 3]
+            held = held_force(t, force, 0.5 * bar.period)
+            return rigid_is_enough(contact_time(t, force, bar.period), bar.period, held, bar.yield_force)
+        except InputError:
+            return None

@@ -1,0 +1,186 @@
+"""Yarn pull-out coupon: one yarn pulled through its crossovers, under a pre-tension of the yarns that it crosses.
+
+The crossovers are held in place: what moves is the yarn. Its end is drawn out at a constant velocity by a crosshead, so
+heavy that nothing slows it. All crossovers take part one after the other, as the front of slip reaches them at the
+wave speed of the yarn; the load is then the sum of their thresholds, until the tail of the yarn comes to them.
+
+The contact force of the cell is that of perfectly flexible yarns: without a tension of the pulled yarn there is none,
+however much the crossing yarns are stretched. With mu alone the load is therefore that of a capstan, which multiplies
+the tension at each crossover and begins at nothing; the cohesion is what it begins with.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from math import inf
+
+import numpy as np
+
+from fabrics.checks import FloatArray
+from fabrics.errors import InputError
+from shellfabric.cell.model import CellTable
+from shellfabric.driver.solver import Hook
+from shellfabric.panel.numerics import Numerics
+from shellfabric.projectile.projectile import Projectile
+from shellfabric.sliding.model import CrossoverFriction, SlidingPanel, grid
+from shellfabric.sliding.solver import SlidingSolver
+
+CROSSHEAD = 1e3  # [kg]: a load of 100 N for 1 ms changes its velocity by 1e-4 m/s
+BESIDE = 4  # crossovers on each side of the yarn, which nothing happens in
+
+
+@dataclass(frozen=True)
+class PullOut:
+    """A yarn of the warp pulled out of held crossovers.
+
+    Parameters
+    ----------
+    table : CellTable of the fabric, variational
+    crossings : crossovers that the yarn is pulled through
+    velocity : [m/s] of the crosshead
+    pre_tension : [N] of each crossing yarn, before the yarn is pulled
+    friction : CrossoverFriction
+    numerics : Numerics
+    together : whether all yarns of the family are pulled, each by the same; otherwise one alone. In the panel half of a
+        segment's energy follows from the mean stretch of neighbouring yarns: one alone is 3/4 as stiff as it is
+
+    Raises
+    ------
+    InputError : a value out of its range, or a pre-tension beyond the strength of the crossing yarns
+    """
+
+    table: CellTable
+    crossings: int = 20
+    velocity: float = 2.0
+    pre_tension: float = 0.0
+    friction: CrossoverFriction = field(default_factory=CrossoverFriction)
+    numerics: Numerics = field(default_factory=Numerics)
+    together: bool = False
+
+    def __post_init__(self):
+        if self.crossings < 8 or self.crossings % 2:
+            raise InputError(key="crossings", value=self.crossings, allowed="an even number of at least 8")
+        if not 0 < self.velocity < inf:
+            raise InputError(key="velocity", value=self.velocity, allowed="above 0")
+        if not 0 <= self.pre_tension < self.table.model.fabric.weave.weft.strength:
+            allowed = "at least 0 and below the strength of the crossing yarns"
+            raise InputError(key="pre_tension", value=self.pre_tension, allowed=allowed)
+
+    def panel(self) -> SlidingPanel:
+        """The panel: `crossings` + 1 nodes along the warp, the last of them the crosshead's; all sides free."""
+        w1, w2 = self.table.model.fabric.weave.w
+        opening = ((self.crossings + 0.5) * 2 * w1, (2 * BESIDE + 0.5) * 2 * w2)
+        small = Projectile(radius=0.4 * min(w1, w2), edge_radius=0.1 * min(w1, w2))
+        return SlidingPanel(
+            self.table, opening, small, "whole", 1, "free", self.numerics, trellis=False, failure=False,
+            friction=self.friction,
+        )  # fmt: skip
+
+    def stretch(self) -> float:
+        """[-] stretch of the crossing yarns under the pre-tension, the pulled yarn at its length at rest."""
+        table = self.table
+        rest = int(np.argmin(np.abs(table.stretch1 - 1)))
+        tension, stretch = table.values["T2"][rest], table.stretch2
+        loaded = stretch >= 1
+        return float(np.interp(self.pre_tension, tension[loaded], stretch[loaded])) if self.pre_tension > 0 else 1.0
+
+
+@dataclass(frozen=True)
+class PullOutResult:
+    """Load and displacement of a pull-out.
+
+    Parameters
+    ----------
+    coupon : what was run
+    time, displacement, load : (n,) [s], [m], [N] of the crosshead
+    sliding : (n,) crossovers that the yarn slides through
+    energy_error : [-] largest error of the energy balance over the work of the crosshead
+    """
+
+    coupon: PullOut
+    time: np.ndarray
+    displacement: np.ndarray
+    load: np.ndarray
+    sliding: np.ndarray
+    energy_error: float
+
+    @property
+    def peak(self) -> float:
+        """[N] highest load."""
+        return float(self.load.max())
+
+
+class PullOutSolver(SlidingSolver):
+    """A pull-out: SlidingSolver with held nodes, and a crosshead at the end of the middle warp.
+
+    Parameters
+    ----------
+    coupon : PullOut
+    end_time, interval : [s] as ExplicitSolver
+    """
+
+    def __init__(self, coupon: PullOut, end_time: float, *, interval: float = 1e-6) -> None:
+        panel = coupon.panel()
+        self.coupon = coupon
+        super().__init__(panel, 1.0, end_time, interval=interval, energy_error_limit=1.0)
+
+    def _start(self, parts, elements, most_threads=np.inf):
+        """Hold the nodes, stretch the crossing yarns and set the crosshead in motion before the first sample."""
+        ((panel, const, state),) = parts
+        for array in (state.inverse_mass, state.dt_over_mass):
+            array[:] = 0
+        state.contact_window[:] = 0
+        state.active_rows[:] = 0, const.ni
+        stretch = self.coupon.stretch()
+        grid(state.u[1], panel)[:] = (stretch - 1) * panel.coordinates()[1]
+        self.slip = panel.slip(state)
+        grid(self.slip.x[1], panel)[:, :-1] = stretch
+        grid(state.stretch[1], panel)[:, :-1] = stretch
+        self.node, middle = const.ni * const.row_stride + const.nj // 2, const.nj // 2
+        warp, weft = (grid(mobile, panel) for mobile in self.slip.mobility)  # other yarns stay where they are
+        pulled = slice(None) if self.coupon.together else slice(middle, middle + 1)
+        yarns = warp[:, pulled].copy()
+        warp[:], weft[:] = 0, 0
+        warp[:, pulled], grid(self.slip.part, panel)[:, pulled] = yarns, 1
+        for array, value in (
+            (self.slip.mass[0], CROSSHEAD), (self.slip.mobility[0], 1 / CROSSHEAD), (self.slip.part, 0),
+            (self.slip.q[0], self.coupon.velocity), (self.slip.q_before[0], self.coupon.velocity),
+        ):  # fmt: skip
+            grid(array, panel)[-1, pulled] = value
+        self.slip.row_slips[const.ni] = True
+        self._states = state, state._replace(stretch=self.slip.x)
+        super()._start(parts, elements, most_threads)
+
+    def load(self) -> float:
+        """[N] of the crosshead."""
+        behind = self.node - self.const.row_stride
+        return float(self.slip.config[0][behind])
+
+    def sliding_crossovers(self) -> int:
+        """Crossovers that the yarn slides through, at half of the crosshead's velocity or more."""
+        flux = grid(self.slip.q[0], self.panel)[:-1, self.const.nj // 2]
+        return int(np.count_nonzero(np.abs(flux) > 0.5 * self.coupon.velocity))
+
+
+def run(coupon: PullOut, end_time: float, *, interval: float = 1e-6) -> PullOutResult:
+    """Pull the yarn until `end_time` [s]; a sample every `interval` [s].
+
+    Raises
+    ------
+    InputError : a time that is not positive
+    UnstableError : as ExplicitSolver.run
+    """
+    solver = PullOutSolver(coupon, end_time, interval=interval)
+    rows: list[tuple[float, float, float, int]] = []
+
+    def record(running: PullOutSolver) -> None:
+        moved = float(running.slip.passed[0][running.node])
+        rows.append((running.time, moved, running.load(), running.sliding_crossovers()))
+
+    hooks: tuple[Hook, ...] = (record,)
+    solver.run(hooks)
+    table: FloatArray = np.array(rows)
+    mean, moved = 0.5 * (table[1:, 2] + table[:-1, 2]), np.diff(table[:, 1])
+    work = max(float(np.sum(mean * moved)), 1e-30)
+    error = float(np.max(np.abs(solver.sample("error")))) / work
+    return PullOutResult(coupon, table[:, 0], table[:, 1], table[:, 2], table[:, 3].astype(int), error)

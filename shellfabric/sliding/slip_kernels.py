@@ -1,0 +1,328 @@
+"""Slip of the yarns at the nodes: stick, slip and reversal as one implicit update of the material fluxes.
+
+A node has, besides its velocity v, the fluxes q1 and q2 [m/s]: the velocities, along their unit tangents t1 and t2, at
+which the warp's and the weft's material moves through it. The material of a yarn moves at v + t q there. With the
+masses m1, m2 of the node's two yarns, m = m1 + m2, the sum F of all forces on the node and the difference C of the
+configurational forces ahead of and behind the node (`forces_kernels`),
+
+    m a + m1 (t1 dq1/dt + dt1/dt q1) + m2 (t2 dq2/dt + dt2/dt q2) = F
+    m1 (t1 . a + dq1/dt) = C1 - f1            and likewise of the weft
+    |f1| <= Tf = c0 + mu F_c + mu |f_nose|,   f1 = Tf sign(q1) where q1 != 0
+
+F_c is the contact force of the cell at the effective stretches about the node, f_nose the force of the projectile on
+it: round the nose a yarn of tension T that turns by an angle is pressed on with T times it, which makes this the
+capstan's law. Without a, dq1/dt = [C1 - f1 - (m1/m) t1.(F - m2 t2 dq2/dt)] / (m1 - m1^2/m); both families are
+solved by Gauss-Seidel iteration, each with the implicit Coulomb law |q*| - dt Tf / M. A held node has 1/m = 0. The
+residuals of the iteration and of the bounds of a flux count as friction, so that the energy balance is exact.
+The yarn moves on by its flux: the share of the segment ahead grows by dt q over its length at rest, that behind loses
+as much.
+"""
+
+import numpy as np
+
+from shellfabric.jit.compile import kernel
+from shellfabric.jit.simd import (
+    WIDTH,
+    any_lane,
+    broadcast,
+    copysign,
+    fabs,
+    floor,
+    fma,
+    gather_rows4,
+    greater,
+    head_mask,
+    load,
+    masked_store,
+    maximum,
+    minimum,
+    reduce_add,
+    rsqrt,
+    shift_in_prev,
+    sqrt,
+    to_int32,
+    where,
+)
+
+WARP, WEFT = 0, 1
+SWEEPS = 3  # Gauss-Seidel: leaves (t1 . t2)^5 of the fluxes' change, t1 . t2 being 0.4 in locked cloth
+# of t1 . t2 in that iteration: where yarns lie along each other a common flux of both would have no mass
+MOST_COSINE = 0.7
+FASTEST = 1e9  # [m/s]: no bound
+
+
+@kernel(_nrt=False)
+def slip_nodes(state, const, slip):
+    """New fluxes of the active nodes; reduces state.f_int by what they take. Adds up the work of friction."""
+    for i in range(state.active_rows[0], state.active_rows[1] + 1):
+        slip_row(state, const, slip, i)
+
+
+@kernel(_nrt=False)
+def slip_row(state, const, slip, i):
+    """`slip_nodes` of one row."""
+    s, k0, moving, rubbed = const.row_stride, i * const.row_stride, False, broadcast(0.0)
+    up, down, inner = (s if i < const.ni else 0), (s if i > 0 else 0), (1.0 if i > 0 else 0.0)
+    for j in range(0, s, WIDTH):
+        k, left = k0 + j, s - j
+        b1 = load(state.intact_fraction[0], k), inner * load(state.intact_fraction[0], k - down)
+        b2 = load(state.intact_fraction[1], k), load_before(state.intact_fraction[1], k)
+        mobile1 = load(slip.mobility[0], k) * minimum(b1[0] + b1[1], 1.0)
+        mobile2 = load(slip.mobility[1], k) * minimum(b2[0] + b2[1], 1.0)
+        q = load(slip.q[0], k), load(slip.q[1], k)
+        f = node_force(state, k)
+        C1 = load(slip.config[0], k) - inner * load(slip.config[0], k - down)
+        C2 = load(slip.config[1], k) - load_before(slip.config[1], k)
+        last = fabs(load(slip.q_before[0], k)) + fabs(load(slip.q_before[1], k))
+        flux = maximum(fabs(q[0]), fabs(q[1])) + last
+        # no drive is above this, whatever the tangents: most nodes need neither them nor a threshold
+        most = maximum(fabs(C1), fabs(C2)) + fabs(f[0]) + fabs(f[1]) + fabs(f[2])
+        slips = any_lane(greater(flux, 0.0))
+        if not (slips or any_lane(greater(most, slip.cohesion * load(slip.part, k)))):
+            continue
+        limit = threshold(state, const, slip, k, down, b1, b2)
+        if not (slips or any_lane(greater(most, limit))):
+            continue
+        t1, t2 = tangents(state.u, const, k, up, down, b1, b2)
+        t1, t2 = unit(*t1), unit(*t2)
+        drive1 = C1 - load(slip.pull[0], k) * dot(t1, f)
+        drive2 = C2 - load(slip.pull[1], k) * dot(t2, f)
+        most = maximum(where(greater(mobile1, 0.0), fabs(drive1), 0.0), where(greater(mobile2, 0.0), fabs(drive2), 0.0))
+        if not (slips or any_lane(greater(most, limit))):
+            continue
+        rates = tangent_rates(state, const, k, up, down, (b1, b2), (t1, t2))
+        room = flux_bounds(slip, 0, k, k - down, b1), flux_bounds(slip, 1, k, k - 1 if k > 0 else k, b2)
+        moves, work = update_nodes(
+            state, slip, k, left, const.dt, (t1, t2), rates, (drive1, drive2), (mobile1, mobile2, *room), limit
+        )
+        moving = moves or moving
+        rubbed = rubbed + work
+    slip.row_slips[i] = moving
+    slip.work[0] += reduce_add(rubbed)
+
+
+@kernel(_nrt=False, forceinline=True)
+def load_before(x, k):
+    """Eight numbers of the slots before k; zero before the first."""
+    return load(x, k - 1) if k > 0 else shift_in_prev(broadcast(0.0), load(x, k))
+
+
+@kernel(_nrt=False, forceinline=True)
+def tangents(u, const, k, up, down, b1, b2):
+    """Vectors along warp and weft of eight nodes at the displacements u: sums of the whole segments about them."""
+    X, Y = const.dx * (b1[0] + b1[1]), const.dy * (b2[0] + b2[1])
+    a1, c1 = central_difference(u[0], k, k + up, load(u[0], k - down), load_before(u[0], k), b1, b2)
+    a2, c2 = central_difference(u[1], k, k + up, load(u[1], k - down), load_before(u[1], k), b1, b2)
+    a3, c3 = central_difference(u[2], k, k + up, load(u[2], k - down), load_before(u[2], k), b1, b2)
+    return (a1 + X, a2, a3), (c1, c2 + Y, c3)
+
+
+@kernel(_nrt=False, forceinline=True)
+def central_difference(x, k, ahead, behind1, behind2, b1, b2):
+    """Differences of x along warp and weft, over the whole segments about eight nodes."""
+    here = load(x, k)
+    return (
+        b1[0] * (load(x, ahead) - here) + b1[1] * (here - behind1),
+        b2[0] * (load(x, k + 1) - here) + b2[1] * (here - behind2),
+    )
+
+
+@kernel(_nrt=False, forceinline=True)
+def tangent_rates(state, const, k, up, down, b, t):
+    """Rates of the unit tangents of eight nodes, [1/s]."""
+    v, u, (b1, b2) = state.v, state.u, b
+    a1, c1 = central_difference(v[0], k, k + up, load(v[0], k - down), load_before(v[0], k), b1, b2)
+    a2, c2 = central_difference(v[1], k, k + up, load(v[1], k - down), load_before(v[1], k), b1, b2)
+    a3, c3 = central_difference(v[2], k, k + up, load(v[2], k - down), load_before(v[2], k), b1, b2)
+    long1, long2 = tangents(u, const, k, up, down, b1, b2)
+    return turning((a1, a2, a3), long1, t[0]), turning((c1, c2, c3), long2, t[1])
+
+
+@kernel(_nrt=False, forceinline=True)
+def turning(rate, along, t):
+    """Rate of the unit vector t of `along`, which changes at `rate`; zero where there is none."""
+    length, stretching = dot(along, t), dot(rate, t)
+    inverse = where(greater(length, 0.0), 1.0 / where(greater(length, 0.0), length, 1.0), 0.0)
+    return (
+        inverse * (rate[0] - stretching * t[0]),
+        inverse * (rate[1] - stretching * t[1]),
+        inverse * (rate[2] - stretching * t[2]),
+    )
+
+
+@kernel(_nrt=False, forceinline=True)
+def dot(a, b):
+    """Scalar product of two vectors of eight nodes."""
+    return fma(a[2], b[2], fma(a[1], b[1], a[0] * b[0]))
+
+
+@kernel(_nrt=False, forceinline=True)
+def unit(a, b, c):
+    """The vectors over their lengths; zero where there is none."""
+    square = fma(c, c, fma(b, b, a * a))
+    some = greater(square, 1e-30)
+    inverse = where(some, rsqrt(where(some, square, 1.0)), 0.0)
+    return a * inverse, b * inverse, c * inverse
+
+
+@kernel(_nrt=False, forceinline=True)
+def node_force(state, k):
+    """Sum of the forces on eight nodes."""
+    return (
+        load(state.f_int[0], k) + load(state.f_int_above[0], k) + load(state.f_contact[0], k),
+        load(state.f_int[1], k) + load(state.f_int_above[1], k) + load(state.f_contact[1], k),
+        load(state.f_int[2], k) + load(state.f_int_above[2], k) + load(state.f_contact[2], k),
+    )
+
+
+@kernel(_nrt=False, forceinline=True)
+def mean_stretch(b, ahead, behind):
+    """Mean effective stretch of the segments about eight nodes, of those that are whole; 1 where there is none."""
+    count = b[0] + b[1]
+    some = greater(count, 0.0)
+    return where(some, (b[0] * ahead + b[1] * behind) / where(some, count, 1.0), 1.0)
+
+
+@kernel(_nrt=False, forceinline=True)
+def threshold(state, const, slip, k, down, b1, b2):
+    """Largest friction [N] of eight nodes, Tf; none where one of the two yarns has left the node."""
+    x0, rx, top1, y0, ry, top2, across = const.table_grid
+    found = broadcast(slip.cohesion)
+    if slip.mu > 0.0:
+        x1 = mean_stretch(b1, load(slip.x[0], k), load(slip.x[0], k - down))
+        x2 = mean_stretch(b2, load(slip.x[1], k), load_before(slip.x[1], k))
+        p, q = maximum((x1 - x0) * rx, 0.0), maximum((x2 - y0) * ry, 0.0)
+        cell1, cell2 = floor(minimum(p, top1)), floor(minimum(q, top2))
+        c = gather_rows4(slip.table, to_int32(fma(cell1, across, cell2)))
+        p, q = p - cell1, q - cell2
+        found = found + slip.mu * maximum(fma(q, fma(c[3], p, c[2]), fma(c[1], p, c[0])), 0.0)
+    f = load(state.f_contact[0], k), load(state.f_contact[1], k), load(state.f_contact[2], k)
+    both = minimum(b1[0] + b1[1], 1.0) * minimum(b2[0] + b2[1], 1.0)
+    return both * (load(slip.part, k) * found + slip.mu * sqrt(dot(f, f)))
+
+
+@kernel(_nrt=False, forceinline=True)
+def flux_bounds(slip, family, ahead, behind, b):
+    """(lowest, highest) flux of eight nodes: a segment gives no yarn that holds the least between yarns that touch."""
+    low_ahead = where(greater(slip.least, load(slip.share[family], ahead)), b[0], 0.0)
+    low_behind = where(greater(slip.least, load(slip.share[family], behind)), b[1], 0.0)
+    return where(greater(low_ahead, 0.0), 0.0, -FASTEST), where(greater(low_behind, 0.0), 0.0, FASTEST)
+
+
+@kernel(_nrt=False, forceinline=True)
+def coulomb(q, kick, mobile, limit, bounds):
+    """Flux after an impulse per mass `kick` against friction of at most `limit` over the reduced mass 1 / mobile."""
+    trial = q + kick
+    slipping = copysign(maximum(fabs(trial) - limit * mobile, 0.0), trial)
+    return where(greater(mobile, 0.0), minimum(maximum(slipping, bounds[0]), bounds[1]), 0.0)
+
+
+@kernel(_nrt=False)
+def update_nodes(state, slip, k, left, dt, t, rates, drives, mobile, limit):
+    """Fluxes of eight nodes: (whether one of them is not zero, work [J] of friction)."""
+    (t1, t2), (r1, r2), (D1, D2) = t, rates, drives
+    q1, q2, m1, m2 = load(slip.q[0], k), load(slip.q[1], k), load(slip.mass[0], k), load(slip.mass[1], k)
+    g1, g2 = m1 * q1, m2 * q2
+    turn = g1 * r1[0] + g2 * r2[0], g1 * r1[1] + g2 * r2[1], g1 * r1[2] + g2 * r2[2]
+    D1, D2 = fma(load(slip.pull[0], k), dot(t1, turn), D1), fma(load(slip.pull[1], k), dot(t2, turn), D2)
+    cosine, coupling, per, most = dot(t1, t2), load(slip.coupling, k), 1.0 / dt, dt * limit
+    both = coupling * minimum(maximum(cosine, -MOST_COSINE), MOST_COSINE)
+    bounds1, bounds2 = mobile[2], mobile[3]
+    n1, n2, E1, E2 = q1, q2, D1, D2
+    for _ in range(SWEEPS):
+        E1 = D1 + both * (per * (n2 - q2))
+        n1 = coulomb(q1, dt * mobile[0] * E1, mobile[0], most, bounds1)
+        E2 = D2 + both * (per * (n1 - q1))
+        n2 = coulomb(q2, dt * mobile[1] * E2, mobile[1], most, bounds2)
+    E1, E2 = D1 + coupling * cosine * (per * (n2 - q2)), D2 + coupling * cosine * (per * (n1 - q1))
+    g1, g2 = m1 * (per * (n1 - q1)), m2 * (per * (n2 - q2))
+    f1, f2 = friction(E1, n1 - q1, per, mobile[0]), friction(E2, n2 - q2, per, mobile[1])
+    work = q1 * (f1 + load(slip.friction[0], k)) + q2 * (f2 + load(slip.friction[1], k))
+    for c in range(3):
+        masked_store(state.f_int[c], k, load(state.f_int[c], k) - (turn[c] + (g1 * t1[c] + g2 * t2[c])), left)
+    masked_store(slip.q_before[0], k, q1, left)
+    masked_store(slip.q_before[1], k, q2, left)
+    masked_store(slip.q[0], k, n1, left)
+    masked_store(slip.q[1], k, n2, left)
+    masked_store(slip.friction[0], k, f1, left)
+    masked_store(slip.friction[1], k, f2, left)
+    flux = where(head_mask(left), fabs(n1) + fabs(n2), 0.0)
+    return any_lane(greater(flux, 0.0)), where(head_mask(left), (0.5 * dt) * work, 0.0)
+
+
+@kernel(_nrt=False, forceinline=True)
+def friction(drive, change, per, mobile):
+    """Force of friction [N] that leaves of the drive what the flux has changed by."""
+    return where(greater(mobile, 0.0), drive - per * change / where(greater(mobile, 0.0), mobile, 1.0), 0.0)
+
+
+@kernel(_nrt=False)
+def kinetic_energy(state, const, slip):
+    """[J] of the slip: that of the yarns' material, whose velocity is v + t q, less that of the nodes."""
+    total, s = 0.0, const.row_stride
+    for family in range(2):
+        for i in range(const.ni + 1):
+            for j in range(s):
+                k = np.uint64(i * s + j)
+                before, after = slip.q_before[family][k], slip.q[family][k]
+                if before == 0.0 and after == 0.0:
+                    continue
+                kick, along, moved = state.dt_over_mass[k], 0.0, 0.0
+                t = unit_tangent(state, const, family, i, j)
+                for c in range(3):
+                    f = state.f_int[c][k] + state.f_int_above[c][k] + state.f_contact[c][k]
+                    along += t[c] * state.v[c][k]
+                    moved += t[c] * (state.v[c][k] + kick * f)
+                total += 0.5 * slip.mass[family][k] * (along * after + moved * before + before * after)
+    return total
+
+
+@kernel(_nrt=False)
+def unit_tangent(state, const, family, i, j):
+    """Unit tangent of a yarn at node (i, j), as `tangents` has it; along failed segments where there are no others."""
+    t = chord(state, const, family, i, j, True)
+    return t if t[0] != 0.0 or t[1] != 0.0 or t[2] != 0.0 else chord(state, const, family, i, j, False)
+
+
+@kernel(_nrt=False)
+def chord(state, const, family, i, j, whole):
+    """Unit vector along the segments of a yarn about node (i, j), of whole ones alone if `whole`; or zero."""
+    s, step = const.row_stride, const.row_stride if family == WARP else 1
+    k, place, last = i * s + j, i if family == WARP else j, const.ni if family == WARP else const.nj
+    side = const.dx if family == WARP else const.dy
+    x, y, z = 0.0, 0.0, 0.0
+    for back in range(2):
+        near = k - back * step
+        if place - back < 0 or place - back >= last:
+            continue
+        if whole and state.intact_fraction[family][np.uint64(near)] == 0.0:
+            continue
+        far = np.uint64(near + step)
+        x += state.u[0][far] - state.u[0][np.uint64(near)] + (side if family == WARP else 0.0)
+        y += state.u[1][far] - state.u[1][np.uint64(near)] + (0.0 if family == WARP else side)
+        z += state.u[2][far] - state.u[2][np.uint64(near)]
+    length = (x * x + y * y + z * z) ** 0.5
+    return (x / length, y / length, z / length) if length > 0.0 else (0.0, 0.0, 0.0)
+
+
+@kernel(_nrt=False)
+def drop_fluxes(state, const, slip):
+    """End the fluxes at nodes that a yarn has left: [J] kinetic energy of its end, whose momentum leaves with it."""
+    lost, s = 0.0, const.row_stride
+    for family in range(2):
+        step = s if family == WARP else 1
+        for i in range(const.ni + 1):
+            for j in range(s):
+                k, inner = i * s + j, (i if family == WARP else j) > 0
+                q = slip.q[family][np.uint64(k)]
+                if q == 0.0 or state.intact_fraction[family][np.uint64(k)] > 0.0:
+                    continue
+                if inner and state.intact_fraction[family][np.uint64(k - step)] > 0.0:
+                    continue
+                t, along = chord(state, const, family, i, j, False), 0.0
+                for c in range(3):
+                    along += t[c] * state.v[c][np.uint64(k)]
+                lost += slip.mass[family][np.uint64(k)] * q * (along + 0.5 * q)
+                slip.q[family][np.uint64(k)] = slip.q_before[family][np.uint64(k)] = 0.0
+                slip.friction[family][np.uint64(k)] = 0.0
+    return lost

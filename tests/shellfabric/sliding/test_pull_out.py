@@ -1,0 +1,114 @@
+"""One yarn pulled through held crossings: plateau, front of slip, wave speed, energy, and the ends of the yarn."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from fabrics.errors import InputError
+from shellfabric.cell.model import CellModel
+from shellfabric.panel.numerics import Numerics
+from shellfabric.sliding import pull_out
+from shellfabric.sliding.model import CrossoverFriction
+from shellfabric.sliding.pull_out import PullOut
+
+NUMERICS = Numerics(threads=1)
+
+
+@pytest.fixture(scope="module")
+def table(straight):
+    """Straight yarns that press on one another nowhere."""
+    return CellModel(straight(1.0), model="decoupled").table(41)
+
+
+@pytest.fixture(scope="module")
+def crimped(tables):
+    return tables["variational"]
+
+
+def pulled(table, n, threshold, end=60e-6, velocity=2.0, numerics=NUMERICS, interval=1e-6, **others):
+    friction = CrossoverFriction(mu=others.pop("mu", 0.0), cohesion=threshold)
+    coupon = PullOut(table, n, velocity, friction=friction, numerics=numerics, **others)
+    return pull_out.run(coupon, end, interval=interval)
+
+
+def arrival(n, fabric):
+    """[s] a longitudinal wave over n spacings of a free yarn."""
+    yarn = fabric.weave.warp
+    return n * 2 * fabric.weave.w1 / (yarn.EA / yarn.linear_density) ** 0.5
+
+
+@pytest.mark.parametrize(("n", "threshold"), [(10, 0.5), (20, 0.5), (20, 2.0), (10, 5.0)])
+def test_all_crossings_slide_at_their_threshold(table, n, threshold):
+    found = pulled(table, n, threshold, end=200e-6)
+    late = found.time > 100e-6
+    assert found.sliding[-1] == n
+    # the yarn still rings: the mean is the plateau
+    assert found.load[late].mean() == pytest.approx(n * threshold, rel=0.03)
+    assert found.energy_error < 0.005
+
+
+def test_the_front_of_slip_travels_at_the_wave_speed_of_a_free_yarn(table):
+    found = pulled(table, 100, 0.0, end=18e-6, together=True, interval=1e-7)
+    reached = [found.time[np.argmax(found.sliding >= n)] for n in (25, 75)]
+    expected = arrival(50, table.model.fabric)
+    assert reached[1] - reached[0] == pytest.approx(expected, rel=0.03)
+    assert found.sliding[-1] == 100
+
+
+@pytest.mark.parametrize(("together", "stiffness"), [(True, 1.0), (False, 0.75)])
+def test_the_load_before_the_front_has_come_back_is_that_of_an_infinite_yarn(table, together, stiffness):
+    """sqrt(EA rho) V. One yarn alone has 3/4 of its stiffness, see PullOut."""
+    yarn = table.model.fabric.weave.warp
+    found = pulled(table, 100, 0.0, end=12e-6, together=together)
+    assert found.load[-1] == pytest.approx(2.0 * (stiffness * yarn.EA * yarn.linear_density) ** 0.5, rel=0.003)
+
+
+def test_a_smaller_time_step_changes_the_load_little(table):
+    found = [pulled(table, 20, 2.0, end=40e-6, numerics=Numerics(cfl=cfl, threads=1)) for cfl in (0.9, 0.45, 0.225)]
+    time = np.linspace(5e-6, 38e-6, 30)
+    loads = [np.interp(time, one.time, one.load) for one in found]
+    coarse, fine = (np.abs(load - loads[2]).mean() / loads[2].mean() for load in loads[:2])
+    assert fine < coarse < 0.03
+
+
+def test_nothing_slides_where_the_threshold_is_infinite(table):
+    found = pulled(table, 10, np.inf, end=1e-6)
+    assert found.sliding[-1] == 0
+
+
+def test_the_load_falls_as_the_tail_leaves_the_crossings(table):
+    n, threshold, velocity = 8, 2.0, 20.0
+    side = 2 * table.model.fabric.weave.w1
+    found = pulled(table, n, threshold, end=5.2 * side / velocity, velocity=velocity)
+    moved = found.displacement / side
+    plateau = [found.load[(moved > a) & (moved < a + 0.5)].mean() for a in (0.9, 2.9, 4.6)]
+    left = [np.floor(a + 0.5) for a in (0.9, 2.9, 4.6)]  # half a spacing of tail, and one more a crossing
+    expected = [threshold * (n - lost) for lost in left]
+    assert plateau == pytest.approx(expected, rel=0.2)
+    assert found.energy_error < 0.005
+
+
+def test_friction_on_the_contact_force_multiplies_the_load_as_a_capstan_does(crimped):
+    late = {
+        (n, mu): pulled(crimped, n, 0.1, end=200e-6, mu=mu).load[100:].mean()
+        for n, mu in ((8, 0.0), (16, 0.0), (8, 0.2), (16, 0.2), (16, 0.4))
+    }
+    assert late[8, 0.0] == pytest.approx(0.8, rel=0.1)
+    assert late[16, 0.0] == pytest.approx(1.6, rel=0.1)
+    assert late[16, 0.2] > 2.5 * late[8, 0.2]
+    assert late[16, 0.4] > 2.5 * late[16, 0.2]
+
+
+def test_a_yarn_without_tension_is_not_held_by_stretched_crossing_yarns(crimped):
+    """What the flexible yarns of the cell leave out: the load of a real yarn begins with their bending stiffness."""
+    found = pulled(crimped, 16, 0.0, end=150e-6, mu=0.2, pre_tension=20.0, velocity=0.5)
+    assert found.load[-1] < 0.05 * found.load[0]
+
+
+@pytest.mark.parametrize(
+    "changes", [{"crossings": 7}, {"crossings": 6}, {"velocity": 0.0}, {"pre_tension": -1.0}, {"pre_tension": 1e9}]
+)
+def test_bad_values_are_refused(table, changes):
+    with pytest.raises(InputError, match=next(iter(changes))):
+        replace(PullOut(table), **changes)

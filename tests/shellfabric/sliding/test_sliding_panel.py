@@ -1,0 +1,225 @@
+"""The panel with sliding crossovers: the pinned panel in the limit, stability, energy, forces as gradients."""
+
+from dataclasses import fields
+
+import numpy as np
+import pytest
+from conftest_tools import Interrupted, Interrupting
+
+from fabrics.errors import InputError
+from shellfabric.cloth.membrane_kernels import ERODED
+from shellfabric.output import checkpoint
+from shellfabric.panel.model import Panel
+from shellfabric.panel.numerics import Numerics
+from shellfabric.panel.solver import PanelSolver
+from shellfabric.projectile.projectile import Projectile
+from shellfabric.sliding import flow_kernels, step_kernels
+from shellfabric.sliding.model import CrossoverFriction, SlidingPanel, grid
+from shellfabric.sliding.solver import SlidingSolver, solver_of
+
+ONE = Numerics(threads=1)
+
+
+@pytest.fixture(scope="module")
+def sliding(tables):
+    """Make a panel of 24 x 24 crossovers as a whole with sliding crossovers."""
+
+    def make(mu=0.2, cohesion=0.0, **changes):
+        values = {"numerics": ONE} | changes
+        table = values.pop("table", tables["variational"])
+        return SlidingPanel(table, (0.0306, 0.0306), friction=CrossoverFriction(mu, cohesion), **values)
+
+    return make
+
+
+def pinned(panel):
+    return Panel(**{each.name: getattr(panel, each.name) for each in fields(Panel)})
+
+
+@pytest.mark.parametrize(("velocity", "end"), [(60.0, 40e-6), (260.0, 20e-6)])  # without and with failed yarns
+@pytest.mark.parametrize("symmetry", ["quarter", "whole"])
+def test_an_infinite_threshold_is_the_pinned_panel_to_the_bit(sliding, velocity, end, symmetry):
+    panel = sliding(mu=np.inf, symmetry=symmetry)
+    one, other = SlidingSolver(panel, velocity, end).run(), PanelSolver(pinned(panel), velocity, end).run()
+    assert one.steps == other.steps
+    for name in ("u", "v", "f_int", "stretch", "N", "failed", "intact_fraction"):
+        for mine, its in zip(getattr(one.state, name), getattr(other.state, name)):
+            assert np.array_equal(mine, its), name
+    assert np.array_equal(one.sample("v"), other.sample("v"))
+    assert one.sample("error") == pytest.approx(other.sample("error"), abs=1e-12)
+    assert (one.sample("failed_yarns")[-1] > 0) == (velocity > 200)
+
+
+@pytest.mark.parametrize("cfl", [0.9, 0.45])
+@pytest.mark.parametrize("cohesion", [0.0, 0.05, 0.5, 5.0, 1000.0])
+def test_every_threshold_is_stable_and_keeps_the_energy(sliding, cohesion, cfl):
+    panel = sliding(0.0, cohesion, numerics=Numerics(cfl=cfl, threads=1))
+    run = SlidingSolver(panel, 80.0, 60e-6).run()
+    assert np.abs(run.sample("error")).max() < 0.005 * run.strike_energy
+    assert np.all(np.diff(run.sample("crossover_friction")) > -1e-6 * run.strike_energy)
+    assert all(grid(share, panel).min() > 0.2 for share in run.slip.share)
+
+
+def test_yarn_is_neither_made_nor_lost(sliding):
+    run = SlidingSolver(sliding(0.1, failure=False), 80.0, 60e-6).run()
+    warp, weft = (grid(share, run.panel) for share in run.slip.share)
+    assert warp[:-1].sum(axis=0) == pytest.approx(np.full(warp.shape[1], warp.shape[0] - 1), rel=1e-12)
+    assert weft[:, :-1].sum(axis=1) == pytest.approx(np.full(weft.shape[0], weft.shape[1] - 1), rel=1e-12)
+    assert run.summary().pulled_out_length > 1e-6
+    assert run.summary().friction_work > 0
+
+
+def test_momentum_of_a_free_panel_is_that_of_its_projectile(sliding):
+    run = SlidingSolver(sliding(0.1, edge="free", symmetry="whole"), 60.0, 30e-6).run()
+    state, slip = run.state, run.slip
+    # at the half step: of the nodes, of the yarns that slip through them, and of the projectile
+    total = (state.mass * state.v[2]).sum() + run.const.projectile_mass * state.projectile_velocity[2]
+    for family in range(2):
+        total += sum(
+            slip.mass[family][k] * slip.q[family][k] * _tangent(run, family, k)[2]
+            for k in np.flatnonzero(slip.q[family])
+        )
+    assert total == pytest.approx(run.const.projectile_mass * 60.0, rel=2e-3)
+
+
+def _tangent(run, family, k):
+    ni, nj = run.panel.counts
+    i, j = divmod(int(k), nj + 1)
+    x = np.stack([*run.panel.coordinates(), np.zeros((ni + 1, nj + 1))], axis=-1)
+    x += np.moveaxis(np.array([grid(u, run.panel) for u in run.state.u]), 0, -1)
+    line = x[:, j] if family == 0 else x[i]
+    m = i if family == 0 else j
+    along = line[min(m + 1, len(line) - 1)] - line[max(m - 1, 0)]
+    return along / np.linalg.norm(along)
+
+
+def test_forces_are_the_derivatives_of_one_energy(sliding):
+    """Of positions and of the shares of yarn alike."""
+    panel = sliding(0.0, symmetry="whole", trellis=False, numerics=Numerics(threads=1, stretch_viscosity=0.0))
+    random = np.random.default_rng(3)
+    run = SlidingSolver(panel, 10.0, 1e-6)
+    state, slip, const = run.state, run.slip, run.const
+    x, y = (grid(u, panel) for u in state.u[:2])
+    X, Y = panel.coordinates()
+    x += 0.03 * X + 2e-6 * random.standard_normal(X.shape)
+    y += 0.03 * Y + 2e-6 * random.standard_normal(X.shape)
+    for share, inverse in zip(slip.share, slip.inv_share):
+        grid(share, panel)[:] = 1 + 0.01 * random.standard_normal(X.shape)
+        inverse[:] = 1 / share
+    slip.share[1][const.nj :: const.row_stride] = slip.inv_share[1][const.nj :: const.row_stride] = 1.0
+
+    def energy():
+        forces(run)
+        out = np.empty(5)
+        step_kernels.energies(run._states, const, slip, out)
+        return out[1]
+
+    energy()
+    node = 12 * const.row_stride + 10
+    found = [state.f_int[c][node] + state.f_int_above[c][node] for c in (0, 1)]
+    for c in (0, 1):
+        assert found[c] == pytest.approx(-slope(energy, state.u[c], node, 1e-9), rel=0.02, abs=0.05)
+    for family, side in ((0, const.dx), (1, const.dy)):
+        forces(run)
+        config = slip.config[family][node]
+        assert config * side == pytest.approx(-slope(energy, slip.share[family], node, 1e-6, slip.inv_share[family]),
+                                              rel=0.02)  # fmt: skip
+
+
+def forces(run):
+    step_kernels.initial_forces(run._states[0], run.const, run.slip, run._works)
+
+
+def slope(energy, array, k, step, inverse=None):
+    start, found = array[k], []
+    for sign in (1, -1):
+        array[k] = start + sign * step
+        if inverse is not None:
+            inverse[k] = 1 / array[k]
+        found.append(energy())
+    array[k] = start
+    if inverse is not None:
+        inverse[k] = 1 / start
+    return (found[0] - found[1]) / (2 * step)
+
+
+def test_a_pulled_out_free_edge(sliding):
+    """Without friction and with free sides the yarns under the nose leave their last crossovers."""
+    run = SlidingSolver(sliding(0.0, edge="free"), 80.0, 150e-6).run()
+    assert run.summary().pulled_out_segments > 0
+    assert run.sample("failed_yarns")[-1] == 0
+    assert np.abs(run.sample("error")).max() < 0.005 * run.strike_energy
+
+
+def test_failed_yarns_retract(sliding):
+    run = SlidingSolver(sliding(0.0), 260.0, 40e-6).run()
+    assert run.sample("failed_yarns")[-1] > 0
+    assert np.abs(run.sample("error")).max() < 0.005 * run.strike_energy
+
+
+def test_the_time_step_is_that_of_the_free_yarn(sliding):
+    panel = sliding(0.2, numerics=Numerics(threads=1, stretch_viscosity=0.0))
+    assert panel.time_step / pinned(panel).time_step == pytest.approx(min(panel.own_masses) ** 0.5)
+    assert sliding(np.inf).time_step == pinned(panel_of(sliding)).time_step
+
+
+def panel_of(sliding):
+    return sliding(np.inf)
+
+
+def test_the_solver_follows_from_the_panel(sliding):
+    panel = sliding(np.inf)
+    assert isinstance(solver_of(panel, 50.0, 1e-6), SlidingSolver)
+    assert isinstance(solver_of(pinned(panel), 50.0, 1e-6), PanelSolver)
+
+
+def test_a_run_goes_on_from_a_checkpoint_to_the_bit(sliding, tmp_path):
+    panel, path = sliding(0.05, edge="free"), tmp_path / "checkpoint.h5"
+    whole = SlidingSolver(panel, 200.0, 30e-6).run()
+    with pytest.raises(Interrupted):
+        SlidingSolver(panel, 200.0, 30e-6).run((Interrupting(path, 6e-6, 15e-6),))
+    resumed = SlidingSolver(panel, 200.0, 30e-6)
+    checkpoint.read(resumed, path)
+    resumed.run()
+    assert np.array_equal(resumed.samples, whole.samples)
+    assert resumed.summary() == whole.summary()
+
+
+def test_there_is_one_thread(sliding):
+    assert SlidingSolver(sliding(0.1, numerics=Numerics(threads=2)), 50.0, 1e-6).threads == 1
+
+
+def test_a_window_that_the_projectile_fits_through_is_out_of_contact(sliding):
+    """Yarns of a loose panel are drawn past a slender projectile, which none of them stops."""
+    run = SlidingSolver(sliding(0.0), 50.0, 1e-6)
+    width = 2 * run.const.projectile_radius
+    for stretch, side in zip(run.state.stretch, (run.const.dx, run.const.dy)):
+        stretch[:] = 1.01 * width / side
+    run.state.stretch[0][0] = 1.0
+    flow_kernels.open_windows(run.state, run.const, run.slip)
+    i0, i1, j0, j1 = run.state.contact_window
+    flags = grid(run.state.element_flag, run.panel)[i0:i1, j0:j1]
+    assert flags[0, 0] == 0
+    assert np.all(flags.ravel()[1:] == ERODED)
+
+
+@pytest.mark.parametrize(
+    ("key", "changes"),
+    [
+        ("elements_per_crossover", {"elements_per_crossover": 2}),
+        ("grading", {"grading": ((8, 1), (np.inf, 2))}),
+        ("bending", {"bending": (1e-8, 1e-8)}),
+        ("jam", {"jam": (1.0, 0.9)}),
+        ("precision", {"numerics": Numerics(precision="single")}),
+        ("crossover_friction", {"mu": -0.1}),
+        ("crossover_cohesion", {"cohesion": -1.0}),
+    ],
+)
+def test_what_is_not_supported_is_refused(sliding, key, changes):
+    with pytest.raises(InputError, match=key):
+        sliding(projectile=Projectile(radius=1e-3), **changes)
+
+
+def test_the_equilibrium_form_is_refused(sliding, tables):
+    with pytest.raises(InputError, match="form"):
+        sliding(table=tables["equilibrium"])

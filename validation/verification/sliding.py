@@ -1,0 +1,237 @@
+"""Sliding crossovers: error of the cell's scaling, stability, cost, pull-out, and critical velocities by friction.
+
+    python -m validation.verification.sliding [--out results/sliding] [--page docs/sliding.md] [--jobs N] [--only NAMES]
+
+Runs are kept in the folder and not made twice. Without --page the tables are printed alone.
+"""
+
+from __future__ import annotations
+
+import argparse
+from dataclasses import replace
+from functools import partial
+from math import inf
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from fabrics import catalogue, run_cache
+from fabrics.errors import UndecidedError, UnstableError, run_program
+from shellfabric.cell.model import CellModel
+from shellfabric.impact.ballistic_limit import critical_velocity
+from shellfabric.impact.single_ply import ImpactSetup
+from shellfabric.panel.model import Panel
+from shellfabric.panel.numerics import Numerics
+from shellfabric.sliding import cell_scaling, pull_out
+from shellfabric.sliding.model import CrossoverFriction, SlidingPanel
+from shellfabric.sliding.solver import solver_of
+from validation.verification.study import known
+from weavecell.report.marked_page import markdown, put
+
+MARKS = "<!-- tables of validation.verification.sliding -->", "<!-- end of sliding -->"
+FABRICS = ("S-720", "S-726", "S-727", "S-728", "S-731", "S-745")
+TESTS = {"S-726": "stopped at 96, perforated at 110"}  # m/s, tests of the thesis
+MU = (0.1, 0.2, 0.3)
+SHARES = (0.8, 0.9, 0.95, 0.98, 1.02, 1.05, 1.1, 1.2)
+STRAINS = (-0.02, 0.03)
+THRESHOLDS = (0.0, 0.05, 0.2, 0.5, 2.0, 20.0, 200.0, 1000.0)
+CFL = (0.9, 0.7, 0.5, 0.3)
+PULL_MU, CROSSINGS, COHESION = (0.0, *MU), (10, 20), 0.1  # [-], [-], [N]
+
+
+def setup(name: str, velocity: float, friction: CrossoverFriction | None, cfl: float = 0.9) -> ImpactSetup:
+    """The shot of the thesis at a fabric, one element a crossover."""
+    fabric = catalogue.load(name).with_effective_density()
+    numerics = Numerics(cfl=cfl, threads=1)
+    return ImpactSetup(fabric, velocity, elements_per_crossover=1, numerics=numerics, crossovers=friction)
+
+
+def scaling(name: str) -> list[list[float]]:
+    """(shares, quantities) error over the strength, see `cell_scaling.errors`."""
+    strains = np.linspace(*STRAINS, 26)
+    model = CellModel(catalogue.load(name))
+    return [[float(value) for value in row] for row in cell_scaling.errors(model, SHARES, strains)]
+
+
+def stability(cohesion: float, cfl: float) -> tuple[float, str, float, float]:
+    """(energy error over the strike energy, outcome, work of friction over it, least share of yarn of a segment)."""
+    this = replace(setup("S-726", 100.0, CrossoverFriction(0.0, cohesion), cfl), opening=0.08)
+    solver: Any = solver_of(this.panel(this.table(kept=True)), 100.0, 100e-6)
+    try:
+        solver.run()
+    except UnstableError as problem:
+        return inf, str(problem), inf, 0.0
+    size = (solver.const.ni + 1) * solver.const.row_stride
+    least = min(float(share[:size].min()) for share in solver.slip.share)
+    error = float(np.max(np.abs(solver.sample("error")))) / solver.strike_energy
+    return error, solver.outcome, float(solver.sample("crossover_friction")[-1]) / solver.strike_energy, least
+
+
+def cost(mu: float | None) -> tuple[float, int]:
+    """([ns] for an element and a step, steps) of S-726 at 100 m/s over 100 us; mu None for pinned crossovers."""
+    this = setup("S-726", 100.0, None if mu is None else CrossoverFriction(mu))
+    panel, best = this.panel(this.table(kept=True)), inf
+    for _ in range(3):
+        solver: Any = solver_of(panel, 100.0, 100e-6)
+        solver.run()
+        best = min(best, 1e9 * solver.wall_time / (solver.steps * panel.elements))
+    return best, solver.steps
+
+
+def limit(name: str, mu: float | None) -> tuple[float, float, int, float, float]:
+    """(stop, perforation [m/s], failed segments of the slowest perforation, largest energy error, widest window [m]);
+    of pinned crossovers where mu is None."""
+    this = setup(name, 100.0, None if mu is None else CrossoverFriction(mu))
+    panel = this.panel(this.table(kept=True))
+    try:
+        found = critical_velocity(panel, tolerance=1.0)
+    except (UndecidedError, UnstableError):
+        return float("nan"), float("nan"), 0, float("nan"), float("nan")
+    slowest = min((shot for shot in found.shots if shot.perforated), key=lambda shot: shot.strike_velocity)
+    balance = max(shot.balance for shot in found.shots)
+    return found.low, found.high, slowest.failed, balance, window(panel, found.low)
+
+
+def window(panel: Panel, velocity: float) -> float:
+    """[m] widest distance of neighbouring yarns where the projectile has stopped."""
+    if not isinstance(panel, SlidingPanel):
+        return float("nan")
+    solver: Any = solver_of(panel, velocity, 1e-3)
+    return float(solver.run().summary().largest_window)
+
+
+def pulled(crossings: int, mu: float) -> tuple[float, float]:
+    """(late load [N], largest energy error over the work) of S-726 with the cohesion COHESION, at 2 m/s."""
+    table = ImpactSetup(catalogue.load("S-726").with_effective_density(), 1.0).table(kept=True)
+    coupon = pull_out.PullOut(
+        table, crossings, friction=CrossoverFriction(mu, COHESION), numerics=Numerics(threads=1)
+    )  # fmt: skip
+    found = pull_out.run(coupon, 200e-6)
+    return float(found.load[found.time > 100e-6].mean()), found.energy_error
+
+
+def text(results: dict[str, list]) -> str:
+    """The tables of the studies that have been run."""
+    makers = {
+        "scaling": _scaling_table, "stability": _stability, "cost": _cost, "pulled": _pulled, "limit": _limits,
+    }  # fmt: skip
+    return "\n".join(make(results[name]) for name, make in makers.items() if name in results)
+
+
+def _stability(found):
+    rows = [["threshold, N", *(f"Courant factor {cfl:g}" for cfl in CFL)]]
+    for n, threshold in enumerate(THRESHOLDS):
+        cells = found[n * len(CFL) : (n + 1) * len(CFL)]
+        rows.append([f"{threshold:g}", *(f"{100 * e:.3f} % ({share:.2f})" for e, _, _, share in cells)])
+    head = (
+        "### Stability\n\nLargest energy error over the strike energy, in brackets the least yarn of a segment over "
+        "that at rest: S-726, 80 mm square, 100 m/s, 100 us, mu = 0 and the threshold c0.\n"
+    )
+    return f"{head}\n{markdown(rows)}"
+
+
+def _cost(found):
+    (pinned, steps), *_, (_, more) = found
+    rows = [["crossovers", "ns for an element and a step", "over pinned"]]
+    for name, (ns, _) in zip(("pinned", "infinite threshold", *(f"mu = {mu:g}" for mu in MU)), found):
+        rows.append([name, f"{ns:.1f}", f"{ns / pinned:.2f}"])
+    head = f"### Cost\n\nOne thread. The step of the sliding panel is {steps / more:.3f} of the pinned one.\n"
+    return f"{head}\n{markdown(rows)}"
+
+
+def _pulled(found):
+    rows = [["crossings", *(f"mu = {mu:g}" for mu in PULL_MU)]]
+    for n, count in enumerate(CROSSINGS):
+        cells = found[n * len(PULL_MU) : (n + 1) * len(PULL_MU)]
+        rows.append([f"{count}", *(f"{load:.2f}" for load, _ in cells)])
+    head = (
+        f"### Pull-out\n\nLoad [N], mean from 100 to 200 us, of one yarn of S-726 at 2 m/s; cohesion {COHESION:g} N.\n"
+    )
+    return f"{head}\n{markdown(rows)}"
+
+
+def _scaling_table(found):
+    rows = [["fabric", "yarn over that at rest", *cell_scaling.QUANTITIES]]
+    for name, table in zip(FABRICS, found):
+        for share, row in zip(SHARES, table):
+            rows.append([name, f"{share:g}", *(f"{100 * value:.2f} %" for value in row)])
+    return f"### Error of the effective stretch\n\n{markdown(rows)}"
+
+
+def _limits(found):
+    rows = [["fabric", "yarns / inch", "pinned, m/s", *(f"mu = {mu:g}" for mu in MU), "tests"]]
+    for n, name in enumerate(FABRICS):
+        fabric, cells = catalogue.load(name), found[n * (1 + len(MU)) : (n + 1) * (1 + len(MU))]
+        counts = f"{fabric.weave.warp_count * 0.0254:.0f} x {fabric.weave.weft_count * 0.0254:.0f}"
+        words = [f"{low:.1f} - {high:.1f}" if low == low else "none found" for low, high, *_ in cells]
+        rows.append([name, counts, *words, TESTS.get(name, "")])
+    worst = max((balance for *_, balance, _ in found if balance == balance), default=0.0)
+    more = [["fabric", *(f"mu = {mu:g}" for mu in MU)]]
+    for n, name in enumerate(FABRICS):
+        cells = found[n * (1 + len(MU)) + 1 : (n + 1) * (1 + len(MU))]
+        more.append([name, *(f"{failed}, {1e3 * wide:.2f} mm" for _, _, failed, _, wide in cells)])
+    return (
+        "### Critical velocity\n\nFastest stop and slowest perforation, m/s. The largest energy error of "
+        f"any shot is {100 * worst:.2f} % of the strike energy.\n\n{markdown(rows)}\nFailed segments of yarns at the "
+        f"slowest perforation, and the widest distance of neighbouring yarns at the fastest stop.\n\n{markdown(more)}\n"
+        "![Critical velocities](figures/sliding-limits.png)\n"
+    )
+
+
+def chart(found: list, path: Path) -> None:
+    """Critical velocities by fabric, pinned and sliding, with the bracket of the tests."""
+    from matplotlib import pyplot
+
+    figure, axes = pyplot.subplots(figsize=(7.5, 4.2))
+    for case, label in enumerate(("pinned", *(f"sliding, mu = {mu:g}" for mu in MU))):
+        values = [found[n * (1 + len(MU)) + case] for n in range(len(FABRICS))]
+        axes.plot(range(len(FABRICS)), [0.5 * (low + high) for low, high, *_ in values], "o-", label=label)
+    place = FABRICS.index("S-726")
+    axes.errorbar([place + 0.1], [103], [7], fmt="none", ecolor="k", capsize=4, label="tests: stop to perforation")
+    axes.set_xticks(range(len(FABRICS)), FABRICS)
+    axes.set_ylabel("critical velocity [m/s]")
+    axes.legend()
+    figure.tight_layout()
+    path.parent.mkdir(parents=True, exist_ok=True)
+    figure.savefig(path, dpi=120)
+
+
+def _progress(name, done, total):
+    print(f"{name}: {done} of {total}", flush=True)
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(
+        prog="python -m validation.verification.sliding", description=__doc__.splitlines()[0]
+    )
+    parser.add_argument("--out", type=Path, default=Path("results/sliding"))
+    parser.add_argument("--jobs", type=int, default=1)
+    parser.add_argument("--page", type=Path, help="put the tables into this page")
+    parser.add_argument("--only", nargs="+", help="of scaling, stability, cost, pulled, limit; all of them by default")
+    options = parser.parse_args()
+    cases: dict[str, tuple[Any, list[tuple]]] = {
+        "scaling": (scaling, [(name,) for name in FABRICS]),
+        "stability": (stability, [(threshold, cfl) for threshold in THRESHOLDS for cfl in CFL]),
+        "cost": (cost, [(mu,) for mu in (None, inf, *MU)]),
+        "pulled": (pulled, [(n, mu) for n in CROSSINGS for mu in PULL_MU]),
+        "limit": (limit, [(name, mu) for name in FABRICS for mu in (None, *MU)]),
+    }
+    results = {}
+    for name in options.only or cases:
+        known("--only", name, tuple(cases))
+        function, places = cases[name]
+        progress = partial(_progress, name)
+        results[name] = run_cache.results(
+            function, places, folder=options.out, jobs=options.jobs, batches=False, report=progress
+        )
+    made = text(results)
+    print(made)
+    if options.page is not None:
+        if "limit" in results:
+            chart(results["limit"], options.page.parent / "figures" / "sliding-limits.png")
+        put(options.page, *MARKS, f"\n\n{made}\n")
+
+
+if __name__ == "__main__":
+    run_program(main)

@@ -1,0 +1,49 @@
+"""Projectile and panel of a scene in words."""
+
+from __future__ import annotations
+
+from math import degrees
+
+from weavecell.scenes.impact import SHAPES, PanelTable, ProjectileTable
+
+
+def shot_in_words(shot: ProjectileTable) -> str:
+    """The projectile and how it comes, for the reader."""
+    words = f"{SHAPES[shot.shape]} of {1e3 * shot.mass:g} g and {1e3 * shot.diameter:g} mm"
+    if shot.obliquity:
+        words += f", {degrees(shot.obliquity):.3g}° off the normal"
+    if shot.body == "elastic_bar":
+        words += ", elastic-plastic along its axis"
+    if shot.friction:
+        words += f", with friction {shot.friction:g}"
+    return words
+
+
+def panel_in_words(panel: PanelTable) -> str:
+    """The panel and how it is held, for the reader."""
+    words = (
+        " by ".join(f"{1e3 * side:g} mm" for side in panel.opening)
+        if isinstance(panel.opening, tuple)
+        else f"{1e3 * panel.opening:g} mm square"
+    )
+    if panel.weave_angle:
+        words += f", its weave turned by {degrees(panel.weave_angle):.3g}°"
+    if isinstance(panel.boundary, str):
+        return f"{words} and {panel.boundary}{_crossovers_in_words(panel)}"
+    sides = {name: getattr(panel.boundary, name) for name in ("warp", "weft")}
+    ends = " and ".join(f"{name} ends {_side_in_words(side)}" for name, side in sides.items())
+    return f"{words}, {ends}{_crossovers_in_words(panel)}"
+
+
+def _crossovers_in_words(panel):
+    return ", with sliding crossovers" if panel.crossovers == "sliding" else ""
+
+
+def _side_in_words(side):
+    if isinstance(side, tuple):
+        return " / ".join(_side_in_words(end) for end in side)
+    if isinstance(side, str):
+        return side
+    if side.clamp_force is not None:
+        return f"clamped with {side.clamp_force:g} N a yarn"
+    return f"slipping by {1e3 * side.pull_in:g} mm"
