@@ -74,7 +74,7 @@ SCENES = {
     "sphere-with-edge": "projectile.edge_radius = '0.3 mm': must be left out for a sphere",
     "three-errors": 'panel.oppening: unknown key, did you mean "opening"? '
     "allowed here: opening, boundary, symmetry, weave_angle, plies, stacking, ply_gap, ply_friction, yarn_failure, "
-    "grading, crossovers, crossover_friction (+3 more)",
+    "grading, crossovers, crossover_friction, crossover_cohesion (+3 more)",
     "toe-in-an-impact": "fabric.fibre_slack = '0.1 %': must be left out in an impact",
     "toe-too-long": "fabric.fibre_slack = ['0.1 %', '20 %']: must be a strain from 0 to 10 %, such as \"0.1 %\", "
     "or a list of two, of warp and weft",
