@@ -74,7 +74,7 @@ def _kind():
 def _tell(chart):
     for group, front in chart.fronts.items():
         quantities = chart.scene.groups[group]
-        print(f"{chart.scene.title}, {group}; reference known to {100 * chart.unsure(group):.2g} %; beaten by none:")
+        print(f"{chart.scene.title}, {group}; reference known to {100 * chart.unsure(group):.2g} %; Pareto-optimal:")
         for entry in front:
             print(f"  {entry.method.name:<40}{entry.sample.cpu:9.3f} s {100 * entry.worst(quantities):8.2f} %")
 

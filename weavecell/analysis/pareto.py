@@ -16,7 +16,7 @@ def non_dominated(cost: ArrayLike, error: ArrayLike, margin: float = 0.0) -> lis
 
     Returns
     -------
-    list of int, from the cheapest to the most exact
+    list of int, from the cheapest to that of the lowest error
     """
     cost, error = np.asarray(cost, float), np.asarray(error, float)
     good = [int(i) for i in np.flatnonzero(np.isfinite(cost) & np.isfinite(error))]

@@ -8,7 +8,7 @@ import pytest
 def test_a_scene(command, tmp_path):
     code, out, _ = command("cost-accuracy", "--scene", "struck-yarn", "--quick", "--out", "c")
     assert code == 0
-    assert "beaten by none" in out
+    assert "Pareto-optimal" in out
     made = {path.name for path in (tmp_path / "c").iterdir()}
     assert made == {"struck-yarn.csv", "struck-yarn-references.csv", "chart-struck-yarn.png", "charts.json", "cases"}
     [chart] = json.loads((tmp_path / "c" / "charts.json").read_text())["charts"]

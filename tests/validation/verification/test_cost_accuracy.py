@@ -187,7 +187,7 @@ def test_a_scene_from_end_to_end_and_resumed(tmp_path, monkeypatch):
     for row in rows:
         off = abs(float(row["front speed [m/s]"]) / c - 1)
         assert float(row["error of front speed [-]"]) == pytest.approx(off, rel=0.01, abs=1e-6)
-    assert {row["beaten by none in"] for row in rows} > {"", "wave speeds"}
+    assert {row["Pareto-optimal in"] for row in rows} > {"", "wave speeds"}
     tables.write_methods(chart, tmp_path / "struck-yarn.csv")
     tables.write_references(chart, tmp_path / "struck-yarn-references.csv", "here and now")
     read, made = tables.read(chart.scene, tmp_path)

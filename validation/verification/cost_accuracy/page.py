@@ -44,7 +44,7 @@ def write(charts: Sequence[tuple[Chart, str]], path: Path, command: str) -> None
 
 
 def summary(charts: list[Chart]) -> str:
-    """One row a scene and group: default, cheapest within 5 %, and most exact."""
+    """One row a scene and group: default, cheapest within 5 %, and lowest error."""
     rows = []
     for chart in charts:
         for group, quantities in chart.scene.groups.items():
@@ -56,7 +56,7 @@ def summary(charts: list[Chart]) -> str:
                 f"{100 * chart.unsure(group):.2g}",
             ])  # fmt: skip
     return markdown(
-        ["scene", "quantities", "the default", "cheapest within 5 %", "most exact", "reference known to ± [%]"], rows
+        ["scene", "quantities", "the default", "cheapest within 5 %", "lowest error", "reference known to ± [%]"], rows
     )
 
 
@@ -88,7 +88,7 @@ def _as_text(entry, quantities, name=True):
 def _section(chart):
     scene = chart.scene
     fronts = "\n".join(
-        f"- **{group}**: beaten by none, from the cheapest to the most exact: "
+        f"- **{group}**: Pareto-optimal, from the cheapest to the lowest error: "
         + "; ".join(_as_text(entry, scene.groups[group]) for entry in front)
         + "."
         for group, front in chart.fronts.items()

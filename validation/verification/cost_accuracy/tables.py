@@ -39,7 +39,7 @@ def write_methods(chart: Chart, path: Path) -> None:
         rows.writerow([
             "scene", "choice", "method", "cpu [s]", "wall [s]", "repeats", "table [s]", "march [s]",
             *(f"{q.name} [{q.unit}]" for q in quantities), *(f"error of {q.name} [-]" for q in quantities),
-            "beaten by none in", "failed",
+            "Pareto-optimal in", "failed",
         ])  # fmt: skip
         for entry in chart.entries:
             sample, method = entry.sample, entry.method

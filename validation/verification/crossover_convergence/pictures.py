@@ -116,7 +116,7 @@ def pareto(study: Study) -> matplotlib.figure.Figure:
     best = [entry.case for entry in study.best]
     others = [entry for entry in shown if entry.case not in best]
     axes.plot(*_place(others), "o", ms=6, mfc="#d5dbe1", mec=FAINT, ls="", label="the others")
-    axes.plot(*_place(study.best), "o-", ms=9, color=COLOURS[0], lw=1.6, label="beaten by none")
+    axes.plot(*_place(study.best), "o-", ms=9, color=COLOURS[0], lw=1.6, label="Pareto-optimal")
     lines = []
     for number, entry in enumerate(study.best, 1):
         x, y = _place([entry])
@@ -126,7 +126,7 @@ def pareto(study: Study) -> matplotlib.figure.Figure:
         )  # fmt: skip
         lines.append(f"{number}  {name(study, entry)}\n    {x[0]:.3g} s, {y[0]:.2g} %")
     axes.text(
-        1.02, 0.97, "beaten by none\n\n" + "\n".join(lines), transform=axes.transAxes, va="top", fontsize=11, color=INK,
+        1.02, 0.97, "Pareto-optimal\n\n" + "\n".join(lines), transform=axes.transAxes, va="top", fontsize=11, color=INK,
         linespacing=1.5,
     )  # fmt: skip
     if study.base.case not in best and study.base.error is not None:
