@@ -3,6 +3,7 @@
 import json
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import h5py
 import numpy as np
@@ -220,3 +221,9 @@ def test_examples_run(command, tmp_path, example):
     told = json.loads((tmp_path / "results" / "summary.json").read_text())
     assert told["outcome"] in ("stopped", "perforated")
     assert told["energy_error_max"] < 0.01
+
+
+def test_a_projectile_at_rest_has_no_sign():
+    record = SimpleNamespace(time=np.array([0.0, 1e-4]), velocity=np.array([90.0, -0.2]))
+    caption = view.Panel.caption(SimpleNamespace(record=record), 1e-4)
+    assert caption == "100 µs after the strike, projectile at 0 m/s"
