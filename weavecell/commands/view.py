@@ -67,7 +67,7 @@ class Panel:
     def caption(self, t: float) -> str:
         """Time and velocity of an instant."""
         velocity = np.interp(t, self.record.time, self.record.velocity)
-        return f"{1e6 * t:.0f} µs after the strike, projectile at {round(velocity)} m/s"
+        return f"{1e6 * t:.0f} µs after the strike, projectile at {round(float(velocity))} m/s"
 
 
 def view(path: Path, screenshot: Path | None = None, movie: Path | None = None) -> None:
