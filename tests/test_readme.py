@@ -25,8 +25,8 @@ def test_ratios_of_the_computed_laws_are_those_of_the_page_of_calibration():
     assert len(others) == 5
     for letter, column in (("a", 6), ("b", 7)):
         low, high = (pick(float(row[column]) for row in others) for pick in (min, max))
-        told = {"a": f"a of the other five is {low} to {high} times", "b": f"b {low} to {high} times"}
-        assert told[letter] in WORDS
+        expected = {"a": f"a of the other five is {low} to {high} times", "b": f"b {low} to {high} times"}
+        assert expected[letter] in WORDS
     own = rows("calibration.md", 12)["S-720"]
     assert max(abs(float(own[column]) - 1) for column in (6, 7)) <= 0.0200001
     assert "S-720 within 2 %" in WORDS

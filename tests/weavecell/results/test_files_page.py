@@ -33,8 +33,8 @@ def between(made, name):
 
 @pytest.mark.parametrize("name", ["outputs", "fabric", "surface"])
 def test_the_tables_are_up_to_date(made, name):
-    told = "python tools/file_formats.py"
-    assert between(made, name) == made.markdown(made.TABLES[name]()).strip(), f"to renew it: {told}"
+    command = "python tools/file_formats.py"
+    assert between(made, name) == made.markdown(made.TABLES[name]()).strip(), f"to renew it: {command}"
 
 
 def test_the_columns_of_cases_are_up_to_date(made):

@@ -167,7 +167,7 @@ A pack (`shellfabric.plies.model`) is a row of panels behind one opening. Each p
 its own failures; the nose pushes on every ply that it reaches, and neighbouring plies push on each other. Their
 contact (`shellfabric.plies.contact_kernels`) is a penalty between two smooth surfaces, biquadratic splines through
 the fabric: the point of one ply and its closest point on the other get the same force, shared out by the weights of
-the spline, so that momentum is kept to the last digit. Plies count as their thickness, along the normal. What the
+the spline, so that momentum is conserved to round-off. Plies count as their thickness, along the normal. What the
 contact takes from the motion is in the energy balance. The projection uses predicted positions; lagged ones would
 drag sliding plies and generate energy.
 
