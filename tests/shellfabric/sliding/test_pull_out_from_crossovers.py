@@ -100,6 +100,24 @@ def test_friction_on_the_contact_force_multiplies_the_load_as_a_capstan_does(cri
     assert late[16, 0.4] > 2.5 * late[16, 0.2]
 
 
+@pytest.mark.parametrize("mu", [0.1, 0.2])
+def test_each_crossing_adds_its_cohesion_and_mu_times_the_contact_force_of_its_cell(crimped, mu):
+    """From crossing to crossing T' = T + c0 + mu F_c, F_c of the cell at the mean stretch of the two segments."""
+    n, cohesion, model = 10, 0.1, crimped.model
+    found = pulled(crimped, n, cohesion, end=200e-6, mu=mu, together=True).load[100:].mean()
+    stretch = np.linspace(0.95, 1.01, 601)
+    cell = model.solve(stretch, np.ones_like(stretch))
+    tension, force = cell["T1"], cell["F"]
+    load, x = 0.0, np.interp(0.0, tension, stretch)
+    for _ in range(n):
+        ahead = x
+        for _ in range(50):
+            after = load + cohesion + mu * np.interp(0.5 * (x + ahead), stretch, force)
+            ahead = np.interp(after, tension, stretch)
+        load, x = after, ahead
+    assert found == pytest.approx(load, rel=0.1)
+
+
 def test_a_yarn_without_tension_is_not_held_by_stretched_crossing_yarns(crimped):
     """What the flexible yarns of the cell leave out: the load of a real yarn begins with their bending stiffness."""
     found = pulled(crimped, 16, 0.0, end=150e-6, mu=0.2, pre_tension=20.0, velocity=0.5)
