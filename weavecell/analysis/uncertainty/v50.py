@@ -132,7 +132,7 @@ def drawn_panel(fabric: Fabric, scatter: Scatter, seed: int, number: int, openin
     lengths = tuple(count * step for count, step in zip(shape.counts, shape.spacing))
     factors, strengths = draw(fabric, scatter, seed, number, shape.yarn_counts, lengths)
     drawn = replace(plain, fabric=changed(fabric, **factors), table_size=201)
-    panel = drawn.panel(drawn.table(method="newton"))  # each panel has a cell of its own
+    panel = drawn.panel(drawn.table())  # each panel has a cell of its own
     return replace(panel, strength_factors=strengths), factors, strengths
 
 
