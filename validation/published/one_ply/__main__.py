@@ -1,8 +1,8 @@
 """python -m validation.published.one_ply [--out results/one-ply] [--page docs/validation.md]
 
-One ply of the six Kevlar fabrics: critical and residual velocities, histories of the captions' shots, back-face
-profiles, wave fronts, reactions. Writes a table (.csv) and a picture (.png) of each. With --page the tables go into
-that page, between its marks, and the pictures beside it.
+One ply of the six Kevlar fabrics: critical and residual velocities, histories and energies of the captions' shots,
+back-face profiles, wave fronts, reactions. Writes a table (.csv) and a picture (.png) of each. With --page the tables
+go into that page, between its marks, and the pictures beside it.
 """
 
 from __future__ import annotations
@@ -47,7 +47,10 @@ def main() -> None:
             put(options.page, *marks(name), f"\n\n{markdown(rows)}\n")
     folders = [options.out] + ([options.page.parent / "figures"] if options.page else [])
     drawn: list[Any] = [(draw, curves) for draw in (pictures.residual, pictures.limits)]
-    drawn += [(draw, shots) for draw in (pictures.velocities, pictures.profiles, pictures.fronts, pictures.reactions)]
+    of_shots = (
+        pictures.velocities, pictures.energies, pictures.profiles, pictures.fronts, pictures.reactions,
+    )  # fmt: skip
+    drawn += [(draw, shots) for draw in of_shots]
     for draw, content in drawn:
         image = render(draw, content, kind="png")
         for folder in folders:
