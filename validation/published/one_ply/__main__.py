@@ -33,6 +33,7 @@ def main() -> None:
     parser.add_argument("--out", type=Path, default=OUT)
     parser.add_argument("--page", type=Path, help="put tables and pictures into this page")
     options = parser.parse_args()
+    made_by = provenance.stamp()  # before a page of the checkout is written to
     curves = [study.curve(fabric) for fabric in CAPTIONS]
     shots = study.captions()
     made = {
@@ -58,7 +59,6 @@ def main() -> None:
             with write_whole(folder / f"{prefix}{draw.__name__}.png", "wb") as file:
                 file.write(image)
     if options.page is not None:
-        made_by = provenance.stamp()
         line = f"Computed by `python -m validation.published.one_ply`, commit {made_by['commit']}, {made_by['date']}."
         put(options.page, *marks("stamp"), f"\n\n{line}\n\n")
 
