@@ -100,8 +100,9 @@ def _reference(study):
     return (
         "## Reference\n\nThe base, moved by the distance to the limit of each choice that has one: "
         f"{', '.join(used)}. Its half width adds up the scatter of each extrapolation and a quarter of its step beyond "
-        "the last value. The chart of the 3D crossover in [charts.md](charts.md) extrapolates its meshes alone: the two "
-        "references differ by up to the sum of their uncertainties.\n\n" + tables.table(["quantity", "reference", "+-", "+- [%]"], rows)
+        "the last value. The chart of the 3D crossover in [charts.md](charts.md) extrapolates its meshes alone: the "
+        "two references differ by up to the sum of their uncertainties.\n\n"
+        + tables.table(["quantity", "reference", "+-", "+- [%]"], rows)
     )
 
 
