@@ -17,8 +17,11 @@ print(shot)
 figure = shot.plot()
 
 # %%
-# Files for ParaView, and the histories as a table (``shot.to_dataframe()`` where pandas is installed).
+# The panel at the end, seen from behind, and files for ParaView. Where pandas is installed, ``shot.to_dataframe()`` has
+# the histories.
 
+# sphinx_gallery_thumbnail_number = 2
+panel = shot.plot_panel()
 shot.to_vtk("first-shot")
 print(f"deflection at most {1e3 * shot.summary()['max_deflection_m']:.1f} mm")
 

@@ -19,6 +19,8 @@ while high - low > 10.0:
 print(f"{plies} plies of {fabric.name}: ballistic limit {low:.0f} to {high:.0f} m/s")
 
 # %%
-# Residual velocity of the shots of the bisection.
+# Residual velocity of the shots of the bisection, and the pack at the end of the first one.
 
+# sphinx_gallery_thumbnail_number = 2
 figure = wc.SweepResult(tuple(shots)).plot()
+pack = shots[0].plot_panel()

@@ -16,7 +16,8 @@ for name, shot in shots.items():
     print(f"{name}: {shot.outcome}, residual velocity {shot.residual_velocity:.1f} m/s")
 
 # %%
-# Velocity of the projectile with pinned crossovers, and with a coefficient of friction of 0.1.
+# The panel at the end with pinned crossovers, and with a coefficient of friction of 0.1.
 
-pinned_figure = shots["pinned"].plot()
-sliding_figure = shots["mu = 0.1"].plot()
+# sphinx_gallery_thumbnail_number = 2
+figure = shots["pinned"].plot_panel()
+sliding = shots["mu = 0.1"].plot_panel()

@@ -25,7 +25,7 @@ from weavecell.report.pictures_painter import Camera
 from weavecell.results import json_file
 from weavecell.results.impact import ImpactRecord
 from weavecell.results.pack import PackRecord
-from weavecell.results.paraview import read_series
+from weavecell.results.paraview import failed_yarns, read_series
 
 if TYPE_CHECKING:
     from weavecell.results.impact_base import Shape
@@ -178,6 +178,24 @@ def compose(pyplot: Any, panel: Panel, image: np.ndarray, t: float) -> Any:
     bar.set_label("yarn tension, % of the strength, the higher of warp and weft (orange: one yarn failed)", fontsize=10)
     bar.outline.set_visible(False)
     return figure
+
+
+def end(pyplot: Any, record: ImpactRecord | PackRecord) -> Any:
+    """The figure of the last instant of a record, as `compose` has it, without the files of a run."""
+    panel, several = Panel(record, []), isinstance(record, PackRecord)
+    shapes, quads = (record.shapes, record.quads) if several else ((record.final,), (record.quads,))
+    first = np.cumsum([0, *(len(shape.nodes.reshape(-1, 3)) for shape in shapes)])
+    strengths = record.strength if several else [record.strength]
+    share = [(shape.tension.reshape(-1, 2) / each).max(axis=1) for shape, each in zip(shapes, strengths)]
+    failed = [failed_yarns(shape.failed.reshape(-1, 3)) for shape in shapes]
+    last = shapes[-1]
+    image = pictures3d.panel(
+        np.concatenate([shape.nodes.reshape(-1, 3) for shape in shapes]),
+        np.concatenate([each + start for each, start in zip(quads, first)]), np.concatenate(share),
+        np.concatenate(failed), last.projectile_position + record.projectile, panel.mirrors, camera=panel.camera(),
+    )  # fmt: skip
+    with pyplot.rc_context({"figure.constrained_layout.use": False}):
+        return compose(pyplot, panel, image, last.t)
 
 
 def frames(panel: Panel, dpi: int) -> Iterator[np.ndarray]:
