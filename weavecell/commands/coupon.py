@@ -52,39 +52,6 @@ SUPPORT = Support(
     },
     rules=build.CELL_RULES,
 )  # fmt: skip
-# figures of each test: file, measures, label of the axis, caption
-DRAWN = {
-    "bias_extension": (
-        ("load", ("load",), "load", "Load on a clamp."),
-        (
-            "angles",
-            ("angle in zone A", "angle in zone B", "angle in zone C", "zone C, yarns that do not stretch"),
-            "angle between warp and weft",
-            "Mean angle in the three zones: of zone A both yarns lead to a clamp, of B one, of C none.",
-        ),
-    ),
-    "picture_frame": (("stress", ("shear stress", "trellis law"), "shear stress", "Work of the frame, by volume."),),
-    "uniaxial": (
-        ("load", ("load of a yarn",), "load of a yarn", "Load over the yarns that carry it."),
-        (
-            "strains",
-            ("strain in the middle, along", "strain in the middle, across"),
-            "strain",
-            "Strain of the middle of the strip along the load and across.",
-        ),
-    ),
-    "biaxial": (
-        (
-            "load",
-            (
-                "load of a warp yarn", "load of a weft yarn", "cell at these strains, warp",
-                "cell at these strains, weft",
-            ),
-            "load of a yarn",
-            "Load of an arm over its yarns; dashed: the cell alone, at the strains of the middle.",
-        ),
-    ),
-}  # fmt: skip
 
 
 def coupon(path: Path, out: Path, *, resume: bool = False, strict: bool = False) -> None:
@@ -223,7 +190,7 @@ def chapter(record: CouponRecord, tolerance: float) -> Section:
             "The coupon at the end, to scale. Left: shear of the elements. Right: tension of the yarns.", "coupon",
         )
     ]  # fmt: skip
-    for name, chosen, label, caption in DRAWN[record.test]:
+    for name, chosen, label, caption in pictures_coupon.DRAWN[record.test]:
         drawn = tuple(measure for measure in chosen if measure in record.measures)
         content = pictures.render(pictures_coupon.curves, record, drawn, label)
         figures.append(Figure(content, "svg", caption, name))

@@ -15,6 +15,40 @@ if TYPE_CHECKING:
 _AXES = {"m": (1e3, "mm"), "rad": (180 / np.pi, "°"), "N": (1.0, "N"), "Pa": (1e-6, "MPa")}
 _SHEARS = ("#f3f5f7", "#fde0a6", "#f4a259", "#d1495b", "#7b2d6b", "#2d1244")  # even steps of lightness
 
+# figures of each test: file, measures, label of the axis, caption
+DRAWN = {
+    "bias_extension": (
+        ("load", ("load",), "load", "Load on a clamp."),
+        (
+            "angles",
+            ("angle in zone A", "angle in zone B", "angle in zone C", "zone C, yarns that do not stretch"),
+            "angle between warp and weft",
+            "Mean angle in the three zones: of zone A both yarns lead to a clamp, of B one, of C none.",
+        ),
+    ),
+    "picture_frame": (("stress", ("shear stress", "trellis law"), "shear stress", "Work of the frame, by volume."),),
+    "uniaxial": (
+        ("load", ("load of a yarn",), "load of a yarn", "Load over the yarns that carry it."),
+        (
+            "strains",
+            ("strain in the middle, along", "strain in the middle, across"),
+            "strain",
+            "Strain of the middle of the strip along the load and across.",
+        ),
+    ),
+    "biaxial": (
+        (
+            "load",
+            (
+                "load of a warp yarn", "load of a weft yarn", "cell at these strains, warp",
+                "cell at these strains, weft",
+            ),
+            "load of a yarn",
+            "Load of an arm over its yarns; dashed: the cell alone, at the strains of the middle.",
+        ),
+    ),
+}  # fmt: skip
+
 
 def axis(name: str, unit: str) -> tuple[float, str]:
     """(factor, unit) of a measure in pictures and texts; strains in %."""
