@@ -115,6 +115,18 @@ IMPACT = keys(
 )  # fmt: skip
 COUPON = keys(
     ("test", "", "name of the test"),
+    ("crossings", "1", "pull-out: crossovers that the yarn is pulled through"),
+    ("velocity_m_s", "m/s", "pull-out: velocity of the crosshead"),
+    ("pre_tension_N", "N", "pull-out: tension of the crossing yarns before the pull"),
+    ("crossover_friction", "1", "pull-out: Coulomb coefficient of yarn on yarn"),
+    ("crossover_cohesion_N", "N", "pull-out: friction of a crossover without contact force"),
+    ("displacement_m", "m", "pull-out: displacement of the crosshead at the end"),
+    ("peak_load_N", "N", "pull-out: highest load on the yarn"),
+    ("plateau_load_N", "N", "pull-out: mean load while all crossovers slide; null where they never all do"),
+    ("slip_length_m", "m", "pull-out: length of yarn that slides at the peak load"),
+    ("crossovers_left", "1", "pull-out: crossovers that the end of the yarn has left"),
+    ("crossover_friction_work_J", "J", "pull-out: work of friction at the crossovers"),
+    ("energy_error_max", "1", "pull-out: largest error of the energy balance over the work of the crosshead"),
     ("prescribed_name", "", "name of the prescribed quantity"),
     ("prescribed_unit", "", "its unit"),
     ("iterations", "1", "iterations of dynamic relaxation, all load steps"),
@@ -272,6 +284,12 @@ DATASETS = (
 COUPON_DATASETS = (
     *keys(
         ("histories/energy of the *", "J", "strain energy of yarns, of trellis shear"),
+        ("histories/time", "s", "pull-out: time"),
+        ("histories/displacement of the crosshead", "m", "pull-out: displacement of the crosshead"),
+        ("histories/load", "N", "load; of a pull-out, on the pulled yarn"),
+        ("histories/crossovers in slip", "1", "pull-out: crossovers that the yarn slides through"),
+        ("histories/crossovers left", "1", "pull-out: crossovers that the end of the yarn has left"),
+        ("histories/work of friction", "J", "pull-out: work of friction at the crossovers"),
         ("histories/residual", "1", "out-of-balance force over the reaction"),
         ("histories/iterations", "1", "iterations of dynamic relaxation"),
         ("histories/*", "", "the prescribed quantity and the measures of the test, by name"),
