@@ -29,6 +29,7 @@ IMPACTS = {
     "bar": BASE | {"projectile": BASE["projectile"] | {"body": "elastic_bar"}, "backing": BLOCK},
     "accuracy": BASE | {"accuracy": {"residual_velocity": "50 %"}},
     "pack": BASE | {"panel": {"opening": "26 mm", "plies": 2}},
+    "sliding pack": BASE | {"panel": {"opening": "26 mm", "plies": 2, "crossovers": "sliding"}},
 }
 FRAME = {"fabric": {"name": "S-720"}, "picture_frame": {"shear_angle": "10 deg", "crossovers": 2}}
 PULL = {"fabric": {"name": "S-720"}, "pull_out": {"displacement": "0.1 mm", "samples": 20}, "run": {"outputs": []}}
@@ -96,9 +97,9 @@ def test_a_coupon_has_documented_keys_only(tmp_path, scene):
 
 
 def test_energies_of_the_solvers_are_documented():
-    from shellfabric.plies.solver import PACK_ENERGIES
+    from shellfabric.sliding_plies.solver import SLIDING_PACK_ENERGIES
 
-    names = [renamed_keys.ENERGIES.get(name, name) for name in PACK_ENERGIES]
+    names = [renamed_keys.ENERGIES.get(name, name) for name in SLIDING_PACK_ENERGIES]
     assert [name for name in names if find(name, keys.ENERGIES) is None] == []
 
 
