@@ -12,7 +12,6 @@ critical velocity. What is done is kept in the folder, from which an interrupted
 from __future__ import annotations
 
 import argparse
-import time
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -46,7 +45,7 @@ def judged(claims: Sequence[Claim], out: Path) -> list[tuple[Claim, Record, Reco
     return [(claim, runner.check(claim, out), runner.check(claim, out, None, OPTION)) for claim in claims]
 
 
-def table(rows: Sequence[tuple[Claim, Record, Record]], left_out: int, minutes: float, command: str) -> str:
+def table(rows: Sequence[tuple[Claim, Record, Record]], left_out: int, command: str) -> str:
     """The section: how many verdicts change, and a row for each that does."""
     changed = [(claim, pinned, slid) for claim, pinned, slid in rows if pinned.verdict != slid.verdict]
     mu = variants.OPTIONS[OPTION][1]
@@ -57,7 +56,7 @@ def table(rows: Sequence[tuple[Claim, Record, Record]], left_out: int, minutes: 
     better = sum(variants.holds(slid.verdict) for _, _, slid in changed)
     commit = provenance.stamp()["commit"]
     head = (
-        f"Made by `{command}` at commit {commit}, in {minutes:.0f} minutes of one core.\n"
+        f"Made by `{command}` at commit {commit}.\n"
         f"{len(rows)} claims of shots at one ply were checked with mu = {mu:g}; {left_out} others that rest on shots\n"
         "were left out, by the rule in the head of `validation/claims/sliding.py`.\n"
         f"{len(changed)} verdicts change, {better} of them to one that holds.\n\n"
@@ -78,14 +77,13 @@ def main() -> None:
     arguments.add_argument("--out", type=Path, default=Path("results/claims-sliding"))
     arguments.add_argument("--most-limits", type=int, default=MOST_LIMITS)
     given = arguments.parse_args()
-    claims, began = data.load(), time.process_time()
+    claims = data.load()
     of = chosen(claims, given.most_limits)
     rows = judged(of, given.out)
-    minutes = (time.process_time() - began) / 60
     others = sum(variants.applies(claim) for claim in claims) - len(of)
     limits = "" if given.most_limits == MOST_LIMITS else f" --most-limits {given.most_limits}"
     command = f"python -m validation.claims.sliding --page {given.page}{limits}"
-    text = table(rows, others, minutes, command)
+    text = table(rows, others, command)
     print(text)
     if given.page:
         put(given.page, BEGIN, END, text)

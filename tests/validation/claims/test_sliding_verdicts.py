@@ -46,7 +46,7 @@ def test_the_table_has_the_verdicts_that_change():
         (claim, Record("one", MISSED, text="120 m/s"), Record("one", REPRODUCED, text="110 | m/s")),
         (other, Record("two", REPRODUCED), Record("two", REPRODUCED)),
     ]
-    text = sliding.table(rows, 5, 3.0, "python -m x")
+    text = sliding.table(rows, 5, "python -m x")
     assert "2 claims of shots at one ply were checked with mu = 0.2; 5 others" in text
     assert "1 verdicts change, 1 of them to one that holds." in text
     assert "| `one` | missed | reproduced | 120 m/s | 110 / m/s |" in text
