@@ -1,4 +1,4 @@
-"""python -m validation.published.bias_extension.sliding [--page docs/sliding.md] [--length 143.5 --width 74 ...]
+"""python -m validation.published.bias_extension.sliding [--page docs/sliding.md] [--length 57 --width 29.6 ...]
 
 The bias extension test with sliding crossovers: explicit, clamps at a constant speed, the strip of
 `quasistatic.bias_coupon` cut out of a panel whose grid lines are the yarns. Segments outside the strip are removed,
@@ -35,8 +35,9 @@ from weavecell.report.marked_page import markdown, put
 from weavecell.results import provenance
 
 BEGIN, END = "<!-- table of validation.published.bias_extension.sliding -->\n", "<!-- end of bias extension -->"
-SPEED = 4.0  # [m/s] of each clamp
-LOOKS = 4
+SPEED = 1.0  # [m/s] of each clamp
+SIZE = 57.0, 29.6, 3.0  # [mm] length, width, elongation: a strip of 0.4 times the thesis's, at 3/4 of its strain
+LOOKS, AVERAGED = 4, 25  # states in the table, and samples before each over which the load is averaged
 COEFFICIENTS = (inf, 0.3, 0.2, 0.1)
 
 
@@ -93,7 +94,7 @@ class ObliqueStrip(SlidingSolver):
             failure=False, friction=friction,
         )  # fmt: skip
         end = elongation / (2 * speed)
-        super().__init__(panel, 1.0, end, interval=end / (50 * LOOKS), energy_error_limit=inf)
+        super().__init__(panel, 1.0, end, interval=end / (100 * LOOKS), energy_error_limit=inf)
         self.exchange = inf
 
     def _start(self, parts, elements, most_threads=np.inf):
@@ -137,7 +138,7 @@ class ObliqueStrip(SlidingSolver):
 
 
 def pull(
-    mu: float, *, length: float = 0.1435, width: float = 0.074, elongation: float = 0.010, speed: float = SPEED,
+    mu: float, *, length: float = 0.057, width: float = 0.0296, elongation: float = 0.003, speed: float = SPEED,
     cohesion: float = 0.0, table_size: int = 121, name: str = "locking",
 ) -> Pulled:  # fmt: skip
     """Pull a strip of one of `cases.CLOTHS` with the coefficient of friction `mu`; lengths in m, the cohesion in N."""
@@ -151,10 +152,10 @@ def pull(
 
     def look(strip: ObliqueStrip) -> None:
         loads.append(strip.load())
-        if len(loads) % 50 == 0:
+        if strip.time >= (len(looks) + 1) / LOOKS * strip.end_time or (strip.ended and len(looks) < LOOKS):
             gamma = coupon.shear_angles(strip.positions())
             means = [float(np.pi / 2 - gamma[zone == k].mean()) for k in range(3)]
-            looks.append((2 * speed * strip.time, means, float(np.mean(loads[-50:]))))
+            looks.append((2 * speed * strip.time, means, float(np.mean(loads[-AVERAGED:]))))
 
     solver.run((look,))
     moved, angles, mean = (np.array(part) for part in zip(*looks))
@@ -190,9 +191,8 @@ def main() -> None:
     """Run it."""
     arguments = argparse.ArgumentParser(description=__doc__.splitlines()[2])
     arguments.add_argument("--page", type=Path)
-    arguments.add_argument("--length", type=float, default=143.5, help="[mm]")
-    arguments.add_argument("--width", type=float, default=74.0, help="[mm]")
-    arguments.add_argument("--elongation", type=float, default=10.0, help="[mm]")
+    for name, default in zip(("length", "width", "elongation"), SIZE):
+        arguments.add_argument(f"--{name}", type=float, default=default, help="[mm]")
     arguments.add_argument("--mu", type=float, nargs="*", default=list(COEFFICIENTS))
     given = arguments.parse_args()
     size = {key: 1e-3 * getattr(given, key) for key in ("length", "width", "elongation")}
