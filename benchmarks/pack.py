@@ -29,7 +29,7 @@ from shellfabric.cell.model import CellModel
 from shellfabric.panel.model import Numerics, Panel
 from shellfabric.plies.model import Pack, lists
 from shellfabric.plies.solver import PackSolver
-from validation.published.ply_friction.page import BEGIN, END
+from validation.published.ply_friction import page as friction_page
 from weavecell.report.marked_page import put
 from weavecell.results.provenance import stamp
 
@@ -103,17 +103,16 @@ def with_friction(panel, chosen, report):
     ratios = {key: report["friction"][key] / report["frictionless"][key] for key in report["friction"]}
     report["over_frictionless"] = {key: round(ratio, 2) for key, ratio in ratios.items()}
     if chosen.page:
-        (plain, pressed_plain), (rubbed, pressed_rubbed) = (
-            report[name].values() for name in ("frictionless", "friction")
-        )
+        plain, rubbed = (list(report[name].values()) for name in ("frictionless", "friction"))
+        whole_run, touching = ratios.values()
         text = (
             f"{chosen.plies} plies of S-720 at {chosen.velocity:g} m/s, {panel.elements:,} elements each, one core "
-            f"(`python benchmarks/pack.py --friction\n{chosen.friction:g} --page {chosen.page}`, commit "
-            f"{stamp()['commit']}): {rubbed:.1f} ns an element and step, {ratios['ns_per_element_step']:.2f} times the "
-            f"{plain:.1f} ns without\nfriction. Plies that are pressed together everywhere cost {pressed_rubbed:.1f} ns, "
-            f"{ratios['every_ply_in_touch_ns']:.2f} times the {pressed_plain:.1f} ns without.\n"
+            f"(`python benchmarks/pack.py\n--friction {chosen.friction:g} --page {chosen.page}`, commit "
+            f"{stamp()['commit']}): {rubbed[0]:.1f} ns an element and step,\n{whole_run:.2f} times the {plain[0]:.1f} ns "
+            f"without friction. Plies that are pressed together everywhere cost {rubbed[1]:.1f} ns,\n{touching:.2f} times "
+            f"the {plain[1]:.1f} ns without.\n"
         )
-        put(chosen.page, BEGIN, END, text)
+        put(chosen.page, friction_page.BEGIN, friction_page.END, text)
 
 
 def main():
