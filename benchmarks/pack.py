@@ -108,9 +108,9 @@ def with_friction(panel, chosen, report):
         text = (
             f"{chosen.plies} plies of S-720 at {chosen.velocity:g} m/s, {panel.elements:,} elements each, one core "
             f"(`python benchmarks/pack.py\n--friction {chosen.friction:g} --page {chosen.page}`, commit "
-            f"{stamp()['commit']}): {rubbed[0]:.1f} ns an element and step,\n{whole_run:.2f} times the {plain[0]:.1f} ns "
-            f"without friction. Plies that are pressed together everywhere cost {rubbed[1]:.1f} ns,\n{touching:.2f} times "
-            f"the {plain[1]:.1f} ns without.\n"
+            f"{stamp()['commit']}): {rubbed[0]:.1f} ns an element and step,\n{whole_run:.2f} times the "
+            f"{plain[0]:.1f} ns without friction. Plies that are pressed together everywhere cost {rubbed[1]:.1f} ns,\n"
+            f"{touching:.2f} times the {plain[1]:.1f} ns without.\n"
         )
         put(chosen.page, friction_page.BEGIN, friction_page.END, text)
 
