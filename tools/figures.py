@@ -25,6 +25,7 @@ FIGURES = Path(__file__).parents[1] / "docs" / "figures"
 COUPONS = Path(__file__).parents[1] / "examples" / "coupons"
 FROM_COUPONS = {
     "S-728-bias": ("coupon.png", "angles.svg"), "S-728-no-trellis": ("coupon.png",), "S-720-frame": ("stress.svg",),
+    "S-726-pull-out": ("load.svg",),
     "S-720-warp": ("load.svg", "strains.svg"), "glass-biaxial": ("load.svg",),
 }  # fmt: skip
 FROM_DEMO = ("mesh.png", "fit.svg", "cell.svg")

@@ -11,9 +11,44 @@ from meshing.pictures_style import COLOURS, FAINT, INK, WARP, WEFT, tension_map
 
 if TYPE_CHECKING:
     from weavecell.results.coupon import CouponRecord
+    from weavecell.results.pull_out import PullOutRecord
 
 _AXES = {"m": (1e3, "mm"), "rad": (180 / np.pi, "°"), "N": (1.0, "N"), "Pa": (1e-6, "MPa")}
 _SHEARS = ("#f3f5f7", "#fde0a6", "#f4a259", "#d1495b", "#7b2d6b", "#2d1244")  # even steps of lightness
+
+# figures of each test: file, measures, label of the axis, caption
+DRAWN = {
+    "bias_extension": (
+        ("load", ("load",), "load", "Load on a clamp."),
+        (
+            "angles",
+            ("angle in zone A", "angle in zone B", "angle in zone C", "zone C, yarns that do not stretch"),
+            "angle between warp and weft",
+            "Mean angle in the three zones: of zone A both yarns lead to a clamp, of B one, of C none.",
+        ),
+    ),
+    "picture_frame": (("stress", ("shear stress", "trellis law"), "shear stress", "Work of the frame, by volume."),),
+    "uniaxial": (
+        ("load", ("load of a yarn",), "load of a yarn", "Load over the yarns that carry it."),
+        (
+            "strains",
+            ("strain in the middle, along", "strain in the middle, across"),
+            "strain",
+            "Strain of the middle of the strip along the load and across.",
+        ),
+    ),
+    "biaxial": (
+        (
+            "load",
+            (
+                "load of a warp yarn", "load of a weft yarn", "cell at these strains, warp",
+                "cell at these strains, weft",
+            ),
+            "load of a yarn",
+            "Load of an arm over its yarns; dashed: the cell alone, at the strains of the middle.",
+        ),
+    ),
+}  # fmt: skip
 
 
 def axis(name: str, unit: str) -> tuple[float, str]:
@@ -113,6 +148,26 @@ def _colours(names):
 
 def _is_known(name):
     return name.startswith(("cell", "trellis")) or "do not stretch" in name
+
+
+def pull_out(pyplot: Any, record: PullOutRecord) -> Any:
+    """Load of a pulled yarn, and the crossovers that it slides through and has left, against the displacement."""
+    curve = record.curve
+    figure, (upper, lower) = pyplot.subplots(2, 1, figsize=(10.4, 6.4), sharex=True, height_ratios=(2, 1))
+    moved = 1e3 * curve.displacement
+    upper.plot(moved, curve.load, color=WARP, lw=1.2)
+    if curve.plateau is not None:
+        upper.axhline(curve.plateau, color=INK, lw=1.2, ls="--", label=f"plateau {curve.plateau:.3g} N")
+        upper.legend(loc="upper right")
+    upper.set(ylabel="load [N]")
+    upper.set_ylim(bottom=0)
+    lower.plot(moved, curve.sliding, color=WARP, lw=1.2, label="in slip")
+    lower.plot(moved, curve.left, color=WEFT, lw=1.2, ls="--", label="left by the yarn's end")
+    lower.set(xlabel="displacement of the crosshead [mm]", ylabel="crossovers")
+    lower.set_xlim(left=0)
+    lower.set_ylim(bottom=0)
+    lower.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
+    return figure
 
 
 def relaxation(pyplot: Any, record: CouponRecord, tolerance: float) -> Any:

@@ -187,6 +187,19 @@ def test_a_coupon(tmp_path):
         wc.coupon("S-720", "picture_frame", breadth=1)
 
 
+def test_a_pulled_yarn():
+    found = wc.coupon("S-726", "pull_out", displacement="0.3 mm", crossings=10, crossover_friction=0.0,
+                      crossover_cohesion="0.5 N")  # fmt: skip
+    assert found.outcome == "complete"
+    assert found.plateau == pytest.approx(5.0, rel=0.03)
+    assert found.summary()["peak_load_N"] == found.peak == found.to_dataframe()["load_N"].max()
+    assert "load" in found.plot().axes[0].get_ylabel()
+    with pytest.raises(InputError, match="length = 1: must be one of crossings, displacement"):
+        wc.coupon("S-726", "pull_out", length=1)
+    with pytest.raises(InputError, match="displacement: is missing"):
+        wc.coupon("S-726", "pull_out")
+
+
 def test_a_critical_velocity():
     found = wc.critical_velocity("S-720", tolerance="20 m/s", residual_shots=3, scan=False, opening="40 mm")
     low, high = found.bracket
