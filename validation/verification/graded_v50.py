@@ -2,6 +2,7 @@
 
     python -m validation.verification.graded_v50 [--shots 60] [--out results/graded-v50] [--page docs/scatter.md]
 
+Elements of one crossover reach to f crossovers from the impact point: all that can come under the nose, at least 10.
 Shot k has the panel number k of the study and the velocity k of a range about the critical velocity without scatter, on
 every mesh. Reported are the shots whose outcome differs from that on the uniform mesh, V50 with its interval, the
 residual velocities of the shots that perforate on both, and the CPU time over that on the uniform mesh, the median over
@@ -15,7 +16,7 @@ import argparse
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from math import inf
+from math import ceil, inf
 from pathlib import Path
 
 import numpy as np
@@ -27,14 +28,15 @@ from weavecell.analysis.uncertainty import inputs, probit, v50
 from weavecell.report.marked_page import markdown, put
 from weavecell.results import provenance
 
-FABRICS = ("S-720", "S-726", "S-731")
+FABRICS = ("S-720", "S-726", "S-728")
 OPENING, SEED, TOLERANCE = 0.203, 1, 1.0  # [m], of the draws, [m/s] of the critical velocity
 RANGE = 0.82, 1.06  # of the critical velocity without scatter; yarns that scatter are weaker
-ZONES: dict[str, v50.Grading] = {
+LEAST = 10  # [crossovers] to which elements of one crossover reach at least
+ZONES: dict[str, v50.Grading] = {  # ends of the zones in units of f, see `first_zone`
     "1": None,
-    "1 to 16, 2 to 32, then 4": ((16, 1), (32, 2), (inf, 4)),
-    "1 to 10, 2 to 20, then 4": ((10, 1), (20, 2), (inf, 4)),
-    "1 to 10, 2 to 16, 4 to 32, then 8": ((10, 1), (16, 2), (32, 4), (inf, 8)),
+    "1 to 1.6 f, 2 to 3.2 f, then 4": ((1.6, 1), (3.2, 2), (inf, 4)),
+    "1 to f, 2 to 2 f, then 4": ((1.0, 1), (2.0, 2), (inf, 4)),
+    "1 to f, 2 to 1.6 f, 4 to 3.2 f, then 8": ((1.0, 1), (1.6, 2), (3.2, 4), (inf, 8)),
 }
 MARKS = "<!-- table of validation.verification.graded_v50 -->", "<!-- end of graded_v50 -->"
 
@@ -55,6 +57,18 @@ class Shot:
     seconds: tuple[float, ...]
 
 
+def gradings(name: str) -> tuple[int, tuple[v50.Grading, ...]]:
+    """(f [crossovers], gradings of a fabric of the catalogue, in the order of ZONES)."""
+    crimp = 1 + 4 * inputs.published().crimp  # of nearly all panels at most
+    fabric = inputs.changed(catalogue.load(name), crimp_warp=crimp, crimp_weft=crimp)
+    panel = ImpactSetup(fabric, 1.0, opening=OPENING, symmetry="whole", table_size=11).panel()
+    first = max(LEAST, *(ceil(far / step) + 1 for far, step in zip(panel.reach(), panel.spacing)))
+    return first, tuple(
+        None if zones is None else tuple((ceil(until * first) if until < inf else inf, side) for until, side in zones)
+        for zones in ZONES.values()
+    )
+
+
 def shot(name: str, number: int, velocity: float, zones: tuple[v50.Grading, ...]) -> Shot:
     """The shot of a number at a fabric of the catalogue, on each mesh."""
     fabric, scatter, rows = catalogue.load(name).with_effective_density(), inputs.published(), []
@@ -70,14 +84,15 @@ def rows_of(name: str, shots: Sequence[Shot]) -> list[list[str]]:
     residuals, V = np.array([one.residuals for one in shots]), [one.velocity for one in shots]
     seconds, uniform = np.array([one.seconds for one in shots]), residuals[:, 0] > 0
     rows, plain = [], ImpactSetup(catalogue.load(name), 1.0, opening=OPENING, symmetry="whole", table_size=11)
-    for k, (sides, grading) in enumerate(ZONES.items()):
+    first, zones = gradings(name)
+    for k, (sides, grading) in enumerate(zip(ZONES, zones)):
         hit = residuals[:, k] > 0
         curve, both = probit.fit(V, hit), hit & uniform
         off = residuals[both, k] - residuals[both, 0]
         low, high = curve.intervals["V50"]
-        elements = replace(plain, grading=grading).panel().elements
+        elements, other = replace(plain, grading=grading).panel().elements, np.count_nonzero(hit != uniform)
         rows.append([
-            name if k == 0 else "", sides, f"{elements}", f"{np.count_nonzero(hit != uniform)} of {len(V)}",
+            f"{name}, f = {first}" if k == 0 else "", sides, f"{elements}", f"{other} of {len(V)}",
             f"{curve.V50:.2f} ({low:.1f} to {high:.1f})", f"{np.sqrt(np.mean(off**2)):.2f}",
             f"{np.abs(off).max():.2f}", f"{np.median(seconds[:, k] / seconds[:, 0]):.2f}",
         ])  # fmt: skip
@@ -100,7 +115,7 @@ def main() -> None:
         fabric = catalogue.load(name).with_effective_density()
         (bracket,) = run_cache.results(v50.deterministic, [(fabric, OPENING, TOLERANCE)], **runs)
         velocities = 0.5 * sum(bracket) * np.linspace(*RANGE, options.shots)
-        places = [(name, k, round(float(V), 4), tuple(ZONES.values())) for k, V in enumerate(velocities)]
+        places = [(name, k, round(float(V), 4), gradings(name)[1]) for k, V in enumerate(velocities)]
         table += rows_of(name, run_cache.results(shot, places, **runs))
         print(markdown(table), flush=True)
     if options.page is not None:
