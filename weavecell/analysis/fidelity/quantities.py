@@ -21,7 +21,6 @@ from typing import Any
 
 import numpy as np
 
-
 NAMES = ("residual_velocity", "absorbed_energy", "deflection", "peak_tension")
 WORDS = {
     "residual_velocity": "residual velocity, over the strike velocity",
