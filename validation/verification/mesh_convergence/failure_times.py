@@ -49,7 +49,7 @@ def _panel(level: int) -> Panel:
 
 
 def shot(level: int, velocity: float, end: float) -> tuple[float, float, float]:
-    """(residual velocity [m/s], absorbed energy [J], time of the first failure [s], infinite if none) up to `end` [s]."""
+    """(residual velocity [m/s], absorbed energy [J], time of the first failure [s], infinite if none), until `end`."""
     solver = PanelSolver(_panel(level), velocity, end, interval=SAMPLE)
     solver.run()
     left, failed = float(solver.sample("v")[-1]), solver.sample("failed_yarns") > 0
