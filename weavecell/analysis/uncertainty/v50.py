@@ -140,7 +140,7 @@ def drawn_panel(
     lengths = tuple(count * step for count, step in zip(shape.counts, shape.spacing))
     factors, strengths = draw(fabric, scatter, seed, number, shape.yarn_counts, lengths)
     drawn = replace(plain, fabric=changed(fabric, **factors), table_size=201, grading=grading)
-    panel = drawn.panel(drawn.table(method="newton"))  # each panel has a cell of its own
+    panel = drawn.panel(drawn.table())  # each panel has a cell of its own
     lines = strengths if panel.sides is None else _of_lines(strengths, panel)
     return replace(panel, strength_factors=lines), factors, strengths
 
