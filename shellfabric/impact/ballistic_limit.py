@@ -13,7 +13,6 @@ executor and number of workers.
 from __future__ import annotations
 
 import threading
-from collections import deque
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
@@ -23,6 +22,7 @@ from typing import TYPE_CHECKING
 from fabrics.checks import FloatArray
 from fabrics.errors import InputError, UndecidedError, UnstableError
 from fabrics.executors import cancel, open_executor
+from shellfabric.impact.bracket import STEP, Bracket
 from shellfabric.panel import quality
 from shellfabric.panel.model import Panel
 from shellfabric.sliding.solver import solver_of
@@ -33,7 +33,6 @@ if TYPE_CHECKING:
 UNDECIDED = 5e-3  # [s] after which a shot that has neither stopped nor perforated is given up
 _AUDIT = 10e-6  # [s] between audits: nothing but the guards of the solver use them
 _GUESS = 0.17  # of the velocity that fails a lone yarn at once; only the number of shots depends on it
-_STEP = 1.2  # first factor from the guess towards the other outcome; squared with every step
 
 
 @dataclass(frozen=True)
@@ -114,66 +113,6 @@ class Limit:
         return self.mixed_zone is None
 
 
-@dataclass(frozen=True)
-class Bracket:
-    """What is known of the limit, and hence which velocity is to be tried next.
-
-    Parameters
-    ----------
-    guess : [m/s] where to begin
-    lowest, highest : [m/s] between which to look
-    low, high : [m/s] stops, perforates; 0 and infinity where unknown
-    factor : of the next step while one end is unknown
-    """
-
-    guess: float
-    lowest: float
-    highest: float
-    low: float = 0.0
-    high: float = inf
-    factor: float = _STEP
-
-    @property
-    def width(self) -> float:
-        """[m/s]; infinite while one end is unknown."""
-        return self.high - self.low if self.closed else inf
-
-    @property
-    def closed(self) -> bool:
-        """Whether both ends are known."""
-        return self.low > 0 and self.high < inf
-
-    @property
-    def exhausted(self) -> bool:
-        """Whether one end is unknown and there is no more room to look for it."""
-        return not self.closed and (self.low >= self.highest or self.high <= self.lowest)
-
-    def next(self) -> float:
-        """[m/s] velocity to try."""
-        if self.closed:
-            return 0.5 * (self.low + self.high)
-        if self.low > 0:
-            return min(self.low * self.factor, self.highest)
-        return max(self.high / self.factor, self.lowest) if self.high < inf else self.guess
-
-    def after(self, perforated: bool) -> Bracket:
-        """The bracket once the outcome of the next velocity is known."""
-        end = {"high" if perforated else "low": self.next()}
-        stepping = not self.closed and (self.low > 0 or self.high < inf)
-        return replace(self, **end, factor=self.factor**2 if stepping else self.factor)
-
-    def ahead(self, count: int, tolerance: float) -> list[float]:
-        """The next velocity and those that may follow it, the most likely first; at most `count`."""
-        wanted: list[float] = []
-        open_ends = deque([self])
-        while open_ends and len(wanted) < count:
-            bracket = open_ends.popleft()
-            if bracket.width > tolerance and not bracket.exhausted:
-                wanted.append(bracket.next())
-                open_ends.extend((bracket.after(False), bracket.after(True)))
-        return wanted
-
-
 def first_guess(fabric: Fabric) -> float:
     """[m/s] a velocity to begin with: a share of that which fails the weaker yarn at once, by Smith's theory."""
     from shellfabric.cable.smith import striking_velocity  # with the kernels of the cable net, which no panel uses
@@ -182,7 +121,7 @@ def first_guess(fabric: Fabric) -> float:
 
 
 def critical_velocity(
-    panel: Panel, *, tolerance: float = 1.0, guess: float | None = None, step: float = _STEP, highest: float = 1000.0,
+    panel: Panel, *, tolerance: float = 1.0, guess: float | None = None, step: float = STEP, highest: float = 1000.0,
     executor: str = "local", jobs: int = 1, report: Callable[..., object] | None = None,
 ) -> Limit:  # fmt: skip
     """Bisect for the critical velocity of a panel.
@@ -264,7 +203,7 @@ def _done(bracket, tolerance):
     """Share of the bisection that is done; one whose bracket is open has hardly begun."""
     if not bracket.closed:
         return 0.05
-    first = bracket.guess * (_STEP - 1)
+    first = bracket.guess * (STEP - 1)
     return min(1.0, max(0.1, 1 - log(max(bracket.width / tolerance, 1.0)) / log(max(first / tolerance, 2.0))))
 
 
