@@ -16,12 +16,14 @@ import threading
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
-from math import inf, log
+from functools import partial
+from math import inf, log, sqrt
 from typing import TYPE_CHECKING
 
 from fabrics.checks import FloatArray
 from fabrics.errors import InputError, UndecidedError, UnstableError
 from fabrics.executors import cancel, open_executor
+from shellfabric.driver.solver import STOPPED
 from shellfabric.impact.bracket import STEP, Bracket
 from shellfabric.panel import quality
 from shellfabric.panel.model import Panel
@@ -169,7 +171,7 @@ def critical_velocity(
 
 def shoot(
     panel: Panel, velocities: Sequence[float] | FloatArray, *, executor: str = "local", jobs: int = 1,
-    report: Callable[..., object] | None = None,
+    report: Callable[..., object] | None = None, stops_below: float = 0.0,
 ) -> tuple[Shot, ...]:  # fmt: skip
     """Fire shots at given velocities; a tuple of Shot, in their order.
 
@@ -177,6 +179,9 @@ def shoot(
     ----------
     panel, executor, jobs, report : as of `critical_velocity`
     velocities : (n,) [m/s] strike velocities
+    stops_below : share of the strike velocity below which a projectile counts as stopped where no yarn has failed for
+        as long as a stress wave takes to an edge and back. The outcome is then known sooner; time and peak tensions are
+        those up to then
 
     Raises
     ------
@@ -184,7 +189,7 @@ def shoot(
     """
     _check(jobs=jobs, **{f"velocities[{i}]": v for i, v in enumerate(velocities)})
     shots: list[Shot] = []
-    with _Range(panel, executor, jobs) as shooting:
+    with _Range(panel, executor, jobs, stops_below) as shooting:
         shooting.only(velocities)
         for number, velocity in enumerate(velocities, 1):
             shots.append(_result(shooting, velocity, shots))
@@ -232,11 +237,11 @@ class _Range:
     goes on to its end.
     """
 
-    def __init__(self, panel, executor, jobs):
+    def __init__(self, panel, executor, jobs, stops_below=0.0):
         self.threads = executor == "local"
         if (jobs > 1 or not self.threads) and panel.numerics.threads is None:
             panel = replace(panel, numerics=replace(panel.numerics, threads=1))
-        self.panel = panel
+        self.panel, self.stops_below = panel, stops_below
         self.opened = ThreadPoolExecutor(jobs) if self.threads else open_executor(executor, jobs)
         self.pending = {}  # velocity -> (future, event that gives it up or None)
 
@@ -258,7 +263,8 @@ class _Range:
         for velocity in velocities:
             if velocity not in self.pending:
                 give_up = threading.Event() if self.threads else None
-                self.pending[velocity] = self.pool.submit(_fire, self.panel, velocity, give_up), give_up
+                fire = partial(_fire, stops_below=self.stops_below) if self.stops_below > 0 else _fire
+                self.pending[velocity] = self.pool.submit(fire, self.panel, velocity, give_up), give_up
 
     def result(self, velocity):
         """Wait for a shot."""
@@ -267,10 +273,21 @@ class _Range:
         return shot
 
 
-def _fire(panel, velocity, give_up):
-    def hook(_):
+def _round_trip(panel):
+    """[s] of a stress wave from the impact point to the further edge and back: sqrt 2 longer than along a lone yarn."""
+    return max(2 * sqrt(2) * abs(x).max() / yarn.wave_speed for x, yarn in zip(panel.lines(), panel.weave.yarns))
+
+
+def _fire(panel, velocity, give_up, stops_below=0.0):
+    quiet = _round_trip(panel)
+
+    def hook(solver):
         if give_up is not None and give_up.is_set():
             raise _GivenUp
+        if not solver.ended and solver.sample("v")[-1] < stops_below * velocity:
+            failed = solver.sample("failed_yarns")[solver.sample("t") >= solver.time - quiet]
+            if failed[0] == failed[-1]:
+                solver.reason = STOPPED
 
     solver = solver_of(panel, velocity, UNDECIDED, interval=_AUDIT)
     solver.run((hook,))
