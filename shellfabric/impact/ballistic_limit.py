@@ -284,7 +284,7 @@ def _fire(panel, velocity, give_up, stops_below=0.0):
     def hook(solver):
         if give_up is not None and give_up.is_set():
             raise _GivenUp
-        if not solver.ended and solver.sample("v")[-1] < stops_below * velocity:
+        if stops_below > 0 and not solver.ended and solver.sample("v")[-1] < stops_below * velocity:
             failed = solver.sample("failed_yarns")[solver.sample("t") >= solver.time - quiet]
             if failed[0] == failed[-1]:
                 solver.reason = STOPPED
