@@ -12,8 +12,8 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from fabrics.files import replace_whole
-from meshing.pictures_style import GREEN, INK, WARP, WEFT
-from validation.verification.pull_out.study import LAW, PLATENS, law
+from meshing.pictures_style import INK, WARP, WEFT
+from validation.verification.pull_out.study import LAW, law
 from validation.verification.pull_out.study import WEFT as OF_WEFT
 
 
@@ -25,11 +25,7 @@ def chart(found: dict[str, Any], path: Path) -> None:
         left.plot(1e6 * np.array(pull), P, "o-", ms=3, label=f"F$_c$ {force[-1]:.3g} N")
     left.set(xlabel="pull along the axis [µm]", ylabel="axial force P [N]", title="warp pulled")
     left.legend(frameon=False)
-    for name, case, one, colour in (
-        ("warp", LAW, of, WARP),
-        ("weft", OF_WEFT, found["weft"], WEFT),
-        ("warp, platens", PLATENS, found["platens"], GREEN),
-    ):
+    for name, case, one, colour in (("warp", LAW, of, WARP), ("weft", OF_WEFT, found["weft"], WEFT)):
         right.plot(one["F_c"], one["T_f"], "o", color=colour, label=f"{name} pulled")
         if len(one["F_c"]) > 1:
             fine = np.array([0.0, max(one["F_c"])])
