@@ -9,6 +9,7 @@ import numpy as np
 from shellfabric.jit.compile import kernel
 
 WARP, WEFT = 0, 1
+FRICTION, STOPS, RESIDUAL = 0, 1, 2  # of slip.work: of friction, of the bounds of a flux, left by the iteration
 
 
 @kernel(_nrt=False)
@@ -34,50 +35,86 @@ def kinetic_energy(state, const, slip):
 
 @kernel(_nrt=False)
 def unit_tangent(state, const, family, i, j):
-    """Unit tangent of a yarn at node (i, j), as `tangents` has it; along failed segments where there are no others."""
-    t = chord(state, const, family, i, j, True)
-    return t if t[0] != 0.0 or t[1] != 0.0 or t[2] != 0.0 else chord(state, const, family, i, j, False)
+    """Unit tangent of a yarn at node (i, j), as `slip_kernels.tangents` has it; zero where the yarn has left."""
+    return chord(state, const, family, i, j, state.intact_fraction[family], (state.intact_fraction[family], 0.0))
 
 
 @kernel(_nrt=False)
-def chord(state, const, family, i, j, whole):
-    """Unit vector along the segments of a yarn about node (i, j), of whole ones alone if `whole`; or zero."""
+def chord(state, const, family, i, j, whole, earlier):
+    """Unit vector along the segments of a yarn about node (i, j), of those that are whole; zero where there are none.
+
+    whole : of a segment, above 0 where it is
+    earlier : (of a segment, above 1 where it counts besides; how far back in time [s] the positions are)
+    """
     s, step = const.row_stride, const.row_stride if family == WARP else 1
     k, place, last = i * s + j, i if family == WARP else j, const.ni if family == WARP else const.nj
-    side = const.dx if family == WARP else const.dy
+    side, (removed, back_in_time) = const.dx if family == WARP else const.dy, earlier
     x, y, z = 0.0, 0.0, 0.0
     for back in range(2):
         near = k - back * step
         if place - back < 0 or place - back >= last:
             continue
-        if whole and state.intact_fraction[family][np.uint64(near)] == 0.0:
+        n, far = np.uint64(near), np.uint64(near + step)
+        if not (whole[n] > 0.0 or removed[n] > 1):
             continue
-        far = np.uint64(near + step)
-        x += state.u[0][far] - state.u[0][np.uint64(near)] + (side if family == WARP else 0.0)
-        y += state.u[1][far] - state.u[1][np.uint64(near)] + (0.0 if family == WARP else side)
-        z += state.u[2][far] - state.u[2][np.uint64(near)]
+        x += state.u[0][far] - state.u[0][n] - back_in_time * (state.v[0][far] - state.v[0][n])
+        y += state.u[1][far] - state.u[1][n] - back_in_time * (state.v[1][far] - state.v[1][n])
+        z += state.u[2][far] - state.u[2][n] - back_in_time * (state.v[2][far] - state.v[2][n])
+        x, y = (x + side, y) if family == WARP else (x, y + side)
     length = (x * x + y * y + z * z) ** 0.5
     return (x / length, y / length, z / length) if length > 0.0 else (0.0, 0.0, 0.0)
 
 
 @kernel(_nrt=False)
-def drop_fluxes(state, const, slip):
-    """End the fluxes at nodes that a yarn has left: [J] kinetic energy of its end, whose momentum leaves with it."""
+def along(state, const, slip, node, before):
+    """t . v of the yarn `family` at node (i, j), with the tangent of the segments that are whole.
+
+    node : (family, i, j)
+    before : with that of half a step ago, of the segments too that have been removed in this step
+    """
+    family, i, j = node
+    whole, k = state.intact_fraction[family], np.uint64(i * const.row_stride + j)
+    t = (
+        chord(state, const, family, i, j, whole, (slip.removed[family], 0.5 * const.dt))
+        if before
+        else chord(state, const, family, i, j, whole, (whole, 0.0))
+    )
+    return t[0] * state.v[0][k] + t[1] * state.v[1][k] + t[2] * state.v[2][k]
+
+
+@kernel(_nrt=False)
+def leave_removed(state, const, slip):
+    """[J] kinetic energy that the slip loses with the segments removed in this step, slip.removed; ends fluxes.
+
+    At a node that a yarn has left, its flux ends: kinetic energy and momentum of the end go with it. At a node that
+    keeps one segment, the tangent turns to that one.
+    """
     lost, s = 0.0, const.row_stride
     for family in range(2):
-        step = s if family == WARP else 1
+        step, removed, whole = s if family == WARP else 1, slip.removed[family], state.intact_fraction[family]
         for i in range(const.ni + 1):
             for j in range(s):
-                k, inner = i * s + j, (i if family == WARP else j) > 0
-                q = slip.q[family][np.uint64(k)]
-                if q == 0.0 or state.intact_fraction[family][np.uint64(k)] > 0.0:
+                k, inner = np.uint64(i * s + j), (i if family == WARP else j) > 0
+                behind, q = np.uint64(np.int64(k) - step) if inner else k, slip.q[family][k]
+                if q == 0.0 or not (removed[k] > 1 or removed[behind] > 1):
                     continue
-                if inner and state.intact_fraction[family][np.uint64(k - step)] > 0.0:
+                lost += slip.mass[family][k] * q * along(state, const, slip, (family, i, j), True)
+                if whole[k] > 0.0 or (inner and whole[behind] > 0.0):
+                    lost -= slip.mass[family][k] * q * along(state, const, slip, (family, i, j), False)
                     continue
-                t, along = chord(state, const, family, i, j, False), 0.0
-                for c in range(3):
-                    along += t[c] * state.v[c][np.uint64(k)]
-                lost += slip.mass[family][np.uint64(k)] * q * (along + 0.5 * q)
-                slip.q[family][np.uint64(k)] = slip.q_before[family][np.uint64(k)] = 0.0
-                slip.friction[family][np.uint64(k)] = 0.0
+                lost += slip.mass[family][k] * 0.5 * q * q
+                end_flux(const, slip, family, k)
+        for n in range(removed.size):
+            removed[n] = min(removed[n], np.uint8(1))
     return lost
+
+
+@kernel(_nrt=False)
+def end_flux(const, slip, family, k):
+    """End the flux at a node; the forces of friction of the step before have acted for half a step more."""
+    half = 0.5 * const.dt * slip.q[family][k]
+    slip.work[FRICTION] += half * slip.friction[family][k]
+    slip.work[STOPS] += half * slip.stop[family][k]
+    slip.work[RESIDUAL] += half * slip.residual[family][k]
+    slip.q[family][k] = slip.q_before[family][k] = 0.0
+    slip.friction[family][k] = slip.stop[family][k] = slip.residual[family][k] = 0.0

@@ -105,7 +105,7 @@ def remove_segments(states, const, slip, works):
     flow_kernels.new_tails(state, const, slip)
     if emptied:
         flow_kernels.release_tails(state, const, slip)
-    dropped = slip_energy_kernels.drop_fluxes(state, const, slip) if slip.active else 0.0
+    dropped = slip_energy_kernels.leave_removed(state, const, slip) if slip.active else 0.0
     recompute(state, const, slip, works)
     now_cells, now_sheared = stored(states, const, slip, low, high)
     now_worked, now_damped = failure_kernels.half_step_work(const, state, low, high)
