@@ -43,7 +43,9 @@ ENERGIES = keys(
      "contact, damped"),
     ("ply_contact", "J", "contact between plies"),
     ("ply_friction", "J", "friction between plies"),
-    ("crossover_friction", "J", "sliding crossovers: friction of yarns at the crossovers"),
+    ("crossover_friction", "J", "sliding crossovers: friction of yarns at the crossovers and in gripping clamps"),
+    ("crossover_stops", "J", "sliding crossovers: fluxes ended where a segment between touching yarns gives no more"),
+    ("slip_residual", "J", "sliding crossovers: left by the iteration of the two fluxes of a node"),
     ("error", "J", "sum of all entries less the energy at the start"),
 )  # fmt: skip
 SHARED = keys(
