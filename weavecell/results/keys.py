@@ -122,6 +122,7 @@ COUPON = keys(
     ("pre_tension_N", "N", "pull-out: tension of the crossing yarns before the pull"),
     ("crossover_friction", "1", "pull-out: Coulomb coefficient of yarn on yarn"),
     ("crossover_cohesion_N", "N", "pull-out: friction of a crossover without contact force"),
+    ("yarn_bending_N_m2", "N m^2", "pull-out: bending stiffness of the yarns in the contact force of the threshold"),
     ("displacement_m", "m", "pull-out: displacement of the crosshead at the end"),
     ("peak_load_N", "N", "pull-out: highest load on the yarn"),
     ("plateau_load_N", "N", "pull-out: mean load while all crossovers slide; null where they never all do"),
