@@ -73,7 +73,7 @@ from shellfabric.jit.simd import (
 )
 
 ONE = np.uint64(1)
-WARP_FAILED, WEFT_FAILED, ERODED = 1, 2, 4
+WARP_FAILED, WEFT_FAILED, ERODED, WINDOW = 1, 2, 4, 8  # of state.element_flag; WINDOW: sliding yarns drawn apart
 
 
 def mean_crossing_warp(split, k, a, b, c, d):

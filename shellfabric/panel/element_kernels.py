@@ -78,8 +78,15 @@ def edge_stretches(state, const, first, last, thin, work):
     if last == const.ni:
         end = (last - first + 2) * s
         membrane_kernels.copy_row(s, end - s, end, w.stretch1)
+    crossing_means(state, const, first, last, thin, w)
+
+
+@kernel(_nrt=False, forceinline=True)
+def crossing_means(state, const, first, last, thin, work):
+    """Means of the crossing stretches of the edges of a block's rows, from work.stretch1 and work.stretch2."""
+    s, w, low = const.row_stride, work, max(first - 1, 0)
     membrane_kernels.crossing_means_warp(
-        low * s, m0, (last - low) * s, s, const.mean_weight2, w.stretch2, w.mean_stretch2
+        low * s, (low - first + 2) * s, (last - low) * s, s, const.mean_weight2, w.stretch2, w.mean_stretch2
     )
     membrane_kernels.crossing_means_weft(
         first * s, 2 * s, (last - first + 1) * s, s, const.mean_weight1, w.stretch1, w.mean_stretch1

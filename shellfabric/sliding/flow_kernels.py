@@ -4,21 +4,23 @@ Ends of yarn. A segment that has failed, or whose yarn has been pulled out of th
 each of the nodes beside it hangs a free tail. When the tail is used up, the yarn leaves that node, and the segment
 before it becomes the tail.
 
-Open windows. The projectile touches a closed surface through the nodes. An element between whose four yarns the whole
-projectile fits is taken out of contact.
+Open windows. The projectile touches a closed surface through the nodes. Where yarns have been drawn apart, only what
+lies near one of them is left of it (`projectile.window_kernels.cover_at_point`); an element between whose four yarns
+the whole projectile fits is taken out of contact.
 """
 
 import numpy as np
 
 from shellfabric.cloth import failure_kernels
-from shellfabric.cloth.membrane_kernels import ERODED
+from shellfabric.cloth.membrane_kernels import ERODED, WINDOW
 from shellfabric.jit.compile import kernel
-from shellfabric.jit.simd import WIDTH, fma, greater, load, masked_store, where
+from shellfabric.jit.simd import WIDTH, any_lane, fabs, fma, greater, load, masked_store, where
 from shellfabric.projectile import window_kernels
 
 WARP, WEFT = 0, 1
 # of slip.counter: a tail is used up, segments pulled out, ends of yarn, open windows
 EMPTIED, PULLED_OUT, TAILS, OPENED = 0, 1, 2, 3
+REMOVED_NOW = np.uint8(2)  # of slip.removed: in this step; 1 in an earlier one
 
 
 @kernel(_nrt=False)
@@ -31,15 +33,18 @@ def move_yarn(state, const, slip):
             continue
         for j in range(0, s, WIDTH):
             k, left = i * s + j, s - j
+            q1, q2 = load(slip.q[0], k), load(slip.q[1], k)
             if i < const.ni:
-                flow = (load(slip.q[0], k) - load(slip.q[0], k + s)) * (dt / const.dx)
-                add_yarn(state, slip, 0, k, left, flow)
+                flow = (q1 - load(slip.q[0], k + s)) * (dt / const.dx)
+                if any_lane(greater(fabs(flow), 0.0)):
+                    add_yarn(state, slip, 0, k, left, flow)
             if here:
-                masked_store(slip.passed[0], k, fma(load(slip.q[0], k), dt, load(slip.passed[0], k)), left)
-                masked_store(slip.passed[1], k, fma(load(slip.q[1], k), dt, load(slip.passed[1], k)), left)
-            if here:
-                flow = (load(slip.q[1], k) - load(slip.q[1], k + 1)) * (dt / const.dy)
-                add_yarn(state, slip, 1, k, left, flow)
+                flow = (q2 - load(slip.q[1], k + 1)) * (dt / const.dy)
+                if any_lane(greater(fabs(flow), 0.0)):
+                    add_yarn(state, slip, 1, k, left, flow)
+                if any_lane(greater(fabs(q1) + fabs(q2), 0.0)):
+                    masked_store(slip.passed[0], k, fma(q1, dt, load(slip.passed[0], k)), left)
+                    masked_store(slip.passed[1], k, fma(q2, dt, load(slip.passed[1], k)), left)
     if slip.counter[TAILS] > 0:
         move_tails(state, const, slip)
 
@@ -86,12 +91,15 @@ def pull_out(state, const, slip, family, i, j):
     state.yarn_length[family][k] = 0.0
     failure_kernels.flag_elements(const, state, family, i, j)
     slip.counter[PULLED_OUT] += 1
-    slip.pulled_out[family][k] = 1
+    slip.removed[family][k] = REMOVED_NOW
 
 
 @kernel(_nrt=False)
 def open_windows(state, const, slip):
-    """Take out of contact the elements between whose yarns the projectile fits: wider than it in both directions."""
+    """Find the elements whose yarns have been drawn apart along both families, in the contact window.
+
+    Those that the projectile fits through are taken out of contact; the others are flagged for `cover_at_point`.
+    """
     i0, i1, j0, j1 = window_kernels.window_bounds(state)
     s, one, width = np.uint64(const.row_stride), np.uint64(1), 2.0 * const.projectile_radius
     wide1, wide2 = width / const.dx, width / const.dy
@@ -99,10 +107,16 @@ def open_windows(state, const, slip):
     for i in range(i0, i1):
         for j in range(j0, j1):
             k = np.uint64(i * const.row_stride + j)
-            if min(L1[k], L1[k + one]) < wide1 or min(L2[k], L2[k + s]) < wide2 or state.element_flag[k] & ERODED:
+            most1, most2 = max(L1[k], L1[k + one]), max(L2[k], L2[k + s])
+            if state.element_flag[k] & ERODED or most1 <= window_kernels.COVERED or most2 <= window_kernels.COVERED:
                 continue
-            state.element_flag[k] |= ERODED
-            slip.counter[OPENED] += 1
+            state.element_flag[k] |= WINDOW
+            bare = min(L1[k], L1[k + one]) > window_kernels.BARE and min(L2[k], L2[k + s]) > window_kernels.BARE
+            if bare and not slip.opened[k]:
+                slip.opened[k] = True
+                slip.counter[OPENED] += 1
+            if min(L1[k], L1[k + one]) > wide1 and min(L2[k], L2[k + s]) > wide2:
+                state.element_flag[k] |= ERODED
 
 
 @kernel(_nrt=False)
@@ -112,8 +126,8 @@ def new_tails(state, const, slip):
     for family in range(2):
         near, far = slip.tail[family]
         for k in range(np.uint64(state.active_rows[0] * s), np.uint64((state.active_rows[1] + 1) * s)):
-            if state.failed[family][k] != 0 and slip.cut[family][k] == 0:
-                slip.cut[family][k] = 1
+            if state.failed[family][k] != 0 and slip.removed[family][k] == 0:
+                slip.removed[family][k] = REMOVED_NOW
                 slip.counter[TAILS] += 1
                 near[k + np.uint64(s)] = far[k + np.uint64(s)] = 0.5 * slip.share[family][k]
 

@@ -24,7 +24,7 @@ import math
 
 import numpy as np
 
-from shellfabric.cloth import damage_kernels, membrane_kernels
+from shellfabric.cloth import membrane_kernels
 from shellfabric.jit.compile import kernel
 from shellfabric.jit.simd import (
     WIDTH,
@@ -85,16 +85,7 @@ def edge_stretches(state, const, slip, first, last, thin, works):
         end = (last - first + 2) * s
         membrane_kernels.copy_row(s, end - s, end, w.stretch1)
         membrane_kernels.copy_row(s, end - s, end, e.stretch1)
-    membrane_kernels.crossing_means_warp(
-        low * s, m0, (last - low) * s, s, const.mean_weight2, e.stretch2, e.mean_stretch2
-    )
-    membrane_kernels.crossing_means_weft(
-        first * s, 2 * s, (last - first + 1) * s, s, const.mean_weight1, e.stretch1, e.mean_stretch1
-    )
-    if thin:
-        shift = (first - 2) * s
-        damage_kernels.damaged_means(const, state, 0, low, last, shift, e.stretch2, e.mean_stretch2)
-        damage_kernels.damaged_means(const, state, 1, first, last + 1, shift, e.stretch1, e.mean_stretch1)
+    element_kernels.crossing_means(state, const, first, last, thin, e)
 
 
 @kernel(_nrt=False)

@@ -14,7 +14,8 @@ from __future__ import annotations
 
 import tomllib
 from collections import namedtuple
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from functools import cached_property
 from math import inf, isinf, pi, sqrt
 from pathlib import Path
 from typing import Any
@@ -26,8 +27,9 @@ from fabrics.errors import InputError
 from shellfabric.cell import coefficients
 from shellfabric.jit.aligned import aligned_zeros
 from shellfabric.panel import boundary
-from shellfabric.panel.arrays import State
+from shellfabric.panel.arrays import Constants, State
 from shellfabric.panel.model import Panel
+from shellfabric.sliding import contact_force
 
 DATA = tomllib.loads((Path(__file__).parent / "friction.toml").read_text("utf-8"))  # values, ranges, sources, status
 HEXAGONAL = pi / sqrt(12)  # densest packing of round fibres
@@ -36,8 +38,8 @@ MOST_CLOSEST = 0.9  # of the spacing: cloth at rest is not in lateral contact
 
 Slip = namedtuple(
     "Slip",
-    "active cohesion mu table lateral closest least share inv_share x config q q_before friction mass pull mobility "
-    "coupling part row_slips tail cut pulled_out passed counter work",
+    "active cohesion mu table lateral closest least share inv_share x config q q_before friction stop residual mass "
+    "pull mobility coupling part grip row_slips tail removed opened passed counter work",
 )
 
 
@@ -50,6 +52,8 @@ class CrossoverFriction:
     mu : [-] coefficient of friction of yarn on yarn; inf pins all crossovers. The default, with its range and source,
         is that of friction.toml, as the next
     cohesion : [N] c0, threshold without contact force; inf pins all crossovers
+    bending : (warp, weft) [N m2] bending stiffness of the yarns, with which F_c is computed (`contact_force`); 0 for
+        that of flexible yarns, which is none where one of them has no tension
 
     Raises
     ------
@@ -58,12 +62,15 @@ class CrossoverFriction:
 
     mu: float = DATA["crossover_friction"]["value"]
     cohesion: float = DATA["crossover_cohesion"]["value"]
+    bending: tuple[float, float] = (0.0, 0.0)
 
     def __post_init__(self):
         for key in ("mu", "cohesion"):
             if not getattr(self, key) >= 0:
                 name = f"crossover_{'friction' if key == 'mu' else key}"
                 raise InputError(key=name, value=getattr(self, key), allowed="at least 0")
+        if len(self.bending) != 2 or not all(0 <= B < inf for B in self.bending):
+            raise InputError(key="bending", value=self.bending, allowed="two stiffnesses of at least 0")
 
     @property
     def pins(self) -> bool:
@@ -81,8 +88,8 @@ class SlidingPanel(Panel):
 
     Raises
     ------
-    InputError : as Panel; and several elements a crossover, grading, an oblique weave, sides other than clamped or
-        free, bending, jamming, a block, single precision, or a cell without contact force or energy
+    InputError : as Panel; and several elements a crossover, grading, an oblique weave, a prescribed pull-in, bending,
+        jamming, a block, single precision, or a cell without contact force or energy
     """
 
     friction: CrossoverFriction = field(default_factory=CrossoverFriction)
@@ -90,12 +97,12 @@ class SlidingPanel(Panel):
     def __post_init__(self):
         super().__post_init__()
         words = "with sliding crossovers"
-        plain = all(isinstance(side, str) for pair in boundary.sides(self.edge) for side in pair)
+        led = any(isinstance(side, boundary.PullIn) for pair in boundary.sides(self.edge) for side in pair)
         for key, value, met, allowed in (
             ("elements_per_crossover", self.elements_per_crossover, self.elements_per_crossover == 1, "1"),
             ("grading", self.grading, self.grading is None, "left out"),
             ("weave_angle", self.weave_angle, self.weave_angle == 0, "0"),
-            ("edge", self.edge, plain, "clamped or free"),
+            ("edge", self.edge, not led, "clamped, free or gripped"),
             ("bending", self.bending, not any(self.bending), "0"),
             ("jam", self.jam, self.jam[0] == 0, "left out"),
             ("backing", "a block", self.backing is None, "left out"),
@@ -130,11 +137,40 @@ class SlidingPanel(Panel):
             found.append(sqrt(3) * sqrt(4 * yarn.A_s / (pi * HEXAGONAL)) / (2 * w))
         return min(*found, MOST_CLOSEST)
 
+    def constants(self, out_of_plane: bool = False) -> Constants:
+        """As Panel; yarns slip through the nodes of a gripped side, which do not move."""
+        held = self._held
+        return super().constants(out_of_plane) if held is self else held.constants(out_of_plane)
+
+    def state(self, strike_velocity: float) -> State:
+        """As Panel."""
+        return super().state(strike_velocity) if self._held is self else self._held.state(strike_velocity)
+
+    @cached_property
+    def _held(self) -> SlidingPanel:
+        """The panel with its grips as clamps, where yarns can slip through these; otherwise itself."""
+        given = boundary.sides(self.edge)
+        if self.friction.pins or not any(isinstance(side, boundary.Grip) for pair in given for side in pair):
+            return self
+        held = tuple(tuple("clamped" if isinstance(side, boundary.Grip) else side for side in pair) for pair in given)
+        return replace(self, edge=held)
+
+    def grips(self) -> tuple[FloatArray, FloatArray]:
+        """(warp, weft) each (ni+1, nj+1) [N]: what the clamps of gripped sides hold the yarn at a node with; 0 where
+        there is none."""
+        found = np.zeros((2, *self.masses().shape))
+        if self._held is self:
+            return found[0], found[1]
+        nodes, axes, values = boundary.rim(self)
+        for node, axis, (*_, force, _) in zip(nodes, axes, values):
+            found[axis].flat[node] = force
+        return found[0], found[1]
+
     def mobile(self) -> tuple[Any, Any]:
-        """(warp, weft) each (ni+1, nj+1) bool: nodes through which a yarn may slip: not in a clamp, nor across a plane
-        of symmetry."""
+        """(warp, weft) each (ni+1, nj+1) bool: nodes through which a yarn may slip: not in a clamp that does not let it
+        slip, nor across a plane of symmetry."""
         loose = boundary.loose(self)
-        warp, weft = loose.copy(), loose.copy()
+        warp, weft = (loose | (grip > 0) for grip in self.grips())
         if self.mirrors[0]:
             warp[0] = False
         if self.mirrors[1]:
@@ -152,21 +188,29 @@ class SlidingPanel(Panel):
         mu, cohesion = (0.0, 0.0) if pins else (float(self.friction.mu), float(self.friction.cohesion))
         part = aligned_zeros(1, slots)[0]
         part[:] = state.mass / (self.weave.areal_density * self.spacing[0] * self.spacing[1])
+        grip = aligned_zeros(1, slots)[0]
+        for force in self.grips():
+            grip[: force.size] += force.ravel()
         tails = aligned_zeros(4, slots + 2 * s)
         for each in tails:
             each[:] = 0.5
-        zeros = aligned_zeros(12, slots)
-        flags = tuple(np.zeros(slots, np.uint8) for _ in range(4))
+        for (near, far), step, force in zip((tails[:2], tails[2:]), (s, 1), self.grips()):
+            nodes = np.flatnonzero(force)
+            near[nodes + s] = far[nodes - step + s] = inf  # yarn in the clamp
+            part[nodes] = 0.0
+        zeros = aligned_zeros(14, slots)
+        removed = tuple(np.zeros(slots, np.uint8) for _ in range(2))
         counter = np.array([0, 0, any("free" in pair for pair in boundary.sides(self.edge)), 0], np.int64)
         return Slip(
             active=not pins, cohesion=cohesion, mu=mu,
-            table=coefficients.bilinear(self.table.values["F"]).reshape(-1, 4),
+            table=coefficients.bilinear(contact_force.stiff_table(self.table, self.friction.bending)).reshape(-1, 4),
             lateral=0.0 if pins else self.closest**2 * min(yarn.EA for yarn in self.weave.yarns), closest=self.closest,
             least=LEAST * self.closest,
             share=ones[:2], inv_share=ones[2:], x=self._rest_stretch(state), config=zeros[0:2], q=zeros[2:4],
-            q_before=zeros[4:6], friction=zeros[6:8], mass=mass, pull=pull, mobility=mobility, coupling=coupling,
-            part=part, row_slips=np.zeros(self.counts[0] + 2, np.bool_), tail=(tails[:2], tails[2:]),
-            cut=flags[:2], pulled_out=flags[2:], passed=zeros[8:10], counter=counter, work=np.zeros(1),
+            q_before=zeros[4:6], friction=zeros[6:8], stop=zeros[8:10], residual=zeros[10:12], mass=mass, pull=pull,
+            mobility=mobility, coupling=coupling, part=part, grip=grip,
+            row_slips=np.zeros(self.counts[0] + 2, np.bool_), tail=(tails[:2], tails[2:]), removed=removed,
+            opened=np.zeros(slots, np.bool_), passed=zeros[12:14], counter=counter, work=np.zeros(3),
         )  # fmt: skip
 
     def _rest_stretch(self, state):

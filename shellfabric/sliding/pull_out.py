@@ -22,6 +22,7 @@ from shellfabric.cell.model import CellTable
 from shellfabric.driver.solver import Hook
 from shellfabric.panel.numerics import Numerics
 from shellfabric.projectile.projectile import Projectile
+from shellfabric.sliding import contact_force
 from shellfabric.sliding.model import CrossoverFriction, SlidingPanel, grid
 from shellfabric.sliding.solver import SlidingSolver
 
@@ -77,12 +78,27 @@ class PullOut:
         )  # fmt: skip
 
     def stretch(self) -> float:
-        """[-] stretch of the crossing yarns under the pre-tension, the pulled yarn at its length at rest."""
-        table = self.table
-        rest = int(np.argmin(np.abs(table.stretch1 - 1)))
-        tension, stretch = table.values["T2"][rest], table.stretch2
-        loaded = stretch >= 1
-        return float(np.interp(self.pre_tension, tension[loaded], stretch[loaded])) if self.pre_tension > 0 else 1.0
+        """[-] stretch of the crossing yarns under the pre-tension: the pulled yarn without tension, where yarns resist
+        bending, and at its length at rest where they do not."""
+        table, bending = self.table, self.friction.bending
+        if self.pre_tension == 0:
+            return 1.0
+        if any(bending):
+            tension = contact_force.crossing_tension(table, bending)
+        else:
+            tension = table.values["T2"][int(np.argmin(np.abs(table.stretch1 - 1)))]
+        loaded = (table.stretch2 >= 1) & (np.gradient(tension) > 0)
+        return float(np.interp(self.pre_tension, tension[loaded], table.stretch2[loaded]))
+
+    def drawn_in(self) -> float:
+        """[-] share of yarn at which the pulled yarn has no tension, its ends loose while the others are stretched;
+        1 where yarns do not resist bending."""
+        table, stretch = self.table, self.stretch()
+        if stretch == 1 or not any(self.friction.bending):
+            return 1.0
+        column = int(np.argmin(np.abs(table.stretch2 - stretch)))
+        slack = np.flatnonzero(table.values["N1"][:, column] <= 0)
+        return 1 / min(float(table.stretch1[slack[-1]]), 1.0)
 
 
 @dataclass(frozen=True)
@@ -147,6 +163,10 @@ class PullOutSolver(SlidingSolver):
             (self.slip.q[0], self.coupon.velocity), (self.slip.q_before[0], self.coupon.velocity),
         ):  # fmt: skip
             grid(array, panel)[-1, pulled] = value
+        share, inverse, x = (
+            grid(each[0], panel)[:-1, pulled] for each in (self.slip.share, self.slip.inv_share, self.slip.x)
+        )
+        share[:], inverse[:], x[:] = self.coupon.drawn_in(), 1 / self.coupon.drawn_in(), 1 / self.coupon.drawn_in()
         self.slip.row_slips[const.ni] = True
         self._states = state, state._replace(stretch=self.slip.x)
         super()._start(parts, elements, most_threads)

@@ -13,12 +13,10 @@ F_c is the contact force of the cell at the effective stretches about the node, 
 it: round the nose a yarn of tension T that turns by an angle is pressed on with T times it, which makes this the
 capstan's law. Without a, dq1/dt = [C1 - f1 - (m1/m) t1.(F - m2 t2 dq2/dt)] / (m1 - m1^2/m); both families are
 solved by Gauss-Seidel iteration, each with the implicit Coulomb law |q*| - dt Tf / M. A held node has 1/m = 0. The
-residuals of the iteration and of the bounds of a flux count as friction, so that the energy balance is exact.
+works of friction, of the bounds of a flux, and of the residual of the iteration are counted apart, in slip.work.
 The yarn moves on by its flux: the share of the segment ahead grows by dt q over its length at rest, that behind loses
 as much.
 """
-
-import numpy as np
 
 from shellfabric.jit.compile import kernel
 from shellfabric.jit.simd import (
@@ -43,8 +41,8 @@ from shellfabric.jit.simd import (
     to_int32,
     where,
 )
+from shellfabric.sliding.slip_energy_kernels import FRICTION, RESIDUAL, STOPS
 
-WARP, WEFT = 0, 1
 SWEEPS = 3  # Gauss-Seidel: leaves (t1 . t2)^5 of the fluxes' change, t1 . t2 being 0.4 in locked cloth
 # of t1 . t2 in that iteration: where yarns lie along each other a common flux of both would have no mass
 MOST_COSINE = 0.7
@@ -61,44 +59,48 @@ def slip_nodes(state, const, slip):
 @kernel(_nrt=False)
 def slip_row(state, const, slip, i):
     """`slip_nodes` of one row."""
-    s, k0, moving, rubbed = const.row_stride, i * const.row_stride, False, broadcast(0.0)
+    s, k0, moving = const.row_stride, i * const.row_stride, False
+    rubbed, stopped, off = broadcast(0.0), broadcast(0.0), broadcast(0.0)
     up, down, inner = (s if i < const.ni else 0), (s if i > 0 else 0), (1.0 if i > 0 else 0.0)
     for j in range(0, s, WIDTH):
         k, left = k0 + j, s - j
-        b1 = load(state.intact_fraction[0], k), inner * load(state.intact_fraction[0], k - down)
-        b2 = load(state.intact_fraction[1], k), load_before(state.intact_fraction[1], k)
-        mobile1 = load(slip.mobility[0], k) * minimum(b1[0] + b1[1], 1.0)
-        mobile2 = load(slip.mobility[1], k) * minimum(b2[0] + b2[1], 1.0)
-        q = load(slip.q[0], k), load(slip.q[1], k)
         f = node_force(state, k)
         C1 = load(slip.config[0], k) - inner * load(slip.config[0], k - down)
         C2 = load(slip.config[1], k) - load_before(slip.config[1], k)
-        last = fabs(load(slip.q_before[0], k)) + fabs(load(slip.q_before[1], k))
-        flux = maximum(fabs(q[0]), fabs(q[1])) + last
+        flux = maximum(fabs(load(slip.q[0], k)), fabs(load(slip.q[1], k)))
+        last = maximum(fabs(load(slip.q_before[0], k)), fabs(load(slip.q_before[1], k)))
         # no drive is above this, whatever the tangents: most nodes need neither them nor a threshold
         most = maximum(fabs(C1), fabs(C2)) + fabs(f[0]) + fabs(f[1]) + fabs(f[2])
-        slips = any_lane(greater(flux, 0.0))
+        slips = any_lane(greater(flux + last, 0.0))
         if not (slips or any_lane(greater(most, slip.cohesion * load(slip.part, k)))):
             continue
+        b1 = load(state.intact_fraction[0], k), inner * load(state.intact_fraction[0], k - down)
+        b2 = load(state.intact_fraction[1], k), load_before(state.intact_fraction[1], k)
         limit = threshold(state, const, slip, k, down, b1, b2)
         if not (slips or any_lane(greater(most, limit))):
             continue
-        t1, t2 = tangents(state.u, const, k, up, down, b1, b2)
-        t1, t2 = unit(*t1), unit(*t2)
+        mobile1 = load(slip.mobility[0], k) * minimum(b1[0] + b1[1], 1.0)
+        mobile2 = load(slip.mobility[1], k) * minimum(b2[0] + b2[1], 1.0)
+        along = directions(state.u, k, up, down, b1, b2, (const.dx * (b1[0] + b1[1]), const.dy * (b2[0] + b2[1])))
+        t1, per1 = unit(*along[0])
+        t2, per2 = unit(*along[1])
         drive1 = C1 - load(slip.pull[0], k) * dot(t1, f)
         drive2 = C2 - load(slip.pull[1], k) * dot(t2, f)
         most = maximum(where(greater(mobile1, 0.0), fabs(drive1), 0.0), where(greater(mobile2, 0.0), fabs(drive2), 0.0))
         if not (slips or any_lane(greater(most, limit))):
             continue
-        rates = tangent_rates(state, const, k, up, down, (b1, b2), (t1, t2))
+        change = directions(state.v, k, up, down, b1, b2, (broadcast(0.0), broadcast(0.0)))
+        rates = turning(change[0], t1, per1), turning(change[1], t2, per2)
         room = flux_bounds(slip, 0, k, k - down, b1), flux_bounds(slip, 1, k, k - 1 if k > 0 else k, b2)
-        moves, work = update_nodes(
+        moves, work, more, rest = update_nodes(
             state, slip, k, left, const.dt, (t1, t2), rates, (drive1, drive2), (mobile1, mobile2, *room), limit
         )
         moving = moves or moving
-        rubbed = rubbed + work
+        rubbed, stopped, off = rubbed + work, stopped + more, off + rest
     slip.row_slips[i] = moving
-    slip.work[0] += reduce_add(rubbed)
+    slip.work[FRICTION] += reduce_add(rubbed)
+    slip.work[STOPS] += reduce_add(stopped)
+    slip.work[RESIDUAL] += reduce_add(off)
 
 
 @kernel(_nrt=False, forceinline=True)
@@ -108,13 +110,13 @@ def load_before(x, k):
 
 
 @kernel(_nrt=False, forceinline=True)
-def tangents(u, const, k, up, down, b1, b2):
-    """Vectors along warp and weft of eight nodes at the displacements u: sums of the whole segments about them."""
-    X, Y = const.dx * (b1[0] + b1[1]), const.dy * (b2[0] + b2[1])
-    a1, c1 = central_difference(u[0], k, k + up, load(u[0], k - down), load_before(u[0], k), b1, b2)
-    a2, c2 = central_difference(u[1], k, k + up, load(u[1], k - down), load_before(u[1], k), b1, b2)
-    a3, c3 = central_difference(u[2], k, k + up, load(u[2], k - down), load_before(u[2], k), b1, b2)
-    return (a1 + X, a2, a3), (c1, c2 + Y, c3)
+def directions(x, k, up, down, b1, b2, rest):
+    """Sums of the changes of x over the whole segments about eight nodes, along warp and weft: of the displacements,
+    with the lengths at rest `rest` [m], vectors along the yarns; of the velocities, their rates."""
+    a1, c1 = central_difference(x[0], k, k + up, load(x[0], k - down), load_before(x[0], k), b1, b2)
+    a2, c2 = central_difference(x[1], k, k + up, load(x[1], k - down), load_before(x[1], k), b1, b2)
+    a3, c3 = central_difference(x[2], k, k + up, load(x[2], k - down), load_before(x[2], k), b1, b2)
+    return (a1 + rest[0], a2, a3), (c1, c2 + rest[1], c3)
 
 
 @kernel(_nrt=False, forceinline=True)
@@ -128,26 +130,10 @@ def central_difference(x, k, ahead, behind1, behind2, b1, b2):
 
 
 @kernel(_nrt=False, forceinline=True)
-def tangent_rates(state, const, k, up, down, b, t):
-    """Rates of the unit tangents of eight nodes, [1/s]."""
-    v, u, (b1, b2) = state.v, state.u, b
-    a1, c1 = central_difference(v[0], k, k + up, load(v[0], k - down), load_before(v[0], k), b1, b2)
-    a2, c2 = central_difference(v[1], k, k + up, load(v[1], k - down), load_before(v[1], k), b1, b2)
-    a3, c3 = central_difference(v[2], k, k + up, load(v[2], k - down), load_before(v[2], k), b1, b2)
-    long1, long2 = tangents(u, const, k, up, down, b1, b2)
-    return turning((a1, a2, a3), long1, t[0]), turning((c1, c2, c3), long2, t[1])
-
-
-@kernel(_nrt=False, forceinline=True)
-def turning(rate, along, t):
-    """Rate of the unit vector t of `along`, which changes at `rate`; zero where there is none."""
-    length, stretching = dot(along, t), dot(rate, t)
-    inverse = where(greater(length, 0.0), 1.0 / where(greater(length, 0.0), length, 1.0), 0.0)
-    return (
-        inverse * (rate[0] - stretching * t[0]),
-        inverse * (rate[1] - stretching * t[1]),
-        inverse * (rate[2] - stretching * t[2]),
-    )
+def turning(rate, t, per):
+    """Rate [1/s] of the unit vector t of vectors of the length 1 / per, which change at `rate`."""
+    stretching = dot(rate, t)
+    return per * (rate[0] - stretching * t[0]), per * (rate[1] - stretching * t[1]), per * (rate[2] - stretching * t[2])
 
 
 @kernel(_nrt=False, forceinline=True)
@@ -158,11 +144,11 @@ def dot(a, b):
 
 @kernel(_nrt=False, forceinline=True)
 def unit(a, b, c):
-    """The vectors over their lengths; zero where there is none."""
+    """(the vectors over their lengths, 1 / length); zero where there is none."""
     square = fma(c, c, fma(b, b, a * a))
     some = greater(square, 1e-30)
     inverse = where(some, rsqrt(where(some, square, 1.0)), 0.0)
-    return a * inverse, b * inverse, c * inverse
+    return (a * inverse, b * inverse, c * inverse), inverse
 
 
 @kernel(_nrt=False, forceinline=True)
@@ -179,13 +165,13 @@ def node_force(state, k):
 def mean_stretch(b, ahead, behind):
     """Mean effective stretch of the segments about eight nodes, of those that are whole; 1 where there is none."""
     count = b[0] + b[1]
-    some = greater(count, 0.0)
-    return where(some, (b[0] * ahead + b[1] * behind) / where(some, count, 1.0), 1.0)
+    total = b[0] * ahead + b[1] * behind
+    return where(greater(count, 1.5), 0.5 * total, where(greater(count, 0.5), total, 1.0))
 
 
 @kernel(_nrt=False, forceinline=True)
 def threshold(state, const, slip, k, down, b1, b2):
-    """Largest friction [N] of eight nodes, Tf; none where one of the two yarns has left the node."""
+    """Largest friction [N] of eight nodes, Tf, none where one of the two yarns has left the node; and of a clamp."""
     x0, rx, top1, y0, ry, top2, across = const.table_grid
     found = broadcast(slip.cohesion)
     if slip.mu > 0.0:
@@ -198,7 +184,8 @@ def threshold(state, const, slip, k, down, b1, b2):
         found = found + slip.mu * maximum(fma(q, fma(c[3], p, c[2]), fma(c[1], p, c[0])), 0.0)
     f = load(state.f_contact[0], k), load(state.f_contact[1], k), load(state.f_contact[2], k)
     both = minimum(b1[0] + b1[1], 1.0) * minimum(b2[0] + b2[1], 1.0)
-    return both * (load(slip.part, k) * found + slip.mu * sqrt(dot(f, f)))
+    found = load(slip.part, k) * found + slip.mu * sqrt(dot(f, f))
+    return both * found + load(slip.grip, k)
 
 
 @kernel(_nrt=False, forceinline=True)
@@ -211,15 +198,19 @@ def flux_bounds(slip, family, ahead, behind, b):
 
 @kernel(_nrt=False, forceinline=True)
 def coulomb(q, kick, mobile, limit, bounds):
-    """Flux after an impulse per mass `kick` against friction of at most `limit` over the reduced mass 1 / mobile."""
+    """Flux after an impulse per mass `kick` against friction of at most `limit` over the reduced mass 1 / mobile.
+
+    Returns it, what friction has taken of it, and what the bounds of the flux have.
+    """
     trial = q + kick
     slipping = copysign(maximum(fabs(trial) - limit * mobile, 0.0), trial)
-    return where(greater(mobile, 0.0), minimum(maximum(slipping, bounds[0]), bounds[1]), 0.0)
+    new = where(greater(mobile, 0.0), minimum(maximum(slipping, bounds[0]), bounds[1]), 0.0)
+    return new, trial - slipping, slipping - new
 
 
 @kernel(_nrt=False)
 def update_nodes(state, slip, k, left, dt, t, rates, drives, mobile, limit):
-    """Fluxes of eight nodes: (whether one of them is not zero, work [J] of friction)."""
+    """Fluxes of eight nodes: (whether one of them is not zero, work [J] of friction, of bounds, of the iteration)."""
     (t1, t2), (r1, r2), (D1, D2) = t, rates, drives
     q1, q2, m1, m2 = load(slip.q[0], k), load(slip.q[1], k), load(slip.mass[0], k), load(slip.mass[1], k)
     g1, g2 = m1 * q1, m2 * q2
@@ -228,101 +219,49 @@ def update_nodes(state, slip, k, left, dt, t, rates, drives, mobile, limit):
     cosine, coupling, per, most = dot(t1, t2), load(slip.coupling, k), 1.0 / dt, dt * limit
     both = coupling * minimum(maximum(cosine, -MOST_COSINE), MOST_COSINE)
     bounds1, bounds2 = mobile[2], mobile[3]
-    n1, n2, E1, E2 = q1, q2, D1, D2
+    n2, taken1, stopped1, taken2, stopped2 = q2, D1, D1, D2, D2
     for _ in range(SWEEPS):
         E1 = D1 + both * (per * (n2 - q2))
-        n1 = coulomb(q1, dt * mobile[0] * E1, mobile[0], most, bounds1)
+        n1, taken1, stopped1 = coulomb(q1, dt * mobile[0] * E1, mobile[0], most, bounds1)
         E2 = D2 + both * (per * (n1 - q1))
-        n2 = coulomb(q2, dt * mobile[1] * E2, mobile[1], most, bounds2)
+        n2, taken2, stopped2 = coulomb(q2, dt * mobile[1] * E2, mobile[1], most, bounds2)
     E1, E2 = D1 + coupling * cosine * (per * (n2 - q2)), D2 + coupling * cosine * (per * (n1 - q1))
     g1, g2 = m1 * (per * (n1 - q1)), m2 * (per * (n2 - q2))
-    f1, f2 = friction(E1, n1 - q1, per, mobile[0]), friction(E2, n2 - q2, per, mobile[1])
-    work = q1 * (f1 + load(slip.friction[0], k)) + q2 * (f2 + load(slip.friction[1], k))
+    work1 = opposing_work(slip, 0, k, left, (q1, n1, per), (E1, taken1, stopped1), mobile[0])
+    work2 = opposing_work(slip, 1, k, left, (q2, n2, per), (E2, taken2, stopped2), mobile[1])
     for c in range(3):
         masked_store(state.f_int[c], k, load(state.f_int[c], k) - (turn[c] + (g1 * t1[c] + g2 * t2[c])), left)
-    masked_store(slip.q_before[0], k, q1, left)
-    masked_store(slip.q_before[1], k, q2, left)
-    masked_store(slip.q[0], k, n1, left)
-    masked_store(slip.q[1], k, n2, left)
-    masked_store(slip.friction[0], k, f1, left)
-    masked_store(slip.friction[1], k, f2, left)
-    flux = where(head_mask(left), fabs(n1) + fabs(n2), 0.0)
-    return any_lane(greater(flux, 0.0)), where(head_mask(left), (0.5 * dt) * work, 0.0)
+    flux, within = where(head_mask(left), fabs(n1) + fabs(n2), 0.0), head_mask(left)
+    half = 0.5 * dt
+    return (
+        any_lane(greater(flux, 0.0)),
+        where(within, half * (work1[0] + work2[0]), 0.0),
+        where(within, half * (work1[1] + work2[1]), 0.0),
+        where(within, half * (work1[2] + work2[2]), 0.0),
+    )
 
 
 @kernel(_nrt=False, forceinline=True)
-def friction(drive, change, per, mobile):
-    """Force of friction [N] that leaves of the drive what the flux has changed by."""
-    return where(greater(mobile, 0.0), drive - per * change / where(greater(mobile, 0.0), mobile, 1.0), 0.0)
+def opposing_work(slip, family, k, left, fluxes, impulses, mobile):
+    """Store the fluxes of a family and what opposes them; (power of friction, of bounds, of the iteration), doubled.
 
-
-@kernel(_nrt=False)
-def kinetic_energy(state, const, slip):
-    """[J] of the slip: that of the yarns' material, whose velocity is v + t q, less that of the nodes."""
-    total, s = 0.0, const.row_stride
-    for family in range(2):
-        for i in range(const.ni + 1):
-            for j in range(s):
-                k = np.uint64(i * s + j)
-                before, after = slip.q_before[family][k], slip.q[family][k]
-                if before == 0.0 and after == 0.0:
-                    continue
-                kick, along, moved = state.dt_over_mass[k], 0.0, 0.0
-                t = unit_tangent(state, const, family, i, j)
-                for c in range(3):
-                    f = state.f_int[c][k] + state.f_int_above[c][k] + state.f_contact[c][k]
-                    along += t[c] * state.v[c][k]
-                    moved += t[c] * (state.v[c][k] + kick * f)
-                total += 0.5 * slip.mass[family][k] * (along * after + moved * before + before * after)
-    return total
-
-
-@kernel(_nrt=False)
-def unit_tangent(state, const, family, i, j):
-    """Unit tangent of a yarn at node (i, j), as `tangents` has it; along failed segments where there are no others."""
-    t = chord(state, const, family, i, j, True)
-    return t if t[0] != 0.0 or t[1] != 0.0 or t[2] != 0.0 else chord(state, const, family, i, j, False)
-
-
-@kernel(_nrt=False)
-def chord(state, const, family, i, j, whole):
-    """Unit vector along the segments of a yarn about node (i, j), of whole ones alone if `whole`; or zero."""
-    s, step = const.row_stride, const.row_stride if family == WARP else 1
-    k, place, last = i * s + j, i if family == WARP else j, const.ni if family == WARP else const.nj
-    side = const.dx if family == WARP else const.dy
-    x, y, z = 0.0, 0.0, 0.0
-    for back in range(2):
-        near = k - back * step
-        if place - back < 0 or place - back >= last:
-            continue
-        if whole and state.intact_fraction[family][np.uint64(near)] == 0.0:
-            continue
-        far = np.uint64(near + step)
-        x += state.u[0][far] - state.u[0][np.uint64(near)] + (side if family == WARP else 0.0)
-        y += state.u[1][far] - state.u[1][np.uint64(near)] + (0.0 if family == WARP else side)
-        z += state.u[2][far] - state.u[2][np.uint64(near)]
-    length = (x * x + y * y + z * z) ** 0.5
-    return (x / length, y / length, z / length) if length > 0.0 else (0.0, 0.0, 0.0)
-
-
-@kernel(_nrt=False)
-def drop_fluxes(state, const, slip):
-    """End the fluxes at nodes that a yarn has left: [J] kinetic energy of its end, whose momentum leaves with it."""
-    lost, s = 0.0, const.row_stride
-    for family in range(2):
-        step = s if family == WARP else 1
-        for i in range(const.ni + 1):
-            for j in range(s):
-                k, inner = i * s + j, (i if family == WARP else j) > 0
-                q = slip.q[family][np.uint64(k)]
-                if q == 0.0 or state.intact_fraction[family][np.uint64(k)] > 0.0:
-                    continue
-                if inner and state.intact_fraction[family][np.uint64(k - step)] > 0.0:
-                    continue
-                t, along = chord(state, const, family, i, j, False), 0.0
-                for c in range(3):
-                    along += t[c] * state.v[c][np.uint64(k)]
-                lost += slip.mass[family][np.uint64(k)] * q * (along + 0.5 * q)
-                slip.q[family][np.uint64(k)] = slip.q_before[family][np.uint64(k)] = 0.0
-                slip.friction[family][np.uint64(k)] = 0.0
-    return lost
+    fluxes : (before, after, 1 / dt)
+    impulses : (drive [N]; changes of the flux that friction and bounds have made, in the last sweep)
+    """
+    (q, new, per), (drive, taken, stopped) = fluxes, impulses
+    moves = greater(mobile, 0.0)
+    reduced = load(slip.mass[family], k) * (1.0 - load(slip.pull[family], k))
+    weight = where(moves, per * reduced, 0.0)
+    friction, stop = weight * taken, weight * stopped
+    residual = where(moves, drive - weight * (new - q), 0.0) - (friction + stop)
+    work = (
+        q * (friction + load(slip.friction[family], k)),
+        q * (stop + load(slip.stop[family], k)),
+        q * (residual + load(slip.residual[family], k)),
+    )
+    masked_store(slip.friction[family], k, friction, left)
+    masked_store(slip.stop[family], k, stop, left)
+    masked_store(slip.residual[family], k, residual, left)
+    masked_store(slip.q_before[family], k, q, left)
+    masked_store(slip.q[family], k, new, left)
+    return work

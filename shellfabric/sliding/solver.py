@@ -17,7 +17,9 @@ from shellfabric.sliding import step_kernels as kernels
 from shellfabric.sliding.flow_kernels import PULLED_OUT
 from shellfabric.sliding.model import SlidingPanel, grid
 
-SLIDING_ENERGIES = (*ENERGIES[:-1], "crossover_friction", "error")
+SLIP_WORK = ("crossover_friction", "crossover_stops", "slip_residual")  # of slip.work, see `slip_energy_kernels`
+STORED_FORCES = ("friction", "stop", "residual")  # of the last step, from which the work of the next is computed
+SLIDING_ENERGIES = (*ENERGIES[:-1], *SLIP_WORK, "error")
 
 
 @dataclass(frozen=True)
@@ -92,7 +94,7 @@ class SlidingSolver(ClothSolver):
         own = self._observe_plies(np.array([ply.sum()]), np.array([state.f_contact_nose[2]]))
         self.ply_samples.append(own)
         z = state.projectile_position[2] + const.foremost_offset
-        energies = [ply[0], *projectile, *ply[1:], *np.zeros(len(ENERGIES) - len(ply) - 4), self.slip.work[0]]
+        energies = [ply[0], *projectile, *ply[1:], *np.zeros(len(ENERGIES) - len(ply) - 4), *self.slip.work]
         return [speed, z, *own[:, :3].sum(axis=0)], energies
 
     def summary(self) -> SlipSummary:
@@ -117,10 +119,10 @@ class SlidingSolver(ClothSolver):
 
     def checkpoint_arrays(self) -> dict[str, Any]:
         """See ExplicitSolver."""
-        names = ["share", "inv_share", "x", "config", "q", "q_before", "friction", "cut", "pulled_out", "passed"]
+        names = ("share", "inv_share", "x", "config", "q", "q_before", *STORED_FORCES, "removed", "passed")
         found = {f"slip/{name}/{n}": part for name in names for n, part in enumerate(getattr(self.slip, name))}
         found |= {f"slip/tail/{n}{m}": part for n, pair in enumerate(self.slip.tail) for m, part in enumerate(pair)}
-        found |= {f"slip/{name}": getattr(self.slip, name) for name in ("row_slips", "counter", "work")}
+        found |= {f"slip/{name}": getattr(self.slip, name) for name in ("row_slips", "opened", "counter", "work")}
         return super().checkpoint_arrays() | found
 
 

@@ -26,7 +26,7 @@ from shellfabric.panel.step_kernels import (
     rows_near_failure,
 )
 from shellfabric.projectile import bar_kernels, contact_kernels, window_kernels
-from shellfabric.sliding import flow_kernels, forces_kernels, slip_kernels
+from shellfabric.sliding import flow_kernels, forces_kernels, slip_energy_kernels, slip_kernels
 from shellfabric.sliding.flow_kernels import EMPTIED, OPENED
 from shellfabric.sliding.forces_kernels import element_forces, refresh_tensions
 
@@ -105,7 +105,7 @@ def remove_segments(states, const, slip, works):
     flow_kernels.new_tails(state, const, slip)
     if emptied:
         flow_kernels.release_tails(state, const, slip)
-    dropped = slip_kernels.drop_fluxes(state, const, slip) if slip.active else 0.0
+    dropped = slip_energy_kernels.leave_removed(state, const, slip) if slip.active else 0.0
     recompute(state, const, slip, works)
     now_cells, now_sheared = stored(states, const, slip, low, high)
     now_worked, now_damped = failure_kernels.half_step_work(const, state, low, high)
@@ -202,5 +202,5 @@ def energies(states, const, slip, out):
     out[1] += forces_kernels.gained_energy(state, const, slip, 0, const.ni)
     out[2] = failure_kernels.stored_energy(const, state, 0, const.ni)[1]
     if slip.active:
-        out[3] = slip_kernels.kinetic_energy(state, const, slip)
+        out[3] = slip_energy_kernels.kinetic_energy(state, const, slip)
         out[4] = forces_kernels.lateral_energy(state, const, slip)

@@ -13,6 +13,7 @@ import numpy as np
 
 from fabrics.checks import FloatArray, IntArray
 from fabrics.errors import InputError
+from shellfabric.backing import coupling
 from shellfabric.panel import ply_audit
 from shellfabric.panel.solver import OBSERVED
 from shellfabric.plies.model import Pack, lists
@@ -21,11 +22,11 @@ from shellfabric.projectile import dynamics
 from shellfabric.sliding import step_kernels as sliding_kernels
 from shellfabric.sliding.flow_kernels import PULLED_OUT
 from shellfabric.sliding.model import SlidingPanel, Slip, grid
-from shellfabric.sliding.solver import SlipSummary
+from shellfabric.sliding.solver import SLIP_WORK, STORED_FORCES, SlipSummary
 from shellfabric.sliding_plies import step_kernels as kernels
 
-SLIDING_PACK_ENERGIES = (*PACK_ENERGIES[:-1], "crossover_friction", "error")
-_SLIP_ARRAYS = ("share", "inv_share", "x", "config", "q", "q_before", "friction", "cut", "pulled_out", "passed")
+SLIDING_PACK_ENERGIES = (*PACK_ENERGIES[:-1], *SLIP_WORK, "error")
+_SLIP_ARRAYS = ("share", "inv_share", "x", "config", "q", "q_before", *STORED_FORCES, "removed", "passed")
 
 
 class SlidingPack(Pack):
@@ -122,9 +123,9 @@ class SlidingPackSolver(PackSolver):
         own = self._observe_plies(plies.sum(axis=1), pushes[:, 2])
         self.ply_samples.append(own)
         z = self.state.projectile_position[2] + self.const.foremost_offset
-        block = np.zeros(len(self.energy_names) - len(total) - len(projectile) - 4)
-        rubbed = float(sum(slip.work[0] for slip in self.slips))
-        energies = [total[0], *projectile, *total[1:], *block, *self.contact_energies(), rubbed]
+        block = np.zeros(len(coupling.NAMES))
+        slipped = np.sum([slip.work for slip in self.slips], axis=0)
+        energies = [total[0], *projectile, *total[1:], *block, *self.contact_energies(), *slipped]
         return [speed, z, *own[:, :3].sum(axis=0)], energies
 
     def slip_summaries(self) -> tuple[SlipSummary, ...]:
@@ -155,7 +156,9 @@ class SlidingPackSolver(PackSolver):
                 found |= {f"slip/{p:02d}/{name}/{n}": part for n, part in enumerate(getattr(slip, name))}
             for n, pair in enumerate(slip.tail):
                 found |= {f"slip/{p:02d}/tail/{n}{m}": part for m, part in enumerate(pair)}
-            found |= {f"slip/{p:02d}/{name}": getattr(slip, name) for name in ("row_slips", "counter", "work")}
+            found |= {
+                f"slip/{p:02d}/{name}": getattr(slip, name) for name in ("row_slips", "opened", "counter", "work")
+            }
         return super().checkpoint_arrays() | found
 
 

@@ -96,12 +96,7 @@ def pull_out(
     ------
     InputError : neither displacements nor pressures, both, one that is not positive, or a pull that is not
     """
-    key, unit = ("pressures", "pressure") if len(pressures) else ("displacements", "length")
-    given = [float(value) for value in (pressures if len(pressures) else displacements)]
-    if not given or not all(np.isfinite(value) and value > 0 for value in given):
-        raise InputError(key=key, value=tuple(given), allowed=f"at least one positive {unit}")
-    if len(pressures) and len(displacements):
-        raise InputError(key="pressures", value=tuple(given), allowed="left out where displacements are given")
+    given = _transverse(displacements, pressures)
     share = PULL_PRESSED if len(pressures) else PULL
     pull = share * fabric.weave.w[pulled] if pull is None else float(pull)
     if not 0 < pull < np.inf:
@@ -125,6 +120,17 @@ def pull_out(
     if len(pressures):
         facts["pressures"] = given
     return Record(solver_record.columns(found), MEANINGS, x - points, fabric.name, "pull-out", failed, facts)
+
+
+def _transverse(displacements, pressures):
+    """The transverse loads, numbers in m or Pa; InputError as `pull_out`."""
+    key, unit = ("pressures", "pressure") if len(pressures) else ("displacements", "length")
+    given = [float(value) for value in (pressures if len(pressures) else displacements)]
+    if not given or not all(np.isfinite(value) and value > 0 for value in given):
+        raise InputError(key=key, value=tuple(given), allowed=f"at least one positive {unit}")
+    if len(pressures) and len(displacements):
+        raise InputError(key="pressures", value=tuple(given), allowed="left out where displacements are given")
+    return given
 
 
 def _pressed(crossover, fabric, numerics, pulled, pressures):

@@ -23,7 +23,7 @@ from validation.claims.judge import Record
 from weavecell.report.marked_page import markdown, put
 from weavecell.results import provenance
 
-BEGIN, END = "<!-- verdicts of validation.claims.sliding -->\n", "<!-- end of sliding -->"
+BEGIN, END = "<!-- verdicts of validation.claims.sliding -->\n", "<!-- end of verdicts -->"
 (OPTION,) = variants.OPTIONS
 MOST_LIMITS = 3  # searches of a critical velocity in a claim
 

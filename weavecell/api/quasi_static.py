@@ -37,7 +37,7 @@ def coupon(
     options : of the function of this name in `shellfabric.coupon.quasistatic`, in SI units or with units; such as
         length, width, elongation [m], shear_angle [rad], strain, steps, crossovers (of a picture frame). Of a pull-out
         the keys of its table in a scene file: displacement [m], crossings, velocity [m/s], pre_tension [N],
-        crossover_friction [-], crossover_cohesion [N], all_yarns, samples
+        crossover_friction [-], crossover_cohesion [N], all_yarns, samples; and bending [N m2] of the yarns
 
     Returns
     -------
@@ -93,15 +93,16 @@ def _pull_out(cloth, law, cell_model, options):
     from weavecell.scenes.coupon import PullOutTable
 
     began, entries = time.perf_counter(), PullOutTable.model_fields
+    bending = quantities.number(options.pop("bending", 0.0), "N m^2", "bending")
     for key in sorted(set(options) - set(entries)):
-        raise InputError(key=key, value=options[key], allowed=f"one of {', '.join(entries)}")
+        raise InputError(key=key, value=options[key], allowed=f"one of {', '.join(entries)} and bending")
     if "displacement" not in options:
         raise InputError("is missing", key="displacement", allowed=entries["displacement"].description)
     units = {"displacement": "m", "velocity": "m/s", "pre_tension": "N", "crossover_cohesion": "N"}
     options |= {key: quantities.number(options[key], unit, key) for key, unit in units.items() if key in options}
     inputs = SimpleNamespace(**{key: entry.default for key, entry in entries.items()} | options)
     laws = quantities.laws(cloth, law) if cell_model == "compressible" else None
-    curve = pull_out.run(CellModel(cloth, laws, model=cell_model).table(TABLE_SIZE), inputs)
+    curve = pull_out.run(CellModel(cloth, laws, model=cell_model).table(TABLE_SIZE), inputs, bending=bending)
     record = pull_out.PullOutRecord.of(
         curve, title=f"{cloth.name}, pull-out", law_name=cell_model if laws is None else laws[0].provenance,
         failure_message="", wall_time=time.perf_counter() - began,

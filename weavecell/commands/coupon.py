@@ -42,7 +42,7 @@ SUPPORT = Support(
     "weavecell coupon",
     scenes_coupon.CouponScene,
     (
-        "format", "title", *build.CLOTH, "fabric.fibre_slack",
+        "format", "title", *build.CLOTH, "fabric.fibre_slack", "fabric.bending",
         *of("bias_extension", "length width elongation trellis"),
         *of("picture_frame", "shear_angle crossovers"),
         *of("uniaxial", "direction length width strain failure"),
@@ -52,10 +52,13 @@ SUPPORT = Support(
     ),
     rejected={
         "fabric.surface": "left out: the cell of a coupon is made from laws",
-        "fabric.bending": "left out: the yarns of a coupon have no bending stiffness",
     },
     rules=(
         *build.CELL_RULES,
+        Rule(
+            "fabric.bending", lambda scene: scene.test != "pull_out",
+            "left out: the yarns of a coupon have no bending stiffness, but in a pull-out",
+        ),
         *(
             Rule(key, lambda scene: scene.test == "pull_out", "left out in a pull-out")
             for key in ("fabric.fibre_slack", *of("run", "steps elements_per_crossover tolerance max_iterations"))
@@ -119,7 +122,8 @@ def _pull_out(this, path, title, text, out, strict):
     began, scene, failure = time.perf_counter(), this.scene, None
     with progress.bar(title) as advance:
         try:
-            curve = pull_out.run(_table(this), scene.pull_out, [lambda solver: advance(solver.time / solver.end_time)])
+            hooks = [lambda solver: advance(solver.time / solver.end_time)]
+            curve = pull_out.run(_table(this), scene.pull_out, hooks, scene.fabric.bending)
         except InputError as problem:
             raise _in_file(problem, scene, path) from None
         except UnstableError as problem:

@@ -43,7 +43,9 @@ ENERGIES = keys(
      "contact, damped"),
     ("ply_contact", "J", "contact between plies"),
     ("ply_friction", "J", "friction between plies"),
-    ("crossover_friction", "J", "sliding crossovers: friction of yarns at the crossovers"),
+    ("crossover_friction", "J", "sliding crossovers: friction of yarns at the crossovers and in gripping clamps"),
+    ("crossover_stops", "J", "sliding crossovers: fluxes ended where a segment between touching yarns gives no more"),
+    ("slip_residual", "J", "sliding crossovers: left by the iteration of the two fluxes of a node"),
     ("error", "J", "sum of all entries less the energy at the start"),
 )  # fmt: skip
 SHARED = keys(
@@ -120,6 +122,7 @@ COUPON = keys(
     ("pre_tension_N", "N", "pull-out: tension of the crossing yarns before the pull"),
     ("crossover_friction", "1", "pull-out: Coulomb coefficient of yarn on yarn"),
     ("crossover_cohesion_N", "N", "pull-out: friction of a crossover without contact force"),
+    ("yarn_bending_N_m2", "N m^2", "pull-out: bending stiffness of the yarns in the contact force of the threshold"),
     ("displacement_m", "m", "pull-out: displacement of the crosshead at the end"),
     ("peak_load_N", "N", "pull-out: highest load on the yarn"),
     ("plateau_load_N", "N", "pull-out: mean load while all crossovers slide; null where they never all do"),

@@ -87,6 +87,7 @@ class PullOutRecord:
             "pre_tension_N": coupon.pre_tension,
             "crossover_friction": coupon.friction.mu,
             "crossover_cohesion_N": coupon.friction.cohesion,
+            "yarn_bending_N_m2": coupon.friction.bending[0],
             "displacement_m": float(curve.displacement[-1]),
             "peak_load_N": curve.peak,
             "plateau_load_N": curve.plateau,
@@ -119,7 +120,7 @@ class PullOutRecord:
                 table.writerow([f"{value:.9g}" for value in row])
 
 
-def run(table: CellTable, inputs: Any, hooks: Sequence[Any] = ()) -> PullOutCurve:
+def run(table: CellTable, inputs: Any, hooks: Sequence[Any] = (), bending: float = 0.0) -> PullOutCurve:
     """Run the pull-out of a cell's table.
 
     Parameters
@@ -127,6 +128,7 @@ def run(table: CellTable, inputs: Any, hooks: Sequence[Any] = ()) -> PullOutCurv
     table : CellTable, variational
     inputs : object with the entries of `scenes.coupon.PullOutTable`
     hooks : called with the solver after each sample
+    bending : [N m2] bending stiffness of the yarns, with which the contact force of the threshold is computed
 
     Raises
     ------
@@ -138,7 +140,7 @@ def run(table: CellTable, inputs: Any, hooks: Sequence[Any] = ()) -> PullOutCurv
     from shellfabric.sliding.model import CrossoverFriction
     from shellfabric.sliding.pull_out import PullOut
 
-    friction = CrossoverFriction(inputs.crossover_friction, inputs.crossover_cohesion)
+    friction = CrossoverFriction(inputs.crossover_friction, inputs.crossover_cohesion, (bending, bending))
     coupon = PullOut(
         table, inputs.crossings, inputs.velocity, inputs.pre_tension, friction, Numerics(threads=1), inputs.all_yarns
     )

@@ -32,5 +32,5 @@ def test_yarns_slip_the_further_the_lower_the_friction(runs):
 
 def test_the_table_has_a_row_a_look(runs):
     text = sliding.table(list(runs.values()), "python -m x")
-    assert text.count("| pinned |") == text.count("| mu = 0.1 |") == sliding.LOOKS
-    assert "mu = 0.2: at most" in text
+    assert text.count("| pinned |") == text.count("| mu = 0.1, flexible |") == sliding.LOOKS
+    assert "mu = 0.2, flexible: at most" in text

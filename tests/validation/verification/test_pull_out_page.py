@@ -6,7 +6,7 @@ import pytest
 pytest.importorskip("dolfinx")
 
 from validation.verification.pull_out import pictures, study
-from validation.verification.pull_out.page import page
+from validation.verification.pull_out.page import page, section
 
 
 def made_up(case, shortfall=1.0):
@@ -26,7 +26,6 @@ def test_page_and_picture(tmp_path):
     text = page(found)
     assert "warp pulled: c0 = 0.020 N, mu_eff = 0.2100 at a coefficient of 0.2" in text
     assert "| warp | 12.00 | 2.540 |" in text
-    assert "| warp, platens | 12.00 | 2.540 |" in text
     assert "| as it stands | 12.00 | 2.540 | 0.2117 | +0.00 % | 0.995 | 4.4 |" in text
     assert "converged at every state" in text
     pictures.chart(found, tmp_path / "pull-out.png")
@@ -37,7 +36,17 @@ def test_what_does_not_slide_is_said():
     def stuck(case):
         return made_up(case) | {"F_c": [], "T_f": [], "mobilised": [0.8], "failed": "no equilibrium"}
 
-    text = page(study.gather(lambda case: stuck(case) if case in (study.WEFT, study.FINER) else made_up(case)))
+    text = page(study.gather(lambda case: stuck(case) if case == study.WEFT else made_up(case)))
     assert "| weft | - | - | - | - | no equilibrium |" in text
-    assert "| finer mesh, 10 x 8 x 3 | - |" in text
     assert "Ended early: no equilibrium" in text
+    further = section({name: stuck(case) if case == study.FINER else made_up(case)
+                       for name, case in study.FURTHER.items()}, "abc")  # fmt: skip
+    assert "| finer mesh, 10 x 8 x 3 | - | - | - | - | no equilibrium |" in further
+
+
+def test_the_finer_mesh_and_the_platens_have_a_section_of_their_own():
+    text = section({name: made_up(case) for name, case in study.FURTHER.items()}, "abc")
+    assert "| as it stands | 12.00 | 2.540 | 0.2117 | +0.00 % |" in text
+    assert text.count("| between platens |") == 3
+    assert "Between platens c0 = 0.020 N and mu_eff = 0.2100" in text
+    assert text in page(study.gather(made_up), further=text)

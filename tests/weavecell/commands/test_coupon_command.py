@@ -111,6 +111,20 @@ def test_an_interrupted_run_goes_on_bit_for_bit(command, scene, tmp_path, monkey
     assert not (tmp_path / "parts" / "checkpoint.h5").exists()
 
 
+def test_yarns_that_resist_bending_are_held_by_the_pre_tension(command, scene, tmp_path):
+    """Without cohesion the contact force is that of bent yarns: the load rises with the pre-tension."""
+    text = PULL.replace("crossover_friction = 0", "crossover_friction = 0.2").replace('"0.5 N"', '"0 N"')
+    text = text.replace('"1.2 mm"', '"0.3 mm"').replace("[pull", 'bending = "1e-8 N m^2"\n[pull')
+    loads = []
+    for tension in ("5 N", "10 N"):
+        code, _, err = command("coupon", scene(text + f'pre_tension = "{tension}"\n'), "--out", tension[:-2])
+        assert code == 0, err
+        told = json.loads((tmp_path / tension[:-2] / "summary.json").read_text())
+        loads.append(told["peak_load_N"])
+    assert told["yarn_bending_N_m2"] == 1e-8
+    assert 0 < loads[0] < loads[1]
+
+
 def test_a_pull_out_is_not_resumed(command, scene):
     code, _, err = command("coupon", scene(PULL), "--out", "r", "--resume")
     assert (code, err) == (2, "error: r/checkpoint.h5: there is no checkpoint to resume from\n")

@@ -27,6 +27,7 @@ from shellfabric.coupon.model import Coupon
 from shellfabric.panel.element_kernels import DAMAGED
 from shellfabric.panel.numerics import Numerics
 from shellfabric.projectile.projectile import Projectile
+from shellfabric.sliding.contact_force import bending_bounds
 from shellfabric.sliding.flow_kernels import PULLED_OUT
 from shellfabric.sliding.model import CrossoverFriction, SlidingPanel, grid
 from shellfabric.sliding.solver import SlidingSolver
@@ -48,6 +49,7 @@ class Pulled:
     Parameters
     ----------
     mu : [-] coefficient of friction
+    stiff : whether the contact force is that of yarns that resist bending
     elongation : (k,) [m]
     angles : (k, 3) [rad] mean angle between warp and weft in the zones A, B, C
     load : (k,) [N] mean over the time since the look before
@@ -57,12 +59,20 @@ class Pulled:
     """
 
     mu: float
+    stiff: bool
     elongation: FloatArray
     angles: FloatArray
     load: FloatArray
     passed: float
     left: int
     friction_work: float
+
+    @property
+    def title(self) -> str:
+        """What is written in the table."""
+        if isinf(self.mu):
+            return "pinned"
+        return f"mu = {self.mu:g}, {'bending' if self.stiff else 'flexible'}"
 
 
 class ObliqueStrip(SlidingSolver):
@@ -139,14 +149,18 @@ class ObliqueStrip(SlidingSolver):
 
 def pull(
     mu: float, *, length: float = 0.057, width: float = 0.0296, elongation: float = 0.003, speed: float = SPEED,
-    cohesion: float = 0.0, table_size: int = 121, name: str = "locking",
+    cohesion: float = 0.0, stiff: bool = False, table_size: int = 121, name: str = "locking",
 ) -> Pulled:  # fmt: skip
-    """Pull a strip of one of `cases.CLOTHS` with the coefficient of friction `mu`; lengths in m, the cohesion in N."""
+    """Pull a strip of one of `cases.CLOTHS` with the coefficient of friction `mu`; lengths in m, the cohesion in N.
+
+    stiff : whether the contact force in the threshold is that of yarns that resist bending, as their fibres alone do
+    """
     fabric, model, trellis = cloth(name)
     table = CellModel(fabric, model=model, form="variational").table(table_size)
     coupon, grips, (length, width) = quasistatic.bias_coupon(table, length, width, 1, trellis)
     zone = quasistatic.zones(coupon, length, width)
-    solver = ObliqueStrip(coupon, grips, CrossoverFriction(mu, cohesion), speed, elongation)
+    bending = tuple(bending_bounds(yarn)[0] if stiff else 0.0 for yarn in fabric.weave.yarns)
+    solver = ObliqueStrip(coupon, grips, CrossoverFriction(mu, cohesion, bending), speed, elongation)
     loads: list[float] = []
     looks: list[tuple[float, list[float], float]] = []
 
@@ -161,7 +175,7 @@ def pull(
     moved, angles, mean = (np.array(part) for part in zip(*looks))
     slip = solver.slip
     passed = float(max(np.abs(grid(part, solver.panel)).max() for part in slip.passed))
-    return Pulled(mu, moved, angles, mean, passed, int(slip.counter[PULLED_OUT]), float(slip.work[0]))
+    return Pulled(mu, stiff, moved, angles, mean, passed, int(slip.counter[PULLED_OUT]), float(slip.work[0]))
 
 
 def table(runs: Sequence[Pulled], command: str) -> str:
@@ -171,14 +185,13 @@ def table(runs: Sequence[Pulled], command: str) -> str:
         "C less A, deg", "load, N",
     )]  # fmt: skip
     for run in runs:
-        name = "pinned" if isinf(run.mu) else f"mu = {run.mu:g}"
         for moved, (A, B, C), load in zip(run.elongation, np.degrees(run.angles), run.load):
             cells.append((
-                name, f"{1e3 * moved:.1f}", f"{A:.2f}", f"{B:.2f}", f"{C:.2f}", f"{B - 0.5 * (A + C):+.2f}",
+                run.title, f"{1e3 * moved:.1f}", f"{A:.2f}", f"{B:.2f}", f"{C:.2f}", f"{B - 0.5 * (A + C):+.2f}",
                 f"{C - A:+.2f}", f"{load:.0f}",
             ))  # fmt: skip
     lines = [
-        f"mu = {run.mu:g}: at most {1e3 * run.passed:.2g} mm of yarn through a crossover, {run.left} segments left by\n"
+        f"{run.title}: at most {1e3 * run.passed:.2g} mm of yarn through a crossover, {run.left} segments left by\n"
         f"a yarn's end, {1e3 * run.friction_work:.3g} mJ of friction"
         for run in runs
         if not isinf(run.mu)
@@ -197,9 +210,11 @@ def main() -> None:
     given = arguments.parse_args()
     size = {key: 1e-3 * getattr(given, key) for key in ("length", "width", "elongation")}
     runs = []
-    for mu in given.mu:
-        runs.append(pull(mu, **size))
-        print(mu, np.degrees(runs[-1].angles[-1]), runs[-1].load, runs[-1].passed, runs[-1].left, flush=True)
+    for mu, stiff in [(mu, stiff) for stiff in (False, True) for mu in given.mu if not (stiff and isinf(mu))]:
+        runs.append(pull(mu, stiff=stiff, **size))
+        print(
+            runs[-1].title, np.degrees(runs[-1].angles[-1]), runs[-1].load, runs[-1].passed, runs[-1].left, flush=True
+        )
     text = table(runs, f"python -m validation.published.bias_extension.sliding --page {given.page}")
     print(text)
     if given.page:

@@ -12,19 +12,53 @@ from unitcell3d.cases.pull_out import SLIDING
 from validation.verification.pull_out.study import LAW, PLATENS, WEFT, law
 from validation.verification.study import markdown
 
+BEGIN, END = "<!-- further runs -->\n", "<!-- end of further runs -->"
 
-def page(found: dict[str, Any], without: Sequence[str] = ()) -> str:
-    """The page in Markdown, from the results of `study.gather`; `without` names choices that were left out."""
+
+def page(found: dict[str, Any], without: Sequence[str] = (), further: str = "") -> str:
+    """The page in Markdown, from the results of `study.gather`.
+
+    Parameters
+    ----------
+    found : of `study.gather`
+    without : choices that were left out
+    further : text between the marks of the section that `--further` makes
+    """
     left_out = f"\n\nNot run: {', '.join(without)}." if without else ""
     dependences = variants(found["variants"]) + left_out
     return "\n".join([
-        _HEAD, thresholds(found), "", summary(found), _FIGURE, _VARIANTS, dependences, "", cost(found), _LIMITS,
+        _HEAD, thresholds(found), "", summary(found), _FIGURE, _VARIANTS, dependences, "", cost(found),
+        f"\n## Finer mesh, and platens\n\n{BEGIN}{further}{END}", _LIMITS,
     ])  # fmt: skip
+
+
+def section(found: dict[str, dict[str, Any]], commit: str) -> str:
+    """Finer mesh and platens: a row a transverse load, and the law of the platens; from {name: results} of FURTHER."""
+    rows, first = [], None
+    for name, of in found.items():
+        for F_c, T_f, normal in zip(of["F_c"], of["T_f"], of["geometric"]):
+            first = first or T_f / F_c
+            change = f"{100 * (T_f / F_c / first - 1):+.2f} %"
+            rows.append([name, f"{F_c:.2f}", f"{T_f:.3f}", f"{T_f / F_c:.4f}", change, f"{normal:.3f}"])
+        if not of["F_c"] or of["failed"]:
+            rows.append([name, "-", "-", "-", "-", of["failed"] or "does not slide"])
+    text = (
+        "The warp pulled, at the largest end displacement of the weft, and between platens with the weft's ends held\n"
+        "(before the pull 1, 2 and 4 MPa on the area of the cell). Change: of T_f / F_c, against the first row.\n"
+        f"`python -m validation.verification.pull_out --further --page docs/pull-out.md`, commit {commit}.\n\n"
+    )
+    text += markdown(["", "F_c, N", "T_f, N", "T_f / F_c", "change", "largest P of normal pressures, N"], rows)
+    of = found["between platens"]
+    if len(of["F_c"]) > 1:
+        fitted = law(PLATENS, of)
+        text += f"\nBetween platens c0 = {fitted.c0:.3f} N and mu_eff = {fitted.mu_eff:.4f}.\n"
+    seconds = sum(of["seconds"] for of in found.values())
+    return text + f"\nThese runs took {seconds / 60:.1f} minutes of one core.\n"
 
 
 def _laws(found):
     """(what is pulled, Case, results) of the runs that give a law."""
-    cases = {"warp": (LAW, "law"), "weft": (WEFT, "weft"), "warp, platens": (PLATENS, "platens")}
+    cases = {"warp": (LAW, "law"), "weft": (WEFT, "weft")}
     return [(name, case, found[key]) for name, (case, key) in cases.items()]
 
 
@@ -86,7 +120,7 @@ def variants(found: dict[str, dict[str, Any]]) -> str:
 def cost(found: dict[str, Any]) -> str:
     """What the runs took."""
     others = list(found["variants"].values())[1:]  # the first is of the law
-    all_runs = [*(found[key] for key in ("law", "weft", "platens", "frictionless")), *others]
+    all_runs = [*(found[key] for key in ("law", "weft", "frictionless")), *others]
     longest = max(max(of["seconds"] / len(of["pull"]) for of in all_runs), 0.0)
     ended = [of["failed"] for of in all_runs if of["failed"]]
     text = (

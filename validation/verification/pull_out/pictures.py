@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from fabrics.files import replace_whole
-from meshing.pictures_style import COLOURS, GREEN, INK, WARP, WEFT, plots
-from validation.verification.pull_out.study import LAW, PLATENS, law
+from meshing.pictures_style import COLOURS, INK, WARP, WEFT, plots
+from validation.verification.pull_out.study import LAW, law
 from validation.verification.pull_out.study import WEFT as OF_WEFT
 
 
@@ -30,11 +30,7 @@ def compose(pyplot: Any, found: dict[str, Any]) -> Any:
         left.plot(1e6 * np.array(pull), P, f"{mark}-", color=colour, ms=4, lw=1.6, label=f"{force[-1]:.3g} N")
     left.set(xlabel="pull along the axis [µm]", ylabel="axial force P [N]", title="warp pulled")
     left.legend(title="contact force F$_c$", loc="lower right")
-    for name, case, one, colour in (
-        ("warp", LAW, of, WARP),
-        ("weft", OF_WEFT, found["weft"], WEFT),
-        ("warp, platens", PLATENS, found["platens"], GREEN),
-    ):
+    for name, case, one, colour in (("warp", LAW, of, WARP), ("weft", OF_WEFT, found["weft"], WEFT)):
         right.plot(one["F_c"], one["T_f"], "o", color=colour, label=f"{name} pulled")
         if len(one["F_c"]) > 1:
             fine = np.array([0.0, max(one["F_c"])])

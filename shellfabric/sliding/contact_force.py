@@ -1,0 +1,126 @@
+"""Contact force of a crossover whose yarns resist bending, for the threshold of slip.
+
+The yarns of the cell are perfectly flexible: one without tension does not press back, and the contact force is zero
+however much the other is stretched. With the bending stiffness B a yarn keeps its crimp. The energy of a cosine of the
+height h against its height h0 at rest, over the length 2 w of the cell, is
+
+    U = K (h - h0)^2 / 2,     K = B pi^4 / (16 w^3)
+
+with which the balance of each yarn at the contact force F is
+
+    T dS/dh + K (h - h0) = F
+
+Compression and closure are those of the cell, h1 + h2 + d1(F) + d2(F) + g = h01 + h02 (`cell.crossover_kernels`).
+Yarns of fibres that slide freely on one another have the lower bound of B, n E pi d^4 / 64; those of a solid section of
+the fibres' area the upper one, E A^2 / 4 pi (`panel.model`).
+
+The force enters the threshold of slip alone. Tensions and forces on the nodes stay those of the flexible cell.
+"""
+
+from __future__ import annotations
+
+from math import pi
+
+import numpy as np
+from scipy.special import ellipe, ellipk
+
+from fabrics.checks import FloatArray
+from fabrics.yarn import Yarn
+from shellfabric.cell.model import CellModel, CellTable
+
+FORCES = 240  # contact forces at which the heights are tabulated, from 0 to the largest
+BISECTIONS = 60
+
+
+def bending_bounds(yarn: Yarn, fibre_diameter: float = 12e-6) -> tuple[float, float]:
+    """(lowest, highest) [N m2] bending stiffness of a yarn: of its fibres alone, and of a solid section.
+
+    fibre_diameter : [m]; 12 um is that of aramid fibres
+    """
+    modulus = yarn.EA / yarn.A_s
+    fibres = yarn.A_s / (0.25 * pi * fibre_diameter**2)
+    return fibres * modulus * pi * fibre_diameter**4 / 64, modulus * yarn.A_s**2 / (4 * pi)
+
+
+def cosine(w: FloatArray, h: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """(S, dS/dh) [m], [-] of a cosine of the height h [m] over the length 2 w [m], as `yarn_kernels.arc`."""
+    k = 0.5 * pi * h / w
+    E, K = ellipe(-(k**2)), ellipk(-(k**2))
+    slope = np.where(k > 0, 2 * (E - K) / np.where(k > 0, k, 1.0), 0.0)
+    return 4 * w / pi * E, slope
+
+
+def heights(yarn: tuple[float, ...], bending: float, stretch: FloatArray, force: FloatArray) -> FloatArray:
+    """(stretches, forces) [m] height of a yarn at the stretches and under the contact forces [N].
+
+    Parameters
+    ----------
+    yarn : of CellModel.yarn_tuples
+    bending : [N m2]
+    """
+    w0, S0, EA, h0 = yarn[:4]
+    w = w0 * stretch[:, None] * np.ones_like(force)
+    stiffness = bending * pi**4 / (16 * w0**3)
+    low, high = np.zeros_like(w), np.full_like(w, h0 + S0)
+    for _ in range(BISECTIONS):  # the force that a yarn carries rises with its height
+        h = 0.5 * (low + high)
+        S, slope = cosine(w, h)
+        above = EA * np.maximum(S / S0 - 1, 0) * slope + stiffness * (h - h0) > force
+        low, high = np.where(above, low, h), np.where(above, h, high)
+    return 0.5 * (low + high)
+
+
+def compression(yarn: tuple[float, ...], force: FloatArray) -> FloatArray:
+    """[m] of a yarn at the contact forces [N]."""
+    a, b, shift = yarn[4:7]
+    return np.zeros_like(force) if a == 0 else a - b * (np.maximum(force, 1e-300) + shift) ** (-1 / 3)
+
+
+def contact_forces(
+    model: CellModel, bending: tuple[float, float], stretch1: FloatArray, stretch2: FloatArray, largest: float
+) -> FloatArray:
+    """(n1, n2) [N] contact force of the cell at all pairs of stretches of warp and weft.
+
+    Parameters
+    ----------
+    bending : (warp, weft) [N m2]
+    stretch1, stretch2 : (n1,), (n2,) [-]
+    largest : [N] of the forces that are looked for
+    """
+    force = largest * np.linspace(0, 1, FORCES) ** 2
+    warp, weft = model.yarn_tuples
+    h1, h2 = (heights(yarn, B, x, force) for yarn, B, x in zip((warp, weft), bending, (stretch1, stretch2)))
+    own = h1 + compression(warp, force) + model.gap - sum(model.h0)
+    other = h2 + compression(weft, force)
+    found = np.empty((stretch1.size, stretch2.size))
+    for row, out in zip(own, found):  # of what closes the cell, which rises with the force: where it is zero
+        r = row + other
+        n = np.clip(np.argmax(r > 0, axis=1), 1, None)
+        n[r[:, -1] <= 0] = force.size - 1
+        at = np.arange(stretch2.size)
+        before, after = r[at, n - 1], r[at, n]
+        part = np.clip(-before / np.where(after > before, after - before, 1.0), 0.0, 1.0)
+        out[:] = np.where(r[:, 0] >= 0, 0.0, force[n - 1] + part * (force[n] - force[n - 1]))
+    return found
+
+
+def crossing_tension(table: CellTable, bending: tuple[float, float]) -> FloatArray:
+    """(n2,) [N] tension of the weft at the stretches of the table, where the warp that it crosses has none."""
+    model, slack = table.model, table.stretch1[:1]
+    weft = model.yarn_tuples[1]
+    force = contact_forces(model, bending, slack, table.stretch2, _largest(table))[0]
+    h = np.array([heights(weft, bending[1], x[None], F[None])[0, 0] for x, F in zip(table.stretch2, force)])
+    S, _ = cosine(weft[0] * table.stretch2, h)
+    return weft[2] * np.maximum(S / weft[1] - 1, 0)
+
+
+def stiff_table(table: CellTable, bending: tuple[float, float]) -> FloatArray:
+    """(n1, n2) [N] contact forces on the grid of a table; those of the table where no yarn resists bending."""
+    if not any(bending):
+        return table.values["F"]
+    return contact_forces(table.model, bending, table.stretch1, table.stretch2, _largest(table))
+
+
+def _largest(table):
+    """[N] above every contact force of a table."""
+    return float(table.values["F"].max()) + 2 * max(yarn.strength for yarn in table.model.fabric.weave.yarns)
