@@ -44,7 +44,7 @@ charts: setup  ## docs/charts.md, stability.md and crossover.md with their figur
 	cp $(RESULTS)/chart-crossover/crossover.md docs/
 	cp $(RESULTS)/chart-crossover/figures/crossover-*.png docs/figures/
 
-docs:  ## the documentation site in results/site, in an environment of its own; warnings are errors
+docs:  ## the documentation site in results/site, with the scripts of examples/ run; warnings are errors
 	@VENV=$(DOCS_VENV) EXTRAS=app,docs tools/setup.sh
 	$(DOCS_VENV)/bin/python -m sphinx -W --keep-going -q -b html docs $(RESULTS)/site
 
