@@ -117,9 +117,9 @@ class Backing:
 
 
 def graded(length: float, min_size: float, refined_depth: float, growth: float) -> FloatArray:
-    """Places (n + 1,) [m] from 0 to `length`: equal steps up to `refined_depth`, then growing by a factor, `growth` at
-    most.
-    """
+    """(n + 1,) [m] from 0 to `length`: equal steps up to `refined_depth`, then growing by `growth` at most."""
+    from scipy.optimize import brentq
+
     even = min(max(1, round(refined_depth / min_size)), max(1, round(length / min_size)))
     places = np.linspace(0, even * min_size, even + 1)
     left = length - places[-1]
@@ -130,8 +130,6 @@ def graded(length: float, min_size: float, refined_depth: float, growth: float) 
         steps += 1
     if min_size * steps >= left:  # too little is left to grow
         return np.concatenate([places, places[-1] + left * np.arange(1, steps + 1) / steps])
-    from scipy.optimize import brentq
-
     factor = brentq(lambda g: min_size * np.sum(g ** np.arange(1, steps + 1)) - left, 1.0, growth + 1e-9)
     return np.concatenate([places, places[-1] + min_size * np.cumsum(factor ** np.arange(1, steps + 1))])
 

@@ -56,9 +56,19 @@ Work = namedtuple(
 def constants(panel: Panel, out_of_plane: bool = False) -> Constants:
     """What the kernels need to know, as plain numbers and arrays.
 
+    Computed once: all runs of a panel read the same arrays, and no kernel writes to them.
+
     out_of_plane : whether the kernels know of bending and jamming even if this panel has neither, as they have to where
         another ply of its pack has
     """
+    kept: dict[bool, Constants] = panel.__dict__.setdefault("_constants", {})
+    if out_of_plane not in kept:
+        kept[out_of_plane] = _constants(panel, out_of_plane)
+    return kept[out_of_plane]
+
+
+def _constants(panel, out_of_plane):
+    """The constants, computed anew."""
     (ni, nj), (dx, dy), (mirror_x, mirror_y) = panel.counts, panel.spacing, panel.mirrors
     weave, table, knobs, dt = panel.weave, panel.table, panel.numerics, panel.time_step
     (w1, w2), (S01, S02), (warp, weft) = weave.w, weave.S0, weave.yarns

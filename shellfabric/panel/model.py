@@ -295,17 +295,8 @@ class Panel:
         return packed_table.ceilings(self.table)
 
     def constants(self, out_of_plane: bool = False) -> arrays.Constants:
-        """What the kernels need to know, as plain numbers and arrays (`arrays.constants`).
-
-        Computed once: all runs of a panel read the same arrays, and none of the kernels writes to them.
-        """
-        if out_of_plane not in self._constants:
-            self._constants[out_of_plane] = arrays.constants(self, out_of_plane)
-        return self._constants[out_of_plane]
-
-    @cached_property
-    def _constants(self):
-        return {}
+        """What the kernels need to know, as plain numbers and arrays (`arrays.constants`)."""
+        return arrays.constants(self, out_of_plane)
 
     def state(self, strike_velocity: float) -> arrays.State:
         """The panel at rest, flat at z = 0, touched by the projectile that flies at it at `strike_velocity` [m/s]."""

@@ -15,6 +15,15 @@ V50 = "Example: [bold]weavecell v50 S-720 --shots 200 --weibull-shape 14.3[/bold
 
 SeedOption = Annotated[int, typer.Option(min=0, help="Seed of the random numbers.")]
 OpeningOption = Annotated[str, typer.Option(help="Side of the square panel.", metavar="LENGTH")]
+GradingOption = Annotated[
+    str | None,
+    typer.Option(
+        help="Sides of the elements by distance from the impact point, as panel.grading of a scene: "
+        "[[10, 1], [16, 2], [32, 4], \\[inf, 8]] takes a quarter of the time; docs/scatter.md has its error. "
+        "All of one side if not given.",
+        metavar="ZONES",
+    ),
+]
 PageOption = Annotated[
     Path | None, typer.Option(help="Also put table and picture between their marks of this page.", metavar="FILE.md")
 ]
@@ -79,15 +88,7 @@ def v50(
     jobs: JobsOption = CORES,
     executor: ExecutorOption = "local",
     opening: OpeningOption = "203 mm",
-    grading: Annotated[
-        str | None,
-        typer.Option(
-            help="Sides of the elements by distance from the impact point, as panel.grading of a scene: "
-            "[[10, 1], [16, 2], [32, 4], [inf, 8]] takes a quarter of the time or less; docs/scatter.md has its error. "
-            "All of one side if not given.",
-            metavar="ZONES",
-        ),
-    ] = None,
+    grading: GradingOption = None,
     resume: ResumeOption = False,
     page: PageOption = None,
     out: OutOption = None,
