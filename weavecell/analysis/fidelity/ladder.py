@@ -1,7 +1,8 @@
 """The ladders of models that scenes can be answered with, one of single plies and one of packs: from the cheapest to
 the one that all others are held against.
 
-Meshes are named by elements a crossover, along each side. All but the full model have a table of the cell of 51
+Meshes are named by elements a crossover, along each side; "graded, 1/3" has three of them about the impact point alone.
+All but the full model have a table of the cell of 51
 stretches a side, where filling one of 201 costs more than a short run, and look at their energies every 20 us: an
 audit goes over the whole panel, and every 2 us costs more than the steps between. What that changes is in their errors.
 """
@@ -44,8 +45,13 @@ class Model:
 
     @property
     def coarse(self) -> bool:
-        """Whether its elements are crossovers, or more."""
-        return dict(self.changes).get("elements_per_crossover") == 1
+        """Whether its elements are crossovers, or more, everywhere."""
+        return dict(self.changes).get("elements_per_crossover") == 1 and not self.refined
+
+    @property
+    def refined(self) -> bool:
+        """Whether it has elements shorter than a crossover about the impact point alone."""
+        return any(side < 1 for _, side in dict(self.changes).get("grading", ()))
 
     @property
     def full(self) -> bool:
@@ -66,6 +72,8 @@ class Model:
 
     def leaves(self, setup: Setup, fixed: Container[str]) -> bool:
         """Whether the model leaves those fields as they are that the user has set by hand."""
+        if self.refined and "elements_per_crossover" in fixed:
+            return False
         return all(getattr(ply_of(setup), key) == value for key, value in self.changes if key in fixed)
 
 
@@ -91,6 +99,11 @@ def ladder_of(setup: Setup) -> tuple[Model, ...]:
     return PACK_LADDER if isinstance(setup, PackSetup) else LADDER
 
 
+def _about_the_nose(n):
+    """Sides of 1/n crossover up to 12 crossovers from the impact point, of 1 up to 24, then of 2."""
+    return (12, 1 / n), (24, 1), (inf, 2)
+
+
 def _mesh(name, elements, *, answers=True, **changes):
     return Model(name, (("elements_per_crossover", elements), *changes.items()), answers)
 
@@ -102,6 +115,8 @@ LADDER = (
     _mesh("graded", 1, grading=((16, 1), (32, 2), (inf, 4)), **_QUICK),
     _mesh("1 element, decoupled", 1, answers=False, cell_model="decoupled", **_QUICK),
     _mesh("1 element", 1, **_QUICK),
+    _mesh("graded, 1/2", 1, grading=_about_the_nose(2), **_QUICK),
+    _mesh("graded, 1/3", 1, grading=_about_the_nose(3), **_QUICK),
     _mesh("2 elements", 2, **_QUICK),
     _mesh("3 elements", 3, **_QUICK),
     _mesh(FULL, 3, table_size=201),
