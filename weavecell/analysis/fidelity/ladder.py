@@ -1,9 +1,9 @@
 """The ladders of models that scenes can be answered with, one of single plies and one of packs: from the cheapest to
 the one that all others are held against.
 
-Meshes are named by elements a crossover, along each side; "graded, 1/3" has three of them about the impact point alone.
-All but the full model have a table of the cell of 51
-stretches a side, where filling one of 201 costs more than a short run, and look at their energies every 20 us: an
+Meshes are named by elements a crossover, along each side. "graded" has one of them about the impact point alone, "graded,
+1/3" three, and longer ones further away; "wide" has a larger fine region. All but the full model have a table of the cell
+of 51 stretches a side, where filling one of 201 costs more than a short run, and look at their energies every 20 us: an
 audit goes over the whole panel, and every 2 us costs more than the steps between. What that changes is in their errors.
 """
 
@@ -99,9 +99,9 @@ def ladder_of(setup: Setup) -> tuple[Model, ...]:
     return PACK_LADDER if isinstance(setup, PackSetup) else LADDER
 
 
-def _about_the_nose(n):
-    """Sides of 1/n crossover up to 12 crossovers from the impact point, of 1 up to 24, then of 2."""
-    return (12, 1 / n), (24, 1), (inf, 2)
+def _about_the_nose(n, reach=12):
+    """Sides of 1/n crossover up to `reach` crossovers from the impact point, of 1 up to twice as far, then of 2."""
+    return (reach, 1 / n), (2 * reach, 1), (inf, 2)
 
 
 def _mesh(name, elements, *, answers=True, **changes):
@@ -117,6 +117,7 @@ LADDER = (
     _mesh("1 element", 1, **_QUICK),
     _mesh("graded, 1/2", 1, grading=_about_the_nose(2), **_QUICK),
     _mesh("graded, 1/3", 1, grading=_about_the_nose(3), **_QUICK),
+    _mesh("graded, 1/3, wide", 1, grading=_about_the_nose(3, 20), **_QUICK),
     _mesh("2 elements", 2, **_QUICK),
     _mesh("3 elements", 3, **_QUICK),
     _mesh(FULL, 3, table_size=201),
