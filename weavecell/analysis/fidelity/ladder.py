@@ -1,10 +1,11 @@
 """The ladders of models that scenes can be answered with, one of single plies and one of packs: from the cheapest to
 the one that all others are held against.
 
-Meshes are named by elements a crossover, along each side. "graded" has one of them about the impact point alone, "graded,
-1/3" three, and longer ones further away; "wide" has a larger fine region. All but the full model have a table of the cell
-of 51 stretches a side, where filling one of 201 costs more than a short run, and look at their energies every 20 us: an
-audit goes over the whole panel, and every 2 us costs more than the steps between. What that changes is in their errors.
+Meshes are named by elements a crossover, along each side. "graded" has one of them about the impact point alone,
+"graded, 1/3" three, and longer ones further away; "wide" has a larger fine region. All but the full model have a table
+of the cell of 51 stretches a side, where filling one of 201 costs more than a short run, and look at their energies
+every 20 us: an audit goes over the whole panel, and every 2 us costs more than the steps between. What that changes is
+in their errors.
 """
 
 from __future__ import annotations
