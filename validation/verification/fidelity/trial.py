@@ -27,7 +27,7 @@ from weavecell.analysis.fidelity.ladder import BY_NAME, FULL, Tables, simplest
 TRIALS = {"everything": 101, "again": 303, "scene": 202, "refined": 505, "refined-scene": 606}  # their seeds
 COUNT = 20
 TARGETS = (0.02, 0.05, 0.1)
-LONGEST = 2.5  # [s] of the full model on its part of the panel, beyond which the whole panel is not run
+LONGEST = 1.0  # [s] of the full model on its part of the panel, beyond which the whole panel is not run
 
 
 @dataclass(frozen=True)

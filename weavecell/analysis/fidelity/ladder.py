@@ -2,10 +2,9 @@
 the one that all others are held against.
 
 Meshes are named by elements a crossover, along each side. "graded" has one of them about the impact point alone,
-"graded, 1/3" three, and longer ones further away; "wide" has a larger fine region. All but the full model have a table
-of the cell of 51 stretches a side, where filling one of 201 costs more than a short run, and look at their energies
-every 20 us: an audit goes over the whole panel, and every 2 us costs more than the steps between. What that changes is
-in their errors.
+"graded, 1/3" three, and longer ones further away; "near" has the smallest fine region. All but the full model have a
+table of the cell of 51 stretches a side, where filling one of 201 costs more than a short run, and look at their
+energies every 20 us, since an audit goes over the whole panel. What that changes is in their errors.
 """
 
 from __future__ import annotations
@@ -100,9 +99,14 @@ def ladder_of(setup: Setup) -> tuple[Model, ...]:
     return PACK_LADDER if isinstance(setup, PackSetup) else LADDER
 
 
-def _about_the_nose(n, reach=12):
-    """Sides of 1/n crossover up to `reach` crossovers from the impact point, of 1 up to twice as far, then of 2."""
-    return (reach, 1 / n), (2 * reach, 1), (inf, 2)
+def _about_the_nose(n):
+    """Sides of 1/n crossover up to 12 crossovers from the impact point, of 1 up to 24, then of 2."""
+    return (12, 1 / n), (24, 1), (inf, 2)
+
+
+def _near_the_nose(n):
+    """Sides of 1/n crossover up to 8 crossovers from the impact point, of 1 up to 16, of 2 up to 32, then of 4."""
+    return (8, 1 / n), (16, 1), (32, 2), (inf, 4)
 
 
 def _mesh(name, elements, *, answers=True, **changes):
@@ -116,9 +120,8 @@ LADDER = (
     _mesh("graded", 1, grading=((16, 1), (32, 2), (inf, 4)), **_QUICK),
     _mesh("1 element, decoupled", 1, answers=False, cell_model="decoupled", **_QUICK),
     _mesh("1 element", 1, **_QUICK),
-    _mesh("graded, 1/2", 1, grading=_about_the_nose(2), **_QUICK),
-    _mesh("graded, 1/3", 1, grading=_about_the_nose(3), **_QUICK),
-    _mesh("graded, 1/3, wide", 1, grading=_about_the_nose(3, 20), **_QUICK),
+    *(_mesh(f"graded, 1/{n}, near", 1, grading=_near_the_nose(n), **_QUICK) for n in (2, 3)),
+    *(_mesh(f"graded, 1/{n}", 1, grading=_about_the_nose(n), **_QUICK) for n in (2, 3)),
     _mesh("2 elements", 2, **_QUICK),
     _mesh("3 elements", 3, **_QUICK),
     _mesh(FULL, 3, table_size=201),
