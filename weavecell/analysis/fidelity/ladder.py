@@ -2,9 +2,10 @@
 the one that all others are held against.
 
 Meshes are named by elements a crossover, along each side. "graded" has one of them about the impact point alone,
-"graded, 1/3" three, and longer ones further away; "near" has the smallest fine region. All but the full model have a
-table of the cell of 51 stretches a side, where filling one of 201 costs more than a short run, and look at their
-energies every 20 us, since an audit goes over the whole panel. What that changes is in their errors.
+"graded, 1/3" three, and longer ones further away; "near" has the smallest fine region, and "long" elements of 4
+crossovers at the edge. All but the full model have a table of the cell of 51 stretches a side, where filling one of 201
+costs more than a short run, and look at their energies every 20 us, since an audit goes over the whole panel. What that
+changes is in their errors.
 """
 
 from __future__ import annotations
@@ -121,6 +122,7 @@ LADDER = (
     _mesh("1 element, decoupled", 1, answers=False, cell_model="decoupled", **_QUICK),
     _mesh("1 element", 1, **_QUICK),
     *(_mesh(f"graded, 1/{n}, near", 1, grading=_near_the_nose(n), **_QUICK) for n in (2, 3)),
+    _mesh("graded, 1/2, long", 1, grading=((12, 1 / 2), (20, 1), (40, 2), (inf, 4)), **_QUICK),
     *(_mesh(f"graded, 1/{n}", 1, grading=_about_the_nose(n), **_QUICK) for n in (2, 3)),
     _mesh("2 elements", 2, **_QUICK),
     _mesh("3 elements", 3, **_QUICK),
