@@ -53,6 +53,7 @@ def coupon(
     from shellfabric.panel import quality
     from weavecell.results.coupon import CouponRecord
     from weavecell.results.coupon_measures import PRESCRIBED, measures
+    from weavecell.scenes.coupon import TOLERANCE
 
     if test not in (*TESTS, "pull_out"):
         raise InputError(key="test", value=test, allowed=f"one of {', '.join((*TESTS, 'pull_out'))}")
@@ -71,6 +72,7 @@ def coupon(
     options |= {key: quantities.number(options[key], unit, key) for key, unit in units.items() if key in options}
     laws = quantities.laws(cloth, law) if cell_model == "compressible" else None
     table = CellModel(cloth, laws, model=cell_model).table(TABLE_SIZE)
+    options.setdefault("tolerance", TOLERANCE)
     result = run(table, **options)
     reached = [float(tension.max()) for tension in result.coupon.tensions(result.states[-1].x)]
     if result.outcome == "yarn at its strength":
@@ -81,7 +83,7 @@ def coupon(
         title=f"{cloth.name}, {test.replace('_', ' ')}", fabric=cloth.name, test=test, failure_message="",
         wall_time=time.perf_counter() - began,
         law_name=cell_model if laws is None else laws[0].provenance,
-        checks=quality.of_coupon(table, reached, worst, options.get("tolerance", 1e-4)),
+        checks=quality.of_coupon(table, reached, worst, options["tolerance"]),
     )  # fmt: skip
     return CouponResult(record, tuple(assumed.lines(cloth)))
 

@@ -8,7 +8,7 @@ import pytest
 from fabrics import catalogue
 from fabrics.errors import InputError
 from shellfabric.cable.model import CableNumerics
-from shellfabric.cable.smith import smith, strike
+from shellfabric.cable.smith import STRAIGHT, smith, strike
 
 YARN = catalogue.load("S-720").weave.warp
 VELOCITIES = (50.0, 100.0, 200.0, 400.0)
@@ -52,6 +52,17 @@ def test_orders_of_convergence():
     orders = np.log2(np.array(errors[:-1]) / np.array(errors[1:]))
     assert orders[:, 0] == pytest.approx(2.0, abs=0.15)
     assert orders[:, 1] == pytest.approx(1.0, abs=0.15)
+
+
+def test_a_straight_yarn_takes_twice_the_step_of_the_net():
+    """For the same tension, kink and force, and a front that is no further from the closed form."""
+    assert STRAIGHT.cfl == 2 * CableNumerics().cfl
+    long, short = (strike(YARN, 100.0, bars=500, numerics=knobs) for knobs in (STRAIGHT, CableNumerics()))
+    for name in ("tension", "U", "force"):
+        assert getattr(long.computed, name) == pytest.approx(getattr(short.computed, name), rel=1e-4), name
+    c = smith(YARN, 100.0).c
+    assert abs(long.computed.c - c) <= abs(short.computed.c - c)
+    assert strike(YARN, 100.0, bars=500).computed == long.computed
 
 
 def test_viscosity_quiets_the_plateau():

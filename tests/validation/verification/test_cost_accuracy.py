@@ -215,6 +215,21 @@ def test_a_scene_from_end_to_end_and_resumed(tmp_path, monkeypatch):
     assert again.references == chart.references
 
 
+def test_the_defaults_of_the_charts_are_those_of_the_code():
+    from shellfabric.cell.model import FILL
+    from shellfabric.impact.single_ply import ImpactSetup
+    from validation.verification.cost_accuracy import coupons, packs
+    from weavecell.commands.coupon import TABLE_SIZE
+    from weavecell.scenes.coupon import TOLERANCE
+
+    table_size = ImpactSetup.__dataclass_fields__["table_size"].default
+    for shell in (shots.Shell(SHOT), packs.methods(SHOT)[0].case.shell):
+        assert (shell.table, shell.fill) == (table_size, FILL)
+        assert shell.grading is None
+    for test in (coupons.Bias(), coupons.Cross()):
+        assert (test.table, test.tolerance) == (TABLE_SIZE, TOLERANCE)
+
+
 @pytest.mark.parametrize("key", ["bias-extension", "biaxial-coupon"])
 def test_coupons_converge(key):
     """One element a crossover and two agree within 2 %; a finer table and smaller load steps move nothing."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from dataclasses import dataclass, replace
+from math import inf
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -96,6 +97,8 @@ def methods(shot: Shot) -> tuple[Method, ...]:
         *(one("table", f"table {n}", {"table": n}) for n in (26, 51)),
         one("elements", "1/2 a crossover", {"elements": 0.5}),
         one("elements", "2 a crossover", {"elements": 2}),
+        one("grading", "1/1 about the nose", {"grading": ((12.0, 1.0), (24.0, 2.0), (inf, 4.0))}),
+        one("grading", "1/2 about the nose", {"grading": ((12.0, 0.5), (24.0, 1.0), (inf, 2.0))}),
         one("combined", "1/2, decoupled, table 26", {"elements": 0.5, "model": "decoupled", "table": 26}),
         one("time step", "steps x 0.5", {"cfl": 0.5 * Numerics.cfl}),
         one("activity", "all plies awake", {"awake": True}),

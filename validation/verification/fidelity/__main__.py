@@ -25,7 +25,7 @@ from fabrics.errors import WeavecellError
 from fabrics.files import write_whole
 from validation.verification.fidelity import cable_net, fit_error_database, leave_one_out, page, survey, trial
 from weavecell.analysis.fidelity import error_database
-from weavecell.analysis.fidelity.ladder import PACK_LADDER
+from weavecell.analysis.fidelity.ladder import FULL, LADDER, PACK_LADDER
 
 
 def _runs(function, arguments, options):
@@ -39,13 +39,17 @@ def _runs(function, arguments, options):
 
 def survey_command(options: Namespace) -> None:
     """Run the survey, print what it found, and keep it."""
-    places = survey.places()
-    found = dict(zip(places, _runs(survey.row, places, options)))
-    rows = [row for row in found.values() if row is not None]
-    standard = [place for place in places if place[0]]
-    cable = [found[place] | row for place, row in zip(standard, _runs(cable_net.row, standard, options))]
+    tasks = survey.tasks()
+    found = dict(zip(tasks, _runs(survey.sample, tasks, options)))
+    rows = survey.rows(found)
+    standard = [place for place in survey.places() if place[0]]
+    full = [{FULL: found[*place, FULL]} for place in standard]
+    cable = [known | row for known, row in zip(full, _runs(cable_net.row, standard, options))]
     content = fit_error_database.of(rows) | {"others": {cable_net.NAME: cable_net.errors(cable)}}
     _keep(rows, content, error_database.FILE, "survey", options)
+    lines = leave_one_out.table(leave_one_out.rows(rows, LADDER))
+    print("\n".join(lines))
+    page.put(options.page, "left out", lines)
 
 
 def packs_command(options: Namespace) -> None:

@@ -7,6 +7,7 @@ Each run has one thread, and its cost is process time with the filling of its ta
 from __future__ import annotations
 
 import time
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -42,8 +43,20 @@ def places() -> list[tuple[str, int]]:
     return [place for place in standard if place not in LONG] + [("", number) for number in range(COUNT)]
 
 
-def row(name: str, number: int) -> dict[str, Any] | None:
-    """{model: {"values", "seconds"}} of a scene, with its velocity; None of one that is left out."""
+def rows(found: Mapping[tuple[str, int, str], Any]) -> list[dict[str, Any]]:
+    """[{model: {"values", "seconds"}}] of the scenes that are not left out, from the answers of all `tasks`."""
+    scenes_of = [{model.name: found[*place, model.name] for model in LADDER} for place in places()]
+    known = [{name: answer for name, answer in scene.items() if answer is not None} for scene in scenes_of]
+    return [scene for scene in known if FULL in scene]
+
+
+def tasks() -> list[tuple[str, int, str]]:
+    """[(fabric, number, model)] of all runs: each is kept, so that a model that comes later is run alone."""
+    return [(*place, model.name) for place in places() for model in LADDER]
+
+
+def sample(name: str, number: int, model: str) -> dict[str, Any] | None:
+    """What a model answers to a scene, as `timed`; None of a scene that is left out, or that it cannot mesh."""
     setup: Any = scenes.standard(name)[number] if name else scenes.drawn(number, SEED)
     setup = replace(setup, numerics=replace(setup.numerics, threads=1))
     tables = Tables()
@@ -51,8 +64,7 @@ def row(name: str, number: int) -> dict[str, Any] | None:
     cheap = tables.cheap(setup)
     if not name and effort(BY_NAME[FULL].panel(setup, cheap), setup.end_time) > MOST:
         return None
-    found = {"fabric": setup.fabric.name, "velocity": setup.strike_velocity}
-    return found | {model.name: timed(model, setup) for model in LADDER if model.panel(setup, cheap) is not None}
+    return None if BY_NAME[model].panel(setup, cheap) is None else timed(BY_NAME[model], setup)
 
 
 def pack_row(number: int) -> dict[str, Any] | None:

@@ -1,8 +1,10 @@
-"""Two trials: random scenes that the survey has not seen, each answered to its targets and held against the full model.
+"""Trials: random scenes that the survey has not seen, each answered to its targets and held against the full model.
 
 everything   all four quantities of every scene, to 2, 5 or 10 %
 again        the same of other scenes, after what the first trial showed of the fastest shots (`quantities.hasty`)
 scene        a scene with targets as a user may set them: one or two quantities, drawn, each to 2, 5 or 10 %, drawn
+refined      as everything, of other scenes, with meshes among the models that are fine about the impact point alone
+refined-scene    as scene, likewise
 
 Costs are process time, of one thread, with all scouts, repeated runs and tables, over that of the full model: on the
 same part of the panel, and on the whole panel, which is run where that does not take too long. The projectile is rigid.
@@ -22,10 +24,10 @@ from validation.verification.fidelity import fit_error_database, scenes
 from weavecell.analysis.fidelity import quantities, select
 from weavecell.analysis.fidelity.ladder import BY_NAME, FULL, Tables, simplest
 
-TRIALS = {"everything": 101, "again": 303, "scene": 202}  # their seeds
+TRIALS = {"everything": 101, "again": 303, "scene": 202, "refined": 505, "refined-scene": 606}  # their seeds
 COUNT = 20
 TARGETS = (0.02, 0.05, 0.1)
-LONGEST = 2.5  # [s] of the full model on its part of the panel, beyond which the whole panel is not run
+LONGEST = 1.0  # [s] of the full model on its part of the panel, beyond which the whole panel is not run
 
 
 @dataclass(frozen=True)
@@ -78,7 +80,7 @@ class Row:
 
 def targets_of(trial: str, number: int) -> dict[str, float]:
     """{quantity: [-]} targets of the scene of a number."""
-    if trial != "scene":
+    if trial not in ("scene", "refined-scene"):
         return dict.fromkeys(quantities.NAMES, TARGETS[number % len(TARGETS)])
     draw = np.random.default_rng((TRIALS[trial], number, 1))
     names = draw.choice(quantities.NAMES, int(draw.integers(1, 3)), replace=False)

@@ -5,7 +5,8 @@ For each regime (`quantities.regime`) and quantity
     scenes     how many it is known from
     usual      how far two scouts are apart in the median
 and there for each model
-    factor     of `quantities.scale`, what its error against the full model stays below in fifteen scenes of sixteen
+    factor     of `quantities.scale`, what its error against the full model stays below in 97 scenes of a hundred (of
+               packs, whose survey is older, in fifteen of sixteen)
     apart      likewise, of its distance from its partner, in all scenes
     weight     of the partner's peak tensions in its own
     expected   the error that four scenes of five stay below, whatever the scale

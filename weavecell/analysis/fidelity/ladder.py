@@ -1,9 +1,11 @@
 """The ladders of models that scenes can be answered with, one of single plies and one of packs: from the cheapest to
 the one that all others are held against.
 
-Meshes are named by elements a crossover, along each side. All but the full model have a table of the cell of 51
-stretches a side, where filling one of 201 costs more than a short run, and look at their energies every 20 us: an
-audit goes over the whole panel, and every 2 us costs more than the steps between. What that changes is in their errors.
+Meshes are named by elements a crossover, along each side. "graded" has one of them about the impact point alone,
+"graded, 1/3" three, and longer ones further away; "near" has the smallest fine region, and "long" elements of 4
+crossovers at the edge. All but the full model have a table of the cell of 51 stretches a side, where filling one of 201
+costs more than a short run, and look at their energies every 20 us, since an audit goes over the whole panel. What that
+changes is in their errors.
 """
 
 from __future__ import annotations
@@ -44,8 +46,13 @@ class Model:
 
     @property
     def coarse(self) -> bool:
-        """Whether its elements are crossovers, or more."""
-        return dict(self.changes).get("elements_per_crossover") == 1
+        """Whether its elements are crossovers, or more, everywhere."""
+        return dict(self.changes).get("elements_per_crossover") == 1 and not self.refined
+
+    @property
+    def refined(self) -> bool:
+        """Whether it has elements shorter than a crossover about the impact point alone."""
+        return any(side < 1 for _, side in dict(self.changes).get("grading", ()))
 
     @property
     def full(self) -> bool:
@@ -66,6 +73,8 @@ class Model:
 
     def leaves(self, setup: Setup, fixed: Container[str]) -> bool:
         """Whether the model leaves those fields as they are that the user has set by hand."""
+        if self.refined and "elements_per_crossover" in fixed:
+            return False
         return all(getattr(ply_of(setup), key) == value for key, value in self.changes if key in fixed)
 
 
@@ -91,6 +100,16 @@ def ladder_of(setup: Setup) -> tuple[Model, ...]:
     return PACK_LADDER if isinstance(setup, PackSetup) else LADDER
 
 
+def _about_the_nose(n):
+    """Sides of 1/n crossover up to 12 crossovers from the impact point, of 1 up to 24, then of 2."""
+    return (12, 1 / n), (24, 1), (inf, 2)
+
+
+def _near_the_nose(n):
+    """Sides of 1/n crossover up to 8 crossovers from the impact point, of 1 up to 16, of 2 up to 32, then of 4."""
+    return (8, 1 / n), (16, 1), (32, 2), (inf, 4)
+
+
 def _mesh(name, elements, *, answers=True, **changes):
     return Model(name, (("elements_per_crossover", elements), *changes.items()), answers)
 
@@ -102,6 +121,9 @@ LADDER = (
     _mesh("graded", 1, grading=((16, 1), (32, 2), (inf, 4)), **_QUICK),
     _mesh("1 element, decoupled", 1, answers=False, cell_model="decoupled", **_QUICK),
     _mesh("1 element", 1, **_QUICK),
+    *(_mesh(f"graded, 1/{n}, near", 1, grading=_near_the_nose(n), **_QUICK) for n in (2, 3)),
+    _mesh("graded, 1/2, long", 1, grading=((12, 1 / 2), (20, 1), (40, 2), (inf, 4)), **_QUICK),
+    *(_mesh(f"graded, 1/{n}", 1, grading=_about_the_nose(n), **_QUICK) for n in (2, 3)),
     _mesh("2 elements", 2, **_QUICK),
     _mesh("3 elements", 3, **_QUICK),
     _mesh(FULL, 3, table_size=201),
