@@ -22,7 +22,7 @@ FLOORS = {"fabrics": 0, "meshing": 1, "unitcell3d": 2, "shellfabric": 2, "weavec
 LAYERS = {
     "shellfabric": (
         {"jit"}, {"driver"}, {"cell"}, {"cloth"}, {"projectile", "coupon"}, {"solid"}, {"backing"}, {"panel"},
-        {"sliding"}, {"plies", "cable", "output"}, {"impact"},
+        {"sliding"}, {"plies", "cable", "output"}, {"sliding_plies"}, {"impact"},
     ),
     "unitcell3d": (
         {"assembly", "material"}, {"contact"}, {"model"}, {"solver"}, {"cases"}, {"identify"}, {"pictures"},

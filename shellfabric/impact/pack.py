@@ -19,8 +19,10 @@ from shellfabric.output import snapshots as output_snapshots
 from shellfabric.output.snapshots import Snapshot
 from shellfabric.panel.solver import PLY_SAMPLES
 from shellfabric.plies.model import Pack, PlyContact
-from shellfabric.plies.solver import PACK_ENERGIES, PackSolver
+from shellfabric.plies.solver import PackSolver
 from shellfabric.projectile import dynamics
+from shellfabric.sliding.solver import SlipSummary
+from shellfabric.sliding_plies.solver import pack_of, slip_summaries, solver_of
 
 if TYPE_CHECKING:
     from shellfabric.cell.model import CellTable
@@ -56,7 +58,7 @@ class PackSetup:
         InputError : as ImpactSetup.panel and Pack.stacked
         """
         panel = self.ply.panel(table)
-        return Pack.stacked(
+        return pack_of(
             panel, self.plies, stacking=self.stacking, gap=self.gap, contact=self.contact, friction=self.friction
         )
 
@@ -70,13 +72,15 @@ class PackResult(Outcome):
     setup, pack : what was run
     outcome, residual_velocity, velocity, t, v, nose_position, step_history, bar, backing, projectile_position, steps,
         wall_time, ns_per_element_step, max_deflection, checks : as ImpactResult
-    energies : {name: (n,)} [J] with the names of plies.solver.PACK_ENERGIES
+    energies : {name: (n,)} [J] with the names of the solver's energies: plies.solver.PACK_ENERGIES, and with sliding
+        crossovers sliding_plies.solver.SLIDING_PACK_ENERGIES
     plies : {name: (n, plies)} with the names of panel.solver.PLY_SAMPLES
     peak_tension : (plies, 2) [N] over the run, of each ply's own warp and weft
     deepest, held_apart : (plies - 1,) and (2,) [-] see PackSolver
     last : (plies,) snapshots.Snapshot at the end, each from its own plane at rest
     snapshots : tuple of such tuples
     histories : tuple of histories.Histories of each ply that has been followed, empty where none has
+    slips : (plies,) sliding.solver.SlipSummary of sliding crossovers; empty of pinned ones
     """
 
     setup: PackSetup
@@ -104,6 +108,7 @@ class PackResult(Outcome):
     ns_per_element_step: float
     max_deflection: float
     checks: tuple
+    slips: tuple[SlipSummary, ...] = ()
 
     @property
     def first_ply_setup(self) -> ImpactSetup:
@@ -136,7 +141,7 @@ def run(
 ) -> PackResult:
     """Run an impact on a pack; parameters, exceptions and resuming as `single_ply.run`."""
     ply = setup.ply
-    solver = PackSolver(setup.pack(table), ply.strike_velocity, ply.end_time, interval=ply.sample_interval)
+    solver = solver_of(setup.pack(table), ply.strike_velocity, ply.end_time, interval=ply.sample_interval)
     own = (*single_ply.recorder(solver, ply), *single_ply.snapshot_hooks(ply, shots))
     if resume is not None:
         checkpoint.read(solver, resume)
@@ -149,11 +154,12 @@ def collect_result(setup: PackSetup, solver: PackSolver) -> PackResult:
     return PackResult(
         setup=setup,
         pack=solver.pack,
-        energies={name: solver.sample(name) for name in PACK_ENERGIES},
+        energies={name: solver.sample(name) for name in solver.energy_names},
         plies={name: solver.ply_sample(name) for name in PLY_SAMPLES},
         peak_tension=solver.peaks,
         deepest=solver.deepest,
         held_apart=solver.held_apart,
+        slips=slip_summaries(solver),
         projectile_position=solver.stack.projectile_position[0].copy(),
         last=shots(solver),
         histories=histories.unpack(solver.histories, plies, setup.ply.history)

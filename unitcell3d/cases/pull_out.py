@@ -1,10 +1,12 @@
 """One yarn pulled through a crossover under transverse load, with friction: the threshold at which it slips.
 
-The crossing yarn is stretched by the displacement d of its ends, which presses the yarns together; then the other yarn
-is moved along its axis, from sticking into full sliding, while d is held (`model.pull_out`). P is the axial force that
+The transverse load is one of two: the crossing yarn is stretched by the displacement d of its ends, which presses the
+yarns together; or two platens without friction, one on the warp and one under the weft, press them together, which
+compresses their cross-sections. Then one yarn is moved along its axis, from sticking into full sliding, while d or the
+distance of the platens is held (`model.pull_out`). P is the axial force that
 it takes from the crossing yarn. The threshold T_f is P where the share of Coulomb's limit that the contact has
 mobilised reaches `SLIDING`; F_c is the contact force at that state, not that before the pull: the crossing yarn is
-drawn sideways by P and its tension rises. The law T_f = c0 + mu_eff F_c is fitted to several d
+drawn sideways by P and its tension rises. The law T_f = c0 + mu_eff F_c is fitted to several transverse loads
 (`fabrics.friction.pull_out`).
 
 P has two parts: the friction, and what the normal pressures take along the axis (P_geometric), which is all that there
@@ -14,6 +16,7 @@ is without friction. A path without friction gives the same quantities at the sa
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -21,9 +24,10 @@ from fabrics.errors import InputError, UnstableError
 from fabrics.fabric import Fabric
 from fabrics.friction.pull_out import PullOutLaw
 from meshing.crossover import Crossover
+from unitcell3d.cases.biaxial_and_platens import MIN_PLATE_GAP
 from unitcell3d.model.crossover import Numerics
 from unitcell3d.model.pull_out import PullLoad, PullOutModel
-from unitcell3d.solver import path_following
+from unitcell3d.solver import load_stepping, path_following
 from unitcell3d.solver import record as solver_record
 from unitcell3d.solver.record import Hook, Record
 
@@ -32,12 +36,16 @@ MEANINGS = {
     "load": "[-] number of the transverse load",
     "d1": "[m] end displacement of the warp, per end",
     "d2": "[m] the same of the weft",
+    "plates": "[m] half the distance of the platens (infinite: none)",
     "pull": "[m] displacement of the pulled yarn along its axis",
     "T1": "[N] tension of the warp, of a pulled yarn at the end that is pulled",
     "T2": "[N] tension of the weft, likewise",
     "P": "[N] axial force that the pulled yarn takes from the crossing yarn",
     "P_geometric": "[N] the part of it that normal pressures take",
     "F_c": "[N] contact force",
+    "F_plate": "(n, 2) [N] force on the upper and the lower platen",
+    "h1": "[m] height of the warp's centreline",
+    "h2": "[m] the same of the weft",
     "mobilised": "[-] share of Coulomb's limit that is mobilised, 1 in full sliding",
     "d_c": "[m] compression of one yarn, half of the loss of h1 + h2",
     "deepest": "[m] largest penetration",
@@ -47,29 +55,34 @@ MEANINGS = {
 SLIDING = 0.999  # share of Coulomb's limit from which on the yarn slides
 LOADS = (0.25, 0.5, 0.75, 1.0)  # of the largest end displacement of the crossing yarn
 PULL = 0.16  # of half the spacing: the crossing yarn gives way sideways before all points slide
+PULL_PRESSED = 0.24  # the same between platens, where the crossing yarn has no tension before the pull
 ROWS_TO_LOAD, ROWS = 5, 16
+ROWS_TO_PRESS = 40  # of the way of the platens to `MIN_PLATE_GAP`
 
 
 def pull_out(
     crossover: Crossover,
     fabric: Fabric,
-    displacements: Sequence[float],
+    displacements: Sequence[float] = (),
     *,
+    pressures: Sequence[float] = (),
     pulled: int = 0,
     pull: float | None = None,
     numerics: Numerics | None = None,
     rows: int = ROWS,
     hooks: Sequence[Hook] = (),
 ) -> Record:
-    """Pull one yarn through the crossover at each of several end displacements of the crossing yarn.
+    """Pull one yarn through the crossover at each of several transverse loads.
 
     Parameters
     ----------
     crossover : meshing.crossover.Crossover, a whole one
     fabric : Fabric
     displacements : (n,) [m] of each end of the crossing yarn
+    pressures : (n,) [Pa] of platens on the area of the cell before the pull, in place of the displacements
     pulled : 0 pulls the warp, 1 the weft
-    pull : [m] displacement along the axis at the end; `PULL` times half the spacing along the yarn if not given
+    pull : [m] displacement along the axis at the end; `PULL` times half the spacing along the yarn if not given,
+        `PULL_PRESSED` times it between platens
     numerics : Numerics with the friction
     rows : states along the pull
     hooks : called as hook(share of all paths, row) after each row
@@ -81,33 +94,57 @@ def pull_out(
 
     Raises
     ------
-    InputError : no displacement, one that is not positive, or a pull that is not
+    InputError : neither displacements nor pressures, both, one that is not positive, or a pull that is not
     """
-    given = [float(value) for value in displacements]
+    key, unit = ("pressures", "pressure") if len(pressures) else ("displacements", "length")
+    given = [float(value) for value in (pressures if len(pressures) else displacements)]
     if not given or not all(np.isfinite(value) and value > 0 for value in given):
-        raise InputError(key="displacements", value=tuple(given), allowed="at least one positive length")
-    pull = PULL * fabric.weave.w[pulled] if pull is None else float(pull)
+        raise InputError(key=key, value=tuple(given), allowed=f"at least one positive {unit}")
+    if len(pressures) and len(displacements):
+        raise InputError(key="pressures", value=tuple(given), allowed="left out where displacements are given")
+    share = PULL_PRESSED if len(pressures) else PULL
+    pull = share * fabric.weave.w[pulled] if pull is None else float(pull)
     if not 0 < pull < np.inf:
         raise InputError(key="pull", value=pull, allowed="positive")
     numerics = Numerics() if numerics is None else numerics
     points = np.asarray(crossover.points, float)
-    found, failed, x = [], "", points
-    for number, value in enumerate(given):
-        model = PullOutModel(crossover, fabric, numerics, pulled)
-        d = (0.0, value) if pulled == 0 else (value, 0.0)
-        loads = [PullLoad(), PullLoad(d), PullLoad(d, pull)]
+    found, x, failed = [], points, ""
+    rest, loaded = PullLoad(), [PullLoad((0.0, value) if pulled == 0 else (value, 0.0)) for value in given]
+    if len(pressures):
+        rest, loaded, failed = _pressed(crossover, fabric, numerics, pulled, given)
+    for number, load in enumerate(loaded):
+        model = PullOutModel(crossover, fabric, numerics, pulled, platens=len(pressures) > 0)
+        loads = [rest, load, replace(load, pull=pull)]
         shift = lambda share, row, number=number: [hook((number + share) / len(given), row) for hook in hooks]  # noqa: E731
-        one = path_following.follow(
-            model, loads, _row(model, number), rows=[ROWS_TO_LOAD, rows], hooks=[shift]
-        )  # fmt: skip
+        one = path_following.follow(model, loads, _row(model, number), rows=[ROWS_TO_LOAD, rows], hooks=[shift])
         found += one.rows
-        x, failed = one.x, one.failed
-        if failed:
+        x, failed = one.x, failed or one.failed
+        if one.failed:
             break
     facts = {"pulled": pulled, "friction": numerics.friction, "loads": len(given), "pull": pull}
-    return Record(
-        solver_record.columns(found), MEANINGS, x - points, fabric.name, "pull-out", failed, facts
+    if len(pressures):
+        facts["pressures"] = given
+    return Record(solver_record.columns(found), MEANINGS, x - points, fabric.name, "pull-out", failed, facts)
+
+
+def _pressed(crossover, fabric, numerics, pulled, pressures):
+    """(load at rest, loads at which platens press by `pressures` [Pa], why not all of them were reached or "").
+
+    One path without the pull goes up to the highest pressure; the distances at the others are interpolated on it.
+    """
+    model = PullOutModel(crossover, fabric, numerics, pulled, platens=True)
+    assert model.plates is not None
+    rest, area = PullLoad(plates=model.plates.at_rest), fabric.weave.cell_area
+    mean = lambda row: float(np.mean(row["F_plate"])) / area  # noqa: E731
+    followed = path_following.follow(
+        model, [rest, replace(rest, plates=MIN_PLATE_GAP * rest.plates)], _row(model, 0), rows=ROWS_TO_PRESS,
+        stop=lambda row: mean(row) / max(pressures),
     )  # fmt: skip
+    met, at = np.array([mean(row) for row in followed.rows]), np.array([row["plates"] for row in followed.rows])
+    reached = [value for value in pressures if value <= met.max() * (1 + 1e-3)]
+    loads = [replace(rest, plates=float(np.interp(value, met, at))) for value in reached]
+    short = "" if len(reached) == len(pressures) else f"platens reach {met.max():.4g} Pa at {at[-1]:.4g} m"
+    return rest, loads, followed.failed or short
 
 
 def displacements(fabric: Fabric, pulled: int) -> tuple[float, ...]:
@@ -119,24 +156,15 @@ def displacements(fabric: Fabric, pulled: int) -> tuple[float, ...]:
 
 
 def _row(model, number):
-    rest = model.heights(model.points)
-
     def row(state, load):
         x = model.positions(state.q, load)
-        T1, T2 = model.tensions(state.forces)
         mobilised = model.surfaces.mobilised_friction(x, model.numerics)
-        return {
+        return load_stepping.crossover_row(model, state, load) | {
             "load": number,
-            "d1": load.d[0],
-            "d2": load.d[1],
             "pull": load.pull,
-            "T1": T1,
-            "T2": T2,
             "P": model.axial_force(state.forces),
             "P_geometric": model.geometric_force(x),
-            "F_c": state.contact,
             "mobilised": mobilised,
-            "d_c": 0.5 * (rest.sum() - model.heights(x).sum()),
             "deepest": model.surfaces.deepest,
         }
 

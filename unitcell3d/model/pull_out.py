@@ -27,7 +27,7 @@ from fabrics.errors import InputError
 from fabrics.fabric import Fabric
 from meshing.crossover import Crossover
 from unitcell3d.assembly.constraints import AXIAL, VERTICAL, WIDTH, Constraints, Ties
-from unitcell3d.contact.surfaces import FacingSurfaces
+from unitcell3d.contact.surfaces import FacingSurfaces, Plates
 from unitcell3d.model.crossover import Numerics, YarnsModel, axis_height, check
 
 
@@ -35,7 +35,7 @@ from unitcell3d.model.crossover import Numerics, YarnsModel, axis_height, check
 class PullLoad:
     """End displacements d1, d2 [m] per end and the pull [m] of one yarn along its axis.
 
-    plates : [m] infinite: none
+    plates : [m] half the distance of two platens; infinite for none
     """
 
     d: tuple = (0.0, 0.0)
@@ -50,7 +50,8 @@ class PullLoad:
     def towards(self, other: PullLoad, share: float) -> PullLoad:
         """The load at `share` of the way to another."""
         d = tuple(a + share * (b - a) for a, b in zip(self.d, other.d))
-        return PullLoad(d, self.pull + share * (other.pull - self.pull), self.plates)
+        plates = self.plates + share * (other.plates - self.plates) if np.isfinite(self.plates) else self.plates
+        return PullLoad(d, self.pull + share * (other.pull - self.pull), plates)
 
 
 class PullOutModel(YarnsModel):
@@ -61,6 +62,7 @@ class PullOutModel(YarnsModel):
     crossover : meshing.crossover.Crossover, a whole one
     fabric, numerics : as of a `model.crossover.YarnsModel`
     pulled : 0 pulls the warp, 1 the weft
+    platens : whether two rigid platens without friction stand above and below the yarns
 
     Raises
     ------
@@ -69,14 +71,25 @@ class PullOutModel(YarnsModel):
 
     surfaces: FacingSurfaces
 
-    def __init__(self, crossover: Crossover, fabric: Fabric, numerics: Numerics | None = None, pulled: int = 0) -> None:
+    def __init__(
+        self, crossover: Crossover, fabric: Fabric, numerics: Numerics | None = None, pulled: int = 0, *,
+        platens: bool = False,
+    ) -> None:  # fmt: skip
         check(crossover, fabric)
         if crossover.domain != "whole":
             raise InputError(key="domain", value=crossover.domain, allowed="whole where a yarn is pulled through")
         points = np.ascontiguousarray(crossover.points, float)
         self.pulled = pulled
         held = pull_constraints(crossover.grids, len(points), pulled)
-        super().__init__(crossover, fabric, numerics, held, FacingSurfaces(points, crossover.grids, False), None)
+        plates = Plates(points, crossover.grids) if platens else None
+        super().__init__(crossover, fabric, numerics, held, FacingSurfaces(points, crossover.grids, False), plates)
+
+    def _press(self, x, load, forces, places=None):
+        """Platens take no axial force of the yarn: that force is to be the crossing yarn's alone."""
+        if self.plates is None:
+            return np.zeros(2)
+        smooth = replace(self.numerics, friction=0.0)
+        return self.plates.press(x, load.plates, smooth, forces, places, self.pattern.values)
 
     def axial_force(self, forces: FloatArray) -> float:
         """[N] P, by which the tension of the pulled yarn differs between its ends, of nodal forces (n, 3) [N]."""

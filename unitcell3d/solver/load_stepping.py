@@ -204,14 +204,18 @@ def _penalty_continuation(model, solver, guess, load):
         model.numerics = full
 
 
-def _row(model, state, load, share, seconds):
-    x = model.positions(state.q, load)
-    heights = model.heights(x)
-    strains, mean = model.fibre_strains(x)
+def crossover_row(model: Any, state: Equilibrium, load: Any) -> dict[str, Any]:
+    """What every case of a crossover records of a state: loads, tensions, contact forces, heights, compression.
+
+    Parameters
+    ----------
+    model : a model.crossover.YarnsModel with `heights`
+    state : newton.Equilibrium
+    load : of the model, with `d` and `plates`
+    """
+    heights, rest = model.heights(model.positions(state.q, load)), model.heights(model.points)
     T1, T2 = model.tensions(state.forces)
-    rest = model.heights(model.points)
     return {
-        "path": share,
         "d1": load.d[0],
         "d2": load.d[1],
         "plates": load.plates,
@@ -222,6 +226,15 @@ def _row(model, state, load, share, seconds):
         "h1": heights[0],
         "h2": heights[1],
         "d_c": 0.5 * (rest.sum() - heights.sum()),
+    }
+
+
+def _row(model, state, load, share, seconds):
+    x = model.positions(state.q, load)
+    strains, mean = model.fibre_strains(x)
+    return {
+        "path": share,
+        **crossover_row(model, state, load),
         "d_yarns": model.half_thicknesses(model.points) - model.half_thicknesses(x),
         "fibre_strain_max": np.array([strains[model.bar_yarn == yarn].max() for yarn in (0, 1)]),
         "fibre_strain_mean": mean,

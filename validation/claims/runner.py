@@ -186,6 +186,11 @@ def _make(run, out, name):
     _runs(out)[name] = content
 
 
+def make(run: Run, out: Path) -> None:
+    """Do a run and keep what it leaves in the folder."""
+    _make(run, out, digest(run))
+
+
 def _brief(run):
     return " ".join(str(value) for value in run.keywords.values() if not isinstance(value, (list, dict)))
 

@@ -31,6 +31,7 @@ from shellfabric.plies.solver import PACK_ENERGIES, PackSolver
 from shellfabric.projectile import dynamics as bodies
 from shellfabric.projectile.bar import Bar
 from shellfabric.projectile.projectile import Projectile
+from shellfabric.sliding.model import CrossoverFriction
 from validation.published.bias_extension import cases as bias_cases
 
 if TYPE_CHECKING:
@@ -82,13 +83,15 @@ def setup(
     fabric: str, velocity: float, *, cell_model: str = "compressible", form: str | None = None,
     pull: dict[str, float] | None = None, symmetry: str = "quarter", end_time: float = 800e-6,
     offsets: Sequence[float] = (), snapshots: float | None = None, interval: float = 1e-6, elements: int = 1,
-    bending: float = 0.0, body: str = "rigid", **changes: Any,
+    bending: float = 0.0, body: str = "rigid", crossovers: float | None = None, **changes: Any,
 ) -> ImpactSetup:  # fmt: skip
     """ImpactSetup of a shot; the arguments are those of `shot`."""
     options: dict[str, Any] = {"form": form} if form else {}
     if pull:
         slipping = PullIn(pull["length"], pull["start"], pull["end"])
         options["edge"] = ("clamped", slipping)  # weft, as in section 6.4.3
+    if crossovers is not None:
+        options["crossovers"] = CrossoverFriction(crossovers)
     projectile = Projectile()
     if body == "bored":
         projectile = replace(projectile, body=projectile.steel_bar())
@@ -115,6 +118,7 @@ def shot(**scene: Any) -> RunResult:
     fabric, velocity [m/s] and the changes of `cloth`
     cell_model, form, symmetry, end_time, elements, bending : as in ImpactSetup; form None is its default
     body : of the projectile, "rigid" or "bored", the elastic-plastic bar of steel
+    crossovers : coefficient of friction of crossovers that slide; None pins them
     pull : {"length" [m], "start", "end" [s]} of the weft edges
     offsets : [m] of further weft yarns to record at the edge
     snapshots, interval : [s]

@@ -5,6 +5,9 @@ tables imply (erratum E-07) and one element per crossover. Each of the four VARI
 of the claim that takes it, and the check is done again. Runs that state the quantity themselves keep it. A verdict
 holds "in 5 of 5" if the claim is borne out as computed and in all four variants.
 
+OPTIONS are variants that are checked apart from these, by `python -m validation.claims.sliding`: crossovers that slide
+belong to no reading of the thesis, whose model pins them.
+
 Packs are not varied: with two elements per crossover their runs alone would take longer than the ledger.
 """
 
@@ -21,10 +24,17 @@ VARIANTS = {  # name: argument of the runs, and its value
     "2 elements per crossover": ("elements", 2),
     "elastic-plastic bored projectile": ("body", "bored"),
 }
+OPTIONS = {"sliding crossovers": ("crossovers", 0.2)}  # the coefficient of friction of yarn on yarn
+NOT_SLIDING = (
+    "pull",
+    "bending",
+    "elements",
+    "form",
+)  # of a shot: sides, laws and meshes that sliding crossovers refuse
 TAKES = {  # run: arguments of VARIANTS that it takes
-    "shot": ("form", "denier", "elements", "body"),
-    "limit": ("form", "denier", "elements", "body"),
-    "shots": ("form", "denier", "elements", "body"),
+    "shot": ("form", "denier", "elements", "body", "crossovers"),
+    "limit": ("form", "denier", "elements", "body", "crossovers"),
+    "shots": ("form", "denier", "elements", "body", "crossovers"),
     "net": ("denier",),
 }
 SHOTS = ("shot", "limit", "shots")  # runs that make a claim one that rests on shots
@@ -46,7 +56,7 @@ def vary(run: Run, variant: str | None) -> Run:
     """A run in a variant; the same one if it does not take what the variant changes, or states it itself."""
     if variant is None:
         return run
-    key, value = VARIANTS[variant]
+    key, value = (VARIANTS | OPTIONS)[variant]
     if key not in TAKES.get(run.name, ()) or key in run.keywords:
         return run
     return Run.of(run.name, **run.keywords, **{key: value})
@@ -62,6 +72,13 @@ def varied(claim: Claim) -> list[str]:
     if not applies(claim):
         return []
     return [name for name in VARIANTS if runs(claim, name) != runs(claim)]
+
+
+def can_slide(claim: Claim) -> bool:
+    """Whether a claim rests on shots at one ply all of which sliding crossovers allow."""
+    if not applies(claim):
+        return False
+    return not any(set(NOT_SLIDING) & set(run.keywords) for run in runs(claim).values())
 
 
 def setting(claim: Claim) -> str:

@@ -1,4 +1,4 @@
-"""Quasi-static computations of the Python interface: coupons, and the calibration of the 3D crossover."""
+"""Coupons in the Python interface, and the calibration of the 3D crossover."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from fabrics.errors import InputError
 from fabrics.executors import InProcess
 from fabrics.fabric import Fabric
 from weavecell.api import quantities
-from weavecell.api.quasi_static_results import CalibrationResult, CouponResult
+from weavecell.api.quasi_static_results import CalibrationResult, CouponResult, PullOutResult
 from weavecell.api.runs import as_fabric
 
 __all__ = ["calibrate", "coupon"]
@@ -26,20 +26,22 @@ TABLE_SIZE = 201  # stretches along each side of the cell's table, as in impacts
 
 def coupon(
     fabric: Fabric | FilePath, test: str, *, law: Any = None, cell_model: str = "compressible", **options: Any
-) -> CouponResult:
-    """A quasi-static test on a piece of fabric, in this process.
+) -> CouponResult | PullOutResult:
+    """A test on a piece of fabric, in this process: quasi-static, or a yarn pull-out.
 
     Parameters
     ----------
     fabric, law : as of `setup`
-    test : "bias_extension", "picture_frame", "uniaxial" or "biaxial"
+    test : "bias_extension", "picture_frame", "uniaxial", "biaxial" or "pull_out"
     cell_model : "compressible", "incompressible" or "decoupled"
     options : of the function of this name in `shellfabric.coupon.quasistatic`, in SI units or with units; such as
-        length, width, elongation [m], shear_angle [rad], strain, steps, crossovers (of a picture frame)
+        length, width, elongation [m], shear_angle [rad], strain, steps, crossovers (of a picture frame). Of a pull-out
+        the keys of its table in a scene file: displacement [m], crossings, velocity [m/s], pre_tension [N],
+        crossover_friction [-], crossover_cohesion [N], all_yarns, samples
 
     Returns
     -------
-    CouponResult
+    CouponResult; of a pull-out PullOutResult
 
     Raises
     ------
@@ -52,9 +54,11 @@ def coupon(
     from weavecell.results.coupon import CouponRecord
     from weavecell.results.coupon_measures import PRESCRIBED, measures
 
-    if test not in TESTS:
-        raise InputError(key="test", value=test, allowed=f"one of {', '.join(TESTS)}")
+    if test not in (*TESTS, "pull_out"):
+        raise InputError(key="test", value=test, allowed=f"one of {', '.join((*TESTS, 'pull_out'))}")
     cloth = as_fabric(fabric)
+    if test == "pull_out":
+        return _pull_out(cloth, law, cell_model, options)
     cloth = assumed.with_shear(cloth) if test in ("bias_extension", "picture_frame") else cloth
     run, began = getattr(quasistatic, test), time.perf_counter()
     if "crossovers" in options:
@@ -80,6 +84,29 @@ def coupon(
         checks=quality.of_coupon(table, reached, worst, options.get("tolerance", 1e-4)),
     )  # fmt: skip
     return CouponResult(record, tuple(assumed.lines(cloth)))
+
+
+def _pull_out(cloth, law, cell_model, options):
+    """The PullOutResult of a Fabric."""
+    from shellfabric.cell.model import CellModel
+    from weavecell.results import pull_out
+    from weavecell.scenes.coupon import PullOutTable
+
+    began, entries = time.perf_counter(), PullOutTable.model_fields
+    for key in sorted(set(options) - set(entries)):
+        raise InputError(key=key, value=options[key], allowed=f"one of {', '.join(entries)}")
+    if "displacement" not in options:
+        raise InputError("is missing", key="displacement", allowed=entries["displacement"].description)
+    units = {"displacement": "m", "velocity": "m/s", "pre_tension": "N", "crossover_cohesion": "N"}
+    options |= {key: quantities.number(options[key], unit, key) for key, unit in units.items() if key in options}
+    inputs = SimpleNamespace(**{key: entry.default for key, entry in entries.items()} | options)
+    laws = quantities.laws(cloth, law) if cell_model == "compressible" else None
+    curve = pull_out.run(CellModel(cloth, laws, model=cell_model).table(TABLE_SIZE), inputs)
+    record = pull_out.PullOutRecord.of(
+        curve, title=f"{cloth.name}, pull-out", law_name=cell_model if laws is None else laws[0].provenance,
+        failure_message="", wall_time=time.perf_counter() - began,
+    )  # fmt: skip
+    return PullOutResult(record)
 
 
 def calibrate(

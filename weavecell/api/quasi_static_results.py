@@ -1,4 +1,4 @@
-"""Results of quasi-static computations: coupons, and the calibration of the 3D crossover."""
+"""Results of coupons, and of the calibration of the 3D crossover."""
 
 from __future__ import annotations
 
@@ -17,8 +17,9 @@ if TYPE_CHECKING:
     from fabrics.fabric import Fabric
     from unitcell3d.identify.calibration import Calibration
     from weavecell.results.coupon import CouponRecord
+    from weavecell.results.pull_out import PullOutRecord
 
-__all__ = ["CalibrationResult", "CouponResult"]
+__all__ = ["CalibrationResult", "CouponResult", "PullOutResult"]
 
 
 @dataclass(frozen=True, repr=False)
@@ -75,6 +76,53 @@ class CouponResult(Result):
 
 def _named(name, unit):
     return name.replace(" ", "_") + ("" if unit == "1" else f"_{unit}")
+
+
+@dataclass(frozen=True, repr=False)
+class PullOutResult(Result):
+    """A yarn drawn out of held crossovers.
+
+    Parameters
+    ----------
+    record : `weavecell.results.pull_out.PullOutRecord`
+    """
+
+    record: PullOutRecord
+
+    @property
+    def outcome(self) -> str:
+        """ "complete"."""
+        return self.record.outcome
+
+    @property
+    def peak(self) -> float:
+        """[N] highest load."""
+        return self.record.curve.peak
+
+    @property
+    def plateau(self) -> float | None:
+        """[N] mean load while all crossovers slide; None where they never all do."""
+        return self.record.curve.plateau
+
+    def summary(self) -> dict[str, Any]:
+        """Set-up, loads, slip length and work of friction, each with its unit."""
+        return self.record.summary()
+
+    def _columns(self):
+        columns = {
+            "time_s": "time",
+            "displacement_m": "displacement",
+            "load_N": "load",
+            "crossovers_in_slip": "sliding",
+        }
+        columns |= {"crossovers_left": "left", "friction_work_J": "friction_work"}
+        return {name: getattr(self.record.curve, key) for name, key in columns.items()}
+
+    def plot(self) -> Any:
+        """A matplotlib figure: the load, and the crossovers in slip and left, against the displacement."""
+        from weavecell.report import pictures_coupon
+
+        return figure(pictures_coupon.pull_out, self.record)
 
 
 @dataclass(frozen=True, repr=False)

@@ -56,7 +56,7 @@ _OF_CASE = {
     Case.biaxial: ("failure", "friction", "stretch"),
     Case.path: ("failure", "friction", "path"),
     Case.shear: ("failure", "friction", "stretch", "gamma"),
-    Case.pull_out: ("friction", "yarn", "stretch", "pull", "law"),
+    Case.pull_out: ("friction", "yarn", "stretch", "pressure", "pull", "law"),
 }
 
 
@@ -89,7 +89,11 @@ ShiftOption = Annotated[
 ]
 PressureOption = Annotated[
     str | None,
-    typer.Option(help="platens, stack: pressure at the end; by default the highest of the thesis.", metavar="PRESSURE"),
+    typer.Option(
+        help="platens, stack: pressure at the end; by default the highest of the thesis. pull-out: of platens that "
+        "press the yarns together in place of --end-displacement, one for each transverse load.",
+        metavar="PRESSURE[,PRESSURE]",
+    ),
 ]
 StretchOption = Annotated[
     str,

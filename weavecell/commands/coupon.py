@@ -8,6 +8,9 @@ The folder of `weavecell coupon`
     report.html     all of it on one page
     checkpoint.h5   only while the run goes on, or after it was interrupted: `--resume` goes on from it
 
+A pull-out is dynamic: it has no load steps and no checkpoint, its histories.h5 holds the samples of the load
+(`results.pull_out.PullOutRecord`), and load.csv holds them as text.
+
 Everything but the checkpoint is written when the run has ended, also if it ended by becoming unstable.
 """
 
@@ -23,17 +26,17 @@ from weavecell.commands.impact import Interrupted
 from weavecell.report import chapters, checks, pictures, pictures_coupon
 from weavecell.report import page as report_page
 from weavecell.report.page import Card, Figure, Section, Table
-from weavecell.results import progress, provenance, run_folder
+from weavecell.results import progress, provenance, pull_out, run_folder
 from weavecell.results.coupon import CouponRecord, read_states, write_states
 from weavecell.results.coupon_measures import PRESCRIBED, measures
 from weavecell.scenes import build
 from weavecell.scenes import coupon as scenes_coupon
-from weavecell.scenes.supported import Support, of
+from weavecell.scenes.supported import Rule, Support, of
 
 TABLE_SIZE = 201  # stretches along each side of the cell's table, as in impacts
 WORDS = {
     "bias_extension": "bias extension", "picture_frame": "picture frame", "uniaxial": "uniaxial tension",
-    "biaxial": "biaxial tension",
+    "biaxial": "biaxial tension", "pull_out": "yarn pull-out",
 }  # fmt: skip
 SUPPORT = Support(
     "weavecell coupon",
@@ -44,47 +47,21 @@ SUPPORT = Support(
         *of("picture_frame", "shear_angle crossovers"),
         *of("uniaxial", "direction length width strain failure"),
         *of("biaxial", "strain centre arm cross_yarns_removed failure"),
+        *of("pull_out", " ".join(scenes_coupon.PullOutTable.model_fields)),
         *of("run", "steps elements_per_crossover tolerance max_iterations outputs"),
     ),
     rejected={
         "fabric.surface": "left out: the cell of a coupon is made from laws",
         "fabric.bending": "left out: the yarns of a coupon have no bending stiffness",
     },
-    rules=build.CELL_RULES,
+    rules=(
+        *build.CELL_RULES,
+        *(
+            Rule(key, lambda scene: scene.test == "pull_out", "left out in a pull-out")
+            for key in ("fabric.fibre_slack", *of("run", "steps elements_per_crossover tolerance max_iterations"))
+        ),
+    ),
 )  # fmt: skip
-# figures of each test: file, measures, label of the axis, caption
-DRAWN = {
-    "bias_extension": (
-        ("load", ("load",), "load", "Load on a clamp."),
-        (
-            "angles",
-            ("angle in zone A", "angle in zone B", "angle in zone C", "zone C, yarns that do not stretch"),
-            "angle between warp and weft",
-            "Mean angle in the three zones: of zone A both yarns lead to a clamp, of B one, of C none.",
-        ),
-    ),
-    "picture_frame": (("stress", ("shear stress", "trellis law"), "shear stress", "Work of the frame, by volume."),),
-    "uniaxial": (
-        ("load", ("load of a yarn",), "load of a yarn", "Load over the yarns that carry it."),
-        (
-            "strains",
-            ("strain in the middle, along", "strain in the middle, across"),
-            "strain",
-            "Strain of the middle of the strip along the load and across.",
-        ),
-    ),
-    "biaxial": (
-        (
-            "load",
-            (
-                "load of a warp yarn", "load of a weft yarn", "cell at these strains, warp",
-                "cell at these strains, weft",
-            ),
-            "load of a yarn",
-            "Load of an arm over its yarns; dashed: the cell alone, at the strains of the middle.",
-        ),
-    ),
-}  # fmt: skip
 
 
 def coupon(path: Path, out: Path, *, resume: bool = False, strict: bool = False) -> None:
@@ -109,6 +86,9 @@ def coupon(path: Path, out: Path, *, resume: bool = False, strict: bool = False)
     if resume and not checkpoint.exists():
         raise InputError("there is no checkpoint to resume from", file=checkpoint)
     title = scene.title or f"{this.fabric.name}, {WORDS[scene.test]}"
+    if scene.test == "pull_out":
+        _pull_out(this, path, title, text, out, strict)
+        return
     began = time.perf_counter()
     try:
         result, table, failure = _pull(this, title, checkpoint, resume)
@@ -134,6 +114,46 @@ def coupon(path: Path, out: Path, *, resume: bool = False, strict: bool = False)
     checks.report(record.checks, strict)
 
 
+def _pull_out(this, path, title, text, out, strict):
+    """Run a yarn pull-out, write its results and print them."""
+    began, scene, failure = time.perf_counter(), this.scene, None
+    with progress.bar(title) as advance:
+        try:
+            curve = pull_out.run(_table(this), scene.pull_out, [lambda solver: advance(solver.time / solver.end_time)])
+        except InputError as problem:
+            raise _in_file(problem, scene, path) from None
+        except UnstableError as problem:
+            failure, curve = problem, problem.result
+    record = pull_out.PullOutRecord.of(
+        curve, title=title, law_name=this.law_name, failure_message=str(failure or ""),
+        wall_time=time.perf_counter() - began,
+    )  # fmt: skip
+    stamp = provenance.stamp(text, this.fabric)
+    run_folder.write(out, text, record, checks.summary(record.checks), stamp)
+    record.write_csv(out / "load.csv")
+    section = _pull_out_chapter(record)
+    if "pictures" in scene.run.outputs:
+        report_page.write_pictures([section], out / "pictures")
+    if "report" in scene.run.outputs:
+        lead = f"One yarn of {record.fabric} drawn through {curve.coupon.crossings} held crossovers."
+        report_page.write(_page(this, record, section, stamp, lead, record.lines()), out / "report.html")
+    print("\n".join([f"{record.title}: {record.outcome}", *record.lines()]))
+    print(f"written to {out}", flush=True)
+    if failure is not None:
+        raise failure
+    checks.report(record.checks, strict)
+
+
+def _pull_out_chapter(record):
+    """The chapter of a pull-out: load and crossovers in slip against the displacement, and a table of the results."""
+    caption = "Load on the pulled yarn; below: crossovers that it slides through, and those that its end has left."
+    content = pictures.render(pictures_coupon.pull_out, record)
+    rows = tuple((line[:44].strip(), line[44:].strip()) for line in record.lines())
+    lead = f"The run was stopped: {record.failure_message}." if record.failure_message else ""
+    table = Table(("quantity", "value"), rows, "", numeric=("value",))
+    return Section("coupon", WORDS["pull_out"].capitalize(), lead, (Figure(content, "svg", caption, "load"),), (table,))
+
+
 def _indicators(result, table, tolerance):
     """Quality indicators of a test; the load step in which a yarn fails may go beyond its strength."""
     from shellfabric.panel import quality
@@ -146,12 +166,9 @@ def _indicators(result, table, tolerance):
 
 def _pull(this, title, checkpoint, resume):
     """(Result, its CellTable, the UnstableError that ended it or None), with a bar and checkpoints."""
-    from shellfabric.cell.model import CellModel
     from shellfabric.coupon import quasistatic
 
-    scene, cloth, failure = this.scene, this.scene.fabric, None
-    cell = (cloth.crossover_gap, cloth.cell_model, cloth.cell_formulation, cloth.cell_profile, cloth.fibre_slack)
-    table = CellModel(this.fabric, this.laws, *cell).table(TABLE_SIZE)
+    scene, table, failure = this.scene, _table(this), None
     options = dict(scene.test_table)
     if scene.test == "picture_frame":
         options["cells"] = options.pop("crossovers")
@@ -171,6 +188,15 @@ def _pull(this, title, checkpoint, resume):
         except UnstableError as problem:
             failure, result = problem, problem.result
     return result, table, failure
+
+
+def _table(this):
+    """The table of the cell."""
+    from shellfabric.cell.model import CellModel
+
+    cloth = this.scene.fabric
+    cell = (cloth.crossover_gap, cloth.cell_model, cloth.cell_formulation, cloth.cell_profile, cloth.fibre_slack)
+    return CellModel(this.fabric, this.laws, *cell).table(TABLE_SIZE)
 
 
 def _stamp(table, scene):
@@ -212,7 +238,11 @@ def _write(out, this, record, text, advance):
     if "pictures" in outputs:
         report_page.write_pictures([section], out / "pictures")
     if "report" in outputs:
-        report_page.write(_page(this, record, section, stamp), out / "report.html")
+        lead = (
+            f"A coupon of {record.fabric}, {record.elements} elements, in {len(record.prescribed)} load steps, each "
+            f"relaxed to {this.scene.run.tolerance:g} of the reaction."
+        )
+        report_page.write(_page(this, record, section, stamp, lead, lines(record)[:-1]), out / "report.html")
 
 
 def chapter(record: CouponRecord, tolerance: float) -> Section:
@@ -223,7 +253,7 @@ def chapter(record: CouponRecord, tolerance: float) -> Section:
             "The coupon at the end, to scale. Left: shear of the elements. Right: tension of the yarns.", "coupon",
         )
     ]  # fmt: skip
-    for name, chosen, label, caption in DRAWN[record.test]:
+    for name, chosen, label, caption in pictures_coupon.DRAWN[record.test]:
         drawn = tuple(measure for measure in chosen if measure in record.measures)
         content = pictures.render(pictures_coupon.curves, record, drawn, label)
         figures.append(Figure(content, "svg", caption, name))
@@ -271,19 +301,18 @@ def lines(record: CouponRecord) -> list[str]:
     return found
 
 
-def _page(this, record, section, stamp):
+def _page(this, record, section, stamp, lead, shown):
     """The report of one test."""
     model = this.scene.fabric.cell_model
     tone = "unstable" if record.outcome == "unstable" else "stopped"
     cards = (
         chapters.fabric_card(this.fabric),
         chapters.law_card(this.laws[0], source=this.law_name if model == "compressible" else model),
-        Card(WORDS[record.test], record.outcome, tuple(" ".join(line.split()) for line in lines(record)[:-1]), tone),
+        Card(WORDS[record.test], record.outcome, tuple(" ".join(line.split()) for line in shown), tone),
     )
     return report_page.Report(
         record.title,
-        f"A coupon of {record.fabric}, {record.elements} elements, in {len(record.prescribed)} load steps, each "
-        f"relaxed to {this.scene.run.tolerance:g} of the reaction.",
+        lead,
         (cards,),
         (
             section,

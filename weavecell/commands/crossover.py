@@ -159,12 +159,18 @@ def _pull_out(fabric, choices):
 
     pulled = choices["family"]
     given = [text for text in choices["stretch"].split(",") if text.strip() not in ("", "0 mm")]
-    lengths = [si(text, "m", key="--end-displacement") for text in given] or pull_out.displacements(fabric, pulled)
+    lengths = [si(text, "m", key="--end-displacement") for text in given]
+    pressures = [si(text, "Pa", key="--pressure") for text in (choices["pressure"] or "").split(",") if text.strip()]
+    if pressures and lengths:
+        raise InputError(key="--pressure", value=choices["pressure"], allowed="left out with --end-displacement")
+    if pressures and not min(pressures) > 0:
+        raise InputError(key="--pressure", value=choices["pressure"], allowed="pressures above 0")
+    lengths = lengths or ([] if pressures else list(pull_out.displacements(fabric, pulled)))
     pull = None if choices["pull"] is None else si(choices["pull"], "m", key="--pull")
     friction = FRICTION if choices["friction"] is None else choices["friction"]
     numerics = _numerics(choices | {"friction": friction})
     return lambda built, hooks: pull_out.pull_out(
-        built, fabric, lengths, pulled=pulled, pull=pull, numerics=numerics, hooks=hooks
+        built, fabric, lengths, pressures=pressures, pulled=pulled, pull=pull, numerics=numerics, hooks=hooks
     )
 
 

@@ -52,11 +52,12 @@ SUPPORT = Support(
     Scene,
     (
         "format", "title", *build.SHOT, "projectile.strike_velocity", "panel.plies", *build.OF_A_PACK, "panel.grading",
+        *build.CROSSOVERS,
         *of("history", "interval warp weft report_positions"),
         *of("run", "end_time snapshot_interval checkpoint_interval outputs"),
         *of("accuracy", "residual_velocity absorbed_energy deflection peak_tension"),
     ),
-    rejected=build.NO_SLACK | build.PINNED,
+    rejected=build.NO_SLACK,
     rules=build.PACK_RULES,
 )  # fmt: skip
 _OF_PANEL = ("plies", "stacking", "gap", "ply_friction")
@@ -152,6 +153,8 @@ def write(
         sections.append(fidelity.chapter(choice))
     if pair is not None:
         sections.append(chapters_discretisation.section(pair))
+    if record.slips:
+        sections.append(chapters_impact.slips(record))
     ends = dict.fromkeys((0, record.count - 1)) if record.measured else ()  # the ply that is struck, and the rear one
     sections += [
         chapters_impact.measures(record.measured[ply], this.scene.history.report_positions, ply + 1) for ply in ends

@@ -13,6 +13,7 @@ from weavecell.report.page import Figure, Section, Table
 if TYPE_CHECKING:
     from shellfabric.output.histories import Histories
     from weavecell.results.impact import ImpactRecord
+    from weavecell.results.pack import PackRecord
 
 
 def measures(recorded: Histories, places: Sequence[float], ply: int | None = None) -> Section:
@@ -91,6 +92,22 @@ def _slip(record):
         ("the same over the strike energy [%]", f"{100 * slip.friction_work / record.strike_energy:.3g}"),
     )
     return Section("slip", "Sliding crossovers", "", (), (Table(("quantity", "value"), rows, numeric=("value",)),))
+
+
+def slips(record: PackRecord) -> Section:
+    """Section of sliding crossovers in a pack: a row a ply."""
+    columns = (
+        "ply", "segments that a yarn has left", "longest yarn through a crossover [mm]",
+        "widest distance of neighbouring yarns [mm]", "work of friction [J]",
+    )  # fmt: skip
+    rows = tuple(
+        (f"{ply}", f"{slip.pulled_out_segments}", f"{1e3 * slip.pulled_out_length:.3g}",
+         f"{1e3 * slip.largest_window:.3g}", f"{slip.friction_work:.3g}")
+        for ply, slip in enumerate(record.slips, 1)
+    )  # fmt: skip
+    share = 100 * sum(slip.friction_work for slip in record.slips) / record.strike_energy
+    caption = f"Friction at the crossovers of all plies: {share:.3g} % of the strike energy."
+    return Section("slip", "Sliding crossovers", "", (), (Table(columns, rows, caption, numeric=columns[1:]),))
 
 
 def _front_row(wave, recorded):

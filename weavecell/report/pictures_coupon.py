@@ -11,9 +11,44 @@ from meshing.pictures_style import COLOURS, FAINT, INK, WARP, WEFT, tension_map
 
 if TYPE_CHECKING:
     from weavecell.results.coupon import CouponRecord
+    from weavecell.results.pull_out import PullOutRecord
 
 _AXES = {"m": (1e3, "mm"), "rad": (180 / np.pi, "°"), "N": (1.0, "N"), "Pa": (1e-6, "MPa")}
 _SHEARS = ("#f3f5f7", "#fde0a6", "#f4a259", "#d1495b", "#7b2d6b", "#2d1244")  # even steps of lightness
+
+# figures of each test: file, measures, label of the axis, caption
+DRAWN = {
+    "bias_extension": (
+        ("load", ("load",), "load", "Load on a clamp."),
+        (
+            "angles",
+            ("angle in zone A", "angle in zone B", "angle in zone C", "zone C, yarns that do not stretch"),
+            "angle between warp and weft",
+            "Mean angle in the three zones: of zone A both yarns lead to a clamp, of B one, of C none.",
+        ),
+    ),
+    "picture_frame": (("stress", ("shear stress", "trellis law"), "shear stress", "Work of the frame, by volume."),),
+    "uniaxial": (
+        ("load", ("load of a yarn",), "load of a yarn", "Load over the yarns that carry it."),
+        (
+            "strains",
+            ("strain in the middle, along", "strain in the middle, across"),
+            "strain",
+            "Strain of the middle of the strip along the load and across.",
+        ),
+    ),
+    "biaxial": (
+        (
+            "load",
+            (
+                "load of a warp yarn", "load of a weft yarn", "cell at these strains, warp",
+                "cell at these strains, weft",
+            ),
+            "load of a yarn",
+            "Load of an arm over its yarns; dashed: the cell alone, at the strains of the middle.",
+        ),
+    ),
+}  # fmt: skip
 
 
 def axis(name: str, unit: str) -> tuple[float, str]:
@@ -46,8 +81,12 @@ def cloth(pyplot: Any, record: CouponRecord) -> Any:
     top = max(float(np.quantile(tension, 0.995)), record.floor)
     pulled = LineCollection(lines, array=tension, cmap=tension_map(), clim=(0, top), linewidth=1.0, rasterized=True)
     right.add_collection(pulled)
+    if record.test == "bias_extension":
+        _zones(left, record)
+    factor, unit = axis(record.prescribed_name, record.prescribed_unit)
+    state = f"{record.prescribed_name} {factor * record.prescribed[-1]:.3g} {unit}"
     for axes, title, drawn, label in (
-        (left, "shear", sheared, "shear angle [°]"), (right, "yarns", pulled, "tension of a yarn [N]"),
+        (left, f"shear, {state}", sheared, "shear angle [°]"), (right, "yarns", pulled, "tension of a yarn [N]"),
     ):  # fmt: skip
         axes.set(aspect="equal", title=title, xlabel="mm")
         axes.autoscale_view()
@@ -57,6 +96,24 @@ def cloth(pyplot: Any, record: CouponRecord) -> Any:
         bar.outline.set_visible(False)
     left.set_ylabel("mm")
     return figure
+
+
+def _zones(axes, record):
+    """The borders of the zones of a bias coupon, lines of the fabric along the yarns from its clamped corners."""
+    held = record.points[record.grips > 0]
+    half = np.array([np.ptp(record.points[:, 0]) / 2, np.abs(held[:, 1]).min()])
+    middle = 0.5 * (record.points.min(axis=0) + record.points.max(axis=0))
+    along = np.linspace(0, 2 * half[0], 60)
+    for side in (1, -1):
+        for end in (1, -1):
+            line = middle + np.column_stack([side * (half[0] - along), end * (half[1] - along)])
+            nearest = np.argmin(((record.points[None] - line[:, None]) ** 2).sum(axis=-1), axis=1)
+            axes.plot(*(1e3 * record.x[-1][nearest]).T, color=INK, lw=1.2, ls="--")
+    places = {"A": (0.0, half[1] - 0.3 * half[0]), "B": (0.8 * half[0], half[1] - half[0]), "C": (0.0, 0.0)}
+    for name, place in places.items():
+        nearest = np.argmin(((record.points - middle - place) ** 2).sum(axis=1))
+        axes.annotate(name, 1e3 * record.x[-1][nearest], ha="center", va="center", color=INK, weight="bold",
+                      bbox={"boxstyle": "circle", "fc": "white", "ec": INK, "lw": 0.8})  # fmt: skip
 
 
 def curves(pyplot: Any, record: CouponRecord, chosen: Sequence[str], label: str) -> Any:
@@ -91,6 +148,26 @@ def _colours(names):
 
 def _is_known(name):
     return name.startswith(("cell", "trellis")) or "do not stretch" in name
+
+
+def pull_out(pyplot: Any, record: PullOutRecord) -> Any:
+    """Load of a pulled yarn, and the crossovers that it slides through and has left, against the displacement."""
+    curve = record.curve
+    figure, (upper, lower) = pyplot.subplots(2, 1, figsize=(10.4, 6.4), sharex=True, height_ratios=(2, 1))
+    moved = 1e3 * curve.displacement
+    upper.plot(moved, curve.load, color=WARP, lw=1.2)
+    if curve.plateau is not None:
+        upper.axhline(curve.plateau, color=INK, lw=1.2, ls="--", label=f"plateau {curve.plateau:.3g} N")
+        upper.legend(loc="upper right")
+    upper.set(ylabel="load [N]")
+    upper.set_ylim(bottom=0)
+    lower.plot(moved, curve.sliding, color=WARP, lw=1.2, label="in slip")
+    lower.plot(moved, curve.left, color=WEFT, lw=1.2, ls="--", label="left by the yarn's end")
+    lower.set(xlabel="displacement of the crosshead [mm]", ylabel="crossovers")
+    lower.set_xlim(left=0)
+    lower.set_ylim(bottom=0)
+    lower.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
+    return figure
 
 
 def relaxation(pyplot: Any, record: CouponRecord, tolerance: float) -> Any:

@@ -16,7 +16,7 @@ import numpy as np
 from weavecell.results import keys
 from weavecell.results.hdf5_file import put
 from weavecell.results.impact_base import BaseRecord, Shape, read_shape, tensions, write_shape
-from weavecell.results.impact_groups import read_group, read_measured, write_group, write_measured
+from weavecell.results.impact_groups import SLIP, read_group, read_measured, write_group, write_measured
 
 if TYPE_CHECKING:
     from shellfabric.backing.coupling import BackingResult
@@ -26,7 +26,6 @@ if TYPE_CHECKING:
     from shellfabric.sliding.solver import SlipSummary
 
 _PANEL = keys.units(keys.PANEL)
-_SLIP = ("pulled_out_length", "largest_window", "pulled_out_segments", "friction_work")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -81,11 +80,7 @@ class ImpactRecord(BaseRecord):
         if self.backing is not None:
             found |= {"crater_depth_m": self.backing.depth, "crater_wall_angle_rad": self.backing.steepness}
         if self.slip is not None:
-            found |= {
-                "pulled_out_length_m": self.slip.pulled_out_length, "largest_window_m": self.slip.largest_window,
-                "pulled_out_segments": self.slip.pulled_out_segments,
-                "crossover_friction_work_J": self.slip.friction_work,
-            }  # fmt: skip
+            found |= {key: getattr(self.slip, name) for name, key in SLIP.items()}
         return found
 
     def _write(self, file):
@@ -102,7 +97,7 @@ class ImpactRecord(BaseRecord):
         if self.backing is not None:
             write_group(file.create_group("backing"), self.backing, keys.BACKING, ("face",))
         if self.slip is not None:
-            write_group(file.create_group("slip"), self.slip, (), _SLIP)
+            write_group(file.create_group("slip"), self.slip, (), SLIP)
 
     @staticmethod
     def _read(file):

@@ -15,6 +15,11 @@ if TYPE_CHECKING:
     from shellfabric.sliding.solver import SlipSummary
 
 _YARN = tuple(keys.units(keys.YARN_DATA))
+# of a SlipSummary: field, and key of summary.json
+SLIP = {
+    "pulled_out_length": "pulled_out_length_m", "largest_window": "largest_window_m",
+    "pulled_out_segments": "pulled_out_segments", "friction_work": "crossover_friction_work_J",
+}  # fmt: skip
 _PACKED = {"compression": "gzip", "compression_opts": 1, "shuffle": True}
 # datasets whose attribute in the object that holds them has another name
 _FIELDS = {"time": "t", "position": "place", "eroded": "gone"}
@@ -29,7 +34,7 @@ def write_group(group: Any, source: object, table: Iterable[keys.Key], scalars: 
 
 
 def read_group(file: Any, name: str) -> BarHistory | BackingResult | SlipSummary | None:
-    """What `write_group` wrote of a bar, a backing or sliding crossovers; None where the file has none."""
+    """What `write_group` wrote of a bar, a backing or sliding crossovers (of a ply of a pack slip/00, ...), or None."""
     from shellfabric.backing.coupling import BackingResult
     from shellfabric.projectile.dynamics import BarHistory
     from shellfabric.sliding.solver import SlipSummary
@@ -39,7 +44,7 @@ def read_group(file: Any, name: str) -> BarHistory | BackingResult | SlipSummary
     kinds: dict[str, tuple[Any, tuple[keys.Key, ...]]] = {
         "bar": (BarHistory, keys.BAR), "backing": (BackingResult, keys.BACKING), "slip": (SlipSummary, ()),
     }  # fmt: skip
-    kind, table = kinds[name]
+    kind, table = kinds[name.partition("/")[0]]
     group = file[name]
     arrays = {_FIELDS.get(key.name, key.name): group[key.name][()] for key in table}
     return kind(**arrays, **{key: plain(value) for key, value in group.attrs.items()})

@@ -17,7 +17,7 @@ import numpy as np
 from weavecell.results import keys
 from weavecell.results.hdf5_file import put
 from weavecell.results.impact_base import BaseRecord, Shape, read_shape, tensions, write_shape
-from weavecell.results.impact_groups import read_measured, write_measured
+from weavecell.results.impact_groups import SLIP, read_group, read_measured, write_group, write_measured
 
 if TYPE_CHECKING:
     from shellfabric.impact.pack import PackResult
@@ -55,6 +55,7 @@ class PackRecord(BaseRecord):
     shapes, quads : of each ply at the end: Shape, and (m, 4) node numbers
     cuts : tuple of Cut
     measured : tuple of shellfabric.output.histories.Histories of each ply; empty where nothing was to be recorded
+    slips : (plies,) shellfabric.sliding.solver.SlipSummary of sliding crossovers; empty of pinned ones
     """
 
     KIND = "pack"
@@ -71,6 +72,7 @@ class PackRecord(BaseRecord):
     quads: tuple
     cuts: tuple
     measured: tuple = ()
+    slips: tuple = ()
 
     @property
     def count(self) -> int:
@@ -92,10 +94,12 @@ class PackRecord(BaseRecord):
             max_penetration_ratio=result.deepest, torn_contact=result.held_apart,
             shapes=tuple(Shape.of(shot) for shot in result.last), quads=tuple(quads(one) for one in pack.plies),
             cuts=tuple(_cut(shots, mirror_y) for shots in (*before, result.last)), measured=result.histories,
+            slips=result.slips,
         )  # fmt: skip
 
     def _entries(self):
-        return {
+        slips = {key: [getattr(slip, name) for slip in self.slips] for name, key in SLIP.items()} if self.slips else {}
+        return slips | {
             "plies": self.count,
             "ply_gap_m": float(self.gaps[0]),
             **tensions(self.peak_tension.max(axis=0), self.strength.max(axis=0)),
@@ -123,6 +127,8 @@ class PackRecord(BaseRecord):
                 put(file, f"cuts/{number:04d}/lines/{ply:02d}", line, "m")
         for ply, measured in enumerate(self.measured):
             write_measured(file.create_group(f"measured/{ply:02d}"), measured)
+        for ply, slip in enumerate(self.slips):
+            write_group(file.create_group(f"slip/{ply:02d}"), slip, (), SLIP)
 
     @staticmethod
     def _read(file):
@@ -131,6 +137,7 @@ class PackRecord(BaseRecord):
             "plies": {name: data[()] for name, data in file["plies/histories"].items()},
             "projectile": file["projectile"][()],
             "measured": tuple(read_measured(group) for _, group in sorted(file.get("measured", {}).items())),
+            "slips": tuple(read_group(file, f"slip/{ply}") for ply in sorted(file.get("slip", ()))),
             "quads": tuple(group["quads"][()] for group in shapes),
             "shapes": tuple(map(read_shape, shapes)),
             "cuts": tuple(_read_cut(group) for _, group in sorted(file["cuts"].items())),

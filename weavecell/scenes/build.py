@@ -55,8 +55,8 @@ FIELDS = {
     "panel.boundary": "edge",
 }
 NO_SLACK = {"fabric.fibre_slack": "left out in an impact"}  # a yarn whose crossings have failed is linear in the march
-# of sliding crossovers, which one ply has on a mesh of one element a crossover
-PINNED = {"panel.crossovers": '"pinned" in a pack, and where the mesh is chosen by [accuracy]'} | dict.fromkeys(
+# of sliding crossovers, which need a mesh of one element a crossover
+PINNED = {"panel.crossovers": '"pinned" where the mesh is chosen by [accuracy]'} | dict.fromkeys(
     ("panel.crossover_friction", "panel.crossover_cohesion"), "left out where crossovers are pinned"
 )
 CELL_RULES = (

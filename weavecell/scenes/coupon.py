@@ -1,4 +1,4 @@
-"""Scene files of coupons: one quasi-static test on a piece of cloth, described in TOML as impacts are (`tables`)."""
+"""Scene files of coupons: one test on a piece of cloth, described in TOML as impacts are (`tables`)."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ from weavecell.scenes.schema import (
 )
 
 YES = Annotated[bool, Field(description="true or false")]
-TESTS = ("bias_extension", "picture_frame", "uniaxial", "biaxial")
+TESTS = ("bias_extension", "picture_frame", "uniaxial", "biaxial", "pull_out")
 
 
 class BiasTable(Table):
@@ -65,6 +65,19 @@ class BiaxialTable(Table):
     failure: YES = True
 
 
+class PullOutTable(Table):
+    """A yarn of the warp drawn out of held crossovers by a crosshead, the yarns that it crosses in tension."""
+
+    crossings: whole(8, 400) = 20
+    displacement: quantity("m", "a length above 0", "5 mm", above=0.0)
+    velocity: quantity("m/s", "a velocity above 0", "2 m/s", above=0.0) = 2.0
+    pre_tension: quantity("N", "a force of at least 0", "10 N", at_least=0.0) = 0.0
+    crossover_friction: Annotated[float, Field(ge=0.0, le=2.0, description="a number from 0 to 2")] = 0.2
+    crossover_cohesion: quantity("N", "a force of at least 0", "0.1 N", at_least=0.0) = 0.0
+    all_yarns: YES = False
+    samples: whole(10, 100_000) = 500
+
+
 class CouponRunTable(Table):
     """In how many steps, how fine, how close to equilibrium, and what is written."""
 
@@ -89,6 +102,7 @@ class CouponScene(Table):
     picture_frame: Annotated[FrameTable | None, Field(description="a table [picture_frame]")] = None
     uniaxial: Annotated[UniaxialTable | None, Field(description="a table [uniaxial]")] = None
     biaxial: Annotated[BiaxialTable | None, Field(description="a table [biaxial]")] = None
+    pull_out: Annotated[PullOutTable | None, Field(description="a table [pull_out]")] = None
     run: Annotated[CouponRunTable, Field(description="a table [run]")] = CouponRunTable()
 
     @property
@@ -140,4 +154,7 @@ def check(table: dict[str, Any], file: FilePath, support: Any = None) -> CouponS
     if scene.test == "biaxial" and not (len(test.strain) == 2 and min(test.strain) >= 0 < max(test.strain)):
         words = BiaxialTable.model_fields["strain"].description
         raise InputError(file=file, key="biaxial.strain", value=written["strain"], allowed=words)
+    if scene.test == "pull_out" and test.crossings % 2:
+        allowed = "an even number from 8 to 400"
+        raise InputError(file=file, key="pull_out.crossings", value=written["crossings"], allowed=allowed)
     return anchored(scene, Path(file).parent)

@@ -73,6 +73,22 @@ def test_the_pull_is_in_equilibrium(whole, s720):
     assert forces[ends, 0].sum() == pytest.approx(-P, rel=1e-4)
 
 
+def test_platens_press_the_yarns_together(whole, s720):
+    """The contact force before the pull is that of the platens; in sliding, friction is Coulomb's share of it."""
+    pressure = 0.5e6
+    found = pull_out.pull_out(whole, s720, pressures=(pressure,), numerics=Numerics(friction=MU))
+    assert found.failed == ""
+    pressed = int(np.flatnonzero(found["pull"] == 0)[-1])
+    force = found["F_plate"][pressed].mean()
+    assert force == pytest.approx(pressure * s720.weave.cell_area, rel=0.1)  # interpolated between two states
+    assert found["F_c"][pressed] == pytest.approx(force, rel=0.05)
+    assert np.abs(found["P"][: pressed + 1]).max() < 1e-6 * force
+    assert np.ptp(found["plates"][pressed:]) == 0
+    (F_c,), (T_f,) = pull_out.thresholds(found)
+    assert T_f == pytest.approx(MU * F_c, rel=0.15)
+    assert found["T2"][pressed:].max() > 1  # it draws the crossing yarn along, which takes the pull as a string
+
+
 def test_a_record_survives_its_file(pulled, tmp_path):
     pulled.write(tmp_path / "case.h5")
     again = Record.read(tmp_path / "case.h5")
@@ -83,6 +99,10 @@ def test_what_is_refused(whole, coarse, s720):
     for loads in ((), (0.0,), (-1e-6,), (np.inf,)):
         with pytest.raises(InputError, match="displacements"):
             pull_out.pull_out(whole, s720, loads)
+    with pytest.raises(InputError, match="at least one positive pressure"):
+        pull_out.pull_out(whole, s720, pressures=(-1e6,))
+    with pytest.raises(InputError, match="left out where displacements"):
+        pull_out.pull_out(whole, s720, (1e-6,), pressures=(1e6,))
     with pytest.raises(InputError, match="pull"):
         pull_out.pull_out(whole, s720, (1e-6,), pull=0.0)
     with pytest.raises(InputError, match="whole"):

@@ -10,7 +10,7 @@ from validation.verification.pull_out.page import page
 
 
 def made_up(case, shortfall=1.0):
-    forces = 12.0 * np.array(case.loads)
+    forces = 12.0 * np.array(case.loads or [pressure / 4e6 for pressure in case.pressures])
     pull = np.linspace(0, 1e-4, 5)
     thresholds = 0.02 + shortfall * 1.05 * case.friction * forces
     return {
@@ -26,6 +26,7 @@ def test_page_and_picture(tmp_path):
     text = page(found)
     assert "warp pulled: c0 = 0.020 N, mu_eff = 0.2100 at a coefficient of 0.2" in text
     assert "| warp | 12.00 | 2.540 |" in text
+    assert "| warp, platens | 12.00 | 2.540 |" in text
     assert "| as it stands | 12.00 | 2.540 | 0.2117 | +0.00 % | 0.995 | 4.4 |" in text
     assert "converged at every state" in text
     pictures.chart(found, tmp_path / "pull-out.png")

@@ -120,6 +120,9 @@ def test_a_shot_as_table_figure_files_and_html(shot, tmp_path):
     assert list(table.columns[:3]) == ["time_s", "velocity_m_s", "nose_position_m"]
     assert np.array_equal(table["energy_kinetic_projectile_J"], shot.record.energies["kinetic_projectile"])
     assert shot.plot().axes[0].get_ylabel() == "velocity of the projectile [m/s]"
+    picture = shot.plot_panel()
+    assert shot.outcome in " ".join(text.get_text() for text in picture.texts)
+    assert picture.axes[0].images[0].get_array().std() > 5  # not an empty picture
     assert shot.to_vtk(tmp_path / "vtk") == tmp_path / "vtk" / "panel.pvd"
     assert len(list((tmp_path / "vtk" / "panel").glob("*.vtu"))) == len([s for s in shot.shapes if s.t < 15e-6]) + 1
     shot.write(tmp_path / "histories.h5")
@@ -182,6 +185,19 @@ def test_a_coupon(tmp_path):
         wc.coupon("S-720", "shear")
     with pytest.raises(InputError, match="breadth = 1: must be one of cells"):
         wc.coupon("S-720", "picture_frame", breadth=1)
+
+
+def test_a_pulled_yarn():
+    found = wc.coupon("S-726", "pull_out", displacement="0.3 mm", crossings=10, crossover_friction=0.0,
+                      crossover_cohesion="0.5 N")  # fmt: skip
+    assert found.outcome == "complete"
+    assert found.plateau == pytest.approx(5.0, rel=0.03)
+    assert found.summary()["peak_load_N"] == found.peak == found.to_dataframe()["load_N"].max()
+    assert "load" in found.plot().axes[0].get_ylabel()
+    with pytest.raises(InputError, match="length = 1: must be one of crossings, displacement"):
+        wc.coupon("S-726", "pull_out", length=1)
+    with pytest.raises(InputError, match="displacement: is missing"):
+        wc.coupon("S-726", "pull_out")
 
 
 def test_a_critical_velocity():

@@ -155,6 +155,12 @@ def test_a_yarn_pulled_out_adds_its_threshold_to_a_law(command, tmp_path):
         (("--case", "pull-out", "--domain", "quarter"), "error: --domain = 'quarter': must be whole"),
         (("--case", "pull-out", "--end-displacement", "-4 um"), "error: displacements = (-4"),
         (("--case", "pull-out", "--pull", "3 N"), "error: --pull = '3 N': must be"),
+        (("--case", "pull-out", "--pressure", "3 N"), "error: --pressure = '3 N': must be"),
+        (("--case", "pull-out", "--pressure", "0 MPa"), "error: --pressure = '0 MPa': must be pressures above 0"),
+        (
+            ("--case", "pull-out", "--pressure", "1 MPa", "--end-displacement", "5 um"),
+            "error: --pressure = '1 MPa': must be left out with --end-displacement",
+        ),
         (("--case", "pull-out", "--law", "none.json"), "error: none.json: cannot be read"),
         (("--case", "biaxial", "--law", "law.json"), "error: --law: must be left out with --case biaxial"),
     ],

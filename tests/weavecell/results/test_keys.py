@@ -29,8 +29,10 @@ IMPACTS = {
     "bar": BASE | {"projectile": BASE["projectile"] | {"body": "elastic_bar"}, "backing": BLOCK},
     "accuracy": BASE | {"accuracy": {"residual_velocity": "50 %"}},
     "pack": BASE | {"panel": {"opening": "26 mm", "plies": 2}},
+    "sliding pack": BASE | {"panel": {"opening": "26 mm", "plies": 2, "crossovers": "sliding"}},
 }
 FRAME = {"fabric": {"name": "S-720"}, "picture_frame": {"shear_angle": "10 deg", "crossovers": 2}}
+PULL = {"fabric": {"name": "S-720"}, "pull_out": {"displacement": "0.1 mm", "samples": 20}, "run": {"outputs": []}}
 COUPON = FRAME | {"run": {"steps": 2, "outputs": []}}
 
 
@@ -89,14 +91,15 @@ def test_an_impact_has_documented_keys_only(tmp_path, name):
     check_documented(run(tmp_path, "impact", IMPACTS[name]), keys.IMPACT, keys.DATASETS)
 
 
-def test_a_coupon_has_documented_keys_only(tmp_path):
-    check_documented(run(tmp_path, "coupon", COUPON), keys.COUPON, keys.COUPON_DATASETS)
+@pytest.mark.parametrize("scene", [COUPON, PULL], ids=["frame", "pull-out"])
+def test_a_coupon_has_documented_keys_only(tmp_path, scene):
+    check_documented(run(tmp_path, "coupon", scene), keys.COUPON, keys.COUPON_DATASETS)
 
 
 def test_energies_of_the_solvers_are_documented():
-    from shellfabric.plies.solver import PACK_ENERGIES
+    from shellfabric.sliding_plies.solver import SLIDING_PACK_ENERGIES
 
-    names = [renamed_keys.ENERGIES.get(name, name) for name in PACK_ENERGIES]
+    names = [renamed_keys.ENERGIES.get(name, name) for name in SLIDING_PACK_ENERGIES]
     assert [name for name in names if find(name, keys.ENERGIES) is None] == []
 
 

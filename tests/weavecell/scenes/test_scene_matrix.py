@@ -127,7 +127,7 @@ KINDS = {
     "sliding": Kind(
         {"panel": {"crossovers": "sliding", "crossover_friction": 0.1, "crossover_cohesion": "0.01 N"}},
         rises(energy("crossover_friction"), 1e-9),
-        dict.fromkeys(("pack", "accuracy", "explain"), "panel.crossovers = 'sliding': must be \"pinned\" in a pack"),
+        dict.fromkeys(("accuracy", "explain"), "panel.crossovers = 'sliding': must be \"pinned\" where the mesh is"),
     ),
     "pinned with friction": Kind(
         {"panel": {"crossover_friction": 0.1}},

@@ -257,6 +257,16 @@ def test_the_tables_of_a_coupon_are_arguments_of_its_test(test):
     assert set(scenes_coupon.CouponRunTable.model_fields) - {"outputs"} <= known
 
 
+def test_the_table_of_a_pull_out_is_used_whole():
+    """All keys of the table are read by the run, which names each."""
+    import inspect
+
+    from weavecell.results import pull_out
+
+    text = inspect.getsource(pull_out.run)
+    assert [key for key in scenes_coupon.PullOutTable.model_fields if f"inputs.{key}" not in text] == []
+
+
 def test_what_is_ignored_is_named_in_the_help(command):
     for words, support in (("impact", fidelity.EXPLAIN), ("critical-velocity", critical_velocity.SUPPORT)):
         told = command(words, "--help")[1]

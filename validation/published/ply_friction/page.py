@@ -8,15 +8,17 @@ from validation.published.packs.page import table
 from validation.published.ply_friction.study import FRICTIONS, PLIES, SHARES, STRIDE, Found
 
 LITERATURE = 0.10  # of V50
+BEGIN, END = "<!-- cost of benchmarks/pack.py -->\n", "<!-- end of cost -->"
 
 
-def page(found: Mapping[str, Sequence[Found]], seconds: float) -> str:
+def page(found: Mapping[str, Sequence[Found]], seconds: float, cost: str = "") -> str:
     """The page in Markdown.
 
     Parameters
     ----------
     found : {fabric: rows}
     seconds : [s] of all shots together
+    cost : text between the marks of the cost, which `benchmarks/pack.py --friction` makes
     """
     return (
         "\n".join(
@@ -25,6 +27,7 @@ def page(found: Mapping[str, Sequence[Found]], seconds: float) -> str:
                 rows(found),
                 _FIGURE,
                 answer(found),
+                f"## Cost\n\n{BEGIN}{cost}{END}\n",
                 _LIMITS,
                 f"All shots took {seconds / 60:.1f} minutes of one core.",
             ]

@@ -9,7 +9,7 @@ import numpy as np
 
 from fabrics.friction.pull_out import FRICTION, FRICTION_RANGE, FRICTION_SOURCE, FRICTION_STATUS
 from unitcell3d.cases.pull_out import SLIDING
-from validation.verification.pull_out.study import LAW, WEFT, law
+from validation.verification.pull_out.study import LAW, PLATENS, WEFT, law
 from validation.verification.study import markdown
 
 
@@ -22,10 +22,16 @@ def page(found: dict[str, Any], without: Sequence[str] = ()) -> str:
     ])  # fmt: skip
 
 
+def _laws(found):
+    """(what is pulled, Case, results) of the runs that give a law."""
+    cases = {"warp": (LAW, "law"), "weft": (WEFT, "weft"), "warp, platens": (PLATENS, "platens")}
+    return [(name, case, found[key]) for name, (case, key) in cases.items()]
+
+
 def thresholds(found: dict[str, Any]) -> str:
     """One row a transverse load."""
     rows = []
-    for name, case, of in (("warp", LAW, found["law"]), ("weft", WEFT, found["weft"])):
+    for name, case, of in _laws(found):
         if len(of["F_c"]) < 2:
             rows.append([name, "-", "-", "-", "-", of["failed"] or "does not slide"])
             continue
@@ -41,7 +47,7 @@ def thresholds(found: dict[str, Any]) -> str:
 def summary(found: dict[str, Any]) -> str:
     """The fitted laws, and the path without friction."""
     texts = []
-    for name, case, of in (("warp", LAW, found["law"]), ("weft", WEFT, found["weft"])):
+    for name, case, of in _laws(found):
         if len(of["F_c"]) < 2:
             continue
         fitted = law(case, of)
@@ -80,7 +86,7 @@ def variants(found: dict[str, dict[str, Any]]) -> str:
 def cost(found: dict[str, Any]) -> str:
     """What the runs took."""
     others = list(found["variants"].values())[1:]  # the first is of the law
-    all_runs = [found["law"], found["weft"], found["frictionless"], *others]
+    all_runs = [*(found[key] for key in ("law", "weft", "platens", "frictionless")), *others]
     longest = max(max(of["seconds"] / len(of["pull"]) for of in all_runs), 0.0)
     ended = [of["failed"] for of in all_runs if of["failed"]]
     text = (
@@ -99,9 +105,11 @@ weavecell crossover S-720 --case pull-out --mu 0.2 --mesh coarse --law results/c
 ```
 
 **Model.** A whole crossover. The crossing yarn is stretched by its end displacement, which presses the yarns together;
-it is held by the fabric at its ends, along its width too. The other yarn is then moved along its axis, from sticking
-into full sliding, at that end displacement. Its ends follow the glide plane of the plain weave, which one yarn pulled
-through all others keeps: the crimp can travel along it (`unitcell3d/model/pull_out.py`).
+it is held by the fabric at its ends, along its width too. With `--pressure "1 MPa,2 MPa"` two platens without friction
+press the yarns together instead, which compresses their cross-sections; they are then held at their distance. The other
+yarn is then moved along its axis, from sticking into full sliding, at that end displacement or distance. Its ends
+follow the glide plane of the plain weave, which one yarn pulled through all others keeps: the crimp can travel along it
+(`unitcell3d/model/pull_out.py`).
 
 **Threshold.** P is the axial force that the yarn takes from the crossing yarn, the difference of the tensions at its
 ends. The threshold T_f is P where {100 * SLIDING:g} % of Coulomb's limit is mobilised over the contact; F_c is the
@@ -132,8 +140,8 @@ The warp pulled at the largest transverse load, one choice changed at a time. Ch
 _LIMITS = """
 ## What is not there
 
-- The end displacement of the crossing yarn is held, not its tension: F_c changes by a few per cent during the pull, and
-  is taken at the threshold itself.
+- The end displacement of the crossing yarn or the distance of the platens is held, not the force: F_c changes during
+  the pull, and is taken at the threshold itself.
 - Neighbouring crossings of the pulled yarn slide together, as on the plateau of a pull-out test. Its front, where some
   crossings stick, is a matter of the panel.
 - Coulomb's coefficient does not depend on pressure, velocity or finish.

@@ -28,6 +28,7 @@ class Case:
     loads : of the largest end displacement of the crossing yarn
     rows : states along the pull
     slip : [m] over which friction sets in
+    pressures : [Pa] of platens, in place of the end displacements; () for none
     """
 
     fabric: str = "S-720"
@@ -37,11 +38,13 @@ class Case:
     loads: tuple[float, ...] = (1.0,)
     rows: int = pull_out.ROWS
     slip: float = Numerics.slip
+    pressures: tuple[float, ...] = ()
 
 
 BASE = Case()
 LAW = replace(BASE, loads=pull_out.LOADS)
 WEFT = replace(LAW, pulled=1, loads=(0.5, 1.0))
+PLATENS = replace(BASE, loads=(), pressures=(1e6, 2e6, 4e6))
 FRICTIONLESS = replace(BASE, friction=0.0)
 FINER = replace(BASE, size=(10, 8, 3))
 VARIANTS: dict[str, Case] = {
@@ -61,7 +64,8 @@ def run(case: Case) -> dict[str, Any]:
     built = crossover.build(fabric, domain="whole", size=case.size)
     numerics = Numerics(friction=case.friction, slip=case.slip)
     record = pull_out.pull_out(
-        built, fabric, [share * largest for share in case.loads], pulled=case.pulled, numerics=numerics, rows=case.rows
+        built, fabric, [share * largest for share in case.loads], pressures=case.pressures, pulled=case.pulled,
+        numerics=numerics, rows=case.rows,
     )  # fmt: skip
     F_c, T_f = pull_out.thresholds(record)
     paths = [record["load"] == number for number in np.unique(record["load"])]
@@ -92,6 +96,7 @@ def gather(runs: Callable[[Case], dict[str, Any]]) -> dict[str, Any]:
     return {
         "law": whole,
         "weft": runs(WEFT),
+        "platens": runs(PLATENS),
         "frictionless": runs(FRICTIONLESS),
         "variants": {"as it stands": whole | last} | {name: runs(case) for name, case in VARIANTS.items()},
     }

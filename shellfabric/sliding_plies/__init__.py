@@ -1,0 +1,1 @@
+"""Sliding crossovers in packs of plies."""

@@ -1,0 +1,184 @@
+"""Packs whose yarns slide through their crossovers: the pack, and its explicit solver.
+
+Each ply has the fluxes and shares of `sliding.model`. Contact and friction between plies act on the nodes, as in a pack
+of pinned plies: the yarn that moves through a node does not rub on the next ply.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, cast
+
+import numpy as np
+
+from fabrics.checks import FloatArray, IntArray
+from fabrics.errors import InputError
+from shellfabric.panel import ply_audit
+from shellfabric.panel.solver import OBSERVED
+from shellfabric.plies.model import Pack, lists
+from shellfabric.plies.solver import PACK_ENERGIES, PackSolver
+from shellfabric.projectile import dynamics
+from shellfabric.sliding import step_kernels as sliding_kernels
+from shellfabric.sliding.flow_kernels import PULLED_OUT
+from shellfabric.sliding.model import SlidingPanel, Slip, grid
+from shellfabric.sliding.solver import SLIP_WORK, STORED_FORCES, SlipSummary
+from shellfabric.sliding_plies import step_kernels as kernels
+
+SLIDING_PACK_ENERGIES = (*PACK_ENERGIES[:-1], *SLIP_WORK, "error")
+_SLIP_ARRAYS = ("share", "inv_share", "x", "config", "q", "q_before", *STORED_FORCES, "removed", "passed")
+
+
+class SlidingPack(Pack):
+    """A Pack of SlidingPanels; parameters as Pack.
+
+    Raises
+    ------
+    InputError : as Pack
+    """
+
+    @property
+    def friction_of_crossovers(self) -> tuple[Any, ...]:
+        """(plies,) CrossoverFriction."""
+        return tuple(cast(SlidingPanel, ply).friction for ply in self.plies)
+
+    def _slip_constants(self, mass):
+        """Stick between plies is bounded by the mass of one family alone, where the other slides through the nodes."""
+        lightest = min(1.0 if ply.friction.pins else min(ply.own_masses) for ply in self.plies)
+        return super()._slip_constants(lightest * mass)
+
+
+class SlidingPackSolver(PackSolver):
+    """One run of a pack with sliding crossovers.
+
+    Parameters
+    ----------
+    pack : SlidingPack
+    strike_velocity, end_time, interval, energy_error_limit : as ExplicitSolver
+
+    Attributes
+    ----------
+    slips : (plies,) sliding.model.Slip
+
+    Raises
+    ------
+    InputError : a strike velocity, end time or interval that is not positive
+    """
+
+    energy_names = SLIDING_PACK_ENERGIES
+    sample_names = (*OBSERVED, *SLIDING_PACK_ENERGIES)
+
+    def _start(self, parts, elements, most_threads=np.inf):
+        """Lay out the slip of each ply before the first sample."""
+        panels, consts, states = zip(*parts)
+        self.slips: tuple[Slip, ...] = tuple(panel.slip(state) for panel, state in zip(panels, states))
+        self._effective = [state._replace(stretch=slip.x) for state, slip in zip(states, self.slips)]
+        room = lambda state: tuple(np.zeros_like(force) for force in state.f_contact)  # noqa: E731
+        self._loaded = [state._replace(f_contact=room(state)) for state in states]
+        self._plies = tuple(lists(items) for items in (states, self._effective, self._loaded, consts, self.slips))
+        super()._start(parts, elements, most_threads)
+        self._pair_works = [self._works_of_a_thread() for _ in range(self.threads)]
+
+    def _works_of_a_thread(self):
+        """(scratch, the same with room for the effective stretches) of one thread, each a list of the plies'."""
+        works, found = self.pack.works(), {}
+        for work in works:
+            if id(work) not in found:
+                room = {name: np.zeros_like(getattr(work, name)) for name in ("stretch1", "stretch2")}
+                found[id(work)] = work._replace(**room)
+        return lists(works), lists([found[id(work)] for work in works])
+
+    def run_steps(self, history: FloatArray, shared: IntArray, count: int, allowed: float) -> tuple[int, int]:
+        """See ClothSolver."""
+        return kernels.run_steps_main(
+            self._plies, self._lists[2], self.stack, self.stops, self._pair_works[0], len(history), history, shared,
+            count, allowed,
+        )  # fmt: skip
+
+    def run_worker(self, shared: IntArray, me: int) -> None:
+        """See ExplicitSolver."""
+        kernels.run_steps_worker(
+            self._plies, self._lists[2], self.stack, self.stops, self._pair_works[me], shared, me, self.threads
+        )
+
+    def _ply_energies(self, ply):
+        """(12,) [J] of a ply, as ply_audit.energies, with those of its slip."""
+        _, const, state = self.parts[ply]
+        loaded = self._loaded_state(ply)
+        effective = loaded._replace(stretch=state.stretch), loaded._replace(stretch=self.slips[ply].x)
+        out = np.empty(5)
+        sliding_kernels.energies(effective, const, self.slips[ply], out)
+        found = ply_audit.energies(const, effective[1], self._rest[ply])
+        place = {name: n for n, name in enumerate(ply_audit.ENERGIES)}
+        found[place["kinetic_fabric"]] = out[0] + out[3]
+        found[place["yarn_strain"]], found[place["shear"]], found[place["jamming"]] = out[1], out[2], out[4]
+        return found
+
+    def observe(self) -> tuple[Sequence[float], Sequence[float]]:
+        """See ExplicitSolver."""
+        plies = np.array([self._ply_energies(ply) for ply in range(len(self.parts))])
+        pushes = np.array([state.f_contact_nose for _, _, state in self.parts])
+        *projectile, speed = dynamics.audit(self.state, self.const, pushes.sum(axis=0))
+        total = plies.sum(axis=0)
+        own = self._observe_plies(plies.sum(axis=1), pushes[:, 2])
+        self.ply_samples.append(own)
+        z = self.state.projectile_position[2] + self.const.foremost_offset
+        work = np.sum([slip.work for slip in self.slips], axis=0)
+        block = np.zeros(len(self.energy_names) - len(total) - len(projectile) - len(work) - 3)
+        energies = [total[0], *projectile, *total[1:], *block, *self.contact_energies(), *work]
+        return [speed, z, *own[:, :3].sum(axis=0)], energies
+
+    def slip_summaries(self) -> tuple[SlipSummary, ...]:
+        """(plies,) what the slip of each ply has come to so far."""
+        found = []
+        for panel, state, slip in zip(self.pack.plies, self.states, self.slips):
+            windows = [0.0]
+            for stretch, intact, side in zip(state.stretch, state.intact_fraction, panel.spacing):
+                whole = grid(intact, panel) > 0
+                if whole.any():
+                    windows.append(float(side * grid(stretch, panel)[whole].max()))
+            longest = float(max(np.abs(passed).max() for passed in slip.passed))
+            found.append(
+                SlipSummary(longest, max(windows), int(slip.counter[PULLED_OUT]), float(slip.work[0]) / self.share)
+            )
+        return tuple(found)
+
+    def checkpoint_identity(self) -> tuple[Any, str]:
+        """See ExplicitSolver."""
+        known, module = super().checkpoint_identity()
+        return (*known, cast(SlidingPack, self.pack).friction_of_crossovers), module
+
+    def checkpoint_arrays(self) -> dict[str, Any]:
+        """See ExplicitSolver."""
+        found: dict[str, Any] = {}
+        for p, slip in enumerate(self.slips):
+            for name in _SLIP_ARRAYS:
+                found |= {f"slip/{p:02d}/{name}/{n}": part for n, part in enumerate(getattr(slip, name))}
+            for n, pair in enumerate(slip.tail):
+                found |= {f"slip/{p:02d}/tail/{n}{m}": part for m, part in enumerate(pair)}
+            found |= {f"slip/{p:02d}/{name}": getattr(slip, name) for name in ("row_slips", "counter", "work")}
+        return super().checkpoint_arrays() | found
+
+
+def pack_of(ply: Any, plies: int, **others: Any) -> Pack:
+    """The pack of a first ply, by its crossovers; parameters as Pack.stacked."""
+    kind = SlidingPack if isinstance(ply, SlidingPanel) else Pack
+    return kind.stacked(ply, plies, **others)
+
+
+def solver_of(pack: Pack, strike_velocity: float, end_time: float, **others: Any) -> PackSolver:
+    """The solver of a pack, by its crossovers; parameters as PackSolver.
+
+    Raises
+    ------
+    InputError : sliding plies in a pack that is none of sliding plies
+    """
+    if isinstance(pack, SlidingPack):
+        return SlidingPackSolver(pack, strike_velocity, end_time, **others)
+    if any(isinstance(ply, SlidingPanel) for ply in pack.plies):
+        raise InputError(key="crossovers", value="sliding", allowed="pinned in a Pack that is no SlidingPack")
+    return PackSolver(pack, strike_velocity, end_time, **others)
+
+
+def slip_summaries(solver: PackSolver) -> tuple[SlipSummary, ...]:
+    """The summaries of a run with sliding crossovers; empty of any other."""
+    return solver.slip_summaries() if isinstance(solver, SlidingPackSolver) else ()
