@@ -60,7 +60,8 @@ def stages(end_time):
 def process(end_time, folder):
     """The stages in a process of its own, with its kernels in `folder`."""
     command = [sys.executable, __file__, "--child", "--end-time", str(end_time)]
-    environment = os.environ | {"NUMBA_CACHE_DIR": folder, "PYTHONPATH": str(ROOT)}
+    environment = {name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"}
+    environment |= {"NUMBA_CACHE_DIR": folder, "PYTHONPATH": str(ROOT)}
     done = subprocess.run(command, env=environment, check=True, stdout=subprocess.PIPE, text=True)
     found = json.loads(done.stdout)
     total = [round(sum(times), 2) for times in zip(*found.values())]

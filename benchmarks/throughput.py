@@ -4,9 +4,9 @@ Run with nothing else on the machine:
 
     python benchmarks/throughput.py [--shots 20] [--jobs 2] [--out FILE.json]
 
-The V50 study is that of S-720 with published scatter: each shot has a whole panel and a cell of its own. The sweep has
-one panel of a quarter. Wall time of all shots beside each other, and CPU time of the parts of one; before, one shot of
-each that is not counted.
+The V50 study is that of S-720 with published scatter: each shot has a whole panel and a cell of its own, in processes
+as `weavecell v50` starts them. The sweep has one panel of a quarter, and threads. Both on uniform and on graded panels.
+Wall time of all shots beside each other, and CPU time of the parts of one; before, some shots that are not counted.
 """
 
 from __future__ import annotations
@@ -16,20 +16,26 @@ import json
 import os
 import statistics
 import time
-from concurrent.futures import ThreadPoolExecutor
+from math import inf
 from pathlib import Path
 
 import numpy as np
 
 from fabrics import catalogue, variants
+from fabrics.executors import open_executor
 from shellfabric.impact import ballistic_limit
 from shellfabric.impact.single_ply import ImpactSetup
 from weavecell.analysis.uncertainty import inputs, v50
 
-FABRIC, OPENING, VELOCITIES = "S-720", 0.203, (95.0, 135.0)
+FABRIC, OPENING, VELOCITIES = "S-720", 0.203, (120.0, 160.0)  # [m], [m/s] about V50, half of which perforate
+MESHES = {
+    "uniform": None,
+    "1 to 10, 2 to 20, then 4": ((10, 1), (20, 2), (inf, 4)),
+    "1 to 10, 2 to 16, 4 to 32, then 8": ((10, 1), (16, 2), (32, 4), (inf, 8)),
+}
 
 
-def parts(fabric, scatter, shots):
+def parts(fabric, scatter, shots, grading):
     """Medians of the CPU time [s] of a V50 shot: table of its cell by either method, panel, time integration."""
     rows = []
     for number, velocity in enumerate(np.linspace(*VELOCITIES, shots)):
@@ -38,7 +44,7 @@ def parts(fabric, scatter, shots):
         for method in ("nested", "newton"):
             setup.table(method=method)
             marks.append(time.process_time())
-        panel, _, _ = v50.drawn_panel(fabric, scatter, 1, number, OPENING)
+        panel, _, _ = v50.drawn_panel(fabric, scatter, 1, number, OPENING, grading)
         marks.append(time.process_time())
         ballistic_limit.shoot(panel, (float(velocity),))
         marks.append(time.process_time())
@@ -47,21 +53,21 @@ def parts(fabric, scatter, shots):
     return {name: round(float(statistics.median(column)), 4) for name, column in zip(names, zip(*rows))}
 
 
-def study(fabric, scatter, shots, jobs):
-    """Wall time [s] of V50 shots beside each other."""
-    start = time.perf_counter()
-    with ThreadPoolExecutor(jobs) as pool:
-        velocities = np.linspace(*VELOCITIES, shots)
-        list(pool.map(lambda k: v50.fire(fabric, scatter, 2, k, float(velocities[k]), OPENING), range(shots)))
+def study(fabric, scatter, shots, grading, pool, jobs):
+    """Wall time [s] of V50 shots beside each other, in processes that have fired some before."""
+    for count in (4 * jobs, shots):
+        start, velocities = time.perf_counter(), np.linspace(*VELOCITIES, count)
+        rows = [(fabric, scatter, 2, k, float(V), OPENING, grading) for k, V in enumerate(velocities)]
+        list(pool.map(v50.fire, *zip(*rows)))
     return time.perf_counter() - start
 
 
-def sweep(fabric, shots, jobs):
+def sweep(fabric, shots, grading, jobs):
     """Wall time [s] of a sweep of strike velocities at one panel."""
+    panel = ImpactSetup(fabric, 1.0, grading=grading).panel()
+    ballistic_limit.shoot(panel, [VELOCITIES[0]])
     start = time.perf_counter()
-    ballistic_limit.shoot(
-        ImpactSetup(fabric, 1.0).panel(), [float(v) for v in np.linspace(*VELOCITIES, shots)], jobs=jobs
-    )
+    ballistic_limit.shoot(panel, [float(v) for v in np.linspace(*VELOCITIES, shots)], jobs=jobs)
     return time.perf_counter() - start
 
 
@@ -72,14 +78,16 @@ def main():
     arguments.add_argument("--out", type=Path)
     chosen = arguments.parse_args()
     fabric, scatter = variants.with_linear_density(catalogue.load(FABRIC)), inputs.published()
-    v50.fire(fabric, scatter, 1, 0, 110.0, OPENING)
-    sweep(fabric, 1, 1)
-    report = {"load_average": os.getloadavg()[0], "cpu_s": parts(fabric, scatter, min(chosen.shots, 5))}
-    for name, wall in (
-        ("v50", study(fabric, scatter, chosen.shots, chosen.jobs)),
-        ("sweep", sweep(fabric, chosen.shots, chosen.jobs)),
-    ):
-        report[name] = {"wall_s": round(wall, 2), "wall_s_of_1000": round(1000 * wall / chosen.shots, 1)}
+    report = {"load_average": os.getloadavg()[0]}
+    with open_executor("local", chosen.jobs) as pool:
+        for name, grading in MESHES.items():
+            v50.fire(fabric, scatter, 1, 0, VELOCITIES[0], OPENING, grading)
+            report[name] = {"cpu_s": parts(fabric, scatter, min(chosen.shots, 6), grading)}
+            for kind, wall in (
+                ("v50", study(fabric, scatter, chosen.shots, grading, pool, chosen.jobs)),
+                ("sweep", sweep(fabric, chosen.shots, grading, chosen.jobs)),
+            ):
+                report[name][f"{kind}_wall_s_of_1000"] = round(1000 * wall / chosen.shots, 1)
     text = json.dumps(report, indent=1)
     print(text)
     if chosen.out:

@@ -6,12 +6,14 @@ from pathlib import Path
 HERE = Path(__file__).parent
 sys.path[:0] = [str(HERE.parent), str(HERE.parent / "tools")]
 
+import gallery  # noqa: E402
+
 from fabrics import __version__  # noqa: E402
 
 project, author, copyright = "weavecell", "The weavecell developers", "The weavecell developers"
 version = release = __version__
-extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.mathjax", "numpydoc"]
-exclude_patterns = ["_build", "conf.py"]
+extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.mathjax", "numpydoc", "sphinx_gallery.gen_gallery"]
+exclude_patterns = ["_build", "conf.py", "generated/examples"]
 highlight_language = "none"  # blocks without a language are commands and their output
 html_theme = "furo"
 html_title = f"weavecell {__version__}"
@@ -28,6 +30,9 @@ numpydoc_show_class_members = False
 numpydoc_show_inherited_class_members = False
 numpydoc_xref_param_type = False
 numpydoc_validation_checks = set()
+
+gallery.copy(HERE / "generated" / "examples")
+sphinx_gallery_conf = gallery.settings("generated/examples", "generated/gallery")
 
 
 def setup(app):

@@ -62,4 +62,4 @@ def test_few_numbers_outside_tables_and_about_a_hundred_lines():
     text = re.sub(r"\]\([^)]*\)|`[^`]*`|S-\d+|V_\w+", "", " ".join(lines))
     numbers = re.findall(r"(?<![\w-])\d[\d.,]*", text)
     assert len(numbers) <= 25, numbers
-    assert len(README.splitlines()) <= 130
+    assert len(README.splitlines()) <= 120

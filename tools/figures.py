@@ -1,15 +1,17 @@
 """Make the figures of README and docs from the code: python tools/figures.py [results/demo]  (make figures).
 
-Takes the pictures of a demonstration that has been run into the given folder, and computes the others. Everything goes
-to docs/figures/. Those of the study of convergence, which takes long, come from `python -m
-validation.verification.mesh_convergence`.
+Takes the pictures of a demonstration that has been run into the given folder, and computes the others: biaxial curves
+of the glass weaves, coupons, the laws of the catalogue, and the picture at the head of README. `--only` makes some of
+them. Everything goes to docs/figures/. Those of a study (convergence, stability, charts, validation, ...) come from the
+command that its page names.
 """
 
-import sys
+import argparse
 from contextlib import suppress
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+import hero
 from PIL import Image
 
 from fabrics import catalogue
@@ -17,7 +19,7 @@ from fabrics.errors import UnstableError
 from fabrics.files import replace_whole, write_whole
 from validation.published.biaxial_glass import model_comparison, options
 from validation.published.biaxial_glass import pictures as biaxial_pictures
-from weavecell.commands import biaxial, coupon
+from weavecell.commands import biaxial, calibrate_all, coupon
 
 FIGURES = Path(__file__).parents[1] / "docs" / "figures"
 COUPONS = Path(__file__).parents[1] / "examples" / "coupons"
@@ -29,19 +31,37 @@ FROM_COUPONS = {
 FROM_DEMO = ("mesh.png", "fit.svg", "cell.svg")
 
 
-def main(demo):
+def main(demo, only):
+    for name in only:
+        MAKERS[name](demo)
+
+
+def from_demo(demo):
     for name in FROM_DEMO:
         keep(demo / "pictures" / name, name)
+
+
+def glass(_):
+    """What the options of the cell change, and one weave in three models."""
     for name in ("glass-balanced", "glass-unbalanced"):
         weave = catalogue.load(name)
         biaxial_pictures.options(weave, options.same_constants(weave), FIGURES / f"biaxial-options-{name}.png")
         biaxial_pictures.sides(weave, model_comparison.compare(weave)[0], FIGURES / f"biaxial-sides-{name}.png")
-    coupons()
-    for path in FIGURES.glob("*.png"):
-        shrink(path)
 
 
-def coupons():
+def laws(_):
+    """The catalogue's laws over the published ones."""
+    with TemporaryDirectory() as folder:
+        calibrate_all.command(Path(folder), size="coarse", jobs=1, executor="local", resume=False)
+        keep(Path(folder) / "summary.png", "calibration-catalogue.png")
+
+
+def impact(_):
+    """The picture at the head of README."""
+    hero.main(hero.HERO)
+
+
+def coupons(_):
     """Run the examples of coupons, one of them an instability, and keep some of their pictures."""
     with TemporaryDirectory() as folder:
         for name, pictures in FROM_COUPONS.items():
@@ -57,15 +77,25 @@ def keep(source, name):
     """Copy a picture to the figures."""
     with write_whole(FIGURES / name, "wb") as file:
         file.write(source.read_bytes())
+    if name.endswith(".png"):
+        shrink(FIGURES / name)
 
 
-def shrink(path, width=1000):
-    """Make a picture small enough to be kept with the code: no wider than a page."""
+def shrink(path, width=1000, most=4e5):
+    """Make a picture small enough to be kept with the code: no wider than a page, 256 colours above `most` bytes."""
     with Image.open(path) as image, replace_whole(path) as beside:
         small = image.convert("RGB")
         small.thumbnail((width, 4 * width))
-        small.save(beside, optimize=True)
+        small.save(beside, format="PNG", optimize=True)
+        if beside.stat().st_size > most:
+            small.quantize(256).save(beside, format="PNG", optimize=True)
 
+
+MAKERS = {"demo": from_demo, "glass": glass, "coupons": coupons, "laws": laws, "impact": impact}
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1] if len(sys.argv) > 1 else "results/demo"))
+    parser = argparse.ArgumentParser(prog="python tools/figures.py", description=__doc__.splitlines()[0])
+    parser.add_argument("demo", nargs="?", type=Path, default=Path("results/demo"))
+    parser.add_argument("--only", nargs="+", choices=MAKERS, default=list(MAKERS))
+    chosen = parser.parse_args()
+    main(chosen.demo, chosen.only)

@@ -18,7 +18,10 @@ def grid(lowest: float, highest: float, n: int) -> FloatArray:
 def bilinear(f: FloatArray) -> FloatArray:
     """(n1-1, n2-1, 4): c with f = c0 + c1 s + c2 t + c3 s t in the local coordinates 0 <= s, t <= 1 of each cell."""
     f00, f10, f01, f11 = f[:-1, :-1], f[1:, :-1], f[:-1, 1:], f[1:, 1:]
-    return np.stack([f00, f10 - f00, f01 - f00, f11 - f10 - f01 + f00], axis=2)
+    found = np.empty((*f00.shape, 4))
+    for k, values in enumerate((f00, f10 - f00, f01 - f00, f11 - f10 - f01 + f00)):
+        found[..., k] = values
+    return found
 
 
 def nonnegative(
@@ -72,13 +75,19 @@ def spline(f: FloatArray, fx: FloatArray, fy: FloatArray, fxy: FloatArray, rest:
     d[about] = np.maximum(d[about], 0.0)
     if still:
         d[i : i + 2, j : j + 2] = 0.0
-    M = 0.5 * np.array([[1, 1, 0], [-2, 2, 0], [1, -2, 1]], float)
-    n1, n2 = d.shape[0] - 2, d.shape[1] - 2
-    G = np.stack([np.stack([d[p : p + n1, q : q + n2] for q in range(3)], -1) for p in range(3)], -2)
-    c = np.ascontiguousarray((M @ G @ M.T).reshape(n1, n2, 9))
+    c = np.empty((d.shape[0] - 2, d.shape[1] - 2, 9))
+    for p, along in enumerate(_monomials(d)):
+        for q, both in enumerate(_monomials(along.T)):
+            c[..., 3 * p + q] = both.T
     if still:
         c[i, j, [0, 1, 3]] = 0.0  # to the last digit
     return c
+
+
+def _monomials(d):
+    """Coefficients of 1, s, s^2 along the first axis between two controls, from these and the one behind them."""
+    before, here, behind = d[:-2], d[1:-1], d[2:]
+    return 0.5 * before + 0.5 * here, here - before, 0.5 * before - here + 0.5 * behind
 
 
 def _controls(f, slope, axis):

@@ -31,6 +31,7 @@ from shellfabric.cell import crossover_kernels as kernels
 
 FORMS = {"equilibrium": kernels.EQUILIBRIUM, "variational": kernels.VARIATIONAL}
 FILLS = {"nested": kernels.fill, "newton": fill_kernels.fill}
+FILL = "newton"  # the default of them
 PROFILES = {"cosine": kernels.COSINE, "straight": kernels.STRAIGHT}
 MODELS = ("compressible", "incompressible", "decoupled")
 _LONGEST_TOE = 0.1
@@ -181,7 +182,7 @@ class CellModel:
             return 0.0
         return brentq(too_long, _CLOSED, straight) if too_long(straight) > 0 else straight
 
-    def table(self, n: int = 201, method: str = "nested") -> CellTable:
+    def table(self, n: int = 201, method: str = FILL) -> CellTable:
         """Fill a table of n x n stretches; see CellTable.fill."""
         return CellTable.fill(self, n, method)
 
@@ -219,15 +220,15 @@ class CellTable:
     residual: float = 0.0
 
     @classmethod
-    def fill(cls, model: CellModel, n: int = 201, method: str = "nested") -> CellTable:
+    def fill(cls, model: CellModel, n: int = 201, method: str = FILL) -> CellTable:
         """Solve the cell on n x n stretches over its range.
 
         Parameters
         ----------
         n : stretches along each side
-        method : "nested" iterations (`crossover_kernels`), or "newton" on force and heights together (`fill_kernels`),
-            a thirtieth of the time for the same values but for rounding: for studies in which every shot has a table
-            of its own
+        method : "newton", on force and heights together (`fill_kernels`; cells in which its steps do not converge are
+            solved by the nested iterations), or "nested" iterations everywhere (`crossover_kernels`), which take about
+            thirty times as long and give the same values but for rounding
 
         Raises
         ------

@@ -27,10 +27,10 @@ def potential(table: CellTable) -> tuple[FloatArray, FloatArray]:
 def ceilings(table: CellTable) -> list[tuple[FloatArray, float]]:
     """Of warp and weft: the bounds that the forces of the variational form give of the tensions (`_ceiling`)."""
     found, weave = [], table.model.fabric.weave
-    spline = np.moveaxis(table.spline.reshape(-1, 3, 3), 0, -1)  # of p^a q^b at [a, b]
+    spline = np.ascontiguousarray(table.spline.reshape(-1, 9).T).reshape(3, 3, -1)  # of p^a q^b at [a, b]
     for family, values in enumerate((table.tension1, table.tension2)):
         W = spline if family == 0 else spline.swapaxes(0, 1)
-        T = np.moveaxis(values.reshape(-1, 4), 0, -1)[[0, 1, 2, 3] if family == 0 else [0, 2, 1, 3]]
+        T = values.reshape(-1, 4).T[[0, 1, 2, 3] if family == 0 else [0, 2, 1, 3]]
         force = np.stack([W[1], W[1] + 2 * W[2]]) / (2 * weave.w[family] * table.steps[family])
         none = np.zeros_like(T[0])
         tension = np.array([[T[0], T[2], none], [T[0] + T[1], T[2] + T[3], none]])
@@ -55,4 +55,6 @@ def _ceiling(force, tension):
 def _bernstein(quadratics):
     """(2, 3, n) coefficients of Bernstein from those of 1, x, x x, on 0 <= x <= 1."""
     a, b, c = quadratics[:, 0], quadratics[:, 1], quadratics[:, 2]
-    return np.stack([a, a + 0.5 * b, a + b + c], axis=1)
+    found = np.empty_like(quadratics)
+    found[:, 0], found[:, 1], found[:, 2] = a, a + 0.5 * b, a + b + c
+    return found

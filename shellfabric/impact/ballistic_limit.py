@@ -23,7 +23,6 @@ from typing import TYPE_CHECKING
 from fabrics.checks import FloatArray
 from fabrics.errors import InputError, UndecidedError, UnstableError
 from fabrics.executors import cancel, open_executor
-from shellfabric.cable.smith import striking_velocity
 from shellfabric.panel import quality
 from shellfabric.panel.model import Panel
 from shellfabric.sliding.solver import solver_of
@@ -177,6 +176,8 @@ class Bracket:
 
 def first_guess(fabric: Fabric) -> float:
     """[m/s] a velocity to begin with: a share of that which fails the weaker yarn at once, by Smith's theory."""
+    from shellfabric.cable.smith import striking_velocity  # with the kernels of the cable net, which no panel uses
+
     return _GUESS * min(striking_velocity(yarn.wave_speed, yarn.failure_strain) for yarn in fabric.weave.yarns)
 
 

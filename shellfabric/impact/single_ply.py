@@ -17,7 +17,7 @@ from fabrics.surface import ResponseSurface
 from shellfabric.backing.block import Backing
 from shellfabric.backing.coupling import BackingResult
 from shellfabric.cell import table_cache
-from shellfabric.cell.model import CellModel, CellTable
+from shellfabric.cell.model import FILL, CellModel, CellTable
 from shellfabric.cell.surface_cell import SurfaceCell
 from shellfabric.driver.solver import Hook, run_to_end
 from shellfabric.impact.outcome import Outcome
@@ -118,7 +118,7 @@ class ImpactSetup:
         reach = 1.0 if self.failure else UNFAILING
         return CellModel(self.fabric, self.laws, self.gap, self.cell_model, self.form, self.profile, reach=reach)
 
-    def table(self, kept: bool = False, method: str = "nested") -> CellTable:
+    def table(self, kept: bool = False, method: str = FILL) -> CellTable:
         """The cell's table. Set-ups that differ in panel, shot or mesh alone can share it.
 
         Parameters
@@ -133,7 +133,7 @@ class ImpactSetup:
         cell = self.cell()
         if self.surface is not None:
             return cell.table(self.table_size)
-        return table_cache.table(cell, self.table_size) if kept else cell.table(self.table_size, method)  # type: ignore[arg-type, call-arg]
+        return table_cache.table(cell, self.table_size, method) if kept else cell.table(self.table_size, method)  # type: ignore[arg-type, call-arg]
 
     def panel(self, table: CellTable | None = None) -> Panel:
         """The panel that this set-up describes, with its own table or one that a like set-up has filled.

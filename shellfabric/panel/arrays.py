@@ -116,7 +116,7 @@ def constants(panel: Panel, out_of_plane: bool = False) -> Constants:
 
 def state(panel: Panel, strike_velocity: float) -> State:
     """The panel at rest, flat at z = 0, touched by the projectile that flies at it at `strike_velocity` [m/s]."""
-    const = constants(panel)
+    const = panel.constants()
     state, ni = undeformed(panel, const, strike_velocity), const.ni
     if const.window_follows:
         window_kernels.move_window(state, const)
@@ -170,7 +170,7 @@ def undeformed(panel: Panel, const: Constants, strike_velocity: float) -> State:
 
 def work(panel: Panel) -> Work:
     """Scratch of one thread, for one block of elements."""
-    const = constants(panel)
+    const = panel.constants()
     size = (const.rows_per_block + 4) * const.row_stride + 16
     rows = {name: aligned_zeros(1, size)[0] for name in Work._fields}
     rows["A"], rows["B"], rows["barrier"] = (

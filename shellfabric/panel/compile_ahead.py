@@ -8,6 +8,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from fabrics.kernel_cache import one_compiler_a_node
 from shellfabric.cloth import failure_kernels
 from shellfabric.jit import compile_in_child
@@ -18,19 +20,31 @@ from shellfabric.projectile import contact_kernels
 if TYPE_CHECKING:
     from shellfabric.panel.model import Panel
 
-_begun: set[Any] = set()  # numba types of the constants of panels that this has been done for
+_begun: set[Any] = set()  # kinds of the constants of panels that this has been done for
 
 
 def begin(panel: Panel) -> None:
     """Begin to compile what a run of a panel needs; returns at once."""
     const = panel.constants()
-    known = type_of(const)
-    if known in _begun or one_compiler_a_node.cache_info().currsize:  # which would have each kernel compiled once
+    kind = _kind(const)
+    if kind in _begun:
         return
-    _begun.add(known)
+    _begun.add(kind)
+    known = type_of(const)
+    if one_compiler_a_node.cache_info().currsize:  # which would have each kernel compiled once
+        return
     state, work = type_of(arrays.undeformed(panel, const, 1.0)), panel.work()
     if not compile_in_child.kept(step_kernels.initial_forces, (state, known, type_of(work))):
         compile_in_child.start(*groups(state, known, type_of(work), type_of(work.contact_scratch)))
+
+
+def _kind(value):
+    """What the numba type of constants follows from, at a fraction of the time that numba takes to find it."""
+    if isinstance(value, tuple):
+        return type(value), *map(_kind, value)
+    if isinstance(value, np.ndarray):
+        return value.dtype, value.ndim, value.flags.c_contiguous, value.flags.writeable
+    return type(value)
 
 
 def groups(state: Any, const: Any, work: Any, scratch: Any) -> tuple[list, list]:

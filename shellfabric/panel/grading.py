@@ -120,6 +120,24 @@ def yarn_lines(places: ArrayLike, lines_per_crossover: int) -> YarnLines:
     return YarnLines(yarn, elements, share, tributary(gaps), np.append(gaps, 0.0))
 
 
+def weakest(factors: ArrayLike, places: ArrayLike) -> FloatArray:
+    """(axes,) strength factor of the line at each axis: that of the weakest yarn that the line stands for.
+
+    A line stands for the yarns up to halfway to its neighbours, and a yarn halfway belongs to both. Those between a
+    last line and the end of `factors` belong to no line.
+
+    Parameters
+    ----------
+    factors : (yarns,) [-] of the yarns at the whole crossovers -(yarns - 1) / 2 ... (yarns - 1) / 2
+    places : (axes,) [crossovers] of the axes, whole numbers that rise; 0 at the impact point
+    """
+    given, at = np.asarray(factors, float), np.asarray(places, np.int64) + np.size(factors) // 2
+    halves = 0.5 * np.diff(at)
+    low = np.ceil(at - np.insert(halves, 0, 0.0)).astype(int)
+    high = np.floor(at + np.append(halves, 0.0)).astype(int)
+    return np.array([given[a : b + 1].min() for a, b in zip(low, high)])
+
+
 def segment_lengths(sides: FloatArray, lines: YarnLines) -> FloatArray:
     """(n+1,) [crossovers] from each axis of a yarn to the next, at its line; 0 at other lines and at the last.
 

@@ -295,8 +295,17 @@ class Panel:
         return packed_table.ceilings(self.table)
 
     def constants(self, out_of_plane: bool = False) -> arrays.Constants:
-        """What the kernels need to know, as plain numbers and arrays (`arrays.constants`)."""
-        return arrays.constants(self, out_of_plane)
+        """What the kernels need to know, as plain numbers and arrays (`arrays.constants`).
+
+        Computed once: all runs of a panel read the same arrays, and none of the kernels writes to them.
+        """
+        if out_of_plane not in self._constants:
+            self._constants[out_of_plane] = arrays.constants(self, out_of_plane)
+        return self._constants[out_of_plane]
+
+    @cached_property
+    def _constants(self):
+        return {}
 
     def state(self, strike_velocity: float) -> arrays.State:
         """The panel at rest, flat at z = 0, touched by the projectile that flies at it at `strike_velocity` [m/s]."""
@@ -306,6 +315,7 @@ class Panel:
         """Scratch of one thread, for one block of elements."""
         return arrays.work(self)
 
+    @cached_property
     def segments(self) -> list[FloatArray]:
         """(warp, weft) each (ni+1, nj+1): yarn segments that an edge stands for; half of one on a plane of symmetry."""
         shape, grids, found = (self.counts[0] + 1, self.counts[1] + 1), self.yarn_lines, []

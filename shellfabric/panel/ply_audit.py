@@ -69,7 +69,7 @@ def stored_energy(const: Constants, state: State) -> float:
 def failed_segments(panel: Panel, const: Constants, state: State) -> float:
     """Failed yarn segments of the modelled part; those on a plane of symmetry belong to it by half."""
     shape = const.ni + 1, const.row_stride
-    families = zip(state.failed, panel.segments())
+    families = zip(state.failed, panel.segments)
     return float(sum(np.sum(failed[: shape[0] * shape[1]].reshape(shape) * n) for failed, n in families))
 
 

@@ -123,5 +123,9 @@ def _renew_page(kind, found, page, stamp):
         if kind.tables.kept(name, kind.measured)
     ]
     for result, _ in there:
-        kind.pictures.draw(result, page.parent / "figures" / f"{kind.prefix}-{result.key}.png")
+        path = page.parent / "figures" / f"{kind.prefix}-{result.key}.png"
+        if getattr(kind.pictures, "pictured", lambda _: True)(result):
+            kind.pictures.draw(result, path)
+        else:
+            path.unlink(missing_ok=True)
     kind.page.write(there, page, f"weavecell {kind.command} --all --page {page}")

@@ -88,6 +88,15 @@ class ShotResult(Result):
         label = f"{self.record.fabric}, {self.strike_velocity:g} m/s"
         return figure(pictures.velocity, {label: (self.record.time, self.record.velocity)})
 
+    def plot_panel(self) -> Any:
+        """A matplotlib figure: the whole panel or pack and the projectile at the end, seen from behind.
+
+        Colours are the higher of warp and weft tension over the strength [%].
+        """
+        from weavecell.commands import view
+
+        return figure(view.end, self.record)
+
     def to_vtk(self, folder: FilePath) -> Path:
         """Write the panel for ParaView: panel.pvd with ``panel/*.vtu``; of a pack the plies at the end, ply-NN.vtu.
 

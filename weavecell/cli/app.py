@@ -107,12 +107,14 @@ def view(
     ] = None,
     movie: Annotated[
         Path | None,
-        typer.Option(help="Write the snapshots of a panel as a movie (MP4 needs imageio).", metavar="FILE.gif|mp4"),
+        typer.Option(
+            help="Write the snapshots of a panel or pack as a movie (MP4 needs imageio).", metavar="FILE.gif|mp4"
+        ),
     ] = None,
 ) -> None:
     """Look at a mesh or a result in a window, or write a picture or a movie of it.
 
-    A picture or movie of one ply shows the whole panel, its projectile, a scale of the tensions and the outcome.
+    A picture or movie of a panel or pack shows all of it, its projectile, a scale of the tensions and the outcome.
     """
     from weavecell.commands import view as commands_view
 

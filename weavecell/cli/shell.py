@@ -128,7 +128,7 @@ def coupon(
     resume: ResumeOption = False,
     strict: StrictOption = False,
 ) -> None:
-    """Test a piece of cloth quasi-statically: bias extension, picture frame, uniaxial or biaxial tension.
+    """Test a piece of fabric quasi-statically: bias extension, picture frame, uniaxial or biaxial tension.
 
     The folder then holds report.html, summary.json, histories.h5, pictures/ and scene.toml; while the run goes on,
     checkpoint.h5.

@@ -9,16 +9,20 @@ from __future__ import annotations
 
 import csv
 import time
+import tomllib
 from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fabrics import assumed, catalogue, run_cache, variants
+from fabrics.errors import InputError
 from fabrics.files import write_whole
+from shellfabric.panel import grading as panel_grading
 from weavecell.analysis.uncertainty import inputs, sobol, v50
 from weavecell.report import marked_page, pictures_uncertainty
 from weavecell.results import json_file, progress, provenance
+from weavecell.scenes import impact
 
 if TYPE_CHECKING:
     pass
@@ -65,14 +69,14 @@ def sensitivity(
 
 def probabilistic(
     fabric: str, out: Path, *, shots: int, batch: int, seed: int, scatter: Any, jobs: int, executor: str,
-    opening: Any, resume: bool, page: Path | None = None,
+    opening: Any, resume: bool, grading: tuple | None = None, page: Path | None = None,
 ) -> None:  # fmt: skip
     """The curve of perforation of a fabric; see `v50.study`."""
     cloth, began = _begin(fabric, out, page, "v50", resume), time.perf_counter()
     with progress.bar(f"{cloth.name}, repeated shots") as advance:
         study = v50.study(
-            cloth, scatter, shots=shots, batch=batch, seed=seed, opening=opening, folder=out / RUNS, jobs=jobs,
-            executor=executor, report=advance,
+            cloth, scatter, shots=shots, batch=batch, seed=seed, opening=opening, grading=grading, folder=out / RUNS,
+            jobs=jobs, executor=executor, report=advance,
         )  # fmt: skip
     head = ["curve", "quantity", "value [m/s]", "low, 95 %", "high, 95 %"]
     rows = []
@@ -95,18 +99,48 @@ def probabilistic(
         f"{100 * scatter.modulus:g} %, of either crimp {100 * scatter.crimp:g} %, from panel to panel.",
         "V0 and V100 are where 1 % and 99 % perforate.",
     ]
+    if grading is not None:
+        remarks.append(
+            f"Sides of the elements, (until, side) in crossovers from the impact point: {grading_text(grading)}."
+        )
     for link, curve in study.curves.items():
         interval = "{:.1f} to {:.1f} m/s".format(*curve.intervals["V50"])
         print(f"V50 ({link}) {curve.V50:.1f} m/s, {interval} with {100 * curve.confidence:g} % confidence")
     command = f"weavecell v50 {fabric} --shots {len(study.shots)} --batch {batch} --seed {seed}"
+    command += f' --grading "{grading_text(grading)}"' if grading is not None else ""
     title = f"{cloth.name}: probability of perforation, {len(study.shots)} shots"
     content = {
-        "deterministic": study.deterministic, "scatter": asdict(scatter),
+        "deterministic": study.deterministic, "scatter": asdict(scatter), "grading": grading and grading_text(grading),
         "curves": {link: asdict(curve) | {"V0": curve.V0, "V100": curve.V100} for link, curve in study.curves.items()},
         "inputs": [asdict(one) for name in ("weibull", "spread") for one in inputs.table(name).values()],
     }  # fmt: skip
     _finish(out, page, "v50", title, head, rows, remarks, command, _finite(content), began, cloth,
             lambda path: pictures_uncertainty.perforation(study, path, title))  # fmt: skip
+
+
+def grading_of(text: str, key: str = "grading") -> tuple[tuple[float, float], ...]:
+    """Zones (until, side) [crossovers] of a grading, from a text as it stands in a scene file.
+
+    Raises
+    ------
+    InputError : another text, or zones that do not go together
+    """
+    try:
+        zones = impact.zones(tomllib.loads(f"grading = {text}")["grading"])
+    except (tomllib.TOMLDecodeError, ValueError, ZeroDivisionError):
+        zones = None
+    if zones is None:
+        allowed = 'zones [until, side] in crossovers, such as [[10, "1/2"], [20, 1], [inf, 2]]'
+        raise InputError(key=key, value=text, allowed=allowed)
+    panel_grading.check(zones)
+    return zones
+
+
+def grading_text(zones: tuple[tuple[float, float], ...]) -> str:
+    """The zones of a grading as `grading_of` reads them."""
+    sides = [side if side >= 1 else f"'1/{round(1 / side)}'" for _, side in zones]
+    return "[" + ", ".join(f"[{until:g}, {side:g}]" if isinstance(side, float) else f"[{until:g}, {side}]"
+                           for (until, _), side in zip(zones, sides)) + "]"  # fmt: skip
 
 
 def _begin(fabric, out, page, name, resume):

@@ -1,7 +1,8 @@
-"""Look at a mesh or a panel: in a window, as a picture, or as a movie of a panel.
+"""Look at a mesh, a panel or a pack: in a window, as a picture, or as a movie of a panel or pack.
 
-A picture or movie of a panel shows all of it, with the parts that symmetry leaves out, the projectile, a scale of the
-tensions and the outcome. These need histories.h5 beside panel.pvd; without it the elements of the file are drawn.
+A picture or movie of a panel or pack shows all of it, with the parts that symmetry leaves out, the projectile, a scale
+of the tensions and the outcome. These need histories.h5 beside panel.pvd or pack.pvd; without it the elements of the
+file are drawn.
 """
 
 from __future__ import annotations
@@ -11,7 +12,7 @@ import sys
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -23,26 +24,31 @@ from weavecell.report import pictures3d
 from weavecell.report.pictures_painter import Camera
 from weavecell.results import json_file
 from weavecell.results.impact import ImpactRecord
-from weavecell.results.paraview import read_series
+from weavecell.results.pack import PackRecord
+from weavecell.results.paraview import failed_yarns, read_series
+
+if TYPE_CHECKING:
+    from weavecell.results.impact_base import Shape
 
 _ALLOWED = "a folder that holds panel.pvd, pack.pvd or crossover.vtu, or a .pvd or .vtu file"
 MOVIES = (".gif", ".mp4")
 FRAME_TIME = 0.1  # [s] of a movie for each snapshot
 LAST_FRAME_TIME = 1.5  # [s]
 COLOURS = 96  # of a GIF
+RECORDS = {"panel.pvd": ImpactRecord, "pack.pvd": PackRecord}  # of histories.h5 beside a series
 
 
 @dataclass(frozen=True)
 class Panel:
-    """A shot at one ply as it was written: its record, and the files of its snapshots.
+    """A shot at one ply or at a pack as it was written: its record, and the files of its snapshots.
 
     Parameters
     ----------
-    record : ImpactRecord
+    record : ImpactRecord or PackRecord
     series : list of (path of a .vtu, time [s])
     """
 
-    record: ImpactRecord
+    record: ImpactRecord | PackRecord
     series: list[tuple[Path, float]]
 
     @property
@@ -50,17 +56,26 @@ class Panel:
         """Whether the modelled part is mirrored in x = 0 and in y = 0."""
         return self.record.mirror_x, self.record.mirror_y
 
+    @property
+    def shapes(self) -> tuple[Shape, ...]:
+        """Shapes of the ply, or of the rear ply of a pack, in the order of time; the last is that of the end."""
+        record = self.record
+        return record.shapes[-1:] if isinstance(record, PackRecord) else (record.half_energy, record.final)
+
+    def strength(self, grid: Any) -> FloatArray:
+        """(2,) or (m, 2) [N] strength of warp and weft, of each element of a pack."""
+        return self.record.strength[grid.cell_data["ply"] - 1] if "ply" in grid.cell_data else self.record.strength
+
     def body(self, z: float, t: float) -> FloatArray:
         """(a, b, 3) [m] surface of the projectile whose foremost point is at z at time t."""
-        known = (self.record.half_energy, self.record.final)
-        times = [0.0, *(shape.t for shape in known)]
-        places = [np.zeros(3), *(shape.projectile_position for shape in known)]
+        times = [0.0, *(shape.t for shape in self.shapes)]
+        places = [np.zeros(3), *(shape.projectile_position for shape in self.shapes)]
         x, y = (np.interp(t, times, [place[axis] for place in places]) for axis in (0, 1))
         return self.record.projectile + np.array([x, y, z - self.record.projectile[..., 2].max()])
 
     def camera(self) -> Camera:
         """The view of all snapshots: from behind the panel, at an angle; lengths in mm."""
-        nodes = 1e3 * self.record.final.nodes
+        nodes = 1e3 * self.shapes[-1].nodes
         span = float(np.ptp(nodes[:, 0])) * (2 if self.record.mirror_x else 1)
         return Camera((0.55 * span, -1.4 * span, 0.95 * span), (0.0, 0.0, 0.02 * span), 0.37 * span)
 
@@ -87,7 +102,7 @@ def view(path: Path, screenshot: Path | None = None, movie: Path | None = None) 
     if movie is not None:
         if panel is None:
             raise InputError(
-                key="PATH", value=str(path), allowed="a folder with panel.pvd and histories.h5, for --movie"
+                key="PATH", value=str(path), allowed="a folder with panel.pvd or pack.pvd and histories.h5, for --movie"
             )
         _write_movie(panel, movie)
     if screenshot is not None:
@@ -115,12 +130,13 @@ def find(path: Path) -> Path:
 
 
 def panel_of(path: Path, file: Path) -> Panel | None:
-    """The shot at one ply that a path belongs to; None where it is none, or has no histories.h5."""
+    """The shot at one ply or pack that a path belongs to; None where it is none, or has no histories.h5."""
     path = Path(path)
     folder = path if path.is_dir() else path.parent if path.suffix == ".pvd" else file.parent.parent
-    if not ((folder / "panel.pvd").exists() and (folder / "histories.h5").exists()):
-        return None
-    return Panel(ImpactRecord.read(folder / "histories.h5"), read_series(folder / "panel.pvd"))
+    for name, kind in RECORDS.items():
+        if (folder / name).exists() and (folder / "histories.h5").exists():
+            return Panel(kind.read(folder / "histories.h5"), read_series(folder / name))
+    return None
 
 
 def summary_of(file: Path) -> dict[str, Any]:
@@ -130,7 +146,7 @@ def summary_of(file: Path) -> dict[str, Any]:
 
 
 def frame(panel: Panel, file: Path, t: float) -> np.ndarray:
-    """(rows, columns, 3) the whole panel and its projectile in one snapshot.
+    """(rows, columns, 3) the whole panel or pack and its projectile in one snapshot, seen from behind.
 
     Parameters
     ----------
@@ -142,7 +158,7 @@ def frame(panel: Panel, file: Path, t: float) -> np.ndarray:
 
     grid: Any = pyvista.read(file)
     tension = np.column_stack([grid.cell_data["tension_warp_N"], grid.cell_data["tension_weft_N"]])
-    share = (tension / panel.record.strength).max(axis=1)
+    share = (tension / panel.strength(grid)).max(axis=1)
     body = panel.body(float(grid.field_data["projectile_z_m"][0]), t)
     quads = grid.cells.reshape(-1, 5)[:, 1:]
     failed = np.asarray(grid.cell_data["failed_yarns"])
@@ -164,6 +180,24 @@ def compose(pyplot: Any, panel: Panel, image: np.ndarray, t: float) -> Any:
     return figure
 
 
+def end(pyplot: Any, record: ImpactRecord | PackRecord) -> Any:
+    """The figure of the last instant of a record, as `compose` has it, without the files of a run."""
+    panel, several = Panel(record, []), isinstance(record, PackRecord)
+    shapes, quads = (record.shapes, record.quads) if several else ((record.final,), (record.quads,))
+    first = np.cumsum([0, *(len(shape.nodes.reshape(-1, 3)) for shape in shapes)])
+    strengths = record.strength if several else [record.strength]
+    share = [(shape.tension.reshape(-1, 2) / each).max(axis=1) for shape, each in zip(shapes, strengths)]
+    failed = [failed_yarns(shape.failed.reshape(-1, 3)) for shape in shapes]
+    last = shapes[-1]
+    image = pictures3d.panel(
+        np.concatenate([shape.nodes.reshape(-1, 3) for shape in shapes]),
+        np.concatenate([each + start for each, start in zip(quads, first)]), np.concatenate(share),
+        np.concatenate(failed), last.projectile_position + record.projectile, panel.mirrors, camera=panel.camera(),
+    )  # fmt: skip
+    with pyplot.rc_context({"figure.constrained_layout.use": False}):
+        return compose(pyplot, panel, image, last.t)
+
+
 def frames(panel: Panel, dpi: int) -> Iterator[np.ndarray]:
     """(rows, columns, 3) composed pictures of all snapshots, in the order of time."""
     with plots() as pyplot, pyplot.rc_context({"figure.constrained_layout.use": False}):
@@ -177,13 +211,13 @@ def frames(panel: Panel, dpi: int) -> Iterator[np.ndarray]:
 
 
 def add(plotter: Any, file: Path, panel: Panel | None = None, summary: Mapping[str, Any] | None = None) -> None:
-    """Add the elements of a file to a plotter; of a panel or pack the mirrored parts, of a panel the projectile too.
+    """Add the elements of a file to a plotter; of a panel or pack the mirrored parts and the projectile too.
 
     Parameters
     ----------
     plotter : of pyvista
     file : .vtu
-    panel : Panel, of a shot at one ply
+    panel : Panel, of a shot at one ply or a pack
     summary : of summary.json; its outcome is written beside the picture
     """
     import pyvista
@@ -203,7 +237,7 @@ def add(plotter: Any, file: Path, panel: Panel | None = None, summary: Mapping[s
                              show_scalar_bar=bar)  # fmt: skip
         text += f"\nyarn tension, the higher of warp and weft: 0 (light) to {tension.max():.0f} N (dark)"
         if panel is not None:
-            t = dict(panel.series).get(file, panel.record.final.t)
+            t = dict(panel.series).get(file, panel.shapes[-1].t)
             body = 1e3 * panel.body(float(grid.field_data["projectile_z_m"][0]), t)
             plotter.add_mesh(pyvista.StructuredGrid(*np.moveaxis(body, -1, 0)), color=STEEL)
             text = f"{panel.caption(t)}\n{text}"
@@ -230,7 +264,7 @@ def mirrored(grid: Any, mirrors: tuple[bool, bool]) -> list[Any]:
 
 def _write_screenshot(panel, file, screenshot):
     if panel is not None:
-        t = dict(panel.series).get(file, panel.record.final.t)
+        t = dict(panel.series).get(file, panel.shapes[-1].t)
         with plots() as pyplot, pyplot.rc_context({"figure.constrained_layout.use": False}):
             figure = compose(pyplot, panel, frame(panel, file, t), t)
             with replace_whole(screenshot) as beside:

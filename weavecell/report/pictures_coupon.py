@@ -81,8 +81,12 @@ def cloth(pyplot: Any, record: CouponRecord) -> Any:
     top = max(float(np.quantile(tension, 0.995)), record.floor)
     pulled = LineCollection(lines, array=tension, cmap=tension_map(), clim=(0, top), linewidth=1.0, rasterized=True)
     right.add_collection(pulled)
+    if record.test == "bias_extension":
+        _zones(left, record)
+    factor, unit = axis(record.prescribed_name, record.prescribed_unit)
+    state = f"{record.prescribed_name} {factor * record.prescribed[-1]:.3g} {unit}"
     for axes, title, drawn, label in (
-        (left, "shear", sheared, "shear angle [°]"), (right, "yarns", pulled, "tension of a yarn [N]"),
+        (left, f"shear, {state}", sheared, "shear angle [°]"), (right, "yarns", pulled, "tension of a yarn [N]"),
     ):  # fmt: skip
         axes.set(aspect="equal", title=title, xlabel="mm")
         axes.autoscale_view()
@@ -92,6 +96,24 @@ def cloth(pyplot: Any, record: CouponRecord) -> Any:
         bar.outline.set_visible(False)
     left.set_ylabel("mm")
     return figure
+
+
+def _zones(axes, record):
+    """The borders of the zones of a bias coupon, lines of the fabric along the yarns from its clamped corners."""
+    held = record.points[record.grips > 0]
+    half = np.array([np.ptp(record.points[:, 0]) / 2, np.abs(held[:, 1]).min()])
+    middle = 0.5 * (record.points.min(axis=0) + record.points.max(axis=0))
+    along = np.linspace(0, 2 * half[0], 60)
+    for side in (1, -1):
+        for end in (1, -1):
+            line = middle + np.column_stack([side * (half[0] - along), end * (half[1] - along)])
+            nearest = np.argmin(((record.points[None] - line[:, None]) ** 2).sum(axis=-1), axis=1)
+            axes.plot(*(1e3 * record.x[-1][nearest]).T, color=INK, lw=1.2, ls="--")
+    places = {"A": (0.0, half[1] - 0.3 * half[0]), "B": (0.8 * half[0], half[1] - half[0]), "C": (0.0, 0.0)}
+    for name, place in places.items():
+        nearest = np.argmin(((record.points - middle - place) ** 2).sum(axis=1))
+        axes.annotate(name, 1e3 * record.x[-1][nearest], ha="center", va="center", color=INK, weight="bold",
+                      bbox={"boxstyle": "circle", "fc": "white", "ec": INK, "lw": 0.8})  # fmt: skip
 
 
 def curves(pyplot: Any, record: CouponRecord, chosen: Sequence[str], label: str) -> Any:

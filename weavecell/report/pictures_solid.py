@@ -27,31 +27,36 @@ def plates(pyplot: Any, fit: Any) -> Any:
 
 
 def laws(pyplot: Any, found: Any) -> Any:
-    """Fitted over published a and b of several fabrics.
+    """Fitted over published a and b of several fabrics: value, its 95 % interval, and the fits to single paths.
 
     Parameters
     ----------
     found : {fabric: unitcell3d.identify.calibration.Calibration}
     """
     compared = {name: each for name, each in found.items() if each.comparison}
-    figure, row = pyplot.subplots(1, 2, figsize=(11.5, 0.9 + 0.55 * max(len(compared), 1)), sharey=True)
+    figure, row = pyplot.subplots(1, 2, figsize=(11.5, 1.5 + 0.55 * max(len(compared), 1)), sharey=True)
     for axes, key in zip(row, ("a", "b")):
+        axes.axvline(1, color=INK, lw=1.2, label="published")
         for place, each in enumerate(compared.values()):
-            published = getattr(each.published, key)
+            published, first = getattr(each.published, key), place == 0
             value = getattr(each.law, key) / published
-            low, high = (end / published for end in each.spread.get(key, (value * published,) * 2))
-            axes.plot([low, high], [place, place], color=FITTED, lw=3, alpha=0.35, solid_capstyle="butt")
-            axes.plot([value], [place], "o", ms=8, color=FITTED)
-            label = axes.text(1.08 * max(high, value), place, f"{value:.2f}", va="center", fontsize=11, color=INK)
-            label.set_bbox({"facecolor": "white", "edgecolor": "none", "pad": 1})
-        axes.axvline(1, color=INK, lw=1.2)
+            interval, spread = getattr(each.law, f"{key}_interval"), each.spread.get(key)
+            if interval:
+                axes.plot([end / published for end in interval], [place] * 2, color=FITTED, lw=5, alpha=0.45,
+                          solid_capstyle="butt", label="95 % of the fit to all paths" if first else None)  # fmt: skip
+            if spread:
+                axes.plot([end / published for end in spread], [place + 0.24] * 2, "|-", color=FAINT, lw=1.2, ms=8,
+                          label="fits to single paths" if first else None)  # fmt: skip
+            axes.plot([value], [place], "o", ms=7, color=FITTED, label="fit to all paths" if first else None)
+            axes.annotate(f"{value:.2f}", (1.01, place), xycoords=axes.get_yaxis_transform(), va="center", fontsize=11)
         axes.set(xlabel=f"{key}, fitted over published", xscale="log")
-        low, high = axes.get_xlim()
         axes.set_xticks(OCTAVES, [f"{octave:g}" for octave in OCTAVES])
         axes.set_xticks([], minor=True)
-        axes.set_xlim(low / 1.2, 1.5 * high)
+        low, high = axes.dataLim.intervalx
+        axes.set_xlim(low / 1.2, 1.2 * high)
     row[0].set_yticks(range(len(compared)), list(compared))
     row[0].invert_yaxis()
+    figure.legend(*row[0].get_legend_handles_labels(), loc="outside lower center", ncols=4)
     return figure
 
 

@@ -107,7 +107,8 @@ def _opening_or_value_error(value):
         raise ValueError(str(problem)) from None
 
 
-def _zones(value):
+def zones(value: Any) -> tuple[tuple[float, float], ...] | None:
+    """Zones (until, side) [crossovers] of a grading as they stand in a file; ValueError where they are none."""
     if value is None:
         return None
     plain = isinstance(value, (list, tuple)) and all(
@@ -144,7 +145,7 @@ class PanelTable(Table):
     yarn_failure: Annotated[bool, Field(description="true or false")] = True
     grading: Annotated[
         tuple[tuple[float, float], ...] | None,
-        BeforeValidator(_zones),
+        BeforeValidator(zones),
         Field(
             description='zones [until, side] in crossovers, the last until inf, such as [[9, "1/2"], [20, 1], [inf, 2]]'
         ),

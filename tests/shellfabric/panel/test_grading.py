@@ -203,3 +203,16 @@ def test_bad_gradings(graded, changes):
     with pytest.raises(InputError) as told:
         graded(**changes)
     assert len(str(told.value).splitlines()) == 1
+
+
+def test_a_line_has_the_strength_of_the_weakest_yarn_that_it_stands_for():
+    """Against a plain loop over all pairs of yarn and line."""
+    factors, places = np.random.default_rng(3).uniform(0.5, 1.5, 41), np.array([-20, -12, -8, -6, -5, -4, 0, 4, 6, 16])
+    found = grading.weakest(factors, places)
+    for line, factor in enumerate(found):
+        mine = []
+        for yarn in range(-20, 21):
+            distance = abs(places - yarn)
+            if distance[line] == distance.min() and places[0] <= yarn <= places[-1]:
+                mine.append(factors[yarn + 20])
+        assert factor == min(mine)

@@ -430,3 +430,21 @@ def test_meshed_size_follows_the_source(tables, fabric):
     """The source meshed whole crossovers only: 79 along half of 203 mm (erratum E-34)."""
     assert Panel(tables["equilibrium"]).counts == (79, 79)
     assert replace(Panel(tables["equilibrium"]), elements_per_crossover=2).counts == (158, 158)
+
+
+@pytest.mark.parametrize("grading", [None, ((12, 1), (np.inf, 2))])
+def test_runs_share_the_constants_of_a_panel_and_leave_them(fabric, grading):
+    """A shot that perforates writes to none of them, and a second one is the first to the bit."""
+    panel = ImpactSetup(fabric, 300.0, opening=0.0508, table_size=101, grading=grading).panel()
+    before = flat(panel.constants())
+    one, two = (PanelSolver(panel, 300.0, 200e-6).run() for _ in range(2))
+    assert one.outcome == "perforated"
+    assert one.const is two.const is panel.constants()
+    for kept, now in zip(before, flat(panel.constants()), strict=True):
+        np.testing.assert_array_equal(kept, now)
+    np.testing.assert_array_equal(np.array(one.samples), np.array(two.samples))
+
+
+def flat(value):
+    """Copies of all arrays and numbers of nested tuples."""
+    return [part for one in value for part in flat(one)] if isinstance(value, tuple) else [np.array(value, copy=True)]

@@ -1,5 +1,7 @@
 """The study of one ply: curves of residual velocity, shots of captions, and the tables made of them."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -8,6 +10,7 @@ from validation.published.one_ply import pictures, study, tables
 from weavecell.report.pictures import render
 
 FABRIC = "S-720"
+ROOT = Path(__file__).parents[3]
 
 
 @pytest.fixture(scope="module")
@@ -48,8 +51,23 @@ def test_tables_and_pictures(curve, shots, monkeypatch):
     assert len(tables.residual([curve])) == 1 + len(study.MULTIPLES)
     assert [row[3].split(",")[0] for row in tables.captions(shots)[1:]] == ["stops", "perforates"]
     assert len(tables.waves(shots)) == 2
-    for draw, content in ((pictures.residual, [curve]), (pictures.velocities, shots), (pictures.fronts, shots)):
+    for draw, content in ((pictures.residual, [curve]), (pictures.velocities, shots), (pictures.fronts, shots),
+                          (pictures.energies, shots)):  # fmt: skip
         assert render(draw, content, kind="png").startswith(b"\x89PNG")
+
+
+def test_the_page_shows_every_picture(shots):
+    from matplotlib import pyplot
+
+    page = (ROOT / "docs" / "validation.md").read_text("utf-8")
+    for name in ("residual", "limits", "velocities", "energies", "profiles", "fronts", "reactions"):
+        assert f"figures/validation-{name}.png" in page
+        assert (ROOT / "docs" / "figures" / f"validation-{name}.png").exists()
+    figure = pictures.energies(pyplot, shots)
+    for axes, shot in zip(figure.axes, shots):
+        top = max(part.get_datalim(axes.transData).y1 for part in axes.collections)
+        assert top == pytest.approx(100, abs=1), shot.fabric  # the parts add up to the strike energy
+    pyplot.close(figure)
 
 
 def test_a_critical_velocity_outside_the_captions_is_bold(curve, monkeypatch):

@@ -117,6 +117,22 @@ def test_each_yarn_has_its_own_strength(panel, per):
         np.testing.assert_array_equal(lines, per * np.flatnonzero(factors[family] < 1))
 
 
+def test_a_graded_panel_has_the_yarns_of_the_uniform_one(fabric):
+    """The same draws; where elements are one crossover long each line has the strength of its yarn."""
+    uniform, graded = (
+        v50.drawn_panel(fabric, inputs.published(), 1, 3, 0.08, zones)[0] for zones in (None, ((12, 1), (np.inf, 2)))
+    )
+    for family, (all_yarns, lines) in enumerate(zip(uniform.strength_factors, graded.strength_factors)):
+        half, places = all_yarns.size // 2, np.rint(graded.lines()[1 - family] / (2 * graded.weave.w[1 - family]))
+        near = abs(places) < 12
+        assert np.count_nonzero(near) == 23
+        np.testing.assert_array_equal(lines[near], all_yarns[half - 11 : half + 12])
+        assert np.all(lines[~near] <= all_yarns[half + places[~near].astype(int)])
+    assert v50.fire(fabric, inputs.published(), 1, 3, 150.0, OPENING, ((np.inf, 1),)) == v50.fire(
+        fabric, inputs.published(), 1, 3, 150.0, OPENING
+    )
+
+
 def test_wrong_factors_are_refused(panel):
     for wrong in (np.ones(3), np.zeros(panel.yarn_counts[0])):
         with pytest.raises(InputError, match="strength_factors of the warp"):

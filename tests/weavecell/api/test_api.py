@@ -120,6 +120,9 @@ def test_a_shot_as_table_figure_files_and_html(shot, tmp_path):
     assert list(table.columns[:3]) == ["time_s", "velocity_m_s", "nose_position_m"]
     assert np.array_equal(table["energy_kinetic_projectile_J"], shot.record.energies["kinetic_projectile"])
     assert shot.plot().axes[0].get_ylabel() == "velocity of the projectile [m/s]"
+    picture = shot.plot_panel()
+    assert shot.outcome in " ".join(text.get_text() for text in picture.texts)
+    assert picture.axes[0].images[0].get_array().std() > 5  # not an empty picture
     assert shot.to_vtk(tmp_path / "vtk") == tmp_path / "vtk" / "panel.pvd"
     assert len(list((tmp_path / "vtk" / "panel").glob("*.vtu"))) == len([s for s in shot.shapes if s.t < 15e-6]) + 1
     shot.write(tmp_path / "histories.h5")

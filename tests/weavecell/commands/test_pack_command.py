@@ -56,6 +56,7 @@ def test_everything_asked_for_is_written(command, scene, tmp_path):
         assert file["plies/histories/push"].attrs["unit"] == "N"
         assert file["plies/histories/push"].shape == (len(record.time), 3)
     import pyvista
+    from PIL import Image
 
     last = sorted((folder / "pack").iterdir())[-1]
     grid = pyvista.read(last)
@@ -63,6 +64,14 @@ def test_everything_asked_for_is_written(command, scene, tmp_path):
     assert command("view", "results", "--screenshot", "pack.png")[0] == 0
     assert view.find(folder) == last
     assert view.summary_of(last)["mirror_x"] is True
+    panel = view.panel_of(folder, last)
+    assert panel.strength(grid).shape == (len(grid.cell_data["ply"]), 2)
+    assert panel.body(0.01, record.time[-1])[..., 2].max() == pytest.approx(0.01)  # its foremost point
+    assert "m/s" in panel.caption(panel.series[-1][1])
+    assert np.ptp(view.frame(panel, *panel.series[-1])) > 50  # not an empty picture
+    assert command("view", "results", "--movie", "pack.gif")[0] == 0
+    with Image.open(tmp_path / "pack.gif") as movie:
+        assert movie.n_frames == len(panel.series)
     whole = pyvista.merge(view.mirrored(grid, (True, True)))
     assert whole.bounds[:4] == pytest.approx([-grid.bounds[1], grid.bounds[1], -grid.bounds[3], grid.bounds[3]])
 

@@ -21,7 +21,7 @@ from weavecell.report.marked_page import markdown, put
 
 MARKS = "<!-- tables of validation.published.edge_slip -->", "<!-- end of the tables -->"
 LATE = 200e-6
-_PICTURES = {"led": "edges that are led in", "gripped": "edges that are gripped"}
+_PICTURES = {"led": "edges that are pulled in", "gripped": "edges that are gripped"}
 
 
 def led_rows(shots: dict[str, Shot]) -> list[Any]:

@@ -1,8 +1,8 @@
 """python -m validation.published.one_ply [--out results/one-ply] [--page docs/validation.md]
 
-One ply of the six Kevlar fabrics: critical and residual velocities, histories of the captions' shots, back-face
-profiles, wave fronts, reactions. Writes a table (.csv) and a picture (.png) of each. With --page the tables go into
-that page, between its marks, and the pictures beside it.
+One ply of the six Kevlar fabrics: critical and residual velocities, histories and energies of the captions' shots,
+back-face profiles, wave fronts, reactions. Writes a table (.csv) and a picture (.png) of each. With --page the tables
+go into that page, between its marks, and the pictures beside it.
 """
 
 from __future__ import annotations
@@ -33,6 +33,7 @@ def main() -> None:
     parser.add_argument("--out", type=Path, default=OUT)
     parser.add_argument("--page", type=Path, help="put tables and pictures into this page")
     options = parser.parse_args()
+    made_by = provenance.stamp()  # before a page of the checkout is written to
     curves = [study.curve(fabric) for fabric in CAPTIONS]
     shots = study.captions()
     made = {
@@ -47,7 +48,10 @@ def main() -> None:
             put(options.page, *marks(name), f"\n\n{markdown(rows)}\n")
     folders = [options.out] + ([options.page.parent / "figures"] if options.page else [])
     drawn: list[Any] = [(draw, curves) for draw in (pictures.residual, pictures.limits)]
-    drawn += [(draw, shots) for draw in (pictures.velocities, pictures.profiles, pictures.fronts, pictures.reactions)]
+    of_shots = (
+        pictures.velocities, pictures.energies, pictures.profiles, pictures.fronts, pictures.reactions,
+    )  # fmt: skip
+    drawn += [(draw, shots) for draw in of_shots]
     for draw, content in drawn:
         image = render(draw, content, kind="png")
         for folder in folders:
@@ -55,7 +59,6 @@ def main() -> None:
             with write_whole(folder / f"{prefix}{draw.__name__}.png", "wb") as file:
                 file.write(image)
     if options.page is not None:
-        made_by = provenance.stamp()
         line = f"Computed by `python -m validation.published.one_ply`, commit {made_by['commit']}, {made_by['date']}."
         put(options.page, *marks("stamp"), f"\n\n{line}\n\n")
 

@@ -10,6 +10,7 @@ import numpy as np
 from meshing.pictures_style import BLUE, FAINT, GREEN, INK, ORANGE, RED, WARP, WEFT
 from validation.published.one_ply.study import Caption, Curve
 from validation.published.shots import CAPTIONS, TESTED, TESTS
+from weavecell.report.pictures import ENERGIES
 
 US, MM = 1e6, 1e3
 _INSTANTS = (50, 100, 150, 200, 250, 300)  # [us] of the back-face profiles
@@ -75,10 +76,35 @@ def velocities(pyplot: Any, shots: Sequence[Caption]) -> Any:
             axes.plot(US * t, v, color=colour, label=f"{shot.velocity:g} m/s, {shot.result.outcome}")
         axes.axhline(0.0, color=FAINT, lw=1)
         axes.set_title(fabric)
-        axes.legend(loc="upper right", fontsize=10)
+        if axes.lines[:-1]:
+            axes.legend(loc="upper right", fontsize=10)
     axes.set(xlim=(0, None), ylim=(-5, 245))
     figure.supxlabel("time after strike [µs]", fontsize=12)
     figure.supylabel("velocity of the projectile [m/s]", fontsize=12)
+    return figure
+
+
+def energies(pyplot: Any, shots: Sequence[Caption]) -> Any:
+    """Where the strike energy goes, one panel a shot: shots that stop above, shots that perforate below."""
+    ordered = [shot for k in (0, 3) for stops in (True, False) for shot in shots
+               if shot.fabric in list(CAPTIONS)[k : k + 3] and (shot.expected == "stopped") == stops]  # fmt: skip
+    shares = []
+    for shot in ordered:
+        parts = shot.result.energies
+        shares.append({name: 100 * np.maximum(part, 0) / shot.result.strike_energy for name, part in parts.items()})
+    known = [each for each in ENERGIES if any(np.max(share.get(each[0], 0.0)) > 0.5 for share in shares)]  # [%]
+    figure, grid = pyplot.subplots(-(-len(ordered) // 3), 3, figsize=(10.4, 10.8), sharey=True, squeeze=False)
+    for axes, shot, share in zip(grid.flat, ordered, shares):
+        t = US * shot.result.t
+        parts = [share.get(name, np.zeros(t.size)) for name, _, _ in known]
+        axes.stackplot(t, parts, labels=[label for _, label, _ in known], colors=[colour for *_, colour in known])
+        axes.axhline(100, color=INK, lw=1, ls=":")
+        axes.set_title(f"{shot.fabric}, {shot.velocity:g} m/s: {shot.result.outcome}", fontsize=11)
+        axes.set(xlim=(0, t[-1]), ylim=(0, 104))
+    for axes in grid[-1]:
+        axes.set_xlabel("time after strike [µs]")
+    figure.supylabel("energy [% of the strike energy]", fontsize=12)
+    figure.legend(*grid[0, 0].get_legend_handles_labels(), loc="outside lower center", ncols=4)
     return figure
 
 

@@ -4,14 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-
-import matplotlib
-
-matplotlib.use("Agg")
-import matplotlib.pyplot as plt
+from typing import Any
 
 from fabrics.files import replace_whole
-from meshing.pictures_style import BLUE, GREEN, ORANGE, RED
+from meshing.pictures_style import BLUE, GREEN, ORANGE, RED, plots
 from validation.published.ply_friction.study import Found
 
 
@@ -22,17 +18,32 @@ def chart(found: Mapping[str, Sequence[Found]], path: Path) -> None:
     ----------
     found : {fabric: rows}
     """
-    figure, axes = plt.subplots(figsize=(8.6, 4.6), layout="constrained")
-    for (fabric, rows), colour in zip(found.items(), (BLUE, ORANGE, GREEN, RED)):
+    with plots() as pyplot:
+        figure = compose(pyplot, found)
+        with replace_whole(path) as beside:
+            figure.savefig(beside, format="png", dpi=130)
+
+
+def compose(pyplot: Any, found: Mapping[str, Sequence[Found]]) -> Any:
+    """The figure of `chart`; bars: from the lowest perforation to the highest stop where they overlap."""
+    figure, axes = pyplot.subplots(figsize=(9.4, 4.6))
+    for (fabric, rows), colour, mark in zip(found.items(), (BLUE, ORANGE, GREEN, RED), "os^D"):
         mu = [one.friction for one in rows]
         limits = [one.limit for one in rows]
         zone = [[max(one.limit - one.perforation, 0) for one in rows], [max(one.stop - one.limit, 0) for one in rows]]
-        axes.errorbar(mu, limits, zone, fmt="o-", color=colour, capsize=3, label=f"{fabric}, ballistic limit")
-        axes.plot(mu, [one.onset for one in rows], "o--", color=colour, mfc="white", label=f"{fabric}, first failure")
-    axes.set(xlabel="friction coefficient between plies", ylabel="strike velocity [m/s]")
-    axes.set_ylim(0, 1.12 * max(max(one.limit, one.stop) for rows in found.values() for one in rows))
-    axes.legend(frameon=False, ncols=2)
-    axes.grid(alpha=0.3)
-    with replace_whole(path) as beside:
-        figure.savefig(beside, format="png", dpi=130)
-    plt.close(figure)
+        axes.errorbar(
+            mu, limits, zone, fmt=f"{mark}-", color=colour, capsize=4, lw=1.8, label=f"{fabric}, ballistic limit"
+        )
+        axes.plot(
+            mu,
+            [one.onset for one in rows],
+            f"{mark}--",
+            color=colour,
+            lw=1.8,
+            mfc="white",
+            label=f"{fabric}, first failure",
+        )
+    axes.set(xlabel="friction coefficient between plies", ylabel="strike velocity [m/s]", title="four plies, 203 mm")
+    axes.set_xticks(sorted({one.friction for rows in found.values() for one in rows}))
+    figure.legend(loc="outside right upper")
+    return figure

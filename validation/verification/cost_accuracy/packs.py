@@ -81,18 +81,19 @@ def methods(shot: Shot) -> tuple[Method, ...]:
 
     Single precision is on the charts of one ply alone: for a pack it is another program, minutes to compile.
     """
-    base = Plies(shots.Shell(shot, table=51))
+    base = Plies(shots.Shell(shot))
 
     def one(choice, name, shell=None, **changes):
         return Method(choice, name, replace(base, shell=replace(base.shell, **(shell or {})), **changes))
 
     return (
-        one("default", "default, table 51"),
+        one("default", "default"),
+        one("default", "default of version 0.2", {"fill": "nested"}),
         one("cell", "decoupled", {"model": "decoupled"}),
         one("cell", "incompressible", {"model": "incompressible"}),
         one("cell", "printed law", {"law": "printed"}),
         one("cell", "equilibrium form", {"form": "equilibrium"}),
-        *(one("table", f"table {n}", {"table": n}) for n in (26, 201)),
+        *(one("table", f"table {n}", {"table": n}) for n in (26, 51)),
         one("elements", "1/2 a crossover", {"elements": 0.5}),
         one("elements", "2 a crossover", {"elements": 2}),
         one("combined", "1/2, decoupled, table 26", {"elements": 0.5, "model": "decoupled", "table": 26}),
@@ -107,7 +108,7 @@ def methods(shot: Shot) -> tuple[Method, ...]:
 
 def references(shot: shots.Shot, finest: tuple[float, ...]) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
     """(meshes, finer) for `core.Scene`: the meshes, and a finer table, time step and contact at the first of them."""
-    base = Plies(shots.Shell(shot, table=51))
+    base = Plies(shots.Shell(shot))
 
     def of(**changes):
         return replace(base, shell=replace(base.shell, **changes))

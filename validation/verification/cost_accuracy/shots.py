@@ -18,7 +18,7 @@ from fabrics.errors import UnstableError
 from fabrics.units import si
 from shellfabric.cable import solver as cable_solver
 from shellfabric.cable.model import CableNet, CableNumerics
-from shellfabric.cell.model import CellModel
+from shellfabric.cell.model import FILL, CellModel
 from shellfabric.panel.model import Numerics, Panel
 from shellfabric.panel.solver import PanelSolver
 from validation.verification.cost_accuracy.core import Method
@@ -67,7 +67,7 @@ class Shell:
     symmetry: str = "quarter"
     awake: bool = False
     grading: tuple[tuple[float, float], ...] | None = None
-    fill: str = "nested"
+    fill: str = FILL
 
 
 @dataclass(frozen=True)
@@ -191,6 +191,7 @@ def methods(shot: Shot, meshes: Sequence[float] = (2, 3)) -> tuple[Method, ...]:
 
     return (
         one("default", "default"),
+        one("default", "default of version 0.2", fill="nested"),
         Method("cell", "cable net", Cable(shot)),
         Method("time step", "cable net, steps x 2", Cable(shot, cfl=2 * CableNumerics.cfl)),
         one("cell", "decoupled", model="decoupled"),
@@ -208,14 +209,11 @@ def methods(shot: Shot, meshes: Sequence[float] = (2, 3)) -> tuple[Method, ...]:
         one("combined", "1/2 a crossover, table 26", elements=0.5, table=26),
         one("combined", "equilibrium, table 51", form="equilibrium", table=51),
         one("combined", "float32, table 51", precision="single", table=51),
-        one("table", "table 201 by Newton", fill="newton"),
-        one("table", "table 51 by Newton", table=51, fill="newton"),
         *(
             one(
                 "grading",
-                f"1/{n} about the nose, table 51 by Newton",
+                f"1/{n} about the nose, table 51",
                 table=51,
-                fill="newton",
                 grading=((12.0, 1 / n), (24.0, 1.0), (inf, 2.0)),
             )
             for n in (1, 2, 3, 4)

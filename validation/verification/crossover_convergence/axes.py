@@ -38,6 +38,9 @@ class Axis:
     counted: bool = True
 
 
+NAMED = {"toe": "smoothing length"}  # of fields of model.crossover.Numerics
+
+
 def axes(level: str = "full") -> list[Axis]:
     """All axes, the mesh first; `level`: of `REFINEMENTS`."""
     base = BASE
@@ -96,9 +99,9 @@ def _direction(name, axis, base):
 def _numerics(base):
     """Axes of the fields of model.crossover.Numerics; those with a limit are varied by factors that tend to it."""
     levels = {
-        # inside the toe a pressure p leaves the penetration sqrt(2 toe p / penalty)
+        # within the smoothing length (`toe`) a pressure p leaves the penetration sqrt(2 toe p / penalty)
         "penalty": ((1 / 100, 1 / 30, 1 / 10, 1 / 3, 1, 3), -0.5, "root of the default penalty over the penalty"),
-        "toe": ((4, 2, 1, 1 / 2, 1 / 4), 0.5, "root of the toe over the default toe"),
+        "toe": ((4, 2, 1, 1 / 2, 1 / 4), 0.5, "root of the smoothing length over the default one"),
         "slack_stiffness": ((4, 1, 1 / 4), 1, "over the default"),
         "slack_width": ((4, 2, 1, 1 / 2), 1, "over the default"),
     }
@@ -107,7 +110,12 @@ def _numerics(base):
         if name in there:
             cases = {_factor(f): base if f == 1 else replace(base, numerics=(_scaled(name, f),)) for f in factors}
             yield Axis(
-                name.replace("_", " "), METHOD, cases, {_factor(f): f**power for f in factors}, unit, name != "toe"
+                NAMED.get(name, name.replace("_", " ")),
+                METHOD,
+                cases,
+                {_factor(f): f**power for f in factors},
+                unit,
+                name != "toe",
             )
 
 

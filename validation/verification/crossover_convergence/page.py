@@ -14,18 +14,19 @@ LEADS = {
     "mesh": "All three directions refined together; the section, the bars and the contact surfaces get finer with it.",
     "mesh and penalty": "Both refined: how far a reference that adds up one choice at a time can be trusted.",
     "elements along": "One direction alone, to see which of them the errors of the base come from.",
-    "penalty": "The contact stiffness of both passes together. A penetration that stays inside the toe grows with the "
-    "root of toe over penalty.",
-    "toe": "The penetration over which the contact stiffness sets in. Its error is that of the penalty seen from the "
-    "other side, so the reference counts the penalty's alone; that both have nearly one limit is a check of either.",
-    "slack stiffness": "What a slack fibre keeps of its stiffness.",
+    "penalty": "The contact stiffness of both passes together. A penetration within the smoothing length grows with "
+    "the root of smoothing length over penalty.",
+    "smoothing length": "The penetration over which the contact stiffness rises from zero. Its error and that of the "
+    "penalty are one error, so the reference counts the penalty's alone; nearly equal limits check both.",
+    "slack stiffness": "Residual stiffness of a slack fibre, over that of a taut one.",
     "slack width": "The strain over which a fibre becomes taut.",
     "load step": "The state at the end of a path does not depend on the way: steps change the time, and a, b by the "
     "samples between them.",
     "domain": "The whole crossover has the same answer as its quarter.",
-    "integration": "One-point integration leaves modes without energy.",
-    "end condition": "The plain weave has a two-fold axis at the inflection point of each yarn. A pin holds one row of "
-    "the end face; an upright face is held along the yarn, its middle row in height; a clamped face is held in both.",
+    "integration": "One-point integration has zero-energy (hourglass) modes.",
+    "end condition": "The plain weave has a two-fold rotation axis at the inflection point of each yarn. A pin holds "
+    "one row of the end face; an upright face is held along the yarn, its middle row in height; a clamped face is held "
+    "in both.",
     "section": "All with the same yarn volume, or what the overlap leaves of it.",
     "tip bluntness": "Height of the cut tips over that of the middle.",
     "bars": "How the fibre area is shared out among the bars of a section: by the area that is nearest, or equally.",
@@ -33,6 +34,15 @@ LEADS = {
     "shear modulus G": "Of the solid, with E_c kept.",
     "axial modulus E_a": "Of the solid; the fibre bars carry the tension.",
 }
+
+
+CONVERGENCE = """![Distance of each force from its limit](figures/crossover-convergence.png)
+
+*Distance of the forces at the ends of the paths from their limit as mesh, contact stiffness and smoothing length of the
+contact are refined. Open symbols: the values have no observed order, and the limit is a least-squares fit.*"""
+EFFECTS = """![Change of the forces with choices of the model](figures/crossover-effects.png)
+
+*Change of each force from that of the base, in per cent, when one choice of the model is another.*"""
 
 
 def write(study: Study, path: Path, stamp: str, command: str, drawn: Sequence[str]) -> None:
@@ -51,13 +61,13 @@ def write(study: Study, path: Path, stamp: str, command: str, drawn: Sequence[st
         _reference(study),
         _summary(study),
         "## Choices of the method",
-        *(["![convergence](figures/crossover-convergence.png)"] if "convergence" in drawn else []),
+        *([CONVERGENCE] if "convergence" in drawn else []),
         *(_axis(study, axis) for axis in methods),
     ]
     if models:
         parts += [
             "## Choices of the model\n\nEach is another model, so it has an effect and no error.",
-            "![effects](figures/crossover-effects.png)",
+            EFFECTS,
             *(_axis(study, axis) for axis in models),
         ]
     with write_whole(path) as file:
@@ -90,7 +100,9 @@ def _reference(study):
     return (
         "## Reference\n\nThe base, moved by the distance to the limit of each choice that has one: "
         f"{', '.join(used)}. Its half width adds up the scatter of each extrapolation and a quarter of its step beyond "
-        "the last value.\n\n" + tables.table(["quantity", "reference", "+-", "+- [%]"], rows)
+        "the last value. The chart of the 3D crossover in [charts.md](charts.md) extrapolates its meshes alone: the "
+        "two references differ by up to the sum of their uncertainties.\n\n"
+        + tables.table(["quantity", "reference", "+-", "+- [%]"], rows)
     )
 
 
@@ -99,9 +111,11 @@ def _summary(study):
         f"{name(study, entry)} ({entry.result['cpu']:.1f} s, {100 * entry.error:.2f} %)" for entry in study.best
     )
     return (
-        "## Time against error\n\n![time against error](figures/crossover-pareto.png)\n\n"
+        "## Time against error\n\n![CPU time of the three paths against the largest error]"
+        "(figures/crossover-pareto.png)\n\n*One crossover of "
+        f"{study.fabric}: every choice of the method. Numbered: Pareto-optimal.*\n\n"
         f"The error is the largest of those in T1, T2 and F_c at the ends of {' and '.join(MEASURED)}. "
-        f"None beats {best}. A dearer one is named only if it takes a tenth off the error."
+        f"Pareto-optimal: {best}. A method that costs more is named only if it reduces the error by a tenth."
     )
 
 

@@ -1,19 +1,23 @@
-"""Picture of the study: each quantity over its limit against the size of the elements, one panel a quantity."""
+"""Picture of the study: each quantity over its limit against the size of the elements, one panel a quantity.
+
+    python -m validation.verification.mesh_convergence.pictures docs/data/convergence.csv docs/figures/convergence.png
+
+draws it from the table of an earlier study.
+"""
 
 from __future__ import annotations
 
+import csv
+import sys
 from collections.abc import Sequence
 from pathlib import Path
+from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
-import matplotlib
-
-matplotlib.use("Agg")
-import matplotlib.pyplot as plt
 import numpy as np
 
 from fabrics.files import replace_whole
-from meshing.pictures_style import COLOURS
+from meshing.pictures_style import COLOURS, FAINT, plots
 from validation.verification.mesh_convergence.study import FACTORS, TARGETS
 
 if TYPE_CHECKING:
@@ -24,49 +28,48 @@ MARKERS = ("o", "s", "^", "D", "v", "P")
 
 def picture(quantities: Sequence[Quantity], path: Path) -> None:
     """Deviation of every fabric from its own limit; hollow where the limit is no Richardson extrapolation."""
+    with plots() as pyplot:
+        figure = compose(pyplot, quantities)
+        with replace_whole(path) as beside:
+            figure.savefig(beside, format="png", dpi=120)
+
+
+def compose(pyplot: Any, quantities: Sequence[Quantity]) -> Any:
+    """The figure of `picture`: one panel a quantity, linear within its target and logarithmic beyond."""
     kind = {id(entry): entry.name.partition(" at ")[0] for entry in quantities}
-    first = [entry for entry in quantities if entry.fabric == quantities[0].fabric]
-    ranks = [_rank(entry, quantities) for entry in first]
+    ranks = [_rank(entry, quantities) for entry in quantities if entry.fabric == quantities[0].fabric]
     fabrics = list(dict.fromkeys(entry.fabric for entry in quantities))
-    figure, row = plt.subplots(2, 4, figsize=(15, 8), squeeze=False)
-    places = row.ravel()
-    for axes, (name, rank) in zip(places, ranks):
+    figure, grid = pyplot.subplots(2, 4, figsize=(13, 8), squeeze=False)
+    for axes, (name, rank) in zip(grid.flat, ranks):
         chosen = [entry for entry in quantities if _rank(entry, quantities) == (name, rank)]
         target = 100 * TARGETS[chosen[0].unit]
         axes.axhspan(-target, target, color="#e8eef4", lw=0)
         for entry in chosen:
             k = fabrics.index(entry.fabric)
-            h, deviation = 1 / np.array(entry.elements), 100 * np.array(entry.deviations)
-            colour = COLOURS[k % 6]
             regular = entry.extrapolation.basis in ("Richardson", "no change")
-            looks = {"ls": "-", "mfc": colour} if regular else {"ls": "--", "mfc": "white"}
             axes.plot(
-                [*h, 0], [*deviation, 0], color=colour, marker=MARKERS[k % 6], ms=6.5, lw=1.6, mec=colour,
-                label=entry.fabric, clip_on=False, **looks,
+                1 / np.array(entry.elements), 100 * np.array(entry.deviations), color=COLOURS[k % 6],
+                marker=MARKERS[k % 6], ms=6, lw=1.6, label=entry.fabric, clip_on=False, ls="-" if regular else "--",
+                mfc=COLOURS[k % 6] if regular else "white",
             )  # fmt: skip
-        axes.axhline(0, color="#9aa3ad", lw=0.8)
-        factor = f"\nat {FACTORS[rank]} times the critical velocity" if rank >= 0 else ""
-        title = kind[id(chosen[0])] + factor
-        axes.set(xlim=(0, 1.09), xlabel="elements per crossover")
-        axes.set_title(title, fontsize=10)
-        axes.set_xticks([0, *(1 / n for n in chosen[0].elements)], ["∞", *map(str, chosen[0].elements)])
-        axes.grid(axis="y", alpha=0.3)
-        for side in ("top", "right"):
-            axes.spines[side].set_visible(False)
-    for axes in places[len(ranks) :]:
+        axes.axhline(0, color=FAINT, lw=0.8)
+        factor = f"\nat {FACTORS[rank]} times the critical velocity" if rank >= 0 else "\n"
+        axes.set_title(kind[id(chosen[0])] + factor, fontsize=11)
+        axes.set_yscale("symlog", linthresh=target)
+        axes.set_ylim(-100, 100)
+        axes.set_yticks([-100, -10, -target, 0, target, 10, 100], labels=[f"{tick:g}" for tick in
+                        (-100, -10, -target, 0, target, 10, 100)])  # fmt: skip
+        axes.set_xlim(0, 1.09)
+        axes.set_xticks([1 / n for n in chosen[0].elements], [str(n) for n in chosen[0].elements])
+    for axes in grid.flat[len(ranks) :]:
         axes.axis("off")
-    for axes in row[:, 0]:
+    for axes in grid[:, 0]:
         axes.set_ylabel("deviation from the limit [%]")
-    handles, labels = places[0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="lower right", bbox_to_anchor=(0.97, 0.2), ncols=2, frameon=False)
-    figure.text(
-        0.77, 0.13, "shaded: target; dashed and hollow:\nlimit from a least-squares fit,\nthe order being irregular",
-        ha="left", va="top", fontsize=9, color="#555555",
-    )  # fmt: skip
-    figure.tight_layout()
-    with replace_whole(path) as beside:
-        figure.savefig(beside, dpi=150, metadata={"Date": None} if str(path).endswith(".svg") else None)
-    plt.close(figure)
+    for axes in grid.flat[: len(ranks)]:
+        axes.set_xlabel("elements per crossover", fontsize=11)
+    figure.legend(*grid[0, 0].get_legend_handles_labels(), loc="outside lower center", ncols=6,
+                  title="shaded: target; dashed, open: limit by least squares, no regular order")  # fmt: skip
+    return figure
 
 
 def _rank(entry, quantities):
@@ -79,24 +82,41 @@ def _rank(entry, quantities):
 def yarns(found: Any, path: Path) -> None:
     """Tension across the weft yarns beside the nose's edge, one panel a fabric, one line a mesh (see `yarn`)."""
     names = list(dict.fromkeys(entry.fabric for entry in found))
-    figure, row = plt.subplots(1, len(names), figsize=(4.6 * len(names), 4.4), sharey=True, squeeze=False)
-    for axes, name in zip(row[0], names):
-        below = {"va": "bottom", "fontsize": 9, "transform": axes.get_xaxis_transform()}
-        entries = [entry for entry in found if entry.fabric == name]
-        first = entries[0].number
-        axes.axvspan(first - 0.5, first + 0.5, color="#e8eef4", lw=0)
-        axes.text(first - 0.55, 0.02, "yarn that\nfails first", ha="right", **below)
-        axes.axvspan(*entries[0].edge, color="#f3d9b8", lw=0, alpha=0.7)
-        axes.text(max(entries[0].edge[1], first + 0.5) + 0.05, 0.02, "edge of\nthe nose", **below)
-        for k, entry in enumerate(entries):
-            label = f"{entry.elements} a crossover: yarn {entry.yarn:.0f} N"
-            axes.plot(entry.place, entry.tension, color=COLOURS[k], marker=MARKERS[k], ms=5, lw=1.5, label=label)
-        axes.set(title=name, xlabel="crossovers from the middle", xlim=(0, entries[0].place[-1]))
-        axes.legend(frameon=False, loc="upper left", fontsize=9)
-        for side in ("top", "right"):
-            axes.spines[side].set_visible(False)
-    row[0][0].set(ylabel="tension of the weft's lines [N]", ylim=(0, 330))
-    figure.tight_layout()
-    with replace_whole(path) as beside:
-        figure.savefig(beside, dpi=150)
-    plt.close(figure)
+    with plots() as pyplot:
+        figure, row = pyplot.subplots(1, len(names), figsize=(12.4, 4.8), sharey=True, squeeze=False)
+        for axes, name in zip(row[0], names):
+            below = {"va": "bottom", "fontsize": 10, "transform": axes.get_xaxis_transform()}
+            entries = [entry for entry in found if entry.fabric == name]
+            first = entries[0].number
+            axes.axvspan(first - 0.5, first + 0.5, color="#e8eef4", lw=0)
+            axes.text(first - 0.55, 0.02, "yarn that\nfails first", ha="right", **below)
+            axes.axvspan(*entries[0].edge, color="#f3d9b8", lw=0, alpha=0.7)
+            axes.text(max(entries[0].edge[1], first + 0.5) + 0.05, 0.02, "edge of\nthe nose", **below)
+            for k, entry in enumerate(entries):
+                label = f"{entry.elements} per crossover: mean over the yarn {entry.yarn:.0f} N"
+                axes.plot(entry.place, entry.tension, color=COLOURS[k], marker=MARKERS[k], ms=5, lw=1.6, label=label)
+            axes.set(title=name, xlabel="crossovers from the middle", xlim=(0, entries[0].place[-1]))
+            axes.legend(loc="upper left", fontsize=9)
+        row[0][0].set(ylabel="tension of the weft's lines [N]", ylim=(0, 380))
+        with replace_whole(path) as beside:
+            figure.savefig(beside, format="png", dpi=120)
+
+
+def read(path: Path) -> list[Any]:
+    """What `picture` needs of each quantity in the convergence.csv of a study."""
+    found = []
+    with path.open(encoding="utf-8", newline="") as file:
+        for row in csv.DictReader(file):
+            names = [name for name in row if name.endswith(" per crossover")]
+            limit = float(row["limit"])
+            found.append(SimpleNamespace(
+                fabric=row["fabric"], name=row["quantity"], unit=row["unit"],
+                elements=[int(name.split()[0]) for name in names],
+                deviations=[float(row[name]) / limit - 1 for name in names],
+                extrapolation=SimpleNamespace(basis=row["basis"]),
+            ))  # fmt: skip
+    return found
+
+
+if __name__ == "__main__":
+    picture(read(Path(sys.argv[1])), Path(sys.argv[2]))

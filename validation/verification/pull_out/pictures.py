@@ -5,26 +5,31 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-import matplotlib
-
-matplotlib.use("Agg")
-import matplotlib.pyplot as plt
 import numpy as np
 
 from fabrics.files import replace_whole
-from meshing.pictures_style import INK, WARP, WEFT
+from meshing.pictures_style import COLOURS, INK, WARP, WEFT, plots
 from validation.verification.pull_out.study import LAW, law
 from validation.verification.pull_out.study import WEFT as OF_WEFT
 
 
 def chart(found: dict[str, Any], path: Path) -> None:
     """Axial force against the pull of the warp, and the thresholds of both yarns."""
-    figure, (left, right) = plt.subplots(1, 2, figsize=(10.4, 4.4), layout="constrained")
+    with plots() as pyplot:
+        figure = compose(pyplot, found)
+        with replace_whole(path) as beside:
+            figure.savefig(beside, format="png", dpi=130)
+
+
+def compose(pyplot: Any, found: dict[str, Any]) -> Any:
+    """The figure of `chart`."""
+    figure, (left, right) = pyplot.subplots(1, 2, figsize=(10.4, 4.4))
     of = found["law"]
-    for pull, P, force in zip(of["pull"], of["P"], of["force"]):
-        left.plot(1e6 * np.array(pull), P, "o-", ms=3, label=f"F$_c$ {force[-1]:.3g} N")
+    for number, (pull, P, force) in enumerate(zip(of["pull"], of["P"], of["force"])):
+        colour, mark = COLOURS[number % len(COLOURS)], "os^Dvp"[number % 6]
+        left.plot(1e6 * np.array(pull), P, f"{mark}-", color=colour, ms=4, lw=1.6, label=f"{force[-1]:.3g} N")
     left.set(xlabel="pull along the axis [µm]", ylabel="axial force P [N]", title="warp pulled")
-    left.legend(frameon=False)
+    left.legend(title="contact force F$_c$", loc="lower right")
     for name, case, one, colour in (("warp", LAW, of, WARP), ("weft", OF_WEFT, found["weft"], WEFT)):
         right.plot(one["F_c"], one["T_f"], "o", color=colour, label=f"{name} pulled")
         if len(one["F_c"]) > 1:
@@ -32,8 +37,6 @@ def chart(found: dict[str, Any], path: Path) -> None:
             right.plot(fine, law(case, one).threshold(fine), color=colour, lw=1.2)
     far = max(of["F_c"], default=1.0)
     right.plot([0, far], [0, LAW.friction * far], ls="--", color=INK, lw=1, label=f"{LAW.friction:g} F$_c$")
-    right.set(xlabel="contact force F$_c$ [N]", ylabel="slip threshold T$_f$ [N]")
-    right.legend(frameon=False)
-    with replace_whole(path) as beside:
-        figure.savefig(beside, format="png", dpi=130)
-    plt.close(figure)
+    right.set(xlabel="contact force F$_c$ [N]", ylabel="slip threshold T$_f$ [N]", title="threshold")
+    right.legend()
+    return figure

@@ -6,7 +6,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from validation.verification.stability.core import FAILED, MARGIN_TARGET, WRONG
+from validation.verification.stability.core import FAILED, MARGIN_TARGET, STABLE, WRONG
+from validation.verification.stability.pictures import number, pictured
 from validation.verification.study import markdown, write_page
 
 if TYPE_CHECKING:
@@ -67,7 +68,27 @@ def _section(found):
     messages = list(dict.fromkeys(_short(o.message) for o in found.outcomes.values() if o.kind == FAILED and o.message))
     if messages:
         lines.append("- Messages, for instance: " + "; ".join(f'"{text}"' for text in messages[:2]) + ".")
-    return [f"## {chart.title}", chart.text, f"![{chart.title}](figures/stability-{chart.key}.png)", "\n".join(lines)]
+    return [f"## {chart.title}", chart.text, _content(found), "\n".join(lines)]
+
+
+def _content(found):
+    """The picture with its caption, the table of a map of one or two rows, or a sentence where all is well."""
+    chart = found.map
+    if pictured(found):
+        caption = f"*{chart.title}: {chart.y.name} against {chart.x.name}.*"
+        return f"![{chart.title}](figures/stability-{chart.key}.png)\n\n{caption}"
+    if found.count(STABLE) == len(found.outcomes):
+        return f"All {len(found.outcomes)} points are stable."
+    head = [f"{chart.y.name} / {chart.x.name}", *(chart.x.label(x) for x in chart.x.values)]
+    table = markdown(head, [[chart.y.label(y), *(_cell(found, x, y) for x in chart.x.values)] for y in chart.y.values])
+    return f"{table}\n\nNumbers: {chart.number}."
+
+
+def _cell(found, x, y):
+    outcome = found.outcomes[x, y]
+    value = "" if outcome.value is None else number(outcome.value)
+    word = "" if outcome.kind == STABLE else outcome.kind
+    return f"**{', '.join(each for each in (value, word) if each)}**" if word else value
 
 
 def _short(text):

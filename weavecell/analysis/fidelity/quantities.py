@@ -21,8 +21,6 @@ from typing import Any
 
 import numpy as np
 
-from shellfabric.cable.smith import striking_velocity
-
 NAMES = ("residual_velocity", "absorbed_energy", "deflection", "peak_tension")
 WORDS = {
     "residual_velocity": "residual velocity, over the strike velocity",
@@ -63,6 +61,8 @@ def _peaks(result):
 
 
 def _at_once(yarn):
+    from shellfabric.cable.smith import striking_velocity  # with kernels that no other part of an impact uses
+
     return striking_velocity(yarn.wave_speed, yarn.failure_strain)
 
 

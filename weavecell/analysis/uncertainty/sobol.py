@@ -105,7 +105,7 @@ def shots(
         ImpactSetup(cloth, velocity, opening=opening, numerics=Numerics(threads=1), table_size=TABLE)
         for velocity in velocities
     ]
-    table = setups[0].table(method="newton")  # of the cell, whatever the velocity
+    table = setups[0].table()  # of the cell, whatever the velocity
     for velocity, setup in zip(velocities, setups):
         try:
             result = run(setup, table=table)

@@ -9,6 +9,9 @@ so that a longer yarn is weaker by (L0 / L)^(1/m). Since the drawn value, that o
 is held against its tension everywhere, the yarn is taken as weak where the projectile strikes: the limit is on the safe
 side. Modulus, and the crimp of either family, are one log-normal value a panel. Every yarn is drawn: panels are whole.
 
+On a graded panel (`shellfabric.panel.grading`) the yarns are drawn as on the uniform one; a line that stands for
+several yarns has the strength of the weakest of them.
+
 A panel is drawn from (seed, number of the shot) alone, and velocities are chosen in rounds of a given size from the
 outcomes of all rounds before: nothing depends on the number of workers. The first round covers the deterministic limit
 by `FIRST` either way; then velocities are spread evenly over the probabilities of the curve fitted so far, or, where no
@@ -22,7 +25,7 @@ from collections.abc import Callable, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, replace
 from math import gamma, inf, log, sqrt
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -34,9 +37,12 @@ from fabrics.executors import open_executor
 from fabrics.fabric import Fabric
 from shellfabric.impact import ballistic_limit
 from shellfabric.impact.single_ply import ImpactSetup
+from shellfabric.panel import grading as grading_of_panels
 from shellfabric.panel.model import Numerics, Panel
 from weavecell.analysis.uncertainty import probit
 from weavecell.analysis.uncertainty.inputs import Scatter, changed
+
+Grading: TypeAlias = tuple[tuple[float, float], ...] | None
 
 FIRST = 0.25  # of the deterministic limit, either way
 SPREAD = 0.05, 0.95  # probabilities between which the later shots are placed
@@ -125,20 +131,34 @@ def _log_normal(spread, z):
     return float(np.exp(sqrt(variance) * z - 0.5 * variance))
 
 
-def drawn_panel(fabric: Fabric, scatter: Scatter, seed: int, number: int, opening: float) -> tuple[Panel, dict, tuple]:
+def drawn_panel(
+    fabric: Fabric, scatter: Scatter, seed: int, number: int, opening: float, grading: Grading = None
+) -> tuple[Panel, dict, tuple]:
     """(whole panel of the number, its factors, strength factors of its yarns)."""
     plain = ImpactSetup(fabric, 1.0, opening=opening, symmetry="whole", numerics=Numerics(threads=1), table_size=11)
     shape = plain.panel()
     lengths = tuple(count * step for count, step in zip(shape.counts, shape.spacing))
     factors, strengths = draw(fabric, scatter, seed, number, shape.yarn_counts, lengths)
-    drawn = replace(plain, fabric=changed(fabric, **factors), table_size=201)
-    panel = drawn.panel(drawn.table(method="newton"))  # each panel has a cell of its own
-    return replace(panel, strength_factors=strengths), factors, strengths
+    drawn = replace(plain, fabric=changed(fabric, **factors), table_size=201, grading=grading)
+    panel = drawn.panel(drawn.table())  # each panel has a cell of its own
+    lines = strengths if panel.sides is None else _of_lines(strengths, panel)
+    return replace(panel, strength_factors=lines), factors, strengths
 
 
-def fire(fabric: Fabric, scatter: Scatter, seed: int, number: int, velocity: float, opening: float) -> Shot:
+def _of_lines(strengths, panel):
+    """(warp, weft) strength factors of the lines of a graded panel, from those of all yarns."""
+    found = []
+    for factors, x, w, lines in zip(strengths, panel.lines()[::-1], panel.weave.w[::-1], panel.yarn_lines[::-1]):
+        axes = np.rint(x[lines.yarn >= 0] / (2 * w))
+        found.append(grading_of_panels.weakest(factors, axes))
+    return tuple(found)
+
+
+def fire(
+    fabric: Fabric, scatter: Scatter, seed: int, number: int, velocity: float, opening: float, grading: Grading = None
+) -> Shot:
     """The shot of a number."""
-    panel, factors, strengths = drawn_panel(fabric, scatter, seed, number, opening)
+    panel, factors, strengths = drawn_panel(fabric, scatter, seed, number, opening, grading)
     try:
         (shot,) = ballistic_limit.shoot(panel, (velocity,))
     except UnstableError as problem:
@@ -149,10 +169,10 @@ def fire(fabric: Fabric, scatter: Scatter, seed: int, number: int, velocity: flo
     )  # fmt: skip
 
 
-def deterministic(fabric: Fabric, opening: float, tolerance: float) -> tuple[float, float]:
+def deterministic(fabric: Fabric, opening: float, tolerance: float, grading: Grading = None) -> tuple[float, float]:
     """(low, high) [m/s] of `ballistic_limit.critical_velocity` without scatter; yarns and shot have a quarter's
     symmetry."""
-    panel = ImpactSetup(fabric, 1.0, opening=opening, numerics=Numerics(threads=1)).panel()
+    panel = ImpactSetup(fabric, 1.0, opening=opening, numerics=Numerics(threads=1), grading=grading).panel()
     found = ballistic_limit.critical_velocity(panel, tolerance=tolerance)
     return found.low, found.high
 
@@ -177,8 +197,8 @@ def _curve(V, hit):
 
 def study(
     fabric: Fabric, scatter: Scatter, *, shots: int, folder: FilePath, batch: int = 10, seed: int = 1,
-    opening: float = 0.203, tolerance: float = 1.0, executor: str | Executor = "local", jobs: int = 1,
-    report: Callable[[float, str], object] | None = None,
+    opening: float = 0.203, grading: Grading = None, tolerance: float = 1.0, executor: str | Executor = "local",
+    jobs: int = 1, report: Callable[[float, str], object] | None = None,
 ) -> Study:  # fmt: skip
     """Fire shots, in rounds of `batch`, and fit the curves.
 
@@ -191,6 +211,7 @@ def study(
     batch : shots of a round
     seed : of all that is drawn
     opening : [m]
+    grading : ((until, side), ...) [crossovers] of all panels, or None for elements of one size (see `panel.grading`)
     tolerance : [m/s] of the deterministic limit
     executor, jobs : as of `fabrics.executors.open_executor`
     report : called as report(share of the work done, text)
@@ -205,7 +226,7 @@ def study(
     report = report or (lambda share, text: None)
     with open_executor(executor, jobs) as pool:
         runs: dict[str, Any] = {"folder": folder, "executor": pool, "jobs": jobs}
-        (bracket,) = run_cache.results(deterministic, [(fabric, opening, tolerance)], **runs)
+        (bracket,) = run_cache.results(deterministic, [(fabric, opening, tolerance, grading)], **runs)
         middle = 0.5 * sum(bracket)
         found: list[Shot] = []
         scatters = scatter != Scatter(gauge_length=scatter.gauge_length)
@@ -219,7 +240,10 @@ def study(
             begun = len(found)
             found += run_cache.results(
                 fire,
-                [(fabric, scatter, seed, begun + k, round(float(V), 6), opening) for k, V in enumerate(velocities)],
+                [
+                    (fabric, scatter, seed, begun + k, round(float(V), 6), opening, grading)
+                    for k, V in enumerate(velocities)
+                ],
                 report=progress,
                 **runs,
             )
