@@ -18,7 +18,6 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import numpy as np
-from scipy.optimize import brentq
 
 from fabrics.checks import FloatArray, IntArray
 from fabrics.errors import InputError, UnstableError
@@ -131,6 +130,8 @@ def graded(length: float, min_size: float, refined_depth: float, growth: float) 
         steps += 1
     if min_size * steps >= left:  # too little is left to grow
         return np.concatenate([places, places[-1] + left * np.arange(1, steps + 1) / steps])
+    from scipy.optimize import brentq
+
     factor = brentq(lambda g: min_size * np.sum(g ** np.arange(1, steps + 1)) - left, 1.0, growth + 1e-9)
     return np.concatenate([places, places[-1] + min_size * np.cumsum(factor ** np.arange(1, steps + 1))])
 

@@ -19,7 +19,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.optimize import brentq
 
 from fabrics.checks import FloatArray
 from fabrics.compression import CompressionLaw
@@ -110,6 +109,10 @@ class CellModel:
     @property
     def ultimate_strains(self) -> tuple[float, ...]:
         """[-] of warp and weft, alone, at their strength: the toe comes beyond the failure strain of the fibres."""
+        if not any(self.toes):
+            return tuple(yarn.failure_strain for yarn in self.fabric.weave.yarns)
+        from scipy.optimize import brentq
+
         found = []
         for yarn, toe in zip(self.fabric.weave.yarns, self.toes):
             short = lambda e, last=yarn.failure_strain, toe=toe: e + toe * np.expm1(-e / toe) - last  # noqa: E731
@@ -180,6 +183,8 @@ class CellModel:
         too_long = lambda stretch: arc_length(stretch * w, full) - S0  # noqa: E731
         if too_long(_CLOSED) >= 0:
             return 0.0
+        from scipy.optimize import brentq
+
         return brentq(too_long, _CLOSED, straight) if too_long(straight) > 0 else straight
 
     def table(self, n: int = 201, method: str = FILL) -> CellTable:

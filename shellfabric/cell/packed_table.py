@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from shellfabric.cell.model import CellTable
 
 _STEPS = 256  # of the force, in the bound of the tension
+_PIECE = 2000  # cells that are worked on together, so that what is in between stays in the cache
 
 
 def potential(table: CellTable) -> tuple[FloatArray, FloatArray]:
@@ -27,25 +28,32 @@ def potential(table: CellTable) -> tuple[FloatArray, FloatArray]:
 def ceilings(table: CellTable) -> list[tuple[FloatArray, float]]:
     """Of warp and weft: the bounds that the forces of the variational form give of the tensions (`_ceiling`)."""
     found, weave = [], table.model.fabric.weave
-    spline = np.ascontiguousarray(table.spline.reshape(-1, 9).T).reshape(3, 3, -1)  # of p^a q^b at [a, b]
+    spline = table.spline.reshape(-1, 3, 3)  # of p^a q^b at [a, b]
     for family, values in enumerate((table.tension1, table.tension2)):
-        W = spline if family == 0 else spline.swapaxes(0, 1)
-        T = values.reshape(-1, 4).T[[0, 1, 2, 3] if family == 0 else [0, 2, 1, 3]]
-        force = np.stack([W[1], W[1] + 2 * W[2]]) / (2 * weave.w[family] * table.steps[family])
-        none = np.zeros_like(T[0])
-        tension = np.array([[T[0], T[2], none], [T[0] + T[1], T[2] + T[3], none]])
-        found.append(_ceiling(force, tension))
+        scale, tensions, bounds = 2 * weave.w[family] * table.steps[family], values.reshape(-1, 4), []
+        for begin in range(0, len(spline), _PIECE):
+            W, T = (np.ascontiguousarray(np.moveaxis(x[begin : begin + _PIECE], 0, -1)) for x in (spline, tensions))
+            W, T = (W, T) if family == 0 else (W.swapaxes(0, 1), T[[0, 2, 1, 3]])
+            force = np.stack([W[1], W[1] + 2 * W[2]]) / scale
+            none = np.zeros_like(T[0])
+            tension = np.array([[T[0], T[2], none], [T[0] + T[1], T[2] + T[3], none]])
+            bounds.append(_bounds(force, tension))
+        found.append(_ceiling(*np.concatenate(bounds, axis=1)))
     return found
 
 
-def _ceiling(force, tension):
-    """((steps, 2) [N], [N]) see `crossover_kernels.tension_bound_table`, and the width of its steps.
+def _bounds(force, tension):
+    """(4, cells) [N] lowest and highest force, most that the tension is above it, and highest tension of each cell.
 
     force, tension (2, 3, cells) [N] : of one family, coefficients over the other's local coordinate, at both ends of
     its own, along which both are linear. A quadratic lies between the least and most of its Bernstein coefficients.
     """
     found, excess, tensions = map(_bernstein, (force, tension - force, tension))
-    low, high, over, top = found.min((0, 1)), found.max((0, 1)), excess.max((0, 1)), tensions.max((0, 1))
+    return np.stack([found.min((0, 1)), found.max((0, 1)), excess.max((0, 1)), tensions.max((0, 1))])
+
+
+def _ceiling(low, high, over, top):
+    """((steps, 2) [N], [N]) see `crossover_kernels.tension_bound_table`, and the width of its steps."""
     most = max(high.max(), top.max())
     unit, rounding, steps = most / _STEPS, 1e-9 * most, np.empty((_STEPS + 1, 2))
     crossover_kernels.tension_bound_table(low - rounding, high + rounding, over + rounding, top + rounding, unit, steps)

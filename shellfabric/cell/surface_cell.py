@@ -22,9 +22,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.interpolate import PchipInterpolator
-from scipy.sparse import coo_matrix
-from scipy.sparse.linalg import spsolve
 
 from fabrics.checks import FloatArray
 from fabrics.errors import InputError
@@ -89,6 +86,8 @@ class SurfaceCell:
         -------
         dict of (n1, n2) arrays: T1, T2 [N], of the surface or its extension
         """
+        from scipy.interpolate import PchipInterpolator
+
         stretches, weave = (np.asarray(stretch1, float), np.asarray(stretch2, float)), self.fabric.weave
         clamped = [np.clip(x, *bounds) for x, bounds in zip(stretches, self.region)]
         phi = self._contact(0, stretches[0], clamped[1]) * self._contact(1, stretches[1], clamped[0]).T
@@ -156,6 +155,9 @@ def potential(
     wx, wy : (n1, n2) [J] its slopes: those given, and half of what the fit changes on either side of a node
     residual : [-] rms of these changes over the rms of the slopes, where trust is full
     """
+    from scipy.sparse import coo_matrix
+    from scipy.sparse.linalg import spsolve
+
     number, rises = np.arange(fx.size).reshape(fx.shape), (_rises(fx), _rises(fy.T).T)
     low = np.concatenate([number[:-1].ravel(), number[:, :-1].ravel()])
     high = np.concatenate([number[1:].ravel(), number[:, 1:].ravel()])

@@ -13,16 +13,18 @@ executor and number of workers.
 from __future__ import annotations
 
 import threading
-from collections import deque
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
-from math import inf, log
+from functools import partial
+from math import inf, log, sqrt
 from typing import TYPE_CHECKING
 
 from fabrics.checks import FloatArray
 from fabrics.errors import InputError, UndecidedError, UnstableError
 from fabrics.executors import cancel, open_executor
+from shellfabric.driver.solver import STOPPED
+from shellfabric.impact.bracket import STEP, Bracket
 from shellfabric.panel import quality
 from shellfabric.panel.model import Panel
 from shellfabric.sliding.solver import solver_of
@@ -33,7 +35,6 @@ if TYPE_CHECKING:
 UNDECIDED = 5e-3  # [s] after which a shot that has neither stopped nor perforated is given up
 _AUDIT = 10e-6  # [s] between audits: nothing but the guards of the solver use them
 _GUESS = 0.17  # of the velocity that fails a lone yarn at once; only the number of shots depends on it
-_STEP = 1.2  # first factor from the guess towards the other outcome; squared with every step
 
 
 @dataclass(frozen=True)
@@ -114,66 +115,6 @@ class Limit:
         return self.mixed_zone is None
 
 
-@dataclass(frozen=True)
-class Bracket:
-    """What is known of the limit, and hence which velocity is to be tried next.
-
-    Parameters
-    ----------
-    guess : [m/s] where to begin
-    lowest, highest : [m/s] between which to look
-    low, high : [m/s] stops, perforates; 0 and infinity where unknown
-    factor : of the next step while one end is unknown
-    """
-
-    guess: float
-    lowest: float
-    highest: float
-    low: float = 0.0
-    high: float = inf
-    factor: float = _STEP
-
-    @property
-    def width(self) -> float:
-        """[m/s]; infinite while one end is unknown."""
-        return self.high - self.low if self.closed else inf
-
-    @property
-    def closed(self) -> bool:
-        """Whether both ends are known."""
-        return self.low > 0 and self.high < inf
-
-    @property
-    def exhausted(self) -> bool:
-        """Whether one end is unknown and there is no more room to look for it."""
-        return not self.closed and (self.low >= self.highest or self.high <= self.lowest)
-
-    def next(self) -> float:
-        """[m/s] velocity to try."""
-        if self.closed:
-            return 0.5 * (self.low + self.high)
-        if self.low > 0:
-            return min(self.low * self.factor, self.highest)
-        return max(self.high / self.factor, self.lowest) if self.high < inf else self.guess
-
-    def after(self, perforated: bool) -> Bracket:
-        """The bracket once the outcome of the next velocity is known."""
-        end = {"high" if perforated else "low": self.next()}
-        stepping = not self.closed and (self.low > 0 or self.high < inf)
-        return replace(self, **end, factor=self.factor**2 if stepping else self.factor)
-
-    def ahead(self, count: int, tolerance: float) -> list[float]:
-        """The next velocity and those that may follow it, the most likely first; at most `count`."""
-        wanted: list[float] = []
-        open_ends = deque([self])
-        while open_ends and len(wanted) < count:
-            bracket = open_ends.popleft()
-            if bracket.width > tolerance and not bracket.exhausted:
-                wanted.append(bracket.next())
-                open_ends.extend((bracket.after(False), bracket.after(True)))
-        return wanted
-
-
 def first_guess(fabric: Fabric) -> float:
     """[m/s] a velocity to begin with: a share of that which fails the weaker yarn at once, by Smith's theory."""
     from shellfabric.cable.smith import striking_velocity  # with the kernels of the cable net, which no panel uses
@@ -182,7 +123,7 @@ def first_guess(fabric: Fabric) -> float:
 
 
 def critical_velocity(
-    panel: Panel, *, tolerance: float = 1.0, guess: float | None = None, step: float = _STEP, highest: float = 1000.0,
+    panel: Panel, *, tolerance: float = 1.0, guess: float | None = None, step: float = STEP, highest: float = 1000.0,
     executor: str = "local", jobs: int = 1, report: Callable[..., object] | None = None,
 ) -> Limit:  # fmt: skip
     """Bisect for the critical velocity of a panel.
@@ -230,7 +171,7 @@ def critical_velocity(
 
 def shoot(
     panel: Panel, velocities: Sequence[float] | FloatArray, *, executor: str = "local", jobs: int = 1,
-    report: Callable[..., object] | None = None,
+    report: Callable[..., object] | None = None, stops_below: float = 0.0,
 ) -> tuple[Shot, ...]:  # fmt: skip
     """Fire shots at given velocities; a tuple of Shot, in their order.
 
@@ -238,6 +179,9 @@ def shoot(
     ----------
     panel, executor, jobs, report : as of `critical_velocity`
     velocities : (n,) [m/s] strike velocities
+    stops_below : share of the strike velocity below which a projectile counts as stopped where no yarn has failed for
+        as long as a stress wave takes to an edge and back. The outcome is then known sooner; time and peak tensions are
+        those up to then
 
     Raises
     ------
@@ -245,7 +189,7 @@ def shoot(
     """
     _check(jobs=jobs, **{f"velocities[{i}]": v for i, v in enumerate(velocities)})
     shots: list[Shot] = []
-    with _Range(panel, executor, jobs) as shooting:
+    with _Range(panel, executor, jobs, stops_below) as shooting:
         shooting.only(velocities)
         for number, velocity in enumerate(velocities, 1):
             shots.append(_result(shooting, velocity, shots))
@@ -264,7 +208,7 @@ def _done(bracket, tolerance):
     """Share of the bisection that is done; one whose bracket is open has hardly begun."""
     if not bracket.closed:
         return 0.05
-    first = bracket.guess * (_STEP - 1)
+    first = bracket.guess * (STEP - 1)
     return min(1.0, max(0.1, 1 - log(max(bracket.width / tolerance, 1.0)) / log(max(first / tolerance, 2.0))))
 
 
@@ -293,11 +237,11 @@ class _Range:
     goes on to its end.
     """
 
-    def __init__(self, panel, executor, jobs):
+    def __init__(self, panel, executor, jobs, stops_below=0.0):
         self.threads = executor == "local"
         if (jobs > 1 or not self.threads) and panel.numerics.threads is None:
             panel = replace(panel, numerics=replace(panel.numerics, threads=1))
-        self.panel = panel
+        self.panel, self.stops_below = panel, stops_below
         self.opened = ThreadPoolExecutor(jobs) if self.threads else open_executor(executor, jobs)
         self.pending = {}  # velocity -> (future, event that gives it up or None)
 
@@ -319,7 +263,8 @@ class _Range:
         for velocity in velocities:
             if velocity not in self.pending:
                 give_up = threading.Event() if self.threads else None
-                self.pending[velocity] = self.pool.submit(_fire, self.panel, velocity, give_up), give_up
+                fire = partial(_fire, stops_below=self.stops_below) if self.stops_below > 0 else _fire
+                self.pending[velocity] = self.pool.submit(fire, self.panel, velocity, give_up), give_up
 
     def result(self, velocity):
         """Wait for a shot."""
@@ -328,10 +273,21 @@ class _Range:
         return shot
 
 
-def _fire(panel, velocity, give_up):
-    def hook(_):
+def _round_trip(panel):
+    """[s] of a stress wave from the impact point to the further edge and back: sqrt 2 longer than along a lone yarn."""
+    return max(2 * sqrt(2) * abs(x).max() / yarn.wave_speed for x, yarn in zip(panel.lines(), panel.weave.yarns))
+
+
+def _fire(panel, velocity, give_up, stops_below=0.0):
+    quiet = _round_trip(panel)
+
+    def hook(solver):
         if give_up is not None and give_up.is_set():
             raise _GivenUp
+        if stops_below > 0 and not solver.ended and solver.sample("v")[-1] < stops_below * velocity:
+            failed = solver.sample("failed_yarns")[solver.sample("t") >= solver.time - quiet]
+            if failed[0] == failed[-1]:
+                solver.reason = STOPPED
 
     solver = solver_of(panel, velocity, UNDECIDED, interval=_AUDIT)
     solver.run((hook,))

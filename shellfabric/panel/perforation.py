@@ -11,8 +11,6 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.sparse import coo_matrix
-from scipy.sparse.csgraph import connected_components
 
 from fabrics.checks import BoolArray
 from shellfabric.cloth.membrane_kernels import ERODED
@@ -24,6 +22,9 @@ if TYPE_CHECKING:
 
 def held(state: State, const: Constants) -> BoolArray:
     """(ni, nj) bool: elements that have not eroded and whose nodes unbroken yarn joins to an edge of the panel."""
+    from scipy.sparse import coo_matrix
+    from scipy.sparse.csgraph import connected_components
+
     ni, s = const.ni, const.row_stride
     node = np.arange((ni + 1) * s).reshape(ni + 1, s)
     warp, weft = ((intact[: node.size] > 0).reshape(ni + 1, s) for intact in state.intact_fraction)

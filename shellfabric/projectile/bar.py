@@ -17,7 +17,6 @@ from math import ceil, inf, pi
 from typing import Any
 
 import numpy as np
-from scipy.linalg import eigh_tridiagonal
 
 from fabrics.checks import FloatArray
 from fabrics.errors import InputError
@@ -154,6 +153,8 @@ class Bar:
         diagonal = (np.append(k, 0.0) + np.append(0.0, k)) / mass
         beside = -k / np.sqrt(mass[:-1] * mass[1:])
         number %= len(mass)
+        from scipy.linalg import eigh_tridiagonal
+
         return float(eigh_tridiagonal(diagonal, beside, True, select="i", select_range=(number, number))[0])
 
     def motion(self, velocity: float) -> Motion:

@@ -149,6 +149,7 @@ def main() -> None:
     parser.add_argument("--out", type=Path, default=OUT)
     parser.add_argument("--page", type=Path, help="put the tables into this page, between its marks")
     options = parser.parse_args()
+    made = provenance.stamp()  # before a page of the checkout is written to
     found = [compare(name) for name in options.fabrics]
     for table in (laws, velocities, combinations):
         rows, name = table(found), table.__name__
@@ -158,7 +159,6 @@ def main() -> None:
         if options.page is not None:
             put(options.page, *marks(name), f"\n\n{markdown(rows)}\n")
     if options.page is not None:
-        made = provenance.stamp()
         line = f"Computed by `python -m validation.published.assumed_laws`, commit {made['commit']}, {made['date']}."
         put(options.page, *marks("stamp"), f"\n\n{line}\n\n")
 

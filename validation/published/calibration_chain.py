@@ -114,6 +114,7 @@ def main() -> None:
     parser.add_argument("--jobs", type=int, default=1)
     parser.add_argument("--page", type=Path, help="put the table into this page")
     options = parser.parse_args()
+    stamp = provenance.stamp()  # before a page of the checkout is written to
     named, ends = laws(options.chain, options.fabric)
     pairs = list(dict.fromkeys([*named.values(), *(end for pair in ends for end in pair if end is not None)]))
     cases = [(Case(options.fabric, a, b, options.velocity),) for a, b in pairs]
@@ -124,7 +125,6 @@ def main() -> None:
     made = markdown(rows)
     print(made)
     if options.page is not None:
-        stamp = provenance.stamp()
         text = (
             f"{options.fabric}, residual velocity at {options.velocity:g} m/s; made by `python -m "
             f"validation.published.calibration_chain`, commit {stamp['commit']}, {stamp['date']}."

@@ -18,6 +18,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import ceil, inf
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -71,12 +72,14 @@ def gradings(name: str) -> tuple[int, tuple[v50.Grading, ...]]:
 
 def shot(name: str, number: int, velocity: float, zones: tuple[v50.Grading, ...]) -> Shot:
     """The shot of a number at a fabric of the catalogue, on each mesh."""
-    fabric, scatter, rows = catalogue.load(name).with_effective_density(), inputs.published(), []
+    fabric, scatter = catalogue.load(name).with_effective_density(), inputs.published()
+    rows: list[tuple[float, float]] = []
     for grading in zones:
         began = time.process_time()
         found = v50.fire(fabric, scatter, SEED, number, velocity, OPENING, grading)
         rows.append((found.residual if found.perforated else 0.0, time.process_time() - began))
-    return Shot(velocity, *zip(*rows))
+    residuals, seconds = zip(*rows)
+    return Shot(velocity, residuals, seconds)
 
 
 def rows_of(name: str, shots: Sequence[Shot]) -> list[list[str]]:
@@ -110,7 +113,7 @@ def main() -> None:
     options = parser.parse_args()
     table = [["fabric", "sides [crossovers]", "elements", "other outcome than uniform", "V50, m/s (95 %)",
               "residual velocity, rms difference, m/s", "largest, m/s", "CPU time over uniform"]]  # fmt: skip
-    runs = {"folder": options.out, "jobs": options.jobs}
+    runs: dict[str, Any] = {"folder": options.out, "jobs": options.jobs}
     for name in FABRICS:
         fabric = catalogue.load(name).with_effective_density()
         (bracket,) = run_cache.results(v50.deterministic, [(fabric, OPENING, TOLERANCE)], **runs)

@@ -19,7 +19,6 @@ from math import log
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.optimize import brentq
 
 from fabrics.checks import FloatArray
 from fabrics.errors import InputError
@@ -61,6 +60,8 @@ def observed_order(sizes: Sequence[float] | FloatArray, values: Sequence[float] 
     def excess(p):
         # divided by h2^p, so that no power vanishes
         return ((h1 / h2) ** p - 1) - ratio * (1 - (h3 / h2) ** p)
+
+    from scipy.optimize import brentq
 
     return float(brentq(excess, *_ORDERS)) if excess(_ORDERS[1]) > 0 else _ORDERS[1]
 

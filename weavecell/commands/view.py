@@ -35,7 +35,10 @@ MOVIES = (".gif", ".mp4")
 FRAME_TIME = 0.1  # [s] of a movie for each snapshot
 LAST_FRAME_TIME = 1.5  # [s]
 COLOURS = 96  # of a GIF
-RECORDS = {"panel.pvd": ImpactRecord, "pack.pvd": PackRecord}  # of histories.h5 beside a series
+RECORDS: dict[str, type[ImpactRecord | PackRecord]] = {
+    "panel.pvd": ImpactRecord,
+    "pack.pvd": PackRecord,
+}  # of histories.h5 beside a series
 
 
 @dataclass(frozen=True)
@@ -182,10 +185,12 @@ def compose(pyplot: Any, panel: Panel, image: np.ndarray, t: float) -> Any:
 
 def end(pyplot: Any, record: ImpactRecord | PackRecord) -> Any:
     """The figure of the last instant of a record, as `compose` has it, without the files of a run."""
-    panel, several = Panel(record, []), isinstance(record, PackRecord)
-    shapes, quads = (record.shapes, record.quads) if several else ((record.final,), (record.quads,))
+    panel = Panel(record, [])
+    if isinstance(record, PackRecord):
+        shapes, quads, strengths = record.shapes, record.quads, record.strength
+    else:
+        shapes, quads, strengths = (record.final,), (record.quads,), record.strength[None]
     first = np.cumsum([0, *(len(shape.nodes.reshape(-1, 3)) for shape in shapes)])
-    strengths = record.strength if several else [record.strength]
     share = [(shape.tension.reshape(-1, 2) / each).max(axis=1) for shape, each in zip(shapes, strengths)]
     failed = [failed_yarns(shape.failed.reshape(-1, 3)) for shape in shapes]
     last = shapes[-1]

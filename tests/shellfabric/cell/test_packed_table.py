@@ -89,7 +89,7 @@ def test_bound_of_a_single_cell_of_constant_tension():
     plain = np.zeros((2, 3, 1))
     force, tension = plain.copy(), plain.copy()
     force[:, 0], tension[:, 0] = N, T
-    steps, unit = packed_table._ceiling(force, tension)
+    steps, unit = packed_table._ceiling(*packed_table._bounds(force, tension))
     assert unit == pytest.approx(T / 256, rel=1e-12)
     first = round(N / unit)  # N lies where two steps meet, so that rounding puts it into both
     np.testing.assert_array_equal(steps[: first - 1], 0.0)

@@ -133,6 +133,20 @@ def test_a_graded_panel_has_the_yarns_of_the_uniform_one(fabric):
     )
 
 
+def test_slow_projectiles_that_count_as_stopped_do_stop(fabric):
+    """Thirty drawn panels about the limit: outcomes and residual velocities are the same to the bit with and without,
+    and most of what is stopped takes less time."""
+    spared = []
+    for number, velocity in enumerate(np.linspace(35.0, 75.0, 30)):
+        panel, _, _ = v50.drawn_panel(fabric, inputs.published(), 5, number, 0.06)
+        one, two = (ballistic_limit.shoot(panel, (velocity,), stops_below=x)[0] for x in (0.0, v50.STOPS_BELOW))
+        assert (one.outcome, one.residual_velocity) == (two.outcome, two.residual_velocity)
+        assert two.time == one.time if one.perforated else two.time <= one.time
+        spared += [] if one.perforated else [1 - two.time / one.time]
+    assert 8 <= len(spared) <= 22
+    assert np.median(spared) > 0
+
+
 def test_wrong_factors_are_refused(panel):
     for wrong in (np.ones(3), np.zeros(panel.yarn_counts[0])):
         with pytest.raises(InputError, match="strength_factors of the warp"):

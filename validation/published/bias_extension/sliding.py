@@ -159,8 +159,9 @@ def pull(
     table = CellModel(fabric, model=model, form="variational").table(table_size)
     coupon, grips, (length, width) = quasistatic.bias_coupon(table, length, width, 1, trellis)
     zone = quasistatic.zones(coupon, length, width)
-    warp, weft = (bending_bounds(yarn)[0] if stiff else 0.0 for yarn in fabric.weave.yarns)
-    solver = ObliqueStrip(coupon, grips, CrossoverFriction(mu, cohesion, (warp, weft)), speed, elongation)
+    warp, weft = fabric.weave.yarns
+    bending = (bending_bounds(warp)[0], bending_bounds(weft)[0]) if stiff else (0.0, 0.0)
+    solver = ObliqueStrip(coupon, grips, CrossoverFriction(mu, cohesion, bending), speed, elongation)
     loads: list[float] = []
     looks: list[tuple[float, list[float], float]] = []
 

@@ -90,8 +90,8 @@ def energies(pyplot: Any, shots: Sequence[Caption]) -> Any:
                if shot.fabric in list(CAPTIONS)[k : k + 3] and (shot.expected == "stopped") == stops]  # fmt: skip
     shares = []
     for shot in ordered:
-        parts = shot.result.energies
-        shares.append({name: 100 * np.maximum(part, 0) / shot.result.strike_energy for name, part in parts.items()})
+        energy = shot.result.energies
+        shares.append({name: 100 * np.maximum(part, 0) / shot.result.strike_energy for name, part in energy.items()})
     known = [each for each in ENERGIES if any(np.max(share.get(each[0], 0.0)) > 0.5 for share in shares)]  # [%]
     figure, grid = pyplot.subplots(-(-len(ordered) // 3), 3, figsize=(10.4, 10.8), sharey=True, squeeze=False)
     for axes, shot, share in zip(grid.flat, ordered, shares):

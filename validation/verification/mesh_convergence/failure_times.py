@@ -14,7 +14,7 @@ import argparse
 from collections.abc import Sequence
 from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from fabrics import catalogue, run_cache
 from fabrics.errors import run_program
@@ -85,7 +85,7 @@ def main() -> None:
     parser.add_argument("--jobs", type=int, default=1)
     parser.add_argument("--page", type=Path, help="put the tables into this page")
     options = parser.parse_args()
-    runs = {"folder": options.out, "jobs": options.jobs}
+    runs: dict[str, Any] = {"folder": options.out, "jobs": options.jobs}
     shots = run_cache.results(shot, [(n, V, UNDECIDED) for n in MESHES for V in STRIKES], **runs)
     text = tables(shots, run_cache.results(early, [(n,) for n in BISECTED], **runs))
     print(text)

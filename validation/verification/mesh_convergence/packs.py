@@ -101,7 +101,8 @@ def main() -> None:
     if unknown:
         raise InputError(key="FABRIC", value=unknown[0], allowed=f"one of {', '.join(STRIKES)}")
     found: list[Quantity] = []
-    sizes, errors = [], []
+    sizes: list[str] = []
+    errors: list[float] = []
     for fabric in options.fabrics:
         places = [(fabric, n, V) for V in STRIKES[fabric] for n in options.elements]
         rows = run_cache.results(shot, places, folder=options.out, jobs=options.jobs)

@@ -29,7 +29,7 @@ def compose(pyplot: Any, found: dict[str, Any]) -> Any:
         colour, mark = COLOURS[number % len(COLOURS)], "os^Dvp"[number % 6]
         left.plot(1e6 * np.array(pull), P, f"{mark}-", color=colour, ms=4, lw=1.6, label=f"{force[-1]:.3g} N")
     left.set(xlabel="pull along the axis [µm]", ylabel="axial force P [N]", title="warp pulled")
-    left.legend(title="contact force F$_c$", loc="lower right")
+    left.legend(title="contact force F$_c$", loc="upper left")
     for name, case, one, colour in (("warp", LAW, of, WARP), ("weft", OF_WEFT, found["weft"], WEFT)):
         right.plot(one["F_c"], one["T_f"], "o", color=colour, label=f"{name} pulled")
         if len(one["F_c"]) > 1:

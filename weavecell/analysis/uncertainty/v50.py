@@ -12,6 +12,10 @@ side. Modulus, and the crimp of either family, are one log-normal value a panel.
 On a graded panel (`shellfabric.panel.grading`) the yarns are drawn as on the uniform one; a line that stands for
 several yarns has the strength of the weakest of them.
 
+A shot ends once its outcome is known. A projectile that has less than 1 % of its strike energy left counts as stopped
+if no yarn has failed while a stress wave went to the edge and back. Were it to perforate all the same, its residual
+velocity would be below a tenth of its strike velocity: by v_r^2 = V^2 - V50^2 it was struck within 0.5 % of the limit.
+
 A panel is drawn from (seed, number of the shot) alone, and velocities are chosen in rounds of a given size from the
 outcomes of all rounds before: nothing depends on the number of workers. The first round covers the deterministic limit
 by `FIRST` either way; then velocities are spread evenly over the probabilities of the curve fitted so far, or, where no
@@ -46,6 +50,7 @@ Grading: TypeAlias = tuple[tuple[float, float], ...] | None
 
 FIRST = 0.25  # of the deterministic limit, either way
 SPREAD = 0.05, 0.95  # probabilities between which the later shots are placed
+STOPS_BELOW = 0.1  # of the strike velocity, see `ballistic_limit.shoot`
 WIDER = 0.5  # of the gap between stops and perforations, beyond either end, where yarns scatter
 
 
@@ -160,7 +165,7 @@ def fire(
     """The shot of a number."""
     panel, factors, strengths = drawn_panel(fabric, scatter, seed, number, opening, grading)
     try:
-        (shot,) = ballistic_limit.shoot(panel, (velocity,))
+        (shot,) = ballistic_limit.shoot(panel, (velocity,), stops_below=STOPS_BELOW)
     except UnstableError as problem:
         raise UnstableError(str(problem), when=f"shot {number} of seed {seed}") from None
     return Shot(
