@@ -110,10 +110,8 @@ def open_windows(state, const, slip):
             most1, most2 = max(L1[k], L1[k + one]), max(L2[k], L2[k + s])
             if state.element_flag[k] & ERODED or most1 <= window_kernels.COVERED or most2 <= window_kernels.COVERED:
                 continue
-            state.element_flag[k] |= WINDOW
-            bare = min(L1[k], L1[k + one]) > window_kernels.BARE and min(L2[k], L2[k + s]) > window_kernels.BARE
-            if bare and not slip.opened[k]:
-                slip.opened[k] = True
+            if not state.element_flag[k] & WINDOW:
+                state.element_flag[k] |= WINDOW
                 slip.counter[OPENED] += 1
             if min(L1[k], L1[k + one]) > wide1 and min(L2[k], L2[k + s]) > wide2:
                 state.element_flag[k] |= ERODED

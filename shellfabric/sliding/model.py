@@ -39,7 +39,7 @@ MOST_CLOSEST = 0.9  # of the spacing: cloth at rest is not in lateral contact
 Slip = namedtuple(
     "Slip",
     "active cohesion mu table lateral closest least share inv_share x config q q_before friction stop residual mass "
-    "pull mobility coupling part grip row_slips tail removed opened passed counter work",
+    "pull mobility coupling part grip row_slips tail removed passed counter work",
 )
 
 
@@ -210,7 +210,7 @@ class SlidingPanel(Panel):
             q_before=zeros[4:6], friction=zeros[6:8], stop=zeros[8:10], residual=zeros[10:12], mass=mass, pull=pull,
             mobility=mobility, coupling=coupling, part=part, grip=grip,
             row_slips=np.zeros(self.counts[0] + 2, np.bool_), tail=(tails[:2], tails[2:]), removed=removed,
-            opened=np.zeros(slots, np.bool_), passed=zeros[12:14], counter=counter, work=np.zeros(3),
+            passed=zeros[12:14], counter=counter, work=np.zeros(3),
         )  # fmt: skip
 
     def _rest_stretch(self, state):

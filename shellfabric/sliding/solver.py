@@ -122,7 +122,7 @@ class SlidingSolver(ClothSolver):
         names = ("share", "inv_share", "x", "config", "q", "q_before", *STORED_FORCES, "removed", "passed")
         found = {f"slip/{name}/{n}": part for name in names for n, part in enumerate(getattr(self.slip, name))}
         found |= {f"slip/tail/{n}{m}": part for n, pair in enumerate(self.slip.tail) for m, part in enumerate(pair)}
-        found |= {f"slip/{name}": getattr(self.slip, name) for name in ("row_slips", "opened", "counter", "work")}
+        found |= {f"slip/{name}": getattr(self.slip, name) for name in ("row_slips", "counter", "work")}
         return super().checkpoint_arrays() | found
 
 

@@ -13,7 +13,6 @@ import numpy as np
 
 from fabrics.checks import FloatArray, IntArray
 from fabrics.errors import InputError
-from shellfabric.backing import coupling
 from shellfabric.panel import ply_audit
 from shellfabric.panel.solver import OBSERVED
 from shellfabric.plies.model import Pack, lists
@@ -123,9 +122,9 @@ class SlidingPackSolver(PackSolver):
         own = self._observe_plies(plies.sum(axis=1), pushes[:, 2])
         self.ply_samples.append(own)
         z = self.state.projectile_position[2] + self.const.foremost_offset
-        block = np.zeros(len(coupling.NAMES))
-        slipped = np.sum([slip.work for slip in self.slips], axis=0)
-        energies = [total[0], *projectile, *total[1:], *block, *self.contact_energies(), *slipped]
+        work = np.sum([slip.work for slip in self.slips], axis=0)
+        block = np.zeros(len(self.energy_names) - len(total) - len(projectile) - len(work) - 3)
+        energies = [total[0], *projectile, *total[1:], *block, *self.contact_energies(), *work]
         return [speed, z, *own[:, :3].sum(axis=0)], energies
 
     def slip_summaries(self) -> tuple[SlipSummary, ...]:
@@ -156,9 +155,7 @@ class SlidingPackSolver(PackSolver):
                 found |= {f"slip/{p:02d}/{name}/{n}": part for n, part in enumerate(getattr(slip, name))}
             for n, pair in enumerate(slip.tail):
                 found |= {f"slip/{p:02d}/tail/{n}{m}": part for m, part in enumerate(pair)}
-            found |= {
-                f"slip/{p:02d}/{name}": getattr(slip, name) for name in ("row_slips", "opened", "counter", "work")
-            }
+            found |= {f"slip/{p:02d}/{name}": getattr(slip, name) for name in ("row_slips", "counter", "work")}
         return super().checkpoint_arrays() | found
 
 

@@ -25,9 +25,10 @@ from shellfabric.impact.ballistic_limit import critical_velocity
 from shellfabric.impact.single_ply import ImpactSetup
 from shellfabric.panel.model import Panel
 from shellfabric.panel.numerics import Numerics
-from shellfabric.sliding import cell_scaling, pull_out
+from shellfabric.sliding import cell_scaling
 from shellfabric.sliding.model import CrossoverFriction, SlidingPanel
 from shellfabric.sliding.solver import solver_of
+from validation.verification import sliding_pull_out as pulls
 from validation.verification.study import known
 from weavecell.report.marked_page import markdown, put
 
@@ -40,7 +41,6 @@ SHARES = (0.8, 0.9, 0.95, 0.98, 1.02, 1.05, 1.1, 1.2)
 STRAINS = (-0.02, 0.03)
 THRESHOLDS = (0.0, 0.05, 0.2, 0.5, 2.0, 20.0, 200.0, 1000.0)
 CFL = (0.9, 0.7, 0.5, 0.3)
-PULL_MU, CROSSINGS, COHESION = (0.0, *MU), (10, 20), 0.1  # [-], [-], [N]
 
 
 def setup(name: str, velocity: float, friction: CrossoverFriction | None, cfl: float = 0.9) -> ImpactSetup:
@@ -104,20 +104,11 @@ def window(panel: Panel, velocity: float) -> float:
     return float(solver.run().summary().largest_window)
 
 
-def pulled(crossings: int, mu: float) -> tuple[float, float]:
-    """(late load [N], largest energy error over the work) of S-726 with the cohesion COHESION, at 2 m/s."""
-    table = ImpactSetup(catalogue.load("S-726").with_effective_density(), 1.0).table(kept=True)
-    coupon = pull_out.PullOut(
-        table, crossings, friction=CrossoverFriction(mu, COHESION), numerics=Numerics(threads=1)
-    )  # fmt: skip
-    found = pull_out.run(coupon, 200e-6)
-    return float(found.load[found.time > 100e-6].mean()), found.energy_error
-
-
 def text(results: dict[str, list]) -> str:
     """The tables of the studies that have been run."""
     makers = {
-        "scaling": _scaling_table, "stability": _stability, "cost": _cost, "pulled": _pulled, "limit": _limits,
+        "scaling": _scaling_table, "stability": _stability, "cost": _cost, "pulled": pulls.cohesion_table,
+        "under_load": pulls.load_table, "limit": _limits,
     }  # fmt: skip
     return "\n".join(make(results[name]) for name, make in makers.items() if name in results)
 
@@ -140,17 +131,6 @@ def _cost(found):
     for name, (ns, _) in zip(("pinned", "infinite threshold", *(f"mu = {mu:g}" for mu in MU)), found):
         rows.append([name, f"{ns:.1f}", f"{ns / pinned:.2f}"])
     head = f"### Cost\n\nOne thread. The step of the sliding panel is {steps / more:.3f} of the pinned one.\n"
-    return f"{head}\n{markdown(rows)}"
-
-
-def _pulled(found):
-    rows = [["crossings", *(f"mu = {mu:g}" for mu in PULL_MU)]]
-    for n, count in enumerate(CROSSINGS):
-        cells = found[n * len(PULL_MU) : (n + 1) * len(PULL_MU)]
-        rows.append([f"{count}", *(f"{load:.2f}" for load, _ in cells)])
-    head = (
-        f"### Pull-out\n\nLoad [N], mean from 100 to 200 us, of one yarn of S-726 at 2 m/s; cohesion {COHESION:g} N.\n"
-    )
     return f"{head}\n{markdown(rows)}"
 
 
@@ -224,13 +204,19 @@ def main() -> None:
     parser.add_argument("--out", type=Path, default=Path("results/sliding"))
     parser.add_argument("--jobs", type=int, default=1)
     parser.add_argument("--page", type=Path, help="put the tables into this page")
-    parser.add_argument("--only", nargs="+", help="of scaling, stability, cost, pulled, limit; all of them by default")
+    parser.add_argument(
+        "--only", nargs="+", help="of scaling, stability, cost, pulled, under_load, limit; all of them by default"
+    )
     options = parser.parse_args()
     cases: dict[str, tuple[Any, list[tuple]]] = {
         "scaling": (scaling, [(name,) for name in FABRICS]),
         "stability": (stability, [(threshold, cfl) for threshold in THRESHOLDS for cfl in CFL]),
         "cost": (cost, [(mu,) for mu in (None, inf, *MU)]),
-        "pulled": (pulled, [(n, mu) for n in CROSSINGS for mu in PULL_MU]),
+        "pulled": (pulls.pulled, [(n, mu) for n in pulls.CROSSINGS for mu in pulls.PULL_MU]),
+        "under_load": (
+            pulls.under_load,
+            [(which, n, load) for which in pulls.STIFFNESS for n in pulls.COUNTS for load in pulls.LOADS],
+        ),
         "limit": (limit, [(name, mu) for name in FABRICS for mu in (None, *MU)]),
     }
     results = {}
@@ -246,6 +232,8 @@ def main() -> None:
     if options.page is not None:
         if "limit" in results:
             chart(results["limit"], options.page.parent / "figures" / "sliding-limits.png")
+        if "under_load" in results:
+            pulls.chart(results["under_load"], options.page.parent / "figures" / "sliding-pull-out.png")
         put(options.page, *MARKS, f"\n\n{made}\n")
 
 

@@ -8,7 +8,7 @@ import pytest
 from fabrics.errors import InputError
 from shellfabric.cell.model import CellModel
 from shellfabric.panel.numerics import Numerics
-from shellfabric.sliding import pull_out
+from shellfabric.sliding import contact_force, pull_out
 from shellfabric.sliding.model import CrossoverFriction
 from shellfabric.sliding.pull_out import PullOut
 
@@ -122,6 +122,59 @@ def test_a_yarn_without_tension_is_not_held_by_stretched_crossing_yarns(crimped)
     """What the flexible yarns of the cell leave out: the load of a real yarn begins with their bending stiffness."""
     found = pulled(crimped, 16, 0.0, end=150e-6, mu=0.2, pre_tension=20.0, velocity=0.5)
     assert found.load[-1] < 0.05 * found.load[0]
+
+
+def test_the_plateau_does_not_depend_on_the_mesh_along_the_yarn(straight):
+    """The same net with half the spacing, and half the threshold at each of twice the crossings."""
+    fabric = straight(1.0)
+    found = []
+    for fine in (1, 2):
+        weave = replace(
+            fabric.weave, warp_count=fine * fabric.weave.warp_count, weft_count=fine * fabric.weave.weft_count
+        )
+        table = CellModel(replace(fabric, weave=weave), model="decoupled").table(41)
+        found.append(pulled(table, 20 * fine, 2.0 / fine, end=200e-6))
+    late = found[0].time > 100e-6
+    coarse, fine = (np.interp(found[0].time[late], one.time, one.load) for one in found)
+    assert fine.mean() == pytest.approx(coarse.mean(), rel=0.03)
+    assert fine.mean() == pytest.approx(40.0, rel=0.03)
+
+
+def test_the_contact_force_of_flexible_yarns_is_that_of_the_cell(crimped):
+    """As the limit of a small bending stiffness, but where both yarns are slack."""
+    model, stretch = crimped.model, np.linspace(0.99, 1.03, 9)
+    expected = model.solve(*np.meshgrid(stretch, stretch, indexing="ij"))["F"]
+    found = contact_force.contact_forces(model, (1e-13, 1e-13), stretch, stretch, 2.0 * expected.max())
+    assert found == pytest.approx(expected, abs=2e-3 * expected.max())
+    assert contact_force.stiff_table(crimped, (0.0, 0.0)) is crimped.values["F"]
+
+
+def test_a_yarn_without_tension_is_pressed_on_by_its_bending_stiffness(crimped):
+    """Rigid yarns: K (h - h0) of the slack warp equals what the tension of the weft gives, T dS/dh."""
+    model, B = crimped.model, 1e-6
+    stretch = np.array([1.002])
+    force = contact_force.contact_forces(model, (B, 0.0), np.array([0.97]), stretch, 100.0)[0, 0]
+    warp, weft = model.yarn_tuples
+    stiffness = B * np.pi**4 / (16 * warp[0] ** 3)
+    lift = force / stiffness
+    fall = weft[3] - contact_force.heights(weft, 0.0, stretch, np.array([force]))[0, 0]
+    pressed = sum(contact_force.compression(yarn, np.array([force]))[0] for yarn in (warp, weft))
+    assert force > 0.01
+    assert lift == pytest.approx(fall - pressed, rel=0.05)
+
+
+@pytest.mark.parametrize("n", [10, 20])
+def test_a_pre_tension_holds_a_yarn_that_resists_bending(crimped, n):
+    """The peak load grows with the pre-tension and with the number of crossovers."""
+    found = [
+        pull_out.run(
+            PullOut(crimped, n, 2.0, tension, CrossoverFriction(0.2, 0.0, (1e-6, 1e-6)), NUMERICS), 300e-6
+        ).load[200:].mean()
+        for tension in (0.0, 2.5, 5.0)
+    ]  # fmt: skip
+    assert abs(found[0]) < 0.1 * found[1]
+    assert found[1] > 0.015 * n
+    assert found[2] > 1.3 * found[1]
 
 
 @pytest.mark.parametrize(

@@ -7,15 +7,16 @@ import pytest
 from conftest_tools import Interrupted, Interrupting
 
 from fabrics.errors import InputError
-from shellfabric.cloth.membrane_kernels import ERODED
+from shellfabric.cell.model import CellModel
+from shellfabric.cloth.membrane_kernels import ERODED, WINDOW
 from shellfabric.output import checkpoint
 from shellfabric.panel.model import Panel
 from shellfabric.panel.numerics import Numerics
 from shellfabric.panel.solver import PanelSolver
 from shellfabric.projectile.projectile import Projectile
-from shellfabric.sliding import flow_kernels, step_kernels
+from shellfabric.sliding import flow_kernels, slip_kernels, step_kernels
 from shellfabric.sliding.model import CrossoverFriction, SlidingPanel, grid
-from shellfabric.sliding.solver import SlidingSolver, solver_of
+from shellfabric.sliding.solver import SLIP_WORK, SlidingSolver, solver_of
 
 ONE = Numerics(threads=1)
 
@@ -157,6 +158,87 @@ def test_failed_yarns_retract(sliding):
     assert np.abs(run.sample("error")).max() < 0.005 * run.strike_energy
 
 
+def test_ends_of_yarn_leave_with_the_kinetic_energy_that_they_have(tables):
+    """An end leaves a crossover at the tangent of the segment that it leaves by. With that of the failed segment behind
+    it, the balance of this shot was off by 0.44 % of the strike energy."""
+    panel = SlidingPanel(tables["variational"], (0.05, 0.05), friction=CrossoverFriction(0.3), numerics=ONE)
+    run = SlidingSolver(panel, 200.0, 100e-6).run()
+    assert run.sample("failed_yarns")[-1] > 0
+    assert run.summary().pulled_out_segments > 0
+    assert np.abs(run.sample("error")).max() < 5e-4 * run.strike_energy
+
+
+def test_the_iteration_and_the_bounds_of_a_flux_are_counted_apart_from_friction(sliding):
+    run = SlidingSolver(sliding(0.0), 60.0, 60e-6).run()
+    found = {name: run.sample(name) / run.strike_energy for name in SLIP_WORK}
+    assert np.all(found["crossover_friction"] == 0.0)  # no threshold, no friction
+    assert 0 < np.abs(found["slip_residual"]).max() < 1e-4
+    slip = run.slip
+    node = int(np.argmax(slip.mobility[0] > 0)) + 8 * run.const.row_stride  # a node with a segment that gives no more
+    slip.share[0][node - run.const.row_stride] = 0.5 * slip.least
+    slip.q[0][node], slip.q_before[0][node], slip.stop[0][node] = -1.0, -1.0, 0.0
+    slip.share[0][node] = 0.5 * slip.least
+    before = slip.work.copy()
+    slip_kernels.slip_nodes(run.state, run.const, slip)
+    assert slip.q[0][node] == 0.0
+    assert slip.work[1] > before[1]
+    assert slip.work[0] == before[0]
+
+
+def test_a_uniform_strain_moves_no_yarn(sliding):
+    """Patch test: stretched and sheared evenly, the panel drives no flux but at its rim, at any threshold."""
+    run = SlidingSolver(sliding(0.2, symmetry="whole", trellis=False), 10.0, 1e-6)
+    X, Y = run.panel.coordinates()
+    grid(run.state.u[0], run.panel)[:] = 0.02 * X + 0.01 * Y
+    grid(run.state.u[1], run.panel)[:] = 0.015 * Y - 0.003 * X
+    forces(run)
+    for config, axis in zip(run.slip.config, (0, 1)):
+        inner = grid(config, run.panel)[2:-3, 2:-3]
+        assert inner.min() > 1.0
+        assert np.abs(np.diff(inner, axis=axis)).max() < 1e-9 * inner.max()
+    run.state.active_rows[:] = 0, run.const.ni
+    slip_kernels.slip_nodes(run.state, run.const, run.slip)
+    for q in run.slip.q:
+        assert np.all(grid(q, run.panel)[3:-3, 3:-3] == 0.0)
+    assert np.all(run.slip.work == 0.0)
+
+
+@pytest.mark.parametrize(("cohesion", "share"), [(1e6, 0.5), (0.0, 1.0)])
+def test_waves_travel_at_c_in_a_free_yarn_and_at_c_over_root_2_in_a_stuck_one(straight, cohesion, share):
+    """The crossing yarns, as heavy, move with a stuck yarn."""
+    table = CellModel(straight(1.0), model="decoupled").table(41)
+    panel = SlidingPanel(
+        table, (0.2, 0.02), Projectile(radius=1e-3, edge_radius=1e-4), "whole", 1, numerics=ONE, trellis=False,
+        friction=CrossoverFriction(0.0, cohesion),
+    )  # fmt: skip
+    run = SlidingSolver(panel, 1.0, 8e-6, energy_error_limit=np.inf)
+    middle, yarn = run.const.ni // 2, panel.weave.warp
+    grid(run.state.u[0], panel)[:middle] = -1e-6  # a jump of the displacement, of all yarns alike
+    run.state.active_rows[:] = 0, run.const.ni
+    run.state.contact_window[:] = 0
+    forces(run)
+    run.run()
+    moved = np.abs(grid(run.slip.x[0], panel)[:, run.const.nj // 2] - 1) > 0.02 * 1e-6 / panel.spacing[0]
+    reach = (np.flatnonzero(moved)[-1] - middle) * panel.spacing[0]
+    speed = (share * yarn.EA / yarn.linear_density) ** 0.5
+    assert reach == pytest.approx(speed * run.time, rel=0.08)
+
+
+def test_a_smaller_time_step_changes_a_shot_little(sliding):
+    found = []
+    for cfl in (0.9, 0.45, 0.225):
+        run = SlidingSolver(sliding(0.2, numerics=Numerics(threads=1, cfl=cfl)), 80.0, 40e-6).run()
+        found.append([np.interp(38e-6, run.sample("t"), run.sample(name)) for name in ("v", "crossover_friction")])
+    coarse, fine = (np.abs(np.array(one) / found[2] - 1) for one in found[:2])
+    assert np.all(fine < 0.6 * coarse)
+    assert np.all(coarse < [3e-3, 0.15])
+
+
+def test_the_number_of_threads_changes_no_bit(sliding):
+    one, two = (SlidingSolver(sliding(0.1, numerics=Numerics(threads=n)), 80.0, 20e-6).run() for n in (1, 2))
+    assert np.array_equal(one.samples, two.samples)
+
+
 def test_the_time_step_is_that_of_the_free_yarn(sliding):
     panel = sliding(0.2, numerics=Numerics(threads=1, stretch_viscosity=0.0))
     assert panel.time_step / pinned(panel).time_step == pytest.approx(min(panel.own_masses) ** 0.5)
@@ -199,8 +281,8 @@ def test_a_window_that_the_projectile_fits_through_is_out_of_contact(sliding):
     flow_kernels.open_windows(run.state, run.const, run.slip)
     i0, i1, j0, j1 = run.state.contact_window
     flags = grid(run.state.element_flag, run.panel)[i0:i1, j0:j1]
-    assert flags[0, 0] == 0
-    assert np.all(flags.ravel()[1:] == ERODED)
+    assert flags[0, 0] == WINDOW  # one of its yarns is where it was
+    assert np.all(flags.ravel()[1:] & ERODED)
 
 
 @pytest.mark.parametrize(
