@@ -8,8 +8,6 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from fabrics import catalogue
 from fabrics.files import replace_whole
 from meshing.pictures_style import BLUE, INK, ORANGE, PURPLE, plots
