@@ -208,7 +208,7 @@ def main() -> None:
     parser.add_argument(
         "--only", nargs="+", help="of scaling, stability, cost, pulled, under_load, limit; all of them by default"
     )
-    options = parser.parse_args()
+    options, commit = parser.parse_args(), provenance.stamp()["commit"]  # before the pictures are written
     cases: dict[str, tuple[Any, list[tuple]]] = {
         "scaling": (scaling, [(name,) for name in FABRICS]),
         "stability": (stability, [(threshold, cfl) for threshold in THRESHOLDS for cfl in CFL]),
@@ -236,7 +236,7 @@ def main() -> None:
         if "under_load" in results:
             pulls.chart(results["under_load"], options.page.parent / "figures" / "sliding-pull-out.png")
         name = f"python -m validation.verification.sliding --page {options.page}"
-        put(options.page, *MARKS, f"\n\nMade by `{name}`, commit {provenance.stamp()['commit']}.\n\n{made}\n")
+        put(options.page, *MARKS, f"\n\nMade by `{name}`, commit {commit}.\n\n{made}\n")
 
 
 if __name__ == "__main__":
