@@ -31,6 +31,7 @@ from shellfabric.sliding.solver import solver_of
 from validation.verification import sliding_pull_out as pulls
 from validation.verification.study import known
 from weavecell.report.marked_page import markdown, put
+from weavecell.results import provenance
 
 MARKS = "<!-- tables of validation.verification.sliding -->", "<!-- end of sliding -->"
 FABRICS = ("S-720", "S-726", "S-727", "S-728", "S-731", "S-745")
@@ -207,7 +208,7 @@ def main() -> None:
     parser.add_argument(
         "--only", nargs="+", help="of scaling, stability, cost, pulled, under_load, limit; all of them by default"
     )
-    options = parser.parse_args()
+    options, commit = parser.parse_args(), provenance.stamp()["commit"]  # before the pictures are written
     cases: dict[str, tuple[Any, list[tuple]]] = {
         "scaling": (scaling, [(name,) for name in FABRICS]),
         "stability": (stability, [(threshold, cfl) for threshold in THRESHOLDS for cfl in CFL]),
@@ -234,7 +235,8 @@ def main() -> None:
             chart(results["limit"], options.page.parent / "figures" / "sliding-limits.png")
         if "under_load" in results:
             pulls.chart(results["under_load"], options.page.parent / "figures" / "sliding-pull-out.png")
-        put(options.page, *MARKS, f"\n\n{made}\n")
+        name = f"python -m validation.verification.sliding --page {options.page}"
+        put(options.page, *MARKS, f"\n\nMade by `{name}`, commit {commit}.\n\n{made}\n")
 
 
 if __name__ == "__main__":

@@ -213,15 +213,16 @@ def test_waves_travel_at_c_in_a_free_yarn_and_at_c_over_root_2_in_a_stuck_one(st
     )  # fmt: skip
     run = SlidingSolver(panel, 1.0, 8e-6, energy_error_limit=np.inf)
     middle, yarn = run.const.ni // 2, panel.weave.warp
-    grid(run.state.u[0], panel)[:middle] = -1e-6  # a jump of the displacement, of all yarns alike
+    grid(run.state.v[0], panel)[1:middle] = -0.1  # half of the panel is torn away: a front of strain in both halves
     run.state.active_rows[:] = 0, run.const.ni
     run.state.contact_window[:] = 0
-    forces(run)
     run.run()
-    moved = np.abs(grid(run.slip.x[0], panel)[:, run.const.nj // 2] - 1) > 0.02 * 1e-6 / panel.spacing[0]
-    reach = (np.flatnonzero(moved)[-1] - middle) * panel.spacing[0]
+    strain = grid(run.slip.x[0], panel)[:, run.const.nj // 2] - 1
+    plateau = strain[middle + 10 : middle + 20].mean()
+    reach = (np.flatnonzero(strain[:-10] > 0.5 * plateau)[-1] + 0.5 - middle) * panel.spacing[0]
     speed = (share * yarn.EA / yarn.linear_density) ** 0.5
-    assert reach == pytest.approx(speed * run.time, rel=0.08)
+    assert plateau > 0
+    assert reach == pytest.approx(speed * run.time, rel=0.04)
 
 
 def test_a_smaller_time_step_changes_a_shot_little(sliding):
