@@ -62,14 +62,7 @@ def coupon(
         return _pull_out(cloth, law, cell_model, options)
     cloth = assumed.with_shear(cloth) if test in ("bias_extension", "picture_frame") else cloth
     run, began = getattr(quasistatic, test), time.perf_counter()
-    if "crossovers" in options:
-        options["cells"] = options.pop("crossovers")
-    defaults = {name: one.default for name, one in signature(run).parameters.items() if one.default is not one.empty}
-    allowed = {*defaults, "tolerance", "max_iterations"}
-    for key in sorted(set(options) - allowed):
-        raise InputError(key=key, value=options[key], allowed=f"one of {', '.join(sorted(allowed))}")
-    units = {"length": "m", "width": "m", "elongation": "m", "shear_angle": "rad"}
-    options |= {key: quantities.number(options[key], unit, key) for key, unit in units.items() if key in options}
+    defaults = _checked(run, options)
     laws = quantities.laws(cloth, law) if cell_model == "compressible" else None
     table = CellModel(cloth, laws, model=cell_model).table(TABLE_SIZE)
     options.setdefault("tolerance", TOLERANCE)
@@ -86,6 +79,19 @@ def coupon(
         checks=quality.of_coupon(table, reached, worst, options["tolerance"]),
     )  # fmt: skip
     return CouponResult(record, tuple(assumed.lines(cloth)))
+
+
+def _checked(run, options):
+    """{option: its default} of a test; `options` become SI numbers of known names. InputError: an unknown one."""
+    if "crossovers" in options:
+        options["cells"] = options.pop("crossovers")
+    defaults = {name: one.default for name, one in signature(run).parameters.items() if one.default is not one.empty}
+    allowed = {*defaults, "tolerance", "max_iterations"}
+    for key in sorted(set(options) - allowed):
+        raise InputError(key=key, value=options[key], allowed=f"one of {', '.join(sorted(allowed))}")
+    units = {"length": "m", "width": "m", "elongation": "m", "shear_angle": "rad"}
+    options |= {key: quantities.number(options[key], unit, key) for key, unit in units.items() if key in options}
+    return defaults
 
 
 def _pull_out(cloth, law, cell_model, options):
