@@ -18,9 +18,8 @@ OpeningOption = Annotated[str, typer.Option(help="Side of the square panel.", me
 GradingOption = Annotated[
     str | None,
     typer.Option(
-        help="Sides of the elements by distance from the impact point, as panel.grading of a scene: "
-        "[[10, 1], [16, 2], [32, 4], \\[inf, 8]] takes a quarter of the time; docs/scatter.md has its error. "
-        "All of one side if not given.",
+        help="Sides of the elements by distance from the impact point, as panel.grading of a scene; docs/scatter.md "
+        "has an example, which takes a third of the time, and its error. All of one side if not given.",
         metavar="ZONES",
     ),
 ]
