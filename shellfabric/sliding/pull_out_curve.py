@@ -99,7 +99,7 @@ def follow(
 
     def record(running: PullOutSolver) -> None:
         slip, middle = running.slip, running.const.nj // 2
-        gone = int(grid(slip.pulled_out[0], running.panel)[:, middle].sum())
+        gone = int((grid(slip.removed[0], running.panel)[:, middle] > 0).sum())
         moved = float(slip.passed[0][running.node])
         rows.append((
             running.time, moved, running.load(), running.sliding_crossovers(), gone, float(slip.work[0])
