@@ -37,7 +37,7 @@ Constants = namedtuple(
 )
 State = namedtuple(
     "State",
-    "u v f mass dt_over_mass stiffness intact_fraction element_flag length viscous_force last_contact_force "
+    "u v f mass dt_over_mass stretch stiffness intact_fraction element_flag length viscous_force last_contact_force "
     "in_contact friction_state dv_other dv_contact force_scale contact_window f_contact contact_energy "
     "contact_scratch projectile_position projectile_velocity f_contact_nose active_rows counter energy_sums "
     "peak_elongation",
@@ -282,7 +282,7 @@ def at_rest(
     stiff = flat(share * stiffness[:, None, None])
     return State(
         u=np.zeros((3, slots)), v=np.zeros((3, slots)), f=np.zeros((3, slots)), mass=flat(mass),
-        dt_over_mass=flat(np.where(held, 0.0, inverse)), stiffness=stiff,
+        dt_over_mass=flat(np.where(held, 0.0, inverse)), stretch=np.zeros((2, 0)), stiffness=stiff,
         intact_fraction=(stiff > 0).astype(float),
         length=np.repeat(np.array([const.dx, const.dy])[:, None], slots, axis=1), viscous_force=np.zeros((2, slots)),
         element_flag=np.zeros(slots, np.uint8), f_contact=np.zeros((3, slots)), contact_energy=np.zeros(5),
