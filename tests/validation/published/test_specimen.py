@@ -12,7 +12,8 @@ from weavecell.analysis.biaxial_test.curves import at_ratio
 def test_specimen_measures_its_crossover():
     """Balanced weave, k = 1: within 0.5 % of the variational cell, 3 % of the source's form of it."""
     fabric = catalogue.load("glass-balanced")
-    done = pull_specimen(fabric, "k = 1", steps=6)
+    # five steps: the first of six is at 1e-4 of the strength, where yarns are slack and relaxation may not settle
+    done = pull_specimen(fabric, "k = 1", steps=5)
     strength = [yarn.strength for yarn in fabric.weave.yarns]
     assert done.strain[:, 0] == pytest.approx(done.strain[:, 1], abs=1e-5)
     assert done.difference(done.cell, strength) < 0.005

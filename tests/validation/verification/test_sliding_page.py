@@ -4,6 +4,7 @@ from math import inf, nan
 from pathlib import Path
 
 from validation.verification import sliding
+from validation.verification import sliding_pull_out as pulls
 
 PAGE = Path(__file__).parents[3] / "docs" / "sliding.md"
 
@@ -15,7 +16,8 @@ def made_up():
         "scaling": [[[0.01] * 5 for _ in sliding.SHARES] for _ in sliding.FABRICS],
         "stability": [(1e-4, "in flight", 0.0, 0.5) for _ in sliding.THRESHOLDS for _ in sliding.CFL],
         "cost": [(20.0, 100), (22.0, 100), *[(26.0, 150)] * len(sliding.MU)],
-        "pulled": [(1.0, 1e-4)] * len(sliding.CROSSINGS) * len(sliding.PULL_MU),
+        "pulled": [(1.0, 1e-4)] * len(pulls.CROSSINGS) * len(pulls.PULL_MU),
+        "under_load": [(1.0, 5.0, 1e-4)] * len(pulls.STIFFNESS) * len(pulls.COUNTS) * len(pulls.LOADS),
         "limit": limits,
     }
 
