@@ -26,7 +26,7 @@ def test_pinned_it_is_the_explicit_coupon(runs):
 
 @pytest.mark.parametrize("mu", [0.2, 0.1])
 def test_yarns_slip_where_friction_is_finite(runs, mu):
-    """How far does not depend on the coefficient alone: the contact force of flexible yarns vanishes at their free ends."""
+    """How far depends little on the coefficient: the contact force of flexible yarns vanishes at their free ends."""
     assert runs[mu].passed > 1e-4  # [m]
     assert runs[mu].friction_work > 0
     assert 0 < runs[mu].load[-1] < runs[inf].load[-1]
