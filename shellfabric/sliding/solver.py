@@ -15,7 +15,7 @@ from shellfabric.panel.solver import ENERGIES, OBSERVED, ClothSolver, PanelSolve
 from shellfabric.projectile import dynamics
 from shellfabric.sliding import step_kernels as kernels
 from shellfabric.sliding.flow_kernels import PULLED_OUT
-from shellfabric.sliding.model import SlidingPanel, grid
+from shellfabric.sliding.model import SlidingPanel, Slip, grid
 
 SLIP_WORK = ("crossover_friction", "crossover_stops", "slip_residual")  # of slip.work, see `slip_energy_kernels`
 STORED_FORCES = ("friction", "stop", "residual")  # of the last step, from which the work of the next is computed
@@ -38,6 +38,21 @@ class SlipSummary:
     largest_window: float
     pulled_out_segments: int
     friction_work: float
+
+    @classmethod
+    def of(cls, panel: Panel, state: Any, slip: Slip, share: float) -> SlipSummary:
+        """The summary of a ply, of which the part `share` is modelled."""
+        windows = [0.0]
+        for stretch, intact, side in zip(state.stretch, state.intact_fraction, panel.spacing):
+            whole = grid(intact, panel) > 0
+            if whole.any():
+                windows.append(float(side * grid(stretch, panel)[whole].max()))
+        return cls(
+            pulled_out_length=float(max(np.abs(passed).max() for passed in slip.passed)),
+            largest_window=max(windows),
+            pulled_out_segments=int(slip.counter[PULLED_OUT]),
+            friction_work=float(slip.work[0]) / share,
+        )
 
 
 class SlidingSolver(ClothSolver):
@@ -83,13 +98,8 @@ class SlidingSolver(ClothSolver):
 
     def observe(self) -> tuple[Sequence[float], Sequence[float]]:
         """See ExplicitSolver."""
-        (_, const, state), state_x = self.parts[0], self._states[1]
-        out = np.empty(5)
-        kernels.energies(self._states, const, self.slip, out)
-        ply = ply_audit.energies(const, state_x, self._rest[0])
-        place = {name: n for n, name in enumerate(ply_audit.ENERGIES)}
-        ply[place["kinetic_fabric"]] = out[0] + out[3]
-        ply[place["yarn_strain"]], ply[place["shear"]], ply[place["jamming"]] = out[1], out[2], out[4]
+        _, const, state = self.parts[0]
+        ply = ply_energies(self._states, const, self.slip, self._rest[0])
         *projectile, speed = dynamics.audit(self.state, const, state.f_contact_nose)
         own = self._observe_plies(np.array([ply.sum()]), np.array([state.f_contact_nose[2]]))
         self.ply_samples.append(own)
@@ -99,18 +109,7 @@ class SlidingSolver(ClothSolver):
 
     def summary(self) -> SlipSummary:
         """What the slip has come to so far."""
-        panel, state, slip = self.panel, self.state, self.slip
-        windows = [0.0]
-        for stretch, intact, side in zip(state.stretch, state.intact_fraction, panel.spacing):
-            whole = grid(intact, panel) > 0
-            if whole.any():
-                windows.append(float(side * grid(stretch, panel)[whole].max()))
-        return SlipSummary(
-            pulled_out_length=float(max(np.abs(passed).max() for passed in slip.passed)),
-            largest_window=max(windows),
-            pulled_out_segments=int(slip.counter[PULLED_OUT]),
-            friction_work=float(slip.work[0]) / self.share,
-        )
+        return SlipSummary.of(self.panel, self.state, self.slip, self.share)
 
     def checkpoint_identity(self) -> tuple[Any, str]:
         """See ExplicitSolver."""
@@ -119,11 +118,32 @@ class SlidingSolver(ClothSolver):
 
     def checkpoint_arrays(self) -> dict[str, Any]:
         """See ExplicitSolver."""
-        names = ("share", "inv_share", "x", "config", "q", "q_before", *STORED_FORCES, "removed", "passed")
-        found = {f"slip/{name}/{n}": part for name in names for n, part in enumerate(getattr(self.slip, name))}
-        found |= {f"slip/tail/{n}{m}": part for n, pair in enumerate(self.slip.tail) for m, part in enumerate(pair)}
-        found |= {f"slip/{name}": getattr(self.slip, name) for name in ("row_slips", "counter", "work")}
-        return super().checkpoint_arrays() | found
+        return super().checkpoint_arrays() | slip_arrays(self.slip, "slip")
+
+
+def ply_energies(states: tuple[Any, Any], const: Any, slip: Slip, rest: Any) -> FloatArray:
+    """(12,) [J] of a ply, as `ply_audit.energies`, with the energies of its slip.
+
+    Parameters
+    ----------
+    states : its state, and the same with the effective stretches in the place of the stretches
+    rest : of `ply_audit.energies`
+    """
+    out = np.empty(5)
+    kernels.energies(states, const, slip, out)
+    found = ply_audit.energies(const, states[1], rest)
+    place = {name: n for n, name in enumerate(ply_audit.ENERGIES)}
+    found[place["kinetic_fabric"]] = out[0] + out[3]
+    found[place["yarn_strain"]], found[place["shear"]], found[place["jamming"]] = out[1], out[2], out[4]
+    return found
+
+
+def slip_arrays(slip: Slip, folder: str) -> dict[str, Any]:
+    """{name in a checkpoint: array} of what a ply's slip has become."""
+    names = ("share", "inv_share", "x", "config", "q", "q_before", *STORED_FORCES, "removed", "passed")
+    found = {f"{folder}/{name}/{n}": part for name in names for n, part in enumerate(getattr(slip, name))}
+    found |= {f"{folder}/tail/{n}{m}": part for n, pair in enumerate(slip.tail) for m, part in enumerate(pair)}
+    return found | {f"{folder}/{name}": getattr(slip, name) for name in ("row_slips", "counter", "work")}
 
 
 def solver_of(panel: Panel, strike_velocity: float, end_time: float, **others: Any) -> PanelSolver | SlidingSolver:

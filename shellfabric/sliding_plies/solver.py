@@ -13,19 +13,15 @@ import numpy as np
 
 from fabrics.checks import FloatArray, IntArray
 from fabrics.errors import InputError
-from shellfabric.panel import ply_audit
 from shellfabric.panel.solver import OBSERVED
 from shellfabric.plies.model import Pack, lists
 from shellfabric.plies.solver import PACK_ENERGIES, PackSolver
 from shellfabric.projectile import dynamics
-from shellfabric.sliding import step_kernels as sliding_kernels
-from shellfabric.sliding.flow_kernels import PULLED_OUT
-from shellfabric.sliding.model import SlidingPanel, Slip, grid
-from shellfabric.sliding.solver import SLIP_WORK, STORED_FORCES, SlipSummary
+from shellfabric.sliding.model import SlidingPanel, Slip
+from shellfabric.sliding.solver import SLIP_WORK, SlipSummary, ply_energies, slip_arrays
 from shellfabric.sliding_plies import step_kernels as kernels
 
 SLIDING_PACK_ENERGIES = (*PACK_ENERGIES[:-1], *SLIP_WORK, "error")
-_SLIP_ARRAYS = ("share", "inv_share", "x", "config", "q", "q_before", *STORED_FORCES, "removed", "passed")
 
 
 class SlidingPack(Pack):
@@ -105,13 +101,7 @@ class SlidingPackSolver(PackSolver):
         _, const, state = self.parts[ply]
         loaded = self._loaded_state(ply)
         effective = loaded._replace(stretch=state.stretch), loaded._replace(stretch=self.slips[ply].x)
-        out = np.empty(5)
-        sliding_kernels.energies(effective, const, self.slips[ply], out)
-        found = ply_audit.energies(const, effective[1], self._rest[ply])
-        place = {name: n for n, name in enumerate(ply_audit.ENERGIES)}
-        found[place["kinetic_fabric"]] = out[0] + out[3]
-        found[place["yarn_strain"]], found[place["shear"]], found[place["jamming"]] = out[1], out[2], out[4]
-        return found
+        return ply_energies(effective, const, self.slips[ply], self._rest[ply])
 
     def observe(self) -> tuple[Sequence[float], Sequence[float]]:
         """See ExplicitSolver."""
@@ -129,18 +119,8 @@ class SlidingPackSolver(PackSolver):
 
     def slip_summaries(self) -> tuple[SlipSummary, ...]:
         """(plies,) what the slip of each ply has come to so far."""
-        found = []
-        for panel, state, slip in zip(self.pack.plies, self.states, self.slips):
-            windows = [0.0]
-            for stretch, intact, side in zip(state.stretch, state.intact_fraction, panel.spacing):
-                whole = grid(intact, panel) > 0
-                if whole.any():
-                    windows.append(float(side * grid(stretch, panel)[whole].max()))
-            longest = float(max(np.abs(passed).max() for passed in slip.passed))
-            found.append(
-                SlipSummary(longest, max(windows), int(slip.counter[PULLED_OUT]), float(slip.work[0]) / self.share)
-            )
-        return tuple(found)
+        plies = zip(self.pack.plies, self.states, self.slips)
+        return tuple(SlipSummary.of(panel, state, slip, self.share) for panel, state, slip in plies)
 
     def checkpoint_identity(self) -> tuple[Any, str]:
         """See ExplicitSolver."""
@@ -151,11 +131,7 @@ class SlidingPackSolver(PackSolver):
         """See ExplicitSolver."""
         found: dict[str, Any] = {}
         for p, slip in enumerate(self.slips):
-            for name in _SLIP_ARRAYS:
-                found |= {f"slip/{p:02d}/{name}/{n}": part for n, part in enumerate(getattr(slip, name))}
-            for n, pair in enumerate(slip.tail):
-                found |= {f"slip/{p:02d}/tail/{n}{m}": part for m, part in enumerate(pair)}
-            found |= {f"slip/{p:02d}/{name}": getattr(slip, name) for name in ("row_slips", "counter", "work")}
+            found |= slip_arrays(slip, f"slip/{p:02d}")
         return super().checkpoint_arrays() | found
 
 
