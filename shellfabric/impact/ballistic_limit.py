@@ -279,7 +279,7 @@ def _round_trip(panel):
 
 
 def _fire(panel, velocity, give_up, stops_below=0.0):
-    quiet = _round_trip(panel)
+    quiet = _round_trip(panel) if stops_below > 0 else 0.0
 
     def hook(solver):
         if give_up is not None and give_up.is_set():
