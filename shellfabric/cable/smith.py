@@ -111,7 +111,7 @@ def strike(
     Strain and tension are the mean of the plateau between the waves; c is where the strain is half of that; U follows
     from the area under the deflected yarn, which is a triangle of the base U t and the height V t; the force is the
     mean over the second half of the run. The crimp of the yarn is left out, and so is its failure; without crimp no bar
-    snaps taut, and the default of the Courant factor is twice that of the net.
+    goes from slack to taut, and the default of the Courant factor is twice that of the net.
 
     Raises
     ------

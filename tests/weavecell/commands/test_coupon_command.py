@@ -79,11 +79,11 @@ def test_a_frame_gives_back_the_shear_law(command, scene, tmp_path):
     assert sorted(path.name for path in folder.iterdir()) == everything
     assert sorted(path.stem for path in (folder / "pictures").iterdir()) == ["coupon", "relaxation", "stress"]
     assert (folder / "report.html").read_text().count("<img") == 4
-    told = json.loads((folder / "summary.json").read_text())
+    summary = json.loads((folder / "summary.json").read_text())
     law = catalogue.load("S-720").shear.stress(math.radians(24))
-    assert told["at_end"]["shear stress"] == {"value": pytest.approx(law, rel=2e-3), "unit": "Pa"}
-    assert told["outcome"] == "complete"
-    assert told["provenance"]["commit"]
+    assert summary["at_end"]["shear stress"] == {"value": pytest.approx(law, rel=2e-3), "unit": "Pa"}
+    assert summary["outcome"] == "complete"
+    assert summary["provenance"]["commit"]
     assert "shear stress" in out
     with h5py.File(folder / "histories.h5") as file:
         assert file["states/x"].shape == (4, 25, 2)
@@ -119,9 +119,9 @@ def test_yarns_that_resist_bending_are_held_by_the_pre_tension(command, scene, t
     for tension in ("5 N", "10 N"):
         code, _, err = command("coupon", scene(text + f'pre_tension = "{tension}"\n'), "--out", tension[:-2])
         assert code == 0, err
-        told = json.loads((tmp_path / tension[:-2] / "summary.json").read_text())
-        loads.append(told["peak_load_N"])
-    assert told["yarn_bending_N_m2"] == 1e-8
+        summary = json.loads((tmp_path / tension[:-2] / "summary.json").read_text())
+        loads.append(summary["peak_load_N"])
+    assert summary["yarn_bending_N_m2"] == 1e-8
     assert 0 < loads[0] < loads[1]
 
 
@@ -156,12 +156,12 @@ def test_a_pulled_yarn_meets_its_closed_forms(command, scene, tmp_path):
         "histories.h5", "load.csv", "pictures", "report.html", "scene.toml", "summary.json",
     ]  # fmt: skip
     assert [path.name for path in (folder / "pictures").iterdir()] == ["load.svg"]
-    told = json.loads((folder / "summary.json").read_text())
-    assert (told["test"], told["outcome"], told["checks"]["status"]) == ("pull_out", "complete", "ok")
-    assert told["plateau_load_N"] == pytest.approx(10 * 0.5, rel=0.02)
-    assert told["peak_load_N"] > told["plateau_load_N"]
-    assert told["slip_length_m"] == pytest.approx(10 * 2 * catalogue.load("S-726").weave.w1)
-    assert told["crossovers_left"] == 1  # beyond half a spacing, and the stretch of the yarn
+    summary = json.loads((folder / "summary.json").read_text())
+    assert (summary["test"], summary["outcome"], summary["checks"]["status"]) == ("pull_out", "complete", "ok")
+    assert summary["plateau_load_N"] == pytest.approx(10 * 0.5, rel=0.02)
+    assert summary["peak_load_N"] > summary["plateau_load_N"]
+    assert summary["slip_length_m"] == pytest.approx(10 * 2 * catalogue.load("S-726").weave.w1)
+    assert summary["crossovers_left"] == 1  # beyond half a spacing, and the stretch of the yarn
     assert "plateau load" in out
     head, *rows = (folder / "load.csv").read_text().splitlines()
     assert head.startswith("time [s],displacement of the crosshead [m],load [N],crossovers in slip [1]")
@@ -184,10 +184,10 @@ def test_bands_end_the_run_and_are_reported(command, scene, tmp_path):
     assert code == 3
     assert "error: the shear has run into bands" in err
     assert "unstable" in out
-    told = json.loads((tmp_path / "r" / "summary.json").read_text())
-    assert told["outcome"] == "unstable"
-    assert told["at_end"]["shear concentration"]["value"] > 3
-    assert told["failure_message"] in (tmp_path / "r" / "report.html").read_text()
+    summary = json.loads((tmp_path / "r" / "summary.json").read_text())
+    assert summary["outcome"] == "unstable"
+    assert summary["at_end"]["shear concentration"]["value"] > 3
+    assert summary["failure_message"] in (tmp_path / "r" / "report.html").read_text()
     assert len(datasets(tmp_path / "r" / "histories.h5")) > 20
 
 
@@ -300,9 +300,9 @@ def test_examples_are_good_scenes(path):
 )
 def test_examples_run(command, tmp_path, path):
     code, _, err = command("coupon", path, "--out", "r")
-    told = json.loads((tmp_path / "r" / "summary.json").read_text())
-    assert (code == 3) == (told["outcome"] == "unstable") == (path.stem in UNSTABLE), err
-    assert code or told.get("residual_max", 0.0) <= scenes_coupon.TOLERANCE
+    summary = json.loads((tmp_path / "r" / "summary.json").read_text())
+    assert (code == 3) == (summary["outcome"] == "unstable") == (path.stem in UNSTABLE), err
+    assert code or summary.get("residual_max", 0.0) <= scenes_coupon.TOLERANCE
 
 
 def test_a_cross_carries_what_its_cell_does(command, scene, tmp_path):
