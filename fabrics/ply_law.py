@@ -12,13 +12,17 @@ that A_d / rho_f is the thickness of a solid sheet of its fibre.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from fabrics.assumed import with_solid_laws
 from fabrics.checks import FloatArray, positive
 from fabrics.errors import InputError
+from fabrics.fabric import Fabric
+
+_SOLID_TRAVEL = 1e-6  # [m] to the one sample of a law without travel, which is a straight line anyway
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,7 +57,52 @@ class PlyLaw:
                 raise InputError(key=key, value=f"{column.size} values", allowed="at least 2, as many of both")
             if not np.all(np.isfinite(column)) or column[0] != 0 or not np.all(np.diff(column) > 0):
                 row = int(np.argmin(np.diff(column) > 0)) + 2
-                raise InputError(key=key, value=f"row {row}", allowed="finite, 0 in the first row and rising from row to row")
+                raise InputError(
+                    key=key, value=f"row {row}", allowed="finite, 0 in the first row and rising from row to row"
+                )
+
+    @classmethod
+    def solid(cls, fabric: Fabric) -> PlyLaw:
+        """Solid fibre from the first touch on: the law of a fabric of which no travel is known, "assumed".
+
+        Between the two faces of a ply lie its warp and its weft, each as a solid sheet of its mass, in series:
+
+            1 / K = sum over both of A / (rho_f E_c)
+
+        with A = areal density of one yarn family.
+
+        Raises
+        ------
+        InputError : no transverse modulus, given or of a known family of fibres (`fabrics.assumed`)
+        """
+        weave, laws = fabric.weave, with_solid_laws(fabric).solid_laws
+        assert laws is not None
+        give = sum(
+            length * yarn.linear_density / weave.cell_area / (yarn.fibre_density * law.E_c)
+            for length, yarn, law in zip(weave.S0, weave.yarns, laws)
+        )
+        samples = np.array([0.0, _SOLID_TRAVEL])
+        return cls(samples, samples / give, 1 / give, "solid fibre, E_c rho_f / areal density", "assumed")
+
+    def between(self, other: PlyLaw) -> PlyLaw:
+        """The law of a ply of this fabric on one of another: half of the closure of each at every pressure."""
+        if other is self:
+            return self
+        pressure = np.union1d(self.pressure, other.pressure)
+        closure = 0.5 * (self.closure_at(pressure) + other.closure_at(pressure))
+        stiffness = 2 / (1 / self.stiffness + 1 / other.stiffness)
+        source = self.source if self.source == other.source else f"half each: {self.source}; {other.source}"
+        status = self.status if self.status == other.status else f"{self.status}, {other.status}"
+        return PlyLaw(closure, pressure, stiffness, source, status)
+
+    def scaled(self, factor: float) -> PlyLaw:
+        """The law with `factor` times the pressure at every closure."""
+        return replace(self, pressure=factor * self.pressure, stiffness=factor * self.stiffness)
+
+    @property
+    def steepest(self) -> float:
+        """[Pa/m] highest slope of the law, which bounds the time step of explicit springs."""
+        return max(self.stiffness, float(np.max(np.diff(self.pressure) / np.diff(self.closure))))
 
     @property
     def travel(self) -> float:
@@ -65,6 +114,12 @@ class PlyLaw:
         d = np.asarray(closure, float)
         beyond = np.maximum(d - self.travel, 0.0)
         return np.interp(d, self.closure, self.pressure) + self.stiffness * beyond
+
+    def closure_at(self, pressure: ArrayLike) -> FloatArray:
+        """Closure [m] at a pressure [Pa]; the inverse of `pressure_at`."""
+        p = np.asarray(pressure, float)
+        beyond = np.maximum(p - self.pressure[-1], 0.0)
+        return np.interp(p, self.pressure, self.closure) + beyond / self.stiffness
 
     def energy_at(self, closure: ArrayLike) -> FloatArray:
         """Energy per area [J/m2] stored at a closure [m]: the integral of the pressure."""
