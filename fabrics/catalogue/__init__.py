@@ -1,12 +1,13 @@
 """The catalogue: fabrics as data files, one TOML file each, every number with its unit, source and status.
 
 A number is written `{ value = "1420 denier", source = "...", status = "measured" }`, or just `"1420 denier"` in a
-user's own file. Statuses: measured, fitted, derived, assumed, corrected (a misprint of the thesis, put right).
+user's own file. Statuses: measured, computed, fitted, derived, assumed, corrected (a misprint of the thesis, put right).
 """
 
 from __future__ import annotations
 
 import tomllib
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
@@ -14,13 +15,13 @@ from fabrics.checks import FilePath
 from fabrics.compression import CompressionLaw
 from fabrics.errors import InputError
 from fabrics.fabric import Fabric
+from fabrics.ply_law import STATUSES, PlyLaw
 from fabrics.solid import SolidLaw
 from fabrics.trellis import TrellisShear
 from fabrics.units import si
 from fabrics.weave import Weave
 from fabrics.yarn import Yarn
 
-STATUSES = ("measured", "fitted", "derived", "assumed", "corrected", "user")
 _FOLDER = Path(__file__).parent
 
 _YARN = {"crimp": "", "count": "1/m", "fibre_density": "kg/m^3", "modulus": "Pa", "failure_strain": ""}
@@ -92,13 +93,14 @@ class _Reader:
             "weft",
             "compression",
             "shear",
+            "ply_contact",
         )
         self._known(self.content, (*allowed, "solid", "micrograph"), "")
         warp, weft = (self._yarn(family) for family in ("warp", "weft"))
         weave = self._build(Weave, "", warp, weft, *(self._number(f"{f}.count", "1/m") for f in ("warp", "weft")))
         effective = [self._number(f"{f}.effective_linear_density", "kg/m", True) for f in ("warp", "weft")]
         warp_width, weft_width = (self._number(f"{f}.width", "m", True) for f in ("warp", "weft"))
-        return self._build(
+        fabric = self._build(
             Fabric,
             "",
             name=self._text("name", self.path.stem),
@@ -114,6 +116,11 @@ class _Reader:
             sources=self.sources,
             yarn_width=(warp_width, weft_width),
         )
+        if not self._has("ply_contact"):
+            return fabric
+        law = PlyLaw.from_table(self._find("ply_contact"), fabric, self.path)
+        self.sources["ply_contact"] = {"value": law.words(), "source": law.source, "status": law.status}
+        return replace(fabric, ply_contact=law)
 
     def _yarn(self, family):
         if not self._has(family):

@@ -12,6 +12,7 @@ from fabrics.checks import FilePath
 from fabrics.errors import InputError, UnstableError
 from fabrics.executors import as_done, open_executor
 from fabrics.fabric import Fabric
+from fabrics.ply_law import PlyLaw
 from fabrics.variants import with_linear_density
 from weavecell.api import quantities
 from weavecell.api.results import CriticalVelocityResult, ShotResult, SweepResult
@@ -64,7 +65,7 @@ def fabric(name: FilePath, *, linear_density: str = "effective") -> Fabric:
 def setup(
     fabric: Fabric | FilePath, velocity: float | str, *, law: Any = None, projectile: Any = None,
     opening: Any = 0.203, plies: int = 1, stacking: str = "aligned", ply_gap: float | str | None = None,
-    ply_friction: float = 0.0,
+    ply_contact: PlyLaw | FilePath | None = None, ply_friction: float = 0.0,
     end_time: float | str = 800e-6, snapshot_interval: float | str | None = None, **options: Any,
 ) -> ImpactSetup | PackSetup:  # fmt: skip
     """The set-up of one impact, for `sweep` or `shellfabric`.
@@ -81,6 +82,8 @@ def setup(
     plies : number
     stacking : "aligned" or "alternating", of a pack
     ply_gap : [m] between plies at rest; None takes the fabric's
+    ply_contact : contact law of plies: PlyLaw, "solid", "pressure_law", or the path of a law.json or CSV file; None
+        takes that of the fabric (`fabrics.ply_law.PlyLaw.of`)
     ply_friction : [-] Coulomb's coefficient between plies
     end_time : [s] at the latest
     snapshot_interval : [s] between the shapes for `to_vtk`; None for the last alone
@@ -106,6 +109,8 @@ def setup(
         raise InputError(key=unknown[0], value=options[unknown[0]], allowed=f"one of {known}")
     if options.get("surface") is None and options.get("cell_model", "compressible") == "compressible":
         options["laws"] = quantities.laws(cloth, options.get("laws") if law is None else law)
+    if ply_contact is not None:
+        cloth = replace(cloth, ply_contact=PlyLaw.chosen(ply_contact, cloth))
     ply = ImpactSetup(
         fabric=cloth, strike_velocity=_above_zero(velocity, "m/s", "velocity"),
         projectile=quantities.projectile(projectile), opening=quantities.lengths(opening, "opening"),

@@ -268,7 +268,8 @@ def page(this: Case, record: PackRecord, sections: Sequence[Section], stamp: dic
     return report_page.Report(
         record.title,
         f"{record.count} plies of {record.fabric}, {record.stacking}, {1e3 * record.gaps[0]:.3g} mm apart, "
-        f"{words.panel_in_words(panel)}, struck at {shot.strike_velocity:g} m/s by {words.shot_in_words(shot)}.",
+        f"{words.panel_in_words(panel)}, struck at {shot.strike_velocity:g} m/s by {words.shot_in_words(shot)}. "
+        f"{_contact(record)}.",
         (cards,),
         (
             *sections,
@@ -280,8 +281,15 @@ def page(this: Case, record: PackRecord, sections: Sequence[Section], stamp: dic
     )
 
 
+def _contact(record):
+    """The contact law of plies in words."""
+    travel = f"travel {1e6 * record.ply_contact_travel:.3g} um, then solid fibre"
+    return f"Contact of plies: {record.ply_contact_source} ({record.ply_contact_status}), {travel}"
+
+
 def _tell(record, out):
     print(f"{record.title}: {record.outcome}, {chapters.residual(record)}")
+    print(_contact(record))
     failed = ", ".join(f"{count:g}" for count in record.plies["failed_yarns"][-1])
     print(f"failed yarn segments by ply: {failed}")
     print(

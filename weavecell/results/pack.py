@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from fabrics.ply_law import PlyLaw
 from weavecell.results import keys
 from weavecell.results.hdf5_file import put
 from weavecell.results.impact_base import BaseRecord, Shape, read_shape, tensions, write_shape
@@ -47,6 +48,8 @@ class PackRecord(BaseRecord):
     Parameters
     ----------
     stacking : "aligned" or "alternating"
+    ply_contact_source, ply_contact_status : of the contact law of plies
+    ply_contact_travel : [m] its closure before solid fibre is pressed
     plies : {name: (n, plies)} with the names of shellfabric.panel.solver.PLY_SAMPLES
     z_rest, thickness : (plies,) [m] middle surfaces at rest, and thickness
     gaps : (plies - 1,) [m]
@@ -59,9 +62,17 @@ class PackRecord(BaseRecord):
     """
 
     KIND = "pack"
-    OWN_SCALARS = {"stacking": "stacking"}  # noqa: RUF012
+    OWN_SCALARS = {  # noqa: RUF012
+        "stacking": "stacking",
+        "ply_contact_source": "ply_contact_source",
+        "ply_contact_status": "ply_contact_status",
+        "ply_contact_travel": "ply_contact_travel_m",
+    }
 
     stacking: str
+    ply_contact_source: str
+    ply_contact_status: str
+    ply_contact_travel: float
     plies: dict
     z_rest: np.ndarray
     thickness: np.ndarray
@@ -86,10 +97,12 @@ class PackRecord(BaseRecord):
 
         pack, (_, mirror_y) = result.pack, result.mirrored
         before = [shots for shots in result.snapshots if shots[0].t < result.last[0].t]
+        law = PlyLaw.of(result.setup.ply.fabric)
         return cls._of(
             result, result.setup.ply, title, law_name, message, elements=pack.elements,
             strength=np.array([[yarn.strength for yarn in one.weave.yarns] for one in pack.plies]),
-            stacking=result.setup.stacking, plies=dict(result.plies), z_rest=pack.places,
+            stacking=result.setup.stacking, ply_contact_source=law.source, ply_contact_status=law.status,
+            ply_contact_travel=law.travel, plies=dict(result.plies), z_rest=pack.places,
             thickness=np.array([one.weave.thickness for one in pack.plies]), gaps=np.array(pack.gaps),
             max_penetration_ratio=result.deepest, torn_contact=result.held_apart,
             shapes=tuple(Shape.of(shot) for shot in result.last), quads=tuple(quads(one) for one in pack.plies),
