@@ -1,7 +1,7 @@
 """The catalogue: fabrics as data files, one TOML file each, every number with its unit, source and status.
 
 A number is written `{ value = "1420 denier", source = "...", status = "measured" }`, or just `"1420 denier"` in a
-user's own file. Statuses: measured, computed, fitted, derived, assumed, corrected (a misprint of the thesis, put right).
+user's own file. Statuses: measured, computed, fitted, derived, assumed, corrected (a misprint of the thesis).
 """
 
 from __future__ import annotations

@@ -5,8 +5,7 @@ section 5.2.3, Figure 5-55). A turned ply is the panel of the fabric with its wa
 which yarn is on top, and each ply has its own grid.
 
 Gap. Play between the faces of plies at rest; their middle surfaces are the mean thickness and the gap apart (erratum
-E-35). `gap.compression_gap` has it from the pressure law of packs: with closures d of a pack of N plies and of one ply
-between the same loads, (d_N - d_1) / (N - 1) (thesis eqs. 5-1 to 5-4, constants by erratum E-02).
+E-35). By default it is what tests of packs close and the law of the contact does not (`gap.fabric_gap`).
 
 Contact. Two plies press on each other by a law of pressure against closure (`fabrics.ply_law`), the same on every mesh.
 The nose presses on half a ply of solid fibre: twice the stiffness of two half plies.
@@ -59,7 +58,7 @@ class Pack:
     gaps : (plies - 1,) [m] at rest
     contact : PlyContact
     friction : [-] Coulomb's coefficient between plies; torn cloth is held apart without friction
-    laws : (plies - 1,) PlyLaw, pressure against closure of each ply on the next; none: solid fibre of their fabrics
+    laws : (plies - 1,) PlyLaw, pressure against closure of each ply on the next; none: those of their fabrics
 
     Raises
     ------
@@ -81,7 +80,7 @@ class Pack:
             if not 0 <= gap < inf:
                 raise InputError(key="gap", value=gap, allowed="at least 0")
         if not self.laws:
-            own = {id(ply): PlyLaw.solid(ply.fabric) for ply in self.plies[: len(self.plies) if self.gaps else 0]}
+            own = {id(ply): PlyLaw.of(ply.fabric) for ply in self.plies[: len(self.plies) if self.gaps else 0]}
             laws = tuple(own[id(a)].between(own[id(b)]) for a, b in zip(self.plies, self.plies[1:]))
             object.__setattr__(self, "laws", laws)
         if len(self.laws) != len(self.gaps):
@@ -108,9 +107,9 @@ class Pack:
         ply : Panel, the first
         plies : their number
         stacking : "aligned" or "alternating"
-        gap : [m] between all plies; None takes the fabric's own, or that of `compression_gap`
+        gap : [m] between all plies; None takes `fabric_gap`
         contact, friction : as of a Pack
-        law : PlyLaw of two of these plies; None: solid fibre
+        law : PlyLaw of two of these plies; None takes that of the fabric (`PlyLaw.of`)
 
         Raises
         ------
@@ -120,10 +119,11 @@ class Pack:
             raise InputError(key="plies", value=plies, allowed="at least 1")
         if stacking not in STACKINGS:
             raise InputError(key="stacking", value=stacking, allowed=" or ".join(STACKINGS))
+        law = law or (PlyLaw.of(ply.fabric) if plies > 1 else None)
         if gap is None:
-            gap = fabric_gap(ply.fabric) if plies > 1 else 0.0
+            gap = fabric_gap(ply.fabric, law) if plies > 1 else 0.0
         both = (ply, turned(ply) if stacking == "alternating" and plies > 1 else ply)
-        laws = (law or PlyLaw.solid(ply.fabric),) * (plies - 1) if plies > 1 else ()
+        laws = (law,) * (plies - 1) if law else ()
         stack = tuple(both[n % 2] for n in range(plies))
         return cls(stack, (gap,) * (plies - 1), contact or PlyContact(), friction, laws)
 

@@ -82,7 +82,7 @@ def test_csv_and_law_json(tmp_path, fabric):
     assert PlyLaw.held_by(tmp_path / "law.json")
     CompressionLaw(4e-5, 5e-5).to_json(tmp_path / "old.json")
     assert not PlyLaw.held_by(tmp_path / "old.json")
-    with pytest.raises(InputError, match="old.json: has no ply_contact"):
+    with pytest.raises(InputError, match=r"old\.json: has no ply_contact"):
         PlyLaw.read(tmp_path / "old.json", fabric)
 
 

@@ -14,7 +14,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fabrics.ply_law import PlyLaw
 from weavecell.results import keys
 from weavecell.results.hdf5_file import put
 from weavecell.results.impact_base import BaseRecord, Shape, read_shape, tensions, write_shape
@@ -97,7 +96,7 @@ class PackRecord(BaseRecord):
 
         pack, (_, mirror_y) = result.pack, result.mirrored
         before = [shots for shots in result.snapshots if shots[0].t < result.last[0].t]
-        law = PlyLaw.of(result.setup.ply.fabric)
+        law = pack.laws[0]
         return cls._of(
             result, result.setup.ply, title, law_name, message, elements=pack.elements,
             strength=np.array([[yarn.strength for yarn in one.weave.yarns] for one in pack.plies]),

@@ -147,6 +147,7 @@ OF_THE_RUN = {
     "panel.plies",
     "panel.stacking",
     "panel.ply_gap",
+    "panel.ply_contact",
     "panel.ply_friction",
     "history.report_positions",
 }
