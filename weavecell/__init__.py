@@ -20,6 +20,7 @@ __all__ = [
     "CalibrationResult",
     "CouponResult",
     "CriticalVelocityResult",
+    "DrawsResult",
     "InputError",
     "Result",
     "ShotResult",
@@ -30,6 +31,7 @@ __all__ = [
     "calibrate",
     "coupon",
     "critical_velocity",
+    "draws",
     "fabric",
     "fabrics",
     "setup",
@@ -42,8 +44,8 @@ _MODULES = {
     "weavecell.api.quasi_static": ("calibrate", "coupon"),
     "weavecell.api.quasi_static_results": ("CalibrationResult", "CouponResult"),
     "weavecell.api.result": ("Result",),
-    "weavecell.api.results": ("CriticalVelocityResult", "ShotResult", "SweepResult"),
-    "weavecell.api.runs": ("critical_velocity", "fabric", "fabrics", "setup", "shoot", "sweep"),
+    "weavecell.api.results": ("CriticalVelocityResult", "DrawsResult", "ShotResult", "SweepResult"),
+    "weavecell.api.runs": ("critical_velocity", "draws", "fabric", "fabrics", "setup", "shoot", "sweep"),
     "fabrics.errors": ("InputError", "UndecidedError", "UnstableError"),
 }
 

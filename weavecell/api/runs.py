@@ -15,13 +15,13 @@ from fabrics.fabric import Fabric
 from fabrics.ply_law import PlyLaw
 from fabrics.variants import with_linear_density
 from weavecell.api import quantities
-from weavecell.api.results import CriticalVelocityResult, ShotResult, SweepResult
+from weavecell.api.results import CriticalVelocityResult, DrawsResult, ShotResult, SweepResult
 
 if TYPE_CHECKING:
     from shellfabric.impact.pack import PackSetup
     from shellfabric.impact.single_ply import ImpactSetup
 
-__all__ = ["critical_velocity", "fabric", "fabrics", "setup", "shoot", "sweep"]
+__all__ = ["critical_velocity", "draws", "fabric", "fabrics", "setup", "shoot", "sweep"]
 
 _CURVE = (1.03, 2.0)  # first and last shot of the residual velocities, times the highest stop or bracket's end
 
@@ -187,6 +187,40 @@ def sweep(
         for index, (shot, _) in as_done(pool, _fire, given, jobs=jobs):
             found[index] = shot
     return SweepResult(tuple(found[index] for index in range(len(given))))
+
+
+def draws(
+    setup: ImpactSetup | PackSetup, count: int, *, shape: float | None = None, seed: int = 1,
+    folder: FilePath | None = None, jobs: int = 1, executor: str | Executor = "local",
+) -> DrawsResult:  # fmt: skip
+    """Fire at `count` whole panels or packs, each yarn with a strength of its own.
+
+    Parameters
+    ----------
+    setup : of `setup`; its symmetry and what it records are not used
+    shape : Weibull shape of the strengths; None takes that of weavecell/analysis/uncertainty/inputs.toml
+    seed : of all that is drawn
+    folder : where finished draws are kept and taken from; None keeps none
+    jobs, executor : as of `sweep`
+
+    Returns
+    -------
+    DrawsResult; unstable draws count in no estimate
+
+    Raises
+    ------
+    InputError : a set-up that cannot be run, fewer than two draws, or yarns that do not fail
+    """
+    from tempfile import TemporaryDirectory
+
+    from weavecell.analysis.uncertainty import draws as analysis
+    from weavecell.analysis.uncertainty import inputs
+
+    scatter = inputs.published() if shape is None else replace(inputs.published(), shape=shape)
+    with TemporaryDirectory() as spare:
+        kept = spare if folder is None else folder
+        found = analysis.study(setup, scatter, count, folder=kept, seed=seed, jobs=jobs, executor=executor)
+    return DrawsResult(found)
 
 
 def _fire(given):

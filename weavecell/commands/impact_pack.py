@@ -95,7 +95,7 @@ def impact(
         pack = build.pack_setup(setup, scene.panel)
         (record, snapshots, failure), choice, pair = fidelity.run(scene, pack, shoot, uncertainty)
     except InputError as problem:
-        raise _in_file(problem, path) from None
+        raise in_file(problem, path) from None
     with progress.bar("Writing results") as advance:
         write(out, this, record, snapshots, text, advance, choice, pair)
     for checkpoint in out.glob("checkpoint*.h5"):
@@ -125,7 +125,7 @@ def fire(
     return PackRecord.of(result, title, this.law_name, str(failure or "")), result.snapshots, failure, result
 
 
-def _in_file(problem, path):
+def in_file(problem: InputError, path: Path) -> InputError:
     """An InputError of the pack, with the scene's file and key in it."""
     if problem.file is None and problem.key in _OF_PANEL:
         key = {"gap": "ply_gap"}.get(problem.key, problem.key)
