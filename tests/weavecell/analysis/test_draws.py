@@ -124,7 +124,7 @@ def test_command(tmp_path, monkeypatch, capsys):
     told = capsys.readouterr().out
     assert "probability of perforation" in told
     out = tmp_path / "results" / "scene-draws"
-    rows = list(csv.DictReader(open(out / "draws.csv")))
+    rows = list(csv.DictReader((out / "draws.csv").read_text().splitlines()))
     assert [row["number"] for row in rows] == ["0", "1", "2"]
     summary = json.loads((out / "summary.json").read_text())
     values = [float(row["residual velocity [m/s]"]) for row in rows]
@@ -134,7 +134,7 @@ def test_command(tmp_path, monkeypatch, capsys):
     before = sorted((out / "runs").iterdir())
     assert call("impact", "scene.toml", "--draws", 4, "--seed", 4, "--jobs", 2, "--resume") == 0
     assert set(before) < set((out / "runs").iterdir())
-    assert list(csv.DictReader(open(out / "draws.csv")))[:3] == rows
+    assert list(csv.DictReader((out / "draws.csv").read_text().splitlines()))[:3] == rows
 
 
 @pytest.mark.parametrize(
