@@ -1,121 +1,343 @@
-"""Convergence of packs of four plies with the mesh.
+"""Convergence of packs: critical velocity, peak tensions, absorbed energy and failure times, with the mesh and one key
+at a time.
 
-    python -m validation.verification.mesh_convergence.packs [FABRIC ...] [--out FOLDER] [--page docs/convergence.md]
+    python -m validation.verification.mesh_convergence.packs [--fabrics F ...] [--plies N ...] [--levels N ...]
+        [--variations NAME ...] [--budget HOURS] [--draws N] [--list] [--jobs N] [--out FOLDER] [--page FILE.md]
 
 The mesh of level n has elements with sides of 1/n crossover to f crossovers from the impact point, all that can come
-under the nose, then of one crossover to 2 f, and of two beyond. All levels share the outer mesh. A shot that is stopped
-gives the highest tensions of warp and weft in any ply, a fast one its residual velocity and absorbed energy. Limit,
-order and uncertainty are those of one ply (`study`). Runs are kept in the folder.
+under the nose, then of one crossover to 2 f, and of two beyond; all levels share the outer mesh. For each case:
+
+- the critical velocity is bisected, and further shots about the bracket look for mixed outcomes;
+- a shot at 0.7 times the critical velocity of the reference level gives the highest tensions of warp and weft;
+- a shot at 1.5 times it gives the absorbed energy and the time at which each ply first fails;
+- with --draws the last is repeated at drawn strengths of yarn, for a mean with its standard error.
+
+Every shot is kept in the folder as soon as it is done, so that the study can be interrupted and done in parts: cases
+run from the cheapest on, those beyond the budget are left, and the page has what there is. --list prints the estimated
+cost of each case.
 """
 
 from __future__ import annotations
 
 import argparse
+import time
+import tomllib
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import cache
-from math import ceil, inf
+from importlib import resources
+from math import ceil, inf, isfinite
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import Any
+
+import numpy as np
 
 from fabrics import catalogue, run_cache
-from fabrics.errors import InputError, run_program
+from fabrics.errors import InputError, UnstableError, run_program
+from fabrics.ply_law import PlyLaw
+from fabrics.units import si
+from shellfabric.impact import pack as impact_pack
 from shellfabric.impact.ballistic_limit import UNDECIDED
+from shellfabric.impact.bracket import Bracket
+from shellfabric.impact.pack import PackSetup
 from shellfabric.impact.single_ply import ImpactSetup
 from shellfabric.panel.numerics import Numerics
-from shellfabric.plies.model import Pack
-from shellfabric.plies.solver import PackSolver
-from validation.verification.mesh_convergence.study import LEVELS, Quantity, quantity
-from validation.verification.mesh_convergence.tables import counts, table
+from shellfabric.plies.gap import fabric_gap
+from shellfabric.plies.numerics import PlyContact
+from validation.verification.mesh_convergence.packs_page import pages
+from weavecell.analysis.uncertainty import draws, inputs
 from weavecell.report.marked_page import put
 from weavecell.results import provenance
 
-if TYPE_CHECKING:
-    from shellfabric.panel.model import Panel
+LEAST = 10  # [crossovers] of the first zone
+SEARCH = 20.0, 900.0  # [m/s] for the critical velocity
+RATE = 4e-4  # [s] of a shot over its weight, before there is one to go by
+MARKS = "<!-- tables of mesh_convergence.packs -->", "<!-- end of packs -->"
+NAME = "python -m validation.verification.mesh_convergence.packs"
 
-PLIES, LEAST = 4, 10  # LEAST [crossovers] of the first zone
-# [m/s] a shot that the thesis captions as stopped by four plies, and one well above the critical velocity of all meshes
-STRIKES = {"S-726": (158.0, 300.0), "S-728": (91.0, 300.0), "S-731": (136.0, 400.0)}
-MARKS = "<!-- table of mesh_convergence.packs -->", "<!-- end of packs -->"
+
+@dataclass(frozen=True)
+class Case:
+    """A pack on a mesh.
+
+    Parameters
+    ----------
+    fabric, plies, level : elements per crossover about the nose
+    variation : its name, or "" of the base case
+    stiffness, damping, step : factors on the contact's stiffness, its damping and the time step
+    gap : [m] added between plies
+    law : of the contact, as of PlyLaw.chosen; "" that of the fabric
+    stacking, symmetry : as of PackSetup and ImpactSetup
+    outer : [crossovers] elements far from the nose
+    """
+
+    fabric: str
+    plies: int
+    level: int
+    variation: str = ""
+    stiffness: float = 1.0
+    damping: float = 1.0
+    step: float = 1.0
+    gap: float = 0.0
+    law: str = ""
+    stacking: str = "aligned"
+    symmetry: str = "quarter"
+    outer: int = 2
+
+
+@dataclass(frozen=True)
+class Shot:
+    """One shot: outcome, velocities [m/s], energy [J], highest tensions of any ply [N], first failure of each ply [s]
+    (infinite where none), elements, wall time [s], error of the energy balance over the strike energy."""
+
+    velocity: float
+    outcome: str
+    residual: float
+    absorbed: float
+    warp: float
+    weft: float
+    failures: tuple[float, ...]
+    elements: int
+    seconds: float
+    balance: float
+
+
+@dataclass(frozen=True)
+class Found:
+    """What a case came to; parts that have not been computed are None.
+
+    Parameters
+    ----------
+    low, high : [m/s] bracket of the critical velocity
+    mixed : (lowest perforation, highest stop) [m/s] where they overlap, or None
+    stop, through : Shot for the tensions, Shot for energy and failure times
+    drawn : draws.Estimate of the absorbed energy over draws
+    """
+
+    low: float
+    high: float
+    mixed: tuple[float, float] | None
+    stop: Shot | None = None
+    through: Shot | None = None
+    drawn: draws.Estimate | None = None
 
 
 @cache
-def _uniform(name: str) -> Panel:
+def plan() -> dict[str, Any]:
+    """The content of packs.toml."""
+    return tomllib.loads((resources.files(__package__) / "packs.toml").read_text("utf-8"))
+
+
+@cache
+def _ply(name: str, law: str) -> ImpactSetup:
     fabric = catalogue.load(name).with_effective_density()
-    setup = ImpactSetup(fabric, 100.0, elements_per_crossover=1, numerics=Numerics(threads=1))
-    return setup.panel(setup.table())
+    if law:
+        fabric = replace(fabric, ply_contact=PlyLaw.chosen(law, fabric))
+    return ImpactSetup(fabric, 100.0, elements_per_crossover=1, end_time=UNDECIDED, audit_interval=5e-7)
 
 
-def ply(name: str, level: int) -> Panel:
-    """The first ply on the mesh of a level."""
-    panel = _uniform(name)
-    first = max(LEAST, *(ceil(far / step) + 1 for far, step in zip(panel.reach(), panel.spacing)))
-    inner = ((first, 1 / level),) if level > 1 else ()
-    return replace(panel, grading=(*inner, (2 * first, 1), (inf, 2)))
+def setup(case: Case, velocity: float = 100.0) -> PackSetup:
+    """The PackSetup of a case."""
+    ply = _ply(case.fabric, case.law)
+    panel = replace(ply, table_size=11).panel()
+    first = max(LEAST, *(ceil(far / side) + 1 for far, side in zip(panel.reach(), panel.spacing)))
+    inner = ((first, 1 / case.level),) if case.level > 1 else ()
+    outer = ((inf, 2),) if case.outer == 2 else ()
+    zones = (*inner, (2 * first if outer else inf, 1), *outer)
+    base, contact = Numerics(threads=1), PlyContact()
+    numerics = replace(base, cfl=base.cfl * case.step)
+    contact = replace(
+        contact, stiffness=case.stiffness, damping=contact.damping * case.damping, courant=contact.courant * case.step
+    )
+    law = PlyLaw.of(ply.fabric)
+    gap = fabric_gap(ply.fabric, law) + case.gap
+    shot = replace(ply, strike_velocity=velocity, grading=zones, numerics=numerics, symmetry=case.symmetry)
+    return PackSetup(shot, case.plies, case.stacking, gap, contact)
 
 
-def shot(name: str, level: int, velocity: float) -> tuple[str, float, float, float, float, int, float]:
-    """(outcome, residual velocity [m/s], absorbed energy [J], peak tension of the warp, of the weft [N], elements,
-    error of the energy balance [-]) of a pack."""
-    pack = Pack.stacked(ply(name, level), PLIES)
-    solver = PackSolver(pack, velocity, UNDECIDED, interval=10e-6).run()
-    left, (warp, weft) = float(solver.sample("v")[-1]), solver.peaks.max(axis=0)
-    left = 0.0 if solver.outcome == "stopped" else left
-    absorbed = 0.5 * pack.plies[0].projectile.mass * (velocity**2 - left**2)
-    error = float(abs(solver.sample("error")).max()) / solver.strike_energy
-    return solver.outcome, left, absorbed, float(warp), float(weft), PLIES * pack.plies[0].elements, error
+def shoot(case: Case, velocity: float) -> Shot:
+    """One shot at a case."""
+    given = setup(case, velocity)
+    result: Any
+    try:
+        result = impact_pack.run(given, table=given.ply.table(kept=True))
+        outcome = result.outcome
+    except UnstableError as problem:
+        if problem.result is None:
+            raise
+        result, outcome = problem.result, "unstable"
+    left = 0.0 if outcome == "stopped" else float(result.residual_velocity)
+    failed = result.plies["failed_yarns"] > 0
+    times = tuple(float(result.t[column.argmax()]) if column.any() else inf for column in failed.T)
+    warp, weft = result.peak_tension.max(axis=0)
+    absorbed = 0.5 * given.ply.projectile.mass * (velocity**2 - left**2)
+    return Shot(
+        velocity, outcome, left, absorbed, float(warp), float(weft), times, result.pack.elements,
+        float(result.wall_time), float(result.energy_error_max),
+    )  # fmt: skip
 
 
-def quantities(name: str, levels: Sequence[int], rows: Sequence[tuple]) -> list[Quantity]:
-    """The quantities of a fabric, from the rows of the shots: those that are stopped at all levels, then the others.
+def cases(fabrics: Sequence[str], plies: Sequence[int], levels: Sequence[int], names: Sequence[str]) -> list[Case]:
+    """The cases of packs.toml among these, the base cases of the reference level first, then by cost."""
+    given = plan()
+    base = [Case(f, n, level) for f in fabrics for n in plies for level in levels]
+    varied = []
+    for name in names:
+        change = dict(given["variations"][name])
+        if "gap" in change:
+            change["gap"] = si(change["gap"], "m", key="gap")
+        varied += [
+            Case(f, n, given["reference_level"], name, **change)
+            for f in fabrics for n in plies if n in given["variations"]["plies"]
+        ]  # fmt: skip
+    first = [Case(f, n, given["reference_level"]) for f in fabrics for n in plies]
+    ordered = sorted(dict.fromkeys([*first, *base, *varied]), key=lambda case: (case not in first, weight(case)))
+    return ordered
 
-    Raises
-    ------
-    InputError : a shot of another outcome on one of the meshes
+
+@cache
+def weight(case: Case) -> float:
+    """Elements of all plies times the elements of a crossover, to which the cost of a shot is in proportion."""
+    panel = replace(setup(case).ply, table_size=11).panel()
+    return case.plies * panel.elements * max(case.level, 2) / case.step
+
+
+class Study:
+    """The shots of a folder.
+
+    Parameters
+    ----------
+    folder : of kept shots
+    jobs : shots beside each other
+    ends : perf_counter() at which no more is begun
     """
-    stops, fast = STRIKES[name]
-    slow, through = rows[: len(levels)], rows[len(levels) :]
-    for found, velocity, outcome in ((slow, stops, "stopped"), (through, fast, "perforated")):
-        other = [f"{row[0]} at level {n}" for n, row in zip(levels, found) if row[0] != outcome]
-        if other:
-            raise InputError(f"{name}: {', '.join(other)}", key="velocity", value=velocity, allowed=f"{outcome} on all")
-    return [
-        quantity(name, f"{what} at {V:.0f} m/s", unit, levels, [row[k] for row in found])
-        for what, unit, found, k, V in (
-            ("residual velocity", "m/s", through, 1, fast), ("absorbed energy", "J", through, 2, fast),
-            ("peak tension of the warp", "N", slow, 3, stops), ("peak tension of the weft", "N", slow, 4, stops),
-        )
-    ]  # fmt: skip
+
+    def __init__(self, folder: Path, jobs: int = 1, ends: float = inf) -> None:
+        self.folder, self.jobs, self.ends = folder, jobs, ends
+        self.rates: list[float] = []  # [s] over weight, of all shots seen
+
+    def shots(self, case: Case, velocities: Sequence[float]) -> list[Shot]:
+        """Shots at a case, those that are kept from the folder.
+
+        Raises
+        ------
+        TimeoutError : one would have to be computed, and the budget is spent
+        """
+        places = [(case, round(float(V), 4)) for V in velocities]
+        kept = run_cache.RunCache(self.folder)
+        missing = [one for one in places if self._key(one) not in kept]
+        if missing and time.perf_counter() > self.ends:
+            raise TimeoutError
+        found = run_cache.results(shoot, places, folder=self.folder, jobs=self.jobs)
+        self.rates += [shot.seconds / weight(case) for shot in found]
+        return found
+
+    @staticmethod
+    def _key(one):
+        return run_cache.key((shoot.__qualname__, one), shoot.__module__)
+
+    def critical(self, case: Case, guess: float) -> Found:
+        """Bracket of the critical velocity and zone of mixed outcomes."""
+        tolerance = si(plan()["tolerance"], "m/s", key="tolerance")
+        bracket, seen = Bracket(guess, *SEARCH), dict[float, Shot]()
+        while bracket.width > tolerance:
+            if bracket.exhausted:
+                raise InputError(f"no critical velocity between {SEARCH[0]:g} and {SEARCH[1]:g} m/s", key=case.fabric)
+            wanted = bracket.ahead(self.jobs, tolerance)
+            seen |= {round(V, 4): shot for V, shot in zip(wanted, self.shots(case, wanted))}
+            while bracket.width > tolerance and round(bracket.next(), 4) in seen:
+                bracket = bracket.after(seen[round(bracket.next(), 4)].outcome == "perforated")
+        middle = 0.5 * (bracket.low + bracket.high)
+        about = self.shots(case, [(1 + share) * middle for share in plan()["scan"]])
+        every = [*seen.values(), *about]
+        stop = max((shot.velocity for shot in every if shot.outcome != "perforated"), default=0.0)
+        through = min((shot.velocity for shot in every if shot.outcome == "perforated"), default=inf)
+        return Found(bracket.low, bracket.high, (through, stop) if through < stop else None)
+
+    def run(self, case: Case, reference: float | None, drawn: int = 0) -> Found:
+        """All quantities of a case; `reference` is the critical velocity [m/s] of its reference level, None for that
+        itself."""
+        guess = reference or si(plan()["first_guess"], "m/s", key="first_guess")
+        found = self.critical(case, guess)
+        limit = reference or 0.5 * (found.low + found.high)
+        velocities = [round(plan()[name] * limit) for name in ("stops", "perforates")]
+        stop, through = self.shots(case, velocities)
+        estimate = None
+        if drawn:
+            folder = self.folder / "draws"
+            study = draws.study(
+                setup(case, velocities[1]), inputs.published(), drawn, folder=folder, jobs=self.jobs
+            )  # fmt: skip
+            estimate = study.estimate("absorbed_energy")
+        return replace(found, stop=stop, through=through, drawn=estimate)
+
+    def cost(self, case: Case) -> float:
+        """[s] of a case on one core, if nothing of it is done."""
+        shots = 9 + len(plan()["scan"]) + 2
+        return shots * weight(case) * (float(np.median(self.rates)) if self.rates else RATE)
 
 
 def main() -> None:
-    name = "python -m validation.verification.mesh_convergence.packs"
-    parser = argparse.ArgumentParser(prog=name, description=__doc__.splitlines()[0])
-    parser.add_argument("fabrics", nargs="*", default=list(STRIKES), metavar="FABRIC")
-    parser.add_argument("--elements", nargs="+", type=int, default=list(LEVELS), metavar="N")
+    options = _options()
+    known = [name for name in plan()["variations"] if name != "plies"]
+    names = known if options.variations is None else options.variations
+    for given, allowed, key in ((options.fabrics, plan()["fabrics"], "--fabrics"), (names, known, "--variations")):
+        for one in given:
+            if one not in allowed:
+                raise InputError(key=key, value=one, allowed=f"one of {', '.join(allowed)}")
+    todo = cases(options.fabrics, options.plies, options.levels, names)
+    ends = time.perf_counter() + 3600 * options.budget
+    study = Study(options.out, options.jobs, ends)
+    total = 0.0
+    for case in todo if options.list else ():
+        total += study.cost(case)
+        print(f"{_words(case):60} {weight(case):9.0f} {study.cost(case) / 60:8.1f} min")
+    if options.list:
+        print(f"{len(todo)} cases, about {total / 3600:.1f} h on one core")
+        return
+    found: dict[Case, Found] = {}
+    for case in todo:
+        reference = replace(Case(case.fabric, case.plies, plan()["reference_level"]))
+        known_limit = found.get(reference)
+        if case != reference and known_limit is None:
+            continue
+        limit = None if known_limit is None else 0.5 * (known_limit.low + known_limit.high)
+        try:
+            found[case] = study.run(case, limit, options.draws)
+        except TimeoutError:
+            print(f"{_words(case)}: left, the budget is spent")
+            continue
+        done = found[case]
+        print(f"{_words(case)}: {done.low:.1f} to {done.high:.1f} m/s{' mixed' if done.mixed else ''}", flush=True)
+    text = pages(found, plan())
+    print(text)
+    if options.page is not None:
+        put(options.page, *MARKS, f"\n\n{text}\nMade by `{NAME}`, commit {provenance.stamp()['commit']}.\n\n")
+
+
+def _words(case):
+    return f"{case.plies} x {case.fabric}, level {case.level}{', ' + case.variation if case.variation else ''}"
+
+
+def _options():
+    given = plan()
+    parser = argparse.ArgumentParser(prog=NAME, description=(__doc__ or "").splitlines()[0])
+    parser.add_argument("--fabrics", nargs="+", default=given["fabrics"], metavar="FABRIC")
+    parser.add_argument("--plies", nargs="+", type=int, default=given["plies"], metavar="N")
+    parser.add_argument("--levels", nargs="+", type=int, default=given["levels"], metavar="N")
+    parser.add_argument(
+        "--variations", nargs="*", metavar="NAME", help="of packs.toml; all if not given, none if empty"
+    )
+    parser.add_argument("--budget", type=float, default=inf, metavar="HOURS", help="begin no shot after this time")
+    parser.add_argument("--draws", type=int, default=0, metavar="N", help="repeat the fast shot at N drawn packs")
+    parser.add_argument("--list", action="store_true", help="run nothing: print the cases and their estimated cost")
     parser.add_argument("--jobs", type=int, default=1)
     parser.add_argument("--out", type=Path, default=Path("results/convergence-packs"))
     parser.add_argument("--page", type=Path, help="put the tables into this page")
     options = parser.parse_args()
-    unknown = [fabric for fabric in options.fabrics if fabric not in STRIKES]
-    if unknown:
-        raise InputError(key="FABRIC", value=unknown[0], allowed=f"one of {', '.join(STRIKES)}")
-    found: list[Quantity] = []
-    sizes: list[str] = []
-    errors: list[float] = []
-    for fabric in options.fabrics:
-        places = [(fabric, n, V) for V in STRIKES[fabric] for n in options.elements]
-        rows = run_cache.results(shot, places, folder=options.out, jobs=options.jobs)
-        found += quantities(fabric, options.elements, rows)
-        sizes.append(f"{fabric} {', '.join(str(row[5]) for row in rows[: len(options.elements)])}")
-        errors += [row[6] for row in rows]
-    text = (
-        f"{counts(found)}\n{table(found)}\nElements of the modelled quarter: {'; '.join(sizes)}. Error of the energy "
-    )
-    text += f"balance at most {100 * max(errors):.2g} % of the strike energy.\n"
-    print(text)
-    if options.page is not None:
-        put(options.page, *MARKS, f"\n\n{text}\nMade by `{name}`, commit {provenance.stamp()['commit']}.\n\n")
+    if not (options.budget > 0 and (isfinite(options.budget) or options.budget == inf)):
+        raise InputError(key="--budget", value=options.budget, allowed="above 0")
+    return options
 
 
 if __name__ == "__main__":
