@@ -2,7 +2,7 @@
 
 The thesis takes as the gap all that two neighbouring plies of a pack close up to the highest pressure of its test
 (eqs. 5-1 to 5-4, erratum E-02): the flattening of the weave and the nesting of plies together, since its contact is
-stiff. A law of the contact with a travel of its own (`fabrics.ply_law`) holds the flattening; what is left of the
+stiff. A law of the contact with a travel of its own (`fabrics.ply_law`) holds the flattening; the rest of the
 closure is nesting, and that is the gap. The pressure law of packs holds all of it and leaves none.
 """
 

@@ -80,14 +80,11 @@ def impact(
     while the run goes on, checkpoint.h5. A scene with a table \\[accuracy] says how well it wants to know something:
     the cheapest model that will do is chosen and checked. A key of the scene that cannot be honoured is rejected.
 
-    --draws N computes the whole panel N times, each yarn of each ply with a strength of its own, and writes mean, scatter
-    and probability of perforation: summary.json, summary.html, draws.csv and runs/, from which --resume goes on, also to
-    more draws. --weibull-shape, --seed, --jobs and --executor are of --draws alone, which ignores panel.symmetry,
-    run.snapshot_interval, run.checkpoint_interval, run.outputs, history.interval, history.warp, history.weft and
-    history.report_positions.
-
-    --explain ignores title, run.snapshot_interval, run.checkpoint_interval, run.outputs, history.interval,
-    history.warp, history.weft and history.report_positions.
+    --draws N computes the whole panel N times, each yarn of each ply with a strength of its own, and writes mean,
+    scatter and probability of perforation: summary.json, summary.html, draws.csv and runs/, from which --resume goes
+    on, also to more draws. --weibull-shape, --seed, --jobs and --executor are of --draws alone. It ignores
+    panel.symmetry, --explain ignores title, and both ignore run.snapshot_interval, run.checkpoint_interval,
+    run.outputs, history.interval, history.warp, history.weft and history.report_positions.
     """
     from weavecell.commands import fidelity
     from weavecell.commands import impact as commands_impact
@@ -98,13 +95,11 @@ def impact(
         return
 
     if draws is not None:
-        from weavecell.commands import draws as commands_draws
+        from weavecell.commands import uncertainty as scatter
 
         refuse_others(context, ("scene", "out", "resume", *_OF_DRAWS), "with --draws")
-        commands_draws.command(
-            scene, out or RESULTS / f"{scene.stem}-draws", count=draws, shape=shape, seed=seed, jobs=jobs,
-            executor=executor, resume=resume,
-        )  # fmt: skip
+        folder = out or RESULTS / f"{scene.stem}-draws"
+        scatter.draws(scene, folder, count=draws, shape=shape, seed=seed, jobs=jobs, executor=executor, resume=resume)
         return
     refuse_others(context, set(context.params) - set(_OF_DRAWS), "without --draws")
     folder = out or RESULTS / scene.stem

@@ -2,7 +2,8 @@
 
 Folder of `weavecell sensitivity`: sobol.csv, sobol.json, sobol.png, sobol.html
 Folder of `weavecell v50`: v50.csv (curves), shots.csv, v50.json, v50.png, v50.html
-Both keep runs/, a file for each run, from which --resume goes on.
+Folder of `weavecell impact --draws`: draws.csv, summary.csv (means), .json, .png, .html, scene.toml
+All keep runs/, a file for each run, from which --resume goes on, also to more draws.
 """
 
 from __future__ import annotations
@@ -11,18 +12,23 @@ import csv
 import time
 import tomllib
 from collections.abc import Callable, Sequence
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fabrics import assumed, catalogue, run_cache, variants
-from fabrics.errors import InputError
+from fabrics.errors import InputError, UnstableError
 from fabrics.files import write_whole
 from shellfabric.panel import grading as panel_grading
+from weavecell.analysis.uncertainty import draws as draws_of
 from weavecell.analysis.uncertainty import inputs, sobol, v50
+from weavecell.commands import impact as commands_impact
+from weavecell.commands import impact_pack
 from weavecell.report import marked_page, pictures_uncertainty
 from weavecell.results import json_file, progress, provenance
-from weavecell.scenes import impact
+from weavecell.scenes import build
+from weavecell.scenes import impact as impact_scenes
+from weavecell.scenes.supported import of
 
 if TYPE_CHECKING:
     from fabrics.fabric import Fabric
@@ -63,7 +69,7 @@ def sensitivity(
     command = f"weavecell sensitivity {fabric} --samples {samples} --seed {seed}"
     title = f"{cloth.name}: Sobol indices, {count} rows"
     content = {"indices": [_plain(one) for one in found], "inputs": [asdict(one) for one in entries.values()]}
-    finish(out, page, "sobol", title, head, rows, remarks, command, content, began, cloth,
+    _finish(out, page, "sobol", title, head, rows, remarks, command, content, began, cloth,
             lambda path: pictures_uncertainty.indices(found, path, title))  # fmt: skip
 
 
@@ -114,8 +120,95 @@ def probabilistic(
         "curves": {link: asdict(curve) | {"V0": curve.V0, "V100": curve.V100} for link, curve in study.curves.items()},
         "inputs": [asdict(one) for name in ("weibull", "spread") for one in inputs.table(name).values()],
     }  # fmt: skip
-    finish(out, page, "v50", title, head, rows, remarks, command, content, began, cloth,
+    _finish(out, page, "v50", title, head, rows, remarks, command, content, began, cloth,
             lambda path: pictures_uncertainty.perforation(study, path, title))  # fmt: skip
+
+
+_IGNORED = (
+    "panel.symmetry", *of("run", "snapshot_interval checkpoint_interval outputs"),
+    *of("history", "interval warp weft report_positions"),
+)  # fmt: skip
+DRAWS, PACK_DRAWS = (
+    replace(
+        support, command="weavecell impact --draws", ignored=_IGNORED,
+        supported=tuple(key for key in support.supported if key not in _IGNORED and not key.startswith("accuracy.")),
+        rejected={**support.rejected, "accuracy": "left out with --draws, which runs the mesh of the scene"},
+    )
+    for support in (commands_impact.SUPPORT, impact_pack.SUPPORT)
+)  # fmt: skip
+
+
+def draws(
+    path: Path, out: Path, *, count: int, shape: float | None, seed: int, jobs: int, executor: str, resume: bool
+) -> None:
+    """Shoot at `count` drawn panels of the scene at `path`; print and write what they come to.
+
+    Parameters
+    ----------
+    shape : Weibull shape of the strengths; None takes that of inputs.toml
+    seed, jobs, executor : as of `draws.study`
+    resume : whether to take the draws that the folder holds
+
+    Raises
+    ------
+    InputError : the scene or what it names is wrong; nothing has been written
+    UnstableError : a draw became unstable; all results have been written
+    """
+    began = time.perf_counter()
+    scene, text = impact_scenes.load(path, lambda scene: PACK_DRAWS if scene.panel.plies > 1 else DRAWS)
+    this = build.build(scene, path, path.stem)
+    setup = build.setup(this, path)
+    scatter = inputs.published() if shape is None else replace(inputs.published(), shape=shape)
+    title = scene.title or f"{this.fabric.name}, {scene.projectile.strike_velocity:g} m/s"
+    shot = setup if scene.panel.plies == 1 else build.pack_setup(setup, scene.panel)
+    try:
+        with progress.bar(f"{title}, draws") as advance:
+            study = draws_of.study(
+                shot, scatter, count, folder=out / RUNS, seed=seed, jobs=jobs, executor=executor, resume=resume,
+                report=lambda done, total: advance(done / total, f"{done} of {total} draws"),
+            )  # fmt: skip
+    except InputError as problem:
+        raise impact_pack.in_file(problem, path) from None
+    with write_whole(out / "scene.toml") as file:
+        file.write(text)
+    columns = study.columns()
+    with write_whole(out / "draws.csv") as file:
+        csv.writer(file).writerows([_HEADS, *zip(*(columns[name] for name in _HEADS.values()))])
+    head, rows, remarks = draws_table(study)
+    title = f"{title}: {count} draws of yarn strength"
+    done = f"weavecell impact {path.name} --draws {count} --seed {seed}"
+    _finish(out, None, "summary", title, head, rows, remarks, done, study.summary(), began, this.fabric,
+           lambda file: pictures_uncertainty.draws(study, file, title))  # fmt: skip
+    unstable = len(study.draws) - len(study.counted)
+    if unstable:
+        raise UnstableError(f"{unstable} of {count} draws became unstable and count in no estimate")
+
+
+_HEADS = {"number": "number", "outcome": "outcome", "residual velocity [m/s]": "residual_velocity",
+    "absorbed energy [J]": "absorbed_energy", "peak tension, warp [N]": "peak_tension_warp",
+    "peak tension, weft [N]": "peak_tension_weft", "failed yarn segments": "failed", "end [s]": "time",
+    "factor on the weakest yarn": "weakest", "energy balance [-]": "balance",
+}  # fmt: skip
+
+
+def draws_table(study: draws_of.Draws) -> tuple[list[str], list[list[str]], list[str]]:
+    """(heads, rows, remarks) of a study as texts."""
+    head = ["quantity", "unit", "mean", "standard error", "standard deviation"]
+    rows = []
+    for name, (unit, words) in draws_of.QUANTITIES.items():
+        found = study.estimate(name)
+        rows.append([words, unit, *(f"{value:.4g}" for value in (found.mean, found.error, found.deviation))])
+    share, low, high = study.probability()
+    counts = ", ".join(f"{n} {name}" for name, n in study.outcomes.items() if n)
+    remarks = [f"{row[0]}: {row[2]} ± {row[3]} {row[1]} (mean and standard error), scatter {row[4]}" for row in rows]
+    remarks += [
+        f"probability of perforation {share:.2f}, {low:.2f} to {high:.2f} with {100 * draws_of.CONFIDENCE:g} % "
+        f"confidence (Wilson); {counts}",
+        f"Weibull shape {study.scatter.shape:g} at {1e3 * study.scatter.gauge_length:g} mm, seed {study.seed}; every "
+        f"yarn of every ply is drawn and the whole panel computed; worst energy balance "
+        f"{100 * max(one.balance for one in study.draws):.2g} %",
+    ]
+    return head, rows, remarks
 
 
 def grading_of(text: str, key: str = "grading") -> tuple[tuple[float, float], ...]:
@@ -126,7 +219,7 @@ def grading_of(text: str, key: str = "grading") -> tuple[tuple[float, float], ..
     InputError : another text, or zones that do not go together
     """
     try:
-        zones = impact.zones(tomllib.loads(f"grading = {text}")["grading"])
+        zones = impact_scenes.zones(tomllib.loads(f"grading = {text}")["grading"])
     except (tomllib.TOMLDecodeError, ValueError, ZeroDivisionError):
         zones = None
     if zones is None:
@@ -156,7 +249,7 @@ def _begin(fabric, out, page, name, resume):
     return cloth
 
 
-def finish(
+def _finish(
     out: Path, page: Path | None, name: str, title: str, head: Sequence[str], rows: Sequence[Sequence[str]],
     remarks: Sequence[str], command: str, content: dict[str, Any], began: float, cloth: Fabric,
     draw: Callable[[Path], object],

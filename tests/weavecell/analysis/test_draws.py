@@ -17,7 +17,7 @@ from shellfabric.impact.pack import run as run_pack
 from shellfabric.impact.single_ply import ImpactSetup
 from weavecell.analysis.uncertainty import draws, inputs, v50
 from weavecell.cli import app
-from weavecell.commands.draws import table
+from weavecell.commands.uncertainty import draws_table
 
 SCENE = """
 [fabric]
@@ -60,7 +60,7 @@ def test_statistics_are_those_of_textbooks():
     summary = found.summary()
     assert (summary["draws"], summary["unstable"], summary["in_flight"]) == (5, 1, 1)
     assert summary["residual_velocity_error_m_s"] == estimate.error
-    assert "1 unstable" in " ".join(table(found)[2])
+    assert "1 unstable" in " ".join(draws_table(found)[2])
 
 
 def test_every_yarn_of_every_ply_is_drawn(setup):

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from fabrics.errors import InputError
-from weavecell.commands import coupon, critical_velocity, draws, fidelity, impact_pack
+from weavecell.commands import coupon, critical_velocity, fidelity, impact_pack, uncertainty
 from weavecell.commands import impact as commands_impact
 from weavecell.scenes import build, supported
 from weavecell.scenes import coupon as scenes_coupon
@@ -20,8 +20,8 @@ SUPPORTS = {
     "impact of a pack with accuracy": fidelity.PACK_SUPPORT,
     "explain": fidelity.EXPLAIN,
     "explain of a pack": fidelity.PACK_EXPLAIN,
-    "draws": draws.SUPPORT,
-    "draws of a pack": draws.PACK_SUPPORT,
+    "draws": uncertainty.DRAWS,
+    "draws of a pack": uncertainty.PACK_DRAWS,
     "critical-velocity": critical_velocity.SUPPORT,
     "coupon": coupon.SUPPORT,
 }
@@ -276,7 +276,7 @@ def test_the_table_of_a_pull_out_is_used_whole():
 def test_what_is_ignored_is_named_in_the_help(command):
     for words, support in (
         ("impact", fidelity.EXPLAIN),
-        ("impact", draws.SUPPORT),
+        ("impact", uncertainty.DRAWS),
         ("critical-velocity", critical_velocity.SUPPORT),
     ):
         told = command(words, "--help")[1]

@@ -65,10 +65,10 @@ def _levels(base, plan):
             texts = [_value(values.get(n), some.get(n), name) for n in levels]
             rows.append([f"{start.plies}", start.fabric, f"{name}, {unit}", *texts, limit, basis, off,
                          f"{100 * target:g}"])  # fmt: skip
-    told = f"Shots at {plan['stops']:g} and {plan['perforates']:g} times the critical velocity of level {default}. "
-    told += "Behind a critical velocity: zone of mixed outcomes (slowest perforation to fastest stop), m/s; behind "
-    told += "another value: the outcome, where it is not the expected one.\n"
-    return f"{markdown(rows)}\n{told}"
+    note = f"Shots at {plan['stops']:g} and {plan['perforates']:g} times the critical velocity of level {default}. "
+    note += "Behind a critical velocity: zone of mixed outcomes (slowest perforation to fastest stop), m/s; behind "
+    note += "another value: the outcome, where it is not the expected one.\n"
+    return f"{markdown(rows)}\n{note}"
 
 
 def _value(value, one, name):
@@ -111,8 +111,8 @@ def _variations(varied, base, plan):
             change = value(one) / value(plain) - 1
             texts.append(_marked(f"{100 * change:+.1f}", abs(change) <= CHANGE))
         rows.append([case.variation, f"{case.plies}", case.fabric, *texts])
-    told = f"Level {plan['reference_level']}; bold: more than {100 * CHANGE:g} %.\n"
-    return f"{markdown(rows)}\n{told}"
+    note = f"Level {plan['reference_level']}; bold: more than {100 * CHANGE:g} %.\n"
+    return f"{markdown(rows)}\n{note}"
 
 
 def _marked(text, met):

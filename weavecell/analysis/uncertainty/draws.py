@@ -1,8 +1,8 @@
 """One scene shot many times at panels whose yarns differ in strength: mean, scatter, probability of perforation.
 
-Strengths are drawn as for the ballistic limit (`uncertainty.v50`): one of a Weibull distribution for every yarn of every
-ply, from (seed, number of the draw, ply) alone, so that nothing depends on the number of workers. Every yarn is drawn,
-so that the panel is whole, whatever part the scene models. All else is the scene's.
+Strengths are drawn as for the ballistic limit (`uncertainty.v50`): one of a Weibull distribution for every yarn of
+every ply, from (seed, number of the draw, ply) alone, so that nothing depends on the number of workers. Every yarn is
+drawn, so that the panel is whole, whatever part the scene models. All else is the scene's.
 
 The result of a single shot near the limit is a staircase in velocity and mesh, since yarns fail one by one; the mean
 over draws is not. It has the standard error s / sqrt(n). The share of perforations has Wilson's interval.
