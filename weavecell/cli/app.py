@@ -18,7 +18,6 @@ from weavecell.cli import (
     crossover,
     mesh_calibrate_surface,
     new_fabric,
-    renamed_options,
     shell,
     uncertainty,
     validation,
@@ -154,7 +153,7 @@ def main(arguments: Iterable[str] | None = None) -> NoReturn:
     usage_error: Any = next(base for base in typer.BadParameter.__mro__ if base.__name__ == "ClickException")
     try:
         words = sys.argv[1:] if arguments is None else list(arguments)
-        code = app(args=renamed_options.upgraded(words), standalone_mode=False)
+        code = app(args=words, standalone_mode=False)
     except WeavecellError as problem:
         _fail(str(problem), problem.exit_code)
     except usage_error as problem:

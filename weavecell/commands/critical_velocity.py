@@ -37,7 +37,7 @@ if TYPE_CHECKING:
 SUPPORT = Support(
     "weavecell critical-velocity",
     scenes_impact.Scene,
-    ("format", *build.SHOT, "panel.grading", *build.CROSSOVERS),
+    (*build.SHOT, "panel.grading", *build.CROSSOVERS),
     ignored=(
         "title", "projectile.strike_velocity",
         *of("run", "end_time snapshot_interval checkpoint_interval outputs"),

@@ -51,7 +51,7 @@ SUPPORT = Support(
     "weavecell impact",
     scenes_impact.Scene,
     (
-        "format", "title", *build.SHOT, "projectile.strike_velocity", "panel.plies", "panel.grading",
+        "title", *build.SHOT, "projectile.strike_velocity", "panel.plies", "panel.grading",
         *build.CROSSOVERS,
         *of("run", "end_time snapshot_interval checkpoint_interval outputs"),
         *of("history", "interval warp weft report_positions"),

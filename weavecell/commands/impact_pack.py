@@ -51,7 +51,7 @@ SUPPORT = Support(
     "weavecell impact",
     Scene,
     (
-        "format", "title", *build.SHOT, "projectile.strike_velocity", "panel.plies", *build.OF_A_PACK, "panel.grading",
+        "title", *build.SHOT, "projectile.strike_velocity", "panel.plies", *build.OF_A_PACK, "panel.grading",
         *build.CROSSOVERS,
         *of("history", "interval warp weft report_positions"),
         *of("run", "end_time snapshot_interval checkpoint_interval outputs"),

@@ -14,9 +14,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from fabrics.checks import FilePath
-from fabrics.files import write_hdf5
+from fabrics.files import read_hdf5, write_hdf5
 from weavecell.results import keys
-from weavecell.results.hdf5_file import opened, plain, put
+from weavecell.results.hdf5_file import plain, put
 
 if TYPE_CHECKING:
     from shellfabric.impact.single_ply import ImpactSetup
@@ -192,7 +192,7 @@ class BaseRecord:
     @classmethod
     def read(cls, path: FilePath) -> Self:
         """Read what `write` wrote; InputError if the file is not one of these."""
-        with opened(path, cls.KIND, FORMAT) as file:
+        with read_hdf5(path, f"weavecell {cls.KIND} {FORMAT}") as file:
             values = {name: plain(file.attrs[key]) for name, key in cls._scalars().items()}
             values["checks"] = _read_checks(file.attrs["checks"])
             values |= {name: file[f"histories/{name}"][()] for name in HISTORIES}

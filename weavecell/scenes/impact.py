@@ -10,10 +10,9 @@ from pydantic import BeforeValidator, Discriminator, Field, Tag
 from fabrics.checks import FilePath
 from fabrics.errors import InputError
 from fabrics.units import si
-from weavecell.scenes import renamed_keys, supported
+from weavecell.scenes import supported
 from weavecell.scenes.schema import (
     FabricTable,
-    Format,
     Table,
     anchored,
     angle,
@@ -233,7 +232,6 @@ class NumericsTable(Table):
 class Scene(Table):
     """One impact on one panel."""
 
-    format: Format = 1
     title: Annotated[str, Field(description="a text")] = ""
     fabric: Annotated[FabricTable, Field(description="a table [fabric]")]
     projectile: Annotated[ProjectileTable, Field(description="a table [projectile]")]
@@ -270,7 +268,6 @@ def load(path: FilePath, support: Any = None) -> tuple[Scene, str]:
 
 def check(table: dict[str, Any], file: FilePath, support: Any = None) -> Scene:
     """Turn a scene's table into a checked Scene; `file` is named in errors and anchors relative paths."""
-    table = renamed_keys.upgraded(table, file)
     scene = validated(Scene, table, file)
     _check_relations(scene, table, file)
     if support is not None:

@@ -79,9 +79,6 @@ def one_of(*names: str) -> Any:
     return Annotated[Literal[names], Field(description="one of " + ", ".join(f'"{name}"' for name in names))]
 
 
-Format = Annotated[int, Field(description="1, or 2, in which no old name of a key is read")]
-
-
 class InlineLaw(Table):
     """A compression law given by its two parameters (thesis eq. 4-12; erratum E-05 for the regularised form)."""
 
