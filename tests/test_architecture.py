@@ -43,7 +43,6 @@ DECORATED = "shellfabric"  # package whose kernels have the decorators of its ji
 OWN_DECORATORS = r"\b(njit|vectorize|guvectorize|cfunc)\b"
 MOST_FILES = 25  # in a folder
 MOST_LINES, MOST_LINES_OF_A_FUNCTION, MOST_ARGUMENTS_OF_A_KERNEL = 600, 60, 12
-LONGER_FILES: dict[str, int] = {}
 TYPED = tuple(FLOORS)  # mypy checks them (pyproject.toml)
 CALLED = ("__init__", "__call__", "__getitem__", "__setitem__", "__contains__", "__getattr__")
 # of numba, what files may use whose functions are not compiled: anything else could make machine code unseen
@@ -167,7 +166,7 @@ def folders_with_too_many_files(root):
 
 def files_too_long(root):
     counts = {name: len(path.read_text("utf-8").splitlines()) for name, path in sources(root).items()}
-    return [f"{name} has {count} lines" for name, count in counts.items() if count > LONGER_FILES.get(name, MOST_LINES)]
+    return [f"{name} has {count} lines" for name, count in counts.items() if count > MOST_LINES]
 
 
 def functions_too_long(root):
