@@ -184,6 +184,12 @@ class ExplicitSolver:
         return OUTCOMES.get(self.reason, "unstable")
 
     @property
+    def residual_velocity(self) -> float:
+        """[m/s] of the projectile at the end, along the normal; 0 of one that has stopped: the run ends in the step in
+        which it turns back, and its small negative velocity there is no velocity of rebound."""
+        return 0.0 if self.outcome == OUTCOMES[STOPPED] else float(self.sample("v")[-1])
+
+    @property
     def strike_energy(self) -> float:
         """[J] of the whole projectile."""
         return self.projectile.energy(self.strike_velocity)

@@ -141,7 +141,7 @@ def warn(file: FilePath, old: str, new: str) -> None:
     print(f"warning: {file}: {old} is now called {new}; the old name is read until {UNTIL}", file=sys.stderr)
 
 
-def upgraded(table: Mapping[str, Any], file: FilePath) -> dict[str, Any]:
+def upgraded(table: Mapping[str, Any], file: FilePath | None) -> dict[str, Any]:
     """A scene's table with the new names of its keys, in the order of the file; `file` is named in messages.
 
     Raises
