@@ -2,8 +2,8 @@
 Yarns that slide at crossovers
 ==============================
 
-By default warp and weft are pinned to each other where they cross. With ``crossovers="sliding"`` the yarns slide against
-friction. The coefficient mu was not measured for the fabrics of the thesis.
+By default warp and weft are pinned to each other where they cross. With ``crossovers="sliding"`` the yarns slide
+against friction. The coefficient mu was not measured for the fabrics of the thesis.
 Run with ``python examples/sliding_crossovers.py``.
 """
 

@@ -284,8 +284,10 @@ class CriticalVelocityResult(Result):
         shots = sorted(self.limit.shots, key=lambda shot: shot.strike_velocity)
         units = {"strike_velocity": "m_s", "residual_velocity": "m_s", "time": "s"}
         columns = {f"{name}_{unit}": [getattr(shot, name) for shot in shots] for name, unit in units.items()}
-        told = [checks.words(shot.checks) for shot in shots]
-        return columns | {"outcome": [shot.outcome for shot in shots], "checks": told}
+        return columns | {
+            "outcome": [shot.outcome for shot in shots],
+            "checks": [checks.words(shot.checks) for shot in shots],
+        }
 
     def plot(self) -> Figure:
         """A matplotlib figure: residual against strike velocity [m/s], the bracket and the Lambert-Jonas curve."""

@@ -243,15 +243,7 @@ def critical_velocity(
     from shellfabric.impact import ballistic_limit, lambert_jonas, limit_scan
     from weavecell.analysis import assumed_range as analysis
 
-    if options.get("plies", 1) != 1:
-        raise InputError(
-            key="plies", value=options["plies"], allowed="1: the critical velocity of a pack is not available"
-        )
-    for key in ("end_time", "snapshot_interval", "history"):
-        if key in options:
-            raise InputError(
-                key=key, allowed="left out: a shot of the search ends with its outcome, and records nothing"
-            )
+    _check_search(options)
     given: Any = setup(fabric, 100.0, **options)
     width = _above_zero(tolerance, "m/s", "tolerance")
     panel = given.panel()
@@ -273,6 +265,16 @@ def critical_velocity(
     result = CriticalVelocityResult(given.fabric, limit, fit, tuple(assumed.lines(given.fabric)), around)
     result.warn()
     return result
+
+
+def _check_search(options):
+    if options.get("plies", 1) != 1:
+        allowed = "1: the critical velocity of a pack is not available"
+        raise InputError(key="plies", value=options["plies"], allowed=allowed)
+    for key in ("end_time", "snapshot_interval", "history"):
+        if key in options:
+            allowed = "left out: a shot of the search ends with its outcome, and records nothing"
+            raise InputError(key=key, allowed=allowed)
 
 
 def as_fabric(given: Fabric | FilePath) -> Fabric:

@@ -36,12 +36,12 @@ def words(indicators: Sequence[Indicator]) -> str:
 
 def of_bracket(limit: Limit) -> str:
     """ "ok", or the doubtful ones of the two shots between which a search has found the critical velocity."""
-    told = [
+    found = [
         f"{shot.outcome} shot at {shot.strike_velocity:.4g} m/s ({line(shot.checks)})"
         for shot in limit.ends
         if status(shot.checks) == DOUBTFUL
     ]
-    return f"doubtful {' and '.join(told)}" if told else OK
+    return f"doubtful {' and '.join(found)}" if found else OK
 
 
 def report(indicators: Sequence[Indicator], strict: bool = False) -> None:
@@ -61,8 +61,8 @@ def report(indicators: Sequence[Indicator], strict: bool = False) -> None:
 def section(indicators: Sequence[Indicator]) -> Section:
     """The section of a report."""
     texts = {found: line(indicators, found) for found in (DOUBTFUL, NOTED)}
-    told = [f"{found.capitalize()}: {text}." for found, text in texts.items() if text]
-    lead = " ".join(told) if told else "Every indicator is within its limit."
+    sentences = [f"{found.capitalize()}: {text}." for found, text in texts.items() if text]
+    lead = " ".join(sentences) if sentences else "Every indicator is within its limit."
     rows = tuple(
         (
             one.name,
