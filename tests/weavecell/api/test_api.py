@@ -241,7 +241,7 @@ def test_a_doubtful_shot_warns_and_says_so_everywhere():
     assert found.doubtful
     assert [one.name for one in found.checks if one.doubtful] == ["contact point spacing"]
     for text in (repr(found), found._repr_html_(), found.summary()["checks"], found.to_dataframe()["checks"].iloc[-1]):
-        assert "doubtful: contact point spacing 5" in text
+        assert "doubtful: contact point spacing 3.17 (limit 1.2)" in text
     with pytest.warns(wc.DoubtfulResult, match="sweep of 2 shots, doubtful at 92.5 m/s; worst: doubtful: contact"):
         shots = wc.sweep([wc.setup("S-720", 92.5, **SMALL, **COARSE), wc.setup("S-720", 92.5, **SMALL)])
     assert shots.doubtful
@@ -290,7 +290,8 @@ def test_a_pulled_yarn():
 
 
 def test_a_critical_velocity():
-    found = wc.critical_velocity("S-720", tolerance="20 m/s", residual_shots=3, scan=False, opening="40 mm")
+    with pytest.warns(wc.DoubtfulResult, match="critical velocity"):  # much artificial viscosity on a panel so small
+        found = wc.critical_velocity("S-720", tolerance="20 m/s", residual_shots=3, scan=False, opening="40 mm")
     low, high = found.bracket
     assert low < found.velocity < high <= low + 20
     assert found.fit is not None
