@@ -98,6 +98,11 @@ class DoubtfulError(WeavecellError):
     exit_code = 3
 
 
+class DoubtfulResult(UserWarning):
+    """Warning of the Python interface: a result with a quality check beyond its limit. `warnings.simplefilter("error",
+    weavecell.DoubtfulResult)` makes it an error."""
+
+
 def run_program(main: Callable[[], object]) -> None:
     """Run the main function of a program (`python -m ...`): an error of ours is one line, and its exit code."""
     try:

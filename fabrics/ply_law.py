@@ -53,7 +53,9 @@ class PlyLaw:
                 raise InputError(key=key, value=f"{column.size} values", allowed="at least 2, as many of both")
             if not np.all(np.isfinite(column)) or column[0] != 0 or not np.all(np.diff(column) > 0):
                 row = int(np.argmin(np.diff(column) > 0)) + 2
-                raise InputError(key=key, value=f"row {row}", allowed="finite, 0 in the first row and rising from row to row")
+                raise InputError(
+                    key=key, value=f"row {row}", allowed="finite, 0 in the first row and rising from row to row"
+                )
 
     @property
     def travel(self) -> float:

@@ -20,6 +20,7 @@ __all__ = [
     "CalibrationResult",
     "CouponResult",
     "CriticalVelocityResult",
+    "DoubtfulResult",
     "InputError",
     "Result",
     "ShotResult",
@@ -44,7 +45,7 @@ _MODULES = {
     "weavecell.api.result": ("Result",),
     "weavecell.api.results": ("CriticalVelocityResult", "ShotResult", "SweepResult"),
     "weavecell.api.runs": ("critical_velocity", "fabric", "fabrics", "setup", "shoot", "sweep"),
-    "fabrics.errors": ("InputError", "UndecidedError", "UnstableError"),
+    "fabrics.errors": ("DoubtfulResult", "InputError", "UndecidedError", "UnstableError"),
 }
 
 

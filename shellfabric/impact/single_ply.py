@@ -173,7 +173,7 @@ class ImpactResult(Outcome):
     setup, panel : what was run
     outcome : "stopped", "perforated", "in flight" (end time reached) or "unstable"; a projectile has stopped when it no
         longer moves along the panel's normal, though it may slide on
-    residual_velocity : [m/s] of the projectile at the end, along the normal
+    residual_velocity : [m/s] of the projectile at the end, along the normal; 0 of one that has stopped
     velocity : (3,) [m/s] of the projectile at the end, along warp, weft and normal
     t, v, nose_position : (n,) [s, m/s, m] of the samples; velocity along the normal, foremost point of the projectile
     energies : {name: (n,)} [J] with the names of panel.solver.ENERGIES; error is the sum less the energy at the start
@@ -299,7 +299,7 @@ def projectile_result(solver: ClothSolver, elements: int) -> dict[str, Any]:
     clock, bar = solver.const.dt * np.arange(1, len(fine) + 1), solver.panel.projectile.bar
     return {
         "outcome": solver.outcome,
-        "residual_velocity": float(solver.sample("v")[-1]),
+        "residual_velocity": solver.residual_velocity,
         "velocity": dynamics.velocity(solver.state, solver.const),
         "t": solver.sample("t"),
         "v": solver.sample("v"),

@@ -1,8 +1,9 @@
 """Quality indicators: is the result of a run to be trusted? Each is a number with a stated limit.
 
 A `Monitor` samples of a run what its result does not keep; `of_solver` computes the indicators of a run. A run is
-"doubtful" if one of them is beyond its limit. The limits follow from where the methods were found to fail
-(docs/stability.md); docs/checks.md says how many of those points they flag, and how many scenes at default settings.
+"doubtful" if one of them is beyond its limit, and "noted" if one is beyond the lower value in NOTES. The limits follow
+from where the methods were found to fail (docs/stability.md) and, of the viscous energy, from practice; docs/checks.md
+says how many of those points they flag, and how many scenes at default settings.
 """
 
 from __future__ import annotations
@@ -24,7 +25,7 @@ from shellfabric.solid.hex8 import PATTERNS, Bricks
 if TYPE_CHECKING:
     from shellfabric.panel.solver import ClothSolver
 
-OK, DOUBTFUL = "ok", "doubtful"
+OK, NOTED, DOUBTFUL = "ok", "noted", "doubtful"
 _T = ("T1", "T2")
 EVERY = 4  # samples of the solver from one sample to the next: a sample costs a third of a step
 LIGHT = 0.03  # of the strength: tensions below it count as it
@@ -39,7 +40,8 @@ class Indicator:
     name : for the reader and as the key in summary.json
     value, limit : value <= limit where all is well; a value that is not finite is not well
     unit : of both; "" where it is a ratio
-    meaning : what a larger value stands for, in one sentence
+    meaning : what the value is, in one sentence
+    note : value above which the indicator is noted though it is within its limit, or None
     """
 
     name: str
@@ -47,11 +49,29 @@ class Indicator:
     limit: float
     unit: str = ""
     meaning: str = ""
+    note: float | None = None
 
     @property
     def ok(self) -> bool:
         """Whether the value is within the limit."""
         return isfinite(self.value) and self.value <= self.limit
+
+    @property
+    def doubtful(self) -> bool:
+        """Whether the value is beyond the limit."""
+        return not self.ok
+
+    @property
+    def status(self) -> str:
+        """ "ok", "noted" or "doubtful"."""
+        if self.doubtful:
+            return DOUBTFUL
+        return NOTED if self.note is not None and self.value > self.note else OK
+
+    @property
+    def text(self) -> str:
+        """Value, limit and what the value is."""
+        return f"{self}: {self.meaning}"
 
     @property
     def excess(self) -> float:
@@ -62,41 +82,52 @@ class Indicator:
 
     def __str__(self):
         unit = f" {self.unit}" if self.unit else ""
-        return f"{self.name} {self.value:.3g}{unit} (limit {self.limit:g}{unit})"
+        noted = f"noted above {self.note:g}{unit}, " if self.status == NOTED else ""
+        return f"{self.name} {self.value:.3g}{unit} ({noted}limit {self.limit:g}{unit})"
 
     def entry(self) -> dict[str, Any]:
         """As a dict, for summary.json."""
-        return asdict(self) | {"ok": self.ok}
+        return asdict(self) | {"ok": self.ok, "status": self.status}
 
 
-# name: (limit, unit, meaning)
+def status(indicators: Iterable[Indicator]) -> str:
+    """The worst status of several indicators: "ok", "noted" or "doubtful"; "ok" of none."""
+    return max((one.status for one in indicators), key=(OK, NOTED, DOUBTFUL).index, default=OK)
+
+
+# name: (limit, unit, what the value is)
 LIMITS = {
-    "time step": (1.0, "", "the explicit step over its stability bound"),
+    "time step": (1.0, "", "time step over the stability limit of the explicit integration"),
     "energy error": (0.005, "", "largest error of the energy balance over the strike energy"),
-    "energy gained in contact": (0.008, "", "energy that a contact gave but never took, over the strike energy"),
-    "viscous energy": (0.8, "", "viscous energy over the energy absorbed"),
-    "formulation energy": (0.1, "", "work of the cell's forces that no potential stores, over the energy absorbed"),
-    "tension oscillation": (0.07, "", "node-to-node alternation of the tension over the tension, rms along the yarns"),
-    "nose penetration": (1.8, "", "depth of the nose in the cloth over the radius of its edge"),
-    "contact point spacing": (1.2, "", "spacing of the contact points over the radius of the nose's edge"),
-    "element side": (1.0, "", "longest side of an element over the projectile's radius"),
-    "yarns an element": (1.0, "", "yarns that an element under the nose stands for, along each side"),
-    "tension over cell table": (1.0, "", "peak tension over the largest of the cell's table"),
-    "tension over sampled surface": (1.0, "", "peak tension over the largest that the response surface was sampled at"),
+    "energy gained in contact": (0.008, "", "energy that contact forces created, over the strike energy"),
+    "viscous energy": (0.25, "", "energy dissipated by artificial viscosity over the energy absorbed"),
+    "formulation energy": (
+        0.1,
+        "",
+        "work of the unit cell's forces that no potential stores, over the energy absorbed",
+    ),
+    "tension oscillation": (0.07, "", "rms oscillation of the tension from node to node over the rms tension"),
+    "nose penetration": (1.8, "", "largest penetration of the projectile into the fabric over its edge radius"),
+    "contact point spacing": (1.2, "", "spacing of the contact points over the projectile's edge radius"),
+    "element side": (1.0, "", "longest element side over the projectile's radius"),
+    "yarns an element": (1.0, "", "yarns per element side under the projectile"),
+    "tension over cell table": (1.0, "", "peak tension over the largest tension tabulated for the unit cell"),
+    "tension over sampled surface": (1.0, "", "peak tension over the largest tension sampled for the response surface"),
     "contact force over fitted range": (1.0, "", "force between yarns over the largest that the law was fitted to"),
-    "swelling under contact": (1e-3, "", "growth of a yarn under a light contact force over its height"),
-    "relaxation residual": (1.0, "", "out-of-balance force over what relaxation was to reach"),
-    "hourglass energy": (0.1, "", "energy of the hourglass control over that of the solids"),
-    "hourglass amplitude": (0.5, "", "amplitude of a brick's zero-energy modes over its size"),
+    "swelling under contact": (1e-3, "", "growth of a yarn's thickness under a light contact force over its thickness"),
+    "relaxation residual": (1.0, "", "out-of-balance force over the tolerance of the relaxation"),
+    "hourglass energy": (0.1, "", "hourglass energy over the internal energy of the solids"),
+    "hourglass amplitude": (0.5, "", "amplitude of a hexahedron's hourglass modes over its size"),
     "node alternation": (0.01, "", "displacements that alternate from node to node over the yarn's thickness"),
-    "ply penetration": (0.75, "", "depth that a ply is pressed into the next over the thickness"),
-    "ply contact direction": (0.1, "", "sine of the angle between the force between plies and the normal of the cloth"),
+    "ply penetration": (0.75, "", "largest loaded penetration of a ply into the next over the ply's thickness"),
+    "ply contact direction": (0.1, "", "sine of the angle between the force between plies and the fabric's normal"),
 }
+NOTES = {"viscous energy": 0.1}  # name: value above which the indicator is noted
 
 
 def _make(name, value):
     limit, unit, meaning = LIMITS[name]
-    return Indicator(name, float(value), limit, unit, meaning)
+    return Indicator(name, float(value), limit, unit, meaning, NOTES.get(name))
 
 
 class Monitor:

@@ -18,6 +18,7 @@ from fabrics.errors import UnstableError, WeavecellError
 from fabrics.fabric import Fabric
 from shellfabric.impact import ballistic_limit, single_ply
 from shellfabric.impact.single_ply import ImpactSetup
+from shellfabric.panel import quality
 
 NEXT_STEP = 1.05  # first factor of a search that begins at the nominal critical velocity
 
@@ -111,22 +112,18 @@ def residual_velocity(
     outcome, velocity : of the nominal shot, [m/s]
     on_progress : called as on_progress(share of the shots) after each
     """
-    rows, found = [Row("nominal", outcome, _residual(outcome, velocity))], corners(setup.fabric, setup.laws)
+    rows, found = [Row("nominal", outcome, velocity)], corners(setup.fabric, setup.laws)
     for number, (name, (fabric, laws)) in enumerate(found.items(), 1):
         plain = replace(setup, fabric=fabric, laws=laws, snapshot_interval=None, history=None)
         try:
             result = single_ply.run(plain)
-            rows.append(Row(name, result.outcome, _residual(result.outcome, result.residual_velocity)))
+            doubt = " (doubtful)" if quality.status(result.checks) == quality.DOUBTFUL else ""
+            rows.append(Row(name, result.outcome + doubt, float(result.residual_velocity)))
         except UnstableError:
             rows.append(Row(name, "unstable", None))
         if on_progress is not None:
             on_progress(number / len(found))
     return AssumedRange("residual velocity", varied(setup.fabric, setup.laws), tuple(rows)) if found else None
-
-
-def _residual(outcome, velocity):
-    """[m/s] residual velocity, 0 of a projectile that has stopped: in its last step it may turn back."""
-    return 0.0 if outcome == "stopped" else float(velocity)
 
 
 def critical_velocity(
@@ -149,7 +146,8 @@ def critical_velocity(
                 replace(setup, fabric=fabric, laws=laws).panel(),
                 guess=velocity, step=NEXT_STEP, tolerance=tolerance, executor=executor, jobs=jobs,
             )  # fmt: skip
-            rows.append(Row(name, "", float(limit.velocity)))
+            doubt = any(quality.status(shot.checks) == quality.DOUBTFUL for shot in limit.ends)
+            rows.append(Row(name, "bracket on a doubtful shot" if doubt else "", float(limit.velocity)))
         except WeavecellError as problem:
             rows.append(Row(name, str(problem), None))
         if on_progress is not None:

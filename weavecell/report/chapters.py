@@ -73,11 +73,9 @@ def percent(share: float) -> str:
 
 
 def residual(record: BaseRecord) -> str:
-    """Velocity at the end, as text; a stopped projectile has none, though it may have begun to rebound."""
-    if record.outcome == "stopped":
-        return "residual velocity 0 m/s"
-    name = "residual velocity" if record.outcome == "perforated" else "velocity at the end"
-    return f"{name} {record.residual_velocity:.1f} m/s"
+    """Velocity at the end, as text."""
+    name = "velocity at the end" if record.outcome in ("in flight", "unstable") else "residual velocity"
+    return f"{name} {record.residual_velocity:.1f} m/s".replace(" 0.0 m/s", " 0 m/s")
 
 
 def mesh(facts: Mapping[str, str], picture: bytes) -> Section:

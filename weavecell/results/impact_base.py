@@ -84,7 +84,8 @@ class BaseRecord:
     Parameters
     ----------
     title, fabric, law_name : for the reader
-    strike_velocity, residual_velocity : [m/s]; the residual velocity is that of the last instant, along the normal
+    strike_velocity, residual_velocity : [m/s]; the residual velocity is that of the last instant, along the
+        normal, and 0 of a projectile that has stopped
     outcome : "stopped", "perforated", "in flight" or "unstable"
     mass : [kg] of the projectile
     failure_message : why an unstable run was ended; "" for others

