@@ -11,10 +11,19 @@ Python interface, loaded when it is first used:
 
 from __future__ import annotations
 
-import importlib
+import importlib.util
+from pathlib import Path
 from typing import Any
 
-from fabrics import __version__
+for _name in ("fabrics", "meshing", "unitcell3d", "shellfabric", "validation"):
+    _found = importlib.util.find_spec(_name)
+    if _found is not None and _found.origin and Path(_found.origin).parent.parent != Path(__file__).parent.parent:
+        raise ImportError(
+            f"{_found.origin} hides the package {_name} of weavecell, which has the same name: "
+            "rename it, or run from another folder"
+        )
+
+from fabrics import __version__  # noqa: E402
 
 __all__ = [
     "CalibrationResult",

@@ -60,9 +60,11 @@ class AssumedRange:
     def words(self) -> str:
         """The range in one line."""
         outcomes = sorted({row.outcome for row in self.rows if row.outcome})
+        over = f"over the assumed range of {' and '.join(self.tables)}"
+        if outcomes == ["stopped"]:
+            return f"stopped in all {len(self.rows)} runs {over}"
         more = f"; {' or '.join(outcomes)}" if outcomes else ""
-        tables = " and ".join(self.tables)
-        return f"{self.quantity} {self.low:.1f} to {self.high:.1f} m/s over the assumed range of {tables}{more}"
+        return f"{self.quantity} {self.low:.1f} to {self.high:.1f} m/s {over}{more}"
 
     def summary(self) -> dict:
         """As plain types."""

@@ -65,7 +65,7 @@ SCENES = {
     "no-unit": 'panel.opening = 203: must be a length above 0, such as "203 mm", or a list of two, along warp and weft',
     "not-a-table": "fabric = 'S-720': must be a table [fabric]",
     "not-toml": "not valid TOML (Expected newline or end of document after a statement (at line 5, column 10))",
-    "oblique-quarter": "panel.symmetry = 'quarter': must be one that the oblique shot has, or whole",
+    "oblique-quarter": "panel.symmetry = 'quarter': must be whole for this shot",
     "oblique-weave-quarter": "panel.symmetry = 'quarter': must be whole where the weave is oblique",
     "panel-too-small": "panel.opening = 0.004: must be wider than two projectiles and four crossovers",
     "profile-of-a-surface": "fabric.cell_profile = 'straight': must be left out with fabric.surface",
