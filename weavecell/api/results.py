@@ -265,7 +265,7 @@ class CriticalVelocityResult(Result):
         return self.limit.mixed_zone
 
     def summary(self) -> dict[str, Any]:
-        """Velocity, bracket and number of shots; doubtful shots that the limit rests on, and the worst checks of all."""
+        """Velocity, bracket, number of shots; doubtful shots that the limit rests on, and the worst checks of all."""
         low, high = self.bracket
         found: dict[str, Any] = {"fabric": self.fabric.name, "critical_velocity_m_s": self.velocity, "stop_m_s": low}
         found |= {"perforation_m_s": high, "shots": len(self.limit.shots)}
