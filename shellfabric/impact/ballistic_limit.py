@@ -94,8 +94,9 @@ class Limit:
 
     @property
     def ends(self) -> tuple[Shot, ...]:
-        """The shots at the ends of the bracket, by strike velocity."""
-        return tuple(shot for v in (self.low, self.high) for shot in self.shots if shot.strike_velocity == v)
+        """The shots at the ends of the bracket, and of the zone of mixed outcomes, by strike velocity."""
+        velocities = sorted({self.low, self.high, *(self.mixed_zone or ())})
+        return tuple(shot for v in velocities for shot in self.shots if shot.strike_velocity == v)
 
     @property
     def highest_stop(self) -> float:

@@ -249,7 +249,7 @@ class CriticalVelocityResult(Result):
 
     @property
     def bracket_checks(self) -> str:
-        """ "ok", or which end of the bracket is a doubtful shot, and why."""
+        """ "ok", or which end of the bracket, or of the zone of mixed outcomes, is a doubtful shot, and why."""
         from weavecell.report import checks
 
         return checks.of_bracket(self.limit)
@@ -257,7 +257,7 @@ class CriticalVelocityResult(Result):
     def _what(self):
         bracket = self.bracket_checks
         found = f"{self.fabric.name}, critical velocity"
-        return found if bracket == "ok" else f"{found}: the bracket rests on a {bracket}; of all shots"
+        return found if bracket == "ok" else f"{found}: the limit rests on a {bracket}; of all shots"
 
     @property
     def mixed_zone(self) -> tuple[float, float] | None:
@@ -265,7 +265,7 @@ class CriticalVelocityResult(Result):
         return self.limit.mixed_zone
 
     def summary(self) -> dict[str, Any]:
-        """Velocity, bracket and number of shots; the worst checks of the two shots of the bracket, and of all shots."""
+        """Velocity, bracket, number of shots; doubtful shots that the limit rests on, and the worst checks of all."""
         low, high = self.bracket
         found: dict[str, Any] = {"fabric": self.fabric.name, "critical_velocity_m_s": self.velocity, "stop_m_s": low}
         found |= {"perforation_m_s": high, "shots": len(self.limit.shots)}

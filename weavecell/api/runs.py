@@ -214,8 +214,8 @@ def critical_velocity(
 ) -> CriticalVelocityResult:  # fmt: skip
     """Bisect for the strike velocity between stop and perforation of one ply.
 
-    A shot with a quality check beyond its limit counts with its outcome, but a bracket with such a shot at one of its
-    ends is not sound: the result says so (`bracket_checks`), and warns with the category `DoubtfulResult`.
+    A shot with a quality check beyond its limit counts with its outcome, but a limit with such a shot at an end of
+    its bracket or mixed zone is not sound: the result says so (`bracket_checks`), and warns with `DoubtfulResult`.
 
     With jobs = 1 and the local executor, no process is started; more jobs are threads of this process.
 

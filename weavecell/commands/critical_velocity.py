@@ -247,7 +247,7 @@ def _tell(this, found, fit, shots, out):
         print(f"lowest perforation {low:.2f} m/s, highest stop {high:.2f} m/s; {len(shots)} shots")
         print(f"{len(inside)} shots in this zone: {sum(inside)} perforate, {len(inside) - sum(inside)} stop")
     if (doubt := checks.of_bracket(found)) != checks.OK:
-        print(f"the bracket rests on a {doubt}")
+        print(f"the limit rests on a {doubt}")
     if fit is not None:
         print(f"Lambert-Jonas: {parameters(fit)}, rms {fit.residual_rms:.1f} m/s")
     print(f"written to {out}", flush=True)

@@ -35,7 +35,7 @@ def words(indicators: Sequence[Indicator]) -> str:
 
 
 def of_bracket(limit: Limit) -> str:
-    """ "ok", or the doubtful ones of the two shots between which a search has found the critical velocity."""
+    """ "ok", or the doubtful shots at the ends of the bracket and of the zone of mixed outcomes."""
     found = [
         f"{shot.outcome} shot at {shot.strike_velocity:.4g} m/s ({line(shot.checks)})"
         for shot in limit.ends

@@ -160,7 +160,7 @@ CRITICAL_VELOCITY = keys(
     ("shots.peak_tension_N", "N", "peak tension of warp and weft"),
     ("shots.energy_error_max", "1", "largest error of the energy balance over the strike energy"),
     ("shots.wall_time_s", "s", "wall time of the shot"),
-    ("bracket_checks", "", '"ok", or which of the two shots of the bracket is doubtful, and why'),
+    ("bracket_checks", "", '"ok", or which end of bracket or mixed zone is a doubtful shot, and why'),
     ("shots.checks", "", '"ok", "noted" or "doubtful"'),
 )
 DEMO = keys(
