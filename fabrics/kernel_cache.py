@@ -27,15 +27,15 @@ from fabrics.checks import FilePath
 
 # folder of kernels: what they compute, and how long they are compiled on two free cores
 MODELS = {
-    "shellfabric.cell": ("the unit cell", "10 seconds"),
-    "shellfabric.panel": ("a ply", "2 minutes"),
-    "shellfabric.plies": ("packs", "2 minutes"),
-    "shellfabric.sliding": ("sliding crossovers", "2 minutes"),
-    "shellfabric.sliding_plies": ("packs with sliding crossovers", "2 minutes"),
-    "shellfabric.backing": ("a block behind the panel", "1 minute"),
-    "shellfabric.coupon": ("coupons", "1 minute"),
-    "shellfabric.cable": ("the cable net", "1 minute"),
-    "shellfabric.solid": ("the solid patch", "1 minute"),
+    "shellfabric.cell": ("the unit cell", "about 10 seconds"),
+    "shellfabric.panel": ("a ply", "about 2 minutes"),
+    "shellfabric.plies": ("packs", "about 3 minutes"),
+    "shellfabric.sliding": ("sliding crossovers", "some minutes"),
+    "shellfabric.sliding_plies": ("packs with sliding crossovers", "some minutes"),
+    "shellfabric.backing": ("a block behind the panel", "a minute or two"),
+    "shellfabric.coupon": ("coupons", "a minute or two"),
+    "shellfabric.cable": ("the cable net", "a minute or two"),
+    "shellfabric.solid": ("the solid patch", "a minute or two"),
 }
 PAUSE = 3.0  # [s] without compiling, after which kernels of the same folder are announced again
 _announced: set[str] = set()  # folders, since the last pause
@@ -55,7 +55,7 @@ def compiling(module: str, done: bool = False) -> None:
     if folder in MODELS and folder not in _announced and not done:
         _announced.add(folder)
         what, duration = MODELS[folder]
-        logging.getLogger("weavecell").warning(f"compiling the kernels of {what}, once: about {duration}")
+        logging.getLogger("weavecell").warning(f"compiling the kernels of {what}, once: {duration}")
 
 
 @contextmanager

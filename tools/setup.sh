@@ -34,9 +34,18 @@ else
 fi
 # every so many packages, one line of what apt or pip is at
 progress() {
-  awk -v step="$1" '
-    /^(Setting up|Collecting) / { if (n++ % step == 0) print "setup:   " n ", " ($1 == "Setting" ? $3 : $2); fflush() }
-    /^Installing collected packages/ { print "setup:   downloaded; installing " NF - 3; fflush() }'
+  local n=0 line name
+  while IFS= read -r line; do
+    case $line in
+      "Setting up "* | "Collecting "*)
+        name=${line#Setting up }
+        name=${name#Collecting }
+        if [ $((n % $1)) = 0 ]; then echo "setup:   $((n + 1)), ${name%%[ <>=~!;[(]*}"; fi
+        n=$((n + 1))
+        ;;
+      "Installing collected packages"*) echo "setup:   $(wc -w <<<"${line#*:}") packages to install" ;;
+    esac
+  done
 }
 
 if [ ${#missing[@]} -gt 0 ]; then

@@ -36,7 +36,7 @@ MOVIES = (".gif", ".mp4")
 FRAME_TIME = 0.1  # [s] of a movie for each snapshot
 LAST_FRAME_TIME = 1.5  # [s]
 COLOURS = 96  # of a GIF
-_TITLE = 75  # letters of a title that fit in one line, with the outcome
+_TITLE = 70  # letters of a title that fit in one line, with the outcome
 RECORDS: dict[str, type[ImpactRecord | PackRecord]] = {
     "panel.pvd": ImpactRecord,
     "pack.pvd": PackRecord,
