@@ -56,7 +56,7 @@ def test_from_prompts(tmp_path):
     ("old", "new", "told"),
     [
         ("90 GPa,90 GPa", "90 kg,90 GPa", "modulus = '90 kg': must be a text with a unit"),
-        ("crimp,", "crimps,", "key = 'crimps': must be one of linear_density,"),
+        ("crimp,", "crimps,", "key = 'crimps': is not a known key, did you mean \"crimp\"?"),
         ("count,8.5 / cm,8.5 / cm,data sheet\n", "", "count: is missing; must be such as"),
         ("key,warp,weft", "key,warp,fill", "columns = 'key, warp, fill, source': must be key, warp, weft"),
         ("0.8 %", "180 %", "weft.crimp = '180 %': must be a fraction"),
