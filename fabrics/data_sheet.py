@@ -79,16 +79,16 @@ def strain_at_strength(strength: float, unit: str, linear_density: float, fibre_
     return stress / E
 
 
-def strength_note(family: str, yarn: Yarn, failure_strain: float | None, written: str) -> list[str]:
-    """A line where a given failure strain disagrees with the strength by more than 1 %."""
+def strength_note(yarn: Yarn, failure_strain: float | None, written: str) -> str:
+    """A line where a given failure strain disagrees with the strength by more than 1 %, else an empty text."""
     if failure_strain is None or abs(failure_strain / yarn.failure_strain - 1) < 0.01:
-        return []
+        return ""
     by_strain = failure_strain * yarn.EA
-    return [
-        f"note: {family}: the strength {written} is {yarn.strength:.1f} N a yarn; modulus times failure strain gives "
-        f"{by_strain:.1f} N ({100 * (by_strain / yarn.strength - 1):+.1f} %); the strength is used, at a strain of "
+    return (
+        f"the strength {written} is {yarn.strength:.1f} N a yarn; modulus times failure strain gives {by_strain:.1f} N "
+        f"({100 * (by_strain / yarn.strength - 1):+.1f} %); the strength is used, at a strain of "
         f"{100 * yarn.failure_strain:.2f} %"
-    ]
+    )
 
 
 def mass_note(computed: float, stated: float) -> list[str]:

@@ -134,8 +134,8 @@ def with_room(fabric: Fabric) -> Fabric:
     found, thickness = assumed.of_thickness(fabric, high), fabric.thickness or 0.0
     crimp = " / ".join(f"{100 * yarn.crimp:.2f}" for yarn in found.weave.yarns)
     note = (
-        f"note: the thickness {1e3 * thickness:g} mm leaves too little room for the yarns; the 3D crossover has the least "
-        f"thickness that fits, {1e3 * found.weave.thickness:.4g} mm, and a crimp of {crimp} %"
+        f"note: the thickness {1e3 * thickness:g} mm leaves too little room for the yarns; the 3D crossover has the "
+        f"least thickness that fits, {1e3 * found.weave.thickness:.4g} mm, and a crimp of {crimp} %"
     )
     return replace(found, notes=(*fabric.notes, note))
 

@@ -101,6 +101,7 @@ class _Reader:
 
     def __init__(self, path, text=None):
         self.path, self.sources, self.problems, self.notes = path, {}, [], []
+        self.strengths = {}  # {what is to be said of a strength: [families]}
         self.meant = set()  # keys that a mistyped one is taken for: that these are missing is not told again
         try:
             self.content = tomllib.loads(path.read_text(encoding="utf-8") if text is None else text)
@@ -114,6 +115,7 @@ class _Reader:
         tables = {f: self._has(f) and self._known(self._find(f), self._keys(f), f) for f in FAMILIES}
         thickness, areal_density = self._number("thickness", "m", True), self._number("areal_density", "kg/m^2", True)
         weave, made_crimp = self._weave(thickness, tables)
+        self.notes += [f"note: {' and '.join(names)}: {text}" for text, names in self.strengths.items() if text]
         if weave is not None:
             self.notes += thickness_note(weave.thickness, thickness) if thickness and not made_crimp else []
             self.notes += self._try(mass_note, weave.areal_density, areal_density) or [] if areal_density else []
@@ -198,7 +200,7 @@ class _Reader:
         yarn = self._build(Yarn, family, linear_density, fibre_density, E, reached, crimp)
         if yarn is not None:
             written = self.sources[f"{family}.{given[0]}"]["value"]
-            self.notes += strength_note(family, yarn, strain, written)
+            self.strengths.setdefault(strength_note(yarn, strain, written), []).append(family)
         return yarn
 
     def _try(self, function, *args):

@@ -80,7 +80,7 @@ def setup(
     opening : [m] side of the panel, or (along warp, along weft)
     plies : number
     stacking : "aligned" or "alternating", of a pack
-    ply_gap : [m] between plies at rest; None takes the fabric's
+    ply_gap : [m] between plies at rest; None takes the fabric's, or an assumed one (`shellfabric.plies.gap.ply_gap`)
     ply_friction : [-] Coulomb's coefficient between plies
     end_time : [s] at the latest
     snapshot_interval : [s] between the shapes for `to_vtk`; None for the last alone
