@@ -52,14 +52,16 @@ def crimps(
     """
     share = entries()["warp_share"].value if share is None else share
     half = thickness / 2
-    heights = [None if c is None else height_from_length(w_i, 2 * w_i * (1 + c)) for w_i, c in zip(w, known)]
-    if heights == [None, None]:
-        heights = [share * half, (1 - share) * half]
+    heights = [share * half, (1 - share) * half]
     for i, j in ((0, 1), (1, 0)):
-        if heights[i] is None:
-            heights[i] = half - heights[j]
-            if not heights[i] > 0:
-                least = f"above {2e3 * heights[j]:.3f} mm, twice the height that the crimp of the {FAMILIES[j]} takes"
+        crimp = known[i]
+        if crimp is None:
+            continue
+        heights[i] = height_from_length(w[i], 2 * w[i] * (1 + crimp))
+        if known[j] is None:
+            heights[j] = half - heights[i]
+            if not heights[j] > 0:
+                least = f"above {2e3 * heights[i]:.3f} mm, twice the height that the crimp of the {FAMILIES[i]} takes"
                 raise InputError(key="thickness", value=thickness, allowed=least)
     first, second = (
         float(arc_length(w_i, h)) / (2 * w_i) - 1 if c is None else c for w_i, h, c in zip(w, heights, known)

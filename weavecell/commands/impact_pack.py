@@ -268,7 +268,7 @@ def page(this: Case, record: PackRecord, sections: Sequence[Section], stamp: dic
     return report_page.Report(
         record.title,
         f"{record.count} plies of {record.fabric}, {record.stacking}, {words.panel_in_words(panel)}, struck at "
-        f"{shot.strike_velocity:g} m/s by {words.shot_in_words(shot)}. {record.gap_words[0].upper()}{record.gap_words[1:]}.",
+        f"{shot.strike_velocity:g} m/s by {words.shot_in_words(shot)}. At rest: {record.gap_words}.",
         (cards,),
         (
             *sections,
