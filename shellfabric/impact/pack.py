@@ -37,7 +37,7 @@ class PackSetup:
     ply : ImpactSetup of the first ply
     plies : number of plies
     stacking : "aligned" or "alternating"
-    gap : [m] between plies at rest; None takes the fabric's (see `plies.model.fabric_gap`)
+    gap : [m] between plies at rest; None takes that of `plies.gap.ply_gap`
     contact : PlyContact, numerical knobs of the contact between plies
     friction : [-] Coulomb's coefficient between plies
     """

@@ -96,12 +96,12 @@ class Pack:
         ply : Panel, the first
         plies : their number
         stacking : "aligned" or "alternating"
-        gap : [m] between all plies; None takes the fabric's own, or that of `compression_gap`
+        gap : [m] between all plies; None takes that of `gap.ply_gap`
         contact, friction : as of a Pack
 
         Raises
         ------
-        InputError : no ply, unknown stacking, a weave that cannot be turned, or no gap to be found
+        InputError : no ply, unknown stacking, or a weave that cannot be turned
         """
         if not plies >= 1:
             raise InputError(key="plies", value=plies, allowed="at least 1")

@@ -2,8 +2,9 @@
 
 A law that no data sheet states is assumed with a range (`fabrics.families`). The shot, or the search of the critical
 velocity, is repeated with the soft and the stiff end of each assumed law, in all combinations: two runs for one assumed
-law, four for two. The range is the envelope of these and the nominal run. It is a statement about these runs and no
-bound, since the outcome need not be monotonic in a law.
+law, four for two. Where the crimp was computed from the thickness, the shot is repeated with each end of the thickness
+and of the warp's share too, one at a time and with the nominal laws. The range is the envelope of these and the nominal
+run. It is a statement about these runs and no bound, since the outcome need not be monotonic in a law.
 """
 
 from __future__ import annotations
@@ -60,7 +61,8 @@ class AssumedRange:
     def words(self) -> str:
         """The range in one line."""
         outcomes = sorted({row.outcome for row in self.rows if row.outcome})
-        over = f"over the assumed range of {' and '.join(self.tables)}"
+        tables = ", ".join(self.tables[:-1]) + (" and " if self.tables[1:] else "") + self.tables[-1]
+        over = f"over the assumed range of {tables}"
         if outcomes == ["stopped"]:
             return f"stopped in all {len(self.rows)} runs {over}"
         more = f"; {' or '.join(outcomes)}" if outcomes else ""
@@ -80,7 +82,9 @@ class AssumedRange:
 def corners(
     fabric: Fabric, laws: tuple[CompressionLaw, CompressionLaw] | None
 ) -> dict[str, tuple[Fabric, tuple[CompressionLaw, CompressionLaw] | None]]:
-    """{words: (fabric, laws)} of all combinations of the ends of assumed laws; empty where none is assumed.
+    """{words: (fabric, laws)} of all combinations of the ends of assumed laws, and of each end of an assumed crimp.
+
+    Empty where nothing is assumed.
 
     Parameters
     ----------
@@ -94,13 +98,17 @@ def corners(
         pairs = {f"yarns {end}": (ends[0][end], ends[1][end]) for end in ("soft", "stiff")}
     found = {", ".join(filter(None, names)): (shears[names[0]], pairs[names[1]]) for names in product(shears, pairs)}
     found.pop("", None)
-    return found
+    return found | {name: (each, laws) for name, each in assumed.crimp_ends(fabric).items()}
 
 
 def varied(fabric: Fabric, laws: tuple[CompressionLaw, CompressionLaw] | None) -> tuple[str, ...]:
     """What `corners` varies, in words."""
     solid = laws is not None and laws[0].assumed_range is not None
-    return (*(("the trellis law",) if "shear" in fabric.assumed else ()), *(("the solid law",) if solid else ()))
+    return (
+        *(("the trellis law",) if "shear" in fabric.assumed else ()),
+        *(("the solid law",) if solid else ()),
+        *(("the crimp",) if "crimp" in fabric.assumed else ()),
+    )
 
 
 def residual_velocity(

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, TypedDict
 
 from fabrics.checks import FilePath
-from fabrics.errors import InputError
+from fabrics.errors import InputError, InputErrors, together
 
 if TYPE_CHECKING:
     from fabrics.compression import CompressionLaw
@@ -189,7 +189,9 @@ def _unknown(key, value, known):
 
 
 def named(problem: InputError) -> InputError:
-    """An InputError of a scene with the keyword in place of the dotted key of the file."""
+    """The InputErrors of a scene with keywords in place of the dotted keys of the file."""
+    if isinstance(problem, InputErrors):
+        return together([named(one) for one in problem.problems])
     key = problem.key or ""
     table, _, rest = key.partition(".")
     short = "velocity" if key == "projectile.strike_velocity" else rest if table in FLAT else ""

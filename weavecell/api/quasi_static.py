@@ -158,10 +158,11 @@ def calibrate(
     InputError : the fabric cannot be meshed, has no solid law that could be assumed, or a bad curve
     UnstableError : no path got far enough for a fit
     """
+    from meshing.mesh_plan import with_room
     from unitcell3d.identify import calibrate as solver
     from unitcell3d.identify.assumed_range import with_assumed_range
 
-    cloth = assumed.with_solid_laws(as_fabric(fabric))
+    cloth = with_room(assumed.with_solid_laws(as_fabric(fabric)))
     if platen_curve is not None:
         from fabrics.plate_curve import PlateCurve
         from unitcell3d.identify.solid_fit import fit_solid
@@ -175,4 +176,6 @@ def calibrate(
         done, failed = with_assumed_range(cloth, done, **choices)
     if out is not None:
         done.write(out)
-    return CalibrationResult(replace(cloth, laws=(done.law, done.law)), done, tuple(assumed.lines(cloth)), failed)
+    return CalibrationResult(
+        replace(cloth, laws=(done.law, done.law)), done, (*cloth.notes, *assumed.lines(cloth)), failed
+    )

@@ -123,7 +123,7 @@ def shoot(
     Parameters
     ----------
     fabric, velocity, options : as of `setup`
-    assumed_range : whether the residual velocity's range over assumed laws is computed: two or four more shots, for one
+    assumed_range : whether the residual velocity's range over assumed laws is computed: up to eight more shots, for one
         ply
 
     Returns
@@ -225,7 +225,7 @@ def critical_velocity(
     tolerance : [m/s] at most between a stop and a perforation
     residual_shots : shots above the limit, for the Lambert-Jonas fit
     scan : whether the velocities about the bracket are scanned for mixed outcomes (`limit_scan`)
-    assumed_range : whether the range over assumed laws is computed: two or four more searches
+    assumed_range : whether the range over assumed laws is computed: up to eight more searches
     jobs, executor : as of `shellfabric.impact.ballistic_limit.critical_velocity`
 
     Returns

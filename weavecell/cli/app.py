@@ -1,7 +1,7 @@
 """The `weavecell` command. Nothing heavy is imported before a command needs it, so that help comes at once.
 
-Exit codes: 0 done; 2 bad input (one line on stderr, nothing written); 3 a run became unstable (what it had computed is
-kept); 130 interrupted.
+Exit codes: 0 done; 2 bad input (a line on stderr for each problem, nothing written); 3 a run became unstable (what it
+had computed is kept); 130 interrupted.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from typing import Annotated, Any, NoReturn
 
 import typer
 
-from fabrics.errors import InputError, WeavecellError
+from fabrics.errors import InputError, WeavecellError, marked
 from weavecell.cli import (
     crossover,
     mesh_calibrate_surface,
@@ -179,5 +179,5 @@ def _hint(package):
 
 def _fail(line, code):
     if line:  # a command without its sub-command has printed its help and has nothing to add
-        print(f"error: {line}", file=sys.stderr)
+        print(marked(line), file=sys.stderr)
     sys.exit(code)

@@ -267,8 +267,8 @@ def page(this: Case, record: PackRecord, sections: Sequence[Section], stamp: dic
     shot = this.scene.projectile
     return report_page.Report(
         record.title,
-        f"{record.count} plies of {record.fabric}, {record.stacking}, {1e3 * record.gaps[0]:.3g} mm apart, "
-        f"{words.panel_in_words(panel)}, struck at {shot.strike_velocity:g} m/s by {words.shot_in_words(shot)}.",
+        f"{record.count} plies of {record.fabric}, {record.stacking}, {words.panel_in_words(panel)}, struck at "
+        f"{shot.strike_velocity:g} m/s by {words.shot_in_words(shot)}. At rest: {record.gap_words}.",
         (cards,),
         (
             *sections,
@@ -284,6 +284,7 @@ def _tell(record, out):
     print(f"{record.title}: {record.outcome}, {chapters.residual(record)}")
     failed = ", ".join(f"{count:g}" for count in record.plies["failed_yarns"][-1])
     print(f"failed yarn segments by ply: {failed}")
+    print(record.gap_words)
     print(
         f"energy error at most {100 * record.energy_error_max:.3f} % of the strike energy, {record.strike_energy:.2f} J"
     )

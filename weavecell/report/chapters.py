@@ -9,6 +9,7 @@ import numpy as np
 
 from fabrics.compression import CompressionLaw
 from fabrics.fabric import Fabric
+from fabrics.units import FACTORS
 from weavecell.report import pictures, pictures3d
 from weavecell.report.derived import derived
 from weavecell.report.page import Card, Figure, Section, Table
@@ -25,12 +26,14 @@ STRAINS = np.linspace(0.0, 0.032, 97)  # [-] of the cell, to past the yarns' fai
 def fabric_card(fabric: Fabric) -> Card:
     """Which fabric."""
     weave = fabric.weave
-    denier = " / ".join(f"{9e6 * yarn.linear_density:.0f}" for yarn in weave.yarns)
+    written = fabric.sources.get("warp.linear_density", {}).get("value", "")
+    unit = next((unit for unit in ("denier", "dtex", "tex") if unit in written), "dtex")
+    density = " / ".join(f"{yarn.linear_density / FACTORS['kg/m'][unit]:.0f}" for yarn in weave.yarns)
     return Card(
         "Fabric",
         fabric.name,
         (
-            f"{denier} denier, warp / weft",
+            f"{density} {unit}, warp / weft",
             f"{1e3 * weave.areal_density:.1f} g/m², {1e3 * weave.thickness:.3f} mm thick",
             f"crimp {100 * weave.warp.crimp:.2f} / {100 * weave.weft.crimp:.2f} %",
             f"yarn strength {weave.warp.strength:.0f} / {weave.weft.strength:.0f} N",

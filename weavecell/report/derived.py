@@ -20,4 +20,6 @@ def derived(fabric: Fabric) -> list[tuple[str, str]]:
     ]
     if fabric.areal_density_measured is not None:
         rows.insert(4, ("areal density, measured", f"{1e3 * fabric.areal_density_measured:.1f} g/m²"))
+    if fabric.thickness is not None:
+        rows.insert(3, ("thickness, data sheet", f"{1e3 * fabric.thickness:.4g} mm"))
     return rows

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from shellfabric.impact.single_ply import ImpactSetup
     from shellfabric.output.snapshots import Snapshot
 
-FORMAT = 3  # version of the files
+FORMAT = 4  # version of the files
 # attribute of the record: attribute of the file, and key of summary.json
 SCALARS = {
     "title": "title",

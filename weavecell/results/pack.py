@@ -50,6 +50,7 @@ class PackRecord(BaseRecord):
     plies : {name: (n, plies)} with the names of shellfabric.panel.solver.PLY_SAMPLES
     z_rest, thickness : (plies,) [m] middle surfaces at rest, and thickness
     gaps : (plies - 1,) [m]
+    gap_low, gap_high, gap_source : [m, m, -] range of the first of them, and where it comes from
     max_penetration_ratio : (plies - 1,) [-] deepest penetration of a ply into the next, over the thickness
     torn_contact : (2,) [-] impulses that kept torn cloth from passing through another ply, and passages despite them
     shapes, quads : of each ply at the end: Shape, and (m, 4) node numbers
@@ -59,9 +60,17 @@ class PackRecord(BaseRecord):
     """
 
     KIND = "pack"
-    OWN_SCALARS = {"stacking": "stacking"}  # noqa: RUF012
+    OWN_SCALARS = {  # noqa: RUF012
+        "stacking": "stacking",
+        "gap_low": "ply_gap_low_m",
+        "gap_high": "ply_gap_high_m",
+        "gap_source": "ply_gap_source",
+    }
 
     stacking: str
+    gap_low: float
+    gap_high: float
+    gap_source: str
     plies: dict
     z_rest: np.ndarray
     thickness: np.ndarray
@@ -75,6 +84,12 @@ class PackRecord(BaseRecord):
     slips: tuple = ()
 
     @property
+    def gap_words(self) -> str:
+        """The gap between plies at rest, its range and its source in one line."""
+        span = f" ({1e3 * self.gap_low:.3g} .. {1e3 * self.gap_high:.3g} mm)" if self.gap_high > self.gap_low else ""
+        return f"ply gap {1e3 * self.gaps[0]:.3g} mm{span}, {self.gap_source}"
+
+    @property
     def count(self) -> int:
         """Number of plies."""
         return len(self.z_rest)
@@ -83,7 +98,10 @@ class PackRecord(BaseRecord):
     def of(cls, result: PackResult, title: str, law_name: str, message: str = "") -> PackRecord:
         """The record of a `shellfabric.impact.pack.PackResult`."""
         from shellfabric.output.snapshots import quads
+        from shellfabric.plies.gap import PlyGap, ply_gap
 
+        given = result.setup.gap
+        gap = ply_gap(result.setup.ply.fabric) if given is None else PlyGap(given, given, given, "given")
         pack, (_, mirror_y) = result.pack, result.mirrored
         before = [shots for shots in result.snapshots if shots[0].t < result.last[0].t]
         return cls._of(
@@ -91,6 +109,7 @@ class PackRecord(BaseRecord):
             strength=np.array([[yarn.strength for yarn in one.weave.yarns] for one in pack.plies]),
             stacking=result.setup.stacking, plies=dict(result.plies), z_rest=pack.places,
             thickness=np.array([one.weave.thickness for one in pack.plies]), gaps=np.array(pack.gaps),
+            gap_low=gap.low, gap_high=gap.high, gap_source=gap.source,
             max_penetration_ratio=result.deepest, torn_contact=result.held_apart,
             shapes=tuple(Shape.of(shot) for shot in result.last), quads=tuple(quads(one) for one in pack.plies),
             cuts=tuple(_cut(shots, mirror_y) for shots in (*before, result.last)), measured=result.histories,

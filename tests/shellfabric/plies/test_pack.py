@@ -197,8 +197,6 @@ def test_gap_from_the_compression_of_packs():
         assert fabric_gap(fabric) == pytest.approx(printed, rel=1e-12)
     untested = catalogue.load("S-720")
     assert fabric_gap(untested) == pytest.approx(0.134e-3, rel=0.01)
-    with pytest.raises(InputError, match="neither"):
-        fabric_gap(replace(untested, areal_density_measured=None))
 
 
 @pytest.mark.parametrize(("plies", "velocity", "at"), [(3, 260.0, 14e-6), (5, 280.0, 25e-6)])

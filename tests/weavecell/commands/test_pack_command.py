@@ -39,6 +39,8 @@ def test_everything_asked_for_is_written(command, scene, tmp_path):
     told = json.loads((folder / "summary.json").read_text())
     assert told["plies"] == 3
     assert told["stacking"] == "alternating"
+    assert (told["ply_gap_m"], told["ply_gap_low_m"], told["ply_gap_source"]) == (1e-4, 1e-4, "given")
+    assert "ply gap 0.1 mm, given" in out.splitlines()
     assert told["energy_error_max"] < 5e-3
     assert len(told["failed_yarn_segments"]) == 3
     record = PackRecord.read(folder / "histories.h5")
@@ -51,7 +53,8 @@ def test_everything_asked_for_is_written(command, scene, tmp_path):
         "cuts.svg", "energies.svg", "panel.png", "plies.svg", "pushes.svg", "velocity.svg",
     ]  # fmt: skip
     page = (folder / "report.html").read_text()
-    assert "3 plies of S-728, alternating, 0.1 mm apart" in page
+    assert "3 plies of S-728, alternating, " in page
+    assert "At rest: ply gap 0.1 mm, given." in page
     with h5py.File(folder / "histories.h5") as file:
         assert file["plies/histories/push"].attrs["unit"] == "N"
         assert file["plies/histories/push"].shape == (len(record.time), 3)
