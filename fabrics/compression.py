@@ -13,6 +13,7 @@ from __future__ import annotations
 import json
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -21,6 +22,9 @@ from fabrics.checks import FilePath, FloatArray, not_negative
 from fabrics.errors import InputError
 from fabrics.files import write_whole
 from fabrics.units import si
+
+if TYPE_CHECKING:
+    from fabrics.ply_law import PlyLaw
 
 FORMS = ("regularised", "printed")
 _FORMAT = "weavecell compression law 1"
@@ -161,8 +165,8 @@ class CompressionLaw:
             b_interval=(float(b * np.exp(-db)), float(b * np.exp(db))),
         )
 
-    def to_json(self, path: FilePath) -> None:
-        """Write the law, its fit and its provenance."""
+    def to_json(self, path: FilePath, contact: PlyLaw | None = None) -> None:
+        """Write the law, its fit and its provenance; and `contact`, the law of plies on each other, beside it."""
         content = {
             "format": _FORMAT,
             "form": self.form,
@@ -177,6 +181,7 @@ class CompressionLaw:
             },
             "assumed_range": self.assumed_range
             and [{"a": f"{a!r} m", "b": f"{b!r} m * N**(1/3)"} for a, b in self.assumed_range],
+            "ply_contact": contact and contact.table(),
         }
         with write_whole(path) as file:
             json.dump(content, file, indent=2)

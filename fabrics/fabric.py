@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
 
 from fabrics.compression import CompressionLaw
 from fabrics.errors import InputError
@@ -11,6 +12,9 @@ from fabrics.solid import SolidLaw
 from fabrics.trellis import TrellisShear
 from fabrics.weave import Weave
 from fabrics.yarn import WeavingDamage
+
+if TYPE_CHECKING:
+    from fabrics.ply_law import PlyLaw
 
 SECTIONS = ("sine", "ellipse", "conforming")
 
@@ -28,7 +32,7 @@ class Fabric:
     solid_laws : (SolidLaw, SolidLaw) or None, of warp and weft in the 3D crossover
     section : of SECTIONS, the yarn section of the 3D crossover; None takes the first of them that fits
     areal_density_measured : [kg/m2] or None
-    interlayer_gap : [m] play between plies of a pack, or None
+    interlayer_gap : [m] what neighbouring plies of a pack close in a test besides their contact law, or None
     effective_linear_density : (warp, weft) [kg/m] that the runs of the thesis really used (erratum E-07), or None
     micrograph : {"warp": {...}, "weft": {...}} [SI] values read from section pictures
     sources : {dotted key: {"value", "source", "status"}} as written in the data file
@@ -36,6 +40,7 @@ class Fabric:
     yarn_width : (warp, weft) [m] widths of the yarns in the fabric, each None where not known
     thickness : [m] of the data sheet, or None
     notes : lines about numbers of the data file that disagree
+    ply_contact : PlyLaw of plies of this fabric on each other, or None (see `fabrics.ply_law.PlyLaw.of`)
     """
 
     name: str
@@ -53,6 +58,7 @@ class Fabric:
     yarn_width: tuple[float | None, float | None] = (None, None)
     thickness: float | None = None
     notes: tuple[str, ...] = ()
+    ply_contact: PlyLaw | None = None
 
     def __post_init__(self):
         if self.section is not None and self.section not in SECTIONS:

@@ -31,6 +31,7 @@ from fabrics.units import si
 _LAW = Path(__file__).parent / "pressure_law.toml"
 _UNITS = {"c1": "Pa * m^3 / (kg/m^2)^3", "c2": "Pa * m^3", "start": "N", "peak": "N", "platen": "m"}
 FEWEST = 5
+PLATEN_PRESSURE = 7000 / 0.019**2  # [Pa] highest of the tests of plies and packs: 7 kN on 19 mm x 19 mm
 SAMPLES = 24
 
 

@@ -30,6 +30,7 @@ __all__ = [
     "CouponResult",
     "CriticalVelocityResult",
     "DoubtfulResult",
+    "DrawsResult",
     "InputError",
     "Result",
     "ShotResult",
@@ -40,6 +41,7 @@ __all__ = [
     "calibrate",
     "coupon",
     "critical_velocity",
+    "draws",
     "fabric",
     "fabrics",
     "setup",
@@ -52,8 +54,8 @@ _MODULES = {
     "weavecell.api.quasi_static": ("calibrate", "coupon"),
     "weavecell.api.quasi_static_results": ("CalibrationResult", "CouponResult"),
     "weavecell.api.result": ("Result",),
-    "weavecell.api.results": ("CriticalVelocityResult", "ShotResult", "SweepResult"),
-    "weavecell.api.runs": ("critical_velocity", "fabric", "fabrics", "setup", "shoot", "sweep"),
+    "weavecell.api.results": ("CriticalVelocityResult", "DrawsResult", "ShotResult", "SweepResult"),
+    "weavecell.api.runs": ("critical_velocity", "draws", "fabric", "fabrics", "setup", "shoot", "sweep"),
     "fabrics.errors": ("DoubtfulResult", "InputError", "UndecidedError", "UnstableError"),
 }
 

@@ -4,14 +4,15 @@ from fabrics.errors import DoubtfulResult, InputError, UndecidedError, UnstableE
 from weavecell.api.quasi_static import calibrate, coupon
 from weavecell.api.quasi_static_results import CalibrationResult, CouponResult
 from weavecell.api.result import Result
-from weavecell.api.results import CriticalVelocityResult, ShotResult, SweepResult
-from weavecell.api.runs import critical_velocity, fabric, fabrics, setup, shoot, sweep
+from weavecell.api.results import CriticalVelocityResult, DrawsResult, ShotResult, SweepResult
+from weavecell.api.runs import critical_velocity, draws, fabric, fabrics, setup, shoot, sweep
 
 __all__ = [
     "CalibrationResult",
     "CouponResult",
     "CriticalVelocityResult",
     "DoubtfulResult",
+    "DrawsResult",
     "InputError",
     "Result",
     "ShotResult",
@@ -22,6 +23,7 @@ __all__ = [
     "calibrate",
     "coupon",
     "critical_velocity",
+    "draws",
     "fabric",
     "fabrics",
     "setup",

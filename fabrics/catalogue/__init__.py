@@ -2,14 +2,15 @@
 
 A number is written `{ value = "1420 denier", source = "...", status = "measured" }`, or just `"1420 denier"` in a
 user's own file. What data sheets state is enough: strength or tenacity in place of the failure strain, the thickness of
-the fabric in place of crimps (`fabrics.data_sheet`). Statuses: measured, fitted, derived, assumed, corrected (a
-misprint of the thesis, put right) and user.
+the fabric in place of crimps (`fabrics.data_sheet`). Statuses: measured, computed, fitted, derived, assumed, corrected
+(a misprint of the thesis, put right) and user.
 """
 
 from __future__ import annotations
 
 import difflib
 import tomllib
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
@@ -26,17 +27,17 @@ from fabrics.data_sheet import (
 )
 from fabrics.errors import InputError, together
 from fabrics.fabric import Fabric
+from fabrics.ply_law import STATUSES, PlyLaw
 from fabrics.solid import SolidLaw
 from fabrics.trellis import TrellisShear
 from fabrics.units import example, in_one_of
 from fabrics.weave import Weave
 from fabrics.yarn import Yarn
 
-STATUSES = ("measured", "fitted", "derived", "assumed", "corrected", "user")
 _FOLDER = Path(__file__).parent
 
 _TOP = ("name", "section", "interlayer_gap", "areal_density", "areal_density_measured", "thickness")
-_TABLES = ("warp", "weft", "compression", "shear", "solid", "micrograph")
+_TABLES = ("warp", "weft", "compression", "shear", "ply_contact", "solid", "micrograph")
 _TENACITY = "N/(kg/m)"
 _YARN = {
     "crimp": "", "count": "1/m", "fibre_density": "kg/m^3", "modulus": "Pa or N/(kg/m)", "failure_strain": "",
@@ -140,7 +141,11 @@ class _Reader:
         fabric = self._build(Fabric, "", weave=weave, **values)
         if self.problems:
             raise together(self.problems)
-        return fabric
+        if not self._has("ply_contact"):
+            return fabric
+        law = PlyLaw.from_table(self._find("ply_contact"), fabric, self.path)
+        self.sources["ply_contact"] = {"value": law.words(), "source": law.source, "status": law.status}
+        return replace(fabric, ply_contact=law)
 
     def _keys(self, family):
         """The keys that the table of a yarn may have."""

@@ -137,11 +137,12 @@ def shots(solver: PackSolver) -> tuple[Snapshot, ...]:
 
 
 def run(
-    setup: PackSetup, *, hooks: Iterable[Hook] = (), resume: FilePath | None = None, table: CellTable | None = None
-) -> PackResult:
-    """Run an impact on a pack; parameters, exceptions and resuming as `single_ply.run`."""
+    setup: PackSetup, *, hooks: Iterable[Hook] = (), resume: FilePath | None = None, table: CellTable | None = None,
+    pack: Pack | None = None,
+) -> PackResult:  # fmt: skip
+    """Run an impact on a pack; parameters, exceptions and resuming as `single_ply.run`, with a `pack` for its panel."""
     ply = setup.ply
-    solver = solver_of(setup.pack(table), ply.strike_velocity, ply.end_time, interval=ply.sample_interval)
+    solver = solver_of(pack or setup.pack(table), ply.strike_velocity, ply.end_time, interval=ply.sample_interval)
     own = (*single_ply.recorder(solver, ply), *single_ply.snapshot_hooks(ply, shots))
     if resume is not None:
         checkpoint.read(solver, resume)

@@ -230,8 +230,9 @@ class ImpactResult(Outcome):
 
 
 def run(
-    setup: ImpactSetup, *, hooks: Iterable[Hook] = (), resume: FilePath | None = None, table: CellTable | None = None
-) -> ImpactResult:
+    setup: ImpactSetup, *, hooks: Iterable[Hook] = (), resume: FilePath | None = None, table: CellTable | None = None,
+    panel: Panel | None = None,
+) -> ImpactResult:  # fmt: skip
     """Run an impact.
 
     Parameters
@@ -241,13 +242,16 @@ def run(
     resume : path of a checkpoint of the same set-up to go on from; the result is that of the uninterrupted run, bit
         for bit
     table : CellTable that a set-up of the same cell has filled, or None
+    panel : that of the set-up with changes of its own, such as strengths of its yarns; None makes it
 
     Raises
     ------
     InputError : a set-up or checkpoint that cannot be used
     UnstableError : the run became unphysical; its attribute `result` holds what was computed
     """
-    solver = solver_of(setup.panel(table), setup.strike_velocity, setup.end_time, interval=setup.sample_interval)
+    solver = solver_of(
+        panel or setup.panel(table), setup.strike_velocity, setup.end_time, interval=setup.sample_interval
+    )
     own = (*recorder(solver, setup), *snapshot_hooks(setup))
     if resume is not None:
         checkpoint.read(solver, resume)

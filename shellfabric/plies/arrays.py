@@ -6,7 +6,7 @@ Pair = namedtuple(
     "Pair",
     "closest_point cp_rate normal last_depth depth_offset status on_facet recheck_step max_speed f_front f_rear "
     "front_window rear_window front_box rear_box energy near_torn torn_elements torn_counts lane_index surface_form "
-    "points_per_side point_offset stiffness damping thickness rest_distance min_deflection area_factor1 area_factor2 "
+    "points_per_side point_offset law law_step thickness rest_distance min_deflection area_factor1 area_factor2 "
     "friction slip_stiffness slip_damping friction_state normal_force",
 )
 TornContact = namedtuple(

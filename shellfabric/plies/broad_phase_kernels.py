@@ -104,8 +104,8 @@ def collect_candidates(stops, pair, p, q, count):
                     if count < stops.candidates.shape[0]:
                         stops.candidates[count, 0], stops.candidates[count, 1] = p, e
                         stops.candidates[count, 2], stops.candidates[count, 3] = q, f
-                        point = e // s * stops.ply_shape[p, NJ] + e % s
-                        knows = not apart and pair.points_per_side == 1 and pair.status[point] == IN_CONTACT
+                        point = e // s * stops.ply_shape[p, NJ] * pair.points_per_side**2 + e % s
+                        knows = not apart and pair.status[point] == IN_CONTACT
                         knows = knows and pair.last_depth[point] > pair.thickness
                         for c in range(3):
                             stops.candidate_normal[count, c] = pair.normal[c][point] if knows else 0.0

@@ -94,9 +94,7 @@ from shellfabric.plies.graded_kernels import add_line_offset, add_middle_offset,
 from shellfabric.plies.normal_force_kernels import clear_normal_forces
 from shellfabric.plies.ply_friction_kernels import friction_forces
 from shellfabric.plies.point_kernels import contact_point
-from shellfabric.plies.surface_kernels import (
-    SMOOTH,
-)
+from shellfabric.plies.surface_kernels import SMOOTH, point_number
 
 _SCAN_INTERVAL, _MARGIN = 8, 3  # steps between scans, elements about what they find
 _SPEED_MARGIN = 1.5  # than at the last scan nodes may become
@@ -205,28 +203,26 @@ def contact_forces(front, fc, rear, rc, pair, step):
     taken = -half_step_work(front, fc, pair.f_front, pair.front_window, True)
     taken -= half_step_work(rear, rc, pair.f_rear, pair.rear_window, True)
     i0, i1, j0, j1 = candidate_window(pair, fc, rc)
-    p, spring, now, often = pair.points_per_side, 0.0, float(step), step % _SCAN_INTERVAL == 0
+    p, spring, now, often = pair.points_per_side**2, 0.0, float(step), step % _SCAN_INTERVAL == 0
     shot = math.sqrt(
         front.projectile_velocity[0] ** 2 + front.projectile_velocity[1] ** 2 + front.projectile_velocity[2] ** 2
     )
     nearer = _SPEED_MARGIN * fc.dt * (max(pair.max_speed[0], shot) + max(pair.max_speed[1], shot))
-    for i in range(i0, i1):
-        start, end = (i * fc.nj + j0) * p * p, (i * fc.nj + j1) * p * p
+    for row in range(i0 * p, i1 * p):
+        start, end = row * fc.nj + j0, row * fc.nj + j1
         clear_normal_forces(pair.normal_force, start, end)
         for q0 in range(start, end, WIDTH):
             count = min(WIDTH, end - q0)
             due = movemask(head_mask(count)) & ~movemask(greater(load(pair.recheck_step, q0), now))
-            if due != 0 and p == 1 and pair.surface_form == SMOOTH:
-                due, energy = contact_points8(front, fc, rear, rc, pair, q0, i, q0 - i * fc.nj, count, nearer, now, due)
+            if due != 0 and pair.surface_form == SMOOTH:
+                due, energy = contact_points8(front, fc, rear, rc, pair, q0, count, nearer, now, due)
                 spring += energy
             if due == 0:
                 continue
             for q in range(q0, q0 + count):
                 if (due >> (q - q0)) & 1 == 0:
                     continue
-                j, m = q // (p * p) - i * fc.nj, q % (p * p)
-                a, b = i + (m // p + pair.point_offset) / p, j + (m % p + pair.point_offset) / p
-                energy, depth = contact_point(front, fc, rear, rc, pair, q, a, b, often)
+                energy, depth = contact_point(front, fc, rear, rc, pair, q, often)
                 if depth < 0.0:
                     pair.recheck_step[q] = now + 1.0 + steps_until_contact(depth, nearer)
                 spring += energy
@@ -248,16 +244,16 @@ def contact_forces_back(front, fc, rear, rc, pair, step):
         return
     taken = -half_step_work(front, fc, pair.f_front, pair.front_window, True)
     taken -= half_step_work(rear, rc, pair.f_rear, pair.rear_window, True)
-    p, spring, often = pair.points_per_side, 0.0, step % _SCAN_INTERVAL == 0
+    spring, often = 0.0, step % _SCAN_INTERVAL == 0
     for e in pair.torn_elements[: pair.torn_counts[1]]:
-        clear_normal_forces(pair.normal_force, e * p * p, (e + 1) * p * p)
-        for m in range(p * p):
-            a, b = e // fc.nj + (m // p + pair.point_offset) / p, e % fc.nj + (m % p + pair.point_offset) / p
-            energy, depth = contact_point(front, fc, rear, rc, pair, e * p * p + m, a, b, often)
+        for m in range(pair.points_per_side**2):
+            q = point_number(fc, pair, e // fc.nj, e % fc.nj, m)
+            clear_normal_forces(pair.normal_force, q, q + 1)
+            energy, depth = contact_point(front, fc, rear, rc, pair, q, often)
             spring += energy
             if depth > pair.energy[MAX_DEPTH]:
-                pair.energy[MAX_DEPTH], pair.energy[MAX_DEPTH_POINT] = depth, e * p * p + m
-        friction_forces(pair.friction_state, front, fc, rear, rc, pair, e * p * p, (e + 1) * p * p)
+                pair.energy[MAX_DEPTH], pair.energy[MAX_DEPTH_POINT] = depth, q
+            friction_forces(pair.friction_state, front, fc, rear, rc, pair, q, q + 1)
     apply_symmetry(fc, pair.f_front, pair.front_window)
     apply_symmetry(rc, pair.f_rear, pair.rear_window)
     taken -= half_step_work(front, fc, pair.f_front, pair.front_window, False)

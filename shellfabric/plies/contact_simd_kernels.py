@@ -32,17 +32,18 @@ from shellfabric.jit.simd import (
 from shellfabric.panel.step_kernels import FAILURES
 from shellfabric.plies.graded_kernels import (
     add_column_offset8,
-    add_middle_offset,
-    add_middle_offset8,
     add_row_offset8,
+    add_weighted_offset,
     scaled_by_area8,
 )
+from shellfabric.plies.law_kernels import law_at8
 from shellfabric.plies.normal_force_kernels import store_normal_force8
 from shellfabric.plies.surface_kernels import (
-    element_mean8,
     intact_about,
     interpolate8,
-    scatter_to_element8,
+    point_mean8,
+    point_place,
+    scatter_to_points8,
     scatter_weighted8,
     second_derivatives8,
     spline_weights8,
@@ -55,8 +56,7 @@ from shellfabric.plies.surface_kernels import (
 ) = range(9)  # fmt: skip
 # of pair.status; a point whose foot leaps or lies aside is lost until it has one again
 CLEAR, IN_CONTACT, LOST = 0, 1, 2
-# [thicknesses] where a point may come through; most that a spring is stiffened
-AMBIGUOUS_DEPTH, MAX_STIFFNESS_FACTOR = 0.15, 3.0
+AMBIGUOUS_DEPTH = 0.15  # [thicknesses] where a point may come through
 # [thicknesses] that a depth may change beside the motion: sliding by a tenth of an element over a bend as narrow as an
 # element makes a few hundredths (second order), another fold or side several tenths
 MAX_DEPTH_JUMP = 0.1
@@ -65,23 +65,29 @@ MAX_STEPS_SKIPPED = 8  # most steps for which a point is skipped
 
 
 @kernel(_nrt=False, forceinline=True)
-def contact_points8(front, fc, rear, rc, pair, q, i, j, count, nearer, now, due):
-    """`contact_point` for those of the points in the middles of the elements (i, j) .. (i, j + count) that need no
-    special case, eight at once: whole cloth on whole cloth, feet side by side and away from rims and planes of
-    symmetry, not lost, in no fold, not so deep that it might come through, and not deeper at once than motion may have
-    made it.
+def contact_points8(front, fc, rear, rc, pair, q, count, nearer, now, due):
+    """`contact_point` for those of the points q .. q + count - 1, which have the same place in elements side by side,
+    that need no special case, eight at once: whole cloth on whole cloth, feet side by side, away from rims and planes
+    of symmetry, not lost, in no fold, not so deep that it might come through, and not deeper at once than motion may
+    have made it.
 
     due : the points to be looked at, as bits. Returns (those that are left for `contact_point`, energy in the springs
     of the others).
     """
+    (i, j, m, n), w_front, start = front_weights8(fc, pair, q)
     k, own = i * fc.row_stride + j, movemask(head_mask(count))
+    # the nodes that shape the front ply's surface, too, lie within its edges
+    own &= movemask(greater(fc.nj - n - 1.5, load(pair.lane_index, 0)))
+    if m < 0 or m + 2 > fc.ni or m * fc.row_stride + n < 0:
+        return due, 0.0
+    own &= ~1 if n < 0 else -1
     held = own & movemask(equal_bytes(pair.status, q, IN_CONTACT))
     fit = (own & movemask(equal_bytes(pair.status, q, CLEAR)) | held) & movemask(equal_bytes(front.element_flag, k, 0))
     A, B = (
         load(pair.closest_point[0], q) + load(pair.cp_rate[0], q),
         load(pair.closest_point[1], q) + load(pair.cp_rate[1], q),
     )
-    rank, fit = load(pair.lane_index, 0), intact8(rear, rc, pair, q, count, fit)
+    rank, fit = load(pair.lane_index, 0), intact8(rear, rc, pair, q, i * fc.nj + j, count, fit)
     I, J = floor(minimum(maximum(A + 0.5, 1.0), rc.ni - 1.0)), floor(minimum(maximum(B + 0.5, 1.0), rc.nj - 1.0))
     r, t = A - I, B - J
     fit &= ~movemask(greater(maximum(fabs(r), fabs(t)), 0.5))
@@ -97,7 +103,9 @@ def contact_points8(front, fc, rear, rc, pair, q, i, j, count, nearer, now, due)
     (wa, da, ca), (wb, db, cb) = spline_weights8(r, greater(I, 0.5)), spline_weights8(t, greater(J, 0.5))
     row, column = int(I0) - 1, int(J0) - 1
     values, slopes, curves = (wa, wb), (da, db), (ca, cb)
-    off, tangents = offsets8(front, fc, rear, rc, pair, (i, j, row, column), (A, B), rank, K, values, slopes, tall)
+    off, tangents = offsets8(
+        front, fc, rear, rc, pair, (m, n, row, column), (start, w_front), (A, B), rank, (K, values, slopes, tall)
+    )  # fmt: skip
     (x, y, z), ((Xa, Ya, Za), (Xb, Yb, Zb)) = off, tangents
     n_x, n_y, n_z = Ya * Zb - Za * Yb, Za * Xb - Xa * Zb, Xa * Yb - Ya * Xb
     square, tiny, thick = n_x * n_x + n_y * n_y + n_z * n_z, 1e-6 * rc.dx * rc.dy, pair.thickness
@@ -117,13 +125,15 @@ def contact_points8(front, fc, rear, rc, pair, q, i, j, count, nearer, now, due)
     masked_store(pair.recheck_step, q, where(mask_from_bits(clear), later, now_or_before), count)
     changed = pressed | (held & clear) != 0
     move_closest_points8(rc, pair, q, count, (A, B), (go, turn), done, pressed & held & sure, changed)
-    for m in range(count if changed else 0):
-        if (done >> m) & 1:
-            pair.status[q + m], pair.on_facet[q + m] = IN_CONTACT if (pressed >> m) & 1 else CLEAR, 0
+    for lane in range(count if changed else 0):
+        if (done >> lane) & 1:
+            pair.status[q + lane], pair.on_facet[q + lane] = IN_CONTACT if (pressed >> lane) & 1 else CLEAR, 0
     energy = 0.0
     if pressed != 0:
-        n, at = (n_x / size, n_y / size, n_z / size), (i, j, row, column)
-        energy = apply_forces8(front, fc, rear, rc, pair, q, at, count, (pressed, held), depth, n, (wa, wb, tall))
+        normal, at = (n_x / size, n_y / size, n_z / size), (i, j, m, n, row, column)
+        energy = apply_forces8(
+            front, fc, rear, rc, pair, q, at, count, (pressed, held), depth, normal, (w_front, wa, wb, tall)
+        )  # fmt: skip
     return (due & ~done) | (inside & ~pressed), energy
 
 
@@ -141,24 +151,37 @@ def by_depth8(pair, q, fit, held, slant, depth, nearer):
 
 
 @kernel(_nrt=False, forceinline=True)
-def offsets8(front, fc, rear, rc, pair, at, place, rank, K, values, slopes, tall):
-    """Of eight points from the element (i, j) on: their offsets [m] from the points of the rear ply's surface at
-    `place`, and the tangents there [m].
+def front_weights8(fc, pair, q):
+    """Of eight points from number q on: ((i, j) element of the first, (m, n) first of the three by three nodes about
+    it), weights of the nodes along a and b, (a, b) place of the first. The weights are alike for all eight."""
+    e, a, b = point_place(fc, pair, q)
+    i, j, m, n = e // fc.nj, e % fc.nj, int(a + 0.5) - 1, int(b + 0.5) - 1
+    r, t = a - m - 1.0, b - n - 1.0
+    wa = 0.5 * (0.5 - r) * (0.5 - r), 0.75 - r * r, 0.5 * (0.5 + r) * (0.5 + r), 0.0
+    wb = 0.5 * (0.5 - t) * (0.5 - t), 0.75 - t * t, 0.5 * (0.5 + t) * (0.5 + t), 0.0
+    return (i, j, m, n), (wa, wb), (a, b)
 
-    at : (i, j, row, column), the last two the first node of the rear ply
+
+@kernel(_nrt=False, forceinline=True)
+def offsets8(front, fc, rear, rc, pair, at, place, foot, rank, patch):
+    """Of eight points, the first of them at `place`: their offsets [m] from the points of the rear ply's surface at
+    `foot`, and the tangents there [m].
+
+    at : first nodes (row, column) of the front ply's points and of the rear ply's surface; place : (a, b) of the first
+    point and weights of `front_weights8`; patch : slot of the first node, weights, their slopes, and `tall`
     """
-    (i, j, row, column), (A, B), (wa, wb), (da, db) = at, place, values, slopes
-    k = i * fc.row_stride + j
+    (m, n, row, column), ((a, b), (fa, fb)), (A, B), (K, (wa, wb), (da, db), tall) = at, place, foot, patch
+    k = m * fc.row_stride + n
     X, Xa, Xb = surface_patch8(rear.u[0], K, rc.row_stride, wa, wb, da, db, tall)
     Y, Ya, Yb = surface_patch8(rear.u[1], K, rc.row_stride, wa, wb, da, db, tall)
     Z, Za, Zb = surface_patch8(rear.u[2], K, rc.row_stride, wa, wb, da, db, tall)
     X, Xa = add_row_offset8(X, rc.line_offset1, row, wa), add_row_offset8(Xa, rc.line_offset1, row, da)
     Y, Yb = add_column_offset8(Y, rc.line_offset2, column, wb), add_column_offset8(Yb, rc.line_offset2, column, db)
-    at_x = add_middle_offset(fc.x0 + (i + 0.5) * fc.dx - rc.x0, fc.line_offset1, i)
-    x = element_mean8(front.u[0], k, fc.row_stride) - X - A * rc.dx + at_x
-    y = element_mean8(front.u[1], k, fc.row_stride) - Y - B * rc.dy + (fc.y0 + (j + 0.5) * fc.dy - rc.y0) + rank * fc.dy
-    y = add_middle_offset8(y, fc.line_offset2, j)
-    z = element_mean8(front.u[2], k, fc.row_stride) - Z - pair.rest_distance
+    at_x = add_weighted_offset(fc.x0 + a * fc.dx - rc.x0, fc.line_offset1, m, fa[0], fa[1], fa[2])
+    x = point_mean8(front.u[0], k, fc.row_stride, fa, fb) - X - A * rc.dx + at_x
+    y = point_mean8(front.u[1], k, fc.row_stride, fa, fb) - Y - B * rc.dy + (fc.y0 + b * fc.dy - rc.y0) + rank * fc.dy
+    y = add_column_offset8(y, fc.line_offset2, n, fb)
+    z = point_mean8(front.u[2], k, fc.row_stride, fa, fb) - Z - pair.rest_distance
     return (x, y, z), ((Xa + rc.dx, Ya, Za), (Xb, Yb + rc.dy, Zb))
 
 
@@ -216,59 +239,57 @@ def move_closest_points8(rc, pair, q, count, place, step, done, steady, changed)
 
 
 @kernel(_nrt=False, forceinline=True)
-def intact8(rear, rc, pair, q, count, fit):
-    """Those of eight points that are not beside torn cloth, of either ply."""
+def intact8(rear, rc, pair, q, e, count, fit):
+    """Those of eight points, of the elements from number e on, that are not beside torn cloth, of either ply."""
     if pair.torn_counts[1] > 0 or rear.counter[FAILURES] > 0:
         for m in range(count):
             a, b = (
                 pair.closest_point[0][q + m] + pair.cp_rate[0][q + m],
                 pair.closest_point[1][q + m] + pair.cp_rate[1][q + m],
             )
-            if (fit >> m) & 1 and (pair.near_torn[q + m] or not intact_about(rear, rc, max(a, 0.0), max(b, 0.0))):
+            if (fit >> m) & 1 and (pair.near_torn[e + m] or not intact_about(rear, rc, max(a, 0.0), max(b, 0.0))):
                 fit &= ~(1 << m)
     return fit
 
 
 @kernel(_nrt=False, forceinline=True)
-def apply_forces8(front, fc, rear, rc, pair, q, at, count, bits, depth, n, weights):
+def apply_forces8(front, fc, rear, rc, pair, q, at, count, bits, depth, normal, weights):
     """Apply the forces of those of eight points whose bits are set in `pressed`; returns the energy in their springs.
 
-    at : where the nodes begin, (i, j) of the front ply's and of the rear one's; n : the normals; bits : of points
-        that are pressed, and that were in contact; weights : of the closest points, along a and b, and whether these
-        are over four lines of nodes
+    at : (i, j) of the first element, and where the nodes begin, of the front ply and of the rear one; bits : of points
+        that are pressed, and that were in contact; weights : of the points and of their closest points, along a and b,
+        and whether the latter are over four lines of nodes
     """
-    (i, j, I, J), (pressed, held), (wa, wb, tall), thick = at, bits, weights, pair.thickness
+    (i, j, m, n, I, J), (pressed, held), (front_weights, wa, wb, tall) = at, bits, weights
     slack = minimum(where(mask_from_bits(held), load(pair.depth_offset, q), 0.0), depth)
     masked_update(pair.last_depth, q, depth, pressed, count)
     masked_update(pair.depth_offset, q, slack, pressed, count)
     for c in range(3):
-        masked_update(pair.normal[c], q, n[c], pressed, count)
+        masked_update(pair.normal[c], q, normal[c], pressed, count)
     if reduce_max(where(mask_from_bits(pressed), depth, 0.0)) > pair.energy[MAX_DEPTH]:
-        for m in range(count):
-            if (pressed >> m) & 1 and pair.last_depth[q + m] > pair.energy[MAX_DEPTH]:
-                pair.energy[MAX_DEPTH], pair.energy[MAX_DEPTH_POINT] = pair.last_depth[q + m], q + m
-    k, K, closing = i * fc.row_stride + j, I * rc.row_stride + J, broadcast(0.0)
+        for lane in range(count):
+            if (pressed >> lane) & 1 and pair.last_depth[q + lane] > pair.energy[MAX_DEPTH]:
+                pair.energy[MAX_DEPTH], pair.energy[MAX_DEPTH_POINT] = pair.last_depth[q + lane], q + lane
+    k, K, closing, (fa, fb) = m * fc.row_stride + n, I * rc.row_stride + J, broadcast(0.0), front_weights
     for c in range(3):
-        closing = closing + n[c] * (
-            element_mean8(front.v[c], k, fc.row_stride) - interpolate8(rear.v[c], K, rc.row_stride, wa, wb, tall)
+        closing = closing + normal[c] * (
+            point_mean8(front.v[c], k, fc.row_stride, fa, fb) - interpolate8(rear.v[c], K, rc.row_stride, wa, wb, tall)
         )
-    # the remaining thickness has to hold as much
-    stiffer = minimum(thick / maximum(thick - slack, 0.1 * thick), MAX_STIFFNESS_FACTOR)
-    part, squeezed = where(greater(slack, 0.0), stiffer, 1.0), depth - slack
-    part = scaled_by_area8(part, pair.area_factor1, pair.area_factor2, i, j)
-    drag = scaled_by_area8(pair.damping, pair.area_factor1, pair.area_factor2, i, j)
+    squeezed = depth - slack
     pair.energy[MAX_COMPRESSION] = max(
         pair.energy[MAX_COMPRESSION], reduce_max(where(mask_from_bits(pressed), squeezed, 0.0))
     )
-    f = where(mask_from_bits(pressed), maximum(penalty_force(pair, part, squeezed, drag, closing), 0.0), 0.0)
+    spring, damping, energy = law_at8(pair, squeezed)
+    part = scaled_by_area8(broadcast(1.0), pair.area_factor1, pair.area_factor2, i, j)
+    f = where(mask_from_bits(pressed), maximum(part * (spring + damping * closing), 0.0), 0.0)
     store_normal_force8(pair.normal_force, q, f, pressed, count)
     if movemask(greater(f, 0.0)) != 0:
-        extend_window(pair.front_window, i, i + 2, j, min(j + WIDTH + 1, fc.row_stride))
+        extend_window(pair.front_window, m, m + 3, max(n, 0), min(n + WIDTH + 2, fc.row_stride))
         extend_window(pair.rear_window, I, I + (4 if tall else 3), max(J, 0), min(J + WIDTH + 3, rc.row_stride))
         for c in range(3):
-            scatter_to_element8(pair.f_front[c], k, fc.row_stride, 0.0 - f * n[c])
-            scatter_weighted8(pair.f_rear[c], K, rc.row_stride, f * n[c], wa, wb, tall)
-    return reduce_add(where(mask_from_bits(pressed), 0.5 * part * pair.stiffness * squeezed * squeezed, 0.0))
+            scatter_to_points8(pair.f_front[c], k, fc.row_stride, 0.0 - f * normal[c], fa, fb)
+            scatter_weighted8(pair.f_rear[c], K, rc.row_stride, f * normal[c], wa, wb, tall)
+    return reduce_add(where(mask_from_bits(pressed), part * energy, 0.0))
 
 
 @kernel(_nrt=False, forceinline=True)
@@ -282,9 +303,3 @@ def extend_window(touched, i0, i1, j0, j1):
 def masked_update(array, q, value, which, count):
     """Write those of eight numbers whose bits are set."""
     masked_store(array, q, where(mask_from_bits(which), value, load(array, q)), count)
-
-
-@kernel(_nrt=False, forceinline=True)
-def penalty_force(pair, part, squeezed, drag, closing):
-    """[N] of the springs and dampers of points that are squeezed, and come nearer at the speed `closing`."""
-    return part * pair.stiffness * squeezed + drag * closing

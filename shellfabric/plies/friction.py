@@ -19,7 +19,6 @@ from typing import Any
 import numpy as np
 
 from fabrics.errors import InputError
-from shellfabric.plies.numerics import PlyContact
 
 MAX_CFL = 0.95  # Courant factor above which stick has no stable stiffness worth the name
 
@@ -42,20 +41,20 @@ def check(friction: float, cfl: float) -> None:
         raise InputError(key="cfl", value=cfl, allowed=f"at most {MAX_CFL} with friction between plies")
 
 
-def slip_constants(cfl: float, mass: float, step: float, contact: PlyContact) -> tuple[float, float]:
+def slip_constants(cfl: float, mass: float, step: float, normal: float, damping: float) -> tuple[float, float]:
     """Stiffness [N/m] and damping [N s/m] of a point in stick.
 
     Parameters
     ----------
-    cfl : [-] Courant factor of the plies
+    cfl : [-] Courant factor of the plies at this step
     mass : [kg] that a contact point stands for
     step : [s] time step
-    contact : PlyContact, whose damping ratio is taken
+    normal : [N/m] highest stiffness of the normal contact of a point; stick is no stiffer
+    damping : [-] ratio, of `PlyContact`
     """
-    zeta = contact.damping
-    root = sqrt(zeta**2 + 1 - cfl**2) - zeta  # of k_t dt^2 / m
-    root = min(root, sqrt(contact.penalty))  # no stiffer than the normal contact
-    return root**2 * mass / step**2, zeta * root * mass / step
+    root = sqrt(damping**2 + 1 - cfl**2) - damping  # of k_t dt^2 / m
+    root = min(root, step * sqrt(normal / mass))
+    return root**2 * mass / step**2, damping * root * mass / step
 
 
 def fields(friction: float, points: int, constants: tuple[float, float]) -> dict[str, Any]:

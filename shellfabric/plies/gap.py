@@ -1,31 +1,25 @@
-"""The gap between plies at rest: of the fabric, from the pressure law of packs (erratum E-02), or from thickness."""
+"""The gap between plies at rest: what a test closes between neighbouring plies and the law of their contact does not.
+
+The thesis takes as the gap all that two neighbouring plies of a pack close up to the highest pressure of its test
+(eqs. 5-1 to 5-4, erratum E-02): the flattening of the weave and the nesting of plies together, since its contact is
+stiff. A law of the contact with a travel of its own (`fabrics.ply_law`) holds the flattening; what is left of the
+closure is nesting, and that is the gap. The pressure law of packs holds all of it and leaves none.
+"""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from fabrics.data_sheet import entries
 from fabrics.errors import InputError
 from fabrics.fabric import Fabric
-from fabrics.plate_curve import PlateCurve
-
-TESTED = 4  # plies of the packs that the thesis takes its gaps from (section 5.2.2)
+from fabrics.plate_curve import PLATEN_PRESSURE
+from fabrics.ply_law import TESTED, PlyLaw, between_plies
 
 
 def compression_gap(areal_density: float, plies: int = TESTED) -> float:
-    """[m] gap between plies from the pressure law of packs (thesis eqs. 5-1 to 5-4, erratum E-02).
-
-    Parameters
-    ----------
-    areal_density : [kg/m2] of one ply, measured
-    plies : of the pack that was pressed: 4, 8 or 16
-
-    Raises
-    ------
-    InputError : as fabrics.plate_curve.PlateCurve.pressure_law
-    """
-    pack, one = (PlateCurve.pressure_law(areal_density, count).closure[-1] for count in (plies, 1))
-    return float(pack - one) / (plies - 1)
+    """[m] all that neighbouring plies close in the tests of packs; parameters as `fabrics.ply_law.between_plies`."""
+    return float(between_plies(areal_density, plies)[1][-1])
 
 
 @dataclass(frozen=True)
@@ -44,12 +38,27 @@ class PlyGap:
     source: str
 
 
-def ply_gap(fabric: Fabric) -> PlyGap:
-    """A fabric's own gap, that of the pressure law of packs, or a share of its thickness.
+def ply_gap(fabric: Fabric, law: PlyLaw | None = None) -> PlyGap:
+    """A fabric's own gap, that of the pressure law of packs, or a share of its thickness, less what `law` closes of it.
 
     The pressure law is that of Kevlar 129 and needs the areal density that was measured with it. Any other fabric, and
     one below the areal density at which that law ends, has the share of `data_sheet.toml`, whose range goes for both.
+
+    Parameters
+    ----------
+    law : of the contact between plies; None for a rigid one, as in the thesis
     """
+    found = _closure(fabric)
+    if law is None:
+        return found
+    closed = float(law.closure_at(PLATEN_PRESSURE))
+    value, low, high = (max(0.0, each - closed) for each in (found.value, found.low, found.high))
+    source = f"{found.source}, less the {1e6 * closed:.3g} um that the contact law closes"
+    return replace(found, value=value, low=low, high=high, source=source)
+
+
+def _closure(fabric):
+    """PlyGap of a contact without travel."""
     one = entries()["ply_gap"]
     if fabric.interlayer_gap is not None:
         gap = fabric.interlayer_gap
@@ -65,8 +74,3 @@ def ply_gap(fabric: Fabric) -> PlyGap:
     thickness = fabric.weave.thickness if fabric.thickness is None else fabric.thickness
     gap, low, high = (share * thickness for share in (one.value, one.low, one.high))
     return PlyGap(gap, low, high, f"assumed: {one.value:g} of the thickness {1e3 * thickness:.3g} mm")
-
-
-def fabric_gap(fabric: Fabric) -> float:
-    """[m] the value of `ply_gap`."""
-    return ply_gap(fabric).value

@@ -5,11 +5,12 @@ section 5.2.3, Figure 5-55). A turned ply is the panel of the fabric with its wa
 which yarn is on top, and each ply has its own grid.
 
 Gap. Play between the faces of plies at rest; their middle surfaces are the mean thickness and the gap apart (erratum
-E-35). `gap.compression_gap` has it from the pressure law of packs: with closures d of a pack of N plies and of one ply
-between the same loads, (d_N - d_1) / (N - 1) (thesis eqs. 5-1 to 5-4, constants by erratum E-02).
+E-35). By default it is what tests of packs close and the law of the contact does not (`gap.ply_gap`).
 
-Time step. All plies share the shortest of their steps, or a shorter one where the approach is fast for their thickness
-(`Pack.in_step_with`).
+Contact. Two plies press on each other by a law of pressure against closure (`fabrics.ply_law`), the same on every mesh.
+The nose presses on half a ply of solid fibre: twice the stiffness of two half plies.
+
+Time step. All plies share the shortest of their steps, or a shorter one for the contact (`PlyContact`).
 """
 
 from __future__ import annotations
@@ -24,6 +25,7 @@ import numpy as np
 
 from fabrics.checks import FloatArray
 from fabrics.errors import InputError
+from fabrics.ply_law import PlyLaw
 from fabrics.variants import rotated_90
 from shellfabric.cell.model import CellModel, CellTable
 from shellfabric.jit.simd import WIDTH
@@ -32,7 +34,7 @@ from shellfabric.panel.model import Panel
 from shellfabric.plies import broad_phase_kernels, friction, step_kernels
 from shellfabric.plies.arrays import Pair, Stack, TornContact
 from shellfabric.plies.contact_simd_kernels import AMBIGUOUS_DEPTH
-from shellfabric.plies.gap import fabric_gap
+from shellfabric.plies.gap import ply_gap
 from shellfabric.plies.grading import area_factors, line_offsets
 from shellfabric.plies.numerics import FORMS, PlyContact
 from shellfabric.projectile import dynamics
@@ -42,6 +44,7 @@ STACKINGS = ("aligned", "alternating")
 _FASTER = 1.5  # than the projectile cloth before its nose may become
 _NEAREST = 0.05  # [thicknesses] that torn cloth comes to other cloth
 _ENTRIES, _NEAR = 9, 20_000  # of an element in the grid of facets, in the mean; of a ply in the list of what is near
+_CELLS = 128  # of the table of a law over its travel
 _LEAST = (0.25, 1e-3)  # deflections that are looked at: of the gap, of the thickness
 
 
@@ -55,6 +58,7 @@ class Pack:
     gaps : (plies - 1,) [m] at rest
     contact : PlyContact
     friction : [-] Coulomb's coefficient between plies; torn cloth is held apart without friction
+    laws : (plies - 1,) PlyLaw, pressure against closure of each ply on the next; none: those of their fabrics
 
     Raises
     ------
@@ -65,6 +69,7 @@ class Pack:
     gaps: tuple[float, ...] = ()
     contact: PlyContact = field(default_factory=PlyContact)
     friction: float = 0.0
+    laws: tuple[PlyLaw, ...] = ()
 
     def __post_init__(self):
         if not self.plies:
@@ -74,6 +79,12 @@ class Pack:
         for gap in self.gaps:
             if not 0 <= gap < inf:
                 raise InputError(key="gap", value=gap, allowed="at least 0")
+        if not self.laws:
+            own = {id(ply): PlyLaw.of(ply.fabric) for ply in self.plies[: len(self.plies) if self.gaps else 0]}
+            laws = tuple(own[id(a)].between(own[id(b)]) for a, b in zip(self.plies, self.plies[1:]))
+            object.__setattr__(self, "laws", laws)
+        if len(self.laws) != len(self.gaps):
+            raise InputError(key="laws", value=len(self.laws), allowed=f"{len(self.gaps)} of them, or none")
         first = self.plies[0]
         for key in ("symmetry", "projectile", "opening"):
             if any(getattr(ply, key) != getattr(first, key) for ply in self.plies):
@@ -87,7 +98,7 @@ class Pack:
     @classmethod
     def stacked(
         cls, ply: Panel, plies: int, *, stacking: str = "aligned", gap: float | None = None,
-        contact: PlyContact | None = None, friction: float = 0.0,
+        contact: PlyContact | None = None, friction: float = 0.0, law: PlyLaw | None = None,
     ) -> Pack:  # fmt: skip
         """A pack of one fabric.
 
@@ -98,19 +109,23 @@ class Pack:
         stacking : "aligned" or "alternating"
         gap : [m] between all plies; None takes that of `gap.ply_gap`
         contact, friction : as of a Pack
+        law : PlyLaw of two of these plies; None takes that of the fabric (`PlyLaw.of`)
 
         Raises
         ------
-        InputError : no ply, unknown stacking, or a weave that cannot be turned
+        InputError : no ply, unknown stacking, a weave that cannot be turned, or no law
         """
         if not plies >= 1:
             raise InputError(key="plies", value=plies, allowed="at least 1")
         if stacking not in STACKINGS:
             raise InputError(key="stacking", value=stacking, allowed=" or ".join(STACKINGS))
+        law = law or (PlyLaw.of(ply.fabric) if plies > 1 else None)
         if gap is None:
-            gap = fabric_gap(ply.fabric) if plies > 1 else 0.0
+            gap = ply_gap(ply.fabric, law).value if plies > 1 else 0.0
         both = (ply, turned(ply) if stacking == "alternating" and plies > 1 else ply)
-        return cls(tuple(both[n % 2] for n in range(plies)), (gap,) * (plies - 1), contact or PlyContact(), friction)
+        laws = (law,) * (plies - 1) if law else ()
+        stack = tuple(both[n % 2] for n in range(plies))
+        return cls(stack, (gap,) * (plies - 1), contact or PlyContact(), friction, laws)
 
     @property
     def elements(self) -> int:
@@ -119,42 +134,56 @@ class Pack:
 
     @cached_property
     def time_step(self) -> float:
-        """[s] the shortest of the plies' steps."""
-        return min(ply.time_step for ply in self.plies)
+        """[s] the shortest of the plies' steps and of those of their contact (`PlyContact`)."""
+        steps = [self.contact.courant * (self._density(p) / self._steepest(p)) ** 0.5 for p in range(len(self.laws))]
+        return min(*(ply.time_step for ply in self.plies), *steps, inf)
+
+    def _density(self, p):
+        """[kg/m2] of the lighter one of plies p and p + 1, which bounds the step."""
+        return min(ply.weave.areal_density for ply in self.plies[p : p + 2])
+
+    def _steepest(self, p):
+        """[Pa/m] highest stiffness of the contact of plies p and p + 1."""
+        return self.contact.stiffness * self.laws[p].steepest
 
     def in_step_with(self, strike_velocity: float) -> Pack:
-        """The same pack with a time step in which contact can stop the strike velocity within a ply's thickness.
+        """The same pack with laws that can stop the strike velocity within a ply's thickness.
 
-        In a row of equal masses m on springs k = penalty m / dt^2 that is driven from one end at the speed w, a
-        compression wave passes sqrt(penalty) masses a step, and behind it neighbours are w dt / sqrt(penalty) nearer to
-        each other, whatever their number; the damper keeps them from swinging beyond that. At the first step in which
-        contact sees them they can be w dt nearer already. It has lost if they come nearer by the thickness t. w is the
-        strike velocity times _FASTER, as cloth before a nose may outrun it, and the depth must stay out of the last
-        CLOSE of the thickness, where sides are in question:
+        In a row of plies of the areal density A on springs K that is driven from one end at the speed w, neighbours are
+        w sqrt(A / K) nearer to each other behind the compression wave, whatever their number; the damper keeps them
+        from swinging beyond that. Contact has lost if they come nearer by the thickness t. w is the strike velocity
+        times _FASTER, as plies before a nose may outrun it, and the depth must stay out of the last AMBIGUOUS_DEPTH of
+        the thickness, where sides are in question:
 
-            dt <= (1 - CLOSE) t min(sqrt(penalty), 1) / (_FASTER strike_velocity)
+            K >= A (_FASTER strike_velocity / ((1 - AMBIGUOUS_DEPTH) t))^2
 
-        The step is shorter than that of the plies only in thin cloth of coarse elements at high velocities. A penalty
-        below the default counts as the default: what is softer on purpose stays softer.
+        Solid fibre is softer than that only above 1300 to 1800 m/s (plies of Kevlar 129), where it would be compressed
+        by more than its own thickness; there the pressure of the law is multiplied. A contact that is softened on
+        purpose (`PlyContact.stiffness`) stays softer.
         """
-        if len(self.plies) == 1:
-            return self
-        thin = min(0.5 * (a.weave.thickness + b.weave.thickness) for a, b in zip(self.plies, self.plies[1:]))
-        nearer = min(max(self.contact.penalty, PlyContact.penalty), 1.0) ** -0.5  # [w dt]
-        step = (1.0 - AMBIGUOUS_DEPTH) * thin / (_FASTER * nearer * strike_velocity)
-        if step >= self.time_step:
-            return self
-        found = {id(ply): _slower(ply, step) for ply in self.plies}
-        return replace(self, plies=tuple(found[id(ply)] for ply in self.plies))
+        laws = []
+        for p, law in enumerate(self.laws):
+            thin = (1.0 - AMBIGUOUS_DEPTH) * self._thickness(p)
+            least = self._density(p) * (_FASTER * strike_velocity / thin) ** 2
+            laws.append(law if law.stiffness >= least else law.scaled(least / law.stiffness))
+        return self if tuple(laws) == self.laws else replace(self, laws=tuple(laws))
 
-    @property
-    def _firmer(self):
-        """Of the nose's contact; 0 where it is that of a single ply, as a pack of one is."""
-        return float(self.contact.nose or 0.0) if len(self.plies) > 1 else 0.0
+    def _thickness(self, p):
+        """[m] mean of plies p and p + 1."""
+        return 0.5 * sum(ply.weave.thickness for ply in self.plies[p : p + 2])
+
+    def _firmer(self, ply):
+        """Stiffness of the nose's contact with a ply of the pack, over that of a single ply; 0 of a pack of one, which
+        has that of a single ply."""
+        if len(self.plies) == 1:
+            return 0.0
+        knobs = ply.numerics
+        plain = knobs.penalty * ply.weave.areal_density / ply.step_of_bound**2
+        return self.contact.stiffness * 2 * max(law.stiffness for law in self.laws) / plain
 
     def _foreseen(self, slots):
         """Room for what firm springs foresee; a nose of explicit ones has none."""
-        slots = slots if self._firmer else 0
+        slots = slots if len(self.plies) > 1 else 0
         return {name: tuple(np.zeros(slots) for _ in range(3)) for name in PREDICTED}
 
     @cached_property
@@ -167,8 +196,9 @@ class Pack:
         found, out_of_plane = {}, any(has_out_of_plane(ply) for ply in self.plies)
         for ply in self.plies:
             if id(ply) not in found:
-                const = self._in_step(ply).constants(out_of_plane)
-                law = const.point_law._replace(implicit_factor=self._firmer)
+                mine = self._in_step(ply)
+                const = mine.constants(out_of_plane)
+                law = const.point_law._replace(implicit_factor=self._firmer(mine))
                 found[id(ply)] = const._replace(dt=self.time_step, point_law=law)
         return tuple(found[id(ply)] for ply in self.plies)
 
@@ -245,7 +275,7 @@ class Pack:
 
     def _apart(self, p):
         """[m] between the middle surfaces of plies p and p + 1 at rest."""
-        return 0.5 * sum(ply.weave.thickness for ply in self.plies[p : p + 2]) + self.gaps[p]
+        return self._thickness(p) + self.gaps[p]
 
     def _between(self, p):
         """[m] `_apart`, and something for the ply that is alone."""
@@ -257,17 +287,16 @@ class Pack:
 
     def _pair(self, p, q, apart, consts, states):
         front, rear, knobs = consts[p], consts[q], self.contact
-        n, form = knobs.points, FORMS[knobs.form]
-        start = 0.5 if form == FORMS["smooth"] else 0.0
-        thickness = 0.5 * (self.plies[p].weave.thickness + self.plies[q].weave.thickness)
-        # the lighter ply bounds the step
-        mass = min(ply.weave.areal_density for ply in (self.plies[p], self.plies[q])) * front.dx * front.dy / n**2
+        form, first = FORMS[knobs.form], min(p, q)
+        n, start = (knobs.points, 0.5) if form == FORMS["smooth"] else (1, 0.0)
+        area, thickness = front.dx * front.dy / n**2, self._thickness(first)
+        table, cell = law_table(self.laws[first], area, self._density(first), knobs)
         nothing = lambda c: np.array([c.ni + 1, 0, c.row_stride, 0])  # noqa: E731
         nodal = lambda state: tuple(np.zeros(state.mass.size) for _ in range(3))  # noqa: E731
         sub = (np.arange(n) + start) / n
-        foot = np.zeros((2, front.ni, front.nj, n, n))
+        foot = np.zeros((2, front.ni, n, n, front.nj))
         along, across = self._first_places(p, q, front, rear, sub)
-        foot[0], foot[1] = along[:, None, :, None], across[None, :, None, :]
+        foot[0], foot[1] = along[:, :, None, None], across.T[None, None, :, :]
         elements = front.ni * front.nj
         padded = lambda kind=float: np.zeros(foot[0].size + WIDTH, kind)  # noqa: E731
         return Pair(
@@ -280,16 +309,18 @@ class Pack:
             f_front=nodal(states[p]), f_rear=nodal(states[q]), front_window=nothing(front),
             rear_window=nothing(rear), front_box=np.array(states[p].contact_window),
             rear_box=np.array([rear.ni + 1, -1, rear.row_stride, -1]), energy=np.zeros(9), surface_form=form,
-            points_per_side=n, point_offset=start, stiffness=knobs.penalty * mass / self.time_step**2,
-            damping=knobs.damping * knobs.penalty**0.5 * mass / self.time_step,
+            points_per_side=n, point_offset=start, law=table, law_step=cell,
             thickness=thickness, rest_distance=apart,
             min_deflection=max(_LEAST[0] * (abs(apart) - thickness), _LEAST[1] * thickness),
             **area_factors(self.plies[p], self.plies[q]),
-            **friction.fields(self.friction, foot[0].size + WIDTH, self._slip_constants(mass)),
+            **friction.fields(
+                self.friction, foot[0].size + WIDTH, self._slip_constants(self._density(first) * area, table[-1, 1])
+            ),
         )  # fmt: skip
 
-    def _slip_constants(self, mass):
-        return friction.slip_constants(self.plies[0].numerics.cfl, mass, self.time_step, self.contact)
+    def _slip_constants(self, mass, stiffness):
+        cfl = self._in_step(self.plies[0]).numerics.cfl
+        return friction.slip_constants(cfl, mass, self.time_step, stiffness, self.contact.damping)
 
     def _first_places(self, p, q, front, rear, sub):
         """((ni, points), (nj, points)) [elements] where the points of ply p lie on ply q at rest, along either side.
@@ -310,6 +341,25 @@ def _slower(ply, step):
     """A ply with the Courant factor that gives it a time step [s]."""
     cfl = ply.numerics.cfl * step / ply.time_step
     return replace(ply, numerics=replace(ply.numerics, cfl=cfl))
+
+
+def law_table(law: PlyLaw, area: float, density: float, contact: PlyContact) -> tuple[FloatArray, float]:
+    """(cells + 1, 4) table of a contact point for `law_kernels`, and the width [m] of its cells.
+
+    Parameters
+    ----------
+    law : PlyLaw
+    area : [m2] that a point stands for
+    density : [kg/m2] of a ply
+    contact : PlyContact, of which factor on the stiffness and damping are taken
+    """
+    law = law.scaled(contact.stiffness)
+    cells = 1 if law.closure.size == 2 else _CELLS
+    at = np.linspace(0.0, law.travel, cells + 1)
+    slope = np.append(np.diff(law.pressure_at(at)) / np.diff(at), law.stiffness)
+    damping = contact.damping * np.sqrt(slope * density)
+    columns = law.pressure_at(at), slope, damping, law.energy_at(at)
+    return np.ascontiguousarray(area * np.stack(columns, axis=1)), law.travel / cells
 
 
 def lists(items: Sequence[Any]) -> Any:

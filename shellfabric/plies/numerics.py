@@ -19,21 +19,22 @@ FORMS = {
 class PlyContact:
     """Numerical parameters of the contact between plies, set by stability and convergence.
 
-    Stability: in a stack of masses m on springs k with dampers c the highest mode requires k dt^2 / m + 2 c dt / m < 1;
-    the defaults stand at 0.83. The damper leaves a ninth of the speed at which two free plies meet: cloth does not
-    bounce. No spring that looks at its own two plies alone can be much stiffer: modes of the stack
-    from the lowest to the highest feel it, and one that holds firmer at rest than against the highest lags behind it,
-    which gives energy to the others. The nose's is stable whatever its stiffness (see `contact_kernels`).
+    The contact's stiffness is that of a law of the fabric (`fabrics.ply_law.PlyLaw`): K = dp/dd [Pa/m], the same on
+    every mesh. It bounds the time step. In a stack of plies of the areal density A, on springs K with dampers
+    c = zeta sqrt(K A) per area, the highest mode requires
 
-    Convergence: docs/packs.md and docs/parameters.md. Stiffer plies drawn into folds bring energy from nothing.
+        C^2 + 2 zeta C < 1,     C = dt sqrt(K / A)
+
+    with K the steepest of the law. C is the Courant number of the contact: a compression wave passes C plies a step.
+    The defaults stand at 0.83. The damper leaves a ninth of the speed at which two free plies meet: plies do not
+    bounce.
 
     Parameters
     ----------
-    penalty : stiffness of a point, in units of the mass that it stands for / dt^2
-    damping : ratio to critical of that mass on that spring
-    points : along each side of an element
-    nose : stiffness of the nose's contact, times that of a single ply (`panel.model.Numerics`), whose explicit spring
-        None leaves. Under the rim of the nose a pack presses the first ply on it, by more than a single ply ever is
+    courant : [-] C, which the time step of the pack is cut down to
+    damping : [-] zeta, on the stiffness that the law has at the present closure
+    points : along each side of an element; the naive forms have one, at its first node
+    stiffness : [-] factor on the pressure of the law and on the nose's stiffness, to see what depends on them
     form : "smooth"; for comparison the naive "facets" and "nodes" (see `plies.contact_kernels`)
 
     Raises
@@ -41,20 +42,19 @@ class PlyContact:
     InputError : a value out of its range, unknown form
     """
 
-    penalty: float = 0.2
+    courant: float = 0.45
     damping: float = 0.7
-    points: int = 1
-    nose: float | None = 6.0
+    points: int = 2
+    stiffness: float = 1.0
     form: str = "smooth"
 
     def __post_init__(self):
-        if not 0 < self.penalty < inf:
-            raise InputError(key="penalty", value=self.penalty, allowed="above 0")
+        for key in ("courant", "stiffness"):
+            if not 0 < getattr(self, key) < inf:
+                raise InputError(key=key, value=getattr(self, key), allowed="above 0")
         if not 0 <= self.damping < inf:
             raise InputError(key="damping", value=self.damping, allowed="at least 0")
         if not 1 <= self.points <= 8:
             raise InputError(key="points", value=self.points, allowed="1 to 8")
-        if self.nose is not None and not 0 < self.nose < inf:
-            raise InputError(key="nose", value=self.nose, allowed="above 0, or None")
         if self.form not in FORMS:
             raise InputError(key="form", value=self.form, allowed=" or ".join(FORMS))

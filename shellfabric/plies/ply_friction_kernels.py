@@ -24,15 +24,13 @@ from shellfabric.jit.compile import kernel
 from shellfabric.plies.contact_simd_kernels import FRICTION_WORK
 from shellfabric.plies.graded_kernels import scaled_by_area
 from shellfabric.plies.point_kernels import (
-    central,
     front_point,
     grow_window,
     rear_surface,
     relative_velocity,
-    scatter_to_front,
     scatter_vector,
 )
-from shellfabric.plies.surface_kernels import FACETS, SMOOTH, intact_about
+from shellfabric.plies.surface_kernels import FACETS, SMOOTH, intact_about, point_place
 from shellfabric.projectile.friction_kernels import friction_force
 
 
@@ -58,10 +56,7 @@ def _friction_forces(friction_state, front, fc, rear, rc, pair, start, end):
 @kernel(_nrt=False)
 def point_friction(front, fc, rear, rc, pair, q):
     """Friction of one point over a step; a point without normal force has none from then on."""
-    p = pair.points_per_side
-    e, m = q // (p * p), q % (p * p)
-    a = e // fc.nj + (m // p + pair.point_offset) / p
-    b = e % fc.nj + (m % p + pair.point_offset) / p
+    e, a, b = point_place(fc, pair, q)
     _, i, j, k, w_front = front_point(front, fc, pair, a, b)
     A, B = pair.closest_point[0][q], pair.closest_point[1][q]
     whole = pair.surface_form != SMOOTH or intact_about(rear, rc, A, B)
@@ -81,8 +76,8 @@ def point_friction(front, fc, rear, rc, pair, q):
     if f == 0.0:
         pair.friction_state[q, :] = 0.0
         return
-    grow_window(pair.front_window, i, j, 2 if central(pair) else 3)
+    grow_window(pair.front_window, i, j, 3)
     grow_window(pair.rear_window, I, J, 3)
     t = (t_x, t_y, t_z)
-    scatter_to_front(fc, pair, k, -1.0, t, w_front)
+    scatter_vector(pair.f_front, k, fc.row_stride, 1.0, t, w_front)
     scatter_vector(pair.f_rear, K, rc.row_stride, -1.0, t, w_rear)

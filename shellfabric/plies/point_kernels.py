@@ -18,24 +18,22 @@ from shellfabric.plies.contact_simd_kernels import (
     MAX_COMPRESSION,
     MAX_CP_STEP,
     MAX_DEPTH_JUMP,
-    MAX_STIFFNESS_FACTOR,
     PASSED_COUNT,
     PASSED_POINT,
     extend_window,
-    penalty_force,
 )
-from shellfabric.plies.graded_kernels import add_middle_offset, add_weighted_offset, scaled_by_area
+from shellfabric.plies.graded_kernels import add_weighted_offset, scaled_by_area
+from shellfabric.plies.law_kernels import law_at
 from shellfabric.plies.normal_force_kernels import store_normal_force
 from shellfabric.plies.surface_kernels import (
     FACETS,
     NODES,
     SMOOTH,
-    element_mean,
     form_weights,
     intact_about,
     intact_fraction_at,
     interpolate,
-    scatter_to_element,
+    point_place,
     scatter_weighted,
     search_closest_point,
     second_derivatives,
@@ -47,12 +45,6 @@ from shellfabric.plies.surface_kernels import (
 def grow_window(touched, i, j, n):
     """Widen the window of nodes with forces by n by n nodes."""
     extend_window(touched, i, i + n, j, j + n)
-
-
-@kernel(_nrt=False, forceinline=True)
-def central(pair):
-    """Whether the points are in the middles of the elements, through which the spline goes."""
-    return pair.points_per_side == 1 and pair.surface_form == SMOOTH
 
 
 @kernel(_nrt=False, forceinline=True)
@@ -77,15 +69,6 @@ def scatter_vector(F, k, s, f, n, w):
 @kernel(_nrt=False, forceinline=True)
 def front_point(front, fc, pair, a, b):
     """The front ply's point at (a, b): its displacement [m], indices and slot of its first node, and its weights."""
-    if central(pair):
-        i, j, none = int(a), int(b), (0.0, 0.0, 0.0, 0.0)
-        k = np.uint64(i * fc.row_stride + j)
-        place = (
-            add_middle_offset(element_mean(front.u[0], k, fc.row_stride), fc.line_offset1, i),
-            add_middle_offset(element_mean(front.u[1], k, fc.row_stride), fc.line_offset2, j),
-            element_mean(front.u[2], k, fc.row_stride),
-        )
-        return place, i, j, k, (none, none)
     form = pair.surface_form if pair.surface_form != SMOOTH or intact_about(front, fc, a, b) else FACETS
     i, p0, p1, p2, _, _, _, p1x, _ = form_weights(form, a, fc.ni, fc.mirror_x)
     j, q0, q1, q2, _, _, _, q1y, _ = form_weights(form, b, fc.nj, fc.mirror_y)
@@ -191,16 +174,8 @@ def relative_velocity(front, fc, rear, rc, pair, k, w_front, K, w_rear):
     """[m/s] of a point over its closest point on the rear ply."""
     v_x, v_y, v_z = vector_at(rear.v, K, rc.row_stride, w_rear[0], w_rear[1])
     v_x, v_y, v_z = -v_x, -v_y, -v_z
-    if central(pair):
-        v_x, v_y, v_z = (
-            v_x + element_mean(front.v[0], k, fc.row_stride),
-            v_y + element_mean(front.v[1], k, fc.row_stride),
-            v_z + element_mean(front.v[2], k, fc.row_stride),
-        )
-    else:
-        p_x, p_y, p_z = vector_at(front.v, k, fc.row_stride, w_front[0], w_front[1])
-        v_x, v_y, v_z = v_x + p_x, v_y + p_y, v_z + p_z
-    return v_x, v_y, v_z
+    p_x, p_y, p_z = vector_at(front.v, k, fc.row_stride, w_front[0], w_front[1])
+    return v_x + p_x, v_y + p_y, v_z + p_z
 
 
 @kernel(_nrt=False, forceinline=True)
@@ -216,8 +191,7 @@ def update_spring(pair, q, depth, made, jump, before, touches, lost, sure):
     of its closest point, which was at `before`."""
     if pair.surface_form == SMOOTH and (lost or abs(jump) > MAX_DEPTH_JUMP):
         kept = max(pair.last_depth[q] - pair.depth_offset[q] + (0.0 if lost else made), 0.0)
-        softer = stiffness_factor(pair, pair.depth_offset[q]) / stiffness_factor(pair, max(depth - kept, 0.0))
-        pair.depth_offset[q] = max(depth - kept * math.sqrt(softer), 0.0)
+        pair.depth_offset[q] = max(depth - kept, 0.0)
     elif not touches:
         pair.depth_offset[q] = depth if depth > 0.5 * pair.thickness and pair.surface_form == FACETS else 0.0
     elif sure:
@@ -233,31 +207,20 @@ def spring_force(fc, pair, q, a, b, depth, closing, torn):
     if pair.point_offset == 0.0:  # half an element, or a quarter, is modelled about points on planes of symmetry
         part *= (0.5 if a == 0.0 and fc.mirror_x else 1.0) * (0.5 if b == 0.0 and fc.mirror_y else 1.0)
     part = scaled_by_area(part, pair.area_factor1, pair.area_factor2, int(a), int(b))
-    drag = part * pair.damping
-    part *= stiffness_factor(pair, pair.depth_offset[q])
-    f = max(0.0, penalty_force(pair, part, squeezed, drag, closing))
+    spring, damping, energy = law_at(pair, squeezed)
+    f = max(0.0, part * (spring + damping * closing))
     store_normal_force(pair.normal_force, q, f)
-    return f, 0.5 * part * pair.stiffness * squeezed * squeezed
+    return f, part * energy
 
 
 @kernel(_nrt=False, forceinline=True)
-def scatter_to_front(fc, pair, k, f, n, w):
-    """Add -f n to the forces of the front ply by the weights of a point."""
-    if central(pair):
-        scatter_to_element(pair.f_front[0], k, fc.row_stride, -f * n[0])
-        scatter_to_element(pair.f_front[1], k, fc.row_stride, -f * n[1])
-        scatter_to_element(pair.f_front[2], k, fc.row_stride, -f * n[2])
-    else:
-        scatter_vector(pair.f_front, k, fc.row_stride, -f, n, w)
-
-
-@kernel(_nrt=False, forceinline=True)
-def contact_point(front, fc, rear, rc, pair, q, a, b, often):
-    """Follow the closest point of the front ply's point at (a, b), and apply its force: (energy in its spring, depth).
+def contact_point(front, fc, rear, rc, pair, q, often):
+    """Follow the closest point of the front ply's point number q, and apply its force: (energy in its spring, depth).
 
     The depth is negative where the point is clear of the rear ply, and 0 where it cannot push. often : whether the
     closest point beside torn cloth is to be searched anew, whether or not it has been followed well
     """
+    e, a, b = point_place(fc, pair, q)
     (x, y, z), i, j, k, w_front = front_point(front, fc, pair, a, b)
     x, y = x + fc.x0 + a * fc.dx, y + fc.y0 + b * fc.dy
     at_x, at_y, at_z = x - rc.x0, y - rc.y0, z - pair.rest_distance  # from the first node of the rear ply at rest
@@ -281,7 +244,7 @@ def contact_point(front, fc, rear, rc, pair, q, a, b, often):
     if not (touches or lost):
         pair.last_depth[q] = pair.depth_offset[q] = 0.0
     pair.status[q] = LOST if leapt or (slant and (touches or lost)) else CLEAR
-    torn = pair.near_torn[q // (pair.points_per_side * pair.points_per_side)] != 0
+    torn = pair.near_torn[e] != 0
     if smooth and (leapt or (torn and (often or not (whole or touches)))):
         search_closest_point(rear, rc, pair.closest_point, q, at_x, at_y, at_z, far)
     if depth <= 0.0:
@@ -307,19 +270,8 @@ def contact_point(front, fc, rear, rc, pair, q, a, b, often):
     pair.last_depth[q], pair.depth_offset[q] = depth, min(pair.depth_offset[q], depth)
     f, energy = spring_force(fc, pair, q, a, b, depth, closing, torn)
     if f > 0.0:
-        grow_window(pair.front_window, i, j, 2 if central(pair) else 3)
+        grow_window(pair.front_window, i, j, 3)
         grow_window(pair.rear_window, I, J, 3)
-        scatter_to_front(fc, pair, k, f, n, w_front)
+        scatter_vector(pair.f_front, k, fc.row_stride, -f, n, w_front)
         scatter_vector(pair.f_rear, K, rc.row_stride, f, n, w_rear)
     return energy, depth
-
-
-@kernel(_nrt=False, forceinline=True)
-def stiffness_factor(pair, slack):
-    """By how much a spring that begins at the depth `slack` is stiffer: the remaining thickness has to hold as
-    much."""
-    return (
-        min(MAX_STIFFNESS_FACTOR, pair.thickness / max(pair.thickness - slack, 0.1 * pair.thickness))
-        if slack > 0.0
-        else 1.0
-    )

@@ -138,8 +138,8 @@ class PackSolver(ClothSolver):
         for p, pair in enumerate(self.pairs):
             if pair.energy[contact_simd_kernels.PASSED_COUNT]:
                 one, other = (p, p + 1) if p < half else (p - half + 1, p - half)
-                element = int(pair.energy[contact_simd_kernels.PASSED_POINT]) // pair.points_per_side**2
-                i, j = divmod(element, self.consts[one].nj)
+                rows, j = divmod(int(pair.energy[contact_simd_kernels.PASSED_POINT]), self.consts[one].nj)
+                i = rows // pair.points_per_side**2
                 step = int(pair.energy[contact_simd_kernels.PASSED_STEP])
                 self.stop(
                     f"ply {one + 1} has come through ply {other + 1}", f"ply {one + 1}, element ({i}, {j})",
@@ -149,7 +149,7 @@ class PackSolver(ClothSolver):
     def checkpoint_identity(self) -> tuple[Any, str]:
         """See ExplicitSolver."""
         known, module = super().checkpoint_identity()
-        return (*known, self.pack.gaps, self.pack.contact, self.pack.friction), module
+        return (*known, self.pack.gaps, self.pack.contact, self.pack.friction, self.pack.laws), module
 
     def checkpoint_arrays(self) -> dict[str, Any]:
         """See ExplicitSolver. Of what holds torn cloth apart, the rest follows from the plies."""

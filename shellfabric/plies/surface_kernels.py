@@ -27,6 +27,21 @@ _SEARCH_ELEMENTS = 2  # elements about a foot among which it is looked for
 
 
 @kernel(_nrt=False, forceinline=True)
+def point_number(fc, pair, i, j, m):
+    """Number of the m-th point of element (i, j): the m-th points of the elements of a row are next to each other."""
+    return (i * pair.points_per_side**2 + m) * fc.nj + j
+
+
+@kernel(_nrt=False, forceinline=True)
+def point_place(fc, pair, q):
+    """Element of point number q, and its place (a, b) [elements]."""
+    p = pair.points_per_side
+    row, j = q // fc.nj, q % fc.nj
+    i, m = row // p**2, row % p**2
+    return i * fc.nj + j, i + (m // p + pair.point_offset) / p, j + (m % p + pair.point_offset) / p
+
+
+@kernel(_nrt=False, forceinline=True)
 def spline_weights(a, n, mirrored):
     """Weights of three nodes of a line at the place a: (first node, values, slopes, middle value and slope across).
 
@@ -82,23 +97,6 @@ def interpolate(x, k, s, w0, w1, w2, z0, z1, z2):
     b = z0 * x[m] + z1 * x[m + ONE] + z2 * x[m + ONE + ONE]
     c = z0 * x[o] + z1 * x[o + ONE] + z2 * x[o + ONE + ONE]
     return w0 * a + w1 * b + w2 * c
-
-
-@kernel(_nrt=False, forceinline=True)
-def element_mean(x, k, s):
-    """The mean of the four nodes of the element at slot k."""
-    m = k + np.uint64(s)
-    return 0.25 * (x[k] + x[k + ONE] + x[m] + x[m + ONE])
-
-
-@kernel(_nrt=False, forceinline=True)
-def scatter_to_element(F, k, s, f):
-    """Share a force out to the four nodes of the element at slot k."""
-    m = k + np.uint64(s)
-    F[k] += 0.25 * f
-    F[k + ONE] += 0.25 * f
-    F[m] += 0.25 * f
-    F[m + ONE] += 0.25 * f
 
 
 @kernel(_nrt=False, forceinline=True)
@@ -221,19 +219,20 @@ def scatter_row8(F, k, f, w):
 
 
 @kernel(_nrt=False, forceinline=True)
-def scatter_to_element8(F, k, s, f):
-    """`scatter_to_element` for eight neighbouring elements."""
-    f, none = 0.25 * f, broadcast(0.0)
-    low, high = f + shift_in_prev(none, f), shift_in_prev(f, none)
-    for m in (k, k + s):
-        store(F, m, load(F, m) + low)
-        store(F, m + WIDTH, load(F, m + WIDTH) + high)
+def scatter_to_points8(F, k, s, f, wa, wb):
+    """Share eight forces out to three by three nodes each, by weights that are alike for all."""
+    for m in range(3):
+        scatter_row8(F, k + m * s, f * wa[m], wb)
 
 
 @kernel(_nrt=False, forceinline=True)
-def element_mean8(x, k, s):
-    """`element_mean` of eight neighbouring elements."""
-    return 0.25 * ((load(x, k) + load(x, k + 1)) + (load(x, k + s) + load(x, k + s + 1)))
+def point_mean8(x, k, s, wa, wb):
+    """`interpolate` at eight points side by side whose weights are alike."""
+    total = broadcast(0.0)
+    for n in range(3):
+        row = fma(wa[0], load(x, k + n), fma(wa[1], load(x, k + s + n), wa[2] * load(x, k + 2 * s + n)))
+        total = fma(wb[n], row, total)
+    return total
 
 
 @kernel(_nrt=False, forceinline=True)

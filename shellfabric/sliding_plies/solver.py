@@ -37,10 +37,10 @@ class SlidingPack(Pack):
         """(plies,) CrossoverFriction."""
         return tuple(cast(SlidingPanel, ply).friction for ply in self.plies)
 
-    def _slip_constants(self, mass):
+    def _slip_constants(self, mass, stiffness):
         """Stick between plies is bounded by the mass of one family alone, where the other slides through the nodes."""
         lightest = min(1.0 if ply.friction.pins else min(ply.own_masses) for ply in self.plies)
-        return super()._slip_constants(lightest * mass)
+        return super()._slip_constants(lightest * mass, stiffness)
 
 
 class SlidingPackSolver(PackSolver):

@@ -13,14 +13,13 @@ import numpy as np
 
 from fabrics.errors import InputError
 from fabrics.fabric import Fabric
+from fabrics.plate_curve import PLATEN_PRESSURE
 from meshing.crossover import Crossover
 from unitcell3d.model.crossover import CrossoverModel, Load, Numerics
 from unitcell3d.solver.history import History
 from unitcell3d.solver.load_stepping import Steps, solve_load_path
 from unitcell3d.solver.record import Hook
 
-# one-ply platen test of the thesis: 7000 N on 0.019 m x 0.019 m (chapter 2)
-PLATEN_PRESSURE = 7000 / 0.019**2
 MIN_PLATE_GAP = 0.5  # of the plates' distance at rest
 
 

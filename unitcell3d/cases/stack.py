@@ -18,11 +18,11 @@ import numpy as np
 from fabrics.checks import FloatArray
 from fabrics.errors import InputError, UnstableError
 from fabrics.fabric import Fabric
-from fabrics.plate_curve import PlateCurve
+from fabrics.plate_curve import PLATEN_PRESSURE, PlateCurve
 from meshing.crossover import Crossover
 from meshing.patch import Patch
 from unitcell3d.assembly import constraints
-from unitcell3d.cases.biaxial_and_platens import MIN_PLATE_GAP, PLATEN_PRESSURE
+from unitcell3d.cases.biaxial_and_platens import MIN_PLATE_GAP
 from unitcell3d.contact.pairs import OuterPlates, SurfacePairs, facing
 from unitcell3d.model import submeshes
 from unitcell3d.model.crossover import Load, Numerics, YarnsModel, check

@@ -11,7 +11,7 @@ say in it. A fit of the printed form would depend on a force cut-off. Two more f
 each yarn to its own compression at the crossing, and one that depends on the tension ratio too
 (`fabrics.compression.RatioLaw`), the one to use where one law leaves more than `ONE_LAW`. The compression d_c holds
 also what closes between the yarns where their sections do not conform; each yarn's own does not. Plates give another
-curve than stretching does: they flatten slack yarns. That curve is computed beside, and not fed to the shell.
+curve than stretching does: they flatten slack yarns. That curve is the contact law of plies of a pack (`contact`).
 """
 
 from __future__ import annotations
@@ -22,18 +22,22 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from scipy.interpolate import PchipInterpolator
 
 from fabrics.checks import FilePath, FloatArray
 from fabrics.compression import CompressionLaw, RatioLaw, imbalance
 from fabrics.errors import InputError, UnstableError
 from fabrics.fabric import Fabric
 from fabrics.files import write_whole
+from fabrics.ply_law import PlyLaw
 from unitcell3d.cases import biaxial_and_platens
+from unitcell3d.identify.platen_misfit import rising
 from unitcell3d.solver.history import History
 
 PLATES = "plates"
 YARNS = ("warp", "weft")
 SAMPLES = 25  # of each path in the fit, about as many as it has steps
+PLY_SAMPLES = 24  # intervals of the contact law of plies
 ONE_LAW = 1e-6  # m rms: where one law leaves more, that of the tension ratio is chosen
 
 
@@ -56,6 +60,7 @@ class Calibration:
     seconds : {path: wall time [s]}, and "all" of the whole calibration
     sizes : (biaxial, plates) mesh sizes
     friction : [-] Coulomb's coefficient the paths were solved with
+    contact : PlyLaw of plies on each other, from the platens; None where no platen was pressed
     """
 
     fabric: str
@@ -71,6 +76,7 @@ class Calibration:
     seconds: dict
     sizes: tuple
     friction: float = 0.0
+    contact: PlyLaw | None = None
 
     @property
     def plates(self) -> History:
@@ -153,7 +159,38 @@ class Calibration:
         with write_whole(directory / "calibration.json") as file:
             json.dump(self.summary(), file, indent=2)
             file.write("\n")
-        self.law.to_json(directory / "law.json")
+        self.write_law(directory / "law.json")
+
+    def write_law(self, path: FilePath) -> None:
+        """Write the joint law, with the contact law of plies."""
+        self.law.to_json(path, self.contact)
+
+
+def contact_of_plies(history: History, fabric: Fabric, size: str) -> PlyLaw:
+    """The contact law of plies from a compression between platens, "computed".
+
+    Steps that press less than one before are left out: pressure rises with closure. P^(1/3), which is nearly straight,
+    is interpolated by monotone cubics over the closure and sampled at `PLY_SAMPLES` equal intervals. Beyond the last
+    pressure the law is that of solid fibre.
+
+    Parameters
+    ----------
+    history : between platens; closure counts from their first touch
+    fabric : whose crossover it is
+    size : mesh size, as a text
+
+    Raises
+    ------
+    UnstableError : no platen was ever pressed
+    """
+    pressure, closure = rising(history, fabric.weave.cell_area)
+    pressure, closure = pressure[closure > 0], closure[closure > 0]
+    curve = PchipInterpolator([0.0, *closure], np.cbrt([0.0, *pressure]))
+    at = np.linspace(0.0, closure[-1], PLY_SAMPLES + 1)
+    left_out = len(history.path) - 1 - len(pressure)
+    source = f"3D crossover of {fabric.name} between platens, {size} mesh"
+    source += f", {left_out} steps of falling force left out" if left_out else ""
+    return PlyLaw(at, curve(at) ** 3, PlyLaw.solid(fabric).stiffness, source, "computed")
 
 
 def samples(history: History, *columns: FloatArray) -> tuple[FloatArray, ...]:
@@ -207,7 +244,15 @@ def evaluate(
         seconds=seconds,
         sizes=sizes,
         friction=friction,
+        contact=_contact(histories, fabric, sizes[1]),
     )
+
+
+def _contact(histories, fabric, size):
+    try:
+        return contact_of_plies(histories[PLATES], fabric, size)
+    except UnstableError:
+        return None
 
 
 def _finer(histories):

@@ -51,7 +51,8 @@ def platen_misfit(
         pressure = np.geomspace(curve.pressure[0], curve.pressure[-1], POINTS)
     measured = curve.at(pressure)
     computed = closures(history, cell_area, pressure, measured)
-    known, closed = _rising(history, cell_area)
+    pressed, closed = rising(history, cell_area)
+    known = np.log(pressed)
     ratio = _pressure_ratios(known, closed, np.log(pressure), measured)
     return PlatenMisfit(_rms(computed - measured), ratio)
 
@@ -72,20 +73,27 @@ def closures(history: History, cell_area: float, pressure: FloatArray, measured:
     ------
     UnstableError : no platen was ever pressed
     """
-    known, closed = _rising(history, cell_area)
+    pressed, closed = rising(history, cell_area)
+    known = np.log(pressed)
     curve = PchipInterpolator(known, closed)
     wanted = np.log(pressure)
     at = curve(np.clip(wanted, known[0], known[-1])) + curve(known[-1], 1) * np.maximum(wanted - known[-1], 0)
     return at - np.mean(at - measured)
 
 
-def _rising(history, cell_area):
-    """ln P and closure [m] of the steps that press harder than any before: a tip that snaps lets the force fall."""
+def rising(history: History, cell_area: float) -> tuple[FloatArray, FloatArray]:
+    """Pressure [Pa] and closure [m] of the steps that press harder than any before: a tip that snaps lets the force
+    fall.
+
+    Raises
+    ------
+    UnstableError : no platen was ever pressed
+    """
     pressed = history.F_plate.mean(axis=1) / cell_area
-    rising = np.flatnonzero(pressed > np.concatenate([[0.0], np.maximum.accumulate(pressed)[:-1]]))
-    if len(rising) < 2:
+    steps = np.flatnonzero(pressed > np.concatenate([[0.0], np.maximum.accumulate(pressed)[:-1]]))
+    if len(steps) < 2:
         raise UnstableError(f"the platens were not pressed: {history.failed or 'they never met the yarns'}")
-    return np.log(pressed[rising]), 2 * (history.plates[0] - history.plates[rising])
+    return pressed[steps], 2 * (history.plates[0] - history.plates[steps])
 
 
 def _pressure_ratios(known, closed, wanted, measured):

@@ -18,6 +18,7 @@ from fabrics.errors import InputError, InputErrors, together
 
 if TYPE_CHECKING:
     from fabrics.compression import CompressionLaw
+    from fabrics.ply_law import PlyLaw
     from fabrics.surface import ResponseSurface
     from weavecell.api.quasi_static_results import CalibrationResult
     from weavecell.scenes.impact import Scene
@@ -35,7 +36,7 @@ DEFAULTS: dict[str, Any] = {  # of keys that the input file requires
     "opening": "203 mm",
     "end_time": "800 us",
 }
-_OBJECTS = ("law", "surface")  # may be objects, which no file can hold
+_OBJECTS = {"fabric": ("law", "surface"), "panel": ("ply_contact",)}  # may be objects, which no file can hold
 
 Quantity = float | str  # in SI units, or a text with a unit
 Number = float
@@ -62,6 +63,7 @@ class Keywords(TypedDict, total=False):
     plies: int
     stacking: Literal["aligned", "alternating"]
     ply_gap: Quantity | None
+    ply_contact: PlyLaw | FilePath | None
     ply_friction: Number
     yarn_failure: bool
     grading: list[list[Number | str]] | tuple[tuple[Number | str, Number | str], ...] | None
@@ -118,7 +120,8 @@ def scene(fabric: str, velocity: object, options: Mapping[str, Any]) -> Scene:
             table[known[key]][key] = value
         else:
             table[key] = value
-    table["fabric"] |= {key: _stand_in(table["fabric"][key]) for key in _OBJECTS if key in table["fabric"]}
+    for name, keys in _OBJECTS.items():
+        table[name] |= {key: _stand_in(table[name][key]) for key in keys if key in table[name]}
     if not isinstance(table["projectile"], Mapping) or "strike_velocity" in table["projectile"]:
         raise InputError(
             key="projectile", value=table["projectile"], allowed="a dict of its keys, without strike_velocity"

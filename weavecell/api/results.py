@@ -18,9 +18,10 @@ if TYPE_CHECKING:
     from shellfabric.impact.lambert_jonas import LambertJonas
     from shellfabric.panel.quality import Indicator
     from weavecell.analysis.assumed_range import AssumedRange
+    from weavecell.analysis.uncertainty.draws import Draws
     from weavecell.results.impact_base import BaseRecord, Shape
 
-__all__ = ["CriticalVelocityResult", "ShotResult", "SweepResult"]
+__all__ = ["CriticalVelocityResult", "DrawsResult", "ShotResult", "SweepResult"]
 
 Outcome = Literal["stopped", "perforated", "in flight", "unstable"]
 
@@ -209,6 +210,28 @@ class SweepResult(Result, Sequence):
             return figure
 
         return figure(draw)
+
+
+@dataclass(frozen=True, repr=False)
+class DrawsResult(Result):
+    """Shots at panels or packs whose yarns differ in strength; the table has a row a draw.
+
+    Parameters
+    ----------
+    study : `weavecell.analysis.uncertainty.draws.Draws`, whose `estimate` and `probability` have the numbers one by one
+    """
+
+    study: Draws
+
+    def summary(self) -> dict[str, Any]:
+        """Mean, standard deviation and standard error of each quantity, and the probability of perforation."""
+        return self.study.summary()
+
+    def _columns(self):
+        units = {"residual_velocity": "m_s", "absorbed_energy": "J", "time": "s"}
+        units |= {"peak_tension_warp": "N", "peak_tension_weft": "N"}
+        columns = self.study.columns()
+        return {f"{name}_{units[name]}" if name in units else name: values for name, values in columns.items()}
 
 
 @dataclass(frozen=True, repr=False)

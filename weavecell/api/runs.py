@@ -17,14 +17,14 @@ from fabrics.surface import ResponseSurface
 from fabrics.variants import with_linear_density
 from weavecell.api import keywords, quantities
 from weavecell.api.keywords import Keywords
-from weavecell.api.results import CriticalVelocityResult, ShotResult, SweepResult
+from weavecell.api.results import CriticalVelocityResult, DrawsResult, ShotResult, SweepResult
 from weavecell.scenes.schema import InlineLaw
 
 if TYPE_CHECKING:
     from shellfabric.impact.pack import PackSetup
     from shellfabric.impact.single_ply import ImpactSetup
 
-__all__ = ["critical_velocity", "fabric", "fabrics", "setup", "shoot", "sweep"]
+__all__ = ["critical_velocity", "draws", "fabric", "fabrics", "setup", "shoot", "sweep"]
 
 _CURVE = (1.03, 2.0)  # first and last shot of the residual velocities, times the highest stop or bracket's end
 
@@ -75,13 +75,13 @@ def setup(fabric: Fabric | FilePath, velocity: float | str, **options: Unpack[Ke
     options : the keys of the input file (docs/keys.md), numbers in SI units or texts with a unit. Those of [fabric],
         [panel] and [run] are keywords: law, cell_model, cell_formulation, cell_profile, crossover_gap, surface,
         bending, weaving_damage; opening (default 203 mm), boundary, symmetry, weave_angle, plies, stacking, ply_gap,
-        ply_friction, yarn_failure, grading, crossovers, crossover_friction, crossover_cohesion; end_time (default
-        800 us), elements_per_crossover, snapshot_interval (default: only the shape at the end). The tables
+        ply_contact, ply_friction, yarn_failure, grading, crossovers, crossover_friction, crossover_cohesion; end_time
+        (default 800 us), elements_per_crossover, snapshot_interval (default: only the shape at the end). The tables
         [projectile], [history], [numerics] and [backing] are dicts: projectile={"mass": "1.1 g", "diameter": "5.4 mm",
         "edge_radius": "0.3 mm"}, whose three keys are required as in the file; without it the projectile is the flat
         cylinder of 3 g and 5.5 mm with an edge radius of 0.3 mm. law is a CompressionLaw of both families, a pair
         (warp, weft), the path of a law.json, a dict {"a": ..., "b": ...} or a CalibrationResult; without it that of
-        the fabric. surface may be a ResponseSurface
+        the fabric. surface may be a ResponseSurface, ply_contact a PlyLaw
 
     Raises
     ------
@@ -100,6 +100,8 @@ def setup(fabric: Fabric | FilePath, velocity: float | str, **options: Unpack[Ke
     surface = options.get("surface")
     try:
         cloth = build.damaged(cloth, table)
+        if scene.panel.plies > 1:
+            cloth = build.with_ply_contact(cloth, options.get("ply_contact"), law)
         cell = build.surface_of(table, cloth, None, surface if isinstance(surface, ResponseSurface) else None)
         if isinstance(table.law, InlineLaw):
             law = CompressionLaw(table.law.a, table.law.b, table.law.form)
@@ -182,6 +184,40 @@ def sweep(
     result = SweepResult(tuple(found[index] for index in range(len(given))))
     result.warn()
     return result
+
+
+def draws(
+    setup: ImpactSetup | PackSetup, count: int, *, shape: float | None = None, seed: int = 1,
+    folder: FilePath | None = None, jobs: int = 1, executor: str | Executor = "local",
+) -> DrawsResult:  # fmt: skip
+    """Fire at `count` whole panels or packs, each yarn with a strength of its own.
+
+    Parameters
+    ----------
+    setup : of `setup`; its symmetry and what it records are not used
+    shape : Weibull shape of the strengths; None takes that of weavecell/analysis/uncertainty/inputs.toml
+    seed : of all that is drawn
+    folder : where finished draws are kept and taken from; None keeps none
+    jobs, executor : as of `sweep`
+
+    Returns
+    -------
+    DrawsResult; unstable draws count in no estimate
+
+    Raises
+    ------
+    InputError : a set-up that cannot be run, fewer than two draws, or yarns that do not fail
+    """
+    from tempfile import TemporaryDirectory
+
+    from weavecell.analysis.uncertainty import draws as analysis
+    from weavecell.analysis.uncertainty import inputs
+
+    scatter = inputs.published() if shape is None else replace(inputs.published(), shape=shape)
+    with TemporaryDirectory() as spare:
+        kept = spare if folder is None else folder
+        found = analysis.study(setup, scatter, count, folder=kept, seed=seed, jobs=jobs, executor=executor)
+    return DrawsResult(found)
 
 
 def _fire(given):

@@ -62,6 +62,10 @@ ExecutorOption = Annotated[
         metavar="local|mpi|parsl|dask|MODULE:FUNCTION",
     ),
 ]
+SeedOption = Annotated[int, typer.Option(min=0, help="Seed of the random numbers.")]
+WeibullOption = Annotated[
+    float | None, typer.Option("--weibull-shape", help="Weibull shape of the yarns' strength; inf for none.", min=1.0)
+]
 MeshOption = Annotated[Size, typer.Option("--mesh", help="Mesh of the 3D crossover.")]
 FinenessOption = Annotated[
     str,

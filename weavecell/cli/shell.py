@@ -17,8 +17,10 @@ from weavecell.cli.options import (
     JobsOption,
     OutOption,
     ResumeOption,
+    SeedOption,
     Size,
     StrictOption,
+    WeibullOption,
     refuse_others,
 )
 
@@ -28,6 +30,7 @@ COUPON = "Example: [bold]weavecell coupon examples/coupons/S-728-bias.toml[/bold
 CRITICAL_VELOCITY = "Example: [bold]weavecell critical-velocity S-720 --tolerance '1 m/s'[/bold]"
 
 
+_OF_DRAWS = ("draws", "shape", "seed", "jobs", "executor")
 AssumedRangeOption = Annotated[
     bool,
     typer.Option(
@@ -60,12 +63,28 @@ def impact(
             "--uncertainty", help="Run a finer mesh too, and report the discretisation uncertainty of each result."
         ),
     ] = False,
+    draws: Annotated[
+        int | None,
+        typer.Option(
+            min=2, metavar="N", help="Shoot at N panels whose yarns differ in strength (Weibull), and report the mean."
+        ),
+    ] = None,
+    shape: WeibullOption = None,
+    seed: SeedOption = 1,
+    jobs: JobsOption = CORES,
+    executor: ExecutorOption = "local",
 ) -> None:
     """Fire the projectile of a scene at its panel: histories, ParaView series, pictures and a report.
 
     The folder then holds report.html, summary.json, histories.h5, panel.pvd with panel/*.vtu, pictures/ and scene.toml;
     while the run goes on, checkpoint.h5. A scene with a table \\[accuracy] says how well it wants to know something:
     the cheapest model that will do is chosen and checked. A key of the scene that cannot be honoured is rejected.
+
+    --draws N computes the whole panel N times, each yarn of each ply with a strength of its own, and writes mean, scatter
+    and probability of perforation: summary.json, summary.html, draws.csv and runs/, from which --resume goes on, also to
+    more draws. --weibull-shape, --seed, --jobs and --executor are of --draws alone, which ignores panel.symmetry,
+    run.snapshot_interval, run.checkpoint_interval, run.outputs, history.interval, history.warp, history.weft and
+    history.report_positions.
 
     --explain ignores title, run.snapshot_interval, run.checkpoint_interval, run.outputs, history.interval,
     history.warp, history.weft and history.report_positions.
@@ -78,6 +97,16 @@ def impact(
         fidelity.explain(scene)
         return
 
+    if draws is not None:
+        from weavecell.commands import draws as commands_draws
+
+        refuse_others(context, ("scene", "out", "resume", *_OF_DRAWS), "with --draws")
+        commands_draws.command(
+            scene, out or RESULTS / f"{scene.stem}-draws", count=draws, shape=shape, seed=seed, jobs=jobs,
+            executor=executor, resume=resume,
+        )  # fmt: skip
+        return
+    refuse_others(context, set(context.params) - set(_OF_DRAWS), "without --draws")
     folder = out or RESULTS / scene.stem
     commands_impact.impact(
         scene, folder, resume=resume, strict=strict, with_range=assumed_range, uncertainty=uncertainty

@@ -7,13 +7,22 @@ from typing import Annotated
 
 import typer
 
-from weavecell.cli.options import CORES, RESULTS, ExecutorOption, FabricArgument, JobsOption, OutOption, ResumeOption
+from weavecell.cli.options import (
+    CORES,
+    RESULTS,
+    ExecutorOption,
+    FabricArgument,
+    JobsOption,
+    OutOption,
+    ResumeOption,
+    SeedOption,
+    WeibullOption,
+)
 
 SENSITIVITY = "Example: [bold]weavecell sensitivity S-720 --samples 64[/bold]"
 V50 = "Example: [bold]weavecell v50 S-720 --shots 200 --weibull-shape 14.3[/bold]"
 
 
-SeedOption = Annotated[int, typer.Option(min=0, help="Seed of the random numbers.")]
 OpeningOption = Annotated[str, typer.Option(help="Side of the square panel.", metavar="LENGTH")]
 GradingOption = Annotated[
     str | None,
@@ -69,10 +78,7 @@ def v50(
     batch: Annotated[
         int, typer.Option(min=4, help="Shots in a batch; each batch is placed by the results of those before.")
     ] = 10,
-    shape: Annotated[
-        float | None,
-        typer.Option("--weibull-shape", help="Weibull shape of the yarns' strength; inf for none.", min=1.0),
-    ] = None,
+    shape: WeibullOption = None,
     modulus: Annotated[
         str | None,
         typer.Option(

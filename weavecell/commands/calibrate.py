@@ -3,7 +3,7 @@
 Folder of `weavecell calibrate`
     solid.json          with --platen-curve or --fit-solid: E_c, V_c, K_r and what the plate curve determines
     law-interval.json   with the same: intervals of a and b that follow from those of E_c, V_c, K_r
-    law.json            the fitted law, for `law = ".../law.json"` in a scene
+    law.json            the fitted law, for `law = ".../law.json"` in a scene, and the contact law of plies of a pack
     calibration.json    all numbers of the calibration, and provenance.json where they come from
     <path>.h5           histories of the loading paths and of the compression between plates
     crossover.*         the mesh, as `weavecell.commands.mesh` writes it, with quality.png and mesh.json
@@ -110,6 +110,8 @@ def tell(fabric: Fabric, done: Calibration, out: Path) -> None:
     print(f"{'impacts use':<12}the fitted law{better}")
     for end, (low, high) in zip(("soft", "stiff"), law.assumed_range or ()):
         print(f"{end + ' end':<12}a = {1e3 * low:.4f} mm, b = {1e3 * high:.4f} mm N^(1/3), of the assumed solid law")
+    if done.contact is not None:
+        print(f"{'plies':<12}{done.contact.words()}")
     for name, history in done.histories.items():
         if history.failed:
             print(f"{name:<12}ended at {100 * history.path[-1]:.1f} % of its path: {history.failed}")
@@ -152,7 +154,7 @@ def assumed_range(fabric: Fabric, done: Calibration, out: Path, **choices: Any) 
         )
     for end, why in failed.items():
         print(f"{'no range':<12}the {end} end of the assumed solid law has no compression law: {why}")
-    done.law.to_json(out / "law.json")
+    done.write_law(out / "law.json")
     return done
 
 

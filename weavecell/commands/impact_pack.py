@@ -95,7 +95,7 @@ def impact(
         pack = build.pack_setup(setup, scene.panel)
         (record, snapshots, failure), choice, pair = fidelity.run(scene, pack, shoot, uncertainty)
     except InputError as problem:
-        raise _in_file(problem, path) from None
+        raise in_file(problem, path) from None
     with progress.bar("Writing results") as advance:
         write(out, this, record, snapshots, text, advance, choice, pair)
     for checkpoint in out.glob("checkpoint*.h5"):
@@ -125,7 +125,7 @@ def fire(
     return PackRecord.of(result, title, this.law_name, str(failure or "")), result.snapshots, failure, result
 
 
-def _in_file(problem, path):
+def in_file(problem: InputError, path: Path) -> InputError:
     """An InputError of the pack, with the scene's file and key in it."""
     if problem.file is None and problem.key in _OF_PANEL:
         key = {"gap": "ply_gap"}.get(problem.key, problem.key)
@@ -268,7 +268,8 @@ def page(this: Case, record: PackRecord, sections: Sequence[Section], stamp: dic
     return report_page.Report(
         record.title,
         f"{record.count} plies of {record.fabric}, {record.stacking}, {words.panel_in_words(panel)}, struck at "
-        f"{shot.strike_velocity:g} m/s by {words.shot_in_words(shot)}. At rest: {record.gap_words}.",
+        f"{shot.strike_velocity:g} m/s by {words.shot_in_words(shot)}. At rest: {record.gap_words}. "
+        f"{_contact(record)}.",
         (cards,),
         (
             *sections,
@@ -280,8 +281,15 @@ def page(this: Case, record: PackRecord, sections: Sequence[Section], stamp: dic
     )
 
 
+def _contact(record):
+    """The contact law of plies in words."""
+    travel = f"travel {1e6 * record.ply_contact_travel:.3g} um, then solid fibre"
+    return f"Contact of plies: {record.ply_contact_source} ({record.ply_contact_status}), {travel}"
+
+
 def _tell(record, out):
     print(f"{record.title}: {record.outcome}, {chapters.residual(record)}")
+    print(_contact(record))
     failed = ", ".join(f"{count:g}" for count in record.plies["failed_yarns"][-1])
     print(f"failed yarn segments by ply: {failed}")
     print(record.gap_words)

@@ -10,7 +10,7 @@ from __future__ import annotations
 import csv
 import time
 import tomllib
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -25,7 +25,7 @@ from weavecell.results import json_file, progress, provenance
 from weavecell.scenes import impact
 
 if TYPE_CHECKING:
-    pass
+    from fabrics.fabric import Fabric
 
 RUNS = "runs"
 
@@ -63,7 +63,7 @@ def sensitivity(
     command = f"weavecell sensitivity {fabric} --samples {samples} --seed {seed}"
     title = f"{cloth.name}: Sobol indices, {count} rows"
     content = {"indices": [_plain(one) for one in found], "inputs": [asdict(one) for one in entries.values()]}
-    _finish(out, page, "sobol", title, head, rows, remarks, command, content, began, cloth,
+    finish(out, page, "sobol", title, head, rows, remarks, command, content, began, cloth,
             lambda path: pictures_uncertainty.indices(found, path, title))  # fmt: skip
 
 
@@ -114,7 +114,7 @@ def probabilistic(
         "curves": {link: asdict(curve) | {"V0": curve.V0, "V100": curve.V100} for link, curve in study.curves.items()},
         "inputs": [asdict(one) for name in ("weibull", "spread") for one in inputs.table(name).values()],
     }  # fmt: skip
-    _finish(out, page, "v50", title, head, rows, remarks, command, _finite(content), began, cloth,
+    finish(out, page, "v50", title, head, rows, remarks, command, content, began, cloth,
             lambda path: pictures_uncertainty.perforation(study, path, title))  # fmt: skip
 
 
@@ -156,12 +156,25 @@ def _begin(fabric, out, page, name, resume):
     return cloth
 
 
-def _finish(out, page, name, title, head, rows, remarks, command, content, began, cloth, draw):
-    """Write table, record, picture and page of a study."""
+def finish(
+    out: Path, page: Path | None, name: str, title: str, head: Sequence[str], rows: Sequence[Sequence[str]],
+    remarks: Sequence[str], command: str, content: dict[str, Any], began: float, cloth: Fabric,
+    draw: Callable[[Path], object],
+) -> None:  # fmt: skip
+    """Write table, record, picture and page of a study, and print its remarks.
+
+    Parameters
+    ----------
+    page : Markdown page to put table and picture into, or None
+    name : of the files; head, rows : of the table; remarks : lines
+    command : that made it; content : of the record; began : perf_counter() at the start
+    draw : called with the path of the picture
+    """
     stamp = provenance.stamp(fabric=cloth)
     with write_whole(out / f"{name}.csv") as file:
         csv.writer(file).writerows([head, *rows])
-    json_file.write(out / f"{name}.json", {**content, "wall_time": time.perf_counter() - began, "provenance": stamp})
+    record = {**_finite(content), "wall_time": time.perf_counter() - began, "provenance": stamp}
+    json_file.write(out / f"{name}.json", record)
     draw(out / f"{name}.png")
     made = f"Version {stamp['weavecell']}, commit {stamp['commit']}, {stamp['date']}, {stamp['processor']}."
     _write_html(out / f"{name}.html", name, title, head, rows, remarks, f"{command}. {made} {stamp['packages']}.")

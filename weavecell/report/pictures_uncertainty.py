@@ -77,6 +77,32 @@ def perforation(study: Any, path: FilePath, title: str) -> None:
         _save(figure, path)
 
 
+def draws(study: Any, path: FilePath, title: str) -> None:
+    """Residual velocities of drawn panels in their order, and the mean with its standard error over the draws."""
+    counted = study.counted
+    values = np.array([one.residual_velocity for one in counted])
+    colours = {"stopped": INK, "perforated": RED, "in flight": ORANGE}
+    with plots() as pyplot:
+        figure, (left, right) = pyplot.subplots(1, 2, figsize=(11, 4.4))
+        order = np.argsort(values, kind="stable")
+        share = (np.arange(values.size) + 0.5) / max(values.size, 1)
+        for outcome, colour in colours.items():
+            some = np.array([counted[k].outcome == outcome for k in order], bool)
+            if some.any():
+                left.plot(values[order][some], share[some], "o", ms=5, color=colour, label=outcome)
+        left.set(xlabel="residual velocity [m/s]", ylabel="share of draws at or below [-]", ylim=(0, 1))
+        left.legend(loc="best")
+        n = np.arange(2, values.size + 1)
+        means = np.array([values[:k].mean() for k in n])
+        errors = np.array([values[:k].std(ddof=1) / np.sqrt(k) for k in n])
+        right.fill_between(n, means - errors, means + errors, color=BLUE, alpha=0.18, lw=0, label="standard error")
+        right.plot(n, means, color=BLUE, label="mean")
+        right.set(xlabel="number of draws", ylabel="mean residual velocity [m/s]")
+        right.legend(loc="best")
+        figure.suptitle(title)
+        _save(figure, path)
+
+
 def _shares(V, hit):
     """(mean velocity, share that perforated) of each ten shots in the order of velocity."""
     parts = np.array_split(np.argsort(V), max(1, V.size // 10))

@@ -47,6 +47,8 @@ class PackRecord(BaseRecord):
     Parameters
     ----------
     stacking : "aligned" or "alternating"
+    ply_contact_source, ply_contact_status : of the contact law of plies
+    ply_contact_travel : [m] its closure before solid fibre is pressed
     plies : {name: (n, plies)} with the names of shellfabric.panel.solver.PLY_SAMPLES
     z_rest, thickness : (plies,) [m] middle surfaces at rest, and thickness
     gaps : (plies - 1,) [m]
@@ -65,12 +67,18 @@ class PackRecord(BaseRecord):
         "gap_low": "ply_gap_low_m",
         "gap_high": "ply_gap_high_m",
         "gap_source": "ply_gap_source",
+        "ply_contact_source": "ply_contact_source",
+        "ply_contact_status": "ply_contact_status",
+        "ply_contact_travel": "ply_contact_travel_m",
     }
 
     stacking: str
     gap_low: float
     gap_high: float
     gap_source: str
+    ply_contact_source: str
+    ply_contact_status: str
+    ply_contact_travel: float
     plies: dict
     z_rest: np.ndarray
     thickness: np.ndarray
@@ -101,13 +109,15 @@ class PackRecord(BaseRecord):
         from shellfabric.plies.gap import PlyGap, ply_gap
 
         given = result.setup.gap
-        gap = ply_gap(result.setup.ply.fabric) if given is None else PlyGap(given, given, given, "given")
         pack, (_, mirror_y) = result.pack, result.mirrored
         before = [shots for shots in result.snapshots if shots[0].t < result.last[0].t]
+        law = pack.laws[0]
+        gap = ply_gap(result.setup.ply.fabric, law) if given is None else PlyGap(given, given, given, "given")
         return cls._of(
             result, result.setup.ply, title, law_name, message, elements=pack.elements,
             strength=np.array([[yarn.strength for yarn in one.weave.yarns] for one in pack.plies]),
-            stacking=result.setup.stacking, plies=dict(result.plies), z_rest=pack.places,
+            stacking=result.setup.stacking, ply_contact_source=law.source, ply_contact_status=law.status,
+            ply_contact_travel=law.travel, plies=dict(result.plies), z_rest=pack.places,
             thickness=np.array([one.weave.thickness for one in pack.plies]), gaps=np.array(pack.gaps),
             gap_low=gap.low, gap_high=gap.high, gap_source=gap.source,
             max_penetration_ratio=result.deepest, torn_contact=result.held_apart,

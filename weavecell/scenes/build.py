@@ -13,6 +13,7 @@ from fabrics.compression import CompressionLaw
 from fabrics.errors import InputError
 from fabrics.fabric import Fabric
 from fabrics.materials import Isotropic, load
+from fabrics.ply_law import PlyLaw
 from fabrics.surface import ResponseSurface
 from fabrics.variants import with_linear_density
 from fabrics.yarn import WeavingDamage
@@ -44,7 +45,7 @@ BACKING = of(
     "size standoff modulus density poisson yield_stress hardening erosion_strain outer_boundary min_size refined_depth "
     "growth",
 )
-OF_A_PACK = of("panel", "stacking ply_gap ply_friction")  # what a pack has besides its number of plies
+OF_A_PACK = of("panel", "stacking ply_gap ply_contact ply_friction")  # what a pack has besides its number of plies
 SHOT = (
     *CLOTH, "fabric.surface", "fabric.bending", *PROJECTILE, *PANEL, "run.elements_per_crossover", *NUMERICS, *BACKING,
 )  # fmt: skip
@@ -123,6 +124,7 @@ def build(scene: Any, file: Path, name: str) -> Case:
     """
     fabric = _sheared(_fabric(scene.fabric, file), scene, file)
     surface = surface_of(scene.fabric, fabric, file)
+    fabric = _with_ply_contact(fabric, scene, file)
     laws, law_name = _laws(scene.fabric, fabric, file) if surface is None else (fabric.laws, "3D response surface")
     return Case(name, fabric, laws, law_name, scene, surface)
 
@@ -276,6 +278,36 @@ def _sheared(fabric, scene, file):
         print(f"no [shear] of {fabric.name}: its cloth has no shear stiffness")
     for line in assumed.lines(fabric):
         print(line)
+    return fabric
+
+
+def _with_ply_contact(fabric, scene, file):
+    """The fabric with the contact law of plies that the scene of a pack names, or that the file of its law holds."""
+    panel, law = getattr(scene, "panel", None), scene.fabric.law
+    if getattr(panel, "plies", 1) == 1:
+        return fabric
+    try:
+        return with_ply_contact(fabric, panel.ply_contact, law)
+    except InputError as problem:
+        if problem.file is not None:
+            raise
+        key = "panel.ply_contact" if problem.key in (None, "ply_contact") else problem.key
+        message = None if problem.key is not None else str(problem)
+        raise InputError(message, file=file, key=key, value=problem.value, allowed=problem.allowed) from None
+
+
+def with_ply_contact(fabric: Fabric, choice: PlyLaw | FilePath | None, law: object = None) -> Fabric:
+    """The fabric with the contact law of plies of `choice` (`PlyLaw.chosen`), or that the file `law` holds.
+
+    Raises
+    ------
+    InputError : as `PlyLaw.chosen` and `PlyLaw.of`
+    """
+    if choice is not None:
+        return replace(fabric, ply_contact=PlyLaw.chosen(choice, fabric))
+    if isinstance(law, (str, Path)) and law != "published" and PlyLaw.held_by(law):
+        return replace(fabric, ply_contact=PlyLaw.read(law, fabric))
+    PlyLaw.of(fabric)  # refuses a fabric without data
     return fabric
 
 

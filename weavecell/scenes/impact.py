@@ -126,6 +126,15 @@ def _crossovers(value):
     return int(over) / int(under)
 
 
+_PLY_CONTACT = '"solid", "pressure_law", or the path of a law.json of `weavecell calibrate` or of a *.csv'
+
+
+def _ply_contact(value):
+    if value in (None, "solid", "pressure_law") or str(value).endswith((".json", ".csv")):
+        return value
+    raise ValueError("no law")
+
+
 class PanelTable(Table):
     """A panel in a rectangular opening, or a pack of several plies."""
 
@@ -140,6 +149,7 @@ class PanelTable(Table):
     plies: whole(1, 32) = 1
     stacking: one_of("aligned", "alternating") = "aligned"
     ply_gap: quantity("m", "a length of at least 0", "0.12 mm", at_least=0.0) = None
+    ply_contact: Annotated[str | None, BeforeValidator(_ply_contact), Field(description=_PLY_CONTACT)] = None
     ply_friction: Annotated[float, Field(ge=0.0, le=2.0, description="a number from 0 to 2")] = 0.0
     yarn_failure: Annotated[bool, Field(description="true or false")] = True
     grading: Annotated[

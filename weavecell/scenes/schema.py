@@ -202,7 +202,12 @@ def anchored(scene: Any, folder: Path) -> Any:
         changes["law"] = os.path.normpath(folder / scene.fabric.law)
     if scene.fabric.surface is not None:
         changes["surface"] = os.path.normpath(folder / scene.fabric.surface)
-    return scene.model_copy(update={"fabric": scene.fabric.model_copy(update=changes)})
+    updates = {"fabric": scene.fabric.model_copy(update=changes)}
+    contact = getattr(getattr(scene, "panel", None), "ply_contact", None)
+    if contact is not None and contact.endswith((".json", ".csv")):
+        path = os.path.normpath(folder / contact)
+        updates["panel"] = scene.panel.model_copy(update={"ply_contact": path})
+    return scene.model_copy(update=updates)
 
 
 def _problems(found, model, file):

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from test_pack import collide, same
-from test_ply_contact import bulging, lines, plain, settled
+from test_ply_contact import LAW, bulging, lines, plain, settled
 
 from fabrics import catalogue
 from fabrics.errors import InputError
@@ -64,10 +64,10 @@ def test_equal_elements_are_the_plain_pack(ply, strike_velocity):
 ])  # fmt: skip
 def test_forces_against_a_plain_twin(ply, symmetry, stacking, zones):
     """In both zones and across their border, of plies that bulge into each other."""
-    pack = Pack.stacked(replace(ply, symmetry=symmetry, grading=zones), 2, stacking=stacking, gap=20e-6)
+    pack = Pack.stacked(replace(ply, symmetry=symmetry, grading=zones), 2, stacking=stacking, gap=20e-6, law=LAW)
     states, consts, pair = bulging(pack, np.random.default_rng(1), 0.25e-3, 9e-3)
     settled(states, consts, pair)
-    on_front, on_rear, energy = plain(states[0], consts[0], states[1], consts[1], pair)
+    on_front, on_rear, energy = plain(states[0], consts[0], states[1], consts[1], pair, pack)
     x, size = lines(consts[0])[0], max(np.abs(f).max() for f in on_front)
     long = np.diff(x) > 1.5 * consts[0].dx
     beyond = np.append(long, long[-1]) & np.insert(long, 0, long[0])
@@ -99,7 +99,7 @@ def test_patch_across_zones(any_ply, points, slid, within):
         for u, (a, b), at_rest, by in zip(state.u, F, (X, Y, 0.0), shift):
             u[: X.size] = (a * X + b * Y - at_rest + by).ravel()
     settled(states, consts, pair)
-    per_mass = pair.stiffness * points**2 * depth / (free.weave.areal_density * consts[0].dx * consts[0].dy)
+    per_mass = pack.laws[0].pressure_at(depth) / free.weave.areal_density
     inner = (slice(2, -2), slice(2, -2))
     for forces, state, sign in ((pair.f_front, states[0], -1), (pair.f_rear, states[1], 1)):
         mass = state.mass[: X.size].reshape(X.shape)[inner]

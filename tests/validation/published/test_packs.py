@@ -82,7 +82,6 @@ def test_page_and_pictures_from_results(tmp_path):
         "stackings": {name: made_up() for name in study.STACKINGS},
         "gaps": {gap: made_up() for gap in study.GAPS},
         "halved": {"S-726": dict(zip(study.HALVED, (100.0, 101.0, 104.0, 99.0, 92.0)))},
-        "noses": {"S-726": dict(zip(study.NOSES, (90.0, 95.0, 97.0, 99.0, 100.0, 101.0)))},
         "stiffer": {"S-726": dict(zip(study.STIFFER, range(101, 108)))},
         "formulations": {"S-726": {"smooth": 100.0, "facets": 60.0, "nodes": 80.0}},
     }

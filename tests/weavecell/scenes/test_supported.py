@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from fabrics.errors import InputError
-from weavecell.commands import coupon, critical_velocity, fidelity, impact_pack
+from weavecell.commands import coupon, critical_velocity, draws, fidelity, impact_pack
 from weavecell.commands import impact as commands_impact
 from weavecell.scenes import build, supported
 from weavecell.scenes import coupon as scenes_coupon
@@ -20,6 +20,8 @@ SUPPORTS = {
     "impact of a pack with accuracy": fidelity.PACK_SUPPORT,
     "explain": fidelity.EXPLAIN,
     "explain of a pack": fidelity.PACK_EXPLAIN,
+    "draws": draws.SUPPORT,
+    "draws of a pack": draws.PACK_SUPPORT,
     "critical-velocity": critical_velocity.SUPPORT,
     "coupon": coupon.SUPPORT,
 }
@@ -146,6 +148,7 @@ OF_THE_RUN = {
     "panel.plies",
     "panel.stacking",
     "panel.ply_gap",
+    "panel.ply_contact",
     "panel.ply_friction",
     "history.report_positions",
 }
@@ -270,8 +273,12 @@ def test_the_table_of_a_pull_out_is_used_whole():
 
 
 def test_what_is_ignored_is_named_in_the_help(command):
-    for words, support in (("impact", fidelity.EXPLAIN), ("critical-velocity", critical_velocity.SUPPORT)):
+    for words, support in (
+        ("impact", fidelity.EXPLAIN),
+        ("impact", draws.SUPPORT),
+        ("critical-velocity", critical_velocity.SUPPORT),
+    ):
         told = command(words, "--help")[1]
         assert [key for key in support.ignored if key not in told] == []
     ignoring = {name for name, support in SUPPORTS.items() if support.ignored}
-    assert ignoring == {"explain", "explain of a pack", "critical-velocity"}
+    assert ignoring == {"explain", "explain of a pack", "draws", "draws of a pack", "critical-velocity"}

@@ -26,7 +26,6 @@ def gather(results: Results) -> dict[str, Any]:
         "gaps": study.gaps(results),
         "halved": study.halved(results),
         "formulations": study.formulations(results),
-        "noses": study.noses(results),
         "stiffer": study.stiffer(results),
     }
 

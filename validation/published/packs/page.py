@@ -7,9 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from shellfabric.plies.model import PlyContact
 from validation.published.packs.passages import AT_ONCE
-from validation.published.packs.study import FORMS, GAPS, HALVED, NOSES, STACKED, STIFFER, TOLERANCE
+from validation.published.packs.study import FORMS, GAPS, HALVED, STACKED, STIFFER, TOLERANCE
 
 ALLOWED = 0.05  # of an onset, when something numerical is halved
 _FORMS = {"smooth": "smooth surfaces", "facets": "nodes on facets", "nodes": "node to node"}
@@ -19,8 +18,8 @@ def page(found: dict[str, Any]) -> str:
     """The page in Markdown, from the results of `__main__`."""
     return "\n".join([
         _HEAD, outcomes(found["outcomes"]), _OUTCOMES, _PASSAGES, passages(found["torn"]), _FORMULATIONS,
-        formulations(found["formulations"]), _CONVERGENCE, convergence(found["halved"]), _NOSES, noses(found["noses"]),
-        _SETTLED, _STIFFER, stiffer(found["stiffer"]), _FACETS, _GAPS, gaps(found["gaps"]), _STACKING,
+        formulations(found["formulations"]), _CONVERGENCE, convergence(found["halved"]),
+        _STIFFER, stiffer(found["stiffer"]), _FACETS, _GAPS, gaps(found["gaps"]), _STACKING,
         stacking(found["stackings"]), _LIMITS,
     ])  # fmt: skip
 
@@ -92,19 +91,6 @@ def convergence(found: dict[str, Any]) -> str:
     return table(lines)
 
 
-def noses(found: dict[str, Any]) -> str:
-    """One row a fabric, one column a factor on the nose's stiffness."""
-    lines = [["4 plies of", *(f"{factor:g}" for factor in NOSES)]]
-    for fabric, row in found.items():
-        lines.append(
-            [
-                fabric,
-                *(f"{row[factor]:.0f} ({100 * (row[factor] / row[PlyContact.nose] - 1):+.1f} %)" for factor in NOSES),
-            ]
-        )
-    return table(lines)
-
-
 def stiffer(found: dict[str, Any]) -> str:
     """One row a change, one column a fabric."""
     lines = [["onset, m/s", *found]]
@@ -165,8 +151,8 @@ passages and what a text says of another build.
 
 A pack (`shellfabric.plies.model`) is a row of panels behind one opening. Each ply is the shell of a single one, with
 its own failures; the nose pushes on every ply that it reaches, and neighbouring plies push on each other. Their
-contact (`shellfabric.plies.contact_kernels`) is a penalty between two smooth surfaces, biquadratic splines through
-the fabric: the point of one ply and its closest point on the other get the same force, shared out by the weights of
+contact (`shellfabric.plies.contact_kernels`) is a law of pressure against closure (`fabrics.ply_law`), the same on
+every mesh, between two smooth surfaces, biquadratic splines through the fabric: the point of one ply and its closest point on the other get the same force, shared out by the weights of
 the spline, so that momentum is conserved to round-off. Plies count as their thickness, along the normal. What the
 contact takes from the motion is in the energy balance. The projection uses predicted positions; lagged ones would
 drag sliding plies and generate energy.
@@ -215,11 +201,10 @@ earlier: where yarns fail, fabric is drawn in until an element lies upside down,
 and a point 0.006 thicknesses deep is 1.99 thicknesses deep on the wrong side, thrown there or let go. Points now keep
 their side.
 
-The time step must be short enough for contact to keep whole plies apart. Behind the wave that a nose drives into a
-pack, neighbouring plies are v dt / sqrt(penalty) deep in each other; with v up to 1.5 times the strike velocity that
-has to stay within 0.85 thicknesses (`Pack.in_step_with`). The plies' own step is longer than that above 520 to 820
-m/s in the six fabrics, but at lower velocities in thin fabric of coarse elements: four plies of 0.12 mm with elements
-of 0.9 by 1.3 mm came through each other in the fifth step at 490 m/s.
+The law must be stiff enough to keep whole plies apart. Behind the wave that a nose drives into a pack, neighbouring
+plies of areal density A are v sqrt(A / K) deep in each other; with v up to 1.5 times the strike velocity that has to
+stay within 0.85 thicknesses (`Pack.in_step_with`). Solid fibre is, up to 1300 to 1800 m/s in plies of Kevlar 129;
+beyond that the law is made stiffer.
 
 A spring between plies is loaded by motion alone. To first order a depth grows by the approach n.(v_x - v_y) dt, on
 any surface; what else it changes by, more than a tenth of the thickness in a step, is another fold, another side or
@@ -240,48 +225,7 @@ _CONVERGENCE = f"""
 ## Knobs
 
 The same velocity when something numerical is halved; {100 * ALLOWED:g} % are allowed, more is set bold. Half the time
-step means at the same stiffness of all contacts. The last column is the nose's contact, not that between plies.
-"""
-
-_NOSES = """
-### The nose's spring
-
-Under the rim of the nose the first ply of a pack is pressed by more than a single ply ever is, and how deep the rim
-sinks in decides how high the tension gets beside it. The spring of single plies, as stiff as an explicit one may well
-be at the usual step, is too soft for that: half of it moved the onsets of S-726 and S-728 by -6.7 and -4.4 %, and they
-settled with 4 to 16 times its stiffness, at half or a sixth of the step. So in packs the nose's force is that of the
-end of the step to come, and answers to what all other forces are about to do; that is stable at any stiffness
-(`shellfabric.projectile.contact_kernels`). Below is the velocity at first failure against its stiffness, in units of a
-single ply's, at the usual step.
-"""
-
-_SETTLED = f"""
-The default is {PlyContact.nose:g}. Other values of it (computed beside the runs of the command above):
-
-- Without foresight, on the velocities as they are, a step of a row of nodes on springs at 0.81 of their own bound is
-  unstable from 100 m / dt^2 on (tests/shellfabric/plies/test_pack_nose.py); with it the spectral radius is below 1 for
-  any stiffness and any loading.
-- With plies half as stiff again (0.3, damping 0.5), at half the step and contacts as stiff as at the whole, noses
-  of 4, 8, 16 and 32 have onsets of 170, 168, 166 and 166 m/s in S-726, 200, 205, 205 and 205 in S-728, and 176 four
-  times in S-731. Four plies of the three fabrics at 158 to 300 m/s lost 0.5 to 1.1 % of the strike energy to a nose of
-  16, and 0.8 to 2.2 % to the explicit spring. Up to 64 times that spring's stiffness the nose never gave what it had
-  not taken; at 256 times fabric that had failed at 300 m/s was thrown.
-- With explicit springs at a sixth of the step, 32 times a single ply's at the nose and 4 or 16 times 0.2 between plies,
-  onsets were 172 and 173 m/s in S-726, and 206 and 215 m/s in S-728.
-
-The contact of plies stays explicit. Each ply feels two neighbours, so that stiffness shows in modes of the stack from
-the lowest to the highest, and a spring that knows of its own two plies alone cannot be firm at rest and yield in the
-highest mode without lagging behind the lowest, which gives them energy. Nor is it made stiffer with less damping: at
-0.25 folds of four free plies before a block (docs/pencilling.md) bring 0.6 % of the strike energy from nothing, at 0.3
-1.1 % and more, at 0.2 none. Nor is the nose made stiffer than it is beside such plies: with 8 in place of 6 halving
-their penalty moves S-728 by -5.3 %.
-
-Fabric's own compression says little under the rim. In the fastest shots that four plies stop half of the nose's force
-on the first ply acts at more than 170 MPa as soon as it touches, and at more than 570 to 880 MPa when the first yarn
-is near its strength. Packs were pressed to 19 MPa; the law of a crossover has used 70 to 87 % of its travel of 44 to
-50 µm by 100 MPa, and at 200 MPa its slope is 20 times the stiffness of a single ply's nose in S-728; that of solid
-fibre (E_c = 2 GPa over half of what a ply has of it) is 8 times it, in S-726 4, in S-731 1.7 times. So fabric is on
-the stiff side there, as the nose now is.
+step is that of plies and contact; the stiffness is that of plies and nose.
 """
 
 _STIFFER = """
@@ -290,18 +234,8 @@ _STIFFER = """
 
 _FACETS = """
 Two things fail first. In S-731 it is the middle yarn at the clamp, where the stress wave doubles, whatever the contact.
-In S-726 and S-728 it is the weft of the first ply beside the middle, a crossover inside the rim of the nose (S-726 at
-185 m/s: weft (2, 0) after 49 µs, while the highest tension after 40 µs is 0.76 of the strength): there the rim presses
-the first ply on the second. With the explicit spring of single plies at the nose it sank in, and the onset of S-728 was
-180 m/s; four times the stiffness of both contacts made it 208, half the element, whose contacts are four times as stiff
-on the area, 206. With the firm spring it is 196, and they make it 211 and 210. In S-726 half the element raises it by a
-tenth, where four times the stiffness does by 2 or 3 %: that is the mesh.
-
-So much is computed. A reading: nodes on facets fail later since they are the stiffer contact at the same penalty. A
-node pushes on the fabric with all of its spring, where a point of the smooth surface shares it out among 4 nodes in
-front and 9 behind; bends of one or two elements, as at the rim, feel the difference. With a quarter of the stiffness
-the onset on facets falls to what smooth surfaces have with four times theirs. No sign was found of smooth contact
-failing yarns by concentrating force: twice the points (above) leave the onset where it is.
+In S-726 and S-728 it is the weft of the first ply beside the middle, inside the rim of the nose: there the rim presses
+the first ply on the second.
 """
 
 _GAPS = """
@@ -339,12 +273,10 @@ and step, which is 1.23 times the 9.5 ns of a single ply (alternating 3.0 s, 1.4
   least force; it has no contact of its own there, with thickness and spring.
 - Friction between plies acts only where a scene sets it (docs/ply-friction.md); torn cloth is held apart without.
 - A node that has lost all its yarns is out of contact, and flies on through the plies before it.
-- The stiffness of the nose's contact stands for no measured compression. The velocity at first failure moves by less
-  than 5 % where it is halved, but fabric that gave way there by its own law would be another model (see above).
+- The nose presses on solid fibre: the travel of half a ply, some 20 µm, is not in its contact.
 - Fabric that is drawn together until it folds, such as four free plies before a block (docs/pencilling.md), may go over
   the planes of symmetry, where nothing holds it off its own image.
-- The penalty is set by stability. It is stiffer than fabric: real plies give way by their gap, 0.1 mm, under 19 MPa.
-- Points are middles of elements, so an edge of failed fabric may cross another edge.
+- Points lie inside elements, so an edge of failed fabric may cross another edge.
 - A ply has one foot for each point: fabric that folds onto itself does not touch itself, and a second fold of the next
   ply is found beside failed fabric alone.
 """

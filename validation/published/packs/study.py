@@ -51,25 +51,21 @@ TORN = (
 _NEAR_THE_NOSE = 14  # elements from the middle in which they are counted
 FABRICS = ("S-726", "S-728", "S-731")
 FORMS = ("smooth", "facets", "nodes")
-# the same contacts as they stand: in units of mass / dt^2 stiffness goes with the step's square
-_HALF = {"cfl": 0.45, "penalty": PlyContact.penalty / 4, "nose": PlyContact.nose / 4}
 HALVED: dict[str, dict[str, Any]] = {
     "as it stands": {},
-    "half the time step": _HALF,
-    "half the penalty between plies": {"penalty": 0.5 * PlyContact.penalty},
-    "half the distance of points": {"points": 2},
-    "half the penalty of the nose": {"nose": 0.5 * PlyContact.nose},
+    "half the time step": {"cfl": 0.45, "courant": 0.5 * PlyContact.courant},
+    "half the stiffness of contacts": {"stiffness": 0.5},
+    "twice the stiffness of contacts": {"stiffness": 2.0},
+    "half the distance of points": {"points": 2 * PlyContact.points},
 }
-NOSES = (1.0, 2.0, 3.0, 4.0, 6.0, 12.0)  # stiffness of the nose, times a single ply's
-# what the onset depends on: stiffness of contacts, and elements along a crossover, whose contacts are as stiff as their
-# mass / dt^2, so that half the element is four times as stiff on the area
+# what the onset depends on: stiffness of contacts, points, and elements along a crossover
 STIFFER: dict[str, dict[str, Any]] = {
     "smooth, as it stands": {},
-    "smooth, plies 4 x": _HALF | {"penalty": PlyContact.penalty},
-    "smooth, plies and nose 4 x": _HALF | {"penalty": PlyContact.penalty, "nose": PlyContact.nose},
+    "smooth, contacts 4 x": {"stiffness": 4.0},
+    "smooth, 1 point": {"points": 1},
     "smooth, 2 elements": {"elements": 2},
     "facets, as it stands": {"form": "facets"},
-    "facets, plies 1/4": {"penalty": PlyContact.penalty / 4, "form": "facets"},
+    "facets, contacts 1/4": {"stiffness": 0.25, "form": "facets"},
     "facets, 2 elements": {"form": "facets", "elements": 2},
 }
 GAPS = (0.12e-3, 0.62e-3, 1.12e-3)  # section 6.4.4: S-728, 16 plies, 170 m/s
@@ -88,7 +84,7 @@ class Case:
     Parameters
     ----------
     fabric, plies, velocity, stacking, gap : [-, -, m/s, -, m]; the fabric's own gap where None
-    form, points, penalty, damping, nose : of the pack's contact (`PlyContact`); None as they stand
+    form, points, stiffness, damping, courant : of the pack's contact (`PlyContact`); None as they stand
     cfl : of the time step; None as it stands
     elements : along each side of a crossover
     friction : [-] Coulomb's coefficient between plies
@@ -103,9 +99,9 @@ class Case:
     gap: float | None = None
     form: str = "smooth"
     points: int | None = None
-    penalty: float | None = None
+    stiffness: float | None = None
     damping: float | None = None
-    nose: float | None = None
+    courant: float | None = None
     cfl: float | None = None
     elements: int = 1
     friction: float = 0.0
@@ -131,7 +127,7 @@ def _table(fabric):
 
 def pack(case: Case) -> Pack:
     """The pack of a case."""
-    knobs = ("points", "penalty", "damping", "nose")
+    knobs = ("points", "stiffness", "damping", "courant")
     given = {key: getattr(case, key) for key in knobs if getattr(case, key) is not None}
     contact = PlyContact(form=case.form, **given)
     ply = panel(case.fabric, case.cfl, case.elements)
@@ -271,15 +267,6 @@ def halved(results: Results, plies: int = 4) -> dict[str, Any]:
         found[fabric] = {next(iter(HALVED)): first} | {
             name: onset(results, Case(fabric, plies, 0.0, **knobs), guess=first) for name, knobs in others
         }
-    return found
-
-
-def noses(results: Results, plies: int = 4) -> dict[str, Any]:
-    """{fabric: {factor: onset}} [m/s] against the stiffness of the nose."""
-    found = {}
-    for fabric in FABRICS:
-        guess = onset(results, Case(fabric, plies, 0.0))
-        found[fabric] = {factor: onset(results, Case(fabric, plies, 0.0, nose=factor), guess=guess) for factor in NOSES}
     return found
 
 

@@ -146,11 +146,11 @@ def drawn_panel(
     factors, strengths = draw(fabric, scatter, seed, number, shape.yarn_counts, lengths)
     drawn = replace(plain, fabric=changed(fabric, **factors), table_size=201, grading=grading)
     panel = drawn.panel(drawn.table())  # each panel has a cell of its own
-    lines = strengths if panel.sides is None else _of_lines(strengths, panel)
+    lines = strengths if panel.sides is None else of_lines(strengths, panel)
     return replace(panel, strength_factors=lines), factors, strengths
 
 
-def _of_lines(strengths, panel):
+def of_lines(strengths: Sequence[np.ndarray], panel: Panel) -> tuple[np.ndarray, ...]:
     """(warp, weft) strength factors of the lines of a graded panel, from those of all yarns."""
     found = []
     for factors, x, w, lines in zip(strengths, panel.lines()[::-1], panel.weave.w[::-1], panel.yarn_lines[::-1]):

@@ -1,0 +1,133 @@
+"""Where the contact law of plies comes from: the fabric's own, the pressure law of packs, solid fibre; and files."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from fabrics import catalogue
+from fabrics.compression import CompressionLaw
+from fabrics.errors import InputError
+from fabrics.plate_curve import PLATEN_PRESSURE, PlateCurve
+from fabrics.ply_law import PlyLaw, between_plies
+from shellfabric.plies.gap import compression_gap, ply_gap
+
+CSV = "# two plies\npressure [kPa], closure [um]\n0, 0\n100, 40\n2000, 90\n"
+
+
+@pytest.fixture(scope="module")
+def fabric():
+    return catalogue.load("S-728")
+
+
+def test_order_of_the_sources(fabric):
+    """The fabric's own law, then the pressure law of packs, then solid fibre."""
+    assert (PlyLaw.of(fabric).status, PlyLaw.of(fabric)) == ("computed", fabric.ply_contact)
+    tested = replace(fabric, ply_contact=None)
+    assert PlyLaw.of(tested).status == "fitted"
+    assert PlyLaw.of(replace(tested, areal_density_measured=None)).status == "assumed"
+    assert PlyLaw.of(replace(tested, areal_density_measured=0.14)).status == "assumed"  # K'' vanishes
+    glass = replace(catalogue.load("glass-balanced"), ply_contact=None, areal_density_measured=0.3)
+    assert PlyLaw.of(glass).status == "assumed"  # the tests were of para-aramid yarns
+
+
+@pytest.mark.parametrize("name", catalogue.list_names())
+def test_laws_of_the_catalogue(name):
+    """Each begins at the first touch, rises, and goes on as solid fibre, E_c rho_f / areal density."""
+    fabric = catalogue.load(name)
+    law, solid = fabric.ply_contact, PlyLaw.solid(fabric)
+    assert law.stiffness == solid.stiffness
+    beyond = law.travel + 1e-6
+    assert law.pressure_at(beyond) == pytest.approx(law.pressure[-1] + 1e-6 * solid.stiffness)
+    assert law.pressure_at(law.travel * (1 + 1e-9)) == pytest.approx(law.pressure[-1], rel=1e-4)  # no jump
+    assert fabric.sources["ply_contact"]["status"] == "computed"
+    if not name.startswith("glass"):  # 2 GPa, 1440 kg/m3
+        assert 6e12 < law.stiffness < 1.5e13
+        assert 120e-6 < law.travel < 245e-6
+        assert law.pressure[-1] == pytest.approx(PLATEN_PRESSURE, rel=5e-3)
+        assert law.travel < fabric.weave.thickness / 2
+
+
+def test_pressure_law_of_packs_is_eq_5_4(fabric):
+    """d_f = (d_N - d_1) / (N - 1); the pressure counts from that of 10 N."""
+    law = PlyLaw.of_packs(fabric)
+    four, one = (PlateCurve.pressure_law(fabric.areal_density_measured, plies) for plies in (4, 1))
+    for P in np.array([0.1, 1.0, 10.0]) * 1e6:
+        expected = (four.at(P) - one.at(P)) / 3
+        assert law.closure_at(P - one.pressure[0]) == pytest.approx(expected, rel=1e-2)  # straight between 24 pressures
+    assert law.travel == pytest.approx(compression_gap(fabric.areal_density_measured), rel=1e-12)
+    assert law.pressure_at(0.0) == 0
+    assert between_plies(fabric.areal_density_measured)[0][0] == pytest.approx(10 / 0.019**2)
+
+
+def test_what_the_law_closes_is_not_in_the_gap_again(fabric):
+    """Gap and law close together what the test of packs closes; a law that closes more leaves no gap."""
+    solid, packs = PlyLaw.solid(fabric), PlyLaw.of_packs(fabric)
+    assert ply_gap(fabric).value == pytest.approx(0.12e-3)
+    assert ply_gap(fabric, solid).value + solid.closure_at(PLATEN_PRESSURE) == pytest.approx(0.12e-3)
+    untold = replace(fabric, interlayer_gap=None)
+    assert ply_gap(untold, packs).value == pytest.approx(0.0, abs=5e-9)
+    assert ply_gap(fabric, fabric.ply_contact).value == 0.0  # 191 um in place of 120
+
+
+def test_csv_and_law_json(tmp_path, fabric):
+    """A user's columns in either order; and law.json of a calibration, which holds both laws."""
+    (tmp_path / "curve.csv").write_text(CSV)
+    law = PlyLaw.read(tmp_path / "curve.csv", fabric)
+    assert (law.travel, law.pressure[-1], law.status) == (pytest.approx(9e-5), pytest.approx(2e6), "user")
+    CompressionLaw(4e-5, 5e-5).to_json(tmp_path / "law.json", fabric.ply_contact)
+    assert PlyLaw.read(tmp_path / "law.json", fabric) == fabric.ply_contact
+    assert CompressionLaw.from_json(tmp_path / "law.json").a == 4e-5
+    assert PlyLaw.held_by(tmp_path / "law.json")
+    CompressionLaw(4e-5, 5e-5).to_json(tmp_path / "old.json")
+    assert not PlyLaw.held_by(tmp_path / "old.json")
+    with pytest.raises(InputError, match=r"old\.json: has no ply_contact"):
+        PlyLaw.read(tmp_path / "old.json", fabric)
+
+
+def test_law_that_does_not_rise_is_named_with_its_row(tmp_path, fabric):
+    path = tmp_path / "curve.csv"
+    path.write_text(CSV.replace("2000, 90", "2000, 30"))
+    with pytest.raises(
+        InputError, match=r"curve.csv: closure = 'row 3': must be finite, 0 in the first row and rising"
+    ):
+        PlyLaw.read(path, fabric)
+    path.write_text(CSV.replace("0, 0\n", "10, 0\n", 1))
+    with pytest.raises(InputError, match="pressure = 'row 1'"):
+        PlyLaw.read(path, fabric)
+
+
+def test_table_of_a_fabric_file(tmp_path, fabric):
+    """[ply_contact] as lists with units, or the name of a file beside it."""
+    text = (catalogue._FOLDER / "S-728.toml").read_text().split("# Contact law of plies")[0]
+    path = tmp_path / "mine.toml"
+    table = '[ply_contact]\nclosure = ["0 um", "0.1 mm"]\npressure = ["0 Pa", "5 MPa"]\nsource = "test"\n'
+    path.write_text(text + table + 'status = "measured"\n')
+    mine = catalogue.read(path)
+    assert (mine.ply_contact.travel, mine.ply_contact.status) == (1e-4, "measured")
+    assert mine.sources["ply_contact"]["source"] == "test"
+    assert mine == catalogue.read(path)
+    (tmp_path / "curve.csv").write_text(CSV)
+    path.write_text(text + '[ply_contact]\nfile = "curve.csv"\n')
+    assert catalogue.read(path).ply_contact.travel == pytest.approx(9e-5)
+    for wrong, message in (
+        (table.replace("5 MPa", "5 mm"), r"ply_contact.pressure = '5 mm': must be .* converts to Pa"),
+        (table + 'status = "guess"\n', "ply_contact.status = 'guess': must be one of measured"),
+        (table.replace('"0.1 mm"', '"0 mm"'), "ply_contact.closure = 'row 2'"),
+        (table + "slope = 3\n", r"ply_contact = 'closure, .*slope': must be file, or closure"),
+    ):
+        path.write_text(text + wrong)
+        with pytest.raises(InputError, match=message):
+            catalogue.read(path)
+
+
+def test_fabric_without_transverse_modulus_is_refused(fabric):
+    """No [solid] and no family of fibres: one line."""
+    unknown = replace(fabric.with_yarns(E=20e9), solid_laws=None, ply_contact=None, areal_density_measured=None)
+    with pytest.raises(InputError, match=r"has no \[solid\] table"):
+        PlyLaw.of(unknown)
+
+
+def test_json_is_of_plain_texts(fabric):
+    assert json.loads(json.dumps(fabric.ply_contact.table()))["closure"][1] == "7.943 um"

@@ -1,0 +1,157 @@
+"""Draws of yarn strength: statistics by hand, what is drawn, the shot without scatter, resuming, and the command."""
+
+import csv
+import json
+from dataclasses import replace
+from math import inf, sqrt
+
+import numpy as np
+import pytest
+
+import weavecell as wc
+from fabrics import catalogue
+from fabrics.errors import InputError
+from shellfabric.impact import single_ply
+from shellfabric.impact.pack import PackSetup
+from shellfabric.impact.pack import run as run_pack
+from shellfabric.impact.single_ply import ImpactSetup
+from weavecell.analysis.uncertainty import draws, inputs, v50
+from weavecell.cli import app
+from weavecell.commands.draws import table
+
+SCENE = """
+[fabric]
+name = "S-720"
+[projectile]
+mass = "3 g"
+diameter = "5.5 mm"
+edge_radius = "0.3 mm"
+strike_velocity = "90 m/s"
+[panel]
+opening = "30.6 mm"
+[run]
+end_time = "60 us"
+"""
+ALIKE = replace(inputs.published(), shape=inf)
+
+
+@pytest.fixture(scope="module")
+def setup():
+    fabric = catalogue.load("S-720").with_effective_density()
+    return ImpactSetup(fabric, 90.0, opening=0.0306, end_time=60e-6, table_size=51)
+
+
+def made(number, outcome, residual):
+    return draws.Draw(number, outcome, residual, 10.0 + number, 100.0, 200.0, 3, 1e-4, 0.8, 1e-4)
+
+
+def test_statistics_are_those_of_textbooks():
+    """Mean, s / sqrt(n), Wilson's interval by its formula; an unstable draw counts in none."""
+    outcomes = ("stopped", "perforated", "perforated", "in flight", "unstable")
+    given = [made(k, name, value) for k, (name, value) in enumerate(zip(outcomes, (0.0, 30.0, 36.0, 2.0, 1e9)))]
+    found = draws.Draws(tuple(given), inputs.published(), 1)
+    estimate = found.estimate("residual_velocity")
+    assert estimate.mean == pytest.approx(17.0)
+    assert estimate.deviation == pytest.approx(np.std([0, 30, 36, 2], ddof=1))
+    assert estimate.error == pytest.approx(estimate.deviation / 2)
+    n, z, p = 4, 1.959964, 0.5
+    half = z * sqrt(p * (1 - p) / n + z**2 / (4 * n**2)) / (1 + z**2 / n)
+    assert found.probability() == pytest.approx((p, 0.5 - half, 0.5 + half), rel=1e-6)
+    summary = found.summary()
+    assert (summary["draws"], summary["unstable"], summary["in_flight"]) == (5, 1, 1)
+    assert summary["residual_velocity_error_m_s"] == estimate.error
+    assert "1 unstable" in " ".join(table(found)[2])
+
+
+def test_every_yarn_of_every_ply_is_drawn(setup):
+    """Ply p of draw k has the strengths of number k N + p: no two are alike, and none depends on the others."""
+    pack = PackSetup(replace(setup, symmetry="whole"), 2, "alternating", 1e-4).pack()
+    scatter = inputs.published()
+    (first, weakest), (second, _) = (draws.drawn(ply, scatter, 7, 2 * 3 + p) for p, ply in enumerate(pack.plies))
+    shape = pack.plies[0]
+    lengths = [n * d for n, d in zip(shape.counts, shape.spacing)]
+    _, wanted = v50.draw(shape.fabric, scatter, 7, 6, shape.yarn_counts, lengths)
+    np.testing.assert_array_equal(first.strength_factors[0], wanted[0])
+    assert weakest == min(part.min() for part in first.strength_factors)
+    assert not np.isin(second.strength_factors[0], first.strength_factors).any()
+
+
+@pytest.mark.parametrize("plies", [1, 2])
+def test_without_scatter_every_draw_is_the_shot_at_the_whole_panel(setup, tmp_path, plies):
+    whole = draws.whole(setup)
+    assert whole.symmetry == "whole"
+    given = setup if plies == 1 else PackSetup(setup, plies)
+    plain = single_ply.run(whole) if plies == 1 else run_pack(replace(given, ply=whole))
+    found = draws.study(given, ALIKE, 2, folder=tmp_path)
+    for one in found.draws:
+        assert (one.outcome, one.residual_velocity) == (plain.outcome, plain.residual_velocity)
+        assert one.peak_tension_warp == np.max(np.atleast_2d(plain.peak_tension)[:, 0])
+    assert found.estimate("residual_velocity").error == 0
+
+
+def test_more_draws_go_on_from_those_that_there_are(setup, tmp_path):
+    """The first draws are the same, and are not computed again; another seed gives others."""
+    few = draws.study(setup, inputs.published(), 2, folder=tmp_path)
+    times = {file: file.stat().st_mtime_ns for file in tmp_path.iterdir()}
+    more = draws.study(setup, inputs.published(), 3, folder=tmp_path)
+    assert more.draws[:2] == few.draws
+    assert {file: file.stat().st_mtime_ns for file in times} == times
+    assert len(set(more.columns()["weakest"])) == 3
+    other = wc.draws(setup, 2, seed=2)
+    assert other.study.draws[0].weakest != few.draws[0].weakest
+    assert other.summary()["seed"] == 2
+    assert "DrawsResult" in repr(other)
+
+
+def test_what_cannot_be_drawn_is_refused(setup, tmp_path):
+    with pytest.raises(InputError, match="draws = 1: must be at least 2"):
+        draws.study(setup, ALIKE, 1, folder=tmp_path)
+    with pytest.raises(InputError, match="the yarns do not fail"):
+        draws.study(replace(setup, failure=False), ALIKE, 2, folder=tmp_path)
+
+
+def call(*words):
+    with pytest.raises(SystemExit) as leaving:
+        app.main([str(word) for word in words])
+    return leaving.value.code
+
+
+def test_command(tmp_path, monkeypatch, capsys):
+    """From another folder: what is printed and written; --resume takes the finished draws, whatever the workers."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "scene.toml").write_text(SCENE)
+    assert call("impact", "scene.toml", "--draws", 3, "--seed", 4, "--jobs", 1) == 0
+    told = capsys.readouterr().out
+    assert "probability of perforation" in told
+    out = tmp_path / "results" / "scene-draws"
+    rows = list(csv.DictReader((out / "draws.csv").read_text().splitlines()))
+    assert [row["number"] for row in rows] == ["0", "1", "2"]
+    summary = json.loads((out / "summary.json").read_text())
+    values = [float(row["residual velocity [m/s]"]) for row in rows]
+    assert summary["residual_velocity_mean_m_s"] == pytest.approx(np.mean(values))
+    assert summary["provenance"]["weavecell"] == wc.__version__
+    assert {"summary.html", "summary.png", "summary.csv", "scene.toml"} <= {file.name for file in out.iterdir()}
+    before = sorted((out / "runs").iterdir())
+    assert call("impact", "scene.toml", "--draws", 4, "--seed", 4, "--jobs", 2, "--resume") == 0
+    assert set(before) < set((out / "runs").iterdir())
+    assert list(csv.DictReader((out / "draws.csv").read_text().splitlines()))[:3] == rows
+
+
+@pytest.mark.parametrize(
+    ("words", "change", "message"),
+    [
+        (("--draws", 3, "--uncertainty"), "", "--uncertainty: must be left out with --draws"),
+        (("--jobs", 2), "", "--jobs: must be left out without --draws"),
+        (("--draws", 3), "\n[accuracy]\npeak_tension = '5 %'\n", "accuracy.peak_tension.*left out with --draws"),
+        (("--draws", 3), "yarn_failure = false", "panel.yarn_failure.*true"),
+    ],
+)
+def test_bad_input_is_one_line_and_writes_nothing(tmp_path, monkeypatch, capsys, words, change, message):
+    import re
+
+    monkeypatch.chdir(tmp_path)
+    text = SCENE + change if "[" in change else SCENE.replace("[run]", f"{change}\n[run]")
+    (tmp_path / "scene.toml").write_text(text)
+    assert call("impact", "scene.toml", *words) == 2
+    assert re.search(message, capsys.readouterr().err)
+    assert not (tmp_path / "results").exists()
