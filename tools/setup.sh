@@ -59,7 +59,7 @@ fi
 stamp=$venv/.ready
 wanted=$(cat pyproject.toml tools/setup.sh | sha256sum | cut -d' ' -f1)" $extras $("$python" -V) $(dpkg-query -W -f '${Version}' python3-numpy)"
 if [ ! -f "$stamp" ] || [ "$(cat "$stamp")" != "$wanted" ]; then
-  echo "setup: preparing $venv, Python packages from PyPI: 1.3 GB on disk, 2 to 5 minutes"
+  echo "setup: preparing $venv, Python packages from PyPI: up to 1.3 GB on disk, 2 to 5 minutes"
   [ -x "$venv/bin/python" ] || "$python" -m venv --system-site-packages "$venv"
   pin=$(mktemp)
   trap 'rm -f "$pin"' EXIT
