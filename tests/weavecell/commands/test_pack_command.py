@@ -111,7 +111,9 @@ def test_resuming_gives_the_same_bytes(command, scene, tmp_path, monkeypatch):
 
 def test_the_gap_may_come_from_the_fabric(command, scene, tmp_path):
     assert command("impact", scene(""), "--out", "r")[0] == 0
-    assert json.loads((tmp_path / "r" / "summary.json").read_text())["ply_gap_m"] == 0.12e-3
+    told = json.loads((tmp_path / "r" / "summary.json").read_text())
+    assert told["ply_gap_m"] == told["ply_gap_high_m"] == 0.12e-3
+    assert told["ply_gap_source"] == "of the fabric file (thesis Table 5-2)"
 
 
 @pytest.mark.parametrize(
