@@ -12,7 +12,7 @@ from fabrics.errors import InputError
 from weavecell.cli import app
 from weavecell.results import json_file, keys
 from weavecell.results.impact import ImpactRecord
-from weavecell.results.impact_base import Shape
+from weavecell.results.impact_shapes import Shape
 from weavecell.results.pack import PackRecord
 from weavecell.scenes import renamed_keys, toml_writer
 
