@@ -17,7 +17,7 @@ import numpy as np
 
 from fabrics.checks import FloatArray
 from shellfabric.panel import quality_kernels as kernels
-from shellfabric.panel.quality_kernels import DEFLECTION, DEPTH
+from shellfabric.panel.quality_kernels import DEPTH
 from shellfabric.panel.step_kernels import FAILURES
 from shellfabric.projectile.contact_kernels import MAX_PENETRATION
 from shellfabric.solid.hex8 import PATTERNS, Bricks
@@ -142,43 +142,32 @@ class Monitor:
 
     Attributes
     ----------
-    found : (plies, 4) sums over samples, nodes and the band of yarns about the impact point of the squares of the
-        node-to-node alternation of the tension and of the tension [N2]; largest deflection of whole cloth [m]; furthest
-        that the ply's contact with the next has given way, over the thickness [-]
+    found : (plies, 3) sums over samples, nodes and the band of yarns about the impact point of the squares of the
+        node-to-node alternation of the tension and of the tension [N2]; furthest that the ply's contact with the next
+        has given way, over the thickness [-]
     """
 
     def __init__(self, solver: ClothSolver) -> None:
         self.solver = solver
-        self.found = np.zeros((len(solver.parts), 4))
+        self.found = np.zeros((len(solver.parts), 3))
         plies = [panel for panel, _, _ in solver.parts]
         self._places = [tuple(0 if m else n // 2 for m, n in zip(ply.mirrors, ply.counts)) for ply in plies]
         self._light = [tuple(LIGHT * yarn.strength for yarn in ply.weave.yarns) for ply in plies]
 
     def sampled(self) -> None:
-        """Take a sample at every EVERY-th sample of the solver, and at the end of the run of the deflection alone: a
-        run that is gone on with beyond that end is to have the sums of one that was not interrupted."""
-        due = len(self.solver.samples) % EVERY == 0
-        if due or self.solver.ended:
-            self.sample(due)
-
-    def sample(self, summed: bool = True) -> None:
-        """Take a sample of the present state, of what is `summed` too or of the deflection alone."""
-        found, parts = self.found, self.solver.parts
-        whole = summed and not any(state.counter[FAILURES] for _, _, state in parts)
-        for (_, const, state), row, (i, j), light in zip(parts, found, self._places, self._light):
-            kernels.sample(state, const, i, j, whole, *light, row)
-        if whole and len(parts) > 1:
-            found[:-1, DEPTH] = self.solver.squeezed  # type: ignore[attr-defined]
-
-    @property
-    def deflection(self) -> float:
-        """[m] largest deflection of whole cloth, of any ply from its own plane, at the samples."""
-        return float(self.found[:, DEFLECTION].max())
+        """Take a sample at every EVERY-th sample of the solver, as long as no yarn has failed."""
+        parts = self.solver.parts
+        if len(self.solver.samples) % EVERY or any(state.counter[FAILURES] for _, _, state in parts):
+            return
+        for (_, const, state), row, (i, j), light in zip(parts, self.found, self._places, self._light):
+            kernels.sample(state, const, i, j, *light, row)
+        if len(parts) > 1:
+            self.found[:-1, DEPTH] = self.solver.squeezed  # type: ignore[attr-defined]
 
     @property
     def oscillation(self) -> float:
         """[-] root of the ratio of the two sums of squares."""
-        alternation, squares = self.found[:, :DEFLECTION].sum(axis=0)
+        alternation, squares = self.found[:, :DEPTH].sum(axis=0)
         return float(np.sqrt(alternation / squares)) if squares > 0 else 0.0
 
 

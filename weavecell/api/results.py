@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, cast, overload
 
-from fabrics.checks import FilePath
+from fabrics.checks import FilePath, FloatArray
 from weavecell.api.result import Result, figure, plain
 
 if TYPE_CHECKING:
@@ -19,7 +19,8 @@ if TYPE_CHECKING:
     from shellfabric.panel.quality import Indicator
     from weavecell.analysis.assumed_range import AssumedRange
     from weavecell.analysis.uncertainty.draws import Draws
-    from weavecell.results.impact_base import BaseRecord, Shape
+    from weavecell.results.impact_base import BaseRecord
+    from weavecell.results.impact_shapes import Shape
 
 __all__ = ["CriticalVelocityResult", "DrawsResult", "ShotResult", "SweepResult"]
 
@@ -65,6 +66,21 @@ class ShotResult(Result):
         """[m/s] at the end, along the panel's normal; 0 of a projectile that has stopped."""
         return float(self.record.residual_velocity)
 
+    @property
+    def time(self) -> FloatArray:
+        """(n,) [s] of the histories `deflection` and `contact_force`."""
+        return self.record.time
+
+    @property
+    def deflection(self) -> FloatArray:
+        """(n,) [m] of the back face: largest displacement along the normal, of a pack that of its last ply."""
+        return self.record.deflection
+
+    @property
+    def contact_force(self) -> FloatArray:
+        """(n,) [N] on the projectile along the panel's normal, against its flight; the mean since the time before."""
+        return self.record.contact_force
+
     def summary(self) -> dict[str, Any]:
         """The entries of summary.json (docs/keys.md), the checks in words, the areal density of a ply, and what is
         assumed."""
@@ -89,6 +105,7 @@ class ShotResult(Result):
         record = self.record
         columns = {
             "time_s": record.time, "velocity_m_s": record.velocity, "nose_position_m": record.nose_position,
+            "deflection_m": record.deflection, "contact_force_N": record.contact_force,
             "failed_yarn_segments": record.failed_segments,
         }  # fmt: skip
         columns |= {f"energy_{name}_J": values for name, values in record.energies.items()}

@@ -224,7 +224,7 @@ def _fire(given):
     """(ShotResult, why it became unstable or "") of a set-up."""
     from shellfabric.impact import pack, single_ply
     from weavecell.results.impact import ImpactRecord
-    from weavecell.results.impact_base import Shape
+    from weavecell.results.impact_shapes import Shape
     from weavecell.results.pack import PackRecord
 
     several = isinstance(given, pack.PackSetup)

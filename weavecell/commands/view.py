@@ -29,7 +29,7 @@ from weavecell.results.pack import PackRecord
 from weavecell.results.paraview import failed_yarns, read_series
 
 if TYPE_CHECKING:
-    from weavecell.results.impact_base import Shape
+    from weavecell.results.impact_shapes import Shape
 
 _ALLOWED = "a folder that holds panel.pvd, pack.pvd or crossover.vtu, or a .pvd or .vtu file"
 MOVIES = (".gif", ".mp4")

@@ -73,11 +73,15 @@ IMPACT = keys(
     ("element_step_time_ns", "ns", "wall time for an element and a step"),
     ("end_time_s", "s", "time at the end of the run"),
     ("stop_time_s", "s", "time at which the projectile stopped; null if it did not"),
-    ("max_deflection_m", "m", "maximum deflection of intact cloth"),
-    ("peak_tension_warp_N", "N", "peak tension of a warp yarn"),
-    ("peak_tension_warp_over_strength", "1", "the same over the strength"),
-    ("peak_tension_weft_N", "N", "peak tension of a weft yarn"),
-    ("peak_tension_weft_over_strength", "1", "the same over the strength"),
+    ("max_deflection_m", "m", "largest deflection of the back face: of the history `deflection`"),
+    ("peak_contact_force_N", "N", "highest value of the history `contact_force`"),
+    *(row for family in ("warp", "weft") for row in (
+        (f"peak_tension_{family}_N", "N", f"peak tension of a {family} yarn, mean over a segment between crossovers"),
+        (f"peak_tension_{family}_over_strength", "1", "the same over the strength"),
+        (f"peak_tension_{family}_time_s", "s", "its time"),
+        (f"peak_tension_{family}_place_m", "m", "middle of the segment at rest: along warp, along weft, from the "
+         "impact point"),
+        (f"peak_tension_{family}_ply", "1", "its ply, the first is 1"))),
     ("failed_yarn_segments", "1", "failed segments of yarns; of a pack, of each ply"),
     ("strike_energy_J", "J", "kinetic energy of the projectile at the start"),
     ("absorbed_energy_J", "J", "kinetic energy that the projectile has lost"),
@@ -185,13 +189,20 @@ HISTORIES = keys(
     ("time", "s", "times of the energy audits"),
     ("velocity", "m/s", "velocity of the projectile along the normal"),
     ("nose_position", "m", "foremost point of the projectile"),
+    ("contact_force", "N", "force on the projectile along the normal, against its flight, from plies and block: "
+     "the mean since the time before, so that force times interval is the loss of momentum"),
+    ("deflection", "m", "largest displacement along the normal, of cloth connected to the edges; of a pack, of "
+     "its last ply (back face)"),
     ("failed_segments", "1", "failed segments of yarns"),
-)
+)  # fmt: skip
 PANEL = keys(
     ("quads", "1", "node numbers of the elements"),
     ("strength", "N", "strength of a warp and a weft yarn"),
     ("projectile", "m", "surface of the projectile about its nose"),
     ("peak_tension", "N", "peak tension of warp and weft"),
+    ("peak_tension_time", "s", "their times"),
+    ("peak_tension_place", "m", "their places at rest: along warp, along weft, from the impact point"),
+    ("thickness", "m", "thickness of the cloth"),
 )
 BAR = keys(
     ("time", "s", "time"),
@@ -213,7 +224,7 @@ PLY_HISTORIES = keys(
     ("reaction_warp", "N", "tension at the boundary of the warp nearest the impact point"),
     ("reaction_weft", "N", "the same of the weft"),
     ("push", "N", "force of the nose on the ply"),
-    ("deflection", "m", "deflection at the impact point"),
+    ("deflection", "m", "largest displacement along the normal, of cloth connected to the edges"),
     ("energy", "J", "energy that the ply moves with, stores and has lost"),
 )
 PLIES = keys(
@@ -222,6 +233,8 @@ PLIES = keys(
     ("gaps", "m", "gaps between neighbouring plies at rest"),
     ("strength", "N", "strength of each ply's warp and weft"),
     ("peak_tension", "N", "peak tension of each ply's warp and weft"),
+    ("peak_tension_time", "s", "their times"),
+    ("peak_tension_place", "m", "their places at rest: along warp, along weft, from the impact point"),
     ("max_penetration_ratio", "1", "deepest penetration into the next ply, over the thickness"),
     ("torn_contact", "1", "torn_corrections and torn_unresolved, see summary.json"),
 )
@@ -286,7 +299,7 @@ DATASETS = (
     *_under("shapes/*", SHAPE),
     *keys(
         ("shapes/*/quads", "1", "node numbers of a ply's elements"),
-        ("cuts/*/time", "s", "time of a section of the pack"),
+        ("cuts/*/time", "s", "time of a section through the impact point"),
         ("cuts/*/nose_position", "m", "foremost point of the projectile"),
         ("cuts/*/lines/*", "m", "x and z of a ply's middle surface, NaN where its yarn has failed"),
     ),

@@ -166,6 +166,12 @@ def test_a_shot_as_table_figure_files_and_html(shot, tmp_path):
     assert isinstance(table, pandas.DataFrame)
     assert list(table.columns[:3]) == ["time_s", "velocity_m_s", "nose_position_m"]
     assert np.array_equal(table["energy_kinetic_projectile_J"], shot.record.energies["kinetic_projectile"])
+    for name in ("time_s", "deflection_m", "contact_force_N"):
+        assert np.array_equal(table[name], getattr(shot, name.rpartition("_")[0]))
+    assert shot.deflection.max() == shot.summary()["max_deflection_m"] > 0
+    assert (shot.contact_force[1:] * np.diff(shot.time)).sum() == pytest.approx(
+        shot.record.mass * (shot.strike_velocity - shot.residual_velocity), rel=1e-9
+    )
     assert shot.plot().axes[0].get_ylabel() == "velocity of the projectile [m/s]"
     picture = shot.plot_panel()
     assert shot.outcome in " ".join(text.get_text() for text in picture.texts)

@@ -50,7 +50,7 @@ def test_everything_asked_for_is_written(command, scene, tmp_path):
     assert len(record.cuts) == 3
     assert record.z_rest[1] == pytest.approx(record.thickness[0] + 0.1e-3)
     assert names(folder / "pictures") == [
-        "cuts.svg", "energies.svg", "panel.png", "plies.svg", "pushes.svg", "velocity.svg",
+        "cuts.svg", "energies.svg", "histories.svg", "panel.png", "plies.svg", "pushes.svg", "reactions.svg",
     ]  # fmt: skip
     page = (folder / "report.html").read_text()
     assert "3 plies of S-728, alternating, " in page

@@ -163,13 +163,13 @@ closes. What they close is the fabric's `interlayer_gap`, and without one an ass
 
 - of a fabric with `areal_density_measured` (Kevlar 129 of the catalogue), the pressure law of packs (thesis eqs. 5-1 to
   5-4, erratum E-02);
-- of any other, and below 148 g/m² where K'' of that law vanishes, 0.33 times the thickness, the mean over the six Kevlar
-  fabrics of the pressure law's gap over the thickness.
+- of any other, and below 148 g/m² where K'' of that law vanishes, 0.33 times the thickness, the mean over the six
+  Kevlar fabrics of the pressure law's gap over the thickness.
 
-The range of an assumed gap is 0.79 to 2.3 times its value: the least share of the six fabrics, and the pressure law with
-a start load of 1 N in place of 10 N, since the thesis finds its gaps too small (section 6.4.4). Value, range and source
-are in a printed line, in summary.json (`ply_gap_m`, `ply_gap_low_m`, `ply_gap_high_m`, `ply_gap_source`) and in the head
-of the report. The shot is not repeated with both ends; `ply_gap` does that.
+The range of an assumed gap is 0.79 to 2.3 times its value: the least share of the six fabrics, and the pressure law
+with a start load of 1 N in place of 10 N, since the thesis finds its gaps too small (section 6.4.4). Value, range and
+source are in a printed line, in summary.json (`ply_gap_m`, `ply_gap_low_m`, `ply_gap_high_m`, `ply_gap_source`) and in
+the head of the report. The shot is not repeated with both ends; `ply_gap` does that.
 
 The panels are 203 mm wide and clamped, the shot is the flat cylinder of 3 g and 5.5 mm, rigid; a quarter is modelled.
 
