@@ -12,8 +12,8 @@ import weavecell as wc
 # A fabric of the catalogue with its published compression law, and one shot.
 
 fabric = wc.fabric("S-720")
-shot = wc.shoot(fabric, "92.5 m/s", projectile={"mass": "3 g", "diameter": "5.5 mm"})
-print(shot)
+shot = wc.shoot(fabric, "92.5 m/s", projectile={"mass": "3 g", "diameter": "5.5 mm", "edge_radius": "0.3 mm"})
+print(shot)  # with the quality checks: "ok", or what is noted or doubtful
 figure = shot.plot()
 
 # %%

@@ -16,7 +16,8 @@ from fabrics.compression import CompressionLaw
 
 fabric = wc.fabric(Path(sys.argv[0]).parent / "fabrics" / "mine.toml")
 law = CompressionLaw(4e-5, 5e-5)  # a [m], b [m N^(1/3)]
-panel = {"law": law, "opening": "100 mm", "projectile": {"mass": "1.1 g", "diameter": "5.5 mm"}}
+projectile = {"mass": "1.1 g", "diameter": "5.5 mm", "edge_radius": "0.3 mm"}
+panel = {"law": law, "opening": "100 mm", "projectile": projectile}
 
 # %%
 # A shot that stops, and one that perforates, with the range over the assumed trellis law.

@@ -16,6 +16,8 @@ while high - low > 10.0:
     shots.append(wc.shoot(fabric, velocity, plies=plies, opening="100 mm", end_time="400 us"))
     print(shots[-1], flush=True)
     low, high = (velocity, high) if shots[-1].outcome == "stopped" else (low, velocity)
+for end in (shot for shot in shots if shot.strike_velocity in (low, high)):  # a doubtful end gives no sound bracket
+    print(f"{end.strike_velocity:.0f} m/s, {end.outcome}: checks {end.checks_text}")
 print(f"{plies} plies of {fabric.name}: ballistic limit {low:.0f} to {high:.0f} m/s")
 
 # %%

@@ -1,15 +1,17 @@
-"""Laws that are assumed for a fabric whose file gives none: trellis shear, and the yarn as a solid.
+"""What is assumed of a fabric whose file does not give it: trellis shear, the yarn as a solid, and crimp.
 
-They are the defaults of the yarns' fibre family (`fabrics.families`); the angles and moduli of the trellis follow from
-the weave. A fabric that has been completed says so: `Fabric.assumed` names the tables, its `sources` hold the values
-with the status "assumed", and `lines` is what a command prints and records. `shear_ends` and `solid_ends` are the
-fabric with the laws of either end of the assumed ranges.
+The laws are the defaults of the yarns' fibre family (`fabrics.families`); the angles and moduli of the trellis follow
+from the weave. Crimp follows from the thickness (`fabrics.data_sheet`), with a thickness and a share of the warp that
+have a range. A fabric says what has been assumed: `Fabric.assumed` names it, its `sources` hold the values with the
+status "assumed" or "derived", and `lines` is what a command prints and records. `shear_ends`, `solid_ends` and
+`crimp_ends` are the fabric with either end of the assumed ranges.
 """
 
 from __future__ import annotations
 
 from dataclasses import replace
 
+from fabrics.data_sheet import FAMILIES, FROM_THICKNESS, crimps, entries
 from fabrics.errors import InputError
 from fabrics.fabric import Fabric
 from fabrics.families import Family, list_families
@@ -62,6 +64,48 @@ def solid_ends(fabric: Fabric) -> dict[str, Fabric]:
     return {end: replace(fabric, solid_laws=family.solid_laws(end)) for end in ("soft", "stiff")}
 
 
+def of_thickness(fabric: Fabric, factor: float = 1.0, share: float | None = None) -> Fabric:
+    """A fabric whose crimp was computed from its thickness, with `factor` times that thickness.
+
+    An assumed trellis law follows the crimp.
+
+    Parameters
+    ----------
+    share : height of the warp over that of both yarns; None takes that of `fabrics.data_sheet`
+
+    Raises
+    ------
+    InputError : a yarn whose crimp is given is alone higher than half of the thickness
+    """
+    computed = [fabric.sources[f"{family}.crimp"]["source"] == FROM_THICKNESS for family in FAMILIES]
+    first, second = (None if made else yarn.crimp for made, yarn in zip(computed, fabric.weave.yarns))
+    crimp = crimps(fabric.weave.w, factor * (fabric.thickness or 0.0), (first, second), share)
+    other = fabric.with_yarns(crimp=crimp)
+    return with_shear(replace(other, shear=None)) if "shear" in fabric.assumed else other
+
+
+def crimp_ends(fabric: Fabric) -> dict[str, Fabric]:
+    """{words: the fabric with one end of the thickness or of the warp's share that its crimp was computed from}.
+
+    Empty where both crimps are given; the share is varied where neither is.
+    """
+    if "crimp" not in fabric.assumed:
+        return {}
+    factor, share = (entries()[name] for name in ("thickness", "warp_share"))
+    ends: dict[str, tuple[float, float | None]] = {
+        f"thickness times {x:g}": (x, None) for x in (factor.low, factor.high)
+    }
+    if all(fabric.sources[f"{family}.crimp"]["source"] == FROM_THICKNESS for family in FAMILIES):
+        ends |= {f"warp share {x:g}": (1.0, x) for x in (share.low, share.high)}
+    found = {}
+    for name, end in ends.items():
+        try:
+            found[name] = of_thickness(fabric, *end)
+        except InputError:  # thinner than the yarn whose crimp is given
+            continue
+    return found
+
+
 def given(fabric: Fabric, table: str) -> Fabric:
     """The fabric whose `table`, "shear" or "solid", is no longer assumed, such as after a fit; its law stays."""
     return replace(fabric, assumed=tuple(name for name in fabric.assumed if name != table))
@@ -73,13 +117,31 @@ def family_of(fabric: Fabric) -> Family | None:
 
 
 def lines(fabric: Fabric) -> list[str]:
-    """One line for each table that was assumed."""
+    """One line for each table that was assumed, and for crimp that was computed from the thickness."""
     family = family_of(fabric)
     name = family.name if family is not None else "unknown"
     more = {"shear": ", its angles from width and spacing of the yarns", "solid": ""}
     return [
-        f"assumed: [{table}] of {name} yarns{more[table]}, because {fabric.name} gives none" for table in fabric.assumed
-    ]
+        _crimp_line(fabric) if table == "crimp"
+        else f"assumed: [{table}] of {name} yarns{more[table]}, because {fabric.name} gives none"
+        for table in fabric.assumed
+    ]  # fmt: skip
+
+
+def _crimp_line(fabric):
+    factor, share = (entries()[name] for name in ("thickness", "warp_share"))
+    ends = [[yarn.crimp for yarn in each.weave.yarns] for each in crimp_ends(fabric).values()]
+    now = [yarn.crimp for yarn in fabric.weave.yarns]
+    crimp, low, high = (
+        " / ".join(f"{100 * value:.2f}" for value in values)
+        for values in (now, [min(pair) for pair in zip(now, *ends)], [max(pair) for pair in zip(now, *ends)])
+    )
+    made = [fabric.sources[f"{family}.crimp"]["source"] == FROM_THICKNESS for family in FAMILIES]
+    more = f" and a warp share of the yarn heights of {share.written}" if all(made) else ""
+    return (
+        f"assumed: crimp {crimp} % of warp / weft ({low} .. {high} %), from the thickness "
+        f"{1e3 * (fabric.thickness or 0):g} mm (times {factor.low:g} .. {factor.high:g}){more}"
+    )
 
 
 def _family(fabric, table):
@@ -105,7 +167,8 @@ def _completed(fabric, family, table, **law):
     sources = {**fabric.sources, **family.sources(table)}
     if table == "shear":
         sources |= _derived(law["shear"], family)
-    return replace(fabric, **law, sources=sources, assumed=(*fabric.assumed, table))
+    names = (*(name for name in fabric.assumed if name != table), table)
+    return replace(fabric, **law, sources=sources, assumed=names)
 
 
 def _derived(shear, family):

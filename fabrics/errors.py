@@ -9,7 +9,7 @@ DoubtfulError (3): a run has ended with a quality indicator beyond its limit, an
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 
@@ -20,7 +20,7 @@ class WeavecellError(Exception):
 
 
 class InputError(WeavecellError):
-    """Bad input, reported in one line: the file, the key, its value and what is allowed.
+    """Bad input, one line a problem: the file, the key, its value and what is allowed.
 
     Parameters
     ----------
@@ -51,6 +51,33 @@ class InputError(WeavecellError):
             allowed_text.append(f"must be {allowed}")
         parts.append("; ".join(allowed_text))
         super().__init__(" ".join(" ".join(parts).split()))
+
+
+class InputErrors(InputError):
+    """Several things that are wrong with one input, a line each; its attributes are those of the first.
+
+    Parameters
+    ----------
+    problems : of one input, at least one
+    """
+
+    def __init__(self, problems: Sequence[InputError]) -> None:
+        first, self.problems = problems[0], tuple(problems)
+        WeavecellError.__init__(self, "\n".join(map(str, problems)))
+        self.file, self.key, self.value, self.allowed = first.file, first.key, first.value, first.allowed
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return InputErrors, (self.problems,)
+
+
+def together(problems: Sequence[InputError]) -> InputError:
+    """One InputError of all `problems`: the one itself, or an InputErrors."""
+    return problems[0] if len(problems) == 1 else InputErrors(problems)
+
+
+def marked(problem: object) -> str:
+    """What a program prints of an error, each line marked as one."""
+    return "\n".join(f"error: {line}" for line in str(problem).splitlines())
 
 
 class UnstableError(WeavecellError):
@@ -98,10 +125,15 @@ class DoubtfulError(WeavecellError):
     exit_code = 3
 
 
+class DoubtfulResult(UserWarning):
+    """Warning of the Python interface: a result with a quality check beyond its limit. `warnings.simplefilter("error",
+    weavecell.DoubtfulResult)` makes it an error."""
+
+
 def run_program(main: Callable[[], object]) -> None:
     """Run the main function of a program (`python -m ...`): an error of ours is one line, and its exit code."""
     try:
         main()
     except WeavecellError as problem:
-        print(f"error: {problem}", file=sys.stderr)
+        print(marked(problem), file=sys.stderr)
         sys.exit(problem.exit_code)

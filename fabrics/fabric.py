@@ -30,14 +30,16 @@ class Fabric:
     laws : (CompressionLaw, CompressionLaw) or None, published compression laws of warp and weft
     shear : TrellisShear or None
     solid_laws : (SolidLaw, SolidLaw) or None, of warp and weft in the 3D crossover
-    section : "sine", "ellipse" or "conforming", the yarn section of the 3D crossover
+    section : of SECTIONS, the yarn section of the 3D crossover; None takes the first of them that fits
     areal_density_measured : [kg/m2] or None
     interlayer_gap : [m] what neighbouring plies of a pack close in a test besides their contact law, or None
     effective_linear_density : (warp, weft) [kg/m] that the runs of the thesis really used (erratum E-07), or None
     micrograph : {"warp": {...}, "weft": {...}} [SI] values read from section pictures
     sources : {dotted key: {"value", "source", "status"}} as written in the data file
-    assumed : names of the tables, "shear" or "solid", that the data file does not give (see `fabrics.assumed`)
+    assumed : of "crimp", "shear" and "solid" what the data file does not give (see `fabrics.assumed`)
     yarn_width : (warp, weft) [m] widths of the yarns in the fabric, each None where not known
+    thickness : [m] of the data sheet, or None
+    notes : lines about numbers of the data file that disagree
     ply_contact : PlyLaw of plies of this fabric on each other, or None (see `fabrics.ply_law.PlyLaw.of`)
     """
 
@@ -46,7 +48,7 @@ class Fabric:
     laws: tuple[CompressionLaw, CompressionLaw] | None = None
     shear: TrellisShear | None = None
     solid_laws: tuple[SolidLaw, SolidLaw] | None = None
-    section: str = "sine"
+    section: str | None = None
     areal_density_measured: float | None = None
     interlayer_gap: float | None = None
     effective_linear_density: tuple[float, float] | None = None
@@ -54,10 +56,12 @@ class Fabric:
     sources: Mapping = field(default_factory=dict)
     assumed: tuple[str, ...] = ()
     yarn_width: tuple[float | None, float | None] = (None, None)
+    thickness: float | None = None
+    notes: tuple[str, ...] = ()
     ply_contact: PlyLaw | None = None
 
     def __post_init__(self):
-        if self.section not in SECTIONS:
+        if self.section is not None and self.section not in SECTIONS:
             raise InputError(
                 key="section", value=self.section, allowed=", ".join(SECTIONS[:-1]) + f" or {SECTIONS[-1]}"
             )

@@ -4,13 +4,18 @@ numba stamps a cached function with the source of its own file alone, so that af
 from another file the caller would go on running the old code, silently. A named tuple it identifies by its class and
 the types of its members, not by the names of its fields, so that after a change in their order the old code would read
 the wrong arrays. Here the folder's name holds a digest of both, and a change in either starts an empty folder.
+
+Compiling takes minutes. It is announced in one line by the logger "weavecell", which writes to stderr where the program
+has not set up logging.
 """
 
 from __future__ import annotations
 
+import logging
 import os
 import tempfile
 import threading
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from functools import cache
@@ -19,6 +24,38 @@ from typing import Any
 
 from fabrics import source_code
 from fabrics.checks import FilePath
+
+# folder of kernels: what they compute, and how long they are compiled on two free cores
+MODELS = {
+    "shellfabric.cell": ("the unit cell", "about 10 seconds"),
+    "shellfabric.panel": ("a ply", "about 2 minutes"),
+    "shellfabric.plies": ("packs", "about 3 minutes"),
+    "shellfabric.sliding": ("sliding crossovers", "some minutes"),
+    "shellfabric.sliding_plies": ("packs with sliding crossovers", "some minutes"),
+    "shellfabric.backing": ("a block behind the panel", "a minute or two"),
+    "shellfabric.coupon": ("coupons", "a minute or two"),
+    "shellfabric.cable": ("the cable net", "a minute or two"),
+    "shellfabric.solid": ("the solid patch", "a minute or two"),
+}
+PAUSE = 3.0  # [s] without compiling, after which kernels of the same folder are announced again
+_announced: set[str] = set()  # folders, since the last pause
+_last = 0.0  # [s] when something was compiled last
+
+
+def compiling(module: str, done: bool = False) -> None:
+    """Announce that kernels of a module are compiled, once for those of a folder that are compiled in one go.
+
+    To be called before a kernel is compiled, and with `done` after it.
+    """
+    global _last
+    if time.monotonic() > _last + PAUSE and not done:
+        _announced.clear()
+    _last = time.monotonic()
+    folder = module.rpartition(".")[0]
+    if folder in MODELS and folder not in _announced and not done:
+        _announced.add(folder)
+        what, duration = MODELS[folder]
+        logging.getLogger("weavecell").warning(f"compiling the kernels of {what}, once: {duration}")
 
 
 @contextmanager

@@ -25,9 +25,17 @@ FACTORS = {
     "kg/m^3": {"kg/m^3": 1.0, "g/cm^3": 999.9999999999999},
     "m N^(1/3)": {"m N^(1/3)": 1.0, "mm N^(1/3)": 1e-3},
     "m * N**(1/3)": {"m * N^(1/3)": 1.0, "mm * N^(1/3)": 1e-3},
+    "N/(kg/m)": {"mN/tex": 1e3, "cN/dtex": 1e5, "cN/tex": 1e4, "N/tex": 1e6},
     "rad": {"deg": 0.017453292519943295},
     "": {"": 1.0, "%": 0.01},
 }
+# SI unit: an example for messages; of others "1" of the unit itself
+EXAMPLES = {
+    "m": "0.3 mm", "kg/m": "1100 dtex", "kg/m^3": "1.44 g/cm^3", "kg/m^2": "200 g/m^2", "1/m": "8.5 / cm",
+    "Pa": "90 GPa", "N": "220 N", "N/(kg/m)": "2350 mN/tex", "kg": "1.1 g", "m/s": "100 m/s", "s": "100 us",
+}  # fmt: skip
+_NAMES = {"N/(kg/m)": "N/tex"}
+_PER_DENIER = ("g/den", "g/denier", "gf/den", "gpd")  # of a data sheet: grams as a force
 _NUMBER_AND_UNIT = re.compile(r"\s*([-+]?(?:\d{1,15}(?:\.\d*)?|\.\d+)(?:[eE][-+]?\d+)?)\s*(|[a-zA-Z%/].*?)\s*")
 
 
@@ -53,7 +61,11 @@ def si(value: Any, unit: str, *, file: FilePath | None = None, key: str | None =
     ------
     InputError : not a quantity, not finite, or of another dimension
     """
-    allowed = f'a text with a unit that converts to {unit}, such as "1 {unit}"' if unit else "a number"
+    allowed = (
+        f'a text with a unit that converts to {_NAMES.get(unit, unit)}, such as "{example(unit)}"'
+        if unit
+        else "a number"
+    )
     bad = InputError(file=file, key=key, value=value, allowed=allowed)
     if isinstance(value, bool):
         raise bad
@@ -68,9 +80,36 @@ def si(value: Any, unit: str, *, file: FilePath | None = None, key: str | None =
     return number
 
 
+def in_one_of(
+    value: Any, units: tuple[str, ...], *, file: FilePath | None = None, key: str | None = None
+) -> tuple[float, str]:
+    """(number, unit) of the first of the SI `units` that the value converts to.
+
+    Raises
+    ------
+    InputError : it converts to none of them
+    """
+    for unit in units:
+        try:
+            return si(value, unit, file=file, key=key), unit
+        except InputError:
+            if len(units) == 1:
+                raise
+    names = " or ".join(_NAMES.get(unit, unit) for unit in units)
+    allowed = f'a text with a unit that converts to {names}, such as "{example(units[0])}"'
+    raise InputError(file=file, key=key, value=value, allowed=allowed)
+
+
+def example(unit: str) -> str:
+    """A quantity of this SI unit, as a user would write it."""
+    return EXAMPLES.get(unit, f"1 {unit}")
+
+
 @cache
 def _convert_text(text, unit):
     found = _NUMBER_AND_UNIT.fullmatch(text)
+    if unit == "N/(kg/m)" and found and found[2] in _PER_DENIER:
+        text, found = f"{found[1]} gf/denier", None
     factor = FACTORS.get(unit, {}).get(found[2]) if found else None
     return _convert_by_pint(text, unit) if factor is None else float(found[1]) * factor
 

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from fabrics import assumed
 from fabrics.checks import FloatArray
+from fabrics.data_sheet import entries
+from fabrics.errors import InputError
 from fabrics.fabric import Fabric
 from fabrics.weave import Weave
 from meshing import grid, inputs
@@ -107,6 +110,34 @@ class Plan:
             "materials": self.materials,
             "end_shells": self.end_shells,
         }
+
+
+def with_room(fabric: Fabric) -> Fabric:
+    """The fabric, thicker within the range of its thickness where the crimp computed from that leaves too little room.
+
+    As it is where its sections fit, its crimp is given, or no thickness of the range suffices.
+    """
+
+    def fits(factor):
+        try:
+            Plan.of(assumed.of_thickness(fabric, factor), size="coarse", shift=True)
+        except InputError:
+            return False
+        return True
+
+    low, high = 1.0, entries()["thickness"].high
+    if "crimp" not in fabric.assumed or fits(low) or not fits(high):
+        return fabric
+    while high - low > 1e-3:
+        middle = 0.5 * (low + high)
+        low, high = (low, middle) if fits(middle) else (middle, high)
+    found, thickness = assumed.of_thickness(fabric, high), fabric.thickness or 0.0
+    crimp = " / ".join(f"{100 * yarn.crimp:.2f}" for yarn in found.weave.yarns)
+    note = (
+        f"note: the thickness {1e3 * thickness:g} mm leaves too little room for the yarns; the 3D crossover has the "
+        f"least thickness that fits, {1e3 * found.weave.thickness:.4g} mm, and a crimp of {crimp} %"
+    )
+    return replace(found, notes=(*fabric.notes, note))
 
 
 def mirrored(half: FloatArray) -> FloatArray:

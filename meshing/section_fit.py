@@ -27,14 +27,16 @@ in the mesh size.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from math import pi, sqrt
+from dataclasses import dataclass, replace
+from math import ceil, pi, sqrt
 
 import numpy as np
 from scipy.optimize import brentq, minimize_scalar
 
+from fabrics.data_sheet import crimps
 from fabrics.errors import InputError
-from fabrics.weave import Weave
+from fabrics.fabric import SECTIONS
+from fabrics.weave import Weave, arc_length
 from meshing.conforming import KIND as CONFORMING
 from meshing.conforming import conform
 from meshing.section import Section, YarnSection
@@ -42,7 +44,9 @@ from meshing.section import Section, YarnSection
 SHIFT_LIMIT = 0.02  # of h_1 + h_2: keeps the end levels of the yarns, which symmetry wants equal, equal in all but name
 CLOSEST_PACKING = pi / (2 * sqrt(3))
 NARROWEST = 0.4  # of the width requested: the search for the best width ends here
+HIGHEST = 8.0  # times the heights of the yarns: the search for the least crimp ends here
 SAMPLES = 4000
+YARNS = ("warp", "weft")
 
 
 def clearance(section: YarnSection, w: float, h: float) -> float:
@@ -99,8 +103,12 @@ class SectionFit:
         return f"{text}, closed by a shift of {self.shift * 1e6:+.2f} um" if self.shift else f"{text}, left open"
 
 
+class _TooDense(InputError):
+    """Sections that do not fit even at the closest packing of the fibres."""
+
+
 def fit_sections(
-    kind: str,
+    kind: str | None,
     widths: Sequence[float],
     fractions: Sequence[float],
     weave: Weave,
@@ -114,7 +122,7 @@ def fit_sections(
 
     Parameters
     ----------
-    kind : "sine", "ellipse" or "conforming"
+    kind : "sine", "ellipse" or "conforming"; None for the first of these that fits
     widths : (warp, weft) [m] requested
     fractions : (warp, weft) [-] fibre volume fractions requested
     weave : Weave
@@ -127,6 +135,31 @@ def fit_sections(
     ------
     InputError : the overlap is larger than a shift may remove and is refused, or cannot be removed
     """
+    if overlap == "refuse" and kind is None:
+        kind = SECTIONS[0]
+
+    def fit(weave):
+        for each in (kind,) if kind else SECTIONS:
+            try:
+                return _fit(each, widths, fractions, weave, tip_thickness_ratio, prescribed, overlap, shift)
+            except InputError as problem:
+                if kind is not None:
+                    raise
+                if prescribed and each == SECTIONS[-1]:
+                    raise _TooDense(f"{problem}: try other widths") from None
+        raise _TooDense(
+            f"neither {', '.join(SECTIONS[:-1])} nor {SECTIONS[-1]} sections of warp and weft fit, even at the closest "
+            f"packing of the fibres (Vf0 = {CLOSEST_PACKING:.3f})"
+        )
+
+    try:
+        return fit(weave)
+    except _TooDense as problem:
+        raise InputError(str(problem) if prescribed else f"{problem}: {_advice(fit, weave)}") from None
+
+
+def _fit(kind, widths, fractions, weave, tip_thickness_ratio, prescribed, overlap, shift):
+    """The SectionFit of one kind of section."""
     if kind == CONFORMING:
         return _conforming(widths, fractions, weave, tip_thickness_ratio)
     crossing = [(w, h) for w, h in zip(weave.w, weave.h0)][::-1]  # of each yarn, the arch over it
@@ -148,14 +181,60 @@ def fit_sections(
     return SectionFit(sections, first, _overlap(sections, crossing) if shift else 0.0, Vf0, requested)
 
 
+def _advice(fit, weave):
+    """What to change where no section fits: the least crimp of the same ratio of heights, and the least thickness."""
+
+    def scaled(factor):
+        return [float(arc_length(w, factor * h)) / (2 * w) - 1 for w, h in zip(weave.w, weave.h0)]
+
+    def of_thickness(factor):
+        return crimps(weave.w, factor * weave.thickness)
+
+    same, computed = (_least(fit, weave, crimp_at) for crimp_at in (scaled, of_thickness))
+    if same is None or computed is None:
+        return "no crimp of this ratio leaves room: check linear density, fibre_density and counts"
+    wanted = " and ".join(
+        f'crimp = "{ceil(1e4 * yarn.crimp) / 100:.2f} %" under [{name}]' for name, yarn in zip(YARNS, same.yarns)
+    )
+    return (
+        f"the crimp leaves a thickness of {1e3 * weave.thickness:.3f} mm, too little for these yarns; the least that "
+        f'can be meshed is {wanted}, or thickness = "{ceil(1e6 * computed.thickness) / 1e3:.3f} mm" without crimp'
+    )
+
+
+def _least(fit, weave, crimp_at):
+    """The Weave of the least factor from which `crimp_at` makes crimps that fit; None where there is none."""
+
+    def at(factor):
+        warp, weft = (replace(yarn, crimp=crimp) for yarn, crimp in zip(weave.yarns, crimp_at(factor)))
+        return replace(weave, warp=warp, weft=weft)
+
+    def fits(factor):
+        try:
+            fit(at(factor))
+        except InputError:
+            return False
+        return True
+
+    low, high = 0.5, 1.0
+    while not fits(high):
+        low, high = high, 1.25 * high
+        if high > HIGHEST:
+            return None
+    while high - low > 1e-3:
+        middle = 0.5 * (low + high)
+        low, high = (low, middle) if fits(middle) else (middle, high)
+    return at(high + 1e-3)
+
+
 def _conforming(widths, fractions, weave, tip_thickness_ratio):
     areas = _areas(weave, fractions)
     sections = conform(widths, areas, weave, tip_thickness_ratio)
     Vf0 = tuple(float(old * area / section.area) for old, area, section in zip(fractions, areas, sections))
     if max(Vf0) > CLOSEST_PACKING:
-        raise InputError(
+        raise _TooDense(
             f"conforming sections leave room for fibre fractions of {Vf0[0]:.3f} and {Vf0[1]:.3f}, denser than the "
-            f"closest packing ({CLOSEST_PACKING:.3f}): the crimp is too low for these yarns"
+            f"closest packing ({CLOSEST_PACKING:.3f})"
         )
     return SectionFit(sections, 0.0, 0.0, Vf0, sections)
 
@@ -224,10 +303,10 @@ def _densify(requested, crossing, fractions, prescribed):
     highest = max(1.0, CLOSEST_PACKING / min(fractions))
     left = _overlap(at(highest), crossing)
     if left > 0:
-        raise InputError(
+        raise _TooDense(
             f"the {requested[0].kind} sections of warp and weft overlap by {left * 1e6:.1f} um even at the closest "
-            f"packing of the fibres (Vf0 = {CLOSEST_PACKING:.3f}): try {'other widths or ' if prescribed else ''}"
-            "another section"
+            f"packing of the fibres (Vf0 = {CLOSEST_PACKING:.3f})"
+            + (": try other widths or another section" if prescribed else "")
         )
     factor = brentq(lambda factor: _overlap(at(factor), crossing), 1.0, highest, xtol=1e-9)
     return at(factor), factor

@@ -4,7 +4,6 @@ The terms in use stand in docs/glossary.md and in CONTRIBUTING.md. "Source" is t
 program text; the work that the project implements is "the thesis".
 """
 
-import importlib.util
 import re
 from pathlib import Path
 
@@ -30,12 +29,8 @@ BANNED = {
     "what is left": r"\bwhat is left\b(?! over)",
     "the source, of the thesis": r"\bsource thesis\b|\b[Tt]he\s+source's\b",
 }
-# old names that readers of old files may still use, listed beside the new ones; texts of others
-EXEMPT = {
-    "asked": ("weavecell/scenes/renamed_keys.py", "docs/keys.md"),
-    "the source, of the thesis": ("docs/errata.md",),
-}
-EXEMPT = {word: (*EXEMPT.get(word, ()), "tools/terms.py", "docs/terms.md") for word in BANNED}
+# texts of others
+EXEMPT = {"the source, of the thesis": ("docs/errata.md",)}
 # the ledger's own words for a claim are being revised with the ledger
 DEFERRED = ("validation/claims/claims.toml", "validation/claims/additional.toml")
 
@@ -85,17 +80,3 @@ def test_each_word_is_found(tmp_path, text):
     (tmp_path / "docs").mkdir()
     (tmp_path / "docs" / "page.md").write_text(f"A line.\n{text}\n")
     assert [place.split(": ")[0] for place in uses(tmp_path)] == ["docs/page.md:2"]
-
-
-def test_the_tool_counts_words_over_line_breaks_and_tells_kinds_of_files_apart():
-    spec = importlib.util.spec_from_file_location("terms", ROOT / "tools" / "terms.py")
-    terms = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(terms)
-    found = terms.counts({"documents": "it hangs\non a plate", "help texts": "", "figures": "plates of the\nsource"})
-    assert found["hangs on"] == (1, 0, 0)
-    assert found["plates"] == (1, 0, 1)
-    kinds = {"README.md": 0, "docs/how-to/backing.md": 0, "weavecell/cli/app.py": 1, "weavecell/report/pictures.py": 2}
-    assert {name: terms.KINDS.index(terms.kind(name)) for name in kinds} == kinds
-    assert terms.kind("tests/test_readme.py") is None
-    page = (ROOT / "docs" / "terms.md").read_text("utf-8")
-    assert all(f"| {word} | {standard} |" in page for word, (_, standard) in terms.TERMS.items())

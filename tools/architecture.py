@@ -114,8 +114,9 @@ def diagram():
     def box(x, y, w, h, title, rows, colour):
         axes.add_patch(FancyBboxPatch((x, y), w, h, boxstyle="round,pad=0.2,rounding_size=1", fc=colour, ec="#556"))
         axes.text(x + 1.2, y + h - 1.0, title, va="top", ha="left", weight="bold", fontsize=11)
+        apart = min(3.1, (h - 5.0) / len(rows))
         for place, row in enumerate(rows):
-            axes.text(x + 1.2, y + h - 4.6 - 3.1 * place, row, va="top", ha="left", fontsize=8.6)
+            axes.text(x + 1.2, y + h - 4.6 - apart * place, row, va="top", ha="left", fontsize=8.6)
 
     box(
         1,

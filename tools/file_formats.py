@@ -24,8 +24,14 @@ MEANINGS = {
     "axial_stiffness": "in place of linear_density: force per strain",
     "fibre_density": "density of the fibre",
     "modulus": "axial modulus of the fibre",
-    "failure_strain": "failure strain of the fibre",
-    "crimp": "length of the yarn over length of the fabric, minus one",
+    "failure_strain": "failure strain of the fibre; optional where strength or tenacity is given",
+    "strength": "of one yarn, or a stress of the fibre; the failure strain is then strength over stiffness",
+    "tenacity": "the same as strength over linear density, such as 2350 mN/tex, 23.5 cN/dtex or 26.6 g/den",
+    "top.thickness": "optional: of the data sheet; crimp that is missing is computed from it",
+    "top.areal_density": "optional: of the data sheet; checked against counts, linear densities and crimp",
+    "top.areal_density_measured": "optional: of Kevlar 129, for the pressure law of thesis eq. 2-6",
+    "top.interlayer_gap": "optional: clearance between the plies of a pack",
+    "crimp": "length of the yarn over length of the fabric, minus one; optional where thickness is given",
     "count": "yarns per width of fabric",
     "width": "optional: width of the yarn in the fabric",
     "a": "compression law, thesis eq. 4-12",
@@ -66,14 +72,23 @@ def fabric_file() -> list[list[str]]:
     rows = [["table", "key", "unit", "meaning"]]
     yarn = {"linear_density": "kg/m", "effective_linear_density": "kg/m", "axial_stiffness": "N"}
     tables = {
-        "`[warp]`, `[weft]`": yarn | catalogue._YARN | {"width": "m"},
+        "top level": {
+            "thickness": "m",
+            "areal_density": "kg/m^2",
+            "areal_density_measured": "kg/m^2",
+            "interlayer_gap": "m",
+        },
+        "`[warp]`, `[weft]`": yarn | catalogue._YARN,
         "`[compression]`, or `[compression.warp]` and `[compression.weft]`": catalogue._LAW,
         "`[shear]`": catalogue._SHEAR,
         "`[solid]`, or `[solid.warp]` and `[solid.weft]`": catalogue._SOLID,
         "`[micrograph.warp]`, `[micrograph.weft]`": catalogue._MICROGRAPH,
     }
     for table, keys in tables.items():
-        rows += [[table, f"`{key}`", unit or "1", MEANINGS[key]] for key, unit in keys.items()]
+        rows += [
+            [table, f"`{key}`", unit or "1", MEANINGS[f"top.{key}" if table == "top level" else key]]
+            for key, unit in keys.items()
+        ]
     return rows
 
 

@@ -32,21 +32,40 @@ else
   echo "setup: this is not Debian; see environment.yml and CONTRIBUTING.md" >&2
   exit 1
 fi
+# every so many packages, one line of what apt or pip is at
+progress() {
+  local n=0 line name
+  while IFS= read -r line; do
+    case $line in
+      "Setting up "* | "Collecting "*)
+        name=${line#Setting up }
+        name=${name#Collecting }
+        if [ $((n % $1)) = 0 ]; then echo "setup:   $((n + 1)), ${name%%[ <>=~!;[(]*}"; fi
+        n=$((n + 1))
+        ;;
+      "Installing collected packages"*) echo "setup:   $(wc -w <<<"${line#*:}") packages to install" ;;
+    esac
+  done
+}
+
 if [ ${#missing[@]} -gt 0 ]; then
-  echo "setup: installing ${missing[*]}"
+  echo "setup: installing Debian packages, a few minutes: ${missing[*]}"
   as_root apt-get update -qq
-  as_root env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends "${missing[@]}" >/dev/null
+  install=(env LC_ALL=C DEBIAN_FRONTEND=noninteractive apt-get install --no-install-recommends "${missing[@]}")
+  as_root "${install[@]}" --assume-no 2>&1 | sed -n 's/^\(Need to get\|After this operation\)/setup:   \1/p' || true
+  as_root "${install[@]}" --yes | progress 25
 fi
 
 stamp=$venv/.ready
 wanted=$(cat pyproject.toml tools/setup.sh | sha256sum | cut -d' ' -f1)" $extras $("$python" -V) $(dpkg-query -W -f '${Version}' python3-numpy)"
 if [ ! -f "$stamp" ] || [ "$(cat "$stamp")" != "$wanted" ]; then
-  echo "setup: preparing $venv"
+  echo "setup: preparing $venv, Python packages from PyPI: up to 1.3 GB on disk, 2 to 5 minutes"
   [ -x "$venv/bin/python" ] || "$python" -m venv --system-site-packages "$venv"
   pin=$(mktemp)
   trap 'rm -f "$pin"' EXIT
   "$python" -c 'import numpy; print("numpy==" + numpy.__version__)' >"$pin"
-  "$venv/bin/python" -m pip install --quiet --disable-pip-version-check --constraint "$pin" --editable ".[$extras]"
+  "$venv/bin/python" -m pip install --progress-bar off --disable-pip-version-check --constraint "$pin" --editable ".[$extras]" |
+    progress 10
   "$venv/bin/python" - <<'CHECK'
 import sys, numpy
 if sys.prefix in numpy.__file__:

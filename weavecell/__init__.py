@@ -11,15 +11,25 @@ Python interface, loaded when it is first used:
 
 from __future__ import annotations
 
-import importlib
+import importlib.util
+from pathlib import Path
 from typing import Any
 
-from fabrics import __version__
+for _name in ("fabrics", "meshing", "unitcell3d", "shellfabric", "validation"):
+    _found = importlib.util.find_spec(_name)
+    if _found is not None and _found.origin and Path(_found.origin).parent.parent != Path(__file__).parent.parent:
+        raise ImportError(
+            f"{_found.origin} hides the package {_name} of weavecell, which has the same name: "
+            "rename it, or run from another folder"
+        )
+
+from fabrics import __version__  # noqa: E402
 
 __all__ = [
     "CalibrationResult",
     "CouponResult",
     "CriticalVelocityResult",
+    "DoubtfulResult",
     "DrawsResult",
     "InputError",
     "Result",
@@ -46,7 +56,7 @@ _MODULES = {
     "weavecell.api.result": ("Result",),
     "weavecell.api.results": ("CriticalVelocityResult", "DrawsResult", "ShotResult", "SweepResult"),
     "weavecell.api.runs": ("critical_velocity", "draws", "fabric", "fabrics", "setup", "shoot", "sweep"),
-    "fabrics.errors": ("InputError", "UndecidedError", "UnstableError"),
+    "fabrics.errors": ("DoubtfulResult", "InputError", "UndecidedError", "UnstableError"),
 }
 
 

@@ -1,6 +1,6 @@
 # Types of the public names, which __init__.py loads when they are first used.
 from fabrics import __version__ as __version__
-from fabrics.errors import InputError, UndecidedError, UnstableError
+from fabrics.errors import DoubtfulResult, InputError, UndecidedError, UnstableError
 from weavecell.api.quasi_static import calibrate, coupon
 from weavecell.api.quasi_static_results import CalibrationResult, CouponResult
 from weavecell.api.result import Result
@@ -11,6 +11,7 @@ __all__ = [
     "CalibrationResult",
     "CouponResult",
     "CriticalVelocityResult",
+    "DoubtfulResult",
     "DrawsResult",
     "InputError",
     "Result",

@@ -1,11 +1,14 @@
 """The catalogue: fabrics as data files, one TOML file each, every number with its unit, source and status.
 
 A number is written `{ value = "1420 denier", source = "...", status = "measured" }`, or just `"1420 denier"` in a
-user's own file. Statuses: measured, computed, fitted, derived, assumed, corrected (a misprint of the thesis).
+user's own file. What data sheets state is enough: strength or tenacity in place of the failure strain, the thickness of
+the fabric in place of crimps (`fabrics.data_sheet`). Statuses: measured, computed, fitted, derived, assumed, corrected
+(a misprint of the thesis, put right) and user.
 """
 
 from __future__ import annotations
 
+import difflib
 import tomllib
 from dataclasses import replace
 from functools import cache
@@ -13,21 +16,39 @@ from pathlib import Path
 
 from fabrics.checks import FilePath
 from fabrics.compression import CompressionLaw
-from fabrics.errors import InputError
+from fabrics.data_sheet import (
+    FAMILIES,
+    FROM_THICKNESS,
+    crimps,
+    mass_note,
+    strain_at_strength,
+    strength_note,
+    thickness_note,
+)
+from fabrics.errors import InputError, together
 from fabrics.fabric import Fabric
 from fabrics.ply_law import STATUSES, PlyLaw
 from fabrics.solid import SolidLaw
 from fabrics.trellis import TrellisShear
-from fabrics.units import si
+from fabrics.units import example, in_one_of
 from fabrics.weave import Weave
 from fabrics.yarn import Yarn
 
 _FOLDER = Path(__file__).parent
 
-_YARN = {"crimp": "", "count": "1/m", "fibre_density": "kg/m^3", "modulus": "Pa", "failure_strain": ""}
+_TOP = ("name", "section", "interlayer_gap", "areal_density", "areal_density_measured", "thickness")
+_TABLES = ("warp", "weft", "compression", "shear", "ply_contact", "solid", "micrograph")
+_TENACITY = "N/(kg/m)"
+_YARN = {
+    "crimp": "", "count": "1/m", "fibre_density": "kg/m^3", "modulus": "Pa or N/(kg/m)", "failure_strain": "",
+    "strength": "N or Pa", "tenacity": "N/(kg/m)", "width": "m",
+}  # fmt: skip
+_MASS = ("linear_density", "effective_linear_density")
 _LAW = {"a": "m", "b": "m * N**(1/3)"}
 _SHEAR = {"G1": "Pa", "G2": "Pa", "gamma1": "", "gamma2": ""}
 _SOLID = {"E_a": "Pa", "E_c": "Pa", "K_r": "", "K_G": "", "V_c": "", "Vf0": ""}
+_FRACTIONS = ("crimp", "failure_strain")
+_FREE = ("compression", "shear", "solid", "micrograph")  # tables whose values are checked by the laws made from them
 _MICROGRAPH = {
     "width": "m",
     "thickness": "m",
@@ -66,74 +87,135 @@ def load(name_or_path: FilePath) -> Fabric:
     return read(Path(text))
 
 
-def read(path: FilePath) -> Fabric:
-    """Read one fabric file."""
-    return _Reader(Path(path)).fabric()
+def read(path: FilePath, text: str | None = None) -> Fabric:
+    """Read one fabric file, or the `text` that is to become one.
+
+    Raises
+    ------
+    InputError : as `load`; all that is wrong with the file, one line each
+    """
+    return _Reader(Path(path), text).fabric()
 
 
 class _Reader:
-    """Takes the values of one file, in SI, and remembers where each came from; refuses keys that it does not know."""
+    """Takes the values of one file, in SI, and remembers where each came from; collects all that is wrong with it."""
 
-    def __init__(self, path):
-        self.path, self.sources = path, {}
+    def __init__(self, path, text=None):
+        self.path, self.sources, self.problems, self.notes = path, {}, [], []
+        self.strengths = {}  # {what is to be said of a strength: [families]}
+        self.meant = set()  # keys that a mistyped one is taken for: that these are missing is not told again
         try:
-            self.content = tomllib.loads(path.read_text(encoding="utf-8"))
+            self.content = tomllib.loads(path.read_text(encoding="utf-8") if text is None else text)
         except OSError as problem:
             raise InputError(f"cannot be read ({problem.strerror})", file=path) from problem
         except (tomllib.TOMLDecodeError, UnicodeDecodeError) as problem:
             raise InputError(f"is not TOML: {problem}", file=path) from problem
 
     def fabric(self) -> Fabric:
-        allowed = (
-            "name",
-            "section",
-            "interlayer_gap",
-            "areal_density_measured",
-            "warp",
-            "weft",
-            "compression",
-            "shear",
-            "ply_contact",
-        )
-        self._known(self.content, (*allowed, "solid", "micrograph"), "")
-        warp, weft = (self._yarn(family) for family in ("warp", "weft"))
-        weave = self._build(Weave, "", warp, weft, *(self._number(f"{f}.count", "1/m") for f in ("warp", "weft")))
-        effective = [self._number(f"{f}.effective_linear_density", "kg/m", True) for f in ("warp", "weft")]
-        warp_width, weft_width = (self._number(f"{f}.width", "m", True) for f in ("warp", "weft"))
-        fabric = self._build(
-            Fabric,
-            "",
-            name=self._text("name", self.path.stem),
-            weave=weave,
-            laws=self._pair("compression", _LAW, self._law),
-            shear=self._shear(),
-            solid_laws=self._solids(),
-            section=self._text("section", "sine"),
-            areal_density_measured=self._number("areal_density_measured", "kg/m^2", True),
-            interlayer_gap=self._number("interlayer_gap", "m", True),
-            effective_linear_density=tuple(effective) if None not in effective else None,
-            micrograph=self._micrograph(),
-            sources=self.sources,
-            yarn_width=(warp_width, weft_width),
-        )
+        self._known(self.content, (*_TOP, *_TABLES), "")
+        tables = {f: self._has(f) and self._known(self._find(f), self._keys(f), f) for f in FAMILIES}
+        thickness, areal_density = self._number("thickness", "m", True), self._number("areal_density", "kg/m^2", True)
+        weave, made_crimp = self._weave(thickness, tables)
+        self.notes += [f"note: {' and '.join(names)}: {text}" for text, names in self.strengths.items() if text]
+        if weave is not None:
+            self.notes += thickness_note(weave.thickness, thickness) if thickness and not made_crimp else []
+            self.notes += self._try(mass_note, weave.areal_density, areal_density) or [] if areal_density else []
+        effective = [self._number(f"{f}.effective_linear_density", "kg/m", True) for f in FAMILIES]
+        warp_width, weft_width = (self._number(f"{f}.width", "m", True) for f in FAMILIES)
+        values = {
+            "name": self._text("name", self.path.stem),
+            "laws": self._pair("compression", _LAW, self._law),
+            "shear": self._shear(),
+            "solid_laws": self._solids(),
+            "section": self._text("section", None),
+            "areal_density_measured": self._number("areal_density_measured", "kg/m^2", True),
+            "interlayer_gap": self._number("interlayer_gap", "m", True),
+            "effective_linear_density": tuple(effective) if None not in effective else None,
+            "micrograph": self._micrograph(),
+            "sources": self.sources,
+            "assumed": ("crimp",) if made_crimp else (),
+            "yarn_width": (warp_width, weft_width),
+            "thickness": thickness,
+            "notes": tuple(self.notes),
+        }
+        fabric = self._build(Fabric, "", weave=weave, **values)
+        if self.problems:
+            raise together(self.problems)
         if not self._has("ply_contact"):
             return fabric
         law = PlyLaw.from_table(self._find("ply_contact"), fabric, self.path)
         self.sources["ply_contact"] = {"value": law.words(), "source": law.source, "status": law.status}
         return replace(fabric, ply_contact=law)
 
-    def _yarn(self, family):
-        if not self._has(family):
-            raise InputError("is missing", file=self.path, key=f"[{family}]", allowed="a table with the yarn's data")
+    def _keys(self, family):
+        """The keys that the table of a yarn may have."""
+        return (*_YARN, *(("axial_stiffness",) if self._has(f"{family}.axial_stiffness") else _MASS))
+
+    def _weave(self, thickness, tables):
+        """The Weave, or None where a value of it is wrong; and whether a crimp was computed from the thickness."""
+        for family in FAMILIES:
+            if not self._has(family):
+                allowed = "a table with the yarn's data"
+                self.problems.append(InputError("is missing", file=self.path, key=f"[{family}]", allowed=allowed))
+        counts = [self._number(f"{family}.count", "1/m") if tables[family] else None for family in FAMILIES]
+        known = [self._number(f"{family}.crimp", "", True) for family in FAMILIES]
+        wrong = [self._has(f"{family}.crimp") and crimp is None for family, crimp in zip(FAMILIES, known)]
+        open_ = [family for family in FAMILIES if tables[family] and not self._has(f"{family}.crimp")]
+        crimp = known
+        if open_ and thickness and None not in counts and not any(wrong):
+            cells = 0.5 / counts[1], 0.5 / counts[0]  # half cell lengths along warp and weft
+            crimp = self._try(crimps, cells, thickness, tuple(known)) or (None, None)
+            for family, value in zip(FAMILIES, crimp):
+                if family in open_ and value is not None:
+                    entry = {"value": f"{100 * value:.3f} %", "source": FROM_THICKNESS, "status": "derived"}
+                    self.sources[f"{family}.crimp"] = entry
+        elif open_ and not self._has("thickness") and "thickness" not in self.meant:
+            allowed = 'given, such as "1.2 %", or computed: give thickness, such as "0.3 mm", above [warp]'
+            self.problems += [
+                InputError("is missing", file=self.path, key=f"{family}.crimp", allowed=allowed)
+                for family in open_ if f"{family}.crimp" not in self.meant
+            ]  # fmt: skip
+        warp, weft = (self._yarn(f, value) if tables[f] else None for f, value in zip(FAMILIES, crimp))
+        return self._build(Weave, "", warp, weft, *counts), bool(open_)
+
+    def _yarn(self, family, crimp):
+        """The Yarn of a family, or None where a value of it is wrong."""
         stiffness = self._has(f"{family}.axial_stiffness")
-        extra = ("width", *(("axial_stiffness",) if stiffness else ("linear_density", "effective_linear_density")))
-        self._known(self._find(family), (*_YARN, *extra), family)
-        crimp, _, fibre_density, E, failure_strain = self._table(family, _YARN)
-        if stiffness:
-            linear_density = self._number(f"{family}.axial_stiffness", "N") / E * fibre_density
-        else:
-            linear_density = self._number(f"{family}.linear_density", "kg/m")
-        return self._build(Yarn, family, linear_density, fibre_density, E, failure_strain, crimp)
+        fibre_density = self._number(f"{family}.fibre_density", "kg/m^3")
+        E, unit = self._number(f"{family}.modulus", ("Pa", _TENACITY))
+        if None not in (E, fibre_density):
+            E *= fibre_density if unit == _TENACITY else 1.0
+        linear_density = self._number(f"{family}.axial_stiffness" if stiffness else f"{family}.linear_density",
+                                      "N" if stiffness else "kg/m")  # fmt: skip
+        if stiffness and None not in (linear_density, E, fibre_density):
+            linear_density *= fibre_density / E
+        given = [key for key in ("strength", "tenacity") if self._has(f"{family}.{key}")]
+        strain = self._number(f"{family}.failure_strain", "", bool(given))
+        if not given:
+            return self._build(Yarn, family, linear_density, fibre_density, E, strain, crimp)
+        if len(given) == 2:
+            self.problems.append(
+                InputError("give strength or tenacity, which are the same", file=self.path, key=f"{family}.tenacity")
+            )
+        units = ("N", "Pa") if given[0] == "strength" else (_TENACITY,)
+        strength, unit = self._number(f"{family}.{given[0]}", units)
+        if None in (strength, linear_density, fibre_density, E):
+            return None
+        reached = strain_at_strength(strength, unit, linear_density, fibre_density, E)
+        yarn = self._build(Yarn, family, linear_density, fibre_density, E, reached, crimp)
+        if yarn is not None:
+            written = self.sources[f"{family}.{given[0]}"]["value"]
+            self.strengths.setdefault(strength_note(yarn, strain, written), []).append(family)
+        return yarn
+
+    def _try(self, function, *args):
+        """What a function returns, or None where it raises an InputError, which is kept with the file's name."""
+        try:
+            return function(*args)
+        except InputError as problem:
+            value = self.sources.get(problem.key, {}).get("value", problem.value)
+            self.problems.append(InputError(file=self.path, key=problem.key, value=value, allowed=problem.allowed))
+            return None
 
     def _law(self, key):
         a, b = self._table(key, _LAW, ("form",))
@@ -161,40 +243,54 @@ class _Reader:
 
     def _table(self, key, units, others=()):
         table = self._find(key)
-        if not isinstance(table, dict):
-            raise InputError(file=self.path, key=key, value=table, allowed=f"a table with {', '.join(units)}")
-        if key not in ("warp", "weft"):
-            self._known(table, (*units, *others), key)
+        if not self._known(table, (*units, *others), key, f"a table with {', '.join(units)}"):
+            return [None] * len(units)
         return [self._number(f"{key}.{name}", unit) for name, unit in units.items()]
 
     def _number(self, key, unit, optional=False):
-        entry = self._find(key)
-        if entry is None and optional:
-            return None
+        """The value in SI, None where it is missing or wrong; of several units (value, its unit)."""
+        units = unit if isinstance(unit, tuple) else (unit,)
+        value, found = None, units[0]
+        try:
+            value, found = self._converted(key, units, optional)
+        except InputError as problem:
+            self.problems.append(problem)
+        return (value, found) if isinstance(unit, tuple) else value
+
+    def _converted(self, key, units, optional):
+        entry, name = self._find(key), key.split(".")[-1]
+        if entry is None and (optional or key in self.meant):
+            return None, units[0]
         if entry is None:
-            example = f'such as "1 {unit}"' if unit else "a number"
-            raise InputError("is missing", file=self.path, key=key, allowed=example)
+            raise InputError(
+                "is missing",
+                file=self.path,
+                key=key,
+                allowed=f'such as "{example(units[0])}"' if units[0] else "a number",
+            )
         if not isinstance(entry, dict):
             entry = {"value": entry, "source": self.path.name, "status": "user"}
-        self._known(entry, ("value", "source", "status"), key)
+        elif not self._known(entry, ("value", "source", "status"), key):
+            return None, units[0]
         status = entry.get("status", "user")
         if status not in STATUSES:
             raise InputError(file=self.path, key=f"{key}.status", value=status, allowed=f"one of {', '.join(STATUSES)}")
-        number = si(entry.get("value"), unit, file=self.path, key=key)
-        self.sources[key] = {
-            "value": str(entry["value"]),
-            "source": entry.get("source", ""),
-            "status": status,
-        }
-        return number
+        number, unit = in_one_of(entry.get("value"), units, file=self.path, key=key)
+        if key.split(".")[0] not in _FREE:
+            if name in _FRACTIONS and not 0 <= number < 1:
+                allowed = "a fraction from 0 to below 1 (0.02 or 2 %)"
+                raise InputError(file=self.path, key=key, value=entry["value"], allowed=allowed)
+            if name not in _FRACTIONS and not (number > 0 or (name == "interlayer_gap" and number == 0)):
+                raise InputError(file=self.path, key=key, value=entry["value"], allowed="a positive number")
+        self.sources[key] = {"value": str(entry["value"]), "source": entry.get("source", ""), "status": status}
+        return number, unit
 
     def _text(self, key, default):
         value = self._find(key)
-        if value is None:
-            return default
-        if not isinstance(value, str):
-            raise InputError(file=self.path, key=key, value=value, allowed="a text")
-        return value
+        if value is None or isinstance(value, str):
+            return default if value is None else value
+        self.problems.append(InputError(file=self.path, key=key, value=value, allowed="a text"))
+        return default
 
     def _find(self, key):
         value = self.content
@@ -205,16 +301,26 @@ class _Reader:
     def _has(self, key):
         return self._find(key) is not None
 
-    def _known(self, table, allowed, where):
+    def _known(self, table, allowed, where, what=None):
+        """Whether `table` is a table; keys of it that are not allowed are problems."""
         if not isinstance(table, dict):
-            raise InputError(file=self.path, key=where, value=table, allowed=f"a table with {', '.join(allowed)}")
+            what = what or f"a table with {', '.join(allowed)}"
+            self.problems.append(InputError(file=self.path, key=where, value=table, allowed=what))
+            return False
         for key in table:
             if key not in allowed:
-                name = f"{where}.{key}" if where else key
-                raise InputError("is not a known key", file=self.path, key=name, allowed=f"one of {', '.join(allowed)}")
+                near = difflib.get_close_matches(key, allowed, n=1, cutoff=0.75)
+                name, meant = (f"{where}.{one}" if where else one for one in (key, *(near or ("",))))
+                self.meant.add(meant)
+                words = f'is not a known key, did you mean "{near[0]}"?' if near else "is not a known key"
+                known = None if near else f"one of {', '.join(allowed)}"
+                self.problems.append(InputError(words, file=self.path, key=name, allowed=known))
+        return True
 
     def _build(self, kind, where, *args, **kwargs):
-        """Build an object whose own checks do not know the file, and name the file in what they raise."""
+        """Build an object whose own checks do not know the file; None where it, or what it is made from, is wrong."""
+        if any(arg is None for arg in args) or kwargs.get("weave", kind) is None:
+            return None
         try:
             return kind(*args, **kwargs)
         except InputError as problem:
@@ -224,4 +330,5 @@ class _Reader:
             key = key.replace("_count", ".count") if key else key
             key = f"{where}.{key}" if where else key
             value = self.sources.get(key, {}).get("value", problem.value)  # as the user wrote it
-            raise InputError(file=self.path, key=key, value=value, allowed=problem.allowed) from None
+            self.problems.append(InputError(file=self.path, key=key, value=value, allowed=problem.allowed))
+            return None

@@ -14,6 +14,7 @@ import tomllib
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 from fabrics.checks import FilePath
 from fabrics.families.trellis import Widths, from_weave
@@ -23,7 +24,7 @@ from fabrics.units import si
 from fabrics.weave import Weave
 from fabrics.yarn import Yarn
 
-__all__ = ["ENDS", "Entry", "Family", "list_families"]
+__all__ = ["ENDS", "Entry", "Family", "entry", "list_families"]
 
 ENDS = ("soft", "nominal", "stiff")
 FILES = ("para-aramid", "uhmwpe", "e-glass")
@@ -128,13 +129,14 @@ def _read(path: FilePath) -> Family:
         for key, unit in units.items()
     }
     Vf0 = content["solid"]["Vf0"]
-    entries = {f"shear.{key}": _entry(content["shear"][key], "") for key in _SHEAR}
-    entries |= {f"solid.{key}": _entry(content["solid"][key], unit) for key, unit in _SOLID.items()}
-    entries |= {f"solid.Vf0.{family}": _entry(Vf0[family], "") for family in ("warp", "weft")}
+    entries = {f"shear.{key}": entry(content["shear"][key], "") for key in _SHEAR}
+    entries |= {f"solid.{key}": entry(content["solid"][key], unit) for key, unit in _SOLID.items()}
+    entries |= {f"solid.Vf0.{family}": entry(Vf0[family], "") for family in ("warp", "weft")}
     return Family(content["name"], limits, entries)
 
 
-def _entry(table, unit):
+def entry(table: dict[str, Any], unit: str) -> Entry:
+    """An Entry from its table in a data file."""
     written = str(table["value"])
     if "low" in table:
         written += f" ({table['low']} .. {table['high']})"

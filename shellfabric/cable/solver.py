@@ -36,7 +36,7 @@ class CableResult:
     ----------
     net : what was struck
     outcome : "stopped", "perforated" or "in flight"
-    residual_velocity : [m/s] of the projectile at the end
+    residual_velocity : [m/s] of the projectile at the end; 0 of one that has stopped
     t, v, nose_position : (n,) [s, m/s, m] instants of the audit; velocity and nose position of the projectile
     energies : {name: (n,)} [J] with the names of ENERGIES; error is the sum less the energy at the start
     peak_tension : (warp, weft) [N] over the run
@@ -154,7 +154,7 @@ def collect_result(solver: CableSolver) -> CableResult:
     return CableResult(
         net=net,
         outcome=solver.outcome,
-        residual_velocity=float(solver.sample("v")[-1]),
+        residual_velocity=solver.residual_velocity,
         t=solver.sample("t"),
         v=solver.sample("v"),
         nose_position=solver.sample("z"),

@@ -94,7 +94,8 @@ def any_past_strength(const, state, family, first, last):
 def detect_failures(const, state, family, first, last):
     """Break the yarn segments that exceed their strength, among those that begin in the node rows first .. last.
 
-    Filters the tensions if const.filter_alpha > 0, and keeps the peak. Returns how many have failed.
+    Filters the tensions if const.filter_alpha > 0, and keeps the peak with its segment and step. Returns how many have
+    failed.
     """
     failures = 0
     # a segment of one edge that is below the peak and the lowest strength needs no closer look
@@ -109,6 +110,8 @@ def detect_failures(const, state, family, first, last):
             if state.T[family][k] <= bound or state.failed[family][k] or not begins_segment(const, i, j):
                 continue
             T = yarn_tension(const, state, family, i, j)
+            if T > state.peak_tension[family]:
+                state.peak_segment[family, 0], state.peak_segment[family, 1] = k, state.counter[0] + 1
             state.peak_tension[family] = max(state.peak_tension[family], T)
             if const.filter_alpha > 0.0:
                 state.filtered_tension[family][k] += const.filter_alpha * (T - state.filtered_tension[family][k])

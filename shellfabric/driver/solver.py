@@ -184,14 +184,14 @@ class ExplicitSolver:
         return OUTCOMES.get(self.reason, "unstable")
 
     @property
+    def residual_velocity(self) -> float:
+        """[m/s] along the normal at the end; 0 of a stopped projectile, which has just turned back in the last step."""
+        return 0.0 if self.outcome == OUTCOMES[STOPPED] else float(self.sample("v")[-1])
+
+    @property
     def strike_energy(self) -> float:
         """[J] of the whole projectile."""
         return self.projectile.energy(self.strike_velocity)
-
-    @property
-    def workers(self) -> int:
-        """Number of threads besides the main one."""
-        return self.threads - 1
 
     @property
     def allowed_exchange(self) -> float:
@@ -237,7 +237,7 @@ class ExplicitSolver:
     @contextmanager
     def _workers(self):
         """Worker threads, released at the end whatever happens; all kernels are compiled before the steps begin."""
-        with ThreadPoolExecutor(max(1, self.workers)) as self._pool:
+        with ThreadPoolExecutor(max(1, self.threads - 1)) as self._pool:
             self._start_workers()
             try:
                 self.advance(self._rows(0))
@@ -249,7 +249,7 @@ class ExplicitSolver:
     def _start_workers(self):
         """Have the workers wait for the next steps. They meet in new memory: some may not have left the old yet."""
         self._shared = np.zeros(barrier.SLOTS, np.int64)
-        for me in range(1, self.workers + 1):
+        for me in range(1, self.threads):
             self._pool.submit(self.run_worker, self._shared, me)
 
     def _rows(self, count):

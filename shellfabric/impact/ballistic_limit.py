@@ -93,6 +93,12 @@ class Limit:
         return 0.5 * (self.high - self.low)
 
     @property
+    def ends(self) -> tuple[Shot, ...]:
+        """The shots at the ends of the bracket, and of the zone of mixed outcomes, by strike velocity."""
+        velocities = sorted({self.low, self.high, *(self.mixed_zone or ())})
+        return tuple(shot for v in velocities for shot in self.shots if shot.strike_velocity == v)
+
+    @property
     def highest_stop(self) -> float:
         """[m/s] strike velocity of the fastest shot that stopped, of all shots."""
         return max((shot.strike_velocity for shot in self.shots if not shot.perforated), default=self.low)
@@ -296,7 +302,7 @@ def _fire(panel, velocity, give_up, stops_below=0.0):
         raise UndecidedError(f"{problem} after {1e3 * UNDECIDED:g} ms; such a panel has no critical velocity")
     return Shot(
         strike_velocity=float(velocity),
-        residual_velocity=0.0 if solver.outcome == "stopped" else float(solver.sample("v")[-1]),
+        residual_velocity=solver.residual_velocity,
         outcome=solver.outcome,
         time=solver.time,
         failed=int(solver.sample("failed_yarns")[-1]),

@@ -37,7 +37,7 @@ class PackSetup:
     ply : ImpactSetup of the first ply
     plies : number of plies
     stacking : "aligned" or "alternating"
-    gap : [m] between plies at rest; None takes the fabric's (see `plies.gap.fabric_gap`)
+    gap : [m] between plies at rest; None takes that of `plies.gap.ply_gap`
     contact : PlyContact, numerical knobs of the contact between plies
     friction : [-] Coulomb's coefficient between plies
     """
@@ -70,12 +70,13 @@ class PackResult(Outcome):
     Parameters
     ----------
     setup, pack : what was run
-    outcome, residual_velocity, velocity, t, v, nose_position, step_history, bar, backing, projectile_position, steps,
-        wall_time, ns_per_element_step, max_deflection, checks : as ImpactResult
+    outcome, residual_velocity, velocity, t, v, nose_position, contact_force, deflection, step_history, bar, backing,
+        projectile_position, steps, wall_time, ns_per_element_step, max_deflection, checks : as ImpactResult
     energies : {name: (n,)} [J] with the names of the solver's energies: plies.solver.PACK_ENERGIES, and with sliding
         crossovers sliding_plies.solver.SLIDING_PACK_ENERGIES
     plies : {name: (n, plies)} with the names of panel.solver.PLY_SAMPLES
-    peak_tension : (plies, 2) [N] over the run, of each ply's own warp and weft
+    peak_tension, peak_tension_time : (plies, 2) [N, s] over the run, of each ply's own warp and weft
+    peak_tension_place : (plies, 2, 2) [m] as ImpactResult's
     deepest, held_apart : (plies - 1,) and (2,) [-] see PackSolver
     last : (plies,) snapshots.Snapshot at the end, each from its own plane at rest
     snapshots : tuple of such tuples
@@ -91,9 +92,13 @@ class PackResult(Outcome):
     t: np.ndarray
     v: np.ndarray
     nose_position: np.ndarray
+    contact_force: np.ndarray
+    deflection: np.ndarray
     energies: dict
     plies: dict
     peak_tension: np.ndarray
+    peak_tension_time: np.ndarray
+    peak_tension_place: np.ndarray
     deepest: np.ndarray
     held_apart: np.ndarray
     step_history: np.ndarray
@@ -158,6 +163,8 @@ def collect_result(setup: PackSetup, solver: PackSolver) -> PackResult:
         energies={name: solver.sample(name) for name in solver.energy_names},
         plies={name: solver.ply_sample(name) for name in PLY_SAMPLES},
         peak_tension=solver.peaks,
+        peak_tension_time=solver.peak_tensions[..., 1],
+        peak_tension_place=solver.peak_tensions[..., 2:],
         deepest=solver.deepest,
         held_apart=solver.held_apart,
         slips=slip_summaries(solver),

@@ -173,13 +173,17 @@ class ImpactResult(Outcome):
     setup, panel : what was run
     outcome : "stopped", "perforated", "in flight" (end time reached) or "unstable"; a projectile has stopped when it no
         longer moves along the panel's normal, though it may slide on
-    residual_velocity : [m/s] of the projectile at the end, along the normal
+    residual_velocity : [m/s] of the projectile at the end, along the normal; 0 of one that has stopped
     velocity : (3,) [m/s] of the projectile at the end, along warp, weft and normal
     t, v, nose_position : (n,) [s, m/s, m] of the samples; velocity along the normal, foremost point of the projectile
+    contact_force : (n,) [N] on the projectile along the normal, mean since the sample before (ClothSolver)
+    deflection : (n,) [m] largest of the cloth, along the normal (`ply_audit.deflection`); of a pack, of its last ply
     energies : {name: (n,)} [J] with the names of panel.solver.ENERGIES; error is the sum less the energy at the start
     reactions : {"warp", "weft": (n,)} [N] tension at the clamped end of the yarn nearest the impact point
     failed_segments : (n,) number of failed yarn segments
     peak_tension : (warp, weft) [N] over the run
+    peak_tension_time, peak_tension_place : (2,) [s] and (2, 2) [m] when, and where at rest along warp and weft from the
+        impact point; NaN where there was none
     step_history : (steps, 4) time [s], foremost point [m], velocity [m/s] at half steps, force on the projectile [N]
     bar : dynamics.BarHistory of tip, tail and centre of mass; None of a rigid projectile
     backing : backing.coupling.BackingResult, the block behind the cloth at the end, or None
@@ -190,7 +194,7 @@ class ImpactResult(Outcome):
     snapshots : tuple of snapshots.Snapshot
     histories : histories.Histories, or None where nothing was to be recorded
     steps, wall_time, ns_per_element_step : cost of the run, [s] and [ns]
-    max_deflection : [m] of whole cloth, over the run
+    max_deflection : [m] largest entry of `deflection`
     checks : tuple of quality.Indicator
     slip : sliding.solver.SlipSummary of sliding crossovers, None of pinned ones
     """
@@ -203,10 +207,14 @@ class ImpactResult(Outcome):
     t: np.ndarray
     v: np.ndarray
     nose_position: np.ndarray
+    contact_force: np.ndarray
+    deflection: np.ndarray
     energies: dict
     reactions: dict
     failed_segments: np.ndarray
     peak_tension: tuple[float, float]
+    peak_tension_time: np.ndarray
+    peak_tension_place: np.ndarray
     step_history: np.ndarray
     bar: dynamics.BarHistory | None
     backing: BackingResult | None
@@ -284,6 +292,8 @@ def collect_result(setup: ImpactSetup, solver: PanelSolver | SlidingSolver) -> I
         reactions={"warp": solver.sample("reaction_warp"), "weft": solver.sample("reaction_weft")},
         failed_segments=solver.sample("failed_yarns"),
         peak_tension=(float(solver.state.peak_tension[0]), float(solver.state.peak_tension[1])),
+        peak_tension_time=solver.peak_tensions[0, :, 1],
+        peak_tension_place=solver.peak_tensions[0, :, 2:],
         projectile_position=last.projectile_position,
         nodes=last.nodes.reshape(-1, 3),
         quads=output_snapshots.quads(solver.panel),
@@ -301,18 +311,21 @@ def projectile_result(solver: ClothSolver, elements: int) -> dict[str, Any]:
     """Entries of a result that are the same for one ply and a pack: the projectile's, the block's, and the cost."""
     fine = np.concatenate([np.empty((0, solver.history_columns)), *solver.step_history])
     clock, bar = solver.const.dt * np.arange(1, len(fine) + 1), solver.panel.projectile.bar
+    deflection = solver.ply_sample("deflection")[:, -1]
     return {
         "outcome": solver.outcome,
-        "residual_velocity": float(solver.sample("v")[-1]),
+        "residual_velocity": solver.residual_velocity,
         "velocity": dynamics.velocity(solver.state, solver.const),
         "t": solver.sample("t"),
         "v": solver.sample("v"),
         "nose_position": solver.sample("z"),
+        "contact_force": solver.contact_force,
+        "deflection": deflection,
         "step_history": np.column_stack([clock, fine[:, :2], fine[:, 2] / solver.panel.share]),
         "bar": None if bar is None else dynamics.history(clock, fine, solver.state, bar),
         "backing": solver.backing.result() if solver.backing else None,
         "snapshots": tuple(solver.snapshots),
-        "max_deflection": solver.monitor.deflection,
+        "max_deflection": float(deflection.max()),
         "checks": quality.of_solver(solver),
         "steps": solver.steps,
         "wall_time": solver.wall_time,

@@ -24,6 +24,8 @@ from typing import Any
 from numba import typeof, types
 from numba.core.caching import FunctionCache
 
+from fabrics.kernel_cache import compiling
+
 # numba types of arguments that are no tuples
 INDEX, FLAG, NUMBER, VECTOR = types.int64, types.boolean, types.float64, types.float64[::1]
 # scalars and arrays among the arguments; one array takes a dozen instructions wherever it is passed on
@@ -40,13 +42,21 @@ class ChildCompileCache(FunctionCache):
 
     def load_overload(self, sig, target_context):
         found = super().load_overload(sig, target_context)
-        if found is not None or members(sig) < MIN_MEMBERS:
+        if found is not None:
             return found
+        compiling(self._py_func.__module__)
+        if members(sig) < MIN_MEMBERS:
+            return None
         if await_children(self._py_func, sig):
             found = super().load_overload(sig, target_context)
         if found is None and compiled_in_child(self._py_func, sig):
             found = super().load_overload(sig, target_context)
+        compiling(self._py_func.__module__, done=True)
         return found
+
+    def save_overload(self, sig, data):
+        super().save_overload(sig, data)
+        compiling(self._py_func.__module__, done=True)
 
 
 def start(*parts):
@@ -58,6 +68,7 @@ def start(*parts):
         missing = [(kernel.py_func, kinds) for kernel, kinds in part if not kept(kernel, kinds)]
         process = _child([_named(function, kinds) for function, kinds in missing]) if missing else None
         if process is not None:
+            compiling(missing[0][0].__module__)
             _pending.append((process, [(function.__qualname__, kinds) for function, kinds in missing]))
 
 

@@ -39,6 +39,7 @@ class Front:
     speed : [m/s] of the line through those within the window; nan where there are fewer than four
     interval : (low, high) [m/s] of the speed, at 95 %
     start : [s] at which the line leaves the impact point
+    r2 : coefficient of determination of the line
     """
 
     kind: str
@@ -48,6 +49,7 @@ class Front:
     speed: float
     interval: tuple[float, float]
     start: float
+    r2: float
 
 
 def fronts(histories: Histories) -> tuple[Front, ...]:
@@ -107,8 +109,9 @@ def _fitted(kind, yarn, time, place, window):
     end = float(np.abs(yarn.X).max())
     inside = (place >= window[0] * end) & (place <= window[1] * end)
     if np.count_nonzero(inside) < 4 or np.ptp(time[inside]) == 0.0:
-        return Front(kind, yarn.family, time, place, np.nan, (np.nan, np.nan), np.nan)
+        return Front(kind, yarn.family, time, place, np.nan, (np.nan, np.nan), np.nan, np.nan)
     line = linregress(time[inside], place[inside])
     reach = student.ppf(0.975, np.count_nonzero(inside) - 2) * line.stderr
     interval = float(line.slope - reach), float(line.slope + reach)
-    return Front(kind, yarn.family, time, place, float(line.slope), interval, float(-line.intercept / line.slope))
+    start, r2 = float(-line.intercept / line.slope), float(line.rvalue**2)
+    return Front(kind, yarn.family, time, place, float(line.slope), interval, start, r2)

@@ -42,8 +42,9 @@ State = namedtuple(
     "u v f_int f_int_above mass inverse_mass dt_over_mass stretch N T dstretch force_slope yarn_length "
     "intact_fraction failed filtered_tension element_flag block_damage tension_stale block_max_tension "
     "last_contact_force in_contact dv_other dv_contact force_scale f_contact projectile_position "
-    "projectile_velocity f_contact_nose contact_energy active_rows counter energy_sums peak_tension contact_window "
-    "friction_state slip_force slip_energy f_block_nose f_block_cloth bar_u bar_v bar_plastic bar_stress bar_energy",
+    "projectile_velocity f_contact_nose contact_energy active_rows counter energy_sums peak_tension peak_segment "
+    "contact_window friction_state slip_force slip_energy f_block_nose f_block_cloth bar_u bar_v bar_plastic "
+    "bar_stress bar_energy",
 )
 Work = namedtuple(
     "Work",
@@ -171,7 +172,8 @@ def undeformed(panel: Panel, const: Constants, strike_velocity: float) -> State:
         f_contact_nose=np.zeros(3),
         contact_energy=np.zeros(5), active_rows=np.array([max(i0 - 2, 0), min(i1 + 2, ni)]),
         counter=np.zeros(3, np.int64),
-        energy_sums=np.zeros((blocks, 5)), peak_tension=np.zeros(2), contact_window=np.array(const.window_limits),
+        energy_sums=np.zeros((blocks, 5)), peak_tension=np.zeros(2), peak_segment=np.zeros((2, 2), np.int64),
+        contact_window=np.array(const.window_limits),
         slip_force=np.zeros(const.slip_node.size), slip_energy=np.zeros(3),
         f_block_nose=np.zeros(3), f_block_cloth=three() if const.has_backing else aligned_zeros(3, 0),
         **dynamics.state(panel.projectile, strike_velocity),

@@ -14,6 +14,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from functools import cached_property
 from math import inf
+from operator import ge
 
 import numpy as np
 
@@ -83,15 +84,14 @@ class Panel:
     grading: tuple | None = None
 
     def __post_init__(self):
-        if self.symmetry not in SYMMETRIES:
-            raise InputError(key="symmetry", value=self.symmetry, allowed=" or ".join(SYMMETRIES))
+        even = [*map(self.projectile.mirrored, (0, 1))]
+        fits = [name for name, planes in SYMMETRIES.items() if all(map(ge, even, planes))]
+        if self.symmetry not in fits:
+            raise InputError(key="symmetry", value=self.symmetry, allowed=" or ".join(fits) + " for this shot")
         boundary.check(self)
         coupling.check(self)
         if self.failure and any(self.table.model.toes):  # a yarn whose crossings have failed is linear in an impact
             raise InputError(key="toe", value=self.table.model.toe, allowed="0 in a panel whose yarns fail")
-        for axis, mirrored in enumerate(self.mirrors):
-            if mirrored and not self.projectile.mirrored(axis):
-                raise InputError(key="symmetry", value=self.symmetry, allowed="one that the oblique shot has, or whole")
         if self.grading is not None:
             grading.check(self.grading)
         if self.elements_per_crossover < 1:

@@ -8,7 +8,7 @@ not count.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -36,16 +36,17 @@ def held(state: State, const: Constants) -> BoolArray:
     outer += [] if const.mirror_x else [piece[0]]
     outer += [] if const.mirror_y else [piece[:, 0]]
     fast = np.isin(piece, np.unique(np.concatenate(outer)))
-    cloth = (_by_element(state.element_flag, const) & ERODED) == 0
+    cloth = (by_element(state.element_flag, const) & ERODED) == 0
     return cloth & fast[:-1, :-1] & fast[1:, :-1] & fast[:-1, 1:] & fast[1:, 1:]
 
 
-def passed(state: State, const: Constants) -> bool:
-    """Whether no held element is ahead of the nose."""
+def passed(state: State, const: Constants, cloth: BoolArray | None = None) -> bool:
+    """Whether no held element is ahead of the nose; `cloth` is `held` of the state where it is known."""
     flag = state.element_flag.copy()
-    _by_element(flag, const)[~held(state, const)] |= ERODED
+    by_element(flag, const)[~(held(state, const) if cloth is None else cloth)] |= ERODED
     return not cloth_ahead_of_nose(state._replace(element_flag=flag), const)
 
 
-def _by_element(flag, const):
+def by_element(flag: Any, const: Any) -> Any:
+    """(ni, nj) view of an array of the state that has a slot for each element."""
     return flag[: const.ni * const.row_stride].reshape(const.ni, const.row_stride)[:, :-1]

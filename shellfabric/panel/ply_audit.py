@@ -13,9 +13,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fabrics.checks import FloatArray
+from fabrics.checks import BoolArray, FloatArray
 from shellfabric.cloth import boundary_kernels
-from shellfabric.panel import element_kernels
+from shellfabric.panel import element_kernels, perforation
 from shellfabric.panel import step_kernels as kernels
 from shellfabric.projectile import contact_kernels
 
@@ -83,7 +83,32 @@ def edge_reactions(
     return warp / (const.dy * (0.5 if const.mirror_y else 1)), weft / (const.dx * (0.5 if const.mirror_x else 1))
 
 
-def deflection(const: Constants, state: State) -> float:
-    """[m] of the node at the impact point."""
-    i, j = 0 if const.mirror_x else const.ni // 2, 0 if const.mirror_y else const.nj // 2
-    return state.u[2][i * const.row_stride + j]
+def deflection(const: Constants, state: State, held: BoolArray | None) -> float:
+    """[m] largest displacement along the normal, of a node at the corner of a whole element connected to the edges.
+
+    held : `perforation.held`, or None where no yarn has failed
+    """
+    z = state.u[2][: (const.ni + 1) * const.row_stride].reshape(const.ni + 1, const.row_stride)
+    if held is None:
+        return float(z.max(initial=0.0))
+    whole = held & (perforation.by_element(state.element_flag, const) == 0)
+    return float(z[:-1, :-1].max(initial=0.0, where=whole))
+
+
+def peak_tensions(panel: Panel, const: Constants, state: State, steps: int) -> FloatArray:
+    """(2, 4) of warp and weft: highest tension [N] of a yarn segment so far, its time [s], and where the middle of the
+    segment is at rest along warp and weft [m]; NaN but for the tension where there was none.
+
+    steps : steps of the run; a ply of a pack counts its own from when it is first touched
+    """
+    found = np.full((2, 4), np.nan)
+    found[:, 0] = state.peak_tension
+    for family, (slot, step) in enumerate(state.peak_segment):
+        if step > 0:
+            place = list(divmod(int(slot), const.row_stride))
+            along, lines = (const.yarn_rows, const.yarn_columns)[family], panel.lines()
+            ends = place[family], place[family] + along.elements[place[family]]
+            found[family, 1] = const.dt * (step + steps - state.counter[kernels.STEP])
+            found[family, 2:] = [lines[axis][at] for axis, at in enumerate(place)]
+            found[family, 2 + family] = 0.5 * (lines[family][ends[0]] + lines[family][ends[1]])
+    return found

@@ -1,8 +1,9 @@
 """Quality indicators: is the result of a run to be trusted? Each is a number with a stated limit.
 
 A `Monitor` samples of a run what its result does not keep; `of_solver` computes the indicators of a run. A run is
-"doubtful" if one of them is beyond its limit. The limits follow from where the methods were found to fail
-(docs/stability.md); docs/checks.md says how many of those points they flag, and how many scenes at default settings.
+"doubtful" if one of them is beyond its limit, and "noted" if one is beyond the lower value in NOTES. The limits follow
+from where the methods were found to fail (docs/stability.md) and, of the viscous energy, from practice; docs/checks.md
+says how many of those points they flag, and how many scenes at default settings.
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ import numpy as np
 
 from fabrics.checks import FloatArray
 from shellfabric.panel import quality_kernels as kernels
-from shellfabric.panel.quality_kernels import DEFLECTION, DEPTH
+from shellfabric.panel.quality_kernels import DEPTH
 from shellfabric.panel.step_kernels import FAILURES
 from shellfabric.projectile.contact_kernels import MAX_PENETRATION
 from shellfabric.solid.hex8 import PATTERNS, Bricks
@@ -24,7 +25,7 @@ from shellfabric.solid.hex8 import PATTERNS, Bricks
 if TYPE_CHECKING:
     from shellfabric.panel.solver import ClothSolver
 
-OK, DOUBTFUL = "ok", "doubtful"
+OK, NOTED, DOUBTFUL = "ok", "noted", "doubtful"
 _T = ("T1", "T2")
 EVERY = 4  # samples of the solver from one sample to the next: a sample costs a third of a step
 LIGHT = 0.03  # of the strength: tensions below it count as it
@@ -39,7 +40,8 @@ class Indicator:
     name : for the reader and as the key in summary.json
     value, limit : value <= limit where all is well; a value that is not finite is not well
     unit : of both; "" where it is a ratio
-    meaning : what a larger value stands for, in one sentence
+    meaning : what the value is, in one sentence
+    note : value above which the indicator is noted though it is within its limit, or None
     """
 
     name: str
@@ -47,11 +49,29 @@ class Indicator:
     limit: float
     unit: str = ""
     meaning: str = ""
+    note: float | None = None
 
     @property
     def ok(self) -> bool:
         """Whether the value is within the limit."""
         return isfinite(self.value) and self.value <= self.limit
+
+    @property
+    def doubtful(self) -> bool:
+        """Whether the value is beyond the limit."""
+        return not self.ok
+
+    @property
+    def status(self) -> str:
+        """ "ok", "noted" or "doubtful"."""
+        if self.doubtful:
+            return DOUBTFUL
+        return NOTED if self.note is not None and self.value > self.note else OK
+
+    @property
+    def text(self) -> str:
+        """Value, limit and what the value is."""
+        return f"{self}: {self.meaning}"
 
     @property
     def excess(self) -> float:
@@ -62,41 +82,52 @@ class Indicator:
 
     def __str__(self):
         unit = f" {self.unit}" if self.unit else ""
-        return f"{self.name} {self.value:.3g}{unit} (limit {self.limit:g}{unit})"
+        noted = f"noted above {self.note:g}{unit}, " if self.status == NOTED else ""
+        return f"{self.name} {self.value:.3g}{unit} ({noted}limit {self.limit:g}{unit})"
 
     def entry(self) -> dict[str, Any]:
         """As a dict, for summary.json."""
-        return asdict(self) | {"ok": self.ok}
+        return asdict(self) | {"ok": self.ok, "status": self.status}
 
 
-# name: (limit, unit, meaning)
+def status(indicators: Iterable[Indicator]) -> str:
+    """The worst status of several indicators: "ok", "noted" or "doubtful"; "ok" of none."""
+    return max((one.status for one in indicators), key=(OK, NOTED, DOUBTFUL).index, default=OK)
+
+
+# name: (limit, unit, what the value is)
 LIMITS = {
-    "time step": (1.0, "", "the explicit step over its stability bound"),
+    "time step": (1.0, "", "time step over the stability limit of the explicit integration"),
     "energy error": (0.005, "", "largest error of the energy balance over the strike energy"),
-    "energy gained in contact": (0.008, "", "energy that a contact gave but never took, over the strike energy"),
-    "viscous energy": (0.8, "", "viscous energy over the energy absorbed"),
-    "formulation energy": (0.1, "", "work of the cell's forces that no potential stores, over the energy absorbed"),
-    "tension oscillation": (0.07, "", "node-to-node alternation of the tension over the tension, rms along the yarns"),
-    "nose penetration": (1.8, "", "depth of the nose in the cloth over the radius of its edge"),
-    "contact point spacing": (1.2, "", "spacing of the contact points over the radius of the nose's edge"),
-    "element side": (1.0, "", "longest side of an element over the projectile's radius"),
-    "yarns an element": (1.0, "", "yarns that an element under the nose stands for, along each side"),
-    "tension over cell table": (1.0, "", "peak tension over the largest of the cell's table"),
-    "tension over sampled surface": (1.0, "", "peak tension over the largest that the response surface was sampled at"),
+    "energy gained in contact": (0.008, "", "energy that contact forces created, over the strike energy"),
+    "viscous energy": (0.25, "", "energy dissipated by artificial viscosity over the energy absorbed"),
+    "formulation energy": (
+        0.1,
+        "",
+        "work of the unit cell's forces that no potential stores, over the energy absorbed",
+    ),
+    "tension oscillation": (0.07, "", "rms oscillation of the tension from node to node over the rms tension"),
+    "nose penetration": (1.8, "", "largest penetration of the projectile into the fabric over its edge radius"),
+    "contact point spacing": (1.2, "", "spacing of the contact points over the projectile's edge radius"),
+    "element side": (1.0, "", "longest element side over the projectile's radius"),
+    "yarns an element": (1.0, "", "yarns per element side under the projectile"),
+    "tension over cell table": (1.0, "", "peak tension over the largest tension tabulated for the unit cell"),
+    "tension over sampled surface": (1.0, "", "peak tension over the largest tension sampled for the response surface"),
     "contact force over fitted range": (1.0, "", "force between yarns over the largest that the law was fitted to"),
-    "swelling under contact": (1e-3, "", "growth of a yarn under a light contact force over its height"),
-    "relaxation residual": (1.0, "", "out-of-balance force over what relaxation was to reach"),
-    "hourglass energy": (0.1, "", "energy of the hourglass control over that of the solids"),
-    "hourglass amplitude": (0.5, "", "amplitude of a brick's zero-energy modes over its size"),
+    "swelling under contact": (1e-3, "", "growth of a yarn's thickness under a light contact force over its thickness"),
+    "relaxation residual": (1.0, "", "out-of-balance force over the tolerance of the relaxation"),
+    "hourglass energy": (0.1, "", "hourglass energy over the internal energy of the solids"),
+    "hourglass amplitude": (0.5, "", "amplitude of a hexahedron's hourglass modes over its size"),
     "node alternation": (0.01, "", "displacements that alternate from node to node over the yarn's thickness"),
-    "ply penetration": (0.75, "", "depth that a ply is pressed into the next over the thickness"),
-    "ply contact direction": (0.1, "", "sine of the angle between the force between plies and the normal of the cloth"),
+    "ply penetration": (0.75, "", "largest loaded penetration of a ply into the next over the ply's thickness"),
+    "ply contact direction": (0.1, "", "sine of the angle between the force between plies and the fabric's normal"),
 }
+NOTES = {"viscous energy": 0.1}  # name: value above which the indicator is noted
 
 
 def _make(name, value):
     limit, unit, meaning = LIMITS[name]
-    return Indicator(name, float(value), limit, unit, meaning)
+    return Indicator(name, float(value), limit, unit, meaning, NOTES.get(name))
 
 
 class Monitor:
@@ -111,43 +142,32 @@ class Monitor:
 
     Attributes
     ----------
-    found : (plies, 4) sums over samples, nodes and the band of yarns about the impact point of the squares of the
-        node-to-node alternation of the tension and of the tension [N2]; largest deflection of whole cloth [m]; furthest
-        that the ply's contact with the next has given way, over the thickness [-]
+    found : (plies, 3) sums over samples, nodes and the band of yarns about the impact point of the squares of the
+        node-to-node alternation of the tension and of the tension [N2]; furthest that the ply's contact with the next
+        has given way, over the thickness [-]
     """
 
     def __init__(self, solver: ClothSolver) -> None:
         self.solver = solver
-        self.found = np.zeros((len(solver.parts), 4))
+        self.found = np.zeros((len(solver.parts), 3))
         plies = [panel for panel, _, _ in solver.parts]
         self._places = [tuple(0 if m else n // 2 for m, n in zip(ply.mirrors, ply.counts)) for ply in plies]
         self._light = [tuple(LIGHT * yarn.strength for yarn in ply.weave.yarns) for ply in plies]
 
     def sampled(self) -> None:
-        """Take a sample at every EVERY-th sample of the solver, and at the end of the run of the deflection alone: a
-        run that is gone on with beyond that end is to have the sums of one that was not interrupted."""
-        due = len(self.solver.samples) % EVERY == 0
-        if due or self.solver.ended:
-            self.sample(due)
-
-    def sample(self, summed: bool = True) -> None:
-        """Take a sample of the present state, of what is `summed` too or of the deflection alone."""
-        found, parts = self.found, self.solver.parts
-        whole = summed and not any(state.counter[FAILURES] for _, _, state in parts)
-        for (_, const, state), row, (i, j), light in zip(parts, found, self._places, self._light):
-            kernels.sample(state, const, i, j, whole, *light, row)
-        if whole and len(parts) > 1:
-            found[:-1, DEPTH] = self.solver.squeezed  # type: ignore[attr-defined]
-
-    @property
-    def deflection(self) -> float:
-        """[m] largest deflection of whole cloth, of any ply from its own plane, at the samples."""
-        return float(self.found[:, DEFLECTION].max())
+        """Take a sample at every EVERY-th sample of the solver, as long as no yarn has failed."""
+        parts = self.solver.parts
+        if len(self.solver.samples) % EVERY or any(state.counter[FAILURES] for _, _, state in parts):
+            return
+        for (_, const, state), row, (i, j), light in zip(parts, self.found, self._places, self._light):
+            kernels.sample(state, const, i, j, *light, row)
+        if len(parts) > 1:
+            self.found[:-1, DEPTH] = self.solver.squeezed  # type: ignore[attr-defined]
 
     @property
     def oscillation(self) -> float:
         """[-] root of the ratio of the two sums of squares."""
-        alternation, squares = self.found[:, :DEFLECTION].sum(axis=0)
+        alternation, squares = self.found[:, :DEPTH].sum(axis=0)
         return float(np.sqrt(alternation / squares)) if squares > 0 else 0.0
 
 

@@ -1,24 +1,11 @@
-"""What the quality monitor (`quality.Monitor`) looks at in a panel at an audit: deflection, and tension oscillation."""
+"""What the quality monitor (`quality.Monitor`) looks at in a panel at an audit: tension oscillation."""
 
-import numpy as np
+from shellfabric.jit.compile import entry
 
-from shellfabric.jit.compile import entry, kernel
-
-ALTERNATION, SQUARES, DEFLECTION, DEPTH = range(4)  # columns of quality.Monitor.found
+ALTERNATION, SQUARES, DEPTH = range(3)  # columns of quality.Monitor.found
 SAMPLED_YARNS = 4  # yarns of each family, from the impact point outwards, whose tension is sampled
 FRONT_NODES, MIN_NODES = 6, 8  # nodes of a wave front that are left out, and the least number of nodes behind it
 LOADED_FRACTION = 0.02  # of the largest tension of a yarn: what the wave has reached
-
-
-@kernel(_nrt=False)
-def deflection(state, const):
-    """[m] largest displacement along the normal of a node at the corner of a whole element."""
-    high = 0.0
-    for i in range(state.active_rows[0], state.active_rows[1]):
-        for k in range(np.uint64(i * const.row_stride), np.uint64(i * const.row_stride + const.nj)):
-            if state.u[2][k] > high and state.element_flag[k] == 0:
-                high = state.u[2][k]
-    return high
 
 
 @entry(_nrt=False)
@@ -52,10 +39,8 @@ def alternation(T, start, step, count, across, light, found):
 
 
 @entry(_nrt=False)
-def sample(state, const, i, j, whole, light1, light2, found):
-    """Sample a ply whose impact point is node (i, j) into found (4,); tensions only where `whole`."""
-    found[DEFLECTION] = max(found[DEFLECTION], deflection(state, const))
-    if whole:
-        start, s, per = i * const.row_stride + j, const.row_stride, const.n_per_crossover
-        alternation(state.T[0], start, s, const.ni - i, per, light1, found)
-        alternation(state.T[1], start, 1, const.nj - j, per * s, light2, found)
+def sample(state, const, i, j, light1, light2, found):
+    """Sample a ply whose impact point is node (i, j) into found (3,)."""
+    start, s, per = i * const.row_stride + j, const.row_stride, const.n_per_crossover
+    alternation(state.T[0], start, s, const.ni - i, per, light1, found)
+    alternation(state.T[1], start, 1, const.nj - j, per * s, light2, found)

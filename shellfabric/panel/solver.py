@@ -20,7 +20,7 @@ from shellfabric.jit import barrier
 from shellfabric.panel import boundary, compile_ahead, grading, ply_audit, quality
 from shellfabric.panel import step_kernels as kernels
 from shellfabric.panel.model import Panel
-from shellfabric.panel.perforation import passed
+from shellfabric.panel.perforation import held, passed
 from shellfabric.projectile import dynamics
 
 _OF_PROJECTILE = ("kinetic_projectile", "elastic_projectile", "plastic_projectile")
@@ -41,7 +41,8 @@ class ClothSolver(ExplicitSolver):
     panel, const, state : of the first ply
     backing : backing.coupling.BackingCoupling, the block behind the last ply, or None
     ply_samples : list of (plies, 6), one a sample, in the order of PLY_SAMPLES: of the whole ply; `push` is the force
-        of the nose on it, `deflection` that at the impact point, `energy` what it moves with, stores and has lost
+        of the nose on it, `deflection` the largest of its cloth (`ply_audit.deflection`), `energy` what it moves with,
+        stores and has lost
     step_history : `dynamics.columns` of the projectile: z [m], velocity [m/s] and force [N] (of the modelled part), and
         of a bar velocities [m/s] and places [m] of tip, tail and centre of mass
     measure, histories : what a histories.Recorder records, where there is one, and its rows
@@ -141,12 +142,14 @@ class ClothSolver(ExplicitSolver):
     def _observe_plies(self, energies, pushes):
         """(plies, 6) in the order of PLY_SAMPLES, from the plies' energies [J] and the forces on the nose [N]."""
         rows = []
-        for (panel, const, state), ends, energy, push in zip(self.parts, self._ends, energies, pushes):
+        self._held = [held(state, const) if state.counter[kernels.FAILURES] else None for _, const, state in self.parts]
+        for (panel, const, state), ends, energy, push, cloth in zip(
+            self.parts, self._ends, energies, pushes, self._held
+        ):
             failed = ply_audit.failed_segments(panel, const, state) / self.share
             reactions = ply_audit.edge_reactions(panel, const, state, ends)
-            rows.append(
-                [failed, *reactions, -push / self.share, ply_audit.deflection(const, state), energy / self.share]
-            )
+            deflection = ply_audit.deflection(const, state, cloth)
+            rows.append([failed, *reactions, -push / self.share, deflection, energy / self.share])
         return np.array(rows)
 
     def _drop_sample(self):
@@ -156,6 +159,25 @@ class ClothSolver(ExplicitSolver):
     def ply_sample(self, name: str) -> FloatArray:
         """(n, plies) one column of the plies' samples."""
         return np.array([rows[:, PLY_SAMPLES.index(name)] for rows in self.ply_samples])
+
+    @property
+    def contact_force(self) -> FloatArray:
+        """(n,) [N] along the normal on the whole projectile against its flight, from plies and block: the mean over the
+        steps since the sample before, 0 at the first. The sum of force times interval is the momentum lost.
+
+        A sample's velocity stands at its step, half of whose force has acted by then.
+        """
+        force = np.concatenate([[0.0], *(rows[:, 2] for rows in self.step_history)]) / -self.share
+        last = np.cumsum([len(rows) for rows in self.step_history])
+        impulse = np.concatenate([[0.0], np.cumsum(0.5 * (force[1:] + force[:-1]))])[[0, *last]]
+        return np.diff(impulse, prepend=0.0) / np.maximum(np.diff(last, prepend=[0, 0]), 1)
+
+    @property
+    def peak_tensions(self) -> FloatArray:
+        """(plies, 2, 4) `ply_audit.peak_tensions` of each ply, in its own warp and weft."""
+        return np.array(
+            [ply_audit.peak_tensions(panel, const, state, self.steps) for panel, const, state in self.parts]
+        )
 
     def node_speeds(self) -> list[tuple[FloatArray, float]]:
         """See ExplicitSolver."""
@@ -173,7 +195,7 @@ class ClothSolver(ExplicitSolver):
         failed = any(state.counter[kernels.FAILURES] for _, _, state in self.parts)
         if self.reason != RUNNING or not failed or self.backing is not None:
             return
-        through = all(passed(state, const) for _, const, state in self.parts)
+        through = all(passed(state, const, cloth) for (_, const, state), cloth in zip(self.parts, self._held))
         self.perforated_samples = self.perforated_samples + 1 if through else 0
         if self.perforated_samples == 2:
             self.reason = PERFORATED

@@ -67,9 +67,9 @@ MAX_STEPS_SKIPPED = 8  # most steps for which a point is skipped
 @kernel(_nrt=False, forceinline=True)
 def contact_points8(front, fc, rear, rc, pair, q, count, nearer, now, due):
     """`contact_point` for those of the points q .. q + count - 1, which have the same place in elements side by side,
-    that need no special case, eight at once: whole cloth on whole cloth, feet side by side and away from rims and planes of
-    symmetry, not lost, in no fold, not so deep that it might come through, and not deeper at once than motion may have
-    made it.
+    that need no special case, eight at once: whole cloth on whole cloth, feet side by side, away from rims and planes
+    of symmetry, not lost, in no fold, not so deep that it might come through, and not deeper at once than motion may
+    have made it.
 
     due : the points to be looked at, as bits. Returns (those that are left for `contact_point`, energy in the springs
     of the others).

@@ -8,6 +8,9 @@ closure is nesting, and that is the gap. The pressure law of packs holds all of 
 
 from __future__ import annotations
 
+from dataclasses import dataclass, replace
+
+from fabrics.data_sheet import entries
 from fabrics.errors import InputError
 from fabrics.fabric import Fabric
 from fabrics.plate_curve import PLATEN_PRESSURE
@@ -19,21 +22,55 @@ def compression_gap(areal_density: float, plies: int = TESTED) -> float:
     return float(between_plies(areal_density, plies)[1][-1])
 
 
-def fabric_gap(fabric: Fabric, law: PlyLaw | None = None) -> float:
-    """[m] a fabric's own gap, or that of the pressure law where its file has none, less what `law` closes of it.
+@dataclass(frozen=True)
+class PlyGap:
+    """Gap between neighbouring plies at rest.
+
+    Parameters
+    ----------
+    value, low, high : [m] and the range in which it is taken to lie; all one value where it is given
+    source : where it comes from
+    """
+
+    value: float
+    low: float
+    high: float
+    source: str
+
+
+def ply_gap(fabric: Fabric, law: PlyLaw | None = None) -> PlyGap:
+    """A fabric's own gap, that of the pressure law of packs, or a share of its thickness, less what `law` closes of it.
+
+    The pressure law is that of Kevlar 129 and needs the areal density that was measured with it. Any other fabric, and
+    one below the areal density at which that law ends, has the share of `data_sheet.toml`, whose range goes for both.
 
     Parameters
     ----------
     law : of the contact between plies; None for a rigid one, as in the thesis
-
-    Raises
-    ------
-    InputError : a fabric with neither a gap nor a measured areal density
     """
-    found = fabric.interlayer_gap
-    if found is None:
-        if fabric.areal_density_measured is None:
-            problem = f"fabric {fabric.name} has neither an interlayer gap nor a measured areal density"
-            raise InputError(problem, key="gap", allowed="given")
-        found = compression_gap(fabric.areal_density_measured)
-    return found if law is None else max(0.0, found - float(law.closure_at(PLATEN_PRESSURE)))
+    found = _closure(fabric)
+    if law is None:
+        return found
+    closed = float(law.closure_at(PLATEN_PRESSURE))
+    value, low, high = (max(0.0, each - closed) for each in (found.value, found.low, found.high))
+    source = f"{found.source}, less the {1e6 * closed:.3g} um that the contact law closes"
+    return replace(found, value=value, low=low, high=high, source=source)
+
+
+def _closure(fabric):
+    """PlyGap of a contact without travel."""
+    one = entries()["ply_gap"]
+    if fabric.interlayer_gap is not None:
+        gap = fabric.interlayer_gap
+        source = fabric.sources.get("interlayer_gap", {}).get("source", "")
+        return PlyGap(gap, gap, gap, f"of the fabric file ({source})" if source else "of the fabric")
+    try:
+        if fabric.areal_density_measured is not None:
+            gap = compression_gap(fabric.areal_density_measured)
+            low, high = one.low / one.value * gap, one.high / one.value * gap
+            return PlyGap(gap, low, high, "assumed: pressure law of packs, thesis eqs. 5-1 to 5-4")
+    except InputError:  # K'' of eq. 2-6 is not positive
+        pass
+    thickness = fabric.weave.thickness if fabric.thickness is None else fabric.thickness
+    gap, low, high = (share * thickness for share in (one.value, one.low, one.high))
+    return PlyGap(gap, low, high, f"assumed: {one.value:g} of the thickness {1e3 * thickness:.3g} mm")

@@ -5,7 +5,7 @@ section 5.2.3, Figure 5-55). A turned ply is the panel of the fabric with its wa
 which yarn is on top, and each ply has its own grid.
 
 Gap. Play between the faces of plies at rest; their middle surfaces are the mean thickness and the gap apart (erratum
-E-35). By default it is what tests of packs close and the law of the contact does not (`gap.fabric_gap`).
+E-35). By default it is what tests of packs close and the law of the contact does not (`gap.ply_gap`).
 
 Contact. Two plies press on each other by a law of pressure against closure (`fabrics.ply_law`), the same on every mesh.
 The nose presses on half a ply of solid fibre: twice the stiffness of two half plies.
@@ -34,7 +34,7 @@ from shellfabric.panel.model import Panel
 from shellfabric.plies import broad_phase_kernels, friction, step_kernels
 from shellfabric.plies.arrays import Pair, Stack, TornContact
 from shellfabric.plies.contact_simd_kernels import AMBIGUOUS_DEPTH
-from shellfabric.plies.gap import fabric_gap
+from shellfabric.plies.gap import ply_gap
 from shellfabric.plies.grading import area_factors, line_offsets
 from shellfabric.plies.numerics import FORMS, PlyContact
 from shellfabric.projectile import dynamics
@@ -107,13 +107,13 @@ class Pack:
         ply : Panel, the first
         plies : their number
         stacking : "aligned" or "alternating"
-        gap : [m] between all plies; None takes `fabric_gap`
+        gap : [m] between all plies; None takes that of `gap.ply_gap`
         contact, friction : as of a Pack
         law : PlyLaw of two of these plies; None takes that of the fabric (`PlyLaw.of`)
 
         Raises
         ------
-        InputError : no ply, unknown stacking, a weave that cannot be turned, no gap to be found, or no law
+        InputError : no ply, unknown stacking, a weave that cannot be turned, or no law
         """
         if not plies >= 1:
             raise InputError(key="plies", value=plies, allowed="at least 1")
@@ -121,7 +121,7 @@ class Pack:
             raise InputError(key="stacking", value=stacking, allowed=" or ".join(STACKINGS))
         law = law or (PlyLaw.of(ply.fabric) if plies > 1 else None)
         if gap is None:
-            gap = fabric_gap(ply.fabric, law) if plies > 1 else 0.0
+            gap = ply_gap(ply.fabric, law).value if plies > 1 else 0.0
         both = (ply, turned(ply) if stacking == "alternating" and plies > 1 else ply)
         laws = (law,) * (plies - 1) if law else ()
         stack = tuple(both[n % 2] for n in range(plies))

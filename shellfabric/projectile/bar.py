@@ -229,6 +229,7 @@ class Rigidity:
     contact_time, period : [s]
     force, yield_force : [N] that pressed on it for half a period, and at which its thinnest section yields
     enough : bool
+    elastic : whether the shot had the elastic projectile
     """
 
     contact_time: float
@@ -236,22 +237,24 @@ class Rigidity:
     enough: bool
     force: float = 0.0
     yield_force: float = inf
+    elastic: bool = False
 
     def __str__(self):
         times = (
             f"contact lasts {1e6 * self.contact_time:.3g} us, {self.contact_time / self.period:.3g} periods of the bar"
         )
         times = f"{times} ({1e6 * self.period:.3g} us)"
+        advice = "a rigid projectile is not enough" if self.elastic else "use the elastic projectile"
         if self.force > self.yield_force:
             forces = f"{self.force:.0f} N press on it, and its thinnest section yields at {self.yield_force:.0f} N"
-            return f"{times}; {forces}: use the elastic projectile"
-        verdict = (
-            "a rigid projectile is enough" if self.enough else "tip and tail move apart: use the elastic projectile"
-        )
+            return f"{times}; {forces}: {advice}"
+        verdict = "a rigid projectile is enough" if self.enough else f"tip and tail move apart: {advice}"
         return f"{times}: {verdict} (from {ENOUGH:g} periods on)"
 
 
-def rigid_is_enough(contact_time: float, bar_period: float, force: float = 0.0, yield_force: float = inf) -> Rigidity:
+def rigid_is_enough(
+    contact_time: float, bar_period: float, force: float = 0.0, yield_force: float = inf, *, elastic: bool = False
+) -> Rigidity:
     """Compare the time of contact with the period of the bar, both [s]; see ENOUGH. And the force, `held_force`, with
     that at which it yields, both [N]: a wall that is squeezed takes energy that a rigid body would have to keep.
 
@@ -263,7 +266,7 @@ def rigid_is_enough(contact_time: float, bar_period: float, force: float = 0.0, 
         if not 0 < value < inf:
             raise InputError(key=key, value=value, allowed="above 0")
     enough = contact_time >= ENOUGH * bar_period and force <= yield_force
-    return Rigidity(contact_time, bar_period, enough, float(force), float(yield_force))
+    return Rigidity(contact_time, bar_period, enough, float(force), float(yield_force), elastic)
 
 
 def held_force(t: FloatArray, force: FloatArray, span: float) -> float:

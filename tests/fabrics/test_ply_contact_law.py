@@ -11,7 +11,7 @@ from fabrics.compression import CompressionLaw
 from fabrics.errors import InputError
 from fabrics.plate_curve import PLATEN_PRESSURE, PlateCurve
 from fabrics.ply_law import PlyLaw, between_plies
-from shellfabric.plies.gap import compression_gap, fabric_gap
+from shellfabric.plies.gap import compression_gap, ply_gap
 
 CSV = "# two plies\npressure [kPa], closure [um]\n0, 0\n100, 40\n2000, 90\n"
 
@@ -64,11 +64,11 @@ def test_pressure_law_of_packs_is_eq_5_4(fabric):
 def test_what_the_law_closes_is_not_in_the_gap_again(fabric):
     """Gap and law close together what the test of packs closes; a law that closes more leaves no gap."""
     solid, packs = PlyLaw.solid(fabric), PlyLaw.of_packs(fabric)
-    assert fabric_gap(fabric) == pytest.approx(0.12e-3)
-    assert fabric_gap(fabric, solid) + solid.closure_at(PLATEN_PRESSURE) == pytest.approx(0.12e-3)
+    assert ply_gap(fabric).value == pytest.approx(0.12e-3)
+    assert ply_gap(fabric, solid).value + solid.closure_at(PLATEN_PRESSURE) == pytest.approx(0.12e-3)
     untold = replace(fabric, interlayer_gap=None)
-    assert fabric_gap(untold, packs) == pytest.approx(0.0, abs=5e-9)
-    assert fabric_gap(fabric, fabric.ply_contact) == 0.0  # 191 um in place of 120
+    assert ply_gap(untold, packs).value == pytest.approx(0.0, abs=5e-9)
+    assert ply_gap(fabric, fabric.ply_contact).value == 0.0  # 191 um in place of 120
 
 
 def test_csv_and_law_json(tmp_path, fabric):

@@ -118,18 +118,21 @@ def installed(wheel, tmp_path_factory):
     subprocess.run(install, check=True, cwd=work)
     [packages] = folder.glob("lib/python*/site-packages")
     (packages / "test-environment.pth").write_text("\n".join(site.getsitepackages()) + "\n")
+    run = runner(folder / "bin", work)
+    run.packages, run.folder, run.binaries = packages, work, folder / "bin"
+    return run
+
+
+def runner(binaries, work):
+    """A function that runs a program of the folder `binaries` in the folder `work`, or in `at`."""
     dropped = ("PYTHONPATH", "PYTHONHOME", "NUMBA_CACHE_DIR", "VIRTUAL_ENV")
     environment = {name: value for name, value in os.environ.items() if name not in dropped}
     environment |= {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "MPLBACKEND": "Agg"}
 
-    def run(*command):
-        program, *arguments = command
-        return subprocess.run(
-            [str(folder / "bin" / program), *arguments], cwd=work, env=environment, capture_output=True, text=True,
-            timeout=1500,
-        )  # fmt: skip
+    def run(program, *arguments, at=work):
+        command = [str(binaries / program), *map(str, arguments)]
+        return subprocess.run(command, cwd=at, env=environment, capture_output=True, text=True, timeout=1500)
 
-    run.packages, run.folder = packages, work
     return run
 
 

@@ -10,7 +10,6 @@ import csv
 import re
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -47,7 +46,7 @@ MOST_ROWS = 2000
 
 def along(
     crossover: Crossover, fabric: Fabric, corners: ArrayLike, *, failure: bool = False,
-    numerics: Numerics | None = None, hooks: Sequence[Hook] = (), comm: Any = None,
+    numerics: Numerics | None = None, hooks: Sequence[Hook] = (),
 ) -> Record:  # fmt: skip
     """Take a crossover along the corners (k, 2) [m] of a path in (d1, d2), from rest.
 
@@ -57,7 +56,7 @@ def along(
     fabric : Fabric
     corners : (k, 2) [m]; a first one at rest may be left out
     failure : fibres fail at their failure strain (`unitcell3d.material.fibres`)
-    numerics, hooks, comm : see `path_following.follow`
+    numerics, hooks : see `path_following.follow`
 
     Returns
     -------
@@ -100,7 +99,7 @@ def along(
         }
 
     loads = [Load(tuple(map(float, corner))) for corner in places]
-    found = path_following.follow(model, loads, row, rows=counts, hooks=hooks, comm=comm)
+    found = path_following.follow(model, loads, row, rows=counts, hooks=hooks)
     return Record(
         solver_record.columns(found.rows), MEANINGS, found.x - model.points, fabric.name, "path", found.failed,
         {"corners": places, "failure": failure},

@@ -9,7 +9,6 @@ squeezed under the other's arch, and where parallel neighbours meet edge to edge
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 
@@ -57,7 +56,6 @@ def shear(
     rows: int = 30,
     failure: bool = False,
     hooks: Sequence[Hook] = (),
-    comm: Any = None,
 ) -> Record:
     """Shear the weave to the angle `gamma` [rad], after stretching it by `stretch` : (d1, d2) [m] per end.
 
@@ -66,7 +64,7 @@ def shear(
     mesh : meshing.crossover.Crossover, a whole one, or meshing.patch.Patch of 2 x 2
     fabric : Fabric
     numerics, failure : as of a `model.crossover.YarnsModel`
-    rows, hooks, comm : see `path_following.follow`
+    rows, hooks : see `path_following.follow`
 
     Returns
     -------
@@ -85,7 +83,7 @@ def shear(
         loads.append(CellLoad(model.w, d))
         counts.append(ROWS_TO_STRETCH)
     loads.append(CellLoad(model.w, d, float(gamma)))
-    return _followed(model, loads, [*counts, rows], "shear", hooks, comm)
+    return _followed(model, loads, [*counts, rows], "shear", hooks)
 
 
 def biaxial(
@@ -97,15 +95,14 @@ def biaxial(
     rows: int = 20,
     failure: bool = False,
     hooks: Sequence[Hook] = (),
-    comm: Any = None,
 ) -> Record:
     """Stretch the weave in its own cell to the end displacements `d` : (2,) [m]; parameters as of `shear`."""
     model = CellModel(mesh, fabric, numerics, failure=failure)
     loads = [CellLoad(model.w), CellLoad(model.w, tuple(map(float, d)))]
-    return _followed(model, loads, [rows], "cell biaxial", hooks, comm)
+    return _followed(model, loads, [rows], "cell biaxial", hooks)
 
 
-def _followed(model, loads, counts, case, hooks, comm):
+def _followed(model, loads, counts, case, hooks):
     fabric = model.fabric
     smeared = fabric.weave.cell_area * fabric.weave.thickness
     families = np.asarray(model.crossover.families)
@@ -135,7 +132,7 @@ def _followed(model, loads, counts, case, hooks, comm):
             "broken": float(np.mean(model.fibres.damage > 0)),
         }
 
-    found = path_following.follow(model, loads, row, rows=counts, hooks=hooks, comm=comm)
+    found = path_following.follow(model, loads, row, rows=counts, hooks=hooks)
     u = (found.x - model.points)[: len(model.crossover.points)]
     facts = {
         "crossings": model.crossings,

@@ -103,7 +103,7 @@ class YarnModel(YarnsModel):
 def pull(
     crossover: Crossover, fabric: Fabric, family: int = 0, *, strain: float | None = None, bars: int | None = None,
     integration: int = solid_law.FULL, failure: bool = False, numerics: Numerics | None = None, rows: int = 25,
-    hooks: Sequence[Hook] = (), comm: Any = None,
+    hooks: Sequence[Hook] = (),
 ) -> Record:  # fmt: skip
     """Pull one yarn straight and on, to the share `strain` of its end distance, or to the failure of its fibres.
 
@@ -116,7 +116,7 @@ def pull(
     bars : number of fibre lines with bars; all if not given
     integration : solid_law.FULL or solid_law.ONE_POINT
     failure : fibres fail
-    numerics, rows, hooks, comm : see `path_following.follow`
+    numerics, rows, hooks : see `path_following.follow`
 
     Returns
     -------
@@ -141,7 +141,7 @@ def pull(
     # most rows where the yarn becomes taut: steps of strain that grow with the distance from the crimp's end
     points = [at(0.0), at(crimp / strain), at(1.0)] if strain > crimp else [at(0.0), at(1.0)]
     found = path_following.follow(
-        model, points, lambda state, load: _row(model, yarn, crimp, state, load), rows=rows, hooks=hooks, comm=comm
+        model, points, lambda state, load: _row(model, yarn, crimp, state, load), rows=rows, hooks=hooks
     )
     facts = {"yarn": family, "bars": len(model.fibres.pairs), "integration": integration, "crimp": crimp, "EA": yarn.EA}
     return Record(

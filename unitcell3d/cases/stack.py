@@ -12,7 +12,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
@@ -85,7 +84,7 @@ class StackModel(YarnsModel):
 def stack_compression(
     mesh: Crossover | Patch, fabric: Fabric, plies: int = 2, *, shift: Sequence[float] = (0.0, 0.0),
     pressure: float = PLATEN_PRESSURE, min_plate_gap: float = MIN_PLATE_GAP, numerics: Numerics | None = None,
-    hooks: Sequence[Hook] = (), comm: Any = None,
+    hooks: Sequence[Hook] = (),
 ) -> Record:  # fmt: skip
     """Press plies between two rigid plates, the yarns' ends held in the plane at their spacing.
 
@@ -97,7 +96,7 @@ def stack_compression(
     shift : (x, y) [crossings] of each ply against the one under it; (0, 0): aligned
     pressure : [Pa] mean on the area of the cell at the end, by default the greatest of the thesis
     min_plate_gap : [-] share of the first distance of the plates at which the path ends at the latest
-    numerics, hooks, comm : see `path_following.follow`
+    numerics, hooks : see `path_following.follow`
 
     Returns
     -------
@@ -120,7 +119,7 @@ def stack_compression(
     rows = int(np.ceil(2 * (1 - min_plate_gap) * rest / LONGEST_STEP))
     found = path_following.follow(
         model, loads, lambda state, load: _row(model, plies, area, state, load), rows=rows,
-        stop=lambda row: row["pressure"] / pressure, hooks=hooks, comm=comm,
+        stop=lambda row: row["pressure"] / pressure, hooks=hooks,
     )  # fmt: skip
     u = (found.x - model.points)[: len(model.crossover.points)]
     stacking = f"shifted by {shift[0]:g}, {shift[1]:g} crossings" if any(shift) else "aligned"

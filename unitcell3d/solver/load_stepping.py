@@ -46,7 +46,6 @@ def solve_load_path(
     stop: Callable[[dict], float] | None = None,
     steps: Steps | None = None,
     hooks: Sequence[Hook] = (),
-    comm: Any = None,
 ) -> History:
     """Load a model from rest along `start` .. `end`.
 
@@ -57,14 +56,13 @@ def solve_load_path(
     stop : function of a row giving a number that reaches 1 where the path is to end; that state is solved for
     steps : Steps
     hooks : called after each step
-    comm : MPI communicator of processes that make this same call and share its factorisations, or None
 
     Returns
     -------
     History, whose `failed` says why the path ended early if it did
     """
     steps = Steps() if steps is None else steps
-    solver = Newton(model, comm)
+    solver = Newton(model)
     try:
         return _solve_load_path(model, solver, start, end, case, stop, steps, hooks)
     finally:

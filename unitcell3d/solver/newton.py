@@ -76,12 +76,10 @@ class Newton:
     Parameters
     ----------
     model : model.crossover.CrossoverModel
-    comm : MPI communicator whose processes share each factorisation, all of them making the same calls; None: alone
     """
 
-    def __init__(self, model: YarnsModel, comm: Any = None) -> None:
+    def __init__(self, model: YarnsModel) -> None:
         self.model = model
-        self._comm = comm
         self._solver: DirectSolver | None = None
         self._taken: list[FloatArray] = []  # steps since the last factorisation
         self._latest = None  # the state that the model's contact search belongs to
@@ -197,7 +195,7 @@ class Newton:
         if model.system(state.q, load) or self._solver is None:
             self.close()
             pattern = model.pattern
-            self._solver = DirectSolver(pattern.starts, pattern.columns, pattern.entries, self._comm)
+            self._solver = DirectSolver(pattern.starts, pattern.columns, pattern.entries)
         model.pattern.entries[model.pattern.diagonal] += shift
         self._solver.factor()
         self._taken = []

@@ -45,7 +45,6 @@ def follow(
     rows: int | Sequence[int] = 25,
     stop: Callable[[dict], float] | None = None,
     hooks: Sequence[Hook] = (),
-    comm: Any = None,
 ) -> Followed:
     """Follow a path from rest.
 
@@ -57,7 +56,6 @@ def follow(
     rows : of the whole path, at least; a leg has its share of them by its number alone, or a sequence, one per leg
     stop : function (row) giving a number that reaches 1 where the path is to end
     hooks : called as hook(share of the path, row) after each row
-    comm : MPI communicator of processes that make this same call and share its factorisations, or None
 
     Raises
     ------
@@ -67,7 +65,7 @@ def follow(
         raise InputError(key="loads", value=len(loads), allowed="at least two, the first at rest")
     legs = len(loads) - 1
     counts = list(rows) if isinstance(rows, Sequence) else [max(1, -(-rows // legs))] * legs
-    solver = Newton(model, comm)
+    solver = Newton(model)
     try:
         return _Walk(model, solver, row, stop, hooks).along(loads, counts)
     finally:

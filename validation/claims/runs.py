@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fabrics import catalogue, variants
+from fabrics.ply_law import PlyLaw
 from shellfabric.cable import smith
 from shellfabric.cable.model import CableNet
 from shellfabric.cable.solver import run as run_cable
@@ -25,7 +26,7 @@ from shellfabric.output.histories import HistoryRequest
 from shellfabric.panel.boundary import PullIn
 from shellfabric.panel.model import Numerics, Panel
 from shellfabric.panel.solver import PLY_SAMPLES
-from shellfabric.plies.gap import fabric_gap
+from shellfabric.plies.gap import ply_gap
 from shellfabric.plies.model import Pack, PlyContact
 from shellfabric.plies.solver import PACK_ENERGIES, PackSolver
 from shellfabric.projectile import dynamics as bodies
@@ -304,7 +305,7 @@ def pack(
     shot = Projectile(body=Bar.full() if body == "full" else body)
     base = ImpactSetup(cloth(fabric), velocity, projectile=shot, numerics=numerics)
     ply = base.panel()
-    gap = (fabric_gap(ply.fabric) if plies > 1 else 0.0) + added
+    gap = (ply_gap(ply.fabric, PlyLaw.of(ply.fabric)).value if plies > 1 else 0.0) + added
     whole = Pack.stacked(ply, plies, stacking=stacking, gap=gap, contact=PlyContact(form=form))
     if face is not None:
         struck = replace(base, fabric=cloth(fabric, **face)).panel()

@@ -10,6 +10,7 @@ import numpy as np
 
 from fabrics import catalogue
 from fabrics.errors import UnstableError
+from fabrics.ply_law import PlyLaw
 from shellfabric.cell.model import CellModel
 from shellfabric.coupon import quasistatic
 from shellfabric.impact.single_ply import ImpactSetup
@@ -17,7 +18,8 @@ from shellfabric.impact.single_ply import run as run_impact
 from shellfabric.output.histories import HistoryRequest
 from shellfabric.panel.boundary import Grip
 from shellfabric.panel.model import Numerics
-from shellfabric.plies.model import Pack, PlyContact, fabric_gap
+from shellfabric.plies.gap import ply_gap
+from shellfabric.plies.model import Pack, PlyContact
 from shellfabric.plies.solver import PackSolver
 from shellfabric.projectile.projectile import Projectile
 from validation.claims.runs import cloth
@@ -179,7 +181,9 @@ def noisy_pack(
     """
     base = ImpactSetup(cloth(fabric), velocity, numerics=Numerics(failure_time=failure_time))
     ply = base.panel()
-    whole = Pack.stacked(ply, plies, gap=fabric_gap(ply.fabric), contact=PlyContact(form="nodes"))
+    whole = Pack.stacked(
+        ply, plies, gap=ply_gap(ply.fabric, PlyLaw.of(ply.fabric)).value, contact=PlyContact(form="nodes")
+    )
     march = _Unguarded(whole, velocity, end_time, interval=1e-6, energy_error_limit=np.inf)
     outcome = ""
     try:

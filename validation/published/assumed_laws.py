@@ -14,7 +14,7 @@ import argparse
 import csv
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import weavecell as wc
 from fabrics.compression import CompressionLaw
@@ -25,9 +25,12 @@ from weavecell.analysis.assumed_range import AssumedRange
 from weavecell.report.marked_page import markdown, put
 from weavecell.results import provenance
 
+if TYPE_CHECKING:
+    from weavecell.api.quasi_static import MeshSize
+
 OUT = Path("results/assumed-laws")
 FABRICS = ("S-720", "S-728", "S-731")
-MESH = "coarse"
+MESH: MeshSize = "coarse"
 MULTIPLE = 1.3  # strike velocity of the residual velocity, over the critical velocity with the published laws
 TOLERANCE = 0.5  # [m/s] between a stop and a perforation
 Rows = list[list[str]]
@@ -69,7 +72,7 @@ def without_laws(fabric: Fabric) -> Fabric:
     return replace(fabric, laws=None, shear=None, solid_laws=None)
 
 
-def compare(name: str, mesh: str = MESH) -> Comparison:
+def compare(name: str, mesh: MeshSize = MESH) -> Comparison:
     """Both sets of laws of one fabric of the catalogue.
 
     Parameters

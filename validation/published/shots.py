@@ -139,12 +139,12 @@ def pack_shots(results: Callable[..., dict[str, Any]]) -> list[dict[str, str]]:
     """Rows of the nine shots at packs."""
     rows = []
     for fabric, plies, velocity, published, found in packs.outcomes(results):
-        residual = 0.0 if found["outcome"] == "stopped" else found["residual_velocity"]
         rows.append({
             "kind": PACK, "fabric": fabric, "plies": f"{plies}", "strike velocity [m/s]": f"{velocity:g}",
             "elements per crossover": "1", "projectile": "rigid", "thesis": published.split()[0],
             "computed": WORDS[found["outcome"]], "time [us]": f"{1e6 * found['time']:.0f}",
-            "residual velocity [m/s]": f"{residual:.1f}", "failed yarn segments": f"{sum(found['failed']):g}",
+            "residual velocity [m/s]": f"{found['residual_velocity']:.1f}",
+            "failed yarn segments": f"{sum(found['failed']):g}",
             "energy balance [%]": f"{100 * found['balance']:.3f}",
         })  # fmt: skip
     return rows

@@ -62,12 +62,11 @@ def measure(name: str = "S-720", size: str = "coarse") -> dict[str, Any]:
 
 def picture(found: Any, path: Path) -> None:
     """Both panels as one figure."""
-    from meshing.pictures_style import FAINT, plots
-    from unitcell3d.pictures.pictures_paths import COLOURS
+    from meshing.pictures_style import FAINT, WARP, WEFT, plots
 
     with plots() as pyplot:
         figure, (left, right) = pyplot.subplots(1, 2, figsize=(11.5, 4.6))
-        for family, (label, colour) in enumerate(zip(("warp", "weft"), COLOURS)):
+        for family, (label, colour) in enumerate(zip(("warp", "weft"), (WARP, WEFT))):
             pulls = found["pulls"][family]
             full = pulls[None]
             left.plot(100 * full["strain"], full["T_taut"], color=FAINT, lw=1.4, ls="--",
@@ -82,7 +81,7 @@ def picture(found: Any, path: Path) -> None:
         left.legend(fontsize=10)
         for (label, bars), values in found["spectra"].items():
             style = "-" if label != "one point" else "--"
-            colour = COLOURS[1] if bars == 0 else COLOURS[0]
+            colour = WEFT if bars == 0 else WARP
             zero = int(np.sum(values < ZERO))
             right.semilogy(np.arange(1, len(values) + 1), np.maximum(values, 1e-18), style, color=colour, lw=2,
                            label=f"{label}, {'without' if bars == 0 else 'slack'} bars: {zero} zero")  # fmt: skip

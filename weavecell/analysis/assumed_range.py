@@ -2,8 +2,9 @@
 
 A law that no data sheet states is assumed with a range (`fabrics.families`). The shot, or the search of the critical
 velocity, is repeated with the soft and the stiff end of each assumed law, in all combinations: two runs for one assumed
-law, four for two. The range is the envelope of these and the nominal run. It is a statement about these runs and no
-bound, since the outcome need not be monotonic in a law.
+law, four for two. Where the crimp was computed from the thickness, the shot is repeated with each end of the thickness
+and of the warp's share too, one at a time and with the nominal laws. The range is the envelope of these and the nominal
+run. It is a statement about these runs and no bound, since the outcome need not be monotonic in a law.
 """
 
 from __future__ import annotations
@@ -18,6 +19,7 @@ from fabrics.errors import UnstableError, WeavecellError
 from fabrics.fabric import Fabric
 from shellfabric.impact import ballistic_limit, single_ply
 from shellfabric.impact.single_ply import ImpactSetup
+from shellfabric.panel import quality
 
 NEXT_STEP = 1.05  # first factor of a search that begins at the nominal critical velocity
 
@@ -59,9 +61,12 @@ class AssumedRange:
     def words(self) -> str:
         """The range in one line."""
         outcomes = sorted({row.outcome for row in self.rows if row.outcome})
+        tables = ", ".join(self.tables[:-1]) + (" and " if self.tables[1:] else "") + self.tables[-1]
+        over = f"over the assumed range of {tables}"
+        if outcomes == ["stopped"]:
+            return f"stopped in all {len(self.rows)} runs {over}"
         more = f"; {' or '.join(outcomes)}" if outcomes else ""
-        tables = " and ".join(self.tables)
-        return f"{self.quantity} {self.low:.1f} to {self.high:.1f} m/s over the assumed range of {tables}{more}"
+        return f"{self.quantity} {self.low:.1f} to {self.high:.1f} m/s {over}{more}"
 
     def summary(self) -> dict:
         """As plain types."""
@@ -77,7 +82,9 @@ class AssumedRange:
 def corners(
     fabric: Fabric, laws: tuple[CompressionLaw, CompressionLaw] | None
 ) -> dict[str, tuple[Fabric, tuple[CompressionLaw, CompressionLaw] | None]]:
-    """{words: (fabric, laws)} of all combinations of the ends of assumed laws; empty where none is assumed.
+    """{words: (fabric, laws)} of all combinations of the ends of assumed laws, and of each end of an assumed crimp.
+
+    Empty where nothing is assumed.
 
     Parameters
     ----------
@@ -91,13 +98,17 @@ def corners(
         pairs = {f"yarns {end}": (ends[0][end], ends[1][end]) for end in ("soft", "stiff")}
     found = {", ".join(filter(None, names)): (shears[names[0]], pairs[names[1]]) for names in product(shears, pairs)}
     found.pop("", None)
-    return found
+    return found | {name: (each, laws) for name, each in assumed.crimp_ends(fabric).items()}
 
 
 def varied(fabric: Fabric, laws: tuple[CompressionLaw, CompressionLaw] | None) -> tuple[str, ...]:
     """What `corners` varies, in words."""
     solid = laws is not None and laws[0].assumed_range is not None
-    return (*(("the trellis law",) if "shear" in fabric.assumed else ()), *(("the solid law",) if solid else ()))
+    return (
+        *(("the trellis law",) if "shear" in fabric.assumed else ()),
+        *(("the solid law",) if solid else ()),
+        *(("the crimp",) if "crimp" in fabric.assumed else ()),
+    )
 
 
 def residual_velocity(
@@ -111,22 +122,18 @@ def residual_velocity(
     outcome, velocity : of the nominal shot, [m/s]
     on_progress : called as on_progress(share of the shots) after each
     """
-    rows, found = [Row("nominal", outcome, _residual(outcome, velocity))], corners(setup.fabric, setup.laws)
+    rows, found = [Row("nominal", outcome, velocity)], corners(setup.fabric, setup.laws)
     for number, (name, (fabric, laws)) in enumerate(found.items(), 1):
         plain = replace(setup, fabric=fabric, laws=laws, snapshot_interval=None, history=None)
         try:
             result = single_ply.run(plain)
-            rows.append(Row(name, result.outcome, _residual(result.outcome, result.residual_velocity)))
+            doubt = " (doubtful)" if quality.status(result.checks) == quality.DOUBTFUL else ""
+            rows.append(Row(name, result.outcome + doubt, float(result.residual_velocity)))
         except UnstableError:
             rows.append(Row(name, "unstable", None))
         if on_progress is not None:
             on_progress(number / len(found))
     return AssumedRange("residual velocity", varied(setup.fabric, setup.laws), tuple(rows)) if found else None
-
-
-def _residual(outcome, velocity):
-    """[m/s] residual velocity, 0 of a projectile that has stopped: in its last step it may turn back."""
-    return 0.0 if outcome == "stopped" else float(velocity)
 
 
 def critical_velocity(
@@ -149,7 +156,8 @@ def critical_velocity(
                 replace(setup, fabric=fabric, laws=laws).panel(),
                 guess=velocity, step=NEXT_STEP, tolerance=tolerance, executor=executor, jobs=jobs,
             )  # fmt: skip
-            rows.append(Row(name, "", float(limit.velocity)))
+            doubt = any(quality.status(shot.checks) == quality.DOUBTFUL for shot in limit.ends)
+            rows.append(Row(name, "bracket on a doubtful shot" if doubt else "", float(limit.velocity)))
         except WeavecellError as problem:
             rows.append(Row(name, str(problem), None))
         if on_progress is not None:

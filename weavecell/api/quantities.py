@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -13,10 +12,6 @@ from fabrics.units import si
 
 if TYPE_CHECKING:
     from fabrics.fabric import Fabric
-    from shellfabric.projectile.projectile import Projectile
-
-_LENGTHS = ("radius", "edge_radius", "length", "tip_radius", "flat_width", "bore_diameter")
-_ANGLES = ("half_angle", "flat_angle", "obliquity", "azimuth", "yaw", "roll")
 
 
 def number(value: Any, unit: str, key: str) -> float:
@@ -48,40 +43,6 @@ def number(value: Any, unit: str, key: str) -> float:
     return found
 
 
-def lengths(value: Any, key: str) -> float | tuple[float, float]:
-    """A length [m], or a pair of lengths."""
-    if isinstance(value, (list, tuple)):
-        if len(value) != 2:
-            raise InputError(key=key, value=value, allowed="a length, or two of them along warp and weft")
-        return number(value[0], "m", key), number(value[1], "m", key)
-    return number(value, "m", key)
-
-
-def projectile(given: Projectile | Mapping[str, Any] | None) -> Projectile:
-    """A `shellfabric.projectile.projectile.Projectile` from its fields; None is the 3 g, 5.5 mm flat cylinder.
-
-    Raises
-    ------
-    InputError : a field that a projectile has not, or a value that is not allowed
-    """
-    from shellfabric.projectile.projectile import Projectile
-
-    if isinstance(given, Projectile):
-        return given
-    fields = dict(given or {})
-    if "diameter" in fields:
-        fields["radius"] = 0.5 * number(fields.pop("diameter"), "m", "diameter")
-    for key in (*_LENGTHS, *_ANGLES, "mass"):
-        if fields.get(key) is not None:
-            unit = "kg" if key == "mass" else "m" if key in _LENGTHS else "rad"
-            fields[key] = number(fields[key], unit, key)
-    try:
-        return Projectile(**fields)
-    except TypeError:
-        known = ", ".join(("diameter", *Projectile.__dataclass_fields__))
-        raise InputError(key="projectile", value=dict(given or {}), allowed=f"fields of {known}") from None
-
-
 def laws(fabric: Fabric, law: Any = None) -> tuple[CompressionLaw, CompressionLaw]:
     """(warp, weft) compression laws.
 
@@ -89,14 +50,14 @@ def laws(fabric: Fabric, law: Any = None) -> tuple[CompressionLaw, CompressionLa
     ----------
     fabric : Fabric, whose own laws are taken where `law` is None
     law : one CompressionLaw for both families, a pair (warp, weft), the path of a law.json, an object with the
-        attribute `law` such as the result of `calibrate`, or None
+        attribute `law` such as the result of `calibrate`; None or "published" for the fabric's own
 
     Raises
     ------
     InputError : none of these, or None for a fabric without laws
     """
     law = getattr(law, "law", law)
-    if law is None:
+    if law is None or law == "published":
         if fabric.laws is None:
             raise InputError(
                 f"fabric {fabric.name} has no compression law: give law=, or use weavecell.calibrate(fabric).fabric"

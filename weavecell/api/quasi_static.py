@@ -7,7 +7,7 @@ from concurrent.futures import Executor
 from dataclasses import replace
 from inspect import signature
 from types import SimpleNamespace
-from typing import Any
+from typing import TYPE_CHECKING, Any, Literal
 
 from fabrics import assumed
 from fabrics.checks import FilePath
@@ -18,13 +18,20 @@ from weavecell.api import quantities
 from weavecell.api.quasi_static_results import CalibrationResult, CouponResult, PullOutResult
 from weavecell.api.runs import as_fabric
 
+if TYPE_CHECKING:
+    from weavecell.api.keywords import Law
+
 __all__ = ["calibrate", "coupon"]
+
+MeshSize = Literal["coarse", "medium", "fine"]
+CellName = Literal["compressible", "incompressible", "decoupled"]
+Test = Literal["bias_extension", "picture_frame", "uniaxial", "biaxial", "pull_out"]
 
 TABLE_SIZE = 201  # stretches along each side of the cell's table, as in impacts
 
 
 def coupon(
-    fabric: Fabric | FilePath, test: str, *, law: Any = None, cell_model: str = "compressible", **options: Any
+    fabric: Fabric | FilePath, test: Test, *, law: Law = None, cell_model: CellName = "compressible", **options: Any
 ) -> CouponResult | PullOutResult:
     """A test on a piece of fabric, in this process: quasi-static, or a yarn pull-out.
 
@@ -58,7 +65,9 @@ def coupon(
         raise InputError(key="test", value=test, allowed=f"one of {', '.join(TESTS)}")
     cloth = as_fabric(fabric)
     if test == "pull_out":
-        return _pull_out(cloth, law, cell_model, options)
+        pulled = _pull_out(cloth, law, cell_model, options)
+        pulled.warn()
+        return pulled
     cloth = assumed.with_shear(cloth) if test in ("bias_extension", "picture_frame") else cloth
     run, began = getattr(quasistatic, test), time.perf_counter()
     defaults = _checked(run, options)
@@ -77,7 +86,9 @@ def coupon(
         law_name=cell_model if laws is None else laws[0].provenance,
         checks=quality.of_coupon(table, reached, worst, options["tolerance"]),
     )  # fmt: skip
-    return CouponResult(record, tuple(assumed.lines(cloth)))
+    done = CouponResult(record, tuple(assumed.lines(cloth)))
+    done.warn()
+    return done
 
 
 def _checked(run, options):
@@ -118,8 +129,9 @@ def _pull_out(cloth, law, cell_model, options):
 
 
 def calibrate(
-    fabric: Fabric | FilePath, *, mesh: str = "medium", platen_curve: FilePath | None = None, friction: float = 0.0,
-    assumed_range: bool = True, jobs: int = 1, executor: str | Executor = "local", out: FilePath | None = None,
+    fabric: Fabric | FilePath, *, mesh: MeshSize = "medium", platen_curve: FilePath | None = None,
+    friction: float = 0.0, assumed_range: bool = True, jobs: int = 1, executor: str | Executor = "local",
+    out: FilePath | None = None,
 ) -> CalibrationResult:  # fmt: skip
     """Solve the 3D crossover and fit its compression law; needs dolfinx and PETSc.
 
@@ -146,10 +158,11 @@ def calibrate(
     InputError : the fabric cannot be meshed, has no solid law that could be assumed, or a bad curve
     UnstableError : no path got far enough for a fit
     """
+    from meshing.mesh_plan import with_room
     from unitcell3d.identify import calibrate as solver
     from unitcell3d.identify.assumed_range import with_assumed_range
 
-    cloth = assumed.with_solid_laws(as_fabric(fabric))
+    cloth = with_room(assumed.with_solid_laws(as_fabric(fabric)))
     if platen_curve is not None:
         from fabrics.plate_curve import PlateCurve
         from unitcell3d.identify.solid_fit import fit_solid
@@ -163,4 +176,6 @@ def calibrate(
         done, failed = with_assumed_range(cloth, done, **choices)
     if out is not None:
         done.write(out)
-    return CalibrationResult(replace(cloth, laws=(done.law, done.law)), done, tuple(assumed.lines(cloth)), failed)
+    return CalibrationResult(
+        replace(cloth, laws=(done.law, done.law)), done, (*cloth.notes, *assumed.lines(cloth)), failed
+    )

@@ -13,8 +13,11 @@ from fabrics.errors import InputError
 from weavecell.api.result import Result, figure
 
 if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
     from fabrics.compression import CompressionLaw
     from fabrics.fabric import Fabric
+    from shellfabric.panel.quality import Indicator
     from unitcell3d.identify.calibration import Calibration
     from weavecell.results.coupon import CouponRecord
     from weavecell.results.pull_out import PullOutRecord
@@ -40,9 +43,18 @@ class CouponResult(Result):
         """ "complete" or "yarn at its strength"."""
         return self.record.outcome
 
+    @property
+    def checks(self) -> tuple[Indicator, ...]:
+        """Quality checks of the test."""
+        return self.record.checks
+
+    def _what(self):
+        return self.record.title
+
     def summary(self) -> dict[str, Any]:
-        """Outcome, and every quantity at the end with its unit."""
+        """Outcome, the checks in words, and every quantity at the end with its unit."""
         found = {key: value for key, value in self.record.summary().items() if key != "at_end"}
+        found |= {"checks": self.checks_text}
         return found | {name: float(values[-1]) for name, values in self._columns().items()}
 
     def _columns(self):
@@ -50,7 +62,7 @@ class CouponResult(Result):
         columns = {_named(record.prescribed_name, record.prescribed_unit): record.prescribed}
         return columns | {_named(name, unit): values for name, (unit, values) in record.measures.items()}
 
-    def plot(self) -> Any:
+    def plot(self) -> Figure:
         """A matplotlib figure: the quantities of the test in the unit of the first, against what is prescribed."""
         from weavecell.report import pictures_coupon
 
@@ -104,9 +116,17 @@ class PullOutResult(Result):
         """[N] mean load while all crossovers slide; None where they never all do."""
         return self.record.curve.plateau
 
+    @property
+    def checks(self) -> tuple[Indicator, ...]:
+        """Quality checks of the test."""
+        return self.record.checks
+
+    def _what(self):
+        return self.record.title
+
     def summary(self) -> dict[str, Any]:
-        """Set-up, loads, slip length and work of friction, each with its unit."""
-        return self.record.summary()
+        """Set-up, loads, slip length and work of friction, each with its unit; the checks in words."""
+        return self.record.summary() | {"checks": self.checks_text}
 
     def _columns(self):
         columns = {
@@ -118,7 +138,7 @@ class PullOutResult(Result):
         columns |= {"crossovers_left": "left", "friction_work_J": "friction_work"}
         return {name: getattr(self.record.curve, key) for name, key in columns.items()}
 
-    def plot(self) -> Any:
+    def plot(self) -> Figure:
         """A matplotlib figure: the load, and the crossovers in slip and left, against the displacement."""
         from weavecell.report import pictures_coupon
 
@@ -173,7 +193,7 @@ class CalibrationResult(Result):
             columns[f"{name}_{unit}"] = np.concatenate([np.asarray(path[name]) for path in histories.values()])
         return columns
 
-    def plot(self) -> Any:
+    def plot(self) -> Figure:
         """A matplotlib figure: compression of a yarn [um] against contact force [N], samples and laws."""
         from unitcell3d.identify.calibration import samples
         from weavecell.report import pictures

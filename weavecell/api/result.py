@@ -2,9 +2,18 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable, Mapping
 from html import escape
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+from fabrics.errors import DoubtfulResult
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+    from pandas import DataFrame
+
+    from shellfabric.panel.quality import Indicator
 
 __all__ = ["Result"]
 
@@ -12,15 +21,42 @@ __all__ = ["Result"]
 class Result:
     """What every result offers; a derived class gives `summary`, `_columns` and, where it has them, the others."""
 
+    @property
+    def checks(self) -> tuple[Indicator, ...]:
+        """Quality checks (docs/checks.md), each with name, value, limit, unit, note, status ("ok", "noted" or
+        "doubtful"), doubtful (bool) and text; empty where none is defined."""
+        return ()
+
+    @property
+    def doubtful(self) -> bool:
+        """Whether a quality check is beyond its limit."""
+        return any(one.doubtful for one in self.checks)
+
+    @property
+    def checks_text(self) -> str:
+        """ "ok", or "doubtful: ..." or "noted: ..." with the worst checks, their values and limits."""
+        from weavecell.report import checks
+
+        return checks.words(self.checks)
+
+    def warn(self) -> None:
+        """Warn with the category `DoubtfulResult` if the result is doubtful."""
+        if self.doubtful:
+            warnings.warn(f"{self._what()}: {self.checks_text}", DoubtfulResult, stacklevel=3)
+
+    def _what(self) -> str:
+        """The result in a few words, for the warning."""
+        return type(self).__name__
+
     def summary(self) -> dict[str, Any]:
-        """{name with unit: value} of the result."""
+        """{name with unit: value} of the result; the checks in words."""
         raise NotImplementedError
 
     def _columns(self) -> Mapping[str, Any]:
         """{name with unit: (n,)} of the table."""
         raise NotImplementedError
 
-    def to_dataframe(self) -> Any:
+    def to_dataframe(self) -> DataFrame:
         """The result as a pandas.DataFrame; names of the columns end in their SI unit.
 
         Raises
@@ -58,7 +94,7 @@ def _text(value):
     return f"{value:.6g}" if isinstance(value, float) else str(value)
 
 
-def figure(draw: Callable, *arguments: Any) -> Any:
+def figure(draw: Callable, *arguments: Any) -> Figure:
     """What draw(pyplot, *arguments) returns, in the style of the reports."""
     from meshing.pictures_style import plots
 

@@ -5,20 +5,26 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal, cast, overload
 
-from fabrics.checks import FilePath
+from fabrics.checks import FilePath, FloatArray
 from weavecell.api.result import Result, figure, plain
 
 if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
     from fabrics.fabric import Fabric
     from shellfabric.impact.ballistic_limit import Limit
     from shellfabric.impact.lambert_jonas import LambertJonas
+    from shellfabric.panel.quality import Indicator
     from weavecell.analysis.assumed_range import AssumedRange
     from weavecell.analysis.uncertainty.draws import Draws
-    from weavecell.results.impact_base import BaseRecord, Shape
+    from weavecell.results.impact_base import BaseRecord
+    from weavecell.results.impact_shapes import Shape
 
 __all__ = ["CriticalVelocityResult", "DrawsResult", "ShotResult", "SweepResult"]
+
+Outcome = Literal["stopped", "perforated", "in flight", "unstable"]
 
 
 @dataclass(frozen=True, repr=False)
@@ -41,9 +47,14 @@ class ShotResult(Result):
     range: AssumedRange | None = None
 
     @property
-    def outcome(self) -> str:
+    def outcome(self) -> Outcome:
         """ "stopped", "perforated", "in flight" (the end time came first) or "unstable"."""
-        return self.record.outcome
+        return cast("Outcome", self.record.outcome)
+
+    @property
+    def checks(self) -> tuple[Indicator, ...]:
+        """Quality checks of the shot."""
+        return self.record.checks
 
     @property
     def strike_velocity(self) -> float:
@@ -52,12 +63,28 @@ class ShotResult(Result):
 
     @property
     def residual_velocity(self) -> float:
-        """[m/s] at the end, along the panel's normal."""
+        """[m/s] at the end, along the panel's normal; 0 of a projectile that has stopped."""
         return float(self.record.residual_velocity)
 
+    @property
+    def time(self) -> FloatArray:
+        """(n,) [s] of the histories `deflection` and `contact_force`."""
+        return self.record.time
+
+    @property
+    def deflection(self) -> FloatArray:
+        """(n,) [m] of the back face: largest displacement along the normal, of a pack that of its last ply."""
+        return self.record.deflection
+
+    @property
+    def contact_force(self) -> FloatArray:
+        """(n,) [N] on the projectile along the panel's normal, against its flight; the mean since the time before."""
+        return self.record.contact_force
+
     def summary(self) -> dict[str, Any]:
-        """The entries of summary.json (docs/keys.md), the areal density of a ply, and what is assumed."""
-        found = self.record.summary()
+        """The entries of summary.json (docs/keys.md), the checks in words, the areal density of a ply, and what is
+        assumed."""
+        found = self.record.summary() | {"checks": self.checks_text}
         if self.fabric is not None:
             found["areal_density_kg_m2"] = float(self.fabric.weave.areal_density)
         if self.assumed:
@@ -67,29 +94,33 @@ class ShotResult(Result):
         return found
 
     def __repr__(self) -> str:
-        record = self.record
-        words = f"{record.fabric}, {self.strike_velocity:g} m/s: {self.outcome}"
         more = f", assumed: {len(self.assumed)} laws" if self.assumed else ""
-        return f"ShotResult({words}, residual velocity {self.residual_velocity:.4g} m/s{more})"
+        velocity = f"residual velocity {self.residual_velocity:.4g} m/s"
+        return f"ShotResult({self._what()}, {velocity}{more}, checks {self.checks_text})"
+
+    def _what(self):
+        return f"{self.record.fabric}, {self.strike_velocity:g} m/s: {self.outcome}"
 
     def _columns(self):
         record = self.record
         columns = {
             "time_s": record.time, "velocity_m_s": record.velocity, "nose_position_m": record.nose_position,
+            "deflection_m": record.deflection, "contact_force_N": record.contact_force,
             "failed_yarn_segments": record.failed_segments,
         }  # fmt: skip
         columns |= {f"energy_{name}_J": values for name, values in record.energies.items()}
         reactions = getattr(record, "reactions", {})
-        return columns | {f"reaction_{name}_N": values for name, values in reactions.items()}
+        columns |= {f"reaction_{name}_N": values for name, values in reactions.items()}
+        return columns | {"checks": [self.checks_text] * len(record.time)}
 
-    def plot(self) -> Any:
+    def plot(self) -> Figure:
         """A matplotlib figure: velocity of the projectile [m/s] against time [us]."""
         from weavecell.report import pictures
 
         label = f"{self.record.fabric}, {self.strike_velocity:g} m/s"
         return figure(pictures.velocity, {label: (self.record.time, self.record.velocity)})
 
-    def plot_panel(self) -> Any:
+    def plot_panel(self) -> Figure:
         """A matplotlib figure: the whole panel or pack and the projectile at the end, seen from behind.
 
         Colours are the higher of warp and weft tension over the strength [%].
@@ -143,23 +174,42 @@ class SweepResult(Result, Sequence):
     def __len__(self) -> int:
         return len(self.shots)
 
-    def __getitem__(self, index: Any) -> Any:
+    @overload
+    def __getitem__(self, index: int) -> ShotResult: ...
+
+    @overload
+    def __getitem__(self, index: slice) -> tuple[ShotResult, ...]: ...
+
+    def __getitem__(self, index: int | slice) -> ShotResult | tuple[ShotResult, ...]:
         return self.shots[index]
 
     def __iter__(self) -> Iterator[ShotResult]:
         return iter(self.shots)
 
+    @property
+    def checks(self) -> tuple[Indicator, ...]:
+        """Each quality check of the shot in which it is worst, without unstable shots."""
+        from shellfabric.panel import quality
+
+        return quality.worst(shot.checks for shot in self.shots if shot.outcome != "unstable")
+
+    def _what(self):
+        some = [f"{shot.strike_velocity:g} m/s" for shot in self.shots if shot.doubtful and shot.outcome != "unstable"]
+        return f"sweep of {len(self.shots)} shots, doubtful at {', '.join(some)}; worst"
+
     def summary(self) -> dict[str, Any]:
-        """Number of shots of each outcome."""
-        outcomes = [shot.outcome for shot in self.shots]
-        return {"shots": len(self.shots)} | {name: outcomes.count(name) for name in dict.fromkeys(outcomes)}
+        """Number of shots of each outcome and of doubtful ones, and the worst checks in words."""
+        outcomes: list[str] = [shot.outcome for shot in self.shots]
+        found: dict[str, Any] = {"shots": len(self.shots)}
+        found |= {name: outcomes.count(name) for name in dict.fromkeys(outcomes)}
+        return found | {"doubtful": sum(shot.doubtful for shot in self.shots), "checks": self.checks_text}
 
     def _columns(self):
         rows = [{key: value for key, value in shot.summary().items() if plain(value)} for shot in self.shots]
         names = dict.fromkeys(name for row in rows for name in row)
         return {name: [row.get(name) for row in rows] for name in names}
 
-    def plot(self) -> Any:
+    def plot(self) -> Figure:
         """A matplotlib figure: residual against strike velocity [m/s]."""
 
         def draw(pyplot):
@@ -231,15 +281,35 @@ class CriticalVelocityResult(Result):
         return float(self.limit.low), float(self.limit.high)
 
     @property
+    def checks(self) -> tuple[Indicator, ...]:
+        """Each quality check of the shot in which it is worst."""
+        from shellfabric.panel import quality
+
+        return quality.worst(shot.checks for shot in self.limit.shots)
+
+    @property
+    def bracket_checks(self) -> str:
+        """ "ok", or which end of the bracket, or of the zone of mixed outcomes, is a doubtful shot, and why."""
+        from weavecell.report import checks
+
+        return checks.of_bracket(self.limit)
+
+    def _what(self):
+        bracket = self.bracket_checks
+        found = f"{self.fabric.name}, critical velocity"
+        return found if bracket == "ok" else f"{found}: the limit rests on a {bracket}; of all shots"
+
+    @property
     def mixed_zone(self) -> tuple[float, float] | None:
         """(lowest perforation, highest stop) [m/s] where the outcomes are mixed, or None."""
         return self.limit.mixed_zone
 
     def summary(self) -> dict[str, Any]:
-        """Velocity, bracket and number of shots."""
+        """Velocity, bracket, number of shots; doubtful shots that the limit rests on, and the worst checks of all."""
         low, high = self.bracket
-        found = {"fabric": self.fabric.name, "critical_velocity_m_s": self.velocity, "stop_m_s": low}
+        found: dict[str, Any] = {"fabric": self.fabric.name, "critical_velocity_m_s": self.velocity, "stop_m_s": low}
         found |= {"perforation_m_s": high, "shots": len(self.limit.shots)}
+        found |= {"bracket_checks": self.bracket_checks, "checks": self.checks_text}
         if self.mixed_zone is not None:
             found |= dict(zip(("lowest_perforation_m_s", "highest_stop_m_s"), self.mixed_zone))
         if self.assumed:
@@ -249,12 +319,17 @@ class CriticalVelocityResult(Result):
         return found
 
     def _columns(self):
+        from weavecell.report import checks
+
         shots = sorted(self.limit.shots, key=lambda shot: shot.strike_velocity)
         units = {"strike_velocity": "m_s", "residual_velocity": "m_s", "time": "s"}
         columns = {f"{name}_{unit}": [getattr(shot, name) for shot in shots] for name, unit in units.items()}
-        return columns | {"outcome": [shot.outcome for shot in shots]}
+        return columns | {
+            "outcome": [shot.outcome for shot in shots],
+            "checks": [checks.words(shot.checks) for shot in shots],
+        }
 
-    def plot(self) -> Any:
+    def plot(self) -> Figure:
         """A matplotlib figure: residual against strike velocity [m/s], the bracket and the Lambert-Jonas curve."""
         from weavecell.report import pictures
 

@@ -5,17 +5,20 @@ from __future__ import annotations
 from collections.abc import Iterable
 from concurrent.futures import Executor
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal, Unpack
 
 from fabrics import assumed, catalogue
 from fabrics.checks import FilePath
+from fabrics.compression import CompressionLaw
 from fabrics.errors import InputError, UnstableError
 from fabrics.executors import as_done, open_executor
 from fabrics.fabric import Fabric
-from fabrics.ply_law import PlyLaw
+from fabrics.surface import ResponseSurface
 from fabrics.variants import with_linear_density
-from weavecell.api import quantities
+from weavecell.api import keywords, quantities
+from weavecell.api.keywords import Keywords
 from weavecell.api.results import CriticalVelocityResult, DrawsResult, ShotResult, SweepResult
+from weavecell.scenes.schema import InlineLaw
 
 if TYPE_CHECKING:
     from shellfabric.impact.pack import PackSetup
@@ -37,7 +40,7 @@ def fabrics() -> tuple[str, ...]:
     return catalogue.list_names()
 
 
-def fabric(name: FilePath, *, linear_density: str = "effective") -> Fabric:
+def fabric(name: FilePath, *, linear_density: Literal["effective", "nominal"] = "effective") -> Fabric:
     """A fabric of the catalogue, or of a user's file.
 
     Parameters
@@ -62,79 +65,67 @@ def fabric(name: FilePath, *, linear_density: str = "effective") -> Fabric:
     return with_linear_density(catalogue.load(name), linear_density)
 
 
-def setup(
-    fabric: Fabric | FilePath, velocity: float | str, *, law: Any = None, projectile: Any = None,
-    opening: Any = 0.203, plies: int = 1, stacking: str = "aligned", ply_gap: float | str | None = None,
-    ply_contact: PlyLaw | FilePath | None = None, ply_friction: float = 0.0,
-    end_time: float | str = 800e-6, snapshot_interval: float | str | None = None, **options: Any,
-) -> ImpactSetup | PackSetup:  # fmt: skip
+def setup(fabric: Fabric | FilePath, velocity: float | str, **options: Unpack[Keywords]) -> ImpactSetup | PackSetup:
     """The set-up of one impact, for `sweep` or `shellfabric`.
 
     Parameters
     ----------
     fabric : Fabric, or what `weavecell.fabric` takes
-    velocity : [m/s] of the strike
-    law : compression law of both families, a pair (warp, weft), a law.json or a CalibrationResult; None takes the
-        fabric's
-    projectile : Projectile, or its fields {"mass": [kg], "diameter": [m], "shape": ..., ...}; None is the flat cylinder
-        of 3 g and 5.5 mm
-    opening : [m] side of the panel, or (along warp, along weft)
-    plies : number
-    stacking : "aligned" or "alternating", of a pack
-    ply_gap : [m] between plies at rest; None takes the fabric's
-    ply_contact : contact law of plies: PlyLaw, "solid", "pressure_law", or the path of a law.json or CSV file; None
-        takes that of the fabric (`fabrics.ply_law.PlyLaw.of`)
-    ply_friction : [-] Coulomb's coefficient between plies
-    end_time : [s] at the latest
-    snapshot_interval : [s] between the shapes for `to_vtk`; None for the last alone
-    options : further fields of `shellfabric.impact.single_ply.ImpactSetup` in SI units, such as elements_per_crossover,
-        symmetry, edge, weave_angle, backing, history, numerics, cell_model
+    velocity : [m/s] of the strike, or a text such as "92.5 m/s"
+    options : the keys of the input file (docs/keys.md), numbers in SI units or texts with a unit. Those of [fabric],
+        [panel] and [run] are keywords: law, cell_model, cell_formulation, cell_profile, crossover_gap, surface,
+        bending, weaving_damage; opening (default 203 mm), boundary, symmetry, weave_angle, plies, stacking, ply_gap,
+        ply_contact, ply_friction, yarn_failure, grading, crossovers, crossover_friction, crossover_cohesion; end_time
+        (default 800 us), elements_per_crossover, snapshot_interval (default: only the shape at the end). The tables
+        [projectile], [history], [numerics] and [backing] are dicts: projectile={"mass": "1.1 g", "diameter": "5.4 mm",
+        "edge_radius": "0.3 mm"}, whose three keys are required as in the file; without it the projectile is the flat
+        cylinder of 3 g and 5.5 mm with an edge radius of 0.3 mm. law is a CompressionLaw of both families, a pair
+        (warp, weft), the path of a law.json, a dict {"a": ..., "b": ...} or a CalibrationResult; without it that of
+        the fabric. surface may be a ResponseSurface, ply_contact a PlyLaw
 
     Raises
     ------
-    InputError : a value that is not allowed, a law that is missing, or an option that does not exist
+    InputError : an unknown keyword, a value that is not allowed, or a law that is missing
 
     Examples
     --------
     >>> setup("S-720", "92.5 m/s", opening="50 mm").opening
     0.05
     """
-    from shellfabric.impact.pack import PackSetup
-    from shellfabric.impact.single_ply import ImpactSetup
+    from weavecell.scenes import build
 
     cloth = assumed.with_shear(as_fabric(fabric))
-    unknown = sorted(set(options) - set(ImpactSetup.__dataclass_fields__))
-    if unknown:
-        known = ", ".join(key for key in ImpactSetup.__dataclass_fields__ if key not in ("fabric", "strike_velocity"))
-        raise InputError(key=unknown[0], value=options[unknown[0]], allowed=f"one of {known}")
-    if options.get("surface") is None and options.get("cell_model", "compressible") == "compressible":
-        options["laws"] = quantities.laws(cloth, options.get("laws") if law is None else law)
-    if ply_contact is not None:
-        cloth = replace(cloth, ply_contact=PlyLaw.chosen(ply_contact, cloth))
-    ply = ImpactSetup(
-        fabric=cloth, strike_velocity=_above_zero(velocity, "m/s", "velocity"),
-        projectile=quantities.projectile(projectile), opening=quantities.lengths(opening, "opening"),
-        end_time=_above_zero(end_time, "s", "end_time"),
-        snapshot_interval=None if snapshot_interval is None else quantities.number(snapshot_interval, "s", "interval"),
-        **options,
-    )  # fmt: skip
-    if plies == 1:
-        return ply
-    gap = None if ply_gap is None else quantities.number(ply_gap, "m", "ply_gap")
-    return PackSetup(ply, plies, stacking, gap, friction=ply_friction)
+    scene = keywords.scene(cloth.name, velocity, options)
+    law, table = options.get("law"), scene.fabric
+    surface = options.get("surface")
+    try:
+        cloth = build.damaged(cloth, table)
+        if scene.panel.plies > 1:
+            cloth = build.with_ply_contact(cloth, options.get("ply_contact"), law)
+        cell = build.surface_of(table, cloth, None, surface if isinstance(surface, ResponseSurface) else None)
+        if isinstance(table.law, InlineLaw):
+            law = CompressionLaw(table.law.a, table.law.b, table.law.form)
+        laws = quantities.laws(cloth, law) if cell is None and table.cell_model == "compressible" else None
+        ply = build.setup(build.Case("", cloth, laws, "", scene, cell), None)  # type: ignore[arg-type]
+    except InputError as problem:
+        raise keywords.named(problem) from None
+    if options.get("snapshot_interval") is None:
+        ply = replace(ply, snapshot_interval=None)
+    return ply if scene.panel.plies == 1 else build.pack_setup(ply, scene.panel)
 
 
 def shoot(
-    fabric: Fabric | FilePath, velocity: float | str, *, assumed_range: bool = False, **options: Any
+    fabric: Fabric | FilePath, velocity: float | str, *, assumed_range: bool = False, **options: Unpack[Keywords]
 ) -> ShotResult:
     """Fire a projectile at a panel, in this process.
 
-    A shot that is still in flight at `end_time` is a result with the outcome "in flight".
+    A shot that is still in flight at `end_time` is a result with the outcome "in flight". A shot with a quality check
+    beyond its limit (docs/checks.md) is `doubtful`, and warns with the category `DoubtfulResult`.
 
     Parameters
     ----------
     fabric, velocity, options : as of `setup`
-    assumed_range : whether the residual velocity's range over assumed laws is computed: two or four more shots, for one
+    assumed_range : whether the residual velocity's range over assumed laws is computed: up to eight more shots, for one
         ply
 
     Returns
@@ -146,13 +137,16 @@ def shoot(
     InputError : as `setup`
     UnstableError : the run became unphysical; its attribute `result` is the ShotResult up to then
     """
-    given: Any = setup(fabric, velocity, **options)
+    from shellfabric.impact.pack import PackSetup
+
+    given = setup(fabric, velocity, **options)
     shot, problem = _fire(given)
     if problem:
         error = UnstableError(problem)
         error.result = shot
         raise error
-    if assumed_range and options.get("plies", 1) == 1:
+    shot.warn()
+    if assumed_range and not isinstance(given, PackSetup):
         from weavecell.analysis import assumed_range as analysis
 
         shot = replace(shot, range=analysis.residual_velocity(given, shot.outcome, shot.residual_velocity))
@@ -175,7 +169,8 @@ def sweep(
 
     Returns
     -------
-    SweepResult, in the order of `setups`; an unstable shot has the outcome "unstable"
+    SweepResult, in the order of `setups`; an unstable shot has the outcome "unstable". Doubtful shots warn, all in one
+    `DoubtfulResult`
 
     Raises
     ------
@@ -186,7 +181,9 @@ def sweep(
     with open_executor(executor, jobs) as pool:
         for index, (shot, _) in as_done(pool, _fire, given, jobs=jobs):
             found[index] = shot
-    return SweepResult(tuple(found[index] for index in range(len(given))))
+    result = SweepResult(tuple(found[index] for index in range(len(given))))
+    result.warn()
+    return result
 
 
 def draws(
@@ -227,7 +224,7 @@ def _fire(given):
     """(ShotResult, why it became unstable or "") of a set-up."""
     from shellfabric.impact import pack, single_ply
     from weavecell.results.impact import ImpactRecord
-    from weavecell.results.impact_base import Shape
+    from weavecell.results.impact_shapes import Shape
     from weavecell.results.pack import PackRecord
 
     several = isinstance(given, pack.PackSetup)
@@ -249,19 +246,22 @@ def _fire(given):
 
 def critical_velocity(
     fabric: Fabric | FilePath, *, tolerance: float | str = 1.0, residual_shots: int = 8, scan: bool = True,
-    assumed_range: bool = False, jobs: int = 1, executor: str | Executor = "local", **options: Any,
+    assumed_range: bool = False, jobs: int = 1, executor: str = "local", **options: Unpack[Keywords],
 ) -> CriticalVelocityResult:  # fmt: skip
     """Bisect for the strike velocity between stop and perforation of one ply.
+
+    A shot with a quality check beyond its limit counts with its outcome, but a limit with such a shot at an end of
+    its bracket or mixed zone is not sound: the result says so (`bracket_checks`), and warns with `DoubtfulResult`.
 
     With jobs = 1 and the local executor, no process is started; more jobs are threads of this process.
 
     Parameters
     ----------
-    fabric, options : as of `setup`, without velocity and end_time
+    fabric, options : as of `setup`, without velocity, end_time, snapshot_interval and history, and for one ply
     tolerance : [m/s] at most between a stop and a perforation
     residual_shots : shots above the limit, for the Lambert-Jonas fit
     scan : whether the velocities about the bracket are scanned for mixed outcomes (`limit_scan`)
-    assumed_range : whether the range over assumed laws is computed: two or four more searches
+    assumed_range : whether the range over assumed laws is computed: up to eight more searches
     jobs, executor : as of `shellfabric.impact.ballistic_limit.critical_velocity`
 
     Returns
@@ -279,10 +279,7 @@ def critical_velocity(
     from shellfabric.impact import ballistic_limit, lambert_jonas, limit_scan
     from weavecell.analysis import assumed_range as analysis
 
-    if options.get("plies", 1) != 1:
-        raise InputError(
-            key="plies", value=options["plies"], allowed="1: the critical velocity of a pack is not available"
-        )
+    _check_search(options)
     given: Any = setup(fabric, 100.0, **options)
     width = _above_zero(tolerance, "m/s", "tolerance")
     panel = given.panel()
@@ -301,7 +298,19 @@ def critical_velocity(
     around = None
     if assumed_range:
         around = analysis.critical_velocity(given, limit.velocity, tolerance=width, **beside)
-    return CriticalVelocityResult(given.fabric, limit, fit, tuple(assumed.lines(given.fabric)), around)
+    result = CriticalVelocityResult(given.fabric, limit, fit, tuple(assumed.lines(given.fabric)), around)
+    result.warn()
+    return result
+
+
+def _check_search(options):
+    if options.get("plies", 1) != 1:
+        allowed = "1: the critical velocity of a pack is not available"
+        raise InputError(key="plies", value=options["plies"], allowed=allowed)
+    for key in ("end_time", "snapshot_interval", "history"):
+        if key in options:
+            allowed = "left out: a shot of the search ends with its outcome, and records nothing"
+            raise InputError(key=key, allowed=allowed)
 
 
 def as_fabric(given: Fabric | FilePath) -> Fabric:

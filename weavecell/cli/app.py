@@ -1,7 +1,7 @@
 """The `weavecell` command. Nothing heavy is imported before a command needs it, so that help comes at once.
 
-Exit codes: 0 done; 2 bad input (one line on stderr, nothing written); 3 a run became unstable (what it had computed is
-kept); 130 interrupted.
+Exit codes: 0 done; 2 bad input (a line on stderr for each problem, nothing written); 3 a run became unstable (what it
+had computed is kept); 130 interrupted.
 """
 
 from __future__ import annotations
@@ -13,12 +13,11 @@ from typing import Annotated, Any, NoReturn
 
 import typer
 
-from fabrics.errors import InputError, WeavecellError
+from fabrics.errors import InputError, WeavecellError, marked
 from weavecell.cli import (
     crossover,
     mesh_calibrate_surface,
     new_fabric,
-    renamed_options,
     shell,
     uncertainty,
     validation,
@@ -154,7 +153,7 @@ def main(arguments: Iterable[str] | None = None) -> NoReturn:
     usage_error: Any = next(base for base in typer.BadParameter.__mro__ if base.__name__ == "ClickException")
     try:
         words = sys.argv[1:] if arguments is None else list(arguments)
-        code = app(args=renamed_options.upgraded(words), standalone_mode=False)
+        code = app(args=words, standalone_mode=False)
     except WeavecellError as problem:
         _fail(str(problem), problem.exit_code)
     except usage_error as problem:
@@ -180,5 +179,5 @@ def _hint(package):
 
 def _fail(line, code):
     if line:  # a command without its sub-command has printed its help and has nothing to add
-        print(f"error: {line}", file=sys.stderr)
+        print(marked(line), file=sys.stderr)
     sys.exit(code)

@@ -70,12 +70,20 @@ def new(
 
 
 def _prompt(fabric_file):
-    """{key: Value} that the user types in; a wrong value is to be typed again."""
+    """{key: Value} that the user types in; a wrong value is to be typed again, and one that may be open left empty."""
     source = typer.prompt("source of the values", default="data sheet")
     found = {}
     for key, (_, example, meaning) in fabric_file.KEYS.items():
-        warp = _value(fabric_file, key, f"{key} of the warp, {meaning}, such as {example}")
-        weft = _value(fabric_file, key, f"{key} of the weft", default=warp)
+        others = fabric_file.INSTEAD.get(key, ())
+        skip = f" (Enter: from the {others[-1]})" if others else ""
+        warp = _value(
+            fabric_file, key, f"{key} of the warp, {meaning}, such as {example}{skip}", "" if others else None
+        )
+        if not warp:
+            key = others[-1]
+            _, example, meaning = fabric_file.ALL[key]
+            warp = _value(fabric_file, key, f"{key}, {meaning}, such as {example}")
+        weft = "" if key in fabric_file.OF_FABRIC else _value(fabric_file, key, f"{key} of the weft", warp)
         found[key] = fabric_file.Value(warp, weft, source)
     return found
 
@@ -83,6 +91,7 @@ def _prompt(fabric_file):
 def _value(fabric_file, key, text, default=None):
     while True:
         try:
-            return fabric_file.check(key, typer.prompt(text, default=default))
+            given = typer.prompt(text, default=default, show_default=bool(default))
+            return fabric_file.check(key, given) if given or default is None else ""
         except InputError as problem:
             typer.echo(str(problem), err=True)

@@ -103,9 +103,11 @@ def tell(fabric: Fabric, done: Calibration, out: Path) -> None:
             print(f"{name + ' alone':<12}a = {1e3 * own.a:.4f} mm, b = {1e3 * own.b:.4f} mm N^(1/3)")
     if done.ratio_law is not None:
         print(
-            f"{'by tension':<12}a law that sees the tension ratio leaves {1e6 * done.ratio_law.residual_rms:.2f} um rms"  # type: ignore[operator]
+            f"{'alternative':<12}compliance that depends on the ratio of warp and weft tension: "
+            f"{1e6 * done.ratio_law.residual_rms:.2f} um rms"  # type: ignore[operator]
         )
-    print(f"{'chosen':<12}{done.chosen}" + ("" if done.chosen == "one law" else " (the shell takes the one law)"))
+    better = "" if done.chosen == "one law" else ", although the alternative fits the paths better"
+    print(f"{'impacts use':<12}the fitted law{better}")
     for end, (low, high) in zip(("soft", "stiff"), law.assumed_range or ()):
         print(f"{end + ' end':<12}a = {1e3 * low:.4f} mm, b = {1e3 * high:.4f} mm N^(1/3), of the assumed solid law")
     if done.contact is not None:
@@ -228,7 +230,7 @@ def _laws(done):
         c = " .. ".join(f"{1e6 * ratio.compliance(m):.3f}" for m in ratio.m_range)
         name = f"c F / (1 + F / {ratio.F0:.3g} N), c = {c} µm/N, all weft .. all warp"
         rows.append((name, "-", "-", _um(ratio.residual_rms)))
-    return Table(columns, tuple(rows), f"Laws; chosen: {done.chosen}", numeric=columns[1:])
+    return Table(columns, tuple(rows), "Fitted laws; impacts use the joint one", numeric=columns[1:])
 
 
 def _um(value):

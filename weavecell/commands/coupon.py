@@ -42,7 +42,7 @@ SUPPORT = Support(
     "weavecell coupon",
     scenes_coupon.CouponScene,
     (
-        "format", "title", *build.CLOTH, "fabric.fibre_slack", "fabric.bending",
+        "title", *build.CLOTH, "fabric.fibre_slack", "fabric.bending",
         *of("bias_extension", "length width elongation trellis"),
         *of("picture_frame", "shear_angle crossovers"),
         *of("uniaxial", "direction length width strain failure"),

@@ -37,7 +37,7 @@ if TYPE_CHECKING:
 SUPPORT = Support(
     "weavecell critical-velocity",
     scenes_impact.Scene,
-    ("format", *build.SHOT, "panel.grading", *build.CROSSOVERS),
+    (*build.SHOT, "panel.grading", *build.CROSSOVERS),
     ignored=(
         "title", "projectile.strike_velocity",
         *of("run", "end_time snapshot_interval checkpoint_interval outputs"),
@@ -97,7 +97,8 @@ def critical_velocity(
 
     def keep(share, shot):
         shots.append(shot)
-        advance(share, f"{shot.outcome} at {shot.strike_velocity:.1f} m/s")
+        doubt = ", doubtful" if checks.status(shot.checks) == checks.DOUBTFUL else ""
+        advance(share, f"{shot.outcome} at {shot.strike_velocity:.1f} m/s{doubt}")
 
     beside: dict[str, Any] = {"jobs": jobs, "executor": executor, "report": keep}
     try:
@@ -209,6 +210,7 @@ def _write(out, this, found, fit, shots, indicators, scan, wall_time, text, arou
         "scan": asdict(scan),
         "lambert_jonas": asdict(fit) if fit else None,
         "shots": [_entry(shot) for shot in shots],
+        "bracket_checks": checks.of_bracket(found),
         **checks.summary(indicators),
         **chapters_assumed.summary(around),
         "wall_time_s": wall_time,
@@ -244,6 +246,8 @@ def _tell(this, found, fit, shots, out):
         print(f"{this.fabric.name}: no single critical velocity, mixed outcomes from {low:.1f} to {high:.1f} m/s")
         print(f"lowest perforation {low:.2f} m/s, highest stop {high:.2f} m/s; {len(shots)} shots")
         print(f"{len(inside)} shots in this zone: {sum(inside)} perforate, {len(inside) - sum(inside)} stop")
+    if (doubt := checks.of_bracket(found)) != checks.OK:
+        print(f"the limit rests on a {doubt}")
     if fit is not None:
         print(f"Lambert-Jonas: {parameters(fit)}, rms {fit.residual_rms:.1f} m/s")
     print(f"written to {out}", flush=True)

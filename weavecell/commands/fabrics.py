@@ -6,9 +6,11 @@ import csv
 import shutil
 from pathlib import Path
 
-from fabrics import catalogue
+from fabrics import assumed, catalogue
+from fabrics.data_sheet import FAMILIES, FROM_THICKNESS, entries
 from fabrics.errors import InputError
 from fabrics.files import replace_whole, write_whole
+from shellfabric.plies.gap import ply_gap
 from weavecell.report.derived import derived
 
 # heading, unit, and what stands in the column
@@ -35,15 +37,61 @@ def show_all(out: Path | None = None) -> None:
 
 
 def show(name: str, out: Path | None = None) -> None:
-    """Print one fabric: what follows from its data, then each number with its source."""
-    fabric = catalogue.load(name)
+    """Print one fabric: what follows from its data, what is assumed, then each number with its source.
+
+    Assumed are crimp, trellis law, solid laws, ply gap and section of the yarns where its file does not give them.
+    """
+    given = catalogue.load(name)
+    fabric = _completed(given)
     if out is not None:
         _copy(name, Path(out))
     _print_table(f"{fabric.name}: what follows", ["quantity", "value"], derived(fabric))
-    rows = [(key, entry["value"], entry["status"], entry["source"]) for key, entry in fabric.sources.items()]
+    for note in fabric.notes:
+        print(note)
+    rows = _assumptions(given, fabric)
+    if rows:
+        _print_table(f"{fabric.name}: what is assumed", ["key", "value (range)", "source"], rows, numeric=False)
+    rows = [(key, entry["value"], entry["status"], entry["source"]) for key, entry in given.sources.items()]
     _print_table(
         f"{fabric.name}: where each number comes from", ["key", "value", "status", "source"], rows, numeric=False
     )
+
+
+def _completed(fabric):
+    """The fabric with the laws that are assumed for it, as far as its yarns belong to a family."""
+    for complete in (assumed.with_shear, assumed.with_solid_laws):
+        try:
+            fabric = complete(fabric)
+        except InputError as problem:
+            print(f"note: {problem}")
+    return fabric
+
+
+def _assumptions(given, fabric):
+    """(key, value with its range, source) of what the file does not give and a command takes in its place."""
+    rows = []
+    if "crimp" in fabric.assumed:
+        share, factor = (entries()[name] for name in ("warp_share", "thickness"))
+        ends = assumed.crimp_ends(fabric).values()
+        for k, family in enumerate(FAMILIES):
+            found = [each.weave.yarns[k].crimp for each in (fabric, *ends)]
+            span = f"{100 * found[0]:.2f} % ({100 * min(found):.2f} .. {100 * max(found):.2f} %)"
+            if given.sources[f"{family}.crimp"]["source"] == FROM_THICKNESS:
+                rows.append((f"{family}.crimp", span, FROM_THICKNESS))
+        rows.append(("thickness, factor", factor.written, factor.source))
+        rows.append(("warp share of the heights", share.written, share.source))
+    rows += [
+        (key, entry["value"], entry["source"]) for key, entry in fabric.sources.items() if key not in given.sources
+    ]
+    gap = ply_gap(given)
+    if gap.high > gap.low:
+        rows.append((
+            "interlayer_gap", f"{1e3 * gap.value:.3g} mm ({1e3 * gap.low:.3g} .. {1e3 * gap.high:.3g} mm)",
+            f"{gap.source}; {entries()['ply_gap'].source}",
+        ))  # fmt: skip
+    if given.section is None:
+        rows.append(("section", "sine, ellipse or conforming", "the first of these that fits (3D crossover)"))
+    return rows
 
 
 def _copy(name, folder):

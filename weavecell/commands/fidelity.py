@@ -23,7 +23,7 @@ SUPPORT = Support(
     "weavecell impact",
     scenes_impact.Scene,
     (
-        "format", "title", *build.SHOT, "projectile.strike_velocity",
+        "title", *build.SHOT, "projectile.strike_velocity",
         *of("run", "end_time snapshot_interval checkpoint_interval outputs"),
         *of("history", "interval warp weft report_positions"),
         *of("accuracy", "residual_velocity absorbed_energy deflection peak_tension"),

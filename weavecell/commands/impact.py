@@ -5,7 +5,7 @@ The folder of `weavecell impact`
     histories.h5    scalars, histories and the panel at the end (`results.impact.ImpactRecord`)
     summary.json    outcome, energies, provenance
     panel.pvd       the ParaView series of panel/panel-*.vtu
-    pictures/       velocity, energies and reactions (.svg), panel.png
+    pictures/       histories, cuts, energies and reactions (.svg), panel.png
     report.html     all of it on one page
     checkpoint.h5   only while the run goes on, or after it was interrupted: `--resume` goes on from it
 
@@ -27,16 +27,16 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import weavecell
 from fabrics.errors import InputError, UnstableError, WeavecellError
 from weavecell.analysis import assumed_range
 from weavecell.commands import fidelity, impact_pack
-from weavecell.report import chapters, chapters_assumed, chapters_discretisation, chapters_impact, checks
+from weavecell.report import chapters_assumed, chapters_discretisation, checks
 from weavecell.report import page as report_page
+from weavecell.report.shot import shot_page, tables_shot
 from weavecell.results import paraview, progress, provenance, run_folder
 from weavecell.results.impact import ImpactRecord
-from weavecell.results.impact_base import Shape
-from weavecell.scenes import build, words
+from weavecell.results.impact_shapes import Shape
+from weavecell.scenes import build
 from weavecell.scenes import impact as scenes_impact
 from weavecell.scenes.supported import Support, of
 
@@ -51,7 +51,7 @@ SUPPORT = Support(
     "weavecell impact",
     scenes_impact.Scene,
     (
-        "format", "title", *build.SHOT, "projectile.strike_velocity", "panel.plies", "panel.grading",
+        "title", *build.SHOT, "projectile.strike_velocity", "panel.plies", "panel.grading",
         *build.CROSSOVERS,
         *of("run", "end_time snapshot_interval checkpoint_interval outputs"),
         *of("history", "interval warp weft report_positions"),
@@ -124,7 +124,7 @@ def impact(
     plain = with_range and choice is None and failure is None
     around = _range(setup, record) if plain else None
     with progress.bar("Writing results") as advance:
-        write(out, this, record, snapshots, text, advance, choice, around, pair)
+        write(out, this, setup, record, snapshots, text, advance, choice, around, pair)
     for checkpoint in checkpoints(out):
         checkpoint.unlink()
     _tell(record, out, around, choice, pair)
@@ -179,7 +179,7 @@ def fire(
 
 
 def write(
-    out: Path, this: build.Case, record: ImpactRecord, snapshots: Sequence[Snapshot], text: str,
+    out: Path, this: build.Case, setup: ImpactSetup, record: ImpactRecord, snapshots: Sequence[Snapshot], text: str,
     advance: Callable[..., object], choice: Answer | None = None, around: Any = None,
     pair: Discretisation | None = None,
 ) -> None:  # fmt: skip
@@ -197,56 +197,18 @@ def write(
     advance(0.4)
     if not {"pictures", "report"} & set(outputs):
         return
-    sections = [chapters.impact([record])]
-    if choice is not None:
-        sections.append(fidelity.chapter(choice))
-    if around is not None:
-        sections.append(chapters_assumed.section(around))
-    if pair is not None:
-        sections.append(chapters_discretisation.section(pair))
-    if record.measured is not None:
-        sections.append(chapters_impact.measures(record.measured, this.scene.history.report_positions))
-    sections += chapters_impact.body(record)
+    chosen = None if choice is None else fidelity.chapter(choice)
+    used = setup if choice is None else choice.final.option.setup
+    sections = shot_page.sections(this, used, record, chosen, around, pair)
     if "pictures" in outputs:
         report_page.write_pictures(sections, out / "pictures")
     advance(0.9)
     if "report" in outputs:
-        report_page.write(page(this, record, sections, stamp), out / "report.html")
-
-
-def page(
-    this: build.Case, record: ImpactRecord, sections: list[report_page.Section], stamp: dict[str, str]
-) -> report_page.Report:
-    """The report of one impact; `sections` are its chapters."""
-    model = this.scene.fabric.cell_model
-    shot, panel = this.scene.projectile, this.scene.panel
-    if this.surface is None:
-        source = this.law_name if model == "compressible" else model
-        laws, cell = (
-            (chapters.law_card(this.laws[0], source=source),),
-            (chapters.cell(this.fabric, {this.law_name: this.laws}, model, **chapters.options(this.scene.fabric)),),
-        )
-    else:
-        laws, cell = (), ()  # type: ignore[assignment]
-    cards = (chapters.fabric_card(this.fabric), *laws, chapters.impact_card(record))
-    return report_page.Report(
-        record.title,
-        f"One ply of {record.fabric}, {words.panel_in_words(panel)}, struck at {shot.strike_velocity:g} m/s by "
-        f"{words.shot_in_words(shot)}.",
-        (cards,),
-        (
-            *sections,
-            *cell,
-            checks.section(record.checks),
-            chapters.sources(this.fabric),
-            chapters.making(stamp, {"marching": record.wall_time}),
-        ),
-        f"weavecell {weavecell.__version__}, {stamp['date']}",
-    )
+        report_page.write(shot_page.page(this, used, record, sections, stamp), out / "report.html")
 
 
 def _tell(record, out, around, choice, pair):
-    print(f"{record.title}: {record.outcome}, {chapters.residual(record)}")
+    print(f"{record.title}: {record.outcome}, {tables_shot.residual(record)}")
     print(
         f"energy error at most {100 * record.energy_error_max:.3f} % of the strike energy, {record.strike_energy:.2f} J"
     )

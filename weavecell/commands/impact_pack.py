@@ -5,7 +5,7 @@ The folder of `weavecell impact` where panel.plies is above 1
     histories.h5    scalars, histories, every ply at the end (`results.pack.PackRecord`)
     summary.json    outcome, energies, what each ply bore, provenance
     pack.pvd        the ParaView series of pack/pack-*.vtu: all plies, distinguished by "ply"
-    pictures/       velocity, energies, cuts, plies and pushes (.svg), rear ply (.png)
+    pictures/       histories, cuts, energies, reactions, plies and pushes (.svg), panel.png of the last ply
     report.html     all of it on one page
     checkpoint.h5   only while the run goes on, or after it was interrupted
 """
@@ -19,23 +19,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-import weavecell
 from fabrics.errors import InputError, UnstableError
 from weavecell.commands import fidelity
-from weavecell.report import (
-    chapters,
-    chapters_discretisation,
-    chapters_impact,
-    checks,
-    pictures,
-    pictures3d,
-    pictures_pack,
-)
+from weavecell.report import chapters_discretisation, checks
 from weavecell.report import page as report_page
-from weavecell.report.page import Report, Section
+from weavecell.report.shot import shot_page, tables_shot
 from weavecell.results import paraview, progress, provenance, run_folder
 from weavecell.results.pack import PackRecord
-from weavecell.scenes import build, words
+from weavecell.scenes import build
 from weavecell.scenes.build import Case
 from weavecell.scenes.impact import Scene
 from weavecell.scenes.supported import Support, of
@@ -51,7 +42,7 @@ SUPPORT = Support(
     "weavecell impact",
     Scene,
     (
-        "format", "title", *build.SHOT, "projectile.strike_velocity", "panel.plies", *build.OF_A_PACK, "panel.grading",
+        "title", *build.SHOT, "projectile.strike_velocity", "panel.plies", *build.OF_A_PACK, "panel.grading",
         *build.CROSSOVERS,
         *of("history", "interval warp weft report_positions"),
         *of("run", "end_time snapshot_interval checkpoint_interval outputs"),
@@ -97,7 +88,7 @@ def impact(
     except InputError as problem:
         raise in_file(problem, path) from None
     with progress.bar("Writing results") as advance:
-        write(out, this, record, snapshots, text, advance, choice, pair)
+        write(out, this, pack, record, snapshots, text, advance, choice, pair)
     for checkpoint in out.glob("checkpoint*.h5"):
         checkpoint.unlink()
     _tell(record, out)
@@ -134,8 +125,8 @@ def in_file(problem: InputError, path: Path) -> InputError:
 
 
 def write(
-    out: Path, this: Case, record: PackRecord, snapshots: Sequence[Any], text: str, advance: Callable[..., object],
-    choice: Answer | None = None, pair: Discretisation | None = None,
+    out: Path, this: Case, setup: PackSetup, record: PackRecord, snapshots: Sequence[Any], text: str,
+    advance: Callable[..., object], choice: Answer | None = None, pair: Discretisation | None = None,
 ) -> None:  # fmt: skip
     """Write everything but the checkpoint."""
     outputs, stamp = this.scene.run.outputs, provenance.stamp(text, this.fabric)
@@ -148,22 +139,14 @@ def write(
     advance(0.4)
     if not {"pictures", "report"} & set(outputs):
         return
-    sections = [chapter(record)]
-    if choice is not None:
-        sections.append(fidelity.chapter(choice))
-    if pair is not None:
-        sections.append(chapters_discretisation.section(pair))
-    if record.slips:
-        sections.append(chapters_impact.slips(record))
-    ends = dict.fromkeys((0, record.count - 1)) if record.measured else ()  # the ply that is struck, and the rear one
-    sections += [
-        chapters_impact.measures(record.measured[ply], this.scene.history.report_positions, ply + 1) for ply in ends
-    ]
+    chosen = None if choice is None else fidelity.chapter(choice)
+    used = setup if choice is None else choice.final.option.setup
+    sections = shot_page.sections(this, used, record, chosen, None, pair)
     if "pictures" in outputs:
         report_page.write_pictures(sections, out / "pictures")
     advance(0.9)
     if "report" in outputs:
-        report_page.write(page(this, record, sections, stamp), out / "report.html")
+        report_page.write(shot_page.page(this, used, record, sections, stamp), out / "report.html")
 
 
 def write_series(out: Path, record: PackRecord, snapshots: Sequence[Any]) -> None:
@@ -184,114 +167,12 @@ def write_series(out: Path, record: PackRecord, snapshots: Sequence[Any]) -> Non
     paraview.write_series(out / "pack.pvd", times)
 
 
-def chapter(record: PackRecord) -> Section:
-    """The impact: velocity, cuts, what the plies bear, energies, and the rear ply."""
-    figure, render = report_page.Figure, pictures.render
-    energies = record.energies | {
-        "yarn_strain": record.energies["yarn_strain"] + record.energies["formulation_residual"],
-        "contact": record.energies["contact"] + record.energies["ply_contact"],
-        "friction": record.energies["friction"] + record.energies.get("ply_friction", 0.0),
-    }
-    last, rear = record.shapes[-1], record.quads[-1]
-    share = np.max(last.tension / record.strength[-1], axis=1)
-    body, mirrors = last.projectile_position + record.projectile, (record.mirror_x, record.mirror_y)
-    failed = paraview.failed_yarns(last.failed)
-    images = [(f"at {1e6 * last.t:.0f} µs", pictures3d.panel(last.nodes, rear, share, failed, body, mirrors, reach))
-              for reach in (None, chapters.CLOSE_UP)]  # fmt: skip
-    figures = (
-        figure(render(pictures.velocity, {record.title: (record.time, record.velocity)}), "svg",
-               "Velocity of the projectile from strike to the end of the run.", "velocity"),
-        figure(render(pictures_pack.cuts, _chosen(record.cuts), record.thickness, record.mirror_x, _outline(record),
-                      chapters.CLOSE_UP), "svg",
-               "The pack cut open along x through the impact point, plies dark at the front to light at the rear. "
-               "Left: the whole width, heights stretched. Right: to scale, plies as bands of their thickness.", "cuts"),
-        figure(render(pictures_pack.shares, record.peak_tension / record.strength, record.plies["failed_yarns"][-1],
-                      record.plies["energy"][-1]), "svg",
-               "What each ply bears; a ply's energy is what it moves with, stores and has lost.", "plies"),
-        figure(render(pictures_pack.pushes, record.time, record.plies["push"], record.plies["deflection"]), "svg",
-               "Left: the nose pushes on the plies that it touches; the others are pushed by the one before them.",
-               "pushes"),
-        figure(render(pictures.energies, record.time, energies, record.strike_energy, record.energies["error"],
-                      record.title), "svg",
-               "Where the strike energy is; below, what the balance misses (green band: 1 %). Contact is that of the "
-               "nose and that between plies, and so is friction.", "energies", wide=False),
-        figure(render(pictures.panels, {"rear ply": tuple(images)}, kind="png"), "png",
-               "The rear ply, seen from behind, to scale; right, the impact point.", "panel"),
-    )  # fmt: skip
-    lead = (
-        f"{record.title} became unstable and was stopped: {record.failure_message}." if record.failure_message else ""
-    )
-    return report_page.Section("impact", "Impact", lead, figures, (chapters.impact_table([record]), _ply_table(record)))
-
-
-def _chosen(cuts):
-    """Three instants: the snapshots nearest to a fifth and a half of the time, and the end."""
-    end = cuts[-1].t
-    return [min(cuts, key=lambda cut, at=at: abs(cut.t - at * end)) for at in (0.2, 0.5)] + [cuts[-1]]
-
-
-def _outline(record):
-    """(n, 2) [m] of the projectile's surface as it is seen from the side, the foremost point at height 0."""
-    x, z = record.projectile[..., 0].ravel(), record.projectile[..., 2].ravel()
-    heights = np.unique(np.round(z, 7))
-    low = [x[np.abs(z - height) < 1e-6].min() for height in heights]
-    high = [x[np.abs(z - height) < 1e-6].max() for height in heights]
-    outline = np.concatenate([np.column_stack([low, heights]), np.column_stack([high, heights])[::-1]])
-    outline[:, 1] -= outline[:, 1].max()
-    return outline
-
-
-def _ply_table(record):
-    """One row a ply."""
-    columns = ("ply", "failed yarn segments", "highest tension / strength, warp", "weft", "energy at the end [J]")
-    peaks = record.peak_tension / record.strength
-    rows = tuple(
-        (str(p + 1), f"{record.plies['failed_yarns'][-1, p]:g}", f"{peaks[p, 0]:.2f}", f"{peaks[p, 1]:.2f}",
-         f"{record.plies['energy'][-1, p]:.2f}")
-        for p in range(record.count)
-    )  # fmt: skip
-    deepest = 100 * record.max_penetration_ratio.max()
-    caption = f"Warp and weft are each ply's own. Deepest contact: {deepest:.0f} % of a thickness."
-    held, missed = record.torn_contact
-    if held or missed:
-        caption += f" Torn cloth was kept from going through other plies {held:g} times, {missed:g} times in vain."
-    return report_page.Table(columns, rows, caption=caption, numeric=columns[1:])
-
-
-def page(this: Case, record: PackRecord, sections: Sequence[Section], stamp: dict[str, Any]) -> Report:
-    """The report of one impact on a pack; `sections` are its chapters."""
-    model, panel = this.scene.fabric.cell_model, this.scene.panel
-    source = this.law_name if model == "compressible" else model
-    laws = (chapters.law_card(this.laws[0], source=source),) if this.surface is None else ()
-    cards = (chapters.fabric_card(this.fabric), *laws, chapters.impact_card(record))
-    shot = this.scene.projectile
-    return report_page.Report(
-        record.title,
-        f"{record.count} plies of {record.fabric}, {record.stacking}, {1e3 * record.gaps[0]:.3g} mm apart, "
-        f"{words.panel_in_words(panel)}, struck at {shot.strike_velocity:g} m/s by {words.shot_in_words(shot)}. "
-        f"{_contact(record)}.",
-        (cards,),
-        (
-            *sections,
-            checks.section(record.checks),
-            chapters.sources(this.fabric),
-            chapters.making(stamp, {"marching": record.wall_time}),
-        ),
-        f"weavecell {weavecell.__version__}, {stamp['date']}",
-    )
-
-
-def _contact(record):
-    """The contact law of plies in words."""
-    travel = f"travel {1e6 * record.ply_contact_travel:.3g} um, then solid fibre"
-    return f"Contact of plies: {record.ply_contact_source} ({record.ply_contact_status}), {travel}"
-
-
 def _tell(record, out):
-    print(f"{record.title}: {record.outcome}, {chapters.residual(record)}")
-    print(_contact(record))
+    print(f"{record.title}: {record.outcome}, {tables_shot.residual(record)}")
+    print(record.contact_words)
     failed = ", ".join(f"{count:g}" for count in record.plies["failed_yarns"][-1])
     print(f"failed yarn segments by ply: {failed}")
+    print(record.gap_words)
     print(
         f"energy error at most {100 * record.energy_error_max:.3f} % of the strike energy, {record.strike_energy:.2f} J"
     )

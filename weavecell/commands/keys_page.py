@@ -12,7 +12,7 @@ from pathlib import Path
 from fabrics.files import write_whole
 from weavecell.commands import coupon, critical_velocity, fidelity, impact, impact_pack
 from weavecell.results import keys
-from weavecell.scenes import build, renamed_keys, supported
+from weavecell.scenes import build, supported
 from weavecell.scenes.coupon import CouponScene
 from weavecell.scenes.impact import Scene
 from weavecell.scenes.reference import meanings
@@ -63,19 +63,6 @@ def page() -> str:
     for title, table in RESULTS.items():
         rows = [(CODE(key.name), key.unit, key.meaning) for key in table]
         parts += [f"## {title}", *([NOTES[title]] if title in NOTES else []), _table(("key", "unit", "meaning"), rows)]
-    parts += ["## Old names", f"Read until {renamed_keys.UNTIL}, with a warning."]
-    values = {
-        f'{key} = "{old}"': f'{renamed_keys.SCENE_KEYS.get(key, key)} = "{new}"'
-        for key, names in renamed_keys.SCENE_VALUES.items()
-        for old, new in names.items()
-    }
-    for title, names in (
-        ("scenes", renamed_keys.SCENE_KEYS | values),
-        ("summary.json", renamed_keys.SUMMARY_KEYS),
-        ("histories.h5", renamed_keys.HDF5_KEYS),
-    ):
-        pairs = [(CODE(old), CODE(new)) for old, new in names.items()]
-        parts.append(_table((f"old name, {title}", "new name"), pairs))
     return "\n\n".join(parts) + "\n"
 
 

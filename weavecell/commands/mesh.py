@@ -46,11 +46,13 @@ def with_3d_data(name: str) -> Fabric:
     ------
     InputError : no such fabric, or one without [solid] tables for whose yarns none are assumed
     """
+    from meshing.mesh_plan import with_room
+
     try:
-        fabric = assumed.with_solid_laws(catalogue.load(name))
+        fabric = with_room(assumed.with_solid_laws(catalogue.load(name)))
     except InputError as problem:
         raise problem if problem.file or problem.key else InputError(str(problem), key="FABRIC", value=name) from None
-    for line in assumed.lines(fabric):
+    for line in (*fabric.notes, *assumed.lines(fabric)):
         print(line)
     return fabric
 

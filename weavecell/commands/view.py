@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import io
 import sys
+import textwrap
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -28,13 +29,14 @@ from weavecell.results.pack import PackRecord
 from weavecell.results.paraview import failed_yarns, read_series
 
 if TYPE_CHECKING:
-    from weavecell.results.impact_base import Shape
+    from weavecell.results.impact_shapes import Shape
 
 _ALLOWED = "a folder that holds panel.pvd, pack.pvd or crossover.vtu, or a .pvd or .vtu file"
 MOVIES = (".gif", ".mp4")
 FRAME_TIME = 0.1  # [s] of a movie for each snapshot
 LAST_FRAME_TIME = 1.5  # [s]
 COLOURS = 96  # of a GIF
+_TITLE = 70  # letters of a title that fit in one line, with the outcome
 RECORDS: dict[str, type[ImpactRecord | PackRecord]] = {
     "panel.pvd": ImpactRecord,
     "pack.pvd": PackRecord,
@@ -171,11 +173,12 @@ def frame(panel: Panel, file: Path, t: float) -> np.ndarray:
 def compose(pyplot: Any, panel: Panel, image: np.ndarray, t: float) -> Any:
     """The figure of one snapshot: outcome, instant, panel, scale of tensions."""
     figure = pyplot.figure(figsize=(8.4, 5.4))
-    axes = figure.add_axes((0.0, 0.14, 1.0, 0.76))
+    axes = figure.add_axes((0.0, 0.14, 1.0, 0.74))
     axes.imshow(image, interpolation="antialiased")
     axes.axis("off")
-    figure.text(0.02, 0.95, f"{panel.record.title}: {panel.record.outcome}", weight="bold", color=INK)
-    figure.text(0.98, 0.95, panel.caption(t), ha="right", color=INK)
+    title = textwrap.shorten(panel.record.title, _TITLE, placeholder=" ...")
+    figure.text(0.02, 0.95, f"{title}: {panel.record.outcome}", weight="bold", color=INK)
+    figure.text(0.02, 0.905, panel.caption(t), color=INK)
     scale = pyplot.cm.ScalarMappable(pyplot.Normalize(0, 100), tension_map())
     bar = figure.colorbar(scale, cax=figure.add_axes((0.2, 0.115, 0.6, 0.022)), orientation="horizontal")
     bar.set_label("yarn tension, % of the strength, the higher of warp and weft (orange: one yarn failed)", fontsize=10)

@@ -2,35 +2,33 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterable, Mapping
+from typing import Any
 
 import numpy as np
 
 from fabrics.compression import CompressionLaw
 from fabrics.fabric import Fabric
-from weavecell.report import pictures, pictures3d
-from weavecell.report.derived import derived
+from fabrics.units import FACTORS
+from weavecell.report import pictures
+from weavecell.report.derived import density_kind, derived
 from weavecell.report.page import Card, Figure, Section, Table
-from weavecell.results.paraview import failed_yarns
 
-if TYPE_CHECKING:
-    from weavecell.results.impact import ImpactRecord
-    from weavecell.results.impact_base import BaseRecord
-
-CLOSE_UP = 0.014  # [m] half the width of the close-up: five radii of the RCC projectile
 STRAINS = np.linspace(0.0, 0.032, 97)  # [-] of the cell, to past the yarns' failure strain
 
 
 def fabric_card(fabric: Fabric) -> Card:
     """Which fabric."""
     weave = fabric.weave
-    denier = " / ".join(f"{9e6 * yarn.linear_density:.0f}" for yarn in weave.yarns)
+    written = fabric.sources.get("warp.linear_density", {}).get("value", "")
+    unit = next((unit for unit in ("denier", "dtex", "tex") if unit in written), "dtex")
+    density = " / ".join(f"{yarn.linear_density / FACTORS['kg/m'][unit]:.0f}" for yarn in weave.yarns)
+    kind = "" if fabric.effective_linear_density is None else ", " + density_kind(fabric)
     return Card(
         "Fabric",
         fabric.name,
         (
-            f"{denier} denier, warp / weft",
+            f"{density} {unit}, warp / weft{kind}",
             f"{1e3 * weave.areal_density:.1f} g/m², {1e3 * weave.thickness:.3f} mm thick",
             f"crimp {100 * weave.warp.crimp:.2f} / {100 * weave.weft.crimp:.2f} %",
             f"yarn strength {weave.warp.strength:.0f} / {weave.weft.strength:.0f} N",
@@ -49,35 +47,6 @@ def law_card(law: CompressionLaw, published: CompressionLaw | None = None, sourc
     if law.residual_rms is not None:
         lines.append(f"residual of the fit {1e6 * law.residual_rms:.2f} µm rms")
     return Card("Compression law", source or "given", tuple(lines))
-
-
-def impact_card(record: BaseRecord) -> Card:
-    """What one impact came to."""
-    headline = {"stopped": "stopped", "perforated": "perforated", "in flight": "still moving", "unstable": "unstable"}
-    tone = record.outcome if record.outcome in ("stopped", "perforated", "unstable") else "plain"
-    return Card(
-        record.title,
-        headline[record.outcome],
-        (
-            residual(record),
-            f"energy balance {percent(record.energy_error_max)}",
-            f"viscous {percent(record.viscous_energy_fraction)}",
-        ),
-        tone,
-    )
-
-
-def percent(share: float) -> str:
-    """A share as text, to two digits."""
-    return f"{100 * share:.2g} %"
-
-
-def residual(record: BaseRecord) -> str:
-    """Velocity at the end, as text; a stopped projectile has none, though it may have begun to rebound."""
-    if record.outcome == "stopped":
-        return "residual velocity 0 m/s"
-    name = "residual velocity" if record.outcome == "perforated" else "velocity at the end"
-    return f"{name} {record.residual_velocity:.1f} m/s"
 
 
 def mesh(facts: Mapping[str, str], picture: bytes) -> Section:
@@ -176,107 +145,17 @@ def options(table: Any) -> dict[str, Any]:
     return {"profile": table.cell_profile, "toe": table.fibre_slack}
 
 
-def impact(records: Sequence[ImpactRecord]) -> Section:
-    """The impacts: velocity, shape, energies and reactions."""
-    velocities = {record.title: (record.time, record.velocity) for record in records}
-    shapes = {record.title: _shapes(record) for record in records}
-    reactions = {record.title: (record.time, record.reactions["warp"], record.reactions["weft"]) for record in records}
-    figures = [
-        Figure(
-            pictures.render(pictures.velocity, velocities), "svg",
-            "Velocity of the projectile from strike to the end of the run.", "velocity",
-        ),
-        Figure(
-            pictures.render(pictures.panels, shapes, kind="png"), "png",
-            "Seen from behind, to scale. Left: the panel when half of the energy lost had been lost. "
-            "Right: the impact point at the end of the run.",
-            "panel",
-        ),
-    ]  # fmt: skip
-    for number, record in enumerate(records, 1):
-        picture = pictures.render(
-            pictures.energies, record.time, _by_work(record.energies), record.strike_energy, record.energies["error"],
-            record.title,
-        )  # fmt: skip
-        name = f"energies-{number}" if len(records) > 1 else "energies"
-        caption = (
-            "Where the strike energy is; below, what the balance misses (green band: 1 %). Membrane is the work of the "
-            "cell's forces; what the yarns store differs from it by the term 'formulation' of the table."
-        )
-        figures.append(Figure(picture, "svg", caption, name, wide=False))
-    figures.append(
-        Figure(
-            pictures.render(pictures.reactions, reactions), "svg",
-            "Tension at the clamped ends of the warp and the weft yarn through the impact point.", "reactions",
-            wide=len(records) > 1,
-        )
-    )  # fmt: skip
-    return Section(
-        "impact",
-        "Impact" if len(records) == 1 else "Impacts",
-        " ".join(
-            f"{record.title} became unstable and was stopped: {record.failure_message}."
-            for record in records
-            if record.failure_message
-        ),
-        tuple(figures),
-        (impact_table(records),),
-    )
-
-
-def _by_work(energies):
-    """The energies with the work of the cell's forces in place of what the yarns store: parts that add up."""
-    return energies | {"yarn_strain": energies["yarn_strain"] + energies.get("formulation_residual", 0.0)}
-
-
-def _shapes(record):
-    """The whole panel half-way through the event, and the impact point at the end."""
-    drawn = []
-    for shape, reach in ((record.half_energy, None), (record.final, CLOSE_UP)):
-        share = np.max(shape.tension / record.strength, axis=1)
-        body = shape.projectile_position + record.projectile
-        mirrors = (record.mirror_x, record.mirror_y)
-        image = pictures3d.panel(shape.nodes, record.quads, share, failed_yarns(shape.failed), body, mirrors, reach)
-        drawn.append((f"at {1e6 * shape.t:.0f} µs", image))
-    return drawn
-
-
-def impact_table(records: Sequence[BaseRecord]) -> Table:
-    """One row a run."""
-    columns = (
-        "run", "outcome", "residual [m/s]", "absorbed [J]", "failed yarn segments",
-        "balance [% of strike]", "viscous [% of absorbed]", "formulation [% of strike]", "marching [s]",
-        "ns per element and step",
-    )  # fmt: skip
-    rows = tuple(
-        (
-            record.title,
-            record.outcome,
-            residual(record).split()[-2],
-            f"{record.absorbed_energy:.2f}",
-            f"{int(record.failed_segments[-1])}",
-            f"{100 * record.energy_error_max:.3f}",
-            f"{100 * record.viscous_energy_fraction:.2f}",
-            f"{100 * _formulation_residual(record) / record.strike_energy:.2f}",
-            f"{record.wall_time:.2f}",
-            f"{record.ns_per_element_step:.1f}",
-        )
-        for record in records
-    )
-    return Table(columns, rows, numeric=columns[2:])
-
-
-def _formulation_residual(record):
-    """[J] at the end."""
-    return float(np.atleast_1d(record.energies.get("formulation_residual", 0.0))[-1])
-
-
 def comparison(rows: Iterable[tuple[str, str, str, str]]) -> Section:
     """Targets and values: rows of (quantity, target, value, met)."""
     rows = tuple(rows)
     missed = [quantity for quantity, _, _, met in rows if met == "no"]
-    lead = f"Not met: {'; '.join(missed)}." if missed else "All of it is met."
-    return Section("summary", "Targets and values", lead, tables=(Table(("quantity", "target", "value", "met"), rows),))
+    lead = f"Not met: {'; '.join(missed)}." if missed else "All are met."
+    return Section(
+        "summary",
+        "Compared with the published outcomes",
+        lead,
+        tables=(Table(("quantity", "target", "value", "met"), rows),),
+    )
 
 
 def sources(fabric: Fabric) -> Section:
@@ -296,16 +175,18 @@ def sources(fabric: Fabric) -> Section:
     )
 
 
-def making(stamp: Mapping[str, str], timings: Mapping[str, float]) -> Section:
-    """How the page was made: versions, machine, times, scene."""
+def making(stamp: Mapping[str, str], timings: Mapping[str, float], more: tuple[Table, ...] = ()) -> Section:
+    """How the page was made: times, further tables, versions, machine and scene; folded."""
     rows = tuple((key, value) for key, value in stamp.items() if key != "scene")
     times = tuple((name, f"{seconds:.1f}") for name, seconds in timings.items())
     return Section(
         "making",
-        "How this was computed",
+        "How this was computed: times, settings, versions, input",
         tables=(
             Table(("stage", "wall time [s]"), times, numeric=("wall time [s]",)),
+            *more,
             Table(("what", "version or value"), rows),
         ),
         details=(("Scene", stamp["scene"]),) if stamp["scene"] else (),
+        folded=True,
     )

@@ -18,9 +18,10 @@ def summary(found: AssumedRange | None) -> dict[str, Any]:
 def section(found: AssumedRange) -> Section:
     """The range of a velocity over assumed laws, and the runs that it consists of."""
     lead = (
-        f"{found.words().capitalize()}. The file of the fabric gives no such law; that of its fibre family is assumed, "
+        f"{found.words().capitalize()}. The file of the fabric does not give it; laws are those of its fibre family, "
         "with the range that the sources of the fabric state. The run was repeated with the soft and the stiff end of "
-        "each. The range is that of these runs and no bound."
+        "each law, and with each end of a crimp computed from the thickness. The range is that of these runs and no "
+        "bound."
     )
     columns = ("laws", "outcome", f"{found.quantity} [m/s]")
     rows = tuple(

@@ -6,17 +6,14 @@ from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Any
 
 from fabrics.errors import DoubtfulError
+from shellfabric.panel.quality import DOUBTFUL, NOTED, OK, status
 from weavecell.report.page import Section, Table
 
 if TYPE_CHECKING:
+    from shellfabric.impact.ballistic_limit import Limit
     from shellfabric.panel.quality import Indicator
 
 _SHOWN = 3  # indicators of the printed line
-
-
-def status(indicators: Iterable[Indicator]) -> str:
-    """ "ok", or "doubtful" if an indicator is beyond its limit."""
-    return "ok" if all(one.ok for one in indicators) else "doubtful"
 
 
 def summary(indicators: Sequence[Indicator]) -> dict[str, Any]:
@@ -24,34 +21,57 @@ def summary(indicators: Sequence[Indicator]) -> dict[str, Any]:
     return {"checks": {"status": status(indicators), "indicators": [one.entry() for one in indicators]}}
 
 
-def line(indicators: Iterable[Indicator]) -> str:
-    """The worst indicators beyond their limits, each with value and limit; "" if there is none."""
-    beyond = sorted((one for one in indicators if not one.ok), key=lambda one: one.excess, reverse=True)
-    more = f"; {len(beyond) - _SHOWN} more in the summary" if len(beyond) > _SHOWN else ""
-    return "; ".join(map(str, beyond[:_SHOWN])) + more if beyond else ""
+def line(indicators: Iterable[Indicator], status: str = DOUBTFUL) -> str:
+    """The worst indicators of a status, each with value and limit; "" if there is none."""
+    found = sorted((one for one in indicators if one.status == status), key=lambda one: one.excess, reverse=True)
+    more = f"; {len(found) - _SHOWN} more in the summary" if len(found) > _SHOWN else ""
+    return "; ".join(map(str, found[:_SHOWN])) + more if found else ""
 
 
-def report(indicators: Iterable[Indicator], strict: bool = False) -> None:
-    """Print one line if the run is doubtful.
+def words(indicators: Sequence[Indicator]) -> str:
+    """ "ok", or "doubtful: ..." or "noted: ..." with the worst indicators."""
+    found = status(indicators)
+    return found if found == OK else f"{found}: {line(indicators, found)}"
+
+
+def of_bracket(limit: Limit) -> str:
+    """ "ok", or the doubtful shots at the ends of the bracket and of the zone of mixed outcomes."""
+    found = [
+        f"{shot.outcome} shot at {shot.strike_velocity:.4g} m/s ({line(shot.checks)})"
+        for shot in limit.ends
+        if status(shot.checks) == DOUBTFUL
+    ]
+    return f"doubtful {' and '.join(found)}" if found else OK
+
+
+def report(indicators: Sequence[Indicator], strict: bool = False) -> None:
+    """Print one line if the run is doubtful, and one if something of it is noted.
 
     Raises
     ------
-    DoubtfulError : it is, and `strict`; to be called when all results have been written
+    DoubtfulError : it is doubtful, and `strict`; to be called when all results have been written
     """
-    text = line(indicators)
-    if text:
-        print(f"checks: doubtful: {text}", flush=True)
-        if strict:
-            raise DoubtfulError(f"the result is doubtful: {text}")
+    for found in (NOTED, DOUBTFUL):
+        if text := line(indicators, found):
+            print(f"checks: {found}: {text}", flush=True)
+    if strict and text:
+        raise DoubtfulError(f"the result is doubtful: {text}")
 
 
 def section(indicators: Sequence[Indicator]) -> Section:
     """The section of a report."""
-    found = status(indicators)
-    lead = "Every indicator is within its limit." if found == "ok" else f"Doubtful: {line(indicators)}."
+    texts = {found: line(indicators, found) for found in (DOUBTFUL, NOTED)}
+    sentences = [f"{found.capitalize()}: {text}." for found, text in texts.items() if text]
+    lead = " ".join(sentences) if sentences else "Every indicator is within its limit."
     rows = tuple(
-        (one.name, f"{one.value:.3g}", f"{one.limit:g}", "ok" if one.ok else "beyond", one.meaning)
+        (
+            one.name,
+            f"{one.value:.3g}",
+            f"{one.limit:g}",
+            one.status if one.note is None else f"{one.status} (noted above {one.note:g})",
+            one.meaning,
+        )
         for one in indicators
     )
-    columns = ("indicator", "value", "limit", "status", "meaning")
+    columns = ("indicator", "value", "limit", "status", "value is")
     return Section("checks", "Quality checks", lead, tables=(Table(columns, rows, numeric=columns[1:3]),))

@@ -63,6 +63,7 @@ class Section:
     tables: tuple[Table, ...] = ()
     details: tuple[tuple[str, str], ...] = ()  # (title, verbatim text), folded
     beside: bool = False  # the tables stand beside the figures
+    folded: bool = False  # opened by a click
 
 
 @dataclass(frozen=True)
@@ -74,6 +75,8 @@ class Report:
     cards: tuple[tuple[Card, ...], ...]  # in rows
     sections: tuple[Section, ...]
     footer: str = ""
+    outcome: str = ""  # the result in one line
+    tone: str = "plain"  # as of Card
 
 
 def render(report: Report) -> str:

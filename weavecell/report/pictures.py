@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import io
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -66,12 +66,14 @@ def render(draw: Callable, *arguments: Any, kind: str = "svg") -> bytes:
     return content.getvalue()
 
 
-def panels(pyplot: Any, images: Any) -> Any:
+def panels(pyplot: Any, images: Any, top: float, scale_bar: float) -> Any:
     """Deformed panels, each with a close-up of its impact point, under one scale of tension.
 
     Parameters
     ----------
     images : {title: ((when, whole), (when, close-up))}, images (rows, columns, 3) of `pictures3d.panel`
+    top : [-] tension over strength at which the scale ends
+    scale_bar : [pixels] length of 5 mm across the close-up
     """
     count = len(images)
     figure, grid = pyplot.subplots(
@@ -82,11 +84,15 @@ def panels(pyplot: Any, images: Any) -> Any:
             axes.imshow(image, interpolation="antialiased")
             axes.axis("off")
             axes.set_title(when, loc="right", fontweight="normal", color=FAINT)
-        row[0].set_title(title if count > 1 else "panel")
-        row[1].set_title("impact point")
-    scale = pyplot.cm.ScalarMappable(pyplot.Normalize(0, 1), tension_map())
+        row[0].set_title(title if count > 1 else "back face")
+        row[1].set_title("impact point, cut open")
+        rows, columns = pair[1][1].shape[:2]
+        ends = np.array([0.03 * columns, 0.03 * columns + scale_bar])
+        row[1].plot(ends, [0.95 * rows] * 2, color=INK, lw=2.5, solid_capstyle="butt")
+        row[1].text(ends.mean(), 0.92 * rows, "5 mm", ha="center", va="bottom", fontsize=10)
+    scale = pyplot.cm.ScalarMappable(pyplot.Normalize(0, 100 * top), tension_map())
     bar = figure.colorbar(scale, ax=grid, location="bottom", shrink=0.5, aspect=38, pad=0.02)
-    bar.set_label("yarn tension / strength, the higher of warp and weft (orange: one yarn of the cell has failed)")
+    bar.set_label("yarn tension, % of the strength, the higher of warp and weft (orange: one yarn has failed)")
     bar.outline.set_visible(False)
     return figure
 
@@ -105,7 +111,7 @@ def fit(pyplot: Any, samples: Any, laws: Any, platen: Any = None) -> Any:
         axes.plot(F, UM * np.asarray(d), "o", ms=5, color=colour, alpha=0.75, mew=0, label=f"3D crossover, {name}")
     if platen is not None:
         F, d = platen
-        axes.plot(F, UM * np.asarray(d), "s", ms=4.5, mfc="none", mec=FAINT, label="3D crossover, between plates")
+        axes.plot(F, UM * np.asarray(d), "s", ms=4.5, mfc="none", mec=FAINT, label="3D crossover between rigid plates")
     top = max(float(np.max(F)) for F, _ in samples.values())
     force = np.linspace(0.0, 1.05 * top, 600)
     for (label, law), colour, dash in zip(laws.items(), (INK, PUBLISHED), DASHES):
@@ -205,40 +211,6 @@ def _with_interval(value, interval):
     return f"{value:.2f} ({interval[0]:.2f} to {interval[1]:.2f})" if interval else f"{value:.2f} (its bound)"
 
 
-def energies(
-    pyplot: Any,
-    t: np.ndarray,
-    parts: Mapping[str, np.ndarray],
-    strike_energy: float,
-    balance: np.ndarray,
-    title: str = "",
-) -> Any:
-    """Where the strike energy is at every instant, stacked, and below it what the balance misses.
-
-    Parameters
-    ----------
-    t : (n,) [s]
-    parts : {name: (n,)} [J], names of ENERGIES; those that are absent or zero throughout are left out
-    strike_energy : [J]
-    balance : (n,) [J], energy that the audit cannot place
-    """
-    figure, (top, low) = pyplot.subplots(2, 1, figsize=(5.6, 5.6), sharex=True, height_ratios=(3.4, 1))
-    known = [(parts[name], label, colour) for name, label, colour in ENERGIES if np.any(parts.get(name, 0.0))]
-    top.stackplot(
-        US * t, [np.maximum(values, 0.0) for values, _, _ in known],
-        labels=[label for _, label, _ in known], colors=[colour for _, _, colour in known], lw=0.4, ec="white",
-    )  # fmt: skip
-    top.axhline(strike_energy, color=INK, lw=1, ls=":")
-    top.set(ylabel="energy [J]", title=title, ylim=(0, 1.04 * strike_energy))
-    top.legend(loc="upper center", bbox_to_anchor=(0.5, -0.02), ncols=2, fontsize=10)
-    low.axhspan(-1, 1, color="#e8f5f0", lw=0)
-    low.plot(US * t, 100 * balance / strike_energy, color=INK, lw=1.6)
-    reach = max(1.25, 1.15 * float(np.max(np.abs(100 * balance / strike_energy))))
-    low.set(xlabel="time after strike [µs]", ylabel="balance\n[% of strike]", ylim=(-reach, reach))
-    low.set_xlim(0, US * float(t[-1]))
-    return figure
-
-
 def reactions(pyplot: Any, runs: Any) -> Any:
     """Tension at the clamped ends of the two yarns through the impact point, one panel a run.
 
@@ -253,7 +225,7 @@ def reactions(pyplot: Any, runs: Any) -> Any:
     for axes, (title, (t, warp, weft)) in zip(grid.flat, runs.items()):
         axes.plot(US * t, warp, color=WARP, label="warp yarn")
         axes.plot(US * t, weft, color=WEFT, ls="--", label="weft yarn")
-        axes.set_title(title)
+        axes.set_title(title if len(runs) > 1 else "")
         axes.set_xlim(left=0)
     figure.supxlabel("time after strike [µs]", fontsize=12)
     figure.supylabel("tension at the clamped edge [N]", fontsize=12)

@@ -8,8 +8,9 @@ from typing import Any
 import numpy as np
 
 from meshing.pictures_style import RED, STEEL, tension_map
-from weavecell.report.pictures_painter import Camera, paint
+from weavecell.report.pictures_painter import SIZE, Camera, paint
 
+_HALF_HEIGHT = 0.6  # [reach] of a close-up
 CLOTH_DEPTH = 1.0  # [mm] by which the projectile is drawn behind cloth that it touches
 
 
@@ -23,6 +24,11 @@ def new_plotter(off_screen: bool = True, size: tuple[int, int] = (1500, 820)) ->
     plotter.set_background("white")
     plotter.enable_anti_aliasing("ssaa")
     return plotter
+
+
+def pixels_per_mm(reach: float) -> float:
+    """Of the image of a close-up of half the width `reach` [m], across the view."""
+    return SIZE[1] / (2 * _HALF_HEIGHT * 1e3 * reach)
 
 
 def _cropped(image):
@@ -43,6 +49,9 @@ def panel(
     mirrors: Sequence[bool],
     reach: float | None = None,
     camera: Camera | None = None,
+    *,
+    top_share: float = 1.0,
+    open_quarter: bool = False,
 ) -> np.ndarray:
     """A deformed panel seen from behind: tension in colour, broken yarns in vermilion, cells without a yarn left out.
 
@@ -56,6 +65,8 @@ def panel(
     mirrors : (x, y) whether the panel is to be mirrored in the planes x = 0 and y = 0
     reach : [m] half the width of a close-up of the impact point; the whole panel if not given
     camera : Camera of a view of its own, in mm, in place of these two; nothing is cropped
+    top_share : [-] at which the colours of tension end
+    open_quarter : whether the quarter of the cloth in front of the projectile is left out
 
     Returns
     -------
@@ -66,7 +77,7 @@ def panel(
     nodes, body = 1e3 * np.asarray(nodes, float), 1e3 * np.asarray(projectile, float)
     share, failed = np.asarray(share, float), np.asarray(failed)
     drawn = failed < 2
-    colours = np.where((failed == 1)[:, None], to_rgb(RED), tension_map()(np.clip(share, 0.0, 1.0))[:, :3])
+    colours = np.where((failed == 1)[:, None], to_rgb(RED), tension_map()(np.clip(share / top_share, 0.0, 1.0))[:, :3])
     cloth, paints = nodes[np.asarray(quads)[drawn]], colours[drawn]
     for axis, mirrored in enumerate(mirrors):
         if mirrored:
@@ -78,8 +89,12 @@ def panel(
     top = float(nodes[:, 2].max()) if reach else 0.0
     front = body[body[..., 2] > body[..., 2].max() - 0.1]  # where a close-up looks
     x, y = front.mean(axis=0)[:2] if reach else (0.0, 0.0)
+    if open_quarter:
+        middle = cloth.mean(axis=1)
+        shown = (middle[:, 0] < x) | (middle[:, 1] > y)
+        cloth, paints = cloth[shown], paints[shown]
     position, target = (x + 0.55 * span, y - 1.4 * span, top + 0.95 * span), (x, y, top)
-    view = camera or Camera(position, target, 0.6e3 * reach if reach else 0.48 * span)
+    view = camera or Camera(position, target, _HALF_HEIGHT * 1e3 * reach if reach else 0.48 * span)
     steel, behind = np.tile(to_rgb(STEEL), (len(corners), 1)), np.zeros(len(cloth) + len(corners))
     behind[len(cloth) :] = CLOTH_DEPTH
     image = paint(np.concatenate([cloth, corners]), np.concatenate([paints, steel]), view, further=behind)

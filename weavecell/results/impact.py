@@ -8,15 +8,16 @@ tail and centre of mass; /backing, of a block, with its quarter at the end.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from weavecell.results import keys
 from weavecell.results.hdf5_file import put
-from weavecell.results.impact_base import BaseRecord, Shape, read_shape, tensions, write_shape
+from weavecell.results.impact_base import BaseRecord
 from weavecell.results.impact_groups import SLIP, read_group, read_measured, write_group, write_measured
+from weavecell.results.impact_shapes import Cut, Shape, read_shape, write_shape
 
 if TYPE_CHECKING:
     from shellfabric.backing.coupling import BackingResult
@@ -61,20 +62,35 @@ class ImpactRecord(BaseRecord):
     @classmethod
     def of(cls, result: ImpactResult, title: str, law_name: str, message: str = "") -> ImpactRecord:
         """The record of a `shellfabric.impact.single_ply.ImpactResult`."""
+        (ni, nj), (_, mirror_y) = result.panel.counts, result.mirrored
         last = Shape(
             float(result.t[-1]), float(result.nose_position[-1]), result.projectile_position, result.nodes,
             result.tension, result.failed,
         )  # fmt: skip
+        grid = replace(last, nodes=last.nodes.reshape(ni + 1, nj + 1, 3), failed=last.failed.reshape(ni, nj, 3))
+        shots = (*(shot for shot in result.snapshots if shot.t < last.t), grid)
         return cls._of(
             result, result.setup, title, law_name, message, elements=result.panel.elements,
             strength=np.array([yarn.strength for yarn in result.setup.fabric.weave.yarns]),
+            thickness=np.array([result.panel.weave.thickness]),
+            cuts=tuple(Cut.of((shot,), mirror_y) for shot in shots),
             reactions=dict(result.reactions), quads=result.quads, half_energy=_half_energy(result, last), final=last,
             measured=result.histories, rigid_check=str(result.rigidity or ""), bar=result.bar, backing=result.backing,
             slip=result.slip,
         )  # fmt: skip
 
+    @property
+    def drawn_shapes(self) -> tuple[Shape, Shape]:
+        """See BaseRecord."""
+        return self.half_energy, self.final
+
+    @property
+    def rear_quads(self) -> np.ndarray:
+        """See BaseRecord."""
+        return self.quads
+
     def _entries(self):
-        found = {"failed_yarn_segments": int(self.failed_segments[-1])} | tensions(self.peak_tension, self.strength)
+        found = {"failed_yarn_segments": int(self.failed_segments[-1])}
         if self.bar is not None:
             found |= {"plastic_shortening_m": self.bar.shortening, "bar_period_s": self.bar.period}
         if self.backing is not None:

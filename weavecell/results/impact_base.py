@@ -1,7 +1,8 @@
 """What the records of an impact on one ply and on a pack share: their fields, their summary, and their HDF5 file.
 
 Layout of the common part of the file: attributes of the root for scalars and texts; /histories and /energies with one
-value an instant. Every dataset has the attribute "unit".
+value an instant; /cuts with the section through the impact point at the instants of the snapshots. Every dataset has
+the attribute "unit". What files of an earlier version lack is read as NaN, or as no cuts.
 """
 
 from __future__ import annotations
@@ -11,18 +12,17 @@ from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from fabrics.checks import FilePath
-from fabrics.files import write_hdf5
+from fabrics.files import read_hdf5, write_hdf5
 from weavecell.results import keys
-from weavecell.results.hdf5_file import opened, plain, put
+from weavecell.results.hdf5_file import plain, put
+from weavecell.results.impact_shapes import Peak, Shape, read_cuts, write_cuts
 
 if TYPE_CHECKING:
     from shellfabric.impact.single_ply import ImpactSetup
-    from shellfabric.output.snapshots import Snapshot
 
-FORMAT = 3  # version of the files
+FORMAT = 4  # version of the files
 # attribute of the record: attribute of the file, and key of summary.json
 SCALARS = {
     "title": "title",
@@ -42,37 +42,6 @@ SCALARS = {
     "max_deflection": "max_deflection_m",
 }
 HISTORIES = keys.units(keys.HISTORIES)
-# datasets whose attribute in the object that holds them has another name
-_SHAPE_FIELDS = {"time": "t"}
-
-
-@dataclass(frozen=True)
-class Shape:
-    """The panel at one instant.
-
-    Parameters
-    ----------
-    t, nose_position : [s, m] time, and the foremost point of the projectile
-    projectile_position : (3,) [m] position of its nose
-    nodes : (k, 3) [m]
-    tension : (m, 2) [N] of warp and weft
-    failed : (m, 3) bool: warp failed, weft failed, element eroded
-    """
-
-    t: float
-    nose_position: float
-    projectile_position: np.ndarray
-    nodes: np.ndarray
-    tension: np.ndarray
-    failed: np.ndarray
-
-    @classmethod
-    def of(cls, shot: Snapshot) -> Shape:
-        """The shape of a `shellfabric.output.snapshots.Snapshot`."""
-        return cls(
-            float(shot.t), float(shot.nose_position), shot.projectile_position, shot.nodes.reshape(-1, 3),
-            shot.tension.reshape(-1, 2), shot.failed.reshape(-1, 3),
-        )  # fmt: skip
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -84,7 +53,8 @@ class BaseRecord:
     Parameters
     ----------
     title, fabric, law_name : for the reader
-    strike_velocity, residual_velocity : [m/s]; the residual velocity is that of the last instant, along the normal
+    strike_velocity, residual_velocity : [m/s]; the residual velocity is that of the last instant, along the
+        normal, and 0 of a projectile that has stopped
     outcome : "stopped", "perforated", "in flight" or "unstable"
     mass : [kg] of the projectile
     failure_message : why an unstable run was ended; "" for others
@@ -92,11 +62,17 @@ class BaseRecord:
         whole panel, or of the whole pack
     wall_time, ns_per_element_step, elements, steps : cost of the run
     time, velocity, nose_position : (n,) [s, m/s, m] time, velocity of the projectile along the normal, foremost point
+    contact_force : (n,) [N] on the projectile along the normal, against its flight; the mean since the time before
+    deflection : (n,) [m] largest displacement of the cloth along the normal; of a pack, of its last ply
     failed_segments : (n,) number of failed yarn segments
     energies : {name: (n,)} [J], names of keys.ENERGIES
     strength, peak_tension : (2,) or (plies, 2) [N] of warp and weft, and over the run
+    peak_tension_time, peak_tension_place : (2,) or (plies, 2) [s], and (2, 2) or (plies, 2, 2) [m] when, and where at
+        rest along warp and weft from the impact point
+    thickness : (plies,) [m]
+    cuts : tuple of Cut
     projectile : (a, b, 3) [m] surface of the projectile about its nose, as it is drawn
-    max_deflection : [m] of the whole cloth of any ply, from its own plane, over the run
+    max_deflection : [m] largest entry of `deflection`
     checks : tuple of shellfabric.panel.quality.Indicator
     """
 
@@ -120,12 +96,18 @@ class BaseRecord:
     time: np.ndarray
     velocity: np.ndarray
     nose_position: np.ndarray
+    contact_force: np.ndarray
+    deflection: np.ndarray
     failed_segments: np.ndarray
     energies: dict
     strength: np.ndarray
     peak_tension: np.ndarray
+    peak_tension_time: np.ndarray
+    peak_tension_place: np.ndarray
     projectile: np.ndarray
     max_deflection: float
+    thickness: np.ndarray
+    cuts: tuple = ()
     checks: tuple = ()
 
     @classmethod
@@ -137,8 +119,10 @@ class BaseRecord:
             outcome=result.outcome, residual_velocity=result.residual_velocity, mass=setup.projectile.mass,
             failure_message=message, mirror_x=mirror_x, mirror_y=mirror_y, wall_time=result.wall_time,
             ns_per_element_step=result.ns_per_element_step, steps=result.steps, time=result.t, velocity=result.v,
-            nose_position=result.nose_position, failed_segments=result.failed_segments, energies=dict(result.energies),
-            peak_tension=np.array(result.peak_tension), projectile=_drawn(setup.projectile),
+            nose_position=result.nose_position, contact_force=result.contact_force, deflection=result.deflection,
+            failed_segments=result.failed_segments, energies=dict(result.energies),
+            peak_tension=np.array(result.peak_tension), peak_tension_time=result.peak_tension_time,
+            peak_tension_place=result.peak_tension_place, projectile=_drawn(setup.projectile),
             max_deflection=result.max_deflection, checks=result.checks, **own,
         )  # fmt: skip
 
@@ -162,9 +146,41 @@ class BaseRecord:
         """[-] viscous energy at the end, over the energy absorbed."""
         return float(self.energies["viscous"][-1]) / self.absorbed_energy
 
+    @property
+    def drawn_shapes(self) -> tuple[Shape, Shape]:
+        """Shapes of the last ply: one for the whole panel, and that at the end."""
+        raise NotImplementedError
+
+    @property
+    def rear_quads(self) -> np.ndarray:
+        """(m, 4) node numbers of the elements of the last ply."""
+        raise NotImplementedError
+
+    @property
+    def rear_strength(self) -> np.ndarray:
+        """(2,) [N] strength of warp and weft of the last ply."""
+        return np.atleast_2d(self.strength)[-1]
+
+    @property
+    def peaks(self) -> dict[str, Peak]:
+        """{"warp", "weft": Peak} the highest tension of each family over all plies."""
+        tension, strength, time = (
+            np.atleast_2d(getattr(self, name)) for name in ("peak_tension", "strength", "peak_tension_time")
+        )
+        place = self.peak_tension_place.reshape(len(time), 2, 2)
+        found = {}
+        for family, name in enumerate(("warp", "weft")):
+            ply = int(np.argmax(tension[:, family]))
+            at = ply, family
+            found[name] = Peak(
+                float(tension[at]), float(tension[at] / strength[at]), float(time[at]), place[at], ply + 1
+            )
+        return found
+
     def audit(self) -> dict[str, Any]:
         """The entries of the summary that follow from it."""
-        return {
+        return _peak_entries(self) | {
+            "peak_contact_force_N": _known(self.contact_force.max()),
             "strike_energy_J": self.strike_energy,
             "absorbed_energy_J": self.absorbed_energy,
             "energy_error_max": self.energy_error_max,
@@ -185,6 +201,7 @@ class BaseRecord:
             file.attrs["checks"] = _store_checks(self.checks)
             for name, unit in HISTORIES.items():
                 put(file, f"histories/{name}", getattr(self, name), unit)
+            write_cuts(file, self.cuts)
             for name, values in self.energies.items():
                 put(file, f"energies/{name}", values, "J")
             self._write(file)
@@ -192,10 +209,11 @@ class BaseRecord:
     @classmethod
     def read(cls, path: FilePath) -> Self:
         """Read what `write` wrote; InputError if the file is not one of these."""
-        with opened(path, cls.KIND, FORMAT) as file:
+        with read_hdf5(path, f"weavecell {cls.KIND} {FORMAT}") as file:
             values = {name: plain(file.attrs[key]) for name, key in cls._scalars().items()}
             values["checks"] = _read_checks(file.attrs["checks"])
             values |= {name: file[f"histories/{name}"][()] for name in HISTORIES}
+            values["cuts"] = read_cuts(file)
             values["energies"] = {name: data[()] for name, data in file["energies"].items()}
             return cls(**values, **cls._read(file))
 
@@ -224,13 +242,19 @@ def _stops(record):
     return {"end_time_s": end, "stop_time_s": end if record.outcome == "stopped" else None}
 
 
-def tensions(peak: ArrayLike, strength: ArrayLike) -> dict[str, float]:
-    """Entries of the summary: peak tensions (2,) [N] of warp and weft, and their shares of the strengths (2,) [N]."""
+def _peak_entries(record):
+    """Entries of the summary on the peak tensions."""
     found = {}
-    for family, tension, limit in zip(("warp", "weft"), np.asarray(peak, float), np.asarray(strength, float)):
-        found[f"peak_tension_{family}_N"] = float(tension)
-        found[f"peak_tension_{family}_over_strength"] = float(tension / limit)
+    for family, peak in record.peaks.items():
+        name = f"peak_tension_{family}"
+        found |= {f"{name}_N": peak.tension, f"{name}_over_strength": peak.share, f"{name}_time_s": _known(peak.time)}
+        found |= {f"{name}_place_m": [_known(x) for x in peak.place], f"{name}_ply": peak.ply}
     return found
+
+
+def _known(value):
+    """A number, or None for JSON where it is NaN."""
+    return float(value) if np.isfinite(value) else None
 
 
 def _store_checks(checks):
@@ -251,14 +275,3 @@ def _drawn(shot):
     The flat elements of the cloth cut across the rounding that they lie on, and it would stick out between them.
     """
     return shot.surface(shot.edge_radius)
-
-
-def write_shape(file: Any, group: str, shape: Shape) -> None:
-    """Write a Shape to a group of an open file."""
-    for name, unit in keys.units(keys.SHAPE).items():
-        put(file, f"{group}/{name}", getattr(shape, _SHAPE_FIELDS.get(name, name)), unit)
-
-
-def read_shape(group: Any) -> Shape:
-    """The Shape that `write_shape` has written."""
-    return Shape(**{_SHAPE_FIELDS.get(name, name): plain(group[name][()]) for name in keys.units(keys.SHAPE)})

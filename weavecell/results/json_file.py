@@ -1,4 +1,4 @@
-"""JSON as this package writes it: readable, whole, numbers of numpy included; summary.json of any release is read."""
+"""JSON as this package writes it: readable, whole, numbers of numpy included."""
 
 from __future__ import annotations
 
@@ -11,7 +11,6 @@ from fabrics.checks import FilePath
 from fabrics.errors import InputError
 from fabrics.files import write_whole
 from weavecell.results import keys
-from weavecell.scenes import renamed_keys
 
 
 def write(path: FilePath, content: object) -> None:
@@ -27,7 +26,7 @@ def write_summary(path: FilePath, content: Mapping[str, Any]) -> None:
 
 
 def read_summary(path: FilePath) -> dict[str, Any]:
-    """The content of a summary.json by the keys of today; one of an older release is read with a warning.
+    """The content of a summary.json.
 
     Raises
     ------
@@ -37,20 +36,6 @@ def read_summary(path: FilePath) -> dict[str, Any]:
         content = json.loads(Path(path).read_text(encoding="utf-8"))
     except (OSError, UnicodeDecodeError, json.JSONDecodeError) as problem:
         raise InputError(f"cannot be read; must be a summary.json ({problem})", file=path) from None
-    if "format" not in content:
-        renamed_keys.warn_of_format(path, 1)
-        return {"format": keys.SUMMARY_FORMAT} | _upgraded(content)
-    if content["format"] != keys.SUMMARY_FORMAT:
-        raise InputError(file=path, key="format", value=content["format"], allowed=repr(keys.SUMMARY_FORMAT))
+    if content.get("format") != keys.SUMMARY_FORMAT:
+        raise InputError(file=path, key="format", value=content.get("format"), allowed=repr(keys.SUMMARY_FORMAT))
     return content
-
-
-def _upgraded(value, path=""):
-    if not isinstance(value, dict):
-        return value
-    found = {}
-    for name, inner in value.items():
-        key = f"{path}.{name}" if path else name
-        new = renamed_keys.new_path(key, renamed_keys.SUMMARY_KEYS, ".").rpartition(".")[2]
-        found[new] = _upgraded(inner, key)
-    return found

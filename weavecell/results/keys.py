@@ -59,25 +59,29 @@ SHARED = keys(
     ("wall_time_s", "s", "wall time of the run"),
     ("elements", "1", "number of elements"),
     ("steps", "1", "number of time steps; of a coupon, of load steps"),
-    ("checks.status", "", '"ok" or "doubtful"'),
-    ("checks.indicators", "", "quality indicators: name, value, limit, ok (docs/checks.md)"),
+    ("checks.status", "", '"ok", "noted" or "doubtful"'),
+    ("checks.indicators", "", "quality indicators: name, value, limit, note (noted above it), status (docs/checks.md)"),
     ("assumed_range.*", "", "residual or critical velocity over the ranges of assumed laws: low_m_s, high_m_s, runs"),
     ("provenance.*", "", "versions, commit, date, machine, threads, text of the scene, assumed tables"),
 )  # fmt: skip
 IMPACT = keys(
     ("strike_velocity_m_s", "m/s", "strike velocity along the line of flight"),
-    ("residual_velocity_m_s", "m/s", "velocity at the end, along the normal of the panel"),
+    ("residual_velocity_m_s", "m/s", "velocity at the end along the normal; 0 of a projectile that has stopped"),
     ("projectile_mass_kg", "kg", "mass of the projectile"),
     ("mirror_x", "", "whether the panel of the file continues mirrored at x = 0"),
     ("mirror_y", "", "whether the panel of the file continues mirrored at y = 0"),
     ("element_step_time_ns", "ns", "wall time for an element and a step"),
     ("end_time_s", "s", "time at the end of the run"),
     ("stop_time_s", "s", "time at which the projectile stopped; null if it did not"),
-    ("max_deflection_m", "m", "maximum deflection of intact cloth"),
-    ("peak_tension_warp_N", "N", "peak tension of a warp yarn"),
-    ("peak_tension_warp_over_strength", "1", "the same over the strength"),
-    ("peak_tension_weft_N", "N", "peak tension of a weft yarn"),
-    ("peak_tension_weft_over_strength", "1", "the same over the strength"),
+    ("max_deflection_m", "m", "largest deflection of the back face: of the history `deflection`"),
+    ("peak_contact_force_N", "N", "highest value of the history `contact_force`"),
+    *(row for family in ("warp", "weft") for row in (
+        (f"peak_tension_{family}_N", "N", f"peak tension of a {family} yarn, mean over a segment between crossovers"),
+        (f"peak_tension_{family}_over_strength", "1", "the same over the strength"),
+        (f"peak_tension_{family}_time_s", "s", "its time"),
+        (f"peak_tension_{family}_place_m", "m", "middle of the segment at rest: along warp, along weft, from the "
+         "impact point"),
+        (f"peak_tension_{family}_ply", "1", "its ply, the first is 1"))),
     ("failed_yarn_segments", "1", "failed segments of yarns; of a pack, of each ply"),
     ("strike_energy_J", "J", "kinetic energy of the projectile at the start"),
     ("absorbed_energy_J", "J", "kinetic energy that the projectile has lost"),
@@ -99,6 +103,9 @@ IMPACT = keys(
     ("ply_contact_status", "", "pack: its status, such as computed, fitted or assumed"),
     ("ply_contact_travel_m", "m", "pack: its closure before solid fibre is pressed"),
     ("ply_gap_m", "m", "pack: gap between the first two plies at rest"),
+    ("ply_gap_low_m", "m", "pack: low end of the range of an assumed gap; the gap itself where it is given"),
+    ("ply_gap_high_m", "m", "pack: high end of that range"),
+    ("ply_gap_source", "", "pack: where the gap comes from"),
     ("peak_tension_over_strength", "1", "pack: highest tension over strength in each ply"),
     ("ply_energies_J", "J", "pack: energy at the end that each ply moves with, stores and has lost"),
     ("max_penetration_ratio", "1", "pack: deepest penetration of a ply into the next, over the thickness"),
@@ -163,7 +170,8 @@ CRITICAL_VELOCITY = keys(
     ("shots.peak_tension_N", "N", "peak tension of warp and weft"),
     ("shots.energy_error_max", "1", "largest error of the energy balance over the strike energy"),
     ("shots.wall_time_s", "s", "wall time of the shot"),
-    ("shots.checks", "", '"ok" or "doubtful"'),
+    ("bracket_checks", "", '"ok", or which end of bracket or mixed zone is a doubtful shot, and why'),
+    ("shots.checks", "", '"ok", "noted" or "doubtful"'),
 )
 DEMO = keys(
     ("rows", "", "list of quantity, target, value, met"),
@@ -181,13 +189,20 @@ HISTORIES = keys(
     ("time", "s", "times of the energy audits"),
     ("velocity", "m/s", "velocity of the projectile along the normal"),
     ("nose_position", "m", "foremost point of the projectile"),
+    ("contact_force", "N", "force on the projectile along the normal, against its flight, from plies and block: "
+     "the mean since the time before, so that force times interval is the loss of momentum"),
+    ("deflection", "m", "largest displacement along the normal, of cloth connected to the edges; of a pack, of "
+     "its last ply (back face)"),
     ("failed_segments", "1", "failed segments of yarns"),
-)
+)  # fmt: skip
 PANEL = keys(
     ("quads", "1", "node numbers of the elements"),
     ("strength", "N", "strength of a warp and a weft yarn"),
     ("projectile", "m", "surface of the projectile about its nose"),
     ("peak_tension", "N", "peak tension of warp and weft"),
+    ("peak_tension_time", "s", "their times"),
+    ("peak_tension_place", "m", "their places at rest: along warp, along weft, from the impact point"),
+    ("thickness", "m", "thickness of the cloth"),
 )
 BAR = keys(
     ("time", "s", "time"),
@@ -209,7 +224,7 @@ PLY_HISTORIES = keys(
     ("reaction_warp", "N", "tension at the boundary of the warp nearest the impact point"),
     ("reaction_weft", "N", "the same of the weft"),
     ("push", "N", "force of the nose on the ply"),
-    ("deflection", "m", "deflection at the impact point"),
+    ("deflection", "m", "largest displacement along the normal, of cloth connected to the edges"),
     ("energy", "J", "energy that the ply moves with, stores and has lost"),
 )
 PLIES = keys(
@@ -218,6 +233,8 @@ PLIES = keys(
     ("gaps", "m", "gaps between neighbouring plies at rest"),
     ("strength", "N", "strength of each ply's warp and weft"),
     ("peak_tension", "N", "peak tension of each ply's warp and weft"),
+    ("peak_tension_time", "s", "their times"),
+    ("peak_tension_place", "m", "their places at rest: along warp, along weft, from the impact point"),
     ("max_penetration_ratio", "1", "deepest penetration into the next ply, over the thickness"),
     ("torn_contact", "1", "torn_corrections and torn_unresolved, see summary.json"),
 )
@@ -282,7 +299,7 @@ DATASETS = (
     *_under("shapes/*", SHAPE),
     *keys(
         ("shapes/*/quads", "1", "node numbers of a ply's elements"),
-        ("cuts/*/time", "s", "time of a section of the pack"),
+        ("cuts/*/time", "s", "time of a section through the impact point"),
         ("cuts/*/nose_position", "m", "foremost point of the projectile"),
         ("cuts/*/lines/*", "m", "x and z of a ply's middle surface, NaN where its yarn has failed"),
     ),

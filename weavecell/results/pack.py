@@ -1,10 +1,9 @@
 """What an impact on a pack of plies leaves, in one HDF5 file (histories.h5): scalars, histories, every ply at the end.
 
 Layout, besides the common part (`results.impact_base`): /plies with one row a ply, or one column a ply in its
-histories; /shapes/00, 01, ... with a ply's shape and state at the end and the node numbers of its elements; /cuts with
-the section of the pack through the impact point at the instants of the snapshots; /measured/00, 01, ..., where a scene
-asks for it, with each ply's histories as in `results.impact`. Nodes count from the middle surface of the first ply at
-rest.
+histories; /shapes/00, 01, ... with a ply's shape and state at the end and the node numbers of its elements;
+/measured/00, 01, ..., where a scene asks for it, with each ply's histories as in `results.impact`. Nodes count from the
+middle surface of the first ply at rest.
 """
 
 from __future__ import annotations
@@ -16,28 +15,14 @@ import numpy as np
 
 from weavecell.results import keys
 from weavecell.results.hdf5_file import put
-from weavecell.results.impact_base import BaseRecord, Shape, read_shape, tensions, write_shape
+from weavecell.results.impact_base import BaseRecord
 from weavecell.results.impact_groups import SLIP, read_group, read_measured, write_group, write_measured
+from weavecell.results.impact_shapes import Cut, Shape, read_shape, write_shape
 
 if TYPE_CHECKING:
     from shellfabric.impact.pack import PackResult
 
 _PLY_UNITS, _PLIES = keys.units(keys.PLY_HISTORIES), keys.units(keys.PLIES)
-
-
-@dataclass(frozen=True)
-class Cut:
-    """The pack cut open along x through the impact point, at one instant.
-
-    Parameters
-    ----------
-    t, nose : [s, m] time, and the foremost point of the projectile
-    lines : tuple of (n, 2) [m] places x and z of each ply's middle surface; not a number where its yarn has failed
-    """
-
-    t: float
-    nose: float
-    lines: tuple
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -50,12 +35,12 @@ class PackRecord(BaseRecord):
     ply_contact_source, ply_contact_status : of the contact law of plies
     ply_contact_travel : [m] its closure before solid fibre is pressed
     plies : {name: (n, plies)} with the names of shellfabric.panel.solver.PLY_SAMPLES
-    z_rest, thickness : (plies,) [m] middle surfaces at rest, and thickness
+    z_rest : (plies,) [m] middle surfaces at rest
     gaps : (plies - 1,) [m]
+    gap_low, gap_high, gap_source : [m, m, -] range of the first of them, and where it comes from
     max_penetration_ratio : (plies - 1,) [-] deepest penetration of a ply into the next, over the thickness
     torn_contact : (2,) [-] impulses that kept torn cloth from passing through another ply, and passages despite them
     shapes, quads : of each ply at the end: Shape, and (m, 4) node numbers
-    cuts : tuple of Cut
     measured : tuple of shellfabric.output.histories.Histories of each ply; empty where nothing was to be recorded
     slips : (plies,) shellfabric.sliding.solver.SlipSummary of sliding crossovers; empty of pinned ones
     """
@@ -63,49 +48,79 @@ class PackRecord(BaseRecord):
     KIND = "pack"
     OWN_SCALARS = {  # noqa: RUF012
         "stacking": "stacking",
+        "gap_low": "ply_gap_low_m",
+        "gap_high": "ply_gap_high_m",
+        "gap_source": "ply_gap_source",
         "ply_contact_source": "ply_contact_source",
         "ply_contact_status": "ply_contact_status",
         "ply_contact_travel": "ply_contact_travel_m",
     }
 
     stacking: str
+    gap_low: float
+    gap_high: float
+    gap_source: str
     ply_contact_source: str
     ply_contact_status: str
     ply_contact_travel: float
     plies: dict
     z_rest: np.ndarray
-    thickness: np.ndarray
     gaps: np.ndarray
     max_penetration_ratio: np.ndarray
     torn_contact: np.ndarray
     shapes: tuple
     quads: tuple
-    cuts: tuple
     measured: tuple = ()
     slips: tuple = ()
+
+    @property
+    def contact_words(self) -> str:
+        """The contact law of plies, for the reader."""
+        travel = f"travel {1e6 * self.ply_contact_travel:.3g} um, then solid fibre"
+        return f"Contact of plies: {self.ply_contact_source} ({self.ply_contact_status}), {travel}"
+
+    @property
+    def gap_words(self) -> str:
+        """The gap between plies at rest, its range and its source in one line."""
+        span = f" ({1e3 * self.gap_low:.3g} .. {1e3 * self.gap_high:.3g} mm)" if self.gap_high > self.gap_low else ""
+        return f"ply gap {1e3 * self.gaps[0]:.3g} mm{span}, {self.gap_source}"
 
     @property
     def count(self) -> int:
         """Number of plies."""
         return len(self.z_rest)
 
+    @property
+    def drawn_shapes(self) -> tuple[Shape, Shape]:
+        """See BaseRecord."""
+        return self.shapes[-1], self.shapes[-1]
+
+    @property
+    def rear_quads(self) -> np.ndarray:
+        """See BaseRecord."""
+        return self.quads[-1]
+
     @classmethod
     def of(cls, result: PackResult, title: str, law_name: str, message: str = "") -> PackRecord:
         """The record of a `shellfabric.impact.pack.PackResult`."""
         from shellfabric.output.snapshots import quads
+        from shellfabric.plies.gap import PlyGap, ply_gap
 
+        given = result.setup.gap
         pack, (_, mirror_y) = result.pack, result.mirrored
         before = [shots for shots in result.snapshots if shots[0].t < result.last[0].t]
         law = pack.laws[0]
+        gap = ply_gap(result.setup.ply.fabric, law) if given is None else PlyGap(given, given, given, "given")
         return cls._of(
             result, result.setup.ply, title, law_name, message, elements=pack.elements,
             strength=np.array([[yarn.strength for yarn in one.weave.yarns] for one in pack.plies]),
             stacking=result.setup.stacking, ply_contact_source=law.source, ply_contact_status=law.status,
             ply_contact_travel=law.travel, plies=dict(result.plies), z_rest=pack.places,
             thickness=np.array([one.weave.thickness for one in pack.plies]), gaps=np.array(pack.gaps),
+            gap_low=gap.low, gap_high=gap.high, gap_source=gap.source,
             max_penetration_ratio=result.deepest, torn_contact=result.held_apart,
             shapes=tuple(Shape.of(shot) for shot in result.last), quads=tuple(quads(one) for one in pack.plies),
-            cuts=tuple(_cut(shots, mirror_y) for shots in (*before, result.last)), measured=result.histories,
+            cuts=tuple(Cut.of(shots, mirror_y) for shots in (*before, result.last)), measured=result.histories,
             slips=result.slips,
         )  # fmt: skip
 
@@ -114,7 +129,6 @@ class PackRecord(BaseRecord):
         return slips | {
             "plies": self.count,
             "ply_gap_m": float(self.gaps[0]),
-            **tensions(self.peak_tension.max(axis=0), self.strength.max(axis=0)),
             "failed_yarn_segments": self.plies["failed_yarns"][-1].tolist(),
             "peak_tension_over_strength": (self.peak_tension / self.strength).max(axis=1).tolist(),
             "ply_energies_J": self.plies["energy"][-1].tolist(),
@@ -132,11 +146,6 @@ class PackRecord(BaseRecord):
         for number, (shape, quads) in enumerate(zip(self.shapes, self.quads)):
             put(file, f"shapes/{number:02d}/quads", quads, "1")
             write_shape(file, f"shapes/{number:02d}", shape)
-        for number, cut in enumerate(self.cuts):
-            put(file, f"cuts/{number:04d}/time", cut.t, "s")
-            put(file, f"cuts/{number:04d}/nose_position", cut.nose, "m")
-            for ply, line in enumerate(cut.lines):
-                put(file, f"cuts/{number:04d}/lines/{ply:02d}", line, "m")
         for ply, measured in enumerate(self.measured):
             write_measured(file.create_group(f"measured/{ply:02d}"), measured)
         for ply, slip in enumerate(self.slips):
@@ -145,26 +154,15 @@ class PackRecord(BaseRecord):
     @staticmethod
     def _read(file):
         shapes = [group for _, group in sorted(file["shapes"].items())]
-        return {name: file[f"plies/{name}"][()] for name in _PLIES} | {
-            "plies": {name: data[()] for name, data in file["plies/histories"].items()},
-            "projectile": file["projectile"][()],
-            "measured": tuple(read_measured(group) for _, group in sorted(file.get("measured", {}).items())),
-            "slips": tuple(read_group(file, f"slip/{ply}") for ply in sorted(file.get("slip", ()))),
-            "quads": tuple(group["quads"][()] for group in shapes),
-            "shapes": tuple(map(read_shape, shapes)),
-            "cuts": tuple(_read_cut(group) for _, group in sorted(file["cuts"].items())),
-        }
-
-
-def _read_cut(group):
-    lines = tuple(line[()] for _, line in sorted(group["lines"].items()))
-    return Cut(float(group["time"][()]), float(group["nose_position"][()]), lines)
-
-
-def _cut(shots, mirror_y):
-    lines = []
-    for shot in shots:
-        j = 0 if mirror_y else shot.nodes.shape[1] // 2
-        line, gone = shot.nodes[:, j, [0, 2]], np.flatnonzero(shot.failed[:, j, 0])
-        lines.append(np.insert(line, gone + 1, np.nan, axis=0))
-    return Cut(float(shots[0].t), float(shots[0].nose_position), tuple(lines))
+        values = {name: file[f"plies/{name}"][()] for name in _PLIES}
+        return (
+            values
+            | {
+                "plies": {name: data[()] for name, data in file["plies/histories"].items()},
+                "projectile": file["projectile"][()],
+                "measured": tuple(read_measured(group) for _, group in sorted(file.get("measured", {}).items())),
+                "slips": tuple(read_group(file, f"slip/{ply}") for ply in sorted(file.get("slip", ()))),
+                "quads": tuple(group["quads"][()] for group in shapes),
+                "shapes": tuple(map(read_shape, shapes)),
+            }
+        )

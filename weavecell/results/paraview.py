@@ -13,7 +13,7 @@ from fabrics.checks import FilePath
 from fabrics.files import write_whole
 
 if TYPE_CHECKING:
-    from weavecell.results.impact_base import Shape
+    from weavecell.results.impact_shapes import Shape
 
 
 _QUAD = 9  # VTK's number of a quadrilateral

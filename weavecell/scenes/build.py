@@ -18,7 +18,7 @@ from fabrics.surface import ResponseSurface
 from fabrics.variants import with_linear_density
 from fabrics.yarn import WeavingDamage
 from weavecell.scenes.impact import BackingTable, PanelTable, ProjectileTable, SlipTable
-from weavecell.scenes.schema import InlineLaw
+from weavecell.scenes.schema import FabricTable, InlineLaw
 from weavecell.scenes.supported import Rule, of
 
 if TYPE_CHECKING:
@@ -123,13 +123,13 @@ def build(scene: Any, file: Path, name: str) -> Case:
     InputError : a fabric or law that cannot be found or does not fit, named with the scene's file and key
     """
     fabric = _sheared(_fabric(scene.fabric, file), scene, file)
-    surface = _surface(scene.fabric, fabric, file)
+    surface = surface_of(scene.fabric, fabric, file)
     fabric = _with_ply_contact(fabric, scene, file)
     laws, law_name = _laws(scene.fabric, fabric, file) if surface is None else (fabric.laws, "3D response surface")
     return Case(name, fabric, laws, law_name, scene, surface)
 
 
-def setup(case: Case, file: FilePath) -> ImpactSetup:
+def setup(case: Case, file: FilePath | None) -> ImpactSetup:
     """The impact's set-up for `shellfabric`.
 
     Raises
@@ -233,7 +233,7 @@ def _side(side):
     return PullIn(side.pull_in, side.start, side.end, **({} if side.zone is None else {"zone": side.zone}))
 
 
-def in_file(problem: InputError, file: FilePath) -> InputError:
+def in_file(problem: InputError, file: FilePath | None) -> InputError:
     """An InputError of an object that does not know its file, with the scene's file and key in it."""
     if problem.file is not None:
         return problem
@@ -257,7 +257,11 @@ def _fabric(table, file):
         raise InputError(
             file=file, key="fabric.name", value=table.name, allowed=f"one of {', '.join(catalogue.list_names())}"
         )
-    fabric = with_linear_density(fabric, table.linear_density)
+    return damaged(with_linear_density(fabric, table.linear_density), table)
+
+
+def damaged(fabric: Fabric, table: FabricTable) -> Fabric:
+    """The fabric with the weaving damage that a table [fabric] states."""
     if table.weaving_damage is None:
         return fabric
     return fabric.with_weaving_damage(WeavingDamage(**table.weaving_damage.model_dump()))
@@ -283,22 +287,35 @@ def _with_ply_contact(fabric, scene, file):
     if getattr(panel, "plies", 1) == 1:
         return fabric
     try:
-        if panel.ply_contact is not None:
-            return replace(fabric, ply_contact=PlyLaw.chosen(panel.ply_contact, fabric))
-        if isinstance(law, str) and law != "published" and PlyLaw.held_by(law):
-            return replace(fabric, ply_contact=PlyLaw.read(law, fabric))
-        PlyLaw.of(fabric)  # refuses a fabric without data
+        return with_ply_contact(fabric, panel.ply_contact, law)
     except InputError as problem:
         if problem.file is not None:
             raise
         key = "panel.ply_contact" if problem.key in (None, "ply_contact") else problem.key
         message = None if problem.key is not None else str(problem)
         raise InputError(message, file=file, key=key, value=problem.value, allowed=problem.allowed) from None
+
+
+def with_ply_contact(fabric: Fabric, choice: PlyLaw | FilePath | None, law: object = None) -> Fabric:
+    """The fabric with the contact law of plies of `choice` (`PlyLaw.chosen`), or that the file `law` holds.
+
+    Raises
+    ------
+    InputError : as `PlyLaw.chosen` and `PlyLaw.of`
+    """
+    if choice is not None:
+        return replace(fabric, ply_contact=PlyLaw.chosen(choice, fabric))
+    if isinstance(law, (str, Path)) and law != "published" and PlyLaw.held_by(law):
+        return replace(fabric, ply_contact=PlyLaw.read(law, fabric))
+    PlyLaw.of(fabric)  # refuses a fabric without data
     return fabric
 
 
-def _surface(table, fabric, file):
-    """The response surface that a scene names, checked against what else it says of the cell."""
+def surface_of(
+    table: FabricTable, fabric: Fabric, file: FilePath | None, given: ResponseSurface | None = None
+) -> ResponseSurface | None:
+    """The response surface that a scene names, or the one `given` in its place, checked against what else the scene
+    says of the cell."""
     forms = ("variational", "equilibrium") if table.surface is None else ("variational", "direct")
     if table.cell_formulation not in forms:
         words = "without" if table.surface is None else "with"
@@ -308,9 +325,9 @@ def _surface(table, fabric, file):
         )  # fmt: skip
     if table.surface is None:
         return None
-    if not os.path.exists(table.surface):
+    if given is None and not os.path.exists(table.surface):
         raise InputError("cannot be read; must be a surface written by `weavecell surface`", file=table.surface)
-    surface = ResponseSurface.read(table.surface)
+    surface = given or ResponseSurface.read(table.surface)
     try:
         from shellfabric.cell.surface_cell import SurfaceCell
 

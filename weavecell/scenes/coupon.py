@@ -9,10 +9,9 @@ from pydantic import BeforeValidator, Field
 
 from fabrics.checks import FilePath
 from fabrics.errors import InputError
-from weavecell.scenes import renamed_keys, supported
+from weavecell.scenes import supported
 from weavecell.scenes.schema import (
     FabricTable,
-    Format,
     Table,
     anchored,
     angle,
@@ -96,7 +95,6 @@ class CouponRunTable(Table):
 class CouponScene(Table):
     """One test on one coupon."""
 
-    format: Format = 1
     title: Annotated[str, Field(description="a text")] = ""
     fabric: Annotated[FabricTable, Field(description="a table [fabric]")]
     bias_extension: Annotated[BiasTable | None, Field(description="a table [bias_extension]")] = None
@@ -142,7 +140,6 @@ def load(path: FilePath, support: Any = None) -> tuple[CouponScene, str]:
 
 def check(table: dict[str, Any], file: FilePath, support: Any = None) -> CouponScene:
     """Turn a scene's table into a checked CouponScene; `file` is named in errors and anchors relative paths."""
-    table = renamed_keys.upgraded(table, file)
     scene = validated(CouponScene, table, file)
     exactly_one(scene.fabric, ("name", "file"), "fabric", file)
     exactly_one(scene, TESTS, "", file)

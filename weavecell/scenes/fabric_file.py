@@ -4,35 +4,51 @@ The values come from prompts or from a CSV file with the columns key, warp, weft
 
     key, warp, weft, source
     linear_density, 1100 dtex, 1100 dtex, data sheet of the yarn
-    crimp, 1.2 %, 0.8 %, measured on the fabric
+    tenacity, 2350 mN/tex, 2350 mN/tex, data sheet of the yarn
+    thickness, 0.30 mm, , data sheet of the fabric
 
-Curves of tests (`weavecell.scenes.curves`) replace modulus, failure strain or the trellis law by fits.
+A value of the fabric as a whole stands in the column warp. Crimp may be left out where the thickness is given, and the
+failure strain where strength or tenacity is (`fabrics.data_sheet`). Curves of tests (`weavecell.scenes.curves`) replace
+modulus, failure strain or the trellis law by fits.
 """
 
 from __future__ import annotations
 
 import csv
+import difflib
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from fabrics import assumed, catalogue
 from fabrics.checks import FilePath
-from fabrics.errors import InputError
+from fabrics.errors import InputError, together
 from fabrics.fabric import Fabric
 from fabrics.files import replace_whole
-from fabrics.units import si
+from fabrics.units import in_one_of, si
 from weavecell.scenes import curves
 
-# key: SI unit, example, meaning
+# key: SI units, example, meaning
 KEYS = {
-    "linear_density": ("kg/m", "1100 dtex", "mass per length of the yarn"),
-    "fibre_density": ("kg/m^3", "1.44 g/cm^3", "density of the fibre"),
-    "modulus": ("Pa", "90 GPa", "axial modulus of the fibre"),
-    "failure_strain": ("", "3.3 %", "failure strain of the fibre"),
-    "crimp": ("", "1.2 %", "yarn length over length of fabric, minus one"),
-    "count": ("1/m", "8.5 / cm", "yarns per width of fabric"),
+    "linear_density": (("kg/m",), "1100 dtex", "mass per length of the yarn"),
+    "fibre_density": (("kg/m^3",), "1.44 g/cm^3", "density of the fibre"),
+    "modulus": (("Pa", "N/(kg/m)"), "90 GPa", "axial modulus of the fibre"),
+    "failure_strain": (("",), "3.3 %", "failure strain of the fibre"),
+    "crimp": (("",), "1.2 %", "yarn length over length of fabric, minus one"),
+    "count": (("1/m",), "8.5 / cm", "yarns per width of fabric"),
 }
-OPTIONAL = {"width": ("m", "1.1 mm", "width of the yarn in the fabric, across its family")}
+OPTIONAL = {
+    "strength": (("N", "Pa"), "220 N", "of one yarn, or as a stress of the fibre"),
+    "tenacity": (("N/(kg/m)",), "2350 mN/tex", "strength over linear density"),
+    "width": (("m",), "1.1 mm", "width of the yarn in the fabric, across its family"),
+}
+OF_FABRIC = {
+    "thickness": (("m",), "0.30 mm", "of the fabric, as its data sheet has it"),
+    "areal_density": (("kg/m^2",), "200 g/m^2", "of the fabric, as its data sheet has it"),
+    "interlayer_gap": (("m",), "0.1 mm", "play between plies of a pack at rest"),
+}
+ALL = KEYS | OPTIONAL | OF_FABRIC
+# key of KEYS that may be left out: keys of which one then stands in for it
+INSTEAD = {"failure_strain": ("strength", "tenacity"), "crimp": ("thickness",)}
 COLUMNS = ("key", "warp", "weft", "source", "status")
 
 
@@ -53,7 +69,7 @@ class Draft:
     Parameters
     ----------
     name : of the fabric
-    values : {key of KEYS or OPTIONAL: Value}
+    values : {key of ALL: Value}
     shear : {key: (value, source, status)} of [shear], or empty
     """
 
@@ -68,12 +84,16 @@ class Draft:
             "# family, with a range; [compression] comes from `weavecell calibrate`.",
             f"name = {_quoted(self.name)}",
         ]
+        lines += [
+            f"{key} = {_entry(value.warp, value.source, value.status)}"
+            for key, value in self.values.items() if key in OF_FABRIC
+        ]  # fmt: skip
         for family in ("warp", "weft"):
             lines += ["", f"[{family}]"]
             lines += [
                 f"{key} = {_entry(getattr(value, family), value.source, value.status)}"
-                for key, value in self.values.items()
-            ]
+                for key, value in self.values.items() if key not in OF_FABRIC
+            ]  # fmt: skip
         if self.shear:
             lines += ["", "[shear]", *(f"{key} = {_entry(*entry)}" for key, entry in self.shear.items())]
         return "\n".join(lines) + "\n"
@@ -88,17 +108,17 @@ class Draft:
         path = Path(path)
         if path.exists():
             raise InputError("exists already", file=path)
+        text = self.text()
+        fabric = catalogue.read(path, text)
         with replace_whole(path) as beside:
-            beside.write_text(self.text(), encoding="utf-8")
-            try:
-                return catalogue.read(beside)
-            except InputError as problem:
-                raise InputError(file=path, key=problem.key, value=problem.value, allowed=problem.allowed) from None
+            beside.write_text(text, encoding="utf-8")
+        return fabric
 
 
 def check(key: str, text: str) -> str:
-    """The text of one value; InputError where it is no quantity of the key's unit."""
-    si(text if (KEYS | OPTIONAL)[key][0] or "%" in text else _plain(text), (KEYS | OPTIONAL)[key][0], key=key)
+    """The text of one value; InputError where it is no quantity of a unit that the key may have."""
+    units = ALL[key][0]
+    in_one_of(text if units != ("",) or "%" in text else _plain(text), units, key=key)
     return text.strip()
 
 
@@ -107,7 +127,7 @@ def read_values(path: FilePath) -> dict[str, Value]:
 
     Raises
     ------
-    InputError : one line naming the file, the line, the value and what is allowed
+    InputError : all that is wrong, a line each naming the file, the key, the value and what is allowed
     """
     try:
         with open(path, encoding="utf-8", newline="") as file:
@@ -116,22 +136,47 @@ def read_values(path: FilePath) -> dict[str, Value]:
         raise InputError("cannot be read", file=path, allowed="a CSV file of key, warp, weft") from problem
     if not rows or rows[0][:3] != list(COLUMNS[:3]) or not set(rows[0]) <= set(COLUMNS):
         raise InputError(file=path, key="columns", value=", ".join(rows[0] if rows else ()), allowed=", ".join(COLUMNS))
-    found = {}
+    found: dict[str, Value] = {}
+    problems: list[InputError] = []
     for row in rows[1:]:
-        entry = dict(zip(rows[0], row))
-        key = entry["key"]
-        if key not in KEYS | OPTIONAL or len(row) > len(rows[0]) or len(row) < 3:
-            raise InputError(file=path, key="key", value=key, allowed=f"one of {', '.join(KEYS | OPTIONAL)}")
-        try:
-            warp, weft = check(key, entry["warp"]), check(key, entry["weft"] or entry["warp"])
-        except InputError as problem:
-            raise InputError(file=path, key=key, value=problem.value, allowed=problem.allowed) from None
-        source = entry.get("source") or Path(path).name
-        found[key] = Value(warp, weft, source, entry.get("status") or "user")
-    missing = [key for key in KEYS if key not in found]
-    if missing:
-        raise InputError("is missing", file=path, key=missing[0], allowed=f'such as "{KEYS[missing[0]][1]}"')
+        key, value = _row(dict(zip(rows[0], row)), len(row) - len(rows[0]), path, problems)
+        found |= {key: value} if value is not None else {}
+    tried = {found for row in rows[1:] for found in (row[0], *difflib.get_close_matches(row[0], ALL, n=1, cutoff=0.75))}
+    for key in KEYS:
+        others = INSTEAD.get(key, ())
+        if not tried & {key, *others}:
+            more = f", or {' or '.join(others)} in its place" if others else ""
+            allowed = f'such as "{KEYS[key][1]}"{more}'
+            problems.append(InputError("is missing", file=path, key=key, allowed=allowed))
+    if problems:
+        raise together(problems)
     return found
+
+
+def _row(entry, surplus, path, problems):
+    """(key, Value) of one row, or (key, None) with what is wrong with it added to `problems`."""
+    key = entry["key"]
+    if key not in ALL or surplus > 0 or len(entry) < 2:
+        near = difflib.get_close_matches(key, ALL, n=1, cutoff=0.75)
+        hint = f'is not a known key, did you mean "{near[0]}"?' if near and key not in ALL else None
+        allowed = None if hint else f"one of {', '.join(ALL)}"
+        problems.append(InputError(hint, file=path, key="key", value=key, allowed=allowed))
+        return key, None
+    texts, wrong = [], len(problems)
+    weft = "" if key in OF_FABRIC else entry.get("weft") or entry["warp"]
+    for family, text in (("warp", entry["warp"]), ("weft", weft)):
+        try:
+            texts.append(check(key, text) if text or family == "warp" else "")
+        except InputError as problem:
+            if not (family == "weft" and text == entry["warp"]):
+                problems.append(InputError(file=path, key=key, value=problem.value, allowed=problem.allowed))
+    status = entry.get("status") or "user"
+    if status not in catalogue.STATUSES:
+        allowed = f"one of {', '.join(catalogue.STATUSES)}"
+        problems.append(InputError(file=path, key=f"{key}, status", value=status, allowed=allowed))
+    if len(problems) > wrong:
+        return key, None
+    return key, Value(*texts, entry.get("source") or Path(path).name, status)
 
 
 def with_curves(
@@ -163,12 +208,14 @@ def with_curves(
         strain = f"{100 * fit.failure_strain:.5g} %"
         values["modulus"] = Value(moduli[0], moduli[1], source, "fitted")
         values["failure_strain"] = Value(strain, strain, source, "fitted")
+        for key in INSTEAD["failure_strain"]:
+            values.pop(key, None)
         draft = replace(draft, values=values)
         fitted.append(
             f"fitted: modulus {moduli[0]}, failure strain {strain} (rms {fit.rms:.3g} N, slack {100 * fit.slack:.3g} %)"
         )
     if frame is not None:
-        found = curves.picture_frame(frame, _thickness(draft), side)
+        found = curves.picture_frame(frame, catalogue.read(draft.name, draft.text()).weave.thickness, side)
         law, source = found.law, f"picture-frame curve, {curves.name_of(frame)}"
         if not found.locked:
             source += "; ends before the yarns lock: G2 and gamma2 are not determined"
@@ -180,26 +227,11 @@ def with_curves(
 
 
 def left_open(fabric: Fabric) -> list[str]:
-    """A line about each table that will be assumed, or has to be given."""
+    """A line about each number that disagrees with another, and each table that will be assumed or has to be given."""
     try:
-        return assumed.lines(assumed.with_solid_laws(assumed.with_shear(fabric)))
+        return [*fabric.notes, *assumed.lines(assumed.with_solid_laws(assumed.with_shear(fabric)))]
     except InputError as problem:
-        return [str(problem)]
-
-
-def _thickness(draft):
-    """[m] of the fabric as a shell."""
-    from fabrics.weave import Weave
-    from fabrics.yarn import Yarn
-
-    def of(family, key):
-        return si(_plain(getattr(draft.values[key], family)), KEYS[key][0], key=key)
-
-    yarns = [
-        Yarn(*(of(family, key) for key in ("linear_density", "fibre_density", "modulus", "failure_strain", "crimp")))
-        for family in ("warp", "weft")
-    ]
-    return Weave(*yarns, of("warp", "count"), of("weft", "count")).thickness
+        return [*fabric.notes, *assumed.lines(fabric), str(problem)]
 
 
 def _plain(text):

@@ -10,10 +10,9 @@ from pydantic import BeforeValidator, Discriminator, Field, Tag
 from fabrics.checks import FilePath
 from fabrics.errors import InputError
 from fabrics.units import si
-from weavecell.scenes import renamed_keys, supported
+from weavecell.scenes import supported
 from weavecell.scenes.schema import (
     FabricTable,
-    Format,
     Table,
     anchored,
     angle,
@@ -243,7 +242,6 @@ class NumericsTable(Table):
 class Scene(Table):
     """One impact on one panel."""
 
-    format: Format = 1
     title: Annotated[str, Field(description="a text")] = ""
     fabric: Annotated[FabricTable, Field(description="a table [fabric]")]
     projectile: Annotated[ProjectileTable, Field(description="a table [projectile]")]
@@ -278,14 +276,14 @@ def load(path: FilePath, support: Any = None) -> tuple[Scene, str]:
     return check(table, path, support), text
 
 
-def check(table: dict[str, Any], file: FilePath, support: Any = None) -> Scene:
-    """Turn a scene's table into a checked Scene; `file` is named in errors and anchors relative paths."""
-    table = renamed_keys.upgraded(table, file)
+def check(table: dict[str, Any], file: FilePath | None, support: Any = None) -> Scene:
+    """Turn a scene's table into a checked Scene; `file`, where there is one, is named in errors and anchors relative
+    paths."""
     scene = validated(Scene, table, file)
     _check_relations(scene, table, file)
     if support is not None:
         supported.check(scene, table, file, support(scene) if callable(support) else support)
-    return anchored(scene, Path(file).parent)
+    return scene if file is None else anchored(scene, Path(file).parent)
 
 
 def _check_relations(scene, table, file):

@@ -1,7 +1,7 @@
 """What all scenes are made of: tables of quantities with units as text, the fabric's table, the one line of an error.
 
-Each field carries, as its description, what is allowed in it. Whatever is wrong with a value, the user gets one
-line: the file, the key, the value as written, and that description.
+Each field carries, as its description, what is allowed in it. For each value that is wrong the user gets one line: the
+file, the key, the value as written, and that description.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from typing import Annotated, Any, Literal, TypeVar, get_args
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Discriminator, Field, Tag, ValidationError
 
 from fabrics.checks import FilePath
-from fabrics.errors import InputError
+from fabrics.errors import InputError, together
 from fabrics.units import si
 from fabrics.yarn import STATUSES
 
@@ -77,9 +77,6 @@ def whole(low: int, high: int) -> Any:
 def one_of(*names: str) -> Any:
     """A field for one of some texts."""
     return Annotated[Literal[names], Field(description="one of " + ", ".join(f'"{name}"' for name in names))]
-
-
-Format = Annotated[int, Field(description="1, or 2, in which no old name of a key is read")]
 
 
 class InlineLaw(Table):
@@ -181,12 +178,12 @@ def read_toml(path: FilePath, *, what: str) -> tuple[str, dict[str, Any]]:
         raise InputError(f"not valid TOML ({problem})", file=path) from None
 
 
-def validated(model: type[Kind], table: dict[str, Any], file: FilePath) -> Kind:
-    """The table of a file as a `model`; InputError, one line, where it is none."""
+def validated(model: type[Kind], table: dict[str, Any], file: FilePath | None) -> Kind:
+    """The table of a file as a `model`; InputError, a line for each thing that is wrong with it."""
     try:
         return model.model_validate(table)
     except ValidationError as problem:
-        raise one_line(problem, model, file) from None
+        raise together(_problems(problem, model, file)) from None
 
 
 def exactly_one(table: BaseModel, names: Sequence[str], key: str, file: FilePath) -> None:
@@ -213,24 +210,29 @@ def anchored(scene: Any, folder: Path) -> Any:
     return scene.model_copy(update=updates)
 
 
-def one_line(problem: ValidationError, model: type[BaseModel], file: FilePath) -> InputError:
-    """One error of a pydantic ValidationError as an InputError; the others are counted.
+def _problems(found, model, file):
+    """An InputError for each key of a pydantic ValidationError; unknown keys go first.
 
-    A key that is not known goes first, since a mistyped name also leaves the right one missing.
+    A mistyped key leaves the right one missing, which is not told again.
     """
-    errors = sorted(problem.errors(include_url=False), key=lambda error: error["type"] != "extra_forbidden")
-    first = errors[0]
-    names, field, table = _locate(model, first["loc"])
-    more = f" (+{len(errors) - 1} more)" if len(errors) > 1 else ""
-    key = ".".join(names)
-    if first["type"] == "missing":
-        return InputError("is missing", file=file, key=key, allowed=field.description + more)
-    if first["type"] == "extra_forbidden":
-        near = difflib.get_close_matches(names[-1], table.model_fields, n=1, cutoff=0.75)
-        hint = f', did you mean "{near[0]}"?' if near else ";"
-        known = ", ".join(table.model_fields)
-        return InputError(f"unknown key{hint} allowed here: {known}{more}", file=file, key=key)
-    return InputError(file=file, key=key, value=first["input"], allowed=field.description + more)
+    problems: dict[str, InputError] = {}
+    meant = set()
+    for error in sorted(found.errors(include_url=False), key=lambda error: error["type"] != "extra_forbidden"):
+        names, field, table = _locate(model, error["loc"])
+        key = ".".join(names)
+        if error["type"] == "extra_forbidden":
+            near = difflib.get_close_matches(names[-1], table.model_fields, n=1, cutoff=0.75)
+            meant |= {".".join((*names[:-1], *near))} if near else set()
+            hint = f', did you mean "{near[0]}"?' if near else ";"
+            told = InputError(f"unknown key{hint} allowed here: {', '.join(table.model_fields)}", file=file, key=key)
+        elif error["type"] == "missing" and key in meant:
+            continue
+        elif error["type"] == "missing":
+            told = InputError("is missing", file=file, key=key, allowed=field.description)
+        else:
+            told = InputError(file=file, key=key, value=error["input"], allowed=field.description)
+        problems.setdefault(key, told)
+    return list(problems.values())
 
 
 def _locate(model, location):

@@ -69,7 +69,7 @@ def of(table: str, names: str) -> tuple[str, ...]:
     return tuple(f"{table}.{name}" for name in names.split())
 
 
-def check(scene: Any, table: dict[str, Any], file: FilePath, support: Support) -> None:
+def check(scene: Any, table: dict[str, Any], file: FilePath | None, support: Support) -> None:
     """Reject what a scene sets and a command does not support.
 
     Parameters

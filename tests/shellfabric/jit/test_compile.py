@@ -1,9 +1,12 @@
 """How kernels are compiled: what other kernels call has no way in from Python until it is asked for one."""
 
+import math
+
 import numpy as np
 import pytest
 from numba import config, typeof, types
 
+from fabrics import kernel_cache
 from shellfabric.cell import yarn_kernels
 from shellfabric.jit import compile_in_child
 from shellfabric.jit.compile import entry, kernel
@@ -66,13 +69,20 @@ def large(small, tmp_path, monkeypatch):
     return function, kinds
 
 
-def test_a_large_kernel_is_compiled_in_another_process(large):
-    """This one finds it in the cache, and its compiler has made nothing that it would keep."""
+def test_a_large_kernel_is_compiled_in_another_process(large, tmp_path, caplog, monkeypatch):
+    """This one finds it in the cache, and its compiler has made nothing that it would keep. The user is warned once."""
     function, kinds = large
     assert compile_in_child.members(kinds) > compile_in_child.MIN_MEMBERS
-    function.compile(kinds)
-    assert not function.stats.cache_misses
-    assert sum(function.stats.cache_hits.values()) == 1
+    for announced in (["compiling the kernels of a ply, once: about 2 minutes"], []):
+        caplog.clear()
+        monkeypatch.setattr(kernel_cache, "_last", -math.inf)
+        function.compile(kinds)
+        assert not function.stats.cache_misses
+        assert sum(function.stats.cache_hits.values()) == 1
+        assert [record.message for record in caplog.records if record.name == "weavecell"] == announced
+        with monkeypatch.context() as patch:
+            patch.setattr(config, "CACHE_DIR", str(tmp_path))
+            function = entry()(function.py_func)
 
 
 def test_where_no_other_process_can_a_large_kernel_is_compiled_in_this_one(large, monkeypatch):

@@ -155,6 +155,7 @@ def test_fronts_of_made_up_waves():
     assert front.speed == pytest.approx(3000, rel=1e-3)
     assert front.start == pytest.approx(2e-6, rel=1e-3)
     assert front.interval[0] <= front.speed <= front.interval[1]
+    assert front.r2 > 0.9999
     kink = wave_fronts.transverse(yarn, late)
     assert kink.speed == pytest.approx(250, rel=1e-3)
     np.testing.assert_allclose(kink.place, 250 * kink.time, atol=1e-4)

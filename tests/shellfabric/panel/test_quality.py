@@ -100,7 +100,6 @@ class TestIndicators:
     def test_the_default_is_ok(self, panel):
         march = PanelSolver(panel, 92.5, 40e-6).run()
         assert names(march) == set()
-        assert march.monitor.deflection == pytest.approx(march.state.u[2].max(), rel=0.05)
 
     @pytest.mark.parametrize(
         ("knobs", "expected"),

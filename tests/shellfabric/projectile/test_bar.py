@@ -216,6 +216,7 @@ def test_when_rigid_is_enough():
     assert rigid_is_enough(100e-6, bar.period).enough
     assert not rigid_is_enough(10e-6, bar.period).enough
     assert "use the elastic projectile" in str(rigid_is_enough(10e-6, bar.period))
+    assert "use the elastic projectile" not in str(rigid_is_enough(10e-6, bar.period, elastic=True))
 
 
 @pytest.mark.parametrize("duration", [1e-4, 3e-5, 1e-5])

@@ -213,28 +213,6 @@ def test_shear_is_the_same_to_both_sides(model):
     assert found[0][1:] == pytest.approx(found[1][1:], rel=1e-6)
 
 
-PARALLEL = """
-import sys
-from mpi4py import MPI
-from fabrics import catalogue
-from meshing import crossover
-from unitcell3d.cases import periodic_cell
-fabric = catalogue.load("S-720")
-mesh = crossover.build(fabric, size=(3, 2, 2), domain="whole", section="conforming")
-record = periodic_cell.shear(mesh, fabric, 0.1, stretch=(4e-6, 4e-6), rows=2, comm=MPI.COMM_WORLD)
-line = " ".join(float(record[key][-1]).hex() for key in ("T1", "T2", "F_c", "moment"))
-sys.stdout.write(f"forces {MPI.COMM_WORLD.size} {line}\\n")
-"""
-
-
-def test_two_processes_give_the_same_numbers(two_processes, whole, s720):
-    """Factorised together under mpirun, the sheared weave has the forces that one process finds, to 1e-8."""
-    forces = two_processes(PARALLEL)
-    one = periodic_cell.shear(whole, s720, 0.1, stretch=(4e-6, 4e-6), rows=2)
-    numbers = [one[key][-1] for key in ("T1", "T2", "F_c", "moment")]
-    assert forces == pytest.approx(numbers, rel=1e-8)
-
-
 @pytest.mark.slow
 def test_four_sheared_crossovers_equal_one_with_glides(whole, four, s720):
     records = [periodic_cell.shear(mesh, s720, 0.1, stretch=(4e-6, 4e-6), rows=2) for mesh in (whole, four)]

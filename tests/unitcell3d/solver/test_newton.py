@@ -9,7 +9,7 @@ from fabrics.errors import UnstableError
 from unitcell3d.assembly.linear_solver import DirectSolver
 from unitcell3d.model.crossover import CrossoverModel, Load
 from unitcell3d.solver import newton
-from unitcell3d.solver.load_stepping import continue_to, solve_load_path
+from unitcell3d.solver.load_stepping import continue_to
 
 
 @pytest.fixture
@@ -144,26 +144,3 @@ def test_the_yarn_that_gives_way_is_named():
 
     with pytest.raises(UnstableError, match="warp_2 element 1"):
         newton.Newton(Model())._refuse("no way", None, Load())
-
-
-PARALLEL = """
-import sys
-from mpi4py import MPI
-from fabrics import catalogue
-from meshing import crossover
-from unitcell3d.model.crossover import CrossoverModel, Load
-from unitcell3d.solver.load_stepping import solve_load_path
-fabric = catalogue.load("S-720")
-model = CrossoverModel(crossover.build(fabric, size=(4, 3, 2)), fabric)
-h = solve_load_path(model, Load(), Load((12e-6, 12e-6)), comm=MPI.COMM_WORLD)
-line = " ".join(float(value).hex() for value in (h.T1[-1], h.T2[-1], h.F_c[-1], h.h1[-1], h.h2[-1]))
-sys.stdout.write(f"forces {MPI.COMM_WORLD.size} {line}\\n")
-"""
-
-
-def test_two_processes_give_the_same_numbers(two_processes, tiny, s720):
-    """Factorised together under mpirun, the path ends where one process ends it, to 1e-8; both say so alike."""
-    forces = two_processes(PARALLEL)
-    one = solve_load_path(CrossoverModel(tiny, s720), Load(), Load((12e-6, 12e-6)))
-    numbers = [getattr(one, name)[-1] for name in ("T1", "T2", "F_c", "h1", "h2")]
-    assert forces == pytest.approx(numbers, rel=1e-8)

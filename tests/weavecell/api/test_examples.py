@@ -1,8 +1,9 @@
-"""The scripts of examples/ run as they stand, each in a process of its own; `make docs` runs them too."""
+"""The scripts of examples/ run as they stand, from their folder and from another one; `make docs` runs them too."""
 
 import ast
 import os
 import re
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -20,16 +21,21 @@ EXPECTED = {
 }
 
 
+@pytest.mark.parametrize("place", ["examples", "elsewhere"])
 @pytest.mark.parametrize("script", SCRIPTS, ids=lambda path: path.stem)
-def test_the_script_runs(script, tmp_path):
-    environment = os.environ | {"PYTHONPATH": str(ROOT)}
+def test_the_script_runs(script, place, tmp_path):
+    """As a user runs it, beside the folders of examples/, without a path to the packages."""
+    shutil.copytree(script.parent, tmp_path / "examples")
+    (tmp_path / "elsewhere").mkdir()
+    given = script.name if place == "examples" else tmp_path / "examples" / script.name
+    environment = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
     done = subprocess.run(
-        [sys.executable, script], cwd=tmp_path, env=environment, capture_output=True, text=True, timeout=600
+        [sys.executable, given], cwd=tmp_path / place, env=environment, capture_output=True, text=True, timeout=600
     )
     assert done.returncode == 0, done.stderr
     assert re.search(EXPECTED[script.stem], done.stdout), done.stdout
     if script.stem == "first_shot":
-        assert (tmp_path / "first-shot" / "panel.pvd").exists()
+        assert (tmp_path / place / "first-shot" / "panel.pvd").exists()
 
 
 def code(path):

@@ -1,4 +1,4 @@
-"""Broken scene and fabric files: each its one line, exit code 2, and not a file written."""
+"""Broken scene and fabric files: a line for each thing that is wrong, exit code 2, and not a file written."""
 
 from os.path import normpath
 from pathlib import Path
@@ -9,7 +9,8 @@ from weavecell.cli import app
 
 BROKEN = Path(__file__).parent / "broken"
 FABRICS = "S-720, S-726, S-727, S-728, S-731, S-745, glass-balanced, glass-unbalanced"
-FABRIC_KEYS = "name, section, interlayer_gap, areal_density_measured, warp, weft, compression, shear, solid, micrograph"
+FABRIC_KEYS = "name, section, interlayer_gap, areal_density, areal_density_measured, thickness, "
+FABRIC_KEYS += "warp, weft, compression, shear, solid, micrograph"
 LAW = '"published", the path of a law written by `weavecell calibrate` (*.json), or a table { a = ..., b = ... }'
 SIDE = (
     '"clamped", "free", { clamp_force = ... }, { pull_in = ..., start = ..., end = ... }, '
@@ -65,16 +66,13 @@ SCENES = {
     "no-unit": 'panel.opening = 203: must be a length above 0, such as "203 mm", or a list of two, along warp and weft',
     "not-a-table": "fabric = 'S-720': must be a table [fabric]",
     "not-toml": "not valid TOML (Expected newline or end of document after a statement (at line 5, column 10))",
-    "oblique-quarter": "panel.symmetry = 'quarter': must be one that the oblique shot has, or whole",
+    "oblique-quarter": "panel.symmetry = 'quarter': must be whole for this shot",
     "oblique-weave-quarter": "panel.symmetry = 'quarter': must be whole where the weave is oblique",
     "panel-too-small": "panel.opening = 0.004: must be wider than two projectiles and four crossovers",
     "profile-of-a-surface": "fabric.cell_profile = 'straight': must be left out with fabric.surface",
     "profile-unknown": """fabric.cell_profile = 'sawtooth': must be one of "cosine", "straight\"""",
     "projectile-too-wide": "projectile.diameter = '120 mm': must be below half of panel.opening",
     "sphere-with-edge": "projectile.edge_radius = '0.3 mm': must be left out for a sphere",
-    "three-errors": 'panel.oppening: unknown key, did you mean "opening"? '
-    "allowed here: opening, boundary, symmetry, weave_angle, plies, stacking, ply_gap, ply_friction, yarn_failure, "
-    "grading, crossovers, crossover_friction, crossover_cohesion (+3 more)",
     "toe-in-an-impact": "fabric.fibre_slack = '0.1 %': must be left out in an impact",
     "toe-too-long": "fabric.fibre_slack = ['0.1 %', '20 %']: must be a strain from 0 to 10 %, such as \"0.1 %\", "
     "or a list of two, of warp and weft",
@@ -84,7 +82,7 @@ SCENES = {
     "unknown-fabric": f"fabric.name = 'S-702': must be one of {FABRICS}",
     "unknown-key": 'projectile.mas: unknown key, did you mean "mass"? '
     "allowed here: mass, diameter, edge_radius, strike_velocity, shape, length, half_angle, tip_radius, flat_width, "
-    "flat_angle, obliquity, azimuth, yaw, roll, friction, body, bore_diameter (+1 more)",
+    "flat_angle, obliquity, azimuth, yaw, roll, friction, body, bore_diameter",
     "unknown-model": """fabric.cell_model = 'rigid': must be one of "compressible", "incompressible", "decoupled\"""",
     "unknown-output": """run.outputs = 'movie': must be a list of "paraview", "pictures", "report\"""",
     "wrong-dimension": "projectile.strike_velocity = '92.5 kg': must be a speed above 0 and at most 1000 m/s, "
@@ -109,7 +107,10 @@ FABRIC_FILES = {
     "fabric-crimp-as-length": "warp.crimp = '2 mm': must be a number",
     "fabric-no-weft": "[weft]: is missing; must be a table with the yarn's data",
     "fabric-unknown-key": f"colour: is not a known key; must be one of {FABRIC_KEYS}",
-    "fabric-negative-modulus": "warp.modulus = '-96 GPa': must be a positive number",
+    "fabric-negative-modulus": (
+        "warp.modulus = '-96 GPa': must be a positive number",
+        "weft.modulus = '-96 GPa': must be a positive number",
+    ),
     "fabric-round-section": "section = 'round': must be sine, ellipse or conforming",
 }
 
@@ -138,7 +139,8 @@ def test_scene_that_names_a_broken_file(command, tmp_path, name):
 @pytest.mark.parametrize("verb", ["mesh", "calibrate"])
 def test_broken_fabric(command, tmp_path, verb, name):
     file = BROKEN / f"{name}.toml"
-    check_refused(command(verb, file), f"{file}: {FABRIC_FILES[name]}", tmp_path)
+    told = FABRIC_FILES[name] if isinstance(FABRIC_FILES[name], tuple) else (FABRIC_FILES[name],)
+    check_refused(command(verb, file), "\nerror: ".join(f"{file}: {line}" for line in told), tmp_path)
 
 
 @pytest.mark.parametrize("verb", ["mesh", "calibrate"])
@@ -153,7 +155,22 @@ def test_fabric_without_3d_data(command, tmp_path, verb):
 
 def test_every_broken_file_is_tested():
     names = {path.stem for path in BROKEN.glob("*.toml")}
-    assert names == set(SCENES) | set(OTHERS) | set(FABRIC_FILES) | {"fabric-no-3d-data"}
+    assert names == set(SCENES) | set(OTHERS) | set(FABRIC_FILES) | {"fabric-no-3d-data", "three-errors"}
+
+
+def test_all_errors_of_a_scene_are_told_at_once(command, tmp_path):
+    """The mistyped key leaves the right one missing, which is not told again."""
+    file = BROKEN / "three-errors.toml"
+    code, out, err = command("impact", file)
+    assert (code, out, list(tmp_path.iterdir())) == (2, "", [])
+    unknown, *wrong = err.splitlines()
+    assert unknown.startswith(
+        f'error: {file}: panel.oppening: unknown key, did you mean "opening"? allowed here: opening'
+    )
+    assert wrong == [
+        f"error: {file}: projectile.mass = '3 m': must be a mass above 0, such as \"3 g\"",
+        f"error: {file}: projectile.diameter = 'wide': must be a length above 0, such as \"5.5 mm\"",
+    ]
 
 
 def test_missing_scene(command, tmp_path):

@@ -21,7 +21,7 @@ IMPACTS = {
     "perforates-fitted": "perforated",
     "perforates-table": "perforated",
 }
-CHAPTERS = ["summary", "mesh", "fit", "cell", "impact", "sources", "making"]
+CHAPTERS = ["impact", "summary", "mesh", "fit", "cell", "panel-mesh", "assumptions", "sources", "making"]
 
 
 def test_plan_holds_a_good_scene():
@@ -54,6 +54,9 @@ def test_demonstration(command, tmp_path):
         assert record.energy_error_max < 0.01
     law = CompressionLaw.from_json(folder / "calibration" / "law.json")
     assert f"a = {1e3 * law.a:.4f} mm" in out
+    assert out.count("stopped") == out.count("perforated") == 2
+    assert out.splitlines()[-1] == "report: demo/report.html"
+    assert "wall time" not in out
     page = _Page()
     page.feed((folder / "report.html").read_text("utf-8"))
     assert page.ids == CHAPTERS

@@ -70,7 +70,7 @@ def test_everything_asked_for_is_written(command, scene, tmp_path):
     folder = tmp_path / "results"
     assert code == 0
     assert names(folder) == EVERYTHING
-    assert names(folder / "pictures") == ["energies.svg", "panel.png", "reactions.svg", "velocity.svg"]
+    assert names(folder / "pictures") == ["cuts.svg", "energies.svg", "histories.svg", "panel.png", "reactions.svg"]
     assert (folder / "scene.toml").read_text() == path.read_text()
     record = ImpactRecord.read(folder / "histories.h5")
     assert record.energy_error_max < 0.01
@@ -117,6 +117,20 @@ def test_view_shows_the_whole_panel_and_the_projectile(command, scene, tmp_path)
     assert np.any(steel & (image.mean(axis=2) < 180))
     (tmp_path / "results" / "histories.h5").unlink()
     assert view.panel_of(tmp_path / "results", file) is None
+
+
+def test_a_long_title_of_a_view_is_beside_nothing():
+    """Title, outcome, and time and velocity below them: no text lies on another or goes over the edge."""
+    record = SimpleNamespace(title="one ply of S-720 " * 9, outcome="perforated")
+    panel = SimpleNamespace(record=record, caption=lambda t: f"{1e6 * t:.0f} µs after the strike, projectile at 92 m/s")
+    with view.plots() as pyplot, pyplot.rc_context({"figure.constrained_layout.use": False}):
+        figure = view.compose(pyplot, panel, np.zeros((2, 2, 3)), 250e-6)
+        figure.canvas.draw()
+        title, caption = (text.get_window_extent() for text in figure.texts)
+        assert "..." in figure.texts[0].get_text()
+        assert not title.overlaps(caption)
+        assert max(title.x1, caption.x1) < figure.bbox.x1
+        pyplot.close(figure)
 
 
 def test_view_writes_a_movie(command, scene, tmp_path, monkeypatch):

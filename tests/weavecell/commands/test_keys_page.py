@@ -4,7 +4,7 @@ import sys
 from pathlib import Path
 
 from weavecell.commands import keys_page
-from weavecell.scenes import coupon, impact, renamed_keys, supported
+from weavecell.scenes import coupon, impact, supported
 
 DOCS = Path(__file__).parents[3] / "docs"
 
@@ -18,8 +18,6 @@ def test_every_key_has_a_row():
     page = keys_page.page()
     for model in (impact.Scene, coupon.CouponScene):
         assert [key for key in supported.keys(model) if f"| `{key}` |" not in page] == []
-    for old, new in renamed_keys.SCENE_KEYS.items():
-        assert f"| `{old}` | `{new}` |" in page
 
 
 def test_what_a_row_says():

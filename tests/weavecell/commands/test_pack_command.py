@@ -39,6 +39,8 @@ def test_everything_asked_for_is_written(command, scene, tmp_path):
     told = json.loads((folder / "summary.json").read_text())
     assert told["plies"] == 3
     assert told["stacking"] == "alternating"
+    assert (told["ply_gap_m"], told["ply_gap_low_m"], told["ply_gap_source"]) == (1e-4, 1e-4, "given")
+    assert "ply gap 0.1 mm, given" in out.splitlines()
     assert told["energy_error_max"] < 5e-3
     assert len(told["failed_yarn_segments"]) == 3
     record = PackRecord.read(folder / "histories.h5")
@@ -48,10 +50,11 @@ def test_everything_asked_for_is_written(command, scene, tmp_path):
     assert len(record.cuts) == 3
     assert record.z_rest[1] == pytest.approx(record.thickness[0] + 0.1e-3)
     assert names(folder / "pictures") == [
-        "cuts.svg", "energies.svg", "panel.png", "plies.svg", "pushes.svg", "velocity.svg",
+        "cuts.svg", "energies.svg", "histories.svg", "panel.png", "plies.svg", "pushes.svg", "reactions.svg",
     ]  # fmt: skip
     page = (folder / "report.html").read_text()
-    assert "3 plies of S-728, alternating, 0.1 mm apart" in page
+    assert "3 plies of S-728, alternating, " in page
+    assert "At rest: ply gap 0.1 mm, given." in page
     with h5py.File(folder / "histories.h5") as file:
         assert file["plies/histories/push"].attrs["unit"] == "N"
         assert file["plies/histories/push"].shape == (len(record.time), 3)
@@ -108,7 +111,9 @@ def test_resuming_gives_the_same_bytes(command, scene, tmp_path, monkeypatch):
 
 def test_the_gap_may_come_from_the_fabric(command, scene, tmp_path):
     assert command("impact", scene(""), "--out", "r")[0] == 0
-    assert json.loads((tmp_path / "r" / "summary.json").read_text())["ply_gap_m"] == 0.12e-3
+    told = json.loads((tmp_path / "r" / "summary.json").read_text())
+    assert told["ply_gap_m"] == told["ply_gap_high_m"] == 0.12e-3
+    assert told["ply_gap_source"] == "of the fabric file (thesis Table 5-2)"
 
 
 @pytest.mark.parametrize(

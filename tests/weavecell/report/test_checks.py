@@ -7,12 +7,14 @@ import pytest
 from fabrics import catalogue
 from fabrics.errors import DoubtfulError
 from shellfabric.cable.smith import smith
+from shellfabric.panel import quality
 from shellfabric.panel.quality import Indicator
 from tests.scene_text import impact_scene
 from weavecell.commands.impact import impact
 from weavecell.report import checks
 
 GOOD, BAD, WORSE = Indicator("a", 0.5, 1.0), Indicator("b", 2.0, 1.0), Indicator("c", 9.0, 1.0, "m")
+NOTED = Indicator("d", 0.5, 1.0, note=0.1)
 
 
 def short_scene(edge, plies=1):
@@ -36,6 +38,25 @@ def test_the_summary_tells_each_indicator():
     assert {"name", "value", "limit", "unit", "meaning", "ok"} <= set(found["indicators"][0])
 
 
+def test_a_viscous_share_is_noted_from_10_and_doubtful_from_25_per_cent():
+    limit, _, meaning = quality.LIMITS["viscous energy"]
+    found = {share: Indicator("viscous energy", share, limit, "", meaning, quality.NOTES["viscous energy"])
+             for share in (0.09, 0.11, 0.24, 0.31)}  # fmt: skip
+    assert [one.status for one in found.values()] == ["ok", "noted", "noted", "doubtful"]
+    assert checks.status(found.values()) == "doubtful"
+    assert checks.words((GOOD, found[0.11])) == "noted: viscous energy 0.11 (noted above 0.1, limit 0.25)"
+    assert checks.words((GOOD,)) == "ok"
+
+
+def test_what_is_noted_is_printed_and_no_error(capsys):
+    checks.report((GOOD, NOTED), strict=True)
+    assert capsys.readouterr().out == "checks: noted: d 0.5 (noted above 0.1, limit 1)\n"
+    assert checks.summary((NOTED,))["checks"]["indicators"][0]["status"] == "noted"
+    section = checks.section((NOTED,))
+    assert section.lead == "Noted: d 0.5 (noted above 0.1, limit 1)."
+    assert section.tables[0].rows[0][3] == "noted (noted above 0.1)"
+
+
 def test_a_doubtful_result_is_an_error_where_that_is_wanted(capsys):
     checks.report((GOOD,), strict=True)
     assert capsys.readouterr().out == ""
@@ -49,7 +70,7 @@ def test_a_doubtful_result_is_an_error_where_that_is_wanted(capsys):
 def test_the_section_of_the_report():
     section = checks.section((GOOD, BAD))
     assert "b 2 (limit 1)" in section.lead
-    assert [row[3] for row in section.tables[0].rows] == ["ok", "beyond"]
+    assert [row[3] for row in section.tables[0].rows] == ["ok", "doubtful"]
 
 
 @pytest.mark.parametrize("plies", [1, 2])

@@ -15,9 +15,10 @@ from shellfabric.panel.quality import Indicator
 from shellfabric.projectile.projectile import Projectile
 from weavecell.report import chapters, pictures
 from weavecell.report import page as report_page
+from weavecell.report.shot import chapters_shot, tables_shot
 from weavecell.results import provenance
 from weavecell.results.impact import ImpactRecord
-from weavecell.results.impact_base import Shape
+from weavecell.results.impact_shapes import Cut, Shape
 
 
 def small_record(**changes):
@@ -39,9 +40,12 @@ def small_record(**changes):
         title="100 m/s, fitted law", fabric="S-720", law_name="fitted", strike_velocity=100.0, outcome="perforated",
         residual_velocity=50.0, mass=3e-3, failure_message="", mirror_x=True, mirror_y=True,
         projectile=Projectile().surface(), wall_time=1.5, ns_per_element_step=20.0, elements=4, steps=29,
-        time=t, velocity=v, nose_position=100 * t, failed_segments=np.arange(30), energies=energies,
+        time=t, velocity=v, nose_position=100 * t, contact_force=np.full(30, 1500.0), deflection=75 * t,
+        failed_segments=np.arange(30), energies=energies,
         reactions={"warp": 10 * t, "weft": 20 * t}, quads=quads, strength=np.array([315.0, 315.0]),
         half_energy=shape, final=shape, peak_tension=np.array([300.0, 310.0]), max_deflection=0.0075,
+        peak_tension_time=np.array([4e-5, 5e-5]), peak_tension_place=np.array([[1e-3, 0.0], [0.0, 2e-3]]),
+        thickness=np.array([2.5e-4]), cuts=(Cut(1e-4, 0.0075, (np.array([[0.0, 0.005], [0.005, 0.0], [0.01, 0.0]]),)),),
         checks=(Indicator("energy error", 0.001, 0.01),),
     )  # fmt: skip
     return replace(record, **changes)
@@ -67,26 +71,30 @@ def page():
     law = CompressionLaw(4.45e-5, 6.47e-5, residual_rms=6.6e-7, F_range=(0.5, 100.0))
     force = np.linspace(0.5, 100, 12)
     record = small_record()
-    laws = {"fitted": law, "Table 5-1": fabric.laws[0]}
+    laws = {"fitted": law, "published": fabric.laws[0]}
     picture = pictures.render(pictures.velocity, {"a": (record.time, record.velocity)}, kind="png")
     sections = (
         chapters.comparison([("155 m/s", "perforated", "perforated", "yes")]),
         chapters.mesh({"worst scaled Jacobian": "0.93"}, picture),
         chapters.fit({"equibiaxial": (force, law.d(force))}, laws),
         chapters.cell(fabric, {label: (law, law) for label, law in laws.items()}),
-        chapters.impact([record]),
+        chapters_shot.chapter([record]),
         chapters.sources(fabric),
         chapters.making(provenance.stamp("title = 'a < b'"), {"impact": 1.5}),
     )
-    cards = ((chapters.fabric_card(fabric), chapters.law_card(law)), (chapters.impact_card(record),))
-    return report_page.render(report_page.Report("A title & more", "A subtitle", cards, sections))
+    cards = ((chapters.fabric_card(fabric), chapters.law_card(law)), (chapters_shot.card(record),))
+    return report_page.render(
+        report_page.Report(
+            "A title & more", "A subtitle", cards, sections, outcome=chapters_shot.outcome(record), tone=record.outcome
+        )
+    )
 
 
 def test_all_chapters(page):
     seen = _Links()
     seen.feed(page)
     assert seen.ids == ["summary", "mesh", "fit", "cell", "impact", "sources", "making"]
-    assert seen.tags.count("img") == 7
+    assert seen.tags.count("img") == 8
     assert [link for link in seen.links if link.startswith("#")] == [f"#{key}" for key in seen.ids]
 
 
@@ -109,19 +117,41 @@ def test_text_is_escaped(page):
 
 def test_every_source_is_told(page):
     for key, entry in catalogue.load("S-720").sources.items():
-        assert f"<td>{key}</td>" in page
-        assert f"<td>{entry['value']}</td>" in page
+        assert f'<td data-column="key">{key}</td>' in page
+        assert f'<td data-column="value">{entry["value"]}</td>' in page
 
 
-def test_verdict(page):
+def test_outcome_in_one_line(page):
+    line = "Perforated: COMPLETE PENETRATION, 100 m/s, residual velocity 50.0 m/s"
+    assert f'<p class="outcome perforated">{line}, 29 failed yarn segments.</p>' in page
     assert 'class="card perforated"' in page
-    assert "residual velocity 50.0 m/s" in page
-    assert "energy balance 0.15 %" in page  # 0.2 % of the three quarters that are lost
-    assert "viscous 15 %" in page
+    assert "contact force up to 1.5 kN" in page
+    none = np.zeros(30)
+    held = small_record(outcome="stopped", residual_velocity=-1.0, failed_segments=none)
+    assert chapters_shot.outcome(held) == (
+        "Stopped: PARTIAL PENETRATION, 100 m/s, back-face deflection 7.5 mm, peak tension 98 % of the strength (weft)."
+    )
+    doubtful = replace(held, checks=(Indicator("energy error", 0.1, 0.01),))
+    assert chapters_shot.outcome(doubtful).endswith("(weft). DOUBTFUL: energy error.")
+    assert "Not decided: 100 m/s, still moving with 50.0 m/s" in chapters_shot.outcome(
+        small_record(outcome="in flight")
+    )
+    broken = small_record(outcome="unstable", failure_message="a node moves at 1e5 m/s")
+    assert chapters_shot.outcome(broken).startswith("UNSTABLE at 100 m/s")
+
+
+def test_results_have_peaks_with_time_and_place(page):
+    assert ">300.0 (95 %)</td>" in page
+    assert ">40.0, 1.0 and 0.0</td>" in page
+    assert ">50.0, 0.0 and 2.0</td>" in page
+
+
+def test_developers_numbers_are_folded(page):
+    assert page.index('<details class="folded">') > page.index('id="sources"')
 
 
 def test_a_stopped_projectile_has_no_residual_velocity():
-    assert chapters.residual(small_record(outcome="stopped", residual_velocity=-1.2)) == "residual velocity 0 m/s"
+    assert tables_shot.residual(small_record(outcome="stopped", residual_velocity=0.0)) == "residual velocity 0 m/s"
 
 
 def test_record_survives_its_file(tmp_path):
@@ -132,6 +162,9 @@ def test_record_survives_its_file(tmp_path):
         other = getattr(again, name)
         if isinstance(value, Shape):
             value, other = vars(value), vars(other)
+        if name == "cuts":
+            np.testing.assert_array_equal(value[0].lines[0], other[0].lines[0])
+            continue
         if isinstance(value, dict):
             assert set(value) == set(other)
             for key, column in value.items():
@@ -178,6 +211,6 @@ def test_parts_of_the_energy_picture_add_up():
         "yarn_strain": np.array([0.0, 6.5]),
         "formulation_residual": np.array([0.0, -0.5]),
     }
-    drawn = chapters._by_work(energies)
+    drawn = chapters_shot.parts(energies)
     assert drawn["kinetic_projectile"] + drawn["yarn_strain"] == pytest.approx([10.0, 10.0])
     assert energies["yarn_strain"][1] == 6.5

@@ -17,6 +17,9 @@ from weavecell.commands import calibrate
 EXAMPLES = Path(__file__).parents[3] / "examples"
 MINE = EXAMPLES / "fabrics" / "mine.toml"
 SHEAR = "assumed: [shear] of para-aramid yarns, its angles from width and spacing of the yarns, because mine gives none"
+CRIMP = "assumed: crimp 1.57 / 0.55 % of warp / weft (1.00 / 0.16 .. 2.52 / 1.00 %), from the thickness 0.3 mm "
+CRIMP += "(times 0.9 .. 1.1) and a warp share of the yarn heights of 0.63 (0.5 .. 0.8)"
+CRIMP_ENDS = ["thickness times 0.9", "thickness times 1.1", "warp share 0.5", "warp share 0.8"]
 SOLID = "assumed: [solid] of para-aramid yarns, because mine gives none"
 
 
@@ -34,12 +37,12 @@ def own(folder, law='law = { a = "0.04 mm", b = "0.05 mm N^(1/3)" }'):
 def test_the_example_of_a_fabric_of_ones_own_runs(command, tmp_path):
     code, out, err = command("impact", own(tmp_path), "--out", "r")
     assert code == 0, err
-    assert out.splitlines()[0] == SHEAR
+    assert out.splitlines()[:2] == [CRIMP, SHEAR]
     told = json.loads((tmp_path / "r/summary.json").read_text())
-    assert told["provenance"]["assumed"] == SHEAR
+    assert told["provenance"]["assumed"] == f"{CRIMP}; {SHEAR}"
     around = told["assumed_range"]
-    assert around["assumed"] == ["the trellis law"]
-    assert [run["laws"] for run in around["runs"]] == ["nominal", "trellis soft", "trellis stiff"]
+    assert around["assumed"] == ["the trellis law", "the crimp"]
+    assert [run["laws"] for run in around["runs"]] == ["nominal", "trellis soft", "trellis stiff", *CRIMP_ENDS]
     assert around["low_m_s"] <= told["residual_velocity_m_s"] <= around["high_m_s"]
     assert out.splitlines()[-1].startswith("assumed laws: residual velocity ")
     assert "What the assumed laws leave open" in (tmp_path / "r/report.html").read_text()
@@ -49,14 +52,16 @@ def test_the_example_of_a_fabric_of_ones_own_runs(command, tmp_path):
     page = (tmp_path / "r/report.html").read_text()
     row = page[page.index("shear.G2") :]
     row = row[: row.index("</tr>")]
-    assert "9.765 GPa" in row
+    assert "9.74 GPa" in row
     assert "assumed" in row
     assert "thesis eq. 4-49" in row
 
 
 def test_nothing_is_assumed_of_what_is_given(command, tmp_path):
     path = own(tmp_path)
-    with (tmp_path / "fabrics/mine.toml").open("a") as file:
+    mine = tmp_path / "fabrics/mine.toml"
+    mine.write_text(mine.read_text().replace("count =", 'crimp = "1 %"\ncount ='))
+    with mine.open("a") as file:
         file.write('\n[shear]\nG1 = "10 MPa"\nG2 = "10 GPa"\ngamma1 = 0.2\ngamma2 = 0.5\n')
     code, out, err = command("impact", path, "--out", "r")
     assert code == 0, err
@@ -169,7 +174,7 @@ def test_the_calibration_of_it_is_set_up(command, tmp_path, monkeypatch):
     monkeypatch.setattr(calibrate.mesh, "write", lambda *_, **__: None)
     code, out, err = command("calibrate", MINE, "--mesh", "coarse", "--out", "r")
     assert (code, err.splitlines()[-1]) == (2, "error: enough")
-    assert out.splitlines()[0] == SOLID
+    assert out.splitlines()[:2] == [CRIMP, SOLID]
     assert solved["model"] is not None
 
 

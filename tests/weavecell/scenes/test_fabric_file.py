@@ -41,6 +41,16 @@ def test_from_a_csv_file(command, tmp_path, values):
     assert (code, err) == (2, "error: mine.toml: exists already\n")
 
 
+def test_prompts_that_are_left_empty_ask_for_thickness_and_tenacity(tmp_path):
+    words = ["data sheet", "930 dtex", "", "1.44 g/cm^3", "", "95 GPa", "", "", "2350 mN/tex", "", "", "0.30 mm",
+             "11 / cm", ""]  # fmt: skip
+    done = CliRunner().invoke(app.app, ["fabrics", "new", str(tmp_path / "own.toml")], input="\n".join(words) + "\n")
+    assert done.exit_code == 0, done.output
+    fabric = catalogue.load(tmp_path / "own.toml")
+    assert fabric.assumed == ("crimp",)
+    assert fabric.weave.warp.strength == pytest.approx(218.55)
+
+
 def test_from_prompts(tmp_path):
     """A wrong unit is asked for again; an empty line takes the warp's value for the weft."""
     words = ["data sheet", "1100 mm", "1100 dtex", "", "1.44 g/cm^3", "", "90 GPa", "", "0.033", "", "1.2 %", "0.8 %",
@@ -56,7 +66,7 @@ def test_from_prompts(tmp_path):
     ("old", "new", "told"),
     [
         ("90 GPa,90 GPa", "90 kg,90 GPa", "modulus = '90 kg': must be a text with a unit"),
-        ("crimp,", "crimps,", "key = 'crimps': must be one of linear_density,"),
+        ("crimp,", "crimps,", "key = 'crimps': is not a known key, did you mean \"crimp\"?"),
         ("count,8.5 / cm,8.5 / cm,data sheet\n", "", "count: is missing; must be such as"),
         ("key,warp,weft", "key,warp,fill", "columns = 'key, warp, fill, source': must be key, warp, weft"),
         ("0.8 %", "180 %", "weft.crimp = '180 %': must be a fraction"),
@@ -68,6 +78,52 @@ def test_bad_values_are_one_line(command, tmp_path, values, old, new, told):
     assert (code, out) == (2, "")
     assert told in err
     assert len(err.splitlines()) == 1
+    assert not (tmp_path / "mine.toml").exists()
+
+
+SHEET = """key,warp,weft,source
+linear_density,930 dtex,,data sheet
+fibre_density,1.44 g/cm^3,,data sheet
+modulus,95 GPa,,data sheet
+tenacity,2350 mN/tex,,data sheet
+failure_strain,3.3 %,,data sheet
+count,11 / cm,,data sheet
+thickness,0.30 mm,,data sheet
+areal_density,205 g/m^2,,data sheet
+"""
+
+
+def test_numbers_of_a_data_sheet_are_enough(command, tmp_path, values):
+    values.write_text(SHEET)
+    code, out, err = command("fabrics", "new", "mine.toml", "--from", values)
+    assert code == 0, err
+    fabric = catalogue.load(tmp_path / "mine.toml")
+    assert fabric.weave.thickness == pytest.approx(0.30e-3)
+    assert fabric.sources["thickness"]["source"] == "data sheet"
+    told = out.splitlines()
+    assert told[0].startswith("note: warp and weft: the strength 2350 mN/tex is 218.6 N a yarn; ")
+    assert told[1].startswith("note: counts, linear densities and crimp give 208.2 g/m^2")
+    assert told[2].startswith("assumed: crimp 2.62 / 0.91 % of warp / weft (")
+    code, out, _ = command("fabrics", "show", "mine.toml")
+    assert code == 0
+    for word in ("warp share", "shear.K_s", "solid.E_c", "interlayer_gap", "section"):
+        assert word in out[out.index("what is assumed") : out.index("where each number comes from")]
+
+
+def test_all_bad_values_are_told_at_once(command, tmp_path, values):
+    text = SHEET.replace("linear_density,930 dtex", "linear_density,930 detx").replace("thickness", "thikness")
+    text = text.replace("95 GPa,,data sheet", "95 kg,96 kg,data sheet").replace("count,11 / cm,,data sheet\n", "")
+    values.write_text(
+        text.replace("source\n", "source,status\n", 1).replace("205 g/m^2,,data sheet", "205 g/m^2,,x,guessed")
+    )
+    code, out, err = command("fabrics", "new", "mine.toml", "--from", values)
+    assert (code, out) == (2, "")
+    found = [line.partition("values.csv: ")[2].split(":")[0] for line in err.splitlines()]
+    assert found == [
+        "linear_density = '930 detx'", "modulus = '95 kg'", "modulus = '96 kg'", "key = 'thikness'",
+        "areal_density, status = 'guessed'", "count",
+    ]  # fmt: skip
+    assert 'such as "1100 dtex"' in err
     assert not (tmp_path / "mine.toml").exists()
 
 

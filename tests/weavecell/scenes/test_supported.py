@@ -144,7 +144,6 @@ KEYS = FABRIC | SLIPS | {
 }  # fmt: skip
 # what the set-up of the solver does not hold; tests/weavecell/scenes/test_scene_matrix.py sees to them by runs
 OF_THE_RUN = {
-    "format",
     "title",
     "panel.plies",
     "panel.stacking",

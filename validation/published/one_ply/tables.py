@@ -10,6 +10,7 @@ from validation.published.one_ply.study import Caption, Curve
 from validation.published.shots import CAPTIONS, TESTED, TESTS
 
 Rows = list[list[str]]
+STRAIGHT = 0.9  # least coefficient of determination of a line whose slope is called a speed
 _WORDS = {"stopped": "stops", "perforated": "perforates"}
 
 
@@ -75,7 +76,7 @@ def waves(shots: Sequence[Caption]) -> Rows:
         if shot.expected != "stopped":
             continue
         yarns = shot.result.setup.fabric.weave.yarns
-        speed = {(front.kind, front.family): front.speed for front in shot.fronts}
+        speed = {(front.kind, front.family): front.speed if front.r2 >= STRAIGHT else np.nan for front in shot.fronts}
         rows.append([
             shot.fabric, f"{shot.velocity:g}", " / ".join(f"{100 * yarn.crimp:.2f}" for yarn in yarns),
             _pair(speed, "longitudinal"), " / ".join(f"{yarn.wave_speed / np.sqrt(2):.0f}" for yarn in yarns),
@@ -86,4 +87,4 @@ def waves(shots: Sequence[Caption]) -> Rows:
 
 def _pair(speed: dict[tuple[str, str], float], kind: str) -> str:
     found = (speed[kind, family] for family in ("warp", "weft"))
-    return " / ".join("not resolved" if np.isnan(one) else f"{one:.0f}" for one in found)
+    return " / ".join("no line" if np.isnan(one) else f"{one:.0f}" for one in found)

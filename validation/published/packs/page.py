@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 
-from shellfabric.plies.model import PlyContact
 from validation.published.packs.passages import AT_ONCE
 from validation.published.packs.study import FORMS, GAPS, HALVED, STACKED, STIFFER, TOLERANCE
 
@@ -153,13 +152,24 @@ passages and what a text says of another build.
 A pack (`shellfabric.plies.model`) is a row of panels behind one opening. Each ply is the shell of a single one, with
 its own failures; the nose pushes on every ply that it reaches, and neighbouring plies push on each other. Their
 contact (`shellfabric.plies.contact_kernels`) is a law of pressure against closure (`fabrics.ply_law`), the same on
-every mesh, between two smooth surfaces, biquadratic splines through the fabric: the point of one ply and its closest point on the other get the same force, shared out by the weights of
-the spline, so that momentum is conserved to round-off. Plies count as their thickness, along the normal. What the
-contact takes from the motion is in the energy balance. The projection uses predicted positions; lagged ones would
-drag sliding plies and generate energy.
+every mesh, between two smooth surfaces, biquadratic splines through the fabric: the point of one ply and its closest
+point on the other get the same force, shared out by the weights of the spline, so that momentum is conserved to
+round-off. Plies count as their thickness, along the normal. What the contact takes from the motion is in the energy
+balance.
 
-In a scene: `plies = 4`, `stacking = "alternating"` and `gap = "0.12 mm"` under `[panel]`. Without `gap` the fabric's
-own is taken, and without one of its own that of the pressure law of packs (thesis eqs. 5-1 to 5-4, erratum E-02).
+In a scene: `plies = 4`, `stacking = "alternating"` and `ply_gap = "0.12 mm"` under `[panel]`. `ply_contact` chooses the
+contact law of plies ([theory.md](theory.md)). Without `ply_gap` the gap is what tests of packs close less what that law
+closes. What they close is the fabric's `interlayer_gap`, and without one an assumed value:
+
+- of a fabric with `areal_density_measured` (Kevlar 129 of the catalogue), the pressure law of packs (thesis eqs. 5-1 to
+  5-4, erratum E-02);
+- of any other, and below 148 g/m² where K'' of that law vanishes, 0.33 times the thickness, the mean over the six
+  Kevlar fabrics of the pressure law's gap over the thickness.
+
+The range of an assumed gap is 0.79 to 2.3 times its value: the least share of the six fabrics, and the pressure law
+with a start load of 1 N in place of 10 N, since the thesis finds its gaps too small (section 6.4.4). Value, range and
+source are in a printed line, in summary.json (`ply_gap_m`, `ply_gap_low_m`, `ply_gap_high_m`, `ply_gap_source`) and in
+the head of the report. The shot is not repeated with both ends; `ply_gap` does that.
 
 The panels are 203 mm wide and clamped, the shot is the flat cylinder of 3 g and 5.5 mm, rigid; a quarter is modelled.
 

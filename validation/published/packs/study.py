@@ -158,7 +158,7 @@ def shoot(case: Case) -> dict[str, Any]:
         "outcome": "unstable" if message not in ("", "failure") else march.outcome,
         "message": message,
         "time": march.time,
-        "residual_velocity": float(march.sample("v")[-1]),
+        "residual_velocity": march.residual_velocity,
         "deflection": float(march.sample("z").max()),
         "failed": march.ply_samples[-1][:, 0].tolist(),
         "peaks": peaks.max(axis=1).tolist(),

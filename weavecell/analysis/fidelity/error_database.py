@@ -59,6 +59,16 @@ class Book:
         found = [known[name]["models"] for known in self.regimes.values() if name in known]
         return max((each[model.name]["expected"] for each in found if model.name in each), default=inf)
 
+    def of_mesh(self, name: str, regime: str) -> dict[str, tuple[int, float, float]]:
+        """{quantity: (scenes, error, error of the full model)} of a model by its name, of the quantities that a regime
+        has: the error that four scenes of five of the regime stay below. Empty of a model that was not surveyed."""
+        found = {}
+        for quantity, known in self.regimes.get(regime, {}).items():
+            own = self.own(quantity, regime)  # 0 of the residual velocity of a panel that holds
+            if name in known["models"] and own > 0:
+                found[quantity] = (known["scenes"], known["models"][name]["expected"], own)
+        return found
+
     def bound(self, model: Model, name: str, seen: Sequence[dict[str, Any]]) -> float:
         """[-] what the error of a model is below, of a scene of which two scouts have `seen` (finer, coarser).
 

@@ -16,10 +16,14 @@ of two meshes errs less than either (`mixed`).
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from math import isnan, nan
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+
+if TYPE_CHECKING:
+    from fabrics.yarn import Yarn
 
 NAMES = ("residual_velocity", "absorbed_energy", "deflection", "peak_tension")
 WORDS = {
@@ -38,12 +42,12 @@ def of(result: Any) -> dict[str, Any]:
     fabric's own warp and weft. The load is the larger peak tension over the yarn's strength,
     the haste the strike velocity over that which fails a lone yarn at once (`smith.striking_velocity`).
     """
-    speed = max(result.residual_velocity, 0.0) if result.outcome != "stopped" else 0.0
+    speed = max(result.residual_velocity, 0.0)
     ply, peaks = getattr(result.setup, "ply", result.setup), _peaks(result)
     share, through = speed / ply.strike_velocity, result.outcome == "perforated"
     return {
         "outcome": result.outcome,
-        "haste": ply.strike_velocity / min(map(_at_once, ply.fabric.weave.yarns)),
+        "haste": haste(ply.strike_velocity, ply.fabric.weave.yarns),
         "load": max(T / yarn.strength for T, yarn in zip(peaks, ply.fabric.weave.yarns)),
         "residual_velocity": share,
         "absorbed_energy": 1 - share**2,
@@ -58,6 +62,11 @@ def _peaks(result):
     if getattr(result.setup, "stacking", "") == "alternating":
         peaks[1::2] = [ply[::-1] for ply in peaks[1::2]]
     return tuple(float(max(family)) for family in zip(*peaks))
+
+
+def haste(strike_velocity: float, yarns: Iterable[Yarn]) -> float:
+    """[-] a strike velocity [m/s] over the lowest that fails a lone yarn at once (`smith.striking_velocity`)."""
+    return strike_velocity / min(map(_at_once, yarns))
 
 
 def _at_once(yarn):

@@ -1,1 +1,0 @@
-"""Pictures of calibrations and of the deformed crossover."""

@@ -1,0 +1,205 @@
+"""Keywords of an impact in the Python interface: the keys of the input file, checked by its schema.
+
+The keys of the tables [fabric], [panel] and [run] are keywords of their own, the tables [projectile], [history],
+[numerics] and [backing] are dicts. A number stands for a quantity in SI units; everything else is written as in the
+file. `Keywords` names them for editors and type checkers; a test holds it against the schema.
+"""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal, TypedDict
+
+from fabrics.checks import FilePath
+from fabrics.errors import InputError, InputErrors, together
+
+if TYPE_CHECKING:
+    from fabrics.compression import CompressionLaw
+    from fabrics.ply_law import PlyLaw
+    from fabrics.surface import ResponseSurface
+    from weavecell.api.quasi_static_results import CalibrationResult
+    from weavecell.scenes.impact import Scene
+
+    Law = CompressionLaw | tuple[CompressionLaw, CompressionLaw] | CalibrationResult | FilePath | None
+
+__all__ = ["DEFAULTS", "Keywords", "scene"]
+
+FLAT = ("fabric", "panel", "run")
+GROUPS = ("projectile", "history", "numerics", "backing")
+# keys of the file that Python has not: the fabric is an argument, and nothing is written or resumed
+NOT_HERE = ("fabric.name", "fabric.file", "fabric.linear_density", "run.checkpoint_interval", "run.outputs")
+DEFAULTS: dict[str, Any] = {  # of keys that the input file requires
+    "projectile": {"mass": "3 g", "diameter": "5.5 mm", "edge_radius": "0.3 mm"},
+    "opening": "203 mm",
+    "end_time": "800 us",
+}
+_OBJECTS = {"fabric": ("law", "surface"), "panel": ("ply_contact",)}  # may be objects, which no file can hold
+
+Quantity = float | str  # in SI units, or a text with a unit
+Number = float
+End = Literal["clamped", "free"] | Mapping[str, Quantity]
+Side = End | tuple[End, End] | list[End]
+
+
+class Keywords(TypedDict, total=False):
+    """Keywords of `weavecell.setup` and what takes its keywords; meanings are in docs/keys.md."""
+
+    law: Law | Mapping[str, Quantity]
+    cell_model: Literal["compressible", "incompressible", "decoupled"]
+    cell_formulation: Literal["variational", "equilibrium", "direct"]
+    cell_profile: Literal["cosine", "straight"]
+    crossover_gap: Quantity
+    surface: ResponseSurface | FilePath | None
+    bending: Quantity
+    weaving_damage: Mapping[str, Number | str] | None
+    projectile: Mapping[str, Quantity] | None
+    opening: Quantity | tuple[Quantity, Quantity] | list[Quantity]
+    boundary: Literal["clamped", "free"] | Mapping[str, Side]
+    symmetry: Literal["quarter", "half", "whole"]
+    weave_angle: Quantity
+    plies: int
+    stacking: Literal["aligned", "alternating"]
+    ply_gap: Quantity | None
+    ply_contact: PlyLaw | FilePath | None
+    ply_friction: Number
+    yarn_failure: bool
+    grading: list[list[Number | str]] | tuple[tuple[Number | str, Number | str], ...] | None
+    crossovers: Literal["pinned", "sliding"]
+    crossover_friction: Number | None
+    crossover_cohesion: Quantity | None
+    end_time: Quantity
+    elements_per_crossover: int | None
+    snapshot_interval: Quantity | None
+    history: Mapping[str, Any] | None
+    numerics: Mapping[str, Number | str] | None
+    backing: Mapping[str, Any] | None
+
+
+def tables() -> dict[str, str]:
+    """{keyword: the table of the input file that holds it, "" of a whole table}, as the schema has them."""
+    from weavecell.commands.impact import SUPPORT
+    from weavecell.scenes.build import OF_A_PACK
+    from weavecell.scenes.supported import of
+
+    found = {}
+    for key in (*SUPPORT.supported, *OF_A_PACK, *of("panel", "plies")):
+        table, _, rest = key.partition(".")
+        if table in FLAT and key not in NOT_HERE:
+            found[rest.partition(".")[0]] = table
+        elif table in GROUPS:
+            found[table] = ""
+    return found
+
+
+def scene(fabric: str, velocity: object, options: Mapping[str, Any]) -> Scene:
+    """The checked scene of a call.
+
+    Parameters
+    ----------
+    fabric : its name, for messages
+    velocity : [m/s] of the strike, or a text with a unit
+    options : of `Keywords`
+
+    Raises
+    ------
+    InputError : an unknown keyword, or a value that is not allowed; one line that names the keyword
+    """
+    from weavecell.commands import impact
+    from weavecell.scenes import impact as scenes_impact
+
+    given = DEFAULTS | {key: value for key, value in options.items() if value is not None}
+    known = tables()
+    table: dict[str, Any] = {name: {} for name in (*FLAT, "projectile")}
+    for key, value in given.items():
+        if key not in known:
+            raise _unknown(key, value, known)
+        if known[key]:
+            table[known[key]][key] = value
+        else:
+            table[key] = value
+    for name, keys in _OBJECTS.items():
+        table[name] |= {key: _stand_in(table[name][key]) for key in keys if key in table[name]}
+    if not isinstance(table["projectile"], Mapping) or "strike_velocity" in table["projectile"]:
+        raise InputError(
+            key="projectile", value=table["projectile"], allowed="a dict of its keys, without strike_velocity"
+        )
+    struck = {} if velocity is None else {"strike_velocity": velocity}
+    table["projectile"] = {**table["projectile"], **struck}
+    written = _written(table, scenes_impact.Scene)
+    written["fabric"] |= {"name": fabric}
+    try:
+        return scenes_impact.check(written, None, _support(impact.support))
+    except InputError as problem:
+        raise named(problem) from None
+
+
+def _support(of_scene):
+    """The declaration of the commands without what only a report shows."""
+
+    def support(checked):
+        found = of_scene(checked)
+        kept = tuple(key for key in found.supported if key != "history.report_positions")
+        return replace(found, command="weavecell.setup", supported=kept)
+
+    return support
+
+
+def _stand_in(value):
+    """A text for the schema: paths and tables as they are, of an object the name of its type."""
+    if isinstance(value, (str, Path, Mapping)):
+        return value
+    return f"{type(value).__name__}.json"
+
+
+def _written(values, model):
+    """A table as it stands in a file: numbers that are quantities become texts with the unit of their key."""
+    return {key: _text(value, model.model_fields.get(key)) for key, value in values.items()}
+
+
+def _text(value, entry):
+    from weavecell.scenes.schema import tables_in
+
+    value = value.item() if hasattr(value, "item") else value.tolist() if hasattr(value, "tolist") else value
+    if isinstance(value, Path):
+        return str(value)
+    if isinstance(value, Mapping):
+        kinds = tuple(tables_in(entry.annotation)) if entry is not None else ()
+        fields = {name: field for kind in kinds for name, field in kind.model_fields.items()}
+        return {key: _text(each, fields.get(key)) for key, each in value.items() if each is not None}
+    if isinstance(value, (list, tuple)):
+        return [_text(each, entry) for each in value]
+    unit = (getattr(entry, "json_schema_extra", None) or {}).get("unit")
+    if unit is None or isinstance(value, bool) or not isinstance(value, (int, float)):
+        return value
+    return repr(value) if unit == "1" else f"{value!r} {unit}"
+
+
+def _unknown(key, value, known):
+    """The error of a keyword that is none."""
+    from weavecell.scenes.impact import Scene
+    from weavecell.scenes.schema import tables_in
+
+    for group in GROUPS:
+        (kind,) = tables_in(Scene.model_fields[group].annotation)
+        if key in kind.model_fields and f"{group}.{key}" != "projectile.strike_velocity":
+            return InputError(f'is no keyword, did you mean {group}={{"{key}": ...}}?', key=key, value=value)
+    near = difflib.get_close_matches(key, known, n=1, cutoff=0.6)
+    hint = f", did you mean {near[0]}?" if near else ";"
+    return InputError(f"is no keyword{hint} keywords: {', '.join(Keywords.__annotations__)}", key=key, value=value)
+
+
+def named(problem: InputError) -> InputError:
+    """The InputErrors of a scene with keywords in place of the dotted keys of the file."""
+    if isinstance(problem, InputErrors):
+        return together([named(one) for one in problem.problems])
+    key = problem.key or ""
+    table, _, rest = key.partition(".")
+    short = "velocity" if key == "projectile.strike_velocity" else rest if table in FLAT else ""
+    if not short or not str(problem).startswith(key):
+        return problem
+    found = InputError(short + str(problem)[len(key) :])
+    found.key, found.value, found.allowed = short, problem.value, problem.allowed
+    return found

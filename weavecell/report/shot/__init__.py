@@ -1,0 +1,1 @@
+"""The report of an impact, on one ply or on a pack."""

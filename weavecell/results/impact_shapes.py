@@ -1,0 +1,121 @@
+"""What records of an impact hold besides histories: shapes of the cloth, cuts through it, and peak tensions."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from weavecell.results import keys
+from weavecell.results.hdf5_file import plain, put
+
+if TYPE_CHECKING:
+    from shellfabric.output.snapshots import Snapshot
+
+# datasets whose attribute in the object that holds them has another name
+_SHAPE_FIELDS = {"time": "t"}
+
+
+@dataclass(frozen=True)
+class Shape:
+    """The panel at one instant.
+
+    Parameters
+    ----------
+    t, nose_position : [s, m] time, and the foremost point of the projectile
+    projectile_position : (3,) [m] position of its nose
+    nodes : (k, 3) [m]
+    tension : (m, 2) [N] of warp and weft
+    failed : (m, 3) bool: warp failed, weft failed, element eroded
+    """
+
+    t: float
+    nose_position: float
+    projectile_position: np.ndarray
+    nodes: np.ndarray
+    tension: np.ndarray
+    failed: np.ndarray
+
+    @classmethod
+    def of(cls, shot: Snapshot) -> Shape:
+        """The shape of a `shellfabric.output.snapshots.Snapshot`."""
+        return cls(
+            float(shot.t), float(shot.nose_position), shot.projectile_position, shot.nodes.reshape(-1, 3),
+            shot.tension.reshape(-1, 2), shot.failed.reshape(-1, 3),
+        )  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Cut:
+    """The cloth cut open along x through the impact point, at one instant.
+
+    Parameters
+    ----------
+    t, nose : [s, m] time, and the foremost point of the projectile
+    lines : tuple of (n, 2) [m] places x and z of each ply's middle surface; not a number where its yarn has failed
+    """
+
+    t: float
+    nose: float
+    lines: tuple
+
+    @classmethod
+    def of(cls, shots: Sequence[Snapshot], mirror_y: bool) -> Cut:
+        """The cut of the plies' `shellfabric.output.snapshots.Snapshot` of one instant."""
+        lines = []
+        for shot in shots:
+            j = 0 if mirror_y else shot.nodes.shape[1] // 2
+            line, gone = shot.nodes[:, j, [0, 2]], np.flatnonzero(shot.failed[:, j, 0])
+            lines.append(np.insert(line, gone + 1, np.nan, axis=0))
+        return cls(float(shots[0].t), float(shots[0].nose_position), tuple(lines))
+
+
+@dataclass(frozen=True)
+class Peak:
+    """The highest tension of a family of yarns, as mean over a segment from crossover to crossover.
+
+    Parameters
+    ----------
+    tension, share : [N, -] and over the strength
+    time : [s]
+    place : (2,) [m] of the middle of the segment at rest, along warp and weft from the impact point
+    ply : number of the ply, the first is 1
+    """
+
+    tension: float
+    share: float
+    time: float
+    place: np.ndarray
+    ply: int
+
+
+def write_shape(file: Any, group: str, shape: Shape) -> None:
+    """Write a Shape to a group of an open file."""
+    for name, unit in keys.units(keys.SHAPE).items():
+        put(file, f"{group}/{name}", getattr(shape, _SHAPE_FIELDS.get(name, name)), unit)
+
+
+def read_shape(group: Any) -> Shape:
+    """The Shape that `write_shape` has written."""
+    return Shape(**{_SHAPE_FIELDS.get(name, name): plain(group[name][()]) for name in keys.units(keys.SHAPE)})
+
+
+def write_cuts(file: Any, cuts: Iterable[Cut]) -> None:
+    """Write cuts to an open file."""
+    for number, cut in enumerate(cuts):
+        put(file, f"cuts/{number:04d}/time", cut.t, "s")
+        put(file, f"cuts/{number:04d}/nose_position", cut.nose, "m")
+        for ply, line in enumerate(cut.lines):
+            put(file, f"cuts/{number:04d}/lines/{ply:02d}", line, "m")
+
+
+def read_cuts(file: Any) -> tuple[Cut, ...]:
+    """The cuts that `write_cuts` has written."""
+    return tuple(_read_cut(group) for _, group in sorted(file.get("cuts", {}).items()))
+
+
+def _read_cut(group):
+    lines = tuple(line[()] for _, line in sorted(group["lines"].items()))
+    return Cut(float(group["time"][()]), float(group["nose_position"][()]), lines)
