@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 
-from shellfabric.plies.model import PlyContact
 from validation.published.packs.passages import AT_ONCE
 from validation.published.packs.study import FORMS, GAPS, HALVED, STACKED, STIFFER, TOLERANCE
 
@@ -153,10 +152,10 @@ passages and what a text says of another build.
 A pack (`shellfabric.plies.model`) is a row of panels behind one opening. Each ply is the shell of a single one, with
 its own failures; the nose pushes on every ply that it reaches, and neighbouring plies push on each other. Their
 contact (`shellfabric.plies.contact_kernels`) is a law of pressure against closure (`fabrics.ply_law`), the same on
-every mesh, between two smooth surfaces, biquadratic splines through the fabric: the point of one ply and its closest point on the other get the same force, shared out by the weights of
-the spline, so that momentum is conserved to round-off. Plies count as their thickness, along the normal. What the
-contact takes from the motion is in the energy balance. The projection uses predicted positions; lagged ones would
-drag sliding plies and generate energy.
+every mesh, between two smooth surfaces, biquadratic splines through the fabric: the point of one ply and its closest
+point on the other get the same force, shared out by the weights of the spline, so that momentum is conserved to
+round-off. Plies count as their thickness, along the normal. What the contact takes from the motion is in the energy
+balance. The projection uses predicted positions; lagged ones would drag sliding plies and generate energy.
 
 In a scene: `plies = 4`, `stacking = "alternating"` and `gap = "0.12 mm"` under `[panel]`. Without `gap` the fabric's
 own is taken, and without one of its own that of the pressure law of packs (thesis eqs. 5-1 to 5-4, erratum E-02).
