@@ -155,14 +155,11 @@ class PackRecord(BaseRecord):
     def _read(file):
         shapes = [group for _, group in sorted(file["shapes"].items())]
         values = {name: file[f"plies/{name}"][()] for name in _PLIES}
-        return (
-            values
-            | {
-                "plies": {name: data[()] for name, data in file["plies/histories"].items()},
-                "projectile": file["projectile"][()],
-                "measured": tuple(read_measured(group) for _, group in sorted(file.get("measured", {}).items())),
-                "slips": tuple(read_group(file, f"slip/{ply}") for ply in sorted(file.get("slip", ()))),
-                "quads": tuple(group["quads"][()] for group in shapes),
-                "shapes": tuple(map(read_shape, shapes)),
-            }
-        )
+        return values | {
+            "plies": {name: data[()] for name, data in file["plies/histories"].items()},
+            "projectile": file["projectile"][()],
+            "measured": tuple(read_measured(group) for _, group in sorted(file.get("measured", {}).items())),
+            "slips": tuple(read_group(file, f"slip/{ply}") for ply in sorted(file.get("slip", ()))),
+            "quads": tuple(group["quads"][()] for group in shapes),
+            "shapes": tuple(map(read_shape, shapes)),
+        }
