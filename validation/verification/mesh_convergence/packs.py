@@ -42,7 +42,7 @@ from shellfabric.impact.bracket import Bracket
 from shellfabric.impact.pack import PackSetup
 from shellfabric.impact.single_ply import ImpactSetup
 from shellfabric.panel.numerics import Numerics
-from shellfabric.plies.gap import fabric_gap
+from shellfabric.plies.gap import ply_gap
 from shellfabric.plies.numerics import PlyContact
 from validation.verification.mesh_convergence.packs_page import pages
 from weavecell.analysis.uncertainty import draws, inputs
@@ -150,7 +150,7 @@ def setup(case: Case, velocity: float = 100.0) -> PackSetup:
         contact, stiffness=case.stiffness, damping=contact.damping * case.damping, courant=contact.courant * case.step
     )
     law = PlyLaw.of(ply.fabric)
-    gap = fabric_gap(ply.fabric, law) + case.gap
+    gap = ply_gap(ply.fabric, law).value + case.gap
     shot = replace(ply, strike_velocity=velocity, grading=zones, numerics=numerics, symmetry=case.symmetry)
     return PackSetup(shot, case.plies, case.stacking, gap, contact)
 
