@@ -13,7 +13,7 @@ TornContact = namedtuple(
     "TornContact",
     "f window x x_next dt_over_mass z_rest min_distance ply_grid ply_shape dt zone_mark intact_quadrants elements "
     "nodes counts failures box_low box_high cell_head entry_element entry_cell entry_next candidates "
-    "candidate_normal deep_points deep_point_data in_node_list last_moved sweep energy line_offset",
+    "candidate_normal last_moved sweep energy line_offset",
 )
 Stack = namedtuple(
     "Stack", "awake waits_for_plies counter projectile_position f_contact_nose ply_counters projectile_velocity"

@@ -11,8 +11,7 @@ from shellfabric.plies.contact_simd_kernels import IN_CONTACT
 from shellfabric.plies.graded_kernels import ply_place_in_elements
 
 WORK, CORRECTIONS, UNRESOLVED = 0, 1, 2  # of stops.energy; how often something was held, and how often not for good
-# of stops.counts: elements of the zone, nodes, entries in the grid, nodes that are not those of closest points only
-ELEMENTS, NODES, ENTRIES, ZONE_NODES = range(4)
+ELEMENTS, NODES, ENTRIES = range(3)  # of stops.counts: elements of the zone, nodes, entries in the grid
 ROW_STRIDE, NI, NJ, MIRROR_X, MIRROR_Y = range(5)  # of stops.ply_shape
 TORN, WHOLE = 1, 2  # of stops.zone_mark: an element that is looked at, and one of whole cloth
 PAD = 4  # cells of the grid beyond the panel's edges
@@ -68,12 +67,10 @@ def grid_insert(stops, p):
 
 @kernel(_nrt=False)
 def grid_clear(stops, p):
-    """Empty the grid of a ply, and forget the nodes about closest points."""
+    """Empty the grid of a ply."""
     for m in range(stops.counts[p, ENTRIES]):
         stops.cell_head[p, stops.entry_cell[p, m]] = -1
-    for m in range(stops.counts[p, ZONE_NODES], stops.counts[p, NODES]):
-        stops.in_node_list[p, stops.nodes[p, m]] = False
-    stops.counts[p, ENTRIES], stops.counts[p, NODES] = 0, stops.counts[p, ZONE_NODES]
+    stops.counts[p, ENTRIES] = 0
 
 
 @kernel(_nrt=False)

@@ -9,8 +9,6 @@ from shellfabric.jit.compile import kernel
 from shellfabric.plies.broad_phase_kernels import MIRROR_X, MIRROR_Y, ROW_STRIDE, element_mean
 from shellfabric.plies.point_kernels import grow_window
 
-# of stops.deep_point_data: n, h, and `spline_weights` along either family
-NORMAL, DISTANCE, WEIGHTS_WARP, WEIGHTS_WEFT = 0, 3, 4, 8
 _MAX_CORRECTION = 0.1  # [gaps] by which what is nearer than the gap is moved in a step
 _TRIANGLE_TOLERANCE = 0.02  # of a triangle, beyond its sides
 _MIN_NORMAL_COSINE = 0.5  # cosine of the most that a normal may turn in a step
@@ -72,61 +70,6 @@ def resolve_pair(stops, number, fraction):
             add_force(stops, q, ring[m], w * n_x, w * n_y, w * n_z)
         return True
     return False
-
-
-@kernel(_nrt=False)
-def resolve_deep_point(stops, number, fraction):
-    """Keep a point that is deep in whole cloth, by number in the list, from coming through: whether it would."""
-    p, e, q, first = (
-        stops.deep_points[number, 0],
-        stops.deep_points[number, 1],
-        stops.deep_points[number, 2],
-        stops.deep_points[number, 3],
-    )
-    foot, own, s, gap = (
-        stops.deep_point_data[number],
-        stops.ply_shape[p, ROW_STRIDE],
-        stops.ply_shape[q, ROW_STRIDE],
-        stops.min_distance[p],
-    )
-    n_x, n_y, n_z, before = foot[NORMAL], foot[NORMAL + 1], foot[NORMAL + 2], foot[DISTANCE]
-    after, give = before, 0.0
-    for m in (e, e + 1, e + own, e + own + 1):
-        after -= 0.25 * displacement_along(stops, p, m, n_x, n_y, n_z)
-        give += 0.0625 * stops.dt_over_mass[p, m] * mobility(stops, p, m, n_x, n_y)
-    for m in range(9):
-        k = first + m // 3 * s + m % 3
-        f_x, f_y, f_z = closest_point_weights(foot, m)
-        after += displacement_along(stops, q, k, f_x, f_y, f_z)
-        fixed_x, fixed_y = stops.ply_shape[q, MIRROR_X] and k < s, stops.ply_shape[q, MIRROR_Y] and k % s == 0
-        give += stops.dt_over_mass[q, k] * ((0.0 if fixed_x else f_x**2) + (0.0 if fixed_y else f_y**2) + f_z**2)
-    wanted = fraction * (gap if before > gap else min(gap, before + _MAX_CORRECTION * gap))
-    if after >= wanted or give == 0.0:
-        return False
-    force = (wanted - after) / (stops.dt * give)
-    for m in (e, e + 1, e + own, e + own + 1):
-        add_force(stops, p, m, -0.25 * force * n_x, -0.25 * force * n_y, -0.25 * force * n_z)
-    for m in range(9):
-        f_x, f_y, f_z = closest_point_weights(foot, m)
-        add_force(stops, q, first + m // 3 * s + m % 3, force * f_x, force * f_y, force * f_z)
-    return True
-
-
-@kernel(_nrt=False, forceinline=True)
-def closest_point_weights(foot, m):
-    """Normal of a foot times the weights (x, y, z) of node number m of the nine about it."""
-    i, j = m // 3, m % 3
-    w, v = foot[WEIGHTS_WARP + i], foot[WEIGHTS_WEFT + j]
-    w_x, v_y = foot[WEIGHTS_WARP + 3] if i == 1 else w, foot[WEIGHTS_WEFT + 3] if j == 1 else v
-    return w_x * v * foot[NORMAL], w * v_y * foot[NORMAL + 1], w * v * foot[NORMAL + 2]
-
-
-@kernel(_nrt=False, forceinline=True)
-def displacement_along(stops, p, k, n_x, n_y, n_z):
-    """[m] way of a node in the step, along n."""
-    at, to = stops.x, stops.x_next
-    way = n_x * (to[p, 0, k] - at[p, 0, k]) + n_y * (to[p, 1, k] - at[p, 1, k])
-    return way + n_z * (to[p, 2, k] - at[p, 2, k])
 
 
 @kernel(_nrt=False, forceinline=True)

@@ -1,64 +1,24 @@
-"""Contact of neighbouring plies: penalty between two smooth surfaces, one point of the front ply at a time.
+"""Contact of neighbouring plies: pressure against closure between two smooth surfaces, point by point.
 
-Surfaces. Those of `plies.surface_kernels`: splines, and facets where yarns have failed.
+Each element of the front ply, which the projectile meets first, carries p x p points x of its spline surface
+(`plies.surface_kernels`). y is the closest point of the rear ply's surface, n the normal there, the way that the shot
+flies, t the mean thickness of the two plies:
 
-Gap. Each element of the front ply, which the projectile meets first, carries p x p points x of its surface. y is the
-foot of x on the rear ply's surface and n the normal there, the way that the shot flies:
+    depth = t - n.(y - x),      f = max(0, A p(d) + c n.(v_x - v_y)),     d = depth - offset
 
-    depth = t - n.(y - x),      f = max(0, k depth + c n.(v_x - v_y))   where depth > 0
+with the law p (`plies.law_kernels`) and the area A of the point. -f n acts on the nodes of the front ply by their
+weights in x, f n on those of the rear ply by their weights in y: the sum is zero to the last digits. Which side of the
+fabric a point is on, the offset, failed yarns: docs/theory.md, "Packs". Fabric that came through, where depth > t, is
+counted, and ends the run. Naive forms, for comparison: nodes of the front ply against the bilinear facets of the rear
+one (FACETS), or against the node there, along z (NODES).
 
-with t the mean thickness of the two plies: thickness lies on both sides of a middle surface, so that curved plies that
-nest keep t along their normals. -f n acts on the nodes of the front ply by their weights in x, f n on those of the rear
-ply by their weights in y: the sum is zero to the last digits. Whole cloth that came through, where depth > t, would
-still be pushed back, and the harder; it is counted, and ends the run. Beside torn cloth, where folds are found deep and
-pressed on, what springs cannot hold is stopped before that (`plies.torn_contact_kernels`).
+Which points are computed: a box about the nodes of each ply that are deflected by more than a quarter of the gap, three
+elements wider, is renewed every eight steps. A point that is clear of the other ply is skipped for as long as it would
+need to get there at one and a half times the highest speeds of both plies. Most are computed eight at once
+(`plies.contact_simd_kernels`). Beside failed yarns both plies have points (`contact_forces_back`), with half the law.
 
-Sides. The sign of a depth follows from the side of the cloth on which a point is, not from the direction of a normal:
-what comes near is on its own side, and stays there. Cloth that is drawn in until an element lies upside down has a
-normal that turns over within a step: a point 0.006 t deep was found 1.99 t deep, and thrown. So n points away from x as
-long as x cannot have come through, which takes a depth close to t in the step before, or a yarn that has just failed,
-or a foot that goes over from facets to the spline or back: the one surface is on the other side of x in a bend. Then n
-goes on from that of the step before. In folds, on rims and where cloth is drawn to a line the normal says nothing of x
-- y, and n is its direction.
-
-The foot follows from step to step by one step of Gauss and Newton; of a point that touches by one of Newton, from where
-the foot will be if it goes on as it did in the last step. From where it was, n is that of a step ago: a hundredth of an
-element, but always to the same side. Plies that slide on each other over a bend were pulled along by that, and contact
-gave several per cent of a shot's energy. Where the plies are further apart than half their thickness the foot is the
-point straight ahead of x, which is never ambiguous.
-
-Failed yarns. A yarn that is partly failed pushes as the whole: its mass is the same. Nothing pushes where both yarns
-next to x or y are gone: that is a hole, and a point may go through it. What comes out of a hole is on either side, and
-pushes from there. Found in the very middle, edge on, it is on no side yet. So is what comes round the rim of a free
-panel, and what another fold is in the middle of: through the face of cloth it comes by motion, and only what does so
-from a side that it had is counted as having come through.
-
-Springs. A spring is squeezed by motion alone. To first order the depth grows by n.(v_x - v_y) dt in a step, on any
-smooth surface. Where it has changed by something else, more than JUMP thicknesses, the foot is on another fold, the
-normal has turned over, or the surface is another since a yarn has failed: the rest of the depth loads no spring. It
-goes on as it was, with the energy that it had, from the new depth; one that has just begun has nothing but what the
-motion has made. It is as much stiffer as the rest of the thickness is less, three times at most. What is found so,
-inside the thickness, is let no deeper. A point whose closest point leaps, as in folds of whole cloth, is without
-contact until it has one again, and goes on likewise. With springs of their new depths such points would give
-energy.
-
-Beside torn cloth feet get lost, so they are looked for anew, and elements are as long as the holes, so both plies have
-points there (`contact_forces_back`), with half the stiffness each: the middle of an element behind otherwise goes
-through the torn cloth before it, between the points of that. Those behind begin without load, wherever they are found.
-
-Naive forms, for comparison: the nodes of the front ply against the bilinear facets of the rear one (FACETS), or against
-the node there, along z (NODES).
-
-Which points are computed. Plies that are deflected by less than a quarter of the gap between them cannot touch: there
-is a box about those nodes of each ply that are deflected by more, three elements wider, renewed every eight steps, in
-which a transverse wave comes less than an element further. A point that is clear of the other ply is skipped for as
-long as it would need to get there at one and a half times the highest speeds of both plies. The others are computed
-eight at once where no special case applies (`plies.contact_simd_kernels`).
-
-Friction acts at the same points, where a pack has it (`plies.ply_friction_kernels`).
-
-Work. What a step's contact takes from the motion is summed over the nodes: half a step's work of the old forces, half a
-step's of the new, on the same velocities. So it balances to the last digits, whatever the weights.
+Work: half a step's of the old forces and half a step's of the new on the same velocities, summed over the nodes, which
+balances to the last digits whatever the weights. Friction acts at the same points (`plies.ply_friction_kernels`).
 """
 
 import math

@@ -1,11 +1,10 @@
 """Contact of plies, eight points at once: most calls of `plies.point_kernels.contact_point`.
 
-Points of neighbouring elements are side by side, and so are their feet, to within a node: eight of them lie over four
-rows of four nodes each, that of the next a slot further. Each has its weights at three of the four and none at the
-other, since in aligned plies the feet are where two segments of the spline meet, some on this side of it and some on
-that. The results are those of one point at a time, to round-off. All that needs more than a formula is left
-to `contact_point`: torn cloth, rims, planes of symmetry, folds, lost feet, and what is so deep that it might have come
-through.
+Points with the same place in neighbouring elements are side by side, and so are their closest points, to within a node:
+eight of them lie over four rows of four nodes each, that of the next a slot further. Each has its weights at three of
+the four and none at the other, since closest points go over to the next segment of the spline one by one. The results
+are those of one point at a time, to round-off. All that needs more than a formula is left to `contact_point`: torn
+cloth, rims, planes of symmetry, folds, lost closest points, and what is so deep that it might have come through.
 """
 
 from shellfabric.jit.compile import kernel
@@ -66,10 +65,10 @@ MAX_STEPS_SKIPPED = 8  # most steps for which a point is skipped
 
 @kernel(_nrt=False, forceinline=True)
 def contact_points8(front, fc, rear, rc, pair, q, count, nearer, now, due):
-    """`contact_point` for those of the points q .. q + count - 1, which have the same place in elements side by side,
-    that need no special case, eight at once: whole cloth on whole cloth, feet side by side, away from rims and planes
-    of symmetry, not lost, in no fold, not so deep that it might come through, and not deeper at once than motion may
-    have made it.
+    """`contact_point` for those of the points q .. q + count - 1, with one place in elements side by side, that
+    need no special case, eight at once: whole cloth on whole cloth, closest points side by side and away from rims
+    and planes of symmetry, not lost, in no fold, not so deep that it might come through, and not deeper at once than
+    motion may have made it.
 
     due : the points to be looked at, as bits. Returns (those that are left for `contact_point`, energy in the springs
     of the others).

@@ -31,20 +31,17 @@ from shellfabric.cell.model import CellModel, CellTable
 from shellfabric.jit.simd import WIDTH
 from shellfabric.panel.arrays import Constants, State, Work, has_out_of_plane
 from shellfabric.panel.model import Panel
-from shellfabric.plies import broad_phase_kernels, friction, step_kernels
+from shellfabric.plies import friction, step_kernels, torn_contact
 from shellfabric.plies.arrays import Pair, Stack, TornContact
 from shellfabric.plies.contact_simd_kernels import AMBIGUOUS_DEPTH
 from shellfabric.plies.gap import ply_gap
-from shellfabric.plies.grading import area_factors, line_offsets
-from shellfabric.plies.numerics import FORMS, PlyContact
+from shellfabric.plies.grading import area_factors
+from shellfabric.plies.numerics import FORMS, PlyContact, law_table
 from shellfabric.projectile import dynamics
 from shellfabric.projectile.contact import PREDICTED
 
 STACKINGS = ("aligned", "alternating")
 _FASTER = 1.5  # than the projectile cloth before its nose may become
-_NEAREST = 0.05  # [thicknesses] that torn cloth comes to other cloth
-_ENTRIES, _NEAR = 9, 20_000  # of an element in the grid of facets, in the mean; of a ply in the list of what is near
-_CELLS = 128  # of the table of a law over its travel
 _LEAST = (0.25, 1e-3)  # deflections that are looked at: of the gap, of the thickness
 
 
@@ -170,7 +167,7 @@ class Pack:
 
     def _thickness(self, p):
         """[m] mean of plies p and p + 1."""
-        return 0.5 * sum(ply.weave.thickness for ply in self.plies[p : p + 2])
+        return float(np.mean([ply.weave.thickness for ply in self.plies[p : p + 2]]))
 
     def _firmer(self, ply):
         """Stiffness of the nose's contact with a ply of the pack, over that of a single ply; 0 of a pack of one, which
@@ -246,32 +243,9 @@ class Pack:
         return (*on_next, *(self._pair(q, p, -self._between(p), consts, states) for p, q in both))
 
     def stops(self, consts: Sequence[Constants], states: Sequence[State]) -> TornContact:
-        """What keeps torn cloth apart, at rest: of all plies, as wide as the largest."""
-        count, n = len(self.plies), max(state.mass.size for state in states)
-        pad = 2 * broad_phase_kernels.PAD
-        cells, room = max((c.ni + pad) * (c.nj + pad) for c in consts), _ENTRIES * max(n, 100)
-        kick = np.zeros((count, n))
-        for row, state in zip(kick, states):
-            row[: state.dt_over_mass.size] = state.dt_over_mass
-        nodal = lambda: np.zeros((count, 3, n))  # noqa: E731
-        return TornContact(
-            f=nodal(), window=np.array([[c.ni + 1, 0, c.row_stride, 0] for c in consts]), x=nodal(), x_next=nodal(),
-            dt_over_mass=kick,
-            z_rest=self.places, min_distance=np.array([_NEAREST * ply.weave.thickness for ply in self.plies]),
-            ply_grid=np.array([(c.x0, c.y0, c.dx, c.dy) for c in consts]), dt=self.time_step,
-            ply_shape=np.array([(c.row_stride, c.ni, c.nj, c.mirror_x, c.mirror_y) for c in consts]), box_low=nodal(),
-            box_high=nodal(),
-            intact_quadrants=np.zeros((count, n), np.uint8), candidates=np.zeros((_NEAR * count, 4), np.int64),
-            candidate_normal=np.zeros((_NEAR * count, 3)), deep_points=np.zeros((2 * n, 4), np.int64),
-            deep_point_data=np.zeros((2 * n, 12)),
-            in_node_list=np.zeros((count, n), np.bool_), last_moved=np.zeros((count, n), np.int64),
-            sweep=np.zeros(1, np.int64),
-            zone_mark=np.zeros((count, n), np.uint8), elements=np.zeros((count, n), np.int64),
-            nodes=np.zeros((count, n), np.int64), counts=np.zeros((count, 4), np.int64), failures=np.zeros(1, np.int64),
-            cell_head=np.full((count, cells), -1, np.int32), entry_element=np.zeros((count, room), np.int32),
-            entry_cell=np.zeros((count, room), np.int32), entry_next=np.zeros((count, room), np.int32),
-            energy=np.zeros(3), line_offset=line_offsets(consts),
-        )  # fmt: skip
+        """What keeps torn cloth apart, at rest."""
+        thicknesses = [ply.weave.thickness for ply in self.plies]
+        return torn_contact.at_rest(consts, states, self.places, thicknesses, self.time_step)
 
     def _apart(self, p):
         """[m] between the middle surfaces of plies p and p + 1 at rest."""
@@ -290,7 +264,8 @@ class Pack:
         form, first = FORMS[knobs.form], min(p, q)
         n, start = (knobs.points, 0.5) if form == FORMS["smooth"] else (1, 0.0)
         area, thickness = front.dx * front.dy / n**2, self._thickness(first)
-        table, cell = law_table(self.laws[first], area, self._density(first), knobs)
+        law = self.laws[first] if self.laws else None
+        table, cell = law_table(law, area, self._density(first), knobs)
         nothing = lambda c: np.array([c.ni + 1, 0, c.row_stride, 0])  # noqa: E731
         nodal = lambda state: tuple(np.zeros(state.mass.size) for _ in range(3))  # noqa: E731
         sub = (np.arange(n) + start) / n
@@ -341,25 +316,6 @@ def _slower(ply, step):
     """A ply with the Courant factor that gives it a time step [s]."""
     cfl = ply.numerics.cfl * step / ply.time_step
     return replace(ply, numerics=replace(ply.numerics, cfl=cfl))
-
-
-def law_table(law: PlyLaw, area: float, density: float, contact: PlyContact) -> tuple[FloatArray, float]:
-    """(cells + 1, 4) table of a contact point for `law_kernels`, and the width [m] of its cells.
-
-    Parameters
-    ----------
-    law : PlyLaw
-    area : [m2] that a point stands for
-    density : [kg/m2] of a ply
-    contact : PlyContact, of which factor on the stiffness and damping are taken
-    """
-    law = law.scaled(contact.stiffness)
-    cells = 1 if law.closure.size == 2 else _CELLS
-    at = np.linspace(0.0, law.travel, cells + 1)
-    slope = np.append(np.diff(law.pressure_at(at)) / np.diff(at), law.stiffness)
-    damping = contact.damping * np.sqrt(slope * density)
-    columns = law.pressure_at(at), slope, damping, law.energy_at(at)
-    return np.ascontiguousarray(area * np.stack(columns, axis=1)), law.travel / cells
 
 
 def lists(items: Sequence[Any]) -> Any:

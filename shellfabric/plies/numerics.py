@@ -5,9 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import inf
 
+import numpy as np
+
+from fabrics.checks import FloatArray
 from fabrics.errors import InputError
+from fabrics.ply_law import PlyLaw
 from shellfabric.plies import surface_kernels
 
+_CELLS = 128  # of the table of a law over its travel
 FORMS = {
     "smooth": surface_kernels.SMOOTH,
     "facets": surface_kernels.FACETS,
@@ -58,3 +63,24 @@ class PlyContact:
             raise InputError(key="points", value=self.points, allowed="1 to 8")
         if self.form not in FORMS:
             raise InputError(key="form", value=self.form, allowed=" or ".join(FORMS))
+
+
+def law_table(law: PlyLaw | None, area: float, density: float, contact: PlyContact) -> tuple[FloatArray, float]:
+    """(cells + 1, 4) table of a contact point for `law_kernels`, and the width [m] of its cells.
+
+    Parameters
+    ----------
+    law : PlyLaw, or None of a pack of one ply, where nothing touches
+    area : [m2] that a point stands for
+    density : [kg/m2] of a ply
+    contact : PlyContact, of which factor on the stiffness and damping are taken
+    """
+    if law is None:
+        return np.zeros((2, 4)), 1.0
+    law = law.scaled(contact.stiffness)
+    cells = 1 if law.closure.size == 2 else _CELLS
+    at = np.linspace(0.0, law.travel, cells + 1)
+    slope = np.append(np.diff(law.pressure_at(at)) / np.diff(at), law.stiffness)
+    damping = contact.damping * np.sqrt(slope * density)
+    columns = law.pressure_at(at), slope, damping, law.energy_at(at)
+    return np.ascontiguousarray(area * np.stack(columns, axis=1)), law.travel / cells

@@ -22,16 +22,6 @@ outside. What by that contact has come through, as when a yarn fails beside a po
 triangle that is drawn to a line turns over by itself: where its normal turns by more than 60 degrees in the step, h and
 h' are not of one side, and it holds nothing.
 
-Deep points. The springs of that contact are as stiff as the step allows, and hold no more than a share of a point's
-mass times t / dt^2. Loose cloth is drawn into folds, and a point is found deep inside the thickness t where it has no
-room left to be slowed down in; half of the springs are those of the other ply, which may have no points there. So in
-the zone about torn elements a point that touches whole cloth and is deeper than _DEEP_FRACTION is predicted likewise:
-with its normal n and the weights of its foot from the contact,
-
-    h = t - depth,     h' = h + n.(y' - y - x' + x),     f as above, on the nodes that the spring pushes
-
-From _DEEP_FRACTION on an approach as fast as `Pack.in_step_with` reckons with is stopped before it is through.
-
 Sweeps. A pair none of whose nodes has been moved since it was resolved is skipped.
 
 Which facets are near a point is found with uniform grids (`plies.broad_phase_kernels`).
@@ -49,33 +39,21 @@ from shellfabric.plies.broad_phase_kernels import (
     ELEMENTS,
     MIRROR_X,
     MIRROR_Y,
-    NJ,
     NODES,
     ROW_STRIDE,
     TORN,
     UNRESOLVED,
     WHOLE,
     WORK,
-    ZONE_NODES,
     collect_candidates,
     grid_clear,
     grid_insert,
 )
-from shellfabric.plies.constraint_kernels import (
-    DISTANCE,
-    NORMAL,
-    WEIGHTS_WARP,
-    WEIGHTS_WEFT,
-    resolve_deep_point,
-    resolve_pair,
-)
+from shellfabric.plies.constraint_kernels import resolve_pair
 from shellfabric.plies.contact_kernels import apply_symmetry, element_of_middle, half_step_work
-from shellfabric.plies.contact_simd_kernels import IN_CONTACT
 from shellfabric.plies.graded_kernels import add_line_offset
-from shellfabric.plies.surface_kernels import SMOOTH, intact_about, spline_weights
 
 _TORN_NEIGHBOURS, _PLIES_AWAY = 3, 2  # elements about torn ones, plies whose tears count
-_DEEP_FRACTION = 0.5  # [thicknesses] from which a point could come through within a step
 _MAX_SWEEPS = 24
 
 
@@ -87,16 +65,11 @@ def enforce_constraints(states, consts, pairs, stack, stops):
         failures += stack.ply_counters[p, FAILURES]
     if failures == 0:
         return
-    taken, count, deep, half = 0.0, 0, 0, len(pairs) // 2
+    taken, count, half = 0.0, 0, len(pairs) // 2
     if failures != stops.failures[0]:
         stops.failures[0] = failures
         for p in range(len(states)):
             mark_zone(states, consts, stack, stops, p)
-    for p in range(len(states)):
-        for q in range(max(p - 1, 0), min(p + 2, len(states))):
-            if q != p:
-                pair = borrowed_item(pairs, min(p, q) + (half if q < p else 0))
-                deep = list_deep_points(borrowed_item(states, q), borrowed_item(consts, q), pair, stops, p, q, deep)
     for p in range(len(states)):
         if stops.window[p, 0] < stops.window[p, 1]:
             taken -= half_step_work(
@@ -119,7 +92,7 @@ def enforce_constraints(states, consts, pairs, stack, stops):
                 if stack.ply_counters[q, FAILURES] == 0:
                     break
                 q += way
-    project_constraints(stops, count, deep)
+    project_constraints(stops, count)
     for p in range(len(states)):
         if stops.window[p, 0] < stops.window[p, 1]:
             apply_symmetry(borrowed_item(consts, p), stops.f[p], stops.window[p])
@@ -154,60 +127,14 @@ def mark_zone(states, consts, stack, stops, p):
                 stops.elements[p, elements] = k
                 elements += 1
             near = mark[k] + (mark[k - 1] if j > 0 else 0)
-            stops.in_node_list[p, k] = near + (mark[k - s] + (mark[k - s - 1] if j > 0 else 0) if i > 0 else 0) > 0
-            if stops.in_node_list[p, k]:
+            if near + (mark[k - s] + (mark[k - s - 1] if j > 0 else 0) if i > 0 else 0) > 0:
                 stops.nodes[p, nodes] = k
                 nodes += 1
-    stops.counts[p, ELEMENTS], stops.counts[p, NODES], stops.counts[p, ZONE_NODES] = elements, nodes, nodes
+    stops.counts[p, ELEMENTS], stops.counts[p, NODES] = elements, nodes
     for m in range(elements):
         k = stops.elements[p, m]
         if spline_kernels.neighbourhood_intact(borrowed_item(states, p), const, k // s, k % s):
             mark[k] = WHOLE
-
-
-@kernel(_nrt=False)
-def list_deep_points(rear, rc, pair, stops, p, q, count):
-    """Add the points of ply p that are deep in whole cloth of ply q to the list, and the nodes about their feet to
-    those of ply q; their number."""
-    if pair.points_per_side != 1 or pair.surface_form != SMOOTH:
-        return count
-    s, nj = stops.ply_shape[p, ROW_STRIDE], stops.ply_shape[p, NJ]
-    for m in range(stops.counts[p, ELEMENTS]):
-        e = stops.elements[p, m]
-        point = e // s * nj + e % s
-        if (
-            pair.status[point] != IN_CONTACT
-            or not _DEEP_FRACTION * pair.thickness < pair.last_depth[point] < pair.thickness
-        ):
-            continue
-        a, b = pair.closest_point[0][point], pair.closest_point[1][point]
-        if not intact_about(rear, rc, a, b):
-            continue
-        if count == stops.deep_points.shape[0]:
-            stops.energy[UNRESOLVED] += 1.0
-            break
-        i, w0, w1, w2, _, _, _, w1x, _ = spline_weights(a, rc.ni, rc.mirror_x)
-        j, v0, v1, v2, _, _, _, v1y, _ = spline_weights(b, rc.nj, rc.mirror_y)
-        (
-            stops.deep_points[count, 0],
-            stops.deep_points[count, 1],
-            stops.deep_points[count, 2],
-            stops.deep_points[count, 3],
-        ) = p, e, q, i * rc.row_stride + j
-        foot = stops.deep_point_data[count]
-        for c in range(3):
-            foot[NORMAL + c] = pair.normal[c][point]
-        foot[DISTANCE] = pair.thickness - pair.last_depth[point]
-        foot[WEIGHTS_WARP], foot[WEIGHTS_WARP + 1], foot[WEIGHTS_WARP + 2], foot[WEIGHTS_WARP + 3] = w0, w1, w2, w1x
-        foot[WEIGHTS_WEFT], foot[WEIGHTS_WEFT + 1], foot[WEIGHTS_WEFT + 2], foot[WEIGHTS_WEFT + 3] = v0, v1, v2, v1y
-        count += 1
-        for n in range(9):
-            k = (i + n // 3) * rc.row_stride + j + n % 3
-            if not stops.in_node_list[q, k]:
-                stops.in_node_list[q, k] = True
-                stops.nodes[q, stops.counts[q, NODES]] = k
-                stops.counts[q, NODES] += 1
-    return count
 
 
 @kernel(_nrt=False)
@@ -278,18 +205,14 @@ def intact_quadrants(state, const, k):
 
 
 @kernel(_nrt=False)
-def project_constraints(stops, count, deep):
-    """Keep the middles of the elements in the list off the facets that they are near, and the points that are `deep`,
-    by their number, from going through."""
+def project_constraints(stops, count):
+    """Keep the middles of the elements in the list off the facets that they are near."""
     held = 0
     for turn in range(_MAX_SWEEPS):
         held, fraction = 0, 1.0 - turn / _MAX_SWEEPS
         stops.sweep[0] += 1
         for m in range(count):
             if (turn == 0 or pair_has_moved(stops, m)) and resolve_pair(stops, m, fraction):
-                held += 1
-        for m in range(deep):
-            if resolve_deep_point(stops, m, fraction):
                 held += 1
         if held == 0:
             break

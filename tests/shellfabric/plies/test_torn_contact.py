@@ -4,7 +4,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from test_ply_contact import controls, spline
 
 from fabrics import catalogue
 from shellfabric.cell.model import CellModel
@@ -146,7 +145,7 @@ def test_what_has_come_through_by_its_contact_may_go_back(ply, known):
     apart = stack.march.pack.places[1]
     stack.states[0].u[2][stack.corners] = 1.1 * apart
     stack.fly(0, (0.0, 0.0, -0.3 * apart / stack.const.dt))
-    number = PLACE[0] * stack.const.nj + PLACE[1]
+    number = 4 * PLACE[0] * stack.const.nj + PLACE[1]
     for pair, way in zip(stack.march.pairs, (1.0, -1.0)):
         pair.status[number], pair.normal[2][number] = IN_CONTACT, way
         pair.last_depth[number] = (1.1 if known else 0.9) * pair.thickness
@@ -222,55 +221,6 @@ def test_a_sliver_that_turns_over_holds_nothing(ply):
     )
     normals = [np.cross(three[1] - three[0], three[2] - three[0]) for three in (at, to)]
     assert normals[0] @ normals[1] < 0
-
-
-def deep(stack, p, number, depth, normal, closing):
-    """Let the point of ply p at an element be as deep in the other [thicknesses], and come nearer by as much."""
-    q, const = 1 - p, stack.const
-    pair = stack.march.pairs[p]
-    corners = (
-        number // const.nj * const.row_stride
-        + number % const.nj
-        + np.array([0, 1, const.row_stride, const.row_stride + 1])
-    )
-    pair.status[number], pair.last_depth[number] = IN_CONTACT, depth * pair.thickness
-    for c in range(3):
-        pair.normal[c][number] = normal[c]
-        stack.states[p].v[c][corners] = closing * pair.thickness * normal[c] / const.dt
-    foot = pair.closest_point[0][number], pair.closest_point[1][number]
-    stack.restrain()
-    moved = (stack.stops.x_next - stack.stops.x)[:, :, stack.nodes]
-    still = const._replace(x0=0.0, dx=0.0, y0=0.0, dy=0.0)
-    y = [spline(controls(stack.states[q]._replace(u=tuple(moved[q])), still, c), *foot)[0] for c in range(3)]
-    return (normal @ (moved[p][:, corners].mean(axis=1) - y)) / pair.thickness
-
-
-@pytest.mark.parametrize("symmetry", ["whole", "quarter"])
-@pytest.mark.parametrize("p", [0, 1])
-def test_beside_a_tear_a_deep_point_does_not_come_through_whole_cloth(ply, p, symmetry):
-    """What presses it on was stronger than its spring; it stops at the gap."""
-    place = (3, 5) if symmetry == "quarter" else (8, 5)
-    stack = Stack(replace(ply, symmetry=symmetry), 2, (p,), place)
-    normal = (1 - 2 * p) * np.array([0.48, -0.36, 0.8])
-    element = place[0] - 3, place[1]
-    number = element[0] * stack.const.nj + element[1]
-    stack.march.pairs[p].closest_point[0][number] -= 0.4
-    assert deep(stack, p, number, 0.8, normal, 0.5) == pytest.approx(0.2 - 0.05, rel=1e-9)
-    held, missed = stack.march.held_apart
-    assert (held, missed) == (1, 0)
-    force = stack.stops.f
-    free = (0, 1, 2) if symmetry == "whole" else (1, 2)
-    assert all(abs(force[:, c].sum()) < 1e-12 * abs(force).max() for c in free)
-    assert symmetry == "whole" or not force[:, 0, : stack.const.row_stride].any()
-
-
-@pytest.mark.parametrize(("depth", "closing", "held"), [(0.8, 0.1, 0), (0.4, 0.9, 0), (0.97, 0.0, 1), (1.1, 0.1, 0)])
-def test_what_is_not_about_to_come_through_is_left_to_its_spring(ply, depth, closing, held):
-    """And what is through to what brings it back; what is nearer than the gap is moved out slowly."""
-    stack = Stack(ply, 2, (0,))
-    found = deep(stack, 0, 3 * stack.const.nj + PLACE[1], depth, np.array([0.0, 0.0, 1.0]), closing)
-    assert stack.march.held_apart.tolist() == [held, 0]
-    assert found == pytest.approx(-0.1 * 0.05 if held else closing, rel=1e-9)
 
 
 def test_what_nothing_has_moved_is_not_looked_at_again(ply):
